@@ -1,0 +1,16 @@
+// Every kernel body, in one namespace per instruction set: a table_<set>.cpp sets SANDGLASS_SIMD to the namespace of its simd header,
+// includes this, and exports one table.
+namespace sandglass::SANDGLASS_SIMD {
+#include "kernels/colliders.inl"
+#include "kernels/contact.inl"
+#include "kernels/grid_cells.inl"
+#include "kernels/neighbour_lists.inl"
+#include "kernels/refine.inl"
+
+extern const Kernels k_table;
+const Kernels k_table = {SANDGLASS_SIMD_ISA, k_width
+#define SANDGLASS_KERNEL(name, Args, Result) , name
+#include "kernels/kernels.inc"
+#undef SANDGLASS_KERNEL
+};
+}  // namespace sandglass::SANDGLASS_SIMD

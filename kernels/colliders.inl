@@ -1,0 +1,75 @@
+// Signed distance and outward normal of a collider at k_width points. Outside is positive.
+
+struct Surface {
+  Float distance;
+  Float nx, ny, nz;
+};
+
+SANDGLASS_INLINE Float dot3(Float ax, Float ay, Float az, Float bx, Float by, Float bz) { return ax * bx + ay * by + az * bz; }
+
+// Distance to a point at offset (x, y, z); at the point itself the normal is the collider's local y axis.
+SANDGLASS_INLINE Surface ball(Float x, Float y, Float z, float radius, const float axis[3]) {
+  const Float length2 = dot3(x, y, z, x, y, z);
+  const Mask away = broadcast(1e-24f) < length2;
+  const Float length = square_root(select(away, length2, broadcast(1.0f)));
+  const Float inverse = broadcast(1.0f) / length;
+  return {keep(away, length) - broadcast(radius), select(away, x * inverse, broadcast(axis[0])), select(away, y * inverse, broadcast(axis[1])),
+          select(away, z * inverse, broadcast(axis[2]))};
+}
+
+SANDGLASS_INLINE Surface box(const ColliderFrame& c, Float x, Float y, Float z) {
+  Float inside_depth = broadcast(-3e38f);
+  Float inside_n[3] = {broadcast(0.0f), broadcast(0.0f), broadcast(0.0f)};
+  Float out[3];
+  for (int a = 0; a < 3; ++a) {
+    const float* axis = c.axes[a];
+    const Float local = dot3(x, y, z, broadcast(axis[0]), broadcast(axis[1]), broadcast(axis[2]));
+    const Float half = broadcast(c.size[a]);
+    out[a] = local - minimum(maximum(local, broadcast(-c.size[a])), half);
+    const Float depth = absolute(local) - half;  // negative inside; the face of least depth is nearest
+    const Mask nearest = inside_depth < depth;
+    const Float sign = select(local < broadcast(0.0f), broadcast(-1.0f), broadcast(1.0f));
+    inside_depth = select(nearest, depth, inside_depth);
+    for (int k = 0; k < 3; ++k) inside_n[k] = select(nearest, sign * broadcast(axis[k]), inside_n[k]);
+  }
+  const Float length2 = dot3(out[0], out[1], out[2], out[0], out[1], out[2]);
+  const Mask outside = broadcast(1e-24f) < length2;
+  const Float length = square_root(select(outside, length2, broadcast(1.0f)));
+  const Float inverse = broadcast(1.0f) / length;
+  Surface s;
+  s.distance = select(outside, length, inside_depth);
+  Float n[3];
+  for (int k = 0; k < 3; ++k) {
+    const Float world = out[0] * broadcast(c.axes[0][k]) + out[1] * broadcast(c.axes[1][k]) + out[2] * broadcast(c.axes[2][k]);
+    n[k] = select(outside, world * inverse, inside_n[k]);
+  }
+  s.nx = n[0], s.ny = n[1], s.nz = n[2];
+  return s;
+}
+
+SANDGLASS_INLINE Surface collider_surface(const ColliderFrame& c, Float px, Float py, Float pz) {
+  const Float x = px - broadcast(c.position[0]), y = py - broadcast(c.position[1]), z = pz - broadcast(c.position[2]);
+  const float* up = c.axes[1];
+  switch (c.shape) {
+    case SANDGLASS_SHAPE_HALF_SPACE:
+      return {dot3(x, y, z, broadcast(up[0]), broadcast(up[1]), broadcast(up[2])), broadcast(up[0]), broadcast(up[1]), broadcast(up[2])};
+    case SANDGLASS_SHAPE_CAPSULE: {
+      const Float along = dot3(x, y, z, broadcast(up[0]), broadcast(up[1]), broadcast(up[2]));
+      const Float t = minimum(maximum(along, broadcast(-c.size[1])), broadcast(c.size[1]));
+      return ball(x - t * broadcast(up[0]), y - t * broadcast(up[1]), z - t * broadcast(up[2]), c.size[0], c.axes[0]);
+    }
+    case SANDGLASS_SHAPE_BOX:
+      return box(c, x, y, z);
+    default:
+      return ball(x, y, z, c.size[0], up);
+  }
+}
+
+// Velocity of the collider's material at a point.
+SANDGLASS_INLINE void collider_velocity(const ColliderFrame& c, Float px, Float py, Float pz, Float v[3]) {
+  const Float x = px - broadcast(c.position[0]), y = py - broadcast(c.position[1]), z = pz - broadcast(c.position[2]);
+  const Float wx = broadcast(c.angular[0]), wy = broadcast(c.angular[1]), wz = broadcast(c.angular[2]);
+  v[0] = broadcast(c.linear[0]) + (wy * z - wz * y);
+  v[1] = broadcast(c.linear[1]) + (wz * x - wx * z);
+  v[2] = broadcast(c.linear[2]) + (wx * y - wy * x);
+}

@@ -1,0 +1,208 @@
+// One Jacobi pass: every particle gathers the corrections of its contacts from the positions before the pass (4.14-4.27), adds them
+// with a fixed factor or averaged (4.37), and is then projected out of the analytic colliders, whose mass is infinite.
+//
+// A record holds the position at the start of the sub-step and u; predicted positions are never stored, only the displacement is
+// carried (erratum of Alg. 4): relative positions are (x_j - x_i) + (displacement_j - displacement_i), exact to the last bits of the
+// small quantities. With one iteration the whole sub-step is this one pass.
+
+// n . up -> share of the correction that this particle takes: 1/(1 + exp(k c)) as a cubic (erratum 4.38).
+SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Float nz) {
+  const Float c = dot3(nx, ny, nz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
+  return broadcast(0.5f) + c * (broadcast(a->weight_linear) + broadcast(a->weight_cubic) * (c * c));
+}
+
+// Coincident particles part along a fixed direction that both sides agree on: a unit vector chosen by the pair's numbers.
+SANDGLASS_INLINE void part_coincident(uint32_t first, const uint32_t* index, Mask coincident, Float* nx, Float* ny, Float* nz) {
+  alignas(64) float ux[k_lane_group], uy[k_lane_group], uz[k_lane_group];
+  for (uint32_t l = 0; l < k_width; ++l) {
+    const uint32_t i = first + l, j = index[l * k_list_slots];
+    const float side = i < j ? 1.0f : -1.0f;
+    ux[l] = ((i + j) & 1u) != 0 ? side * 0.36f : side * -0.36f;  // 0.36^2 + 0.8^2 + 0.48^2 = 1
+    uy[l] = side * 0.8f;
+    uz[l] = ((i + j) & 2u) != 0 ? side * 0.48f : side * -0.48f;
+  }
+  *nx = select(coincident, load(ux), *nx);
+  *ny = select(coincident, load(uy), *ny);
+  *nz = select(coincident, load(uz), *nz);
+}
+
+template <bool k_solve>
+SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_t end, ContactExtent* extent) {
+  const Float zero = broadcast(0.0f), half = broadcast(0.5f), one = broadcast(1.0f), tiny = broadcast(1e-30f);
+  const Float scale = broadcast(a->scale);
+  const Float gx = broadcast(a->gravity[0]), gy = broadcast(a->gravity[1]), gz = broadcast(a->gravity[2]);
+  const Float diameter = broadcast(a->diameter), diameter2 = diameter * diameter;
+  const Float static2 = broadcast(a->static_friction * a->static_friction), kinetic = broadcast(a->kinetic_friction);
+  const Float omega = broadcast(a->relaxation);
+  const float huge = 3e38f;
+  Float speed2 = zero;
+  Float low[3], high[3], move_low[3], move_high[3];
+  for (int k = 0; k < 3; ++k) low[k] = move_low[k] = broadcast(huge), high[k] = move_high[k] = broadcast(-huge);
+  uint32_t quarantined = 0;
+
+  for (uint32_t i = begin; i < end; i += k_width) {
+    Float self[8];
+    load_records(a->in + static_cast<uint64_t>(i) * k_record_floats, self);
+    const Float w = self[3];
+    const Mask moves = zero < w;
+    // Displacement of this particle over the sub-step so far.
+    Float dx = zero, dy = zero, dz = zero;
+    if (k_solve) dx = scale * self[4] + gx * w, dy = scale * self[5] + gy * w, dz = scale * self[6] + gz * w;
+
+    Float sx = zero, sy = zero, sz = zero, contacts = zero;
+    uint32_t slots = 0;
+    for (uint32_t l = 0; l < k_width; ++l) slots = a->counts[i + l] > slots ? a->counts[i + l] : slots;
+    const uint32_t* row = a->lists + static_cast<uint64_t>(i) * k_list_slots;
+    for (uint32_t s = 0; s < slots; ++s) {
+      Float other[8];
+      load_records(a->in, row + s, k_list_slots, other);
+      Float rx = zero, ry = zero, rz = zero;  // relative displacement (4.17, erratum)
+      Float ex = other[0] - self[0], ey = other[1] - self[1], ez = other[2] - self[2];
+      if (k_solve) {
+        const Float dw = other[3] - w;
+        rx = scale * (other[4] - self[4]) + gx * dw;
+        ry = scale * (other[5] - self[5]) + gy * dw;
+        rz = scale * (other[6] - self[6]) + gz * dw;
+        ex = ex + rx, ey = ey + ry, ez = ez + rz;
+      }
+      const Float d2 = dot3(ex, ey, ez, ex, ey, ez);
+      const Mask touch = d2 < diameter2;
+      if (!any(touch)) continue;
+      const Float d = square_root(maximum(d2, tiny));  // no lane divides by zero, touching or not
+      const Float inverse = one / d;
+      Float nx = ex * inverse, ny = ey * inverse, nz = ez * inverse;
+      const Mask coincident = touch & (d2 < broadcast(1e-24f));
+      if (any(coincident)) part_coincident(i, row + s, coincident, &nx, &ny, &nz);
+      const Float overlap = d - diameter;  // negative
+      const Mask fixed = other[3] == zero;
+      const Float share = select(fixed, one, height_share(a, nx, ny, nz));
+      const Float push = overlap * share;
+      Float cx = push * nx, cy = push * ny, cz = push * nz;
+      if (k_solve) {
+        const Float along = dot3(rx, ry, rz, nx, ny, nz);
+        const Float mine = select(fixed, one, half);
+        const Float tx = mine * (rx - along * nx), ty = mine * (ry - along * ny), tz = mine * (rz - along * nz);
+        const Float t2 = dot3(tx, ty, tz, tx, ty, tz);
+        const Float normal = mine * overlap;
+        // Sticks while |t| <= mu_s |normal|; else slides with mu_k |normal| / |t|, at most 1 (4.24-4.27).
+        const Mask slides = static2 * (normal * normal) < t2;
+        Float grip = one;
+        if (any(slides & touch)) grip = select(slides, minimum((kinetic * absolute(normal)) / square_root(maximum(t2, tiny)), one), one);
+        cx = cx + grip * tx, cy = cy + grip * ty, cz = cz + grip * tz;
+      }
+      sx = sx + keep(touch, cx), sy = sy + keep(touch, cy), sz = sz + keep(touch, cz);
+      contacts = contacts + keep(touch, one);
+    }
+
+    Float factor = omega;
+    if (a->averaged != 0) factor = minimum(omega / maximum(contacts, one), one);
+    sx = factor * sx, sy = factor * sy, sz = factor * sz;
+    Float x = self[0], y = self[1], z = self[2];
+    if (k_solve) {
+      dx = dx + sx, dy = dy + sy, dz = dz + sz;
+    } else {
+      x = x + sx, y = y + sy, z = z + sz;
+    }
+
+    for (uint32_t c = 0; c < a->collider_count; ++c) {
+      const ColliderFrame& collider = a->colliders[c];
+      const Float px = x + dx, py = y + dy, pz = z + dz;
+      const Surface surface = collider_surface(collider, px, py, pz);
+      const Float depth = broadcast(a->radius) - surface.distance;
+      const Mask hit = zero < depth;
+      if (!any(hit)) continue;
+      Float cx = depth * surface.nx, cy = depth * surface.ny, cz = depth * surface.nz;
+      if (k_solve) {
+        Float v[3];
+        collider_velocity(collider, px, py, pz, v);
+        const Float step = broadcast(a->step);
+        // The collider's displacement minus the particle's, normal part removed; all of it is the particle's to make up.
+        const Float rx = step * v[0] - dx, ry = step * v[1] - dy, rz = step * v[2] - dz;
+        const Float along = dot3(rx, ry, rz, surface.nx, surface.ny, surface.nz);
+        const Float tx = rx - along * surface.nx, ty = ry - along * surface.ny, tz = rz - along * surface.nz;
+        const Float t2 = dot3(tx, ty, tz, tx, ty, tz);
+        const Mask slides = static2 * (depth * depth) < t2;
+        Float grip = one;
+        if (any(slides & hit)) grip = select(slides, minimum((kinetic * depth) / square_root(maximum(t2, tiny)), one), one);
+        cx = cx + grip * tx, cy = cy + grip * ty, cz = cz + grip * tz;
+        dx = dx + keep(hit, cx), dy = dy + keep(hit, cy), dz = dz + keep(hit, cz);
+      } else {
+        x = x + keep(hit, cx), y = y + keep(hit, cy), z = z + keep(hit, cz);
+      }
+    }
+
+    Float out[8];
+    out[3] = w;
+    out[7] = self[7];
+    if (!k_solve) {
+      // Stabilisation moves the start positions only, and by no more than the CFL limit.
+      const Float mx = x - self[0], my = y - self[1], mz = z - self[2];
+      const Float m2 = dot3(mx, my, mz, mx, my, mz);
+      const Float limit = broadcast(a->displacement_max);
+      const Mask calm = (m2 <= limit * limit) & moves;
+      out[0] = select(calm, x, self[0]), out[1] = select(calm, y, self[1]), out[2] = select(calm, z, self[2]);
+      out[4] = self[4], out[5] = self[5], out[6] = self[6];
+      store_records(a->out + static_cast<uint64_t>(i) * k_record_floats, out);
+      continue;
+    }
+
+    const Mask inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->particle_count));
+    const Mask live = inside & moves;
+    Float move2 = dot3(dx, dy, dz, dx, dy, dz);
+    const Mask sound = move2 < broadcast(1e12f);  // false for NaN and Inf: such a particle stays where it is, at rest
+    dx = keep(sound, dx), dy = keep(sound, dy), dz = keep(sound, dz);
+    move2 = keep(sound, move2);
+    if (a->last != 0) {
+      const Float limit = broadcast(a->displacement_max);
+      const Mask fast = limit * limit < move2;
+      if (any(fast)) {
+        const Float slow = select(fast, limit / square_root(maximum(move2, tiny)), one);
+        dx = dx * slow, dy = dy * slow, dz = dz * slow;
+        move2 = select(fast, limit * limit, move2);
+      }
+      const Float rate = broadcast(a->inverse_step);
+      out[0] = select(live, x + dx, self[0]), out[1] = select(live, y + dy, self[1]), out[2] = select(live, z + dz, self[2]);
+      out[4] = keep(live, dx * rate), out[5] = keep(live, dy * rate), out[6] = keep(live, dz * rate);
+      // Out of bounds, or not a number: it rests where it was, or at the origin when that was not a number either.
+      const Float bound = broadcast(k_coordinate_bound);
+      const Mask legal = (absolute(out[0]) < bound) & (absolute(out[1]) < bound) & (absolute(out[2]) < bound);
+      const Mask bad = and_not(live, sound & legal);
+      if (any(bad)) {
+        quarantined += count(bad);
+        for (int k = 0; k < 3; ++k) {
+          const Mask number = absolute(self[k]) < bound;
+          out[k] = select(bad, keep(number, self[k]), out[k]);
+          out[4 + k] = select(bad, zero, out[4 + k]);
+        }
+      }
+      speed2 = maximum(keep(live, move2 * (rate * rate)), speed2);
+      const Float position[3] = {out[0], out[1], out[2]}, move[3] = {dx, dy, dz};
+      for (int k = 0; k < 3; ++k) {
+        low[k] = select(live, minimum(position[k], low[k]), low[k]), high[k] = select(live, maximum(position[k], high[k]), high[k]);
+        move_low[k] = select(live, minimum(move[k], move_low[k]), move_low[k]);
+        move_high[k] = select(live, maximum(move[k], move_high[k]), move_high[k]);
+      }
+    } else {
+      out[0] = self[0], out[1] = self[1], out[2] = self[2];
+      out[4] = keep(live, dx), out[5] = keep(live, dy), out[6] = keep(live, dz);
+    }
+    store_records(a->out + static_cast<uint64_t>(i) * k_record_floats, out);
+  }
+
+  if (k_solve && a->last != 0) {
+    extent->speed_squared = lane_maximum(speed2);
+    for (int k = 0; k < 3; ++k) {
+      extent->low[k] = lane_minimum(low[k]), extent->high[k] = lane_maximum(high[k]);
+      extent->displacement_low[k] = lane_minimum(move_low[k]), extent->displacement_high[k] = lane_maximum(move_high[k]);
+    }
+    extent->quarantined = quarantined;
+  }
+}
+
+static void contact_stabilise(const ContactArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {
+  contact_pass<false>(args, begin, end, extent);
+}
+
+static void contact_solve(const ContactArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {
+  contact_pass<true>(args, begin, end, extent);
+}

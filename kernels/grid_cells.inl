@@ -1,0 +1,25 @@
+// Cell of each record in a wrapped grid. Coordinates are clamped before the cast: out of range, casts differ between machines.
+
+SANDGLASS_INLINE Int floor_to_int(Float a) {
+  const Float bounded = minimum(maximum(a, broadcast(-536870912.0f)), broadcast(536870912.0f));
+  const Int truncated = to_int(bounded);
+  return select(bounded < to_float(truncated), truncated + broadcast(-1), truncated);
+}
+
+static void grid_cells(const GridCellsArgs* args, uint32_t begin, uint32_t end, uint32_t* result) {
+  (void)result;
+  const Grid& grid = args->grid;
+  const Float inverse = broadcast(grid.inverse_cell);
+  const Int mask_x = broadcast(static_cast<int32_t>((1u << grid.bits[0]) - 1));
+  const Int mask_y = broadcast(static_cast<int32_t>((1u << grid.bits[1]) - 1));
+  const Int mask_z = broadcast(static_cast<int32_t>((1u << grid.bits[2]) - 1));
+  const int shift_y = static_cast<int>(grid.bits[0]), shift_z = static_cast<int>(grid.bits[0] + grid.bits[1]);
+  for (uint32_t i = begin; i < end; i += k_width) {
+    Float record[8];
+    load_records(args->records + static_cast<uint64_t>(i) * k_record_floats, record);
+    const Int x = floor_to_int(record[0] * inverse) & mask_x;
+    const Int y = floor_to_int(record[1] * inverse) & mask_y;
+    const Int z = floor_to_int(record[2] * inverse) & mask_z;
+    store(args->keys + i, x | shift_left(y, shift_y) | shift_left(z, shift_z));
+  }
+}

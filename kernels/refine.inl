@@ -1,0 +1,190 @@
+// Grains: advected by the velocity field of the particles (4.39-4.44), blended into free flight near and outside the surface, kept
+// outside the colliders. Lane = grain. Grains are sorted by cell, so k_width neighbouring lanes share almost all candidates: those
+// are found once per group, by the distance to the group's bounding box, and then broadcast to all lanes.
+//
+// A candidate outside the box's reach has weight exactly 0 in every lane: the box's distance is computed with the same operations,
+// which round monotonically, and the weight is max(0, (h^2 - d^2)/h^2)^3. So neither the lane count nor the grouping shows in a sum.
+
+constexpr uint32_t k_candidates_max = 512;
+
+struct Flow {
+  Float weight, x, y, z, largest;
+};
+
+SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index, uint32_t n, Float x, Float y, Float z, Flow* flow) {
+  const Float h2 = broadcast(a->support * a->support), inverse = broadcast(1.0f / (a->support * a->support));
+  const Float zero = broadcast(0.0f);
+  for (uint32_t c = 0; c < n; ++c) {
+    const float* p = a->snapshot + static_cast<uint64_t>(index[c]) * k_record_floats;
+    const Float dx = broadcast(p[0]) - x, dy = broadcast(p[1]) - y, dz = broadcast(p[2]) - z;
+    const Float d2 = dx * dx + dy * dy + dz * dz;
+    const Float t = maximum((h2 - d2) * inverse, zero);
+    const Float weight = t * t * t;
+    flow->weight = flow->weight + weight;
+    flow->x = flow->x + weight * broadcast(p[4]);
+    flow->y = flow->y + weight * broadcast(p[5]);
+    flow->z = flow->z + weight * broadcast(p[6]);
+    flow->largest = maximum(weight, flow->largest);
+  }
+}
+
+SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
+  const int32_t truncated = static_cast<int32_t>(scaled);
+  return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
+}
+
+// Sums over the particles near the lanes of `lanes`, whose bounding box is at most two cells wide.
+SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Float y, Float z, Flow* flow) {
+  const Float big = broadcast(3e38f), small = broadcast(-3e38f);
+  const float low[3] = {lane_minimum(select(lanes, x, big)), lane_minimum(select(lanes, y, big)), lane_minimum(select(lanes, z, big))};
+  const float high[3] = {lane_maximum(select(lanes, x, small)), lane_maximum(select(lanes, y, small)), lane_maximum(select(lanes, z, small))};
+  int32_t first[3], last[3];
+  uint32_t mask[3];
+  for (int k = 0; k < 3; ++k) {
+    // One unit of slack in the cell coordinate covers the rounding of low - h.
+    first[k] = floor_scalar((low[k] - a->support * 1.0001f) * a->grid.inverse_cell);
+    last[k] = floor_scalar((high[k] + a->support * 1.0001f) * a->grid.inverse_cell);
+    mask[k] = (1u << a->grid.bits[k]) - 1;
+  }
+  const Float h2 = broadcast(a->support * a->support), zero = broadcast(0.0f);
+  alignas(64) uint32_t index[k_candidates_max + 2 * k_lane_group];
+  uint32_t n = 0;
+  Flow sum = {zero, zero, zero, zero, zero};
+  for (int32_t cz = first[2]; cz <= last[2]; ++cz) {
+    for (int32_t cy = first[1]; cy <= last[1]; ++cy) {
+      const uint32_t row = (((static_cast<uint32_t>(cz) & mask[2]) << a->grid.bits[1]) | (static_cast<uint32_t>(cy) & mask[1])) << a->grid.bits[0];
+      int32_t cx = first[0];
+      while (cx <= last[0]) {
+        // As many cells as lie side by side in storage.
+        const uint32_t stored = static_cast<uint32_t>(cx) & mask[0];
+        const uint32_t until_wrap = mask[0] + 1 - stored;
+        const uint32_t wanted = static_cast<uint32_t>(last[0] - cx + 1);
+        const uint32_t cells = wanted < until_wrap ? wanted : until_wrap;
+        const uint32_t begin = a->grid.starts[row + stored], end = a->grid.starts[row + stored + cells];
+        for (uint32_t c = begin; c < end; c += k_width) {
+          const Float px = load(a->positions[0] + c), py = load(a->positions[1] + c), pz = load(a->positions[2] + c);
+          const Float dx = maximum(maximum(broadcast(low[0]) - px, px - broadcast(high[0])), zero);
+          const Float dy = maximum(maximum(broadcast(low[1]) - py, py - broadcast(high[1])), zero);
+          const Float dz = maximum(maximum(broadcast(low[2]) - pz, pz - broadcast(high[2])), zero);
+          const Int lane = lane_index() + broadcast(static_cast<int32_t>(c));
+          const Mask near = (dx * dx + dy * dy + dz * dz < h2) & (lane < broadcast(static_cast<int32_t>(end)));
+          n += compress_store(index + n, lane, near);
+          if (n >= k_candidates_max) {
+            accumulate_flow(a, index, n, x, y, z, &sum);
+            n = 0;
+          }
+        }
+        cx += static_cast<int32_t>(cells);
+      }
+    }
+  }
+  accumulate_flow(a, index, n, x, y, z, &sum);
+  flow->weight = select(lanes, sum.weight, flow->weight);
+  flow->x = select(lanes, sum.x, flow->x);
+  flow->y = select(lanes, sum.y, flow->y);
+  flow->z = select(lanes, sum.z, flow->z);
+  flow->largest = select(lanes, sum.largest, flow->largest);
+}
+
+// 1 at a and below, 0 at b and above, smooth between.
+SANDGLASS_INLINE Float fade(Float value, float a, float b) {
+  const Float t = minimum(maximum((broadcast(b) - value) * broadcast(1.0f / (b - a)), broadcast(0.0f)), broadcast(1.0f));
+  return t * t * (broadcast(3.0f) - broadcast(2.0f) * t);
+}
+
+// How freely a grain flies: (4.44), or the continuous rule, which crosses over about the same two thresholds without a jump.
+SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
+  const Float one = broadcast(1.0f), zero = broadcast(0.0f);
+  const Mask alone = flow.weight <= zero;
+  const Float ratio = flow.largest / select(alone, one, flow.weight);
+  Float lambda;
+  if (a->source_rule != 0) {
+    const Mask sparse = (flow.largest <= broadcast(a->weight_at_radius)) | (broadcast(0.6f) <= ratio);
+    lambda = keep(sparse, one - flow.largest);
+  } else {
+    const Float few = fade(flow.largest, a->weight_at_radius - 0.1f, a->weight_at_radius + 0.1f);
+    const Float single = one - fade(ratio, 0.5f, 0.7f);
+    lambda = (one - flow.largest) * maximum(few, single);
+  }
+  return select(alone, one, lambda);
+}
+
+SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Float position[3], Float velocity[3]) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f);
+  for (uint32_t c = 0; c < a->collider_count; ++c) {
+    const ColliderFrame& collider = a->colliders[c];
+    const Surface surface = collider_surface(collider, position[0], position[1], position[2]);
+    const Float depth = broadcast(a->grain_radius) - surface.distance;
+    const Mask hit = zero < depth;
+    if (!any(hit)) continue;
+    const Float n[3] = {surface.nx, surface.ny, surface.nz};
+    Float v[3], relative[3], along = zero;
+    collider_velocity(collider, position[0], position[1], position[2], v);
+    for (int k = 0; k < 3; ++k) {
+      position[k] = select(hit, position[k] + depth * n[k], position[k]);
+      relative[k] = velocity[k] - v[k];
+      along = along + relative[k] * n[k];
+    }
+    // The inward part of the relative velocity goes; Coulomb friction takes its share of the rest.
+    const Mask inward = hit & (along < zero);
+    Float tangential[3], t2 = zero;
+    for (int k = 0; k < 3; ++k) tangential[k] = relative[k] - along * n[k], t2 = t2 + tangential[k] * tangential[k];
+    const Float speed = square_root(t2);
+    const Float left = maximum(one - (broadcast(a->friction) * absolute(along)) / maximum(speed, broadcast(1e-12f)), zero);
+    for (int k = 0; k < 3; ++k) velocity[k] = select(inward, v[k] + left * tangential[k], velocity[k]);
+  }
+}
+
+static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound), step = broadcast(a->step);
+  const float spread = 1.0f / a->grid.inverse_cell;  // lanes further apart than this are gathered separately
+  uint32_t quarantined = 0;
+  for (uint32_t i = begin; i < end; i += k_width) {
+    float* record = a->grains + static_cast<uint64_t>(i) * k_record_floats;
+    Float grain[8];
+    load_records(record, grain);
+    Float position[3] = {grain[0], grain[1], grain[2]}, velocity[3] = {grain[4], grain[5], grain[6]};
+    const Mask inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
+    for (uint32_t s = 0; s < a->steps; ++s) {
+      Flow flow = {zero, zero, zero, zero, zero};
+      Mask left = inside & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
+      while (any(left)) {
+        alignas(64) float px[k_lane_group], py[k_lane_group], pz[k_lane_group];
+        store(px, position[0]), store(py, position[1]), store(pz, position[2]);
+        const uint32_t l = first(left);
+        const Float wide = broadcast(spread);
+        const Mask group = left & (absolute(position[0] - broadcast(px[l])) <= wide) & (absolute(position[1] - broadcast(py[l])) <= wide) &
+                           (absolute(position[2] - broadcast(pz[l])) <= wide);
+        gather_flow(a, group, position[0], position[1], position[2], &flow);
+        left = and_not(left, group);
+      }
+      const Float lambda = free_flight(a, flow);
+      const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
+      const Float average[3] = {flow.x * inverse, flow.y * inverse, flow.z * inverse};
+      for (int k = 0; k < 3; ++k) {
+        const Float fall = velocity[k] + step * broadcast(a->gravity[k]);
+        velocity[k] = (one - lambda) * average[k] + lambda * fall;
+        position[k] = position[k] + step * velocity[k];
+      }
+      keep_outside(a, position, velocity);
+    }
+    const Mask sound = (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit) &
+                       (absolute(velocity[0]) < broadcast(1e6f)) & (absolute(velocity[1]) < broadcast(1e6f)) & (absolute(velocity[2]) < broadcast(1e6f));
+    const Mask bad = and_not(inside, sound);
+    if (any(bad)) {
+      // Back to where it was, at rest; to the origin when that was not a number either.
+      quarantined += count(bad);
+      for (int k = 0; k < 3; ++k) {
+        const Mask number = absolute(grain[k]) < limit;
+        position[k] = select(bad, keep(number, grain[k]), position[k]);
+        velocity[k] = select(bad, zero, velocity[k]);
+      }
+    }
+    for (int k = 0; k < 3; ++k) {
+      grain[k] = select(inside, position[k], grain[k]);
+      grain[4 + k] = select(inside, velocity[k], grain[4 + k]);
+    }
+    store_records(record, grain);
+  }
+  extent->quarantined = quarantined;
+}

@@ -1,0 +1,117 @@
+// The contract of scalar.h for ARMv8.0 NEON: 4 lanes. fmin/fmax and the fused multiply-add are avoided on purpose: they treat NaN and
+// rounding differently from the other sets.
+#pragma once
+
+#include <arm_neon.h>
+#include <stdint.h>
+
+namespace sandglass::simd_neon {
+
+#define SANDGLASS_INLINE inline __attribute__((always_inline))
+
+constexpr uint32_t k_width = 4;
+
+struct Mask { uint32x4_t m; };
+struct Int { int32x4_t v; };
+struct Float { float32x4_t v; };
+
+SANDGLASS_INLINE Float broadcast(float a) { return {vdupq_n_f32(a)}; }
+SANDGLASS_INLINE Int broadcast(int32_t a) { return {vdupq_n_s32(a)}; }
+SANDGLASS_INLINE Float load(const float* p) { return {vld1q_f32(p)}; }
+SANDGLASS_INLINE Int load(const uint32_t* p) { return {vreinterpretq_s32_u32(vld1q_u32(p))}; }
+SANDGLASS_INLINE void store(float* p, Float a) { vst1q_f32(p, a.v); }
+SANDGLASS_INLINE void store(uint32_t* p, Int a) { vst1q_u32(p, vreinterpretq_u32_s32(a.v)); }
+SANDGLASS_INLINE Int lane_index() {
+  const int32_t lanes[4] = {0, 1, 2, 3};
+  return {vld1q_s32(lanes)};
+}
+
+SANDGLASS_INLINE Float operator+(Float a, Float b) { return {vaddq_f32(a.v, b.v)}; }
+SANDGLASS_INLINE Float operator-(Float a, Float b) { return {vsubq_f32(a.v, b.v)}; }
+SANDGLASS_INLINE Float operator*(Float a, Float b) { return {vmulq_f32(a.v, b.v)}; }
+SANDGLASS_INLINE Float operator/(Float a, Float b) { return {vdivq_f32(a.v, b.v)}; }
+SANDGLASS_INLINE Float square_root(Float a) { return {vsqrtq_f32(a.v)}; }
+SANDGLASS_INLINE Float minimum(Float a, Float b) { return {vbslq_f32(vcltq_f32(a.v, b.v), a.v, b.v)}; }
+SANDGLASS_INLINE Float maximum(Float a, Float b) { return {vbslq_f32(vcgtq_f32(a.v, b.v), a.v, b.v)}; }
+SANDGLASS_INLINE Float absolute(Float a) { return {vabsq_f32(a.v)}; }
+
+SANDGLASS_INLINE Int operator+(Int a, Int b) { return {vaddq_s32(a.v, b.v)}; }
+SANDGLASS_INLINE Int operator&(Int a, Int b) { return {vandq_s32(a.v, b.v)}; }
+SANDGLASS_INLINE Int operator|(Int a, Int b) { return {vorrq_s32(a.v, b.v)}; }
+SANDGLASS_INLINE Int shift_left(Int a, int count) { return {vshlq_s32(a.v, vdupq_n_s32(count))}; }
+SANDGLASS_INLINE Int to_int(Float a) { return {vcvtq_s32_f32(a.v)}; }
+SANDGLASS_INLINE Float to_float(Int a) { return {vcvtq_f32_s32(a.v)}; }
+
+SANDGLASS_INLINE Mask operator<(Float a, Float b) { return {vcltq_f32(a.v, b.v)}; }
+SANDGLASS_INLINE Mask operator<=(Float a, Float b) { return {vcleq_f32(a.v, b.v)}; }
+SANDGLASS_INLINE Mask operator==(Float a, Float b) { return {vceqq_f32(a.v, b.v)}; }
+SANDGLASS_INLINE Mask operator<(Int a, Int b) { return {vcltq_s32(a.v, b.v)}; }
+SANDGLASS_INLINE Mask operator==(Int a, Int b) { return {vceqq_s32(a.v, b.v)}; }
+SANDGLASS_INLINE Mask operator&(Mask a, Mask b) { return {vandq_u32(a.m, b.m)}; }
+SANDGLASS_INLINE Mask operator|(Mask a, Mask b) { return {vorrq_u32(a.m, b.m)}; }
+SANDGLASS_INLINE Mask and_not(Mask a, Mask b) { return {vbicq_u32(a.m, b.m)}; }
+SANDGLASS_INLINE bool any(Mask a) { return vmaxvq_u32(a.m) != 0; }
+SANDGLASS_INLINE bool all(Mask a) { return vminvq_u32(a.m) != 0; }
+SANDGLASS_INLINE uint32_t count(Mask a) { return vaddvq_u32(vshrq_n_u32(a.m, 31)); }
+SANDGLASS_INLINE uint32_t first(Mask a) {
+  const uint64_t halves = vget_lane_u64(vreinterpret_u64_u16(vmovn_u32(a.m)), 0);  // 16 bits a lane
+  return static_cast<uint32_t>(__builtin_ctzll(halves)) >> 4;
+}
+SANDGLASS_INLINE Float select(Mask m, Float a, Float b) { return {vbslq_f32(m.m, a.v, b.v)}; }
+SANDGLASS_INLINE Float keep(Mask m, Float a) { return {vreinterpretq_f32_u32(vandq_u32(m.m, vreinterpretq_u32_f32(a.v)))}; }
+SANDGLASS_INLINE Int select(Mask m, Int a, Int b) { return {vbslq_s32(m.m, a.v, b.v)}; }
+
+SANDGLASS_INLINE float lane_maximum(Float a) { return vmaxvq_f32(a.v); }
+SANDGLASS_INLINE float lane_minimum(Float a) { return vminvq_f32(a.v); }
+
+SANDGLASS_INLINE void transpose(float32x4_t r0, float32x4_t r1, float32x4_t r2, float32x4_t r3, float32x4_t out[4]) {
+  const float64x2_t a0 = vreinterpretq_f64_f32(vtrn1q_f32(r0, r1)), a1 = vreinterpretq_f64_f32(vtrn2q_f32(r0, r1));
+  const float64x2_t a2 = vreinterpretq_f64_f32(vtrn1q_f32(r2, r3)), a3 = vreinterpretq_f64_f32(vtrn2q_f32(r2, r3));
+  out[0] = vreinterpretq_f32_f64(vtrn1q_f64(a0, a2));
+  out[1] = vreinterpretq_f32_f64(vtrn1q_f64(a1, a3));
+  out[2] = vreinterpretq_f32_f64(vtrn2q_f64(a0, a2));
+  out[3] = vreinterpretq_f32_f64(vtrn2q_f64(a1, a3));
+}
+
+SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uint32_t stride, Float out[8]) {
+  const float* p0 = base + static_cast<uint64_t>(index[0]) * 8;
+  const float* p1 = base + static_cast<uint64_t>(index[stride]) * 8;
+  const float* p2 = base + static_cast<uint64_t>(index[2 * stride]) * 8;
+  const float* p3 = base + static_cast<uint64_t>(index[3 * stride]) * 8;
+  float32x4_t t[4];
+  transpose(vld1q_f32(p0), vld1q_f32(p1), vld1q_f32(p2), vld1q_f32(p3), t);
+  for (int c = 0; c < 4; ++c) out[c].v = t[c];
+  transpose(vld1q_f32(p0 + 4), vld1q_f32(p1 + 4), vld1q_f32(p2 + 4), vld1q_f32(p3 + 4), t);
+  for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
+}
+SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
+  float32x4_t t[4];
+  transpose(vld1q_f32(p), vld1q_f32(p + 8), vld1q_f32(p + 16), vld1q_f32(p + 24), t);
+  for (int c = 0; c < 4; ++c) out[c].v = t[c];
+  transpose(vld1q_f32(p + 4), vld1q_f32(p + 12), vld1q_f32(p + 20), vld1q_f32(p + 28), t);
+  for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
+}
+SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
+  float32x4_t t[4];
+  transpose(in[0].v, in[1].v, in[2].v, in[3].v, t);
+  for (int k = 0; k < 4; ++k) vst1q_f32(p + 8 * k, t[k]);
+  transpose(in[4].v, in[5].v, in[6].v, in[7].v, t);
+  for (int k = 0; k < 4; ++k) vst1q_f32(p + 8 * k + 4, t[k]);
+}
+
+// No compress instruction: every lane is written, the cursor moves on where the mask holds (no branches to mispredict).
+SANDGLASS_INLINE uint32_t compress_store(uint32_t* p, Int v, Mask m) {
+  const uint32x4_t lane = vreinterpretq_u32_s32(v.v);
+  uint32_t n = 0;
+  p[n] = vgetq_lane_u32(lane, 0);
+  n += vgetq_lane_u32(m.m, 0) & 1u;
+  p[n] = vgetq_lane_u32(lane, 1);
+  n += vgetq_lane_u32(m.m, 1) & 1u;
+  p[n] = vgetq_lane_u32(lane, 2);
+  n += vgetq_lane_u32(m.m, 2) & 1u;
+  p[n] = vgetq_lane_u32(lane, 3);
+  n += vgetq_lane_u32(m.m, 3) & 1u;
+  return n;
+}
+
+}  // namespace sandglass::simd_neon

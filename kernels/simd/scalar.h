@@ -1,0 +1,90 @@
+// The wide-vector type that every kernel body is written in. This header states the contract once and implements it for one lane;
+// neon.h, avx2.h and avx512.h implement the same names for 4, 8 and 16. Each lives in a namespace of its own, so that two sets can
+// never be merged by the linker.
+//
+// Contract
+//   Lane = particle (or grain, or candidate): no operation adds across lanes, so the width never changes a sum.
+//   + - * / and square_root are the IEEE operations, correctly rounded; no contraction, no reciprocal estimates.
+//   minimum(a, b) = a < b ? a : b and maximum(a, b) = a > b ? a : b: with a NaN they return b, on every set.
+//   Comparisons are ordered: false where a lane is NaN. select(m, a, b) takes a where m holds, else b, bit for bit.
+//   to_int truncates; the caller keeps the value within +-2^30 (out of range, ARM and x86 differ).
+//   A record is 8 floats, 32 bytes, 32-byte aligned. load_records gathers one record a lane and transposes: out[c] holds
+//   component c. The index of lane l is index[l * stride].
+//   compress_store appends the lanes of v where m holds, in lane order, and may write (not count) up to k_width values.
+#pragma once
+
+#include <stdint.h>
+
+namespace sandglass::simd_scalar {
+
+#define SANDGLASS_INLINE inline __attribute__((always_inline))
+
+constexpr uint32_t k_width = 1;
+
+struct Mask { bool m; };
+struct Int { int32_t v; };
+struct Float { float v; };
+
+SANDGLASS_INLINE Float broadcast(float a) { return {a}; }
+SANDGLASS_INLINE Int broadcast(int32_t a) { return {a}; }
+SANDGLASS_INLINE Float load(const float* p) { return {*p}; }
+SANDGLASS_INLINE Int load(const uint32_t* p) { return {static_cast<int32_t>(*p)}; }
+SANDGLASS_INLINE void store(float* p, Float a) { *p = a.v; }
+SANDGLASS_INLINE void store(uint32_t* p, Int a) { *p = static_cast<uint32_t>(a.v); }
+SANDGLASS_INLINE Int lane_index() { return {0}; }  // 0, 1, 2, ...
+
+SANDGLASS_INLINE Float operator+(Float a, Float b) { return {a.v + b.v}; }
+SANDGLASS_INLINE Float operator-(Float a, Float b) { return {a.v - b.v}; }
+SANDGLASS_INLINE Float operator*(Float a, Float b) { return {a.v * b.v}; }
+SANDGLASS_INLINE Float operator/(Float a, Float b) { return {a.v / b.v}; }
+SANDGLASS_INLINE Float square_root(Float a) { return {__builtin_sqrtf(a.v)}; }
+SANDGLASS_INLINE Float minimum(Float a, Float b) { return {a.v < b.v ? a.v : b.v}; }
+SANDGLASS_INLINE Float maximum(Float a, Float b) { return {a.v > b.v ? a.v : b.v}; }
+SANDGLASS_INLINE Float absolute(Float a) { return {__builtin_fabsf(a.v)}; }
+
+SANDGLASS_INLINE Int operator+(Int a, Int b) { return {a.v + b.v}; }
+SANDGLASS_INLINE Int operator&(Int a, Int b) { return {a.v & b.v}; }
+SANDGLASS_INLINE Int operator|(Int a, Int b) { return {a.v | b.v}; }
+SANDGLASS_INLINE Int shift_left(Int a, int count) { return {static_cast<int32_t>(static_cast<uint32_t>(a.v) << count)}; }
+SANDGLASS_INLINE Int to_int(Float a) { return {static_cast<int32_t>(a.v)}; }
+SANDGLASS_INLINE Float to_float(Int a) { return {static_cast<float>(a.v)}; }
+
+SANDGLASS_INLINE Mask operator<(Float a, Float b) { return {a.v < b.v}; }
+SANDGLASS_INLINE Mask operator<=(Float a, Float b) { return {a.v <= b.v}; }
+SANDGLASS_INLINE Mask operator==(Float a, Float b) { return {a.v == b.v}; }
+SANDGLASS_INLINE Mask operator<(Int a, Int b) { return {a.v < b.v}; }
+SANDGLASS_INLINE Mask operator==(Int a, Int b) { return {a.v == b.v}; }
+SANDGLASS_INLINE Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
+SANDGLASS_INLINE Mask operator|(Mask a, Mask b) { return {a.m || b.m}; }
+SANDGLASS_INLINE Mask and_not(Mask a, Mask b) { return {a.m && !b.m}; }  // a and not b
+SANDGLASS_INLINE bool any(Mask a) { return a.m; }
+SANDGLASS_INLINE bool all(Mask a) { return a.m; }
+SANDGLASS_INLINE uint32_t count(Mask a) { return a.m ? 1u : 0u; }
+SANDGLASS_INLINE uint32_t first(Mask a) { return a.m ? 0u : 1u; }  // the first lane that holds; any(a) must
+SANDGLASS_INLINE Float select(Mask m, Float a, Float b) { return {m.m ? a.v : b.v}; }
+SANDGLASS_INLINE Float keep(Mask m, Float a) { return {m.m ? a.v : 0.0f}; }  // select(m, a, 0)
+SANDGLASS_INLINE Int select(Mask m, Int a, Int b) { return {m.m ? a.v : b.v}; }
+
+// The largest and smallest lane: exact, so the width does not show. Lanes must not be NaN.
+SANDGLASS_INLINE float lane_maximum(Float a) { return a.v; }
+SANDGLASS_INLINE float lane_minimum(Float a) { return a.v; }
+
+SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uint32_t stride, Float out[8]) {
+  (void)stride;
+  const float* p = base + static_cast<uint64_t>(index[0]) * 8;
+  for (int c = 0; c < 8; ++c) out[c].v = p[c];
+}
+// k_width consecutive records.
+SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
+  for (int c = 0; c < 8; ++c) out[c].v = p[c];
+}
+SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
+  for (int c = 0; c < 8; ++c) p[c] = in[c].v;
+}
+
+SANDGLASS_INLINE uint32_t compress_store(uint32_t* p, Int v, Mask m) {
+  *p = static_cast<uint32_t>(v.v);
+  return m.m ? 1u : 0u;
+}
+
+}  // namespace sandglass::simd_scalar

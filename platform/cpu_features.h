@@ -1,0 +1,23 @@
+// What this processor and this operating system can run, asked once when a scene is created. Every flag means "may be
+// used": the instructions exist *and* the system saves the registers they need. Flags of the other architecture are
+// false.
+#pragma once
+
+namespace sandglass {
+
+struct CpuFeatures {
+  bool avx2 = false;
+  bool fma = false;
+  bool avx512f = false;
+  bool avx512bw = false;
+  bool avx512dq = false;
+  bool avx512vl = false;
+  bool avx512vnni = false;
+  bool neon = false;     // Advanced SIMD
+  bool dotprod = false;  // SDOT, UDOT
+  bool i8mm = false;     // SMMLA, UMMLA, USMMLA
+};
+
+CpuFeatures cpu_features();
+
+}  // namespace sandglass

@@ -1,0 +1,55 @@
+// The floating-point environment of a frame: round to nearest even, denormals kept. Engines and audio code often leave
+// flush-to-zero on, and the same scene would then end in other bits. The frame call saves the app's control register,
+// sets this mode and restores the register on its one way out:
+//     const FloatingPointControl saved = floating_point_enter();  ...  floating_point_restore(saved);
+// Trap enables are left as the app (or a test) set them; sticky flags come back as they were.
+//
+// A compiler does not know that arithmetic depends on this register. Keep both calls in a function that does no
+// floating-point work itself and calls the work through a function that is not inlined (a stage table does).
+#pragma once
+
+#include <stdint.h>
+
+#if defined(__x86_64__) || defined(__i386__)
+#include <xmmintrin.h>
+#endif
+
+namespace sandglass {
+
+using FloatingPointControl = uint64_t;
+
+#if defined(__x86_64__) || defined(__i386__)
+
+inline FloatingPointControl floating_point_control() { return _mm_getcsr(); }
+inline void floating_point_restore(FloatingPointControl saved) { _mm_setcsr(static_cast<uint32_t>(saved)); }
+
+// MXCSR: bits 13-14 rounding mode, 15 flush results to zero, 6 denormal inputs are zero.
+constexpr FloatingPointControl k_floating_point_inexact_modes = (3u << 13) | (1u << 15) | (1u << 6);
+
+#elif defined(__aarch64__)
+
+inline FloatingPointControl floating_point_control() {
+  uint64_t control = 0;
+  __asm__ volatile("mrs %0, fpcr" : "=r"(control)::"memory");
+  return control;
+}
+inline void floating_point_restore(FloatingPointControl saved) {
+  __asm__ volatile("msr fpcr, %0" ::"r"(saved) : "memory");
+}
+
+// FPCR: bits 22-23 rounding mode, 24 flush to zero, 19 flush half precision, 25 default NaN, and of newer cores 0 flush
+// inputs, 1 alternate handling of denormals and NaN, 2 scalar operations keep upper elements.
+constexpr FloatingPointControl k_floating_point_inexact_modes =
+    (3u << 22) | (1u << 24) | (1u << 19) | (1u << 25) | (1u << 0) | (1u << 1) | (1u << 2);
+
+#else
+#error "Sandglass knows the floating-point control register of x86 and 64-bit ARM only; add this processor's here."
+#endif
+
+inline FloatingPointControl floating_point_enter() {
+  const FloatingPointControl saved = floating_point_control();
+  floating_point_restore(saved & ~k_floating_point_inexact_modes);
+  return saved;
+}
+
+}  // namespace sandglass

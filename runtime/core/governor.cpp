@@ -1,0 +1,460 @@
+// One frame, top to bottom: choose a rung of the ladder; run what is mandatory; keep time free for the output stage;
+// admit optional units while they fit; run the output stage; remember what things cost.
+//
+// Time is a sum of differences between successive readings, one reading a unit, so that every nanosecond of the frame
+// belongs to some unit, the governor's own overhead included. A difference is believed when it is positive and below a
+// second; else the unit is charged with its prediction. Differences wrap modulo 2^64 and everything else saturates: no
+// reading can overflow anything.
+#include "runtime/core/governor.h"
+
+#include "platform/check.h"
+#include "platform/trace.h"
+
+namespace sandglass {
+namespace {
+
+constexpr uint64_t k_time_max = ~static_cast<uint64_t>(0);
+constexpr uint64_t k_picoseconds_per_nanosecond = 1000;
+constexpr uint32_t k_history = sizeof(Governor::Kind::recent) / sizeof(uint64_t);
+
+// A unit is meant to take 50 us; one that seems to take a second means a suspended machine, a debugger or a broken
+// clock, and a backward step, modulo 2^64, is longer still.
+constexpr uint64_t k_jump_ns = 1000000000;
+// An estimate is believed with a quarter on top: it covers the jitter of ±20 % that a quantile of 16 may have missed.
+constexpr uint64_t k_margin_divisor = 4;
+// With fewer observations than this there is no "usual" to measure an outlier by.
+constexpr uint32_t k_censor_from = 4;
+// A unit of unknown cost that the clock did not see counts for this part of the budget: 62 us of 4 ms.
+constexpr uint64_t k_unit_cap = 64;
+// So many units in a row without the clock moving are not a coarse clock but a frozen one.
+constexpr uint32_t k_frozen_units = 8;
+// No frame has more optional units: at 60 ns each, less than reading a clock takes, they would fill 4 ms. A clock that
+// shows room for more does not keep up with the work.
+constexpr uint32_t k_optional_units_max = 65536;
+// An estimate that no unit has checked for about a second halves: what only a better rung runs must not keep that rung
+// away.
+constexpr uint32_t k_idle_frames_per_halving = 64;
+// A rung better than the last frame's must leave this part of the budget free.
+constexpr uint64_t k_hysteresis_divisor = 8;
+// Shares are taken in units of 1/1024, to stay in integers.
+constexpr uint32_t k_share_one = 1024;
+
+uint64_t add(uint64_t a, uint64_t b) { return a > k_time_max - b ? k_time_max : a + b; }
+
+uint64_t multiply(uint64_t a, uint64_t b) { return b != 0 && a > k_time_max / b ? k_time_max : a * b; }
+
+uint64_t with_margin(uint64_t ns) { return add(ns, ns / k_margin_divisor); }
+
+// One frame in progress.
+struct Frame {
+  Governor* governor;
+  const Stage* stages;
+  sandglass_frame_report* report;
+  uint32_t open_count;  // stages before the output stage
+  uint32_t level;
+  bool timed;  // the clock decides
+  bool reads;  // the clock is read (a replay reads it to report)
+  uint64_t budget;
+  uint64_t reserve;
+
+  uint64_t reading;  // the clock's last
+  uint64_t elapsed;  // sum of believed differences
+  uint64_t assumed;  // predictions of units that were timed by nonsense
+  uint64_t unseen;   // predictions of units since the clock last moved
+  uint32_t unseen_units;
+  uint32_t optional_units;
+  uint32_t kinds_run;     // bit k: kind k
+  uint32_t kinds_denied;  // bit k: a unit of kind k was predicted not to fit
+};
+
+// ---------------------------------------------------------------------------------------------------- predictor
+
+// The largest of the recent costs after `dropped` in 16 larger ones are left out: small counts drop proportionally
+// fewer.
+uint64_t quantile(const Governor::Kind& kind, uint32_t dropped) {
+  const uint32_t leave_out = dropped * kind.count / k_history;
+  uint64_t bound = k_time_max;
+  uint32_t left_out = 0;
+  for (;;) {
+    uint64_t largest = 0;
+    uint32_t equals = 0;
+    for (uint32_t i = 0; i < kind.count; ++i) {
+      const uint64_t cost = kind.recent[i];
+      if (cost >= bound && bound != k_time_max) continue;
+      if (cost > largest) largest = cost, equals = 0;
+      equals += cost == largest;
+    }
+    left_out += equals;
+    if (left_out > leave_out) return largest;
+    bound = largest;
+  }
+}
+
+void observe(Governor* governor, const WorkUnit& unit, uint64_t ns) {
+  if (unit.kind >= k_unit_kinds) return;
+  Governor::Kind* kind = &governor->kinds[unit.kind];
+  const PredictorPolicy& policy = governor->policy;
+  uint64_t cost = ns * k_picoseconds_per_nanosecond / (unit.items == 0 ? 1 : unit.items);
+  if (cost == 0) cost = 1;
+  if (policy.censor != 0 && kind->count >= k_censor_from && cost / policy.censor >= kind->estimate) {
+    cost = multiply(kind->estimate, policy.censor);
+  }
+  // A denied kind that got its chance and was far cheaper than remembered: the memory is of another machine, or of
+  // none.
+  if (policy.probe_frames != 0 && kind->frames_denied > 0 && cost < kind->estimate / 2) kind->count = kind->cursor = 0;
+
+  const bool full = kind->count == k_history;
+  const uint64_t replaced = kind->recent[kind->cursor];
+  kind->recent[kind->cursor] = cost;
+  kind->cursor = (kind->cursor + 1) % k_history;
+  if (!full) ++kind->count;
+  // A cost that leaves and one that comes on the same side of the estimate leave it where it is: most units do.
+  const bool unmoved = (replaced < kind->estimate && cost <= kind->estimate) || replaced == cost ||
+                       (replaced > kind->estimate && cost >= kind->estimate);
+  if (!full || !unmoved) kind->estimate = quantile(*kind, policy.dropped);
+}
+
+// Predicted cost of everything that the stage would like to do, and whether some of it is of unknown cost.
+uint64_t predict_stage(const Governor* governor, const Stage& stage, uint32_t level, bool* unknown) {
+  Forecast entries[k_unit_kinds];
+  const uint32_t count = stage.forecast(stage.state, level, entries);
+  SANDGLASS_CHECK(count <= k_unit_kinds);
+  uint64_t sum = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint64_t ns = governor_predict(governor, entries[i].kind, entries[i].items);
+    if (ns == 0 && entries[i].items != 0) *unknown = true;
+    sum = add(sum, ns);
+  }
+  return sum;
+}
+
+bool has_forecast(const Stage& stage, uint32_t level) {
+  Forecast entries[k_unit_kinds];
+  const uint32_t count = stage.forecast(stage.state, level, entries);
+  SANDGLASS_CHECK(count <= k_unit_kinds);
+  for (uint32_t i = 0; i < count; ++i) {
+    if (entries[i].items != 0) return true;
+  }
+  return false;
+}
+
+uint32_t choose_level(const Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget) {
+  for (uint32_t level = 0; level + 1 < governor->level_count; ++level) {
+    bool unknown = false;  // unknown work counts for nothing: trying it is how its cost becomes known
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < stage_count; ++i) sum = add(sum, predict_stage(governor, stages[i], level, &unknown));
+    if (sum <= (level < governor->level ? budget - budget / k_hysteresis_divisor : budget)) return level;
+  }
+  return governor->level_count - 1;
+}
+
+// ---------------------------------------------------------------------------------------------------- time and units
+
+uint64_t read_difference(Frame* frame) {
+  const uint64_t reading = frame->governor->clock.now_ns(frame->governor->clock.user);
+  const uint64_t difference = reading - frame->reading;
+  frame->reading = reading;
+  if (difference < k_jump_ns) return difference;
+  frame->report->clock_fault = 1;
+  return k_time_max;
+}
+
+// Believed duration of the unit that has just run, 0 if the clock did not tell.
+uint64_t account(Frame* frame, const WorkUnit& unit) {
+  const uint64_t predicted = governor_predict(frame->governor, unit.kind, unit.items);
+  const uint64_t charge = predicted != 0 ? predicted : frame->budget / k_unit_cap + 1;
+  const uint64_t difference = read_difference(frame);
+  if (difference == k_time_max) {
+    frame->assumed = add(frame->assumed, charge);
+    return 0;
+  }
+  if (difference == 0) {
+    frame->unseen = add(frame->unseen, charge);
+    ++frame->unseen_units;
+    return 0;
+  }
+  // A coarse clock shows many units' time at once: each had an equal part of it.
+  if (frame->timed) observe(frame->governor, unit, difference / (static_cast<uint64_t>(frame->unseen_units) + 1));
+  frame->unseen = 0;
+  frame->unseen_units = 0;
+  frame->elapsed += difference;
+  return difference;
+}
+
+// Room in the plan for one more unit of a stage; one run is kept for the output stage.
+bool plan_has_room(const Frame& frame, uint32_t stage) {
+  const sandglass_plan& plan = frame.report->plan;
+  if (plan.run_count > 0) {
+    const sandglass_plan_run& last = plan.runs[plan.run_count - 1];
+    if (last.stage == stage && last.units != ~0u) return true;
+  }
+  return plan.run_count < SANDGLASS_PLAN_RUNS - (stage < frame.open_count ? 1u : 0u);
+}
+
+void plan_append(sandglass_plan* plan, uint32_t stage) {
+  if (plan->run_count > 0) {
+    sandglass_plan_run* last = &plan->runs[plan->run_count - 1];
+    if (last->stage == stage && last->units != ~0u) {
+      ++last->units;
+      return;
+    }
+  }
+  plan->runs[plan->run_count++] = {stage, 1};
+}
+
+// Runs the unit that the stage offers, records it in the plan and returns its believed duration.
+uint64_t run_unit(Frame* frame, uint32_t index, const WorkUnit& unit) {
+  const Stage& stage = frame->stages[index];
+  sandglass_frame_report* report = frame->report;
+  trace_begin(frame->governor->trace, unit.name);
+  stage.run(stage.state, frame->level);
+  trace_end(frame->governor->trace, unit.name);
+  plan_append(&report->plan, index);
+  ++report->stages[index].units;
+  if (!frame->reads) return 0;
+
+  const uint64_t duration = account(frame, unit);
+  report->stages[index].elapsed_ns += duration;
+  if (duration > report->longest_unit_ns) report->longest_unit_ns = duration;
+  if (frame->timed && unit.kind < k_unit_kinds) {
+    frame->kinds_run |= 1u << unit.kind;
+    frame->governor->kinds[unit.kind].frames_denied = 0;
+    frame->governor->kinds[unit.kind].frames_idle = 0;
+  }
+  return duration;
+}
+
+bool offers(const Frame& frame, uint32_t index, WorkUnit* unit) {
+  const Stage& stage = frame.stages[index];
+  return stage.next(stage.state, frame.level, unit);
+}
+
+// ---------------------------------------------------------------------------------------------------- admission
+
+// Whether `cost` still fits, by the clock and by what was charged where the clock said nothing.
+bool fits(Frame* frame, uint64_t cost) {
+  const uint64_t told = add(frame->elapsed, frame->assumed);
+  const uint64_t needed = add(cost, frame->reserve);
+  if (add(add(told, frame->unseen), needed) <= frame->budget) return true;
+  // Would the clock alone have said yes? Then it stands still, unless it is merely coarse.
+  const bool clock_agrees = add(told, needed) > frame->budget;
+  if (!clock_agrees && (told == 0 || frame->unseen_units >= k_frozen_units)) frame->report->clock_fault = 1;
+  return false;
+}
+
+bool admitted(Frame* frame, const WorkUnit& unit) {
+  if (!frame->timed) return true;
+  if (frame->optional_units >= k_optional_units_max) {
+    frame->report->clock_fault = 1;
+    return false;
+  }
+  if (!fits(frame, 1)) return false;  // no time at all: says nothing about the kind
+  const uint64_t predicted = governor_predict(frame->governor, unit.kind, unit.items);
+  if (predicted == 0) return true;
+
+  const PredictorPolicy& policy = frame->governor->policy;
+  const Governor::Kind& kind = frame->governor->kinds[unit.kind];
+  uint64_t cost = with_margin(predicted);
+  if (policy.capped && cost > frame->budget / 2) cost = frame->budget / 2;
+  if (policy.probe_frames != 0) {
+    if (kind.frames_denied + 1 >= policy.probe_frames) return true;
+    cost -= cost / policy.probe_frames * kind.frames_denied;
+  }
+  if (fits(frame, cost)) return true;
+  frame->kinds_denied |= 1u << unit.kind;
+  return false;
+}
+
+// Mandatory units of all stages but the output stage, over and over, since one stage's units may unblock another's.
+void run_mandatory(Frame* frame, uint64_t* last_unit) {
+  bool ran = true;
+  while (ran) {
+    ran = false;
+    for (uint32_t i = 0; i < frame->open_count; ++i) {
+      WorkUnit unit;
+      while (frame->report->stages[i].units < frame->stages[i].mandatory_units && plan_has_room(*frame, i) &&
+             offers(*frame, i, &unit)) {
+        *last_unit = run_unit(frame, i, unit);
+        ran = true;
+      }
+    }
+  }
+}
+
+// Whether a later optional stage has a claim on time. Once a whole pass ran nothing, one that is blocked has none: the
+// units that would unblock it must be allowed to run.
+bool later_stage_has_work(const Frame& frame, uint32_t index, const bool* denied, bool blocked_counts) {
+  for (uint32_t i = index + 1; i < frame.open_count; ++i) {
+    if (denied[i]) continue;
+    WorkUnit unit;
+    if (offers(frame, i, &unit)) return true;
+    if (blocked_counts && has_forecast(frame.stages[i], frame.level)) return true;
+  }
+  return false;
+}
+
+// Optional units, in passes over the stages until one runs nothing. Returns whether any ran.
+bool run_optional(Frame* frame, uint64_t* last_unit) {
+  uint64_t allowance[SANDGLASS_STAGE_COUNT] = {};
+  uint64_t used[SANDGLASS_STAGE_COUNT] = {};
+  bool denied[SANDGLASS_STAGE_COUNT] = {};
+  const uint64_t taken = add(add(frame->elapsed, frame->assumed), add(frame->unseen, frame->reserve));
+  const uint64_t left = frame->budget > taken ? frame->budget - taken : 0;
+  for (uint32_t i = 0; i < frame->open_count; ++i) {
+    const float share = frame->stages[i].share;
+    const uint64_t parts = share > 0.0f ? (share < 1.0f ? static_cast<uint64_t>(share * k_share_one) : k_share_one) : 0;
+    allowance[i] = left / k_share_one * parts + left % k_share_one * parts / k_share_one;
+  }
+
+  bool blocked_counts = true;
+  for (;;) {
+    bool ran = false;
+    for (uint32_t i = 0; i < frame->open_count; ++i) {
+      WorkUnit unit;
+      denied[i] = false;
+      while (offers(*frame, i, &unit) && plan_has_room(*frame, i)) {
+        const bool over_share = frame->timed && frame->stages[i].share < 1.0f && used[i] >= allowance[i];
+        if (over_share && later_stage_has_work(*frame, i, denied, blocked_counts)) break;
+        if (!admitted(frame, unit)) {
+          denied[i] = true;
+          break;
+        }
+        const uint64_t before = add(add(frame->elapsed, frame->assumed), frame->unseen);
+        *last_unit = run_unit(frame, i, unit);
+        const uint64_t after = add(add(frame->elapsed, frame->assumed), frame->unseen);
+        used[i] = add(used[i], after > before ? after - before : 0);
+        ++frame->optional_units;
+        ran = true;
+      }
+    }
+    if (!ran && !blocked_counts) break;
+    if (!ran) blocked_counts = false;
+  }
+  return frame->optional_units > 0;
+}
+
+// Executes a recorded plan. Each unit is asked for before it is run.
+bool run_plan(Frame* frame, const sandglass_plan& plan, uint32_t stage_count, uint64_t* last_unit) {
+  for (uint32_t r = 0; r < plan.run_count; ++r) {
+    const uint32_t stage = plan.runs[r].stage;
+    if (stage >= stage_count) return false;
+    for (uint32_t i = 0; i < plan.runs[r].units; ++i) {
+      WorkUnit unit;
+      if (!offers(*frame, stage, &unit) || !plan_has_room(*frame, stage)) return false;
+      *last_unit = run_unit(frame, stage, unit);
+    }
+  }
+  return true;
+}
+
+void remember_denials(Governor* governor, const Frame& frame) {
+  for (uint32_t k = 0; k < k_unit_kinds; ++k) {
+    const uint32_t bit = 1u << k;
+    Governor::Kind* kind = &governor->kinds[k];
+    if ((frame.kinds_run & bit) != 0) continue;
+    if (kind->frames_idle != ~0u) ++kind->frames_idle;
+    if ((frame.kinds_denied & bit) != 0) ++kind->frames_denied;
+  }
+}
+
+void clear_report(sandglass_frame_report* report, uint64_t budget) {
+  report->budget_ns = budget;
+  report->elapsed_ns = report->mandatory_ns = report->last_unit_ns = report->longest_unit_ns = 0;
+  report->clock_fault = 0;
+  for (sandglass_stage_report& stage : report->stages) stage = {};
+  report->plan = {};
+  report->plan.struct_size = sizeof(sandglass_plan);
+}
+
+}  // namespace
+
+void governor_init(Governor* governor, sandglass_clock clock, sandglass_trace trace, uint32_t level_count) {
+  SANDGLASS_CHECK(level_count >= 1);
+  *governor = {};
+  governor->clock = clock;
+  governor->trace = trace;
+  governor->level_count = level_count;
+  governor->policy = k_predictor_policy;
+}
+
+uint64_t governor_predict(const Governor* governor, uint32_t kind, uint64_t items) {
+  if (kind >= k_unit_kinds) return 0;
+  const Governor::Kind& known = governor->kinds[kind];
+  const uint32_t halvings = known.frames_idle / k_idle_frames_per_halving;
+  const uint64_t cost = halvings < 64 ? known.estimate >> halvings : 0;
+  if (cost == 0 || items == 0) return 0;
+  const uint64_t ns = add(multiply(cost / k_picoseconds_per_nanosecond, items),
+                          multiply(cost % k_picoseconds_per_nanosecond, items) / k_picoseconds_per_nanosecond);
+  return ns != 0 ? ns : 1;
+}
+
+bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget_ns,
+                    const sandglass_plan* replay, sandglass_frame_report* report) {
+  SANDGLASS_CHECK(report != nullptr && stage_count <= SANDGLASS_STAGE_COUNT);
+  const uint32_t last = stage_count == 0 ? 0 : stage_count - 1;
+  for (uint32_t i = 0; i < last; ++i) SANDGLASS_CHECK(stages[i].mandatory_units != k_all_units);
+  const bool has_output = stage_count > 0 && stages[last].mandatory_units == k_all_units;
+
+  clear_report(report, budget_ns);
+  governor->closing_excess_ns = 0;
+  Frame frame = {};
+  frame.governor = governor;
+  frame.stages = stages;
+  frame.report = report;
+  frame.open_count = has_output ? last : stage_count;
+  frame.budget = budget_ns;
+  frame.reads = governor->clock.now_ns != nullptr;
+  frame.timed = frame.reads && replay == nullptr;
+  if (frame.reads) frame.reading = governor->clock.now_ns(governor->clock.user);
+
+  if (replay != nullptr) {
+    if (replay->run_count > SANDGLASS_PLAN_RUNS || replay->level >= governor->level_count) return false;
+    frame.level = replay->level;
+  } else {
+    frame.level = frame.timed ? choose_level(governor, stages, stage_count, budget_ns) : 0;
+  }
+  report->level = report->plan.level = governor->level = frame.level;
+  if (frame.reads) {  // the choice itself took time: mandatory
+    const uint64_t difference = read_difference(&frame);
+    if (difference != k_time_max) frame.elapsed = difference;
+  }
+
+  bool complete = true;
+  uint64_t last_mandatory = 0;
+  uint64_t last_optional = 0;
+  uint64_t optional_ns = 0;
+  if (replay != nullptr) {
+    complete = run_plan(&frame, *replay, stage_count, &last_mandatory);
+  } else {
+    run_mandatory(&frame, &last_mandatory);
+    if (has_output && frame.timed) {
+      bool unknown = false;
+      frame.reserve = with_margin(predict_stage(governor, stages[last], frame.level, &unknown));
+      if (unknown && frame.reserve < budget_ns / 2) frame.reserve = budget_ns / 2;
+    }
+    const uint64_t optional_from = frame.elapsed;
+    const bool any = run_optional(&frame, &last_optional);
+    optional_ns = frame.elapsed - optional_from;
+
+    const uint64_t output_from = frame.elapsed;
+    WorkUnit unit;
+    while (has_output && offers(frame, last, &unit) && plan_has_room(frame, last)) {
+      last_mandatory = run_unit(&frame, last, unit);
+    }
+    const uint64_t output_ns = frame.elapsed - output_from;
+    if (any && output_ns > frame.reserve && frame.timed) governor->closing_excess_ns = output_ns - frame.reserve;
+    if (any) last_mandatory = last_optional;
+    if (frame.timed) remember_denials(governor, frame);
+  }
+
+  for (uint32_t i = 0; i < frame.open_count; ++i) {
+    WorkUnit unit;
+    report->stages[i].denied = offers(frame, i, &unit) ? 1 : 0;
+  }
+  report->elapsed_ns = frame.elapsed;
+  report->mandatory_ns = frame.elapsed - optional_ns;
+  report->last_unit_ns = add(last_mandatory, governor->closing_excess_ns);
+  return complete;
+}
+
+}  // namespace sandglass

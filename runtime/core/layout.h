@@ -1,0 +1,32 @@
+// One walk over the description lays out the scene: run with a null base it counts bytes, run with the block it hands out the
+// same regions. Size and creation therefore cannot drift apart. Regions are named, aligned to a cache line and reported.
+#pragma once
+
+#include <cstdint>
+
+#include "sandglass/sandglass.h"
+
+namespace sandglass {
+
+constexpr uint32_t k_region_capacity = 48;
+
+struct Layout {
+  uint8_t* base = nullptr;  // null: only count
+  uint64_t size = 0;
+  sandglass_region regions[k_region_capacity] = {};
+  uint32_t region_count = 0;
+};
+
+// `count` items of T, aligned to SANDGLASS_BLOCK_ALIGNMENT; null while counting. The region's bytes are rounded up to that alignment,
+// so a kernel may touch whole vectors at its end.
+template <class T>
+T* layout_region(Layout* layout, const char* name, uint64_t count) {
+  const uint64_t bytes = (count * sizeof(T) + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT;
+  const uint64_t offset = layout->size;
+  layout->size += bytes;
+  if (bytes == 0) return nullptr;
+  if (layout->region_count < k_region_capacity) layout->regions[layout->region_count++] = {name, offset, bytes};
+  return layout->base == nullptr ? nullptr : reinterpret_cast<T*>(layout->base + offset);
+}
+
+}  // namespace sandglass

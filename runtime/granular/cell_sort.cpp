@@ -1,0 +1,94 @@
+#include "runtime/granular/cell_sort.h"
+
+namespace sandglass {
+
+namespace {
+
+// Clearing and summing a cell costs a tenth of moving a record.
+constexpr uint32_t k_cells_per_item = 8;
+
+uint32_t unit_size(const CellSort& sort, uint32_t unit) {
+  return sort.phase == k_sort_clear || sort.phase == k_sort_prefix ? unit * k_cells_per_item : unit;
+}
+
+uint32_t phase_end(const CellSort& sort, uint32_t record_count) {
+  if (sort.phase == k_sort_clear) return sort.cells + 2;
+  if (sort.phase == k_sort_prefix) return sort.cells;
+  return record_count;
+}
+
+}  // namespace
+
+void cell_sort_begin(CellSort* sort, float cell, const float low[3], const float high[3], uint32_t bits_min) {
+  const float inverse = 1.0f / cell;
+  uint32_t bits[3];
+  for (int k = 0; k < 3; ++k) {
+    const float extent = (high[k] - low[k]) * inverse + 2.0f;
+    const uint32_t cells = extent > 1.0f && extent < 1048576.0f ? static_cast<uint32_t>(extent) : 1048576u;
+    bits[k] = bits_min;
+    while ((1u << bits[k]) < cells) ++bits[k];
+  }
+  while ((1ull << (bits[0] + bits[1] + bits[2])) > sort->cells_max) {
+    const int longest = bits[0] >= bits[1] && bits[0] >= bits[2] ? 0 : bits[1] >= bits[2] ? 1 : 2;
+    if (bits[longest] == bits_min) break;
+    --bits[longest];
+  }
+  sort->grid.inverse_cell = inverse;
+  for (int k = 0; k < 3; ++k) sort->grid.bits[k] = bits[k];
+  sort->grid.starts = sort->starts;
+  sort->cells = 1u << (bits[0] + bits[1] + bits[2]);
+  sort->phase = k_sort_clear;
+  sort->cursor = 0;
+  sort->sum = 0;
+}
+
+uint32_t cell_sort_items(const CellSort& sort, uint32_t record_count, uint32_t unit) {
+  const uint32_t left = phase_end(sort, record_count) - sort.cursor, size = unit_size(sort, unit);
+  const uint32_t items = left < size ? left : size;
+  return sort.phase == k_sort_clear || sort.phase == k_sort_prefix ? (items + k_cells_per_item - 1) / k_cells_per_item : items;
+}
+
+void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records, uint32_t record_count, uint32_t unit, const SortTarget& target) {
+  const uint32_t end = phase_end(*sort, record_count), size = unit_size(*sort, unit);
+  const uint32_t first = sort->cursor, last = end - first < size ? end : first + size;
+  uint32_t* starts = sort->starts;
+  switch (sort->phase) {
+    case k_sort_clear:
+      for (uint32_t c = first; c < last; ++c) starts[c] = 0;
+      break;
+    case k_sort_count: {
+      const GridCellsArgs args = {sort->grid, records, sort->keys};
+      uint32_t unused = 0;
+      kernels.grid_cells(&args, first, last, &unused);
+      // Counted two places on: the sums then stand one place on, and scattering moves them into place.
+      for (uint32_t i = first; i < last; ++i) ++starts[sort->keys[i] + 2];
+      break;
+    }
+    case k_sort_prefix: {
+      uint32_t sum = sort->sum;
+      for (uint32_t c = first; c < last; ++c) {
+        sum += starts[c + 1];
+        starts[c + 1] = sum;
+      }
+      sort->sum = sum;
+      break;
+    }
+    default:
+      for (uint32_t i = first; i < last; ++i) {
+        const uint32_t to = starts[sort->keys[i] + 1]++;
+        const float* from = records + static_cast<uint64_t>(i) * k_record_floats;
+        __builtin_memcpy(target.records + static_cast<uint64_t>(to) * k_record_floats, from, k_record_floats * sizeof(float));
+        if (target.positions[0] != nullptr) {
+          for (int k = 0; k < 3; ++k) target.positions[k][to] = from[k];
+        }
+      }
+      break;
+  }
+  sort->cursor = last;
+  if (last == end) {
+    sort->cursor = 0;
+    ++sort->phase;
+  }
+}
+
+}  // namespace sandglass

@@ -1,0 +1,37 @@
+// A counting sort of records by grid cell, cut into work units: clear, count, sum, scatter. Stable, so the order never depends on
+// how it was cut. Between units the source records are untouched; the result is complete after the last.
+#pragma once
+
+#include "kernels/kernels.h"
+
+namespace sandglass {
+
+struct CellSort {
+  Grid grid;            // grid.starts == starts
+  uint32_t* starts;     // cells + 2
+  uint32_t* keys;       // one a record
+  uint32_t cells;
+  uint32_t cells_max;   // a power of two
+  uint32_t phase;       // k_sort_clear ... k_sort_done
+  uint32_t cursor;
+  uint32_t sum;
+};
+
+enum : uint32_t { k_sort_clear, k_sort_count, k_sort_prefix, k_sort_scatter, k_sort_done };
+
+// The sorted copy: records, and optionally positions as one array an axis.
+struct SortTarget {
+  float* records;
+  float* positions[3];  // null: not wanted
+};
+
+// Chooses the grid: cells of edge `cell`, as many per axis as the bounds need and cells_max and `bits_min` allow; then starts the sort.
+void cell_sort_begin(CellSort* sort, float cell, const float low[3], const float high[3], uint32_t bits_min);
+
+// Items of the next unit, at most `unit`.
+uint32_t cell_sort_items(const CellSort& sort, uint32_t record_count, uint32_t unit);
+
+// Runs the next unit.
+void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records, uint32_t record_count, uint32_t unit, const SortTarget& target);
+
+}  // namespace sandglass

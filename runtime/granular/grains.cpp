@@ -1,0 +1,210 @@
+// The grains' stages. A sweep moves every grain once: a snapshot of the particles is sorted by cells of the support radius, the grains
+// are re-sorted every few sweeps, then refined unit by unit. A sweep may take several frames; the snapshot is its own copy, so the
+// particles may go on meanwhile. Output then writes all grains to the app's buffer, whatever the budget.
+#include "runtime/granular/granular.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr double k_time_resolution = 1e-9;
+constexpr float k_support_radii = 3.0f;        // h = 3r
+constexpr float k_grain_cell_radii = 1.5f;     // half a support: neighbours in storage are neighbours in space
+constexpr uint32_t k_sweeps_per_sort = 4;      // grains move a fraction of a cell between sorts
+constexpr uint32_t k_sweep_steps_max = 4;
+
+bool sweep_wanted(const Granular& g, uint32_t level) {
+  if (g.grain_count == 0 || g.particle_count == 0 || g.unswept < k_time_resolution) return false;
+  return level != k_level_full || g.interval_left == 0;
+}
+
+bool next(const void* state, uint32_t level, WorkUnit* unit) {
+  const Granular& g = *static_cast<const Granular*>(state);
+  const uint32_t left = g.grain_count - g.grain_cursor;
+  unit->items = left < g.unit ? left : g.unit;
+  switch (g.grain_phase) {
+    case GrainPhase::idle:
+      if (!sweep_wanted(g, level)) return false;
+      unit->kind = k_unit_snapshot;
+      unit->name = "refine.snapshot";
+      unit->items = g.particle_count < g.unit ? g.particle_count : g.unit;
+      return true;
+    case GrainPhase::snapshot:
+      unit->kind = k_unit_snapshot;
+      unit->name = "refine.snapshot";
+      unit->items = cell_sort_items(g.snapshot_sort, g.particle_count, g.unit);
+      return true;
+    case GrainPhase::sort:
+      unit->kind = k_unit_grain_sort;
+      unit->name = "refine.sort";
+      unit->items = cell_sort_items(g.grain_sort, g.grain_count, g.unit);
+      return true;
+    default:
+      unit->kind = k_unit_refine;
+      unit->name = "refine.grains";
+      return true;
+  }
+}
+
+void begin_sweep(Granular* g) {
+  const double most = static_cast<double>(g->desc.refine_step);
+  const double count = g->unswept / most;
+  const uint32_t whole = static_cast<uint32_t>(count);
+  uint32_t steps = count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
+  if (steps > k_sweep_steps_max) steps = k_sweep_steps_max;
+  g->sweep_time = g->unswept;
+  g->sweep_steps = steps;
+  g->sweep_step = static_cast<float>(g->unswept / steps);
+  cell_sort_begin(&g->snapshot_sort, k_support_radii * g->desc.particle_radius, g->low, g->high, 3);
+  const double after = g->owed;
+  colliders_pose(g->colliders, g->collider_count, static_cast<float>(after), g->sweep_colliders);
+  g->grain_phase = GrainPhase::snapshot;
+}
+
+void begin_grains(Granular* g) {
+  g->grain_cursor = 0;
+  if (g->sweeps_since_sort < k_sweeps_per_sort) {
+    ++g->sweeps_since_sort;
+    g->grain_phase = GrainPhase::refine;
+    return;
+  }
+  g->sweeps_since_sort = 1;
+  cell_sort_begin(&g->grain_sort, k_grain_cell_radii * g->desc.particle_radius, g->low, g->high, 2);
+  g->grain_phase = GrainPhase::sort;
+}
+
+struct RefineTask {
+  const Kernels* kernels;
+  RefineArgs args;
+  RefineExtent extents[8];
+  void run(uint32_t piece, uint32_t begin, uint32_t end) { kernels->refine_grains(&args, begin, end, &extents[piece]); }
+};
+
+void run_refine(Granular* g) {
+  RefineTask task = {};
+  task.kernels = g->kernels;
+  RefineArgs& a = task.args;
+  a.grid = g->snapshot_sort.grid;
+  a.snapshot = g->snapshot;
+  for (int k = 0; k < 3; ++k) a.positions[k] = g->snapshot_positions[k], a.gravity[k] = g->gravity[k];
+  a.grains = g->grains[0];
+  a.grain_count = g->grain_count;
+  a.support = k_support_radii * g->desc.particle_radius;
+  a.step = g->sweep_step;
+  a.steps = g->sweep_steps;
+  a.source_rule = g->desc.blend == SANDGLASS_BLEND_SOURCE ? 1 : 0;
+  a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
+  a.colliders = g->sweep_colliders;
+  a.collider_count = g->collider_count;
+  a.grain_radius = g->desc.grain_radius;
+  a.friction = g->desc.kinetic_friction;
+  const uint32_t end = g->grain_count - g->grain_cursor < g->unit ? g->grain_count : g->grain_cursor + g->unit;
+  granular_split(*g, g->grain_cursor, end, &task);
+  for (const RefineExtent& e : task.extents) g->quarantined += e.quarantined;
+  g->grain_cursor = end;
+  if (end < g->grain_count) return;
+  g->grain_phase = GrainPhase::idle;
+  g->unswept -= g->sweep_time;
+  if (g->unswept < k_time_resolution) g->unswept = 0.0;
+}
+
+void run(void* state, uint32_t level) {
+  (void)level;
+  Granular* g = static_cast<Granular*>(state);
+  if (g->grain_phase == GrainPhase::idle) begin_sweep(g);
+  switch (g->grain_phase) {
+    case GrainPhase::snapshot: {
+      const SortTarget target = {g->snapshot, {g->snapshot_positions[0], g->snapshot_positions[1], g->snapshot_positions[2]}};
+      cell_sort_run(&g->snapshot_sort, *g->kernels, g->records[0], g->particle_count, g->unit, target);
+      if (g->snapshot_sort.phase == k_sort_done) begin_grains(g);
+      break;
+    }
+    case GrainPhase::sort: {
+      const SortTarget target = {g->grains[1], {nullptr, nullptr, nullptr}};
+      cell_sort_run(&g->grain_sort, *g->kernels, g->grains[0], g->grain_count, g->unit, target);
+      if (g->grain_sort.phase == k_sort_done) {
+        float* sorted = g->grains[1];
+        g->grains[1] = g->grains[0];
+        g->grains[0] = sorted;
+        g->grain_phase = GrainPhase::refine;
+      }
+      break;
+    }
+    default: run_refine(g); break;
+  }
+}
+
+uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
+  const Granular& g = *static_cast<const Granular*>(state);
+  if (g.grain_count == 0) return 0;
+  uint64_t sweeps = 0;
+  if (g.owed >= k_time_resolution || g.unswept >= k_time_resolution) {
+    sweeps = level == k_level_full ? static_cast<uint64_t>((g.owed + g.unswept) / static_cast<double>(g.desc.refine_step)) + 1 : 1;
+  }
+  if (sweeps == 0) return 0;
+  entries[0] = {k_unit_snapshot, sweeps * 2 * g.particle_count};
+  entries[1] = {k_unit_grain_sort, sweeps * 2 * g.grain_count / k_sweeps_per_sort};
+  entries[2] = {k_unit_refine, sweeps * g.grain_count};
+  return 3;
+}
+
+// ---- output
+
+uint32_t output_count(const Granular& g) {
+  if (g.input == nullptr || g.input->grains == nullptr) return 0;
+  return g.grain_count < g.input->grain_capacity ? g.grain_count : g.input->grain_capacity;
+}
+
+bool next_output(const void* state, uint32_t level, WorkUnit* unit) {
+  const Granular& g = *static_cast<const Granular*>(state);
+  (void)level;
+  if (output_count(g) == 0 || g.output_cursor >= g.grain_count) return false;
+  const uint32_t left = g.grain_count - g.output_cursor;
+  unit->kind = k_unit_output;
+  unit->name = "output.grains";
+  unit->items = left < g.unit ? left : g.unit;
+  return true;
+}
+
+struct OutputTask {
+  const float* records;
+  uint8_t* out;
+  uint64_t stride;
+  uint32_t capacity;
+  void run(uint32_t piece, uint32_t begin, uint32_t end) {
+    (void)piece;
+    for (uint32_t i = begin; i < end; ++i) {
+      const float* r = records + static_cast<uint64_t>(i) * k_record_floats;
+      uint32_t id;
+      __builtin_memcpy(&id, r + 3, sizeof id);
+      if (id >= capacity) continue;
+      const sandglass_grain grain = {{r[0], r[1], r[2]}, __builtin_sqrtf(r[4] * r[4] + r[5] * r[5] + r[6] * r[6])};
+      __builtin_memcpy(out + id * stride, &grain, sizeof grain);
+    }
+  }
+};
+
+void run_output(void* state, uint32_t level) {
+  (void)level;
+  Granular* g = static_cast<Granular*>(state);
+  OutputTask task = {g->grains[0], static_cast<uint8_t*>(g->input->grains), g->input->grain_stride, output_count(*g)};
+  const uint32_t end = g->grain_count - g->output_cursor < g->unit ? g->grain_count : g->output_cursor + g->unit;
+  granular_split(*g, g->output_cursor, end, &task);
+  g->output_cursor = end;
+}
+
+uint32_t forecast_output(const void* state, uint32_t level, Forecast* entries) {
+  const Granular& g = *static_cast<const Granular*>(state);
+  (void)level;
+  if (output_count(g) == 0) return 0;
+  entries[0] = {k_unit_output, g.grain_count};
+  return 1;
+}
+
+}  // namespace
+
+Stage granular_grain_stage(Granular* granular) { return {granular, next, run, forecast, 0, 1.0f}; }
+
+Stage granular_output_stage(Granular* granular) { return {granular, next_output, run_output, forecast_output, ~0u, 1.0f}; }
+
+}  // namespace sandglass

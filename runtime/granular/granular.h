@@ -1,0 +1,159 @@
+// Granular material: the state of a scene's sand and its three stages.
+//
+//   particles (particles.cpp)  physics: lists -> stabilise -> solve, a sub-step at a time       (low resolution, Alg. 4)
+//   grains    (grains.cpp)     what is drawn: snapshot of the particles -> sort -> refine      (high resolution, 4.39-4.44)
+//   output    (grains.cpp)     grains into the app's buffer; mandatory, last
+//
+// Every stage is a resumable sequence of work units. Particles are double-buffered: `records[0]` is always the last completed
+// sub-step, so a frame may end between any two units and the scene is valid. Particles and grains are kept sorted by cell; their
+// numbers (the order in which the app added them) travel with them.
+#pragma once
+
+#include "kernels/kernels.h"
+#include "runtime/core/governor.h"
+#include "runtime/core/layout.h"
+#include "runtime/granular/cell_sort.h"
+#include "runtime/granular/colliders.h"
+
+namespace sandglass {
+
+// Kinds of work unit, for the governor's predictor.
+enum : uint32_t {
+  k_unit_particle_sort,
+  k_unit_lists,
+  k_unit_stabilise,
+  k_unit_solve,
+  k_unit_snapshot,
+  k_unit_grain_sort,
+  k_unit_refine,
+  k_unit_output
+};
+
+// Rungs of the quality ladder.
+enum : uint32_t { k_level_full, k_level_refine_once, k_level_slow_motion, k_level_count };
+
+enum class ParticlePhase : uint32_t { idle, sort, lists, stabilise, solve };
+enum class GrainPhase : uint32_t { idle, snapshot, sort, refine };
+
+struct Granular {
+  sandglass_granular_desc desc;
+  float gravity[3];
+  float gravity_length;
+  float substep_max, substep_min;
+  uint32_t unit;
+  const Kernels* kernels;
+  sandglass_parallel parallel;
+
+  // Capacities rounded up to whole vectors.
+  uint32_t particle_rows;  // records before the boundary
+  uint32_t inert;          // index of the inert record, after the boundary
+
+  // Particles. records[0]: the state; [1]: where a pass writes; [2]: only when a sub-step has more than one pass.
+  float* records[3];
+  float* positions[3];
+  uint32_t* lists;
+  uint8_t* counts;
+  CellSort particle_sort;
+  uint32_t particle_count;
+
+  // Boundary: fixed, sorted once.
+  float* boundary_positions[3];
+  CellSort boundary_sort;
+  uint32_t boundary_count;
+
+  // Grains. grains[0]: the state; [1]: sorting target.
+  float* grains[2];
+  float* snapshot;
+  float* snapshot_positions[3];
+  CellSort snapshot_sort, grain_sort;
+  uint32_t grain_count;
+
+  // Colliders of the frame, and posed for the sub-step and for the sweep.
+  sandglass_collider* colliders;
+  ColliderFrame* substep_colliders;
+  ColliderFrame* sweep_colliders;
+  uint32_t collider_count;
+
+  // Progress of the particles.
+  ParticlePhase phase;
+  uint32_t cursor;         // item within the phase
+  uint32_t pass;           // stabilisation or solver iteration
+  bool lists_valid;
+  bool bounds_known;
+  float list_slack;        // metres that particles may still move before the lists are stale
+  float last_spread;       // half the range of the last sub-step's displacements, metres
+  float last_substep;      // seconds
+  ContactExtent extent;    // of the sub-step under way
+  float low[3], high[3];   // bounds of the particles
+  float speed_max;
+  uint32_t interval_left;  // sub-steps left before the grains may follow
+  float substep;           // length of each
+  float frame_step;        // the app's time step
+  double owed;             // simulated time to make up
+  double interval_owed;    // what is owed once the interval is complete
+  double requested, simulated;
+  double unswept;          // simulated time that the grains have not followed yet
+
+  // Progress of the grains.
+  GrainPhase grain_phase;
+  uint32_t grain_cursor;
+  uint32_t sweeps_since_sort;
+  float sweep_step;
+  uint32_t sweep_steps;
+  double sweep_time;       // simulated time covered by the sweep under way
+
+  // Progress of the output.
+  const sandglass_frame_input* input;
+  uint32_t output_cursor;
+
+  // This frame's counts.
+  uint32_t substeps, list_builds, dropped_contacts, quarantined, ignored_colliders;
+  float builds_per_substep;  // recent average, for the forecast
+};
+
+// Shared by size and creation: lays out every region the description needs.
+void granular_layout(Granular* granular, const sandglass_granular_desc& desc, Layout* layout);
+
+// Checks the description; a sentence, or null.
+const char* granular_refuse(const sandglass_granular_desc& desc);
+
+// To the state without material. The description and the regions are in place.
+void granular_reset(Granular* granular);
+
+sandglass_status granular_add(Granular* granular, const float* particles, const float* particle_velocities, uint32_t particle_count,
+                              const float* grains, const float* grain_velocities, uint32_t grain_count, const char** reason);
+sandglass_status granular_set_boundary(Granular* granular, const float* positions, uint32_t count, const char** reason);
+
+// Takes a frame's input: colliders and time.
+void granular_begin_frame(Granular* granular, const sandglass_frame_input* input);
+
+// The three stages.
+Stage granular_particle_stage(Granular* granular);
+Stage granular_grain_stage(Granular* granular);
+Stage granular_output_stage(Granular* granular);
+
+// Runs task over [begin, end) cut into at most 8 pieces, on the app's pool where there is one.
+template <class Task>
+void granular_split(const Granular& granular, uint32_t begin, uint32_t end, Task* task) {
+  constexpr uint32_t k_pieces = 8, k_worth_sharing = 512;
+  struct Job {
+    Task* task;
+    uint32_t begin, end, piece;
+  } job = {task, begin, end, end - begin};
+  if (granular.parallel.run == nullptr || end - begin < k_worth_sharing) {
+    task->run(0, begin, end);
+    return;
+  }
+  job.piece = ((end - begin + k_pieces - 1) / k_pieces + k_lane_group - 1) / k_lane_group * k_lane_group;
+  const uint32_t pieces = (end - begin + job.piece - 1) / job.piece;
+  granular.parallel.run(
+      granular.parallel.user,
+      [](void* context, uint32_t index) {
+        const Job& j = *static_cast<const Job*>(context);
+        const uint32_t first = j.begin + index * j.piece;
+        j.task->run(index, first, j.end - first < j.piece ? j.end : first + j.piece);
+      },
+      &job, pieces);
+}
+
+}  // namespace sandglass

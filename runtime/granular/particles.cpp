@@ -1,0 +1,343 @@
+// The particles' stage: simulated time in equal sub-steps, each a sequence of units
+//     [sort -> lists]  when the lists are stale      stabilise x S   solve x I
+// and, with the small-step scheme, no more than one solve pass: prediction, contacts, friction, colliders and integration in one.
+//
+// Lists are rebuilt by displacement, not by count. A list holds every pair closer than 2r + skin when it was built, so it is complete
+// while no pair has approached by more than the skin. Common motion does not count: half the range of the particles' displacements
+// bounds how far any particle strays from the mean, and a falling body needs no rebuild.
+#include "runtime/granular/granular.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr double k_time_resolution = 1e-9;  // seconds; less is not owed
+
+uint32_t passes_of(const Granular& g, ParticlePhase phase) {
+  return phase == ParticlePhase::stabilise ? g.desc.stabilisation_iterations : g.desc.solver_iterations;
+}
+
+// Half the diagonal of the box that holds all displacements of a sub-step; against a fixed boundary, the longest displacement.
+float spread_of(const Granular& g, const ContactExtent& e) {
+  float sum = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    float half = 0.5f * (e.displacement_high[k] - e.displacement_low[k]);
+    if (g.boundary_count != 0) {
+      const float a = __builtin_fabsf(e.displacement_low[k]), b = __builtin_fabsf(e.displacement_high[k]);
+      half = a > b ? a : b;
+    }
+    sum += half * half;
+  }
+  return __builtin_sqrtf(sum);
+}
+
+// Length of the next sub-steps: (4.45) within the scheme's range, equal parts of the interval (erratum of Alg. 5).
+uint32_t substeps_for(const Granular& g, double interval) {
+  float limit = g.substep_max;
+  if (g.speed_max > 0.0f) {
+    const float courant = g.desc.courant * g.desc.particle_radius / g.speed_max;
+    limit = courant < limit ? courant : limit;
+    limit = limit < g.substep_min ? g.substep_min : limit;
+  }
+  const double count = interval / static_cast<double>(limit);
+  const uint32_t whole = static_cast<uint32_t>(count);
+  // A hair above a whole number is that number: 20 ms in steps of 20/64 ms are 64.
+  return count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
+}
+
+// Equal refinement intervals of the time owed: as many as refine_step asks for, or one a frame.
+double interval_for(const Granular& g, uint32_t level) {
+  const double longest = level == k_level_full && g.desc.grain_capacity != 0 ? static_cast<double>(g.desc.refine_step)
+                                                                            : static_cast<double>(g.frame_step);
+  const double count = g.owed / (longest > k_time_resolution ? longest : g.owed);
+  const double whole = static_cast<double>(static_cast<uint32_t>(count));
+  const double parts = count - whole > 1e-4 ? whole + 1.0 : (whole < 1.0 ? 1.0 : whole);
+  return g.owed / parts;
+}
+
+bool waits_for_grains(const Granular& g, uint32_t level) {
+  return level == k_level_full && g.grain_count != 0 && g.interval_left == 0 && g.unswept > k_time_resolution;
+}
+
+// What the next sub-step will be.
+struct Plan {
+  double interval;  // of which it is a part, seconds
+  uint32_t count;   // sub-steps left in the interval, this one included
+  float substep;    // seconds
+  bool stale;       // the lists must be rebuilt first
+};
+
+Plan plan_substep(const Granular& g, uint32_t level) {
+  Plan plan = {0.0, g.interval_left, g.substep, !g.lists_valid};
+  if (plan.count == 0) {
+    plan.interval = interval_for(g, level);
+    plan.count = substeps_for(g, plan.interval);
+    plan.substep = static_cast<float>(plan.interval / plan.count);
+  }
+  // The pass looks ahead by one sub-step of about the last one's motion.
+  if (2.0f * g.last_spread * (plan.substep / g.last_substep) > g.list_slack) plan.stale = true;
+  return plan;
+}
+
+bool next(const void* state, uint32_t level, WorkUnit* unit) {
+  const Granular& g = *static_cast<const Granular*>(state);
+  if (g.particle_count == 0) return false;
+  const uint32_t left = g.particle_count - g.cursor;
+  unit->items = left < g.unit ? left : g.unit;
+  ParticlePhase phase = g.phase;
+  if (phase == ParticlePhase::idle) {
+    if (g.interval_left == 0 && (g.owed < k_time_resolution || waits_for_grains(g, level))) return false;
+    unit->items = g.particle_count < g.unit ? g.particle_count : g.unit;
+    phase = plan_substep(g, level).stale                ? ParticlePhase::sort
+            : g.desc.stabilisation_iterations != 0 ? ParticlePhase::stabilise
+                                                   : ParticlePhase::solve;
+  } else if (phase == ParticlePhase::sort) {
+    unit->items = cell_sort_items(g.particle_sort, g.particle_count, g.unit);
+  }
+  switch (phase) {
+    case ParticlePhase::sort: unit->kind = k_unit_particle_sort, unit->name = "granular.sort"; break;
+    case ParticlePhase::lists: unit->kind = k_unit_lists, unit->name = "granular.lists"; break;
+    case ParticlePhase::stabilise: unit->kind = k_unit_stabilise, unit->name = "granular.stabilise"; break;
+    default: unit->kind = k_unit_solve, unit->name = "granular.solve"; break;
+  }
+  return true;
+}
+
+void enter_passes(Granular* g) {
+  g->phase = g->desc.stabilisation_iterations != 0 ? ParticlePhase::stabilise : ParticlePhase::solve;
+  g->cursor = g->pass = 0;
+  g->extent.speed_squared = 0.0f;
+  g->extent.quarantined = 0;
+  for (int k = 0; k < 3; ++k) {
+    g->extent.low[k] = g->extent.displacement_low[k] = 3e38f;
+    g->extent.high[k] = g->extent.displacement_high[k] = -3e38f;
+  }
+}
+
+void begin_substep(Granular* g, uint32_t level) {
+  const Plan plan = plan_substep(*g, level);
+  if (g->interval_left == 0) g->interval_owed = g->owed - plan.interval;
+  g->interval_left = plan.count;
+  g->substep = plan.substep;
+  // Seconds between the end of this sub-step and the end of the frame, where the colliders' poses are given.
+  const double after = g->owed - static_cast<double>(g->substep);
+  colliders_pose(g->colliders, g->collider_count, after > 0.0 ? static_cast<float>(after) : 0.0f, g->substep_colliders);
+  if (!plan.stale) return enter_passes(g);
+  const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
+  cell_sort_begin(&g->particle_sort, reach, g->low, g->high, 2);
+  g->phase = ParticlePhase::sort;
+}
+
+void run_sort(Granular* g) {
+  const SortTarget target = {g->records[1], {g->positions[0], g->positions[1], g->positions[2]}};
+  cell_sort_run(&g->particle_sort, *g->kernels, g->records[0], g->particle_count, g->unit, target);
+  if (g->particle_sort.phase != k_sort_done) return;
+  float* sorted = g->records[1];
+  g->records[1] = g->records[0];
+  g->records[0] = sorted;
+  g->phase = ParticlePhase::lists;
+  g->cursor = 0;
+}
+
+struct ListTask {
+  const Kernels* kernels;
+  ListArgs args;
+  uint32_t dropped[8];
+  void run(uint32_t piece, uint32_t begin, uint32_t end) { kernels->neighbour_lists(&args, begin, end, &dropped[piece]); }
+};
+
+void run_lists(Granular* g) {
+  const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
+  ListTask task = {};
+  task.kernels = g->kernels;
+  task.args.grid = g->particle_sort.grid;
+  task.args.boundary_grid = g->boundary_sort.grid;
+  for (int k = 0; k < 3; ++k) task.args.positions[k] = g->positions[k], task.args.boundary_positions[k] = g->boundary_positions[k];
+  task.args.boundary_count = g->boundary_count;
+  task.args.boundary_first = g->particle_rows;
+  task.args.inert = g->inert;
+  task.args.reach_squared = reach * reach;
+  task.args.lists = g->lists;
+  task.args.counts = g->counts;
+  const uint32_t end = g->particle_count - g->cursor < g->unit ? g->particle_count : g->cursor + g->unit;
+  granular_split(*g, g->cursor, end, &task);
+  for (const uint32_t dropped : task.dropped) g->dropped_contacts += dropped;
+  g->cursor = end;
+  if (end < g->particle_count) return;
+  g->lists_valid = true;
+  g->list_slack = g->desc.list_skin * g->desc.particle_radius;
+  ++g->list_builds;
+  enter_passes(g);
+}
+
+struct PassTask {
+  contact_solve_function kernel;
+  ContactArgs args;
+  ContactExtent extents[8];
+  void run(uint32_t piece, uint32_t begin, uint32_t end) { kernel(&args, begin, end, &extents[piece]); }
+};
+
+void merge_extent(ContactExtent* into, const ContactExtent& from) {
+  into->speed_squared = from.speed_squared > into->speed_squared ? from.speed_squared : into->speed_squared;
+  into->quarantined += from.quarantined;
+  for (int k = 0; k < 3; ++k) {
+    into->low[k] = from.low[k] < into->low[k] ? from.low[k] : into->low[k];
+    into->high[k] = from.high[k] > into->high[k] ? from.high[k] : into->high[k];
+    into->displacement_low[k] = from.displacement_low[k] < into->displacement_low[k] ? from.displacement_low[k] : into->displacement_low[k];
+    into->displacement_high[k] = from.displacement_high[k] > into->displacement_high[k] ? from.displacement_high[k] : into->displacement_high[k];
+  }
+}
+
+void finish_substep(Granular* g) {
+  g->phase = ParticlePhase::idle;
+  g->quarantined += g->extent.quarantined;
+  g->speed_max = __builtin_sqrtf(g->extent.speed_squared);
+  for (int k = 0; k < 3; ++k) {
+    if (g->extent.low[k] <= g->extent.high[k]) g->low[k] = g->extent.low[k], g->high[k] = g->extent.high[k];
+  }
+  g->last_spread = spread_of(*g, g->extent);
+  g->last_substep = g->substep;
+  g->list_slack -= 2.0f * g->last_spread;
+  --g->interval_left;
+  ++g->substeps;
+  g->simulated += static_cast<double>(g->substep);
+  g->unswept += static_cast<double>(g->substep);
+  g->owed -= static_cast<double>(g->substep);
+  if (g->interval_left == 0) {
+    // Rounding of the parts does not accumulate: what was meant is what is owed.
+    g->simulated += g->owed - g->interval_owed;
+    g->owed = g->interval_owed;
+    if (g->owed < k_time_resolution) g->owed = 0.0;
+  }
+}
+
+// Buffers a pass reads and writes. The first reads the state; the last writes records[1], which then becomes the state.
+void pass_buffers(const Granular& g, uint32_t pass, uint32_t passes, const float** in, float** out) {
+  const uint32_t after = passes - 1 - pass;  // passes that follow
+  *out = g.records[after % 2 == 0 ? 1 : 2];
+  *in = pass == 0 ? g.records[0] : g.records[after % 2 == 0 ? 2 : 1];
+}
+
+void run_pass(Granular* g) {
+  const bool solve = g->phase == ParticlePhase::solve;
+  const uint32_t stabilisations = g->desc.stabilisation_iterations;
+  const uint32_t pass = solve ? stabilisations + g->pass : g->pass;
+  const uint32_t passes = stabilisations + g->desc.solver_iterations;
+  const float dt = g->substep;
+  PassTask task = {};
+  task.kernel = solve ? g->kernels->contact_solve : g->kernels->contact_stabilise;
+  ContactArgs& a = task.args;
+  pass_buffers(*g, pass, passes, &a.in, &a.out);
+  a.lists = g->lists;
+  a.counts = g->counts;
+  a.particle_count = g->particle_count;
+  a.radius = g->desc.particle_radius;
+  a.diameter = 2.0f * g->desc.particle_radius;
+  a.static_friction = g->desc.static_friction;
+  a.kinetic_friction = g->desc.kinetic_friction;
+  a.relaxation = g->desc.relaxation;
+  a.averaged = g->desc.scheme == SANDGLASS_SCHEME_AVERAGED ? 1 : 0;
+  const float k = g->gravity_length > 0.0f ? g->desc.height_weighting : 0.0f;
+  a.weight_linear = -0.25f * k;
+  a.weight_cubic = k * k * k * (1.0f / 48.0f);
+  const bool first = solve && g->pass == 0;
+  a.scale = first ? dt : 1.0f;
+  for (int c = 0; c < 3; ++c) {
+    a.up[c] = g->gravity_length > 0.0f ? -g->gravity[c] / g->gravity_length : 0.0f;
+    a.gravity[c] = first ? g->gravity[c] * dt * dt : 0.0f;
+  }
+  a.last = solve && g->pass + 1 == g->desc.solver_iterations ? 1 : 0;
+  a.step = dt;
+  a.inverse_step = 1.0f / dt;
+  a.displacement_max = g->desc.courant * g->desc.particle_radius;
+  a.colliders = g->substep_colliders;
+  a.collider_count = g->collider_count;
+
+  const uint32_t end = g->particle_count - g->cursor < g->unit ? g->particle_count : g->cursor + g->unit;
+  for (ContactExtent& e : task.extents) e = g->extent, e.quarantined = 0;
+  granular_split(*g, g->cursor, end, &task);
+  if (a.last != 0) {
+    for (const ContactExtent& e : task.extents) merge_extent(&g->extent, e);
+  }
+  g->cursor = end;
+  if (end < g->particle_count) return;
+
+  g->cursor = 0;
+  if (++g->pass < passes_of(*g, g->phase)) return;
+  g->pass = 0;
+  if (!solve) {
+    g->phase = ParticlePhase::solve;
+    return;
+  }
+  float* state = g->records[1];
+  g->records[1] = g->records[0];
+  g->records[0] = state;
+  finish_substep(g);
+}
+
+void run(void* state, uint32_t level) {
+  Granular* g = static_cast<Granular*>(state);
+  if (g->phase == ParticlePhase::idle) begin_substep(g, level);
+  switch (g->phase) {
+    case ParticlePhase::sort: run_sort(g); break;
+    case ParticlePhase::lists: run_lists(g); break;
+    default: run_pass(g); break;
+  }
+}
+
+uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
+  const Granular& g = *static_cast<const Granular*>(state);
+  (void)level;
+  if (g.particle_count == 0 || g.owed < k_time_resolution) return 0;
+  const uint64_t substeps = substeps_for(g, g.owed), count = g.particle_count;
+  const uint64_t builds = static_cast<uint64_t>(g.builds_per_substep * static_cast<float>(substeps)) + 1;
+  uint32_t n = 0;
+  entries[n++] = {k_unit_particle_sort, builds * 2 * count};
+  entries[n++] = {k_unit_lists, builds * count};
+  if (g.desc.stabilisation_iterations != 0) entries[n++] = {k_unit_stabilise, substeps * g.desc.stabilisation_iterations * count};
+  entries[n++] = {k_unit_solve, substeps * g.desc.solver_iterations * count};
+  return n;
+}
+
+}  // namespace
+
+void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
+  if (g->substeps != 0) {
+    const float fresh = static_cast<float>(g->list_builds) / static_cast<float>(g->substeps);
+    g->builds_per_substep += 0.25f * (fresh - g->builds_per_substep);
+  }
+  g->substeps = g->list_builds = g->dropped_contacts = g->quarantined = g->ignored_colliders = 0;
+  g->input = input;
+  g->output_cursor = 0;
+
+  g->collider_count = 0;
+  for (uint32_t c = 0; c < input->collider_count; ++c) {
+    if (input->colliders == nullptr || g->collider_count == g->desc.collider_capacity ||
+        !collider_accept(input->colliders[c], &g->colliders[g->collider_count])) {
+      ++g->ignored_colliders;
+    } else {
+      ++g->collider_count;
+    }
+  }
+
+  constexpr float k_longest_step = 0.1f;
+  const float step = input->time_step > 0.0f ? (input->time_step < k_longest_step ? input->time_step : k_longest_step) : 0.0f;  // NaN: 0
+  g->frame_step = step;
+  g->requested += static_cast<double>(step);
+  // Two frames' worth is made up for; what is older is slow motion. An interval under way is never cut short.
+  const double most = 2.0 * static_cast<double>(step);
+  g->owed += static_cast<double>(step);
+  if (g->interval_left == 0) {
+    if (step > 0.0f && g->owed > most) g->owed = most;
+  } else {
+    g->interval_owed += static_cast<double>(step);
+    if (step > 0.0f && g->interval_owed > most) {
+      g->owed -= g->interval_owed - most;
+      g->interval_owed = most;
+    }
+  }
+}
+
+Stage granular_particle_stage(Granular* granular) { return {granular, next, run, forecast, 1, 0.6f}; }
+
+}  // namespace sandglass

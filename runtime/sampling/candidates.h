@@ -1,0 +1,31 @@
+// Candidates of Alg. 1: random points spread evenly over the triangles, (3.15)-(3.21). A stream can be drawn twice with the same
+// result, so the candidate grid is filled in two passes (count, place) without a copy of the set.
+#pragma once
+
+#include "runtime/sampling/random.h"
+#include "sandglass/sampling.h"
+
+namespace sandglass {
+
+struct Candidate {
+  float position[3];
+  uint32_t triangle;
+};
+
+// The area of the mesh; with `running` not null also the running sum, one entry a triangle, by which triangles are chosen.
+double sum_areas(const sandglass_mesh& mesh, double* running);
+
+struct CandidateStream {
+  const sandglass_mesh* mesh;
+  const double* running;
+  double area;
+  Random random;
+};
+
+CandidateStream candidate_stream(const sandglass_mesh& mesh, const double* running, double area, uint64_t seed);
+Candidate draw_candidate(CandidateStream* stream);
+
+// max(tries, tries*A/(pi l^2)): at least as many as one disk needs, for objects smaller than a disk.
+double candidate_count(double area, float distance, uint32_t tries);
+
+}  // namespace sandglass

@@ -1,0 +1,304 @@
+// The scene: one walk over the description lays it out, the governor runs its stages, the report says what happened.
+#include "kernels/kernels.h"
+#include "platform/floating_point.h"
+#include "runtime/core/governor.h"
+#include "runtime/core/layout.h"
+#include "runtime/granular/granular.h"
+#include "sandglass/sandglass.h"
+
+using sandglass::Governor;
+using sandglass::Granular;
+using sandglass::Layout;
+using sandglass::Stage;
+
+struct sandglass_scene {
+  sandglass_scene_desc desc;
+  Layout layout;
+  Governor governor;
+  Granular granular;
+  const sandglass::Kernels* kernels;
+  uint64_t frame;
+};
+
+namespace {
+
+constexpr float k_grain_radii = 0.35f;  // grain_radius 0: about the size at which 16 grains fill a particle's share of space
+
+// Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 64 for r = 1 cm, as small steps were measured best.
+constexpr float k_substep_units = 0.0098f;
+
+struct Failure {
+  const char** reason;
+  sandglass_status operator()(sandglass_status status, const char* sentence) const {
+    if (reason != nullptr) *reason = sentence;
+    return status;
+  }
+};
+
+sandglass_status succeed(const char** reason) {
+  if (reason != nullptr) *reason = nullptr;
+  return SANDGLASS_OK;
+}
+
+float length_of(const float* v) { return __builtin_sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+sandglass_status check(const sandglass_scene_desc* desc, const char** reason) {
+  const Failure fail = {reason};
+  if (desc == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc is NULL: pass a description filled by sandglass_scene_desc_default.");
+  if (desc->struct_size != sizeof(sandglass_scene_desc)) {
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.struct_size is not this library's: fill the description with sandglass_scene_desc_default.");
+  }
+  const float g = length_of(desc->gravity);
+  if (!(g <= 1000.0f)) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.gravity must be finite and at most 1000 m/s^2.");
+  if (desc->unit_items < 16 || desc->unit_items > 65536 || desc->unit_items % 16 != 0) {
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.unit_items must be a multiple of 16 from 16 to 65536.");
+  }
+  if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_AVX512) {
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.isa must be a SANDGLASS_ISA value.");
+  }
+  const char* granular = sandglass::granular_refuse(desc->granular);
+  return granular == nullptr ? SANDGLASS_OK : fail(SANDGLASS_ERROR_INVALID_ARGUMENT, granular);
+}
+
+// The one walk: the scene itself, then every stage's regions.
+sandglass_scene* lay_out(const sandglass_scene_desc& desc, Layout* layout, Granular* granular) {
+  sandglass_scene* scene = sandglass::layout_region<sandglass_scene>(layout, "scene", 1);
+  sandglass::granular_layout(granular, desc.granular, layout);
+  return scene;
+}
+
+void reset(sandglass_scene* scene) {
+  sandglass::governor_init(&scene->governor, scene->desc.clock, scene->desc.trace, sandglass::k_level_count);
+  sandglass::granular_reset(&scene->granular);
+  scene->frame = 0;
+}
+
+// The frame proper, out of line: it runs between the two calls that set and restore the floating-point control.
+__attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass_frame_input* input, sandglass_frame_report* report) {
+  Granular* granular = &scene->granular;
+  sandglass::granular_begin_frame(granular, input);
+  const Stage stages[SANDGLASS_STAGE_COUNT] = {sandglass::granular_particle_stage(granular), sandglass::granular_grain_stage(granular),
+                                               sandglass::granular_output_stage(granular)};
+  return sandglass::governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, input->budget_ns, input->plan, report);
+}
+
+void describe(const sandglass_scene& scene, sandglass_frame_report* report) {
+  const Granular& g = scene.granular;
+  report->frame = scene.frame;
+  report->simulated_time = g.simulated;
+  const double debt = g.requested - g.simulated;
+  report->time_debt = debt > 1e-9 ? debt : 0.0;
+  report->grain_lag = g.grain_count == 0 ? 0.0f : static_cast<float>(g.unswept);
+  report->substep = g.substep;
+  report->substeps = g.substeps;
+  report->list_builds = g.list_builds;
+  report->particles = g.particle_count;
+  report->grains = g.grain_count;
+  report->dropped_contacts = g.dropped_contacts;
+  report->quarantined = g.quarantined;
+  report->ignored_colliders = g.ignored_colliders;
+  report->speed_max = g.speed_max;
+}
+
+void say(const sandglass_scene& scene) {
+  const sandglass_log& log = scene.desc.log;
+  if (log.write == nullptr) return;
+  const Granular& g = scene.granular;
+  if (g.dropped_contacts != 0) log.write(log.user, "granular: more neighbours than a list holds; some contacts were left out in this frame.");
+  if (g.quarantined != 0) log.write(log.user, "granular: a particle or grain left the coordinate range or was not finite; it was put to rest.");
+  if (g.ignored_colliders != 0) log.write(log.user, "granular: a collider was not finite, degenerate or beyond collider_capacity; it was left out.");
+}
+
+constexpr uint64_t k_fnv_basis = 14695981039346656037ull, k_fnv_prime = 1099511628211ull;
+
+uint64_t fnv(uint64_t hash, const void* bytes, uint64_t count) {
+  const uint8_t* p = static_cast<const uint8_t*>(bytes);
+  for (uint64_t i = 0; i < count; ++i) hash = (hash ^ p[i]) * k_fnv_prime;
+  return hash;
+}
+
+// FNV-1a of one item: its kind, number, position and velocity. Items are added up, so storage order does not matter.
+uint64_t item_hash(uint32_t kind, uint32_t id, const float* position, const float* velocity) {
+  uint64_t hash = fnv(k_fnv_basis, &kind, sizeof kind);
+  hash = fnv(hash, &id, sizeof id);
+  hash = fnv(hash, position, 3 * sizeof(float));
+  return fnv(hash, velocity, 3 * sizeof(float));
+}
+
+uint32_t id_at(const float* slot) {
+  uint32_t id;
+  __builtin_memcpy(&id, slot, sizeof id);
+  return id;
+}
+
+void copy_items(const float* records, uint32_t count, uint32_t id_slot, float* positions, float* velocities) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const float* r = records + static_cast<uint64_t>(i) * sandglass::k_record_floats;
+    const uint64_t to = 3ull * id_at(r + id_slot);
+    for (int k = 0; k < 3; ++k) {
+      if (positions != nullptr) positions[to + k] = r[k];
+      if (velocities != nullptr) velocities[to + k] = r[4 + k];
+    }
+  }
+}
+
+constexpr uint32_t k_particle_id = 7, k_grain_id = 3;  // slots of a record
+
+}  // namespace
+
+void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
+  *desc = sandglass_scene_desc{};
+  desc->struct_size = sizeof *desc;
+  desc->unit_items = 1024;
+  desc->gravity[1] = -9.81f;
+  sandglass_granular_desc& g = desc->granular;
+  g.collider_capacity = 16;
+  g.particle_radius = 0.01f;
+  g.static_friction = 0.6f;
+  g.kinetic_friction = 0.55f;
+  g.height_weighting = 0.6f;
+  g.scheme = SANDGLASS_SCHEME_SMALL_STEP;
+  g.solver_iterations = 1;
+  g.relaxation = 0.3f;
+  g.courant = 0.5f;
+  g.list_skin = 0.4f;
+  g.blend = SANDGLASS_BLEND_CONTINUOUS;
+  g.refine_step = 0.008f;
+}
+
+void sandglass_frame_input_default(sandglass_frame_input* input) {
+  *input = sandglass_frame_input{};
+  input->struct_size = sizeof *input;
+  input->grain_stride = sizeof(sandglass_grain);
+}
+
+sandglass_status sandglass_scene_bytes(const sandglass_scene_desc* desc, uint64_t* bytes, const char** reason) {
+  const sandglass_status status = check(desc, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (bytes == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass where to store the size.");
+  Layout layout;
+  Granular granular = {};
+  lay_out(*desc, &layout, &granular);
+  *bytes = layout.size;
+  return succeed(reason);
+}
+
+sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* block, uint64_t bytes, sandglass_scene** scene, const char** reason) {
+  const Failure fail = {reason};
+  uint64_t need = 0;
+  const sandglass_status status = sandglass_scene_bytes(desc, &need, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (scene == nullptr || block == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "block or scene is NULL: pass the memory and where to store the scene.");
+  const sandglass::Kernels* kernels = sandglass::select_kernels(desc->isa);
+  if (kernels == nullptr) return fail(SANDGLASS_ERROR_UNSUPPORTED, "desc.isa is not available on this CPU or in this build: use SANDGLASS_ISA_AUTOMATIC.");
+  if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0) {
+    return fail(SANDGLASS_ERROR_MEMORY_ALIGNMENT, "block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64 bytes): allocate it aligned.");
+  }
+  if (bytes < need) return fail(SANDGLASS_ERROR_MEMORY_TOO_SMALL, "block is smaller than sandglass_scene_bytes says this description needs.");
+
+  __builtin_memset(block, 0, need);
+  Layout layout;
+  layout.base = static_cast<uint8_t*>(block);
+  Granular granular = {};
+  sandglass_scene* s = lay_out(*desc, &layout, &granular);
+  s->desc = *desc;
+  s->layout = layout;
+  s->kernels = kernels;
+  s->granular = granular;
+  Granular& g = s->granular;
+  g.kernels = kernels;
+  g.parallel = desc->parallel;
+  g.unit = desc->unit_items;
+  for (int k = 0; k < 3; ++k) g.gravity[k] = desc->gravity[k];
+  g.gravity_length = length_of(desc->gravity);
+  sandglass_granular_desc& d = g.desc;
+  const float pull = g.gravity_length > 0.1f ? g.gravity_length : 9.81f;  // weightless scenes keep the Earth's step
+  g.substep_max = d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
+  g.substep_min = d.substep_min > 0.0f ? d.substep_min : 0.25f * g.substep_max;
+  if (d.grain_radius <= 0.0f) d.grain_radius = k_grain_radii * d.particle_radius;
+  reset(s);
+  *scene = s;
+  return succeed(reason);
+}
+
+void sandglass_scene_reset(sandglass_scene* scene) { reset(scene); }
+
+uint32_t sandglass_scene_regions(const sandglass_scene* scene, sandglass_region* regions, uint32_t capacity) {
+  const Layout& layout = scene->layout;
+  for (uint32_t i = 0; i < layout.region_count && i < capacity; ++i) regions[i] = layout.regions[i];
+  return layout.region_count;
+}
+
+sandglass_isa sandglass_scene_isa(const sandglass_scene* scene) { return scene->kernels->isa; }
+
+sandglass_status sandglass_granular_add(sandglass_scene* scene, const float* particle_positions, const float* particle_velocities,
+                                        uint32_t particle_count, const float* grain_positions, const float* grain_velocities,
+                                        uint32_t grain_count, const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  return sandglass::granular_add(&scene->granular, particle_positions, particle_velocities, particle_count, grain_positions, grain_velocities,
+                                 grain_count, reason);
+}
+
+sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene, const float* positions, uint32_t count, const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  return sandglass::granular_set_boundary(&scene->granular, positions, count, reason);
+}
+
+sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float static_friction, float kinetic_friction, const char** reason) {
+  const Failure fail = {reason};
+  if (scene == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  if (!(static_friction >= 0.0f && static_friction <= 10.0f && kinetic_friction >= 0.0f && kinetic_friction <= 10.0f)) {
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_granular_set_friction: both coefficients must be 0 to 10.");
+  }
+  scene->granular.desc.static_friction = static_friction;
+  scene->granular.desc.kinetic_friction = kinetic_friction;
+  return succeed(reason);
+}
+
+sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_frame_input* input, sandglass_frame_report* report, const char** reason) {
+  const Failure fail = {reason};
+  if (scene == nullptr || input == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene or input is NULL.");
+  if (input->struct_size != sizeof *input) {
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "input.struct_size is not this library's: fill the input with sandglass_frame_input_default.");
+  }
+  if (input->grains != nullptr && (input->grain_stride < sizeof(sandglass_grain) || input->grain_stride % 4 != 0)) {
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "input.grain_stride must be a multiple of 4 and at least sizeof(sandglass_grain).");
+  }
+  if (input->plan != nullptr && (input->plan->struct_size != sizeof(sandglass_plan) || input->plan->run_count > SANDGLASS_PLAN_RUNS ||
+                                 input->plan->level >= sandglass::k_level_count)) {
+    return fail(SANDGLASS_ERROR_REPLAY, "input.plan is not a plan of this library: pass the plan of a frame report.");
+  }
+  sandglass_frame_report local = {};
+  sandglass_frame_report* out = report != nullptr ? report : &local;
+  *out = sandglass_frame_report{};
+  out->struct_size = sizeof *out;
+  ++scene->frame;
+  const sandglass::FloatingPointControl saved = sandglass::floating_point_enter();
+  const bool ran = run_frame(scene, input, out);
+  sandglass::floating_point_restore(saved);
+  describe(*scene, out);
+  say(*scene);
+  return ran ? succeed(reason) : fail(SANDGLASS_ERROR_REPLAY, "input.plan does not fit this scene's state: replay from the state it was recorded in.");
+}
+
+void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities) {
+  copy_items(scene->granular.records[0], scene->granular.particle_count, k_particle_id, positions, velocities);
+}
+
+void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities) {
+  copy_items(scene->granular.grains[0], scene->granular.grain_count, k_grain_id, positions, velocities);
+}
+
+uint64_t sandglass_scene_hash(const sandglass_scene* scene) {
+  const Granular& g = scene->granular;
+  uint64_t hash = 0;
+  for (uint32_t i = 0; i < g.particle_count; ++i) {
+    const float* r = g.records[0] + static_cast<uint64_t>(i) * sandglass::k_record_floats;
+    hash += item_hash(0, id_at(r + k_particle_id), r, r + 4);
+  }
+  for (uint32_t i = 0; i < g.grain_count; ++i) {
+    const float* r = g.grains[0] + static_cast<uint64_t>(i) * sandglass::k_record_floats;
+    hash += item_hash(1, id_at(r + k_grain_id), r, r + 4);
+  }
+  return hash;
+}

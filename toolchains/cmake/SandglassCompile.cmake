@@ -1,0 +1,31 @@
+# Compile rules, stated once.
+#   sandglass_device_library(NAME sources...)  a folder of the part that runs on a phone: no exceptions, no RTTI, no guards,
+#                                              no fused multiply-add (DESIGN: one golden hash on every instruction set).
+#   sandglass_host_target(NAME)                warnings for workstation code.
+set(SANDGLASS_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wdouble-promotion)
+
+# Code that runs before main or after it is code that the app did not call: clang says where, nm proves it for both compilers.
+# A file may carry a warning option that only the other compiler knows.
+set(SANDGLASS_DEVICE_WARNINGS ${SANDGLASS_WARNINGS} -Wvla
+  "$<$<CXX_COMPILER_ID:Clang,AppleClang>:-Wglobal-constructors;-Wexit-time-destructors;-Wno-unknown-warning-option>")
+
+# Contraction is off everywhere results must agree to the bit; errno and traps are not used by sqrt.
+set(SANDGLASS_EXACT_MATH -ffp-contract=off -fno-math-errno -fno-fast-math)
+
+function(sandglass_device_library name)
+  add_library(${name} OBJECT ${ARGN})
+  target_compile_features(${name} PUBLIC cxx_std_20)
+  set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
+    POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/runtime/include>)
+  target_compile_options(${name} PRIVATE ${SANDGLASS_DEVICE_WARNINGS} ${SANDGLASS_EXACT_MATH}
+    $<$<COMPILE_LANGUAGE:CXX>:-fno-exceptions -fno-rtti -fno-threadsafe-statics> -ffunction-sections -fdata-sections)
+endfunction()
+
+function(sandglass_host_target name)
+  target_compile_features(${name} PUBLIC cxx_std_20)
+  set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
+  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_compile_options(${name} PRIVATE ${SANDGLASS_WARNINGS} ${SANDGLASS_EXACT_MATH} -Wno-double-promotion)
+endfunction()
