@@ -1,5 +1,6 @@
-// Elementary functions without libm, because its results differ between C libraries and instruction sets: only + - * / and
-// sqrt, which IEEE 754 fixes to the bit, in an order that the source fixes. Everything in double; set-up code, not kernels.
+// Elementary functions without libm, because its results differ between C libraries and instruction sets: only + - * /
+// and sqrt, which IEEE 754 fixes to the bit, in an order that the source fixes. Everything in double; set-up code, not
+// kernels.
 //
 //   sin_cos_turns   angle in turns (1 = a full circle)    error below 3e-16 absolute
 //   arc_tangent2    like atan2, in radians                error below 5e-16 absolute
@@ -31,8 +32,8 @@ struct SinCos {
   double sin, cos;
 };
 
-// Whole turns drop out exactly, then eighths of a turn remain around the nearest quarter; |x| <= pi/4 for the two series,
-// whose first omitted terms are below 1e-19.
+// Whole turns drop out exactly, then eighths of a turn remain around the nearest quarter; |x| <= pi/4 for the two
+// series, whose first omitted terms are below 1e-19.
 inline SinCos sin_cos_turns(double turns) {
   const double fraction = turns - static_cast<double>(floor_index(turns));
   const int64_t quarter = floor_index(4 * fraction + 0.5);
@@ -57,10 +58,14 @@ inline SinCos sin_cos_turns(double turns) {
   c = c * y - 0.5;
   c = 1 + c * y;
   switch (quarter & 3) {
-    case 0: return {s, c};
-    case 1: return {c, -s};
-    case 2: return {-s, -c};
-    default: return {-c, s};
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
   }
 }
 

@@ -31,8 +31,9 @@ sandglass_status check_mesh(const sandglass_mesh* mesh, const char** reason) {
     return refuse(reason, invalid, "the mesh has more than 2^27 triangles: simplify or split it");
   for (uint64_t i = 0; i < 3ull * mesh->vertex_count; ++i)
     if (!is_coordinate(mesh->vertices[i]))
-      return refuse(reason, invalid,
-                    "a mesh vertex is not finite or beyond SANDGLASS_COORDINATE_LIMIT: repair, move or rescale the mesh");
+      return refuse(
+          reason, invalid,
+          "a mesh vertex is not finite or beyond SANDGLASS_COORDINATE_LIMIT: repair, move or rescale the mesh");
   for (uint64_t i = 0; i < 3ull * mesh->triangle_count; ++i)
     if (mesh->indices[i] >= mesh->vertex_count)
       return refuse(reason, invalid, "a mesh index is not below vertex_count: repair the mesh");
@@ -41,27 +42,33 @@ sandglass_status check_mesh(const sandglass_mesh* mesh, const char** reason) {
 
 sandglass_status check_box(const float bounds_min[3], const float bounds_max[3], const char** reason) {
   if (bounds_min == nullptr || bounds_max == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bounds_min or bounds_max is NULL: pass the volume's bounding box");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "bounds_min or bounds_max is NULL: pass the volume's bounding box");
   for (int k = 0; k < 3; ++k)
     if (!is_coordinate(bounds_min[k]) || !is_coordinate(bounds_max[k]) || bounds_min[k] > bounds_max[k])
-      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                    "the bounding box is inverted, not finite or beyond SANDGLASS_COORDINATE_LIMIT: see sandglass_mesh_bounds");
+      return refuse(
+          reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+          "the bounding box is inverted, not finite or beyond SANDGLASS_COORDINATE_LIMIT: see sandglass_mesh_bounds");
   return accept(reason);
 }
 
 sandglass_status check_distance(float distance, const char** reason) {
   if (!is_finite(static_cast<double>(distance)) || !(distance > 0))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "distance is not a finite number above 0: give it in metres");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "distance is not a finite number above 0: give it in metres");
   return accept(reason);
 }
 
 sandglass_status check_block(const void* block, uint64_t bytes, uint64_t need, const char** reason) {
   if (block == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "the memory block is NULL: pass as many bytes as the _bytes function says");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "the memory block is NULL: pass as many bytes as the _bytes function says");
   if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
-    return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT, "the memory block is not aligned to SANDGLASS_BLOCK_ALIGNMENT: align it");
+    return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT,
+                  "the memory block is not aligned to SANDGLASS_BLOCK_ALIGNMENT: align it");
   if (bytes < need)
-    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL, "the memory block is too small: ask the matching _bytes function for the need");
+    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
+                  "the memory block is too small: ask the matching _bytes function for the need");
   return accept(reason);
 }
 
@@ -75,7 +82,8 @@ sandglass_status check_options(const sandglass_sample_options* options, sandglas
   if (options->tries < 1 || options->tries > 1000)
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "options.tries is not in 1..1000: 30 is a good value");
   if (options->metric != SANDGLASS_METRIC_EUCLIDEAN && options->metric != SANDGLASS_METRIC_GEODESIC)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "options.metric is none of sandglass_metric: use EUCLIDEAN or GEODESIC");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "options.metric is none of sandglass_metric: use EUCLIDEAN or GEODESIC");
   *resolved = *options;
   return accept(reason);
 }
@@ -93,7 +101,8 @@ sandglass_status sandglass_mesh_bounds(const sandglass_mesh* mesh, float bounds_
   using namespace sandglass;
   if (const sandglass_status status = check_mesh(mesh, reason)) return status;
   if (bounds_min == nullptr || bounds_max == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bounds_min or bounds_max is NULL: pass room for 3 floats each");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "bounds_min or bounds_max is NULL: pass room for 3 floats each");
   for (int k = 0; k < 3; ++k) {
     bounds_min[k] = SANDGLASS_COORDINATE_LIMIT;
     bounds_max[k] = -SANDGLASS_COORDINATE_LIMIT;

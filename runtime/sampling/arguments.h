@@ -1,4 +1,5 @@
-// What every sampling function refuses, checked once, each refusal one sentence; after these checks the algorithms run blind.
+// What every sampling function refuses, checked once, each refusal one sentence; after these checks the algorithms run
+// blind.
 #pragma once
 
 #include "sandglass/sampling.h"

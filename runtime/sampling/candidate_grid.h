@@ -1,6 +1,7 @@
-// The candidate grid of Alg. 1: candidates grouped by cell of edge l, cells found by hashing, so memory follows the candidates
-// and not the bounding box. Within a bucket the live candidates come first; one that dies (it became a sample, or came too
-// close to one) is swapped behind them and never moves again, so a sample is named by its record's index for good.
+// The candidate grid of Alg. 1: candidates grouped by cell of edge l, cells found by hashing, so memory follows the
+// candidates and not the bounding box. Within a bucket the live candidates come first; one that dies (it became a
+// sample, or came too close to one) is swapped behind them and never moves again, so a sample is named by its record's
+// index for good.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,8 @@ struct CandidateGrid {
   Candidate* records;
 };
 
-// Cells are a hair wider than l, so that rounding cannot put two points closer than l into cells that are no neighbours.
+// Cells are a hair wider than l, so that rounding cannot put two points closer than l into cells that are no
+// neighbours.
 inline double cells_per_metre(float distance) { return (1 - 0x1p-30) / static_cast<double>(distance); }
 
 inline void cell_of(const CandidateGrid& grid, const float position[3], int64_t cell[3]) {
@@ -28,7 +30,8 @@ inline void cell_of(const CandidateGrid& grid, const float position[3], int64_t 
 }
 
 inline uint32_t bucket_of(const CandidateGrid& grid, int64_t x, int64_t y, int64_t z) {
-  const uint64_t key = static_cast<uint64_t>(x + 1) | static_cast<uint64_t>(y + 1) << 21 | static_cast<uint64_t>(z + 1) << 42;
+  const uint64_t key =
+      static_cast<uint64_t>(x + 1) | static_cast<uint64_t>(y + 1) << 21 | static_cast<uint64_t>(z + 1) << 42;
   return static_cast<uint32_t>(mix_bits(key) >> (64 - grid.bucket_bits));
 }
 

@@ -42,10 +42,8 @@ Candidate draw_candidate(CandidateStream* stream) {
   uint32_t low = 0, high = mesh.triangle_count - 1;
   while (low < high) {
     const uint32_t middle = low + (high - low) / 2;
-    if (stream->running[middle] > target)
-      high = middle;
-    else
-      low = middle + 1;
+    if (stream->running[middle] > target) high = middle;
+    else low = middle + 1;
   }
   const double root = square_root(stream->random.uniform());
   const double u = 1 - root, v = stream->random.uniform() * root, w = 1 - u - v;  // (3.19)-(3.21)

@@ -1,5 +1,5 @@
-// Candidates of Alg. 1: random points spread evenly over the triangles, (3.15)-(3.21). A stream can be drawn twice with the same
-// result, so the candidate grid is filled in two passes (count, place) without a copy of the set.
+// Candidates of Alg. 1: random points spread evenly over the triangles, (3.15)-(3.21). A stream can be drawn twice with
+// the same result, so the candidate grid is filled in two passes (count, place) without a copy of the set.
 #pragma once
 
 #include "runtime/sampling/random.h"
@@ -12,7 +12,8 @@ struct Candidate {
   uint32_t triangle;
 };
 
-// The area of the mesh; with `running` not null also the running sum, one entry a triangle, by which triangles are chosen.
+// The area of the mesh; with `running` not null also the running sum, one entry a triangle, by which triangles are
+// chosen.
 double sum_areas(const sandglass_mesh& mesh, double* running);
 
 struct CandidateStream {

@@ -101,8 +101,9 @@ void offer(Geodesic* g, uint32_t vertex, double d, bool queue) {
 
 // ---------------------------------------------------------------- windows
 
-// A window enters every other triangle at the half-edge h; x, y: the source seen from h's own triangle. Dropped are windows out of
-// reach and those whose far end is reached sooner along the edge from one of its vertices: then every point of it is.
+// A window enters every other triangle at the half-edge h; x, y: the source seen from h's own triangle. Dropped are
+// windows out of reach and those whose far end is reached sooner along the edge from one of its vertices: then every
+// point of it is.
 void cross_edge(Geodesic* g, uint32_t h, const Frame& frame, double from, double to, Planar source, double sigma,
                 uint32_t depth) {
   if (!(to > from) || depth > g->surface.mesh->triangle_count) return;
@@ -124,7 +125,8 @@ void cross_edge(Geodesic* g, uint32_t h, const Frame& frame, double from, double
   }
 }
 
-// Through the window to a point beyond it: straight where that passes, else around the window's end (a real path, only longer).
+// Through the window to a point beyond it: straight where that passes, else around the window's end (a real path, only
+// longer).
 double path_through(const Window& w, Planar point) {
   const double height = w.y + point.y;
   const double straight = height > 0 ? w.x + (point.x - w.x) * (w.y / height) : clamp(point.x, w.from, w.to);
@@ -207,7 +209,8 @@ void relax_ends(Geodesic* g, uint32_t v, uint32_t h) {
   for (uint32_t end : ends) offer(g, end, g->distance[v] + length(place_of(*g, end) - place_of(*g, v)), true);
 }
 
-// Dijkstra along the edges: upper bounds of the vertices' distances, by which most useless windows are dropped at birth.
+// Dijkstra along the edges: upper bounds of the vertices' distances, by which most useless windows are dropped at
+// birth.
 void bound_vertices(Geodesic* g) {
   while (g->heap_count > 0) {
     const uint32_t v = heap_take(g);
@@ -248,8 +251,8 @@ Geodesic lay_out_geodesic(Layout* layout, const sandglass_mesh* mesh, uint64_t c
   g.heap = layout_region<uint32_t>(layout, "sampling.geodesic.heap", vertices);
   g.heap_place = layout_region<uint32_t>(layout, "sampling.geodesic.heap_place", vertices);
   g.touched = layout_region<uint32_t>(layout, "sampling.geodesic.touched", vertices);
-  // A depth-first walk in which every step removes one window and adds two is never higher than its depth and two more; a
-  // shortest path crosses a triangle once. The second share is for edges with three and more triangles.
+  // A depth-first walk in which every step removes one window and adds two is never higher than its depth and two more;
+  // a shortest path crosses a triangle once. The second share is for edges with three and more triangles.
   g.stack_capacity = 2 * triangles + 64;
   g.stack = layout_region<Window>(layout, "sampling.geodesic.stack", g.stack_capacity);
   return g;

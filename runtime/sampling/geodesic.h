@@ -1,13 +1,15 @@
 // Exact shortest-path distances (3.14) along a triangle mesh, from one point to the candidates within a radius of it.
 //
-// A shortest path is straight once the triangles it crosses are unfolded into a plane, except where it turns at a vertex. So
-// light is sent from the source across edges: a window is a stretch of an edge, the source's unfolded place behind it and the
-// length of the path before that source. A window that crosses a triangle reaches candidates in it, its far vertex, and windows on its
-// two far edges. Vertices where paths turn become sources in their own right, nearest first, so each is a source once.
-// (Mitchell, Mount, Papadimitriou 1987, in the form of Chen and Han; windows that a vertex dominates are dropped after Xin and Wang 2009.)
+// A shortest path is straight once the triangles it crosses are unfolded into a plane, except where it turns at a
+// vertex. So light is sent from the source across edges: a window is a stretch of an edge, the source's unfolded place
+// behind it and the length of the path before that source. A window that crosses a triangle reaches candidates in it,
+// its far vertex, and windows on its two far edges. Vertices where paths turn become sources in their own right,
+// nearest first, so each is a source once. (Mitchell, Mount, Papadimitriou 1987, in the form of Chen and Han; windows
+// that a vertex dominates are dropped after Xin and Wang 2009.)
 //
-// Every length found is that of a real path, so a distance is never too small. It is never too large on manifold meshes: the stack of
-// windows holds one for each triangle that a shortest path can cross. It refuses nothing; arguments were checked.
+// Every length found is that of a real path, so a distance is never too small. It is never too large on manifold
+// meshes: the stack of windows holds one for each triangle that a shortest path can cross. It refuses nothing;
+// arguments were checked.
 #pragma once
 
 #include "runtime/sampling/candidates.h"

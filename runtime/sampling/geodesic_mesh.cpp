@@ -60,7 +60,8 @@ double corner_angle(const GeodesicMesh& g, uint32_t h) {
 
 bool two_sided(const GeodesicMesh& g, uint32_t h) { return g.mate[h] != h && g.mate[g.mate[h]] == h; }
 
-// Shortest paths turn only where there is more than a full angle around a vertex, or at a boundary, or where sheets meet.
+// Shortest paths turn only where there is more than a full angle around a vertex, or at a boundary, or where sheets
+// meet.
 void mark_bends(const GeodesicMesh& g) {
   for (uint32_t v = 0; v < g.mesh->vertex_count; ++v) {
     double angle = 0;

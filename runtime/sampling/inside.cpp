@@ -12,7 +12,8 @@ struct sandglass_mesh_inside {
 namespace sandglass {
 namespace {
 
-sandglass_status measure(const sandglass_mesh* mesh, sandglass_inside_rule rule, sandglass_mesh_inside* plan, const char** reason) {
+sandglass_status measure(const sandglass_mesh* mesh, sandglass_inside_rule rule, sandglass_mesh_inside* plan,
+                         const char** reason) {
   float bounds_min[3], bounds_max[3];
   if (const sandglass_status status = sandglass_mesh_bounds(mesh, bounds_min, bounds_max, reason)) return status;
   *plan = {};
@@ -22,17 +23,16 @@ sandglass_status measure(const sandglass_mesh* mesh, sandglass_inside_rule rule,
   } else if (rule == SANDGLASS_INSIDE_WINDING) {
     plan->winding = measure_winding(*mesh);
   } else {
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "rule is none of sandglass_inside_rule: use PARITY or WINDING");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "rule is none of sandglass_inside_rule: use PARITY or WINDING");
   }
   return accept(reason);
 }
 
 sandglass_mesh_inside* lay_out(Layout* layout, const sandglass_mesh& mesh, sandglass_mesh_inside* plan) {
   auto* inside = layout_region<sandglass_mesh_inside>(layout, "sampling.inside", 1);
-  if (plan->rule == SANDGLASS_INSIDE_PARITY)
-    lay_out_parity(layout, mesh, &plan->parity);
-  else
-    lay_out_winding(layout, &plan->winding);
+  if (plan->rule == SANDGLASS_INSIDE_PARITY) lay_out_parity(layout, mesh, &plan->parity);
+  else lay_out_winding(layout, &plan->winding);
   return inside;
 }
 
@@ -47,7 +47,8 @@ sandglass_status sandglass_mesh_inside_bytes(const sandglass_mesh* mesh, sandgla
                                              const char** reason) {
   sandglass_mesh_inside plan;
   if (const sandglass_status status = measure(mesh, rule, &plan, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
+  if (bytes == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
   Layout layout;
   lay_out(&layout, *mesh, &plan);
   *bytes = layout.size;
@@ -57,7 +58,8 @@ sandglass_status sandglass_mesh_inside_bytes(const sandglass_mesh* mesh, sandgla
 sandglass_status sandglass_mesh_inside_create(const sandglass_mesh* mesh, sandglass_inside_rule rule, void* block,
                                               uint64_t bytes, sandglass_mesh_inside** inside, const char** reason) {
   sandglass_mesh_inside plan;
-  if (inside == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "inside is NULL: pass room for a pointer");
+  if (inside == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "inside is NULL: pass room for a pointer");
   if (const sandglass_status status = measure(mesh, rule, &plan, reason)) return status;
   Layout size;
   lay_out(&size, *mesh, &plan);
@@ -67,10 +69,8 @@ sandglass_status sandglass_mesh_inside_create(const sandglass_mesh* mesh, sandgl
   sandglass_mesh_inside* made = lay_out(&layout, *mesh, &plan);
   float bounds_min[3], bounds_max[3];
   if (const sandglass_status status = sandglass_mesh_bounds(mesh, bounds_min, bounds_max, reason)) return status;
-  if (rule == SANDGLASS_INSIDE_PARITY)
-    build_parity(*mesh, &plan.parity);
-  else
-    build_winding(*mesh, bounds_min, bounds_max, &plan.winding);
+  if (rule == SANDGLASS_INSIDE_PARITY) build_parity(*mesh, &plan.parity);
+  else build_winding(*mesh, bounds_min, bounds_max, &plan.winding);
   *made = plan;
   *inside = made;
   return accept(reason);

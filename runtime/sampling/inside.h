@@ -1,5 +1,5 @@
-// The two prepared inside tests behind sandglass_mesh_inside. Each lays its block out with one function, used for the size and
-// for the creation.
+// The two prepared inside tests behind sandglass_mesh_inside. Each lays its block out with one function, used for the
+// size and for the creation.
 #pragma once
 
 #include "runtime/core/layout.h"
@@ -21,13 +21,14 @@ struct Parity {
 
 struct WindingNode {
   double centre[3];
-  double radius;      // negative: an empty node
-  double dipole[3];   // sum of area * normal
-  double moment[9];   // sum of area * normal (x) (centroid - centre)
+  double radius;     // negative: an empty node
+  double dipole[3];  // sum of area * normal
+  double moment[9];  // sum of area * normal (x) (centroid - centre)
   double area;
 };
 
-// Winding: triangles in Morton order, eight a leaf, under a complete binary tree without pointers (children of n: 2n, 2n + 1).
+// Winding: triangles in Morton order, eight a leaf, under a complete binary tree without pointers (children of n: 2n,
+// 2n + 1).
 struct Winding {
   uint32_t triangle_count;
   uint32_t leaf_count;  // a power of two

@@ -1,5 +1,5 @@
-// Hexagonal close packing in a volume: Alg. 3. One pass asks `inside` once a site and notes the answer in a bit; the number is
-// then known before the first point is written.
+// Hexagonal close packing in a volume: Alg. 3. One pass asks `inside` once a site and notes the answer in a bit; the
+// number is then known before the first point is written.
 #include "runtime/core/layout.h"
 #include "runtime/core/math.h"
 #include "runtime/sampling/arguments.h"
@@ -16,8 +16,8 @@ struct Lattice {
   uint64_t total;
 };
 
-// Alg. 3, lines 1-3. One more site along each axis than the source's ceiling where the extent is a whole number of spacings:
-// the last layer then lies on the box's far face, which belongs to the box.
+// Alg. 3, lines 1-3. One more site along each axis than the source's ceiling where the extent is a whole number of
+// spacings: the last layer then lies on the box's far face, which belongs to the box.
 sandglass_status measure(const float bounds_min[3], const float bounds_max[3], float distance, Lattice* lattice,
                          const char** reason) {
   if (const sandglass_status status = check_box(bounds_min, bounds_max, reason)) return status;
@@ -31,7 +31,8 @@ sandglass_status measure(const float bounds_min[3], const float bounds_max[3], f
     const double sites = (lattice->far[k] - lattice->origin[k]) / (spacing[k] * lattice->distance);
     total *= sites + 1;
     if (!(total <= static_cast<double>(k_point_limit)))
-      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "distance is too small: more than 2^30 lattice sites in the bounding box; enlarge it");
+      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                    "distance is too small: more than 2^30 lattice sites in the bounding box; enlarge it");
     lattice->sites[k] = static_cast<uint32_t>(sites) + 1;
   }
   lattice->total = static_cast<uint64_t>(lattice->sites[0]) * lattice->sites[1] * lattice->sites[2];
@@ -47,7 +48,8 @@ bool place_site(const Lattice& lattice, uint64_t index, float point[3]) {
   const uint32_t i = static_cast<uint32_t>(index % lattice.sites[0]);
   const uint32_t k = static_cast<uint32_t>(index / lattice.sites[0] % lattice.sites[2]);
   const uint32_t j = static_cast<uint32_t>(index / lattice.sites[0] / lattice.sites[2]);
-  const double site[3] = {i + 0.5 * ((j + k) % 2), square_root(6.0) / 3 * j, square_root(3.0) / 2 * (k + (j % 2) / 3.0)};
+  const double site[3] = {i + 0.5 * ((j + k) % 2), square_root(6.0) / 3 * j,
+                          square_root(3.0) / 2 * (k + (j % 2) / 3.0)};
   for (int axis = 0; axis < 3; ++axis) {
     point[axis] = static_cast<float>(lattice.origin[axis] + site[axis] * lattice.distance);
     if (!(static_cast<double>(point[axis]) <= lattice.far[axis])) return false;
@@ -66,7 +68,8 @@ sandglass_status sandglass_sample_lattice_capacity(const float bounds_min[3], co
                                                    uint32_t* capacity, const char** reason) {
   Lattice lattice;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &lattice, reason)) return status;
-  if (capacity == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "capacity is NULL: pass room for a number");
+  if (capacity == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "capacity is NULL: pass room for a number");
   *capacity = static_cast<uint32_t>(lattice.total);
   return accept(reason);
 }
@@ -75,7 +78,8 @@ sandglass_status sandglass_sample_lattice_bytes(const float bounds_min[3], const
                                                 uint64_t* bytes, const char** reason) {
   Lattice lattice;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &lattice, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
+  if (bytes == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
   Layout layout;
   lay_out(&layout, lattice);
   *bytes = layout.size;
@@ -83,17 +87,20 @@ sandglass_status sandglass_sample_lattice_bytes(const float bounds_min[3], const
 }
 
 sandglass_status sandglass_sample_lattice(const float bounds_min[3], const float bounds_max[3], float distance,
-                                          sandglass_inside inside, void* inside_user, const sandglass_sample_options* options,
-                                          void* scratch, uint64_t scratch_bytes, float* points, uint32_t capacity,
-                                          uint32_t* count, const char** reason) {
-  if (count == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "count is NULL: pass room for a number");
+                                          sandglass_inside inside, void* inside_user,
+                                          const sandglass_sample_options* options, void* scratch,
+                                          uint64_t scratch_bytes, float* points, uint32_t capacity, uint32_t* count,
+                                          const char** reason) {
+  if (count == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "count is NULL: pass room for a number");
   *count = 0;
   Lattice lattice;
   sandglass_sample_options resolved;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &lattice, reason)) return status;
   if (const sandglass_status status = check_options(options, &resolved, reason)) return status;
   if (inside == nullptr || points == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "inside or points is NULL: pass an inside test and room for 3*capacity floats");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "inside or points is NULL: pass an inside test and room for 3*capacity floats");
   Layout size;
   lay_out(&size, lattice);
   if (const sandglass_status status = check_block(scratch, scratch_bytes, size.size, reason)) return status;
@@ -112,7 +119,8 @@ sandglass_status sandglass_sample_lattice(const float bounds_min[3], const float
     ++found;
   }
   if (found > capacity)
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more samples than capacity: see sandglass_sample_lattice_capacity, or enlarge distance");
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "more samples than capacity: see sandglass_sample_lattice_capacity, or enlarge distance");
   uint64_t written = 0;
   for (uint64_t index = 0; index < lattice.total; ++index)
     if (bits[index / 64] >> (index % 64) & 1) place_site(lattice, index, points + 3 * written++);

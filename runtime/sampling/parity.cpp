@@ -1,10 +1,11 @@
 // Inside by parity of ray crossings, in exact arithmetic.
 //
-// A ray along an axis hits a triangle if the point's projection lies in the triangle's. That is decided edge by edge: an edge
-// counts if its ends lie on different sides of the point in v (one of them inclusive), and the point lies strictly on its lower-u side. The
-// outcome depends on the edge and the point alone, so the two triangles at an edge agree, and of a closed mesh the ray hits an even number
-// whatever it passes through: vertices and edges need no case of their own. Floating-point signs would spoil this; with
-// coordinates rounded to 26 bits the products fit 64-bit integers.
+// A ray along an axis hits a triangle if the point's projection lies in the triangle's. That is decided edge by edge:
+// an edge counts if its ends lie on different sides of the point in v (one of them inclusive), and the point lies
+// strictly on its lower-u side. The outcome depends on the edge and the point alone, so the two triangles at an edge
+// agree, and of a closed mesh the ray hits an even number whatever it passes through: vertices and edges need no case
+// of their own. Floating-point signs would spoil this; with coordinates rounded to 26 bits the products fit 64-bit
+// integers.
 #include "runtime/core/math.h"
 #include "runtime/sampling/inside.h"
 
@@ -34,8 +35,10 @@ struct ColumnRange {
 };
 
 ColumnRange columns_of(const int32_t t[9], uint32_t shift) {
-  return {static_cast<uint32_t>(least(t[0], t[3], t[6])) >> shift, static_cast<uint32_t>(greatest(t[0], t[3], t[6])) >> shift,
-          static_cast<uint32_t>(least(t[1], t[4], t[7])) >> shift, static_cast<uint32_t>(greatest(t[1], t[4], t[7])) >> shift};
+  return {static_cast<uint32_t>(least(t[0], t[3], t[6])) >> shift,
+          static_cast<uint32_t>(greatest(t[0], t[3], t[6])) >> shift,
+          static_cast<uint32_t>(least(t[1], t[4], t[7])) >> shift,
+          static_cast<uint32_t>(greatest(t[1], t[4], t[7])) >> shift};
 }
 
 void set_columns(Parity* p, uint32_t shift) {
@@ -61,14 +64,16 @@ bool covers(const int32_t t[9], int64_t u, int64_t v) {
   for (int k = 0; k < 3; ++k) {
     const int32_t *a = t + 3 * k, *b = t + 3 * ((k + 1) % 3);
     if ((a[1] > v) == (b[1] > v)) continue;
-    const int64_t side = (static_cast<int64_t>(b[0]) - a[0]) * (v - a[1]) - (static_cast<int64_t>(b[1]) - a[1]) * (u - a[0]);
+    const int64_t side =
+        (static_cast<int64_t>(b[0]) - a[0]) * (v - a[1]) - (static_cast<int64_t>(b[1]) - a[1]) * (u - a[0]);
     if (b[1] > a[1] ? side > 0 : side < 0) odd = !odd;
   }
   return odd;
 }
 
-// Whether a triangle that covers (u, v) passes strictly above w: the sign of det[b-a, c-a, p-a] against that of the projected
-// area. The minors have 55 bits and the factors 28, so each minor is split and the three products are added in two parts.
+// Whether a triangle that covers (u, v) passes strictly above w: the sign of det[b-a, c-a, p-a] against that of the
+// projected area. The minors have 55 bits and the factors 28, so each minor is split and the three products are added
+// in two parts.
 bool passes_above(const int32_t t[9], int64_t u, int64_t v, int64_t w) {
   if (w >= greatest(t[2], t[5], t[8])) return false;
   if (w < least(t[2], t[5], t[8])) return true;
@@ -91,7 +96,8 @@ bool passes_above(const int32_t t[9], int64_t u, int64_t v, int64_t w) {
 
 }  // namespace
 
-// Columns as narrow as 4 a triangle allow, but not so narrow that large triangles fill the lists: at most 16 entries a triangle.
+// Columns as narrow as 4 a triangle allow, but not so narrow that large triangles fill the lists: at most 16 entries a
+// triangle.
 Parity measure_parity(const sandglass_mesh& mesh, const float bounds_min[3], const float bounds_max[3]) {
   Parity p = {};
   double extent[3];
@@ -120,7 +126,8 @@ Parity measure_parity(const sandglass_mesh& mesh, const float bounds_min[3], con
 
 void lay_out_parity(Layout* layout, const sandglass_mesh& mesh, Parity* p) {
   p->triangles = layout_region<int32_t>(layout, "sampling.parity.triangles", 9ull * mesh.triangle_count);
-  p->column_first = layout_region<uint32_t>(layout, "sampling.parity.first", static_cast<uint64_t>(p->columns_u) * p->columns_v + 1);
+  p->column_first =
+      layout_region<uint32_t>(layout, "sampling.parity.first", static_cast<uint64_t>(p->columns_u) * p->columns_v + 1);
   p->column_list = layout_region<uint32_t>(layout, "sampling.parity.list", p->references);
 }
 

@@ -1,6 +1,6 @@
-// The random numbers of sampling: SplitMix64, one 64-bit word of state, any seed good, streams by hashing. The conversions are
-// part of the result's definition: a uniform number is the top 53 bits times 2^-53 (exact, never 1), an index the top 32 bits
-// times n, shifted down by 32.
+// The random numbers of sampling: SplitMix64, one 64-bit word of state, any seed good, streams by hashing. The
+// conversions are part of the result's definition: a uniform number is the top 53 bits times 2^-53 (exact, never 1), an
+// index the top 32 bits times n, shifted down by 32.
 #pragma once
 
 #include <cstdint>

@@ -1,15 +1,16 @@
 // Disk, sphere and ring: points on a Fermat spiral, turned by the golden angle from one to the next.
 //
-// With s = (i - 1/2)/N the sphere's (3.8), cos theta = (N+1-2i)/N, reads cos theta = 1 - 2s, sin(theta/2)^2 = s: no arccos is
-// needed, nothing cancels near the poles, and the ring's index range (3.10) becomes sin^2(theta_a/2) <= s <= sin^2(theta_b/2).
+// With s = (i - 1/2)/N the sphere's (3.8), cos theta = (N+1-2i)/N, reads cos theta = 1 - 2s, sin(theta/2)^2 = s: no
+// arccos is needed, nothing cancels near the poles, and the ring's index range (3.10) becomes sin^2(theta_a/2) <= s <=
+// sin^2(theta_b/2).
 #include "runtime/core/math.h"
 #include "runtime/sampling/arguments.h"
 
 namespace sandglass {
 namespace {
 
-// Phi = 2 pi (1 - 1/golden ratio) (3.2) as a fraction of a turn times 2^64: multiplication modulo 2^64 drops whole turns exactly,
-// so the azimuth of the billionth point is as good as that of the first.
+// Phi = 2 pi (1 - 1/golden ratio) (3.2) as a fraction of a turn times 2^64: multiplication modulo 2^64 drops whole
+// turns exactly, so the azimuth of the billionth point is as good as that of the first.
 constexpr uint64_t k_golden_turn = 0x61C8864680B583EAull;
 
 // Points of a whole sphere: below it, index times sine keeps eleven bits behind the binary point.
@@ -52,8 +53,8 @@ IndexRange ring_indices(int64_t sphere_count, double low, double high) {
   return {ceiling_index(n * low + 0.5), floor_index(n * high + 0.5)};
 }
 
-// From N to N+1 both ends of the range move by 0 or 1, so the kept count changes by at most 1 and takes every value from 0 up:
-// a sphere that keeps exactly `wanted` exists, within two points' worth of (3.11).
+// From N to N+1 both ends of the range move by 0 or 1, so the kept count changes by at most 1 and takes every value
+// from 0 up: a sphere that keeps exactly `wanted` exists, within two points' worth of (3.11).
 int64_t ring_sphere_count(uint32_t wanted, double low, double high) {
   const int64_t start = ceiling_index(static_cast<double>(wanted) / (high - low));
   for (int64_t step = 0;; step = step > 0 ? -step : 1 - step) {  // 0, 1, -1, 2, -2, ...
@@ -95,7 +96,8 @@ sandglass_status sandglass_sample_ring(float radius, float theta_a, float theta_
                                        const char** reason) {
   if (const sandglass_status status = check_shape(radius, count, points, reason)) return status;
   if (!(theta_a >= 0 && theta_a < theta_b && theta_b <= static_cast<float>(k_pi)))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "the ring is not 0 <= theta_a < theta_b <= pi: give polar angles in radians");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "the ring is not 0 <= theta_a < theta_b <= pi: give polar angles in radians");
   const double low = half_angle_sine_squared(theta_a), high = half_angle_sine_squared(theta_b);
   if (!(count / (high - low) <= k_sphere_limit))
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,

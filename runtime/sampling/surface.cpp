@@ -1,10 +1,10 @@
 // Poisson-disk sampling of a surface: Alg. 1.
 //
-// The source asks of each candidate whether a sample conflicts, with a second grid that holds the samples. Here a new sample
-// retires the candidates that are closer than l to it, once and for good. The live candidates are then exactly those without
-// conflict, which gives the same decisions with one grid, makes the work linear (a candidate dies once), makes the result
-// maximal when no candidate is left, and needs the distances from a sample rather than between pairs, which is what a geodesic search
-// gives.
+// The source asks of each candidate whether a sample conflicts, with a second grid that holds the samples. Here a new
+// sample retires the candidates that are closer than l to it, once and for good. The live candidates are then exactly
+// those without conflict, which gives the same decisions with one grid, makes the work linear (a candidate dies once),
+// makes the result maximal when no candidate is left, and needs the distances from a sample rather than between pairs,
+// which is what a geodesic search gives.
 #include "runtime/core/layout.h"
 #include "runtime/sampling/arguments.h"
 #include "runtime/sampling/candidate_grid.h"
@@ -34,9 +34,10 @@ struct SurfaceMemory {
   Geodesic geodesic;
 };
 
-sandglass_status measure(const sandglass_mesh* mesh, float distance, const sandglass_sample_options* options, SurfaceNeed* need,
-                         const char** reason) {
-  if (const sandglass_status status = sandglass_mesh_bounds(mesh, need->bounds_min, need->bounds_max, reason)) return status;
+sandglass_status measure(const sandglass_mesh* mesh, float distance, const sandglass_sample_options* options,
+                         SurfaceNeed* need, const char** reason) {
+  if (const sandglass_status status = sandglass_mesh_bounds(mesh, need->bounds_min, need->bounds_max, reason))
+    return status;
   if (const sandglass_status status = check_distance(distance, reason)) return status;
   if (const sandglass_status status = check_options(options, &need->options, reason)) return status;
   need->mesh = mesh;
@@ -46,11 +47,13 @@ sandglass_status measure(const sandglass_mesh* mesh, float distance, const sandg
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "the mesh's triangles have no area: check its vertices");
   const double candidates = candidate_count(need->area, distance, need->options.tries);
   if (!(candidates <= k_point_limit))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "distance is too small: more than 2^30 candidates; enlarge it or shrink the mesh");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "distance is too small: more than 2^30 candidates; enlarge it or shrink the mesh");
   for (int k = 0; k < 3; ++k) {
     const double extent = static_cast<double>(need->bounds_max[k]) - static_cast<double>(need->bounds_min[k]);
     if (!(extent * cells_per_metre(distance) < k_axis_cell_limit))
-      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "distance is too small: more than 2^20 of it along the bounding box; enlarge it");
+      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                    "distance is too small: more than 2^20 of it along the bounding box; enlarge it");
   }
   need->candidates = static_cast<uint32_t>(candidates);
   // With 30 tries a cell that the surface crosses holds about ten candidates.
@@ -159,8 +162,8 @@ bool take_sample(SurfaceRun* run, uint32_t bucket, uint32_t record) {
   return true;
 }
 
-// Alg. 1, lines 6-19. The walk over the neighbouring cells starts at a random one, lest growth prefer a direction; as in [B07] a new
-// sample lies within 2l of the active one.
+// Alg. 1, lines 6-19. The walk over the neighbouring cells starts at a random one, lest growth prefer a direction; as
+// in [B07] a new sample lies within 2l of the active one.
 bool grow(SurfaceRun* run) {
   const CandidateGrid& grid = run->memory.grid;
   while (run->active_count > 0) {
@@ -203,17 +206,19 @@ sandglass_status sandglass_sample_surface_capacity(const sandglass_mesh* mesh, f
                                                    const char** reason) {
   SurfaceNeed need;
   if (const sandglass_status status = measure(mesh, distance, options, &need, reason)) return status;
-  if (capacity == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "capacity is NULL: pass room for a number");
+  if (capacity == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "capacity is NULL: pass room for a number");
   *capacity = need.candidates;
   return accept(reason);
 }
 
 sandglass_status sandglass_sample_surface_bytes(const sandglass_mesh* mesh, float distance,
-                                                const sandglass_sample_options* options, uint32_t capacity, uint64_t* bytes,
-                                                const char** reason) {
+                                                const sandglass_sample_options* options, uint32_t capacity,
+                                                uint64_t* bytes, const char** reason) {
   SurfaceNeed need;
   if (const sandglass_status status = measure(mesh, distance, options, &need, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
+  if (bytes == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
   need.capacity = capacity < need.candidates ? capacity : need.candidates;
   Layout layout;
   lay_out(&layout, need);
@@ -221,14 +226,17 @@ sandglass_status sandglass_sample_surface_bytes(const sandglass_mesh* mesh, floa
   return accept(reason);
 }
 
-sandglass_status sandglass_sample_surface(const sandglass_mesh* mesh, float distance, const sandglass_sample_options* options,
-                                          void* scratch, uint64_t scratch_bytes, float* points, uint32_t capacity,
-                                          uint32_t* count, const char** reason) {
-  if (count == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "count is NULL: pass room for a number");
+sandglass_status sandglass_sample_surface(const sandglass_mesh* mesh, float distance,
+                                          const sandglass_sample_options* options, void* scratch,
+                                          uint64_t scratch_bytes, float* points, uint32_t capacity, uint32_t* count,
+                                          const char** reason) {
+  if (count == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "count is NULL: pass room for a number");
   *count = 0;
   SurfaceNeed need;
   if (const sandglass_status status = measure(mesh, distance, options, &need, reason)) return status;
-  if (points == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "points is NULL: pass room for 3*capacity floats");
+  if (points == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "points is NULL: pass room for 3*capacity floats");
   need.capacity = capacity < need.candidates ? capacity : need.candidates;
   Layout size;
   lay_out(&size, need);
@@ -242,7 +250,8 @@ sandglass_status sandglass_sample_surface(const sandglass_mesh* mesh, float dist
   const double l = static_cast<double>(distance);
   SurfaceRun run = {need, memory, random_stream(need.options.seed, k_stream_growth), l * l, 0, 0, 0};
   if (!sample_all(&run))
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more samples than capacity: see sandglass_sample_surface_capacity, or enlarge distance");
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "more samples than capacity: see sandglass_sample_surface_capacity, or enlarge distance");
   for (uint32_t i = 0; i < run.sample_count; ++i)
     for (int k = 0; k < 3; ++k) points[3ull * i + k] = memory.grid.records[memory.samples[i]].position[k];
   *count = run.sample_count;

@@ -1,8 +1,8 @@
 // Poisson-disk sampling of a volume: Alg. 2, on a dense grid with cell edge l in which each cell chains its samples.
 //
-// Growth from the first seed fills the part that the seed lies in. The walk over the cells then gives every other part its seed:
-// a probe that lies inside and conflicts with nothing. A try is tested for conflicts before it is tested for being inside,
-// because the grid is cheap and the inside test may be a ray tracer; the outcome is the same.
+// Growth from the first seed fills the part that the seed lies in. The walk over the cells then gives every other part
+// its seed: a probe that lies inside and conflicts with nothing. A try is tested for conflicts before it is tested for
+// being inside, because the grid is cheap and the inside test may be a ray tracer; the outcome is the same.
 #include "runtime/sampling/volume.h"
 
 #include "runtime/core/layout.h"
@@ -32,8 +32,8 @@ VolumeMemory lay_out(Layout* layout, const CellGrid& grid, uint32_t capacity) {
   return memory;
 }
 
-// The densest packing of spheres fills pi/sqrt(18) of space, and spheres of diameter l around centres in the box stay within
-// l/2 of it: at most sqrt(2) * product of (extent/l + 1) of them.
+// The densest packing of spheres fills pi/sqrt(18) of space, and spheres of diameter l around centres in the box stay
+// within l/2 of it: at most sqrt(2) * product of (extent/l + 1) of them.
 double packing_bound(const CellGrid& grid) {
   double bound = square_root(2.0);
   for (int k = 0; k < 3; ++k) bound *= (grid.far[k] - grid.origin[k]) / grid.edge + 1;
@@ -45,7 +45,8 @@ sandglass_status measure(const float bounds_min[3], const float bounds_max[3], f
   if (const sandglass_status status = check_box(bounds_min, bounds_max, reason)) return status;
   if (const sandglass_status status = check_distance(distance, reason)) return status;
   if (!make_cell_grid(bounds_min, bounds_max, distance, grid) || !(packing_bound(*grid) < 0xFFFFFFFEu))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "distance is too small: more than 2^30 cells of it in the bounding box; enlarge it");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "distance is too small: more than 2^30 cells of it in the bounding box; enlarge it");
   return accept(reason);
 }
 
@@ -185,7 +186,8 @@ sandglass_status sandglass_sample_volume_capacity(const float bounds_min[3], con
                                                   uint32_t* capacity, const char** reason) {
   CellGrid grid;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &grid, reason)) return status;
-  if (capacity == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "capacity is NULL: pass room for a number");
+  if (capacity == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "capacity is NULL: pass room for a number");
   *capacity = static_cast<uint32_t>(packing_bound(grid)) + 1;
   return accept(reason);
 }
@@ -194,7 +196,8 @@ sandglass_status sandglass_sample_volume_bytes(const float bounds_min[3], const 
                                                uint32_t capacity, uint64_t* bytes, const char** reason) {
   CellGrid grid;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &grid, reason)) return status;
-  if (bytes == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
+  if (bytes == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
   Layout layout;
   lay_out(&layout, grid, capacity);
   *bytes = layout.size;
@@ -202,17 +205,19 @@ sandglass_status sandglass_sample_volume_bytes(const float bounds_min[3], const 
 }
 
 sandglass_status sandglass_sample_volume(const float bounds_min[3], const float bounds_max[3], float distance,
-                                         sandglass_inside inside, void* inside_user, const sandglass_sample_options* options,
-                                         void* scratch, uint64_t scratch_bytes, float* points, uint32_t capacity,
-                                         uint32_t* count, const char** reason) {
-  if (count == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "count is NULL: pass room for a number");
+                                         sandglass_inside inside, void* inside_user,
+                                         const sandglass_sample_options* options, void* scratch, uint64_t scratch_bytes,
+                                         float* points, uint32_t capacity, uint32_t* count, const char** reason) {
+  if (count == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "count is NULL: pass room for a number");
   *count = 0;
   CellGrid grid;
   sandglass_sample_options resolved;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &grid, reason)) return status;
   if (const sandglass_status status = check_options(options, &resolved, reason)) return status;
   if (inside == nullptr || points == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "inside or points is NULL: pass an inside test and room for 3*capacity floats");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "inside or points is NULL: pass an inside test and room for 3*capacity floats");
   Layout size;
   lay_out(&size, grid, capacity);
   if (const sandglass_status status = check_block(scratch, scratch_bytes, size.size, reason)) return status;
@@ -220,10 +225,20 @@ sandglass_status sandglass_sample_volume(const float bounds_min[3], const float 
   Layout layout;
   layout.base = static_cast<uint8_t*>(scratch);
   const VolumeMemory memory = lay_out(&layout, grid, capacity);
-  VolumeRun run = {grid, memory, resolved, inside, inside_user, random_stream(resolved.seed, k_stream_growth),
-                   grid.edge, grid.edge * grid.edge, capacity, 0, 0};
+  VolumeRun run = {grid,
+                   memory,
+                   resolved,
+                   inside,
+                   inside_user,
+                   random_stream(resolved.seed, k_stream_growth),
+                   grid.edge,
+                   grid.edge * grid.edge,
+                   capacity,
+                   0,
+                   0};
   if (!sample_all(&run))
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more samples than capacity: see sandglass_sample_volume_capacity, or enlarge distance");
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "more samples than capacity: see sandglass_sample_volume_capacity, or enlarge distance");
   for (uint64_t i = 0; i < 3ull * run.count; ++i) points[i] = memory.positions[i];
   *count = run.count;
   return accept(reason);

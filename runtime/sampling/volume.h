@@ -1,5 +1,5 @@
-// Where Alg. 2 puts its random points: tries in the shell around a sample, and probes, one a cell, from which growth starts
-// again. Apart from the sampler so that tests can hold their distributions against theory.
+// Where Alg. 2 puts its random points: tries in the shell around a sample, and probes, one a cell, from which growth
+// starts again. Apart from the sampler so that tests can hold their distributions against theory.
 #pragma once
 
 #include "runtime/core/math.h"
@@ -11,8 +11,8 @@ struct Offset {
   double x, y, z;
 };
 
-// Uniform in the shell l..2l. ERRATUM (3.29): the volume within r grows as r^3 - l^3 = 7 l^3 rho, so r = l cuberoot(1 + 7 rho);
-// (3.30) without its arccos: cos(theta) = 2 rho - 1; (3.31).
+// Uniform in the shell l..2l. ERRATUM (3.29): the volume within r grows as r^3 - l^3 = 7 l^3 rho, so r = l cuberoot(1 +
+// 7 rho); (3.30) without its arccos: cos(theta) = 2 rho - 1; (3.31).
 inline Offset draw_in_shell(Random* random, double distance) {
   const double r = distance * cube_root(1 + 7 * random->uniform());
   const double cosine = 2 * random->uniform() - 1, sine = square_root(1 - cosine * cosine);

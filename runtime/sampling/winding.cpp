@@ -1,8 +1,8 @@
 // Generalised winding number (3.27, 3.28), for one point exactly or for many through a tree.
 //
-// From afar a cluster of triangles looks like a dipole: the sum of area * normal at the cluster's centre. The first moment about
-// the centre corrects most of the rest (Barill et al. 2018, first order of their expansion). A cluster counts as far beyond k_far times its
-// radius; nearer ones are opened, triangles in the end taken exactly.
+// From afar a cluster of triangles looks like a dipole: the sum of area * normal at the cluster's centre. The first
+// moment about the centre corrects most of the rest (Barill et al. 2018, first order of their expansion). A cluster
+// counts as far beyond k_far times its radius; nearer ones are opened, triangles in the end taken exactly.
 #include "runtime/core/math.h"
 #include "runtime/sampling/arguments.h"
 #include "runtime/sampling/inside.h"
@@ -62,7 +62,8 @@ Facet facet_of(const float t[9]) {
   facet.dipole[0] = 0.5 * (e[1] * f[2] - e[2] * f[1]);
   facet.dipole[1] = 0.5 * (e[2] * f[0] - e[0] * f[2]);
   facet.dipole[2] = 0.5 * (e[0] * f[1] - e[1] * f[0]);
-  facet.area = square_root(facet.dipole[0] * facet.dipole[0] + facet.dipole[1] * facet.dipole[1] + facet.dipole[2] * facet.dipole[2]);
+  facet.area = square_root(facet.dipole[0] * facet.dipole[0] + facet.dipole[1] * facet.dipole[1] +
+                           facet.dipole[2] * facet.dipole[2]);
   return facet;
 }
 
@@ -123,12 +124,14 @@ WindingNode join(const WindingNode& a, const WindingNode& b) {
   for (int i = 0; i < 9; ++i) node.moment[i] = a.moment[i] + b.moment[i];
   add_moment(&node, a.dipole, a.centre);
   add_moment(&node, b.dipole, b.centre);
-  const double reach_a = separation(node.centre, a.centre) + a.radius, reach_b = separation(node.centre, b.centre) + b.radius;
+  const double reach_a = separation(node.centre, a.centre) + a.radius,
+               reach_b = separation(node.centre, b.centre) + b.radius;
   node.radius = reach_a > reach_b ? reach_a : reach_b;
   return node;
 }
 
-// The sum over the cluster of dipole . d/|d|^3 to first order in the distance from the centre; d from the point to the centre.
+// The sum over the cluster of dipole . d/|d|^3 to first order in the distance from the centre; d from the point to the
+// centre.
 double far_solid_angle(const WindingNode& node, const double d[3], double squared) {
   double along = 0, trace = 0, bilinear = 0;
   for (int i = 0; i < 3; ++i) {
@@ -147,7 +150,8 @@ double solid_angle(const float t[9], const double point[3]) {
     for (int k = 0; k < 3; ++k) e[corner][k] = static_cast<double>(t[3 * corner + k]) - point[k];
     norm[corner] = square_root(e[corner][0] * e[corner][0] + e[corner][1] * e[corner][1] + e[corner][2] * e[corner][2]);
   }
-  const double determinant = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+  const double determinant = e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) -
+                             e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
                              e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
   double ab = 0, bc = 0, ca = 0;
   for (int k = 0; k < 3; ++k) {
@@ -185,7 +189,9 @@ void build_winding(const sandglass_mesh& mesh, const float bounds_min[3], const 
     const Facet facet = facet_of(t);
     uint64_t code = 0;
     for (int k = 0; k < 3; ++k)
-      code |= spread_bits(static_cast<uint64_t>((facet.centroid[k] - static_cast<double>(bounds_min[k])) * scale) & 1023) << k;
+      code |=
+          spread_bits(static_cast<uint64_t>((facet.centroid[k] - static_cast<double>(bounds_min[k])) * scale) & 1023)
+          << k;
     w->order[i] = code << 32 | i;
   }
   heap_sort(w->order, w->triangle_count);
@@ -196,7 +202,8 @@ void build_winding(const sandglass_mesh& mesh, const float bounds_min[3], const 
 }
 
 double winding_number(const Winding& w, const float position[3]) {
-  const double point[3] = {static_cast<double>(position[0]), static_cast<double>(position[1]), static_cast<double>(position[2])};
+  const double point[3] = {static_cast<double>(position[0]), static_cast<double>(position[1]),
+                           static_cast<double>(position[2])};
   uint32_t stack[k_stack_size];
   uint32_t waiting = 0;
   double sum = 0;
@@ -223,12 +230,13 @@ double winding_number(const Winding& w, const float position[3]) {
 
 }  // namespace sandglass
 
-extern "C" sandglass_status sandglass_mesh_winding_number(const sandglass_mesh* mesh, const float position[3], double* winding,
-                                                          const char** reason) {
+extern "C" sandglass_status sandglass_mesh_winding_number(const sandglass_mesh* mesh, const float position[3],
+                                                          double* winding, const char** reason) {
   using namespace sandglass;
   if (const sandglass_status status = check_mesh(mesh, reason)) return status;
   if (position == nullptr || winding == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "point or winding is NULL: pass 3 floats and room for a double");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "point or winding is NULL: pass 3 floats and room for a double");
   double point[3], sum = 0;
   for (int k = 0; k < 3; ++k) {
     point[k] = static_cast<double>(position[k]);

@@ -1,0 +1,122 @@
+// `sandglass inspect FILE`: what a file is, by its content: a recording, a scene, else a mesh.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "models/cli/commands.h"
+#include "models/host/atomic_file.h"
+#include "models/host/body_meshes.h"
+#include "models/host/failure.h"
+#include "models/host/mesh/mesh.h"
+#include "models/host/recording.h"
+#include "models/host/scene_file.h"
+#include "models/host/scene_fill.h"
+#include "models/host/simulation.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr char k_recording_magic[] = "SGREC";  // the first bytes of models/host/recording.h's format
+
+void inspect_recording(const std::string& path) {
+  const Recording recording = load_recording(path);
+  double seconds = 0.0;
+  size_t colliders = 0;
+  uint64_t units = 0;
+  for (const RecordedFrame& frame : recording.frames) {
+    seconds += static_cast<double>(frame.time_step);
+    colliders = std::max(colliders, frame.colliders.size());
+    for (uint32_t run = 0; run < std::min<uint32_t>(frame.plan.run_count, SANDGLASS_PLAN_RUNS); ++run)
+      units += frame.plan.runs[run].units;
+  }
+  std::printf("recording of scene '%s'\n  frames       %zu (%.3f s asked for)\n", recording.scene_name.c_str(),
+              recording.frames.size(), seconds);
+  std::printf("  work units   %llu\n  colliders    %zu at most\n", static_cast<unsigned long long>(units), colliders);
+  std::printf("  start hash   0x%016llx\n  final hash   0x%016llx\n",
+              static_cast<unsigned long long>(recording.start_hash),
+              static_cast<unsigned long long>(recording.final_hash));
+}
+
+void inspect_scene(const std::string& path, const std::string& mesh) {
+  SceneFile scene = load_scene(path);
+  const bool needs_mesh =
+      std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const Body& b) { return b.shape == BodyShape::mesh; });
+  std::printf("scene '%s'\n  frames       %u of %g ms, budget %g ms\n  bodies       %zu, colliders %zu\n",
+              scene.name.c_str(), scene.frames, scene.frame_step * 1e3, scene.budget_ms, scene.bodies.size(),
+              scene.colliders.size());
+  uint32_t particles = 0, grains = 0;
+  if (needs_mesh && mesh.empty()) {
+    for (const Body& body : scene.bodies) particles += body.particles, grains += body.grains;
+    std::printf("  filled with  a mesh file that --mesh names; the counts below are the wanted ones\n");
+  } else {
+    const LoadedMeshes meshes(scene, mesh);
+    const Material material = fill_scene(&scene, meshes.bodies());
+    particles = material.particles(), grains = material.grains();
+  }
+  std::printf("  particles    %u of radius %g m\n  grains       %u\n  friction     %g static, %g kinetic\n", particles,
+              scene.particle_radius, grains, static_cast<double>(scene.granular.static_friction),
+              static_cast<double>(scene.granular.kinetic_friction));
+  if (scene.particle_radius == 0.0) return;
+  Simulation simulation(describe_scene(scene, particles, grains));
+  std::printf("  memory       %llu bytes\n", static_cast<unsigned long long>(simulation.bytes()));
+  std::vector<sandglass_region> regions(sandglass_scene_regions(simulation.handle(), nullptr, 0));
+  regions.resize(std::min<size_t>(regions.size(), sandglass_scene_regions(simulation.handle(), regions.data(),
+                                                                          static_cast<uint32_t>(regions.size()))));
+  for (const sandglass_region& region : regions)
+    std::printf("    %-30s %12llu\n", region.name, static_cast<unsigned long long>(region.bytes));
+}
+
+void inspect_mesh(const std::string& path) {
+  const MeshResult loaded = load_mesh(path);
+  if (!loaded) throw Failure(loaded.error);
+  const Mesh& mesh = loaded.mesh;
+  float low[3] = {}, high[3] = {};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = high[axis] = mesh.vertices[axis];
+    for (size_t i = axis; i < mesh.vertices.size(); i += 3) {
+      low[axis] = std::min(low[axis], mesh.vertices[i]);
+      high[axis] = std::max(high[axis], mesh.vertices[i]);
+    }
+  }
+  const double volume = signed_volume(mesh);
+  const std::string faults = describe_faults(loaded.report);
+  std::printf("mesh\n  vertices     %u\n  triangles    %u\n", mesh.vertex_count(), mesh.triangle_count());
+  std::printf("  bounds       [%g, %g, %g] to [%g, %g, %g]\n", static_cast<double>(low[0]), static_cast<double>(low[1]),
+              static_cast<double>(low[2]), static_cast<double>(high[0]), static_cast<double>(high[1]),
+              static_cast<double>(high[2]));
+  std::printf("  watertight   %s\n  manifold     %s\n", loaded.report.watertight() ? "yes" : "no",
+              loaded.report.manifold() ? "yes" : "no");
+  std::printf("  orientation  %s\n  volume       %g\n",
+              loaded.report.inconsistent_edges > 0 ? "inconsistent"
+              : volume >= 0.0                      ? "outward"
+                                                   : "inward",
+              volume);
+  if (!faults.empty()) std::printf("  faults       %s\n", faults.c_str());
+}
+
+}  // namespace
+
+void add_inspect_command(CLI::App& program, int* exit_code) {
+  struct Options {
+    std::string file, mesh;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("inspect", "Say what a file is: a recording, a scene, a mesh");
+  command->add_option("file", options->file, "The file, or the name of a shipped scene")->required();
+  command->add_option("--mesh", options->mesh, "For a scene: the mesh to fill, as in run");
+  command->callback([options, exit_code] {
+    *exit_code = 0;
+    std::error_code error;
+    if (!std::filesystem::exists(options->file, error)) return inspect_scene(find_scene(options->file), options->mesh);
+    const std::string content = read_file(options->file, "file");
+    if (content.empty()) throw Failure("the file '" + options->file + "' is empty; name another");
+    if (content.starts_with(k_recording_magic)) return inspect_recording(options->file);
+    const size_t first = content.find_first_not_of(" \t\r\n");
+    if (first != std::string::npos && content[first] == '{') return inspect_scene(options->file, options->mesh);
+    inspect_mesh(options->file);
+  });
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,252 @@
+// `sandglass run`: fills a scene with sand, runs its frames under the budget, reports, and ends with the hash of the
+// final state.
+#include <time.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+#include "models/cli/commands.h"
+#include "models/host/atomic_file.h"
+#include "models/host/body_meshes.h"
+#include "models/host/failure.h"
+#include "models/host/metrics.h"
+#include "models/host/npy.h"
+#include "models/host/pictures.h"
+#include "models/host/progress.h"
+#include "models/host/recording.h"
+#include "models/host/report.h"
+#include "models/host/scene_file.h"
+#include "models/host/scene_fill.h"
+#include "models/host/simulation.h"
+#include "models/host/thread_pool.h"
+#include "platform/virtual_clock.h"
+
+namespace sandglass::host {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// The virtual clock moves on by this much at every reading, and the library reads it once or twice a work unit: a plan
+// that depends on nothing but the scene and the budget.
+constexpr uint64_t k_virtual_step_ns = 5'000;
+constexpr int k_exit_check_failed = 1, k_exit_interrupted = 130;
+constexpr uint32_t k_threads_at_most = 256, k_drawing_threads_at_most = 8;
+
+struct Options {
+  std::string scene, mesh, clock = "real", isa = "automatic", record, replay, dump, out;
+  uint32_t frames = 0, threads = 1;
+  double budget_ms = -1.0;
+};
+
+uint64_t thread_cpu_ns() {
+  timespec now = {};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<uint64_t>(now.tv_sec) * 1'000'000'000u + static_cast<uint64_t>(now.tv_nsec);
+}
+
+void dump_frame(const std::string& folder, uint32_t frame, double particle_radius, Simulation* simulation) {
+  const auto write = [&](const char* item, const char* what, const std::vector<float>& values, uint64_t columns) {
+    char name[64];
+    std::snprintf(name, sizeof name, "%s_%06u_%s.npy", item, frame, what);
+    write_npy((fs::path(folder) / name).string(), values, values.size() / columns, columns);
+  };
+  const std::vector<float>& particles = simulation->particle_positions();
+  const uint32_t particle_count = static_cast<uint32_t>(particles.size() / 3);
+  write("particles", "position", particles, 3);
+  write("particles", "velocity", simulation->particle_velocities(), 3);
+  write("particles", "radius", std::vector<float>(particle_count, static_cast<float>(particle_radius)), 1);
+  const std::vector<float>& grains = simulation->grain_positions();
+  const uint32_t grain_count = static_cast<uint32_t>(grains.size() / 3);
+  if (grain_count == 0) return;
+  write("grains", "position", grains, 3);
+  write("grains", "velocity", simulation->grain_velocities(), 3);
+  write("grains", "radius",
+        std::vector<float>(grain_count, drawn_grain_radius(particle_radius, particle_count, grain_count)), 1);
+}
+
+void write_reports(const std::string& folder, const RunReport& report) {
+  const fs::path out(folder);
+  write_file((out / "report.csv").string(), report_csv(report));
+  write_file((out / "trace.json").string(), report_trace(report));
+  write_file((out / "summary.json").string(), report_summary_json(report));
+  write_file((out / "summary.txt").string(), report_summary_text(report));
+}
+
+Snapshot take_snapshot(Simulation* simulation, uint32_t frame, double time, std::vector<sandglass_collider> colliders) {
+  return {frame, time, simulation->grain_positions(), simulation->particle_positions(), std::move(colliders)};
+}
+
+struct Run {
+  const Options& options;
+  SceneFile scene;
+  VirtualClock virtual_time;
+  TraceRecorder recorder;
+  std::optional<ThreadPool> pool;
+  std::optional<Simulation> simulation;
+  RunReport report;
+  std::vector<Snapshot> snapshots;
+  Recording recording;  // --replay: what to execute; --record: what was executed
+
+  explicit Run(const Options& o) : options(o), scene(load_scene(o.scene)) {}
+
+  void prepare() {
+    if (options.frames > 0) scene.frames = options.frames;
+    if (options.budget_ms >= 0.0) scene.budget_ms = options.budget_ms;
+    const sandglass_isa isa = find_isa(options.isa);
+    if (!options.replay.empty()) {
+      recording = load_recording(options.replay);
+      if (recording.frames.empty())
+        throw Failure("the recording '" + options.replay + "' holds no frame; record the run again");
+      const size_t frames = recording.frames.size();
+      scene.frames = static_cast<uint32_t>(options.frames > 0 ? std::min<size_t>(options.frames, frames) : frames);
+    }
+    for (const std::string& folder : {options.out, options.dump})
+      if (!folder.empty()) make_folder(folder);
+
+    const LoadedMeshes meshes(scene, options.mesh);
+    if (!meshes.note().empty()) std::fprintf(stderr, "sandglass: note: %s\n", meshes.note().c_str());
+    const Material material = fill_scene(&scene, meshes.bodies());
+    sandglass_scene_desc desc = describe_scene(scene, material.particles(), material.grains());
+    desc.isa = isa;
+    if (options.clock == "virtual") {
+      virtual_time.step_ns = k_virtual_step_ns;
+      desc.clock = virtual_clock(&virtual_time);
+    } else {
+      desc.clock = sandglass_clock_system();
+    }
+    pool.emplace(options.threads);
+    desc.parallel = pool->hook();
+    if (!options.out.empty()) desc.trace = recorder.hook();
+    simulation.emplace(desc);
+    simulation->add(material);
+    report.scene = scene.name;
+    report.isa = sandglass_isa_name(sandglass_scene_isa(simulation->handle()));
+    report.clock = options.replay.empty() ? options.clock : "replay";
+    report.threads = options.threads;
+    report.memory_bytes = simulation->bytes();
+    if (!options.out.empty()) snapshots.push_back(take_snapshot(&*simulation, 0, 0.0, colliders_over_frame(scene, 0)));
+    const uint64_t start_hash = sandglass_scene_hash(simulation->handle());
+    if (options.replay.empty()) {
+      recording.scene_name = scene.name;
+      recording.start_hash = start_hash;
+    } else if (recording.start_hash != start_hash) {
+      throw Failure("the recording '" + options.replay + "' was made of scene '" + recording.scene_name +
+                    "' in another state than scene '" + scene.name +
+                    "' starts in; name that scene, and the same --mesh");
+    }
+  }
+
+  // One frame by clock and budget, or as recorded.
+  sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
+    if (options.replay.empty()) {
+      *colliders = colliders_over_frame(scene, frame);
+      return simulation->frame(scene.frame_step, static_cast<uint64_t>(scene.budget_ms * 1e6), *colliders);
+    }
+    const RecordedFrame& recorded = recording.frames[frame];
+    *colliders = recorded.colliders;
+    return simulation->frame(static_cast<double>(recorded.time_step), recorded.budget_ns, *colliders, &recorded.plan);
+  }
+
+  void execute() {
+    const uint32_t particles = static_cast<uint32_t>(simulation->particle_positions().size() / 3);
+    const uint32_t grains = static_cast<uint32_t>(simulation->grain_positions().size() / 3);
+    const uint32_t step = snapshot_step(scene.frames, scene.frame_step, particles, grains);
+    Progress progress("simulating " + scene.name, scene.frames);
+    for (uint32_t frame = 0; frame < scene.frames && !interrupted(); ++frame) {
+      std::vector<sandglass_collider> colliders;
+      FrameRow row = {};
+      row.begin_ns = recorder.now_ns();
+      const uint64_t cpu_from = thread_cpu_ns();
+      row.report = advance(frame, &colliders);
+      row.cpu_ms = static_cast<double>(thread_cpu_ns() - cpu_from) * 1e-6;
+      row.wall_ms = static_cast<double>(recorder.now_ns() - row.begin_ns) * 1e-6;
+      report.frames.push_back(row);
+      if (!options.record.empty())
+        recording.frames.push_back(
+            {static_cast<float>(scene.frame_step), row.report.budget_ns, colliders, row.report.plan});
+      if (!options.dump.empty()) dump_frame(options.dump, frame + 1, scene.particle_radius, &*simulation);
+      if (!options.out.empty() && ((frame + 1) % step == 0 || frame + 1 == scene.frames))
+        snapshots.push_back(take_snapshot(&*simulation, frame + 1, (frame + 1) * scene.frame_step, colliders));
+      progress.done(frame + 1);
+    }
+    report.interrupted = interrupted();
+    report.units = std::move(recorder.events);
+  }
+
+  void finish(uint64_t hash) {
+    if (!options.record.empty()) {
+      recording.final_hash = hash;
+      save_recording(recording, options.record);
+    }
+    if (!options.out.empty()) write_reports(options.out, report);
+    std::fputs(report_summary_text(report).c_str(), stdout);
+    if (report.interrupted)
+      std::printf("interrupted after %zu of %u frames; the reports cover those\n", report.frames.size(), scene.frames);
+    if (options.out.empty()) return;
+    const uint32_t cores = std::max(1u, std::thread::hardware_concurrency());
+    PictureSet set;
+    set.folder = options.out;
+    set.title = scene.name;
+    set.particle_radius = scene.particle_radius;
+    set.camera = scene.camera;
+    set.threads = std::min(cores, k_drawing_threads_at_most);
+    if (snapshots.size() > 1) set.seconds_per_snapshot = snapshots[1].time - snapshots[0].time;
+    const PicturePaths paths = draw_pictures(set, snapshots);
+    if (!paths.film.empty()) std::printf("film           %s\n", paths.film.c_str());
+    std::printf("last frame     %s\n", paths.last.c_str());
+    std::printf("contact sheet  %s\n", paths.sheet.c_str());
+    for (const char* file : {"trace.json", "report.csv", "summary.json", "summary.txt"})
+      std::printf("report         %s\n", (fs::path(options.out) / file).string().c_str());
+  }
+
+  int exit_code(uint64_t hash) const {
+    if (report.interrupted || interrupted()) return k_exit_interrupted;
+    const bool whole = !options.replay.empty() && report.frames.size() == recording.frames.size();
+    if (!whole || hash == recording.final_hash) return 0;
+    std::fprintf(stderr, "sandglass: the replay ends in another state than the recording, whose hash is 0x%016llx\n",
+                 static_cast<unsigned long long>(recording.final_hash));
+    return k_exit_check_failed;
+  }
+};
+
+}  // namespace
+
+void add_run_command(CLI::App& program, int* exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command =
+      program.add_subcommand("run", "Fill a scene with sand, run it under its budget, report and draw it");
+  command->add_option("scene", options->scene, "Scene file, or the name of a shipped scene")->required();
+  command->add_option("--mesh", options->mesh, "Triangle mesh for the scene's bodies of shape \"mesh\"");
+  command->add_option("--frames", options->frames, "Frames to run instead of the scene's")
+      ->check(CLI::Range(1u, 100'000'000u));
+  command->add_option("--budget-ms", options->budget_ms, "Budget of a frame, instead of the scene's")
+      ->check(CLI::Range(0.0, 1e6));
+  command->add_option("--threads", options->threads, "Threads, the calling one included (1)")
+      ->check(CLI::Range(1u, k_threads_at_most));
+  command->add_option("--clock", options->clock, "real, or virtual: 5 microseconds a reading, the same plan everywhere")
+      ->check(CLI::IsMember({"real", "virtual"}));
+  command->add_option("--isa", options->isa,
+                      "Kernels: scalar, neon, neon_dotprod, neon_i8mm, avx2, avx512 (automatic)");
+  CLI::Option* record =
+      command->add_option("--record", options->record, "Write what every frame was given and did to this file");
+  command->add_option("--replay", options->replay, "Execute a recorded run to the bit")->excludes(record);
+  command->add_option("--dump", options->dump,
+                      "Write positions, velocities and radii of every frame as NPY into this folder");
+  command->add_option("--out", options->out, "Write reports, contact sheet, frames and film into this folder");
+  command->callback([options, exit_code] {
+    listen_for_interrupt();
+    Run run(*options);
+    run.prepare();
+    run.execute();
+    const uint64_t hash = sandglass_scene_hash(run.simulation->handle());
+    run.finish(hash);
+    *exit_code = run.exit_code(hash);
+    std::printf("hash 0x%016llx\n", static_cast<unsigned long long>(hash));
+  });
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,191 @@
+// `sandglass sample MESH --surface|--volume|--lattice --distance L -o FILE.ply`: the samplers of the runtime at work on
+// a mesh file. Memory is asked for once, with the size that the library names, as an app would.
+#include "models/cli/sample.h"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <new>
+#include <optional>
+
+#include "models/host/mesh/generated.h"
+#include "models/host/mesh/mesh.h"
+#include "models/host/mesh/ply.h"
+#include "models/host/mesh/point_picture.h"
+#include "models/host/progress.h"
+#include "sandglass/sandglass.h"
+
+namespace sandglass::host {
+namespace {
+
+constexpr int k_exit_bad_input = 2;
+constexpr int k_picture_width = 960, k_picture_height = 960;
+constexpr double k_poisson_per_cube = 0.6;  // points per distance^3 in a volume, for the time left
+
+struct Sampling {
+  std::vector<float> points;
+  std::string error;
+};
+
+// Blocks for the library, aligned as it asks.
+struct AlignedDelete {
+  void operator()(void* block) const { ::operator delete (block, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT}); }
+};
+using Block = std::unique_ptr<void, AlignedDelete>;
+
+Block make_block(uint64_t bytes) { return Block(::operator new (bytes, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT})); }
+
+struct ProgressRelay {
+  std::string what;
+  uint64_t expected;  // used where the library does not know the total
+  std::optional<Progress> progress;
+
+  static void report(void* user, uint64_t done, uint64_t total) {
+    auto* relay = static_cast<ProgressRelay*>(user);
+    if (!relay->progress) relay->progress.emplace(relay->what, total > 0 ? total : relay->expected);
+    relay->progress->done(done);
+  }
+};
+
+sandglass_mesh view(const Mesh& mesh) {
+  return {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
+}
+
+Sampling failed(const char* reason) { return {{}, reason}; }
+
+Sampling sample_surface(const Mesh& mesh, const SampleOptions& options) {
+  const sandglass_mesh surface = view(mesh);
+  const float distance = static_cast<float>(options.distance);
+  const char* reason = nullptr;
+  ProgressRelay relay = {"sampling the surface", 0, {}};
+  sandglass_sample_options how;
+  sandglass_sample_options_default(&how);
+  how.seed = options.seed;
+  how.metric = options.geodesic ? SANDGLASS_METRIC_GEODESIC : SANDGLASS_METRIC_EUCLIDEAN;
+  how.progress = ProgressRelay::report;
+  how.user = &relay;
+  uint32_t capacity = 0, count = 0;
+  uint64_t bytes = 0;
+  if (sandglass_sample_surface_capacity(&surface, distance, &how, &capacity, &reason) != SANDGLASS_OK)
+    return failed(reason);
+  if (sandglass_sample_surface_bytes(&surface, distance, &how, capacity, &bytes, &reason) != SANDGLASS_OK)
+    return failed(reason);
+  const Block scratch = make_block(bytes);
+  Sampling result = {std::vector<float>(3ull * capacity), ""};
+  if (sandglass_sample_surface(&surface, distance, &how, scratch.get(), bytes, result.points.data(), capacity, &count,
+                               &reason) != SANDGLASS_OK)
+    return failed(reason);
+  result.points.resize(3ull * count);
+  return result;
+}
+
+Sampling sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOptions& options) {
+  const sandglass_mesh surface = view(mesh);
+  const float distance = static_cast<float>(options.distance);
+  const char* reason = nullptr;
+  const sandglass_inside_rule rule = report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
+  if (!report.watertight())
+    std::fprintf(stderr, "sandglass: mesh '%s' is not watertight (%s): inside is decided by the winding number\n",
+                 options.mesh.c_str(), describe_faults(report).c_str());
+  float low[3], high[3];
+  uint64_t inside_bytes = 0;
+  if (sandglass_mesh_bounds(&surface, low, high, &reason) != SANDGLASS_OK) return failed(reason);
+  if (sandglass_mesh_inside_bytes(&surface, rule, &inside_bytes, &reason) != SANDGLASS_OK) return failed(reason);
+  const Block inside_block = make_block(inside_bytes);
+  sandglass_mesh_inside* inside = nullptr;
+  if (sandglass_mesh_inside_create(&surface, rule, inside_block.get(), inside_bytes, &inside, &reason) != SANDGLASS_OK)
+    return failed(reason);
+
+  const double volume = std::fabs(signed_volume(mesh)), cube = options.distance * options.distance * options.distance;
+  const double expected = k_poisson_per_cube * volume / cube + 1;
+  ProgressRelay relay = {"sampling the volume", static_cast<uint64_t>(expected < 1e18 ? expected : 1e18), {}};
+  sandglass_sample_options how;
+  sandglass_sample_options_default(&how);
+  how.seed = options.seed;
+  how.progress = ProgressRelay::report;
+  how.user = &relay;
+
+  const bool lattice = options.what == SampleWhat::lattice;
+  uint32_t capacity = 0, count = 0;
+  uint64_t bytes = 0;
+  const sandglass_status sized = lattice ? sandglass_sample_lattice_capacity(low, high, distance, &capacity, &reason)
+                                         : sandglass_sample_volume_capacity(low, high, distance, &capacity, &reason);
+  if (sized != SANDGLASS_OK) return failed(reason);
+  const sandglass_status measured = lattice
+                                        ? sandglass_sample_lattice_bytes(low, high, distance, &bytes, &reason)
+                                        : sandglass_sample_volume_bytes(low, high, distance, capacity, &bytes, &reason);
+  if (measured != SANDGLASS_OK) return failed(reason);
+  const Block scratch = make_block(bytes);
+  Sampling result = {std::vector<float>(3ull * capacity), ""};
+  const auto sample = lattice ? sandglass_sample_lattice : sandglass_sample_volume;
+  if (sample(low, high, distance, sandglass_mesh_inside_test, inside, &how, scratch.get(), bytes, result.points.data(),
+             capacity, &count, &reason) != SANDGLASS_OK)
+    return failed(reason);
+  result.points.resize(3ull * count);
+  return result;
+}
+
+int complain(const std::string& sentence) {
+  std::fprintf(stderr, "sandglass: %s\n", sentence.c_str());
+  return k_exit_bad_input;
+}
+
+const char* name_of(SampleWhat what) {
+  return what == SampleWhat::surface  ? "on the surface"
+         : what == SampleWhat::volume ? "in the volume"
+                                      : "of a lattice in the volume";
+}
+
+}  // namespace
+
+int sample_command(const SampleOptions& options) {
+  if (!(options.distance > 0) || !std::isfinite(options.distance))
+    return complain("the distance is not a number above 0: give it in metres with --distance");
+  if (options.geodesic && options.what != SampleWhat::surface)
+    return complain("--geodesic measures along a surface: use it with --surface");
+  MeshResult loaded = make_named(options.mesh);
+  if (!loaded) loaded = load_mesh(options.mesh);
+  if (!loaded) return complain(loaded.error);
+  try {
+    const Sampling sampling = options.what == SampleWhat::surface ? sample_surface(loaded.mesh, options)
+                                                                  : sample_inside(loaded.mesh, loaded.report, options);
+    if (!sampling.error.empty()) return complain("mesh '" + options.mesh + "': " + sampling.error);
+    if (const std::string error = write_points_ply(options.output, sampling.points); !error.empty())
+      return complain(error);
+    if (!options.picture.empty()) {
+      const float radius = static_cast<float>(options.distance) * (options.what == SampleWhat::surface ? 0.45f : 0.5f);
+      const std::string error =
+          write_point_picture(options.picture, sampling.points, radius, k_picture_width, k_picture_height);
+      if (!error.empty()) return complain(error);
+    }
+    std::printf("%zu points %s of '%s', distance %g m, written to %s\n", sampling.points.size() / 3,
+                name_of(options.what), options.mesh.c_str(), options.distance, options.output.c_str());
+  } catch (const std::bad_alloc&) {
+    return complain("this machine has too little memory for that many points: enlarge --distance");
+  }
+  return 0;
+}
+
+void add_sample_command(CLI::App& program, int* exit_code) {
+  CLI::App* command = program.add_subcommand("sample", "Sample a mesh's surface or volume with points");
+  const auto options = std::make_shared<SampleOptions>();
+  command->add_option("mesh", options->mesh, "A mesh file, or trefoil, torus, box, sphere")->required();
+  CLI::Option_group* what = command->add_option_group("what");
+  what->add_flag_callback(
+      "--surface", [options] { options->what = SampleWhat::surface; }, "Poisson disk on the surface");
+  what->add_flag_callback(
+      "--volume", [options] { options->what = SampleWhat::volume; }, "Poisson disk in the volume");
+  what->add_flag_callback(
+      "--lattice", [options] { options->what = SampleWhat::lattice; }, "Hexagonal close packing in the volume");
+  what->require_option(1);
+  command->add_option("--distance", options->distance, "Least distance between two points, metres")->required();
+  command->add_option("--seed", options->seed, "Equal seeds give equal points")->capture_default_str();
+  command->add_flag("--geodesic", options->geodesic, "Measure the distance along the surface");
+  command->add_option("--picture", options->picture, "Also draw the points, as a PNG");
+  command->add_option("-o,--output", options->output, "PLY file to write")->required();
+  command->callback([options, exit_code] { *exit_code = sample_command(*options); });
+}
+
+}  // namespace sandglass::host

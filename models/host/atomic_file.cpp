@@ -1,0 +1,71 @@
+// Temporary name, flush, check, rename. A program that is killed leaves at most a "*.unfinished.*" file behind.
+#include "models/host/atomic_file.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+
+#include "models/host/failure.h"
+
+namespace sandglass::host {
+
+namespace fs = std::filesystem;
+
+std::string unfinished_name(const std::string& path) {
+  const fs::path target(path);
+  return (target.parent_path() /
+          (target.stem().string() + ".unfinished." + std::to_string(getpid()) + target.extension().string()))
+      .string();
+}
+
+void finish_file(const std::string& path) {
+  std::error_code error;
+  fs::rename(unfinished_name(path), path, error);
+  if (error)
+    throw Failure("cannot finish the file '" + path + "': " + error.message() + "; check the folder's permissions");
+}
+
+void write_file(const std::string& path, std::string_view content) {
+  const std::string unfinished = unfinished_name(path);
+  std::FILE* file = std::fopen(unfinished.c_str(), "wb");
+  bool good = file != nullptr;
+  if (good) {
+    good = std::fwrite(content.data(), 1, content.size(), file) == content.size();
+    good = std::fclose(file) == 0 && good;
+  }
+  if (!good) {
+    std::remove(unfinished.c_str());
+    throw Failure("cannot write '" + path + "'; check that the folder exists, may be written to and has space left");
+  }
+  finish_file(path);
+}
+
+void write_file(const std::string& path, std::span<const uint8_t> content) {
+  write_file(path, std::string_view(reinterpret_cast<const char*>(content.data()), content.size()));
+}
+
+std::string read_file(const std::string& path, const std::string& kind) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) throw Failure("the " + kind + " '" + path + "' is a folder; name a file");
+  std::FILE* file = std::fopen(path.c_str(), "rb");
+  if (file == nullptr) throw Failure("cannot open the " + kind + " '" + path + "'; check the path");
+  std::string content;
+  char buffer[65536];
+  for (size_t got; (got = std::fread(buffer, 1, sizeof buffer, file)) > 0;) content.append(buffer, got);
+  const bool good = std::ferror(file) == 0;
+  std::fclose(file);
+  if (!good) throw Failure("reading the " + kind + " '" + path + "' failed part of the way; check the disk");
+  return content;
+}
+
+void make_folder(const std::string& path) {
+  std::error_code error;
+  fs::create_directories(path, error);
+  if (error || !fs::is_directory(path, error))
+    throw Failure("cannot make the folder '" + path +
+                  "'; check that its parent may be written to and no file has that name");
+}
+
+}  // namespace sandglass::host

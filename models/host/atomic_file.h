@@ -1,0 +1,26 @@
+// No half-written file, ever: content goes to a temporary name beside the target and is renamed when complete.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sandglass::host {
+
+void write_file(const std::string& path, std::string_view content);
+void write_file(const std::string& path, std::span<const uint8_t> content);
+
+// The name under which a program that is not ours (ffmpeg) writes before finish_file renames the result; the extension
+// is kept.
+std::string unfinished_name(const std::string& path);
+void finish_file(const std::string& path);
+
+// The whole file, or a Failure that names it. `kind` is what the file should be: "scene", "recording".
+std::string read_file(const std::string& path, const std::string& kind);
+
+// Makes a folder and its parents, or a Failure.
+void make_folder(const std::string& path);
+
+}  // namespace sandglass::host

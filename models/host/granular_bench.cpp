@@ -1,0 +1,88 @@
+// Errors are measured between frames and are not part of the times.
+#include "models/host/granular_bench.h"
+
+#include <array>
+
+#include "models/host/body_meshes.h"
+#include "models/host/metrics.h"
+#include "models/host/scene_fill.h"
+#include "models/host/simulation.h"
+#include "models/host/thread_pool.h"
+
+namespace sandglass::host {
+
+BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint32_t frames, bool with_grains,
+                     const BenchStep& step) {
+  if (!with_grains)
+    for (Body& body : scene.bodies) body.grains = 0, body.grain_distance = 0.0;
+  const LoadedMeshes meshes(scene, "");
+  const Material material = fill_scene(&scene, meshes.bodies());
+  sandglass_scene_desc desc = describe_scene(scene, material.particles(), material.grains());
+  ThreadPool pool(threads);
+  desc.isa = isa;
+  desc.clock = sandglass_clock_system();
+  desc.parallel = pool.hook();
+  Simulation simulation(desc);
+  simulation.add(material);
+
+  BenchRow row;
+  OverlapOverRun overlap;
+  for (uint32_t frame = 0; frame < frames; ++frame) {
+    const sandglass_frame_report report =
+        simulation.frame(scene.frame_step, UINT64_MAX, colliders_over_frame(scene, frame));
+    row.ms_per_frame += static_cast<double>(report.elapsed_ns) * 1e-6;
+    row.ms_solver += static_cast<double>(report.stages[SANDGLASS_STAGE_GRANULAR].elapsed_ns) * 1e-6;
+    row.ms_refine += static_cast<double>(report.stages[SANDGLASS_STAGE_REFINE].elapsed_ns) * 1e-6;
+    overlap.add(measure_overlap(simulation.particle_positions(), scene.particle_radius));
+    ++row.frames;
+    if (!step()) break;
+  }
+  for (double* total : {&row.ms_per_frame, &row.ms_solver, &row.ms_refine}) *total /= row.frames;
+  row.overlap_p99 = overlap.p99();
+  row.overlap_mean = overlap.mean();
+  row.overlap_max = overlap.max;
+  row.angle_deg = measure_pile(simulation.particle_positions(), scene.particle_radius).angle_deg;
+  return row;
+}
+
+SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterations) {
+  // A hair above the exact share of the frame, so that rounding does not ask for one step more.
+  constexpr double k_rounding = 1.0 + 1e-5;
+  SceneFile changed = scene;
+  changed.granular.scheme = SANDGLASS_SCHEME_AVERAGED;
+  changed.granular.relaxation = 1.0f;
+  changed.granular.solver_iterations = iterations;
+  changed.granular.stabilisation_iterations = 1;
+  changed.granular.substep_max = changed.granular.substep_min =
+      static_cast<float>(scene.frame_step / steps * k_rounding);
+  return changed;
+}
+
+EqualError find_equal_error(const SceneFile& scene, double p99, sandglass_isa isa, uint32_t threads, uint32_t frames,
+                            const BenchStep& step) {
+  constexpr std::array<uint32_t, 9> k_steps = {16, 24, 32, 48, 64, 96, 128, 192, 256};
+  constexpr std::array<uint32_t, 3> k_iterations = {1, 3, 7};
+  EqualError best;
+  bool stopped = false;
+  const BenchStep watch = [&] { return !(stopped = stopped || !step()); };
+  const auto cost = [](uint32_t steps, uint32_t iterations) { return steps * (iterations + 2); };
+  for (const uint32_t iterations : k_iterations) {
+    size_t low = 0, high = k_steps.size();  // the fewest steps that suffice lie in [low, high); high itself: none does
+    double reached = 0.0;
+    // Not worth a run: what costs more than the best setting that is known.
+    while (high > low && best.found && cost(k_steps[high - 1], iterations) >= cost(best.steps, best.iterations)) --high;
+    const size_t limit = high;
+    while (low < high && !stopped) {
+      const size_t middle = (low + high) / 2;
+      const BenchRow row =
+          bench_scene(source_scheme(scene, k_steps[middle], iterations), isa, threads, frames, false, watch);
+      if (row.overlap_p99 <= p99) high = middle, reached = row.overlap_p99;
+      else low = middle + 1;
+    }
+    if (stopped) return {};
+    if (high < limit) best = {true, k_steps[high], iterations, reached};
+  }
+  return best;
+}
+
+}  // namespace sandglass::host

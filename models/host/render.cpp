@@ -1,0 +1,411 @@
+// One primary ray a sub-sample, then one ray to a point of the sun's disk and one cosine-weighted ray to the sky.
+// Random numbers are a hash of pixel and sub-sample, so pictures repeat. Colours are linear until the last line.
+#include "models/host/render.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <thread>
+#include <vector>
+
+#include "models/host/sphere_caster.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr double k_azimuth_deg = 28.0, k_elevation_deg = 20.0;  // of the automatic camera
+constexpr double k_margin = 1.18;                               // room around what the camera frames
+constexpr Vec3 k_sun = {-0.5144957554275266, 0.7717436331412899,
+                        0.3736};       // towards the light, nearly unit: from the front left
+constexpr double k_sun_radius = 0.03;  // radians; six suns, so that penumbrae show
+constexpr Vec3 k_sun_light = {2.3, 2.15, 1.9}, k_sky_light = {0.55, 0.62, 0.73};
+constexpr Vec3 k_sand = {0.56, 0.36, 0.17}, k_light_tile = {0.37, 0.38, 0.40}, k_dark_tile = {0.27, 0.28, 0.30};
+constexpr Vec3 k_solid = {0.16, 0.30, 0.44};
+constexpr double k_colour_spread = 0.28;    // of the grains, relative
+constexpr double k_occlusion_reach = 0.35;  // of the box's diagonal
+constexpr double k_fade_from =
+    4.0;                           // box diagonals from the target: there the floor begins to fade into the background
+constexpr double k_offset = 1e-4;  // of a sphere radius or box diagonal: lifts secondary rays off their surface
+constexpr double k_far = 1e4;      // metres
+
+uint32_t hash(uint32_t value) {
+  value ^= value >> 16;
+  value *= 0x7feb352du;
+  value ^= value >> 15;
+  value *= 0x846ca68bu;
+  return value ^ (value >> 16);
+}
+double unit_random(uint32_t* state) {
+  *state = hash(*state + 0x9e3779b9u);
+  return (*state >> 8) * (1.0 / 16777216.0);
+}
+
+Vec3 scaled(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+Vec3 mixed(Vec3 a, Vec3 b, double t) { return a * (1.0 - t) + b * t; }
+
+struct Frame {  // an orthonormal frame about a direction
+  Vec3 u, v, w;
+  explicit Frame(Vec3 direction) : w(direction) {
+    u = normalised(cross(std::fabs(w.y) < 0.9 ? Vec3{0, 1, 0} : Vec3{1, 0, 0}, w));
+    v = cross(w, u);
+  }
+  Vec3 world(double a, double b, double c) const { return u * a + v * b + w * c; }
+};
+
+struct CameraFrame {
+  Vec3 right, up, forward;
+  double focal;  // picture heights
+  explicit CameraFrame(const Camera& camera) {
+    forward = normalised(camera.target - camera.eye);
+    right = normalised(cross(forward, Vec3{0, 1, 0}));
+    up = cross(right, forward);
+    focal = 0.5 / std::tan(camera.fov_deg * std::numbers::pi / 360.0);
+  }
+};
+
+Vec3 vec(const float* v) { return {v[0], v[1], v[2]}; }
+
+// A collider in its local frame.
+struct Solid {
+  sandglass_shape shape;
+  Vec3 position, size;
+  Quaternion rotation;
+  Vec3 to_local(Vec3 v) const { return rotate(conjugate(rotation), v); }
+};
+
+struct SurfaceHit {
+  double distance = k_far;
+  Vec3 normal;
+};
+
+// Ray from outside against one solid, all in its local frame; keeps the nearer of *hit and what is found.
+bool hit_sphere(Vec3 centre, double radius, Vec3 o, Vec3 d, SurfaceHit* hit) {
+  const Vec3 to = centre - o;
+  const double along = dot(to, d), gap = radius * radius - (dot(to, to) - along * along);
+  if (gap < 0.0) return false;
+  const double distance = along - std::sqrt(gap);
+  if (distance <= 0.0 || distance >= hit->distance) return false;
+  *hit = {distance, (o + d * distance - centre) * (1.0 / radius)};
+  return true;
+}
+
+bool hit_box(Vec3 half, Vec3 o, Vec3 d, SurfaceHit* hit) {
+  const double origin[3] = {o.x, o.y, o.z}, direction[3] = {d.x, d.y, d.z}, extent[3] = {half.x, half.y, half.z};
+  double enter = 0.0, leave = hit->distance;
+  int face = -1;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0.0) {
+      if (std::fabs(origin[axis]) > extent[axis]) return false;
+      continue;
+    }
+    const double sign = direction[axis] > 0.0 ? 1.0 : -1.0;
+    const double in = (-sign * extent[axis] - origin[axis]) / direction[axis];
+    const double out = (sign * extent[axis] - origin[axis]) / direction[axis];
+    if (in > enter) enter = in, face = axis;
+    leave = std::min(leave, out);
+  }
+  if (face < 0 || enter > leave) return false;
+  const double side = direction[face] > 0.0 ? -1.0 : 1.0;
+  *hit = {enter, {face == 0 ? side : 0.0, face == 1 ? side : 0.0, face == 2 ? side : 0.0}};
+  return true;
+}
+
+bool hit_capsule(double radius, double half, Vec3 o, Vec3 d, SurfaceHit* hit) {
+  bool found = hit_sphere({0, half, 0}, radius, o, d, hit) | hit_sphere({0, -half, 0}, radius, o, d, hit);
+  const double a = d.x * d.x + d.z * d.z, b = o.x * d.x + o.z * d.z, c = o.x * o.x + o.z * o.z - radius * radius;
+  const double gap = b * b - a * c;
+  if (a == 0.0 || gap < 0.0) return found;
+  const double distance = (-b - std::sqrt(gap)) / a;
+  const Vec3 at = o + d * distance;
+  if (distance <= 0.0 || distance >= hit->distance || std::fabs(at.y) > half) return found;
+  *hit = {distance, Vec3{at.x, 0, at.z} * (1.0 / radius)};
+  return true;
+}
+
+bool hit_solid(const Solid& solid, Vec3 origin, Vec3 direction, SurfaceHit* hit) {
+  const Vec3 o = solid.to_local(origin - solid.position), d = solid.to_local(direction);
+  bool found = false;
+  switch (solid.shape) {
+    case SANDGLASS_SHAPE_HALF_SPACE: {
+      const double distance = d.y < 0.0 ? -o.y / d.y : -1.0;
+      found = distance > 0.0 && distance < hit->distance;
+      if (found) *hit = {distance, {0, 1, 0}};
+      break;
+    }
+    case SANDGLASS_SHAPE_SPHERE:
+      found = hit_sphere({}, solid.size.x, o, d, hit);
+      break;
+    case SANDGLASS_SHAPE_CAPSULE:
+      found = hit_capsule(solid.size.x, solid.size.y, o, d, hit);
+      break;
+    case SANDGLASS_SHAPE_BOX:
+      found = hit_box(solid.size, o, d, hit);
+      break;
+    default:
+      break;
+  }
+  if (found) hit->normal = rotate(solid.rotation, hit->normal);
+  return found;
+}
+
+// 1, 2 or 5 times a power of ten, at most `limit`.
+double round_length(double limit) {
+  const double power = std::pow(10.0, std::floor(std::log10(limit)));
+  return limit >= 5.0 * power ? 5.0 * power : limit >= 2.0 * power ? 2.0 * power : power;
+}
+
+std::string length_text(double metres) {
+  char text[32];
+  if (metres >= 1.0) std::snprintf(text, sizeof text, "%g m", metres);
+  else if (metres >= 0.01) std::snprintf(text, sizeof text, "%g cm", std::round(metres * 1e4) / 100.0);
+  else std::snprintf(text, sizeof text, "%g mm", std::round(metres * 1e5) / 100.0);
+  return text;
+}
+
+struct Tracer {
+  const View& view;
+  SphereCaster caster;
+  std::vector<Solid> solids;
+  CameraFrame frame;
+  double diagonal, tile;
+
+  explicit Tracer(const View& v)
+      : view(v),
+        caster(v.spheres, v.radius),
+        frame(v.camera),
+        diagonal(std::max(1e-6, length(v.bounds.high - v.bounds.low))) {
+    const double extent = std::max(v.bounds.high.x - v.bounds.low.x, v.bounds.high.z - v.bounds.low.z);
+    tile = round_length(std::max(extent, 0.5 * diagonal) / 6.0);
+    for (const sandglass_collider& c : v.colliders) {
+      const Quaternion q = {c.rotation[0], c.rotation[1], c.rotation[2], c.rotation[3]};
+      const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+      solids.push_back({c.shape, vec(c.position), vec(c.size), norm > 0.0 ? normalised(q) : k_no_rotation});
+    }
+  }
+
+  Vec3 background(Vec3 direction) const {
+    return mixed({0.80, 0.83, 0.86}, {0.42, 0.55, 0.72}, std::clamp(direction.y * 1.6, 0.0, 1.0));
+  }
+
+  bool blocked(Vec3 origin, Vec3 direction, double limit) const {
+    if (caster.occluded(origin, direction, limit)) return true;
+    SurfaceHit hit;
+    hit.distance = limit;
+    for (const Solid& solid : solids)
+      if (hit_solid(solid, origin, direction, &hit)) return true;
+    return false;
+  }
+
+  Vec3 tile_colour(const Solid& floor, Vec3 at) const {
+    const Vec3 local = floor.to_local(at - floor.position);
+    const auto odd = [&](double value) { return static_cast<int64_t>(std::floor(value / tile)) & 1; };
+    return odd(local.x) == odd(local.z) ? k_light_tile : k_dark_tile;
+  }
+
+  Vec3 grain_colour(uint32_t index) const {
+    uint32_t state = index * 2u + 1u;
+    const double shade = 1.0 + k_colour_spread * (2.0 * unit_random(&state) - 1.0);
+    const double warmth = 0.10 * (2.0 * unit_random(&state) - 1.0);
+    return scaled(k_sand * shade, {1.0 + warmth, 1.0, 1.0 - warmth});
+  }
+
+  Vec3 trace(Vec3 origin, Vec3 direction, uint32_t* random) const {
+    SphereHit sphere;
+    sphere.distance = k_far;
+    const bool on_sphere = caster.closest(origin, direction, &sphere);
+    SurfaceHit surface;
+    surface.distance = on_sphere ? sphere.distance : k_far;
+    const Solid* solid = nullptr;
+    for (const Solid& candidate : solids)
+      if (hit_solid(candidate, origin, direction, &surface)) solid = &candidate;
+    if (!on_sphere && solid == nullptr) return background(direction);
+
+    const Vec3 at = origin + direction * surface.distance;
+    Vec3 normal = surface.normal, albedo = k_solid;
+    double fade = 0.0;
+    if (solid == nullptr) {
+      normal = normalised(at - vec(view.spheres.data() + 3 * static_cast<size_t>(sphere.index)));
+      albedo = grain_colour(sphere.index);
+    } else if (solid->shape == SANDGLASS_SHAPE_HALF_SPACE) {
+      albedo = tile_colour(*solid, at);
+      fade = std::clamp(length(at - view.camera.target) / (k_fade_from * diagonal) - 1.0, 0.0, 1.0);
+    }
+    const Vec3 start = at + normal * (k_offset * (solid == nullptr ? 100.0 * view.radius : diagonal));
+
+    const double turn = 2.0 * std::numbers::pi * unit_random(random),
+                 spread = k_sun_radius * std::sqrt(unit_random(random));
+    const Vec3 to_sun =
+        normalised(Frame(normalised(k_sun)).world(spread * std::cos(turn), spread * std::sin(turn), 1.0));
+    const double facing = dot(normal, to_sun);
+    Vec3 light = {};
+    if (facing > 0.0 && !blocked(start, to_sun, k_far)) light = k_sun_light * (facing / std::numbers::pi);
+
+    const double sky_turn = 2.0 * std::numbers::pi * unit_random(random), sine = std::sqrt(unit_random(random));
+    const Vec3 to_sky =
+        Frame(normal).world(sine * std::cos(sky_turn), sine * std::sin(sky_turn), std::sqrt(1.0 - sine * sine));
+    if (!blocked(start, to_sky, k_occlusion_reach * diagonal)) light = light + k_sky_light;
+    else light = light + k_sky_light * 0.12;  // light that comes by way of other grains
+    return mixed(scaled(albedo, light) * 1.15, background({direction.x, 0.0, direction.z}), fade);
+  }
+
+  void draw_row(int y, const RenderOptions& options, Picture* picture) const {
+    for (int x = 0; x < options.width; ++x) {
+      Vec3 sum = {};
+      uint32_t random = hash(static_cast<uint32_t>(y) * 65521u + static_cast<uint32_t>(x));
+      for (int s = 0; s < options.samples * options.samples; ++s) {
+        const double sx = x + (s % options.samples + unit_random(&random)) / options.samples;
+        const double sy = y + (s / options.samples + unit_random(&random)) / options.samples;
+        const Vec3 direction =
+            normalised(frame.forward * frame.focal + frame.right * ((sx - 0.5 * options.width) / options.height) +
+                       frame.up * ((0.5 * options.height - sy) / options.height));
+        const Vec3 colour = trace(view.camera.eye, direction, &random);
+        sum = sum + Vec3{std::min(colour.x, 1.0), std::min(colour.y, 1.0), std::min(colour.z, 1.0)};
+      }
+      sum = sum * (1.0 / (options.samples * options.samples));
+      uint8_t* pixel = picture->at(x, y);
+      pixel[0] = srgb_byte(sum.x), pixel[1] = srgb_byte(sum.y), pixel[2] = srgb_byte(sum.z);
+    }
+  }
+};
+
+constexpr Colour k_ink = {20, 24, 30};
+
+void draw_line(Picture* picture, PixelPlace a, PixelPlace b, int thickness) {
+  const int steps = static_cast<int>(std::max(std::fabs(a.x - b.x), std::fabs(a.y - b.y))) + 1;
+  for (int i = 0; i <= steps; ++i) {
+    const double t = static_cast<double>(i) / steps;
+    fill_rectangle(picture, static_cast<int>(a.x + (b.x - a.x) * t), static_cast<int>(a.y + (b.y - a.y) * t), thickness,
+                   thickness, k_ink);
+  }
+}
+
+// A ruler that stands at the left of the box from its lower to its upper end, a scale bar that holds at the depth of
+// the camera's target, and the size of a floor tile.
+void draw_scale(const View& view, double tile, Picture* picture) {
+  const int w = picture->width, h = picture->height, scale = std::max(1, h / 400);
+  const CameraFrame frame(view.camera);
+  const Vec3 middle = (view.bounds.low + view.bounds.high) * 0.5;
+  const double reach = 0.5 * (std::fabs(frame.right.x) * (view.bounds.high.x - view.bounds.low.x) +
+                              std::fabs(frame.right.z) * (view.bounds.high.z - view.bounds.low.z));
+  const Vec3 foot = Vec3{middle.x, view.bounds.low.y, middle.z} - frame.right * reach;
+  const double top = view.bounds.high.y - view.bounds.low.y;
+  const auto place = [&](double height) { return project(view.camera, w, h, foot + Vec3{0, height, 0}); };
+  draw_line(picture, place(0.0), place(top), scale);
+  const double mark = round_length(std::max(top, 1e-6) / 3.0);
+  for (int i = 0; i * mark <= top * 1.0001; ++i) {
+    const PixelPlace at = place(i * mark);
+    fill_rectangle(picture, static_cast<int>(at.x) - 4 * scale, static_cast<int>(at.y), 5 * scale, scale, k_ink);
+    const std::string text = length_text(i * mark);
+    draw_text(picture, static_cast<int>(at.x) + 4 * scale, static_cast<int>(at.y) - 3 * scale, scale,
+              i == 0 ? "0" : text, k_ink);
+  }
+  const double pixels_per_metre = frame.focal * h / length(view.camera.target - view.camera.eye);
+  const double bar = round_length(w / 4.0 / pixels_per_metre);
+  const int bar_pixels = static_cast<int>(bar * pixels_per_metre), left = w - bar_pixels - 12 * scale,
+            y = h - 10 * scale;
+  for (int i = 0; i < 4; ++i)
+    fill_rectangle(picture, left + bar_pixels * i / 4, y, bar_pixels / 4, 4 * scale,
+                   i % 2 == 0 ? k_ink : Colour{245, 245, 245});
+  const std::string label = length_text(bar) + ", tile " + length_text(tile);
+  draw_text(picture, w - 11 * scale - text_width(scale, label), y - 10 * scale, scale, label, k_ink);
+}
+
+}  // namespace
+
+void Bounds::add(Vec3 p) {
+  low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+  high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+}
+
+void Bounds::add_most(std::span<const float> xyz) {
+  constexpr double k_outermost = 0.01;
+  std::vector<float> along;
+  double ends[3][2] = {};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    along.clear();
+    for (size_t i = axis; i < xyz.size(); i += 3)
+      if (std::isfinite(xyz[i])) along.push_back(xyz[i]);
+    if (along.empty()) return;
+    const ptrdiff_t last = static_cast<ptrdiff_t>(along.size()) - 1;
+    const ptrdiff_t from = static_cast<ptrdiff_t>(k_outermost * static_cast<double>(last));
+    std::nth_element(along.begin(), along.begin() + from, along.end());
+    ends[axis][0] = along[static_cast<size_t>(from)];
+    std::nth_element(along.begin(), along.begin() + (last - from), along.end());
+    ends[axis][1] = along[static_cast<size_t>(last - from)];
+  }
+  add({ends[0][0], ends[1][0], ends[2][0]});
+  add({ends[0][1], ends[1][1], ends[2][1]});
+}
+
+Camera automatic_camera(std::span<const Bounds> boxes, double aspect) {
+  constexpr double k_degree = std::numbers::pi / 180.0;
+  constexpr int k_rounds =
+      8;  // of moving the target to the middle of what is seen, then the eye to the distance that fits
+  Camera camera;
+  std::vector<Vec3> corners;
+  Bounds all;
+  for (const Bounds& box : boxes)
+    for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
+      corners.push_back({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                         corner & 4 ? box.high.z : box.low.z});
+      all.add(corners.back());
+    }
+  if (corners.empty()) {
+    camera.eye = {0.5, 0.5, 1.0};
+    return camera;
+  }
+  const double azimuth = k_azimuth_deg * k_degree, elevation = k_elevation_deg * k_degree;
+  const Vec3 towards_eye = {std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                            std::cos(azimuth) * std::cos(elevation)};
+  camera.target = (all.low + all.high) * 0.5;
+  camera.eye = camera.target + towards_eye;
+  const CameraFrame frame(camera);
+  const double half_height = 0.5 / frame.focal;
+  double distance = 0.0;
+  for (int round = 0; round < k_rounds; ++round) {
+    distance = 1e-3;
+    for (const Vec3& corner : corners) {
+      const Vec3 at = corner - camera.target;
+      distance = std::max({distance, dot(at, towards_eye) + std::fabs(dot(at, frame.up)) / half_height * k_margin,
+                           dot(at, towards_eye) + std::fabs(dot(at, frame.right)) / (half_height * aspect) * k_margin});
+    }
+    double left = 1e30, right = -1e30, bottom = 1e30, top = -1e30;  // slopes seen from the eye
+    for (const Vec3& corner : corners) {
+      const Vec3 at = corner - camera.target;
+      const double depth = distance - dot(at, towards_eye);
+      left = std::min(left, dot(at, frame.right) / depth), right = std::max(right, dot(at, frame.right) / depth);
+      bottom = std::min(bottom, dot(at, frame.up) / depth), top = std::max(top, dot(at, frame.up) / depth);
+    }
+    camera.target =
+        camera.target + frame.right * (0.5 * (left + right) * distance) + frame.up * (0.5 * (bottom + top) * distance);
+  }
+  camera.eye = camera.target + towards_eye * distance;
+  return camera;
+}
+
+PixelPlace project(const Camera& camera, int width, int height, Vec3 point) {
+  const CameraFrame frame(camera);
+  const Vec3 to = point - camera.eye;
+  const double depth = dot(to, frame.forward), scale = frame.focal * height / std::max(depth, 1e-9);
+  return {0.5 * width + dot(to, frame.right) * scale, 0.5 * height - dot(to, frame.up) * scale, depth};
+}
+
+Picture render(const View& view, const RenderOptions& options) {
+  const Tracer tracer(view);
+  Picture picture(options.width, options.height, {0, 0, 0});
+  std::atomic<int> next_row = 0;
+  const auto draw = [&] {
+    for (int y; (y = next_row.fetch_add(1)) < options.height;) tracer.draw_row(y, options, &picture);
+  };
+  std::vector<std::thread> others;
+  for (uint32_t i = 1; i < options.threads; ++i) others.emplace_back(draw);
+  draw();
+  for (std::thread& other : others) other.join();
+  if (options.scale) draw_scale(view, tracer.tile, &picture);
+  return picture;
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,101 @@
+// A scene as a JSON file: what is filled with sand, what it falls on, how it is solved, how long it runs. Every key is
+// known or refused by name, every number is finite and in range; numbers are read as double and used as float.
+// models/scenes holds the shipped scenes. Lengths are metres, times seconds, angles degrees (only here: for people),
+// velocities metres a second.
+//
+//   name, frames, frame_step, budget_ms, gravity [x,y,z], seed
+//   particle_radius       may be left out when one body gives both `size` and `particles`: then it follows from them
+//   friction              {static, kinetic}
+//   solver                {scheme "small_step"|"averaged", iterations, stabilisation, relaxation, substep_max,
+//   substep_min,
+//                          height_weighting, courant, list_skin, blend "continuous"|"source", refine_step}
+//   particle_capacity, grain_capacity, collider_capacity   default: what the scene holds
+//   bodies                [{shape, size, counts, spacing, jitter, particles, grains, grain_distance, grain_fill,
+//   position, rotation,
+//                           velocity}]
+//     shape               "trefoil" (generated) | "mesh" (the file of --mesh) | "box" | "sphere" | "lattice" (a block
+//     of `counts`) size                height of trefoil, mesh, sphere; [x,y,z] of a box; left out: follows from
+//     `particles` counts              [x,y,z] sites of a lattice block, y up spacing             of the HCP lattice, in
+//     particle radii; default 2.02. jitter: of every coordinate, in radii; default 0 particles, grains   wanted
+//     numbers, met within 1 %; a lattice block meets `grains` exactly grain_fill          "poisson" (default) | "grid"
+//     (jittered, one grain a cell; lattice blocks always take it) position            of the middle of the body's base
+//     (a lattice block: of its lowest centres) rotation            [x,y,z,w] or {axis [x,y,z], degrees}
+//   colliders             [{shape "half_space"|"sphere"|"capsule"|"box", position, rotation, size, motion}]
+//     size                sphere: radius; capsule: [radius, half length]; box: half extents [x,y,z]
+//     motion              [{start, end, linear_velocity, angular_velocity}]: velocities from `start` to `end`, world
+//     axes
+//   camera                {eye, target, fov_deg}; left out: follows from what is seen
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/host/render.h"
+#include "models/host/vec3.h"
+#include "sandglass/sandglass.h"
+
+namespace sandglass::host {
+
+enum class BodyShape { trefoil, mesh, box, sphere, lattice };
+
+struct Body {
+  BodyShape shape = BodyShape::box;
+  Vec3 size;  // metres; only y for trefoil, mesh and sphere; all 0 when it follows from `particles`
+  uint32_t counts[3] = {0, 0, 0};
+  double spacing = 2.02;  // radii
+  double jitter = 0.0;    // radii
+  uint32_t particles = 0, grains = 0;
+  double grain_distance = 0.0;  // metres; 0: follows from `grains`
+  bool grain_grid = false;
+  Vec3 position, velocity;
+  Quaternion rotation = k_no_rotation;
+};
+
+struct MotionSegment {
+  double start = 0.0, end = 0.0;
+  Vec3 linear_velocity, angular_velocity;
+};
+
+struct ColliderTrack {
+  sandglass_shape shape = SANDGLASS_SHAPE_HALF_SPACE;
+  Vec3 position, size;
+  Quaternion rotation = k_no_rotation;
+  std::vector<MotionSegment> motion;
+};
+
+struct SceneFile {
+  std::string name, source;  // source: what error sentences call it
+  uint32_t frames = 100;
+  double frame_step = 0.02, budget_ms = 4.0;
+  double particle_radius = 0.0;  // 0: follows from a body
+  float gravity[3] = {0.0f, -9.81f, 0.0f};
+  uint64_t seed = 1;
+  sandglass_granular_desc granular =
+      {};  // defaults, with the file's values over them; capacities 0 where the file gives none
+  std::vector<Body> bodies;
+  std::vector<ColliderTrack> colliders;
+  std::optional<Camera> camera;
+};
+
+// `source` names the text in error sentences.
+SceneFile parse_scene(const std::string& text, const std::string& source);
+
+// The path of a scene: the file itself, or a shipped scene's name. Looks beside the source tree and in the installed
+// share folder.
+std::string find_scene(const std::string& name_or_path);
+SceneFile load_scene(const std::string& name_or_path);
+
+// The collider over the frame that begins at `time`: its pose at the frame's end, its velocities at the frame's middle.
+sandglass_collider collider_over_frame(const ColliderTrack& track, double time, double frame_step);
+
+// Radius at which grains are drawn: together they have about the volume of the particles; never larger than one of
+// those.
+float drawn_grain_radius(double particle_radius, uint32_t particles, uint32_t grains);
+
+// The description of the scene that holds `particles` and `grains`; a Failure where the file's own capacities are
+// smaller.
+sandglass_scene_desc describe_scene(const SceneFile& scene, uint32_t particles, uint32_t grains);
+
+}  // namespace sandglass::host

@@ -1,0 +1,120 @@
+// Thin: every rule is the library's.
+#include "models/host/simulation.h"
+
+#include <algorithm>
+#include <array>
+#include <new>
+#include <string>
+
+#include "models/host/failure.h"
+
+namespace sandglass::host {
+
+static void require(sandglass_status status, const char* reason) {
+  if (status == SANDGLASS_OK) return;
+  throw Failure(std::string("the library refuses the scene (") + sandglass_status_name(status) +
+                "): " + (reason != nullptr ? reason : "no reason given"));
+}
+
+Simulation::Simulation(const sandglass_scene_desc& desc) {
+  const char* reason = nullptr;
+  require(sandglass_scene_bytes(&desc, &bytes_, &reason), reason);
+  block_ = ::operator new(bytes_, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT), std::nothrow);
+  if (block_ == nullptr)
+    throw Failure("this machine has no block of " + std::to_string(bytes_ >> 20) +
+                  " MiB for the scene; make the scene smaller");
+  const sandglass_status status = sandglass_scene_create(&desc, block_, bytes_, &scene_, &reason);
+  if (status != SANDGLASS_OK) ::operator delete(block_, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
+  require(status, reason);
+}
+
+Simulation::~Simulation() { ::operator delete(block_, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT)); }
+
+void Simulation::add(const Material& material) {
+  const char* reason = nullptr;
+  require(sandglass_granular_add(scene_, material.particle_positions.data(), material.particle_velocities.data(),
+                                 material.particles(), material.grain_positions.data(),
+                                 material.grain_velocities.data(), material.grains(), &reason),
+          reason);
+  particles_ += material.particles();
+  grains_ += material.grains();
+  output_.resize(grains_);
+}
+
+void Simulation::add(std::span<const float> particles, std::span<const float> velocities) {
+  Material material;
+  material.particle_positions.assign(particles.begin(), particles.end());
+  material.particle_velocities.assign(velocities.begin(), velocities.end());
+  material.particle_velocities.resize(particles.size());
+  add(material);
+}
+
+sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
+                                         std::span<const sandglass_collider> colliders, const sandglass_plan* plan) {
+  sandglass_frame_input input;
+  sandglass_frame_input_default(&input);
+  input.time_step = static_cast<float>(time_step);
+  input.budget_ns = budget_ns;
+  input.colliders = colliders.data();
+  input.collider_count = static_cast<uint32_t>(colliders.size());
+  input.plan = plan;
+  if (grains_ > 0) {
+    input.grains = output_.data();
+    input.grain_stride = sizeof(sandglass_grain);
+    input.grain_capacity = grains_;
+  }
+  sandglass_frame_report report = {};
+  report.struct_size = sizeof report;
+  const char* reason = nullptr;
+  require(sandglass_scene_frame(scene_, &input, &report, &reason), reason);
+  return report;
+}
+
+const std::vector<float>& Simulation::particle_positions() {
+  positions_.resize(3 * static_cast<size_t>(particles_));
+  sandglass_granular_particles(scene_, positions_.data(), nullptr);
+  return positions_;
+}
+const std::vector<float>& Simulation::particle_velocities() {
+  velocities_.resize(3 * static_cast<size_t>(particles_));
+  sandglass_granular_particles(scene_, nullptr, velocities_.data());
+  return velocities_;
+}
+const std::vector<float>& Simulation::grain_positions() {
+  grain_positions_.resize(3 * static_cast<size_t>(grains_));
+  sandglass_granular_grains(scene_, grain_positions_.data(), nullptr);
+  return grain_positions_;
+}
+const std::vector<float>& Simulation::grain_velocities() {
+  grain_velocities_.resize(3 * static_cast<size_t>(grains_));
+  sandglass_granular_grains(scene_, nullptr, grain_velocities_.data());
+  return grain_velocities_;
+}
+
+std::vector<sandglass_collider> colliders_over_frame(const SceneFile& scene, uint32_t frame) {
+  std::vector<sandglass_collider> colliders;
+  for (const ColliderTrack& track : scene.colliders)
+    colliders.push_back(collider_over_frame(track, frame * scene.frame_step, scene.frame_step));
+  return colliders;
+}
+
+sandglass_isa find_isa(const std::string& name) {
+  constexpr sandglass_isa k_isa_limit = 16;  // above every number that sandglass_isa_name knows
+  // Names of the int8 tables that later stages choose among; the granular kernels are the same for all of them.
+  constexpr std::array k_known = {"scalar", "neon", "neon_dotprod", "neon_i8mm", "avx2", "avx512"};
+  std::string available;
+  sandglass_isa found = -1;
+  for (sandglass_isa isa = 0; isa < k_isa_limit; ++isa) {
+    const char* isa_name = sandglass_isa_name(isa);
+    if (isa_name == nullptr) continue;
+    if (sandglass_isa_available(isa) != 0) available += (available.empty() ? "" : ", ") + std::string(isa_name);
+    if (name == isa_name) found = isa;
+  }
+  if (found >= 0 && sandglass_isa_available(found) != 0) return found;
+  if (found >= 0 || std::find(k_known.begin(), k_known.end(), name) != k_known.end())
+    throw Failure("this CPU, or this build for it, lacks the instruction set '" + name + "'; available are " +
+                  available);
+  throw Failure("there is no instruction set named '" + name + "'; available are " + available);
+}
+
+}  // namespace sandglass::host

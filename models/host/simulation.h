@@ -1,0 +1,53 @@
+// One scene of the library with the block it lives in, and its state as arrays: what run, bench, verify and the tests
+// drive.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "models/host/scene_file.h"
+#include "models/host/scene_fill.h"
+#include "sandglass/sandglass.h"
+
+namespace sandglass::host {
+
+class Simulation {
+ public:
+  explicit Simulation(const sandglass_scene_desc& desc);  // a Failure with the library's own sentence
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  void add(const Material& material);
+  void add(std::span<const float> particles, std::span<const float> velocities);
+
+  // budget_ns UINT64_MAX: all the work. `plan`: a recorded plan to execute.
+  sandglass_frame_report frame(double time_step, uint64_t budget_ns, std::span<const sandglass_collider> colliders,
+                               const sandglass_plan* plan = nullptr);
+
+  // Refreshed by each call; 3 floats an item, as many items as were added.
+  const std::vector<float>& particle_positions();
+  const std::vector<float>& particle_velocities();
+  const std::vector<float>& grain_positions();
+  const std::vector<float>& grain_velocities();
+
+  sandglass_scene* handle() { return scene_; }
+  uint64_t bytes() const { return bytes_; }
+
+ private:
+  sandglass_scene* scene_ = nullptr;
+  void* block_ = nullptr;
+  uint64_t bytes_ = 0;
+  uint32_t particles_ = 0, grains_ = 0;
+  std::vector<float> positions_, velocities_, grain_positions_, grain_velocities_;
+  std::vector<sandglass_grain> output_;  // stands for the app's buffer
+};
+
+std::vector<sandglass_collider> colliders_over_frame(const SceneFile& scene, uint32_t frame);
+
+// The instruction set of that name, or a Failure: the name is unknown, this build lacks it, or this CPU does.
+sandglass_isa find_isa(const std::string& name);
+
+}  // namespace sandglass::host

@@ -1,0 +1,379 @@
+// The time budget under a virtual clock, a million frames a case. Whatever the units cost:
+//   law        elapsed <= max(budget, mandatory) + last unit, in every frame, by the report and by the scene's own
+//   ledger; recovery   within 16 frames after a disturbance every stage is back to 90 % of the units that it gets
+//   undisturbed; precision  constant cost never overruns and fills 90 % of the budget; ±20 % of jitter overruns in 0.1
+//   % of frames at most.
+// The negative control replaces the predictor by the maximum of recent costs: one preemption then starves refinement
+// for ever.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <vector>
+
+#include "fake_scene.h"
+#include "frame_count.h"
+
+namespace sandglass::governor_test {
+namespace {
+
+constexpr uint32_t k_recovery_frames = 16;
+constexpr uint32_t k_levels = 3;
+
+// Units a frame of each stage, the fewest in a steady run on an undisturbed machine of the given speed.
+struct Baseline {
+  uint64_t fewest[2];
+  uint64_t total;
+};
+
+Baseline measure_baseline(uint64_t scale_percent) {
+  FakeScene scene;
+  scene.scale_percent = scale_percent;
+  Governor governor;
+  governor_init(&governor, fake_clock(&scene), {}, k_levels);
+  const FakeStages stages = fake_stages(&scene);
+  Baseline baseline = {{~0ull, ~0ull}, ~0ull};
+  sandglass_frame_report report = {};
+  for (uint32_t frame = 0; frame < 200; ++frame) {
+    fake_begin_frame(&scene);
+    governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report);
+    if (frame < k_recovery_frames) continue;
+    for (uint32_t i = 0; i < 2; ++i) baseline.fewest[i] = std::min(baseline.fewest[i], scene.stage_units[i]);
+    baseline.total = std::min(baseline.total, scene.stage_units[0] + scene.stage_units[1]);
+  }
+  return baseline;
+}
+
+struct Outcome {
+  uint64_t frames = 0;
+  uint64_t law_broken = 0;         // by the report
+  uint64_t law_broken_strict = 0;  // one unit and no more, in frames whose output cost what it always costs
+  uint64_t true_law_broken = 0;    // by true time
+  uint64_t ledger_differs = 0;     // the report's times are not the sum of the units' costs
+  uint64_t over_budget = 0;
+  uint64_t excess_frames = 0;   // the output stage outran its reserve
+  uint64_t below_baseline = 0;  // frames, more than 16 after a disturbance
+  uint64_t faults = 0;
+  uint64_t faults_missed = 0;  // frames with a clock that lied, unreported
+  uint64_t false_faults = 0;
+  uint64_t least_used_ns = ~0ull;   // of the budget, in undisturbed frames but the first, which knows no costs
+  uint64_t under_used = 0;          // undisturbed frames that used less than 90 % of the budget
+  uint64_t longest_under_used = 0;  // of those, most in a row
+  uint64_t plan_hash = 0;
+};
+
+struct Case {
+  uint64_t frames = k_case_frames;
+  // Called before each frame: sets the scene's speed, hooks and flags.
+  void (*prepare)(FakeScene* scene, uint64_t frame) = nullptr;
+  uint64_t (*cost)(FakeScene* scene, Kind kind, uint64_t undisturbed) = nullptr;
+  uint64_t (*show)(FakeScene* scene) = nullptr;
+  void* user = nullptr;
+  bool clock_lies = false;
+  PredictorPolicy policy = k_predictor_policy;
+};
+
+uint64_t hash_plan(uint64_t hash, const sandglass_plan& plan) {
+  const auto mix = [&hash](uint64_t value) { hash = (hash ^ value) * 0x100000001b3u; };
+  mix(plan.level);
+  for (uint32_t i = 0; i < plan.run_count; ++i) mix(plan.runs[i].stage * 65536ull + plan.runs[i].units);
+  return hash;
+}
+
+// Baselines at speeds 100, 125, ... 300 %, of which a frame is measured by the slower neighbour.
+const Baseline& baseline_at(uint64_t scale_percent) {
+  static const std::vector<Baseline> table = [] {
+    std::vector<Baseline> made;
+    for (uint64_t scale = 100; scale <= 300; scale += 25) made.push_back(measure_baseline(scale));
+    return made;
+  }();
+  return table[std::min<uint64_t>((scale_percent - 100 + 24) / 25, table.size() - 1)];
+}
+
+Outcome run_case(const Case& which) {
+  FakeScene scene;
+  scene.cost = which.cost;
+  scene.show = which.show;
+  scene.user = which.user;
+  Governor governor;
+  governor_init(&governor, fake_clock(&scene), {}, k_levels);
+  governor.policy = which.policy;
+  const FakeStages stages = fake_stages(&scene);
+  sandglass_frame_report report = {};
+  Outcome outcome;
+  outcome.frames = which.frames;
+  uint64_t since_disturbance = 0;
+  uint64_t under_used_in_a_row = 0;
+  for (uint64_t frame = 0; frame < which.frames; ++frame) {
+    fake_begin_frame(&scene);
+    if (which.prepare != nullptr) which.prepare(&scene, frame);
+    governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report);
+
+    const uint64_t bound = std::max(report.budget_ns, report.mandatory_ns);
+    const uint64_t one_unit = report.last_unit_ns - governor.closing_excess_ns;
+    const uint64_t true_elapsed = scene.true_ns - scene.frame_start_ns;
+    outcome.law_broken += report.elapsed_ns > bound + report.last_unit_ns;
+    outcome.law_broken_strict +=
+        !scene.output_disturbed && !scene.unforeseeable && report.elapsed_ns > bound + one_unit;
+    outcome.excess_frames += governor.closing_excess_ns > 0;
+    outcome.over_budget += report.elapsed_ns > report.budget_ns;
+    if (!which.clock_lies) {
+      const uint64_t closing_undisturbed = k_output_units * (k_cost_ns[k_output] * scene.scale_percent / 100);
+      const bool last_unit_real =
+          one_unit == scene.last_cost[0] || one_unit == scene.last_cost[1] || one_unit == scene.last_cost[2];
+      outcome.ledger_differs += report.elapsed_ns != true_elapsed || !last_unit_real;
+      // The excess is the disturbance itself, never a reserve that was too small from the start (the first frame knows
+      // none).
+      outcome.ledger_differs += !scene.unforeseeable && governor.closing_excess_ns > 0 &&
+                                governor.closing_excess_ns + closing_undisturbed > scene.closing_ns;
+    }
+    // Under a clock that lies only the predictions are left: they know the true costs, so true time holds up to a unit
+    // as well.
+    const uint64_t longest_true = k_cost_ns[k_neighbours] * scene.scale_percent / 100;
+    outcome.true_law_broken += which.clock_lies && true_elapsed > k_budget_ns + longest_true;
+    outcome.faults += report.clock_fault;
+    outcome.false_faults += report.clock_fault != 0 && !scene.disturbed;
+    outcome.plan_hash = hash_plan(outcome.plan_hash, report.plan);
+
+    since_disturbance = scene.disturbed ? 0 : since_disturbance + 1;
+    if (!scene.disturbed && frame > 0) {
+      outcome.least_used_ns = std::min(outcome.least_used_ns, true_elapsed);
+      const bool under_used = true_elapsed * 10 < k_budget_ns * 9;
+      outcome.under_used += under_used;
+      under_used_in_a_row = under_used ? under_used_in_a_row + 1 : 0;
+      outcome.longest_under_used = std::max(outcome.longest_under_used, under_used_in_a_row);
+    }
+    if (since_disturbance < k_recovery_frames) continue;
+    const Baseline& baseline = baseline_at(scene.scale_percent);
+    bool below = (scene.stage_units[0] + scene.stage_units[1]) * 10 < baseline.total * 9;
+    for (uint32_t i = 0; i < 2; ++i) below |= (scene.stage_units[i] + 1) * 10 < baseline.fewest[i] * 9;
+    outcome.below_baseline += below;
+  }
+  std::printf(
+      "  %llu frames: over budget %.4f %%, output beyond its reserve %.4f %%, least used when undisturbed %.1f %%, "
+      "under 90 %% used %llu (%llu in a row), below baseline %llu, clock faults %llu\n",
+      static_cast<unsigned long long>(outcome.frames),
+      100.0 * static_cast<double>(outcome.over_budget) / static_cast<double>(outcome.frames),
+      100.0 * static_cast<double>(outcome.excess_frames) / static_cast<double>(outcome.frames),
+      100.0 * static_cast<double>(outcome.least_used_ns) / static_cast<double>(k_budget_ns),
+      static_cast<unsigned long long>(outcome.under_used), static_cast<unsigned long long>(outcome.longest_under_used),
+      static_cast<unsigned long long>(outcome.below_baseline), static_cast<unsigned long long>(outcome.faults));
+  return outcome;
+}
+
+void expect_law(const Outcome& outcome) {
+  EXPECT_EQ(outcome.law_broken, 0u);
+  EXPECT_EQ(outcome.law_broken_strict, 0u);
+  EXPECT_EQ(outcome.true_law_broken, 0u);
+  EXPECT_EQ(outcome.ledger_differs, 0u);
+}
+
+TEST(Budget, ConstantCostNeverOverrunsAndFillsTheBudget) {
+  const Outcome outcome = run_case({});
+  expect_law(outcome);
+  EXPECT_EQ(outcome.over_budget, 0u);
+  EXPECT_EQ(outcome.excess_frames, 0u);
+  EXPECT_EQ(outcome.faults, 0u);
+  EXPECT_GE(outcome.least_used_ns * 10, k_budget_ns * 9);
+  EXPECT_EQ(outcome.below_baseline, 0u);
+}
+
+TEST(Budget, OnePercentOfUnitsTenTimesAsLong) {
+  Case which;
+  which.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
+    if (scene->random.below(100) != 0) return undisturbed;
+    scene->disturbed = true;
+    return undisturbed * 10;
+  };
+  const Outcome outcome = run_case(which);
+  expect_law(outcome);
+  EXPECT_EQ(outcome.false_faults, 0u);
+  EXPECT_EQ(outcome.below_baseline, 0u);
+  // Frames in between do not pay for their predecessors' outliers: three of one kind among 16 are rare, and soon
+  // forgotten.
+  EXPECT_LE(outcome.under_used * 200, outcome.frames);
+  EXPECT_LE(outcome.longest_under_used, k_recovery_frames);
+}
+
+// Every 97th frame, units of each kind in turn.
+uint64_t preempt_one(FakeScene* scene, Kind kind, uint64_t undisturbed) {
+  uint64_t* pending = static_cast<uint64_t*>(scene->user);  // 1 + the kind to hit
+  if (*pending != 1ull + kind) return undisturbed;
+  *pending = 0;
+  scene->disturbed = true;
+  return undisturbed * 1000;
+}
+
+void prepare_preemption(FakeScene* scene, uint64_t frame) {
+  if (frame % 97 == 50) *static_cast<uint64_t*>(scene->user) = 1 + frame / 97 % k_kind_count;
+}
+
+TEST(Budget, OneUnitAThousandTimesAsLong) {
+  uint64_t pending = 0;
+  Case which;
+  which.prepare = prepare_preemption;
+  which.cost = preempt_one;
+  which.user = &pending;
+  const Outcome outcome = run_case(which);
+  expect_law(outcome);
+  EXPECT_EQ(outcome.below_baseline, 0u);
+  EXPECT_LE(outcome.over_budget, outcome.frames / 97 + 1);  // the preempted frames and no others
+  EXPECT_EQ(outcome.faults, 0u);
+}
+
+TEST(Budget, StepToAThirdOfTheSpeedAndBack) {
+  Case which;
+  which.prepare = [](FakeScene* scene, uint64_t frame) {
+    scene->scale_percent = frame / 100 % 2 == 1 ? 300 : 100;
+    scene->disturbed = scene->unforeseeable = frame % 100 == 0;
+  };
+  const Outcome outcome = run_case(which);
+  expect_law(outcome);
+  EXPECT_EQ(outcome.below_baseline, 0u);
+  // Only the first frame after a step down in speed may be late: nobody could know.
+  EXPECT_LE(outcome.over_budget, outcome.frames / 200 + 1);
+  EXPECT_EQ(outcome.faults, 0u);
+}
+
+TEST(Budget, RampToAThirdOfTheSpeedAndBack) {
+  Case which;
+  which.prepare = [](FakeScene* scene, uint64_t frame) {
+    const uint64_t phase = frame % 2000;
+    scene->scale_percent = 100 + (phase < 1000 ? phase : 2000 - phase) / 5;
+  };
+  const Outcome outcome = run_case(which);
+  expect_law(outcome);
+  EXPECT_EQ(outcome.below_baseline, 0u);
+  EXPECT_EQ(outcome.over_budget, 0u);
+  EXPECT_EQ(outcome.faults, 0u);
+}
+
+TEST(Budget, JitterOfTwentyPercent) {
+  Case which;
+  which.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
+    return undisturbed * (80000 + scene->random.below(40001)) / 100000;
+  };
+  const Outcome outcome = run_case(which);
+  expect_law(outcome);
+  EXPECT_LE(outcome.over_budget * 1000, outcome.frames);
+  EXPECT_EQ(outcome.under_used, 0u);
+  EXPECT_EQ(outcome.faults, 0u);
+}
+
+// A disturbance of the clock: in 20 of every 200 frames.
+bool clock_is_disturbed(uint64_t frame) { return frame % 200 >= 180; }
+
+struct LyingClock {
+  bool active = false;
+  uint64_t offset = 0;  // added to true time, for good
+  uint64_t frozen_at = 0;
+};
+
+TEST(Budget, ClockRunsBackward) {
+  LyingClock clock;
+  Case which;
+  which.user = &clock;
+  which.clock_lies = true;
+  // A third of the disturbances each: always backward; one step back in the frame's first units; backward at one
+  // reading in four.
+  which.prepare = [](FakeScene* scene, uint64_t frame) {
+    LyingClock* lying = static_cast<LyingClock*>(scene->user);
+    lying->active = scene->disturbed = scene->unforeseeable = clock_is_disturbed(frame);
+    lying->frozen_at = frame / 200 % 3;
+  };
+  which.show = [](FakeScene* scene) {
+    LyingClock* lying = static_cast<LyingClock*>(scene->user);
+    if (lying->active) {
+      const uint64_t units = scene->stage_units[0];
+      if (lying->frozen_at == 0) lying->offset -= 1000000;
+      if (lying->frozen_at == 1 && units == 3) lying->offset -= 1000000000000;
+      if (lying->frozen_at == 2 && scene->random.below(4) == 0) lying->offset -= 5000000;
+    }
+    return scene->true_ns + lying->offset;
+  };
+  const Outcome outcome = run_case(which);
+  expect_law(outcome);
+  EXPECT_EQ(outcome.false_faults, 0u);
+  EXPECT_GE(outcome.faults * 100,
+            outcome.frames * 9);  // 10 % of frames, less those of kind three that saw no backward step
+  EXPECT_EQ(outcome.below_baseline, 0u);
+}
+
+TEST(Budget, ClockFreezes) {
+  LyingClock clock;
+  Case which;
+  which.user = &clock;
+  which.clock_lies = true;
+  which.prepare = [](FakeScene* scene, uint64_t frame) {
+    LyingClock* lying = static_cast<LyingClock*>(scene->user);
+    const bool active = clock_is_disturbed(frame);
+    if (active && !lying->active) lying->frozen_at = scene->true_ns + lying->offset;
+    if (!active && lying->active) lying->offset = lying->frozen_at - scene->true_ns;  // runs on from where it stood
+    lying->active = scene->disturbed = scene->unforeseeable = active;
+  };
+  which.show = [](FakeScene* scene) {
+    const LyingClock* lying = static_cast<const LyingClock*>(scene->user);
+    return lying->active ? lying->frozen_at : scene->true_ns + lying->offset;
+  };
+  const Outcome outcome = run_case(which);
+  expect_law(outcome);
+  EXPECT_EQ(outcome.false_faults, 0u);
+  EXPECT_EQ(outcome.faults, outcome.frames / 10);
+  EXPECT_EQ(outcome.below_baseline, 0u);
+}
+
+TEST(Budget, ClockJumps) {
+  LyingClock clock;
+  Case which;
+  which.user = &clock;
+  which.prepare = [](FakeScene* scene, uint64_t frame) {
+    LyingClock* lying = static_cast<LyingClock*>(scene->user);
+    lying->active = scene->disturbed = scene->unforeseeable = clock_is_disturbed(frame);
+  };
+  // Jumps of any size from a microsecond to 2^63 ns, forward and backward, at one reading in ten.
+  which.show = [](FakeScene* scene) {
+    LyingClock* lying = static_cast<LyingClock*>(scene->user);
+    if (lying->active && scene->random.below(10) == 0) {
+      const uint64_t size = 1ull << (10 + scene->random.below(54));
+      lying->offset += scene->random.below(2) == 0 ? size : 0 - size;
+    }
+    return scene->true_ns + lying->offset;
+  };
+  which.clock_lies = true;
+  const Outcome outcome = run_case(which);
+  expect_law(outcome);
+  EXPECT_EQ(outcome.false_faults, 0u);
+  EXPECT_GT(outcome.faults * 100, outcome.frames * 5);
+  EXPECT_EQ(outcome.below_baseline, 0u);
+}
+
+TEST(Budget, AMaximumOfRecentCostsStarvesAStageForEver) {
+  uint64_t pending = 0;
+  Case which;
+  which.frames = 5000;
+  which.prepare = [](FakeScene* scene, uint64_t frame) {
+    if (frame == 50) *static_cast<uint64_t*>(scene->user) = 1 + k_refine;
+  };
+  which.cost = preempt_one;
+  which.user = &pending;
+  EXPECT_EQ(run_case(which).below_baseline, 0u);  // the real predictor recovers
+  pending = 0;
+  which.policy = {0, 0, 0, false};  // the maximum of 16, uncensored, uncapped, without probes
+  EXPECT_GE(run_case(which).below_baseline, which.frames - 200);
+}
+
+TEST(Budget, TheSameTraceGivesTheSamePlansOnEveryMachine) {
+  Case which;
+  which.frames = 20000;
+  which.prepare = [](FakeScene* scene, uint64_t frame) { scene->scale_percent = frame / 500 % 2 == 1 ? 250 : 100; };
+  which.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
+    return undisturbed * (80 + scene->random.below(41)) / 100 * (scene->random.below(200) == 0 ? 20 : 1);
+  };
+  const uint64_t first = run_case(which).plan_hash;
+  EXPECT_EQ(first, run_case(which).plan_hash);
+  // One golden value for every compiler and processor. A change of the governor's decisions changes it, knowingly.
+  EXPECT_EQ(first, 0x0e7966dccd4ecbadu) << std::hex << first;
+}
+
+}  // namespace
+}  // namespace sandglass::governor_test

@@ -1,0 +1,72 @@
+// A scene made of time only. Three stages shaped like the real ones hand out units whose cost a test chooses: granular
+// (a cycle of four kinds of unit, without end, share 0.6), refine (blocked in each frame until one granular cycle is
+// complete, then without end) and output (three units, mandatory, at the end). The scene keeps true time itself, so
+// that a test can see through a clock that lies.
+#pragma once
+
+#include <cstdint>
+
+#include "runtime/core/governor.h"
+
+namespace sandglass::governor_test {
+
+// A small generator with the same numbers everywhere (splitmix64).
+struct Random {
+  uint64_t state;
+  uint64_t next() {
+    uint64_t z = (state += 0x9e3779b97f4a7c15u);
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return z ^ (z >> 31);
+  }
+  uint64_t below(uint64_t bound) { return next() % bound; }
+};
+
+enum Kind : uint32_t { k_predict, k_neighbours, k_solve, k_finish, k_refine, k_output, k_kind_count };
+
+constexpr uint64_t k_budget_ns = 4000000;
+// Undisturbed cost of a unit, nanoseconds, and its items.
+constexpr uint64_t k_cost_ns[k_kind_count] = {60000, 140000, 90000, 50000, 100000, 70000};
+constexpr uint32_t k_items[k_kind_count] = {1000, 1000, 500, 1000, 2048, 4096};
+constexpr uint32_t k_output_units = 3;
+constexpr uint32_t k_granular = SANDGLASS_STAGE_GRANULAR;
+constexpr uint32_t k_refinement = SANDGLASS_STAGE_REFINE;
+constexpr uint32_t k_closing = SANDGLASS_STAGE_OUTPUT;
+
+struct FakeScene {
+  // Cost of the unit about to run, from its undisturbed cost. Null: undisturbed.
+  uint64_t (*cost)(FakeScene* scene, Kind kind, uint64_t undisturbed) = nullptr;
+  // What the clock shows when true time is `true_ns`. Null: the truth.
+  uint64_t (*show)(FakeScene* scene) = nullptr;
+  void* user = nullptr;
+  Random random{1};
+
+  uint64_t true_ns = 0;
+  uint64_t scale_percent = 100;  // of every cost: the machine's speed
+  uint64_t readings = 0;
+
+  // This frame's ledger.
+  uint64_t frame_start_ns = 0;
+  uint64_t stage_units[3] = {};
+  uint64_t last_cost[3] = {};     // of a stage's last unit
+  uint64_t closing_ns = 0;        // true time of the output stage
+  bool disturbed = false;         // set by the test: some unit, the machine or the clock did not behave
+  bool unforeseeable = false;     // set by the test: the machine's speed or the clock, not a unit
+  bool output_disturbed = false;  // set here when an output unit cost more than undisturbed
+  uint64_t order_hash = 0;        // of the kinds run since the start, in order
+
+  uint32_t cycle = 0;  // position in granular's cycle
+  uint32_t cycles_this_frame = 0;
+  uint32_t outputs_this_frame = 0;
+};
+
+void fake_begin_frame(FakeScene* scene);
+sandglass_clock fake_clock(FakeScene* scene);
+
+// Granular with `mandatory` mandatory units, refine, output.
+struct FakeStages {
+  Stage stages[3];
+};
+FakeStages fake_stages(FakeScene* scene, uint32_t mandatory = 4);
+
+}  // namespace sandglass::governor_test

@@ -1,0 +1,356 @@
+// What a frame does with its stages, and that the plan says so: order, shares, unblocking, the ladder, replay, and the
+// edges (no clock, no budget, no stage, a plan that is full, a plan that does not fit).
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "fake_scene.h"
+
+namespace sandglass::governor_test {
+namespace {
+
+// A stage with a finite list of units of one kind, 100 us each on the shared clock, that another stage may have to
+// unblock.
+struct ListStage {
+  uint64_t* now_ns = nullptr;
+  uint32_t kind = 0;
+  uint32_t units = 0;  // offered in all
+  uint32_t done = 0;
+  const uint32_t* ahead = nullptr;  // may be done only while fewer than *ahead * per_ahead are
+  uint32_t per_ahead = 1;
+  uint32_t lead = 0;  // units beyond that
+  std::string* log = nullptr;
+};
+
+constexpr uint64_t k_list_unit_ns = 100000;
+
+Stage list_stage(ListStage* list, uint32_t mandatory, float share) {
+  Stage stage = {};
+  stage.state = list;
+  stage.next = [](const void* state, uint32_t, WorkUnit* unit) {
+    const ListStage* self = static_cast<const ListStage*>(state);
+    *unit = {self->kind, 10, "fake.list"};
+    const bool blocked = self->ahead != nullptr && self->done >= *self->ahead * self->per_ahead + self->lead;
+    return self->done < self->units && !blocked;
+  };
+  stage.run = [](void* state, uint32_t) {
+    ListStage* self = static_cast<ListStage*>(state);
+    ++self->done;
+    if (self->now_ns != nullptr) *self->now_ns += k_list_unit_ns;
+    if (self->log != nullptr) *self->log += static_cast<char>('a' + self->kind);
+  };
+  stage.forecast = [](const void* state, uint32_t, Forecast* entries) {
+    const ListStage* self = static_cast<const ListStage*>(state);
+    entries[0] = {self->kind, 10ull * (self->units - self->done)};
+    return 1u;
+  };
+  stage.mandatory_units = mandatory;
+  stage.share = share;
+  return stage;
+}
+
+sandglass_clock list_clock(uint64_t* now_ns) {
+  return {[](void* user) { return *static_cast<uint64_t*>(user); }, now_ns};
+}
+
+struct Lists {
+  uint64_t now_ns = 0;
+  std::string log;
+  ListStage first{&now_ns, 0, 0, 0, nullptr, 1, 0, &log};
+  ListStage second{&now_ns, 1, 0, 0, nullptr, 1, 0, &log};
+  ListStage output{&now_ns, 2, 0, 0, nullptr, 1, 0, &log};
+  Governor governor = {};
+  sandglass_frame_report report = {};
+
+  explicit Lists(bool with_clock = true) {
+    governor_init(&governor, with_clock ? list_clock(&now_ns) : sandglass_clock{}, {}, 1);
+  }
+  bool frame(uint64_t budget_ns, uint32_t mandatory, float share, const sandglass_plan* replay = nullptr) {
+    const Stage stages[3] = {list_stage(&first, mandatory, share), list_stage(&second, 0, 1.0f),
+                             list_stage(&output, k_all_units, 1.0f)};
+    log.clear();
+    return governor_frame(&governor, stages, 3, budget_ns, replay, &report);
+  }
+  // Units offered in the next frame.
+  void offer(uint32_t a, uint32_t b, uint32_t c) {
+    first.units = a, second.units = b, output.units = c;
+    first.done = second.done = output.done = 0;
+  }
+  // A frame in which every kind becomes known.
+  void learn() {
+    offer(4, 4, 4);
+    frame(1000000000, 1, 1.0f);
+  }
+};
+
+TEST(Plan, WithoutAClockEverythingRunsAtFullQualityAndNoTimeIsReported) {
+  Lists lists(false);
+  lists.offer(3, 2, 1);
+  EXPECT_TRUE(lists.frame(0, 1, 0.5f));
+  EXPECT_EQ(lists.log, "aaabbc");
+  EXPECT_EQ(lists.report.level, 0u);
+  EXPECT_EQ(lists.report.elapsed_ns, 0u);
+  EXPECT_EQ(lists.report.clock_fault, 0u);
+  EXPECT_EQ(lists.report.stages[0].denied, 0u);
+}
+
+TEST(Plan, ZeroBudgetRunsTheMandatoryPartOnly) {
+  Lists lists;
+  lists.learn();
+  lists.offer(5, 5, 2);
+  lists.frame(0, 2, 1.0f);
+  EXPECT_EQ(lists.log, "aacc");
+  EXPECT_EQ(lists.report.mandatory_ns, 4 * k_list_unit_ns);
+  EXPECT_EQ(lists.report.elapsed_ns, lists.report.mandatory_ns);
+  EXPECT_EQ(lists.report.stages[0].denied, 1u);
+  EXPECT_EQ(lists.report.stages[1].denied, 1u);
+}
+
+TEST(Plan, NothingToDoIsAnEmptyPlan) {
+  Lists lists;
+  lists.frame(4000000, 4, 0.6f);
+  EXPECT_EQ(lists.report.plan.run_count, 0u);
+  EXPECT_TRUE(governor_frame(&lists.governor, nullptr, 0, 4000000, nullptr, &lists.report));
+  EXPECT_EQ(lists.report.plan.run_count, 0u);
+}
+
+TEST(Plan, AShareIsKeptWhileALaterStageHasWorkAndHandedBackAfterwards) {
+  Lists lists;
+  lists.learn();
+  lists.offer(100, 100, 0);
+  lists.frame(10 * k_list_unit_ns, 0, 0.5f);
+  EXPECT_EQ(lists.log, "aaaaabbbb");  // the tenth unit would need its margin too
+  lists.offer(100, 2, 0);
+  lists.frame(10 * k_list_unit_ns, 0, 0.5f);
+  EXPECT_EQ(lists.log, "aaaaabbaa");
+}
+
+TEST(Plan, AStageThatUnblocksAnotherGetsTimeForIt) {
+  Lists lists;
+  lists.learn();
+  // One unit of the second stage becomes possible with each of the first; the first's share alone is not enough for
+  // any.
+  lists.offer(4, 4, 1);
+  lists.second.ahead = &lists.first.done;
+  lists.frame(100 * k_list_unit_ns, 0, 0.0f);
+  EXPECT_EQ(lists.log, "ababababc");
+  // And the other way round: the first is held back by the second.
+  Lists reversed;
+  reversed.learn();
+  reversed.offer(6, 3, 1);
+  reversed.first.ahead = &reversed.second.done;
+  reversed.first.lead = 2;
+  reversed.frame(100 * k_list_unit_ns, 1, 1.0f);
+  EXPECT_EQ(reversed.log, "aabbbaaac");
+}
+
+TEST(Plan, RunsAreLengthEncodedInTheOrderInWhichTheyRan) {
+  Lists lists;
+  lists.learn();
+  lists.offer(3, 2, 2);
+  lists.frame(100 * k_list_unit_ns, 1, 1.0f);
+  ASSERT_EQ(lists.report.plan.run_count, 3u);
+  EXPECT_EQ(lists.report.plan.struct_size, sizeof(sandglass_plan));
+  const uint32_t expected[3] = {3, 2, 2};
+  for (uint32_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(lists.report.plan.runs[i].stage, i);
+    EXPECT_EQ(lists.report.plan.runs[i].units, expected[i]);
+  }
+}
+
+TEST(Plan, WhenThePlanIsFullOptionalWorkEndsAndTheOutputIsStillWritten) {
+  Lists lists;
+  lists.learn();
+  lists.offer(100, 100, 3);
+  lists.second.ahead = &lists.first.done;  // a, b, a, b ...: a run each
+  lists.frame(1000 * k_list_unit_ns, 0, 0.0f);
+  EXPECT_EQ(lists.report.plan.run_count, static_cast<uint32_t>(SANDGLASS_PLAN_RUNS));
+  EXPECT_EQ(lists.report.plan.runs[SANDGLASS_PLAN_RUNS - 1].stage, k_closing);
+  EXPECT_EQ(lists.output.done, 3u);
+  EXPECT_EQ(lists.report.stages[0].denied, 1u);
+}
+
+TEST(Plan, AFullPlanCanBeReplayed) {
+  Lists lists;
+  lists.offer(100, 100, 3);
+  lists.second.ahead = &lists.first.done;
+  lists.frame(1000 * k_list_unit_ns, 0, 0.0f);
+  const std::string log = lists.log;
+  const sandglass_plan plan = lists.report.plan;
+  Lists again(false);
+  again.offer(100, 100, 3);
+  again.second.ahead = &again.first.done;
+  EXPECT_TRUE(again.frame(0, 0, 0.0f, &plan));
+  EXPECT_EQ(again.log, log);
+}
+
+TEST(Plan, ReplayExecutesExactlyThePlanWhateverTheClock) {
+  FakeScene recorded;
+  recorded.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
+    return undisturbed * (50 + scene->random.below(200)) / 100;
+  };
+  Governor governor;
+  governor_init(&governor, fake_clock(&recorded), {}, 3);
+  const FakeStages stages = fake_stages(&recorded);
+
+  FakeScene replayed[2];  // with a clock of its own that runs elsewhere, and without one
+  Governor replaying[2];
+  governor_init(&replaying[0], fake_clock(&replayed[0]), {}, 3);
+  governor_init(&replaying[1], {}, {}, 3);
+  const FakeStages replay_stages[2] = {fake_stages(&replayed[0]), fake_stages(&replayed[1])};
+
+  for (uint32_t frame = 0; frame < 500; ++frame) {
+    sandglass_frame_report report = {};
+    sandglass_frame_report replay_report = {};
+    fake_begin_frame(&recorded);
+    ASSERT_TRUE(governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report));
+    for (uint32_t i = 0; i < 2; ++i) {
+      fake_begin_frame(&replayed[i]);
+      ASSERT_TRUE(governor_frame(&replaying[i], replay_stages[i].stages, 3, 1, &report.plan, &replay_report));
+      ASSERT_EQ(replayed[i].order_hash, recorded.order_hash);
+      ASSERT_EQ(std::memcmp(&replay_report.plan, &report.plan, sizeof(report.plan)), 0);
+      ASSERT_EQ(replay_report.level, report.level);
+      ASSERT_EQ(replay_report.elapsed_ns, i == 0 ? replayed[0].true_ns - replayed[0].frame_start_ns : 0);
+    }
+  }
+}
+
+TEST(Plan, ReplayTeachesThePredictorNothing) {
+  Lists lists;
+  lists.learn();
+  const uint64_t predicted = governor_predict(&lists.governor, 0, 10);
+  sandglass_plan plan = lists.report.plan;
+  lists.offer(4, 4, 4);
+  lists.now_ns += 123456789;
+  EXPECT_TRUE(lists.frame(0, 0, 1.0f, &plan));
+  EXPECT_EQ(governor_predict(&lists.governor, 0, 10), predicted);
+}
+
+TEST(Plan, AReplayThatDoesNotFitStopsBeforeTheUnitThatIsNotOffered) {
+  Lists lists;
+  sandglass_plan plan = {};
+  plan.struct_size = sizeof(plan);
+  plan.run_count = 2;
+  plan.runs[0] = {k_granular, 3};
+  plan.runs[1] = {k_refinement, 2};
+  lists.offer(3, 1, 1);
+  EXPECT_FALSE(lists.frame(0, 0, 1.0f, &plan));
+  EXPECT_EQ(lists.log, "aaab");
+
+  lists.offer(3, 2, 1);
+  plan.runs[1].stage = 3;  // no such stage
+  EXPECT_FALSE(lists.frame(0, 0, 1.0f, &plan));
+  plan.runs[1].stage = k_refinement;
+  plan.run_count = SANDGLASS_PLAN_RUNS + 1;
+  EXPECT_FALSE(lists.frame(0, 0, 1.0f, &plan));
+  plan.run_count = 2;
+  plan.level = 1;  // the ladder has one rung
+  EXPECT_FALSE(lists.frame(0, 0, 1.0f, &plan));
+}
+
+TEST(Plan, TheLadderTakesTheBestRungThatFitsAndDoesNotFlicker) {
+  FakeScene scene;
+  Governor governor;
+  governor_init(&governor, fake_clock(&scene), {}, 3);
+  const FakeStages stages = fake_stages(&scene);
+  sandglass_frame_report report = {};
+  const auto level_at = [&](uint64_t budget) {
+    for (uint32_t i = 0; i < 4; ++i) {
+      fake_begin_frame(&scene);
+      governor_frame(&governor, stages.stages, 3, budget, nullptr, &report);
+    }
+    return report.level;
+  };
+  // What the fake stages forecast: cycles of 790 us, refinement units of 100 us, three output units of 70 us.
+  const uint64_t full = 8 * 790000 + 16 * 100000 + 210000;
+  const uint64_t half = 4 * 790000 + 8 * 100000 + 210000;
+  EXPECT_EQ(level_at(2 * full), 0u);
+  EXPECT_EQ(level_at(full), 0u);
+  EXPECT_EQ(level_at(full - 10000), 1u);
+  EXPECT_EQ(level_at(full + 10000), 1u);  // it fits again, but barely
+  EXPECT_EQ(level_at(full * 8 / 7 + 10000), 0u);
+  EXPECT_EQ(level_at(half - 10000), 2u);
+  EXPECT_EQ(level_at(0), 2u);
+}
+
+TEST(Plan, AnEstimateThatNobodyChecksFades) {
+  Lists lists;
+  lists.learn();
+  const uint64_t known = governor_predict(&lists.governor, 1, 10);
+  EXPECT_EQ(known, k_list_unit_ns);
+  for (uint32_t i = 0; i < 64; ++i) lists.offer(1, 0, 1), lists.frame(10000000, 0, 1.0f);
+  EXPECT_EQ(governor_predict(&lists.governor, 1, 10), known / 2);
+  for (uint32_t i = 0; i < 64 * 64; ++i) lists.offer(1, 0, 1), lists.frame(10000000, 0, 1.0f);
+  EXPECT_EQ(governor_predict(&lists.governor, 1, 10), 0u);
+  EXPECT_EQ(governor_predict(&lists.governor, 0, 10), k_list_unit_ns);
+}
+
+TEST(Plan, PredictionsSaturateInsteadOfOverflowing) {
+  Governor governor;
+  governor_init(&governor, {}, {}, 1);
+  EXPECT_EQ(governor_predict(&governor, 0, ~0ull), 0u);
+  EXPECT_EQ(governor_predict(&governor, k_unit_kind_none, 1), 0u);
+  governor.kinds[0].estimate = ~0ull;
+  EXPECT_EQ(governor_predict(&governor, 0, ~0ull), ~0ull);
+  governor.kinds[0].estimate = 1;  // a picosecond an item
+  EXPECT_EQ(governor_predict(&governor, 0, 1), 1u);
+  EXPECT_EQ(governor_predict(&governor, 0, 5000), 5u);
+}
+
+// Frames until a kind that is remembered as five seconds a unit, but takes 100 us, gets to run when `percent` of the
+// budget is left.
+uint32_t frames_until_tried(uint32_t percent, Lists* lists) {
+  lists->learn();
+  Governor::Kind* kind = &lists->governor.kinds[1];
+  for (uint64_t& cost : kind->recent) cost = 500000000000000;
+  kind->estimate = kind->recent[0];
+  kind->count = 16;
+  for (uint32_t frames = 1; frames <= 20; ++frames) {
+    lists->offer(100 - percent, 1, 0);
+    lists->frame(100 * k_list_unit_ns, 100 - percent, 1.0f);
+    if (lists->report.stages[1].units > 0) return frames;
+  }
+  return ~0u;
+}
+
+TEST(Plan, AnOverestimateIsCappedFadesWhileDeniedAndIsProbedWithinEightFrames) {
+  Lists capped, faded, probed;
+  EXPECT_EQ(frames_until_tried(60, &capped), 1u);  // no unit is predicted to need more than half the budget
+  EXPECT_EQ(frames_until_tried(30, &faded), 5u);   // half, less an eighth of it for each of four denials
+  EXPECT_EQ(frames_until_tried(3, &probed), 8u);   // does not fit by any estimate
+}
+
+TEST(Plan, OneProbeCorrectsTheMemory) {
+  Lists lists;
+  frames_until_tried(3, &lists);
+  EXPECT_EQ(governor_predict(&lists.governor, 1, 10), k_list_unit_ns);
+}
+
+TEST(Plan, EveryUnitIsBracketedByTheTraceHooks) {
+  struct Seen {
+    uint32_t begun = 0;
+    uint32_t ended = 0;
+    bool nested = false;
+  } seen;
+  sandglass_trace trace = {};
+  trace.user = &seen;
+  trace.begin = [](void* user, const char*) {
+    Seen* s = static_cast<Seen*>(user);
+    s->nested |= s->begun++ != s->ended;
+  };
+  trace.end = [](void* user, const char* name) {
+    static_cast<Seen*>(user)->ended += std::strcmp(name, "fake.list") == 0;
+  };
+  Lists lists;
+  lists.governor.trace = trace;
+  lists.offer(3, 2, 1);
+  lists.frame(100000000, 1, 1.0f);
+  EXPECT_EQ(seen.begun, 6u);
+  EXPECT_EQ(seen.ended, 6u);
+  EXPECT_FALSE(seen.nested);
+}
+
+}  // namespace
+}  // namespace sandglass::governor_test

@@ -1,0 +1,167 @@
+// The platform layer: clocks that advance as they should, features that agree with what the operating system says, and
+// a floating-point environment that is exact inside and untouched outside.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "platform/check.h"
+#include "platform/clock.h"
+#include "platform/cpu_features.h"
+#include "platform/floating_point.h"
+#include "platform/trace.h"
+#include "platform/virtual_clock.h"
+
+namespace sandglass {
+namespace {
+
+uint64_t read(const sandglass_clock& clock) { return clock.now_ns(clock.user); }
+
+TEST(Clock, SystemClockNeverGoesBackwardAndMoves) {
+  const sandglass_clock clock = sandglass_clock_system();
+  const uint64_t start = read(clock);
+  uint64_t last = start;
+  for (int i = 0; i < 100000; ++i) {
+    const uint64_t now = read(clock);
+    ASSERT_GE(now, last);
+    last = now;
+  }
+  EXPECT_GT(last, start);
+}
+
+TEST(Clock, ThreadClockCountsWork) {
+  const sandglass_clock clock = clock_thread_cpu();
+  const uint64_t start = read(clock);
+  volatile uint64_t work = 0;
+  for (int i = 0; i < 2000000; ++i) work = work + static_cast<uint64_t>(i);
+  EXPECT_GT(read(clock), start);
+}
+
+TEST(VirtualClock, MovesWhenToldByStepsAndAlongATrace) {
+  VirtualClock state;
+  const sandglass_clock clock = virtual_clock(&state);
+  EXPECT_EQ(read(clock), 0u);
+  EXPECT_EQ(read(clock), 0u);
+  virtual_clock_advance(&state, 5);
+  EXPECT_EQ(read(clock), 5u);
+
+  state.step_ns = 10;
+  EXPECT_EQ(read(clock), 5u);
+  EXPECT_EQ(read(clock), 15u);
+  state.step_ns = 0;
+  state.now_ns = 100;
+
+  const uint64_t increments[3] = {1, 20, 0 - uint64_t{50}};  // the last one goes backward
+  virtual_clock_follow(&state, increments, 3);
+  const uint64_t expected[7] = {100, 101, 121, 71, 72, 92, 42};
+  for (uint64_t value : expected) EXPECT_EQ(read(clock), value);
+  virtual_clock_follow(&state, nullptr, 0);
+  EXPECT_EQ(read(clock), read(clock));
+  EXPECT_EQ(state.readings, 14u);
+}
+
+TEST(CpuFeatures, AreConsistentInThemselves) {
+  const CpuFeatures f = cpu_features();
+#if defined(__aarch64__)
+  EXPECT_TRUE(f.neon);
+  EXPECT_FALSE(f.avx2 || f.fma || f.avx512f || f.avx512bw || f.avx512dq || f.avx512vl || f.avx512vnni);
+#else
+  EXPECT_FALSE(f.neon || f.dotprod || f.i8mm);
+  // No processor has one of these without the foundation.
+  EXPECT_TRUE(f.avx512f || !(f.avx512bw || f.avx512dq || f.avx512vl || f.avx512vnni));
+#endif
+}
+
+#if defined(__linux__) && !defined(__aarch64__)
+TEST(CpuFeatures, AgreeWithTheKernelsList) {
+  std::ifstream file("/proc/cpuinfo");
+  std::set<std::string> flags;
+  for (std::string line; std::getline(file, line);) {
+    if (line.rfind("flags", 0) != 0) continue;
+    std::istringstream words(line.substr(line.find(':') + 1));
+    flags.insert(std::istream_iterator<std::string>(words), {});
+    break;
+  }
+  if (flags.empty()) GTEST_SKIP() << "the kernel lists no flags here";
+  const CpuFeatures f = cpu_features();
+  EXPECT_EQ(f.avx2, flags.count("avx2") == 1);
+  EXPECT_EQ(f.fma, flags.count("fma") == 1);
+  EXPECT_EQ(f.avx512f, flags.count("avx512f") == 1);
+  EXPECT_EQ(f.avx512bw, flags.count("avx512bw") == 1);
+  EXPECT_EQ(f.avx512dq, flags.count("avx512dq") == 1);
+  EXPECT_EQ(f.avx512vl, flags.count("avx512vl") == 1);
+  EXPECT_EQ(f.avx512vnni, flags.count("avx512_vnni") == 1);
+}
+#endif
+
+// Arithmetic behind pointers that the compiler cannot see through, as a stage table is.
+float divide(float a, float b) { return a / b; }
+float (*volatile divide_hidden)(float, float) = divide;
+
+constexpr float k_denormal = 1e-40f;
+
+// The app's way of switching flushing on and rounding off: the control bits of this architecture, all of them.
+FloatingPointControl hostile_control() {
+#if defined(__aarch64__)
+  return (3u << 22) | (1u << 24) | (1u << 25);
+#else
+  return 0x1f80u | (3u << 13) | (1u << 15) | (1u << 6);
+#endif
+}
+
+TEST(FloatingPoint, DenormalsSurviveInsideAndTheAppsModeComesBack) {
+  const FloatingPointControl original = floating_point_control();
+  floating_point_restore(hostile_control());
+  const float flushed = divide_hidden(k_denormal, 2.0f);
+  const float truncated = divide_hidden(2.0f, 3.0f);
+  const FloatingPointControl hostile = floating_point_control();
+
+  const FloatingPointControl saved = floating_point_enter();
+  const float kept = divide_hidden(k_denormal, 2.0f);
+  const float rounded = divide_hidden(2.0f, 3.0f);
+  floating_point_restore(saved);
+  const FloatingPointControl after = floating_point_control();
+  floating_point_restore(original);
+
+  EXPECT_EQ(flushed, 0.0f);  // the app's mode was what it claims to be
+  EXPECT_LT(truncated, 0.66666667f);
+  EXPECT_EQ(kept, 5e-41f);
+  EXPECT_EQ(rounded, 0.66666667f);
+  EXPECT_EQ(after, hostile);
+}
+
+TEST(FloatingPoint, TrapEnablesAreTheCallersOwn) {
+  const FloatingPointControl original = floating_point_control();
+  floating_point_enter();
+  const FloatingPointControl inside = floating_point_control();
+  floating_point_restore(original);
+  EXPECT_EQ(inside, original & ~k_floating_point_inexact_modes);
+}
+
+TEST(Hooks, AbsentOnesAreSkippedAndPresentOnesGetTheirNames) {
+  trace_begin({}, "x");
+  trace_end({}, "x");
+  log_write({}, "x");
+  std::string seen;
+  const sandglass_log log = {[](void* user, const char* sentence) { *static_cast<std::string*>(user) += sentence; },
+                             &seen};
+  log_write(log, "A sentence.");
+  const auto note = [](void* user, const char* name) { *static_cast<std::string*>(user) += name; };
+  const sandglass_trace trace = {note, note, &seen};
+  trace_begin(trace, "a");
+  trace_end(trace, "a");
+  EXPECT_EQ(seen, "A sentence.aa");
+}
+
+TEST(CheckDeathTest, MisuseTraps) {
+  ::testing::FLAGS_gtest_death_test_style = "fast";
+  SANDGLASS_CHECK(1 + 1 == 2);
+  if (SANDGLASS_EMULATED) GTEST_SKIP() << "no death tests in an emulator";
+  EXPECT_DEATH(SANDGLASS_CHECK(1 + 1 == 3), "");
+}
+
+}  // namespace
+}  // namespace sandglass

@@ -1,0 +1,248 @@
+// A recording comes back as it was written, and no other bytes are taken for one: every truncation, every value of
+// every byte, records dropped, doubled and swapped, lengths that lie. The reader sees exactly-sized heap blocks, so
+// that the address sanitizer would notice a byte read too far.
+#include "models/host/recording.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <limits>
+#include <memory>
+
+#include "fake_scene.h"
+#include "models/host/failure.h"
+
+namespace sandglass::host {
+namespace {
+
+Recording small_recording() {
+  Recording recording;
+  recording.scene_name = "column14k";
+  recording.start_hash = 0x0123456789abcdefu;
+  recording.description = {1, 2, 3, 250};
+  recording.final_hash = 0xfedcba9876543210u;
+  for (uint32_t f = 0; f < 3; ++f) {
+    RecordedFrame frame;
+    frame.time_step = 0.01f * static_cast<float>(f + 1);
+    frame.budget_ns = 4000000 + f;
+    frame.colliders.resize(f);
+    for (sandglass_collider& collider : frame.colliders) {
+      collider = {SANDGLASS_SHAPE_BOX, {1, 2, 3}, {0, 0, 0, 1}, {0.1f, 0.2f, 0.3f}, {-1, -0.0f, 1e-40f}, {4, 5, 6}};
+      collider.position[0] =
+          std::numeric_limits<float>::quiet_NaN();  // an app may have passed it; a replay must as well
+    }
+    frame.plan.struct_size = sizeof(sandglass_plan);
+    frame.plan.level = f;
+    frame.plan.run_count = f + 1;
+    for (uint32_t r = 0; r <= f; ++r) frame.plan.runs[r] = {r % SANDGLASS_STAGE_COUNT, 100 * f + r + 1};
+    recording.frames.push_back(frame);
+  }
+  return recording;
+}
+
+bool same(const Recording& a, const Recording& b) {
+  bool equal = a.scene_name == b.scene_name && a.start_hash == b.start_hash && a.description == b.description &&
+               a.final_hash == b.final_hash && a.frames.size() == b.frames.size();
+  for (size_t i = 0; equal && i < a.frames.size(); ++i) {
+    const RecordedFrame& x = a.frames[i];
+    const RecordedFrame& y = b.frames[i];
+    equal = x.time_step == y.time_step && x.budget_ns == y.budget_ns && x.colliders.size() == y.colliders.size() &&
+            std::memcmp(&x.plan, &y.plan, sizeof(x.plan)) == 0;
+    for (size_t c = 0; equal && c < x.colliders.size(); ++c) {
+      equal =
+          std::memcmp(&x.colliders[c], &y.colliders[c], sizeof(sandglass_collider)) == 0;  // bits: NaN, -0, denormals
+    }
+  }
+  return equal;
+}
+
+bool decodes(const std::vector<uint8_t>& bytes, Recording* recording, std::string* error) {
+  const std::unique_ptr<uint8_t[]> exact(new uint8_t[bytes.size()]);
+  std::copy(bytes.begin(), bytes.end(), exact.get());
+  return decode_recording(exact.get(), bytes.size(), recording, error);
+}
+
+TEST(Recording, ComesBackAsItWasWritten) {
+  const Recording recording = small_recording();
+  Recording back;
+  std::string error;
+  ASSERT_TRUE(decodes(encode_recording(recording), &back, &error)) << error;
+  EXPECT_TRUE(same(recording, back));
+  ASSERT_TRUE(decodes(encode_recording({}), &back, &error)) << error;
+  EXPECT_TRUE(same({}, back));
+}
+
+TEST(Recording, StartsWithTheDocumentedBytes) {
+  const std::vector<uint8_t> bytes = encode_recording({});
+  const uint8_t expected[] = {'S', 'G', 'R', 'E', 'C', '\r', '\n', 0x1a, 1, 0, 0, 0, 1, 0, 0, 0, 16, 0, 0, 0};
+  ASSERT_GE(bytes.size(), sizeof(expected));
+  EXPECT_EQ(std::memcmp(bytes.data(), expected, sizeof(expected)), 0);
+}
+
+TEST(Recording, EveryTruncationIsRefusedWithASentence) {
+  const std::vector<uint8_t> bytes = encode_recording(small_recording());
+  for (size_t length = 0; length < bytes.size(); ++length) {
+    Recording back;
+    std::string error;
+    ASSERT_FALSE(decodes({bytes.begin(), bytes.begin() + static_cast<long>(length)}, &back, &error)) << length;
+    ASSERT_NE(error.find("; "), std::string::npos) << error;  // what is wrong; what to do
+    ASSERT_TRUE(same(back, {})) << "a failed read changed the result";
+  }
+}
+
+TEST(Recording, EveryChangeOfAByteIsRefused) {
+  std::vector<uint8_t> bytes = encode_recording(small_recording());
+  for (size_t i = 0; i < bytes.size(); ++i) {
+    const uint8_t original = bytes[i];
+    for (uint32_t flip = 1; flip < 256; ++flip) {
+      bytes[i] = static_cast<uint8_t>(original ^ flip);
+      Recording back;
+      std::string error;
+      ASSERT_FALSE(decodes(bytes, &back, &error)) << "byte " << i << " flip " << flip;
+      ASSERT_FALSE(error.empty());
+    }
+    bytes[i] = original;
+  }
+}
+
+// Start of every record; the last entry is the end.
+std::vector<size_t> record_starts(const std::vector<uint8_t>& bytes) {
+  std::vector<size_t> starts = {12};
+  while (starts.back() < bytes.size()) {
+    const uint8_t* size = &bytes[starts.back() + 4];
+    starts.push_back(starts.back() + 16 + (size[0] | static_cast<size_t>(size[1]) << 8));
+  }
+  return starts;
+}
+
+TEST(Recording, RecordsCannotBeDroppedDoubledSwappedOrAppended) {
+  const std::vector<uint8_t> bytes = encode_recording(small_recording());
+  const std::vector<size_t> starts = record_starts(bytes);
+  ASSERT_EQ(starts.size(), 6u);  // header, three frames, trailer, end
+  const auto record = [&](size_t i) {
+    return std::vector<uint8_t>(bytes.begin() + static_cast<long>(starts[i]),
+                                bytes.begin() + static_cast<long>(starts[i + 1]));
+  };
+  const std::vector<std::vector<size_t>> orders = {{0, 1, 3, 4},
+                                                   {0, 1, 1, 2, 3, 4},
+                                                   {0, 2, 1, 3, 4},
+                                                   {1, 2, 3, 4},
+                                                   {0, 1, 2, 3},
+                                                   {0, 1, 2, 3, 4, 4},
+                                                   {4},
+                                                   {0, 4},
+                                                   {}};
+  for (const std::vector<size_t>& order : orders) {
+    std::vector<uint8_t> changed(bytes.begin(), bytes.begin() + 12);
+    for (size_t i : order) {
+      const std::vector<uint8_t> one = record(i);
+      changed.insert(changed.end(), one.begin(), one.end());
+    }
+    Recording back;
+    std::string error;
+    EXPECT_FALSE(decodes(changed, &back, &error));
+  }
+}
+
+// A forger may fix the checksums. Then lengths, counts and kinds are what is left to check.
+uint64_t fnv(uint64_t sum, const uint8_t* data, size_t bytes) {
+  for (size_t i = 0; i < bytes; ++i) sum = (sum ^ data[i]) * 0x100000001b3u;
+  return sum;
+}
+
+void repair_checksums(std::vector<uint8_t>* bytes, const std::vector<size_t>& starts) {
+  uint64_t sum = fnv(0xcbf29ce484222325u, bytes->data(), 12);
+  for (size_t i = 0; i + 1 < starts.size(); ++i) {
+    sum = fnv(sum, bytes->data() + starts[i], starts[i + 1] - 8 - starts[i]);
+    for (size_t b = 0; b < 8; ++b) (*bytes)[starts[i + 1] - 8 + b] = static_cast<uint8_t>(sum >> (8 * b));
+  }
+}
+
+TEST(Recording, ForgedRecordsAreAnErrorOrAValidRecording) {
+  const std::vector<uint8_t> original = encode_recording(small_recording());
+  const std::vector<size_t> starts = record_starts(original);
+  uint32_t accepted = 0;
+  for (size_t i = 12; i < original.size(); ++i) {
+    for (const uint32_t flip : {1u, 2u, 0x40u, 0x80u, 0xffu}) {
+      std::vector<uint8_t> bytes = original;
+      bytes[i] = static_cast<uint8_t>(bytes[i] ^ flip);
+      repair_checksums(&bytes, starts);
+      Recording back;
+      std::string error;
+      if (!decodes(bytes, &back, &error)) {
+        ASSERT_FALSE(error.empty());
+        continue;
+      }
+      ++accepted;
+      for (const RecordedFrame& frame : back.frames) {
+        ASSERT_LE(frame.plan.run_count, static_cast<uint32_t>(SANDGLASS_PLAN_RUNS));
+        for (uint32_t r = 0; r < frame.plan.run_count; ++r) {
+          ASSERT_LT(frame.plan.runs[r].stage, static_cast<uint32_t>(SANDGLASS_STAGE_COUNT));
+        }
+      }
+      // What was accepted is what the bytes say: written again it is the same file.
+      ASSERT_EQ(encode_recording(back), bytes);
+    }
+  }
+  EXPECT_GT(accepted, 0u);
+}
+
+TEST(Recording, GoesThroughAFileAndLeavesNothingElseBehind) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "sandglass_recording_test";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directory(folder);
+  const std::string path = (folder / "run.sgrec").string();
+  const Recording recording = small_recording();
+  save_recording(recording, path);
+  save_recording(recording, path);  // over an older one
+  EXPECT_TRUE(same(recording, load_recording(path)));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder), {}), 1);
+
+  std::filesystem::resize_file(path, 40);
+  EXPECT_THROW(load_recording(path), Failure);
+  std::filesystem::remove_all(folder);
+  EXPECT_THROW(load_recording(path), Failure);
+  EXPECT_THROW(save_recording(recording, path), Failure);
+}
+
+// The purpose of it all, on time-only stages: record under a disturbed clock, write, read, replay without a clock, same
+// end.
+TEST(Recording, AReadRecordingReplaysToTheSameEnd) {
+  using namespace governor_test;
+  FakeScene recorded;
+  recorded.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
+    return undisturbed * (50 + scene->random.below(200)) / 100;
+  };
+  Governor governor;
+  governor_init(&governor, fake_clock(&recorded), {}, 3);
+  FakeStages stages = fake_stages(&recorded);
+  Recording recording;
+  for (uint32_t f = 0; f < 50; ++f) {
+    sandglass_frame_report report = {};
+    fake_begin_frame(&recorded);
+    governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report);
+    RecordedFrame frame;
+    frame.budget_ns = k_budget_ns;
+    frame.plan = report.plan;
+    recording.frames.push_back(frame);
+  }
+  recording.final_hash = recorded.order_hash;
+
+  Recording back;
+  std::string error;
+  ASSERT_TRUE(decodes(encode_recording(recording), &back, &error)) << error;
+  FakeScene replayed;
+  governor_init(&governor, {}, {}, 3);
+  stages = fake_stages(&replayed);
+  for (const RecordedFrame& frame : back.frames) {
+    sandglass_frame_report report = {};
+    fake_begin_frame(&replayed);
+    ASSERT_TRUE(governor_frame(&governor, stages.stages, 3, frame.budget_ns, &frame.plan, &report));
+  }
+  EXPECT_EQ(replayed.order_hash, back.final_hash);
+}
+
+}  // namespace
+}  // namespace sandglass::host

@@ -1,0 +1,201 @@
+// The program as a script meets it: exit code 0, 1 or 2, one sentence on stderr, the hash on the last line.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "models/host/npy.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+class Cli : public ::testing::Test {
+ protected:
+  fs::path folder;
+  void SetUp() override {
+    folder = fs::path(::testing::TempDir()) / ("sandglass_cli_" + std::to_string(::getpid()) + "_" +
+                                               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder);
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  std::string path(const std::string& name) const { return (folder / name).string(); }
+  std::string write(const std::string& name, const std::string& content) const {
+    std::ofstream(path(name), std::ios::binary) << content;
+    return path(name);
+  }
+  static std::string read(const std::string& file) {
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    return text.str();
+  }
+  Outcome run(const std::string& arguments) const {
+    const std::string command = std::string(SANDGLASS_EMULATOR) + " '" + SANDGLASS_PROGRAM + "' " + arguments + " >'" +
+                                path("stdout") + "' 2>'" + path("stderr") + "'";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(path("stdout")), read(path("stderr"))};
+  }
+  // Exit code 2 and exactly one sentence that contains `named`.
+  void expect_refused(const std::string& arguments, const std::string& named) const {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.out << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find(named), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out.find("hash"), std::string::npos);
+  }
+  std::string tiny_scene(const std::string& more = "") const {
+    return write(
+        "tiny.json",
+        R"({"frames": 3, "particle_radius": 0.01, )" + more +
+            R"("bodies": [{"shape": "box", "size": [0.06, 0.08, 0.06], "grains": 200, "position": [0, 0.02, 0]}],
+                                  "colliders": [{"shape": "half_space"}]})");
+  }
+  std::string mesh_scene() const {
+    return write("mesh.json", R"({"frames": 2, "particle_radius": 0.01, "bodies": [{"shape": "mesh", "size": 0.1}]})");
+  }
+};
+
+bool have_assimp() {
+#ifdef SANDGLASS_HAVE_ASSIMP
+  return true;
+#else
+  return false;
+#endif
+}
+
+constexpr const char* k_cube =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+    "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
+
+TEST_F(Cli, NoArgumentGivesShortHelp) {
+  const Outcome outcome = run("");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.out.find("run"), std::string::npos);
+  EXPECT_LT(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 25);
+}
+
+TEST_F(Cli, RunEndsWithTheHashAndRepeatsOnVirtualClock) {
+  const std::string command = "run '" + tiny_scene() + "' --clock virtual";
+  const Outcome first = run(command), second = run(command + " --isa scalar --threads 2");
+  ASSERT_EQ(first.code, 0) << first.err;
+  const auto last_line = [](const std::string& text) { return text.substr(text.rfind('\n', text.size() - 2) + 1); };
+  const std::string hash = last_line(first.out);
+  EXPECT_EQ(hash.substr(0, 7), "hash 0x");
+  EXPECT_EQ(hash.size(), 7u + 16u + 1u);
+  EXPECT_EQ(last_line(second.out), hash);
+}
+
+TEST_F(Cli, ARecordedRunReplaysToTheSameHash) {
+  const Outcome recorded = run("run '" + tiny_scene() + "' --record '" + path("r.sgrec") + "'");
+  ASSERT_EQ(recorded.code, 0) << recorded.err;
+  const Outcome replayed = run("run '" + path("tiny.json") + "' --isa scalar --replay '" + path("r.sgrec") + "'");
+  EXPECT_EQ(replayed.code, 0) << replayed.err;
+  EXPECT_EQ(recorded.out.substr(recorded.out.find("hash")), replayed.out.substr(replayed.out.find("hash")));
+  const Outcome inspected = run("inspect '" + path("r.sgrec") + "'");
+  EXPECT_EQ(inspected.code, 0);
+  EXPECT_NE(inspected.out.find("frames       3"), std::string::npos) << inspected.out;
+  expect_refused("run demo --replay '" + path("r.sgrec") + "'", "r.sgrec");
+}
+
+TEST_F(Cli, DumpWritesBothStagesOfEveryFrame) {
+  const Outcome outcome = run("run '" + tiny_scene() + "' --dump '" + path("dump") + "'");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* item : {"particles", "grains"})
+    for (const char* what : {"position", "velocity", "radius"}) {
+      const sandglass::host::NpyArray array =
+          sandglass::host::read_npy(path("dump") + "/" + item + "_000003_" + what + ".npy");
+      EXPECT_EQ(array.shape.size(), std::string(what) == "radius" ? 1u : 2u);
+      EXPECT_GT(array.values.size(), 0u);
+    }
+}
+
+TEST_F(Cli, OutWritesReportsAndPictures) {
+  const Outcome outcome = run("run '" + tiny_scene() + "' --out '" + path("out") + "'");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* file : {"contact_sheet.png", "last_frame.png", "frames/frame_000000.png", "trace.json", "report.csv",
+                           "summary.json", "summary.txt"})
+    EXPECT_GT(fs::file_size(folder / "out" / file), 100u) << file;
+  EXPECT_TRUE(fs::exists(folder / "out" / "film.mp4") || fs::exists(folder / "out" / "film.gif"));
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder / "out"))
+    EXPECT_EQ(entry.path().string().find("unfinished"), std::string::npos) << entry.path();
+}
+
+TEST_F(Cli, RefusesBadUsage) {
+  expect_refused("fly", "fly");
+  expect_refused("run", "scene");
+  expect_refused("run demo --frames 0", "frames");
+  expect_refused("run demo --threads 0", "threads");
+  expect_refused("run demo --clock sundial", "clock");
+  expect_refused("run demo --isa quantum", "quantum");
+  expect_refused("run demo --budget-ms -1", "budget");
+  expect_refused("bench nothing", "nothing");
+  expect_refused("verify nothing", "nothing");
+}
+
+TEST_F(Cli, RefusesBadScenes) {
+  expect_refused("run nowhere", "nowhere");
+  expect_refused("run '" + write("empty.json", "") + "'", "empty.json");
+  expect_refused("run '" + write("cut.json", "{\"frames\": 3, \"bod") + "'", "cut.json");
+  expect_refused("run '" + tiny_scene("\"grvity\": [0, 0, 0], ") + "'", "\"grvity\"");
+  expect_refused("run '" + tiny_scene("\"particle_capacity\": 5, ") + "'", "\"particle_capacity\"");
+  expect_refused("run '" + tiny_scene("\"grain_capacity\": 5, ") + "'", "\"grain_capacity\"");
+  expect_refused("run '" + path("") + "'", "");
+  expect_refused("run demo --mesh '" + write("cube.obj", k_cube) + "'", "--mesh");
+  expect_refused("run '" + mesh_scene() + "'", "--mesh");
+}
+
+TEST_F(Cli, RefusesBadMeshes) {
+  const std::string command = "run '" + mesh_scene() + "' --mesh ";
+  if (!have_assimp()) {
+    expect_refused(command + "'" + write("cube.obj", k_cube) + "'", "Assimp");
+    return;
+  }
+  EXPECT_EQ(run(command + "'" + write("cube.obj", k_cube) + "'").code, 0);
+  const std::string cube = k_cube;
+  expect_refused(command + "'" + path("missing.obj") + "'", "missing.obj");
+  expect_refused(command + "'" + write("empty.obj", "") + "'", "empty.obj");
+  expect_refused(command + "'" + write("vertices.obj", cube.substr(0, cube.find('f'))) + "'", "vertices.obj");
+  expect_refused(command + "'" + write("nan.obj", "v nan 0 0\n" + cube.substr(cube.find('\n') + 1)) + "'", "nan.obj");
+  expect_refused(command + "'" + write("fin.obj", cube + "v 3 0 0\nf 1 2 9\n") + "'", "manifold");
+  expect_refused(command + "'" + write("range.obj", cube + "f 1 2 99\n") + "'", "range.obj");
+}
+
+TEST_F(Cli, InspectTellsScenesAndMeshesApart) {
+  const Outcome scene = run("inspect '" + tiny_scene() + "'");
+  EXPECT_EQ(scene.code, 0) << scene.err;
+  EXPECT_NE(scene.out.find("memory"), std::string::npos);
+  expect_refused("inspect '" + write("empty", "") + "'", "empty");
+  expect_refused("inspect '" + path("missing") + "'", "missing");
+  if (!have_assimp()) return;
+  const Outcome mesh = run("inspect '" + write("cube.obj", k_cube) + "'");
+  EXPECT_EQ(mesh.code, 0) << mesh.err;
+  EXPECT_NE(mesh.out.find("watertight   yes"), std::string::npos) << mesh.out;
+  EXPECT_NE(mesh.out.find("orientation  outward"), std::string::npos) << mesh.out;
+}
+
+TEST_F(Cli, CtrlCFinishesCleanlyWithExitCode130) {
+  const std::string command = "run '" + tiny_scene() + "' --frames 100000000 --out '" + path("out") + "'";
+  const std::string shell = "timeout --preserve-status -s INT 2 " + std::string(SANDGLASS_EMULATOR) + " '" +
+                            SANDGLASS_PROGRAM + "' " + command + " >'" + path("stdout") + "' 2>'" + path("stderr") +
+                            "'";
+  const int status = std::system(shell.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_NE(read(path("stdout")).find("interrupted after"), std::string::npos) << read(path("stdout"));
+  EXPECT_TRUE(fs::exists(folder / "out" / "report.csv"));
+  EXPECT_TRUE(fs::exists(folder / "out" / "contact_sheet.png"));
+}
+
+}  // namespace

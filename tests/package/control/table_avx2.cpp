@@ -1,0 +1,8 @@
+// What the one-definition-rule gate must catch: an object of one instruction set that also defines a function whose
+// name another object would share. Not part of the library.
+inline float shared_with_the_rest(float x) { return x * x; }
+
+namespace avx2 {
+extern float (*const k_square)(float);
+float (*const k_square)(float) = shared_with_the_rest;
+}  // namespace avx2

@@ -1,0 +1,4 @@
+// Both public headers in the oldest C++ they promise, without exceptions and RTTI.
+#include "sandglass/sandglass.hpp"
+
+static_assert(__cplusplus == 201703L, "this file is meant for C++17");

@@ -1,0 +1,25 @@
+/* The public header in C99: it compiles, `struct_size` comes first in every struct that has one, enumerations are four bytes,
+ * and the structs that cross the boundary in arrays have the sizes that their fields add up to, without hidden padding. The
+ * C++ tests compare the other sizes with these. */
+#include "sandglass/sandglass.h"
+
+#define CLAIM(name, condition) typedef char claim_##name[(condition) ? 1 : -1]
+
+CLAIM(status, sizeof(sandglass_status) == 4);
+CLAIM(isa, sizeof(sandglass_isa) == 4);
+CLAIM(shape, sizeof(sandglass_shape) == 4);
+CLAIM(stage, sizeof(sandglass_stage) == 4);
+CLAIM(scheme, sizeof(sandglass_scheme) == 4);
+CLAIM(blend, sizeof(sandglass_blend) == 4);
+CLAIM(grain, sizeof(sandglass_grain) == 4 * 4);
+CLAIM(collider, sizeof(sandglass_collider) == 4 + 4 * (3 + 4 + 3 + 3 + 3));
+CLAIM(plan_run, sizeof(sandglass_plan_run) == 8);
+CLAIM(plan, sizeof(sandglass_plan) == 12 + 8 * SANDGLASS_PLAN_RUNS);
+CLAIM(stage_report, sizeof(sandglass_stage_report) == 16);
+CLAIM(scene_desc_first, offsetof(sandglass_scene_desc, struct_size) == 0);
+CLAIM(frame_input_first, offsetof(sandglass_frame_input, struct_size) == 0);
+CLAIM(frame_report_first, offsetof(sandglass_frame_report, struct_size) == 0);
+CLAIM(plan_first, offsetof(sandglass_plan, struct_size) == 0);
+
+const uint32_t c99_struct_sizes[] = {sizeof(sandglass_scene_desc), sizeof(sandglass_frame_input), sizeof(sandglass_frame_report),
+                                     sizeof(sandglass_granular_desc)};

@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# What the archive may ask of its surroundings, and what it may do before main.
+#
+#   symbols.sh archive libsandglass.a   after merging all members: every undefined symbol is on the list below, and there are no
+#                                       global constructors or destructors and no thread-local storage
+#   symbols.sh isa OBJECTS...           each table_<isa>.cpp.o defines external symbols of its own namespace only. One that it
+#                                       shares with another object (an inline function, say) could be kept by the linker in this
+#                                       object's version, and run on a CPU without those instructions.
+#
+# NM, LD and READELF name the tools of the target.
+set -euo pipefail
+
+# memory    : the four block functions that compilers emit on their own, and their string cousins that the verifier needs
+# platform  : clock, CPU features
+# exact     : libm functions that IEEE 754 defines to the bit; transcendental ones differ between C libraries
+# compiler  : stack protector, position-independent code, out-of-line arithmetic
+readonly allowed='^(mem(cpy|move|set|cmp)|str(len|cmp|ncmp)'\
+'|clock_gettime|getauxval|sysctlbyname|mach_absolute_time|mach_timebase_info|abort'\
+'|(sqrt|floor|ceil|trunc|rint|nearbyint|fabs|fmin|fmax)f?'\
+'|__stack_chk_fail|_GLOBAL_OFFSET_TABLE_|__(u?div|u?mod|mul)ti3|__cpu_model|__cpu_indicator_init)$'
+
+archive() {
+  local merged symbol section failed=0
+  merged=$(mktemp)
+  trap 'rm -f "$merged"' RETURN
+  "$LD" -r --whole-archive "$1" -o "$merged"
+  while read -r _ symbol; do
+    [[ $symbol =~ $allowed ]] && continue
+    echo "forbidden symbol: $symbol ($(echo "$symbol" | c++filt))"
+    failed=1
+  done < <("$NM" -u "$merged")
+  while read -r section; do
+    echo "forbidden section: $section"
+    failed=1
+  done < <("$READELF" -SW "$merged" | grep -oE '\.(init_array|fini_array|preinit_array|ctors|dtors|tbss|tdata)\b' | sort -u)
+  echo "undefined: $("$NM" -u "$merged" | awk '{printf "%s ", $2}')"
+  return "$failed"
+}
+
+isa() {
+  local object name symbol tables=0 failed=0
+  for object in "$@"; do
+    [[ $(basename "$object") =~ ^table_([a-z0-9_]+)\. ]] || continue
+    name=${BASH_REMATCH[1]}
+    tables=$((tables + 1))
+    while read -r symbol; do
+      [[ -z $symbol || $symbol == *"$name"* ]] && continue
+      echo "$(basename "$object") defines a symbol outside its namespace: $symbol"
+      failed=1
+    done < <("$NM" -gC --defined-only "$object" | cut -d' ' -f3-)
+  done
+  echo "$tables instruction-set tables looked at"
+  ((tables > 0)) || failed=1
+  return "$failed"
+}
+
+"$@"

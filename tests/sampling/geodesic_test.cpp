@@ -1,0 +1,225 @@
+// Distances along the surface (3.14), against surfaces on which they are known: a folded sheet, which unrolls into a
+// plane; a sphere; the net of a cube; and a plate with a notch, around whose inner corner shortest paths turn.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "models/host/mesh/generated.h"
+#include "runtime/sampling/geodesic.h"
+#include "tests/sampling/point_checks.h"
+
+namespace sandglass::test {
+namespace {
+
+// Distances from one surface point to others, by the library's search.
+class Surface {
+ public:
+  Surface(const host::Mesh& mesh, std::vector<Candidate> targets)
+      : mesh_(mesh), view_(view(mesh_)), targets_(std::move(targets)), block_(bytes()) {
+    Layout layout;
+    layout.base = static_cast<uint8_t*>(block_.data());
+    geodesic_ = lay_out_geodesic(&layout, &view_, targets_.size());
+    build_geodesic(&geodesic_, targets_.data());
+  }
+  std::vector<double> measure(const Candidate& source, double radius) {
+    begin_near(&geodesic_);
+    for (uint32_t i = 0; i < targets_.size(); ++i) add_near(&geodesic_, i);
+    measure_near(&geodesic_, source.position, source.triangle, radius);
+    EXPECT_TRUE(block_.guards_intact());
+    return {geodesic_.near.distance, geodesic_.near.distance + targets_.size()};
+  }
+
+ private:
+  uint64_t bytes() {
+    Layout layout;
+    lay_out_geodesic(&layout, &view_, targets_.size());
+    return layout.size;
+  }
+  host::Mesh mesh_;
+  sandglass_mesh view_;
+  std::vector<Candidate> targets_;
+  GuardedBlock block_;
+  Geodesic geodesic_;
+};
+
+std::vector<Candidate> random_targets(const host::Mesh& mesh, int count, uint64_t seed) {
+  const sandglass_mesh surface = view(mesh);
+  std::vector<double> running(mesh.triangle_count());
+  CandidateStream stream = candidate_stream(surface, running.data(), sum_areas(surface, running.data()), seed);
+  std::vector<Candidate> targets;
+  for (int i = 0; i < count; ++i) targets.push_back(draw_candidate(&stream));
+  return targets;
+}
+
+// A sheet 1 m wide (z) that runs 1 m along x, turns up a wall of `gap` and runs back above itself: s along it is a flat
+// coordinate.
+constexpr double k_gap = 0.02;
+
+host::Mesh folded_sheet(uint32_t steps) {
+  host::Mesh sheet;
+  std::vector<std::array<double, 2>> profile;
+  for (uint32_t i = 0; i <= steps; ++i) profile.push_back({static_cast<double>(i) / steps, 0});
+  for (uint32_t i = 0; i <= steps; ++i) profile.push_back({1 - static_cast<double>(i) / steps, k_gap});
+  const uint32_t rows = static_cast<uint32_t>(profile.size());
+  std::mt19937 jitter(5);  // uneven across, so that nothing lines up
+  for (uint32_t i = 0; i < rows; ++i)
+    for (uint32_t j = 0; j <= steps; ++j) {
+      const double shift = j == 0 || j == steps ? 0 : (static_cast<double>(jitter() % 1000) / 1000 - 0.5) * 0.6 / steps;
+      for (double x : {profile[i][0], profile[i][1], static_cast<double>(j) / steps + shift})
+        sheet.vertices.push_back(static_cast<float>(x));
+    }
+  for (uint32_t i = 0; i + 1 < rows; ++i)
+    for (uint32_t j = 0; j < steps; ++j) {
+      const uint32_t a = i * (steps + 1) + j, b = a + 1, c = a + steps + 1, d = c + 1;
+      if ((i + j) % 2 == 0) sheet.indices.insert(sheet.indices.end(), {a, b, c, b, d, c});
+      else sheet.indices.insert(sheet.indices.end(), {a, b, d, a, d, c});
+    }
+  return sheet;
+}
+
+std::array<double, 2> unrolled(const float p[3]) {
+  const double wall = p[1];
+  if (p[1] > k_gap - 1e-9 || (wall > 0.5 * k_gap && p[0] < 1 - 1e-6)) return {1 + k_gap + (1 - p[0]), p[2]};
+  return {p[0] + wall, p[2]};
+}
+
+TEST(Geodesic, of_a_folded_sheet_is_that_of_the_sheet_rolled_flat) {
+  const host::Mesh sheet = folded_sheet(9);
+  const std::vector<Candidate> targets = random_targets(sheet, 400, 1);
+  Surface surface(sheet, targets);
+  double worst = 0;
+  int compared = 0;
+  for (int s = 0; s < 40; ++s) {
+    const std::vector<double> found = surface.measure(targets[static_cast<size_t>(s)], 0.8);
+    const auto from = unrolled(targets[static_cast<size_t>(s)].position);
+    for (size_t i = 0; i < targets.size(); ++i) {
+      const auto to = unrolled(targets[i].position);
+      const double truth = std::hypot(from[0] - to[0], from[1] - to[1]);
+      if (truth < 0.8 - 1e-6) {
+        worst = std::max(worst, std::fabs(found[i] - truth));
+        ++compared;
+      } else {
+        ASSERT_GT(found[i], 0.8 - 1e-6);
+      }
+    }
+  }
+  EXPECT_GT(compared, 2000);
+  EXPECT_LT(worst, 1e-6);  // float coordinates of sources and targets
+}
+
+TEST(Geodesic, of_a_cube_is_the_shortest_over_its_nets) {
+  // From near the middle of the top face to a point of a side face at depth t and lateral offset u, with u well below
+  // 1/2 - t, the shortest path crosses their common edge: flat, the two faces are one rectangle.
+  const float size[3] = {1, 1, 1};
+  const host::Mesh cube = host::make_box(size);
+  std::vector<Candidate> targets;
+  for (const Candidate& c : random_targets(cube, 3000, 2))
+    if (std::fabs(c.position[0]) > 0.4999f &&
+        0.5 - static_cast<double>(c.position[1]) < 0.45 - std::fabs(c.position[2]))
+      targets.push_back(c);
+  ASSERT_GT(targets.size(), 100u);
+  std::vector<Candidate> tops;
+  for (const Candidate& c : random_targets(cube, 2000, 3))
+    if (c.position[1] > 0.4999f && std::fabs(c.position[0]) < 0.05f && std::fabs(c.position[2]) < 0.05f)
+      tops.push_back(c);
+  ASSERT_GT(tops.size(), 0u);
+  Surface surface(cube, targets);
+  for (const Candidate& top : tops) {
+    const std::vector<double> found = surface.measure(top, 3);
+    for (size_t i = 0; i < targets.size(); ++i) {
+      const float* q = targets[i].position;
+      const double along = 0.5 - (q[0] > 0 ? 1.0 : -1.0) * top.position[0] + 0.5 - static_cast<double>(q[1]);
+      ASSERT_NEAR(found[i], std::hypot(along, static_cast<double>(q[2]) - top.position[2]), 1e-6);
+    }
+  }
+}
+
+TEST(Geodesic, of_a_fine_sphere_is_the_great_circle) {
+  const host::Mesh sphere = host::make_icosphere(1, 4);
+  const std::vector<Candidate> targets = random_targets(sphere, 300, 4);
+  Surface surface(sphere, targets);
+  double worst = 0;
+  for (int s = 0; s < 10; ++s) {
+    const std::vector<double> found = surface.measure(targets[static_cast<size_t>(s)], 1.5);
+    for (size_t i = 0; i < targets.size(); ++i) {
+      double dot = 0, a = 0, b = 0;
+      for (int k = 0; k < 3; ++k) {
+        const double x = targets[static_cast<size_t>(s)].position[k], y = targets[i].position[k];
+        dot += x * y, a += x * x, b += y * y;
+      }
+      const double truth = std::acos(std::min(1.0, dot / std::sqrt(a * b)));
+      if (truth < 1.4 && truth > 0.01) worst = std::max(worst, std::fabs(found[i] / truth - 1));
+    }
+  }
+  // Edges of about 0.07: chords and faces sag by (edge)^2/8 of the radius at most, and the length with them.
+  EXPECT_LT(worst, 0.07 * 0.07 / 4);
+}
+
+TEST(Geodesic, turns_at_an_inner_corner) {
+  // An L of three unit squares: from one arm to the other the shortest path bends at the inner corner (1, 1).
+  host::Mesh plate;
+  for (float z : {0.0f, 1.0f, 2.0f})
+    for (float x : {0.0f, 1.0f, 2.0f}) plate.vertices.insert(plate.vertices.end(), {x, 0, z});
+  for (uint32_t corner : {0u, 1u, 3u})
+    plate.indices.insert(plate.indices.end(), {corner, corner + 3, corner + 1, corner + 1, corner + 3, corner + 4});
+  std::vector<Candidate> targets = random_targets(plate, 600, 5);
+  Surface surface(plate, targets);
+  int bent = 0;
+  for (size_t s = 0; s < 30; ++s) {
+    const std::vector<double> found = surface.measure(targets[s], 4);
+    for (size_t i = 0; i < targets.size(); ++i) {
+      const double ax = targets[s].position[0], az = targets[s].position[2], bx = targets[i].position[0],
+                   bz = targets[i].position[2];
+      double truth = std::hypot(ax - bx, az - bz);
+      // Straight is impossible where the segment passes the corner on its far side.
+      const bool across = (ax > 1 && bz > 1) || (bx > 1 && az > 1);
+      const double side = (bx - ax) * (1 - az) - (bz - az) * (1 - ax);
+      if (across && (ax > 1 ? side > 0 : side < 0)) {
+        truth = std::hypot(ax - 1, az - 1) + std::hypot(bx - 1, bz - 1);
+        ++bent;
+      }
+      ASSERT_NEAR(found[i], truth, 1e-6);
+    }
+  }
+  EXPECT_GT(bent, 100);
+}
+
+TEST(Geodesic, sampling_keeps_the_two_sides_of_a_thin_sheet_apart) {
+  const host::Mesh sheet = folded_sheet(12);
+  const float distance = 0.05f;  // more than twice the gap
+  sandglass_sample_options options = options_with_seed(4);
+  const Points euclidean = sample_surface(sheet, distance, options);
+  options.metric = SANDGLASS_METRIC_GEODESIC;
+  const Points geodesic = sample_surface(sheet, distance, options);
+
+  double least = 1;
+  for (size_t i = 0; i < geodesic.size(); i += 3)
+    for (size_t j = 0; j < i; j += 3) {
+      const auto a = unrolled(&geodesic[i]), b = unrolled(&geodesic[j]);
+      least = std::min(least, std::hypot(a[0] - b[0], a[1] - b[1]));
+    }
+  EXPECT_GT(least, distance - 1e-6);
+  EXPECT_LT(least_distance(geodesic, distance), 0.6 * static_cast<double>(distance));  // across the gap
+  EXPECT_GE(least_distance(euclidean, distance), static_cast<double>(distance));
+  // Euclidean distance lets each side block most of the other: the geodesic set is that of a sheet twice as large.
+  EXPECT_GT(static_cast<double>(geodesic.size()), 1.4 * static_cast<double>(euclidean.size()));
+
+  // Maximal in the unrolled sheet: no random place is further than l (and a hole that no candidate hit) from a sample.
+  size_t uncovered = 0;
+  const std::vector<Candidate> places = random_targets(sheet, 5000, 6);
+  for (const Candidate& place : places) {
+    const auto p = unrolled(place.position);
+    double nearest = 10;
+    for (size_t i = 0; i < geodesic.size(); i += 3) {
+      const auto q = unrolled(&geodesic[i]);
+      nearest = std::min(nearest, std::hypot(p[0] - q[0], p[1] - q[1]));
+    }
+    ASSERT_LT(nearest, 1.5 * distance);
+    uncovered += nearest > distance;
+  }
+  EXPECT_LT(static_cast<double>(uncovered), 0.02 * static_cast<double>(places.size()));
+}
+
+}  // namespace
+}  // namespace sandglass::test

@@ -1,0 +1,267 @@
+// Inside tests against shapes of which the truth is a formula, at points placed to do harm, and on meshes with holes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "models/host/mesh/generated.h"
+#include "models/host/mesh/ray_caster.h"
+#include "runtime/sampling/inside.h"
+#include "runtime/sampling/random.h"
+#include "tests/sampling/point_checks.h"
+
+namespace sandglass::test {
+namespace {
+
+constexpr double k_major = 0.1, k_minor = 0.04;
+constexpr uint32_t k_along = 96, k_around = 48;
+
+host::Mesh test_torus() { return host::make_torus(0.1f, 0.04f, k_along, k_around); }
+
+// Signed distance to the analytic torus, negative inside.
+double torus_distance(const float p[3]) {
+  const double ring = std::hypot(static_cast<double>(p[0]), static_cast<double>(p[2])) - k_major;
+  return std::hypot(ring, static_cast<double>(p[1])) - k_minor;
+}
+
+// Vertices lie on the torus, so a facet is off it by at most the sagitta of its edges: r(1 - cos(pi/n)) of the two
+// circles together, the outer one being the larger, and of the diagonal no more than their sum.
+const double k_sag =
+    (k_major + k_minor) * (1 - std::cos(3.14159265 / k_along)) + k_minor * (1 - std::cos(3.14159265 / k_around));
+
+Points random_points(int count, uint64_t seed, double reach_xz, double reach_y) {
+  Random random = random_stream(seed, 0);
+  Points points;
+  for (int i = 0; i < count; ++i)
+    for (double reach : {reach_xz, reach_y, reach_xz})
+      points.push_back(static_cast<float>((2 * random.uniform() - 1) * reach));
+  return points;
+}
+
+void expect_torus(const InsideTest& inside, const char* name) {
+  const Points points = random_points(40000, 3, 0.16, 0.06);
+  int in_band = 0, in_torus = 0;
+  for (size_t i = 0; i < points.size(); i += 3) {
+    const double distance = torus_distance(&points[i]);
+    in_torus += distance < 0;
+    if (std::fabs(distance) <= 1.01 * k_sag) {
+      ++in_band;
+      continue;
+    }
+    ASSERT_EQ(inside(&points[i]), distance < 0)
+        << name << " at " << points[i] << " " << points[i + 1] << " " << points[i + 2];
+  }
+  EXPECT_GT(in_torus, 5000);
+  EXPECT_LT(in_band, 400);  // the band is thin: the test says something about nearly all points
+}
+
+TEST(Inside, parity_agrees_with_the_analytic_torus) {
+  expect_torus(InsideTest(test_torus(), SANDGLASS_INSIDE_PARITY), "parity");
+}
+TEST(Inside, winding_agrees_with_the_analytic_torus) {
+  expect_torus(InsideTest(test_torus(), SANDGLASS_INSIDE_WINDING), "winding");
+}
+
+TEST(Inside, parity_is_right_where_rays_meet_vertices_and_edges) {
+  // Points that share one, two coordinates with vertices, or lie in the planes of axis-aligned faces. The ray passes
+  // through vertices, along edges, within faces.
+  const host::Mesh torus = test_torus();
+  const InsideTest inside(torus, SANDGLASS_INSIDE_PARITY);
+  Random random = random_stream(11, 0);
+  int tested = 0;
+  for (int n = 0; n < 60000; ++n) {
+    const float* vertex = &torus.vertices[3 * random.below(torus.vertex_count())];
+    float p[3] = {vertex[0], vertex[1], vertex[2]};
+    const uint32_t axis = random.below(3);
+    p[axis] = static_cast<float>((2 * random.uniform() - 1) * (axis == 1 ? 0.06 : 0.16));
+    if (n % 3 == 0) p[(axis + 1) % 3] = torus.vertices[3 * random.below(torus.vertex_count()) + (axis + 1) % 3];
+    const double distance = torus_distance(p);
+    if (std::fabs(distance) <= 1.01 * k_sag) continue;
+    ++tested;
+    ASSERT_EQ(inside(p), distance < 0) << p[0] << " " << p[1] << " " << p[2];
+  }
+  EXPECT_GT(tested, 30000);
+}
+
+TEST(Inside, parity_is_right_in_the_planes_of_a_turned_notched_block) {
+  // An L-shaped prism along each axis in turn: points on the extensions of its walls, which the ray runs within.
+  const double outline[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  const uint32_t faces[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}};
+  for (int axis = 0; axis < 3; ++axis) {
+    host::Mesh block;
+    for (double end : {0.0, 3.0})
+      for (const auto& corner : outline) {
+        float p[3];
+        p[axis] = static_cast<float>(end), p[(axis + 1) % 3] = static_cast<float>(corner[0]),
+        p[(axis + 2) % 3] = static_cast<float>(corner[1]);
+        block.vertices.insert(block.vertices.end(), p, p + 3);
+      }
+    for (const auto& f : faces) {
+      block.indices.insert(block.indices.end(), {f[0], f[2], f[1]});
+      block.indices.insert(block.indices.end(), {6 + f[0], 6 + f[1], 6 + f[2]});
+    }
+    for (uint32_t i = 0; i < 6; ++i) {
+      const uint32_t j = (i + 1) % 6;
+      block.indices.insert(block.indices.end(), {i, j, 6 + j, i, 6 + j, 6 + i});
+    }
+    const InsideTest parity(block, SANDGLASS_INSIDE_PARITY), winding(block, SANDGLASS_INSIDE_WINDING);
+    for (int u = 0; u < 40; ++u)
+      for (int v = 0; v < 40; ++v)
+        for (int w = 0; w < 12; ++w) {
+          // Multiples of 1/16 from 1/32 on, and the planes at 1 themselves: there a point is off the surface only where
+          // the L is.
+          float p[3];
+          const double x = u == 39 ? 1 : (u + 0.5) / 16, y = v == 39 ? 1 : (v + 0.5) / 16, z = (w + 0.5) / 4;
+          if (x == 1 && y >= 1) continue;
+          if (y == 1 && x >= 1) continue;
+          p[axis] = static_cast<float>(z), p[(axis + 1) % 3] = static_cast<float>(x),
+          p[(axis + 2) % 3] = static_cast<float>(y);
+          const bool truth = z < 3 && x < 2 && y < 2 && !(x > 1 && y > 1);
+          ASSERT_EQ(parity(p), truth) << axis << ": " << x << " " << y << " " << z;
+          ASSERT_EQ(winding(p), truth) << axis << ": " << x << " " << y << " " << z;
+        }
+  }
+}
+
+TEST(Inside, tree_agrees_with_the_exact_winding_number) {
+  const host::Mesh knot = host::make_trefoil(0.1f, 0.018f, 120, 16);
+  const sandglass_mesh mesh = view(knot);
+  const InsideTest inside(knot, SANDGLASS_INSIDE_WINDING);
+  const Points points = random_points(1500, 21, 0.14, 0.14);
+  int in = 0;
+  for (size_t i = 0; i < points.size(); i += 3) {
+    double winding = -1;
+    const char* reason = nullptr;
+    ASSERT_EQ(sandglass_mesh_winding_number(&mesh, &points[i], &winding, &reason), SANDGLASS_OK);
+    // Closed and not crossing itself: a whole number, 0 or 1, up to rounding.
+    ASSERT_LT(std::min(std::fabs(winding), std::fabs(winding - 1)), 1e-9);
+    ASSERT_EQ(inside(&points[i]), winding > 0.5);
+    in += winding > 0.5;
+  }
+  EXPECT_GT(in, 30);
+}
+
+// The largest error of the tree's number at random points, against the sum over all triangles.
+double worst_tree_error(const host::Mesh& mesh, int count, double reach) {
+  const sandglass_mesh surface = view(mesh);
+  float low[3], high[3];
+  EXPECT_EQ(sandglass_mesh_bounds(&surface, low, high, nullptr), SANDGLASS_OK);
+  Winding tree = measure_winding(surface);
+  Layout size;
+  lay_out_winding(&size, &tree);
+  GuardedBlock block(size.size);
+  Layout layout;
+  layout.base = static_cast<uint8_t*>(block.data());
+  lay_out_winding(&layout, &tree);
+  build_winding(surface, low, high, &tree);
+  EXPECT_TRUE(block.guards_intact());
+  const Points points = random_points(count, 5, reach, reach);
+  double worst = 0;
+  for (size_t i = 0; i < points.size(); i += 3) {
+    double exact = 0;
+    EXPECT_EQ(sandglass_mesh_winding_number(&surface, &points[i], &exact, nullptr), SANDGLASS_OK);
+    worst = std::max(worst, std::fabs(winding_number(tree, &points[i]) - exact));
+  }
+  return worst;
+}
+
+TEST(Inside, tree_stays_within_its_error) {  // the header's 0.04
+  EXPECT_LT(worst_tree_error(host::make_trefoil(0.1f, 0.018f, 200, 16), 300, 0.13), 0.04);
+  EXPECT_LT(worst_tree_error(host::make_icosphere(1, 4), 300, 1.3), 0.04);
+  const float plate[3] = {1, 0.01f, 1};
+  EXPECT_LT(worst_tree_error(host::make_box(plate), 300, 0.8), 0.04);
+}
+
+TEST(Inside, winding_number_is_a_fraction_where_the_mesh_is_open) {
+  // The lower half of a sphere seen from its centre fills half of all directions; erratum (3.27).
+  host::Mesh half = host::make_icosphere(1, 3);
+  std::vector<uint32_t> kept;
+  for (size_t t = 0; t < half.indices.size(); t += 3)
+    if (half.vertices[3 * half.indices[t] + 1] + half.vertices[3 * half.indices[t + 1] + 1] +
+            half.vertices[3 * half.indices[t + 2] + 1] <
+        0)
+      kept.insert(kept.end(), {half.indices[t], half.indices[t + 1], half.indices[t + 2]});
+  const double share = static_cast<double>(kept.size()) / static_cast<double>(half.indices.size());
+  half.indices = kept;
+  const sandglass_mesh mesh = view(half);
+  const float centre[3] = {0, 0, 0};
+  double winding = 0;
+  const char* reason = nullptr;
+  ASSERT_EQ(sandglass_mesh_winding_number(&mesh, centre, &winding, &reason), SANDGLASS_OK);
+  EXPECT_NEAR(winding, share, 0.03);  // triangles of an icosphere differ a little in solid angle
+}
+
+TEST(Inside, winding_decides_for_a_mesh_with_a_hole_where_parity_cannot) {
+  host::Mesh sphere = host::make_icosphere(1, 3);
+  const size_t all = sphere.indices.size();
+  // A hole around the +x axis of some 5 % of the surface.
+  std::vector<uint32_t> kept;
+  for (size_t t = 0; t < all; t += 3)
+    if (sphere.vertices[3 * sphere.indices[t]] < 0.9f)
+      kept.insert(kept.end(), {sphere.indices[t], sphere.indices[t + 1], sphere.indices[t + 2]});
+  sphere.indices = kept;
+  ASSERT_LT(kept.size(), all);
+  const InsideTest winding(sphere, SANDGLASS_INSIDE_WINDING);
+  const Points points = random_points(20000, 4, 1.3, 1.3);
+  for (size_t i = 0; i < points.size(); i += 3) {
+    const float* p = &points[i];
+    const double r = std::sqrt(static_cast<double>(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]));
+    if (p[0] > 0.55f || std::fabs(r - 1) < 0.02) continue;  // near the hole inside is a matter of degree
+    ASSERT_EQ(winding(p), r < 1) << p[0] << " " << p[1] << " " << p[2];
+  }
+}
+
+TEST(Inside, holds_for_meshes_turned_inside_out_and_for_points_far_away) {
+  host::Mesh torus = test_torus();
+  for (size_t t = 0; t < torus.indices.size(); t += 3) std::swap(torus.indices[t], torus.indices[t + 1]);
+  expect_torus(InsideTest(torus, SANDGLASS_INSIDE_PARITY), "parity, inside out");
+  const InsideTest winding(torus, SANDGLASS_INSIDE_WINDING);
+  expect_torus(winding, "winding, inside out");
+  const float far[3] = {1e30f, 0, 0}, nan[3] = {std::nanf(""), 0, 0}, infinite[3] = {0, INFINITY, 0};
+  const InsideTest parity(torus, SANDGLASS_INSIDE_PARITY);
+  for (const float* p : {far, nan, infinite}) {
+    EXPECT_FALSE(parity(p));
+    EXPECT_FALSE(winding(p));
+  }
+}
+
+TEST(Inside, prepared_block_does_not_need_the_mesh_any_more) {
+  auto mesh = std::make_unique<host::Mesh>(test_torus());
+  const InsideTest parity(*mesh, SANDGLASS_INSIDE_PARITY), winding(*mesh, SANDGLASS_INSIDE_WINDING);
+  std::fill(mesh->vertices.begin(), mesh->vertices.end(), 0.0f);
+  mesh.reset();
+  const float in[3] = {0.1f, 0, 0}, out[3] = {0, 0, 0};
+  EXPECT_TRUE(parity(in) && winding(in));
+  EXPECT_FALSE(parity(out) || winding(out));
+}
+
+#ifdef SANDGLASS_HAVE_EMBREE
+TEST(Inside, agrees_with_embree_on_the_trefoil) {
+  const host::Mesh knot = host::make_trefoil();
+  const host::RayCaster caster(knot);
+  ASSERT_EQ(caster.error(), "");
+  const InsideTest parity(knot, SANDGLASS_INSIDE_PARITY);
+  const Points points = random_points(50000, 31, 0.14, 0.14);
+  int in = 0;
+  for (size_t i = 0; i < points.size(); i += 3) {
+    ASSERT_EQ(parity(&points[i]), caster.inside(&points[i]));
+    in += caster.inside(&points[i]);
+  }
+  EXPECT_GT(in, 1500);
+}
+
+TEST(RayCaster, finds_the_faces_of_a_box) {
+  const float size[3] = {2, 2, 2}, origin[3] = {0.1f, 5, 0.2f}, down[3] = {0, -1, 0}, up[3] = {0, 1, 0};
+  const host::RayCaster caster(host::make_box(size));
+  const host::RayHit hit = caster.closest(origin, down, 0, 100);
+  ASSERT_TRUE(hit.hit);
+  EXPECT_NEAR(hit.distance, 4, 1e-5);
+  EXPECT_NEAR(hit.normal[1], 1, 1e-6);
+  EXPECT_TRUE(caster.occluded(origin, down, 0, 100));
+  EXPECT_FALSE(caster.occluded(origin, down, 0, 3.9f));
+  EXPECT_FALSE(caster.occluded(origin, up, 0, 100));
+  EXPECT_FALSE(caster.closest(origin, up, 0, 100).hit);
+}
+#endif
+
+}  // namespace
+}  // namespace sandglass::test

@@ -1,0 +1,285 @@
+// Caller's memory: exactly the bytes that are named, one less is refused and touches nothing; capacity, alignment, bad
+// arguments.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "models/host/mesh/generated.h"
+#include "tests/sampling/point_checks.h"
+
+namespace sandglass::test {
+namespace {
+
+const float k_low[3] = {0, 0, 0}, k_high[3] = {1, 1, 1};
+constexpr float k_distance = 0.1f;
+constexpr float k_mark = -77.0f;
+
+int everywhere(void*, const float*) { return 1; }
+
+// One run of a sampler with given memory and capacity.
+struct Run {
+  const char* name;
+  uint64_t (*bytes)(uint32_t capacity);
+  sandglass_status (*sample)(void* scratch, uint64_t bytes, float* points, uint32_t capacity, uint32_t* count,
+                             const char** reason);
+};
+
+const host::Mesh& ball() {
+  static const host::Mesh mesh = host::make_icosphere(0.5f, 2);
+  return mesh;
+}
+
+template <sandglass_metric metric>
+uint64_t surface_bytes(uint32_t capacity) {
+  sandglass_sample_options options = options_with_seed(1);
+  options.metric = metric;
+  const sandglass_mesh mesh = view(ball());
+  uint64_t bytes = 0;
+  EXPECT_EQ(sandglass_sample_surface_bytes(&mesh, k_distance, &options, capacity, &bytes, nullptr), SANDGLASS_OK);
+  return bytes;
+}
+
+template <sandglass_metric metric>
+sandglass_status surface_run(void* scratch, uint64_t bytes, float* points, uint32_t capacity, uint32_t* count,
+                             const char** reason) {
+  sandglass_sample_options options = options_with_seed(1);
+  options.metric = metric;
+  const sandglass_mesh mesh = view(ball());
+  return sandglass_sample_surface(&mesh, k_distance, &options, scratch, bytes, points, capacity, count, reason);
+}
+
+uint64_t volume_bytes(uint32_t capacity) {
+  uint64_t bytes = 0;
+  EXPECT_EQ(sandglass_sample_volume_bytes(k_low, k_high, k_distance, capacity, &bytes, nullptr), SANDGLASS_OK);
+  return bytes;
+}
+
+sandglass_status volume_run(void* scratch, uint64_t bytes, float* points, uint32_t capacity, uint32_t* count,
+                            const char** reason) {
+  return sandglass_sample_volume(k_low, k_high, k_distance, everywhere, nullptr, nullptr, scratch, bytes, points,
+                                 capacity, count, reason);
+}
+
+uint64_t lattice_bytes(uint32_t) {
+  uint64_t bytes = 0;
+  EXPECT_EQ(sandglass_sample_lattice_bytes(k_low, k_high, k_distance, &bytes, nullptr), SANDGLASS_OK);
+  return bytes;
+}
+
+sandglass_status lattice_run(void* scratch, uint64_t bytes, float* points, uint32_t capacity, uint32_t* count,
+                             const char** reason) {
+  return sandglass_sample_lattice(k_low, k_high, k_distance, everywhere, nullptr, nullptr, scratch, bytes, points,
+                                  capacity, count, reason);
+}
+
+class Memory : public testing::TestWithParam<Run> {};
+
+constexpr uint32_t k_plenty = 5000;
+
+TEST_P(Memory, exactly_the_named_bytes_suffice) {
+  GuardedBlock scratch(GetParam().bytes(k_plenty));
+  Points points(3 * k_plenty);
+  uint32_t count = 0;
+  const char* reason = "not cleared";
+  ASSERT_EQ(GetParam().sample(scratch.data(), scratch.bytes(), points.data(), k_plenty, &count, &reason), SANDGLASS_OK);
+  EXPECT_TRUE(scratch.guards_intact());
+  EXPECT_EQ(reason, nullptr);
+  EXPECT_GT(count, 100u);
+}
+
+TEST_P(Memory, one_byte_less_is_refused_and_nothing_touched) {
+  const uint64_t need = GetParam().bytes(k_plenty);
+  GuardedBlock scratch(need);
+  Points points(3 * k_plenty, k_mark);
+  for (uint64_t bytes : {need - 1, need / 2, uint64_t{0}}) {
+    uint32_t count = 99;
+    const char* reason = nullptr;
+    EXPECT_EQ(GetParam().sample(scratch.data(), bytes, points.data(), k_plenty, &count, &reason),
+              SANDGLASS_ERROR_MEMORY_TOO_SMALL);
+    EXPECT_NE(reason, nullptr);
+    EXPECT_EQ(count, 0u);
+  }
+  EXPECT_TRUE(scratch.untouched());
+  EXPECT_EQ(points, Points(3 * k_plenty, k_mark));
+}
+
+TEST_P(Memory, wrong_alignment_and_null_are_refused) {
+  GuardedBlock scratch(GetParam().bytes(k_plenty) + 64);
+  Points points(3 * k_plenty, k_mark);
+  uint32_t count = 0;
+  const char* reason = nullptr;
+  EXPECT_EQ(GetParam().sample(static_cast<uint8_t*>(scratch.data()) + 4, scratch.bytes() - 4, points.data(), k_plenty,
+                              &count, &reason),
+            SANDGLASS_ERROR_MEMORY_ALIGNMENT);
+  EXPECT_EQ(GetParam().sample(nullptr, scratch.bytes(), points.data(), k_plenty, &count, &reason),
+            SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(GetParam().sample(scratch.data(), scratch.bytes(), nullptr, k_plenty, &count, &reason),
+            SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(GetParam().sample(scratch.data(), scratch.bytes(), points.data(), k_plenty, nullptr, &reason),
+            SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_TRUE(scratch.untouched());
+}
+
+TEST_P(Memory, exactly_enough_capacity_works_and_one_less_does_not) {
+  GuardedBlock ample(GetParam().bytes(k_plenty));
+  Points points(3 * k_plenty);
+  uint32_t count = 0;
+  ASSERT_EQ(GetParam().sample(ample.data(), ample.bytes(), points.data(), k_plenty, &count, nullptr), SANDGLASS_OK);
+  points.resize(3 * count);
+
+  GuardedBlock exact(GetParam().bytes(count));
+  Points again(3 * count);
+  uint32_t again_count = 0;
+  ASSERT_EQ(GetParam().sample(exact.data(), exact.bytes(), again.data(), count, &again_count, nullptr), SANDGLASS_OK);
+  EXPECT_TRUE(exact.guards_intact());
+  EXPECT_EQ(again, points);
+
+  for (uint32_t capacity : {count - 1, 1u, 0u}) {
+    GuardedBlock block(GetParam().bytes(capacity));
+    Points marked(3 * count, k_mark);
+    const char* reason = nullptr;
+    EXPECT_EQ(GetParam().sample(block.data(), block.bytes(), marked.data(), capacity, &again_count, &reason),
+              SANDGLASS_ERROR_CAPACITY);
+    EXPECT_NE(reason, nullptr);
+    EXPECT_EQ(again_count, 0u);
+    EXPECT_EQ(marked, Points(3 * count, k_mark));
+    EXPECT_TRUE(block.guards_intact());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Samplers, Memory,
+    testing::Values(Run{"surface", surface_bytes<SANDGLASS_METRIC_EUCLIDEAN>, surface_run<SANDGLASS_METRIC_EUCLIDEAN>},
+                    Run{"geodesic", surface_bytes<SANDGLASS_METRIC_GEODESIC>, surface_run<SANDGLASS_METRIC_GEODESIC>},
+                    Run{"volume", volume_bytes, volume_run}, Run{"lattice", lattice_bytes, lattice_run}),
+    [](const auto& instance) { return std::string(instance.param.name); });
+
+TEST(InsideMemory, needs_exactly_the_named_bytes) {
+  const sandglass_mesh mesh = view(ball());
+  for (sandglass_inside_rule rule : {SANDGLASS_INSIDE_PARITY, SANDGLASS_INSIDE_WINDING}) {
+    uint64_t bytes = 0;
+    const char* reason = nullptr;
+    ASSERT_EQ(sandglass_mesh_inside_bytes(&mesh, rule, &bytes, &reason), SANDGLASS_OK);
+    GuardedBlock block(bytes);
+    sandglass_mesh_inside* inside = nullptr;
+    EXPECT_EQ(sandglass_mesh_inside_create(&mesh, rule, block.data(), bytes - 1, &inside, &reason),
+              SANDGLASS_ERROR_MEMORY_TOO_SMALL);
+    EXPECT_TRUE(block.untouched());
+    EXPECT_EQ(inside, nullptr);
+    EXPECT_EQ(
+        sandglass_mesh_inside_create(&mesh, rule, static_cast<uint8_t*>(block.data()) + 8, bytes, &inside, &reason),
+        SANDGLASS_ERROR_MEMORY_ALIGNMENT);
+    EXPECT_EQ(sandglass_mesh_inside_create(&mesh, rule, block.data(), bytes, &inside, &reason), SANDGLASS_OK);
+    EXPECT_TRUE(block.guards_intact());
+  }
+  uint64_t bytes = 0;
+  EXPECT_EQ(sandglass_mesh_inside_bytes(&mesh, 2, &bytes, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+}
+
+TEST(Arguments, bad_meshes_are_refused_everywhere) {
+  const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
+  std::vector<float> vertices = {0, 0, 0, 1, 0, 0, 0, 0, 1};
+  std::vector<uint32_t> indices = {0, 1, 2};
+  std::vector<sandglass_mesh> bad;
+  std::vector<std::vector<float>> kept;
+  for (float poison : {nan, infinity, -infinity, 1001.0f}) {
+    kept.push_back(vertices);
+    kept.back()[4] = poison;
+  }
+  for (const auto& poisoned : kept) bad.push_back({poisoned.data(), 3, indices.data(), 1});
+  const std::vector<uint32_t> beyond = {0, 1, 3};
+  bad.push_back({vertices.data(), 3, beyond.data(), 1});
+  bad.push_back({vertices.data(), 3, indices.data(), 0});
+  bad.push_back({vertices.data(), 0, indices.data(), 1});
+  bad.push_back({nullptr, 3, indices.data(), 1});
+  bad.push_back({vertices.data(), 3, nullptr, 1});
+
+  const float place[3] = {0, 0, 0};
+  for (size_t i = 0; i < bad.size(); ++i) {
+    const sandglass_mesh* mesh = &bad[i];
+    float low[3], high[3];
+    double number = 0;
+    uint64_t bytes = 0;
+    uint32_t capacity = 0;
+    const char* reason = nullptr;
+    EXPECT_EQ(sandglass_mesh_bounds(mesh, low, high, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT) << i;
+    EXPECT_NE(reason, nullptr);
+    EXPECT_EQ(sandglass_mesh_area(mesh, &number, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT) << i;
+    EXPECT_EQ(sandglass_mesh_winding_number(mesh, place, &number, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT) << i;
+    EXPECT_EQ(sandglass_mesh_inside_bytes(mesh, SANDGLASS_INSIDE_PARITY, &bytes, nullptr),
+              SANDGLASS_ERROR_INVALID_ARGUMENT)
+        << i;
+    EXPECT_EQ(sandglass_sample_surface_capacity(mesh, 0.1f, nullptr, &capacity, nullptr),
+              SANDGLASS_ERROR_INVALID_ARGUMENT)
+        << i;
+  }
+  const std::vector<uint32_t> line = {0, 1, 1};
+  const sandglass_mesh flat = {vertices.data(), 3, line.data(), 1};
+  uint32_t capacity = 0;
+  EXPECT_EQ(sandglass_sample_surface_capacity(&flat, 0.1f, nullptr, &capacity, nullptr),
+            SANDGLASS_ERROR_INVALID_ARGUMENT);
+}
+
+TEST(Arguments, bad_distances_boxes_and_options_are_refused) {
+  const sandglass_mesh mesh = view(ball());
+  const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
+  uint32_t capacity = 0;
+  uint64_t bytes = 0;
+  for (float distance : {nan, infinity, 0.0f, -1.0f, 1e-9f, 1e-38f}) {
+    const char* reason = nullptr;
+    EXPECT_EQ(sandglass_sample_surface_capacity(&mesh, distance, nullptr, &capacity, &reason),
+              SANDGLASS_ERROR_INVALID_ARGUMENT)
+        << distance;
+    EXPECT_NE(reason, nullptr);
+    EXPECT_EQ(sandglass_sample_volume_capacity(k_low, k_high, distance, &capacity, &reason),
+              SANDGLASS_ERROR_INVALID_ARGUMENT)
+        << distance;
+    EXPECT_EQ(sandglass_sample_lattice_bytes(k_low, k_high, distance, &bytes, &reason),
+              SANDGLASS_ERROR_INVALID_ARGUMENT)
+        << distance;
+  }
+  const float boxes[4][3] = {{nan, 1, 1}, {1, infinity, 1}, {1, 1, -1}, {1, 1001, 1}};
+  for (const auto& high : boxes) {
+    EXPECT_EQ(sandglass_sample_volume_capacity(k_low, high, 0.1f, &capacity, nullptr),
+              SANDGLASS_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(sandglass_sample_lattice_capacity(k_low, high, 0.1f, &capacity, nullptr),
+              SANDGLASS_ERROR_INVALID_ARGUMENT);
+  }
+  for (int field = 0; field < 4; ++field) {
+    sandglass_sample_options options = options_with_seed(1);
+    if (field == 0) options.struct_size = 4;
+    if (field == 1) options.tries = 0;
+    if (field == 2) options.tries = 1001;
+    if (field == 3) options.metric = 2;
+    EXPECT_EQ(sandglass_sample_surface_capacity(&mesh, 0.1f, &options, &capacity, nullptr),
+              SANDGLASS_ERROR_INVALID_ARGUMENT)
+        << field;
+  }
+}
+
+TEST(Arguments, progress_is_told_and_never_beyond_the_total) {
+  struct Told {
+    int calls = 0;
+    uint64_t last = 0;
+    bool ordered = true;
+  } told;
+  sandglass_sample_options options = options_with_seed(1);
+  options.user = &told;
+  options.progress = [](void* user, uint64_t done, uint64_t total) {
+    auto* t = static_cast<Told*>(user);
+    t->ordered = t->ordered && done >= t->last && (total == 0 || done <= total);
+    t->last = done;
+    ++t->calls;
+  };
+  sample_surface(ball(), 0.02f, options);
+  EXPECT_GT(told.calls, 1);
+  EXPECT_TRUE(told.ordered);
+  told = {};
+  sample_volume(k_low, k_high, 0.05f, everywhere, nullptr, options);
+  EXPECT_GT(told.calls, 1);
+  EXPECT_TRUE(told.ordered);
+}
+
+}  // namespace
+}  // namespace sandglass::test

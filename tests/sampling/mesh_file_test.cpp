@@ -1,0 +1,123 @@
+// Reading mesh files, good and bad: each bad one gives one sentence that names the file.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "models/host/mesh/generated.h"
+#include "models/host/mesh/mesh.h"
+#include "models/host/mesh/ply.h"
+
+namespace sandglass::test {
+namespace {
+
+std::string write(const std::string& name, const std::string& text) {
+  const std::string path = (std::filesystem::path(testing::TempDir()) / ("sandglass_file_test_" + name)).string();
+  std::ofstream(path, std::ios::binary) << text;
+  return path;
+}
+
+void expect_sentence(const std::string& path, const char* about) {
+  const host::MeshResult result = host::load_mesh(path);
+  EXPECT_FALSE(result) << path;
+  EXPECT_NE(result.error.find(path), std::string::npos) << result.error;
+  EXPECT_NE(result.error.find(about), std::string::npos) << result.error;
+  EXPECT_EQ(result.error.find('\n'), std::string::npos) << result.error;
+  EXPECT_TRUE(result.mesh.indices.empty());
+}
+
+TEST(MeshFile, missing_empty_and_folder) {
+  expect_sentence("/no/such/mesh.obj", "does not exist");
+  expect_sentence(write("empty.obj", ""), "is empty");
+  expect_sentence(testing::TempDir(), "is not a file");
+}
+
+#ifdef SANDGLASS_HAVE_ASSIMP
+
+const char k_vertices[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+
+TEST(MeshFile, bad_ones_give_one_sentence) {
+  expect_sentence(write("garbage.obj", "\x7f\x01\x02\x03 this is no mesh"), "");
+  expect_sentence(write("garbage.xyz123", "no format at all"), "cannot be read as a mesh");
+  expect_sentence(write("no_faces.obj", k_vertices), "");
+  expect_sentence(write("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"), "not finite");
+  expect_sentence(write("infinite.obj", "v 0 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n"), "not finite");
+  expect_sentence(write("index.obj", std::string(k_vertices) + "f 1 2 9\n"), "");
+  expect_sentence(write("degenerate.obj", std::string(k_vertices) + "f 1 2 2\n"), "");
+  expect_sentence(write("cut_face.obj", std::string(k_vertices) + "f 1 2 3\nf 1 3"), "cut off");
+  expect_sentence(write("cut_vertex.obj", "v 0 0 0\nv 1 0 0\nv 0 1"), "cut off");
+  // A binary STL that promises two triangles and holds one.
+  std::string stl(80, ' ');
+  stl += std::string("\x02\0\0\0", 4) + std::string(50, '\0');
+  expect_sentence(write("cut.stl", stl), "");
+  // A binary PLY cut in its vertex data.
+  const std::string whole = write("whole.ply", "");
+  ASSERT_EQ(host::write_mesh_ply(whole, host::make_icosphere(1, 1)), "");
+  std::ifstream file(whole, std::ios::binary);
+  std::string ply((std::istreambuf_iterator<char>(file)), {});
+  expect_sentence(write("cut.ply", ply.substr(0, 300)), "");
+}
+
+TEST(MeshFile, every_truncation_of_a_file_gives_a_mesh_or_a_sentence) {
+  const std::string path = write("long.obj", "");
+  ASSERT_EQ(host::write_mesh_obj(path, host::make_icosphere(1, 0)), "");
+  std::ifstream file(path);
+  const std::string text((std::istreambuf_iterator<char>(file)), {});
+  for (size_t length = 0; length < text.size(); length += 7) {
+    const host::MeshResult result = host::load_mesh(write("truncated.obj", text.substr(0, length)));
+    // Whole triangles may remain, and then the hole is reported.
+    if (result) EXPECT_GT(result.report.boundary_edges, 0u) << length;
+    else EXPECT_FALSE(result.error.empty());
+  }
+}
+
+TEST(MeshFile, comes_back_as_it_was_written) {
+  const host::Mesh mesh = host::make_trefoil(0.1f, 0.018f, 40, 8);
+  for (const char* name : {"back.obj", "back.ply"}) {
+    const std::string path = write(name, "");
+    ASSERT_EQ(std::string(name) == "back.obj" ? host::write_mesh_obj(path, mesh) : host::write_mesh_ply(path, mesh),
+              "");
+    const host::MeshResult result = host::load_mesh(path);
+    ASSERT_TRUE(result) << result.error;
+    EXPECT_EQ(result.mesh.triangle_count(), mesh.triangle_count()) << name;
+    EXPECT_EQ(result.mesh.vertex_count(), mesh.vertex_count()) << name;
+    EXPECT_TRUE(result.report.manifold()) << name;
+    EXPECT_NEAR(host::signed_volume(result.mesh) / host::signed_volume(mesh), 1, 1e-5) << name;
+  }
+}
+
+TEST(MeshFile, non_manifold_ones_are_reported_not_refused) {
+  const host::MeshResult result = host::load_mesh(
+      write("fin.obj", std::string(k_vertices) + "v 2 2 2\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nf 1 2 5\n"));
+  ASSERT_TRUE(result) << result.error;
+  EXPECT_EQ(result.report.non_manifold_edges, 1u);
+  EXPECT_EQ(result.report.boundary_edges, 2u);
+  EXPECT_FALSE(result.report.watertight());
+}
+
+TEST(MeshFile, data_folder_has_the_meshes_that_its_readme_describes) {
+  const char* folder = std::getenv("SANDGLASS_DATA_DIR");
+  if (folder == nullptr) GTEST_SKIP() << "SANDGLASS_DATA_DIR is not set: set it to the data folder to test its meshes";
+  int closed = 0, open = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(std::filesystem::path(folder) / "meshes")) {
+    if (entry.path().extension() != ".obj") continue;
+    const host::MeshResult result = host::load_mesh(entry.path().string());
+    ASSERT_TRUE(result) << result.error;
+    const std::string name = entry.path().stem().string();
+    const bool expected_open = name == "wicker_chair" || name == "mixer";
+    EXPECT_EQ(result.report.manifold(), !expected_open) << name << ": " << host::describe_faults(result.report);
+    (expected_open ? open : closed) += 1;
+  }
+  EXPECT_GT(closed, 0);
+  EXPECT_GT(open, 0);
+}
+
+#else
+
+TEST(MeshFile, a_build_without_reader_says_so) { expect_sentence(write("any.obj", "v 0 0 0\n"), "no mesh reader"); }
+
+#endif
+
+}  // namespace
+}  // namespace sandglass::test

@@ -1,0 +1,208 @@
+// Generated meshes against their formulas, cleaning and the counts of edges, and files that are whole or not there.
+#include "models/host/mesh/mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "models/host/mesh/generated.h"
+#include "models/host/mesh/ply.h"
+#include "models/host/mesh/point_picture.h"
+#include "tests/sampling/point_checks.h"
+
+namespace sandglass::test {
+namespace {
+
+constexpr double k_pi = 3.14159265358979323846;
+
+// A folder of this process's own, gone afterwards.
+class Folder {
+ public:
+  Folder()
+      : path_(std::filesystem::path(testing::TempDir()) /
+              ("sandglass_mesh_test_" + std::to_string(reinterpret_cast<uintptr_t>(this)))) {
+    std::filesystem::create_directories(path_);
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  std::string operator/(const char* name) const { return (path_ / name).string(); }
+  size_t files() const { return static_cast<size_t>(std::distance(std::filesystem::directory_iterator(path_), {})); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string content(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+int euler_characteristic(const host::Mesh& mesh) {
+  return static_cast<int>(mesh.vertex_count()) - static_cast<int>(3 * mesh.triangle_count() / 2) +
+         static_cast<int>(mesh.triangle_count());
+}
+
+TEST(Generated, are_closed_and_oriented_outwards) {
+  const float size[3] = {1, 2, 3};
+  for (const host::Mesh& mesh :
+       {host::make_trefoil(), host::make_torus(1, 0.4f, 30, 20), host::make_box(size), host::make_icosphere(1, 2)}) {
+    const host::MeshResult checked = host::clean_mesh(mesh.vertices, mesh.indices, "generated");
+    ASSERT_TRUE(checked) << checked.error;
+    EXPECT_TRUE(checked.report.manifold() && checked.report.watertight());
+    EXPECT_EQ(host::describe_faults(checked.report), "");
+    EXPECT_EQ(checked.report.merged_vertices, 0u);
+    EXPECT_EQ(checked.mesh.indices, mesh.indices);
+    EXPECT_GT(host::signed_volume(mesh), 0);
+  }
+  EXPECT_EQ(euler_characteristic(host::make_trefoil()), 0);
+  EXPECT_EQ(euler_characteristic(host::make_icosphere(1, 3)), 2);
+}
+
+TEST(Generated, have_the_volumes_of_their_shapes) {
+  const float size[3] = {1, 2, 3};
+  EXPECT_NEAR(host::signed_volume(host::make_box(size)), 6, 1e-6);
+  // An inscribed polygon of n sides has the share sin(2 pi/n)/(2 pi/n) of the circle, to first order 1 - (2 pi/n)^2/6.
+  const double torus = 2 * k_pi * k_pi * 0.4 * 0.4;
+  EXPECT_NEAR(host::signed_volume(host::make_torus(1, 0.4f, 200, 100)) / torus, 1, std::pow(2 * k_pi / 100, 2) / 3);
+  EXPECT_NEAR(host::signed_volume(host::make_icosphere(1, 5)) / (4 * k_pi / 3), 1, 0.002);
+  // Pappus: the tube's cross-section times the knot's length, here summed in double.
+  double length = 0;
+  const auto knot = [](double t) {
+    return std::array{(std::sin(t) + 2 * std::sin(2 * t)) / 30, (std::cos(t) - 2 * std::cos(2 * t)) / 30,
+                      -std::sin(3 * t) / 30};
+  };
+  const int steps = 20000;
+  for (int i = 0; i < steps; ++i) {
+    const auto a = knot(2 * k_pi * i / steps), b = knot(2 * k_pi * (i + 1) / steps);
+    length += std::sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+  }
+  EXPECT_NEAR(host::signed_volume(host::make_trefoil()) / (length * k_pi * 0.018 * 0.018), 1,
+              std::pow(2 * k_pi / 32, 2) / 3);
+}
+
+TEST(Generated, trefoil_does_not_cross_itself) {
+  // Strands further along the knot than a half circle of the tube stay more than a tube's diameter apart, axis to axis.
+  const auto knot = [](double t) {
+    return std::array{(std::sin(t) + 2 * std::sin(2 * t)) / 30, (std::cos(t) - 2 * std::cos(2 * t)) / 30,
+                      -std::sin(3 * t) / 30};
+  };
+  double least = 1;
+  for (int i = 0; i < 1000; ++i)
+    for (int j = i + 125; j < i + 875; ++j) {
+      const auto a = knot(2 * k_pi * i / 1000), b = knot(2 * k_pi * j / 1000);
+      least = std::min(least, std::sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
+                                        (a[2] - b[2]) * (a[2] - b[2])));
+    }
+  EXPECT_GT(least, 2 * 0.018);
+}
+
+TEST(Generated, unknown_name_is_a_sentence) {
+  const host::MeshResult result = host::make_named("klein-bottle");
+  EXPECT_FALSE(result);
+  EXPECT_NE(result.error.find("klein-bottle"), std::string::npos);
+  EXPECT_TRUE(host::make_named("trefoil"));
+}
+
+TEST(Clean, merges_duplicates_and_drops_degenerates) {
+  // A tetrahedron with every corner of every face a vertex of its own, one of them at -0, and two triangles that are
+  // none.
+  const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  std::vector<float> vertices;
+  std::vector<uint32_t> indices;
+  for (const auto& face : faces)
+    for (int corner : face) {
+      indices.push_back(static_cast<uint32_t>(vertices.size() / 3));
+      for (float x : corners[corner]) vertices.push_back(vertices.empty() ? -x : x);
+    }
+  indices.insert(indices.end(), {0, 0, 1, 0, 3, 1});  // vertex 3 is vertex 0's twin
+  const host::MeshResult result = host::clean_mesh(vertices, indices, "tetrahedron");
+  ASSERT_TRUE(result) << result.error;
+  EXPECT_EQ(result.mesh.vertex_count(), 4u);
+  EXPECT_EQ(result.mesh.triangle_count(), 4u);
+  EXPECT_EQ(result.report.merged_vertices, 8u);
+  EXPECT_EQ(result.report.degenerate_triangles, 2u);
+  EXPECT_TRUE(result.report.manifold());
+  EXPECT_NEAR(host::signed_volume(result.mesh), 1.0 / 6, 1e-7);
+}
+
+TEST(Clean, counts_the_faults_of_edges) {
+  host::Mesh box = host::make_box(std::array{1.0f, 1.0f, 1.0f}.data());
+  const auto report = [](const host::Mesh& mesh) {
+    return host::clean_mesh(mesh.vertices, mesh.indices, "box").report;
+  };
+  host::Mesh open = box;
+  open.indices.resize(open.indices.size() - 3);
+  EXPECT_EQ(report(open).boundary_edges, 3u);
+  EXPECT_FALSE(report(open).watertight());
+  host::Mesh flipped = box;
+  std::swap(flipped.indices[0], flipped.indices[1]);
+  EXPECT_EQ(report(flipped).inconsistent_edges, 3u);
+  EXPECT_TRUE(report(flipped).watertight());  // parity does not mind
+  EXPECT_FALSE(report(flipped).manifold());
+  host::Mesh fin = box;  // a triangle that stands on one of the box's edges
+  fin.vertices.insert(fin.vertices.end(), {2, 2, 2});
+  fin.indices.insert(fin.indices.end(), {fin.indices[0], fin.indices[1], 8});
+  EXPECT_EQ(report(fin).non_manifold_edges, 1u);
+  EXPECT_EQ(report(fin).boundary_edges, 2u);
+  EXPECT_EQ(report(fin).odd_edges, 3u);
+  EXPECT_NE(host::describe_faults(report(fin)).find("1 edges with three"), std::string::npos);
+}
+
+TEST(Clean, refuses_with_one_sentence) {
+  const std::vector<float> vertices = {0, 0, 0, 1, 0, 0, 0, 0, 1};
+  std::vector<float> poisoned = vertices;
+  poisoned[5] = std::nanf("");
+  for (const host::MeshResult& result :
+       {host::clean_mesh(poisoned, {0, 1, 2}, "thing"), host::clean_mesh(vertices, {0, 1, 3}, "thing"),
+        host::clean_mesh(vertices, {}, "thing"), host::clean_mesh({}, {0, 1, 2}, "thing"),
+        host::clean_mesh(vertices, {0, 1, 1}, "thing")}) {
+    EXPECT_FALSE(result);
+    EXPECT_NE(result.error.find("'thing'"), std::string::npos);
+    EXPECT_EQ(result.error.find('\n'), std::string::npos);
+    EXPECT_TRUE(result.mesh.vertices.empty());
+  }
+}
+
+TEST(Ply, holds_exactly_the_points) {
+  const Folder folder;
+  const std::string path = folder / "points.ply";
+  const Points points = {1, 2, 3, -4, 5.5f, 1e-7f};
+  ASSERT_EQ(host::write_points_ply(path, points), "");
+  const std::string text = content(path), end = "end_header\n";
+  EXPECT_EQ(text.find("ply\nformat binary_little_endian 1.0\nelement vertex 2\n"), 0u);
+  const size_t data = text.find(end) + end.size();
+  ASSERT_EQ(text.size(), data + 24);
+  float back[6];
+  std::memcpy(back, text.data() + data, 24);
+  EXPECT_EQ(Points(back, back + 6), points);
+  EXPECT_EQ(folder.files(), 1u);  // no partial file left
+}
+
+TEST(Ply, failure_is_a_sentence_and_leaves_what_was_there) {
+  const Folder folder;
+  EXPECT_NE(host::write_points_ply(folder / "no/such/folder/points.ply", {1, 2, 3}).find("cannot be written"),
+            std::string::npos);
+  std::filesystem::create_directories(folder / "taken");
+  EXPECT_NE(host::write_points_ply(folder / "taken", {1, 2, 3}), "");  // a folder of that name: renaming fails
+  EXPECT_EQ(folder.files(), 1u);
+}
+
+TEST(Picture, shows_the_points) {
+  const Folder folder;
+  const std::string path = folder / "points.png";
+  ASSERT_EQ(host::write_point_picture(path, {0, 0, 0, 1, 0, 0, 0, 1, 0}, 0.2f, 64, 48), "");
+  const std::string png = content(path);
+  ASSERT_GT(png.size(), 300u);  // a picture of background alone takes less
+  EXPECT_EQ(png.substr(1, 3), "PNG");
+  EXPECT_EQ(png.substr(16, 8), (std::string{0, 0, 0, 64, 0, 0, 0, 48}));
+  EXPECT_NE(host::write_point_picture(folder / "none.png", {}, 0.1f, 64, 48), "");
+}
+
+}  // namespace
+}  // namespace sandglass::test

@@ -1,0 +1,77 @@
+// What the sampling tests share: runs of the samplers in exactly sized blocks, and independent answers (in double, by a
+// plain grid of their own) on the distances between points.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "models/host/mesh/mesh.h"
+#include "sandglass/sandglass.h"
+
+namespace sandglass::test {
+
+using Points = std::vector<float>;  // 3 a point
+
+sandglass_mesh view(const host::Mesh& mesh);
+host::Mesh joined(const host::Mesh& a, const host::Mesh& b);
+host::Mesh moved(host::Mesh mesh, float x, float y, float z);
+
+// A block aligned for the library, of exactly `bytes`, with guard bytes before and behind.
+class GuardedBlock {
+ public:
+  explicit GuardedBlock(uint64_t bytes);
+  void* data();
+  uint64_t bytes() const { return bytes_; }
+  bool guards_intact() const;
+  bool untouched() const;  // guards and contents as at the start
+
+ private:
+  uint64_t bytes_;
+  size_t start_;
+  std::vector<uint8_t> memory_;
+};
+
+sandglass_sample_options options_with_seed(uint64_t seed);
+
+// Each runs with memory and capacity as the library asks, and fails the test on any error.
+Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_options& options);
+Points sample_volume(const float low[3], const float high[3], float distance, sandglass_inside inside, void* user,
+                     const sandglass_sample_options& options);
+Points sample_lattice(const float low[3], const float high[3], float distance, sandglass_inside inside, void* user);
+
+class InsideTest {
+ public:
+  InsideTest(const host::Mesh& mesh, sandglass_inside_rule rule);
+  bool operator()(const float point[3]) const { return sandglass_mesh_inside_test(inside_, point) != 0; }
+  sandglass_mesh_inside* get() const { return inside_; }
+
+ private:
+  GuardedBlock block_;
+  sandglass_mesh_inside* inside_ = nullptr;
+};
+
+double distance_between(const float a[3], const float b[3]);
+// The least distance between two points of the set.
+double least_distance(const Points& points, double expected);
+// Points hashed into cubes, to look up whether one lies within `reach` (at most the cube's edge) of a place.
+class PointLookup {
+ public:
+  PointLookup(const Points& points, double edge);
+  double nearest(const float place[3]) const;  // infinity if further than `edge`
+  int count_within(const float place[3], double reach) const;
+
+ private:
+  size_t bucket(int64_t x, int64_t y, int64_t z) const;
+  const Points& points_;
+  double edge_;
+  std::vector<std::vector<uint32_t>> buckets_;
+};
+
+uint64_t fnv1a(const Points& points, uint64_t hash = 0xcbf29ce484222325ull);
+
+// Largest gap between the empirical distribution of values in 0..1 and the uniform one (Kolmogorov and Smirnov).
+double uniformity_gap(std::vector<double> values);
+
+}  // namespace sandglass::test

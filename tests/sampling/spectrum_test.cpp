@@ -1,0 +1,139 @@
+// (3.1): the sum against known sums, and the colour of the samplers' noise. White noise is the control that must fail.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "models/host/mesh/generated.h"
+#include "runtime/sampling/random.h"
+#include "tests/sampling/point_checks.h"
+
+namespace sandglass::test {
+namespace {
+
+constexpr double k_distance = 0.02;
+constexpr uint32_t k_bins = 40, k_directions = 48;
+
+TEST(Spectrum, of_a_comb_peaks_at_its_frequency_alone) {
+  Points comb;
+  for (int i = 0; i < 64; ++i) comb.insert(comb.end(), {static_cast<float>(i) / 8, 0, 0});
+  double power = 0;
+  const char* reason = nullptr;
+  for (int harmonic = 0; harmonic < 40; ++harmonic) {
+    const float frequency[3] = {static_cast<float>(harmonic), 0, 0};
+    ASSERT_EQ(sandglass_sample_power(comb.data(), 64, frequency, &power, &reason), SANDGLASS_OK);
+    EXPECT_NEAR(power, harmonic % 8 == 0 ? 64 : 0, 1e-20 + (harmonic % 8 == 0 ? 1e-9 : 0));
+  }
+}
+
+TEST(Spectrum, equals_the_sum_in_long_double) {
+  Random random = random_stream(1, 1);
+  Points points;
+  for (int i = 0; i < 300; ++i) points.push_back(static_cast<float>(random.uniform() * 4 - 2));
+  const float frequency[3] = {3.7f, -11.25f, 0.5f};
+  long double real = 0, imaginary = 0;
+  for (size_t i = 0; i < points.size(); i += 3) {
+    long double cycles = 0;
+    for (size_t k = 0; k < 3; ++k) cycles += static_cast<long double>(frequency[k]) * points[i + k];
+    real += std::cos(2 * 3.141592653589793238462643L * cycles);
+    imaginary -= std::sin(2 * 3.141592653589793238462643L * cycles);
+  }
+  double power = 0;
+  const char* reason = nullptr;
+  ASSERT_EQ(sandglass_sample_power(points.data(), 100, frequency, &power, &reason), SANDGLASS_OK);
+  EXPECT_NEAR(power, static_cast<double>((real * real + imaginary * imaginary) / 100), 1e-11);
+}
+
+// The mean power between 0.15/l and 0.5/l: above what the 1 m outline of the set shows, well below the spacing's own
+// frequency.
+double low_frequency_power(const Points& points, int32_t planar) {
+  std::vector<double> power(k_bins);
+  const char* reason = nullptr;
+  const double highest = 2 / k_distance;
+  EXPECT_EQ(sandglass_sample_spectrum(points.data(), static_cast<uint32_t>(points.size() / 3),
+                                      static_cast<float>(highest), k_bins, k_directions, planar, power.data(), &reason),
+            SANDGLASS_OK);
+  double sum = 0;
+  int bins = 0;
+  for (uint32_t b = 0; b < k_bins; ++b) {
+    const double frequency = (b + 0.5) / k_bins * highest * k_distance;
+    if (frequency < 0.15 || frequency > 0.5) continue;
+    sum += power[b];
+    ++bins;
+  }
+  return sum / bins;
+}
+
+host::Mesh unit_square() {
+  host::Mesh square;
+  square.vertices = {0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1};
+  square.indices = {0, 2, 1, 0, 3, 2};
+  return square;
+}
+
+constexpr double k_blue_limit = 0.3;  // white noise has 1
+
+TEST(Spectrum, surface_samples_are_blue_noise) {
+  const Points points = sample_surface(unit_square(), static_cast<float>(k_distance), options_with_seed(1));
+  EXPECT_LT(low_frequency_power(points, 1), k_blue_limit);
+}
+
+// The same for a cube of edge `edge`, at the frequencies (i, j, k)/edge only: there the cube's own outline has no power
+// at all, whereas in a radial mean it would drown the noise.
+double low_frequency_power_of_cube(const Points& points, double edge) {
+  const int lowest = static_cast<int>(0.15 * edge / k_distance), highest = static_cast<int>(0.5 * edge / k_distance);
+  double sum = 0;
+  int count = 0;
+  for (int i = -highest; i <= highest; ++i)
+    for (int j = -highest; j <= highest; ++j)
+      for (int k = 0; k <= highest; ++k) {
+        const int squared = i * i + j * j + k * k;
+        if (squared < lowest * lowest || squared > highest * highest || (i + 2 * j + 3 * k) % 4 != 0) continue;
+        const float frequency[3] = {static_cast<float>(i / edge), static_cast<float>(j / edge),
+                                    static_cast<float>(k / edge)};
+        double power = 0;
+        const char* reason = nullptr;
+        EXPECT_EQ(
+            sandglass_sample_power(points.data(), static_cast<uint32_t>(points.size() / 3), frequency, &power, &reason),
+            SANDGLASS_OK);
+        sum += power;
+        ++count;
+      }
+  return sum / count;
+}
+
+constexpr double k_edge = 0.4;
+
+TEST(Spectrum, volume_samples_are_blue_noise) {
+  const auto everywhere = [](void*, const float*) { return 1; };
+  const float low[3] = {0, 0, 0}, high[3] = {0.4f, 0.4f, 0.4f};
+  const Points points =
+      sample_volume(low, high, static_cast<float>(k_distance), everywhere, nullptr, options_with_seed(1));
+  EXPECT_LT(low_frequency_power_of_cube(points, k_edge), k_blue_limit);
+}
+
+TEST(Spectrum, white_noise_is_not_blue) {  // negative control: an expected power of 1 at every frequency
+  Random random = random_stream(2, 2);
+  Points flat, deep;
+  for (int i = 0; i < 1700; ++i)
+    flat.insert(flat.end(), {static_cast<float>(random.uniform()), 0, static_cast<float>(random.uniform())});
+  for (int i = 0; i < 3 * 5000; ++i) deep.push_back(static_cast<float>(k_edge * random.uniform()));
+  EXPECT_NEAR(low_frequency_power(flat, 1), 1, 0.15);
+  EXPECT_NEAR(low_frequency_power_of_cube(deep, k_edge), 1, 0.15);
+}
+
+TEST(Spectrum, refuses_what_has_none) {
+  Points points = {0, 0, 0, std::nanf(""), 0, 0};
+  double power[2] = {-1, -1};
+  const float frequency[3] = {1, 0, 0}, infinite[3] = {INFINITY, 0, 0};
+  const char* reason = nullptr;
+  EXPECT_EQ(sandglass_sample_power(points.data(), 2, frequency, power, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_sample_power(points.data(), 1, infinite, power, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_sample_power(points.data(), 0, frequency, power, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_sample_spectrum(points.data(), 1, 1, 0, 1, 0, power, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_sample_spectrum(points.data(), 1, std::nanf(""), 2, 1, 0, power, &reason),
+            SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(power[0], -1);
+}
+
+}  // namespace
+}  // namespace sandglass::test

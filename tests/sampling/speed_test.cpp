@@ -1,0 +1,89 @@
+// 100,000 points, timed; and the law of growth: four times the points must not take much more than four times as long.
+// Ratios, not times, are gated: times depend on the machine, a quadratic algorithm does not hide.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+
+#include "models/host/mesh/generated.h"
+#include "tests/sampling/point_checks.h"
+
+namespace sandglass::test {
+namespace {
+
+constexpr double k_linear = 4, k_quadratic = 16;  // for four times the points
+const double k_growth_limit = std::sqrt(k_linear * k_quadratic);
+
+struct Timed {
+  size_t points;
+  double seconds;
+};
+
+template <class Sample>
+Timed timed(const Sample& sample) {
+  Timed best = {0, 1e9};
+  for (int run = 0; run < 3; ++run) {  // the quickest of three: other processes only add
+    const std::clock_t start = std::clock();
+    best.points = sample().size() / 3;
+    best.seconds = std::min(best.seconds, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+  }
+  return best;
+}
+
+template <class Sample>
+void expect_linear(const char* name, const Sample& sample, double coarse, double fine) {
+  const Timed few = timed([&] { return sample(coarse); }), many = timed([&] { return sample(fine); });
+  const double points = static_cast<double>(many.points) / static_cast<double>(few.points),
+               time = many.seconds / few.seconds;
+  std::printf("%-8s %7zu points %7.3f s   %7zu points %7.3f s   x%.1f points, x%.1f time\n", name, few.points,
+              few.seconds, many.points, many.seconds, points, time);
+  EXPECT_NEAR(points, 4, 0.5);
+  EXPECT_LT(time, k_growth_limit);
+}
+
+TEST(Speed, surface_is_linear) {
+  const host::Mesh knot = host::make_trefoil();
+  expect_linear(
+      "surface",
+      [&](double distance) { return sample_surface(knot, static_cast<float>(distance), options_with_seed(1)); },
+      0.00164, 0.00082);
+}
+
+TEST(Speed, volume_is_linear) {
+  const auto everywhere = [](void*, const float*) { return 1; };
+  const float low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
+  expect_linear(
+      "volume",
+      [&](double distance) {
+        return sample_volume(low, high, static_cast<float>(distance), everywhere, nullptr, options_with_seed(1));
+      },
+      0.0288, 0.0180);
+}
+
+TEST(Speed, volume_of_a_mesh_is_linear) {
+  const host::Mesh knot = host::make_trefoil();
+  const InsideTest inside(knot, SANDGLASS_INSIDE_PARITY);
+  const sandglass_mesh mesh = view(knot);
+  float low[3], high[3];
+  ASSERT_EQ(sandglass_mesh_bounds(&mesh, low, high, nullptr), SANDGLASS_OK);
+  expect_linear(
+      "knot",
+      [&](double distance) {
+        return sample_volume(low, high, static_cast<float>(distance), sandglass_mesh_inside_test, inside.get(),
+                             options_with_seed(1));
+      },
+      0.0029, 0.00182);
+}
+
+TEST(Speed, geodesic_is_linear) {
+  const host::Mesh knot = host::make_trefoil(0.1f, 0.018f, 200, 16);
+  sandglass_sample_options options = options_with_seed(1);
+  options.metric = SANDGLASS_METRIC_GEODESIC;
+  expect_linear(
+      "geodesic", [&](double distance) { return sample_surface(knot, static_cast<float>(distance), options); }, 0.006,
+      0.003);
+}
+
+}  // namespace
+}  // namespace sandglass::test
