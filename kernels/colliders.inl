@@ -5,7 +5,9 @@ struct Surface {
   Float nx, ny, nz;
 };
 
-SANDGLASS_INLINE Float dot3(Float ax, Float ay, Float az, Float bx, Float by, Float bz) { return ax * bx + ay * by + az * bz; }
+SANDGLASS_INLINE Float dot3(Float ax, Float ay, Float az, Float bx, Float by, Float bz) {
+  return ax * bx + ay * by + az * bz;
+}
 
 // Distance to a point at offset (x, y, z); at the point itself the normal is the collider's local y axis.
 SANDGLASS_INLINE Surface ball(Float x, Float y, Float z, float radius, const float axis[3]) {
@@ -13,8 +15,8 @@ SANDGLASS_INLINE Surface ball(Float x, Float y, Float z, float radius, const flo
   const Mask away = broadcast(1e-24f) < length2;
   const Float length = square_root(select(away, length2, broadcast(1.0f)));
   const Float inverse = broadcast(1.0f) / length;
-  return {keep(away, length) - broadcast(radius), select(away, x * inverse, broadcast(axis[0])), select(away, y * inverse, broadcast(axis[1])),
-          select(away, z * inverse, broadcast(axis[2]))};
+  return {keep(away, length) - broadcast(radius), select(away, x * inverse, broadcast(axis[0])),
+          select(away, y * inverse, broadcast(axis[1])), select(away, z * inverse, broadcast(axis[2]))};
 }
 
 SANDGLASS_INLINE Surface box(const ColliderFrame& c, Float x, Float y, Float z) {
@@ -40,7 +42,8 @@ SANDGLASS_INLINE Surface box(const ColliderFrame& c, Float x, Float y, Float z) 
   s.distance = select(outside, length, inside_depth);
   Float n[3];
   for (int k = 0; k < 3; ++k) {
-    const Float world = out[0] * broadcast(c.axes[0][k]) + out[1] * broadcast(c.axes[1][k]) + out[2] * broadcast(c.axes[2][k]);
+    const Float world =
+        out[0] * broadcast(c.axes[0][k]) + out[1] * broadcast(c.axes[1][k]) + out[2] * broadcast(c.axes[2][k]);
     n[k] = select(outside, world * inverse, inside_n[k]);
   }
   s.nx = n[0], s.ny = n[1], s.nz = n[2];
@@ -52,7 +55,8 @@ SANDGLASS_INLINE Surface collider_surface(const ColliderFrame& c, Float px, Floa
   const float* up = c.axes[1];
   switch (c.shape) {
     case SANDGLASS_SHAPE_HALF_SPACE:
-      return {dot3(x, y, z, broadcast(up[0]), broadcast(up[1]), broadcast(up[2])), broadcast(up[0]), broadcast(up[1]), broadcast(up[2])};
+      return {dot3(x, y, z, broadcast(up[0]), broadcast(up[1]), broadcast(up[2])), broadcast(up[0]), broadcast(up[1]),
+              broadcast(up[2])};
     case SANDGLASS_SHAPE_CAPSULE: {
       const Float along = dot3(x, y, z, broadcast(up[0]), broadcast(up[1]), broadcast(up[2]));
       const Float t = minimum(maximum(along, broadcast(-c.size[1])), broadcast(c.size[1]));

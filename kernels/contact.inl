@@ -1,9 +1,10 @@
-// One Jacobi pass: every particle gathers the corrections of its contacts from the positions before the pass (4.14-4.27), adds them
-// with a fixed factor or averaged (4.37), and is then projected out of the analytic colliders, whose mass is infinite.
+// One Jacobi pass: every particle gathers the corrections of its contacts from the positions before the pass
+// (4.14-4.27), adds them with a fixed factor or averaged (4.37), and is then projected out of the analytic colliders,
+// whose mass is infinite.
 //
-// A record holds the position at the start of the sub-step and u; predicted positions are never stored, only the displacement is
-// carried (erratum of Alg. 4): relative positions are (x_j - x_i) + (displacement_j - displacement_i), exact to the last bits of the
-// small quantities. With one iteration the whole sub-step is this one pass.
+// A record holds the position at the start of the sub-step and u; predicted positions are never stored, only the
+// displacement is carried (erratum of Alg. 4): relative positions are (x_j - x_i) + (displacement_j - displacement_i),
+// exact to the last bits of the small quantities. With one iteration the whole sub-step is this one pass.
 
 // n . up -> share of the correction that this particle takes: 1/(1 + exp(k c)) as a cubic (erratum 4.38).
 SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Float nz) {
@@ -11,8 +12,10 @@ SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Fl
   return broadcast(0.5f) + c * (broadcast(a->weight_linear) + broadcast(a->weight_cubic) * (c * c));
 }
 
-// Coincident particles part along a fixed direction that both sides agree on: a unit vector chosen by the pair's numbers.
-SANDGLASS_INLINE void part_coincident(uint32_t first, const uint32_t* index, Mask coincident, Float* nx, Float* ny, Float* nz) {
+// Coincident particles part along a fixed direction that both sides agree on: a unit vector chosen by the pair's
+// numbers.
+SANDGLASS_INLINE void part_coincident(uint32_t first, const uint32_t* index, Mask coincident, Float* nx, Float* ny,
+                                      Float* nz) {
   alignas(64) float ux[k_lane_group], uy[k_lane_group], uz[k_lane_group];
   for (uint32_t l = 0; l < k_width; ++l) {
     const uint32_t i = first + l, j = index[l * k_list_slots];
@@ -87,7 +90,8 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
         // Sticks while |t| <= mu_s |normal|; else slides with mu_k |normal| / |t|, at most 1 (4.24-4.27).
         const Mask slides = static2 * (normal * normal) < t2;
         Float grip = one;
-        if (any(slides & touch)) grip = select(slides, minimum((kinetic * absolute(normal)) / square_root(maximum(t2, tiny)), one), one);
+        if (any(slides & touch))
+          grip = select(slides, minimum((kinetic * absolute(normal)) / square_root(maximum(t2, tiny)), one), one);
         cx = cx + grip * tx, cy = cy + grip * ty, cz = cz + grip * tz;
       }
       sx = sx + keep(touch, cx), sy = sy + keep(touch, cy), sz = sz + keep(touch, cz);
@@ -116,14 +120,16 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
         Float v[3];
         collider_velocity(collider, px, py, pz, v);
         const Float step = broadcast(a->step);
-        // The collider's displacement minus the particle's, normal part removed; all of it is the particle's to make up.
+        // The collider's displacement minus the particle's, normal part removed; all of it is the particle's to make
+        // up.
         const Float rx = step * v[0] - dx, ry = step * v[1] - dy, rz = step * v[2] - dz;
         const Float along = dot3(rx, ry, rz, surface.nx, surface.ny, surface.nz);
         const Float tx = rx - along * surface.nx, ty = ry - along * surface.ny, tz = rz - along * surface.nz;
         const Float t2 = dot3(tx, ty, tz, tx, ty, tz);
         const Mask slides = static2 * (depth * depth) < t2;
         Float grip = one;
-        if (any(slides & hit)) grip = select(slides, minimum((kinetic * depth) / square_root(maximum(t2, tiny)), one), one);
+        if (any(slides & hit))
+          grip = select(slides, minimum((kinetic * depth) / square_root(maximum(t2, tiny)), one), one);
         cx = cx + grip * tx, cy = cy + grip * ty, cz = cz + grip * tz;
         dx = dx + keep(hit, cx), dy = dy + keep(hit, cy), dz = dz + keep(hit, cz);
       } else {
@@ -146,7 +152,8 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       continue;
     }
 
-    const Mask inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->particle_count));
+    const Mask inside =
+        lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->particle_count));
     const Mask live = inside & moves;
     Float move2 = dot3(dx, dy, dz, dx, dy, dz);
     const Mask sound = move2 < broadcast(1e12f);  // false for NaN and Inf: such a particle stays where it is, at rest
@@ -160,9 +167,11 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
         dx = dx * slow, dy = dy * slow, dz = dz * slow;
         move2 = select(fast, limit * limit, move2);
       }
-      const Float rate = broadcast(a->inverse_step);
-      out[0] = select(live, x + dx, self[0]), out[1] = select(live, y + dy, self[1]), out[2] = select(live, z + dz, self[2]);
-      out[4] = keep(live, dx * rate), out[5] = keep(live, dy * rate), out[6] = keep(live, dz * rate);
+      const Float step = broadcast(a->step);
+      out[0] = select(live, x + dx, self[0]), out[1] = select(live, y + dy, self[1]),
+      out[2] = select(live, z + dz, self[2]);
+      // A division: multiplying by 1/dt would err by the same sign in every sub-step.
+      out[4] = keep(live, dx / step), out[5] = keep(live, dy / step), out[6] = keep(live, dz / step);
       // Out of bounds, or not a number: it rests where it was, or at the origin when that was not a number either.
       const Float bound = broadcast(k_coordinate_bound);
       const Mask legal = (absolute(out[0]) < bound) & (absolute(out[1]) < bound) & (absolute(out[2]) < bound);
@@ -175,10 +184,11 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
           out[4 + k] = select(bad, zero, out[4 + k]);
         }
       }
-      speed2 = maximum(keep(live, move2 * (rate * rate)), speed2);
+      speed2 = maximum(keep(live, move2 / (step * step)), speed2);
       const Float position[3] = {out[0], out[1], out[2]}, move[3] = {dx, dy, dz};
       for (int k = 0; k < 3; ++k) {
-        low[k] = select(live, minimum(position[k], low[k]), low[k]), high[k] = select(live, maximum(position[k], high[k]), high[k]);
+        low[k] = select(live, minimum(position[k], low[k]), low[k]),
+        high[k] = select(live, maximum(position[k], high[k]), high[k]);
         move_low[k] = select(live, minimum(move[k], move_low[k]), move_low[k]);
         move_high[k] = select(live, maximum(move[k], move_high[k]), move_high[k]);
       }
@@ -193,7 +203,8 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
     extent->speed_squared = lane_maximum(speed2);
     for (int k = 0; k < 3; ++k) {
       extent->low[k] = lane_minimum(low[k]), extent->high[k] = lane_maximum(high[k]);
-      extent->displacement_low[k] = lane_minimum(move_low[k]), extent->displacement_high[k] = lane_maximum(move_high[k]);
+      extent->displacement_low[k] = lane_minimum(move_low[k]),
+      extent->displacement_high[k] = lane_maximum(move_high[k]);
     }
     extent->quarantined = quarantined;
   }

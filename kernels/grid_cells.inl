@@ -1,4 +1,5 @@
-// Cell of each record in a wrapped grid. Coordinates are clamped before the cast: out of range, casts differ between machines.
+// Cell of each record in a wrapped grid. Coordinates are clamped before the cast: out of range, casts differ between
+// machines.
 
 SANDGLASS_INLINE Int floor_to_int(Float a) {
   const Float bounded = minimum(maximum(a, broadcast(-536870912.0f)), broadcast(536870912.0f));

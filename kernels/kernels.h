@@ -1,9 +1,10 @@
-// The kernels: pure functions on the caller's arrays, without state, memory or clock. Every instruction set exports one table of
-// them; select_kernels picks a table. All tables give the same bits.
+// The kernels: pure functions on the caller's arrays, without state, memory or clock. Every instruction set exports one
+// table of them; select_kernels picks a table. All tables give the same bits.
 //
-// Arrays of records are 32-byte aligned; a record is 8 floats. Particle: x y z w | u u u id, with w = 1 for a particle that moves and
-// 0 for one that does not, u = velocity between sub-steps and displacement between the iterations of one, id = its number, as bits.
-// Grain: x y z id | v v v unused. Ranges begin at multiples of 16; arrays are padded to whole groups of 16 with inert records (w = 0).
+// Arrays of records are 32-byte aligned; a record is 8 floats. Particle: x y z w | u u u id, with w = 1 for a particle
+// that moves and 0 for one that does not, u = velocity between sub-steps and displacement between the iterations of
+// one, id = its number, as bits. Grain: x y z id | v v v unused. Ranges begin at multiples of 16; arrays are padded to
+// whole groups of 16 with inert records (w = 0).
 #pragma once
 
 #include <cstdint>
@@ -13,16 +14,18 @@
 namespace sandglass {
 
 constexpr uint32_t k_record_floats = 8;
-constexpr uint32_t k_lane_group = 16;  // every width divides it
+constexpr uint32_t k_lane_group = 16;                                    // every width divides it
 constexpr float k_coordinate_bound = 2.0f * SANDGLASS_COORDINATE_LIMIT;  // metres; what strays beyond it is quarantined
-constexpr uint32_t k_list_slots = 32;  // neighbours a particle can have; a dense packing has 12 to 15 inside a list's reach
+constexpr uint32_t k_list_slots =
+    32;  // neighbours a particle can have; a dense packing has 12 to 15 inside a list's reach
 
-// A grid of cubic cells that covers all space by wrapping round: the cell with integer coordinates c is stored at c mod 2^bits per
-// axis. No bounds are needed and none can be left; distant cells that share storage cost distance tests, not errors.
+// A grid of cubic cells that covers all space by wrapping round: the cell with integer coordinates c is stored at c mod
+// 2^bits per axis. No bounds are needed and none can be left; distant cells that share storage cost distance tests, not
+// errors.
 struct Grid {
-  float inverse_cell;       // 1 / edge
-  uint32_t bits[3];         // log2 of the number of cells per axis, >= 2 (neighbours of a cell stay distinct)
-  const uint32_t* starts;   // first item of each cell in sorted order, one past the end at last
+  float inverse_cell;      // 1 / edge
+  uint32_t bits[3];        // log2 of the number of cells per axis, >= 2 (neighbours of a cell stay distinct)
+  const uint32_t* starts;  // first item of each cell in sorted order, one past the end at last
 };
 
 struct GridCellsArgs {
@@ -32,47 +35,47 @@ struct GridCellsArgs {
 };
 
 struct ListArgs {
-  Grid grid;                      // of the moving particles, which are sorted by it; cell edge >= reach
-  Grid boundary_grid;             // of the boundary particles; the same cell edge
-  const float* positions[3];      // x, y, z of the moving particles, in sorted order
+  Grid grid;                  // of the moving particles, which are sorted by it; cell edge >= reach
+  Grid boundary_grid;         // of the boundary particles; the same cell edge
+  const float* positions[3];  // x, y, z of the moving particles, in sorted order
   const float* boundary_positions[3];
-  uint32_t boundary_count;        // 0: no boundary
-  uint32_t boundary_first;        // record index of the first boundary particle
-  uint32_t inert;                 // record index of an inert record far away: pads every row
+  uint32_t boundary_count;  // 0: no boundary
+  uint32_t boundary_first;  // record index of the first boundary particle
+  uint32_t inert;           // record index of an inert record far away: pads every row
   float reach_squared;
-  uint32_t* lists;                // k_list_slots record indices a particle
-  uint8_t* counts;                // used slots a particle
+  uint32_t* lists;  // k_list_slots record indices a particle
+  uint8_t* counts;  // used slots a particle
 };
 
 // A collider at one instant, in world coordinates.
 struct ColliderFrame {
   sandglass_shape shape;
   float position[3];
-  float axes[3][3];         // local x, y, z in the world
+  float axes[3][3];  // local x, y, z in the world
   float size[3];
-  float linear[3];          // velocity, m/s
+  float linear[3];  // velocity, m/s
   float angular[3];
 };
 
-// One Jacobi pass over particles: contacts and friction from the positions before the pass, then colliders. Reads `in`, writes `out`.
+// One Jacobi pass over particles: contacts and friction from the positions before the pass, then colliders. Reads `in`,
+// writes `out`.
 struct ContactArgs {
   const float* in;
   float* out;
   const uint32_t* lists;
   const uint8_t* counts;
-  uint32_t particle_count;   // lanes beyond it are inert
+  uint32_t particle_count;  // lanes beyond it are inert
   float diameter;
   float static_friction, kinetic_friction;
-  float relaxation;          // omega
-  int32_t averaged;          // 1: (4.37), the sum is scaled by min(1, omega/n); 0: by omega
+  float relaxation;                   // omega
+  int32_t averaged;                   // 1: (4.37), the sum is scaled by min(1, omega/n); 0: by omega
   float weight_linear, weight_cubic;  // height weighting: share = 1/2 + linear*c + cubic*c^3, c = n . up
   float up[3];
-  float scale;               // displacement = scale * u + gravity * w: (time step, g dt^2) in the first pass, (1, 0) later
+  float scale;  // displacement = scale * u + gravity * w: (time step, g dt^2) in the first pass, (1, 0) later
   float gravity[3];
-  int32_t last;              // 1: write x + displacement and velocity; 0: x and displacement
-  float inverse_step;        // 1/dt
-  float step;                // dt
-  float displacement_max;    // CFL limit of one sub-step, metres
+  int32_t last;            // 1: write x + displacement and velocity; 0: x and displacement
+  float step;              // dt
+  float displacement_max;  // CFL limit of one sub-step, metres
   const ColliderFrame* colliders;
   uint32_t collider_count;
   float radius;
@@ -87,17 +90,17 @@ struct ContactExtent {
 };
 
 struct RefineArgs {
-  Grid grid;                    // of the particles' snapshot; cell edge = support radius
-  const float* snapshot;        // particle records in sorted order, u = velocity
-  const float* positions[3];    // the same positions, one array an axis
+  Grid grid;                  // of the particles' snapshot; cell edge = support radius
+  const float* snapshot;      // particle records in sorted order, u = velocity
+  const float* positions[3];  // the same positions, one array an axis
   float* grains;
   uint32_t grain_count;
-  float support;                // h = 3r
-  float step;                   // seconds
-  uint32_t steps;               // equal steps on the same snapshot
+  float support;   // h = 3r
+  float step;      // seconds
+  uint32_t steps;  // equal steps on the same snapshot
   float gravity[3];
-  int32_t source_rule;          // 1: (4.44) as printed
-  float weight_at_radius;       // W(r)
+  int32_t source_rule;     // 1: (4.44) as printed
+  float weight_at_radius;  // W(r)
   const ColliderFrame* colliders;
   uint32_t collider_count;
   float grain_radius;
@@ -108,7 +111,8 @@ struct RefineExtent {
   uint32_t quarantined;
 };
 
-#define SANDGLASS_KERNEL(name, Args, Result) using name##_function = void (*)(const Args* args, uint32_t begin, uint32_t end, Result* result);
+#define SANDGLASS_KERNEL(name, Args, Result) \
+  using name##_function = void (*)(const Args* args, uint32_t begin, uint32_t end, Result* result);
 #include "kernels/kernels.inc"
 #undef SANDGLASS_KERNEL
 

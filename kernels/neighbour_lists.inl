@@ -1,90 +1,67 @@
-// Neighbour lists from a sorted grid. Particles of one cell see the same 27 cells, so the candidates are copied once a cell into a
-// small contiguous buffer and every particle of the cell is tested against it, a vector of candidates at a time. The order of a list is
-// the order of the candidates: rows of cells by z, then y, then x, moving particles before boundary ones.
+// Neighbour lists from a sorted grid. Particles of one cell see the same 27 cells: the stored ranges of those are
+// looked up once a cell, three cells of a row at a time, and every particle of the cell is tested against them, a
+// vector of candidates at a time. The order of a list is the order of the candidates: rows of cells by z, then y, then
+// x, moving particles before boundary ones.
+//
+// Gathering the candidates of a cell into one dense buffer first was slower: its short overlapping stores stall the
+// loads after them.
 
-// Candidates of one cell. A vector beyond the end may be read and written; a buffer that is full is tested and emptied.
-struct Candidates {
-  static constexpr uint32_t k_capacity = 256;
-  alignas(64) float x[k_capacity + 2 * k_lane_group];
-  alignas(64) float y[k_capacity + 2 * k_lane_group];
-  alignas(64) float z[k_capacity + 2 * k_lane_group];
-  alignas(64) uint32_t index[k_capacity + 2 * k_lane_group];
+// Stored ranges of candidates near one cell: at most 9 rows, each cut at most twice where the grid wraps round.
+struct Ranges {
+  static constexpr uint32_t k_capacity = 27;
+  uint32_t begin[k_capacity], end[k_capacity];
   uint32_t count;
 };
 
-// A run of particles in one cell with the rows being filled.
-struct Rows {
-  uint32_t first, last;
-  uint32_t used[k_lane_group];
-  uint32_t dropped;
-};
-
-SANDGLASS_INLINE void test_candidates(const ListArgs* args, Candidates* candidates, Rows* rows) {
-  const uint32_t n = candidates->count;
-  const Float reach = broadcast(args->reach_squared);
-  for (uint32_t i = rows->first; i < rows->last; ++i) {
-    const Float x = broadcast(args->positions[0][i]), y = broadcast(args->positions[1][i]), z = broadcast(args->positions[2][i]);
-    const Int self = broadcast(static_cast<int32_t>(i));
-    alignas(64) uint32_t found[k_list_slots + 2 * k_lane_group];
-    uint32_t* row = args->lists + static_cast<uint64_t>(i) * k_list_slots;
-    uint32_t used = rows->used[i - rows->first];
-    uint32_t extra = 0;
-    uint32_t fresh = 0;  // found in this call; the row holds `used` already
-    for (uint32_t c = 0; c < n; c += k_width) {
-      const Int lane = lane_index() + broadcast(static_cast<int32_t>(c));
-      const Int index = load(candidates->index + c);
-      const Float dx = load(candidates->x + c) - x, dy = load(candidates->y + c) - y, dz = load(candidates->z + c) - z;
-      const Float d2 = dx * dx + dy * dy + dz * dz;
-      const Mask near = and_not((d2 < reach) & (lane < broadcast(static_cast<int32_t>(n))), index == self);
-      fresh += compress_store(found + fresh, index, near);
-      if (fresh > k_list_slots) {
-        extra += fresh - k_list_slots;
-        fresh = k_list_slots;
-      }
-    }
-    const uint32_t room = k_list_slots - used;
-    const uint32_t kept = fresh < room ? fresh : room;
-    rows->dropped += extra + (fresh - kept);
-    for (uint32_t s = 0; s < kept; ++s) row[used + s] = found[s];
-    rows->used[i - rows->first] = used + kept;
-  }
-  candidates->count = 0;
+SANDGLASS_INLINE void add_range(Ranges* ranges, uint32_t begin, uint32_t end) {
+  ranges->begin[ranges->count] = begin;
+  ranges->end[ranges->count] = end;
+  ranges->count += begin < end ? 1u : 0u;
 }
 
-SANDGLASS_INLINE void append_range(const ListArgs* args, const float* const* positions, uint32_t begin, uint32_t end, uint32_t first_record,
-                                   Candidates* candidates, Rows* rows) {
-  while (begin < end) {
-    if (candidates->count == Candidates::k_capacity) test_candidates(args, candidates, rows);
-    const uint32_t room = Candidates::k_capacity - candidates->count;
-    const uint32_t n = end - begin < room ? end - begin : room;
-    const uint32_t at = candidates->count;
-    for (uint32_t c = 0; c < n; c += k_width) {
-      store(candidates->x + at + c, load(positions[0] + begin + c));
-      store(candidates->y + at + c, load(positions[1] + begin + c));
-      store(candidates->z + at + c, load(positions[2] + begin + c));
-      store(candidates->index + at + c, lane_index() + broadcast(static_cast<int32_t>(first_record + begin + c)));
-    }
-    candidates->count += n;
-    begin += n;
-  }
-}
-
-SANDGLASS_INLINE void append_neighbourhood(const ListArgs* args, const Grid& grid, const float* const* positions, uint32_t first_record,
-                                           const int32_t cell[3], Candidates* candidates, Rows* rows) {
+SANDGLASS_INLINE void find_ranges(const Grid& grid, const int32_t cell[3], Ranges* ranges) {
   const uint32_t mask[3] = {(1u << grid.bits[0]) - 1, (1u << grid.bits[1]) - 1, (1u << grid.bits[2]) - 1};
   const uint32_t left = static_cast<uint32_t>(cell[0] - 1) & mask[0];
   const uint32_t right = static_cast<uint32_t>(cell[0] + 1) & mask[0];
+  ranges->count = 0;
   for (int32_t dz = -1; dz <= 1; ++dz) {
+    const uint32_t plane = (static_cast<uint32_t>(cell[2] + dz) & mask[2]) << grid.bits[1];
     for (int32_t dy = -1; dy <= 1; ++dy) {
-      const uint32_t row = (((static_cast<uint32_t>(cell[2] + dz) & mask[2]) << grid.bits[1]) | (static_cast<uint32_t>(cell[1] + dy) & mask[1]))
-                           << grid.bits[0];
+      const uint32_t row = (plane | (static_cast<uint32_t>(cell[1] + dy) & mask[1])) << grid.bits[0];
       if (left < right) {
-        append_range(args, positions, grid.starts[row + left], grid.starts[row + right + 1], first_record, candidates, rows);
+        add_range(ranges, grid.starts[row + left], grid.starts[row + right + 1]);
       } else {  // the row wraps round between these three cells
         for (int32_t dx = -1; dx <= 1; ++dx) {
           const uint32_t c = row + (static_cast<uint32_t>(cell[0] + dx) & mask[0]);
-          append_range(args, positions, grid.starts[c], grid.starts[c + 1], first_record, candidates, rows);
+          add_range(ranges, grid.starts[c], grid.starts[c + 1]);
         }
+      }
+    }
+  }
+}
+
+// A row being filled: what compress_store writes beyond the last slot falls into the slack, and is counted as dropped.
+struct Row {
+  alignas(64) uint32_t slots[k_list_slots + 2 * k_lane_group];
+  uint32_t used;
+  uint32_t dropped;
+};
+
+SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* positions, uint32_t first_record,
+                                  int32_t self, const float* at, Float reach, Row* row) {
+  const Float x = broadcast(at[0]), y = broadcast(at[1]), z = broadcast(at[2]);
+  const Int own = broadcast(self);
+  for (uint32_t r = 0; r < ranges.count; ++r) {
+    const Int end = broadcast(static_cast<int32_t>(ranges.end[r]));
+    for (uint32_t c = ranges.begin[r]; c < ranges.end[r]; c += k_width) {
+      const Int index = lane_index() + broadcast(static_cast<int32_t>(c));
+      const Float dx = load(positions[0] + c) - x, dy = load(positions[1] + c) - y, dz = load(positions[2] + c) - z;
+      const Float d2 = dx * dx + dy * dy + dz * dz;
+      const Mask near = and_not((d2 < reach) & (index < end), index == own);
+      row->used += compress_store(row->slots + row->used, index + broadcast(static_cast<int32_t>(first_record)), near);
+      if (row->used > k_list_slots) {
+        row->dropped += row->used - k_list_slots;
+        row->used = k_list_slots;
       }
     }
   }
@@ -97,33 +74,32 @@ SANDGLASS_INLINE int32_t floor_cell(float a, float inverse) {
 }
 
 static void neighbour_lists(const ListArgs* args, uint32_t begin, uint32_t end, uint32_t* dropped) {
-  Candidates candidates;
-  candidates.count = 0;
-  Rows rows;
-  rows.dropped = 0;
   const float inverse = args->grid.inverse_cell;
-  uint32_t i = begin;
-  while (i < end) {
-    const int32_t cell[3] = {floor_cell(args->positions[0][i], inverse), floor_cell(args->positions[1][i], inverse),
-                             floor_cell(args->positions[2][i], inverse)};
-    rows.first = i;
-    do {
-      rows.used[i - rows.first] = 0;
-      ++i;
-    } while (i < end && i - rows.first < k_lane_group && floor_cell(args->positions[0][i], inverse) == cell[0] &&
-             floor_cell(args->positions[1][i], inverse) == cell[1] && floor_cell(args->positions[2][i], inverse) == cell[2]);
-    rows.last = i;
-    append_neighbourhood(args, args->grid, args->positions, 0, cell, &candidates, &rows);
-    if (args->boundary_count != 0) {
-      append_neighbourhood(args, args->boundary_grid, args->boundary_positions, args->boundary_first, cell, &candidates, &rows);
+  const Float reach = broadcast(args->reach_squared);
+  const Int inert = broadcast(static_cast<int32_t>(args->inert));
+  Ranges near = {}, boundary = {};
+  Row row = {};
+  int32_t cell[3] = {0, 0, 0};
+  bool known = false;
+  for (uint32_t i = begin; i < end; ++i) {
+    const float at[3] = {args->positions[0][i], args->positions[1][i], args->positions[2][i]};
+    const int32_t own[3] = {floor_cell(at[0], inverse), floor_cell(at[1], inverse), floor_cell(at[2], inverse)};
+    if (!known || own[0] != cell[0] || own[1] != cell[1] || own[2] != cell[2]) {
+      for (int k = 0; k < 3; ++k) cell[k] = own[k];
+      known = true;
+      find_ranges(args->grid, cell, &near);
+      if (args->boundary_count != 0) find_ranges(args->boundary_grid, cell, &boundary);
     }
-    test_candidates(args, &candidates, &rows);
-    for (uint32_t p = rows.first; p < rows.last; ++p) {
-      uint32_t* row = args->lists + static_cast<uint64_t>(p) * k_list_slots;
-      const uint32_t used = rows.used[p - rows.first];
-      args->counts[p] = static_cast<uint8_t>(used);
-      for (uint32_t s = used; s < k_list_slots; ++s) row[s] = args->inert;
+    row.used = 0;
+    test_ranges(near, args->positions, 0, static_cast<int32_t>(i), at, reach, &row);
+    if (args->boundary_count != 0)
+      test_ranges(boundary, args->boundary_positions, args->boundary_first, -1, at, reach, &row);
+    uint32_t* out = args->lists + static_cast<uint64_t>(i) * k_list_slots;
+    for (uint32_t s = 0; s < k_list_slots; s += k_width) {
+      const Mask filled = lane_index() + broadcast(static_cast<int32_t>(s)) < broadcast(static_cast<int32_t>(row.used));
+      store(out + s, select(filled, load(row.slots + s), inert));
     }
+    args->counts[i] = static_cast<uint8_t>(row.used);
   }
-  *dropped = rows.dropped;
+  *dropped = row.dropped;
 }

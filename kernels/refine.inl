@@ -1,9 +1,11 @@
-// Grains: advected by the velocity field of the particles (4.39-4.44), blended into free flight near and outside the surface, kept
-// outside the colliders. Lane = grain. Grains are sorted by cell, so k_width neighbouring lanes share almost all candidates: those
-// are found once per group, by the distance to the group's bounding box, and then broadcast to all lanes.
+// Grains: advected by the velocity field of the particles (4.39-4.44), blended into free flight near and outside the
+// surface, kept outside the colliders. Lane = grain. Grains are sorted by cell, so k_width neighbouring lanes share
+// almost all candidates: those are found once per group, by the distance to the group's bounding box, and then
+// broadcast to all lanes.
 //
-// A candidate outside the box's reach has weight exactly 0 in every lane: the box's distance is computed with the same operations,
-// which round monotonically, and the weight is max(0, (h^2 - d^2)/h^2)^3. So neither the lane count nor the grouping shows in a sum.
+// A candidate outside the box's reach has weight exactly 0 in every lane: the box's distance is computed with the same
+// operations, which round monotonically, and the weight is max(0, (h^2 - d^2)/h^2)^3. So neither the lane count nor the
+// grouping shows in a sum.
 
 constexpr uint32_t k_candidates_max = 512;
 
@@ -11,7 +13,8 @@ struct Flow {
   Float weight, x, y, z, largest;
 };
 
-SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index, uint32_t n, Float x, Float y, Float z, Flow* flow) {
+SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index, uint32_t n, Float x, Float y, Float z,
+                                      Flow* flow) {
   const Float h2 = broadcast(a->support * a->support), inverse = broadcast(1.0f / (a->support * a->support));
   const Float zero = broadcast(0.0f);
   for (uint32_t c = 0; c < n; ++c) {
@@ -36,8 +39,10 @@ SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
 // Sums over the particles near the lanes of `lanes`, whose bounding box is at most two cells wide.
 SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Float y, Float z, Flow* flow) {
   const Float big = broadcast(3e38f), small = broadcast(-3e38f);
-  const float low[3] = {lane_minimum(select(lanes, x, big)), lane_minimum(select(lanes, y, big)), lane_minimum(select(lanes, z, big))};
-  const float high[3] = {lane_maximum(select(lanes, x, small)), lane_maximum(select(lanes, y, small)), lane_maximum(select(lanes, z, small))};
+  const float low[3] = {lane_minimum(select(lanes, x, big)), lane_minimum(select(lanes, y, big)),
+                        lane_minimum(select(lanes, z, big))};
+  const float high[3] = {lane_maximum(select(lanes, x, small)), lane_maximum(select(lanes, y, small)),
+                         lane_maximum(select(lanes, z, small))};
   int32_t first[3], last[3];
   uint32_t mask[3];
   for (int k = 0; k < 3; ++k) {
@@ -52,7 +57,9 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Floa
   Flow sum = {zero, zero, zero, zero, zero};
   for (int32_t cz = first[2]; cz <= last[2]; ++cz) {
     for (int32_t cy = first[1]; cy <= last[1]; ++cy) {
-      const uint32_t row = (((static_cast<uint32_t>(cz) & mask[2]) << a->grid.bits[1]) | (static_cast<uint32_t>(cy) & mask[1])) << a->grid.bits[0];
+      const uint32_t row =
+          (((static_cast<uint32_t>(cz) & mask[2]) << a->grid.bits[1]) | (static_cast<uint32_t>(cy) & mask[1]))
+          << a->grid.bits[0];
       int32_t cx = first[0];
       while (cx <= last[0]) {
         // As many cells as lie side by side in storage.
@@ -88,11 +95,13 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Floa
 
 // 1 at a and below, 0 at b and above, smooth between.
 SANDGLASS_INLINE Float fade(Float value, float a, float b) {
-  const Float t = minimum(maximum((broadcast(b) - value) * broadcast(1.0f / (b - a)), broadcast(0.0f)), broadcast(1.0f));
+  const Float t =
+      minimum(maximum((broadcast(b) - value) * broadcast(1.0f / (b - a)), broadcast(0.0f)), broadcast(1.0f));
   return t * t * (broadcast(3.0f) - broadcast(2.0f) * t);
 }
 
-// How freely a grain flies: (4.44), or the continuous rule, which crosses over about the same two thresholds without a jump.
+// How freely a grain flies: (4.44), or the continuous rule, which crosses over about the same two thresholds without a
+// jump.
 SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
   const Float one = broadcast(1.0f), zero = broadcast(0.0f);
   const Mask alone = flow.weight <= zero;
@@ -130,13 +139,15 @@ SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Float position[3], Float
     Float tangential[3], t2 = zero;
     for (int k = 0; k < 3; ++k) tangential[k] = relative[k] - along * n[k], t2 = t2 + tangential[k] * tangential[k];
     const Float speed = square_root(t2);
-    const Float left = maximum(one - (broadcast(a->friction) * absolute(along)) / maximum(speed, broadcast(1e-12f)), zero);
+    const Float left =
+        maximum(one - (broadcast(a->friction) * absolute(along)) / maximum(speed, broadcast(1e-12f)), zero);
     for (int k = 0; k < 3; ++k) velocity[k] = select(inward, v[k] + left * tangential[k], velocity[k]);
   }
 }
 
 static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
-  const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound), step = broadcast(a->step);
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound),
+              step = broadcast(a->step);
   const float spread = 1.0f / a->grid.inverse_cell;  // lanes further apart than this are gathered separately
   uint32_t quarantined = 0;
   for (uint32_t i = begin; i < end; i += k_width) {
@@ -144,16 +155,19 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
     Float grain[8];
     load_records(record, grain);
     Float position[3] = {grain[0], grain[1], grain[2]}, velocity[3] = {grain[4], grain[5], grain[6]};
-    const Mask inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
+    const Mask inside =
+        lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
     for (uint32_t s = 0; s < a->steps; ++s) {
       Flow flow = {zero, zero, zero, zero, zero};
-      Mask left = inside & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
+      Mask left =
+          inside & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
       while (any(left)) {
         alignas(64) float px[k_lane_group], py[k_lane_group], pz[k_lane_group];
         store(px, position[0]), store(py, position[1]), store(pz, position[2]);
         const uint32_t l = first(left);
         const Float wide = broadcast(spread);
-        const Mask group = left & (absolute(position[0] - broadcast(px[l])) <= wide) & (absolute(position[1] - broadcast(py[l])) <= wide) &
+        const Mask group = left & (absolute(position[0] - broadcast(px[l])) <= wide) &
+                           (absolute(position[1] - broadcast(py[l])) <= wide) &
                            (absolute(position[2] - broadcast(pz[l])) <= wide);
         gather_flow(a, group, position[0], position[1], position[2], &flow);
         left = and_not(left, group);
@@ -168,8 +182,9 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
       }
       keep_outside(a, position, velocity);
     }
-    const Mask sound = (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit) &
-                       (absolute(velocity[0]) < broadcast(1e6f)) & (absolute(velocity[1]) < broadcast(1e6f)) & (absolute(velocity[2]) < broadcast(1e6f));
+    const Mask sound = (absolute(position[0]) < limit) & (absolute(position[1]) < limit) &
+                       (absolute(position[2]) < limit) & (absolute(velocity[0]) < broadcast(1e6f)) &
+                       (absolute(velocity[1]) < broadcast(1e6f)) & (absolute(velocity[2]) < broadcast(1e6f));
     const Mask bad = and_not(inside, sound);
     if (any(bad)) {
       // Back to where it was, at rest; to the origin when that was not a number either.

@@ -28,7 +28,8 @@ const Kernels* select_kernels(sandglass_isa isa) {
   (void)cpu;
   const bool automatic = isa == SANDGLASS_ISA_AUTOMATIC;
 #if defined(SANDGLASS_HAVE_AVX512)
-  if ((automatic || isa == SANDGLASS_ISA_AVX512) && cpu.avx512f && cpu.avx512bw && cpu.avx512dq && cpu.avx512vl) return &simd_avx512::k_table;
+  if ((automatic || isa == SANDGLASS_ISA_AVX512) && cpu.avx512f && cpu.avx512bw && cpu.avx512dq && cpu.avx512vl)
+    return &simd_avx512::k_table;
 #endif
 #if defined(SANDGLASS_HAVE_AVX2)
   if ((automatic || isa == SANDGLASS_ISA_AVX2) && cpu.avx2) return &simd_avx2::k_table;

@@ -10,9 +10,15 @@ namespace sandglass::simd_avx2 {
 
 constexpr uint32_t k_width = 8;
 
-struct Mask { __m256 m; };
-struct Int { __m256i v; };
-struct Float { __m256 v; };
+struct Mask {
+  __m256 m;
+};
+struct Int {
+  __m256i v;
+};
+struct Float {
+  __m256 v;
+};
 
 SANDGLASS_INLINE Float broadcast(float a) { return {_mm256_set1_ps(a)}; }
 SANDGLASS_INLINE Int broadcast(int32_t a) { return {_mm256_set1_epi32(a)}; }

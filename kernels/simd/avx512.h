@@ -10,9 +10,15 @@ namespace sandglass::simd_avx512 {
 
 constexpr uint32_t k_width = 16;
 
-struct Mask { __mmask16 m; };
-struct Int { __m512i v; };
-struct Float { __m512 v; };
+struct Mask {
+  __mmask16 m;
+};
+struct Int {
+  __m512i v;
+};
+struct Float {
+  __m512 v;
+};
 
 SANDGLASS_INLINE Float broadcast(float a) { return {_mm512_set1_ps(a)}; }
 SANDGLASS_INLINE Int broadcast(int32_t a) { return {_mm512_set1_epi32(a)}; }
@@ -106,10 +112,10 @@ SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   const __m512 a4 = _mm512_unpacklo_ps(in[4].v, in[5].v), a5 = _mm512_unpackhi_ps(in[4].v, in[5].v);
   const __m512 a6 = _mm512_unpacklo_ps(in[6].v, in[7].v), a7 = _mm512_unpackhi_ps(in[6].v, in[7].v);
   // b_k: components 0-3 of lanes k, k+4, k+8, k+12; d_k: components 4-7 of the same lanes.
-  const __m512 b[4] = {_mm512_shuffle_ps(a0, a2, 0x44), _mm512_shuffle_ps(a0, a2, 0xEE), _mm512_shuffle_ps(a1, a3, 0x44),
-                       _mm512_shuffle_ps(a1, a3, 0xEE)};
-  const __m512 d[4] = {_mm512_shuffle_ps(a4, a6, 0x44), _mm512_shuffle_ps(a4, a6, 0xEE), _mm512_shuffle_ps(a5, a7, 0x44),
-                       _mm512_shuffle_ps(a5, a7, 0xEE)};
+  const __m512 b[4] = {_mm512_shuffle_ps(a0, a2, 0x44), _mm512_shuffle_ps(a0, a2, 0xEE),
+                       _mm512_shuffle_ps(a1, a3, 0x44), _mm512_shuffle_ps(a1, a3, 0xEE)};
+  const __m512 d[4] = {_mm512_shuffle_ps(a4, a6, 0x44), _mm512_shuffle_ps(a4, a6, 0xEE),
+                       _mm512_shuffle_ps(a5, a7, 0x44), _mm512_shuffle_ps(a5, a7, 0xEE)};
   for (uint32_t k = 0; k < 4; ++k) {
     float* q = p + 8 * k;
     _mm_store_ps(q, _mm512_castps512_ps128(b[k]));

@@ -1,5 +1,5 @@
-// The contract of scalar.h for ARMv8.0 NEON: 4 lanes. fmin/fmax and the fused multiply-add are avoided on purpose: they treat NaN and
-// rounding differently from the other sets.
+// The contract of scalar.h for ARMv8.0 NEON: 4 lanes. fmin/fmax and the fused multiply-add are avoided on purpose: they
+// treat NaN and rounding differently from the other sets.
 #pragma once
 
 #include <arm_neon.h>
@@ -11,9 +11,15 @@ namespace sandglass::simd_neon {
 
 constexpr uint32_t k_width = 4;
 
-struct Mask { uint32x4_t m; };
-struct Int { int32x4_t v; };
-struct Float { float32x4_t v; };
+struct Mask {
+  uint32x4_t m;
+};
+struct Int {
+  int32x4_t v;
+};
+struct Float {
+  float32x4_t v;
+};
 
 SANDGLASS_INLINE Float broadcast(float a) { return {vdupq_n_f32(a)}; }
 SANDGLASS_INLINE Int broadcast(int32_t a) { return {vdupq_n_s32(a)}; }
@@ -58,7 +64,9 @@ SANDGLASS_INLINE uint32_t first(Mask a) {
   return static_cast<uint32_t>(__builtin_ctzll(halves)) >> 4;
 }
 SANDGLASS_INLINE Float select(Mask m, Float a, Float b) { return {vbslq_f32(m.m, a.v, b.v)}; }
-SANDGLASS_INLINE Float keep(Mask m, Float a) { return {vreinterpretq_f32_u32(vandq_u32(m.m, vreinterpretq_u32_f32(a.v)))}; }
+SANDGLASS_INLINE Float keep(Mask m, Float a) {
+  return {vreinterpretq_f32_u32(vandq_u32(m.m, vreinterpretq_u32_f32(a.v)))};
+}
 SANDGLASS_INLINE Int select(Mask m, Int a, Int b) { return {vbslq_s32(m.m, a.v, b.v)}; }
 
 SANDGLASS_INLINE float lane_maximum(Float a) { return vmaxvq_f32(a.v); }

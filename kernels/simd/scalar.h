@@ -1,6 +1,6 @@
-// The wide-vector type that every kernel body is written in. This header states the contract once and implements it for one lane;
-// neon.h, avx2.h and avx512.h implement the same names for 4, 8 and 16. Each lives in a namespace of its own, so that two sets can
-// never be merged by the linker.
+// The wide-vector type that every kernel body is written in. This header states the contract once and implements it for
+// one lane; neon.h, avx2.h and avx512.h implement the same names for 4, 8 and 16. Each lives in a namespace of its own,
+// so that two sets can never be merged by the linker.
 //
 // Contract
 //   Lane = particle (or grain, or candidate): no operation adds across lanes, so the width never changes a sum.
@@ -8,9 +8,9 @@
 //   minimum(a, b) = a < b ? a : b and maximum(a, b) = a > b ? a : b: with a NaN they return b, on every set.
 //   Comparisons are ordered: false where a lane is NaN. select(m, a, b) takes a where m holds, else b, bit for bit.
 //   to_int truncates; the caller keeps the value within +-2^30 (out of range, ARM and x86 differ).
-//   A record is 8 floats, 32 bytes, 32-byte aligned. load_records gathers one record a lane and transposes: out[c] holds
-//   component c. The index of lane l is index[l * stride].
-//   compress_store appends the lanes of v where m holds, in lane order, and may write (not count) up to k_width values.
+//   A record is 8 floats, 32 bytes, 32-byte aligned. load_records gathers one record a lane and transposes: out[c]
+//   holds component c. The index of lane l is index[l * stride]. compress_store appends the lanes of v where m holds,
+//   in lane order, and may write (not count) up to k_width values.
 #pragma once
 
 #include <stdint.h>
@@ -21,9 +21,15 @@ namespace sandglass::simd_scalar {
 
 constexpr uint32_t k_width = 1;
 
-struct Mask { bool m; };
-struct Int { int32_t v; };
-struct Float { float v; };
+struct Mask {
+  bool m;
+};
+struct Int {
+  int32_t v;
+};
+struct Float {
+  float v;
+};
 
 SANDGLASS_INLINE Float broadcast(float a) { return {a}; }
 SANDGLASS_INLINE Int broadcast(int32_t a) { return {a}; }
@@ -45,7 +51,9 @@ SANDGLASS_INLINE Float absolute(Float a) { return {__builtin_fabsf(a.v)}; }
 SANDGLASS_INLINE Int operator+(Int a, Int b) { return {a.v + b.v}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {a.v & b.v}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {a.v | b.v}; }
-SANDGLASS_INLINE Int shift_left(Int a, int count) { return {static_cast<int32_t>(static_cast<uint32_t>(a.v) << count)}; }
+SANDGLASS_INLINE Int shift_left(Int a, int count) {
+  return {static_cast<int32_t>(static_cast<uint32_t>(a.v) << count)};
+}
 SANDGLASS_INLINE Int to_int(Float a) { return {static_cast<int32_t>(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {static_cast<float>(a.v)}; }
 

@@ -76,7 +76,7 @@ struct Bench {
     }
     EqualError equal;
     {
-      constexpr uint32_t k_runs_at_most = 12;  // of the bisections; fewer when a cheaper setting is found early
+      constexpr uint32_t k_runs_at_most = 16;  // of the bisections; fewer when a cheaper setting is found early
       Progress progress("searching source_equal_error", k_runs_at_most * options.frames);
       uint32_t frame = 0;
       equal = find_equal_error(column, standard.overlap_p99, isa,

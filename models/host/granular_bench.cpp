@@ -60,8 +60,8 @@ SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterati
 
 EqualError find_equal_error(const SceneFile& scene, double p99, sandglass_isa isa, uint32_t threads, uint32_t frames,
                             const BenchStep& step) {
-  constexpr std::array<uint32_t, 9> k_steps = {16, 24, 32, 48, 64, 96, 128, 192, 256};
-  constexpr std::array<uint32_t, 3> k_iterations = {1, 3, 7};
+  constexpr std::array<uint32_t, 15> k_steps = {16, 20, 24, 28, 32, 40, 48, 56, 64, 80, 96, 128, 160, 192, 256};
+  constexpr std::array<uint32_t, 4> k_iterations = {1, 2, 4, 7};
   EqualError best;
   bool stopped = false;
   const BenchStep watch = [&] { return !(stopped = stopped || !step()); };

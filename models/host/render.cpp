@@ -114,7 +114,8 @@ bool hit_box(Vec3 half, Vec3 o, Vec3 d, SurfaceHit* hit) {
 }
 
 bool hit_capsule(double radius, double half, Vec3 o, Vec3 d, SurfaceHit* hit) {
-  bool found = hit_sphere({0, half, 0}, radius, o, d, hit) | hit_sphere({0, -half, 0}, radius, o, d, hit);
+  const bool upper = hit_sphere({0, half, 0}, radius, o, d, hit), lower = hit_sphere({0, -half, 0}, radius, o, d, hit);
+  const bool found = upper || lower;
   const double a = d.x * d.x + d.z * d.z, b = o.x * d.x + o.z * d.z, c = o.x * o.x + o.z * o.z - radius * radius;
   const double gap = b * b - a * c;
   if (a == 0.0 || gap < 0.0) return found;

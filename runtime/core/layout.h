@@ -1,5 +1,6 @@
-// One walk over the description lays out the scene: run with a null base it counts bytes, run with the block it hands out the
-// same regions. Size and creation therefore cannot drift apart. Regions are named, aligned to a cache line and reported.
+// One walk over the description lays out the scene: run with a null base it counts bytes, run with the block it hands
+// out the same regions. Size and creation therefore cannot drift apart. Regions are named, aligned to a cache line and
+// reported.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +18,12 @@ struct Layout {
   uint32_t region_count = 0;
 };
 
-// `count` items of T, aligned to SANDGLASS_BLOCK_ALIGNMENT; null while counting. The region's bytes are rounded up to that alignment,
-// so a kernel may touch whole vectors at its end.
+// `count` items of T, aligned to SANDGLASS_BLOCK_ALIGNMENT; null while counting. The region's bytes are rounded up to
+// that alignment, so a kernel may touch whole vectors at its end.
 template <class T>
 T* layout_region(Layout* layout, const char* name, uint64_t count) {
-  const uint64_t bytes = (count * sizeof(T) + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT;
+  const uint64_t bytes =
+      (count * sizeof(T) + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT;
   const uint64_t offset = layout->size;
   layout->size += bytes;
   if (bytes == 0) return nullptr;

@@ -7,6 +7,9 @@ namespace {
 // Clearing and summing a cell costs a tenth of moving a record.
 constexpr uint32_t k_cells_per_item = 8;
 
+// What a unit costs besides its items, in items: keeps the last, short unit of a phase from looking expensive.
+constexpr uint32_t k_unit_overhead = 64;
+
 uint32_t unit_size(const CellSort& sort, uint32_t unit) {
   return sort.phase == k_sort_clear || sort.phase == k_sort_prefix ? unit * k_cells_per_item : unit;
 }
@@ -45,10 +48,12 @@ void cell_sort_begin(CellSort* sort, float cell, const float low[3], const float
 uint32_t cell_sort_items(const CellSort& sort, uint32_t record_count, uint32_t unit) {
   const uint32_t left = phase_end(sort, record_count) - sort.cursor, size = unit_size(sort, unit);
   const uint32_t items = left < size ? left : size;
-  return sort.phase == k_sort_clear || sort.phase == k_sort_prefix ? (items + k_cells_per_item - 1) / k_cells_per_item : items;
+  return k_unit_overhead +
+         (sort.phase == k_sort_clear || sort.phase == k_sort_prefix ? items / k_cells_per_item : items);
 }
 
-void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records, uint32_t record_count, uint32_t unit, const SortTarget& target) {
+void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records, uint32_t record_count, uint32_t unit,
+                   const SortTarget& target) {
   const uint32_t end = phase_end(*sort, record_count), size = unit_size(*sort, unit);
   const uint32_t first = sort->cursor, last = end - first < size ? end : first + size;
   uint32_t* starts = sort->starts;
@@ -77,7 +82,8 @@ void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records,
       for (uint32_t i = first; i < last; ++i) {
         const uint32_t to = starts[sort->keys[i] + 1]++;
         const float* from = records + static_cast<uint64_t>(i) * k_record_floats;
-        __builtin_memcpy(target.records + static_cast<uint64_t>(to) * k_record_floats, from, k_record_floats * sizeof(float));
+        __builtin_memcpy(target.records + static_cast<uint64_t>(to) * k_record_floats, from,
+                         k_record_floats * sizeof(float));
         if (target.positions[0] != nullptr) {
           for (int k = 0; k < 3; ++k) target.positions[k][to] = from[k];
         }

@@ -1,5 +1,5 @@
-// A counting sort of records by grid cell, cut into work units: clear, count, sum, scatter. Stable, so the order never depends on
-// how it was cut. Between units the source records are untouched; the result is complete after the last.
+// A counting sort of records by grid cell, cut into work units: clear, count, sum, scatter. Stable, so the order never
+// depends on how it was cut. Between units the source records are untouched; the result is complete after the last.
 #pragma once
 
 #include "kernels/kernels.h"
@@ -7,12 +7,12 @@
 namespace sandglass {
 
 struct CellSort {
-  Grid grid;            // grid.starts == starts
-  uint32_t* starts;     // cells + 2
-  uint32_t* keys;       // one a record
+  Grid grid;         // grid.starts == starts
+  uint32_t* starts;  // cells + 2
+  uint32_t* keys;    // one a record
   uint32_t cells;
-  uint32_t cells_max;   // a power of two
-  uint32_t phase;       // k_sort_clear ... k_sort_done
+  uint32_t cells_max;  // a power of two
+  uint32_t phase;      // k_sort_clear ... k_sort_done
   uint32_t cursor;
   uint32_t sum;
 };
@@ -25,13 +25,15 @@ struct SortTarget {
   float* positions[3];  // null: not wanted
 };
 
-// Chooses the grid: cells of edge `cell`, as many per axis as the bounds need and cells_max and `bits_min` allow; then starts the sort.
+// Chooses the grid: cells of edge `cell`, as many per axis as the bounds need and cells_max and `bits_min` allow; then
+// starts the sort.
 void cell_sort_begin(CellSort* sort, float cell, const float low[3], const float high[3], uint32_t bits_min);
 
 // Items of the next unit, at most `unit`.
 uint32_t cell_sort_items(const CellSort& sort, uint32_t record_count, uint32_t unit);
 
 // Runs the next unit.
-void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records, uint32_t record_count, uint32_t unit, const SortTarget& target);
+void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records, uint32_t record_count, uint32_t unit,
+                   const SortTarget& target);
 
 }  // namespace sandglass

@@ -1,5 +1,5 @@
-// Rotations by angular velocity use the first-order quaternion step, renormalised: no sine or cosine in a hashed path, and an error
-// of (angle^3)/12, 7e-4 rad for a turn of 0.2 rad within one frame.
+// Rotations by angular velocity use the first-order quaternion step, renormalised: no sine or cosine in a hashed path,
+// and an error of (angle^3)/12, 7e-4 rad for a turn of 0.2 rad within one frame.
 #include "runtime/granular/colliders.h"
 
 namespace sandglass {
@@ -32,12 +32,15 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
     return false;
   }
   for (int k = 0; k < 3; ++k) {
-    if (!(__builtin_fabsf(collider.position[k]) <= k_coordinate_bound && __builtin_fabsf(collider.linear_velocity[k]) <= 1e4f &&
+    if (!(__builtin_fabsf(collider.position[k]) <= k_coordinate_bound &&
+          __builtin_fabsf(collider.linear_velocity[k]) <= 1e4f &&
           __builtin_fabsf(collider.angular_velocity[k]) <= 1e4f)) {
       return false;
     }
   }
-  const uint32_t sizes = collider.shape == SANDGLASS_SHAPE_BOX ? 3 : collider.shape == SANDGLASS_SHAPE_CAPSULE ? 2 : collider.shape;
+  const uint32_t sizes = collider.shape == SANDGLASS_SHAPE_BOX       ? 3
+                         : collider.shape == SANDGLASS_SHAPE_CAPSULE ? 2
+                                                                     : collider.shape;
   for (uint32_t k = 0; k < sizes; ++k) {
     if (!(collider.size[k] > 0.0f && collider.size[k] <= k_coordinate_bound)) return false;
   }
@@ -53,8 +56,9 @@ void colliders_pose(const sandglass_collider* colliders, uint32_t count, float b
     const float* q = collider.rotation;
     const float* w = collider.angular_velocity;
     const float h = -0.5f * before;
-    float r[4] = {q[0] + h * (w[0] * q[3] + w[1] * q[2] - w[2] * q[1]), q[1] + h * (w[1] * q[3] + w[2] * q[0] - w[0] * q[2]),
-                  q[2] + h * (w[2] * q[3] + w[0] * q[1] - w[1] * q[0]), q[3] - h * (w[0] * q[0] + w[1] * q[1] + w[2] * q[2])};
+    float r[4] = {
+        q[0] + h * (w[0] * q[3] + w[1] * q[2] - w[2] * q[1]), q[1] + h * (w[1] * q[3] + w[2] * q[0] - w[0] * q[2]),
+        q[2] + h * (w[2] * q[3] + w[0] * q[1] - w[1] * q[0]), q[3] - h * (w[0] * q[0] + w[1] * q[1] + w[2] * q[2])};
     normalise(r);
     const float x = r[0], y = r[1], z = r[2], s = r[3];
     const float axes[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y + z * s), 2 * (x * z - y * s)},

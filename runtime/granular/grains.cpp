@@ -1,6 +1,7 @@
-// The grains' stages. A sweep moves every grain once: a snapshot of the particles is sorted by cells of the support radius, the grains
-// are re-sorted every few sweeps, then refined unit by unit. A sweep may take several frames; the snapshot is its own copy, so the
-// particles may go on meanwhile. Output then writes all grains to the app's buffer, whatever the budget.
+// The grains' stages. A sweep moves every grain once: a snapshot of the particles is sorted by cells of the support
+// radius, the grains are re-sorted every few sweeps, then refined unit by unit. A sweep may take several frames; once
+// taken, the snapshot is its own copy and the particles go on meanwhile. Output then writes all grains to the app's
+// buffer, whatever the budget.
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -8,9 +9,9 @@ namespace sandglass {
 namespace {
 
 constexpr double k_time_resolution = 1e-9;
-constexpr float k_support_radii = 3.0f;        // h = 3r
-constexpr float k_grain_cell_radii = 1.5f;     // half a support: neighbours in storage are neighbours in space
-constexpr uint32_t k_sweeps_per_sort = 4;      // grains move a fraction of a cell between sorts
+constexpr float k_support_radii = 3.0f;     // h = 3r
+constexpr float k_grain_cell_radii = 1.5f;  // half a support: neighbours in storage are neighbours in space
+constexpr uint32_t k_sweeps_per_sort = 4;   // grains move a fraction of a cell between sorts
 constexpr uint32_t k_sweep_steps_max = 4;
 
 bool sweep_wanted(const Granular& g, uint32_t level) {
@@ -46,8 +47,11 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
   }
 }
 
-void begin_sweep(Granular* g) {
-  const double most = static_cast<double>(g->desc.refine_step);
+void begin_sweep(Granular* g, uint32_t level) {
+  // Full quality steps by refine_step; below it one step covers a frame.
+  const float longest =
+      level == k_level_full || g->frame_step < g->desc.refine_step ? g->desc.refine_step : g->frame_step;
+  const double most = static_cast<double>(longest);
   const double count = g->unswept / most;
   const uint32_t whole = static_cast<uint32_t>(count);
   uint32_t steps = count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
@@ -109,12 +113,12 @@ void run_refine(Granular* g) {
 }
 
 void run(void* state, uint32_t level) {
-  (void)level;
   Granular* g = static_cast<Granular*>(state);
-  if (g->grain_phase == GrainPhase::idle) begin_sweep(g);
+  if (g->grain_phase == GrainPhase::idle) begin_sweep(g, level);
   switch (g->grain_phase) {
     case GrainPhase::snapshot: {
-      const SortTarget target = {g->snapshot, {g->snapshot_positions[0], g->snapshot_positions[1], g->snapshot_positions[2]}};
+      const SortTarget target = {g->snapshot,
+                                 {g->snapshot_positions[0], g->snapshot_positions[1], g->snapshot_positions[2]}};
       cell_sort_run(&g->snapshot_sort, *g->kernels, g->records[0], g->particle_count, g->unit, target);
       if (g->snapshot_sort.phase == k_sort_done) begin_grains(g);
       break;
@@ -130,7 +134,9 @@ void run(void* state, uint32_t level) {
       }
       break;
     }
-    default: run_refine(g); break;
+    default:
+      run_refine(g);
+      break;
   }
 }
 
@@ -139,7 +145,9 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   if (g.grain_count == 0) return 0;
   uint64_t sweeps = 0;
   if (g.owed >= k_time_resolution || g.unswept >= k_time_resolution) {
-    sweeps = level == k_level_full ? static_cast<uint64_t>((g.owed + g.unswept) / static_cast<double>(g.desc.refine_step)) + 1 : 1;
+    sweeps = level == k_level_full
+                 ? static_cast<uint64_t>((g.owed + g.unswept) / static_cast<double>(g.desc.refine_step)) + 1
+                 : 1;
   }
   if (sweeps == 0) return 0;
   entries[0] = {k_unit_snapshot, sweeps * 2 * g.particle_count};
@@ -205,6 +213,8 @@ uint32_t forecast_output(const void* state, uint32_t level, Forecast* entries) {
 
 Stage granular_grain_stage(Granular* granular) { return {granular, next, run, forecast, 0, 1.0f}; }
 
-Stage granular_output_stage(Granular* granular) { return {granular, next_output, run_output, forecast_output, ~0u, 1.0f}; }
+Stage granular_output_stage(Granular* granular) {
+  return {granular, next_output, run_output, forecast_output, ~0u, 1.0f};
+}
 
 }  // namespace sandglass

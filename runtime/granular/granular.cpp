@@ -14,12 +14,13 @@ constexpr uint64_t k_slack = 2 * k_lane_group;
 uint32_t round_up(uint32_t count, uint32_t to) { return (count + to - 1) / to * to; }
 
 uint32_t power_of_two(uint64_t at_least) {
-  uint32_t p = 256;
+  uint32_t p = 512;  // 8 cells an axis, the fewest that a sweep looks at
   while (p < at_least && p < (1u << 30)) p *= 2;
   return p;
 }
 
-void layout_sort(CellSort* sort, Layout* layout, const char* starts_name, const char* keys_name, uint64_t records, uint64_t cells) {
+void layout_sort(CellSort* sort, Layout* layout, const char* starts_name, const char* keys_name, uint64_t records,
+                 uint64_t cells) {
   sort->cells_max = power_of_two(cells);
   sort->starts = layout_region<uint32_t>(layout, starts_name, static_cast<uint64_t>(sort->cells_max) + k_slack);
   sort->keys = layout_region<uint32_t>(layout, keys_name, records + k_slack);
@@ -73,31 +74,39 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   const auto outside = [](float value, float low, float high) { return !(value >= low && value <= high); };
   if (d.particle_capacity == 0) {
     return d.grain_capacity != 0 || d.boundary_capacity != 0
-               ? "granular.grain_capacity or boundary_capacity is set but particle_capacity is 0: give particles room, or set both to 0."
+               ? "granular.grain_capacity or boundary_capacity is set but particle_capacity is 0: give particles room, "
+                 "or set both to 0."
                : nullptr;
   }
   if (d.particle_capacity > 4000000) return "granular.particle_capacity is above 4 million: split the scene.";
   if (d.grain_capacity > 64000000) return "granular.grain_capacity is above 64 million: split the scene.";
-  if (d.boundary_capacity > 4000000) return "granular.boundary_capacity is above 4 million: sample the surface more coarsely.";
+  if (d.boundary_capacity > 4000000)
+    return "granular.boundary_capacity is above 4 million: sample the surface more coarsely.";
   if (d.collider_capacity > 256) return "granular.collider_capacity is above 256: pass the nearest colliders only.";
-  if (outside(d.particle_radius, 1e-4f, 10.0f)) return "granular.particle_radius must be 0.0001 to 10 metres: set the radius r of a particle.";
-  if (outside(d.grain_radius, 0.0f, d.particle_radius)) return "granular.grain_radius must be 0 (automatic) to particle_radius.";
+  if (outside(d.particle_radius, 1e-4f, 10.0f))
+    return "granular.particle_radius must be 0.0001 to 10 metres: set the radius r of a particle.";
+  if (outside(d.grain_radius, 0.0f, d.particle_radius))
+    return "granular.grain_radius must be 0 (automatic) to particle_radius.";
   if (outside(d.static_friction, 0.0f, 10.0f)) return "granular.static_friction must be 0 to 10.";
   if (outside(d.kinetic_friction, 0.0f, 10.0f)) return "granular.kinetic_friction must be 0 to 10.";
   if (outside(d.height_weighting, 0.0f, 1.5f)) return "granular.height_weighting must be 0 (off) to 1.5.";
-  if (d.scheme != SANDGLASS_SCHEME_SMALL_STEP && d.scheme != SANDGLASS_SCHEME_AVERAGED) return "granular.scheme must be a SANDGLASS_SCHEME value.";
+  if (d.scheme != SANDGLASS_SCHEME_SMALL_STEP && d.scheme != SANDGLASS_SCHEME_AVERAGED)
+    return "granular.scheme must be a SANDGLASS_SCHEME value.";
   if (d.solver_iterations < 1 || d.solver_iterations > 64) return "granular.solver_iterations must be 1 to 64.";
   if (d.stabilisation_iterations > 8) return "granular.stabilisation_iterations must be 0 to 8.";
   const float most = d.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 0.45f : 2.0f;
   if (!(d.relaxation > 0.0f && d.relaxation <= most)) {
-    return "granular.relaxation must be above 0 and at most 0.45 (SMALL_STEP) or 2 (AVERAGED): above that, piles blow up.";
+    return "granular.relaxation must be above 0 and at most 0.45 (SMALL_STEP) or 2 (AVERAGED): above that, piles blow "
+           "up.";
   }
   if (!(d.courant > 0.0f && d.courant <= 1.0f)) return "granular.courant must be above 0 and at most 1.";
   if (outside(d.substep_max, 0.0f, 0.1f)) return "granular.substep_max must be 0 (automatic) to 0.1 seconds.";
   if (outside(d.substep_min, 0.0f, 0.1f)) return "granular.substep_min must be 0 (automatic) to 0.1 seconds.";
-  if (d.substep_min > 0.0f && d.substep_max > 0.0f && d.substep_min > d.substep_max) return "granular.substep_min must not exceed substep_max.";
+  if (d.substep_min > 0.0f && d.substep_max > 0.0f && d.substep_min > d.substep_max)
+    return "granular.substep_min must not exceed substep_max.";
   if (outside(d.list_skin, 0.1f, 1.0f)) return "granular.list_skin must be 0.1 to 1 particle radius.";
-  if (d.blend != SANDGLASS_BLEND_CONTINUOUS && d.blend != SANDGLASS_BLEND_SOURCE) return "granular.blend must be a SANDGLASS_BLEND value.";
+  if (d.blend != SANDGLASS_BLEND_CONTINUOUS && d.blend != SANDGLASS_BLEND_SOURCE)
+    return "granular.blend must be a SANDGLASS_BLEND value.";
   if (outside(d.refine_step, 1e-4f, 0.1f)) return "granular.refine_step must be 0.0001 to 0.1 seconds.";
   return nullptr;
 }
@@ -120,14 +129,16 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   const uint64_t grain_rows = static_cast<uint64_t>(d.grain_capacity) + k_slack;
   for (int k = 0; k < 3; ++k) {
     g->positions[k] = layout_region<float>(layout, axes[k], rows + k_slack);
-    g->boundary_positions[k] = layout_region<float>(layout, boundary_axes[k], boundary ? d.boundary_capacity + k_slack : 0);
+    g->boundary_positions[k] =
+        layout_region<float>(layout, boundary_axes[k], boundary ? d.boundary_capacity + k_slack : 0);
     g->snapshot_positions[k] = layout_region<float>(layout, snapshot_axes[k], grains ? rows + k_slack : 0);
   }
   g->lists = layout_region<uint32_t>(layout, "granular.lists", rows * k_list_slots);
   g->counts = layout_region<uint8_t>(layout, "granular.list_counts", rows);
   layout_sort(&g->particle_sort, layout, "granular.cells", "granular.cell_keys", rows, 4ull * rows);
   if (boundary) {
-    layout_sort(&g->boundary_sort, layout, "granular.boundary_cells", "granular.boundary_keys", d.boundary_capacity, 4ull * d.boundary_capacity);
+    layout_sort(&g->boundary_sort, layout, "granular.boundary_cells", "granular.boundary_keys", d.boundary_capacity,
+                4ull * d.boundary_capacity);
   }
   if (grains) {
     g->snapshot = layout_region<float>(layout, "granular.snapshot", rows * k_record_floats);
@@ -160,24 +171,33 @@ void granular_reset(Granular* g) {
   seal_particles(g);
 }
 
-sandglass_status granular_add(Granular* g, const float* particles, const float* particle_velocities, uint32_t particle_count, const float* grains,
-                              const float* grain_velocities, uint32_t grain_count, const char** reason) {
+sandglass_status granular_add(Granular* g, const float* particles, const float* particle_velocities,
+                              uint32_t particle_count, const float* grains, const float* grain_velocities,
+                              uint32_t grain_count, const char** reason) {
   if ((particle_count != 0 && particles == nullptr) || (grain_count != 0 && grains == nullptr)) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_granular_add: a count is above 0 but its positions are NULL.", reason);
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_granular_add: a count is above 0 but its positions are NULL.", reason);
   }
   if (particle_count > g->desc.particle_capacity - g->particle_count) {
-    return fail(SANDGLASS_ERROR_CAPACITY, "sandglass_granular_add: more particles than granular.particle_capacity has room for: raise it.", reason);
+    return fail(SANDGLASS_ERROR_CAPACITY,
+                "sandglass_granular_add: more particles than granular.particle_capacity has room for: raise it.",
+                reason);
   }
   if (grain_count > g->desc.grain_capacity - g->grain_count) {
-    return fail(SANDGLASS_ERROR_CAPACITY, "sandglass_granular_add: more grains than granular.grain_capacity has room for: raise it.", reason);
+    return fail(SANDGLASS_ERROR_CAPACITY,
+                "sandglass_granular_add: more grains than granular.grain_capacity has room for: raise it.", reason);
   }
-  if (!all_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) || !all_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
+  if (!all_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
+      !all_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add: a position is not finite or more than 1000 m from the scene origin: move the origin nearer.", reason);
+                "sandglass_granular_add: a position is not finite or more than 1000 m from the scene origin: move the "
+                "origin nearer.",
+                reason);
   }
   if ((particle_velocities != nullptr && !all_within(particle_velocities, particle_count, k_speed_limit)) ||
       (grain_velocities != nullptr && !all_within(grain_velocities, grain_count, k_speed_limit))) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_granular_add: a velocity is not finite or above 10000 m/s.", reason);
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_granular_add: a velocity is not finite or above 10000 m/s.", reason);
   }
   for (uint32_t i = 0; i < particle_count; ++i) {
     const uint32_t index = g->particle_count + i;
@@ -196,14 +216,15 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     if (speed > g->speed_max) g->speed_max = speed;
   }
   for (uint32_t i = 0; i < grain_count; ++i) {
-    put_grain(g->grains[0], g->grain_count + i, grains + 3ull * i, grain_velocities == nullptr ? nullptr : grain_velocities + 3ull * i,
-              g->grain_count + i);
+    put_grain(g->grains[0], g->grain_count + i, grains + 3ull * i,
+              grain_velocities == nullptr ? nullptr : grain_velocities + 3ull * i, g->grain_count + i);
   }
   if (particle_count != 0) {
     // A pass under way did not know them: the sub-step starts again from the same state.
     g->particle_count += particle_count;
     g->phase = ParticlePhase::idle;
     g->lists_valid = false;
+    if (g->grain_phase == GrainPhase::snapshot) g->grain_phase = GrainPhase::idle;
     seal_particles(g);
   }
   if (grain_count != 0) {
@@ -217,14 +238,17 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
 
 sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
   if (count > g->desc.boundary_capacity) {
-    return fail(SANDGLASS_ERROR_CAPACITY, "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.", reason);
+    return fail(SANDGLASS_ERROR_CAPACITY,
+                "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.", reason);
   }
   if (count != 0 && positions == nullptr) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_granular_set_boundary: count is above 0 but positions is NULL.", reason);
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_granular_set_boundary: count is above 0 but positions is NULL.", reason);
   }
   if (!all_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin.", reason);
+                "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin.",
+                reason);
   }
   g->boundary_count = count;
   g->phase = ParticlePhase::idle;
@@ -244,10 +268,12 @@ sandglass_status granular_set_boundary(Granular* g, const float* positions, uint
     const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
     cell_sort_begin(&g->boundary_sort, reach, low, high, 2);
     const SortTarget target = {sorted, {g->boundary_positions[0], g->boundary_positions[1], g->boundary_positions[2]}};
-    while (g->boundary_sort.phase != k_sort_done) cell_sort_run(&g->boundary_sort, *g->kernels, unsorted, count, g->unit, target);
+    while (g->boundary_sort.phase != k_sort_done)
+      cell_sort_run(&g->boundary_sort, *g->kernels, unsorted, count, g->unit, target);
     const uint64_t bytes = static_cast<uint64_t>(count) * k_record_floats * sizeof(float);
     __builtin_memcpy(unsorted, sorted, bytes);
-    if (g->records[2] != nullptr) __builtin_memcpy(g->records[2] + static_cast<uint64_t>(g->particle_rows) * k_record_floats, sorted, bytes);
+    if (g->records[2] != nullptr)
+      __builtin_memcpy(g->records[2] + static_cast<uint64_t>(g->particle_rows) * k_record_floats, sorted, bytes);
   }
   for (float* records : g->records) {
     if (records != nullptr) put_inert(records, g->inert);

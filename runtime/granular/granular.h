@@ -1,12 +1,12 @@
 // Granular material: the state of a scene's sand and its three stages.
 //
-//   particles (particles.cpp)  physics: lists -> stabilise -> solve, a sub-step at a time       (low resolution, Alg. 4)
-//   grains    (grains.cpp)     what is drawn: snapshot of the particles -> sort -> refine      (high resolution, 4.39-4.44)
-//   output    (grains.cpp)     grains into the app's buffer; mandatory, last
+//   particles (particles.cpp)  physics: lists -> stabilise -> solve, a sub-step at a time       (low resolution, Alg.
+//   4) grains    (grains.cpp)     what is drawn: snapshot of the particles -> sort -> refine      (high
+//   resolution, 4.39-4.44) output    (grains.cpp)     grains into the app's buffer; mandatory, last
 //
-// Every stage is a resumable sequence of work units. Particles are double-buffered: `records[0]` is always the last completed
-// sub-step, so a frame may end between any two units and the scene is valid. Particles and grains are kept sorted by cell; their
-// numbers (the order in which the app added them) travel with them.
+// Every stage is a resumable sequence of work units. Particles are double-buffered: `records[0]` is always the last
+// completed sub-step, so a frame may end between any two units and the scene is valid. Particles and grains are kept
+// sorted by cell; their numbers (the order in which the app added them) travel with them.
 #pragma once
 
 #include "kernels/kernels.h"
@@ -76,15 +76,15 @@ struct Granular {
 
   // Progress of the particles.
   ParticlePhase phase;
-  uint32_t cursor;         // item within the phase
-  uint32_t pass;           // stabilisation or solver iteration
+  uint32_t cursor;  // item within the phase
+  uint32_t pass;    // stabilisation or solver iteration
   bool lists_valid;
   bool bounds_known;
-  float list_slack;        // metres that particles may still move before the lists are stale
-  float last_spread;       // half the range of the last sub-step's displacements, metres
-  float last_substep;      // seconds
-  ContactExtent extent;    // of the sub-step under way
-  float low[3], high[3];   // bounds of the particles
+  float list_slack;       // metres that particles may still move before the lists are stale
+  float last_spread;      // half the range of the last sub-step's displacements, metres
+  float last_substep;     // seconds
+  ContactExtent extent;   // of the sub-step under way
+  float low[3], high[3];  // bounds of the particles
   float speed_max;
   uint32_t interval_left;  // sub-steps left before the grains may follow
   float substep;           // length of each
@@ -92,7 +92,7 @@ struct Granular {
   double owed;             // simulated time to make up
   double interval_owed;    // what is owed once the interval is complete
   double requested, simulated;
-  double unswept;          // simulated time that the grains have not followed yet
+  double unswept;  // simulated time that the grains have not followed yet
 
   // Progress of the grains.
   GrainPhase grain_phase;
@@ -100,7 +100,7 @@ struct Granular {
   uint32_t sweeps_since_sort;
   float sweep_step;
   uint32_t sweep_steps;
-  double sweep_time;       // simulated time covered by the sweep under way
+  double sweep_time;  // simulated time covered by the sweep under way
 
   // Progress of the output.
   const sandglass_frame_input* input;
@@ -120,8 +120,9 @@ const char* granular_refuse(const sandglass_granular_desc& desc);
 // To the state without material. The description and the regions are in place.
 void granular_reset(Granular* granular);
 
-sandglass_status granular_add(Granular* granular, const float* particles, const float* particle_velocities, uint32_t particle_count,
-                              const float* grains, const float* grain_velocities, uint32_t grain_count, const char** reason);
+sandglass_status granular_add(Granular* granular, const float* particles, const float* particle_velocities,
+                              uint32_t particle_count, const float* grains, const float* grain_velocities,
+                              uint32_t grain_count, const char** reason);
 sandglass_status granular_set_boundary(Granular* granular, const float* positions, uint32_t count, const char** reason);
 
 // Takes a frame's input: colliders and time.

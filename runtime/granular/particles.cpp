@@ -1,10 +1,11 @@
 // The particles' stage: simulated time in equal sub-steps, each a sequence of units
 //     [sort -> lists]  when the lists are stale      stabilise x S   solve x I
-// and, with the small-step scheme, no more than one solve pass: prediction, contacts, friction, colliders and integration in one.
+// and, with the small-step scheme, no more than one solve pass: prediction, contacts, friction, colliders and
+// integration in one.
 //
-// Lists are rebuilt by displacement, not by count. A list holds every pair closer than 2r + skin when it was built, so it is complete
-// while no pair has approached by more than the skin. Common motion does not count: half the range of the particles' displacements
-// bounds how far any particle strays from the mean, and a falling body needs no rebuild.
+// Lists are rebuilt by displacement, not by count. A list holds every pair closer than 2r + skin when it was built, so
+// it is complete while no pair has approached by more than the skin. Common motion does not count: half the range of
+// the particles' displacements bounds how far any particle strays from the mean, and a falling body needs no rebuild.
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -17,7 +18,8 @@ uint32_t passes_of(const Granular& g, ParticlePhase phase) {
   return phase == ParticlePhase::stabilise ? g.desc.stabilisation_iterations : g.desc.solver_iterations;
 }
 
-// Half the diagonal of the box that holds all displacements of a sub-step; against a fixed boundary, the longest displacement.
+// Half the diagonal of the box that holds all displacements of a sub-step; against a fixed boundary, the longest
+// displacement.
 float spread_of(const Granular& g, const ContactExtent& e) {
   float sum = 0.0f;
   for (int k = 0; k < 3; ++k) {
@@ -48,7 +50,7 @@ uint32_t substeps_for(const Granular& g, double interval) {
 // Equal refinement intervals of the time owed: as many as refine_step asks for, or one a frame.
 double interval_for(const Granular& g, uint32_t level) {
   const double longest = level == k_level_full && g.desc.grain_capacity != 0 ? static_cast<double>(g.desc.refine_step)
-                                                                            : static_cast<double>(g.frame_step);
+                                                                             : static_cast<double>(g.frame_step);
   const double count = g.owed / (longest > k_time_resolution ? longest : g.owed);
   const double whole = static_cast<double>(static_cast<uint32_t>(count));
   const double parts = count - whole > 1e-4 ? whole + 1.0 : (whole < 1.0 ? 1.0 : whole);
@@ -82,23 +84,33 @@ Plan plan_substep(const Granular& g, uint32_t level) {
 bool next(const void* state, uint32_t level, WorkUnit* unit) {
   const Granular& g = *static_cast<const Granular*>(state);
   if (g.particle_count == 0) return false;
+  // A snapshot under way reads the state in several units and must find it unchanged.
+  if (g.grain_phase == GrainPhase::snapshot) return false;
   const uint32_t left = g.particle_count - g.cursor;
   unit->items = left < g.unit ? left : g.unit;
   ParticlePhase phase = g.phase;
   if (phase == ParticlePhase::idle) {
     if (g.interval_left == 0 && (g.owed < k_time_resolution || waits_for_grains(g, level))) return false;
     unit->items = g.particle_count < g.unit ? g.particle_count : g.unit;
-    phase = plan_substep(g, level).stale                ? ParticlePhase::sort
+    phase = plan_substep(g, level).stale           ? ParticlePhase::sort
             : g.desc.stabilisation_iterations != 0 ? ParticlePhase::stabilise
                                                    : ParticlePhase::solve;
   } else if (phase == ParticlePhase::sort) {
     unit->items = cell_sort_items(g.particle_sort, g.particle_count, g.unit);
   }
   switch (phase) {
-    case ParticlePhase::sort: unit->kind = k_unit_particle_sort, unit->name = "granular.sort"; break;
-    case ParticlePhase::lists: unit->kind = k_unit_lists, unit->name = "granular.lists"; break;
-    case ParticlePhase::stabilise: unit->kind = k_unit_stabilise, unit->name = "granular.stabilise"; break;
-    default: unit->kind = k_unit_solve, unit->name = "granular.solve"; break;
+    case ParticlePhase::sort:
+      unit->kind = k_unit_particle_sort, unit->name = "granular.sort";
+      break;
+    case ParticlePhase::lists:
+      unit->kind = k_unit_lists, unit->name = "granular.lists";
+      break;
+    case ParticlePhase::stabilise:
+      unit->kind = k_unit_stabilise, unit->name = "granular.stabilise";
+      break;
+    default:
+      unit->kind = k_unit_solve, unit->name = "granular.solve";
+      break;
   }
   return true;
 }
@@ -143,7 +155,9 @@ struct ListTask {
   const Kernels* kernels;
   ListArgs args;
   uint32_t dropped[8];
-  void run(uint32_t piece, uint32_t begin, uint32_t end) { kernels->neighbour_lists(&args, begin, end, &dropped[piece]); }
+  void run(uint32_t piece, uint32_t begin, uint32_t end) {
+    kernels->neighbour_lists(&args, begin, end, &dropped[piece]);
+  }
 };
 
 void run_lists(Granular* g) {
@@ -152,7 +166,8 @@ void run_lists(Granular* g) {
   task.kernels = g->kernels;
   task.args.grid = g->particle_sort.grid;
   task.args.boundary_grid = g->boundary_sort.grid;
-  for (int k = 0; k < 3; ++k) task.args.positions[k] = g->positions[k], task.args.boundary_positions[k] = g->boundary_positions[k];
+  for (int k = 0; k < 3; ++k)
+    task.args.positions[k] = g->positions[k], task.args.boundary_positions[k] = g->boundary_positions[k];
   task.args.boundary_count = g->boundary_count;
   task.args.boundary_first = g->particle_rows;
   task.args.inert = g->inert;
@@ -183,8 +198,10 @@ void merge_extent(ContactExtent* into, const ContactExtent& from) {
   for (int k = 0; k < 3; ++k) {
     into->low[k] = from.low[k] < into->low[k] ? from.low[k] : into->low[k];
     into->high[k] = from.high[k] > into->high[k] ? from.high[k] : into->high[k];
-    into->displacement_low[k] = from.displacement_low[k] < into->displacement_low[k] ? from.displacement_low[k] : into->displacement_low[k];
-    into->displacement_high[k] = from.displacement_high[k] > into->displacement_high[k] ? from.displacement_high[k] : into->displacement_high[k];
+    into->displacement_low[k] =
+        from.displacement_low[k] < into->displacement_low[k] ? from.displacement_low[k] : into->displacement_low[k];
+    into->displacement_high[k] =
+        from.displacement_high[k] > into->displacement_high[k] ? from.displacement_high[k] : into->displacement_high[k];
   }
 }
 
@@ -248,7 +265,6 @@ void run_pass(Granular* g) {
   }
   a.last = solve && g->pass + 1 == g->desc.solver_iterations ? 1 : 0;
   a.step = dt;
-  a.inverse_step = 1.0f / dt;
   a.displacement_max = g->desc.courant * g->desc.particle_radius;
   a.colliders = g->substep_colliders;
   a.collider_count = g->collider_count;
@@ -279,9 +295,15 @@ void run(void* state, uint32_t level) {
   Granular* g = static_cast<Granular*>(state);
   if (g->phase == ParticlePhase::idle) begin_substep(g, level);
   switch (g->phase) {
-    case ParticlePhase::sort: run_sort(g); break;
-    case ParticlePhase::lists: run_lists(g); break;
-    default: run_pass(g); break;
+    case ParticlePhase::sort:
+      run_sort(g);
+      break;
+    case ParticlePhase::lists:
+      run_lists(g);
+      break;
+    default:
+      run_pass(g);
+      break;
   }
 }
 
@@ -294,7 +316,8 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   uint32_t n = 0;
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};
   entries[n++] = {k_unit_lists, builds * count};
-  if (g.desc.stabilisation_iterations != 0) entries[n++] = {k_unit_stabilise, substeps * g.desc.stabilisation_iterations * count};
+  if (g.desc.stabilisation_iterations != 0)
+    entries[n++] = {k_unit_stabilise, substeps * g.desc.stabilisation_iterations * count};
   entries[n++] = {k_unit_solve, substeps * g.desc.solver_iterations * count};
   return n;
 }
@@ -321,7 +344,8 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   }
 
   constexpr float k_longest_step = 0.1f;
-  const float step = input->time_step > 0.0f ? (input->time_step < k_longest_step ? input->time_step : k_longest_step) : 0.0f;  // NaN: 0
+  const float step = input->time_step > 0.0f ? (input->time_step < k_longest_step ? input->time_step : k_longest_step)
+                                             : 0.0f;  // NaN: 0
   g->frame_step = step;
   g->requested += static_cast<double>(step);
   // Two frames' worth is made up for; what is older is slow motion. An interval under way is never cut short.

@@ -4,25 +4,39 @@
 
 const char* sandglass_status_name(sandglass_status status) {
   switch (status) {
-    case SANDGLASS_OK: return "SANDGLASS_OK";
-    case SANDGLASS_ERROR_INVALID_ARGUMENT: return "SANDGLASS_ERROR_INVALID_ARGUMENT";
-    case SANDGLASS_ERROR_MEMORY_TOO_SMALL: return "SANDGLASS_ERROR_MEMORY_TOO_SMALL";
-    case SANDGLASS_ERROR_MEMORY_ALIGNMENT: return "SANDGLASS_ERROR_MEMORY_ALIGNMENT";
-    case SANDGLASS_ERROR_CAPACITY: return "SANDGLASS_ERROR_CAPACITY";
-    case SANDGLASS_ERROR_UNSUPPORTED: return "SANDGLASS_ERROR_UNSUPPORTED";
-    case SANDGLASS_ERROR_REPLAY: return "SANDGLASS_ERROR_REPLAY";
-    default: return "unknown status";
+    case SANDGLASS_OK:
+      return "SANDGLASS_OK";
+    case SANDGLASS_ERROR_INVALID_ARGUMENT:
+      return "SANDGLASS_ERROR_INVALID_ARGUMENT";
+    case SANDGLASS_ERROR_MEMORY_TOO_SMALL:
+      return "SANDGLASS_ERROR_MEMORY_TOO_SMALL";
+    case SANDGLASS_ERROR_MEMORY_ALIGNMENT:
+      return "SANDGLASS_ERROR_MEMORY_ALIGNMENT";
+    case SANDGLASS_ERROR_CAPACITY:
+      return "SANDGLASS_ERROR_CAPACITY";
+    case SANDGLASS_ERROR_UNSUPPORTED:
+      return "SANDGLASS_ERROR_UNSUPPORTED";
+    case SANDGLASS_ERROR_REPLAY:
+      return "SANDGLASS_ERROR_REPLAY";
+    default:
+      return "unknown status";
   }
 }
 
 const char* sandglass_isa_name(sandglass_isa isa) {
   switch (isa) {
-    case SANDGLASS_ISA_AUTOMATIC: return "automatic";
-    case SANDGLASS_ISA_SCALAR: return "scalar";
-    case SANDGLASS_ISA_NEON: return "neon";
-    case SANDGLASS_ISA_AVX2: return "avx2";
-    case SANDGLASS_ISA_AVX512: return "avx512";
-    default: return nullptr;
+    case SANDGLASS_ISA_AUTOMATIC:
+      return "automatic";
+    case SANDGLASS_ISA_SCALAR:
+      return "scalar";
+    case SANDGLASS_ISA_NEON:
+      return "neon";
+    case SANDGLASS_ISA_AVX2:
+      return "avx2";
+    case SANDGLASS_ISA_AVX512:
+      return "avx512";
+    default:
+      return nullptr;
   }
 }
 
@@ -30,9 +44,13 @@ int32_t sandglass_isa_available(sandglass_isa isa) { return sandglass::select_ke
 
 const char* sandglass_level_name(uint32_t level) {
   switch (level) {
-    case 0: return "full";
-    case 1: return "refinement once a frame";
-    case 2: return "slow motion";
-    default: return nullptr;
+    case 0:
+      return "full";
+    case 1:
+      return "refinement once a frame";
+    case 2:
+      return "slow motion";
+    default:
+      return nullptr;
   }
 }

@@ -22,7 +22,8 @@ struct sandglass_scene {
 
 namespace {
 
-constexpr float k_grain_radii = 0.35f;  // grain_radius 0: about the size at which 16 grains fill a particle's share of space
+constexpr float k_grain_radii =
+    0.35f;  // grain_radius 0: about the size at which 16 grains fill a particle's share of space
 
 // Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 64 for r = 1 cm, as small steps were measured best.
 constexpr float k_substep_units = 0.0098f;
@@ -44,12 +45,16 @@ float length_of(const float* v) { return __builtin_sqrtf(v[0] * v[0] + v[1] * v[
 
 sandglass_status check(const sandglass_scene_desc* desc, const char** reason) {
   const Failure fail = {reason};
-  if (desc == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc is NULL: pass a description filled by sandglass_scene_desc_default.");
+  if (desc == nullptr)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "desc is NULL: pass a description filled by sandglass_scene_desc_default.");
   if (desc->struct_size != sizeof(sandglass_scene_desc)) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.struct_size is not this library's: fill the description with sandglass_scene_desc_default.");
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "desc.struct_size is not this library's: fill the description with sandglass_scene_desc_default.");
   }
   const float g = length_of(desc->gravity);
-  if (!(g <= 1000.0f)) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.gravity must be finite and at most 1000 m/s^2.");
+  if (!(g <= 1000.0f))
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.gravity must be finite and at most 1000 m/s^2.");
   if (desc->unit_items < 16 || desc->unit_items > 65536 || desc->unit_items % 16 != 0) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.unit_items must be a multiple of 16 from 16 to 65536.");
   }
@@ -74,12 +79,15 @@ void reset(sandglass_scene* scene) {
 }
 
 // The frame proper, out of line: it runs between the two calls that set and restore the floating-point control.
-__attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass_frame_input* input, sandglass_frame_report* report) {
+__attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass_frame_input* input,
+                                         sandglass_frame_report* report) {
   Granular* granular = &scene->granular;
   sandglass::granular_begin_frame(granular, input);
-  const Stage stages[SANDGLASS_STAGE_COUNT] = {sandglass::granular_particle_stage(granular), sandglass::granular_grain_stage(granular),
+  const Stage stages[SANDGLASS_STAGE_COUNT] = {sandglass::granular_particle_stage(granular),
+                                               sandglass::granular_grain_stage(granular),
                                                sandglass::granular_output_stage(granular)};
-  return sandglass::governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, input->budget_ns, input->plan, report);
+  return sandglass::governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, input->budget_ns, input->plan,
+                                   report);
 }
 
 void describe(const sandglass_scene& scene, sandglass_frame_report* report) {
@@ -104,9 +112,14 @@ void say(const sandglass_scene& scene) {
   const sandglass_log& log = scene.desc.log;
   if (log.write == nullptr) return;
   const Granular& g = scene.granular;
-  if (g.dropped_contacts != 0) log.write(log.user, "granular: more neighbours than a list holds; some contacts were left out in this frame.");
-  if (g.quarantined != 0) log.write(log.user, "granular: a particle or grain left the coordinate range or was not finite; it was put to rest.");
-  if (g.ignored_colliders != 0) log.write(log.user, "granular: a collider was not finite, degenerate or beyond collider_capacity; it was left out.");
+  if (g.dropped_contacts != 0)
+    log.write(log.user, "granular: more neighbours than a list holds; some contacts were left out in this frame.");
+  if (g.quarantined != 0)
+    log.write(log.user,
+              "granular: a particle or grain left the coordinate range or was not finite; it was put to rest.");
+  if (g.ignored_colliders != 0)
+    log.write(log.user,
+              "granular: a collider was not finite, degenerate or beyond collider_capacity; it was left out.");
 }
 
 constexpr uint64_t k_fnv_basis = 14695981039346656037ull, k_fnv_prime = 1099511628211ull;
@@ -161,7 +174,7 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.solver_iterations = 1;
   g.relaxation = 0.3f;
   g.courant = 0.5f;
-  g.list_skin = 0.4f;
+  g.list_skin = 0.6f;
   g.blend = SANDGLASS_BLEND_CONTINUOUS;
   g.refine_step = 0.008f;
 }
@@ -175,7 +188,8 @@ void sandglass_frame_input_default(sandglass_frame_input* input) {
 sandglass_status sandglass_scene_bytes(const sandglass_scene_desc* desc, uint64_t* bytes, const char** reason) {
   const sandglass_status status = check(desc, reason);
   if (status != SANDGLASS_OK) return status;
-  if (bytes == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass where to store the size.");
+  if (bytes == nullptr)
+    return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass where to store the size.");
   Layout layout;
   Granular granular = {};
   lay_out(*desc, &layout, &granular);
@@ -183,18 +197,26 @@ sandglass_status sandglass_scene_bytes(const sandglass_scene_desc* desc, uint64_
   return succeed(reason);
 }
 
-sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* block, uint64_t bytes, sandglass_scene** scene, const char** reason) {
+sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* block, uint64_t bytes,
+                                        sandglass_scene** scene, const char** reason) {
   const Failure fail = {reason};
   uint64_t need = 0;
   const sandglass_status status = sandglass_scene_bytes(desc, &need, reason);
   if (status != SANDGLASS_OK) return status;
-  if (scene == nullptr || block == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "block or scene is NULL: pass the memory and where to store the scene.");
+  if (scene == nullptr || block == nullptr)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "block or scene is NULL: pass the memory and where to store the scene.");
   const sandglass::Kernels* kernels = sandglass::select_kernels(desc->isa);
-  if (kernels == nullptr) return fail(SANDGLASS_ERROR_UNSUPPORTED, "desc.isa is not available on this CPU or in this build: use SANDGLASS_ISA_AUTOMATIC.");
+  if (kernels == nullptr)
+    return fail(SANDGLASS_ERROR_UNSUPPORTED,
+                "desc.isa is not available on this CPU or in this build: use SANDGLASS_ISA_AUTOMATIC.");
   if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0) {
-    return fail(SANDGLASS_ERROR_MEMORY_ALIGNMENT, "block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64 bytes): allocate it aligned.");
+    return fail(SANDGLASS_ERROR_MEMORY_ALIGNMENT,
+                "block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64 bytes): allocate it aligned.");
   }
-  if (bytes < need) return fail(SANDGLASS_ERROR_MEMORY_TOO_SMALL, "block is smaller than sandglass_scene_bytes says this description needs.");
+  if (bytes < need)
+    return fail(SANDGLASS_ERROR_MEMORY_TOO_SMALL,
+                "block is smaller than sandglass_scene_bytes says this description needs.");
 
   __builtin_memset(block, 0, need);
   Layout layout;
@@ -231,41 +253,49 @@ uint32_t sandglass_scene_regions(const sandglass_scene* scene, sandglass_region*
 
 sandglass_isa sandglass_scene_isa(const sandglass_scene* scene) { return scene->kernels->isa; }
 
-sandglass_status sandglass_granular_add(sandglass_scene* scene, const float* particle_positions, const float* particle_velocities,
-                                        uint32_t particle_count, const float* grain_positions, const float* grain_velocities,
+sandglass_status sandglass_granular_add(sandglass_scene* scene, const float* particle_positions,
+                                        const float* particle_velocities, uint32_t particle_count,
+                                        const float* grain_positions, const float* grain_velocities,
                                         uint32_t grain_count, const char** reason) {
   if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
-  return sandglass::granular_add(&scene->granular, particle_positions, particle_velocities, particle_count, grain_positions, grain_velocities,
-                                 grain_count, reason);
+  return sandglass::granular_add(&scene->granular, particle_positions, particle_velocities, particle_count,
+                                 grain_positions, grain_velocities, grain_count, reason);
 }
 
-sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene, const float* positions, uint32_t count, const char** reason) {
+sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene, const float* positions, uint32_t count,
+                                                 const char** reason) {
   if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
   return sandglass::granular_set_boundary(&scene->granular, positions, count, reason);
 }
 
-sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float static_friction, float kinetic_friction, const char** reason) {
+sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float static_friction, float kinetic_friction,
+                                                 const char** reason) {
   const Failure fail = {reason};
   if (scene == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
   if (!(static_friction >= 0.0f && static_friction <= 10.0f && kinetic_friction >= 0.0f && kinetic_friction <= 10.0f)) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_granular_set_friction: both coefficients must be 0 to 10.");
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_granular_set_friction: both coefficients must be 0 to 10.");
   }
   scene->granular.desc.static_friction = static_friction;
   scene->granular.desc.kinetic_friction = kinetic_friction;
   return succeed(reason);
 }
 
-sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_frame_input* input, sandglass_frame_report* report, const char** reason) {
+sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_frame_input* input,
+                                       sandglass_frame_report* report, const char** reason) {
   const Failure fail = {reason};
   if (scene == nullptr || input == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene or input is NULL.");
   if (input->struct_size != sizeof *input) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "input.struct_size is not this library's: fill the input with sandglass_frame_input_default.");
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "input.struct_size is not this library's: fill the input with sandglass_frame_input_default.");
   }
   if (input->grains != nullptr && (input->grain_stride < sizeof(sandglass_grain) || input->grain_stride % 4 != 0)) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "input.grain_stride must be a multiple of 4 and at least sizeof(sandglass_grain).");
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "input.grain_stride must be a multiple of 4 and at least sizeof(sandglass_grain).");
   }
-  if (input->plan != nullptr && (input->plan->struct_size != sizeof(sandglass_plan) || input->plan->run_count > SANDGLASS_PLAN_RUNS ||
-                                 input->plan->level >= sandglass::k_level_count)) {
+  if (input->plan != nullptr &&
+      (input->plan->struct_size != sizeof(sandglass_plan) || input->plan->run_count > SANDGLASS_PLAN_RUNS ||
+       input->plan->level >= sandglass::k_level_count)) {
     return fail(SANDGLASS_ERROR_REPLAY, "input.plan is not a plan of this library: pass the plan of a frame report.");
   }
   sandglass_frame_report local = {};
@@ -278,7 +308,9 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
   sandglass::floating_point_restore(saved);
   describe(*scene, out);
   say(*scene);
-  return ran ? succeed(reason) : fail(SANDGLASS_ERROR_REPLAY, "input.plan does not fit this scene's state: replay from the state it was recorded in.");
+  return ran ? succeed(reason)
+             : fail(SANDGLASS_ERROR_REPLAY,
+                    "input.plan does not fit this scene's state: replay from the state it was recorded in.");
 }
 
 void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities) {

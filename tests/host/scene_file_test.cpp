@@ -132,7 +132,8 @@ TEST(SceneFile, ACollidersMotionIsTheSumOfItsSegments) {
 
 TEST(SceneFill, MeetsTheWantedNumbersAndKeepsParticlesApart) {
   SceneFile scene = parse_scene(
-      R"({"particle_radius": 0.01, "bodies": [{"shape": "trefoil", "particles": 800, "grains": 5000, "position": [0, 0.1, 0]}]})",
+      R"({"particle_radius": 0.01,
+          "bodies": [{"shape": "trefoil", "particles": 800, "grains": 5000, "position": [0, 0.1, 0]}]})",
       "test.json");
   const LoadedMeshes meshes(scene, "");
   const Material material = fill_scene(&scene, meshes.bodies());

@@ -10,7 +10,7 @@ set(SANDGLASS_DEVICE_WARNINGS ${SANDGLASS_WARNINGS} -Wvla
   "$<$<CXX_COMPILER_ID:Clang,AppleClang>:-Wglobal-constructors;-Wexit-time-destructors;-Wno-unknown-warning-option>")
 
 # Contraction is off everywhere results must agree to the bit; errno and traps are not used by sqrt.
-set(SANDGLASS_EXACT_MATH -ffp-contract=off -fno-math-errno -fno-fast-math)
+set(SANDGLASS_EXACT_MATH -ffp-contract=off -fno-fast-math -fno-math-errno)
 
 function(sandglass_device_library name)
   add_library(${name} OBJECT ${ARGN})

@@ -8,17 +8,17 @@
  *   4. adds material (sandglass_granular_add), sampled by sandglass_sample_* or its own,
  *   5. calls sandglass_scene_frame once a frame, with colliders, a time step and a budget in nanoseconds.
  *
- * After step 3 the library allocates nothing, starts no thread, takes no lock and reads no clock but the one it was handed.
- * There is nothing to destroy: the block is the scene, and it is the caller's.
+ * After step 3 the library allocates nothing, starts no thread, takes no lock and reads no clock but the one it was
+ * handed. There is nothing to destroy: the block is the scene, and it is the caller's.
  *
- * Conventions. SI units: metres, seconds, kilograms, radians. World frame right-handed, y up. Quaternions are (x, y, z, w).
- * `float` throughout. Positions are relative to a scene origin of the app's choice; keep them within
+ * Conventions. SI units: metres, seconds, kilograms, radians. World frame right-handed, y up. Quaternions are (x, y, z,
+ * w). `float` throughout. Positions are relative to a scene origin of the app's choice; keep them within
  * SANDGLASS_COORDINATE_LIMIT of it. Every struct begins with `struct_size`, set by its `_default` function (or to
  * sizeof by the caller), so that a library newer than the app that calls it knows which fields exist.
  *
- * Errors. Functions that can fail return a sandglass_status and, where `reason` is not NULL, store in it one static sentence
- * that says what is wrong, where, and what to do; on success it is set to NULL. A function that fails has changed nothing.
- * sandglass_scene_frame does not fail: it degrades, in a stated order, and says so in the report.
+ * Errors. Functions that can fail return a sandglass_status and, where `reason` is not NULL, store in it one static
+ * sentence that says what is wrong, where, and what to do; on success it is set to NULL. A function that fails has
+ * changed nothing. sandglass_scene_frame does not fail: it degrades, in a stated order, and says so in the report.
  *
  * Threads. One scene belongs to one thread at a time; different scenes are independent. */
 #ifndef SANDGLASS_SANDGLASS_H
@@ -43,8 +43,8 @@ extern "C" {
 #define SANDGLASS_VERSION_MINOR 1
 #define SANDGLASS_VERSION_PATCH 0
 
-/* Coordinates beyond this distance (metres) from the scene origin are refused: there a float resolves 6e-5 m, and contacts
- * between centimetre particles lose their meaning. Move the scene origin instead. */
+/* Coordinates beyond this distance (metres) from the scene origin are refused: there a float resolves 6e-5 m, and
+ * contacts between centimetre particles lose their meaning. Move the scene origin instead. */
 #define SANDGLASS_COORDINATE_LIMIT 1000.0f
 
 /* ------------------------------------------------------------------------------------------------ status */
@@ -52,12 +52,12 @@ extern "C" {
 typedef int32_t sandglass_status;
 enum {
   SANDGLASS_OK = 0,
-  SANDGLASS_ERROR_INVALID_ARGUMENT = 1,  /* a field is out of range, not finite, or a pointer is NULL */
-  SANDGLASS_ERROR_MEMORY_TOO_SMALL = 2,  /* the block is smaller than the need; nothing was touched */
-  SANDGLASS_ERROR_MEMORY_ALIGNMENT = 3,  /* the block is not aligned to SANDGLASS_BLOCK_ALIGNMENT */
-  SANDGLASS_ERROR_CAPACITY = 4,          /* more items than the description made room for; nothing was added */
-  SANDGLASS_ERROR_UNSUPPORTED = 5,       /* this CPU or this build lacks what was asked for */
-  SANDGLASS_ERROR_REPLAY = 6             /* a recorded plan does not fit this scene */
+  SANDGLASS_ERROR_INVALID_ARGUMENT = 1, /* a field is out of range, not finite, or a pointer is NULL */
+  SANDGLASS_ERROR_MEMORY_TOO_SMALL = 2, /* the block is smaller than the need; nothing was touched */
+  SANDGLASS_ERROR_MEMORY_ALIGNMENT = 3, /* the block is not aligned to SANDGLASS_BLOCK_ALIGNMENT */
+  SANDGLASS_ERROR_CAPACITY = 4,         /* more items than the description made room for; nothing was added */
+  SANDGLASS_ERROR_UNSUPPORTED = 5,      /* this CPU or this build lacks what was asked for */
+  SANDGLASS_ERROR_REPLAY = 6            /* a recorded plan does not fit this scene */
 };
 
 /* A short constant name of a status, "SANDGLASS_ERROR_CAPACITY" say; never NULL. */
@@ -68,8 +68,9 @@ SANDGLASS_API const char* sandglass_status_name(sandglass_status status);
 
 /* ------------------------------------------------------------------------------------------------ hooks */
 
-/* A clock. now_ns returns nanoseconds from any origin; it should not go backward, but nothing breaks if it does: the frame
- * then ends at its cap of units, with a valid state. now_ns == NULL means "no clock": every frame runs all its work. */
+/* A clock. now_ns returns nanoseconds from any origin; it should not go backward, but nothing breaks if it does: the
+ * frame then ends at its cap of units, with a valid state. now_ns == NULL means "no clock": every frame runs all its
+ * work. */
 typedef struct sandglass_clock {
   uint64_t (*now_ns)(void* user);
   void* user;
@@ -78,23 +79,24 @@ typedef struct sandglass_clock {
 /* The platform's monotonic clock (CLOCK_MONOTONIC; mach_absolute_time on Apple), ready to be handed over. */
 SANDGLASS_API sandglass_clock sandglass_clock_system(void);
 
-/* A worker pool of the app's. run must call task(context, index) once for each index in 0..count-1, on any threads in any
- * order, and return when all calls have. Results do not depend on it. run == NULL: the calling thread does everything. */
+/* A worker pool of the app's. run must call task(context, index) once for each index in 0..count-1, on any threads in
+ * any order, and return when all calls have. Results do not depend on it. run == NULL: the calling thread does
+ * everything. */
 typedef struct sandglass_parallel {
   void (*run)(void* user, void (*task)(void* context, uint32_t index), void* context, uint32_t count);
   void* user;
 } sandglass_parallel;
 
-/* Profiling hook: `begin` and `end` bracket every work unit, `name` is a static string such as "granular.solve". Either may
- * be NULL. Called on the thread that called sandglass_scene_frame. */
+/* Profiling hook: `begin` and `end` bracket every work unit, `name` is a static string such as "granular.solve". Either
+ * may be NULL. Called on the thread that called sandglass_scene_frame. */
 typedef struct sandglass_trace {
   void (*begin)(void* user, const char* name);
   void (*end)(void* user, const char* name);
   void* user;
 } sandglass_trace;
 
-/* Log hook: static sentences about things an app developer should know (a capacity reached, a quarantined particle). May be
- * NULL. Called at most once per kind of event and frame. */
+/* Log hook: static sentences about things an app developer should know (a capacity reached, a quarantined particle).
+ * May be NULL. Called at most once per kind of event and frame. */
 typedef struct sandglass_log {
   void (*write)(void* user, const char* sentence);
   void* user;
@@ -115,47 +117,54 @@ enum {
 /* "scalar", "neon", "avx2", "avx512"; "automatic" for 0; NULL for a number that is none. */
 SANDGLASS_API const char* sandglass_isa_name(sandglass_isa isa);
 
-/* 1 if this build has kernels for `isa` and this CPU can run them, else 0. AUTOMATIC and SCALAR are always available. */
+/* 1 if this build has kernels for `isa` and this CPU can run them, else 0. AUTOMATIC and SCALAR are always available.
+ */
 SANDGLASS_API int32_t sandglass_isa_available(sandglass_isa isa);
 
 /* ------------------------------------------------------------------------------------------------ granular material */
 
 /* How contact corrections of one Jacobi iteration are combined (SPEC 2.1).
- * SMALL_STEP: every correction times one fixed factor, the same on both sides of a pair, so momentum is conserved; needs many
- *   small steps and then needs only one iteration (the default).
- * AVERAGED: the total is divided by the number of constraints that acted on the particle, (4.37); `relaxation` multiplies it,
- *   and the product is never above 1 per constraint. */
+ * SMALL_STEP: every correction times one fixed factor, the same on both sides of a pair, so momentum is conserved;
+ * needs many small steps and then needs only one iteration (the default). AVERAGED: the total is divided by the number
+ * of constraints that acted on the particle, (4.37); `relaxation` multiplies it, and the product is never above 1 per
+ * constraint. */
 typedef int32_t sandglass_scheme;
 enum { SANDGLASS_SCHEME_SMALL_STEP = 0, SANDGLASS_SCHEME_AVERAGED = 1 };
 
 /* How grains blend between the flow and free flight.
- * CONTINUOUS: lambda falls smoothly to 0 inside the material (the default). SOURCE: (4.44) as printed; lambda jumps from 0.298 to 0. */
+ * CONTINUOUS: lambda falls smoothly to 0 inside the material (the default). SOURCE: (4.44) as printed; lambda jumps
+ * from 0.298 to 0. */
 typedef int32_t sandglass_blend;
 enum { SANDGLASS_BLEND_CONTINUOUS = 0, SANDGLASS_BLEND_SOURCE = 1 };
 
-/* Granular material: `particles` carry the physics (low resolution, contacts and friction between equal spheres); `grains` are
- * what is drawn (high resolution, advected by the particles, never colliding with each other). Chapter 4 of the source. */
+/* Granular material: `particles` carry the physics (low resolution, contacts and friction between equal spheres);
+ * `grains` are what is drawn (high resolution, advected by the particles, never colliding with each other). Chapter 4
+ * of the source. */
 typedef struct sandglass_granular_desc {
   uint32_t particle_capacity; /* most particles at any time; 0 leaves granular material out: no memory, no time */
   uint32_t grain_capacity;    /* most grains; 0 simulates particles only */
   uint32_t boundary_capacity; /* most static boundary particles (samples of a fixed surface) */
   uint32_t collider_capacity; /* most analytic colliders passed to one frame; 0..256 */
 
-  float particle_radius;  /* r, metres, above 0; all particles are equal */
-  float grain_radius;     /* metres, above 0, at most r: a grain's centre stays this far outside every collider; 0 = 0.35 r */
-  float static_friction; /* mu_s >= 0 */
+  float particle_radius; /* r, metres, above 0; all particles are equal */
+  float
+      grain_radius; /* metres, above 0, at most r: a grain's centre stays this far outside every collider; 0 = 0.35 r */
+  float static_friction;  /* mu_s >= 0 */
   float kinetic_friction; /* mu_k >= 0; may exceed mu_s (the source's hourglass does) */
   float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; 0 conserves momentum pairwise */
 
   sandglass_scheme scheme;
   uint32_t solver_iterations;        /* 1..64 */
   uint32_t stabilisation_iterations; /* 0..8; (Alg. 4, lines 6-12) */
-  float relaxation;                  /* SMALL_STEP: the factor omega, above 0, at most 0.45. AVERAGED: above 0, at most 2 */
+  float relaxation; /* SMALL_STEP: the factor omega, above 0, at most 0.45. AVERAGED: above 0, at most 2 */
 
-  float courant;      /* C of (4.45), above 0, at most 1; the source's 0.5 */
-  float substep_max;  /* seconds; longest sub-step; 0 = 0.0098 * sqrt(r/g), the value the default scheme was calibrated at */
-  float substep_min;  /* seconds; shortest sub-step that (4.45) may ask for; faster particles are slowed to courant*r/substep_min; 0 = substep_max/4 */
-  float list_skin;    /* neighbour lists reach 2r + list_skin*r; 0.1..1; they are rebuilt before anything outside can touch */
+  float courant;     /* C of (4.45), above 0, at most 1; the source's 0.5 */
+  float substep_max; /* seconds; longest sub-step; 0 = 0.0098 * sqrt(r/g), the value the default scheme was calibrated
+                        at */
+  float substep_min; /* seconds; shortest sub-step that (4.45) may ask for; faster particles are slowed to
+                        courant*r/substep_min; 0 = substep_max/4 */
+  float list_skin; /* neighbour lists reach 2r + list_skin*r; 0.1..1; they are rebuilt before anything outside can touch
+                    */
 
   sandglass_blend blend;
   float refine_step; /* seconds; longest step of the grains, Delta t_hr; the source's 0.008 */
@@ -166,8 +175,8 @@ typedef struct sandglass_granular_desc {
 typedef struct sandglass_scene_desc {
   uint32_t struct_size;
   sandglass_isa isa;
-  uint32_t unit_items; /* particles (or grains) per work unit, 16..65536, a multiple of 16; about 50 us on a phone core at the
-                        * default 1024; with a pool of T threads, T times that keeps the pool busy */
+  uint32_t unit_items; /* particles (or grains) per work unit, 16..65536, a multiple of 16; about 50 us on a phone core
+                        * at the default 1024; with a pool of T threads, T times that keeps the pool busy */
   float gravity[3];    /* m/s^2; any direction; its length 0 is allowed (then height weighting has no effect) */
   sandglass_clock clock;
   sandglass_parallel parallel;
@@ -176,23 +185,28 @@ typedef struct sandglass_scene_desc {
   sandglass_granular_desc granular;
 } sandglass_scene_desc;
 
-/* Fills *desc with the defaults: gravity (0, -9.81, 0), no clock, no pool, no hooks, no granular capacity, and the calibrated
- * granular parameters for sand of particle radius 0.01 m. The calling app then sets capacities and whatever differs. */
+/* Fills *desc with the defaults: gravity (0, -9.81, 0), no clock, no pool, no hooks, no granular capacity, and the
+ * calibrated granular parameters for sand of particle radius 0.01 m. The calling app then sets capacities and whatever
+ * differs. */
 SANDGLASS_API void sandglass_scene_desc_default(sandglass_scene_desc* desc);
 
 typedef struct sandglass_scene sandglass_scene;
 
-/* The exact number of bytes that a scene of this description needs, in *bytes. The same walk over the description lays the
- * scene out, so the two cannot differ. Fails with INVALID_ARGUMENT. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_bytes(const sandglass_scene_desc* desc, uint64_t* bytes, const char** reason);
+/* The exact number of bytes that a scene of this description needs, in *bytes. The same walk over the description lays
+ * the scene out, so the two cannot differ. Fails with INVALID_ARGUMENT. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_bytes(const sandglass_scene_desc* desc,
+                                                                         uint64_t* bytes, const char** reason);
 
-/* Makes a scene in the caller's block; *scene then points into it. The block must be aligned to SANDGLASS_BLOCK_ALIGNMENT, at
- * least sandglass_scene_bytes long, and stay where it is. Nothing outside the block is written, and nothing at all when this
- * fails. Fails with INVALID_ARGUMENT, MEMORY_TOO_SMALL, MEMORY_ALIGNMENT, UNSUPPORTED (isa). */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* block, uint64_t bytes,
-                                                                         sandglass_scene** scene, const char** reason);
+/* Makes a scene in the caller's block; *scene then points into it. The block must be aligned to
+ * SANDGLASS_BLOCK_ALIGNMENT, at least sandglass_scene_bytes long, and stay where it is. Nothing outside the block is
+ * written, and nothing at all when this fails. Fails with INVALID_ARGUMENT, MEMORY_TOO_SMALL, MEMORY_ALIGNMENT,
+ * UNSUPPORTED (isa). */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* block,
+                                                                          uint64_t bytes, sandglass_scene** scene,
+                                                                          const char** reason);
 
-/* Back to the state just after create: no material, no boundary, time zero, the governor's memory of costs forgotten. */
+/* Back to the state just after create: no material, no boundary, time zero, the governor's memory of costs forgotten.
+ */
 SANDGLASS_API void sandglass_scene_reset(sandglass_scene* scene);
 
 /* One named region of the scene's block. */
@@ -203,27 +217,32 @@ typedef struct sandglass_region {
 } sandglass_region;
 
 /* Number of regions; up to `capacity` of them are written to `regions` (may be NULL with capacity 0). */
-SANDGLASS_API uint32_t sandglass_scene_regions(const sandglass_scene* scene, sandglass_region* regions, uint32_t capacity);
+SANDGLASS_API uint32_t sandglass_scene_regions(const sandglass_scene* scene, sandglass_region* regions,
+                                               uint32_t capacity);
 
 /* The kernels that the scene uses: never AUTOMATIC. */
 SANDGLASS_API sandglass_isa sandglass_scene_isa(const sandglass_scene* scene);
 
-/* Adds particles and grains at rest or moving. positions: 3 floats each; velocities: 3 floats each, or NULL for rest. Either
- * count may be 0. Particles should start 2r or more apart (a lattice of sandglass_sample_lattice); overlap is resolved, gently.
- * Fails with CAPACITY, or INVALID_ARGUMENT when a coordinate is not finite or beyond SANDGLASS_COORDINATE_LIMIT. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_add(sandglass_scene* scene, const float* particle_positions,
-                                                                         const float* particle_velocities, uint32_t particle_count,
-                                                                         const float* grain_positions, const float* grain_velocities,
-                                                                         uint32_t grain_count, const char** reason);
+/* Adds particles and grains at rest or moving. positions: 3 floats each; velocities: 3 floats each, or NULL for rest.
+ * Either count may be 0. Particles should start 2r or more apart (a lattice of sandglass_sample_lattice); overlap is
+ * resolved, gently. Fails with CAPACITY, or INVALID_ARGUMENT when a coordinate is not finite or beyond
+ * SANDGLASS_COORDINATE_LIMIT. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_add(
+    sandglass_scene* scene, const float* particle_positions, const float* particle_velocities, uint32_t particle_count,
+    const float* grain_positions, const float* grain_velocities, uint32_t grain_count, const char** reason);
 
-/* Replaces the static boundary particles: fixed spheres of the particles' radius, samples of a surface (sandglass_sample_surface
- * with a distance of at most 2r). Particles collide with them; grains do not see them. Fails like sandglass_granular_add. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene, const float* positions,
-                                                                                  uint32_t count, const char** reason);
+/* Replaces the static boundary particles: fixed spheres of the particles' radius, samples of a surface
+ * (sandglass_sample_surface with a distance of at most 2r). Particles collide with them; grains do not see them. Fails
+ * like sandglass_granular_add. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene,
+                                                                                   const float* positions,
+                                                                                   uint32_t count, const char** reason);
 
 /* Replaces the two friction coefficients from the next frame on. Fails with INVALID_ARGUMENT. */
-SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float static_friction,
-                                                                                  float kinetic_friction, const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_friction(sandglass_scene* scene,
+                                                                                   float static_friction,
+                                                                                   float kinetic_friction,
+                                                                                   const char** reason);
 
 /* ------------------------------------------------------------------------------------------------ frame */
 
@@ -235,9 +254,10 @@ enum {
   SANDGLASS_SHAPE_BOX = 3         /* size = half extents along local x, y, z */
 };
 
-/* A solid that sand cannot enter. Kinematic: the app moves it. Its pose is that at the *end* of the frame's time step; during the
- * step it moves with the given velocities, so a hand with velocity pushes sand and one without merely displaces it. A collider
- * that jumps into sand pushes it out no faster than the CFL limit. Friction is the material's own. */
+/* A solid that sand cannot enter. Kinematic: the app moves it. Its pose is that at the *end* of the frame's time step;
+ * during the step it moves with the given velocities, so a hand with velocity pushes sand and one without merely
+ * displaces it. A collider that jumps into sand pushes it out no faster than the CFL limit. Friction is the material's
+ * own. */
 typedef struct sandglass_collider {
   sandglass_shape shape;
   float position[3];
@@ -255,10 +275,15 @@ typedef struct sandglass_grain {
 
 /* Stages, in the order in which a frame runs them. */
 typedef int32_t sandglass_stage;
-enum { SANDGLASS_STAGE_GRANULAR = 0, SANDGLASS_STAGE_REFINE = 1, SANDGLASS_STAGE_OUTPUT = 2, SANDGLASS_STAGE_COUNT = 3 };
+enum {
+  SANDGLASS_STAGE_GRANULAR = 0,
+  SANDGLASS_STAGE_REFINE = 1,
+  SANDGLASS_STAGE_OUTPUT = 2,
+  SANDGLASS_STAGE_COUNT = 3
+};
 
-/* The executed plan: what a frame did, in order. Given back to sandglass_scene_frame with the same input on the same state, it
- * reproduces the frame to the bit, on any instruction set, with any pool. */
+/* The executed plan: what a frame did, in order. Given back to sandglass_scene_frame with the same input on the same
+ * state, it reproduces the frame to the bit, on any instruction set, with any pool. */
 enum { SANDGLASS_PLAN_RUNS = 48 };
 typedef struct sandglass_plan_run {
   uint32_t stage; /* sandglass_stage */
@@ -273,13 +298,13 @@ typedef struct sandglass_plan {
 
 typedef struct sandglass_frame_input {
   uint32_t struct_size;
-  float time_step;    /* seconds of simulated time to advance; not finite or <= 0 advances nothing; at most 0.1 is taken */
+  float time_step; /* seconds of simulated time to advance; not finite or <= 0 advances nothing; at most 0.1 is taken */
   uint64_t budget_ns; /* time this frame may take by the scene's clock; 0 runs the mandatory part only */
   const sandglass_collider* colliders;
-  uint32_t collider_count;    /* beyond collider_capacity, or not finite: left out, and reported */
-  void* grains;               /* receives sandglass_grain items in the order in which they were added; NULL: none wanted */
-  uint32_t grain_stride;      /* bytes from one item to the next, at least sizeof(sandglass_grain) and a multiple of 4 */
-  uint32_t grain_capacity;    /* items that fit */
+  uint32_t collider_count; /* beyond collider_capacity, or not finite: left out, and reported */
+  void* grains;            /* receives sandglass_grain items in the order in which they were added; NULL: none wanted */
+  uint32_t grain_stride;   /* bytes from one item to the next, at least sizeof(sandglass_grain) and a multiple of 4 */
+  uint32_t grain_capacity; /* items that fit */
   const sandglass_plan* plan; /* NULL, or a recorded plan to execute: the clock then decides nothing */
 } sandglass_frame_input;
 
@@ -294,51 +319,54 @@ typedef struct sandglass_stage_report {
 /* What the frame did. Times are by the scene's clock. */
 typedef struct sandglass_frame_report {
   uint32_t struct_size;
-  uint32_t level;          /* rung of the quality ladder: 0 = full; see sandglass_level_name */
-  uint64_t frame;          /* frames since create or reset, this one included */
+  uint32_t level; /* rung of the quality ladder: 0 = full; see sandglass_level_name */
+  uint64_t frame; /* frames since create or reset, this one included */
   uint64_t budget_ns;
   uint64_t elapsed_ns;
-  uint64_t mandatory_ns;   /* of elapsed: work that is done whatever the budget */
-  uint64_t last_unit_ns;   /* duration of the last unit: the guarantee is elapsed <= max(budget, mandatory) + last_unit */
+  uint64_t mandatory_ns; /* of elapsed: work that is done whatever the budget */
+  uint64_t last_unit_ns; /* duration of the last unit: the guarantee is elapsed <= max(budget, mandatory) + last_unit */
   uint64_t longest_unit_ns;
-  uint32_t clock_fault;    /* 1 if the clock went backward, froze or jumped, and the frame ended at its cap of units */
+  uint32_t clock_fault; /* 1 if the clock went backward, froze or jumped, and the frame ended at its cap of units */
   sandglass_stage_report stages[SANDGLASS_STAGE_COUNT];
-  double simulated_time;   /* seconds simulated since create or reset */
-  double time_debt;        /* seconds asked for since then and not simulated: 0 means no slow motion */
-  float grain_lag;         /* seconds by which the oldest grain lags the particles */
-  float substep;           /* seconds; length of the last sub-step */
-  uint32_t substeps;       /* completed in this frame */
+  double simulated_time; /* seconds simulated since create or reset */
+  double time_debt;      /* seconds asked for since then and not simulated: 0 means no slow motion */
+  float grain_lag;       /* seconds by which the oldest grain lags the particles */
+  float substep;         /* seconds; length of the last sub-step */
+  uint32_t substeps;     /* completed in this frame */
   uint32_t list_builds;
   uint32_t particles;
   uint32_t grains;
-  uint32_t dropped_contacts;  /* neighbours beyond a list's capacity (32), summed over the frame's list builds; 0 in any packing */
-  uint32_t quarantined;       /* particles and grains found not finite, or beyond the coordinate limit, and reset to rest inside it */
+  uint32_t dropped_contacts; /* neighbours beyond a list's capacity (32), summed over the frame's list builds; 0 in any
+                                packing */
+  uint32_t quarantined;      /* particles and grains found not finite, or beyond the coordinate limit, and reset to rest
+                                inside it */
   uint32_t ignored_colliders; /* not finite, degenerate, or beyond capacity */
   float speed_max;            /* m/s; fastest particle in the last sub-step */
   sandglass_plan plan;        /* what was executed: record it to replay the frame */
 } sandglass_frame_report;
 
-/* Advances the scene by one frame: moves simulated time on by input->time_step plus what earlier frames still owe (at most two
- * frames' worth; the rest is slow motion, and counted in time_debt), as far as the budget admits. After it, positions are valid
- * and grains are written whatever the budget was. *report may be NULL. Fails only with REPLAY (input->plan does not fit this
- * state; nothing was changed) or INVALID_ARGUMENT (NULL scene or input, wrong struct_size, unusable grain buffer).
+/* Advances the scene by one frame: moves simulated time on by input->time_step plus what earlier frames still owe (at
+ * most two frames' worth; the rest is slow motion, and counted in time_debt), as far as the budget admits. After it,
+ * positions are valid and grains are written whatever the budget was. *report may be NULL. Fails only with REPLAY
+ * (input->plan does not fit this state; nothing was changed) or INVALID_ARGUMENT (NULL scene or input, wrong
+ * struct_size, unusable grain buffer).
  *
  * Guarantee, for a clock that runs: elapsed <= max(budget, mandatory part) + one work unit. */
 SANDGLASS_API sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_frame_input* input,
-                                                    sandglass_frame_report* report, const char** reason);
+                                                     sandglass_frame_report* report, const char** reason);
 
 /* A rung of the quality ladder in words, or NULL: "full", "refinement once a frame", "slow motion". */
 SANDGLASS_API const char* sandglass_level_name(uint32_t level);
 
 /* ------------------------------------------------------------------------------------------------ reading the state */
 
-/* Copies of the present state, in the order in which items were added; 3 floats an item, room for the respective count. Any
- * pointer may be NULL. Not part of the frame: for saving, tests and tools. */
+/* Copies of the present state, in the order in which items were added; 3 floats an item, room for the respective count.
+ * Any pointer may be NULL. Not part of the frame: for saving, tests and tools. */
 SANDGLASS_API void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities);
 SANDGLASS_API void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities);
 
-/* A 64-bit hash of the state of every active stage: the sum over all particles and grains of FNV-1a over (kind, number, position,
- * velocity). Equal on every instruction set, compiler and thread count. */
+/* A 64-bit hash of the state of every active stage: the sum over all particles and grains of FNV-1a over (kind, number,
+ * position, velocity). Equal on every instruction set, compiler and thread count. */
 SANDGLASS_API uint64_t sandglass_scene_hash(const sandglass_scene* scene);
 
 #ifdef __cplusplus

@@ -1,0 +1,133 @@
+// Determinism: the same bits on every instruction set, with any pool, for any cut into units; and a frame recorded
+// under a short budget replays to the bit without a clock.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "tests/granular/granular_scene.h"
+
+namespace {
+
+constexpr float k_frame = 0.02f;
+constexpr uint32_t k_particles = 600, k_grains = 2400;
+
+void fill(GranularScene* scene) {
+  scene->add_floor();
+  std::vector<float> grains;
+  const std::vector<float> particles = lattice(10, 6, 10, 0.0203f, 0.05f);
+  for (int copy = 0; copy < 4; ++copy) {
+    for (size_t i = 0; i < particles.size(); ++i) grains.push_back(particles[i] + 0.003f * static_cast<float>(copy));
+  }
+  scene->add(particles, {}, grains);
+}
+
+uint64_t run(const sandglass_scene_desc& desc, int frames) {
+  GranularScene scene(desc);
+  fill(&scene);
+  for (int frame = 0; frame < frames; ++frame) scene.frame(k_frame);
+  return scene.hash();
+}
+
+TEST(Determinism, EveryInstructionSetGivesTheSameBits) {
+  for (const sandglass_scheme scheme : {SANDGLASS_SCHEME_SMALL_STEP, SANDGLASS_SCHEME_AVERAGED}) {
+    sandglass_scene_desc desc = description(k_particles, k_grains);
+    desc.isa = SANDGLASS_ISA_SCALAR;
+    desc.granular.scheme = scheme;
+    desc.granular.relaxation = scheme == SANDGLASS_SCHEME_AVERAGED ? 1.0f : 0.3f;
+    if (scheme == SANDGLASS_SCHEME_AVERAGED) {
+      desc.granular.solver_iterations = 3, desc.granular.stabilisation_iterations = 2,
+      desc.granular.blend = SANDGLASS_BLEND_SOURCE;
+    }
+    const uint64_t scalar = run(desc, 12);
+    for (sandglass_isa isa = SANDGLASS_ISA_NEON; isa <= SANDGLASS_ISA_AVX512; ++isa) {
+      if (sandglass_isa_available(isa) == 0) continue;
+      desc.isa = isa;
+      EXPECT_EQ(run(desc, 12), scalar) << sandglass_isa_name(isa);
+    }
+  }
+}
+
+// A pool that starts fresh threads for every call: slow, and as adversarial an order as the system gives.
+void run_on_threads(void*, void (*task)(void*, uint32_t), void* context, uint32_t count) {
+  std::vector<std::thread> threads;
+  for (uint32_t t = 0; t < 4; ++t) {
+    threads.emplace_back([=] {
+      for (uint32_t i = t; i < count; i += 4) task(context, i);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
+void run_backward(void*, void (*task)(void*, uint32_t), void* context, uint32_t count) {
+  for (uint32_t i = count; i-- > 0;) task(context, i);
+}
+
+TEST(Determinism, PoolAndUnitSizeDoNotShow) {
+  sandglass_scene_desc desc = description(k_particles, k_grains);
+  desc.unit_items = 4096;
+  const uint64_t alone = run(desc, 4);
+  desc.parallel.run = run_backward;
+  EXPECT_EQ(run(desc, 4), alone);
+  desc.parallel.run = run_on_threads;
+  EXPECT_EQ(run(desc, 4), alone);
+  desc.parallel.run = nullptr;
+  for (const uint32_t items : {16u, 128u, 65536u}) {
+    desc.unit_items = items;
+    EXPECT_EQ(run(desc, 4), alone) << items << " items a unit";
+  }
+}
+
+// A clock that moves on by a fixed time at every reading: a budget of n readings.
+uint64_t ticking(void* user) { return *static_cast<uint64_t*>(user) += 10'000; }
+
+TEST(Determinism, AShortBudgetIsKeptReportedAndReplayed) {
+  uint64_t now = 0;
+  sandglass_scene_desc desc = description(k_particles, k_grains);
+  desc.unit_items = 128;
+  desc.clock = {ticking, &now};
+  GranularScene recorded(desc);
+  fill(&recorded);
+  std::vector<sandglass_plan> plans;
+  double debt = 0.0;
+  for (int frame = 0; frame < 30; ++frame) {
+    const sandglass_frame_report report = recorded.frame(k_frame, 2'000'000);
+    const uint64_t bound = std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns;
+    EXPECT_LE(report.elapsed_ns, bound);
+    EXPECT_GE(report.time_debt, debt) << "time is not made up for while the budget stays too short";
+    debt = report.time_debt;
+    plans.push_back(report.plan);
+  }
+  EXPECT_GT(debt, 0.1);
+
+  desc.clock = {};
+  desc.isa = SANDGLASS_ISA_SCALAR;
+  GranularScene replayed(desc);
+  fill(&replayed);
+  for (const sandglass_plan& plan : plans) replayed.frame(k_frame, 0, &plan);
+  EXPECT_EQ(replayed.hash(), recorded.hash());
+}
+
+TEST(Determinism, APlanThatDoesNotFitIsRefused) {
+  GranularScene scene(description(k_particles, k_grains));
+  fill(&scene);
+  sandglass_plan plan = scene.frame(k_frame).plan;
+  plan.runs[0].units += 1000000;
+  EXPECT_THROW(scene.frame(k_frame, 0, &plan), std::runtime_error);
+  plan.run_count = SANDGLASS_PLAN_RUNS + 1;
+  EXPECT_THROW(scene.frame(k_frame, 0, &plan), std::runtime_error);
+}
+
+TEST(Determinism, ResetForgetsEverything) {
+  GranularScene scene(description(k_particles, k_grains));
+  fill(&scene);
+  for (int frame = 0; frame < 5; ++frame) scene.frame(k_frame);
+  const uint64_t hash = scene.hash();
+  sandglass_scene_reset(scene.scene);
+  scene.colliders.clear(), scene.grains.clear();
+  scene.particle_count = 0;
+  fill(&scene);
+  for (int frame = 0; frame < 5; ++frame) scene.frame(k_frame);
+  EXPECT_EQ(scene.hash(), hash);
+}
+
+}  // namespace
