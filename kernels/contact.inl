@@ -6,10 +6,13 @@
 // displacement is carried (erratum of Alg. 4): relative positions are (x_j - x_i) + (displacement_j - displacement_i),
 // exact to the last bits of the small quantities. With one iteration the whole sub-step is this one pass.
 
-// n . up -> share of the correction that this particle takes: 1/(1 + exp(k c)) as a cubic (erratum 4.38).
+// Height weighting, 1/(1 + exp(k c)) - 1/2 as a cubic of c = n . up (erratum 4.38): how much more than half of a correction this
+// particle takes. What one side takes more the other takes less, so every contact lifts the pair: harmless where the overlap is that
+// of resting layers, but in an impact it launched the whole body at the speed limit. The weighted part of the overlap is therefore
+// capped (weighted_overlap): an impact is resolved symmetrically and conserves momentum.
 SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Float nz) {
   const Float c = dot3(nx, ny, nz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
-  return broadcast(0.5f) + c * (broadcast(a->weight_linear) + broadcast(a->weight_cubic) * (c * c));
+  return c * (broadcast(a->weight_linear) + broadcast(a->weight_cubic) * (c * c));
 }
 
 // Coincident particles part along a fixed direction that both sides agree on: a unit vector chosen by the pair's
@@ -78,8 +81,8 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       if (any(coincident)) part_coincident(i, row + s, coincident, &nx, &ny, &nz);
       const Float overlap = d - diameter;  // negative
       const Mask fixed = other[3] == zero;
-      const Float share = select(fixed, one, height_share(a, nx, ny, nz));
-      const Float push = overlap * share;
+      const Float weighted = maximum(overlap, broadcast(-a->weighted_overlap)) * height_share(a, nx, ny, nz);
+      const Float push = select(fixed, overlap, half * overlap + weighted);
       Float cx = push * nx, cy = push * ny, cz = push * nz;
       if (k_solve) {
         const Float along = dot3(rx, ry, rz, nx, ny, nz);

@@ -12,6 +12,9 @@ namespace sandglass {
 
 namespace {
 
+// Overlap up to which height weighting acts, in radii: that of a resting pile; impacts overlap by more.
+constexpr float k_weighted_overlap = 0.01f;
+
 constexpr double k_time_resolution = 1e-9;  // seconds; less is not owed
 
 uint32_t passes_of(const Granular& g, ParticlePhase phase) {
@@ -257,6 +260,7 @@ void run_pass(Granular* g) {
   const float k = g->gravity_length > 0.0f ? g->desc.height_weighting : 0.0f;
   a.weight_linear = -0.25f * k;
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
+  a.weighted_overlap = k_weighted_overlap * g->desc.particle_radius;
   const bool first = solve && g->pass == 0;
   a.scale = first ? dt : 1.0f;
   for (int c = 0; c < 3; ++c) {

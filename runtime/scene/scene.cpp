@@ -172,7 +172,7 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.height_weighting = 0.6f;
   g.scheme = SANDGLASS_SCHEME_SMALL_STEP;
   g.solver_iterations = 1;
-  g.relaxation = 0.3f;
+  g.relaxation = 0.33f;
   g.courant = 0.5f;
   g.list_skin = 0.6f;
   g.blend = SANDGLASS_BLEND_CONTINUOUS;
