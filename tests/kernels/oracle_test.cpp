@@ -1,0 +1,411 @@
+// Every kernel against a naive oracle in double, on every table that this machine can run, and every table against the
+// scalar one to the bit, for all tail lengths. kernels.inc expands into the list of tests: a kernel without a
+// check_<name> does not compile.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <vector>
+
+#include "kernels/kernels.h"
+#include "runtime/granular/cell_sort.h"
+
+namespace {
+
+using namespace sandglass;
+
+constexpr uint32_t k_slack = 2 * k_lane_group;
+constexpr float k_radius = 0.01f;
+
+std::vector<const Kernels*> tables() {
+  std::vector<const Kernels*> all;
+  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_AVX512; ++isa) {
+    if (const Kernels* kernels = select_kernels(isa)) all.push_back(kernels);
+  }
+  return all;
+}
+
+// 64-byte aligned floats, as the scene's block gives them.
+struct Records {
+  explicit Records(uint64_t count) : storage(count * 8 + 16), count_(count) {}
+  float* data() {
+    auto address = reinterpret_cast<uintptr_t>(storage.data());
+    return storage.data() + ((64 - address % 64) % 64) / sizeof(float);
+  }
+  float* operator[](uint64_t i) { return data() + 8 * i; }
+  std::vector<float> copy() { return {data(), data() + 8 * count_}; }
+  std::vector<float> storage;
+  uint64_t count_;
+};
+
+void put(float* r, double x, double y, double z, float w, double vx, double vy, double vz, uint32_t id) {
+  const float values[7] = {static_cast<float>(x),  static_cast<float>(y),  static_cast<float>(z), w,
+                           static_cast<float>(vx), static_cast<float>(vy), static_cast<float>(vz)};
+  std::memcpy(r, values, sizeof values);
+  std::memcpy(r + 7, &id, sizeof id);
+}
+
+// n particles in a cube that holds about `density` of them per diameter cubed, then `fixed` boundary particles, then
+// the inert one.
+struct Cluster {
+  Cluster(uint32_t n, uint32_t fixed, double density, uint32_t seed)
+      : count(n), rows((n + 15) / 16 * 16 + k_slack), boundary(fixed), inert(rows + fixed), records(inert + k_slack) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> unit(-0.5, 0.5);
+    side = 0.02 * std::cbrt((n + fixed + 1) / density);
+    for (uint32_t i = 0; i < rows + fixed; ++i) {
+      if (i >= n && i < rows) {
+        put(records[i], 1e6, 1e6, 1e6, 0, 0, 0, 0, ~0u);
+      } else {
+        put(records[i], side * unit(random), side * unit(random), side * unit(random), i < n ? 1.0f : 0.0f,
+            i < n ? unit(random) : 0, i < n ? unit(random) : 0, i < n ? unit(random) : 0, i);
+      }
+    }
+    put(records[inert], 1e6, 1e6, 1e6, 0, 0, 0, 0, ~0u);
+  }
+  uint32_t count, rows, boundary, inert;
+  Records records;
+  double side;
+};
+
+double distance(const float* a, const float* b) {
+  return std::hypot(static_cast<double>(a[0]) - static_cast<double>(b[0]),
+                    static_cast<double>(a[1]) - static_cast<double>(b[1]),
+                    static_cast<double>(a[2]) - static_cast<double>(b[2]));
+}
+
+// ---- grid_cells
+
+void check_grid_cells(uint32_t n) {
+  Cluster cluster(n, 0, 0.001, 7);
+  const Grid grid = {1.0f / 0.024f, {3, 2, 4}, nullptr};
+  std::vector<uint32_t> first;
+  for (const Kernels* kernels : tables()) {
+    std::vector<uint32_t> keys(cluster.rows + k_slack);
+    const GridCellsArgs args = {grid, cluster.records.data(), keys.data()};
+    uint32_t unused = 0;
+    kernels->grid_cells(&args, 0, n, &unused);
+    keys.resize(n);
+    for (uint32_t i = 0; i < n; ++i) {
+      uint32_t expected = 0, shift = 0;
+      for (int k = 0; k < 3; ++k) {
+        const int64_t cells = int64_t{1} << grid.bits[k];
+        const int64_t c =
+            static_cast<int64_t>(std::floor(static_cast<double>(cluster.records[i][k] * grid.inverse_cell)));
+        expected |= static_cast<uint32_t>((c % cells + cells) % cells) << shift;
+        shift += grid.bits[k];
+      }
+      ASSERT_EQ(keys[i], expected) << sandglass_isa_name(kernels->isa);
+    }
+    if (first.empty()) first = keys;
+    ASSERT_EQ(keys, first);
+  }
+}
+
+// ---- neighbour_lists
+
+// Positions sorted by cell, one array an axis, as the stage makes them.
+struct Sorted {
+  Sorted(float* source, uint32_t n, float cell, const Kernels& kernels, uint32_t bits_min) : records(n + k_slack) {
+    starts.resize(4096 + k_slack), keys.resize(n + k_slack);
+    for (auto& axis : axes) axis.resize(n + k_slack);
+    sort.cells_max = 4096, sort.starts = starts.data(), sort.keys = keys.data();
+    float low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
+    for (uint32_t i = 0; i < n; ++i) {
+      for (int k = 0; k < 3; ++k)
+        low[k] = std::min(low[k], source[8 * i + k]), high[k] = std::max(high[k], source[8 * i + k]);
+    }
+    cell_sort_begin(&sort, cell, low, high, bits_min);
+    const SortTarget target = {records.data(), {axes[0].data(), axes[1].data(), axes[2].data()}};
+    while (sort.phase != k_sort_done) cell_sort_run(&sort, kernels, source, n, 64, target);
+  }
+  Records records;
+  std::vector<float> axes[3];
+  std::vector<uint32_t> starts, keys;
+  CellSort sort = {};
+};
+
+void check_neighbour_lists(uint32_t n) {
+  Cluster cluster(n, n, 0.8, 11);
+  const float reach = 2.4f * k_radius;
+  std::vector<uint32_t> first;
+  for (const Kernels* kernels : tables()) {
+    Sorted moving(cluster.records.data(), n, reach, *kernels, 2);
+    Sorted fixed(cluster.records[cluster.rows], n, reach, *kernels, 2);
+    std::vector<uint32_t> lists(uint64_t{cluster.rows} * k_list_slots);
+    std::vector<uint8_t> counts(cluster.rows);
+    ListArgs args = {};
+    args.grid = moving.sort.grid, args.boundary_grid = fixed.sort.grid;
+    for (int k = 0; k < 3; ++k)
+      args.positions[k] = moving.axes[k].data(), args.boundary_positions[k] = fixed.axes[k].data();
+    args.boundary_count = n, args.boundary_first = cluster.rows, args.inert = cluster.inert;
+    args.reach_squared = reach * reach;
+    args.lists = lists.data(), args.counts = counts.data();
+    uint32_t dropped = 0;
+    kernels->neighbour_lists(&args, 0, n, &dropped);
+    EXPECT_EQ(dropped, 0u);
+    for (uint32_t i = 0; i < n; ++i) {
+      std::vector<uint32_t> found(&lists[i * k_list_slots], &lists[i * k_list_slots] + counts[i]);
+      for (uint32_t s = counts[i]; s < k_list_slots; ++s) ASSERT_EQ(lists[i * k_list_slots + s], cluster.inert);
+      std::sort(found.begin(), found.end());
+      std::vector<uint32_t> expected;
+      for (uint32_t j = 0; j < n; ++j) {
+        // Pairs within rounding of the reach may be either way; none is that close here, or the seed would have to
+        // change.
+        const double d = distance(moving.records[i], moving.records[j]),
+                     b = distance(moving.records[i], fixed.records[j]);
+        ASSERT_GT(std::min(std::fabs(d - 0.024), std::fabs(b - 0.024)), 1e-8);
+        if (j != i && d < 0.024) expected.push_back(j);
+        if (b < 0.024) expected.push_back(cluster.rows + j);
+      }
+      std::sort(expected.begin(), expected.end());
+      ASSERT_EQ(found, expected) << sandglass_isa_name(kernels->isa);
+    }
+    if (first.empty()) first = lists;
+    ASSERT_EQ(lists, first) << "the order of the neighbours is part of the contract";
+  }
+}
+
+// ---- contact_stabilise, contact_solve
+
+struct Vector {
+  double x = 0, y = 0, z = 0;
+};
+Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Vector operator*(double s, Vector a) { return {s * a.x, s * a.y, s * a.z}; }
+double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+double length(Vector a) { return std::sqrt(dot(a, a)); }
+Vector at(const float* p) { return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}; }
+
+constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_weighted = 1e-4;
+
+// One pass for particle i: (4.14-4.27) with the small-step factor, then the floor y = -0.004.
+Vector displacement_oracle(Cluster& c, uint32_t i, bool solve) {
+  const Vector g = {0, -9.81 * k_step * k_step, 0};
+  const auto moved = [&](uint32_t j) { return solve && j < c.count ? k_step * at(c.records[j] + 4) + g : Vector{}; };
+  Vector sum;
+  for (uint32_t j = 0; j < c.inert; ++j) {
+    if (j == i || (j >= c.count && j < c.rows)) continue;
+    const bool fixed = j >= c.rows;
+    const Vector relative = moved(j) - moved(i);
+    const Vector e = at(c.records[j]) - at(c.records[i]) + relative;
+    const double d = length(e);
+    if (d >= 0.02) continue;
+    const Vector n = (1 / d) * e;
+    const double z = k_weight * n.y, overlap = d - 0.02;
+    const double asymmetry = -z / 4 + z * z * z / 48;
+    sum = sum + (fixed ? overlap : 0.5 * overlap + std::max(overlap, -k_weighted) * asymmetry) * n;
+    if (!solve) continue;
+    const double share = fixed ? 1.0 : 0.5;
+    const Vector t = share * (relative - dot(relative, n) * n);
+    const double limit = share * std::fabs(overlap);
+    sum = sum + (length(t) <= k_static * limit ? 1.0 : std::min(1.0, k_kinetic * limit / length(t))) * t;
+  }
+  Vector move = moved(i) + k_omega * sum;
+  const double depth = k_radius - (at(c.records[i]).y + move.y + 0.004);
+  if (depth > 0) {
+    if (solve) {
+      const Vector t = {-move.x, 0, -move.z};
+      move = move + (length(t) <= k_static * depth ? 1.0 : std::min(1.0, k_kinetic * depth / length(t))) * t;
+    }
+    move.y += depth;
+  }
+  return move;
+}
+
+void check_contact(uint32_t n, bool solve) {
+  Cluster cluster(n, n / 2, 0.6, 23);
+  std::vector<uint32_t> lists(uint64_t{cluster.rows} * k_list_slots, cluster.inert);
+  std::vector<uint8_t> counts(cluster.rows);
+  for (uint32_t i = 0; i < n; ++i) {
+    for (uint32_t j = 0; j < cluster.inert; ++j) {
+      if (j != i && (j < n || j >= cluster.rows) && distance(cluster.records[i], cluster.records[j]) < 0.022) {
+        ASSERT_LT(counts[i], k_list_slots);
+        lists[i * k_list_slots + counts[i]++] = j;
+      }
+    }
+  }
+  ColliderFrame floor = {};
+  floor.shape = SANDGLASS_SHAPE_HALF_SPACE;
+  floor.position[1] = -0.004f;
+  for (int k = 0; k < 3; ++k) floor.axes[k][k] = 1.0f;
+  ContactArgs args = {};
+  args.in = cluster.records.data();
+  args.lists = lists.data(), args.counts = counts.data();
+  args.particle_count = n;
+  args.radius = k_radius, args.diameter = 2 * k_radius;
+  args.static_friction = static_cast<float>(k_static), args.kinetic_friction = static_cast<float>(k_kinetic);
+  args.relaxation = static_cast<float>(k_omega);
+  args.weight_linear = static_cast<float>(-k_weight / 4),
+  args.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
+  args.weighted_overlap = static_cast<float>(k_weighted);
+  args.up[1] = 1.0f;
+  args.scale = static_cast<float>(k_step), args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
+  args.step = static_cast<float>(k_step);
+  args.last = 0;
+  args.displacement_max = 1.0f;
+  args.colliders = &floor, args.collider_count = 1;
+  std::vector<float> first;
+  for (const Kernels* kernels : tables()) {
+    Records out(cluster.inert + k_slack);
+    args.out = out.data();
+    ContactExtent extent = {};
+    (solve ? kernels->contact_solve : kernels->contact_stabilise)(&args, 0, n, &extent);
+    std::vector<float> all = out.copy();
+    all.resize(8ull * n);
+    for (uint32_t i = 0; i < n; ++i) {
+      const Vector expected = displacement_oracle(cluster, i, solve);
+      const Vector result = solve ? at(&all[8 * i + 4]) : at(&all[8 * i]) - at(cluster.records[i]);
+      // Positions of centimetres in float: 4e-9 m each, a dozen contacts.
+      ASSERT_LT(length(result - expected), 1e-7) << sandglass_isa_name(kernels->isa) << " particle " << i;
+    }
+    if (first.empty()) first = all;
+    ASSERT_EQ(std::memcmp(all.data(), first.data(), all.size() * sizeof(float)), 0) << sandglass_isa_name(kernels->isa);
+  }
+}
+
+void check_contact_solve(uint32_t n) { check_contact(n, true); }
+void check_contact_stabilise(uint32_t n) { check_contact(n, false); }
+
+// ---- refine_grains
+
+struct Refinement {
+  Refinement(uint32_t n, bool source_rule, bool uniform) : particles(200, 0, 0.8, 31), grains(n + k_slack) {
+    std::mt19937 random(37);
+    std::uniform_real_distribution<double> unit(-0.7, 0.7);
+    if (uniform) {
+      for (uint32_t j = 0; j < 200; ++j)
+        put(particles.records[j], at(particles.records[j]).x, at(particles.records[j]).y, at(particles.records[j]).z, 1,
+            0.3, -0.2, 0.1, j);
+    }
+    for (uint32_t i = 0; i < n; ++i) {
+      const double side = particles.side * (uniform ? 0.4 : 1.0);
+      put(grains[i], side * unit(random), side * unit(random), side * unit(random), 0, unit(random), unit(random),
+          unit(random), i);
+    }
+    count = n;
+    args.support = 3 * k_radius;
+    args.step = 0.004f, args.steps = 1;
+    args.gravity[1] = -9.81f;
+    args.source_rule = source_rule ? 1 : 0;
+    args.weight_at_radius = 512.0f / 729.0f;
+    args.grain_radius = 0.003f;
+    args.grain_count = n;
+  }
+  std::vector<float> run(const Kernels& kernels) {
+    Sorted snapshot(particles.records.data(), 200, 3 * k_radius, kernels, 3);
+    Records moved(count + k_slack);
+    std::memcpy(moved.data(), grains.data(), (count + k_slack) * 8 * sizeof(float));
+    args.grid = snapshot.sort.grid;
+    args.snapshot = snapshot.records.data();
+    for (int k = 0; k < 3; ++k) args.positions[k] = snapshot.axes[k].data();
+    args.grains = moved.data();
+    RefineExtent extent = {};
+    kernels.refine_grains(&args, 0, count, &extent);
+    EXPECT_EQ(extent.quarantined, 0u);
+    std::vector<float> all = moved.copy();
+    all.resize(8ull * count);
+    return all;
+  }
+  Cluster particles;
+  Records grains;
+  uint32_t count;
+  RefineArgs args = {};
+};
+
+void check_refine_grains(uint32_t n) {
+  for (const bool source_rule : {true, false}) {
+    Refinement refinement(n, source_rule, false);
+    std::vector<float> first;
+    for (const Kernels* kernels : tables()) {
+      const std::vector<float> all = refinement.run(*kernels);
+      for (uint32_t i = 0; i < n; ++i) {
+        const Vector x = at(refinement.grains[i]), v = at(refinement.grains[i] + 4);
+        double weight = 0, largest = 0;
+        Vector flow;
+        for (uint32_t j = 0; j < 200; ++j) {
+          const double d = length(at(refinement.particles.records[j]) - x);
+          const double w = std::pow(std::max(0.0, 1 - d * d / 9e-4), 3);
+          weight += w, largest = std::max(largest, w);
+          flow = flow + w * at(refinement.particles.records[j] + 4);
+        }
+        const double radius_weight = 512.0 / 729.0, ratio = weight > 0 ? largest / weight : 0;
+        const auto fade = [](double value, double a, double b) {
+          const double t = std::clamp((b - value) / (b - a), 0.0, 1.0);
+          return t * t * (3 - 2 * t);
+        };
+        double lambda = 1 - largest;
+        if (source_rule) {
+          lambda *= largest <= radius_weight || ratio >= 0.6 ? 1 : 0;
+        } else {
+          lambda *= std::max(fade(largest, radius_weight - 0.1, radius_weight + 0.1), 1 - fade(ratio, 0.5, 0.7));
+        }
+        if (weight == 0) lambda = 1;
+        const Vector fall = v + 0.004 * Vector{0, -9.81, 0};
+        const Vector expected = weight > 0 ? ((1 - lambda) / weight) * flow + lambda * fall : fall;
+        ASSERT_LT(length(at(&all[8 * i + 4]) - expected), 2e-5) << sandglass_isa_name(kernels->isa) << " grain " << i;
+        ASSERT_LT(length(at(&all[8 * i]) - (x + 0.004 * expected)), 2e-7);
+      }
+      if (first.empty()) first = all;
+      ASSERT_EQ(std::memcmp(all.data(), first.data(), all.size() * sizeof(float)), 0)
+          << sandglass_isa_name(kernels->isa);
+    }
+  }
+}
+
+// All tail lengths of the widest set, and one cluster of many vectors.
+void check_all_sizes(void (*check)(uint32_t)) {
+  for (uint32_t n = 1; n <= 2 * k_lane_group + 1; ++n) {
+    check(n);
+    if (testing::Test::HasFatalFailure()) FAIL() << n << " items";
+  }
+  check(150);
+}
+
+#define SANDGLASS_KERNEL(name, Args, Result) \
+  TEST(Oracle, name) { check_all_sizes(check_##name); }
+#include "kernels/kernels.inc"
+#undef SANDGLASS_KERNEL
+
+TEST(Refinement, AUniformVelocityFieldIsReproduced) {
+  Refinement refinement(64, false, true);
+  refinement.args.gravity[1] = 0.0f;
+  for (uint32_t i = 0; i < 64; ++i) {
+    put(refinement.grains[i], at(refinement.grains[i]).x, at(refinement.grains[i]).y, at(refinement.grains[i]).z, 0,
+        0.3, -0.2, 0.1, i);
+  }
+  const std::vector<float> all = refinement.run(*select_kernels(SANDGLASS_ISA_AUTOMATIC));
+  for (uint32_t i = 0; i < 64; ++i) EXPECT_LT(length(at(&all[8 * i + 4]) - Vector{0.3, -0.2, 0.1}), 1e-5);
+}
+
+// How far a grain's step changes when one particle's distance crosses r by an ulp: the source's rule jumps, the
+// continuous one does not.
+double jump_at_threshold(bool source_rule) {
+  double largest = 0;
+  float before[3] = {};
+  bool known = false;
+  float d = 0.01f;
+  for (int back = 0; back < 40; ++back) d = std::nextafter(d, 0.0f);
+  for (int ulp = 0; ulp < 80; ++ulp, d = std::nextafter(d, 1.0f)) {
+    Refinement refinement(1, source_rule, false);
+    put(refinement.grains[0], 0, 0, 0, 0, 1, 0, 0, 0);
+    // Two particles, so that the larger weight is below 0.6 of the sum and the distance decides.
+    for (uint32_t j = 0; j < 200; ++j)
+      put(refinement.particles.records[j], j == 0 ? d : j == 1 ? -0.0101 : 0.5, j < 2 ? 0 : 0.01 * j, 0, 1, 0, 0, 0, j);
+    const std::vector<float> all = refinement.run(*select_kernels(SANDGLASS_ISA_AUTOMATIC));
+    if (known) largest = std::max(largest, length(at(all.data()) - at(before)));
+    std::memcpy(before, all.data(), sizeof before);
+    known = true;
+  }
+  return largest;
+}
+
+TEST(Refinement, CrossingTheThresholdByAnUlpMovesNoGrain) {
+  EXPECT_LE(jump_at_threshold(false), 0.001 * 0.02);
+  EXPECT_GT(jump_at_threshold(true), 0.001 * 0.02) << "the source's rule must fail this";
+}
+
+}  // namespace
