@@ -6,10 +6,11 @@
 // displacement is carried (erratum of Alg. 4): relative positions are (x_j - x_i) + (displacement_j - displacement_i),
 // exact to the last bits of the small quantities. With one iteration the whole sub-step is this one pass.
 
-// Height weighting, 1/(1 + exp(k c)) - 1/2 as a cubic of c = n . up (erratum 4.38): how much more than half of a correction this
-// particle takes. What one side takes more the other takes less, so every contact lifts the pair: harmless where the overlap is that
-// of resting layers, but in an impact it launched the whole body at the speed limit. The weighted part of the overlap is therefore
-// capped (weighted_overlap): an impact is resolved symmetrically and conserves momentum.
+// Height weighting, 1/(1 + exp(k c)) - 1/2 as a cubic of c = n . up (erratum 4.38): how much more than half of a
+// correction this particle takes. What one side takes more the other takes less, so every contact lifts the pair:
+// harmless where the overlap is that of resting layers, but in an impact it launched the whole body at the speed limit.
+// The weighted part of the overlap is therefore capped (weighted_overlap): an impact is resolved symmetrically and
+// conserves momentum.
 SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Float nz) {
   const Float c = dot3(nx, ny, nz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
   return c * (broadcast(a->weight_linear) + broadcast(a->weight_cubic) * (c * c));
