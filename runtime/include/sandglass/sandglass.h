@@ -151,7 +151,8 @@ typedef struct sandglass_granular_desc {
       grain_radius; /* metres, above 0, at most r: a grain's centre stays this far outside every collider; 0 = 0.35 r */
   float static_friction;  /* mu_s >= 0 */
   float kinetic_friction; /* mu_k >= 0; may exceed mu_s (the source's hourglass does) */
-  float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; 0 conserves momentum pairwise */
+  float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; 0 conserves momentum pairwise;
+                           * acts on overlaps up to 1 % of r, those of resting layers, so impacts conserve it too */
 
   sandglass_scheme scheme;
   uint32_t solver_iterations;        /* 1..64 */
@@ -324,7 +325,7 @@ typedef struct sandglass_frame_report {
   uint64_t budget_ns;
   uint64_t elapsed_ns;
   uint64_t mandatory_ns; /* of elapsed: work that is done whatever the budget */
-  uint64_t last_unit_ns; /* duration of the last unit: the guarantee is elapsed <= max(budget, mandatory) + last_unit */
+  uint64_t last_unit_ns; /* duration of the last unit, and of output beyond its prediction; see sandglass_scene_frame */
   uint64_t longest_unit_ns;
   uint32_t clock_fault; /* 1 if the clock went backward, froze or jumped, and the frame ended at its cap of units */
   sandglass_stage_report stages[SANDGLASS_STAGE_COUNT];
@@ -347,11 +348,13 @@ typedef struct sandglass_frame_report {
 
 /* Advances the scene by one frame: moves simulated time on by input->time_step plus what earlier frames still owe (at
  * most two frames' worth; the rest is slow motion, and counted in time_debt), as far as the budget admits. After it,
- * positions are valid and grains are written whatever the budget was. *report may be NULL. Fails only with REPLAY
- * (input->plan does not fit this state; nothing was changed) or INVALID_ARGUMENT (NULL scene or input, wrong
- * struct_size, unusable grain buffer).
+ * positions are valid and grains are written whatever the budget was. *report may be NULL. Fails only with
+ * INVALID_ARGUMENT (NULL scene or input, wrong struct_size, unusable grain buffer; nothing was changed) or REPLAY
+ * (input->plan is malformed: nothing was changed; or it asks for a unit that this state does not offer: the frame ended
+ * there, the scene is valid, but it is not the recorded one: reset it).
  *
- * Guarantee, for a clock that runs: elapsed <= max(budget, mandatory part) + one work unit. */
+ * Guarantee, for a clock that runs: elapsed <= max(budget, mandatory part) + last_unit_ns of the report: one work unit,
+ * and whatever time writing the grains, which is always done and comes last, took beyond its own prediction. */
 SANDGLASS_API sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_frame_input* input,
                                                      sandglass_frame_report* report, const char** reason);
 
