@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-void GranularScene::Free::operator()(void* block) const { std::free(block); }
+void GranularScene::Free::operator()(void* memory) const { std::free(memory); }
 
 GranularScene::GranularScene(const sandglass_scene_desc& desc) {
   const char* reason = nullptr;

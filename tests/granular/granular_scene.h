@@ -22,7 +22,7 @@ struct GranularScene {
   uint64_t hash() const { return sandglass_scene_hash(scene); }
 
   struct Free {
-    void operator()(void* block) const;
+    void operator()(void* memory) const;
   };
   std::unique_ptr<void, Free> block;
   uint64_t bytes = 0;
