@@ -20,7 +20,7 @@ uint64_t thread_cpu_ns() {
 
 // 14K particles with grains: more than the budget holds, so every frame is full. Asserts the law frame by frame on the
 // scene's clock and the 99.9th percentile on CPU time.
-void expect_law(uint64_t budget_ns, uint32_t hogs) {
+void expect_law(uint64_t budget_ns, uint32_t frames, uint32_t hogs) {
   std::atomic<bool> stop{false};
   std::vector<std::thread> load;
   for (uint32_t i = 0; i < hogs; ++i) {
@@ -41,13 +41,14 @@ void expect_law(uint64_t budget_ns, uint32_t hogs) {
   scene.add(particles, {}, grains);
   std::vector<uint64_t> over;
   double debt = 0.0;
-  for (int frame = 0; frame < 300; ++frame) {
+  for (int frame = 0; frame < static_cast<int>(frames); ++frame) {
     const uint64_t before = thread_cpu_ns();
     const sandglass_frame_report report = scene.frame(0.02f, budget_ns);
     const uint64_t spent = thread_cpu_ns() - before;
     EXPECT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
-    // A unit of the real machine: the longest seen in the frame, and 20 us for the call around the units.
-    const uint64_t allowed = budget_ns + report.longest_unit_ns + 20'000;
+    // A unit of the real machine: the longest seen in the frame, and 50 us, the target of a unit, for the call around
+    // the units and for what interrupts charge to the thread.
+    const uint64_t allowed = budget_ns + report.longest_unit_ns + 50'000;
     over.push_back(spent > allowed ? spent - allowed : 0);
     debt = report.time_debt;
   }
@@ -58,10 +59,10 @@ void expect_law(uint64_t budget_ns, uint32_t hogs) {
   testing::Test::RecordProperty("time_debt_ms", static_cast<int>(1e3 * debt));
 }
 
-TEST(RealClock, FourMillisecondsHold) { expect_law(4'000'000, 0); }
-TEST(RealClock, EightMillisecondsHold) { expect_law(8'000'000, 0); }
+TEST(RealClock, FourMillisecondsHold) { expect_law(4'000'000, 2000, 0); }
+TEST(RealClock, EightMillisecondsHold) { expect_law(8'000'000, 1000, 0); }
 TEST(RealClock, FourMillisecondsHoldBesideProcessesThatTakeEveryCore) {
-  expect_law(4'000'000, 2 * std::max(1u, std::thread::hardware_concurrency()));
+  expect_law(4'000'000, 1000, 2 * std::max(1u, std::thread::hardware_concurrency()));
 }
 
 }  // namespace
