@@ -1,6 +1,6 @@
 // What must not break a scene (ACCURACY 2): degenerate input, degenerate states, capacities, damaged memory.
 #include <gtest/gtest.h>
-#if defined(__x86_64__) && defined(__GLIBC__)
+#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
 #include <fenv.h>
 #endif
 
@@ -182,7 +182,9 @@ TEST(HardCase, HeightWeightingUpToItsMaximumIsStable) {
   }
 }
 
-#if defined(__x86_64__) && defined(__GLIBC__)
+// g++ only: clang assumes that nobody looks at the flags and computes both sides of a selection, so its builds may trap
+// on a value that is never used.
+#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
 TEST(HardCase, NoInvalidOperationAndNoDivisionByZero) {
   for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512}) {
     if (sandglass_isa_available(isa) == 0) continue;
