@@ -6,6 +6,7 @@ namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/grid_cells.inl"
 #include "kernels/neighbour_lists.inl"
 #include "kernels/refine.inl"
+#include "kernels/wake.inl"
 
 extern const Kernels k_table;
 const Kernels k_table = {SANDGLASS_SIMD_ISA, k_width

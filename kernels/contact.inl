@@ -17,7 +17,7 @@ SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Fl
 }
 
 // Coincident particles part along a fixed direction that both sides agree on: a unit vector chosen by the pair's
-// numbers.
+// records.
 SANDGLASS_INLINE void part_coincident(uint32_t first, const uint32_t* index, Mask coincident, Float* nx, Float* ny,
                                       Float* nz) {
   alignas(64) float ux[k_lane_group], uy[k_lane_group], uz[k_lane_group];
@@ -31,6 +31,12 @@ SANDGLASS_INLINE void part_coincident(uint32_t first, const uint32_t* index, Mas
   *nx = select(coincident, load(ux), *nx);
   *ny = select(coincident, load(uy), *ny);
   *nz = select(coincident, load(uz), *nz);
+}
+
+// Particles of one rigid body do not touch each other: the upper bits of the number name the body.
+SANDGLASS_INLINE Mask same_body(Float a, Float b) {
+  const Int body = as_int(a) & broadcast(static_cast<int32_t>(~k_number_mask));
+  return and_not(body == (as_int(b) & broadcast(static_cast<int32_t>(~k_number_mask))), body == broadcast(0));
 }
 
 template <bool k_solve>
@@ -47,14 +53,17 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
   for (int k = 0; k < 3; ++k) low[k] = move_low[k] = broadcast(huge), high[k] = move_high[k] = broadcast(-huge);
   uint32_t quarantined = 0;
 
-  for (uint32_t i = begin; i < end; i += k_width) {
+  for (uint32_t item = begin; item < end; item += k_width) {
+    const uint32_t i = a->groups[item / k_lane_group] * k_lane_group + item % k_lane_group;
     Float self[8];
     load_records(a->in + static_cast<uint64_t>(i) * k_record_floats, self);
     const Float w = self[3];
     const Mask moves = zero < w;
+    const Float pull = keep(moves, one);  // gravity acts on what moves
     // Displacement of this particle over the sub-step so far.
     Float dx = zero, dy = zero, dz = zero;
-    if (k_solve) dx = scale * self[4] + gx * w, dy = scale * self[5] + gy * w, dz = scale * self[6] + gz * w;
+    if (k_solve) dx = scale * self[4] + gx * pull, dy = scale * self[5] + gy * pull, dz = scale * self[6] + gz * pull;
+    Mask wakes = zero < zero;
 
     Float sx = zero, sy = zero, sz = zero, contacts = zero;
     uint32_t slots = 0;
@@ -65,15 +74,17 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       load_records(a->in, row + s, k_list_slots, other);
       Float rx = zero, ry = zero, rz = zero;  // relative displacement (4.17, erratum)
       Float ex = other[0] - self[0], ey = other[1] - self[1], ez = other[2] - self[2];
+      const Mask free = zero < other[3];
       if (k_solve) {
-        const Float dw = other[3] - w;
-        rx = scale * (other[4] - self[4]) + gx * dw;
-        ry = scale * (other[5] - self[5]) + gy * dw;
-        rz = scale * (other[6] - self[6]) + gz * dw;
+        const Float relative_pull = keep(free, one) - pull;
+        rx = scale * (other[4] - self[4]) + gx * relative_pull;
+        ry = scale * (other[5] - self[5]) + gy * relative_pull;
+        rz = scale * (other[6] - self[6]) + gz * relative_pull;
         ex = ex + rx, ey = ey + ry, ez = ez + rz;
       }
       const Float d2 = dot3(ex, ey, ez, ex, ey, ez);
-      const Mask touch = d2 < diameter2;
+      Mask touch = d2 < diameter2;
+      if (a->bodies != 0) touch = and_not(touch, same_body(self[7], other[7]));
       if (!any(touch)) continue;
       const Float d = square_root(maximum(d2, tiny));  // no lane divides by zero, touching or not
       const Float inverse = one / d;
@@ -81,13 +92,21 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       const Mask coincident = touch & (d2 < broadcast(1e-24f));
       if (any(coincident)) part_coincident(i, row + s, coincident, &nx, &ny, &nz);
       const Float overlap = d - diameter;  // negative
-      const Mask fixed = other[3] == zero;
-      const Float weighted = maximum(overlap, broadcast(-a->weighted_overlap)) * height_share(a, nx, ny, nz);
-      const Float push = select(fixed, overlap, half * overlap + weighted);
+      // Shares of the correction: all of it against what does not move, else by inverse mass.
+      Float mine = select(free, half, one);
+      Float lift = height_share(a, nx, ny, nz);
+      if (a->bodies != 0 && any(touch & free & ((w < other[3]) | (other[3] < w)))) {
+        const Mask unequal = free & ((w < other[3]) | (other[3] < w));
+        const Float heavy = w * (half + lift), light = other[3] * (half - lift);
+        const Float share = w / (w + other[3]);
+        mine = select(unequal, share, mine);
+        lift = select(unequal, heavy / (heavy + light) - share, lift);
+      }
+      const Float weighted = maximum(overlap, broadcast(-a->weighted_overlap)) * keep(free, lift);
+      const Float push = mine * overlap + weighted;
       Float cx = push * nx, cy = push * ny, cz = push * nz;
       if (k_solve) {
         const Float along = dot3(rx, ry, rz, nx, ny, nz);
-        const Float mine = select(fixed, one, half);
         const Float tx = mine * (rx - along * nx), ty = mine * (ry - along * ny), tz = mine * (rz - along * nz);
         const Float t2 = dot3(tx, ty, tz, tx, ty, tz);
         const Float normal = mine * overlap;
@@ -100,6 +119,7 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       }
       sx = sx + keep(touch, cx), sy = sy + keep(touch, cy), sz = sz + keep(touch, cz);
       contacts = contacts + keep(touch, one);
+      wakes = wakes | (touch & (other[3] < zero));
     }
 
     Float factor = omega;
@@ -187,6 +207,10 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
           out[k] = select(bad, keep(number, self[k]), out[k]);
           out[4 + k] = select(bad, zero, out[4 + k]);
         }
+      }
+      if (any(wakes & live & (broadcast(a->wake_displacement * a->wake_displacement) < move2))) {
+        a->touched[i / k_lane_group] = 1;
+        extent->touched = 1;
       }
       speed2 = maximum(keep(live, move2 / (step * step)), speed2);
       const Float position[3] = {out[0], out[1], out[2]}, move[3] = {dx, dy, dz};

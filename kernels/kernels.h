@@ -1,10 +1,11 @@
 // The kernels: pure functions on the caller's arrays, without state, memory or clock. Every instruction set exports one
 // table of them; select_kernels picks a table. All tables give the same bits.
 //
-// Arrays of records are 32-byte aligned; a record is 8 floats. Particle: x y z w | u u u id, with w = 1 for a particle
-// that moves and 0 for one that does not, u = velocity between sub-steps and displacement between the iterations of
-// one, id = its number, as bits. Grain: x y z id | v v v unused. Ranges begin at multiples of 16; arrays are padded to
-// whole groups of 16 with inert records (w = 0).
+// Arrays of records are 32-byte aligned; a record is 8 floats. Particle: x y z w | u u u id. w is the inverse mass in
+// sand particles: above 0 the particle moves, 0 it never does, below 0 it sleeps (its inverse mass is then -w). u is
+// the velocity between sub-steps and the displacement between the iterations of one. id holds, as bits, the particle's
+// number and, above k_number_mask, the rigid body it belongs to (0: none). Grain: x y z id | v v v unused. Ranges begin
+// at multiples of 16; arrays are padded to whole groups of 16 with inert records (w = 0).
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,9 @@
 namespace sandglass {
 
 constexpr uint32_t k_record_floats = 8;
-constexpr uint32_t k_lane_group = 16;                                    // every width divides it
+constexpr uint32_t k_lane_group = 16;  // every width divides it
+constexpr uint32_t k_number_mask = 0x00ffffff;
+constexpr uint32_t k_body_shift = 24;
 constexpr float k_coordinate_bound = 2.0f * SANDGLASS_COORDINATE_LIMIT;  // metres; what strays beyond it is quarantined
 constexpr uint32_t k_list_slots =
     32;  // neighbours a particle can have; a dense packing has 12 to 15 inside a list's reach
@@ -58,10 +61,11 @@ struct ColliderFrame {
 };
 
 // One Jacobi pass over particles: contacts and friction from the positions before the pass, then colliders. Reads `in`,
-// writes `out`.
+// writes `out`. The range is of items: item i is lane i % 16 of record group groups[i / 16].
 struct ContactArgs {
   const float* in;
   float* out;
+  const uint32_t* groups;
   const uint32_t* lists;
   const uint8_t* counts;
   uint32_t particle_count;  // lanes beyond it are inert
@@ -80,6 +84,9 @@ struct ContactArgs {
   const ColliderFrame* colliders;
   uint32_t collider_count;
   float radius;
+  int32_t bodies;           // 1: masses may differ, and particles of one body ignore each other
+  float wake_displacement;  // metres; who moves further in this sub-step and touches a sleeper marks its own group
+  uint8_t* touched;         // one a record group
 };
 
 // What a range of the last pass saw: exact extrema, so they combine in any order.
@@ -88,6 +95,17 @@ struct ContactExtent {
   float low[3], high[3];                            // positions
   float displacement_low[3], displacement_high[3];  // of this sub-step
   uint32_t quarantined;                             // lanes found not finite and put to rest
+  uint32_t touched;                                 // 1: some group was marked
+};
+
+// Wakes the sleepers near colliders: a record with w < 0 whose distance to a collider is below margin + u[0] (the
+// radius that it stands for; 0 for a particle at rest) gets w = -w.
+struct WakeArgs {
+  float* records;
+  uint32_t record_count;
+  const ColliderFrame* colliders;
+  const float* margins;  // metres, one a collider
+  uint32_t collider_count;
 };
 
 struct RefineArgs {

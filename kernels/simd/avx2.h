@@ -43,6 +43,7 @@ SANDGLASS_INLINE Int operator|(Int a, Int b) { return {_mm256_or_si256(a.v, b.v)
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {_mm256_sll_epi32(a.v, _mm_cvtsi32_si128(count))}; }
 SANDGLASS_INLINE Int to_int(Float a) { return {_mm256_cvttps_epi32(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {_mm256_cvtepi32_ps(a.v)}; }
+SANDGLASS_INLINE Int as_int(Float a) { return {_mm256_castps_si256(a.v)}; }
 
 SANDGLASS_INLINE Mask operator<(Float a, Float b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)}; }
 SANDGLASS_INLINE Mask operator<=(Float a, Float b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)}; }

@@ -43,6 +43,7 @@ SANDGLASS_INLINE Int operator|(Int a, Int b) { return {_mm512_or_si512(a.v, b.v)
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {_mm512_sll_epi32(a.v, _mm_cvtsi32_si128(count))}; }
 SANDGLASS_INLINE Int to_int(Float a) { return {_mm512_cvttps_epi32(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {_mm512_cvtepi32_ps(a.v)}; }
+SANDGLASS_INLINE Int as_int(Float a) { return {_mm512_castps_si512(a.v)}; }
 
 SANDGLASS_INLINE Mask operator<(Float a, Float b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ)}; }
 SANDGLASS_INLINE Mask operator<=(Float a, Float b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ)}; }

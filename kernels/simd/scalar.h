@@ -56,6 +56,7 @@ SANDGLASS_INLINE Int shift_left(Int a, int count) {
 }
 SANDGLASS_INLINE Int to_int(Float a) { return {static_cast<int32_t>(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {static_cast<float>(a.v)}; }
+SANDGLASS_INLINE Int as_int(Float a) { return {__builtin_bit_cast(int32_t, a.v)}; }  // the same bits
 
 SANDGLASS_INLINE Mask operator<(Float a, Float b) { return {a.v < b.v}; }
 SANDGLASS_INLINE Mask operator<=(Float a, Float b) { return {a.v <= b.v}; }

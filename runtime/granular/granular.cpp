@@ -107,6 +107,7 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (outside(d.list_skin, 0.1f, 1.0f)) return "granular.list_skin must be 0.1 to 1 particle radius.";
   if (d.blend != SANDGLASS_BLEND_CONTINUOUS && d.blend != SANDGLASS_BLEND_SOURCE)
     return "granular.blend must be a SANDGLASS_BLEND value.";
+  if (outside(d.sleep_after, 0.0f, 5.0f)) return "granular.sleep_after must be 0 (never) to 5 seconds.";
   if (outside(d.refine_step, 1e-4f, 0.1f)) return "granular.refine_step must be 0.0001 to 0.1 seconds.";
   return nullptr;
 }
@@ -135,6 +136,11 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   }
   g->lists = layout_region<uint32_t>(layout, "granular.lists", rows * k_list_slots);
   g->counts = layout_region<uint8_t>(layout, "granular.list_counts", rows);
+  const uint64_t groups = rows / k_lane_group + 1;
+  g->active_groups = layout_region<uint32_t>(layout, "granular.active_groups", groups);
+  g->group_states = layout_region<GroupState>(layout, "granular.group_states", groups);
+  g->touched = layout_region<uint8_t>(layout, "granular.touched", groups);
+  g->rest = layout_region<Rest>(layout, "granular.rest", d.particle_capacity);
   layout_sort(&g->particle_sort, layout, "granular.cells", "granular.cell_keys", rows, 4ull * rows);
   if (boundary) {
     layout_sort(&g->boundary_sort, layout, "granular.boundary_cells", "granular.boundary_keys", d.boundary_capacity,
@@ -150,6 +156,9 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   g->colliders = layout_region<sandglass_collider>(layout, "granular.colliders", d.collider_capacity);
   g->substep_colliders = layout_region<ColliderFrame>(layout, "granular.substep_colliders", d.collider_capacity);
   g->sweep_colliders = layout_region<ColliderFrame>(layout, "granular.sweep_colliders", d.collider_capacity);
+  g->colliders_before = layout_region<sandglass_collider>(layout, "granular.colliders_before", d.collider_capacity);
+  g->moved_colliders = layout_region<ColliderFrame>(layout, "granular.moved_colliders", 2ull * d.collider_capacity);
+  g->moved_margins = layout_region<float>(layout, "granular.moved_margins", 2ull * d.collider_capacity);
 }
 
 void granular_reset(Granular* g) {
@@ -164,6 +173,10 @@ void granular_reset(Granular* g) {
   g->substep = g->last_substep = g->substep_max;
   g->owed = g->interval_owed = g->requested = g->simulated = g->unswept = g->sweep_time = 0.0;
   g->builds_per_substep = 0.25f;
+  g->active_count = g->awake_count = g->collider_before_count = g->moved_count = 0;
+  g->next_rest = 0.0;
+  g->waking_count = 0;
+  g->touch_due = g->wake_due = g->rest_due = false;
   for (int k = 0; k < 3; ++k) g->low[k] = g->high[k] = 0.0f;
   for (float* records : g->records) {
     if (records != nullptr) put_inert(records, g->inert);
@@ -204,6 +217,10 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     const float* position = particles + 3ull * i;
     const float* velocity = particle_velocities == nullptr ? nullptr : particle_velocities + 3ull * i;
     put(g->records[0], index, position, 1.0f, velocity, index);
+    Rest& rest = g->rest[index];
+    for (int k = 0; k < 3; ++k) rest.anchor[k] = position[k];
+    rest.quiet = 0;
+    ++g->awake_count;
     float speed2 = 0.0f;
     for (int k = 0; k < 3; ++k) {
       const bool first = !g->bounds_known;
@@ -223,7 +240,7 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     // A pass under way did not know them: the sub-step starts again from the same state.
     g->particle_count += particle_count;
     g->phase = ParticlePhase::idle;
-    g->lists_valid = false;
+    g->lists_valid = g->wake_due = g->rest_due = false;
     if (g->grain_phase == GrainPhase::snapshot) g->grain_phase = GrainPhase::idle;
     seal_particles(g);
   }
@@ -252,7 +269,7 @@ sandglass_status granular_set_boundary(Granular* g, const float* positions, uint
   }
   g->boundary_count = count;
   g->phase = ParticlePhase::idle;
-  g->lists_valid = false;
+  granular_wake_all(g);
   if (count != 0) {
     // Sorted in place through the second particle buffer: its boundary rows are rewritten below anyway.
     float low[3] = {positions[0], positions[1], positions[2]}, high[3] = {positions[0], positions[1], positions[2]};

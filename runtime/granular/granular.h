@@ -26,14 +26,27 @@ enum : uint32_t {
   k_unit_snapshot,
   k_unit_grain_sort,
   k_unit_refine,
-  k_unit_output
+  k_unit_output,
+  k_unit_touch,
+  k_unit_wake,
+  k_unit_rest
 };
 
 // Rungs of the quality ladder.
 enum : uint32_t { k_level_full, k_level_refine_once, k_level_slow_motion, k_level_count };
 
-enum class ParticlePhase : uint32_t { idle, sort, lists, stabilise, solve };
+enum class ParticlePhase : uint32_t { idle, sort, lists, stabilise, solve, touch, wake, rest, wake_lists };
 enum class GrainPhase : uint32_t { idle, snapshot, sort, refine };
+
+// Whether the particles of a record group are computed. waking: awake, but without neighbour lists yet.
+enum class GroupState : uint8_t { asleep, active, waking };
+
+// What is known of a particle's rest; kept by number.
+struct Rest {
+  float anchor[3];  // where it was when it last moved on
+  uint32_t quiet;   // checks in a row that found it near the anchor; k_asleep: it sleeps
+};
+constexpr uint32_t k_asleep = ~0u;
 
 struct Granular {
   sandglass_granular_desc desc;
@@ -55,6 +68,21 @@ struct Granular {
   uint8_t* counts;
   CellSort particle_sort;
   uint32_t particle_count;
+
+  // Sleep. Work is done on record groups (16 records) with an awake particle; see rest.cpp.
+  uint32_t* active_groups;
+  GroupState* group_states;
+  uint8_t* touched;  // groups that the last sub-step saw run into sleepers
+  Rest* rest;
+  uint32_t active_count, awake_count;
+  uint32_t waking_count;  // groups that wait for lists
+  double next_rest;       // simulated time of the next check
+  bool touch_due, wake_due, rest_due;
+  sandglass_collider* colliders_before;  // of the last frame
+  uint32_t collider_before_count;
+  ColliderFrame* moved_colliders;  // where colliders came from and where they go
+  float* moved_margins;
+  uint32_t moved_count;
 
   // Boundary: fixed, sorted once.
   float* boundary_positions[3];
@@ -127,6 +155,22 @@ sandglass_status granular_set_boundary(Granular* granular, const float* position
 
 // Takes a frame's input: colliders and time.
 void granular_begin_frame(Granular* granular, const sandglass_frame_input* input);
+
+// Sleep and waking (rest.cpp).
+void granular_find_moved_colliders(Granular* granular);  // begin_frame: what changed since the last frame wakes sand
+void granular_settle(Granular* granular);                // after a sub-step: enters the next phase that is due
+void granular_skip_rest(Granular* granular);             // while all sleep, time passes without sub-steps
+void granular_wake_all(Granular* granular);              // outside a frame
+void granular_collect_groups(Granular* granular);        // active_groups from group_states
+void granular_run_touch(Granular* granular);
+void granular_run_wake(Granular* granular);
+void granular_run_rest(Granular* granular);
+void granular_run_wake_lists(Granular* granular);
+uint32_t granular_rest_items(const Granular& granular);  // of the unit that runs next in one of these phases
+float granular_wake_speed(const Granular& granular);
+
+// Neighbour lists of the active groups in the range [begin, end) of records (particles.cpp).
+uint32_t granular_build_lists(Granular* granular, uint32_t begin, uint32_t end);
 
 // The three stages.
 Stage granular_particle_stage(Granular* granular);

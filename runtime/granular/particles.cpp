@@ -3,6 +3,8 @@
 // and, with the small-step scheme, no more than one solve pass: prediction, contacts, friction, colliders and
 // integration in one.
 //
+// Passes run over the record groups that hold an awake particle (rest.cpp).
+//
 // Lists are rebuilt by displacement, not by count. A list holds every pair closer than 2r + skin when it was built, so
 // it is complete while no pair has approached by more than the skin. Common motion does not count: half the range of
 // the particles' displacements bounds how far any particle strays from the mean, and a falling body needs no rebuild.
@@ -21,13 +23,13 @@ uint32_t passes_of(const Granular& g, ParticlePhase phase) {
   return phase == ParticlePhase::stabilise ? g.desc.stabilisation_iterations : g.desc.solver_iterations;
 }
 
-// Half the diagonal of the box that holds all displacements of a sub-step; against a fixed boundary, the longest
+// Half the diagonal of the box that holds all displacements of a sub-step; where something stands still, the longest
 // displacement.
 float spread_of(const Granular& g, const ContactExtent& e) {
   float sum = 0.0f;
   for (int k = 0; k < 3; ++k) {
     float half = 0.5f * (e.displacement_high[k] - e.displacement_low[k]);
-    if (g.boundary_count != 0) {
+    if (g.boundary_count != 0 || g.awake_count < g.particle_count) {
       const float a = __builtin_fabsf(e.displacement_low[k]), b = __builtin_fabsf(e.displacement_high[k]);
       half = a > b ? a : b;
     }
@@ -64,6 +66,8 @@ bool waits_for_grains(const Granular& g, uint32_t level) {
   return level == k_level_full && g.grain_count != 0 && g.interval_left == 0 && g.unswept > k_time_resolution;
 }
 
+uint32_t active_items(const Granular& g) { return g.active_count * k_lane_group; }
+
 // What the next sub-step will be.
 struct Plan {
   double interval;  // of which it is a part, seconds
@@ -89,24 +93,43 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
   if (g.particle_count == 0) return false;
   // A snapshot under way reads the state in several units and must find it unchanged.
   if (g.grain_phase == GrainPhase::snapshot) return false;
-  const uint32_t left = g.particle_count - g.cursor;
-  unit->items = left < g.unit ? left : g.unit;
   ParticlePhase phase = g.phase;
+  uint32_t cursor = g.cursor;
   if (phase == ParticlePhase::idle) {
-    if (g.interval_left == 0 && (g.owed < k_time_resolution || waits_for_grains(g, level))) return false;
-    unit->items = g.particle_count < g.unit ? g.particle_count : g.unit;
-    phase = plan_substep(g, level).stale           ? ParticlePhase::sort
+    if (!g.touch_due && g.interval_left == 0 && (g.owed < k_time_resolution || waits_for_grains(g, level)))
+      return false;
+    cursor = 0;
+    phase = g.touch_due                            ? ParticlePhase::touch
+            : plan_substep(g, level).stale         ? ParticlePhase::sort
             : g.desc.stabilisation_iterations != 0 ? ParticlePhase::stabilise
                                                    : ParticlePhase::solve;
-  } else if (phase == ParticlePhase::sort) {
-    unit->items = cell_sort_items(g.particle_sort, g.particle_count, g.unit);
   }
+  const uint32_t left = (phase == ParticlePhase::lists ? g.particle_count : active_items(g)) - cursor;
+  unit->items = left < g.unit ? left : g.unit;
   switch (phase) {
     case ParticlePhase::sort:
       unit->kind = k_unit_particle_sort, unit->name = "granular.sort";
+      unit->items = g.phase == ParticlePhase::sort ? cell_sort_items(g.particle_sort, g.particle_count, g.unit)
+                                                   : (g.particle_count < g.unit ? g.particle_count : g.unit);
       break;
     case ParticlePhase::lists:
       unit->kind = k_unit_lists, unit->name = "granular.lists";
+      break;
+    case ParticlePhase::wake_lists:
+      unit->kind = k_unit_lists, unit->name = "granular.wake_lists";
+      unit->items = granular_rest_items(g);
+      break;
+    case ParticlePhase::touch:
+      unit->kind = k_unit_touch, unit->name = "granular.touch";
+      unit->items = granular_rest_items(g);
+      break;
+    case ParticlePhase::wake:
+      unit->kind = k_unit_wake, unit->name = "granular.wake";
+      unit->items = granular_rest_items(g);
+      break;
+    case ParticlePhase::rest:
+      unit->kind = k_unit_rest, unit->name = "granular.rest";
+      unit->items = granular_rest_items(g);
       break;
     case ParticlePhase::stabilise:
       unit->kind = k_unit_stabilise, unit->name = "granular.stabilise";
@@ -122,7 +145,7 @@ void enter_passes(Granular* g) {
   g->phase = g->desc.stabilisation_iterations != 0 ? ParticlePhase::stabilise : ParticlePhase::solve;
   g->cursor = g->pass = 0;
   g->extent.speed_squared = 0.0f;
-  g->extent.quarantined = 0;
+  g->extent.quarantined = g->extent.touched = 0;
   for (int k = 0; k < 3; ++k) {
     g->extent.low[k] = g->extent.displacement_low[k] = 3e38f;
     g->extent.high[k] = g->extent.displacement_high[k] = -3e38f;
@@ -154,37 +177,68 @@ void run_sort(Granular* g) {
   g->cursor = 0;
 }
 
+// Lists for the groups with an awake particle; what sleeps is carried into the other buffers as it is.
 struct ListTask {
-  const Kernels* kernels;
+  Granular* g;
   ListArgs args;
-  uint32_t dropped[8];
+  uint32_t dropped[8], awake[8];
+
+  bool settle_group(uint32_t group, uint32_t* awake_lanes) const {
+    const float* records = g->records[0] + static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
+    uint32_t lanes = 0;
+    for (uint32_t l = 0; l < k_lane_group; ++l) lanes += records[l * k_record_floats + 3] > 0.0f ? 1u : 0u;
+    *awake_lanes += lanes;
+    g->group_states[group] = lanes != 0 ? GroupState::active : GroupState::asleep;
+    if (lanes != 0) return true;
+    const uint64_t at = static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
+    for (uint32_t b = 1; b < 3; ++b) {
+      if (g->records[b] != nullptr)
+        __builtin_memcpy(g->records[b] + at, g->records[0] + at, k_lane_group * k_record_floats * sizeof(float));
+    }
+    return false;
+  }
+
   void run(uint32_t piece, uint32_t begin, uint32_t end) {
-    kernels->neighbour_lists(&args, begin, end, &dropped[piece]);
+    uint32_t from = begin, lost = 0, lanes = 0;
+    for (uint32_t i = begin; i < end; i += k_lane_group) {
+      if (settle_group(i / k_lane_group, &lanes)) continue;
+      if (from < i) g->kernels->neighbour_lists(&args, from, i, &lost), dropped[piece] += lost;
+      from = i + k_lane_group;
+    }
+    if (from < end) g->kernels->neighbour_lists(&args, from, end, &lost), dropped[piece] += lost;
+    awake[piece] = lanes;
   }
 };
 
+ListArgs list_args(const Granular& g) {
+  const float reach = (2.0f + g.desc.list_skin) * g.desc.particle_radius;
+  ListArgs args = {};
+  args.grid = g.particle_sort.grid;
+  args.boundary_grid = g.boundary_sort.grid;
+  for (int k = 0; k < 3; ++k) args.positions[k] = g.positions[k], args.boundary_positions[k] = g.boundary_positions[k];
+  args.boundary_count = g.boundary_count;
+  args.boundary_first = g.particle_rows;
+  args.inert = g.inert;
+  args.reach_squared = reach * reach;
+  args.lists = g.lists;
+  args.counts = g.counts;
+  return args;
+}
+
 void run_lists(Granular* g) {
-  const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
-  ListTask task = {};
-  task.kernels = g->kernels;
-  task.args.grid = g->particle_sort.grid;
-  task.args.boundary_grid = g->boundary_sort.grid;
-  for (int k = 0; k < 3; ++k)
-    task.args.positions[k] = g->positions[k], task.args.boundary_positions[k] = g->boundary_positions[k];
-  task.args.boundary_count = g->boundary_count;
-  task.args.boundary_first = g->particle_rows;
-  task.args.inert = g->inert;
-  task.args.reach_squared = reach * reach;
-  task.args.lists = g->lists;
-  task.args.counts = g->counts;
+  ListTask task = {g, list_args(*g), {}, {}};
+  if (g->cursor == 0) g->awake_count = 0;
   const uint32_t end = g->particle_count - g->cursor < g->unit ? g->particle_count : g->cursor + g->unit;
   granular_split(*g, g->cursor, end, &task);
   for (const uint32_t dropped : task.dropped) g->dropped_contacts += dropped;
+  for (const uint32_t awake : task.awake) g->awake_count += awake;
   g->cursor = end;
   if (end < g->particle_count) return;
   g->lists_valid = true;
+  g->waking_count = 0;
   g->list_slack = g->desc.list_skin * g->desc.particle_radius;
   ++g->list_builds;
+  granular_collect_groups(g);
   enter_passes(g);
 }
 
@@ -198,6 +252,7 @@ struct PassTask {
 void merge_extent(ContactExtent* into, const ContactExtent& from) {
   into->speed_squared = from.speed_squared > into->speed_squared ? from.speed_squared : into->speed_squared;
   into->quarantined += from.quarantined;
+  into->touched |= from.touched;
   for (int k = 0; k < 3; ++k) {
     into->low[k] = from.low[k] < into->low[k] ? from.low[k] : into->low[k];
     into->high[k] = from.high[k] > into->high[k] ? from.high[k] : into->high[k];
@@ -209,11 +264,13 @@ void merge_extent(ContactExtent* into, const ContactExtent& from) {
 }
 
 void finish_substep(Granular* g) {
-  g->phase = ParticlePhase::idle;
   g->quarantined += g->extent.quarantined;
   g->speed_max = __builtin_sqrtf(g->extent.speed_squared);
+  const bool all = g->awake_count == g->particle_count;  // sleepers hold the bounds where they were
   for (int k = 0; k < 3; ++k) {
-    if (g->extent.low[k] <= g->extent.high[k]) g->low[k] = g->extent.low[k], g->high[k] = g->extent.high[k];
+    if (g->extent.low[k] > g->extent.high[k]) continue;
+    if (all || g->extent.low[k] < g->low[k]) g->low[k] = g->extent.low[k];
+    if (all || g->extent.high[k] > g->high[k]) g->high[k] = g->extent.high[k];
   }
   g->last_spread = spread_of(*g, g->extent);
   g->last_substep = g->substep;
@@ -229,6 +286,9 @@ void finish_substep(Granular* g) {
     g->owed = g->interval_owed;
     if (g->owed < k_time_resolution) g->owed = 0.0;
   }
+  g->wake_due = g->extent.touched != 0;
+  g->rest_due = g->desc.sleep_after > 0.0f && g->simulated >= g->next_rest - k_time_resolution;
+  granular_settle(g);
 }
 
 // Buffers a pass reads and writes. The first reads the state; the last writes records[1], which then becomes the state.
@@ -248,6 +308,7 @@ void run_pass(Granular* g) {
   task.kernel = solve ? g->kernels->contact_solve : g->kernels->contact_stabilise;
   ContactArgs& a = task.args;
   pass_buffers(*g, pass, passes, &a.in, &a.out);
+  a.groups = g->active_groups;
   a.lists = g->lists;
   a.counts = g->counts;
   a.particle_count = g->particle_count;
@@ -272,15 +333,18 @@ void run_pass(Granular* g) {
   a.displacement_max = g->desc.courant * g->desc.particle_radius;
   a.colliders = g->substep_colliders;
   a.collider_count = g->collider_count;
+  a.wake_displacement = granular_wake_speed(*g) * dt;
+  a.touched = g->touched;
 
-  const uint32_t end = g->particle_count - g->cursor < g->unit ? g->particle_count : g->cursor + g->unit;
-  for (ContactExtent& e : task.extents) e = g->extent, e.quarantined = 0;
+  const uint32_t items = active_items(*g);
+  const uint32_t end = items - g->cursor < g->unit ? items : g->cursor + g->unit;
+  for (ContactExtent& e : task.extents) e = g->extent, e.quarantined = e.touched = 0;
   granular_split(*g, g->cursor, end, &task);
   if (a.last != 0) {
     for (const ContactExtent& e : task.extents) merge_extent(&g->extent, e);
   }
   g->cursor = end;
-  if (end < g->particle_count) return;
+  if (end < items) return;
 
   g->cursor = 0;
   if (++g->pass < passes_of(*g, g->phase)) return;
@@ -297,17 +361,27 @@ void run_pass(Granular* g) {
 
 void run(void* state, uint32_t level) {
   Granular* g = static_cast<Granular*>(state);
-  if (g->phase == ParticlePhase::idle) begin_substep(g, level);
+  if (g->phase == ParticlePhase::idle) {
+    if (g->touch_due) granular_settle(g);
+    else begin_substep(g, level);
+  }
   switch (g->phase) {
+    case ParticlePhase::idle:
+      break;
     case ParticlePhase::sort:
-      run_sort(g);
-      break;
+      return run_sort(g);
     case ParticlePhase::lists:
-      run_lists(g);
-      break;
+      return run_lists(g);
+    case ParticlePhase::touch:
+      return granular_run_touch(g);
+    case ParticlePhase::wake:
+      return granular_run_wake(g);
+    case ParticlePhase::rest:
+      return granular_run_rest(g);
+    case ParticlePhase::wake_lists:
+      return granular_run_wake_lists(g);
     default:
-      run_pass(g);
-      break;
+      return run_pass(g);
   }
 }
 
@@ -316,17 +390,25 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   (void)level;
   if (g.particle_count == 0 || g.owed < k_time_resolution) return 0;
   const uint64_t substeps = substeps_for(g, g.owed), count = g.particle_count;
+  const uint64_t active = g.lists_valid ? active_items(g) : count;
   const uint64_t builds = static_cast<uint64_t>(g.builds_per_substep * static_cast<float>(substeps)) + 1;
   uint32_t n = 0;
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};
-  entries[n++] = {k_unit_lists, builds * count};
+  entries[n++] = {k_unit_lists, builds * active};
   if (g.desc.stabilisation_iterations != 0)
-    entries[n++] = {k_unit_stabilise, substeps * g.desc.stabilisation_iterations * count};
-  entries[n++] = {k_unit_solve, substeps * g.desc.solver_iterations * count};
+    entries[n++] = {k_unit_stabilise, substeps * g.desc.stabilisation_iterations * active};
+  entries[n++] = {k_unit_solve, substeps * g.desc.solver_iterations * active};
   return n;
 }
 
 }  // namespace
+
+uint32_t granular_build_lists(Granular* g, uint32_t begin, uint32_t end) {
+  const ListArgs args = list_args(*g);
+  uint32_t dropped = 0;
+  g->kernels->neighbour_lists(&args, begin, end, &dropped);
+  return dropped;
+}
 
 void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   if (g->substeps != 0) {
@@ -347,6 +429,8 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
     }
   }
 
+  granular_find_moved_colliders(g);
+
   constexpr float k_longest_step = 0.1f;
   const float step = input->time_step > 0.0f ? (input->time_step < k_longest_step ? input->time_step : k_longest_step)
                                              : 0.0f;  // NaN: 0
@@ -364,6 +448,7 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
       g->interval_owed = most;
     }
   }
+  granular_skip_rest(g);
 }
 
 Stage granular_particle_stage(Granular* granular) { return {granular, next, run, forecast, 1, 0.6f}; }

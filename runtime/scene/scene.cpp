@@ -101,6 +101,7 @@ void describe(const sandglass_scene& scene, sandglass_frame_report* report) {
   report->substeps = g.substeps;
   report->list_builds = g.list_builds;
   report->particles = g.particle_count;
+  report->awake = g.awake_count;
   report->grains = g.grain_count;
   report->dropped_contacts = g.dropped_contacts;
   report->quarantined = g.quarantined;
@@ -175,6 +176,7 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.relaxation = 0.33f;
   g.courant = 0.5f;
   g.list_skin = 0.6f;
+  g.sleep_after = 0.5f;
   g.blend = SANDGLASS_BLEND_CONTINUOUS;
   g.refine_step = 0.008f;
 }
@@ -278,6 +280,7 @@ sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float s
   }
   scene->granular.desc.static_friction = static_friction;
   scene->granular.desc.kinetic_friction = kinetic_friction;
+  sandglass::granular_wake_all(&scene->granular);
   return succeed(reason);
 }
 

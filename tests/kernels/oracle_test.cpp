@@ -180,26 +180,52 @@ double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 double length(Vector a) { return std::sqrt(dot(a, a)); }
 Vector at(const float* p) { return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}; }
 
-constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_weighted = 1e-4;
+// Masses, sleepers and rigid bodies among the particles of a cluster.
+void mix(Cluster* c) {
+  for (uint32_t i = 0; i < c->count; ++i) {
+    float* r = c->records[i];
+    if (i % 7 == 3) r[3] = 0.25f;
+    const uint32_t id = i | (i % 6 == 1 ? 1u << k_body_shift : i % 6 == 4 ? 2u << k_body_shift : 0u);
+    std::memcpy(r + 7, &id, sizeof id);
+    if (i % 5 == 2) r[3] = -r[3], r[4] = r[5] = r[6] = 0.0f;
+  }
+}
+uint32_t body_of(const float* r) {
+  uint32_t id = 0;
+  std::memcpy(&id, r + 7, sizeof id);
+  return id == ~0u ? 0 : id >> k_body_shift;
+}
 
-// One pass for particle i: (4.14-4.27) with the small-step factor, then the floor y = -0.004.
-Vector displacement_oracle(Cluster& c, uint32_t i, bool solve) {
+constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_weighted = 1e-4,
+                 k_wake = 1e-4;
+
+// One pass for particle i: (4.14-4.27) with the small-step factor, then the floor y = -0.004. *runs_into_sleeper: it
+// touches one.
+Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_sleeper) {
   const Vector g = {0, -9.81 * k_step * k_step, 0};
-  const auto moved = [&](uint32_t j) { return solve && j < c.count ? k_step * at(c.records[j] + 4) + g : Vector{}; };
+  const auto weight = [&](uint32_t j) { return static_cast<double>(c.records[j][3]); };
+  const auto moved = [&](uint32_t j) {
+    return solve && j < c.count ? k_step * at(c.records[j] + 4) + (weight(j) > 0 ? 1.0 : 0.0) * g : Vector{};
+  };
+  *runs_into_sleeper = false;
   Vector sum;
   for (uint32_t j = 0; j < c.inert; ++j) {
     if (j == i || (j >= c.count && j < c.rows)) continue;
-    const bool fixed = j >= c.rows;
+    if (body_of(c.records[i]) != 0 && body_of(c.records[i]) == body_of(c.records[j])) continue;
+    const bool fixed = weight(j) <= 0;
     const Vector relative = moved(j) - moved(i);
     const Vector e = at(c.records[j]) - at(c.records[i]) + relative;
     const double d = length(e);
     if (d >= 0.02) continue;
+    if (weight(j) < 0) *runs_into_sleeper = true;
     const Vector n = (1 / d) * e;
     const double z = k_weight * n.y, overlap = d - 0.02;
+    // The lower of two equal particles takes 1/2 + asymmetry; masses m = m exp(-k h) multiply that (erratum 4.38).
     const double asymmetry = -z / 4 + z * z * z / 48;
-    sum = sum + (fixed ? overlap : 0.5 * overlap + std::max(overlap, -k_weighted) * asymmetry) * n;
+    const double share = fixed ? 1.0 : weight(i) / (weight(i) + weight(j));
+    const double a = weight(i) * (0.5 + asymmetry), b = weight(j) * (0.5 - asymmetry);
+    sum = sum + (share * overlap + (fixed ? 0.0 : std::max(overlap, -k_weighted) * (a / (a + b) - share))) * n;
     if (!solve) continue;
-    const double share = fixed ? 1.0 : 0.5;
     const Vector t = share * (relative - dot(relative, n) * n);
     const double limit = share * std::fabs(overlap);
     sum = sum + (length(t) <= k_static * limit ? 1.0 : std::min(1.0, k_kinetic * limit / length(t))) * t;
@@ -218,6 +244,7 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve) {
 
 void check_contact(uint32_t n, bool solve) {
   Cluster cluster(n, n / 2, 0.6, 23);
+  mix(&cluster);
   std::vector<uint32_t> lists(uint64_t{cluster.rows} * k_list_slots, cluster.inert);
   std::vector<uint8_t> counts(cluster.rows);
   for (uint32_t i = 0; i < n; ++i) {
@@ -247,7 +274,12 @@ void check_contact(uint32_t n, bool solve) {
   args.step = static_cast<float>(k_step);
   args.last = 0;
   args.displacement_max = 1.0f;
+  args.bodies = 1;
+  args.wake_displacement = static_cast<float>(k_wake);
   args.colliders = &floor, args.collider_count = 1;
+  std::vector<uint32_t> groups(cluster.rows / k_lane_group);
+  for (uint32_t g = 0; g < groups.size(); ++g) groups[g] = g;
+  args.groups = groups.data();
   std::vector<float> first;
   for (const Kernels* kernels : tables()) {
     Records out(cluster.inert + k_slack);
@@ -257,18 +289,73 @@ void check_contact(uint32_t n, bool solve) {
     std::vector<float> all = out.copy();
     all.resize(8ull * n);
     for (uint32_t i = 0; i < n; ++i) {
-      const Vector expected = displacement_oracle(cluster, i, solve);
+      bool into_sleeper = false;
+      const Vector expected =
+          cluster.records[i][3] > 0.0f ? displacement_oracle(cluster, i, solve, &into_sleeper) : Vector{};
       const Vector result = solve ? at(&all[8 * i + 4]) : at(&all[8 * i]) - at(cluster.records[i]);
       // Positions of centimetres in float: 4e-9 m each, a dozen contacts.
       ASSERT_LT(length(result - expected), 1e-7) << sandglass_isa_name(kernels->isa) << " particle " << i;
     }
     if (first.empty()) first = all;
     ASSERT_EQ(std::memcmp(all.data(), first.data(), all.size() * sizeof(float)), 0) << sandglass_isa_name(kernels->isa);
+    if (!solve) continue;
+
+    // As the last pass: groups in which a fast particle runs into a sleeper are marked, others are not.
+    std::vector<uint8_t> touched(groups.size(), 0);
+    args.touched = touched.data();
+    args.last = 1;
+    kernels->contact_solve(&args, 0, n, &extent);
+    args.last = 0;
+    std::vector<uint8_t> expected(groups.size(), 0);
+    for (uint32_t i = 0; i < n; ++i) {
+      bool into_sleeper = false;
+      if (!(cluster.records[i][3] > 0.0f)) continue;
+      const double moved = length(displacement_oracle(cluster, i, true, &into_sleeper));
+      ASSERT_GT(std::fabs(moved - k_wake), 1e-8) << "too near the threshold to decide; change the seed";
+      if (into_sleeper && moved > k_wake) expected[i / k_lane_group] = 1;
+    }
+    ASSERT_EQ(touched, expected) << sandglass_isa_name(kernels->isa);
+    ASSERT_EQ(extent.touched != 0, std::count(expected.begin(), expected.end(), 1) != 0);
   }
 }
 
 void check_contact_solve(uint32_t n) { check_contact(n, true); }
 void check_contact_stabilise(uint32_t n) { check_contact(n, false); }
+
+// ---- wake_near
+
+void check_wake_near(uint32_t n) {
+  Cluster cluster(n, 0, 0.3, 41);
+  mix(&cluster);
+  ColliderFrame colliders[2] = {};
+  for (ColliderFrame& c : colliders)
+    for (int k = 0; k < 3; ++k) c.axes[k][k] = 1.0f;
+  colliders[0].shape = SANDGLASS_SHAPE_SPHERE, colliders[0].size[0] = 0.02f, colliders[0].position[0] = 0.01f;
+  colliders[1].shape = SANDGLASS_SHAPE_HALF_SPACE, colliders[1].position[1] = -0.03f;
+  const float margins[2] = {0.005f, 0.012f};
+  for (uint32_t i = 0; i < n; i += 3) cluster.records[i][4] = 0.004f;
+  std::vector<float> first;
+  for (const Kernels* kernels : tables()) {
+    Records moved(cluster.inert + k_slack);
+    std::memcpy(moved.data(), cluster.records.data(), 8 * sizeof(float) * (cluster.inert + k_slack));
+    const WakeArgs args = {moved.data(), n, colliders, margins, 2};
+    uint32_t woken = 0, expected = 0;
+    kernels->wake_near(&args, 0, n, &woken);
+    for (uint32_t i = 0; i < n; ++i) {
+      const float* r = cluster.records[i];
+      const Vector x = at(r);
+      const double ball = length(x - Vector{0.01, 0, 0}) - 0.02 - 0.005, floor = x.y + 0.03 - 0.012;
+      const double gap = std::min(ball, floor) - (i % 3 == 0 ? 0.004 : static_cast<double>(r[4]));
+      ASSERT_GT(std::fabs(gap), 1e-8);
+      const bool wakes = r[3] < 0.0f && gap < 0;
+      expected += wakes ? 1 : 0;
+      ASSERT_EQ(moved[i][3], wakes ? -r[3] : r[3]) << sandglass_isa_name(kernels->isa);
+    }
+    ASSERT_EQ(woken, expected);
+    if (first.empty()) first = moved.copy();
+    ASSERT_EQ(std::memcmp(moved.data(), first.data(), first.size() * sizeof(float)), 0);
+  }
+}
 
 // ---- refine_grains
 

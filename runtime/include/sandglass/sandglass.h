@@ -167,6 +167,9 @@ typedef struct sandglass_granular_desc {
   float list_skin; /* neighbour lists reach 2r + list_skin*r; 0.1..1; they are rebuilt before anything outside can touch
                     */
 
+  float sleep_after; /* seconds; particles that stay within 10 % of r of one place for so long sleep, and cost nothing,
+                      * until something touches them; 0 = never; at most 5; the default is 0.5 */
+
   sandglass_blend blend;
   float refine_step; /* seconds; longest step of the grains, Delta t_hr; the source's 0.008 */
 } sandglass_granular_desc;
@@ -336,6 +339,7 @@ typedef struct sandglass_frame_report {
   uint32_t substeps;     /* completed in this frame */
   uint32_t list_builds;
   uint32_t particles;
+  uint32_t awake; /* particles that do not sleep */
   uint32_t grains;
   uint32_t dropped_contacts; /* neighbours beyond a list's capacity (32), summed over the frame's list builds; 0 in any
                                 packing */

@@ -1,0 +1,22 @@
+// Sleepers near colliders that moved wake up, before the sub-step that would run into them.
+
+static void wake_near(const WakeArgs* a, uint32_t begin, uint32_t end, uint32_t* woken) {
+  const Float zero = broadcast(0.0f);
+  *woken = 0;
+  for (uint32_t i = begin; i < end; i += k_width) {
+    float* record = a->records + static_cast<uint64_t>(i) * k_record_floats;
+    Float r[8];
+    load_records(record, r);
+    const Mask asleep = (r[3] < zero) & (lane_index() + broadcast(static_cast<int32_t>(i)) <
+                                         broadcast(static_cast<int32_t>(a->record_count)));
+    if (!any(asleep)) continue;
+    Mask near = zero < zero;
+    for (uint32_t c = 0; c < a->collider_count; ++c)
+      near = near | (collider_surface(a->colliders[c], r[0], r[1], r[2]).distance < broadcast(a->margins[c]) + r[4]);
+    near = near & asleep;
+    if (!any(near)) continue;
+    *woken += count(near);
+    r[3] = select(near, zero - r[3], r[3]);
+    store_records(record, r);
+  }
+}

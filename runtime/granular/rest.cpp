@@ -1,0 +1,267 @@
+// Sleep. A particle that has stayed near one place for sleep_after seconds sleeps: its w changes sign, it stops, and
+// its neighbours see a thing of infinite mass. Record groups in which all sleep are left out of every pass.
+//
+// What wakes it, always a neighbour in its list or a collider:
+//   touch       a collider that moved, appeared or went away since the last frame comes or was within reach
+//   wake        after each sub-step: a particle faster than the wake speed runs into it
+//   rest        every 20 ms of simulated time: a neighbour has moved on, by more than the distance that counts as rest
+// So a heap wakes shell by shell from where it was disturbed, as fast as the disturbance travels, and no further. A
+// particle that keeps still to within that distance but trembles does sleep: what counts is where it is.
+//
+// Lists are kept for active groups only. A group that wakes gets its lists from the grid of the last build, the same
+// lists as if it had been awake then.
+#include "runtime/granular/granular.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr float k_rest_radii = 0.1f;       // moving further than this is moving on
+constexpr double k_rest_period = 0.02;      // seconds between checks
+constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d); resting particles tremble at a tenth of it
+
+float* record_at(const Granular& g, uint32_t i) { return g.records[0] + static_cast<uint64_t>(i) * k_record_floats; }
+
+uint32_t number_of(const float* record) {
+  uint32_t id;
+  __builtin_memcpy(&id, record + 7, sizeof id);
+  return id & k_number_mask;
+}
+
+// The particle in record i is awake from now on.
+void begin_waking(Granular* g, uint32_t i) {
+  const float* record = record_at(*g, i);
+  Rest& rest = g->rest[number_of(record)];
+  for (int k = 0; k < 3; ++k) rest.anchor[k] = record[k];
+  rest.quiet = 0;
+  ++g->awake_count;
+  GroupState& state = g->group_states[i / k_lane_group];
+  if (state != GroupState::asleep) return;
+  state = GroupState::waking;
+  ++g->waking_count;
+}
+
+void wake_neighbours(Granular* g, uint32_t i) {
+  const uint32_t* row = g->lists + static_cast<uint64_t>(i) * k_list_slots;
+  for (uint32_t s = 0; s < g->counts[i]; ++s) {
+    if (row[s] >= g->particle_count) continue;
+    float* record = record_at(*g, row[s]);
+    if (!(record[3] < 0.0f)) continue;
+    record[3] = -record[3];
+    begin_waking(g, row[s]);
+  }
+}
+
+// All of the group sleep: it leaves the passes, so both buffers must hold it.
+void put_to_sleep(Granular* g, uint32_t group) {
+  g->group_states[group] = GroupState::asleep;
+  const uint64_t at = static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
+  for (uint32_t b = 1; b < 3; ++b) {
+    if (g->records[b] != nullptr)
+      __builtin_memcpy(g->records[b] + at, g->records[0] + at, k_lane_group * k_record_floats * sizeof(float));
+  }
+}
+
+bool same(const sandglass_collider& a, const sandglass_collider& b) {
+  bool equal = a.shape == b.shape;
+  for (int k = 0; k < 3; ++k) {
+    equal = equal && a.position[k] == b.position[k] && a.size[k] == b.size[k];
+    equal = equal && b.linear_velocity[k] == 0.0f && b.angular_velocity[k] == 0.0f;
+  }
+  for (int k = 0; k < 4; ++k) equal = equal && a.rotation[k] == b.rotation[k];
+  return equal;
+}
+
+void add_moved(Granular* g, const sandglass_collider& collider, float margin) {
+  colliders_pose(&collider, 1, 0.0f, &g->moved_colliders[g->moved_count]);
+  g->moved_margins[g->moved_count] = margin;
+  ++g->moved_count;
+}
+
+// Half of what any point of the collider near sand can have travelled between two poses.
+float half_travel(const sandglass_collider& a, const sandglass_collider& b) {
+  float shift2 = 0.0f, turn2 = 0.0f, extent2 = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    shift2 += (b.position[k] - a.position[k]) * (b.position[k] - a.position[k]);
+    extent2 += b.size[k] * b.size[k];
+  }
+  for (int k = 0; k < 4; ++k) turn2 += (b.rotation[k] - a.rotation[k]) * (b.rotation[k] - a.rotation[k]);
+  return 0.5f * __builtin_sqrtf(shift2) + __builtin_sqrtf(turn2 * extent2);
+}
+
+void remember_colliders(Granular* g) {
+  g->collider_before_count = g->collider_count;
+  for (uint32_t c = 0; c < g->collider_count; ++c) g->colliders_before[c] = g->colliders[c];
+}
+
+}  // namespace
+
+float granular_wake_speed(const Granular& g) {
+  const float pull = g.gravity_length > 0.1f ? g.gravity_length : 9.81f;
+  return k_wake_speed_units * __builtin_sqrtf(pull * 2.0f * g.desc.particle_radius);
+}
+
+void granular_find_moved_colliders(Granular* g) {
+  g->moved_count = 0;
+  if (g->awake_count < g->particle_count) {
+    const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
+    const uint32_t most = g->collider_count > g->collider_before_count ? g->collider_count : g->collider_before_count;
+    for (uint32_t c = 0; c < most; ++c) {
+      const bool is = c < g->collider_count, was = c < g->collider_before_count;
+      const sandglass_collider* now = &g->colliders[c];
+      const sandglass_collider* before = &g->colliders_before[c];
+      if (is && was && same(*before, *now)) continue;
+      const float margin = reach + (is && was ? half_travel(*before, *now) : 0.0f);
+      if (is) add_moved(g, *now, margin);
+      if (was) add_moved(g, *before, margin);
+    }
+  }
+  g->touch_due = g->moved_count != 0;
+  if (!g->touch_due) remember_colliders(g);
+}
+
+void granular_collect_groups(Granular* g) {
+  const uint32_t groups = (g->particle_count + k_lane_group - 1) / k_lane_group;
+  g->active_count = 0;
+  for (uint32_t group = 0; group < groups; ++group) {
+    g->touched[group] = 0;
+    if (g->group_states[group] == GroupState::active) g->active_groups[g->active_count++] = group;
+  }
+}
+
+void granular_settle(Granular* g) {
+  g->cursor = 0;
+  if (g->touch_due) {
+    g->phase = ParticlePhase::touch;
+  } else if (g->wake_due) {
+    g->phase = ParticlePhase::wake;
+  } else if (g->rest_due) {
+    g->phase = ParticlePhase::rest;
+  } else if (g->waking_count != 0 && g->lists_valid) {
+    g->phase = ParticlePhase::wake_lists;
+  } else {
+    g->phase = ParticlePhase::idle;
+    granular_skip_rest(g);
+  }
+}
+
+void granular_skip_rest(Granular* g) {
+  if (g->awake_count != 0 || g->particle_count == 0 || !g->lists_valid || g->touch_due ||
+      g->phase != ParticlePhase::idle) {
+    return;
+  }
+  g->simulated += g->owed;
+  g->unswept += g->owed;
+  g->owed = g->interval_owed = 0.0;
+  g->interval_left = 0;
+  g->speed_max = g->last_spread = 0.0f;
+}
+
+void granular_wake_all(Granular* g) {
+  for (uint32_t i = 0; i < g->particle_count; ++i) {
+    float* record = record_at(*g, i);
+    if (!(record[3] < 0.0f)) continue;
+    record[3] = -record[3];
+    begin_waking(g, i);
+  }
+  g->phase = ParticlePhase::idle;
+  g->lists_valid = g->wake_due = g->rest_due = false;
+}
+
+uint32_t granular_rest_items(const Granular& g) {
+  uint32_t left = g.active_count * k_lane_group;
+  if (g.phase == ParticlePhase::idle) left = g.particle_count;  // touch is due, then
+  if (g.phase == ParticlePhase::touch) left = g.particle_count - g.cursor;
+  if (g.phase == ParticlePhase::rest) left -= g.cursor;
+  if (g.phase == ParticlePhase::wake_lists) left = g.waking_count * k_lane_group;
+  return left < g.unit ? left : g.unit;
+}
+
+void granular_run_touch(Granular* g) {
+  const uint32_t end = g->particle_count - g->cursor < g->unit ? g->particle_count : g->cursor + g->unit;
+  WakeArgs args = {g->records[0], g->particle_count, g->moved_colliders, g->moved_margins, g->moved_count};
+  uint32_t woken = 0;
+  g->kernels->wake_near(&args, g->cursor, end, &woken);
+  for (uint32_t i = g->cursor; woken != 0 && i < end; ++i) {
+    const float* record = record_at(*g, i);
+    if (record[3] > 0.0f && g->rest[number_of(record)].quiet == k_asleep) begin_waking(g, i);
+  }
+  g->cursor = end;
+  if (end < g->particle_count) return;
+  g->touch_due = false;
+  remember_colliders(g);
+  granular_settle(g);
+}
+
+void granular_run_wake(Granular* g) {
+  const float speed = granular_wake_speed(*g), speed2 = speed * speed;
+  uint32_t done = 0;
+  for (; g->cursor < g->active_count && done < g->unit; ++g->cursor) {
+    const uint32_t group = g->active_groups[g->cursor];
+    if (g->touched[group] == 0) continue;
+    g->touched[group] = 0;
+    done += k_lane_group;
+    for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
+      const float* r = record_at(*g, i);
+      if (r[3] > 0.0f && r[4] * r[4] + r[5] * r[5] + r[6] * r[6] > speed2) wake_neighbours(g, i);
+    }
+  }
+  if (g->cursor < g->active_count) return;
+  g->wake_due = false;
+  granular_settle(g);
+}
+
+void granular_run_rest(Granular* g) {
+  const float limit = k_rest_radii * g->desc.particle_radius, limit2 = limit * limit;
+  const uint32_t patience = static_cast<uint32_t>(g->desc.sleep_after / static_cast<float>(k_rest_period) + 0.5f);
+  const uint32_t items = g->active_count * k_lane_group;
+  const uint32_t end = items - g->cursor < g->unit ? items : g->cursor + g->unit;
+  for (uint32_t at = g->cursor; at < end; at += k_lane_group) {
+    const uint32_t group = g->active_groups[at / k_lane_group];
+    uint32_t awake = 0;
+    for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
+      float* r = record_at(*g, i);
+      if (!(r[3] > 0.0f)) continue;
+      Rest& rest = g->rest[number_of(r)];
+      float moved2 = 0.0f;
+      for (int k = 0; k < 3; ++k) moved2 += (r[k] - rest.anchor[k]) * (r[k] - rest.anchor[k]);
+      if (moved2 > limit2) {
+        for (int k = 0; k < 3; ++k) rest.anchor[k] = r[k];
+        rest.quiet = 0;
+        wake_neighbours(g, i);
+      } else if (++rest.quiet >= patience) {
+        r[3] = -r[3];
+        r[4] = r[5] = r[6] = 0.0f;
+        rest.quiet = k_asleep;
+        --g->awake_count;
+      }
+    }
+    for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i)
+      awake += record_at(*g, i)[3] > 0.0f ? 1u : 0u;
+    if (awake == 0) put_to_sleep(g, group);
+  }
+  g->cursor = end;
+  if (end < items) return;
+  g->rest_due = false;
+  g->next_rest = g->simulated + k_rest_period;
+  granular_collect_groups(g);
+  granular_settle(g);
+}
+
+void granular_run_wake_lists(Granular* g) {
+  uint32_t done = 0;
+  for (; g->cursor < g->particle_count && g->waking_count != 0 && done < g->unit; g->cursor += k_lane_group) {
+    GroupState& state = g->group_states[g->cursor / k_lane_group];
+    if (state != GroupState::waking) continue;
+    const uint32_t left = g->particle_count - g->cursor;
+    g->dropped_contacts += granular_build_lists(g, g->cursor, g->cursor + (left < k_lane_group ? left : k_lane_group));
+    state = GroupState::active;
+    --g->waking_count;
+    done += k_lane_group;
+  }
+  if (g->waking_count != 0) return;
+  granular_collect_groups(g);
+  granular_settle(g);
+}
+
+}  // namespace sandglass

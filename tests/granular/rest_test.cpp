@@ -1,0 +1,138 @@
+// Sleep: sand at rest costs nothing, and wakes where it is touched and nowhere else.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/granular/granular_scene.h"
+
+namespace {
+
+constexpr float k_radius = 0.01f, k_frame = 0.02f;
+
+double distance(const std::vector<float>& a, const std::vector<float>& b, uint32_t i) {
+  double sum = 0.0;
+  for (uint32_t k = 0; k < 3; ++k) sum += std::pow(static_cast<double>(a[3 * i + k] - b[3 * i + k]), 2);
+  return std::sqrt(sum);
+}
+
+// A bed of sand, wide and three layers deep, that sleeps.
+GranularScene sleeping_bed(uint32_t wide, float sleep_after = 0.5f) {
+  sandglass_scene_desc desc = description(wide * wide * 3 + 8);
+  desc.granular.sleep_after = sleep_after;
+  GranularScene bed(desc);
+  bed.add(lattice(wide, 3, wide, 2.02f * k_radius, k_radius));
+  bed.add_floor();
+  for (int frame = 0; frame < 400; ++frame)
+    if (bed.frame(k_frame).awake == 0) break;
+  return bed;
+}
+
+TEST(Sleep, ARestingBedSleepsAndThenTimePassesWithoutSubsteps) {
+  GranularScene bed = sleeping_bed(16);
+  const uint64_t before = bed.hash();
+  const sandglass_frame_report report = bed.frame(k_frame);
+  EXPECT_EQ(report.awake, 0u);
+  EXPECT_EQ(report.substeps, 0u);
+  EXPECT_EQ(report.stages[SANDGLASS_STAGE_GRANULAR].units, 0u);
+  EXPECT_DOUBLE_EQ(report.time_debt, 0.0);
+  EXPECT_EQ(bed.hash(), before);
+}
+
+TEST(Sleep, NeverWhenSwitchedOff) {
+  GranularScene bed = sleeping_bed(6, 0.0f);
+  EXPECT_EQ(bed.frame(k_frame).awake, bed.particle_count);
+  EXPECT_GT(bed.frame(k_frame).substeps, 0u);
+}
+
+TEST(Sleep, AHandWakesWhatItTouchesAndNothingElse) {
+  GranularScene bed = sleeping_bed(40);
+  ASSERT_EQ(bed.frame(k_frame).awake, 0u);
+  const std::vector<float> before = bed.positions();
+  sandglass_collider hand = {};
+  hand.shape = SANDGLASS_SHAPE_SPHERE;
+  hand.size[0] = 0.03f;
+  hand.rotation[3] = 1.0f;
+  hand.position[0] = 0.1f, hand.position[1] = 0.1f, hand.position[2] = 0.4f;
+  bed.colliders.push_back(hand);
+  uint32_t most = 0;
+  const auto move = [&](int axis, float speed, int frames) {
+    for (int frame = 0; frame < frames; ++frame) {
+      sandglass_collider& moving = bed.colliders.back();
+      for (float& v : moving.linear_velocity) v = 0.0f;
+      moving.linear_velocity[axis] = speed;
+      moving.position[axis] += speed * k_frame;
+      most = std::max(most, bed.frame(k_frame).awake);
+    }
+  };
+  move(1, -0.1f, 20);  // down into the sand, then along
+  move(0, 0.1f, 50);
+  EXPECT_GT(most, 20u);
+  EXPECT_LT(most, bed.particle_count / 4);
+  // The hand passed at z = 0.4 in the direction of x; rows of the lattice in front of it are pushed as a whole, out to
+  // the rim. What is ten diameters aside has not moved at all.
+  const std::vector<float> after = bed.positions();
+  uint32_t far = 0, pushed = 0;
+  for (uint32_t i = 0; i < bed.particle_count; ++i) {
+    if (std::fabs(static_cast<double>(before[3 * i + 2]) - 0.4) > 0.03 + 20 * 0.01) {
+      ++far;
+      EXPECT_EQ(distance(before, after, i), 0.0);
+    }
+    pushed += distance(before, after, i) > static_cast<double>(k_radius) ? 1 : 0;
+  }
+  EXPECT_GT(far, bed.particle_count / 3);
+  EXPECT_GT(pushed, 10u);
+}
+
+TEST(Sleep, WithoutItsFloorTheBedFalls) {
+  GranularScene bed = sleeping_bed(8);
+  ASSERT_EQ(bed.frame(k_frame).awake, 0u);
+  const std::vector<float> before = bed.positions();
+  bed.colliders.clear();
+  for (int frame = 0; frame < 20; ++frame) bed.frame(k_frame);
+  // Free fall of 0.4 s is 0.78 m; the topmost layer wakes a few frames late at worst.
+  for (uint32_t i = 0; i < bed.particle_count; ++i) EXPECT_GT(distance(before, bed.positions(), i), 0.4) << i;
+}
+
+TEST(Sleep, AFallingParticleWakesWhatItHits) {
+  GranularScene bed = sleeping_bed(16);
+  ASSERT_EQ(bed.frame(k_frame).awake, 0u);
+  const std::vector<float> before = bed.positions();
+  bed.add({0.15f, 0.5f, 0.15f}, {0.0f, -3.0f, 0.0f});
+  uint32_t most = 0;
+  for (int frame = 0; frame < 10; ++frame) most = std::max(most, bed.frame(k_frame).awake);
+  EXPECT_GT(most, 4u);
+  EXPECT_LT(most, bed.particle_count / 2);
+}
+
+TEST(Sleep, NewFrictionWakesAll) {
+  GranularScene bed = sleeping_bed(8);
+  ASSERT_EQ(bed.frame(k_frame).awake, 0u);
+  const char* reason = nullptr;
+  ASSERT_EQ(sandglass_granular_set_friction(bed.scene, 0.1f, 0.1f, &reason), SANDGLASS_OK);
+  EXPECT_EQ(bed.frame(k_frame).awake, bed.particle_count);
+}
+
+TEST(Sleep, TheSameOnEveryInstructionSetAndUnitSize) {
+  uint64_t first = 0;
+  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_AVX512; ++isa) {
+    if (sandglass_isa_available(isa) == 0) continue;
+    for (const uint32_t unit : {64u, 1024u}) {
+      sandglass_scene_desc desc = description(800);
+      desc.isa = isa;
+      desc.unit_items = unit;
+      GranularScene bed(desc);
+      bed.add(lattice(16, 3, 16, 2.02f * k_radius, k_radius));
+      bed.add_floor();
+      bool slept = false;
+      for (int frame = 0; frame < 150; ++frame) slept = bed.frame(k_frame).awake < 400 || slept;
+      bed.add({0.15f, 0.3f, 0.15f}, {0.0f, -3.0f, 0.0f});
+      for (int frame = 0; frame < 20; ++frame) bed.frame(k_frame);
+      EXPECT_TRUE(slept);
+      if (first == 0) first = bed.hash();
+      EXPECT_EQ(bed.hash(), first) << sandglass_isa_name(isa) << ", units of " << unit;
+    }
+  }
+}
+
+}  // namespace
