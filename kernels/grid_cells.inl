@@ -18,9 +18,16 @@ static void grid_cells(const GridCellsArgs* args, uint32_t begin, uint32_t end, 
   for (uint32_t i = begin; i < end; i += k_width) {
     Float record[8];
     load_records(args->records + static_cast<uint64_t>(i) * k_record_floats, record);
-    const Int x = floor_to_int(record[0] * inverse) & mask_x;
-    const Int y = floor_to_int(record[1] * inverse) & mask_y;
-    const Int z = floor_to_int(record[2] * inverse) & mask_z;
+    Int x = floor_to_int(record[0] * inverse), y = floor_to_int(record[1] * inverse),
+        z = floor_to_int(record[2] * inverse);
+    if (args->serpentine != 0) {
+      z = (z - broadcast(args->first[2])) & mask_z;
+      y = (y - broadcast(args->first[1])) & mask_y;
+      x = (x - broadcast(args->first[0])) & mask_x;
+      y = select((z & broadcast(1)) == broadcast(1), mask_y - y, y);
+      x = select((y & broadcast(1)) == broadcast(1), mask_x - x, x);
+    }
+    x = x & mask_x, y = y & mask_y, z = z & mask_z;
     store(args->keys + i, x | shift_left(y, shift_y) | shift_left(z, shift_z));
   }
 }

@@ -4,8 +4,9 @@
 // Arrays of records are 32-byte aligned; a record is 8 floats. Particle: x y z w | u u u id. w is the inverse mass in
 // sand particles: above 0 the particle moves, 0 it never does, below 0 it sleeps (its inverse mass is then -w). u is
 // the velocity between sub-steps and the displacement between the iterations of one. id holds, as bits, the particle's
-// number and, above k_number_mask, the rigid body it belongs to (0: none). Grain: x y z id | v v v unused. Ranges begin
-// at multiples of 16; arrays are padded to whole groups of 16 with inert records (w = 0).
+// number and, above k_number_mask, the rigid body it belongs to (0: none). Grain: x y z id | v v v s, s = sweeps in a
+// row in which it kept still. Ranges begin at multiples of 16; arrays are padded to whole groups of 16 with inert
+// records (w = 0).
 #pragma once
 
 #include <cstdint>
@@ -35,6 +36,10 @@ struct GridCellsArgs {
   Grid grid;
   const float* records;
   uint32_t* keys;  // storage index of each item's cell
+  // For an order that only has to keep neighbours together, not to be looked up: cells count from `first`, and every
+  // other row and plane runs backward, so that the end of one lies beside the beginning of the next.
+  int32_t serpentine;
+  int32_t first[3];
 };
 
 struct ListArgs {
@@ -114,6 +119,10 @@ struct RefineArgs {
   const float* positions[3];  // the same positions, one array an axis
   float* grains;
   uint32_t grain_count;
+  const uint32_t* groups;  // the range is of items: item i is lane i % 16 of grain group groups[i / 16]
+  uint8_t* still;          // one a group: 1 once every grain of it has kept still for still_sweeps
+  float still_distance;    // metres that a still grain may move in a sweep, per axis
+  float still_sweeps;
   float support;   // h = 3r
   float step;      // seconds
   uint32_t steps;  // equal steps on the same snapshot

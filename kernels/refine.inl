@@ -150,13 +150,17 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
               step = broadcast(a->step);
   const float spread = 1.0f / a->grid.inverse_cell;  // lanes further apart than this are gathered separately
   uint32_t quarantined = 0;
-  for (uint32_t i = begin; i < end; i += k_width) {
+  for (uint32_t item = begin; item < end; item += k_width) {
+    const uint32_t group_number = a->groups[item / k_lane_group];
+    const uint32_t i = group_number * k_lane_group + item % k_lane_group;
     float* record = a->grains + static_cast<uint64_t>(i) * k_record_floats;
     Float grain[8];
     load_records(record, grain);
     Float position[3] = {grain[0], grain[1], grain[2]}, velocity[3] = {grain[4], grain[5], grain[6]};
     const Mask inside =
         lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
+    // A grain that has kept still long enough stays where it is while nothing around it moves.
+    Mask settled = broadcast(a->still_sweeps) <= grain[7];
     for (uint32_t s = 0; s < a->steps; ++s) {
       Flow flow = {zero, zero, zero, zero, zero};
       Mask left =
@@ -175,9 +179,10 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
       const Float lambda = free_flight(a, flow);
       const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
       const Float average[3] = {flow.x * inverse, flow.y * inverse, flow.z * inverse};
+      settled = settled & (average[0] == zero) & (average[1] == zero) & (average[2] == zero);
       for (int k = 0; k < 3; ++k) {
         const Float fall = velocity[k] + step * broadcast(a->gravity[k]);
-        velocity[k] = (one - lambda) * average[k] + lambda * fall;
+        velocity[k] = select(settled, zero, (one - lambda) * average[k] + lambda * fall);
         position[k] = position[k] + step * velocity[k];
       }
       keep_outside(a, position, velocity);
@@ -195,10 +200,18 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
         velocity[k] = select(bad, zero, velocity[k]);
       }
     }
+    const Float still_distance = broadcast(a->still_distance);
+    const Mask still = (absolute(position[0] - grain[0]) <= still_distance) &
+                       (absolute(position[1] - grain[1]) <= still_distance) &
+                       (absolute(position[2] - grain[2]) <= still_distance);
+    const Float sweeps = keep(still, minimum(grain[7] + one, broadcast(a->still_sweeps)));
+    if (item % k_lane_group == 0) a->still[group_number] = 1;
+    if (any(and_not(inside, broadcast(a->still_sweeps) <= sweeps))) a->still[group_number] = 0;
     for (int k = 0; k < 3; ++k) {
       grain[k] = select(inside, position[k], grain[k]);
       grain[4 + k] = select(inside, velocity[k], grain[4 + k]);
     }
+    grain[7] = select(inside, sweeps, grain[7]);
     store_records(record, grain);
   }
   extent->quarantined = quarantined;

@@ -38,6 +38,7 @@ SANDGLASS_INLINE Float maximum(Float a, Float b) { return {_mm256_max_ps(a.v, b.
 SANDGLASS_INLINE Float absolute(Float a) { return {_mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v)}; }
 
 SANDGLASS_INLINE Int operator+(Int a, Int b) { return {_mm256_add_epi32(a.v, b.v)}; }
+SANDGLASS_INLINE Int operator-(Int a, Int b) { return {_mm256_sub_epi32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {_mm256_and_si256(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {_mm256_or_si256(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {_mm256_sll_epi32(a.v, _mm_cvtsi32_si128(count))}; }

@@ -38,6 +38,7 @@ SANDGLASS_INLINE Float maximum(Float a, Float b) { return {_mm512_max_ps(a.v, b.
 SANDGLASS_INLINE Float absolute(Float a) { return {_mm512_abs_ps(a.v)}; }
 
 SANDGLASS_INLINE Int operator+(Int a, Int b) { return {_mm512_add_epi32(a.v, b.v)}; }
+SANDGLASS_INLINE Int operator-(Int a, Int b) { return {_mm512_sub_epi32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {_mm512_and_si512(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {_mm512_or_si512(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {_mm512_sll_epi32(a.v, _mm_cvtsi32_si128(count))}; }

@@ -42,6 +42,7 @@ SANDGLASS_INLINE Float maximum(Float a, Float b) { return {vbslq_f32(vcgtq_f32(a
 SANDGLASS_INLINE Float absolute(Float a) { return {vabsq_f32(a.v)}; }
 
 SANDGLASS_INLINE Int operator+(Int a, Int b) { return {vaddq_s32(a.v, b.v)}; }
+SANDGLASS_INLINE Int operator-(Int a, Int b) { return {vsubq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {vandq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {vorrq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {vshlq_s32(a.v, vdupq_n_s32(count))}; }

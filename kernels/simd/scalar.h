@@ -49,6 +49,7 @@ SANDGLASS_INLINE Float maximum(Float a, Float b) { return {a.v > b.v ? a.v : b.v
 SANDGLASS_INLINE Float absolute(Float a) { return {__builtin_fabsf(a.v)}; }
 
 SANDGLASS_INLINE Int operator+(Int a, Int b) { return {a.v + b.v}; }
+SANDGLASS_INLINE Int operator-(Int a, Int b) { return {a.v - b.v}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {a.v & b.v}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {a.v | b.v}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) {

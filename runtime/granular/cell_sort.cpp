@@ -37,7 +37,11 @@ void cell_sort_begin(CellSort* sort, float cell, const float low[3], const float
     --bits[longest];
   }
   sort->grid.inverse_cell = inverse;
-  for (int k = 0; k < 3; ++k) sort->grid.bits[k] = bits[k];
+  for (int k = 0; k < 3; ++k) {
+    sort->grid.bits[k] = bits[k];
+    const float scaled = low[k] * inverse;
+    sort->first[k] = scaled > -1e9f && scaled < 1e9f ? static_cast<int32_t>(scaled) - 1 : 0;
+  }
   sort->grid.starts = sort->starts;
   sort->cells = 1u << (bits[0] + bits[1] + bits[2]);
   sort->phase = k_sort_clear;
@@ -62,7 +66,8 @@ void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records,
       for (uint32_t c = first; c < last; ++c) starts[c] = 0;
       break;
     case k_sort_count: {
-      const GridCellsArgs args = {sort->grid, records, sort->keys};
+      const GridCellsArgs args = {
+          sort->grid, records, sort->keys, sort->serpentine ? 1 : 0, {sort->first[0], sort->first[1], sort->first[2]}};
       uint32_t unused = 0;
       kernels.grid_cells(&args, first, last, &unused);
       // Counted two places on: the sums then stand one place on, and scattering moves them into place.

@@ -15,6 +15,8 @@ struct CellSort {
   uint32_t phase;      // k_sort_clear ... k_sort_done
   uint32_t cursor;
   uint32_t sum;
+  bool serpentine;   // an order only, not looked up: see GridCellsArgs
+  int32_t first[3];  // cell of the lower bound
 };
 
 enum : uint32_t { k_sort_clear, k_sort_count, k_sort_prefix, k_sort_scatter, k_sort_done };

@@ -9,9 +9,10 @@ namespace sandglass {
 namespace {
 
 constexpr double k_time_resolution = 1e-9;
-constexpr float k_support_radii = 3.0f;     // h = 3r
-constexpr float k_grain_cell_radii = 1.5f;  // half a support: neighbours in storage are neighbours in space
-constexpr uint32_t k_sweeps_per_sort = 4;   // grains move a fraction of a cell between sorts
+constexpr float k_support_radii = 3.0f;       // h = 3r
+constexpr float k_grain_cell_radii = 2.0f;    // a vector of grains is then about one cell
+constexpr float k_sweeps_per_sort = 4.0f;     // grains move a fraction of a cell between sorts
+constexpr float k_still_speed_units = 0.25f;  // of sqrt(g d): between sleepers grains creep on, slower than that
 constexpr uint32_t k_sweep_steps_max = 4;
 
 bool sweep_wanted(const Granular& g, uint32_t level) {
@@ -21,7 +22,7 @@ bool sweep_wanted(const Granular& g, uint32_t level) {
 
 bool next(const void* state, uint32_t level, WorkUnit* unit) {
   const Granular& g = *static_cast<const Granular*>(state);
-  const uint32_t left = g.grain_count - g.grain_cursor;
+  const uint32_t left = g.grain_group_count * k_lane_group - g.grain_cursor;
   unit->items = left < g.unit ? left : g.unit;
   switch (g.grain_phase) {
     case GrainPhase::idle:
@@ -40,9 +41,16 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
       unit->name = "refine.sort";
       unit->items = cell_sort_items(g.grain_sort, g.grain_count, g.unit);
       return true;
+    case GrainPhase::mark:
+    case GrainPhase::triage:
+      unit->kind = k_unit_triage;
+      unit->name = "refine.triage";
+      unit->items = granular_mark_items(g);
+      return true;
     default:
       unit->kind = k_unit_refine;
       unit->name = "refine.grains";
+      if (left == 0) unit->items = 1;  // all sleep: the sweep ends
       return true;
   }
 }
@@ -67,12 +75,8 @@ void begin_sweep(Granular* g, uint32_t level) {
 
 void begin_grains(Granular* g) {
   g->grain_cursor = 0;
-  if (g->sweeps_since_sort < k_sweeps_per_sort) {
-    ++g->sweeps_since_sort;
-    g->grain_phase = GrainPhase::refine;
-    return;
-  }
-  g->sweeps_since_sort = 1;
+  if (g->sweeps_since_sort < k_sweeps_per_sort) return granular_begin_mark(g);
+  g->sweeps_since_sort = 0.0f;
   cell_sort_begin(&g->grain_sort, k_grain_cell_radii * g->desc.particle_radius, g->low, g->high, 2);
   g->grain_phase = GrainPhase::sort;
 }
@@ -93,6 +97,10 @@ void run_refine(Granular* g) {
   for (int k = 0; k < 3; ++k) a.positions[k] = g->snapshot_positions[k], a.gravity[k] = g->gravity[k];
   a.grains = g->grains[0];
   a.grain_count = g->grain_count;
+  a.groups = g->grain_groups;
+  a.still = g->grain_still;
+  a.still_distance = k_still_speed_units * granular_speed_scale(*g) * static_cast<float>(g->sweep_time);
+  a.still_sweeps = k_still_sweeps;
   a.support = k_support_radii * g->desc.particle_radius;
   a.step = g->sweep_step;
   a.steps = g->sweep_steps;
@@ -102,14 +110,17 @@ void run_refine(Granular* g) {
   a.collider_count = g->collider_count;
   a.grain_radius = g->desc.grain_radius;
   a.friction = g->desc.kinetic_friction;
-  const uint32_t end = g->grain_count - g->grain_cursor < g->unit ? g->grain_count : g->grain_cursor + g->unit;
+  const uint32_t items = g->grain_group_count * k_lane_group;
+  const uint32_t end = items - g->grain_cursor < g->unit ? items : g->grain_cursor + g->unit;
   granular_split(*g, g->grain_cursor, end, &task);
   for (const RefineExtent& e : task.extents) g->quarantined += e.quarantined;
   g->grain_cursor = end;
-  if (end < g->grain_count) return;
+  if (end < items) return;
   g->grain_phase = GrainPhase::idle;
   g->unswept -= g->sweep_time;
   if (g->unswept < k_time_resolution) g->unswept = 0.0;
+  g->sweeps_since_sort += static_cast<float>(items) / static_cast<float>(g->grain_count);
+  g->grains_asleep = items == 0 && g->awake_count == 0;
 }
 
 void run(void* state, uint32_t level) {
@@ -130,10 +141,17 @@ void run(void* state, uint32_t level) {
         float* sorted = g->grains[1];
         g->grains[1] = g->grains[0];
         g->grains[0] = sorted;
-        g->grain_phase = GrainPhase::refine;
+        g->groups_changed = true;
+        granular_begin_mark(g);
       }
       break;
     }
+    case GrainPhase::mark:
+      granular_run_mark(g);
+      break;
+    case GrainPhase::triage:
+      granular_run_triage(g);
+      break;
     default:
       run_refine(g);
       break;
@@ -151,8 +169,9 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   }
   if (sweeps == 0) return 0;
   entries[0] = {k_unit_snapshot, sweeps * 2 * g.particle_count};
-  entries[1] = {k_unit_grain_sort, sweeps * 2 * g.grain_count / k_sweeps_per_sort};
-  entries[2] = {k_unit_refine, sweeps * g.grain_count};
+  const uint64_t refined = g.still_groups == 0 ? g.grain_count : g.grain_group_count * uint64_t{k_lane_group};
+  entries[1] = {k_unit_grain_sort, sweeps * 2 * refined / static_cast<uint64_t>(k_sweeps_per_sort)};
+  entries[2] = {k_unit_refine, sweeps * refined};
   return 3;
 }
 

@@ -34,7 +34,7 @@ void put(float* records, uint32_t index, const float* position, float w, const f
 }
 
 void put_grain(float* records, uint32_t index, const float* position, const float* v, uint32_t id) {
-  put(records, index, position, 0.0f, v, 0);
+  put(records, index, position, 0.0f, v, 0);  // the last slot, all bits 0, says: not yet still
   __builtin_memcpy(records + static_cast<uint64_t>(index) * k_record_floats + 3, &id, sizeof id);
 }
 
@@ -152,13 +152,24 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
     g->grains[0] = layout_region<float>(layout, "granular.grains", grain_rows * k_record_floats);
     g->grains[1] = layout_region<float>(layout, "granular.grains_sorted", grain_rows * k_record_floats);
     layout_sort(&g->grain_sort, layout, "granular.grain_cells", "granular.grain_keys", grain_rows, grain_rows);
+    g->grain_sort.serpentine = true;
+    const uint64_t grain_groups = round_up(d.grain_capacity, k_lane_group) / k_lane_group;
+    g->grain_groups = layout_region<uint32_t>(layout, "granular.grain_groups", grain_groups);
+    g->grain_still = layout_region<uint8_t>(layout, "granular.grain_still", grain_groups);
+    g->grain_tiles = layout_region<float>(layout, "granular.grain_tiles", (grain_groups + k_slack) * k_record_floats);
+    g->awake_cells[0] = layout_region<uint8_t>(layout, "granular.awake_cells", g->snapshot_sort.cells_max);
+    g->awake_cells[1] = layout_region<uint8_t>(layout, "granular.awake_cells_spread", g->snapshot_sort.cells_max);
   }
   g->colliders = layout_region<sandglass_collider>(layout, "granular.colliders", d.collider_capacity);
   g->substep_colliders = layout_region<ColliderFrame>(layout, "granular.substep_colliders", d.collider_capacity);
   g->sweep_colliders = layout_region<ColliderFrame>(layout, "granular.sweep_colliders", d.collider_capacity);
   g->colliders_before = layout_region<sandglass_collider>(layout, "granular.colliders_before", d.collider_capacity);
-  g->moved_colliders = layout_region<ColliderFrame>(layout, "granular.moved_colliders", 2ull * d.collider_capacity);
-  g->moved_margins = layout_region<float>(layout, "granular.moved_margins", 2ull * d.collider_capacity);
+  g->sweep_colliders_before =
+      layout_region<sandglass_collider>(layout, "granular.sweep_colliders_before", d.collider_capacity);
+  g->moved.frames = layout_region<ColliderFrame>(layout, "granular.moved_colliders", 2ull * d.collider_capacity);
+  g->moved.margins = layout_region<float>(layout, "granular.moved_margins", 2ull * d.collider_capacity);
+  g->sweep_moved.frames = layout_region<ColliderFrame>(layout, "granular.sweep_moved", 2ull * d.collider_capacity);
+  g->sweep_moved.margins = layout_region<float>(layout, "granular.sweep_moved_margins", 2ull * d.collider_capacity);
 }
 
 void granular_reset(Granular* g) {
@@ -167,13 +178,15 @@ void granular_reset(Granular* g) {
   g->phase = ParticlePhase::idle;
   g->grain_phase = GrainPhase::idle;
   g->cursor = g->pass = g->grain_cursor = g->output_cursor = g->interval_left = 0;
-  g->sweeps_since_sort = ~0u;
+  g->sweeps_since_sort = 1e9f;
   g->lists_valid = g->bounds_known = false;
   g->list_slack = g->last_spread = g->speed_max = g->sweep_step = g->frame_step = 0.0f;
   g->substep = g->last_substep = g->substep_max;
   g->owed = g->interval_owed = g->requested = g->simulated = g->unswept = g->sweep_time = 0.0;
   g->builds_per_substep = 0.25f;
-  g->active_count = g->awake_count = g->collider_before_count = g->moved_count = 0;
+  g->active_count = g->awake_count = g->collider_before_count = g->moved.count = 0;
+  g->grain_group_count = g->sweep_collider_before_count = g->mark_pass = g->still_groups = 0;
+  g->grains_asleep = g->groups_changed = false;
   g->next_rest = 0.0;
   g->waking_count = 0;
   g->touch_due = g->wake_due = g->rest_due = false;
@@ -246,8 +259,11 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
   }
   if (grain_count != 0) {
     g->grain_count += grain_count;
-    g->grain_phase = g->grain_phase == GrainPhase::sort ? GrainPhase::idle : g->grain_phase;
-    g->sweeps_since_sort = ~0u;
+    if (g->grain_phase != GrainPhase::refine) g->grain_phase = GrainPhase::idle;
+    for (uint32_t group = (g->grain_count - grain_count) / k_lane_group; group * k_lane_group < g->grain_count; ++group)
+      g->grain_still[group] = 0;
+    g->sweeps_since_sort = 1e9f;
+    g->grains_asleep = false;
   }
   if (reason != nullptr) *reason = nullptr;
   return SANDGLASS_OK;

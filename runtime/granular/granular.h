@@ -29,14 +29,18 @@ enum : uint32_t {
   k_unit_output,
   k_unit_touch,
   k_unit_wake,
-  k_unit_rest
+  k_unit_rest,
+  k_unit_triage
 };
 
 // Rungs of the quality ladder.
 enum : uint32_t { k_level_full, k_level_refine_once, k_level_slow_motion, k_level_count };
 
 enum class ParticlePhase : uint32_t { idle, sort, lists, stabilise, solve, touch, wake, rest, wake_lists };
-enum class GrainPhase : uint32_t { idle, snapshot, sort, refine };
+enum class GrainPhase : uint32_t { idle, snapshot, sort, mark, triage, refine };
+
+// Sweeps in a row that a grain keeps still before it may sleep; the apex of a flight is shorter.
+constexpr float k_still_sweeps = 16.0f;
 
 // Whether the particles of a record group are computed. waking: awake, but without neighbour lists yet.
 enum class GroupState : uint8_t { asleep, active, waking };
@@ -47,6 +51,13 @@ struct Rest {
   uint32_t quiet;   // checks in a row that found it near the anchor; k_asleep: it sleeps
 };
 constexpr uint32_t k_asleep = ~0u;
+
+// Colliders that moved, appeared or went away: where they were and where they are.
+struct MovedColliders {
+  ColliderFrame* frames;
+  float* margins;  // metres
+  uint32_t count;
+};
 
 struct Granular {
   sandglass_granular_desc desc;
@@ -80,9 +91,7 @@ struct Granular {
   bool touch_due, wake_due, rest_due;
   sandglass_collider* colliders_before;  // of the last frame
   uint32_t collider_before_count;
-  ColliderFrame* moved_colliders;  // where colliders came from and where they go
-  float* moved_margins;
-  uint32_t moved_count;
+  MovedColliders moved, sweep_moved;
 
   // Boundary: fixed, sorted once.
   float* boundary_positions[3];
@@ -95,6 +104,18 @@ struct Granular {
   float* snapshot_positions[3];
   CellSort snapshot_sort, grain_sort;
   uint32_t grain_count;
+
+  // Sleep of the grains, by groups of 16; see grain_rest.cpp.
+  uint32_t* grain_groups;   // those that the sweep refines
+  uint8_t* grain_still;     // as the refinement left it
+  float* grain_tiles;       // a record a group: the sphere that holds it
+  uint8_t* awake_cells[2];  // cells of the snapshot near an awake particle
+  sandglass_collider* sweep_colliders_before;
+  uint32_t grain_group_count, sweep_collider_before_count;
+  uint32_t mark_pass;
+  uint32_t still_groups;  // after the last sweep
+  bool groups_changed;    // sorted since the last triage: grain_still is of other groups
+  bool grains_asleep;     // the last sweep found nothing to do
 
   // Colliders of the frame, and posed for the sub-step and for the sweep.
   sandglass_collider* colliders;
@@ -125,7 +146,7 @@ struct Granular {
   // Progress of the grains.
   GrainPhase grain_phase;
   uint32_t grain_cursor;
-  uint32_t sweeps_since_sort;
+  float sweeps_since_sort;  // a sweep over a part of the grains counts for that part
   float sweep_step;
   uint32_t sweep_steps;
   double sweep_time;  // simulated time covered by the sweep under way
@@ -167,7 +188,16 @@ void granular_run_wake(Granular* granular);
 void granular_run_rest(Granular* granular);
 void granular_run_wake_lists(Granular* granular);
 uint32_t granular_rest_items(const Granular& granular);  // of the unit that runs next in one of these phases
+float granular_speed_scale(const Granular& granular);    // sqrt(g d), m/s; weightless scenes take the Earth's g
 float granular_wake_speed(const Granular& granular);
+
+// Sleep of the grains (grain_rest.cpp).
+void granular_begin_mark(Granular* granular);  // enters the first phase that decides which groups a sweep refines
+void granular_run_mark(Granular* granular);
+void granular_run_triage(Granular* granular);
+uint32_t granular_mark_items(const Granular& granular);
+void granular_find_moved(const sandglass_collider* before, uint32_t before_count, const sandglass_collider* now,
+                         uint32_t now_count, float margin, MovedColliders* moved);
 
 // Neighbour lists of the active groups in the range [begin, end) of records (particles.cpp).
 uint32_t granular_build_lists(Granular* granular, uint32_t begin, uint32_t end);

@@ -16,7 +16,7 @@ namespace sandglass {
 
 namespace {
 
-constexpr float k_rest_radii = 0.1f;       // moving further than this is moving on
+constexpr float k_rest_radii = 0.1f;        // moving further than this is moving on
 constexpr double k_rest_period = 0.02;      // seconds between checks
 constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d); resting particles tremble at a tenth of it
 
@@ -72,12 +72,6 @@ bool same(const sandglass_collider& a, const sandglass_collider& b) {
   return equal;
 }
 
-void add_moved(Granular* g, const sandglass_collider& collider, float margin) {
-  colliders_pose(&collider, 1, 0.0f, &g->moved_colliders[g->moved_count]);
-  g->moved_margins[g->moved_count] = margin;
-  ++g->moved_count;
-}
-
 // Half of what any point of the collider near sand can have travelled between two poses.
 float half_travel(const sandglass_collider& a, const sandglass_collider& b) {
   float shift2 = 0.0f, turn2 = 0.0f, extent2 = 0.0f;
@@ -96,27 +90,32 @@ void remember_colliders(Granular* g) {
 
 }  // namespace
 
-float granular_wake_speed(const Granular& g) {
+float granular_speed_scale(const Granular& g) {
   const float pull = g.gravity_length > 0.1f ? g.gravity_length : 9.81f;
-  return k_wake_speed_units * __builtin_sqrtf(pull * 2.0f * g.desc.particle_radius);
+  return __builtin_sqrtf(pull * 2.0f * g.desc.particle_radius);
+}
+
+float granular_wake_speed(const Granular& g) { return k_wake_speed_units * granular_speed_scale(g); }
+
+void granular_find_moved(const sandglass_collider* before, uint32_t before_count, const sandglass_collider* now,
+                         uint32_t now_count, float margin, MovedColliders* moved) {
+  moved->count = 0;
+  for (uint32_t c = 0; c < now_count || c < before_count; ++c) {
+    const bool is = c < now_count, was = c < before_count;
+    if (is && was && same(before[c], now[c])) continue;
+    const float reach = margin + (is && was ? half_travel(before[c], now[c]) : 0.0f);
+    if (is) colliders_pose(&now[c], 1, 0.0f, &moved->frames[moved->count]), moved->margins[moved->count++] = reach;
+    if (was) colliders_pose(&before[c], 1, 0.0f, &moved->frames[moved->count]), moved->margins[moved->count++] = reach;
+  }
 }
 
 void granular_find_moved_colliders(Granular* g) {
-  g->moved_count = 0;
-  if (g->awake_count < g->particle_count) {
-    const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
-    const uint32_t most = g->collider_count > g->collider_before_count ? g->collider_count : g->collider_before_count;
-    for (uint32_t c = 0; c < most; ++c) {
-      const bool is = c < g->collider_count, was = c < g->collider_before_count;
-      const sandglass_collider* now = &g->colliders[c];
-      const sandglass_collider* before = &g->colliders_before[c];
-      if (is && was && same(*before, *now)) continue;
-      const float margin = reach + (is && was ? half_travel(*before, *now) : 0.0f);
-      if (is) add_moved(g, *now, margin);
-      if (was) add_moved(g, *before, margin);
-    }
-  }
-  g->touch_due = g->moved_count != 0;
+  const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
+  g->moved.count = 0;
+  if (g->awake_count < g->particle_count)
+    granular_find_moved(g->colliders_before, g->collider_before_count, g->colliders, g->collider_count, reach,
+                        &g->moved);
+  g->touch_due = g->moved.count != 0;
   if (!g->touch_due) remember_colliders(g);
 }
 
@@ -155,6 +154,13 @@ void granular_skip_rest(Granular* g) {
   g->owed = g->interval_owed = 0.0;
   g->interval_left = 0;
   g->speed_max = g->last_spread = 0.0f;
+  // Grains that sleep on sleeping particles have nothing to follow.
+  if (!g->grains_asleep || g->grain_phase != GrainPhase::idle) return;
+  MovedColliders moved = g->moved;
+  granular_find_moved(g->sweep_colliders_before, g->sweep_collider_before_count, g->colliders, g->collider_count, 0.0f,
+                      &moved);
+  if (moved.count == 0) g->unswept = 0.0;
+  else g->grains_asleep = false;
 }
 
 void granular_wake_all(Granular* g) {
@@ -179,7 +185,7 @@ uint32_t granular_rest_items(const Granular& g) {
 
 void granular_run_touch(Granular* g) {
   const uint32_t end = g->particle_count - g->cursor < g->unit ? g->particle_count : g->cursor + g->unit;
-  WakeArgs args = {g->records[0], g->particle_count, g->moved_colliders, g->moved_margins, g->moved_count};
+  WakeArgs args = {g->records[0], g->particle_count, g->moved.frames, g->moved.margins, g->moved.count};
   uint32_t woken = 0;
   g->kernels->wake_near(&args, g->cursor, end, &woken);
   for (uint32_t i = g->cursor; woken != 0 && i < end; ++i) {

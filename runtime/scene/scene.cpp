@@ -103,6 +103,8 @@ void describe(const sandglass_scene& scene, sandglass_frame_report* report) {
   report->particles = g.particle_count;
   report->awake = g.awake_count;
   report->grains = g.grain_count;
+  const uint32_t awake_grains = g.grain_group_count * sandglass::k_lane_group;
+  report->awake_grains = awake_grains < g.grain_count ? awake_grains : g.grain_count;
   report->dropped_contacts = g.dropped_contacts;
   report->quarantined = g.quarantined;
   report->ignored_colliders = g.ignored_colliders;

@@ -113,16 +113,75 @@ TEST(Sleep, NewFrictionWakesAll) {
   EXPECT_EQ(bed.frame(k_frame).awake, bed.particle_count);
 }
 
+// Grains on a bed: eight a particle, about its centre.
+std::vector<float> grains_about(const std::vector<float>& particles) {
+  std::vector<float> grains;
+  for (size_t i = 0; i < particles.size(); i += 3)
+    for (int corner = 0; corner < 8; ++corner)
+      for (int k = 0; k < 3; ++k)
+        grains.push_back(particles[i + static_cast<size_t>(k)] + ((corner >> k) % 2 == 0 ? -0.5f : 0.5f) * k_radius);
+  return grains;
+}
+
+TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
+  const std::vector<float> particles = lattice(40, 3, 40, 2.02f * k_radius, k_radius), grains = grains_about(particles);
+  GranularScene bed(description(40 * 40 * 3, static_cast<uint32_t>(grains.size() / 3)));
+  bed.add(particles, {}, grains);
+  bed.add_floor();
+  sandglass_frame_report report = {};
+  for (int frame = 0; frame < 600; ++frame) {
+    report = bed.frame(k_frame);
+    if (report.awake + report.awake_grains == 0) break;
+  }
+  ASSERT_EQ(report.awake, 0u);
+  ASSERT_EQ(report.awake_grains, 0u);
+  report = bed.frame(k_frame);
+  EXPECT_EQ(report.stages[SANDGLASS_STAGE_REFINE].units, 0u);
+  EXPECT_EQ(report.grain_lag, 0.0f);
+
+  const std::vector<sandglass_grain> before = bed.grains;
+  sandglass_collider hand = {};
+  hand.shape = SANDGLASS_SHAPE_SPHERE;
+  hand.size[0] = 0.03f;
+  hand.rotation[3] = 1.0f;
+  hand.position[0] = 0.4f, hand.position[1] = 0.1f, hand.position[2] = 0.4f;
+  hand.linear_velocity[1] = -0.1f;
+  bed.colliders.push_back(hand);
+  uint32_t most = 0;
+  for (int frame = 0; frame < 17; ++frame) {
+    bed.colliders.back().position[1] -= 0.1f * k_frame;
+    most = std::max(most, bed.frame(k_frame).awake_grains);
+  }
+  EXPECT_GT(most, 0u);
+  EXPECT_LT(most, report.grains / 3);
+  uint32_t moved = 0;
+  for (size_t i = 0; i < before.size(); ++i) {
+    const double dx = static_cast<double>(before[i].position[0]) - 0.4,
+                 dz = static_cast<double>(before[i].position[2]) - 0.4;
+    const bool same = std::equal(before[i].position, before[i].position + 3, bed.grains[i].position);
+    // Rows of the lattice that start at the hand are pushed as a whole; off them nothing far away moves.
+    EXPECT_TRUE(same || std::fabs(dx) < 0.2 || std::fabs(dz) < 0.2) << i;
+    moved += same ? 0 : 1;
+    // None inside the hand.
+    const double dy = static_cast<double>(bed.grains[i].position[1] - bed.colliders.back().position[1]);
+    const double gx = static_cast<double>(bed.grains[i].position[0]) - 0.4,
+                 gz = static_cast<double>(bed.grains[i].position[2]) - 0.4;
+    EXPECT_GT(std::sqrt(gx * gx + dy * dy + gz * gz), 0.03);
+  }
+  EXPECT_GT(moved, 50u);
+}
+
 TEST(Sleep, TheSameOnEveryInstructionSetAndUnitSize) {
   uint64_t first = 0;
   for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_AVX512; ++isa) {
     if (sandglass_isa_available(isa) == 0) continue;
     for (const uint32_t unit : {64u, 1024u}) {
-      sandglass_scene_desc desc = description(800);
+      sandglass_scene_desc desc = description(800, 16 * 3 * 16 * 8);
       desc.isa = isa;
       desc.unit_items = unit;
       GranularScene bed(desc);
-      bed.add(lattice(16, 3, 16, 2.02f * k_radius, k_radius));
+      const std::vector<float> particles = lattice(16, 3, 16, 2.02f * k_radius, k_radius);
+      bed.add(particles, {}, grains_about(particles));
       bed.add_floor();
       bool slept = false;
       for (int frame = 0; frame < 150; ++frame) slept = bed.frame(k_frame).awake < 400 || slept;

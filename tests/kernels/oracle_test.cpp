@@ -81,26 +81,29 @@ double distance(const float* a, const float* b) {
 void check_grid_cells(uint32_t n) {
   Cluster cluster(n, 0, 0.001, 7);
   const Grid grid = {1.0f / 0.024f, {3, 2, 4}, nullptr};
-  std::vector<uint32_t> first;
-  for (const Kernels* kernels : tables()) {
-    std::vector<uint32_t> keys(cluster.rows + k_slack);
-    const GridCellsArgs args = {grid, cluster.records.data(), keys.data()};
-    uint32_t unused = 0;
-    kernels->grid_cells(&args, 0, n, &unused);
-    keys.resize(n);
-    for (uint32_t i = 0; i < n; ++i) {
-      uint32_t expected = 0, shift = 0;
-      for (int k = 0; k < 3; ++k) {
-        const int64_t cells = int64_t{1} << grid.bits[k];
-        const int64_t c =
-            static_cast<int64_t>(std::floor(static_cast<double>(cluster.records[i][k] * grid.inverse_cell)));
-        expected |= static_cast<uint32_t>((c % cells + cells) % cells) << shift;
-        shift += grid.bits[k];
+  for (const int32_t serpentine : {0, 1}) {
+    std::vector<uint32_t> first;
+    for (const Kernels* kernels : tables()) {
+      std::vector<uint32_t> keys(cluster.rows + k_slack);
+      const GridCellsArgs args = {grid, cluster.records.data(), keys.data(), serpentine, {-3, 2, -1}};
+      uint32_t unused = 0;
+      kernels->grid_cells(&args, 0, n, &unused);
+      keys.resize(n);
+      for (uint32_t i = 0; i < n; ++i) {
+        int64_t c[3], cells[3];
+        for (int k = 0; k < 3; ++k) {
+          cells[k] = int64_t{1} << grid.bits[k];
+          c[k] = static_cast<int64_t>(std::floor(static_cast<double>(cluster.records[i][k] * grid.inverse_cell)));
+          if (serpentine != 0) c[k] -= args.first[k];
+          c[k] = (c[k] % cells[k] + cells[k]) % cells[k];
+        }
+        if (serpentine != 0 && c[2] % 2 == 1) c[1] = cells[1] - 1 - c[1];
+        if (serpentine != 0 && c[1] % 2 == 1) c[0] = cells[0] - 1 - c[0];
+        ASSERT_EQ(keys[i], c[0] + cells[0] * (c[1] + cells[1] * c[2])) << sandglass_isa_name(kernels->isa);
       }
-      ASSERT_EQ(keys[i], expected) << sandglass_isa_name(kernels->isa);
+      if (first.empty()) first = keys;
+      ASSERT_EQ(keys, first);
     }
-    if (first.empty()) first = keys;
-    ASSERT_EQ(keys, first);
   }
 }
 
@@ -381,6 +384,10 @@ struct Refinement {
     args.weight_at_radius = 512.0f / 729.0f;
     args.grain_radius = 0.003f;
     args.grain_count = n;
+    for (uint32_t g = 0; g * k_lane_group < n; ++g) groups.push_back(g);
+    still.resize(groups.size());
+    args.groups = groups.data(), args.still = still.data();
+    args.still_distance = 0.004f, args.still_sweeps = 2.0f;
   }
   std::vector<float> run(const Kernels& kernels) {
     Sorted snapshot(particles.records.data(), 200, 3 * k_radius, kernels, 3);
@@ -400,6 +407,8 @@ struct Refinement {
   Cluster particles;
   Records grains;
   uint32_t count;
+  std::vector<uint32_t> groups;
+  std::vector<uint8_t> still;
   RefineArgs args = {};
 };
 
@@ -466,6 +475,37 @@ TEST(Refinement, AUniformVelocityFieldIsReproduced) {
   }
   const std::vector<float> all = refinement.run(*select_kernels(SANDGLASS_ISA_AUTOMATIC));
   for (uint32_t i = 0; i < 64; ++i) EXPECT_LT(length(at(&all[8 * i + 4]) - Vector{0.3, -0.2, 0.1}), 1e-5);
+}
+
+TEST(Refinement, AStillGrainAmongSleepersStaysAndOthersCountTheirStillSweeps) {
+  constexpr uint32_t n = 64;
+  for (const Kernels* kernels : tables()) {
+    Refinement refinement(n, false, true);
+    for (uint32_t j = 0; j < 200; ++j)
+      for (int k = 4; k < 7; ++k) refinement.particles.records[j][k] = 0.0f;
+    // Every third grain has been still for two sweeps, the others not yet; grain 40 falls, far from all particles.
+    for (uint32_t i = 0; i < n; ++i) {
+      refinement.grains[i][7] = i % 3 == 0 ? 2.0f : 0.0f;
+      for (int k = 4; k < 7; ++k) refinement.grains[i][k] = 0.0f;
+    }
+    refinement.grains[40][0] = 5.0f, refinement.grains[40][5] = -4.0f;
+    const std::vector<float> all = refinement.run(*kernels);
+    for (uint32_t i = 0; i < n; ++i) {
+      const double moved = length(at(&all[8 * i]) - at(refinement.grains[i]));
+      if (i % 3 == 0) {
+        EXPECT_EQ(moved, 0.0) << i;
+        EXPECT_EQ(all[8 * i + 7], 2.0f);
+      } else {
+        EXPECT_EQ(all[8 * i + 7], moved <= 0.004 ? 1.0f : 0.0f) << i;
+      }
+    }
+    EXPECT_EQ(all[8 * 40 + 7], 0.0f);
+    for (uint32_t g = 0; g < n / k_lane_group; ++g) EXPECT_EQ(refinement.still[g], 0) << "not all of them";
+    for (uint32_t i = 16; i < 32; ++i) refinement.grains[i][7] = 1.0f;
+    refinement.run(*kernels);
+    EXPECT_EQ(refinement.still[0], 0);
+    EXPECT_EQ(refinement.still[1], 1) << "the second still sweep of all sixteen";
+  }
 }
 
 // How far a grain's step changes when one particle's distance crosses r by an ulp: the source's rule jumps, the

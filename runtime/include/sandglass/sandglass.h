@@ -341,6 +341,7 @@ typedef struct sandglass_frame_report {
   uint32_t particles;
   uint32_t awake; /* particles that do not sleep */
   uint32_t grains;
+  uint32_t awake_grains; /* of the last sweep, in whole groups of 16; the rest slept */
   uint32_t dropped_contacts; /* neighbours beyond a list's capacity (32), summed over the frame's list builds; 0 in any
                                 packing */
   uint32_t quarantined;      /* particles and grains found not finite, or beyond the coordinate limit, and reset to rest
