@@ -20,6 +20,8 @@ constexpr uint32_t k_lane_group = 16;  // every width divides it
 constexpr uint32_t k_number_mask = 0x00ffffff;
 constexpr uint32_t k_body_shift = 24;
 constexpr float k_coordinate_bound = 2.0f * SANDGLASS_COORDINATE_LIMIT;  // metres; what strays beyond it is quarantined
+// An inert record lies here, without mass: it pads vectors and neighbour rows, and nothing touches it.
+constexpr float k_inert_position = 1e6f;
 constexpr uint32_t k_list_slots =
     32;  // neighbours a particle can have; a dense packing has 12 to 15 inside a list's reach
 

@@ -128,14 +128,14 @@ void run(void* state, uint32_t level) {
   if (g->grain_phase == GrainPhase::idle) begin_sweep(g, level);
   switch (g->grain_phase) {
     case GrainPhase::snapshot: {
-      const SortTarget target = {g->snapshot,
-                                 {g->snapshot_positions[0], g->snapshot_positions[1], g->snapshot_positions[2]}};
+      const SortTarget target = {
+          g->snapshot, {g->snapshot_positions[0], g->snapshot_positions[1], g->snapshot_positions[2]}, true};
       cell_sort_run(&g->snapshot_sort, *g->kernels, g->records[0], g->particle_count, g->unit, target);
       if (g->snapshot_sort.phase == k_sort_done) begin_grains(g);
       break;
     }
     case GrainPhase::sort: {
-      const SortTarget target = {g->grains[1], {nullptr, nullptr, nullptr}};
+      const SortTarget target = {g->grains[1], {nullptr, nullptr, nullptr}, false};
       cell_sort_run(&g->grain_sort, *g->kernels, g->grains[0], g->grain_count, g->unit, target);
       if (g->grain_sort.phase == k_sort_done) {
         float* sorted = g->grains[1];

@@ -5,9 +5,6 @@ namespace sandglass {
 
 namespace {
 
-// An inert record: far from everything, without mass. It pads vectors and neighbour rows; nothing touches it.
-constexpr float k_inert_position = 1e6f;
-
 // Arrays may be read one vector beyond their last item.
 constexpr uint64_t k_slack = 2 * k_lane_group;
 
@@ -83,6 +80,10 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (d.boundary_capacity > 4000000)
     return "granular.boundary_capacity is above 4 million: sample the surface more coarsely.";
   if (d.collider_capacity > 256) return "granular.collider_capacity is above 256: pass the nearest colliders only.";
+  if (d.body_capacity > 255) return "granular.body_capacity is above 255: join bodies that move together.";
+  if (d.body_particle_capacity > d.particle_capacity)
+    return "granular.body_particle_capacity is above particle_capacity, which counts the bodies' particles too: raise "
+           "that.";
   if (outside(d.particle_radius, 1e-4f, 10.0f))
     return "granular.particle_radius must be 0.0001 to 10 metres: set the radius r of a particle.";
   if (outside(d.grain_radius, 0.0f, d.particle_radius))
@@ -141,6 +142,10 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   g->group_states = layout_region<GroupState>(layout, "granular.group_states", groups);
   g->touched = layout_region<uint8_t>(layout, "granular.touched", groups);
   g->rest = layout_region<Rest>(layout, "granular.rest", d.particle_capacity);
+  g->bodies = layout_region<RigidBody>(layout, "granular.bodies", d.body_capacity);
+  g->body_rest = layout_region<float>(layout, "granular.body_rest", 3ull * d.body_particle_capacity);
+  g->body_rows = layout_region<uint32_t>(layout, "granular.body_rows", d.body_particle_capacity);
+  g->body_numbers = layout_region<uint32_t>(layout, "granular.body_numbers", d.body_particle_capacity);
   layout_sort(&g->particle_sort, layout, "granular.cells", "granular.cell_keys", rows, 4ull * rows);
   if (boundary) {
     layout_sort(&g->boundary_sort, layout, "granular.boundary_cells", "granular.boundary_keys", d.boundary_capacity,
@@ -188,7 +193,7 @@ void granular_reset(Granular* g) {
   g->grain_group_count = g->sweep_collider_before_count = g->mark_pass = g->still_groups = 0;
   g->grains_asleep = g->groups_changed = false;
   g->next_rest = 0.0;
-  g->waking_count = 0;
+  g->waking_count = g->body_count = g->body_particle_count = 0;
   g->touch_due = g->wake_due = g->rest_due = false;
   for (int k = 0; k < 3; ++k) g->low[k] = g->high[k] = 0.0f;
   for (float* records : g->records) {
@@ -225,6 +230,7 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
                 "sandglass_granular_add: a velocity is not finite or above 10000 m/s.", reason);
   }
+  if (particle_count != 0) granular_abandon_substep(g);
   for (uint32_t i = 0; i < particle_count; ++i) {
     const uint32_t index = g->particle_count + i;
     const float* position = particles + 3ull * i;
@@ -250,10 +256,8 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
               grain_velocities == nullptr ? nullptr : grain_velocities + 3ull * i, g->grain_count + i);
   }
   if (particle_count != 0) {
-    // A pass under way did not know them: the sub-step starts again from the same state.
     g->particle_count += particle_count;
-    g->phase = ParticlePhase::idle;
-    g->lists_valid = g->wake_due = g->rest_due = false;
+    g->lists_valid = false;
     if (g->grain_phase == GrainPhase::snapshot) g->grain_phase = GrainPhase::idle;
     seal_particles(g);
   }
@@ -283,9 +287,8 @@ sandglass_status granular_set_boundary(Granular* g, const float* positions, uint
                 "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin.",
                 reason);
   }
-  g->boundary_count = count;
-  g->phase = ParticlePhase::idle;
   granular_wake_all(g);
+  g->boundary_count = count;
   if (count != 0) {
     // Sorted in place through the second particle buffer: its boundary rows are rewritten below anyway.
     float low[3] = {positions[0], positions[1], positions[2]}, high[3] = {positions[0], positions[1], positions[2]};
@@ -300,7 +303,8 @@ sandglass_status granular_set_boundary(Granular* g, const float* positions, uint
     }
     const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
     cell_sort_begin(&g->boundary_sort, reach, low, high, 2);
-    const SortTarget target = {sorted, {g->boundary_positions[0], g->boundary_positions[1], g->boundary_positions[2]}};
+    const SortTarget target = {
+        sorted, {g->boundary_positions[0], g->boundary_positions[1], g->boundary_positions[2]}, false};
     while (g->boundary_sort.phase != k_sort_done)
       cell_sort_run(&g->boundary_sort, *g->kernels, unsorted, count, g->unit, target);
     const uint64_t bytes = static_cast<uint64_t>(count) * k_record_floats * sizeof(float);

@@ -30,13 +30,14 @@ enum : uint32_t {
   k_unit_touch,
   k_unit_wake,
   k_unit_rest,
-  k_unit_triage
+  k_unit_triage,
+  k_unit_bodies
 };
 
 // Rungs of the quality ladder.
 enum : uint32_t { k_level_full, k_level_refine_once, k_level_slow_motion, k_level_count };
 
-enum class ParticlePhase : uint32_t { idle, sort, lists, stabilise, solve, touch, wake, rest, wake_lists };
+enum class ParticlePhase : uint32_t { idle, sort, lists, stabilise, solve, bodies, touch, wake, rest, wake_lists };
 enum class GrainPhase : uint32_t { idle, snapshot, sort, mark, triage, refine };
 
 // Sweeps in a row that a grain keeps still before it may sleep; the apex of a flight is shorter.
@@ -47,10 +48,25 @@ enum class GroupState : uint8_t { asleep, active, waking };
 
 // What is known of a particle's rest; kept by number.
 struct Rest {
-  float anchor[3];  // where it was when it last moved on
-  uint32_t quiet;   // checks in a row that found it near the anchor; k_asleep: it sleeps
+  float anchor[3];     // where it was when it last moved on
+  uint32_t quiet;      // checks in a row that found it near the anchor; k_asleep: it sleeps
+  uint32_t body_slot;  // of a body's particle: its place in body_rest and body_rows
 };
 constexpr uint32_t k_asleep = ~0u;
+
+struct RigidBody {
+  uint32_t first, count;  // slots of its particles
+  double center[3];       // of mass
+  double rotation[4];     // from the rest shape
+  float linear[3], angular[3];
+};
+
+// Sums over a body's particles, and the motion that they give.
+struct BodyMatch {
+  double shift[3], stabilised[3], offset[3], a[9];
+  double spread[9], spin[3];  // sums of r r^T and of r x displacement
+  double turn[4];
+};
 
 // Colliders that moved, appeared or went away: where they were and where they are.
 struct MovedColliders {
@@ -92,6 +108,16 @@ struct Granular {
   sandglass_collider* colliders_before;  // of the last frame
   uint32_t collider_before_count;
   MovedColliders moved, sweep_moved;
+
+  // Rigid bodies (bodies.cpp).
+  RigidBody* bodies;
+  float* body_rest;        // 3 a slot: position in the rest shape, from the centre of mass
+  uint32_t* body_rows;     // the record of each slot
+  uint32_t* body_numbers;  // the particle number of each slot
+  uint32_t body_count, body_particle_count;
+  uint32_t body_cursor, body_particle;  // progress of the phase
+  bool body_applies;
+  BodyMatch match;
 
   // Boundary: fixed, sorted once.
   float* boundary_positions[3];
@@ -191,6 +217,17 @@ uint32_t granular_rest_items(const Granular& granular);  // of the unit that run
 float granular_speed_scale(const Granular& granular);    // sqrt(g d), m/s; weightless scenes take the Earth's g
 float granular_wake_speed(const Granular& granular);
 
+void granular_sleep_particle(Granular* granular, uint32_t record);
+
+// Rigid bodies (bodies.cpp).
+sandglass_status granular_add_body(Granular* granular, const sandglass_body* body, uint32_t* index,
+                                   const char** reason);
+void granular_body_pose(const Granular& granular, uint32_t index, sandglass_body_pose* pose);
+bool granular_begin_bodies(Granular* granular);  // false: no body is awake
+uint32_t granular_body_items(const Granular& granular);
+bool granular_run_bodies(Granular* granular);  // true once all are done
+void granular_rest_bodies(Granular* granular, uint32_t patience);
+
 // Sleep of the grains (grain_rest.cpp).
 void granular_begin_mark(Granular* granular);  // enters the first phase that decides which groups a sweep refines
 void granular_run_mark(Granular* granular);
@@ -198,6 +235,10 @@ void granular_run_triage(Granular* granular);
 uint32_t granular_mark_items(const Granular& granular);
 void granular_find_moved(const sandglass_collider* before, uint32_t before_count, const sandglass_collider* now,
                          uint32_t now_count, float margin, MovedColliders* moved);
+
+// Before material changes: the sub-step under way starts again from the last state, or ends where bodies have already
+// moved (particles.cpp).
+void granular_abandon_substep(Granular* granular);
 
 // Neighbour lists of the active groups in the range [begin, end) of records (particles.cpp).
 uint32_t granular_build_lists(Granular* granular, uint32_t begin, uint32_t end);

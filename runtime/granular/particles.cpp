@@ -119,6 +119,10 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
       unit->kind = k_unit_lists, unit->name = "granular.wake_lists";
       unit->items = granular_rest_items(g);
       break;
+    case ParticlePhase::bodies:
+      unit->kind = k_unit_bodies, unit->name = "granular.bodies";
+      unit->items = granular_body_items(g);
+      break;
     case ParticlePhase::touch:
       unit->kind = k_unit_touch, unit->name = "granular.touch";
       unit->items = granular_rest_items(g);
@@ -167,7 +171,7 @@ void begin_substep(Granular* g, uint32_t level) {
 }
 
 void run_sort(Granular* g) {
-  const SortTarget target = {g->records[1], {g->positions[0], g->positions[1], g->positions[2]}};
+  const SortTarget target = {g->records[1], {g->positions[0], g->positions[1], g->positions[2]}, false};
   cell_sort_run(&g->particle_sort, *g->kernels, g->records[0], g->particle_count, g->unit, target);
   if (g->particle_sort.phase != k_sort_done) return;
   float* sorted = g->records[1];
@@ -186,7 +190,14 @@ struct ListTask {
   bool settle_group(uint32_t group, uint32_t* awake_lanes) const {
     const float* records = g->records[0] + static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
     uint32_t lanes = 0;
-    for (uint32_t l = 0; l < k_lane_group; ++l) lanes += records[l * k_record_floats + 3] > 0.0f ? 1u : 0u;
+    for (uint32_t l = 0; l < k_lane_group; ++l) {
+      const float* r = records + l * k_record_floats;
+      lanes += r[3] > 0.0f ? 1u : 0u;
+      uint32_t id;
+      __builtin_memcpy(&id, r + 7, sizeof id);
+      if (g->body_count != 0 && id > k_number_mask && id != ~0u)
+        g->body_rows[g->rest[id & k_number_mask].body_slot] = group * k_lane_group + l;
+    }
     *awake_lanes += lanes;
     g->group_states[group] = lanes != 0 ? GroupState::active : GroupState::asleep;
     if (lanes != 0) return true;
@@ -263,7 +274,11 @@ void merge_extent(ContactExtent* into, const ContactExtent& from) {
   }
 }
 
+// The last pass has written records[1]: that is the state now.
 void finish_substep(Granular* g) {
+  float* state = g->records[1];
+  g->records[1] = g->records[0];
+  g->records[0] = state;
   g->quarantined += g->extent.quarantined;
   g->speed_max = __builtin_sqrtf(g->extent.speed_squared);
   const bool all = g->awake_count == g->particle_count;  // sleepers hold the bounds where they were
@@ -335,6 +350,7 @@ void run_pass(Granular* g) {
   a.collider_count = g->collider_count;
   a.wake_displacement = granular_wake_speed(*g) * dt;
   a.touched = g->touched;
+  a.bodies = g->body_count != 0 ? 1 : 0;
 
   const uint32_t items = active_items(*g);
   const uint32_t end = items - g->cursor < g->unit ? items : g->cursor + g->unit;
@@ -353,10 +369,12 @@ void run_pass(Granular* g) {
     g->phase = ParticlePhase::solve;
     return;
   }
-  float* state = g->records[1];
-  g->records[1] = g->records[0];
-  g->records[0] = state;
-  finish_substep(g);
+  if (g->body_count != 0 && granular_begin_bodies(g)) g->phase = ParticlePhase::bodies;
+  else finish_substep(g);
+}
+
+void run_bodies(Granular* g) {
+  if (granular_run_bodies(g)) finish_substep(g);
 }
 
 void run(void* state, uint32_t level) {
@@ -372,6 +390,8 @@ void run(void* state, uint32_t level) {
       return run_sort(g);
     case ParticlePhase::lists:
       return run_lists(g);
+    case ParticlePhase::bodies:
+      return run_bodies(g);
     case ParticlePhase::touch:
       return granular_run_touch(g);
     case ParticlePhase::wake:
@@ -397,6 +417,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   entries[n++] = {k_unit_lists, builds * active};
   if (g.desc.stabilisation_iterations != 0)
     entries[n++] = {k_unit_stabilise, substeps * g.desc.stabilisation_iterations * active};
+  if (g.body_count != 0) entries[n++] = {k_unit_bodies, substeps * 2 * g.body_particle_count};
   entries[n++] = {k_unit_solve, substeps * g.desc.solver_iterations * active};
   return n;
 }
@@ -408,6 +429,12 @@ uint32_t granular_build_lists(Granular* g, uint32_t begin, uint32_t end) {
   uint32_t dropped = 0;
   g->kernels->neighbour_lists(&args, begin, end, &dropped);
   return dropped;
+}
+
+void granular_abandon_substep(Granular* g) {
+  while (g->phase == ParticlePhase::bodies) run_bodies(g);
+  g->phase = ParticlePhase::idle;
+  g->wake_due = g->rest_due = false;
 }
 
 void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {

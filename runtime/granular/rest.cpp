@@ -29,7 +29,7 @@ uint32_t number_of(const float* record) {
 }
 
 // The particle in record i is awake from now on.
-void begin_waking(Granular* g, uint32_t i) {
+void begin_waking_one(Granular* g, uint32_t i) {
   const float* record = record_at(*g, i);
   Rest& rest = g->rest[number_of(record)];
   for (int k = 0; k < 3; ++k) rest.anchor[k] = record[k];
@@ -39,6 +39,21 @@ void begin_waking(Granular* g, uint32_t i) {
   if (state != GroupState::asleep) return;
   state = GroupState::waking;
   ++g->waking_count;
+}
+
+// And so is the rest of its body.
+void begin_waking(Granular* g, uint32_t i) {
+  begin_waking_one(g, i);
+  uint32_t id;
+  __builtin_memcpy(&id, record_at(*g, i) + 7, sizeof id);
+  if (id <= k_number_mask) return;
+  const RigidBody& body = g->bodies[(id >> k_body_shift) - 1];
+  for (uint32_t slot = body.first; slot < body.first + body.count; ++slot) {
+    float* record = record_at(*g, g->body_rows[slot]);
+    if (!(record[3] < 0.0f)) continue;
+    record[3] = -record[3];
+    begin_waking_one(g, g->body_rows[slot]);
+  }
 }
 
 void wake_neighbours(Granular* g, uint32_t i) {
@@ -52,8 +67,10 @@ void wake_neighbours(Granular* g, uint32_t i) {
   }
 }
 
-// All of the group sleep: it leaves the passes, so both buffers must hold it.
-void put_to_sleep(Granular* g, uint32_t group) {
+// Where all of the group sleep it leaves the passes, so both buffers must hold it.
+void settle_group(Granular* g, uint32_t group) {
+  for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i)
+    if (record_at(*g, i)[3] > 0.0f) return;
   g->group_states[group] = GroupState::asleep;
   const uint64_t at = static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
   for (uint32_t b = 1; b < 3; ++b) {
@@ -83,6 +100,20 @@ float half_travel(const sandglass_collider& a, const sandglass_collider& b) {
   return 0.5f * __builtin_sqrtf(shift2) + __builtin_sqrtf(turn2 * extent2);
 }
 
+bool in_body(const float* record) {
+  uint32_t id;
+  __builtin_memcpy(&id, record + 7, sizeof id);
+  return id > k_number_mask;
+}
+
+void fall_asleep(Granular* g, uint32_t i) {
+  float* r = record_at(*g, i);
+  r[3] = -r[3];
+  r[4] = r[5] = r[6] = 0.0f;
+  g->rest[number_of(r)].quiet = k_asleep;
+  --g->awake_count;
+}
+
 void remember_colliders(Granular* g) {
   g->collider_before_count = g->collider_count;
   for (uint32_t c = 0; c < g->collider_count; ++c) g->colliders_before[c] = g->colliders[c];
@@ -93,6 +124,11 @@ void remember_colliders(Granular* g) {
 float granular_speed_scale(const Granular& g) {
   const float pull = g.gravity_length > 0.1f ? g.gravity_length : 9.81f;
   return __builtin_sqrtf(pull * 2.0f * g.desc.particle_radius);
+}
+
+void granular_sleep_particle(Granular* g, uint32_t record) {
+  fall_asleep(g, record);
+  settle_group(g, record / k_lane_group);
 }
 
 float granular_wake_speed(const Granular& g) { return k_wake_speed_units * granular_speed_scale(g); }
@@ -164,14 +200,14 @@ void granular_skip_rest(Granular* g) {
 }
 
 void granular_wake_all(Granular* g) {
+  granular_abandon_substep(g);
   for (uint32_t i = 0; i < g->particle_count; ++i) {
     float* record = record_at(*g, i);
     if (!(record[3] < 0.0f)) continue;
     record[3] = -record[3];
     begin_waking(g, i);
   }
-  g->phase = ParticlePhase::idle;
-  g->lists_valid = g->wake_due = g->rest_due = false;
+  g->lists_valid = false;
 }
 
 uint32_t granular_rest_items(const Granular& g) {
@@ -224,7 +260,6 @@ void granular_run_rest(Granular* g) {
   const uint32_t end = items - g->cursor < g->unit ? items : g->cursor + g->unit;
   for (uint32_t at = g->cursor; at < end; at += k_lane_group) {
     const uint32_t group = g->active_groups[at / k_lane_group];
-    uint32_t awake = 0;
     for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
       float* r = record_at(*g, i);
       if (!(r[3] > 0.0f)) continue;
@@ -235,19 +270,15 @@ void granular_run_rest(Granular* g) {
         for (int k = 0; k < 3; ++k) rest.anchor[k] = r[k];
         rest.quiet = 0;
         wake_neighbours(g, i);
-      } else if (++rest.quiet >= patience) {
-        r[3] = -r[3];
-        r[4] = r[5] = r[6] = 0.0f;
-        rest.quiet = k_asleep;
-        --g->awake_count;
+      } else if (++rest.quiet >= patience && !in_body(r)) {
+        fall_asleep(g, i);
       }
     }
-    for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i)
-      awake += record_at(*g, i)[3] > 0.0f ? 1u : 0u;
-    if (awake == 0) put_to_sleep(g, group);
+    settle_group(g, group);
   }
   g->cursor = end;
   if (end < items) return;
+  granular_rest_bodies(g, patience);
   g->rest_due = false;
   g->next_rest = g->simulated + k_rest_period;
   granular_collect_groups(g);

@@ -147,10 +147,11 @@ uint32_t id_at(const float* slot) {
   return id;
 }
 
-void copy_items(const float* records, uint32_t count, uint32_t id_slot, float* positions, float* velocities) {
+void copy_items(const float* records, uint32_t count, uint32_t id_slot, uint32_t mask, float* positions,
+                float* velocities) {
   for (uint32_t i = 0; i < count; ++i) {
     const float* r = records + static_cast<uint64_t>(i) * sandglass::k_record_floats;
-    const uint64_t to = 3ull * id_at(r + id_slot);
+    const uint64_t to = 3ull * (id_at(r + id_slot) & mask);
     for (int k = 0; k < 3; ++k) {
       if (positions != nullptr) positions[to + k] = r[k];
       if (velocities != nullptr) velocities[to + k] = r[4 + k];
@@ -266,6 +267,26 @@ sandglass_status sandglass_granular_add(sandglass_scene* scene, const float* par
                                  grain_positions, grain_velocities, grain_count, reason);
 }
 
+void sandglass_body_default(sandglass_body* body) {
+  *body = sandglass_body{};
+  body->struct_size = sizeof *body;
+  body->density_ratio = 1.0f;
+}
+
+sandglass_status sandglass_granular_add_body(sandglass_scene* scene, const sandglass_body* body, uint32_t* index,
+                                             const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  return sandglass::granular_add_body(&scene->granular, body, index, reason);
+}
+
+sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index) {
+  sandglass_body_pose pose = {};
+  pose.rotation[3] = 1.0f;
+  if (scene != nullptr && index < scene->granular.body_count)
+    sandglass::granular_body_pose(scene->granular, index, &pose);
+  return pose;
+}
+
 sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene, const float* positions, uint32_t count,
                                                  const char** reason) {
   if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
@@ -319,11 +340,12 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
 }
 
 void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities) {
-  copy_items(scene->granular.records[0], scene->granular.particle_count, k_particle_id, positions, velocities);
+  copy_items(scene->granular.records[0], scene->granular.particle_count, k_particle_id, sandglass::k_number_mask,
+             positions, velocities);
 }
 
 void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities) {
-  copy_items(scene->granular.grains[0], scene->granular.grain_count, k_grain_id, positions, velocities);
+  copy_items(scene->granular.grains[0], scene->granular.grain_count, k_grain_id, ~0u, positions, velocities);
 }
 
 uint64_t sandglass_scene_hash(const sandglass_scene* scene) {

@@ -121,7 +121,7 @@ struct Sorted {
         low[k] = std::min(low[k], source[8 * i + k]), high[k] = std::max(high[k], source[8 * i + k]);
     }
     cell_sort_begin(&sort, cell, low, high, bits_min);
-    const SortTarget target = {records.data(), {axes[0].data(), axes[1].data(), axes[2].data()}};
+    const SortTarget target = {records.data(), {axes[0].data(), axes[1].data(), axes[2].data()}, false};
     while (sort.phase != k_sort_done) cell_sort_run(&sort, kernels, source, n, 64, target);
   }
   Records records;

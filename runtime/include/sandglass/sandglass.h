@@ -141,10 +141,12 @@ enum { SANDGLASS_BLEND_CONTINUOUS = 0, SANDGLASS_BLEND_SOURCE = 1 };
  * `grains` are what is drawn (high resolution, advected by the particles, never colliding with each other). Chapter 4
  * of the source. */
 typedef struct sandglass_granular_desc {
-  uint32_t particle_capacity; /* most particles at any time; 0 leaves granular material out: no memory, no time */
-  uint32_t grain_capacity;    /* most grains; 0 simulates particles only */
-  uint32_t boundary_capacity; /* most static boundary particles (samples of a fixed surface) */
-  uint32_t collider_capacity; /* most analytic colliders passed to one frame; 0..256 */
+  uint32_t particle_capacity;      /* most particles at any time; 0 leaves granular material out: no memory, no time */
+  uint32_t grain_capacity;         /* most grains; 0 simulates particles only */
+  uint32_t boundary_capacity;      /* most static boundary particles (samples of a fixed surface) */
+  uint32_t body_capacity;          /* most rigid bodies; 0..255 */
+  uint32_t body_particle_capacity; /* most particles of all bodies together; they count in particle_capacity too */
+  uint32_t collider_capacity;      /* most analytic colliders passed to one frame; 0..256 */
 
   float particle_radius; /* r, metres, above 0; all particles are equal */
   float
@@ -234,6 +236,37 @@ SANDGLASS_API sandglass_isa sandglass_scene_isa(const sandglass_scene* scene);
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_add(
     sandglass_scene* scene, const float* particle_positions, const float* particle_velocities, uint32_t particle_count,
     const float* grain_positions, const float* grain_velocities, uint32_t grain_count, const char** reason);
+
+/* A rigid body: particles that keep their shape (shape matching, 4.28-4.36), pushed by sand and pushing it. They are
+ * spheres of the material's radius; sample the body like sand, on a lattice or by Poisson disk, so that a particle
+ * stands for the same volume. One or two particles, a line or a plane of them are bodies too. Grains are not carried by
+ * bodies; pass a collider with the body's pose to keep them out of it. */
+typedef struct sandglass_body {
+  uint32_t struct_size;
+  uint32_t particle_count;
+  const float* particle_positions; /* 3 floats each, world, within SANDGLASS_COORDINATE_LIMIT */
+  float density_ratio;             /* the body's density over that of sand; 0.001..1000; 1 by default */
+  float linear_velocity[3];        /* m/s, of the centre of mass */
+  float angular_velocity[3];       /* rad/s, about it */
+} sandglass_body;
+
+SANDGLASS_API void sandglass_body_default(sandglass_body* body);
+
+/* Adds a body; *index (may be NULL) is its number, counted from 0. Its particles also appear, after those added before,
+ * in sandglass_granular_particles. Fails like sandglass_granular_add. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_add_body(sandglass_scene* scene,
+                                                                               const sandglass_body* body,
+                                                                               uint32_t* index, const char** reason);
+
+typedef struct sandglass_body_pose {
+  float position[3]; /* of the centre of mass: the mean of the particles' positions */
+  float rotation[4]; /* from the pose in which the body was added */
+  float linear_velocity[3];
+  float angular_velocity[3];
+} sandglass_body_pose;
+
+/* The pose of a body now: what draws its mesh. A number that is none gives the identity at the origin. */
+SANDGLASS_API sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index);
 
 /* Replaces the static boundary particles: fixed spheres of the particles' radius, samples of a surface
  * (sandglass_sample_surface with a distance of at most 2r). Particles collide with them; grains do not see them. Fails
@@ -341,7 +374,7 @@ typedef struct sandglass_frame_report {
   uint32_t particles;
   uint32_t awake; /* particles that do not sleep */
   uint32_t grains;
-  uint32_t awake_grains; /* of the last sweep, in whole groups of 16; the rest slept */
+  uint32_t awake_grains;     /* of the last sweep, in whole groups of 16; the rest slept */
   uint32_t dropped_contacts; /* neighbours beyond a list's capacity (32), summed over the frame's list builds; 0 in any
                                 packing */
   uint32_t quarantined;      /* particles and grains found not finite, or beyond the coordinate limit, and reset to rest
