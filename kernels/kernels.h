@@ -115,6 +115,15 @@ struct WakeArgs {
   uint32_t collider_count;
 };
 
+// Which points of records lie inside a shape.
+struct InsideArgs {
+  const float* records;
+  uint32_t record_count;
+  const ColliderFrame* shapes;
+  uint32_t shape_count;
+  uint8_t* inside;  // one a record of the range: 1 or 0
+};
+
 struct RefineArgs {
   Grid grid;                  // of the particles' snapshot; cell edge = support radius
   const float* snapshot;      // particle records in sorted order, u = velocity

@@ -40,8 +40,10 @@ void put_inert(float* records, uint32_t index) {
   put(records, index, far, 0.0f, nullptr, ~0u);
 }
 
+}  // namespace
+
 // Inert records after the last particle, so that whole vectors can be processed; their rows point at inert neighbours.
-void seal_particles(Granular* g) {
+void granular_seal_particles(Granular* g) {
   for (uint32_t i = g->particle_count; i < g->particle_rows && i < g->particle_count + k_slack; ++i) {
     for (float* records : g->records) {
       if (records != nullptr) put_inert(records, i);
@@ -50,6 +52,8 @@ void seal_particles(Granular* g) {
     for (uint32_t s = 0; s < k_list_slots; ++s) g->lists[static_cast<uint64_t>(i) * k_list_slots + s] = g->inert;
   }
 }
+
+namespace {
 
 bool all_within(const float* values, uint32_t count, float limit) {
   for (uint64_t i = 0; i < static_cast<uint64_t>(count) * 3; ++i) {
@@ -80,6 +84,8 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (d.boundary_capacity > 4000000)
     return "granular.boundary_capacity is above 4 million: sample the surface more coarsely.";
   if (d.collider_capacity > 256) return "granular.collider_capacity is above 256: pass the nearest colliders only.";
+  if (d.emitter_capacity > 64) return "granular.emitter_capacity is above 64: join nozzles.";
+  if (d.sink_capacity > 64) return "granular.sink_capacity is above 64: join sinks.";
   if (d.body_capacity > 255) return "granular.body_capacity is above 255: join bodies that move together.";
   if (d.body_particle_capacity > d.particle_capacity)
     return "granular.body_particle_capacity is above particle_capacity, which counts the bodies' particles too: raise "
@@ -142,6 +148,11 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   g->group_states = layout_region<GroupState>(layout, "granular.group_states", groups);
   g->touched = layout_region<uint8_t>(layout, "granular.touched", groups);
   g->rest = layout_region<Rest>(layout, "granular.rest", d.particle_capacity);
+  g->free_particles = layout_region<uint32_t>(layout, "granular.free_particles", d.particle_capacity);
+  g->free_grains = layout_region<uint32_t>(layout, "granular.free_grains", d.grain_capacity);
+  g->emitters = layout_region<sandglass_emitter>(layout, "granular.emitters", d.emitter_capacity);
+  g->emitter_states = layout_region<EmitterState>(layout, "granular.emitter_states", d.emitter_capacity);
+  g->sinks = layout_region<ColliderFrame>(layout, "granular.sinks", d.sink_capacity);
   g->bodies = layout_region<RigidBody>(layout, "granular.bodies", d.body_capacity);
   g->body_rest = layout_region<float>(layout, "granular.body_rest", 3ull * d.body_particle_capacity);
   g->body_rows = layout_region<uint32_t>(layout, "granular.body_rows", d.body_particle_capacity);
@@ -194,12 +205,16 @@ void granular_reset(Granular* g) {
   g->grains_asleep = g->groups_changed = false;
   g->next_rest = 0.0;
   g->waking_count = g->body_count = g->body_particle_count = 0;
+  g->free_particle_count = g->free_grain_count = g->emitter_count = g->sink_count = 0;
+  g->emitted_particles = g->emitted_grains = g->removed_particles = g->removed_grains = g->denied_particles = 0;
+  for (uint32_t e = 0; e < g->desc.emitter_capacity; ++e) g->emitter_states[e] = {};
+  g->drain_due = false;
   g->touch_due = g->wake_due = g->rest_due = false;
   for (int k = 0; k < 3; ++k) g->low[k] = g->high[k] = 0.0f;
   for (float* records : g->records) {
     if (records != nullptr) put_inert(records, g->inert);
   }
-  seal_particles(g);
+  granular_seal_particles(g);
 }
 
 sandglass_status granular_add(Granular* g, const float* particles, const float* particle_velocities,
@@ -235,8 +250,10 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     const uint32_t index = g->particle_count + i;
     const float* position = particles + 3ull * i;
     const float* velocity = particle_velocities == nullptr ? nullptr : particle_velocities + 3ull * i;
-    put(g->records[0], index, position, 1.0f, velocity, index);
-    Rest& rest = g->rest[index];
+    // Live and free numbers together are 0, 1, 2, ...: without free ones the next is the count.
+    const uint32_t number = g->free_particle_count != 0 ? g->free_particles[--g->free_particle_count] : index;
+    put(g->records[0], index, position, 1.0f, velocity, number);
+    Rest& rest = g->rest[number];
     for (int k = 0; k < 3; ++k) rest.anchor[k] = position[k];
     rest.quiet = 0;
     ++g->awake_count;
@@ -252,18 +269,20 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     if (speed > g->speed_max) g->speed_max = speed;
   }
   for (uint32_t i = 0; i < grain_count; ++i) {
-    put_grain(g->grains[0], g->grain_count + i, grains + 3ull * i,
-              grain_velocities == nullptr ? nullptr : grain_velocities + 3ull * i, g->grain_count + i);
+    const uint32_t index = g->grain_count + i;
+    const uint32_t number = g->free_grain_count != 0 ? g->free_grains[--g->free_grain_count] : index;
+    put_grain(g->grains[0], index, grains + 3ull * i,
+              grain_velocities == nullptr ? nullptr : grain_velocities + 3ull * i, number);
   }
   if (particle_count != 0) {
     g->particle_count += particle_count;
     g->lists_valid = false;
     if (g->grain_phase == GrainPhase::snapshot) g->grain_phase = GrainPhase::idle;
-    seal_particles(g);
+    granular_seal_particles(g);
   }
   if (grain_count != 0) {
     g->grain_count += grain_count;
-    if (g->grain_phase != GrainPhase::refine) g->grain_phase = GrainPhase::idle;
+    if (g->grain_phase != GrainPhase::refine && g->grain_phase != GrainPhase::drain) g->grain_phase = GrainPhase::idle;
     for (uint32_t group = (g->grain_count - grain_count) / k_lane_group; group * k_lane_group < g->grain_count; ++group)
       g->grain_still[group] = 0;
     g->sweeps_since_sort = 1e9f;

@@ -31,14 +31,29 @@ enum : uint32_t {
   k_unit_wake,
   k_unit_rest,
   k_unit_triage,
-  k_unit_bodies
+  k_unit_bodies,
+  k_unit_drain
 };
 
 // Rungs of the quality ladder.
 enum : uint32_t { k_level_full, k_level_refine_once, k_level_slow_motion, k_level_count };
 
-enum class ParticlePhase : uint32_t { idle, sort, lists, stabilise, solve, bodies, touch, wake, rest, wake_lists };
-enum class GrainPhase : uint32_t { idle, snapshot, sort, mark, triage, refine };
+enum class ParticlePhase : uint32_t {
+  idle,
+  sort,
+  lists,
+  stabilise,
+  solve,
+  bodies,
+  touch,
+  wake,
+  rest,
+  drain,
+  wake_lists
+};
+enum class GrainPhase : uint32_t { idle, snapshot, sort, mark, triage, refine, drain };
+
+constexpr double k_rest_period = 0.02;  // seconds of simulated time between looks at who rests and what sinks take
 
 // Sweeps in a row that a grain keeps still before it may sleep; the apex of a flight is shorter.
 constexpr float k_still_sweeps = 16.0f;
@@ -66,6 +81,11 @@ struct BodyMatch {
   double shift[3], stabilised[3], offset[3], a[9];
   double spread[9], spin[3];  // sums of r r^T and of r x displacement
   double turn[4];
+};
+
+struct EmitterState {
+  double run;      // metres that sand has come since the last layer
+  uint32_t layer;  // layers so far
 };
 
 // Colliders that moved, appeared or went away: where they were and where they are.
@@ -118,6 +138,17 @@ struct Granular {
   uint32_t body_cursor, body_particle;  // progress of the phase
   bool body_applies;
   BodyMatch match;
+
+  // Coming and going (flow.cpp). Numbers of removed items are used again, the last removed first.
+  uint32_t* free_particles;
+  uint32_t* free_grains;
+  uint32_t free_particle_count, free_grain_count;
+  sandglass_emitter* emitters;
+  EmitterState* emitter_states;
+  ColliderFrame* sinks;
+  uint32_t emitter_count, sink_count;
+  bool drain_due;
+  uint64_t emitted_particles, emitted_grains, removed_particles, removed_grains, denied_particles;
 
   // Boundary: fixed, sorted once.
   float* boundary_positions[3];
@@ -217,7 +248,18 @@ uint32_t granular_rest_items(const Granular& granular);  // of the unit that run
 float granular_speed_scale(const Granular& granular);    // sqrt(g d), m/s; weightless scenes take the Earth's g
 float granular_wake_speed(const Granular& granular);
 
+void granular_seal_particles(Granular* granular);  // inert records after the last particle
 void granular_sleep_particle(Granular* granular, uint32_t record);
+
+// Coming and going (flow.cpp).
+void granular_take_flow(Granular* granular, const sandglass_frame_input* input);  // begin_frame
+bool granular_can_emit(const Granular& granular);
+void granular_emit(Granular* granular, double seconds);
+uint32_t granular_drain_items(const Granular& granular);
+void granular_run_drain(Granular* granular);
+void granular_run_grain_drain(Granular* granular);
+sandglass_status granular_remove(Granular* granular, const sandglass_collider* region, uint32_t* particles,
+                                 uint32_t* grains, const char** reason);
 
 // Rigid bodies (bodies.cpp).
 sandglass_status granular_add_body(Granular* granular, const sandglass_body* body, uint32_t* index,

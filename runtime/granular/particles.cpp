@@ -90,7 +90,7 @@ Plan plan_substep(const Granular& g, uint32_t level) {
 
 bool next(const void* state, uint32_t level, WorkUnit* unit) {
   const Granular& g = *static_cast<const Granular*>(state);
-  if (g.particle_count == 0) return false;
+  if (g.particle_count == 0 && g.emitter_count == 0) return false;
   // A snapshot under way reads the state in several units and must find it unchanged.
   if (g.grain_phase == GrainPhase::snapshot) return false;
   ParticlePhase phase = g.phase;
@@ -131,6 +131,10 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
       unit->kind = k_unit_wake, unit->name = "granular.wake";
       unit->items = granular_rest_items(g);
       break;
+    case ParticlePhase::drain:
+      unit->kind = k_unit_drain, unit->name = "granular.drain";
+      unit->items = granular_drain_items(g);
+      break;
     case ParticlePhase::rest:
       unit->kind = k_unit_rest, unit->name = "granular.rest";
       unit->items = granular_rest_items(g);
@@ -157,6 +161,7 @@ void enter_passes(Granular* g) {
 }
 
 void begin_substep(Granular* g, uint32_t level) {
+  if (g->interval_left == 0 && g->emitter_count != 0) granular_emit(g, interval_for(*g, level));
   const Plan plan = plan_substep(*g, level);
   if (g->interval_left == 0) g->interval_owed = g->owed - plan.interval;
   g->interval_left = plan.count;
@@ -302,7 +307,11 @@ void finish_substep(Granular* g) {
     if (g->owed < k_time_resolution) g->owed = 0.0;
   }
   g->wake_due = g->extent.touched != 0;
-  g->rest_due = g->desc.sleep_after > 0.0f && g->simulated >= g->next_rest - k_time_resolution;
+  if (g->simulated >= g->next_rest - k_time_resolution) {
+    g->rest_due = g->desc.sleep_after > 0.0f;
+    g->drain_due = g->sink_count != 0;
+    g->next_rest = g->simulated + k_rest_period;
+  }
   granular_settle(g);
 }
 
@@ -398,6 +407,8 @@ void run(void* state, uint32_t level) {
       return granular_run_wake(g);
     case ParticlePhase::rest:
       return granular_run_rest(g);
+    case ParticlePhase::drain:
+      return granular_run_drain(g);
     case ParticlePhase::wake_lists:
       return granular_run_wake_lists(g);
     default:
@@ -434,7 +445,7 @@ uint32_t granular_build_lists(Granular* g, uint32_t begin, uint32_t end) {
 void granular_abandon_substep(Granular* g) {
   while (g->phase == ParticlePhase::bodies) run_bodies(g);
   g->phase = ParticlePhase::idle;
-  g->wake_due = g->rest_due = false;
+  g->wake_due = g->rest_due = g->drain_due = false;
 }
 
 void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
@@ -456,6 +467,7 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
     }
   }
 
+  granular_take_flow(g, input);
   granular_find_moved_colliders(g);
 
   constexpr float k_longest_step = 0.1f;

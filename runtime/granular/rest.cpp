@@ -17,7 +17,6 @@ namespace sandglass {
 namespace {
 
 constexpr float k_rest_radii = 0.1f;        // moving further than this is moving on
-constexpr double k_rest_period = 0.02;      // seconds between checks
 constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d); resting particles tremble at a tenth of it
 
 float* record_at(const Granular& g, uint32_t i) { return g.records[0] + static_cast<uint64_t>(i) * k_record_floats; }
@@ -172,6 +171,8 @@ void granular_settle(Granular* g) {
     g->phase = ParticlePhase::wake;
   } else if (g->rest_due) {
     g->phase = ParticlePhase::rest;
+  } else if (g->drain_due) {
+    g->phase = ParticlePhase::drain;
   } else if (g->waking_count != 0 && g->lists_valid) {
     g->phase = ParticlePhase::wake_lists;
   } else {
@@ -181,10 +182,8 @@ void granular_settle(Granular* g) {
 }
 
 void granular_skip_rest(Granular* g) {
-  if (g->awake_count != 0 || g->particle_count == 0 || !g->lists_valid || g->touch_due ||
-      g->phase != ParticlePhase::idle) {
-    return;
-  }
+  const bool asleep = g->awake_count == 0 && (g->lists_valid || g->particle_count == 0);
+  if (!asleep || g->emitter_count != 0 || g->touch_due || g->phase != ParticlePhase::idle) return;
   g->simulated += g->owed;
   g->unswept += g->owed;
   g->owed = g->interval_owed = 0.0;
@@ -280,7 +279,6 @@ void granular_run_rest(Granular* g) {
   if (end < items) return;
   granular_rest_bodies(g, patience);
   g->rest_due = false;
-  g->next_rest = g->simulated + k_rest_period;
   granular_collect_groups(g);
   granular_settle(g);
 }

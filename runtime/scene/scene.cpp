@@ -108,6 +108,13 @@ void describe(const sandglass_scene& scene, sandglass_frame_report* report) {
   report->dropped_contacts = g.dropped_contacts;
   report->quarantined = g.quarantined;
   report->ignored_colliders = g.ignored_colliders;
+  report->particle_numbers = g.particle_count + g.free_particle_count;
+  report->grain_numbers = g.grain_count + g.free_grain_count;
+  report->emitted_particles = g.emitted_particles;
+  report->emitted_grains = g.emitted_grains;
+  report->removed_particles = g.removed_particles;
+  report->removed_grains = g.removed_grains;
+  report->denied_particles = g.denied_particles;
   report->speed_max = g.speed_max;
 }
 
@@ -147,14 +154,28 @@ uint32_t id_at(const float* slot) {
   return id;
 }
 
-void copy_items(const float* records, uint32_t count, uint32_t id_slot, uint32_t mask, float* positions,
-                float* velocities) {
-  for (uint32_t i = 0; i < count; ++i) {
-    const float* r = records + static_cast<uint64_t>(i) * sandglass::k_record_floats;
-    const uint64_t to = 3ull * (id_at(r + id_slot) & mask);
+struct Items {
+  const float* records;
+  uint32_t count;
+  uint32_t id_slot, id_mask;
+  const uint32_t* removed;
+  uint32_t removed_count;
+};
+
+void copy_items(const Items& items, float* positions, float* velocities) {
+  for (uint32_t i = 0; i < items.count; ++i) {
+    const float* r = items.records + static_cast<uint64_t>(i) * sandglass::k_record_floats;
+    const uint64_t to = 3ull * (id_at(r + items.id_slot) & items.id_mask);
     for (int k = 0; k < 3; ++k) {
       if (positions != nullptr) positions[to + k] = r[k];
       if (velocities != nullptr) velocities[to + k] = r[4 + k];
+    }
+  }
+  for (uint32_t i = 0; i < items.removed_count; ++i) {
+    const uint64_t to = 3ull * items.removed[i];
+    for (int k = 0; k < 3; ++k) {
+      if (positions != nullptr) positions[to + k] = k == 1 ? SANDGLASS_REMOVED_Y : 0.0f;
+      if (velocities != nullptr) velocities[to + k] = 0.0f;
     }
   }
 }
@@ -267,6 +288,12 @@ sandglass_status sandglass_granular_add(sandglass_scene* scene, const float* par
                                  grain_positions, grain_velocities, grain_count, reason);
 }
 
+sandglass_status sandglass_granular_remove(sandglass_scene* scene, const sandglass_collider* region,
+                                           uint32_t* particles, uint32_t* grains, const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  return sandglass::granular_remove(&scene->granular, region, particles, grains, reason);
+}
+
 void sandglass_body_default(sandglass_body* body) {
   *body = sandglass_body{};
   body->struct_size = sizeof *body;
@@ -340,12 +367,15 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
 }
 
 void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities) {
-  copy_items(scene->granular.records[0], scene->granular.particle_count, k_particle_id, sandglass::k_number_mask,
+  const Granular& g = scene->granular;
+  copy_items({g.records[0], g.particle_count, k_particle_id, sandglass::k_number_mask, g.free_particles,
+              g.free_particle_count},
              positions, velocities);
 }
 
 void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities) {
-  copy_items(scene->granular.grains[0], scene->granular.grain_count, k_grain_id, ~0u, positions, velocities);
+  const Granular& g = scene->granular;
+  copy_items({g.grains[0], g.grain_count, k_grain_id, ~0u, g.free_grains, g.free_grain_count}, positions, velocities);
 }
 
 uint64_t sandglass_scene_hash(const sandglass_scene* scene) {

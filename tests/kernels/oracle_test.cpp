@@ -360,6 +360,31 @@ void check_wake_near(uint32_t n) {
   }
 }
 
+// ---- find_inside
+
+void check_find_inside(uint32_t n) {
+  Cluster cluster(n, 0, 0.3, 43);
+  ColliderFrame shapes[2] = {};
+  for (ColliderFrame& c : shapes)
+    for (int k = 0; k < 3; ++k) c.axes[k][k] = 1.0f;
+  shapes[0].shape = SANDGLASS_SHAPE_SPHERE, shapes[0].size[0] = 0.015f, shapes[0].position[2] = 0.02f;
+  shapes[1].shape = SANDGLASS_SHAPE_HALF_SPACE, shapes[1].position[1] = -0.01f;
+  for (const Kernels* kernels : tables()) {
+    std::vector<uint8_t> inside(cluster.rows, 7);
+    const InsideArgs args = {cluster.records.data(), n, shapes, 2, inside.data()};
+    uint32_t found = 0, expected = 0;
+    kernels->find_inside(&args, 0, n, &found);
+    for (uint32_t i = 0; i < n; ++i) {
+      const Vector x = at(cluster.records[i]);
+      const double gap = std::min(length(x - Vector{0, 0, 0.02}) - 0.015, x.y + 0.01);
+      ASSERT_GT(std::fabs(gap), 1e-8);
+      ASSERT_EQ(inside[i], gap < 0 ? 1 : 0) << sandglass_isa_name(kernels->isa);
+      expected += gap < 0 ? 1 : 0;
+    }
+    ASSERT_EQ(found, expected);
+  }
+}
+
 // ---- refine_grains
 
 struct Refinement {

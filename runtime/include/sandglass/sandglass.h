@@ -146,6 +146,8 @@ typedef struct sandglass_granular_desc {
   uint32_t boundary_capacity;      /* most static boundary particles (samples of a fixed surface) */
   uint32_t body_capacity;          /* most rigid bodies; 0..255 */
   uint32_t body_particle_capacity; /* most particles of all bodies together; they count in particle_capacity too */
+  uint32_t emitter_capacity;       /* most emitters passed to one frame; 0..64 */
+  uint32_t sink_capacity;          /* most sinks passed to one frame; 0..64 */
   uint32_t collider_capacity;      /* most analytic colliders passed to one frame; 0..256 */
 
   float particle_radius; /* r, metres, above 0; all particles are equal */
@@ -237,6 +239,14 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_add(
     sandglass_scene* scene, const float* particle_positions, const float* particle_velocities, uint32_t particle_count,
     const float* grain_positions, const float* grain_velocities, uint32_t grain_count, const char** reason);
 
+/* Removes the sand whose centres lie inside a shape (its velocities mean nothing); *particles and *grains, which may be
+ * NULL, receive the counts. Rigid bodies stay. Wakes what is left. Fails with INVALID_ARGUMENT. */
+struct sandglass_collider;
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_remove(sandglass_scene* scene,
+                                                                             const struct sandglass_collider* region,
+                                                                             uint32_t* particles, uint32_t* grains,
+                                                                             const char** reason);
+
 /* A rigid body: particles that keep their shape (shape matching, 4.28-4.36), pushed by sand and pushing it. They are
  * spheres of the material's radius; sample the body like sand, on a lattice or by Poisson disk, so that a particle
  * stands for the same volume. One or two particles, a line or a plane of them are bodies too. Grains are not carried by
@@ -304,10 +314,13 @@ typedef struct sandglass_collider {
   float angular_velocity[3]; /* rad/s, world, about `position` */
 } sandglass_collider;
 
+/* Where removed particles and grains are said to be: (0, SANDGLASS_REMOVED_Y, 0), beyond every far plane. */
+#define SANDGLASS_REMOVED_Y (-1e6f)
+
 /* A grain as the app's buffer receives it. */
 typedef struct sandglass_grain {
   float position[3];
-  float speed; /* m/s: for shading, level of detail, or sound */
+  float speed; /* m/s: for shading, level of detail, or sound; below 0: the grain was removed */
 } sandglass_grain;
 
 /* Stages, in the order in which a frame runs them. */
@@ -333,13 +346,32 @@ typedef struct sandglass_plan {
   sandglass_plan_run runs[SANDGLASS_PLAN_RUNS];
 } sandglass_plan;
 
+/* A nozzle that pours sand: layers of a hexagonal lattice with the density of packed sand, one whenever the one before
+ * has gone far enough, for as long as the emitter is passed. A layer for which there is no room is left out and
+ * counted. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever. Keep the
+ * space before the nozzle free. */
+typedef struct sandglass_emitter {
+  float position[3];            /* of the nozzle's centre */
+  float rotation[4];            /* local to world, (x, y, z, w); sand leaves along local -y */
+  float radius;                 /* metres; 1 to 100 particle radii */
+  float speed;                  /* m/s, above 0, at most 100; what is faster than courant * r / substep_min is slowed */
+  uint32_t grains_per_particle; /* 0..64, at random places within a particle */
+} sandglass_emitter;
+
 typedef struct sandglass_frame_input {
   uint32_t struct_size;
   float time_step; /* seconds of simulated time to advance; not finite or <= 0 advances nothing; at most 0.1 is taken */
   uint64_t budget_ns; /* time this frame may take by the scene's clock; 0 runs the mandatory part only */
   const sandglass_collider* colliders;
   uint32_t collider_count; /* beyond collider_capacity, or not finite: left out, and reported */
-  void* grains;            /* receives sandglass_grain items in the order in which they were added; NULL: none wanted */
+  uint32_t emitter_count;  /* beyond emitter_capacity, or not usable: left out, and reported */
+  const sandglass_emitter* emitters;
+  const sandglass_collider* sinks; /* shapes that remove the sand whose centres come inside, checked every 20 ms of
+                                    * simulated time; velocities mean nothing; sleeping sand and rigid bodies stay */
+  uint32_t sink_count;             /* beyond sink_capacity, or not usable: left out, and reported */
+  float output_lag;        /* seconds, 0..0.1: grains are written where they were so long before the state's time, for
+                            * displays faster than the simulation; 0 = newest */
+  void* grains;            /* receives sandglass_grain items by number; NULL: none wanted */
   uint32_t grain_stride;   /* bytes from one item to the next, at least sizeof(sandglass_grain) and a multiple of 4 */
   uint32_t grain_capacity; /* items that fit */
   const sandglass_plan* plan; /* NULL, or a recorded plan to execute: the clock then decides nothing */
@@ -379,9 +411,14 @@ typedef struct sandglass_frame_report {
                                 packing */
   uint32_t quarantined;      /* particles and grains found not finite, or beyond the coordinate limit, and reset to rest
                                 inside it */
-  uint32_t ignored_colliders; /* not finite, degenerate, or beyond capacity */
-  float speed_max;            /* m/s; fastest particle in the last sub-step */
-  sandglass_plan plan;        /* what was executed: record it to replay the frame */
+  uint32_t ignored_colliders; /* and emitters and sinks: not finite, degenerate, or beyond capacity */
+  uint32_t particle_numbers;  /* numbers given out so far: the length of what sandglass_granular_particles writes */
+  uint32_t grain_numbers;     /* likewise */
+  uint64_t emitted_particles, emitted_grains; /* by emitters, since create or reset */
+  uint64_t removed_particles, removed_grains; /* by sinks and sandglass_granular_remove */
+  uint64_t denied_particles;                  /* that emitters had no room for */
+  float speed_max;                            /* m/s; fastest particle in the last sub-step */
+  sandglass_plan plan;                        /* what was executed: record it to replay the frame */
 } sandglass_frame_report;
 
 /* Advances the scene by one frame: moves simulated time on by input->time_step plus what earlier frames still owe (at
@@ -401,8 +438,9 @@ SANDGLASS_API const char* sandglass_level_name(uint32_t level);
 
 /* ------------------------------------------------------------------------------------------------ reading the state */
 
-/* Copies of the present state, in the order in which items were added; 3 floats an item, room for the respective count.
- * Any pointer may be NULL. Not part of the frame: for saving, tests and tools. */
+/* Copies of the present state by number: the order in which items were added, unless some were removed, whose numbers
+ * new ones take over. 3 floats an item, room for report.particle_numbers or grain_numbers items. Removed items are at
+ * SANDGLASS_REMOVED_Y, at rest. Any pointer may be NULL. Not part of the frame: for tests and tools. */
 SANDGLASS_API void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities);
 SANDGLASS_API void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities);
 
