@@ -82,6 +82,8 @@ struct ContactArgs {
   int32_t averaged;                   // 1: (4.37), the sum is scaled by min(1, omega/n); 0: by omega
   float weight_linear, weight_cubic;  // height weighting: share = 1/2 + linear*c + cubic*c^3, c = n . up
   float weighted_overlap;             // metres; overlap beyond it is shared equally
+  float inverse_relaxation;           // 1 / omega
+  float separation_max;               // metres; a contact separates by no more than its approach and this in one pass
   float up[3];
   float scale;  // displacement = scale * u + gravity * w: (time step, g dt^2) in the first pass, (1, 0) later
   float gravity[3];

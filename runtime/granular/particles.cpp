@@ -17,6 +17,11 @@ namespace {
 // Overlap up to which height weighting acts, in radii: that of a resting pile; impacts overlap by more.
 constexpr float k_weighted_overlap = 0.01f;
 
+// Speed of separation that an overlap may cause, in units of sqrt(g d). Contacts by position turn an overlap o into a
+// speed of omega o / dt, a metre a second for a tenth of a radius: close-packed bodies bounced off the floor. Piles
+// need n g dt to carry n layers, and stay far below the limit up to 100 of them.
+constexpr float k_separation_units = 1.0f;
+
 constexpr double k_time_resolution = 1e-9;  // seconds; less is not owed
 
 uint32_t passes_of(const Granular& g, ParticlePhase phase) {
@@ -346,6 +351,8 @@ void run_pass(Granular* g) {
   a.weight_linear = -0.25f * k;
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
   a.weighted_overlap = k_weighted_overlap * g->desc.particle_radius;
+  a.inverse_relaxation = 1.0f / g->desc.relaxation;
+  a.separation_max = a.averaged != 0 ? 1e6f : k_separation_units * granular_speed_scale(*g) * dt;
   const bool first = solve && g->pass == 0;
   a.scale = first ? dt : 1.0f;
   for (int c = 0; c < 3; ++c) {

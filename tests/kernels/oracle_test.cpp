@@ -200,7 +200,7 @@ uint32_t body_of(const float* r) {
 }
 
 constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_weighted = 1e-4,
-                 k_wake = 1e-4;
+                 k_wake = 1e-4, k_separation = 4e-4;
 
 // One pass for particle i: (4.14-4.27) with the small-step factor, then the floor y = -0.004. *runs_into_sleeper: it
 // touches one.
@@ -222,7 +222,8 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
     if (d >= 0.02) continue;
     if (weight(j) < 0) *runs_into_sleeper = true;
     const Vector n = (1 / d) * e;
-    const double z = k_weight * n.y, overlap = d - 0.02;
+    const double z = k_weight * n.y, approach = std::max(0.0, -dot(relative, n));
+    const double overlap = solve ? std::max(d - 0.02, -(approach + k_separation) / k_omega) : d - 0.02;
     // The lower of two equal particles takes 1/2 + asymmetry; masses m = m exp(-k h) multiply that (erratum 4.38).
     const double asymmetry = -z / 4 + z * z * z / 48;
     const double share = fixed ? 1.0 : weight(i) / (weight(i) + weight(j));
@@ -275,6 +276,7 @@ void check_contact(uint32_t n, bool solve) {
   args.up[1] = 1.0f;
   args.scale = static_cast<float>(k_step), args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
   args.step = static_cast<float>(k_step);
+  args.inverse_relaxation = static_cast<float>(1.0 / k_omega), args.separation_max = static_cast<float>(k_separation);
   args.last = 0;
   args.displacement_max = 1.0f;
   args.bodies = 1;
