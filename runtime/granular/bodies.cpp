@@ -286,6 +286,7 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
   const float speed = __builtin_sqrtf(speed2_most);
   g->speed_max = speed > g->speed_max ? speed : g->speed_max;
   g->body_particle_count += body.count;
+  if (desc->density_ratio > g->densest_body) g->densest_body = desc->density_ratio;
   if (index != nullptr) *index = g->body_count;
   ++g->body_count;
   return SANDGLASS_OK;

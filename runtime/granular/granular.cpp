@@ -209,6 +209,7 @@ void granular_reset(Granular* g) {
   g->emitted_particles = g->emitted_grains = g->removed_particles = g->removed_grains = g->denied_particles = 0;
   for (uint32_t e = 0; e < g->desc.emitter_capacity; ++e) g->emitter_states[e] = {};
   g->drain_due = false;
+  g->densest_body = 0.0f;
   g->touch_due = g->wake_due = g->rest_due = false;
   for (int k = 0; k < 3; ++k) g->low[k] = g->high[k] = 0.0f;
   for (float* records : g->records) {

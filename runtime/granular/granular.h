@@ -135,6 +135,7 @@ struct Granular {
   uint32_t* body_rows;     // the record of each slot
   uint32_t* body_numbers;  // the particle number of each slot
   uint32_t body_count, body_particle_count;
+  float densest_body;  // relative to sand
   uint32_t body_cursor, body_particle;  // progress of the phase
   bool body_applies;
   BodyMatch match;

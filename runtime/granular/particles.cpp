@@ -352,7 +352,8 @@ void run_pass(Granular* g) {
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
   a.weighted_overlap = k_weighted_overlap * g->desc.particle_radius;
   a.inverse_relaxation = 1.0f / g->desc.relaxation;
-  a.separation_max = a.averaged != 0 ? 1e6f : k_separation_units * granular_speed_scale(*g) * dt;
+  const float heaviest = g->densest_body > 1.0f ? g->densest_body : 1.0f;
+  a.separation_max = a.averaged != 0 ? 1e6f : k_separation_units * heaviest * granular_speed_scale(*g) * dt;
   const bool first = solve && g->pass == 0;
   a.scale = first ? dt : 1.0f;
   for (int c = 0; c < 3; ++c) {

@@ -51,9 +51,7 @@ void expect_law(uint64_t budget_ns, uint32_t frames, uint32_t hogs) {
     EXPECT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
     // A unit of the real machine: the longest seen in the frame, and 100 us, two units of the target size, for the call
     // around the units and for what interrupts charge to the thread.
-    // A unit during which the thread stood still looks longer than it was: no unit takes more than 300 us of CPU time.
-    const uint64_t unit = std::min<uint64_t>(report.longest_unit_ns, 300'000);
-    const uint64_t allowed = budget_ns + unit + 100'000;
+    const uint64_t allowed = budget_ns + report.longest_unit_ns + 100'000;
     over.push_back(spent > allowed ? spent - allowed : 0);
     debt = report.time_debt;
   }

@@ -198,4 +198,17 @@ TEST_F(Cli, CtrlCFinishesCleanlyWithExitCode130) {
   EXPECT_TRUE(fs::exists(folder / "out" / "contact_sheet.png"));
 }
 
+TEST_F(Cli, SamplesShapesWithExactlyThePointsAskedFor) {
+  const Outcome ring = run("sample --ring 301 --polar 0 70 --picture " + path("ring.png") + " --spectrum " +
+                           path("spectrum.png") + " -o " + path("ring.ply"));
+  EXPECT_EQ(ring.code, 0) << ring.err;
+  EXPECT_EQ(ring.out.rfind("301 points of a ring", 0), 0u) << ring.out;
+  EXPECT_EQ(read(path("ring.png")).substr(1, 3), "PNG");
+  EXPECT_EQ(read(path("spectrum.png")).substr(1, 3), "PNG");
+  expect_refused("sample --ring 10 --polar 50 20 -o " + path("x.ply"), "theta_a < theta_b");
+  expect_refused("sample trefoil --disk 10 -o " + path("x.ply"), "leave it out");
+  expect_refused("sample --surface --distance 1 -o " + path("x.ply"), "no mesh is named");
+  EXPECT_FALSE(fs::exists(path("x.ply")));
+}
+
 }  // namespace
