@@ -57,6 +57,17 @@ struct ListArgs {
   uint8_t* counts;  // used slots a particle
 };
 
+// A regular grid of signed distances, x fastest, in the collider's own axes; above 0 is free. Beyond the grid all is
+// free (outward 1) or all is solid (outward -1).
+struct FieldGrid {
+  const float* values;
+  uint32_t counts[3];  // >= 2; at most 2^24 values in all, so that indices are exact as floats
+  float low[3];
+  float spacing, inverse_spacing;
+  float outward;
+  float border;  // the value nearest to the surface on the faces of the grid
+};
+
 // A collider at one instant, in world coordinates.
 struct ColliderFrame {
   sandglass_shape shape;
@@ -65,6 +76,7 @@ struct ColliderFrame {
   float size[3];
   float linear[3];  // velocity, m/s
   float angular[3];
+  FieldGrid field;  // of SANDGLASS_SHAPE_FIELD
 };
 
 // One Jacobi pass over particles: contacts and friction from the positions before the pass, then colliders. Reads `in`,
@@ -115,6 +127,12 @@ struct WakeArgs {
   const ColliderFrame* colliders;
   const float* margins;  // metres, one a collider
   uint32_t collider_count;
+};
+
+// Distance (into w) and normal (into u) of a collider at the positions of records.
+struct SurfaceArgs {
+  float* records;
+  const ColliderFrame* collider;
 };
 
 // Which points of records lie inside a shape.

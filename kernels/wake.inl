@@ -1,5 +1,5 @@
 // Who is near a shape: sleepers near colliders that moved wake up, before the sub-step that would run into them; what
-// is inside a sink is removed.
+// is inside a sink is removed; and how far it is from one.
 
 static void wake_near(const WakeArgs* a, uint32_t begin, uint32_t end, uint32_t* woken) {
   const Float zero = broadcast(0.0f);
@@ -37,5 +37,18 @@ static void find_inside(const InsideArgs* a, uint32_t begin, uint32_t end, uint3
     alignas(64) float flags[k_lane_group];
     store(flags, keep(inside, one));
     for (uint32_t l = 0; l < k_width; ++l) a->inside[i - begin + l] = flags[l] != 0.0f ? 1 : 0;
+  }
+}
+
+static void surface_at(const SurfaceArgs* a, uint32_t begin, uint32_t end, uint32_t* unused) {
+  (void)unused;
+  for (uint32_t i = begin; i < end; i += k_width) {
+    float* record = a->records + static_cast<uint64_t>(i) * k_record_floats;
+    Float r[8];
+    load_records(record, r);
+    const Surface surface = collider_surface(*a->collider, r[0], r[1], r[2]);
+    r[3] = surface.distance;
+    r[4] = surface.nx, r[5] = surface.ny, r[6] = surface.nz;
+    store_records(record, r);
   }
 }

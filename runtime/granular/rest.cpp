@@ -79,7 +79,7 @@ void settle_group(Granular* g, uint32_t group) {
 }
 
 bool same(const sandglass_collider& a, const sandglass_collider& b) {
-  bool equal = a.shape == b.shape;
+  bool equal = a.shape == b.shape && a.field == b.field;
   for (int k = 0; k < 3; ++k) {
     equal = equal && a.position[k] == b.position[k] && a.size[k] == b.size[k];
     equal = equal && b.linear_velocity[k] == 0.0f && b.angular_velocity[k] == 0.0f;

@@ -387,6 +387,78 @@ void check_find_inside(uint32_t n) {
   }
 }
 
+// ---- surface_at
+
+// Value and gradient of the trilinear interpolant at a point within the grid, in double.
+double trilinear(const FieldGrid& grid, Vector p, Vector* gradient) {
+  const double at[3] = {(p.x - static_cast<double>(grid.low[0])) / static_cast<double>(grid.spacing),
+                        (p.y - static_cast<double>(grid.low[1])) / static_cast<double>(grid.spacing),
+                        (p.z - static_cast<double>(grid.low[2])) / static_cast<double>(grid.spacing)};
+  uint32_t cell[3];
+  double f[3], slope[3] = {0, 0, 0}, value = 0;
+  for (int k = 0; k < 3; ++k) {
+    cell[k] = std::min(static_cast<uint32_t>(at[k]), grid.counts[k] - 2);
+    f[k] = at[k] - cell[k];
+  }
+  for (uint32_t corner = 0; corner < 8; ++corner) {
+    const uint32_t d[3] = {corner & 1, corner >> 1 & 1, corner >> 2};
+    const uint32_t index = (cell[0] + d[0]) + grid.counts[0] * ((cell[1] + d[1]) + grid.counts[1] * (cell[2] + d[2]));
+    const double v = static_cast<double>(grid.values[index]);
+    double weight[3], sign[3];
+    for (int k = 0; k < 3; ++k) weight[k] = d[k] != 0 ? f[k] : 1 - f[k], sign[k] = d[k] != 0 ? 1 : -1;
+    value += v * weight[0] * weight[1] * weight[2];
+    for (int k = 0; k < 3; ++k) slope[k] += v * sign[k] * weight[(k + 1) % 3] * weight[(k + 2) % 3];
+  }
+  *gradient = (1 / std::sqrt(slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2])) *
+              Vector{slope[0], slope[1], slope[2]};
+  return value;
+}
+
+void check_surface_at(uint32_t n) {
+  // A field of waves, turned by a quarter about z: local x is world y, local y is world -x.
+  std::vector<float> values(7 * 6 * 5);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = 0.01f * std::sin(0.7f * static_cast<float>(i));
+  ColliderFrame frame = {};
+  frame.shape = SANDGLASS_SHAPE_FIELD;
+  frame.axes[0][1] = 1.0f, frame.axes[1][0] = -1.0f, frame.axes[2][2] = 1.0f;
+  frame.position[0] = 0.01f;
+  for (const float outward : {1.0f, -1.0f}) {
+    frame.field = {values.data(), {7, 6, 5}, {-0.03f, -0.025f, -0.02f}, 0.01f, 100.0f, outward, outward * 0.002f};
+    Cluster cluster(n, 0, 0.1, 47);
+    std::vector<float> first;
+    for (const Kernels* kernels : tables()) {
+      Records found(cluster.inert + k_slack);
+      std::memcpy(found.data(), cluster.records.data(), 8 * sizeof(float) * (cluster.inert + k_slack));
+      const SurfaceArgs args = {found.data(), &frame};
+      uint32_t unused = 0;
+      kernels->surface_at(&args, 0, n, &unused);
+      for (uint32_t i = 0; i < n; ++i) {
+        const Vector world = at(cluster.records[i]) - Vector{static_cast<double>(frame.position[0]), 0, 0};
+        const Vector local = {world.y, -world.x, world.z};
+        const Vector near = {std::clamp(local.x, -0.03, 0.03), std::clamp(local.y, -0.025, 0.025),
+                             std::clamp(local.z, -0.02, 0.02)};
+        const double out = length(local - near);
+        Vector normal;
+        double distance;
+        if (out > 1e-7) {
+          normal = (static_cast<double>(outward) / out) * (local - near);
+          distance = outward > 0 ? std::max(out, static_cast<double>(frame.field.border))
+                                 : static_cast<double>(frame.field.border) - out;
+        } else {
+          distance = trilinear(frame.field, local, &normal);
+        }
+        const Vector turned = {-normal.y, normal.x, normal.z};
+        ASSERT_NEAR(found[i][3], distance, 1e-7) << sandglass_isa_name(kernels->isa) << " point " << i;
+        ASSERT_LT(length(at(found[i] + 4) - turned), 2e-4) << sandglass_isa_name(kernels->isa) << " point " << i;
+      }
+      std::vector<float> all = found.copy();
+      all.resize(8ull * n);
+      if (first.empty()) first = all;
+      ASSERT_EQ(std::memcmp(all.data(), first.data(), all.size() * sizeof(float)), 0);
+    }
+  }
+}
+
 // ---- refine_grains
 
 struct Refinement {

@@ -298,7 +298,8 @@ enum {
   SANDGLASS_SHAPE_HALF_SPACE = 0, /* solid below the plane through `position` whose normal is local +y */
   SANDGLASS_SHAPE_SPHERE = 1,     /* size[0] = radius */
   SANDGLASS_SHAPE_CAPSULE = 2,    /* size[0] = radius, size[1] = half length of the segment along local y */
-  SANDGLASS_SHAPE_BOX = 3         /* size = half extents along local x, y, z */
+  SANDGLASS_SHAPE_BOX = 3,        /* size = half extents along local x, y, z */
+  SANDGLASS_SHAPE_FIELD = 4       /* `field`: any surface, as a grid of distances; size means nothing */
 };
 
 /* A solid that sand cannot enter. Kinematic: the app moves it. Its pose is that at the *end* of the frame's time step;
@@ -308,10 +309,13 @@ enum {
 typedef struct sandglass_collider {
   sandglass_shape shape;
   float position[3];
-  float rotation[4];         /* local to world, (x, y, z, w); normalised by the library */
-  float size[3];             /* see sandglass_shape; metres, above 0 */
-  float linear_velocity[3];  /* m/s, world */
-  float angular_velocity[3]; /* rad/s, world, about `position` */
+  float rotation[4];                   /* local to world, (x, y, z, w); normalised by the library */
+  float size[3];                       /* see sandglass_shape; metres, above 0 */
+  float linear_velocity[3];            /* m/s, world */
+  float angular_velocity[3];           /* rad/s, world, about `position` */
+  const struct sandglass_field* field; /* SANDGLASS_SHAPE_FIELD: stays valid during the frame (field.h). Walls thinner
+                                        * than two grains' steps, 2 * refine_step * speed, let fast grains through:
+                                        * make containers SANDGLASS_SOLID_OUTSIDE */
 } sandglass_collider;
 
 /* Where removed particles and grains are said to be: (0, SANDGLASS_REMOVED_Y, 0), beyond every far plane. */
