@@ -173,6 +173,14 @@ void apply(Granular* g, uint32_t slot) {
 
 }  // namespace
 
+void granular_find_body_rows(Granular* g) {
+  for (uint32_t i = 0; g->body_count != 0 && i < g->particle_count; ++i) {
+    uint32_t id;
+    __builtin_memcpy(&id, g->records[0] + static_cast<uint64_t>(i) * k_record_floats + 7, sizeof id);
+    if (id > k_number_mask) g->body_rows[g->rest[id & k_number_mask].body_slot] = i;
+  }
+}
+
 bool granular_begin_bodies(Granular* g) {
   g->body_cursor = g->body_particle = 0;
   g->body_applies = false;
@@ -290,6 +298,24 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
   if (index != nullptr) *index = g->body_count;
   ++g->body_count;
   return SANDGLASS_OK;
+}
+
+void granular_move_body(Granular* g, uint32_t index, const double rotation[4], const float shift[3]) {
+  RigidBody& body = g->bodies[index];
+  const Vector c = rotated(rotation, {body.center[0], body.center[1], body.center[2]});
+  const Vector v = rotated(rotation, {static_cast<double>(body.linear[0]), static_cast<double>(body.linear[1]),
+                                      static_cast<double>(body.linear[2])});
+  const Vector w = rotated(rotation, {static_cast<double>(body.angular[0]), static_cast<double>(body.angular[1]),
+                                      static_cast<double>(body.angular[2])});
+  const double center[3] = {c.x, c.y, c.z}, linear[3] = {v.x, v.y, v.z}, angular[3] = {w.x, w.y, w.z};
+  double q[4];
+  multiply(rotation, body.rotation, q);
+  for (int k = 0; k < 4; ++k) body.rotation[k] = q[k];
+  for (int k = 0; k < 3; ++k) {
+    body.center[k] = center[k] + static_cast<double>(shift[k]);
+    body.linear[k] = static_cast<float>(linear[k]);
+    body.angular[k] = static_cast<float>(angular[k]);
+  }
 }
 
 void granular_body_pose(const Granular& g, uint32_t index, sandglass_body_pose* pose) {

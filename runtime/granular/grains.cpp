@@ -257,6 +257,10 @@ uint32_t forecast_output(const void* state, uint32_t level, Forecast* entries) {
 
 }  // namespace
 
+void granular_finish_sweep(Granular* g) {
+  while (g->grain_phase != GrainPhase::idle) run(g, k_level_full);
+}
+
 Stage granular_grain_stage(Granular* granular) { return {granular, next, run, forecast, 0, 1.0f}; }
 
 Stage granular_output_stage(Granular* granular) {

@@ -208,7 +208,7 @@ void granular_reset(Granular* g) {
   g->free_particle_count = g->free_grain_count = g->emitter_count = g->sink_count = 0;
   g->emitted_particles = g->emitted_grains = g->removed_particles = g->removed_grains = g->denied_particles = 0;
   for (uint32_t e = 0; e < g->desc.emitter_capacity; ++e) g->emitter_states[e] = {};
-  g->drain_due = false;
+  g->drain_due = g->adopts_colliders = false;
   g->densest_body = 0.0f;
   g->touch_due = g->wake_due = g->rest_due = false;
   for (int k = 0; k < 3; ++k) g->low[k] = g->high[k] = 0.0f;
@@ -293,6 +293,33 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
   return SANDGLASS_OK;
 }
 
+void granular_sort_boundary(Granular* g, uint32_t count) {
+  g->boundary_count = count;
+  const uint64_t rows = static_cast<uint64_t>(g->particle_rows) * k_record_floats;
+  const uint64_t bytes = static_cast<uint64_t>(count) * k_record_floats * sizeof(float);
+  if (count != 0) {
+    float* sorted = g->records[0] + rows;
+    float* unsorted = g->records[1] + rows;
+    __builtin_memcpy(unsorted, sorted, bytes);
+    float low[3] = {unsorted[0], unsorted[1], unsorted[2]}, high[3] = {unsorted[0], unsorted[1], unsorted[2]};
+    for (uint32_t i = 0; i < count; ++i) {
+      const float* p = unsorted + static_cast<uint64_t>(i) * k_record_floats;
+      for (int k = 0; k < 3; ++k) low[k] = p[k] < low[k] ? p[k] : low[k], high[k] = p[k] > high[k] ? p[k] : high[k];
+    }
+    cell_sort_begin(&g->boundary_sort, (2.0f + g->desc.list_skin) * g->desc.particle_radius, low, high, 2);
+    const SortTarget target = {
+        sorted, {g->boundary_positions[0], g->boundary_positions[1], g->boundary_positions[2]}, false};
+    while (g->boundary_sort.phase != k_sort_done)
+      cell_sort_run(&g->boundary_sort, *g->kernels, unsorted, count, g->unit, target);
+    for (int b = 1; b < 3; ++b) {
+      if (g->records[b] != nullptr) __builtin_memcpy(g->records[b] + rows, sorted, bytes);
+    }
+  }
+  for (float* records : g->records) {
+    if (records != nullptr) put_inert(records, g->inert);
+  }
+}
+
 sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
   if (count > g->desc.boundary_capacity) {
     return fail(SANDGLASS_ERROR_CAPACITY,
@@ -308,33 +335,11 @@ sandglass_status granular_set_boundary(Granular* g, const float* positions, uint
                 reason);
   }
   granular_wake_all(g);
-  g->boundary_count = count;
-  if (count != 0) {
-    // Sorted in place through the second particle buffer: its boundary rows are rewritten below anyway.
-    float low[3] = {positions[0], positions[1], positions[2]}, high[3] = {positions[0], positions[1], positions[2]};
-    float* unsorted = g->records[1] + static_cast<uint64_t>(g->particle_rows) * k_record_floats;
-    float* sorted = g->records[0] + static_cast<uint64_t>(g->particle_rows) * k_record_floats;
-    for (uint32_t i = 0; i < count; ++i) {
-      put(unsorted, i, positions + 3ull * i, 0.0f, nullptr, i);
-      for (int k = 0; k < 3; ++k) {
-        low[k] = positions[3ull * i + k] < low[k] ? positions[3ull * i + k] : low[k];
-        high[k] = positions[3ull * i + k] > high[k] ? positions[3ull * i + k] : high[k];
-      }
-    }
-    const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
-    cell_sort_begin(&g->boundary_sort, reach, low, high, 2);
-    const SortTarget target = {
-        sorted, {g->boundary_positions[0], g->boundary_positions[1], g->boundary_positions[2]}, false};
-    while (g->boundary_sort.phase != k_sort_done)
-      cell_sort_run(&g->boundary_sort, *g->kernels, unsorted, count, g->unit, target);
-    const uint64_t bytes = static_cast<uint64_t>(count) * k_record_floats * sizeof(float);
-    __builtin_memcpy(unsorted, sorted, bytes);
-    if (g->records[2] != nullptr)
-      __builtin_memcpy(g->records[2] + static_cast<uint64_t>(g->particle_rows) * k_record_floats, sorted, bytes);
-  }
-  for (float* records : g->records) {
-    if (records != nullptr) put_inert(records, g->inert);
-  }
+  float* records = g->desc.boundary_capacity == 0
+                       ? nullptr
+                       : g->records[0] + static_cast<uint64_t>(g->particle_rows) * k_record_floats;
+  for (uint32_t i = 0; i < count; ++i) put(records, i, positions + 3ull * i, 0.0f, nullptr, i);
+  granular_sort_boundary(g, count);
   if (reason != nullptr) *reason = nullptr;
   return SANDGLASS_OK;
 }

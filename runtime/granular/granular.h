@@ -124,6 +124,7 @@ struct Granular {
   uint32_t active_count, awake_count;
   uint32_t waking_count;  // groups that wait for lists
   double next_rest;       // simulated time of the next check
+  bool adopts_colliders;  // the next frame's are taken for those of the frame before: nothing has moved
   bool touch_due, wake_due, rest_due;
   sandglass_collider* colliders_before;  // of the last frame
   uint32_t collider_before_count;
@@ -135,7 +136,7 @@ struct Granular {
   uint32_t* body_rows;     // the record of each slot
   uint32_t* body_numbers;  // the particle number of each slot
   uint32_t body_count, body_particle_count;
-  float densest_body;  // relative to sand
+  float densest_body;                   // relative to sand
   uint32_t body_cursor, body_particle;  // progress of the phase
   bool body_applies;
   BodyMatch match;
@@ -262,10 +263,21 @@ void granular_run_grain_drain(Granular* granular);
 sandglass_status granular_remove(Granular* granular, const sandglass_collider* region, uint32_t* particles,
                                  uint32_t* grains, const char** reason);
 
+// Moving, saving, restoring (live.cpp).
+uint64_t granular_save_bytes(const Granular& granular);
+sandglass_status granular_save(Granular* granular, void* data, uint64_t bytes, uint64_t* written, const char** reason);
+sandglass_status granular_restore(Granular* granular, const void* data, uint64_t bytes, const char** reason);
+sandglass_status granular_move(Granular* granular, const float rotation[4], const float translation[3],
+                               const char** reason);
+void granular_finish_sweep(Granular* granular);                   // grains.cpp
+void granular_sort_boundary(Granular* granular, uint32_t count);  // of the records where the boundary stands
+void granular_move_body(Granular* granular, uint32_t index, const double rotation[4], const float shift[3]);
+
 // Rigid bodies (bodies.cpp).
 sandglass_status granular_add_body(Granular* granular, const sandglass_body* body, uint32_t* index,
                                    const char** reason);
 void granular_body_pose(const Granular& granular, uint32_t index, sandglass_body_pose* pose);
+void granular_find_body_rows(Granular* granular);
 bool granular_begin_bodies(Granular* granular);  // false: no body is awake
 uint32_t granular_body_items(const Granular& granular);
 bool granular_run_bodies(Granular* granular);  // true once all are done

@@ -452,6 +452,10 @@ uint32_t granular_build_lists(Granular* g, uint32_t begin, uint32_t end) {
 
 void granular_abandon_substep(Granular* g) {
   while (g->phase == ParticlePhase::bodies) run_bodies(g);
+  if (g->phase == ParticlePhase::sort || g->phase == ParticlePhase::lists) {
+    g->lists_valid = false;  // the records may have moved already
+    granular_find_body_rows(g);
+  }
   g->phase = ParticlePhase::idle;
   g->wake_due = g->rest_due = g->drain_due = false;
 }

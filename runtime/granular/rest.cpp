@@ -147,6 +147,12 @@ void granular_find_moved(const sandglass_collider* before, uint32_t before_count
 void granular_find_moved_colliders(Granular* g) {
   const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
   g->moved.count = 0;
+  if (g->adopts_colliders) {
+    remember_colliders(g);
+    g->sweep_collider_before_count = g->collider_count;
+    for (uint32_t c = 0; c < g->collider_count; ++c) g->sweep_colliders_before[c] = g->colliders[c];
+    g->adopts_colliders = false;
+  }
   if (g->awake_count < g->particle_count)
     granular_find_moved(g->colliders_before, g->collider_before_count, g->colliders, g->collider_count, reach,
                         &g->moved);

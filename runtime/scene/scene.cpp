@@ -271,6 +271,34 @@ sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* 
 
 void sandglass_scene_reset(sandglass_scene* scene) { reset(scene); }
 
+sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotation[4], const float translation[3],
+                                      const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  const sandglass::FloatingPointControl saved = sandglass::floating_point_enter();
+  const sandglass_status status = sandglass::granular_move(&scene->granular, rotation, translation, reason);
+  sandglass::floating_point_restore(saved);
+  return status;
+}
+
+uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene) {
+  return sandglass::granular_save_bytes(scene->granular);
+}
+
+sandglass_status sandglass_scene_save(sandglass_scene* scene, void* data, uint64_t bytes, uint64_t* written,
+                                      const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  const sandglass::FloatingPointControl saved = sandglass::floating_point_enter();
+  const sandglass_status status = sandglass::granular_save(&scene->granular, data, bytes, written, reason);
+  sandglass::floating_point_restore(saved);
+  return status;
+}
+
+sandglass_status sandglass_scene_restore(sandglass_scene* scene, const void* data, uint64_t bytes,
+                                         const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  return sandglass::granular_restore(&scene->granular, data, bytes, reason);
+}
+
 uint32_t sandglass_scene_regions(const sandglass_scene* scene, sandglass_region* regions, uint32_t capacity) {
   const Layout& layout = scene->layout;
   for (uint32_t i = 0; i < layout.region_count && i < capacity; ++i) regions[i] = layout.regions[i];

@@ -217,6 +217,31 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_create(const 
  */
 SANDGLASS_API void sandglass_scene_reset(sandglass_scene* scene);
 
+/* Moves everything in the scene rigidly: p becomes rotation * p + translation (either may be NULL: none), velocities
+ * turn. For AR relocalisation, and to shift the origin before coordinates grow large; gravity stays as it is. Pass the
+ * colliders of the next frame moved likewise: they count as unmoved, so what sleeps goes on sleeping. Fails with
+ * INVALID_ARGUMENT, also when something would leave SANDGLASS_COORDINATE_LIMIT; nothing was moved then. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotation[4],
+                                                                        const float translation[3],
+                                                                        const char** reason);
+
+/* Saving and restoring, for an app that goes to the background. The bytes hold the material and the time, not the
+ * description, colliders, hooks or the governor's memory of costs; they are the same on every instruction set, for
+ * little-endian machines. A saved scene and the one restored from the bytes then run on alike, to the bit.
+ *
+ * save_bytes: how many bytes save would write now. save: writes them; finishes the grains' sweep under way and drops
+ * an unfinished sub-step. Fails with INVALID_ARGUMENT or MEMORY_TOO_SMALL.
+ *
+ * restore: into a scene whose description has the same particle_radius and room enough. The bytes need not be trusted:
+ * they are checked, and damage fails with INVALID_ARGUMENT, lack of room with CAPACITY. The scene is then as it was,
+ * or, where bytes with a right checksum contradict themselves, reset. */
+SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_save(sandglass_scene* scene, void* data,
+                                                                        uint64_t bytes, uint64_t* written,
+                                                                        const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_restore(sandglass_scene* scene, const void* data,
+                                                                           uint64_t bytes, const char** reason);
+
 /* One named region of the scene's block. */
 typedef struct sandglass_region {
   const char* name; /* "granular.particles" */
