@@ -267,7 +267,8 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
                 "sandglass_scene_restore: not a scene saved by this version of the library.", reason);
   const sandglass_granular_desc& d = g->desc;
-  if (h.bytes != bytes || h.reserved != 0 || fnv(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
+  if (h.bytes != bytes || h.reserved != 0 ||
+      fnv(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_scene_restore: the data is cut or damaged.", reason);
   if (h.particle_radius != d.particle_radius)
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
