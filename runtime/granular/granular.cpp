@@ -190,7 +190,7 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
 
 void granular_reset(Granular* g) {
   if (g->desc.particle_capacity == 0) return;
-  g->particle_count = g->boundary_count = g->grain_count = g->collider_count = 0;
+  g->particle_count = g->boundary_count = g->grain_count = g->collider_count = g->solid_count = 0;
   g->phase = ParticlePhase::idle;
   g->grain_phase = GrainPhase::idle;
   g->cursor = g->pass = g->grain_cursor = g->output_cursor = g->interval_left = 0;

@@ -181,6 +181,7 @@ struct Granular {
   ColliderFrame* substep_colliders;
   ColliderFrame* sweep_colliders;
   uint32_t collider_count;
+  uint32_t solid_count;  // those that particles see, which come first
 
   // Progress of the particles.
   ParticlePhase phase;

@@ -173,7 +173,7 @@ void begin_substep(Granular* g, uint32_t level) {
   g->substep = plan.substep;
   // Seconds between the end of this sub-step and the end of the frame, where the colliders' poses are given.
   const double after = g->owed - static_cast<double>(g->substep);
-  colliders_pose(g->colliders, g->collider_count, after > 0.0 ? static_cast<float>(after) : 0.0f, g->substep_colliders);
+  colliders_pose(g->colliders, g->solid_count, after > 0.0 ? static_cast<float>(after) : 0.0f, g->substep_colliders);
   if (!plan.stale) return enter_passes(g);
   const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
   cell_sort_begin(&g->particle_sort, reach, g->low, g->high, 2);
@@ -364,7 +364,7 @@ void run_pass(Granular* g) {
   a.step = dt;
   a.displacement_max = g->desc.courant * g->desc.particle_radius;
   a.colliders = g->substep_colliders;
-  a.collider_count = g->collider_count;
+  a.collider_count = g->solid_count;
   a.wake_displacement = granular_wake_speed(*g) * dt;
   a.touched = g->touched;
   a.bodies = g->body_count != 0 ? 1 : 0;
@@ -470,13 +470,22 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   g->output_cursor = 0;
 
   g->collider_count = 0;
-  for (uint32_t c = 0; c < input->collider_count; ++c) {
-    if (input->colliders == nullptr || g->collider_count == g->desc.collider_capacity ||
-        !collider_accept(input->colliders[c], &g->colliders[g->collider_count])) {
-      ++g->ignored_colliders;
-    } else {
-      ++g->collider_count;
+  for (int pass = 0; pass < 2; ++pass) {
+    const bool grains_only = pass == 1;
+    for (uint32_t c = 0; c < input->collider_count; ++c) {
+      if (input->colliders == nullptr) {
+        g->ignored_colliders += grains_only ? 0 : 1;
+        continue;
+      }
+      if ((input->colliders[c].grains_only != 0) != grains_only) continue;
+      if (g->collider_count == g->desc.collider_capacity ||
+          !collider_accept(input->colliders[c], &g->colliders[g->collider_count])) {
+        ++g->ignored_colliders;
+      } else {
+        ++g->collider_count;
+      }
     }
+    if (!grains_only) g->solid_count = g->collider_count;
   }
 
   granular_take_flow(g, input);

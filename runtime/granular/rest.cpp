@@ -114,8 +114,8 @@ void fall_asleep(Granular* g, uint32_t i) {
 }
 
 void remember_colliders(Granular* g) {
-  g->collider_before_count = g->collider_count;
-  for (uint32_t c = 0; c < g->collider_count; ++c) g->colliders_before[c] = g->colliders[c];
+  g->collider_before_count = g->solid_count;
+  for (uint32_t c = 0; c < g->solid_count; ++c) g->colliders_before[c] = g->colliders[c];
 }
 
 }  // namespace
@@ -154,8 +154,7 @@ void granular_find_moved_colliders(Granular* g) {
     g->adopts_colliders = false;
   }
   if (g->awake_count < g->particle_count)
-    granular_find_moved(g->colliders_before, g->collider_before_count, g->colliders, g->collider_count, reach,
-                        &g->moved);
+    granular_find_moved(g->colliders_before, g->collider_before_count, g->colliders, g->solid_count, reach, &g->moved);
   g->touch_due = g->moved.count != 0;
   if (!g->touch_due) remember_colliders(g);
 }

@@ -1,5 +1,5 @@
 /* The public header in C99: it compiles, `struct_size` comes first in every struct that has one, enumerations are four bytes,
- * and the structs that cross the boundary in arrays have the sizes that their fields add up to, hidden padding stated. The
+ * and the structs that cross the boundary in arrays have the sizes that their fields add up to, without hidden padding. The
  * C++ tests compare the other sizes with these. */
 #include "sandglass/sandglass.h"
 
@@ -12,7 +12,6 @@ CLAIM(stage, sizeof(sandglass_stage) == 4);
 CLAIM(scheme, sizeof(sandglass_scheme) == 4);
 CLAIM(blend, sizeof(sandglass_blend) == 4);
 CLAIM(grain, sizeof(sandglass_grain) == 4 * 4);
-/* 17 words of four bytes, one to align the pointer. */
 CLAIM(collider, sizeof(sandglass_collider) == 4 + 4 * (3 + 4 + 3 + 3 + 3) + 4 + sizeof(void*));
 CLAIM(plan_run, sizeof(sandglass_plan_run) == 8);
 CLAIM(plan, sizeof(sandglass_plan) == 12 + 8 * SANDGLASS_PLAN_RUNS);

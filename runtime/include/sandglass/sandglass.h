@@ -334,10 +334,11 @@ enum {
 typedef struct sandglass_collider {
   sandglass_shape shape;
   float position[3];
-  float rotation[4];                   /* local to world, (x, y, z, w); normalised by the library */
-  float size[3];                       /* see sandglass_shape; metres, above 0 */
-  float linear_velocity[3];            /* m/s, world */
-  float angular_velocity[3];           /* rad/s, world, about `position` */
+  float rotation[4];         /* local to world, (x, y, z, w); normalised by the library */
+  float size[3];             /* see sandglass_shape; metres, above 0 */
+  float linear_velocity[3];  /* m/s, world */
+  float angular_velocity[3]; /* rad/s, world, about `position` */
+  int32_t grains_only; /* 1: particles do not see it; for the shape of a rigid body, whose particles stand for it */
   const struct sandglass_field* field; /* SANDGLASS_SHAPE_FIELD: stays valid during the frame (field.h). Walls thinner
                                         * than two grains' steps, 2 * refine_step * speed, let fast grains through:
                                         * make containers SANDGLASS_SOLID_OUTSIDE */
