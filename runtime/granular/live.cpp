@@ -247,7 +247,7 @@ sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t
   s.bounds_known = g->bounds_known ? 1 : 0, s.awake = g->awake_count;
   uint8_t* to = static_cast<uint8_t*>(data) + sizeof h;
   for_arrays(g, h, &s, [&to](const void* from, uint64_t count) {
-    if (count != 0) __builtin_memcpy(to, from, count);
+    if (to != nullptr && from != nullptr) __builtin_memcpy(to, from, count);
     to += count;
   });
   h.checksum = fnv(static_cast<const uint8_t*>(data) + sizeof h, h.bytes - sizeof h);
@@ -287,7 +287,7 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
     Scalars s = {};
     const uint8_t* from = static_cast<const uint8_t*>(data) + sizeof h;
     for_arrays(g, h, &s, [&from](void* to, uint64_t count) {
-      if (count != 0) __builtin_memcpy(to, from, count);
+      if (to != nullptr && from != nullptr) __builtin_memcpy(to, from, count);
       from += count;
     });
     if (!sound(g, h, s)) {

@@ -259,7 +259,7 @@ void granular_run_wake(Granular* g) {
 
 void granular_run_rest(Granular* g) {
   const float limit = k_rest_radii * g->desc.particle_radius, limit2 = limit * limit;
-  const uint32_t patience = static_cast<uint32_t>(g->desc.sleep_after / static_cast<float>(k_rest_period) + 0.5f);
+  const uint32_t patience = static_cast<uint32_t>(g->desc.sleep_after * static_cast<float>(1.0 / k_rest_period));
   const uint32_t items = g->active_count * k_lane_group;
   const uint32_t end = items - g->cursor < g->unit ? items : g->cursor + g->unit;
   for (uint32_t at = g->cursor; at < end; at += k_lane_group) {
