@@ -63,27 +63,27 @@ void for_points(const float low[3], const float high[3], int count, const Visit&
 double length(const float* p) { return std::hypot(p[0], p[1], p[2]); }
 
 TEST(Field, OfASphereHasItsDistanceAndNormal) {
-  constexpr double k_spacing = 0.005, k_band = 0.03;
-  const Field sphere(make_icosphere(0.1f, 5), 0.04f, 0.005f, 0.03f, SANDGLASS_SOLID_INSIDE);
+  constexpr double k_spacing = 0.01, k_band = 0.04;
+  const Field sphere(make_icosphere(0.1f, 4), 0.05f, 0.01f, 0.04f, SANDGLASS_SOLID_INSIDE);
   // Trilinear interpolation of a function whose two curvatures are 1/rho errs by h^2/4rho at most; the icosphere's
-  // chords (edge 0.1 * 1.05 / 2^5) lie e^2/8R below the sphere, as measured by its own triangles' edge.
-  const double edge = 0.1 * 1.26 / 32.0, chord = edge * edge / (2.0 * 0.1);
+  // chords (edge 0.1 * 1.26 / 2^4) lie e^2/8R below the sphere, as measured by its own triangles' edge.
+  const double edge = 0.1 * 1.26 / 16.0, chord = edge * edge / (2.0 * 0.1);
   double worst = 0.0;
-  for_points(sphere.low, sphere.high, 20000, [&](const float* p) {
+  for_points(sphere.low, sphere.high, 5000, [&](const float* p) {
     const double rho = length(p), truth = rho - 0.1;
     if (std::fabs(truth) > k_band - 2 * k_spacing) return;
     float normal[3];
     const double distance = static_cast<double>(sandglass_field_distance(sphere.field, p, normal));
     worst = std::max(worst, std::fabs(distance - truth));
     EXPECT_NEAR(distance, truth, k_spacing * k_spacing / (4 * (rho - k_spacing)) + chord + 1e-6);
-    for (int k = 0; k < 3; ++k) EXPECT_NEAR(normal[k], static_cast<double>(p[k]) / rho, 0.06);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(normal[k], static_cast<double>(p[k]) / rho, 0.12);
   });
   EXPECT_GT(worst, 0.0);
 }
 
 TEST(Field, FarFromTheSurfaceItIsAtMostThirteenPercentTooLong) {
   const Field torus(make_torus(0.1f, 0.04f, 96, 48), 0.1f, 0.01f, 0.02f, SANDGLASS_SOLID_INSIDE);
-  for_points(torus.low, torus.high, 20000, [&](const float* p) {
+  for_points(torus.low, torus.high, 5000, [&](const float* p) {
     const double ring = std::hypot(p[0], p[2]) - 0.1, truth = std::hypot(ring, p[1]) - 0.04;
     const double distance = static_cast<double>(sandglass_field_distance(torus.field, p, nullptr));
     EXPECT_TRUE(std::fabs(truth) <= 1.5e-3 || (distance > 0) == (truth > 0));
