@@ -206,7 +206,7 @@ int sample_command(const SampleOptions& asked) {
   if (mesh && (!(options.distance > 0) || !std::isfinite(options.distance)))
     return complain("the distance is not a number above 0: give it in metres with --distance");
   if (mesh == options.mesh.empty())
-    return complain(mesh ? "no mesh is named: give a file, or trefoil, torus, box, sphere"
+    return complain(mesh ? "no mesh is named: give a file, or trefoil, torus, box, sphere, hourglass, bucket, silo"
                          : "a disk, sphere or ring has radius 1 and needs no mesh: leave it out");
   if (options.geodesic && options.what != SampleWhat::surface)
     return complain("--geodesic measures along a surface: use it with --surface");
@@ -252,7 +252,7 @@ void add_sample_command(CLI::App& program, int* exit_code) {
   CLI::App* command =
       program.add_subcommand("sample", "Sample a mesh's surface or volume, a disk, a sphere or a ring with points");
   const auto options = std::make_shared<SampleOptions>();
-  command->add_option("mesh", options->mesh, "A mesh file, or trefoil, torus, box, sphere");
+  command->add_option("mesh", options->mesh, "A mesh file, or trefoil, torus, box, sphere, hourglass, bucket, silo");
   CLI::Option_group* what = command->add_option_group("what");
   what->add_flag_callback(
       "--surface", [options] { options->what = SampleWhat::surface; }, "Poisson disk on the surface");

@@ -45,13 +45,10 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
   if (!wanted && !mesh_path.empty())
     throw Failure("scene '" + scene->source +
                   "' has no collider of shape \"mesh\", so --collider-mesh does nothing; leave it out");
-  if (wanted && mesh_path.empty())
-    throw Failure("scene '" + scene->source +
-                  "' has a collider of shape \"mesh\": name the mesh file with --collider-mesh FILE");
-  MeshResult loaded;
-  if (wanted) {
-    loaded = load_mesh(mesh_path);
-    if (!loaded) throw Failure(loaded.error);
+  MeshResult argument;
+  if (!mesh_path.empty()) {
+    argument = load_mesh(mesh_path);
+    if (!argument) throw Failure(argument.error);
   }
   const double radius = scene->particle_radius;
   for (size_t i = 0; i < scene->colliders.size(); ++i) {
@@ -79,6 +76,11 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
                                             blocks_.back(), bytes, &field, &reason),
               reason);
     } else {
+      if (mesh_path.empty() && track.mesh.empty())
+        throw Failure("scene '" + scene->source + "': collider " + std::to_string(i) +
+                      " is a mesh: name its file with --collider-mesh FILE");
+      const MeshResult loaded = mesh_path.empty() ? make_named(track.mesh) : argument;
+      if (!loaded) throw Failure(loaded.error);
       // Scaled to its height, the middle of its base at the origin.
       std::vector<float> vertices = loaded.mesh.vertices;
       sandglass_mesh view = {vertices.data(), loaded.mesh.vertex_count(), loaded.mesh.indices.data(),

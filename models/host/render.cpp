@@ -180,12 +180,14 @@ bool hit_field(const sandglass_field* field, Vec3 o, Vec3 d, SurfaceHit* hit) {
     const double distance = field_value(field->grid, p);
     if (!free && distance > 2.0 * least) free = true;
     if (free && distance < least) {
-      if (step == 0 && within) return false;
       const float point[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
       float normal[3];
       sandglass_field_distance(field, point, normal);
-      *hit = {t, vec(normal)};
-      return true;
+      // Only against the normal: a ray that begins on the surface leaves it, and goes on to what lies opposite.
+      if (dot(vec(normal), d) < 0.0) {
+        *hit = {t, vec(normal)};
+        return true;
+      }
     }
     t += std::max(0.95 * std::fabs(distance), 2.0 * least);
   }

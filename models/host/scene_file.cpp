@@ -268,6 +268,8 @@ ColliderTrack read_collider(Reader& reader) {
     track.field_spacing = reader.number("field_spacing", 0.0, 1e-4, 10.0);
     if (shape == k_revolved) track.profile = read_profile(reader);
     if (shape == k_mesh) track.size.y = reader.number("size", 0.0, 1e-4, k_length_limit);
+    if (shape == k_mesh && reader.has("mesh"))
+      track.mesh = mesh_names()[static_cast<size_t>(reader.choice("mesh", mesh_names(), -1))];
   }
   if (track.shape == SANDGLASS_SHAPE_SPHERE) track.size.x = reader.number("size", 0.0, 1e-4, k_length_limit);
   if (track.shape == SANDGLASS_SHAPE_CAPSULE) {

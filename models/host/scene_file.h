@@ -27,6 +27,7 @@
 //     revolved, mesh      signed-distance fields: profile as above, or the file of --collider-mesh scaled to height
 //                         `size` with the middle of its base at the origin; solid "inside" (default) | "outside" (sand
 //                         is kept in); field_spacing in metres, default the particle radius
+//     mesh                of a mesh: the generated one (generated.h) that is taken where --collider-mesh names no file
 //     size                sphere: radius; capsule: [radius, half length]; box: half extents [x,y,z]
 //     motion              [{start, end, linear_velocity, angular_velocity}]: velocities from `start` to `end`, world
 //     axes
@@ -39,6 +40,7 @@
 #include <string>
 #include <vector>
 
+#include "models/host/mesh/generated.h"
 #include "models/host/render.h"
 #include "models/host/vec3.h"
 #include "sandglass/sandglass.h"
@@ -46,9 +48,6 @@
 namespace sandglass::host {
 
 enum class BodyShape { trefoil, mesh, box, sphere, lattice, revolved };
-
-// A closed outline in the half plane (r, y), turned about the y axis.
-using Profile = std::vector<std::array<double, 2>>;
 
 // Signed distance of a point from the turned outline, above 0 outside it.
 double revolved_distance(const Profile& profile, Vec3 point);
@@ -78,7 +77,8 @@ struct ColliderTrack {
   Vec3 position, size;
   Quaternion rotation = k_no_rotation;
   std::vector<MotionSegment> motion;
-  Profile profile;  // of a revolved one; a mesh has none
+  Profile profile;   // of a revolved one; a mesh has none
+  std::string mesh;  // of a mesh: the generated one that stands in where --collider-mesh names no file; may be empty
   bool solid_outside = false;
   double field_spacing = 0.0;              // 0: the particle radius
   const sandglass_field* field = nullptr;  // set by CollisionFields

@@ -83,6 +83,7 @@ sandglass_status check_block(const float low[3], const float high[3], float spac
 sandglass_status finish(const Nodes& n, sandglass_solid solid, void* block, sandglass_field** field,
                         const char** reason) {
   const bool inside = solid == SANDGLASS_SOLID_INSIDE;
+  bool two_sided = false;  // some node lies on the other side of the surface than the faces
   float border = inside ? k_far : -k_far;
   for (uint32_t k = 0; k < n.counts[2]; ++k) {
     for (uint32_t j = 0; j < n.counts[1]; ++j) {
@@ -91,12 +92,18 @@ sandglass_status finish(const Nodes& n, sandglass_solid solid, void* block, sand
         if (!(value > -1e6f && value < 1e6f)) return invalid("sandglass_field: a distance is not finite.", reason);
         const bool face =
             i == 0 || j == 0 || k == 0 || i + 1 == n.counts[0] || j + 1 == n.counts[1] || k + 1 == n.counts[2];
+        two_sided = two_sided || (inside ? value < 0.0f : value > 0.0f);
         if (face && (inside ? value < border : value > border)) border = value;
       }
     }
   }
   if (inside ? border <= 0.0f : border >= 0.0f)
     return invalid("sandglass_field: the surface crosses the faces of the box: enlarge the bounds.", reason);
+  if (!two_sided) {
+    return invalid(inside ? "sandglass_field: no node is solid: make spacing smaller than the thinnest wall."
+                          : "sandglass_field: no node is free: make spacing smaller than the narrowest passage.",
+                   reason);
+  }
   sandglass_field* header = static_cast<sandglass_field*>(block);
   *header = {};
   header->magic = k_field_magic;

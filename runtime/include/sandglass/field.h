@@ -22,7 +22,8 @@ typedef struct sandglass_field sandglass_field;
 
 /* The number of bytes of a field over the box bounds_min..bounds_max (metres) with nodes `spacing` metres apart; the
  * box is enlarged to whole spacings. At most 2^24 nodes. A spacing of one particle radius follows surfaces whose radius
- * of curvature R is several of them, to spacing^2/(8 R). Fails with INVALID_ARGUMENT. */
+ * of curvature R is several of them, to spacing^2/(8 R). Flat walls thicker than one spacing have no holes, whatever
+ * their angle; thinner ones may. Fails with INVALID_ARGUMENT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_field_bytes(const float bounds_min[3],
                                                                          const float bounds_max[3], float spacing,
                                                                          uint64_t* bytes, const char** reason);
@@ -32,8 +33,8 @@ typedef float (*sandglass_distance)(void* user, const float point[3]);
 
 /* Fills a field by asking a function at every node: exact shapes that are no mesh, a silo with a hole say. The function
  * may underestimate distances far from the surface. `block` must be aligned to SANDGLASS_BLOCK_ALIGNMENT. Fails with
- * INVALID_ARGUMENT (also for distances not finite, and where the surface crosses the faces of the box: leave a margin),
- * MEMORY_TOO_SMALL, MEMORY_ALIGNMENT. */
+ * INVALID_ARGUMENT (also for distances not finite, where the surface crosses the faces of the box: leave a margin, and
+ * where it lies between the nodes: nothing solid, or nothing free), MEMORY_TOO_SMALL, MEMORY_ALIGNMENT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_field_from_function(
     const float bounds_min[3], const float bounds_max[3], float spacing, sandglass_solid solid,
     sandglass_distance distance, void* user, void* block, uint64_t bytes, sandglass_field** field, const char** reason);
