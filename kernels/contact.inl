@@ -103,11 +103,11 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       Float mine = select(free, half, one);
       Float lift = height_share(a, nx, ny, nz);
       if (a->bodies != 0 && any(touch & free & ((w < other[3]) | (other[3] < w)))) {
-        const Mask unequal = free & ((w < other[3]) | (other[3] < w));
+        const Mask unequal = moves & free & ((w < other[3]) | (other[3] < w));
         const Float heavy = w * (half + lift), light = other[3] * (half - lift);
-        const Float share = w / (w + other[3]);
+        const Float share = w / select(unequal, w + other[3], one);
         mine = select(unequal, share, mine);
-        lift = select(unequal, heavy / (heavy + light) - share, lift);
+        lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, lift);
       }
       const Float weighted = maximum(overlap, broadcast(-a->weighted_overlap)) * keep(free, lift);
       const Float push = mine * overlap + weighted;
