@@ -200,7 +200,8 @@ struct Granular {
   float frame_step;        // the app's time step
   double owed;             // simulated time to make up
   double interval_owed;    // what is owed once the interval is complete
-  double requested, simulated;
+  double slipped;          // simulated time asked for that nobody makes up any more: slow motion
+  double simulated;
   double unswept;  // simulated time that the grains have not followed yet
 
   // Progress of the grains.

@@ -495,15 +495,15 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   const float step = input->time_step > 0.0f ? (input->time_step < k_longest_step ? input->time_step : k_longest_step)
                                              : 0.0f;  // NaN: 0
   g->frame_step = step;
-  g->requested += static_cast<double>(step);
   // Two frames' worth is made up for; what is older is slow motion. An interval under way is never cut short.
   const double most = 2.0 * static_cast<double>(step);
   g->owed += static_cast<double>(step);
   if (g->interval_left == 0) {
-    if (step > 0.0f && g->owed > most) g->owed = most;
+    if (step > 0.0f && g->owed > most) g->slipped += g->owed - most, g->owed = most;
   } else {
     g->interval_owed += static_cast<double>(step);
     if (step > 0.0f && g->interval_owed > most) {
+      g->slipped += g->interval_owed - most;
       g->owed -= g->interval_owed - most;
       g->interval_owed = most;
     }

@@ -94,7 +94,7 @@ void describe(const sandglass_scene& scene, sandglass_frame_report* report) {
   const Granular& g = scene.granular;
   report->frame = scene.frame;
   report->simulated_time = g.simulated;
-  const double debt = g.requested - g.simulated;
+  const double debt = g.owed + g.slipped;
   report->time_debt = debt > 1e-9 ? debt : 0.0;
   report->grain_lag = g.grain_count == 0 ? 0.0f : static_cast<float>(g.unswept);
   report->substep = g.substep;
