@@ -22,6 +22,10 @@ constexpr float k_weighted_overlap = 0.01f;
 // need n g dt to carry n layers, and stay far below the limit up to 100 of them.
 constexpr float k_separation_units = 1.0f;
 
+// Pairs closer than this when the lists were built come first in them, in radii: contacts, and those of the next few
+// sub-steps.
+constexpr float k_near_radii = 2.1f;
+
 constexpr double k_time_resolution = 1e-9;  // seconds; less is not owed
 
 uint32_t passes_of(const Granular& g, ParticlePhase phase) {
@@ -241,6 +245,8 @@ ListArgs list_args(const Granular& g) {
   args.boundary_first = g.particle_rows;
   args.inert = g.inert;
   args.reach_squared = reach * reach;
+  const float near = k_near_radii * g.desc.particle_radius;
+  args.near_squared = near * near;
   args.lists = g.lists;
   args.counts = g.counts;
   return args;
