@@ -6,6 +6,8 @@
 #   symbols.sh isa OBJECTS...           each table_<isa>.cpp.o defines external symbols of its own namespace only. One that it
 #                                       shares with another object (an inline function, say) could be kept by the linker in this
 #                                       object's version, and run on a CPU without those instructions.
+#   symbols.sh exported SHARED_LIBRARY INCLUDE_FOLDER
+#                                       a plug-in made of the whole archive exports the functions of the headers and no other
 #
 # NM, LD and READELF name the tools of the target.
 set -euo pipefail
@@ -52,6 +54,15 @@ isa() {
   echo "$tables instruction-set tables looked at"
   ((tables > 0)) || failed=1
   return "$failed"
+}
+
+exported() {
+  local declared found
+  declared=$(tr '\n' ' ' < <(cat "$2"/sandglass/*.h) | grep -oE 'SANDGLASS_API [^;/]*\(' | grep -oE 'sandglass_[a-z0-9_]+\(' | tr -d '(' |
+    sort -u)
+  found=$("$NM" -D --defined-only "$1" | awk '{print $3}' | sort -u)
+  diff <(echo "$declared") <(echo "$found") || { echo "the headers (<) and what is exported (>) differ"; return 1; }
+  echo "$(wc -l <<<"$found") functions exported"
 }
 
 "$@"
