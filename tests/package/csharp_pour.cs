@@ -47,6 +47,6 @@ static unsafe class Pour {
                       Native.Text(Native.sandglass_isa_name(Native.sandglass_scene_isa(scene))), report.speed_max);
     Console.WriteLine("hash 0x{0:x16}", Native.sandglass_scene_hash(scene));
     Marshal.FreeHGlobal(memory);
-    return report.struct_size == Marshal.SizeOf(typeof(sandglass_frame_report)) && report.plan.run_count > 0 ? 0 : 1;
+    return report.struct_size == Marshal.SizeOf(typeof(sandglass_frame_report)) && report.frame == 60 ? 0 : 1;
   }
 }
