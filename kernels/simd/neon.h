@@ -95,10 +95,11 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
   const float* p1 = base + static_cast<uint64_t>(index[stride]) * 8;
   const float* p2 = base + static_cast<uint64_t>(index[2 * stride]) * 8;
   const float* p3 = base + static_cast<uint64_t>(index[3 * stride]) * 8;
+  const float32x4x2_t r0 = vld1q_f32_x2(p0), r1 = vld1q_f32_x2(p1), r2 = vld1q_f32_x2(p2), r3 = vld1q_f32_x2(p3);
   float32x4_t t[4];
-  transpose(vld1q_f32(p0), vld1q_f32(p1), vld1q_f32(p2), vld1q_f32(p3), t);
+  transpose(r0.val[0], r1.val[0], r2.val[0], r3.val[0], t);
   for (int c = 0; c < 4; ++c) out[c].v = t[c];
-  transpose(vld1q_f32(p0 + 4), vld1q_f32(p1 + 4), vld1q_f32(p2 + 4), vld1q_f32(p3 + 4), t);
+  transpose(r0.val[1], r1.val[1], r2.val[1], r3.val[1], t);
   for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
 }
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
@@ -107,6 +108,15 @@ SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   for (int c = 0; c < 4; ++c) out[c].v = t[c];
   transpose(vld1q_f32(p + 4), vld1q_f32(p + 12), vld1q_f32(p + 20), vld1q_f32(p + 28), t);
   for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
+}
+SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) {
+  const float32x4x2_t r = vld1q_f32_x2(p);  // one load; a product with a lane of it needs no copy of that lane
+  for (int half = 0; half < 2; ++half) {
+    out[4 * half].v = vdupq_laneq_f32(r.val[half], 0);
+    out[4 * half + 1].v = vdupq_laneq_f32(r.val[half], 1);
+    out[4 * half + 2].v = vdupq_laneq_f32(r.val[half], 2);
+    out[4 * half + 3].v = vdupq_laneq_f32(r.val[half], 3);
+  }
 }
 SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   float32x4_t t[4];
