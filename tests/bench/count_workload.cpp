@@ -22,7 +22,12 @@ int fail(const sandglass::Status& status) { return std::fprintf(stderr, "%s: %s\
 
 }  // namespace
 
+// count_workload [ISA [SETTLING_FRAMES [COUNTED_FRAMES]]]
 int main(int argument_count, char** arguments) {
+  const auto argument = [&](int at, int otherwise) {
+    return at < argument_count ? std::atoi(arguments[at]) : otherwise;
+  };
+  const int settling_frames = argument(2, k_settling_frames), counted_frames = argument(3, k_counted_frames);
   const float r = 0.01f;
   std::vector<float> particles, grains;
   const sandglass::Box box{{-0.10f, r, -0.10f}, {0.10f, 0.21f, 0.10f}};
@@ -44,7 +49,7 @@ int main(int argument_count, char** arguments) {
   }
 
   sandglass_scene_desc desc = sandglass::scene_desc();
-  desc.isa = argument_count > 1 ? std::atoi(arguments[1]) : SANDGLASS_ISA_AUTOMATIC;
+  desc.isa = argument(1, SANDGLASS_ISA_AUTOMATIC);
   desc.granular.particle_radius = r;
   desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
   desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
@@ -66,10 +71,10 @@ int main(int argument_count, char** arguments) {
   input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
 
   sandglass_frame_report report = sandglass::frame_report();
-  for (int frame = 0; status && frame < k_settling_frames; ++frame) status = scene.frame(input, &report);
+  for (int frame = 0; status && frame < settling_frames; ++frame) status = scene.frame(input, &report);
   uint64_t iterations = 0, builds = 0, sweeps = 0;
   counting_begins();
-  for (int frame = 0; status && frame < k_counted_frames; ++frame) {
+  for (int frame = 0; status && frame < counted_frames; ++frame) {
     status = scene.frame(input, &report);
     iterations += static_cast<uint64_t>(report.substeps) * report.awake;
     builds += static_cast<uint64_t>(report.list_builds) * report.awake;
@@ -79,7 +84,7 @@ int main(int argument_count, char** arguments) {
   if (!status) return fail(status);
   std::printf(
       "isa %s\nparticles %u\ngrains %u\nframes %d\nparticle_iterations %llu\nparticle_builds %llu\ngrain_sweeps %llu\n",
-      sandglass_isa_name(scene.isa()), report.particles, report.grains, k_counted_frames,
+      sandglass_isa_name(scene.isa()), report.particles, report.grains, counted_frames,
       static_cast<unsigned long long>(iterations), static_cast<unsigned long long>(builds),
       static_cast<unsigned long long>(sweeps));
   std::printf("hash 0x%016llx\n", static_cast<unsigned long long>(scene.hash()));
