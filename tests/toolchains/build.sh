@@ -45,6 +45,8 @@ if [[ $preset == android ]]; then
   echo "segments aligned to: $loads"
   [[ $loads == 0x4000 ]] || fail "libsandglass.so is not aligned for pages of 16 KB"
   NM=nm bash "$source/tests/package/symbols.sh" exported "$plugin" "$source/runtime/include"
+  cmake --build "$output/build" --target aar -- --quiet
+  python3 "$here/package_layout.py" aar "$output"/build/sandglass-*.aar "$source/runtime/include"
 else
   # Every object says which system and which least version it is for.
   expected=$([[ $preset == ios ]] && echo ios || echo iossimulator)
