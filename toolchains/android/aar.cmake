@@ -1,6 +1,7 @@
 # Makes an Android archive (AAR) that carries the static library as a Prefab package: Gradle unpacks it, and the app's CMake finds it
 # by find_package(sandglass CONFIG) and links sandglass::sandglass.
 #   cmake -DARCHIVE=libsandglass.a -DINCLUDE=DIR -DVERSION=x.y.z -DAPI=24 -DNDK_MAJOR=N -DSTAGE=DIR -DOUTPUT=FILE.aar -P aar.cmake
+cmake_policy(VERSION 3.25)
 foreach(needed ARCHIVE INCLUDE VERSION API NDK_MAJOR STAGE OUTPUT)
   if(NOT DEFINED ${needed})
     message(FATAL_ERROR "aar.cmake: -D${needed}=… is missing.")

@@ -1,6 +1,7 @@
 # Makes Sandglass.xcframework, the library for device and simulator in one folder that Xcode and Swift packages take: what
 # `xcodebuild -create-xcframework` writes, without needing it.
 #   cmake -DDEVICE=libsandglass.a -DSIMULATOR=libsandglass.a -DINCLUDE=DIR -DOUTPUT=Sandglass.xcframework -P xcframework.cmake
+cmake_policy(VERSION 3.25)
 foreach(needed DEVICE SIMULATOR INCLUDE OUTPUT)
   if(NOT DEFINED ${needed})
     message(FATAL_ERROR "xcframework.cmake: -D${needed}=… is missing.")
@@ -11,16 +12,16 @@ if(NOT EXISTS ${SIMULATOR})
 endif()
 file(REMOVE_RECURSE ${OUTPUT})
 set(libraries "")
-foreach(slice DEVICE SIMULATOR)
+foreach(archive IN ITEMS ${DEVICE} ${SIMULATOR})
   set(identifier ios-arm64)
   set(variant "")
-  if(slice STREQUAL SIMULATOR)
+  if(archive STREQUAL "${SIMULATOR}")
     set(identifier ios-arm64-simulator)
     set(variant "      <key>SupportedPlatformVariant</key><string>simulator</string>\n")
   endif()
-  file(COPY ${${slice}} DESTINATION ${OUTPUT}/${identifier})
+  file(COPY ${archive} DESTINATION ${OUTPUT}/${identifier})
   file(COPY ${INCLUDE}/sandglass DESTINATION ${OUTPUT}/${identifier}/Headers)
-  get_filename_component(name ${${slice}} NAME)
+  get_filename_component(name ${archive} NAME)
   string(APPEND libraries "    <dict>
       <key>LibraryIdentifier</key><string>${identifier}</string>
       <key>LibraryPath</key><string>${name}</string>
