@@ -1,9 +1,9 @@
-// What the sample apps share, whatever the phone: a scene made once, sand poured above a point of the real floor, and one call a
-// frame that fills a mapped buffer with grains. Positions are those of the AR session's world: metres, y up, which is also
-// Sandglass's.
+// What the sample apps share, whatever the phone: a scene made once, sand poured above a point of the real floor, and
+// one call a frame that fills a mapped buffer with grains. Positions are those of the AR session's world: metres, y up,
+// which is also Sandglass's.
 //
-// Light and soft shadows have their place in `frame`, beside the sand: they read the camera image and give the light that the
-// renderer uses and the texture that the floor shows. The library does not have them yet.
+// Light and soft shadows have their place in `frame`, beside the sand: they read the camera image and give the light
+// that the renderer uses and the texture that the floor shows. The library does not have them yet.
 #pragma once
 
 #include <cstdint>

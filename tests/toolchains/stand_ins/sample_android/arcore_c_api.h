@@ -33,11 +33,12 @@ void ArFrame_create(const ArSession* session, ArFrame** frame);
 void ArFrame_destroy(ArFrame* frame);
 void ArFrame_acquireCamera(const ArSession* session, const ArFrame* frame, ArCamera** camera);
 void ArFrame_hitTest(const ArSession* session, const ArFrame* frame, float x, float y, ArHitResultList* hits);
-void ArFrame_transformCoordinates2d(const ArSession* session, const ArFrame* frame, ArCoordinates2dType from, int32_t count,
-                                    const float* input, ArCoordinates2dType to, float* output);
+void ArFrame_transformCoordinates2d(const ArSession* session, const ArFrame* frame, ArCoordinates2dType from,
+                                    int32_t count, const float* input, ArCoordinates2dType to, float* output);
 void ArCamera_getTrackingState(const ArSession* session, const ArCamera* camera, ArTrackingState* state);
 void ArCamera_getDisplayOrientedPose(const ArSession* session, const ArCamera* camera, ArPose* pose);
-void ArCamera_getProjectionMatrix(const ArSession* session, const ArCamera* camera, float near, float far, float* matrix);
+void ArCamera_getProjectionMatrix(const ArSession* session, const ArCamera* camera, float near, float far,
+                                  float* matrix);
 void ArCamera_release(ArCamera* camera);
 void ArPose_create(const ArSession* session, const float* raw, ArPose** pose);
 void ArPose_destroy(ArPose* pose);

@@ -27,7 +27,8 @@ void glBindAttribLocation(GLuint program, GLuint index, const GLchar* name);
 void glLinkProgram(GLuint program);
 void glUseProgram(GLuint program);
 void glDisable(GLenum capability);
-void glVertexAttribPointer(GLuint index, GLint size, GLenum type, GLboolean normalized, GLsizei stride, const void* pointer);
+void glVertexAttribPointer(GLuint index, GLint size, GLenum type, GLboolean normalized, GLsizei stride,
+                           const void* pointer);
 void glEnableVertexAttribArray(GLuint index);
 void glDrawArrays(GLenum mode, GLint first, GLsizei count);
 }

@@ -1,5 +1,6 @@
 #pragma once
-// The part of Filament's C++ interface that the sample uses: names, arguments and types, for a compiler to check against.
+// The part of Filament's C++ interface that the sample uses: names, arguments and types, for a compiler to check
+// against.
 #include <stddef.h>
 #include <stdint.h>
 
@@ -105,7 +106,8 @@ class VertexBuffer {
    public:
     Builder& bufferCount(uint8_t count);
     Builder& vertexCount(uint32_t count);
-    Builder& attribute(VertexAttribute attribute, uint8_t buffer, AttributeType type, uint32_t offset = 0, uint8_t stride = 0);
+    Builder& attribute(VertexAttribute attribute, uint8_t buffer, AttributeType type, uint32_t offset = 0,
+                       uint8_t stride = 0);
     VertexBuffer* build(Engine& engine);
   };
   void setBufferAt(Engine& engine, uint8_t buffer, BufferDescriptor&& data, uint32_t offset = 0);
@@ -129,7 +131,8 @@ class RenderableManager {
   class Builder {
    public:
     explicit Builder(size_t count);
-    Builder& geometry(size_t index, PrimitiveType type, VertexBuffer* vertices, IndexBuffer* indices, size_t offset, size_t count);
+    Builder& geometry(size_t index, PrimitiveType type, VertexBuffer* vertices, IndexBuffer* indices, size_t offset,
+                      size_t count);
     Builder& material(size_t index, MaterialInstance const* material);
     Builder& boundingBox(const Box& box);
     Builder& castShadows(bool enable);
@@ -137,8 +140,8 @@ class RenderableManager {
     Result build(Engine& engine, utils::Entity entity);
   };
   Instance getInstance(utils::Entity entity) const;
-  void setGeometryAt(Instance instance, size_t primitive, PrimitiveType type, VertexBuffer* vertices, IndexBuffer* indices,
-                     size_t offset, size_t count);
+  void setGeometryAt(Instance instance, size_t primitive, PrimitiveType type, VertexBuffer* vertices,
+                     IndexBuffer* indices, size_t offset, size_t count);
 };
 class TransformManager {
  public:

@@ -1,5 +1,5 @@
-// What Android says about heat and what it wants to know about time. Both came with later systems than the sample's least one,
-// so they are looked up when the app starts; where they are missing, the headroom is 1 and nobody is told.
+// What Android says about heat and what it wants to know about time. Both came with later systems than the sample's
+// least one, so they are looked up when the app starts; where they are missing, the headroom is 1 and nobody is told.
 #pragma once
 
 #include <dlfcn.h>
@@ -18,8 +18,8 @@ class Performance {
     thermal_headroom_ = reinterpret_cast<float (*)(void*, int)>(find("AThermal_getThermalHeadroom"));  // API 31
     if (acquire_thermal_ != nullptr) thermal_ = acquire_thermal_();
     const auto manager = reinterpret_cast<void* (*)()>(find("APerformanceHint_getManager"));  // API 33
-    const auto create = reinterpret_cast<void* (*)(void*, const int32_t*, size_t, int64_t)>(
-        find("APerformanceHint_createSession"));
+    const auto create =
+        reinterpret_cast<void* (*)(void*, const int32_t*, size_t, int64_t)>(find("APerformanceHint_createSession"));
     update_target_ = reinterpret_cast<int (*)(void*, int64_t)>(find("APerformanceHint_updateTargetWorkDuration"));
     report_actual_ = reinterpret_cast<int (*)(void*, int64_t)>(find("APerformanceHint_reportActualWorkDuration"));
     if (manager == nullptr || create == nullptr || update_target_ == nullptr || report_actual_ == nullptr) return;
@@ -28,8 +28,9 @@ class Performance {
     if (of_device != nullptr) session_ = create(of_device, &thread, 1, frame_ns);
   }
 
-  // The share of the budget that can be kept up. Android's number is 1 where throttling becomes severe and may be asked for
-  // once a second: below 0.7 nothing need change, at 1 a quarter is left. Not a number (unknown) stays so, and means 1.
+  // The share of the budget that can be kept up. Android's number is 1 where throttling becomes severe and may be asked
+  // for once a second: below 0.7 nothing need change, at 1 a quarter is left. Not a number (unknown) stays so, and
+  // means 1.
   float headroom(double now_seconds) {
     if (thermal_ == nullptr || thermal_headroom_ == nullptr) return 1.0f;
     if (now_seconds - asked_ >= 1.0) {

@@ -1,5 +1,6 @@
-// Sand on the real floor. All calls come from the thread of the GLSurfaceView: ARCore updates the camera image and the poses, the
-// library writes the grains straight into the renderer's buffer within its 4 ms, Filament draws them with the same pose.
+// Sand on the real floor. All calls come from the thread of the GLSurfaceView: ARCore updates the camera image and the
+// poses, the library writes the grains straight into the renderer's buffer within its 4 ms, Filament draws them with
+// the same pose.
 #include <android/asset_manager_jni.h>
 #include <android/log.h>
 #include <android/native_window_jni.h>
@@ -104,11 +105,14 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Native_resume(JNIEnv*, jcla
   return ArSession_resume(of(handle)->session) == AR_SUCCESS;
 }
 
-JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_pause(JNIEnv*, jclass, jlong handle) { ArSession_pause(of(handle)->session); }
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_pause(JNIEnv*, jclass, jlong handle) {
+  ArSession_pause(of(handle)->session);
+}
 
 // With the GLSurfaceView's context current; `surface` is the transparent one above it.
-JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_surface(JNIEnv* env, jclass, jlong handle, jobject surface, jobject assets,
-                                                                jint rotation, jint width, jint height) {
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_surface(JNIEnv* env, jclass, jlong handle, jobject surface,
+                                                                jobject assets, jint rotation, jint width,
+                                                                jint height) {
   Sample* s = of(handle);
   ArSession_setCameraTextureName(s->session, s->background.create());
   ArSession_setDisplayGeometry(s->session, rotation, width, height);
@@ -141,8 +145,8 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_frame(JNIEnv*, jclass, j
   ArTrackingState tracking = AR_TRACKING_STATE_STOPPED;
   ArCamera_getTrackingState(s->session, camera, &tracking);
   if (tracking == AR_TRACKING_STATE_TRACKING) {
-    // The light's place: the YUV image of this frame (ArFrame_acquireCameraImage, NV12 or I420 planes with their strides) and the
-    // camera's pose go into the frame's input, to be looked at a work unit at a time.
+    // The light's place: the YUV image of this frame (ArFrame_acquireCameraImage, NV12 or I420 planes with their
+    // strides) and the camera's pose go into the frame's input, to be looked at a work unit at a time.
     const float step = s->last_seconds > 0.0 ? static_cast<float>(seconds - s->last_seconds) : 0.0f;
     sandglass_grain* grains = s->poured ? s->view.buffer() : nullptr;  // null: simulated all the same, drawn next time
     if (s->poured) {

@@ -1,6 +1,6 @@
-// Filament's side: grains as points under one directional light, on a transparent surface above the camera image. Filament reads a
-// vertex buffer some time after it was handed over, so three take turns; a frame that finds all three in use keeps the last
-// picture.
+// Filament's side: grains as points under one directional light, on a transparent surface above the camera image.
+// Filament reads a vertex buffer some time after it was handed over, so three take turns; a frame that finds all three
+// in use keeps the last picture.
 #pragma once
 
 #include <filament/Camera.h>
@@ -52,17 +52,19 @@ class SandView {
 
     material_ = Material::Builder().package(material, material_bytes).build(*engine_);
     instance_ = material_->createInstance();
-    vertices_ = VertexBuffer::Builder()
-                    .bufferCount(1)
-                    .vertexCount(k_grains)
-                    .attribute(VertexAttribute::POSITION, 0, VertexBuffer::AttributeType::FLOAT3, 0, sizeof(sandglass_grain))
-                    .build(*engine_);
+    vertices_ =
+        VertexBuffer::Builder()
+            .bufferCount(1)
+            .vertexCount(k_grains)
+            .attribute(VertexAttribute::POSITION, 0, VertexBuffer::AttributeType::FLOAT3, 0, sizeof(sandglass_grain))
+            .build(*engine_);
     std::vector<uint32_t>* order = new std::vector<uint32_t>(k_grains);
     std::iota(order->begin(), order->end(), 0u);
     indices_ = IndexBuffer::Builder().indexCount(k_grains).bufferType(IndexBuffer::IndexType::UINT).build(*engine_);
-    indices_->setBuffer(*engine_, IndexBuffer::BufferDescriptor(order->data(), 4 * k_grains, [](void*, size_t, void* user) {
-      delete static_cast<std::vector<uint32_t>*>(user);
-    }, order));
+    indices_->setBuffer(
+        *engine_, IndexBuffer::BufferDescriptor(
+                      order->data(), 4 * k_grains,
+                      [](void*, size_t, void* user) { delete static_cast<std::vector<uint32_t>*>(user); }, order));
     sand_ = utils::EntityManager::get().create();
     RenderableManager::Builder(1)
         .boundingBox({{0, 0.5f, 0}, {2, 1, 2}})
@@ -72,8 +74,8 @@ class SandView {
         .build(*engine_, sand_);
     scene_->addEntity(sand_);
 
-    // Until the library estimates it: the sun at 45 degrees. Sandglass gives directions towards the light, Filament wants where
-    // it shines. The shadow plane, with the texture of the library's own shadow, goes beside the sand.
+    // Until the library estimates it: the sun at 45 degrees. Sandglass gives directions towards the light, Filament
+    // wants where it shines. The shadow plane, with the texture of the library's own shadow, goes beside the sand.
     light_ = utils::EntityManager::get().create();
     LightManager::Builder(LightManager::Type::DIRECTIONAL)
         .color({1, 1, 1})
@@ -104,21 +106,26 @@ class SandView {
   sandglass_grain* buffer() { return in_use_[turn_].load(std::memory_order_acquire) ? nullptr : grains_[turn_].data(); }
 
   // Shows the sand (`count` grains; fewer leave the rest at the removed place, beyond the far plane) about `origin`.
-  void draw(bool filled, uint32_t count, const float origin[3], const float projection[16], const float camera_to_world[16]) {
+  void draw(bool filled, uint32_t count, const float origin[3], const float projection[16],
+            const float camera_to_world[16]) {
     using filament::math::mat4f;
     if (filled && count > 0) {
       in_use_[turn_].store(true, std::memory_order_relaxed);
-      vertices_->setBufferAt(*engine_, 0, filament::VertexBuffer::BufferDescriptor(
-          grains_[turn_].data(), count * sizeof(sandglass_grain), [](void*, size_t, void* user) {
-            static_cast<std::atomic<bool>*>(user)->store(false, std::memory_order_release);
-          }, &in_use_[turn_]));
+      vertices_->setBufferAt(*engine_, 0,
+                             filament::VertexBuffer::BufferDescriptor(
+                                 grains_[turn_].data(), count * sizeof(sandglass_grain),
+                                 [](void*, size_t, void* user) {
+                                   static_cast<std::atomic<bool>*>(user)->store(false, std::memory_order_release);
+                                 },
+                                 &in_use_[turn_]));
       turn_ = (turn_ + 1) % k_buffers;
       auto& renderables = engine_->getRenderableManager();
-      renderables.setGeometryAt(renderables.getInstance(sand_), 0, filament::RenderableManager::PrimitiveType::POINTS, vertices_,
-                                indices_, 0, count);
+      renderables.setGeometryAt(renderables.getInstance(sand_), 0, filament::RenderableManager::PrimitiveType::POINTS,
+                                vertices_, indices_, 0, count);
     }
     auto& transforms = engine_->getTransformManager();
-    transforms.setTransform(transforms.getInstance(sand_), mat4f::translation(filament::math::float3{origin[0], origin[1], origin[2]}));
+    transforms.setTransform(transforms.getInstance(sand_),
+                            mat4f::translation(filament::math::float3{origin[0], origin[1], origin[2]}));
     mat4f p, m;
     for (int column = 0; column < 4; ++column) {
       for (int row = 0; row < 4; ++row) {
