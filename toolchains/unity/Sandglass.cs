@@ -61,10 +61,18 @@ public struct sandglass_granular_desc {
 }
 
 [StructLayout(LayoutKind.Sequential)]
+public struct sandglass_level {
+  public uint struct_size;
+  public IntPtr name;
+  public float cost_solver, cost_refine, overlap_p99, overlap_mean, angle_degrees;
+}
+
+[StructLayout(LayoutKind.Sequential)]
 public unsafe struct sandglass_scene_desc {
   public uint struct_size;
   public int isa;
   public uint unit_items;
+  public uint finest_level;
   public fixed float gravity[3];
   public sandglass_clock clock;
   public sandglass_parallel parallel;
@@ -207,6 +215,9 @@ public static unsafe class Native {
                    SANDGLASS_ISA_AVX512 = 4;
   public const int SANDGLASS_SCHEME_SMALL_STEP = 0, SANDGLASS_SCHEME_AVERAGED = 1;
   public const int SANDGLASS_BLEND_CONTINUOUS = 0, SANDGLASS_BLEND_SOURCE = 1;
+  public const int SANDGLASS_LEVEL_FULL = 0, SANDGLASS_LEVEL_REFINE_ONCE = 1, SANDGLASS_LEVEL_KEEP_LISTS = 2,
+                   SANDGLASS_LEVEL_COARSE = 3, SANDGLASS_LEVEL_COARSER = 4, SANDGLASS_LEVEL_SLOW_MOTION = 5,
+                   SANDGLASS_LEVEL_COUNT = 6;
   public const int SANDGLASS_SHAPE_HALF_SPACE = 0, SANDGLASS_SHAPE_SPHERE = 1, SANDGLASS_SHAPE_CAPSULE = 2,
                    SANDGLASS_SHAPE_BOX = 3, SANDGLASS_SHAPE_FIELD = 4;
   public const int SANDGLASS_STAGE_GRANULAR = 0, SANDGLASS_STAGE_REFINE = 1, SANDGLASS_STAGE_OUTPUT = 2,
@@ -244,6 +255,7 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_granular_set_friction(IntPtr scene, float static_friction, float kinetic_friction, out IntPtr reason);
   [DllImport(k_library)] public static extern void sandglass_frame_input_default(out sandglass_frame_input input);
   [DllImport(k_library)] public static extern int sandglass_scene_frame(IntPtr scene, ref sandglass_frame_input input, ref sandglass_frame_report report, out IntPtr reason);
+  [DllImport(k_library)] public static extern IntPtr sandglass_level_describe(uint level);  // sandglass_level*
   [DllImport(k_library)] public static extern IntPtr sandglass_level_name(uint level);
   [DllImport(k_library)] public static extern void sandglass_granular_particles(IntPtr scene, [Out] float[] positions, [Out] float[] velocities);
   [DllImport(k_library)] public static extern void sandglass_granular_grains(IntPtr scene, [Out] float[] positions, [Out] float[] velocities);
