@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "models/host/failure.h"
+#include "models/shadow/random.h"
 #include "sandglass/sampling.h"
 
 namespace sandglass::host {
@@ -20,13 +21,6 @@ constexpr uint32_t k_sets = 256;       // of light samples, each stratified with
 constexpr float k_nearest = 1e-5f;     // of the object's size: a face that lies in the plane does not shadow it
 constexpr double k_thinnest = 1e-6;    // of the object's size; floats resolve 1e-7
 constexpr double k_size_limit = 1e18;  // and its inverse: beyond, squares leave the range of a float
-
-uint64_t mix(uint64_t x) {  // SplitMix64
-  x += 0x9E3779B97F4A7C15ull;
-  x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ull;
-  x = (x ^ (x >> 27)) * 0x94D049BB133111EBull;
-  return x ^ (x >> 31);
-}
 
 double unit(uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
 
@@ -112,9 +106,9 @@ ShadowCaster::ShadowCaster(const Mesh& mesh, double half_angle, SampleCounts cou
       for (uint32_t patch_x = 0; patch_x < side; patch_x += 4)
         for (uint32_t cell = 0; cell < k_packet; ++cell) {
           const uint32_t a = patch_y + cell / 4, b = patch_x + cell % 4;
-          const uint64_t random = mix(mix(seed ^ 0xA5A5ull) + (uint64_t{set} * side + a) * side + b);
+          const uint64_t random = random_mix(random_mix(seed ^ 0xA5A5ull) + (uint64_t{set} * side + a) * side + b);
           const double drop = depth * (a + unit(random)) / side;  // 1 - cos
-          const double azimuth = 2 * k_pi * (b + unit(mix(random))) / side, ring = std::sqrt(drop * (2 - drop));
+          const double azimuth = 2 * k_pi * (b + unit(random_mix(random))) / side, ring = std::sqrt(drop * (2 - drop));
           s.across.push_back(static_cast<float>(ring * std::cos(azimuth)));
           s.beside.push_back(static_cast<float>(ring * std::sin(azimuth)));
           s.along.push_back(static_cast<float>(1 - drop));
@@ -156,10 +150,10 @@ void ShadowCaster::rows(const ShadowRectangle& rectangle, const Direction& light
   const double step_z = (rectangle.high_z - rectangle.low_z) / height;
   for (uint32_t v = row_begin; v < row_end; ++v)
     for (uint32_t u = 0; u < width; ++u) {
-      uint64_t random = mix(mix(s.seed + 0x51ull) + (stream * height + v) * width + u);
+      uint64_t random = random_mix(random_mix(s.seed + 0x51ull) + (stream * height + v) * width + u);
       float visible = 0, all = 0;
       for (uint32_t point = 0; point < side * side; ++point) {
-        random = mix(random);
+        random = random_mix(random);
         const double jitter_x = unit(random << 20), jitter_z = unit((random << 40) | (random & 0xFFFFF) << 20);
         const size_t first = (random >> 56) % k_sets * s.light_count;
         std::fill_n(rays.org_x, k_packet,
@@ -207,11 +201,14 @@ std::vector<float> ShadowCaster::texture(const ShadowRectangle& rectangle, const
     w.caster->rows(*w.rectangle, *w.light, w.stream, w.size, w.size, begin, end, w.texels + size_t{begin} * w.size);
   };
   const uint32_t bands = (size + k_rows - 1) / k_rows;
-  const sandglass_parallel hook = pool.hook();
-  if (hook.run != nullptr) hook.run(hook.user, band, &work, bands);
-  else
-    for (uint32_t i = 0; i < bands; ++i) band(&work, i);
+  run_on(pool, bands, band, &work);
   return texels;
+}
+
+void run_on(ThreadPool& pool, uint32_t count, void (*task)(void*, uint32_t), void* context) {
+  const sandglass_parallel hook = pool.hook();
+  if (hook.run != nullptr) return hook.run(hook.user, task, context, count);
+  for (uint32_t i = 0; i < count; ++i) task(context, i);
 }
 
 std::vector<Direction> ring_directions(double polar_max, uint32_t count) {

@@ -63,6 +63,9 @@ class ShadowCaster {
   std::unique_ptr<Scene> scene_;
 };
 
+// task(context, i) for i in 0..count-1, on the pool's threads.
+void run_on(ThreadPool& pool, uint32_t count, void (*task)(void*, uint32_t), void* context);
+
 // `count` directions spread evenly over the cap of polar angles 0..polar_max, by the library's ring sampler.
 std::vector<Direction> ring_directions(double polar_max, uint32_t count);
 

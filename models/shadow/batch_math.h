@@ -1,0 +1,32 @@
+// The arithmetic of training on a batch of samples: one body (batch_math.inl) over Eigen, compiled for the instruction
+// sets that pay on a workstation. Results differ in the last digits between sets, as everything on the host side may;
+// on one machine they depend on the arguments alone.
+#pragma once
+
+#include <cstdint>
+
+namespace sandglass::host {
+
+struct Batch {
+  uint32_t inputs, width, layers, samples;  // layers after the first
+  const float* parameters;                  // as in FloatNetwork
+  const float* input;                       // inputs * samples, sample by sample
+  // Quantisation-aware: the largest value of the activations after each of the 1 + layers ReLUs. They are rounded to
+  // 1/255 of it and clipped at it; gradients pass as if they were not rounded. NULL: not quantised.
+  const float* clips;
+  float* scratch;  // batch_scratch() floats
+};
+
+struct BatchMath {
+  // output[s] = network(sample s).
+  void (*forward)(const Batch& batch, float* output);
+  // Adds the gradient of sum_s weight_s (output_s - target_s)^2 to `gradient` and returns that sum.
+  double (*gradient)(const Batch& batch, const float* target, const float* weight, float* gradient);
+};
+
+uint64_t batch_scratch(uint32_t width, uint32_t layers, uint32_t samples);
+
+// The fastest that this CPU has.
+const BatchMath& batch_math();
+
+}  // namespace sandglass::host
