@@ -42,29 +42,21 @@ std::vector<float> evaluate(const FloatNetwork& network, const Direction& light,
   std::vector<float> texels(size_t{size} * size), positions(size_t{size} * k_texel_inputs);
   for (uint32_t i = 0; i < size; ++i)
     encode(texel_centre(i, size), k_texel_frequencies, &positions[i * k_texel_inputs]);
-  struct Work {
-    const FloatNetwork& network;
-    const float* positions;
-    float light[3 * k_light_inputs];
-    uint32_t size;
-    float* texels;
-  } work = {network, positions.data(), {}, size, texels.data()};
-  encode_light(light, work.light);
-  const auto row = [](void* context, uint32_t v) {
-    const Work& w = *static_cast<const Work*>(context);
-    const NetworkShape& shape = w.network.shape;
-    std::vector<float> input(size_t{w.size} * k_inputs), scratch(batch_scratch(shape.width, shape.layers, w.size));
-    for (uint32_t u = 0; u < w.size; ++u) {
+  float encoded[3 * k_light_inputs];
+  encode_light(light, encoded);
+  const NetworkShape& shape = network.shape;
+  run_on(pool, size, [&](uint32_t v) {
+    std::vector<float> input(size_t{size} * k_inputs), scratch(batch_scratch(shape.width, shape.layers, size));
+    for (uint32_t u = 0; u < size; ++u) {
       float* x = &input[size_t{u} * k_inputs];
-      std::copy_n(w.positions + size_t{u} * k_texel_inputs, k_texel_inputs, x);
-      std::copy_n(w.positions + size_t{v} * k_texel_inputs, k_texel_inputs, x + k_texel_inputs);
-      std::copy_n(w.light, 3 * k_light_inputs, x + 2 * k_texel_inputs);
+      std::copy_n(&positions[size_t{u} * k_texel_inputs], k_texel_inputs, x);
+      std::copy_n(&positions[size_t{v} * k_texel_inputs], k_texel_inputs, x + k_texel_inputs);
+      std::copy_n(encoded, 3 * k_light_inputs, x + 2 * k_texel_inputs);
     }
-    const Batch batch = {k_inputs,     shape.width, shape.layers,  w.size, w.network.parameters.data(),
+    const Batch batch = {k_inputs,     shape.width, shape.layers,  size, network.parameters.data(),
                          input.data(), nullptr,     scratch.data()};
-    batch_math().forward(batch, w.texels + size_t{v} * w.size);
-  };
-  run_on(pool, size, row, &work);
+    batch_math().forward(batch, &texels[size_t{v} * size]);
+  });
   return texels;
 }
 

@@ -54,7 +54,7 @@ Trainer::~Trainer() = default;
 void Trainer::Work::draw(uint32_t step_number, uint32_t first, uint32_t count, float* in, float* nu,
                          float* share) const {
   const TrainingSet& set = trainer->set_;
-  const uint64_t all = set.texels.size(), edge = set.penumbra.size();
+  const uint64_t all = set.values.size(), edge = set.penumbra.size();
   const double part = edge == 0 ? 0 : trainer->plan_.penumbra_share;
   for (uint32_t i = 0; i < count; ++i) {
     const uint64_t counter = random_mix(trainer->plan_.seed) + (uint64_t{step_number} << 32) + first + i;
@@ -67,7 +67,8 @@ void Trainer::Work::draw(uint32_t step_number, uint32_t first, uint32_t count, f
     const double density = (1 - part) + (in_edge ? part * static_cast<double>(all) / static_cast<double>(edge) : 0);
     share[i] = static_cast<float>(1 / density);
     nu[i] = static_cast<float>(set.transparency(index));
-    const uint64_t u = index % set.size, v = index / set.size % set.size, light = index / set.size / set.size;
+    const TrainingSet::Texel texel = set.texel(index);
+    const uint64_t u = texel.u, v = texel.v, light = texel.light;
     float* x = in + size_t{i} * k_inputs;
     std::copy_n(&positions[u * k_texel_inputs], k_texel_inputs, x);
     std::copy_n(&positions[v * k_texel_inputs], k_texel_inputs, x + k_texel_inputs);

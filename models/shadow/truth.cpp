@@ -120,8 +120,8 @@ ShadowCaster::~ShadowCaster() {
   if (scene_->device != nullptr) rtcReleaseDevice(scene_->device);
 }
 
-void ShadowCaster::rows(const ShadowRectangle& rectangle, const Direction& light, uint64_t stream, uint32_t width,
-                        uint32_t height, uint32_t row_begin, uint32_t row_end, float* texels) const {
+void ShadowCaster::texels(const ShadowRectangle& rectangle, const Direction& light, uint64_t stream, uint32_t size_x,
+                          uint32_t size_y, const uint32_t* uv, uint32_t count, float* values) const {
   const Scene& s = *scene_;
   // Two axes across the light, the first in the plane.
   const double flat = std::hypot(light[0], light[2]);
@@ -146,69 +146,56 @@ void ShadowCaster::rows(const ShadowRectangle& rectangle, const Direction& light
   std::fill_n(rays.mask, k_packet, 0xFFFFFFFFu);
 
   const uint32_t side = s.counts.points;
-  const double step_x = (rectangle.high_x - rectangle.low_x) / width;
-  const double step_z = (rectangle.high_z - rectangle.low_z) / height;
-  for (uint32_t v = row_begin; v < row_end; ++v)
-    for (uint32_t u = 0; u < width; ++u) {
-      uint64_t random = random_mix(random_mix(s.seed + 0x51ull) + (stream * height + v) * width + u);
-      float visible = 0, all = 0;
-      for (uint32_t point = 0; point < side * side; ++point) {
-        random = random_mix(random);
-        const double jitter_x = unit(random << 20), jitter_z = unit((random << 40) | (random & 0xFFFFF) << 20);
-        const size_t first = (random >> 56) % k_sets * s.light_count;
-        std::fill_n(rays.org_x, k_packet,
-                    static_cast<float>(rectangle.low_x + step_x * (u + (point % side + jitter_x) / side)));
-        std::fill_n(rays.org_z, k_packet,
-                    static_cast<float>(rectangle.low_z + step_z * (v + (point / side + jitter_z) / side)));
-        for (uint32_t packet = 0; packet < s.light_count; packet += k_packet) {
-          const size_t from = first + packet;
-          std::memcpy(rays.dir_x, dx + from, sizeof rays.dir_x);
-          std::memcpy(rays.dir_y, dy + from, sizeof rays.dir_y);
-          std::memcpy(rays.dir_z, dz + from, sizeof rays.dir_z);
-          for (uint32_t i = 0; i < k_packet; ++i) {
-            // What comes from below the horizon does not reach the plane.
-            valid[i] = dy[from + i] > 0 ? -1 : 0;
-            rays.tnear[i] = k_nearest;
-            rays.tfar[i] = INFINITY;
-          }
-          rtcOccluded16(valid, s.scene, &context, &rays);
-          for (uint32_t i = 0; i < k_packet; ++i) {
-            const float weight = valid[i] != 0 ? dy[from + i] : 0.0f;
-            all += weight;
-            visible += rays.tfar[i] < 0 ? 0.0f : weight;
-          }
+  const double step_x = (rectangle.high_x - rectangle.low_x) / size_x;
+  const double step_z = (rectangle.high_z - rectangle.low_z) / size_y;
+  for (uint32_t texel = 0; texel < count; ++texel) {
+    const uint32_t u = uv[2 * texel], v = uv[2 * texel + 1];
+    uint64_t random = random_mix(random_mix(s.seed + 0x51ull) + (stream * size_y + v) * size_x + u);
+    float visible = 0, all = 0;
+    for (uint32_t point = 0; point < side * side; ++point) {
+      random = random_mix(random);
+      const double jitter_x = unit(random << 20), jitter_z = unit((random << 40) | (random & 0xFFFFF) << 20);
+      const size_t first = (random >> 56) % k_sets * s.light_count;
+      std::fill_n(rays.org_x, k_packet,
+                  static_cast<float>(rectangle.low_x + step_x * (u + (point % side + jitter_x) / side)));
+      std::fill_n(rays.org_z, k_packet,
+                  static_cast<float>(rectangle.low_z + step_z * (v + (point / side + jitter_z) / side)));
+      for (uint32_t packet = 0; packet < s.light_count; packet += k_packet) {
+        const size_t from = first + packet;
+        std::memcpy(rays.dir_x, dx + from, sizeof rays.dir_x);
+        std::memcpy(rays.dir_y, dy + from, sizeof rays.dir_y);
+        std::memcpy(rays.dir_z, dz + from, sizeof rays.dir_z);
+        for (uint32_t i = 0; i < k_packet; ++i) {
+          // What comes from below the horizon does not reach the plane.
+          valid[i] = dy[from + i] > 0 ? -1 : 0;
+          rays.tnear[i] = k_nearest;
+          rays.tfar[i] = INFINITY;
+        }
+        rtcOccluded16(valid, s.scene, &context, &rays);
+        for (uint32_t i = 0; i < k_packet; ++i) {
+          const float weight = valid[i] != 0 ? dy[from + i] : 0.0f;
+          all += weight;
+          visible += rays.tfar[i] < 0 ? 0.0f : weight;
         }
       }
-      texels[size_t{v - row_begin} * width + u] = all > 0 ? visible / all : 1.0f;
     }
+    values[texel] = all > 0 ? visible / all : 1.0f;
+  }
 }
 
 std::vector<float> ShadowCaster::texture(const ShadowRectangle& rectangle, const Direction& light, uint64_t stream,
                                          uint32_t size, ThreadPool& pool) const {
   constexpr uint32_t k_rows = 16;
-  std::vector<float> texels(size_t{size} * size);
-  struct Work {
-    const ShadowCaster* caster;
-    const ShadowRectangle* rectangle;
-    const Direction* light;
-    uint64_t stream;
-    uint32_t size;
-    float* texels;
-  } work = {this, &rectangle, &light, stream, size, texels.data()};
-  const auto band = [](void* context, uint32_t index) {
-    const Work& w = *static_cast<const Work*>(context);
-    const uint32_t begin = index * k_rows, end = std::min(w.size, begin + k_rows);
-    w.caster->rows(*w.rectangle, *w.light, w.stream, w.size, w.size, begin, end, w.texels + size_t{begin} * w.size);
+  std::vector<float> values(size_t{size} * size);
+  const auto band = [&](uint32_t index) {
+    const uint32_t begin = index * k_rows, end = std::min(size, begin + k_rows);
+    std::vector<uint32_t> uv;
+    for (uint32_t v = begin; v < end; ++v)
+      for (uint32_t u = 0; u < size; ++u) uv.insert(uv.end(), {u, v});
+    texels(rectangle, light, stream, size, size, uv.data(), (end - begin) * size, &values[size_t{begin} * size]);
   };
-  const uint32_t bands = (size + k_rows - 1) / k_rows;
-  run_on(pool, bands, band, &work);
-  return texels;
-}
-
-void run_on(ThreadPool& pool, uint32_t count, void (*task)(void*, uint32_t), void* context) {
-  const sandglass_parallel hook = pool.hook();
-  if (hook.run != nullptr) return hook.run(hook.user, task, context, count);
-  for (uint32_t i = 0; i < count; ++i) task(context, i);
+  run_on(pool, (size + k_rows - 1) / k_rows, band);
+  return values;
 }
 
 std::vector<Direction> ring_directions(double polar_max, uint32_t count) {

@@ -48,13 +48,14 @@ class ShadowCaster {
   ShadowCaster(const ShadowCaster&) = delete;
   ShadowCaster& operator=(const ShadowCaster&) = delete;
 
-  // Rows [row_begin, row_end) of a width x height texture of `rectangle`: texel (u, v) has its centre at x = low_x + (u
-  // + 1/2) (high_x - low_x) / width and likewise z with v. `texels` takes (row_end - row_begin) * width values in 0..1.
-  // `stream` tells one texture's random numbers from another's. Any number of threads may call at the same time.
-  void rows(const ShadowRectangle& rectangle, const Direction& light, uint64_t stream, uint32_t width, uint32_t height,
-            uint32_t row_begin, uint32_t row_end, float* texels) const;
+  // `count` texels (u, v), two numbers each, of a size_x x size_y texture of `rectangle`: texel (u, v) has its centre
+  // at x = low_x + (u + 1/2) (high_x - low_x) / size_x and likewise z with v. Values are in 0..1. `stream` tells one
+  // texture's random numbers from another's; a texel's value does not depend on which others are asked for. Any number
+  // of threads may call at the same time.
+  void texels(const ShadowRectangle& rectangle, const Direction& light, uint64_t stream, uint32_t size_x,
+              uint32_t size_y, const uint32_t* uv, uint32_t count, float* values) const;
 
-  // A whole texture, rows spread over the pool.
+  // All texels of a square texture, row by row, spread over the pool.
   std::vector<float> texture(const ShadowRectangle& rectangle, const Direction& light, uint64_t stream, uint32_t size,
                              ThreadPool& pool) const;
 
@@ -63,8 +64,14 @@ class ShadowCaster {
   std::unique_ptr<Scene> scene_;
 };
 
-// task(context, i) for i in 0..count-1, on the pool's threads.
-void run_on(ThreadPool& pool, uint32_t count, void (*task)(void*, uint32_t), void* context);
+// task(i) for i in 0..count-1, on the pool's threads.
+template <class Task>
+void run_on(ThreadPool& pool, uint32_t count, const Task& task) {
+  const sandglass_parallel hook = pool.hook();
+  const auto call = [](void* context, uint32_t index) { (*static_cast<const Task*>(context))(index); };
+  if (hook.run != nullptr) return hook.run(hook.user, call, const_cast<Task*>(&task), count);
+  for (uint32_t i = 0; i < count; ++i) task(i);
+}
 
 // `count` directions spread evenly over the cap of polar angles 0..polar_max, by the library's ring sampler.
 std::vector<Direction> ring_directions(double polar_max, uint32_t count);

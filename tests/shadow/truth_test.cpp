@@ -30,7 +30,9 @@ Mesh half_plane() { return {{0, 1, -50, 50, 1, -50, 50, 1, 50, 0, 1, 50}, {0, 1,
 
 std::vector<float> line(const ShadowCaster& caster, const Direction& light, double from, double to, uint32_t texels) {
   std::vector<float> row(texels);
-  caster.rows({from, -1e-6, to, 1e-6}, light, 0, texels, 1, 0, 1, row.data());
+  std::vector<uint32_t> uv;
+  for (uint32_t u = 0; u < texels; ++u) uv.insert(uv.end(), {u, 0});
+  caster.texels({from, -1e-6, to, 1e-6}, light, 0, texels, 1, uv.data(), texels, row.data());
   return row;
 }
 
