@@ -115,8 +115,7 @@ void Trainer::step(TrainingState* state) {
     w.parameters = w.rounded.data();
     w.clips = state->clips.data();
   }
-  run_on(
-      pool_, k_lanes, [](void* context, uint32_t lane) { static_cast<Work*>(context)->run_lane(lane); }, &w);
+  run_on(pool_, k_lanes, [&](uint32_t lane) { w.run_lane(lane); });
 
   const uint32_t first = quantised ? plan_.float_steps : 0;
   const uint32_t count = quantised ? plan_.quantised_steps : plan_.float_steps;

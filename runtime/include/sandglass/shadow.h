@@ -3,7 +3,8 @@
  *
  * An app
  *   1. reads a baked file into memory (aligned to 8 bytes) and fills a sandglass_shadow_desc,
- *   2. asks sandglass_shadow_bytes, hands a block of that size to sandglass_shadow_create; the file's bytes may go then,
+ *   2. asks sandglass_shadow_bytes, hands a block of that size to sandglass_shadow_create; the file's bytes may go
+ * then,
  *   3. calls sandglass_shadow_set_light whenever it knows the light, every frame if it likes,
  *   4. calls sandglass_shadow_run in every frame, as many units as fit,
  *   5. draws the texture that sandglass_shadow_texture describes.
@@ -12,8 +13,8 @@
  * is read, and the same bytes come out of every instruction set and every division into frames.
  *
  * The object's frame is that of the mesh that was baked: y up, metres. Turn the light into it: d_object =
- * R_world_to_object d_world (6.1). Coverage c (0..1, byte / 255) is 1 - transparency; the shadow's opacity is coverage *
- * opacity * the contrast level o of the light. */
+ * R_world_to_object d_world (6.1). Coverage c (0..1, byte / 255) is 1 - transparency; the shadow's opacity is coverage
+ * * opacity * the contrast level o of the light. */
 #ifndef SANDGLASS_SHADOW_H
 #define SANDGLASS_SHADOW_H
 
@@ -39,11 +40,12 @@ enum { SANDGLASS_SHADOW_ADAPTIVE = 0, SANDGLASS_SHADOW_FULL = 1 };
 typedef struct sandglass_shadow_desc {
   uint32_t struct_size;
   sandglass_isa isa;
-  const void* asset;    /* a baked file, aligned to 8 bytes; needed until create returns */
+  const void* asset; /* a baked file, aligned to 8 bytes; needed until create returns */
   uint64_t asset_bytes;
   sandglass_shadow_mode mode;
-  uint32_t threshold;   /* steps of 1/255 of coverage, 0..255; default 5 (0.02), which adds less than 0.002 of error */
-  float light_tolerance; /* radians, 0..1: the texture is computed anew when the light has turned by more; default 0.01 */
+  uint32_t threshold; /* steps of 1/255 of coverage, 0..255; default 5 (0.02), which adds less than 0.002 of error */
+  float
+      light_tolerance; /* radians, 0..1: the texture is computed anew when the light has turned by more; default 0.01 */
 } sandglass_shadow_desc;
 
 SANDGLASS_API void sandglass_shadow_desc_default(sandglass_shadow_desc* desc);
@@ -52,14 +54,14 @@ SANDGLASS_API void sandglass_shadow_desc_default(sandglass_shadow_desc* desc);
 typedef struct sandglass_shadow_info {
   uint32_t struct_size;
   uint32_t version;
-  float origin[3];         /* footprint's centre on the receiving plane, in the mesh's coordinates */
-  float half_x, half_z;    /* of the bounding box, metres */
+  float origin[3];      /* footprint's centre on the receiving plane, in the mesh's coordinates */
+  float half_x, half_z; /* of the bounding box, metres */
   float height;
-  float angular_diameter;  /* of the light, radians */
-  float polar_max;         /* largest polar angle of the light that was baked, radians */
-  uint32_t plane_fitted;   /* 1: the texture's rectangle follows the light; 0: one square for all lights (6.11) */
-  uint32_t width, layers;  /* neurons a layer; hidden layers after the first */
-  uint64_t macs_per_texel; /* of the hidden layers, the first one separated */
+  float angular_diameter;      /* of the light, radians */
+  float polar_max;             /* largest polar angle of the light that was baked, radians */
+  uint32_t plane_fitted;       /* 1: the texture's rectangle follows the light; 0: one square for all lights (6.11) */
+  uint32_t width, layers;      /* neurons a layer; hidden layers after the first */
+  uint64_t macs_per_texel;     /* of the hidden layers, the first one separated */
   float rmse_float, rmse_int8; /* mean error against ray tracing over lights not trained on */
   uint32_t validated_lights;
   uint32_t float_parameters; /* of the network before rounding, if the file carries them, else 0 */
@@ -102,7 +104,7 @@ SANDGLASS_API uint32_t sandglass_shadow_units_left(const sandglass_shadow* shado
 
 typedef struct sandglass_shadow_texture {
   uint32_t struct_size;
-  uint32_t valid;        /* 0: no texture was completed yet; coverage is all 0 */
+  uint32_t valid;          /* 0: no texture was completed yet; coverage is all 0 */
   const uint8_t* coverage; /* 256 x 256 bytes, row v along z, column u along x; stable until the next run call */
   float low[2], high[2]; /* x and z of the rectangle's corners in the mesh's coordinates, on the plane y = origin[1] */
   float light[3];        /* unit vector that the texture was computed for */
