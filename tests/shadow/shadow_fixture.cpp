@@ -74,7 +74,7 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   std::vector<flatbuffers::Offset<asset::Layer>> layers;
   const float multiplier = what.extreme ? 0.0005f : 0.004f;
   for (uint32_t i = 0; i < what.layers; ++i) layers.push_back(layer_of(what.width, multiplier, true));
-  const auto last = layer_of(1, 0.001f, false);
+  const auto last = layer_of(1, 0.0001f, false);
   const auto all = builder.CreateVector(layers);
   const auto first_weights = builder.CreateVector(first);
   const auto biases = builder.CreateVector(first_bias);
