@@ -38,26 +38,42 @@ void encode_light(const Direction& light, float* out) {
   for (size_t axis = 0; axis < 3; ++axis) encode(light[axis], k_light_frequencies, out + axis * k_light_inputs);
 }
 
-std::vector<float> evaluate(const FloatNetwork& network, const Direction& light, uint32_t size, ThreadPool& pool) {
-  std::vector<float> texels(size_t{size} * size), positions(size_t{size} * k_texel_inputs);
+void evaluate_texels(const FloatNetwork& network, const Direction& light, uint32_t size, const uint32_t* uv,
+                     uint32_t count, float* values) {
+  constexpr uint32_t k_chunk = 256;
+  const NetworkShape& shape = network.shape;
+  std::vector<float> positions(size_t{size} * k_texel_inputs), input(size_t{k_chunk} * k_inputs),
+      scratch(batch_scratch(shape.width, shape.layers, k_chunk));
   for (uint32_t i = 0; i < size; ++i)
-    encode(texel_centre(i, size), k_texel_frequencies, &positions[i * k_texel_inputs]);
+    encode(texel_centre(i, size), k_texel_frequencies, &positions[size_t{i} * k_texel_inputs]);
   float encoded[3 * k_light_inputs];
   encode_light(light, encoded);
-  const NetworkShape& shape = network.shape;
-  run_on(pool, size, [&](uint32_t v) {
-    std::vector<float> input(size_t{size} * k_inputs), scratch(batch_scratch(shape.width, shape.layers, size));
-    for (uint32_t u = 0; u < size; ++u) {
-      float* x = &input[size_t{u} * k_inputs];
-      std::copy_n(&positions[size_t{u} * k_texel_inputs], k_texel_inputs, x);
-      std::copy_n(&positions[size_t{v} * k_texel_inputs], k_texel_inputs, x + k_texel_inputs);
+  for (uint32_t first = 0; first < count; first += k_chunk) {
+    const uint32_t samples = std::min(k_chunk, count - first);
+    for (uint32_t i = 0; i < samples; ++i) {
+      float* x = &input[size_t{i} * k_inputs];
+      const uint32_t* texel = uv + 2 * size_t{first + i};
+      std::copy_n(&positions[size_t{texel[0]} * k_texel_inputs], k_texel_inputs, x);
+      std::copy_n(&positions[size_t{texel[1]} * k_texel_inputs], k_texel_inputs, x + k_texel_inputs);
       std::copy_n(encoded, 3 * k_light_inputs, x + 2 * k_texel_inputs);
     }
-    const Batch batch = {k_inputs,     shape.width, shape.layers,  size, network.parameters.data(),
+    const Batch batch = {k_inputs,     shape.width, shape.layers,  samples, network.parameters.data(),
                          input.data(), nullptr,     scratch.data()};
-    batch_math().forward(batch, &texels[size_t{v} * size]);
+    batch_math().forward(batch, values + first);
+  }
+}
+
+std::vector<float> evaluate(const FloatNetwork& network, const Direction& light, uint32_t size, ThreadPool& pool) {
+  constexpr uint32_t k_rows = 32;
+  std::vector<float> values(size_t{size} * size);
+  run_on(pool, (size + k_rows - 1) / k_rows, [&](uint32_t band) {
+    const uint32_t begin = band * k_rows, end = std::min(size, begin + k_rows);
+    std::vector<uint32_t> uv;
+    for (uint32_t v = begin; v < end; ++v)
+      for (uint32_t u = 0; u < size; ++u) uv.insert(uv.end(), {u, v});
+    evaluate_texels(network, light, size, uv.data(), (end - begin) * size, &values[size_t{begin} * size]);
   });
-  return texels;
+  return values;
 }
 
 }  // namespace sandglass::host

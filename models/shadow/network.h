@@ -50,8 +50,12 @@ FloatNetwork make_network(const NetworkShape& shape, uint64_t seed);
 void encode(double x, uint32_t frequencies, float* out);
 void encode_light(const Direction& light, float* out);
 
-// The network on every texel of a size x size texture for one light: transparency in 0..1. The hot loops are those of
-// batch_math.h.
+// The network on `count` texels (u, v), two numbers each, of a size x size texture for one light: transparency in 0..1.
+// The hot loops are those of batch_math.h.
+void evaluate_texels(const FloatNetwork& network, const Direction& light, uint32_t size, const uint32_t* uv,
+                     uint32_t count, float* values);
+
+// All texels, row by row, spread over the pool.
 std::vector<float> evaluate(const FloatNetwork& network, const Direction& light, uint32_t size, ThreadPool& pool);
 
 }  // namespace sandglass::host

@@ -130,13 +130,44 @@ Mesh make_icosphere(float radius, uint32_t subdivisions) {
   return mesh;
 }
 
+Mesh make_chair() {
+  // Low and high corners, metres.
+  constexpr float k_boxes[][6] = {
+      {-0.22f, 0.43f, -0.22f, 0.22f, 0.46f, 0.22f},    // seat
+      {-0.21f, 0.00f, 0.17f, -0.17f, 0.43f, 0.21f},    // front legs
+      {0.17f, 0.00f, 0.17f, 0.21f, 0.43f, 0.21f},      //
+      {-0.21f, 0.00f, -0.21f, -0.17f, 0.43f, -0.17f},  // back legs
+      {0.17f, 0.00f, -0.21f, 0.21f, 0.43f, -0.17f},    //
+      {-0.21f, 0.46f, -0.21f, -0.17f, 0.90f, -0.17f},  // posts of the back
+      {0.17f, 0.46f, -0.21f, 0.21f, 0.90f, -0.17f},    //
+      {-0.17f, 0.82f, -0.20f, 0.17f, 0.89f, -0.18f},   // top rail
+      {-0.11f, 0.46f, -0.20f, -0.07f, 0.82f, -0.18f},  // slats
+      {-0.02f, 0.46f, -0.20f, 0.02f, 0.82f, -0.18f},   //
+      {0.07f, 0.46f, -0.20f, 0.11f, 0.82f, -0.18f},    //
+      {-0.17f, 0.15f, -0.20f, 0.17f, 0.18f, -0.18f},   // stretchers
+      {-0.20f, 0.20f, -0.17f, -0.18f, 0.23f, 0.17f},   //
+      {0.18f, 0.20f, -0.17f, 0.20f, 0.23f, 0.17f},     //
+  };
+  Mesh mesh;
+  for (const float(&box)[6] : k_boxes) {
+    const float size[3] = {box[3] - box[0], box[4] - box[1], box[5] - box[2]};
+    const Mesh part = make_box(size);
+    const uint32_t base = mesh.vertex_count();
+    for (size_t i = 0; i < part.vertices.size(); ++i)
+      mesh.vertices.push_back(part.vertices[i] + 0.5f * (box[i % 3] + box[i % 3 + 3]));
+    for (const uint32_t index : part.indices) mesh.indices.push_back(base + index);
+  }
+  return mesh;
+}
+
 MeshResult make_named(const std::string& name) {
   const float cube[3] = {0.1f, 0.1f, 0.1f};
   if (name == "trefoil") return {make_trefoil(), {}, ""};
   if (name == "torus") return {make_torus(0.1f, 0.04f, 96, 48), {}, ""};
   if (name == "box") return {make_box(cube), {}, ""};
   if (name == "sphere") return {make_icosphere(0.1f, 4), {}, ""};
-  return {{}, {}, "no generated mesh is called '" + name + "': use trefoil, torus, box or sphere"};
+  if (name == "chair") return {make_chair(), {}, ""};
+  return {{}, {}, "no generated mesh is called '" + name + "': use trefoil, torus, box, sphere or chair"};
 }
 
 }  // namespace sandglass::host

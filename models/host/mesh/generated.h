@@ -23,7 +23,11 @@ Mesh make_box(const float size[3]);
 // An icosahedron, each triangle split into four `subdivisions` times, on the sphere of `radius`.
 Mesh make_icosphere(float radius, uint32_t subdivisions);
 
-// "trefoil", "torus", "box" or "sphere" in sizes of a hand; an error sentence for anything else.
+// A chair: seat, four legs, two posts with three slats and a top rail, as separate closed boxes. Its feet stand on y =
+// 0, unlike the others it is not centred.
+Mesh make_chair();
+
+// "trefoil", "torus", "box", "sphere" or "chair" in sizes of a hand; an error sentence for anything else.
 MeshResult make_named(const std::string& name);
 
 }  // namespace sandglass::host
