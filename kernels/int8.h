@@ -9,7 +9,7 @@
 
 #include <cstdint>
 
-#include "sandglass/sandglass.h"
+#include "sandglass/shadow.h"
 
 namespace sandglass {
 

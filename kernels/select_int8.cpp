@@ -2,7 +2,6 @@
 // AVX-512 with VNNI; a CPU that has the one without the other runs the AVX2 table.
 #include "kernels/int8.h"
 #include "platform/cpu_features.h"
-#include "sandglass/shadow.h"
 
 namespace sandglass {
 

@@ -19,6 +19,17 @@ FloatNetwork make_network(const NetworkShape& shape, uint64_t seed) {
       weights[i] = static_cast<float>(spread * (2 * random_unit(random_mix(seed) + counter++) - 1));
   };
   fill(network.first_weights(), k_inputs, shape.width);
+  // Octave k of the encoding starts 2^-k as strong, so that a network starts smooth and every octave contributes the
+  // same slope; noise of the high ones would otherwise have to be unlearnt.
+  uint32_t input = 0;
+  const auto damp = [&](uint32_t frequencies) {
+    for (uint32_t i = 0; i < 1 + 2 * frequencies; ++i, ++input)
+      for (uint32_t c = 0; c < shape.width; ++c)
+        network.parameters[input * shape.width + c] *= i == 0 ? 1.0f : 1.0f / static_cast<float>(1u << (i - 1) / 2);
+  };
+  damp(k_texel_frequencies);
+  damp(k_texel_frequencies);
+  for (uint32_t axis = 0; axis < 3; ++axis) damp(k_light_frequencies);
   for (uint32_t layer = 0; layer < shape.layers; ++layer) fill(network.weights(layer), shape.width, shape.width);
   fill(network.last_weights(), shape.width, 1);
   return network;
