@@ -134,7 +134,8 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
 
   start = seconds_now();
   ShadowFile file = {name, geometry, quantise(state.network, state.clips), 0, 0, 0, settings.seed, {}};
-  if (settings.keep_float) file.float_parameters = state.float_network.parameters;
+  if (settings.keep_float)
+    file.float_parameters.assign(state.float_network.parameters.begin(), state.float_network.parameters.end());
   std::vector<uint8_t> bytes = shadow_file_bytes(file);
   {
     Progress progress("validating", settings.validation_lights);

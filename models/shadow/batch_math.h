@@ -4,8 +4,24 @@
 #pragma once
 
 #include <cstdint>
+#include <new>
+#include <vector>
 
 namespace sandglass::host {
+
+// Floats that begin at a cache line. Eigen adds up in an order that depends on where an array begins, so every array of
+// a batch must begin alike for sums to repeat to the bit.
+template <class T>
+struct LineAllocator {
+  using value_type = T;
+  LineAllocator() = default;
+  template <class U>
+  LineAllocator(const LineAllocator<U>&) {}
+  T* allocate(size_t count) { return static_cast<T*>(::operator new (count * sizeof(T), std::align_val_t{64})); }
+  void deallocate(T* p, size_t) { ::operator delete (p, std::align_val_t{64}); }
+  bool operator==(const LineAllocator&) const { return true; }
+};
+using Floats = std::vector<float, LineAllocator<float>>;
 
 struct Batch {
   uint32_t inputs, width, layers, samples;  // layers after the first

@@ -20,10 +20,10 @@ struct Writer {
   void value(const T& x) {
     bytes.append(reinterpret_cast<const char*>(&x), sizeof x);
   }
-  template <class T>
-  void array(const std::vector<T>& values) {
+  template <class Array>
+  void array(const Array& values) {
     value(static_cast<uint64_t>(values.size()));
-    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof values[0]);
   }
 };
 
@@ -38,15 +38,16 @@ struct Reader {
     std::memcpy(x, bytes.data() + at, sizeof *x);
     at += sizeof *x;
   }
-  template <class T>
-  void array(std::vector<T>* values) {
+  template <class Array>
+  void array(Array* values) {
+    constexpr size_t k_item = sizeof(typename Array::value_type);
     uint64_t count = 0;
     value(&count);
-    good = good && count <= (bytes.size() - at) / sizeof(T);
+    good = good && count <= (bytes.size() - at) / k_item;
     if (!good) return;
     values->resize(count);
-    std::memcpy(values->data(), bytes.data() + at, count * sizeof(T));
-    at += count * sizeof(T);
+    std::memcpy(values->data(), bytes.data() + at, count * k_item);
+    at += count * k_item;
   }
 };
 

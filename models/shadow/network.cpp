@@ -10,7 +10,7 @@
 namespace sandglass::host {
 
 FloatNetwork make_network(const NetworkShape& shape, uint64_t seed) {
-  FloatNetwork network = {shape, std::vector<float>(shape.parameters(), 0.0f)};
+  FloatNetwork network = {shape, Floats(shape.parameters(), 0.0f)};
   uint64_t counter = 0;
   const auto fill = [&](const float* from, uint32_t inputs, uint32_t outputs) {
     float* weights = network.parameters.data() + (from - network.parameters.data());
@@ -53,8 +53,9 @@ void evaluate_texels(const FloatNetwork& network, const Direction& light, uint32
                      uint32_t count, float* values) {
   constexpr uint32_t k_chunk = 256;
   const NetworkShape& shape = network.shape;
-  std::vector<float> positions(size_t{size} * k_texel_inputs), input(size_t{k_chunk} * k_inputs),
-      scratch(batch_scratch(shape.width, shape.layers, k_chunk));
+  std::vector<float> positions(size_t{size} * k_texel_inputs);
+  Floats input(size_t{k_chunk} * k_inputs), scratch(batch_scratch(shape.width, shape.layers, k_chunk));
+  Floats output(k_chunk);
   for (uint32_t i = 0; i < size; ++i)
     encode(texel_centre(i, size), k_texel_frequencies, &positions[size_t{i} * k_texel_inputs]);
   float encoded[3 * k_light_inputs];
@@ -70,7 +71,8 @@ void evaluate_texels(const FloatNetwork& network, const Direction& light, uint32
     }
     const Batch batch = {k_inputs,     shape.width, shape.layers,  samples, network.parameters.data(),
                          input.data(), nullptr,     scratch.data()};
-    batch_math().forward(batch, values + first);
+    batch_math().forward(batch, output.data());
+    std::copy_n(output.data(), samples, values + first);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "models/shadow/batch_math.h"
 #include "models/shadow/truth.h"
 
 namespace sandglass::host {
@@ -30,7 +31,7 @@ struct NetworkShape {
 // in order; the last layer has one output.
 struct FloatNetwork {
   NetworkShape shape;
-  std::vector<float> parameters;
+  Floats parameters;
 
   const float* first_weights() const { return parameters.data(); }
   const float* first_bias() const { return parameters.data() + shape.width * k_inputs; }

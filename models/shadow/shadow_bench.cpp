@@ -120,7 +120,7 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   Samples own_float, own_int8, own_adaptive, peer_float, peer_int8;
 #ifdef SANDGLASS_HAVE_XNNPACK
   encode_texels(positions, lights[k_lights / 2], &input);
-  const std::vector<float> probe(input.begin(), input.begin() + 16384 * k_inputs);
+  const Floats probe(input.begin(), input.begin() + 16384 * k_inputs);
   const std::vector<float> clips = activation_clips(network, probe, 16384, k_beyond);
   XnnpackPeer xnn_float(network, clips, false), xnn_int8(network, clips, true);
 #endif

@@ -26,9 +26,9 @@ struct Trainer::Work {
   const float* parameters = nullptr;
   const float* clips = nullptr;
   NetworkShape shape;
-  std::vector<float> rounded;
-  std::vector<float> gradients[k_lanes];
-  std::vector<float> input[k_lanes], target[k_lanes], weight[k_lanes], scratch[k_lanes];
+  Floats rounded;
+  Floats gradients[k_lanes];
+  Floats input[k_lanes], target[k_lanes], weight[k_lanes], scratch[k_lanes];
   double loss[k_lanes] = {};
   const Trainer* trainer = nullptr;
 
@@ -94,7 +94,7 @@ void Trainer::Work::run_lane(uint32_t lane) {
 
 void Trainer::begin_quantisation(TrainingState* state) {
   state->float_network = state->network;
-  std::vector<float> input(size_t{k_probe} * k_inputs), ignored(2 * size_t{k_probe});
+  Floats input(size_t{k_probe} * k_inputs), ignored(2 * size_t{k_probe});
   work_->draw(~0u, 0, k_probe, input.data(), ignored.data(), ignored.data() + k_probe);
   state->clips = activation_clips(state->network, input, k_probe, k_beyond);
   std::fill(state->mean.begin(), state->mean.end(), 0.0f);
@@ -131,7 +131,7 @@ void Trainer::step(TrainingState* state) {
   for (const double part : w.loss) loss += part;
   for (uint32_t i = 0; i < w.shape.parameters(); ++i) {
     float g = 0;
-    for (const std::vector<float>& part : w.gradients) g += part[i];
+    for (const Floats& part : w.gradients) g += part[i];
     g *= per_sample;
     m[i] = k_mean_decay * m[i] + (1 - k_mean_decay) * g;
     v[i] = k_variance_decay * v[i] + (1 - k_variance_decay) * g * g;
@@ -169,10 +169,10 @@ void round_weights(const FloatNetwork& network, float* rounded) {
   round_layer(network.last_weights(), 1);
 }
 
-std::vector<float> activation_clips(const FloatNetwork& network, const std::vector<float>& input, uint32_t samples,
-                                    double beyond) {
+std::vector<float> activation_clips(const FloatNetwork& network, const Floats& input, uint32_t samples, double beyond) {
   const NetworkShape& shape = network.shape;
-  std::vector<float> scratch(batch_scratch(shape.width, shape.layers, samples)), output(samples), clips;
+  Floats scratch(batch_scratch(shape.width, shape.layers, samples)), output(samples);
+  std::vector<float> clips;
   const Batch batch = {k_inputs,     shape.width, shape.layers,  samples, network.parameters.data(),
                        input.data(), nullptr,     scratch.data()};
   batch_math().forward(batch, output.data());

@@ -26,11 +26,11 @@ struct TrainingPlan {
 // All that has to be kept to go on.
 struct TrainingState {
   uint32_t step = 0;
-  FloatNetwork network;               // what is being trained
-  std::vector<float> mean, variance;  // Adam's
-  FloatNetwork float_network;         // as it was when the float steps ended; empty before
-  std::vector<float> clips;           // largest activations for quantisation, one a ReLU layer; empty before
-  double loss = 0;                    // running mean
+  FloatNetwork network;        // what is being trained
+  Floats mean, variance;       // Adam's
+  FloatNetwork float_network;  // as it was when the float steps ended; empty before
+  std::vector<float> clips;    // largest activations for quantisation, one a ReLU layer; empty before
+  double loss = 0;             // running mean
 };
 
 class Trainer {
@@ -60,7 +60,6 @@ TrainingState start_training(const NetworkShape& shape, uint64_t seed);
 void round_weights(const FloatNetwork& network, float* rounded);
 
 // The largest activation of each ReLU layer, apart from a share of `beyond` that is clipped.
-std::vector<float> activation_clips(const FloatNetwork& network, const std::vector<float>& input, uint32_t samples,
-                                    double beyond);
+std::vector<float> activation_clips(const FloatNetwork& network, const Floats& input, uint32_t samples, double beyond);
 
 }  // namespace sandglass::host
