@@ -50,6 +50,8 @@ SANDGLASS_INLINE Surface box(const ColliderFrame& c, Float x, Float y, Float z) 
   return s;
 }
 
+#include "kernels/field.inl"
+
 SANDGLASS_INLINE Surface collider_surface(const ColliderFrame& c, Float px, Float py, Float pz) {
   const Float x = px - broadcast(c.position[0]), y = py - broadcast(c.position[1]), z = pz - broadcast(c.position[2]);
   const float* up = c.axes[1];
@@ -64,6 +66,8 @@ SANDGLASS_INLINE Surface collider_surface(const ColliderFrame& c, Float px, Floa
     }
     case SANDGLASS_SHAPE_BOX:
       return box(c, x, y, z);
+    case SANDGLASS_SHAPE_FIELD:
+      return field_surface(c, x, y, z);
     default:
       return ball(x, y, z, c.size[0], up);
   }

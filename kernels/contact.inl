@@ -91,22 +91,28 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       Float nx = ex * inverse, ny = ey * inverse, nz = ez * inverse;
       const Mask coincident = touch & (d2 < broadcast(1e-24f));
       if (any(coincident)) part_coincident(i, row + s, coincident, &nx, &ny, &nz);
-      const Float overlap = d - diameter;  // negative
+      Float overlap = d - diameter;  // negative
+      Float along = zero;
+      if (k_solve) {
+        // What an overlap may add to the speed of separation is limited: the rest of it goes in later sub-steps.
+        along = dot3(rx, ry, rz, nx, ny, nz);
+        overlap =
+            maximum(overlap, broadcast(a->inverse_relaxation) * (minimum(along, zero) - broadcast(a->separation_max)));
+      }
       // Shares of the correction: all of it against what does not move, else by inverse mass.
       Float mine = select(free, half, one);
       Float lift = height_share(a, nx, ny, nz);
       if (a->bodies != 0 && any(touch & free & ((w < other[3]) | (other[3] < w)))) {
-        const Mask unequal = free & ((w < other[3]) | (other[3] < w));
+        const Mask unequal = moves & free & ((w < other[3]) | (other[3] < w));
         const Float heavy = w * (half + lift), light = other[3] * (half - lift);
-        const Float share = w / (w + other[3]);
+        const Float share = w / select(unequal, w + other[3], one);
         mine = select(unequal, share, mine);
-        lift = select(unequal, heavy / (heavy + light) - share, lift);
+        lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, lift);
       }
       const Float weighted = maximum(overlap, broadcast(-a->weighted_overlap)) * keep(free, lift);
       const Float push = mine * overlap + weighted;
       Float cx = push * nx, cy = push * ny, cz = push * nz;
       if (k_solve) {
-        const Float along = dot3(rx, ry, rz, nx, ny, nz);
         const Float tx = mine * (rx - along * nx), ty = mine * (ry - along * ny), tz = mine * (rz - along * nz);
         const Float t2 = dot3(tx, ty, tz, tx, ty, tz);
         const Float normal = mine * overlap;

@@ -20,6 +20,8 @@ constexpr uint32_t k_lane_group = 16;  // every width divides it
 constexpr uint32_t k_number_mask = 0x00ffffff;
 constexpr uint32_t k_body_shift = 24;
 constexpr float k_coordinate_bound = 2.0f * SANDGLASS_COORDINATE_LIMIT;  // metres; what strays beyond it is quarantined
+// An inert record lies here, without mass: it pads vectors and neighbour rows, and nothing touches it.
+constexpr float k_inert_position = 1e6f;
 constexpr uint32_t k_list_slots =
     32;  // neighbours a particle can have; a dense packing has 12 to 15 inside a list's reach
 
@@ -55,6 +57,17 @@ struct ListArgs {
   uint8_t* counts;  // used slots a particle
 };
 
+// A regular grid of signed distances, x fastest, in the collider's own axes; above 0 is free. Beyond the grid all is
+// free (outward 1) or all is solid (outward -1).
+struct FieldGrid {
+  const float* values;
+  uint32_t counts[3];  // >= 2; at most 2^24 values in all, so that indices are exact as floats
+  float low[3];
+  float spacing, inverse_spacing;
+  float outward;
+  float border;  // the value nearest to the surface on the faces of the grid
+};
+
 // A collider at one instant, in world coordinates.
 struct ColliderFrame {
   sandglass_shape shape;
@@ -63,6 +76,7 @@ struct ColliderFrame {
   float size[3];
   float linear[3];  // velocity, m/s
   float angular[3];
+  FieldGrid field;  // of SANDGLASS_SHAPE_FIELD
 };
 
 // One Jacobi pass over particles: contacts and friction from the positions before the pass, then colliders. Reads `in`,
@@ -80,6 +94,8 @@ struct ContactArgs {
   int32_t averaged;                   // 1: (4.37), the sum is scaled by min(1, omega/n); 0: by omega
   float weight_linear, weight_cubic;  // height weighting: share = 1/2 + linear*c + cubic*c^3, c = n . up
   float weighted_overlap;             // metres; overlap beyond it is shared equally
+  float inverse_relaxation;           // 1 / omega
+  float separation_max;               // metres; a contact separates by no more than its approach and this in one pass
   float up[3];
   float scale;  // displacement = scale * u + gravity * w: (time step, g dt^2) in the first pass, (1, 0) later
   float gravity[3];
@@ -111,6 +127,21 @@ struct WakeArgs {
   const ColliderFrame* colliders;
   const float* margins;  // metres, one a collider
   uint32_t collider_count;
+};
+
+// Distance (into w) and normal (into u) of a collider at the positions of records.
+struct SurfaceArgs {
+  float* records;
+  const ColliderFrame* collider;
+};
+
+// Which points of records lie inside a shape.
+struct InsideArgs {
+  const float* records;
+  uint32_t record_count;
+  const ColliderFrame* shapes;
+  uint32_t shape_count;
+  uint8_t* inside;  // one a record of the range: 1 or 0
 };
 
 struct RefineArgs {

@@ -24,6 +24,7 @@ extern const Kernels k_table;
 #endif
 
 const Kernels* select_kernels(sandglass_isa isa) {
+  if (isa == SANDGLASS_ISA_SCALAR) return &simd_scalar::k_table;  // without asking the CPU, which is slow
   const CpuFeatures cpu = cpu_features();
   (void)cpu;
   const bool automatic = isa == SANDGLASS_ISA_AUTOMATIC;
@@ -37,7 +38,7 @@ const Kernels* select_kernels(sandglass_isa isa) {
 #if defined(SANDGLASS_HAVE_NEON)
   if ((automatic || isa == SANDGLASS_ISA_NEON) && cpu.neon) return &simd_neon::k_table;
 #endif
-  return automatic || isa == SANDGLASS_ISA_SCALAR ? &simd_scalar::k_table : nullptr;
+  return automatic ? &simd_scalar::k_table : nullptr;
 }
 
 }  // namespace sandglass

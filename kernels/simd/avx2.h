@@ -94,6 +94,8 @@ SANDGLASS_INLINE void transpose(const __m256 r[8], __m256 out[8]) {
   out[7] = _mm256_permute2f128_ps(b3, d3, 0x31);
 }
 
+SANDGLASS_INLINE Float gather(const float* base, Int index) { return {_mm256_i32gather_ps(base, index.v, 4)}; }
+
 SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uint32_t stride, Float out[8]) {
   __m256 r[8], t[8];
   for (uint32_t k = 0; k < 8; ++k) r[k] = _mm256_load_ps(base + static_cast<uint64_t>(index[k * stride]) * 8);

@@ -91,6 +91,8 @@ SANDGLASS_INLINE void transpose_in(const __m512 r[8], Float out[8]) {
   out[7].v = _mm512_permutex2var_ps(b3, high, d3);
 }
 
+SANDGLASS_INLINE Float gather(const float* base, Int index) { return {_mm512_i32gather_ps(index.v, base, 4)}; }
+
 SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uint32_t stride, Float out[8]) {
   __m512 r[8];
   for (uint32_t k = 0; k < 8; ++k) {

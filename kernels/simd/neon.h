@@ -83,6 +83,13 @@ SANDGLASS_INLINE void transpose(float32x4_t r0, float32x4_t r1, float32x4_t r2, 
   out[3] = vreinterpretq_f32_f64(vtrn2q_f64(a1, a3));
 }
 
+SANDGLASS_INLINE Float gather(const float* base, Int index) {
+  int32_t i[4];
+  vst1q_s32(i, index.v);
+  const float v[4] = {base[i[0]], base[i[1]], base[i[2]], base[i[3]]};
+  return {vld1q_f32(v)};
+}
+
 SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uint32_t stride, Float out[8]) {
   const float* p0 = base + static_cast<uint64_t>(index[0]) * 8;
   const float* p1 = base + static_cast<uint64_t>(index[stride]) * 8;

@@ -79,6 +79,9 @@ SANDGLASS_INLINE Int select(Mask m, Int a, Int b) { return {m.m ? a.v : b.v}; }
 SANDGLASS_INLINE float lane_maximum(Float a) { return a.v; }
 SANDGLASS_INLINE float lane_minimum(Float a) { return a.v; }
 
+// base[index] a lane.
+SANDGLASS_INLINE Float gather(const float* base, Int index) { return {base[index.v]}; }
+
 SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uint32_t stride, Float out[8]) {
   (void)stride;
   const float* p = base + static_cast<uint64_t>(index[0]) * 8;

@@ -11,6 +11,7 @@
 #include "models/cli/commands.h"
 #include "models/host/atomic_file.h"
 #include "models/host/body_meshes.h"
+#include "models/host/collision_fields.h"
 #include "models/host/failure.h"
 #include "models/host/metrics.h"
 #include "models/host/npy.h"
@@ -37,7 +38,7 @@ constexpr int k_exit_check_failed = 1, k_exit_interrupted = 130;
 constexpr uint32_t k_threads_at_most = 256, k_drawing_threads_at_most = 8;
 
 struct Options {
-  std::string scene, mesh, clock = "real", isa = "automatic", record, replay, dump, out;
+  std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, dump, out;
   uint32_t frames = 0, threads = 1;
   double budget_ms = -1.0;
 };
@@ -85,6 +86,7 @@ struct Run {
   SceneFile scene;
   VirtualClock virtual_time;
   TraceRecorder recorder;
+  std::optional<CollisionFields> fields;
   std::optional<ThreadPool> pool;
   std::optional<Simulation> simulation;
   RunReport report;
@@ -110,7 +112,12 @@ struct Run {
     const LoadedMeshes meshes(scene, options.mesh);
     if (!meshes.note().empty()) std::fprintf(stderr, "sandglass: note: %s\n", meshes.note().c_str());
     const Material material = fill_scene(&scene, meshes.bodies());
-    sandglass_scene_desc desc = describe_scene(scene, material.particles(), material.grains());
+    fields.emplace(&scene, options.collider_mesh);
+    sandglass_scene_desc desc =
+        describe_scene(scene, material.particles() + material.rigid_particles(), material.grains());
+    desc.granular.body_capacity = static_cast<uint32_t>(material.rigid.size());
+    desc.granular.body_particle_capacity = material.rigid_particles();
+    desc.granular.collider_capacity += static_cast<uint32_t>(material.rigid.size());
     desc.isa = isa;
     if (options.clock == "virtual") {
       virtual_time.step_ns = k_virtual_step_ns;
@@ -144,10 +151,14 @@ struct Run {
   sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
     if (options.replay.empty()) {
       *colliders = colliders_over_frame(scene, frame);
+      add_rigid_shapes(scene, simulation->handle(), colliders);
       return simulation->frame(scene.frame_step, static_cast<uint64_t>(scene.budget_ms * 1e6), *colliders);
     }
     const RecordedFrame& recorded = recording.frames[frame];
     *colliders = recorded.colliders;
+    // A recording names shapes; the fields behind them are the scene's.
+    for (size_t i = 0; i < colliders->size() && i < scene.colliders.size(); ++i)
+      (*colliders)[i].field = scene.colliders[i].field;
     return simulation->frame(static_cast<double>(recorded.time_step), recorded.budget_ns, *colliders, &recorded.plan);
   }
 
@@ -221,6 +232,8 @@ void add_run_command(CLI::App& program, int* exit_code) {
       program.add_subcommand("run", "Fill a scene with sand, run it under its budget, report and draw it");
   command->add_option("scene", options->scene, "Scene file, or the name of a shipped scene")->required();
   command->add_option("--mesh", options->mesh, "Triangle mesh for the scene's bodies of shape \"mesh\"");
+  command->add_option("--collider-mesh", options->collider_mesh,
+                      "Triangle mesh for the scene's colliders of shape \"mesh\"");
   command->add_option("--frames", options->frames, "Frames to run instead of the scene's")
       ->check(CLI::Range(1u, 100'000'000u));
   command->add_option("--budget-ms", options->budget_ms, "Budget of a frame, instead of the scene's")

@@ -1,8 +1,10 @@
-// The sub-command `sandglass sample`: points on a mesh's surface or in its volume, as a PLY file and a picture.
+// The sub-command `sandglass sample`: points on a mesh's surface or in its volume, or of a disk, sphere or ring, as a
+// PLY file, a picture and a spectrum.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace CLI {
 class App;
@@ -10,15 +12,18 @@ class App;
 
 namespace sandglass::host {
 
-enum class SampleWhat { surface, volume, lattice };
+enum class SampleWhat { surface, volume, lattice, disk, sphere, ring };
 
 struct SampleOptions {
   std::string mesh;  // a file, or the name of a generated mesh (see make_named)
   SampleWhat what = SampleWhat::surface;
-  double distance = 0;  // metres
+  double distance = 0;  // metres; of disk, sphere and ring the mean spacing follows from `count`
+  uint32_t count = 0;   // points of a disk, sphere or ring of radius 1
+  std::vector<double> polar_deg = {0.0, 45.0};  // of a ring
   uint64_t seed = 1;
   bool geodesic = false;  // surface only
   std::string picture;    // PNG; empty: none
+  std::string spectrum;   // PNG of the radial mean of the power spectrum; empty: none
   std::string output;     // PLY
 };
 

@@ -12,6 +12,8 @@
 namespace sandglass::host {
 namespace {
 
+constexpr uint32_t k_grains_only = 0x100;  // beside the shape of a collider
+
 constexpr uint8_t k_magic[8] = {'S', 'G', 'R', 'E', 'C', '\r', '\n', 0x1a};  // line ends show a transfer in text mode
 constexpr uint32_t k_version = 1;
 constexpr size_t k_prologue_bytes = sizeof(k_magic) + sizeof(uint32_t);
@@ -70,7 +72,7 @@ std::vector<uint8_t> frame_payload(const RecordedFrame& frame) {
   put_u64(&payload, frame.budget_ns);
   put_u32(&payload, static_cast<uint32_t>(frame.colliders.size()));
   for (const sandglass_collider& collider : frame.colliders) {
-    put_u32(&payload, static_cast<uint32_t>(collider.shape));
+    put_u32(&payload, static_cast<uint32_t>(collider.shape) | (collider.grains_only != 0 ? k_grains_only : 0));
     put_floats(&payload, collider.position, 3);
     put_floats(&payload, collider.rotation, 4);
     put_floats(&payload, collider.size, 3);
@@ -147,7 +149,9 @@ bool parse_frame(Reader payload, RecordedFrame* frame) {
   if (colliders > payload.left / k_collider_bytes) return false;
   frame->colliders.resize(colliders);
   for (sandglass_collider& collider : frame->colliders) {
-    collider.shape = static_cast<sandglass_shape>(payload.u32());
+    const uint32_t shape = payload.u32();
+    collider.shape = static_cast<sandglass_shape>(shape & ~k_grains_only);
+    collider.grains_only = (shape & k_grains_only) != 0 ? 1 : 0;
     payload.floats(collider.position, 3);
     payload.floats(collider.rotation, 4);
     payload.floats(collider.size, 3);

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "models/host/sphere_caster.h"
+#include "runtime/sampling/field.h"
 
 namespace sandglass::host {
 
@@ -73,8 +74,16 @@ struct Solid {
   sandglass_shape shape;
   Vec3 position, size;
   Quaternion rotation;
+  const sandglass_field* field;
+  bool container;
   Vec3 to_local(Vec3 v) const { return rotate(conjugate(rotation), v); }
 };
+
+bool is_container(const sandglass_collider& collider) {
+  float low[3], high[3];
+  return collider.shape == SANDGLASS_SHAPE_FIELD && collider.field != nullptr &&
+         sandglass_field_bounds(collider.field, low, high) == SANDGLASS_SOLID_OUTSIDE;
+}
 
 struct SurfaceHit {
   double distance = k_far;
@@ -126,6 +135,65 @@ bool hit_capsule(double radius, double half, Vec3 o, Vec3 d, SurfaceHit* hit) {
   return true;
 }
 
+// The value alone, for marching: the library's own look-up finds the normal, too, and is made for many points at once.
+double field_value(const FieldGrid& grid, Vec3 p) {
+  const double at[3] = {p.x, p.y, p.z};
+  uint32_t cell[3];
+  float f[3];
+  for (int k = 0; k < 3; ++k) {
+    const double last = static_cast<double>(grid.counts[k] - 1);
+    const double t =
+        std::clamp((at[k] - static_cast<double>(grid.low[k])) * static_cast<double>(grid.inverse_spacing), 0.0, last);
+    cell[k] = std::min(static_cast<uint32_t>(t), grid.counts[k] - 2);
+    f[k] = static_cast<float>(t - cell[k]);
+  }
+  const size_t row = grid.counts[0], plane = row * grid.counts[1];
+  const float* v = grid.values + cell[0] + row * cell[1] + plane * cell[2];
+  const auto along = [&](const float* from) { return from[0] + f[0] * (from[1] - from[0]); };
+  const float low = along(v) + f[1] * (along(v + row) - along(v));
+  const float high = along(v + plane) + f[1] * (along(v + plane + row) - along(v + plane));
+  return static_cast<double>(low + f[2] * (high - low));
+}
+
+// Marches along the ray by the field's distances. A container is seen from outside through its front: what is hit is
+// the wall behind the free space.
+bool hit_field(const sandglass_field* field, Vec3 o, Vec3 d, SurfaceHit* hit) {
+  constexpr int k_steps = 96;
+  constexpr double k_least = 5e-4;  // of the box's diagonal
+  float low[3], high[3];
+  const bool container = sandglass_field_bounds(field, low, high) == SANDGLASS_SOLID_OUTSIDE;
+  const Vec3 middle = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
+  const Vec3 half = {0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])};
+  const double least = k_least * 2.0 * length(half);
+  SurfaceHit entry = *hit;
+  double t = 0.0;
+  const Vec3 from = o - middle;
+  const bool within = std::fabs(from.x) < half.x && std::fabs(from.y) < half.y && std::fabs(from.z) < half.z;
+  if (!within) {
+    if (!hit_box(half, from, d, &entry)) return false;
+    t = entry.distance + least;
+  }
+  bool free = !container;
+  for (int step = 0; step < k_steps && t < hit->distance; ++step) {
+    const Vec3 p = o + d * t, local = p - middle;
+    if (std::fabs(local.x) > half.x || std::fabs(local.y) > half.y || std::fabs(local.z) > half.z) return false;
+    const double distance = field_value(field->grid, p);
+    if (!free && distance > 2.0 * least) free = true;
+    if (free && distance < least) {
+      const float point[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+      float normal[3];
+      sandglass_field_distance(field, point, normal);
+      // Only against the normal: a ray that begins on the surface leaves it, and goes on to what lies opposite.
+      if (dot(vec(normal), d) < 0.0) {
+        *hit = {t, vec(normal)};
+        return true;
+      }
+    }
+    t += std::max(0.95 * std::fabs(distance), 2.0 * least);
+  }
+  return false;
+}
+
 bool hit_solid(const Solid& solid, Vec3 origin, Vec3 direction, SurfaceHit* hit) {
   const Vec3 o = solid.to_local(origin - solid.position), d = solid.to_local(direction);
   bool found = false;
@@ -144,6 +212,9 @@ bool hit_solid(const Solid& solid, Vec3 origin, Vec3 direction, SurfaceHit* hit)
       break;
     case SANDGLASS_SHAPE_BOX:
       found = hit_box(solid.size, o, d, hit);
+      break;
+    case SANDGLASS_SHAPE_FIELD:
+      found = solid.field != nullptr && hit_field(solid.field, o, d, hit);
       break;
     default:
       break;
@@ -183,7 +254,8 @@ struct Tracer {
     for (const sandglass_collider& c : v.colliders) {
       const Quaternion q = {c.rotation[0], c.rotation[1], c.rotation[2], c.rotation[3]};
       const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-      solids.push_back({c.shape, vec(c.position), vec(c.size), norm > 0.0 ? normalised(q) : k_no_rotation});
+      solids.push_back({c.shape, vec(c.position), vec(c.size), norm > 0.0 ? normalised(q) : k_no_rotation, c.field,
+                        is_container(c)});
     }
   }
 
@@ -195,8 +267,10 @@ struct Tracer {
     if (caster.occluded(origin, direction, limit)) return true;
     SurfaceHit hit;
     hit.distance = limit;
-    for (const Solid& solid : solids)
+    for (const Solid& solid : solids) {
+      if (solid.shape == SANDGLASS_SHAPE_FIELD && solid.container) continue;  // glass
       if (hit_solid(solid, origin, direction, &hit)) return true;
+    }
     return false;
   }
 

@@ -88,6 +88,19 @@ class Reader {
       values.push_back(checked(key + "[" + std::to_string(i) + "]", list[i], low, high));
     return values;
   }
+  Profile outline(const std::string& key) {
+    const json& list = object_[key];
+    if (!list.is_array() || list.size() < 3 || list.size() > 1000)
+      refuse(key, "must be a list of 3 to 1000 points [r, y]");
+    Profile profile;
+    for (size_t i = 0; i < list.size(); ++i) {
+      const std::string at = key + "[" + std::to_string(i) + "]";
+      if (!list[i].is_array() || list[i].size() != 2) refuse(at, "must be a point [r, y]");
+      profile.push_back({checked(at + "[0]", list[i][0], 0.0, k_length_limit),
+                         checked(at + "[1]", list[i][1], -k_length_limit, k_length_limit)});
+    }
+    return profile;
+  }
   Vec3 vector(const std::string& key, Vec3 otherwise, double low, double high) {
     if (!has(key)) return otherwise;
     const std::vector<double> v = numbers(key, 3, low, high);
@@ -178,14 +191,27 @@ void read_solver(Reader reader, sandglass_granular_desc* granular) {
   reader.finish();
 }
 
+Profile read_profile(Reader& reader) {
+  if (!reader.has("profile")) reader.refuse("profile", "is missing; give a closed outline [[r, y], ...]");
+  return reader.outline("profile");
+}
+
 Body read_body(Reader& reader) {
   Body body;
-  const std::vector<std::string> shapes = {"trefoil", "mesh", "box", "sphere", "lattice"};
+  const std::vector<std::string> shapes = {"trefoil", "mesh", "box", "sphere", "lattice", "revolved"};
   body.shape = static_cast<BodyShape>(reader.choice("shape", shapes, -1));
   const bool lattice = body.shape == BodyShape::lattice;
   const std::string shape = "a body of shape \"" + shapes[static_cast<size_t>(body.shape)] + "\"";
   if (body.shape == BodyShape::box) body.size = reader.vector("size", {}, 1e-4, k_length_limit);
   else body.size.y = reader.number("size", 0.0, 1e-4, k_length_limit);
+  if (body.shape == BodyShape::revolved) {
+    if (body.size.y > 0.0) reader.refuse("size", "does not apply to " + shape + "; its outline has a size");
+    body.profile = read_profile(reader);
+    double low = 1e30, high = -1e30;
+    for (const auto& point : body.profile) low = std::min(low, point[1]), high = std::max(high, point[1]);
+    body.size.y = high - low;
+    if (!(body.size.y > 0.0)) reader.refuse("profile", "is flat; an outline has a height");
+  }
   if (lattice && body.size.y > 0.0)
     reader.refuse("size", "does not apply to " + shape + "; its size follows from \"counts\" and \"spacing\"");
   if (reader.has("counts")) {
@@ -219,17 +245,32 @@ Body read_body(Reader& reader) {
   body.position = reader.vector("position", {}, -k_length_limit, k_length_limit);
   body.velocity = reader.vector("velocity", {}, -1000.0, 1000.0);
   body.rotation = reader.rotation("rotation");
+  body.rigid = reader.number("rigid", 0.0, 1e-3, 1e3);
+  body.spin = reader.vector("angular_velocity", {}, -1000.0, 1000.0);
+  if (body.rigid > 0.0 && (body.grains > 0 || body.grain_distance > 0.0))
+    reader.refuse("grains", "do not apply to a rigid body; leave them out");
+  if (body.rigid == 0.0 && length(body.spin) > 0.0)
+    reader.refuse("angular_velocity", "applies to rigid bodies only; sand takes \"velocity\"");
   return body;
 }
 
 ColliderTrack read_collider(Reader& reader) {
   ColliderTrack track;
-  track.shape = reader.choice("shape", {"half_space", "sphere", "capsule", "box"}, -1);
+  const int shape = reader.choice("shape", {"half_space", "sphere", "capsule", "box", "revolved", "mesh"}, -1);
+  constexpr int k_revolved = 4, k_mesh = 5;
+  track.shape = shape < k_revolved ? shape : SANDGLASS_SHAPE_FIELD;
   track.position = reader.vector("position", {}, -k_length_limit, k_length_limit);
   track.rotation = reader.rotation("rotation");
-  const bool sized = reader.has("size");
-  if (sized == (track.shape == SANDGLASS_SHAPE_HALF_SPACE))
-    reader.refuse("size", sized ? "does not apply to a half-space" : "is missing");
+  const bool sized = reader.has("size"), sizeless = track.shape == SANDGLASS_SHAPE_HALF_SPACE || shape == k_revolved;
+  if (sized == sizeless) reader.refuse("size", sized ? "does not apply to this shape" : "is missing");
+  if (shape >= k_revolved) {
+    track.solid_outside = reader.choice("solid", {"inside", "outside"}, 0) == 1;
+    track.field_spacing = reader.number("field_spacing", 0.0, 1e-4, 10.0);
+    if (shape == k_revolved) track.profile = read_profile(reader);
+    if (shape == k_mesh) track.size.y = reader.number("size", 0.0, 1e-4, k_length_limit);
+    if (shape == k_mesh && reader.has("mesh"))
+      track.mesh = mesh_names()[static_cast<size_t>(reader.choice("mesh", mesh_names(), -1))];
+  }
   if (track.shape == SANDGLASS_SHAPE_SPHERE) track.size.x = reader.number("size", 0.0, 1e-4, k_length_limit);
   if (track.shape == SANDGLASS_SHAPE_CAPSULE) {
     const std::vector<double> size = reader.numbers("size", 2, 1e-4, k_length_limit);
@@ -352,6 +393,25 @@ SceneFile load_scene(const std::string& name_or_path) {
   return parse_scene(read_file(path, "scene"), path);
 }
 
+double revolved_distance(const Profile& profile, Vec3 point) {
+  const double r = std::sqrt(point.x * point.x + point.z * point.z), y = point.y;
+  double nearest2 = 1e300;
+  bool inside = false;
+  for (size_t i = 0; i < profile.size(); ++i) {
+    const auto& a = profile[i];
+    const auto& b = profile[(i + 1) % profile.size()];
+    const double dr = b[0] - a[0], dy = b[1] - a[1], length2 = dr * dr + dy * dy;
+    // Lines on the axis are no surface: they close the outline only.
+    if (length2 > 0.0 && (a[0] > 0.0 || b[0] > 0.0)) {
+      const double t = std::clamp(((r - a[0]) * dr + (y - a[1]) * dy) / length2, 0.0, 1.0);
+      const double er = r - (a[0] + t * dr), ey = y - (a[1] + t * dy);
+      nearest2 = std::min(nearest2, er * er + ey * ey);
+    }
+    if ((a[1] > y) != (b[1] > y) && r < a[0] + dr * (y - a[1]) / dy) inside = !inside;
+  }
+  return (inside ? -1.0 : 1.0) * std::sqrt(nearest2);
+}
+
 sandglass_collider collider_over_frame(const ColliderTrack& track, double time, double frame_step) {
   const double end = time + frame_step, middle = time + 0.5 * frame_step;
   Vec3 position = track.position, linear, angular;
@@ -369,6 +429,7 @@ sandglass_collider collider_over_frame(const ColliderTrack& track, double time, 
   }
   sandglass_collider collider = {};
   collider.shape = track.shape;
+  collider.field = track.field;
   const auto store = [](float* to, Vec3 from) {
     to[0] = static_cast<float>(from.x), to[1] = static_cast<float>(from.y), to[2] = static_cast<float>(from.z);
   };

@@ -14,31 +14,43 @@
 //   position, rotation,
 //                           velocity}]
 //     shape               "trefoil" (generated) | "mesh" (the file of --mesh) | "box" | "sphere" | "lattice" (a block
-//     of `counts`) size                height of trefoil, mesh, sphere; [x,y,z] of a box; left out: follows from
+//     of `counts`) | "revolved" (`profile`: a closed outline [[r, y], ...] turned about the y axis; its height is its
+//     size) size                height of trefoil, mesh, sphere; [x,y,z] of a box; left out: follows from
 //     `particles` counts              [x,y,z] sites of a lattice block, y up spacing             of the HCP lattice, in
 //     particle radii; default 2.02. jitter: of every coordinate, in radii; default 0 particles, grains   wanted
 //     numbers, met within 1 %; a lattice block meets `grains` exactly grain_fill          "poisson" (default) | "grid"
 //     (jittered, one grain a cell; lattice blocks always take it) position            of the middle of the body's base
 //     (a lattice block: of its lowest centres) rotation            [x,y,z,w] or {axis [x,y,z], degrees}
-//   colliders             [{shape "half_space"|"sphere"|"capsule"|"box", position, rotation, size, motion}]
+//     rigid               density relative to sand: the body keeps its shape instead of being sand; has no grains
+//   colliders             [{shape "half_space"|"sphere"|"capsule"|"box"|"revolved"|"mesh", position, rotation, size,
+//                           motion}]
+//     revolved, mesh      signed-distance fields: profile as above, or the file of --collider-mesh scaled to height
+//                         `size` with the middle of its base at the origin; solid "inside" (default) | "outside" (sand
+//                         is kept in); field_spacing in metres, default the particle radius
+//     mesh                of a mesh: the generated one (generated.h) that is taken where --collider-mesh names no file
 //     size                sphere: radius; capsule: [radius, half length]; box: half extents [x,y,z]
 //     motion              [{start, end, linear_velocity, angular_velocity}]: velocities from `start` to `end`, world
 //     axes
 //   camera                {eye, target, fov_deg}; left out: follows from what is seen
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "models/host/mesh/generated.h"
 #include "models/host/render.h"
 #include "models/host/vec3.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {
 
-enum class BodyShape { trefoil, mesh, box, sphere, lattice };
+enum class BodyShape { trefoil, mesh, box, sphere, lattice, revolved };
+
+// Signed distance of a point from the turned outline, above 0 outside it.
+double revolved_distance(const Profile& profile, Vec3 point);
 
 struct Body {
   BodyShape shape = BodyShape::box;
@@ -49,8 +61,10 @@ struct Body {
   uint32_t particles = 0, grains = 0;
   double grain_distance = 0.0;  // metres; 0: follows from `grains`
   bool grain_grid = false;
-  Vec3 position, velocity;
+  Vec3 position, velocity, spin;  // spin: rad/s, rigid bodies only
   Quaternion rotation = k_no_rotation;
+  Profile profile;     // of a revolved body
+  double rigid = 0.0;  // density over that of sand; 0: sand
 };
 
 struct MotionSegment {
@@ -63,6 +77,11 @@ struct ColliderTrack {
   Vec3 position, size;
   Quaternion rotation = k_no_rotation;
   std::vector<MotionSegment> motion;
+  Profile profile;   // of a revolved one; a mesh has none
+  std::string mesh;  // of a mesh: the generated one that stands in where --collider-mesh names no file; may be empty
+  bool solid_outside = false;
+  double field_spacing = 0.0;              // 0: the particle radius
+  const sandglass_field* field = nullptr;  // set by CollisionFields
 };
 
 struct SceneFile {

@@ -59,11 +59,12 @@ struct UnitBody {
   sandglass_inside inside = nullptr;
   void* user = nullptr;
   std::string label;  // "scene 'x.json': body 0"
+  Profile profile;    // of a revolved body, in the unit frame
   // Owned by mesh bodies.
   std::vector<float> vertices;
   std::unique_ptr<Block> inside_block;
 
-  void require(sandglass_status status, const char* reason) const {
+  void require(sandglass_status status, const char* const& reason) const {
     if (status != SANDGLASS_OK)
       throw Failure(label + " cannot be filled: " + (reason != nullptr ? reason : sandglass_status_name(status)));
   }
@@ -73,6 +74,21 @@ int inside_box(void*, const float*) { return 1; }  // the samplers stay within t
 int inside_ball(void*, const float p[3]) {
   const float x = p[0], y = p[1] - 0.5f, z = p[2];
   return x * x + y * y + z * z <= 0.25f;
+}
+
+int inside_revolved(void* user, const float p[3]) {
+  return revolved_distance(static_cast<const UnitBody*>(user)->profile, {p[0], p[1], p[2]}) < 0.0 ? 1 : 0;
+}
+
+void make_revolved_body(const Body& source, UnitBody* body) {
+  double bottom = 1e30, reach = 0.0;
+  for (const auto& point : source.profile) bottom = std::min(bottom, point[1]), reach = std::max(reach, point[0]);
+  const double scale = 1.0 / source.size.y;
+  for (const auto& point : source.profile) body->profile.push_back({point[0] * scale, (point[1] - bottom) * scale});
+  const float wide = static_cast<float>(reach * scale);
+  body->low[0] = body->low[2] = -wide, body->high[0] = body->high[2] = wide;
+  body->low[1] = 0.0f, body->high[1] = 1.0f;
+  body->inside = inside_revolved;
 }
 
 void make_mesh_body(const BodyMesh& source, UnitBody* body) {
@@ -106,6 +122,10 @@ UnitBody make_unit_body(const Body& body, const BodyMeshes& meshes, const std::s
     const std::optional<BodyMesh>& mesh = body.shape == BodyShape::mesh ? meshes.argument : meshes.trefoil;
     if (!mesh) throw Failure(label + " has shape \"mesh\": name the mesh file with --mesh FILE");
     make_mesh_body(*mesh, &unit);
+    return unit;
+  }
+  if (body.shape == BodyShape::revolved) {
+    make_revolved_body(body, &unit);
     return unit;
   }
   const bool sized = body.shape == BodyShape::box && body.size.y > 0.0;
@@ -314,6 +334,10 @@ double lowest_after(const Body& body, const UnitBody& unit, double scale) {
   const auto take = [&](Vec3 p) { lowest = std::min(lowest, rotate(body.rotation, p * scale).y); };
   for (size_t i = 0; i < unit.vertices.size(); i += 3)
     take({unit.vertices[i], unit.vertices[i + 1], unit.vertices[i + 2]});
+  for (const auto& point : unit.profile)
+    for (const Vec3 corner :
+         {Vec3{point[0], point[1], 0}, {-point[0], point[1], 0}, {0, point[1], point[0]}, {0, point[1], -point[0]}})
+      take(corner);
   if (body.shape == BodyShape::sphere) lowest = rotate(body.rotation, Vec3{0.0, 0.5 * scale, 0.0}).y - 0.5 * scale;
   if (body.shape == BodyShape::box)
     for (int corner = 0; corner < 8; ++corner)
@@ -366,7 +390,9 @@ Material fill_scene(SceneFile* scene, const BodyMeshes& meshes) {
         filled[i].particles = block_sites(body, distance);
         filled[i].grains = block_grains(body, filled[i].particles, distance, &random);
       } else {
-        filled[i] = fill_body(body, make_unit_body(body, meshes, label), &scene->particle_radius, seed);
+        UnitBody unit = make_unit_body(body, meshes, label);
+        if (body.shape == BodyShape::revolved) unit.user = &unit;
+        filled[i] = fill_body(body, unit, &scene->particle_radius, seed);
       }
       Random random = {seed};
       const double jitter = body.jitter * scene->particle_radius;
@@ -378,6 +404,15 @@ Material fill_scene(SceneFile* scene, const BodyMeshes& meshes) {
         for (Vec3& p : *points) p = rotate(body.rotation, p) + offset;
     }
   for (size_t i = 0; i < filled.size(); ++i) {
+    if (scene->bodies[i].rigid > 0.0) {
+      RigidSample rigid;
+      rigid.density = scene->bodies[i].rigid;
+      rigid.velocity = scene->bodies[i].velocity, rigid.spin = scene->bodies[i].spin;
+      std::vector<float> unused;
+      append(filled[i].particles, {}, &rigid.positions, &unused);
+      material.rigid.push_back(std::move(rigid));
+      continue;
+    }
     append(filled[i].particles, scene->bodies[i].velocity, &material.particle_positions, &material.particle_velocities);
     append(filled[i].grains, scene->bodies[i].velocity, &material.grain_positions, &material.grain_velocities);
   }

@@ -21,9 +21,21 @@ struct BodyMeshes {
   std::optional<BodyMesh> trefoil, argument;
 };
 
+struct RigidSample {
+  std::vector<float> positions;  // 3 floats a particle
+  double density = 1.0;          // over that of sand
+  Vec3 velocity, spin;
+};
+
 struct Material {
+  std::vector<RigidSample> rigid;
   std::vector<float> particle_positions, particle_velocities, grain_positions, grain_velocities;  // 3 floats an item
   uint32_t particles() const { return static_cast<uint32_t>(particle_positions.size() / 3); }
+  uint32_t rigid_particles() const {
+    size_t floats = 0;
+    for (const RigidSample& body : rigid) floats += body.positions.size();
+    return static_cast<uint32_t>(floats / 3);
+  }
   uint32_t grains() const { return static_cast<uint32_t>(grain_positions.size() / 3); }
 };
 

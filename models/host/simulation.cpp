@@ -10,7 +10,8 @@
 
 namespace sandglass::host {
 
-static void require(sandglass_status status, const char* reason) {
+// By reference: the call that sets it is an argument too, and arguments are evaluated in any order.
+static void require(sandglass_status status, const char* const& reason) {
   if (status == SANDGLASS_OK) return;
   throw Failure(std::string("the library refuses the scene (") + sandglass_status_name(status) +
                 "): " + (reason != nullptr ? reason : "no reason given"));
@@ -36,7 +37,19 @@ void Simulation::add(const Material& material) {
                                  material.particles(), material.grain_positions.data(),
                                  material.grain_velocities.data(), material.grains(), &reason),
           reason);
-  particles_ += material.particles();
+  for (const RigidSample& sample : material.rigid) {
+    sandglass_body body;
+    sandglass_body_default(&body);
+    body.particle_positions = sample.positions.data();
+    body.particle_count = static_cast<uint32_t>(sample.positions.size() / 3);
+    body.density_ratio = static_cast<float>(sample.density);
+    const double velocity[3] = {sample.velocity.x, sample.velocity.y, sample.velocity.z};
+    const double spin[3] = {sample.spin.x, sample.spin.y, sample.spin.z};
+    for (int k = 0; k < 3; ++k)
+      body.linear_velocity[k] = static_cast<float>(velocity[k]), body.angular_velocity[k] = static_cast<float>(spin[k]);
+    require(sandglass_granular_add_body(scene_, &body, nullptr, &reason), reason);
+  }
+  particles_ += material.particles() + material.rigid_particles();
   grains_ += material.grains();
   output_.resize(grains_);
 }
@@ -96,6 +109,32 @@ std::vector<sandglass_collider> colliders_over_frame(const SceneFile& scene, uin
   for (const ColliderTrack& track : scene.colliders)
     colliders.push_back(collider_over_frame(track, frame * scene.frame_step, scene.frame_step));
   return colliders;
+}
+
+void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state,
+                      std::vector<sandglass_collider>* colliders) {
+  uint32_t index = 0;
+  for (const Body& body : scene.bodies) {
+    if (body.rigid == 0.0) continue;
+    const sandglass_body_pose pose = sandglass_granular_body_pose(state, index++);
+    if (body.shape != BodyShape::box && body.shape != BodyShape::sphere) continue;
+    sandglass_collider shape = {};
+    shape.shape = body.shape == BodyShape::box ? SANDGLASS_SHAPE_BOX : SANDGLASS_SHAPE_SPHERE;
+    shape.grains_only = 1;
+    const double half[3] = {0.5 * body.size.x, 0.5 * body.size.y, 0.5 * body.size.z};
+    for (int k = 0; k < 3; ++k) {
+      shape.position[k] = pose.position[k] + static_cast<float>(scene.frame_step) * pose.linear_velocity[k];
+      shape.size[k] = static_cast<float>(body.shape == BodyShape::box ? half[k] : half[1]);
+      shape.linear_velocity[k] = pose.linear_velocity[k];
+      shape.angular_velocity[k] = pose.angular_velocity[k];
+    }
+    const Quaternion turned = normalised(multiply(
+        rotation_by(Vec3{pose.angular_velocity[0], pose.angular_velocity[1], pose.angular_velocity[2]} *
+                    scene.frame_step),
+        multiply(Quaternion{pose.rotation[0], pose.rotation[1], pose.rotation[2], pose.rotation[3]}, body.rotation)));
+    for (size_t k = 0; k < 4; ++k) shape.rotation[k] = static_cast<float>(turned[k]);
+    colliders->push_back(shape);
+  }
 }
 
 sandglass_isa find_isa(const std::string& name) {

@@ -90,7 +90,10 @@ void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records,
         __builtin_memcpy(target.records + static_cast<uint64_t>(to) * k_record_floats, from,
                          k_record_floats * sizeof(float));
         if (target.positions[0] != nullptr) {
-          for (int k = 0; k < 3; ++k) target.positions[k][to] = from[k];
+          uint32_t id;
+          __builtin_memcpy(&id, from + 7, sizeof id);
+          const bool hidden = target.sand_only && id > k_number_mask;
+          for (int k = 0; k < 3; ++k) target.positions[k][to] = hidden ? k_inert_position : from[k];
         }
       }
       break;

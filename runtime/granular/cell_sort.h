@@ -25,6 +25,7 @@ enum : uint32_t { k_sort_clear, k_sort_count, k_sort_prefix, k_sort_scatter, k_s
 struct SortTarget {
   float* records;
   float* positions[3];  // null: not wanted
+  bool sand_only;       // particles of rigid bodies get a position far from everything
 };
 
 // Chooses the grid: cells of edge `cell`, as many per axis as the bounds need and cells_max and `bits_min` allow; then

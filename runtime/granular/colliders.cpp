@@ -2,6 +2,8 @@
 // and an error of (angle^3)/12, 7e-4 rad for a turn of 0.2 rad within one frame.
 #include "runtime/granular/colliders.h"
 
+#include "runtime/sampling/field.h"
+
 namespace sandglass {
 
 namespace {
@@ -26,7 +28,7 @@ bool normalise(float q[4]) {
 }  // namespace
 
 bool collider_accept(const sandglass_collider& collider, sandglass_collider* accepted) {
-  if (collider.shape < SANDGLASS_SHAPE_HALF_SPACE || collider.shape > SANDGLASS_SHAPE_BOX) return false;
+  if (collider.shape < SANDGLASS_SHAPE_HALF_SPACE || collider.shape > SANDGLASS_SHAPE_FIELD) return false;
   if (!finite(collider.position, 3) || !finite(collider.rotation, 4) || !finite(collider.linear_velocity, 3) ||
       !finite(collider.angular_velocity, 3)) {
     return false;
@@ -38,13 +40,21 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
       return false;
     }
   }
-  const uint32_t sizes = collider.shape == SANDGLASS_SHAPE_BOX       ? 3
+  const bool field = collider.shape == SANDGLASS_SHAPE_FIELD;
+  if (field && (collider.field == nullptr || collider.field->magic != k_field_magic)) return false;
+  const uint32_t sizes = field                                       ? 0
+                         : collider.shape == SANDGLASS_SHAPE_BOX     ? 3
                          : collider.shape == SANDGLASS_SHAPE_CAPSULE ? 2
                                                                      : collider.shape;
   for (uint32_t k = 0; k < sizes; ++k) {
     if (!(collider.size[k] > 0.0f && collider.size[k] <= k_coordinate_bound)) return false;
   }
   *accepted = collider;
+  if (field) {  // how far its points are from its origin: what turning moves them by
+    float low[3], high[3];
+    sandglass_field_bounds(collider.field, low, high);
+    for (int k = 0; k < 3; ++k) accepted->size[k] = high[k] > -low[k] ? high[k] : -low[k];
+  }
   return normalise(accepted->rotation);
 }
 
@@ -53,6 +63,7 @@ void colliders_pose(const sandglass_collider* colliders, uint32_t count, float b
     const sandglass_collider& collider = colliders[c];
     ColliderFrame& frame = frames[c];
     frame.shape = collider.shape;
+    if (collider.shape == SANDGLASS_SHAPE_FIELD) frame.field = collider.field->grid;
     const float* q = collider.rotation;
     const float* w = collider.angular_velocity;
     const float h = -0.5f * before;

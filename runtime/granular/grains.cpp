@@ -41,6 +41,10 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
       unit->name = "refine.sort";
       unit->items = cell_sort_items(g.grain_sort, g.grain_count, g.unit);
       return true;
+    case GrainPhase::drain:
+      unit->kind = k_unit_drain;
+      unit->name = "refine.drain";
+      return true;
     case GrainPhase::mark:
     case GrainPhase::triage:
       unit->kind = k_unit_triage;
@@ -116,7 +120,8 @@ void run_refine(Granular* g) {
   for (const RefineExtent& e : task.extents) g->quarantined += e.quarantined;
   g->grain_cursor = end;
   if (end < items) return;
-  g->grain_phase = GrainPhase::idle;
+  g->grain_cursor = 0;
+  g->grain_phase = g->sink_count != 0 ? GrainPhase::drain : GrainPhase::idle;
   g->unswept -= g->sweep_time;
   if (g->unswept < k_time_resolution) g->unswept = 0.0;
   g->sweeps_since_sort += static_cast<float>(items) / static_cast<float>(g->grain_count);
@@ -128,14 +133,14 @@ void run(void* state, uint32_t level) {
   if (g->grain_phase == GrainPhase::idle) begin_sweep(g, level);
   switch (g->grain_phase) {
     case GrainPhase::snapshot: {
-      const SortTarget target = {g->snapshot,
-                                 {g->snapshot_positions[0], g->snapshot_positions[1], g->snapshot_positions[2]}};
+      const SortTarget target = {
+          g->snapshot, {g->snapshot_positions[0], g->snapshot_positions[1], g->snapshot_positions[2]}, true};
       cell_sort_run(&g->snapshot_sort, *g->kernels, g->records[0], g->particle_count, g->unit, target);
       if (g->snapshot_sort.phase == k_sort_done) begin_grains(g);
       break;
     }
     case GrainPhase::sort: {
-      const SortTarget target = {g->grains[1], {nullptr, nullptr, nullptr}};
+      const SortTarget target = {g->grains[1], {nullptr, nullptr, nullptr}, false};
       cell_sort_run(&g->grain_sort, *g->kernels, g->grains[0], g->grain_count, g->unit, target);
       if (g->grain_sort.phase == k_sort_done) {
         float* sorted = g->grains[1];
@@ -151,6 +156,9 @@ void run(void* state, uint32_t level) {
       break;
     case GrainPhase::triage:
       granular_run_triage(g);
+      break;
+    case GrainPhase::drain:
+      granular_run_grain_drain(g);
       break;
     default:
       run_refine(g);
@@ -179,34 +187,45 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
 
 uint32_t output_count(const Granular& g) {
   if (g.input == nullptr || g.input->grains == nullptr) return 0;
-  return g.grain_count < g.input->grain_capacity ? g.grain_count : g.input->grain_capacity;
+  const uint32_t all = g.grain_count + g.free_grain_count;
+  return all < g.input->grain_capacity ? all : g.input->grain_capacity;
 }
 
 bool next_output(const void* state, uint32_t level, WorkUnit* unit) {
   const Granular& g = *static_cast<const Granular*>(state);
   (void)level;
-  if (output_count(g) == 0 || g.output_cursor >= g.grain_count) return false;
-  const uint32_t left = g.grain_count - g.output_cursor;
+  const uint32_t all = g.grain_count + g.free_grain_count;
+  if (output_count(g) == 0 || g.output_cursor >= all) return false;
+  const uint32_t left = all - g.output_cursor;
   unit->kind = k_unit_output;
   unit->name = "output.grains";
   unit->items = left < g.unit ? left : g.unit;
   return true;
 }
 
+// The grains, then the numbers that stand for none.
 struct OutputTask {
   const float* records;
+  const uint32_t* removed;
+  uint32_t grain_count;
   uint8_t* out;
   uint64_t stride;
   uint32_t capacity;
+  float lag;
   void run(uint32_t piece, uint32_t begin, uint32_t end) {
     (void)piece;
     for (uint32_t i = begin; i < end; ++i) {
-      const float* r = records + static_cast<uint64_t>(i) * k_record_floats;
+      sandglass_grain grain = {{0.0f, SANDGLASS_REMOVED_Y, 0.0f}, -1.0f};
       uint32_t id;
-      __builtin_memcpy(&id, r + 3, sizeof id);
-      if (id >= capacity) continue;
-      const sandglass_grain grain = {{r[0], r[1], r[2]}, __builtin_sqrtf(r[4] * r[4] + r[5] * r[5] + r[6] * r[6])};
-      __builtin_memcpy(out + id * stride, &grain, sizeof grain);
+      if (i < grain_count) {
+        const float* r = records + static_cast<uint64_t>(i) * k_record_floats;
+        __builtin_memcpy(&id, r + 3, sizeof id);
+        grain = {{r[0] - lag * r[4], r[1] - lag * r[5], r[2] - lag * r[6]},
+                 __builtin_sqrtf(r[4] * r[4] + r[5] * r[5] + r[6] * r[6])};
+      } else {
+        id = removed[i - grain_count];
+      }
+      if (id < capacity) __builtin_memcpy(out + id * stride, &grain, sizeof grain);
     }
   }
 };
@@ -214,8 +233,16 @@ struct OutputTask {
 void run_output(void* state, uint32_t level) {
   (void)level;
   Granular* g = static_cast<Granular*>(state);
-  OutputTask task = {g->grains[0], static_cast<uint8_t*>(g->input->grains), g->input->grain_stride, output_count(*g)};
-  const uint32_t end = g->grain_count - g->output_cursor < g->unit ? g->grain_count : g->output_cursor + g->unit;
+  const uint32_t all = g->grain_count + g->free_grain_count;
+  const float lag = g->input->output_lag > 0.0f ? (g->input->output_lag < 0.1f ? g->input->output_lag : 0.1f) : 0.0f;
+  OutputTask task = {g->grains[0],
+                     g->free_grains,
+                     g->grain_count,
+                     static_cast<uint8_t*>(g->input->grains),
+                     g->input->grain_stride,
+                     output_count(*g),
+                     lag};
+  const uint32_t end = all - g->output_cursor < g->unit ? all : g->output_cursor + g->unit;
   granular_split(*g, g->output_cursor, end, &task);
   g->output_cursor = end;
 }
@@ -224,11 +251,15 @@ uint32_t forecast_output(const void* state, uint32_t level, Forecast* entries) {
   const Granular& g = *static_cast<const Granular*>(state);
   (void)level;
   if (output_count(g) == 0) return 0;
-  entries[0] = {k_unit_output, g.grain_count};
+  entries[0] = {k_unit_output, uint64_t{g.grain_count} + g.free_grain_count};
   return 1;
 }
 
 }  // namespace
+
+void granular_finish_sweep(Granular* g) {
+  while (g->grain_phase != GrainPhase::idle) run(g, k_level_full);
+}
 
 Stage granular_grain_stage(Granular* granular) { return {granular, next, run, forecast, 0, 1.0f}; }
 

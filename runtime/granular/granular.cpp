@@ -5,9 +5,6 @@ namespace sandglass {
 
 namespace {
 
-// An inert record: far from everything, without mass. It pads vectors and neighbour rows; nothing touches it.
-constexpr float k_inert_position = 1e6f;
-
 // Arrays may be read one vector beyond their last item.
 constexpr uint64_t k_slack = 2 * k_lane_group;
 
@@ -43,8 +40,10 @@ void put_inert(float* records, uint32_t index) {
   put(records, index, far, 0.0f, nullptr, ~0u);
 }
 
+}  // namespace
+
 // Inert records after the last particle, so that whole vectors can be processed; their rows point at inert neighbours.
-void seal_particles(Granular* g) {
+void granular_seal_particles(Granular* g) {
   for (uint32_t i = g->particle_count; i < g->particle_rows && i < g->particle_count + k_slack; ++i) {
     for (float* records : g->records) {
       if (records != nullptr) put_inert(records, i);
@@ -53,6 +52,8 @@ void seal_particles(Granular* g) {
     for (uint32_t s = 0; s < k_list_slots; ++s) g->lists[static_cast<uint64_t>(i) * k_list_slots + s] = g->inert;
   }
 }
+
+namespace {
 
 bool all_within(const float* values, uint32_t count, float limit) {
   for (uint64_t i = 0; i < static_cast<uint64_t>(count) * 3; ++i) {
@@ -83,6 +84,12 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (d.boundary_capacity > 4000000)
     return "granular.boundary_capacity is above 4 million: sample the surface more coarsely.";
   if (d.collider_capacity > 256) return "granular.collider_capacity is above 256: pass the nearest colliders only.";
+  if (d.emitter_capacity > 64) return "granular.emitter_capacity is above 64: join nozzles.";
+  if (d.sink_capacity > 64) return "granular.sink_capacity is above 64: join sinks.";
+  if (d.body_capacity > 255) return "granular.body_capacity is above 255: join bodies that move together.";
+  if (d.body_particle_capacity > d.particle_capacity)
+    return "granular.body_particle_capacity is above particle_capacity, which counts the bodies' particles too: raise "
+           "that.";
   if (outside(d.particle_radius, 1e-4f, 10.0f))
     return "granular.particle_radius must be 0.0001 to 10 metres: set the radius r of a particle.";
   if (outside(d.grain_radius, 0.0f, d.particle_radius))
@@ -141,6 +148,15 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   g->group_states = layout_region<GroupState>(layout, "granular.group_states", groups);
   g->touched = layout_region<uint8_t>(layout, "granular.touched", groups);
   g->rest = layout_region<Rest>(layout, "granular.rest", d.particle_capacity);
+  g->free_particles = layout_region<uint32_t>(layout, "granular.free_particles", d.particle_capacity);
+  g->free_grains = layout_region<uint32_t>(layout, "granular.free_grains", d.grain_capacity);
+  g->emitters = layout_region<sandglass_emitter>(layout, "granular.emitters", d.emitter_capacity);
+  g->emitter_states = layout_region<EmitterState>(layout, "granular.emitter_states", d.emitter_capacity);
+  g->sinks = layout_region<ColliderFrame>(layout, "granular.sinks", d.sink_capacity);
+  g->bodies = layout_region<RigidBody>(layout, "granular.bodies", d.body_capacity);
+  g->body_rest = layout_region<float>(layout, "granular.body_rest", 3ull * d.body_particle_capacity);
+  g->body_rows = layout_region<uint32_t>(layout, "granular.body_rows", d.body_particle_capacity);
+  g->body_numbers = layout_region<uint32_t>(layout, "granular.body_numbers", d.body_particle_capacity);
   layout_sort(&g->particle_sort, layout, "granular.cells", "granular.cell_keys", rows, 4ull * rows);
   if (boundary) {
     layout_sort(&g->boundary_sort, layout, "granular.boundary_cells", "granular.boundary_keys", d.boundary_capacity,
@@ -174,7 +190,7 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
 
 void granular_reset(Granular* g) {
   if (g->desc.particle_capacity == 0) return;
-  g->particle_count = g->boundary_count = g->grain_count = g->collider_count = 0;
+  g->particle_count = g->boundary_count = g->grain_count = g->collider_count = g->solid_count = 0;
   g->phase = ParticlePhase::idle;
   g->grain_phase = GrainPhase::idle;
   g->cursor = g->pass = g->grain_cursor = g->output_cursor = g->interval_left = 0;
@@ -188,13 +204,18 @@ void granular_reset(Granular* g) {
   g->grain_group_count = g->sweep_collider_before_count = g->mark_pass = g->still_groups = 0;
   g->grains_asleep = g->groups_changed = false;
   g->next_rest = 0.0;
-  g->waking_count = 0;
+  g->waking_count = g->body_count = g->body_particle_count = 0;
+  g->free_particle_count = g->free_grain_count = g->emitter_count = g->sink_count = 0;
+  g->emitted_particles = g->emitted_grains = g->removed_particles = g->removed_grains = g->denied_particles = 0;
+  for (uint32_t e = 0; e < g->desc.emitter_capacity; ++e) g->emitter_states[e] = {};
+  g->drain_due = g->adopts_colliders = false;
+  g->densest_body = 0.0f;
   g->touch_due = g->wake_due = g->rest_due = false;
   for (int k = 0; k < 3; ++k) g->low[k] = g->high[k] = 0.0f;
   for (float* records : g->records) {
     if (records != nullptr) put_inert(records, g->inert);
   }
-  seal_particles(g);
+  granular_seal_particles(g);
 }
 
 sandglass_status granular_add(Granular* g, const float* particles, const float* particle_velocities,
@@ -225,12 +246,15 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
                 "sandglass_granular_add: a velocity is not finite or above 10000 m/s.", reason);
   }
+  if (particle_count != 0) granular_abandon_substep(g);
   for (uint32_t i = 0; i < particle_count; ++i) {
     const uint32_t index = g->particle_count + i;
     const float* position = particles + 3ull * i;
     const float* velocity = particle_velocities == nullptr ? nullptr : particle_velocities + 3ull * i;
-    put(g->records[0], index, position, 1.0f, velocity, index);
-    Rest& rest = g->rest[index];
+    // Live and free numbers together are 0, 1, 2, ...: without free ones the next is the count.
+    const uint32_t number = g->free_particle_count != 0 ? g->free_particles[--g->free_particle_count] : index;
+    put(g->records[0], index, position, 1.0f, velocity, number);
+    Rest& rest = g->rest[number];
     for (int k = 0; k < 3; ++k) rest.anchor[k] = position[k];
     rest.quiet = 0;
     ++g->awake_count;
@@ -246,20 +270,20 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     if (speed > g->speed_max) g->speed_max = speed;
   }
   for (uint32_t i = 0; i < grain_count; ++i) {
-    put_grain(g->grains[0], g->grain_count + i, grains + 3ull * i,
-              grain_velocities == nullptr ? nullptr : grain_velocities + 3ull * i, g->grain_count + i);
+    const uint32_t index = g->grain_count + i;
+    const uint32_t number = g->free_grain_count != 0 ? g->free_grains[--g->free_grain_count] : index;
+    put_grain(g->grains[0], index, grains + 3ull * i,
+              grain_velocities == nullptr ? nullptr : grain_velocities + 3ull * i, number);
   }
   if (particle_count != 0) {
-    // A pass under way did not know them: the sub-step starts again from the same state.
     g->particle_count += particle_count;
-    g->phase = ParticlePhase::idle;
-    g->lists_valid = g->wake_due = g->rest_due = false;
+    g->lists_valid = false;
     if (g->grain_phase == GrainPhase::snapshot) g->grain_phase = GrainPhase::idle;
-    seal_particles(g);
+    granular_seal_particles(g);
   }
   if (grain_count != 0) {
     g->grain_count += grain_count;
-    if (g->grain_phase != GrainPhase::refine) g->grain_phase = GrainPhase::idle;
+    if (g->grain_phase != GrainPhase::refine && g->grain_phase != GrainPhase::drain) g->grain_phase = GrainPhase::idle;
     for (uint32_t group = (g->grain_count - grain_count) / k_lane_group; group * k_lane_group < g->grain_count; ++group)
       g->grain_still[group] = 0;
     g->sweeps_since_sort = 1e9f;
@@ -267,6 +291,33 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
   }
   if (reason != nullptr) *reason = nullptr;
   return SANDGLASS_OK;
+}
+
+void granular_sort_boundary(Granular* g, uint32_t count) {
+  g->boundary_count = count;
+  const uint64_t rows = static_cast<uint64_t>(g->particle_rows) * k_record_floats;
+  const uint64_t bytes = static_cast<uint64_t>(count) * k_record_floats * sizeof(float);
+  if (count != 0) {
+    float* sorted = g->records[0] + rows;
+    float* unsorted = g->records[1] + rows;
+    __builtin_memcpy(unsorted, sorted, bytes);
+    float low[3] = {unsorted[0], unsorted[1], unsorted[2]}, high[3] = {unsorted[0], unsorted[1], unsorted[2]};
+    for (uint32_t i = 0; i < count; ++i) {
+      const float* p = unsorted + static_cast<uint64_t>(i) * k_record_floats;
+      for (int k = 0; k < 3; ++k) low[k] = p[k] < low[k] ? p[k] : low[k], high[k] = p[k] > high[k] ? p[k] : high[k];
+    }
+    cell_sort_begin(&g->boundary_sort, (2.0f + g->desc.list_skin) * g->desc.particle_radius, low, high, 2);
+    const SortTarget target = {
+        sorted, {g->boundary_positions[0], g->boundary_positions[1], g->boundary_positions[2]}, false};
+    while (g->boundary_sort.phase != k_sort_done)
+      cell_sort_run(&g->boundary_sort, *g->kernels, unsorted, count, g->unit, target);
+    for (int b = 1; b < 3; ++b) {
+      if (g->records[b] != nullptr) __builtin_memcpy(g->records[b] + rows, sorted, bytes);
+    }
+  }
+  for (float* records : g->records) {
+    if (records != nullptr) put_inert(records, g->inert);
+  }
 }
 
 sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
@@ -283,34 +334,12 @@ sandglass_status granular_set_boundary(Granular* g, const float* positions, uint
                 "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin.",
                 reason);
   }
-  g->boundary_count = count;
-  g->phase = ParticlePhase::idle;
   granular_wake_all(g);
-  if (count != 0) {
-    // Sorted in place through the second particle buffer: its boundary rows are rewritten below anyway.
-    float low[3] = {positions[0], positions[1], positions[2]}, high[3] = {positions[0], positions[1], positions[2]};
-    float* unsorted = g->records[1] + static_cast<uint64_t>(g->particle_rows) * k_record_floats;
-    float* sorted = g->records[0] + static_cast<uint64_t>(g->particle_rows) * k_record_floats;
-    for (uint32_t i = 0; i < count; ++i) {
-      put(unsorted, i, positions + 3ull * i, 0.0f, nullptr, i);
-      for (int k = 0; k < 3; ++k) {
-        low[k] = positions[3ull * i + k] < low[k] ? positions[3ull * i + k] : low[k];
-        high[k] = positions[3ull * i + k] > high[k] ? positions[3ull * i + k] : high[k];
-      }
-    }
-    const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
-    cell_sort_begin(&g->boundary_sort, reach, low, high, 2);
-    const SortTarget target = {sorted, {g->boundary_positions[0], g->boundary_positions[1], g->boundary_positions[2]}};
-    while (g->boundary_sort.phase != k_sort_done)
-      cell_sort_run(&g->boundary_sort, *g->kernels, unsorted, count, g->unit, target);
-    const uint64_t bytes = static_cast<uint64_t>(count) * k_record_floats * sizeof(float);
-    __builtin_memcpy(unsorted, sorted, bytes);
-    if (g->records[2] != nullptr)
-      __builtin_memcpy(g->records[2] + static_cast<uint64_t>(g->particle_rows) * k_record_floats, sorted, bytes);
-  }
-  for (float* records : g->records) {
-    if (records != nullptr) put_inert(records, g->inert);
-  }
+  float* records = g->desc.boundary_capacity == 0
+                       ? nullptr
+                       : g->records[0] + static_cast<uint64_t>(g->particle_rows) * k_record_floats;
+  for (uint32_t i = 0; i < count; ++i) put(records, i, positions + 3ull * i, 0.0f, nullptr, i);
+  granular_sort_boundary(g, count);
   if (reason != nullptr) *reason = nullptr;
   return SANDGLASS_OK;
 }

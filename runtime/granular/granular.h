@@ -30,14 +30,30 @@ enum : uint32_t {
   k_unit_touch,
   k_unit_wake,
   k_unit_rest,
-  k_unit_triage
+  k_unit_triage,
+  k_unit_bodies,
+  k_unit_drain
 };
 
 // Rungs of the quality ladder.
 enum : uint32_t { k_level_full, k_level_refine_once, k_level_slow_motion, k_level_count };
 
-enum class ParticlePhase : uint32_t { idle, sort, lists, stabilise, solve, touch, wake, rest, wake_lists };
-enum class GrainPhase : uint32_t { idle, snapshot, sort, mark, triage, refine };
+enum class ParticlePhase : uint32_t {
+  idle,
+  sort,
+  lists,
+  stabilise,
+  solve,
+  bodies,
+  touch,
+  wake,
+  rest,
+  drain,
+  wake_lists
+};
+enum class GrainPhase : uint32_t { idle, snapshot, sort, mark, triage, refine, drain };
+
+constexpr double k_rest_period = 0.02;  // seconds of simulated time between looks at who rests and what sinks take
 
 // Sweeps in a row that a grain keeps still before it may sleep; the apex of a flight is shorter.
 constexpr float k_still_sweeps = 16.0f;
@@ -47,10 +63,30 @@ enum class GroupState : uint8_t { asleep, active, waking };
 
 // What is known of a particle's rest; kept by number.
 struct Rest {
-  float anchor[3];  // where it was when it last moved on
-  uint32_t quiet;   // checks in a row that found it near the anchor; k_asleep: it sleeps
+  float anchor[3];     // where it was when it last moved on
+  uint32_t quiet;      // checks in a row that found it near the anchor; k_asleep: it sleeps
+  uint32_t body_slot;  // of a body's particle: its place in body_rest and body_rows
 };
 constexpr uint32_t k_asleep = ~0u;
+
+struct RigidBody {
+  uint32_t first, count;  // slots of its particles
+  double center[3];       // of mass
+  double rotation[4];     // from the rest shape
+  float linear[3], angular[3];
+};
+
+// Sums over a body's particles, and the motion that they give.
+struct BodyMatch {
+  double shift[3], stabilised[3], offset[3], a[9];
+  double spread[9], spin[3];  // sums of r r^T and of r x displacement
+  double turn[4];
+};
+
+struct EmitterState {
+  double run;      // metres that sand has come since the last layer
+  uint32_t layer;  // layers so far
+};
 
 // Colliders that moved, appeared or went away: where they were and where they are.
 struct MovedColliders {
@@ -88,10 +124,33 @@ struct Granular {
   uint32_t active_count, awake_count;
   uint32_t waking_count;  // groups that wait for lists
   double next_rest;       // simulated time of the next check
+  bool adopts_colliders;  // the next frame's are taken for those of the frame before: nothing has moved
   bool touch_due, wake_due, rest_due;
   sandglass_collider* colliders_before;  // of the last frame
   uint32_t collider_before_count;
   MovedColliders moved, sweep_moved;
+
+  // Rigid bodies (bodies.cpp).
+  RigidBody* bodies;
+  float* body_rest;        // 3 a slot: position in the rest shape, from the centre of mass
+  uint32_t* body_rows;     // the record of each slot
+  uint32_t* body_numbers;  // the particle number of each slot
+  uint32_t body_count, body_particle_count;
+  float densest_body;                   // relative to sand
+  uint32_t body_cursor, body_particle;  // progress of the phase
+  bool body_applies;
+  BodyMatch match;
+
+  // Coming and going (flow.cpp). Numbers of removed items are used again, the last removed first.
+  uint32_t* free_particles;
+  uint32_t* free_grains;
+  uint32_t free_particle_count, free_grain_count;
+  sandglass_emitter* emitters;
+  EmitterState* emitter_states;
+  ColliderFrame* sinks;
+  uint32_t emitter_count, sink_count;
+  bool drain_due;
+  uint64_t emitted_particles, emitted_grains, removed_particles, removed_grains, denied_particles;
 
   // Boundary: fixed, sorted once.
   float* boundary_positions[3];
@@ -122,6 +181,7 @@ struct Granular {
   ColliderFrame* substep_colliders;
   ColliderFrame* sweep_colliders;
   uint32_t collider_count;
+  uint32_t solid_count;  // those that particles see, which come first
 
   // Progress of the particles.
   ParticlePhase phase;
@@ -191,6 +251,39 @@ uint32_t granular_rest_items(const Granular& granular);  // of the unit that run
 float granular_speed_scale(const Granular& granular);    // sqrt(g d), m/s; weightless scenes take the Earth's g
 float granular_wake_speed(const Granular& granular);
 
+void granular_seal_particles(Granular* granular);  // inert records after the last particle
+void granular_sleep_particle(Granular* granular, uint32_t record);
+
+// Coming and going (flow.cpp).
+void granular_take_flow(Granular* granular, const sandglass_frame_input* input);  // begin_frame
+bool granular_can_emit(const Granular& granular);
+void granular_emit(Granular* granular, double seconds);
+uint32_t granular_drain_items(const Granular& granular);
+void granular_run_drain(Granular* granular);
+void granular_run_grain_drain(Granular* granular);
+sandglass_status granular_remove(Granular* granular, const sandglass_collider* region, uint32_t* particles,
+                                 uint32_t* grains, const char** reason);
+
+// Moving, saving, restoring (live.cpp).
+uint64_t granular_save_bytes(const Granular& granular);
+sandglass_status granular_save(Granular* granular, void* data, uint64_t bytes, uint64_t* written, const char** reason);
+sandglass_status granular_restore(Granular* granular, const void* data, uint64_t bytes, const char** reason);
+sandglass_status granular_move(Granular* granular, const float rotation[4], const float translation[3],
+                               const char** reason);
+void granular_finish_sweep(Granular* granular);                   // grains.cpp
+void granular_sort_boundary(Granular* granular, uint32_t count);  // of the records where the boundary stands
+void granular_move_body(Granular* granular, uint32_t index, const double rotation[4], const float shift[3]);
+
+// Rigid bodies (bodies.cpp).
+sandglass_status granular_add_body(Granular* granular, const sandglass_body* body, uint32_t* index,
+                                   const char** reason);
+void granular_body_pose(const Granular& granular, uint32_t index, sandglass_body_pose* pose);
+void granular_find_body_rows(Granular* granular);
+bool granular_begin_bodies(Granular* granular);  // false: no body is awake
+uint32_t granular_body_items(const Granular& granular);
+bool granular_run_bodies(Granular* granular);  // true once all are done
+void granular_rest_bodies(Granular* granular, uint32_t patience);
+
 // Sleep of the grains (grain_rest.cpp).
 void granular_begin_mark(Granular* granular);  // enters the first phase that decides which groups a sweep refines
 void granular_run_mark(Granular* granular);
@@ -198,6 +291,10 @@ void granular_run_triage(Granular* granular);
 uint32_t granular_mark_items(const Granular& granular);
 void granular_find_moved(const sandglass_collider* before, uint32_t before_count, const sandglass_collider* now,
                          uint32_t now_count, float margin, MovedColliders* moved);
+
+// Before material changes: the sub-step under way starts again from the last state, or ends where bodies have already
+// moved (particles.cpp).
+void granular_abandon_substep(Granular* granular);
 
 // Neighbour lists of the active groups in the range [begin, end) of records (particles.cpp).
 uint32_t granular_build_lists(Granular* granular, uint32_t begin, uint32_t end);

@@ -17,6 +17,11 @@ namespace {
 // Overlap up to which height weighting acts, in radii: that of a resting pile; impacts overlap by more.
 constexpr float k_weighted_overlap = 0.01f;
 
+// Speed of separation that an overlap may cause, in units of sqrt(g d). Contacts by position turn an overlap o into a
+// speed of omega o / dt, a metre a second for a tenth of a radius: close-packed bodies bounced off the floor. Piles
+// need n g dt to carry n layers, and stay far below the limit up to 100 of them.
+constexpr float k_separation_units = 1.0f;
+
 constexpr double k_time_resolution = 1e-9;  // seconds; less is not owed
 
 uint32_t passes_of(const Granular& g, ParticlePhase phase) {
@@ -90,7 +95,7 @@ Plan plan_substep(const Granular& g, uint32_t level) {
 
 bool next(const void* state, uint32_t level, WorkUnit* unit) {
   const Granular& g = *static_cast<const Granular*>(state);
-  if (g.particle_count == 0) return false;
+  if (g.particle_count == 0 && g.emitter_count == 0) return false;
   // A snapshot under way reads the state in several units and must find it unchanged.
   if (g.grain_phase == GrainPhase::snapshot) return false;
   ParticlePhase phase = g.phase;
@@ -119,6 +124,10 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
       unit->kind = k_unit_lists, unit->name = "granular.wake_lists";
       unit->items = granular_rest_items(g);
       break;
+    case ParticlePhase::bodies:
+      unit->kind = k_unit_bodies, unit->name = "granular.bodies";
+      unit->items = granular_body_items(g);
+      break;
     case ParticlePhase::touch:
       unit->kind = k_unit_touch, unit->name = "granular.touch";
       unit->items = granular_rest_items(g);
@@ -126,6 +135,10 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
     case ParticlePhase::wake:
       unit->kind = k_unit_wake, unit->name = "granular.wake";
       unit->items = granular_rest_items(g);
+      break;
+    case ParticlePhase::drain:
+      unit->kind = k_unit_drain, unit->name = "granular.drain";
+      unit->items = granular_drain_items(g);
       break;
     case ParticlePhase::rest:
       unit->kind = k_unit_rest, unit->name = "granular.rest";
@@ -153,13 +166,14 @@ void enter_passes(Granular* g) {
 }
 
 void begin_substep(Granular* g, uint32_t level) {
+  if (g->interval_left == 0 && g->emitter_count != 0) granular_emit(g, interval_for(*g, level));
   const Plan plan = plan_substep(*g, level);
   if (g->interval_left == 0) g->interval_owed = g->owed - plan.interval;
   g->interval_left = plan.count;
   g->substep = plan.substep;
   // Seconds between the end of this sub-step and the end of the frame, where the colliders' poses are given.
   const double after = g->owed - static_cast<double>(g->substep);
-  colliders_pose(g->colliders, g->collider_count, after > 0.0 ? static_cast<float>(after) : 0.0f, g->substep_colliders);
+  colliders_pose(g->colliders, g->solid_count, after > 0.0 ? static_cast<float>(after) : 0.0f, g->substep_colliders);
   if (!plan.stale) return enter_passes(g);
   const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
   cell_sort_begin(&g->particle_sort, reach, g->low, g->high, 2);
@@ -167,7 +181,7 @@ void begin_substep(Granular* g, uint32_t level) {
 }
 
 void run_sort(Granular* g) {
-  const SortTarget target = {g->records[1], {g->positions[0], g->positions[1], g->positions[2]}};
+  const SortTarget target = {g->records[1], {g->positions[0], g->positions[1], g->positions[2]}, false};
   cell_sort_run(&g->particle_sort, *g->kernels, g->records[0], g->particle_count, g->unit, target);
   if (g->particle_sort.phase != k_sort_done) return;
   float* sorted = g->records[1];
@@ -186,7 +200,14 @@ struct ListTask {
   bool settle_group(uint32_t group, uint32_t* awake_lanes) const {
     const float* records = g->records[0] + static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
     uint32_t lanes = 0;
-    for (uint32_t l = 0; l < k_lane_group; ++l) lanes += records[l * k_record_floats + 3] > 0.0f ? 1u : 0u;
+    for (uint32_t l = 0; l < k_lane_group; ++l) {
+      const float* r = records + l * k_record_floats;
+      lanes += r[3] > 0.0f ? 1u : 0u;
+      uint32_t id;
+      __builtin_memcpy(&id, r + 7, sizeof id);
+      if (g->body_count != 0 && id > k_number_mask && id != ~0u)
+        g->body_rows[g->rest[id & k_number_mask].body_slot] = group * k_lane_group + l;
+    }
     *awake_lanes += lanes;
     g->group_states[group] = lanes != 0 ? GroupState::active : GroupState::asleep;
     if (lanes != 0) return true;
@@ -263,7 +284,11 @@ void merge_extent(ContactExtent* into, const ContactExtent& from) {
   }
 }
 
+// The last pass has written records[1]: that is the state now.
 void finish_substep(Granular* g) {
+  float* state = g->records[1];
+  g->records[1] = g->records[0];
+  g->records[0] = state;
   g->quarantined += g->extent.quarantined;
   g->speed_max = __builtin_sqrtf(g->extent.speed_squared);
   const bool all = g->awake_count == g->particle_count;  // sleepers hold the bounds where they were
@@ -287,7 +312,11 @@ void finish_substep(Granular* g) {
     if (g->owed < k_time_resolution) g->owed = 0.0;
   }
   g->wake_due = g->extent.touched != 0;
-  g->rest_due = g->desc.sleep_after > 0.0f && g->simulated >= g->next_rest - k_time_resolution;
+  if (g->simulated >= g->next_rest - k_time_resolution) {
+    g->rest_due = g->desc.sleep_after > 0.0f;
+    g->drain_due = g->sink_count != 0;
+    g->next_rest = g->simulated + k_rest_period;
+  }
   granular_settle(g);
 }
 
@@ -322,6 +351,9 @@ void run_pass(Granular* g) {
   a.weight_linear = -0.25f * k;
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
   a.weighted_overlap = k_weighted_overlap * g->desc.particle_radius;
+  a.inverse_relaxation = 1.0f / g->desc.relaxation;
+  const float heaviest = g->densest_body > 1.0f ? g->densest_body : 1.0f;
+  a.separation_max = a.averaged != 0 ? 1e6f : k_separation_units * heaviest * granular_speed_scale(*g) * dt;
   const bool first = solve && g->pass == 0;
   a.scale = first ? dt : 1.0f;
   for (int c = 0; c < 3; ++c) {
@@ -332,9 +364,10 @@ void run_pass(Granular* g) {
   a.step = dt;
   a.displacement_max = g->desc.courant * g->desc.particle_radius;
   a.colliders = g->substep_colliders;
-  a.collider_count = g->collider_count;
+  a.collider_count = g->solid_count;
   a.wake_displacement = granular_wake_speed(*g) * dt;
   a.touched = g->touched;
+  a.bodies = g->body_count != 0 ? 1 : 0;
 
   const uint32_t items = active_items(*g);
   const uint32_t end = items - g->cursor < g->unit ? items : g->cursor + g->unit;
@@ -353,10 +386,12 @@ void run_pass(Granular* g) {
     g->phase = ParticlePhase::solve;
     return;
   }
-  float* state = g->records[1];
-  g->records[1] = g->records[0];
-  g->records[0] = state;
-  finish_substep(g);
+  if (g->body_count != 0 && granular_begin_bodies(g)) g->phase = ParticlePhase::bodies;
+  else finish_substep(g);
+}
+
+void run_bodies(Granular* g) {
+  if (granular_run_bodies(g)) finish_substep(g);
 }
 
 void run(void* state, uint32_t level) {
@@ -372,12 +407,16 @@ void run(void* state, uint32_t level) {
       return run_sort(g);
     case ParticlePhase::lists:
       return run_lists(g);
+    case ParticlePhase::bodies:
+      return run_bodies(g);
     case ParticlePhase::touch:
       return granular_run_touch(g);
     case ParticlePhase::wake:
       return granular_run_wake(g);
     case ParticlePhase::rest:
       return granular_run_rest(g);
+    case ParticlePhase::drain:
+      return granular_run_drain(g);
     case ParticlePhase::wake_lists:
       return granular_run_wake_lists(g);
     default:
@@ -397,6 +436,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   entries[n++] = {k_unit_lists, builds * active};
   if (g.desc.stabilisation_iterations != 0)
     entries[n++] = {k_unit_stabilise, substeps * g.desc.stabilisation_iterations * active};
+  if (g.body_count != 0) entries[n++] = {k_unit_bodies, substeps * 2 * g.body_particle_count};
   entries[n++] = {k_unit_solve, substeps * g.desc.solver_iterations * active};
   return n;
 }
@@ -410,6 +450,16 @@ uint32_t granular_build_lists(Granular* g, uint32_t begin, uint32_t end) {
   return dropped;
 }
 
+void granular_abandon_substep(Granular* g) {
+  while (g->phase == ParticlePhase::bodies) run_bodies(g);
+  if (g->phase == ParticlePhase::sort || g->phase == ParticlePhase::lists) {
+    g->lists_valid = false;  // the records may have moved already
+    granular_find_body_rows(g);
+  }
+  g->phase = ParticlePhase::idle;
+  g->wake_due = g->rest_due = g->drain_due = false;
+}
+
 void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   if (g->substeps != 0) {
     const float fresh = static_cast<float>(g->list_builds) / static_cast<float>(g->substeps);
@@ -420,15 +470,25 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   g->output_cursor = 0;
 
   g->collider_count = 0;
-  for (uint32_t c = 0; c < input->collider_count; ++c) {
-    if (input->colliders == nullptr || g->collider_count == g->desc.collider_capacity ||
-        !collider_accept(input->colliders[c], &g->colliders[g->collider_count])) {
-      ++g->ignored_colliders;
-    } else {
-      ++g->collider_count;
+  for (int pass = 0; pass < 2; ++pass) {
+    const bool grains_only = pass == 1;
+    for (uint32_t c = 0; c < input->collider_count; ++c) {
+      if (input->colliders == nullptr) {
+        g->ignored_colliders += grains_only ? 0 : 1;
+        continue;
+      }
+      if ((input->colliders[c].grains_only != 0) != grains_only) continue;
+      if (g->collider_count == g->desc.collider_capacity ||
+          !collider_accept(input->colliders[c], &g->colliders[g->collider_count])) {
+        ++g->ignored_colliders;
+      } else {
+        ++g->collider_count;
+      }
     }
+    if (!grains_only) g->solid_count = g->collider_count;
   }
 
+  granular_take_flow(g, input);
   granular_find_moved_colliders(g);
 
   constexpr float k_longest_step = 0.1f;

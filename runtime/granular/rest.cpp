@@ -17,7 +17,6 @@ namespace sandglass {
 namespace {
 
 constexpr float k_rest_radii = 0.1f;        // moving further than this is moving on
-constexpr double k_rest_period = 0.02;      // seconds between checks
 constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d); resting particles tremble at a tenth of it
 
 float* record_at(const Granular& g, uint32_t i) { return g.records[0] + static_cast<uint64_t>(i) * k_record_floats; }
@@ -29,7 +28,7 @@ uint32_t number_of(const float* record) {
 }
 
 // The particle in record i is awake from now on.
-void begin_waking(Granular* g, uint32_t i) {
+void begin_waking_one(Granular* g, uint32_t i) {
   const float* record = record_at(*g, i);
   Rest& rest = g->rest[number_of(record)];
   for (int k = 0; k < 3; ++k) rest.anchor[k] = record[k];
@@ -39,6 +38,21 @@ void begin_waking(Granular* g, uint32_t i) {
   if (state != GroupState::asleep) return;
   state = GroupState::waking;
   ++g->waking_count;
+}
+
+// And so is the rest of its body.
+void begin_waking(Granular* g, uint32_t i) {
+  begin_waking_one(g, i);
+  uint32_t id;
+  __builtin_memcpy(&id, record_at(*g, i) + 7, sizeof id);
+  if (id <= k_number_mask) return;
+  const RigidBody& body = g->bodies[(id >> k_body_shift) - 1];
+  for (uint32_t slot = body.first; slot < body.first + body.count; ++slot) {
+    float* record = record_at(*g, g->body_rows[slot]);
+    if (!(record[3] < 0.0f)) continue;
+    record[3] = -record[3];
+    begin_waking_one(g, g->body_rows[slot]);
+  }
 }
 
 void wake_neighbours(Granular* g, uint32_t i) {
@@ -52,8 +66,10 @@ void wake_neighbours(Granular* g, uint32_t i) {
   }
 }
 
-// All of the group sleep: it leaves the passes, so both buffers must hold it.
-void put_to_sleep(Granular* g, uint32_t group) {
+// Where all of the group sleep it leaves the passes, so both buffers must hold it.
+void settle_group(Granular* g, uint32_t group) {
+  for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i)
+    if (record_at(*g, i)[3] > 0.0f) return;
   g->group_states[group] = GroupState::asleep;
   const uint64_t at = static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
   for (uint32_t b = 1; b < 3; ++b) {
@@ -63,7 +79,7 @@ void put_to_sleep(Granular* g, uint32_t group) {
 }
 
 bool same(const sandglass_collider& a, const sandglass_collider& b) {
-  bool equal = a.shape == b.shape;
+  bool equal = a.shape == b.shape && a.field == b.field;
   for (int k = 0; k < 3; ++k) {
     equal = equal && a.position[k] == b.position[k] && a.size[k] == b.size[k];
     equal = equal && b.linear_velocity[k] == 0.0f && b.angular_velocity[k] == 0.0f;
@@ -83,9 +99,23 @@ float half_travel(const sandglass_collider& a, const sandglass_collider& b) {
   return 0.5f * __builtin_sqrtf(shift2) + __builtin_sqrtf(turn2 * extent2);
 }
 
+bool in_body(const float* record) {
+  uint32_t id;
+  __builtin_memcpy(&id, record + 7, sizeof id);
+  return id > k_number_mask;
+}
+
+void fall_asleep(Granular* g, uint32_t i) {
+  float* r = record_at(*g, i);
+  r[3] = -r[3];
+  r[4] = r[5] = r[6] = 0.0f;
+  g->rest[number_of(r)].quiet = k_asleep;
+  --g->awake_count;
+}
+
 void remember_colliders(Granular* g) {
-  g->collider_before_count = g->collider_count;
-  for (uint32_t c = 0; c < g->collider_count; ++c) g->colliders_before[c] = g->colliders[c];
+  g->collider_before_count = g->solid_count;
+  for (uint32_t c = 0; c < g->solid_count; ++c) g->colliders_before[c] = g->colliders[c];
 }
 
 }  // namespace
@@ -93,6 +123,11 @@ void remember_colliders(Granular* g) {
 float granular_speed_scale(const Granular& g) {
   const float pull = g.gravity_length > 0.1f ? g.gravity_length : 9.81f;
   return __builtin_sqrtf(pull * 2.0f * g.desc.particle_radius);
+}
+
+void granular_sleep_particle(Granular* g, uint32_t record) {
+  fall_asleep(g, record);
+  settle_group(g, record / k_lane_group);
 }
 
 float granular_wake_speed(const Granular& g) { return k_wake_speed_units * granular_speed_scale(g); }
@@ -112,9 +147,14 @@ void granular_find_moved(const sandglass_collider* before, uint32_t before_count
 void granular_find_moved_colliders(Granular* g) {
   const float reach = (2.0f + g->desc.list_skin) * g->desc.particle_radius;
   g->moved.count = 0;
+  if (g->adopts_colliders) {
+    remember_colliders(g);
+    g->sweep_collider_before_count = g->collider_count;
+    for (uint32_t c = 0; c < g->collider_count; ++c) g->sweep_colliders_before[c] = g->colliders[c];
+    g->adopts_colliders = false;
+  }
   if (g->awake_count < g->particle_count)
-    granular_find_moved(g->colliders_before, g->collider_before_count, g->colliders, g->collider_count, reach,
-                        &g->moved);
+    granular_find_moved(g->colliders_before, g->collider_before_count, g->colliders, g->solid_count, reach, &g->moved);
   g->touch_due = g->moved.count != 0;
   if (!g->touch_due) remember_colliders(g);
 }
@@ -136,6 +176,8 @@ void granular_settle(Granular* g) {
     g->phase = ParticlePhase::wake;
   } else if (g->rest_due) {
     g->phase = ParticlePhase::rest;
+  } else if (g->drain_due) {
+    g->phase = ParticlePhase::drain;
   } else if (g->waking_count != 0 && g->lists_valid) {
     g->phase = ParticlePhase::wake_lists;
   } else {
@@ -145,10 +187,8 @@ void granular_settle(Granular* g) {
 }
 
 void granular_skip_rest(Granular* g) {
-  if (g->awake_count != 0 || g->particle_count == 0 || !g->lists_valid || g->touch_due ||
-      g->phase != ParticlePhase::idle) {
-    return;
-  }
+  const bool asleep = g->awake_count == 0 && (g->lists_valid || g->particle_count == 0);
+  if (!asleep || g->emitter_count != 0 || g->touch_due || g->phase != ParticlePhase::idle) return;
   g->simulated += g->owed;
   g->unswept += g->owed;
   g->owed = g->interval_owed = 0.0;
@@ -164,14 +204,14 @@ void granular_skip_rest(Granular* g) {
 }
 
 void granular_wake_all(Granular* g) {
+  granular_abandon_substep(g);
   for (uint32_t i = 0; i < g->particle_count; ++i) {
     float* record = record_at(*g, i);
     if (!(record[3] < 0.0f)) continue;
     record[3] = -record[3];
     begin_waking(g, i);
   }
-  g->phase = ParticlePhase::idle;
-  g->lists_valid = g->wake_due = g->rest_due = false;
+  g->lists_valid = false;
 }
 
 uint32_t granular_rest_items(const Granular& g) {
@@ -219,12 +259,11 @@ void granular_run_wake(Granular* g) {
 
 void granular_run_rest(Granular* g) {
   const float limit = k_rest_radii * g->desc.particle_radius, limit2 = limit * limit;
-  const uint32_t patience = static_cast<uint32_t>(g->desc.sleep_after / static_cast<float>(k_rest_period) + 0.5f);
+  const uint32_t patience = static_cast<uint32_t>(g->desc.sleep_after * static_cast<float>(1.0 / k_rest_period));
   const uint32_t items = g->active_count * k_lane_group;
   const uint32_t end = items - g->cursor < g->unit ? items : g->cursor + g->unit;
   for (uint32_t at = g->cursor; at < end; at += k_lane_group) {
     const uint32_t group = g->active_groups[at / k_lane_group];
-    uint32_t awake = 0;
     for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
       float* r = record_at(*g, i);
       if (!(r[3] > 0.0f)) continue;
@@ -235,21 +274,16 @@ void granular_run_rest(Granular* g) {
         for (int k = 0; k < 3; ++k) rest.anchor[k] = r[k];
         rest.quiet = 0;
         wake_neighbours(g, i);
-      } else if (++rest.quiet >= patience) {
-        r[3] = -r[3];
-        r[4] = r[5] = r[6] = 0.0f;
-        rest.quiet = k_asleep;
-        --g->awake_count;
+      } else if (++rest.quiet >= patience && !in_body(r)) {
+        fall_asleep(g, i);
       }
     }
-    for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i)
-      awake += record_at(*g, i)[3] > 0.0f ? 1u : 0u;
-    if (awake == 0) put_to_sleep(g, group);
+    settle_group(g, group);
   }
   g->cursor = end;
   if (end < items) return;
+  granular_rest_bodies(g, patience);
   g->rest_due = false;
-  g->next_rest = g->simulated + k_rest_period;
   granular_collect_groups(g);
   granular_settle(g);
 }

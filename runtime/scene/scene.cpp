@@ -108,6 +108,13 @@ void describe(const sandglass_scene& scene, sandglass_frame_report* report) {
   report->dropped_contacts = g.dropped_contacts;
   report->quarantined = g.quarantined;
   report->ignored_colliders = g.ignored_colliders;
+  report->particle_numbers = g.particle_count + g.free_particle_count;
+  report->grain_numbers = g.grain_count + g.free_grain_count;
+  report->emitted_particles = g.emitted_particles;
+  report->emitted_grains = g.emitted_grains;
+  report->removed_particles = g.removed_particles;
+  report->removed_grains = g.removed_grains;
+  report->denied_particles = g.denied_particles;
   report->speed_max = g.speed_max;
 }
 
@@ -147,13 +154,28 @@ uint32_t id_at(const float* slot) {
   return id;
 }
 
-void copy_items(const float* records, uint32_t count, uint32_t id_slot, float* positions, float* velocities) {
-  for (uint32_t i = 0; i < count; ++i) {
-    const float* r = records + static_cast<uint64_t>(i) * sandglass::k_record_floats;
-    const uint64_t to = 3ull * id_at(r + id_slot);
+struct Items {
+  const float* records;
+  uint32_t count;
+  uint32_t id_slot, id_mask;
+  const uint32_t* removed;
+  uint32_t removed_count;
+};
+
+void copy_items(const Items& items, float* positions, float* velocities) {
+  for (uint32_t i = 0; i < items.count; ++i) {
+    const float* r = items.records + static_cast<uint64_t>(i) * sandglass::k_record_floats;
+    const uint64_t to = 3ull * (id_at(r + items.id_slot) & items.id_mask);
     for (int k = 0; k < 3; ++k) {
       if (positions != nullptr) positions[to + k] = r[k];
       if (velocities != nullptr) velocities[to + k] = r[4 + k];
+    }
+  }
+  for (uint32_t i = 0; i < items.removed_count; ++i) {
+    const uint64_t to = 3ull * items.removed[i];
+    for (int k = 0; k < 3; ++k) {
+      if (positions != nullptr) positions[to + k] = k == 1 ? SANDGLASS_REMOVED_Y : 0.0f;
+      if (velocities != nullptr) velocities[to + k] = 0.0f;
     }
   }
 }
@@ -249,6 +271,34 @@ sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* 
 
 void sandglass_scene_reset(sandglass_scene* scene) { reset(scene); }
 
+sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotation[4], const float translation[3],
+                                      const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  const sandglass::FloatingPointControl saved = sandglass::floating_point_enter();
+  const sandglass_status status = sandglass::granular_move(&scene->granular, rotation, translation, reason);
+  sandglass::floating_point_restore(saved);
+  return status;
+}
+
+uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene) {
+  return sandglass::granular_save_bytes(scene->granular);
+}
+
+sandglass_status sandglass_scene_save(sandglass_scene* scene, void* data, uint64_t bytes, uint64_t* written,
+                                      const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  const sandglass::FloatingPointControl saved = sandglass::floating_point_enter();
+  const sandglass_status status = sandglass::granular_save(&scene->granular, data, bytes, written, reason);
+  sandglass::floating_point_restore(saved);
+  return status;
+}
+
+sandglass_status sandglass_scene_restore(sandglass_scene* scene, const void* data, uint64_t bytes,
+                                         const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  return sandglass::granular_restore(&scene->granular, data, bytes, reason);
+}
+
 uint32_t sandglass_scene_regions(const sandglass_scene* scene, sandglass_region* regions, uint32_t capacity) {
   const Layout& layout = scene->layout;
   for (uint32_t i = 0; i < layout.region_count && i < capacity; ++i) regions[i] = layout.regions[i];
@@ -264,6 +314,32 @@ sandglass_status sandglass_granular_add(sandglass_scene* scene, const float* par
   if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
   return sandglass::granular_add(&scene->granular, particle_positions, particle_velocities, particle_count,
                                  grain_positions, grain_velocities, grain_count, reason);
+}
+
+sandglass_status sandglass_granular_remove(sandglass_scene* scene, const sandglass_collider* region,
+                                           uint32_t* particles, uint32_t* grains, const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  return sandglass::granular_remove(&scene->granular, region, particles, grains, reason);
+}
+
+void sandglass_body_default(sandglass_body* body) {
+  *body = sandglass_body{};
+  body->struct_size = sizeof *body;
+  body->density_ratio = 1.0f;
+}
+
+sandglass_status sandglass_granular_add_body(sandglass_scene* scene, const sandglass_body* body, uint32_t* index,
+                                             const char** reason) {
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  return sandglass::granular_add_body(&scene->granular, body, index, reason);
+}
+
+sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index) {
+  sandglass_body_pose pose = {};
+  pose.rotation[3] = 1.0f;
+  if (scene != nullptr && index < scene->granular.body_count)
+    sandglass::granular_body_pose(scene->granular, index, &pose);
+  return pose;
 }
 
 sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene, const float* positions, uint32_t count,
@@ -319,11 +395,15 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
 }
 
 void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities) {
-  copy_items(scene->granular.records[0], scene->granular.particle_count, k_particle_id, positions, velocities);
+  const Granular& g = scene->granular;
+  copy_items({g.records[0], g.particle_count, k_particle_id, sandglass::k_number_mask, g.free_particles,
+              g.free_particle_count},
+             positions, velocities);
 }
 
 void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities) {
-  copy_items(scene->granular.grains[0], scene->granular.grain_count, k_grain_id, positions, velocities);
+  const Granular& g = scene->granular;
+  copy_items({g.grains[0], g.grain_count, k_grain_id, ~0u, g.free_grains, g.free_grain_count}, positions, velocities);
 }
 
 uint64_t sandglass_scene_hash(const sandglass_scene* scene) {

@@ -39,6 +39,43 @@ TEST(HardCase, CoincidentParticlesPart) {
   }
 }
 
+// A cylinder of close-packed sand hits the floor at 5 m/s at the default settings, height weighting and all. Contacts
+// by position are plastic: a coefficient of restitution of 0.2 is already far beyond them, and e bounces to e^2 of the
+// height v^2/2g. Nor does a particle leave faster than two equal spheres could throw it, at twice the speed of impact.
+// (Without the limit on separation the centre of mass rose by 0.054 m, without the cap on height weighting either by
+// 0.58.)
+TEST(HardCase, AnImpactThrowsNothing) {
+  constexpr double k_speed = 5.0;
+  constexpr float k_spacing = 0.0202f;
+  std::vector<float> body, down;
+  for (int layer = 0; layer < 12; ++layer) {
+    for (int row = -8; row <= 8; ++row) {
+      for (int i = -8; i <= 8; ++i) {
+        const float x = k_spacing * (static_cast<float>(i) + 0.5f * static_cast<float>((row + layer) & 1));
+        const float z = k_spacing * 0.8660254f * (static_cast<float>(row) + static_cast<float>(layer & 1) / 3.0f);
+        if (std::hypot(x, z) >= 0.1f) continue;
+        body.insert(body.end(), {x, 0.05f + k_spacing * 0.8164966f * static_cast<float>(layer), z});
+        down.insert(down.end(), {0.0f, static_cast<float>(-k_speed), 0.0f});
+      }
+    }
+  }
+  const double count = static_cast<double>(body.size() / 3);
+  GranularScene scene(description(static_cast<uint32_t>(body.size() / 3)));
+  scene.add_floor();
+  scene.add(body, down);
+  double lowest = 1e9, rise = 0.0, fastest = 0.0;
+  for (int frame = 0; frame < 60; ++frame) {
+    fastest = std::max(fastest, static_cast<double>(scene.frame(k_frame).speed_max));
+    double height = 0.0;
+    const std::vector<float> p = scene.positions();
+    for (size_t i = 1; i < p.size(); i += 3) height += static_cast<double>(p[i]) / count;
+    lowest = std::min(lowest, height);
+    rise = std::max(rise, height - lowest);
+  }
+  EXPECT_LT(rise, 0.04 * k_speed * k_speed / (2.0 * 9.81));
+  EXPECT_LT(fastest, 2.0 * k_speed);
+}
+
 TEST(HardCase, ATeleportedColliderThrowsNothingBeyondTheCourantLimit) {
   sandglass_scene_desc desc = description(384);
   GranularScene scene(desc);

@@ -2,7 +2,10 @@
 // Wall time is the machine's business: other processes may take the processor away, and it is not asserted.
 #include <gtest/gtest.h>
 
+#include <signal.h>
+#include <sys/wait.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -46,9 +49,10 @@ void expect_law(uint64_t budget_ns, uint32_t frames, uint32_t hogs) {
     const sandglass_frame_report report = scene.frame(0.02f, budget_ns);
     const uint64_t spent = thread_cpu_ns() - before;
     EXPECT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
-    // A unit of the real machine: the longest seen in the frame, and 50 us, the target of a unit, for the call around
-    // the units and for what interrupts charge to the thread.
-    const uint64_t allowed = budget_ns + report.longest_unit_ns + 50'000;
+    // A unit of the real machine: the longest seen in the frame, and 100 us, two units of the target size, for the call
+    // around the units and for what interrupts charge to the thread.
+    // The last unit counts in the time by which writing the grains outran its own prediction (sandglass_scene_frame).
+    const uint64_t allowed = budget_ns + std::max(report.longest_unit_ns, report.last_unit_ns) + 100'000;
     over.push_back(spent > allowed ? spent - allowed : 0);
     debt = report.time_debt;
   }
@@ -60,9 +64,29 @@ void expect_law(uint64_t budget_ns, uint32_t frames, uint32_t hogs) {
 }
 
 TEST(RealClock, FourMillisecondsHold) { expect_law(4'000'000, 2000, 0); }
-TEST(RealClock, EightMillisecondsHold) { expect_law(8'000'000, 1000, 0); }
+TEST(RealClock, EightMillisecondsHold) { expect_law(8'000'000, 2000, 0); }
 TEST(RealClock, FourMillisecondsHoldBesideProcessesThatTakeEveryCore) {
   expect_law(4'000'000, 1000, 2 * std::max(1u, std::thread::hardware_concurrency()));
+}
+
+// A quota of half a processor, as a container's: the process runs 10 ms and stands still for 10.
+TEST(RealClock, FourMillisecondsHoldOnHalfAProcessor) {
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    expect_law(4'000'000, 1000, 0);
+    _exit(testing::Test::HasFailure() ? 1 : 0);
+  }
+  int status = 0, stops = 0;
+  while (waitpid(child, &status, WNOHANG) == 0) {
+    usleep(10'000);
+    kill(child, SIGSTOP);
+    usleep(10'000);
+    kill(child, SIGCONT);
+    ++stops;
+  }
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  EXPECT_GT(stops, 100) << "it must have been stopped again and again";
 }
 
 }  // namespace

@@ -16,12 +16,20 @@ double distance(const std::vector<float>& a, const std::vector<float>& b, uint32
   return std::sqrt(sum);
 }
 
-// A bed of sand, wide and three layers deep, that sleeps.
+// Three layers of sand, loose enough to settle without order: rows of a lattice would carry a push to the other end.
+std::vector<float> loose_bed(uint32_t wide) {
+  std::vector<float> points = lattice(wide, 3, wide, 2.3f * k_radius, k_radius);
+  for (size_t i = 0; i < points.size(); ++i)
+    if (i % 3 != 1) points[i] += 0.1f * k_radius * std::sin(12.9898f * static_cast<float>(i));
+  return points;
+}
+
+// A bed that sleeps.
 GranularScene sleeping_bed(uint32_t wide, float sleep_after = 0.5f) {
   sandglass_scene_desc desc = description(wide * wide * 3 + 8);
   desc.granular.sleep_after = sleep_after;
   GranularScene bed(desc);
-  bed.add(lattice(wide, 3, wide, 2.02f * k_radius, k_radius));
+  bed.add(loose_bed(wide));
   bed.add_floor();
   for (int frame = 0; frame < 400; ++frame)
     if (bed.frame(k_frame).awake == 0) break;
@@ -69,8 +77,7 @@ TEST(Sleep, AHandWakesWhatItTouchesAndNothingElse) {
   move(0, 0.1f, 50);
   EXPECT_GT(most, 20u);
   EXPECT_LT(most, bed.particle_count / 4);
-  // The hand passed at z = 0.4 in the direction of x; rows of the lattice in front of it are pushed as a whole, out to
-  // the rim. What is ten diameters aside has not moved at all.
+  // The hand passed at z = 0.4 in the direction of x. What is ten diameters aside has not moved at all.
   const std::vector<float> after = bed.positions();
   uint32_t far = 0, pushed = 0;
   for (uint32_t i = 0; i < bed.particle_count; ++i) {
@@ -124,7 +131,7 @@ std::vector<float> grains_about(const std::vector<float>& particles) {
 }
 
 TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
-  const std::vector<float> particles = lattice(40, 3, 40, 2.02f * k_radius, k_radius), grains = grains_about(particles);
+  const std::vector<float> particles = loose_bed(40), grains = grains_about(particles);
   GranularScene bed(description(40 * 40 * 3, static_cast<uint32_t>(grains.size() / 3)));
   bed.add(particles, {}, grains);
   bed.add_floor();
@@ -159,8 +166,7 @@ TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
     const double dx = static_cast<double>(before[i].position[0]) - 0.4,
                  dz = static_cast<double>(before[i].position[2]) - 0.4;
     const bool same = std::equal(before[i].position, before[i].position + 3, bed.grains[i].position);
-    // Rows of the lattice that start at the hand are pushed as a whole; off them nothing far away moves.
-    EXPECT_TRUE(same || std::fabs(dx) < 0.2 || std::fabs(dz) < 0.2) << i;
+    EXPECT_TRUE(same || std::hypot(dx, dz) < 0.25) << i;
     moved += same ? 0 : 1;
     // None inside the hand.
     const double dy = static_cast<double>(bed.grains[i].position[1] - bed.colliders.back().position[1]);

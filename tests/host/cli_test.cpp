@@ -172,6 +172,31 @@ TEST_F(Cli, RefusesBadMeshes) {
   expect_refused(command + "'" + write("range.obj", cube + "f 1 2 99\n") + "'", "range.obj");
 }
 
+TEST_F(Cli, RunsAndRefusesCollidersOfMeshes) {
+  const auto scene = [&](const std::string& collider) {
+    return "run '" + write("solid.json", R"({"frames": 2, "particle_radius": 0.01,
+        "bodies": [{"shape": "box", "size": [0.06, 0.08, 0.06], "position": [0, 0.3, 0]}],
+        "colliders": [)" + collider + "]}") +
+           "'";
+  };
+  for (const char* mesh : {"trefoil", "torus", "box", "sphere", "hourglass", "bucket", "silo"}) {
+    const Outcome outcome = run(scene(R"({"shape": "mesh", "size": 0.2, "mesh": ")" + std::string(mesh) + R"("})"));
+    EXPECT_EQ(outcome.code, 0) << mesh << ": " << outcome.err;
+  }
+  expect_refused(scene(R"({"shape": "mesh", "size": 0.2, "mesh": "teapot"})"), "teapot");
+  expect_refused(scene(R"({"shape": "mesh", "size": 0.2})"), "--collider-mesh");
+  expect_refused(scene(R"({"shape": "mesh", "mesh": "torus"})"), "size");
+  expect_refused(scene(R"({"shape": "mesh", "size": 0.2, "mesh": "torus", "solid": "both"})"), "solid");
+  const std::string bucket = R"({"shape": "mesh", "size": 0.2, "mesh": "bucket", "field_spacing": )";
+  expect_refused(scene(bucket + "0.5}"), "spacing");
+  expect_refused(scene(bucket + "0.0002}"), "enlarge the spacing");
+  const std::string torus = scene(R"({"shape": "mesh", "size": 0.2, "mesh": "torus"})");
+  expect_refused(torus + " --collider-mesh '" + path("missing.obj") + "'", "missing.obj");
+  expect_refused("run '" + tiny_scene() + "' --collider-mesh '" + write("cube.obj", k_cube) + "'", "--collider-mesh");
+  if (!have_assimp()) return;
+  EXPECT_EQ(run(torus + " --collider-mesh '" + path("cube.obj") + "'").code, 0) << "the file goes before the name";
+}
+
 TEST_F(Cli, InspectTellsScenesAndMeshesApart) {
   const Outcome scene = run("inspect '" + tiny_scene() + "'");
   EXPECT_EQ(scene.code, 0) << scene.err;
@@ -196,6 +221,19 @@ TEST_F(Cli, CtrlCFinishesCleanlyWithExitCode130) {
   EXPECT_NE(read(path("stdout")).find("interrupted after"), std::string::npos) << read(path("stdout"));
   EXPECT_TRUE(fs::exists(folder / "out" / "report.csv"));
   EXPECT_TRUE(fs::exists(folder / "out" / "contact_sheet.png"));
+}
+
+TEST_F(Cli, SamplesShapesWithExactlyThePointsAskedFor) {
+  const Outcome ring = run("sample --ring 301 --polar 0 70 --picture " + path("ring.png") + " --spectrum " +
+                           path("spectrum.png") + " -o " + path("ring.ply"));
+  EXPECT_EQ(ring.code, 0) << ring.err;
+  EXPECT_EQ(ring.out.rfind("301 points of a ring", 0), 0u) << ring.out;
+  EXPECT_EQ(read(path("ring.png")).substr(1, 3), "PNG");
+  EXPECT_EQ(read(path("spectrum.png")).substr(1, 3), "PNG");
+  expect_refused("sample --ring 10 --polar 50 20 -o " + path("x.ply"), "theta_a < theta_b");
+  expect_refused("sample trefoil --disk 10 -o " + path("x.ply"), "leave it out");
+  expect_refused("sample --surface --distance 1 -o " + path("x.ply"), "no mesh is named");
+  EXPECT_FALSE(fs::exists(path("x.ply")));
 }
 
 }  // namespace

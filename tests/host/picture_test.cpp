@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <memory>
 
 #include "models/host/image.h"
 #include "models/host/pictures.h"
@@ -103,6 +105,43 @@ TEST(Render, DrawsEveryColliderWhereItIs) {
     const uint8_t* pixel = picture.at(static_cast<int>(at.x), static_cast<int>(at.y));
     EXPECT_GT(pixel[2], pixel[0] + 20) << shape;  // colliders are blue
   }
+}
+
+// A tube with a bottom, open at the top: outlines as in the half plane (r, y).
+float tube_distance(void*, const float p[3]) {
+  const double r = std::hypot(p[0], p[2]), y = p[1];
+  const auto rectangle = [&](double low_r, double high_r, double low_y, double high_y) {
+    const double out_r = std::max(low_r - r, r - high_r), out_y = std::max(low_y - y, y - high_y);
+    return std::hypot(std::max(out_r, 0.0), std::max(out_y, 0.0)) + std::min(std::max(out_r, out_y), 0.0);
+  };
+  return static_cast<float>(std::min(rectangle(0.06, 0.10, -0.2, 0.2), rectangle(-1.0, 0.10, -0.2, -0.16)));
+}
+
+// Of the sky, the bottom of the tube sees (r/depth)^2 = 3 %, and 12 % of the rest reach it by the renderer's own rule;
+// the rim sees all of it, and the sun. Rays that begin on a wall must find the wall opposite.
+TEST(Render, TheBottomOfAHollowFieldIsDark) {
+  const float low[3] = {-0.14f, -0.24f, -0.14f}, high[3] = {0.14f, 0.24f, 0.14f};
+  const char* reason = nullptr;
+  uint64_t bytes = 0;
+  ASSERT_EQ(sandglass_field_bytes(low, high, 0.01f, &bytes, &reason), SANDGLASS_OK);
+  const std::unique_ptr<void, void (*)(void*)> block(
+      std::aligned_alloc(SANDGLASS_BLOCK_ALIGNMENT, (bytes + 63) / 64 * 64), std::free);
+  sandglass_field* field = nullptr;
+  ASSERT_EQ(sandglass_field_from_function(low, high, 0.01f, SANDGLASS_SOLID_INSIDE, tube_distance, nullptr, block.get(),
+                                          bytes, &field, &reason),
+            SANDGLASS_OK);
+  Stage stage;
+  stage.view.spheres = {};
+  sandglass_collider tube = {};
+  tube.shape = SANDGLASS_SHAPE_FIELD;
+  tube.rotation[3] = 1.0f;
+  tube.field = field;
+  stage.view.colliders = {&tube, 1};
+  stage.view.camera.eye = {0.0, 1.2, 0.02};
+  stage.view.camera.target = {0.0, 0.0, 0.0};
+  const Picture picture = stage.draw();
+  const auto linear = [&](Vec3 point) { return std::pow(stage.brightness(picture, point) / 255.0, 2.2); };
+  EXPECT_LT(linear({0.0, -0.16, 0.0}), (0.12 + 0.88 * 0.03) * linear({-0.08, 0.2, 0.0}));
 }
 
 TEST(Render, SurvivesNoSphereAndSpheresThatAreNotFinite) {

@@ -76,6 +76,16 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"\"half_space\"", "\"halfspace\"", "\"colliders[0].shape\""},
         Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"sphere\"}", "\"colliders[0].size\""},
         Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"half_space\", \"size\": 1}", "\"colliders[0].size\""},
+        Refusal{"\"half_space\"", "\"revolved\"", "\"colliders[0].profile\""},
+        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"revolved\", \"profile\": [[0, 0], [1, 0], [-1, 1]]}",
+                "profile[2][0]"},
+        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"mesh\"}", "\"colliders[0].size\""},
+        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"mesh\", \"size\": 1, \"solid\": \"both\"}",
+                "\"colliders[0].solid\""},
+        Refusal{"\"box\", \"size\": [0.1, 0.2, 0.1]", "\"revolved\", \"profile\": [[0, 0], [1, 0], [2, 0]]",
+                "\"bodies[0].profile\""},
+        Refusal{"\"position\"", "\"rigid\": 2, \"grains\": 10, \"position\"", "\"bodies[0].grains\""},
+        Refusal{"\"position\"", "\"angular_velocity\": [1, 0, 0], \"position\"", "\"bodies[0].angular_velocity\""},
         Refusal{"{\"shape\": \"half_space\"}", "7", "\"colliders[0]\""},
         Refusal{"\"name\"", "\"frames\": 0, \"name\"", "\"frames\""},
         Refusal{"\"name\"", "\"frames\": 1.5, \"name\"", "\"frames\""},
@@ -185,6 +195,16 @@ TEST(SceneFill, RefusesABodySmallerThanAParticle) {
   SceneFile scene =
       parse_scene(R"({"particle_radius": 5, "bodies": [{"shape": "sphere", "size": 0.001}]})", "test.json");
   EXPECT_THROW(fill_scene(&scene, {}), Failure);
+}
+
+// A cylinder of radius 1 and height 2, turned from its outline; the side on the axis is no surface.
+TEST(Revolved, DistanceOfACylinder) {
+  const Profile outline = {{0, 0}, {1, 0}, {1, 2}, {0, 2}};
+  EXPECT_DOUBLE_EQ(revolved_distance(outline, {0, 1, 0}), -1.0);
+  EXPECT_DOUBLE_EQ(revolved_distance(outline, {0.3, 1.9, 0.4}), -(2.0 - 1.9));
+  EXPECT_NEAR(revolved_distance(outline, {3, 1, 4}), 4.0, 1e-12);
+  EXPECT_NEAR(revolved_distance(outline, {0, 5, 0}), 3.0, 1e-12);
+  EXPECT_NEAR(revolved_distance(outline, {4, 6, 0}), 5.0, 1e-12);  // from the edge: 3, 4
 }
 
 }  // namespace

@@ -121,7 +121,7 @@ struct Sorted {
         low[k] = std::min(low[k], source[8 * i + k]), high[k] = std::max(high[k], source[8 * i + k]);
     }
     cell_sort_begin(&sort, cell, low, high, bits_min);
-    const SortTarget target = {records.data(), {axes[0].data(), axes[1].data(), axes[2].data()}};
+    const SortTarget target = {records.data(), {axes[0].data(), axes[1].data(), axes[2].data()}, false};
     while (sort.phase != k_sort_done) cell_sort_run(&sort, kernels, source, n, 64, target);
   }
   Records records;
@@ -200,7 +200,7 @@ uint32_t body_of(const float* r) {
 }
 
 constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_weighted = 1e-4,
-                 k_wake = 1e-4;
+                 k_wake = 1e-4, k_separation = 4e-4;
 
 // One pass for particle i: (4.14-4.27) with the small-step factor, then the floor y = -0.004. *runs_into_sleeper: it
 // touches one.
@@ -222,7 +222,8 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
     if (d >= 0.02) continue;
     if (weight(j) < 0) *runs_into_sleeper = true;
     const Vector n = (1 / d) * e;
-    const double z = k_weight * n.y, overlap = d - 0.02;
+    const double z = k_weight * n.y, approach = std::max(0.0, -dot(relative, n));
+    const double overlap = solve ? std::max(d - 0.02, -(approach + k_separation) / k_omega) : d - 0.02;
     // The lower of two equal particles takes 1/2 + asymmetry; masses m = m exp(-k h) multiply that (erratum 4.38).
     const double asymmetry = -z / 4 + z * z * z / 48;
     const double share = fixed ? 1.0 : weight(i) / (weight(i) + weight(j));
@@ -275,6 +276,7 @@ void check_contact(uint32_t n, bool solve) {
   args.up[1] = 1.0f;
   args.scale = static_cast<float>(k_step), args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
   args.step = static_cast<float>(k_step);
+  args.inverse_relaxation = static_cast<float>(1.0 / k_omega), args.separation_max = static_cast<float>(k_separation);
   args.last = 0;
   args.displacement_max = 1.0f;
   args.bodies = 1;
@@ -357,6 +359,103 @@ void check_wake_near(uint32_t n) {
     ASSERT_EQ(woken, expected);
     if (first.empty()) first = moved.copy();
     ASSERT_EQ(std::memcmp(moved.data(), first.data(), first.size() * sizeof(float)), 0);
+  }
+}
+
+// ---- find_inside
+
+void check_find_inside(uint32_t n) {
+  Cluster cluster(n, 0, 0.3, 43);
+  ColliderFrame shapes[2] = {};
+  for (ColliderFrame& c : shapes)
+    for (int k = 0; k < 3; ++k) c.axes[k][k] = 1.0f;
+  shapes[0].shape = SANDGLASS_SHAPE_SPHERE, shapes[0].size[0] = 0.015f, shapes[0].position[2] = 0.02f;
+  shapes[1].shape = SANDGLASS_SHAPE_HALF_SPACE, shapes[1].position[1] = -0.01f;
+  for (const Kernels* kernels : tables()) {
+    std::vector<uint8_t> inside(cluster.rows, 7);
+    const InsideArgs args = {cluster.records.data(), n, shapes, 2, inside.data()};
+    uint32_t found = 0, expected = 0;
+    kernels->find_inside(&args, 0, n, &found);
+    for (uint32_t i = 0; i < n; ++i) {
+      const Vector x = at(cluster.records[i]);
+      const double gap = std::min(length(x - Vector{0, 0, 0.02}) - 0.015, x.y + 0.01);
+      ASSERT_GT(std::fabs(gap), 1e-8);
+      ASSERT_EQ(inside[i], gap < 0 ? 1 : 0) << sandglass_isa_name(kernels->isa);
+      expected += gap < 0 ? 1 : 0;
+    }
+    ASSERT_EQ(found, expected);
+  }
+}
+
+// ---- surface_at
+
+// Value and gradient of the trilinear interpolant at a point within the grid, in double.
+double trilinear(const FieldGrid& grid, Vector p, Vector* gradient) {
+  const double at[3] = {(p.x - static_cast<double>(grid.low[0])) / static_cast<double>(grid.spacing),
+                        (p.y - static_cast<double>(grid.low[1])) / static_cast<double>(grid.spacing),
+                        (p.z - static_cast<double>(grid.low[2])) / static_cast<double>(grid.spacing)};
+  uint32_t cell[3];
+  double f[3], slope[3] = {0, 0, 0}, value = 0;
+  for (int k = 0; k < 3; ++k) {
+    cell[k] = std::min(static_cast<uint32_t>(at[k]), grid.counts[k] - 2);
+    f[k] = at[k] - cell[k];
+  }
+  for (uint32_t corner = 0; corner < 8; ++corner) {
+    const uint32_t d[3] = {corner & 1, corner >> 1 & 1, corner >> 2};
+    const uint32_t index = (cell[0] + d[0]) + grid.counts[0] * ((cell[1] + d[1]) + grid.counts[1] * (cell[2] + d[2]));
+    const double v = static_cast<double>(grid.values[index]);
+    double weight[3], sign[3];
+    for (int k = 0; k < 3; ++k) weight[k] = d[k] != 0 ? f[k] : 1 - f[k], sign[k] = d[k] != 0 ? 1 : -1;
+    value += v * weight[0] * weight[1] * weight[2];
+    for (int k = 0; k < 3; ++k) slope[k] += v * sign[k] * weight[(k + 1) % 3] * weight[(k + 2) % 3];
+  }
+  *gradient = (1 / std::sqrt(slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2])) *
+              Vector{slope[0], slope[1], slope[2]};
+  return value;
+}
+
+void check_surface_at(uint32_t n) {
+  // A field of waves, turned by a quarter about z: local x is world y, local y is world -x.
+  std::vector<float> values(7 * 6 * 5);
+  for (size_t i = 0; i < values.size(); ++i) values[i] = 0.01f * std::sin(0.7f * static_cast<float>(i));
+  ColliderFrame frame = {};
+  frame.shape = SANDGLASS_SHAPE_FIELD;
+  frame.axes[0][1] = 1.0f, frame.axes[1][0] = -1.0f, frame.axes[2][2] = 1.0f;
+  frame.position[0] = 0.01f;
+  for (const float outward : {1.0f, -1.0f}) {
+    frame.field = {values.data(), {7, 6, 5}, {-0.03f, -0.025f, -0.02f}, 0.01f, 100.0f, outward, outward * 0.002f};
+    Cluster cluster(n, 0, 0.1, 47);
+    std::vector<float> first;
+    for (const Kernels* kernels : tables()) {
+      Records found(cluster.inert + k_slack);
+      std::memcpy(found.data(), cluster.records.data(), 8 * sizeof(float) * (cluster.inert + k_slack));
+      const SurfaceArgs args = {found.data(), &frame};
+      uint32_t unused = 0;
+      kernels->surface_at(&args, 0, n, &unused);
+      for (uint32_t i = 0; i < n; ++i) {
+        const Vector world = at(cluster.records[i]) - Vector{static_cast<double>(frame.position[0]), 0, 0};
+        const Vector local = {world.y, -world.x, world.z};
+        const Vector near = {std::clamp(local.x, -0.03, 0.03), std::clamp(local.y, -0.025, 0.025),
+                             std::clamp(local.z, -0.02, 0.02)};
+        const double out = length(local - near);
+        Vector normal;
+        double distance;
+        if (out > 1e-7) {
+          normal = (static_cast<double>(outward) / out) * (local - near);
+          distance = outward > 0 ? std::max(out, static_cast<double>(frame.field.border))
+                                 : static_cast<double>(frame.field.border) - out;
+        } else {
+          distance = trilinear(frame.field, local, &normal);
+        }
+        const Vector turned = {-normal.y, normal.x, normal.z};
+        ASSERT_NEAR(found[i][3], distance, 1e-7) << sandglass_isa_name(kernels->isa) << " point " << i;
+        ASSERT_LT(length(at(found[i] + 4) - turned), 2e-4) << sandglass_isa_name(kernels->isa) << " point " << i;
+      }
+      std::vector<float> all = found.copy();
+      all.resize(8ull * n);
+      if (first.empty()) first = all;
+      ASSERT_EQ(std::memcmp(all.data(), first.data(), all.size() * sizeof(float)), 0);
+    }
   }
 }
 

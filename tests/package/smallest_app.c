@@ -15,7 +15,7 @@ int main(void) {
   const char* reason = NULL;
   sandglass_scene_desc desc;
   sandglass_scene* scene = NULL;
-  sandglass_collider ground = {SANDGLASS_SHAPE_HALF_SPACE, {0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}};
+  sandglass_collider ground = {SANDGLASS_SHAPE_HALF_SPACE, {0, 0, 0}, {0, 0, 0, 1}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}, 0, NULL};
   sandglass_frame_input input;
   sandglass_frame_report report;
   sandglass_status status;

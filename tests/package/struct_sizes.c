@@ -12,7 +12,7 @@ CLAIM(stage, sizeof(sandglass_stage) == 4);
 CLAIM(scheme, sizeof(sandglass_scheme) == 4);
 CLAIM(blend, sizeof(sandglass_blend) == 4);
 CLAIM(grain, sizeof(sandglass_grain) == 4 * 4);
-CLAIM(collider, sizeof(sandglass_collider) == 4 + 4 * (3 + 4 + 3 + 3 + 3));
+CLAIM(collider, sizeof(sandglass_collider) == 4 + 4 * (3 + 4 + 3 + 3 + 3) + 4 + sizeof(void*));
 CLAIM(plan_run, sizeof(sandglass_plan_run) == 8);
 CLAIM(plan, sizeof(sandglass_plan) == 12 + 8 * SANDGLASS_PLAN_RUNS);
 CLAIM(stage_report, sizeof(sandglass_stage_report) == 16);

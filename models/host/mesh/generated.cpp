@@ -130,6 +130,32 @@ Mesh make_icosphere(float radius, uint32_t subdivisions) {
   return mesh;
 }
 
+Mesh make_revolved(const Profile& profile, uint32_t around) {
+  Mesh mesh;
+  const uint32_t corners = static_cast<uint32_t>(profile.size());
+  std::vector<uint32_t> first;  // vertex of each corner: one on the axis, else a ring
+  for (const auto& [r, y] : profile) {
+    first.push_back(mesh.vertex_count());
+    for (uint32_t j = 0; j < (r > 0.0 ? around : 1); ++j) {
+      const SinCos turn = sin_cos_turns(static_cast<double>(j) / around);
+      add_vertex(&mesh, {r * turn.cos, y, -r * turn.sin});
+    }
+  }
+  for (uint32_t i = 0; i < corners; ++i) {
+    const uint32_t next = (i + 1) % corners;
+    const bool pole = !(profile[i][0] > 0.0), next_pole = !(profile[next][0] > 0.0);
+    if (pole && next_pole) continue;
+    for (uint32_t j = 0; j < around; ++j) {
+      const uint32_t turned = (j + 1) % around;
+      const uint32_t a = first[i] + (pole ? 0 : j), d = first[i] + (pole ? 0 : turned);
+      const uint32_t b = first[next] + (next_pole ? 0 : j), c = first[next] + (next_pole ? 0 : turned);
+      if (!pole) mesh.indices.insert(mesh.indices.end(), {a, d, b});
+      if (!next_pole) mesh.indices.insert(mesh.indices.end(), {b, d, c});
+    }
+  }
+  return mesh;
+}
+
 Mesh make_chair() {
   // Low and high corners, metres.
   constexpr float k_boxes[][6] = {
@@ -160,14 +186,79 @@ Mesh make_chair() {
   return mesh;
 }
 
+namespace {
+
+// Of half the height: where the bulb begins to close; of the bulb's radius: where its flat end begins.
+constexpr double k_bulb_closes = 0.75, k_flat_end = 0.6;
+
+}  // namespace
+
+double hourglass_radius(double height, double bulb, double neck, double y) {
+  const double t = absolute(y - 0.5 * height) / (0.5 * height);
+  if (t > 1.0) return 0.0;
+  if (t <= k_bulb_closes) return neck + (bulb - neck) * 0.5 * (1.0 - sin_cos_turns(0.5 * t / k_bulb_closes).cos);
+  const double s = (t - k_bulb_closes) / (1.0 - k_bulb_closes);
+  return bulb * (k_flat_end + (1.0 - k_flat_end) * square_root(1.0 - s * s));
+}
+
+Profile hourglass_profile(double height, double bulb, double neck, uint32_t steps) {
+  Profile upper;  // from the neck up to the axis
+  for (uint32_t i = 0; i <= steps; ++i) {
+    const double t = k_bulb_closes * i / steps;
+    upper.push_back({hourglass_radius(height, bulb, neck, 0.5 * height * (1.0 + t)), 0.5 * height * (1.0 + t)});
+  }
+  for (uint32_t i = 1; i <= steps; ++i) {
+    const SinCos turn = sin_cos_turns(0.25 * i / steps);
+    upper.push_back({bulb * (k_flat_end + (1.0 - k_flat_end) * turn.cos),
+                     0.5 * height * (1.0 + k_bulb_closes + (1.0 - k_bulb_closes) * turn.sin)});
+  }
+  upper.push_back({0.0, height});
+  Profile profile;
+  for (size_t i = upper.size() - 1; i > 0; --i) profile.push_back({upper[i][0], height - upper[i][1]});
+  profile.insert(profile.end(), upper.begin(), upper.end());
+  return profile;
+}
+
+Profile bucket_profile(double height, double bottom, double top, double thickness) {
+  const double rim = height - 2.0 * thickness;
+  return {{0.0, 0.0},
+          {bottom, 0.0},
+          {bottom + (top - bottom) * rim / height, rim},
+          {top + thickness, rim},
+          {top + thickness, height},
+          {top - thickness, height},
+          {bottom - thickness, thickness},
+          {0.0, thickness}};
+}
+
+Profile silo_profile(double height, double radius, double cone, double outlet, double thickness) {
+  return {{outlet, 0.0},
+          {outlet + thickness, 0.0},
+          {radius + thickness, cone},
+          {radius + thickness, height},
+          {radius, height},
+          {radius, cone}};
+}
+
+const std::vector<std::string>& mesh_names() {
+  static const std::vector<std::string> names = {"trefoil",   "torus",  "box",  "sphere",
+                                                 "hourglass", "bucket", "silo", "chair"};
+  return names;
+}
+
 MeshResult make_named(const std::string& name) {
   const float cube[3] = {0.1f, 0.1f, 0.1f};
   if (name == "trefoil") return {make_trefoil(), {}, ""};
   if (name == "torus") return {make_torus(0.1f, 0.04f, 96, 48), {}, ""};
   if (name == "box") return {make_box(cube), {}, ""};
   if (name == "sphere") return {make_icosphere(0.1f, 4), {}, ""};
+  if (name == "hourglass") return {make_revolved(hourglass_profile(0.3, 0.08, 0.02, 48), 96), {}, ""};
+  if (name == "bucket") return {make_revolved(bucket_profile(0.2, 0.07, 0.1, 0.01), 96), {}, ""};
+  if (name == "silo") return {make_revolved(silo_profile(0.3, 0.08, 0.1, 0.02, 0.01), 96), {}, ""};
   if (name == "chair") return {make_chair(), {}, ""};
-  return {{}, {}, "no generated mesh is called '" + name + "': use trefoil, torus, box, sphere or chair"};
+  std::string list;
+  for (const std::string& known : mesh_names()) list += (list.empty() ? "" : ", ") + known;
+  return {{}, {}, "no generated mesh is called '" + name + "': use one of " + list};
 }
 
 }  // namespace sandglass::host

@@ -248,4 +248,6 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_spectrum(con
 } /* extern "C" */
 #endif
 
+#include "sandglass/field.h"
+
 #endif /* SANDGLASS_SAMPLING_H */

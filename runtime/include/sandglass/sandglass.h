@@ -141,10 +141,14 @@ enum { SANDGLASS_BLEND_CONTINUOUS = 0, SANDGLASS_BLEND_SOURCE = 1 };
  * `grains` are what is drawn (high resolution, advected by the particles, never colliding with each other). Chapter 4
  * of the source. */
 typedef struct sandglass_granular_desc {
-  uint32_t particle_capacity; /* most particles at any time; 0 leaves granular material out: no memory, no time */
-  uint32_t grain_capacity;    /* most grains; 0 simulates particles only */
-  uint32_t boundary_capacity; /* most static boundary particles (samples of a fixed surface) */
-  uint32_t collider_capacity; /* most analytic colliders passed to one frame; 0..256 */
+  uint32_t particle_capacity;      /* most particles at any time; 0 leaves granular material out: no memory, no time */
+  uint32_t grain_capacity;         /* most grains; 0 simulates particles only */
+  uint32_t boundary_capacity;      /* most static boundary particles (samples of a fixed surface) */
+  uint32_t body_capacity;          /* most rigid bodies; 0..255 */
+  uint32_t body_particle_capacity; /* most particles of all bodies together; they count in particle_capacity too */
+  uint32_t emitter_capacity;       /* most emitters passed to one frame; 0..64 */
+  uint32_t sink_capacity;          /* most sinks passed to one frame; 0..64 */
+  uint32_t collider_capacity;      /* most analytic colliders passed to one frame; 0..256 */
 
   float particle_radius; /* r, metres, above 0; all particles are equal */
   float
@@ -213,6 +217,31 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_create(const 
  */
 SANDGLASS_API void sandglass_scene_reset(sandglass_scene* scene);
 
+/* Moves everything in the scene rigidly: p becomes rotation * p + translation (either may be NULL: none), velocities
+ * turn. For AR relocalisation, and to shift the origin before coordinates grow large; gravity stays as it is. Pass the
+ * colliders of the next frame moved likewise: they count as unmoved, so what sleeps goes on sleeping. Fails with
+ * INVALID_ARGUMENT, also when something would leave SANDGLASS_COORDINATE_LIMIT; nothing was moved then. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotation[4],
+                                                                        const float translation[3],
+                                                                        const char** reason);
+
+/* Saving and restoring, for an app that goes to the background. The bytes hold the material and the time, not the
+ * description, colliders, hooks or the governor's memory of costs; they are the same on every instruction set, for
+ * little-endian machines. A saved scene and the one restored from the bytes then run on alike, to the bit.
+ *
+ * save_bytes: how many bytes save would write now. save: writes them; finishes the grains' sweep under way and drops
+ * an unfinished sub-step. Fails with INVALID_ARGUMENT or MEMORY_TOO_SMALL.
+ *
+ * restore: into a scene whose description has the same particle_radius and room enough. The bytes need not be trusted:
+ * they are checked, and damage fails with INVALID_ARGUMENT, lack of room with CAPACITY. The scene is then as it was,
+ * or, where bytes with a right checksum contradict themselves, reset. */
+SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_save(sandglass_scene* scene, void* data,
+                                                                        uint64_t bytes, uint64_t* written,
+                                                                        const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_restore(sandglass_scene* scene, const void* data,
+                                                                           uint64_t bytes, const char** reason);
+
 /* One named region of the scene's block. */
 typedef struct sandglass_region {
   const char* name; /* "granular.particles" */
@@ -235,6 +264,45 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_add(
     sandglass_scene* scene, const float* particle_positions, const float* particle_velocities, uint32_t particle_count,
     const float* grain_positions, const float* grain_velocities, uint32_t grain_count, const char** reason);
 
+/* Removes the sand whose centres lie inside a shape (its velocities mean nothing); *particles and *grains, which may be
+ * NULL, receive the counts. Rigid bodies stay. Wakes what is left. Fails with INVALID_ARGUMENT. */
+struct sandglass_collider;
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_remove(sandglass_scene* scene,
+                                                                             const struct sandglass_collider* region,
+                                                                             uint32_t* particles, uint32_t* grains,
+                                                                             const char** reason);
+
+/* A rigid body: particles that keep their shape (shape matching, 4.28-4.36), pushed by sand and pushing it. They are
+ * spheres of the material's radius; sample the body like sand, on a lattice or by Poisson disk, so that a particle
+ * stands for the same volume. One or two particles, a line or a plane of them are bodies too. Grains are not carried by
+ * bodies; pass a collider with the body's pose to keep them out of it. */
+typedef struct sandglass_body {
+  uint32_t struct_size;
+  uint32_t particle_count;
+  const float* particle_positions; /* 3 floats each, world, within SANDGLASS_COORDINATE_LIMIT */
+  float density_ratio;             /* the body's density over that of sand; 0.001..1000; 1 by default */
+  float linear_velocity[3];        /* m/s, of the centre of mass */
+  float angular_velocity[3];       /* rad/s, about it */
+} sandglass_body;
+
+SANDGLASS_API void sandglass_body_default(sandglass_body* body);
+
+/* Adds a body; *index (may be NULL) is its number, counted from 0. Its particles also appear, after those added before,
+ * in sandglass_granular_particles. Fails like sandglass_granular_add. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_add_body(sandglass_scene* scene,
+                                                                               const sandglass_body* body,
+                                                                               uint32_t* index, const char** reason);
+
+typedef struct sandglass_body_pose {
+  float position[3]; /* of the centre of mass: the mean of the particles' positions */
+  float rotation[4]; /* from the pose in which the body was added */
+  float linear_velocity[3];
+  float angular_velocity[3];
+} sandglass_body_pose;
+
+/* The pose of a body now: what draws its mesh. A number that is none gives the identity at the origin. */
+SANDGLASS_API sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index);
+
 /* Replaces the static boundary particles: fixed spheres of the particles' radius, samples of a surface
  * (sandglass_sample_surface with a distance of at most 2r). Particles collide with them; grains do not see them. Fails
  * like sandglass_granular_add. */
@@ -255,7 +323,8 @@ enum {
   SANDGLASS_SHAPE_HALF_SPACE = 0, /* solid below the plane through `position` whose normal is local +y */
   SANDGLASS_SHAPE_SPHERE = 1,     /* size[0] = radius */
   SANDGLASS_SHAPE_CAPSULE = 2,    /* size[0] = radius, size[1] = half length of the segment along local y */
-  SANDGLASS_SHAPE_BOX = 3         /* size = half extents along local x, y, z */
+  SANDGLASS_SHAPE_BOX = 3,        /* size = half extents along local x, y, z */
+  SANDGLASS_SHAPE_FIELD = 4       /* `field`: any surface, as a grid of distances; size means nothing */
 };
 
 /* A solid that sand cannot enter. Kinematic: the app moves it. Its pose is that at the *end* of the frame's time step;
@@ -269,12 +338,19 @@ typedef struct sandglass_collider {
   float size[3];             /* see sandglass_shape; metres, above 0 */
   float linear_velocity[3];  /* m/s, world */
   float angular_velocity[3]; /* rad/s, world, about `position` */
+  int32_t grains_only; /* 1: particles do not see it; for the shape of a rigid body, whose particles stand for it */
+  const struct sandglass_field* field; /* SANDGLASS_SHAPE_FIELD: stays valid during the frame (field.h). Walls thinner
+                                        * than two grains' steps, 2 * refine_step * speed, let fast grains through:
+                                        * make containers SANDGLASS_SOLID_OUTSIDE */
 } sandglass_collider;
+
+/* Where removed particles and grains are said to be: (0, SANDGLASS_REMOVED_Y, 0), beyond every far plane. */
+#define SANDGLASS_REMOVED_Y (-1e6f)
 
 /* A grain as the app's buffer receives it. */
 typedef struct sandglass_grain {
   float position[3];
-  float speed; /* m/s: for shading, level of detail, or sound */
+  float speed; /* m/s: for shading, level of detail, or sound; below 0: the grain was removed */
 } sandglass_grain;
 
 /* Stages, in the order in which a frame runs them. */
@@ -300,13 +376,32 @@ typedef struct sandglass_plan {
   sandglass_plan_run runs[SANDGLASS_PLAN_RUNS];
 } sandglass_plan;
 
+/* A nozzle that pours sand: layers of a hexagonal lattice with the density of packed sand, one whenever the one before
+ * has gone far enough, for as long as the emitter is passed. A layer for which there is no room is left out and
+ * counted. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever. Keep the
+ * space before the nozzle free. */
+typedef struct sandglass_emitter {
+  float position[3];            /* of the nozzle's centre */
+  float rotation[4];            /* local to world, (x, y, z, w); sand leaves along local -y */
+  float radius;                 /* metres; 1 to 100 particle radii */
+  float speed;                  /* m/s, above 0, at most 100; what is faster than courant * r / substep_min is slowed */
+  uint32_t grains_per_particle; /* 0..64, at random places within a particle */
+} sandglass_emitter;
+
 typedef struct sandglass_frame_input {
   uint32_t struct_size;
   float time_step; /* seconds of simulated time to advance; not finite or <= 0 advances nothing; at most 0.1 is taken */
   uint64_t budget_ns; /* time this frame may take by the scene's clock; 0 runs the mandatory part only */
   const sandglass_collider* colliders;
   uint32_t collider_count; /* beyond collider_capacity, or not finite: left out, and reported */
-  void* grains;            /* receives sandglass_grain items in the order in which they were added; NULL: none wanted */
+  uint32_t emitter_count;  /* beyond emitter_capacity, or not usable: left out, and reported */
+  const sandglass_emitter* emitters;
+  const sandglass_collider* sinks; /* shapes that remove the sand whose centres come inside, checked every 20 ms of
+                                    * simulated time; velocities mean nothing; sleeping sand and rigid bodies stay */
+  uint32_t sink_count;             /* beyond sink_capacity, or not usable: left out, and reported */
+  float output_lag;        /* seconds, 0..0.1: grains are written where they were so long before the state's time, for
+                            * displays faster than the simulation; 0 = newest */
+  void* grains;            /* receives sandglass_grain items by number; NULL: none wanted */
   uint32_t grain_stride;   /* bytes from one item to the next, at least sizeof(sandglass_grain) and a multiple of 4 */
   uint32_t grain_capacity; /* items that fit */
   const sandglass_plan* plan; /* NULL, or a recorded plan to execute: the clock then decides nothing */
@@ -341,14 +436,19 @@ typedef struct sandglass_frame_report {
   uint32_t particles;
   uint32_t awake; /* particles that do not sleep */
   uint32_t grains;
-  uint32_t awake_grains; /* of the last sweep, in whole groups of 16; the rest slept */
+  uint32_t awake_grains;     /* of the last sweep, in whole groups of 16; the rest slept */
   uint32_t dropped_contacts; /* neighbours beyond a list's capacity (32), summed over the frame's list builds; 0 in any
                                 packing */
   uint32_t quarantined;      /* particles and grains found not finite, or beyond the coordinate limit, and reset to rest
                                 inside it */
-  uint32_t ignored_colliders; /* not finite, degenerate, or beyond capacity */
-  float speed_max;            /* m/s; fastest particle in the last sub-step */
-  sandglass_plan plan;        /* what was executed: record it to replay the frame */
+  uint32_t ignored_colliders; /* and emitters and sinks: not finite, degenerate, or beyond capacity */
+  uint32_t particle_numbers;  /* numbers given out so far: the length of what sandglass_granular_particles writes */
+  uint32_t grain_numbers;     /* likewise */
+  uint64_t emitted_particles, emitted_grains; /* by emitters, since create or reset */
+  uint64_t removed_particles, removed_grains; /* by sinks and sandglass_granular_remove */
+  uint64_t denied_particles;                  /* that emitters had no room for */
+  float speed_max;                            /* m/s; fastest particle in the last sub-step */
+  sandglass_plan plan;                        /* what was executed: record it to replay the frame */
 } sandglass_frame_report;
 
 /* Advances the scene by one frame: moves simulated time on by input->time_step plus what earlier frames still owe (at
@@ -368,8 +468,9 @@ SANDGLASS_API const char* sandglass_level_name(uint32_t level);
 
 /* ------------------------------------------------------------------------------------------------ reading the state */
 
-/* Copies of the present state, in the order in which items were added; 3 floats an item, room for the respective count.
- * Any pointer may be NULL. Not part of the frame: for saving, tests and tools. */
+/* Copies of the present state by number: the order in which items were added, unless some were removed, whose numbers
+ * new ones take over. 3 floats an item, room for report.particle_numbers or grain_numbers items. Removed items are at
+ * SANDGLASS_REMOVED_Y, at rest. Any pointer may be NULL. Not part of the frame: for tests and tools. */
 SANDGLASS_API void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities);
 SANDGLASS_API void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities);
 

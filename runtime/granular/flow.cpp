@@ -1,0 +1,328 @@
+// Coming and going: emitters pour particles and grains into the scene, sinks and the app take them out.
+//
+// Removing moves the last record into the gap, so it costs what is removed and nothing else. Emitting happens between
+// intervals of simulated time, never in the middle of a sub-step, and only while the grains' arrays are not being
+// sorted; what cannot come in time comes later, as far from the nozzle as it would be by then.
+#include "runtime/granular/granular.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr float k_spacing_radii = 2.02f;  // of the poured lattice
+constexpr float k_row = 0.8660254f;       // sqrt(3)/2
+constexpr float k_layer = 0.81649658f;    // sqrt(2/3)
+constexpr float k_jitter_radii = 0.02f;   // of every coordinate: perfect layers would stack
+constexpr uint32_t k_batch = 64;          // sites added at once, from the stack
+
+bool finite(const float* a, uint32_t n) {
+  bool all = true;
+  for (uint32_t i = 0; i < n; ++i) all = all && a[i] - a[i] == 0.0f;
+  return all;
+}
+
+uint64_t mix(uint64_t z) {  // splitmix64
+  z += 0x9e3779b97f4a7c15u;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+// -1..1
+float symmetric(uint64_t bits) { return static_cast<float>(static_cast<int32_t>(bits >> 40) - (1 << 23)) * 0x1p-23f; }
+
+bool accept(const Granular& g, const sandglass_emitter& emitter, sandglass_emitter* accepted) {
+  const float r = g.desc.particle_radius;
+  const float* q = emitter.rotation;
+  if (!finite(emitter.position, 3) || !finite(q, 4)) return false;
+  for (const float p : emitter.position) {
+    if (!(__builtin_fabsf(p) <= SANDGLASS_COORDINATE_LIMIT)) return false;
+  }
+  if (!(emitter.radius >= r && emitter.radius <= 100.0f * r)) return false;
+  if (!(emitter.speed > 0.0f && emitter.speed <= 100.0f) || emitter.grains_per_particle > 64) return false;
+  const float length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  if (!(length2 > 1e-12f && length2 < 1e12f)) return false;
+  *accepted = emitter;
+  const float fastest = g.desc.courant * r / g.substep_min, inverse = 1.0f / __builtin_sqrtf(length2);
+  if (accepted->speed > fastest) accepted->speed = fastest;
+  for (float& c : accepted->rotation) c *= inverse;
+  return true;
+}
+
+struct Nozzle {
+  float axes[3][3];  // local x, y, z in the world
+};
+
+Nozzle nozzle_of(const sandglass_emitter& e) {
+  sandglass_collider frame = {};
+  for (int k = 0; k < 4; ++k) frame.rotation[k] = e.rotation[k];
+  ColliderFrame posed;
+  colliders_pose(&frame, 1, 0.0f, &posed);
+  Nozzle nozzle;
+  __builtin_memcpy(nozzle.axes, posed.axes, sizeof nozzle.axes);
+  return nozzle;
+}
+
+// Sites of a layer: rows of a triangular lattice within the nozzle, every layer shifted against the last. Calls take(x,
+// z).
+template <class Take>
+void for_sites(const sandglass_emitter& e, float radius, uint32_t layer, const Take& take) {
+  const float a = k_spacing_radii * radius, reach = e.radius;
+  const float shift_x = layer % 2 == 0 ? 0.0f : 0.5f * a, shift_z = layer % 2 == 0 ? 0.0f : a * k_row / 3.0f;
+  const int32_t rows = static_cast<int32_t>(reach / (a * k_row)) + 2, columns = static_cast<int32_t>(reach / a) + 2;
+  for (int32_t j = -rows; j <= rows; ++j) {
+    for (int32_t i = -columns; i <= columns; ++i) {
+      const float x = (static_cast<float>(i) + ((j & 1) != 0 ? 0.5f : 0.0f)) * a + shift_x;
+      const float z = static_cast<float>(j) * a * k_row + shift_z;
+      if (x * x + z * z <= reach * reach) take(x, z);
+    }
+  }
+}
+
+struct Batch {
+  float positions[3 * k_batch], velocities[3 * k_batch];
+  uint32_t count;
+};
+
+void flush(Granular* g, Batch* batch, bool grains) {
+  // Room was checked for the whole layer; what still fails here is a nozzle beyond the coordinate limit.
+  const uint32_t particles = grains ? 0 : batch->count, fine = grains ? batch->count : 0;
+  const sandglass_status status = granular_add(g, batch->positions, batch->velocities, particles, batch->positions,
+                                               batch->velocities, fine, nullptr);
+  batch->count = 0;
+  if (status != SANDGLASS_OK) {
+    g->denied_particles += particles;
+    return;
+  }
+  g->emitted_particles += particles;
+  g->emitted_grains += fine;
+}
+
+void put_site(Granular* g, Batch* batch, bool grains, const float position[3], const float velocity[3]) {
+  for (uint32_t k = 0; k < 3; ++k)
+    batch->positions[3 * batch->count + k] = position[k], batch->velocities[3 * batch->count + k] = velocity[k];
+  if (++batch->count == k_batch) flush(g, batch, grains);
+}
+
+void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_t layer, float gone) {
+  const float r = g->desc.particle_radius;
+  uint32_t sites = 0;
+  for_sites(e, r, layer, [&](float, float) { ++sites; });
+  const uint64_t grains = static_cast<uint64_t>(sites) * e.grains_per_particle;
+  if (sites > g->desc.particle_capacity - g->particle_count || grains > g->desc.grain_capacity - g->grain_count) {
+    g->denied_particles += sites;
+    return;
+  }
+  const Nozzle nozzle = nozzle_of(e);
+  float velocity[3];
+  for (int k = 0; k < 3; ++k) velocity[k] = -e.speed * nozzle.axes[1][k];
+  Batch particles, fine;
+  particles.count = fine.count = 0;
+  uint64_t seed = mix((static_cast<uint64_t>(index) << 32) | layer);
+  for_sites(e, r, layer, [&](float x, float z) {
+    float at[3];
+    for (int k = 0; k < 3; ++k) {
+      seed = mix(seed);
+      at[k] = e.position[k] + x * nozzle.axes[0][k] - gone * nozzle.axes[1][k] + z * nozzle.axes[2][k] +
+              k_jitter_radii * r * symmetric(seed);
+    }
+    put_site(g, &particles, false, at, velocity);
+    for (uint32_t grain = 0; grain < e.grains_per_particle;) {
+      float offset[3], length2 = 0.0f;
+      for (float& o : offset) seed = mix(seed), o = symmetric(seed), length2 += o * o;
+      if (length2 > 1.0f) continue;  // uniform within the ball
+      for (int k = 0; k < 3; ++k) offset[k] = at[k] + r * offset[k];
+      put_site(g, &fine, true, offset, velocity);
+      ++grain;
+    }
+  });
+  if (particles.count != 0) flush(g, &particles, false);
+  if (fine.count != 0) flush(g, &fine, true);
+}
+
+uint32_t id_of(const float* slot) {
+  uint32_t id;
+  __builtin_memcpy(&id, slot, sizeof id);
+  return id;
+}
+
+// Takes particle i out; the last one moves into its place.
+void remove_particle(Granular* g, uint32_t i) {
+  float* record = g->records[0] + static_cast<uint64_t>(i) * k_record_floats;
+  g->free_particles[g->free_particle_count++] = id_of(record + 7) & k_number_mask;
+  if (record[3] > 0.0f) --g->awake_count;
+  const uint32_t last = --g->particle_count;
+  if (i == last) return;
+  const float* moved = g->records[0] + static_cast<uint64_t>(last) * k_record_floats;
+  __builtin_memcpy(record, moved, k_record_floats * sizeof(float));
+  const uint32_t id = id_of(record + 7);
+  if (id > k_number_mask) g->body_rows[g->rest[id & k_number_mask].body_slot] = i;
+}
+
+void remove_grain(Granular* g, uint32_t i) {
+  float* record = g->grains[0] + static_cast<uint64_t>(i) * k_record_floats;
+  g->free_grains[g->free_grain_count++] = id_of(record + 3);
+  const uint32_t last = --g->grain_count;
+  __builtin_memcpy(record, g->grains[0] + static_cast<uint64_t>(last) * k_record_floats,
+                   k_record_floats * sizeof(float));
+}
+
+// Removes what lies inside the shapes from the group that begins at `first`, from its end, so that what moves into a
+// gap comes from beyond. Returns how many.
+template <class Remove>
+uint32_t drain_group(const Granular& g, const float* records, const uint32_t* count, uint32_t first,
+                     const ColliderFrame* shapes, uint32_t shape_count, const Remove& remove) {
+  uint8_t inside[k_lane_group];
+  uint32_t found = 0, removed = 0;
+  const InsideArgs args = {records, *count, shapes, shape_count, inside};
+  const uint32_t left = *count - first, lanes = left < k_lane_group ? left : k_lane_group;
+  g.kernels->find_inside(&args, first, first + k_lane_group, &found);
+  for (uint32_t l = lanes; found != 0 && l-- > 0;) {
+    if (inside[l] != 0 && remove(first + l)) ++removed;
+  }
+  return removed;
+}
+
+bool is_body(const Granular& g, uint32_t i) {
+  return id_of(g.records[0] + static_cast<uint64_t>(i) * k_record_floats + 7) > k_number_mask;
+}
+
+// Sleeping groups' records may have moved; which groups sleep is found out by the next list build.
+void after_removal(Granular* g) {
+  g->lists_valid = false;
+  g->wake_due = false;
+  g->waking_count = 0;
+  granular_seal_particles(g);
+}
+
+}  // namespace
+
+void granular_take_flow(Granular* g, const sandglass_frame_input* input) {
+  g->emitter_count = 0;
+  for (uint32_t e = 0; e < input->emitter_count; ++e) {
+    if (input->emitters == nullptr || g->emitter_count == g->desc.emitter_capacity ||
+        !accept(*g, input->emitters[e], &g->emitters[g->emitter_count])) {
+      ++g->ignored_colliders;
+    } else {
+      ++g->emitter_count;
+    }
+  }
+  // An emitter that is no longer passed starts from nothing when it comes back.
+  for (uint32_t e = g->emitter_count; e < g->desc.emitter_capacity; ++e) g->emitter_states[e] = {};
+  g->sink_count = 0;
+  for (uint32_t s = 0; s < input->sink_count; ++s) {
+    sandglass_collider accepted;
+    if (input->sinks == nullptr || g->sink_count == g->desc.sink_capacity ||
+        !collider_accept(input->sinks[s], &accepted)) {
+      ++g->ignored_colliders;
+    } else {
+      colliders_pose(&accepted, 1, 0.0f, &g->sinks[g->sink_count++]);
+    }
+  }
+}
+
+bool granular_can_emit(const Granular& g) {
+  return g.grain_phase == GrainPhase::idle || g.grain_phase == GrainPhase::refine || g.grain_phase == GrainPhase::drain;
+}
+
+void granular_emit(Granular* g, double seconds) {
+  const double layer = static_cast<double>(k_spacing_radii * k_layer * g->desc.particle_radius);
+  for (uint32_t e = 0; e < g->emitter_count; ++e) {
+    EmitterState& state = g->emitter_states[e];
+    const sandglass_emitter& emitter = g->emitters[e];
+    if (state.layer == 0) state.run = layer;  // the first comes at once
+    state.run += seconds * static_cast<double>(emitter.speed);
+    if (!granular_can_emit(*g)) continue;
+    while (state.run >= layer) {
+      state.run -= layer;
+      emit_layer(g, emitter, e, state.layer++, static_cast<float>(state.run));
+    }
+  }
+}
+
+uint32_t granular_drain_items(const Granular& g) {
+  const uint32_t left = g.active_count * k_lane_group - g.cursor;
+  return left < g.unit ? left : g.unit;
+}
+
+void granular_run_drain(Granular* g) {
+  const uint32_t items = g->active_count * k_lane_group;
+  const uint32_t end = items - g->cursor < g->unit ? items : g->cursor + g->unit;
+  uint32_t removed = 0;
+  // From the last group to the first: the record that fills a gap has been looked at.
+  for (uint32_t at = g->cursor; at < end; at += k_lane_group) {
+    const uint32_t first = g->active_groups[g->active_count - 1 - at / k_lane_group] * k_lane_group;
+    if (first >= g->particle_count) continue;
+    removed += drain_group(*g, g->records[0], &g->particle_count, first, g->sinks, g->sink_count, [g](uint32_t i) {
+      const float* r = g->records[0] + static_cast<uint64_t>(i) * k_record_floats;
+      if (is_body(*g, i) || !(r[3] > 0.0f)) return false;
+      remove_particle(g, i);
+      return true;
+    });
+  }
+  g->removed_particles += removed;
+  if (removed != 0) after_removal(g);
+  g->cursor = end;
+  if (end < items) return;
+  g->drain_due = false;
+  granular_settle(g);
+}
+
+void granular_run_grain_drain(Granular* g) {
+  const uint32_t items = g->grain_group_count * k_lane_group;
+  const uint32_t end = items - g->grain_cursor < g->unit ? items : g->grain_cursor + g->unit;
+  uint32_t removed = 0;
+  for (uint32_t at = g->grain_cursor; at < end; at += k_lane_group) {
+    const uint32_t first = g->grain_groups[g->grain_group_count - 1 - at / k_lane_group] * k_lane_group;
+    if (first >= g->grain_count) continue;
+    removed += drain_group(*g, g->grains[0], &g->grain_count, first, g->sinks, g->sink_count, [g](uint32_t i) {
+      remove_grain(g, i);
+      return true;
+    });
+  }
+  g->removed_grains += removed;
+  if (removed != 0) g->groups_changed = true;
+  g->grain_cursor = end;
+  if (end < items) return;
+  g->grain_phase = GrainPhase::idle;
+}
+
+sandglass_status granular_remove(Granular* g, const sandglass_collider* region, uint32_t* particles, uint32_t* grains,
+                                 const char** reason) {
+  sandglass_collider accepted;
+  if (region == nullptr || !collider_accept(*region, &accepted)) {
+    if (reason != nullptr) *reason = "sandglass_granular_remove: region is NULL, not finite or without size.";
+    return SANDGLASS_ERROR_INVALID_ARGUMENT;
+  }
+  ColliderFrame shape;
+  colliders_pose(&accepted, 1, 0.0f, &shape);
+  granular_wake_all(g);
+  uint32_t removed = 0, removed_grains = 0;
+  for (uint32_t group = (g->particle_count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
+    removed += drain_group(*g, g->records[0], &g->particle_count, group * k_lane_group, &shape, 1, [g](uint32_t i) {
+      if (is_body(*g, i)) return false;
+      remove_particle(g, i);
+      return true;
+    });
+  }
+  for (uint32_t group = (g->grain_count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
+    removed_grains += drain_group(*g, g->grains[0], &g->grain_count, group * k_lane_group, &shape, 1, [g](uint32_t i) {
+      remove_grain(g, i);
+      return true;
+    });
+  }
+  if (g->desc.particle_capacity != 0) after_removal(g);
+  if (removed_grains != 0) {
+    g->groups_changed = true;
+    g->grain_phase = GrainPhase::idle;
+    g->grains_asleep = false;
+  }
+  g->removed_particles += removed;
+  g->removed_grains += removed_grains;
+  if (particles != nullptr) *particles = removed;
+  if (grains != nullptr) *grains = removed_grains;
+  if (reason != nullptr) *reason = nullptr;
+  return SANDGLASS_OK;
+}
+
+}  // namespace sandglass

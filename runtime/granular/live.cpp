@@ -1,0 +1,359 @@
+// A scene that lives on: moved rigidly, saved to bytes, restored from them.
+//
+// All three first settle the scene: the grains' sweep is finished, the sub-step under way is abandoned or ended, lists
+// and orders that can be found again are forgotten. So a scene that was saved goes on exactly as the one restored from
+// the bytes, to the bit, whatever it was in the middle of.
+#include "runtime/granular/granular.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr uint32_t k_magic = 0x73676473;  // "sgds"
+constexpr uint32_t k_version = 1;
+
+struct Header {
+  uint32_t magic, version;
+  uint64_t bytes;     // all of it
+  uint64_t checksum;  // FNV-1a over what follows the header
+  uint32_t particles, free_particles, grains, free_grains, boundary, bodies, body_particles, emitters;
+  float particle_radius;
+  uint32_t reserved;
+};
+
+// What of the state is neither an array nor found again.
+struct Scalars {
+  double owed, requested, simulated, unswept, next_rest;
+  uint64_t emitted_particles, emitted_grains, removed_particles, removed_grains, denied_particles;
+  float low[3], high[3];
+  float speed_max, frame_step, densest_body, builds_per_substep;
+  uint32_t bounds_known, awake;
+};
+
+uint64_t fnv(const uint8_t* bytes, uint64_t count) {
+  uint64_t hash = 14695981039346656037ull;
+  for (uint64_t i = 0; i < count; ++i) hash = (hash ^ bytes[i]) * 1099511628211ull;
+  return hash;
+}
+
+Header header_of(const Granular& g) {
+  Header h = {};
+  h.magic = k_magic, h.version = k_version;
+  h.particles = g.particle_count, h.free_particles = g.free_particle_count;
+  h.grains = g.grain_count, h.free_grains = g.free_grain_count;
+  h.boundary = g.boundary_count, h.bodies = g.body_count, h.body_particles = g.body_particle_count;
+  h.emitters = g.desc.emitter_capacity;
+  h.particle_radius = g.desc.particle_radius;
+  return h;
+}
+
+// The one walk over the arrays: counts, copies out or copies in.
+template <class Visit>
+void for_arrays(Granular* g, const Header& h, Scalars* scalars, const Visit& visit) {
+  const uint64_t record = k_record_floats * sizeof(float);
+  visit(scalars, sizeof *scalars);
+  visit(g->records[0], h.particles * record);
+  visit(g->rest, (static_cast<uint64_t>(h.particles) + h.free_particles) * sizeof(Rest));
+  visit(g->free_particles, h.free_particles * sizeof(uint32_t));
+  visit(g->grains[0], h.grains * record);
+  visit(g->free_grains, h.free_grains * sizeof(uint32_t));
+  visit(g->records[0] == nullptr ? nullptr : g->records[0] + static_cast<uint64_t>(g->particle_rows) * k_record_floats,
+        h.boundary * record);
+  visit(g->bodies, h.bodies * sizeof(RigidBody));
+  visit(g->body_rest, 3ull * h.body_particles * sizeof(float));
+  visit(g->body_rows, h.body_particles * sizeof(uint32_t));
+  visit(g->body_numbers, h.body_particles * sizeof(uint32_t));
+  visit(g->emitter_states, h.emitters * sizeof(EmitterState));
+}
+
+uint64_t size_of(Granular* g, const Header& h) {
+  uint64_t bytes = sizeof(Header);
+  Scalars unused;
+  for_arrays(g, h, &unused, [&bytes](const void*, uint64_t count) { bytes += count; });
+  return bytes;
+}
+
+// Settled: nothing is under way, and nothing is remembered that a restored scene would not know.
+void settle(Granular* g) {
+  if (g->desc.particle_capacity == 0) return;
+  granular_finish_sweep(g);
+  granular_abandon_substep(g);
+  g->interval_left = 0;
+  g->interval_owed = 0.0;
+  g->cursor = g->pass = g->grain_cursor = 0;
+  g->lists_valid = g->touch_due = false;
+  g->waking_count = 0;
+  g->last_spread = g->list_slack = 0.0f;
+  g->substep = g->last_substep = g->substep_max;
+  g->sweeps_since_sort = 1e9f;
+  g->still_groups = g->grain_group_count = 0;
+  g->groups_changed = true;
+  g->grains_asleep = false;
+  g->adopts_colliders = true;
+  granular_seal_particles(g);
+}
+
+bool finite(float a) { return a - a == 0.0f; }
+bool finite(double a) { return a - a == 0.0; }
+
+uint32_t id_of(const float* slot) {
+  uint32_t id;
+  __builtin_memcpy(&id, slot, sizeof id);
+  return id;
+}
+
+bool sound_positions(const float* records, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const float* r = records + static_cast<uint64_t>(i) * k_record_floats;
+    for (int k = 0; k < 3; ++k) {
+      if (!(__builtin_fabsf(r[k]) <= k_coordinate_bound) || !finite(r[4 + k])) return false;
+    }
+  }
+  return true;
+}
+
+// Whether the numbers of `count` records and the `free` ones are 0, 1, 2, ... in some order. marks: count + free words.
+bool sound_numbers(const float* records, uint32_t count, int slot, uint32_t mask, const uint32_t* free,
+                   uint32_t free_count, uint32_t* marks) {
+  const uint64_t all = static_cast<uint64_t>(count) + free_count;
+  for (uint64_t i = 0; i < all; ++i) marks[i] = 0;
+  for (uint64_t i = 0; i < all; ++i) {
+    const uint32_t number = i < count ? id_of(records + i * k_record_floats + slot) & mask : free[i - count];
+    if (number >= all || marks[number]++ != 0) return false;
+  }
+  return true;
+}
+
+// Everything that is used as an index or must be a number. Runs on the restored arrays; a scene that fails is reset.
+bool sound(Granular* g, const Header& h, const Scalars& s) {
+  const double times[] = {s.owed, s.requested, s.simulated, s.unswept, s.next_rest};
+  for (const double t : times) {
+    if (!finite(t)) return false;
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (!finite(s.low[k]) || !finite(s.high[k])) return false;
+  }
+  if (!(s.owed >= 0.0 && s.owed <= 1.0 && s.unswept >= 0.0 && s.unswept <= 10.0)) return false;
+  if (!finite(s.speed_max) || !(s.frame_step >= 0.0f && s.frame_step <= 1.0f) || !finite(s.densest_body)) return false;
+  if (!(s.builds_per_substep >= 0.0f && s.builds_per_substep <= 1.0f)) return false;
+  if (!sound_positions(g->records[0], h.particles) || !sound_positions(g->grains[0], h.grains)) return false;
+  const float* boundary = g->records[0] + static_cast<uint64_t>(g->particle_rows) * k_record_floats;
+  if (!sound_positions(boundary, h.boundary)) return false;
+  // The lists are invalid by now: their memory serves for marks. The sorted copy of the grains does for them.
+  if (!sound_numbers(g->records[0], h.particles, 7, k_number_mask, g->free_particles, h.free_particles, g->lists))
+    return false;
+  if (h.grains + static_cast<uint64_t>(h.free_grains) != 0 &&
+      !sound_numbers(g->grains[0], h.grains, 3, ~0u, g->free_grains, h.free_grains,
+                     reinterpret_cast<uint32_t*>(g->grains[1])))
+    return false;
+  uint32_t slots = 0, awake = 0, in_bodies = 0;
+  for (uint32_t b = 0; b < h.bodies; ++b) {
+    const RigidBody& body = g->bodies[b];
+    if (body.first != slots || body.count == 0 || body.count > h.body_particles - slots) return false;
+    slots += body.count;
+    for (int k = 0; k < 4; ++k) {
+      if (!(body.rotation[k] >= -1.001 && body.rotation[k] <= 1.001)) return false;
+    }
+    for (int k = 0; k < 3; ++k) {
+      if (!(__builtin_fabs(body.center[k]) <= static_cast<double>(k_coordinate_bound))) return false;
+    }
+    for (uint32_t slot = body.first; slot < slots; ++slot) {
+      const uint32_t row = g->body_rows[slot];
+      if (row >= h.particles) return false;
+      const uint32_t id = id_of(g->records[0] + static_cast<uint64_t>(row) * k_record_floats + 7);
+      if (id >> k_body_shift != b + 1 || (id & k_number_mask) != g->body_numbers[slot]) return false;
+      if (g->rest[id & k_number_mask].body_slot != slot) return false;
+      for (int k = 0; k < 3; ++k) {
+        if (!finite(g->body_rest[3ull * slot + k])) return false;
+      }
+    }
+  }
+  if (slots != h.body_particles) return false;
+  for (uint32_t i = 0; i < h.particles; ++i) {
+    const float* r = g->records[0] + static_cast<uint64_t>(i) * k_record_floats;
+    const float weight = __builtin_fabsf(r[3]);
+    if (!(weight >= 1e-4f && weight <= 1e4f)) return false;
+    awake += r[3] > 0.0f ? 1u : 0u;
+    in_bodies += id_of(r + 7) > k_number_mask ? 1u : 0u;
+  }
+  return awake == s.awake && in_bodies == h.body_particles;
+}
+
+sandglass_status fail(sandglass_status status, const char* sentence, const char** reason) {
+  if (reason != nullptr) *reason = sentence;
+  return status;
+}
+
+struct Motion {
+  float axes[3][3];  // images of x, y, z
+  float shift[3];
+  double rotation[4];
+
+  void turn(float v[3]) const {
+    const float x = v[0], y = v[1], z = v[2];
+    for (int k = 0; k < 3; ++k) v[k] = x * axes[0][k] + y * axes[1][k] + z * axes[2][k];
+  }
+  void move(float p[3]) const {
+    turn(p);
+    for (int k = 0; k < 3; ++k) p[k] += shift[k];
+  }
+};
+
+bool stays_within(const Motion& motion, const float* records, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const float* r = records + static_cast<uint64_t>(i) * k_record_floats;
+    float p[3] = {r[0], r[1], r[2]};
+    motion.move(p);
+    for (const float c : p) {
+      if (!(__builtin_fabsf(c) <= SANDGLASS_COORDINATE_LIMIT)) return false;
+    }
+  }
+  return true;
+}
+
+void move_records(const Motion& motion, float* records, uint32_t count) {
+  for (uint32_t i = 0; i < count; ++i) {
+    float* r = records + static_cast<uint64_t>(i) * k_record_floats;
+    motion.move(r);
+    motion.turn(r + 4);
+  }
+}
+
+}  // namespace
+
+uint64_t granular_save_bytes(const Granular& granular) {
+  Granular g = granular;  // the walk takes pointers; nothing is written
+  return size_of(&g, header_of(g));
+}
+
+sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t* written, const char** reason) {
+  if (data == nullptr || written == nullptr)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_scene_save: data or written is NULL.", reason);
+  settle(g);
+  Header h = header_of(*g);
+  h.bytes = size_of(g, h);
+  if (bytes < h.bytes)
+    return fail(SANDGLASS_ERROR_MEMORY_TOO_SMALL,
+                "sandglass_scene_save: fewer bytes than sandglass_scene_save_bytes says.", reason);
+  Scalars s = {};
+  s.owed = g->owed, s.requested = g->requested, s.simulated = g->simulated, s.unswept = g->unswept;
+  s.next_rest = g->next_rest;
+  s.emitted_particles = g->emitted_particles, s.emitted_grains = g->emitted_grains;
+  s.removed_particles = g->removed_particles, s.removed_grains = g->removed_grains;
+  s.denied_particles = g->denied_particles;
+  for (int k = 0; k < 3; ++k) s.low[k] = g->low[k], s.high[k] = g->high[k];
+  s.speed_max = g->speed_max, s.frame_step = g->frame_step, s.densest_body = g->densest_body;
+  s.builds_per_substep = g->builds_per_substep;
+  s.bounds_known = g->bounds_known ? 1 : 0, s.awake = g->awake_count;
+  uint8_t* to = static_cast<uint8_t*>(data) + sizeof h;
+  for_arrays(g, h, &s, [&to](const void* from, uint64_t count) {
+    if (to != nullptr && from != nullptr) __builtin_memcpy(to, from, count);
+    to += count;
+  });
+  h.checksum = fnv(static_cast<const uint8_t*>(data) + sizeof h, h.bytes - sizeof h);
+  __builtin_memcpy(data, &h, sizeof h);
+  *written = h.bytes;
+  if (reason != nullptr) *reason = nullptr;
+  return SANDGLASS_OK;
+}
+
+sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes, const char** reason) {
+  Header h;
+  if (data == nullptr || bytes < sizeof h)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_scene_restore: data is NULL or shorter than a saved scene.", reason);
+  __builtin_memcpy(&h, data, sizeof h);
+  if (h.magic != k_magic || h.version != k_version)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_scene_restore: not a scene saved by this version of the library.", reason);
+  const sandglass_granular_desc& d = g->desc;
+  if (h.bytes != bytes || h.reserved != 0 ||
+      fnv(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_scene_restore: the data is cut or damaged.", reason);
+  if (h.particle_radius != d.particle_radius)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_scene_restore: saved with another granular.particle_radius.", reason);
+  if (static_cast<uint64_t>(h.particles) + h.free_particles > d.particle_capacity ||
+      static_cast<uint64_t>(h.grains) + h.free_grains > d.grain_capacity || h.boundary > d.boundary_capacity ||
+      h.bodies > d.body_capacity || h.body_particles > d.body_particle_capacity || h.emitters > d.emitter_capacity) {
+    return fail(SANDGLASS_ERROR_CAPACITY,
+                "sandglass_scene_restore: the saved scene holds more than this one has room for: raise its capacities.",
+                reason);
+  }
+  if (size_of(g, h) != bytes)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_scene_restore: the data is cut or damaged.", reason);
+  granular_reset(g);
+  if (d.particle_capacity != 0) {
+    Scalars s = {};
+    const uint8_t* from = static_cast<const uint8_t*>(data) + sizeof h;
+    for_arrays(g, h, &s, [&from](void* to, uint64_t count) {
+      if (to != nullptr && from != nullptr) __builtin_memcpy(to, from, count);
+      from += count;
+    });
+    if (!sound(g, h, s)) {
+      granular_reset(g);
+      return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "sandglass_scene_restore: the data contradicts itself; the scene was reset.", reason);
+    }
+    g->particle_count = h.particles, g->free_particle_count = h.free_particles;
+    g->grain_count = h.grains, g->free_grain_count = h.free_grains;
+    g->body_count = h.bodies, g->body_particle_count = h.body_particles;
+    g->owed = s.owed, g->requested = s.requested, g->simulated = s.simulated, g->unswept = s.unswept;
+    g->next_rest = s.next_rest;
+    g->emitted_particles = s.emitted_particles, g->emitted_grains = s.emitted_grains;
+    g->removed_particles = s.removed_particles, g->removed_grains = s.removed_grains;
+    g->denied_particles = s.denied_particles;
+    for (int k = 0; k < 3; ++k) g->low[k] = s.low[k], g->high[k] = s.high[k];
+    g->speed_max = s.speed_max, g->frame_step = s.frame_step, g->densest_body = s.densest_body;
+    g->builds_per_substep = s.builds_per_substep;
+    g->bounds_known = s.bounds_known != 0, g->awake_count = s.awake;
+    granular_sort_boundary(g, h.boundary);
+    settle(g);
+  }
+  if (reason != nullptr) *reason = nullptr;
+  return SANDGLASS_OK;
+}
+
+sandglass_status granular_move(Granular* g, const float rotation[4], const float translation[3], const char** reason) {
+  sandglass_collider frame = {}, accepted;
+  frame.rotation[3] = 1.0f;
+  for (int k = 0; rotation != nullptr && k < 4; ++k) frame.rotation[k] = rotation[k];
+  for (int k = 0; translation != nullptr && k < 3; ++k) frame.position[k] = translation[k];
+  if (!collider_accept(frame, &accepted))
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_scene_move: rotation or translation is not finite, or the rotation has no length.", reason);
+  if (g->desc.particle_capacity == 0) return fail(SANDGLASS_OK, nullptr, reason);
+  ColliderFrame posed;
+  colliders_pose(&accepted, 1, 0.0f, &posed);
+  Motion motion;
+  __builtin_memcpy(motion.axes, posed.axes, sizeof motion.axes);
+  for (int k = 0; k < 3; ++k) motion.shift[k] = accepted.position[k];
+  for (int k = 0; k < 4; ++k) motion.rotation[k] = static_cast<double>(accepted.rotation[k]);
+  float* boundary = g->records[0] + static_cast<uint64_t>(g->particle_rows) * k_record_floats;
+  if (!stays_within(motion, g->records[0], g->particle_count) || !stays_within(motion, g->grains[0], g->grain_count) ||
+      !stays_within(motion, boundary, g->boundary_count)) {
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_scene_move: something would be more than 1000 m from the origin; nothing was moved.",
+                reason);
+  }
+  settle(g);
+  move_records(motion, g->records[0], g->particle_count);
+  if (g->grain_count != 0) move_records(motion, g->grains[0], g->grain_count);
+  for (uint32_t i = 0; i < g->particle_count + g->free_particle_count; ++i) motion.move(g->rest[i].anchor);
+  for (uint32_t b = 0; b < g->body_count; ++b) granular_move_body(g, b, motion.rotation, motion.shift);
+  bool first = true;
+  for (uint32_t i = 0; i < g->particle_count; ++i) {
+    const float* r = g->records[0] + static_cast<uint64_t>(i) * k_record_floats;
+    for (int k = 0; k < 3; ++k) {
+      if (first || r[k] < g->low[k]) g->low[k] = r[k];
+      if (first || r[k] > g->high[k]) g->high[k] = r[k];
+    }
+    first = false;
+  }
+  move_records(motion, boundary, g->boundary_count);
+  granular_sort_boundary(g, g->boundary_count);
+  if (reason != nullptr) *reason = nullptr;
+  return SANDGLASS_OK;
+}
+
+}  // namespace sandglass

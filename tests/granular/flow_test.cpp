@@ -1,0 +1,226 @@
+// Emitters, sinks and removal: everything that comes is somewhere or has gone, and numbers are used again.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "tests/granular/granular_scene.h"
+
+namespace {
+
+constexpr float k_radius = 0.01f, k_frame = 0.02f;
+
+struct Flow {
+  Flow(uint32_t particles, uint32_t grains_per_particle, sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC,
+       uint32_t unit = 1024)
+      : scene([&] {
+          sandglass_scene_desc desc = description(particles, particles * grains_per_particle);
+          desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
+          desc.isa = isa;
+          desc.unit_items = unit;
+          return desc;
+        }()) {
+    emitter.position[1] = 0.5f;
+    emitter.rotation[3] = 1.0f;
+    emitter.radius = 0.04f;
+    emitter.speed = 1.0f;
+    emitter.grains_per_particle = grains_per_particle;
+    sink = half_space(-0.3f);
+    if (grains_per_particle != 0) scene.grains.resize(static_cast<size_t>(particles) * grains_per_particle);
+  }
+
+  sandglass_frame_report frame() {
+    sandglass_frame_input input;
+    sandglass_frame_input_default(&input);
+    input.time_step = k_frame;
+    input.budget_ns = ~0ull >> 1;
+    input.colliders = scene.colliders.data();
+    input.collider_count = static_cast<uint32_t>(scene.colliders.size());
+    input.emitters = &emitter, input.emitter_count = pours ? 1 : 0;
+    input.sinks = &sink, input.sink_count = drains ? 1 : 0;
+    input.grains = scene.grains.empty() ? nullptr : scene.grains.data();
+    input.grain_capacity = static_cast<uint32_t>(scene.grains.size());
+    input.output_lag = lag;
+    sandglass_frame_report report;
+    const char* reason = nullptr;
+    EXPECT_EQ(sandglass_scene_frame(scene.scene, &input, &report, &reason), SANDGLASS_OK) << reason;
+    scene.particle_count = report.particle_numbers;
+    return report;
+  }
+
+  GranularScene scene;
+  sandglass_emitter emitter = {};
+  sandglass_collider sink = {};
+  bool pours = true, drains = true;
+  float lag = 0.0f;
+};
+
+TEST(Emitter, PoursAtTheRateOfItsLattice) {
+  Flow flow(20000, 0);
+  flow.drains = false;
+  sandglass_frame_report report = {};
+  for (int frame = 0; frame < 100; ++frame) report = flow.frame();
+  // Packed spheres at spacing a: sqrt(2) / a^3 of them in a unit volume; the nozzle passes pi R^2 v of volume a second.
+  // The count of sites in a disk differs from its area by the rim: a row of sites, half counted, of 2 pi R / a.
+  const double a = 2.02 * 0.01, area = M_PI * 0.04 * 0.04;
+  const double expected = area * 1.0 * 2.0 * std::sqrt(2.0) / (a * a * a);
+  const double rim = 0.5 * (2 * M_PI * 0.04 / a) / (area / (a * a * std::sqrt(0.75)));
+  EXPECT_NEAR(static_cast<double>(report.emitted_particles) / expected, 1.0, rim);
+  EXPECT_EQ(report.particles, report.emitted_particles);
+  EXPECT_EQ(report.denied_particles, 0u);
+}
+
+TEST(Emitter, PouredParticlesDoNotOverlapAndStartWithTheSpeed) {
+  Flow flow(2000, 0);
+  flow.drains = false;
+  flow.frame();
+  const std::vector<float> p = flow.scene.positions(), v = flow.scene.velocities();
+  ASSERT_GT(p.size(), 30u);
+  for (size_t i = 0; i < p.size(); i += 3) {
+    EXPECT_LE(std::hypot(p[i], p[i + 2]), 0.041f);
+    EXPECT_LT(v[i + 1], -0.9f);
+    for (size_t j = 0; j < i; j += 3) {
+      double d2 = 0.0;
+      for (size_t k = 0; k < 3; ++k) d2 += std::pow(static_cast<double>(p[i + k] - p[j + k]), 2);
+      EXPECT_GE(std::sqrt(d2), 0.0199);
+    }
+  }
+}
+
+TEST(Sink, WhatComesIsThereOrGoneAndNumbersAreUsedAgain) {
+  Flow flow(600, 4);
+  flow.scene.colliders.push_back(half_space(-10.0f));
+  sandglass_frame_report report = {};
+  for (int frame = 0; frame < 300; ++frame) {
+    report = flow.frame();
+    ASSERT_EQ(report.emitted_particles, report.particles + report.removed_particles) << frame;
+    ASSERT_EQ(report.emitted_grains, report.grains + report.removed_grains) << frame;
+    ASSERT_LE(report.particle_numbers, 600u);
+    std::set<uint32_t> present;
+    for (uint32_t i = 0; i < report.grain_numbers; ++i) {
+      const sandglass_grain& grain = flow.scene.grains[i];
+      if (grain.speed < 0.0f) {
+        ASSERT_EQ(grain.position[1], SANDGLASS_REMOVED_Y);
+      } else {
+        present.insert(i);
+        // A frame of falling below the sink at most, and the checks are a frame apart.
+        ASSERT_GT(grain.position[1], -0.3f - 2.0f * 4.0f * k_frame - 0.1f);
+      }
+    }
+    ASSERT_EQ(present.size(), report.grains);
+  }
+  EXPECT_GT(report.removed_particles, 600u) << "more than fit at once have passed";
+  EXPECT_GT(report.removed_grains, 2400u);
+}
+
+TEST(Emitter, WithoutRoomALayerIsLeftOutAndCounted) {
+  Flow flow(100, 2);
+  flow.drains = false;
+  flow.scene.add_floor();
+  sandglass_frame_report report = {};
+  for (int frame = 0; frame < 60; ++frame) report = flow.frame();
+  EXPECT_LE(report.particles, 100u);
+  EXPECT_GT(report.particles, 80u);
+  EXPECT_GT(report.denied_particles, 100u);
+  EXPECT_EQ(report.grains, 2 * report.particles);
+}
+
+TEST(Emitter, WhatMakesNoSenseIsLeftOutAndReported) {
+  Flow flow(100, 0);
+  const sandglass_emitter good = flow.emitter;
+  const auto ignored = [&](const auto& change) {
+    flow.emitter = good;
+    change(&flow.emitter);
+    return flow.frame().ignored_colliders;
+  };
+  EXPECT_EQ(ignored([](sandglass_emitter* e) { e->position[1] = NAN; }), 1u);
+  EXPECT_EQ(ignored([](sandglass_emitter* e) { e->position[1] = 2000.0f; }), 1u);
+  EXPECT_EQ(ignored([](sandglass_emitter* e) { e->speed = 0.0f; }), 1u);
+  EXPECT_EQ(ignored([](sandglass_emitter* e) { e->radius = 0.001f; }), 1u);
+  EXPECT_EQ(ignored([](sandglass_emitter* e) { e->rotation[3] = 0.0f; }), 1u);
+  EXPECT_EQ(ignored([](sandglass_emitter* e) { e->grains_per_particle = 65; }), 1u);
+  flow.sink.position[0] = INFINITY;
+  EXPECT_EQ(ignored([](sandglass_emitter*) {}), 1u);
+}
+
+TEST(Remove, TakesWhatIsInsideAndWakesTheRest) {
+  sandglass_scene_desc desc = description(1200, 1200);
+  GranularScene scene(desc);
+  const std::vector<float> bed = lattice(20, 3, 20, 2.02f * k_radius, k_radius);
+  scene.add(bed, {}, bed);
+  scene.add_floor();
+  for (int frame = 0; frame < 150; ++frame) scene.frame(k_frame);
+  const std::vector<float> before = scene.positions();
+  sandglass_collider ball = {};
+  ball.shape = SANDGLASS_SHAPE_SPHERE;
+  ball.position[0] = ball.position[2] = 0.2f;
+  ball.rotation[3] = 1.0f;
+  ball.size[0] = 0.08f;
+  uint32_t expected = 0, removed = 0, grains = 0;
+  for (size_t i = 0; i < before.size(); i += 3) {
+    const double d = std::hypot(static_cast<double>(before[i]) - 0.2, static_cast<double>(before[i + 1]),
+                                static_cast<double>(before[i + 2]) - 0.2);
+    expected += d < static_cast<double>(0.08f) ? 1 : 0;
+  }
+  const char* reason = nullptr;
+  ASSERT_EQ(sandglass_granular_remove(scene.scene, &ball, &removed, &grains, &reason), SANDGLASS_OK);
+  EXPECT_EQ(removed, expected);
+  EXPECT_GT(removed, 50u);
+  EXPECT_GT(grains, 20u);
+  const sandglass_frame_report report = scene.frame(k_frame);
+  EXPECT_EQ(report.particles, 1200u - removed);
+  EXPECT_EQ(report.awake, 1200u - removed);
+  EXPECT_EQ(report.particle_numbers, 1200u);
+  const std::vector<float> after = scene.positions();
+  uint32_t gone = 0;
+  for (size_t i = 1; i < after.size(); i += 3) gone += after[i] == SANDGLASS_REMOVED_Y ? 1 : 0;
+  EXPECT_EQ(gone, removed);
+  // Their numbers are taken over.
+  scene.add(std::vector<float>(3ull * removed, 0.5f));
+  scene.particle_count = 1200;
+  EXPECT_EQ(scene.frame(k_frame).particle_numbers, 1200u);
+  ball.size[0] = NAN;
+  EXPECT_EQ(sandglass_granular_remove(scene.scene, &ball, nullptr, nullptr, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+}
+
+TEST(Flow, TheSameOnEveryInstructionSetAndUnitSize) {
+  uint64_t first = 0;
+  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_AVX512; ++isa) {
+    if (sandglass_isa_available(isa) == 0) continue;
+    for (const uint32_t unit : {32u, 1024u}) {
+      Flow flow(300, 3, isa, unit);
+      sandglass_collider ball = {};
+      ball.shape = SANDGLASS_SHAPE_SPHERE;
+      ball.rotation[3] = 1.0f;
+      ball.size[0] = 0.06f;
+      flow.scene.colliders.push_back(ball);
+      for (int frame = 0; frame < 60; ++frame) flow.frame();
+      if (first == 0) first = flow.scene.hash();
+      EXPECT_EQ(flow.scene.hash(), first) << sandglass_isa_name(isa) << ", units of " << unit;
+    }
+  }
+}
+
+TEST(Output, LagsByTheTimeAskedFor) {
+  Flow flow(600, 4);
+  flow.drains = false;
+  for (int frame = 0; frame < 5; ++frame) flow.frame();
+  flow.pours = false;
+  flow.frame();
+  const std::vector<sandglass_grain> newest = flow.scene.grains;
+  std::vector<float> positions(3 * 600 * 4), velocities(3 * 600 * 4);
+  sandglass_granular_grains(flow.scene.scene, positions.data(), velocities.data());
+  // The same state again, drawn 4 ms earlier: a frame without time.
+  sandglass_frame_input input;
+  sandglass_frame_input_default(&input);
+  input.grains = flow.scene.grains.data();
+  input.grain_capacity = static_cast<uint32_t>(flow.scene.grains.size());
+  input.output_lag = 0.004f;
+  ASSERT_EQ(sandglass_scene_frame(flow.scene.scene, &input, nullptr, nullptr), SANDGLASS_OK);
+  for (size_t i = 0; i < 20; ++i)
+    for (size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(flow.scene.grains[i].position[k], newest[i].position[k] - 0.004f * velocities[3 * i + k], 1e-7);
+}
+
+}  // namespace

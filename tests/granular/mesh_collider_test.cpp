@@ -1,0 +1,218 @@
+// Generated meshes as colliders, end to end: an hourglass keeps its sand and drains, a bucket carries sand and tips it
+// out, a silo pours through its outlet.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include "models/host/mesh/generated.h"
+#include "tests/granular/granular_scene.h"
+
+namespace {
+
+using sandglass::host::hourglass_profile;
+using sandglass::host::hourglass_radius;
+using sandglass::host::make_revolved;
+using sandglass::host::Mesh;
+using sandglass::host::Profile;
+
+constexpr float k_radius = 0.01f, k_spacing = 0.01f;
+
+struct Free {
+  void operator()(void* memory) const { std::free(memory); }
+};
+using Block = std::unique_ptr<void, Free>;
+
+Block new_block(uint64_t bytes) {
+  return Block(std::aligned_alloc(
+      SANDGLASS_BLOCK_ALIGNMENT,
+      (bytes + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT));
+}
+
+struct MeshCollider {
+  MeshCollider(const Mesh& mesh, sandglass_solid solid) {
+    const sandglass_mesh view = {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
+    const char* reason = nullptr;
+    float low[3], high[3];
+    uint64_t bytes = 0;
+    sandglass_mesh_inside* inside = nullptr;
+    sandglass_field* field = nullptr;
+    EXPECT_EQ(sandglass_mesh_bounds(&view, low, high, &reason), SANDGLASS_OK) << reason;
+    for (int k = 0; k < 3; ++k) low[k] -= 3 * k_radius, high[k] += 3 * k_radius;
+    EXPECT_EQ(sandglass_mesh_inside_bytes(&view, SANDGLASS_INSIDE_PARITY, &bytes, &reason), SANDGLASS_OK) << reason;
+    const Block scratch = new_block(bytes);
+    EXPECT_EQ(sandglass_mesh_inside_create(&view, SANDGLASS_INSIDE_PARITY, scratch.get(), bytes, &inside, &reason),
+              SANDGLASS_OK)
+        << reason;
+    EXPECT_EQ(sandglass_field_bytes(low, high, k_spacing, &bytes, &reason), SANDGLASS_OK) << reason;
+    block = new_block(bytes);
+    EXPECT_EQ(sandglass_field_from_mesh(&view, sandglass_mesh_inside_test, inside, low, high, k_spacing, 2 * k_radius,
+                                        solid, block.get(), bytes, &field, &reason),
+              SANDGLASS_OK)
+        << reason;
+    collider.shape = SANDGLASS_SHAPE_FIELD;
+    collider.field = field;
+    collider.rotation[3] = 1.0f;
+  }
+  Block block;
+  sandglass_collider collider = {};
+};
+
+// Signed distance from a turned outline, above 0 where `within` says so: the nearest point lies in the same half plane.
+template <class Within>
+double outline_distance(const Profile& profile, const float* p, const Within& within) {
+  const double r = std::hypot(static_cast<double>(p[0]), static_cast<double>(p[2])), y = static_cast<double>(p[1]);
+  double least = 1e30;
+  for (size_t i = 0; i < profile.size(); ++i) {
+    const auto &a = profile[i], &b = profile[(i + 1) % profile.size()];
+    if (a[0] == 0.0 && b[0] == 0.0) continue;  // the axis
+    const double dr = b[0] - a[0], dy = b[1] - a[1];
+    const double t = std::clamp(((r - a[0]) * dr + (y - a[1]) * dy) / (dr * dr + dy * dy), 0.0, 1.0);
+    least = std::min(least, std::hypot(r - a[0] - t * dr, y - a[1] - t * dy));
+  }
+  return within(r, y) ? least : -least;
+}
+
+// Sand on a loose lattice wherever `room` has it, eight grains a particle.
+template <class Room>
+void fill(const float low[3], const float high[3], const Room& room, std::vector<float>* particles,
+          std::vector<float>* grains) {
+  constexpr float k_step = 2.1f * k_radius;
+  for (float y = low[1]; y <= high[1]; y += k_step) {
+    for (float z = low[2]; z <= high[2]; z += k_step) {
+      for (float x = low[0]; x <= high[0]; x += k_step) {
+        const float p[3] = {x, y, z};
+        if (!room(p)) continue;
+        particles->insert(particles->end(), p, p + 3);
+        for (int g = 0; g < 8; ++g)
+          for (int k = 0; k < 3; ++k) grains->push_back(p[k] + ((g >> k & 1) != 0 ? 0.004f : -0.004f));
+      }
+    }
+  }
+}
+
+sandglass_scene_desc room_for(const std::vector<float>& particles, const std::vector<float>& grains) {
+  return description(static_cast<uint32_t>(particles.size() / 3), static_cast<uint32_t>(grains.size() / 3));
+}
+
+TEST(MeshCollider, HourglassKeepsItsSandAndDrains) {
+  constexpr double k_height = 0.5, k_bulb = 0.13, k_neck = 0.065;  // the neck is 6.5 particle diameters wide
+  const MeshCollider glass(make_revolved(hourglass_profile(k_height, k_bulb, k_neck, 32), 96), SANDGLASS_SOLID_OUTSIDE);
+  const Profile outline = hourglass_profile(k_height, k_bulb, k_neck, 60);
+  const auto wall = [&](const float* p) {
+    return outline_distance(outline, p,
+                            [](double r, double y) { return r < hourglass_radius(k_height, k_bulb, k_neck, y); });
+  };
+  const float low[3] = {-0.126f, 0.30f, -0.126f}, high[3] = {0.126f, 0.43f, 0.126f};
+  std::vector<float> particles, grains;
+  fill(
+      low, high, [&](const float* p) { return wall(p) > 0.012; }, &particles, &grains);
+  const size_t count = particles.size() / 3;
+  ASSERT_GE(count, 300u);
+  ASSERT_LE(count, 500u);
+  GranularScene scene(room_for(particles, grains));
+  scene.add(particles, {}, grains);
+  scene.colliders.push_back(glass.collider);
+  double nearest = 1.0, nearest_grain = 1.0;
+  for (int frame = 0; frame < 250; ++frame) {
+    const sandglass_frame_report report = scene.frame(0.02f);
+    ASSERT_EQ(report.particles, count);
+    ASSERT_EQ(report.grains, 8 * count);
+    const std::vector<float> p = scene.positions();
+    for (size_t i = 0; i < p.size(); i += 3) nearest = std::min(nearest, wall(&p[i]));
+    for (const sandglass_grain& g : scene.grains) nearest_grain = std::min(nearest_grain, wall(g.position));
+    ASSERT_GT(nearest, 0.0) << "a particle stands out by more than its radius, frame " << frame;
+    ASSERT_GT(nearest_grain, 0.0) << "a grain is outside, frame " << frame;
+  }
+  RecordProperty("nearest_particle", std::to_string(nearest));
+  RecordProperty("nearest_grain", std::to_string(nearest_grain));
+  size_t below = 0, grains_below = 0;
+  const std::vector<float> p = scene.positions();
+  for (size_t i = 1; i < p.size(); i += 3) below += p[i] < 0.25f ? 1 : 0;
+  for (const sandglass_grain& g : scene.grains) grains_below += g.position[1] < 0.25f ? 1 : 0;
+  RecordProperty("drained", std::to_string(below) + " of " + std::to_string(count));
+  EXPECT_GT(below, 95 * count / 100);
+  EXPECT_GT(grains_below, 95 * 8 * count / 100);
+}
+
+// Lifted 0.3 m with sand in it, held, turned over: what was in it was lifted, and then lies on the floor.
+TEST(MeshCollider, BucketLiftsItsSandAndTipsItOut) {
+  constexpr double k_pi = 3.14159265358979323846;
+  const MeshCollider bucket(make_revolved(sandglass::host::bucket_profile(0.2, 0.1, 0.13, 0.03), 64),
+                            SANDGLASS_SOLID_INSIDE);
+  std::vector<float> particles, grains;
+  const float low[3] = {-0.06f, 0.045f, -0.06f}, high[3] = {0.06f, 0.13f, 0.06f};
+  fill(
+      low, high, [](const float* p) { return std::hypot(p[0], p[2]) < 0.056f; }, &particles, &grains);
+  GranularScene scene(room_for(particles, grains));
+  scene.add(particles, {}, grains);
+  scene.add_floor();
+  scene.colliders.push_back(bucket.collider);
+  const auto within = [&](float from, float to) {
+    const std::vector<float> p = scene.positions();
+    size_t inside = 0;
+    for (size_t i = 1; i < p.size(); i += 3) inside += p[i] > from && p[i] < to ? 1 : 0;
+    return inside;
+  };
+  double height = 0.0, angle = 0.0;
+  const auto run = [&](int frames, double up, double turn) {
+    for (int frame = 0; frame < frames; ++frame) {
+      height += 0.02 * up, angle += 0.02 * turn;
+      sandglass_collider& c = scene.colliders[1];
+      c.position[1] = static_cast<float>(height), c.linear_velocity[1] = static_cast<float>(up);
+      c.rotation[2] = static_cast<float>(std::sin(angle / 2)), c.rotation[3] = static_cast<float>(std::cos(angle / 2));
+      c.angular_velocity[2] = static_cast<float>(turn);
+      scene.frame(0.02f);
+      for (const sandglass_grain& g : scene.grains) ASSERT_GT(g.position[1], -k_radius) << "under the floor";
+    }
+  };
+  const size_t count = particles.size() / 3;
+  run(25, 0.0, 0.0);
+  run(50, 0.3, 0.0);
+  run(25, 0.0, 0.0);
+  EXPECT_EQ(within(0.33f, 0.6f), count) << "all of it rode along";
+  size_t grains_up = 0;
+  for (const sandglass_grain& g : scene.grains) grains_up += g.position[1] > 0.32f ? 1 : 0;
+  EXPECT_EQ(grains_up, scene.grains.size());
+  run(75, 0.0, k_pi / 1.5);
+  run(75, 0.0, 0.0);
+  EXPECT_EQ(within(0.0f, 0.2f), count) << "all of it fell out";
+}
+
+TEST(MeshCollider, SiloPoursThroughItsOutletAndNowhereElse) {
+  constexpr double k_outlet = 0.07, k_wall = 0.04, k_inner = 0.13;
+  MeshCollider silo(make_revolved(sandglass::host::silo_profile(0.35, k_inner, 0.1, k_outlet, k_wall), 96),
+                    SANDGLASS_SOLID_INSIDE);
+  silo.collider.position[1] = 0.3f;
+  std::vector<float> particles, grains;
+  const float low[3] = {-0.12f, 0.43f, -0.12f}, high[3] = {0.12f, 0.56f, 0.12f};
+  fill(
+      low, high, [](const float* p) { return std::hypot(p[0], p[2]) < 0.115f; }, &particles, &grains);
+  GranularScene scene(room_for(particles, grains));
+  scene.add(particles, {}, grains);
+  scene.add_floor();
+  scene.colliders.push_back(silo.collider);
+  std::vector<float> before = scene.positions();
+  for (int frame = 0; frame < 150; ++frame) {
+    scene.frame(0.02f);
+    const std::vector<float> p = scene.positions();
+    for (size_t i = 0; i < p.size(); i += 3) {
+      ASSERT_GT(p[i + 1], 0.0f);
+      if (before[i + 1] < 0.3f || p[i + 1] >= 0.3f) continue;
+      ASSERT_LT(std::hypot(p[i], p[i + 2]), k_outlet + 0.02) << "left the silo elsewhere, frame " << frame;
+    }
+    for (const sandglass_grain& g : scene.grains) {
+      ASSERT_GT(g.position[1], -1e-4f) << "under the floor";
+      if (g.position[1] < 0.41f) continue;
+      ASSERT_LT(std::hypot(g.position[0], g.position[2]), k_inner + 1e-3);
+    }
+    before = p;
+  }
+  size_t below = 0;
+  for (size_t i = 1; i < before.size(); i += 3) below += before[i] < 0.3f ? 1 : 0;
+  EXPECT_GT(below, 95 * (before.size() / 3) / 100);
+}
+
+}  // namespace
