@@ -34,12 +34,12 @@ ShadowRunner::~ShadowRunner() { ::operator delete (block_, std::align_val_t{SAND
 sandglass_shadow_texture ShadowRunner::texture(const Direction& light) {
   const float direction[3] = {static_cast<float>(light[0]), static_cast<float>(light[1]), static_cast<float>(light[2])};
   const char* reason = nullptr;
-  if (sandglass_shadow_set_light(shadow_, direction, &reason) != SANDGLASS_OK) throw Failure(reason);
-  while (sandglass_shadow_run(shadow_, 1u << 20) > 0) {
+  if (sandglass_shadow_set_light(shadow_, 0, direction, 1, &reason) != SANDGLASS_OK) throw Failure(reason);
+  while (sandglass_shadow_run(&shadow_, 1, 1u << 20) > 0) {
   }
   sandglass_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
-  sandglass_shadow_get_texture(shadow_, &texture);
+  sandglass_shadow_get_texture(shadow_, 0, &texture);
   return texture;
 }
 

@@ -6,10 +6,6 @@
 #include "runtime/core/math.h"
 #include "runtime/shadow/shadow.h"
 
-struct sandglass_shadow {
-  sandglass::Shadow shadow;
-};
-
 namespace sandglass {
 namespace {
 
@@ -39,6 +35,8 @@ sandglass_status check(const sandglass_shadow_desc* desc, ShadowAsset* asset, co
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.threshold is not in 0..255, steps of coverage");
   if (!(desc->light_tolerance >= 0 && desc->light_tolerance <= 1))
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.light_tolerance is not in 0..1 radians");
+  if (desc->light_count == 0 || desc->light_count > SANDGLASS_SHADOW_LIGHTS)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.light_count is not in 1..8");
   *kernels = select_int8_kernels(desc->isa);
   if (*kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
@@ -53,11 +51,10 @@ struct Packed {
   int8_t* last_weights;
   uint8_t* coverage;
   float *light_weights, *first_bias;
-  // Needed while packing only; lies where the rows' table is afterwards.
 };
 
 // One walk for size and creation.
-sandglass_shadow* lay_out(const ShadowAsset& asset, Layout* layout, Packed* packed) {
+sandglass_shadow* lay_out(const ShadowAsset& asset, uint32_t light_count, Layout* layout, Packed* packed) {
   const uint64_t width = padded(asset.width);
   sandglass_shadow* owner = layout_region<sandglass_shadow>(layout, "shadow.state", 1);
   Shadow nowhere = {};
@@ -79,11 +76,18 @@ sandglass_shadow* lay_out(const ShadowAsset& asset, Layout* layout, Packed* pack
   s->coarse = layout_region<uint8_t>(layout, "shadow.coarse", k_grid * k_grid);
   s->marked = layout_region<uint8_t>(layout, "shadow.marked", k_cells * k_cells);
   s->refined = layout_region<uint16_t>(layout, "shadow.refined", k_cells * k_cells);
-  s->unit_u = layout_region<uint16_t>(layout, "shadow.unit_u", k_unit_texels);
-  s->unit_v = layout_region<uint16_t>(layout, "shadow.unit_v", k_unit_texels);
-  s->unit_coverage = layout_region<uint8_t>(layout, "shadow.unit_coverage", k_unit_texels);
+  s->unit_u = layout_region<uint16_t>(layout, "shadow.unit_u", k_unit_texels_most);
+  s->unit_v = layout_region<uint16_t>(layout, "shadow.unit_v", k_unit_texels_most);
+  s->unit_coverage = layout_region<uint8_t>(layout, "shadow.unit_coverage", k_unit_texels_most);
   s->scratch = layout_region<uint8_t>(layout, "shadow.activations", shadow_scratch_bytes(static_cast<uint32_t>(width)));
-  s->front.coverage = layout_region<uint8_t>(layout, "shadow.front", k_shadow_size * k_shadow_size);
+  s->lights = layout_region<ShadowLight>(layout, "shadow.lights", light_count);
+  for (uint32_t i = 0; i < light_count; ++i) {
+    uint8_t* front = layout_region<uint8_t>(layout, "shadow.front", k_shadow_size * k_shadow_size);
+    if (front == nullptr) continue;
+    s->lights[i] = {};
+    s->lights[i].front.coverage = front;
+    memset(front, 0, k_shadow_size * k_shadow_size);
+  }
   s->back.coverage = layout_region<uint8_t>(layout, "shadow.back", k_shadow_size * k_shadow_size);
   return owner;
 }
@@ -205,10 +209,11 @@ void describe(const ShadowAsset& asset, const sandglass_shadow_desc& desc, Shado
   s->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
 }
 
-sandglass_status size_of(const ShadowAsset& asset, uint64_t* bytes, const char** reason) {
+sandglass_status size_of(const ShadowAsset& asset, const sandglass_shadow_desc& desc, uint64_t* bytes,
+                         const char** reason) {
   Layout layout;
   Packed packed;
-  lay_out(asset, &layout, &packed);
+  lay_out(asset, desc.light_count, &layout, &packed);
   *bytes = layout.size;
   return accept(reason);
 }
@@ -218,9 +223,11 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   Layout layout;
   layout.base = static_cast<uint8_t*>(block);
   Packed packed;
-  sandglass_shadow* owner = lay_out(asset, &layout, &packed);
+  sandglass_shadow* owner = lay_out(asset, desc.light_count, &layout, &packed);
+  owner->set = &k_shadow_set_functions;
   Shadow* s = &owner->shadow;
   s->kernels = kernels;
+  s->light_count = desc.light_count;
   describe(asset, desc, s);
   s->network.width = padded(asset.width);
   s->network.layers = asset.layers;
@@ -233,19 +240,23 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   fill_tables(asset, s, packed);
   pack_layers(asset, s, packed);
   fill_coverage(packed.coverage);
-  memset(s->front.coverage, 0, k_shadow_size * k_shadow_size);
+  const uint64_t blocks = k_unit_macs / (k_texel_block * asset.layers * s->network.width * s->network.width);
+  s->unit_texels = k_texel_block * static_cast<uint32_t>(blocks < 1 ? 1 : blocks > 6 ? 6 : blocks);
   memset(s->back.coverage, 0, k_shadow_size * k_shadow_size);
   *shadow = owner;
 }
 
-__attribute__((noinline)) uint32_t run_units(Shadow* s, uint32_t units) {
+__attribute__((noinline)) uint32_t run_units(const ShadowSet& set, uint32_t units) {
   WorkUnit unit;
   uint32_t done = 0;
-  while (done < units && shadow_next(s, 0, &unit)) shadow_run(s), ++done;
+  while (done < units && k_shadow_set_functions.next(set, &unit)) k_shadow_set_functions.run(set), ++done;
   return done;
 }
 
-__attribute__((noinline)) sandglass_status take_light(Shadow* s, const float direction[3], const char** reason) {
+__attribute__((noinline)) sandglass_status take_light(Shadow* s, uint32_t number, const float direction[3],
+                                                      float irradiance, const char** reason) {
+  if (!(irradiance >= 0 && is_finite(irradiance)))
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "irradiance is negative or not finite");
   double light[3], largest = 0;
   for (uint32_t axis = 0; axis < 3; ++axis) {
     if (!is_finite(direction[axis]))
@@ -257,7 +268,7 @@ __attribute__((noinline)) sandglass_status take_light(Shadow* s, const float dir
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "direction is the zero vector: it must point to the light");
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
   for (double& x : light) x /= length;
-  shadow_set_light(s, light);
+  shadow_set_light(s, number, light, irradiance);
   return accept(reason);
 }
 
@@ -271,6 +282,7 @@ void sandglass_shadow_desc_default(sandglass_shadow_desc* desc) {
   desc->struct_size = sizeof *desc;
   desc->threshold = 5;
   desc->light_tolerance = 0.01f;
+  desc->light_count = 1;
 }
 
 sandglass_status sandglass_shadow_inspect(const void* bytes, uint64_t count, sandglass_shadow_info* info,
@@ -303,7 +315,7 @@ sandglass_status sandglass_shadow_bytes(const sandglass_shadow_desc* desc, uint6
   if (status != SANDGLASS_OK) return status;
   if (bytes == nullptr)
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass where to store it");
-  return size_of(asset, bytes, reason);
+  return size_of(asset, *desc, bytes, reason);
 }
 
 sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void* block, uint64_t bytes,
@@ -313,7 +325,7 @@ sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void
   const sandglass_status status = check(desc, &asset, &kernels, reason);
   if (status != SANDGLASS_OK) return status;
   uint64_t need = 0;
-  (void)size_of(asset, &need, reason);
+  (void)size_of(asset, *desc, &need, reason);
   if (block == nullptr || shadow == nullptr)
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
                   "block or shadow is NULL: pass memory and where to store it");
@@ -327,39 +339,50 @@ sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void
   return accept(reason);
 }
 
-sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, const float direction[3], const char** reason) {
+sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t light, const float direction[3],
+                                            float irradiance, const char** reason) {
   if (shadow == nullptr || direction == nullptr)
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "shadow or direction is NULL");
+  if (light >= shadow->shadow.light_count)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "light is not below the light_count of the description");
   const FloatingPointControl saved = floating_point_enter();
-  const sandglass_status status = take_light(&shadow->shadow, direction, reason);
+  const sandglass_status status = take_light(&shadow->shadow, light, direction, irradiance, reason);
   floating_point_restore(saved);
   return status;
 }
 
-uint32_t sandglass_shadow_run(sandglass_shadow* shadow, uint32_t units) {
+uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, uint32_t count, uint32_t units) {
   const FloatingPointControl saved = floating_point_enter();
-  const uint32_t done = run_units(&shadow->shadow, units);
+  const uint32_t done = run_units({shadows, count}, units);
   floating_point_restore(saved);
   return done;
 }
 
 uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {
+  const Shadow& s = shadow->shadow;
   Forecast entries[k_shadow_kinds];
-  const uint32_t count = shadow_forecast(&shadow->shadow, 0, entries);
-  constexpr uint32_t k_items[k_shadow_kinds] = {k_unit_table_rows, k_unit_texels, k_unit_cell_rows,
-                                                k_unit_texels / (k_cell * k_cell - 1)};
-  // A texture under way and one that waits each end with a unit that is not full.
+  const uint32_t count = shadow_forecast(s, entries);
+  const uint32_t items[k_shadow_kinds] = {k_unit_table_rows, s.unit_texels, k_unit_cell_rows,
+                                          s.unit_texels / (k_cell * k_cell - 1)};
+  uint32_t waiting = 0;
+  for (uint32_t i = 0; i < s.light_count; ++i) waiting += s.lights[i].pending ? 1 : 0;
+  // Every texture ends with a unit of each kind that is not full.
   uint32_t units = 0;
   for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t items = k_items[entries[i].kind];
-    units += static_cast<uint32_t>((entries[i].items + items - 1) / items) + (shadow->shadow.pending ? 1 : 0);
+    const uint32_t of_kind = items[entries[i].kind];
+    units += static_cast<uint32_t>((entries[i].items + of_kind - 1) / of_kind) + waiting;
   }
   return units;
 }
 
-void sandglass_shadow_get_texture(const sandglass_shadow* shadow, sandglass_shadow_texture* out) {
+void sandglass_shadow_get_texture(const sandglass_shadow* shadow, uint32_t light, sandglass_shadow_texture* out) {
   const Shadow& s = shadow->shadow;
-  const ShadowTexture& t = s.front;
+  const uint32_t struct_size = out->struct_size;
+  *out = {};
+  out->struct_size = struct_size;
+  if (light >= s.light_count) return;
+  const ShadowLight& l = s.lights[light];
+  const ShadowTexture& t = l.front;
   out->valid = t.valid ? 1 : 0;
   out->coverage = t.coverage;
   out->low[0] = static_cast<float>(t.rectangle.low_x + s.origin[0]);
@@ -367,37 +390,22 @@ void sandglass_shadow_get_texture(const sandglass_shadow* shadow, sandglass_shad
   out->high[0] = static_cast<float>(t.rectangle.high_x + s.origin[0]);
   out->high[1] = static_cast<float>(t.rectangle.high_z + s.origin[2]);
   for (uint32_t axis = 0; axis < 3; ++axis) out->light[axis] = static_cast<float>(t.light[axis]);
-  out->opacity = s.opacity;
-  out->beyond = s.beyond ? 1 : 0;
-  const bool current = !s.pending && s.phase == ShadowPhase::idle;
-  out->age = current ? 0 : static_cast<uint32_t>(s.light_calls - t.light_call);
+  out->opacity = l.opacity;
+  out->beyond = l.beyond ? 1 : 0;
+  const bool under_way = s.phase != ShadowPhase::idle && s.active == light;
+  out->age = l.pending || under_way ? static_cast<uint32_t>(l.calls - t.light_call) : 0;
   out->evaluated = t.evaluated;
 }
 
-sandglass_status sandglass_shadow_resample(const sandglass_shadow* shadow, uint32_t size, uint8_t* out,
-                                           const char** reason) {
-  if (shadow == nullptr || out == nullptr || (size != 128 && size != 256 && size != 512))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "shadow or coverage is NULL, or size is not 128, 256 or 512");
-  const uint8_t* in = shadow->shadow.front.coverage;
-  constexpr uint32_t n = k_shadow_size;
-  if (size == n) memcpy(out, in, n * n);
-  if (size == 128)
-    for (uint32_t v = 0; v < 128; ++v)
-      for (uint32_t u = 0; u < 128; ++u) {
-        const uint8_t* p = in + 2 * (v * n + u);
-        out[v * 128 + u] = static_cast<uint8_t>((p[0] + p[1] + p[n] + p[n + 1] + 2) / 4);
-      }
-  if (size == 512)  // texel centres lie at quarters between the old ones
-    for (uint32_t v = 0; v < 512; ++v) {
-      const uint32_t v0 = v / 2, v1 = v % 2 == 0 ? (v0 == 0 ? 0 : v0 - 1) : (v0 == n - 1 ? v0 : v0 + 1);
-      for (uint32_t u = 0; u < 512; ++u) {
-        const uint32_t u0 = u / 2, u1 = u % 2 == 0 ? (u0 == 0 ? 0 : u0 - 1) : (u0 == n - 1 ? u0 : u0 + 1);
-        out[v * 512 + u] = static_cast<uint8_t>(
-            (9 * in[v0 * n + u0] + 3 * (in[v0 * n + u1] + in[v1 * n + u0]) + in[v1 * n + u1] + 8) / 16);
-      }
-    }
-  return accept(reason);
+uint64_t sandglass_shadow_hash(const sandglass_shadow* shadow) {
+  constexpr uint64_t k_prime = 1099511628211ull;
+  uint64_t hash = 14695981039346656037ull;
+  for (uint32_t i = 0; i < shadow->shadow.light_count; ++i) {
+    const ShadowTexture& t = shadow->shadow.lights[i].front;
+    hash = (hash ^ asset_checksum(t.coverage, k_shadow_size * k_shadow_size)) * k_prime;
+    hash = (hash ^ asset_checksum(reinterpret_cast<const uint8_t*>(t.light), sizeof t.light)) * k_prime;
+  }
+  return hash;
 }
 
 sandglass_isa sandglass_shadow_isa(const sandglass_shadow* shadow) { return shadow->shadow.kernels->isa; }

@@ -5,8 +5,6 @@
 namespace sandglass {
 namespace {
 
-enum : uint32_t { k_kind_rows, k_kind_texels, k_kind_decide, k_kind_refine };
-
 int16_t saturated(int32_t x) { return static_cast<int16_t>(x < -32768 ? -32768 : x > 32767 ? 32767 : x); }
 
 // The light's part of the first layer: encoded components times their weights, in double, rounded once.
@@ -32,18 +30,21 @@ void sum_light(Shadow* s) {
   }
 }
 
-void begin_texture(Shadow* s) {
-  for (uint32_t axis = 0; axis < 3; ++axis) s->back.light[axis] = s->wanted[axis];
-  s->back.rectangle = shadow_rectangle(s->box, s->plane, s->wanted, s->half_sine, s->reach);
-  s->back.light_call = s->light_calls;
+void begin_texture(Shadow* s, uint32_t light) {
+  ShadowLight& l = s->lights[light];
+  for (uint32_t axis = 0; axis < 3; ++axis) s->back.light[axis] = l.wanted[axis];
+  s->back.rectangle = shadow_rectangle(s->box, s->plane, l.wanted, s->half_sine, s->reach);
+  s->back.light_call = l.calls;
   s->back.evaluated = 0;
-  s->pending = false;
+  s->active = light;
+  l.pending = false;
 }
 
 void end_texture(Shadow* s) {
   s->back.valid = true;
-  const ShadowTexture swap = s->front;
-  s->front = s->back, s->back = swap;
+  ShadowTexture& front = s->lights[s->active].front;
+  const ShadowTexture swap = front;
+  front = s->back, s->back = swap;
   s->phase = ShadowPhase::idle;
   s->cursor = 0;
 }
@@ -57,7 +58,7 @@ void evaluate_unit(Shadow* s, uint32_t count) {
 }
 
 void run_rows(Shadow* s) {
-  if (s->cursor == 0) begin_texture(s), sum_light(s);
+  if (s->cursor == 0) sum_light(s);
   const uint32_t width = s->network.width;
   const uint32_t end = s->cursor + k_unit_table_rows < k_table_rows ? s->cursor + k_unit_table_rows : k_table_rows;
   for (; s->cursor < end; ++s->cursor)
@@ -69,7 +70,7 @@ void run_rows(Shadow* s) {
 void run_coarse(Shadow* s) {
   uint32_t count = 0;
   const uint32_t first = s->cursor;
-  for (; s->cursor < k_grid * k_grid && count < k_unit_texels; ++s->cursor, ++count) {
+  for (; s->cursor < k_grid * k_grid && count < s->unit_texels; ++s->cursor, ++count) {
     s->unit_u[count] = static_cast<uint16_t>(s->cursor % k_grid * k_cell);
     s->unit_v[count] = static_cast<uint16_t>(s->cursor / k_grid * k_cell);
   }
@@ -120,11 +121,11 @@ void run_decide(Shadow* s) {
 
 // Whole cells; their own corner is known from the coarse grid.
 constexpr uint32_t k_new_texels = k_cell * k_cell - 1;
-constexpr uint32_t k_unit_cells = k_unit_texels / k_new_texels;
 
 void run_refine(Shadow* s) {
   const uint32_t first = s->cursor;
-  const uint32_t end = first + k_unit_cells < s->refined_count ? first + k_unit_cells : s->refined_count;
+  const uint32_t cells = s->unit_texels / k_new_texels;
+  const uint32_t end = first + cells < s->refined_count ? first + cells : s->refined_count;
   uint32_t count = 0;
   for (; s->cursor < end; ++s->cursor) {
     const uint32_t u = s->refined[s->cursor] % k_cells * k_cell, v = s->refined[s->cursor] / k_cells * k_cell;
@@ -143,7 +144,7 @@ void run_refine(Shadow* s) {
 void run_full(Shadow* s) {
   const uint32_t texels = k_shadow_size * k_shadow_size, first = s->cursor;
   uint32_t count = 0;
-  for (; s->cursor < texels && count < k_unit_texels; ++s->cursor, ++count) {
+  for (; s->cursor < texels && count < s->unit_texels; ++s->cursor, ++count) {
     s->unit_u[count] = static_cast<uint16_t>(s->cursor % k_shadow_size);
     s->unit_v[count] = static_cast<uint16_t>(s->cursor / k_shadow_size);
   }
@@ -155,59 +156,62 @@ void run_full(Shadow* s) {
 }  // namespace
 
 // Beyond polar_max the light is turned up to it at the same azimuth, and the shadow fades towards the horizon.
-void shadow_set_light(Shadow* s, const double unit_vector[3]) {
-  ++s->light_calls;
+void shadow_set_light(Shadow* s, uint32_t number, const double unit_vector[3], float irradiance) {
+  ShadowLight& l = s->lights[number];
+  ++l.calls;
   double light[3] = {unit_vector[0], unit_vector[1], unit_vector[2]};
-  s->opacity = 1;
-  s->beyond = light[1] < s->polar_cosine;
-  if (s->beyond) {
+  l.irradiance = irradiance;
+  l.opacity = 1;
+  l.beyond = light[1] < s->polar_cosine;
+  if (l.beyond) {
     const double flat = square_root(light[0] * light[0] + light[2] * light[2]);
     const double polar = arc_tangent2(flat, light[1]);
     const double fade = (0.5 * k_pi - polar) / (0.5 * k_pi - s->polar_max);
-    s->opacity = fade > 0 ? static_cast<float>(fade < 1 ? fade : 1) : 0.0f;
+    l.opacity = fade > 0 ? static_cast<float>(fade < 1 ? fade : 1) : 0.0f;
     // Straight down it has no azimuth, and no shadow.
     const double scale = flat > 0 ? s->polar_sine / flat : 0;
     light[0] = flat > 0 ? light[0] * scale : s->polar_sine, light[1] = s->polar_cosine, light[2] *= scale;
   }
-  if (s->beyond && !(s->opacity > 0)) return;  // nothing to see, nothing to compute
-  const bool busy = s->phase != ShadowPhase::idle;
-  if (s->has_light) {
-    const double* last = s->pending ? s->wanted : busy ? s->back.light : s->front.light;
+  if (l.beyond && !(l.opacity > 0)) {  // nothing to see, nothing to compute
+    l.pending = false;
+    return;
+  }
+  const bool under_way = s->phase != ShadowPhase::idle && s->active == number;
+  if (l.pending || under_way || l.front.valid) {
+    const double* last = l.pending ? l.wanted : under_way ? s->back.light : l.front.light;
     double chord = 0;
     for (uint32_t axis = 0; axis < 3; ++axis) chord += (light[axis] - last[axis]) * (light[axis] - last[axis]);
     if (!(chord > s->tolerance_squared)) return;
   }
-  for (uint32_t axis = 0; axis < 3; ++axis) s->wanted[axis] = light[axis];
-  s->has_light = s->pending = true;
+  for (uint32_t axis = 0; axis < 3; ++axis) l.wanted[axis] = light[axis];
+  if (!l.pending) l.pending_since = l.calls;
+  l.pending = true;
 }
 
-bool shadow_next(const Shadow* s, uint32_t first_kind, WorkUnit* unit) {
-  switch (s->phase) {
+// Items of the two kinds that run the network count its size, in units of 1024 products a texel, so that one prediction
+// serves networks of any size.
+WorkUnit shadow_next(const Shadow& s) {
+  const uint32_t weight = s.network.layers * s.network.width * s.network.width / 1024;
+  switch (s.phase) {
     case ShadowPhase::idle:
-      if (!s->pending) return false;
-      [[fallthrough]];
     case ShadowPhase::rows:
-      *unit = {first_kind + k_kind_rows, k_unit_table_rows, "shadow.rows"};
-      return true;
+      return {k_kind_rows, k_unit_table_rows * s.network.width, "shadow.rows"};
     case ShadowPhase::coarse:
-      *unit = {first_kind + k_kind_texels, k_unit_texels, "shadow.coarse"};
-      return true;
+      return {k_kind_texels, s.unit_texels * weight, "shadow.coarse"};
     case ShadowPhase::decide:
-      *unit = {first_kind + k_kind_decide, k_unit_cell_rows, "shadow.decide"};
-      return true;
+      return {k_kind_decide, k_unit_cell_rows, "shadow.decide"};
     case ShadowPhase::refine:
-      *unit = {first_kind + k_kind_refine, k_unit_cells, "shadow.refine"};
-      return true;
+      return {k_kind_refine, s.unit_texels * weight, "shadow.refine"};
     case ShadowPhase::full:
-      *unit = {first_kind + k_kind_texels, k_unit_texels, "shadow.texels"};
-      return true;
+      return {k_kind_texels, s.unit_texels * weight, "shadow.texels"};
   }
-  return false;
+  return {};
 }
 
-void shadow_run(Shadow* s) {
+void shadow_run(Shadow* s, uint32_t light) {
   switch (s->phase) {
     case ShadowPhase::idle:
+      begin_texture(s, light);
       s->phase = ShadowPhase::rows;
       s->cursor = 0;
       s->refined_count = 0;
@@ -226,40 +230,41 @@ void shadow_run(Shadow* s) {
 }
 
 // Until the decision has been made, every cell may have to be refined.
-uint32_t shadow_forecast(const Shadow* s, uint32_t first_kind, Forecast* entries) {
+uint32_t shadow_forecast(const Shadow& s, Forecast* entries) {
   uint64_t rows = 0, texels = 0, decide = 0, refine = 0;
-  const bool full = s->mode == SANDGLASS_SHADOW_FULL;
+  const bool full = s.mode == SANDGLASS_SHADOW_FULL;
   const uint64_t all = full ? k_shadow_size * k_shadow_size : k_grid * k_grid;
   const auto whole = [&] {
     rows += k_table_rows, texels += all;
     if (!full) decide += 2 * k_cells, refine += k_cells * k_cells;
   };
-  switch (s->phase) {
+  switch (s.phase) {
     case ShadowPhase::idle:
       break;
     case ShadowPhase::rows:
       whole();
-      rows -= s->cursor;
+      rows -= s.cursor;
       break;
     case ShadowPhase::coarse:
-      texels += all - s->cursor, decide += 2 * k_cells, refine += k_cells * k_cells;
+      texels += all - s.cursor, decide += 2 * k_cells, refine += k_cells * k_cells;
       break;
     case ShadowPhase::decide:
-      decide += 2 * k_cells - s->cursor, refine += k_cells * k_cells;
+      decide += 2 * k_cells - s.cursor, refine += k_cells * k_cells;
       break;
     case ShadowPhase::refine:
-      refine += s->refined_count - s->cursor;
+      refine += s.refined_count - s.cursor;
       break;
     case ShadowPhase::full:
-      texels += all - s->cursor;
+      texels += all - s.cursor;
       break;
   }
-  if (s->pending) whole();
+  for (uint32_t i = 0; i < s.light_count; ++i)
+    if (s.lights[i].pending) whole();
   uint32_t count = 0;
-  if (rows > 0) entries[count++] = {first_kind + k_kind_rows, rows};
-  if (texels > 0) entries[count++] = {first_kind + k_kind_texels, texels};
-  if (decide > 0) entries[count++] = {first_kind + k_kind_decide, decide};
-  if (refine > 0) entries[count++] = {first_kind + k_kind_refine, refine};
+  if (rows > 0) entries[count++] = {k_kind_rows, rows};
+  if (texels > 0) entries[count++] = {k_kind_texels, texels};
+  if (decide > 0) entries[count++] = {k_kind_decide, decide};
+  if (refine > 0) entries[count++] = {k_kind_refine, refine};
   return count;
 }
 

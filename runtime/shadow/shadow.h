@@ -1,5 +1,5 @@
-// The shadow of one object as a stage of the frame: units that the governor can hand out (core/governor.h), and the
-// state behind the C API of shadow.h.
+// The shadows of one object, one a light, as work units that the governor can hand out (core/governor.h), and the
+// state behind the C API of sandglass/shadow.h. One texture at a time is under way; set.cpp chooses which.
 //
 // A texture is computed in phases, each a list of units: rows (the first layer's tables for this light), the coarse
 // grid, the decision which cells to refine together with the interpolation of the others, and the refined cells. In
@@ -17,13 +17,17 @@
 namespace sandglass {
 
 constexpr uint32_t k_shadow_size = SANDGLASS_SHADOW_TEXELS;
-constexpr uint32_t k_cell = 4;                         // texels a side of a cell of the coarse grid
-constexpr uint32_t k_cells = k_shadow_size / k_cell;   // a side
-constexpr uint32_t k_grid = k_cells + 1;               // coarse samples a side: the corners of the cells
-constexpr uint32_t k_unit_texels = 6 * k_texel_block;  // 40 us on the slowest core aimed at
-constexpr uint32_t k_unit_table_rows = 64;             // of the first layer's table
-constexpr uint32_t k_unit_cell_rows = 16;              // of the decision
-constexpr uint32_t k_table_rows = k_shadow_size + 1;   // the last corners lie one texel beyond the texture
+constexpr uint32_t k_cell = 4;                        // texels a side of a cell of the coarse grid
+constexpr uint32_t k_cells = k_shadow_size / k_cell;  // a side
+constexpr uint32_t k_grid = k_cells + 1;              // coarse samples a side: the corners of the cells
+constexpr uint32_t k_unit_texels_most = 6 * k_texel_block;
+constexpr uint64_t k_unit_macs = 5'000'000;           // 45 us of a core that does 110 GMAC/s of bytes, a phone's
+constexpr uint32_t k_unit_table_rows = 64;            // of the first layer's table
+constexpr uint32_t k_unit_cell_rows = 16;             // of the decision
+constexpr uint32_t k_table_rows = k_shadow_size + 1;  // the last corners lie one texel beyond the texture
+
+// Kinds of work unit.
+enum : uint32_t { k_kind_rows, k_kind_texels, k_kind_decide, k_kind_refine, k_shadow_kinds };
 
 enum class ShadowPhase : uint32_t { idle, rows, coarse, decide, refine, full };
 
@@ -34,6 +38,16 @@ struct ShadowTexture {
   uint64_t light_call;  // number of the set_light call that it was begun for
   uint32_t evaluated;
   bool valid;
+};
+
+// One light and the last texture that was completed for it.
+struct ShadowLight {
+  ShadowTexture front;
+  double wanted[3];  // clamped to polar_max
+  bool pending;      // the texture of `wanted` is neither done nor under way
+  bool beyond;
+  float opacity, irradiance;
+  uint64_t calls, pending_since;  // of set_light
 };
 
 struct Shadow {
@@ -66,23 +80,39 @@ struct Shadow {
   uint8_t* marked;    // k_cells^2: 1 where the corners differ
   uint16_t* refined;  // cells to refine
   uint32_t refined_count;
+  uint32_t unit_texels;       // of this network, a multiple of the block
   uint16_t *unit_u, *unit_v;  // texels of one unit
   uint8_t *unit_coverage, *scratch;
-  ShadowTexture front, back;
-  // The light.
-  double wanted[3];         // clamped to polar_max
-  bool has_light, pending;  // pending: the texture of `wanted` is neither done nor under way
-  float opacity;
-  bool beyond;
-  uint64_t light_calls;
+  ShadowTexture back;
+  uint32_t active;  // light that `back` is for
+  ShadowLight* lights;
+  uint32_t light_count;
 };
 
-void shadow_set_light(Shadow* shadow, const double unit_vector[3]);
+void shadow_set_light(Shadow* shadow, uint32_t light, const double unit_vector[3], float irradiance);
 
-// As Stage's functions. Kinds are counted from first_kind on; k_shadow_kinds of them.
-constexpr uint32_t k_shadow_kinds = 4;
-bool shadow_next(const Shadow* shadow, uint32_t first_kind, WorkUnit* unit);
-void shadow_run(Shadow* shadow);
-uint32_t shadow_forecast(const Shadow* shadow, uint32_t first_kind, Forecast* entries);
+// The next unit of the texture under way or, when there is none, of `light`'s; runs it.
+WorkUnit shadow_next(const Shadow& shadow);
+void shadow_run(Shadow* shadow, uint32_t light);
+// Items left by kind; at most k_shadow_kinds entries.
+uint32_t shadow_forecast(const Shadow& shadow, Forecast* entries);
+
+// Several shadows under one budget. Reached from the scene through a table that creation leaves in every shadow, so
+// that an app without shadows does not link them.
+struct ShadowSet {
+  sandglass_shadow* const* shadows;
+  uint32_t count;
+};
+struct ShadowSetFunctions {
+  bool (*next)(const ShadowSet& set, WorkUnit* unit);
+  void (*run)(const ShadowSet& set);
+  void (*describe)(const ShadowSet& set, uint32_t* pending, uint32_t* age);
+};
+extern const ShadowSetFunctions k_shadow_set_functions;
 
 }  // namespace sandglass
+
+struct sandglass_shadow {
+  const sandglass::ShadowSetFunctions* set;
+  sandglass::Shadow shadow;
+};

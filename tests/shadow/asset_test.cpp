@@ -68,7 +68,7 @@ TEST(ShadowAsset, ChangedBytesBehindARightChecksumNeverCrash) {
       ++accepted;
       LiveShadow shadow(describe(file));
       shadow.light(0.3f, 1, 0.2f);
-      sandglass_shadow_run(shadow.shadow, 3);
+      sandglass_shadow_run(&shadow.shadow, 1, 3);
       ASSERT_TRUE(shadow.block.guards_intact());
     }
   EXPECT_GT(accepted, 0);

@@ -102,14 +102,14 @@ TEST(Shadow, OneUnitAFrameGivesTheSameTextureLater) {
       ASSERT_EQ(shadow.coverage(), before);  // the old one stays, whole
       const uint32_t left = sandglass_shadow_units_left(shadow.shadow);
       ASSERT_GT(left, 0u);
-      ASSERT_EQ(sandglass_shadow_run(shadow.shadow, 1), 1u);
+      ASSERT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 1u);
       ASSERT_LT(sandglass_shadow_units_left(shadow.shadow), left);
       ++frames;
       if (sandglass_shadow_units_left(shadow.shadow) == 0) break;
     }
     EXPECT_GT(frames, 20u);
     EXPECT_EQ(shadow.coverage(), expected);
-    EXPECT_EQ(sandglass_shadow_run(shadow.shadow, 1), 0u);
+    EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 0u);
   }
 }
 
@@ -119,7 +119,7 @@ TEST(Shadow, ALightThatNeverStopsStillGetsTextures) {
   std::vector<uint8_t> last = shadow.coverage();
   for (int frame = 0; frame < 1000; ++frame) {
     shadow.light(std::sin(0.02f * static_cast<float>(frame)), 1, 0.3f);
-    sandglass_shadow_run(shadow.shadow, 5);
+    sandglass_shadow_run(&shadow.shadow, 1, 5);
     oldest = std::max(oldest, shadow.texture().age);
     if (shadow.coverage() != last) ++changes, last = shadow.coverage();
   }
@@ -135,9 +135,9 @@ TEST(Shadow, NothingIsComputedForALightThatHardlyMoved) {
   shadow.light(0, 1, 0);
   shadow.finish();
   shadow.light(std::sin(0.04f), std::cos(0.04f), 0);
-  EXPECT_EQ(sandglass_shadow_run(shadow.shadow, 1), 0u);
+  EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 0u);
   shadow.light(std::sin(0.06f), std::cos(0.06f), 0);
-  EXPECT_EQ(sandglass_shadow_run(shadow.shadow, 1), 1u);
+  EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 1u);
 }
 
 TEST(Shadow, LightsBeyondTheBakedOnesFadeOut) {
@@ -164,10 +164,10 @@ TEST(Shadow, RefusesLightsWithoutDirection) {
   const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
   for (const auto& d : {std::array{0.0f, 0.0f, 0.0f}, std::array{nan, 1.0f, 0.0f}, std::array{0.0f, inf, 0.0f}}) {
     const char* reason = nullptr;
-    EXPECT_EQ(sandglass_shadow_set_light(shadow.shadow, d.data(), &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(sandglass_shadow_set_light(shadow.shadow, 0, d.data(), 1, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
     EXPECT_NE(reason, nullptr);
   }
-  EXPECT_EQ(sandglass_shadow_run(shadow.shadow, 1), 0u);
+  EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 0u);
 }
 
 TEST(Shadow, LengthOfTheLightDoesNotMatter) {
@@ -229,11 +229,11 @@ TEST(Shadow, ResamplingKeepsTheMean) {
   };
   for (const uint32_t size : {128u, 256u, 512u}) {
     std::vector<uint8_t> out(size * size);
-    ASSERT_EQ(sandglass_shadow_resample(shadow.shadow, size, out.data(), nullptr), SANDGLASS_OK);
+    ASSERT_EQ(sandglass_shadow_resample(shadow.shadow, 0, size, out.data(), nullptr), SANDGLASS_OK);
     EXPECT_NEAR(mean(out), mean(native), 0.2) << size;
   }
   uint8_t byte = 0;
-  EXPECT_EQ(sandglass_shadow_resample(shadow.shadow, 64, &byte, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_shadow_resample(shadow.shadow, 0, 64, &byte, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
 }  // namespace

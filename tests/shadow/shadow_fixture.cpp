@@ -141,16 +141,16 @@ LiveShadow::LiveShadow(const sandglass_shadow_desc& desc) : block(need(desc)) {
 void LiveShadow::light(float x, float y, float z) {
   const float direction[3] = {x, y, z};
   const char* reason = nullptr;
-  EXPECT_EQ(sandglass_shadow_set_light(shadow, direction, &reason), SANDGLASS_OK) << reason;
+  EXPECT_EQ(sandglass_shadow_set_light(shadow, 0, direction, 1, &reason), SANDGLASS_OK) << reason;
 }
 void LiveShadow::finish() {
-  while (sandglass_shadow_run(shadow, 1000) > 0) {
+  while (sandglass_shadow_run(&shadow, 1, 1000) > 0) {
   }
 }
 sandglass_shadow_texture LiveShadow::texture() const {
   sandglass_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
-  sandglass_shadow_get_texture(shadow, &texture);
+  sandglass_shadow_get_texture(shadow, 0, &texture);
   return texture;
 }
 std::vector<uint8_t> LiveShadow::coverage() const {
