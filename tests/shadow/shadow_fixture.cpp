@@ -147,10 +147,10 @@ void LiveShadow::finish() {
   while (sandglass_shadow_run(&shadow, 1, 1000) > 0) {
   }
 }
-sandglass_shadow_texture LiveShadow::texture() const {
+sandglass_shadow_texture LiveShadow::texture(uint32_t light) const {
   sandglass_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
-  sandglass_shadow_get_texture(shadow, 0, &texture);
+  sandglass_shadow_get_texture(shadow, light, &texture);
   return texture;
 }
 std::vector<uint8_t> LiveShadow::coverage() const {

@@ -58,7 +58,7 @@ struct LiveShadow {
   explicit LiveShadow(const sandglass_shadow_desc& desc);
   void light(float x, float y, float z);
   void finish();
-  sandglass_shadow_texture texture() const;
+  sandglass_shadow_texture texture(uint32_t light = 0) const;
   std::vector<uint8_t> coverage() const;
 
   Block block;
