@@ -4,7 +4,9 @@
 #include <thread>
 
 #include "models/cli/commands.h"
+#include "models/host/atomic_file.h"
 #include "models/host/failure.h"
+#include "models/host/measurement_json.h"
 #include "models/host/mesh/generated.h"
 #include "models/host/progress.h"
 #include "models/shadow/bake.h"
@@ -16,7 +18,7 @@ namespace {
 constexpr int k_exit_interrupted = 130;
 
 struct Options {
-  std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", plane = "fitted", picture;
+  std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", plane = "fitted", picture, json;
   BakeSettings settings;
   bool resume = false;
 };
@@ -52,6 +54,35 @@ void print(const char* name, const ShadowError& e) {
   std::printf("  %-14s %9.4f %9.4f %9.2f %9.4f %12.4f\n", name, e.rmse, e.rmse_max, e.psnr, e.ssim, e.block);
 }
 
+std::string measurements(const BakeReport& r, const BakeSettings& settings) {
+  std::vector<Measurement> all;
+  const auto keep = [&](const char* name, const char* metric, const char* unit, double value) {
+    Measurement m;
+    m.suite = "bake", m.scene = name, m.metric = metric, m.unit = unit, m.value = value;
+    m.threads = settings.threads;
+    all.push_back(m);
+  };
+  const Validation& v = r.validation;
+  const std::pair<const char*, const ShadowError*> ways[] = {
+      {"f32", &v.network_float}, {"int8", &v.network_int8}, {"int8_adaptive", &v.network_adaptive}};
+  for (const auto& [name, error] : ways) {
+    keep(name, "rmse", "1", error->rmse);
+    keep(name, "rmse_max", "1", error->rmse_max);
+    keep(name, "psnr", "dB", error->psnr);
+    keep(name, "ssim", "1", error->ssim);
+    keep(name, "block", "1", error->block);
+  }
+  keep("int8", "ms", "ms", r.ms_full);
+  keep("int8_adaptive", "ms", "ms", r.ms_adaptive);
+  keep("int8_adaptive", "evaluated", "1", v.evaluated);
+  keep("file", "bytes", "byte", static_cast<double>(r.file_bytes));
+  keep("bake", "seconds", "s", r.seconds_tracing + r.seconds_training + r.seconds_validating);
+  keep("bake", "seconds_tracing", "s", r.seconds_tracing);
+  keep("bake", "seconds_training", "s", r.seconds_training);
+  keep("bake", "seconds_validating", "s", r.seconds_validating);
+  return measurements_json(all);
+}
+
 }  // namespace
 
 void add_bake_command(CLI::App& program, int* exit_code) {
@@ -59,7 +90,9 @@ void add_bake_command(CLI::App& program, int* exit_code) {
   BakeSettings& settings = options->settings;
   settings.threads = std::max(1u, std::thread::hardware_concurrency());
   CLI::App* command = program.add_subcommand("bake", "Train the soft shadow of a mesh");
-  command->add_option("mesh", options->mesh, "A mesh file (y up, metres), or chair, trefoil, torus, box, sphere")
+  command
+      ->add_option("mesh", options->mesh,
+                   "A mesh file (y up, metres), or the name of a generated one: chair, trefoil, torus, ...")
       ->required();
   command->add_option("-o,--output", options->output, "File to write")->required();
   command->add_option("--size", options->size, "Neurons a layer x layers after the first")->capture_default_str();
@@ -86,6 +119,7 @@ void add_bake_command(CLI::App& program, int* exit_code) {
       ->capture_default_str();
   command->add_option("--picture", options->picture,
                       "Also draw truth, network and difference for four lights, as a PNG");
+  command->add_option("--json", options->json, "Write the measurements to this file");
   command->add_flag("--keep-float", settings.keep_float, "Keep the float network in the file, for sandglass bench");
   command->add_flag("--resume", options->resume, "Go on where an interrupted bake of the same command stopped");
   command->callback([options, exit_code] {
@@ -104,6 +138,7 @@ void add_bake_command(CLI::App& program, int* exit_code) {
       *exit_code = k_exit_interrupted;
       return;
     }
+    if (!options->json.empty()) write_file(options->json, measurements(r, s));
     const Validation& v = r.validation;
     std::printf("%u unseen lights      RMSE mean       max  PSNR (dB)     SSIM  16x16 block\n", v.lights);
     print("float", v.network_float);

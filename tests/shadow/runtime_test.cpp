@@ -114,7 +114,7 @@ TEST(Shadow, OneUnitAFrameGivesTheSameTextureLater) {
 }
 
 TEST(Shadow, ALightThatNeverStopsStillGetsTextures) {
-  LiveShadow shadow(describe(make_shadow_file(k_network)));
+  LiveShadow shadow(describe(make_shadow_file({32, 1, 10, 4, 11, 0.6f})));
   uint32_t changes = 0, oldest = 0;
   std::vector<uint8_t> last = shadow.coverage();
   for (int frame = 0; frame < 1000; ++frame) {

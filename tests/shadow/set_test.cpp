@@ -231,7 +231,7 @@ TEST(ShadowFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
   LiveShadow a2(describe_lights(file, 2)), b2(describe_lights(file, 2));
   SandScene sand(virtual_clock(&time)), again({});
   uint32_t with_shadow = 0, with_grains = 0, arrived = 0;
-  for (int f = 0; f < 60; ++f) {
+  for (int f = 0; f < 30; ++f) {
     const float turn = 0.03f * static_cast<float>(f);
     for (LiveShadow* s : {&a, &b, &a2, &b2}) set_light(*s, 0, turn, 0.1f), set_light(*s, 1, -0.3f, turn, 0.5f);
     const sandglass_frame_report report = sand.frame({a.shadow, b.shadow}, 4'000'000);
@@ -246,8 +246,8 @@ TEST(ShadowFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
     ASSERT_EQ(sandglass_shadow_hash(a2.shadow), sandglass_shadow_hash(a.shadow)) << f;
     ASSERT_EQ(sandglass_shadow_hash(b2.shadow), sandglass_shadow_hash(b.shadow)) << f;
   }
-  EXPECT_GT(with_shadow, 20u);
-  EXPECT_GT(with_grains, 20u);
+  EXPECT_GT(with_shadow, 10u);
+  EXPECT_GT(with_grains, 10u);
   EXPECT_GT(arrived, 0u);
 }
 
