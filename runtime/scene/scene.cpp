@@ -75,7 +75,7 @@ sandglass_scene* lay_out(const sandglass_scene_desc& desc, Layout* layout, Granu
 
 // The shadows that a frame was given, as a stage. What is left of a texture is no work of this frame: the forecast asks
 // for the next unit only, so that a moving light does not lower the rung of the sand.
-constexpr float k_shadow_share = 0.5f;  // of the optional time, while grains want it too
+constexpr float k_shadow_share = 0.2f;  // of the optional time, while grains want theirs: as much as is left to them
 
 bool shadow_unit(const sandglass::ShadowSet& set, sandglass::WorkUnit* unit) {
   if (set.count == 0 || !set.shadows[0]->set->next(set, unit)) return false;
