@@ -26,7 +26,7 @@ constexpr uint32_t k_search_threads = 4;  // the search needs errors only, and t
 struct Options {
   std::string suite, json, isa = "automatic", asset, mesh;
   uint32_t frames = 100;
-  std::vector<uint32_t> threads = {1};
+  std::vector<uint32_t> threads = {1}, thresholds;
 };
 
 struct Bench {
@@ -118,23 +118,24 @@ struct Bench {
     ShadowBench result;
     {
       Progress progress("measuring", 1);
-      result = bench_shadow(bytes, asset, loaded.mesh, isa, [&](uint32_t done, uint32_t total) {
+      result = bench_shadow(bytes, asset, loaded.mesh, isa, options.thresholds, [&](uint32_t done, uint32_t total) {
         progress.total(total);
         progress.done(done);
         return !interrupted();
       });
     }
-    std::printf("%-14s %8s %10s %8s %9s %12s %11s\n", "case", "ms", "+ encoding", "GMAC/s", "of peak", "RMSE (f32)",
-                "RMSE truth");
+    std::printf("%-18s %8s %10s %8s %9s %12s %11s %10s\n", "case", "ms", "+ encoding", "GMAC/s", "of peak",
+                "RMSE (f32)", "RMSE truth", "evaluated");
     for (const ShadowBenchRow& r : result.rows) {
-      std::printf("%-14s %8.2f %10.2f %8.1f %8.1f%% %12.4f %11.4f\n", r.name.c_str(), r.ms, r.ms + r.ms_encoding,
-                  r.gmac_per_s, 100 * r.fraction, r.rmse, r.rmse_truth);
+      std::printf("%-18s %8.2f %10.2f %8.1f %8.1f%% %12.4f %11.4f %8.1f %%\n", r.name.c_str(), r.ms,
+                  r.ms + r.ms_encoding, r.gmac_per_s, 100 * r.fraction, r.rmse, r.rmse_truth, 100 * r.evaluated);
       keep(r.name, "ms", "ms", r.ms, 1);
       keep(r.name, "ms_with_encoding", "ms", r.ms + r.ms_encoding, 1);
       keep(r.name, "gmac_per_s", "GMAC/s", r.gmac_per_s, 1);
       keep(r.name, "fraction_of_peak", "1", r.fraction, 1);
       keep(r.name, "rmse", "1", r.rmse, 1);
       keep(r.name, "rmse_truth", "1", r.rmse_truth, 1);
+      keep(r.name, "evaluated", "1", r.evaluated, 1);
     }
     if (!result.rows.empty() && !result.has_xnnpack) std::puts("XNNPACK is not installed: its rows are left out");
   }
@@ -160,6 +161,11 @@ void add_bench_command(CLI::App& program, int* exit_code) {
       ->check(CLI::IsMember({"granular", "shadow", "machine"}));
   command->add_option("--asset", options->asset, "For shadow: the baked file (the shipped chair)");
   command->add_option("--mesh", options->mesh, "For shadow: the mesh that it was baked from (chair)");
+  command
+      ->add_option("--thresholds", options->thresholds,
+                   "For shadow: also these thresholds of the adaptive mode, 0..255")
+      ->delimiter(',')
+      ->check(CLI::Range(0u, 255u));
   command->add_option("--json", options->json, "Write the measurements to this file");
   command->add_option("--frames", options->frames, "Frames a case; errors are comparable at 100 only (100)")
       ->check(CLI::Range(1u, 10000u));

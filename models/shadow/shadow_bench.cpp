@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 
 #include "models/host/failure.h"
 #include "models/host/machine_peak.h"
@@ -69,15 +70,16 @@ void encode_texels(const std::vector<float>& positions, const Direction& light, 
 
 struct Samples {
   std::vector<double> ms, ms_encoding;
-  double rmse = 0, rmse_truth = 0, macs = 0;
+  double rmse = 0, rmse_truth = 0, macs = 0, evaluated = 0;
 
-  ShadowBenchRow row(const char* name, double peak) const {
+  ShadowBenchRow row(const std::string& name, double peak) const {
     ShadowBenchRow r;
     r.name = name;
     r.ms = median(ms);
     r.ms_encoding = ms_encoding.empty() ? 0 : median(ms_encoding);
     r.gmac_per_s = macs / k_lights / r.ms * 1e-6;
     r.fraction = peak > 0 ? r.gmac_per_s / peak : 0;
+    r.evaluated = evaluated > 0 ? evaluated / k_lights / k_texels : 1;
     r.rmse = rmse / k_lights, r.rmse_truth = rmse_truth / k_lights;
     return r;
   }
@@ -86,6 +88,7 @@ struct Samples {
 }  // namespace
 
 ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh, sandglass_isa isa,
+                         const std::vector<uint32_t>& thresholds,
                          const std::function<bool(uint32_t, uint32_t)>& go_on) {
   const AlignedBytes aligned(file);
   ShadowAsset asset;
@@ -118,6 +121,11 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   ShadowRunner full(file, name, isa, SANDGLASS_SHADOW_FULL), adaptive(file, name, isa, SANDGLASS_SHADOW_ADAPTIVE);
   const std::vector<Direction> lights = ring_directions(geometry.polar_max, k_lights);
   Samples own_float, own_int8, own_adaptive, peer_float, peer_int8;
+  std::vector<std::unique_ptr<ShadowRunner>> others;
+  std::vector<Samples> own_others(thresholds.size());
+  for (const uint32_t threshold : thresholds)
+    others.push_back(
+        std::make_unique<ShadowRunner>(file, name, isa, SANDGLASS_SHADOW_ADAPTIVE, static_cast<int32_t>(threshold)));
 #ifdef SANDGLASS_HAVE_XNNPACK
   encode_texels(positions, lights[k_lights / 2], &input);
   const Floats probe(input.begin(), input.begin() + 16384 * k_inputs);
@@ -147,11 +155,13 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
       }
       samples->ms.push_back(best);
       samples->macs += separated_macs * texture.evaluated;
+      samples->evaluated += texture.evaluated;
       for (uint32_t t = 0; t < k_texels; ++t) output[t] = 1 - static_cast<float>(texture.coverage[t]) / 255;
       samples->rmse += rmse(output, reference), samples->rmse_truth += rmse(output, truth);
     };
     bytes(&full, &own_int8);
     bytes(&adaptive, &own_adaptive);
+    for (size_t t = 0; t < others.size(); ++t) bytes(others[t].get(), &own_others[t]);
 #ifdef SANDGLASS_HAVE_XNNPACK
     const double encoding = best_ms([&] { encode_texels(positions, light, &input); });
     const auto peer = [&](Samples* samples, const std::function<void()>& work) {
@@ -170,6 +180,8 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   if (own_float.ms.size() < k_lights) return bench;
   bench.rows = {own_float.row("f32", peak.f32_gmac_per_s), own_int8.row("int8", peak.int8_gmac_per_s),
                 own_adaptive.row("int8_adaptive", peak.int8_gmac_per_s)};
+  for (size_t t = 0; t < thresholds.size(); ++t)
+    bench.rows.push_back(own_others[t].row("int8_adaptive/" + std::to_string(thresholds[t]), peak.int8_gmac_per_s));
   if (!peer_float.ms.empty()) {
     bench.has_xnnpack = true;
     bench.rows.push_back(peer_float.row("xnnpack_f32", peak.f32_gmac_per_s));

@@ -22,6 +22,7 @@ struct ShadowBenchRow {
   double fraction = 0;     // of this CPU's measured peak, f32 or int8
   double rmse = 0;         // against the float network
   double rmse_truth = 0;   // against ray tracing
+  double evaluated = 1;    // share of the texels that the network was asked for
 };
 
 struct ShadowBench {
@@ -29,8 +30,10 @@ struct ShadowBench {
   bool has_xnnpack = false;
 };
 
+// `thresholds`: further rows int8_adaptive/N, one a threshold, in steps of coverage (sandglass_shadow_desc).
 // `file` must carry its float network; `mesh` is what it was baked from. `go_on` gets the steps done of `total`.
 ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh, sandglass_isa isa,
+                         const std::vector<uint32_t>& thresholds,
                          const std::function<bool(uint32_t done, uint32_t total)>& go_on);
 
 }  // namespace sandglass::host

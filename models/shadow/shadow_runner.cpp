@@ -13,12 +13,13 @@ AlignedBytes::AlignedBytes(std::span<const uint8_t> bytes) : words_(bytes.size()
 }
 
 ShadowRunner::ShadowRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
-                           sandglass_shadow_mode mode, uint32_t threshold) {
+                           sandglass_shadow_mode mode, int32_t threshold) {
   const AlignedBytes aligned(file);
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
   desc.isa = isa, desc.asset = aligned.data(), desc.asset_bytes = file.size();
-  desc.mode = mode, desc.threshold = threshold, desc.light_tolerance = 0;
+  desc.mode = mode, desc.light_tolerance = 0;
+  if (threshold >= 0) desc.threshold = static_cast<uint32_t>(threshold);
   uint64_t bytes = 0;
   const char* reason = nullptr;
   if (sandglass_shadow_bytes(&desc, &bytes, &reason) != SANDGLASS_OK) throw Failure("'" + name + "': " + reason);

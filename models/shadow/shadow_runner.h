@@ -13,9 +13,10 @@ namespace sandglass::host {
 
 class ShadowRunner {
  public:
-  // A Failure with the library's sentence where it refuses; `name` is what the sentence calls the file.
+  // A Failure with the library's sentence where it refuses; `name` is what the sentence calls the file. `threshold`
+  // below 0: the library's default.
   ShadowRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_shadow_mode mode,
-               uint32_t threshold = 5);
+               int32_t threshold = -1);
   ~ShadowRunner();
   ShadowRunner(const ShadowRunner&) = delete;
   ShadowRunner& operator=(const ShadowRunner&) = delete;

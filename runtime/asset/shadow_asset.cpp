@@ -102,7 +102,8 @@ sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsse
       file.first_weights()->size() != out->inputs() * out->width || file.first_bias()->size() != out->width)
     return refuse(reason, "the shadow file's first layer has the wrong size: bake it again");
   if (!all_within(*file.first_weights(), -k_weight_limit, k_weight_limit) ||
-      !all_within(*file.first_bias(), -k_weight_limit, k_weight_limit) || !within(file.first_step(), 1e-9, 1e9))
+      !all_within(*file.first_bias(), -k_weight_limit, k_weight_limit) ||
+      !within(static_cast<double>(file.first_step()), 1e-9, 1e9))
     return refuse(reason, "the shadow file's first layer has a weight that is not a number: bake it again");
   out->first_weights = file.first_weights()->data();
   out->first_bias = file.first_bias()->data();
@@ -112,7 +113,7 @@ sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsse
       return refuse(reason, fault);
   if (const char* fault = check_layer(file.last(), out->width, 1, &out->last)) return refuse(reason, fault);
   out->rmse_float = file.rmse_float(), out->rmse_int8 = file.rmse_int8();
-  if (!within(out->rmse_float, 0, 1) || !within(out->rmse_int8, 0, 1))
+  if (!within(static_cast<double>(out->rmse_float), 0, 1) || !within(static_cast<double>(out->rmse_int8), 0, 1))
     return refuse(reason, "the shadow file's error is not a number in 0..1: bake it again");
   out->validated_lights = file.validated_lights();
   out->seed = file.seed();
