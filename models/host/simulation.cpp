@@ -71,6 +71,10 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   input.colliders = colliders.data();
   input.collider_count = static_cast<uint32_t>(colliders.size());
   input.plan = plan;
+  return frame(input);
+}
+
+sandglass_frame_report Simulation::frame(sandglass_frame_input input) {
   if (grains_ > 0) {
     input.grains = output_.data();
     input.grain_stride = sizeof(sandglass_grain);
@@ -80,6 +84,8 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   report.struct_size = sizeof report;
   const char* reason = nullptr;
   require(sandglass_scene_frame(scene_, &input, &report, &reason), reason);
+  particles_ = report.particle_numbers, grains_ = report.grain_numbers;
+  output_.resize(grains_);
   return report;
 }
 

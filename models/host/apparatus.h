@@ -1,0 +1,35 @@
+// What an experiment with sand is made of besides sand: vessels turned about the y axis, and random starts that no
+// lattice biases.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "models/host/scene_file.h"
+#include "sandglass/field.h"
+#include "sandglass/sandglass.h"
+
+namespace sandglass::host {
+
+// A vessel: sand stays inside the outline [[r, y], ...], closed, turned about the y axis.
+class Vessel {
+ public:
+  Vessel(const Profile& outline, double spacing);
+  ~Vessel();
+  Vessel(const Vessel&) = delete;
+  Vessel& operator=(const Vessel&) = delete;
+  sandglass_collider collider() const;
+
+ private:
+  void* block_ = nullptr;
+  sandglass_field* field_ = nullptr;
+};
+
+sandglass_collider level_floor(double height = 0.0);
+
+// Centres of `count` spheres in an upright cylinder about the y axis, from `bottom` upward, by random sequential
+// addition at a fifth of the space: 3 floats each, none closer than 2.02 radii to another, none less than 1.01 radii
+// from the cylinder's wall.
+std::vector<float> scattered(uint32_t count, double cylinder_radius, double bottom, double radius, uint64_t seed);
+
+}  // namespace sandglass::host
