@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <numbers>
 #include <string>
 #include <unordered_map>
 
@@ -21,17 +22,6 @@ void require(sandglass_status status, const char* const& reason) {
   if (status == SANDGLASS_OK) return;
   throw Failure(std::string("the vessel has no field: ") + (reason != nullptr ? reason : "no reason given"));
 }
-
-struct Random {  // splitmix64
-  uint64_t state;
-  double unit() {
-    state += 0x9e3779b97f4a7c15u;
-    uint64_t z = state;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  }
-};
 
 }  // namespace
 
@@ -73,10 +63,20 @@ sandglass_collider level_floor(double height) {
   return floor;
 }
 
-std::vector<float> scattered(uint32_t count, double cylinder_radius, double bottom, double radius, uint64_t seed) {
-  constexpr double k_pi = 3.14159265358979, k_filled = 0.2;
-  const double apart = 2.02 * radius, reach = cylinder_radius - 1.01 * radius;
-  const double height = count * 4.0 / 3.0 * k_pi * radius * radius * radius / (k_filled * k_pi * reach * reach);
+double Random::unit() {  // splitmix64
+  state += 0x9e3779b97f4a7c15u;
+  uint64_t z = state;
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+std::vector<float> scattered(uint32_t count, const Shaft& shaft, double bottom, double radius, uint64_t seed) {
+  constexpr double k_filled = 0.2;
+  const double apart = 2.02 * radius, gap = 1.01 * radius;
+  const double reach_x = shaft.half_x - gap, reach_z = (shaft.round ? shaft.half_x : shaft.half_z) - gap;
+  const double area = (shaft.round ? std::numbers::pi : 4.0) * reach_x * reach_z;
+  const double height = count * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius / (k_filled * area);
   std::vector<float> points;
   std::unordered_multimap<int64_t, uint32_t> cells;  // of edge `apart`
   const auto cell = [&](double x, double y, double z) {
@@ -85,9 +85,9 @@ std::vector<float> scattered(uint32_t count, double cylinder_radius, double bott
   };
   Random random = {seed};
   while (points.size() / 3 < count) {
-    const double x = reach * (2.0 * random.unit() - 1.0), z = reach * (2.0 * random.unit() - 1.0);
-    const double y = bottom + 1.01 * radius + height * random.unit();
-    if (x * x + z * z > reach * reach) continue;
+    const double x = reach_x * (2.0 * random.unit() - 1.0), z = reach_z * (2.0 * random.unit() - 1.0);
+    const double y = bottom + gap + height * random.unit();
+    if (shaft.round && x * x + z * z > reach_x * reach_x) continue;
     bool taken = false;
     for (int i = 0; i < 27 && !taken; ++i) {
       const auto near =

@@ -27,9 +27,19 @@ class Vessel {
 
 sandglass_collider level_floor(double height = 0.0);
 
-// Centres of `count` spheres in an upright cylinder about the y axis, from `bottom` upward, by random sequential
-// addition at a fifth of the space: 3 floats each, none closer than 2.02 radii to another, none less than 1.01 radii
-// from the cylinder's wall.
-std::vector<float> scattered(uint32_t count, double cylinder_radius, double bottom, double radius, uint64_t seed);
+// Numbers in [0, 1) that follow from the seed alone.
+struct Random {
+  uint64_t state;
+  double unit();
+};
+
+// Centres of spheres by random sequential addition at a fifth of the space, `count` of them from y = `bottom` upward in
+// a shaft along y: the circle of radius `half_x` when `round`, else the rectangle of half sides half_x and half_z. 3
+// floats each, none closer than 2.02 radii to another, none less than 1.01 radii from the shaft's wall.
+struct Shaft {
+  double half_x = 0.0, half_z = 0.0;  // metres
+  bool round = true;
+};
+std::vector<float> scattered(uint32_t count, const Shaft& shaft, double bottom, double radius, uint64_t seed);
 
 }  // namespace sandglass::host
