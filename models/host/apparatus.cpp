@@ -14,8 +14,14 @@ namespace sandglass::host {
 
 namespace {
 
-float inward_distance(void* user, const float p[3]) {
-  return static_cast<float>(-revolved_distance(*static_cast<const Profile*>(user), {p[0], p[1], p[2]}));
+struct Turned {
+  const Profile& outline;
+  double sign;
+};
+
+float turned_distance(void* user, const float p[3]) {
+  const Turned& turned = *static_cast<const Turned*>(user);
+  return static_cast<float>(turned.sign * revolved_distance(turned.outline, {p[0], p[1], p[2]}));
 }
 
 void require(sandglass_status status, const char* const& reason) {
@@ -25,7 +31,7 @@ void require(sandglass_status status, const char* const& reason) {
 
 }  // namespace
 
-Vessel::Vessel(const Profile& outline, double spacing) {
+Vessel::Vessel(const Profile& outline, double spacing, bool solid_inside) {
   const double margin = 3.0 * spacing;
   double reach = 0.0, bottom = 1e30, top = -1e30;
   for (const auto& point : outline)
@@ -37,10 +43,10 @@ Vessel::Vessel(const Profile& outline, double spacing) {
   uint64_t bytes = 0;
   require(sandglass_field_bytes(low, high, static_cast<float>(spacing), &bytes, &reason), reason);
   block_ = ::operator new(bytes, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
-  Profile copy = outline;
-  const sandglass_status status =
-      sandglass_field_from_function(low, high, static_cast<float>(spacing), SANDGLASS_SOLID_OUTSIDE, inward_distance,
-                                    &copy, block_, bytes, &field_, &reason);
+  Turned turned = {outline, solid_inside ? 1.0 : -1.0};
+  const sandglass_solid solid = solid_inside ? SANDGLASS_SOLID_INSIDE : SANDGLASS_SOLID_OUTSIDE;
+  const sandglass_status status = sandglass_field_from_function(
+      low, high, static_cast<float>(spacing), solid, turned_distance, &turned, block_, bytes, &field_, &reason);
   if (status != SANDGLASS_OK) ::operator delete(block_, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
   require(status, reason);
 }

@@ -11,10 +11,11 @@
 
 namespace sandglass::host {
 
-// A vessel: sand stays inside the outline [[r, y], ...], closed, turned about the y axis.
+// A vessel: sand stays inside the outline [[r, y], ...], closed, turned about the y axis; or, `solid_inside`, outside
+// it. `spacing`: between the nodes of its field, metres.
 class Vessel {
  public:
-  Vessel(const Profile& outline, double spacing);
+  Vessel(const Profile& outline, double spacing, bool solid_inside = false);
   ~Vessel();
   Vessel(const Vessel&) = delete;
   Vessel& operator=(const Vessel&) = delete;

@@ -197,39 +197,37 @@ Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setti
   for (int part = 0; part < parts; ++part) result.runout += front[static_cast<size_t>(part)] / parts;
   result.runout = (result.runout - r0) / r0;
   result.deposit = static_cast<double>(members) / std::max(1u, result.particles);
-  result.repose_deg = flank_angle_deg(deposit, r);
   return result;
 }
 
-double flank_angle_deg(std::span<const float> positions, double radius) {
-  constexpr double k_from = 0.2, k_to = 0.7;  // of the highest ring
-  const double ring_width = 2.0 * radius;
-  std::vector<std::array<double, k_sectors>> tops;
-  for (size_t i = 0; i < positions.size(); i += 3) {
-    const double x = positions[i], z = positions[i + 2];
-    const size_t ring = static_cast<size_t>(std::sqrt(x * x + z * z) / ring_width);
-    const double turn = std::atan2(z, x) / (2.0 * std::numbers::pi) + 0.5;
-    const size_t sector = static_cast<size_t>(std::clamp(static_cast<int>(turn * k_sectors), 0, k_sectors - 1));
-    if (ring >= tops.size()) tops.resize(ring + 1, {});
-    tops[ring][sector] = std::max(tops[ring][sector], static_cast<double>(positions[i + 1]) + radius);
-  }
-  std::vector<double> heights;
-  for (const auto& ring : tops) {
-    double sum = 0.0;
-    int seen = 0;
-    for (const double top : ring) sum += top, seen += top > 0.0 ? 1 : 0;
-    heights.push_back(seen > 0 ? sum / seen : 0.0);
-  }
-  const double highest = heights.empty() ? 0.0 : *std::max_element(heights.begin(), heights.end());
-  double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
-  for (size_t ring = 0; ring < heights.size(); ++ring) {
-    const double x = (static_cast<double>(ring) + 0.5) * ring_width, y = heights[ring];
-    if (y < k_from * highest || y > k_to * highest) continue;
-    n += 1.0, sum_x += x, sum_y += y, sum_xx += x * x, sum_xy += x * y;
-  }
-  const double determinant = n * sum_xx - sum_x * sum_x;
-  if (n < 3.0 || determinant <= 0.0) return 0.0;
-  return std::atan(-(n * sum_xy - sum_x * sum_y) / determinant) * 180.0 / std::numbers::pi;
+Repose repose(const sandglass_scene_desc& desc, double radius_d, double aspect, uint64_t seed, const CaseStep& step) {
+  constexpr double k_drain_seconds = 3.0;
+  const double r = desc.granular.particle_radius, d = 2.0 * r, reach = radius_d * d, height = aspect * reach;
+  const uint32_t count =
+      static_cast<uint32_t>(k_loosest * std::numbers::pi * reach * reach * height / sphere_volume(r));
+  sandglass_scene_desc full = desc;
+  full.granular.particle_capacity = count;
+  full.granular.grain_capacity = 0;
+  full.granular.collider_capacity = 2;
+  const std::vector<float> points = scattered(count, {reach, reach, true}, 0.0, r, seed);
+  double top = 0.0;
+  for (size_t i = 1; i < points.size(); i += 3) top = std::max<double>(top, points[i]);
+  const Vessel platform({{0.0, -3.0 * d}, {reach, -3.0 * d}, {reach, 0.0}, {0.0, 0.0}}, r, true);
+  const Vessel tube({{0.0, -6.0 * d}, {reach, -6.0 * d}, {reach, top + 4.0 * d}, {0.0, top + 4.0 * d}}, r);
+  const sandglass_collider colliders[2] = {platform.collider(), tube.collider()};
+  Simulation simulation(full);
+  simulation.add(points, {});
+  settle(&simulation, colliders, d, step);
+  const double packing = packing_within(simulation.particle_positions(), r, reach - 2.0 * d, 2.0 * d, 0.5 * height);
+  for (uint32_t frame = 0; frame < frames_in(k_drain_seconds); ++frame)
+    simulation.frame(k_frame, k_no_budget, {colliders, 1}), step();
+  uint32_t stay = 0;
+  for (size_t i = 1; i < 3 * static_cast<size_t>(count); i += 3) stay += simulation.particle_positions()[i] > 0.0f;
+  Repose result;
+  result.share = static_cast<double>(stay) / count;
+  const double volume = stay * sphere_volume(r) / packing;
+  result.angle_deg = std::atan(3.0 * volume / (std::numbers::pi * reach * reach * reach)) * 180.0 / std::numbers::pi;
+  return result;
 }
 
 DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSetting& setting, const CaseStep& step) {

@@ -20,12 +20,11 @@ using CaseStep = std::function<void()>;
 // Run-out (R - R0)/R0. The deposit is the particles that a chain of neighbours less than 1.1 d apart joins to its
 // middle, so single ones that slide ahead do not count. R is the mean, over 24 sectors about the axis, of the distance
 // of the outermost of them, plus r: the front as Staron and Hinch (2005) define it for particles. Planar: the same over
-// 6 strips across the channel. `repose_deg`: see flank_angle_deg.
+// 6 strips across the channel.
 struct Collapse {
   double runout = 0.0, height = 0.0;  // height: of the deposit, over R0
   double packing = 0.0;               // of the column before it was let go
   double deposit = 0.0;               // share of the particles that belong to it
-  double repose_deg = 0.0;
   uint32_t particles = 0;
 };
 struct CollapseSetting {
@@ -38,9 +37,14 @@ Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setti
 double lube_runout(double aspect);         // Lube et al. 2004: 1.24 a, above 1.7 1.6 sqrt(a)
 double lube_planar_runout(double aspect);  // Lube et al. 2005: 1.2 a, above 1.8 1.9 a^(2/3)
 
-// Slope of a pile's flank: least-squares line through the ring-wise surface (rings one d wide, mean of the highest top
-// in 24 sectors) where it is between 20 % and 70 % of its highest.
-double flank_angle_deg(std::span<const float> positions, double radius);
+// The angle of repose by draining: a column stands on a round platform of its own radius; its tube is taken away, what
+// cannot stay falls off the rim, and what stays is a heap whose toe is the rim. The angle is that of the cone of the
+// heap's volume on the platform: no line has to be laid through a surface of a few particles.
+struct Repose {
+  double angle_deg = 0.0;
+  double share = 0.0;  // of the column that stays
+};
+Repose repose(const sandglass_scene_desc& desc, double radius_d, double aspect, uint64_t seed, const CaseStep& step);
 
 // A flat-bottomed silo 40 d wide, kept more than 20 d full by an emitter that pours back what the sink has taken.
 struct Discharge {
