@@ -377,7 +377,8 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
   const size_t last = result.loads.size() - 1, half = 2;
   result.marginal = (result.loads[last] - result.loads[half]) / (result.weights[last] - result.weights[half]);
   // The F_inf that fits best, in weights of a diameter: a scan, for the law has one parameter.
-  double best = 1e30, saturation = 0.0;
+  double best = 1e30;
+  double& saturation = result.saturation;
   for (double f = 0.2; f < 50.0; f *= 1.005) {
     double squares = 0.0;
     for (size_t i = 0; i <= last; ++i) {

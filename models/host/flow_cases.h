@@ -75,7 +75,8 @@ struct TubeLoad {
   std::vector<double> weights;   // M g, in weights of one tube diameter of sand
   std::vector<double> loads;     // on the bottom, likewise
   double marginal = 0.0;         // (load of the fullest - load of the half full) / (difference of their weights)
-  double k = 0.0, misfit = 0.0;  // K of the best fit; largest |load - Janssen|/F_inf
+  double saturation = 0.0;       // F_inf of the best fit, in weights of one tube diameter of sand
+  double k = 0.0, misfit = 0.0;  // its K; largest |load - Janssen|/F_inf
 };
 TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const CaseStep& step);
 
