@@ -28,13 +28,15 @@ sandglass_scene_desc with_room(sandglass_scene_desc desc, uint32_t particles) {
   return desc;
 }
 
-// A bed of 8 x 6 x 8 particles, layer on layer, a quarter spacing off, standing on y = 0.
-std::vector<float> bed(double radius) {
+constexpr int k_layers = 6;
+
+// A bed of `side` x 6 x `side` particles, layer on layer, a quarter spacing off, standing on y = 0.
+std::vector<float> bed(double radius, int side = 8) {
   std::vector<float> points;
-  const double spacing = 2.04 * radius;
-  for (int k = 0; k < 6; ++k)
-    for (int j = 0; j < 8; ++j)
-      for (int i = 0; i < 8; ++i)
+  const double spacing = 2.02 * radius;
+  for (int k = 0; k < k_layers; ++k)
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i)
         for (const double value :
              {(i + 0.25 * (k % 2)) * spacing, k * spacing + 1.02 * radius, (j + 0.25 * (k % 2)) * spacing})
           points.push_back(static_cast<float>(value));
@@ -62,19 +64,22 @@ void add_body(Simulation* simulation, const std::vector<float>& points, double d
 
 }  // namespace
 
-double coincident_distance(const sandglass_scene_desc& desc, uint32_t count) {
+Coincident coincident(const sandglass_scene_desc& desc, uint32_t count) {
+  constexpr double k_height = 0.3;  // metres
   Simulation simulation(with_room(desc, count));
   std::vector<float> points;
-  for (uint32_t i = 0; i < count; ++i) points.insert(points.end(), {0.0f, 0.3f, 0.0f});
+  for (uint32_t i = 0; i < count; ++i) points.insert(points.end(), {0.0f, static_cast<float>(k_height), 0.0f});
   simulation.add(points, {});
   const sandglass_collider floor = level_floor();
-  for (int frame = 0; frame < 100; ++frame) simulation.frame(k_frame, k_no_budget, {&floor, 1});
-  const std::vector<float>& p = simulation.particle_positions();
-  double nearest = 1e30;
-  for (size_t i = 0; i < p.size(); i += 3)
-    for (size_t j = i + 3; j < p.size(); j += 3)
-      nearest = std::min<double>(nearest, std::hypot(p[i] - p[j], p[i + 1] - p[j + 1], p[i + 2] - p[j + 2]));
-  return sound(p, nearest / (2.0 * desc.granular.particle_radius));
+  Coincident result;
+  for (int frame = 0; frame < 100; ++frame) {
+    simulation.frame(k_frame, k_no_budget, {&floor, 1});
+    const double top = highest_of(simulation.particle_positions());
+    result.rise_d = std::max(result.rise_d, (top - k_height) / (2.0 * desc.granular.particle_radius));
+  }
+  const double overlap = measure_overlap(simulation.particle_positions(), desc.granular.particle_radius).max;
+  result.overlap = sound(simulation.particle_positions(), overlap);
+  return result;
 }
 
 Stack stack(const sandglass_scene_desc& desc, uint32_t count, double seconds) {
@@ -95,26 +100,26 @@ Stack stack(const sandglass_scene_desc& desc, uint32_t count, double seconds) {
 }
 
 HeavyCube heavy_cube(const sandglass_scene_desc& desc, double ratio) {
-  const double r = desc.granular.particle_radius, spacing = 2.0 * r;
-  sandglass_scene_desc room = with_room(desc, 384 + 64);
+  constexpr int k_side = 14, k_cube = 3, k_sand = k_side * k_side * k_layers, k_body = k_cube * k_cube * k_cube;
+  const double r = desc.granular.particle_radius, spacing = 2.01 * r;
+  sandglass_scene_desc room = with_room(desc, k_sand + k_body);
   room.granular.body_capacity = 1;
-  room.granular.body_particle_capacity = 64;
+  room.granular.body_particle_capacity = k_body;
   Simulation simulation(room);
-  simulation.add(bed(r), {});
-  const sandglass_collider floor = level_floor();
-  for (int frame = 0; frame < 25; ++frame) simulation.frame(k_frame, k_no_budget, {&floor, 1});
+  simulation.add(bed(r, k_side), {});
   std::vector<float> cube;
-  const double above = highest_of(simulation.particle_positions()) + 2.2 * r;
-  for (int i = 0; i < 64; ++i)
-    for (const double value : {(2.0 + i % 4) * spacing, above + i / 16 * spacing, (2.0 + i / 4 % 4) * spacing})
+  for (int i = 0; i < k_body; ++i)
+    for (const double value : {11.0 * r + i % k_cube * spacing, 15.0 * r + i / (k_cube * k_cube) * spacing,
+                               11.0 * r + i / k_cube % k_cube * spacing})
       cube.push_back(static_cast<float>(value));
   add_body(&simulation, cube, ratio);
+  const sandglass_collider floor = level_floor();
   HeavyCube result;
   for (int frame = 0; frame < 150; ++frame) {
     simulation.frame(k_frame, k_no_budget, {&floor, 1});
     result.highest_d = std::max(result.highest_d, highest_of(simulation.particle_positions()) / (2.0 * r));
   }
-  // Particles of the body touch each other by construction: 64 at 2r apart overlap by rounding only.
+  // The body's own particles start 2.01 r apart and never touch.
   result.overlap_max = sound(simulation.particle_positions(), measure_overlap(simulation.particle_positions(), r).max);
   return result;
 }

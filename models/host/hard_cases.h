@@ -6,8 +6,12 @@
 
 namespace sandglass::host {
 
-// `count` particles at one place, let go above a floor: smallest distance between two after two seconds, in d.
-double coincident_distance(const sandglass_scene_desc& desc, uint32_t count);
+// `count` particles at one place, let go above a floor: largest overlap in r after two seconds, and how high above the
+// place any of them came, in d.
+struct Coincident {
+  double overlap = 0.0, rise_d = 0.0;
+};
+Coincident coincident(const sandglass_scene_desc& desc, uint32_t count);
 
 // A stack of `count` particles exactly on top of each other: height over count d after `seconds`, and the highest that
 // it ever was.
@@ -16,8 +20,8 @@ struct Stack {
 };
 Stack stack(const sandglass_scene_desc& desc, uint32_t count, double seconds);
 
-// A cube of 64 particles, `ratio` times as dense as sand, set down on a bed: largest overlap at the end in r, and how
-// high anything ever was, in d.
+// A cube of 27 particles, `ratio` times as dense as sand, dropped on a bed six layers deep: largest overlap at the end
+// in r, and how high anything ever was, in d.
 struct HeavyCube {
   double overlap_max = 0.0, highest_d = 0.0;
 };
