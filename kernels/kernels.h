@@ -53,8 +53,9 @@ struct ListArgs {
   uint32_t boundary_first;  // record index of the first boundary particle
   uint32_t inert;           // record index of an inert record far away: pads every row
   float reach_squared;
-  uint32_t* lists;  // k_list_slots record indices a particle
-  uint8_t* counts;  // used slots a particle
+  float near_squared;  // what is closer comes first in a row
+  uint32_t* lists;     // k_list_slots record indices a particle
+  uint8_t* counts;     // used slots a particle
 };
 
 // A regular grid of signed distances, x fastest, in the collider's own axes; above 0 is free. Beyond the grid all is
@@ -93,7 +94,7 @@ struct ContactArgs {
   float relaxation;                   // omega
   int32_t averaged;                   // 1: (4.37), the sum is scaled by min(1, omega/n); 0: by omega
   float weight_linear, weight_cubic;  // height weighting: share = 1/2 + linear*c + cubic*c^3, c = n . up
-  float weighted_overlap;             // metres; overlap beyond it is shared equally
+  float lift_max;                     // metres; what height weighting may lift a particle by
   float inverse_relaxation;           // 1 / omega
   float separation_max;               // metres; a contact separates by no more than its approach and this in one pass
   float up[3];

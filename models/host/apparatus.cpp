@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <numbers>
 #include <string>
 #include <unordered_map>
@@ -42,16 +41,13 @@ Vessel::Vessel(const Profile& outline, double spacing, bool solid_inside) {
   const char* reason = nullptr;
   uint64_t bytes = 0;
   require(sandglass_field_bytes(low, high, static_cast<float>(spacing), &bytes, &reason), reason);
-  block_ = ::operator new(bytes, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
+  block_ = new_block(bytes, "the vessel's field", "give it a wider spacing");
   Turned turned = {outline, solid_inside ? 1.0 : -1.0};
   const sandglass_solid solid = solid_inside ? SANDGLASS_SOLID_INSIDE : SANDGLASS_SOLID_OUTSIDE;
   const sandglass_status status = sandglass_field_from_function(
-      low, high, static_cast<float>(spacing), solid, turned_distance, &turned, block_, bytes, &field_, &reason);
-  if (status != SANDGLASS_OK) ::operator delete(block_, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
-  require(status, reason);
+      low, high, static_cast<float>(spacing), solid, turned_distance, &turned, block_.get(), bytes, &field_, &reason),
+          reason);
 }
-
-Vessel::~Vessel() { ::operator delete(block_, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT)); }
 
 sandglass_collider Vessel::collider() const {
   sandglass_collider collider = {};

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "models/host/block.h"
 #include "models/host/scene_file.h"
 #include "sandglass/field.h"
 #include "sandglass/sandglass.h"
@@ -16,13 +17,10 @@ namespace sandglass::host {
 class Vessel {
  public:
   Vessel(const Profile& outline, double spacing, bool solid_inside = false);
-  ~Vessel();
-  Vessel(const Vessel&) = delete;
-  Vessel& operator=(const Vessel&) = delete;
   sandglass_collider collider() const;
 
  private:
-  void* block_ = nullptr;
+  Block block_;
   sandglass_field* field_ = nullptr;
 };
 
