@@ -44,8 +44,8 @@ Vessel::Vessel(const Profile& outline, double spacing, bool solid_inside) {
   block_ = new_block(bytes, "the vessel's field", "give it a wider spacing");
   Turned turned = {outline, solid_inside ? 1.0 : -1.0};
   const sandglass_solid solid = solid_inside ? SANDGLASS_SOLID_INSIDE : SANDGLASS_SOLID_OUTSIDE;
-  const sandglass_status status = sandglass_field_from_function(
-      low, high, static_cast<float>(spacing), solid, turned_distance, &turned, block_.get(), bytes, &field_, &reason),
+  require(sandglass_field_from_function(low, high, static_cast<float>(spacing), solid, turned_distance, &turned,
+                                        block_.get(), bytes, &field_, &reason),
           reason);
 }
 
