@@ -1,5 +1,6 @@
 // A list of groups; each adds its rows. Groups that take long are left out of the quick table.
 #include "models/host/granular_verdicts.h"
+#include "models/host/metrics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -298,15 +299,6 @@ std::vector<std::string> verdict_groups() {
   std::vector<std::string> names;
   for (const Group& group : k_groups) names.emplace_back(group.name);
   return names;
-}
-
-double fitted_exponent(const std::vector<double>& x, const std::vector<double>& y) {
-  double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
-  for (size_t i = 0; i < x.size() && i < y.size(); ++i) {
-    const double u = std::log(x[i]), v = std::log(y[i]);
-    n += 1.0, sum_x += u, sum_y += v, sum_xx += u * u, sum_xy += u * v;
-  }
-  return (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
 }
 
 VerdictTable granular_verdicts(const VerdictChoice& choice, const std::function<bool(uint64_t, uint64_t)>& progress) {

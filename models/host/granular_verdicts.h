@@ -47,7 +47,4 @@ std::vector<std::string> verdict_groups();
 // what is complete so far is returned.
 VerdictTable granular_verdicts(const VerdictChoice& choice, const std::function<bool(uint64_t, uint64_t)>& progress);
 
-// The least-squares slope of log y in log x.
-double fitted_exponent(const std::vector<double>& x, const std::vector<double>& y);
-
 }  // namespace sandglass::host

@@ -10,6 +10,7 @@
 #include "models/host/granular_plots.h"
 #include "models/host/granular_verdicts.h"
 #include "models/host/hard_cases.h"
+#include "models/host/metrics.h"
 #include "models/host/physics_cases.h"
 #include "models/host/plot.h"
 
