@@ -15,9 +15,6 @@ namespace sandglass::host {
 namespace {
 
 constexpr double k_gravity = 9.81, k_wrong_mu = 0.1, k_rough_mu = 0.6;
-// Of sand in bulk: calibrated on Lube's columns, used for everything that flows. It is not the friction of the
-// material: spheres that do not rotate resist shear more than real ones of the same coefficient.
-constexpr double k_calibrated_mu = 0.15;
 constexpr double k_reported = std::numeric_limits<double>::infinity();
 
 struct Stopped {};
@@ -47,16 +44,14 @@ struct Table {
     desc.isa = isa;
     return desc;
   }
-  sandglass_scene_desc calibrated() const { return with_friction(k_calibrated_mu); }
   sandglass_scene_desc with_friction(double mu) const {
     sandglass_scene_desc desc = physics_desc(mu);
     desc.isa = isa;
     return desc;
   }
   // One long step a frame and one averaged iteration: the solver that DESIGN warns of.
-  sandglass_scene_desc coarse(double mu = 0.0) const {
+  sandglass_scene_desc coarse() const {
     sandglass_scene_desc desc = defaults();
-    if (mu > 0.0) desc.granular.static_friction = desc.granular.kinetic_friction = static_cast<float>(mu);
     desc.granular.scheme = SANDGLASS_SCHEME_AVERAGED;
     desc.granular.relaxation = 2.0f;
     desc.granular.solver_iterations = 1;
@@ -140,7 +135,7 @@ void column(Table& t) {
     CollapseSetting setting;
     setting.aspect = aspect;
     const uint64_t seeds = aspect < k_low_end ? k_seeds : 1;  // tall columns have particles enough
-    const double runout = mean_runout(t.calibrated(), setting, seeds), law = lube_runout(aspect);
+    const double runout = mean_runout(t.defaults(), setting, seeds), law = lube_runout(aspect);
     char name[48];
     std::snprintf(name, sizeof name, "column a=%g", aspect);
     const bool gated = aspect == 0.5 || aspect == 1.0 || aspect == 2.0 || aspect == 3.0;
@@ -166,7 +161,7 @@ void column(Table& t) {
   for (const double aspect : {1.0, 3.0}) {
     CollapseSetting setting;
     setting.aspect = aspect, setting.planar = true;
-    const double runout = mean_runout(t.calibrated(), setting, 1);
+    const double runout = mean_runout(t.defaults(), setting, 1);
     t.report(aspect < 2.0 ? "planar column a=1" : "planar column a=3", "L0", lube_planar_runout(aspect), runout);
     curves.planar_aspects.push_back(aspect), curves.planar_runouts.push_back(runout);
   }
@@ -175,7 +170,7 @@ void column(Table& t) {
 void beverloo(Table& t) {
   DischargeSetting setting;
   setting.orifices_d = {5.0, 6.0, 7.0, 8.5, 10.0};
-  const DischargeCurve curve = discharge(t.calibrated(), setting, t.step);
+  const DischargeCurve curve = discharge(t.defaults(), setting, t.step);
   t.claim("discharge exponent", "", 2.5, curve.exponent, 0.15);
   for (const Discharge& point : curve.points) {
     char name[48];
@@ -187,13 +182,13 @@ void beverloo(Table& t) {
   t.claim("head over orifice, least", "h/D", 3.0, head, 1.0);
   t.report("discharge coefficient C", "", 0.58, curve.coefficient);
   t.table->curves.discharge = curve;
-  const DischargeCurve wrong = discharge(t.coarse(k_calibrated_mu), setting, t.step);
+  const DischargeCurve wrong = discharge(t.coarse(), setting, t.step);
   t.control("discharge exponent, coarse", "", 2.5, wrong.exponent, 0.15);
   t.table->curves.wrong_discharge = wrong;
 }
 
 void janssen(Table& t) {
-  sandglass_scene_desc plain = t.calibrated();
+  sandglass_scene_desc plain = t.defaults();
   plain.granular.height_weighting = 0.0f;
   const TubeLoad tube = tube_load(plain, false, t.step), smooth = tube_load(plain, true, t.step);
   t.claim("tube load, Janssen (k=0)", "of limit", 0.0, tube.misfit, 0.05);
@@ -201,7 +196,7 @@ void janssen(Table& t) {
   t.control("tube load added, smooth wall", "of weight", 0.0, smooth.marginal, 0.5);
   t.claim("smooth tube carries all (k=0)", "of weight", 1.0, smooth.loads.back() / smooth.weights.back(), 0.02);
   t.report("Janssen's K (k=0)", "", 0.4, tube.k);
-  const TubeLoad weighted = tube_load(t.calibrated(), true, t.step);
+  const TubeLoad weighted = tube_load(t.defaults(), true, t.step);
   t.report("smooth tube, default k", "of weight", 1.0, weighted.loads.back() / weighted.weights.back());
   t.table->curves.tube = tube;
   t.table->curves.smooth_tube = smooth;
@@ -270,9 +265,9 @@ void hard(Table& t) {
 void far_end(Table& t) {
   CollapseSetting setting;
   setting.radius_d = 8.0;
-  const double near = collapse(t.calibrated(), setting, t.step).runout;
+  const double near = collapse(t.defaults(), setting, t.step).runout;
   setting.at_far_end = true;
-  const double far = collapse(t.calibrated(), setting, t.step).runout;
+  const double far = collapse(t.defaults(), setting, t.step).runout;
   // Of the radius, not of its growth: what is seen of a pile.
   t.claim("column 900 m from the origin", "of R", 0.0, (far - near) / (1.0 + near), 0.05);
 }

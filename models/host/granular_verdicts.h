@@ -1,7 +1,6 @@
 // The accuracy claims of granular material as a table (ACCURACY 1 and 2): what is true, what was measured, how far
 // apart they may be; negative controls, wrong settings that must fail, among them. One parameter set for all of it: the
-// library's defaults, and for what flows one calibrated friction. Where a hard case needs a finer rung, its row names
-// it.
+// library's defaults. Where a hard case needs a finer rung, its row names it.
 #pragma once
 
 #include <functional>
