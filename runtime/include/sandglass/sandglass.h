@@ -160,8 +160,8 @@ typedef struct sandglass_granular_desc {
       grain_radius; /* metres, above 0, at most r: a grain's centre stays this far outside every collider; 0 = 0.35 r */
   float static_friction;  /* mu_s >= 0 */
   float kinetic_friction; /* mu_k >= 0; may exceed mu_s (the source's hourglass does) */
-  float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; 0 conserves momentum pairwise;
-                           * acts on overlaps up to 1 % of r, those of resting layers, so impacts conserve it too */
+  float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; 0 conserves momentum pairwise; what
+                           * it lifts a particle by is at most twice what gravity takes, so impacts throw nothing */
 
   sandglass_scheme scheme;
   uint32_t solver_iterations;        /* 1..64 */
@@ -355,6 +355,9 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_fricti
 
 /* ------------------------------------------------------------------------------------------------ frame */
 
+/* The shadows of one object (shadow.h). */
+typedef struct sandglass_shadow sandglass_shadow;
+
 typedef int32_t sandglass_shape;
 enum {
   SANDGLASS_SHAPE_HALF_SPACE = 0, /* solid below the plane through `position` whose normal is local +y */
@@ -394,9 +397,10 @@ typedef struct sandglass_grain {
 typedef int32_t sandglass_stage;
 enum {
   SANDGLASS_STAGE_GRANULAR = 0,
-  SANDGLASS_STAGE_REFINE = 1,
-  SANDGLASS_STAGE_OUTPUT = 2,
-  SANDGLASS_STAGE_COUNT = 3
+  SANDGLASS_STAGE_SHADOW = 1,
+  SANDGLASS_STAGE_REFINE = 2,
+  SANDGLASS_STAGE_OUTPUT = 3,
+  SANDGLASS_STAGE_COUNT = 4
 };
 
 /* The executed plan: what a frame did, in order. Given back to sandglass_scene_frame with the same input on the same
@@ -444,6 +448,9 @@ typedef struct sandglass_frame_input {
   void* grains;            /* receives sandglass_grain items by number; NULL: none wanted */
   uint32_t grain_stride;   /* bytes from one item to the next, at least sizeof(sandglass_grain) and a multiple of 4 */
   uint32_t grain_capacity; /* items that fit */
+  struct sandglass_shadow* const* shadows; /* to bring up to date (shadow.h): one unit a frame whatever the budget, more
+                                            * as it admits; pass all whose shadows are seen */
+  uint32_t shadow_count;
   const sandglass_plan* plan; /* NULL, or a recorded plan to execute: the clock then decides nothing */
 } sandglass_frame_input;
 
@@ -489,13 +496,16 @@ typedef struct sandglass_frame_report {
   uint64_t removed_particles, removed_grains; /* by sinks and sandglass_granular_remove */
   uint64_t denied_particles;                  /* that emitters had no room for */
   float speed_max;                            /* m/s; fastest particle in the last sub-step */
-  sandglass_plan plan;                        /* what was executed: record it to replay the frame */
+  uint32_t pending_shadows; /* textures, over all shadows and lights, that are not yet those of their lights */
+  uint32_t shadow_age;      /* calls of set_light since the oldest of them was begun */
+  sandglass_plan plan;      /* what was executed: record it to replay the frame */
 } sandglass_frame_report;
 
 /* Advances the scene by one frame: moves simulated time on by input->time_step plus what earlier frames still owe (at
  * most two frames' worth; the rest is slow motion, and counted in time_debt), as far as the budget admits. After it,
  * positions are valid and grains are written whatever the budget was. *report may be NULL. Fails only with
- * INVALID_ARGUMENT (NULL scene or input, wrong struct_size, unusable grain buffer; nothing was changed) or REPLAY
+ * INVALID_ARGUMENT (NULL scene or input, wrong struct_size, unusable grain buffer, NULL among the shadows; nothing was
+ * changed) or REPLAY
  * (input->plan is malformed: nothing was changed; or it asks for a unit that this state does not offer: the frame ended
  * there, the scene is valid, but it is not the recorded one: reset it).
  *
