@@ -26,8 +26,8 @@ METRICS = {
         ("whole frame", None, "frames"),
     ],
     "shadow": [
-        ("shadow_texels per texel", r"::shadow_texels", "texels"),
-        ("shadow_texels per thousand multiply-adds", r"::shadow_texels", "thousand_macs"),
+        ("int8 kernels per texel", r"sandglass::int8_", "texels"),
+        ("int8 kernels per thousand multiply-adds", r"sandglass::int8_", "thousand_macs"),
         ("whole texture", None, "textures"),
     ],
 }
