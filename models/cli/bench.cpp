@@ -160,6 +160,48 @@ struct Bench {
     }
   }
 
+  // How time and memory grow with the scene: the collapsing column from 1,000 particles and 10,000 grains to 100,000
+  // and two million, over its first second.
+  void growth() {
+    constexpr uint32_t k_frames = 50;
+    const SceneFile column = load_scene("column14k");
+    std::printf("%9s %9s %2s %12s %14s %11s %13s %10s\n", "particles", "grains", "T", "solver, ms", "ns a particle",
+                "refine, ms", "ns a grain", "bytes/item");
+    for (const uint32_t threads : options.threads) {
+      std::vector<double> particles, solver, grains, refine, items, bytes;
+      for (const auto& [count, each] :
+           {std::pair{1000u, 10u}, {3000u, 16u}, {10000u, 16u}, {30000u, 16u}, {100000u, 20u}}) {
+        const std::string name = "growth " + std::to_string(count);
+        BenchRow result;
+        {
+          Progress progress(name + ", " + std::to_string(threads) + "T", k_frames);
+          uint32_t frame = 0;
+          result = bench_scene(scaled_column(column, count, each), isa, threads, k_frames, true, [&] {
+            progress.done(++frame);
+            return !interrupted();
+          });
+        }
+        if (interrupted()) return;
+        particles.push_back(result.particles), solver.push_back(result.ms_solver);
+        grains.push_back(result.grains), refine.push_back(result.ms_refine);
+        items.push_back(result.particles + result.grains), bytes.push_back(static_cast<double>(result.bytes));
+        std::printf("%9u %9u %2u %12.2f %14.0f %11.2f %13.1f %10.1f\n", result.particles, result.grains, threads,
+                    result.ms_solver, 1e6 * result.ms_solver / result.particles, result.ms_refine,
+                    1e6 * result.ms_refine / result.grains, bytes.back() / items.back());
+        std::fflush(stdout);
+        keep(name, "ms_solver", "ms", result.ms_solver, threads);
+        keep(name, "ms_refine", "ms", result.ms_refine, threads);
+        keep(name, "bytes", "B", static_cast<double>(result.bytes), threads);
+      }
+      const double of_solver = fitted_exponent(particles, solver), of_refine = fitted_exponent(grains, refine);
+      const double of_bytes = fitted_exponent(items, bytes);
+      std::printf("grows with the power  %.2f (solver), %.2f (refinement), %.2f (bytes), %u thread%s\n", of_solver,
+                  of_refine, of_bytes, threads, threads == 1 ? "" : "s");
+      keep("growth", "exponent_solver", "1", of_solver, threads);
+      keep("growth", "exponent_refine", "1", of_refine, threads);
+      keep("growth", "exponent_bytes", "1", of_bytes, threads);
+    }
+  }
 #ifdef SANDGLASS_HAVE_BAKE
   void shadow() {
     const std::string asset =
@@ -211,9 +253,9 @@ struct Bench {
 void add_bench_command(CLI::App& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("bench", "Measure time and error");
-  command->add_option("suite", options->suite, "granular, ladder, shadow or machine")
+  command->add_option("suite", options->suite, "granular, ladder, growth, shadow or machine")
       ->required()
-      ->check(CLI::IsMember({"granular", "ladder", "shadow", "machine"}));
+      ->check(CLI::IsMember({"granular", "ladder", "growth", "shadow", "machine"}));
   command->add_option("--asset", options->asset, "For shadow: the baked file (the shipped chair)");
   command->add_option("--mesh", options->mesh, "For shadow: the mesh that it was baked from (chair)");
   command
@@ -238,6 +280,7 @@ void add_bench_command(CLI::App& program, int* exit_code) {
     bench.isa_name = sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
     if (options->suite == "granular") bench.granular();
     else if (options->suite == "ladder") bench.ladder();
+    else if (options->suite == "growth") bench.growth();
 #ifdef SANDGLASS_HAVE_BAKE
     else if (options->suite == "shadow") bench.shadow();
 #else

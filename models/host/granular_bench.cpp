@@ -3,7 +3,9 @@
 
 #include <time.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "models/host/body_meshes.h"
 #include "models/host/metrics.h"
@@ -36,6 +38,8 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
   simulation.add(material);
 
   BenchRow row;
+  row.bytes = simulation.bytes();
+  row.particles = material.particles(), row.grains = material.grains();
   OverlapOverRun overlap;
   for (uint32_t frame = 0; frame < frames; ++frame) {
     const sandglass_frame_report report =
@@ -63,6 +67,26 @@ SceneFile small_steps(const SceneFile& scene, uint32_t steps) {
   changed.granular.substep_max = static_cast<float>(scene.frame_step / steps * k_rounding);
   changed.granular.substep_min = 0.0f;
   return changed;
+}
+
+SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t grains_per_particle) {
+  SceneFile changed = column;
+  Body& body = changed.bodies.at(0);
+  const double now = static_cast<double>(body.counts[0]) * body.counts[1] * body.counts[2];
+  const double scale = std::cbrt(particles / now);
+  for (uint32_t& count : body.counts) count = std::max(1u, static_cast<uint32_t>(std::lround(count * scale)));
+  body.grains = body.counts[0] * body.counts[1] * body.counts[2] * grains_per_particle;
+  return changed;
+}
+
+double fitted_exponent(const std::vector<double>& x, const std::vector<double>& y) {
+  const double n = static_cast<double>(x.size());
+  double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
+  for (size_t i = 0; i < x.size(); ++i) {
+    const double a = std::log(x[i]), b = std::log(y[i]);
+    sx += a, sy += b, sxx += a * a, sxy += a * b;
+  }
+  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
 }
 
 SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterations) {

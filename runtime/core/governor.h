@@ -101,6 +101,10 @@ void governor_init(Governor* governor, sandglass_clock clock, sandglass_trace tr
 bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget_ns,
                     const sandglass_plan* replay, sandglass_frame_report* report);
 
+// The part of a budget that a device with this thermal headroom (0..1; sandglass_frame_input) can sustain. Scaled in
+// steps of 1/1024 in integers, so that the same hint gives the same plan everywhere.
+uint64_t governor_target(uint64_t budget_ns, float headroom);
+
 // Predicted cost of `items` of a kind in nanoseconds; 0 while nothing is known.
 uint64_t governor_predict(const Governor* governor, uint32_t kind, uint64_t items);
 

@@ -121,8 +121,11 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   const Stage stages[SANDGLASS_STAGE_COUNT] = {sandglass::granular_particle_stage(granular), shadow_stage(&shadows),
                                                sandglass::granular_grain_stage(granular),
                                                sandglass::granular_output_stage(granular)};
-  return sandglass::governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, input->budget_ns, input->plan,
-                                   report);
+  const uint64_t target = sandglass::governor_target(input->budget_ns, input->thermal_headroom);
+  const bool ran =
+      sandglass::governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);
+  report->budget_ns = input->budget_ns;
+  return ran;
 }
 
 void describe(const sandglass_scene& scene, sandglass_frame_report* report) {
@@ -243,6 +246,7 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
 void sandglass_frame_input_default(sandglass_frame_input* input) {
   *input = sandglass_frame_input{};
   input->struct_size = sizeof *input;
+  input->thermal_headroom = 1.0f;
   input->grain_stride = sizeof(sandglass_grain);
 }
 

@@ -95,6 +95,11 @@ typedef struct sandglass_trace {
   void* user;
 } sandglass_trace;
 
+/* The platform's own profiler as a trace hook: sections of ATrace on Android (seen in Perfetto and Android Studio; link
+ * with -landroid), signpost intervals of the subsystem "sandglass" on Apple (seen in Instruments); both members NULL
+ * elsewhere. Call it once, before the scenes are created: on Apple the system makes a log object for the process. */
+SANDGLASS_API sandglass_trace sandglass_trace_system(void);
+
 /* Log hook: static sentences about things an app developer should know (a capacity reached, a quarantined particle).
  * May be NULL. Called at most once per kind of event and frame. */
 typedef struct sandglass_log {
@@ -427,7 +432,10 @@ typedef struct sandglass_emitter {
 typedef struct sandglass_frame_input {
   uint32_t struct_size;
   float time_step; /* seconds of simulated time to advance; not finite or <= 0 advances nothing; at most 0.1 is taken */
-  uint64_t budget_ns; /* time this frame may take by the scene's clock; 0 runs the mandatory part only */
+  uint64_t budget_ns;     /* time this frame may take by the scene's clock; 0 runs the mandatory part only */
+  float thermal_headroom; /* share of the budget that the device can sustain without getting too hot, 0..1: the frame is
+                           * planned for budget_ns times it. 1 by default, and for anything above 1 or not a number;
+                           * below 0 counts as 0. Not the number that Android calls headroom, in which 1 is hot */
   const sandglass_collider* colliders;
   uint32_t collider_count; /* beyond collider_capacity, or not finite: left out, and reported */
   uint32_t emitter_count;  /* beyond emitter_capacity, or not usable: left out, and reported */
@@ -460,7 +468,8 @@ typedef struct sandglass_frame_report {
   uint32_t level; /* rung of the quality ladder: 0 = full; see sandglass_level_name */
   uint64_t frame; /* frames since create or reset, this one included */
   uint64_t budget_ns;
-  uint64_t elapsed_ns;
+  uint64_t target_ns;    /* budget_ns scaled by thermal_headroom: the target duration of a performance hint session */
+  uint64_t elapsed_ns;   /* the actual duration of one */
   uint64_t mandatory_ns; /* of elapsed: work that is done whatever the budget */
   uint64_t last_unit_ns; /* duration of the last unit, and of output beyond its prediction; see sandglass_scene_frame */
   uint64_t longest_unit_ns;
@@ -500,7 +509,7 @@ typedef struct sandglass_frame_report {
  * (input->plan is malformed: nothing was changed; or it asks for a unit that this state does not offer: the frame ended
  * there, the scene is valid, but it is not the recorded one: reset it).
  *
- * Guarantee, for a clock that runs: elapsed <= max(budget, mandatory part) + last_unit_ns of the report: one work unit,
+ * Guarantee, for a clock that runs: elapsed <= max(target, mandatory part) + last_unit_ns of the report: one work unit,
  * and whatever time writing the grains, which is always done and comes last, took beyond its own prediction. */
 SANDGLASS_API sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_frame_input* input,
                                                      sandglass_frame_report* report, const char** reason);
