@@ -10,6 +10,7 @@
 #include "models/host/granular_bench.h"
 #include "models/host/machine_peak.h"
 #include "models/host/measurement_json.h"
+#include "models/host/metrics.h"
 #include "models/host/peer_bullet.h"
 #include "models/host/progress.h"
 #include "models/host/simulation.h"

@@ -79,16 +79,6 @@ SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t gr
   return changed;
 }
 
-double fitted_exponent(const std::vector<double>& x, const std::vector<double>& y) {
-  const double n = static_cast<double>(x.size());
-  double sx = 0.0, sy = 0.0, sxx = 0.0, sxy = 0.0;
-  for (size_t i = 0; i < x.size(); ++i) {
-    const double a = std::log(x[i]), b = std::log(y[i]);
-    sx += a, sy += b, sxx += a * a, sxy += a * b;
-  }
-  return (n * sxy - sx * sy) / (n * sxx - sx * sx);
-}
-
 SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterations) {
   SceneFile changed = scene;
   changed.granular.scheme = SANDGLASS_SCHEME_AVERAGED;

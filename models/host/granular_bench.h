@@ -35,9 +35,6 @@ SceneFile small_steps(const SceneFile& scene, uint32_t steps);
 // The column with about so many particles, of the same proportions, and `grains_per_particle` grains each.
 SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t grains_per_particle);
 
-// Least squares through (log x, log y): the exponent of a power law.
-double fitted_exponent(const std::vector<double>& x, const std::vector<double>& y);
-
 // Alg. 4 as printed: `steps` equal steps a frame, `iterations` solver iterations and one stabilisation each, averaged,
 // relaxation 1.
 SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterations);

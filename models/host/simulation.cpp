@@ -66,6 +66,10 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   input.plan = plan;
   input.shadows = shadows.data();
   input.shadow_count = static_cast<uint32_t>(shadows.size());
+  return frame(input);
+}
+
+sandglass_frame_report Simulation::frame(sandglass_frame_input input) {
   if (grains_ > 0) {
     input.grains = output_.data();
     input.grain_stride = sizeof(sandglass_grain);
@@ -75,6 +79,8 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   report.struct_size = sizeof report;
   const char* reason = nullptr;
   require(sandglass_scene_frame(scene_, &input, &report, &reason), reason);
+  particles_ = report.particle_numbers, grains_ = report.grain_numbers;
+  output_.resize(grains_);
   return report;
 }
 
