@@ -12,6 +12,7 @@
 #include "models/host/measurement_json.h"
 #include "models/host/metrics.h"
 #include "models/host/peer_bullet.h"
+#include "models/host/plot.h"
 #include "models/host/progress.h"
 #include "models/host/simulation.h"
 #ifdef SANDGLASS_HAVE_BAKE
@@ -28,7 +29,7 @@ constexpr uint32_t k_peer_frames = 5;     // other engines take seconds a frame
 constexpr uint32_t k_search_threads = 4;  // the search needs errors only, and they do not depend on threads
 
 struct Options {
-  std::string suite, json, isa = "automatic", asset, mesh;
+  std::string suite, json, out, isa = "automatic", asset, mesh;
   uint32_t frames = 100;
   bool peers = false;
   std::vector<uint32_t> threads = {1}, thresholds;
@@ -140,25 +141,64 @@ struct Bench {
         [&](const BenchStep& step) { return bench_scene(column, isa, 1, k_peer_frames, false, step); });
   }
 
+  // One series of the error-time plane.
+  struct Curve {
+    const char* name;
+    Colour colour;
+    PlotSeries::Mark mark;
+    bool line;
+    std::vector<BenchRow> rows;
+  };
+
   // The error-time plane: every rung of the quality ladder, the default scheme with other sub-steps, the source's
   // scheme.
   void ladder() {
     const SceneFile column = load_scene("column14k");
     head();
+    std::vector<Curve> curves = {{"source, 3 iterations", {110, 110, 120}, PlotSeries::Mark::ring, true, {}},
+                                 {"source, 7 iterations", {60, 60, 66}, PlotSeries::Mark::square, true, {}},
+                                 {"small steps, one iteration", {28, 110, 150}, PlotSeries::Mark::disk, true, {}},
+                                 {"rungs of the ladder", {196, 98, 16}, PlotSeries::Mark::disk, false, {}}};
     for (const uint32_t threads : options.threads) {
+      for (Curve& curve : curves) curve.rows.clear();
       for (uint32_t level = 0; level < SANDGLASS_LEVEL_SLOW_MOTION && !interrupted(); ++level)
-        row("rung " + std::to_string(level) + ", " + sandglass_level_name(level), column, threads, level);
-      for (const uint32_t steps : {24u, 32u, 48u, 96u, 128u}) {
-        if (!interrupted()) row("small steps " + std::to_string(steps), small_steps(column, steps), threads);
+        curves[3].rows.push_back(
+            row("rung " + std::to_string(level) + ", " + sandglass_level_name(level), column, threads, level));
+      for (const uint32_t steps : {24u, 32u, 48u, 64u, 96u, 128u}) {
+        if (!interrupted())
+          curves[2].rows.push_back(row("small steps " + std::to_string(steps), small_steps(column, steps), threads));
       }
       for (const uint32_t steps : {8u, 16u, 32u, 64u}) {
         for (const uint32_t iterations : {3u, 7u}) {
           if (interrupted()) return;
-          row("source " + std::to_string(steps) + " x (" + std::to_string(iterations) + " + 1)",
-              source_scheme(column, steps, iterations), threads);
+          curves[iterations == 7 ? 1 : 0].rows.push_back(
+              row("source " + std::to_string(steps) + " x (" + std::to_string(iterations) + " + 1)",
+                  source_scheme(column, steps, iterations), threads));
         }
       }
     }
+    if (options.out.empty() || interrupted()) return;
+    make_folder(options.out);
+    Plot overlap, angle;
+    overlap.title = "Error against time: column of 14,280 particles";
+    overlap.x = angle.x = {"solver, ms a frame", 10.0, 200.0, true};
+    overlap.y = {"P99 of the overlap, % of r", 0.04, 100.0, true};
+    angle.title = "Angle of the pile against time";
+    angle.y = {"angle, degrees", 0.0, 40.0, false};
+    overlap.legend_right = false, angle.legend_right = true;
+    for (const Curve& curve : curves) {
+      PlotSeries series;
+      series.name = curve.name, series.colour = curve.colour, series.mark = curve.mark, series.line = curve.line;
+      for (const BenchRow& point : curve.rows)
+        series.x.push_back(point.ms_solver), series.y.push_back(100.0 * point.overlap_p99);
+      overlap.series.push_back(series);
+      series.y.clear();
+      for (const BenchRow& point : curve.rows) series.y.push_back(point.angle_deg);
+      angle.series.push_back(series);
+    }
+    write_png(options.out + "/ladder_overlap.png", draw_plot(overlap));
+    write_png(options.out + "/ladder_angle.png", draw_plot(angle));
+    std::printf("plots          %s/ladder_overlap.png, ladder_angle.png\n", options.out.c_str());
   }
 
   // How time and memory grow with the scene: the collapsing column from 1,000 particles and 10,000 grains to 100,000
@@ -264,6 +304,7 @@ void add_bench_command(CLI::App& program, int* exit_code) {
                    "For shadow: also these thresholds of the adaptive mode, 0..255")
       ->delimiter(',')
       ->check(CLI::Range(0u, 255u));
+  command->add_option("--out", options->out, "ladder: write the error-time plane as PNG into this folder");
   command->add_option("--json", options->json, "Write the measurements to this file");
   command->add_option("--frames", options->frames, "Frames a case; errors are comparable at 100 only (100)")
       ->check(CLI::Range(1u, 10000u));
