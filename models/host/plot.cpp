@@ -154,7 +154,7 @@ std::vector<double> plot_ticks(const PlotAxis& axis) {
       break;
     }
   for (double k = std::ceil(axis.low / step - slack); k * step <= axis.high + slack * range; k += 1.0)
-    ticks.push_back(k * step);
+    ticks.push_back(k * step + 0.0);  // no minus zero
   return ticks;
 }
 

@@ -89,6 +89,7 @@ TEST(Laws, AreThoseThatWerePublished) {
 
 TEST(Plot, TicksAreRoundAndInside) {
   EXPECT_EQ(plot_ticks({"", 0.0, 70.0, false}), (std::vector<double>{0, 10, 20, 30, 40, 50, 60, 70}));
+  EXPECT_FALSE(std::signbit(plot_ticks({"", 0.0, 9.0, false})[0])) << "labelled 0, not -0";
   EXPECT_EQ(plot_ticks({"", 0.4, 5.0, true}), (std::vector<double>{0.5, 1, 2, 3, 5}));
   EXPECT_EQ(plot_ticks({"", 1.0, 1000.0, true}), (std::vector<double>{1, 10, 100, 1000}));
 }
