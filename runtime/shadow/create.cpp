@@ -110,8 +110,9 @@ int16_t table_entry(double x) {
   return static_cast<int16_t>(floor_index(x + 0.5));
 }
 
-// How far the three parts of a channel's sum can go, whatever the texel and the light: then they fit 16 bits.
-uint32_t choose_shift(const ShadowAsset& asset) {
+// How far the three parts of a channel's sum can go, whatever the texel and the light: then they fit 16 bits. Its
+// arrays must not lie on the stack beside those of fill_tables.
+__attribute__((noinline)) uint32_t choose_shift(const ShadowAsset& asset) {
   double sums[k_shadow_width_limit], column_most[k_shadow_width_limit] = {}, row_most[k_shadow_width_limit] = {};
   const uint32_t width = asset.width;
   const float* row_weights = asset.first_weights + asset.texel_inputs() * width;
@@ -137,9 +138,8 @@ uint32_t choose_shift(const ShadowAsset& asset) {
   return shift;
 }
 
-void fill_tables(const ShadowAsset& asset, Shadow* s, const Packed& packed) {
+__attribute__((noinline)) void fill_tables(const ShadowAsset& asset, Shadow* s, const Packed& packed) {
   const uint32_t own = asset.width, width = s->network.width;
-  s->network.shift = choose_shift(asset);
   s->table_scale = static_cast<double>(1u << s->network.shift) / static_cast<double>(asset.first_step);
   double sums[k_shadow_width_limit];
   for (uint32_t part = 0; part < 2; ++part) {
@@ -237,6 +237,7 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   s->network.last_multiplier = asset.last.multiplier[0] * k_coverage_scale;
   s->network.coverage = packed.coverage;
   s->light_weights = packed.light_weights, s->first_bias = packed.first_bias;
+  s->network.shift = choose_shift(asset);
   fill_tables(asset, s, packed);
   pack_layers(asset, s, packed);
   fill_coverage(packed.coverage);
