@@ -1,6 +1,7 @@
 // Equirectangular panoramas of linear radiance, and the one convention that all of lighting rests on: pixel (u, v) of a
-// w x h panorama looks along polar angle theta = pi (v + 1/2) / h from +y and azimuth phi = 2 pi (u + 1/2) / w - pi / 2,
-// so its centre looks along +z and what lies right of the centre has negative x (5.5, 5.6, half-pixel centres added).
+// w x h panorama looks along polar angle theta = pi (v + 1/2) / h from +y and azimuth phi = 2 pi (u + 1/2) / w - pi /
+// 2, so its centre looks along +z and what lies right of the centre has negative x (5.5, 5.6, half-pixel centres
+// added).
 #pragma once
 
 #include <cstddef>

@@ -13,6 +13,7 @@
 #ifdef SANDGLASS_HAVE_OPENEXR
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
 #include <ImfInputFile.h>
 #endif
 
@@ -21,9 +22,9 @@
 #define STBI_NO_STDIO
 #define STBI_ONLY_HDR
 #define STBI_MAX_DIMENSIONS 16384
+// Not STBI_WRITE_NO_STDIO: stb_image_write 1.16 loses the .hdr writer with it.
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
-#define STBI_WRITE_NO_STDIO
 #if defined(__GNUC__)
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
@@ -121,12 +122,9 @@ bool reads_exr() {
 RadianceMap read_panorama(const std::string& path) {
   RadianceMap map;
   const std::string extension = extension_of(path);
-  if (extension == ".hdr")
-    map = decode_hdr(path, read_file(path, "panorama"));
-  else if (extension == ".exr")
-    map = decode_exr(path);
-  else
-    throw Failure("panorama '" + path + "' is neither .hdr nor .exr; convert it to one of them");
+  if (extension == ".hdr") map = decode_hdr(path, read_file(path, "panorama"));
+  else if (extension == ".exr") map = decode_exr(path);
+  else throw Failure("panorama '" + path + "' is neither .hdr nor .exr; convert it to one of them");
   if (map.width < k_narrowest || map.width != 2 * map.height)
     throw Failure("panorama '" + path + "' is " + std::to_string(map.width) + " x " + std::to_string(map.height) +
                   " pixels; an equirectangular panorama is twice as wide as high");

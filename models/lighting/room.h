@@ -59,8 +59,8 @@ struct Room {
   std::vector<Material> materials;
   std::vector<Emitter> emitters;
   Sky sky;
-  Vec3 size;  // along x, y, z; the floor's corners are (0, 0, 0) and (size.x, 0, size.z)
-  Vec3 eye;   // where the panorama is taken
+  Vec3 size;         // along x, y, z; the floor's corners are (0, 0, 0) and (size.x, 0, size.z)
+  Vec3 eye;          // where the panorama is taken
   double key = 0.2;  // logarithmic mean of luminance to which the panorama is exposed
 };
 

@@ -85,7 +85,8 @@ void RoomBuilder::cylinder(Vec3 base, double radius, double height, int sides, i
 
 void RoomBuilder::shade(Vec3 base, double low_radius, double high_radius, double height, Vec3 radiance) {
   for (int i = 0; i < k_shade_sides; ++i) {
-    const double from = 2.0 * std::numbers::pi * i / k_shade_sides, to = 2.0 * std::numbers::pi * (i + 1) / k_shade_sides;
+    const double from = 2.0 * std::numbers::pi * i / k_shade_sides,
+                 to = 2.0 * std::numbers::pi * (i + 1) / k_shade_sides;
     const auto at = [&](double angle, double radius, double y) {
       return base + Vec3{radius * std::cos(angle), y, radius * std::sin(angle)};
     };
@@ -94,14 +95,15 @@ void RoomBuilder::shade(Vec3 base, double low_radius, double high_radius, double
     const Vec3 across = at(from, mean, 0.0) - at(to, mean, 0.0);
     const Vec3 low = (at(from, low_radius, 0.0) + at(to, low_radius, 0.0)) * 0.5;
     const Vec3 high = (at(from, high_radius, height) + at(to, high_radius, height)) * 0.5;
-    quad_emitter(low - across * 0.5, high - low, across, radiance);
+    quad_emitter(low - across * 0.5, across, high - low, radiance);
   }
 }
 
 void RoomBuilder::sphere(Vec3 centre, double radius, int material, int emitter) {
   const auto at = [&](int band, int step) {
-    return centre + direction_of_angles(std::numbers::pi * band / k_sphere_bands,
-                                        std::numbers::pi * step / k_sphere_bands) * radius;
+    return centre +
+           direction_of_angles(std::numbers::pi * band / k_sphere_bands, std::numbers::pi * step / k_sphere_bands) *
+               radius;
   };
   for (int band = 0; band < k_sphere_bands; ++band)
     for (int step = 0; step < 2 * k_sphere_bands; ++step) {

@@ -11,9 +11,9 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_joint = 0.035;        // width of tile and brick joints, in cells
-constexpr double k_plank_length = 9.0;   // in plank widths
-constexpr double k_skyline_steps = 90.0;  // buildings around the horizon
+constexpr double k_joint = 0.035;          // width of tile and brick joints, in cells
+constexpr double k_plank_length = 9.0;     // in plank widths
+constexpr double k_skyline_steps = 90.0;   // buildings around the horizon
 constexpr double k_skyline_height = 0.35;  // tangent of the tallest one's elevation
 
 double cell_random(int64_t i, int64_t j, uint64_t salt) {
@@ -39,10 +39,14 @@ Vec3 mixed(Vec3 a, Vec3 b, double t) { return a * (1.0 - t) + b * t; }
 double second_share(Pattern pattern, double x, double y) {
   const double in_x = x - std::floor(x), in_y = y - std::floor(y);
   switch (pattern) {
-    case Pattern::plain: return 0.0;
-    case Pattern::checker: return static_cast<double>((cell(x) + cell(y)) & 1);
-    case Pattern::tiles: return in_x < k_joint || in_y < k_joint ? 1.0 : 0.25 * cell_random(cell(x), cell(y), 1);
-    case Pattern::stripes: return in_x < 0.5 ? 0.0 : 1.0;
+    case Pattern::plain:
+      return 0.0;
+    case Pattern::checker:
+      return static_cast<double>((cell(x) + cell(y)) & 1);
+    case Pattern::tiles:
+      return in_x < k_joint || in_y < k_joint ? 1.0 : 0.25 * cell_random(cell(x), cell(y), 1);
+    case Pattern::stripes:
+      return in_x < 0.5 ? 0.0 : 1.0;
     case Pattern::planks: {
       const int64_t row = cell(x);
       const double along = y / k_plank_length + cell_random(row, 0, 2);
@@ -55,8 +59,10 @@ double second_share(Pattern pattern, double x, double y) {
       if (shifted - std::floor(shifted) < k_joint || in_row < 2.0 * k_joint) return 1.0;
       return 0.3 * cell_random(row, cell(shifted), 5);
     }
-    case Pattern::blotches: return 0.6 * smooth_noise(x, y, 6) + 0.4 * smooth_noise(3.1 * x, 3.1 * y, 7);
-    case Pattern::mosaic: return cell_random(cell(x), cell(y), 8);
+    case Pattern::blotches:
+      return 0.6 * smooth_noise(x, y, 6) + 0.4 * smooth_noise(3.1 * x, 3.1 * y, 7);
+    case Pattern::mosaic:
+      return cell_random(cell(x), cell(y), 8);
   }
   return 0.0;
 }
