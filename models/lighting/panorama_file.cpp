@@ -4,7 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
-#include <memory>
+#include <cstdio>
 #include <vector>
 
 #include "models/host/atomic_file.h"
@@ -17,11 +17,6 @@
 #include <ImfInputFile.h>
 #endif
 
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_STATIC
-#define STBI_NO_STDIO
-#define STBI_ONLY_HDR
-#define STBI_MAX_DIMENSIONS 16384
 // Not STBI_WRITE_NO_STDIO: stb_image_write 1.16 loses the .hdr writer with it.
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -29,7 +24,6 @@
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #endif
-#include <stb_image.h>
 #include <stb_image_write.h>
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
@@ -48,20 +42,67 @@ std::string extension_of(const std::string& path) {
   return extension;
 }
 
-RadianceMap decode_hdr(const std::string& path, const std::string& bytes) {
-  int width = 0, height = 0, channels = 0;
-  const auto* data = reinterpret_cast<const stbi_uc*>(bytes.data());
-  const int size = static_cast<int>(std::min<size_t>(bytes.size(), INT32_MAX));
-  if (stbi_is_hdr_from_memory(data, size) == 0)
-    throw Failure("panorama '" + path + "' is not a Radiance .hdr file; export it as one");
-  const std::unique_ptr<float, void (*)(void*)> pixels(
-      stbi_loadf_from_memory(data, size, &width, &height, &channels, 3), stbi_image_free);
-  if (pixels == nullptr)
-    throw Failure("panorama '" + path + "' cannot be decoded (" + stbi_failure_reason() + "); export it again");
-  RadianceMap map(width, height);
-  std::copy_n(pixels.get(), map.rgb.size(), map.rgb.data());
-  return map;
-}
+// Radiance's format: lines of text, an empty one, the size, then rows of four bytes a pixel, each byte's column packed
+// in runs (or, in old files, plain). Not stb_image, whose release in Debian 12 never returns from a file that was cut
+// off.
+struct HdrReader {
+  const std::string& path;
+  const std::string& bytes;
+  size_t at = 0;
+
+  [[noreturn]] void damaged(const std::string& what) const {
+    throw Failure("panorama '" + path + "' " + what + "; export it again as Radiance .hdr");
+  }
+  std::string line() {
+    const size_t end = bytes.find('\n', at);
+    if (end == std::string::npos) damaged("ends within its header");
+    std::string text = bytes.substr(at, end - at);
+    at = end + 1;
+    return text;
+  }
+  uint8_t byte() {
+    if (at >= bytes.size()) damaged("is cut off");
+    return static_cast<uint8_t>(bytes[at++]);
+  }
+  void packed_column(std::vector<uint8_t>* row, int channel, int width) {
+    for (int u = 0; u < width;) {
+      const int count = byte(), run = count > 128 ? count - 128 : 0, length = run > 0 ? run : count;
+      if (length == 0 || u + length > width) damaged("has a run that does not fit its row");
+      uint8_t value = run > 0 ? byte() : uint8_t{0};
+      for (int i = 0; i < length; ++i, ++u) {
+        if (run == 0) value = byte();
+        (*row)[static_cast<size_t>(4 * u + channel)] = value;
+      }
+    }
+  }
+  RadianceMap read() {
+    const std::string kind = line();
+    if (kind != "#?RADIANCE" && kind != "#?RGBE") damaged("is not a Radiance file");
+    for (std::string text = line(); !text.empty(); text = line())
+      if (text.rfind("FORMAT=", 0) == 0 && text != "FORMAT=32-bit_rle_rgbe") damaged("is not in RGB");
+    int width = 0, height = 0;
+    const std::string size = line();
+    if (std::sscanf(size.c_str(), "-Y %d +X %d", &height, &width) != 2 || width < 1 || height < 1 || width > k_widest ||
+        height > k_widest)
+      damaged("has a size that is not understood ('" + size.substr(0, 40) + "')");
+    RadianceMap map(width, height);
+    std::vector<uint8_t> row(4 * static_cast<size_t>(width));
+    for (int v = 0; v < height; ++v) {
+      for (size_t i = 0; i < 4; ++i) row[i] = byte();
+      if (width >= 8 && width < 32768 && row[0] == 2 && row[1] == 2 && row[2] * 256 + row[3] == width) {
+        for (int channel = 0; channel < 4; ++channel) packed_column(&row, channel, width);
+      } else {
+        for (size_t i = 4; i < row.size(); ++i) row[i] = byte();
+      }
+      for (int u = 0; u < width; ++u) {
+        const uint8_t* p = row.data() + 4 * u;
+        const double scale = p[3] > 0 ? std::ldexp(1.0, p[3] - 136) : 0.0;
+        map.set(u, v, {p[0] * scale, p[1] * scale, p[2] * scale});
+      }
+    }
+    return map;
+  }
+};
 
 #ifdef SANDGLASS_HAVE_OPENEXR
 RadianceMap decode_exr(const std::string& path) {
@@ -122,8 +163,10 @@ bool reads_exr() {
 RadianceMap read_panorama(const std::string& path) {
   RadianceMap map;
   const std::string extension = extension_of(path);
-  if (extension == ".hdr") map = decode_hdr(path, read_file(path, "panorama"));
-  else if (extension == ".exr") map = decode_exr(path);
+  if (extension == ".hdr") {
+    const std::string bytes = read_file(path, "panorama");
+    map = HdrReader{path, bytes}.read();
+  } else if (extension == ".exr") map = decode_exr(path);
   else throw Failure("panorama '" + path + "' is neither .hdr nor .exr; convert it to one of them");
   if (map.width < k_narrowest || map.width != 2 * map.height)
     throw Failure("panorama '" + path + "' is " + std::to_string(map.width) + " x " + std::to_string(map.height) +

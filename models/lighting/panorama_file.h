@@ -1,4 +1,4 @@
-// Panoramas as files: Radiance .hdr (stb_image) and, where OpenEXR was found, .exr. What is read is checked: twice as
+// Panoramas as files: Radiance .hdr and, where OpenEXR was found, .exr. What is read is checked: twice as
 // wide as high, finite, not all black; negative radiance becomes 0.
 #pragma once
 

@@ -69,7 +69,8 @@ struct Lamps {
     const Vec3 s = b->room.size;
     const int lamps = 1 + b->pick(3);
     const bool globes = b->chance(0.5);
-    const double radius = b->between(0.06, 0.25), drop = std::min(b->between(0.3, 1.2), s.y - 1.9);
+    const double radius = b->between(0.06, 0.25),
+                 drop = std::max(std::min(b->between(0.3, 1.2), s.y - 1.9), radius + 0.02);
     const bool along_x = b->chance(0.5);
     for (int i = 0; i < lamps; ++i) {
       const double t = (i + 0.5) / lamps;
@@ -77,14 +78,11 @@ struct Lamps {
       const int first = count();
       b->cylinder(at + Vec3{0, radius, 0}, 0.006, drop - radius, 5, housing);
       if (globes) b->sphere_emitter(at, radius, colour);
-      else b->shade(at, 1.2 * radius, 0.5 * radius, radius, colour * 0.6), bottom(at, 1.1 * radius);
+      else
+        b->shade(at, 1.2 * radius, 0.5 * radius, radius, colour * 0.6),
+            b->sphere_emitter(at + Vec3{0, 0.4 * radius, 0}, 0.3 * radius, colour * 4.0);
       add(first, 1.0);
     }
-  }
-  // The open underside of a shade, as the light that leaves it downwards.
-  void bottom(Vec3 base, double radius) {
-    const double side = radius * std::sqrt(2.0);
-    b->quad_emitter(base - Vec3{0.5 * side, 0, 0.5 * side}, {side, 0, 0}, {0, 0, side}, colour * 2.0);
   }
   void floor_lamp() {
     Vec3 at;
