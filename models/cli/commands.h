@@ -14,5 +14,6 @@ void add_verify_command(CLI::App& program, int* exit_code);
 void add_inspect_command(CLI::App& program, int* exit_code);
 void add_room_command(CLI::App& program, int* exit_code);
 void add_dataset_command(CLI::App& program, int* exit_code);
+void add_ceiling_command(CLI::App& program, int* exit_code);
 
 }  // namespace sandglass::host
