@@ -140,7 +140,7 @@ TEST_F(PanoramaFiles, EveryFlippedByteIsRefusedOrRead) {
   write_hdr(path("whole.hdr"), map);
   const std::string bytes = read_file(path("whole.hdr"), "panorama");
   for (size_t n = 0; n < bytes.size(); ++n)
-    for (const int bit : {1, 16, 128}) {
+    for (const int bit : {1, 128}) {
       std::string flipped = bytes;
       flipped[n] = static_cast<char>(flipped[n] ^ bit);
       write_file(path("flipped.hdr"), flipped);
