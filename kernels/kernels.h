@@ -53,8 +53,9 @@ struct ListArgs {
   uint32_t boundary_first;  // record index of the first boundary particle
   uint32_t inert;           // record index of an inert record far away: pads every row
   float reach_squared;
-  uint32_t* lists;  // k_list_slots record indices a particle
-  uint8_t* counts;  // used slots a particle
+  float near_squared;  // what is closer comes first in a row
+  uint32_t* lists;     // k_list_slots record indices a particle
+  uint8_t* counts;     // used slots a particle
 };
 
 // A regular grid of signed distances, x fastest, in the collider's own axes; above 0 is free. Beyond the grid all is

@@ -1,7 +1,8 @@
 // Neighbour lists from a sorted grid. Particles of one cell see the same 27 cells: the stored ranges of those are
 // looked up once a cell, three cells of a row at a time, and every particle of the cell is tested against them, a
 // vector of candidates at a time. The order of a list is the order of the candidates: rows of cells by z, then y, then
-// x, moving particles before boundary ones.
+// x, moving particles before boundary ones; but those that touch, or soon may, come before all others. A pass over the
+// lists of a vector of particles then finds contacts in its first slots and skips the arithmetic of the later ones.
 //
 // Gathering the candidates of a cell into one dense buffer first was slower: its short overlapping stores stall the
 // loads after them.
@@ -43,6 +44,7 @@ SANDGLASS_INLINE void find_ranges(const Grid& grid, const int32_t cell[3], Range
 // A row being filled: what compress_store writes beyond the last slot falls into the slack, and is counted as dropped.
 struct Row {
   alignas(64) uint32_t slots[k_list_slots + 2 * k_lane_group];
+  alignas(64) uint32_t distances[k_list_slots + 2 * k_lane_group];  // squared: the bits of floats, which compare alike
   uint32_t used;
   uint32_t dropped;
 };
@@ -57,13 +59,33 @@ SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* posi
       const Int index = lane_index() + broadcast(static_cast<int32_t>(c));
       const Float dx = load(positions[0] + c) - x, dy = load(positions[1] + c) - y, dz = load(positions[2] + c) - z;
       const Float d2 = dx * dx + dy * dy + dz * dz;
-      const Mask near = and_not((d2 < reach) & (index < end), index == own);
-      row->used += compress_store(row->slots + row->used, index + broadcast(static_cast<int32_t>(first_record)), near);
+      const Mask chosen = and_not((d2 < reach) & (index < end), index == own);
+      compress_store(row->distances + row->used, as_int(d2), chosen);
+      row->used +=
+          compress_store(row->slots + row->used, index + broadcast(static_cast<int32_t>(first_record)), chosen);
       if (row->used > k_list_slots) {
         row->dropped += row->used - k_list_slots;
         row->used = k_list_slots;
       }
     }
+  }
+}
+
+// The near ones, then the others, then the inert record to the end of the row.
+SANDGLASS_INLINE void put_near_first(const Row& row, Int near2, Int inert, uint32_t* out) {
+  alignas(64) uint32_t ordered[k_list_slots + 2 * k_lane_group];
+  const Int used = broadcast(static_cast<int32_t>(row.used));
+  uint32_t count = 0;
+  for (uint32_t far = 0; far < 2; ++far) {
+    for (uint32_t s = 0; s < row.used; s += k_width) {
+      const Mask filled = lane_index() + broadcast(static_cast<int32_t>(s)) < used;
+      const Mask near = load(row.distances + s) < near2;
+      count += compress_store(ordered + count, load(row.slots + s), far != 0 ? and_not(filled, near) : filled & near);
+    }
+  }
+  for (uint32_t s = 0; s < k_list_slots; s += k_width) {
+    const Mask filled = lane_index() + broadcast(static_cast<int32_t>(s)) < used;
+    store(out + s, select(filled, load(ordered + s), inert));
   }
 }
 
@@ -76,6 +98,7 @@ SANDGLASS_INLINE int32_t floor_cell(float a, float inverse) {
 static void neighbour_lists(const ListArgs* args, uint32_t begin, uint32_t end, uint32_t* dropped) {
   const float inverse = args->grid.inverse_cell;
   const Float reach = broadcast(args->reach_squared);
+  const Int near2 = as_int(broadcast(args->near_squared));
   const Int inert = broadcast(static_cast<int32_t>(args->inert));
   Ranges near = {}, boundary = {};
   Row row = {};
@@ -95,10 +118,7 @@ static void neighbour_lists(const ListArgs* args, uint32_t begin, uint32_t end, 
     if (args->boundary_count != 0)
       test_ranges(boundary, args->boundary_positions, args->boundary_first, -1, at, reach, &row);
     uint32_t* out = args->lists + static_cast<uint64_t>(i) * k_list_slots;
-    for (uint32_t s = 0; s < k_list_slots; s += k_width) {
-      const Mask filled = lane_index() + broadcast(static_cast<int32_t>(s)) < broadcast(static_cast<int32_t>(row.used));
-      store(out + s, select(filled, load(row.slots + s), inert));
-    }
+    put_near_first(row, near2, inert, out);
     args->counts[i] = static_cast<uint8_t>(row.used);
   }
   *dropped = row.dropped;

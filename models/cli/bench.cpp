@@ -38,15 +38,23 @@ struct Bench {
     measurements.push_back(m);
   }
 
-  BenchRow row(const std::string& name, const SceneFile& scene, uint32_t threads) {
+  static void head() {
+    std::printf("%-34s %2s %9s %9s %9s %11s %10s %9s %8s\n", "case", "T", "ms/frame", "solver", "refine", "P99 (% r)",
+                "mean", "max", "angle");
+  }
+
+  BenchRow row(const std::string& name, const SceneFile& scene, uint32_t threads, uint32_t level = 0) {
     BenchRow result;
     {
       Progress progress(name + ", " + std::to_string(threads) + "T", options.frames);
       uint32_t frame = 0;
-      result = bench_scene(scene, isa, threads, options.frames, true, [&] {
-        progress.done(++frame);
-        return !interrupted();
-      });
+      result = bench_scene(
+          scene, isa, threads, options.frames, true,
+          [&] {
+            progress.done(++frame);
+            return !interrupted();
+          },
+          level);
     }
     if (interrupted()) return result;
     std::printf("%-34s %2u %9.2f %9.2f %9.2f %11.4f %10.4f %9.4f %8.1f\n", name.c_str(), threads, result.ms_per_frame,
@@ -66,8 +74,7 @@ struct Bench {
   void granular() {
     constexpr uint32_t k_source_steps = 16, k_source_iterations = 7;  // Alg. 4 as the source runs it
     const SceneFile column = load_scene("column14k");
-    std::printf("%-34s %2s %9s %9s %9s %11s %10s %9s %8s\n", "case", "T", "ms/frame", "solver", "refine", "P99 (% r)",
-                "mean", "max", "angle");
+    head();
     BenchRow standard;
     for (const uint32_t threads : options.threads) {
       standard = row("column14k/default", column, threads);
@@ -101,6 +108,27 @@ struct Bench {
     keep("column14k/source_equal_error", "iterations", "1/step", equal.iterations, options.threads[0]);
   }
 
+  // The error-time plane: every rung of the quality ladder, the default scheme with other sub-steps, the source's
+  // scheme.
+  void ladder() {
+    const SceneFile column = load_scene("column14k");
+    head();
+    for (const uint32_t threads : options.threads) {
+      for (uint32_t level = 0; level < SANDGLASS_LEVEL_SLOW_MOTION && !interrupted(); ++level)
+        row("rung " + std::to_string(level) + ", " + sandglass_level_name(level), column, threads, level);
+      for (const uint32_t steps : {24u, 32u, 48u, 96u, 128u}) {
+        if (!interrupted()) row("small steps " + std::to_string(steps), small_steps(column, steps), threads);
+      }
+      for (const uint32_t steps : {8u, 16u, 32u, 64u}) {
+        for (const uint32_t iterations : {3u, 7u}) {
+          if (interrupted()) return;
+          row("source " + std::to_string(steps) + " x (" + std::to_string(iterations) + " + 1)",
+              source_scheme(column, steps, iterations), threads);
+        }
+      }
+    }
+  }
+
   void machine() {
     const MachinePeak peak = measure_machine_peak();
     std::printf("peak, one thread: %.2f GMAC/s (f32), %.2f GB/s read\n", peak.f32_gmac_per_s, peak.read_gb_per_s);
@@ -114,9 +142,9 @@ struct Bench {
 void add_bench_command(CLI::App& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("bench", "Measure time and error");
-  command->add_option("suite", options->suite, "granular or machine")
+  command->add_option("suite", options->suite, "granular, ladder or machine")
       ->required()
-      ->check(CLI::IsMember({"granular", "machine"}));
+      ->check(CLI::IsMember({"granular", "ladder", "machine"}));
   command->add_option("--json", options->json, "Write the measurements to this file");
   command->add_option("--frames", options->frames, "Frames a case; errors are comparable at 100 only (100)")
       ->check(CLI::Range(1u, 10000u));
@@ -132,6 +160,7 @@ void add_bench_command(CLI::App& program, int* exit_code) {
     desc.isa = bench.isa;
     bench.isa_name = sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
     if (options->suite == "granular") bench.granular();
+    else if (options->suite == "ladder") bench.ladder();
     else bench.machine();
     if (!options->json.empty()) write_file(options->json, measurements_json(bench.measurements));
     if (interrupted()) std::puts("interrupted; what was measured is above");

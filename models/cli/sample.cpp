@@ -7,10 +7,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <memory>
-#include <new>
 #include <optional>
 
+#include "models/host/block.h"
 #include "models/host/image.h"
 #include "models/host/mesh/generated.h"
 #include "models/host/mesh/mesh.h"
@@ -31,13 +30,7 @@ struct Sampling {
   std::string error;
 };
 
-// Blocks for the library, aligned as it asks.
-struct AlignedDelete {
-  void operator()(void* block) const { ::operator delete (block, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT}); }
-};
-using Block = std::unique_ptr<void, AlignedDelete>;
-
-Block make_block(uint64_t bytes) { return Block(::operator new (bytes, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT})); }
+Block sampler_block(uint64_t bytes) { return new_block(bytes, "the sampler", "enlarge --distance"); }
 
 struct ProgressRelay {
   std::string what;
@@ -74,7 +67,7 @@ Sampling sample_surface(const Mesh& mesh, const SampleOptions& options) {
     return failed(reason);
   if (sandglass_sample_surface_bytes(&surface, distance, &how, capacity, &bytes, &reason) != SANDGLASS_OK)
     return failed(reason);
-  const Block scratch = make_block(bytes);
+  const Block scratch = sampler_block(bytes);
   Sampling result = {std::vector<float>(3ull * capacity), ""};
   if (sandglass_sample_surface(&surface, distance, &how, scratch.get(), bytes, result.points.data(), capacity, &count,
                                &reason) != SANDGLASS_OK)
@@ -95,7 +88,7 @@ Sampling sample_inside(const Mesh& mesh, const MeshReport& report, const SampleO
   uint64_t inside_bytes = 0;
   if (sandglass_mesh_bounds(&surface, low, high, &reason) != SANDGLASS_OK) return failed(reason);
   if (sandglass_mesh_inside_bytes(&surface, rule, &inside_bytes, &reason) != SANDGLASS_OK) return failed(reason);
-  const Block inside_block = make_block(inside_bytes);
+  const Block inside_block = sampler_block(inside_bytes);
   sandglass_mesh_inside* inside = nullptr;
   if (sandglass_mesh_inside_create(&surface, rule, inside_block.get(), inside_bytes, &inside, &reason) != SANDGLASS_OK)
     return failed(reason);
@@ -119,7 +112,7 @@ Sampling sample_inside(const Mesh& mesh, const MeshReport& report, const SampleO
                                         ? sandglass_sample_lattice_bytes(low, high, distance, &bytes, &reason)
                                         : sandglass_sample_volume_bytes(low, high, distance, capacity, &bytes, &reason);
   if (measured != SANDGLASS_OK) return failed(reason);
-  const Block scratch = make_block(bytes);
+  const Block scratch = sampler_block(bytes);
   Sampling result = {std::vector<float>(3ull * capacity), ""};
   const auto sample = lattice ? sandglass_sample_lattice : sandglass_sample_volume;
   if (sample(low, high, distance, sandglass_mesh_inside_test, inside, &how, scratch.get(), bytes, result.points.data(),

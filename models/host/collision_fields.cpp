@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 #include "models/host/failure.h"
 
@@ -27,13 +26,7 @@ void require(const SceneFile& scene, size_t index, sandglass_status status, cons
                 " has no field: " + (reason != nullptr ? reason : sandglass_status_name(status)));
 }
 
-void* new_block(uint64_t bytes) {
-  void* block = ::operator new(bytes, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT), std::nothrow);
-  if (block == nullptr)
-    throw Failure("this machine has no block of " + std::to_string(bytes >> 20) +
-                  " MiB for a collider's field; enlarge its \"field_spacing\"");
-  return block;
-}
+Block field_block(uint64_t bytes) { return new_block(bytes, "a collider's field", "enlarge its \"field_spacing\""); }
 
 }  // namespace
 
@@ -69,11 +62,11 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
         low[axis] = static_cast<float>(-r - margin), high[axis] = static_cast<float>(r + margin);
       low[1] = static_cast<float>(bottom - margin), high[1] = static_cast<float>(top + margin);
       require(*scene, i, sandglass_field_bytes(low, high, static_cast<float>(spacing), &bytes, &reason), reason);
-      blocks_.push_back(new_block(bytes));
+      blocks_.push_back(field_block(bytes));
       Turned turned = {track.profile, track.solid_outside ? -1.0 : 1.0};
       require(*scene, i,
               sandglass_field_from_function(low, high, static_cast<float>(spacing), solid, turned_distance, &turned,
-                                            blocks_.back(), bytes, &field, &reason),
+                                            blocks_.back().get(), bytes, &field, &reason),
               reason);
     } else {
       if (mesh_path.empty() && track.mesh.empty())
@@ -97,25 +90,20 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
           loaded.report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
       uint64_t inside_bytes = 0;
       require(*scene, i, sandglass_mesh_inside_bytes(&view, rule, &inside_bytes, &reason), reason);
-      void* inside_block = new_block(inside_bytes);
-      blocks_.push_back(inside_block);
+      const Block inside_block = field_block(inside_bytes);
       sandglass_mesh_inside* inside = nullptr;
-      require(*scene, i, sandglass_mesh_inside_create(&view, rule, inside_block, inside_bytes, &inside, &reason),
+      require(*scene, i, sandglass_mesh_inside_create(&view, rule, inside_block.get(), inside_bytes, &inside, &reason),
               reason);
       require(*scene, i, sandglass_field_bytes(low, high, static_cast<float>(spacing), &bytes, &reason), reason);
-      blocks_.push_back(new_block(bytes));
-      require(
-          *scene, i,
-          sandglass_field_from_mesh(&view, sandglass_mesh_inside_test, inside, low, high, static_cast<float>(spacing),
-                                    static_cast<float>(2.0 * radius), solid, blocks_.back(), bytes, &field, &reason),
-          reason);
+      blocks_.push_back(field_block(bytes));
+      require(*scene, i,
+              sandglass_field_from_mesh(&view, sandglass_mesh_inside_test, inside, low, high,
+                                        static_cast<float>(spacing), static_cast<float>(2.0 * radius), solid,
+                                        blocks_.back().get(), bytes, &field, &reason),
+              reason);
     }
     track.field = field;
   }
-}
-
-CollisionFields::~CollisionFields() {
-  for (void* block : blocks_) ::operator delete(block, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
 }
 
 }  // namespace sandglass::host

@@ -1,11 +1,10 @@
 // The signed-distance fields of a scene's revolved and mesh colliders.
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "models/host/mesh/mesh.h"
+#include "models/host/block.h"
 #include "models/host/scene_file.h"
 
 namespace sandglass::host {
@@ -15,12 +14,9 @@ class CollisionFields {
   // Builds them and sets the tracks' fields, which stay valid as long as this object. `mesh_path`: the file of
   // --collider-mesh, empty without. A Failure names what is missing or cannot be built.
   CollisionFields(SceneFile* scene, const std::string& mesh_path);
-  ~CollisionFields();
-  CollisionFields(const CollisionFields&) = delete;
-  CollisionFields& operator=(const CollisionFields&) = delete;
 
  private:
-  std::vector<void*> blocks_;
+  std::vector<Block> blocks_;
 };
 
 }  // namespace sandglass::host

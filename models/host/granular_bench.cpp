@@ -1,6 +1,8 @@
 // Errors are measured between frames and are not part of the times.
 #include "models/host/granular_bench.h"
 
+#include <time.h>
+
 #include <array>
 
 #include "models/host/body_meshes.h"
@@ -11,8 +13,15 @@
 
 namespace sandglass::host {
 
+// CPU time of the calling thread: what other programs on the machine take does not count.
+static uint64_t thread_time_ns(void*) {
+  timespec time;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<uint64_t>(time.tv_sec) * 1000000000u + static_cast<uint64_t>(time.tv_nsec);
+}
+
 BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint32_t frames, bool with_grains,
-                     const BenchStep& step) {
+                     const BenchStep& step, uint32_t level) {
   if (!with_grains)
     for (Body& body : scene.bodies) body.grains = 0, body.grain_distance = 0.0;
   const LoadedMeshes meshes(scene, "");
@@ -20,8 +29,9 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
   sandglass_scene_desc desc = describe_scene(scene, material.particles(), material.grains());
   ThreadPool pool(threads);
   desc.isa = isa;
-  desc.clock = sandglass_clock_system();
+  desc.clock = threads == 1 ? sandglass_clock{thread_time_ns, nullptr} : sandglass_clock_system();
   desc.parallel = pool.hook();
+  desc.finest_level = level;
   Simulation simulation(desc);
   simulation.add(material);
 
@@ -45,9 +55,17 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
   return row;
 }
 
+// A hair above the exact share of the frame, so that rounding does not ask for one step more.
+constexpr double k_rounding = 1.0 + 1e-5;
+
+SceneFile small_steps(const SceneFile& scene, uint32_t steps) {
+  SceneFile changed = scene;
+  changed.granular.substep_max = static_cast<float>(scene.frame_step / steps * k_rounding);
+  changed.granular.substep_min = 0.0f;
+  return changed;
+}
+
 SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterations) {
-  // A hair above the exact share of the frame, so that rounding does not ask for one step more.
-  constexpr double k_rounding = 1.0 + 1e-5;
   SceneFile changed = scene;
   changed.granular.scheme = SANDGLASS_SCHEME_AVERAGED;
   changed.granular.relaxation = 1.0f;

@@ -12,7 +12,8 @@
 namespace sandglass::host {
 
 struct BenchRow {
-  double ms_per_frame = 0.0, ms_solver = 0.0, ms_refine = 0.0;  // means over the frames, by the scene's real clock
+  double ms_per_frame = 0.0, ms_solver = 0.0,
+         ms_refine = 0.0;  // means over the frames; one thread: its CPU time, several: wall time
   double overlap_p99 = 0.0, overlap_mean = 0.0, overlap_max = 0.0;
   double angle_deg = 0.0;
   uint32_t frames = 0;
@@ -21,9 +22,13 @@ struct BenchRow {
 // Called after each frame; false stops the run.
 using BenchStep = std::function<bool()>;
 
-// Runs the scene without a budget. `with_grains` false leaves the grains out: same particles, same errors, less time.
+// Runs the scene without a budget, at one rung of the quality ladder. `with_grains` false leaves the grains out: same
+// particles, same errors, less time.
 BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint32_t frames, bool with_grains,
-                     const BenchStep& step);
+                     const BenchStep& step, uint32_t level = SANDGLASS_LEVEL_FULL);
+
+// The default scheme with `steps` sub-steps a frame.
+SceneFile small_steps(const SceneFile& scene, uint32_t steps);
 
 // Alg. 4 as printed: `steps` equal steps a frame, `iterations` solver iterations and one stabilisation each, averaged,
 // relaxation 1.

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <new>
 #include <string>
 
+#include "models/host/block.h"
 #include "models/host/failure.h"
 
 namespace sandglass::host {
@@ -43,14 +43,9 @@ struct Random {  // splitmix64
   }
 };
 
-// Memory for the samplers, aligned as they ask.
-struct Block {
-  void* memory;
-  explicit Block(uint64_t bytes) : memory(::operator new(bytes + 1, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT))) {}
-  ~Block() { ::operator delete(memory, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT)); }
-  Block(const Block&) = delete;
-  Block& operator=(const Block&) = delete;
-};
+Block sampler_block(uint64_t bytes) {
+  return new_block(bytes, "filling the body", "simulate fewer particles or grains");
+}
 
 using Points = std::vector<float>;
 
@@ -62,7 +57,7 @@ struct UnitBody {
   Profile profile;    // of a revolved body, in the unit frame
   // Owned by mesh bodies.
   std::vector<float> vertices;
-  std::unique_ptr<Block> inside_block;
+  Block inside_block;
 
   void require(sandglass_status status, const char* const& reason) const {
     if (status != SANDGLASS_OK)
@@ -107,9 +102,9 @@ void make_mesh_body(const BodyMesh& source, UnitBody* body) {
   body->require(sandglass_mesh_bounds(&unit, body->low, body->high, &reason), reason);
   uint64_t bytes = 0;
   body->require(sandglass_mesh_inside_bytes(&unit, source.rule, &bytes, &reason), reason);
-  body->inside_block = std::make_unique<Block>(bytes);
+  body->inside_block = sampler_block(bytes);
   sandglass_mesh_inside* inside = nullptr;
-  body->require(sandglass_mesh_inside_create(&unit, source.rule, body->inside_block->memory, bytes, &inside, &reason),
+  body->require(sandglass_mesh_inside_create(&unit, source.rule, body->inside_block.get(), bytes, &inside, &reason),
                 reason);
   body->inside = sandglass_mesh_inside_test;
   body->user = inside;
@@ -145,8 +140,8 @@ Points lattice_points(const UnitBody& body, double distance) {
   body.require(sandglass_sample_lattice_capacity(body.low, body.high, step, &capacity, &reason), reason);
   body.require(sandglass_sample_lattice_bytes(body.low, body.high, step, &bytes, &reason), reason);
   Points points(3 * static_cast<size_t>(capacity) + 3);
-  const Block scratch(bytes);
-  body.require(sandglass_sample_lattice(body.low, body.high, step, body.inside, body.user, nullptr, scratch.memory,
+  const Block scratch = sampler_block(bytes);
+  body.require(sandglass_sample_lattice(body.low, body.high, step, body.inside, body.user, nullptr, scratch.get(),
                                         bytes, points.data(), capacity, &count, &reason),
                reason);
   points.resize(3 * static_cast<size_t>(count));
@@ -161,11 +156,11 @@ Points poisson_points(const UnitBody& body, double distance, uint64_t seed) {
   body.require(sandglass_sample_volume_capacity(body.low, body.high, step, &capacity, &reason), reason);
   body.require(sandglass_sample_volume_bytes(body.low, body.high, step, capacity, &bytes, &reason), reason);
   Points points(3 * static_cast<size_t>(capacity) + 3);
-  const Block scratch(bytes);
+  const Block scratch = sampler_block(bytes);
   sandglass_sample_options options;
   sandglass_sample_options_default(&options);
   options.seed = seed;
-  body.require(sandglass_sample_volume(body.low, body.high, step, body.inside, body.user, &options, scratch.memory,
+  body.require(sandglass_sample_volume(body.low, body.high, step, body.inside, body.user, &options, scratch.get(),
                                        bytes, points.data(), capacity, &count, &reason),
                reason);
   points.resize(3 * static_cast<size_t>(count));

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <new>
 #include <string>
 
 #include "models/host/failure.h"
@@ -20,16 +19,9 @@ static void require(sandglass_status status, const char* const& reason) {
 Simulation::Simulation(const sandglass_scene_desc& desc) {
   const char* reason = nullptr;
   require(sandglass_scene_bytes(&desc, &bytes_, &reason), reason);
-  block_ = ::operator new(bytes_, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT), std::nothrow);
-  if (block_ == nullptr)
-    throw Failure("this machine has no block of " + std::to_string(bytes_ >> 20) +
-                  " MiB for the scene; make the scene smaller");
-  const sandglass_status status = sandglass_scene_create(&desc, block_, bytes_, &scene_, &reason);
-  if (status != SANDGLASS_OK) ::operator delete(block_, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
-  require(status, reason);
+  block_ = new_block(bytes_, "the scene", "make the scene smaller");
+  require(sandglass_scene_create(&desc, block_.get(), bytes_, &scene_, &reason), reason);
 }
-
-Simulation::~Simulation() { ::operator delete(block_, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT)); }
 
 void Simulation::add(const Material& material) {
   const char* reason = nullptr;

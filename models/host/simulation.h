@@ -3,10 +3,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
+#include "models/host/block.h"
 #include "models/host/scene_file.h"
 #include "models/host/scene_fill.h"
 #include "sandglass/sandglass.h"
@@ -16,9 +16,6 @@ namespace sandglass::host {
 class Simulation {
  public:
   explicit Simulation(const sandglass_scene_desc& desc);  // a Failure with the library's own sentence
-  ~Simulation();
-  Simulation(const Simulation&) = delete;
-  Simulation& operator=(const Simulation&) = delete;
 
   void add(const Material& material);
   void add(std::span<const float> particles, std::span<const float> velocities);
@@ -38,7 +35,7 @@ class Simulation {
 
  private:
   sandglass_scene* scene_ = nullptr;
-  void* block_ = nullptr;
+  Block block_;
   uint64_t bytes_ = 0;
   uint32_t particles_ = 0, grains_ = 0;
   std::vector<float> positions_, velocities_, grain_positions_, grain_velocities_;

@@ -139,7 +139,7 @@ bool has_forecast(const Stage& stage, uint32_t level) {
 }
 
 uint32_t choose_level(const Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget) {
-  for (uint32_t level = 0; level + 1 < governor->level_count; ++level) {
+  for (uint32_t level = governor->finest_level; level + 1 < governor->level_count; ++level) {
     bool unknown = false;  // unknown work counts for nothing: trying it is how its cost becomes known
     uint64_t sum = 0;
     for (uint32_t i = 0; i < stage_count; ++i) sum = add(sum, predict_stage(governor, stages[i], level, &unknown));
@@ -411,7 +411,7 @@ bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_coun
     if (replay->run_count > SANDGLASS_PLAN_RUNS || replay->level >= governor->level_count) return false;
     frame.level = replay->level;
   } else {
-    frame.level = frame.timed ? choose_level(governor, stages, stage_count, budget_ns) : 0;
+    frame.level = frame.timed ? choose_level(governor, stages, stage_count, budget_ns) : governor->finest_level;
   }
   report->level = report->plan.level = governor->level = frame.level;
   if (frame.reads) {  // the choice itself took time: mandatory

@@ -74,7 +74,8 @@ struct Governor {
   sandglass_trace trace;
   uint32_t level_count;  // rungs of the ladder, 1..; the governor takes the lowest-numbered one whose forecast fits the
                          // budget
-  uint32_t level;        // of the last frame; a better one must fit 7/8 of the budget, so that quality does not flicker
+  uint32_t finest_level;  // rungs better than this are not used
+  uint32_t level;  // of the last frame; a better one must fit 7/8 of the budget, so that quality does not flicker
   PredictorPolicy policy;
   uint64_t closing_excess_ns;  // of the last frame: time by which the output stage outran what was kept free for it
   // Recent cost of each kind, picoseconds an item (integers: the same clock trace gives the same plan everywhere).
@@ -96,7 +97,7 @@ void governor_init(Governor* governor, sandglass_clock clock, sandglass_trace tr
 // stage does not offer.
 //
 // Nothing runs that the plan cannot record: where the stages alternate so often that the runs would overflow, the frame
-// ends early (the output stage always has its run). Without a clock everything runs at rung 0.
+// ends early (the output stage always has its run). Without a clock everything runs, at the finest rung.
 bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget_ns,
                     const sandglass_plan* replay, sandglass_frame_report* report);
 

@@ -3,6 +3,7 @@
 // taken, the snapshot is its own copy and the particles go on meanwhile. Output then writes all grains to the app's
 // buffer, whatever the budget.
 #include "runtime/granular/granular.h"
+#include "runtime/granular/ladder.h"
 
 namespace sandglass {
 
@@ -17,7 +18,7 @@ constexpr uint32_t k_sweep_steps_max = 4;
 
 bool sweep_wanted(const Granular& g, uint32_t level) {
   if (g.grain_count == 0 || g.particle_count == 0 || g.unswept < k_time_resolution) return false;
-  return level != k_level_full || g.interval_left == 0;
+  return !k_ladder[level].refine_often || g.interval_left == 0;
 }
 
 bool next(const void* state, uint32_t level, WorkUnit* unit) {
@@ -62,7 +63,7 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
 void begin_sweep(Granular* g, uint32_t level) {
   // Full quality steps by refine_step; below it one step covers a frame.
   const float longest =
-      level == k_level_full || g->frame_step < g->desc.refine_step ? g->desc.refine_step : g->frame_step;
+      k_ladder[level].refine_often || g->frame_step < g->desc.refine_step ? g->desc.refine_step : g->frame_step;
   const double most = static_cast<double>(longest);
   const double count = g->unswept / most;
   const uint32_t whole = static_cast<uint32_t>(count);
@@ -171,7 +172,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   if (g.grain_count == 0) return 0;
   uint64_t sweeps = 0;
   if (g.owed >= k_time_resolution || g.unswept >= k_time_resolution) {
-    sweeps = level == k_level_full
+    sweeps = k_ladder[level].refine_often
                  ? static_cast<uint64_t>((g.owed + g.unswept) / static_cast<double>(g.desc.refine_step)) + 1
                  : 1;
   }
@@ -258,7 +259,7 @@ uint32_t forecast_output(const void* state, uint32_t level, Forecast* entries) {
 }  // namespace
 
 void granular_finish_sweep(Granular* g) {
-  while (g->grain_phase != GrainPhase::idle) run(g, k_level_full);
+  while (g->grain_phase != GrainPhase::idle) run(g, 0);
 }
 
 Stage granular_grain_stage(Granular* granular) { return {granular, next, run, forecast, 0, 1.0f}; }

@@ -198,7 +198,7 @@ void granular_reset(Granular* g) {
   g->lists_valid = g->bounds_known = false;
   g->list_slack = g->last_spread = g->speed_max = g->sweep_step = g->frame_step = 0.0f;
   g->substep = g->last_substep = g->substep_max;
-  g->owed = g->interval_owed = g->requested = g->simulated = g->unswept = g->sweep_time = 0.0;
+  g->owed = g->interval_owed = g->slipped = g->simulated = g->unswept = g->sweep_time = 0.0;
   g->builds_per_substep = 0.25f;
   g->active_count = g->awake_count = g->collider_before_count = g->moved.count = 0;
   g->grain_group_count = g->sweep_collider_before_count = g->mark_pass = g->still_groups = 0;

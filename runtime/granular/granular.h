@@ -35,9 +35,6 @@ enum : uint32_t {
   k_unit_drain
 };
 
-// Rungs of the quality ladder.
-enum : uint32_t { k_level_full, k_level_refine_once, k_level_slow_motion, k_level_count };
-
 enum class ParticlePhase : uint32_t {
   idle,
   sort,
@@ -185,8 +182,9 @@ struct Granular {
 
   // Progress of the particles.
   ParticlePhase phase;
-  uint32_t cursor;  // item within the phase
-  uint32_t pass;    // stabilisation or solver iteration
+  uint32_t cursor;      // item within the phase
+  uint32_t pass;        // stabilisation or solver iteration
+  uint32_t iterations;  // solver iterations of the sub-step under way
   bool lists_valid;
   bool bounds_known;
   float list_slack;       // metres that particles may still move before the lists are stale
@@ -200,7 +198,8 @@ struct Granular {
   float frame_step;        // the app's time step
   double owed;             // simulated time to make up
   double interval_owed;    // what is owed once the interval is complete
-  double requested, simulated;
+  double slipped;          // simulated time asked for that nobody makes up any more: slow motion
+  double simulated;
   double unswept;  // simulated time that the grains have not followed yet
 
   // Progress of the grains.

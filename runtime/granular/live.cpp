@@ -23,7 +23,7 @@ struct Header {
 
 // What of the state is neither an array nor found again.
 struct Scalars {
-  double owed, requested, simulated, unswept, next_rest;
+  double owed, slipped, simulated, unswept, next_rest;
   uint64_t emitted_particles, emitted_grains, removed_particles, removed_grains, denied_particles;
   float low[3], high[3];
   float speed_max, frame_step, densest_body, builds_per_substep;
@@ -126,14 +126,14 @@ bool sound_numbers(const float* records, uint32_t count, int slot, uint32_t mask
 
 // Everything that is used as an index or must be a number. Runs on the restored arrays; a scene that fails is reset.
 bool sound(Granular* g, const Header& h, const Scalars& s) {
-  const double times[] = {s.owed, s.requested, s.simulated, s.unswept, s.next_rest};
+  const double times[] = {s.owed, s.slipped, s.simulated, s.unswept, s.next_rest};
   for (const double t : times) {
     if (!finite(t)) return false;
   }
   for (int k = 0; k < 3; ++k) {
     if (!finite(s.low[k]) || !finite(s.high[k])) return false;
   }
-  if (!(s.owed >= 0.0 && s.owed <= 1.0 && s.unswept >= 0.0 && s.unswept <= 10.0)) return false;
+  if (!(s.owed >= 0.0 && s.owed <= 1.0 && s.slipped >= 0.0 && s.unswept >= 0.0 && s.unswept <= 10.0)) return false;
   if (!finite(s.speed_max) || !(s.frame_step >= 0.0f && s.frame_step <= 1.0f) || !finite(s.densest_body)) return false;
   if (!(s.builds_per_substep >= 0.0f && s.builds_per_substep <= 1.0f)) return false;
   if (!sound_positions(g->records[0], h.particles) || !sound_positions(g->grains[0], h.grains)) return false;
@@ -236,7 +236,7 @@ sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t
     return fail(SANDGLASS_ERROR_MEMORY_TOO_SMALL,
                 "sandglass_scene_save: fewer bytes than sandglass_scene_save_bytes says.", reason);
   Scalars s = {};
-  s.owed = g->owed, s.requested = g->requested, s.simulated = g->simulated, s.unswept = g->unswept;
+  s.owed = g->owed, s.slipped = g->slipped, s.simulated = g->simulated, s.unswept = g->unswept;
   s.next_rest = g->next_rest;
   s.emitted_particles = g->emitted_particles, s.emitted_grains = g->emitted_grains;
   s.removed_particles = g->removed_particles, s.removed_grains = g->removed_grains;
@@ -298,7 +298,7 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
     g->particle_count = h.particles, g->free_particle_count = h.free_particles;
     g->grain_count = h.grains, g->free_grain_count = h.free_grains;
     g->body_count = h.bodies, g->body_particle_count = h.body_particles;
-    g->owed = s.owed, g->requested = s.requested, g->simulated = s.simulated, g->unswept = s.unswept;
+    g->owed = s.owed, g->slipped = s.slipped, g->simulated = s.simulated, g->unswept = s.unswept;
     g->next_rest = s.next_rest;
     g->emitted_particles = s.emitted_particles, g->emitted_grains = s.emitted_grains;
     g->removed_particles = s.removed_particles, g->removed_grains = s.removed_grains;

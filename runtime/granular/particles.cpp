@@ -9,6 +9,7 @@
 // it is complete while no pair has approached by more than the skin. Common motion does not count: half the range of
 // the particles' displacements bounds how far any particle strays from the mean, and a falling body needs no rebuild.
 #include "runtime/granular/granular.h"
+#include "runtime/granular/ladder.h"
 
 namespace sandglass {
 
@@ -22,10 +23,14 @@ constexpr float k_weighted_overlap = 0.01f;
 // need n g dt to carry n layers, and stay far below the limit up to 100 of them.
 constexpr float k_separation_units = 1.0f;
 
+// Pairs closer than this when the lists were built come first in them, in radii: contacts, and those of the next few
+// sub-steps.
+constexpr float k_near_radii = 2.1f;
+
 constexpr double k_time_resolution = 1e-9;  // seconds; less is not owed
 
 uint32_t passes_of(const Granular& g, ParticlePhase phase) {
-  return phase == ParticlePhase::stabilise ? g.desc.stabilisation_iterations : g.desc.solver_iterations;
+  return phase == ParticlePhase::stabilise ? g.desc.stabilisation_iterations : g.iterations;
 }
 
 // Half the diagonal of the box that holds all displacements of a sub-step; where something stands still, the longest
@@ -44,8 +49,8 @@ float spread_of(const Granular& g, const ContactExtent& e) {
 }
 
 // Length of the next sub-steps: (4.45) within the scheme's range, equal parts of the interval (erratum of Alg. 5).
-uint32_t substeps_for(const Granular& g, double interval) {
-  float limit = g.substep_max;
+uint32_t substeps_for(const Granular& g, double interval, uint32_t level) {
+  float limit = rung_substep(k_ladder[level], g.desc.solver_iterations, g.substep_max);
   if (g.speed_max > 0.0f) {
     const float courant = g.desc.courant * g.desc.particle_radius / g.speed_max;
     limit = courant < limit ? courant : limit;
@@ -59,8 +64,9 @@ uint32_t substeps_for(const Granular& g, double interval) {
 
 // Equal refinement intervals of the time owed: as many as refine_step asks for, or one a frame.
 double interval_for(const Granular& g, uint32_t level) {
-  const double longest = level == k_level_full && g.desc.grain_capacity != 0 ? static_cast<double>(g.desc.refine_step)
-                                                                             : static_cast<double>(g.frame_step);
+  const double longest = k_ladder[level].refine_often && g.desc.grain_capacity != 0
+                             ? static_cast<double>(g.desc.refine_step)
+                             : static_cast<double>(g.frame_step);
   const double count = g.owed / (longest > k_time_resolution ? longest : g.owed);
   const double whole = static_cast<double>(static_cast<uint32_t>(count));
   const double parts = count - whole > 1e-4 ? whole + 1.0 : (whole < 1.0 ? 1.0 : whole);
@@ -68,7 +74,7 @@ double interval_for(const Granular& g, uint32_t level) {
 }
 
 bool waits_for_grains(const Granular& g, uint32_t level) {
-  return level == k_level_full && g.grain_count != 0 && g.interval_left == 0 && g.unswept > k_time_resolution;
+  return k_ladder[level].refine_often && g.grain_count != 0 && g.interval_left == 0 && g.unswept > k_time_resolution;
 }
 
 uint32_t active_items(const Granular& g) { return g.active_count * k_lane_group; }
@@ -85,11 +91,12 @@ Plan plan_substep(const Granular& g, uint32_t level) {
   Plan plan = {0.0, g.interval_left, g.substep, !g.lists_valid};
   if (plan.count == 0) {
     plan.interval = interval_for(g, level);
-    plan.count = substeps_for(g, plan.interval);
+    plan.count = substeps_for(g, plan.interval, level);
     plan.substep = static_cast<float>(plan.interval / plan.count);
   }
   // The pass looks ahead by one sub-step of about the last one's motion.
-  if (2.0f * g.last_spread * (plan.substep / g.last_substep) > g.list_slack) plan.stale = true;
+  const float extra = (k_ladder[level].list_reuse - 1.0f) * g.desc.list_skin * g.desc.particle_radius;
+  if (2.0f * g.last_spread * (plan.substep / g.last_substep) > g.list_slack + extra) plan.stale = true;
   return plan;
 }
 
@@ -171,6 +178,7 @@ void begin_substep(Granular* g, uint32_t level) {
   if (g->interval_left == 0) g->interval_owed = g->owed - plan.interval;
   g->interval_left = plan.count;
   g->substep = plan.substep;
+  g->iterations = rung_iterations(k_ladder[level], g->desc.solver_iterations);
   // Seconds between the end of this sub-step and the end of the frame, where the colliders' poses are given.
   const double after = g->owed - static_cast<double>(g->substep);
   colliders_pose(g->colliders, g->solid_count, after > 0.0 ? static_cast<float>(after) : 0.0f, g->substep_colliders);
@@ -241,6 +249,8 @@ ListArgs list_args(const Granular& g) {
   args.boundary_first = g.particle_rows;
   args.inert = g.inert;
   args.reach_squared = reach * reach;
+  const float near = k_near_radii * g.desc.particle_radius;
+  args.near_squared = near * near;
   args.lists = g.lists;
   args.counts = g.counts;
   return args;
@@ -331,7 +341,7 @@ void run_pass(Granular* g) {
   const bool solve = g->phase == ParticlePhase::solve;
   const uint32_t stabilisations = g->desc.stabilisation_iterations;
   const uint32_t pass = solve ? stabilisations + g->pass : g->pass;
-  const uint32_t passes = stabilisations + g->desc.solver_iterations;
+  const uint32_t passes = stabilisations + g->iterations;
   const float dt = g->substep;
   PassTask task = {};
   task.kernel = solve ? g->kernels->contact_solve : g->kernels->contact_stabilise;
@@ -360,7 +370,7 @@ void run_pass(Granular* g) {
     a.up[c] = g->gravity_length > 0.0f ? -g->gravity[c] / g->gravity_length : 0.0f;
     a.gravity[c] = first ? g->gravity[c] * dt * dt : 0.0f;
   }
-  a.last = solve && g->pass + 1 == g->desc.solver_iterations ? 1 : 0;
+  a.last = solve && g->pass + 1 == g->iterations ? 1 : 0;
   a.step = dt;
   a.displacement_max = g->desc.courant * g->desc.particle_radius;
   a.colliders = g->substep_colliders;
@@ -426,9 +436,8 @@ void run(void* state, uint32_t level) {
 
 uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   const Granular& g = *static_cast<const Granular*>(state);
-  (void)level;
   if (g.particle_count == 0 || g.owed < k_time_resolution) return 0;
-  const uint64_t substeps = substeps_for(g, g.owed), count = g.particle_count;
+  const uint64_t substeps = substeps_for(g, g.owed, level), count = g.particle_count;
   const uint64_t active = g.lists_valid ? active_items(g) : count;
   const uint64_t builds = static_cast<uint64_t>(g.builds_per_substep * static_cast<float>(substeps)) + 1;
   uint32_t n = 0;
@@ -437,7 +446,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   if (g.desc.stabilisation_iterations != 0)
     entries[n++] = {k_unit_stabilise, substeps * g.desc.stabilisation_iterations * active};
   if (g.body_count != 0) entries[n++] = {k_unit_bodies, substeps * 2 * g.body_particle_count};
-  entries[n++] = {k_unit_solve, substeps * g.desc.solver_iterations * active};
+  entries[n++] = {k_unit_solve, substeps * rung_iterations(k_ladder[level], g.desc.solver_iterations) * active};
   return n;
 }
 
@@ -495,15 +504,15 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   const float step = input->time_step > 0.0f ? (input->time_step < k_longest_step ? input->time_step : k_longest_step)
                                              : 0.0f;  // NaN: 0
   g->frame_step = step;
-  g->requested += static_cast<double>(step);
   // Two frames' worth is made up for; what is older is slow motion. An interval under way is never cut short.
   const double most = 2.0 * static_cast<double>(step);
   g->owed += static_cast<double>(step);
   if (g->interval_left == 0) {
-    if (step > 0.0f && g->owed > most) g->owed = most;
+    if (step > 0.0f && g->owed > most) g->slipped += g->owed - most, g->owed = most;
   } else {
     g->interval_owed += static_cast<double>(step);
     if (step > 0.0f && g->interval_owed > most) {
+      g->slipped += g->interval_owed - most;
       g->owed -= g->interval_owed - most;
       g->interval_owed = most;
     }

@@ -1,5 +1,6 @@
 // Names of statuses, instruction sets and rungs.
 #include "kernels/kernels.h"
+#include "runtime/granular/ladder.h"
 #include "sandglass/sandglass.h"
 
 const char* sandglass_status_name(sandglass_status status) {
@@ -43,14 +44,9 @@ const char* sandglass_isa_name(sandglass_isa isa) {
 int32_t sandglass_isa_available(sandglass_isa isa) { return sandglass::select_kernels(isa) != nullptr ? 1 : 0; }
 
 const char* sandglass_level_name(uint32_t level) {
-  switch (level) {
-    case 0:
-      return "full";
-    case 1:
-      return "refinement once a frame";
-    case 2:
-      return "slow motion";
-    default:
-      return nullptr;
-  }
+  return level < SANDGLASS_LEVEL_COUNT ? sandglass::k_ladder[level].told.name : nullptr;
+}
+
+const sandglass_level* sandglass_level_describe(uint32_t level) {
+  return level < SANDGLASS_LEVEL_COUNT ? &sandglass::k_ladder[level].told : nullptr;
 }

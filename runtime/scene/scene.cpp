@@ -61,6 +61,8 @@ sandglass_status check(const sandglass_scene_desc* desc, const char** reason) {
   if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_AVX512) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.isa must be a SANDGLASS_ISA value.");
   }
+  if (desc->finest_level >= SANDGLASS_LEVEL_COUNT)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.finest_level must be below SANDGLASS_LEVEL_COUNT; 0 is best.");
   const char* granular = sandglass::granular_refuse(desc->granular);
   return granular == nullptr ? SANDGLASS_OK : fail(SANDGLASS_ERROR_INVALID_ARGUMENT, granular);
 }
@@ -73,7 +75,8 @@ sandglass_scene* lay_out(const sandglass_scene_desc& desc, Layout* layout, Granu
 }
 
 void reset(sandglass_scene* scene) {
-  sandglass::governor_init(&scene->governor, scene->desc.clock, scene->desc.trace, sandglass::k_level_count);
+  sandglass::governor_init(&scene->governor, scene->desc.clock, scene->desc.trace, SANDGLASS_LEVEL_COUNT);
+  scene->governor.finest_level = scene->desc.finest_level;
   sandglass::granular_reset(&scene->granular);
   scene->frame = 0;
 }
@@ -94,7 +97,7 @@ void describe(const sandglass_scene& scene, sandglass_frame_report* report) {
   const Granular& g = scene.granular;
   report->frame = scene.frame;
   report->simulated_time = g.simulated;
-  const double debt = g.requested - g.simulated;
+  const double debt = g.owed + g.slipped;
   report->time_debt = debt > 1e-9 ? debt : 0.0;
   report->grain_lag = g.grain_count == 0 ? 0.0f : static_cast<float>(g.unswept);
   report->substep = g.substep;
@@ -376,7 +379,7 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
   }
   if (input->plan != nullptr &&
       (input->plan->struct_size != sizeof(sandglass_plan) || input->plan->run_count > SANDGLASS_PLAN_RUNS ||
-       input->plan->level >= sandglass::k_level_count)) {
+       input->plan->level >= static_cast<uint32_t>(SANDGLASS_LEVEL_COUNT))) {
     return fail(SANDGLASS_ERROR_REPLAY, "input.plan is not a plan of this library: pass the plan of a frame report.");
   }
   sandglass_frame_report local = {};

@@ -4,61 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <memory>
 
 #include "models/host/mesh/generated.h"
 #include "tests/granular/granular_scene.h"
+#include "tests/granular/mesh_collider.h"
 
 namespace {
 
 using sandglass::host::hourglass_profile;
 using sandglass::host::hourglass_radius;
 using sandglass::host::make_revolved;
-using sandglass::host::Mesh;
 using sandglass::host::Profile;
 
-constexpr float k_radius = 0.01f, k_spacing = 0.01f;
-
-struct Free {
-  void operator()(void* memory) const { std::free(memory); }
-};
-using Block = std::unique_ptr<void, Free>;
-
-Block new_block(uint64_t bytes) {
-  return Block(std::aligned_alloc(
-      SANDGLASS_BLOCK_ALIGNMENT,
-      (bytes + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT));
-}
-
-struct MeshCollider {
-  MeshCollider(const Mesh& mesh, sandglass_solid solid) {
-    const sandglass_mesh view = {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
-    const char* reason = nullptr;
-    float low[3], high[3];
-    uint64_t bytes = 0;
-    sandglass_mesh_inside* inside = nullptr;
-    sandglass_field* field = nullptr;
-    EXPECT_EQ(sandglass_mesh_bounds(&view, low, high, &reason), SANDGLASS_OK) << reason;
-    for (int k = 0; k < 3; ++k) low[k] -= 3 * k_radius, high[k] += 3 * k_radius;
-    EXPECT_EQ(sandglass_mesh_inside_bytes(&view, SANDGLASS_INSIDE_PARITY, &bytes, &reason), SANDGLASS_OK) << reason;
-    const Block scratch = new_block(bytes);
-    EXPECT_EQ(sandglass_mesh_inside_create(&view, SANDGLASS_INSIDE_PARITY, scratch.get(), bytes, &inside, &reason),
-              SANDGLASS_OK)
-        << reason;
-    EXPECT_EQ(sandglass_field_bytes(low, high, k_spacing, &bytes, &reason), SANDGLASS_OK) << reason;
-    block = new_block(bytes);
-    EXPECT_EQ(sandglass_field_from_mesh(&view, sandglass_mesh_inside_test, inside, low, high, k_spacing, 2 * k_radius,
-                                        solid, block.get(), bytes, &field, &reason),
-              SANDGLASS_OK)
-        << reason;
-    collider.shape = SANDGLASS_SHAPE_FIELD;
-    collider.field = field;
-    collider.rotation[3] = 1.0f;
-  }
-  Block block;
-  sandglass_collider collider = {};
-};
+constexpr float k_radius = 0.01f, k_spacing = 0.01f;  // of particles; of the nodes of fields
 
 // Signed distance from a turned outline, above 0 where `within` says so: the nearest point lies in the same half plane.
 template <class Within>
@@ -99,7 +57,8 @@ sandglass_scene_desc room_for(const std::vector<float>& particles, const std::ve
 
 TEST(MeshCollider, HourglassKeepsItsSandAndDrains) {
   constexpr double k_height = 0.5, k_bulb = 0.13, k_neck = 0.065;  // the neck is 6.5 particle diameters wide
-  const MeshCollider glass(make_revolved(hourglass_profile(k_height, k_bulb, k_neck, 32), 96), SANDGLASS_SOLID_OUTSIDE);
+  const MeshCollider glass(make_revolved(hourglass_profile(k_height, k_bulb, k_neck, 32), 96), SANDGLASS_SOLID_OUTSIDE,
+                           k_spacing);
   const Profile outline = hourglass_profile(k_height, k_bulb, k_neck, 60);
   const auto wall = [&](const float* p) {
     return outline_distance(outline, p,
@@ -141,7 +100,7 @@ TEST(MeshCollider, HourglassKeepsItsSandAndDrains) {
 TEST(MeshCollider, BucketLiftsItsSandAndTipsItOut) {
   constexpr double k_pi = 3.14159265358979323846;
   const MeshCollider bucket(make_revolved(sandglass::host::bucket_profile(0.2, 0.1, 0.13, 0.03), 64),
-                            SANDGLASS_SOLID_INSIDE);
+                            SANDGLASS_SOLID_INSIDE, k_spacing);
   std::vector<float> particles, grains;
   const float low[3] = {-0.06f, 0.045f, -0.06f}, high[3] = {0.06f, 0.13f, 0.06f};
   fill(
@@ -184,7 +143,7 @@ TEST(MeshCollider, BucketLiftsItsSandAndTipsItOut) {
 TEST(MeshCollider, SiloPoursThroughItsOutletAndNowhereElse) {
   constexpr double k_outlet = 0.07, k_wall = 0.04, k_inner = 0.13;
   MeshCollider silo(make_revolved(sandglass::host::silo_profile(0.35, k_inner, 0.1, k_outlet, k_wall), 96),
-                    SANDGLASS_SOLID_INSIDE);
+                    SANDGLASS_SOLID_INSIDE, k_spacing);
   silo.collider.position[1] = 0.3f;
   std::vector<float> particles, grains;
   const float low[3] = {-0.12f, 0.43f, -0.12f}, high[3] = {0.12f, 0.56f, 0.12f};

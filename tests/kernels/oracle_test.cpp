@@ -145,6 +145,7 @@ void check_neighbour_lists(uint32_t n) {
       args.positions[k] = moving.axes[k].data(), args.boundary_positions[k] = fixed.axes[k].data();
     args.boundary_count = n, args.boundary_first = cluster.rows, args.inert = cluster.inert;
     args.reach_squared = reach * reach;
+    args.near_squared = 0.021f * 0.021f;
     args.lists = lists.data(), args.counts = counts.data();
     uint32_t dropped = 0;
     kernels->neighbour_lists(&args, 0, n, &dropped);
@@ -152,6 +153,11 @@ void check_neighbour_lists(uint32_t n) {
     for (uint32_t i = 0; i < n; ++i) {
       std::vector<uint32_t> found(&lists[i * k_list_slots], &lists[i * k_list_slots] + counts[i]);
       for (uint32_t s = counts[i]; s < k_list_slots; ++s) ASSERT_EQ(lists[i * k_list_slots + s], cluster.inert);
+      const auto near = [&](uint32_t j) {
+        const float* other = j < cluster.rows ? moving.records[j] : fixed.records[j - cluster.rows];
+        return distance(moving.records[i], other) < 0.021;
+      };
+      ASSERT_TRUE(std::is_partitioned(found.begin(), found.end(), near)) << sandglass_isa_name(kernels->isa);
       std::sort(found.begin(), found.end());
       std::vector<uint32_t> expected;
       for (uint32_t j = 0; j < n; ++j) {

@@ -1,0 +1,163 @@
+// The quality ladder: the governor goes down it one rung after another as the budget shrinks, every rung is stable, and
+// the table that is shipped says what a run of the column measures.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/granular/granular_scene.h"
+
+namespace {
+
+constexpr float k_frame = 0.02f, k_radius = 0.01f;
+
+// Time that passes only while work is done: 20 microseconds a unit.
+struct UnitClock {
+  uint64_t now = 1;
+  static uint64_t read(void* user) { return static_cast<UnitClock*>(user)->now; }
+  static void end(void* user, const char*) { static_cast<UnitClock*>(user)->now += 20000; }
+};
+
+std::vector<float> grains_of(const std::vector<float>& particles) {
+  std::vector<float> grains;
+  for (size_t i = 0; i < particles.size(); i += 3) {
+    for (int g = 0; g < 8; ++g)
+      for (size_t k = 0; k < 3; ++k) grains.push_back(particles[i + k] + ((g >> k & 1) != 0 ? 0.004f : -0.004f));
+  }
+  return grains;
+}
+
+TEST(Ladder, EachRungHasItsBudget) {
+  UnitClock clock;
+  sandglass_scene_desc desc = description(1000, 8000);
+  desc.unit_items = 256;
+  desc.granular.sleep_after = 0.0f;
+  desc.clock = {UnitClock::read, &clock};
+  desc.trace = {nullptr, UnitClock::end, &clock};
+  GranularScene scene(desc);
+  const std::vector<float> block = lattice(10, 10, 10, 0.0205f, k_radius);
+  scene.add(block, {}, grains_of(block));
+  scene.add_floor();
+  std::vector<bool> reached(SANDGLASS_LEVEL_COUNT, false);
+  uint32_t before = 0;
+  double debt = 0.0;
+  // At 64 sub-steps of four units, three sweeps of 32 and some more, a frame costs about 8 ms. The budget shrinks by a
+  // hundredth of that every ten frames: long enough for the averages behind the forecasts to settle.
+  for (int step = 0; step < 80; ++step) {
+    const uint64_t budget = 9000000 - 100000 * static_cast<uint64_t>(step);
+    uint32_t level = 0;
+    double owed = 0.0;
+    for (int frame = 0; frame < 10; ++frame) {
+      const sandglass_frame_report report = scene.frame(k_frame, budget);
+      level = report.level;
+      owed = report.time_debt;
+    }
+    reached[level] = true;
+    EXPECT_GE(level + 1, before) << "step " << step;  // one rung up may fit while the pile settles
+    if (level < SANDGLASS_LEVEL_SLOW_MOTION) {
+      EXPECT_LE(owed, debt + static_cast<double>(k_frame)) << "step " << step;
+    }
+    before = level;
+    debt = owed;
+  }
+  for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level)
+    EXPECT_TRUE(reached[level]) << sandglass_level_name(level);
+  EXPECT_GT(debt, 0.0) << "at the lowest rung there is slow motion";
+}
+
+TEST(Ladder, WithoutAClockTheFinestRungRuns) {
+  const std::vector<float> block = lattice(6, 6, 6, 0.0205f, k_radius);
+  uint32_t substeps[SANDGLASS_LEVEL_COUNT] = {}, lists[SANDGLASS_LEVEL_COUNT] = {};
+  for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level) {
+    sandglass_scene_desc desc = description(216);
+    desc.finest_level = level;
+    GranularScene scene(desc);
+    scene.add(block);
+    scene.add_floor();
+    for (int frame = 0; frame < 20; ++frame) {
+      const sandglass_frame_report report = scene.frame(k_frame);
+      ASSERT_EQ(report.level, level);
+      ASSERT_EQ(report.time_debt, 0.0);
+      substeps[level] += report.substeps, lists[level] += report.list_builds;
+    }
+  }
+  const auto ratio = [](uint32_t a, uint32_t b) { return static_cast<double>(a) / b; };
+  EXPECT_EQ(substeps[SANDGLASS_LEVEL_KEEP_LISTS], substeps[SANDGLASS_LEVEL_FULL]);
+  EXPECT_NEAR(ratio(substeps[SANDGLASS_LEVEL_COARSE], substeps[SANDGLASS_LEVEL_FULL]), 0.75, 0.02);
+  EXPECT_NEAR(ratio(substeps[SANDGLASS_LEVEL_COARSER], substeps[SANDGLASS_LEVEL_FULL]), 0.5, 0.02);
+  EXPECT_LT(lists[SANDGLASS_LEVEL_KEEP_LISTS], lists[SANDGLASS_LEVEL_REFINE_ONCE]);
+  sandglass_scene_desc desc = description(1);
+  desc.finest_level = SANDGLASS_LEVEL_COUNT;
+  EXPECT_THROW(GranularScene{desc}, std::invalid_argument);
+}
+
+// 20 ms in 16 steps of (7 + 1) iterations: fewer iterations, not longer steps.
+TEST(Ladder, TheAveragedSchemeIteratesLess) {
+  double overlap[2] = {};
+  for (const uint32_t level : {uint32_t{SANDGLASS_LEVEL_FULL}, uint32_t{SANDGLASS_LEVEL_COARSER}}) {
+    sandglass_scene_desc desc = description(216);
+    desc.granular.scheme = SANDGLASS_SCHEME_AVERAGED;
+    desc.granular.relaxation = 1.0f;
+    desc.granular.solver_iterations = 7, desc.granular.stabilisation_iterations = 1;
+    desc.granular.substep_max = desc.granular.substep_min = 0.02f / 16 * 1.00001f;
+    desc.finest_level = level;
+    GranularScene scene(desc);
+    scene.add(lattice(6, 6, 6, 0.0205f, k_radius));
+    scene.add_floor();
+    for (int frame = 0; frame < 30; ++frame) {
+      ASSERT_EQ(scene.frame(k_frame).substeps, 16u);
+      const std::vector<float> p = scene.positions();
+      for (size_t i = 0; i < p.size(); i += 3) {
+        for (size_t j = 0; j < i; j += 3) {
+          const double d = std::hypot(p[i] - p[j], p[i + 1] - p[j + 1], p[i + 2] - p[j + 2]);
+          overlap[level != 0] += std::max(0.0, 2 * static_cast<double>(k_radius) - d);
+        }
+      }
+    }
+  }
+  EXPECT_GT(overlap[1], overlap[0]);
+}
+
+// The hard cases where long steps would show first: a tower, and a block that hits the floor at 3 m/s.
+TEST(Ladder, EveryRungIsStable) {
+  for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level) {
+    sandglass_scene_desc desc = description(20);
+    desc.finest_level = level;
+    GranularScene tower(desc);
+    tower.add_floor();
+    std::vector<float> stack;
+    for (int i = 0; i < 20; ++i) stack.insert(stack.end(), {0.0f, 0.01f + 0.02f * static_cast<float>(i), 0.0f});
+    tower.add(stack);
+    float top = 0.0f;
+    for (int frame = 0; frame < 150; ++frame) {
+      tower.frame(k_frame);
+      const std::vector<float> p = tower.positions();
+      for (size_t i = 1; i < p.size(); i += 3) top = std::max(top, p[i]);
+    }
+    const std::vector<float> p = tower.positions();
+    float height = 0.0f;
+    for (size_t i = 1; i < p.size(); i += 3) height = std::max(height, p[i] + 0.01f);
+    EXPECT_GE(height, 0.98f * 0.4f) << sandglass_level_name(level);
+    EXPECT_LE(top + 0.01f, 1.01f * 0.4f) << sandglass_level_name(level);
+
+    desc = description(512);
+    desc.finest_level = level;
+    GranularScene drop(desc);
+    drop.add_floor();
+    constexpr float k_speed = 3.0f;
+    const std::vector<float> block = lattice(8, 8, 8, 0.0205f, k_radius);
+    std::vector<float> velocities(block.size(), 0.0f);
+    for (size_t i = 1; i < velocities.size(); i += 3) velocities[i] = -k_speed;
+    drop.add(block, velocities);
+    float fastest = 0.0f;
+    for (int frame = 0; frame < 100; ++frame) {
+      const sandglass_frame_report report = drop.frame(k_frame);
+      fastest = std::max(fastest, report.speed_max);
+      ASSERT_EQ(report.quarantined, 0u);
+    }
+    EXPECT_LT(fastest, 2.0f * k_speed) << sandglass_level_name(level);  // what one elastic pair could do
+    for (const float x : drop.positions()) ASSERT_LT(std::fabs(x), 2.0f) << sandglass_level_name(level);
+  }
+}
+
+}  // namespace
