@@ -95,7 +95,7 @@ TEST(CameraImage, TheNetworksOwnCameraIsCopied) {
 TEST(CameraImage, AgreesWithTheDoubleModelForEveryTurnAndSize) {
   for (const CameraFormat format : {CameraFormat::rgb, CameraFormat::rgba})
     for (const uint32_t turn : {0u, 90u, 180u, 270u})
-      for (const auto [width, height] : {std::pair(640u, 480u), std::pair(97u, 211u), std::pair(1280u, 720u)}) {
+      for (const auto& [width, height] : {std::pair(640u, 480u), std::pair(97u, 211u), std::pair(1280u, 720u)}) {
         Camera camera(format, width, height, 5, width + turn);
         camera.image.turn_deg = turn;
         const std::vector<uint8_t> rgb = camera.resampled();
