@@ -7,10 +7,9 @@
 // exact to the last bits of the small quantities. With one iteration the whole sub-step is this one pass.
 
 // Height weighting, 1/(1 + exp(k c)) - 1/2 as a cubic of c = n . up (erratum 4.38): how much more than half of a
-// correction this particle takes. What one side takes more the other takes less, so every contact lifts the pair:
-// harmless where the overlap is that of resting layers, but in an impact it launched the whole body at the speed limit.
-// The weighted part of the overlap is therefore capped (weighted_overlap): an impact is resolved symmetrically and
-// conserves momentum.
+// correction this particle takes. What one side takes more the other takes less, so every contact lifts the pair. That
+// is what carries the layers above; more than they weigh it must not be, or towers jump and impacts throw. The sum of
+// what weighting adds to a particle is therefore limited, to a multiple of gravity's own displacement (lift_max).
 SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Float nz) {
   const Float c = dot3(nx, ny, nz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
   return c * (broadcast(a->weight_linear) + broadcast(a->weight_cubic) * (c * c));
@@ -66,6 +65,7 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
     Mask wakes = zero < zero;
 
     Float sx = zero, sy = zero, sz = zero, contacts = zero;
+    Float lx = zero, ly = zero, lz = zero;  // what height weighting adds
     uint32_t slots = 0;
     for (uint32_t l = 0; l < k_width; ++l) slots = a->counts[i + l] > slots ? a->counts[i + l] : slots;
     const uint32_t* row = a->lists + static_cast<uint64_t>(i) * k_list_slots;
@@ -109,8 +109,9 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
         mine = select(unequal, share, mine);
         lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, lift);
       }
-      const Float weighted = maximum(overlap, broadcast(-a->weighted_overlap)) * keep(free, lift);
-      const Float push = mine * overlap + weighted;
+      const Float weighted = overlap * keep(free & touch, lift);
+      lx = lx + weighted * nx, ly = ly + weighted * ny, lz = lz + weighted * nz;
+      const Float push = mine * overlap;
       Float cx = push * nx, cy = push * ny, cz = push * nz;
       if (k_solve) {
         const Float tx = mine * (rx - along * nx), ty = mine * (ry - along * ny), tz = mine * (rz - along * nz);
@@ -130,7 +131,11 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
 
     Float factor = omega;
     if (a->averaged != 0) factor = minimum(omega / maximum(contacts, one), one);
-    sx = factor * sx, sy = factor * sy, sz = factor * sz;
+    lx = factor * lx, ly = factor * ly, lz = factor * lz;
+    const Float rise = dot3(lx, ly, lz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
+    const Float lift_max = broadcast(a->lift_max);
+    const Float part = select(lift_max < rise, lift_max / maximum(rise, tiny), one);
+    sx = factor * sx + part * lx, sy = factor * sy + part * ly, sz = factor * sz + part * lz;
     Float x = self[0], y = self[1], z = self[2];
     if (k_solve) {
       dx = dx + sx, dy = dy + sy, dz = dz + sz;

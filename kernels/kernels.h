@@ -94,7 +94,7 @@ struct ContactArgs {
   float relaxation;                   // omega
   int32_t averaged;                   // 1: (4.37), the sum is scaled by min(1, omega/n); 0: by omega
   float weight_linear, weight_cubic;  // height weighting: share = 1/2 + linear*c + cubic*c^3, c = n . up
-  float weighted_overlap;             // metres; overlap beyond it is shared equally
+  float lift_max;                     // metres; what height weighting may lift a particle by
   float inverse_relaxation;           // 1 / omega
   float separation_max;               // metres; a contact separates by no more than its approach and this in one pass
   float up[3];

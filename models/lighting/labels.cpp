@@ -92,7 +92,8 @@ LightLabels LabelVariants::chosen(Range range, AmbientWeight weight, Contrast wh
 }
 
 LightLabels labels_of(const RadianceMap& panorama, Vec3 up, double white) {
-  return label_variants(panorama, up, white).chosen(Range::mean_keeping_hue, AmbientWeight::solid_angle, Contrast::irradiance);
+  return label_variants(panorama, up, white)
+      .chosen(Range::mean_keeping_hue, AmbientWeight::solid_angle, Contrast::irradiance);
 }
 
 RadianceMap environment_of(const LightLabels& labels, int width, int height) {

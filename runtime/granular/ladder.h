@@ -4,7 +4,7 @@
 // The order is that of the measured errors (sandglass bench ladder, README): the grains' steps first, which no contact
 // sees; then the guarantee of the neighbour lists, which on a collapsing column changes no percentile of the overlap;
 // then the length of the sub-steps, whose error grows with its square; simulated time last. Twice the sub-step is the
-// end: at three times it a particle in a hundred overlaps by 9 % and piles lose half their angle.
+// end: beyond it, impacts overlap by half a radius.
 #pragma once
 
 #include <cstdint>

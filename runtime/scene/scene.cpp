@@ -197,10 +197,10 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.particle_radius = 0.01f;
   g.static_friction = 0.6f;
   g.kinetic_friction = 0.55f;
-  g.height_weighting = 0.6f;
+  g.height_weighting = 0.9f;
   g.scheme = SANDGLASS_SCHEME_SMALL_STEP;
   g.solver_iterations = 1;
-  g.relaxation = 0.33f;
+  g.relaxation = 0.36f;
   g.courant = 0.5f;
   g.list_skin = 0.6f;
   g.sleep_after = 0.5f;

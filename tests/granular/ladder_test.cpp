@@ -27,42 +27,69 @@ std::vector<float> grains_of(const std::vector<float>& particles) {
   return grains;
 }
 
-TEST(Ladder, EachRungHasItsBudget) {
-  UnitClock clock;
-  sandglass_scene_desc desc = description(1000, 8000);
-  desc.unit_items = 256;
-  desc.granular.sleep_after = 0.0f;
-  desc.clock = {UnitClock::read, &clock};
-  desc.trace = {nullptr, UnitClock::end, &clock};
-  GranularScene scene(desc);
-  const std::vector<float> block = lattice(10, 10, 10, 0.0205f, k_radius);
-  scene.add(block, {}, grains_of(block));
-  scene.add_floor();
-  std::vector<bool> reached(SANDGLASS_LEVEL_COUNT, false);
-  uint32_t before = 0;
-  double debt = 0.0;
-  // At 64 sub-steps of four units, three sweeps of 32 and some more, a frame costs about 8 ms. The budget shrinks by a
-  // hundredth of that every ten frames: long enough for the averages behind the forecasts to settle.
-  for (int step = 0; step < 80; ++step) {
-    const uint64_t budget = 9000000 - 100000 * static_cast<uint64_t>(step);
-    uint32_t level = 0;
-    double owed = 0.0;
-    for (int frame = 0; frame < 10; ++frame) {
-      const sandglass_frame_report report = scene.frame(k_frame, budget);
-      level = report.level;
-      owed = report.time_debt;
-    }
-    reached[level] = true;
-    EXPECT_GE(level + 1, before) << "step " << step;  // one rung up may fit while the pile settles
-    if (level < SANDGLASS_LEVEL_SLOW_MOTION) {
-      EXPECT_LE(owed, debt + static_cast<double>(k_frame)) << "step " << step;
-    }
-    before = level;
-    debt = owed;
+// A block that collapses and lies there awake, on a clock that counts units.
+struct Counted {
+  explicit Counted(uint32_t finest)
+      : scene([&] {
+          sandglass_scene_desc desc = description(1000, 8000);
+          desc.unit_items = 256;
+          desc.granular.sleep_after = 0.0f;
+          desc.finest_level = finest;
+          desc.clock = {UnitClock::read, &clock};
+          desc.trace = {nullptr, UnitClock::end, &clock};
+          return desc;
+        }()) {
+    const std::vector<float> block = lattice(10, 10, 10, 0.0205f, k_radius);
+    scene.add(block, {}, grains_of(block));
+    scene.add_floor();
+    for (int frame = 0; frame < 60; ++frame) settled = scene.frame(k_frame);
   }
-  for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level)
+  UnitClock clock;
+  GranularScene scene;
+  sandglass_frame_report settled;
+};
+
+// A rung whose cost fits with a quarter to spare is good enough; one whose cost does not fit is never chosen for long.
+// Between the two, forecasts decide: they hold a list build that a pile at rest does not need.
+TEST(Ladder, EachRungHasItsBudget) {
+  double cost[SANDGLASS_LEVEL_COUNT] = {};
+  for (uint32_t level = 0; level < SANDGLASS_LEVEL_SLOW_MOTION; ++level) {
+    const Counted counted(level);
+    cost[level] = static_cast<double>(counted.settled.elapsed_ns);
+    ASSERT_EQ(counted.settled.level, level);
+  }
+  Counted counted(SANDGLASS_LEVEL_FULL);
+  std::vector<bool> reached(SANDGLASS_LEVEL_COUNT, false);
+  double debt = 0.0;
+  for (double budget = 1.3 * cost[0]; budget > 0.8 * cost[SANDGLASS_LEVEL_COARSER]; budget *= 0.97) {
+    uint32_t best = SANDGLASS_LEVEL_COUNT, worst = 0;
+    sandglass_frame_report report = {};
+    for (int frame = 0; frame < 30; ++frame) {
+      report = counted.scene.frame(k_frame, static_cast<uint64_t>(budget));
+      if (frame < 10) continue;
+      reached[report.level] = true;
+      best = std::min(best, report.level), worst = std::max(worst, report.level);
+    }
+    for (const uint32_t level : {uint32_t{SANDGLASS_LEVEL_FULL}, uint32_t{SANDGLASS_LEVEL_REFINE_ONCE},
+                                 uint32_t{SANDGLASS_LEVEL_COARSE}, uint32_t{SANDGLASS_LEVEL_COARSER}}) {
+      if (budget > 1.25 * cost[level]) {
+        EXPECT_LE(best, level) << budget;
+      }
+      if (budget < 0.9 * cost[level]) {
+        EXPECT_GT(worst, level) << budget;
+      }
+    }
+    // Above the last rung nothing slips: what is owed stays below two frames.
+    if (budget > 1.25 * cost[SANDGLASS_LEVEL_COARSER]) {
+      EXPECT_LE(report.time_debt, 2.0 * static_cast<double>(k_frame));
+    }
+    debt = report.time_debt;
+  }
+  for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level) {
+    if (level == SANDGLASS_LEVEL_KEEP_LISTS) continue;  // a pile at rest builds none
     EXPECT_TRUE(reached[level]) << sandglass_level_name(level);
-  EXPECT_GT(debt, 0.0) << "at the lowest rung there is slow motion";
+  }
+  EXPECT_GT(debt, 2.0 * static_cast<double>(k_frame)) << "at the lowest rung there is slow motion";
 }
 
 TEST(Ladder, WithoutAClockTheFinestRungRuns) {

@@ -205,7 +205,7 @@ uint32_t body_of(const float* r) {
   return id == ~0u ? 0 : id >> k_body_shift;
 }
 
-constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_weighted = 1e-4,
+constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_lift = 2e-5,
                  k_wake = 1e-4, k_separation = 4e-4;
 
 // One pass for particle i: (4.14-4.27) with the small-step factor, then the floor y = -0.004. *runs_into_sleeper: it
@@ -217,7 +217,7 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
     return solve && j < c.count ? k_step * at(c.records[j] + 4) + (weight(j) > 0 ? 1.0 : 0.0) * g : Vector{};
   };
   *runs_into_sleeper = false;
-  Vector sum;
+  Vector sum, lift;
   for (uint32_t j = 0; j < c.inert; ++j) {
     if (j == i || (j >= c.count && j < c.rows)) continue;
     if (body_of(c.records[i]) != 0 && body_of(c.records[i]) == body_of(c.records[j])) continue;
@@ -234,13 +234,16 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
     const double asymmetry = -z / 4 + z * z * z / 48;
     const double share = fixed ? 1.0 : weight(i) / (weight(i) + weight(j));
     const double a = weight(i) * (0.5 + asymmetry), b = weight(j) * (0.5 - asymmetry);
-    sum = sum + (share * overlap + (fixed ? 0.0 : std::max(overlap, -k_weighted) * (a / (a + b) - share))) * n;
+    sum = sum + share * overlap * n;
+    if (!fixed) lift = lift + overlap * (a / (a + b) - share) * n;
     if (!solve) continue;
     const Vector t = share * (relative - dot(relative, n) * n);
     const double limit = share * std::fabs(overlap);
     sum = sum + (length(t) <= k_static * limit ? 1.0 : std::min(1.0, k_kinetic * limit / length(t))) * t;
   }
-  Vector move = moved(i) + k_omega * sum;
+  // What the weighting adds raises by k_lift at most.
+  const double rise = k_omega * lift.y;
+  Vector move = moved(i) + k_omega * (sum + std::min(1.0, k_lift / std::max(rise, 1e-30)) * lift);
   const double depth = k_radius - (at(c.records[i]).y + move.y + 0.004);
   if (depth > 0) {
     if (solve) {
@@ -278,7 +281,7 @@ void check_contact(uint32_t n, bool solve) {
   args.relaxation = static_cast<float>(k_omega);
   args.weight_linear = static_cast<float>(-k_weight / 4),
   args.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
-  args.weighted_overlap = static_cast<float>(k_weighted);
+  args.lift_max = static_cast<float>(k_lift);
   args.up[1] = 1.0f;
   args.scale = static_cast<float>(k_step), args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
   args.step = static_cast<float>(k_step);

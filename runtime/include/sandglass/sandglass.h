@@ -155,8 +155,8 @@ typedef struct sandglass_granular_desc {
       grain_radius; /* metres, above 0, at most r: a grain's centre stays this far outside every collider; 0 = 0.35 r */
   float static_friction;  /* mu_s >= 0 */
   float kinetic_friction; /* mu_k >= 0; may exceed mu_s (the source's hourglass does) */
-  float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; 0 conserves momentum pairwise;
-                           * acts on overlaps up to 1 % of r, those of resting layers, so impacts conserve it too */
+  float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; 0 conserves momentum pairwise; what
+                           * it lifts a particle by is at most twice what gravity takes, so impacts throw nothing */
 
   sandglass_scheme scheme;
   uint32_t solver_iterations;        /* 1..64 */
