@@ -18,15 +18,16 @@ SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index
   const Float h2 = broadcast(a->support * a->support), inverse = broadcast(1.0f / (a->support * a->support));
   const Float zero = broadcast(0.0f);
   for (uint32_t c = 0; c < n; ++c) {
-    const float* p = a->snapshot + static_cast<uint64_t>(index[c]) * k_record_floats;
-    const Float dx = broadcast(p[0]) - x, dy = broadcast(p[1]) - y, dz = broadcast(p[2]) - z;
+    Float p[8];
+    broadcast_record(a->snapshot + static_cast<uint64_t>(index[c]) * k_record_floats, p);
+    const Float dx = p[0] - x, dy = p[1] - y, dz = p[2] - z;
     const Float d2 = dx * dx + dy * dy + dz * dz;
     const Float t = maximum((h2 - d2) * inverse, zero);
     const Float weight = t * t * t;
     flow->weight = flow->weight + weight;
-    flow->x = flow->x + weight * broadcast(p[4]);
-    flow->y = flow->y + weight * broadcast(p[5]);
-    flow->z = flow->z + weight * broadcast(p[6]);
+    flow->x = flow->x + weight * p[4];
+    flow->y = flow->y + weight * p[5];
+    flow->z = flow->z + weight * p[6];
     flow->largest = maximum(weight, flow->largest);
   }
 }

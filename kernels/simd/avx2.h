@@ -108,6 +108,9 @@ SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   transpose(r, t);
   for (int c = 0; c < 8; ++c) out[c].v = t[c];
 }
+SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) {
+  for (int c = 0; c < 8; ++c) out[c] = broadcast(p[c]);
+}
 SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   __m256 r[8], t[8];
   for (int c = 0; c < 8; ++c) r[c] = in[c].v;

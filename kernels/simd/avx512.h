@@ -109,6 +109,9 @@ SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   }
   transpose_in(r, out);
 }
+SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) {
+  for (int c = 0; c < 8; ++c) out[c] = broadcast(p[c]);
+}
 SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   // Rows of 16 lanes of one component; interleave 4 components at a time into 128-bit quarters of records.
   const __m512 a0 = _mm512_unpacklo_ps(in[0].v, in[1].v), a1 = _mm512_unpackhi_ps(in[0].v, in[1].v);

@@ -95,10 +95,11 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
   const float* p1 = base + static_cast<uint64_t>(index[stride]) * 8;
   const float* p2 = base + static_cast<uint64_t>(index[2 * stride]) * 8;
   const float* p3 = base + static_cast<uint64_t>(index[3 * stride]) * 8;
+  const float32x4x2_t r0 = vld1q_f32_x2(p0), r1 = vld1q_f32_x2(p1), r2 = vld1q_f32_x2(p2), r3 = vld1q_f32_x2(p3);
   float32x4_t t[4];
-  transpose(vld1q_f32(p0), vld1q_f32(p1), vld1q_f32(p2), vld1q_f32(p3), t);
+  transpose(r0.val[0], r1.val[0], r2.val[0], r3.val[0], t);
   for (int c = 0; c < 4; ++c) out[c].v = t[c];
-  transpose(vld1q_f32(p0 + 4), vld1q_f32(p1 + 4), vld1q_f32(p2 + 4), vld1q_f32(p3 + 4), t);
+  transpose(r0.val[1], r1.val[1], r2.val[1], r3.val[1], t);
   for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
 }
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
@@ -108,6 +109,15 @@ SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   transpose(vld1q_f32(p + 4), vld1q_f32(p + 12), vld1q_f32(p + 20), vld1q_f32(p + 28), t);
   for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
 }
+SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) {
+  const float32x4x2_t r = vld1q_f32_x2(p);  // one load; a product with a lane of it needs no copy of that lane
+  for (int half = 0; half < 2; ++half) {
+    out[4 * half].v = vdupq_laneq_f32(r.val[half], 0);
+    out[4 * half + 1].v = vdupq_laneq_f32(r.val[half], 1);
+    out[4 * half + 2].v = vdupq_laneq_f32(r.val[half], 2);
+    out[4 * half + 3].v = vdupq_laneq_f32(r.val[half], 3);
+  }
+}
 SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   float32x4_t t[4];
   transpose(in[0].v, in[1].v, in[2].v, in[3].v, t);
@@ -116,19 +126,26 @@ SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   for (int k = 0; k < 4; ++k) vst1q_f32(p + 8 * k + 4, t[k]);
 }
 
-// No compress instruction: every lane is written, the cursor moves on where the mask holds (no branches to mispredict).
+// No compress instruction: a byte shuffle for each of the sixteen masks, which puts the lanes that are kept first.
+#define SANDGLASS_LANE(l) 4 * (l), 4 * (l) + 1, 4 * (l) + 2, 4 * (l) + 3
+#define SANDGLASS_SHUFFLE(a, b, c, d) \
+  { SANDGLASS_LANE(a), SANDGLASS_LANE(b), SANDGLASS_LANE(c), SANDGLASS_LANE(d) }
+alignas(16) constexpr uint8_t k_compress[16][16] = {
+    SANDGLASS_SHUFFLE(0, 0, 0, 0), SANDGLASS_SHUFFLE(0, 0, 0, 0), SANDGLASS_SHUFFLE(1, 0, 0, 0),
+    SANDGLASS_SHUFFLE(0, 1, 0, 0), SANDGLASS_SHUFFLE(2, 0, 0, 0), SANDGLASS_SHUFFLE(0, 2, 0, 0),
+    SANDGLASS_SHUFFLE(1, 2, 0, 0), SANDGLASS_SHUFFLE(0, 1, 2, 0), SANDGLASS_SHUFFLE(3, 0, 0, 0),
+    SANDGLASS_SHUFFLE(0, 3, 0, 0), SANDGLASS_SHUFFLE(1, 3, 0, 0), SANDGLASS_SHUFFLE(0, 1, 3, 0),
+    SANDGLASS_SHUFFLE(2, 3, 0, 0), SANDGLASS_SHUFFLE(0, 2, 3, 0), SANDGLASS_SHUFFLE(1, 2, 3, 0),
+    SANDGLASS_SHUFFLE(0, 1, 2, 3)};
+#undef SANDGLASS_SHUFFLE
+#undef SANDGLASS_LANE
+constexpr uint8_t k_kept[16] = {0, 1, 1, 2, 1, 2, 2, 3, 1, 2, 2, 3, 2, 3, 3, 4};
+
 SANDGLASS_INLINE uint32_t compress_store(uint32_t* p, Int v, Mask m) {
-  const uint32x4_t lane = vreinterpretq_u32_s32(v.v);
-  uint32_t n = 0;
-  p[n] = vgetq_lane_u32(lane, 0);
-  n += vgetq_lane_u32(m.m, 0) & 1u;
-  p[n] = vgetq_lane_u32(lane, 1);
-  n += vgetq_lane_u32(m.m, 1) & 1u;
-  p[n] = vgetq_lane_u32(lane, 2);
-  n += vgetq_lane_u32(m.m, 2) & 1u;
-  p[n] = vgetq_lane_u32(lane, 3);
-  n += vgetq_lane_u32(m.m, 3) & 1u;
-  return n;
+  const uint32_t bits[4] = {1, 2, 4, 8};
+  const uint32_t kept = vaddvq_u32(vandq_u32(m.m, vld1q_u32(bits)));
+  vst1q_u8(reinterpret_cast<uint8_t*>(p), vqtbl1q_u8(vreinterpretq_u8_s32(v.v), vld1q_u8(k_compress[kept])));
+  return k_kept[kept];
 }
 
 }  // namespace sandglass::simd_neon

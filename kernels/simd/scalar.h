@@ -9,8 +9,8 @@
 //   Comparisons are ordered: false where a lane is NaN. select(m, a, b) takes a where m holds, else b, bit for bit.
 //   to_int truncates; the caller keeps the value within +-2^30 (out of range, ARM and x86 differ).
 //   A record is 8 floats, 32 bytes, 32-byte aligned. load_records gathers one record a lane and transposes: out[c]
-//   holds component c. The index of lane l is index[l * stride]. compress_store appends the lanes of v where m holds,
-//   in lane order, and may write (not count) up to k_width values.
+//   holds component c. The index of lane l is index[l * stride]. broadcast_record puts one record into every lane.
+//   compress_store appends the lanes of v where m holds, in lane order, and may write (not count) up to k_width values.
 #pragma once
 
 #include <stdint.h>
@@ -91,6 +91,7 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   for (int c = 0; c < 8; ++c) out[c].v = p[c];
 }
+SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) { load_records(p, out); }
 SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   for (int c = 0; c < 8; ++c) p[c] = in[c].v;
 }

@@ -10,9 +10,14 @@
 #include "models/host/granular_bench.h"
 #include "models/host/machine_peak.h"
 #include "models/host/measurement_json.h"
+#include "models/host/metrics.h"
 #include "models/host/peer_bullet.h"
 #include "models/host/progress.h"
 #include "models/host/simulation.h"
+#ifdef SANDGLASS_HAVE_BAKE
+#include "models/host/mesh/generated.h"
+#include "models/shadow/shadow_bench.h"
+#endif
 
 namespace sandglass::host {
 
@@ -23,10 +28,10 @@ constexpr uint32_t k_peer_frames = 5;     // other engines take seconds a frame
 constexpr uint32_t k_search_threads = 4;  // the search needs errors only, and they do not depend on threads
 
 struct Options {
-  std::string suite, json, isa = "automatic";
+  std::string suite, json, isa = "automatic", asset, mesh;
   uint32_t frames = 100;
   bool peers = false;
-  std::vector<uint32_t> threads = {1};
+  std::vector<uint32_t> threads = {1}, thresholds;
 };
 
 struct Bench {
@@ -156,10 +161,90 @@ struct Bench {
     }
   }
 
+  // How time and memory grow with the scene: the collapsing column from 1,000 particles and 10,000 grains to 100,000
+  // and two million, over its first second.
+  void growth() {
+    constexpr uint32_t k_frames = 50;
+    const SceneFile column = load_scene("column14k");
+    std::printf("%9s %9s %2s %12s %14s %11s %13s %10s\n", "particles", "grains", "T", "solver, ms", "ns a particle",
+                "refine, ms", "ns a grain", "bytes/item");
+    for (const uint32_t threads : options.threads) {
+      std::vector<double> particles, solver, grains, refine, items, bytes;
+      for (const auto& [count, each] :
+           {std::pair{1000u, 10u}, {3000u, 16u}, {10000u, 16u}, {30000u, 16u}, {100000u, 20u}}) {
+        const std::string name = "growth " + std::to_string(count);
+        BenchRow result;
+        {
+          Progress progress(name + ", " + std::to_string(threads) + "T", k_frames);
+          uint32_t frame = 0;
+          result = bench_scene(scaled_column(column, count, each), isa, threads, k_frames, true, [&] {
+            progress.done(++frame);
+            return !interrupted();
+          });
+        }
+        if (interrupted()) return;
+        particles.push_back(result.particles), solver.push_back(result.ms_solver);
+        grains.push_back(result.grains), refine.push_back(result.ms_refine);
+        items.push_back(result.particles + result.grains), bytes.push_back(static_cast<double>(result.bytes));
+        std::printf("%9u %9u %2u %12.2f %14.0f %11.2f %13.1f %10.1f\n", result.particles, result.grains, threads,
+                    result.ms_solver, 1e6 * result.ms_solver / result.particles, result.ms_refine,
+                    1e6 * result.ms_refine / result.grains, bytes.back() / items.back());
+        std::fflush(stdout);
+        keep(name, "ms_solver", "ms", result.ms_solver, threads);
+        keep(name, "ms_refine", "ms", result.ms_refine, threads);
+        keep(name, "bytes", "B", static_cast<double>(result.bytes), threads);
+      }
+      const double of_solver = fitted_exponent(particles, solver), of_refine = fitted_exponent(grains, refine);
+      const double of_bytes = fitted_exponent(items, bytes);
+      std::printf("grows with the power  %.2f (solver), %.2f (refinement), %.2f (bytes), %u thread%s\n", of_solver,
+                  of_refine, of_bytes, threads, threads == 1 ? "" : "s");
+      keep("growth", "exponent_solver", "1", of_solver, threads);
+      keep("growth", "exponent_refine", "1", of_refine, threads);
+      keep("growth", "exponent_bytes", "1", of_bytes, threads);
+    }
+  }
+#ifdef SANDGLASS_HAVE_BAKE
+  void shadow() {
+    const std::string asset =
+        options.asset.empty() ? std::string(SANDGLASS_SHADOWS_DIR) + "/chair.shadow" : options.asset;
+    const std::string mesh_name = options.mesh.empty() ? "chair" : options.mesh;
+    MeshResult loaded = make_named(mesh_name);
+    if (!loaded) loaded = load_mesh(mesh_name);
+    if (!loaded) throw Failure(loaded.error);
+    const std::string content = read_file(asset, "baked shadow");
+    const std::span bytes(reinterpret_cast<const uint8_t*>(content.data()), content.size());
+    ShadowBench result;
+    {
+      Progress progress("measuring", 1);
+      result = bench_shadow(bytes, asset, loaded.mesh, isa, options.thresholds, [&](uint32_t done, uint32_t total) {
+        progress.total(total);
+        progress.done(done);
+        return !interrupted();
+      });
+    }
+    std::printf("%-18s %8s %10s %8s %9s %12s %11s %10s\n", "case", "ms", "+ encoding", "GMAC/s", "of peak",
+                "RMSE (f32)", "RMSE truth", "evaluated");
+    for (const ShadowBenchRow& r : result.rows) {
+      std::printf("%-18s %8.2f %10.2f %8.1f %8.1f%% %12.4f %11.4f %8.1f %%\n", r.name.c_str(), r.ms,
+                  r.ms + r.ms_encoding, r.gmac_per_s, 100 * r.fraction, r.rmse, r.rmse_truth, 100 * r.evaluated);
+      keep(r.name, "ms", "ms", r.ms, 1);
+      keep(r.name, "ms_with_encoding", "ms", r.ms + r.ms_encoding, 1);
+      keep(r.name, "gmac_per_s", "GMAC/s", r.gmac_per_s, 1);
+      keep(r.name, "fraction_of_peak", "1", r.fraction, 1);
+      keep(r.name, "rmse", "1", r.rmse, 1);
+      keep(r.name, "rmse_truth", "1", r.rmse_truth, 1);
+      keep(r.name, "evaluated", "1", r.evaluated, 1);
+    }
+    if (!result.rows.empty() && !result.has_xnnpack) std::puts("XNNPACK is not installed: its rows are left out");
+  }
+#endif
+
   void machine() {
     const MachinePeak peak = measure_machine_peak();
-    std::printf("peak, one thread: %.2f GMAC/s (f32), %.2f GB/s read\n", peak.f32_gmac_per_s, peak.read_gb_per_s);
+    std::printf("peak, one thread: %.2f GMAC/s (f32), %.2f GMAC/s (int8), %.2f GB/s read\n", peak.f32_gmac_per_s,
+                peak.int8_gmac_per_s, peak.read_gb_per_s);
     keep("peak", "f32_gmac_per_s", "GMAC/s", peak.f32_gmac_per_s, 1);
+    keep("peak", "int8_gmac_per_s", "GMAC/s", peak.int8_gmac_per_s, 1);
     keep("peak", "read_gb_per_s", "GB/s", peak.read_gb_per_s, 1);
   }
 };
@@ -169,9 +254,16 @@ struct Bench {
 void add_bench_command(CLI::App& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("bench", "Measure time and error");
-  command->add_option("suite", options->suite, "granular, ladder or machine")
+  command->add_option("suite", options->suite, "granular, ladder, growth, shadow or machine")
       ->required()
-      ->check(CLI::IsMember({"granular", "ladder", "machine"}));
+      ->check(CLI::IsMember({"granular", "ladder", "growth", "shadow", "machine"}));
+  command->add_option("--asset", options->asset, "For shadow: the baked file (the shipped chair)");
+  command->add_option("--mesh", options->mesh, "For shadow: the mesh that it was baked from (chair)");
+  command
+      ->add_option("--thresholds", options->thresholds,
+                   "For shadow: also these thresholds of the adaptive mode, 0..255")
+      ->delimiter(',')
+      ->check(CLI::Range(0u, 255u));
   command->add_option("--json", options->json, "Write the measurements to this file");
   command->add_option("--frames", options->frames, "Frames a case; errors are comparable at 100 only (100)")
       ->check(CLI::Range(1u, 10000u));
@@ -189,6 +281,12 @@ void add_bench_command(CLI::App& program, int* exit_code) {
     bench.isa_name = sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
     if (options->suite == "granular") bench.granular();
     else if (options->suite == "ladder") bench.ladder();
+    else if (options->suite == "growth") bench.growth();
+#ifdef SANDGLASS_HAVE_BAKE
+    else if (options->suite == "shadow") bench.shadow();
+#else
+    else if (options->suite == "shadow") throw Failure("this build has no ray tracer; build with Embree");
+#endif
     else bench.machine();
     if (!options->json.empty()) write_file(options->json, measurements_json(bench.measurements));
     if (interrupted()) std::puts("interrupted; what was measured is above");

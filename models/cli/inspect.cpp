@@ -1,7 +1,8 @@
-// `sandglass inspect FILE`: what a file is, by its content: a recording, a scene, else a mesh.
+// `sandglass inspect FILE`: what a file is, by its content: a recording, a baked shadow, a scene, else a mesh.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 
 #include "models/cli/commands.h"
@@ -13,12 +14,14 @@
 #include "models/host/scene_file.h"
 #include "models/host/scene_fill.h"
 #include "models/host/simulation.h"
+#include "sandglass/shadow.h"
 
 namespace sandglass::host {
 
 namespace {
 
-constexpr char k_recording_magic[] = "SGREC";  // the first bytes of models/host/recording.h's format
+constexpr char k_recording_magic[] = "SGREC";   // the first bytes of models/host/recording.h's format
+constexpr char k_shadow_identifier[] = "SGSH";  // bytes 4..7 of runtime/asset/shadow.fbs's
 
 void inspect_recording(const std::string& path) {
   const Recording recording = load_recording(path);
@@ -37,6 +40,35 @@ void inspect_recording(const std::string& path) {
   std::printf("  start hash   0x%016llx\n  final hash   0x%016llx\n",
               static_cast<unsigned long long>(recording.start_hash),
               static_cast<unsigned long long>(recording.final_hash));
+}
+
+void inspect_shadow(const std::string& path, const std::string& content) {
+  std::vector<uint64_t> aligned(content.size() / 8 + 1);
+  std::memcpy(aligned.data(), content.data(), content.size());
+  sandglass_shadow_info info = {};
+  info.struct_size = sizeof info;
+  const char* reason = nullptr;
+  if (sandglass_shadow_inspect(aligned.data(), content.size(), &info, &reason) != SANDGLASS_OK)
+    throw Failure("'" + path + "': " + reason);
+  sandglass_shadow_desc desc;
+  sandglass_shadow_desc_default(&desc);
+  desc.asset = aligned.data(), desc.asset_bytes = content.size();
+  uint64_t memory = 0;
+  if (sandglass_shadow_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw Failure("'" + path + "': " + reason);
+  const auto degrees = [](float radians) { return static_cast<double>(radians) * 180 / 3.14159265358979; };
+  std::printf("baked shadow, version %u\n  network      %u neurons x (1 + %u) hidden layers, %llu MAC a texel\n",
+              info.version, info.width, info.layers, static_cast<unsigned long long>(info.macs_per_texel));
+  std::printf("  box          %g x %g x %g m, on the plane at [%g, %g, %g]\n", 2 * static_cast<double>(info.half_x),
+              static_cast<double>(info.height), 2 * static_cast<double>(info.half_z),
+              static_cast<double>(info.origin[0]), static_cast<double>(info.origin[1]),
+              static_cast<double>(info.origin[2]));
+  std::printf("  light        %.3g degrees wide, up to %.3g degrees from the zenith\n", degrees(info.angular_diameter),
+              degrees(info.polar_max));
+  std::printf("  plane        %s\n", info.plane_fitted != 0 ? "fitted to the light" : "one square for all lights");
+  std::printf("  RMSE         %.4f float, %.4f int8, over %u unseen lights\n", static_cast<double>(info.rmse_float),
+              static_cast<double>(info.rmse_int8), info.validated_lights);
+  std::printf("  float copy   %s\n  memory       %llu bytes\n", info.float_parameters > 0 ? "yes" : "no",
+              static_cast<unsigned long long>(memory));
 }
 
 void inspect_scene(const std::string& path, const std::string& mesh) {
@@ -103,7 +135,8 @@ void add_inspect_command(CLI::App& program, int* exit_code) {
     std::string file, mesh;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("inspect", "Say what a file is: a recording, a scene, a mesh");
+  CLI::App* command =
+      program.add_subcommand("inspect", "Say what a file is: a recording, a baked shadow, a scene, a mesh");
   command->add_option("file", options->file, "The file, or the name of a shipped scene")->required();
   command->add_option("--mesh", options->mesh, "For a scene: the mesh to fill, as in run");
   command->callback([options, exit_code] {
@@ -113,6 +146,8 @@ void add_inspect_command(CLI::App& program, int* exit_code) {
     const std::string content = read_file(options->file, "file");
     if (content.empty()) throw Failure("the file '" + options->file + "' is empty; name another");
     if (content.starts_with(k_recording_magic)) return inspect_recording(options->file);
+    if (content.size() > 8 && content.compare(4, 4, k_shadow_identifier) == 0)
+      return inspect_shadow(options->file, content);
     const size_t first = content.find_first_not_of(" \t\r\n");
     if (first != std::string::npos && content[first] == '{') return inspect_scene(options->file, options->mesh);
     inspect_mesh(options->file);

@@ -24,6 +24,9 @@ int main(int argc, char** argv) {
       "out");
   add_run_command(program, &exit_code);
   add_sample_command(program, &exit_code);
+#ifdef SANDGLASS_HAVE_BAKE
+  add_bake_command(program, &exit_code);
+#endif
   add_bench_command(program, &exit_code);
   add_verify_command(program, &exit_code);
   add_inspect_command(program, &exit_code);

@@ -22,6 +22,7 @@
 #include "models/host/scene_file.h"
 #include "models/host/scene_fill.h"
 #include "models/host/simulation.h"
+#include "models/host/standing_shadows.h"
 #include "models/host/thread_pool.h"
 #include "platform/virtual_clock.h"
 
@@ -77,10 +78,6 @@ void write_reports(const std::string& folder, const RunReport& report) {
   write_file((out / "summary.txt").string(), report_summary_text(report));
 }
 
-Snapshot take_snapshot(Simulation* simulation, uint32_t frame, double time, std::vector<sandglass_collider> colliders) {
-  return {frame, time, simulation->grain_positions(), simulation->particle_positions(), std::move(colliders)};
-}
-
 struct Run {
   const Options& options;
   SceneFile scene;
@@ -89,6 +86,7 @@ struct Run {
   std::optional<CollisionFields> fields;
   std::optional<ThreadPool> pool;
   std::optional<Simulation> simulation;
+  std::optional<StandingShadows> shadows;
   RunReport report;
   std::vector<Snapshot> snapshots;
   Recording recording;  // --replay: what to execute; --record: what was executed
@@ -130,12 +128,13 @@ struct Run {
     if (!options.out.empty()) desc.trace = recorder.hook();
     simulation.emplace(desc);
     simulation->add(material);
+    shadows.emplace(scene, isa);
     report.scene = scene.name;
     report.isa = sandglass_isa_name(sandglass_scene_isa(simulation->handle()));
     report.clock = options.replay.empty() ? options.clock : "replay";
     report.threads = options.threads;
     report.memory_bytes = simulation->bytes();
-    if (!options.out.empty()) snapshots.push_back(take_snapshot(&*simulation, 0, 0.0, colliders_over_frame(scene, 0)));
+    if (!options.out.empty()) take_snapshot(0, colliders_over_frame(scene, 0));
     const uint64_t start_hash = sandglass_scene_hash(simulation->handle());
     if (options.replay.empty()) {
       recording.scene_name = scene.name;
@@ -147,19 +146,35 @@ struct Run {
     }
   }
 
+  void take_snapshot(uint32_t frame, std::vector<sandglass_collider> colliders) {
+    Snapshot snapshot;
+    snapshot.frame = frame, snapshot.time = frame * scene.frame_step;
+    snapshot.grains = simulation->grain_positions(), snapshot.particles = simulation->particle_positions();
+    snapshot.shadows = shadows->drawn(colliders);
+    snapshot.colliders = std::move(colliders);
+    if (scene.light) snapshot.to_light = scene.light->towards(static_cast<double>(frame) / scene.frames);
+    snapshots.push_back(std::move(snapshot));
+  }
+
+  // Of every active stage.
+  uint64_t hash() const { return sandglass_scene_hash(simulation->handle()) + shadows->hash(); }
+
   // One frame by clock and budget, or as recorded.
   sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
+    shadows->set_light(scene, frame);
     if (options.replay.empty()) {
       *colliders = colliders_over_frame(scene, frame);
       add_rigid_shapes(scene, simulation->handle(), colliders);
-      return simulation->frame(scene.frame_step, static_cast<uint64_t>(scene.budget_ms * 1e6), *colliders);
+      return simulation->frame(scene.frame_step, static_cast<uint64_t>(scene.budget_ms * 1e6), *colliders, nullptr,
+                               shadows->handles());
     }
     const RecordedFrame& recorded = recording.frames[frame];
     *colliders = recorded.colliders;
     // A recording names shapes; the fields behind them are the scene's.
     for (size_t i = 0; i < colliders->size() && i < scene.colliders.size(); ++i)
       (*colliders)[i].field = scene.colliders[i].field;
-    return simulation->frame(static_cast<double>(recorded.time_step), recorded.budget_ns, *colliders, &recorded.plan);
+    return simulation->frame(static_cast<double>(recorded.time_step), recorded.budget_ns, *colliders, &recorded.plan,
+                             shadows->handles());
   }
 
   void execute() {
@@ -181,7 +196,7 @@ struct Run {
             {static_cast<float>(scene.frame_step), row.report.budget_ns, colliders, row.report.plan});
       if (!options.dump.empty()) dump_frame(options.dump, frame + 1, scene.particle_radius, &*simulation);
       if (!options.out.empty() && ((frame + 1) % step == 0 || frame + 1 == scene.frames))
-        snapshots.push_back(take_snapshot(&*simulation, frame + 1, (frame + 1) * scene.frame_step, colliders));
+        take_snapshot(frame + 1, colliders);
       progress.done(frame + 1);
     }
     report.interrupted = interrupted();
@@ -255,7 +270,7 @@ void add_run_command(CLI::App& program, int* exit_code) {
     Run run(*options);
     run.prepare();
     run.execute();
-    const uint64_t hash = sandglass_scene_hash(run.simulation->handle());
+    const uint64_t hash = run.hash();
     run.finish(hash);
     *exit_code = run.exit_code(hash);
     std::printf("hash 0x%016llx\n", static_cast<unsigned long long>(hash));

@@ -1,9 +1,13 @@
-// `sandglass verify SUITE`: claims with their truth, measured now, and wrong settings that must fail them.
+// `sandglass verify SUITE`: claims with their truth, measured now, and wrong settings that must fail them; as a table
+// on the terminal, and with --out as CSV, Markdown and curves.
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdio>
 
 #include "models/cli/commands.h"
 #include "models/host/atomic_file.h"
+#include "models/host/granular_plots.h"
+#include "models/host/granular_verdicts.h"
 #include "models/host/measurement_json.h"
 #include "models/host/physics_cases.h"
 #include "models/host/progress.h"
@@ -16,41 +20,90 @@ namespace {
 constexpr int k_exit_check_failed = 1, k_exit_interrupted = 130;
 
 struct Options {
-  std::string suite, json, isa = "automatic";
+  std::string suite, json, out, isa = "automatic";
+  std::vector<std::string> cases;
+  bool quick = false;
 };
 
+const char* outcome_of(const Verdict& v) {
+  if (v.control) return v.pass ? "fails, as it must" : "PASSES, but must fail";
+  if (!v.pass) return "FAIL";
+  return std::isinf(v.limit) ? "reported" : "pass";
+}
+
+std::string number(double value) {
+  char text[32];
+  if (std::isinf(value)) return "";
+  std::snprintf(text, sizeof text, "%.5g", value);
+  return text;
+}
+
+void print_table(const std::vector<Verdict>& rows) {
+  std::printf("%-11s %-32s %11s %11s %11s  %-11s %s\n", "case", "claim", "truth", "result", "limit", "unit", "");
+  for (const Verdict& v : rows)
+    std::printf("%-11s %-32s %11s %11s %11s  %-11s %s\n", v.group.c_str(), v.name.c_str(), number(v.truth).c_str(),
+                number(v.result).c_str(), number(v.limit).c_str(), v.unit.c_str(), outcome_of(v));
+}
+
+std::string table_csv(const std::vector<Verdict>& rows) {
+  std::string text = "case,claim,unit,truth,result,limit,control,pass\n";
+  for (const Verdict& v : rows)
+    text += v.group + ",\"" + v.name + "\"," + v.unit + "," + number(v.truth) + "," + number(v.result) + "," +
+            number(v.limit) + "," + (v.control ? "1" : "0") + "," + (v.pass ? "1" : "0") + "\n";
+  return text;
+}
+
+std::string table_markdown(const std::vector<Verdict>& rows) {
+  std::string text = "| case | claim | truth | result | limit | unit | |\n|---|---|---|---|---|---|---|\n";
+  for (const Verdict& v : rows)
+    text += "| " + v.group + " | " + v.name + " | " + number(v.truth) + " | " + number(v.result) + " | " +
+            number(v.limit) + " | " + v.unit + " | " + outcome_of(v) + " |\n";
+  return text;
+}
+
+void write_folder(const std::string& folder, const VerdictTable& table) {
+  make_folder(folder);
+  write_file(folder + "/verify.csv", table_csv(table.rows));
+  write_file(folder + "/verify.md", table_markdown(table.rows));
+  std::string drawn;
+  for (const GranularPlot& plot : granular_plots(table.curves)) {
+    write_png(folder + "/" + plot.name + ".png", draw_plot(plot.plot));
+    drawn += ", " + plot.name + ".png";
+  }
+  std::printf("%s: verify.csv, verify.md%s\n", folder.c_str(), drawn.c_str());
+}
+
 int verify_granular(const Options& options) {
-  const sandglass_isa isa = find_isa(options.isa);
+  VerdictChoice choice;
+  choice.isa = find_isa(options.isa);
+  choice.groups = options.cases;
+  choice.quick = options.quick;
   sandglass_scene_desc desc = physics_desc(0.6);
-  desc.isa = isa;
+  desc.isa = choice.isa;
   desc.granular.particle_capacity = 1;
   const std::string isa_name = sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
-  std::vector<Verdict> table;
+  VerdictTable table;
   {
     Progress progress("verifying", 1);
-    table = granular_verdicts(isa, [&](uint32_t done, uint32_t total) {
+    table = granular_verdicts(choice, [&](uint64_t done, uint64_t total) {
       progress.total(total);
       progress.done(done);
       return !interrupted();
     });
   }
+  print_table(table.rows);
   uint32_t failed = 0;
   std::vector<Measurement> measurements;
-  std::printf("%-28s %13s %13s %13s  %-10s %s\n", "case", "truth", "result", "limit", "unit", "");
-  for (const Verdict& v : table) {
-    const char* outcome = v.control ? (v.pass ? "fails, as it must" : "PASSES, but must fail")
-                          : v.pass  ? "pass"
-                                    : "FAIL";
-    std::printf("%-28s %13.6g %13.6g %13.6g  %-10s %s\n", v.name.c_str(), v.truth, v.result, v.limit, v.unit.c_str(),
-                outcome);
+  for (const Verdict& v : table.rows) {
     failed += v.pass ? 0 : 1;
     Measurement m;
     m.suite = "granular", m.scene = v.name, m.metric = "result", m.unit = v.unit, m.isa = isa_name, m.value = v.result;
     m.judgement = Measurement::Judgement{v.truth, v.limit, v.pass, v.control};
     measurements.push_back(m);
   }
-  std::printf("%zu rows, %u failed\n", table.size(), failed);
+  std::printf("%zu rows, %u failed\n", table.rows.size(), failed);
   if (!options.json.empty()) write_file(options.json, measurements_json(measurements));
+  if (!options.out.empty()) write_folder(options.out, table);
   return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : 0;
 }
 
@@ -60,7 +113,10 @@ void add_verify_command(CLI::App& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("verify", "Measure claims against their truths; exit code 1 if one fails");
   command->add_option("suite", options->suite, "granular")->required()->check(CLI::IsMember({"granular"}));
+  command->add_option("--case", options->cases, "Only these cases (all)")->check(CLI::IsMember(verdict_groups()));
+  command->add_flag("--quick", options->quick, "Only the cases that take seconds");
   command->add_option("--json", options->json, "Write the rows to this file");
+  command->add_option("--out", options->out, "Write table and curves into this folder");
   command->add_option("--isa", options->isa, "Kernels to use (automatic)");
   command->callback([options, exit_code] {
     listen_for_interrupt();

@@ -3,7 +3,9 @@
 
 #include <time.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "models/host/body_meshes.h"
 #include "models/host/metrics.h"
@@ -36,6 +38,8 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
   simulation.add(material);
 
   BenchRow row;
+  row.bytes = simulation.bytes();
+  row.particles = material.particles(), row.grains = material.grains();
   OverlapOverRun overlap;
   for (uint32_t frame = 0; frame < frames; ++frame) {
     const sandglass_frame_report report =
@@ -62,6 +66,16 @@ SceneFile small_steps(const SceneFile& scene, uint32_t steps) {
   SceneFile changed = scene;
   changed.granular.substep_max = static_cast<float>(scene.frame_step / steps * k_rounding);
   changed.granular.substep_min = 0.0f;
+  return changed;
+}
+
+SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t grains_per_particle) {
+  SceneFile changed = column;
+  Body& body = changed.bodies.at(0);
+  const double now = static_cast<double>(body.counts[0]) * body.counts[1] * body.counts[2];
+  const double scale = std::cbrt(particles / now);
+  for (uint32_t& count : body.counts) count = std::max(1u, static_cast<uint32_t>(std::lround(count * scale)));
+  body.grains = body.counts[0] * body.counts[1] * body.counts[2] * grains_per_particle;
   return changed;
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "models/host/scene_file.h"
 #include "sandglass/sandglass.h"
@@ -16,7 +17,8 @@ struct BenchRow {
          ms_refine = 0.0;  // means over the frames; one thread: its CPU time, several: wall time
   double overlap_p99 = 0.0, overlap_mean = 0.0, overlap_max = 0.0;
   double angle_deg = 0.0;
-  uint32_t frames = 0;
+  uint64_t bytes = 0;  // of the scene's block
+  uint32_t particles = 0, grains = 0, frames = 0;
 };
 
 // Called after each frame; false stops the run.
@@ -29,6 +31,9 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
 
 // The default scheme with `steps` sub-steps a frame.
 SceneFile small_steps(const SceneFile& scene, uint32_t steps);
+
+// The column with about so many particles, of the same proportions, and `grains_per_particle` grains each.
+SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t grains_per_particle);
 
 // Alg. 4 as printed: `steps` equal steps a frame, `iterations` solver iterations and one stabilisation each, averaged,
 // relaxation 1.

@@ -111,4 +111,13 @@ double speed_rms(std::span<const float> velocities) {
   return velocities.empty() ? 0.0 : std::sqrt(sum * 3.0 / static_cast<double>(velocities.size()));
 }
 
+double fitted_exponent(std::span<const double> x, std::span<const double> y) {
+  double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
+  for (size_t i = 0; i < x.size() && i < y.size(); ++i) {
+    const double u = std::log(x[i]), v = std::log(y[i]);
+    n += 1.0, sum_x += u, sum_y += v, sum_xx += u * u, sum_xy += u * v;
+  }
+  return (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
+}
+
 }  // namespace sandglass::host

@@ -40,4 +40,7 @@ double speed_rms(std::span<const float> velocities);
 // The value below which the fraction q of the values lies (nearest rank); 0 for none. Reorders the values.
 double quantile(std::span<double> values, double q);
 
+// The exponent of a power law: the least-squares slope of log y in log x.
+double fitted_exponent(std::span<const double> x, std::span<const double> y);
+
 }  // namespace sandglass::host

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/host/apparatus.h"
 #include "models/host/metrics.h"
 #include "models/host/scene_fill.h"
 #include "models/host/simulation.h"
@@ -163,78 +164,132 @@ RestingPile resting_pile(const sandglass_scene_desc& desc) {
 
 namespace {
 
-// Whether a result that is no number counts as within the limit: never.
-bool within(double result, double truth, double limit) { return std::fabs(result - truth) <= limit; }
+// Particles on a cubic lattice, touching, `count` on a side, the lowest corner at the origin.
+std::vector<float> block(int count, double radius) {
+  std::vector<float> points;
+  for (int k = 0; k < count * count * count; ++k)
+    for (const int at : {k % count, k / count % count, k / count / count})
+      points.push_back(static_cast<float>(2.0 * radius * at));
+  return points;
+}
+
+sandglass_scene_desc weightless(sandglass_scene_desc desc, uint32_t particles, uint32_t grains) {
+  for (float& g : desc.gravity) g = 0.0f;
+  desc.granular.particle_capacity = particles;
+  desc.granular.grain_capacity = grains;
+  desc.granular.collider_capacity = 0;
+  desc.granular.sleep_after = 0.0f;
+  return desc;
+}
 
 }  // namespace
 
-std::vector<Verdict> granular_verdicts(sandglass_isa isa, const std::function<bool(uint32_t, uint32_t)>& done) {
-  constexpr double k_mu = 0.6, k_wrong_mu = 0.1, k_slide_seconds = 2.0;
-  std::vector<Verdict> table;
-  const auto claim = [&](const char* name, const char* unit, double truth, double result, double limit) {
-    table.push_back({name, unit, truth, result, limit, within(result, truth, limit), false});
-  };
-  const auto control = [&](const char* name, const char* unit, double truth, double result, double limit) {
-    table.push_back({name, unit, truth, result, limit, !within(result, truth, limit), true});
-  };
-  const auto desc_with = [&](double mu) {
-    sandglass_scene_desc desc = physics_desc(mu);
-    desc.isa = isa;
-    return desc;
-  };
-  const sandglass_scene_desc desc = desc_with(k_mu), slippery = desc_with(k_wrong_mu);
-  const double d = 2.0 * desc.granular.particle_radius;
-  // One long step a frame and one averaged iteration: the solver that DESIGN warns of.
-  sandglass_scene_desc coarse = desc;
-  coarse.granular.scheme = SANDGLASS_SCHEME_AVERAGED;
-  coarse.granular.relaxation = 2.0f;
-  coarse.granular.solver_iterations = 1;
-  coarse.granular.stabilisation_iterations = 0;
-  coarse.granular.substep_max = coarse.granular.substep_min = 0.02f;
-
-  const double slide_truth = 1.0 / (2.0 * k_mu * k_gravity);
-  double substep = 0.0;
-  const std::function<void()> scenes[] = {
-      [&] { claim("free_fall", "relative", 0.0, free_fall_error(desc), 1e-5); },
-      [&] {
-        const double x = sliding_distance(desc, &substep);
-        claim("sliding_block", "m", slide_truth, x, 1.05 * 1.0 * substep / 2.0);
-      },
-      [&] {
-        const double x = sliding_distance(slippery, &substep);
-        control("sliding_block mu=0.1", "m", slide_truth, x, 1.05 * 1.0 * substep / 2.0);
-      },
-      [&] { claim("incline 0.99 mu rests", "d", 0.0, incline_distance(desc, 0.99 * k_mu, 5.0) / d, 0.01); },
-      [&] { control("incline 0.99 mu, mu=0.1", "d", 0.0, incline_distance(slippery, 0.99 * k_mu, 1.0) / d, 0.01); },
-      [&] {
-        for (const double factor : {1.05, 1.5}) {
-          const double truth = incline_truth(desc, factor * k_mu, k_slide_seconds);
-          const double x = incline_distance(desc, factor * k_mu, k_slide_seconds);
-          claim(factor < 1.2 ? "incline 1.05 mu slides" : "incline 1.5 mu slides", "m", truth, x, 0.01 * truth);
-        }
-      },
-      [&] { claim("stack of 20", "height", 0.99, stack_height(desc), 0.01); },
-      [&] { control("stack of 20, coarse", "height", 0.99, stack_height(coarse), 0.01); },
-      [&] {
-        const RestingPile pile = resting_pile(desc);
-        claim("overlap at rest, mean", "r", 0.0, pile.overlap_mean, 0.01);
-        claim("overlap at rest, max", "r", 0.0, pile.overlap_max, 0.10);
-        claim("speed at rest", "sqrt(g d)", 0.0, pile.speed, 0.005);
-        claim("sinking at rest", "d/s", 0.0, pile.sinking, 0.01);
-        claim("kinetic energy left", "of max", 0.0, pile.energy_ratio, 0.001);
-        claim("grains under the floor", "grains", 0.0, pile.grains_below, 0.0);
-      },
-      [&] {
-        const RestingPile pile = resting_pile(coarse);
-        control("overlap at rest, coarse", "r", 0.0, pile.overlap_mean, 0.01);
-      },
-  };
-  uint32_t count = 0;
-  for (const std::function<void()>& scene : scenes) {
-    scene();
-    if (!done(++count, static_cast<uint32_t>(std::size(scenes)))) break;
+Cloud free_cloud(const sandglass_scene_desc& desc) {
+  constexpr uint32_t k_side = 8, k_count = k_side * k_side * k_side;
+  constexpr double k_spacing = 3.0, k_seconds = 0.4;  // spacing in radii; speeds up to 1 m/s along each axis
+  const double r = desc.granular.particle_radius;
+  Simulation simulation(weightless(desc, k_count, 0));
+  Random random = {11};
+  std::vector<float> positions, velocities;
+  for (uint32_t i = 0; i < k_count; ++i)
+    for (const uint32_t at : {i % k_side, i / k_side % k_side, i / k_side / k_side}) {
+      positions.push_back(static_cast<float>((at + 0.2 * random.unit()) * k_spacing * r));
+      velocities.push_back(static_cast<float>(2.0 * random.unit() - 1.0));
+    }
+  simulation.add(positions, velocities);
+  uint64_t steps = 0;
+  for (uint32_t frame = 0; frame < frames_in(k_seconds); ++frame)
+    steps += simulation.frame(k_frame, k_no_budget, {}).substeps;
+  const std::vector<float>& after = simulation.particle_velocities();
+  double change[3] = {}, size = 0.0;
+  Cloud cloud;
+  for (size_t i = 0; i < after.size(); i += 3) {
+    double along = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+      const double before = velocities[i + k], now = after[i + k];
+      change[k] += now - before;
+      size += std::fabs(before);
+      along += before * now;
+    }
+    cloud.collisions += along < 0.9 * (static_cast<double>(velocities[i]) * static_cast<double>(velocities[i]) +
+                                       static_cast<double>(velocities[i + 1]) * static_cast<double>(velocities[i + 1]) +
+                                       static_cast<double>(velocities[i + 2]) * static_cast<double>(velocities[i + 2]))
+                            ? 1.0
+                            : 0.0;
   }
-  return table;
+  cloud.drift = std::sqrt(change[0] * change[0] + change[1] * change[1] + change[2] * change[2]) / size;
+  cloud.drift_per_step = cloud.drift / static_cast<double>(std::max<uint64_t>(steps, 1));
+  return cloud;
+}
+
+double uniform_field_error(const sandglass_scene_desc& desc, double shear) {
+  constexpr int k_side = 10;
+  constexpr uint32_t k_grains = 2000;
+  constexpr double k_velocity[3] = {0.3, -0.2, 0.5}, k_speed = 0.61644140029689765;
+  const double r = desc.granular.particle_radius, d = 2.0 * r;
+  Simulation simulation(weightless(desc, k_side * k_side * k_side, k_grains));
+  Material material;
+  material.particle_positions = block(k_side, r * 1.01);  // apart, so that nothing but the field acts
+  Random random = {5};
+  for (uint32_t i = 0; i < k_grains; ++i)
+    for (int k = 0; k < 3; ++k)
+      material.grain_positions.push_back(static_cast<float>((2.0 + (k_side - 5.0) * random.unit()) * d));
+  const auto add_velocities = [&](const std::vector<float>& positions, std::vector<float>* velocities) {
+    for (size_t i = 0; i < positions.size(); i += 3)
+      for (const double u : k_velocity)
+        velocities->push_back(
+            static_cast<float>(u * (1.0 + shear * (static_cast<double>(positions[i + 1]) / (k_side * d) - 0.5))));
+  };
+  add_velocities(material.particle_positions, &material.particle_velocities);
+  add_velocities(material.grain_positions, &material.grain_velocities);
+  simulation.add(material);
+  for (uint32_t frame = 0; frame < frames_in(0.5); ++frame) simulation.frame(k_frame, k_no_budget, {});
+  double worst = 0.0;
+  const std::vector<float>& now = simulation.grain_velocities();
+  for (size_t i = 0; i < now.size(); i += 3) {
+    double off = 0.0;
+    for (size_t k = 0; k < 3; ++k)
+      off += (now[i + k] - material.grain_velocities[i + k]) * (now[i + k] - material.grain_velocities[i + k]);
+    worst = std::max(worst, std::sqrt(off) / k_speed);
+  }
+  return worst;
+}
+
+double threshold_jump(const sandglass_scene_desc& desc) {
+  constexpr uint32_t k_grains = 1024;
+  constexpr int k_side = 4;
+  const double r = desc.granular.particle_radius, d = 2.0 * r;
+  float low = static_cast<float>(-3.0 * d), high = static_cast<float>(1.5 * d);
+  double jump = 0.0;
+  while (std::nextafterf(low, high) < high) {
+    std::vector<float> starts;
+    for (uint32_t i = 0; i < k_grains; ++i) {
+      const float x = static_cast<float>(low + (static_cast<double>(high) - low) * i / (k_grains - 1));
+      if (starts.empty() || x > starts.back()) starts.push_back(x);
+    }
+    Simulation simulation(weightless(desc, k_side * k_side * k_side, k_grains));
+    Material material;
+    material.particle_positions = block(k_side, r * 1.01);
+    for (size_t i = 0; i < material.particle_positions.size(); i += 3)
+      material.particle_velocities.insert(material.particle_velocities.end(), {0.0f, 1.0f, 0.0f});
+    for (const float x : starts)
+      material.grain_positions.insert(material.grain_positions.end(),
+                                      {x, static_cast<float>(2.3 * r), static_cast<float>(1.9 * r)});
+    material.grain_velocities.resize(material.grain_positions.size());
+    simulation.add(material);
+    simulation.frame(desc.granular.refine_step, k_no_budget, {});
+    const std::vector<float>& end = simulation.grain_positions();
+    size_t worst = 0;
+    double largest = -1.0;
+    for (size_t i = 0; i + 1 < starts.size(); ++i) {
+      const double change = std::fabs(static_cast<double>(end[3 * i + 4]) - static_cast<double>(end[3 * i + 1]));
+      if (change > largest) largest = change, worst = i;
+    }
+    jump = largest / d;
+    if (worst + 1 >= starts.size()) break;
+    low = starts[worst], high = starts[worst + 1];
+  }
+  return jump;
 }
 
 }  // namespace sandglass::host

@@ -3,10 +3,6 @@
 // as they are and sets the capacities itself.
 #pragma once
 
-#include <functional>
-#include <string>
-#include <vector>
-
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {
@@ -42,14 +38,21 @@ struct RestingPile {
 };
 RestingPile resting_pile(const sandglass_scene_desc& desc);
 
-// One row of the table. Control rows pass when a wrong setting fails the claim as it must.
-struct Verdict {
-  std::string name, unit;
-  double truth = 0.0, result = 0.0, limit = 0.0;  // the result may differ from the truth by the limit
-  bool pass = false, control = false;
+// 512 particles flying into each other without gravity for 0.4 s: the change of total momentum per sub-step over the
+// sum of the momenta's sizes, and over the whole run. `collisions`: how many of them changed direction.
+struct Cloud {
+  double drift_per_step = 0.0, drift = 0.0;
+  double collisions = 0.0;
 };
+Cloud free_cloud(const sandglass_scene_desc& desc);
 
-// The whole table. `done(n, total)` is called after each scene; it returns false to stop early.
-std::vector<Verdict> granular_verdicts(sandglass_isa isa, const std::function<bool(uint32_t, uint32_t)>& done);
+// Grains among particles of one velocity u, without gravity, for half a second: largest |v - u|/|u| of those inside.
+// `shear` is the change of velocity over the block's height, relative to u; 0 for the claim.
+double uniform_field_error(const sandglass_scene_desc& desc, double shear);
+
+// The largest jump, in d, of a grain's displacement in one step when its start moves by one float's last place, along a
+// line from outside into a block of moving particles: 1024 grains at a time, each time within the interval that jumped
+// most, until its ends are neighbours.
+double threshold_jump(const sandglass_scene_desc& desc);
 
 }  // namespace sandglass::host

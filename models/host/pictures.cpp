@@ -37,6 +37,8 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const View& base, 
   view.radius = particles ? static_cast<float>(set.particle_radius)
                           : drawn_grain_radius(set.particle_radius, particle_count, grain_count);
   view.colliders = snapshot.colliders;
+  view.shadows = snapshot.shadows;
+  view.to_light = snapshot.to_light;
   RenderOptions options;
   options.width = width, options.height = height, options.threads = set.threads;
   Picture picture = render(view, options);

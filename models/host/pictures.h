@@ -18,6 +18,8 @@ struct Snapshot {
   double time = 0.0;   // seconds
   std::vector<float> grains, particles;
   std::vector<sandglass_collider> colliders;
+  std::vector<FloorShadow> shadows;
+  Vec3 to_light;  // of length 0: none in the scene
 };
 
 // Every how many frames a snapshot is due, so that a run's snapshots play smoothly and fit into memory.

@@ -15,7 +15,7 @@ namespace {
 constexpr uint32_t k_grains_only = 0x100;  // beside the shape of a collider
 
 constexpr uint8_t k_magic[8] = {'S', 'G', 'R', 'E', 'C', '\r', '\n', 0x1a};  // line ends show a transfer in text mode
-constexpr uint32_t k_version = 1;
+constexpr uint32_t k_version = 2;                                            // 2: the stage of shadows
 constexpr size_t k_prologue_bytes = sizeof(k_magic) + sizeof(uint32_t);
 constexpr size_t k_record_head_bytes = 2 * sizeof(uint32_t);
 constexpr size_t k_checksum_bytes = sizeof(uint64_t);

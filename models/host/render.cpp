@@ -243,6 +243,8 @@ struct Tracer {
   std::vector<Solid> solids;
   CameraFrame frame;
   double diagonal, tile;
+  Vec3 sun = normalised(k_sun);
+  double sun_spread = k_sun_radius;
 
   explicit Tracer(const View& v)
       : view(v),
@@ -250,6 +252,8 @@ struct Tracer {
         frame(v.camera),
         diagonal(std::max(1e-6, length(v.bounds.high - v.bounds.low))) {
     const double extent = std::max(v.bounds.high.x - v.bounds.low.x, v.bounds.high.z - v.bounds.low.z);
+    if (length(v.to_light) > 0.0) sun = normalised(v.to_light);
+    if (!v.shadows.empty()) sun_spread = std::tan(v.shadows[0].half_angle);
     tile = round_length(std::max(extent, 0.5 * diagonal) / 6.0);
     for (const sandglass_collider& c : v.colliders) {
       const Quaternion q = {c.rotation[0], c.rotation[1], c.rotation[2], c.rotation[3]};
@@ -263,15 +267,41 @@ struct Tracer {
     return mixed({0.80, 0.83, 0.86}, {0.42, 0.55, 0.72}, std::clamp(direction.y * 1.6, 0.0, 1.0));
   }
 
-  bool blocked(Vec3 origin, Vec3 direction, double limit) const {
+  // `catcher`: the point lies on a floor, where the shadows of some solids are textures.
+  bool blocked(Vec3 origin, Vec3 direction, double limit, bool catcher = false) const {
     if (caster.occluded(origin, direction, limit)) return true;
     SurfaceHit hit;
     hit.distance = limit;
     for (const Solid& solid : solids) {
       if (solid.shape == SANDGLASS_SHAPE_FIELD && solid.container) continue;  // glass
+      const auto is_it = [&](const FloorShadow& shadow) { return &solid == &solids[shadow.collider]; };
+      if (catcher && std::any_of(view.shadows.begin(), view.shadows.end(), is_it)) continue;
       if (hit_solid(solid, origin, direction, &hit)) return true;
     }
     return false;
+  }
+
+  // Share of the direct light that the textures leave to a point of the floor: bilinear, as a GPU samples.
+  double transparency(Vec3 at) const {
+    constexpr double k_same_floor = 1e-3;
+    double share = 1.0;
+    for (const FloorShadow& shadow : view.shadows) {
+      if (std::fabs(at.y - shadow.position.y) > k_same_floor) continue;
+      const Vec3 local = rotate(conjugate(shadow.rotation), at - shadow.position);
+      const double n = shadow.texels;
+      const double u = (local.x - shadow.low[0]) / (shadow.high[0] - shadow.low[0]) * n - 0.5;
+      const double v = (local.z - shadow.low[1]) / (shadow.high[1] - shadow.low[1]) * n - 0.5;
+      if (!(u > -1.0 && v > -1.0 && u < n && v < n)) continue;
+      const auto texel = [&](double x, double y) {
+        const bool inside = x >= 0.0 && y >= 0.0 && x < n && y < n;
+        return inside ? shadow.coverage[static_cast<size_t>(y) * shadow.texels + static_cast<size_t>(x)] / 255.0 : 0.0;
+      };
+      const double x = std::floor(u), y = std::floor(v), fx = u - x, fy = v - y;
+      const double coverage = (1.0 - fy) * ((1.0 - fx) * texel(x, y) + fx * texel(x + 1.0, y)) +
+                              fy * ((1.0 - fx) * texel(x, y + 1.0) + fx * texel(x + 1.0, y + 1.0));
+      share *= 1.0 - coverage * shadow.opacity;
+    }
+    return share;
   }
 
   Vec3 tile_colour(const Solid& floor, Vec3 at) const {
@@ -311,12 +341,13 @@ struct Tracer {
     const Vec3 start = at + normal * (k_offset * (solid == nullptr ? 100.0 * view.radius : diagonal));
 
     const double turn = 2.0 * std::numbers::pi * unit_random(random),
-                 spread = k_sun_radius * std::sqrt(unit_random(random));
-    const Vec3 to_sun =
-        normalised(Frame(normalised(k_sun)).world(spread * std::cos(turn), spread * std::sin(turn), 1.0));
+                 spread = sun_spread * std::sqrt(unit_random(random));
+    const Vec3 to_sun = normalised(Frame(sun).world(spread * std::cos(turn), spread * std::sin(turn), 1.0));
     const double facing = dot(normal, to_sun);
+    const bool floor = solid != nullptr && solid->shape == SANDGLASS_SHAPE_HALF_SPACE;
     Vec3 light = {};
-    if (facing > 0.0 && !blocked(start, to_sun, k_far)) light = k_sun_light * (facing / std::numbers::pi);
+    if (facing > 0.0 && !blocked(start, to_sun, k_far, floor)) light = k_sun_light * (facing / std::numbers::pi);
+    if (floor) light = light * transparency(at);
 
     const double sky_turn = 2.0 * std::numbers::pi * unit_random(random), sine = std::sqrt(unit_random(random));
     const Vec3 to_sky =

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "models/host/image.h"
 #include "models/host/vec3.h"
@@ -30,11 +31,25 @@ struct Bounds {
 // picture.
 Camera automatic_camera(std::span<const Bounds> boxes, double aspect);
 
+// A shadow texture on a floor, as an app composites it: the floor's direct light is multiplied by 1 - coverage *
+// opacity, in linear space.
+struct FloorShadow {
+  uint32_t collider = 0;  // that casts it: it does not also shade the floor by ray tracing
+  uint32_t texels = 0;
+  std::vector<uint8_t> coverage;       // row by row along local z
+  double low[2] = {}, high[2] = {};    // the rectangle, local x and z, metres
+  double opacity = 1, half_angle = 0;  // of the light, radians
+  Vec3 position;                       // of the object; its floor is at this height
+  Quaternion rotation = k_no_rotation;
+};
+
 struct View {
   std::span<const float> spheres;  // 3 floats each
   float radius = 0.01f;            // metres, as drawn
   std::span<const sandglass_collider> colliders;
   Camera camera;
+  std::span<const FloorShadow> shadows;
+  Vec3 to_light;  // of length 0: the renderer's own sun
   Bounds bounds;  // of what is looked at: sizes the checker, the ruler and the reach of the occlusion
 };
 

@@ -56,7 +56,7 @@ void TraceRecorder::end(void* user, const char* name) {
 }
 
 const char* stage_name(sandglass_stage stage) {
-  constexpr const char* k_names[SANDGLASS_STAGE_COUNT] = {"granular", "refine", "output"};
+  constexpr const char* k_names[SANDGLASS_STAGE_COUNT] = {"granular", "shadow", "refine", "output"};
   return stage >= 0 && stage < SANDGLASS_STAGE_COUNT ? k_names[stage] : "unknown";
 }
 
@@ -112,10 +112,10 @@ Summary summarise(const std::vector<FrameRow>& frames) {
 std::string report_csv(const RunReport& report) {
   std::string text =
       "frame,level,budget_ms,elapsed_ms,mandatory_ms,last_unit_ms,longest_unit_ms,wall_ms,cpu_ms,"
-      "granular_ms,granular_units,granular_denied,refine_ms,refine_units,refine_denied,output_ms,output_units,output_"
-      "denied,"
+      "granular_ms,granular_units,granular_denied,shadow_ms,shadow_units,shadow_denied,refine_ms,refine_units,refine_"
+      "denied,output_ms,output_units,output_denied,"
       "simulated_s,debt_s,grain_lag_s,substep_s,substeps,list_builds,particles,grains,dropped_contacts,quarantined,"
-      "ignored_colliders,speed_max,clock_fault\n";
+      "ignored_colliders,speed_max,clock_fault,pending_shadows,shadow_age\n";
   for (const FrameRow& row : report.frames) {
     const sandglass_frame_report& r = row.report;
     add(&text, "%llu,%u,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f", static_cast<unsigned long long>(r.frame), r.level,
@@ -123,10 +123,10 @@ std::string report_csv(const RunReport& report) {
         row.cpu_ms);
     for (const sandglass_stage_report& stage : r.stages)
       add(&text, ",%.6f,%u,%u", ms(stage.elapsed_ns), stage.units, stage.denied);
-    add(&text, ",%.6f,%.6f,%.6f,%.9f,%u,%u,%u,%u,%u,%u,%u,%.6g,%u\n", r.simulated_time, r.time_debt,
+    add(&text, ",%.6f,%.6f,%.6f,%.9f,%u,%u,%u,%u,%u,%u,%u,%.6g,%u,%u,%u\n", r.simulated_time, r.time_debt,
         static_cast<double>(r.grain_lag), static_cast<double>(r.substep), r.substeps, r.list_builds, r.particles,
         r.grains, r.dropped_contacts, r.quarantined, r.ignored_colliders, static_cast<double>(r.speed_max),
-        r.clock_fault);
+        r.clock_fault, r.pending_shadows, r.shadow_age);
   }
   return text;
 }

@@ -12,6 +12,7 @@
 
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
+#include "runtime/core/math.h"
 
 namespace sandglass::host {
 
@@ -44,6 +45,7 @@ class Reader {
   }
   [[noreturn]] void refuse(const std::string& key, const std::string& problem) const { fail(quoted(key), problem); }
 
+  bool is_array(const std::string& key) const { return object_.contains(key) && object_[key].is_array(); }
   bool has(const std::string& key) {
     known_.insert(key);
     return object_.contains(key);
@@ -270,6 +272,10 @@ ColliderTrack read_collider(Reader& reader) {
     if (shape == k_mesh) track.size.y = reader.number("size", 0.0, 1e-4, k_length_limit);
     if (shape == k_mesh && reader.has("mesh"))
       track.mesh = mesh_names()[static_cast<size_t>(reader.choice("mesh", mesh_names(), -1))];
+    if (shape == k_mesh) track.shadow = reader.text("shadow", "");
+    const Quaternion& q = track.rotation;
+    if (!track.shadow.empty() && std::fabs(q[0]) + std::fabs(q[2]) > 1e-6)
+      reader.refuse("shadow", "needs an object that stands upright; turn it about y only");
   }
   if (track.shape == SANDGLASS_SHAPE_SPHERE) track.size.x = reader.number("size", 0.0, 1e-4, k_length_limit);
   if (track.shape == SANDGLASS_SHAPE_CAPSULE) {
@@ -287,6 +293,23 @@ ColliderTrack read_collider(Reader& reader) {
     track.motion.push_back(segment);
   });
   return track;
+}
+
+void read_light(Reader reader, std::optional<LightTrack>* light) {
+  LightTrack read;
+  const auto angles = [&](const char* key, double least, double most, double(&out)[2]) {
+    if (!reader.has(key)) return;
+    if (!reader.is_array(key)) {
+      out[0] = out[1] = reader.number(key, 0, least, most);
+      return;
+    }
+    const std::vector<double> ends = reader.numbers(key, 2, least, most);
+    out[0] = ends[0], out[1] = ends[1];
+  };
+  angles("polar", 0.0, 180.0, read.polar_deg);
+  angles("azimuth", -3600.0, 3600.0, read.azimuth_deg);
+  reader.finish();
+  *light = read;
 }
 
 void read_camera(Reader reader, std::optional<Camera>* camera) {
@@ -344,8 +367,12 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   scene.granular.collider_capacity = reader.integer("collider_capacity", 0, 1, k_collider_limit);
   reader.each("bodies", 1000, [&](Reader& entry) { scene.bodies.push_back(read_body(entry)); });
   reader.each("colliders", k_collider_limit, [&](Reader& entry) { scene.colliders.push_back(read_collider(entry)); });
+  if (reader.has("light")) read_light(reader.child("light"), &scene.light);
   if (reader.has("camera")) read_camera(reader.child("camera"), &scene.camera);
   reader.finish();
+  const bool shaded = std::any_of(scene.colliders.begin(), scene.colliders.end(),
+                                  [](const ColliderTrack& track) { return !track.shadow.empty(); });
+  if (shaded && !scene.light) reader.refuse("light", "is missing, but a collider has a \"shadow\"; give it");
   if (scene.bodies.empty()) reader.refuse("bodies", "is missing or empty; name at least one body to fill with sand");
   const bool radius_follows = std::any_of(scene.bodies.begin(), scene.bodies.end(),
                                           [](const Body& body) { return body.size.y > 0.0 && body.particles > 0; });
@@ -355,6 +382,12 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
     reader.refuse("particle_radius",
                   "and a body with both \"size\" and \"particles\" contradict each other; leave one of the three out");
   return scene;
+}
+
+Vec3 LightTrack::towards(double share) const {
+  const auto turns = [&](const double(&ends)[2]) { return (ends[0] + (ends[1] - ends[0]) * share) / 360.0; };
+  const SinCos polar = sin_cos_turns(turns(polar_deg)), azimuth = sin_cos_turns(turns(azimuth_deg));
+  return {polar.sin * azimuth.cos, polar.cos, polar.sin * azimuth.sin};
 }
 
 namespace {

@@ -31,6 +31,9 @@
 //     size                sphere: radius; capsule: [radius, half length]; box: half extents [x,y,z]
 //     motion              [{start, end, linear_velocity, angular_velocity}]: velocities from `start` to `end`, world
 //     axes
+//     shadow              of a mesh that stands upright: its baked shadow, a file or the name of one in models/shadows
+//   light                 {polar, azimuth}: degrees from the zenith, and about it from x towards z; [from, to] over the
+//                         run, or one number. Needed where a collider has a shadow
 //   camera                {eye, target, fov_deg}; left out: follows from what is seen
 #pragma once
 
@@ -77,11 +80,18 @@ struct ColliderTrack {
   Vec3 position, size;
   Quaternion rotation = k_no_rotation;
   std::vector<MotionSegment> motion;
-  Profile profile;   // of a revolved one; a mesh has none
-  std::string mesh;  // of a mesh: the generated one that stands in where --collider-mesh names no file; may be empty
+  Profile profile;     // of a revolved one; a mesh has none
+  std::string mesh;    // of a mesh: the generated one that stands in where --collider-mesh names no file; may be empty
+  std::string shadow;  // of a mesh: file or name of its baked shadow; empty: none
   bool solid_outside = false;
   double field_spacing = 0.0;              // 0: the particle radius
   const sandglass_field* field = nullptr;  // set by CollisionFields
+};
+
+// A light that turns evenly over the run.
+struct LightTrack {
+  double polar_deg[2] = {45, 45}, azimuth_deg[2] = {0, 0};  // at its begin and end
+  Vec3 towards(double share) const;                         // of the run that is over, 0..1
 };
 
 struct SceneFile {
@@ -95,6 +105,7 @@ struct SceneFile {
       {};  // defaults, with the file's values over them; capacities 0 where the file gives none
   std::vector<Body> bodies;
   std::vector<ColliderTrack> colliders;
+  std::optional<LightTrack> light;
   std::optional<Camera> camera;
 };
 

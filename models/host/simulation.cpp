@@ -55,7 +55,8 @@ void Simulation::add(std::span<const float> particles, std::span<const float> ve
 }
 
 sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
-                                         std::span<const sandglass_collider> colliders, const sandglass_plan* plan) {
+                                         std::span<const sandglass_collider> colliders, const sandglass_plan* plan,
+                                         std::span<sandglass_shadow* const> shadows) {
   sandglass_frame_input input;
   sandglass_frame_input_default(&input);
   input.time_step = static_cast<float>(time_step);
@@ -63,6 +64,12 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   input.colliders = colliders.data();
   input.collider_count = static_cast<uint32_t>(colliders.size());
   input.plan = plan;
+  input.shadows = shadows.data();
+  input.shadow_count = static_cast<uint32_t>(shadows.size());
+  return frame(input);
+}
+
+sandglass_frame_report Simulation::frame(sandglass_frame_input input) {
   if (grains_ > 0) {
     input.grains = output_.data();
     input.grain_stride = sizeof(sandglass_grain);
@@ -72,6 +79,8 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   report.struct_size = sizeof report;
   const char* reason = nullptr;
   require(sandglass_scene_frame(scene_, &input, &report, &reason), reason);
+  particles_ = report.particle_numbers, grains_ = report.grain_numbers;
+  output_.resize(grains_);
   return report;
 }
 

@@ -22,15 +22,17 @@ class Simulation {
 
   // budget_ns UINT64_MAX: all the work. `plan`: a recorded plan to execute.
   sandglass_frame_report frame(double time_step, uint64_t budget_ns, std::span<const sandglass_collider> colliders,
-                               const sandglass_plan* plan = nullptr);
+                               const sandglass_plan* plan = nullptr, std::span<sandglass_shadow* const> shadows = {});
+  // The frame that the input describes, but for where grains are written.
+  sandglass_frame_report frame(sandglass_frame_input input);
 
-  // Refreshed by each call; 3 floats an item, as many items as were added.
+  // Refreshed by each call; 3 floats an item, as many items as were added or emitted.
   const std::vector<float>& particle_positions();
   const std::vector<float>& particle_velocities();
   const std::vector<float>& grain_positions();
   const std::vector<float>& grain_velocities();
 
-  sandglass_scene* handle() { return scene_; }
+  sandglass_scene* handle() const { return scene_; }
   uint64_t bytes() const { return bytes_; }
 
  private:

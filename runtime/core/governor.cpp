@@ -67,6 +67,11 @@ struct Frame {
   uint32_t kinds_denied;  // bit k: a unit of kind k was predicted not to fit
 };
 
+uint64_t share_of(uint64_t time, float share) {
+  const uint64_t parts = share > 0.0f ? (share < 1.0f ? static_cast<uint64_t>(share * k_share_one) : k_share_one) : 0;
+  return time / k_share_one * parts + time % k_share_one * parts / k_share_one;
+}
+
 // ---------------------------------------------------------------------------------------------------- predictor
 
 // The largest of the recent costs after `dropped` in 16 larger ones are left out: small counts drop proportionally
@@ -300,11 +305,7 @@ bool run_optional(Frame* frame, uint64_t* last_unit) {
   bool denied[SANDGLASS_STAGE_COUNT] = {};
   const uint64_t taken = add(add(frame->elapsed, frame->assumed), add(frame->unseen, frame->reserve));
   const uint64_t left = frame->budget > taken ? frame->budget - taken : 0;
-  for (uint32_t i = 0; i < frame->open_count; ++i) {
-    const float share = frame->stages[i].share;
-    const uint64_t parts = share > 0.0f ? (share < 1.0f ? static_cast<uint64_t>(share * k_share_one) : k_share_one) : 0;
-    allowance[i] = left / k_share_one * parts + left % k_share_one * parts / k_share_one;
-  }
+  for (uint32_t i = 0; i < frame->open_count; ++i) allowance[i] = share_of(left, frame->stages[i].share);
 
   bool blocked_counts = true;
   for (;;) {
@@ -358,7 +359,7 @@ void remember_denials(Governor* governor, const Frame& frame) {
 }
 
 void clear_report(sandglass_frame_report* report, uint64_t budget) {
-  report->budget_ns = budget;
+  report->budget_ns = report->target_ns = budget;
   report->elapsed_ns = report->mandatory_ns = report->last_unit_ns = report->longest_unit_ns = 0;
   report->clock_fault = 0;
   for (sandglass_stage_report& stage : report->stages) stage = {};
@@ -375,6 +376,11 @@ void governor_init(Governor* governor, sandglass_clock clock, sandglass_trace tr
   governor->trace = trace;
   governor->level_count = level_count;
   governor->policy = k_predictor_policy;
+}
+
+uint64_t governor_target(uint64_t budget_ns, float headroom) {
+  const bool is_number = headroom == headroom;
+  return is_number ? share_of(budget_ns, headroom) : budget_ns;
 }
 
 uint64_t governor_predict(const Governor* governor, uint32_t kind, uint64_t items) {

@@ -21,7 +21,7 @@
 
 namespace sandglass {
 
-constexpr uint32_t k_unit_kinds = 16;
+constexpr uint32_t k_unit_kinds = 24;
 constexpr uint32_t k_unit_kind_none = k_unit_kinds;  // a unit of this kind is never predicted
 constexpr uint32_t k_all_units = ~0u;                // Stage::mandatory_units of the output stage
 
@@ -100,6 +100,10 @@ void governor_init(Governor* governor, sandglass_clock clock, sandglass_trace tr
 // ends early (the output stage always has its run). Without a clock everything runs, at the finest rung.
 bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget_ns,
                     const sandglass_plan* replay, sandglass_frame_report* report);
+
+// The part of a budget that a device with this thermal headroom (0..1; sandglass_frame_input) can sustain. Scaled in
+// steps of 1/1024 in integers, so that the same hint gives the same plan everywhere.
+uint64_t governor_target(uint64_t budget_ns, float headroom);
 
 // Predicted cost of `items` of a kind in nanoseconds; 0 while nothing is known.
 uint64_t governor_predict(const Governor* governor, uint32_t kind, uint64_t items);

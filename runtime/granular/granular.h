@@ -32,7 +32,8 @@ enum : uint32_t {
   k_unit_rest,
   k_unit_triage,
   k_unit_bodies,
-  k_unit_drain
+  k_unit_drain,
+  k_granular_kinds  // where the next stage's begin
 };
 
 enum class ParticlePhase : uint32_t {

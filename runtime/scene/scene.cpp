@@ -4,6 +4,7 @@
 #include "runtime/core/governor.h"
 #include "runtime/core/layout.h"
 #include "runtime/granular/granular.h"
+#include "runtime/shadow/shadow.h"
 #include "sandglass/sandglass.h"
 
 using sandglass::Governor;
@@ -74,6 +75,36 @@ sandglass_scene* lay_out(const sandglass_scene_desc& desc, Layout* layout, Granu
   return scene;
 }
 
+// The shadows that a frame was given, as a stage. What is left of a texture is no work of this frame: the forecast asks
+// for the next unit only, so that a moving light does not lower the rung of the sand.
+constexpr float k_shadow_share = 0.2f;  // of the optional time, while grains want theirs: as much as is left to them
+
+bool shadow_unit(const sandglass::ShadowSet& set, sandglass::WorkUnit* unit) {
+  if (set.count == 0 || !set.shadows[0]->set->next(set, unit)) return false;
+  unit->kind += sandglass::k_granular_kinds;
+  return true;
+}
+static_assert(uint32_t{sandglass::k_granular_kinds} + uint32_t{sandglass::k_shadow_kinds} <= sandglass::k_unit_kinds);
+
+Stage shadow_stage(sandglass::ShadowSet* set) {
+  return {set,
+          [](const void* state, uint32_t, sandglass::WorkUnit* unit) {
+            return shadow_unit(*static_cast<const sandglass::ShadowSet*>(state), unit);
+          },
+          [](void* state, uint32_t) {
+            const sandglass::ShadowSet& all = *static_cast<const sandglass::ShadowSet*>(state);
+            all.shadows[0]->set->run(all);
+          },
+          [](const void* state, uint32_t, sandglass::Forecast* entries) -> uint32_t {
+            sandglass::WorkUnit unit;
+            if (!shadow_unit(*static_cast<const sandglass::ShadowSet*>(state), &unit)) return 0;
+            entries[0] = {unit.kind, unit.items};
+            return 1;
+          },
+          1,
+          k_shadow_share};
+}
+
 void reset(sandglass_scene* scene) {
   sandglass::governor_init(&scene->governor, scene->desc.clock, scene->desc.trace, SANDGLASS_LEVEL_COUNT);
   scene->governor.finest_level = scene->desc.finest_level;
@@ -86,11 +117,15 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
                                          sandglass_frame_report* report) {
   Granular* granular = &scene->granular;
   sandglass::granular_begin_frame(granular, input);
-  const Stage stages[SANDGLASS_STAGE_COUNT] = {sandglass::granular_particle_stage(granular),
+  sandglass::ShadowSet shadows = {input->shadows, input->shadow_count};
+  const Stage stages[SANDGLASS_STAGE_COUNT] = {sandglass::granular_particle_stage(granular), shadow_stage(&shadows),
                                                sandglass::granular_grain_stage(granular),
                                                sandglass::granular_output_stage(granular)};
-  return sandglass::governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, input->budget_ns, input->plan,
-                                   report);
+  const uint64_t target = sandglass::governor_target(input->budget_ns, input->thermal_headroom);
+  const bool ran =
+      sandglass::governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);
+  report->budget_ns = input->budget_ns;
+  return ran;
 }
 
 void describe(const sandglass_scene& scene, sandglass_frame_report* report) {
@@ -195,8 +230,8 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   sandglass_granular_desc& g = desc->granular;
   g.collider_capacity = 16;
   g.particle_radius = 0.01f;
-  g.static_friction = 0.6f;
-  g.kinetic_friction = 0.55f;
+  g.static_friction = 0.15f;
+  g.kinetic_friction = 0.15f;
   g.height_weighting = 0.9f;
   g.scheme = SANDGLASS_SCHEME_SMALL_STEP;
   g.solver_iterations = 1;
@@ -211,6 +246,7 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
 void sandglass_frame_input_default(sandglass_frame_input* input) {
   *input = sandglass_frame_input{};
   input->struct_size = sizeof *input;
+  input->thermal_headroom = 1.0f;
   input->grain_stride = sizeof(sandglass_grain);
 }
 
@@ -377,6 +413,9 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
                 "input.grain_stride must be a multiple of 4 and at least sizeof(sandglass_grain).");
   }
+  for (uint32_t i = 0; i < input->shadow_count; ++i)
+    if (input->shadows == nullptr || input->shadows[i] == nullptr)
+      return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "input.shadows is NULL or has a NULL among them.");
   if (input->plan != nullptr &&
       (input->plan->struct_size != sizeof(sandglass_plan) || input->plan->run_count > SANDGLASS_PLAN_RUNS ||
        input->plan->level >= static_cast<uint32_t>(SANDGLASS_LEVEL_COUNT))) {
@@ -391,6 +430,8 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
   const bool ran = run_frame(scene, input, out);
   sandglass::floating_point_restore(saved);
   describe(*scene, out);
+  if (input->shadow_count != 0)
+    input->shadows[0]->set->describe({input->shadows, input->shadow_count}, &out->pending_shadows, &out->shadow_age);
   say(*scene);
   return ran ? succeed(reason)
              : fail(SANDGLASS_ERROR_REPLAY,

@@ -29,9 +29,10 @@ constexpr uint64_t k_budget_ns = 4000000;
 constexpr uint64_t k_cost_ns[k_kind_count] = {60000, 140000, 90000, 50000, 100000, 70000};
 constexpr uint32_t k_items[k_kind_count] = {1000, 1000, 500, 1000, 2048, 4096};
 constexpr uint32_t k_output_units = 3;
-constexpr uint32_t k_granular = SANDGLASS_STAGE_GRANULAR;
-constexpr uint32_t k_refinement = SANDGLASS_STAGE_REFINE;
-constexpr uint32_t k_closing = SANDGLASS_STAGE_OUTPUT;
+// Places in the array of stages.
+constexpr uint32_t k_granular = 0;
+constexpr uint32_t k_refinement = 1;
+constexpr uint32_t k_closing = 2;
 
 struct FakeScene {
   // Cost of the unit about to run, from its undisturbed cost. Null: undisturbed.

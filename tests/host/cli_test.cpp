@@ -142,6 +142,18 @@ TEST_F(Cli, RefusesBadUsage) {
   expect_refused("run demo --budget-ms -1", "budget");
   expect_refused("bench nothing", "nothing");
   expect_refused("verify nothing", "nothing");
+  expect_refused("verify granular --case sundial", "sundial");
+}
+
+TEST_F(Cli, VerifiesAChosenCaseAndWritesItsTable) {
+  const Outcome outcome = run("verify granular --case refinement --out '" + path("out") + "'");
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_NE(outcome.out.find("4 rows, 0 failed"), std::string::npos) << outcome.out;
+  const std::string csv = read(path("out/verify.csv")), markdown = read(path("out/verify.md"));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
+  EXPECT_NE(csv.find("refinement,\"uniform field reproduced\""), std::string::npos);
+  EXPECT_NE(markdown.find("fails, as it must"), std::string::npos);
+  EXPECT_FALSE(fs::exists(path("out/runout.png"))) << "no curve without its case";
 }
 
 TEST_F(Cli, RefusesBadScenes) {

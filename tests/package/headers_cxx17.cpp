@@ -1,4 +1,5 @@
-// Both public headers in the oldest C++ they promise, without exceptions and RTTI.
+// The public headers in the oldest C++ they promise, without exceptions and RTTI.
 #include "sandglass/sandglass.hpp"
+#include "sandglass/shadow.h"
 
 static_assert(__cplusplus == 201703L, "this file is meant for C++17");

@@ -2,6 +2,7 @@
  * and the structs that cross the boundary in arrays have the sizes that their fields add up to, without hidden padding. The
  * C++ tests compare the other sizes with these. */
 #include "sandglass/sandglass.h"
+#include "sandglass/shadow.h"
 
 #define CLAIM(name, condition) typedef char claim_##name[(condition) ? 1 : -1]
 
@@ -19,6 +20,9 @@ CLAIM(stage_report, sizeof(sandglass_stage_report) == 16);
 CLAIM(scene_desc_first, offsetof(sandglass_scene_desc, struct_size) == 0);
 CLAIM(frame_input_first, offsetof(sandglass_frame_input, struct_size) == 0);
 CLAIM(frame_report_first, offsetof(sandglass_frame_report, struct_size) == 0);
+CLAIM(shadow_desc_first, offsetof(sandglass_shadow_desc, struct_size) == 0);
+CLAIM(shadow_info_first, offsetof(sandglass_shadow_info, struct_size) == 0);
+CLAIM(shadow_texture_first, offsetof(sandglass_shadow_texture, struct_size) == 0);
 CLAIM(plan_first, offsetof(sandglass_plan, struct_size) == 0);
 
 const uint32_t c99_struct_sizes[] = {sizeof(sandglass_scene_desc), sizeof(sandglass_frame_input), sizeof(sandglass_frame_report),

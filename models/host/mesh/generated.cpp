@@ -156,6 +156,36 @@ Mesh make_revolved(const Profile& profile, uint32_t around) {
   return mesh;
 }
 
+Mesh make_chair() {
+  // Low and high corners, metres.
+  constexpr float k_boxes[][6] = {
+      {-0.22f, 0.43f, -0.22f, 0.22f, 0.46f, 0.22f},    // seat
+      {-0.21f, 0.00f, 0.17f, -0.17f, 0.43f, 0.21f},    // front legs
+      {0.17f, 0.00f, 0.17f, 0.21f, 0.43f, 0.21f},      //
+      {-0.21f, 0.00f, -0.21f, -0.17f, 0.43f, -0.17f},  // back legs
+      {0.17f, 0.00f, -0.21f, 0.21f, 0.43f, -0.17f},    //
+      {-0.21f, 0.46f, -0.21f, -0.17f, 0.90f, -0.17f},  // posts of the back
+      {0.17f, 0.46f, -0.21f, 0.21f, 0.90f, -0.17f},    //
+      {-0.17f, 0.82f, -0.20f, 0.17f, 0.89f, -0.18f},   // top rail
+      {-0.11f, 0.46f, -0.20f, -0.07f, 0.82f, -0.18f},  // slats
+      {-0.02f, 0.46f, -0.20f, 0.02f, 0.82f, -0.18f},   //
+      {0.07f, 0.46f, -0.20f, 0.11f, 0.82f, -0.18f},    //
+      {-0.17f, 0.15f, -0.20f, 0.17f, 0.18f, -0.18f},   // stretchers
+      {-0.20f, 0.20f, -0.17f, -0.18f, 0.23f, 0.17f},   //
+      {0.18f, 0.20f, -0.17f, 0.20f, 0.23f, 0.17f},     //
+  };
+  Mesh mesh;
+  for (const float(&box)[6] : k_boxes) {
+    const float size[3] = {box[3] - box[0], box[4] - box[1], box[5] - box[2]};
+    const Mesh part = make_box(size);
+    const uint32_t base = mesh.vertex_count();
+    for (size_t i = 0; i < part.vertices.size(); ++i)
+      mesh.vertices.push_back(part.vertices[i] + 0.5f * (box[i % 3] + box[i % 3 + 3]));
+    for (const uint32_t index : part.indices) mesh.indices.push_back(base + index);
+  }
+  return mesh;
+}
+
 namespace {
 
 // Of half the height: where the bulb begins to close; of the bulb's radius: where its flat end begins.
@@ -211,7 +241,8 @@ Profile silo_profile(double height, double radius, double cone, double outlet, d
 }
 
 const std::vector<std::string>& mesh_names() {
-  static const std::vector<std::string> names = {"trefoil", "torus", "box", "sphere", "hourglass", "bucket", "silo"};
+  static const std::vector<std::string> names = {"trefoil",   "torus",  "box",  "sphere",
+                                                 "hourglass", "bucket", "silo", "chair"};
   return names;
 }
 
@@ -224,6 +255,7 @@ MeshResult make_named(const std::string& name) {
   if (name == "hourglass") return {make_revolved(hourglass_profile(0.3, 0.08, 0.02, 48), 96), {}, ""};
   if (name == "bucket") return {make_revolved(bucket_profile(0.2, 0.07, 0.1, 0.01), 96), {}, ""};
   if (name == "silo") return {make_revolved(silo_profile(0.3, 0.08, 0.1, 0.02, 0.01), 96), {}, ""};
+  if (name == "chair") return {make_chair(), {}, ""};
   std::string list;
   for (const std::string& known : mesh_names()) list += (list.empty() ? "" : ", ") + known;
   return {{}, {}, "no generated mesh is called '" + name + "': use one of " + list};

@@ -28,6 +28,10 @@ Mesh make_box(const float size[3]);
 // An icosahedron, each triangle split into four `subdivisions` times, on the sphere of `radius`.
 Mesh make_icosphere(float radius, uint32_t subdivisions);
 
+// A chair: seat, four legs, two posts with three slats and a top rail, as separate closed boxes. Its feet stand on y =
+// 0, unlike the others it is not centred.
+Mesh make_chair();
+
 // A closed outline in the half plane (r, y), r >= 0, counter-clockwise with r to the right and y up.
 using Profile = std::vector<std::array<double, 2>>;
 

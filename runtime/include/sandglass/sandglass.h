@@ -95,6 +95,11 @@ typedef struct sandglass_trace {
   void* user;
 } sandglass_trace;
 
+/* The platform's own profiler as a trace hook: sections of ATrace on Android (seen in Perfetto and Android Studio; link
+ * with -landroid), signpost intervals of the subsystem "sandglass" on Apple (seen in Instruments); both members NULL
+ * elsewhere. Call it once, before the scenes are created: on Apple the system makes a log object for the process. */
+SANDGLASS_API sandglass_trace sandglass_trace_system(void);
+
 /* Log hook: static sentences about things an app developer should know (a capacity reached, a quarantined particle).
  * May be NULL. Called at most once per kind of event and frame. */
 typedef struct sandglass_log {
@@ -153,7 +158,8 @@ typedef struct sandglass_granular_desc {
   float particle_radius; /* r, metres, above 0; all particles are equal */
   float
       grain_radius; /* metres, above 0, at most r: a grain's centre stays this far outside every collider; 0 = 0.35 r */
-  float static_friction;  /* mu_s >= 0 */
+  float static_friction;  /* mu_s >= 0; the default of both, 0.15, spreads collapsing columns as far as sand spreads
+                           * (Lube 2004): particles do not rotate, which does the work of higher coefficients */
   float kinetic_friction; /* mu_k >= 0; may exceed mu_s (the source's hourglass does) */
   float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; 0 conserves momentum pairwise; what
                            * it lifts a particle by is at most twice what gravity takes, so impacts throw nothing */
@@ -350,6 +356,9 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_fricti
 
 /* ------------------------------------------------------------------------------------------------ frame */
 
+/* The shadows of one object (shadow.h). */
+typedef struct sandglass_shadow sandglass_shadow;
+
 typedef int32_t sandglass_shape;
 enum {
   SANDGLASS_SHAPE_HALF_SPACE = 0, /* solid below the plane through `position` whose normal is local +y */
@@ -389,9 +398,10 @@ typedef struct sandglass_grain {
 typedef int32_t sandglass_stage;
 enum {
   SANDGLASS_STAGE_GRANULAR = 0,
-  SANDGLASS_STAGE_REFINE = 1,
-  SANDGLASS_STAGE_OUTPUT = 2,
-  SANDGLASS_STAGE_COUNT = 3
+  SANDGLASS_STAGE_SHADOW = 1,
+  SANDGLASS_STAGE_REFINE = 2,
+  SANDGLASS_STAGE_OUTPUT = 3,
+  SANDGLASS_STAGE_COUNT = 4
 };
 
 /* The executed plan: what a frame did, in order. Given back to sandglass_scene_frame with the same input on the same
@@ -423,7 +433,10 @@ typedef struct sandglass_emitter {
 typedef struct sandglass_frame_input {
   uint32_t struct_size;
   float time_step; /* seconds of simulated time to advance; not finite or <= 0 advances nothing; at most 0.1 is taken */
-  uint64_t budget_ns; /* time this frame may take by the scene's clock; 0 runs the mandatory part only */
+  uint64_t budget_ns;     /* time this frame may take by the scene's clock; 0 runs the mandatory part only */
+  float thermal_headroom; /* share of the budget that the device can sustain without getting too hot, 0..1: the frame is
+                           * planned for budget_ns times it. 1 by default, and for anything above 1 or not a number;
+                           * below 0 counts as 0. Not the number that Android calls headroom, in which 1 is hot */
   const sandglass_collider* colliders;
   uint32_t collider_count; /* beyond collider_capacity, or not finite: left out, and reported */
   uint32_t emitter_count;  /* beyond emitter_capacity, or not usable: left out, and reported */
@@ -436,6 +449,9 @@ typedef struct sandglass_frame_input {
   void* grains;            /* receives sandglass_grain items by number; NULL: none wanted */
   uint32_t grain_stride;   /* bytes from one item to the next, at least sizeof(sandglass_grain) and a multiple of 4 */
   uint32_t grain_capacity; /* items that fit */
+  struct sandglass_shadow* const* shadows; /* to bring up to date (shadow.h): one unit a frame whatever the budget, more
+                                            * as it admits; pass all whose shadows are seen */
+  uint32_t shadow_count;
   const sandglass_plan* plan; /* NULL, or a recorded plan to execute: the clock then decides nothing */
 } sandglass_frame_input;
 
@@ -453,7 +469,8 @@ typedef struct sandglass_frame_report {
   uint32_t level; /* rung of the quality ladder: 0 = full; see sandglass_level_name */
   uint64_t frame; /* frames since create or reset, this one included */
   uint64_t budget_ns;
-  uint64_t elapsed_ns;
+  uint64_t target_ns;    /* budget_ns scaled by thermal_headroom: the target duration of a performance hint session */
+  uint64_t elapsed_ns;   /* the actual duration of one */
   uint64_t mandatory_ns; /* of elapsed: work that is done whatever the budget */
   uint64_t last_unit_ns; /* duration of the last unit, and of output beyond its prediction; see sandglass_scene_frame */
   uint64_t longest_unit_ns;
@@ -480,17 +497,20 @@ typedef struct sandglass_frame_report {
   uint64_t removed_particles, removed_grains; /* by sinks and sandglass_granular_remove */
   uint64_t denied_particles;                  /* that emitters had no room for */
   float speed_max;                            /* m/s; fastest particle in the last sub-step */
-  sandglass_plan plan;                        /* what was executed: record it to replay the frame */
+  uint32_t pending_shadows; /* textures, over all shadows and lights, that are not yet those of their lights */
+  uint32_t shadow_age;      /* calls of set_light since the oldest of them was begun */
+  sandglass_plan plan;      /* what was executed: record it to replay the frame */
 } sandglass_frame_report;
 
 /* Advances the scene by one frame: moves simulated time on by input->time_step plus what earlier frames still owe (at
  * most two frames' worth; the rest is slow motion, and counted in time_debt), as far as the budget admits. After it,
  * positions are valid and grains are written whatever the budget was. *report may be NULL. Fails only with
- * INVALID_ARGUMENT (NULL scene or input, wrong struct_size, unusable grain buffer; nothing was changed) or REPLAY
+ * INVALID_ARGUMENT (NULL scene or input, wrong struct_size, unusable grain buffer, NULL among the shadows; nothing was
+ * changed) or REPLAY
  * (input->plan is malformed: nothing was changed; or it asks for a unit that this state does not offer: the frame ended
  * there, the scene is valid, but it is not the recorded one: reset it).
  *
- * Guarantee, for a clock that runs: elapsed <= max(budget, mandatory part) + last_unit_ns of the report: one work unit,
+ * Guarantee, for a clock that runs: elapsed <= max(target, mandatory part) + last_unit_ns of the report: one work unit,
  * and whatever time writing the grains, which is always done and comes last, took beyond its own prediction. */
 SANDGLASS_API sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_frame_input* input,
                                                      sandglass_frame_report* report, const char** reason);

@@ -1,0 +1,75 @@
+// 16 outputs. The contract is in scalar.h.
+#pragma once
+
+#include <immintrin.h>
+#include <stdint.h>
+
+namespace sandglass::int8_avx512 {
+
+#define SANDGLASS_INT8_INLINE inline __attribute__((always_inline))
+
+constexpr bool k_matrix = false;
+constexpr bool k_signed = false;
+constexpr uint32_t k_sum_lanes = 16;
+constexpr uint32_t k_tile_texels = 12;  // 24 sums, 2 weights, 1 activation: 27 of 32 registers
+constexpr uint32_t k_tile_sums = 2;
+
+struct Sum {
+  __m512i v;
+};
+struct Weights {
+  __m512i v;
+};
+struct Activations {
+  const uint8_t* p;
+};
+struct Four {
+  __m512i v;
+};
+
+SANDGLASS_INT8_INLINE Sum load_bias(const int32_t* p) { return {_mm512_loadu_si512(p)}; }
+SANDGLASS_INT8_INLINE Weights load_weights(const int8_t* p) { return {_mm512_load_si512(p)}; }
+SANDGLASS_INT8_INLINE Activations load_activations(const uint8_t* p) { return {p}; }
+template <int i>
+SANDGLASS_INT8_INLINE Four pick(Activations a) {
+  int32_t four;
+  __builtin_memcpy(&four, a.p + 4 * i, 4);
+  return {_mm512_set1_epi32(four)};
+}
+// Assembly, because gcc 12 gives the builtin's accumulator a new register and moves or spills the old one: twice the
+// time.
+SANDGLASS_INT8_INLINE void dot4(Sum* sum, Four a, Weights w) {
+  __asm__("vpdpbusd %2, %1, %0" : "+v"(sum->v) : "v"(a.v), "v"(w.v));
+}
+
+SANDGLASS_INT8_INLINE void requantise(const Sum* sums, const float* multiplier, uint8_t* out) {
+  for (uint32_t s = 0; s < k_tile_sums; ++s) {
+    __m512 x = _mm512_mul_ps(_mm512_cvtepi32_ps(sums[s].v), _mm512_loadu_ps(multiplier + 16 * s));
+    x = _mm512_min_ps(_mm512_max_ps(x, _mm512_setzero_ps()), _mm512_set1_ps(255.0f));
+    _mm_store_si128(reinterpret_cast<__m128i*>(out + 16 * s), _mm512_cvtepi32_epi8(_mm512_cvtps_epi32(x)));
+  }
+}
+
+SANDGLASS_INT8_INLINE void first_layer(const int16_t* columns, const int16_t* rows, uint32_t width, uint32_t shift,
+                                       uint8_t* out) {
+  const __m128i by = _mm_cvtsi32_si128(static_cast<int>(shift));
+  for (uint32_t c = 0; c < width; c += 32) {
+    const __m512i sum =
+        _mm512_sra_epi16(_mm512_adds_epi16(_mm512_load_si512(columns + c), _mm512_load_si512(rows + c)), by);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(out + c),
+                       _mm512_cvtusepi16_epi8(_mm512_max_epi16(sum, _mm512_setzero_si512())));
+  }
+}
+
+SANDGLASS_INT8_INLINE int32_t dot_row(const uint8_t* a, const int8_t* w, uint32_t width) {
+  __m256i sum = _mm256_setzero_si256();
+  for (uint32_t c = 0; c < width; c += 32)
+    sum = _mm256_dpbusd_epi32(sum, _mm256_load_si256(reinterpret_cast<const __m256i*>(a + c)),
+                              _mm256_load_si256(reinterpret_cast<const __m256i*>(w + c)));
+  __m128i half = _mm_add_epi32(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
+  half = _mm_add_epi32(half, _mm_shuffle_epi32(half, 0x4E));
+  half = _mm_add_epi32(half, _mm_shuffle_epi32(half, 0xB1));
+  return _mm_cvtsi128_si32(half);
+}
+
+}  // namespace sandglass::int8_avx512

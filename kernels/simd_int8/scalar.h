@@ -1,0 +1,78 @@
+// Dot products of bytes: the layer that int8 kernels are written over. This header states the contract once and
+// implements it for one output; avx2.h, avx512vnni.h, neon.h, neon_dotprod.h and neon_i8mm.h implement the same names.
+//
+// Contract
+//   Lane = output channel. A Sum holds k_sum_lanes 32-bit sums of neighbouring channels; sums are exact.
+//   Weights are signed bytes in -127..127, activations unsigned bytes.
+//   A panel is k_channel_group channels of packed weights: for each group of four inputs, four bytes a channel, channel
+//   after channel (weight_position). neon_i8mm.h packs eight inputs of two channels instead and says so by k_matrix.
+//   load_activations(p) takes 16 bytes of one texel; pick<i> is the i-th group of four, for all lanes.
+//   dot4(sum, four, weights): every lane += the dot product of the four activations with its four weights.
+//   requantise(sums, multiplier, out): k_tile_sums Sums of one texel to bytes, by the rule of int8.h.
+//   first_layer(columns, rows, width, shift, out) and dot_row(activations, weights, width) as in int8.h.
+//   k_tile_texels * k_tile_sums Sums fit the registers beside what they need; k_tile_texels divides k_texel_block and
+//   k_sum_lanes * k_tile_sums divides k_channel_group, or is a multiple of it.
+//   k_signed: activations enter the products less 128 (sets that only multiply bytes of the same sign); pack_layer
+//   puts 128 * (sum of the weights) into the bias.
+#pragma once
+
+#include <stdint.h>
+
+namespace sandglass::int8_scalar {
+
+#define SANDGLASS_INT8_INLINE inline __attribute__((always_inline))
+
+constexpr bool k_matrix = false;
+constexpr bool k_signed = false;
+constexpr uint32_t k_sum_lanes = 1;
+constexpr uint32_t k_tile_texels = 2;
+constexpr uint32_t k_tile_sums = 4;
+
+struct Sum {
+  int32_t v;
+};
+struct Weights {
+  const int8_t* p;
+};
+struct Activations {
+  const uint8_t* p;
+};
+
+SANDGLASS_INT8_INLINE Sum load_bias(const int32_t* p) { return {*p}; }
+SANDGLASS_INT8_INLINE Weights load_weights(const int8_t* p) { return {p}; }
+SANDGLASS_INT8_INLINE Activations load_activations(const uint8_t* p) { return {p}; }
+template <int i>
+SANDGLASS_INT8_INLINE Activations pick(Activations a) {
+  return {a.p + 4 * i};
+}
+SANDGLASS_INT8_INLINE void dot4(Sum* sum, Activations a, Weights w) {
+  for (int k = 0; k < 4; ++k) sum->v += a.p[k] * w.p[k];
+}
+
+// Adding 1.5 * 2^23 leaves an integer in the low bits, rounded to nearest even; the value is in 0..255.
+SANDGLASS_INT8_INLINE uint8_t round_to_byte(float x) {
+  x = x > 0.0f ? x : 0.0f;
+  x = x < 255.0f ? x : 255.0f;
+  return static_cast<uint8_t>(__builtin_bit_cast(uint32_t, x + 12582912.0f));
+}
+SANDGLASS_INT8_INLINE void requantise(const Sum* sums, const float* multiplier, uint8_t* out) {
+  for (uint32_t s = 0; s < k_tile_sums; ++s) out[s] = round_to_byte(static_cast<float>(sums[s].v) * multiplier[s]);
+}
+
+SANDGLASS_INT8_INLINE void first_layer(const int16_t* columns, const int16_t* rows, uint32_t width, uint32_t shift,
+                                       uint8_t* out) {
+  for (uint32_t c = 0; c < width; ++c) {
+    int32_t sum = columns[c] + rows[c];
+    sum = sum < -32768 ? -32768 : sum > 32767 ? 32767 : sum;
+    sum >>= shift;
+    out[c] = static_cast<uint8_t>(sum < 0 ? 0 : sum > 255 ? 255 : sum);
+  }
+}
+
+SANDGLASS_INT8_INLINE int32_t dot_row(const uint8_t* a, const int8_t* w, uint32_t width) {
+  int32_t sum = 0;
+  for (uint32_t c = 0; c < width; ++c) sum += a[c] * w[c];
+  return sum;
+}
+
+}  // namespace sandglass::int8_scalar

@@ -1,0 +1,8 @@
+// The int8 kernels for avx2.
+#include "kernels/int8.h"
+#include "kernels/simd_int8/avx2.h"
+#define SANDGLASS_INT8_ISA SANDGLASS_ISA_AVX2
+#define SANDGLASS_INT8_MATRIX 0
+namespace sandglass::int8_avx2 {
+#include "kernels/shadow_texels.inl"
+}

@@ -1,0 +1,8 @@
+// The int8 kernels for avx512.
+#include "kernels/int8.h"
+#include "kernels/simd_int8/avx512vnni.h"
+#define SANDGLASS_INT8_ISA SANDGLASS_ISA_AVX512
+#define SANDGLASS_INT8_MATRIX 0
+namespace sandglass::int8_avx512 {
+#include "kernels/shadow_texels.inl"
+}

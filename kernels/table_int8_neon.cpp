@@ -1,0 +1,8 @@
+// The int8 kernels for neon.
+#include "kernels/int8.h"
+#include "kernels/simd_int8/neon.h"
+#define SANDGLASS_INT8_ISA SANDGLASS_ISA_NEON
+#define SANDGLASS_INT8_MATRIX 0
+namespace sandglass::int8_neon {
+#include "kernels/shadow_texels.inl"
+}

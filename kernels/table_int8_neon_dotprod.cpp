@@ -1,0 +1,8 @@
+// The int8 kernels for neon_dotprod.
+#include "kernels/int8.h"
+#include "kernels/simd_int8/neon_dotprod.h"
+#define SANDGLASS_INT8_ISA SANDGLASS_ISA_NEON_DOTPROD
+#define SANDGLASS_INT8_MATRIX 0
+namespace sandglass::int8_neon_dotprod {
+#include "kernels/shadow_texels.inl"
+}

@@ -1,0 +1,8 @@
+// The int8 kernels for neon_i8mm.
+#include "kernels/int8.h"
+#include "kernels/simd_int8/neon_i8mm.h"
+#define SANDGLASS_INT8_ISA SANDGLASS_ISA_NEON_I8MM
+#define SANDGLASS_INT8_MATRIX 1
+namespace sandglass::int8_neon_i8mm {
+#include "kernels/shadow_texels.inl"
+}

@@ -1,0 +1,8 @@
+// The int8 kernels for scalar.
+#include "kernels/int8.h"
+#include "kernels/simd_int8/scalar.h"
+#define SANDGLASS_INT8_ISA SANDGLASS_ISA_SCALAR
+#define SANDGLASS_INT8_MATRIX 0
+namespace sandglass::int8_scalar {
+#include "kernels/shadow_texels.inl"
+}

@@ -1,0 +1,157 @@
+// `sandglass bake MESH -o FILE`: the soft shadow of a mesh as a network small enough for a phone's frame.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <thread>
+
+#include "models/cli/commands.h"
+#include "models/host/atomic_file.h"
+#include "models/host/failure.h"
+#include "models/host/measurement_json.h"
+#include "models/host/mesh/generated.h"
+#include "models/host/progress.h"
+#include "models/shadow/bake.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr int k_exit_interrupted = 130;
+
+struct Options {
+  std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", plane = "fitted", picture, json;
+  BakeSettings settings;
+  bool resume = false;
+};
+
+double degrees(const std::string& text, const char* option, double least, double most) {
+  size_t used = 0;
+  double value = 0;
+  try {
+    value = std::stod(text, &used);
+  } catch (const std::exception&) {
+    used = std::string::npos;
+  }
+  const std::string unit = used <= text.size() ? text.substr(used) : "?";
+  if ((!unit.empty() && unit != "deg") || !(value >= least && value <= most))
+    throw Failure(std::string(option) + " '" + text + "' is not an angle in " +
+                  std::to_string(static_cast<int>(least)) + ".." + std::to_string(static_cast<int>(most)) +
+                  " degrees; write 20deg, say");
+  return value;
+}
+
+NetworkShape network_shape(const std::string& text) {
+  NetworkShape shape;
+  int used = 0;
+  if (std::sscanf(text.c_str(), "%ux%u%n", &shape.width, &shape.layers, &used) != 2 ||
+      static_cast<size_t>(used) != text.size() || shape.width < 8 || shape.width > 256 || shape.layers < 1 ||
+      shape.layers > 8)
+    throw Failure("--size '" + text +
+                  "' is not WIDTHxLAYERS with 8..256 neurons and 1..8 layers after the first; the usual one is 128x2");
+  return shape;
+}
+
+void print(const char* name, const ShadowError& e) {
+  std::printf("  %-14s %9.4f %9.4f %9.2f %9.4f %12.4f\n", name, e.rmse, e.rmse_max, e.psnr, e.ssim, e.block);
+}
+
+std::string measurements(const BakeReport& r, const BakeSettings& settings) {
+  std::vector<Measurement> all;
+  const auto keep = [&](const char* name, const char* metric, const char* unit, double value) {
+    Measurement m;
+    m.suite = "bake", m.scene = name, m.metric = metric, m.unit = unit, m.value = value;
+    m.threads = settings.threads;
+    all.push_back(m);
+  };
+  const Validation& v = r.validation;
+  const std::pair<const char*, const ShadowError*> ways[] = {
+      {"f32", &v.network_float}, {"int8", &v.network_int8}, {"int8_adaptive", &v.network_adaptive}};
+  for (const auto& [name, error] : ways) {
+    keep(name, "rmse", "1", error->rmse);
+    keep(name, "rmse_max", "1", error->rmse_max);
+    keep(name, "psnr", "dB", error->psnr);
+    keep(name, "ssim", "1", error->ssim);
+    keep(name, "block", "1", error->block);
+  }
+  keep("int8", "ms", "ms", r.ms_full);
+  keep("int8_adaptive", "ms", "ms", r.ms_adaptive);
+  keep("int8_adaptive", "evaluated", "1", v.evaluated);
+  keep("file", "bytes", "byte", static_cast<double>(r.file_bytes));
+  keep("bake", "seconds", "s", r.seconds_tracing + r.seconds_training + r.seconds_validating);
+  keep("bake", "seconds_tracing", "s", r.seconds_tracing);
+  keep("bake", "seconds_training", "s", r.seconds_training);
+  keep("bake", "seconds_validating", "s", r.seconds_validating);
+  return measurements_json(all);
+}
+
+}  // namespace
+
+void add_bake_command(CLI::App& program, int* exit_code) {
+  const auto options = std::make_shared<Options>();
+  BakeSettings& settings = options->settings;
+  settings.threads = std::max(1u, std::thread::hardware_concurrency());
+  CLI::App* command = program.add_subcommand("bake", "Train the soft shadow of a mesh");
+  command
+      ->add_option("mesh", options->mesh,
+                   "A mesh file (y up, metres), or the name of a generated one: chair, trefoil, torus, ...")
+      ->required();
+  command->add_option("-o,--output", options->output, "File to write")->required();
+  command->add_option("--size", options->size, "Neurons a layer x layers after the first")->capture_default_str();
+  command->add_option("--angle", options->angle, "Angular diameter of the light")->capture_default_str();
+  command->add_option("--max-polar", options->polar, "Largest angle of the light from the zenith")
+      ->capture_default_str();
+  command->add_option("--plane", options->plane, "fitted to the light, or one fixed square")
+      ->check(CLI::IsMember({"fitted", "fixed"}))
+      ->capture_default_str();
+  command->add_option("--seed", settings.seed, "Equal seeds give equal files")->capture_default_str();
+  command->add_option("--threads", settings.threads, "Threads; the file does not depend on them")
+      ->check(CLI::Range(1u, 256u));
+  command->add_option("--steps", settings.steps, "Steps of training")
+      ->check(CLI::Range(1u, 100'000'000u))
+      ->capture_default_str();
+  command->add_option("--quantised-steps", settings.quantised_steps, "Steps with rounded weights after them")
+      ->check(CLI::Range(0u, 100'000'000u))
+      ->capture_default_str();
+  command->add_option("--textures", settings.textures, "Rays as for so many whole textures")
+      ->check(CLI::Range(1u, 3000u))
+      ->capture_default_str();
+  command->add_option("--validation-lights", settings.validation_lights, "Unseen lights that the error is measured on")
+      ->check(CLI::Range(1u, 100'000u))
+      ->capture_default_str();
+  command->add_option("--picture", options->picture,
+                      "Also draw truth, network and difference for four lights, as a PNG");
+  command->add_option("--json", options->json, "Write the measurements to this file");
+  command->add_flag("--keep-float", settings.keep_float, "Keep the float network in the file, for sandglass bench");
+  command->add_flag("--resume", options->resume, "Go on where an interrupted bake of the same command stopped");
+  command->callback([options, exit_code] {
+    listen_for_interrupt();
+    BakeSettings& s = options->settings;
+    s.shape = network_shape(options->size);
+    s.angular_diameter = degrees(options->angle, "--angle", 1, 60);
+    s.polar_max = degrees(options->polar, "--max-polar", 1, 84);
+    s.plane = options->plane == "fixed" ? PlaneRule::fixed : PlaneRule::fitted;
+    MeshResult loaded = make_named(options->mesh);
+    if (!loaded) loaded = load_mesh(options->mesh);
+    if (!loaded) throw Failure(loaded.error);
+    const BakeReport r = bake(loaded.mesh, options->mesh, s, options->output, options->picture, options->resume);
+    if (r.interrupted) {
+      std::printf("interrupted; to go on, repeat the command with --resume\n");
+      *exit_code = k_exit_interrupted;
+      return;
+    }
+    if (!options->json.empty()) write_file(options->json, measurements(r, s));
+    const Validation& v = r.validation;
+    std::printf("%u unseen lights      RMSE mean       max  PSNR (dB)     SSIM  16x16 block\n", v.lights);
+    print("float", v.network_float);
+    print("int8", v.network_int8);
+    print("int8 adaptive", v.network_adaptive);
+    std::printf("int8 to float %.4f, adaptive to float %.4f (RMSE); adaptive asks for %.1f %% of the texels\n",
+                v.int8_to_float, v.adaptive_to_float, 100 * v.evaluated);
+    std::printf("texture: %.2f ms full, %.2f ms adaptive, one thread of this machine\n", r.ms_full, r.ms_adaptive);
+    std::printf("time: %.0f s tracing, %.0f s training, %.0f s validating, %u threads\n", r.seconds_tracing,
+                r.seconds_training, r.seconds_validating, s.threads);
+    std::printf("%s: %llu bytes\n", options->output.c_str(), static_cast<unsigned long long>(r.file_bytes));
+    *exit_code = 0;
+  });
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,83 @@
+// Sand in bulk, with laws from the laboratory as the truth: collapsing columns, draining silos, loaded tubes, piles.
+// Every function takes the description's solver settings, friction and radius as they are and sets the capacities
+// itself. d is the diameter of a particle; sand always starts as a random pouring, never as a lattice, which would
+// collapse along its own axes. `step` is called after every frame; an exception that it throws ends the case.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "sandglass/sandglass.h"
+
+namespace sandglass::host {
+
+using CaseStep = std::function<void()>;
+
+// A column let go on a floor, a = height over radius (over length, when planar), and the deposit it leaves.
+//
+// Run-out (R - R0)/R0. The deposit is the particles that a chain of neighbours less than 1.1 d apart joins to its
+// middle, so single ones that slide ahead do not count. R is the mean, over 24 sectors about the axis, of the distance
+// of the outermost of them, plus r: the front as Staron and Hinch (2005) define it for particles. Planar: the same over
+// 6 strips across the channel.
+struct Collapse {
+  double runout = 0.0, height = 0.0;  // height: of the deposit, over R0
+  double packing = 0.0;               // of the column before it was let go
+  double deposit = 0.0;               // share of the particles that belong to it
+  uint32_t particles = 0;
+};
+struct CollapseSetting {
+  double aspect = 1.0, radius_d = 12.0, seconds = 3.0;  // radius_d: R0 (or L0) in d
+  uint64_t seed = 1;
+  bool planar = false;      // in a channel 10 d wide, with walls of the sand's own friction
+  bool at_far_end = false;  // 900 m from the scene's origin
+};
+Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setting, const CaseStep& step);
+double lube_runout(double aspect);         // Lube et al. 2004: 1.24 a, above 1.7 1.6 sqrt(a)
+double lube_planar_runout(double aspect);  // Lube et al. 2005: 1.2 a, above 1.8 1.9 a^(2/3)
+
+// The angle of repose by draining: a column stands on a round platform of its own radius; its tube is taken away, what
+// cannot stay falls off the rim, and what stays is a heap whose toe is the rim. The angle is that of the cone of the
+// heap's volume on the platform: no line has to be laid through a surface of a few particles.
+struct Repose {
+  double angle_deg = 0.0;
+  double share = 0.0;  // of the column that stays
+};
+Repose repose(const sandglass_scene_desc& desc, double radius_d, double aspect, uint64_t seed, const CaseStep& step);
+
+// A flat-bottomed silo 40 d wide, kept more than 20 d full by an emitter that pours back what the sink has taken.
+struct Discharge {
+  double orifice_d = 0.0;  // D in d
+  double rate = 0.0;       // particles a second, mean
+  double unsteady = 0.0;   // largest deviation of a quarter of the time from the mean, relative
+  double coefficient = 0;  // C of Beverloo, with k = 1.4 and the bed's own packing
+  double head_d = 0.0;     // least height of the bed while it was measured, in d
+};
+struct DischargeSetting {
+  std::vector<double> orifices_d;
+  double settle_seconds = 1.0, measure_seconds = 2.0;
+};
+struct DischargeCurve {
+  std::vector<Discharge> points;
+  double exponent = 0.0;     // of the rate in D - 1.4 d, least squares
+  double coefficient = 0.0;  // mean C
+  double packing = 0.0;
+};
+DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSetting& setting, const CaseStep& step);
+
+// A tube 8 d wide, filled to several heights; how much of the weight its bottom carries. The load is what the floor
+// does to the sand in one sub-step, m dv/dt: two copies of the scene, restored from the same bytes, take that sub-step
+// with and without the floor. Janssen: F = F_inf (1 - exp(-M g/F_inf)), F_inf = M_D g/(4 mu K) with the mass M_D of one
+// tube diameter of height.
+struct TubeLoad {
+  std::vector<double> heights;   // in tube diameters
+  std::vector<double> weights;   // M g, in weights of one tube diameter of sand
+  std::vector<double> loads;     // on the bottom, likewise
+  double marginal = 0.0;         // (load of the fullest - load of the half full) / (difference of their weights)
+  double saturation = 0.0;       // F_inf of the best fit, in weights of one tube diameter of sand
+  double k = 0.0, misfit = 0.0;  // its K; largest |load - Janssen|/F_inf
+};
+TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const CaseStep& step);
+
+}  // namespace sandglass::host

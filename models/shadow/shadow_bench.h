@@ -1,0 +1,39 @@
+// What one texture costs and how wrong it is, for every way of computing it, on one thread of this machine: the
+// project's own kernels and, where XNNPACK is installed, XNNPACK on the same network and the same inputs.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "models/host/mesh/mesh.h"
+#include "sandglass/shadow.h"
+
+namespace sandglass::host {
+
+struct ShadowBenchRow {
+  std::string name;        // f32, int8, int8_adaptive, xnnpack_f32, xnnpack_int8
+  double ms = 0;           // the median over the lights of each light's best time
+  double ms_encoding = 0;  // of it, for peers: writing the encoded inputs, from tables
+  double gmac_per_s = 0;   // of what it computes
+  double fraction = 0;     // of this CPU's measured peak, f32 or int8
+  double rmse = 0;         // against the float network
+  double rmse_truth = 0;   // against ray tracing
+  double evaluated = 1;    // share of the texels that the network was asked for
+};
+
+struct ShadowBench {
+  std::vector<ShadowBenchRow> rows;
+  bool has_xnnpack = false;
+};
+
+// `thresholds`: further rows int8_adaptive/N, one a threshold, in steps of coverage (sandglass_shadow_desc).
+// `file` must carry its float network; `mesh` is what it was baked from. `go_on` gets the steps done of `total`.
+ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh, sandglass_isa isa,
+                         const std::vector<uint32_t>& thresholds,
+                         const std::function<bool(uint32_t done, uint32_t total)>& go_on);
+
+}  // namespace sandglass::host

@@ -1,0 +1,133 @@
+// Three gates: the hash finds what was damaged on the way, FlatBuffers' verifier that every offset stays inside, and
+// the checks below that every number is one that the kernels may be run on.
+#include "runtime/asset/shadow_asset.h"
+
+// The verifier's assertions are about the calling code, and asserting would bring stdio.
+#define FLATBUFFERS_ASSERT(condition) ((condition) ? (void)0 : __builtin_trap())
+#include "runtime/asset/shadow_generated.h"
+
+namespace sandglass {
+namespace {
+
+constexpr float k_weight_limit = 1e6f;     // of the first layer
+constexpr int32_t k_bias_limit = 1 << 24;  // sums then stay below 2^25
+constexpr double k_horizon = 1.5533430;    // 89 degrees: polar_max plus half the light
+constexpr uint32_t k_tables_limit = 16;    // tables that the verifier follows: root, last and the layers
+
+sandglass_status refuse(const char** reason, const char* sentence) {
+  if (reason != nullptr) *reason = sentence;
+  return SANDGLASS_ERROR_INVALID_ARGUMENT;
+}
+
+bool within(double x, double low, double high) { return x >= low && x <= high; }  // false for NaN
+
+bool all_within(const flatbuffers::Vector<float>& values, float low, float high) {
+  for (uint32_t i = 0; i < values.size(); ++i)
+    if (!(values.data()[i] >= low && values.data()[i] <= high)) return false;
+  return true;
+}
+
+// Null, or what is wrong.
+const char* check_layer(const asset::Layer* layer, uint32_t inputs, uint32_t outputs, AssetLayer* out) {
+  if (layer == nullptr || layer->weights() == nullptr || layer->bias() == nullptr || layer->multiplier() == nullptr)
+    return "the shadow file lacks a layer of its network: bake it again";
+  if (layer->weights()->size() != inputs * outputs || layer->bias()->size() != outputs ||
+      layer->multiplier()->size() != outputs)
+    return "the shadow file has a layer of the wrong size: bake it again";
+  for (uint32_t i = 0; i < inputs * outputs; ++i)
+    if (layer->weights()->data()[i] == -128) return "the shadow file has a weight of -128, which no baking writes";
+  for (uint32_t i = 0; i < outputs; ++i)
+    if (layer->bias()->data()[i] < -k_bias_limit || layer->bias()->data()[i] > k_bias_limit)
+      return "the shadow file has a bias beyond 2^24, which no baking writes";
+  if (!all_within(*layer->multiplier(), 0.0f, k_weight_limit))
+    return "the shadow file has a multiplier that is not a number in 0..1e6, which no baking writes";
+  *out = {layer->weights()->data(), layer->bias()->data(), layer->multiplier()->data()};
+  return nullptr;
+}
+
+}  // namespace
+
+uint64_t asset_checksum(const uint8_t* bytes, uint64_t count) {
+  uint64_t hash = 0xCBF29CE484222325ull;
+  for (uint64_t i = 0; i < count; ++i) hash = (hash ^ bytes[i]) * 0x100000001B3ull;
+  return hash;
+}
+
+sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsset* out, const char** reason) {
+  const uint8_t* data = static_cast<const uint8_t*>(bytes);
+  if (data == nullptr) return refuse(reason, "asset is NULL: pass the bytes of a file that `sandglass bake` wrote");
+  if (reinterpret_cast<uintptr_t>(data) % 8 != 0)
+    return refuse(reason, "asset is not aligned to 8 bytes: read the file into memory that is");
+  if (count < 32 || count >= (uint64_t{1} << 31) || !asset::ShadowBufferHasIdentifier(data))
+    return refuse(reason, "the file is not a baked shadow: name one that `sandglass bake` wrote");
+  const uint64_t body = count - k_checksum_bytes;
+  uint64_t stored = 0;
+  for (uint32_t i = 0; i < 8; ++i) stored |= uint64_t{data[body + i]} << 8 * i;
+  if (stored != asset_checksum(data, body))
+    return refuse(reason, "the shadow file is damaged or cut off (its checksum differs): copy or bake it again");
+  flatbuffers::Verifier verifier(data, body, 8, k_tables_limit);
+  if (!asset::VerifyShadowBuffer(verifier))
+    return refuse(reason, "the shadow file has an offset that leads outside of it: bake it again");
+
+  const asset::Shadow& file = *asset::GetShadow(data);
+  if (file.version() != k_shadow_asset_version)
+    return refuse(reason, "the shadow file is of another version than this library reads (1): bake it again");
+  if (file.box() == nullptr) return refuse(reason, "the shadow file says nothing of the object's size: bake it again");
+  const asset::Box& box = *file.box();
+  *out = {};
+  out->version = file.version();
+  out->name = file.name() == nullptr ? "" : file.name()->c_str();
+  out->origin[0] = box.origin_x(), out->origin[1] = box.origin_y(), out->origin[2] = box.origin_z();
+  out->box = {box.half_x(), box.half_z(), box.height()};
+  out->angular_diameter = box.angular_diameter(), out->polar_max = box.polar_max();
+  out->plane = file.plane_fitted() ? PlaneRule::fitted : PlaneRule::fixed;
+  for (const double x : out->origin)
+    if (!within(x, -1e30, 1e30)) return refuse(reason, "the shadow file's origin is not a number: bake it again");
+  if (!within(out->box.half_x, 0, 1e30) || !within(out->box.half_z, 0, 1e30) || !within(out->box.height, 1e-30, 1e30))
+    return refuse(reason, "the shadow file's box is not a size: bake it again");
+  if (!within(out->angular_diameter, 1e-4, k_horizon) || !within(out->polar_max, 1e-4, k_horizon) ||
+      !(out->polar_max + 0.5 * out->angular_diameter <= k_horizon))
+    return refuse(reason, "the shadow file's light reaches the horizon: bake it with a smaller --max-polar");
+
+  out->texel_frequencies = file.texel_frequencies(), out->light_frequencies = file.light_frequencies();
+  out->width = file.width();
+  if (out->texel_frequencies > k_frequencies_limit || out->light_frequencies > k_frequencies_limit)
+    return refuse(reason, "the shadow file's encoding has more than 16 frequencies, which no baking writes");
+  if (out->width == 0 || out->width > k_shadow_width_limit)
+    return refuse(reason, "the shadow file's network is wider than 256 neurons or has none: bake it again");
+  if (file.layers() == nullptr || file.layers()->size() == 0 || file.layers()->size() > k_shadow_layers_limit)
+    return refuse(reason, "the shadow file's network does not have 1 to 8 hidden layers: bake it again");
+  out->layers = file.layers()->size();
+  if (file.first_weights() == nullptr || file.first_bias() == nullptr ||
+      file.first_weights()->size() != out->inputs() * out->width || file.first_bias()->size() != out->width)
+    return refuse(reason, "the shadow file's first layer has the wrong size: bake it again");
+  if (!all_within(*file.first_weights(), -k_weight_limit, k_weight_limit) ||
+      !all_within(*file.first_bias(), -k_weight_limit, k_weight_limit) ||
+      !within(static_cast<double>(file.first_step()), 1e-9, 1e9))
+    return refuse(reason, "the shadow file's first layer has a weight that is not a number: bake it again");
+  out->first_weights = file.first_weights()->data();
+  out->first_bias = file.first_bias()->data();
+  out->first_step = file.first_step();
+  for (uint32_t i = 0; i < out->layers; ++i)
+    if (const char* fault = check_layer(file.layers()->Get(i), out->width, out->width, &out->layer[i]))
+      return refuse(reason, fault);
+  if (const char* fault = check_layer(file.last(), out->width, 1, &out->last)) return refuse(reason, fault);
+  out->rmse_float = file.rmse_float(), out->rmse_int8 = file.rmse_int8();
+  if (!within(static_cast<double>(out->rmse_float), 0, 1) || !within(static_cast<double>(out->rmse_int8), 0, 1))
+    return refuse(reason, "the shadow file's error is not a number in 0..1: bake it again");
+  out->validated_lights = file.validated_lights();
+  out->seed = file.seed();
+  if (file.float_parameters() != nullptr) {
+    const uint32_t expected =
+        out->width * (out->inputs() + 1) + out->layers * out->width * (out->width + 1) + out->width + 1;
+    if (file.float_parameters()->size() != expected ||
+        !all_within(*file.float_parameters(), -k_weight_limit, k_weight_limit))
+      return refuse(reason, "the shadow file's float network has the wrong size or a weight that is not a number");
+    out->float_parameters = file.float_parameters()->data();
+    out->float_parameter_count = expected;
+  }
+  if (reason != nullptr) *reason = nullptr;
+  return SANDGLASS_OK;
+}
+
+}  // namespace sandglass

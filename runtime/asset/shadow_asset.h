@@ -1,0 +1,53 @@
+// A baked shadow file as the runtime sees it: checked from the first byte to the last, then pointers into the caller's
+// bytes. The one file that knows FlatBuffers is shadow_asset.cpp.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/int8.h"
+#include "runtime/shadow/plane.h"
+#include "sandglass/shadow.h"
+
+namespace sandglass {
+
+constexpr uint32_t k_shadow_asset_version = 1;
+constexpr uint32_t k_frequencies_limit = 16;
+constexpr uint64_t k_checksum_bytes = 8;
+
+struct AssetLayer {
+  const int8_t* weights;
+  const int32_t* bias;
+  const float* multiplier;
+};
+
+struct ShadowAsset {
+  uint32_t version;
+  const char* name;
+  double origin[3];
+  ShadowBox box;
+  double angular_diameter, polar_max;
+  PlaneRule plane;
+  uint32_t texel_frequencies, light_frequencies, width, layers;
+  const float* first_weights;
+  const float* first_bias;
+  float first_step;
+  AssetLayer layer[k_shadow_layers_limit];
+  AssetLayer last;
+  float rmse_float, rmse_int8;
+  uint32_t validated_lights;
+  uint64_t seed;
+  const float* float_parameters;  // null: the file has none
+  uint32_t float_parameter_count;
+
+  uint32_t texel_inputs() const { return 1 + 2 * texel_frequencies; }
+  uint32_t light_inputs() const { return 1 + 2 * light_frequencies; }
+  uint32_t inputs() const { return 2 * texel_inputs() + 3 * light_inputs(); }
+};
+
+uint64_t asset_checksum(const uint8_t* bytes, uint64_t count);  // FNV-1a
+
+// `bytes` aligned to 8. Refused with one sentence: anything that is not a whole, undamaged file of this version with
+// numbers that the kernels can run on blindly.
+sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsset* asset, const char** reason);
+
+}  // namespace sandglass

@@ -1,0 +1,84 @@
+// Several objects, each with several lights, under one budget: which texture is computed next.
+//
+// A texture under way is completed first, so at any time at most one texture an object is not what its light asks for
+// because it is half done. Then the one with the greatest visible change is begun: the turn of the light since the
+// texture that is shown (as a chord; 2 where there is none) x the light's share of the object's irradiance x opacity,
+// growing with the time that it waits, so that a strong light that never rests cannot starve a weak one.
+#include "runtime/core/math.h"
+#include "runtime/shadow/shadow.h"
+
+namespace sandglass {
+namespace {
+
+constexpr double k_no_texture = 2;           // the chord of half a turn
+constexpr double k_growth_a_call = 1.0 / 8;  // of set_light
+
+struct Choice {
+  uint32_t shadow, light;
+};
+
+double visible_change(const Shadow& s, const ShadowLight& light, double irradiance) {
+  double chord = 0;
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    const double turn = light.wanted[axis] - light.front.light[axis];
+    chord += turn * turn;
+  }
+  const double change = light.front.valid ? square_root(chord) : k_no_texture;
+  const double share = irradiance > 0 ? static_cast<double>(light.irradiance) / irradiance : 1.0 / s.light_count;
+  const double waited = static_cast<double>(light.calls - light.pending_since);
+  return change * share * static_cast<double>(light.opacity) * (1 + k_growth_a_call * waited);
+}
+
+bool choose(const ShadowSet& set, Choice* choice) {
+  for (uint32_t i = 0; i < set.count; ++i)
+    if (set.shadows[i]->shadow.phase != ShadowPhase::idle) {
+      *choice = {i, set.shadows[i]->shadow.active};
+      return true;
+    }
+  double most = -1;
+  for (uint32_t i = 0; i < set.count; ++i) {
+    const Shadow& s = set.shadows[i]->shadow;
+    double irradiance = 0;
+    for (uint32_t l = 0; l < s.light_count; ++l) irradiance += static_cast<double>(s.lights[l].irradiance);
+    for (uint32_t l = 0; l < s.light_count; ++l) {
+      if (!s.lights[l].pending) continue;
+      const double change = visible_change(s, s.lights[l], irradiance);
+      if (change > most) most = change, *choice = {i, l};
+    }
+  }
+  return most >= 0;
+}
+
+bool next(const ShadowSet& set, WorkUnit* unit) {
+  Choice choice;
+  if (!choose(set, &choice)) return false;
+  *unit = shadow_next(set.shadows[choice.shadow]->shadow);
+  return true;
+}
+
+void run(const ShadowSet& set) {
+  Choice choice;
+  if (choose(set, &choice)) shadow_run(&set.shadows[choice.shadow]->shadow, choice.light);
+}
+
+void describe(const ShadowSet& set, uint32_t* pending, uint32_t* age) {
+  uint64_t oldest = 0;
+  *pending = 0;
+  for (uint32_t i = 0; i < set.count; ++i) {
+    const Shadow& s = set.shadows[i]->shadow;
+    for (uint32_t l = 0; l < s.light_count; ++l) {
+      const bool under_way = s.phase != ShadowPhase::idle && s.active == l;
+      if (!s.lights[l].pending && !under_way) continue;
+      ++*pending;
+      const uint64_t calls = s.lights[l].calls - s.lights[l].front.light_call;
+      oldest = calls > oldest ? calls : oldest;
+    }
+  }
+  *age = static_cast<uint32_t>(oldest);
+}
+
+}  // namespace
+
+extern const ShadowSetFunctions k_shadow_set_functions = {next, run, describe};
+
+}  // namespace sandglass

@@ -1,0 +1,118 @@
+// The shadows of one object, one a light, as work units that the governor can hand out (core/governor.h), and the
+// state behind the C API of sandglass/shadow.h. One texture at a time is under way; set.cpp chooses which.
+//
+// A texture is computed in phases, each a list of units: rows (the first layer's tables for this light), the coarse
+// grid, the decision which cells to refine together with the interpolation of the others, and the refined cells. In
+// mode FULL the rows are followed by all texels. The last unit swaps the two textures.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/int8.h"
+#include "runtime/core/governor.h"
+#include "runtime/core/layout.h"
+#include "runtime/shadow/plane.h"
+#include "sandglass/shadow.h"
+
+namespace sandglass {
+
+constexpr uint32_t k_shadow_size = SANDGLASS_SHADOW_TEXELS;
+constexpr uint32_t k_cell = 4;                        // texels a side of a cell of the coarse grid
+constexpr uint32_t k_cells = k_shadow_size / k_cell;  // a side
+constexpr uint32_t k_grid = k_cells + 1;              // coarse samples a side: the corners of the cells
+constexpr uint32_t k_unit_texels_most = 6 * k_texel_block;
+constexpr uint64_t k_unit_macs = 5'000'000;           // 45 us of a core that does 110 GMAC/s of bytes, a phone's
+constexpr uint32_t k_unit_table_rows = 64;            // of the first layer's table
+constexpr uint32_t k_unit_cell_rows = 16;             // of the decision
+constexpr uint32_t k_table_rows = k_shadow_size + 1;  // the last corners lie one texel beyond the texture
+
+// Kinds of work unit.
+enum : uint32_t { k_kind_rows, k_kind_texels, k_kind_decide, k_kind_refine, k_shadow_kinds };
+
+enum class ShadowPhase : uint32_t { idle, rows, coarse, decide, refine, full };
+
+struct ShadowTexture {
+  uint8_t* coverage;
+  ShadowRectangle rectangle;  // in the object's frame
+  double light[3];
+  uint64_t light_call;  // number of the set_light call that it was begun for
+  uint32_t evaluated;
+  bool valid;
+};
+
+// One light and the last texture that was completed for it.
+struct ShadowLight {
+  ShadowTexture front;
+  double wanted[3];  // clamped to polar_max
+  bool pending;      // the texture of `wanted` is neither done nor under way
+  bool beyond;
+  float opacity, irradiance;
+  uint64_t calls, pending_since;  // of set_light
+};
+
+struct Shadow {
+  const Int8Kernels* kernels;
+  ShadowNetwork network;
+  // Of the object and the light that was baked.
+  double origin[3];
+  ShadowBox box;
+  PlaneRule plane;
+  double half_sine, reach;          // of half the light; tan(polar_max + half the light)
+  double polar_sine, polar_cosine;  // of polar_max
+  double polar_max;
+  uint32_t light_frequencies;
+  // How it is evaluated.
+  sandglass_shadow_mode mode;
+  uint32_t threshold;
+  double tolerance_squared;  // of the chord between two unit vectors
+  // Tables: bytes' units times 2^shift.
+  double table_scale;          // from activation to table units
+  int16_t* columns;            // k_table_rows x width
+  int16_t* row_base;           // k_table_rows x width, without the light
+  int16_t* rows;               // with it
+  int16_t* light_sums;         // width
+  const float* light_weights;  // 3 * light_inputs x width
+  const float* first_bias;
+  // The texture under way.
+  ShadowPhase phase;
+  uint32_t cursor;    // next table row, coarse sample, row of cells, refined cell, or texel
+  uint8_t* coarse;    // k_grid^2
+  uint8_t* marked;    // k_cells^2: 1 where the corners differ
+  uint16_t* refined;  // cells to refine
+  uint32_t refined_count;
+  uint32_t unit_texels;       // of this network, a multiple of the block
+  uint16_t *unit_u, *unit_v;  // texels of one unit
+  uint8_t *unit_coverage, *scratch;
+  ShadowTexture back;
+  uint32_t active;  // light that `back` is for
+  ShadowLight* lights;
+  uint32_t light_count;
+};
+
+void shadow_set_light(Shadow* shadow, uint32_t light, const double unit_vector[3], float irradiance);
+
+// The next unit of the texture under way or, when there is none, of `light`'s; runs it.
+WorkUnit shadow_next(const Shadow& shadow);
+void shadow_run(Shadow* shadow, uint32_t light);
+// Items left by kind; at most k_shadow_kinds entries.
+uint32_t shadow_forecast(const Shadow& shadow, Forecast* entries);
+
+// Several shadows under one budget. Reached from the scene through a table that creation leaves in every shadow, so
+// that an app without shadows does not link them.
+struct ShadowSet {
+  sandglass_shadow* const* shadows;
+  uint32_t count;
+};
+struct ShadowSetFunctions {
+  bool (*next)(const ShadowSet& set, WorkUnit* unit);
+  void (*run)(const ShadowSet& set);
+  void (*describe)(const ShadowSet& set, uint32_t* pending, uint32_t* age);
+};
+extern const ShadowSetFunctions k_shadow_set_functions;
+
+}  // namespace sandglass
+
+struct sandglass_shadow {
+  const sandglass::ShadowSetFunctions* set;
+  sandglass::Shadow shadow;
+};

@@ -1,0 +1,138 @@
+// Thermal headroom: the share of the budget that a device can sustain. Half of it halves what a frame plans; quality
+// falls with it and recovers with it; the law holds against the scaled budget throughout.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "fake_scene.h"
+#include "platform/virtual_clock.h"
+#include "tests/granular/granular_scene.h"
+
+namespace sandglass::governor_test {
+namespace {
+
+constexpr uint32_t k_levels = 3;
+constexpr uint32_t k_settled = 16;  // frames after which costs are known (budget_test.cpp)
+
+struct Steady {
+  uint64_t optional_ns = 0;  // a frame's time beyond mandatory units and output
+  uint64_t units = 0;
+};
+
+Steady run_steady(float headroom) {
+  FakeScene scene;
+  Governor governor;
+  governor_init(&governor, fake_clock(&scene), {}, k_levels);
+  const FakeStages stages = fake_stages(&scene);
+  const uint64_t target = governor_target(k_budget_ns, headroom);
+  sandglass_frame_report report = {};
+  Steady steady;
+  for (uint32_t frame = 0; frame < 10 * k_settled; ++frame) {
+    fake_begin_frame(&scene);
+    governor_frame(&governor, stages.stages, 3, target, nullptr, &report);
+    if (frame < k_settled) continue;
+    EXPECT_LE(report.elapsed_ns, target) << "constant cost must never overrun";
+    steady.optional_ns += report.elapsed_ns - report.mandatory_ns;
+    steady.units += scene.stage_units[0] + scene.stage_units[1];
+  }
+  return steady;
+}
+
+TEST(ThermalHeadroom, HalfOfItHalvesThePlan) {
+  const Steady full = run_steady(1.0f), half = run_steady(0.5f);
+  // Both leave up to one unit of their target unused (the longest costs 140 us with its margin 175), and what is
+  // mandatory does not scale: so much may the ratio differ from a half.
+  const double slack = 9.0 * k_settled * 175e3;
+  const double lost = static_cast<double>(9 * k_settled) * 0.5 * k_budget_ns;  // what halving takes from the target
+  EXPECT_NEAR(static_cast<double>(full.optional_ns - half.optional_ns), lost, slack);
+  EXPECT_NEAR(static_cast<double>(half.units) / static_cast<double>(full.units), 0.5, 0.05);
+}
+
+TEST(ThermalHeadroom, OutOfRangeCountsAsTheNearestOrAsUnknown) {
+  EXPECT_EQ(governor_target(k_budget_ns, 1.0f), k_budget_ns);
+  EXPECT_EQ(governor_target(k_budget_ns, 7.0f), k_budget_ns);
+  EXPECT_EQ(governor_target(k_budget_ns, std::numeric_limits<float>::quiet_NaN()), k_budget_ns);
+  EXPECT_EQ(governor_target(k_budget_ns, std::numeric_limits<float>::infinity()), k_budget_ns);
+  EXPECT_EQ(governor_target(k_budget_ns, 0.5f), k_budget_ns / 2);
+  EXPECT_EQ(governor_target(k_budget_ns, 0.0f), 0u);
+  EXPECT_EQ(governor_target(k_budget_ns, -1.0f), 0u);
+  EXPECT_EQ(governor_target(~0ull, 1.0f), ~0ull);
+}
+
+// A real scene whose every unit costs 10 us by a virtual clock. The hint falls from 1 to 0.2 as a phone warms up, stays
+// and recovers as it cools.
+constexpr uint64_t k_warm_budget_ns = 2500000;  // the frame's whole work takes 2.2 ms
+
+struct Warming {
+  std::vector<float> headroom;
+  std::vector<sandglass_frame_report> reports;
+};
+
+const Warming& warming() {
+  static const Warming run = [] {
+    Warming w;
+    VirtualClock clock;
+    clock.step_ns = 10000;
+    sandglass_scene_desc desc = description(512, 2048);
+    desc.clock = virtual_clock(&clock);
+    desc.unit_items = 128;
+    desc.granular.substep_max = 0.004f;
+    desc.granular.sleep_after = 0.0f;
+    GranularScene scene(desc);
+    scene.add_floor();
+    const std::vector<float> particles = lattice(8, 8, 8, 0.0202f, 0.0102f);
+    std::vector<float> grains;
+    for (int copy = 0; copy < 4; ++copy)
+      for (const float x : particles) grains.push_back(x + 0.002f * static_cast<float>(copy));
+    scene.add(particles, {}, grains);
+    for (int frame = 0; frame < 400; ++frame) {
+      const float cooling = std::abs(static_cast<float>(frame) - 200.0f) / 100.0f;  // 2 .. 0 .. 2
+      w.headroom.push_back(std::clamp(cooling, 0.2f, 1.0f));
+      sandglass_frame_input input;
+      sandglass_frame_input_default(&input);
+      input.time_step = 0.02f;
+      input.budget_ns = k_warm_budget_ns;
+      input.thermal_headroom = w.headroom.back();
+      input.colliders = scene.colliders.data();
+      input.collider_count = 1;
+      input.grains = scene.grains.data();
+      input.grain_capacity = static_cast<uint32_t>(scene.grains.size());
+      sandglass_frame_report report;
+      const char* reason = nullptr;
+      EXPECT_EQ(sandglass_scene_frame(scene.scene, &input, &report, &reason), SANDGLASS_OK) << reason;
+      w.reports.push_back(report);
+    }
+    return w;
+  }();
+  return run;
+}
+
+TEST(ThermalHeadroom, AWarmingPhoneNeverMissesItsTarget) {
+  for (size_t f = 0; f < warming().reports.size(); ++f) {
+    const sandglass_frame_report& r = warming().reports[f];
+    EXPECT_EQ(r.budget_ns, k_warm_budget_ns);
+    EXPECT_EQ(r.target_ns, governor_target(r.budget_ns, warming().headroom[f]));
+    EXPECT_LE(r.elapsed_ns, std::max(r.target_ns, r.mandatory_ns) + r.last_unit_ns) << "frame " << f;
+    EXPECT_LE(r.elapsed_ns, r.budget_ns) << "frame " << f;
+  }
+}
+
+TEST(ThermalHeadroom, QualityFallsWithItAndRecovers) {
+  const auto units = [](size_t from, size_t to) {
+    uint64_t sum = 0;
+    for (size_t f = from; f < to; ++f)
+      for (const sandglass_stage_report& stage : warming().reports[f].stages) sum += stage.units;
+    return static_cast<double>(sum) / static_cast<double>(to - from);
+  };
+  const double cool = units(60, 100), hot = units(190, 210), again = units(340, 380);
+  EXPECT_LT(hot, 0.4 * cool);
+  EXPECT_GT(again, 0.9 * cool);
+  EXPECT_LT(warming().reports[80].level, warming().reports[200].level);
+  EXPECT_EQ(warming().reports[380].level, warming().reports[80].level);
+}
+
+}  // namespace
+}  // namespace sandglass::governor_test

@@ -1,0 +1,118 @@
+// A shadow file is untrusted: every truncation, every changed byte, and wrong numbers behind a right checksum.
+#include "runtime/asset/shadow_asset.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "tests/shadow/shadow_fixture.h"
+
+namespace {
+
+using namespace sandglass;
+using namespace sandglass::tests;
+
+constexpr RandomShadow k_small = {4, 1, 1, 1, 5};
+
+sandglass_status open(const AssetFile& file, std::string* sentence = nullptr) {
+  ShadowAsset asset;
+  const char* reason = nullptr;
+  const sandglass_status status = open_shadow_asset(file.data(), file.bytes, &asset, &reason);
+  EXPECT_EQ(status == SANDGLASS_OK, reason == nullptr);
+  if (sentence != nullptr && reason != nullptr) *sentence = reason;
+  return status;
+}
+
+TEST(ShadowAsset, ReadsWhatWasWritten) {
+  const AssetFile file = make_shadow_file({96, 3, 10, 4, 2});
+  sandglass_shadow_info info = {};
+  info.struct_size = sizeof info;
+  const char* reason = nullptr;
+  ASSERT_EQ(sandglass_shadow_inspect(file.data(), file.bytes, &info, &reason), SANDGLASS_OK) << reason;
+  EXPECT_EQ(info.width, 96u);
+  EXPECT_EQ(info.layers, 3u);
+  EXPECT_EQ(info.macs_per_texel, 96u * (3 * 96 + 1));
+  EXPECT_FLOAT_EQ(info.origin[2], 3.0f);
+  EXPECT_FLOAT_EQ(info.height, 0.5f);
+}
+
+TEST(ShadowAsset, EveryTruncationIsRefused) {
+  const AssetFile file = make_shadow_file(k_small);
+  for (uint64_t count = 0; count < file.bytes; ++count)
+    ASSERT_NE(open(copy_of(file.data(), count)), SANDGLASS_OK) << count;
+}
+
+TEST(ShadowAsset, EveryChangedBitIsRefused) {
+  AssetFile file = make_shadow_file(k_small);
+  for (uint64_t i = 0; i < file.bytes; ++i)
+    for (int bit = 0; bit < 8; ++bit) {
+      file.data()[i] ^= static_cast<uint8_t>(1 << bit);
+      ASSERT_NE(open(file), SANDGLASS_OK) << i;
+      file.data()[i] ^= static_cast<uint8_t>(1 << bit);
+    }
+  EXPECT_EQ(open(file), SANDGLASS_OK);
+}
+
+// An attacker repairs the checksum: what is accepted then must also run.
+TEST(ShadowAsset, ChangedBytesBehindARightChecksumNeverCrash) {
+  const AssetFile original = make_shadow_file(k_small);
+  int accepted = 0;
+  for (uint64_t i = 0; i + k_checksum_bytes < original.bytes; ++i)
+    for (const int value : {0x00, 0x01, 0x7F, 0x80, 0xFF}) {
+      AssetFile file = original;
+      file.data()[i] = static_cast<uint8_t>(value);
+      repair_checksum(&file);
+      if (open(file) != SANDGLASS_OK) continue;
+      ++accepted;
+      LiveShadow shadow(describe(file));
+      shadow.light(0.3f, 1, 0.2f);
+      sandglass_shadow_run(&shadow.shadow, 1, 3);
+      ASSERT_TRUE(shadow.block.guards_intact());
+    }
+  EXPECT_GT(accepted, 0);
+}
+
+TEST(ShadowAsset, TruncationsBehindARightChecksumNeverCrash) {
+  const AssetFile original = make_shadow_file(k_small);
+  for (uint64_t count = 32; count < original.bytes; ++count) {
+    AssetFile file = copy_of(original.data(), count);
+    repair_checksum(&file);
+    (void)open(file);
+  }
+}
+
+TEST(ShadowAsset, RefusesNumbersThatNoBakingWrites) {
+  const auto refused = [](const RandomShadow& what, const char* part) {
+    std::string sentence;
+    EXPECT_NE(open(make_shadow_file(what), &sentence), SANDGLASS_OK) << part;
+    EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
+  };
+  RandomShadow what = k_small;
+  what.forced_first = std::numeric_limits<float>::quiet_NaN();
+  refused(what, "not a number");
+  what.forced_first = std::numeric_limits<float>::infinity();
+  refused(what, "not a number");
+  what = k_small, what.forced_weight = -128;
+  refused(what, "-128");
+  what = k_small, what.version = 2;
+  refused(what, "another version");
+  what = k_small, what.width = 257;
+  refused(what, "wider than 256");
+  what = k_small, what.layers = 9;
+  refused(what, "1 to 8");
+  what = k_small, what.texel_frequencies = 17;
+  refused(what, "16 frequencies");
+}
+
+TEST(ShadowAsset, RefusesWhatIsNoFileAtAll) {
+  const AssetFile file = make_shadow_file(k_small);
+  ShadowAsset asset;
+  const char* reason = nullptr;
+  EXPECT_NE(open_shadow_asset(nullptr, 100, &asset, &reason), SANDGLASS_OK);
+  EXPECT_NE(open_shadow_asset(file.data() + 4, file.bytes - 4, &asset, &reason), SANDGLASS_OK);
+  EXPECT_NE(std::string(reason).find("aligned"), std::string::npos);
+}
+
+}  // namespace

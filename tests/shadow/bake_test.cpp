@@ -1,0 +1,140 @@
+// Baking end to end in small: the same file on any number of threads and across an interruption, and what is refused.
+#include "models/shadow/bake.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <functional>
+
+#include "models/host/atomic_file.h"
+#include "models/host/failure.h"
+#include "models/host/mesh/generated.h"
+#include "models/shadow/checkpoint.h"
+#include "sandglass/shadow.h"
+
+namespace {
+
+using namespace sandglass;
+using namespace sandglass::host;
+namespace fs = std::filesystem;
+
+class Bake : public ::testing::Test {
+ protected:
+  fs::path folder;
+  void SetUp() override {
+    folder = fs::path(::testing::TempDir()) / ("sandglass_bake_" + std::to_string(::getpid()) + "_" +
+                                               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder);
+  }
+  void TearDown() override { fs::remove_all(folder); }
+  std::string path(const std::string& name) const { return (folder / name).string(); }
+};
+
+BakeSettings tiny() {
+  BakeSettings settings;
+  settings.shape = {16, 1};
+  settings.textures = 1, settings.steps = 20, settings.quantised_steps = 10, settings.batch = 512;
+  settings.validation_lights = 4;
+  return settings;
+}
+
+void expect_refused(const std::function<void()>& call, const char* part) {
+  try {
+    call();
+  } catch (const Failure& failure) {
+    EXPECT_NE(std::string(failure.what()).find(part), std::string::npos) << failure.what();
+    return;
+  }
+  ADD_FAILURE() << "accepted, but expected: " << part;
+}
+
+TEST_F(Bake, SameFileOnAnyNumberOfThreads) {
+  BakeSettings settings = tiny();
+  bake(make_chair(), "chair", settings, path("one"), "", false);
+  settings.threads = 3;
+  bake(make_chair(), "chair", settings, path("three"), path("picture.png"), false);
+  const std::string file = read_file(path("one"), "shadow");
+  EXPECT_EQ(file, read_file(path("three"), "shadow"));
+  EXPECT_TRUE(fs::exists(path("picture.png")));
+  EXPECT_FALSE(fs::exists(path("one") + ".checkpoint"));
+  settings.seed = 2;
+  bake(make_chair(), "chair", settings, path("other"), "", false);
+  EXPECT_NE(file, read_file(path("other"), "shadow"));
+}
+
+TEST_F(Bake, TrainingGoesOnFromACheckpointToTheSameBits) {
+  const BakeSettings settings = tiny();
+  const LightGeometry geometry = light_geometry(make_chair(), "chair", settings);
+  const ShadowCaster caster(geometry.object.mesh, geometry.half_angle, {}, 1);
+  ThreadPool pool(1);
+  TrainingSet set;
+  set.size = k_native_size, set.stride = 4, set.lights = ring_directions(geometry.polar_max, 16);
+  uint32_t stop_after = 5;  // lights
+  EXPECT_FALSE(trace_training_set(
+      geometry, caster, pool, [&](uint32_t done) { return done < stop_after; }, &set));
+  TrainingPlan plan;
+  plan.float_steps = 12, plan.quantised_steps = 8, plan.batch = 512;
+  TrainingState state = start_training({16, 1}, 1);
+  save_checkpoint(path("checkpoint"), 7, set, state);
+
+  TrainingSet resumed = set;
+  resumed.values.clear();
+  ASSERT_TRUE(load_checkpoint(path("checkpoint"), 7, &resumed, &state));
+  EXPECT_EQ(resumed.values, set.values);
+  for (TrainingSet* s : {&set, &resumed})
+    EXPECT_TRUE(trace_training_set(
+        geometry, caster, pool, [](uint32_t) { return true; }, s));
+  EXPECT_EQ(resumed.values, set.values);
+
+  for (const uint32_t stop : {3u, 12u, 15u}) {  // within, at the end of, and after the float steps
+    Trainer trainer(set, plan, pool);
+    TrainingState straight = start_training({16, 1}, 1), broken = start_training({16, 1}, 1);
+    while (!trainer.finished(straight)) trainer.step(&straight);
+    while (broken.step < stop) trainer.step(&broken);
+    save_checkpoint(path("checkpoint"), 7, set, broken);
+    TrainingState again = start_training({16, 1}, 9);
+    ASSERT_TRUE(load_checkpoint(path("checkpoint"), 7, &set, &again));
+    find_penumbra(&set);
+    while (!trainer.finished(again)) trainer.step(&again);
+    EXPECT_EQ(again.network.parameters, straight.network.parameters) << stop;
+    EXPECT_EQ(again.float_network.parameters, straight.float_network.parameters) << stop;
+    EXPECT_EQ(again.clips, straight.clips) << stop;
+  }
+}
+
+TEST_F(Bake, RefusesCheckpointsThatAreDamagedOrOfAnotherBake) {
+  TrainingSet set;
+  set.values = {1, 2, 3};
+  TrainingState state = start_training({8, 1}, 1);
+  EXPECT_FALSE(load_checkpoint(path("none"), 1, &set, &state));
+  save_checkpoint(path("checkpoint"), 1, set, state);
+  expect_refused([&] { load_checkpoint(path("checkpoint"), 2, &set, &state); }, "another mesh or other settings");
+  const std::string bytes = read_file(path("checkpoint"), "checkpoint");
+  for (size_t cut = 0; cut < bytes.size(); cut += 97) {
+    write_file(path("cut"), bytes.substr(0, cut));
+    expect_refused([&] { load_checkpoint(path("cut"), 1, &set, &state); }, "damaged");
+    std::string flipped = bytes;
+    flipped[cut] = static_cast<char>(flipped[cut] ^ 4);
+    write_file(path("flipped"), flipped);
+    EXPECT_THROW(load_checkpoint(path("flipped"), 1, &set, &state), Failure);
+  }
+}
+
+TEST_F(Bake, RefusesWhatItCannotBakeAndLeavesNoFile) {
+  BakeSettings settings = tiny();
+  const Mesh flat = {{0, 0, 0, 1, 0, 0, 0, 0, 1}, {0, 1, 2}};
+  expect_refused([&] { bake(flat, "flat", settings, path("out"), "", false); }, "flat");
+  settings.polar_max = 80;
+  expect_refused([&] { bake(make_chair(), "chair", settings, path("out"), "", false); }, "horizon");
+  EXPECT_TRUE(fs::is_empty(folder));
+}
+
+TEST(ShadowMetrics, SimilarityOfEqualTexturesIsOneAndOfOppositesLow) {
+  std::vector<float> a(64 * 64), b(64 * 64);
+  for (size_t i = 0; i < a.size(); ++i) a[i] = static_cast<float>(i % 64 / 8 % 2), b[i] = 1 - a[i];
+  EXPECT_NEAR(structural_similarity(a, a, 64), 1, 1e-12);
+  EXPECT_LT(structural_similarity(a, b, 64), 0.1);
+}
+
+}  // namespace

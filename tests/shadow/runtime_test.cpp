@@ -1,0 +1,239 @@
+// The runtime through its C API: one texture on every instruction set and in every division into units; hard lights;
+// memory to the byte.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "runtime/asset/shadow_asset.h"
+#include "tests/shadow/shadow_fixture.h"
+
+namespace {
+
+using namespace sandglass;
+using namespace sandglass::tests;
+
+constexpr uint32_t k_size = SANDGLASS_SHADOW_TEXELS;
+constexpr float k_degree = 3.14159265f / 180;
+constexpr RandomShadow k_network = {128, 2, 10, 4, 11, 0.6f};
+
+// The textures of k_network for light (0.5, 1, 0.25): all instruction sets, compilers and machines.
+constexpr uint64_t k_golden_full = 0x448de45a0e59d3b8ull, k_golden_adaptive = 0x5c2abd735a53def0ull;
+
+uint64_t hash(const std::vector<uint8_t>& bytes) { return asset_checksum(bytes.data(), bytes.size()); }
+
+std::vector<uint8_t> texture_of(const AssetFile& file, sandglass_isa isa, sandglass_shadow_mode mode) {
+  LiveShadow shadow(describe(file, isa, mode));
+  shadow.light(0.5f, 1, 0.25f);
+  shadow.finish();
+  EXPECT_TRUE(shadow.block.guards_intact());
+  return shadow.coverage();
+}
+
+TEST(Shadow, OneHashOnEveryInstructionSet) {
+  const AssetFile file = make_shadow_file(k_network);
+  for (const sandglass_isa isa : available_sets()) {
+    EXPECT_EQ(hash(texture_of(file, isa, SANDGLASS_SHADOW_FULL)), k_golden_full) << isa;
+    EXPECT_EQ(hash(texture_of(file, isa, SANDGLASS_SHADOW_ADAPTIVE)), k_golden_adaptive) << isa;
+  }
+}
+
+TEST(Shadow, TheGoldenTextureIsNotFlat) {
+  const std::vector<uint8_t> texture =
+      texture_of(make_shadow_file(k_network), SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL);
+  std::vector<int> counts(256);
+  for (const uint8_t c : texture) ++counts[c];
+  int used = 0;
+  for (const int count : counts) used += count > 0;
+  EXPECT_GT(used, 100);
+}
+
+TEST(Shadow, AdaptiveEqualsFullWhereItAsksTheNetwork) {
+  const AssetFile file = make_shadow_file(k_network);
+  const std::vector<uint8_t> full = texture_of(file, SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL);
+  LiveShadow shadow(describe(file));
+  shadow.light(0.5f, 1, 0.25f);
+  shadow.finish();
+  const std::vector<uint8_t> adaptive = shadow.coverage();
+  // Every corner of the coarse grid is the network's, and at least as many texels agree as were asked for.
+  uint32_t equal = 0;
+  for (uint32_t v = 0; v < k_size; ++v)
+    for (uint32_t u = 0; u < k_size; ++u) {
+      const bool same = full[v * k_size + u] == adaptive[v * k_size + u];
+      equal += same;
+      ASSERT_TRUE(same || u % 4 != 0 || v % 4 != 0) << u << " " << v;
+    }
+  const uint32_t outside = 2 * 64 + 1;  // corners beyond the last texels
+  EXPECT_GE(equal, shadow.texture().evaluated - outside);
+  EXPECT_LT(shadow.texture().evaluated, k_size * k_size);
+}
+
+// Threshold 255 refines nothing: bilinear between the corners, checked in double.
+TEST(Shadow, CellsThatAreNotRefinedAreInterpolated) {
+  const AssetFile file = make_shadow_file(k_network);
+  sandglass_shadow_desc desc = describe(file);
+  desc.threshold = 255;
+  LiveShadow shadow(desc);
+  shadow.light(0.5f, 1, 0.25f);
+  shadow.finish();
+  EXPECT_EQ(shadow.texture().evaluated, 65u * 65u);
+  const std::vector<uint8_t> t = shadow.coverage();
+  for (uint32_t v = 0; v + 4 < k_size; ++v)
+    for (uint32_t u = 0; u + 4 < k_size; ++u) {
+      const uint32_t cu = u / 4 * 4, cv = v / 4 * 4;
+      const double x = (u - cu) / 4.0, y = (v - cv) / 4.0;
+      const double value = (1 - y) * ((1 - x) * t[cv * k_size + cu] + x * t[cv * k_size + cu + 4]) +
+                           y * ((1 - x) * t[(cv + 4) * k_size + cu] + x * t[(cv + 4) * k_size + cu + 4]);
+      ASSERT_LE(std::fabs(value - t[v * k_size + u]), 0.5) << u << " " << v;
+    }
+}
+
+TEST(Shadow, OneUnitAFrameGivesTheSameTextureLater) {
+  const AssetFile file = make_shadow_file(k_network);
+  for (const sandglass_shadow_mode mode : {SANDGLASS_SHADOW_FULL, SANDGLASS_SHADOW_ADAPTIVE}) {
+    const std::vector<uint8_t> expected = texture_of(file, SANDGLASS_ISA_AUTOMATIC, mode);
+    LiveShadow shadow(describe(file, SANDGLASS_ISA_AUTOMATIC, mode));
+    shadow.light(-1, 1, 0);
+    shadow.finish();
+    const std::vector<uint8_t> before = shadow.coverage();
+    shadow.light(0.5f, 1, 0.25f);
+    uint32_t frames = 0;
+    while (shadow.texture().age > 0 || frames == 0) {
+      ASSERT_EQ(shadow.coverage(), before);  // the old one stays, whole
+      const uint32_t left = sandglass_shadow_units_left(shadow.shadow);
+      ASSERT_GT(left, 0u);
+      ASSERT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 1u);
+      ASSERT_LT(sandglass_shadow_units_left(shadow.shadow), left);
+      ++frames;
+      if (sandglass_shadow_units_left(shadow.shadow) == 0) break;
+    }
+    EXPECT_GT(frames, 20u);
+    EXPECT_EQ(shadow.coverage(), expected);
+    EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 0u);
+  }
+}
+
+TEST(Shadow, ALightThatNeverStopsStillGetsTextures) {
+  LiveShadow shadow(describe(make_shadow_file({32, 1, 10, 4, 11, 0.6f})));
+  uint32_t changes = 0, oldest = 0;
+  std::vector<uint8_t> last = shadow.coverage();
+  for (int frame = 0; frame < 1000; ++frame) {
+    shadow.light(std::sin(0.02f * static_cast<float>(frame)), 1, 0.3f);
+    sandglass_shadow_run(&shadow.shadow, 1, 5);
+    oldest = std::max(oldest, shadow.texture().age);
+    if (shadow.coverage() != last) ++changes, last = shadow.coverage();
+  }
+  EXPECT_GT(changes, 10u);
+  EXPECT_GT(shadow.texture().age, 0u);
+}
+
+TEST(Shadow, NothingIsComputedForALightThatHardlyMoved) {
+  const AssetFile file = make_shadow_file(k_network);
+  sandglass_shadow_desc desc = describe(file);
+  desc.light_tolerance = 0.05f;
+  LiveShadow shadow(desc);
+  shadow.light(0, 1, 0);
+  shadow.finish();
+  shadow.light(std::sin(0.04f), std::cos(0.04f), 0);
+  EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 0u);
+  shadow.light(std::sin(0.06f), std::cos(0.06f), 0);
+  EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 1u);
+}
+
+TEST(Shadow, LightsBeyondTheBakedOnesFadeOut) {
+  LiveShadow shadow(describe(make_shadow_file(k_network)));
+  const auto at = [&](float polar) {
+    shadow.light(std::sin(polar * k_degree), std::cos(polar * k_degree), 0);
+    shadow.finish();
+    return shadow.texture();
+  };
+  EXPECT_EQ(at(0).opacity, 1);
+  EXPECT_EQ(at(69.9f).beyond, 0u);
+  const std::vector<uint8_t> limit = (at(70.001f), shadow.coverage());
+  EXPECT_NEAR(at(80).opacity, 0.5, 1e-4);
+  EXPECT_EQ(at(80).beyond, 1u);
+  EXPECT_EQ(shadow.coverage(), limit);  // turned up to 70 degrees
+  EXPECT_NEAR(at(89).opacity, 0.05, 1e-4);
+  EXPECT_EQ(at(90.1f).opacity, 0);
+  EXPECT_EQ(at(180).opacity, 0);
+  EXPECT_EQ(at(20).opacity, 1);
+}
+
+TEST(Shadow, RefusesLightsWithoutDirection) {
+  LiveShadow shadow(describe(make_shadow_file(k_network)));
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  for (const auto& d : {std::array{0.0f, 0.0f, 0.0f}, std::array{nan, 1.0f, 0.0f}, std::array{0.0f, inf, 0.0f}}) {
+    const char* reason = nullptr;
+    EXPECT_EQ(sandglass_shadow_set_light(shadow.shadow, 0, d.data(), 1, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+    EXPECT_NE(reason, nullptr);
+  }
+  EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 0u);
+}
+
+TEST(Shadow, LengthOfTheLightDoesNotMatter) {
+  const AssetFile file = make_shadow_file(k_network);
+  const std::vector<uint8_t> expected = texture_of(file, SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE);
+  for (const float scale : {0x1p-140f, 0x1p100f}) {
+    LiveShadow shadow(describe(file));
+    shadow.light(0.5f * scale, scale, 0.25f * scale);
+    shadow.finish();
+    EXPECT_EQ(shadow.coverage(), expected);
+  }
+}
+
+TEST(Shadow, NetworkOfZerosIsHalfShade) {
+  RandomShadow zero = k_network;
+  zero.zero = true;
+  for (const uint8_t c : texture_of(make_shadow_file(zero), SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL))
+    ASSERT_EQ(c, 128);  // 255 / 2, rounded
+}
+
+TEST(Shadow, WeightsAtTheLimitsAgreeOnEverySet) {
+  for (const uint32_t width : {32u, 196u}) {
+    RandomShadow extreme = {width, 2, 10, 4, 3, 300.0f};
+    extreme.extreme = true;
+    const AssetFile file = make_shadow_file(extreme);
+    const std::vector<uint8_t> expected = texture_of(file, SANDGLASS_ISA_SCALAR, SANDGLASS_SHADOW_ADAPTIVE);
+    for (const sandglass_isa isa : available_sets())
+      EXPECT_EQ(texture_of(file, isa, SANDGLASS_SHADOW_ADAPTIVE), expected) << isa;
+  }
+}
+
+TEST(Shadow, EveryBlockThatIsTooSmallIsRefusedUntouched) {
+  const AssetFile file = make_shadow_file({32, 1, 2, 1, 1});
+  const sandglass_shadow_desc desc = describe(file);
+  uint64_t need = 0;
+  ASSERT_EQ(sandglass_shadow_bytes(&desc, &need, nullptr), SANDGLASS_OK);
+  Block block(need);
+  sandglass_shadow* shadow = nullptr;
+  for (const uint64_t bytes : {uint64_t{0}, uint64_t{1}, need / 2, need - 64, need - 1}) {
+    EXPECT_EQ(sandglass_shadow_create(&desc, block.data(), bytes, &shadow, nullptr), SANDGLASS_ERROR_MEMORY_TOO_SMALL);
+    EXPECT_TRUE(block.untouched());
+  }
+  EXPECT_EQ(sandglass_shadow_create(&desc, static_cast<uint8_t*>(block.data()) + 4, need, &shadow, nullptr),
+            SANDGLASS_ERROR_MEMORY_ALIGNMENT);
+  EXPECT_TRUE(block.untouched());
+  EXPECT_EQ(sandglass_shadow_create(&desc, block.data(), need, &shadow, nullptr), SANDGLASS_OK);
+  EXPECT_TRUE(block.guards_intact());
+}
+
+TEST(Shadow, ResamplingKeepsTheMean) {
+  LiveShadow shadow(describe(make_shadow_file(k_network)));
+  shadow.light(0.5f, 1, 0.25f);
+  shadow.finish();
+  const std::vector<uint8_t> native = shadow.coverage();
+  const auto mean = [](const std::vector<uint8_t>& t) {
+    double sum = 0;
+    for (const uint8_t c : t) sum += c;
+    return sum / static_cast<double>(t.size());
+  };
+  for (const uint32_t size : {128u, 256u, 512u}) {
+    std::vector<uint8_t> out(size * size);
+    ASSERT_EQ(sandglass_shadow_resample(shadow.shadow, 0, size, out.data(), nullptr), SANDGLASS_OK);
+    EXPECT_NEAR(mean(out), mean(native), 0.2) << size;
+  }
+  uint8_t byte = 0;
+  EXPECT_EQ(sandglass_shadow_resample(shadow.shadow, 0, 64, &byte, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+}
+
+}  // namespace

@@ -1,0 +1,268 @@
+// Several objects, several lights, one budget: who comes first, who must not starve, what the frame call promises, and
+// the textures of all lights as one.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "platform/virtual_clock.h"
+#include "tests/shadow/shadow_fixture.h"
+
+namespace {
+
+using namespace sandglass;
+using namespace sandglass::tests;
+
+constexpr uint32_t k_size = SANDGLASS_SHADOW_TEXELS;
+constexpr RandomShadow k_network = {32, 1, 6, 4, 11, 0.6f};
+
+sandglass_shadow_desc describe_lights(const AssetFile& file, uint32_t lights) {
+  sandglass_shadow_desc desc = describe(file);
+  desc.light_count = lights;
+  return desc;
+}
+
+void set_light(LiveShadow& shadow, uint32_t light, float x, float z, float irradiance = 1) {
+  const float direction[3] = {x, 1, z};
+  ASSERT_EQ(sandglass_shadow_set_light(shadow.shadow, light, direction, irradiance, nullptr), SANDGLASS_OK);
+}
+
+std::vector<uint8_t> texels(const LiveShadow& shadow, uint32_t light) {
+  const uint8_t* c = shadow.texture(light).coverage;
+  return {c, c + k_size * k_size};
+}
+
+TEST(ShadowSet, EveryLightHasTheTextureThatItWouldHaveAlone) {
+  const AssetFile file = make_shadow_file(k_network);
+  LiveShadow all(describe_lights(file, 3));
+  for (uint32_t l = 0; l < 3; ++l) set_light(all, l, 0.3f * static_cast<float>(l), -0.4f);
+  all.finish();
+  for (uint32_t l = 0; l < 3; ++l) {
+    LiveShadow alone(describe(file));
+    alone.light(0.3f * static_cast<float>(l), 1, -0.4f);
+    alone.finish();
+    EXPECT_EQ(texels(all, l), alone.coverage()) << l;
+    EXPECT_EQ(all.texture(l).age, 0u);
+  }
+  EXPECT_EQ(all.texture(3).valid, 0u);
+  EXPECT_EQ(all.texture(3).coverage, nullptr);
+}
+
+// Turn of the light x share of the irradiance, over two objects: what the header promises.
+TEST(ShadowSet, TheGreatestVisibleChangeComesFirst) {
+  const AssetFile file = make_shadow_file(k_network);
+  LiveShadow first(describe_lights(file, 2)), second(describe_lights(file, 2));
+  sandglass_shadow* both[2] = {first.shadow, second.shadow};
+  const LiveShadow* lives[2] = {&first, &second};
+  for (uint32_t l = 0; l < 2; ++l) set_light(first, l, 0, 0, l == 0 ? 3 : 1), set_light(second, l, 0, 0, 1);
+  while (sandglass_shadow_run(both, 2, 1000) > 0) {
+  }
+  set_light(first, 0, 0.20f, 0, 3);   // 3/4 of the light: change 0.15
+  set_light(first, 1, 0.30f, 0, 1);   // 1/4: 0.07
+  set_light(second, 0, 0.10f, 0, 1);  // 1/2: 0.05
+  set_light(second, 1, 0.50f, 0, 1);  // 1/2: 0.22
+  std::vector<uint32_t> order;        // 2 * object + light, as they arrive
+  while (sandglass_shadow_run(both, 2, 1) > 0)
+    for (uint32_t i = 0; i < 4; ++i)
+      if (lives[i / 2]->texture(i % 2).age == 0 && std::find(order.begin(), order.end(), i) == order.end())
+        order.push_back(i);
+  EXPECT_EQ(order, (std::vector<uint32_t>{3, 0, 1, 2}));
+}
+
+// A light of 90 % of the irradiance turns by half a radian with every call; the weak one moved by a tenth, once. Its
+// change, 1/100, has to grow to 9/20 by an eighth a call.
+TEST(ShadowSet, AWeakLightWaitsButDoesNotStarve) {
+  LiveShadow shadow(describe_lights(make_shadow_file(k_network), 2));
+  set_light(shadow, 0, 1, 0, 9), set_light(shadow, 1, 0, 0, 1);
+  const uint32_t two_textures = sandglass_shadow_run(&shadow.shadow, 1, 100'000);
+  uint32_t frames = 0;
+  do {
+    const float turn = 0.5f * static_cast<float>(++frames);
+    set_light(shadow, 0, std::cos(turn), std::sin(turn), 9), set_light(shadow, 1, 0.1f, 0, 1);
+    sandglass_shadow_run(&shadow.shadow, 1, two_textures / 4);  // a texture every second frame
+  } while (shadow.texture(1).age > 0 && frames < 2000);
+  EXPECT_GT(frames, 100u);
+  EXPECT_LT(frames, 1000u);
+}
+
+TEST(ShadowSet, ALightThatSetsIsNotWaitedFor) {
+  LiveShadow shadow(describe_lights(make_shadow_file(k_network), 1));
+  shadow.light(0.3f, 1, 0);
+  shadow.light(0, -1, 0);
+  EXPECT_EQ(sandglass_shadow_units_left(shadow.shadow), 0u);
+  EXPECT_EQ(shadow.texture().opacity, 0);
+  EXPECT_EQ(shadow.texture().age, 0u);
+}
+
+TEST(ShadowSet, RefusesLightsThatItCannotUse) {
+  LiveShadow shadow(describe_lights(make_shadow_file(k_network), 2));
+  const float up[3] = {0, 1, 0};
+  const float nan = std::nanf("");
+  EXPECT_EQ(sandglass_shadow_set_light(shadow.shadow, 2, up, 1, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  for (const float irradiance : {-1.0f, nan, INFINITY})
+    EXPECT_EQ(sandglass_shadow_set_light(shadow.shadow, 0, up, irradiance, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  for (const uint32_t lights : {0u, SANDGLASS_SHADOW_LIGHTS + 1u}) {
+    const AssetFile file = make_shadow_file(k_network);
+    sandglass_shadow_desc desc = describe_lights(file, lights);
+    uint64_t bytes = 0;
+    EXPECT_EQ(sandglass_shadow_bytes(&desc, &bytes, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  }
+}
+
+// nu = sum(E nu) / sum(E), each texture read by bilinear interpolation in double.
+TEST(ShadowSet, CombinedLightsAreWeightedByTheirIrradiance) {
+  LiveShadow shadow(describe_lights(make_shadow_file(k_network), 3));
+  set_light(shadow, 0, 0.5f, 0.1f, 2), set_light(shadow, 1, -0.6f, 0.4f, 1), set_light(shadow, 2, 9.0f, 0, 0.5f);
+  shadow.finish();
+  ASSERT_EQ(shadow.texture(2).beyond, 1u);  // atan 9 = 83.7 degrees: it has faded
+  constexpr uint32_t k_out = 100;
+  std::vector<uint8_t> out(k_out * k_out);
+  float low[2], high[2];
+  ASSERT_EQ(sandglass_shadow_combine(shadow.shadow, k_out, out.data(), low, high, nullptr), SANDGLASS_OK);
+  const double weight[3] = {2, 1, 0.5};
+  double worst = 0;
+  for (uint32_t v = 0; v < k_out; ++v)
+    for (uint32_t u = 0; u < k_out; ++u) {
+      const double p[2] = {low[0] + (u + 0.5) / k_out * (high[0] - low[0]),
+                           low[1] + (v + 0.5) / k_out * (high[1] - low[1])};
+      double sum = 0;
+      for (uint32_t l = 0; l < 3; ++l) {
+        const sandglass_shadow_texture t = shadow.texture(l);
+        double at[2];
+        for (int axis = 0; axis < 2; ++axis)
+          at[axis] = (p[axis] - t.low[axis]) / (t.high[axis] - t.low[axis]) * k_size - 0.5;
+        const auto texel = [&](double x, double y) {
+          const bool inside = x >= 0 && y >= 0 && x < k_size && y < k_size;
+          return inside ? t.coverage[static_cast<uint32_t>(y) * k_size + static_cast<uint32_t>(x)] / 1.0 : 0.0;
+        };
+        const double x = std::floor(at[0]), y = std::floor(at[1]), fx = at[0] - x, fy = at[1] - y;
+        sum += weight[l] / 3.5 * t.opacity *
+               ((1 - fy) * ((1 - fx) * texel(x, y) + fx * texel(x + 1, y)) +
+                fy * ((1 - fx) * texel(x, y + 1) + fx * texel(x + 1, y + 1)));
+      }
+      worst = std::max(worst, std::fabs(sum - out[v * k_out + u]));
+    }
+  EXPECT_LT(worst, 0.5 + 2.5);  // rounding, and places in steps of 1/256 of a texel between neighbours up to 255 apart
+  uint8_t byte = 0;
+  EXPECT_EQ(sandglass_shadow_combine(shadow.shadow, 0, &byte, low, high, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_shadow_combine(shadow.shadow, 1025, &byte, low, high, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+}
+
+// ------------------------------------------------------------------------------------------------------- in the frame
+
+struct SandScene {
+  explicit SandScene(sandglass_clock clock) : block(size(clock)) {
+    const sandglass_scene_desc desc = describe_scene(clock);
+    EXPECT_EQ(sandglass_scene_create(&desc, block.data(), size(clock), &scene, nullptr), SANDGLASS_OK);
+    std::vector<float> particles, grains;
+    for (int i = 0; i < 600; ++i)
+      for (const float x : {0.0205f * static_cast<float>(i % 10), 0.02f + 0.0205f * static_cast<float>(i / 100),
+                            0.0205f * static_cast<float>(i / 10 % 10)})
+        particles.push_back(x), grains.push_back(x + 0.004f);
+    EXPECT_EQ(sandglass_granular_add(scene, particles.data(), nullptr, 600, grains.data(), nullptr, 600, nullptr),
+              SANDGLASS_OK);
+  }
+  static sandglass_scene_desc describe_scene(sandglass_clock clock) {
+    sandglass_scene_desc desc;
+    sandglass_scene_desc_default(&desc);
+    desc.clock = clock;
+    desc.unit_items = 64;
+    desc.granular.particle_capacity = desc.granular.grain_capacity = 600;
+    return desc;
+  }
+  static uint64_t size(sandglass_clock clock) {
+    const sandglass_scene_desc desc = describe_scene(clock);
+    uint64_t bytes = 0;
+    EXPECT_EQ(sandglass_scene_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
+    return bytes;
+  }
+  sandglass_frame_report frame(std::vector<sandglass_shadow*> shadows, uint64_t budget_ns,
+                               const sandglass_plan* plan = nullptr) {
+    sandglass_collider floor = {};
+    floor.rotation[3] = 1;
+    sandglass_frame_input input;
+    sandglass_frame_input_default(&input);
+    input.time_step = 0.02f, input.budget_ns = budget_ns, input.plan = plan;
+    input.colliders = &floor, input.collider_count = 1;
+    input.shadows = shadows.data(), input.shadow_count = static_cast<uint32_t>(shadows.size());
+    sandglass_frame_report report = {};
+    report.struct_size = sizeof report;
+    status = sandglass_scene_frame(scene, &input, &report, nullptr);
+    return report;
+  }
+
+  Block block;
+  sandglass_scene* scene = nullptr;
+  sandglass_status status = SANDGLASS_OK;
+};
+
+// Without time for anything, one unit a frame still runs: the texture arrives, complete, later.
+TEST(ShadowFrame, ABudgetOfNothingStillBringsTheTexture) {
+  const AssetFile file = make_shadow_file(k_network);
+  LiveShadow expected(describe(file)), shadow(describe(file));
+  expected.light(0.5f, 1, 0.2f), expected.finish();
+  VirtualClock time;
+  time.step_ns = 1000;
+  SandScene sand(virtual_clock(&time));
+  shadow.light(0.5f, 1, 0.2f);
+  uint32_t frames = 0;
+  for (bool done = false; !done && frames < 2000; ++frames) {
+    const sandglass_frame_report report = sand.frame({shadow.shadow}, 0);
+    ASSERT_EQ(report.stages[SANDGLASS_STAGE_SHADOW].units, 1u);
+    ASSERT_EQ(report.pending_shadows, shadow.texture().age > 0 ? 1u : 0u);
+    done = report.pending_shadows == 0;
+    if (!done) {
+      ASSERT_EQ(report.shadow_age, 1u);
+      ASSERT_EQ(shadow.texture().valid, 0u);
+    }
+  }
+  EXPECT_GT(frames, 4u);
+  EXPECT_EQ(shadow.coverage(), expected.coverage());
+  EXPECT_EQ(sand.frame({shadow.shadow}, 0).stages[SANDGLASS_STAGE_SHADOW].units, 0u);
+}
+
+// Two objects, two lights each that turn in every frame, beside falling sand: the law of the budget holds, textures
+// keep arriving, and the recorded plans bring the same bits in another scene.
+TEST(ShadowFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
+  const AssetFile file = make_shadow_file(k_network);
+  VirtualClock time;
+  time.step_ns = 20'000;
+  LiveShadow a(describe_lights(file, 2)), b(describe_lights(file, 2));
+  LiveShadow a2(describe_lights(file, 2)), b2(describe_lights(file, 2));
+  SandScene sand(virtual_clock(&time)), again({});
+  uint32_t with_shadow = 0, with_grains = 0, arrived = 0;
+  for (int f = 0; f < 30; ++f) {
+    const float turn = 0.03f * static_cast<float>(f);
+    for (LiveShadow* s : {&a, &b, &a2, &b2}) set_light(*s, 0, turn, 0.1f), set_light(*s, 1, -0.3f, turn, 0.5f);
+    const sandglass_frame_report report = sand.frame({a.shadow, b.shadow}, 4'000'000);
+    ASSERT_EQ(sand.status, SANDGLASS_OK);
+    ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns) << f;
+    with_shadow += report.stages[SANDGLASS_STAGE_SHADOW].units > 1;
+    with_grains += report.stages[SANDGLASS_STAGE_REFINE].units > 0;
+    arrived += a.texture(0).age == 0;
+    again.frame({a2.shadow, b2.shadow}, 4'000'000, &report.plan);
+    ASSERT_EQ(again.status, SANDGLASS_OK) << f;
+    ASSERT_EQ(sandglass_scene_hash(again.scene), sandglass_scene_hash(sand.scene)) << f;
+    ASSERT_EQ(sandglass_shadow_hash(a2.shadow), sandglass_shadow_hash(a.shadow)) << f;
+    ASSERT_EQ(sandglass_shadow_hash(b2.shadow), sandglass_shadow_hash(b.shadow)) << f;
+  }
+  EXPECT_GT(with_shadow, 10u);
+  EXPECT_GT(with_grains, 10u);
+  EXPECT_GT(arrived, 0u);
+}
+
+TEST(ShadowFrame, WithoutAClockEveryTextureIsDoneInItsFrame) {
+  LiveShadow shadow(describe_lights(make_shadow_file(k_network), 2));
+  SandScene sand({});
+  set_light(shadow, 0, 0.2f, 0), set_light(shadow, 1, 0, 0.5f);
+  EXPECT_EQ(sand.frame({shadow.shadow}, 1).pending_shadows, 0u);
+  EXPECT_EQ(shadow.texture(0).valid + shadow.texture(1).valid, 2u);
+}
+
+TEST(ShadowFrame, RefusesNullAmongTheShadows) {
+  SandScene sand({});
+  sand.frame({nullptr}, 1'000'000);
+  EXPECT_EQ(sand.status, SANDGLASS_ERROR_INVALID_ARGUMENT);
+}
+
+}  // namespace

@@ -1,0 +1,161 @@
+#include "tests/shadow/shadow_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <new>
+
+#include "kernels/int8.h"
+#include "runtime/asset/shadow_asset.h"
+#include "runtime/asset/shadow_generated.h"
+
+namespace sandglass::tests {
+
+namespace {
+
+constexpr uint64_t k_guard = 256;
+constexpr uint8_t k_fill = 0xA7;
+
+struct Random {
+  uint64_t state;
+  double unit() {  // -1..1
+    state = state * 6364136223846793005ull + 1442695040888963407ull;
+    return static_cast<double>(static_cast<int64_t>(state) >> 11) * 0x1p-52;
+  }
+};
+
+uint64_t need(const sandglass_shadow_desc& desc) {
+  uint64_t bytes = 0;
+  const char* reason = nullptr;
+  EXPECT_EQ(sandglass_shadow_bytes(&desc, &bytes, &reason), SANDGLASS_OK) << reason;
+  return bytes;
+}
+
+}  // namespace
+
+AssetFile copy_of(const uint8_t* bytes, uint64_t count) {
+  AssetFile file = {std::vector<uint64_t>(count / 8 + 1), count};
+  std::memcpy(file.data(), bytes, count);
+  return file;
+}
+
+void repair_checksum(AssetFile* file) {
+  const uint64_t body = file->bytes - k_checksum_bytes, hash = asset_checksum(file->data(), body);
+  for (uint32_t i = 0; i < k_checksum_bytes; ++i) file->data()[body + i] = static_cast<uint8_t>(hash >> 8 * i);
+}
+
+AssetFile make_shadow_file(const RandomShadow& what) {
+  Random random = {what.seed};
+  flatbuffers::FlatBufferBuilder builder;
+  const uint32_t inputs = 2 * (1 + 2 * what.texel_frequencies) + 3 * (1 + 2 * what.light_frequencies);
+  const auto layer_of = [&](uint32_t outputs, float multiplier, bool hidden) {
+    std::vector<int8_t> weights(what.width * outputs);
+    for (int8_t& w : weights) {
+      const double x = random.unit();
+      w = what.zero                ? int8_t{0}
+          : what.extreme && hidden ? (x < 0 ? int8_t{-127} : int8_t{127})
+                                   : static_cast<int8_t>(127 * x);
+    }
+    if (hidden && what.forced_weight != 0) weights[3] = what.forced_weight;
+    std::vector<int32_t> bias(outputs);
+    for (int32_t& b : bias) b = what.zero ? 0 : static_cast<int32_t>(4000 * random.unit());
+    const auto w = builder.CreateVector(weights);
+    const auto b = builder.CreateVector(bias);
+    return asset::CreateLayer(builder, w, b, builder.CreateVector(std::vector<float>(outputs, multiplier)));
+  };
+  std::vector<float> first(inputs * what.width), first_bias(what.width);
+  for (float& w : first) w = what.zero ? 0.0f : static_cast<float>(static_cast<double>(what.spread) * random.unit());
+  for (float& b : first_bias) b = what.zero ? 0.0f : static_cast<float>(random.unit());
+  // High frequencies count less, so that a texture has smooth parts for the adaptive mode to find.
+  for (uint32_t i = 0; i < 2 * (1 + 2 * what.texel_frequencies); ++i)
+    for (uint32_t c = 0; c < what.width; ++c)
+      first[i * what.width + c] /= static_cast<float>(1u << (i % (1 + 2 * what.texel_frequencies)));
+  if (what.forced_first != 0 || what.forced_first != what.forced_first) first[5] = what.forced_first;
+  std::vector<flatbuffers::Offset<asset::Layer>> layers;
+  const float multiplier = what.extreme ? 0.0005f : 0.004f;
+  for (uint32_t i = 0; i < what.layers; ++i) layers.push_back(layer_of(what.width, multiplier, true));
+  const auto last = layer_of(1, 0.0001f, false);
+  const auto all = builder.CreateVector(layers);
+  const auto first_weights = builder.CreateVector(first);
+  const auto biases = builder.CreateVector(first_bias);
+  const auto name = builder.CreateString("random");
+  const asset::Box box(1, 2, 3, 0.2, 0.1, 0.5, 0.349065850398866, 1.2217304763960306);  // 20 and 70 degrees
+  asset::ShadowBuilder shadow(builder);
+  shadow.add_version(what.version);
+  shadow.add_name(name);
+  shadow.add_box(&box);
+  shadow.add_plane_fitted(true);
+  shadow.add_texel_frequencies(static_cast<uint8_t>(what.texel_frequencies));
+  shadow.add_light_frequencies(static_cast<uint8_t>(what.light_frequencies));
+  shadow.add_width(static_cast<uint16_t>(what.width));
+  shadow.add_first_weights(first_weights);
+  shadow.add_first_bias(biases);
+  shadow.add_first_step(0.02f);
+  shadow.add_layers(all);
+  shadow.add_last(last);
+  builder.Finish(shadow.Finish(), asset::ShadowIdentifier());
+  AssetFile file = {std::vector<uint64_t>((builder.GetSize() + k_checksum_bytes) / 8 + 1),
+                    builder.GetSize() + k_checksum_bytes};
+  std::memcpy(file.data(), builder.GetBufferPointer(), builder.GetSize());
+  repair_checksum(&file);
+  return file;
+}
+
+std::vector<sandglass_isa> available_sets() {
+  std::vector<sandglass_isa> sets;
+  constexpr sandglass_isa k_all[] = {SANDGLASS_ISA_SCALAR,    SANDGLASS_ISA_NEON, SANDGLASS_ISA_NEON_DOTPROD,
+                                     SANDGLASS_ISA_NEON_I8MM, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512};
+  for (const sandglass_isa isa : k_all)
+    if (select_int8_kernels(isa) != nullptr) sets.push_back(isa);
+  return sets;
+}
+
+Block::Block(uint64_t bytes)
+    : data_(static_cast<uint8_t*>(::operator new (bytes + k_guard, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT}))),
+      bytes_(bytes) {
+  std::memset(data_, k_fill, bytes + k_guard);
+}
+Block::~Block() { ::operator delete (data_, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT}); }
+bool Block::guards_intact() const {
+  for (uint64_t i = 0; i < k_guard; ++i)
+    if (data_[bytes_ + i] != k_fill) return false;
+  return true;
+}
+bool Block::untouched() const {
+  for (uint64_t i = 0; i < bytes_; ++i)
+    if (data_[i] != k_fill) return false;
+  return guards_intact();
+}
+
+sandglass_shadow_desc describe(const AssetFile& file, sandglass_isa isa, sandglass_shadow_mode mode) {
+  sandglass_shadow_desc desc;
+  sandglass_shadow_desc_default(&desc);
+  desc.asset = file.data(), desc.asset_bytes = file.bytes, desc.isa = isa, desc.mode = mode;
+  return desc;
+}
+
+LiveShadow::LiveShadow(const sandglass_shadow_desc& desc) : block(need(desc)) {
+  const char* reason = nullptr;
+  EXPECT_EQ(sandglass_shadow_create(&desc, block.data(), need(desc), &shadow, &reason), SANDGLASS_OK) << reason;
+}
+void LiveShadow::light(float x, float y, float z) {
+  const float direction[3] = {x, y, z};
+  const char* reason = nullptr;
+  EXPECT_EQ(sandglass_shadow_set_light(shadow, 0, direction, 1, &reason), SANDGLASS_OK) << reason;
+}
+void LiveShadow::finish() {
+  while (sandglass_shadow_run(&shadow, 1, 1000) > 0) {
+  }
+}
+sandglass_shadow_texture LiveShadow::texture(uint32_t light) const {
+  sandglass_shadow_texture texture = {};
+  texture.struct_size = sizeof texture;
+  sandglass_shadow_get_texture(shadow, light, &texture);
+  return texture;
+}
+std::vector<uint8_t> LiveShadow::coverage() const {
+  const uint8_t* c = texture().coverage;
+  return {c, c + SANDGLASS_SHADOW_TEXELS * SANDGLASS_SHADOW_TEXELS};
+}
+
+}  // namespace sandglass::tests

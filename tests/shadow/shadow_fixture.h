@@ -1,0 +1,68 @@
+// Networks out of a random number generator, as files: what the runtime's tests run on without any baking.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sandglass/shadow.h"
+
+namespace sandglass::tests {
+
+struct RandomShadow {
+  uint32_t width = 32, layers = 2, texel_frequencies = 4, light_frequencies = 2;
+  uint64_t seed = 1;
+  float spread = 1;          // of the first layer's weights
+  bool zero = false;         // all weights and biases 0
+  bool extreme = false;      // hidden weights are -127 or 127
+  int8_t forced_weight = 0;  // where not 0: put into the first hidden layer
+  float forced_first = 0;    // where not 0 (NaN, say): put into the first layer
+  uint16_t version = 1;
+};
+
+// A file with its checksum, in words so that it is aligned.
+struct AssetFile {
+  std::vector<uint64_t> words;
+  uint64_t bytes = 0;
+  uint8_t* data() { return reinterpret_cast<uint8_t*>(words.data()); }
+  const uint8_t* data() const { return reinterpret_cast<const uint8_t*>(words.data()); }
+};
+
+AssetFile make_shadow_file(const RandomShadow& what);
+AssetFile copy_of(const uint8_t* bytes, uint64_t count);
+void repair_checksum(AssetFile* file);
+
+// The instruction sets that this CPU runs.
+std::vector<sandglass_isa> available_sets();
+
+// A block aligned as the library asks, with guard bytes behind it.
+class Block {
+ public:
+  explicit Block(uint64_t bytes);
+  ~Block();
+  Block(const Block&) = delete;
+  Block& operator=(const Block&) = delete;
+  void* data() { return data_; }
+  bool guards_intact() const;
+  bool untouched() const;
+
+ private:
+  uint8_t* data_;
+  uint64_t bytes_;
+};
+
+sandglass_shadow_desc describe(const AssetFile& file, sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC,
+                               sandglass_shadow_mode mode = SANDGLASS_SHADOW_ADAPTIVE);
+
+// A shadow and its memory.
+struct LiveShadow {
+  explicit LiveShadow(const sandglass_shadow_desc& desc);
+  void light(float x, float y, float z);
+  void finish();
+  sandglass_shadow_texture texture(uint32_t light = 0) const;
+  std::vector<uint8_t> coverage() const;
+
+  Block block;
+  sandglass_shadow* shadow = nullptr;
+};
+
+}  // namespace sandglass::tests

@@ -1,0 +1,175 @@
+// The ray caster against closed forms (small lights) and against deterministic quadrature of the irradiance (the 20
+// degrees that are baked), and what it refuses.
+#include "models/shadow/truth.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "models/host/failure.h"
+#include "models/host/mesh/generated.h"
+
+namespace {
+
+using namespace sandglass;
+using namespace sandglass::host;
+
+constexpr double k_degree = k_pi / 180;
+constexpr SampleCounts k_fine = {4, 16};
+
+// Raised by `height`: the centre of a generated mesh is its origin.
+Mesh raised(Mesh mesh, float height) {
+  for (size_t i = 1; i < mesh.vertices.size(); i += 3) mesh.vertices[i] += height;
+  return mesh;
+}
+
+// A sheet at height 1 that begins at x = 0.
+Mesh half_plane() { return {{0, 1, -50, 50, 1, -50, 50, 1, 50, 0, 1, 50}, {0, 1, 2, 0, 2, 3}}; }
+
+std::vector<float> line(const ShadowCaster& caster, const Direction& light, double from, double to, uint32_t texels) {
+  std::vector<float> row(texels);
+  std::vector<uint32_t> uv;
+  for (uint32_t u = 0; u < texels; ++u) uv.insert(uv.end(), {u, 0});
+  caster.texels({from, -1e-6, to, 1e-6}, light, 0, texels, 1, uv.data(), texels, row.data());
+  return row;
+}
+
+TEST(ShadowTruth, StraightEdgeUnderASmallLight) {
+  const double alpha = 0.5 * k_degree, penumbra = std::tan(alpha);
+  const ShadowCaster caster(half_plane(), alpha, k_fine, 1);
+  constexpr uint32_t k_texels = 64;
+  const std::vector<float> row = line(caster, {0, 1, 0}, -1.5 * penumbra, 1.5 * penumbra, k_texels);
+  double worst = 0;
+  for (uint32_t i = 0; i < k_texels; ++i) {
+    // V = 1/2 + (u sqrt(1-u^2) + asin u)/pi at u = distance from the edge in half widths; lit on the free side.
+    const double u = std::clamp(-1.5 * texel_centre(i, k_texels), -1.0, 1.0);
+    const double truth = 0.5 + (u * std::sqrt(1 - u * u) + std::asin(u)) / k_pi;
+    worst = std::max(worst, std::fabs(truth - static_cast<double>(row[i])));
+  }
+  EXPECT_LE(worst, 0.02);
+}
+
+TEST(ShadowTruth, SphereUnderASmallLight) {
+  const double alpha = 0.5 * k_degree, height = 1, radius = std::sin(0.7 * k_degree);
+  const ShadowCaster caster(raised(make_icosphere(static_cast<float>(radius), 5), 1), alpha, k_fine, 2);
+  constexpr uint32_t k_texels = 64;
+  const double reach = std::tan(1.4 * k_degree);
+  const std::vector<float> row = line(caster, {0, 1, 0}, -reach, reach, k_texels);
+  double worst = 0;
+  for (uint32_t i = 0; i < k_texels; ++i) {
+    const double x = reach * texel_centre(i, k_texels), distance = std::hypot(x, height);
+    const double s = std::atan(std::fabs(x) / height), beta = std::asin(radius / distance);
+    double overlap = 0;
+    if (s <= std::fabs(alpha - beta)) overlap = k_pi * std::min(alpha, beta) * std::min(alpha, beta);
+    else if (s < alpha + beta)
+      overlap = alpha * alpha * std::acos((s * s + alpha * alpha - beta * beta) / (2 * s * alpha)) +
+                beta * beta * std::acos((s * s + beta * beta - alpha * alpha) / (2 * s * beta)) -
+                0.5 * std::sqrt((-s + alpha + beta) * (s + alpha - beta) * (s - alpha + beta) * (s + alpha + beta));
+    const double truth = 1 - overlap / (k_pi * alpha * alpha);
+    worst = std::max(worst, std::fabs(truth - static_cast<double>(row[i])));
+  }
+  EXPECT_LE(worst, 0.02);
+}
+
+// Irradiance at (x, 0, 0) over the unoccluded one, by midpoints in cos(theta) and phi: no random number, no mesh.
+double quadrature(const Direction& light, double half_angle, double x, double height, double radius) {
+  constexpr int k_rings = 400, k_sectors = 800;
+  const double flat = std::hypot(light[0], light[2]);
+  const Direction a = {light[2] / flat, 0, -light[0] / flat};
+  const Direction b = {light[1] * a[2] - light[2] * a[1], light[2] * a[0] - light[0] * a[2],
+                       light[0] * a[1] - light[1] * a[0]};
+  double visible = 0, all = 0;
+  for (int i = 0; i < k_rings; ++i) {
+    const double cosine = 1 - (1 - std::cos(half_angle)) * (i + 0.5) / k_rings, sine = std::sqrt(1 - cosine * cosine);
+    for (int j = 0; j < k_sectors; ++j) {
+      const double turn = 2 * k_pi * (j + 0.5) / k_sectors;
+      Direction r;
+      for (size_t k = 0; k < 3; ++k) r[k] = cosine * light[k] + sine * (std::cos(turn) * a[k] + std::sin(turn) * b[k]);
+      const double along = -x * r[0] + height * r[1];  // from the point to the foot of the sphere's centre
+      const double miss_squared = x * x + height * height - along * along;
+      all += r[1];
+      visible += along > 0 && miss_squared < radius * radius ? 0 : r[1];
+    }
+  }
+  return visible / all;
+}
+
+TEST(ShadowTruth, SphereUnderTheBakedLightAgainstQuadrature) {
+  const double alpha = 10 * k_degree, height = 1, radius = 0.3;
+  const ShadowCaster caster(raised(make_icosphere(static_cast<float>(radius), 6), 1), alpha, {4, 32}, 3);
+  for (const double polar : {20.0, 45.0, 70.0}) {
+    const Direction light = {std::sin(polar * k_degree), std::cos(polar * k_degree), 0};
+    constexpr uint32_t k_texels = 48;
+    const double centre = -std::tan(polar * k_degree), width = 1.4 / light[1];
+    double worst = 0;
+    for (uint32_t i = 0; i < k_texels; ++i) {
+      const double x = centre + width * texel_centre(i, k_texels);
+      const double traced = static_cast<double>(line(caster, light, x - 1e-5, x + 1e-5, 1)[0]);
+      worst = std::max(worst, std::fabs(quadrature(light, alpha, x, height, radius) - traced));
+    }
+    EXPECT_LE(worst, 0.003) << polar;
+  }
+}
+
+// The printed (6.16) has another sin(theta_s): it would weigh the light's middle less. A control of the test above.
+TEST(ShadowTruth, SourcesPrintedWeightWouldBeSeen) {
+  const double alpha = 10 * k_degree, x = 0.2, height = 1, radius = 0.3;
+  const double right = quadrature({1e-9, 1, 0}, alpha, x, height, radius);
+  double visible = 0, all = 0;
+  for (int i = 0; i < 400; ++i)
+    for (int j = 0; j < 800; ++j) {
+      const double cosine = 1 - (1 - std::cos(alpha)) * (i + 0.5) / 400, sine = std::sqrt(1 - cosine * cosine);
+      const double turn = 2 * k_pi * (j + 0.5) / 800, weight = cosine * sine;
+      const double along = -x * sine * std::cos(turn) + height * cosine;
+      all += weight;
+      visible += x * x + height * height - along * along < radius * radius ? 0 : weight;
+    }
+  EXPECT_GT(std::fabs(right - visible / all), 0.012);
+}
+
+TEST(ShadowTruth, SameTextureOnAnyNumberOfThreads) {
+  const StandingObject object = stand_on_plane(make_torus(0.1f, 0.04f, 48, 24), "torus");
+  const ShadowCaster caster(object.mesh, 10 * k_degree, {}, 7);
+  const Direction light = {0.6, 0.8, 0};
+  const ShadowRectangle rectangle =
+      shadow_rectangle(object.box, PlaneRule::fitted, light.data(), std::sin(10 * k_degree), 0);
+  ThreadPool one(1), three(3);
+  EXPECT_EQ(caster.texture(rectangle, light, 5, 64, one), caster.texture(rectangle, light, 5, 64, three));
+}
+
+TEST(ShadowTruth, SizeAndPlaceOfTheMeshDoNotMatter) {
+  const Mesh torus = make_torus(0.5f, 0.25f, 48, 24);
+  const StandingObject reference = stand_on_plane(torus, "torus");
+  for (const float scale : {0x1p-30f, 0x1p30f}) {
+    Mesh moved = torus;
+    for (size_t i = 0; i < moved.vertices.size(); ++i)
+      moved.vertices[i] = (moved.vertices[i] + static_cast<float>(i % 3) * 8.0f) * scale;
+    const StandingObject object = stand_on_plane(moved, "torus");
+    EXPECT_NEAR(object.scale / static_cast<double>(scale), reference.scale, 2e-6);
+    for (size_t i = 0; i < object.mesh.vertices.size(); ++i)
+      ASSERT_NEAR(static_cast<double>(object.mesh.vertices[i]), static_cast<double>(reference.mesh.vertices[i]), 2e-6);
+  }
+}
+
+TEST(ShadowTruth, RefusesWhatCastsNoShadow) {
+  const auto refused = [](const Mesh& mesh, const char* part) {
+    try {
+      (void)stand_on_plane(mesh, "m");
+    } catch (const Failure& failure) {
+      EXPECT_NE(std::string(failure.what()).find(part), std::string::npos) << failure.what();
+      return;
+    }
+    ADD_FAILURE() << "accepted, but expected: " << part;
+  };
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  refused({{}, {}}, "no triangles");
+  refused({{0, 0, 0, 1, nan, 0, 0, 0, 1}, {0, 1, 2}}, "not finite");
+  refused({{0, 0, 0, 1, 0, 0, 0, 0, 1}, {0, 1, 2}}, "flat");
+  refused({{0, 0, 0, 0, 1, 0, 0, 2, 0}, {0, 1, 2}}, "line");
+  refused({{0, 0, 0, 0, 0, 0, 0, 0, 0}, {0, 1, 2}}, "no extent");
+  refused({{1e6f, 0, 0, 1e6f + 1, 1, 0, 1e6f, 0, 1}, {0, 1, 2}}, "far from its origin");
+}
+
+}  // namespace

@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# Builds the library by one of the presets android, ios and ios-simulator with the system's clang against the stand-in headers, and
+# looks at what it will ask of that system.
+#   build.sh PRESET OUTPUT_FOLDER [CMAKE_OPTION...]
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+source=$(cd "$here/../.." && pwd)
+preset=$1 output=$2
+shift 2
+rm -rf "$output"
+mkdir -p "$output"
+fail() { echo "$*"; exit 1; }
+
+case $preset in
+  android)
+    # A sysroot with the two libraries that the plug-in links, so that it links as it would for a phone.
+    cp -r "$here/stand_ins/ndk" "$output/ndk"
+    lib=$(echo "$output"/ndk/toolchains/llvm/prebuilt/*/sysroot)/usr/lib
+    mkdir -p "$lib"
+    shared=(clang --target=aarch64-linux-android24 -shared -nostdlib -fuse-ld=lld -x c -)
+    echo 'void ATrace_beginSection(const char* n) { (void)n; } void ATrace_endSection(void) {}' | "${shared[@]}" -o "$lib/libandroid.so"
+    echo 'int m;' | "${shared[@]}" -o "$lib/libm.so"
+    # The C library of the stand-in: four functions of memory, the clock, the auxiliary vector.
+    printf '#define F(f) void f(void) {}\nF(memcpy) F(memset) F(memmove) F(memcmp) F(clock_gettime) F(getauxval)\n' |
+      "${shared[@]}" -fno-builtin -o "$lib/libc.so"
+    set -- -DANDROID_NDK="$output/ndk" "$@" ;;
+  ios) set -- -DCMAKE_OSX_SYSROOT="$here/stand_ins/iPhoneOS.sdk" "$@" ;;
+  ios-simulator)
+    cp -r "$here/stand_ins/iPhoneOS.sdk" "$output/iPhoneSimulator.sdk"
+    set -- -DCMAKE_OSX_SYSROOT="$output/iPhoneSimulator.sdk" "$@" ;;
+  *) fail "no preset $preset" ;;
+esac
+
+cmake -S "$source" --preset "$preset" -B "$output/build" --log-level=WARNING -DCMAKE_COMPILE_WARNING_AS_ERROR=ON "$@" >/dev/null
+cmake --build "$output/build" -j "${CMAKE_BUILD_PARALLEL_LEVEL:-2}" -- --quiet
+archive=$output/build/runtime/libsandglass.a
+members=$(ar t "$archive" | wc -l)
+echo "$members objects in the archive"
+NM=$(command -v llvm-nm) READELF=$(command -v llvm-readobj) bash "$source/tests/package/symbols.sh" members "$archive"
+
+if [[ $preset == android ]]; then
+  cmake --build "$output/build" --target sandglass_unity -- --quiet
+  plugin=$output/build/unity/libsandglass.so
+  loads=$(readelf -lW "$plugin" | awk '$1 == "LOAD" {print $NF}' | sort -u)
+  echo "segments aligned to: $loads"
+  [[ $loads == 0x4000 ]] || fail "libsandglass.so is not aligned for pages of 16 KB"
+  NM=nm bash "$source/tests/package/symbols.sh" exported "$plugin" "$source/runtime/include"
+  cmake --build "$output/build" --target aar -- --quiet
+  python3 "$here/package_layout.py" aar "$output"/build/sandglass-*.aar "$source/runtime/include"
+else
+  # Every object says which system and which least version it is for.
+  expected=$([[ $preset == ios ]] && echo ios || echo iossimulator)
+  llvm-objdump --macho --private-headers "$archive" | awk -v expected="$expected" '
+    $1 == "platform" {++n; if ($2 != expected) ++wrong} $1 == "minos" && $2 != "15.0" {++wrong}
+    END {printf "%d objects for %s\n", n, expected; exit (wrong > 0 || n == 0)}' || fail "an object is for another system"
+fi

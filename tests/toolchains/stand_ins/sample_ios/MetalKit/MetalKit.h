@@ -1,0 +1,2 @@
+#pragma once
+#include "apple_stand_in.h"

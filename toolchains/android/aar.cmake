@@ -1,0 +1,25 @@
+# Makes an Android archive (AAR) that carries the static library as a Prefab package: Gradle unpacks it, and the app's CMake finds it
+# by find_package(sandglass CONFIG) and links sandglass::sandglass.
+#   cmake -DARCHIVE=libsandglass.a -DINCLUDE=DIR -DVERSION=x.y.z -DAPI=24 -DNDK_MAJOR=N -DSTAGE=DIR -DOUTPUT=FILE.aar -P aar.cmake
+cmake_policy(VERSION 3.25)
+foreach(needed ARCHIVE INCLUDE VERSION API NDK_MAJOR STAGE OUTPUT)
+  if(NOT DEFINED ${needed})
+    message(FATAL_ERROR "aar.cmake: -D${needed}=… is missing.")
+  endif()
+endforeach()
+file(REMOVE_RECURSE ${STAGE})
+set(module ${STAGE}/prefab/modules/sandglass)
+set(abi ${module}/libs/android.arm64-v8a)
+file(WRITE ${STAGE}/AndroidManifest.xml
+  "<manifest xmlns:android=\"http://schemas.android.com/apk/res/android\" package=\"org.sandglass\" android:versionCode=\"1\" android:versionName=\"${VERSION}\">\n  <uses-sdk android:minSdkVersion=\"${API}\" />\n</manifest>\n")
+file(WRITE ${STAGE}/prefab/prefab.json "{\"schema_version\": 2, \"name\": \"sandglass\", \"version\": \"${VERSION}\", \"dependencies\": []}\n")
+# libm for sqrtf and its like; libandroid only for the trace hook, and it is on every device.
+file(WRITE ${module}/module.json "{\"export_libraries\": [\"-landroid\", \"-lm\"], \"library_name\": \"libsandglass\"}\n")
+# The library uses no C++ standard library, so it does not bind the app to one.
+file(WRITE ${abi}/abi.json "{\"abi\": \"arm64-v8a\", \"api\": ${API}, \"ndk\": ${NDK_MAJOR}, \"stl\": \"none\", \"static\": true}\n")
+file(COPY ${ARCHIVE} DESTINATION ${abi})
+file(COPY ${INCLUDE}/sandglass DESTINATION ${module}/include)
+file(REMOVE ${OUTPUT})
+execute_process(COMMAND ${CMAKE_COMMAND} -E tar cf ${OUTPUT} --format=zip AndroidManifest.xml prefab WORKING_DIRECTORY ${STAGE}
+  COMMAND_ERROR_IS_FATAL ANY)
+message(STATUS "${OUTPUT}")

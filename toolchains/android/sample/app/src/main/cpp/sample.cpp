@@ -1,0 +1,169 @@
+// Sand on the real floor. All calls come from the thread of the GLSurfaceView: ARCore updates the camera image and the
+// poses, the library writes the grains straight into the renderer's buffer within its 4 ms, Filament draws them with
+// the same pose.
+#include <android/asset_manager_jni.h>
+#include <android/log.h>
+#include <android/native_window_jni.h>
+#include <jni.h>
+
+#include <memory>
+
+#include "arcore_c_api.h"
+#include "camera_background.h"
+#include "performance.h"
+#include "sand_stage.h"
+#include "sand_view.h"
+
+namespace {
+
+struct Sample {
+  ArSession* session = nullptr;
+  ArFrame* frame = nullptr;
+  sample::SandStage stage;
+  sample::SandView view;
+  sample::CameraBackground background;
+  std::unique_ptr<sample::Performance> performance;
+  ANativeWindow* window = nullptr;
+  double last_seconds = 0.0;
+  bool poured = false;
+};
+
+Sample* of(jlong handle) { return reinterpret_cast<Sample*>(handle); }
+
+void say(const sandglass::Status& status) {
+  if (!status) __android_log_print(ANDROID_LOG_ERROR, "sandglass", "%s: %s", status.name(), status.reason);
+}
+
+// The first real horizontal plane under a point of the screen.
+bool hit_plane(Sample* s, float x, float y, float point[3]) {
+  ArHitResultList* hits = nullptr;
+  ArHitResultList_create(s->session, &hits);
+  ArFrame_hitTest(s->session, s->frame, x, y, hits);
+  int32_t count = 0;
+  ArHitResultList_getSize(s->session, hits, &count);
+  bool found = false;
+  for (int32_t i = 0; i < count && !found; ++i) {
+    ArHitResult* hit = nullptr;
+    ArHitResult_create(s->session, &hit);
+    ArHitResultList_getItem(s->session, hits, i, hit);
+    ArTrackable* trackable = nullptr;
+    ArHitResult_acquireTrackable(s->session, hit, &trackable);
+    ArTrackableType type = AR_TRACKABLE_NOT_VALID;
+    ArTrackable_getType(s->session, trackable, &type);
+    if (type == AR_TRACKABLE_PLANE) {
+      ArPose* pose = nullptr;
+      float raw[7];
+      ArPose_create(s->session, nullptr, &pose);
+      ArHitResult_getHitPose(s->session, hit, pose);
+      ArPose_getPoseRaw(s->session, pose, raw);  // quaternion x y z w, then position
+      ArPose_destroy(pose);
+      for (int k = 0; k < 3; ++k) point[k] = raw[4 + k];
+      found = true;
+    }
+    ArTrackable_release(trackable);
+    ArHitResult_destroy(hit);
+  }
+  ArHitResultList_destroy(hits);
+  return found;
+}
+
+}  // namespace
+
+extern "C" {
+
+JNIEXPORT jlong JNICALL Java_org_sandglass_sample_Native_create(JNIEnv* env, jclass, jobject context) {
+  auto* s = new Sample;
+  if (ArSession_create(env, context, &s->session) != AR_SUCCESS) {
+    delete s;
+    return 0;
+  }
+  ArConfig* config = nullptr;
+  ArConfig_create(s->session, &config);
+  ArConfig_setUpdateMode(s->session, config, AR_UPDATE_MODE_LATEST_CAMERA_IMAGE);
+  const ArStatus configured = ArSession_configure(s->session, config);
+  ArConfig_destroy(config);
+  if (configured != AR_SUCCESS) {
+    ArSession_destroy(s->session);
+    delete s;
+    return 0;
+  }
+  ArFrame_create(s->session, &s->frame);
+  say(s->stage.create());
+  return reinterpret_cast<jlong>(s);
+}
+
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_destroy(JNIEnv*, jclass, jlong handle) {
+  Sample* s = of(handle);
+  s->view.destroy();
+  if (s->window != nullptr) ANativeWindow_release(s->window);
+  ArFrame_destroy(s->frame);
+  ArSession_destroy(s->session);
+  delete s;
+}
+
+JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Native_resume(JNIEnv*, jclass, jlong handle) {
+  return ArSession_resume(of(handle)->session) == AR_SUCCESS;
+}
+
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_pause(JNIEnv*, jclass, jlong handle) {
+  ArSession_pause(of(handle)->session);
+}
+
+// With the GLSurfaceView's context current; `surface` is the transparent one above it.
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_surface(JNIEnv* env, jclass, jlong handle, jobject surface,
+                                                                jobject assets, jint rotation, jint width,
+                                                                jint height) {
+  Sample* s = of(handle);
+  ArSession_setCameraTextureName(s->session, s->background.create());
+  ArSession_setDisplayGeometry(s->session, rotation, width, height);
+  s->view.destroy();
+  if (s->window != nullptr) ANativeWindow_release(s->window);
+  s->window = ANativeWindow_fromSurface(env, surface);
+  AAsset* material = AAssetManager_open(AAssetManager_fromJava(env, assets), "grain.filamat", AASSET_MODE_BUFFER);
+  if (material == nullptr) return;
+  s->view.create(s->window, static_cast<uint32_t>(width), static_cast<uint32_t>(height), AAsset_getBuffer(material),
+                 static_cast<size_t>(AAsset_getLength64(material)));
+  AAsset_close(material);
+  s->performance = std::make_unique<sample::Performance>(16'666'667);
+}
+
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_tap(JNIEnv*, jclass, jlong handle, jfloat x, jfloat y) {
+  Sample* s = of(handle);
+  float point[3];
+  if (!hit_plane(s, x, y, point)) return;
+  const sandglass::Status status = s->stage.pour(point);
+  say(status);
+  s->poured = static_cast<bool>(status);
+}
+
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_frame(JNIEnv*, jclass, jlong handle, jdouble seconds) {
+  Sample* s = of(handle);
+  if (s->performance == nullptr || ArSession_update(s->session, s->frame) != AR_SUCCESS) return;
+  s->background.draw(s->session, s->frame);
+  ArCamera* camera = nullptr;
+  ArFrame_acquireCamera(s->session, s->frame, &camera);
+  ArTrackingState tracking = AR_TRACKING_STATE_STOPPED;
+  ArCamera_getTrackingState(s->session, camera, &tracking);
+  if (tracking == AR_TRACKING_STATE_TRACKING) {
+    // The light's place: the YUV image of this frame (ArFrame_acquireCameraImage, NV12 or I420 planes with their
+    // strides) and the camera's pose go into the frame's input, to be looked at a work unit at a time.
+    const float step = s->last_seconds > 0.0 ? static_cast<float>(seconds - s->last_seconds) : 0.0f;
+    sandglass_grain* grains = s->poured ? s->view.buffer() : nullptr;  // null: simulated all the same, drawn next time
+    if (s->poured) {
+      const sandglass_frame_report report = s->stage.frame(step, s->performance->headroom(seconds), grains);
+      s->performance->report(report.target_ns, report.elapsed_ns);
+    }
+    float projection[16], camera_to_world[16];
+    ArCamera_getProjectionMatrix(s->session, camera, sample::SandView::k_near, sample::SandView::k_far, projection);
+    ArPose* pose = nullptr;
+    ArPose_create(s->session, nullptr, &pose);
+    ArCamera_getDisplayOrientedPose(s->session, camera, pose);
+    ArPose_getMatrix(s->session, pose, camera_to_world);
+    ArPose_destroy(pose);
+    s->view.draw(grains != nullptr, s->stage.drawn(), s->stage.origin(), projection, camera_to_world);
+    s->last_seconds = seconds;
+  }
+  ArCamera_release(camera);
+}
+
+}  // extern "C"

@@ -1,0 +1,198 @@
+// Sand on the real floor. ARKit gives the camera image and the pose; once a displayed frame the library writes the grains straight
+// into a shared Metal buffer within its 4 ms; Metal draws the image and, with the same pose, the grains. Three buffers take turns,
+// so that the GPU never reads what the library writes.
+#import "SandViewController.h"
+
+#import <ARKit/ARKit.h>
+#import <CoreVideo/CoreVideo.h>
+#import <Metal/Metal.h>
+#import <MetalKit/MetalKit.h>
+
+#include "sand_stage.h"
+#include "shader_types.h"
+
+static const int k_buffers = 3;
+static const float k_near = 0.05f, k_far = 50.0f;
+
+// The share of the budget that can be kept up, from the four states that iOS tells.
+static float thermal_headroom(void) {
+  switch (NSProcessInfo.processInfo.thermalState) {
+    case NSProcessInfoThermalStateNominal:
+    case NSProcessInfoThermalStateFair:
+      return 1.0f;
+    case NSProcessInfoThermalStateSerious:
+      return 0.5f;
+    default:
+      return 0.25f;
+  }
+}
+
+@interface SandViewController () <MTKViewDelegate, ARSessionDelegate>
+@end
+
+@implementation SandViewController {
+  ARSession *_session;
+  MTKView *_view;
+  id<MTLCommandQueue> _queue;
+  id<MTLRenderPipelineState> _imagePipeline, _sandPipeline;
+  id<MTLDepthStencilState> _imageDepth, _sandDepth;
+  id<MTLBuffer> _grains[k_buffers];
+  CVMetalTextureCacheRef _textures;
+  dispatch_semaphore_t _free;
+  int _turn;
+  NSTimeInterval _last;
+  sample::SandStage _stage;
+  BOOL _poured;
+}
+
+- (void)viewDidLoad {
+  [super viewDidLoad];
+  id<MTLDevice> device = MTLCreateSystemDefaultDevice();
+  _view = [[MTKView alloc] initWithFrame:self.view.bounds device:device];
+  _view.colorPixelFormat = MTLPixelFormatBGRA8Unorm;
+  _view.depthStencilPixelFormat = MTLPixelFormatDepth32Float;
+  _view.delegate = self;
+  self.view = _view;
+  _queue = [device newCommandQueue];
+  _free = dispatch_semaphore_create(k_buffers);
+  for (int i = 0; i < k_buffers; ++i) {
+    _grains[i] = [device newBufferWithLength:sample::k_grains * sizeof(sandglass_grain) options:MTLResourceStorageModeShared];
+  }
+  CVMetalTextureCacheCreate(NULL, NULL, device, NULL, &_textures);
+  id<MTLLibrary> library = [device newDefaultLibrary];
+  _imagePipeline = [self pipeline:@"image" library:library device:device];
+  _sandPipeline = [self pipeline:@"sand" library:library device:device];
+  _imageDepth = [self depth:MTLCompareFunctionAlways write:NO device:device];
+  _sandDepth = [self depth:MTLCompareFunctionLess write:YES device:device];
+
+  const sandglass::Status status = _stage.create();
+  if (!status) NSLog(@"%s: %s", status.name(), status.reason);
+  _session = [[ARSession alloc] init];
+  _session.delegate = self;
+  [_view addGestureRecognizer:[[UITapGestureRecognizer alloc] initWithTarget:self action:@selector(tap:)]];
+}
+
+- (void)viewWillAppear:(BOOL)animated {
+  [super viewWillAppear:animated];
+  ARWorldTrackingConfiguration *configuration = [[ARWorldTrackingConfiguration alloc] init];
+  configuration.planeDetection = ARPlaneDetectionHorizontal;
+  [_session runWithConfiguration:configuration];
+}
+
+- (void)viewWillDisappear:(BOOL)animated {
+  [super viewWillDisappear:animated];
+  [_session pause];
+}
+
+- (id<MTLRenderPipelineState>)pipeline:(NSString *)name library:(id<MTLLibrary>)library device:(id<MTLDevice>)device {
+  MTLRenderPipelineDescriptor *descriptor = [[MTLRenderPipelineDescriptor alloc] init];
+  descriptor.vertexFunction = [library newFunctionWithName:[name stringByAppendingString:@"_vertex"]];
+  descriptor.fragmentFunction = [library newFunctionWithName:[name stringByAppendingString:@"_fragment"]];
+  descriptor.colorAttachments[0].pixelFormat = _view.colorPixelFormat;
+  descriptor.depthAttachmentPixelFormat = _view.depthStencilPixelFormat;
+  NSError *error = nil;
+  id<MTLRenderPipelineState> state = [device newRenderPipelineStateWithDescriptor:descriptor error:&error];
+  if (state == nil) NSLog(@"%@", error);
+  return state;
+}
+
+- (id<MTLDepthStencilState>)depth:(MTLCompareFunction)compare write:(BOOL)write device:(id<MTLDevice>)device {
+  MTLDepthStencilDescriptor *descriptor = [[MTLDepthStencilDescriptor alloc] init];
+  descriptor.depthCompareFunction = compare;
+  descriptor.depthWriteEnabled = write;
+  return [device newDepthStencilStateWithDescriptor:descriptor];
+}
+
+- (void)tap:(UITapGestureRecognizer *)recognizer {
+  ARFrame *frame = _session.currentFrame;
+  if (frame == nil) return;
+  // The ray query takes points of the camera image, from 0 to 1: the inverse of how the image is shown.
+  const CGSize size = _view.bounds.size;
+  const CGPoint at = [recognizer locationInView:_view];
+  const CGAffineTransform shown = [frame displayTransformForOrientation:UIInterfaceOrientationPortrait viewportSize:size];
+  const CGPoint image = CGPointApplyAffineTransform(CGPointMake(at.x / size.width, at.y / size.height), CGAffineTransformInvert(shown));
+  ARRaycastQuery *query = [frame raycastQueryFromPoint:image
+                                        allowingTarget:ARRaycastTargetExistingPlaneGeometry
+                                             alignment:ARRaycastTargetAlignmentHorizontal];
+  ARRaycastResult *hit = [_session raycast:query].firstObject;
+  if (hit == nil) return;
+  const simd_float4 place = hit.worldTransform.columns[3];
+  const float point[3] = {place.x, place.y, place.z};
+  const sandglass::Status status = _stage.pour(point);
+  if (!status) NSLog(@"%s: %s", status.name(), status.reason);
+  _poured = static_cast<bool>(status);
+}
+
+// One plane of the camera's YUV image as a texture, without a copy.
+- (id<MTLTexture>)plane:(size_t)plane format:(MTLPixelFormat)format image:(CVPixelBufferRef)image {
+  CVMetalTextureRef wrapped = NULL;
+  CVMetalTextureCacheCreateTextureFromImage(NULL, _textures, image, NULL, format, CVPixelBufferGetWidthOfPlane(image, plane),
+                                            CVPixelBufferGetHeightOfPlane(image, plane), plane, &wrapped);
+  if (wrapped == NULL) return nil;
+  id<MTLTexture> texture = CVMetalTextureGetTexture(wrapped);
+  CFRelease(wrapped);
+  return texture;
+}
+
+- (void)drawInMTKView:(MTKView *)view {
+  ARFrame *frame = _session.currentFrame;
+  MTLRenderPassDescriptor *pass = view.currentRenderPassDescriptor;
+  if (frame == nil || pass == nil) return;
+  dispatch_semaphore_wait(_free, DISPATCH_TIME_FOREVER);
+  id<MTLBuffer> grains = _grains[_turn];
+  _turn = (_turn + 1) % k_buffers;
+
+  // The light's place: frame.capturedImage (two planes, full-range NV12, with their strides) and frame.camera.transform go into the
+  // frame's input, to be looked at a work unit at a time.
+  if (_poured) {
+    const float step = _last > 0.0 ? static_cast<float>(frame.timestamp - _last) : 0.0f;
+    _stage.frame(step, thermal_headroom(), static_cast<sandglass_grain *>(grains.contents));
+  }
+  _last = frame.timestamp;
+
+  const CGSize size = view.bounds.size;
+  const UIInterfaceOrientation portrait = UIInterfaceOrientationPortrait;
+  ShaderFrame constants;
+  const simd_float4x4 projection = [frame.camera projectionMatrixForOrientation:portrait viewportSize:size zNear:k_near zFar:k_far];
+  constants.clip_from_world = simd_mul(projection, [frame.camera viewMatrixForOrientation:portrait]);
+  constants.origin = simd_make_float4(_stage.origin()[0], _stage.origin()[1], _stage.origin()[2], 0);
+  // Pixels of a grain's diameter at distance 1: 0.35 of a particle's radius.
+  constants.point_size = 0.35f * sample::k_particle_radius * projection.columns[1][1] * static_cast<float>(view.drawableSize.height);
+  const CGAffineTransform image =
+      CGAffineTransformInvert([frame displayTransformForOrientation:portrait viewportSize:size]);
+  constants.image_from_view[0] = simd_make_float4(static_cast<float>(image.a), static_cast<float>(image.c), static_cast<float>(image.tx), 0);
+  constants.image_from_view[1] = simd_make_float4(static_cast<float>(image.b), static_cast<float>(image.d), static_cast<float>(image.ty), 0);
+
+  id<MTLCommandBuffer> commands = [_queue commandBuffer];
+  id<MTLRenderCommandEncoder> encoder = [commands renderCommandEncoderWithDescriptor:pass];
+  [encoder setVertexBytes:&constants length:sizeof(constants) atIndex:ShaderBufferFrame];
+  id<MTLTexture> luma = [self plane:0 format:MTLPixelFormatR8Unorm image:frame.capturedImage];
+  id<MTLTexture> chroma = [self plane:1 format:MTLPixelFormatRG8Unorm image:frame.capturedImage];
+  if (luma != nil && chroma != nil) {
+    [encoder setRenderPipelineState:_imagePipeline];
+    [encoder setDepthStencilState:_imageDepth];
+    [encoder setFragmentTexture:luma atIndex:0];
+    [encoder setFragmentTexture:chroma atIndex:1];
+    [encoder drawPrimitives:MTLPrimitiveTypeTriangleStrip vertexStart:0 vertexCount:4];
+  }
+  if (_poured && _stage.drawn() > 0) {
+    [encoder setRenderPipelineState:_sandPipeline];
+    [encoder setDepthStencilState:_sandDepth];
+    [encoder setVertexBuffer:grains offset:0 atIndex:ShaderBufferGrains];
+    [encoder drawPrimitives:MTLPrimitiveTypePoint vertexStart:0 vertexCount:_stage.drawn()];
+  }
+  [encoder endEncoding];
+  dispatch_semaphore_t released = _free;
+  [commands addCompletedHandler:^(id<MTLCommandBuffer> finished) {
+    (void)finished;
+    dispatch_semaphore_signal(released);
+  }];
+  [commands presentDrawable:view.currentDrawable];
+  [commands commit];
+}
+
+- (void)mtkView:(MTKView *)view drawableSizeWillChange:(CGSize)size {
+  (void)view, (void)size;
+}
+
+@end

@@ -1,0 +1,51 @@
+// The camera image over the whole view, and a grain as a round point with the shading of a sphere.
+#include <metal_stdlib>
+#include "shader_types.h"
+using namespace metal;
+
+struct ImageVertex {
+  float4 position [[position]];
+  float2 uv;
+};
+
+vertex ImageVertex image_vertex(uint index [[vertex_id]], constant ShaderFrame& frame [[buffer(ShaderBufferFrame)]]) {
+  const float2 corner = float2(index & 1, index >> 1);
+  ImageVertex out;
+  out.position = float4(2.0f * corner.x - 1.0f, 1.0f - 2.0f * corner.y, 1.0f, 1.0f);
+  const float4 view = float4(corner, 1.0f, 0.0f);
+  out.uv = float2(dot(frame.image_from_view[0], view), dot(frame.image_from_view[1], view));
+  return out;
+}
+
+// Full-range BT.601, as ARKit captures.
+fragment float4 image_fragment(ImageVertex in [[stage_in]], texture2d<float> luma [[texture(0)]], texture2d<float> chroma [[texture(1)]]) {
+  constexpr sampler linear(filter::linear);
+  const float y = luma.sample(linear, in.uv).r;
+  const float2 c = chroma.sample(linear, in.uv).rg - 0.5f;
+  return float4(y + 1.402f * c.y, y - 0.344f * c.x - 0.714f * c.y, y + 1.772f * c.x, 1.0f);
+}
+
+struct Grain {
+  packed_float3 position;
+  float speed;
+};
+
+struct SandVertex {
+  float4 position [[position]];
+  float size [[point_size]];
+};
+
+vertex SandVertex sand_vertex(uint index [[vertex_id]], constant ShaderFrame& frame [[buffer(ShaderBufferFrame)]],
+                              constant Grain* grains [[buffer(ShaderBufferGrains)]]) {
+  SandVertex out;
+  out.position = frame.clip_from_world * float4(float3(grains[index].position) + frame.origin.xyz, 1.0f);
+  out.size = frame.point_size / out.position.w;
+  return out;
+}
+
+fragment float4 sand_fragment(SandVertex in [[stage_in]], float2 at [[point_coord]]) {
+  const float2 p = 2.0f * at - 1.0f;
+  const float r2 = dot(p, p);
+  if (r2 > 1.0f) discard_fragment();
+  return float4(float3(0.76f, 0.62f, 0.40f) * (0.45f + 0.55f * sqrt(1.0f - r2)), 1.0f);
+}

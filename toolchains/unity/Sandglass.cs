@@ -1,0 +1,295 @@
+// The C API, one to one: names, layouts and order are those of sandglass.h, sampling.h and field.h, which document every
+// field. Sizes and offsets are compared with the C compiler's by tests/package, so a header that moved on fails there, not
+// on a phone. Nothing here allocates; what calls it every frame should keep its structs and arrays.
+//
+// Enumerations are int constants, as in C. Handles are IntPtr. Callbacks are delegates: keep a reference to each for as
+// long as a scene has its function pointer (Marshal.GetFunctionPointerForDelegate), and under IL2CPP make it a static
+// method with [MonoPInvokeCallback].
+using System;
+using System.Runtime.InteropServices;
+
+namespace Sandglass {
+
+// What a field is called in C where C# cannot spell it.
+[AttributeUsage(AttributeTargets.Field)]
+public sealed class CNameAttribute : Attribute {
+  public readonly string Name;
+  public CNameAttribute(string name) { Name = name; }
+}
+
+[UnmanagedFunctionPointer(CallingConvention.Cdecl)] public delegate ulong NowFunction(IntPtr user);
+[UnmanagedFunctionPointer(CallingConvention.Cdecl)] public delegate void TraceFunction(IntPtr user, IntPtr name);
+[UnmanagedFunctionPointer(CallingConvention.Cdecl)] public delegate void LogFunction(IntPtr user, IntPtr sentence);
+[UnmanagedFunctionPointer(CallingConvention.Cdecl)] public delegate void ProgressFunction(IntPtr user, ulong done, ulong total);
+[UnmanagedFunctionPointer(CallingConvention.Cdecl)] public unsafe delegate int InsideFunction(IntPtr user, float* point);
+[UnmanagedFunctionPointer(CallingConvention.Cdecl)] public unsafe delegate float DistanceFunction(IntPtr user, float* point);
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_clock {
+  public IntPtr now_ns;
+  public IntPtr user;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_parallel {
+  public IntPtr run;
+  public IntPtr user;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_trace {
+  public IntPtr begin, end;
+  public IntPtr user;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_log {
+  public IntPtr write;
+  public IntPtr user;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_granular_desc {
+  public uint particle_capacity, grain_capacity, boundary_capacity, body_capacity, body_particle_capacity;
+  public uint emitter_capacity, sink_capacity, collider_capacity;
+  public float particle_radius, grain_radius, static_friction, kinetic_friction, height_weighting;
+  public int scheme;
+  public uint solver_iterations, stabilisation_iterations;
+  public float relaxation, courant, substep_max, substep_min, list_skin, sleep_after;
+  public int blend;
+  public float refine_step;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_level {
+  public uint struct_size;
+  public IntPtr name;
+  public float cost_solver, cost_refine, overlap_p99, overlap_mean, angle_degrees;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_scene_desc {
+  public uint struct_size;
+  public int isa;
+  public uint unit_items;
+  public uint finest_level;
+  public fixed float gravity[3];
+  public sandglass_clock clock;
+  public sandglass_parallel parallel;
+  public sandglass_trace trace;
+  public sandglass_log log;
+  public sandglass_granular_desc granular;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_region {
+  public IntPtr name;
+  public ulong offset, bytes;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_body {
+  public uint struct_size;
+  public uint particle_count;
+  public float* particle_positions;
+  public float density_ratio;
+  public fixed float linear_velocity[3];
+  public fixed float angular_velocity[3];
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_body_pose {
+  public fixed float position[3];
+  public fixed float rotation[4];
+  public fixed float linear_velocity[3];
+  public fixed float angular_velocity[3];
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_collider {
+  public int shape;
+  public fixed float position[3];
+  public fixed float rotation[4];
+  public fixed float size[3];
+  public fixed float linear_velocity[3];
+  public fixed float angular_velocity[3];
+  public int grains_only;
+  public IntPtr field;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_grain {
+  public fixed float position[3];
+  public float speed;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_plan_run {
+  public uint stage, units;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_plan {
+  public uint struct_size, level, run_count;
+  public fixed uint runs[2 * Native.SANDGLASS_PLAN_RUNS];  // sandglass_plan_run: stage, units
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_emitter {
+  public fixed float position[3];
+  public fixed float rotation[4];
+  public float radius, speed;
+  public uint grains_per_particle;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_frame_input {
+  public uint struct_size;
+  public float time_step;
+  public ulong budget_ns;
+  public float thermal_headroom;
+  public sandglass_collider* colliders;
+  public uint collider_count, emitter_count;
+  public sandglass_emitter* emitters;
+  public sandglass_collider* sinks;
+  public uint sink_count;
+  public float output_lag;
+  public void* grains;
+  public uint grain_stride, grain_capacity;
+  public sandglass_plan* plan;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_stage_report {
+  public uint units, denied;
+  public ulong elapsed_ns;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_frame_report {
+  public uint struct_size, level;
+  public ulong frame, budget_ns, target_ns, elapsed_ns, mandatory_ns, last_unit_ns, longest_unit_ns;
+  public uint clock_fault;
+  [CName("stages[0]")] public sandglass_stage_report granular;
+  [CName("stages[1]")] public sandglass_stage_report refine;
+  [CName("stages[2]")] public sandglass_stage_report output;
+  public double simulated_time, time_debt;
+  public float grain_lag, substep;
+  public uint substeps, list_builds, particles, awake, grains, awake_grains, dropped_contacts, quarantined;
+  public uint ignored_colliders, particle_numbers, grain_numbers;
+  public ulong emitted_particles, emitted_grains, removed_particles, removed_grains, denied_particles;
+  public float speed_max;
+  public sandglass_plan plan;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_mesh {
+  public float* vertices;
+  public uint vertex_count;
+  public uint* indices;
+  public uint triangle_count;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_sample_options {
+  public uint struct_size, tries;
+  public ulong seed;
+  public int metric;
+  public IntPtr progress;
+  public IntPtr user;
+}
+
+public static unsafe class Native {
+#if UNITY_IOS && !UNITY_EDITOR
+  const string k_library = "__Internal";  // linked into the app
+#else
+  const string k_library = "sandglass";  // libsandglass.so, libsandglass.dylib
+#endif
+
+  public const int SANDGLASS_VERSION_MAJOR = 0, SANDGLASS_VERSION_MINOR = 1;
+  public const int SANDGLASS_OK = 0, SANDGLASS_ERROR_INVALID_ARGUMENT = 1, SANDGLASS_ERROR_MEMORY_TOO_SMALL = 2,
+                   SANDGLASS_ERROR_MEMORY_ALIGNMENT = 3, SANDGLASS_ERROR_CAPACITY = 4, SANDGLASS_ERROR_UNSUPPORTED = 5,
+                   SANDGLASS_ERROR_REPLAY = 6;
+  public const int SANDGLASS_BLOCK_ALIGNMENT = 64;
+  public const int SANDGLASS_ISA_AUTOMATIC = 0, SANDGLASS_ISA_SCALAR = 1, SANDGLASS_ISA_NEON = 2, SANDGLASS_ISA_AVX2 = 3,
+                   SANDGLASS_ISA_AVX512 = 4;
+  public const int SANDGLASS_SCHEME_SMALL_STEP = 0, SANDGLASS_SCHEME_AVERAGED = 1;
+  public const int SANDGLASS_BLEND_CONTINUOUS = 0, SANDGLASS_BLEND_SOURCE = 1;
+  public const int SANDGLASS_LEVEL_FULL = 0, SANDGLASS_LEVEL_REFINE_ONCE = 1, SANDGLASS_LEVEL_KEEP_LISTS = 2,
+                   SANDGLASS_LEVEL_COARSE = 3, SANDGLASS_LEVEL_COARSER = 4, SANDGLASS_LEVEL_SLOW_MOTION = 5,
+                   SANDGLASS_LEVEL_COUNT = 6;
+  public const int SANDGLASS_SHAPE_HALF_SPACE = 0, SANDGLASS_SHAPE_SPHERE = 1, SANDGLASS_SHAPE_CAPSULE = 2,
+                   SANDGLASS_SHAPE_BOX = 3, SANDGLASS_SHAPE_FIELD = 4;
+  public const int SANDGLASS_STAGE_GRANULAR = 0, SANDGLASS_STAGE_REFINE = 1, SANDGLASS_STAGE_OUTPUT = 2,
+                   SANDGLASS_STAGE_COUNT = 3;
+  public const int SANDGLASS_PLAN_RUNS = 48;
+  public const int SANDGLASS_INSIDE_PARITY = 0, SANDGLASS_INSIDE_WINDING = 1;
+  public const int SANDGLASS_METRIC_EUCLIDEAN = 0, SANDGLASS_METRIC_GEODESIC = 1;
+  public const int SANDGLASS_SOLID_INSIDE = 0, SANDGLASS_SOLID_OUTSIDE = 1;
+
+  // The sentence behind a `reason` or a name; null for NULL.
+  public static string Text(IntPtr sentence) { return sentence == IntPtr.Zero ? null : Marshal.PtrToStringAnsi(sentence); }
+
+  // ------------------------------------------------------------------------------------------------ sandglass.h
+  [DllImport(k_library)] public static extern IntPtr sandglass_status_name(int status);
+  [DllImport(k_library)] public static extern sandglass_clock sandglass_clock_system();
+  [DllImport(k_library)] public static extern sandglass_trace sandglass_trace_system();
+  [DllImport(k_library)] public static extern IntPtr sandglass_isa_name(int isa);
+  [DllImport(k_library)] public static extern int sandglass_isa_available(int isa);
+  [DllImport(k_library)] public static extern void sandglass_scene_desc_default(out sandglass_scene_desc desc);
+  [DllImport(k_library)] public static extern int sandglass_scene_bytes(ref sandglass_scene_desc desc, out ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_scene_create(ref sandglass_scene_desc desc, IntPtr block, ulong bytes, out IntPtr scene, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_scene_reset(IntPtr scene);
+  [DllImport(k_library)] public static extern int sandglass_scene_move(IntPtr scene, float[] rotation, float[] translation, out IntPtr reason);
+  [DllImport(k_library)] public static extern ulong sandglass_scene_save_bytes(IntPtr scene);
+  [DllImport(k_library)] public static extern int sandglass_scene_save(IntPtr scene, byte[] data, ulong bytes, out ulong written, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_scene_restore(IntPtr scene, byte[] data, ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern uint sandglass_scene_regions(IntPtr scene, [Out] sandglass_region[] regions, uint capacity);
+  [DllImport(k_library)] public static extern int sandglass_scene_isa(IntPtr scene);
+  [DllImport(k_library)] public static extern int sandglass_granular_add(IntPtr scene, float[] particle_positions, float[] particle_velocities, uint particle_count, float[] grain_positions, float[] grain_velocities, uint grain_count, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_granular_remove(IntPtr scene, ref sandglass_collider region, out uint particles, out uint grains, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_body_default(out sandglass_body body);
+  [DllImport(k_library)] public static extern int sandglass_granular_add_body(IntPtr scene, ref sandglass_body body, out uint index, out IntPtr reason);
+  [DllImport(k_library)] public static extern sandglass_body_pose sandglass_granular_body_pose(IntPtr scene, uint index);
+  [DllImport(k_library)] public static extern int sandglass_granular_set_boundary(IntPtr scene, float[] positions, uint count, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_granular_set_friction(IntPtr scene, float static_friction, float kinetic_friction, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_frame_input_default(out sandglass_frame_input input);
+  [DllImport(k_library)] public static extern int sandglass_scene_frame(IntPtr scene, ref sandglass_frame_input input, ref sandglass_frame_report report, out IntPtr reason);
+  [DllImport(k_library)] public static extern IntPtr sandglass_level_describe(uint level);  // sandglass_level*
+  [DllImport(k_library)] public static extern IntPtr sandglass_level_name(uint level);
+  [DllImport(k_library)] public static extern void sandglass_granular_particles(IntPtr scene, [Out] float[] positions, [Out] float[] velocities);
+  [DllImport(k_library)] public static extern void sandglass_granular_grains(IntPtr scene, [Out] float[] positions, [Out] float[] velocities);
+  [DllImport(k_library)] public static extern ulong sandglass_scene_hash(IntPtr scene);
+
+  // ------------------------------------------------------------------------------------------------ sampling.h
+  [DllImport(k_library)] public static extern int sandglass_sample_disk(float radius, uint count, [Out] float[] points, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_sphere(float radius, uint count, [Out] float[] points, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_ring(float radius, float theta_a, float theta_b, uint count, [Out] float[] points, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_mesh_bounds(ref sandglass_mesh mesh, [Out] float[] bounds_min, [Out] float[] bounds_max, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_mesh_area(ref sandglass_mesh mesh, out double area, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_mesh_winding_number(ref sandglass_mesh mesh, float[] point, out double winding, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_mesh_inside_bytes(ref sandglass_mesh mesh, int rule, out ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_mesh_inside_create(ref sandglass_mesh mesh, int rule, IntPtr block, ulong bytes, out IntPtr inside, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_mesh_inside_test(IntPtr inside, float[] point);
+  [DllImport(k_library)] public static extern void sandglass_sample_options_default(out sandglass_sample_options options);
+  [DllImport(k_library)] public static extern int sandglass_sample_surface_capacity(ref sandglass_mesh mesh, float distance, ref sandglass_sample_options options, out uint capacity, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_surface_bytes(ref sandglass_mesh mesh, float distance, ref sandglass_sample_options options, uint capacity, out ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_surface(ref sandglass_mesh mesh, float distance, ref sandglass_sample_options options, IntPtr scratch, ulong scratch_bytes, [Out] float[] points, uint capacity, out uint count, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_volume_capacity(float[] bounds_min, float[] bounds_max, float distance, out uint capacity, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_volume_bytes(float[] bounds_min, float[] bounds_max, float distance, uint capacity, out ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_volume(float[] bounds_min, float[] bounds_max, float distance, InsideFunction inside, IntPtr inside_user, ref sandglass_sample_options options, IntPtr scratch, ulong scratch_bytes, [Out] float[] points, uint capacity, out uint count, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_lattice_capacity(float[] bounds_min, float[] bounds_max, float distance, out uint capacity, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_lattice_bytes(float[] bounds_min, float[] bounds_max, float distance, out ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_lattice(float[] bounds_min, float[] bounds_max, float distance, InsideFunction inside, IntPtr inside_user, ref sandglass_sample_options options, IntPtr scratch, ulong scratch_bytes, [Out] float[] points, uint capacity, out uint count, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_power(float[] points, uint count, float[] frequency, out double power, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_sample_spectrum(float[] points, uint count, float frequency_max, uint bins, uint directions, int planar, [Out] double[] power, out IntPtr reason);
+
+  // ------------------------------------------------------------------------------------------------ field.h
+  [DllImport(k_library)] public static extern int sandglass_field_bytes(float[] bounds_min, float[] bounds_max, float spacing, out ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_field_from_function(float[] bounds_min, float[] bounds_max, float spacing, int solid, DistanceFunction distance, IntPtr user, IntPtr block, ulong bytes, out IntPtr field, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_field_from_mesh(ref sandglass_mesh mesh, InsideFunction inside, IntPtr inside_user, float[] bounds_min, float[] bounds_max, float spacing, float band, int solid, IntPtr block, ulong bytes, out IntPtr field, out IntPtr reason);
+  [DllImport(k_library)] public static extern float sandglass_field_distance(IntPtr field, float[] point, [Out] float[] normal);
+  [DllImport(k_library)] public static extern int sandglass_field_bounds(IntPtr field, [Out] float[] bounds_min, [Out] float[] bounds_max);
+}
+
+}  // namespace Sandglass

@@ -1,0 +1,41 @@
+// A grain: a square that faces the camera, cut round and shaded as a sphere.
+Shader "Sandglass/Sand" {
+  Properties { _Color ("Colour", Color) = (0.76, 0.62, 0.40, 1) }
+  SubShader {
+    Tags { "RenderType" = "Opaque" "Queue" = "AlphaTest" }
+    Pass {
+      CGPROGRAM
+      #pragma target 4.5
+      #pragma vertex vertex
+      #pragma fragment fragment
+      #include "UnityCG.cginc"
+
+      struct Grain { float3 position; float speed; };
+      StructuredBuffer<Grain> _Grains;
+      float4x4 _FromScene;
+      float _Radius;
+      fixed4 _Color;
+
+      struct Corner { float4 position : SV_POSITION; float2 at : TEXCOORD0; };
+
+      Corner vertex(uint index : SV_VertexID) {
+        static const float2 corners[6] = { float2(-1, -1), float2(1, -1), float2(1, 1), float2(-1, -1), float2(1, 1), float2(-1, 1) };
+        Grain grain = _Grains[index / 6];
+        float3 place = grain.position * float3(-1, 1, 1);  // right-handed to left-handed
+        float4 view = mul(UNITY_MATRIX_V, mul(_FromScene, float4(place, 1)));
+        Corner corner;
+        corner.at = corners[index % 6];
+        view.xy += _Radius * corner.at;
+        corner.position = mul(UNITY_MATRIX_P, view);
+        return corner;
+      }
+
+      fixed4 fragment(Corner corner) : SV_Target {
+        float r2 = dot(corner.at, corner.at);
+        clip(1 - r2);
+        return fixed4(_Color.rgb * (0.45 + 0.55 * sqrt(1 - r2)), 1);
+      }
+      ENDCG
+    }
+  }
+}
