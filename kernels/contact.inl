@@ -94,10 +94,10 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       Float overlap = d - diameter;  // negative
       Float along = zero;
       if (k_solve) {
-        // What an overlap may add to the speed of separation is limited: the rest of it goes in later sub-steps.
+        // The speed at which an overlap may drive a pair apart is limited: the rest of it goes in later sub-steps.
         along = dot3(rx, ry, rz, nx, ny, nz);
         overlap =
-            maximum(overlap, broadcast(a->inverse_relaxation) * (minimum(along, zero) - broadcast(a->separation_max)));
+            maximum(overlap, broadcast(a->inverse_relaxation) * minimum(along - broadcast(a->separation_max), zero));
       }
       // Shares of the correction: all of it against what does not move, else by inverse mass.
       Float mine = select(free, half, one);
@@ -130,7 +130,14 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
     }
 
     Float factor = omega;
-    if (a->averaged != 0) factor = minimum(omega / maximum(contacts, one), one);
+    if (a->averaged != 0) {
+      factor = minimum(omega / maximum(contacts, one), one);
+    } else {
+      // Twelve spheres touch one; more are a heap of coincident ones, whose corrections must not add up.
+      const Float crowd = minimum(broadcast(12.0f) / maximum(contacts, one), one);
+      const Float crowd2 = crowd * crowd;
+      factor = omega * (crowd2 * crowd2);
+    }
     lx = factor * lx, ly = factor * ly, lz = factor * lz;
     const Float rise = dot3(lx, ly, lz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
     const Float lift_max = broadcast(a->lift_max);

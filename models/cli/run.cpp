@@ -78,6 +78,15 @@ void write_reports(const std::string& folder, const RunReport& report) {
   write_file((out / "summary.txt").string(), report_summary_text(report));
 }
 
+// Without what was removed.
+std::vector<float> present(const std::vector<float>& positions) {
+  std::vector<float> left;
+  left.reserve(positions.size());
+  for (size_t i = 0; i < positions.size(); i += 3)
+    if (positions[i + 1] != SANDGLASS_REMOVED_Y) left.insert(left.end(), &positions[i], &positions[i] + 3);
+  return left;
+}
+
 struct Run {
   const Options& options;
   SceneFile scene;
@@ -149,7 +158,8 @@ struct Run {
   void take_snapshot(uint32_t frame, std::vector<sandglass_collider> colliders) {
     Snapshot snapshot;
     snapshot.frame = frame, snapshot.time = frame * scene.frame_step;
-    snapshot.grains = simulation->grain_positions(), snapshot.particles = simulation->particle_positions();
+    snapshot.grains = present(simulation->grain_positions()),
+    snapshot.particles = present(simulation->particle_positions());
     snapshot.shadows = shadows->drawn(colliders);
     snapshot.colliders = std::move(colliders);
     if (scene.light) snapshot.to_light = scene.light->towards(static_cast<double>(frame) / scene.frames);
@@ -162,6 +172,7 @@ struct Run {
   // One frame by clock and budget, or as recorded.
   sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
     shadows->set_light(scene, frame);
+    simulation->flow(flow_over_frame(scene, frame * scene.frame_step));
     if (options.replay.empty()) {
       *colliders = colliders_over_frame(scene, frame);
       add_rigid_shapes(scene, simulation->handle(), colliders);

@@ -292,14 +292,19 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
     input.sinks = &sink, input.sink_count = 1;
     Discharge point;
     point.orifice_d = orifice_d;
-    for (uint32_t frame = 0; frame < frames_in(setting.settle_seconds); ++frame) simulation.frame(input), step();
     sandglass_frame_report report = simulation.frame(input);
+    const uint32_t settle_frames = frames_in(setting.settle_seconds);
+    for (uint32_t frame = 0; frame < settle_frames; ++frame) report = simulation.frame(input), step();
     const uint64_t start = report.removed_particles;
+    // Beverloo's own expectation says how long it takes until enough have come out.
+    const double expected =
+        0.58 * curve.packing * std::sqrt(k_gravity) * std::pow((orifice_d - k_beverloo_k) * d, 2.5) / sphere_volume(r);
+    const uint32_t frames =
+        frames_in(std::min(setting.measure_seconds, setting.enough_particles / expected) / k_quarters);
     std::array<double, k_quarters> rates;
     point.head_d = 1e30;
     for (double& rate : rates) {
       const uint64_t before = report.removed_particles;
-      const uint32_t frames = frames_in(setting.measure_seconds / k_quarters);
       for (uint32_t frame = 0; frame < frames; ++frame) report = simulation.frame(input), step();
       rate = static_cast<double>(report.removed_particles - before) / (frames * k_frame);
       // The bed's height beside the wall of the silo's middle: where 12 d to 16 d from the axis the highest rest.
@@ -311,8 +316,7 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
       }
       point.head_d = std::min(point.head_d, quantile(heights, 0.98) / d);
     }
-    const double measured = frames_in(setting.measure_seconds / k_quarters) * k_quarters * k_frame;
-    point.rate = static_cast<double>(report.removed_particles - start) / measured;
+    point.rate = static_cast<double>(report.removed_particles - start) / (frames * k_quarters * k_frame);
     for (const double rate : rates) point.unsteady = std::max(point.unsteady, std::fabs(rate / point.rate - 1.0));
     const double opening = (orifice_d - k_beverloo_k) * d;
     point.coefficient = point.rate * sphere_volume(r) / (curve.packing * std::sqrt(k_gravity) * std::pow(opening, 2.5));

@@ -56,7 +56,9 @@ struct Discharge {
 };
 struct DischargeSetting {
   std::vector<double> orifices_d;
-  double settle_seconds = 1.0, measure_seconds = 2.0;
+  double settle_seconds = 0.6;
+  double measure_seconds = 4.0;      // at most;
+  double enough_particles = 3000.0;  // less time where so many come out
 };
 struct DischargeCurve {
   std::vector<Discharge> points;

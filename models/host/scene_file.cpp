@@ -23,6 +23,7 @@ namespace {
 
 constexpr uint32_t k_count_limit = 100'000'000;  // particles, grains, frames: far above what memory holds
 constexpr uint32_t k_collider_limit = 256;       // of the public API
+constexpr uint32_t k_flow_limit = 64;            // of the public API: emitters, sinks
 constexpr double k_length_limit = SANDGLASS_COORDINATE_LIMIT;
 
 std::string number_text(double value) {
@@ -312,6 +313,24 @@ void read_light(Reader reader, std::optional<LightTrack>* light) {
   *light = read;
 }
 
+EmitterTrack read_emitter(Reader& reader) {
+  EmitterTrack track;
+  const Vec3 position = reader.vector("position", {}, -k_length_limit, k_length_limit);
+  const Quaternion rotation = reader.rotation("rotation");
+  track.emitter.position[0] = static_cast<float>(position.x);
+  track.emitter.position[1] = static_cast<float>(position.y);
+  track.emitter.position[2] = static_cast<float>(position.z);
+  for (size_t i = 0; i < 4; ++i) track.emitter.rotation[i] = static_cast<float>(rotation[i]);
+  if (!reader.has("radius")) reader.refuse("radius", "is missing; give the nozzle's radius in metres");
+  track.emitter.radius = reader.real("radius", 0.0f, 1e-4, 100.0);
+  track.emitter.speed = reader.real("speed", 0.5f, 1e-3, 100.0);
+  track.emitter.grains_per_particle = reader.integer("grains_per_particle", 0, 0, 64);
+  track.start = reader.number("start", 0.0, 0.0, 1e6);
+  track.end = reader.number("end", 1e6, 0.0, 1e6);
+  if (track.end < track.start) reader.refuse("end", "lies before \"start\"");
+  return track;
+}
+
 void read_camera(Reader reader, std::optional<Camera>* camera) {
   Camera read;
   read.eye = reader.vector("eye", {0.5, 0.5, 1.0}, -10.0 * k_length_limit, 10.0 * k_length_limit);
@@ -368,12 +387,26 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   reader.each("bodies", 1000, [&](Reader& entry) { scene.bodies.push_back(read_body(entry)); });
   reader.each("colliders", k_collider_limit, [&](Reader& entry) { scene.colliders.push_back(read_collider(entry)); });
   if (reader.has("light")) read_light(reader.child("light"), &scene.light);
+  reader.each("emitters", k_flow_limit, [&](Reader& entry) { scene.emitters.push_back(read_emitter(entry)); });
+  reader.each("sinks", k_flow_limit, [&](Reader& entry) {
+    scene.sinks.push_back(read_collider(entry));
+    if (scene.sinks.back().shape == SANDGLASS_SHAPE_FIELD || !scene.sinks.back().motion.empty())
+      entry.refuse("shape", "must be a resting half_space, sphere, capsule or box in a sink");
+  });
   if (reader.has("camera")) read_camera(reader.child("camera"), &scene.camera);
   reader.finish();
   const bool shaded = std::any_of(scene.colliders.begin(), scene.colliders.end(),
                                   [](const ColliderTrack& track) { return !track.shadow.empty(); });
   if (shaded && !scene.light) reader.refuse("light", "is missing, but a collider has a \"shadow\"; give it");
-  if (scene.bodies.empty()) reader.refuse("bodies", "is missing or empty; name at least one body to fill with sand");
+  if (scene.bodies.empty() && scene.emitters.empty())
+    reader.refuse("bodies", "is missing or empty; name at least one body to fill with sand, or an emitter");
+  const bool pours_grains = std::any_of(scene.emitters.begin(), scene.emitters.end(), [](const EmitterTrack& track) {
+    return track.emitter.grains_per_particle > 0;
+  });
+  if (!scene.emitters.empty() && scene.granular.particle_capacity == 0)
+    reader.refuse("particle_capacity", "is missing; say how many particles the emitters may fill the scene with");
+  if (pours_grains && scene.granular.grain_capacity == 0)
+    reader.refuse("grain_capacity", "is missing; say how many grains the emitters may fill the scene with");
   const bool radius_follows = std::any_of(scene.bodies.begin(), scene.bodies.end(),
                                           [](const Body& body) { return body.size.y > 0.0 && body.particles > 0; });
   if (scene.particle_radius == 0.0 && !radius_follows)
@@ -474,6 +507,15 @@ sandglass_collider collider_over_frame(const ColliderTrack& track, double time, 
   return collider;
 }
 
+Flow flow_over_frame(const SceneFile& scene, double time) {
+  Flow flow;
+  for (const EmitterTrack& track : scene.emitters)
+    if (time >= track.start && time < track.end) flow.emitters.push_back(track.emitter);
+  for (const ColliderTrack& track : scene.sinks)
+    flow.sinks.push_back(collider_over_frame(track, time, scene.frame_step));
+  return flow;
+}
+
 float drawn_grain_radius(double particle_radius, uint32_t particles, uint32_t grains) {
   constexpr double k_fill =
       0.9;  // a little less than the particles' own volume: grains also fill the pores between them
@@ -492,8 +534,12 @@ sandglass_scene_desc describe_scene(const SceneFile& scene, uint32_t particles, 
   std::copy_n(scene.gravity, 3, desc.gravity);
   desc.granular = scene.granular;
   desc.granular.particle_radius = static_cast<float>(scene.particle_radius);
+  desc.granular.emitter_capacity = static_cast<uint32_t>(scene.emitters.size());
+  desc.granular.sink_capacity = static_cast<uint32_t>(scene.sinks.size());
   // Grains rest on the floor as they are drawn.
-  if (grains > 0) desc.granular.grain_radius = drawn_grain_radius(scene.particle_radius, particles, grains);
+  uint32_t standing_for = particles, drawn = grains;
+  for (const EmitterTrack& track : scene.emitters) ++standing_for, drawn += track.emitter.grains_per_particle;
+  if (drawn > 0) desc.granular.grain_radius = drawn_grain_radius(scene.particle_radius, standing_for, drawn);
   const auto fit = [&](uint32_t* capacity, uint32_t need, const char* key) {
     if (*capacity == 0) *capacity = need;
     if (*capacity < need)

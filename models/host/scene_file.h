@@ -34,6 +34,9 @@
 //     shadow              of a mesh that stands upright: its baked shadow, a file or the name of one in models/shadows
 //   light                 {polar, azimuth}: degrees from the zenith, and about it from x towards z; [from, to] over the
 //                         run, or one number. Needed where a collider has a shadow
+//   emitters              [{position, rotation, radius, speed, grains_per_particle, start, end}]: sand leaves along the
+//                         nozzle's -y from `start` to `end`; needs particle_capacity and, with grains, grain_capacity
+//   sinks                 [{shape "half_space"|"sphere"|"capsule"|"box", position, rotation, size}]: what removes sand
 //   camera                {eye, target, fov_deg}; left out: follows from what is seen
 #pragma once
 
@@ -94,6 +97,17 @@ struct LightTrack {
   Vec3 towards(double share) const;                         // of the run that is over, 0..1
 };
 
+struct EmitterTrack {
+  sandglass_emitter emitter = {};
+  double start = 0.0, end = 1e6;  // seconds
+};
+
+// What pours and what swallows during one frame.
+struct Flow {
+  std::vector<sandglass_emitter> emitters;
+  std::vector<sandglass_collider> sinks;
+};
+
 struct SceneFile {
   std::string name, source;  // source: what error sentences call it
   uint32_t frames = 100;
@@ -104,7 +118,8 @@ struct SceneFile {
   sandglass_granular_desc granular =
       {};  // defaults, with the file's values over them; capacities 0 where the file gives none
   std::vector<Body> bodies;
-  std::vector<ColliderTrack> colliders;
+  std::vector<ColliderTrack> colliders, sinks;
+  std::vector<EmitterTrack> emitters;
   std::optional<LightTrack> light;
   std::optional<Camera> camera;
 };
@@ -119,6 +134,9 @@ SceneFile load_scene(const std::string& name_or_path);
 
 // The collider over the frame that begins at `time`: its pose at the frame's end, its velocities at the frame's middle.
 sandglass_collider collider_over_frame(const ColliderTrack& track, double time, double frame_step);
+
+// What pours during the frame that begins at `time`, and all sinks.
+Flow flow_over_frame(const SceneFile& scene, double time);
 
 // Radius at which grains are drawn: together they have about the volume of the particles; never larger than one of
 // those.

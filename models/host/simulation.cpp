@@ -64,6 +64,10 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   input.colliders = colliders.data();
   input.collider_count = static_cast<uint32_t>(colliders.size());
   input.plan = plan;
+  input.emitters = flow_.emitters.data();
+  input.emitter_count = static_cast<uint32_t>(flow_.emitters.size());
+  input.sinks = flow_.sinks.data();
+  input.sink_count = static_cast<uint32_t>(flow_.sinks.size());
   input.shadows = shadows.data();
   input.shadow_count = static_cast<uint32_t>(shadows.size());
   return frame(input);

@@ -26,6 +26,9 @@ class Simulation {
   // The frame that the input describes, but for where grains are written.
   sandglass_frame_report frame(sandglass_frame_input input);
 
+  // What pours and what swallows from the next frame on.
+  void flow(Flow flow) { flow_ = std::move(flow); }
+
   // Refreshed by each call; 3 floats an item, as many items as were added or emitted.
   const std::vector<float>& particle_positions();
   const std::vector<float>& particle_velocities();
@@ -39,6 +42,7 @@ class Simulation {
   sandglass_scene* scene_ = nullptr;
   Block block_;
   uint64_t bytes_ = 0;
+  Flow flow_;
   uint32_t particles_ = 0, grains_ = 0;
   std::vector<float> positions_, velocities_, grain_positions_, grain_velocities_;
   std::vector<sandglass_grain> output_;  // stands for the app's buffer

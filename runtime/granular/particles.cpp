@@ -25,6 +25,10 @@ constexpr float k_lift_gravities = 2.0f;
 // need n g dt to carry n layers, and stay far below the limit up to 100 of them.
 constexpr float k_separation_units = 1.0f;
 
+// Sand under a heavy body carries its weight as so many layers more, up to a density ratio of this: sand that may be
+// driven apart faster is thrown about by bodies a thousand times as dense.
+constexpr float k_heaviest_counted = 10.0f;
+
 // Pairs closer than this when the lists were built come first in them, in radii: contacts, and those of the next few
 // sub-steps.
 constexpr float k_near_radii = 2.1f;
@@ -364,7 +368,8 @@ void run_pass(Granular* g) {
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
   a.lift_max = k_lift_gravities * g->gravity_length * dt * dt / static_cast<float>(g->iterations);
   a.inverse_relaxation = 1.0f / g->desc.relaxation;
-  const float heaviest = g->densest_body > 1.0f ? g->densest_body : 1.0f;
+  const float heaviest =
+      g->densest_body < 1.0f ? 1.0f : (g->densest_body < k_heaviest_counted ? g->densest_body : k_heaviest_counted);
   a.separation_max = a.averaged != 0 ? 1e6f : k_separation_units * heaviest * granular_speed_scale(*g) * dt;
   const bool first = solve && g->pass == 0;
   a.scale = first ? dt : 1.0f;

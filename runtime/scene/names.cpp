@@ -2,6 +2,7 @@
 #include "kernels/kernels.h"
 #include "runtime/granular/ladder.h"
 #include "sandglass/sandglass.h"
+#include "sandglass/shadow.h"
 
 const char* sandglass_status_name(sandglass_status status) {
   switch (status) {
@@ -36,6 +37,10 @@ const char* sandglass_isa_name(sandglass_isa isa) {
       return "avx2";
     case SANDGLASS_ISA_AVX512:
       return "avx512";
+    case SANDGLASS_ISA_NEON_DOTPROD:
+      return "neon_dotprod";
+    case SANDGLASS_ISA_NEON_I8MM:
+      return "neon_i8mm";
     default:
       return nullptr;
   }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Executed ARM instructions per item and per frame, against the committed ones.
 
-    count.py --emulator qemu-aarch64 -L DIR --plugin FILE --program FILE --compiler TEXT --baseline FILE [--write] [--control]
+    count.py sand|shadow --emulator COMMAND --plugin FILE --program COMMAND --compiler TEXT --baseline FILE [--write] [--control]
 
 Runs the workload under the emulator with count_plugin, prints the table, and fails when a line has grown by more than 2 %. The
 numbers belong to one compiler; with another the table is printed and the test is skipped (exit code 77). --write replaces the
@@ -17,30 +17,39 @@ import tempfile
 GROWTH_ALLOWED = 1.02
 
 # metric, the functions it sums up (None: all), and the number printed by the workload that it is divided by
-METRICS = [
-    ("contact_solve per particle and iteration", r"::contact_solve\(", "particle_iterations"),
-    ("neighbour_lists per particle and build", r"::neighbour_lists\(", "particle_builds"),
-    ("refine_grains per grain and sweep", r"::refine_grains\(", "grain_sweeps"),
-    ("output per grain", r"::run_output\(", "grains_written"),
-    ("whole frame", None, "frames"),
-]
+METRICS = {
+    "sand": [
+        ("contact_solve per particle and iteration", r"::contact_solve\(", "particle_iterations"),
+        ("neighbour_lists per particle and build", r"::neighbour_lists\(", "particle_builds"),
+        ("refine_grains per grain and sweep", r"::refine_grains\(", "grain_sweeps"),
+        ("output per grain", r"::run_output\(", "grains_written"),
+        ("whole frame", None, "frames"),
+    ],
+    "shadow": [
+        ("int8 kernels per texel", r"sandglass::int8_", "texels"),
+        ("int8 kernels per thousand multiply-adds", r"sandglass::int8_", "thousand_macs"),
+        ("whole texture", None, "textures"),
+    ],
+}
 
 
 def run(arguments):
     with tempfile.TemporaryDirectory() as folder:
         counts_file = pathlib.Path(folder) / "counts"
-        command = [*arguments.emulator.split(" "), "-plugin", f"{arguments.plugin},out={counts_file}", arguments.program]
+        command = [*arguments.emulator.split(" "), "-plugin", f"{arguments.plugin},out={counts_file}", *arguments.program.split(" ")]
         printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
         counts = counts_file.read_text()
     names = subprocess.run(["c++filt"], input=counts, check=True, capture_output=True, text=True).stdout
     functions = [(int(line.split(" ", 1)[0]), line.split(" ", 1)[1]) for line in names.splitlines()]
     items = dict(line.split(" ", 1) for line in printed.splitlines())
-    items["grains_written"] = int(items["grains"]) * int(items["frames"])
+    if "grains" in items:
+        items["grains_written"] = int(items["grains"]) * int(items["frames"])
     return functions, items
 
 
 def main():
     parser = argparse.ArgumentParser()
+    parser.add_argument("suite", choices=METRICS)
     for name in ("emulator", "plugin", "program", "compiler", "baseline"):
         parser.add_argument("--" + name, required=True)
     parser.add_argument("--write", action="store_true")
@@ -49,7 +58,7 @@ def main():
 
     functions, items = run(arguments)
     measured = {}
-    for metric, pattern, divisor in METRICS:
+    for metric, pattern, divisor in METRICS[arguments.suite]:
         total = sum(count for count, name in functions if pattern is None or re.search(pattern, name))
         if total == 0:
             sys.exit(f"no function matches {pattern}: the workload was built without symbols")
@@ -62,7 +71,7 @@ def main():
     first, *lines = baseline_path.read_text().splitlines()
     baseline = {line.split(" ", 1)[1]: float(line.split(" ", 1)[0]) for line in lines}
 
-    print(f"{items['isa']} kernels, {items['particles']} particles, {items['grains']} grains, {arguments.compiler}")
+    print(f"{arguments.suite}, {items['isa']} kernels, {arguments.compiler}")
     grown = []
     for metric, value in measured.items():
         limit = baseline[metric] * (0.95 if arguments.control else GROWTH_ALLOWED)

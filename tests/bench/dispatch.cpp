@@ -1,9 +1,10 @@
-// What a CPU model offers and which table of kernels is chosen for it: one line, compared by dispatch.sh. With the
+// What a CPU model offers and which tables of kernels are chosen for it: one line, compared by dispatch.sh. With the
 // argument `sdot` it executes one dot-product instruction instead: the control, which must die of SIGILL where the
 // model has none.
 #include <cstdio>
 #include <cstring>
 
+#include "kernels/int8.h"
 #include "kernels/kernels.h"
 #include "platform/cpu_features.h"
 
@@ -13,6 +14,7 @@ int main(int count, char** arguments) {
     return std::puts("sdot executed") < 0;
   }
   const sandglass::CpuFeatures cpu = sandglass::cpu_features();
-  std::printf("neon %d dotprod %d i8mm %d table %s\n", cpu.neon, cpu.dotprod, cpu.i8mm,
-              sandglass_isa_name(sandglass::select_kernels(SANDGLASS_ISA_AUTOMATIC)->isa));
+  std::printf("neon %d dotprod %d i8mm %d table %s int8 %s\n", cpu.neon, cpu.dotprod, cpu.i8mm,
+              sandglass_isa_name(sandglass::select_kernels(SANDGLASS_ISA_AUTOMATIC)->isa),
+              sandglass_isa_name(sandglass::select_int8_kernels(SANDGLASS_ISA_AUTOMATIC)->isa));
 }

@@ -81,6 +81,7 @@ TEST_P(EveryScene, RunsWithoutTrapsAndRepeatsOnAnotherInstructionSet) {
     simulation.add(material);
     for (uint32_t frame = 0; frame < k_frames; ++frame) {
       std::vector<sandglass_collider> colliders = colliders_over_frame(scene, frame);
+      simulation.flow(flow_over_frame(scene, frame * scene.frame_step));
       add_rigid_shapes(scene, simulation.handle(), &colliders);
       sandglass_frame_report report;
       {

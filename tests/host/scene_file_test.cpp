@@ -87,6 +87,12 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"\"position\"", "\"rigid\": 2, \"grains\": 10, \"position\"", "\"bodies[0].grains\""},
         Refusal{"\"position\"", "\"angular_velocity\": [1, 0, 0], \"position\"", "\"bodies[0].angular_velocity\""},
         Refusal{"{\"shape\": \"half_space\"}", "7", "\"colliders[0]\""},
+        Refusal{"\"name\"", "\"emitters\": [{\"radius\": 0.05}], \"name\"", "\"particle_capacity\""},
+        Refusal{"\"name\"", "\"particle_capacity\": 10, \"emitters\": [{}], \"name\"", "\"emitters[0].radius\""},
+        Refusal{"\"name\"",
+                "\"particle_capacity\": 10, \"emitters\": [{\"radius\": 1, \"grains_per_particle\": 8}], \"name\"",
+                "\"grain_capacity\""},
+        Refusal{"\"name\"", "\"sinks\": [{\"shape\": \"mesh\", \"size\": 1}], \"name\"", "\"sinks[0].shape\""},
         Refusal{"\"name\"", "\"frames\": 0, \"name\"", "\"frames\""},
         Refusal{"\"name\"", "\"frames\": 1.5, \"name\"", "\"frames\""},
         Refusal{"\"name\"", "\"frames\": \"ten\", \"name\"", "\"frames\""},
@@ -123,6 +129,21 @@ TEST(SceneFile, RefusesACapacityBelowTheNeed) {
   const SceneFile scene = parse_scene(changed("\"name\"", "\"particle_capacity\": 10, \"name\""), "test.json");
   EXPECT_THROW(describe_scene(scene, 11, 0), Failure);
   EXPECT_EQ(describe_scene(scene, 10, 0).granular.particle_capacity, 10u);
+}
+
+TEST(SceneFile, AnEmitterPoursFromItsStartToItsEnd) {
+  const SceneFile scene = parse_scene(
+      changed("\"name\"",
+              R"("particle_capacity": 9, "emitters": [{"radius": 0.05, "speed": 2, "start": 0.1, "end": 0.3}],
+    "sinks": [{"shape": "half_space", "position": [0, -1, 0]}], "name")"),
+      "test.json");
+  EXPECT_TRUE(flow_over_frame(scene, 0.08).emitters.empty());
+  ASSERT_EQ(flow_over_frame(scene, 0.2).emitters.size(), 1u);
+  EXPECT_EQ(flow_over_frame(scene, 0.2).emitters[0].speed, 2.0f);
+  EXPECT_TRUE(flow_over_frame(scene, 0.3).emitters.empty());
+  ASSERT_EQ(flow_over_frame(scene, 0.0).sinks.size(), 1u);
+  EXPECT_EQ(flow_over_frame(scene, 0.0).sinks[0].position[1], -1.0f);
+  EXPECT_EQ(describe_scene(scene, 0, 0).granular.emitter_capacity, 1u);
 }
 
 TEST(SceneFile, ACollidersMotionIsTheSumOfItsSegments) {

@@ -218,6 +218,7 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
   };
   *runs_into_sleeper = false;
   Vector sum, lift;
+  int contacts = 0;
   for (uint32_t j = 0; j < c.inert; ++j) {
     if (j == i || (j >= c.count && j < c.rows)) continue;
     if (body_of(c.records[i]) != 0 && body_of(c.records[i]) == body_of(c.records[j])) continue;
@@ -228,8 +229,10 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
     if (d >= 0.02) continue;
     if (weight(j) < 0) *runs_into_sleeper = true;
     const Vector n = (1 / d) * e;
-    const double z = k_weight * n.y, approach = std::max(0.0, -dot(relative, n));
-    const double overlap = solve ? std::max(d - 0.02, -(approach + k_separation) / k_omega) : d - 0.02;
+    const double z = k_weight * n.y;
+    const double overlap =
+        solve ? std::max(d - 0.02, std::min(0.0, dot(relative, n) - k_separation) / k_omega) : d - 0.02;
+    ++contacts;
     // The lower of two equal particles takes 1/2 + asymmetry; masses m = m exp(-k h) multiply that (erratum 4.38).
     const double asymmetry = -z / 4 + z * z * z / 48;
     const double share = fixed ? 1.0 : weight(i) / (weight(i) + weight(j));
@@ -242,8 +245,8 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
     sum = sum + (length(t) <= k_static * limit ? 1.0 : std::min(1.0, k_kinetic * limit / length(t))) * t;
   }
   // What the weighting adds raises by k_lift at most.
-  const double rise = k_omega * lift.y;
-  Vector move = moved(i) + k_omega * (sum + std::min(1.0, k_lift / std::max(rise, 1e-30)) * lift);
+  const double omega = k_omega * std::pow(std::min(1.0, 12.0 / std::max(contacts, 1)), 4), rise = omega * lift.y;
+  Vector move = moved(i) + omega * (sum + std::min(1.0, k_lift / std::max(rise, 1e-30)) * lift);
   const double depth = k_radius - (at(c.records[i]).y + move.y + 0.004);
   if (depth > 0) {
     if (solve) {

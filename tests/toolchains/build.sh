@@ -11,6 +11,11 @@ rm -rf "$output"
 mkdir -p "$output"
 fail() { echo "$*"; exit 1; }
 
+# iOS takes the headers of C++ from the cross compiler too; its SDK's own come first.
+cross=/usr/aarch64-linux-gnu/include
+cxx=$(echo "$cross"/c++/*)
+apple_cxx="-nostdinc++ -isystem $cxx -isystem $cxx/aarch64-linux-gnu -isystem $cross -D_GNU_SOURCE -U__nonnull -include stdint.h"
+
 case $preset in
   android)
     # A sysroot with the two libraries that the plug-in links, so that it links as it would for a phone.
@@ -20,14 +25,15 @@ case $preset in
     shared=(clang --target=aarch64-linux-android24 -shared -nostdlib -fuse-ld=lld -x c -)
     echo 'void ATrace_beginSection(const char* n) { (void)n; } void ATrace_endSection(void) {}' | "${shared[@]}" -o "$lib/libandroid.so"
     echo 'int m;' | "${shared[@]}" -o "$lib/libm.so"
-    # The C library of the stand-in: four functions of memory, the clock, the auxiliary vector.
-    printf '#define F(f) void f(void) {}\nF(memcpy) F(memset) F(memmove) F(memcmp) F(clock_gettime) F(getauxval)\n' |
+    # The C library of the stand-in: what it has of memory and strings, the clock, the auxiliary vector.
+    printf '#define F(f) void f(void) {}\nF(memcpy) F(memset) F(memmove) F(memcmp) F(strncmp) F(clock_gettime) F(getauxval)\n' |
       "${shared[@]}" -fno-builtin -o "$lib/libc.so"
     set -- -DANDROID_NDK="$output/ndk" "$@" ;;
-  ios) set -- -DCMAKE_OSX_SYSROOT="$here/stand_ins/iPhoneOS.sdk" "$@" ;;
+  ios) set -- -DCMAKE_OSX_SYSROOT="$here/stand_ins/iPhoneOS.sdk" -DCMAKE_CXX_FLAGS="-isystem $here/stand_ins/iPhoneOS.sdk/usr/include $apple_cxx" "$@" ;;
   ios-simulator)
     cp -r "$here/stand_ins/iPhoneOS.sdk" "$output/iPhoneSimulator.sdk"
-    set -- -DCMAKE_OSX_SYSROOT="$output/iPhoneSimulator.sdk" "$@" ;;
+    set -- -DCMAKE_OSX_SYSROOT="$output/iPhoneSimulator.sdk" \
+      -DCMAKE_CXX_FLAGS="-isystem $output/iPhoneSimulator.sdk/usr/include $apple_cxx" "$@" ;;
   *) fail "no preset $preset" ;;
 esac
 

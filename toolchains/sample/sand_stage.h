@@ -2,8 +2,10 @@
 // one call a frame that fills a mapped buffer with grains. Positions are those of the AR session's world: metres, y up,
 // which is also Sandglass's.
 //
-// Light and soft shadows have their place in `frame`, beside the sand: they read the camera image and give the light
-// that the renderer uses and the texture that the floor shows. The library does not have them yet.
+// Light and soft shadows have their place in `frame`. The samples draw no object, so they show no shadow: an app that
+// does makes a sandglass_shadow of the object's baked file beside the scene (shadow.h), calls
+// sandglass_shadow_set_light, passes it as input.shadows and draws the texture on the floor. The light would come from
+// the camera image; the library does not estimate it yet.
 #pragma once
 
 #include <cstdint>

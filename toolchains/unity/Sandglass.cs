@@ -1,5 +1,5 @@
-// The C API, one to one: names, layouts and order are those of sandglass.h, sampling.h and field.h, which document every
-// field. Sizes and offsets are compared with the C compiler's by tests/package, so a header that moved on fails there, not
+// The C API, one to one: names, layouts and order are those of sandglass.h, sampling.h, field.h and shadow.h, which
+// document every field. Sizes and offsets are compared with the C compiler's by tests/package, so a header that moved on fails there, not
 // on a phone. Nothing here allocates; what calls it every frame should keep its structs and arrays.
 //
 // Enumerations are int constants, as in C. Handles are IntPtr. Callbacks are delegates: keep a reference to each for as
@@ -156,6 +156,8 @@ public unsafe struct sandglass_frame_input {
   public float output_lag;
   public void* grains;
   public uint grain_stride, grain_capacity;
+  public IntPtr* shadows;
+  public uint shadow_count;
   public sandglass_plan* plan;
 }
 
@@ -171,14 +173,16 @@ public struct sandglass_frame_report {
   public ulong frame, budget_ns, target_ns, elapsed_ns, mandatory_ns, last_unit_ns, longest_unit_ns;
   public uint clock_fault;
   [CName("stages[0]")] public sandglass_stage_report granular;
-  [CName("stages[1]")] public sandglass_stage_report refine;
-  [CName("stages[2]")] public sandglass_stage_report output;
+  [CName("stages[1]")] public sandglass_stage_report shadow;
+  [CName("stages[2]")] public sandglass_stage_report refine;
+  [CName("stages[3]")] public sandglass_stage_report output;
   public double simulated_time, time_debt;
   public float grain_lag, substep;
   public uint substeps, list_builds, particles, awake, grains, awake_grains, dropped_contacts, quarantined;
   public uint ignored_colliders, particle_numbers, grain_numbers;
   public ulong emitted_particles, emitted_grains, removed_particles, removed_grains, denied_particles;
   public float speed_max;
+  public uint pending_shadows, shadow_age;
   public sandglass_plan plan;
 }
 
@@ -199,6 +203,40 @@ public struct sandglass_sample_options {
   public IntPtr user;
 }
 
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_shadow_desc {
+  public uint struct_size;
+  public int isa;
+  public IntPtr asset;
+  public ulong asset_bytes;
+  public int mode;
+  public uint threshold;
+  public float light_tolerance;
+  public uint light_count;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_shadow_info {
+  public uint struct_size, version;
+  public fixed float origin[3];
+  public float half_x, half_z, height, angular_diameter, polar_max;
+  public uint plane_fitted, width, layers;
+  public ulong macs_per_texel;
+  public float rmse_float, rmse_int8;
+  public uint validated_lights, float_parameters;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_shadow_texture {
+  public uint struct_size, valid;
+  public byte* coverage;
+  public fixed float low[2];
+  public fixed float high[2];
+  public fixed float light[3];
+  public float opacity;
+  public uint beyond, age, evaluated;
+}
+
 public static unsafe class Native {
 #if UNITY_IOS && !UNITY_EDITOR
   const string k_library = "__Internal";  // linked into the app
@@ -212,7 +250,7 @@ public static unsafe class Native {
                    SANDGLASS_ERROR_REPLAY = 6;
   public const int SANDGLASS_BLOCK_ALIGNMENT = 64;
   public const int SANDGLASS_ISA_AUTOMATIC = 0, SANDGLASS_ISA_SCALAR = 1, SANDGLASS_ISA_NEON = 2, SANDGLASS_ISA_AVX2 = 3,
-                   SANDGLASS_ISA_AVX512 = 4;
+                   SANDGLASS_ISA_AVX512 = 4, SANDGLASS_ISA_NEON_DOTPROD = 5, SANDGLASS_ISA_NEON_I8MM = 6;
   public const int SANDGLASS_SCHEME_SMALL_STEP = 0, SANDGLASS_SCHEME_AVERAGED = 1;
   public const int SANDGLASS_BLEND_CONTINUOUS = 0, SANDGLASS_BLEND_SOURCE = 1;
   public const int SANDGLASS_LEVEL_FULL = 0, SANDGLASS_LEVEL_REFINE_ONCE = 1, SANDGLASS_LEVEL_KEEP_LISTS = 2,
@@ -220,11 +258,13 @@ public static unsafe class Native {
                    SANDGLASS_LEVEL_COUNT = 6;
   public const int SANDGLASS_SHAPE_HALF_SPACE = 0, SANDGLASS_SHAPE_SPHERE = 1, SANDGLASS_SHAPE_CAPSULE = 2,
                    SANDGLASS_SHAPE_BOX = 3, SANDGLASS_SHAPE_FIELD = 4;
-  public const int SANDGLASS_STAGE_GRANULAR = 0, SANDGLASS_STAGE_REFINE = 1, SANDGLASS_STAGE_OUTPUT = 2,
-                   SANDGLASS_STAGE_COUNT = 3;
+  public const int SANDGLASS_STAGE_GRANULAR = 0, SANDGLASS_STAGE_SHADOW = 1, SANDGLASS_STAGE_REFINE = 2,
+                   SANDGLASS_STAGE_OUTPUT = 3, SANDGLASS_STAGE_COUNT = 4;
   public const int SANDGLASS_PLAN_RUNS = 48;
   public const int SANDGLASS_INSIDE_PARITY = 0, SANDGLASS_INSIDE_WINDING = 1;
   public const int SANDGLASS_METRIC_EUCLIDEAN = 0, SANDGLASS_METRIC_GEODESIC = 1;
+  public const int SANDGLASS_SHADOW_TEXELS = 256, SANDGLASS_SHADOW_LIGHTS = 8;
+  public const int SANDGLASS_SHADOW_ADAPTIVE = 0, SANDGLASS_SHADOW_FULL = 1;
   public const int SANDGLASS_SOLID_INSIDE = 0, SANDGLASS_SOLID_OUTSIDE = 1;
 
   // The sentence behind a `reason` or a name; null for NULL.
@@ -290,6 +330,20 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_field_from_mesh(ref sandglass_mesh mesh, InsideFunction inside, IntPtr inside_user, float[] bounds_min, float[] bounds_max, float spacing, float band, int solid, IntPtr block, ulong bytes, out IntPtr field, out IntPtr reason);
   [DllImport(k_library)] public static extern float sandglass_field_distance(IntPtr field, float[] point, [Out] float[] normal);
   [DllImport(k_library)] public static extern int sandglass_field_bounds(IntPtr field, [Out] float[] bounds_min, [Out] float[] bounds_max);
+
+  // ------------------------------------------------------------------------------------------------ shadow.h
+  [DllImport(k_library)] public static extern void sandglass_shadow_desc_default(out sandglass_shadow_desc desc);
+  [DllImport(k_library)] public static extern int sandglass_shadow_inspect(IntPtr asset, ulong asset_bytes, ref sandglass_shadow_info info, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_shadow_bytes(ref sandglass_shadow_desc desc, out ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_shadow_create(ref sandglass_shadow_desc desc, IntPtr block, ulong bytes, out IntPtr shadow, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_shadow_set_light(IntPtr shadow, uint light, float[] direction, float irradiance, out IntPtr reason);
+  [DllImport(k_library)] public static extern uint sandglass_shadow_run(IntPtr[] shadows, uint count, uint units);
+  [DllImport(k_library)] public static extern uint sandglass_shadow_units_left(IntPtr shadow);
+  [DllImport(k_library)] public static extern void sandglass_shadow_get_texture(IntPtr shadow, uint light, ref sandglass_shadow_texture texture);
+  [DllImport(k_library)] public static extern int sandglass_shadow_resample(IntPtr shadow, uint light, uint size, [Out] byte[] coverage, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_shadow_combine(IntPtr shadow, uint size, [Out] byte[] coverage, [Out] float[] low, [Out] float[] high, out IntPtr reason);
+  [DllImport(k_library)] public static extern ulong sandglass_shadow_hash(IntPtr shadow);
+  [DllImport(k_library)] public static extern int sandglass_shadow_isa(IntPtr shadow);
 }
 
 }  // namespace Sandglass

@@ -119,7 +119,7 @@ enum {
   SANDGLASS_ISA_AVX512 = 4
 };
 
-/* "scalar", "neon", "avx2", "avx512"; "automatic" for 0; NULL for a number that is none. */
+/* "scalar", "neon", "avx2", "avx512"; "automatic" for 0; those of shadow.h too; NULL for a number that is none. */
 SANDGLASS_API const char* sandglass_isa_name(sandglass_isa isa);
 
 /* 1 if this build has kernels for `isa` and this CPU can run them, else 0. AUTOMATIC and SCALAR are always available.

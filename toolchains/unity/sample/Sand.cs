@@ -3,8 +3,8 @@
 // graphics buffer, and Sand.shader draws six vertices a grain from it. Unity's world is left-handed: x is mirrored once, in the
 // shader, and everything on this side stays right-handed.
 //
-// Light and soft shadows have their place in Update, beside the sand: the camera image and its pose go in, a light and a shadow
-// texture come out. The library does not have them yet.
+// Light and soft shadows have their place in Update, beside the sand: an object's baked shadow goes into input.shadows, and its
+// texture onto the floor; the light would come from the camera image, from which the library does not estimate it yet.
 using System;
 using System.Runtime.InteropServices;
 using Sandglass;

@@ -1,7 +1,8 @@
 #pragma once
 #include <stdint.h>
-typedef int clockid_t;
+#include_next <time.h>
 #define CLOCK_UPTIME_RAW 8
+#undef CLOCK_THREAD_CPUTIME_ID
 #define CLOCK_THREAD_CPUTIME_ID 16
 #ifdef __cplusplus
 extern "C"

@@ -13,6 +13,8 @@ set(CMAKE_C_COMPILER clang)
 set(CMAKE_CXX_COMPILER clang++)
 set(CMAKE_C_COMPILER_TARGET aarch64-linux-android${level})
 set(CMAKE_CXX_COMPILER_TARGET aarch64-linux-android${level})
-set(CMAKE_CXX_FLAGS_INIT -stdlib=libc++)
+# The headers of C and C++ are those of Debian's cross compiler.
+file(GLOB libstdcxx /usr/aarch64-linux-gnu/include/c++/*)
+set(CMAKE_CXX_FLAGS_INIT "-nostdinc++ -isystem ${libstdcxx} -isystem ${libstdcxx}/aarch64-linux-gnu -isystem /usr/aarch64-linux-gnu/include -D_GNU_SOURCE")
 string(APPEND CMAKE_SHARED_LINKER_FLAGS_INIT " -nostdlib -fuse-ld=lld -lc")
 set(CMAKE_TRY_COMPILE_TARGET_TYPE STATIC_LIBRARY)  # there is nothing to link against

@@ -75,7 +75,7 @@ class SandView {
     scene_->addEntity(sand_);
 
     // Until the library estimates it: the sun at 45 degrees. Sandglass gives directions towards the light, Filament
-    // wants where it shines. The shadow plane, with the texture of the library's own shadow, goes beside the sand.
+    // wants where it shines. A plane with the library's shadow texture, as material alpha, would go beside the sand.
     light_ = utils::EntityManager::get().create();
     LightManager::Builder(LightManager::Type::DIRECTIONAL)
         .color({1, 1, 1})

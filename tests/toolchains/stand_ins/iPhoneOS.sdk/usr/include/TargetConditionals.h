@@ -1,0 +1,2 @@
+#pragma once
+#define TARGET_OS_IPHONE 1
