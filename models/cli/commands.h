@@ -13,5 +13,8 @@ void add_bake_command(CLI::App& program, int* exit_code);  // in builds with Emb
 void add_bench_command(CLI::App& program, int* exit_code);
 void add_verify_command(CLI::App& program, int* exit_code);
 void add_inspect_command(CLI::App& program, int* exit_code);
+void add_room_command(CLI::App& program, int* exit_code);
+void add_dataset_command(CLI::App& program, int* exit_code);
+void add_ceiling_command(CLI::App& program, int* exit_code);
 
 }  // namespace sandglass::host

@@ -30,6 +30,9 @@ int main(int argc, char** argv) {
   add_bench_command(program, &exit_code);
   add_verify_command(program, &exit_code);
   add_inspect_command(program, &exit_code);
+  add_room_command(program, &exit_code);
+  add_dataset_command(program, &exit_code);
+  add_ceiling_command(program, &exit_code);
   try {
     program.parse(argc, argv);
     if (program.get_subcommands().empty()) std::fputs(program.help().c_str(), stdout);

@@ -248,4 +248,14 @@ TEST_F(Cli, SamplesShapesWithExactlyThePointsAskedFor) {
   EXPECT_FALSE(fs::exists(path("x.ply")));
 }
 
+TEST_F(Cli, RoomsAndPanoramasBadInputIsOneSentence) {
+  expect_refused("room -o " + path("room.png"), ".hdr");
+  expect_refused("room --width 33 -o " + path("room.hdr"), "--width");
+  expect_refused("room --samples 0 -o " + path("room.hdr"), "--samples");
+  EXPECT_FALSE(fs::exists(path("room.hdr")));
+  expect_refused("dataset " + path("nowhere") + " -o " + path("out"), "nowhere");
+  expect_refused("dataset " + write("text.hdr", "not a panorama\n") + " -o " + path("out"), "not a Radiance");
+  expect_refused("dataset '" + folder.string() + "/out' -o " + path("out"), "no .hdr or .exr");
+}
+
 }  // namespace

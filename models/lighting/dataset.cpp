@@ -1,0 +1,262 @@
+#include "models/lighting/dataset.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include "models/host/atomic_file.h"
+#include "models/host/failure.h"
+#include "models/host/image.h"
+#include "models/host/npy.h"
+#include "models/host/progress.h"
+#include "models/lighting/excerpt.h"
+#include "models/lighting/labels.h"
+#include "models/lighting/panorama_file.h"
+#include "runtime/sampling/random.h"
+
+namespace sandglass::host {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int k_folds = 5;
+constexpr int k_small_width = 128, k_small_height = 64;  // panoramas under an excerpt on the sheet
+constexpr Colour k_white = {255, 255, 255}, k_black = {0, 0, 0};
+
+uint64_t hash_of(const std::string& text, uint64_t seed) {
+  uint64_t hash = mix_bits(seed);
+  for (const char c : text) hash = mix_bits(hash ^ static_cast<uint64_t>(static_cast<unsigned char>(c)));
+  return hash;
+}
+
+// Comma-separated fields; quotes keep commas.
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (const char c : line) {
+    if (c == '"') quoted = !quoted;
+    else if (c == ',' && !quoted) fields.emplace_back();
+    else if (c != '\r') fields.back() += c;
+  }
+  return fields;
+}
+
+struct Excerpt {
+  std::string line;  // of the manifest
+  Picture tile;      // empty unless asked for
+  bool has_direction;
+};
+
+Picture picture_of(const RadianceMap& linear) {
+  Picture picture(linear.width, linear.height, k_black);
+  for (size_t i = 0; i < linear.rgb.size(); ++i) picture.rgb[i] = srgb_byte(static_cast<double>(linear.rgb[i]));
+  return picture;
+}
+
+void draw_line(Picture* picture, double x0, double y0, double x1, double y1, Colour colour, int thick) {
+  const int steps = 1 + static_cast<int>(2.0 * std::hypot(x1 - x0, y1 - y0));
+  for (int i = 0; i <= steps; ++i) {
+    const double t = static_cast<double>(i) / steps;
+    const int x = static_cast<int>(std::lround(x0 + t * (x1 - x0))),
+              y = static_cast<int>(std::lround(y0 + t * (y1 - y0)));
+    fill_rectangle(picture, x - thick / 2, y - thick / 2, thick, thick, colour);
+  }
+}
+
+// From the middle towards the light as the camera sees it; a hollow tip for one behind the camera.
+void draw_arrow(Picture* picture, Vec3 d, Colour colour) {
+  const double cx = 0.5 * picture->width, cy = 0.5 * picture->height, reach = 0.42 * picture->height;
+  const double x = cx + reach * d.x, y = cy + reach * d.y;
+  draw_line(picture, cx, cy, x, y, k_black, 5), draw_line(picture, cx, cy, x, y, colour, 3);
+  const int px = static_cast<int>(x), py = static_cast<int>(y);
+  fill_rectangle(picture, px - 6, py - 6, 13, 13, k_black), fill_rectangle(picture, px - 5, py - 5, 11, 11, colour);
+  if (d.z < 0.0) fill_rectangle(picture, px - 2, py - 2, 5, 5, k_black);
+}
+
+Picture shrunk(const RadianceMap& map, double white) {
+  RadianceMap small(k_small_width, k_small_height);
+  const int step_u = map.width / k_small_width, step_v = map.height / k_small_height;
+  for (int v = 0; v < k_small_height; ++v)
+    for (int u = 0; u < k_small_width; ++u) {
+      Vec3 sum;
+      for (int j = 0; j < step_v; ++j)
+        for (int i = 0; i < step_u; ++i) sum = sum + tone_mapped(map.colour(u * step_u + i, v * step_v + j), white);
+      small.set(u, v, sum * (1.0 / (step_u * step_v)));
+    }
+  return picture_of(small);
+}
+
+void paste(Picture* onto, const Picture& picture, int x, int y) {
+  for (int row = 0; row < picture.height; ++row)
+    std::copy_n(picture.at(0, row), 3 * picture.width, onto->at(x, y + row));
+}
+
+Picture tile_of(const Picture& image, const RadianceMap& warped, double white, const LightLabels& camera_labels,
+                const std::string& name) {
+  Picture tile(k_excerpt_width, k_excerpt_height + k_small_height, k_white);
+  paste(&tile, image, 0, 0);
+  const Vec3 c = camera_labels.light;
+  draw_arrow(&tile, camera_labels.direction, {srgb_byte(c.x), srgb_byte(c.y), srgb_byte(c.z)});
+  draw_text(&tile, 4, 4, 1, name, k_white);
+  char numbers[32];
+  std::snprintf(numbers, sizeof numbers, "O %.2f", camera_labels.contrast);
+  draw_text(&tile, 4, 14, 1, numbers, k_white);
+  LightLabels rotated = camera_labels;
+  rotated.direction = camera_to_rotated(camera_labels.direction);
+  paste(&tile, shrunk(warped, white), 0, k_excerpt_height);
+  paste(&tile, picture_of(environment_of(rotated, k_small_width, k_small_height)), k_small_width, k_excerpt_height);
+  return tile;
+}
+
+std::string stem_of(const std::string& path) { return fs::path(path).stem().string(); }
+
+std::vector<Excerpt> excerpts_of(const std::string& path, const Location& location, const DatasetOptions& options,
+                                 const std::vector<bool>& with_tile) {
+  RadianceMap panorama = read_panorama(path);
+  fill_tripod(&panorama);
+  const double white = greatest_luminance(panorama);
+  const std::string depth_path = (fs::path(path).parent_path() / (stem_of(path) + "_depth.npy")).string();
+  NpyArray depth;
+  if (fs::exists(depth_path)) {
+    depth = read_npy(depth_path);
+    if (depth.shape.size() != 2 || depth.shape[1] != 2 * depth.shape[0])
+      throw Failure("depth map '" + depth_path + "' is not twice as wide as high; make the room again");
+  }
+  RadianceMap mapped(panorama.width, panorama.height);
+  for (int v = 0; v < panorama.height; ++v)
+    for (int u = 0; u < panorama.width; ++u) mapped.set(u, v, tone_mapped(panorama.colour(u, v), white));
+  std::vector<Excerpt> result;
+  const auto views = choose_views(hash_of(stem_of(path), options.seed));
+  for (size_t k = 0; k < views.size(); ++k) {
+    const View view = views[k];
+    const double radius =
+        insertion_radius(depth.values, depth.shape.empty() ? 0 : static_cast<int>(depth.shape[1]), view);
+    const RadianceMap warped = warp(panorama, view, radius);
+    LightLabels labels = labels_of(warped, ViewRotation(view).to_rotated({0, 1, 0}), white);
+    labels.direction = rotated_to_camera(labels.direction);
+    const std::string name = stem_of(path) + "_" + std::to_string(k);
+    const Picture image = picture_of(cut_excerpt(mapped, view));
+    write_png(options.folder + "/images/" + name + ".png", image);
+    char numbers[512];
+    const Vec3 d = labels.direction, c = labels.light, a = labels.ambient;
+    std::snprintf(numbers, sizeof numbers, "%d,%.6f,%.6f,%.4f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%d",
+                  location.fold, view.theta, view.phi, radius, d.x, d.y, d.z, c.x, c.y, c.z, a.x, a.y, a.z,
+                  labels.contrast, labels.has_direction ? 1 : 0);
+    Excerpt excerpt = {
+        "images/" + name + ".png," + fs::path(path).filename().string() + "," + location.name + "," + numbers,
+        {},
+        labels.has_direction};
+    if (with_tile[k]) excerpt.tile = tile_of(image, warped, white, labels, name);
+    result.push_back(std::move(excerpt));
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::string> find_panoramas(const std::vector<std::string>& paths) {
+  std::vector<std::string> found;
+  const auto is_panorama = [](const fs::path& p) { return p.extension() == ".hdr" || p.extension() == ".exr"; };
+  for (const std::string& path : paths) {
+    if (!fs::is_directory(path)) {
+      found.push_back(path);
+      continue;
+    }
+    for (const auto& entry : fs::recursive_directory_iterator(path))
+      if (entry.is_regular_file() && is_panorama(entry.path())) found.push_back(entry.path().string());
+  }
+  if (found.empty())
+    throw Failure("there is no .hdr or .exr file in '" + paths.at(0) + "'; name a folder with panoramas");
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+Location location_of(const std::string& panorama, const std::string& manifest_text) {
+  const std::string file = fs::path(panorama).filename().string();
+  size_t file_column = SIZE_MAX, group_column = SIZE_MAX, fold_column = SIZE_MAX, at = 0;
+  for (bool header = true; at < manifest_text.size(); header = false) {
+    const size_t end = std::min(manifest_text.find('\n', at), manifest_text.size());
+    const std::vector<std::string> fields = fields_of(manifest_text.substr(at, end - at));
+    at = end + 1;
+    if (header) {
+      for (size_t i = 0; i < fields.size(); ++i) {
+        if (fields[i] == "file") file_column = i;
+        if (fields[i] == "group") group_column = i;
+        if (fields[i] == "fold") fold_column = i;
+      }
+      if (std::max({file_column, group_column, fold_column}) == SIZE_MAX)
+        throw Failure("the manifest has no columns file, group and fold; its first line must name them");
+    } else if (fields.size() > std::max({file_column, group_column, fold_column}) &&
+               fs::path(fields[file_column]).filename() == file) {
+      const std::string& fold = fields[fold_column];
+      if (fold.size() > 1 || (fold.size() == 1 && (fold[0] < '0' || fold[0] > '9')))
+        throw Failure("the manifest gives '" + file + "' the fold '" + fold + "'; it must be a digit, or empty");
+      return {fields[group_column], fold.empty() ? -1 : fold[0] - '0'};
+    }
+  }
+  const std::string name = stem_of(panorama);
+  return {name, static_cast<int>(hash_of(name, 0) % k_folds)};
+}
+
+DatasetSummary make_dataset(const DatasetOptions& options) {
+  const std::vector<std::string> panoramas = find_panoramas(options.panoramas);
+  const std::string manifest_text = options.manifest.empty() ? "" : read_file(options.manifest, "manifest");
+  make_folder(options.folder + "/images");
+  std::vector<std::vector<Excerpt>> results(panoramas.size());
+  // Tiles of the sheet: evenly over all excerpts.
+  const size_t excerpts = panoramas.size() * k_excerpts, tiles = std::min<size_t>(options.tiles, excerpts);
+  std::vector<std::vector<bool>> with_tile(panoramas.size(), std::vector<bool>(k_excerpts));
+  for (size_t i = 0; i < tiles; ++i) {
+    const size_t at = i * excerpts / tiles;
+    with_tile[at / k_excerpts][at % k_excerpts] = true;
+  }
+  std::atomic<size_t> next{0}, done{0};
+  std::mutex mutex;
+  std::exception_ptr failure;
+  Progress progress("cutting panoramas", panoramas.size());
+  const auto work = [&] {
+    for (size_t i; (i = next.fetch_add(1)) < panoramas.size() && !interrupted();) {
+      try {
+        results[i] = excerpts_of(panoramas[i], location_of(panoramas[i], manifest_text), options, with_tile[i]);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        failure = std::current_exception();
+        next.store(panoramas.size());
+      }
+      const std::lock_guard lock(mutex);
+      progress.done(done.fetch_add(1) + 1);
+    }
+  };
+  std::vector<std::thread> workers;
+  for (uint32_t i = 1; i < options.threads; ++i) workers.emplace_back(work);
+  work();
+  for (std::thread& worker : workers) worker.join();
+  if (failure) std::rethrow_exception(failure);
+  DatasetSummary summary;
+  if (interrupted()) return summary;
+  std::string manifest =
+      "image,panorama,location,fold,theta,phi,insertion_radius,direction_x,direction_y,direction_z,light_r,light_g,"
+      "light_b,"
+      "ambient_r,ambient_g,ambient_b,contrast,has_direction\n";
+  std::vector<Picture> sheet;
+  for (const auto& result : results)
+    for (const Excerpt& excerpt : result) {
+      manifest += excerpt.line + "\n";
+      if (excerpt.tile.width > 0) sheet.push_back(excerpt.tile);
+      ++summary.excerpts;
+      summary.without_direction += excerpt.has_direction ? 0 : 1;
+    }
+  summary.panoramas = panoramas.size();
+  if (!sheet.empty())
+    write_png(options.folder + "/sheet.png", picture_grid(sheet, std::min<int>(8, static_cast<int>(sheet.size())), 4));
+  write_file(options.folder + "/manifest.csv", manifest);
+  return summary;
+}
+
+}  // namespace sandglass::host

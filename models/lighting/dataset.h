@@ -1,0 +1,42 @@
+// Training pairs from panoramas: for each, eight excerpts as a camera would take them and the labels of the light where
+// an object would be put. What is written:
+//   images/NAME_K.png   256 x 192, tone mapped with the whole panorama's exposure, sRGB
+//   manifest.csv        one line an excerpt: image, panorama, location, fold, view, insertion radius, labels (direction
+//   in
+//                       the camera's frame: x right, y down, z forward; linear colours)
+//   sheet.png           excerpts with an arrow where the light is, the warped panorama and the labels as a panorama
+// Folds follow locations, never excerpts: two views of one place in training and test would be told apart by memory.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace sandglass::host {
+
+struct DatasetOptions {
+  std::vector<std::string> panoramas;  // files, or folders that are searched for .hdr and .exr
+  std::string folder;                  // to write to
+  std::string manifest;  // a .csv with the columns file, group, fold; empty: each file is its own location
+  uint64_t seed = 1;
+  uint32_t threads = 1;
+  uint32_t tiles = 32;  // of the contact sheet
+};
+
+struct DatasetSummary {
+  size_t panoramas = 0, excerpts = 0, without_direction = 0;
+};
+
+DatasetSummary make_dataset(const DatasetOptions& options);
+
+// .hdr and .exr files, in the order of their names, of files and (recursively) folders; a Failure if there is none.
+std::vector<std::string> find_panoramas(const std::vector<std::string>& paths);
+
+struct Location {
+  std::string name;
+  int fold = -1;  // -1: only ever for training
+};
+// The location of a panorama by its line in a manifest, else by its own name, with a fold of 0 to 4 from that.
+Location location_of(const std::string& panorama, const std::string& manifest_text);
+
+}  // namespace sandglass::host

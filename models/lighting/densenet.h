@@ -1,0 +1,62 @@
+// DenseNet-121's feature extractor in plain float, read from the pretrained weights: the reference that the runtime's
+// back ends and the training are held against, written for clearness.
+//
+// Two things are as the runtime has them. A dense block works in place: its pixels have room for all channels that the
+// block will end with, and every layer writes its 32 behind those it reads. A transition pools before its 1x1
+// convolution: both are linear, so the order does not matter, and a quarter of the multiplications is left.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "models/host/npz.h"
+
+namespace sandglass::host {
+
+constexpr int k_dense_layers[4] = {6, 12, 24, 16};
+constexpr int k_growth = 32, k_bottleneck = 128, k_stem_channels = 64, k_features = 1024;
+
+// Multiplication and addition per channel: a batch normalisation with its statistics worked in.
+struct ChannelAffine {
+  std::vector<float> scale, shift;
+};
+
+struct Convolution {
+  int size = 1, inputs = 0, outputs = 0;  // size x size
+  std::vector<float> weights;             // row, column, input, output
+};
+
+struct DenseLayer {
+  ChannelAffine before, between;
+  Convolution narrow, wide;  // 1x1 to the bottleneck, 3x3 to the growth
+};
+
+struct DenseBlock {
+  std::vector<DenseLayer> layers;
+  ChannelAffine transition_affine;  // empty after the last block
+  Convolution transition;
+};
+
+struct DenseNet {
+  Convolution stem;
+  ChannelAffine stem_affine, last;
+  DenseBlock blocks[4];
+  std::vector<float> classifier, classifier_bias;  // 1024 x 1000; empty where the file has none
+};
+
+// From arrays named as in the data folder's README; a Failure names what is missing or of another shape.
+DenseNet densenet_of(const std::map<std::string, NpyArray>& arrays);
+
+// 1024 features of an sRGB image (width and height multiples of 32): batch normalised, rectified, averaged.
+std::vector<float> features_of(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height);
+
+// ImageNet's 1000 probabilities.
+std::vector<float> probabilities_of(const DenseNet& net, std::span<const float> features);
+
+// Multiplications of one pass, pooling before the transitions' convolutions.
+uint64_t multiplications_of(const DenseNet& net, int width, int height);
+
+}  // namespace sandglass::host

@@ -1,0 +1,362 @@
+#!/usr/bin/env python3
+"""Trains the lighting network (SPEC 3.2) on data sets made by `sandglass dataset`.
+
+DenseNet-121 from the pretrained weights, a layer of 512 with batch normalisation and ELU, and four heads: direction
+(tanh, normalised), light colour, ambient colour (sigmoid), contrast (sigmoid). Loss (5.26): mean squares weighted 5, 2, 2, 1.
+
+Folds follow locations: a location of the test fold never trains, and rows of fold -1 only ever train. Two ways to train:
+  --layers last   everything up to the third transition is computed once, for each image, its mirror image and a few
+                  augmented copies of both, and kept on disk; the last dense block and the heads learn. For a CPU.
+  --layers all    every layer learns, with fresh augmentation of every image in every epoch. For a GPU.
+
+Checkpoints are written after every epoch, under a temporary name and then renamed; --resume goes on from the last one and
+gives what an uninterrupted run gives. Images are 256 x 192 sRGB; directions are in the camera's frame (x right, y down).
+"""
+import argparse
+import csv
+import hashlib
+import io
+import json
+import math
+import os
+import sys
+
+import numpy as np
+import torch
+import torch.nn as nn
+import torch.nn.functional as F
+from PIL import Image
+
+LAYERS, GROWTH, BOTTLENECK, EPSILON = (6, 12, 24, 16), 32, 128, 1.001e-5
+MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+LOSS_WEIGHTS = {"direction": 5.0, "light": 2.0, "ambient": 2.0, "contrast": 1.0}  # (5.26)
+WIDTH, HEIGHT = 256, 192
+
+
+class DenseLayer(nn.Module):
+    def __init__(self, channels):
+        super().__init__()
+        self.before = nn.BatchNorm2d(channels, eps=EPSILON)
+        self.narrow = nn.Conv2d(channels, BOTTLENECK, 1, bias=False)
+        self.between = nn.BatchNorm2d(BOTTLENECK, eps=EPSILON)
+        self.wide = nn.Conv2d(BOTTLENECK, GROWTH, 3, padding=1, bias=False)
+
+    def forward(self, x):
+        y = self.narrow(F.relu(self.before(x)))
+        return torch.cat([x, self.wide(F.relu(self.between(y)))], 1)
+
+
+class Transition(nn.Module):
+    """Pools before the 1x1 convolution: both are linear, and a quarter of the multiplications is left."""
+
+    def __init__(self, channels):
+        super().__init__()
+        self.before = nn.BatchNorm2d(channels, eps=EPSILON)
+        self.narrow = nn.Conv2d(channels, channels // 2, 1, bias=False)
+
+    def forward(self, x):
+        return self.narrow(F.avg_pool2d(F.relu(self.before(x)), 2))
+
+
+class LightNet(nn.Module):
+    def __init__(self):
+        super().__init__()
+        self.stem = nn.Conv2d(3, 64, 7, stride=2, padding=3, bias=False)
+        self.stem_norm = nn.BatchNorm2d(64, eps=EPSILON)
+        channels, blocks, transitions = 64, [], []
+        for i, count in enumerate(LAYERS):
+            blocks.append(nn.Sequential(*[DenseLayer(channels + GROWTH * j) for j in range(count)]))
+            channels += GROWTH * count
+            if i < 3:
+                transitions.append(Transition(channels))
+                channels //= 2
+        self.blocks, self.transitions = nn.ModuleList(blocks), nn.ModuleList(transitions)
+        self.last = nn.BatchNorm2d(channels, eps=EPSILON)
+        self.latent = nn.Sequential(nn.Linear(channels, 512), nn.BatchNorm1d(512), nn.ELU())
+        self.heads = nn.ModuleDict({k: nn.Linear(512, n) for k, n in
+                                    (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))})
+
+    def trunk(self, rgb):
+        """sRGB 0..1 to what the last dense block reads, 512 x 6 x 8."""
+        mean, deviation = (torch.tensor(t, device=rgb.device).view(1, 3, 1, 1) for t in (MEAN, DEVIATION))
+        x = F.relu(self.stem_norm(self.stem((rgb - mean) / deviation)))
+        x = F.max_pool2d(x, 3, 2, 1)
+        for i in range(3):
+            x = self.transitions[i](self.blocks[i](x))
+        return x
+
+    def features(self, trunk):
+        return F.relu(self.last(self.blocks[3](trunk))).mean((2, 3))
+
+    def estimate(self, trunk):
+        latent = self.latent(self.features(trunk))
+        out = {k: head(latent) for k, head in self.heads.items()}
+        return {"direction": F.normalize(torch.tanh(out["direction"]), dim=1), "light": torch.sigmoid(out["light"]),
+                "ambient": torch.sigmoid(out["ambient"]), "contrast": torch.sigmoid(out["contrast"])}
+
+    def last_parts(self):
+        return nn.ModuleList([self.blocks[3], self.last, self.latent, self.heads])
+
+    def load_pretrained(self, path):
+        arrays = np.load(path)
+
+        def norm(module, name):
+            module.weight.data = torch.from_numpy(arrays[name + "/gamma"])
+            module.bias.data = torch.from_numpy(arrays[name + "/beta"])
+            module.running_mean.data = torch.from_numpy(arrays[name + "/moving_mean"])
+            module.running_var.data = torch.from_numpy(arrays[name + "/moving_variance"])
+
+        def conv(module, name):  # HWIO to OIHW
+            module.weight.data = torch.from_numpy(np.ascontiguousarray(arrays[name + "/kernel"].transpose(3, 2, 0, 1)))
+
+        conv(self.stem, "conv1/conv"), norm(self.stem_norm, "conv1/bn"), norm(self.last, "bn")
+        for i, block in enumerate(self.blocks):
+            for j, layer in enumerate(block):
+                name = f"conv{i + 2}_block{j + 1}"
+                norm(layer.before, name + "_0_bn"), conv(layer.narrow, name + "_1_conv")
+                norm(layer.between, name + "_1_bn"), conv(layer.wide, name + "_2_conv")
+        for i, transition in enumerate(self.transitions):
+            norm(transition.before, f"pool{i + 2}_bn"), conv(transition.narrow, f"pool{i + 2}_conv")
+
+
+def fail(sentence):
+    sys.exit(f"train.py: {sentence}")
+
+
+def save(path, write):
+    """Never a half-written file."""
+    write(path + ".unfinished")
+    os.replace(path + ".unfinished", path)
+
+
+class Rows:
+    """The lines of the manifests, and their labels as arrays."""
+
+    def __init__(self, folders):
+        self.image, self.location, self.fold, labels = [], [], [], []
+        for folder in folders:
+            path = os.path.join(folder, "manifest.csv")
+            if not os.path.exists(path):
+                fail(f"'{folder}' has no manifest.csv; make it with `sandglass dataset`")
+            for row in csv.DictReader(open(path, newline="")):
+                self.image.append(os.path.join(folder, row["image"]))
+                self.location.append(row["location"])
+                self.fold.append(int(row["fold"]))
+                labels.append([float(row[k]) for k in
+                               ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r",
+                                "ambient_g", "ambient_b", "contrast")])
+        if not labels:
+            fail("the manifests have no lines; make the data set again")
+        self.fold, self.labels = np.array(self.fold), np.array(labels, np.float32)
+
+    def split(self, test_fold, train_only):
+        """Indices to train and to test on. Folders in train_only (synthetic rooms) never test."""
+        only = np.array([any(i.startswith(os.path.join(f, "")) for f in train_only) for i in self.image], bool)
+        test = (self.fold == test_fold) & ~only
+        held_out = {self.location[i] for i in np.flatnonzero(test)}
+        train = ~test & np.array([l not in held_out for l in self.location])
+        return np.flatnonzero(train), np.flatnonzero(test)
+
+
+def read_image(path):
+    image = Image.open(path).convert("RGB")
+    if image.size != (WIDTH, HEIGHT):
+        fail(f"'{path}' is {image.size[0]} x {image.size[1]}, not {WIDTH} x {HEIGHT}; make the data set again")
+    return np.asarray(image)
+
+
+def augmented(rgb, random):
+    """Exposure, white balance, noise, JPEG, field of view with the border filled; the light's direction stays."""
+    x = rgb.astype(np.float32) / 255.0
+    if random.random() < 0.5:  # a narrower camera, re-projected: what it does not see is the edge's colour
+        scale = random.uniform(0.6, 1.0)
+        u = np.clip(np.rint(np.clip((np.arange(WIDTH) - 127.5), -127.5 * scale, 127.5 * scale) + 127.5), 0, WIDTH - 1)
+        v = np.clip(np.rint(np.clip((np.arange(HEIGHT) - 95.5), -95.5 * scale, 95.5 * scale) + 95.5), 0, HEIGHT - 1)
+        x = x[v.astype(int)][:, u.astype(int)]
+    linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+    linear = linear * 2.0 ** random.normal(0.0, 0.25) * np.exp(random.normal(0.0, 0.06, 3)).astype(np.float32)
+    linear = np.clip(linear + random.normal(0.0, 1.0, x.shape) * random.uniform(0.0, 0.01), 0.0, 1.0)
+    x = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    x = np.rint(255.0 * x).astype(np.uint8)
+    if random.random() < 0.5:
+        packed = io.BytesIO()
+        Image.fromarray(x).save(packed, "JPEG", quality=int(random.integers(50, 96)))
+        x = np.asarray(Image.open(packed))
+    return x
+
+
+def mirrored(rgb, label):
+    label = label.copy()
+    label[0] = -label[0]
+    return np.ascontiguousarray(rgb[:, ::-1]), label
+
+
+def prepared(rows, index, copy, seed):
+    """Copy 0 is the image, copy 1 its mirror image, further ones augmented, every other mirrored. A function of its
+    arguments alone."""
+    rgb, label = read_image(rows.image[index]), rows.labels[index]
+    if copy >= 2:
+        rgb = augmented(rgb, np.random.default_rng([seed, index, copy]))
+    return mirrored(rgb, label) if copy % 2 == 1 else (rgb, label)
+
+
+def to_tensor(rgb, device):
+    return torch.from_numpy(np.stack(rgb)).to(device).permute(0, 3, 1, 2).float() / 255.0
+
+
+def cached_trunks(net, rows, copies, arguments, device):
+    """Half-precision trunks of every row and copy, one file a copy; what is there is not computed again."""
+    key = hashlib.sha256(json.dumps([rows.image, arguments.weights, arguments.seed]).encode()).hexdigest()[:16]
+    folder = os.path.join(arguments.output, "trunks_" + key)
+    os.makedirs(folder, exist_ok=True)
+    net.eval()
+    for copy in range(copies):
+        path = os.path.join(folder, f"copy_{copy}.npy")
+        if not os.path.exists(path):
+            parts = []
+            for at in range(0, len(rows.image), 16):
+                batch = [prepared(rows, i, copy, arguments.seed)[0] for i in range(at, min(at + 16, len(rows.image)))]
+                with torch.no_grad():
+                    parts.append(net.trunk(to_tensor(batch, device)).cpu().numpy().astype(np.float16))
+            with open(path + ".unfinished", "wb") as file:
+                np.save(file, np.concatenate(parts))
+            os.replace(path + ".unfinished", path)
+            print(f"trunks of copy {copy + 1} of {copies}", flush=True)
+    return [np.load(os.path.join(folder, f"copy_{c}.npy"), mmap_mode="r") for c in range(copies)]
+
+
+def loss_of(estimate, labels):
+    truth = {"direction": labels[:, :3], "light": labels[:, 3:6], "ambient": labels[:, 6:9], "contrast": labels[:, 9:]}
+    return sum(w * F.mse_loss(estimate[k], truth[k]) for k, w in LOSS_WEIGHTS.items())
+
+
+def angles_deg(a, b):
+    return np.degrees(np.arccos(np.clip((a * b).sum(1) / np.linalg.norm(a, axis=1) / np.linalg.norm(b, axis=1), -1, 1)))
+
+
+def measures(estimate, truth):
+    angle = angles_deg(estimate[:, :3], truth[:, :3])
+    return {"angle_mean": float(angle.mean()), "angle_median": float(np.median(angle)),
+            "angle_p90": float(np.percentile(angle, 90)), "light": float(np.abs(estimate[:, 3:6] - truth[:, 3:6]).mean()),
+            "ambient": float(np.abs(estimate[:, 6:9] - truth[:, 6:9]).mean()),
+            "contrast": float(np.abs(estimate[:, 9] - truth[:, 9]).mean())}
+
+
+def train(arguments):
+    torch.manual_seed(arguments.seed)
+    torch.set_num_threads(arguments.threads)
+    device = torch.device("cuda" if torch.cuda.is_available() and not arguments.cpu else "cpu")
+    rows = Rows(arguments.dataset + arguments.train_only)
+    train_rows, test_rows = rows.split(arguments.test_fold, arguments.train_only)
+    if len(train_rows) == 0 or len(test_rows) == 0:
+        fail(f"fold {arguments.test_fold} leaves {len(train_rows)} images to train on and {len(test_rows)} to test on; "
+             "choose another fold")
+    net = LightNet()
+    if arguments.weights:
+        net.load_pretrained(arguments.weights)
+    net.to(device)
+    last = arguments.layers == "last"
+    trunks = cached_trunks(net, rows, arguments.copies, arguments, device) if last else None
+    learned = net.last_parts() if last else net
+    optimiser = torch.optim.Adam(learned.parameters(), lr=arguments.rate)
+    halving = torch.optim.lr_scheduler.StepLR(optimiser, max(1, arguments.epochs // 4), 0.5)  # 15 of the source's 60
+    checkpoint = os.path.join(arguments.output, f"fold_{arguments.test_fold}.checkpoint")
+    log, first = [], 0
+    if arguments.resume and os.path.exists(checkpoint):
+        state = torch.load(checkpoint, map_location=device)
+        net.load_state_dict(state["net"]), optimiser.load_state_dict(state["optimiser"])
+        halving.load_state_dict(state["halving"])
+        log, first = state["log"], state["epoch"]
+
+    def inputs_of(items, epoch):
+        """Tensors and labels of (row, copy) pairs."""
+        labels = np.stack([np.where(np.arange(10) == 0, -1 if c % 2 else 1, 1) * rows.labels[i] for i, c in items])
+        labels = torch.from_numpy(labels.astype(np.float32)).to(device)
+        if last:
+            return torch.from_numpy(np.stack([trunks[c][i] for i, c in items]).astype(np.float32)).to(device), labels
+        return net.trunk(to_tensor([prepared(rows, i, c, arguments.seed + epoch)[0] for i, c in items], device)), labels
+
+    def evaluated():
+        net.eval()
+        parts = []
+        with torch.no_grad():
+            for at in range(0, len(test_rows), 64):
+                estimate = net.estimate(inputs_of([(i, 0) for i in test_rows[at:at + 64]], 0)[0])
+                parts.append(torch.cat([estimate[k] for k in LOSS_WEIGHTS], 1).cpu().numpy())
+        return measures(np.concatenate(parts), rows.labels[test_rows])
+
+    for epoch in range(first, arguments.epochs):
+        random = np.random.default_rng([arguments.seed, epoch])  # of the epoch: a resumed run draws what an unbroken one draws
+        torch.manual_seed(arguments.seed * 1000 + epoch)
+        order = random.permutation(train_rows)
+        copies = random.integers(0, arguments.copies, len(order)) if last else random.integers(2, 1 << 20, len(order))
+        net.train() if not last else (net.eval(), learned.train())
+        total = 0.0
+        for at in range(0, len(order) - 1, arguments.batch):  # batch normalisation needs two
+            chosen = list(zip(order[at:at + arguments.batch], copies[at:at + arguments.batch]))
+            if len(chosen) < 2:
+                continue
+            inputs, labels = inputs_of(chosen, epoch)
+            loss = loss_of(net.estimate(inputs), labels)
+            optimiser.zero_grad(), loss.backward(), optimiser.step()
+            total += float(loss.detach()) * len(chosen)
+        halving.step()
+        log.append({"epoch": epoch + 1, "loss": total / len(order), **evaluated()})
+        print(json.dumps(log[-1]), flush=True)
+        state = {"net": net.state_dict(), "optimiser": optimiser.state_dict(), "halving": halving.state_dict(), "log": log,
+                 "epoch": epoch + 1}
+        save(checkpoint, lambda path: torch.save(state, path))
+    mean = rows.labels[train_rows].mean(0, keepdims=True).repeat(len(test_rows), 0)
+    result = {"fold": arguments.test_fold, "train_images": len(train_rows), "test_images": len(test_rows),
+              "test_locations": len({rows.location[i] for i in test_rows}), "network": evaluated(),
+              "mean_training_light": measures(mean, rows.labels[test_rows]), "log": log, "arguments": vars(arguments)}
+    save(os.path.join(arguments.output, f"fold_{arguments.test_fold}.json"),
+         lambda path: open(path, "w").write(json.dumps(result, indent=1)))
+    print(json.dumps({k: result[k] for k in ("network", "mean_training_light")}, indent=1))
+
+
+def check_import(weights, reference):
+    """The pretrained network against the reference outputs beside it: exit code 1 if a feature is off by over 1e-3."""
+    net = LightNet()
+    net.load_pretrained(weights)
+    net.eval()
+    truth, worst = np.load(reference), 0.0
+    for name in ("bird", "parrot", "cat"):
+        with torch.no_grad():
+            features = net.features(net.trunk(to_tensor([truth[name + "/rgb_u8"]], "cpu")))[0].numpy()
+        worst = max(worst, float(np.abs(features - truth[name + "/feat1024"]).max()))
+    print(f"greatest difference of a feature {worst:.2g}")
+    return 0 if worst <= 1e-3 else 1
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("dataset", nargs="*", help="folders made by `sandglass dataset`")
+    parser.add_argument("--train-only", nargs="*", default=[], help="further such folders that never test (made-up rooms)")
+    parser.add_argument("--weights", help="densenet121_imagenet_keras_fp32.npz; without it the network starts random")
+    parser.add_argument("--check-import", metavar="REFERENCE", help="only compare the imported weights with this file")
+    parser.add_argument("-o", "--output", default=".", help="folder for checkpoints, results and cached trunks")
+    parser.add_argument("--test-fold", type=int, default=1)
+    parser.add_argument("--layers", choices=("last", "all"), default="last")
+    parser.add_argument("--copies", type=int, default=4, help="cached copies of an image, its mirror image among them")
+    parser.add_argument("--epochs", type=int, default=60)
+    parser.add_argument("--batch", type=int, default=128)
+    parser.add_argument("--rate", type=float, default=1e-3)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--cpu", action="store_true", help="even where there is a GPU")
+    parser.add_argument("--resume", action="store_true")
+    arguments = parser.parse_args()
+    if arguments.check_import:
+        if not arguments.weights:
+            fail("--check-import compares weights; name them with --weights")
+        return check_import(arguments.weights, arguments.check_import)
+    if not arguments.dataset:
+        fail("no data set is named; make one with `sandglass dataset`")
+    os.makedirs(arguments.output, exist_ok=True)
+    train(arguments)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

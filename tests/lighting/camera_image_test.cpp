@@ -1,0 +1,266 @@
+// The network's input against a double-precision camera model that knows nothing of boxes per axis: it turns rays.
+#include "runtime/lighting/camera_image.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "models/lighting/excerpt.h"
+#include "runtime/sampling/random.h"
+
+namespace sandglass {
+namespace {
+
+constexpr size_t k_bytes = 3 * k_light_width * k_light_height;
+
+struct Camera {
+  CameraImage image = {};
+  std::vector<uint8_t> bytes[3];
+
+  Camera(CameraFormat format, uint32_t width, uint32_t height, uint32_t padding, uint64_t seed) {
+    image.format = format, image.width = width, image.height = height;
+    image.focal_x = 0.8f * static_cast<float>(width), image.focal_y = 0.83f * static_cast<float>(width);
+    image.centre_x = 0.47f * static_cast<float>(width), image.centre_y = 0.52f * static_cast<float>(height);
+    const bool planar = format == CameraFormat::i420, yuv = format >= CameraFormat::nv12;
+    const uint32_t rows[3] = {height, height / 2, height / 2};
+    const uint32_t widths[3] = {format == CameraFormat::rgb    ? 3 * width
+                                : format == CameraFormat::rgba ? 4 * width
+                                                               : width,
+                                planar ? width / 2 : width, width / 2};
+    Random random = random_stream(seed, 1);
+    for (uint32_t i = 0; i < (planar ? 3u : yuv ? 2u : 1u); ++i) {
+      image.strides[i] = widths[i] + padding;
+      bytes[i].assign(static_cast<size_t>(image.strides[i]) * rows[i], 0);
+      for (uint8_t& b : bytes[i]) b = static_cast<uint8_t>(random.below(256));
+      image.planes[i] = bytes[i].data();
+    }
+  }
+  std::vector<uint8_t> resampled() const {
+    std::vector<uint8_t> rgb(k_bytes);
+    resample_camera_rows(image, 0, camera_rows(image), rgb.data());
+    return rgb;
+  }
+  double channel(int x, int y, int c) const {
+    const int step = image.format == CameraFormat::rgba ? 4 : 3;
+    return bytes[0][static_cast<size_t>(y) * image.strides[0] + static_cast<size_t>(x * step + c)];
+  }
+};
+
+// Mean over the box around the projected ray, with real weights.
+double reference(const Camera& camera, int i, int j, int c) {
+  const CameraImage& m = camera.image;
+  const double x = (i - 127.5) / k_light_focal, y = (j - 95.5) / k_light_focal;
+  const double turn = m.turn_deg * std::numbers::pi / 180.0;  // stored to upright, clockwise on the screen
+  const double sx = std::cos(turn) * x + std::sin(turn) * y, sy = -std::sin(turn) * x + std::cos(turn) * y;
+  const double u = m.focal_x * sx + m.centre_x, v = m.focal_y * sy + m.centre_y;
+  const double half_u = 0.5 * std::max(1.0, m.focal_x / k_light_focal);
+  const double half_v = 0.5 * std::max(1.0, m.focal_y / k_light_focal);
+  const auto interval = [](double middle, double half, double size) {
+    double low = middle + 0.5 - half, high = middle + 0.5 + half;
+    if (high <= 0.0) return std::pair(0.0, 1.0);
+    if (low >= size) return std::pair(size - 1.0, size);
+    return std::pair(std::max(low, 0.0), std::min(high, size));
+  };
+  const auto [u0, u1] = interval(u, half_u, m.width);
+  const auto [v0, v1] = interval(v, half_v, m.height);
+  double sum = 0.0, area = 0.0;
+  for (int q = static_cast<int>(v0); q < v1; ++q)
+    for (int p = static_cast<int>(u0); p < u1; ++p) {
+      const double w = (std::min<double>(p + 1, u1) - std::max<double>(p, u0)) *
+                       (std::min<double>(q + 1, v1) - std::max<double>(q, v0));
+      sum += w * camera.channel(p, q, c), area += w;
+    }
+  return sum / area;
+}
+
+TEST(CameraImage, FocalLengthIsThatOfTheDataSet) {
+  EXPECT_NEAR(k_light_focal, host::focal_length(256, 192, 85.0), 1e-10);
+}
+
+TEST(CameraImage, TheNetworksOwnCameraIsCopied) {
+  Camera camera(CameraFormat::rgb, 256, 192, 0, 3);
+  camera.image.focal_x = camera.image.focal_y = static_cast<float>(k_light_focal);
+  camera.image.centre_x = 127.5f, camera.image.centre_y = 95.5f;
+  const std::vector<uint8_t> rgb = camera.resampled();
+  int wrong = 0;
+  for (size_t i = 0; i < k_bytes; ++i) wrong += std::abs(rgb[i] - camera.bytes[0][i]) > 1 ? 1 : 0;
+  EXPECT_EQ(wrong, 0);  // one step, where the float focal length moves a pixel's edge by 1/256
+}
+
+TEST(CameraImage, AgreesWithTheDoubleModelForEveryTurnAndSize) {
+  for (const CameraFormat format : {CameraFormat::rgb, CameraFormat::rgba})
+    for (const uint32_t turn : {0u, 90u, 180u, 270u})
+      for (const auto& [width, height] : {std::pair(640u, 480u), std::pair(97u, 211u), std::pair(1280u, 720u)}) {
+        Camera camera(format, width, height, 5, width + turn);
+        camera.image.turn_deg = turn;
+        const std::vector<uint8_t> rgb = camera.resampled();
+        double worst = 0.0;
+        for (int j = 0; j < 192; j += 7)
+          for (int i = 0; i < 256; i += 5)
+            for (int c = 0; c < 3; ++c)
+              worst = std::max(worst,
+                               std::fabs(reference(camera, i, j, c) - rgb[static_cast<size_t>(3 * (j * 256 + i) + c)]));
+        // Half a step of rounding, and edges rounded to 1/256 pixel: at most 255/256 a side of a box one pixel wide.
+        EXPECT_LE(worst, 0.5 + 2.0 * 255.0 / 256.0) << width << " x " << height << ", turned by " << turn;
+      }
+}
+
+// What the camera sees of a panorama, resampled, is what the data set's camera sees of it: pixels mean the same ray.
+TEST(CameraImage, SeesAPanoramaAsTheDataSetDoes) {
+  host::RadianceMap panorama(512, 256);
+  for (int v = 0; v < 256; ++v)
+    for (int u = 0; u < 512; ++u) {
+      const host::Vec3 d = host::panorama_direction(u, v, 512, 256);
+      panorama.set(u, v, {0.5 + 0.4 * std::sin(5 * d.x), 0.5 + 0.4 * std::sin(5 * d.y), 0.5 + 0.4 * std::sin(5 * d.z)});
+    }
+  const host::View view = host::choose_views(2)[0];
+  const host::RadianceMap expected = host::cut_excerpt(panorama, view);
+  const host::RadianceMap photograph = host::cut_excerpt(panorama, view, 800, 600, 100.0);
+  const auto focal = static_cast<float>(host::focal_length(800, 600, 100.0));
+  for (const uint32_t turn : {0u, 90u}) {
+    // The sensor stores the upright photograph turned the other way.
+    Camera camera(CameraFormat::rgb, turn == 0 ? 800 : 600, turn == 0 ? 600 : 800, 0, 1);
+    for (int y = 0; y < 600; ++y)
+      for (int x = 0; x < 800; ++x)
+        for (int c = 0; c < 3; ++c) {
+          const int u = turn == 0 ? x : y, v = turn == 0 ? y : 799 - x;
+          camera.bytes[0][static_cast<size_t>(v) * camera.image.strides[0] + static_cast<size_t>(3 * u + c)] =
+              static_cast<uint8_t>(std::lround(255.0 * photograph.at(x, y)[c]));
+        }
+    camera.image.turn_deg = turn;
+    camera.image.focal_x = camera.image.focal_y = focal;
+    camera.image.centre_x = 0.5f * static_cast<float>(camera.image.width - 1);
+    camera.image.centre_y = 0.5f * static_cast<float>(camera.image.height - 1);
+    const std::vector<uint8_t> rgb = camera.resampled();
+    double worst = 0.0;
+    for (int y = 0; y < 192; ++y)
+      for (int x = 0; x < 256; ++x)
+        for (int c = 0; c < 3; ++c)
+          worst = std::max(worst,
+                           std::fabs(255.0 * expected.at(x, y)[c] - rgb[static_cast<size_t>(3 * (y * 256 + x) + c)]));
+    EXPECT_LE(worst, 2.0) << turn;
+  }
+}
+
+TEST(CameraImage, YuvMatricesAgainstTheirDefinitions) {
+  for (const YuvRange range : {YuvRange::full_601, YuvRange::video_601, YuvRange::full_709, YuvRange::video_709}) {
+    const bool video = range == YuvRange::video_601 || range == YuvRange::video_709;
+    const bool hd = range == YuvRange::full_709 || range == YuvRange::video_709;
+    const double kr = hd ? 0.2126 : 0.299, kb = hd ? 0.0722 : 0.114, kg = 1.0 - kr - kb;
+    for (int y = 0; y < 256; y += 15)
+      for (int u = 0; u < 256; u += 17)
+        for (int v = 0; v < 256; v += 17) {
+          Camera camera(CameraFormat::i420, 8, 8, 0, 1);
+          camera.image.range = range;
+          const int values[3] = {y, u, v};
+          for (int i = 0; i < 3; ++i)
+            std::fill(camera.bytes[i].begin(), camera.bytes[i].end(), static_cast<uint8_t>(values[i]));
+          uint8_t rgb[k_bytes];
+          resample_camera_rows(camera.image, 0, 1, rgb);
+          const double luma = video ? (y - 16) * 255.0 / 219.0 : y, chroma = video ? 255.0 / 224.0 : 1.0;
+          const double pb = chroma * (u - 128), pr = chroma * (v - 128);
+          const double expected[3] = {luma + 2 * (1 - kr) * pr,
+                                      luma - 2 * kb * (1 - kb) / kg * pb - 2 * kr * (1 - kr) / kg * pr,
+                                      luma + 2 * (1 - kb) * pb};
+          for (int c = 0; c < 3; ++c) ASSERT_NEAR(rgb[c], std::clamp(expected[c], 0.0, 255.0), 0.51);
+        }
+  }
+}
+
+TEST(CameraImage, YuvLayoutsOfOnePictureAgreeAndPaddingIsNotRead) {
+  for (const uint32_t turn : {0u, 270u}) {
+    Camera planar(CameraFormat::i420, 320, 240, 7, 5), nv12(CameraFormat::nv12, 320, 240, 13, 6),
+        nv21(CameraFormat::nv21, 320, 240, 0, 7);
+    for (uint32_t y = 0; y < 240; ++y)
+      for (Camera* other : {&nv12, &nv21})
+        std::memcpy(other->bytes[0].data() + y * other->image.strides[0],
+                    planar.bytes[0].data() + y * planar.image.strides[0], 320);
+    for (uint32_t y = 0; y < 120; ++y)
+      for (uint32_t x = 0; x < 160; ++x) {
+        const uint8_t u = planar.bytes[1][y * planar.image.strides[1] + x],
+                      v = planar.bytes[2][y * planar.image.strides[2] + x];
+        nv12.bytes[1][y * nv12.image.strides[1] + 2 * x] = u, nv12.bytes[1][y * nv12.image.strides[1] + 2 * x + 1] = v;
+        nv21.bytes[1][y * nv21.image.strides[1] + 2 * x] = v, nv21.bytes[1][y * nv21.image.strides[1] + 2 * x + 1] = u;
+      }
+    planar.image.turn_deg = nv12.image.turn_deg = nv21.image.turn_deg = turn;
+    EXPECT_EQ(planar.resampled(), nv12.resampled());
+    EXPECT_EQ(planar.resampled(), nv21.resampled());
+  }
+}
+
+// Grey ramps in luma and chroma that are the same picture stay so: chroma samples lie between pairs of luma samples.
+TEST(CameraImage, ChromaIsNotShifted) {
+  Camera camera(CameraFormat::i420, 256, 192, 0, 1);
+  camera.image.focal_x = camera.image.focal_y = static_cast<float>(k_light_focal);
+  camera.image.centre_x = 127.5f, camera.image.centre_y = 95.5f;
+  std::fill(camera.bytes[0].begin(), camera.bytes[0].end(), static_cast<uint8_t>(128));
+  std::fill(camera.bytes[1].begin(), camera.bytes[1].end(), static_cast<uint8_t>(128));
+  for (size_t y = 0; y < 96; ++y)
+    for (size_t x = 0; x < 128; ++x) camera.bytes[2][y * 128 + x] = static_cast<uint8_t>(88 + x / 2);  // V along x
+  const std::vector<uint8_t> rgb = camera.resampled();
+  for (int x = 8; x < 248; ++x) {
+    const double v = 88 + ((x - 0.5) / 2.0 - 0.5) / 2.0;  // steps of one every four pixels, about their middle
+    EXPECT_NEAR(rgb[static_cast<size_t>(3 * (90 * 256 + x))], 128 + 1.402 * (v - 128), 1.6) << x;
+  }
+}
+
+TEST(CameraImage, RowsInAnyOrderAreTheWhole) {
+  for (const uint32_t turn : {0u, 90u}) {
+    Camera camera(CameraFormat::rgba, 500, 333, 3, 9);
+    camera.image.turn_deg = turn;
+    std::vector<uint8_t> rgb(k_bytes);
+    for (uint32_t row = camera_rows(camera.image); row-- > 0;) resample_camera_rows(camera.image, row, 1, rgb.data());
+    EXPECT_EQ(rgb, camera.resampled());
+  }
+}
+
+TEST(CameraImage, BeyondTheCamerasViewIsTheEdgesColour) {
+  Camera camera(CameraFormat::rgb, 64, 48, 0, 4);
+  camera.image.focal_x = camera.image.focal_y = 200.0f;  // far narrower than the network's view
+  camera.image.centre_x = 31.5f, camera.image.centre_y = 23.5f;
+  const std::vector<uint8_t> rgb = camera.resampled();
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_EQ(rgb[static_cast<size_t>(c)], camera.channel(0, 0, c));
+    EXPECT_EQ(rgb[k_bytes - 3 + static_cast<size_t>(c)], camera.channel(63, 47, c));
+  }
+  camera.image.centre_x = 9e5f, camera.image.centre_y = -9e5f;  // looks past the image altogether
+  const std::vector<uint8_t> beside = camera.resampled();
+  for (size_t i = 0; i < k_bytes; ++i) ASSERT_EQ(beside[i], camera.channel(63, 0, static_cast<int>(i % 3)));
+}
+
+TEST(CameraImage, WhatIsWrongIsRefusedWithASentence) {
+  const auto expect_refused = [](const CameraImage& image, const std::string& words) {
+    const char* reason = nullptr;
+    EXPECT_EQ(check_camera_image(&image, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT) << words;
+    EXPECT_NE(std::string(reason).find(words), std::string::npos) << reason;
+  };
+  const char* reason = nullptr;
+  EXPECT_EQ(check_camera_image(nullptr, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  const Camera good(CameraFormat::nv12, 64, 48, 0, 1);
+  EXPECT_EQ(check_camera_image(&good.image, &reason), SANDGLASS_OK);
+  const auto changed = [&](auto&& change) {
+    CameraImage image = good.image;
+    change(image);
+    return image;
+  };
+  expect_refused(changed([](CameraImage& i) { i.width = i.height = 1; }), "2 x 2");
+  expect_refused(changed([](CameraImage& i) { i.width = 1u << 20; }), "16384");
+  expect_refused(changed([](CameraImage& i) { i.height = 47; }), "odd");
+  expect_refused(changed([](CameraImage& i) { i.strides[0] = 63; }), "stride");
+  expect_refused(changed([](CameraImage& i) { i.strides[1] = 32; }), "stride");
+  expect_refused(changed([](CameraImage& i) { i.planes[1] = nullptr; }), "NULL");
+  expect_refused(changed([](CameraImage& i) { i.turn_deg = 45; }), "turn");
+  expect_refused(changed([](CameraImage& i) { i.focal_x = NAN; }), "focal");
+  expect_refused(changed([](CameraImage& i) { i.focal_y = 0.0f; }), "focal");
+  expect_refused(changed([](CameraImage& i) { i.centre_y = INFINITY; }), "principal");
+  expect_refused(changed([](CameraImage& i) { i.format = static_cast<CameraFormat>(9); }), "format");
+  expect_refused(changed([](CameraImage& i) { i.range = static_cast<YuvRange>(9); }), "range");
+}
+
+}  // namespace
+}  // namespace sandglass

@@ -1,0 +1,56 @@
+// Panoramas as OpenEXR, written here by the library itself in the compressions that Blender and cameras use.
+#include <ImfArray.h>
+#include <ImfRgbaFile.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "models/host/failure.h"
+#include "models/lighting/panorama_file.h"
+
+namespace sandglass::host {
+namespace {
+
+void write_exr(const std::string& path, int width, int height, Imf::Compression compression,
+               Imf::RgbaChannels channels) {
+  Imf::Array2D<Imf::Rgba> pixels(height, width);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      pixels[v][u] = Imf::Rgba(static_cast<float>(u) + 0.5f, static_cast<float>(v) + 0.25f, 4096.0f, 1.0f);
+  Imf::Header header(width, height);
+  header.compression() = compression;
+  Imf::RgbaOutputFile file(path.c_str(), header, channels);
+  file.setFrameBuffer(&pixels[0][0], 1, static_cast<size_t>(width));
+  file.writePixels(height);
+}
+
+TEST(Exr, HalfFloatsAreReadExactly) {
+  const std::string path = ::testing::TempDir() + "sandglass_panorama.exr";
+  for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION}) {
+    write_exr(path, 32, 16, compression, Imf::WRITE_RGBA);
+    const RadianceMap map = read_panorama(path);
+    ASSERT_EQ(map.width, 32);
+    ASSERT_EQ(map.height, 16);
+    for (int v = 0; v < 16; ++v)
+      for (int u = 0; u < 32; ++u) {
+        EXPECT_EQ(map.colour(u, v).x, u + 0.5);
+        EXPECT_EQ(map.colour(u, v).y, v + 0.25);
+        EXPECT_EQ(map.colour(u, v).z, 4096.0);
+      }
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(Exr, WithoutColourOrOfAnotherShapeIsRefused) {
+  const std::string path = ::testing::TempDir() + "sandglass_odd.exr";
+  write_exr(path, 32, 16, Imf::ZIP_COMPRESSION, Imf::WRITE_Y);
+  EXPECT_THROW(read_panorama(path), Failure);
+  write_exr(path, 32, 32, Imf::ZIP_COMPRESSION, Imf::WRITE_RGB);
+  EXPECT_THROW(read_panorama(path), Failure);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  EXPECT_THROW(read_panorama(path), Failure);
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace sandglass::host

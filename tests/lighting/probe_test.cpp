@@ -1,0 +1,139 @@
+// The evaluation's renderer against closed forms on the empty floor, the image errors against numbers worked out by
+// hand, and the label ceiling on a panorama that the labels describe exactly.
+#include "models/lighting/probe_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "models/host/mesh/generated.h"
+#include "models/lighting/ceiling.h"
+#include "models/lighting/panorama_file.h"
+
+namespace sandglass::host {
+namespace {
+
+constexpr double k_pi = std::numbers::pi;
+constexpr View k_view = {k_pi / 2.0, k_pi / 2.0};
+
+// Lower left corner of the picture: floor, far from the object.
+Vec3 floor_colour(const ProbeImage& image) {
+  Vec3 sum;
+  for (int y = 66; y < 72; ++y)
+    for (int x = 0; x < 6; ++x) sum = sum + image.radiance.colour(x, y) * (1.0 / 36.0);
+  return sum;
+}
+
+Mesh small_object() { return make_icosphere(0.5f, 2); }
+
+TEST(ProbeScene, DirectionalLightOnTheFloor) {
+  const ProbeScene scene(small_object());
+  const Vec3 towards = normalised(Vec3{0.3, 0.8, -0.4});
+  // Irradiance pi on a facing surface, so the floor gives back reflectance * cosine; the sun-like cap's mean cosine is
+  // that of its axis times the shrinkage of irradiance that the definition already took out.
+  const double expected = ProbeScene::k_reflectance * towards.y;
+  EXPECT_NEAR(floor_colour(scene.render(ProbeLight::directional(towards), k_view, 64)).x, expected, 0.02 * expected);
+}
+
+TEST(ProbeScene, AmbientLightOnTheFloorIsItsReflectance) {
+  const ProbeScene scene(small_object());
+  EXPECT_NEAR(floor_colour(scene.render(ProbeLight::ambient(), k_view, 64)).x, ProbeScene::k_reflectance,
+              0.05 * ProbeScene::k_reflectance);
+}
+
+// A panorama that is the directional and the ambient light must give the same picture as those two.
+TEST(ProbeScene, EnvironmentOfTheTwoLightsIsTheirSum) {
+  const View view = choose_views(4)[1];
+  const ViewRotation rotation(view);
+  const Vec3 towards = normalised(Vec3{0.4, 0.7, 0.5});
+  const double sine = std::sin(k_light_half_angle_deg * k_pi / 180.0), cosine = std::sqrt(1.0 - sine * sine);
+  RadianceMap map(1024, 512);
+  for (int v = 0; v < 512; ++v)
+    for (int u = 0; u < 1024; ++u) {
+      const Vec3 d = rotation.to_panorama(panorama_direction(u, v, 1024, 512));
+      map.set(u, v, dot(d, towards) > cosine ? Vec3{0.3 + 2.0 / (sine * sine), 0.3, 0.3} : Vec3{0.3, 0.3, 0.3});
+    }
+  const ProbeScene scene(make_trefoil(0.1f, 0.018f, 100, 12));
+  const ProbeImage truth = scene.render(ProbeLight::environment(map, rotation), view, 256);
+  const ProbeImage directional = scene.render(ProbeLight::directional(towards), view, 256);
+  const ProbeImage ambient = scene.render(ProbeLight::ambient(), view, 256);
+  RadianceMap sum(ProbeScene::k_width, ProbeScene::k_height);
+  for (int y = 0; y < sum.height; ++y)
+    for (int x = 0; x < sum.width; ++x)
+      sum.set(x, y, product({2, 0, 0}, directional.radiance.colour(x, y)) + ambient.radiance.colour(x, y) * 0.3);
+  EXPECT_LE(compare(truth.radiance, sum).relative, 0.05);  // noise of 256 paths
+  // The wrong light fails the same gate.
+  const ProbeImage wrong = scene.render(ProbeLight::directional(normalised(Vec3{-0.4, 0.7, 0.5})), view, 256);
+  for (int y = 0; y < sum.height; ++y)
+    for (int x = 0; x < sum.width; ++x)
+      sum.set(x, y, product({2, 0, 0}, wrong.radiance.colour(x, y)) + ambient.radiance.colour(x, y) * 0.3);
+  EXPECT_GT(compare(truth.radiance, sum).relative, 0.1);
+}
+
+TEST(ProbeScene, ShadowFallsAwayFromTheLight) {
+  const ProbeScene scene(small_object());
+  // Light from the picture's right, camera looking along +z: +x is on the left of the picture.
+  const ProbeImage image = scene.render(ProbeLight::directional(normalised(Vec3{-1.0, 1.0, 0.0})), k_view, 16);
+  double left = 0.0, right = 0.0;
+  for (int y = 0; y < ProbeScene::k_height; ++y)
+    for (int x = 0; x < ProbeScene::k_width; ++x) {
+      const double lit = image.lit[static_cast<size_t>(y * ProbeScene::k_width + x)];
+      if (lit >= 0.0) (x < ProbeScene::k_width / 2 ? left : right) += 1.0 - lit;
+    }
+  EXPECT_GT(left, 100.0);
+  EXPECT_LT(right, 0.1 * left);
+}
+
+TEST(ImageErrors, ByHand) {
+  RadianceMap truth(2, 1), picture(2, 1);
+  truth.set(0, 0, {1, 0, 0}), truth.set(1, 0, {0, 2, 0});
+  picture.set(0, 0, {0, 1, 0}), picture.set(1, 0, {0, 2, 0});
+  const ImageErrors e = compare(truth, picture);
+  EXPECT_NEAR(e.rmse, std::sqrt(2.0 / 6.0), 1e-12);
+  EXPECT_NEAR(e.relative, std::sqrt(2.0 / 5.0), 1e-12);
+  EXPECT_NEAR(e.scale_invariant, std::sqrt((5.0 - 4.0 * 4.0 / 5.0) / 6.0), 1e-12);
+  EXPECT_NEAR(e.logarithmic, std::sqrt(2.0 * std::log(2.0) * std::log(2.0) / 6.0), 1e-12);
+  EXPECT_NEAR(e.angle_deg, 45.0, 1e-12);
+  EXPECT_EQ(compare(truth, truth).rmse, 0.0);
+}
+
+TEST(ImageErrors, ScalingThePictureLeavesTheScaleInvariantOne) {
+  RadianceMap truth(4, 4), picture(4, 4);
+  for (size_t i = 0; i < truth.rgb.size(); ++i)
+    truth.rgb[i] = static_cast<float>(i % 5 + 1), picture.rgb[i] = 3.0f * truth.rgb[i];
+  EXPECT_NEAR(compare(truth, picture).scale_invariant, 0.0, 1e-6);
+  EXPECT_GT(compare(truth, picture).rmse, 1.0);
+}
+
+// A room that is a soft lamp in an even glow.
+TEST(Ceiling, OneLampInAnEvenRoom) {
+  const std::string path = ::testing::TempDir() + "sandglass_ceiling.hdr";
+  RadianceMap map(512, 256);
+  const Vec3 lamp = normalised(Vec3{0.2, 0.9, 0.3});
+  for (int v = 0; v < 256; ++v)
+    for (int u = 0; u < 512; ++u) {
+      const double l = dot(panorama_direction(u, v, 512, 256), lamp) > std::cos(10.0 * k_pi / 180.0) ? 20.0 : 0.3;
+      map.set(u, v, {l, l, l});
+    }
+  write_hdr(path, map);
+  CeilingOptions options;
+  options.panoramas = {path}, options.object = small_object(), options.views = 2, options.samples = 16;
+  const Ceiling ceiling = measure_ceiling(options);
+  EXPECT_EQ(ceiling.views, 2u);
+  EXPECT_LE(ceiling.variants.front().mean.rmse, ceiling.variants.back().mean.rmse);
+  const ContrastError& physical = ceiling.contrasts[static_cast<int>(Contrast::irradiance)];
+  const ContrastError& printed = ceiling.contrasts[static_cast<int>(Contrast::printed)];
+  EXPECT_LE(printed.high, 0.04);  // as printed there is no shadow, whatever the room
+  EXPECT_GT(printed.shadow_rmse, 1.3 * physical.shadow_rmse);
+  // The object also keeps ambient light from its umbra: the best opacity lies above the physical one, never below.
+  EXPECT_GT(physical.low, 0.3);
+  EXPECT_LE(ceiling.best_contrast_rmse, physical.shadow_rmse);
+  options.threads = 2;
+  EXPECT_EQ(measure_ceiling(options).variants.front().mean.rmse, ceiling.variants.front().mean.rmse);
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace sandglass::host
