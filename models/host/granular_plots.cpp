@@ -58,9 +58,9 @@ Plot flow(const GranularCurves& c) {
     offset += (std::log(y[i]) - 2.5 * std::log(x[i] - 1.4)) / static_cast<double>(x.size());
   Plot plot;
   plot.title = "Discharge through an orifice";
-  plot.x = {"orifice D/d", 4.5, 11.0, true};
-  plot.y = {"particles a second", 200.0, 5000.0, true};
-  plot.series = {law("Beverloo: (D - 1.4 d)^2.5", 4.5, 11.0, k_law, false,
+  plot.x = {"orifice D/d", 4.5, 11.0, false};
+  plot.y = {"particles a second", 60.0, 5000.0, true};
+  plot.series = {law("Beverloo: power 2.5 of D - 1.4 d", 4.5, 11.0, k_law, false,
                      [offset](double d) { return std::exp(offset) * std::pow(d - 1.4, 2.5); }),
                  points("Sandglass, mu = 0.15", x, y, k_measured, PlotSeries::Mark::disk),
                  points("control: one long step a frame", wrong_x, wrong_y, k_wrong, PlotSeries::Mark::ring)};
