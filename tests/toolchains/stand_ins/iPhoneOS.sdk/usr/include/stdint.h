@@ -1,6 +1,6 @@
 #pragma once
-// Apple's 64-bit types are long long, where the C library whose other headers stand in here says long; clang's own headers for ARM
-// insist on Apple's. The guards keep the library's definitions out.
+// Apple's 64-bit types are long long, where the C library whose other headers stand in here says long; clang's own
+// headers for ARM insist on Apple's. The guards keep the library's definitions out.
 #define _STDINT_H 1
 #define _BITS_STDINT_INTN_H 1
 #define _BITS_STDINT_UINTN_H 1
