@@ -42,6 +42,9 @@ struct Trapping {
     feenableexcept(FE_INVALID | FE_DIVBYZERO);
   }
   ~Trapping() { fedisableexcept(FE_ALL_EXCEPT); }
+#else
+  Trapping() {}
+  ~Trapping() {}
 #endif
   Trapping(const Trapping&) = delete;
   Trapping& operator=(const Trapping&) = delete;
