@@ -110,7 +110,7 @@ static void dense_layer(const Int8Layer& layer, uint32_t width, const uint8_t* i
 
 // A table instead of a sigmoid: its argument is rounded to 1/256, which moves no byte by more than 1/8 of a step.
 static uint8_t coverage_of(const ShadowNetwork& network, int32_t sum) {
-  constexpr float k_half = k_coverage_steps / 2;
+  constexpr float k_half = static_cast<float>(k_coverage_steps) / 2;
   float x = static_cast<float>(sum) * network.last_multiplier;
   x = x > -k_half ? x : -k_half;
   x = x < k_half - 1 ? x : k_half - 1;
