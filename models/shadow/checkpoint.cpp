@@ -46,6 +46,7 @@ struct Reader {
     good = good && count <= (bytes.size() - at) / k_item;
     if (!good) return;
     values->resize(count);
+    if (count == 0) return;
     std::memcpy(values->data(), bytes.data() + at, count * k_item);
     at += count * k_item;
   }

@@ -1,6 +1,7 @@
 #include "tests/shadow/shadow_fixture.h"
 
 #include <gtest/gtest.h>
+#include <cmath>
 
 #include <cstring>
 #include <new>
@@ -69,7 +70,7 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   // High frequencies count less, so that a texture has smooth parts for the adaptive mode to find.
   for (uint32_t i = 0; i < 2 * (1 + 2 * what.texel_frequencies); ++i)
     for (uint32_t c = 0; c < what.width; ++c)
-      first[i * what.width + c] /= static_cast<float>(1u << (i % (1 + 2 * what.texel_frequencies)));
+      first[i * what.width + c] /= std::ldexp(1.0f, static_cast<int>(i % (1 + 2 * what.texel_frequencies)));
   if (what.forced_first != 0 || what.forced_first != what.forced_first) first[5] = what.forced_first;
   std::vector<flatbuffers::Offset<asset::Layer>> layers;
   const float multiplier = what.extreme ? 0.0005f : 0.004f;
