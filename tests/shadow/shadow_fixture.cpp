@@ -1,8 +1,8 @@
 #include "tests/shadow/shadow_fixture.h"
 
 #include <gtest/gtest.h>
-#include <cmath>
 
+#include <cmath>
 #include <cstring>
 #include <new>
 
