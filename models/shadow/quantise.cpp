@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/shadow/shadow_builders.h"
 #include "runtime/asset/shadow_asset.h"
-#include "runtime/asset/shadow_generated.h"
 
 namespace sandglass::host {
 

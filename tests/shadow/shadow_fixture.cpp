@@ -7,8 +7,8 @@
 #include <new>
 
 #include "kernels/int8.h"
+#include "models/shadow/shadow_builders.h"
 #include "runtime/asset/shadow_asset.h"
-#include "runtime/asset/shadow_generated.h"
 
 namespace sandglass::tests {
 
