@@ -65,14 +65,6 @@ sandglass_collider level_floor(double height) {
   return floor;
 }
 
-double Random::unit() {  // splitmix64
-  state += 0x9e3779b97f4a7c15u;
-  uint64_t z = state;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
-
 std::vector<float> scattered(uint32_t count, const Shaft& shaft, double bottom, double radius, uint64_t seed) {
   constexpr double k_filled = 0.2;
   const double apart = 2.02 * radius, gap = 1.01 * radius;

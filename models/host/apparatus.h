@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "models/host/block.h"
+#include "models/host/random.h"
 #include "models/host/scene_file.h"
 #include "sandglass/field.h"
 #include "sandglass/sandglass.h"
@@ -25,12 +26,6 @@ class Vessel {
 };
 
 sandglass_collider level_floor(double height = 0.0);
-
-// Numbers in [0, 1) that follow from the seed alone.
-struct Random {
-  uint64_t state;
-  double unit();
-};
 
 // Centres of spheres by random sequential addition at a fifth of the space, `count` of them from y = `bottom` upward in
 // a shaft along y: the circle of radius `half_x` when `round`, else the rectangle of half sides half_x and half_z. 3

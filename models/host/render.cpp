@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "models/host/frame.h"
 #include "models/host/sphere_caster.h"
 #include "runtime/sampling/field.h"
 
@@ -46,15 +47,6 @@ double unit_random(uint32_t* state) {
 
 Vec3 scaled(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 Vec3 mixed(Vec3 a, Vec3 b, double t) { return a * (1.0 - t) + b * t; }
-
-struct Frame {  // an orthonormal frame about a direction
-  Vec3 u, v, w;
-  explicit Frame(Vec3 direction) : w(direction) {
-    u = normalised(cross(std::fabs(w.y) < 0.9 ? Vec3{0, 1, 0} : Vec3{1, 0, 0}, w));
-    v = cross(w, u);
-  }
-  Vec3 world(double a, double b, double c) const { return u * a + v * b + w * c; }
-};
 
 struct CameraFrame {
   Vec3 right, up, forward;

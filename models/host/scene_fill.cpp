@@ -10,6 +10,7 @@
 
 #include "models/host/block.h"
 #include "models/host/failure.h"
+#include "models/host/random.h"
 
 namespace sandglass::host {
 
@@ -31,17 +32,6 @@ double cube_root(double value) {
   }
   return root;
 }
-
-struct Random {  // splitmix64
-  uint64_t state;
-  double unit() {
-    state += 0x9e3779b97f4a7c15u;
-    uint64_t z = state;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  }
-};
 
 Block sampler_block(uint64_t bytes) {
   return new_block(bytes, "filling the body", "simulate fewer particles or grains");

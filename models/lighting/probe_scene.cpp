@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "models/host/failure.h"
+#include "models/host/frame.h"
 #include "models/host/mesh/ray_caster.h"
 #include "runtime/sampling/random.h"
 
@@ -17,20 +18,6 @@ constexpr double k_plane_side = 200.0, k_far = 1e4, k_lift = 1e-3;              
 constexpr double k_camera_distance = 3.4, k_camera_elevation_deg = 32.0, k_fov_deg = 40.0;  // vertical field of view
 constexpr int k_bounces = 3;
 constexpr uint64_t k_probe_stream = 31;
-
-struct Frame {
-  Vec3 u, v, w;
-  explicit Frame(Vec3 direction) : w(direction) {
-    u = normalised(cross(std::fabs(w.y) < 0.9 ? Vec3{0, 1, 0} : Vec3{1, 0, 0}, w));
-    v = cross(w, u);
-  }
-  Vec3 world(double a, double b, double c) const { return u * a + v * b + w * c; }
-};
-
-Vec3 cosine_direction(Vec3 normal, double a, double b) {
-  const double r = std::sqrt(a), angle = 2.0 * k_pi * b;
-  return Frame(normal).world(r * std::cos(angle), r * std::sin(angle), std::sqrt(std::max(0.0, 1.0 - a)));
-}
 
 }  // namespace
 

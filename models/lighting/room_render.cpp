@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "models/host/failure.h"
+#include "models/host/frame.h"
 #include "models/host/progress.h"
 #include "runtime/sampling/random.h"
 
@@ -119,20 +120,6 @@ struct Hit {
   bool front;   // of the triangle as it was wound
   uint32_t triangle;
 };
-
-struct Frame {
-  Vec3 u, v, w;
-  explicit Frame(Vec3 direction) : w(direction) {
-    u = normalised(cross(std::fabs(w.y) < 0.9 ? Vec3{0, 1, 0} : Vec3{1, 0, 0}, w));
-    v = cross(w, u);
-  }
-  Vec3 world(double a, double b, double c) const { return u * a + v * b + w * c; }
-};
-
-Vec3 cosine_direction(Vec3 normal, double a, double b) {
-  const double r = std::sqrt(a), angle = 2.0 * k_pi * b;
-  return Frame(normal).world(r * std::cos(angle), r * std::sin(angle), std::sqrt(std::max(0.0, 1.0 - a)));
-}
 
 // Evenly spread numbers for the first bounce of a pixel's samples: lattices of irrational steps, shifted by the pixel.
 struct Samples {

@@ -11,7 +11,7 @@
 #include "models/host/progress.h"
 #include "models/shadow/checkpoint.h"
 #include "models/shadow/quantise.h"
-#include "models/shadow/random.h"
+#include "models/host/random.h"
 #include "models/shadow/shadow_runner.h"
 
 namespace sandglass::host {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "models/shadow/batch_math.h"
-#include "models/shadow/random.h"
+#include "models/host/random.h"
 #include "runtime/core/math.h"
 
 namespace sandglass::host {

@@ -7,7 +7,7 @@
 
 #include "models/host/failure.h"
 #include "models/host/machine_peak.h"
-#include "models/shadow/random.h"
+#include "models/host/random.h"
 #include "models/shadow/shadow_runner.h"
 #include "models/shadow/trainer.h"
 #include "models/shadow/xnnpack_peer.h"

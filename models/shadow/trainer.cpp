@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "models/shadow/batch_math.h"
-#include "models/shadow/random.h"
+#include "models/host/random.h"
 
 namespace sandglass::host {
 

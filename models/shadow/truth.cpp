@@ -10,7 +10,7 @@
 #include <cstring>
 
 #include "models/host/failure.h"
-#include "models/shadow/random.h"
+#include "models/host/random.h"
 #include "sandglass/sampling.h"
 
 namespace sandglass::host {

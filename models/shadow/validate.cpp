@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/shadow/random.h"
+#include "models/host/random.h"
 #include "models/shadow/shadow_runner.h"
 
 namespace sandglass::host {

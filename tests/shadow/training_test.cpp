@@ -7,7 +7,7 @@
 #include "models/host/mesh/generated.h"
 #include "models/shadow/batch_math.h"
 #include "models/shadow/quantise.h"
-#include "models/shadow/random.h"
+#include "models/host/random.h"
 #include "models/shadow/shadow_runner.h"
 #include "models/shadow/trainer.h"
 

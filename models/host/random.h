@@ -16,4 +16,14 @@ constexpr uint64_t random_mix(uint64_t x) {  // SplitMix64
 // In 0..1, 53 bits, of the hash of `counter`.
 constexpr double random_unit(uint64_t counter) { return static_cast<double>(random_mix(counter) >> 11) * 0x1p-53; }
 
+// The same as a stream.
+struct Random {
+  uint64_t state;
+  double unit() {
+    const double value = random_unit(state);
+    state += 0x9E3779B97F4A7C15ull;
+    return value;
+  }
+};
+
 }  // namespace sandglass::host
