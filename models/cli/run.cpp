@@ -120,11 +120,7 @@ struct Run {
     if (!meshes.note().empty()) std::fprintf(stderr, "sandglass: note: %s\n", meshes.note().c_str());
     const Material material = fill_scene(&scene, meshes.bodies());
     fields.emplace(&scene, options.collider_mesh);
-    sandglass_scene_desc desc =
-        describe_scene(scene, material.particles() + material.rigid_particles(), material.grains());
-    desc.granular.body_capacity = static_cast<uint32_t>(material.rigid.size());
-    desc.granular.body_particle_capacity = material.rigid_particles();
-    desc.granular.collider_capacity += static_cast<uint32_t>(material.rigid.size());
+    sandglass_scene_desc desc = describe_filled(scene, material);
     desc.isa = isa;
     if (options.clock == "virtual") {
       virtual_time.step_ns = k_virtual_step_ns;

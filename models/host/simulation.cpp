@@ -109,6 +109,15 @@ const std::vector<float>& Simulation::grain_velocities() {
   return grain_velocities_;
 }
 
+sandglass_scene_desc describe_filled(const SceneFile& scene, const Material& material) {
+  sandglass_scene_desc desc =
+      describe_scene(scene, material.particles() + material.rigid_particles(), material.grains());
+  desc.granular.body_capacity = static_cast<uint32_t>(material.rigid.size());
+  desc.granular.body_particle_capacity = material.rigid_particles();
+  desc.granular.collider_capacity += static_cast<uint32_t>(material.rigid.size());
+  return desc;
+}
+
 std::vector<sandglass_collider> colliders_over_frame(const SceneFile& scene, uint32_t frame) {
   std::vector<sandglass_collider> colliders;
   for (const ColliderTrack& track : scene.colliders)

@@ -48,6 +48,9 @@ class Simulation {
   std::vector<sandglass_grain> output_;  // stands for the app's buffer
 };
 
+// The description of the scene filled with this material: rigid bodies and their colliders included.
+sandglass_scene_desc describe_filled(const SceneFile& scene, const Material& material);
+
 std::vector<sandglass_collider> colliders_over_frame(const SceneFile& scene, uint32_t frame);
 
 // Appends the shapes of the scene's rigid boxes and spheres where they will be at the end of the frame: they keep

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "models/host/mesh/generated.h"
+#include "tests/granular/box_points.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {
@@ -45,19 +46,6 @@ struct FunctionField {
   std::unique_ptr<void, Free> block;
   sandglass_field* field = nullptr;
 };
-
-template <class Visit>
-void for_points(const float low[3], const float high[3], int count, const Visit& visit) {
-  const double step[3] = {0.8191725134, 0.6710436067, 0.5497004779};
-  for (int i = 1; i <= count; ++i) {
-    float p[3];
-    for (int k = 0; k < 3; ++k) {
-      const double t = step[k] * i - std::floor(step[k] * i);
-      p[k] = static_cast<float>(static_cast<double>(low[k]) + t * static_cast<double>(high[k] - low[k]));
-    }
-    visit(p);
-  }
-}
 
 Distance box(double x, double y, double z) {
   return [=](const float* p) {

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "models/host/mesh/generated.h"
+#include "tests/granular/box_points.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {
@@ -45,20 +46,6 @@ struct Field {
   std::unique_ptr<Aligned> block;
   sandglass_field* field = nullptr;
 };
-
-// Points spread through the box, without a random number generator: an additive recurrence.
-template <class Visit>
-void for_points(const float low[3], const float high[3], int count, const Visit& visit) {
-  const double step[3] = {0.8191725134, 0.6710436067, 0.5497004779};
-  for (int i = 1; i <= count; ++i) {
-    float p[3];
-    for (int k = 0; k < 3; ++k) {
-      const double t = step[k] * i - std::floor(step[k] * i);
-      p[k] = static_cast<float>(static_cast<double>(low[k]) + t * static_cast<double>(high[k] - low[k]));
-    }
-    visit(p);
-  }
-}
 
 double length(const float* p) { return std::hypot(p[0], p[1], p[2]); }
 

@@ -66,11 +66,7 @@ TEST_P(EveryScene, RunsWithoutTrapsAndRepeatsOnAnotherInstructionSet) {
   const LoadedMeshes meshes(scene, mesh);
   const Material material = fill_scene(&scene, meshes.bodies());
   const CollisionFields fields(&scene, "");
-  sandglass_scene_desc desc =
-      describe_scene(scene, material.particles() + material.rigid_particles(), material.grains());
-  desc.granular.body_capacity = static_cast<uint32_t>(material.rigid.size());
-  desc.granular.body_particle_capacity = material.rigid_particles();
-  desc.granular.collider_capacity += static_cast<uint32_t>(material.rigid.size());
+  sandglass_scene_desc desc = describe_filled(scene, material);
 
   std::vector<sandglass_plan> plans;
   std::vector<uint64_t> hashes;
