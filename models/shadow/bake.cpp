@@ -9,9 +9,9 @@
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/progress.h"
+#include "models/host/random.h"
 #include "models/shadow/checkpoint.h"
 #include "models/shadow/quantise.h"
-#include "models/host/random.h"
 #include "models/shadow/shadow_runner.h"
 
 namespace sandglass::host {

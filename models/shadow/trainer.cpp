@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/shadow/batch_math.h"
 #include "models/host/random.h"
+#include "models/shadow/batch_math.h"
 
 namespace sandglass::host {
 

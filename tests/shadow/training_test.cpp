@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "models/host/mesh/generated.h"
+#include "models/host/random.h"
 #include "models/shadow/batch_math.h"
 #include "models/shadow/quantise.h"
-#include "models/host/random.h"
 #include "models/shadow/shadow_runner.h"
 #include "models/shadow/trainer.h"
 
