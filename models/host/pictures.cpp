@@ -28,8 +28,8 @@ constexpr double k_snapshot_bytes = 768.0 * 1048576.0;  // memory for all snapsh
 constexpr int k_gif_width = 320, k_gif_height = 240;
 constexpr Colour k_ink = {20, 24, 30};
 
-Picture draw(const PictureSet& set, const Snapshot& snapshot, const View& base, bool particles, int width, int height) {
-  View view = base;
+Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& base, bool particles, int width, int height) {
+  SceneView view = base;
   const uint32_t particle_count = static_cast<uint32_t>(snapshot.particles.size() / 3);
   const uint32_t grain_count = static_cast<uint32_t>(snapshot.grains.size() / 3);
   particles = particles || grain_count == 0;
@@ -112,7 +112,7 @@ uint32_t snapshot_step(uint32_t frames, double frame_step, uint32_t particles, u
 PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& snapshots) {
   PicturePaths paths;
   if (snapshots.empty()) return paths;
-  View view;
+  SceneView view;
   std::vector<Bounds> boxes;
   for (const Snapshot& snapshot : snapshots) {
     boxes.emplace_back().add_most(snapshot.grains.empty() ? snapshot.particles : snapshot.grains);
