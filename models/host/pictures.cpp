@@ -28,7 +28,8 @@ constexpr double k_snapshot_bytes = 768.0 * 1048576.0;  // memory for all snapsh
 constexpr int k_gif_width = 320, k_gif_height = 240;
 constexpr Colour k_ink = {20, 24, 30};
 
-Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& base, bool particles, int width, int height) {
+Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& base, bool particles, int width,
+             int height) {
   SceneView view = base;
   const uint32_t particle_count = static_cast<uint32_t>(snapshot.particles.size() / 3);
   const uint32_t grain_count = static_cast<uint32_t>(snapshot.grains.size() / 3);
@@ -41,7 +42,8 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& b
   view.to_light = snapshot.to_light;
   RenderOptions options;
   options.width = width, options.height = height, options.threads = set.threads;
-  Picture picture = render(view, options);
+  Picture picture =
+      set.painter && !particles ? set.painter(snapshot, width, height, set.threads) : render(view, options);
   char label[96];
   std::snprintf(label, sizeof label, "%s  t = %.2f s  frame %u%s", set.title.c_str(), snapshot.time, snapshot.frame,
                 particles ? "  particles" : "");
