@@ -174,7 +174,7 @@ sandglass_status check_camera_image(const CameraImage* image, const char** reaso
   const uint32_t planes = image->format == SANDGLASS_CAMERA_I420 ? 3 : yuv ? 2 : 1;
   const uint32_t row_bytes[3] = {image->format == SANDGLASS_CAMERA_RGB    ? 3 * image->width
                                  : image->format == SANDGLASS_CAMERA_RGBA ? 4 * image->width
-                                                                       : image->width,
+                                                                          : image->width,
                                  image->format == SANDGLASS_CAMERA_I420 ? image->width / 2 : image->width,
                                  image->width / 2};
   for (uint32_t i = 0; i < planes; ++i) {
@@ -187,7 +187,8 @@ sandglass_status check_camera_image(const CameraImage* image, const char** reaso
   if (!from_pose && image->turn_deg != 0 && image->turn_deg != 90 && image->turn_deg != 180 && image->turn_deg != 270)
     return refuse(reason, "camera image: the turn is not 0, 90, 180 or 270 degrees; give the sensor's orientation");
   if (from_pose && image->pose_is_upright != 0)
-    return refuse(reason, "camera image: the pose of an upright image does not tell its turn; give the turn in degrees");
+    return refuse(reason,
+                  "camera image: the pose of an upright image does not tell its turn; give the turn in degrees");
   if (!(image->focal_x >= 1.0f && image->focal_x <= k_intrinsics_limit && image->focal_y >= 1.0f &&
         image->focal_y <= k_intrinsics_limit))
     return refuse(

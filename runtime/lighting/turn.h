@@ -23,8 +23,7 @@ inline bool rotation_of(const float q[4], Rotation* rotation) {
 }
 
 inline void rotate(const Rotation& rotation, const double v[3], double out[3]) {
-  for (int i = 0; i < 3; ++i)
-    out[i] = rotation.m[i][0] * v[0] + rotation.m[i][1] * v[1] + rotation.m[i][2] * v[2];
+  for (int i = 0; i < 3; ++i) out[i] = rotation.m[i][0] * v[0] + rotation.m[i][1] * v[1] + rotation.m[i][2] * v[2];
 }
 
 }  // namespace sandglass

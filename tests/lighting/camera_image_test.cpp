@@ -31,7 +31,7 @@ struct Camera {
     const uint32_t rows[3] = {height, height / 2, height / 2};
     const uint32_t widths[3] = {format == SANDGLASS_CAMERA_RGB    ? 3 * width
                                 : format == SANDGLASS_CAMERA_RGBA ? 4 * width
-                                                               : width,
+                                                                  : width,
                                 planar ? width / 2 : width, width / 2};
     Random random = random_stream(seed, 1);
     for (uint32_t i = 0; i < (planar ? 3u : yuv ? 2u : 1u); ++i) {
@@ -150,7 +150,8 @@ TEST(CameraImage, SeesAPanoramaAsTheDataSetDoes) {
 }
 
 TEST(CameraImage, YuvMatricesAgainstTheirDefinitions) {
-  for (const sandglass_yuv_range range : {SANDGLASS_YUV_FULL_601, SANDGLASS_YUV_VIDEO_601, SANDGLASS_YUV_FULL_709, SANDGLASS_YUV_VIDEO_709}) {
+  for (const sandglass_yuv_range range :
+       {SANDGLASS_YUV_FULL_601, SANDGLASS_YUV_VIDEO_601, SANDGLASS_YUV_FULL_709, SANDGLASS_YUV_VIDEO_709}) {
     const bool video = range == SANDGLASS_YUV_VIDEO_601 || range == SANDGLASS_YUV_VIDEO_709;
     const bool hd = range == SANDGLASS_YUV_FULL_709 || range == SANDGLASS_YUV_VIDEO_709;
     const double kr = hd ? 0.2126 : 0.299, kb = hd ? 0.0722 : 0.114, kg = 1.0 - kr - kb;
