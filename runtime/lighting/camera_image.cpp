@@ -196,7 +196,7 @@ sandglass_status check_camera_image(const CameraImage* image, const char** reaso
         "camera image: a focal length is not a number from 1 to a million pixels; give the camera's intrinsics");
   if (!finite_within(image->centre_x, k_intrinsics_limit) || !finite_within(image->centre_y, k_intrinsics_limit))
     return refuse(reason, "camera image: the principal point is not finite; give the camera's intrinsics");
-  Rotation rotation;
+  Rotation rotation = {};
   if (!rotation_of(image->orientation, &rotation))
     return refuse(reason, "camera image: the orientation is zero or not finite; give the camera's pose");
   if (reason != nullptr) *reason = nullptr;
@@ -206,7 +206,7 @@ sandglass_status check_camera_image(const CameraImage* image, const char** reaso
 CameraImage with_turn(const CameraImage& image) {
   CameraImage turned = image;
   if (image.turn_deg != SANDGLASS_TURN_FROM_POSE) return turned;
-  Rotation rotation;
+  Rotation rotation = {};
   (void)rotation_of(image.orientation, &rotation);
   // The world's up in the stored image, x right and y down; the upright image's y of it is to be the least.
   const double right = rotation.m[1][0], down = -rotation.m[1][1];
@@ -223,7 +223,7 @@ void camera_to_world(const CameraImage& image, const double camera[3], double wo
   const double x = camera[0], y = camera[1];
   const double stored_x = turn == 90 ? y : turn == 180 ? -x : turn == 270 ? -y : x;
   const double stored_y = turn == 90 ? -x : turn == 180 ? -y : turn == 270 ? x : y;
-  Rotation rotation;
+  Rotation rotation = {};
   (void)rotation_of(image.orientation, &rotation);
   const double local[3] = {stored_x, -stored_y, -camera[2]};  // y up, looking along -z
   rotate(rotation, local, world);

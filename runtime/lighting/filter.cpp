@@ -118,7 +118,8 @@ double light_filter_confidence(const LightFilter& filter) {
 }
 
 void light_filter_turn(LightFilter* filter, const double rotation[3][3]) {
-  for (LightSample* sample : {&filter->state, &filter->held}) {
+  LightSample* const samples[2] = {&filter->state, &filter->held};
+  for (LightSample* sample : samples) {
     double turned[3];
     for (int i = 0; i < 3; ++i) turned[i] = dot(rotation[i], sample->direction);
     normalise(turned);

@@ -330,7 +330,7 @@ sandglass_status sandglass_light_create(const sandglass_light_desc* desc, void* 
 void sandglass_light_reset(sandglass_light* light) { reset(&light->light); }
 
 sandglass_status sandglass_light_turn(sandglass_light* light, const float rotation[4], const char** reason) {
-  Rotation turn;
+  Rotation turn = {};
   if (light == nullptr || rotation == nullptr || !rotation_of(rotation, &turn))
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "light or rotation is NULL, zero or not finite");
   const FloatingPointControl saved = floating_point_enter();
@@ -391,7 +391,8 @@ uint64_t sandglass_light_hash(const sandglass_light* light) {
   const Light& l = light->light;
   const LightFilter& f = l.filter;
   uint64_t hash = asset_checksum(l.rgb, k_rgb_bytes);
-  for (const LightSample* sample : {&f.state, &f.held, &l.latest})
+  const LightSample* const samples[3] = {&f.state, &f.held, &l.latest};
+  for (const LightSample* sample : samples)
     hash = (hash ^ asset_checksum(reinterpret_cast<const uint8_t*>(sample), sizeof *sample)) * k_prime;
   hash = (hash ^ asset_checksum(reinterpret_cast<const uint8_t*>(&f.agreement), sizeof f.agreement)) * k_prime;
   const uint64_t counts[4] = {l.estimates, f.held_off, static_cast<uint64_t>(l.phase), l.cursor};
