@@ -171,14 +171,15 @@ void run_transition(const LightNetwork& net, const LightOperator& op, uint32_t y
 void run_head(LightNetwork* net) {
   const uint32_t pixels = block_side(net->width, 3) * block_side(net->height, 3);
   const uint8_t* in = block_of(*net, 3);
-  for (uint32_t c = 0; c < k_light_features; ++c) {
-    const uint8_t low = net->asset.last_low[c], high = net->asset.last_high[c];
-    uint32_t sum = 0;
-    for (uint32_t p = 0; p < pixels; ++p) {
-      const uint8_t x = in[p * k_light_features + c];
-      sum += x < low ? low : x > high ? high : x;
+  const uint8_t *low = net->asset.last_low, *high = net->asset.last_high;
+  uint16_t sums[k_light_features] = {};  // of at most 64 pixels
+  for (uint32_t p = 0; p < pixels; ++p, in += k_light_features)
+    for (uint32_t c = 0; c < k_light_features; ++c) {
+      const uint8_t above = in[c] > low[c] ? in[c] : low[c];
+      sums[c] = static_cast<uint16_t>(sums[c] + (above < high[c] ? above : high[c]));
     }
-    const uint32_t average = (256 * sum + pixels / 2) / pixels;
+  for (uint32_t c = 0; c < k_light_features; ++c) {
+    const uint32_t average = (256 * sums[c] + pixels / 2) / pixels;
     net->pooled_high[c] = static_cast<uint8_t>(average >> 8), net->pooled_low[c] = static_cast<uint8_t>(average);
   }
   double latent[k_light_latent];
