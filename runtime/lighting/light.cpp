@@ -233,7 +233,9 @@ void describe(const Light& light, const LightSample& sample, uint64_t timestamp_
   out->confidence = static_cast<float>(light_filter_confidence(light.filter));
   out->estimates = light.estimates;
   out->held_off = light.filter.held_off;
-  (void)sandglass_light_harmonics(out, SANDGLASS_LIGHT_MODEL_WHOLE, out->sh, nullptr);
+  double sh[3 * k_harmonics];
+  light_harmonics(*out, SANDGLASS_LIGHT_MODEL_WHOLE, sh);
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) out->sh[i] = static_cast<float>(sh[i]);
 }
 
 __attribute__((noinline)) void resample_now(Light* light) {

@@ -110,9 +110,11 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_camera_check(const 
  *   other numbers move by a times their difference
  *   held off: an estimate that is more than outlier_angle from d, or differs in luminance by more than outlier_level,
  *         changes nothing, unless it agrees with the one before it, which was held off too, or three were in a row.
- * Step response with the defaults and four estimates a second, for light that jumps by 90 degrees: nothing for one
- * estimate, never more than 30 degrees at once, half way after 0.75 s, 90 % of the way after 2 s, no overshoot. The
- * turn of the camera is taken out before: estimates are filtered in the world's frame. */
+ * Step response with the defaults and four estimates a second, for light that jumps by 90 degrees: the first estimate
+ * after it changes nothing, none moves it by more than 30 degrees, it is half way with the third and 90 % of the way
+ * with the sixth (1.25 s after the first), and never goes too far. A light that moves slowly is followed `smoothing`
+ * seconds behind. The camera's turn is taken out before: estimates are filtered in the world's frame.
+ * Times that do not grow from image to image count as `interval` apart. */
 typedef struct sandglass_light_desc {
   uint32_t struct_size;
   sandglass_isa isa;
