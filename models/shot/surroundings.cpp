@@ -7,8 +7,8 @@
 
 #include "models/lighting/excerpt.h"
 #include "models/lighting/panorama_file.h"
+#include "models/lighting/picture_file.h"
 #include "models/lighting/room_render.h"
-#include "models/shot/photo_file.h"
 
 namespace sandglass::host {
 
@@ -18,9 +18,19 @@ namespace {
 
 constexpr double k_pi = std::numbers::pi;
 constexpr int k_room_width = 1024, k_room_samples = 48;
+constexpr double k_most_contrast = 0.95, k_least_cosine = 0.1, k_most_strength = 64.0;  // of the radiometry
 constexpr double k_room_insertion = 0.6;  // 4 m from the farthest that is seen (5.22), as in these rooms
 
 Vec3 limited(Vec3 c) { return {std::min(c.x, 1.0), std::min(c.y, 1.0), std::min(c.z, 1.0)}; }
+
+RadianceMap linear_photo(const Picture& picture) {
+  RadianceMap photo(picture.width, picture.height);
+  for (size_t i = 0; i < photo.rgb.size(); ++i) {
+    const double v = picture.rgb[i] / 255.0;
+    photo.rgb[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
+  }
+  return photo;
+}
 
 // Bilinear; the border goes on outwards.
 Vec3 photo_at(const RadianceMap& photo, double x, double y) {
@@ -84,7 +94,7 @@ Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_
 Surroundings photo_surroundings(const std::string& path, double diagonal_fov_deg, Camera* camera) {
   Surroundings s;
   s.name = fs::path(path).stem().string();
-  s.photo = read_photo(path);
+  s.photo = linear_photo(read_picture(path));
   camera->fov_deg =
       360.0 / k_pi * std::atan(0.5 * s.photo.height / focal_length(s.photo.width, s.photo.height, diagonal_fov_deg));
   return s;
@@ -93,7 +103,13 @@ Surroundings photo_surroundings(const std::string& path, double diagonal_fov_deg
 ShotLight labelled_light(const Surroundings& s) {
   const ViewRotation rotation(s.view);
   const LightLabels labels = labels_of(s.warped, rotation.to_rotated({0, 1, 0}), s.white);
-  return {rotation.to_panorama(labels.direction), labels.light, labels.ambient, labels.contrast};
+  const Vec3 towards = rotation.to_panorama(labels.direction);
+  // As sandglass/light.h: so strong that its share of what the level floor receives is the contrast.
+  const double o = std::min(labels.contrast, k_most_contrast);
+  const double wanted = luminance(labels.ambient) * o / (1.0 - o) / std::max(towards.y, k_least_cosine);
+  const double strength =
+      luminance(labels.light) > 0.0 ? std::min(wanted / luminance(labels.light), k_most_strength) : 0.0;
+  return {towards, labels.light * strength, labels.ambient, labels.contrast};
 }
 
 ShotLight arbitrary_light(const ShotCamera& camera) {

@@ -1,0 +1,50 @@
+// From the trained network, in float, to the bytes that the runtime reads.
+//
+// WEIGHTS.npz holds the trunk by the names and shapes of the pretrained file (kernels row, column, input, output):
+//   conv1/conv/kernel, conv1/bn/{gamma,beta,moving_mean,moving_variance},
+//   conv{2..5}_block{l}_{0_bn,1_conv,1_bn,2_conv}/…, pool{2..4}_{bn,conv}/…, bn/…
+// and the heads by these:
+//   latent/kernel 1024 x 512, latent/bias 512, latent/bn/{gamma,beta,moving_mean,moving_variance} 512 (epsilon 1e-5),
+//   direction/kernel 512 x 3, light/kernel 512 x 3, ambient/kernel 512 x 3, contrast/kernel 512 x 1, and their /bias;
+// optionally data_hash (8 uint8), seed and training_images (one float32 each).
+//
+// How bytes are chosen. Every channel of a feature map has a scale and zero point of its own; the range is the one, of
+// a few quantiles of the calibration images, with the least mean square error. An input's scale goes into the weights
+// that read it. Weights have a scale an output, the one that adds the least noise given how much each input varies;
+// what rounding them moves the mean of an output by is taken off its bias.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "models/lighting/light_file.h"
+#include "models/lighting/light_net.h"
+
+namespace sandglass::host {
+
+// What was seen of one channel.
+struct ChannelRange {
+  float least = 0, greatest = 0;
+  double sum = 0, squares = 0;
+  uint64_t count = 0, zeros = 0;
+  std::vector<float> samples;
+};
+
+// Of all channels of one place in the network.
+using ChannelRanges = std::vector<ChannelRange>;
+
+struct LightRanges {
+  ChannelRanges stem;
+  std::vector<ChannelRanges> narrow_inputs, bottlenecks, growths;  // by layer
+  std::vector<ChannelRanges> transition_inputs, transitions;       // by block
+  ChannelRanges last_inputs;
+  uint32_t images = 0;
+};
+
+// Runs the float trunk on an image and takes notes; returns its features.
+std::vector<float> observe(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height,
+                           LightRanges* ranges);
+
+LightFile quantise(const LightNet& net, const LightRanges& ranges);
+
+}  // namespace sandglass::host
