@@ -17,6 +17,7 @@
 #include "models/host/metrics.h"
 #include "models/host/npy.h"
 #include "models/host/pictures.h"
+#include "models/host/pile_shadow.h"
 #include "models/host/progress.h"
 #include "models/host/recording.h"
 #include "models/host/report.h"
@@ -99,6 +100,7 @@ struct Run {
   std::optional<ThreadPool> pool;
   std::optional<Simulation> simulation;
   std::optional<StandingShadows> shadows;
+  std::optional<PileShadow> pile;
   std::optional<Shot> shot;
   RunReport report;
   std::vector<Snapshot> snapshots;
@@ -166,6 +168,10 @@ struct Run {
     simulation.emplace(desc);
     simulation->add(material);
     shadows.emplace(scene, isa);
+    if (scene.pile_shadow) {
+      pile.emplace(*scene.pile_shadow, isa);
+      simulation->cast(pile->handle());
+    }
     report.scene = scene.name;
     report.isa = sandglass_isa_name(sandglass_scene_isa(simulation->handle()));
     report.clock = options.replay.empty() ? options.clock : "replay";
@@ -189,6 +195,7 @@ struct Run {
     snapshot.grains = present(simulation->grain_positions()),
     snapshot.particles = present(simulation->particle_positions());
     snapshot.shadows = shadows->drawn(colliders);
+    if (pile) snapshot.pile = {pile->drawn(false)}, snapshot.pile_surface = {pile->drawn(true)};
     snapshot.colliders = std::move(colliders);
     if (scene.light) snapshot.to_light = scene.light->towards(static_cast<double>(frame) / scene.frames);
     if (shot) snapshot.to_light = shot->light(frame).towards;
@@ -196,12 +203,19 @@ struct Run {
   }
 
   // Of every active stage.
-  uint64_t hash() const { return sandglass_scene_hash(simulation->handle()) + shadows->hash(); }
+  uint64_t hash() const {
+    const uint64_t of_pile = pile ? sandglass_pile_shadow_hash(pile->handle()) : 0;
+    return sandglass_scene_hash(simulation->handle()) + shadows->hash() + of_pile;
+  }
 
   // One frame by clock and budget, or as recorded.
   sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
-    if (shot) shadows->set_light(scene, frame, shot->light(frame).towards);
-    else shadows->set_light(scene, frame);
+    if (shot || scene.light) {
+      const Vec3 towards =
+          shot ? shot->light(frame).towards : scene.light->towards(static_cast<double>(frame) / scene.frames);
+      shadows->set_light(scene, frame, towards);
+      if (pile) pile->set_light(towards);
+    }
     simulation->flow(flow_over_frame(scene, frame * scene.frame_step));
     if (options.replay.empty()) {
       *colliders = colliders_over_frame(scene, frame);

@@ -29,6 +29,9 @@ class Simulation {
   // What pours and what swallows from the next frame on.
   void flow(Flow flow) { flow_ = std::move(flow); }
 
+  // The sand's own shadow from the next frame on; null: none.
+  void cast(sandglass_pile_shadow* shadow) { pile_shadow_ = shadow; }
+
   // Refreshed by each call; 3 floats an item, as many items as were added or emitted.
   const std::vector<float>& particle_positions();
   const std::vector<float>& particle_velocities();
@@ -43,6 +46,7 @@ class Simulation {
   Block block_;
   uint64_t bytes_ = 0;
   Flow flow_;
+  sandglass_pile_shadow* pile_shadow_ = nullptr;
   uint32_t particles_ = 0, grains_ = 0;
   std::vector<float> positions_, velocities_, grain_positions_, grain_velocities_;
   std::vector<sandglass_grain> output_;  // stands for the app's buffer

@@ -53,10 +53,6 @@ StandingShadows::~StandingShadows() {
   for (const Object& object : objects_) ::operator delete(object.block, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
 }
 
-void StandingShadows::set_light(const SceneFile& scene, uint32_t frame) {
-  if (scene.light) set_light(scene, frame, scene.light->towards(static_cast<double>(frame) / scene.frames));
-}
-
 void StandingShadows::set_light(const SceneFile& scene, uint32_t frame, Vec3 towards) {
   for (size_t i = 0; i < objects_.size(); ++i) {
     const sandglass_collider now =
