@@ -54,11 +54,12 @@ sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* l
   p->texels = desc.texels, p->pitch = static_cast<uint32_t>(pitch);
   p->tops = layout_region<float>(layout, "pile_shadow.tops", columns);
   p->bottoms = layout_region<float>(layout, "pile_shadow.bottoms", columns);
-  for (float** row : {&p->nothing, &p->receivers, &p->shares})
-    *row = layout_region<float>(layout, "pile_shadow.row", n + k_lane_group);
+  float** const rows[] = {&p->nothing, &p->receivers, &p->shares};
+  for (float** row : rows) *row = layout_region<float>(layout, "pile_shadow.row", n + k_lane_group);
   p->azimuths = layout_region<PileAzimuth>(layout, "pile_shadow.azimuths", k_pile_azimuths);
   p->steps = layout_region<PileStep>(layout, "pile_shadow.steps", k_pile_azimuths * k_pile_steps);
-  for (PileTexture* texture : {&p->front, &p->back}) {
+  PileTexture* const textures[] = {&p->front, &p->back};
+  for (PileTexture* texture : textures) {
     texture->floor = layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n);
     texture->sand = desc.on_sand != 0 ? layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n) : nullptr;
   }

@@ -497,7 +497,9 @@ void check_pile_light(uint32_t n) {
   std::vector<float> first;
   for (const Kernels* kernels : tables()) {
     std::vector<float> shares(padded);
-    PileLightArgs args = {tops.data() + k_lane_group, bottoms.data() + k_lane_group, pitch, 2};
+    PileLightArgs args = {};
+    args.tops = tops.data() + k_lane_group, args.bottoms = bottoms.data() + k_lane_group;
+    args.pitch = pitch, args.row = 2;
     args.sand_rows[0] = 0, args.sand_rows[1] = rows - 1;
     args.sand_columns[0] = 0, args.sand_columns[1] = static_cast<int32_t>(n) - 1;
     args.receivers = receivers.data(), args.azimuths = azimuths, args.azimuth_count = 2, args.steps = steps.data();
