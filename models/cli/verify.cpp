@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "models/cli/commands.h"
 #include "models/host/atomic_file.h"
@@ -12,6 +13,9 @@
 #include "models/host/physics_cases.h"
 #include "models/host/progress.h"
 #include "models/host/simulation.h"
+#include "models/lighting/dataset.h"
+#include "models/shot/light_estimate.h"
+#include "models/shot/verify_shot.h"
 
 namespace sandglass::host {
 
@@ -20,7 +24,8 @@ namespace {
 constexpr int k_exit_check_failed = 1, k_exit_interrupted = 130;
 
 struct Options {
-  std::string suite, json, out, isa = "automatic";
+  std::string suite, json, out, isa = "automatic", panoramas, network;
+  uint32_t threads = 1;
   std::vector<std::string> cases;
   bool quick = false;
 };
@@ -107,20 +112,78 @@ int verify_granular(const Options& options) {
   return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : 0;
 }
 
+// Where the data folder's indoor panoramas are; empty: nowhere.
+std::vector<std::string> indoor_panoramas(const Options& options) {
+  if (!options.panoramas.empty()) return find_panoramas({options.panoramas});
+  const char* data = std::getenv("SANDGLASS_DATA_DIR");
+  if (data == nullptr || *data == '\0') return {};
+  return find_panoramas({std::string(data) + "/hdri/indoor"});
+}
+
+int verify_shot(const Options& options) {
+  ShotStudyOptions study;
+  study.panoramas = indoor_panoramas(options);
+  if (study.panoramas.empty()) {
+    std::printf("skipped: no panoramas; name a folder with --panoramas, or the data folder in SANDGLASS_DATA_DIR\n");
+    return 0;
+  }
+  study.network = options.network.empty() ? shipped_light_network() : options.network;
+  study.folder = options.out, study.threads = options.threads;
+  if (options.quick) study.views = 3;
+  if (!study.folder.empty()) make_folder(study.folder);
+  ShotStudy result;
+  {
+    Progress progress("compositing and tracing views", std::min(study.views, study.panoramas.size()));
+    result = study_shots(study, [&](size_t done) {
+      progress.done(done);
+      return !interrupted();
+    });
+  }
+  if (interrupted()) return k_exit_interrupted;
+  const std::string text = shot_study_text(result);
+  std::fputs(text.c_str(), stdout);
+  if (study.network.empty()) std::printf("\nno lighting network: without estimates\n");
+  if (!study.folder.empty()) write_file(study.folder + "/shot.md", text);
+  uint32_t failed = 0;
+  std::vector<Measurement> measurements;
+  for (const ShotVariant ablation : {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light})
+    for (int m = 0; m < k_shot_metrics; ++m) {
+      const bool pass = result.beats(ablation, m);
+      if (!pass) std::printf("FAIL: true labels do not beat %s in %s\n", name_of(ablation), shot_metric_name(m));
+      failed += pass ? 0 : 1;
+      Measurement row;
+      row.suite = "shot", row.scene = name_of(ablation), row.metric = shot_metric_name(m), row.isa = "automatic";
+      row.value = result.mean[static_cast<int>(ablation)][m];
+      row.judgement = Measurement::Judgement{result.mean[0][m], result.mean[0][m], pass, true};
+      measurements.push_back(row);
+    }
+  if (!options.json.empty()) write_file(options.json, measurements_json(measurements));
+  return failed > 0 ? k_exit_check_failed : 0;
+}
+
 }  // namespace
 
 void add_verify_command(CLI::App& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("verify", "Measure claims against their truths; exit code 1 if one fails");
-  command->add_option("suite", options->suite, "granular")->required()->check(CLI::IsMember({"granular"}));
+  command->add_option("suite", options->suite, "granular, or shot")
+      ->required()
+      ->check(CLI::IsMember({"granular", "shot"}));
   command->add_option("--case", options->cases, "Only these cases (all)")->check(CLI::IsMember(verdict_groups()));
   command->add_flag("--quick", options->quick, "Only the cases that take seconds");
+  command->add_option(
+      "--panoramas", options->panoramas,
+      "Of shot: folder of indoor .hdr and .exr files (hdri/indoor of the folder in SANDGLASS_DATA_DIR)");
+  command->add_option("--network", options->network,
+                      "Of shot: the lighting network's file, instead of the shipped one");
+  command->add_option("--threads", options->threads, "Of shot: threads; the result does not depend on them")
+      ->check(CLI::Range(1u, 256u));
   command->add_option("--json", options->json, "Write the rows to this file");
   command->add_option("--out", options->out, "Write table and curves into this folder");
   command->add_option("--isa", options->isa, "Kernels to use (automatic)");
   command->callback([options, exit_code] {
     listen_for_interrupt();
-    *exit_code = verify_granular(*options);
+    *exit_code = options->suite == "shot" ? verify_shot(*options) : verify_granular(*options);
   });
 }
 
