@@ -139,20 +139,21 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     }
     const double facing = std::max(0.0, dot(hit.normal, light.towards));
     double open = facing > 0.0 ? 1.0 : 0.0;
-    if (open > 0.0 && hit.surface == Surface::object && cast != CastShadow::none) {
-      const Vec3 to = cast == CastShadow::hard
-                          ? light.towards
-                          : in_cap(light.towards, half_angle, random->uniform(), random->uniform());
+    if (open > 0.0 && hit.surface == Surface::object) {
+      const Vec3 to = in_cap(light.towards, half_angle, random->uniform(), random->uniform());
       open = state_->object_blocks(start, to, k_far) ? 0.0 : 1.0;
-    } else if (open > 0.0 && hit.surface == Surface::grain && cast == CastShadow::textures && light.towards.y > 0.0) {
+    } else if (open > 0.0 && cast == CastShadow::textures && light.towards.y > 0.0) {
       const Vec3 foot = hit.point - light.towards * (hit.point.y / light.towards.y);
       open = left_by(shadows.object, foot.x, foot.z) * left_by(shadows.pile_surface, hit.point.x, hit.point.z);
-    } else if (open > 0.0 && hit.surface == Surface::grain && cast == CastShadow::hard) {
+    } else if (open > 0.0 && cast == CastShadow::hard) {
       open = state_->blocked(start, light.towards, k_far) ? 0.0 : 1.0;
     }
-    const Vec3 around = cosine_direction(hit.normal, random->uniform(), random->uniform());
-    const double ambient = state_->blocked(start, around, k_open_reach) ? 0.0 : 1.0;
-    return limited(product(hit.reflectance, light.light * (facing * open) + light.ambient * ambient));
+    // What hides a part of the room is lit by it, too, and gives back its share.
+    const Hit around = state_->closest(start, cosine_direction(hit.normal, random->uniform(), random->uniform()));
+    const bool hidden =
+        (around.surface == Surface::object || around.surface == Surface::grain) && around.distance < k_open_reach;
+    const Vec3 ambient = hidden ? product(light.ambient, around.reflectance) : light.ambient;
+    return limited(product(hit.reflectance, light.light * (facing * open) + ambient));
   };
   each_row(options.height, options.threads, [&](int y) {
     for (int x = 0; x < options.width; ++x) {

@@ -26,7 +26,9 @@
 
 namespace sandglass::host {
 
-enum class CastShadow { textures, none, hard };  // hard: traced to the middle of the light
+// What falls on the floor and the grains: the library's textures, nothing, or an edge traced to the middle of the
+// light.
+enum class CastShadow { textures, none, hard };
 
 struct ShotShadows {
   std::vector<FloorShadow> object, pile, pile_surface;  // none of a kind: nothing is cast

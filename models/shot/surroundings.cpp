@@ -62,8 +62,9 @@ Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name
   s.panorama = RadianceMap(w, panorama.height);
   for (int v = 0; v < panorama.height; ++v)
     for (int u = 0; u < w; ++u) s.panorama.set(u, v, panorama.colour(((u + shift) % w + w) % w, v));
-  const Vec3 to = normalised(standing - camera.eye);
-  s.view = {std::acos(std::clamp(to.y, -1.0, 1.0)), std::atan2(to.z, to.x)};
+  // The place of the object is taken on the level of the eye: what is above a sphere's lower half is no floor's sky.
+  const Vec3 to = standing - camera.eye;
+  s.view = {0.5 * k_pi, std::atan2(to.z, to.x)};
   s.warped = warp(s.panorama, s.view, insertion);
   return s;
 }

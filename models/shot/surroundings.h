@@ -25,7 +25,7 @@ struct Surroundings {
   RadianceMap panorama;  // empty: a photograph
   RadianceMap warped;    // the panorama from where the object stands, its own centre at `view`
   double white = 1.0;    // luminance of the panorama that is tone mapped to 1
-  View view = {};        // towards where the object stands
+  View view = {};        // towards where the object stands, on the level of the eye
   RadianceMap photo;     // linear, 0..1
   std::string name;
 

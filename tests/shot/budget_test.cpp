@@ -52,7 +52,8 @@ struct Everything {
       for (size_t i = 0; i < particles.size(); i += 3)
         for (int k = 0; k < 16; ++k)
           for (size_t axis = 0; axis < 3; ++axis)
-            grains.push_back(particles[i + axis] + 0.004f * static_cast<float>((k >> axis & 1) - 0.5f * (k >> 3)));
+            grains.push_back(particles[i + axis] +
+                             0.004f * (static_cast<float>(k >> axis & 1) - 0.5f * static_cast<float>(k >> 3)));
     sandglass_scene_desc desc = sandglass::scene_desc();
     desc.clock = {thread_cpu_ns, nullptr};
     desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
