@@ -232,6 +232,7 @@ void describe(const Light& light, const LightSample& sample, uint64_t timestamp_
                                         sample.levels + k_sample_ambient, sample.levels[k_sample_contrast]));
   out->confidence = static_cast<float>(light_filter_confidence(light.filter));
   out->estimates = light.estimates;
+  out->deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
   out->held_off = light.filter.held_off;
   double sh[3 * k_harmonics];
   light_harmonics(*out, SANDGLASS_LIGHT_MODEL_WHOLE, sh);

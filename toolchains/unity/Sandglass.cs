@@ -280,7 +280,9 @@ public unsafe struct sandglass_light_estimate {
   public float strength;
   public fixed float ambient[3];
   public float contrast, confidence;
-  public uint estimates, held_off;
+  public uint estimates;
+  public float deviation;
+  public uint held_off;
   public fixed float sh[27];
 }
 
