@@ -20,7 +20,7 @@ namespace sandglass::host {
 namespace {
 
 constexpr uint32_t k_width = 96, k_height = 64;  // small, and not square
-constexpr uint64_t k_golden = 0;
+constexpr uint64_t k_golden = 4615494675203553879u;
 
 const std::vector<uint8_t>& random_file() {
   static const std::vector<uint8_t> bytes = light_file_bytes(random_light_file(7));
