@@ -35,7 +35,7 @@ sandglass_status check(const sandglass_light_desc* desc, LightAsset* asset, cons
     return fail("desc.turn_limit is not above 0 radians a second");
   if (!(desc->outlier_angle >= 0 && desc->outlier_angle <= 3.1416f)) return fail("desc.outlier_angle is not in 0..pi");
   if (!(desc->outlier_level >= 0 && desc->outlier_level <= 2)) return fail("desc.outlier_level is not in 0..2");
-  *kernels = select_int8_kernels(desc->isa);
+  *kernels = select_light_kernels(desc->isa);
   if (*kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
