@@ -15,7 +15,6 @@ namespace {
 constexpr uint64_t k_unit_image_bytes = 256 * 1024;  // read by a unit: some tens of microseconds
 constexpr uint32_t k_unit_rows_most = 16;
 constexpr uint64_t k_rgb_bytes = 3 * k_light_width * k_light_height;
-constexpr uint32_t k_light_regions = 16;
 
 sandglass_status refuse(const char** reason, sandglass_status status, const char* sentence) {
   if (reason != nullptr) *reason = sentence;
