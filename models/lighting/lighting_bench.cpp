@@ -29,15 +29,6 @@ void finish(LightingBenchRow* row, double peak) {
   row->fraction = peak > 0 ? row->gmac_per_s / peak : 0;
 }
 
-double relative_error(const std::vector<float>& a, const std::vector<float>& truth) {
-  double error = 0, square = 0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    error += std::pow(static_cast<double>(a[i] - truth[i]), 2);
-    square += std::pow(static_cast<double>(truth[i]), 2);
-  }
-  return std::sqrt(error / square);
-}
-
 void add_part(LightingBenchRow* row, const std::string& name, double ms) {
   for (LightingBenchRow::Part& part : row->parts)
     if (part.name == name) {
@@ -82,6 +73,15 @@ LightingBenchRow bench_own(LightRunner* runner, std::span<const uint8_t> rgb, do
 }
 
 #ifdef SANDGLASS_HAVE_XNNPACK
+double relative_error(const std::vector<float>& a, const std::vector<float>& truth) {
+  double error = 0, square = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    error += std::pow(static_cast<double>(a[i] - truth[i]), 2);
+    square += std::pow(static_cast<double>(truth[i]), 2);
+  }
+  return std::sqrt(error / square);
+}
+
 LightingBenchRow bench_peer(const LightAsset& asset, bool bytes, std::span<const uint8_t> rgb, double peak,
                             const std::vector<float>& features) {
   XnnpackLightPeer peer(asset, bytes, k_width, k_height);

@@ -12,9 +12,9 @@ namespace {
 
 constexpr double k_mean[3] = {0.485, 0.456, 0.406}, k_deviation[3] = {0.229, 0.224, 0.225};
 constexpr double k_bias_limit = 1 << 28;
-constexpr double k_margin = 0.1;             // of a range, beyond what was seen
-constexpr uint64_t k_samples_an_image = 24;  // of products
-constexpr double k_ridge = 0.5;              // of a byte's variance; its rounding alone has 1/12
+constexpr double k_margin = 0.1;              // of a range, beyond what was seen
+constexpr uint64_t k_samples_an_image = 128;  // of products
+constexpr double k_ridge = 0.5;               // of a byte's variance; its rounding alone has 1/12
 
 void note(ChannelRanges* ranges, const float* values, int channels) {
   ranges->resize(static_cast<size_t>(channels));
