@@ -94,7 +94,7 @@ int run(const Options& options) {
     progress.done(i + 1);
   }
   if (interrupted()) return k_exit_interrupted;
-  LightFile file = quantise(net, ranges);
+  LightFile file = quantise(net, &ranges);
   file.name = options.name;
   LightRunner runner(light_file_bytes(file), options.output);
   Differences differences;

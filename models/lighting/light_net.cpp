@@ -60,8 +60,10 @@ LightNet light_net_of(const std::map<std::string, NpyArray>& arrays) {
   net.seed = static_cast<uint64_t>(number(arrays, "seed", 0));
   net.training_images = static_cast<uint32_t>(number(arrays, "training_images", 0));
   if (const auto hash = arrays.find("data_hash"); hash != arrays.end())
-    for (size_t i = 0; i < hash->second.values.size() && i < 8; ++i)
-      net.data_hash |= static_cast<uint64_t>(hash->second.values[i]) << 8 * i;
+    for (size_t i = 0; i < hash->second.values.size() && i < 16; ++i) {
+      const int c = static_cast<int>(hash->second.values[i]);  // a hexadecimal digit
+      net.data_hash = net.data_hash << 4 | static_cast<uint64_t>(c >= 'a' ? c - 'a' + 10 : c - '0') % 16;
+    }
   return net;
 }
 

@@ -12,8 +12,9 @@ namespace {
 
 constexpr double k_mean[3] = {0.485, 0.456, 0.406}, k_deviation[3] = {0.229, 0.224, 0.225};
 constexpr double k_bias_limit = 1 << 28;
-constexpr uint64_t k_samples_an_image = 48;  // of a channel
-constexpr double k_quantiles[] = {0, 1e-4, 3e-4, 1e-3, 2e-3, 4e-3, 8e-3};
+constexpr double k_margin = 0.1;              // of a range, beyond what was seen
+constexpr uint64_t k_samples_an_image = 128;  // of products
+constexpr double k_ridge = 0.5;               // of a byte's variance; its rounding alone has 1/12
 
 void note(ChannelRanges* ranges, const float* values, int channels) {
   ranges->resize(static_cast<size_t>(channels));
@@ -33,35 +34,12 @@ struct Grid {
   double step = 1, zero = 0;
 };
 
-double rounding_error(const std::vector<float>& samples, const Grid& grid) {
-  double sum = 0;
-  for (const float x : samples) {
-    const double byte = std::clamp(std::nearbyint(static_cast<double>(x) / grid.step + grid.zero), 0.0, 255.0);
-    const double error = grid.step * (byte - grid.zero) - static_cast<double>(x);
-    sum += error * error;
-  }
-  return sum;
-}
-
 Grid grid_of(const ChannelRange& range, bool rectified) {
-  std::vector<float> sorted = range.samples;
-  std::sort(sorted.begin(), sorted.end());
-  Grid best;
-  double least = std::numeric_limits<double>::infinity();
-  for (const double quantile : k_quantiles) {
-    double low = static_cast<double>(range.least), high = static_cast<double>(range.greatest);
-    if (quantile > 0) {
-      const auto cut = static_cast<size_t>(quantile * static_cast<double>(sorted.size()));
-      if (cut == 0) continue;  // too few samples to say
-      low = static_cast<double>(sorted[cut]), high = static_cast<double>(sorted[sorted.size() - 1 - cut]);
-    }
-    if (rectified) low = 0;
-    const double width = std::max(high - low, 1e-6 * std::max(1.0, std::fabs(high)));
-    const Grid grid = {width / 255, -low * 255 / width};
-    const double error = rounding_error(sorted, grid);
-    if (error < least) least = error, best = grid;
-  }
-  return best;
+  double low = static_cast<double>(range.least), high = static_cast<double>(range.greatest);
+  const double margin = k_margin * (high - low);
+  low = rectified ? 0 : low - margin, high += margin;
+  const double width = std::max(high - low, 1e-6 * std::max(1.0, std::fabs(high)));
+  return {width / 255, -low * 255 / width};
 }
 
 std::vector<Grid> grids_of(const ChannelRanges& ranges, bool rectified) {
@@ -133,7 +111,8 @@ struct ByteRow {
 };
 
 // `weights`: of the inputs' values, `places` times all inputs; `constant`: added.
-ByteRow byte_row(const std::vector<double>& weights, double constant, const std::vector<Input>& inputs) {
+ByteRow byte_row(const std::vector<double>& weights, double constant, const std::vector<Input>& inputs,
+                 const std::vector<float>& factor) {
   std::vector<double> of_bytes(weights.size());
   double largest = 0, bias = constant;
   for (size_t k = 0; k < weights.size(); ++k) {
@@ -156,24 +135,29 @@ ByteRow byte_row(const std::vector<double>& weights, double constant, const std:
     }
     if (noise < least) least = noise, row.scale = scale;
   }
-  for (size_t k = 0; k < of_bytes.size(); ++k) {
-    const double weight = std::clamp(std::nearbyint(of_bytes[k] / row.scale), -127.0, 127.0);
-    row.weights[k] = static_cast<int8_t>(weight);
-    row.bias += (of_bytes[k] - row.scale * weight) * inputs[k % inputs.size()].mean;
-  }
+  row.weights = rounded(of_bytes, row.scale, factor);
+  for (size_t k = 0; k < of_bytes.size(); ++k)
+    row.bias += (of_bytes[k] - row.scale * row.weights[k]) * inputs[k % inputs.size()].mean;
   return row;
 }
 
 // `affine`, where given, follows the convolution.
 ByteConvolution byte_convolution(const Convolution& c, const ChannelAffine* affine, const std::vector<Input>& inputs,
-                                 const std::vector<Grid>& outputs, bool clamped) {
+                                 const std::vector<Grid>& outputs, bool clamped,
+                                 const InputProducts* products = nullptr) {
   ByteConvolution bytes;
+  std::vector<float> factor;
+  if (products != nullptr) {
+    std::vector<double> slopes;
+    for (const Input& input : inputs) slopes.push_back(input.slope);
+    factor = triangular_factor(*products, slopes, k_ridge);
+  }
   const auto places = static_cast<size_t>(c.size * c.size * c.inputs), count = static_cast<size_t>(c.outputs);
   for (size_t o = 0; o < count; ++o) {
     const double scale = affine == nullptr ? 1 : static_cast<double>(affine->scale[o]);
     std::vector<double> weights(places);
     for (size_t k = 0; k < places; ++k) weights[k] = scale * static_cast<double>(c.weights[k * count + o]);
-    ByteRow row = byte_row(weights, affine == nullptr ? 0 : static_cast<double>(affine->shift[o]), inputs);
+    ByteRow row = byte_row(weights, affine == nullptr ? 0 : static_cast<double>(affine->shift[o]), inputs, factor);
     // A bias of at most 2^28 steps: an output that hardly depends on its inputs has coarser ones.
     const double bias = row.bias + outputs[o].step * outputs[o].zero;
     row.scale = std::max(row.scale, std::fabs(bias) / k_bias_limit);
@@ -204,7 +188,7 @@ void quantise_heads(const LightNet& net, const std::vector<Input>& inputs, Light
   for (size_t o = 0; o < k_latent; ++o) {
     std::vector<double> weights(k_features);
     for (size_t i = 0; i < k_features; ++i) weights[i] = static_cast<double>(net.latent[i * k_latent + o]);
-    const ByteRow row = byte_row(weights, static_cast<double>(net.latent_bias[o]), inputs);
+    const ByteRow row = byte_row(weights, static_cast<double>(net.latent_bias[o]), inputs, {});
     file->latent_weights.insert(file->latent_weights.end(), row.weights.begin(), row.weights.end());
     file->latent_scale.push_back(static_cast<float>(row.scale));
     file->latent_bias.push_back(static_cast<float>(row.bias));
@@ -218,44 +202,75 @@ void quantise_heads(const LightNet& net, const std::vector<Input>& inputs, Light
 
 std::vector<float> observe(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height,
                            LightRanges* ranges) {
-  ranges->narrow_inputs.resize(k_dense_layer_count), ranges->bottlenecks.resize(k_dense_layer_count);
-  ranges->growths.resize(k_dense_layer_count);
-  ranges->transition_inputs.resize(k_transition_count), ranges->transitions.resize(k_transition_count);
+  for (auto* all : {&ranges->narrow_inputs, &ranges->bottlenecks, &ranges->growths}) all->resize(k_dense_layer_count);
+  for (auto* all : {&ranges->transition_inputs, &ranges->transitions}) all->resize(k_transition_count);
+  ranges->narrow_products.resize(k_dense_layer_count), ranges->wide_products.resize(k_dense_layer_count);
+  ranges->transition_products.resize(k_transition_count);
   ++ranges->images;
-  const auto pixels_of_stem = static_cast<uint64_t>(width / 2) * static_cast<uint64_t>(height / 2);
-  const auto pixels_of_layer = [&](int layer) {
-    const int block = layer < 6 ? 0 : layer < 18 ? 1 : layer < 42 ? 2 : 3;
-    return (pixels_of_stem / 4) >> (2 * block);
+  const auto block_pixels = [&](int block) {
+    return static_cast<uint64_t>((width >> (2 + block)) * (height >> (2 + block)));
   };
-  // Every so many pixels one is kept whole; which ones differs from image to image.
-  const auto sample = [&](ChannelRanges* to, const float* values, int channels, uint64_t pixels) {
-    note(to, values, channels);
+  const auto block_of = [](int layer) { return layer < 6 ? 0 : layer < 18 ? 1 : layer < 42 ? 2 : 3; };
+  // Of so many pixels every so manieth counts; which ones differs from image to image.
+  const auto chosen = [&](uint64_t pixel, uint64_t pixels) {
     const uint64_t every = std::max<uint64_t>(1, pixels / k_samples_an_image);
-    if ((to->front().count + 7 * ranges->images) % every != 0) return;
-    for (size_t c = 0; c < to->size(); ++c) (*to)[c].samples.push_back(values[c]);
+    return ranges->products && (pixel + 7 * ranges->images) % every == 0;
+  };
+  uint64_t narrow_pixel = 0, transition_pixel = 0;
+  std::vector<float> bottleneck, quarters, window(size_t{9} * k_bottleneck);
+  // The bottleneck's pixels have all come when the first of the growth's does.
+  const auto take_windows = [&](int layer) {
+    const int columns = width >> (2 + block_of(layer)), rows = height >> (2 + block_of(layer));
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < columns; ++x) {
+        if (!chosen(static_cast<uint64_t>(y * columns + x), block_pixels(block_of(layer)))) continue;
+        for (int i = 0; i < 9; ++i) {
+          const int u = x + i % 3 - 1, v = y + i / 3 - 1;
+          float* to = window.data() + i * k_bottleneck;
+          if (u < 0 || v < 0 || u >= columns || v >= rows) std::fill_n(to, k_bottleneck, 0.0f);
+          else std::copy_n(bottleneck.data() + (v * columns + u) * k_bottleneck, k_bottleneck, to);
+        }
+        ranges->wide_products[static_cast<size_t>(layer)].add(window.data(), window.size());
+      }
+    bottleneck.clear();
   };
   return features_of(net, rgb, width, height, [&](Activation place, int index, const float* values, int channels) {
-    const auto i = static_cast<size_t>(index);
+    const auto i = static_cast<size_t>(index), count = static_cast<size_t>(channels);
     switch (place) {
       case Activation::stem:
-        return sample(&ranges->stem, values, channels, pixels_of_stem);
+        return note(&ranges->stem, values, channels);
       case Activation::narrow_input:
+        if (chosen(narrow_pixel++, block_pixels(block_of(index)))) ranges->narrow_products[i].add(values, count);
         return note(&ranges->narrow_inputs[i], values, channels);
       case Activation::bottleneck:
-        return sample(&ranges->bottlenecks[i], values, channels, pixels_of_layer(index));
+        if (ranges->products) bottleneck.insert(bottleneck.end(), values, values + channels);
+        return note(&ranges->bottlenecks[i], values, channels);
       case Activation::growth:
-        return sample(&ranges->growths[i], values, channels, pixels_of_layer(index));
+        if (!bottleneck.empty()) take_windows(index);
+        narrow_pixel = 0;
+        return note(&ranges->growths[i], values, channels);
       case Activation::transition_input:
+        if (transition_pixel % 4 == 0) quarters.assign(count, 0.0f);
+        for (size_t c = 0; c < count; ++c) quarters[c] += 0.25f * values[c];
+        if (transition_pixel % 4 == 3 && chosen(transition_pixel / 4, block_pixels(index + 1)))
+          ranges->transition_products[i].add(quarters.data(), count);
+        transition_pixel = (transition_pixel + 1) % (4 * block_pixels(index + 1));
         return note(&ranges->transition_inputs[i], values, channels);
       case Activation::transition:
-        return sample(&ranges->transitions[i], values, channels, (pixels_of_stem / 16) >> (2 * index));
+        return note(&ranges->transitions[i], values, channels);
       case Activation::last_input:
         return note(&ranges->last_inputs, values, channels);
     }
   });
 }
 
-LightFile quantise(const LightNet& net, const LightRanges& ranges) {
+LightFile quantise(const LightNet& net, LightRanges* seen) {
+  LightRanges& ranges = *seen;
+  const auto products = [&](std::vector<InputProducts>* all, size_t i) -> const InputProducts* {
+    if (!ranges.products) return nullptr;
+    (*all)[i].flush();
+    return &(*all)[i];
+  };
   LightFile file;
   for (size_t c = 0; c < 3; ++c) file.border[c] = static_cast<uint8_t>(std::nearbyint(255 * k_mean[c]));
   std::vector<Grid> block = grids_of(ranges.stem, true);
@@ -266,19 +281,19 @@ LightFile quantise(const LightNet& net, const LightRanges& ranges) {
       const std::vector<Grid> bottleneck = grids_of(ranges.bottlenecks[layer], true);
       file.narrow.push_back(byte_convolution(dense.narrow, &dense.between,
                                              rectified_inputs(block, dense.before, ranges.narrow_inputs[layer]),
-                                             bottleneck, true));
+                                             bottleneck, true, products(&ranges.narrow_products, layer)));
       const std::vector<Grid> growth = grids_of(ranges.growths[layer], false);
-      file.wide.push_back(
-          byte_convolution(dense.wide, nullptr, plain_inputs(bottleneck, ranges.bottlenecks[layer]), growth, false));
+      file.wide.push_back(byte_convolution(dense.wide, nullptr, plain_inputs(bottleneck, ranges.bottlenecks[layer]),
+                                           growth, false, products(&ranges.wide_products, layer)));
       block.insert(block.end(), growth.begin(), growth.end());
       ++layer;
     }
     if (b == k_transition_count) break;
     const std::vector<Grid> next = grids_of(ranges.transitions[b], false);
     const DenseBlock& dense = net.trunk.blocks[b];
-    file.transition.push_back(
-        byte_convolution(dense.transition, nullptr,
-                         rectified_inputs(block, dense.transition_affine, ranges.transition_inputs[b]), next, true));
+    file.transition.push_back(byte_convolution(
+        dense.transition, nullptr, rectified_inputs(block, dense.transition_affine, ranges.transition_inputs[b]), next,
+        true, products(&ranges.transition_products, b)));
     block = next;
   }
   quantise_heads(net, rectified_inputs(block, net.trunk.last, ranges.last_inputs), &file);

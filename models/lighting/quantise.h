@@ -6,12 +6,13 @@
 // and the heads by these:
 //   latent/kernel 1024 x 512, latent/bias 512, latent/bn/{gamma,beta,moving_mean,moving_variance} 512 (epsilon 1e-5),
 //   direction/kernel 512 x 3, light/kernel 512 x 3, ambient/kernel 512 x 3, contrast/kernel 512 x 1, and their /bias;
-// optionally data_hash (8 uint8), seed and training_images (one float32 each).
+// optionally data_hash (16 hexadecimal digits as uint8 characters), seed and training_images (one float32 each).
 //
-// How bytes are chosen. Every channel of a feature map has a scale and zero point of its own; the range is the one, of
-// a few quantiles of the calibration images, with the least mean square error. An input's scale goes into the weights
-// that read it. Weights have a scale an output, the one that adds the least noise given how much each input varies;
-// what rounding them moves the mean of an output by is taken off its bias.
+// How bytes are chosen. Every channel of a feature map has a scale and zero point of its own; the range is that of the
+// calibration images and a tenth more on both sides (cutting off costs more than coarser steps: quantiles were worse by
+// a fifth). An input's scale goes into the weights that read it. Weights have a scale an output, the one that adds the
+// least noise given how much each input varies; they are rounded together (rounding.h); what that moves the mean of an
+// output by is taken off its bias.
 #pragma once
 
 #include <span>
@@ -19,6 +20,7 @@
 
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_net.h"
+#include "models/lighting/rounding.h"
 
 namespace sandglass::host {
 
@@ -27,7 +29,6 @@ struct ChannelRange {
   float least = 0, greatest = 0;
   double sum = 0, squares = 0;
   uint64_t count = 0, zeros = 0;
-  std::vector<float> samples;
 };
 
 // Of all channels of one place in the network.
@@ -39,12 +40,16 @@ struct LightRanges {
   std::vector<ChannelRanges> transition_inputs, transitions;       // by block
   ChannelRanges last_inputs;
   uint32_t images = 0;
+  // Whether products of inputs are kept too (half a gigabyte); without them weights are rounded one by one.
+  bool products = true;
+  std::vector<InputProducts> narrow_products, wide_products;  // by layer
+  std::vector<InputProducts> transition_products;
 };
 
 // Runs the float trunk on an image and takes notes; returns its features.
 std::vector<float> observe(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height,
                            LightRanges* ranges);
 
-LightFile quantise(const LightNet& net, const LightRanges& ranges);
+LightFile quantise(const LightNet& net, LightRanges* ranges);
 
 }  // namespace sandglass::host

@@ -15,7 +15,6 @@ namespace {
 constexpr uint64_t k_unit_image_bytes = 256 * 1024;  // read by a unit: some tens of microseconds
 constexpr uint32_t k_unit_rows_most = 16;
 constexpr uint64_t k_rgb_bytes = 3 * k_light_width * k_light_height;
-constexpr uint32_t k_light_regions = 16;
 
 sandglass_status refuse(const char** reason, sandglass_status status, const char* sentence) {
   if (reason != nullptr) *reason = sentence;
@@ -35,7 +34,7 @@ sandglass_status check(const sandglass_light_desc* desc, LightAsset* asset, cons
     return fail("desc.turn_limit is not above 0 radians a second");
   if (!(desc->outlier_angle >= 0 && desc->outlier_angle <= 3.1416f)) return fail("desc.outlier_angle is not in 0..pi");
   if (!(desc->outlier_level >= 0 && desc->outlier_level <= 2)) return fail("desc.outlier_level is not in 0..2");
-  *kernels = select_int8_kernels(desc->isa);
+  *kernels = select_light_kernels(desc->isa);
   if (*kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
@@ -232,6 +231,7 @@ void describe(const Light& light, const LightSample& sample, uint64_t timestamp_
                                         sample.levels + k_sample_ambient, sample.levels[k_sample_contrast]));
   out->confidence = static_cast<float>(light_filter_confidence(light.filter));
   out->estimates = light.estimates;
+  out->deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
   out->held_off = light.filter.held_off;
   double sh[3 * k_harmonics];
   light_harmonics(*out, SANDGLASS_LIGHT_MODEL_WHOLE, sh);

@@ -108,7 +108,7 @@ TEST(Light, StoredTurnedAndUprightPosesGiveOneWorld) {
     sandglass_camera_image& image = picture.image;
     for (float& q : image.orientation) q = static_cast<float>(2.0 * random.uniform() - 1.0);
     image.turn_deg = 90 * (static_cast<uint32_t>(trial) % 4);
-    const Vec3 d = host::normalised({random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5});
+    const Vec3 d = host::normalised(Vec3{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5});
     // The camera's axes in the world, from the quaternion's matrix (any length).
     const double x = image.orientation[0], y = image.orientation[1], z = image.orientation[2], w = image.orientation[3];
     const double n = x * x + y * y + z * z + w * w;
@@ -330,14 +330,15 @@ uint64_t hash_on(sandglass_isa isa) {
 }
 
 TEST(LightHash, IsOneOnEveryInstructionSetAndCompiler) {
-  constexpr uint64_t k_golden = 0;
+  constexpr uint64_t k_golden = 5541727358863979531u;
   EXPECT_EQ(hash_on(SANDGLASS_ISA_AUTOMATIC), k_golden);
   if (SANDGLASS_EMULATED) return;  // seconds an estimate; the kernels are compared one by one elsewhere
   for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512}) {
     sandglass_light_desc desc = describe_light();
     desc.isa = isa;
     uint64_t bytes = 0;
-    if (sandglass_light_bytes(&desc, &bytes, nullptr) == SANDGLASS_OK) EXPECT_EQ(hash_on(isa), k_golden) << isa;
+    if (sandglass_light_bytes(&desc, &bytes, nullptr) != SANDGLASS_OK) continue;
+    EXPECT_EQ(hash_on(isa), k_golden) << isa;
   }
 }
 

@@ -161,6 +161,7 @@ typedef struct sandglass_light_estimate {
   float confidence;   /* 0..1: how far the estimates agreed lately, m the estimates: the smoothed mean of max(0, m . d),
                        * times n / (n + 1) of the n estimates so far. Below 0.5: prefer a light from above */
   uint32_t estimates; /* completed so far, those held off included */
+  float deviation;    /* radians from the last estimate as the network gave it to `direction` */
   uint32_t held_off;  /* of them */
   float sh[27];       /* radiance, real spherical harmonics L_lm of SANDGLASS_LIGHT_MODEL_WHOLE; see below */
 } sandglass_light_estimate;
