@@ -43,7 +43,7 @@ constexpr uint32_t k_threads_at_most = 256, k_drawing_threads_at_most = 8;
 
 struct Options {
   std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, dump, out;
-  std::string panorama, photo, asset, light;
+  std::string panorama, photo, asset, light, network;
   uint32_t frames = 0, threads = 1;
   double budget_ms = -1.0, fov_deg = 0.0;
 };
@@ -125,6 +125,7 @@ struct Run {
     o.mesh = options.collider_mesh, o.folder = options.out, o.threads = drawing_threads();
     for (const LightSource source : {LightSource::labels, LightSource::estimate, LightSource::arbitrary})
       if (options.light == name_of(source)) o.light = source;
+    o.network = options.network, o.isa = find_isa(options.isa);
     shot.emplace(scene, o);
   }
 
@@ -210,6 +211,10 @@ struct Run {
 
   // One frame by clock and budget, or as recorded.
   sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
+    if (shot) {
+      shot->begin(frame);
+      simulation->see(shot->estimator(), shot->image());
+    }
     if (shot || scene.light) {
       const Vec3 towards =
           shot ? shot->light(frame).towards : scene.light->towards(static_cast<double>(frame) / scene.frames);
@@ -282,6 +287,8 @@ struct Run {
     const PicturePaths paths = draw_pictures(set, snapshots);
     if (shot) {
       std::printf("light          %s, of %s\n", name_of(shot->source()), shot->surroundings().name.c_str());
+      if (const double angle = shot->angle_deg(snapshots.back().frame); angle >= 0.0)
+        std::printf("               %.1f degrees from the labels in the last frame\n", angle);
       if (shot->surroundings().has_truth() && !interrupted()) {
         const ShotErrors errors = shot->compare(snapshots.back(), options.out, set.threads);
         std::printf("beside truth   %s\n", shot_errors_text(errors).c_str());
@@ -320,6 +327,8 @@ void add_run_command(CLI::App& program, int* exit_code) {
   command->add_option("--photo", options->photo, "Of a shot: a photograph behind it, with --fov")->excludes(panorama);
   command->add_option("--fov", options->fov_deg, "Field of view of --photo across the diagonal, degrees")
       ->check(CLI::Range(5.0, 150.0));
+  command->add_option("--network", options->network,
+                      "Of a shot: the lighting network's file, instead of the shipped one");
   command->add_option("--light", options->light, "Of a shot: labels (of the panorama), estimate, or arbitrary")
       ->check(CLI::IsMember({"labels", "estimate", "arbitrary"}));
   command->add_option("--frames", options->frames, "Frames to run instead of the scene's")

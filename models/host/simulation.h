@@ -32,6 +32,9 @@ class Simulation {
   // The sand's own shadow from the next frame on; null: none.
   void cast(sandglass_pile_shadow* shadow) { pile_shadow_ = shadow; }
 
+  // The light to estimate, and the image for the next frame; null: none.
+  void see(sandglass_light* light, const sandglass_camera_image* image) { light_ = light, image_ = image; }
+
   // Refreshed by each call; 3 floats an item, as many items as were added or emitted.
   const std::vector<float>& particle_positions();
   const std::vector<float>& particle_velocities();
@@ -47,6 +50,8 @@ class Simulation {
   uint64_t bytes_ = 0;
   Flow flow_;
   sandglass_pile_shadow* pile_shadow_ = nullptr;
+  sandglass_light* light_ = nullptr;
+  const sandglass_camera_image* image_ = nullptr;
   uint32_t particles_ = 0, grains_ = 0;
   std::vector<float> positions_, velocities_, grain_positions_, grain_velocities_;
   std::vector<sandglass_grain> output_;  // stands for the app's buffer

@@ -77,12 +77,19 @@ Shot::Shot(const SceneFile& scene, const ShotOptions& options)
       object_(standing_object(scene, options.mesh)),
       surroundings_(surroundings_of(scene, options, standing_track(scene).position, &camera_)) {
   const bool known = surroundings_.has_truth();
-  source_ = options.light.value_or(known ? LightSource::labels : LightSource::arbitrary);
+  const std::string network = options.network.empty() ? shipped_light_network() : options.network;
+  source_ = options.light.value_or(!network.empty() ? LightSource::estimate
+                                   : known          ? LightSource::labels
+                                                    : LightSource::arbitrary);
   if (source_ == LightSource::labels && !known)
     throw Failure("a photograph has no labels of its light; take --light arbitrary, or a --panorama");
-  if (source_ == LightSource::estimate)
-    throw Failure("this build has no trained lighting network; take --light labels or arbitrary");
-  if (source_ == LightSource::labels) labels_ = labelled_light(surroundings_);
+  if (source_ == LightSource::estimate) {
+    if (network.empty())
+      throw Failure(
+          "there is no trained lighting network; name one with --network, or take --light labels or arbitrary");
+    estimate_ = std::make_unique<LightEstimate>(network, options.isa);
+  }
+  if (known) labels_ = labelled_light(surroundings_);
 }
 
 ShotCamera Shot::camera(uint32_t frame) const {
@@ -90,13 +97,30 @@ ShotCamera Shot::camera(uint32_t frame) const {
   return held_camera(camera_, *scene_.shot, frame * scene_.frame_step, static_cast<double>(frame) / scene_.frames);
 }
 
-ShotLight Shot::light(uint32_t frame) const {
-  if (source_ == LightSource::arbitrary) return arbitrary_light(resting_camera(camera_));
-  // What the camera would be told, in its own axes, and back through its pose: the way that an estimate takes.
+void Shot::begin(uint32_t frame) {
   const ShotCamera held = camera(frame);
-  ShotLight light = labels_;
-  light.towards = held.to_scene(held.to_camera(labels_.towards));
-  return light;
+  ShotLight light = arbitrary_light(resting_camera(camera_));
+  if (source_ == LightSource::labels) {
+    // What the camera would be told, in its own axes, and back through its pose: the way that an estimate takes.
+    light = labels_;
+    light.towards = held.to_scene(held.to_camera(labels_.towards));
+  } else if (source_ == LightSource::estimate) {
+    const auto now = static_cast<uint64_t>(1e9 * frame * scene_.frame_step);
+    image_ = estimate_->take(surroundings_, held, now);
+    if (estimate_->valid()) light = estimate_->light();
+  }
+  lights_.resize(frame);
+  lights_.push_back(light);
+}
+
+ShotLight Shot::light(uint32_t frame) const {
+  if (lights_.empty()) return source_ == LightSource::labels ? labels_ : arbitrary_light(resting_camera(camera_));
+  return lights_[std::min<size_t>(frame, lights_.size() - 1)];
+}
+
+double Shot::angle_deg(uint32_t frame) const {
+  if (!surroundings_.has_truth()) return -1.0;
+  return std::acos(std::clamp(dot(light(frame).towards, labels_.towards), -1.0, 1.0)) * 180.0 / 3.141592653589793;
 }
 
 std::unique_ptr<ShotPicture> Shot::picture_of(const Snapshot& snapshot) const {

@@ -11,6 +11,7 @@
 #include "models/host/pictures.h"
 #include "models/host/scene_file.h"
 #include "models/lighting/image_errors.h"
+#include "models/shot/light_estimate.h"
 #include "models/shot/shot_picture.h"
 #include "models/shot/surroundings.h"
 
@@ -25,8 +26,10 @@ struct ShotOptions {
   std::string panorama, photo;       // a file, or empty: the scene's room
   double photo_fov_deg = 0.0;        // diagonal
   std::string mesh;                  // of the standing object; empty: the scene's
-  std::optional<LightSource> light;  // not given: labels where there are any, else arbitrary
-  std::string folder;                // keeps the room's panorama; may be empty
+  std::optional<LightSource> light;  // not given: an estimate where there is a network, else labels, else arbitrary
+  std::string network;               // a lighting network's file; empty: the shipped one, if there is one
+  sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC;
+  std::string folder;  // keeps the room's panorama; may be empty
   uint32_t threads = 1;
 };
 
@@ -48,8 +51,14 @@ class Shot {
   LightSource source() const { return source_; }
   const Surroundings& surroundings() const { return surroundings_; }
   ShotCamera camera(uint32_t frame) const;
-  // In the scene's frame, at the frame of that number.
+  // Before the frame of that number: what it is lit by, from then on what light() says of it.
+  void begin(uint32_t frame);
   ShotLight light(uint32_t frame) const;
+  // For the frame: null unless the light is estimated.
+  sandglass_light* estimator() const { return estimate_ ? estimate_->handle() : nullptr; }
+  const sandglass_camera_image* image() const { return image_; }
+  // Angle between the light of a frame and the labels, degrees; below 0 where there are none.
+  double angle_deg(uint32_t frame) const;
 
   // The snapshot as the app composites it, or its truth.
   RadianceMap composite(const Snapshot& snapshot, CastShadow cast, const ShotPictureOptions& options) const;
@@ -68,6 +77,9 @@ class Shot {
   Surroundings surroundings_;
   LightSource source_;
   ShotLight labels_;
+  std::unique_ptr<LightEstimate> estimate_;
+  const sandglass_camera_image* image_ = nullptr;
+  std::vector<ShotLight> lights_;  // of the frames so far
 };
 
 }  // namespace sandglass::host

@@ -172,7 +172,17 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
 
 RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camera,
                                const ShotPictureOptions& options) const {
-  const ProbeLight environment = ProbeLight::environment(room.warped, ViewRotation(room.view));
+  // What is below the horizon the floor hides, and stands for itself. The floor draws its light by the cosine, too.
+  const ViewRotation rotation(room.view);
+  RadianceMap above = room.warped, on_floor = room.warped;
+  for (int v = 0; v < above.height; ++v)
+    for (int u = 0; u < above.width; ++u) {
+      const double up = rotation.to_panorama(panorama_direction(u, v, above.width, above.height)).y;
+      above.set(u, v, up > 0.0 ? above.colour(u, v) : Vec3{});
+      on_floor.set(u, v, on_floor.colour(u, v) * std::max(up, 0.0));
+    }
+  const ProbeLight environment = ProbeLight::environment(above, rotation);
+  const ProbeLight floor_light = ProbeLight::environment(on_floor, rotation);
   // The floor's reflectance: its radiance around the object, over the irradiance that it gets there.
   Vec3 reflectance;
   {
@@ -186,17 +196,19 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
       radiance = radiance + look_up(room.panorama, to) * (1.0 / k_places);
     }
     for (int i = 0; i < k_rays; ++i) {
-      const ProbeLight::Sample s = environment.sample({0, 1, 0}, random.uniform(), random.uniform());
-      irradiance = irradiance + s.weight * (std::max(0.0, s.direction.y) / k_rays);
+      irradiance =
+          irradiance + floor_light.sample({0, 1, 0}, random.uniform(), random.uniform()).weight * (1.0 / k_rays);
     }
     const auto ratio = [](double b, double e) { return e > 0.0 ? std::clamp(k_pi * b / e, 0.02, 0.9) : 0.5; };
     reflectance = {ratio(radiance.x, irradiance.x), ratio(radiance.y, irradiance.y), ratio(radiance.z, irradiance.z)};
   }
   RadianceMap picture(options.width, options.height);
-  const auto direct = [&](Vec3 start, Vec3 normal, double a, double b, Vec3* open) {
-    const ProbeLight::Sample s = environment.sample(normal, a, b);
-    const double cosine = dot(s.direction, normal);
-    if (cosine <= 0.0 || s.direction.y <= 0.0) return Vec3{};  // the floor is in the way, and gives light itself
+  // The irradiance that one ray of the room's light brings, and (*open) what it would without anything in its way.
+  const auto direct = [&](Vec3 start, Vec3 normal, Surface surface, double a, double b, Vec3* open) {
+    const bool floor = surface == Surface::floor;
+    const ProbeLight::Sample s = (floor ? floor_light : environment).sample(normal, a, b);
+    const double cosine = floor ? 1.0 : dot(s.direction, normal);
+    if (cosine <= 0.0) return Vec3{};
     if (open != nullptr) *open = s.weight * cosine;
     return state_->blocked(start, s.direction, k_far) ? Vec3{} : s.weight * cosine;
   };
@@ -209,7 +221,7 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
       origin = hit.point + hit.normal * k_lift;
       throughput = product(throughput, hit.surface == Surface::floor ? reflectance : hit.reflectance);
       const double a = random->uniform(), b = random->uniform();
-      sum = sum + product(throughput, direct(origin, hit.normal, a, b, nullptr)) * (1.0 / k_pi);
+      sum = sum + product(throughput, direct(origin, hit.normal, hit.surface, a, b, nullptr)) * (1.0 / k_pi);
       direction = cosine_direction(hit.normal, random->uniform(), random->uniform());
     }
     return sum;
@@ -235,7 +247,7 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
         }
         const Vec3 start = hit.point + hit.normal * k_lift;
         Vec3 open;
-        const Vec3 seen = direct(start, hit.normal, even(0), even(1), &open);
+        const Vec3 seen = direct(start, hit.normal, hit.surface, even(0), even(1), &open);
         const Vec3 indirect =
             arriving(start, cosine_direction(hit.normal, random.uniform(), random.uniform()), k_bounces - 1, &random) *
             k_pi;

@@ -91,7 +91,7 @@ bool read_line(const std::string& line, ShotView* view) {
 }
 
 std::string key_of(const ShotStudyOptions& o) {
-  return "shot study 2: " + std::to_string(o.width) + " x " + std::to_string(o.height) + ", " +
+  return "shot study 3: " + std::to_string(o.width) + " x " + std::to_string(o.height) + ", " +
          std::to_string(o.paths) + " paths, network '" + fs::path(o.network).filename().string() + "'\n";
 }
 

@@ -42,7 +42,7 @@ struct ShotStudy {
 struct ShotStudyOptions {
   std::vector<std::string> panoramas;  // files; the first `views` are taken
   size_t views = 20;
-  int width = 160, height = 120, paths = 32;
+  int width = 160, height = 120, paths = 64;
   std::string network;  // a lighting network's file; empty: without estimate
   std::string folder;   // keeps finished views, so that a run goes on where it ended, and gets pictures; may be empty
   uint32_t threads = 1;
