@@ -104,35 +104,33 @@ Picture halved(const Picture& picture) {
 
 }  // namespace
 
-// The pairs of the report's page. `last` is the picture of the last snapshot's grains.
+// For the report's page. `particles` is null where the sheet has none.
 static std::vector<PageFigure> page_figures(const PictureSet& set, const std::vector<Snapshot>& snapshots,
-                                            const View& view, const Picture& last, const Picture& sheet) {
-  const auto large = [&](const Snapshot& snapshot, bool particles) {
-    return jpeg_file(draw(set, snapshot, view, particles, k_large_width, k_large_height), k_page_quality);
-  };
+                                            const View& view, const Picture& first, const Picture& last,
+                                            const Picture* particles, const Picture& sheet) {
   const Snapshot &begin = snapshots.front(), &end = snapshots.back();
   const ImageFile last_file = jpeg_file(last, k_page_quality);
   char moments[96];
   std::snprintf(moments, sizeof moments, "The scene at %.2f s and at %.2f s.", begin.time, end.time);
   std::vector<PageFigure> figures = {
-      {"First and last frame", moments, large(begin, false), last_file, "first", "last", false}};
+      {"First and last frame", moments, jpeg_file(first, k_page_quality), last_file, "first", "last", false}};
   if (!end.shadows.empty()) {
     Snapshot bare = end;
     for (FloorShadow& shadow : bare.shadows) shadow.opacity = 0.0;
+    const Picture without = draw(set, bare, view, false, k_cell_width, k_cell_height);
     figures.push_back({"The standing object's shadow", "One texture on the floor, computed within the frames' budget.",
-                       large(bare, false), last_file, "without", "with", false});
+                       jpeg_file(without, k_page_quality), last_file, "without", "with", false});
   }
-  if (!end.grains.empty())
+  if (particles != nullptr)
     figures.push_back({"What is simulated, what is drawn",
-                       "Particles carry contacts and friction; grains are carried along by them.", large(end, true),
-                       last_file, "particles", "grains", false});
-  figures.push_back({"Contact sheet",
-                     "The run from left to right and top to bottom; the last row shows particles.",
-                     jpeg_file(sheet, k_sheet_quality),
-                     {},
-                     "",
-                     "",
-                     true});
+                       "Particles carry contacts and friction; grains are carried along by them.",
+                       jpeg_file(*particles, k_page_quality), last_file, "particles", "grains", false});
+  PageFigure all;
+  all.title = "Contact sheet";
+  all.caption = "The run from left to right and top to bottom; where there are grains, the last row shows particles.";
+  all.picture = jpeg_file(sheet, k_sheet_quality);
+  all.wide = figures.size() % 2 == 0;  // else it fills the last row of pairs
+  figures.push_back(std::move(all));
   return figures;
 }
 
@@ -180,10 +178,10 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
   const Picture sheet = picture_grid(cells, k_columns, k_gap);
   write_png(paths.sheet, sheet);
   paths.last = (fs::path(set.folder) / "last_frame.png").string();
-  const Picture last = draw(set, snapshots.back(), view, false, k_large_width, k_large_height);
-  write_png(paths.last, last);
+  write_png(paths.last, draw(set, snapshots.back(), view, false, k_large_width, k_large_height));
   progress.done(++drawn);
-  paths.figures = page_figures(set, snapshots, view, last, sheet);
+  paths.figures = page_figures(set, snapshots, view, film_picture(0), film_picture(total - 1),
+                               snapshots[0].grains.empty() ? nullptr : &cells.back(), sheet);
   progress.done(++drawn);
 
   const std::string folder = (fs::path(set.folder) / "frames").string();
