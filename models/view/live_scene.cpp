@@ -15,7 +15,7 @@ constexpr uint32_t k_grains_per_particle = 16;  // where the scene has no grains
 constexpr double k_nozzle_radii = 4.0;          // particle radii
 constexpr double k_pour_speed = 0.6;      // m/s, at a particle radius of 1 cm; grows with its root, as falling does
 constexpr double k_push_radii = 5.0;      // particle radii
-constexpr double k_push_speed = 3.0;      // m/s, of the sphere at most: a jumping cursor is no blow
+constexpr double k_push_speed = 1.0;      // m/s, of the sphere at most: a jumping cursor is no blow
 constexpr uint32_t k_frames_at_once = 2;  // after a pause the scene does not run to catch up
 constexpr double k_sun_polar = 40, k_sun_azimuth = 144;  // where the scene has no light: the renderer's sun, degrees
 

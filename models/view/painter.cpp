@@ -81,7 +81,7 @@ constexpr const char* k_lighting = R"(
 uniform vec3 to_light;
 uniform mat4 light_clip;
 uniform sampler2DShadow map;
-const vec3 sun = vec3(0.80, 0.75, 0.66), sky = vec3(0.50, 0.56, 0.66), ground = vec3(0.20, 0.18, 0.16);
+const vec3 sun = vec3(0.98, 0.92, 0.80), sky = vec3(0.38, 0.43, 0.52), ground = vec3(0.20, 0.18, 0.16);
 float lit(vec3 at) {  // 4 x 4 filtered comparisons of the shadow map
   vec3 p = (light_clip * vec4(at, 1)).xyz * 0.5 + 0.5;
   if (any(lessThan(p, vec3(0))) || any(greaterThan(p, vec3(1)))) return 1.0;
