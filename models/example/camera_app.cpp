@@ -50,7 +50,6 @@ int main(int argc, char** argv) {
   if (status) status = scene.create(desc);
   if (status) status = scene.add(particles, grains);
 
-  // The frame loop.
   std::vector<sandglass_grain> drawn(desc.granular.grain_capacity);  // stands for a mapped vertex buffer
   const sandglass_collider colliders[] = {
       sandglass::floor_at(0.0f),  // the plane that ARCore or ARKit found, and the chair

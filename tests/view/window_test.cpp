@@ -115,21 +115,21 @@ TEST_F(Window, ShowsSandOnTheFloorAndTheBudget) {
 }
 
 TEST_F(Window, TheMousePushesSandAway) {
-  const Picture before = screenshot("", 45);
+  const Picture before = screenshot("", 32);
   if (before.width == 0) GTEST_SKIP() << said;
   const Picture pushed = screenshot(
       "2 cursor 200 320; 3 press right; 8 cursor 220 310; 12 cursor 240 300; 16 cursor 260 290; 20 cursor 280 280; "
       "24 cursor 300 265; 28 cursor 320 250",
-      45);
+      32);
   EXPECT_EQ(count(before, k_middle, is_solid), 0);
   EXPECT_GT(count(pushed, k_middle, is_solid), 400);  // the sphere, where the cursor is
   EXPECT_LT(count(pushed, k_middle, is_sand), count(before, k_middle, is_sand) / 2);
 }
 
 TEST_F(Window, KeysPourSandAndTurnTheLight) {
-  const Picture before = screenshot("", 30);
+  const Picture before = screenshot("", 24);
   if (before.width == 0) GTEST_SKIP() << said;
-  const Picture poured = screenshot("1 cursor 560 330; 2 down P", 30), lit = screenshot("1 down Right", 30);
+  const Picture poured = screenshot("1 cursor 560 330; 2 down P", 24), lit = screenshot("1 down Right", 24);
   const Box beside = {480, 150, 640, 400};
   EXPECT_EQ(count(before, beside, is_sand), 0);
   EXPECT_GT(count(poured, beside, is_sand), 500);
