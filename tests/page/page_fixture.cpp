@@ -34,6 +34,16 @@ RunReport known_run() {
   return run;
 }
 
+// More frames than bars fit beside each other; one of them is longer than all others.
+RunReport long_run() {
+  RunReport run = known_run();
+  const FrameRow row = run.frames[0];
+  run.frames.assign(3000, row);
+  for (uint32_t i = 0; i < run.frames.size(); ++i) run.frames[i].report.frame = i + 1;
+  run.frames[1233].report.elapsed_ns = run.frames[1233].report.stages[SANDGLASS_STAGE_GRANULAR].elapsed_ns = 3'900'000;
+  return run;
+}
+
 ImageFile plain(const std::string& folder, Colour colour) {
   const std::string path = folder + "/plain.png";
   write_png(path, Picture(320, 240, colour));
@@ -61,6 +71,8 @@ int main(int argc, char** argv) {
     content.light = {light};
     write_file(std::string(argv[1]) + "/report.csv", report_csv(run));
     write_file(std::string(argv[1]) + "/report.html", report_page(run, content));
+    write_file(std::string(argv[1]) + "/long.html", report_page(long_run(), {}));
+    write_file(std::string(argv[1]) + "/empty.html", report_page({}, {}));
   } catch (const std::exception& error) {
     return std::fprintf(stderr, "page_fixture: %s\n", error.what()), 2;
   }

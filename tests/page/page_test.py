@@ -124,6 +124,21 @@ def check_widths(browser):
     browser.call("Emulation.clearDeviceMetricsOverride")
 
 
+def check_extremes(browser, folder):
+    """A run of thousands of frames, whose longest must be seen; and one that was interrupted before its first."""
+    browser.open(folder + "/long.html")
+    wait_until_drawn(browser)
+    drawn = browser.ask("new Set([...document.querySelectorAll('#timeline rect[data-frame]')].map(r => r.dataset.frame)).size")
+    check(drawn == 1000, f"{drawn} bars for 3000 frames")
+    longest = browser.ask("+document.querySelector('#timeline rect[data-frame=\"1234\"]').dataset.ms")
+    check(longest == 3.9, f"the longest frame's bar says {longest} ms")
+    browser.open(folder + "/empty.html")
+    wait_until_drawn(browser)
+    check(browser.ask("document.querySelectorAll('#timeline rect[data-frame]').length") == 0, "an empty run has bars")
+    odd = browser.ask("[...document.querySelectorAll('svg *')].filter(e => [...e.attributes].some(a => /NaN|Infinity/.test(a.value))).length")
+    check(odd == 0, f"{odd} shapes of the empty run have no place")
+
+
 def check_page(program, page, rows, screenshot=None):
     browser = Browser(program)
     try:
@@ -137,6 +152,7 @@ def check_page(program, page, rows, screenshot=None):
         if screenshot:
             browser.screenshot(screenshot)
         check_widths(browser)
+        check_extremes(browser, page.rsplit("/", 1)[0])
         check(not browser.complaints, f"the console complains: {browser.complaints}")
     finally:
         browser.close()
