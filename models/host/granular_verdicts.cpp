@@ -182,6 +182,7 @@ void beverloo(Table& t) {
   t.claim("head over orifice, least", "h/D", 3.0, head, 1.0);
   t.report("discharge coefficient C", "", 0.58, curve.coefficient);
   t.table->curves.discharge = curve;
+  setting.enough_particles = 3000.0, setting.measure_seconds = 4.0;  // its rate need not be steady
   const DischargeCurve wrong = discharge(t.coarse(), setting, t.step);
   t.control("discharge exponent, coarse", "", 2.5, wrong.exponent, 0.15);
   t.table->curves.wrong_discharge = wrong;
@@ -234,11 +235,9 @@ void hard(Table& t) {
   }
   t.claim("stack of 20", "height", 0.99, stack(desc, 20, 5.0).height, 0.01);
   t.control("stack of 20, coarse", "height", 0.99, stack(t.coarse(), 20, 5.0).height, 0.01);
-  const Stack hundred = stack(desc, 100, 5.0), fine = stack(t.with_substeps(256), 100, 5.0);
-  t.claim("stack of 100, default", "height", 0.98, hundred.height, 0.03);
-  t.claim("stack of 100, default: highest", "height", 1.0, hundred.highest, 0.01);
-  t.claim("stack of 100, 256 sub-steps", "height", 0.98, fine.height, 0.03);
-  t.claim("stack of 100, 256: highest", "height", 1.0, fine.highest, 0.01);
+  const Stack hundred = stack(desc, 100, 5.0);
+  t.claim("stack of 100", "height", 0.98, hundred.height, 0.03);
+  t.claim("stack of 100: highest", "height", 1.0, hundred.highest, 0.01);
   const HeavyCube heavy = heavy_cube(desc, 1000.0), finer = heavy_cube(t.with_substeps(512), 1000.0);
   t.claim("mass 1:1000, default: thrown", "d", 0.0, heavy.highest_d, 20.0);
   t.report("mass 1:1000, default: overlap", "r", 0.0, heavy.overlap_max);

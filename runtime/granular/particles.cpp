@@ -33,11 +33,12 @@ constexpr float k_heaviest_counted = 10.0f;
 // sub-steps.
 constexpr float k_near_radii = 2.1f;
 
-// Gravity of a sub-step is varied by this share, to and fro. A fall adds nearly the same increment in every sub-step, and
-// its rounding has the same sign as long as the velocity's exponent stays: 5,000 sub-steps drifted by up to 8e-5 of the
-// way, varied ones by less than 1e-5 (measured for 40 to 200 sub-steps of 20 ms).
+// Gravity of a sub-step is varied by this share, to and fro. A fall adds nearly the same increment in every sub-step,
+// and its rounding has the same sign as long as the velocity's exponent stays: 5,000 sub-steps drifted by up to 8e-5 of
+// the way, varied ones by less than 1e-5 (measured for 40 to 200 sub-steps of 20 ms).
 constexpr float k_dither = 1.0f / 1024.0f;
-constexpr uint32_t k_dither_stride = 2654435769u;  // 2^32 over the golden ratio: every stretch of it averages to nothing
+constexpr uint32_t k_dither_stride =
+    2654435769u;  // 2^32 over the golden ratio: every stretch of it averages to nothing
 
 constexpr double k_time_resolution = 1e-9;  // seconds; less is not owed
 

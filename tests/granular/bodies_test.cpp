@@ -125,7 +125,9 @@ TEST(Bodies, FallLikeAnythingElse) {
   const sandglass_body_pose after = sandglass_granular_body_pose(scene.scene, 0);
   const double body = static_cast<double>(after.position[1]) - static_cast<double>(before.position[1]);
   EXPECT_NEAR(body / static_cast<double>(scene.positions()[1]), 1.0, 1e-5);
-  EXPECT_NEAR(after.rotation[3], 1.0, 1e-6);
+  // Heights up to 4.9 m are rounded to 4.8e-7 m in each of 3600 sub-steps: at random, 3e-5 m or 0.003 rad of a body
+  // with arms of 1 cm; twice that is the limit.
+  EXPECT_NEAR(after.rotation[3], 1.0, 0.006 * 0.006 / 8.0);
 }
 
 TEST(Bodies, ThrownIntoSandTheMomentumIsShared) {
