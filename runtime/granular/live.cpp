@@ -133,7 +133,7 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
   for (int k = 0; k < 3; ++k) {
     if (!finite(s.low[k]) || !finite(s.high[k])) return false;
   }
-  if (!(s.owed >= 0.0 && s.owed <= 1.0 && s.slipped >= 0.0 && s.unswept >= 0.0 && s.unswept <= 10.0)) return false;
+  if (!(s.owed >= 0.0 && s.owed <= 1.0 && s.slipped >= 0.0 && s.unswept >= 0.0 && s.unswept <= 1e5)) return false;
   if (!finite(s.speed_max) || !(s.frame_step >= 0.0f && s.frame_step <= 1.0f) || !finite(s.densest_body)) return false;
   if (!(s.builds_per_substep >= 0.0f && s.builds_per_substep <= 1.0f)) return false;
   if (!sound_positions(g->records[0], h.particles) || !sound_positions(g->grains[0], h.grains)) return false;

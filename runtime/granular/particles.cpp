@@ -23,7 +23,7 @@ constexpr float k_lift_gravities = 2.0f;
 // Speed of separation that an overlap may cause, in units of sqrt(g d). Contacts by position turn an overlap o into a
 // speed of omega o / dt, a metre a second for a tenth of a radius: close-packed bodies bounced off the floor. Piles
 // need n g dt to carry n layers, and stay far below the limit up to 100 of them.
-constexpr float k_separation_units = 1.0f;
+constexpr float k_separation_units = 0.9f;
 
 // Sand under a heavy body carries its weight as so many layers more, up to a density ratio of this: sand that may be
 // driven apart faster is thrown about by bodies a thousand times as dense.
@@ -327,7 +327,7 @@ void finish_substep(Granular* g) {
   ++g->substeps;
   g->dither += k_dither_stride;
   g->simulated += static_cast<double>(g->substep);
-  g->unswept += static_cast<double>(g->substep);
+  if (g->grain_count != 0) g->unswept += static_cast<double>(g->substep);
   g->owed -= static_cast<double>(g->substep);
   if (g->interval_left == 0) {
     // Rounding of the parts does not accumulate: what was meant is what is owed.
