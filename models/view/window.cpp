@@ -192,7 +192,7 @@ void view_scene(const ViewOptions& options) {
   const Picture help = key_help();
   Picture picture;
   auto next = script.begin();
-  double before = glfwGetTime(), rate = 1.0 / k_display_step;
+  double before = glfwGetTime(), period = k_display_step;  // the latter a running mean
   for (uint32_t frame = 0; !scripted || frame < options.frames; ++frame) {
     glfwPollEvents();
     for (; next != script.end() && next->frame <= frame; ++next) hands.take(*next);
@@ -202,7 +202,7 @@ void view_scene(const ViewOptions& options) {
     glfwGetFramebufferSize(window.handle, &width, &height);
 
     const double now = glfwGetTime(), seconds = scripted ? k_display_step : std::min(now - before, 0.25);
-    rate += 0.05 * (1.0 / std::max(1e-4, now - before) - rate);
+    if (frame > 0) period += 0.05 * (now - before - period);
     before = now;
     hands.act(seconds);
     if (!hands.paused) live.advance(seconds);
@@ -220,8 +220,8 @@ void view_scene(const ViewOptions& options) {
     scene.colliders = live.colliders(), scene.shadows = shadows;
     scene.to_light = live.to_light(), scene.camera = orbit.camera(), scene.bounds = live.bounds();
     const LightTrack& light = *live.scene().light;
-    const Picture panel = head_up_panel({live.scene().name, &live.report(), live.budget_ms(), rate, light.polar_deg[0],
-                                         light.azimuth_deg[0], hands.paused});
+    const Picture panel = head_up_panel({live.scene().name, &live.report(), live.budget_ms(), 1.0 / period,
+                                         light.polar_deg[0], light.azimuth_deg[0], hands.paused});
     const Overlay overlays[] = {{&panel, k_margin, k_margin}, {&help, k_margin, height - help.height - k_margin}};
     painter.paint(scene, width, height, overlays);
     if (scripted && frame + 1 == options.frames) picture = painter.read_back(width, height);
