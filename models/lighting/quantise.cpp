@@ -179,12 +179,7 @@ std::vector<Input> image_inputs() {
   return inputs;
 }
 
-// The layer that reads the features, each of which is scale * average byte + shift.
-void quantise_latent(const LightNet& net, LightFile* file) {
-  std::vector<Input> inputs(k_features);
-  for (size_t i = 0; i < k_features; ++i)
-    inputs[i].slope = static_cast<double>(file->feature_scale[i]),
-    inputs[i].constant = static_cast<double>(file->feature_shift[i]), inputs[i].variance = 1;
+void quantise_latent(const LightNet& net, const std::vector<Input>& inputs, LightFile* file) {
   file->latent_weights.clear(), file->latent_scale.clear(), file->latent_bias.clear();
   for (size_t o = 0; o < k_latent; ++o) {
     std::vector<double> weights(k_features);
@@ -202,7 +197,7 @@ void quantise_heads(const LightNet& net, const std::vector<Input>& inputs, Light
     file->feature_scale.push_back(static_cast<float>(input.slope));
     file->feature_shift.push_back(static_cast<float>(input.constant - input.slope * input.origin));
   }
-  quantise_latent(net, file);
+  quantise_latent(net, inputs, file);
   for (size_t o = 0; o < k_heads; ++o)
     for (size_t i = 0; i < k_latent; ++i) file->heads_weights.push_back(net.heads[i * k_heads + o]);
   file->heads_bias = net.heads_bias;
@@ -315,7 +310,9 @@ LightFile quantise(const LightNet& net, LightRanges* seen) {
 void fit_features(const LightNet& net, std::span<const FeaturePair> pairs, LightFile* file) {
   constexpr double k_slope_least = 0.5, k_slope_most = 1.5;
   const auto count = static_cast<double>(pairs.size());
+  std::vector<Input> inputs(k_features);
   for (size_t c = 0; c < k_features; ++c) {
+    const auto scale = static_cast<double>(file->feature_scale[c]), shift = static_cast<double>(file->feature_shift[c]);
     double truth = 0, bytes = 0, products = 0, squares = 0;
     for (const FeaturePair& p : pairs)
       truth += static_cast<double>(p.truth[c]) / count, bytes += static_cast<double>(p.bytes[c]) / count;
@@ -324,10 +321,12 @@ void fit_features(const LightNet& net, std::span<const FeaturePair> pairs, Light
       products += x * (static_cast<double>(p.truth[c]) - truth), squares += x * x;
     }
     const double slope = squares > 0 ? std::clamp(products / squares, k_slope_least, k_slope_most) : 1;
-    file->feature_shift[c] = static_cast<float>(truth + slope * (static_cast<double>(file->feature_shift[c]) - bytes));
-    file->feature_scale[c] = static_cast<float>(slope * static_cast<double>(file->feature_scale[c]));
+    inputs[c].slope = slope * scale, inputs[c].constant = truth + slope * (shift - bytes);
+    if (scale != 0) inputs[c].mean = (bytes - shift) / scale, inputs[c].variance = squares / count / (scale * scale);
+    file->feature_scale[c] = static_cast<float>(inputs[c].slope);
+    file->feature_shift[c] = static_cast<float>(inputs[c].constant);
   }
-  quantise_latent(net, file);
+  quantise_latent(net, inputs, file);
 }
 
 }  // namespace sandglass::host
