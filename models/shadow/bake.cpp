@@ -96,7 +96,8 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   };
   {
     const uint32_t lights = static_cast<uint32_t>(set.lights.size());
-    Progress progress("tracing", lights);
+    const uint64_t traced = set.values.size() / (uint64_t{set.cells()} * set.cells());
+    Progress progress("tracing", lights, stderr, traced);
     const bool whole = trace_training_set(
         geometry, caster, pool,
         [&](uint32_t done) {
@@ -118,7 +119,7 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   plan.batch = settings.batch, plan.seed = settings.seed;
   {
     Trainer trainer(set, plan, pool);
-    Progress progress("training", plan.float_steps + plan.quantised_steps);
+    Progress progress("training", plan.float_steps + plan.quantised_steps, stderr, state.step);
     while (!trainer.finished(state)) {
       trainer.step(&state);
       progress.done(state.step);
