@@ -87,7 +87,10 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   TrainingState state = start_training(settings.shape, settings.seed);
   const std::string checkpoint = output + ".checkpoint";
   const uint64_t key = key_of(mesh, settings);
-  if (resume) load_checkpoint(checkpoint, key, &set, &state);
+  if (resume && load_checkpoint(checkpoint, key, &set, &state))
+    std::fprintf(stderr, "going on from %zu of %zu lights traced, %u of %u steps trained\n",
+                 set.values.size() / (size_t{set.cells()} * set.cells()), set.lights.size(), state.step,
+                 settings.steps + settings.quantised_steps);
 
   double start = seconds_now(), saved = start;
   const auto keep = [&] {
