@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "models/host/mesh/mesh.h"
+#include "models/shadow/network.h"
+#include "models/shadow/training_set.h"
 #include "sandglass/shadow.h"
 
 namespace sandglass::host {
@@ -29,6 +31,15 @@ struct ShadowBench {
   std::vector<ShadowBenchRow> rows;
   bool has_xnnpack = false;
 };
+
+// A baked file and the mesh that it was made from.
+struct BakedShadow {
+  LightGeometry geometry;
+  FloatNetwork network;  // without parameters where the file does not carry them
+};
+
+// A Failure: the file is refused, or `mesh` is not what it was baked from.
+BakedShadow open_baked_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh);
 
 // `thresholds`: further rows int8_adaptive/N, one a threshold, in steps of coverage (sandglass_shadow_desc).
 // `file` must carry its float network; `mesh` is what it was baked from. `go_on` gets the steps done of `total`.
