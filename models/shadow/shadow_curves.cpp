@@ -1,7 +1,6 @@
 #include "models/shadow/shadow_curves.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -9,6 +8,7 @@
 #include "models/shadow/shadow_bench.h"
 #include "models/shadow/shadow_runner.h"
 #include "models/shadow/training_set.h"
+#include "platform/clock.h"
 
 namespace sandglass::host {
 
@@ -20,8 +20,10 @@ constexpr uint64_t k_stream = uint64_t{5} << 40;
 constexpr uint32_t k_thresholds[] = {0, 5, 12, 24, 48, 64, 96, 128, 192};
 constexpr uint32_t k_texture_sizes[] = {128, 256, 512};
 
+// CPU time of the calling thread: what other programs on the machine take does not count.
 double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  const sandglass_clock clock = clock_thread_cpu();
+  return 1e-9 * static_cast<double>(clock.now_ns(clock.user));
 }
 
 // Coverage bytes (or floats) over a rectangle, read as a GPU reads a texture that is clamped to its edge.

@@ -20,7 +20,7 @@ namespace sandglass::host {
 
 struct ShadowCurvePoint {
   std::string name;
-  double ms = 0;      // of one texture, one thread: the median over the lights of each light's best time
+  double ms = 0;      // of one texture, CPU time of one thread: the median over the lights of each light's best
   double rmse = 0;    // in the world, against ray tracing, the mean over the lights
   double number = 0;  // of the curve: threshold, parameters, texels a side
 };
