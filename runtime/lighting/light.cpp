@@ -198,6 +198,7 @@ __attribute__((noinline)) void build(const LightAsset& asset, const sandglass_li
   layout.base = static_cast<uint8_t*>(block);
   const Parts parts = lay_out(&layout);
   sandglass_light* owner = parts.light;
+  if (owner == nullptr) return;  // cannot be: the layout has a block
   *owner = {};
   owner->functions = &k_light_functions;
   Light* l = &owner->light;
