@@ -168,7 +168,8 @@ void run_transition(const LightNetwork& net, const LightOperator& op, uint32_t y
 
 // Averages of all pixels in steps of 1/256 byte, high and low bytes apart: two exact products of bytes make one of 16
 // bits.
-void run_head(LightNetwork* net) {
+// Its sums must not lie on the stack beside a kernel's.
+__attribute__((noinline)) void average_features(LightNetwork* net) {
   const uint32_t pixels = block_side(net->width, 3) * block_side(net->height, 3);
   const uint8_t* in = block_of(*net, 3);
   const uint8_t *low = net->asset.last_low, *high = net->asset.last_high;
@@ -182,7 +183,12 @@ void run_head(LightNetwork* net) {
     const uint32_t average = (256 * sums[c] + pixels / 2) / pixels;
     net->pooled_high[c] = static_cast<uint8_t>(average >> 8), net->pooled_low[c] = static_cast<uint8_t>(average);
   }
-  double latent[k_light_latent];
+}
+
+void run_head(LightNetwork* net) {
+  average_features(net);
+  // The even blocks' buffer is free by now, and the stack is small.
+  double* latent = reinterpret_cast<double*>(net->even);
   for (uint32_t i = 0; i < k_light_latent; ++i) {
     const int8_t* weights = net->latent + i * k_light_features;
     const int64_t sum = int64_t{256} * net->kernels->dot(net->pooled_high, weights, k_light_features) +
