@@ -187,7 +187,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_turn(sandglas
                                                                         const char** reason);
 
 /* Without a scene: resamples the image, all of it, if the estimate before is complete and `interval` has passed; else
- * does nothing. *taken (may be NULL) says which. Takes about a millisecond. Fails as sandglass_camera_check. */
+ * does nothing. *taken (may be NULL) says which. Takes 0.9 ms for 640 x 480 and 2 ms for 1920 x 1440 in NV12, on one
+ * thread of an x86 server. Fails as sandglass_camera_check. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_set_image(sandglass_light* light,
                                                                              const sandglass_camera_image* image,
                                                                              uint32_t* taken, const char** reason);
