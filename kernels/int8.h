@@ -105,7 +105,10 @@ struct Int8Kernels {
   int32_t (*dot)(const uint8_t* bytes, const int8_t* weights, uint32_t count);
 };
 
-// The table for `isa` (AUTOMATIC: the fastest that this CPU runs), or null where build or CPU lack it.
+// The table for `isa` (AUTOMATIC: the fastest that this CPU runs), or null where build or CPU lack it. Those of one
+// capability have the others' kernels null, and do not bring them into the program.
 const Int8Kernels* select_int8_kernels(sandglass_isa isa);
+const Int8Kernels* select_shadow_kernels(sandglass_isa isa);
+const Int8Kernels* select_light_kernels(sandglass_isa isa);
 
 }  // namespace sandglass

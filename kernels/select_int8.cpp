@@ -5,38 +5,61 @@
 
 namespace sandglass {
 
-#define SANDGLASS_INT8_TABLE(name)    \
-  namespace int8_##name {             \
-    extern const Int8Kernels k_table; \
+#define SANDGLASS_INT8_TABLE(name)                                   \
+  namespace int8_##name {                                            \
+    extern const Int8Kernels k_table, k_shadow_table, k_light_table; \
   }
 SANDGLASS_INT8_TABLE(scalar)
 #if defined(SANDGLASS_HAVE_AVX512)
 SANDGLASS_INT8_TABLE(avx2)
 SANDGLASS_INT8_TABLE(avx512)
-#endif
-#if defined(SANDGLASS_HAVE_NEON)
+#define SANDGLASS_INT8_TABLES(table) \
+  { &int8_scalar::table, nullptr, &int8_avx2::table, &int8_avx512::table, nullptr, nullptr }
+#elif defined(SANDGLASS_HAVE_NEON)
 SANDGLASS_INT8_TABLE(neon)
 SANDGLASS_INT8_TABLE(neon_dotprod)
 SANDGLASS_INT8_TABLE(neon_i8mm)
+#define SANDGLASS_INT8_TABLES(table) \
+  { &int8_scalar::table, &int8_neon::table, nullptr, nullptr, &int8_neon_dotprod::table, &int8_neon_i8mm::table }
+#else
+#define SANDGLASS_INT8_TABLES(table) \
+  { &int8_scalar::table, nullptr, nullptr, nullptr, nullptr, nullptr }
 #endif
 #undef SANDGLASS_INT8_TABLE
 
-const Int8Kernels* select_int8_kernels(sandglass_isa isa) {
+namespace {
+
+// In the order of sandglass_isa from SCALAR on; null: not in this build.
+struct Tables {
+  const Int8Kernels* of[6];
+};
+
+// By name, so that each has a section of its own and the linker can drop what an app does not use.
+constexpr Tables k_all = {SANDGLASS_INT8_TABLES(k_table)};
+constexpr Tables k_of_shadows = {SANDGLASS_INT8_TABLES(k_shadow_table)};
+constexpr Tables k_of_light = {SANDGLASS_INT8_TABLES(k_light_table)};
+
+const Int8Kernels* select(const Tables& tables, sandglass_isa isa) {
   const CpuFeatures cpu = cpu_features();
-  (void)cpu;
-  const bool automatic = isa == SANDGLASS_ISA_AUTOMATIC;
-#if defined(SANDGLASS_HAVE_AVX512)
-  if ((automatic || isa == SANDGLASS_ISA_AVX512) && cpu.avx512f && cpu.avx512bw && cpu.avx512dq && cpu.avx512vl &&
-      cpu.avx512vnni)
-    return &int8_avx512::k_table;
-  if ((automatic || isa == SANDGLASS_ISA_AVX2) && cpu.avx2) return &int8_avx2::k_table;
-#endif
-#if defined(SANDGLASS_HAVE_NEON)
-  if ((automatic || isa == SANDGLASS_ISA_NEON_I8MM) && cpu.i8mm) return &int8_neon_i8mm::k_table;
-  if ((automatic || isa == SANDGLASS_ISA_NEON_DOTPROD) && cpu.dotprod) return &int8_neon_dotprod::k_table;
-  if ((automatic || isa == SANDGLASS_ISA_NEON) && cpu.neon) return &int8_neon::k_table;
-#endif
-  return automatic || isa == SANDGLASS_ISA_SCALAR ? &int8_scalar::k_table : nullptr;
+  const bool runs[6] = {true,        cpu.neon,
+                        cpu.avx2,    cpu.avx512f && cpu.avx512bw && cpu.avx512dq && cpu.avx512vl && cpu.avx512vnni,
+                        cpu.dotprod, cpu.i8mm};
+  // The fastest first.
+  constexpr sandglass_isa k_order[6] = {SANDGLASS_ISA_AVX512,       SANDGLASS_ISA_AVX2, SANDGLASS_ISA_NEON_I8MM,
+                                        SANDGLASS_ISA_NEON_DOTPROD, SANDGLASS_ISA_NEON, SANDGLASS_ISA_SCALAR};
+  for (const sandglass_isa candidate : k_order) {
+    const Int8Kernels* table = tables.of[candidate - SANDGLASS_ISA_SCALAR];
+    if (table != nullptr && runs[candidate - SANDGLASS_ISA_SCALAR] &&
+        (isa == SANDGLASS_ISA_AUTOMATIC || isa == candidate))
+      return table;
+  }
+  return nullptr;
 }
+
+}  // namespace
+
+const Int8Kernels* select_int8_kernels(sandglass_isa isa) { return select(k_all, isa); }
+const Int8Kernels* select_shadow_kernels(sandglass_isa isa) { return select(k_of_shadows, isa); }
+const Int8Kernels* select_light_kernels(sandglass_isa isa) { return select(k_of_light, isa); }
 
 }  // namespace sandglass

@@ -7,6 +7,5 @@ namespace sandglass::int8_neon_dotprod {
 #include "kernels/int8_tile.inl"
 #include "kernels/light_convolution.inl"
 #include "kernels/shadow_texels.inl"
-extern const Int8Kernels k_table;
-const Int8Kernels k_table = {SANDGLASS_INT8_ISA, pack_layer, shadow_texels, narrow, transition, wide, stem, pool, dot};
+#include "kernels/int8_tables.inl"
 }  // namespace sandglass::int8_neon_dotprod

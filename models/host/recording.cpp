@@ -15,7 +15,8 @@ namespace {
 constexpr uint32_t k_grains_only = 0x100;  // beside the shape of a collider
 
 constexpr uint8_t k_magic[8] = {'S', 'G', 'R', 'E', 'C', '\r', '\n', 0x1a};  // line ends show a transfer in text mode
-constexpr uint32_t k_version = 2;                                            // 2: the stage of shadows
+constexpr uint32_t k_version = 3;         // 2: the stage of shadows; 3: that of light
+constexpr uint32_t k_oldest_version = 2;  // still read
 constexpr size_t k_prologue_bytes = sizeof(k_magic) + sizeof(uint32_t);
 constexpr size_t k_record_head_bytes = 2 * sizeof(uint32_t);
 constexpr size_t k_checksum_bytes = sizeof(uint64_t);
@@ -142,7 +143,7 @@ bool parse_header(Reader payload, Recording* recording) {
   return !payload.short_of_bytes && payload.left == 0;
 }
 
-bool parse_frame(Reader payload, RecordedFrame* frame) {
+bool parse_frame(Reader payload, uint32_t version, RecordedFrame* frame) {
   payload.floats(&frame->time_step, 1);
   frame->budget_ns = payload.u64();
   const uint32_t colliders = payload.u32();
@@ -164,6 +165,8 @@ bool parse_frame(Reader payload, RecordedFrame* frame) {
   if (frame->plan.run_count > SANDGLASS_PLAN_RUNS) return false;
   for (uint32_t i = 0; i < frame->plan.run_count; ++i) {
     frame->plan.runs[i].stage = payload.u32();
+    // What was numbered before light came between sand and shadows.
+    if (version < 3 && frame->plan.runs[i].stage >= SANDGLASS_STAGE_LIGHTING) ++frame->plan.runs[i].stage;
     frame->plan.runs[i].units = payload.u32();
     if (frame->plan.runs[i].stage >= SANDGLASS_STAGE_COUNT) return false;
   }
@@ -200,9 +203,10 @@ bool decode_recording(const uint8_t* data, size_t bytes, Recording* recording, s
   }
   Reader file = {data + sizeof(k_magic), bytes - sizeof(k_magic)};
   const uint32_t version = file.u32();
-  if (version != k_version) {
-    return fail(error, "has version " + std::to_string(version) + ", this program reads version " +
-                           std::to_string(k_version) + "; replay it with the program that recorded it");
+  if (version < k_oldest_version || version > k_version) {
+    return fail(error, "has version " + std::to_string(version) + ", this program reads versions " +
+                           std::to_string(k_oldest_version) + " to " + std::to_string(k_version) +
+                           "; replay it with the program that recorded it");
   }
   uint64_t sum = checksum(k_fnv_offset, data, k_prologue_bytes);
   Recording result;
@@ -223,7 +227,7 @@ bool decode_recording(const uint8_t* data, size_t bytes, Recording* recording, s
         return fail(error, "has a malformed header" + in_record(index));
     } else if (kind == k_record_frame) {
       RecordedFrame frame;
-      if (!parse_frame({payload, payload_bytes}, &frame))
+      if (!parse_frame({payload, payload_bytes}, version, &frame))
         return fail(error, "has a malformed frame" + in_record(index));
       result.frames.push_back(std::move(frame));
     } else if (kind == k_record_trailer) {

@@ -16,6 +16,7 @@
 #include "models/host/progress.h"
 #include "models/lighting/excerpt.h"
 #include "models/lighting/labels.h"
+#include "models/lighting/light_picture.h"
 #include "models/lighting/panorama_file.h"
 #include "runtime/sampling/random.h"
 
@@ -59,26 +60,6 @@ Picture picture_of(const RadianceMap& linear) {
   return picture;
 }
 
-void draw_line(Picture* picture, double x0, double y0, double x1, double y1, Colour colour, int thick) {
-  const int steps = 1 + static_cast<int>(2.0 * std::hypot(x1 - x0, y1 - y0));
-  for (int i = 0; i <= steps; ++i) {
-    const double t = static_cast<double>(i) / steps;
-    const int x = static_cast<int>(std::lround(x0 + t * (x1 - x0))),
-              y = static_cast<int>(std::lround(y0 + t * (y1 - y0)));
-    fill_rectangle(picture, x - thick / 2, y - thick / 2, thick, thick, colour);
-  }
-}
-
-// From the middle towards the light as the camera sees it; a hollow tip for one behind the camera.
-void draw_arrow(Picture* picture, Vec3 d, Colour colour) {
-  const double cx = 0.5 * picture->width, cy = 0.5 * picture->height, reach = 0.42 * picture->height;
-  const double x = cx + reach * d.x, y = cy + reach * d.y;
-  draw_line(picture, cx, cy, x, y, k_black, 5), draw_line(picture, cx, cy, x, y, colour, 3);
-  const int px = static_cast<int>(x), py = static_cast<int>(y);
-  fill_rectangle(picture, px - 6, py - 6, 13, 13, k_black), fill_rectangle(picture, px - 5, py - 5, 11, 11, colour);
-  if (d.z < 0.0) fill_rectangle(picture, px - 2, py - 2, 5, 5, k_black);
-}
-
 Picture shrunk(const RadianceMap& map, double white) {
   RadianceMap small(k_small_width, k_small_height);
   const int step_u = map.width / k_small_width, step_v = map.height / k_small_height;
@@ -92,17 +73,12 @@ Picture shrunk(const RadianceMap& map, double white) {
   return picture_of(small);
 }
 
-void paste(Picture* onto, const Picture& picture, int x, int y) {
-  for (int row = 0; row < picture.height; ++row)
-    std::copy_n(picture.at(0, row), 3 * picture.width, onto->at(x, y + row));
-}
-
 Picture tile_of(const Picture& image, const RadianceMap& warped, double white, const LightLabels& camera_labels,
                 const std::string& name) {
   Picture tile(k_excerpt_width, k_excerpt_height + k_small_height, k_white);
   paste(&tile, image, 0, 0);
   const Vec3 c = camera_labels.light;
-  draw_arrow(&tile, camera_labels.direction, {srgb_byte(c.x), srgb_byte(c.y), srgb_byte(c.z)});
+  draw_light_arrow(&tile, camera_labels.direction, {srgb_byte(c.x), srgb_byte(c.y), srgb_byte(c.z)});
   draw_text(&tile, 4, 4, 1, name, k_white);
   char numbers[32];
   std::snprintf(numbers, sizeof numbers, "O %.2f", camera_labels.contrast);

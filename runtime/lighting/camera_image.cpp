@@ -1,6 +1,7 @@
 #include "runtime/lighting/camera_image.h"
 
 #include "runtime/core/math.h"
+#include "runtime/lighting/turn.h"
 
 namespace sandglass {
 
@@ -21,7 +22,7 @@ struct Box {
 
 Box box_of(uint32_t index, double first, double step, uint32_t size) {
   // Beyond this the answer is an edge pixel, and the conversion to integers is safe.
-  const double limit = 2.0 * k_camera_side_limit;
+  const double limit = 2.0 * SANDGLASS_CAMERA_SIDE_LIMIT;
   const double width = step < 1.0 ? 1.0 : step;
   double middle = first + step * index + 0.5;  // 0 is the image's edge
   middle = middle < -limit ? -limit : middle > limit ? limit : middle;
@@ -57,32 +58,76 @@ Box oriented_box(const Axis& axis, uint32_t index, uint32_t count, uint32_t size
                           : box_of(count - 1 - index, axis.first + axis.step * (count - 1), -axis.step, size);
 }
 
+// A plane of bytes with one to four channels beside each other.
 struct Plane {
   const uint8_t* bytes;
   uint32_t stride, step;  // bytes between rows and between pixels
   uint32_t width, height;
+  uint32_t channels, first;  // of the three of the picture
+  uint32_t offset[3];        // of each channel within a pixel
 };
 
-// The mean of one byte of each pixel over a box of pixels, rounded.
-uint8_t box_mean(const Plane& plane, const Box& across, const Box& down) {
-  const int32_t x0 = across.low / k_one, x1 = (across.high - 1) / k_one;
-  const int32_t y0 = down.low / k_one, y1 = (down.high - 1) / k_one;
-  uint64_t sum = 0;
-  for (int32_t y = y0; y <= y1; ++y) {
-    const uint8_t* row = plane.bytes + static_cast<uint64_t>(y) * plane.stride;
-    const auto part = [](const Box& box, int32_t i) {
-      const int32_t from = i * k_one > box.low ? i * k_one : box.low;
-      const int32_t to = (i + 1) * k_one < box.high ? (i + 1) * k_one : box.high;
-      return static_cast<uint32_t>(to - from);
-    };
-    uint32_t inner = 0, of_row = part(across, x0) * row[static_cast<uint64_t>(x0) * plane.step];
-    for (int32_t x = x0 + 1; x < x1; ++x) inner += row[static_cast<uint64_t>(x) * plane.step];
-    of_row += inner * k_one;
-    if (x1 > x0) of_row += part(across, x1) * row[static_cast<uint64_t>(x1) * plane.step];
-    sum += static_cast<uint64_t>(of_row) * part(down, y);
+// Part of pixel i that lies in the box, in 1/256.
+uint32_t part(const Box& box, int32_t i) {
+  const int32_t from = i * k_one > box.low ? i * k_one : box.low;
+  const int32_t to = (i + 1) * k_one < box.high ? (i + 1) * k_one : box.high;
+  return static_cast<uint32_t>(to - from);
+}
+
+int32_t first_of(const Box& box) { return box.low / k_one; }
+int32_t last_of(const Box& box) { return (box.high - 1) / k_one; }
+
+// At most `most` pixels of a box, from its middle.
+Box middle_of(const Box& box, int32_t most) {
+  if (last_of(box) - first_of(box) < most) return box;
+  const int32_t first = (first_of(box) + last_of(box) + 1 - most) / 2;
+  return {first * k_one, (first + most) * k_one};
+}
+
+// sums[i] = the box's weighted sum down column `from` + i of bytes.
+void sum_rows(const Plane& plane, const Box& rows, uint32_t from, uint32_t count, uint32_t* sums) {
+  for (int32_t y = first_of(rows); y <= last_of(rows); ++y) {
+    const uint8_t* row = plane.bytes + static_cast<uint64_t>(y) * plane.stride + from;
+    const uint32_t weight = part(rows, y);
+    if (y == first_of(rows))
+      for (uint32_t i = 0; i < count; ++i) sums[i] = weight * row[i];
+    else
+      for (uint32_t i = 0; i < count; ++i) sums[i] += weight * row[i];
   }
+}
+
+// The mean of one channel over a box, rounded; `sums` begins at pixel `from`.
+uint8_t box_mean(const uint32_t* sums, uint32_t step, int32_t from, const Box& across, const Box& down) {
+  const int32_t x0 = first_of(across), x1 = last_of(across);
+  const uint32_t* at = sums + static_cast<uint64_t>(x0 - from) * step;
+  uint64_t sum = static_cast<uint64_t>(part(across, x0)) * *at, inner = 0;
+  for (int32_t x = x0 + 1; x < x1; ++x) inner += *(at += step);
+  sum += inner * k_one;
+  if (x1 > x0) sum += static_cast<uint64_t>(part(across, x1)) * at[step];
   const uint64_t area = static_cast<uint64_t>(across.high - across.low) * static_cast<uint64_t>(down.high - down.low);
   return static_cast<uint8_t>((sum + area / 2) / area);
+}
+
+// One row of a plane's channels: as many boxes at a time as their bytes' sums fit the scratch.
+void resample_row(const Plane& plane, const Box* columns, uint32_t count, const Box& rows, uint8_t* values[3],
+                  uint32_t* sums) {
+  const auto pixels = static_cast<int32_t>(k_camera_sums / plane.step);
+  for (uint32_t begin = 0; begin < count;) {
+    int32_t low = first_of(columns[begin]), high = last_of(columns[begin]);
+    uint32_t end = begin + 1;
+    for (; end < count; ++end) {
+      const int32_t l = first_of(columns[end]) < low ? first_of(columns[end]) : low;
+      const int32_t h = last_of(columns[end]) > high ? last_of(columns[end]) : high;
+      if (h - l >= pixels) break;
+      low = l, high = h;
+    }
+    sum_rows(plane, rows, static_cast<uint32_t>(low) * plane.step, static_cast<uint32_t>(high - low + 1) * plane.step,
+             sums);
+    for (uint32_t c = 0; c < plane.channels; ++c)
+      for (uint32_t a = begin; a < end; ++a)
+        values[plane.first + c][a] = box_mean(sums + plane.offset[c], plane.step, low, columns[a], rows);
+    begin = end;
+  }
 }
 
 uint8_t clamped_byte(int32_t value) { return static_cast<uint8_t>(value < 0 ? 0 : value > 255 ? 255 : value); }
@@ -96,8 +141,8 @@ constexpr YuvMatrix k_matrices[4] = {{0, 65536, 91881, -22553, -46802, 116130},
                                      {0, 65536, 103206, -12276, -30679, 121609},
                                      {16, 76309, 117489, -13975, -34925, 138438}};
 
-void yuv_to_rgb(YuvRange range, uint8_t y, uint8_t u, uint8_t v, uint8_t rgb[3]) {
-  const YuvMatrix& m = k_matrices[static_cast<uint32_t>(range)];
+void yuv_to_rgb(sandglass_yuv_range range, uint8_t y, uint8_t u, uint8_t v, uint8_t rgb[3]) {
+  const YuvMatrix& m = k_matrices[range];
   const int32_t luma = (y - m.luma_offset) * m.luma + 32768, cu = u - 128, cv = v - 128;
   // Shifts of negative numbers keep the sign (C++20).
   rgb[0] = clamped_byte((luma + m.red_v * cv) >> 16);
@@ -105,7 +150,7 @@ void yuv_to_rgb(YuvRange range, uint8_t y, uint8_t u, uint8_t v, uint8_t rgb[3])
   rgb[2] = clamped_byte((luma + m.blue_u * cu) >> 16);
 }
 
-bool is_yuv(CameraFormat format) { return format >= CameraFormat::nv12; }
+bool is_yuv(sandglass_camera_format format) { return format >= SANDGLASS_CAMERA_NV12; }
 
 bool finite_within(float value, float limit) { return value >= -limit && value <= limit; }  // false for NaN
 
@@ -113,22 +158,24 @@ bool finite_within(float value, float limit) { return value >= -limit && value <
 
 sandglass_status check_camera_image(const CameraImage* image, const char** reason) {
   if (image == nullptr) return refuse(reason, "camera image: there is none; give an image");
-  if (image->format > CameraFormat::i420)
+  if (image->struct_size != sizeof *image)
+    return refuse(reason, "camera image: struct_size is not this library's; start from sandglass_camera_image_default");
+  if (image->format < SANDGLASS_CAMERA_RGB || image->format > SANDGLASS_CAMERA_I420)
     return refuse(reason, "camera image: unknown format; give RGB, RGBA, NV12, NV21 or I420");
-  if (image->range > YuvRange::video_709)
+  if (image->range < SANDGLASS_YUV_FULL_601 || image->range > SANDGLASS_YUV_VIDEO_709)
     return refuse(reason, "camera image: unknown YUV range; give one of BT.601 or BT.709, full or video");
   if (image->width < 2 || image->height < 2)
     return refuse(reason, "camera image: smaller than 2 x 2 pixels; light cannot be estimated from it");
-  if (image->width > k_camera_side_limit || image->height > k_camera_side_limit)
+  if (image->width > SANDGLASS_CAMERA_SIDE_LIMIT || image->height > SANDGLASS_CAMERA_SIDE_LIMIT)
     return refuse(reason, "camera image: a side is longer than 16384 pixels; scale it down");
   const bool yuv = is_yuv(image->format);
   if (yuv && (image->width % 2 != 0 || image->height % 2 != 0))
     return refuse(reason, "camera image: YUV with an odd width or height; crop it to even numbers");
-  const uint32_t planes = image->format == CameraFormat::i420 ? 3 : yuv ? 2 : 1;
-  const uint32_t row_bytes[3] = {image->format == CameraFormat::rgb    ? 3 * image->width
-                                 : image->format == CameraFormat::rgba ? 4 * image->width
-                                                                       : image->width,
-                                 image->format == CameraFormat::i420 ? image->width / 2 : image->width,
+  const uint32_t planes = image->format == SANDGLASS_CAMERA_I420 ? 3 : yuv ? 2 : 1;
+  const uint32_t row_bytes[3] = {image->format == SANDGLASS_CAMERA_RGB    ? 3 * image->width
+                                 : image->format == SANDGLASS_CAMERA_RGBA ? 4 * image->width
+                                                                          : image->width,
+                                 image->format == SANDGLASS_CAMERA_I420 ? image->width / 2 : image->width,
                                  image->width / 2};
   for (uint32_t i = 0; i < planes; ++i) {
     if (image->planes[i] == nullptr)
@@ -136,8 +183,12 @@ sandglass_status check_camera_image(const CameraImage* image, const char** reaso
     if (image->strides[i] < row_bytes[i])
       return refuse(reason, "camera image: a stride is smaller than its row; strides are bytes from row to row");
   }
-  if (image->turn_deg != 0 && image->turn_deg != 90 && image->turn_deg != 180 && image->turn_deg != 270)
+  const bool from_pose = image->turn_deg == SANDGLASS_TURN_FROM_POSE;
+  if (!from_pose && image->turn_deg != 0 && image->turn_deg != 90 && image->turn_deg != 180 && image->turn_deg != 270)
     return refuse(reason, "camera image: the turn is not 0, 90, 180 or 270 degrees; give the sensor's orientation");
+  if (from_pose && image->pose_is_upright != 0)
+    return refuse(reason,
+                  "camera image: the pose of an upright image does not tell its turn; give the turn in degrees");
   if (!(image->focal_x >= 1.0f && image->focal_x <= k_intrinsics_limit && image->focal_y >= 1.0f &&
         image->focal_y <= k_intrinsics_limit))
     return refuse(
@@ -145,52 +196,107 @@ sandglass_status check_camera_image(const CameraImage* image, const char** reaso
         "camera image: a focal length is not a number from 1 to a million pixels; give the camera's intrinsics");
   if (!finite_within(image->centre_x, k_intrinsics_limit) || !finite_within(image->centre_y, k_intrinsics_limit))
     return refuse(reason, "camera image: the principal point is not finite; give the camera's intrinsics");
-  if (reason != nullptr) *reason = "";
+  Rotation rotation = {};
+  if (!rotation_of(image->orientation, &rotation))
+    return refuse(reason, "camera image: the orientation is zero or not finite; give the camera's pose");
+  if (reason != nullptr) *reason = nullptr;
   return SANDGLASS_OK;
+}
+
+CameraImage with_turn(const CameraImage& image) {
+  CameraImage turned = image;
+  if (image.turn_deg != SANDGLASS_TURN_FROM_POSE) return turned;
+  Rotation rotation = {};
+  (void)rotation_of(image.orientation, &rotation);
+  // The world's up in the stored image, x right and y down; the upright image's y of it is to be the least.
+  const double right = rotation.m[1][0], down = -rotation.m[1][1];
+  const double upright[4] = {down, right, -down, -right};
+  uint32_t best = 0;
+  for (uint32_t quarter = 1; quarter < 4; ++quarter)
+    if (upright[quarter] < upright[best]) best = quarter;
+  turned.turn_deg = 90 * best;
+  return turned;
+}
+
+void camera_to_world(const CameraImage& image, const double camera[3], double world[3]) {
+  const uint32_t turn = image.pose_is_upright != 0 ? 0 : image.turn_deg;
+  const double x = camera[0], y = camera[1];
+  const double stored_x = turn == 90 ? y : turn == 180 ? -x : turn == 270 ? -y : x;
+  const double stored_y = turn == 90 ? -x : turn == 180 ? -y : turn == 270 ? x : y;
+  Rotation rotation = {};
+  (void)rotation_of(image.orientation, &rotation);
+  const double local[3] = {stored_x, -stored_y, -camera[2]};  // y up, looking along -z
+  rotate(rotation, local, world);
 }
 
 uint32_t camera_rows(const CameraImage& image) { return image.turn_deg % 180 == 0 ? k_light_height : k_light_width; }
 
-void resample_camera_rows(const CameraImage& image, uint32_t first, uint32_t count, uint8_t* rgb) {
+uint64_t camera_row_bytes(const CameraImage& image) {
+  const double step = static_cast<double>(image.focal_y) / k_light_focal;
+  const double rows = step < 1.0 ? 1.0 : step > k_camera_box_rows ? k_camera_box_rows : step;
+  const uint64_t pixel = image.format == SANDGLASS_CAMERA_RGB ? 3 : image.format == SANDGLASS_CAMERA_RGBA ? 4 : 2;
+  return pixel * image.width * static_cast<uint64_t>(rows + 1.0);
+}
+
+namespace {
+
+uint32_t planes_of(const CameraImage& image, Plane planes[3]) {
+  const uint32_t half_width = image.width / 2, half_height = image.height / 2;
+  const auto stored = [&](uint32_t i, uint32_t step, bool half, uint32_t channels, uint32_t first, uint32_t swapped) {
+    planes[i] = {image.planes[i],
+                 image.strides[i],
+                 step,
+                 half ? half_width : image.width,
+                 half ? half_height : image.height,
+                 channels,
+                 first,
+                 {swapped, 1 - swapped, 2}};
+  };
+  if (image.format == SANDGLASS_CAMERA_RGB || image.format == SANDGLASS_CAMERA_RGBA) {
+    stored(0, image.format == SANDGLASS_CAMERA_RGBA ? 4 : 3, false, 3, 0, 0);
+    return 1;
+  }
+  stored(0, 1, false, 1, 0, 0);
+  if (image.format != SANDGLASS_CAMERA_I420) {
+    stored(1, 2, true, 2, 1, image.format == SANDGLASS_CAMERA_NV21 ? 1 : 0);
+    return 2;
+  }
+  stored(1, 1, true, 1, 1, 0), stored(2, 1, true, 1, 2, 0);
+  return 3;
+}
+
+}  // namespace
+
+void resample_camera_rows(const CameraImage& image, uint32_t first, uint32_t count, uint8_t* rgb, uint32_t* sums) {
   const bool quarter = image.turn_deg % 180 != 0, yuv = is_yuv(image.format);
   const uint32_t across = quarter ? k_light_height : k_light_width, down = quarter ? k_light_width : k_light_height;
   // Upright x is the stored x, -y, -x, y for turns of 0, 90, 180, 270 degrees clockwise; upright y is y, x, -y, -x.
   const bool x_backwards = image.turn_deg == 180 || image.turn_deg == 270;
   const bool y_backwards = image.turn_deg == 90 || image.turn_deg == 180;
-  const Axis x_axis = axis_of(image.focal_x, image.centre_x, across, x_backwards, false);
-  const Axis y_axis = axis_of(image.focal_y, image.centre_y, down, y_backwards, false);
-  const Axis x_half = axis_of(image.focal_x, image.centre_x, across, x_backwards, true);
-  const Axis y_half = axis_of(image.focal_y, image.centre_y, down, y_backwards, true);
-  const uint32_t pixel = image.format == CameraFormat::rgba ? 4 : 3;
   Plane planes[3];
-  if (yuv) {
-    const bool planar = image.format == CameraFormat::i420;
-    const uint32_t half_width = image.width / 2, half_height = image.height / 2;
-    const uint8_t* pairs = image.planes[1];
-    const uint32_t u_first = image.format == CameraFormat::nv21 ? 1 : 0;
-    planes[0] = {image.planes[0], image.strides[0], 1, image.width, image.height};
-    planes[1] = planar ? Plane{image.planes[1], image.strides[1], 1, half_width, half_height}
-                       : Plane{pairs + u_first, image.strides[1], 2, half_width, half_height};
-    planes[2] = planar ? Plane{image.planes[2], image.strides[2], 1, half_width, half_height}
-                       : Plane{pairs + 1 - u_first, image.strides[1], 2, half_width, half_height};
-  } else {
-    for (uint32_t c = 0; c < 3; ++c)
-      planes[c] = {image.planes[0] + c, image.strides[0], pixel, image.width, image.height};
+  const uint32_t plane_count = planes_of(image, planes);
+  Box columns[2][k_light_width];  // of planes of full and of half size
+  for (uint32_t half = 0; half < (yuv ? 2u : 1u); ++half) {
+    const Axis axis = axis_of(image.focal_x, image.centre_x, across, x_backwards, half != 0);
+    for (uint32_t a = 0; a < across; ++a)
+      columns[half][a] = middle_of(oriented_box(axis, a, across, half != 0 ? image.width / 2 : image.width),
+                                   static_cast<int32_t>(k_camera_sums / 4));
   }
+  uint8_t bytes[3][k_light_width];
+  uint8_t* values[3] = {bytes[0], bytes[1], bytes[2]};
   for (uint32_t b = first; b < first + count; ++b) {
-    const Box rows = oriented_box(y_axis, b, down, image.height);
-    const Box chroma_rows = yuv ? oriented_box(y_half, b, down, image.height / 2) : rows;
+    for (uint32_t i = 0; i < plane_count; ++i) {
+      const bool half = yuv && i > 0;
+      const Axis axis = axis_of(image.focal_y, image.centre_y, down, y_backwards, half);
+      const Box rows =
+          middle_of(oriented_box(axis, b, down, planes[i].height), static_cast<int32_t>(k_camera_box_rows));
+      resample_row(planes[i], columns[half ? 1 : 0], across, rows, values, sums);
+    }
     for (uint32_t a = 0; a < across; ++a) {
-      const Box columns = oriented_box(x_axis, a, across, image.width);
-      const Box chroma_columns = yuv ? oriented_box(x_half, a, across, image.width / 2) : columns;
-      uint8_t value[3];
-      value[0] = box_mean(planes[0], columns, rows);
-      value[1] = box_mean(planes[1], chroma_columns, chroma_rows);
-      value[2] = box_mean(planes[2], chroma_columns, chroma_rows);
       const uint32_t x = quarter ? b : a, y = quarter ? a : b;
       uint8_t* out = rgb + 3 * (y * k_light_width + x);
-      if (yuv) yuv_to_rgb(image.range, value[0], value[1], value[2], out);
-      else out[0] = value[0], out[1] = value[1], out[2] = value[2];
+      if (yuv) yuv_to_rgb(image.range, bytes[0][a], bytes[1][a], bytes[2][a], out);
+      else out[0] = bytes[0][a], out[1] = bytes[1][a], out[2] = bytes[2][a];
     }
   }
 }

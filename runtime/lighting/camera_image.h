@@ -5,43 +5,40 @@
 // that it covers (at least one pixel wide, which interpolates where the image is enlarged), in integers, so that the
 // result is the same on every machine. What the camera does not see is filled with the colour of the image's edge, in
 // training as here. YUV is averaged before it is converted; planes are read as the camera hands them over, with their
-// strides.
+// strides. Rows are summed first, whole rows at a time, then columns: the order in which the image lies in memory.
 #pragma once
 
 #include <cstdint>
 
-#include "sandglass/sandglass.h"
+#include "sandglass/light.h"
 
 namespace sandglass {
 
-constexpr uint32_t k_light_width = 256, k_light_height = 192;  // pixels
-constexpr uint32_t k_camera_side_limit = 16384;                // pixels of an input's side
+constexpr uint32_t k_light_width = SANDGLASS_LIGHT_WIDTH, k_light_height = SANDGLASS_LIGHT_HEIGHT;  // pixels
 // Focal length of the output in pixels: half its diagonal, 160, over the tangent of 42.5 degrees.
 constexpr double k_light_focal = 174.60936017108344;
+// Sums of a row's bytes that are kept at a time.
+constexpr uint32_t k_camera_sums = 4096;
+// A box is read in its middle rows, where it has more: it bounds the work on images of thousands of rows.
+constexpr uint32_t k_camera_box_rows = 16;
 
-enum class CameraFormat : uint32_t { rgb, rgba, nv12, nv21, i420 };
-
-// Luma and chroma to RGB. Android's cameras give full_601; iOS names its matrix in the pixel buffer's attachments.
-enum class YuvRange : uint32_t { full_601, video_601, full_709, video_709 };
-
-struct CameraImage {
-  CameraFormat format;
-  YuvRange range;            // of nv12, nv21, i420
-  uint32_t width, height;    // pixels as stored
-  const uint8_t* planes[3];  // rgb, rgba: one; nv12, nv21: luma, pairs of chroma; i420: luma, U, V
-  uint32_t strides[3];       // bytes from row to row
-  uint32_t turn_deg;         // clockwise turn that makes the image upright: 0, 90, 180, 270
-  float focal_x, focal_y;    // pixels, along the stored image's axes
-  float centre_x, centre_y;  // principal point, pixels; the centre of the first pixel is (0, 0)
-};
+using CameraImage = sandglass_camera_image;
 
 // Everything that may be wrong with an image, one sentence each; after this the passes run blind.
 sandglass_status check_camera_image(const CameraImage* image, const char** reason);
 
+// The image with its turn known: SANDGLASS_TURN_FROM_POSE is decided by the pose.
+CameraImage with_turn(const CameraImage& image);
+
+// A direction of the upright camera (x right, y down, z forward), in the world.
+void camera_to_world(const CameraImage& image, const double camera[3], double world[3]);
+
 // Output is made in rows of the stored image's orientation: k_light_height of them for a turn of 0 or 180 degrees,
-// k_light_width for 90 or 270. A range of rows is a unit of work; rows may be made in any order.
+// k_light_width for 90 or 270. A range of rows is a unit of work; rows may be made in any order. `sums` is scratch.
 uint32_t camera_rows(const CameraImage& image);
 void resample_camera_rows(const CameraImage& image, uint32_t first, uint32_t count,
-                          uint8_t rgb[3 * k_light_width * k_light_height]);
+                          uint8_t rgb[3 * k_light_width * k_light_height], uint32_t sums[k_camera_sums]);
+// Bytes of the image that one row of output reads, about.
+uint64_t camera_row_bytes(const CameraImage& image);
 
 }  // namespace sandglass

@@ -4,6 +4,7 @@
 #include "runtime/core/governor.h"
 #include "runtime/core/layout.h"
 #include "runtime/granular/granular.h"
+#include "runtime/lighting/light.h"
 #include "runtime/shadow/shadow.h"
 #include "sandglass/sandglass.h"
 
@@ -84,7 +85,33 @@ bool shadow_unit(const sandglass::ShadowSet& set, sandglass::WorkUnit* unit) {
   unit->kind += sandglass::k_granular_kinds;
   return true;
 }
-static_assert(uint32_t{sandglass::k_granular_kinds} + uint32_t{sandglass::k_shadow_kinds} <= sandglass::k_unit_kinds);
+constexpr uint32_t k_light_kinds_from = uint32_t{sandglass::k_granular_kinds} + uint32_t{sandglass::k_shadow_kinds};
+static_assert(k_light_kinds_from + uint32_t{sandglass::k_light_stage_kinds} <= sandglass::k_unit_kinds);
+
+// The frame's light as a stage. `mandatory`: units that must run, 1 and those of an image that was taken.
+constexpr float k_light_share = 0.2f;  // of the optional time, while something else wants its own
+
+Stage light_stage(sandglass_light** light, uint32_t mandatory) {
+  return {light,
+          [](const void* state, uint32_t, sandglass::WorkUnit* unit) {
+            const sandglass_light* owner = *static_cast<sandglass_light* const*>(state);
+            if (owner == nullptr || !owner->functions->next(owner, unit)) return false;
+            unit->kind += k_light_kinds_from;
+            return true;
+          },
+          [](void* state, uint32_t) {
+            sandglass_light* owner = *static_cast<sandglass_light**>(state);
+            owner->functions->run(owner);
+          },
+          [](const void* state, uint32_t, sandglass::Forecast* entries) -> uint32_t {
+            const sandglass_light* owner = *static_cast<sandglass_light* const*>(state);
+            const uint32_t count = owner == nullptr ? 0 : owner->functions->forecast(owner, entries);
+            for (uint32_t i = 0; i < count; ++i) entries[i].kind += k_light_kinds_from;
+            return count;
+          },
+          mandatory,
+          k_light_share};
+}
 
 Stage shadow_stage(sandglass::ShadowSet* set) {
   return {set,
@@ -117,14 +144,22 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
                                          sandglass_frame_report* report) {
   Granular* granular = &scene->granular;
   sandglass::granular_begin_frame(granular, input);
+  sandglass_light* light = input->light;
+  const char* refused = nullptr;
+  const uint32_t light_units = light == nullptr ? 1 : light->functions->begin_frame(light, input->camera, &refused);
   sandglass::ShadowSet shadows = {input->shadows, input->shadow_count};
-  const Stage stages[SANDGLASS_STAGE_COUNT] = {sandglass::granular_particle_stage(granular), shadow_stage(&shadows),
-                                               sandglass::granular_grain_stage(granular),
-                                               sandglass::granular_output_stage(granular)};
+  const Stage stages[SANDGLASS_STAGE_COUNT] = {
+      sandglass::granular_particle_stage(granular), light_stage(&light, light_units), shadow_stage(&shadows),
+      sandglass::granular_grain_stage(granular), sandglass::granular_output_stage(granular)};
   const uint64_t target = sandglass::governor_target(input->budget_ns, input->thermal_headroom);
   const bool ran =
       sandglass::governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);
   report->budget_ns = input->budget_ns;
+  if (light != nullptr) light->functions->end_frame(light, report);
+  if (refused != nullptr) {
+    report->ignored_images = 1;
+    if (scene->desc.log.write != nullptr) scene->desc.log.write(scene->desc.log.user, refused);
+  }
   return ran;
 }
 

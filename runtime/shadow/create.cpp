@@ -37,7 +37,7 @@ sandglass_status check(const sandglass_shadow_desc* desc, ShadowAsset* asset, co
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.light_tolerance is not in 0..1 radians");
   if (desc->light_count == 0 || desc->light_count > SANDGLASS_SHADOW_LIGHTS)
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.light_count is not in 1..8");
-  *kernels = select_int8_kernels(desc->isa);
+  *kernels = select_shadow_kernels(desc->isa);
   if (*kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
@@ -209,8 +209,9 @@ void describe(const ShadowAsset& asset, const sandglass_shadow_desc& desc, Shado
   s->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
 }
 
-sandglass_status size_of(const ShadowAsset& asset, const sandglass_shadow_desc& desc, uint64_t* bytes,
-                         const char** reason) {
+// Its layout must not lie on the stack beside that of build.
+__attribute__((noinline)) sandglass_status size_of(const ShadowAsset& asset, const sandglass_shadow_desc& desc,
+                                                   uint64_t* bytes, const char** reason) {
   Layout layout;
   Packed packed;
   lay_out(asset, desc.light_count, &layout, &packed);

@@ -10,7 +10,9 @@
 #include <fstream>
 #include <sstream>
 
+#include "models/host/image.h"
 #include "models/host/npy.h"
+#include "models/lighting/light_file.h"
 
 namespace {
 
@@ -256,6 +258,43 @@ TEST_F(Cli, RoomsAndPanoramasBadInputIsOneSentence) {
   expect_refused("dataset " + path("nowhere") + " -o " + path("out"), "nowhere");
   expect_refused("dataset " + write("text.hdr", "not a panorama\n") + " -o " + path("out"), "not a Radiance");
   expect_refused("dataset '" + folder.string() + "/out' -o " + path("out"), "no .hdr or .exr");
+}
+
+// A network of random numbers knows nothing about light, but its answers are written like any other's.
+TEST_F(Cli, LightWritesNumbersAndPicturesForEveryPhotograph) {
+  const std::vector<uint8_t> bytes = sandglass::host::light_file_bytes(sandglass::host::random_light_file(3));
+  const std::string network = write("random.light", std::string(bytes.begin(), bytes.end()));
+  sandglass::host::Picture picture(120, 90, {90, 120, 40});
+  for (int y = 20; y < 60; ++y) picture.at(y, y)[0] = 255;
+  for (const char* name : {"one.png", "two.png"}) sandglass::host::write_png(path(name), picture);
+  const std::string images = path("one.png") + " " + path("two.png") + " " + path("two.png");
+  const Outcome done = run("light " + images + " --fov 60 --turn 90 --network " + network + " -o " + path("out"));
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(std::count(done.out.begin(), done.out.end(), '\n'), 3);
+  for (const char* name : {"one", "two", "two_2", "sheet"})
+    EXPECT_EQ(read((folder / "out" / (std::string(name) + ".png")).string()).substr(1, 3), "PNG") << name;
+  const std::string json = read((folder / "out" / "two_2.json").string());
+  for (const char* key : {"direction_camera", "direction_world", "light", "ambient", "contrast", "strength", "sh"})
+    EXPECT_NE(json.find(key), std::string::npos) << key;
+  EXPECT_EQ(json, read((folder / "out" / "two.json").string()));  // the same photograph
+}
+
+TEST_F(Cli, LightsBadInputIsOneSentence) {
+  const std::vector<uint8_t> bytes = sandglass::host::light_file_bytes(sandglass::host::random_light_file(3));
+  const std::string good = write("good.light", std::string(bytes.begin(), bytes.end()));
+  const std::string cut = write("cut.light", std::string(bytes.begin(), bytes.end() - 9));
+  sandglass::host::write_png(path("fine.png"), sandglass::host::Picture(64, 48, {9, 9, 9}));
+  sandglass::host::write_png(path("dot.png"), sandglass::host::Picture(1, 1, {9, 9, 9}));
+  const std::string text = write("text.png", "not a picture"), out = " -o " + path("out");
+  expect_refused("light " + path("fine.png") + out + " --network " + path("nowhere"), "nowhere");
+  expect_refused("light " + path("fine.png") + out + " --network " + cut, "cut off");
+  expect_refused("light " + path("fine.png") + out + " --network " + text, "not a lighting network");
+  expect_refused("light " + path("gone.png") + out + " --network " + good, "gone.png");
+  expect_refused("light " + text + out + " --network " + good, "text.png");
+  expect_refused("light " + path("fine.png") + out + " --fov 200 --network " + good, "--fov");
+  expect_refused("light " + path("fine.png") + out + " --turn 45 --network " + good, "--turn");
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  expect_refused("light " + path("dot.png") + out + " --network " + good, "dot.png");
 }
 
 }  // namespace

@@ -19,18 +19,19 @@ namespace {
 constexpr size_t k_bytes = 3 * k_light_width * k_light_height;
 
 struct Camera {
-  CameraImage image = {};
+  CameraImage image;
   std::vector<uint8_t> bytes[3];
 
-  Camera(CameraFormat format, uint32_t width, uint32_t height, uint32_t padding, uint64_t seed) {
+  Camera(sandglass_camera_format format, uint32_t width, uint32_t height, uint32_t padding, uint64_t seed) {
+    sandglass_camera_image_default(&image);
     image.format = format, image.width = width, image.height = height;
     image.focal_x = 0.8f * static_cast<float>(width), image.focal_y = 0.83f * static_cast<float>(width);
     image.centre_x = 0.47f * static_cast<float>(width), image.centre_y = 0.52f * static_cast<float>(height);
-    const bool planar = format == CameraFormat::i420, yuv = format >= CameraFormat::nv12;
+    const bool planar = format == SANDGLASS_CAMERA_I420, yuv = format >= SANDGLASS_CAMERA_NV12;
     const uint32_t rows[3] = {height, height / 2, height / 2};
-    const uint32_t widths[3] = {format == CameraFormat::rgb    ? 3 * width
-                                : format == CameraFormat::rgba ? 4 * width
-                                                               : width,
+    const uint32_t widths[3] = {format == SANDGLASS_CAMERA_RGB    ? 3 * width
+                                : format == SANDGLASS_CAMERA_RGBA ? 4 * width
+                                                                  : width,
                                 planar ? width / 2 : width, width / 2};
     Random random = random_stream(seed, 1);
     for (uint32_t i = 0; i < (planar ? 3u : yuv ? 2u : 1u); ++i) {
@@ -42,11 +43,12 @@ struct Camera {
   }
   std::vector<uint8_t> resampled() const {
     std::vector<uint8_t> rgb(k_bytes);
-    resample_camera_rows(image, 0, camera_rows(image), rgb.data());
+    uint32_t sums[k_camera_sums];
+    resample_camera_rows(image, 0, camera_rows(image), rgb.data(), sums);
     return rgb;
   }
   double channel(int x, int y, int c) const {
-    const int step = image.format == CameraFormat::rgba ? 4 : 3;
+    const int step = image.format == SANDGLASS_CAMERA_RGBA ? 4 : 3;
     return bytes[0][static_cast<size_t>(y) * image.strides[0] + static_cast<size_t>(x * step + c)];
   }
 };
@@ -83,7 +85,7 @@ TEST(CameraImage, FocalLengthIsThatOfTheDataSet) {
 }
 
 TEST(CameraImage, TheNetworksOwnCameraIsCopied) {
-  Camera camera(CameraFormat::rgb, 256, 192, 0, 3);
+  Camera camera(SANDGLASS_CAMERA_RGB, 256, 192, 0, 3);
   camera.image.focal_x = camera.image.focal_y = static_cast<float>(k_light_focal);
   camera.image.centre_x = 127.5f, camera.image.centre_y = 95.5f;
   const std::vector<uint8_t> rgb = camera.resampled();
@@ -93,7 +95,7 @@ TEST(CameraImage, TheNetworksOwnCameraIsCopied) {
 }
 
 TEST(CameraImage, AgreesWithTheDoubleModelForEveryTurnAndSize) {
-  for (const CameraFormat format : {CameraFormat::rgb, CameraFormat::rgba})
+  for (const sandglass_camera_format format : {SANDGLASS_CAMERA_RGB, SANDGLASS_CAMERA_RGBA})
     for (const uint32_t turn : {0u, 90u, 180u, 270u})
       for (const auto& [width, height] : {std::pair(640u, 480u), std::pair(97u, 211u), std::pair(1280u, 720u)}) {
         Camera camera(format, width, height, 5, width + turn);
@@ -124,7 +126,7 @@ TEST(CameraImage, SeesAPanoramaAsTheDataSetDoes) {
   const auto focal = static_cast<float>(host::focal_length(800, 600, 100.0));
   for (const uint32_t turn : {0u, 90u}) {
     // The sensor stores the upright photograph turned the other way.
-    Camera camera(CameraFormat::rgb, turn == 0 ? 800 : 600, turn == 0 ? 600 : 800, 0, 1);
+    Camera camera(SANDGLASS_CAMERA_RGB, turn == 0 ? 800 : 600, turn == 0 ? 600 : 800, 0, 1);
     for (int y = 0; y < 600; ++y)
       for (int x = 0; x < 800; ++x)
         for (int c = 0; c < 3; ++c) {
@@ -148,20 +150,22 @@ TEST(CameraImage, SeesAPanoramaAsTheDataSetDoes) {
 }
 
 TEST(CameraImage, YuvMatricesAgainstTheirDefinitions) {
-  for (const YuvRange range : {YuvRange::full_601, YuvRange::video_601, YuvRange::full_709, YuvRange::video_709}) {
-    const bool video = range == YuvRange::video_601 || range == YuvRange::video_709;
-    const bool hd = range == YuvRange::full_709 || range == YuvRange::video_709;
+  for (const sandglass_yuv_range range :
+       {SANDGLASS_YUV_FULL_601, SANDGLASS_YUV_VIDEO_601, SANDGLASS_YUV_FULL_709, SANDGLASS_YUV_VIDEO_709}) {
+    const bool video = range == SANDGLASS_YUV_VIDEO_601 || range == SANDGLASS_YUV_VIDEO_709;
+    const bool hd = range == SANDGLASS_YUV_FULL_709 || range == SANDGLASS_YUV_VIDEO_709;
     const double kr = hd ? 0.2126 : 0.299, kb = hd ? 0.0722 : 0.114, kg = 1.0 - kr - kb;
     for (int y = 0; y < 256; y += 15)
       for (int u = 0; u < 256; u += 17)
         for (int v = 0; v < 256; v += 17) {
-          Camera camera(CameraFormat::i420, 8, 8, 0, 1);
+          Camera camera(SANDGLASS_CAMERA_I420, 8, 8, 0, 1);
           camera.image.range = range;
           const int values[3] = {y, u, v};
           for (int i = 0; i < 3; ++i)
             std::fill(camera.bytes[i].begin(), camera.bytes[i].end(), static_cast<uint8_t>(values[i]));
           uint8_t rgb[k_bytes];
-          resample_camera_rows(camera.image, 0, 1, rgb);
+          uint32_t sums[k_camera_sums];
+          resample_camera_rows(camera.image, 0, 1, rgb, sums);
           const double luma = video ? (y - 16) * 255.0 / 219.0 : y, chroma = video ? 255.0 / 224.0 : 1.0;
           const double pb = chroma * (u - 128), pr = chroma * (v - 128);
           const double expected[3] = {luma + 2 * (1 - kr) * pr,
@@ -174,8 +178,8 @@ TEST(CameraImage, YuvMatricesAgainstTheirDefinitions) {
 
 TEST(CameraImage, YuvLayoutsOfOnePictureAgreeAndPaddingIsNotRead) {
   for (const uint32_t turn : {0u, 270u}) {
-    Camera planar(CameraFormat::i420, 320, 240, 7, 5), nv12(CameraFormat::nv12, 320, 240, 13, 6),
-        nv21(CameraFormat::nv21, 320, 240, 0, 7);
+    Camera planar(SANDGLASS_CAMERA_I420, 320, 240, 7, 5), nv12(SANDGLASS_CAMERA_NV12, 320, 240, 13, 6),
+        nv21(SANDGLASS_CAMERA_NV21, 320, 240, 0, 7);
     for (uint32_t y = 0; y < 240; ++y)
       for (Camera* other : {&nv12, &nv21})
         std::memcpy(other->bytes[0].data() + y * other->image.strides[0],
@@ -195,7 +199,7 @@ TEST(CameraImage, YuvLayoutsOfOnePictureAgreeAndPaddingIsNotRead) {
 
 // Grey ramps in luma and chroma that are the same picture stay so: chroma samples lie between pairs of luma samples.
 TEST(CameraImage, ChromaIsNotShifted) {
-  Camera camera(CameraFormat::i420, 256, 192, 0, 1);
+  Camera camera(SANDGLASS_CAMERA_I420, 256, 192, 0, 1);
   camera.image.focal_x = camera.image.focal_y = static_cast<float>(k_light_focal);
   camera.image.centre_x = 127.5f, camera.image.centre_y = 95.5f;
   std::fill(camera.bytes[0].begin(), camera.bytes[0].end(), static_cast<uint8_t>(128));
@@ -211,16 +215,18 @@ TEST(CameraImage, ChromaIsNotShifted) {
 
 TEST(CameraImage, RowsInAnyOrderAreTheWhole) {
   for (const uint32_t turn : {0u, 90u}) {
-    Camera camera(CameraFormat::rgba, 500, 333, 3, 9);
+    Camera camera(SANDGLASS_CAMERA_RGBA, 500, 333, 3, 9);
     camera.image.turn_deg = turn;
     std::vector<uint8_t> rgb(k_bytes);
-    for (uint32_t row = camera_rows(camera.image); row-- > 0;) resample_camera_rows(camera.image, row, 1, rgb.data());
+    uint32_t sums[k_camera_sums];
+    for (uint32_t row = camera_rows(camera.image); row-- > 0;)
+      resample_camera_rows(camera.image, row, 1, rgb.data(), sums);
     EXPECT_EQ(rgb, camera.resampled());
   }
 }
 
 TEST(CameraImage, BeyondTheCamerasViewIsTheEdgesColour) {
-  Camera camera(CameraFormat::rgb, 64, 48, 0, 4);
+  Camera camera(SANDGLASS_CAMERA_RGB, 64, 48, 0, 4);
   camera.image.focal_x = camera.image.focal_y = 200.0f;  // far narrower than the network's view
   camera.image.centre_x = 31.5f, camera.image.centre_y = 23.5f;
   const std::vector<uint8_t> rgb = camera.resampled();
@@ -241,7 +247,7 @@ TEST(CameraImage, WhatIsWrongIsRefusedWithASentence) {
   };
   const char* reason = nullptr;
   EXPECT_EQ(check_camera_image(nullptr, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  const Camera good(CameraFormat::nv12, 64, 48, 0, 1);
+  const Camera good(SANDGLASS_CAMERA_NV12, 64, 48, 0, 1);
   EXPECT_EQ(check_camera_image(&good.image, &reason), SANDGLASS_OK);
   const auto changed = [&](auto&& change) {
     CameraImage image = good.image;
@@ -258,8 +264,8 @@ TEST(CameraImage, WhatIsWrongIsRefusedWithASentence) {
   expect_refused(changed([](CameraImage& i) { i.focal_x = NAN; }), "focal");
   expect_refused(changed([](CameraImage& i) { i.focal_y = 0.0f; }), "focal");
   expect_refused(changed([](CameraImage& i) { i.centre_y = INFINITY; }), "principal");
-  expect_refused(changed([](CameraImage& i) { i.format = static_cast<CameraFormat>(9); }), "format");
-  expect_refused(changed([](CameraImage& i) { i.range = static_cast<YuvRange>(9); }), "range");
+  expect_refused(changed([](CameraImage& i) { i.format = 9; }), "format");
+  expect_refused(changed([](CameraImage& i) { i.range = 9; }), "range");
 }
 
 }  // namespace

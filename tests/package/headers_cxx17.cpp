@@ -1,4 +1,5 @@
 // The public headers in the oldest C++ they promise, without exceptions and RTTI.
+#include "sandglass/light.h"
 #include "sandglass/sandglass.hpp"
 #include "sandglass/shadow.h"
 

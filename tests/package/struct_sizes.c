@@ -1,6 +1,7 @@
-/* The public header in C99: it compiles, `struct_size` comes first in every struct that has one, enumerations are four bytes,
- * and the structs that cross the boundary in arrays have the sizes that their fields add up to, without hidden padding. The
- * C++ tests compare the other sizes with these. */
+/* The public header in C99: it compiles, `struct_size` comes first in every struct that has one, enumerations are four
+ * bytes, and the structs that cross the boundary in arrays have the sizes that their fields add up to, without hidden
+ * padding. The C++ tests compare the other sizes with these. */
+#include "sandglass/light.h"
 #include "sandglass/sandglass.h"
 #include "sandglass/shadow.h"
 
@@ -23,7 +24,15 @@ CLAIM(frame_report_first, offsetof(sandglass_frame_report, struct_size) == 0);
 CLAIM(shadow_desc_first, offsetof(sandglass_shadow_desc, struct_size) == 0);
 CLAIM(shadow_info_first, offsetof(sandglass_shadow_info, struct_size) == 0);
 CLAIM(shadow_texture_first, offsetof(sandglass_shadow_texture, struct_size) == 0);
+CLAIM(camera_image_first, offsetof(sandglass_camera_image, struct_size) == 0);
+CLAIM(light_desc_first, offsetof(sandglass_light_desc, struct_size) == 0);
+CLAIM(light_info_first, offsetof(sandglass_light_info, struct_size) == 0);
+CLAIM(light_estimate_first, offsetof(sandglass_light_estimate, struct_size) == 0);
+CLAIM(camera_format, sizeof(sandglass_camera_format) == 4);
+CLAIM(light_estimate, sizeof(sandglass_light_estimate) == 8 + 2 * 8 + 4 * (3 + 3 + 1 + 3 + 1 + 1 + 3 + 27));
+CLAIM(light_filament, sizeof(sandglass_light_filament) == 4 * (3 + 3 + 1 + 27 + 1));
+CLAIM(light_unity, sizeof(sandglass_light_unity) == 4 * (3 + 4 + 3 + 1 + 27));
 CLAIM(plan_first, offsetof(sandglass_plan, struct_size) == 0);
 
-const uint32_t c99_struct_sizes[] = {sizeof(sandglass_scene_desc), sizeof(sandglass_frame_input), sizeof(sandglass_frame_report),
-                                     sizeof(sandglass_granular_desc)};
+const uint32_t c99_struct_sizes[] = {sizeof(sandglass_scene_desc), sizeof(sandglass_frame_input),
+                                     sizeof(sandglass_frame_report), sizeof(sandglass_granular_desc)};

@@ -4,8 +4,9 @@
 //
 // Light and soft shadows have their place in `frame`. The samples draw no object, so they show no shadow: an app that
 // does makes a sandglass_shadow of the object's baked file beside the scene (shadow.h), calls
-// sandglass_shadow_set_light, passes it as input.shadows and draws the texture on the floor. The light would come from
-// the camera image; the library does not estimate it yet.
+// sandglass_shadow_set_light, passes it as input.shadows and draws the texture on the floor. The light comes from the
+// camera image: a sandglass_light of a network's file (light.h), passed as input.light with the image as input.camera;
+// where report.light_changed, what sandglass_light_get says goes to the shadows and, converted, to the renderer.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// The C API, one to one: names, layouts and order are those of sandglass.h, sampling.h, field.h and shadow.h, which
+// The C API, one to one: names, layouts and order are those of sandglass.h, sampling.h, field.h, shadow.h and light.h, which
 // document every field. Sizes and offsets are compared with the C compiler's by tests/package, so a header that moved on fails there, not
 // on a phone. Nothing here allocates; what calls it every frame should keep its structs and arrays.
 //
@@ -158,6 +158,8 @@ public unsafe struct sandglass_frame_input {
   public uint grain_stride, grain_capacity;
   public IntPtr* shadows;
   public uint shadow_count;
+  public IntPtr light;
+  public sandglass_camera_image* camera;
   public sandglass_plan* plan;
 }
 
@@ -173,16 +175,17 @@ public struct sandglass_frame_report {
   public ulong frame, budget_ns, target_ns, elapsed_ns, mandatory_ns, last_unit_ns, longest_unit_ns;
   public uint clock_fault;
   [CName("stages[0]")] public sandglass_stage_report granular;
-  [CName("stages[1]")] public sandglass_stage_report shadow;
-  [CName("stages[2]")] public sandglass_stage_report refine;
-  [CName("stages[3]")] public sandglass_stage_report output;
+  [CName("stages[1]")] public sandglass_stage_report lighting;
+  [CName("stages[2]")] public sandglass_stage_report shadow;
+  [CName("stages[3]")] public sandglass_stage_report refine;
+  [CName("stages[4]")] public sandglass_stage_report output;
   public double simulated_time, time_debt;
   public float grain_lag, substep;
   public uint substeps, list_builds, particles, awake, grains, awake_grains, dropped_contacts, quarantined;
   public uint ignored_colliders, particle_numbers, grain_numbers;
   public ulong emitted_particles, emitted_grains, removed_particles, removed_grains, denied_particles;
   public float speed_max;
-  public uint pending_shadows, shadow_age;
+  public uint pending_shadows, shadow_age, light_valid, light_changed, light_age, light_units_left, ignored_images;
   public sandglass_plan plan;
 }
 
@@ -237,6 +240,79 @@ public unsafe struct sandglass_shadow_texture {
   public uint beyond, age, evaluated;
 }
 
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_camera_image {
+  public uint struct_size;
+  public int format, range;
+  public uint width, height, turn_deg;
+  [CName("planes[0]")] public byte* plane0;
+  [CName("planes[1]")] public byte* plane1;
+  [CName("planes[2]")] public byte* plane2;
+  public fixed uint strides[3];
+  public float focal_x, focal_y, centre_x, centre_y;
+  public fixed float orientation[4];
+  public uint pose_is_upright;
+  public ulong timestamp_ns;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_light_desc {
+  public uint struct_size;
+  public int isa;
+  public IntPtr asset;
+  public ulong asset_bytes;
+  public float interval, smoothing, turn_limit, outlier_angle, outlier_level;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_light_info {
+  public uint struct_size, training_images, calibration_images;
+  public float angle_deg, difference;
+  public ulong data_hash, seed;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_light_estimate {
+  public uint struct_size, valid;
+  public ulong timestamp_ns, image_ns;
+  public fixed float direction[3];
+  public fixed float light[3];
+  public float strength;
+  public fixed float ambient[3];
+  public float contrast, confidence;
+  public uint estimates;
+  public float deviation;
+  public uint held_off;
+  public fixed float sh[27];
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_light_filament {
+  public fixed float direction[3];
+  public fixed float colour[3];
+  public float intensity;
+  public fixed float sh[27];
+  public float sh_intensity;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_light_arkit {
+  public fixed float primary_light_direction[3];
+  public float primary_light_intensity;
+  public fixed float orientation[4];
+  public float ambient_intensity, ambient_colour_temperature;
+  public fixed float sh[27];
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_light_unity {
+  public fixed float forward[3];
+  public fixed float rotation[4];
+  public fixed float colour[3];
+  public float intensity;
+  public fixed float sh[27];
+}
+
 public static unsafe class Native {
 #if UNITY_IOS && !UNITY_EDITOR
   const string k_library = "__Internal";  // linked into the app
@@ -258,13 +334,20 @@ public static unsafe class Native {
                    SANDGLASS_LEVEL_COUNT = 6;
   public const int SANDGLASS_SHAPE_HALF_SPACE = 0, SANDGLASS_SHAPE_SPHERE = 1, SANDGLASS_SHAPE_CAPSULE = 2,
                    SANDGLASS_SHAPE_BOX = 3, SANDGLASS_SHAPE_FIELD = 4;
-  public const int SANDGLASS_STAGE_GRANULAR = 0, SANDGLASS_STAGE_SHADOW = 1, SANDGLASS_STAGE_REFINE = 2,
-                   SANDGLASS_STAGE_OUTPUT = 3, SANDGLASS_STAGE_COUNT = 4;
+  public const int SANDGLASS_STAGE_GRANULAR = 0, SANDGLASS_STAGE_LIGHTING = 1, SANDGLASS_STAGE_SHADOW = 2,
+                   SANDGLASS_STAGE_REFINE = 3, SANDGLASS_STAGE_OUTPUT = 4, SANDGLASS_STAGE_COUNT = 5;
   public const int SANDGLASS_PLAN_RUNS = 48;
   public const int SANDGLASS_INSIDE_PARITY = 0, SANDGLASS_INSIDE_WINDING = 1;
   public const int SANDGLASS_METRIC_EUCLIDEAN = 0, SANDGLASS_METRIC_GEODESIC = 1;
   public const int SANDGLASS_SHADOW_TEXELS = 256, SANDGLASS_SHADOW_LIGHTS = 8;
   public const int SANDGLASS_SHADOW_ADAPTIVE = 0, SANDGLASS_SHADOW_FULL = 1;
+  public const int SANDGLASS_LIGHT_WIDTH = 256, SANDGLASS_LIGHT_HEIGHT = 192, SANDGLASS_CAMERA_SIDE_LIMIT = 16384;
+  public const int SANDGLASS_CAMERA_RGB = 0, SANDGLASS_CAMERA_RGBA = 1, SANDGLASS_CAMERA_NV12 = 2, SANDGLASS_CAMERA_NV21 = 3,
+                   SANDGLASS_CAMERA_I420 = 4;
+  public const int SANDGLASS_YUV_FULL_601 = 0, SANDGLASS_YUV_VIDEO_601 = 1, SANDGLASS_YUV_FULL_709 = 2,
+                   SANDGLASS_YUV_VIDEO_709 = 3;
+  public const uint SANDGLASS_TURN_FROM_POSE = 0xffffffffu;
+  public const int SANDGLASS_LIGHT_MODEL_AMBIENT = 0, SANDGLASS_LIGHT_MODEL_WHOLE = 1, SANDGLASS_LIGHT_MODEL_PICTURE = 2;
   public const int SANDGLASS_SOLID_INSIDE = 0, SANDGLASS_SOLID_OUTSIDE = 1;
 
   // The sentence behind a `reason` or a name; null for NULL.
@@ -344,6 +427,29 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_shadow_combine(IntPtr shadow, uint size, [Out] byte[] coverage, [Out] float[] low, [Out] float[] high, out IntPtr reason);
   [DllImport(k_library)] public static extern ulong sandglass_shadow_hash(IntPtr shadow);
   [DllImport(k_library)] public static extern int sandglass_shadow_isa(IntPtr shadow);
+
+  // ------------------------------------------------------------------------------------------------ light.h
+  [DllImport(k_library)] public static extern void sandglass_camera_image_default(out sandglass_camera_image image);
+  [DllImport(k_library)] public static extern float sandglass_camera_focal(uint width, uint height, float diagonal_deg);
+  [DllImport(k_library)] public static extern int sandglass_camera_orientation(float[] matrix, [Out] float[] orientation);
+  [DllImport(k_library)] public static extern int sandglass_camera_check(ref sandglass_camera_image image, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_light_desc_default(out sandglass_light_desc desc);
+  [DllImport(k_library)] public static extern int sandglass_light_inspect(IntPtr asset, ulong asset_bytes, ref sandglass_light_info info, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_light_bytes(ref sandglass_light_desc desc, out ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_light_create(ref sandglass_light_desc desc, IntPtr block, ulong bytes, out IntPtr light, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_light_reset(IntPtr light);
+  [DllImport(k_library)] public static extern int sandglass_light_turn(IntPtr light, float[] rotation, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_light_set_image(IntPtr light, ref sandglass_camera_image image, out uint taken, out IntPtr reason);
+  [DllImport(k_library)] public static extern uint sandglass_light_run(IntPtr light, uint units);
+  [DllImport(k_library)] public static extern uint sandglass_light_units_left(IntPtr light);
+  [DllImport(k_library)] public static extern void sandglass_light_get(IntPtr light, out sandglass_light_estimate estimate);
+  [DllImport(k_library)] public static extern void sandglass_light_get_latest(IntPtr light, out sandglass_light_estimate estimate);
+  [DllImport(k_library)] public static extern ulong sandglass_light_hash(IntPtr light);
+  [DllImport(k_library)] public static extern int sandglass_light_isa(IntPtr light);
+  [DllImport(k_library)] public static extern int sandglass_light_harmonics(ref sandglass_light_estimate estimate, int model, [Out] float[] sh, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_light_to_filament(ref sandglass_light_estimate estimate, int model, float nits, out sandglass_light_filament filament, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_light_to_arkit(ref sandglass_light_estimate estimate, int model, out sandglass_light_arkit arkit, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_light_to_unity(ref sandglass_light_estimate estimate, int model, out sandglass_light_unity unity, out IntPtr reason);
 }
 
 }  // namespace Sandglass

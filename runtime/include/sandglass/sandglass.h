@@ -358,8 +358,11 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_fricti
 
 /* ------------------------------------------------------------------------------------------------ frame */
 
-/* The shadows of one object (shadow.h). */
+/* The shadows of one object (shadow.h); the light of the room, and the camera's image that it is estimated from
+ * (light.h). */
 typedef struct sandglass_shadow sandglass_shadow;
+typedef struct sandglass_light sandglass_light;
+struct sandglass_camera_image;
 
 typedef int32_t sandglass_shape;
 enum {
@@ -400,10 +403,11 @@ typedef struct sandglass_grain {
 typedef int32_t sandglass_stage;
 enum {
   SANDGLASS_STAGE_GRANULAR = 0,
-  SANDGLASS_STAGE_SHADOW = 1,
-  SANDGLASS_STAGE_REFINE = 2,
-  SANDGLASS_STAGE_OUTPUT = 3,
-  SANDGLASS_STAGE_COUNT = 4
+  SANDGLASS_STAGE_LIGHTING = 1,
+  SANDGLASS_STAGE_SHADOW = 2,
+  SANDGLASS_STAGE_REFINE = 3,
+  SANDGLASS_STAGE_OUTPUT = 4,
+  SANDGLASS_STAGE_COUNT = 5
 };
 
 /* The executed plan: what a frame did, in order. Given back to sandglass_scene_frame with the same input on the same
@@ -454,7 +458,12 @@ typedef struct sandglass_frame_input {
   struct sandglass_shadow* const* shadows; /* to bring up to date (shadow.h): one unit a frame whatever the budget, more
                                             * as it admits; pass all whose shadows are seen */
   uint32_t shadow_count;
-  const sandglass_plan* plan; /* NULL, or a recorded plan to execute: the clock then decides nothing */
+  struct sandglass_light* light; /* NULL, or the light to bring up to date (light.h): one unit a frame whatever the
+                                  * budget, more as it admits; an image that is taken is resampled in its frame,
+                                  * whatever the budget */
+  const struct sandglass_camera_image* camera; /* NULL, or the newest image: passed over while an estimate is under way
+                                                * or until the light's interval has passed; read in this call only */
+  const sandglass_plan* plan;                  /* NULL, or a recorded plan to execute: the clock then decides nothing */
 } sandglass_frame_input;
 
 SANDGLASS_API void sandglass_frame_input_default(sandglass_frame_input* input);
@@ -499,9 +508,14 @@ typedef struct sandglass_frame_report {
   uint64_t removed_particles, removed_grains; /* by sinks and sandglass_granular_remove */
   uint64_t denied_particles;                  /* that emitters had no room for */
   float speed_max;                            /* m/s; fastest particle in the last sub-step */
-  uint32_t pending_shadows; /* textures, over all shadows and lights, that are not yet those of their lights */
-  uint32_t shadow_age;      /* calls of set_light since the oldest of them was begun */
-  sandglass_plan plan;      /* what was executed: record it to replay the frame */
+  uint32_t pending_shadows;  /* textures, over all shadows and lights, that are not yet those of their lights */
+  uint32_t shadow_age;       /* calls of set_light since the oldest of them was begun */
+  uint32_t light_valid;      /* 1: input.light has an estimate */
+  uint32_t light_changed;    /* 1: it changed in this frame */
+  uint32_t light_age;        /* frames with this light since the one that brought the image of its last estimate */
+  uint32_t light_units_left; /* of the estimate under way */
+  uint32_t ignored_images;   /* 1: input.camera cannot be used (sandglass_camera_check and the log hook say why) */
+  sandglass_plan plan;       /* what was executed: record it to replay the frame */
 } sandglass_frame_report;
 
 /* Advances the scene by one frame: moves simulated time on by input->time_step plus what earlier frames still owe (at

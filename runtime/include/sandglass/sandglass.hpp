@@ -25,6 +25,7 @@
 #include <span>
 #endif
 
+#include "sandglass/light.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass {
@@ -194,6 +195,71 @@ class Scene {
  private:
   Block block_;  // empty when the caller lent the block
   sandglass_scene* scene_ = nullptr;
+};
+
+// ----------------------------------------------------------------------------------------------------------------
+// light
+
+inline sandglass_light_desc light_desc() {
+  sandglass_light_desc desc;
+  sandglass_light_desc_default(&desc);
+  return desc;
+}
+inline sandglass_camera_image camera_image() {
+  sandglass_camera_image image;
+  sandglass_camera_image_default(&image);
+  return image;
+}
+
+// The light of a room and the block it lives in. Movable, not copyable. The network's file stays the caller's, and must
+// outlive it. The functions below create must be called only on a light that create made.
+class Light {
+ public:
+  Light() = default;
+  Light(Light&& other) noexcept : block_(std::move(other.block_)), light_(std::exchange(other.light_, nullptr)) {}
+  Light& operator=(Light&& other) noexcept {
+    block_ = std::move(other.block_);
+    light_ = std::exchange(other.light_, nullptr);
+    return *this;
+  }
+
+  // Allocates the block, once and for all. Fails like sandglass_light_create, or with MEMORY_TOO_SMALL when the heap
+  // has no such block; an existing light is then kept.
+  Status create(const sandglass_light_desc& desc) {
+    Status status;
+    uint64_t need = 0;
+    status.code = sandglass_light_bytes(&desc, &need, &status.reason);
+    if (!status) return status;
+    Block block = allocate_block(need);
+    if (block == nullptr) return no_memory();
+    sandglass_light* light = nullptr;
+    status.code = sandglass_light_create(&desc, block.get(), need, &light, &status.reason);
+    if (!status) return status;
+    block_ = std::move(block);
+    light_ = light;
+    return status;
+  }
+
+  explicit operator bool() const { return light_ != nullptr; }
+  // The C handle: for sandglass_frame_input::light, and every function of light.h that has no short form here.
+  sandglass_light* get() const { return light_; }
+
+  // Without a scene: takes the image if one is due, then runs units until the estimate is complete.
+  Status estimate(const sandglass_camera_image& image) {
+    Status status;
+    status.code = sandglass_light_set_image(light_, &image, nullptr, &status.reason);
+    if (status) sandglass_light_run(light_, UINT32_MAX);
+    return status;
+  }
+  sandglass_light_estimate estimated() const {
+    sandglass_light_estimate now;
+    sandglass_light_get(light_, &now);
+    return now;
+  }
+
+ private:
+  Block block_;
+  sandglass_light* light_ = nullptr;
 };
 
 // ----------------------------------------------------------------------------------------------------------------

@@ -142,8 +142,9 @@ static float thermal_headroom(void) {
   id<MTLBuffer> grains = _grains[_turn];
   _turn = (_turn + 1) % k_buffers;
 
-  // The light's place: frame.capturedImage (two planes, full-range NV12, with their strides) and frame.camera.transform go into the
-  // frame's input, to be looked at a work unit at a time.
+  // The light's place: frame.capturedImage (two planes, full-range NV12, with their strides), frame.camera.intrinsics and
+  // frame.camera.transform (sandglass_camera_orientation) make a sandglass_camera_image with SANDGLASS_TURN_FROM_POSE; it goes into
+  // the frame's input (light.h).
   if (_poured) {
     const float step = _last > 0.0 ? static_cast<float>(frame.timestamp - _last) : 0.0f;
     _stage.frame(step, thermal_headroom(), static_cast<sandglass_grain *>(grains.contents));

@@ -146,7 +146,8 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_frame(JNIEnv*, jclass, j
   ArCamera_getTrackingState(s->session, camera, &tracking);
   if (tracking == AR_TRACKING_STATE_TRACKING) {
     // The light's place: the YUV image of this frame (ArFrame_acquireCameraImage, NV12 or I420 planes with their
-    // strides) and the camera's pose go into the frame's input, to be looked at a work unit at a time.
+    // strides), ArCamera_getImageIntrinsics and the rotation of ArCamera_getPose make a sandglass_camera_image with
+    // SANDGLASS_TURN_FROM_POSE; it goes into the frame's input (light.h).
     const float step = s->last_seconds > 0.0 ? static_cast<float>(seconds - s->last_seconds) : 0.0f;
     sandglass_grain* grains = s->poured ? s->view.buffer() : nullptr;  // null: simulated all the same, drawn next time
     if (s->poured) {

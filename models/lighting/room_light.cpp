@@ -1,0 +1,56 @@
+#include "models/lighting/room_light.h"
+
+#include <cstring>
+#include <numbers>
+
+#include "models/host/atomic_file.h"
+#include "models/host/failure.h"
+
+namespace sandglass::host {
+
+RoomLight::RoomLight(const std::string& path) {
+  const std::string bytes = read_file(path, "lighting network");
+  file_.resize((bytes.size() + 7) / 8);
+  std::memcpy(file_.data(), bytes.data(), bytes.size());
+  sandglass_light_desc desc;
+  sandglass_light_desc_default(&desc);
+  desc.asset = file_.data(), desc.asset_bytes = bytes.size();
+  desc.interval = desc.smoothing = 0.0f;
+  const char* reason = nullptr;
+  uint64_t need = 0;
+  if (sandglass_light_bytes(&desc, &need, &reason) != SANDGLASS_OK)
+    throw Failure("lighting network '" + path + "': " + reason);
+  block_ = new_block(need, "the lighting network", "close other programs");
+  if (sandglass_light_create(&desc, block_.get(), need, &light_, &reason) != SANDGLASS_OK)
+    throw Failure("lighting network '" + path + "': " + reason);
+}
+
+sandglass_light_estimate RoomLight::estimate(const sandglass_camera_image& image) {
+  const char* reason = nullptr;
+  sandglass_light_reset(light_);
+  if (sandglass_light_set_image(light_, &image, nullptr, &reason) != SANDGLASS_OK) throw Failure(reason);
+  while (sandglass_light_run(light_, 1000) != 0) {
+  }
+  sandglass_light_estimate estimate;
+  sandglass_light_get(light_, &estimate);
+  return estimate;
+}
+
+sandglass_camera_image camera_image_of(const Picture& picture, double diagonal_deg) {
+  sandglass_camera_image image;
+  sandglass_camera_image_default(&image);
+  image.format = SANDGLASS_CAMERA_RGB;
+  image.width = static_cast<uint32_t>(picture.width), image.height = static_cast<uint32_t>(picture.height);
+  image.planes[0] = picture.rgb.data(), image.strides[0] = 3 * image.width;
+  image.focal_x = image.focal_y = sandglass_camera_focal(image.width, image.height, static_cast<float>(diagonal_deg));
+  image.centre_x = 0.5f * static_cast<float>(picture.width - 1);
+  image.centre_y = 0.5f * static_cast<float>(picture.height - 1);
+  return image;
+}
+
+sandglass_light_estimate in_camera_frame(sandglass_light_estimate estimate) {
+  estimate.direction[1] = -estimate.direction[1], estimate.direction[2] = -estimate.direction[2];
+  return estimate;
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,34 @@
+// The runtime's light on a workstation: one whole estimate an image, through the library's own functions.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "models/host/block.h"
+#include "models/host/image.h"
+#include "sandglass/light.h"
+
+namespace sandglass::host {
+
+class RoomLight {
+ public:
+  // The network's file by its path; every image is estimated for itself, without the filter. A Failure names the file.
+  explicit RoomLight(const std::string& path);
+
+  // World frame: that of `orientation`, a level camera looking along -z where it is the identity.
+  sandglass_light_estimate estimate(const sandglass_camera_image& image);
+
+ private:
+  std::vector<uint64_t> file_;  // aligned
+  Block block_;
+  sandglass_light* light_ = nullptr;
+};
+
+// The picture as a camera's image; its bytes stay the picture's. `diagonal_deg`: field of view across the diagonal.
+sandglass_camera_image camera_image_of(const Picture& picture, double diagonal_deg);
+
+// The estimate with its direction in the camera's frame (x right, y down, z forward) of an image without a pose.
+sandglass_light_estimate in_camera_frame(sandglass_light_estimate estimate);
+
+}  // namespace sandglass::host

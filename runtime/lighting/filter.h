@@ -1,0 +1,49 @@
+// From estimates that come a few times a second, each with its error, to one light that moves as a light does: it
+// neither jumps nor lags, and a single estimate that contradicts the others changes nothing. The law is documented
+// beside sandglass_light_desc. World frame: the camera's turn is gone before. Only + - * / and square roots, in double:
+// the same bits everywhere.
+#pragma once
+
+#include <cstdint>
+
+namespace sandglass {
+
+enum : uint32_t { k_sample_light = 0, k_sample_ambient = 3, k_sample_contrast = 6, k_sample_levels = 7 };
+
+struct LightSample {
+  double direction[3];  // unit vector
+  double levels[k_sample_levels];
+};
+
+struct LightFilterLaw {
+  double smoothing, interval;  // seconds
+  double turn_limit;           // radians a second
+  double outlier_angle, outlier_level;
+};
+
+struct LightFilter {
+  LightFilterLaw law;
+  LightSample state, held;
+  double agreement;        // smoothed mean of the cosines
+  uint64_t time_ns;        // of the last estimate
+  uint32_t accepted;       // n
+  uint32_t held_in_a_row;  // the last of them is `held`
+  uint32_t held_off;       // altogether
+};
+
+void light_filter_reset(LightFilter* filter);
+
+// Whether the state changed. time_ns 0 or not after the last one's: `interval` has passed.
+bool light_filter_take(LightFilter* filter, const LightSample& sample, uint64_t time_ns);
+
+// 0..1, as documented at sandglass_light_estimate.
+double light_filter_confidence(const LightFilter& filter);
+
+void light_filter_turn(LightFilter* filter, const double rotation[3][3]);
+
+// The angle between two unit vectors, and the unit vector `angle` from `from` towards `to` on their great circle (any
+// one, where they are opposite).
+double angle_between(const double a[3], const double b[3]);
+void turn_towards(const double from[3], const double to[3], double angle, double out[3]);
+
+}  // namespace sandglass

@@ -1,0 +1,408 @@
+// The C API around a Light, and its units.
+#include "runtime/lighting/light.h"
+
+#include <cstring>
+
+#include "platform/floating_point.h"
+#include "runtime/asset/checksum.h"
+#include "runtime/core/math.h"
+#include "runtime/lighting/harmonics.h"
+#include "runtime/lighting/turn.h"
+
+namespace sandglass {
+namespace {
+
+constexpr uint64_t k_unit_image_bytes = 256 * 1024;  // read by a unit: some tens of microseconds
+constexpr uint32_t k_unit_rows_most = 16;
+constexpr uint64_t k_rgb_bytes = 3 * k_light_width * k_light_height;
+
+sandglass_status refuse(const char** reason, sandglass_status status, const char* sentence) {
+  if (reason != nullptr) *reason = sentence;
+  return status;
+}
+sandglass_status accept(const char** reason) { return refuse(reason, SANDGLASS_OK, nullptr); }
+
+sandglass_status check(const sandglass_light_desc* desc, LightAsset* asset, const Int8Kernels** kernels,
+                       const char** reason) {
+  const auto fail = [&](const char* sentence) { return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, sentence); };
+  if (desc == nullptr) return fail("desc is NULL: start from sandglass_light_desc_default");
+  if (desc->struct_size != sizeof *desc)
+    return fail("desc.struct_size is not that of this library: start from sandglass_light_desc_default");
+  if (!(desc->interval >= 0 && desc->interval <= 60)) return fail("desc.interval is not in 0..60 seconds");
+  if (!(desc->smoothing >= 0 && desc->smoothing <= 60)) return fail("desc.smoothing is not in 0..60 seconds");
+  if (!(desc->turn_limit > 0 && desc->turn_limit <= 1e6f))
+    return fail("desc.turn_limit is not above 0 radians a second");
+  if (!(desc->outlier_angle >= 0 && desc->outlier_angle <= 3.1416f)) return fail("desc.outlier_angle is not in 0..pi");
+  if (!(desc->outlier_level >= 0 && desc->outlier_level <= 2)) return fail("desc.outlier_level is not in 0..2");
+  *kernels = select_light_kernels(desc->isa);
+  if (*kernels == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
+                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
+  return open_light_asset(desc->asset, desc->asset_bytes, asset, reason);
+}
+
+struct Parts {
+  sandglass_light* light;
+  LightMemory network;
+  uint8_t* rgb;
+  uint32_t* sums;
+};
+
+// One walk for size and creation.
+Parts lay_out(Layout* layout) {
+  Parts parts;
+  parts.light = layout_region<sandglass_light>(layout, "light", 1);
+  parts.network = layout_light_network(k_light_width, k_light_height, layout);
+  parts.rgb = layout_region<uint8_t>(layout, "light.image", k_rgb_bytes);
+  parts.sums = layout_region<uint32_t>(layout, "light.sums", k_camera_sums);
+  return parts;
+}
+
+// Its layout must not lie on the stack beside that of build.
+__attribute__((noinline)) uint64_t size_of_light() {
+  Layout layout;
+  (void)lay_out(&layout);
+  return layout.size;
+}
+
+// ---------------------------------------------------------------------------------------------------- units
+
+bool due(const Light& light, uint64_t time_ns) {
+  if (time_ns == 0 || light.estimates == 0 || time_ns < light.taken_ns) return true;  // no clock, or one that restarted
+  return time_ns != light.taken_ns && time_ns - light.taken_ns >= light.interval_ns;
+}
+
+// Whether the image was taken; it has passed sandglass_camera_check.
+bool take_image(Light* light, const sandglass_camera_image& image) {
+  if (light->phase != LightPhase::idle || !due(*light, image.timestamp_ns)) return false;
+  light->phase = LightPhase::image;
+  light->cursor = 0;
+  light->image = with_turn(image);
+  const uint64_t rows = k_unit_image_bytes / camera_row_bytes(light->image);
+  light->unit_rows = static_cast<uint32_t>(rows < 1 ? 1 : rows > k_unit_rows_most ? k_unit_rows_most : rows);
+  light->image_frame = light->frame;
+  return true;
+}
+
+uint32_t image_units_left(const Light& light) {
+  return (camera_rows(light.image) - light.cursor + light.unit_rows - 1) / light.unit_rows;
+}
+
+void drop_image(Light* light) {
+  for (const uint8_t*& plane : light->image.planes) plane = nullptr;
+}
+
+void run_image(Light* light) {
+  const uint32_t left = camera_rows(light->image) - light->cursor;
+  const uint32_t rows = left < light->unit_rows ? left : light->unit_rows;
+  resample_camera_rows(light->image, light->cursor, rows, light->rgb, light->sums);
+  light->cursor += rows;
+  if (rows < left) return;
+  drop_image(light);
+  light->taken_ns = light->image.timestamp_ns;
+  light->phase = LightPhase::network;
+  light->cursor = 0;
+  begin_light_network(light->network, light->rgb);
+}
+
+void finish(Light* light) {
+  LightOutputs out;
+  finish_light_network(*light->network, &out);
+  double camera[3];
+  for (int i = 0; i < 3; ++i) {
+    camera[i] = static_cast<double>(out.direction[i]);
+    light->latest.levels[k_sample_light + i] = static_cast<double>(out.light[i]);
+    light->latest.levels[k_sample_ambient + i] = static_cast<double>(out.ambient[i]);
+  }
+  light->latest.levels[k_sample_contrast] = static_cast<double>(out.contrast);
+  camera_to_world(light->image, camera, light->latest.direction);
+  light->latest_ns = light->image.timestamp_ns;
+  light->estimate_frame = light->image_frame;
+  ++light->estimates;
+  if (light_filter_take(&light->filter, light->latest, light->latest_ns)) {
+    light->changed_ns = light->latest_ns;
+    light->changed = true;
+  }
+  light->phase = LightPhase::idle;
+}
+
+bool next_unit(const sandglass_light* owner, WorkUnit* unit) {
+  const Light& light = owner->light;
+  if (light.phase == LightPhase::idle) return false;
+  if (light.phase == LightPhase::image) {
+    *unit = {k_light_stage_image, static_cast<uint32_t>(light.unit_rows * camera_row_bytes(light.image) / 256 + 1),
+             "light.image"};
+    return true;
+  }
+  *unit = light_unit(*light.network, light.cursor);
+  unit->kind += k_light_stage_network;
+  return true;
+}
+
+void run_unit(sandglass_light* owner) {
+  Light* light = &owner->light;
+  if (light->phase == LightPhase::image) return run_image(light);
+  run_light_unit(light->network, light->cursor);
+  if (++light->cursor == light->network->units) finish(light);
+}
+
+// ---------------------------------------------------------------------------------------------------- in a frame
+
+uint32_t begin_frame(sandglass_light* owner, const sandglass_camera_image* image, const char** refused) {
+  Light* light = &owner->light;
+  ++light->frame;
+  light->changed = false;
+  if (image == nullptr) return 1;
+  const char* reason = nullptr;
+  if (check_camera_image(image, &reason) != SANDGLASS_OK) {
+    *refused = reason;
+    return 1;
+  }
+  return take_image(light, *image) ? 1 + image_units_left(*light) : 1;
+}
+
+// Of an image, all of it: it must be resampled in this frame. Of the network, the next unit only: an estimate under way
+// is no reason to lower the rung of the sand.
+uint32_t forecast(const sandglass_light* owner, Forecast* entries) {
+  WorkUnit unit;
+  if (!next_unit(owner, &unit)) return 0;
+  const bool image = owner->light.phase == LightPhase::image;
+  entries[0] = {unit.kind, static_cast<uint64_t>(unit.items) * (image ? image_units_left(owner->light) : 1)};
+  return 1;
+}
+
+void end_frame(sandglass_light* owner, sandglass_frame_report* report) {
+  Light* light = &owner->light;
+  if (light->phase == LightPhase::image) {
+    drop_image(light);
+    light->phase = LightPhase::idle;
+  }
+  report->light_valid = light->filter.accepted != 0 ? 1 : 0;
+  report->light_changed = light->changed ? 1 : 0;
+  report->light_age = light->estimates != 0 ? static_cast<uint32_t>(light->frame - light->estimate_frame) : 0;
+  report->light_units_left = sandglass_light_units_left(owner);
+}
+
+extern const LightFunctions k_light_functions = {begin_frame, next_unit, run_unit, forecast, end_frame};
+
+// ---------------------------------------------------------------------------------------------------- description
+
+void reset(Light* light) {
+  light_filter_reset(&light->filter);
+  drop_image(light);
+  light->phase = LightPhase::idle;
+  light->cursor = 0;
+  light->latest = light->filter.state;
+  light->latest_ns = light->changed_ns = light->taken_ns = 0;
+  light->estimates = 0;
+  light->frame = light->image_frame = light->estimate_frame = 0;
+  light->changed = false;
+}
+
+__attribute__((noinline)) void build(const LightAsset& asset, const sandglass_light_desc& desc,
+                                     const Int8Kernels* kernels, void* block, sandglass_light** light) {
+  Layout layout;
+  layout.base = static_cast<uint8_t*>(block);
+  const Parts parts = lay_out(&layout);
+  sandglass_light* owner = parts.light;
+  if (owner == nullptr) return;  // cannot be: the layout has a block
+  *owner = {};
+  owner->functions = &k_light_functions;
+  Light* l = &owner->light;
+  l->network = create_light_network(asset, kernels, k_light_width, k_light_height, parts.network);
+  l->rgb = parts.rgb, l->sums = parts.sums;
+  memset(l->rgb, 0, k_rgb_bytes);
+  const double interval = static_cast<double>(desc.interval);
+  l->interval_ns = static_cast<uint64_t>(interval * 1e9);
+  l->filter.law = {static_cast<double>(desc.smoothing), interval, static_cast<double>(desc.turn_limit),
+                   static_cast<double>(desc.outlier_angle), static_cast<double>(desc.outlier_level)};
+  reset(l);
+  *light = owner;
+}
+
+void describe(const Light& light, const LightSample& sample, uint64_t timestamp_ns, sandglass_light_estimate* out) {
+  *out = {};
+  out->struct_size = sizeof *out;
+  out->valid = light.filter.accepted != 0 ? 1 : 0;
+  out->timestamp_ns = timestamp_ns;
+  out->image_ns = light.latest_ns;
+  for (int i = 0; i < 3; ++i) {
+    out->direction[i] = static_cast<float>(sample.direction[i]);
+    out->light[i] = static_cast<float>(sample.levels[k_sample_light + i]);
+    out->ambient[i] = static_cast<float>(sample.levels[k_sample_ambient + i]);
+  }
+  out->contrast = static_cast<float>(sample.levels[k_sample_contrast]);
+  if (out->valid == 0)
+    for (int i = 0; i < 3; ++i) out->ambient[i] = 0.5f;
+  out->strength =
+      static_cast<float>(light_strength(sample.direction, sample.levels + k_sample_light,
+                                        sample.levels + k_sample_ambient, sample.levels[k_sample_contrast]));
+  out->confidence = static_cast<float>(light_filter_confidence(light.filter));
+  out->estimates = light.estimates;
+  out->deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
+  out->held_off = light.filter.held_off;
+  double sh[3 * k_harmonics];
+  light_harmonics(*out, SANDGLASS_LIGHT_MODEL_WHOLE, sh);
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) out->sh[i] = static_cast<float>(sh[i]);
+}
+
+__attribute__((noinline)) void resample_now(Light* light) {
+  while (light->phase == LightPhase::image) run_image(light);
+}
+
+__attribute__((noinline)) uint32_t run_units(sandglass_light* light, uint32_t units) {
+  WorkUnit unit;
+  uint32_t done = 0;
+  while (done < units && next_unit(light, &unit)) run_unit(light), ++done;
+  return done;
+}
+
+}  // namespace
+}  // namespace sandglass
+
+using namespace sandglass;
+
+void sandglass_camera_image_default(sandglass_camera_image* image) {
+  *image = {};
+  image->struct_size = sizeof *image;
+  image->orientation[3] = 1.0f;
+}
+
+float sandglass_camera_focal(uint32_t width, uint32_t height, float diagonal_deg) {
+  if (!(diagonal_deg >= 1.0f && diagonal_deg <= 179.0f)) return 0.0f;
+  const double w = width, h = height;
+  const SinCos half = sin_cos_turns(static_cast<double>(diagonal_deg) / 720.0);
+  return static_cast<float>(0.5 * square_root(w * w + h * h) * half.cos / half.sin);
+}
+
+sandglass_status sandglass_camera_check(const sandglass_camera_image* image, const char** reason) {
+  return check_camera_image(image, reason);
+}
+
+void sandglass_light_desc_default(sandglass_light_desc* desc) {
+  *desc = {};
+  desc->struct_size = sizeof *desc;
+  desc->interval = 0.25f;
+  desc->smoothing = 0.4f;
+  desc->turn_limit = 2.0943951f;
+  desc->outlier_angle = 0.6981317f;
+  desc->outlier_level = 0.35f;
+}
+
+sandglass_status sandglass_light_inspect(const void* asset, uint64_t asset_bytes, sandglass_light_info* info,
+                                         const char** reason) {
+  if (info == nullptr || info->struct_size != sizeof *info)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "info is NULL or its struct_size is not that of this library");
+  LightAsset file;
+  const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason);
+  if (status != SANDGLASS_OK) return status;
+  info->training_images = file.training_images, info->calibration_images = file.calibration_images;
+  info->angle_deg = file.angle_deg, info->difference = file.difference;
+  info->data_hash = file.data_hash, info->seed = file.seed;
+  return SANDGLASS_OK;
+}
+
+sandglass_status sandglass_light_bytes(const sandglass_light_desc* desc, uint64_t* bytes, const char** reason) {
+  LightAsset asset;
+  const Int8Kernels* kernels = nullptr;
+  const sandglass_status status = check(desc, &asset, &kernels, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (bytes == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass where to store it");
+  *bytes = size_of_light();
+  return accept(reason);
+}
+
+sandglass_status sandglass_light_create(const sandglass_light_desc* desc, void* block, uint64_t bytes,
+                                        sandglass_light** light, const char** reason) {
+  LightAsset asset;
+  const Int8Kernels* kernels = nullptr;
+  const sandglass_status status = check(desc, &asset, &kernels, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (block == nullptr || light == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "block or light is NULL: pass memory and where to store the light");
+  if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
+    return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT, "block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64)");
+  if (bytes < size_of_light())
+    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL, "block is smaller than sandglass_light_bytes asks for");
+  const FloatingPointControl saved = floating_point_enter();
+  build(asset, *desc, kernels, block, light);
+  floating_point_restore(saved);
+  return accept(reason);
+}
+
+void sandglass_light_reset(sandglass_light* light) { reset(&light->light); }
+
+sandglass_status sandglass_light_turn(sandglass_light* light, const float rotation[4], const char** reason) {
+  Rotation turn = {};
+  if (light == nullptr || rotation == nullptr || !rotation_of(rotation, &turn))
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "light or rotation is NULL, zero or not finite");
+  const FloatingPointControl saved = floating_point_enter();
+  light_filter_turn(&light->light.filter, turn.m);
+  double turned[3];
+  rotate(turn, light->light.latest.direction, turned);
+  for (int i = 0; i < 3; ++i) light->light.latest.direction[i] = turned[i];
+  // The image under way was taken in the frame that was: its pose turns too, by the product of the quaternions.
+  const float *a = rotation, *b = light->light.image.orientation;
+  const float product[4] = {
+      a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1], a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
+      a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3], a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]};
+  memcpy(light->light.image.orientation, product, sizeof product);
+  floating_point_restore(saved);
+  return accept(reason);
+}
+
+sandglass_status sandglass_light_set_image(sandglass_light* light, const sandglass_camera_image* image, uint32_t* taken,
+                                           const char** reason) {
+  if (light == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "light is NULL");
+  const sandglass_status status = check_camera_image(image, reason);
+  if (status != SANDGLASS_OK) return status;
+  const FloatingPointControl saved = floating_point_enter();
+  const bool took = take_image(&light->light, *image);
+  if (took) resample_now(&light->light);
+  floating_point_restore(saved);
+  if (taken != nullptr) *taken = took ? 1 : 0;
+  return accept(reason);
+}
+
+uint32_t sandglass_light_run(sandglass_light* light, uint32_t units) {
+  const FloatingPointControl saved = floating_point_enter();
+  const uint32_t done = run_units(light, units);
+  floating_point_restore(saved);
+  return done;
+}
+
+uint32_t sandglass_light_units_left(const sandglass_light* light) {
+  const Light& l = light->light;
+  if (l.phase == LightPhase::idle) return 0;
+  return l.phase == LightPhase::network ? l.network->units - l.cursor : image_units_left(l) + l.network->units;
+}
+
+void sandglass_light_get(const sandglass_light* light, sandglass_light_estimate* estimate) {
+  const FloatingPointControl saved = floating_point_enter();
+  describe(light->light, light->light.filter.state, light->light.changed_ns, estimate);
+  floating_point_restore(saved);
+}
+
+void sandglass_light_get_latest(const sandglass_light* light, sandglass_light_estimate* estimate) {
+  const FloatingPointControl saved = floating_point_enter();
+  describe(light->light, light->light.latest, light->light.latest_ns, estimate);
+  floating_point_restore(saved);
+}
+
+uint64_t sandglass_light_hash(const sandglass_light* light) {
+  constexpr uint64_t k_prime = 1099511628211ull;
+  const Light& l = light->light;
+  const LightFilter& f = l.filter;
+  uint64_t hash = asset_checksum(l.rgb, k_rgb_bytes);
+  const LightSample* const samples[3] = {&f.state, &f.held, &l.latest};
+  for (const LightSample* sample : samples)
+    hash = (hash ^ asset_checksum(reinterpret_cast<const uint8_t*>(sample), sizeof *sample)) * k_prime;
+  hash = (hash ^ asset_checksum(reinterpret_cast<const uint8_t*>(&f.agreement), sizeof f.agreement)) * k_prime;
+  const uint64_t counts[4] = {l.estimates, f.held_off, static_cast<uint64_t>(l.phase), l.cursor};
+  return (hash ^ asset_checksum(reinterpret_cast<const uint8_t*>(counts), sizeof counts)) * k_prime;
+}
+
+sandglass_isa sandglass_light_isa(const sandglass_light* light) { return light->light.network->kernels->isa; }

@@ -1,0 +1,60 @@
+// The room's light as work units that the governor can hand out (core/governor.h), and the state behind the C API of
+// sandglass/light.h. One estimate at a time: the image is resampled, all of it in the frame that brought it, because
+// its planes are the app's; then the network runs, unit by unit, over as many frames as it takes; its answer is turned
+// into the world by the pose of that image and goes through the filter.
+#pragma once
+
+#include <cstdint>
+
+#include "runtime/lighting/camera_image.h"
+#include "runtime/lighting/filter.h"
+#include "runtime/lighting/network.h"
+
+namespace sandglass {
+
+// Kinds of work unit: the image, then the network's.
+enum : uint32_t {
+  k_light_stage_image,
+  k_light_stage_network,
+  k_light_stage_kinds = k_light_stage_network + k_light_kinds
+};
+
+enum class LightPhase : uint32_t { idle, image, network };
+
+struct Light {
+  LightNetwork* network;
+  LightFilter filter;
+  uint64_t interval_ns;
+  LightPhase phase;
+  uint32_t cursor;     // next row of the image, or unit of the network
+  CameraImage image;   // under way; its planes are NULL once it is resampled
+  uint32_t unit_rows;  // of the image
+  uint8_t* rgb;        // what the network sees
+  uint32_t* sums;      // scratch of resampling
+  // Estimates.
+  LightSample latest;  // before the filter, in the world
+  uint64_t latest_ns, changed_ns, taken_ns;
+  uint32_t estimates;
+  uint64_t frame, image_frame, estimate_frame;  // now, of the image under way, and of the last estimate's image
+  bool changed;                                 // in this frame
+};
+
+// Reached from the scene through a table that creation leaves in every light, so that an app without it does not link
+// it.
+struct LightFunctions {
+  // Looks at the frame's image; returns the units that must run in this frame, 1 and those of the image. *refused: what
+  // is wrong with an image that cannot be used, else untouched.
+  uint32_t (*begin_frame)(sandglass_light* light, const sandglass_camera_image* image, const char** refused);
+  bool (*next)(const sandglass_light* light, WorkUnit* unit);
+  void (*run)(sandglass_light* light);
+  uint32_t (*forecast)(const sandglass_light* light, Forecast* entries);
+  // Drops an image that was not finished, and describes.
+  void (*end_frame)(sandglass_light* light, sandglass_frame_report* report);
+};
+
+}  // namespace sandglass
+
+struct sandglass_light {
+  const sandglass::LightFunctions* functions;
+  sandglass::Light light;
+};

@@ -1,0 +1,184 @@
+// The temporal filter against the law that the header states: its step response in numbers, what it holds off, and
+// what it lets through.
+#include "runtime/lighting/filter.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "runtime/sampling/random.h"
+#include "sandglass/light.h"
+
+namespace sandglass {
+namespace {
+
+constexpr double k_degree = std::numbers::pi / 180.0;
+constexpr uint64_t k_period_ns = 250'000'000;
+
+LightFilter default_filter() {
+  sandglass_light_desc desc;
+  sandglass_light_desc_default(&desc);
+  LightFilter filter = {};
+  filter.law = {desc.smoothing, desc.interval, desc.turn_limit, desc.outlier_angle, desc.outlier_level};
+  light_filter_reset(&filter);
+  return filter;
+}
+
+// A light in the x-y plane, `degrees` from the x axis.
+LightSample at(double degrees, double level = 0.5) {
+  LightSample s = {{std::cos(degrees * k_degree), std::sin(degrees * k_degree), 0.0}, {}};
+  for (double& x : s.levels) x = level;
+  return s;
+}
+
+double azimuth(const LightFilter& f) { return std::atan2(f.state.direction[1], f.state.direction[0]) / k_degree; }
+
+TEST(LightFilter, TheFirstEstimateIsTakenWhole) {
+  LightFilter f = default_filter();
+  EXPECT_TRUE(light_filter_take(&f, at(37.0, 0.25), 1));
+  EXPECT_NEAR(azimuth(f), 37.0, 1e-12);
+  EXPECT_EQ(f.state.levels[0], 0.25);
+  EXPECT_NEAR(light_filter_confidence(f), 0.5, 1e-15);
+}
+
+// a = 0.25 / (0.4 + 0.25) = 5/13 of the angle, at most 120 degrees a second: 30 in a quarter of one.
+TEST(LightFilter, StepResponseIsTheDocumentedOne) {
+  LightFilter f = default_filter();
+  uint64_t t = 1'000'000'000;
+  for (int i = 0; i < 8; ++i) light_filter_take(&f, at(0.0), t += k_period_ns);
+  std::vector<double> angles;
+  for (int i = 0; i < 20; ++i) {
+    light_filter_take(&f, at(90.0), t += k_period_ns);
+    angles.push_back(azimuth(f));
+  }
+  double expected = 0.0;
+  for (size_t i = 0; i < angles.size(); ++i) {
+    if (i > 0) expected += std::min(30.0, (90.0 - expected) * 5.0 / 13.0);
+    EXPECT_NEAR(angles[i], expected, 1e-5) << i;  // the law's numbers are floats
+  }
+  EXPECT_EQ(angles[0], 0.0);   // held off
+  EXPECT_LT(angles[1], 45.0);  // half way with the third estimate,
+  EXPECT_GE(angles[2], 45.0);
+  EXPECT_LT(angles[4], 81.0);  // 90 % with the sixth: 1.25 s after the first
+  EXPECT_GE(angles[5], 81.0);
+  for (size_t i = 1; i < angles.size(); ++i) EXPECT_LT(angles[i], 90.0);
+  EXPECT_EQ(f.held_off, 1u);
+}
+
+// The answer depends on time, not on how often it is asked: twice the rate, the same state after the same time.
+TEST(LightFilter, FollowsASlowLightWithABoundedLag) {
+  for (const uint64_t period : {k_period_ns, k_period_ns / 2}) {
+    LightFilter f = default_filter();
+    const double rate = 10.0;  // degrees a second
+    double lag = 0.0;
+    for (uint64_t t = 0; t < 6'000'000'000; t += period) {
+      const double now = rate * static_cast<double>(t) * 1e-9;
+      light_filter_take(&f, at(now), t + 1);
+      lag = now - azimuth(f);
+    }
+    EXPECT_NEAR(lag, rate * 0.4, 0.1);  // that of a first-order filter: smoothing x rate
+  }
+}
+
+TEST(LightFilter, ASingleOutlierChangesNothing) {
+  LightFilter f = default_filter();
+  uint64_t t = 0;
+  for (int i = 0; i < 6; ++i) light_filter_take(&f, at(20.0), t += k_period_ns);
+  const LightFilter before = f;
+  for (const LightSample& odd : {at(110.0), at(20.0, 0.95)}) {
+    EXPECT_FALSE(light_filter_take(&f, odd, t += k_period_ns));
+    EXPECT_EQ(azimuth(f), azimuth(before));
+    EXPECT_EQ(f.state.levels[3], before.state.levels[3]);
+    EXPECT_TRUE(light_filter_take(&f, at(20.0), t += k_period_ns));
+  }
+  EXPECT_NEAR(azimuth(f), 20.0, 1e-9);
+  EXPECT_EQ(f.held_off, 2u);
+}
+
+// The control: without the gate the same outlier moves the light by 30 degrees.
+TEST(LightFilter, WithoutTheGateAnOutlierMovesTheLight) {
+  LightFilter f = default_filter();
+  f.law.outlier_angle = std::numbers::pi;
+  uint64_t t = 0;
+  for (int i = 0; i < 6; ++i) light_filter_take(&f, at(20.0), t += k_period_ns);
+  light_filter_take(&f, at(110.0), t += k_period_ns);
+  EXPECT_NEAR(azimuth(f), 50.0, 1e-5);
+}
+
+// Outliers that do not agree with each other are believed at the third in a row: the filter never locks up.
+TEST(LightFilter, DisagreementDoesNotLockItUp) {
+  LightFilter f = default_filter();
+  uint64_t t = 0;
+  for (int i = 0; i < 6; ++i) light_filter_take(&f, at(0.0), t += k_period_ns);
+  EXPECT_FALSE(light_filter_take(&f, at(60.0), t += k_period_ns));
+  EXPECT_FALSE(light_filter_take(&f, at(-60.0), t += k_period_ns));
+  EXPECT_TRUE(light_filter_take(&f, at(120.0), t += k_period_ns));
+}
+
+// White noise of 15 degrees, 5000 estimates: the deviation of a first-order filter is sqrt(a / (2 - a)) of the input's.
+TEST(LightFilter, NoiseShrinksAsThatOfAFirstOrderFilter) {
+  LightFilter f = default_filter();
+  f.law.outlier_angle = std::numbers::pi, f.law.turn_limit = 1e6;
+  Random random = random_stream(3, 1);
+  double sum = 0.0, input = 0.0;
+  uint64_t t = 0;
+  constexpr int k_estimates = 5000;
+  for (int i = 0; i < k_estimates; ++i) {
+    const double noise = 15.0 * std::sqrt(3.0) * (2.0 * random.uniform() - 1.0);
+    light_filter_take(&f, at(noise), t += k_period_ns);
+    if (i > 50) sum += azimuth(f) * azimuth(f), input += noise * noise;
+  }
+  const double a = 5.0 / 13.0;
+  EXPECT_NEAR(std::sqrt(sum / input), std::sqrt(a / (2.0 - a)), 0.02);
+}
+
+TEST(LightFilter, ConfidenceIsAgreement) {
+  LightFilter steady = default_filter(), torn = default_filter();
+  uint64_t t = 0;
+  for (int i = 0; i < 30; ++i) {
+    t += k_period_ns;
+    light_filter_take(&steady, at(0.0), t);
+    light_filter_take(&torn, at(i % 2 == 0 ? 100.0 : -100.0), t);
+  }
+  EXPECT_NEAR(light_filter_confidence(steady), 30.0 / 31.0, 1e-12);
+  EXPECT_LT(light_filter_confidence(torn), 0.6);
+}
+
+TEST(LightFilter, SmoothingZeroTakesEveryEstimateWhole) {
+  LightFilter f = default_filter();
+  f.law.smoothing = 0.0;
+  for (const double degrees : {10.0, 170.0, -80.0}) {
+    EXPECT_TRUE(light_filter_take(&f, at(degrees), 5));
+    EXPECT_NEAR(azimuth(f), degrees, 1e-12);
+  }
+}
+
+TEST(LightFilter, TurnsAlongTheGreatCircleAlsoToTheOppositeSide) {
+  const double x[3] = {1, 0, 0}, y[3] = {0, 1, 0}, back[3] = {-1, 0, 0};
+  double out[3];
+  turn_towards(x, y, 30.0 * k_degree, out);
+  EXPECT_NEAR(out[0], std::cos(30.0 * k_degree), 1e-15);
+  EXPECT_NEAR(out[1], 0.5, 1e-15);
+  turn_towards(x, back, 90.0 * k_degree, out);
+  EXPECT_NEAR(out[0], 0.0, 1e-15);
+  EXPECT_NEAR(out[0] * out[0] + out[1] * out[1] + out[2] * out[2], 1.0, 1e-15);
+  turn_towards(x, x, 0.5, out);
+  EXPECT_NEAR(out[0], 1.0, 1e-15);
+}
+
+TEST(LightFilter, TimesThatDoNotGrowCountAsTheInterval) {
+  LightFilter clocked = default_filter(), still = default_filter(), backward = default_filter();
+  for (uint64_t i = 0; i < 9; ++i) {
+    const LightSample s = at(i < 4 ? 0.0 : 25.0);
+    light_filter_take(&clocked, s, (i + 1) * k_period_ns);
+    light_filter_take(&still, s, 0);
+    light_filter_take(&backward, s, 1'000'000'000 - i);
+  }
+  EXPECT_EQ(azimuth(clocked), azimuth(still));
+  EXPECT_EQ(azimuth(clocked), azimuth(backward));
+}
+
+}  // namespace
+}  // namespace sandglass

@@ -1,0 +1,485 @@
+// The light as an app meets it: memory, units, the world's frame, what is refused, and its stage in a frame.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "models/lighting/panorama.h"
+#include "platform/virtual_clock.h"
+#include "runtime/lighting/camera_image.h"
+#include "runtime/sampling/random.h"
+#include "tests/lighting/light_fixture.h"
+
+namespace {
+
+using namespace sandglass;
+using namespace sandglass::tests;
+using host::Vec3;
+
+constexpr uint64_t k_period_ns = 300'000'000;
+
+TEST(Light, NeedsExactlyTheBytesThatItAsksFor) {
+  const LiveLight live;
+  EXPECT_TRUE(live.guards_intact());
+  const sandglass_light_desc desc = describe_light();
+  std::vector<uint8_t> memory(live.bytes + SANDGLASS_BLOCK_ALIGNMENT, 0x5A);
+  uint8_t* block = memory.data() +
+                   (SANDGLASS_BLOCK_ALIGNMENT - reinterpret_cast<uintptr_t>(memory.data()) % SANDGLASS_BLOCK_ALIGNMENT);
+  sandglass_light* light = nullptr;
+  for (const uint64_t bytes : {live.bytes - 1, live.bytes / 2, uint64_t{64}, uint64_t{0}})
+    EXPECT_EQ(sandglass_light_create(&desc, block, bytes, &light, nullptr), SANDGLASS_ERROR_MEMORY_TOO_SMALL) << bytes;
+  EXPECT_EQ(sandglass_light_create(&desc, block + 8, live.bytes, &light, nullptr), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
+  EXPECT_EQ(light, nullptr);
+  EXPECT_TRUE(std::all_of(memory.begin(), memory.end(), [](uint8_t b) { return b == 0x5A; }));
+}
+
+TEST(Light, BeforeTheFirstEstimateItComesFromAboveAndIsNotValid) {
+  const LiveLight live;
+  const sandglass_light_estimate e = live.get();
+  EXPECT_EQ(e.valid, 0u);
+  EXPECT_EQ(e.direction[1], 1.0f);
+  EXPECT_EQ(e.contrast, 0.0f);
+  EXPECT_EQ(e.strength, 0.0f);
+  EXPECT_EQ(e.confidence, 0.0f);
+  EXPECT_NEAR(e.sh[0], 0.5 * std::sqrt(4.0 * std::numbers::pi), 1e-6);
+  EXPECT_EQ(sandglass_light_units_left(live.light), 0u);
+}
+
+// One unit at a time: the estimate before stays what it was until the last one, and the answer is that of one call.
+TEST(Light, UnitByUnitIsTheSameAsAllAtOnce) {
+  LiveLight whole, parts;
+  TestImage first(1), second(2);
+  first.image.timestamp_ns = k_period_ns, second.image.timestamp_ns = 2 * k_period_ns;
+  whole.estimate(first.image), parts.estimate(first.image);
+  const sandglass_light_estimate before = parts.get();
+  EXPECT_EQ(before.valid, 1u);
+  EXPECT_EQ(before.timestamp_ns, k_period_ns);
+  ASSERT_EQ(sandglass_light_set_image(parts.light, &second.image, nullptr, nullptr), SANDGLASS_OK);
+  std::fill(second.bytes.begin(), second.bytes.end(), uint8_t{0});  // not read after the call
+  uint32_t left = sandglass_light_units_left(parts.light);
+  EXPECT_GT(left, 100u);
+  for (; left > 0; --left) {
+    const sandglass_light_estimate now = parts.get();
+    ASSERT_EQ(std::memcmp(&now, &before, sizeof now), 0) << left;
+    ASSERT_EQ(sandglass_light_units_left(parts.light), left);
+    ASSERT_EQ(sandglass_light_run(parts.light, 1), 1u);
+  }
+  EXPECT_EQ(sandglass_light_run(parts.light, 1), 0u);
+  TestImage same(2);
+  same.image.timestamp_ns = 2 * k_period_ns;
+  whole.estimate(same.image);
+  EXPECT_EQ(sandglass_light_hash(whole.light), sandglass_light_hash(parts.light));
+  EXPECT_EQ(parts.get().estimates, 2u);
+  EXPECT_TRUE(whole.guards_intact() && parts.guards_intact());
+}
+
+Vec3 vector_of(const float* v) { return {v[0], v[1], v[2]}; }
+
+// With the identity the camera looks along -z, y up: the network's (x, y down, z) is the world's (x, -y, -z). A camera
+// that is turned sees the same image and finds the light turned with it.
+TEST(Light, TheCamerasTurnIsTakenOut) {
+  sandglass_light_desc desc = describe_light();
+  desc.smoothing = 0.0f;
+  LiveLight live(desc);
+  TestImage picture(5);
+  live.estimate(picture.image);
+  const Vec3 straight = vector_of(live.get().direction);
+  const double angle = 0.7;
+  picture.image.orientation[1] = static_cast<float>(std::sin(0.5 * angle));
+  picture.image.orientation[3] = static_cast<float>(std::cos(0.5 * angle));
+  live.estimate(picture.image);
+  const Vec3 turned = vector_of(live.get().direction);
+  EXPECT_NEAR(turned.x, std::cos(angle) * straight.x + std::sin(angle) * straight.z, 1e-6);
+  EXPECT_NEAR(turned.y, straight.y, 1e-6);
+  EXPECT_NEAR(turned.z, -std::sin(angle) * straight.x + std::cos(angle) * straight.z, 1e-6);
+}
+
+// Any pose and turn: a world direction that the sensor sees, in upright coordinates, comes back. The quarter turn is
+// done here on the screen: clockwise, right becomes down, down becomes left.
+TEST(Light, StoredTurnedAndUprightPosesGiveOneWorld) {
+  Random random = random_stream(11, 1);
+  for (int trial = 0; trial < 40; ++trial) {
+    TestImage picture(1);
+    sandglass_camera_image& image = picture.image;
+    for (float& q : image.orientation) q = static_cast<float>(2.0 * random.uniform() - 1.0);
+    image.turn_deg = 90 * (static_cast<uint32_t>(trial) % 4);
+    const Vec3 d = host::normalised(Vec3{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5});
+    // The camera's axes in the world, from the quaternion's matrix (any length).
+    const double x = image.orientation[0], y = image.orientation[1], z = image.orientation[2], w = image.orientation[3];
+    const double n = x * x + y * y + z * z + w * w;
+    const Vec3 right = Vec3{w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)} * (1.0 / n);
+    const Vec3 up = Vec3{2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)} * (1.0 / n);
+    const Vec3 back = Vec3{2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z} * (1.0 / n);
+    double across = host::dot(d, right), down = -host::dot(d, up);
+    for (uint32_t quarter = 0; quarter < image.turn_deg / 90; ++quarter) {
+      const double was = across;
+      across = -down, down = was;
+    }
+    const double upright[3] = {across, down, -host::dot(d, back)};
+    double world[3];
+    camera_to_world(image, upright, world);
+    EXPECT_NEAR(host::length(Vec3{world[0], world[1], world[2]} - d), 0.0, 1e-6) << trial;
+
+    // FROM_POSE: of the four turns the one in which the world's up points up most.
+    sandglass_camera_image unknown = image;
+    unknown.turn_deg = SANDGLASS_TURN_FROM_POSE;
+    double u = right.y, v = -up.y, least = 2.0;
+    uint32_t best = 0;
+    for (uint32_t turn = 0; turn < 360; turn += 90) {
+      if (v < least) least = v, best = turn;
+      const double was = u;
+      u = -v, v = was;
+    }
+    EXPECT_EQ(with_turn(unknown).turn_deg, best);
+  }
+  TestImage picture(1);
+  picture.image.turn_deg = 90, picture.image.pose_is_upright = 1;
+  const double ahead_right[3] = {0.6, 0.0, 0.8};
+  double world[3];
+  camera_to_world(picture.image, ahead_right, world);
+  EXPECT_NEAR(world[0], 0.6, 1e-9);
+  EXPECT_NEAR(world[2], -0.8, 1e-9);
+}
+
+TEST(Light, ImagesComeNoMoreOftenThanTheInterval) {
+  LiveLight live;
+  TestImage picture(3);
+  const auto offer = [&](uint64_t time_ns) {
+    picture.image.timestamp_ns = time_ns;
+    uint32_t taken = 7;
+    EXPECT_EQ(sandglass_light_set_image(live.light, &picture.image, &taken, nullptr), SANDGLASS_OK);
+    return taken;
+  };
+  EXPECT_EQ(offer(1'000'000'000), 1u);
+  EXPECT_EQ(offer(2'000'000'000), 0u);  // an estimate is under way
+  while (sandglass_light_run(live.light, 1000) != 0) {
+  }
+  EXPECT_EQ(offer(1'000'000'000), 0u);  // the same image
+  EXPECT_EQ(offer(1'249'000'000), 0u);
+  EXPECT_EQ(offer(1'250'000'000), 1u);
+}
+
+TEST(Light, ResetForgetsAndTurnTurns) {
+  LiveLight live, fresh;
+  TestImage picture(3);
+  live.estimate(picture.image);
+  const Vec3 before = vector_of(live.get().direction);
+  const float quarter[4] = {0.0f, 0.0f, 2.0f, 2.0f};  // about z, of any length
+  ASSERT_EQ(sandglass_light_turn(live.light, quarter, nullptr), SANDGLASS_OK);
+  const Vec3 after = vector_of(live.get().direction);
+  EXPECT_NEAR(host::length(after - Vec3{-before.y, before.x, before.z}), 0.0, 1e-6);
+  const float none[4] = {};
+  EXPECT_EQ(sandglass_light_turn(live.light, none, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  sandglass_light_reset(live.light);
+  EXPECT_EQ(live.get().valid, 0u);
+  live.estimate(picture.image), fresh.estimate(picture.image);
+  EXPECT_EQ(sandglass_light_hash(live.light), sandglass_light_hash(fresh.light));
+}
+
+// ------------------------------------------------------------------------------------------------------- bad input
+
+TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
+  const auto refused = [](const sandglass_light_desc& desc, const std::string& words) {
+    const char* reason = nullptr;
+    uint64_t bytes = 0;
+    EXPECT_NE(sandglass_light_bytes(&desc, &bytes, &reason), SANDGLASS_OK) << words;
+    ASSERT_NE(reason, nullptr) << words;
+    EXPECT_NE(std::string(reason).find(words), std::string::npos) << reason;
+    EXPECT_EQ(bytes, 0u);
+  };
+  const auto changed = [](auto&& change) {
+    sandglass_light_desc desc = describe_light();
+    change(desc);
+    return desc;
+  };
+  refused(changed([](auto& d) { d.struct_size = 3; }), "struct_size");
+  refused(changed([](auto& d) { d.asset = nullptr; }), "NULL");
+  refused(changed([](auto& d) { d.asset = static_cast<const uint8_t*>(d.asset) + 1; }), "aligned");
+  refused(changed([](auto& d) { --d.asset_bytes; }), "damaged");
+  refused(changed([](auto& d) { d.asset_bytes = 5; }), "lighting");
+  refused(changed([](auto& d) { d.interval = NAN; }), "interval");
+  refused(changed([](auto& d) { d.smoothing = -1.0f; }), "smoothing");
+  refused(changed([](auto& d) { d.turn_limit = 0.0f; }), "turn_limit");
+  refused(changed([](auto& d) { d.outlier_angle = 4.0f; }), "outlier_angle");
+  refused(changed([](auto& d) { d.outlier_level = INFINITY; }), "outlier_level");
+  refused(changed([](auto& d) { d.isa = 99; }), "isa");
+  // Another kind of asset: the identifier of a shadow, with a right checksum.
+  LightFileBytes shadow = random_light();
+  std::memcpy(shadow.data() + 4, "SGSH", 4);
+  uint64_t hash = 0xCBF29CE484222325ull;
+  for (uint64_t i = 0; i + 8 < shadow.bytes; ++i) hash = (hash ^ shadow.data()[i]) * 0x100000001B3ull;
+  std::memcpy(shadow.data() + shadow.bytes - 8, &hash, 8);
+  refused(changed([&](auto& d) { d.asset = shadow.data(); }), "not a lighting network");
+}
+
+TEST(LightInput, BadImagesAreRefusedAndChangeNothing) {
+  LiveLight live;
+  const uint64_t before = sandglass_light_hash(live.light);
+  const auto refused = [&](auto&& change, const std::string& words) {
+    TestImage picture(1);
+    change(picture.image);
+    const char* reason = nullptr;
+    uint32_t taken = 9;
+    EXPECT_EQ(sandglass_light_set_image(live.light, &picture.image, &taken, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+    ASSERT_NE(reason, nullptr);
+    EXPECT_NE(std::string(reason).find(words), std::string::npos) << reason;
+    EXPECT_EQ(taken, 9u);
+  };
+  refused([](auto& i) { i.width = i.height = 1; }, "2 x 2");
+  refused([](auto& i) { i.strides[0] = 767; }, "stride");
+  refused([](auto& i) { i.planes[0] = nullptr; }, "NULL");
+  refused([](auto& i) { i.focal_x = NAN; }, "focal");
+  refused([](auto& i) { i.centre_y = NAN; }, "principal");
+  refused([](auto& i) { i.width = 16385; }, "16384");
+  refused([](auto& i) { i.struct_size = 0; }, "struct_size");
+  refused([](auto& i) { i.orientation[3] = 0.0f; }, "orientation");
+  refused([](auto& i) { i.orientation[0] = INFINITY; }, "orientation");
+  refused([](auto& i) { i.turn_deg = SANDGLASS_TURN_FROM_POSE, i.pose_is_upright = 1; }, "upright");
+  refused([](auto& i) { i.format = -1; }, "format");
+  EXPECT_EQ(sandglass_light_set_image(live.light, nullptr, nullptr, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_light_hash(live.light), before);
+  EXPECT_EQ(sandglass_light_units_left(live.light), 0u);
+}
+
+void expect_usable(const sandglass_light_estimate& e) {
+  EXPECT_EQ(e.valid, 1u);
+  EXPECT_NEAR(host::length(vector_of(e.direction)), 1.0, 1e-6);
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_TRUE(e.light[c] >= 0.0f && e.light[c] <= 1.0f);
+    EXPECT_TRUE(e.ambient[c] >= 0.0f && e.ambient[c] <= 1.0f);
+  }
+  EXPECT_TRUE(e.contrast >= 0.0f && e.contrast <= 1.0f);
+  EXPECT_TRUE(e.confidence >= 0.0f && e.confidence <= 1.0f);
+  EXPECT_TRUE(e.strength >= 0.0f && e.strength <= 64.0f);
+  for (const float x : e.sh) EXPECT_TRUE(std::isfinite(x));
+}
+
+TEST(LightInput, BlackWhiteTinyAndHugeImagesGiveUsableLight) {
+  for (const uint8_t level : {uint8_t{0}, uint8_t{255}}) {
+    LiveLight live;
+    TestImage flat(1);
+    std::fill(flat.bytes.begin(), flat.bytes.end(), level);
+    live.estimate(flat.image);
+    expect_usable(live.get());
+  }
+  LiveLight live;
+  const TestImage tiny(2, 2, 2);
+  live.estimate(tiny.image);
+  expect_usable(live.get());
+  if (SANDGLASS_EMULATED) return;
+  LiveLight other;
+  const TestImage huge(3, 16384, 1024);
+  other.estimate(huge.image);
+  expect_usable(other.get());
+}
+
+// Enlarged or shrunk by far, the picture is still the picture: a ramp stays a ramp, also where only the middle rows of
+// a box are read.
+TEST(LightInput, AHugeImageIsReadWhereItShouldBe) {
+  constexpr uint32_t k_width = 3000, k_height = 9000;
+  TestImage ramp(1, k_width, k_height);
+  for (uint32_t y = 0; y < k_height; ++y)
+    for (uint32_t x = 0; x < k_width; ++x) {
+      uint8_t* p = ramp.bytes.data() + 3 * (size_t{y} * k_width + x);
+      p[0] = static_cast<uint8_t>(255 * y / k_height), p[1] = static_cast<uint8_t>(255 * x / k_width), p[2] = 90;
+    }
+  ramp.image.focal_x = static_cast<float>(k_light_focal * k_width / 256.0);
+  ramp.image.focal_y = static_cast<float>(k_light_focal * k_height / 192.0);
+  std::vector<uint8_t> rgb(3 * k_light_width * k_light_height);
+  std::vector<uint32_t> sums(k_camera_sums);
+  resample_camera_rows(ramp.image, 0, k_light_height, rgb.data(), sums.data());
+  for (uint32_t y = 0; y < k_light_height; ++y)
+    for (uint32_t x = 0; x < k_light_width; ++x) {
+      const uint8_t* p = rgb.data() + 3 * (y * k_light_width + x);
+      ASSERT_NEAR(p[0], 255.0 * (y + 0.5) / 192.0 - 0.5, 1.2);
+      ASSERT_NEAR(p[1], 255.0 * (x + 0.5) / 256.0 - 0.5, 1.2);
+      ASSERT_EQ(p[2], 90);
+    }
+}
+
+// ------------------------------------------------------------------------------------------------------- every machine
+
+// The golden hash: two estimates, from an RGB image and from turned NV12 with a pose, through the filter.
+uint64_t hash_on(sandglass_isa isa) {
+  sandglass_light_desc desc = describe_light();
+  desc.isa = isa;
+  LiveLight live(desc);
+  TestImage picture(21);
+  picture.image.timestamp_ns = k_period_ns;
+  live.estimate(picture.image);
+  std::vector<uint8_t> luma(640 * 480), chroma(640 * 240);
+  Random random = random_stream(5, 5);
+  for (std::vector<uint8_t>* plane : {&luma, &chroma})
+    for (uint8_t& b : *plane) b = static_cast<uint8_t>(random.below(256));
+  sandglass_camera_image image = picture.image;
+  image.format = SANDGLASS_CAMERA_NV12;
+  image.width = 640, image.height = 480;
+  image.planes[0] = luma.data(), image.planes[1] = chroma.data();
+  image.strides[0] = image.strides[1] = 640;
+  image.focal_x = image.focal_y = 525.0f, image.centre_x = 319.5f, image.centre_y = 239.5f;
+  image.turn_deg = 90;
+  image.orientation[0] = 0.3f, image.orientation[2] = -0.6f;
+  image.timestamp_ns = 2 * k_period_ns;
+  live.estimate(image);
+  return sandglass_light_hash(live.light);
+}
+
+TEST(LightHash, IsOneOnEveryInstructionSetAndCompiler) {
+  constexpr uint64_t k_golden = 5541727358863979531u;
+  EXPECT_EQ(hash_on(SANDGLASS_ISA_AUTOMATIC), k_golden);
+  if (SANDGLASS_EMULATED) return;  // seconds an estimate; the kernels are compared one by one elsewhere
+  for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512}) {
+    sandglass_light_desc desc = describe_light();
+    desc.isa = isa;
+    uint64_t bytes = 0;
+    if (sandglass_light_bytes(&desc, &bytes, nullptr) != SANDGLASS_OK) continue;
+    EXPECT_EQ(hash_on(isa), k_golden) << isa;
+  }
+}
+
+// ------------------------------------------------------------------------------------------------------- in the frame
+
+struct SandScene {
+  explicit SandScene(sandglass_clock clock, sandglass_log log = {}) {
+    sandglass_scene_desc desc;
+    sandglass_scene_desc_default(&desc);
+    desc.clock = clock;
+    desc.log = log;
+    desc.unit_items = 64;
+    desc.granular.particle_capacity = desc.granular.grain_capacity = 600;
+    uint64_t bytes = 0;
+    EXPECT_EQ(sandglass_scene_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
+    memory.resize(bytes + SANDGLASS_BLOCK_ALIGNMENT);
+    uint8_t* block = memory.data() + (SANDGLASS_BLOCK_ALIGNMENT -
+                                      reinterpret_cast<uintptr_t>(memory.data()) % SANDGLASS_BLOCK_ALIGNMENT);
+    EXPECT_EQ(sandglass_scene_create(&desc, block, bytes, &scene, nullptr), SANDGLASS_OK);
+    std::vector<float> particles, grains;
+    for (int i = 0; i < 600; ++i)
+      for (const float x : {0.0205f * static_cast<float>(i % 10), 0.02f + 0.0205f * static_cast<float>(i / 100),
+                            0.0205f * static_cast<float>(i / 10 % 10)})
+        particles.push_back(x), grains.push_back(x + 0.004f);
+    EXPECT_EQ(sandglass_granular_add(scene, particles.data(), nullptr, 600, grains.data(), nullptr, 600, nullptr),
+              SANDGLASS_OK);
+  }
+  sandglass_frame_report frame(sandglass_light* light, const sandglass_camera_image* image, uint64_t budget_ns,
+                               const sandglass_plan* plan = nullptr) {
+    sandglass_collider floor = {};
+    floor.rotation[3] = 1;
+    sandglass_frame_input input;
+    sandglass_frame_input_default(&input);
+    input.time_step = 0.02f, input.budget_ns = budget_ns, input.plan = plan;
+    input.colliders = &floor, input.collider_count = 1;
+    input.light = light, input.camera = image;
+    sandglass_frame_report report = {};
+    report.struct_size = sizeof report;
+    status = sandglass_scene_frame(scene, &input, &report, nullptr);
+    return report;
+  }
+
+  std::vector<uint8_t> memory;
+  sandglass_scene* scene = nullptr;
+  sandglass_status status = SANDGLASS_OK;
+};
+
+// Without time for anything, the image is resampled in its frame and then one unit a frame runs: the estimate arrives,
+// the same, later; the image's bytes are the app's again after the frame.
+TEST(LightFrame, ABudgetOfNothingStillBringsTheEstimate) {
+  LiveLight expected, live;
+  TestImage picture(4);
+  picture.image.timestamp_ns = 5;
+  expected.estimate(picture.image);
+  VirtualClock time;
+  time.step_ns = 1000;
+  SandScene sand(virtual_clock(&time));
+  sandglass_frame_report report = sand.frame(live.light, &picture.image, 0);
+  std::fill(picture.bytes.begin(), picture.bytes.end(), uint8_t{0});
+  EXPECT_GT(report.stages[SANDGLASS_STAGE_LIGHTING].units, 1u);
+  EXPECT_EQ(report.light_valid, 0u);
+  uint32_t left = report.light_units_left, frames = 1;
+  EXPECT_GT(left, 100u);
+  for (; left > 0; ++frames) {
+    report = sand.frame(live.light, &picture.image, 0);  // images during an estimate are passed over
+    ASSERT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 1u);
+    ASSERT_EQ(report.light_units_left, left - 1);
+    left = report.light_units_left;
+    ASSERT_EQ(report.light_changed, left == 0 ? 1u : 0u);
+  }
+  EXPECT_EQ(report.light_valid, 1u);
+  EXPECT_EQ(report.light_age, frames - 1);
+  EXPECT_EQ(sandglass_light_hash(live.light), sandglass_light_hash(expected.light));
+  report = sand.frame(live.light, nullptr, 0);
+  EXPECT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 0u);
+  EXPECT_EQ(report.light_age, frames);
+  EXPECT_EQ(report.light_changed, 0u);
+}
+
+// Beside falling sand: the law of the budget holds, estimates keep arriving, sand is not starved, and the recorded
+// plans bring the same bits in another scene.
+TEST(LightFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
+  VirtualClock time;
+  time.step_ns = 20'000;
+  LiveLight live, again_light;
+  SandScene sand(virtual_clock(&time)), again({});
+  uint32_t with_light = 0, with_grains = 0, changes = 0;
+  uint64_t timestamp = 0;
+  for (uint64_t f = 0; f < (SANDGLASS_EMULATED ? 12u : 40u); ++f) {
+    TestImage picture(f);
+    picture.image.timestamp_ns = f * 16'666'667 + 1;
+    const sandglass_frame_report report = sand.frame(live.light, &picture.image, 4'000'000);
+    ASSERT_EQ(sand.status, SANDGLASS_OK);
+    ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns) << f;
+    with_light += report.stages[SANDGLASS_STAGE_LIGHTING].units > 1;
+    with_grains += report.stages[SANDGLASS_STAGE_REFINE].units > 0;
+    changes += report.light_changed;
+    ASSERT_EQ(live.get().timestamp_ns != timestamp, report.light_changed != 0);  // changes only when the estimate does
+    timestamp = live.get().timestamp_ns;
+    again.frame(again_light.light, &picture.image, 4'000'000, &report.plan);
+    ASSERT_EQ(again.status, SANDGLASS_OK) << f;
+    ASSERT_EQ(sandglass_scene_hash(again.scene), sandglass_scene_hash(sand.scene)) << f;
+    ASSERT_EQ(sandglass_light_hash(again_light.light), sandglass_light_hash(live.light)) << f;
+  }
+  EXPECT_GT(with_light, 5u);
+  EXPECT_GT(with_grains, 5u);
+  EXPECT_GE(changes, SANDGLASS_EMULATED ? 0u : 1u);
+}
+
+TEST(LightFrame, WithoutAClockTheEstimateIsDoneInItsFrame) {
+  LiveLight live;
+  SandScene sand({});
+  const TestImage picture(6);
+  const sandglass_frame_report report = sand.frame(live.light, &picture.image, 1);
+  EXPECT_EQ(report.light_valid, 1u);
+  EXPECT_EQ(report.light_changed, 1u);
+  EXPECT_EQ(report.light_units_left, 0u);
+  EXPECT_EQ(report.light_age, 0u);
+}
+
+TEST(LightFrame, ABadImageIsLeftOutAndReported) {
+  std::string said;
+  LiveLight live;
+  SandScene sand({}, {[](void* user, const char* sentence) { *static_cast<std::string*>(user) = sentence; }, &said});
+  TestImage picture(6);
+  picture.image.focal_x = NAN;
+  const uint64_t before = sandglass_light_hash(live.light);
+  const sandglass_frame_report report = sand.frame(live.light, &picture.image, 1'000'000);
+  EXPECT_EQ(sand.status, SANDGLASS_OK);
+  EXPECT_EQ(report.ignored_images, 1u);
+  EXPECT_NE(said.find("focal"), std::string::npos) << said;
+  EXPECT_EQ(sandglass_light_hash(live.light), before);
+}
+
+TEST(LightFrame, AFrameWithoutALightHasNoneOfIt) {
+  SandScene sand({});
+  const TestImage picture(6);
+  const sandglass_frame_report report = sand.frame(nullptr, &picture.image, 1'000'000);
+  EXPECT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 0u);
+  EXPECT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].denied, 0u);
+  EXPECT_EQ(report.light_valid + report.light_age + report.light_units_left + report.ignored_images, 0u);
+}
+
+}  // namespace
