@@ -131,13 +131,15 @@ std::vector<Excerpt> excerpts_of(const std::string& path, const Location& locati
   RadianceMap mapped(panorama.width, panorama.height);
   for (int v = 0; v < panorama.height; ++v)
     for (int u = 0; u < panorama.width; ++u) mapped.set(u, v, tone_mapped(panorama.colour(u, v), white));
+  // More pixels than the panorama has tell nothing new.
+  const int warped_width = std::clamp(panorama.width, 2 * k_small_width, k_warped_width);
   std::vector<Excerpt> result;
   const auto views = choose_views(hash_of(stem_of(path), options.seed));
   for (size_t k = 0; k < views.size(); ++k) {
     const View view = views[k];
     const double radius =
         insertion_radius(depth.values, depth.shape.empty() ? 0 : static_cast<int>(depth.shape[1]), view);
-    const RadianceMap warped = warp(panorama, view, radius);
+    const RadianceMap warped = warp(panorama, view, radius, warped_width, warped_width / 2);
     LightLabels labels = labels_of(warped, ViewRotation(view).to_rotated({0, 1, 0}), white);
     labels.direction = rotated_to_camera(labels.direction);
     const std::string name = stem_of(path) + "_" + std::to_string(k);

@@ -8,9 +8,16 @@ Folds follow locations: a location of the test fold never trains, and rows of fo
   --layers last   everything up to the third transition is computed once, for each image, its mirror image and a few
                   augmented copies of both, and kept on disk; the last dense block and the heads learn. For a CPU.
   --layers all    every layer learns, with fresh augmentation of every image in every epoch. For a GPU.
+Statistics of the pretrained batch normalisations stay as they are (--free-norm: they follow the data), their factors
+learn. What is kept at the end is the mean of the weights over the last quarter of the epochs.
 
 Checkpoints are written after every epoch, under a temporary name and then renamed; --resume goes on from the last one and
 gives what an uninterrupted run gives. Images are 256 x 192 sRGB; directions are in the camera's frame (x right, y down).
+
+--export FILE writes the float weights as the pretrained file names them (convolutions HWIO; every batch normalisation apart
+as gamma, beta, moving_mean, moving_variance; epsilon 1.001e-5), without fc1000, and behind them
+  latent/kernel (1024, 512), latent/bias, latent_bn/{gamma,beta,moving_mean,moving_variance} (epsilon 1e-5), then ELU,
+  direction/kernel (512, 3), direction/bias (tanh, then normalised), light/..., ambient/... (3), contrast/... (1; sigmoid).
 """
 import argparse
 import csv
@@ -30,6 +37,8 @@ from PIL import Image
 LAYERS, GROWTH, BOTTLENECK, EPSILON = (6, 12, 24, 16), 32, 128, 1.001e-5
 MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 LOSS_WEIGHTS = {"direction": 5.0, "light": 2.0, "ambient": 2.0, "contrast": 1.0}  # (5.26)
+LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
+          "contrast")
 WIDTH, HEIGHT = 256, 192
 
 
@@ -73,6 +82,7 @@ class LightNet(nn.Module):
         self.blocks, self.transitions = nn.ModuleList(blocks), nn.ModuleList(transitions)
         self.last = nn.BatchNorm2d(channels, eps=EPSILON)
         self.latent = nn.Sequential(nn.Linear(channels, 512), nn.BatchNorm1d(512), nn.ELU())
+        self.dropout = 0.0  # of the 512, in training
         self.heads = nn.ModuleDict({k: nn.Linear(512, n) for k, n in
                                     (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))})
 
@@ -89,13 +99,53 @@ class LightNet(nn.Module):
         return F.relu(self.last(self.blocks[3](trunk))).mean((2, 3))
 
     def estimate(self, trunk):
-        latent = self.latent(self.features(trunk))
+        latent = F.dropout(self.latent(self.features(trunk)), self.dropout, self.training)
         out = {k: head(latent) for k, head in self.heads.items()}
         return {"direction": F.normalize(torch.tanh(out["direction"]), dim=1), "light": torch.sigmoid(out["light"]),
                 "ambient": torch.sigmoid(out["ambient"]), "contrast": torch.sigmoid(out["contrast"])}
 
-    def last_parts(self):
-        return nn.ModuleList([self.blocks[3], self.last, self.latent, self.heads])
+    def start_at(self, mean):
+        """Heads that answer the mean light whatever they see: training starts from that baseline."""
+        with torch.no_grad():
+            direction = torch.atanh(torch.from_numpy(mean[:3]).clamp(-0.9, 0.9))
+            colours = torch.logit(torch.from_numpy(mean[3:]).clamp(0.02, 0.98))
+            parts = {"direction": direction, "light": colours[:3], "ambient": colours[3:6], "contrast": colours[6:]}
+            for name, head in self.heads.items():
+                head.weight.zero_()
+                head.bias.copy_(parts[name])
+
+    def heads_of(self):
+        return nn.ModuleList([self.latent, self.heads])
+
+    def train_with(self, frozen_norm):
+        """Training mode, but for the statistics of the extractor's batch normalisations where those are frozen."""
+        self.train()
+        if frozen_norm:
+            for module in self.modules():
+                if isinstance(module, nn.BatchNorm2d):
+                    module.eval()
+
+    def exported(self):
+        """The arrays of --export."""
+        arrays = {}
+
+        def norm(module, name):
+            for ours, theirs in (("weight", "gamma"), ("bias", "beta"), ("running_mean", "moving_mean"),
+                                 ("running_var", "moving_variance")):
+                arrays[f"{name}/{theirs}"] = getattr(module, ours).detach().cpu().numpy()
+
+        def conv(module, name):
+            arrays[name + "/kernel"] = np.ascontiguousarray(module.weight.detach().cpu().numpy().transpose(2, 3, 1, 0))
+
+        def linear(module, name):
+            arrays[name + "/kernel"] = np.ascontiguousarray(module.weight.detach().cpu().numpy().T)
+            arrays[name + "/bias"] = module.bias.detach().cpu().numpy()
+
+        self.walk(norm, conv)
+        linear(self.latent[0], "latent"), norm(self.latent[1], "latent_bn")
+        for name, head in self.heads.items():
+            linear(head, name)
+        return arrays
 
     def load_pretrained(self, path):
         arrays = np.load(path)
@@ -109,6 +159,10 @@ class LightNet(nn.Module):
         def conv(module, name):  # HWIO to OIHW
             module.weight.data = torch.from_numpy(np.ascontiguousarray(arrays[name + "/kernel"].transpose(3, 2, 0, 1)))
 
+        self.walk(norm, conv)
+
+    def walk(self, norm, conv):
+        """Calls norm and conv with every layer of the extractor and its name in the pretrained file."""
         conv(self.stem, "conv1/conv"), norm(self.stem_norm, "conv1/bn"), norm(self.last, "bn")
         for i, block in enumerate(self.blocks):
             for j, layer in enumerate(block):
@@ -130,29 +184,29 @@ def save(path, write):
 
 
 class Rows:
-    """The lines of the manifests, and their labels as arrays."""
+    """The lines of the manifests, and their labels as arrays. Folders of `tested` are tested on, by fold; those of
+    `views` (more views of the same places) and `extra` (made-up rooms, outdoors) only train."""
 
-    def __init__(self, folders):
-        self.image, self.location, self.fold, labels = [], [], [], []
-        for folder in folders:
-            path = os.path.join(folder, "manifest.csv")
-            if not os.path.exists(path):
-                fail(f"'{folder}' has no manifest.csv; make it with `sandglass dataset`")
-            for row in csv.DictReader(open(path, newline="")):
-                self.image.append(os.path.join(folder, row["image"]))
-                self.location.append(row["location"])
-                self.fold.append(int(row["fold"]))
-                labels.append([float(row[k]) for k in
-                               ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r",
-                                "ambient_g", "ambient_b", "contrast")])
+    def __init__(self, tested, views=(), extra=()):
+        self.image, self.location, self.fold, self.folder, self.number, self.kind, labels = [], [], [], [], [], [], []
+        for kind, folders in enumerate((tested, views, extra)):
+            for folder in folders:
+                path = os.path.join(folder, "manifest.csv")
+                if not os.path.exists(path):
+                    fail(f"'{folder}' has no manifest.csv; make it with `sandglass dataset`")
+                for number, row in enumerate(csv.DictReader(open(path, newline=""))):
+                    self.image.append(os.path.join(folder, row["image"]))
+                    self.location.append(row["location"])
+                    self.fold.append(int(row["fold"]))
+                    self.folder.append(folder), self.number.append(number), self.kind.append(kind)
+                    labels.append([float(row[k]) for k in LABELS])
         if not labels:
             fail("the manifests have no lines; make the data set again")
-        self.fold, self.labels = np.array(self.fold), np.array(labels, np.float32)
+        self.fold, self.kind, self.labels = np.array(self.fold), np.array(self.kind), np.array(labels, np.float32)
 
-    def split(self, test_fold, train_only):
-        """Indices to train and to test on. Folders in train_only (synthetic rooms) never test."""
-        only = np.array([any(i.startswith(os.path.join(f, "")) for f in train_only) for i in self.image], bool)
-        test = (self.fold == test_fold) & ~only
+    def split(self, test_fold):
+        """Indices to train and to test on; None tests on nothing."""
+        test = (self.fold == test_fold) & (self.kind == 0) if test_fold is not None else np.zeros(len(self.fold), bool)
         held_out = {self.location[i] for i in np.flatnonzero(test)}
         train = ~test & np.array([l not in held_out for l in self.location])
         return np.flatnonzero(train), np.flatnonzero(test)
@@ -196,33 +250,39 @@ def prepared(rows, index, copy, seed):
     arguments alone."""
     rgb, label = read_image(rows.image[index]), rows.labels[index]
     if copy >= 2:
-        rgb = augmented(rgb, np.random.default_rng([seed, index, copy]))
+        rgb = augmented(rgb, np.random.default_rng([seed, rows.number[index], copy]))
     return mirrored(rgb, label) if copy % 2 == 1 else (rgb, label)
 
 
 def to_tensor(rgb, device):
-    return torch.from_numpy(np.stack(rgb)).to(device).permute(0, 3, 1, 2).float() / 255.0
+    rgb = torch.from_numpy(np.stack(rgb)).to(device).permute(0, 3, 1, 2)
+    return rgb.float().div(255.0).contiguous(memory_format=torch.channels_last)
 
 
-def cached_trunks(net, rows, copies, arguments, device):
-    """Half-precision trunks of every row and copy, one file a copy; what is there is not computed again."""
-    key = hashlib.sha256(json.dumps([rows.image, arguments.weights, arguments.seed]).encode()).hexdigest()[:16]
-    folder = os.path.join(arguments.output, "trunks_" + key)
-    os.makedirs(folder, exist_ok=True)
+def cached_trunks(net, rows, arguments, device):
+    """Half-precision trunks of every row and copy, one file for each folder and copy; what is there is not computed
+    again. Returns a function from (row, copy) to a trunk."""
     net.eval()
-    for copy in range(copies):
-        path = os.path.join(folder, f"copy_{copy}.npy")
-        if not os.path.exists(path):
-            parts = []
-            for at in range(0, len(rows.image), 16):
-                batch = [prepared(rows, i, copy, arguments.seed)[0] for i in range(at, min(at + 16, len(rows.image)))]
-                with torch.no_grad():
-                    parts.append(net.trunk(to_tensor(batch, device)).cpu().numpy().astype(np.float16))
-            with open(path + ".unfinished", "wb") as file:
-                np.save(file, np.concatenate(parts))
-            os.replace(path + ".unfinished", path)
-            print(f"trunks of copy {copy + 1} of {copies}", flush=True)
-    return [np.load(os.path.join(folder, f"copy_{c}.npy"), mmap_mode="r") for c in range(copies)]
+    files = {}
+    for folder in dict.fromkeys(rows.folder):
+        members = [i for i, f in enumerate(rows.folder) if f == folder]
+        key = hashlib.sha256(json.dumps([folder, len(members), arguments.weights, arguments.seed]).encode()).hexdigest()[:16]
+        cache = os.path.join(arguments.cache or arguments.output, "trunks_" + key)
+        os.makedirs(cache, exist_ok=True)
+        for copy in range(arguments.copies):
+            path = os.path.join(cache, f"copy_{copy}.npy")
+            if not os.path.exists(path):
+                parts = []
+                for at in range(0, len(members), 16):
+                    batch = [prepared(rows, i, copy, arguments.seed)[0] for i in members[at:at + 16]]
+                    with torch.no_grad():
+                        parts.append(net.trunk(to_tensor(batch, device)).cpu().numpy().astype(np.float16))
+                with open(path + ".unfinished", "wb") as file:
+                    np.save(file, np.concatenate(parts))
+                os.replace(path + ".unfinished", path)
+                print(f"{folder}: copy {copy + 1} of {arguments.copies}", flush=True)
+            files[folder, copy] = np.load(path, mmap_mode="r")
+    return lambda i, c: files[rows.folder[i], c][rows.number[i]]
 
 
 def loss_of(estimate, labels):
@@ -242,77 +302,108 @@ def measures(estimate, truth):
             "contrast": float(np.abs(estimate[:, 9] - truth[:, 9]).mean())}
 
 
+def batches_of(rows, train_rows, epoch, arguments):
+    """(row, copy) pairs of one epoch by batches: captured places `repeat` times, all else once."""
+    random = np.random.default_rng([arguments.seed, epoch])  # of the epoch: a resumed run draws what an unbroken one draws
+    order = np.concatenate([train_rows] + [train_rows[rows.kind[train_rows] < 2]] * (arguments.repeat - 1))
+    order = random.permutation(order)
+    first, beyond = (0, arguments.copies) if arguments.layers == "last" else (2, 1 << 20)
+    pairs = list(zip(order, random.integers(first, beyond, len(order))))
+    batches = [pairs[at:at + arguments.batch] for at in range(0, len(pairs), arguments.batch)]
+    return [b for b in batches if len(b) >= 2]  # batch normalisation needs two
+
+
 def train(arguments):
     torch.manual_seed(arguments.seed)
     torch.set_num_threads(arguments.threads)
     device = torch.device("cuda" if torch.cuda.is_available() and not arguments.cpu else "cpu")
-    rows = Rows(arguments.dataset + arguments.train_only)
-    train_rows, test_rows = rows.split(arguments.test_fold, arguments.train_only)
-    if len(train_rows) == 0 or len(test_rows) == 0:
+    rows = Rows(arguments.dataset, arguments.views, arguments.train_only)
+    train_rows, test_rows = rows.split(None if arguments.all else arguments.test_fold)
+    if len(train_rows) == 0 or (len(test_rows) == 0 and not arguments.all):
         fail(f"fold {arguments.test_fold} leaves {len(train_rows)} images to train on and {len(test_rows)} to test on; "
              "choose another fold")
     net = LightNet()
     if arguments.weights:
         net.load_pretrained(arguments.weights)
-    net.to(device)
+    captured = train_rows[rows.kind[train_rows] < 2]
+    mean_light = rows.labels[captured if len(captured) else train_rows].mean(0)
+    net.start_at(mean_light)
+    net.to(device, memory_format=torch.channels_last)
     last = arguments.layers == "last"
-    trunks = cached_trunks(net, rows, arguments.copies, arguments, device) if last else None
-    learned = net.last_parts() if last else net
-    optimiser = torch.optim.Adam(learned.parameters(), lr=arguments.rate)
+    trunk_of = cached_trunks(net, rows, arguments, device) if last else None
+    net.dropout = arguments.dropout
+    heads = {id(p) for p in net.heads_of().parameters()}
+    extractor = list(net.blocks[3].parameters()) + list(net.last.parameters()) if last else \
+        [p for p in net.parameters() if id(p) not in heads]
+    optimiser = torch.optim.AdamW([{"params": net.heads_of().parameters(), "lr": arguments.rate},
+                                   {"params": extractor, "lr": arguments.rate * arguments.extractor_rate}],
+                                  weight_decay=arguments.decay)
     halving = torch.optim.lr_scheduler.StepLR(optimiser, max(1, arguments.epochs // 4), 0.5)  # 15 of the source's 60
-    checkpoint = os.path.join(arguments.output, f"fold_{arguments.test_fold}.checkpoint")
-    log, first = [], 0
+    name = "all" if arguments.all else f"fold_{arguments.test_fold}"
+    checkpoint = os.path.join(arguments.output, name + ".checkpoint")
+    log, first, sums = [], 0, None
     if arguments.resume and os.path.exists(checkpoint):
         state = torch.load(checkpoint, map_location=device)
         net.load_state_dict(state["net"]), optimiser.load_state_dict(state["optimiser"])
         halving.load_state_dict(state["halving"])
-        log, first = state["log"], state["epoch"]
+        log, first, sums = state["log"], state["epoch"], state["sums"]
 
     def inputs_of(items, epoch):
         """Tensors and labels of (row, copy) pairs."""
         labels = np.stack([np.where(np.arange(10) == 0, -1 if c % 2 else 1, 1) * rows.labels[i] for i, c in items])
         labels = torch.from_numpy(labels.astype(np.float32)).to(device)
         if last:
-            return torch.from_numpy(np.stack([trunks[c][i] for i, c in items]).astype(np.float32)).to(device), labels
+            trunks = torch.from_numpy(np.stack([trunk_of(i, c) for i, c in items]).astype(np.float32)).to(device)
+            return trunks.contiguous(memory_format=torch.channels_last), labels
         return net.trunk(to_tensor([prepared(rows, i, c, arguments.seed + epoch)[0] for i, c in items], device)), labels
 
-    def evaluated():
+    def estimates():
         net.eval()
         parts = []
         with torch.no_grad():
             for at in range(0, len(test_rows), 64):
                 estimate = net.estimate(inputs_of([(i, 0) for i in test_rows[at:at + 64]], 0)[0])
                 parts.append(torch.cat([estimate[k] for k in LOSS_WEIGHTS], 1).cpu().numpy())
-        return measures(np.concatenate(parts), rows.labels[test_rows])
+        return np.concatenate(parts)
 
     for epoch in range(first, arguments.epochs):
-        random = np.random.default_rng([arguments.seed, epoch])  # of the epoch: a resumed run draws what an unbroken one draws
         torch.manual_seed(arguments.seed * 1000 + epoch)
-        order = random.permutation(train_rows)
-        copies = random.integers(0, arguments.copies, len(order)) if last else random.integers(2, 1 << 20, len(order))
-        net.train() if not last else (net.eval(), learned.train())
-        total = 0.0
-        for at in range(0, len(order) - 1, arguments.batch):  # batch normalisation needs two
-            chosen = list(zip(order[at:at + arguments.batch], copies[at:at + arguments.batch]))
-            if len(chosen) < 2:
-                continue
+        net.train_with(not arguments.free_norm)
+        total, images = 0.0, 0
+        for chosen in batches_of(rows, train_rows, epoch, arguments):
             inputs, labels = inputs_of(chosen, epoch)
             loss = loss_of(net.estimate(inputs), labels)
             optimiser.zero_grad(), loss.backward(), optimiser.step()
-            total += float(loss.detach()) * len(chosen)
+            total, images = total + float(loss.detach()) * len(chosen), images + len(chosen)
         halving.step()
-        log.append({"epoch": epoch + 1, "loss": total / len(order), **evaluated()})
+        log.append({"epoch": epoch + 1, "loss": total / images})
+        if len(test_rows):
+            log[-1].update(measures(estimates(), rows.labels[test_rows]))
         print(json.dumps(log[-1]), flush=True)
+        if epoch >= arguments.epochs - max(1, arguments.epochs // 4):
+            now = {k: v.double() for k, v in net.state_dict().items()}
+            sums = now if sums is None else {k: sums[k] + v for k, v in now.items()}
         state = {"net": net.state_dict(), "optimiser": optimiser.state_dict(), "halving": halving.state_dict(), "log": log,
-                 "epoch": epoch + 1}
+                 "epoch": epoch + 1, "sums": sums}
         save(checkpoint, lambda path: torch.save(state, path))
-    mean = rows.labels[train_rows].mean(0, keepdims=True).repeat(len(test_rows), 0)
-    result = {"fold": arguments.test_fold, "train_images": len(train_rows), "test_images": len(test_rows),
-              "test_locations": len({rows.location[i] for i in test_rows}), "network": evaluated(),
-              "mean_training_light": measures(mean, rows.labels[test_rows]), "log": log, "arguments": vars(arguments)}
-    save(os.path.join(arguments.output, f"fold_{arguments.test_fold}.json"),
-         lambda path: open(path, "w").write(json.dumps(result, indent=1)))
-    print(json.dumps({k: result[k] for k in ("network", "mean_training_light")}, indent=1))
+    net.load_state_dict({k: (sums[k] / max(1, arguments.epochs // 4)).to(v.dtype) for k, v in net.state_dict().items()})
+    result = {"fold": name, "train_images": len(train_rows), "test_images": len(test_rows),
+              "test_locations": len({rows.location[i] for i in test_rows}), "log": log, "arguments": vars(arguments)}
+    if len(test_rows):
+        made, truth = estimates(), rows.labels[test_rows]
+        mean = mean_light[None].repeat(len(test_rows), 0)
+        result.update(network=measures(made, truth), mean_training_light=measures(mean, truth))
+        lines = ["image," + ",".join(LABELS)] + [
+            os.path.basename(rows.image[i]) + "".join(f",{x:.6f}" for x in made[at]) for at, i in enumerate(test_rows)]
+        save(os.path.join(arguments.output, name + "_estimates.csv"),
+             lambda path: open(path, "w").write("\n".join(lines) + "\n"))
+        print(json.dumps({k: result[k] for k in ("network", "mean_training_light")}, indent=1))
+    save(os.path.join(arguments.output, name + ".json"), lambda path: open(path, "w").write(json.dumps(result, indent=1)))
+    if arguments.export:
+        def write(path):
+            with open(path, "wb") as file:
+                np.savez(file, **net.exported())
+        save(arguments.export, write)
 
 
 def check_import(weights, reference):
@@ -332,16 +423,25 @@ def check_import(weights, reference):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("dataset", nargs="*", help="folders made by `sandglass dataset`")
-    parser.add_argument("--train-only", nargs="*", default=[], help="further such folders that never test (made-up rooms)")
+    parser.add_argument("--views", nargs="*", default=[], help="folders with more views of the same places, to train on")
+    parser.add_argument("--train-only", nargs="*", default=[], help="further folders that never test (made-up rooms)")
     parser.add_argument("--weights", help="densenet121_imagenet_keras_fp32.npz; without it the network starts random")
     parser.add_argument("--check-import", metavar="REFERENCE", help="only compare the imported weights with this file")
     parser.add_argument("-o", "--output", default=".", help="folder for checkpoints, results and cached trunks")
+    parser.add_argument("--cache", help="another folder for the cached trunks")
+    parser.add_argument("--export", metavar="FILE", help="write the trained weights as .npz")
     parser.add_argument("--test-fold", type=int, default=1)
+    parser.add_argument("--all", action="store_true", help="train on every fold and test on none: for the shipped weights")
     parser.add_argument("--layers", choices=("last", "all"), default="last")
     parser.add_argument("--copies", type=int, default=4, help="cached copies of an image, its mirror image among them")
-    parser.add_argument("--epochs", type=int, default=60)
-    parser.add_argument("--batch", type=int, default=128)
-    parser.add_argument("--rate", type=float, default=1e-3)
+    parser.add_argument("--repeat", type=int, default=1, help="how often an epoch shows a captured image")
+    parser.add_argument("--epochs", type=int, default=24)
+    parser.add_argument("--batch", type=int, default=64)
+    parser.add_argument("--rate", type=float, default=1e-3, help="of the heads")
+    parser.add_argument("--extractor-rate", type=float, default=0.3, help="of the DenseNet's layers, over that of the heads")
+    parser.add_argument("--decay", type=float, default=1e-2, help="of the weights, decoupled")
+    parser.add_argument("--dropout", type=float, default=0.3)
+    parser.add_argument("--free-norm", action="store_true", help="batch normalisations follow the data (random start)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--cpu", action="store_true", help="even where there is a GPU")
