@@ -16,8 +16,9 @@ gives what an uninterrupted run gives. Images are 256 x 192 sRGB; directions are
 
 --export FILE writes the float weights as the pretrained file names them (convolutions HWIO; every batch normalisation apart
 as gamma, beta, moving_mean, moving_variance; epsilon 1.001e-5), without fc1000, and behind them
-  latent/kernel (1024, 512), latent/bias, latent_bn/{gamma,beta,moving_mean,moving_variance} (epsilon 1e-5), then ELU,
-  direction/kernel (512, 3), direction/bias (tanh, then normalised), light/..., ambient/... (3), contrast/... (1; sigmoid).
+  latent/kernel (1024, 512), latent/bias, latent/bn/{gamma,beta,moving_mean,moving_variance} (epsilon 1e-5), then ELU,
+  direction/kernel (512, 3), direction/bias (tanh, then normalised), light/..., ambient/... (3), contrast/... (1; sigmoid),
+and data_hash (16 hexadecimal digits of the manifests' SHA-256), seed, training_images.
 """
 import argparse
 import csv
@@ -36,6 +37,7 @@ from PIL import Image
 
 LAYERS, GROWTH, BOTTLENECK, EPSILON = (6, 12, 24, 16), 32, 128, 1.001e-5
 MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+NORM_NAMES = (("weight", "gamma"), ("bias", "beta"), ("running_mean", "moving_mean"), ("running_var", "moving_variance"))
 LOSS_WEIGHTS = {"direction": 5.0, "light": 2.0, "ambient": 2.0, "contrast": 1.0}  # (5.26)
 LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
           "contrast")
@@ -125,13 +127,33 @@ class LightNet(nn.Module):
                 if isinstance(module, nn.BatchNorm2d):
                     module.eval()
 
+    def load(self, path):
+        """The extractor of a pretrained or exported file; of an exported one the heads too. Whether there were heads."""
+        arrays = np.load(path)
+
+        def norm(module, name):
+            for ours, theirs in NORM_NAMES:
+                getattr(module, ours).data = torch.from_numpy(arrays[f"{name}/{theirs}"])
+
+        def conv(module, name):  # HWIO to OIHW
+            module.weight.data = torch.from_numpy(np.ascontiguousarray(arrays[name + "/kernel"].transpose(3, 2, 0, 1)))
+
+        def linear(module, name):
+            module.weight.data = torch.from_numpy(np.ascontiguousarray(arrays[name + "/kernel"].T))
+            module.bias.data = torch.from_numpy(arrays[name + "/bias"])
+
+        self.walk(norm, conv)
+        if "latent/kernel" not in arrays:
+            return False
+        self.walk_heads(norm, linear)
+        return True
+
     def exported(self):
         """The arrays of --export."""
         arrays = {}
 
         def norm(module, name):
-            for ours, theirs in (("weight", "gamma"), ("bias", "beta"), ("running_mean", "moving_mean"),
-                                 ("running_var", "moving_variance")):
+            for ours, theirs in NORM_NAMES:
                 arrays[f"{name}/{theirs}"] = getattr(module, ours).detach().cpu().numpy()
 
         def conv(module, name):
@@ -141,25 +163,13 @@ class LightNet(nn.Module):
             arrays[name + "/kernel"] = np.ascontiguousarray(module.weight.detach().cpu().numpy().T)
             arrays[name + "/bias"] = module.bias.detach().cpu().numpy()
 
-        self.walk(norm, conv)
-        linear(self.latent[0], "latent"), norm(self.latent[1], "latent_bn")
-        for name, head in self.heads.items():
-            linear(head, name)
+        self.walk(norm, conv), self.walk_heads(norm, linear)
         return arrays
 
-    def load_pretrained(self, path):
-        arrays = np.load(path)
-
-        def norm(module, name):
-            module.weight.data = torch.from_numpy(arrays[name + "/gamma"])
-            module.bias.data = torch.from_numpy(arrays[name + "/beta"])
-            module.running_mean.data = torch.from_numpy(arrays[name + "/moving_mean"])
-            module.running_var.data = torch.from_numpy(arrays[name + "/moving_variance"])
-
-        def conv(module, name):  # HWIO to OIHW
-            module.weight.data = torch.from_numpy(np.ascontiguousarray(arrays[name + "/kernel"].transpose(3, 2, 0, 1)))
-
-        self.walk(norm, conv)
+    def walk_heads(self, norm, linear):
+        linear(self.latent[0], "latent"), norm(self.latent[1], "latent/bn")
+        for name, head in self.heads.items():
+            linear(head, name)
 
     def walk(self, norm, conv):
         """Calls norm and conv with every layer of the extractor and its name in the pretrained file."""
@@ -203,6 +213,12 @@ class Rows:
         if not labels:
             fail("the manifests have no lines; make the data set again")
         self.fold, self.kind, self.labels = np.array(self.fold), np.array(self.kind), np.array(labels, np.float32)
+
+    def hash(self):
+        text = hashlib.sha256()
+        for folder in dict.fromkeys(self.folder):
+            text.update(open(os.path.join(folder, "manifest.csv"), "rb").read())
+        return text.hexdigest()[:16]
 
     def split(self, test_fold):
         """Indices to train and to test on; None tests on nothing."""
@@ -263,10 +279,13 @@ def cached_trunks(net, rows, arguments, device):
     """Half-precision trunks of every row and copy, one file for each folder and copy; what is there is not computed
     again. Returns a function from (row, copy) to a trunk."""
     net.eval()
-    files = {}
+    files, trunk = {}, hashlib.sha256()
+    for part in (net.stem, net.stem_norm, net.blocks[:3], net.transitions):
+        for value in part.state_dict().values():
+            trunk.update(value.cpu().contiguous().numpy().tobytes())
     for folder in dict.fromkeys(rows.folder):
         members = [i for i, f in enumerate(rows.folder) if f == folder]
-        key = hashlib.sha256(json.dumps([folder, len(members), arguments.weights, arguments.seed]).encode()).hexdigest()[:16]
+        key = hashlib.sha256(json.dumps([folder, len(members), trunk.hexdigest(), arguments.seed]).encode()).hexdigest()[:16]
         cache = os.path.join(arguments.cache or arguments.output, "trunks_" + key)
         os.makedirs(cache, exist_ok=True)
         for copy in range(arguments.copies):
@@ -323,11 +342,11 @@ def train(arguments):
         fail(f"fold {arguments.test_fold} leaves {len(train_rows)} images to train on and {len(test_rows)} to test on; "
              "choose another fold")
     net = LightNet()
-    if arguments.weights:
-        net.load_pretrained(arguments.weights)
+    has_heads = net.load(arguments.weights) if arguments.weights else False
     captured = train_rows[rows.kind[train_rows] < 2]
     mean_light = rows.labels[captured if len(captured) else train_rows].mean(0)
-    net.start_at(mean_light)
+    if not has_heads:
+        net.start_at(mean_light)
     net.to(device, memory_format=torch.channels_last)
     last = arguments.layers == "last"
     trunk_of = cached_trunks(net, rows, arguments, device) if last else None
@@ -386,7 +405,8 @@ def train(arguments):
         state = {"net": net.state_dict(), "optimiser": optimiser.state_dict(), "halving": halving.state_dict(), "log": log,
                  "epoch": epoch + 1, "sums": sums}
         save(checkpoint, lambda path: torch.save(state, path))
-    net.load_state_dict({k: (sums[k] / max(1, arguments.epochs // 4)).to(v.dtype) for k, v in net.state_dict().items()})
+    if sums is not None:
+        net.load_state_dict({k: (sums[k] / max(1, arguments.epochs // 4)).to(v.dtype) for k, v in net.state_dict().items()})
     result = {"fold": name, "train_images": len(train_rows), "test_images": len(test_rows),
               "test_locations": len({rows.location[i] for i in test_rows}), "log": log, "arguments": vars(arguments)}
     if len(test_rows):
@@ -402,14 +422,16 @@ def train(arguments):
     if arguments.export:
         def write(path):
             with open(path, "wb") as file:
-                np.savez(file, **net.exported())
+                np.savez(file, **net.exported(), data_hash=np.frombuffer(rows.hash().encode(), np.uint8),
+                         seed=np.array([arguments.seed], np.float32),
+                         training_images=np.array([len(train_rows)], np.float32))
         save(arguments.export, write)
 
 
 def check_import(weights, reference):
     """The pretrained network against the reference outputs beside it: exit code 1 if a feature is off by over 1e-3."""
     net = LightNet()
-    net.load_pretrained(weights)
+    net.load(weights)
     net.eval()
     truth, worst = np.load(reference), 0.0
     for name in ("bird", "parrot", "cat"):
@@ -425,7 +447,7 @@ def main():
     parser.add_argument("dataset", nargs="*", help="folders made by `sandglass dataset`")
     parser.add_argument("--views", nargs="*", default=[], help="folders with more views of the same places, to train on")
     parser.add_argument("--train-only", nargs="*", default=[], help="further folders that never test (made-up rooms)")
-    parser.add_argument("--weights", help="densenet121_imagenet_keras_fp32.npz; without it the network starts random")
+    parser.add_argument("--weights", help="densenet121_imagenet_keras_fp32.npz or an exported file; without it, random")
     parser.add_argument("--check-import", metavar="REFERENCE", help="only compare the imported weights with this file")
     parser.add_argument("-o", "--output", default=".", help="folder for checkpoints, results and cached trunks")
     parser.add_argument("--cache", help="another folder for the cached trunks")
@@ -435,7 +457,7 @@ def main():
     parser.add_argument("--layers", choices=("last", "all"), default="last")
     parser.add_argument("--copies", type=int, default=4, help="cached copies of an image, its mirror image among them")
     parser.add_argument("--repeat", type=int, default=1, help="how often an epoch shows a captured image")
-    parser.add_argument("--epochs", type=int, default=24)
+    parser.add_argument("--epochs", type=int, default=24, help="0 only tests the weights")
     parser.add_argument("--batch", type=int, default=64)
     parser.add_argument("--rate", type=float, default=1e-3, help="of the heads")
     parser.add_argument("--extractor-rate", type=float, default=0.3, help="of the DenseNet's layers, over that of the heads")
@@ -451,7 +473,7 @@ def main():
         if not arguments.weights:
             fail("--check-import compares weights; name them with --weights")
         return check_import(arguments.weights, arguments.check_import)
-    if not arguments.dataset:
+    if not arguments.dataset and not (arguments.all and arguments.train_only):
         fail("no data set is named; make one with `sandglass dataset`")
     os.makedirs(arguments.output, exist_ok=True)
     train(arguments)
