@@ -129,7 +129,12 @@ class LightNet(nn.Module):
 
     def load(self, path):
         """The extractor of a pretrained or exported file; of an exported one the heads too. Whether there were heads."""
-        arrays = np.load(path)
+        try:
+            arrays = np.load(path)
+        except (OSError, ValueError):
+            fail(f"'{path}' is no file of weights; name densenet121_imagenet_keras_fp32.npz or what --export wrote")
+        if "conv1/conv/kernel" not in arrays:
+            fail(f"'{path}' has no array conv1/conv/kernel; name densenet121_imagenet_keras_fp32.npz or what --export wrote")
 
         def norm(module, name):
             for ours, theirs in NORM_NAMES:
