@@ -6,7 +6,7 @@ DenseNet-121 from the pretrained weights, a layer of 512 with batch normalisatio
 
 Folds follow locations: a location of the test fold never trains, and rows of fold -1 only ever train. Two ways to train:
   --layers last   everything up to the third transition is computed once, for each image, its mirror image and a few
-                  augmented copies of both, and kept on disk; the last dense block and the heads learn. For a CPU.
+                  augmented copies of both, and kept on disk; the last layers of the last dense block (--learn) and the heads learn. For a CPU.
   --layers all    every layer learns, with fresh augmentation of every image in every epoch. For a GPU.
 Statistics of the pretrained batch normalisations stay as they are (--free-norm: they follow the data), their factors
 learn. What is kept at the end is the mean of the weights over the last quarter of the epochs.
@@ -41,6 +41,8 @@ NORM_NAMES = (("weight", "gamma"), ("bias", "beta"), ("running_mean", "moving_me
 LOSS_WEIGHTS = {"direction": 5.0, "light": 2.0, "ambient": 2.0, "contrast": 1.0}  # (5.26)
 LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
           "contrast")
+RIDGES = (3.0,) * 6 + (0.1,) * 3 + (3.0,)  # of the standardised features; weak for the ambient colour, which images show
+COPIES_OF_START, SHIFT_OF_START, EXTRA_WEIGHT = 16, 3.0, 0.3
 WIDTH, HEIGHT = 256, 192
 
 
@@ -85,6 +87,7 @@ class LightNet(nn.Module):
         self.last = nn.BatchNorm2d(channels, eps=EPSILON)
         self.latent = nn.Sequential(nn.Linear(channels, 512), nn.BatchNorm1d(512), nn.ELU())
         self.dropout = 0.0  # of the 512, in training
+        self.learned = LAYERS[3]  # layers of the last block behind the trunk that is kept on disk
         self.heads = nn.ModuleDict({k: nn.Linear(512, n) for k, n in
                                     (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))})
 
@@ -97,24 +100,54 @@ class LightNet(nn.Module):
             x = self.transitions[i](self.blocks[i](x))
         return x
 
-    def features(self, trunk):
-        return F.relu(self.last(self.blocks[3](trunk))).mean((2, 3))
+    def prefix(self, trunk):
+        """The layers of the last block that do not learn."""
+        return self.blocks[3][:LAYERS[3] - self.learned](trunk)
 
-    def estimate(self, trunk):
-        latent = F.dropout(self.latent(self.features(trunk)), self.dropout, self.training)
+    def features(self, prefix):
+        return F.relu(self.last(self.blocks[3][LAYERS[3] - self.learned:](prefix))).mean((2, 3))
+
+    def estimate(self, prefix):
+        latent = F.dropout(self.latent(self.features(prefix)), self.dropout, self.training)
         out = {k: head(latent) for k, head in self.heads.items()}
         return {"direction": F.normalize(torch.tanh(out["direction"]), dim=1), "light": torch.sigmoid(out["light"]),
                 "ambient": torch.sigmoid(out["ambient"]), "contrast": torch.sigmoid(out["contrast"])}
 
-    def start_at(self, mean):
-        """Heads that answer the mean light whatever they see: training starts from that baseline."""
+    def start_at(self, features, labels, weights):
+        """Starts the heads from ridge regressions of the labels on features (float64, by rows, weighted): with few places,
+        a start that gradient descent does not find. Of the latent units the first 10 * COPIES_OF_START carry the solutions, each
+        COPIES_OF_START times because of the dropout, shifted to where ELU is the identity; the others begin without effect."""
+        targets = labels.copy()
+        targets[:, :3] *= 0.5  # where tanh is almost the identity; the length does not matter
+        targets[:, 3:] = np.log(targets[:, 3:].clip(0.02, 0.98) / (1 - targets[:, 3:].clip(0.02, 0.98)))
+        weights = (weights / weights.sum())[:, None]
+        mean, answer = (weights * features).sum(0), (weights * targets).sum(0)
+        centred = features - mean
+        deviation = np.sqrt((weights * centred ** 2).sum(0)) + 1e-6
+        centred = centred / deviation
+        squares, products = (weights * centred).T @ centred, (weights * centred).T @ (targets - answer)
+        columns = [np.linalg.solve(squares + RIDGES[j] * np.eye(len(squares)), products[:, j]) for j in range(10)]
+        slopes = np.stack(columns, 1)
+        spread = np.sqrt((weights * (centred @ slopes) ** 2).sum(0)) + 1e-9
+        slopes = slopes / deviation[:, None]
+        linear, norm = self.latent[0], self.latent[1]
+        to = torch.arange(10).repeat_interleave(COPIES_OF_START)
         with torch.no_grad():
-            direction = torch.atanh(torch.from_numpy(mean[:3]).clamp(-0.9, 0.9))
-            colours = torch.logit(torch.from_numpy(mean[3:]).clamp(0.02, 0.98))
-            parts = {"direction": direction, "light": colours[:3], "ambient": colours[3:6], "contrast": colours[6:]}
-            for name, head in self.heads.items():
+            for head in self.heads.values():
                 head.weight.zero_()
-                head.bias.copy_(parts[name])
+            linear.bias.zero_()
+            linear.weight[:len(to)] = torch.from_numpy(slopes.T.astype(np.float32)).to(linear.weight.device)[to]
+            outputs = torch.from_numpy(features.astype(np.float32)).to(linear.weight.device) @ linear.weight.T
+            shares = torch.from_numpy(weights.astype(np.float32)).to(outputs.device)
+            norm.running_mean.copy_((shares * outputs).sum(0))
+            norm.running_var.copy_((shares * (outputs - norm.running_mean) ** 2).sum(0))
+            norm.bias[:len(to)] = SHIFT_OF_START
+            j = 0
+            for head in self.heads.values():
+                for row in range(len(head.bias)):
+                    head.weight[row, j * COPIES_OF_START:(j + 1) * COPIES_OF_START] = float(spread[j]) / COPIES_OF_START
+                    head.bias[row] = float(answer[j] - SHIFT_OF_START * spread[j])
+                    j += 1
 
     def heads_of(self):
         return nn.ModuleList([self.latent, self.heads])
@@ -240,8 +273,14 @@ def read_image(path):
     return np.asarray(image)
 
 
+def gain_of(random):
+    """Exposure and white balance: a factor of each linear channel."""
+    return (2.0 ** random.normal(0.0, 0.25) * np.exp(random.normal(0.0, 0.06, 3))).astype(np.float32)
+
+
 def augmented(rgb, random):
-    """Exposure, white balance, noise, JPEG, field of view with the border filled; the light's direction stays."""
+    """Exposure, white balance, noise, JPEG, field of view with the border filled."""
+    gain = gain_of(random)
     x = rgb.astype(np.float32) / 255.0
     if random.random() < 0.5:  # a narrower camera, re-projected: what it does not see is the edge's colour
         scale = random.uniform(0.6, 1.0)
@@ -249,8 +288,7 @@ def augmented(rgb, random):
         v = np.clip(np.rint(np.clip((np.arange(HEIGHT) - 95.5), -95.5 * scale, 95.5 * scale) + 95.5), 0, HEIGHT - 1)
         x = x[v.astype(int)][:, u.astype(int)]
     linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
-    linear = linear * 2.0 ** random.normal(0.0, 0.25) * np.exp(random.normal(0.0, 0.06, 3)).astype(np.float32)
-    linear = np.clip(linear + random.normal(0.0, 1.0, x.shape) * random.uniform(0.0, 0.01), 0.0, 1.0)
+    linear = np.clip(gain * linear + random.normal(0.0, 1.0, x.shape) * random.uniform(0.0, 0.01), 0.0, 1.0)
     x = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     x = np.rint(255.0 * x).astype(np.uint8)
     if random.random() < 0.5:
@@ -260,19 +298,26 @@ def augmented(rgb, random):
     return x
 
 
-def mirrored(rgb, label):
-    label = label.copy()
-    label[0] = -label[0]
-    return np.ascontiguousarray(rgb[:, ::-1]), label
-
-
 def prepared(rows, index, copy, seed):
     """Copy 0 is the image, copy 1 its mirror image, further ones augmented, every other mirrored. A function of its
     arguments alone."""
-    rgb, label = read_image(rows.image[index]), rows.labels[index]
+    rgb = read_image(rows.image[index])
     if copy >= 2:
         rgb = augmented(rgb, np.random.default_rng([seed, rows.number[index], copy]))
-    return mirrored(rgb, label) if copy % 2 == 1 else (rgb, label)
+    return np.ascontiguousarray(rgb[:, ::-1]) if copy % 2 == 1 else rgb
+
+
+def label_of(rows, index, copy, seed):
+    """The labels of that copy: a mirror image has the mirrored direction, and gains colour the light like the image."""
+    label = rows.labels[index].copy()
+    if copy >= 2:
+        gain = gain_of(np.random.default_rng([seed, rows.number[index], copy]))
+        for at in (3, 6):  # as in the data set: hue kept, no channel above 1
+            colour = label[at:at + 3] * gain
+            label[at:at + 3] = colour / max(1.0, float(colour.max()))
+    if copy % 2 == 1:
+        label[0] = -label[0]
+    return label
 
 
 def to_tensor(rgb, device):
@@ -298,7 +343,7 @@ def cached_trunks(net, rows, arguments, device):
             if not os.path.exists(path):
                 parts = []
                 for at in range(0, len(members), 16):
-                    batch = [prepared(rows, i, copy, arguments.seed)[0] for i in members[at:at + 16]]
+                    batch = [prepared(rows, i, copy, arguments.seed) for i in members[at:at + 16]]
                     with torch.no_grad():
                         parts.append(net.trunk(to_tensor(batch, device)).cpu().numpy().astype(np.float16))
                 with open(path + ".unfinished", "wb") as file:
@@ -306,7 +351,14 @@ def cached_trunks(net, rows, arguments, device):
                 os.replace(path + ".unfinished", path)
                 print(f"{folder}: copy {copy + 1} of {arguments.copies}", flush=True)
             files[folder, copy] = np.load(path, mmap_mode="r")
-    return lambda i, c: files[rows.folder[i], c][rows.number[i]]
+    trunks = {}
+    with torch.no_grad():
+        for key, file in files.items():
+            parts = [net.prefix(torch.from_numpy(file[at:at + 64].astype(np.float32)).to(device)
+                                .contiguous(memory_format=torch.channels_last)).cpu().numpy().astype(np.float16)
+                     for at in range(0, len(file), 64)] if net.learned < LAYERS[3] else [file]
+            trunks[key] = parts[0] if len(parts) == 1 else np.concatenate(parts)
+    return lambda i, c: trunks[rows.folder[i], c][rows.number[i]]
 
 
 def loss_of(estimate, labels):
@@ -326,11 +378,33 @@ def measures(estimate, truth):
             "contrast": float(np.abs(estimate[:, 9] - truth[:, 9]).mean())}
 
 
+def start_heads(arguments, rows, train_rows, net, trunk_of, device):
+    """From the features of every copy of the images to train on: captured ones count 1 together, others EXTRA_WEIGHT."""
+    last = arguments.layers == "last"
+    pairs = [(i, c) for c in range(arguments.copies if last else 2) for i in train_rows]
+    net.eval()
+    parts = []
+    with torch.no_grad():
+        for at in range(0, len(pairs), 64):
+            batch = pairs[at:at + 64]
+            if last:
+                inputs = torch.from_numpy(np.stack([trunk_of(i, c) for i, c in batch]).astype(np.float32)).to(device)
+                inputs = inputs.contiguous(memory_format=torch.channels_last)
+            else:
+                inputs = net.trunk(to_tensor([prepared(rows, i, c, arguments.seed) for i, c in batch], device))
+            parts.append(net.features(inputs).cpu().numpy())
+    labels = np.stack([label_of(rows, i, c, arguments.seed) for i, c in pairs]).astype(np.float64)
+    extra = rows.kind[[i for i, _ in pairs]] == 2
+    weights = np.where(extra, EXTRA_WEIGHT / max(1, extra.sum()), 1.0 / max(1, (~extra).sum()))
+    net.start_at(np.concatenate(parts).astype(np.float64), labels, weights)
+
+
 def batches_of(rows, train_rows, epoch, arguments):
-    """(row, copy) pairs of one epoch by batches: captured places `repeat` times, all else once."""
+    """(row, copy) pairs of one epoch by batches: captured places `repeat` times, and a share of all else."""
     random = np.random.default_rng([arguments.seed, epoch])  # of the epoch: a resumed run draws what an unbroken one draws
-    order = np.concatenate([train_rows] + [train_rows[rows.kind[train_rows] < 2]] * (arguments.repeat - 1))
-    order = random.permutation(order)
+    extra = rows.kind[train_rows] == 2
+    drawn = random.permutation(train_rows[extra])[:round(arguments.share * extra.sum())]
+    order = random.permutation(np.concatenate([drawn] + [train_rows[~extra]] * arguments.repeat))
     first, beyond = (0, arguments.copies) if arguments.layers == "last" else (2, 1 << 20)
     pairs = list(zip(order, random.integers(first, beyond, len(order))))
     batches = [pairs[at:at + arguments.batch] for at in range(0, len(pairs), arguments.batch)]
@@ -338,32 +412,40 @@ def batches_of(rows, train_rows, epoch, arguments):
 
 
 def train(arguments):
-    torch.manual_seed(arguments.seed)
     torch.set_num_threads(arguments.threads)
     device = torch.device("cuda" if torch.cuda.is_available() and not arguments.cpu else "cpu")
     rows = Rows(arguments.dataset, arguments.views, arguments.train_only)
-    train_rows, test_rows = rows.split(None if arguments.all else arguments.test_fold)
-    if len(train_rows) == 0 or (len(test_rows) == 0 and not arguments.all):
-        fail(f"fold {arguments.test_fold} leaves {len(train_rows)} images to train on and {len(test_rows)} to test on; "
-             "choose another fold")
+    torch.manual_seed(arguments.seed)
     net = LightNet()
+    net.learned = arguments.learn if arguments.layers == "last" else LAYERS[3]
     has_heads = net.load(arguments.weights) if arguments.weights else False
+    net.to(device, memory_format=torch.channels_last)
+    trunk_of = cached_trunks(net, rows, arguments, device) if arguments.layers == "last" else None
+    start = {k: v.clone() for k, v in net.state_dict().items()}
+    for fold in [None] if arguments.all else arguments.test_fold:
+        net.load_state_dict(start)
+        train_fold(arguments, fold, rows, net, has_heads, trunk_of, device)
+
+
+def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
+    torch.manual_seed(arguments.seed)
+    train_rows, test_rows = rows.split(fold)
+    if len(train_rows) == 0 or (len(test_rows) == 0 and not arguments.all):
+        fail(f"fold {fold} leaves {len(train_rows)} images to train on and {len(test_rows)} to test on; choose another fold")
     captured = train_rows[rows.kind[train_rows] < 2]
     mean_light = rows.labels[captured if len(captured) else train_rows].mean(0)
     if not has_heads:
-        net.start_at(mean_light)
-    net.to(device, memory_format=torch.channels_last)
+        start_heads(arguments, rows, train_rows, net, trunk_of, device)
     last = arguments.layers == "last"
-    trunk_of = cached_trunks(net, rows, arguments, device) if last else None
     net.dropout = arguments.dropout
     heads = {id(p) for p in net.heads_of().parameters()}
-    extractor = list(net.blocks[3].parameters()) + list(net.last.parameters()) if last else \
+    extractor = list(net.blocks[3][LAYERS[3] - net.learned:].parameters()) + list(net.last.parameters()) if last else \
         [p for p in net.parameters() if id(p) not in heads]
     optimiser = torch.optim.AdamW([{"params": net.heads_of().parameters(), "lr": arguments.rate},
                                    {"params": extractor, "lr": arguments.rate * arguments.extractor_rate}],
                                   weight_decay=arguments.decay)
     halving = torch.optim.lr_scheduler.StepLR(optimiser, max(1, arguments.epochs // 4), 0.5)  # 15 of the source's 60
-    name = "all" if arguments.all else f"fold_{arguments.test_fold}"
+    name = "all" if fold is None else f"fold_{fold}"
     checkpoint = os.path.join(arguments.output, name + ".checkpoint")
     log, first, sums = [], 0, None
     if arguments.resume and os.path.exists(checkpoint):
@@ -374,12 +456,12 @@ def train(arguments):
 
     def inputs_of(items, epoch):
         """Tensors and labels of (row, copy) pairs."""
-        labels = np.stack([np.where(np.arange(10) == 0, -1 if c % 2 else 1, 1) * rows.labels[i] for i, c in items])
-        labels = torch.from_numpy(labels.astype(np.float32)).to(device)
+        seed = arguments.seed if last else arguments.seed + epoch
+        labels = torch.from_numpy(np.stack([label_of(rows, i, c, seed) for i, c in items])).to(device)
         if last:
             trunks = torch.from_numpy(np.stack([trunk_of(i, c) for i, c in items]).astype(np.float32)).to(device)
             return trunks.contiguous(memory_format=torch.channels_last), labels
-        return net.trunk(to_tensor([prepared(rows, i, c, arguments.seed + epoch)[0] for i, c in items], device)), labels
+        return net.trunk(to_tensor([prepared(rows, i, c, seed) for i, c in items], device)), labels
 
     def estimates():
         net.eval()
@@ -390,6 +472,9 @@ def train(arguments):
                 parts.append(torch.cat([estimate[k] for k in LOSS_WEIGHTS], 1).cpu().numpy())
         return np.concatenate(parts)
 
+    if first == 0 and len(test_rows):
+        log.append({"epoch": 0, **measures(estimates(), rows.labels[test_rows])})
+        print(json.dumps(log[-1]), flush=True)
     for epoch in range(first, arguments.epochs):
         torch.manual_seed(arguments.seed * 1000 + epoch)
         net.train_with(not arguments.free_norm)
@@ -422,7 +507,8 @@ def train(arguments):
             os.path.basename(rows.image[i]) + "".join(f",{x:.6f}" for x in made[at]) for at, i in enumerate(test_rows)]
         save(os.path.join(arguments.output, name + "_estimates.csv"),
              lambda path: open(path, "w").write("\n".join(lines) + "\n"))
-        print(json.dumps({k: result[k] for k in ("network", "mean_training_light")}, indent=1))
+        for k in ("network", "mean_training_light"):
+            print(k, json.dumps(result[k]), flush=True)
     save(os.path.join(arguments.output, name + ".json"), lambda path: open(path, "w").write(json.dumps(result, indent=1)))
     if arguments.export:
         def write(path):
@@ -441,7 +527,7 @@ def check_import(weights, reference):
     truth, worst = np.load(reference), 0.0
     for name in ("bird", "parrot", "cat"):
         with torch.no_grad():
-            features = net.features(net.trunk(to_tensor([truth[name + "/rgb_u8"]], "cpu")))[0].numpy()
+            features = net.features(net.prefix(net.trunk(to_tensor([truth[name + "/rgb_u8"]], "cpu"))))[0].numpy()
         worst = max(worst, float(np.abs(features - truth[name + "/feat1024"]).max()))
     print(f"greatest difference of a feature {worst:.2g}")
     return 0 if worst <= 1e-3 else 1
@@ -457,11 +543,14 @@ def main():
     parser.add_argument("-o", "--output", default=".", help="folder for checkpoints, results and cached trunks")
     parser.add_argument("--cache", help="another folder for the cached trunks")
     parser.add_argument("--export", metavar="FILE", help="write the trained weights as .npz")
-    parser.add_argument("--test-fold", type=int, default=1)
+    parser.add_argument("--test-fold", type=int, nargs="+", default=[1], help="one run for each")
     parser.add_argument("--all", action="store_true", help="train on every fold and test on none: for the shipped weights")
     parser.add_argument("--layers", choices=("last", "all"), default="last")
+    parser.add_argument("--learn", type=int, choices=range(17), default=6, metavar="N",
+                        help="how many of the last block's 16 layers learn with --layers last")
     parser.add_argument("--copies", type=int, default=4, help="cached copies of an image, its mirror image among them")
     parser.add_argument("--repeat", type=int, default=1, help="how often an epoch shows a captured image")
+    parser.add_argument("--share", type=float, default=1.0, help="of the --train-only images that an epoch shows")
     parser.add_argument("--epochs", type=int, default=24, help="0 only tests the weights")
     parser.add_argument("--batch", type=int, default=64)
     parser.add_argument("--rate", type=float, default=1e-3, help="of the heads")

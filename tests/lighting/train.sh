@@ -71,9 +71,15 @@ for fold in (1, 2, 3):
     assert {rows.location[i] for i in tested} == {"abc"[fold - 1]} and len(tested) == 8
     assert not {rows.location[i] for i in trained} & {rows.location[i] for i in tested} and len(trained) == 32
 assert len(rows.split(None)[0]) == 48 and len(rows.split(None)[1]) == 0
-label = np.array([0.6, -0.8, 0, .1, .2, .3, .4, .5, .6, .7], np.float32)
-image, mirror = train.mirrored(np.arange(24, dtype=np.uint8).reshape(2, 4, 3), label)
-assert mirror[0] == -label[0] and np.array_equal(mirror[1:], label[1:]) and image[0, 0, 0] == 9
+image, mirror = (train.prepared(rows, 5, copy, 1) for copy in (0, 1))
+assert np.array_equal(mirror, image[:, ::-1]) and not np.array_equal(mirror, image)
+label = rows.labels[5]
+mirrored = train.label_of(rows, 5, 1, 1)
+assert mirrored[0] == -label[0] != 0 and np.array_equal(mirrored[1:], label[1:])
+# The mean of an augmented image, before its noise and JPEG, follows the same gain as its ambient colour.
+bright = train.label_of(rows, 5, 2, 1)[6:9] / label[6:9]
+gain = train.gain_of(np.random.default_rng([1, 5, 2]))
+assert np.allclose(bright, gain, rtol=1e-5) and np.array_equal(train.label_of(rows, 5, 2, 1)[:3], label[:3])
 print("resumed as unbroken:", whole["log"][-1])
 PY
 # The table of estimates goes into the evaluation; made-up rooms of three places prove nothing, so any verdict will do.
