@@ -41,7 +41,7 @@ NORM_NAMES = (("weight", "gamma"), ("bias", "beta"), ("running_mean", "moving_me
 LOSS_WEIGHTS = {"direction": 5.0, "light": 2.0, "ambient": 2.0, "contrast": 1.0}  # (5.26)
 LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
           "contrast")
-RIDGES = (3.0,) * 6 + (0.1,) * 3 + (3.0,)  # of the standardised features; weak for the ambient colour, which images show
+RIDGES = (2.0,) * 3 + (4.0,) * 3 + (0.1,) * 3 + (2.0,)  # of the standardised features; weak for the ambient colour, which images show
 COPIES_OF_START, SHIFT_OF_START, EXTRA_WEIGHT = 16, 3.0, 0.3
 WIDTH, HEIGHT = 256, 192
 
@@ -427,6 +427,53 @@ def train(arguments):
         train_fold(arguments, fold, rows, net, has_heads, trunk_of, device)
 
 
+def layout_of(rgb):
+    """Logarithms of the mean linear colours of 4 x 3 parts of an image."""
+    x = rgb.astype(np.float32) / 255.0
+    linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+    parts = linear.reshape(3, HEIGHT // 3, 4, WIDTH // 4, 3).mean((1, 3))
+    return np.log(parts + 0.02).reshape(-1)
+
+
+def train_layout(arguments):
+    """Pooling forgets where things are, and light labels of few places do not teach it; images do: the last layers learn
+    to tell, from the pooled features alone, the colours of 4 x 3 parts of the image. No labels are used."""
+    torch.set_num_threads(arguments.threads), torch.manual_seed(arguments.seed)
+    device = torch.device("cuda" if torch.cuda.is_available() and not arguments.cpu else "cpu")
+    rows = Rows((), (), arguments.train_only)
+    net = LightNet()
+    net.learned = arguments.learn
+    net.load(arguments.weights)
+    net.to(device, memory_format=torch.channels_last)
+    trunk_of = cached_trunks(net, rows, arguments, device)
+    pairs = [(i, c) for i in range(len(rows.image)) for c in range(arguments.copies)]
+    layouts = torch.from_numpy(np.stack([layout_of(prepared(rows, i, c, arguments.seed)) for i, c in pairs])).to(device)
+    layouts = (layouts - layouts.mean(0)) / layouts.std(0)
+    read = nn.Sequential(nn.BatchNorm1d(1024, affine=False), nn.Linear(1024, layouts.shape[1])).to(device)
+    extractor = list(net.blocks[3][LAYERS[3] - net.learned:].parameters()) + list(net.last.parameters())
+    optimiser = torch.optim.AdamW([{"params": read.parameters(), "lr": arguments.rate},
+                                   {"params": extractor, "lr": arguments.rate * arguments.extractor_rate}],
+                                  weight_decay=arguments.decay)
+    halving = torch.optim.lr_scheduler.StepLR(optimiser, max(1, arguments.epochs // 4), 0.5)
+    for epoch in range(arguments.epochs):
+        random = np.random.default_rng([arguments.seed, epoch])
+        net.train_with(True), read.train()
+        order, total = random.permutation(len(pairs)), 0.0
+        for at in range(0, len(order) - 1, arguments.batch):
+            chosen = order[at:at + arguments.batch]
+            inputs = torch.from_numpy(np.stack([trunk_of(*pairs[i]) for i in chosen]).astype(np.float32)).to(device)
+            loss = F.mse_loss(read(net.features(inputs.contiguous(memory_format=torch.channels_last))), layouts[chosen])
+            optimiser.zero_grad(), loss.backward(), optimiser.step()
+            total += float(loss.detach()) * len(chosen)
+        halving.step()
+        print(json.dumps({"epoch": epoch + 1, "unexplained": total / len(order)}), flush=True)
+        arrays = {k: v for k, v in net.exported().items() if k.split("/")[0] not in ("latent", *LOSS_WEIGHTS)}
+        def write(path):
+            with open(path, "wb") as file:
+                np.savez(file, **arrays)
+        save(arguments.export, write)
+
+
 def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
     torch.manual_seed(arguments.seed)
     train_rows, test_rows = rows.split(fold)
@@ -543,6 +590,7 @@ def main():
     parser.add_argument("-o", "--output", default=".", help="folder for checkpoints, results and cached trunks")
     parser.add_argument("--cache", help="another folder for the cached trunks")
     parser.add_argument("--export", metavar="FILE", help="write the trained weights as .npz")
+    parser.add_argument("--layout", action="store_true", help="only teach the last layers where things are in images")
     parser.add_argument("--test-fold", type=int, nargs="+", default=[1], help="one run for each")
     parser.add_argument("--all", action="store_true", help="train on every fold and test on none: for the shipped weights")
     parser.add_argument("--layers", choices=("last", "all"), default="last")
@@ -567,9 +615,14 @@ def main():
         if not arguments.weights:
             fail("--check-import compares weights; name them with --weights")
         return check_import(arguments.weights, arguments.check_import)
-    if not arguments.dataset and not (arguments.all and arguments.train_only):
+    if not arguments.dataset and not ((arguments.all or arguments.layout) and arguments.train_only):
         fail("no data set is named; make one with `sandglass dataset`")
     os.makedirs(arguments.output, exist_ok=True)
+    if arguments.layout:
+        if not (arguments.train_only and arguments.export and arguments.weights):
+            fail("--layout learns from the images of --train-only and --weights for --export; name all three")
+        train_layout(arguments)
+        return 0
     train(arguments)
     return 0
 
