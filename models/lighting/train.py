@@ -42,7 +42,7 @@ LOSS_WEIGHTS = {"direction": 5.0, "light": 2.0, "ambient": 2.0, "contrast": 1.0}
 LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
           "contrast")
 RIDGES = (2.0,) * 3 + (4.0,) * 3 + (0.1,) * 3 + (2.0,)  # of the standardised features; weak for the ambient colour, which images show
-COPIES_OF_START, SHIFT_OF_START, EXTRA_WEIGHT = 16, 3.0, 0.3
+COPIES_OF_START, SHIFT_OF_START, EXTRA_WEIGHT, LEAST_DEVIATION = 16, 3.0, 0.5, 0.25
 WIDTH, HEIGHT = 256, 192
 
 
@@ -123,7 +123,8 @@ class LightNet(nn.Module):
         weights = (weights / weights.sum())[:, None]
         mean, answer = (weights * features).sum(0), (weights * targets).sum(0)
         centred = features - mean
-        deviation = np.sqrt((weights * centred ** 2).sum(0)) + 1e-6
+        deviation = np.sqrt((weights * centred ** 2).sum(0))
+        deviation = np.maximum(deviation, LEAST_DEVIATION * np.median(deviation))  # bytes do not keep what hardly varies
         centred = centred / deviation
         squares, products = (weights * centred).T @ centred, (weights * centred).T @ (targets - answer)
         columns = [np.linalg.solve(squares + RIDGES[j] * np.eye(len(squares)), products[:, j]) for j in range(10)]
@@ -235,6 +236,8 @@ class Rows:
     """The lines of the manifests, and their labels as arrays. Folders of `tested` are tested on, by fold; those of
     `views` (more views of the same places) and `extra` (made-up rooms, outdoors) only train."""
 
+    excluded = ()  # places that never train
+
     def __init__(self, tested, views=(), extra=()):
         self.image, self.location, self.fold, self.folder, self.number, self.kind, labels = [], [], [], [], [], [], []
         for kind, folders in enumerate((tested, views, extra)):
@@ -262,6 +265,7 @@ class Rows:
         """Indices to train and to test on; None tests on nothing."""
         test = (self.fold == test_fold) & (self.kind == 0) if test_fold is not None else np.zeros(len(self.fold), bool)
         held_out = {self.location[i] for i in np.flatnonzero(test)}
+        held_out.update(self.excluded)
         train = ~test & np.array([l not in held_out for l in self.location])
         return np.flatnonzero(train), np.flatnonzero(test)
 
@@ -415,6 +419,7 @@ def train(arguments):
     torch.set_num_threads(arguments.threads)
     device = torch.device("cuda" if torch.cuda.is_available() and not arguments.cpu else "cpu")
     rows = Rows(arguments.dataset, arguments.views, arguments.train_only)
+    rows.excluded = arguments.exclude
     torch.manual_seed(arguments.seed)
     net = LightNet()
     net.learned = arguments.learn if arguments.layers == "last" else LAYERS[3]
@@ -585,6 +590,7 @@ def main():
     parser.add_argument("dataset", nargs="*", help="folders made by `sandglass dataset`")
     parser.add_argument("--views", nargs="*", default=[], help="folders with more views of the same places, to train on")
     parser.add_argument("--train-only", nargs="*", default=[], help="further folders that never test (made-up rooms)")
+    parser.add_argument("--exclude", nargs="*", default=[], help="places that never train (their licence forbids it)")
     parser.add_argument("--weights", help="densenet121_imagenet_keras_fp32.npz or an exported file; without it, random")
     parser.add_argument("--check-import", metavar="REFERENCE", help="only compare the imported weights with this file")
     parser.add_argument("-o", "--output", default=".", help="folder for checkpoints, results and cached trunks")
