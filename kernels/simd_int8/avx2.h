@@ -14,6 +14,8 @@ constexpr bool k_signed = false;
 constexpr uint32_t k_sum_lanes = 8;
 constexpr uint32_t k_tile_texels = 4;  // 8 sums, 4 halves of weights, 2 of activations, 1 product: 15 of 16 registers
 constexpr uint32_t k_tile_sums = 2;
+constexpr uint32_t k_row_texels = 4;
+constexpr uint32_t k_bytes = 32;
 
 struct Sum {
   __m256i v;
@@ -73,6 +75,26 @@ SANDGLASS_INT8_INLINE void first_layer(const int16_t* columns, const int16_t* ro
     _mm256_store_si256(reinterpret_cast<__m256i*>(out + c),
                        _mm256_permute4x64_epi64(_mm256_packus_epi16(half[0], half[1]), 0xD8));
   }
+}
+
+struct Bytes {
+  __m256i v;
+};
+SANDGLASS_INT8_INLINE Bytes load_bytes(const uint8_t* p) {
+  return {_mm256_loadu_si256(reinterpret_cast<const __m256i*>(p))};
+}
+SANDGLASS_INT8_INLINE void store_bytes(uint8_t* p, Bytes b) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), b.v); }
+SANDGLASS_INT8_INLINE Bytes greatest(Bytes a, Bytes b) { return {_mm256_max_epu8(a.v, b.v)}; }
+SANDGLASS_INT8_INLINE Bytes least(Bytes a, Bytes b) { return {_mm256_min_epu8(a.v, b.v)}; }
+// Halves of 16 bits that packing puts back in order.
+SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
+  const __m256i zero = _mm256_setzero_si256();
+  __m256i low = _mm256_set1_epi16(2), high = low;
+  for (const Bytes& b : four) {
+    low = _mm256_add_epi16(low, _mm256_unpacklo_epi8(b.v, zero));
+    high = _mm256_add_epi16(high, _mm256_unpackhi_epi8(b.v, zero));
+  }
+  return {_mm256_packus_epi16(_mm256_srli_epi16(low, 2), _mm256_srli_epi16(high, 2))};
 }
 
 SANDGLASS_INT8_INLINE int32_t dot_row(const uint8_t* a, const int8_t* w, uint32_t width) {

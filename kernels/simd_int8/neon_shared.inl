@@ -3,6 +3,8 @@
 
 constexpr bool k_signed = true;
 constexpr uint32_t k_sum_lanes = 4;
+constexpr uint32_t k_row_texels = 4;
+constexpr uint32_t k_bytes = 16;
 
 struct Sum {
   int32x4_t v;
@@ -36,6 +38,20 @@ SANDGLASS_INT8_INLINE void first_layer(const int16_t* columns, const int16_t* ro
     const int16x8_t high = vshlq_s16(vqaddq_s16(vld1q_s16(columns + c + 8), vld1q_s16(rows + c + 8)), by);
     vst1q_u8(out + c, vcombine_u8(vqmovun_s16(low), vqmovun_s16(high)));
   }
+}
+
+struct Bytes {
+  uint8x16_t v;
+};
+SANDGLASS_INT8_INLINE Bytes load_bytes(const uint8_t* p) { return {vld1q_u8(p)}; }
+SANDGLASS_INT8_INLINE void store_bytes(uint8_t* p, Bytes b) { vst1q_u8(p, b.v); }
+SANDGLASS_INT8_INLINE Bytes greatest(Bytes a, Bytes b) { return {vmaxq_u8(a.v, b.v)}; }
+SANDGLASS_INT8_INLINE Bytes least(Bytes a, Bytes b) { return {vminq_u8(a.v, b.v)}; }
+SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
+  uint16x8_t low = vaddl_u8(vget_low_u8(four[0].v), vget_low_u8(four[1].v));
+  uint16x8_t high = vaddl_high_u8(four[0].v, four[1].v);
+  for (uint32_t i = 2; i < 4; ++i) low = vaddw_u8(low, vget_low_u8(four[i].v)), high = vaddw_high_u8(high, four[i].v);
+  return {vcombine_u8(vrshrn_n_u16(low, 2), vrshrn_n_u16(high, 2))};
 }
 
 SANDGLASS_INT8_INLINE int32_t dot_row(const uint8_t* a, const int8_t* w, uint32_t width) {

@@ -12,6 +12,9 @@
 //   first_layer(columns, rows, width, shift, out) and dot_row(activations, weights, width) as in int8.h.
 //   k_tile_texels * k_tile_sums Sums fit the registers beside what they need; k_tile_texels divides k_texel_block and
 //   k_sum_lanes * k_tile_sums divides k_channel_group, or is a multiple of it.
+//   k_row_texels texels of one row, likewise a tile, divide k_tile_slack.
+//   Bytes holds k_bytes unsigned bytes, at any address: load_bytes, store_bytes, greatest, least, and average of four,
+//   (a + b + c + d + 2) / 4 rounded down.
 //   k_signed: activations enter the products less 128 (sets that only multiply bytes of the same sign); pack_layer
 //   puts 128 * (sum of the weights) into the bias.
 #pragma once
@@ -27,6 +30,8 @@ constexpr bool k_signed = false;
 constexpr uint32_t k_sum_lanes = 1;
 constexpr uint32_t k_tile_texels = 2;
 constexpr uint32_t k_tile_sums = 4;
+constexpr uint32_t k_row_texels = 2;
+constexpr uint32_t k_bytes = 16;
 
 struct Sum {
   int32_t v;
@@ -36,6 +41,10 @@ struct Weights {
 };
 struct Activations {
   const uint8_t* p;
+};
+
+struct Bytes {
+  uint8_t v[k_bytes];
 };
 
 SANDGLASS_INT8_INLINE Sum load_bias(const int32_t* p) { return {*p}; }
@@ -67,6 +76,27 @@ SANDGLASS_INT8_INLINE void first_layer(const int16_t* columns, const int16_t* ro
     sum >>= shift;
     out[c] = static_cast<uint8_t>(sum < 0 ? 0 : sum > 255 ? 255 : sum);
   }
+}
+
+SANDGLASS_INT8_INLINE Bytes load_bytes(const uint8_t* p) {
+  Bytes b;
+  __builtin_memcpy(b.v, p, k_bytes);
+  return b;
+}
+SANDGLASS_INT8_INLINE void store_bytes(uint8_t* p, const Bytes& b) { __builtin_memcpy(p, b.v, k_bytes); }
+SANDGLASS_INT8_INLINE Bytes greatest(Bytes a, const Bytes& b) {
+  for (uint32_t i = 0; i < k_bytes; ++i) a.v[i] = a.v[i] > b.v[i] ? a.v[i] : b.v[i];
+  return a;
+}
+SANDGLASS_INT8_INLINE Bytes least(Bytes a, const Bytes& b) {
+  for (uint32_t i = 0; i < k_bytes; ++i) a.v[i] = a.v[i] < b.v[i] ? a.v[i] : b.v[i];
+  return a;
+}
+SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
+  Bytes b;
+  for (uint32_t i = 0; i < k_bytes; ++i)
+    b.v[i] = static_cast<uint8_t>((four[0].v[i] + four[1].v[i] + four[2].v[i] + four[3].v[i] + 2) / 4);
+  return b;
 }
 
 SANDGLASS_INT8_INLINE int32_t dot_row(const uint8_t* a, const int8_t* w, uint32_t width) {

@@ -15,6 +15,7 @@
 #include "models/host/plot.h"
 #include "models/host/progress.h"
 #include "models/host/simulation.h"
+#include "models/lighting/lighting_bench.h"
 #ifdef SANDGLASS_HAVE_BAKE
 #include "models/host/mesh/generated.h"
 #include "models/shadow/shadow_bench.h"
@@ -279,6 +280,50 @@ struct Bench {
   }
 #endif
 
+  void lighting() {
+    const std::string asset = options.asset.empty() ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.asset;
+    const std::string content = read_file(asset, "lighting network");
+    LightingBench result;
+    {
+      Progress progress("measuring", 1);
+      result = bench_lighting(std::span(reinterpret_cast<const uint8_t*>(content.data()), content.size()), asset, isa,
+                              [&](uint32_t done, uint32_t total) {
+                                progress.total(total);
+                                progress.done(done);
+                                return !interrupted();
+                              });
+    }
+    std::printf("%-13s %8s %8s %9s %11s %13s %17s %10s\n", "case", "ms", "GMAC/s", "of peak", "arena, MiB",
+                "activations", "longest unit, ms", "to own");
+    for (const LightingBenchRow& r : result.rows) {
+      std::printf("%-13s %8.2f %8.1f %8.1f%% %11.2f %9.2f MiB %17.3f %10.4f\n", r.name.c_str(), r.ms, r.gmac_per_s,
+                  100 * r.fraction, r.arena_bytes / (1 << 20), r.activations / (1 << 20), r.longest_unit_ms,
+                  r.relative_error);
+      keep(r.name, "ms", "ms", r.ms, 1);
+      keep(r.name, "gmac_per_s", "GMAC/s", r.gmac_per_s, 1);
+      keep(r.name, "fraction_of_peak", "1", r.fraction, 1);
+      keep(r.name, "arena_bytes", "B", r.arena_bytes, 1);
+      keep(r.name, "longest_unit_ms", "ms", r.longest_unit_ms, 1);
+      if (r.activations > 0) keep(r.name, "activation_bytes", "B", r.activations, 1);
+      for (const LightingBenchRow::Part& part : r.parts) keep(r.name, ("ms_" + part.name).c_str(), "ms", part.ms, 1);
+    }
+    std::puts("by kind of operator, ms:");
+    for (const LightingBenchRow& r : result.rows) {
+      std::printf("%-13s", r.name.c_str());
+      for (const LightingBenchRow::Part& part : r.parts) std::printf(" %s %.2f ", part.name.c_str(), part.ms);
+      std::puts("");
+    }
+    std::puts("own kernels, by operator, us:");
+    for (size_t i = 0; i < result.layers.size(); ++i)
+      std::printf("%s%s %.0f",
+                  i == 0       ? ""
+                  : i % 8 == 0 ? "\n"
+                               : ", ",
+                  result.layers[i].name.c_str() + 6, 1e3 * result.layers[i].ms);
+    std::puts("");
+    if (!result.rows.empty() && !result.has_xnnpack) std::puts("XNNPACK is not installed: its rows are left out");
+  }
+
   void machine() {
     const MachinePeak peak = measure_machine_peak();
     std::printf("peak, one thread: %.2f GMAC/s (f32), %.2f GMAC/s (int8), %.2f GB/s read\n", peak.f32_gmac_per_s,
@@ -294,10 +339,10 @@ struct Bench {
 void add_bench_command(CLI::App& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("bench", "Measure time and error");
-  command->add_option("suite", options->suite, "granular, ladder, growth, shadow or machine")
+  command->add_option("suite", options->suite, "granular, ladder, growth, shadow, lighting or machine")
       ->required()
-      ->check(CLI::IsMember({"granular", "ladder", "growth", "shadow", "machine"}));
-  command->add_option("--asset", options->asset, "For shadow: the baked file (the shipped chair)");
+      ->check(CLI::IsMember({"granular", "ladder", "growth", "shadow", "lighting", "machine"}));
+  command->add_option("--asset", options->asset, "For shadow and lighting: the file (the shipped ones)");
   command->add_option("--mesh", options->mesh, "For shadow: the mesh that it was baked from (chair)");
   command
       ->add_option("--thresholds", options->thresholds,
@@ -323,6 +368,7 @@ void add_bench_command(CLI::App& program, int* exit_code) {
     if (options->suite == "granular") bench.granular();
     else if (options->suite == "ladder") bench.ladder();
     else if (options->suite == "growth") bench.growth();
+    else if (options->suite == "lighting") bench.lighting();
 #ifdef SANDGLASS_HAVE_BAKE
     else if (options->suite == "shadow") bench.shadow();
 #else

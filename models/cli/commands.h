@@ -16,5 +16,6 @@ void add_inspect_command(CLI::App& program, int* exit_code);
 void add_room_command(CLI::App& program, int* exit_code);
 void add_dataset_command(CLI::App& program, int* exit_code);
 void add_ceiling_command(CLI::App& program, int* exit_code);
+void add_quantise_light_command(CLI::App& program, int* exit_code);
 
 }  // namespace sandglass::host

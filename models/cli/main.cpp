@@ -33,6 +33,7 @@ int main(int argc, char** argv) {
   add_room_command(program, &exit_code);
   add_dataset_command(program, &exit_code);
   add_ceiling_command(program, &exit_code);
+  add_quantise_light_command(program, &exit_code);
   try {
     program.parse(argc, argv);
     if (program.get_subcommands().empty()) std::fputs(program.help().c_str(), stdout);

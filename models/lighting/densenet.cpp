@@ -92,14 +92,17 @@ void convolve(const Convolution& conv, const Activations& in, int step, Activati
     }
 }
 
-Activations stem(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height, int stride) {
+Activations stem(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height, int stride,
+                 const ActivationObserver& observer) {
   Activations image(width, height, 3, 3), convolved(width / 2, height / 2, k_stem_channels, k_stem_channels);
   for (size_t i = 0; i < image.values.size(); ++i)
     image.values[i] = (static_cast<float>(rgb[i]) / 255.0f - k_mean[i % 3]) / k_deviation[i % 3];
   convolve(net.stem, image, 2, &convolved, 0);
   for (int y = 0; y < convolved.height; ++y)
-    for (int x = 0; x < convolved.width; ++x)
+    for (int x = 0; x < convolved.width; ++x) {
       rectified(net.stem_affine, convolved.at(x, y), convolved.at(x, y), k_stem_channels);
+      if (observer) observer(Activation::stem, 0, convolved.at(x, y), k_stem_channels);
+    }
   Activations pooled(width / 4, height / 4, k_stem_channels, stride);
   for (int y = 0; y < pooled.height; ++y)
     for (int x = 0; x < pooled.width; ++x)
@@ -113,7 +116,7 @@ Activations stem(const DenseNet& net, std::span<const uint8_t> rgb, int width, i
   return pooled;
 }
 
-void run_layer(const DenseLayer& layer, Activations* block) {
+void run_layer(const DenseLayer& layer, int index, Activations* block, const ActivationObserver& observer) {
   Activations bottleneck(block->width, block->height, k_bottleneck, k_bottleneck);
   std::vector<float> inputs(static_cast<size_t>(block->channels));
   for (int y = 0; y < block->height; ++y)
@@ -121,12 +124,19 @@ void run_layer(const DenseLayer& layer, Activations* block) {
       rectified(layer.before, block->at(x, y), inputs.data(), block->channels);
       accumulate(layer.narrow, 0, 0, inputs.data(), bottleneck.at(x, y));
       rectified(layer.between, bottleneck.at(x, y), bottleneck.at(x, y), k_bottleneck);
+      if (!observer) continue;
+      observer(Activation::narrow_input, index, inputs.data(), block->channels);
+      observer(Activation::bottleneck, index, bottleneck.at(x, y), k_bottleneck);
     }
   convolve(layer.wide, bottleneck, 1, block, block->channels);
+  for (int y = 0; observer && y < block->height; ++y)
+    for (int x = 0; x < block->width; ++x)
+      observer(Activation::growth, index, block->at(x, y) + block->channels, k_growth);
   block->channels += k_growth;
 }
 
-Activations transition(const DenseBlock& block, const Activations& in, int stride) {
+Activations transition(const DenseBlock& block, int index, const Activations& in, int stride,
+                       const ActivationObserver& observer) {
   Activations out(in.width / 2, in.height / 2, block.transition.outputs, stride);
   const auto channels = static_cast<size_t>(in.channels);
   std::vector<float> sum(channels), one(channels);
@@ -135,9 +145,11 @@ Activations transition(const DenseBlock& block, const Activations& in, int strid
       std::fill(sum.begin(), sum.end(), 0.0f);
       for (int i = 0; i < 4; ++i) {
         rectified(block.transition_affine, in.at(2 * x + i % 2, 2 * y + i / 2), one.data(), in.channels);
+        if (observer) observer(Activation::transition_input, index, one.data(), in.channels);
         for (size_t c = 0; c < channels; ++c) sum[c] += 0.25f * one[c];
       }
       accumulate(block.transition, 0, 0, sum.data(), out.at(x, y));
+      if (observer) observer(Activation::transition, index, out.at(x, y), out.channels);
     }
   return out;
 }
@@ -173,22 +185,24 @@ DenseNet densenet_of(const std::map<std::string, NpyArray>& arrays) {
   return net;
 }
 
-std::vector<float> features_of(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height) {
+std::vector<float> features_of(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height,
+                               const ActivationObserver& observer) {
   if (width < 32 || height < 32 || width % 32 != 0 || height % 32 != 0 ||
       rgb.size() != 3 * static_cast<size_t>(width) * static_cast<size_t>(height))
     throw Failure("DenseNet-121 takes images whose sides are multiples of 32 pixels; resample this one");
-  int channels = k_stem_channels;
-  Activations block = stem(net, rgb, width, height, channels_after(0, channels));
+  int channels = k_stem_channels, index = 0;
+  Activations block = stem(net, rgb, width, height, channels_after(0, channels), observer);
   for (int b = 0; b < 4; ++b) {
-    for (const DenseLayer& layer : net.blocks[b].layers) run_layer(layer, &block);
+    for (const DenseLayer& layer : net.blocks[b].layers) run_layer(layer, index++, &block, observer);
     if (b == 3) break;
     channels = net.blocks[b].transition.outputs;
-    block = transition(net.blocks[b], block, channels_after(b + 1, channels));
+    block = transition(net.blocks[b], b, block, channels_after(b + 1, channels), observer);
   }
   std::vector<float> features(k_features), one(k_features);
   for (int y = 0; y < block.height; ++y)
     for (int x = 0; x < block.width; ++x) {
       rectified(net.last, block.at(x, y), one.data(), k_features);
+      if (observer) observer(Activation::last_input, 0, one.data(), k_features);
       for (size_t c = 0; c < features.size(); ++c)
         features[c] += one[c] / static_cast<float>(block.width * block.height);
     }

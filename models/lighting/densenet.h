@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <span>
 #include <string>
@@ -50,8 +51,21 @@ struct DenseNet {
 // From arrays named as in the data folder's README; a Failure names what is missing or of another shape.
 DenseNet densenet_of(const std::map<std::string, NpyArray>& arrays);
 
+// What passes through the network, pixel by pixel: for measuring ranges before activations become bytes.
+enum class Activation {
+  stem,              // rectified, before the pool
+  narrow_input,      // rectified, by layer of all 58; of one layer after another
+  bottleneck,        // rectified, by layer
+  growth,            // the 32 channels that a layer adds, by layer
+  transition_input,  // rectified, before the average, by block
+  transition,        // by block
+  last_input,        // rectified, before the average
+};
+using ActivationObserver = std::function<void(Activation, int index, const float* values, int channels)>;
+
 // 1024 features of an sRGB image (width and height multiples of 32): batch normalised, rectified, averaged.
-std::vector<float> features_of(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height);
+std::vector<float> features_of(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height,
+                               const ActivationObserver& observer = {});
 
 // ImageNet's 1000 probabilities.
 std::vector<float> probabilities_of(const DenseNet& net, std::span<const float> features);

@@ -47,12 +47,6 @@ const char* check_layer(const asset::Layer* layer, uint32_t inputs, uint32_t out
 
 }  // namespace
 
-uint64_t asset_checksum(const uint8_t* bytes, uint64_t count) {
-  uint64_t hash = 0xCBF29CE484222325ull;
-  for (uint64_t i = 0; i < count; ++i) hash = (hash ^ bytes[i]) * 0x100000001B3ull;
-  return hash;
-}
-
 sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsset* out, const char** reason) {
   const uint8_t* data = static_cast<const uint8_t*>(bytes);
   if (data == nullptr) return refuse(reason, "asset is NULL: pass the bytes of a file that `sandglass bake` wrote");

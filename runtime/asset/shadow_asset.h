@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "kernels/int8.h"
+#include "runtime/asset/checksum.h"
 #include "runtime/shadow/plane.h"
 #include "sandglass/shadow.h"
 
@@ -12,7 +13,6 @@ namespace sandglass {
 
 constexpr uint32_t k_shadow_asset_version = 1;
 constexpr uint32_t k_frequencies_limit = 16;
-constexpr uint64_t k_checksum_bytes = 8;
 
 struct AssetLayer {
   const int8_t* weights;
@@ -43,8 +43,6 @@ struct ShadowAsset {
   uint32_t light_inputs() const { return 1 + 2 * light_frequencies; }
   uint32_t inputs() const { return 2 * texel_inputs() + 3 * light_inputs(); }
 };
-
-uint64_t asset_checksum(const uint8_t* bytes, uint64_t count);  // FNV-1a
 
 // `bytes` aligned to 8. Refused with one sentence: anything that is not a whole, undamaged file of this version with
 // numbers that the kernels can run on blindly.

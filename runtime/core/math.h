@@ -5,6 +5,7 @@
 //   sin_cos_turns   angle in turns (1 = a full circle)    error below 3e-16 absolute
 //   arc_tangent2    like atan2, in radians                error below 5e-16 absolute
 //   cube_root       x >= 0                                error below 4e-16 relative
+//   exponential     0 below -700, e^700 above 700         error below 1e-15 relative
 //   floor_index     largest integer not above x           exact for |x| < 2^62
 //
 // tests/sampling/math_test.cpp holds these bounds against libm.
@@ -110,6 +111,32 @@ inline double cube_root(double x) {
   std::memcpy(&r, &bits, sizeof r);
   for (int step = 0; step < 5; ++step) r = r - (r - x / (r * r)) * (1.0 / 3.0);
   return r;
+}
+
+// e^x = 2^k e^y with |y| <= ln 2 / 2; ln 2 in two parts, of which the first times k is exact.
+inline double exponential(double x) {
+  if (x < -700) return 0;
+  if (!(x < 700)) x = 700;
+  const int64_t k = floor_index(x * 1.4426950408889634 + 0.5);
+  const double y = (x - static_cast<double>(k) * 0x1.62e42fefap-1) - static_cast<double>(k) * 0x1.cf79abc9e3b3ap-40;
+  double p = 1.0 / 6227020800.0;  // 1/13!
+  p = p * y + 1.0 / 479001600.0;
+  p = p * y + 1.0 / 39916800.0;
+  p = p * y + 1.0 / 3628800.0;
+  p = p * y + 1.0 / 362880.0;
+  p = p * y + 1.0 / 40320.0;
+  p = p * y + 1.0 / 5040.0;
+  p = p * y + 1.0 / 720.0;
+  p = p * y + 1.0 / 120.0;
+  p = p * y + 1.0 / 24.0;
+  p = p * y + 1.0 / 6.0;
+  p = p * y + 0.5;
+  p = p * y + 1.0;
+  p = p * y + 1.0;
+  const uint64_t bits = static_cast<uint64_t>(1023 + k) << 52;
+  double power;
+  std::memcpy(&power, &bits, sizeof power);
+  return p * power;
 }
 
 }  // namespace sandglass

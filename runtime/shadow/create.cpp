@@ -172,7 +172,7 @@ void pack_layers(const ShadowAsset& asset, Shadow* s, const Packed& packed) {
       grown_bias[c] = asset.layer[i].bias[c];
       packed.multiplier[i][c] = asset.layer[i].multiplier[c];
     }
-    s->kernels->pack_layer(grown, grown_bias, width, packed.weights[i], packed.bias[i]);
+    s->kernels->pack_layer(grown, grown_bias, width, width, packed.weights[i], packed.bias[i]);
     s->network.layer[i] = {packed.weights[i], packed.bias[i], packed.multiplier[i]};
   }
   memset(packed.last_weights, 0, width);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Executed ARM instructions per item and per frame, against the committed ones.
 
-    count.py sand|shadow --emulator COMMAND --plugin FILE --program COMMAND --compiler TEXT --baseline FILE [--write] [--control]
+    count.py sand|shadow|light --emulator COMMAND --plugin FILE --program COMMAND --compiler TEXT --baseline FILE [--write] [--control]
 
 Runs the workload under the emulator with count_plugin, prints the table, and fails when a line has grown by more than 2 %. The
 numbers belong to one compiler; with another the table is printed and the test is skipped (exit code 77). --write replaces the
@@ -29,6 +29,12 @@ METRICS = {
         ("int8 kernels per texel", r"sandglass::int8_", "texels"),
         ("int8 kernels per thousand multiply-adds", r"sandglass::int8_", "thousand_macs"),
         ("whole texture", None, "textures"),
+    ],
+    "light": [
+        ("1x1 per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::narrow\(", "narrow_thousand_macs"),
+        ("3x3 per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::wide\(", "wide_thousand_macs"),
+        ("all per thousand multiply-adds", None, "thousand_macs"),
+        ("whole pass", None, "passes"),
     ],
 }
 

@@ -50,6 +50,18 @@ TEST(Math, arc_tangent_stays_within_its_bound) {
   EXPECT_NEAR(arc_tangent2(-1, 0), -k_pi / 2, 5e-16);
 }
 
+TEST(Math, exponential_stays_within_its_bound) {
+  double worst = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const double x = -690 + 1380 * (i + 0.37) / 200000;
+    worst = std::max(worst, static_cast<double>(std::fabs(exponential(x) / std::exp(static_cast<long double>(x)) - 1)));
+  }
+  EXPECT_LT(worst, 1e-15);
+  EXPECT_EQ(exponential(0), 1);
+  EXPECT_EQ(exponential(-800), 0);
+  EXPECT_EQ(exponential(800), exponential(700));
+}
+
 TEST(Math, cube_root_stays_within_its_bound) {
   Random random = random_stream(3, 0);
   double worst = 0;

@@ -1,0 +1,152 @@
+// `sandglass quantise-light WEIGHTS.npz --calibrate DIR -o FILE`: the trained network as the runtime reads it.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "models/cli/commands.h"
+#include "models/host/atomic_file.h"
+#include "models/host/failure.h"
+#include "models/host/progress.h"
+#include "models/lighting/light_runner.h"
+#include "models/lighting/picture_file.h"
+#include "models/lighting/quantise.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr int k_exit_check_failed = 1, k_exit_interrupted = 130;
+constexpr int k_width = 256, k_height = 192;
+constexpr double k_angle_limit_deg = 1, k_difference_limit = 0.01;  // of the medians: ACCURACY 4
+
+struct Options {
+  std::string weights, output, name = "lighting";
+  std::vector<std::string> folders;
+  uint32_t images = 96;
+};
+
+std::vector<std::string> pictures_in(const std::vector<std::string>& folders) {
+  std::vector<std::string> paths;
+  for (const std::string& folder : folders) {
+    const std::filesystem::path images = std::filesystem::path(folder) / "images";
+    std::error_code error;
+    const auto where = std::filesystem::is_directory(images, error) ? images : std::filesystem::path(folder);
+    for (const auto& entry : std::filesystem::directory_iterator(where, error))
+      if (entry.path().extension() == ".png") paths.push_back(entry.path().string());
+    if (error) throw Failure("the folder '" + folder + "' cannot be read; name one made by `sandglass dataset`");
+  }
+  if (paths.size() < 4)
+    throw Failure("fewer than 4 .png images to calibrate with; name a folder made by `sandglass dataset`");
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+Picture excerpt(const std::string& path) {
+  Picture picture = read_picture(path);
+  if (picture.width != k_width || picture.height != k_height)
+    throw Failure("'" + path + "' is " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
+                  ", not 256 x 192; name a folder made by `sandglass dataset`");
+  return picture;
+}
+
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+}
+
+struct Differences {
+  std::vector<double> angles_deg, others, features;
+};
+
+void compare(const LightValues& truth, const LightOutputs& bytes, Differences* to) {
+  double dot = 0, squares = 0, greatest = 0;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    dot += static_cast<double>(truth[axis] * bytes.direction[axis]);
+    squares += static_cast<double>(bytes.direction[axis] * bytes.direction[axis]);
+    greatest = std::max({greatest, static_cast<double>(std::fabs(truth[3 + axis] - bytes.light[axis])),
+                         static_cast<double>(std::fabs(truth[6 + axis] - bytes.ambient[axis]))});
+  }
+  to->angles_deg.push_back(std::acos(std::clamp(dot / std::sqrt(squares), -1.0, 1.0)) * 180 / M_PI);
+  to->others.push_back(std::max(greatest, static_cast<double>(std::fabs(truth[9] - bytes.contrast))));
+}
+
+int run(const Options& options) {
+  const LightNet net = light_net_of(read_npz(options.weights));
+  const std::vector<std::string> paths = pictures_in(options.folders);
+  // Every other one of those chosen calibrates, the rest measure.
+  const size_t count = std::min<size_t>(paths.size(), 2 * size_t{options.images});
+  LightRanges ranges;
+  std::vector<std::vector<uint8_t>> calibration, images;
+  std::vector<FeaturePair> pairs;  // of the calibration images
+  std::vector<LightValues> truths;
+  std::vector<std::vector<float>> features;
+  Progress progress("running the float network", count);
+  for (size_t i = 0; i < count && !interrupted(); ++i) {
+    const Picture picture = excerpt(paths[i * paths.size() / count]);
+    if (i % 2 == 0) {
+      pairs.push_back({observe(net.trunk, picture.rgb, k_width, k_height, &ranges), {}});
+      calibration.push_back(picture.rgb);
+    } else {
+      features.push_back(features_of(net.trunk, picture.rgb, k_width, k_height));
+      truths.push_back(light_of(net, features.back()));
+      images.push_back(picture.rgb);
+    }
+    progress.done(i + 1);
+  }
+  if (interrupted()) return k_exit_interrupted;
+  LightFile file = quantise(net, &ranges);
+  file.name = options.name;
+  LightRunner unfitted(light_file_bytes(file), options.output);
+  for (size_t i = 0; i < pairs.size(); ++i) unfitted.run(calibration[i]), pairs[i].bytes = unfitted.features();
+  fit_features(net, pairs, &file);
+  LightRunner runner(light_file_bytes(file), options.output);
+  Differences differences;
+  for (size_t i = 0; i < images.size(); ++i) {
+    compare(truths[i], runner.run(images[i]), &differences);
+    const std::vector<float> bytes = runner.features();
+    double error = 0, square = 0;
+    for (size_t c = 0; c < bytes.size(); ++c) {
+      error += std::pow(static_cast<double>(bytes[c] - features[i][c]), 2);
+      square += std::pow(static_cast<double>(features[i][c]), 2);
+    }
+    differences.features.push_back(std::sqrt(error / square));
+  }
+  const double angle = quantile(differences.angles_deg, 0.5), other = quantile(differences.others, 0.5);
+  file.angle_deg = static_cast<float>(angle), file.difference = static_cast<float>(other);
+  const std::vector<uint8_t> bytes = light_file_bytes(file);
+  write_file(options.output, std::span<const uint8_t>(bytes));
+  std::printf("%s: %zu bytes, calibrated on %u images; int8 against float on %zu others:\n", options.output.c_str(),
+              bytes.size(), ranges.images, images.size());
+  std::printf("direction            median %.3f deg, 90th percentile %.3f, greatest %.3f (limit of the median 1)\n",
+              angle, quantile(differences.angles_deg, 0.9), quantile(differences.angles_deg, 1));
+  std::printf("colours, contrast    median %.4f, 90th percentile %.4f, greatest %.4f (limit of the median 0.01)\n",
+              other, quantile(differences.others, 0.9), quantile(differences.others, 1));
+  std::printf("features             median of the relative error %.4f\n", quantile(differences.features, 0.5));
+  return angle <= k_angle_limit_deg && other <= k_difference_limit ? 0 : k_exit_check_failed;
+}
+
+}  // namespace
+
+void add_quantise_light_command(CLI::App& program, int* exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("quantise-light", "Turn the trained lighting network into bytes");
+  command->add_option("weights", options->weights, "The trained network, as train.py exports it (.npz)")->required();
+  command
+      ->add_option("--calibrate", options->folders,
+                   "Folders made by `sandglass dataset`; half of the images calibrate, "
+                   "the others measure")
+      ->required();
+  command->add_option("-o,--output", options->output, "File to write")->required();
+  command->add_option("--name", options->name, "Name of the network, in the file")->capture_default_str();
+  command->add_option("--images", options->images, "To calibrate with, and as many to measure with")
+      ->check(CLI::Range(2u, 10000u))
+      ->capture_default_str();
+  command->callback([options, exit_code] {
+    listen_for_interrupt();
+    *exit_code = run(*options);
+  });
+}
+
+}  // namespace sandglass::host

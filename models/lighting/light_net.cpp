@@ -1,0 +1,86 @@
+#include "models/lighting/light_net.h"
+
+#include <cmath>
+
+#include "models/host/failure.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr float k_epsilon = 1e-5f;  // of the batch normalisation behind the latent layer
+
+const std::vector<float>& find(const std::map<std::string, NpyArray>& arrays, const std::string& name,
+                               const std::vector<uint64_t>& shape) {
+  const auto found = arrays.find(name);
+  if (found == arrays.end())
+    throw Failure("the weights have no array '" + name + "'; export them with train.py --export");
+  if (found->second.shape != shape)
+    throw Failure("the weights' array '" + name + "' has another shape than the lighting network's; export it again");
+  for (const float value : found->second.values)
+    if (!std::isfinite(value))
+      throw Failure("the weights' array '" + name + "' holds a value that is not a number; train again");
+  return found->second.values;
+}
+
+// One number, or `otherwise` where the file has none.
+double number(const std::map<std::string, NpyArray>& arrays, const std::string& name, double otherwise) {
+  const auto found = arrays.find(name);
+  return found == arrays.end() || found->second.values.empty() ? otherwise
+                                                               : static_cast<double>(found->second.values[0]);
+}
+
+}  // namespace
+
+LightNet light_net_of(const std::map<std::string, NpyArray>& arrays) {
+  LightNet net;
+  net.trunk = densenet_of(arrays);
+  net.latent = find(arrays, "latent/kernel", {k_features, k_latent});
+  net.latent_bias = find(arrays, "latent/bias", {k_latent});
+  const auto& gamma = find(arrays, "latent/bn/gamma", {k_latent});
+  const auto& beta = find(arrays, "latent/bn/beta", {k_latent});
+  const auto& mean = find(arrays, "latent/bn/moving_mean", {k_latent});
+  const auto& variance = find(arrays, "latent/bn/moving_variance", {k_latent});
+  for (size_t o = 0; o < k_latent; ++o) {
+    const float scale = gamma[o] / std::sqrt(variance[o] + k_epsilon);
+    for (size_t i = 0; i < k_features; ++i) net.latent[i * k_latent + o] *= scale;
+    net.latent_bias[o] = (net.latent_bias[o] - mean[o]) * scale + beta[o];
+  }
+  net.heads.resize(size_t{k_latent} * k_heads);
+  size_t to = 0;
+  for (const auto& [name, outputs] :
+       {std::pair<const char*, size_t>{"direction", 3}, {"light", 3}, {"ambient", 3}, {"contrast", 1}}) {
+    const auto& kernel = find(arrays, std::string(name) + "/kernel", {k_latent, outputs});
+    const auto& bias = find(arrays, std::string(name) + "/bias", {outputs});
+    for (size_t o = 0; o < outputs; ++o, ++to) {
+      for (size_t i = 0; i < k_latent; ++i) net.heads[i * k_heads + to] = kernel[i * outputs + o];
+      net.heads_bias.push_back(bias[o]);
+    }
+  }
+  net.seed = static_cast<uint64_t>(number(arrays, "seed", 0));
+  net.training_images = static_cast<uint32_t>(number(arrays, "training_images", 0));
+  if (const auto hash = arrays.find("data_hash"); hash != arrays.end())
+    for (size_t i = 0; i < hash->second.values.size() && i < 16; ++i) {
+      const int c = static_cast<int>(hash->second.values[i]);  // a hexadecimal digit
+      net.data_hash = net.data_hash << 4 | static_cast<uint64_t>(c >= 'a' ? c - 'a' + 10 : c - '0') % 16;
+    }
+  return net;
+}
+
+LightValues light_of(const LightNet& net, std::span<const float> features) {
+  std::vector<float> latent = net.latent_bias;
+  for (size_t i = 0; i < k_features; ++i)
+    for (size_t o = 0; o < k_latent; ++o) latent[o] += features[i] * net.latent[i * k_latent + o];
+  LightValues values;
+  for (size_t o = 0; o < k_heads; ++o) {
+    float sum = net.heads_bias[o];
+    for (size_t i = 0; i < k_latent; ++i)
+      sum += net.heads[i * k_heads + o] * (latent[i] > 0 ? latent[i] : std::expm1(latent[i]));
+    values[o] = o < 3 ? std::tanh(sum) : 1 / (1 + std::exp(-sum));
+  }
+  const float length = std::sqrt(values[0] * values[0] + values[1] * values[1] + values[2] * values[2]);
+  for (size_t axis = 0; axis < 3; ++axis) values[axis] /= std::max(length, 1e-12f);
+  return values;
+}
+
+}  // namespace sandglass::host

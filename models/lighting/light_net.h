@@ -1,0 +1,32 @@
+// The lighting network in float: DenseNet-121's trunk and the heads behind it, as trained. What the runtime's bytes are
+// made from and held against. The names of the arrays are in quantise.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "models/lighting/densenet.h"
+
+namespace sandglass::host {
+
+constexpr int k_latent = 512, k_heads = 10;
+
+struct LightNet {
+  DenseNet trunk;
+  std::vector<float> latent, latent_bias;  // 1024 x 512 and 512, batch normalisation worked in
+  std::vector<float> heads, heads_bias;    // 512 x 10 and 10: direction, light, ambient, contrast
+  uint64_t data_hash = 0, seed = 0;
+  uint32_t training_images = 0;
+};
+
+LightNet light_net_of(const std::map<std::string, NpyArray>& arrays);
+
+// Unit direction in the camera's frame, light, ambient, contrast.
+using LightValues = std::array<float, k_heads>;
+LightValues light_of(const LightNet& net, std::span<const float> features);
+
+}  // namespace sandglass::host

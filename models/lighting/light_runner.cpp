@@ -1,0 +1,43 @@
+#include "models/lighting/light_runner.h"
+
+#include <cstring>
+
+#include "models/host/failure.h"
+
+namespace sandglass::host {
+
+LightRunner::LightRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, uint32_t width,
+                         uint32_t height)
+    : file_(file.size() / 8 + 1) {
+  std::memcpy(file_.data(), file.data(), file.size());
+  LightAsset asset;
+  const char* reason = nullptr;
+  if (open_light_asset(file_.data(), file.size(), &asset, &reason) != SANDGLASS_OK)
+    throw Failure("'" + name + "': " + reason);
+  const Int8Kernels* kernels = select_int8_kernels(isa);
+  if (kernels == nullptr) throw Failure("this build or CPU does not have the kernels asked for; leave --isa out");
+  Layout size, layout;
+  layout_light_network(width, height, &size);
+  block_ = new_block(size.size, "the lighting network", "close other programs");
+  layout.base = static_cast<uint8_t*>(block_.get());
+  network_ = create_light_network(asset, kernels, width, height, layout_light_network(width, height, &layout));
+}
+
+LightOutputs LightRunner::run(std::span<const uint8_t> rgb) {
+  if (rgb.size() != size_t{3} * network_->width * network_->height)
+    throw Failure("the lighting network takes images of " + std::to_string(network_->width) + " x " +
+                  std::to_string(network_->height) + " pixels; resample this one");
+  begin_light_network(network_, rgb.data());
+  for (uint32_t unit = 0; unit < network_->units; ++unit) run_light_unit(network_, unit);
+  LightOutputs outputs;
+  finish_light_network(*network_, &outputs);
+  return outputs;
+}
+
+std::vector<float> LightRunner::features() const {
+  std::vector<float> features(k_light_features);
+  light_features(*network_, features.data());
+  return features;
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,13 @@
+// Photographs from files: PNG and JPEG.
+#pragma once
+
+#include <string>
+
+#include "models/host/image.h"
+
+namespace sandglass::host {
+
+// 8-bit sRGB; a Failure that names the file.
+Picture read_picture(const std::string& path);
+
+}  // namespace sandglass::host

@@ -1,0 +1,56 @@
+// A lighting network's file as the runtime sees it: checked from the first byte to the last, then pointers into the
+// caller's bytes. The one file that knows FlatBuffers is light_asset.cpp.
+#pragma once
+
+#include <cstdint>
+
+#include "sandglass/sandglass.h"
+
+namespace sandglass {
+
+constexpr uint32_t k_light_asset_version = 1;
+constexpr uint32_t k_dense_blocks = 4, k_transition_count = 3;
+constexpr uint32_t k_block_layers[k_dense_blocks] = {6, 12, 24, 16};
+constexpr uint32_t k_dense_layer_count = 58;
+constexpr uint32_t k_light_stem = 64, k_light_growth = 32, k_light_bottleneck = 128;  // channels
+constexpr uint32_t k_light_features = 1024, k_light_latent = 512, k_light_heads = 10;
+constexpr uint32_t k_stem_size = 7;  // pixels a side
+
+struct AssetConvolution {
+  const int8_t* weights;
+  const int32_t* bias;
+  const float* multiplier;
+  const uint8_t *low, *high;  // null: inputs are not clamped
+};
+
+struct LightAsset {
+  const char* name;
+  uint8_t border[3];
+  AssetConvolution stem;
+  AssetConvolution narrow[k_dense_layer_count], wide[k_dense_layer_count];
+  AssetConvolution transition[k_transition_count];
+  const uint8_t *last_low, *last_high;
+  const float *feature_scale, *feature_shift;
+  const int8_t* latent_weights;
+  const float *latent_scale, *latent_bias;
+  const float *heads_weights, *heads_bias;
+  uint64_t data_hash, seed;
+  uint32_t training_images, calibration_images;
+  float angle_deg, difference;
+};
+
+// Channels that the first layer of a block reads, and that its last one leaves.
+constexpr uint32_t light_channels_before(uint32_t block) {
+  uint32_t channels = k_light_stem;
+  for (uint32_t b = 0; b < block; ++b) channels = (channels + k_light_growth * k_block_layers[b]) / 2;
+  return channels;
+}
+constexpr uint32_t light_channels_after(uint32_t block) {
+  return light_channels_before(block) + k_light_growth * k_block_layers[block];
+}
+
+// `bytes` aligned to 8. Refused with one sentence: anything that is not a whole, undamaged file of this version with
+// numbers that the kernels can run on blindly.
+sandglass_status open_light_asset(const void* bytes, uint64_t count, LightAsset* asset, const char** reason);
+
+}  // namespace sandglass

@@ -1,0 +1,110 @@
+// The lighting network at run time: DenseNet-121 and its heads in bytes, one operator after another, each in slices of
+// rows. Nothing here reads a clock, allocates or waits; who calls decides how many units fit into a frame.
+//
+// How to use it (the stage does, and tests):
+//   open_light_asset(...)            the file's bytes are checked once, and stay where they are
+//   layout_light_network(...)        once with a layout that counts, once with one that hands out memory
+//   create_light_network(...)        packs the weights for this CPU; the file's bytes are read later too
+//   begin_light_network(net, rgb)    an image of width x height, three bytes a pixel, sRGB, upright
+//   run_light_unit(net, i)           for i = 0 .. units - 1
+//   finish_light_network(net, &out)  after the last unit
+// Units of one operator, those below light_operator_end(net, i), write apart and may run at the same time in any order;
+// an operator begins when all units of the one before are done. The result does not depend on either.
+//
+// Bytes: a feature is an unsigned byte with a scale and zero point of its own channel. A batch normalisation and its
+// rectifier before a 1x1 convolution are then a clamp of bytes to [low, high] of the channel; all else about them is
+// linear and lies in the convolution's weights and bias. See asset/light.fbs.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/int8.h"
+#include "runtime/asset/light_asset.h"
+#include "runtime/core/governor.h"
+#include "runtime/core/layout.h"
+
+namespace sandglass {
+
+// In the camera's frame: x right, y down, z forward. Colours and contrast in 0..1.
+struct LightOutputs {
+  float direction[3];  // unit vector towards the light
+  float light[3], ambient[3];
+  float contrast;
+};
+
+// Kinds of work unit, from 0; the stage adds its own base. Items are thousands of multiplications (of the pool, of
+// comparisons).
+enum : uint32_t {
+  k_light_kind_stem,
+  k_light_kind_pool,
+  k_light_kind_narrow,
+  k_light_kind_wide,
+  k_light_kind_transition,
+  k_light_kind_head,
+  k_light_kinds
+};
+
+constexpr uint32_t k_light_operators = 2 + 2 * k_dense_layer_count + k_transition_count + 1;
+constexpr uint64_t k_light_unit_macs = 5'000'000;  // 45 us of a core that does 110 GMAC/s of bytes, a phone's
+constexpr uint32_t k_light_side_limit = k_stem_pixels_limit;
+constexpr uint32_t k_light_side_step = 32;  // the network halves its image five times
+
+struct LightOperator {
+  uint32_t kind;
+  uint32_t block;       // 0..3
+  uint32_t layer;       // of all 58
+  uint32_t inputs;      // channels
+  uint32_t rows;        // of its output
+  uint32_t unit_rows;   // of them in one unit
+  uint32_t first_unit;  // units of the operators before
+  uint64_t row_macs;
+};
+
+struct LightNetwork {
+  const Int8Kernels* kernels;
+  LightAsset asset;        // points into the file's bytes
+  uint32_t width, height;  // of the image, multiples of 32
+  uint32_t units;          // of one estimate
+  LightOperator operators[k_light_operators];
+  const uint8_t* rgb;  // of the image under way
+  // Packed weights, an operator after another in the network's order.
+  Int8Convolution stem;
+  Int8Convolution narrow[k_dense_layer_count], wide[k_dense_layer_count];
+  Int8Convolution transition[k_transition_count];
+  int8_t* latent;  // 512 x 1024
+  // Activations. Blocks 0 and 2 live in `even`, 1 and 3 in `odd`, which with the bottleneck lies where the stem's rows
+  // were before.
+  uint8_t *even, *odd, *stem_rows;
+  uint8_t* bottleneck;                // with a border of one pixel
+  uint8_t *pooled_high, *pooled_low;  // k_light_features averages in steps of 1/256 byte
+  LightOutputs outputs;
+};
+
+// What the layout hands out and creation fills.
+struct LightMemory {
+  LightNetwork* network;
+  int8_t *weights, *latent;  // packed
+  int32_t* biases;
+  uint8_t *even, *shared, *pooled;
+};
+
+// Width and height are multiples of k_light_side_step up to k_light_side_limit. Regions are named "light.…".
+LightMemory layout_light_network(uint32_t width, uint32_t height, Layout* layout);
+LightNetwork* create_light_network(const LightAsset& asset, const Int8Kernels* kernels, uint32_t width, uint32_t height,
+                                   const LightMemory& memory);
+uint64_t light_activation_bytes(uint32_t width, uint32_t height);
+
+// `rgb` is read until the units of operator 0 are done.
+void begin_light_network(LightNetwork* network, const uint8_t* rgb);
+void run_light_unit(LightNetwork* network, uint32_t unit);
+void finish_light_network(const LightNetwork& network, LightOutputs* outputs);
+
+uint32_t light_operator_end(const LightNetwork& network, uint32_t unit);
+WorkUnit light_unit(const LightNetwork& network, uint32_t unit);
+// Items by kind of the units from `unit` on.
+void light_items_left(const LightNetwork& network, uint32_t unit, uint64_t items[k_light_kinds]);
+
+// The trunk's 1024 features, for tests and measurements; valid with the outputs.
+void light_features(const LightNetwork& network, float features[k_light_features]);
+
+}  // namespace sandglass

@@ -1,0 +1,174 @@
+// A lighting file is untrusted: truncated, damaged, of another kind, and with wrong numbers behind a right checksum.
+#include "runtime/asset/light_asset.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "models/lighting/light_file.h"
+#include "runtime/asset/checksum.h"
+#include "runtime/lighting/network.h"
+#include "sandglass/shadow.h"
+
+namespace {
+
+using namespace sandglass;
+
+constexpr int k_few = SANDGLASS_EMULATED ? 6 : 60;
+
+struct Words {
+  std::vector<uint64_t> words;
+  uint64_t bytes;
+  explicit Words(const std::vector<uint8_t>& content) : words(content.size() / 8 + 1), bytes(content.size()) {
+    std::memcpy(words.data(), content.data(), content.size());
+  }
+  uint8_t* data() { return reinterpret_cast<uint8_t*>(words.data()); }
+  void repair_checksum() {
+    const uint64_t body = bytes - k_checksum_bytes, hash = asset_checksum(data(), body);
+    for (uint32_t i = 0; i < k_checksum_bytes; ++i) data()[body + i] = static_cast<uint8_t>(hash >> 8 * i);
+  }
+};
+
+const host::LightFile& file() {
+  static const host::LightFile made = host::random_light_file(3);
+  return made;
+}
+
+Words content() {
+  static const std::vector<uint8_t> bytes = host::light_file_bytes(file());
+  return Words(bytes);
+}
+
+sandglass_status open(Words& words, uint64_t count, std::string* sentence = nullptr) {
+  LightAsset asset;
+  const char* reason = nullptr;
+  const sandglass_status status = open_light_asset(words.data(), count, &asset, &reason);
+  EXPECT_EQ(status == SANDGLASS_OK, reason == nullptr);
+  if (sentence != nullptr) *sentence = reason == nullptr ? "" : reason;
+  return status;
+}
+
+uint64_t random_number(uint64_t* state) {
+  *state = *state * 6364136223846793005ull + 1442695040888963407ull;
+  return *state >> 20;
+}
+
+TEST(LightAsset, ReadsWhatWasWritten) {
+  Words words = content();
+  LightAsset asset;
+  ASSERT_EQ(open_light_asset(words.data(), words.bytes, &asset, nullptr), SANDGLASS_OK);
+  EXPECT_STREQ(asset.name, "random");
+  EXPECT_EQ(std::memcmp(asset.wide[57].weights, file().wide[57].weights.data(), file().wide[57].weights.size()), 0);
+  EXPECT_EQ(std::memcmp(asset.transition[2].low, file().transition[2].low.data(), 1024), 0);
+  EXPECT_EQ(asset.heads_bias[9], file().heads_bias[9]);
+  EXPECT_EQ(asset.seed, 3u);
+}
+
+TEST(LightAsset, TruncatedFilesAreRefused) {
+  Words words = content();
+  uint64_t state = 1;
+  for (uint64_t count : {0ull, 1ull, 31ull, 32ull, 40ull, 1000ull})
+    EXPECT_NE(open(words, count), SANDGLASS_OK) << count;
+  for (int i = 0; i < k_few; ++i) {
+    const uint64_t count =
+        i < k_few / 4 ? words.bytes - 1 - static_cast<uint64_t>(i) : random_number(&state) % words.bytes;
+    ASSERT_NE(open(words, count), SANDGLASS_OK) << count;
+  }
+}
+
+TEST(LightAsset, ChangedBitsAreRefused) {
+  Words words = content();
+  uint64_t state = 2;
+  for (int i = 0; i < k_few; ++i) {
+    const uint64_t at = random_number(&state) % words.bytes;
+    words.data()[at] ^= static_cast<uint8_t>(1 << i % 8);
+    ASSERT_NE(open(words, words.bytes), SANDGLASS_OK) << at;
+    words.data()[at] ^= static_cast<uint8_t>(1 << i % 8);
+  }
+  EXPECT_EQ(open(words, words.bytes), SANDGLASS_OK);
+}
+
+TEST(LightAsset, OtherKindsGetTheirSentence) {
+  Words words = content();
+  std::string sentence;
+  std::memcpy(words.data() + 4, "SGSH", 4);  // a shadow's
+  EXPECT_NE(open(words, words.bytes, &sentence), SANDGLASS_OK);
+  EXPECT_NE(sentence.find("not a lighting network"), std::string::npos) << sentence;
+  Words light = content();
+  sandglass_shadow_info info = {};
+  info.struct_size = sizeof info;
+  const char* reason = nullptr;
+  EXPECT_NE(sandglass_shadow_inspect(light.data(), light.bytes, &info, &reason), SANDGLASS_OK);
+  EXPECT_NE(std::string(reason).find("not a baked shadow"), std::string::npos) << reason;
+  EXPECT_NE(open_light_asset(nullptr, 100, nullptr, nullptr), SANDGLASS_OK);
+  EXPECT_NE(open_light_asset(light.data() + 1, light.bytes - 1, nullptr, nullptr), SANDGLASS_OK);
+}
+
+TEST(LightAsset, WrongNumbersBehindARightChecksumAreRefused) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  struct Case {
+    const char* sentence;
+    std::function<void(host::LightFile*)> spoil;
+  };
+  const Case cases[] = {
+      {"multiplier", [&](host::LightFile* f) { f->narrow[5].multiplier[7] = nan; }},
+      {"multiplier", [&](host::LightFile* f) { f->wide[57].multiplier[31] = -1; }},
+      {"multiplier", [&](host::LightFile* f) { f->stem.multiplier.clear(); }},
+      {"weight of -128", [](host::LightFile* f) { f->transition[1].weights[3] = -128; }},
+      {"wrong size", [](host::LightFile* f) { f->narrow[0].weights.pop_back(); }},
+      {"bias of the wrong size", [](host::LightFile* f) { f->wide[2].bias.push_back(1); }},
+      {"beyond 2^29", [](host::LightFile* f) { f->stem.bias[0] = -(1 << 30); }},
+      {"clamp whose low end", [](host::LightFile* f) { f->narrow[9].low[4] = 9, f->narrow[9].high[4] = 8; }},
+      {"clamp of the wrong size", [](host::LightFile* f) { f->last_high.clear(); }},
+      {"heads", [&](host::LightFile* f) { f->feature_scale[1023] = infinity; }},
+      {"heads", [&](host::LightFile* f) { f->latent_scale[0] = nan; }},
+      {"heads", [](host::LightFile* f) { f->heads_weights.pop_back(); }},
+      {"errors are not numbers", [&](host::LightFile* f) { f->angle_deg = nan; }},
+  };
+  for (const Case& c : cases) {
+    host::LightFile spoilt = file();
+    c.spoil(&spoilt);
+    Words words(host::light_file_bytes(spoilt));
+    std::string sentence;
+    EXPECT_EQ(open(words, words.bytes, &sentence), SANDGLASS_ERROR_INVALID_ARGUMENT) << c.sentence;
+    EXPECT_NE(sentence.find(c.sentence), std::string::npos) << sentence;
+  }
+}
+
+// An attacker repairs the checksum: what is accepted then must also run.
+TEST(LightAsset, ChangedBytesBehindARightChecksumNeverCrash) {
+  Words words = content();
+  const std::vector<uint8_t> rgb(3 * 32 * 32, 100);
+  Layout size;
+  layout_light_network(32, 32, &size);
+  std::vector<uint8_t> memory(size.size + 64);
+  Layout layout;
+  layout.base = memory.data() + (64 - reinterpret_cast<uintptr_t>(memory.data()) % 64);
+  const LightMemory block = layout_light_network(32, 32, &layout);
+  uint64_t state = 3;
+  for (int i = 0; i < k_few; ++i) {
+    // Tables lie at the front and the back, between the arrays.
+    const uint64_t span = i % 3 == 0   ? 256
+                          : i % 3 == 1 ? 65536
+                                       : words.bytes - 16,
+                   offset = random_number(&state) % span;
+    const uint64_t at = i % 2 == 0 ? offset : words.bytes - 16 - offset;
+    const uint8_t before = words.data()[at];
+    words.data()[at] = static_cast<uint8_t>(random_number(&state));
+    words.repair_checksum();
+    LightAsset asset;
+    const char* reason = nullptr;
+    if (open_light_asset(words.data(), words.bytes, &asset, &reason) == SANDGLASS_OK) {
+      LightNetwork* net = create_light_network(asset, select_int8_kernels(SANDGLASS_ISA_AUTOMATIC), 32, 32, block);
+      begin_light_network(net, rgb.data());
+      for (uint32_t unit = 0; unit < net->units; ++unit) run_light_unit(net, unit);
+    }
+    words.data()[at] = before;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,203 @@
+// The lighting network at run time: against the naive network of bytes to the bit, against the float network, alike on
+// every instruction set, in every order that is allowed, within its memory.
+#include "runtime/lighting/network.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+
+#include "models/host/npz.h"
+#include "models/lighting/light_runner.h"
+#include "models/lighting/quantise.h"
+#include "runtime/asset/checksum.h"
+#include "runtime/lighting/heads.h"
+#include "tests/lighting/byte_network.h"
+
+namespace sandglass::host {
+namespace {
+
+constexpr uint32_t k_width = 96, k_height = 64;  // small, and not square
+constexpr uint64_t k_golden = 4615494675203553879u;
+
+const std::vector<uint8_t>& random_file() {
+  static const std::vector<uint8_t> bytes = light_file_bytes(random_light_file(7));
+  return bytes;
+}
+
+std::vector<uint8_t> random_image(uint32_t width, uint32_t height) {
+  std::vector<uint8_t> rgb(size_t{3} * width * height);
+  uint64_t state = 11;
+  for (uint8_t& b : rgb) {
+    state = state * 6364136223846793005ull + 1442695040888963407ull;
+    b = static_cast<uint8_t>(state >> 56);
+  }
+  return rgb;
+}
+
+std::vector<sandglass_isa> sets() {
+  std::vector<sandglass_isa> available;
+  constexpr sandglass_isa k_all[] = {SANDGLASS_ISA_SCALAR,    SANDGLASS_ISA_NEON, SANDGLASS_ISA_NEON_DOTPROD,
+                                     SANDGLASS_ISA_NEON_I8MM, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512};
+  for (const sandglass_isa isa : k_all)
+    if (select_int8_kernels(isa) != nullptr) available.push_back(isa);
+  return available;
+}
+
+uint64_t hash_of(const LightOutputs& outputs, const std::vector<float>& features) {
+  const uint64_t of_features = asset_checksum(reinterpret_cast<const uint8_t*>(features.data()), 4 * features.size());
+  return of_features * 1099511628211ull ^ asset_checksum(reinterpret_cast<const uint8_t*>(&outputs), sizeof outputs);
+}
+
+std::vector<uint32_t> averages_of(LightRunner* runner) {
+  std::vector<uint32_t> averages;
+  for (uint32_t c = 0; c < k_light_features; ++c)
+    averages.push_back(256u * runner->network()->pooled_high[c] + runner->network()->pooled_low[c]);
+  return averages;
+}
+
+TEST(LightNetwork, OneHashOnEveryInstructionSet) {
+  for (const sandglass_isa isa : sets()) {
+    LightRunner runner(random_file(), "random", isa, k_width, k_height);
+    const LightOutputs outputs = runner.run(random_image(k_width, k_height));
+    EXPECT_EQ(hash_of(outputs, runner.features()), k_golden) << isa;
+  }
+}
+
+TEST(LightNetwork, EqualsTheNaiveNetworkOfBytes) {
+  LightRunner runner(random_file(), "random", SANDGLASS_ISA_AUTOMATIC, 64, 32);
+  const std::vector<uint8_t> rgb = random_image(64, 32);
+  runner.run(rgb);
+  const std::vector<uint32_t> expected = tests::byte_features(random_light_file(7), rgb, 64, 32);
+  EXPECT_EQ(averages_of(&runner), expected);
+  // Channels that all ended alike would prove little.
+  EXPECT_GT(*std::max_element(expected.begin(), expected.end()),
+            *std::min_element(expected.begin(), expected.end()) + 25600);
+}
+
+TEST(LightNetwork, UnitsOfAnOperatorMayRunInAnyOrder) {
+  LightRunner runner(random_file(), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height);
+  const std::vector<uint8_t> rgb = random_image(k_width, k_height), grey(rgb.size(), 90);
+  const LightOutputs expected = runner.run(rgb);
+  runner.run(grey);  // leaves other bytes everywhere
+  LightNetwork* net = runner.network();
+  begin_light_network(net, rgb.data());
+  for (uint32_t first = 0; first < net->units; first = light_operator_end(*net, first))
+    for (uint32_t unit = light_operator_end(*net, first); unit-- > first;) run_light_unit(net, unit);
+  LightOutputs outputs;
+  finish_light_network(*net, &outputs);
+  EXPECT_EQ(std::memcmp(&outputs, &expected, sizeof outputs), 0);
+}
+
+TEST(LightNetwork, UnitsAreSmallAndAddUp) {
+  LightRunner runner(random_file(), "random");
+  const LightNetwork& net = *runner.network();
+  uint64_t left[k_light_kinds], sum = 0, counted = 0;
+  light_items_left(net, 0, left);
+  for (uint32_t kind = k_light_kind_stem; kind < k_light_kinds; ++kind) sum += left[kind];
+  for (uint32_t unit = 0; unit < net.units; ++unit) {
+    const WorkUnit work = light_unit(net, unit);
+    EXPECT_LE(work.items, k_light_unit_macs / 1000) << unit;
+    EXPECT_GT(work.items, 0u) << unit;
+    counted += work.items;
+  }
+  // 2.549 G multiplications, 10 M more for the stem's padding, 7 M comparisons; each unit rounds down.
+  EXPECT_NEAR(static_cast<double>(sum), 2.549e6 + 0.010e6 + 0.002e6, 2e3);
+  EXPECT_NEAR(static_cast<double>(counted), static_cast<double>(sum), static_cast<double>(net.units));
+  light_items_left(net, net.units, left);
+  for (const uint64_t items : left) EXPECT_EQ(items, 0u);
+}
+
+TEST(LightNetwork, ActivationsStayBelowTwoMegabytes) { EXPECT_LE(light_activation_bytes(256, 192), uint64_t{2} << 20); }
+
+TEST(LightNetwork, WritesNothingOutsideItsBlock) {
+  const std::vector<uint8_t>& bytes = random_file();
+  std::vector<uint64_t> file(bytes.size() / 8 + 1);
+  std::memcpy(file.data(), bytes.data(), bytes.size());
+  LightAsset asset;
+  const char* reason = nullptr;
+  ASSERT_EQ(open_light_asset(file.data(), bytes.size(), &asset, &reason), SANDGLASS_OK) << reason;
+  for (const auto& [width, height] : {std::pair{32u, 32u}, std::pair{224u, 32u}, std::pair{32u, 256u}}) {
+    Layout size, layout;
+    layout_light_network(width, height, &size);
+    constexpr uint64_t k_guard = 4096;
+    std::vector<uint8_t> memory(size.size + 2 * k_guard + 64, 0xA7);
+    uint8_t* block = memory.data() + k_guard + (64 - reinterpret_cast<uintptr_t>(memory.data() + k_guard) % 64);
+    layout.base = block;
+    LightNetwork* net = create_light_network(asset, select_int8_kernels(SANDGLASS_ISA_AUTOMATIC), width, height,
+                                             layout_light_network(width, height, &layout));
+    EXPECT_EQ(layout.size, size.size);
+    const std::vector<uint8_t> rgb = random_image(width, height);
+    begin_light_network(net, rgb.data());
+    for (uint32_t unit = 0; unit < net->units; ++unit) run_light_unit(net, unit);
+    const auto intact = [](const uint8_t* from, const uint8_t* to) {
+      return std::all_of(from, to, [](uint8_t b) { return b == 0xA7; });
+    };
+    EXPECT_TRUE(intact(memory.data(), block));
+    EXPECT_TRUE(intact(block + size.size, memory.data() + memory.size()));
+  }
+}
+
+TEST(LightNetwork, HeadsMeanWhatTheyShould) {
+  const double heads[k_light_heads] = {0.5, -1, 0.25, 2, -2, 0, 40, -40, 800, 0.75};
+  const LightOutputs out = light_outputs_of(heads);
+  const double x = std::tanh(0.5), y = std::tanh(-1.0), z = std::tanh(0.25), length = std::sqrt(x * x + y * y + z * z);
+  EXPECT_FLOAT_EQ(out.direction[0], static_cast<float>(x / length));
+  EXPECT_FLOAT_EQ(out.direction[1], static_cast<float>(y / length));
+  EXPECT_FLOAT_EQ(out.direction[2], static_cast<float>(z / length));
+  EXPECT_FLOAT_EQ(out.light[0], static_cast<float>(1 / (1 + std::exp(-2.0))));
+  EXPECT_FLOAT_EQ(out.light[2], 0.5f);
+  EXPECT_FLOAT_EQ(out.ambient[1], static_cast<float>(std::exp(-40.0)));
+  EXPECT_FLOAT_EQ(out.ambient[2], 1.0f);
+  EXPECT_FLOAT_EQ(out.contrast, static_cast<float>(1 / (1 + std::exp(-0.75))));
+  const LightOutputs nowhere = light_outputs_of(std::array<double, k_light_heads>{}.data());
+  EXPECT_EQ(nowhere.direction[1], -1.0f);
+  for (const double t : {-3.0, -1e-3, 0.0, 2.0}) EXPECT_NEAR(elu(t), t > 0 ? t : std::expm1(t), 1e-15);
+}
+
+// The pretrained classifier in bytes, calibrated on the images that it is asked about: its 1024 features, and the
+// class.
+TEST(LightNetwork, ClassifiesTheReferenceImagesAsTheFloatNetworkDoes) {
+  const char* folder = std::getenv("SANDGLASS_DATA_DIR");
+  if (folder == nullptr) GTEST_SKIP() << "SANDGLASS_DATA_DIR is not set";
+  if (SANDGLASS_EMULATED) GTEST_SKIP() << "minutes under emulation";
+  const std::string pretrained = std::string(folder) + "/pretrained/";
+  LightNet net;
+  net.trunk = densenet_of(read_npz(pretrained + "densenet121_imagenet_keras_fp32.npz"));
+  net.latent.assign(size_t{k_features} * k_latent, 0.01f), net.latent_bias.assign(k_latent, 0);
+  net.heads.assign(size_t{k_latent} * k_heads, 0.01f), net.heads_bias.assign(k_heads, 0);
+  const auto truth = read_npz(pretrained + "densenet121_reference_outputs.npz");
+  LightRanges ranges;
+  ranges.products = false;
+  std::vector<std::vector<uint8_t>> images;
+  for (const std::string name : {"bird", "parrot", "cat"}) {
+    const std::vector<float>& pixels = truth.at(name + "/rgb_u8").values;
+    images.emplace_back(pixels.size());
+    std::transform(pixels.begin(), pixels.end(), images.back().begin(),
+                   [](float v) { return static_cast<uint8_t>(v); });
+    observe(net.trunk, images.back(), 224, 224, &ranges);
+  }
+  LightRunner runner(light_file_bytes(quantise(net, &ranges)), "classifier", SANDGLASS_ISA_AUTOMATIC, 224, 224);
+  size_t image = 0;
+  for (const std::string name : {"bird", "parrot", "cat"}) {
+    runner.run(images[image++]);
+    const std::vector<float> features = runner.features(), &expected = truth.at(name + "/feat1024").values;
+    double error = 0, square = 0;
+    for (size_t c = 0; c < features.size(); ++c) {
+      error += std::pow(static_cast<double>(features[c] - expected[c]), 2);
+      square += std::pow(static_cast<double>(expected[c]), 2);
+    }
+    std::printf("%s: relative error of the features %.4f\n", name.c_str(), std::sqrt(error / square));
+    EXPECT_LE(std::sqrt(error / square), 0.1) << name;
+    const std::vector<float> probabilities = probabilities_of(net.trunk, features),
+                             &classes = truth.at(name + "/prob1000").values;
+    EXPECT_EQ(std::max_element(probabilities.begin(), probabilities.end()) - probabilities.begin(),
+              std::max_element(classes.begin(), classes.end()) - classes.begin())
+        << name;
+  }
+}
+
+}  // namespace
+}  // namespace sandglass::host
