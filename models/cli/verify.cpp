@@ -14,6 +14,7 @@
 #include "models/host/physics_cases.h"
 #include "models/host/progress.h"
 #include "models/host/simulation.h"
+#include "models/lighting/light_runner.h"
 #include "models/lighting/verify_lighting.h"
 
 namespace sandglass::host {
@@ -27,7 +28,7 @@ struct Options {
   std::vector<std::string> cases;
   bool quick = false;
   std::vector<std::string> panoramas;
-  std::string manifest, estimates, object = "trefoil";
+  std::string manifest, estimates, network, object = "trefoil";
   int views = 8, samples = 32;
   uint32_t threads = 1;
 };
@@ -128,6 +129,17 @@ int verify_lighting_suite(const Options& options) {
   lighting.views = options.views, lighting.samples = options.samples, lighting.threads = options.threads;
   if (!options.estimates.empty())
     lighting.estimator = estimates_of_csv(read_file(options.estimates, "estimates"), options.estimates);
+  if (!options.network.empty()) {
+    const std::string bytes = read_file(options.network, "lighting network");
+    const auto runner =
+        std::make_shared<LightRunner>(std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()),
+                                      options.network, find_isa(options.isa));
+    lighting.estimator = [runner](const Picture& image, const std::string&) {
+      const LightOutputs o = runner->run(image.rgb);
+      const auto vector = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };
+      return LightLabels{normalised(vector(o.direction)), vector(o.light), vector(o.ambient), o.contrast, true};
+    };
+  }
   MeshResult mesh = make_named(options.object);
   if (!mesh) mesh = load_mesh(options.object);
   if (!mesh) throw Failure(mesh.error);
@@ -140,7 +152,8 @@ int verify_lighting_suite(const Options& options) {
   uint32_t failed = 0;
   for (const Verdict& v : verdicts.rows) failed += v.pass ? 0 : 1;
   if (!options.json.empty())
-    write_file(options.json, measurements_json(measurements_of("lighting", "f32", options.threads, verdicts.rows)));
+    write_file(options.json, measurements_json(measurements_of("lighting", options.network.empty() ? "f32" : "int8",
+                                                               options.threads, verdicts.rows)));
   if (!options.out.empty()) {
     make_folder(options.out);
     write_file(options.out + "/lighting.csv", lighting_csv(verdicts));
@@ -168,8 +181,9 @@ void add_verify_command(CLI::App& program, int* exit_code) {
   command->add_option("--isa", options->isa, "Kernels to use (automatic)");
   command->add_option("--panoramas", options->panoramas, "Lighting: .hdr or .exr files, or folders of them");
   command->add_option("--manifest", options->manifest, "Lighting: CSV with file, group and fold");
-  command->add_option("--estimates", options->estimates,
-                      "Lighting: the estimates of all views, as train.py writes them");
+  command
+      ->add_option("--estimates", options->estimates, "Lighting: the estimates of all views, as train.py writes them")
+      ->excludes(command->add_option("--network", options->network, "Lighting: a network's file, run as in an app"));
   command->add_option("--object", options->object, "Lighting: a mesh file or a generated mesh's name")
       ->capture_default_str();
   command->add_option("--views", options->views, "Lighting: of each panorama's eight")
