@@ -11,9 +11,11 @@
 #include "models/host/granular_verdicts.h"
 #include "models/host/measurement_json.h"
 #include "models/host/mesh/generated.h"
+#include "models/host/npz.h"
 #include "models/host/physics_cases.h"
 #include "models/host/progress.h"
 #include "models/host/simulation.h"
+#include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/verify_lighting.h"
 
@@ -121,6 +123,29 @@ int verify_granular(const Options& options) {
   return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : 0;
 }
 
+LightLabels labels_of_values(const float* direction, const float* light, const float* ambient, float contrast) {
+  const auto vector = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };
+  return {normalised(vector(direction)), vector(light), vector(ambient), contrast, true};
+}
+
+// The runtime's bytes; of exported weights (.npz) the float network, slowly.
+LightEstimator estimator_of(const Options& options) {
+  if (options.network.ends_with(".npz")) {
+    const auto net = std::make_shared<LightNet>(light_net_of(read_npz(options.network)));
+    return [net](const Picture& image, const std::string&) {
+      const LightValues v = light_of(*net, features_of(net->trunk, image.rgb, image.width, image.height));
+      return labels_of_values(&v[0], &v[3], &v[6], v[9]);
+    };
+  }
+  const std::string bytes = read_file(options.network, "lighting network");
+  const auto runner = std::make_shared<LightRunner>(
+      std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()), options.network, find_isa(options.isa));
+  return [runner](const Picture& image, const std::string&) {
+    const LightOutputs o = runner->run(image.rgb);
+    return labels_of_values(o.direction, o.light, o.ambient, o.contrast);
+  };
+}
+
 int verify_lighting_suite(const Options& options) {
   if (options.panoramas.empty())
     throw Failure("verify lighting needs panoramas; name .hdr or .exr files or folders of them with --panoramas");
@@ -129,17 +154,7 @@ int verify_lighting_suite(const Options& options) {
   lighting.views = options.views, lighting.samples = options.samples, lighting.threads = options.threads;
   if (!options.estimates.empty())
     lighting.estimator = estimates_of_csv(read_file(options.estimates, "estimates"), options.estimates);
-  if (!options.network.empty()) {
-    const std::string bytes = read_file(options.network, "lighting network");
-    const auto runner =
-        std::make_shared<LightRunner>(std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()),
-                                      options.network, find_isa(options.isa));
-    lighting.estimator = [runner](const Picture& image, const std::string&) {
-      const LightOutputs o = runner->run(image.rgb);
-      const auto vector = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };
-      return LightLabels{normalised(vector(o.direction)), vector(o.light), vector(o.ambient), o.contrast, true};
-    };
-  }
+  if (!options.network.empty()) lighting.estimator = estimator_of(options);
   MeshResult mesh = make_named(options.object);
   if (!mesh) mesh = load_mesh(options.object);
   if (!mesh) throw Failure(mesh.error);
@@ -152,12 +167,15 @@ int verify_lighting_suite(const Options& options) {
   uint32_t failed = 0;
   for (const Verdict& v : verdicts.rows) failed += v.pass ? 0 : 1;
   if (!options.json.empty())
-    write_file(options.json, measurements_json(measurements_of("lighting", options.network.empty() ? "f32" : "int8",
-                                                               options.threads, verdicts.rows)));
+    write_file(options.json,
+               measurements_json(measurements_of(
+                   "lighting", options.network.empty() || options.network.ends_with(".npz") ? "f32" : "int8",
+                   options.threads, verdicts.rows)));
   if (!options.out.empty()) {
     make_folder(options.out);
     write_file(options.out + "/lighting.csv", lighting_csv(verdicts));
     write_file(options.out + "/lighting.txt", lighting_table(verdicts));
+    if (verdicts.has_estimate) write_file(options.out + "/estimates.csv", estimates_csv(verdicts));
     write_file(options.out + "/verify.csv", table_csv(verdicts.rows));
     write_file(options.out + "/verify.md", table_markdown(verdicts.rows));
     write_png(options.out + "/lighting.png", picture_grid(verdicts.pictures, 8, 4));
@@ -183,7 +201,8 @@ void add_verify_command(CLI::App& program, int* exit_code) {
   command->add_option("--manifest", options->manifest, "Lighting: CSV with file, group and fold");
   command
       ->add_option("--estimates", options->estimates, "Lighting: the estimates of all views, as train.py writes them")
-      ->excludes(command->add_option("--network", options->network, "Lighting: a network's file, run as in an app"));
+      ->excludes(command->add_option("--network", options->network,
+                                     "Lighting: a network's file, run as in an app; .npz: in float"));
   command->add_option("--object", options->object, "Lighting: a mesh file or a generated mesh's name")
       ->capture_default_str();
   command->add_option("--views", options->views, "Lighting: of each panorama's eight")

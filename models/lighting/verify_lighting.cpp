@@ -34,6 +34,9 @@ constexpr Colour k_white = {255, 255, 255}, k_black = {0, 0, 0};
 constexpr Colour k_colours[k_light_sources] = {
     {255, 255, 255}, {60, 220, 60}, {150, 150, 150}, {230, 60, 200}, {80, 140, 255}};
 
+constexpr const char* k_estimates_header =
+    "image,direction_x,direction_y,direction_z,light_r,light_g,light_b,ambient_r,ambient_g,ambient_b,contrast";
+
 double linear_of(uint8_t byte) {
   const double x = byte / 255.0;
   return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
@@ -219,8 +222,7 @@ const char* name_of(LightSource source) {
 }
 
 LightEstimator estimates_of_csv(const std::string& text, const std::string& path) {
-  const std::string header =
-      "image,direction_x,direction_y,direction_z,light_r,light_g,light_b,ambient_r,ambient_g,ambient_b,contrast";
+  const std::string header = k_estimates_header;
   const auto table = std::make_shared<std::map<std::string, LightLabels>>();
   for (size_t at = 0, line = 1; at < text.size(); ++line) {
     const size_t end = std::min(text.find('\n', at), text.size());
@@ -352,6 +354,7 @@ LightingVerdicts verify_lighting(const LightingVerdictOptions& options) {
   for (const Work& work : works) {
     LightView view;
     view.name = work.name, view.panorama = stem_of(work.path), view.location = work.location.name;
+    view.estimate = work.lights[static_cast<size_t>(LightSource::estimate)];
     for (int s = 0; s < k_light_sources; ++s)
       if (work.has[s]) view.errors[s] = errors_of(work, s);
     verdicts.views.push_back(view);
@@ -421,6 +424,22 @@ std::string lighting_csv(const LightingVerdicts& verdicts) {
       }
       text += "\n";
     }
+  }
+  return text;
+}
+
+std::string estimates_csv(const LightingVerdicts& verdicts) {
+  std::string text = std::string(k_estimates_header) + "\n";
+  for (const LightView& view : verdicts.views) {
+    const LightLabels& e = view.estimate;
+    text += view.name + ".png";
+    for (const double value : {e.direction.x, e.direction.y, e.direction.z, e.light.x, e.light.y, e.light.z,
+                               e.ambient.x, e.ambient.y, e.ambient.z, e.contrast}) {
+      char number[32];
+      std::snprintf(number, sizeof number, ",%.6f", value);
+      text += number;
+    }
+    text += "\n";
   }
   return text;
 }

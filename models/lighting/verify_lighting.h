@@ -45,6 +45,7 @@ const char* name_of(LightSource source);
 
 struct LightView {
   std::string name, panorama, location;
+  LightLabels estimate;  // where there is one
   LightErrors errors[k_light_sources];
 };
 
@@ -78,5 +79,7 @@ LightingVerdicts verify_lighting(const LightingVerdictOptions& options);
 // As text: means over all views by source; and by panorama as CSV.
 std::string lighting_table(const LightingVerdicts& verdicts);
 std::string lighting_csv(const LightingVerdicts& verdicts);
+// The estimates themselves, as estimates_of_csv reads them.
+std::string estimates_csv(const LightingVerdicts& verdicts);
 
 }  // namespace sandglass::host

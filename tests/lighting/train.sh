@@ -86,6 +86,17 @@ PY
 "$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
   --estimates "$folder/whole/fold_1_estimates.csv" >"$folder/verify.log" || [[ $? == 1 ]]
 grep -q "direction against" "$folder/verify.log"
+# What PyTorch estimates, the plain float network in C++ does.
+"$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
+  --network "$folder/whole/weights.npz" --out "$folder/float" >"$folder/float.log" || [[ $? == 1 ]]
+"$python" - "$folder" <<'PY'
+import sys
+import numpy as np
+a, b = (np.loadtxt(f"{sys.argv[1]}/{name}/{file}.csv", delimiter=",", skiprows=1, usecols=range(1, 11))
+        for name, file in (("whole", "fold_1_estimates"), ("float", "estimates")))
+print("greatest difference between PyTorch and C++:", np.abs(a - b).max())
+assert a.shape == b.shape == (8, 10) and np.abs(a - b).max() < 1e-3
+PY
 
 "$python" -c "import numpy, sys; numpy.savez(sys.argv[1], a=numpy.zeros(3))" "$folder/odd.npz"
 refused() {  # one sentence that contains the words, and a failure
