@@ -420,6 +420,11 @@ def train(arguments):
     device = torch.device("cuda" if torch.cuda.is_available() and not arguments.cpu else "cpu")
     rows = Rows(arguments.dataset, arguments.views, arguments.train_only)
     rows.excluded = arguments.exclude
+    folds = [None] if arguments.all else arguments.test_fold
+    for fold in folds:
+        trained, tested = (len(part) for part in rows.split(fold))
+        if trained == 0 or (tested == 0 and fold is not None):
+            fail(f"fold {fold} leaves {trained} images to train on and {tested} to test on; choose another fold")
     torch.manual_seed(arguments.seed)
     net = LightNet()
     net.learned = arguments.learn if arguments.layers == "last" else LAYERS[3]
@@ -427,7 +432,7 @@ def train(arguments):
     net.to(device, memory_format=torch.channels_last)
     trunk_of = cached_trunks(net, rows, arguments, device) if arguments.layers == "last" else None
     start = {k: v.clone() for k, v in net.state_dict().items()}
-    for fold in [None] if arguments.all else arguments.test_fold:
+    for fold in folds:
         net.load_state_dict(start)
         train_fold(arguments, fold, rows, net, has_heads, trunk_of, device)
 
@@ -482,8 +487,6 @@ def train_layout(arguments):
 def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
     torch.manual_seed(arguments.seed)
     train_rows, test_rows = rows.split(fold)
-    if len(train_rows) == 0 or (len(test_rows) == 0 and not arguments.all):
-        fail(f"fold {fold} leaves {len(train_rows)} images to train on and {len(test_rows)} to test on; choose another fold")
     captured = train_rows[rows.kind[train_rows] < 2]
     mean_light = rows.labels[captured if len(captured) else train_rows].mean(0)
     if not has_heads:
