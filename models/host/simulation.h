@@ -29,6 +29,12 @@ class Simulation {
   // What pours and what swallows from the next frame on.
   void flow(Flow flow) { flow_ = std::move(flow); }
 
+  // After sandglass_scene_reset: filled as at the start.
+  void restart(const Material& material);
+
+  // As the last frame wrote them, at the instant that its output_lag asked for.
+  std::span<const sandglass_grain> output() const { return output_; }
+
   // Refreshed by each call; 3 floats an item, as many items as were added or emitted.
   const std::vector<float>& particle_positions();
   const std::vector<float>& particle_velocities();
