@@ -5,6 +5,7 @@ namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/contact.inl"
 #include "kernels/grid_cells.inl"
 #include "kernels/neighbour_lists.inl"
+#include "kernels/pile_light.inl"
 #include "kernels/refine.inl"
 #include "kernels/wake.inl"
 

@@ -171,6 +171,32 @@ struct RefineExtent {
   uint32_t quarantined;
 };
 
+// One azimuth of a soft light: its elevations as sin^2, its share of the horizon, and the steps that are walked along
+// it.
+struct PileAzimuth {
+  float low, high, weight;
+  uint32_t first_step, last_step;
+};
+struct PileStep {
+  int32_t columns, rows;   // from the receiver
+  float inverse_distance;  // 1 / metres
+};
+
+// The range is of texels of one row. Columns of sand are texels too: heights over the floor, tops of empty ones far
+// below and bottoms far above everything; k_lane_group of those stand before and after every row.
+struct PileLightArgs {
+  const float *tops, *bottoms;  // row 0, column 0
+  uint32_t pitch;               // floats from row to row
+  int32_t row;
+  int32_t sand_rows[2], sand_columns[2];  // first and last with sand
+  const float* receivers;                 // heights of this row's
+  const PileAzimuth* azimuths;
+  uint32_t azimuth_count;
+  const PileStep* steps;
+  float inverse_total;  // 1 / sum of weight * (high - low)
+  float* shares;        // of the light that is left, 0..1
+};
+
 #define SANDGLASS_KERNEL(name, Args, Result) \
   using name##_function = void (*)(const Args* args, uint32_t begin, uint32_t end, Result* result);
 #include "kernels/kernels.inc"

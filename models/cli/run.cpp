@@ -3,6 +3,7 @@
 #include <time.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "models/host/metrics.h"
 #include "models/host/npy.h"
 #include "models/host/pictures.h"
+#include "models/host/pile_shadow.h"
 #include "models/host/progress.h"
 #include "models/host/recording.h"
 #include "models/host/report.h"
@@ -25,6 +27,7 @@
 #include "models/host/simulation.h"
 #include "models/host/standing_shadows.h"
 #include "models/host/thread_pool.h"
+#include "models/shot/shot.h"
 #include "platform/virtual_clock.h"
 
 namespace sandglass::host {
@@ -41,8 +44,9 @@ constexpr uint32_t k_threads_at_most = 256, k_drawing_threads_at_most = 8;
 
 struct Options {
   std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, dump, out;
+  std::string panorama, photo, asset, light, network;
   uint32_t frames = 0, threads = 1;
-  double budget_ms = -1.0;
+  double budget_ms = -1.0, fov_deg = 0.0;
 };
 
 uint64_t thread_cpu_ns() {
@@ -115,11 +119,34 @@ struct Run {
   std::optional<ThreadPool> pool;
   std::optional<Simulation> simulation;
   std::optional<StandingShadows> shadows;
+  std::optional<PileShadow> pile;
+  std::optional<Shot> shot;
   RunReport report;
   std::vector<Snapshot> snapshots;
   Recording recording;  // --replay: what to execute; --record: what was executed
 
   explicit Run(const Options& o) : options(o), scene(load_scene(o.scene)) {}
+
+  uint32_t drawing_threads() const {
+    return std::min(std::max(1u, std::thread::hardware_concurrency()), k_drawing_threads_at_most);
+  }
+
+  void take_shot() {
+    const bool asked = !options.panorama.empty() || !options.photo.empty() || !options.light.empty();
+    if (!scene.shot && asked)
+      throw Failure("scene '" + scene.source +
+                    "' is no shot; --panorama, --photo and --light need one, such as 'shot'");
+    if (!scene.shot) return;
+    if (!options.photo.empty() && options.fov_deg <= 0.0)
+      throw Failure("--photo needs --fov: the camera's field of view across the diagonal, in degrees");
+    ShotOptions o;
+    o.panorama = options.panorama, o.photo = options.photo, o.photo_fov_deg = options.fov_deg;
+    o.mesh = options.collider_mesh, o.folder = options.out, o.threads = drawing_threads();
+    for (const LightSource source : {LightSource::labels, LightSource::estimate, LightSource::arbitrary})
+      if (options.light == name_of(source)) o.light = source;
+    o.network = options.network, o.isa = find_isa(options.isa);
+    shot.emplace(scene, o);
+  }
 
   void prepare() {
     if (options.frames > 0) scene.frames = options.frames;
@@ -135,6 +162,14 @@ struct Run {
     for (const std::string& folder : {options.out, options.dump})
       if (!folder.empty()) make_folder(folder);
 
+    if (!options.asset.empty()) {
+      const auto standing = std::find_if(scene.colliders.begin(), scene.colliders.end(),
+                                         [](const ColliderTrack& track) { return !track.shadow.empty(); });
+      if (standing == scene.colliders.end())
+        throw Failure("scene '" + scene.source + "' has no object with a baked shadow, so --asset does nothing");
+      standing->shadow = options.asset;
+    }
+    take_shot();
     const LoadedMeshes meshes(scene, options.mesh);
     if (!meshes.note().empty()) std::fprintf(stderr, "sandglass: note: %s\n", meshes.note().c_str());
     const Material material = fill_scene(&scene, meshes.bodies());
@@ -153,6 +188,10 @@ struct Run {
     simulation.emplace(desc);
     simulation->add(material);
     shadows.emplace(scene, isa);
+    if (scene.pile_shadow) {
+      pile.emplace(*scene.pile_shadow, isa);
+      simulation->cast(pile->handle());
+    }
     report.scene = scene.name;
     report.isa = sandglass_isa_name(sandglass_scene_isa(simulation->handle()));
     report.clock = options.replay.empty() ? options.clock : "replay";
@@ -176,17 +215,31 @@ struct Run {
     snapshot.grains = present(simulation->grain_positions()),
     snapshot.particles = present(simulation->particle_positions());
     snapshot.shadows = shadows->drawn(colliders);
+    if (pile) snapshot.pile = {pile->drawn(false)}, snapshot.pile_surface = {pile->drawn(true)};
     snapshot.colliders = std::move(colliders);
     if (scene.light) snapshot.to_light = scene.light->towards(static_cast<double>(frame) / scene.frames);
+    if (shot) snapshot.to_light = shot->light(frame).towards;
     snapshots.push_back(std::move(snapshot));
   }
 
   // Of every active stage.
-  uint64_t hash() const { return sandglass_scene_hash(simulation->handle()) + shadows->hash(); }
+  uint64_t hash() const {
+    const uint64_t of_pile = pile ? sandglass_pile_shadow_hash(pile->handle()) : 0;
+    return sandglass_scene_hash(simulation->handle()) + shadows->hash() + of_pile;
+  }
 
   // One frame by clock and budget, or as recorded.
   sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
-    shadows->set_light(scene, frame);
+    if (shot) {
+      shot->begin(frame);
+      simulation->see(shot->estimator(), shot->image());
+    }
+    if (shot || scene.light) {
+      const Vec3 towards =
+          shot ? shot->light(frame).towards : scene.light->towards(static_cast<double>(frame) / scene.frames);
+      shadows->set_light(scene, frame, towards);
+      if (pile) pile->set_light(towards);
+    }
     simulation->flow(flow_over_frame(scene, frame * scene.frame_step));
     if (options.replay.empty()) {
       *colliders = colliders_over_frame(scene, frame);
@@ -239,15 +292,28 @@ struct Run {
     if (report.interrupted)
       std::printf("interrupted after %zu of %u frames; the reports cover those\n", report.frames.size(), scene.frames);
     if (options.out.empty()) return;
-    const uint32_t cores = std::max(1u, std::thread::hardware_concurrency());
     PictureSet set;
     set.folder = options.out;
     set.title = scene.name;
     set.particle_radius = scene.particle_radius;
     set.camera = scene.camera;
-    set.threads = std::min(cores, k_drawing_threads_at_most);
+    set.threads = drawing_threads();
+    if (shot)
+      set.painter = [this](const Snapshot& snapshot, int width, int height, uint32_t threads) {
+        return shot->paint(snapshot, width, height, threads);
+      };
     if (snapshots.size() > 1) set.seconds_per_snapshot = snapshots[1].time - snapshots[0].time;
     const PicturePaths paths = draw_pictures(set, snapshots);
+    if (shot) {
+      std::printf("light          %s, of %s\n", name_of(shot->source()), shot->surroundings().name.c_str());
+      if (const double angle = shot->angle_deg(snapshots.back().frame); angle >= 0.0)
+        std::printf("               %.1f degrees from the labels in the last frame\n", angle);
+      if (shot->surroundings().has_truth() && !interrupted()) {
+        const ShotErrors errors = shot->compare(snapshots.back(), options.out, set.threads);
+        std::printf("beside truth   %s\n", shot_errors_text(errors).c_str());
+        std::printf("               %s\n", (fs::path(options.out) / "beside_truth.png").string().c_str());
+      }
+    }
     const std::string page = (fs::path(options.out) / "report.html").string();
     write_file(page, report_page(report, page_content(paths.figures)));
     if (!paths.film.empty()) std::printf("film           %s\n", paths.film.c_str());
@@ -294,8 +360,17 @@ void add_run_command(CLI::App& program, int* exit_code) {
       program.add_subcommand("run", "Fill a scene with sand, run it under its budget, report and draw it");
   command->add_option("scene", options->scene, "Scene file, or the name of a shipped scene")->required();
   command->add_option("--mesh", options->mesh, "Triangle mesh for the scene's bodies of shape \"mesh\"");
-  command->add_option("--collider-mesh", options->collider_mesh,
+  command->add_option("--collider-mesh,--object", options->collider_mesh,
                       "Triangle mesh for the scene's colliders of shape \"mesh\"");
+  command->add_option("--asset", options->asset, "Baked shadow of that object, instead of the scene's");
+  CLI::Option* panorama = command->add_option("--panorama", options->panorama, "Of a shot: the room, .hdr or .exr");
+  command->add_option("--photo", options->photo, "Of a shot: a photograph behind it, with --fov")->excludes(panorama);
+  command->add_option("--fov", options->fov_deg, "Field of view of --photo across the diagonal, degrees")
+      ->check(CLI::Range(5.0, 150.0));
+  command->add_option("--network", options->network,
+                      "Of a shot: the lighting network's file, instead of the shipped one");
+  command->add_option("--light", options->light, "Of a shot: labels (of the panorama), estimate, or arbitrary")
+      ->check(CLI::IsMember({"labels", "estimate", "arbitrary"}));
   command->add_option("--frames", options->frames, "Frames to run instead of the scene's")
       ->check(CLI::Range(1u, 100'000'000u));
   command->add_option("--budget-ms", options->budget_ms, "Budget of a frame, instead of the scene's")

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 
 #include "models/cli/commands.h"
 #include "models/host/atomic_file.h"
@@ -15,9 +16,12 @@
 #include "models/host/physics_cases.h"
 #include "models/host/progress.h"
 #include "models/host/simulation.h"
+#include "models/lighting/dataset.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/verify_lighting.h"
+#include "models/shot/light_estimate.h"
+#include "models/shot/verify_shot.h"
 
 namespace sandglass::host {
 
@@ -184,25 +188,76 @@ int verify_lighting_suite(const Options& options) {
   return failed > 0 ? k_exit_check_failed : 0;
 }
 
+// Where the data folder's indoor panoramas are; empty: nowhere.
+std::vector<std::string> indoor_panoramas(const Options& options) {
+  if (!options.panoramas.empty()) return find_panoramas(options.panoramas);
+  const char* data = std::getenv("SANDGLASS_DATA_DIR");
+  if (data == nullptr || *data == '\0') return {};
+  return find_panoramas({std::string(data) + "/hdri/indoor"});
+}
+
+int verify_shot_suite(const Options& options) {
+  ShotStudyOptions study;
+  study.panoramas = indoor_panoramas(options);
+  if (study.panoramas.empty()) {
+    std::printf("skipped: no panoramas; name a folder with --panoramas, or the data folder in SANDGLASS_DATA_DIR\n");
+    return 0;
+  }
+  study.network = options.network.empty() ? shipped_light_network() : options.network;
+  study.folder = options.out, study.threads = options.threads;
+  if (options.quick) study.views = 3;
+  if (!study.folder.empty()) make_folder(study.folder);
+  ShotStudy result;
+  {
+    Progress progress("compositing and tracing views", std::min(study.views, study.panoramas.size()));
+    result = study_shots(study, [&](size_t done) {
+      progress.done(done);
+      return !interrupted();
+    });
+  }
+  if (interrupted()) return k_exit_interrupted;
+  const std::string text = shot_study_text(result);
+  std::fputs(text.c_str(), stdout);
+  if (study.network.empty()) std::printf("\nno lighting network: without estimates\n");
+  if (!study.folder.empty()) write_file(study.folder + "/shot.md", text);
+  uint32_t failed = 0;
+  std::vector<Measurement> measurements;
+  for (const ShotVariant ablation : {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light})
+    for (int m = 0; m < k_shot_metrics; ++m) {
+      const bool pass = result.beats(ablation, m);
+      if (!pass) std::printf("FAIL: true labels do not beat %s in %s\n", name_of(ablation), shot_metric_name(m));
+      failed += pass ? 0 : 1;
+      Measurement row;
+      row.suite = "shot", row.scene = name_of(ablation), row.metric = shot_metric_name(m), row.isa = "automatic";
+      row.value = result.mean[static_cast<int>(ablation)][m];
+      row.judgement = Measurement::Judgement{result.mean[0][m], result.mean[0][m], pass, true};
+      measurements.push_back(row);
+    }
+  if (!options.json.empty()) write_file(options.json, measurements_json(measurements));
+  return failed > 0 ? k_exit_check_failed : 0;
+}
+
 }  // namespace
 
 void add_verify_command(CLI::App& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("verify", "Measure claims against their truths; exit code 1 if one fails");
-  command->add_option("suite", options->suite, "granular or lighting")
+  command->add_option("suite", options->suite, "granular, lighting or shot")
       ->required()
-      ->check(CLI::IsMember({"granular", "lighting"}));
+      ->check(CLI::IsMember({"granular", "lighting", "shot"}));
   command->add_option("--case", options->cases, "Only these cases (all)")->check(CLI::IsMember(verdict_groups()));
   command->add_flag("--quick", options->quick, "Only the cases that take seconds");
   command->add_option("--json", options->json, "Write the rows to this file");
   command->add_option("--out", options->out, "Write table and curves into this folder");
   command->add_option("--isa", options->isa, "Kernels to use (automatic)");
-  command->add_option("--panoramas", options->panoramas, "Lighting: .hdr or .exr files, or folders of them");
+  command->add_option("--panoramas", options->panoramas,
+                      "Lighting and shot: .hdr or .exr files, or folders of them (shot: the data folder's interiors)");
   command->add_option("--manifest", options->manifest, "Lighting: CSV with file, group and fold");
   command
       ->add_option("--estimates", options->estimates, "Lighting: the estimates of all views, as train.py writes them")
-      ->excludes(command->add_option("--network", options->network,
-                                     "Lighting: a network's file, run as in an app; .npz: in float"));
+      ->excludes(
+          command->add_option("--network", options->network,
+                              "Lighting and shot: a network's file, run as in an app; lighting, .npz: in float"));
   command->add_option("--object", options->object, "Lighting: a mesh file or a generated mesh's name")
       ->capture_default_str();
   command->add_option("--views", options->views, "Lighting: of each panorama's eight")
@@ -211,12 +266,14 @@ void add_verify_command(CLI::App& program, int* exit_code) {
   command->add_option("--samples", options->samples, "Lighting: paths a pixel; 0 renders nothing")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
-  command->add_option("--threads", options->threads, "Lighting: threads; the result does not depend on them")
+  command->add_option("--threads", options->threads, "Lighting and shot: threads; the result does not depend on them")
       ->check(CLI::Range(1u, 256u))
       ->capture_default_str();
   command->callback([options, exit_code] {
     listen_for_interrupt();
-    *exit_code = options->suite == "lighting" ? verify_lighting_suite(*options) : verify_granular(*options);
+    *exit_code = options->suite == "shot"       ? verify_shot_suite(*options)
+                 : options->suite == "lighting" ? verify_lighting_suite(*options)
+                                                : verify_granular(*options);
   });
 }
 

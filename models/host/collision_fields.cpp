@@ -30,6 +30,20 @@ Block field_block(uint64_t bytes) { return new_block(bytes, "a collider's field"
 
 }  // namespace
 
+void stand_mesh(Mesh* mesh, double height, const std::string& name) {
+  std::vector<float>& vertices = mesh->vertices;
+  float low[3], high[3];
+  for (size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = high[axis] = vertices[axis];
+    for (size_t v = axis; v < vertices.size(); v += 3)
+      low[axis] = std::min(low[axis], vertices[v]), high[axis] = std::max(high[axis], vertices[v]);
+  }
+  if (!(high[1] > low[1])) throw Failure("the mesh '" + name + "' is flat; a collider needs a height");
+  const float scale = static_cast<float>(height) / (high[1] - low[1]);
+  const float middle[3] = {0.5f * (low[0] + high[0]), low[1], 0.5f * (low[2] + high[2])};
+  for (size_t v = 0; v < vertices.size(); ++v) vertices[v] = (vertices[v] - middle[v % 3]) * scale;
+}
+
 CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path) {
   const auto is_mesh = [](const ColliderTrack& track) {
     return track.shape == SANDGLASS_SHAPE_FIELD && track.profile.empty();
@@ -74,16 +88,10 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
                       " is a mesh: name its file with --collider-mesh FILE");
       const MeshResult loaded = mesh_path.empty() ? make_named(track.mesh) : argument;
       if (!loaded) throw Failure(loaded.error);
-      // Scaled to its height, the middle of its base at the origin.
-      std::vector<float> vertices = loaded.mesh.vertices;
-      sandglass_mesh view = {vertices.data(), loaded.mesh.vertex_count(), loaded.mesh.indices.data(),
-                             loaded.mesh.triangle_count()};
-      require(*scene, i, sandglass_mesh_bounds(&view, low, high, &reason), reason);
-      const float height = high[1] - low[1];
-      if (!(height > 0.0f)) throw Failure("the mesh '" + mesh_path + "' is flat; a collider needs a height");
-      const float scale = static_cast<float>(track.size.y) / height;
-      const float middle[3] = {0.5f * (low[0] + high[0]), low[1], 0.5f * (low[2] + high[2])};
-      for (size_t v = 0; v < vertices.size(); ++v) vertices[v] = (vertices[v] - middle[v % 3]) * scale;
+      Mesh standing = loaded.mesh;
+      stand_mesh(&standing, track.size.y, mesh_path);
+      sandglass_mesh view = {standing.vertices.data(), standing.vertex_count(), standing.indices.data(),
+                             standing.triangle_count()};
       require(*scene, i, sandglass_mesh_bounds(&view, low, high, &reason), reason);
       for (int k = 0; k < 3; ++k) low[k] -= static_cast<float>(margin), high[k] += static_cast<float>(margin);
       const sandglass_inside_rule rule =

@@ -5,9 +5,14 @@
 #include <vector>
 
 #include "models/host/block.h"
+#include "models/host/mesh/mesh.h"
 #include "models/host/scene_file.h"
 
 namespace sandglass::host {
+
+// Scales a mesh to `height` and puts the middle of its base at the origin: how a collider of shape "mesh" stands.
+// `name` is what the Failure about a flat mesh calls it.
+void stand_mesh(Mesh* mesh, double height, const std::string& name);
 
 class CollisionFields {
  public:

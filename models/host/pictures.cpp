@@ -29,8 +29,9 @@ constexpr int k_gif_width = 320, k_gif_height = 240;
 constexpr int k_page_quality = 88, k_sheet_quality = 80;  // of JPEG
 constexpr Colour k_ink = {20, 24, 30};
 
-Picture draw(const PictureSet& set, const Snapshot& snapshot, const View& base, bool particles, int width, int height) {
-  View view = base;
+Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& base, bool particles, int width,
+             int height) {
+  SceneView view = base;
   const uint32_t particle_count = static_cast<uint32_t>(snapshot.particles.size() / 3);
   const uint32_t grain_count = static_cast<uint32_t>(snapshot.grains.size() / 3);
   particles = particles || grain_count == 0;
@@ -42,7 +43,8 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const View& base, 
   view.to_light = snapshot.to_light;
   RenderOptions options;
   options.width = width, options.height = height, options.threads = set.threads;
-  Picture picture = render(view, options);
+  Picture picture =
+      set.painter && !particles ? set.painter(snapshot, width, height, set.threads) : render(view, options);
   char label[96];
   std::snprintf(label, sizeof label, "%s  t = %.2f s  frame %u%s", set.title.c_str(), snapshot.time, snapshot.frame,
                 particles ? "  particles" : "");
@@ -106,7 +108,7 @@ Picture halved(const Picture& picture) {
 
 // For the report's page. `particles` is null where the sheet has none.
 static std::vector<PageFigure> page_figures(const PictureSet& set, const std::vector<Snapshot>& snapshots,
-                                            const View& view, const Picture& first, const Picture& last,
+                                            const SceneView& view, const Picture& first, const Picture& last,
                                             const Picture* particles, const Picture& sheet) {
   const Snapshot &begin = snapshots.front(), &end = snapshots.back();
   const ImageFile last_file = jpeg_file(last, k_page_quality);
@@ -143,7 +145,7 @@ uint32_t snapshot_step(uint32_t frames, double frame_step, uint32_t particles, u
 PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& snapshots) {
   PicturePaths paths;
   if (snapshots.empty()) return paths;
-  View view;
+  SceneView view;
   std::vector<Bounds> boxes;
   for (const Snapshot& snapshot : snapshots) {
     boxes.emplace_back().add_most(snapshot.grains.empty() ? snapshot.particles : snapshot.grains);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,7 +21,8 @@ struct Snapshot {
   std::vector<float> grains, particles;
   std::vector<sandglass_collider> colliders;
   std::vector<FloorShadow> shadows;
-  Vec3 to_light;  // of length 0: none in the scene
+  std::vector<FloorShadow> pile, pile_surface;  // the sand's own shadow: on the floor, and on itself
+  Vec3 to_light;                                // of length 0: none in the scene
 };
 
 // Every how many frames a snapshot is due, so that a run's snapshots play smoothly and fit into memory.
@@ -31,6 +33,8 @@ struct PictureSet {
   double particle_radius = 0.01, seconds_per_snapshot = 0.04;
   std::optional<Camera> camera;
   uint32_t threads = 4;
+  // Draws the grains of a snapshot instead of the renderer of render.h, if it is set.
+  std::function<Picture(const Snapshot& snapshot, int width, int height, uint32_t threads)> painter;
 };
 
 struct PicturePaths {

@@ -230,7 +230,7 @@ std::string length_text(double metres) {
 }
 
 struct Tracer {
-  const View& view;
+  const SceneView& view;
   SphereCaster caster;
   std::vector<Solid> solids;
   CameraFrame frame;
@@ -238,7 +238,7 @@ struct Tracer {
   Vec3 sun = normalised(k_sun);
   double sun_spread = k_sun_radius;
 
-  explicit Tracer(const View& v)
+  explicit Tracer(const SceneView& v)
       : view(v),
         caster(v.spheres, v.radius),
         frame(v.camera),
@@ -273,26 +273,12 @@ struct Tracer {
     return false;
   }
 
-  // Share of the direct light that the textures leave to a point of the floor: bilinear, as a GPU samples.
+  // Share of the direct light that the textures leave to a point of the floor.
   double transparency(Vec3 at) const {
     constexpr double k_same_floor = 1e-3;
     double share = 1.0;
-    for (const FloorShadow& shadow : view.shadows) {
-      if (std::fabs(at.y - shadow.position.y) > k_same_floor) continue;
-      const Vec3 local = rotate(conjugate(shadow.rotation), at - shadow.position);
-      const double n = shadow.texels;
-      const double u = (local.x - shadow.low[0]) / (shadow.high[0] - shadow.low[0]) * n - 0.5;
-      const double v = (local.z - shadow.low[1]) / (shadow.high[1] - shadow.low[1]) * n - 0.5;
-      if (!(u > -1.0 && v > -1.0 && u < n && v < n)) continue;
-      const auto texel = [&](double x, double y) {
-        const bool inside = x >= 0.0 && y >= 0.0 && x < n && y < n;
-        return inside ? shadow.coverage[static_cast<size_t>(y) * shadow.texels + static_cast<size_t>(x)] / 255.0 : 0.0;
-      };
-      const double x = std::floor(u), y = std::floor(v), fx = u - x, fy = v - y;
-      const double coverage = (1.0 - fy) * ((1.0 - fx) * texel(x, y) + fx * texel(x + 1.0, y)) +
-                              fy * ((1.0 - fx) * texel(x, y + 1.0) + fx * texel(x + 1.0, y + 1.0));
-      share *= 1.0 - coverage * shadow.opacity;
-    }
+    for (const FloorShadow& shadow : view.shadows)
+      if (std::fabs(at.y - shadow.position.y) <= k_same_floor) share *= floor_transparency(shadow, at.x, at.z);
     return share;
   }
 
@@ -300,13 +286,6 @@ struct Tracer {
     const Vec3 local = floor.to_local(at - floor.position);
     const auto odd = [&](double value) { return static_cast<int64_t>(std::floor(value / tile)) & 1; };
     return odd(local.x) == odd(local.z) ? k_light_tile : k_dark_tile;
-  }
-
-  Vec3 grain_colour(uint32_t index) const {
-    uint32_t state = index * 2u + 1u;
-    const double shade = 1.0 + k_colour_spread * (2.0 * unit_random(&state) - 1.0);
-    const double warmth = 0.10 * (2.0 * unit_random(&state) - 1.0);
-    return scaled(k_sand * shade, {1.0 + warmth, 1.0, 1.0 - warmth});
   }
 
   Vec3 trace(Vec3 origin, Vec3 direction, uint32_t* random) const {
@@ -382,7 +361,7 @@ void draw_line(Picture* picture, PixelPlace a, PixelPlace b, int thickness) {
 
 // A ruler that stands at the left of the box from its lower to its upper end, a scale bar that holds at the depth of
 // the camera's target, and the size of a floor tile.
-void draw_scale(const View& view, double tile, Picture* picture) {
+void draw_scale(const SceneView& view, double tile, Picture* picture) {
   const int w = picture->width, h = picture->height, scale = std::max(1, h / 400);
   const CameraFrame frame(view.camera);
   const Vec3 middle = (view.bounds.low + view.bounds.high) * 0.5;
@@ -412,6 +391,29 @@ void draw_scale(const View& view, double tile, Picture* picture) {
 }
 
 }  // namespace
+
+Vec3 grain_colour(uint32_t index) {
+  uint32_t state = index * 2u + 1u;
+  const double shade = 1.0 + k_colour_spread * (2.0 * unit_random(&state) - 1.0);
+  const double warmth = 0.10 * (2.0 * unit_random(&state) - 1.0);
+  return scaled(k_sand * shade, {1.0 + warmth, 1.0, 1.0 - warmth});
+}
+
+double floor_transparency(const FloorShadow& shadow, double px, double pz) {
+  const Vec3 local = rotate(conjugate(shadow.rotation), Vec3{px - shadow.position.x, 0.0, pz - shadow.position.z});
+  const double n = shadow.texels;
+  const double u = (local.x - shadow.low[0]) / (shadow.high[0] - shadow.low[0]) * n - 0.5;
+  const double v = (local.z - shadow.low[1]) / (shadow.high[1] - shadow.low[1]) * n - 0.5;
+  if (!(u > -1.0 && v > -1.0 && u < n && v < n)) return 1.0;
+  const auto texel = [&](double x, double y) {
+    const bool inside = x >= 0.0 && y >= 0.0 && x < n && y < n;
+    return inside ? shadow.coverage[static_cast<size_t>(y) * shadow.texels + static_cast<size_t>(x)] / 255.0 : 0.0;
+  };
+  const double x = std::floor(u), y = std::floor(v), fx = u - x, fy = v - y;
+  const double coverage = (1.0 - fy) * ((1.0 - fx) * texel(x, y) + fx * texel(x + 1.0, y)) +
+                          fy * ((1.0 - fx) * texel(x, y + 1.0) + fx * texel(x + 1.0, y + 1.0));
+  return 1.0 - coverage * shadow.opacity;
+}
 
 void Bounds::add(Vec3 p) {
   low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
@@ -491,7 +493,7 @@ PixelPlace project(const Camera& camera, int width, int height, Vec3 point) {
   return {0.5 * width + dot(to, frame.right) * scale, 0.5 * height - dot(to, frame.up) * scale, depth};
 }
 
-Picture render(const View& view, const RenderOptions& options) {
+Picture render(const SceneView& view, const RenderOptions& options) {
   const Tracer tracer(view);
   Picture picture(options.width, options.height, {0, 0, 0});
   std::atomic<int> next_row = 0;

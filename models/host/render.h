@@ -43,7 +43,13 @@ struct FloorShadow {
   Quaternion rotation = k_no_rotation;
 };
 
-struct View {
+// Share of the direct light that one texture leaves to a point of its floor, or of any height for which it was made:
+// bilinear, as a GPU samples; 1 beyond its rectangle.
+double floor_transparency(const FloorShadow& shadow, double x, double z);
+
+Vec3 grain_colour(uint32_t index);  // reflectance of a grain of dry sand, by number
+
+struct SceneView {
   std::span<const float> spheres;  // 3 floats each
   float radius = 0.01f;            // metres, as drawn
   std::span<const sandglass_collider> colliders;
@@ -60,7 +66,7 @@ struct RenderOptions {
   bool scale = true;  // ruler, scale bar and the size of the checker in words
 };
 
-Picture render(const View& view, const RenderOptions& options);
+Picture render(const SceneView& view, const RenderOptions& options);
 
 // Where a point appears, in pixels from the upper left corner; depth <= 0 when it is behind the camera.
 struct PixelPlace {

@@ -313,6 +313,33 @@ void read_light(Reader reader, std::optional<LightTrack>* light) {
   *light = read;
 }
 
+ShotTrack read_shot(Reader reader) {
+  ShotTrack shot;
+  shot.turn_deg = reader.number("turn", 0.0, -360.0, 360.0);
+  shot.sway_deg = reader.number("sway", 0.0, 0.0, 10.0);
+  shot.room = reader.integer("room", 1, 0, ~0u);
+  shot.azimuth_deg = reader.number("azimuth", 90.0, -360.0, 360.0);
+  reader.finish();
+  return shot;
+}
+
+PileShadowTrack read_pile_shadow(Reader reader) {
+  PileShadowTrack track;
+  for (const char* key : {"low", "high"})
+    if (!reader.has(key))
+      reader.refuse(key, "is missing; give the corner [x, z] of the floor that the shadow may reach");
+  const std::vector<double> low = reader.numbers("low", 2, -k_length_limit, k_length_limit);
+  const std::vector<double> high = reader.numbers("high", 2, -k_length_limit, k_length_limit);
+  for (size_t axis = 0; axis < 2; ++axis) {
+    track.low[axis] = low[axis], track.high[axis] = high[axis];
+    if (!(high[axis] > low[axis])) reader.refuse("high", "is not above \"low\" in both coordinates");
+  }
+  track.texels = reader.integer("texels", track.texels, 32, 256);
+  if (track.texels % 32 != 0) reader.refuse("texels", "must be a multiple of 32");
+  reader.finish();
+  return track;
+}
+
 EmitterTrack read_emitter(Reader& reader) {
   EmitterTrack track;
   const Vec3 position = reader.vector("position", {}, -k_length_limit, k_length_limit);
@@ -387,6 +414,8 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   reader.each("bodies", 1000, [&](Reader& entry) { scene.bodies.push_back(read_body(entry)); });
   reader.each("colliders", k_collider_limit, [&](Reader& entry) { scene.colliders.push_back(read_collider(entry)); });
   if (reader.has("light")) read_light(reader.child("light"), &scene.light);
+  if (reader.has("shot")) scene.shot = read_shot(reader.child("shot"));
+  if (reader.has("pile_shadow")) scene.pile_shadow = read_pile_shadow(reader.child("pile_shadow"));
   reader.each("emitters", k_flow_limit, [&](Reader& entry) { scene.emitters.push_back(read_emitter(entry)); });
   reader.each("sinks", k_flow_limit, [&](Reader& entry) {
     scene.sinks.push_back(read_collider(entry));
@@ -397,7 +426,11 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   reader.finish();
   const bool shaded = std::any_of(scene.colliders.begin(), scene.colliders.end(),
                                   [](const ColliderTrack& track) { return !track.shadow.empty(); });
-  if (shaded && !scene.light) reader.refuse("light", "is missing, but a collider has a \"shadow\"; give it");
+  if ((shaded || scene.pile_shadow) && !scene.light && !scene.shot)
+    reader.refuse("light", "is missing, but something casts a shadow; give it");
+  if (scene.shot && scene.light)
+    reader.refuse("light", "and \"shot\" are both given; the light of a shot is its room's");
+  if (scene.shot && !scene.camera) reader.refuse("camera", "is missing; a shot is seen by one");
   if (scene.bodies.empty() && scene.emitters.empty())
     reader.refuse("bodies", "is missing or empty; name at least one body to fill with sand, or an emitter");
   const bool pours_grains = std::any_of(scene.emitters.begin(), scene.emitters.end(), [](const EmitterTrack& track) {

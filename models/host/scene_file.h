@@ -34,6 +34,12 @@
 //     shadow              of a mesh that stands upright: its baked shadow, a file or the name of one in models/shadows
 //   light                 {polar, azimuth}: degrees from the zenith, and about it from x towards z; [from, to] over the
 //                         run, or one number. Needed where a collider has a shadow
+//   shot                  {turn, sway, room, azimuth}: the scene is seen by a hand-held camera in a room, and lit as
+//   that
+//                         room is (models/shot). Degrees that the camera turns over the run, and sways; the seed of the
+//                         room where no panorama is named; where in it the camera looks, degrees. Needs `camera`, whose
+//                         eye is where the panorama was taken
+//   pile_shadow           {low [x,z], high [x,z], texels}: the sand casts a shadow on the floor y = 0 in this rectangle
 //   emitters              [{position, rotation, radius, speed, grains_per_particle, start, end}]: sand leaves along the
 //                         nozzle's -y from `start` to `end`; needs particle_capacity and, with grains, grain_capacity
 //   sinks                 [{shape "half_space"|"sphere"|"capsule"|"box", position, rotation, size}]: what removes sand
@@ -97,6 +103,16 @@ struct LightTrack {
   Vec3 towards(double share) const;                         // of the run that is over, 0..1
 };
 
+struct ShotTrack {
+  double turn_deg = 0.0, sway_deg = 0.0, azimuth_deg = 90.0;
+  uint32_t room = 1;
+};
+
+struct PileShadowTrack {
+  double low[2] = {}, high[2] = {};  // x, z; metres
+  uint32_t texels = 128;             // a side
+};
+
 struct EmitterTrack {
   sandglass_emitter emitter = {};
   double start = 0.0, end = 1e6;  // seconds
@@ -121,6 +137,8 @@ struct SceneFile {
   std::vector<ColliderTrack> colliders, sinks;
   std::vector<EmitterTrack> emitters;
   std::optional<LightTrack> light;
+  std::optional<ShotTrack> shot;
+  std::optional<PileShadowTrack> pile_shadow;
   std::optional<Camera> camera;
 };
 

@@ -75,6 +75,8 @@ sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
   input.sink_count = static_cast<uint32_t>(flow_.sinks.size());
   input.shadows = shadows.data();
   input.shadow_count = static_cast<uint32_t>(shadows.size());
+  input.pile_shadow = pile_shadow_;
+  input.light = light_, input.camera = image_;
   return frame(input);
 }
 

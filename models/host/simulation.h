@@ -29,6 +29,12 @@ class Simulation {
   // What pours and what swallows from the next frame on.
   void flow(Flow flow) { flow_ = std::move(flow); }
 
+  // The sand's own shadow from the next frame on; null: none.
+  void cast(sandglass_pile_shadow* shadow) { pile_shadow_ = shadow; }
+
+  // The light to estimate, and the image for the next frame; null: none.
+  void see(sandglass_light* light, const sandglass_camera_image* image) { light_ = light, image_ = image; }
+
   // After sandglass_scene_reset: filled as at the start.
   void restart(const Material& material);
 
@@ -49,6 +55,9 @@ class Simulation {
   Block block_;
   uint64_t bytes_ = 0;
   Flow flow_;
+  sandglass_pile_shadow* pile_shadow_ = nullptr;
+  sandglass_light* light_ = nullptr;
+  const sandglass_camera_image* image_ = nullptr;
   uint32_t particles_ = 0, grains_ = 0;
   std::vector<float> positions_, velocities_, grain_positions_, grain_velocities_;
   std::vector<sandglass_grain> output_;  // stands for the app's buffer

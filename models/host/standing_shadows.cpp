@@ -53,12 +53,12 @@ StandingShadows::~StandingShadows() {
   for (const Object& object : objects_) ::operator delete(object.block, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
 }
 
-void StandingShadows::set_light(const SceneFile& scene, uint32_t frame) {
+void StandingShadows::set_light(const SceneFile& scene, uint32_t frame, Vec3 towards) {
   for (size_t i = 0; i < objects_.size(); ++i) {
     const sandglass_collider now =
         collider_over_frame(scene.colliders[objects_[i].collider], frame * scene.frame_step, scene.frame_step);
     const Quaternion rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
-    const Vec3 light = rotate(conjugate(rotation), scene.light->towards(static_cast<double>(frame) / scene.frames));
+    const Vec3 light = rotate(conjugate(rotation), towards);
     const float direction[3] = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z)};
     const char* reason = nullptr;
     if (sandglass_shadow_set_light(handles_[i], 0, direction, 1.0f, &reason) != SANDGLASS_OK) throw Failure(reason);

@@ -21,7 +21,7 @@ class StandingShadows {
   StandingShadows& operator=(const StandingShadows&) = delete;
 
   // The light of the frame, turned into every object's frame.
-  void set_light(const SceneFile& scene, uint32_t frame);
+  void set_light(const SceneFile& scene, uint32_t frame, Vec3 towards);  // of any length above 0
   std::span<sandglass_shadow* const> handles() const { return handles_; }
   uint64_t hash() const;  // 0 without shadows
 

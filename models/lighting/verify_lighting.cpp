@@ -167,7 +167,7 @@ Picture picture_of_work(const Work& work, const LightView& view) {
     if (rendered.width > 0) paste(&picture, picture_of(rendered), x, y + k_label);
     char label[32] = "TRUTH";
     if (i > 0)
-      std::snprintf(label, sizeof label, "%s %.0f", name_of(static_cast<LightSource>(i - 1)),
+      std::snprintf(label, sizeof label, "%s %.0f", name_of(static_cast<Contender>(i - 1)),
                     view.errors[i - 1].angle_deg);
     draw_text(&picture, x + 10, y + 1, 1, label, k_black);
     if (i > 0)
@@ -195,8 +195,8 @@ constexpr Quantity k_quantities[] = {
 };
 
 void judge(const std::vector<Work>& works, bool rendered, uint64_t seed, LightingVerdicts* verdicts) {
-  for (const LightSource baseline : {LightSource::mean, LightSource::brightest, LightSource::grey}) {
-    const auto b = static_cast<size_t>(baseline), e = static_cast<size_t>(LightSource::estimate);
+  for (const Contender baseline : {Contender::mean, Contender::brightest, Contender::grey}) {
+    const auto b = static_cast<size_t>(baseline), e = static_cast<size_t>(Contender::estimate);
     if (!works.front().has[b]) continue;
     for (const Quantity& quantity : k_quantities) {
       if (!rendered && quantity.of({.image = {.rmse = 1.0}}) > 0.0) continue;
@@ -217,7 +217,7 @@ void judge(const std::vector<Work>& works, bool rendered, uint64_t seed, Lightin
 
 }  // namespace
 
-const char* name_of(LightSource source) {
+const char* name_of(Contender source) {
   constexpr const char* k_names[] = {"labels", "estimate", "mean light", "brightest", "grey world"};
   return k_names[static_cast<int>(source)];
 }
@@ -337,14 +337,14 @@ LightingVerdicts verify_lighting(const LightingVerdictOptions& options) {
   }
   if (interrupted()) return verdicts;
   for (Work& work : works) {
-    const bool others = mean_light(works, work.location, &work.lights[static_cast<size_t>(LightSource::mean)]);
-    work.has[static_cast<size_t>(LightSource::mean)] = others;
-    const double contrast = others ? work.lights[static_cast<size_t>(LightSource::mean)].contrast : k_any_contrast;
-    work.lights[static_cast<size_t>(LightSource::brightest)] = brightest_region(work.image, contrast);
-    work.lights[static_cast<size_t>(LightSource::grey)] = grey_world(work.image, contrast);
-    work.has[static_cast<size_t>(LightSource::estimate)] = verdicts.has_estimate;
+    const bool others = mean_light(works, work.location, &work.lights[static_cast<size_t>(Contender::mean)]);
+    work.has[static_cast<size_t>(Contender::mean)] = others;
+    const double contrast = others ? work.lights[static_cast<size_t>(Contender::mean)].contrast : k_any_contrast;
+    work.lights[static_cast<size_t>(Contender::brightest)] = brightest_region(work.image, contrast);
+    work.lights[static_cast<size_t>(Contender::grey)] = grey_world(work.image, contrast);
+    work.has[static_cast<size_t>(Contender::estimate)] = verdicts.has_estimate;
     if (verdicts.has_estimate)
-      work.lights[static_cast<size_t>(LightSource::estimate)] = options.estimator(work.image, work.name);
+      work.lights[static_cast<size_t>(Contender::estimate)] = options.estimator(work.image, work.name);
   }
   if (rendered) {
     Progress progress("lighting estimates", works.size());
@@ -355,7 +355,7 @@ LightingVerdicts verify_lighting(const LightingVerdictOptions& options) {
   for (const Work& work : works) {
     LightView view;
     view.name = work.name, view.panorama = stem_of(work.path), view.location = work.location.name;
-    view.estimate = work.lights[static_cast<size_t>(LightSource::estimate)];
+    view.estimate = work.lights[static_cast<size_t>(Contender::estimate)];
     for (int s = 0; s < k_light_sources; ++s)
       if (work.has[s]) view.errors[s] = errors_of(work, s);
     verdicts.views.push_back(view);
@@ -387,7 +387,7 @@ std::string lighting_table(const LightingVerdicts& verdicts) {
     }
     const double median = quantile(angles, 0.5), most = quantile(angles, 0.9);
     std::snprintf(line, sizeof line, "%-11s %7.2f %7.2f %7.2f %7.4f %7.4f %8.4f %8.4f %8.4f %8.4f %8.4f %8.3f\n",
-                  name_of(static_cast<LightSource>(s)), m.angle_deg, median, most, m.light, m.ambient, m.contrast,
+                  name_of(static_cast<Contender>(s)), m.angle_deg, median, most, m.light, m.ambient, m.contrast,
                   m.image.rmse, m.image.relative, m.image.scale_invariant, m.image.logarithmic, m.image.angle_deg);
     text += line;
   }
@@ -417,7 +417,7 @@ std::string lighting_csv(const LightingVerdicts& verdicts) {
         for (size_t q = 0; q < 9; ++q) sums[q] += share * values[q];
       }
       text += verdicts.views[first].panorama + "," + verdicts.views[first].location + "," +
-              name_of(static_cast<LightSource>(s)) + "," + std::to_string(end - first);
+              name_of(static_cast<Contender>(s)) + "," + std::to_string(end - first);
       for (const double value : sums) {
         char number[32];
         std::snprintf(number, sizeof number, ",%.5g", value);

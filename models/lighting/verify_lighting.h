@@ -39,9 +39,9 @@ struct LightErrors {
   ImageErrors image;
 };
 
-enum class LightSource { labels, estimate, mean, brightest, grey };
+enum class Contender { labels, estimate, mean, brightest, grey };
 constexpr int k_light_sources = 5;
-const char* name_of(LightSource source);
+const char* name_of(Contender source);
 
 struct LightView {
   std::string name, panorama, location;

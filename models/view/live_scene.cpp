@@ -124,7 +124,7 @@ void LiveScene::frame(double time_step, double lag) {
     nozzle.grains_per_particle = grains_per_particle_;
     flow.emitters.push_back(nozzle);
   }
-  shadows_->set_light(scene_, frame_);
+  shadows_->set_light(scene_, frame_, scene_.light->towards(0.0));
 
   sandglass_frame_input input;
   sandglass_frame_input_default(&input);

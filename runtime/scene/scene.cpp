@@ -5,6 +5,7 @@
 #include "runtime/core/layout.h"
 #include "runtime/granular/granular.h"
 #include "runtime/lighting/light.h"
+#include "runtime/shadow/pile.h"
 #include "runtime/shadow/shadow.h"
 #include "sandglass/sandglass.h"
 
@@ -80,12 +81,30 @@ sandglass_scene* lay_out(const sandglass_scene_desc& desc, Layout* layout, Granu
 // for the next unit only, so that a moving light does not lower the rung of the sand.
 constexpr float k_shadow_share = 0.2f;  // of the optional time, while grains want theirs: as much as is left to them
 
-bool shadow_unit(const sandglass::ShadowSet& set, sandglass::WorkUnit* unit) {
-  if (set.count == 0 || !set.shadows[0]->set->next(set, unit)) return false;
-  unit->kind += sandglass::k_granular_kinds;
+struct Shadows {
+  sandglass::ShadowSet set;
+  sandglass_pile_shadow* pile;  // null without
+};
+constexpr uint32_t k_pile_kinds_from = uint32_t{sandglass::k_granular_kinds} + uint32_t{sandglass::k_shadow_kinds};
+
+// Of objects and the pile: whichever has a texture under way, else in turns.
+bool shadow_unit(const Shadows& all, bool* of_pile, sandglass::WorkUnit* unit) {
+  const sandglass::ShadowSet& set = all.set;
+  const bool of_set = set.count != 0 && set.shadows[0]->set->next(set, unit);
+  if (of_set) unit->kind += sandglass::k_granular_kinds;
+  *of_pile = false;
+  if (all.pile == nullptr) return of_set;
+  bool under_way = false;
+  for (uint32_t i = 0; i < set.count; ++i)
+    under_way = under_way || set.shadows[i]->shadow.phase != sandglass::ShadowPhase::idle;
+  sandglass::WorkUnit of;
+  *of_pile = all.pile->functions->next(all.pile, of_set, under_way, &of);
+  if (!*of_pile) return of_set;
+  *unit = of;
+  unit->kind += k_pile_kinds_from;
   return true;
 }
-constexpr uint32_t k_light_kinds_from = uint32_t{sandglass::k_granular_kinds} + uint32_t{sandglass::k_shadow_kinds};
+constexpr uint32_t k_light_kinds_from = k_pile_kinds_from + uint32_t{sandglass::k_pile_kinds};
 static_assert(k_light_kinds_from + uint32_t{sandglass::k_light_stage_kinds} <= sandglass::k_unit_kinds);
 
 // The frame's light as a stage. `mandatory`: units that must run, 1 and those of an image that was taken.
@@ -113,18 +132,28 @@ Stage light_stage(sandglass_light** light, uint32_t mandatory) {
           k_light_share};
 }
 
-Stage shadow_stage(sandglass::ShadowSet* set) {
-  return {set,
+Stage shadow_stage(Shadows* shadows) {
+  return {shadows,
           [](const void* state, uint32_t, sandglass::WorkUnit* unit) {
-            return shadow_unit(*static_cast<const sandglass::ShadowSet*>(state), unit);
+            bool of_pile;
+            return shadow_unit(*static_cast<const Shadows*>(state), &of_pile, unit);
           },
           [](void* state, uint32_t) {
-            const sandglass::ShadowSet& all = *static_cast<const sandglass::ShadowSet*>(state);
-            all.shadows[0]->set->run(all);
+            const Shadows& all = *static_cast<const Shadows*>(state);
+            sandglass::WorkUnit unit;
+            bool of_pile;
+            if (!shadow_unit(all, &of_pile, &unit)) return;
+            if (of_pile) {
+              all.pile->functions->run(all.pile);
+            } else {
+              all.set.shadows[0]->set->run(all.set);
+              if (all.pile != nullptr) all.pile->functions->gave_way(all.pile);
+            }
           },
           [](const void* state, uint32_t, sandglass::Forecast* entries) -> uint32_t {
             sandglass::WorkUnit unit;
-            if (!shadow_unit(*static_cast<const sandglass::ShadowSet*>(state), &unit)) return 0;
+            bool of_pile;
+            if (!shadow_unit(*static_cast<const Shadows*>(state), &of_pile, &unit)) return 0;
             entries[0] = {unit.kind, unit.items};
             return 1;
           },
@@ -147,7 +176,12 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   sandglass_light* light = input->light;
   const char* refused = nullptr;
   const uint32_t light_units = light == nullptr ? 1 : light->functions->begin_frame(light, input->camera, &refused);
-  sandglass::ShadowSet shadows = {input->shadows, input->shadow_count};
+  Shadows shadows = {{input->shadows, input->shadow_count}, input->pile_shadow};
+  if (shadows.pile != nullptr) {
+    const sandglass::PileSource source = {&granular->records[0], sandglass::k_record_floats, granular->particle_count,
+                                          granular->desc.particle_radius};
+    shadows.pile->functions->begin_frame(shadows.pile, source, granular->awake_count != 0);
+  }
   const Stage stages[SANDGLASS_STAGE_COUNT] = {
       sandglass::granular_particle_stage(granular), light_stage(&light, light_units), shadow_stage(&shadows),
       sandglass::granular_grain_stage(granular), sandglass::granular_output_stage(granular)};

@@ -19,7 +19,7 @@ constexpr int k_width = 160, k_height = 120;
 struct Stage {
   std::vector<float> ball = {0.0f, 0.1f, 0.0f};
   sandglass_collider floor = {};
-  View view;
+  SceneView view;
   Stage() {
     floor.shape = SANDGLASS_SHAPE_HALF_SPACE;
     floor.rotation[3] = 1.0f;

@@ -471,6 +471,69 @@ void check_surface_at(uint32_t n) {
   }
 }
 
+// ---- pile_light
+
+// Random columns, some of them empty or in the air, in the middle of a row-padded grid; two azimuths of random steps.
+void check_pile_light(uint32_t n) {
+  const uint32_t rows = 5, padded = (n + 15) / 16 * 16, pitch = padded + k_lane_group;
+  std::mt19937 random(53);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<float> tops(rows * pitch + 3 * k_lane_group, -1e30f), bottoms(tops.size(), 1e30f);
+  const auto place = [&](uint32_t row, uint32_t column) { return k_lane_group + row * pitch + column; };
+  for (uint32_t v = 0; v < rows; ++v)
+    for (uint32_t u = 0; u < n; ++u) {
+      if (unit(random) < 0.3) continue;
+      tops[place(v, u)] = static_cast<float>(0.05 + 0.1 * unit(random));
+      bottoms[place(v, u)] = static_cast<float>(0.06 * unit(random) - 0.02);
+    }
+  std::vector<float> receivers(padded);
+  for (float& r : receivers) r = static_cast<float>(0.02 * unit(random));
+  std::vector<PileStep> steps;
+  for (int i = 0; i < 12; ++i)
+    steps.push_back({static_cast<int32_t>(7 * unit(random)) - 3, static_cast<int32_t>(9 * unit(random)) - 4,
+                     static_cast<float>(20 + 60 * unit(random))});
+  const PileAzimuth azimuths[2] = {{0.2f, 0.9f, 1.0f, 0, 5}, {0.1f, 0.8f, 0.7f, 5, 12}};
+  const double total = 0.7 + 0.7 * 0.7;
+  std::vector<float> first;
+  for (const Kernels* kernels : tables()) {
+    std::vector<float> shares(padded);
+    PileLightArgs args = {};
+    args.tops = tops.data() + k_lane_group, args.bottoms = bottoms.data() + k_lane_group;
+    args.pitch = pitch, args.row = 2;
+    args.sand_rows[0] = 0, args.sand_rows[1] = rows - 1;
+    args.sand_columns[0] = 0, args.sand_columns[1] = static_cast<int32_t>(n) - 1;
+    args.receivers = receivers.data(), args.azimuths = azimuths, args.azimuth_count = 2, args.steps = steps.data();
+    args.inverse_total = static_cast<float>(1 / total), args.shares = shares.data();
+    uint32_t unused = 0;
+    kernels->pile_light(&args, 0, padded, &unused);
+    for (uint32_t i = 0; i < n; ++i) {
+      double sum = 0;
+      for (const PileAzimuth& azimuth : azimuths) {
+        double high = 0, low = 1e30;
+        for (uint32_t s = azimuth.first_step; s < azimuth.last_step; ++s) {
+          const int row = 2 + steps[s].rows, column = static_cast<int>(i) + steps[s].columns;
+          if (row < 0 || row >= static_cast<int>(rows) || column < 0 || column >= static_cast<int>(n)) continue;
+          const uint32_t at = place(static_cast<uint32_t>(row), static_cast<uint32_t>(column));
+          if (tops[at] < 0) continue;
+          const double inverse = static_cast<double>(steps[s].inverse_distance);
+          high = std::max(high, static_cast<double>(tops[at] - receivers[i]) * inverse);
+          low = std::min(low, static_cast<double>(bottoms[at] - receivers[i]) * inverse);
+        }
+        // The share of the azimuth that no column hides.
+        const double from = std::pow(std::sin(std::atan(std::max(low, 0.0))), 2),
+                     to = std::pow(std::sin(std::atan(high)), 2);
+        const double hidden = std::max(
+            0.0, std::min(to, static_cast<double>(azimuth.high)) - std::max(from, static_cast<double>(azimuth.low)));
+        sum += static_cast<double>(azimuth.weight) * (static_cast<double>(azimuth.high - azimuth.low) - hidden);
+      }
+      ASSERT_NEAR(shares[i], std::min(sum / total, 1.0), 2e-6) << sandglass_isa_name(kernels->isa) << " texel " << i;
+    }
+    shares.resize(n);
+    if (first.empty()) first = shares;
+    ASSERT_EQ(std::memcmp(shares.data(), first.data(), n * sizeof(float)), 0);
+  }
+}
+
 // ---- refine_grains
 
 struct Refinement {

@@ -158,6 +158,7 @@ public unsafe struct sandglass_frame_input {
   public uint grain_stride, grain_capacity;
   public IntPtr* shadows;
   public uint shadow_count;
+  public IntPtr pile_shadow;
   public IntPtr light;
   public sandglass_camera_image* camera;
   public sandglass_plan* plan;
@@ -238,6 +239,29 @@ public unsafe struct sandglass_shadow_texture {
   public fixed float light[3];
   public float opacity;
   public uint beyond, age, evaluated;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_pile_shadow_desc {
+  public uint struct_size;
+  public int isa;
+  public fixed float low[2];
+  public fixed float high[2];
+  public float floor;
+  public uint texels;
+  public float angular_diameter, light_tolerance;
+  public uint on_sand;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_pile_shadow_texture {
+  public uint struct_size, valid, texels;
+  public byte* coverage;
+  public byte* on_sand;
+  public fixed float low[2];
+  public fixed float high[2];
+  public float opacity;
+  public uint age;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -413,6 +437,16 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_field_from_mesh(ref sandglass_mesh mesh, InsideFunction inside, IntPtr inside_user, float[] bounds_min, float[] bounds_max, float spacing, float band, int solid, IntPtr block, ulong bytes, out IntPtr field, out IntPtr reason);
   [DllImport(k_library)] public static extern float sandglass_field_distance(IntPtr field, float[] point, [Out] float[] normal);
   [DllImport(k_library)] public static extern int sandglass_field_bounds(IntPtr field, [Out] float[] bounds_min, [Out] float[] bounds_max);
+
+  // ------------------------------------------------------------------------------------------------ pile_shadow.h
+  [DllImport(k_library)] public static extern void sandglass_pile_shadow_desc_default(out sandglass_pile_shadow_desc desc);
+  [DllImport(k_library)] public static extern int sandglass_pile_shadow_bytes(ref sandglass_pile_shadow_desc desc, out ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_pile_shadow_create(ref sandglass_pile_shadow_desc desc, IntPtr block, ulong bytes, out IntPtr shadow, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_pile_shadow_set_light(IntPtr shadow, float[] direction, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_pile_shadow_refresh(IntPtr shadow);
+  [DllImport(k_library)] public static extern uint sandglass_pile_shadow_run(IntPtr shadow, float[] positions, uint count, float radius, uint units);
+  [DllImport(k_library)] public static extern void sandglass_pile_shadow_get_texture(IntPtr shadow, ref sandglass_pile_shadow_texture texture);
+  [DllImport(k_library)] public static extern ulong sandglass_pile_shadow_hash(IntPtr shadow);
 
   // ------------------------------------------------------------------------------------------------ shadow.h
   [DllImport(k_library)] public static extern void sandglass_shadow_desc_default(out sandglass_shadow_desc desc);

@@ -362,6 +362,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_fricti
  * (light.h). */
 typedef struct sandglass_shadow sandglass_shadow;
 typedef struct sandglass_light sandglass_light;
+typedef struct sandglass_pile_shadow sandglass_pile_shadow; /* that the sand casts (pile_shadow.h) */
 struct sandglass_camera_image;
 
 typedef int32_t sandglass_shape;
@@ -458,6 +459,8 @@ typedef struct sandglass_frame_input {
   struct sandglass_shadow* const* shadows; /* to bring up to date (shadow.h): one unit a frame whatever the budget, more
                                             * as it admits; pass all whose shadows are seen */
   uint32_t shadow_count;
+  struct sandglass_pile_shadow* pile_shadow; /* NULL, or the sand's own shadow, to bring up to date with the others: its
+                                              * textures and theirs take turns */
   struct sandglass_light* light; /* NULL, or the light to bring up to date (light.h): one unit a frame whatever the
                                   * budget, more as it admits; an image that is taken is resampled in its frame,
                                   * whatever the budget */

@@ -1,0 +1,167 @@
+#include "models/shot/shot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "models/host/collision_fields.h"
+#include "models/host/failure.h"
+#include "models/lighting/panorama_file.h"
+#include "models/lighting/perceived_errors.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr int k_compared_width = 640, k_compared_height = 480, k_compared_paths = 96;
+
+Surroundings surroundings_of(const SceneFile& scene, const ShotOptions& options, Vec3 standing, Camera* camera) {
+  const ShotTrack& track = *scene.shot;
+  if (!options.photo.empty()) return photo_surroundings(options.photo, options.photo_fov_deg, camera);
+  if (options.panorama.empty())
+    return room_surroundings(track.room, options.folder, options.threads, *camera, track.azimuth_deg, standing);
+  RadianceMap map = read_panorama(options.panorama);
+  fill_tripod(&map);
+  return panorama_surroundings(std::move(map), options.panorama, *camera, track.azimuth_deg, standing,
+                               k_unknown_depth_insertion);
+}
+
+const ColliderTrack& standing_track(const SceneFile& scene) {
+  for (const ColliderTrack& track : scene.colliders)
+    if (!track.shadow.empty()) return track;
+  throw Failure("scene '" + scene.source +
+                "': a shot needs a collider with a \"shadow\", the object that stands in it");
+}
+
+Picture labelled(Picture picture, const char* label) {
+  draw_text(&picture, 9, 9, 2, label, {0, 0, 0});
+  draw_text(&picture, 8, 8, 2, label, {255, 255, 255});
+  return picture;
+}
+
+}  // namespace
+
+const char* name_of(LightSource source) {
+  constexpr const char* k_names[] = {"labels", "estimate", "arbitrary"};
+  return k_names[static_cast<int>(source)];
+}
+
+ShotErrors shot_errors(const RadianceMap& truth, const RadianceMap& picture) {
+  return {compare(truth, picture), structural_similarity(truth, picture), flip(truth, picture)};
+}
+
+std::string shot_errors_text(const ShotErrors& e) {
+  char text[200];
+  std::snprintf(text, sizeof text, "RMSE %.4f  nRMSE %.4f  siRMSE %.4f  RMLE %.4f  RGB %.2f deg  SSIM %.4f  FLIP %.4f",
+                e.image.rmse, e.image.relative, e.image.scale_invariant, e.image.logarithmic, e.image.angle_deg,
+                e.similarity, e.flip);
+  return text;
+}
+
+Mesh standing_object(const SceneFile& scene, const std::string& file) {
+  const ColliderTrack& track = standing_track(scene);
+  MeshResult loaded = file.empty() ? make_named(track.mesh) : load_mesh(file);
+  if (!loaded) throw Failure(loaded.error);
+  stand_mesh(&loaded.mesh, track.size.y, file);
+  std::vector<float>& v = loaded.mesh.vertices;
+  for (size_t i = 0; i < v.size(); i += 3) {
+    const Vec3 at = rotate(track.rotation, Vec3{v[i], v[i + 1], v[i + 2]}) + track.position;
+    v[i] = static_cast<float>(at.x), v[i + 1] = static_cast<float>(at.y), v[i + 2] = static_cast<float>(at.z);
+  }
+  return loaded.mesh;
+}
+
+Shot::Shot(const SceneFile& scene, const ShotOptions& options)
+    : scene_(scene),
+      camera_(*scene.camera),
+      object_(standing_object(scene, options.mesh)),
+      surroundings_(surroundings_of(scene, options, standing_track(scene).position, &camera_)) {
+  const bool known = surroundings_.has_truth();
+  const std::string network = options.network.empty() ? shipped_light_network() : options.network;
+  source_ = options.light.value_or(!network.empty() ? LightSource::estimate
+                                   : known          ? LightSource::labels
+                                                    : LightSource::arbitrary);
+  if (source_ == LightSource::labels && !known)
+    throw Failure("a photograph has no labels of its light; take --light arbitrary, or a --panorama");
+  if (source_ == LightSource::estimate) {
+    if (network.empty())
+      throw Failure(
+          "there is no trained lighting network; name one with --network, or take --light labels or arbitrary");
+    estimate_ = std::make_unique<LightEstimate>(network, options.isa);
+  }
+  if (known) labels_ = labelled_light(surroundings_);
+}
+
+ShotCamera Shot::camera(uint32_t frame) const {
+  if (!surroundings_.has_truth()) return resting_camera(camera_);  // a photograph has one view
+  return held_camera(camera_, *scene_.shot, frame * scene_.frame_step, static_cast<double>(frame) / scene_.frames);
+}
+
+void Shot::begin(uint32_t frame) {
+  const ShotCamera held = camera(frame);
+  ShotLight light = arbitrary_light(resting_camera(camera_));
+  if (source_ == LightSource::labels) {
+    // What the camera would be told, in its own axes, and back through its pose: the way that an estimate takes.
+    light = labels_;
+    light.towards = held.to_scene(held.to_camera(labels_.towards));
+  } else if (source_ == LightSource::estimate) {
+    const auto now = static_cast<uint64_t>(1e9 * frame * scene_.frame_step);
+    image_ = estimate_->take(surroundings_, held, now);
+    if (estimate_->valid()) light = estimate_->light();
+  }
+  lights_.resize(frame);
+  lights_.push_back(light);
+}
+
+ShotLight Shot::light(uint32_t frame) const {
+  if (lights_.empty()) return source_ == LightSource::labels ? labels_ : arbitrary_light(resting_camera(camera_));
+  return lights_[std::min<size_t>(frame, lights_.size() - 1)];
+}
+
+double Shot::angle_deg(uint32_t frame) const {
+  if (!surroundings_.has_truth()) return -1.0;
+  return std::acos(std::clamp(dot(light(frame).towards, labels_.towards), -1.0, 1.0)) * 180.0 / 3.141592653589793;
+}
+
+std::unique_ptr<ShotPicture> Shot::picture_of(const Snapshot& snapshot) const {
+  return std::make_unique<ShotPicture>(
+      object_, snapshot.grains,
+      drawn_grain_radius(scene_.particle_radius, static_cast<uint32_t>(snapshot.particles.size() / 3),
+                         static_cast<uint32_t>(snapshot.grains.size() / 3)));
+}
+
+RadianceMap Shot::composite(const Snapshot& snapshot, CastShadow cast, const ShotPictureOptions& options) const {
+  return picture_of(snapshot)->composite(surroundings_, camera(snapshot.frame), light(snapshot.frame),
+                                         {snapshot.shadows, snapshot.pile, snapshot.pile_surface}, cast, options);
+}
+
+RadianceMap Shot::truth(const Snapshot& snapshot, const ShotPictureOptions& options) const {
+  return picture_of(snapshot)->truth(surroundings_, camera(snapshot.frame), options);
+}
+
+Picture Shot::paint(const Snapshot& snapshot, int width, int height, uint32_t threads) const {
+  ShotPictureOptions options;
+  options.width = width, options.height = height, options.threads = threads;
+  return displayed_picture(composite(snapshot, CastShadow::textures, options));
+}
+
+ShotErrors Shot::compare(const Snapshot& snapshot, const std::string& folder, uint32_t threads) const {
+  ShotPictureOptions options;
+  options.width = k_compared_width, options.height = k_compared_height;
+  options.paths = k_compared_paths, options.threads = threads;
+  const RadianceMap picture = composite(snapshot, CastShadow::textures, options), real = truth(snapshot, options);
+  RadianceMap difference(picture.width, picture.height), seen(picture.width, picture.height);
+  const std::vector<double> flips = flip_map(real, picture);
+  for (size_t i = 0; i < picture.rgb.size(); ++i) difference.rgb[i] = 4.0f * std::fabs(picture.rgb[i] - real.rgb[i]);
+  for (size_t i = 0; i < flips.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) seen.rgb[3 * i + c] = static_cast<float>(flips[i]);
+  const Picture cells[] = {
+      labelled(displayed_picture(picture), "composite"), labelled(displayed_picture(real), "path traced"),
+      labelled(displayed_picture(difference), "difference x 4"), labelled(displayed_picture(seen), "FLIP")};
+  write_png(folder + "/composite.png", displayed_picture(picture));
+  write_png(folder + "/truth.png", displayed_picture(real));
+  write_png(folder + "/beside_truth.png", picture_grid(cells, 2, 4));
+  return shot_errors(real, picture);
+}
+
+}  // namespace sandglass::host

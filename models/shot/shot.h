@@ -1,0 +1,85 @@
+// A scene that is seen by a hand-held camera in a room and lit as that room is: what `sandglass run` needs beside an
+// ordinary scene. The light comes from one of three sources, which report and pictures name.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/host/mesh/mesh.h"
+#include "models/host/pictures.h"
+#include "models/host/scene_file.h"
+#include "models/lighting/image_errors.h"
+#include "models/shot/light_estimate.h"
+#include "models/shot/shot_picture.h"
+#include "models/shot/surroundings.h"
+
+namespace sandglass::host {
+
+// labels: of the panorama, what a perfect network would say. estimate: the library's, from the camera's image.
+// arbitrary: what an app takes that knows nothing of the room.
+enum class LightSource { labels, estimate, arbitrary };
+const char* name_of(LightSource source);
+
+struct ShotOptions {
+  std::string panorama, photo;       // a file, or empty: the scene's room
+  double photo_fov_deg = 0.0;        // diagonal
+  std::string mesh;                  // of the standing object; empty: the scene's
+  std::optional<LightSource> light;  // not given: an estimate where there is a network, else labels, else arbitrary
+  std::string network;               // a lighting network's file; empty: the shipped one, if there is one
+  sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC;
+  std::string folder;  // keeps the room's panorama; may be empty
+  uint32_t threads = 1;
+};
+
+// How far a picture is from its truth.
+struct ShotErrors {
+  ImageErrors image;
+  double similarity = 0.0, flip = 0.0;
+};
+ShotErrors shot_errors(const RadianceMap& truth, const RadianceMap& picture);
+std::string shot_errors_text(const ShotErrors& errors);
+
+// The mesh of the scene's first standing object, in the scene's frame. `file`: instead of the one it names.
+Mesh standing_object(const SceneFile& scene, const std::string& file);
+
+class Shot {
+ public:
+  Shot(const SceneFile& scene, const ShotOptions& options);
+
+  LightSource source() const { return source_; }
+  const Surroundings& surroundings() const { return surroundings_; }
+  ShotCamera camera(uint32_t frame) const;
+  // Before the frame of that number: what it is lit by, from then on what light() says of it.
+  void begin(uint32_t frame);
+  ShotLight light(uint32_t frame) const;
+  // For the frame: null unless the light is estimated.
+  sandglass_light* estimator() const { return estimate_ ? estimate_->handle() : nullptr; }
+  const sandglass_camera_image* image() const { return image_; }
+  // Angle between the light of a frame and the labels, degrees; below 0 where there are none.
+  double angle_deg(uint32_t frame) const;
+
+  // The snapshot as the app composites it, or its truth.
+  RadianceMap composite(const Snapshot& snapshot, CastShadow cast, const ShotPictureOptions& options) const;
+  RadianceMap truth(const Snapshot& snapshot, const ShotPictureOptions& options) const;
+  Picture paint(const Snapshot& snapshot, int width, int height, uint32_t threads) const;
+
+  // Composite, truth, their difference times four and FLIP, side by side, into `folder`; the errors.
+  ShotErrors compare(const Snapshot& snapshot, const std::string& folder, uint32_t threads) const;
+
+ private:
+  std::unique_ptr<ShotPicture> picture_of(const Snapshot& snapshot) const;
+
+  SceneFile scene_;
+  Camera camera_;
+  Mesh object_;
+  Surroundings surroundings_;
+  LightSource source_;
+  ShotLight labels_;
+  std::unique_ptr<LightEstimate> estimate_;
+  const sandglass_camera_image* image_ = nullptr;
+  std::vector<ShotLight> lights_;  // of the frames so far
+};
+
+}  // namespace sandglass::host

@@ -1,0 +1,69 @@
+// One instant of a shot as a picture: composited as an app does, and path traced as the truth.
+//
+// Composite. Behind everything the camera's image. The object and the grains take the directional light, by the cosine,
+// and the ambient light; the floor is the camera's image times 1 - (1 - nu) o, nu being what the textures leave of the
+// direct light (4.3 of the project's SPEC), in linear values. Grains are darkened by the pile's own texture at their
+// place, and by the object's at the place of the floor that the light would reach through them. What stands for the
+// graphics engine and not for this library is traced: the object's shadow on itself, and how open a point is to ambient
+// light.
+//
+// Truth. Object, grains and a floor that only catches shadows and gives back light, in the light of the warped
+// panorama: where the floor is seen, the panorama's radiance is multiplied by irradiance with over irradiance without
+// what stands on it (differential rendering, Debevec 1998). The floor's reflectance for light that it gives back is
+// what explains its own radiance around the object. Tone curve: the panorama's own.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "models/host/mesh/mesh.h"
+#include "models/host/render.h"
+#include "models/lighting/panorama.h"
+#include "models/shot/shot_camera.h"
+#include "models/shot/surroundings.h"
+
+namespace sandglass::host {
+
+// What falls on the floor and the grains: the library's textures, nothing, or an edge traced to the middle of the
+// light.
+enum class CastShadow { textures, none, hard };
+
+struct ShotShadows {
+  std::vector<FloorShadow> object, pile, pile_surface;  // none of a kind: nothing is cast
+};
+
+struct ShotPictureOptions {
+  int width = 320, height = 240;
+  int samples = 3;  // composite: per pixel and axis
+  int paths = 64;   // truth: per pixel
+  uint32_t threads = 1;
+};
+
+class ShotPicture {
+ public:
+  // `object` in the scene's frame, standing on y = 0. Needs Embree, else a Failure.
+  ShotPicture(const Mesh& object, std::span<const float> grains, float grain_radius);
+  ~ShotPicture();
+  ShotPicture(const ShotPicture&) = delete;
+  ShotPicture& operator=(const ShotPicture&) = delete;
+
+  // Linear, 0..1. Equal arguments give equal bits on any number of threads.
+  RadianceMap composite(const Surroundings& room, const ShotCamera& camera, const ShotLight& light,
+                        const ShotShadows& shadows, CastShadow cast, const ShotPictureOptions& options) const;
+  // Surroundings must have a truth.
+  RadianceMap truth(const Surroundings& room, const ShotCamera& camera, const ShotPictureOptions& options) const;
+
+  // Share of the light's irradiance of a level floor at (x, 0, z) that the grains alone leave, the light being a cap of
+  // half angle `half_angle` about `towards`: stratified rays, points^2 of them.
+  double grains_leave(double x, double z, Vec3 towards, double half_angle, int points) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+Picture displayed_picture(const RadianceMap& linear);  // sRGB
+
+}  // namespace sandglass::host

@@ -1,0 +1,245 @@
+// One texture of a pile's shadow, unit by unit.
+#include "runtime/shadow/pile.h"
+
+#include <cstring>
+
+#include "runtime/core/math.h"
+
+namespace sandglass {
+namespace {
+
+// Sand is lit as it is seen, grain by grain: what lies lower than this share of a radius does not shade its neighbour.
+constexpr float k_surface_lift = 0.5f;
+constexpr double k_step_growth = 1.12;  // beyond the first steps; a light of 20 degrees is 0.35 wide at distance 1
+constexpr double k_even_steps = 8;      // texels walked one by one
+
+void clear_columns(Pile* p) {
+  const uint32_t count = p->texels * p->pitch + k_lane_group;
+  float* tops = p->tops - k_lane_group;
+  float* bottoms = p->bottoms - k_lane_group;
+  for (uint32_t i = 0; i < count; ++i) tops[i] = -k_pile_empty, bottoms[i] = k_pile_empty;
+  p->sand_rows[0] = p->sand_columns[0] = static_cast<int32_t>(p->texels);
+  p->sand_rows[1] = p->sand_columns[1] = -1;
+  p->top = 0;
+}
+
+void put_column(Pile* p, int64_t u, int64_t v, float low, float high) {
+  const int32_t n = static_cast<int32_t>(p->texels);
+  if (u < 0 || v < 0 || u >= n || v >= n || !(high > 0)) return;
+  const int32_t column = static_cast<int32_t>(u), row = static_cast<int32_t>(v);
+  float* top = p->tops + static_cast<int64_t>(row) * p->pitch + column;
+  float* bottom = p->bottoms + static_cast<int64_t>(row) * p->pitch + column;
+  *top = high > *top ? high : *top;
+  *bottom = low < *bottom ? low : *bottom;
+  p->top = high > p->top ? high : p->top;
+  p->sand_rows[0] = row < p->sand_rows[0] ? row : p->sand_rows[0];
+  p->sand_rows[1] = row > p->sand_rows[1] ? row : p->sand_rows[1];
+  p->sand_columns[0] = column < p->sand_columns[0] ? column : p->sand_columns[0];
+  p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
+}
+
+// The columns whose middles lie under or over a sphere, and the one that holds its centre.
+void put_sphere(Pile* p, const float* centre, float radius) {
+  const float x = (centre[0] - p->low[0]) / p->texel[0], z = (centre[2] - p->low[1]) / p->texel[1];
+  const float n = static_cast<float>(p->texels), reach_x = radius / p->texel[0], reach_z = radius / p->texel[1];
+  const float y = centre[1] - p->height;
+  if (!(x > -reach_x && z > -reach_z && x < n + reach_x && z < n + reach_z && y < 1e6f)) return;
+  put_column(p, floor_index(static_cast<double>(x)), floor_index(static_cast<double>(z)), y - radius, y + radius);
+  const int64_t u0 = ceiling_index(static_cast<double>(x - reach_x - 0.5f));
+  const int64_t u1 = floor_index(static_cast<double>(x + reach_x - 0.5f));
+  const int64_t v0 = ceiling_index(static_cast<double>(z - reach_z - 0.5f));
+  const int64_t v1 = floor_index(static_cast<double>(z + reach_z - 0.5f));
+  for (int64_t v = v0; v <= v1; ++v)
+    for (int64_t u = u0; u <= u1; ++u) {
+      const float dx = (static_cast<float>(u) + 0.5f - x) * p->texel[0];
+      const float dz = (static_cast<float>(v) + 0.5f - z) * p->texel[1];
+      const float square = radius * radius - dx * dx - dz * dz;
+      if (!(square > 0)) continue;
+      const float half = __builtin_sqrtf(square);
+      put_column(p, u, v, y - half, y + half);
+    }
+}
+
+uint32_t unit_spheres(const Pile& p) {
+  const float columns = (2 * p.source.radius / p.texel[0] + 1) * (2 * p.source.radius / p.texel[1] + 1);
+  const float count = static_cast<float>(k_pile_unit_columns) / columns;
+  return count > 1024 ? 1024u : count > 1 ? static_cast<uint32_t>(count) : 1u;
+}
+
+// Elevations of the light in the vertical half plane at an azimuth `cosine`, `sine` (of the angle) away from its own.
+// The light is where a . cos e + b . sin e >= cos(half); `flat` and `up` are its horizontal and vertical components.
+bool elevations(double flat, double up, double cosine, double half_cosine, double* low, double* high) {
+  const double a = flat * cosine, b = up, norm = square_root(a * a + b * b);
+  if (!(norm > half_cosine)) return false;
+  const double c1 = a / norm, s1 = b / norm, c2 = half_cosine / norm, s2 = square_root(1 - c2 * c2);
+  const double sin_high = s1 * c2 + c1 * s2, cos_high = c1 * c2 - s1 * s2;
+  const double sin_low = s1 * c2 - c1 * s2, cos_low = c1 * c2 + s1 * s2;
+  if (!(cos_low > 0)) return false;  // the other half plane's
+  *high = cos_high > 0 ? (sin_high > 0 ? sin_high * sin_high : 0) : 1;
+  *low = sin_low > 0 ? sin_low * sin_low : 0;
+  return *high > *low;
+}
+
+// Steps along an azimuth, out to where the highest sand no longer reaches the light's lower edge.
+uint32_t walk(const Pile& p, double cosine, double sine, double low, PileStep* steps) {
+  const double texel = static_cast<double>(p.texel[0] < p.texel[1] ? p.texel[0] : p.texel[1]);
+  const double slope = square_root(low / (1 - (low < 1 ? low : 0)));
+  const double across = 1.5 * p.texels;
+  const double reach =
+      slope * across * texel > static_cast<double>(p.top) ? static_cast<double>(p.top) / (slope * texel) : across;
+  uint32_t count = 0;
+  steps[count++] = {0, 0, static_cast<float>(2 / texel)};  // what hangs over the receiver itself
+  for (double distance = 1; distance <= reach + 1 && count < k_pile_steps;
+       distance = distance < k_even_steps ? distance + 1 : distance * k_step_growth) {
+    const double x = distance * texel * cosine / static_cast<double>(p.texel[0]);
+    const double z = distance * texel * sine / static_cast<double>(p.texel[1]);
+    const int64_t columns = floor_index(x + 0.5), rows = floor_index(z + 0.5);
+    const double dx = static_cast<double>(columns) * static_cast<double>(p.texel[0]);
+    const double dz = static_cast<double>(rows) * static_cast<double>(p.texel[1]);
+    const double length = square_root(dx * dx + dz * dz);
+    if (!(length > 0)) continue;
+    steps[count++] = {static_cast<int32_t>(columns), static_cast<int32_t>(rows), static_cast<float>(1 / length)};
+  }
+  return count;
+}
+
+// Cuts the light into azimuths: evenly in the sine of the angle from its own azimuth, as wide as it is; all round where
+// it holds the zenith.
+void cut_light(Pile* p) {
+  const double flat = square_root(p->made_for[0] * p->made_for[0] + p->made_for[2] * p->made_for[2]);
+  const double up = p->made_for[1];
+  const bool round = flat <= p->half_sine;
+  const double ahead_x = flat > 0 ? p->made_for[0] / flat : 1, ahead_z = flat > 0 ? p->made_for[2] / flat : 0;
+  const uint32_t count = round ? k_pile_azimuths : k_pile_azimuths / 2;
+  double total = 0;
+  uint32_t steps = 0;
+  p->azimuth_count = 0;
+  for (uint32_t k = 0; k < count; ++k) {
+    double cosine, sine, weight;
+    if (round) {
+      const SinCos turn = sin_cos_turns((k + 0.5) / count);
+      cosine = turn.cos, sine = turn.sin, weight = 1;
+    } else {
+      const double widest = p->half_sine / flat;
+      sine = widest * ((2.0 * k + 1.0) / count - 1.0);
+      cosine = square_root(1 - sine * sine);
+      weight = 1 / cosine;  // d(azimuth) / d(sine)
+    }
+    double low = 0, high = 0;
+    if (!elevations(flat, up, cosine, p->half_cosine, &low, &high)) continue;
+    PileAzimuth& azimuth = p->azimuths[p->azimuth_count++];
+    azimuth.low = static_cast<float>(low), azimuth.high = static_cast<float>(high);
+    azimuth.weight = static_cast<float>(weight);
+    azimuth.first_step = steps;
+    steps += walk(*p, ahead_x * cosine - ahead_z * sine, ahead_z * cosine + ahead_x * sine, low, p->steps + steps);
+    azimuth.last_step = steps;
+    total += static_cast<double>(azimuth.weight) * static_cast<double>(azimuth.high - azimuth.low);
+  }
+  p->inverse_total = total > 0 ? static_cast<float>(1 / total) : 0.0f;
+}
+
+void begin(Pile* p) {
+  p->phase = PilePhase::columns, p->cursor = 0;
+  p->pending = false;
+  p->back.frame = p->frame;
+  for (uint32_t axis = 0; axis < 3; ++axis) p->made_for[axis] = p->light[axis];
+  clear_columns(p);
+}
+
+void run_columns(Pile* p) {
+  if (p->phase == PilePhase::idle) begin(p);
+  const PileSource& source = p->source;
+  const uint32_t left = source.count > p->cursor ? source.count - p->cursor : 0, most = unit_spheres(*p);
+  const uint32_t end = p->cursor + (left < most ? left : most);
+  for (; p->cursor < end; ++p->cursor)
+    put_sphere(p, *source.positions + static_cast<uint64_t>(p->cursor) * source.stride, source.radius);
+  if (p->cursor < source.count) return;
+  cut_light(p);
+  p->phase = PilePhase::floor, p->cursor = 0;
+}
+
+void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage) {
+  PileLightArgs args = {};
+  args.tops = p->tops, args.bottoms = p->bottoms, args.pitch = p->pitch, args.row = static_cast<int32_t>(row);
+  for (uint32_t side = 0; side < 2; ++side)
+    args.sand_rows[side] = p->sand_rows[side], args.sand_columns[side] = p->sand_columns[side];
+  args.receivers = receivers;
+  args.azimuths = p->azimuths, args.azimuth_count = p->azimuth_count, args.steps = p->steps;
+  args.inverse_total = p->inverse_total;
+  args.shares = p->shares;
+  uint32_t unused = 0;
+  p->kernels->pile_light(&args, 0, p->texels, &unused);
+  for (uint32_t u = 0; u < p->texels; ++u) coverage[u] = static_cast<uint8_t>(255.0f * (1.0f - p->shares[u]) + 0.5f);
+}
+
+void run_rows(Pile* p) {
+  const bool floor = p->phase == PilePhase::floor;
+  const uint32_t end = p->cursor + k_pile_unit_texels / p->texels > p->texels
+                           ? p->texels
+                           : p->cursor + (k_pile_unit_texels / p->texels > 0 ? k_pile_unit_texels / p->texels : 1);
+  for (; p->cursor < end; ++p->cursor) {
+    uint8_t* coverage = (floor ? p->back.floor : p->back.sand) + uint64_t{p->cursor} * p->texels;
+    if (p->sand_rows[1] < 0) {
+      memset(coverage, 0, p->texels);
+    } else if (floor) {
+      light_row(p, p->cursor, p->nothing, coverage);
+    } else {
+      const float* tops = p->tops + uint64_t{p->cursor} * p->pitch;
+      for (uint32_t u = 0; u < p->texels; ++u)
+        p->receivers[u] = tops[u] > 0 ? tops[u] + k_surface_lift * p->source.radius : 0;
+      light_row(p, p->cursor, p->receivers, coverage);
+    }
+  }
+  if (p->cursor < p->texels) return;
+  p->cursor = 0;
+  if (floor && p->back.sand != nullptr) {
+    p->phase = PilePhase::sand;
+    return;
+  }
+  const PileTexture swap = p->front;
+  p->front = p->back, p->back = swap;
+  p->valid = true;
+  p->phase = PilePhase::idle;
+  p->yielded = true;
+}
+
+void begin_frame(sandglass_pile_shadow* shadow, const PileSource& source, bool moving) {
+  Pile& p = shadow->pile;
+  ++p.frame;
+  // Once more after the last motion: the texture that was under way is of sand that had not come to rest.
+  if (moving || p.moving || source.count != p.source.count) p.pending = true;
+  p.moving = moving;
+  p.source = source;
+}
+
+bool next(const sandglass_pile_shadow* shadow, bool others, bool others_under_way, WorkUnit* unit) {
+  const Pile& p = shadow->pile;
+  const bool under_way = p.phase != PilePhase::idle;
+  if (others_under_way && !under_way) return false;
+  if (!under_way && (!p.pending || !(p.opacity > 0) || (others && p.yielded))) return false;
+  *unit = pile_next(p);
+  return true;
+}
+
+void run(sandglass_pile_shadow* shadow) { pile_run(&shadow->pile); }
+void gave_way(sandglass_pile_shadow* shadow) { shadow->pile.yielded = false; }
+
+}  // namespace
+
+WorkUnit pile_next(const Pile& p) {
+  if (p.phase == PilePhase::idle || p.phase == PilePhase::columns) {
+    const uint32_t from = p.phase == PilePhase::idle ? 0 : p.cursor, most = unit_spheres(p);
+    const uint32_t left = p.source.count > from ? p.source.count - from : 0;
+    return {k_pile_columns, left == 0 ? 1 : left < most ? left : most, "pile_shadow.columns"};
+  }
+  return {k_pile_rows, k_pile_unit_texels, p.phase == PilePhase::floor ? "pile_shadow.floor" : "pile_shadow.sand"};
+}
+
+void pile_run(Pile* p) {
+  if (p->phase == PilePhase::idle || p->phase == PilePhase::columns) run_columns(p);
+  else run_rows(p);
+}
+
+extern const PileFunctions k_pile_functions = {begin_frame, next, run, gave_way};
+
+}  // namespace sandglass

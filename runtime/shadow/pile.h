@@ -1,0 +1,87 @@
+// The state behind sandglass/pile_shadow.h, as work units of the shadow stage. A texture is made in phases: columns
+// from the particles, then rows of the floor, then rows of the sand's own surface; the last unit swaps the two
+// textures.
+//
+// Particles are read where the scene has them. One that is sorted to another place between two units of the first phase
+// may be missed, or taken twice, in that one texture.
+#pragma once
+
+#include <cstdint>
+
+#include "kernels/kernels.h"
+#include "runtime/core/governor.h"
+#include "sandglass/pile_shadow.h"
+
+namespace sandglass {
+
+constexpr uint32_t k_pile_azimuths = 12;  // of a cap that holds the zenith; of others half as many
+constexpr uint32_t k_pile_steps = 48;     // most along one azimuth
+constexpr uint32_t k_pile_unit_texels = 512;
+constexpr uint32_t k_pile_unit_columns = 8192;  // written by the particles of one unit, about
+constexpr float k_pile_empty = 1e30f;
+
+// Kinds of work unit.
+enum : uint32_t { k_pile_columns, k_pile_rows, k_pile_kinds };
+
+enum class PilePhase : uint32_t { idle, columns, floor, sand };
+
+struct PileSource {
+  const float* const* positions;  // where the pointer to them is: the scene's changes from sub-step to sub-step
+  uint32_t stride;                // floats from one to the next
+  uint32_t count;
+  float radius;
+};
+
+struct PileTexture {
+  uint8_t *floor, *sand;  // sand: null without
+  uint64_t frame;         // that it was begun in
+};
+
+struct Pile {
+  const Kernels* kernels;
+  float low[2], high[2], height;  // height: of the floor
+  float texel[2];                 // metres
+  uint32_t texels, pitch;
+  double half_sine, half_cosine;  // of half the light
+  double tolerance_squared;
+  float *tops, *bottoms;                // texels x pitch, after k_lane_group of padding
+  float *nothing, *receivers, *shares;  // one row each: heights of the floor, of the receivers, the kernel's output
+  PileAzimuth* azimuths;
+  PileStep* steps;
+  // The texture under way.
+  PilePhase phase;
+  uint32_t cursor;  // next particle or row
+  int32_t sand_rows[2], sand_columns[2];
+  float top;  // of all sand, over the floor
+  uint32_t azimuth_count;
+  float inverse_total;
+  PileTexture front, back;
+  bool valid;
+  double light[3], made_for[3];
+  float opacity;
+  // What asks for a texture.
+  PileSource source;
+  const float* own_positions;  // without a scene
+  uint64_t frame;
+  bool pending, moving, yielded;  // yielded: an object's texture comes first
+};
+
+WorkUnit pile_next(const Pile& pile);
+void pile_run(Pile* pile);
+
+// Reached through a table that creation leaves in the handle, so that an app without one does not link it.
+struct PileFunctions {
+  void (*begin_frame)(sandglass_pile_shadow* shadow, const PileSource& source, bool moving);
+  // The next unit; false: there is none, or, where `others` have work, it is not this one's turn.
+  bool (*next)(const sandglass_pile_shadow* shadow, bool others, bool others_under_way, WorkUnit* unit);
+  void (*run)(sandglass_pile_shadow* shadow);
+  void (*gave_way)(sandglass_pile_shadow* shadow);  // an object's unit was run
+};
+extern const PileFunctions k_pile_functions;
+
+}  // namespace sandglass
+
+struct sandglass_pile_shadow {
+  const sandglass::PileFunctions* functions;
+  sandglass::Pile pile;
+};

@@ -1,0 +1,219 @@
+// The C API around a Pile: checks, layout, light, and what the textures look like from outside.
+#include <cstring>
+
+#include "platform/floating_point.h"
+#include "runtime/asset/checksum.h"
+#include "runtime/core/layout.h"
+#include "runtime/core/math.h"
+#include "runtime/shadow/pile.h"
+
+namespace sandglass {
+namespace {
+
+constexpr double k_polar_max = 70 * k_pi / 180;
+constexpr float k_side_limit = 1e4f;  // metres
+
+sandglass_status refuse(const char** reason, sandglass_status status, const char* sentence) {
+  if (reason != nullptr) *reason = sentence;
+  return status;
+}
+sandglass_status accept(const char** reason) { return refuse(reason, SANDGLASS_OK, nullptr); }
+
+bool within(float x, float low, float high) { return x >= low && x <= high; }
+
+sandglass_status check(const sandglass_pile_shadow_desc* desc, const char** reason) {
+  const auto wrong = [&](const char* sentence) { return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, sentence); };
+  if (desc == nullptr) return wrong("desc is NULL: start from sandglass_pile_shadow_desc_default");
+  if (desc->struct_size != sizeof *desc)
+    return wrong("desc.struct_size is not that of this library: start from sandglass_pile_shadow_desc_default");
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    if (!within(desc->low[axis], -k_side_limit, k_side_limit) || !within(desc->high[axis], -k_side_limit, k_side_limit))
+      return wrong("desc.low or high is not finite, or beyond 10 km");
+    if (!(desc->high[axis] - desc->low[axis] >= 1e-3f))
+      return wrong("desc.high is not above low by at least a millimetre in x and in z");
+  }
+  if (!within(desc->floor, -k_side_limit, k_side_limit)) return wrong("desc.floor is not finite, or beyond 10 km");
+  if (desc->texels < 32 || desc->texels > 256 || desc->texels % 32 != 0)
+    return wrong("desc.texels is not a multiple of 32 in 32..256");
+  if (!within(desc->angular_diameter, 0.02f, 1.0f)) return wrong("desc.angular_diameter is not in 0.02..1 radians");
+  if (!within(desc->light_tolerance, 0.0f, 1.0f)) return wrong("desc.light_tolerance is not in 0..1 radians");
+  if (desc->on_sand > 1) return wrong("desc.on_sand is neither 0 nor 1");
+  if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_AVX512 || select_kernels(desc->isa) == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
+                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
+  return accept(reason);
+}
+
+// One walk for size and creation.
+sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* layout) {
+  const uint64_t n = desc.texels, pitch = n + k_lane_group, columns = n * pitch + 2 * k_lane_group;
+  auto* owner = layout_region<sandglass_pile_shadow>(layout, "pile_shadow.state", 1);
+  Pile nowhere = {};
+  Pile* p = owner == nullptr ? &nowhere : &owner->pile;
+  if (owner != nullptr) *owner = {};
+  p->texels = desc.texels, p->pitch = static_cast<uint32_t>(pitch);
+  p->tops = layout_region<float>(layout, "pile_shadow.tops", columns);
+  p->bottoms = layout_region<float>(layout, "pile_shadow.bottoms", columns);
+  float** const rows[] = {&p->nothing, &p->receivers, &p->shares};
+  for (float** row : rows) *row = layout_region<float>(layout, "pile_shadow.row", n + k_lane_group);
+  p->azimuths = layout_region<PileAzimuth>(layout, "pile_shadow.azimuths", k_pile_azimuths);
+  p->steps = layout_region<PileStep>(layout, "pile_shadow.steps", k_pile_azimuths * k_pile_steps);
+  PileTexture* const textures[] = {&p->front, &p->back};
+  for (PileTexture* texture : textures) {
+    texture->floor = layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n);
+    texture->sand = desc.on_sand != 0 ? layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n) : nullptr;
+  }
+  return owner;
+}
+
+__attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, void* block,
+                                     sandglass_pile_shadow** shadow) {
+  Layout layout;
+  layout.base = static_cast<uint8_t*>(block);
+  sandglass_pile_shadow* owner = lay_out(desc, &layout);
+  owner->functions = &k_pile_functions;
+  Pile* p = &owner->pile;
+  p->kernels = select_kernels(desc.isa);
+  p->tops += k_lane_group, p->bottoms += k_lane_group;
+  for (uint32_t i = 0; i < p->texels + k_lane_group; ++i) p->nothing[i] = p->receivers[i] = p->shares[i] = 0;
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    p->low[axis] = desc.low[axis], p->high[axis] = desc.high[axis];
+    p->texel[axis] = (desc.high[axis] - desc.low[axis]) / static_cast<float>(desc.texels);
+  }
+  p->height = desc.floor;
+  const SinCos half = sin_cos_turns(0.25 / k_pi * static_cast<double>(desc.angular_diameter));
+  p->half_sine = half.sin, p->half_cosine = half.cos;
+  p->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
+  p->light[1] = 1;
+  memset(p->front.floor, 0, uint64_t{p->texels} * p->texels);
+  if (p->front.sand != nullptr) memset(p->front.sand, 0, uint64_t{p->texels} * p->texels);
+  *shadow = owner;
+}
+
+__attribute__((noinline)) sandglass_status take_light(Pile* p, const float direction[3], const char** reason) {
+  double light[3], largest = 0;
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    if (!(direction[axis] - direction[axis] == 0))
+      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "direction is not finite: leave the light as it was");
+    light[axis] = static_cast<double>(direction[axis]);
+    largest = absolute(light[axis]) > largest ? absolute(light[axis]) : largest;
+  }
+  if (!(largest > 0))
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "direction is the zero vector: it must point to the light");
+  for (double& x : light) x /= largest;
+  const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
+  for (double& x : light) x /= length;
+  const double flat = square_root(light[0] * light[0] + light[2] * light[2]), polar = arc_tangent2(flat, light[1]);
+  p->opacity = 1;
+  if (polar > k_polar_max) {
+    const double fade = (0.5 * k_pi - polar) / (0.5 * k_pi - k_polar_max);
+    p->opacity = fade > 0 ? static_cast<float>(fade) : 0.0f;
+    const SinCos most = sin_cos_turns(k_polar_max / (2 * k_pi));
+    light[0] = flat > 0 ? light[0] * (most.sin / flat) : most.sin, light[1] = most.cos;
+    light[2] = flat > 0 ? light[2] * (most.sin / flat) : 0;
+  }
+  double chord = 0;
+  for (uint32_t axis = 0; axis < 3; ++axis) chord += (light[axis] - p->light[axis]) * (light[axis] - p->light[axis]);
+  const bool any = p->valid || p->pending || p->phase != PilePhase::idle;
+  if (any && !(chord > p->tolerance_squared)) return accept(reason);
+  for (uint32_t axis = 0; axis < 3; ++axis) p->light[axis] = light[axis];
+  p->pending = true;
+  return accept(reason);
+}
+
+__attribute__((noinline)) uint32_t run_units(Pile* p, uint32_t units) {
+  uint32_t done = 0;
+  while (done < units && (p->phase != PilePhase::idle || (p->pending && p->opacity > 0))) pile_run(p), ++done;
+  return done;
+}
+
+}  // namespace
+}  // namespace sandglass
+
+using namespace sandglass;
+
+void sandglass_pile_shadow_desc_default(sandglass_pile_shadow_desc* desc) {
+  *desc = {};
+  desc->struct_size = sizeof *desc;
+  for (uint32_t axis = 0; axis < 2; ++axis) desc->low[axis] = -0.5f, desc->high[axis] = 0.5f;
+  desc->texels = 128;
+  desc->angular_diameter = 0.34906585f;
+  desc->light_tolerance = 0.01f;
+  desc->on_sand = 1;
+}
+
+sandglass_status sandglass_pile_shadow_bytes(const sandglass_pile_shadow_desc* desc, uint64_t* bytes,
+                                             const char** reason) {
+  const sandglass_status status = check(desc, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (bytes == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass where to store it");
+  Layout layout;
+  lay_out(*desc, &layout);
+  *bytes = layout.size;
+  return accept(reason);
+}
+
+sandglass_status sandglass_pile_shadow_create(const sandglass_pile_shadow_desc* desc, void* block, uint64_t bytes,
+                                              sandglass_pile_shadow** shadow, const char** reason) {
+  uint64_t need = 0;
+  const sandglass_status status = sandglass_pile_shadow_bytes(desc, &need, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (block == nullptr || shadow == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "block or shadow is NULL: pass memory and where to store the shadow");
+  if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
+    return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT, "block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64)");
+  if (bytes < need)
+    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
+                  "block is smaller than sandglass_pile_shadow_bytes asks for");
+  const FloatingPointControl saved = floating_point_enter();
+  build(*desc, block, shadow);
+  floating_point_restore(saved);
+  return accept(reason);
+}
+
+sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, const float direction[3],
+                                                 const char** reason) {
+  if (shadow == nullptr || direction == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "shadow or direction is NULL");
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = take_light(&shadow->pile, direction, reason);
+  floating_point_restore(saved);
+  return status;
+}
+
+void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) { shadow->pile.pending = true; }
+
+uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count, float radius,
+                                   uint32_t units) {
+  const FloatingPointControl saved = floating_point_enter();
+  shadow->pile.own_positions = positions;
+  shadow->pile.source = {&shadow->pile.own_positions, 3, radius > 0 ? count : 0, radius};
+  const uint32_t done = run_units(&shadow->pile, units);
+  floating_point_restore(saved);
+  return done;
+}
+
+void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_texture* texture) {
+  const Pile& p = shadow->pile;
+  const uint32_t struct_size = texture->struct_size;
+  *texture = {};
+  texture->struct_size = struct_size;
+  texture->valid = p.valid ? 1 : 0;
+  texture->texels = p.texels;
+  texture->coverage = p.front.floor, texture->on_sand = p.front.sand;
+  for (uint32_t axis = 0; axis < 2; ++axis) texture->low[axis] = p.low[axis], texture->high[axis] = p.high[axis];
+  texture->opacity = p.opacity;
+  const bool stale = p.pending || p.phase != PilePhase::idle;
+  texture->age = stale ? static_cast<uint32_t>(p.frame - p.front.frame) : 0;
+}
+
+uint64_t sandglass_pile_shadow_hash(const sandglass_pile_shadow* shadow) {
+  constexpr uint64_t k_prime = 1099511628211ull;
+  const Pile& p = shadow->pile;
+  const uint64_t texels = uint64_t{p.texels} * p.texels;
+  uint64_t hash = asset_checksum(p.front.floor, texels);
+  if (p.front.sand != nullptr) hash = (hash ^ asset_checksum(p.front.sand, texels)) * k_prime;
+  return hash;
+}

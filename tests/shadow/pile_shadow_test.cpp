@@ -1,0 +1,293 @@
+// The sand's own shadow against rays cast at its spheres, the promises of its header, and its place in the frame.
+#include "sandglass/pile_shadow.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "sandglass/sandglass.hpp"
+
+namespace {
+
+constexpr double k_degree = std::numbers::pi / 180.0;
+constexpr float k_radius = 0.01f;
+
+struct Light {
+  double polar_deg, azimuth_deg;
+  void vector(double (&d)[3]) const {
+    d[0] = std::sin(polar_deg * k_degree) * std::cos(azimuth_deg * k_degree);
+    d[1] = std::cos(polar_deg * k_degree);
+    d[2] = std::sin(polar_deg * k_degree) * std::sin(azimuth_deg * k_degree);
+  }
+};
+
+// Owns the block.
+struct Shadow {
+  explicit Shadow(sandglass_pile_shadow_desc desc) {
+    const char* reason = nullptr;
+    uint64_t bytes = 0;
+    EXPECT_EQ(sandglass_pile_shadow_bytes(&desc, &bytes, &reason), SANDGLASS_OK) << reason;
+    block.resize(bytes + 64);
+    auto* at = block.data() + (64 - reinterpret_cast<uintptr_t>(block.data()) % 64) % 64;
+    EXPECT_EQ(sandglass_pile_shadow_create(&desc, at, bytes, &handle, &reason), SANDGLASS_OK) << reason;
+  }
+  void light(const Light& light) const {
+    double d[3];
+    light.vector(d);
+    const float direction[3] = {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
+    EXPECT_EQ(sandglass_pile_shadow_set_light(handle, direction, nullptr), SANDGLASS_OK);
+  }
+  sandglass_pile_shadow_texture texture() const {
+    sandglass_pile_shadow_texture t = {};
+    t.struct_size = sizeof t;
+    sandglass_pile_shadow_get_texture(handle, &t);
+    return t;
+  }
+  std::vector<uint8_t> block;
+  sandglass_pile_shadow* handle = nullptr;
+};
+
+sandglass_pile_shadow_desc description() {
+  sandglass_pile_shadow_desc desc;
+  sandglass_pile_shadow_desc_default(&desc);
+  return desc;
+}
+
+// A hexagonal lattice of spheres wherever `inside`.
+std::vector<float> spheres_in(const std::function<bool(const float*)>& inside, float reach, float height) {
+  std::vector<float> points;
+  const sandglass::Box box{{-reach, k_radius, -reach}, {reach, height, reach}};
+  auto test = [&](const float* p) { return inside(p); };
+  EXPECT_TRUE(sandglass::sample_lattice(box, 2 * k_radius, test, &points));
+  return points;
+}
+
+std::vector<float> heap() {  // as steep as sand gets
+  return spheres_in([](const float* p) { return std::hypot(p[0], p[2]) < 0.16f - 1.8f * p[1]; }, 0.2f, 0.1f);
+}
+std::vector<float> tower() {  // as it begins to collapse
+  return spheres_in([](const float* p) { return std::hypot(p[0], p[2]) < 0.08f - 0.2f * p[1]; }, 0.1f, 0.18f);
+}
+
+// The share of the light's irradiance that reaches a point, by rays through the middles of equal parts of the cap.
+double traced(const std::vector<float>& spheres, const double (&point)[3], const Light& light) {
+  constexpr int k_side = 12;
+  double d[3], u[3], v[3];
+  light.vector(d);
+  const double flat = std::hypot(d[0], d[2]);
+  u[0] = flat > 0 ? -d[2] / flat : 1, u[1] = 0, u[2] = flat > 0 ? d[0] / flat : 0;
+  for (int k = 0; k < 3; ++k) v[k] = d[(k + 1) % 3] * u[(k + 2) % 3] - d[(k + 2) % 3] * u[(k + 1) % 3];
+  double all = 0, open = 0;
+  for (int i = 0; i < k_side; ++i)
+    for (int j = 0; j < k_side; ++j) {
+      const double cosine = 1 - (i + 0.5) / k_side * (1 - std::cos(10 * k_degree)),
+                   sine = std::sqrt(1 - cosine * cosine);
+      const double turn = 2 * std::numbers::pi * (j + 0.5 * (i % 2)) / k_side;
+      double r[3];
+      for (int k = 0; k < 3; ++k) r[k] = cosine * d[k] + sine * (std::cos(turn) * u[k] + std::sin(turn) * v[k]);
+      if (r[1] <= 0) continue;
+      all += r[1];
+      bool hit = false;
+      for (size_t s = 0; s < spheres.size() && !hit; s += 3) {
+        double along = 0, square = 0;
+        for (size_t k = 0; k < 3; ++k) {
+          const double to = static_cast<double>(spheres[s + k]) - point[k];
+          along += to * r[k], square += to * to;
+        }
+        hit = along > 0 && square - along * along < static_cast<double>(k_radius * k_radius);
+      }
+      open += hit ? 0 : r[1];
+    }
+  return open / all;
+}
+
+struct Error {
+  double rmse = 0, without = 0;  // of visibility, and of no shadow at all
+  int points = 0;
+};
+
+// Over a lattice of floor points in shadow or near it, beside the sand and not under it.
+Error error_of(const std::vector<float>& spheres, const Light& light, uint32_t texels) {
+  sandglass_pile_shadow_desc desc = description();
+  desc.texels = texels;
+  const Shadow shadow(desc);
+  shadow.light(light);
+  while (sandglass_pile_shadow_run(shadow.handle, spheres.data(), static_cast<uint32_t>(spheres.size() / 3), k_radius,
+                                   1000) != 0) {
+  }
+  const sandglass_pile_shadow_texture t = shadow.texture();
+  EXPECT_EQ(t.valid, 1u);
+  Error error;
+  for (uint32_t i = 0; i < 24; ++i)
+    for (uint32_t j = 0; j < 24; ++j) {
+      const uint32_t u = (2 * i + 1) * texels / 48, v = (2 * j + 1) * texels / 48;
+      const double point[3] = {-0.5 + (u + 0.5) / texels, 0, -0.5 + (v + 0.5) / texels};
+      bool under = false;
+      for (size_t s = 0; s < spheres.size() && !under; s += 3)
+        under = spheres[s + 1] < 2 * k_radius && std::hypot(static_cast<double>(spheres[s]) - point[0],
+                                                            static_cast<double>(spheres[s + 2]) - point[2]) < 0.02;
+      if (under) continue;
+      const double truth = traced(spheres, point, light), shown = 1 - t.coverage[v * texels + u] / 255.0;
+      if (truth > 0.999 && shown > 0.999) continue;
+      error.rmse += (truth - shown) * (truth - shown), error.without += (1 - truth) * (1 - truth);
+      ++error.points;
+    }
+  error.rmse = std::sqrt(error.rmse / error.points), error.without = std::sqrt(error.without / error.points);
+  return error;
+}
+
+void expect_truth(const char* what, const std::vector<float>& sand, const Light& light, double limit) {
+  const Error error = error_of(sand, light, 128);
+  ASSERT_GT(error.points, 10) << what << " at " << light.polar_deg;
+  EXPECT_LT(error.rmse, limit) << what << " at " << light.polar_deg;
+  EXPECT_GT(error.without, 4 * error.rmse) << what << " at " << light.polar_deg << ": no shadow at all must be worse";
+  std::printf("%s, light at %g degrees: RMSE %.4f, of no shadow %.4f, %d points\n", what, light.polar_deg, error.rmse,
+              error.without, error.points);
+}
+
+TEST(PileShadow, IsWhatRaysSay) {
+  if (SANDGLASS_EMULATED) GTEST_SKIP() << "a million rays";
+  const std::vector<float> steep = tower(), flat = heap();
+  // Limits are the measured errors and a quarter.
+  for (const Light light : {Light{50, 200}, Light{65, 305}}) expect_truth("tower", steep, light, 0.053);
+  expect_truth("heap", flat, {68, 100}, 0.035);
+}
+
+TEST(PileShadow, OfSandInTheAirStandsOffFromItsFoot) {
+  const std::vector<float> ball =
+      spheres_in([](const float* p) { return std::hypot(std::hypot(p[0], p[2]), p[1] - 0.2f) < 0.06f; }, 0.1f, 0.3f);
+  const Light light = {45, 0};  // from +x: the shadow's middle is 0.2 m to the other side
+  expect_truth("ball", ball, light, 0.053);
+  expect_truth("ball", ball, {4, 70}, 0.065);
+  const Shadow shadow(description());
+  shadow.light(light);
+  sandglass_pile_shadow_run(shadow.handle, ball.data(), static_cast<uint32_t>(ball.size() / 3), k_radius, 100000);
+  const sandglass_pile_shadow_texture t = shadow.texture();
+  const auto at = [&](double x, double z) {
+    return t.coverage[static_cast<size_t>((z + 0.5) * 128) * 128 + static_cast<size_t>((x + 0.5) * 128)];
+  };
+  EXPECT_GT(at(-0.2, 0), 200) << "shadow";
+  EXPECT_EQ(at(0, 0), 0) << "below the ball";
+  EXPECT_EQ(at(0.2, 0), 0) << "on the light's side";
+}
+
+TEST(PileShadow, OneHashForAllKernelsAndAllDivisions) {
+  const std::vector<float> sand = heap();
+  uint64_t first = 0;
+  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_AVX512; ++isa) {
+    if (sandglass_isa_available(isa) == 0) continue;
+    for (const uint32_t units : {1u, 7u, 100000u}) {
+      sandglass_pile_shadow_desc desc = description();
+      desc.isa = isa;
+      const Shadow shadow(desc);
+      shadow.light({55, 130});
+      while (sandglass_pile_shadow_run(shadow.handle, sand.data(), static_cast<uint32_t>(sand.size() / 3), k_radius,
+                                       units) != 0) {
+      }
+      const uint64_t hash = sandglass_pile_shadow_hash(shadow.handle);
+      if (first == 0) first = hash;
+      EXPECT_EQ(hash, first) << sandglass_isa_name(isa) << ", " << units << " units at a time";
+    }
+  }
+  EXPECT_EQ(first, 11349589810376426131ull) << "on every machine";
+}
+
+TEST(PileShadow, RefusesWithASentence) {
+  const auto refused = [](const std::function<void(sandglass_pile_shadow_desc*)>& spoil) {
+    sandglass_pile_shadow_desc desc = description();
+    spoil(&desc);
+    uint64_t bytes = 0;
+    const char* reason = nullptr;
+    const sandglass_status status = sandglass_pile_shadow_bytes(&desc, &bytes, &reason);
+    return status == SANDGLASS_ERROR_INVALID_ARGUMENT && reason != nullptr && std::strlen(reason) > 20;
+  };
+  EXPECT_TRUE(refused([](auto* d) { d->struct_size = 3; }));
+  EXPECT_TRUE(refused([](auto* d) { d->high[0] = d->low[0]; }));
+  EXPECT_TRUE(refused([](auto* d) { d->low[1] = NAN; }));
+  EXPECT_TRUE(refused([](auto* d) { d->floor = INFINITY; }));
+  EXPECT_TRUE(refused([](auto* d) { d->texels = 100; }));
+  EXPECT_TRUE(refused([](auto* d) { d->angular_diameter = 2; }));
+  EXPECT_TRUE(refused([](auto* d) { d->light_tolerance = -1; }));
+  EXPECT_TRUE(refused([](auto* d) { d->on_sand = 2; }));
+
+  const sandglass_pile_shadow_desc desc = description();
+  uint64_t bytes = 0;
+  ASSERT_EQ(sandglass_pile_shadow_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
+  alignas(64) static uint8_t block[1 << 20];
+  ASSERT_LT(bytes, sizeof block);
+  std::memset(block, 0x5a, sizeof block);
+  sandglass_pile_shadow* handle = nullptr;
+  EXPECT_EQ(sandglass_pile_shadow_create(&desc, block, bytes - 1, &handle, nullptr), SANDGLASS_ERROR_MEMORY_TOO_SMALL);
+  EXPECT_EQ(sandglass_pile_shadow_create(&desc, block + 1, bytes, &handle, nullptr), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
+  for (const uint8_t byte : block) ASSERT_EQ(byte, 0x5a);
+  ASSERT_EQ(sandglass_pile_shadow_create(&desc, block, bytes, &handle, nullptr), SANDGLASS_OK);
+  const float zero[3] = {0, 0, 0}, broken[3] = {0, NAN, 0}, good[3] = {1e-20f, 3e-20f, 0}, below[3] = {1, -0.1f, 0};
+  EXPECT_EQ(sandglass_pile_shadow_set_light(handle, zero, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_pile_shadow_set_light(handle, broken, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_pile_shadow_set_light(handle, good, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(sandglass_pile_shadow_set_light(handle, below, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(sandglass_pile_shadow_run(handle, nullptr, 0, k_radius, 10), 0u)
+      << "below the horizon there is nothing to do";
+  // Spheres that are not finite, far away, below the floor: left out.
+  const float wild[] = {NAN, 0, 0, 1e30f, 0.1f, 0, 0, INFINITY, 0, 0, -5, 0, 0, 0.1f, NAN};
+  EXPECT_EQ(sandglass_pile_shadow_set_light(handle, good, nullptr), SANDGLASS_OK);
+  EXPECT_GT(sandglass_pile_shadow_run(handle, wild, 5, k_radius, 100000), 0u);
+  sandglass_pile_shadow_texture t = {};
+  t.struct_size = sizeof t;
+  sandglass_pile_shadow_get_texture(handle, &t);
+  ASSERT_EQ(t.valid, 1u);
+  for (uint32_t i = 0; i < 128 * 128; ++i) ASSERT_EQ(t.coverage[i], 0);
+  for (size_t i = bytes; i < sizeof block; ++i) ASSERT_EQ(block[i], 0x5a);
+}
+
+// A block of sand that falls, spreads and comes to rest, at one unit of shadow a frame beside all of the sand's work.
+TEST(PileShadow, FollowsTheSandOfAScene) {
+  sandglass_scene_desc desc = sandglass::scene_desc();
+  const std::vector<float> sand = heap();
+  const auto count = static_cast<uint32_t>(sand.size() / 3);
+  desc.granular.particle_capacity = count, desc.granular.collider_capacity = 1;
+  const uint64_t bytes = sandglass::Scene::bytes(desc);
+  const Shadow shadow(description());
+  EXPECT_EQ(sandglass::Scene::bytes(desc), bytes) << "a scene does not grow by it";
+  shadow.light({40, 90});
+  sandglass::Scene scene;
+  ASSERT_TRUE(scene.create(desc));
+  ASSERT_TRUE(scene.add(sand));
+  const sandglass_collider floor = sandglass::floor_at(0);
+  sandglass_frame_input input = sandglass::frame_input();
+  input.time_step = 1.0f / 60.0f, input.budget_ns = UINT64_MAX;
+  input.colliders = &floor, input.collider_count = 1;
+  input.pile_shadow = shadow.handle;
+  sandglass_frame_report report = sandglass::frame_report();
+  uint32_t worked = 0, rested = 0;
+  for (int frame = 0; frame < 600; ++frame) {
+    ASSERT_TRUE(scene.frame(input, &report));
+    worked += report.stages[SANDGLASS_STAGE_SHADOW].units != 0 ? 1 : 0;
+    rested = report.awake == 0 && report.stages[SANDGLASS_STAGE_SHADOW].units == 0 ? rested + 1 : 0;
+    if (rested == 10) break;
+  }
+  EXPECT_EQ(rested, 10u) << "sand at rest costs nothing";
+  EXPECT_GT(worked, 10u);
+  const sandglass_pile_shadow_texture t = shadow.texture();
+  EXPECT_EQ(t.valid, 1u);
+  EXPECT_EQ(t.age, 0u);
+  // What the frames made is what the positions make.
+  std::vector<float> positions(sand.size());
+  sandglass_granular_particles(scene.get(), positions.data(), nullptr);
+  const Shadow again(description());
+  again.light({40, 90});
+  while (sandglass_pile_shadow_run(again.handle, positions.data(), count, k_radius, 1000) != 0) {
+  }
+  EXPECT_EQ(sandglass_pile_shadow_hash(again.handle), sandglass_pile_shadow_hash(shadow.handle));
+  // And light that turns is followed.
+  shadow.light({40, 120});
+  ASSERT_TRUE(scene.frame(input, &report));
+  EXPECT_GT(report.stages[SANDGLASS_STAGE_SHADOW].units, 0u);
+}
+
+}  // namespace
