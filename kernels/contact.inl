@@ -38,7 +38,7 @@ SANDGLASS_INLINE Mask same_body(Float a, Float b) {
   return and_not(body == (as_int(b) & broadcast(static_cast<int32_t>(~k_number_mask))), body == broadcast(0));
 }
 
-template <bool k_solve>
+template <bool k_solve, bool k_weighted>
 SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_t end, ContactExtent* extent) {
   const Float zero = broadcast(0.0f), half = broadcast(0.5f), one = broadcast(1.0f), tiny = broadcast(1e-30f);
   const Float scale = broadcast(a->scale);
@@ -101,16 +101,19 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       }
       // Shares of the correction: all of it against what does not move, else by inverse mass.
       Float mine = select(free, half, one);
-      Float lift = height_share(a, nx, ny, nz);
+      Float lift = zero;
+      if (k_weighted) lift = height_share(a, nx, ny, nz);
       if (a->bodies != 0 && any(touch & free & ((w < other[3]) | (other[3] < w)))) {
         const Mask unequal = moves & free & ((w < other[3]) | (other[3] < w));
         const Float heavy = w * (half + lift), light = other[3] * (half - lift);
         const Float share = w / select(unequal, w + other[3], one);
         mine = select(unequal, share, mine);
-        lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, lift);
+        if (k_weighted) lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, lift);
       }
-      const Float weighted = overlap * keep(free & touch, lift);
-      lx = lx + weighted * nx, ly = ly + weighted * ny, lz = lz + weighted * nz;
+      if (k_weighted) {
+        const Float weighted = overlap * keep(free & touch, lift);
+        lx = lx + weighted * nx, ly = ly + weighted * ny, lz = lz + weighted * nz;
+      }
       const Float push = mine * overlap;
       Float cx = push * nx, cy = push * ny, cz = push * nz;
       if (k_solve) {
@@ -138,11 +141,14 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       const Float crowd2 = crowd * crowd;
       factor = omega * (crowd2 * crowd2);
     }
-    lx = factor * lx, ly = factor * ly, lz = factor * lz;
-    const Float rise = dot3(lx, ly, lz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
-    const Float lift_max = broadcast(a->lift_max);
-    const Float part = select(lift_max < rise, lift_max / maximum(rise, tiny), one);
-    sx = factor * sx + part * lx, sy = factor * sy + part * ly, sz = factor * sz + part * lz;
+    sx = factor * sx, sy = factor * sy, sz = factor * sz;
+    if (k_weighted) {
+      lx = factor * lx, ly = factor * ly, lz = factor * lz;
+      const Float rise = dot3(lx, ly, lz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
+      const Float lift_max = broadcast(a->lift_max);
+      const Float part = select(lift_max < rise, lift_max / maximum(rise, tiny), one);
+      sx = sx + part * lx, sy = sy + part * ly, sz = sz + part * lz;
+    }
     Float x = self[0], y = self[1], z = self[2];
     if (k_solve) {
       dx = dx + sx, dy = dy + sy, dz = dz + sz;
@@ -257,9 +263,11 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
 }
 
 static void contact_stabilise(const ContactArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {
-  contact_pass<false>(args, begin, end, extent);
+  if (args->weight_linear != 0.0f) contact_pass<false, true>(args, begin, end, extent);
+  else contact_pass<false, false>(args, begin, end, extent);
 }
 
 static void contact_solve(const ContactArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {
-  contact_pass<true>(args, begin, end, extent);
+  if (args->weight_linear != 0.0f) contact_pass<true, true>(args, begin, end, extent);
+  else contact_pass<true, false>(args, begin, end, extent);
 }

@@ -3,7 +3,10 @@
 // neighbouring pixels where they lie. Pixels go through in tiles of k_row_texels; the last tile of a row may read
 // beyond it and writes nothing there.
 
-constexpr uint32_t k_packed_bytes = 8 * k_convolution_inputs_limit;  // of stack; a third of the first cache
+// Of stack, which is scarce, and of the first cache: eight pixels of the widest dense layer, or one tile of the widest
+// transition.
+constexpr uint32_t k_layer_bytes = 8 * 992, k_tile_bytes = k_row_texels * k_convolution_inputs_limit;
+constexpr uint32_t k_packed_bytes = k_tile_bytes > k_layer_bytes ? k_tile_bytes : k_layer_bytes;
 
 // All channels of `count` pixels.
 SANDGLASS_INT8_INLINE void convolve(const Int8Convolution& c, const uint8_t* in, const Window& window, uint32_t count,

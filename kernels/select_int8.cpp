@@ -34,6 +34,11 @@ struct Tables {
   const Int8Kernels* of[6];
 };
 
+// By name, so that each has a section of its own and the linker can drop what an app does not use.
+constexpr Tables k_all = {SANDGLASS_INT8_TABLES(k_table)};
+constexpr Tables k_of_shadows = {SANDGLASS_INT8_TABLES(k_shadow_table)};
+constexpr Tables k_of_light = {SANDGLASS_INT8_TABLES(k_light_table)};
+
 const Int8Kernels* select(const Tables& tables, sandglass_isa isa) {
   const CpuFeatures cpu = cpu_features();
   const bool runs[6] = {true,        cpu.neon,
@@ -53,14 +58,8 @@ const Int8Kernels* select(const Tables& tables, sandglass_isa isa) {
 
 }  // namespace
 
-const Int8Kernels* select_int8_kernels(sandglass_isa isa) { return select({SANDGLASS_INT8_TABLES(k_table)}, isa); }
-
-const Int8Kernels* select_shadow_kernels(sandglass_isa isa) {
-  return select({SANDGLASS_INT8_TABLES(k_shadow_table)}, isa);
-}
-
-const Int8Kernels* select_light_kernels(sandglass_isa isa) {
-  return select({SANDGLASS_INT8_TABLES(k_light_table)}, isa);
-}
+const Int8Kernels* select_int8_kernels(sandglass_isa isa) { return select(k_all, isa); }
+const Int8Kernels* select_shadow_kernels(sandglass_isa isa) { return select(k_of_shadows, isa); }
+const Int8Kernels* select_light_kernels(sandglass_isa isa) { return select(k_of_light, isa); }
 
 }  // namespace sandglass

@@ -76,10 +76,13 @@ std::string measurements(const BakeReport& r, const BakeSettings& settings) {
   keep("int8_adaptive", "ms", "ms", r.ms_adaptive);
   keep("int8_adaptive", "evaluated", "1", v.evaluated);
   keep("file", "bytes", "byte", static_cast<double>(r.file_bytes));
-  keep("bake", "seconds", "s", r.seconds_tracing + r.seconds_training + r.seconds_validating);
-  keep("bake", "seconds_tracing", "s", r.seconds_tracing);
-  keep("bake", "seconds_training", "s", r.seconds_training);
-  keep("bake", "seconds_validating", "s", r.seconds_validating);
+  keep("bake", "seconds", "s", r.tracing.seconds + r.training.seconds + r.validating.seconds);
+  const std::pair<const char*, const BakeReport::Stage*> stages[] = {
+      {"tracing", &r.tracing}, {"training", &r.training}, {"validating", &r.validating}};
+  for (const auto& [name, stage] : stages) {
+    keep(name, "seconds", "s", stage->seconds);
+    keep(name, "cpu_seconds", "s", stage->cpu_seconds);
+  }
   return measurements_json(all);
 }
 
@@ -147,8 +150,9 @@ void add_bake_command(CLI::App& program, int* exit_code) {
     std::printf("int8 to float %.4f, adaptive to float %.4f (RMSE); adaptive asks for %.1f %% of the texels\n",
                 v.int8_to_float, v.adaptive_to_float, 100 * v.evaluated);
     std::printf("texture: %.2f ms full, %.2f ms adaptive, one thread of this machine\n", r.ms_full, r.ms_adaptive);
-    std::printf("time: %.0f s tracing, %.0f s training, %.0f s validating, %u threads\n", r.seconds_tracing,
-                r.seconds_training, r.seconds_validating, s.threads);
+    std::printf("%u threads: %.0f s tracing (%.0f s of CPU), %.0f s training (%.0f s), %.0f s validating (%.0f s)\n",
+                s.threads, r.tracing.seconds, r.tracing.cpu_seconds, r.training.seconds, r.training.cpu_seconds,
+                r.validating.seconds, r.validating.cpu_seconds);
     std::printf("%s: %llu bytes\n", options->output.c_str(), static_cast<unsigned long long>(r.file_bytes));
     *exit_code = 0;
   });

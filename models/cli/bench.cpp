@@ -19,6 +19,7 @@
 #ifdef SANDGLASS_HAVE_BAKE
 #include "models/host/mesh/generated.h"
 #include "models/shadow/shadow_bench.h"
+#include "models/shadow/shadow_curves.h"
 #endif
 
 namespace sandglass::host {
@@ -30,7 +31,8 @@ constexpr uint32_t k_peer_frames = 5;     // other engines take seconds a frame
 constexpr uint32_t k_search_threads = 4;  // the search needs errors only, and they do not depend on threads
 
 struct Options {
-  std::string suite, json, out, isa = "automatic", asset, mesh;
+  std::string suite, json, out, isa = "automatic", mesh;
+  std::vector<std::string> assets;
   uint32_t frames = 100;
   bool peers = false;
   std::vector<uint32_t> threads = {1}, thresholds;
@@ -246,22 +248,25 @@ struct Bench {
   }
 #ifdef SANDGLASS_HAVE_BAKE
   void shadow() {
-    const std::string asset =
-        options.asset.empty() ? std::string(SANDGLASS_SHADOWS_DIR) + "/chair.shadow" : options.asset;
+    std::vector<NamedShadow> files;
+    for (const std::string& path :
+         options.assets.empty() ? std::vector{std::string(SANDGLASS_SHADOWS_DIR) + "/chair.shadow"} : options.assets) {
+      const std::string content = read_file(path, "baked shadow");
+      files.push_back({path, {content.begin(), content.end()}});
+    }
     const std::string mesh_name = options.mesh.empty() ? "chair" : options.mesh;
     MeshResult loaded = make_named(mesh_name);
     if (!loaded) loaded = load_mesh(mesh_name);
     if (!loaded) throw Failure(loaded.error);
-    const std::string content = read_file(asset, "baked shadow");
-    const std::span bytes(reinterpret_cast<const uint8_t*>(content.data()), content.size());
     ShadowBench result;
     {
       Progress progress("measuring", 1);
-      result = bench_shadow(bytes, asset, loaded.mesh, isa, options.thresholds, [&](uint32_t done, uint32_t total) {
-        progress.total(total);
-        progress.done(done);
-        return !interrupted();
-      });
+      result = bench_shadow(files[0].bytes, files[0].name, loaded.mesh, isa, options.thresholds,
+                            [&](uint32_t done, uint32_t total) {
+                              progress.total(total);
+                              progress.done(done);
+                              return !interrupted();
+                            });
     }
     std::printf("%-18s %8s %10s %8s %9s %12s %11s %10s\n", "case", "ms", "+ encoding", "GMAC/s", "of peak",
                 "RMSE (f32)", "RMSE truth", "evaluated");
@@ -277,11 +282,36 @@ struct Bench {
       keep(r.name, "evaluated", "1", r.evaluated, 1);
     }
     if (!result.rows.empty() && !result.has_xnnpack) std::puts("XNNPACK is not installed: its rows are left out");
+    if (!options.out.empty() && !interrupted()) shadow_curves(files, loaded.mesh, mesh_name);
+  }
+
+  void shadow_curves(const std::vector<NamedShadow>& files, const Mesh& mesh, const std::string& object) {
+    make_folder(options.out);
+    std::vector<ShadowCurve> curves;
+    {
+      Progress progress("measuring curves", 1);
+      curves = measure_shadow_curves(files, mesh, isa, [&](uint32_t done, uint32_t total) {
+        progress.total(total);
+        progress.done(done);
+        return !interrupted();
+      });
+    }
+    if (curves.empty()) return;
+    for (const ShadowCurve& curve : curves)
+      for (const ShadowCurvePoint& point : curve.points) {
+        const std::string name = curve.name + "/" + point.name;
+        std::printf("%-24s %8.2f ms, RMSE in the world %.4f\n", name.c_str(), point.ms, point.rmse);
+        keep(name, "ms", "ms", point.ms, 1);
+        keep(name, "rmse_truth", "1", point.rmse, 1);
+      }
+    write_png(options.out + "/shadow_curves.png", draw_plot(shadow_curve_plot(curves, object)));
+    std::printf("plot           %s/shadow_curves.png\n", options.out.c_str());
   }
 #endif
 
   void lighting() {
-    const std::string asset = options.asset.empty() ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.asset;
+    const std::string asset =
+        options.assets.empty() ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.assets.front();
     const std::string content = read_file(asset, "lighting network");
     LightingBench result;
     {
@@ -342,14 +372,18 @@ void add_bench_command(CLI::App& program, int* exit_code) {
   command->add_option("suite", options->suite, "granular, ladder, growth, shadow, lighting or machine")
       ->required()
       ->check(CLI::IsMember({"granular", "ladder", "growth", "shadow", "lighting", "machine"}));
-  command->add_option("--asset", options->asset, "For shadow and lighting: the file (the shipped ones)");
+  command
+      ->add_option(
+          "--asset", options->assets,
+          "For shadow and lighting: the file (the shipped ones); further shadows of the same mesh are drawn with --out")
+      ->delimiter(',');
   command->add_option("--mesh", options->mesh, "For shadow: the mesh that it was baked from (chair)");
   command
       ->add_option("--thresholds", options->thresholds,
                    "For shadow: also these thresholds of the adaptive mode, 0..255")
       ->delimiter(',')
       ->check(CLI::Range(0u, 255u));
-  command->add_option("--out", options->out, "ladder: write the error-time plane as PNG into this folder");
+  command->add_option("--out", options->out, "ladder, shadow: write error against time as PNG into this folder");
   command->add_option("--json", options->json, "Write the measurements to this file");
   command->add_option("--frames", options->frames, "Frames a case; errors are comparable at 100 only (100)")
       ->check(CLI::Range(1u, 10000u));

@@ -9,6 +9,7 @@ class App;
 namespace sandglass::host {
 
 void add_run_command(CLI::App& program, int* exit_code);
+void add_view_command(CLI::App& program, int* exit_code);
 void add_bake_command(CLI::App& program, int* exit_code);  // in builds with Embree
 void add_bench_command(CLI::App& program, int* exit_code);
 void add_verify_command(CLI::App& program, int* exit_code);

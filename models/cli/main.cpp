@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 130 interrupted.\nTry: sandglass run demo --out "
       "out");
   add_run_command(program, &exit_code);
+  add_view_command(program, &exit_code);
   add_sample_command(program, &exit_code);
 #ifdef SANDGLASS_HAVE_BAKE
   add_bake_command(program, &exit_code);

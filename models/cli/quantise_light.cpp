@@ -78,14 +78,16 @@ int run(const Options& options) {
   // Every other one of those chosen calibrates, the rest measure.
   const size_t count = std::min<size_t>(paths.size(), 2 * size_t{options.images});
   LightRanges ranges;
-  std::vector<std::vector<uint8_t>> images;
+  std::vector<std::vector<uint8_t>> calibration, images;
+  std::vector<FeaturePair> pairs;  // of the calibration images
   std::vector<LightValues> truths;
   std::vector<std::vector<float>> features;
   Progress progress("running the float network", count);
   for (size_t i = 0; i < count && !interrupted(); ++i) {
     const Picture picture = excerpt(paths[i * paths.size() / count]);
     if (i % 2 == 0) {
-      observe(net.trunk, picture.rgb, k_width, k_height, &ranges);
+      pairs.push_back({observe(net.trunk, picture.rgb, k_width, k_height, &ranges), {}});
+      calibration.push_back(picture.rgb);
     } else {
       features.push_back(features_of(net.trunk, picture.rgb, k_width, k_height));
       truths.push_back(light_of(net, features.back()));
@@ -96,6 +98,9 @@ int run(const Options& options) {
   if (interrupted()) return k_exit_interrupted;
   LightFile file = quantise(net, &ranges);
   file.name = options.name;
+  LightRunner unfitted(light_file_bytes(file), options.output);
+  for (size_t i = 0; i < pairs.size(); ++i) unfitted.run(calibration[i]), pairs[i].bytes = unfitted.features();
+  fit_features(net, pairs, &file);
   LightRunner runner(light_file_bytes(file), options.output);
   Differences differences;
   for (size_t i = 0; i < images.size(); ++i) {

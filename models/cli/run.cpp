@@ -21,6 +21,7 @@
 #include "models/host/progress.h"
 #include "models/host/recording.h"
 #include "models/host/report.h"
+#include "models/host/report_page.h"
 #include "models/host/scene_file.h"
 #include "models/host/scene_fill.h"
 #include "models/host/simulation.h"
@@ -80,6 +81,24 @@ void write_reports(const std::string& folder, const RunReport& report) {
   write_file((out / "trace.json").string(), report_trace(report));
   write_file((out / "summary.json").string(), report_summary_json(report));
   write_file((out / "summary.txt").string(), report_summary_text(report));
+}
+
+// Rows for the page's table.
+std::vector<std::vector<std::string>> scene_facts(const SceneFile& scene) {
+  const auto text = [](double value, const char* unit) {
+    char words[48];
+    std::snprintf(words, sizeof words, "%.6g %s", value, unit);
+    return std::string(words);
+  };
+  const sandglass_granular_desc& g = scene.granular;
+  return {{"file", fs::path(scene.source).filename().string()},
+          {"frame step", text(1e3 * scene.frame_step, "ms of simulated time")},
+          {"budget a frame", text(scene.budget_ms, "ms")},
+          {"particle radius", text(1e3 * scene.particle_radius, "mm")},
+          {"friction, static and kinetic",
+           text(static_cast<double>(g.static_friction), "and ") + text(static_cast<double>(g.kinetic_friction), "")},
+          {"bodies, colliders", std::to_string(scene.bodies.size()) + " and " + std::to_string(scene.colliders.size())},
+          {"seed", std::to_string(scene.seed)}};
 }
 
 // Without what was removed.
@@ -295,11 +314,32 @@ struct Run {
         std::printf("               %s\n", (fs::path(options.out) / "beside_truth.png").string().c_str());
       }
     }
+    const std::string page = (fs::path(options.out) / "report.html").string();
+    write_file(page, report_page(report, page_content(paths.figures)));
     if (!paths.film.empty()) std::printf("film           %s\n", paths.film.c_str());
     std::printf("last frame     %s\n", paths.last.c_str());
     std::printf("contact sheet  %s\n", paths.sheet.c_str());
     for (const char* file : {"trace.json", "report.csv", "summary.json", "summary.txt"})
       std::printf("report         %s\n", (fs::path(options.out) / file).string().c_str());
+    std::printf("page           %s\n", page.c_str());
+  }
+
+  PageContent page_content(std::vector<PageFigure> figures) const {
+    PageContent content;
+    content.figures = std::move(figures);
+    content.tables.push_back({"Scene", "", {}, scene_facts(scene)});
+    content.tables.push_back({"Machine", "", {}, machine_facts()});
+    if (scene.light) {
+      LightSeries series = {"scene's light", {}};
+      for (size_t frame = 0; frame < report.frames.size(); ++frame) {
+        const Vec3 d = scene.light->towards(static_cast<double>(frame) / scene.frames);
+        LightSample sample;
+        sample.time = static_cast<double>(frame) * scene.frame_step, sample.direction = {d.x, d.y, d.z};
+        series.samples.push_back(sample);
+      }
+      content.light.push_back(std::move(series));
+    }
+    return content;
   }
 
   int exit_code(uint64_t hash) const {

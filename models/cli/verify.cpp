@@ -7,13 +7,19 @@
 
 #include "models/cli/commands.h"
 #include "models/host/atomic_file.h"
+#include "models/host/failure.h"
 #include "models/host/granular_plots.h"
 #include "models/host/granular_verdicts.h"
 #include "models/host/measurement_json.h"
+#include "models/host/mesh/generated.h"
+#include "models/host/npz.h"
 #include "models/host/physics_cases.h"
 #include "models/host/progress.h"
 #include "models/host/simulation.h"
 #include "models/lighting/dataset.h"
+#include "models/lighting/light_net.h"
+#include "models/lighting/light_runner.h"
+#include "models/lighting/verify_lighting.h"
 #include "models/shot/light_estimate.h"
 #include "models/shot/verify_shot.h"
 
@@ -24,10 +30,13 @@ namespace {
 constexpr int k_exit_check_failed = 1, k_exit_interrupted = 130;
 
 struct Options {
-  std::string suite, json, out, isa = "automatic", panoramas, network;
-  uint32_t threads = 1;
+  std::string suite, json, out, isa = "automatic";
   std::vector<std::string> cases;
   bool quick = false;
+  std::vector<std::string> panoramas;
+  std::string manifest, estimates, network, object = "trefoil";
+  int views = 8, samples = 32;
+  uint32_t threads = 1;
 };
 
 const char* outcome_of(const Verdict& v) {
@@ -66,6 +75,18 @@ std::string table_markdown(const std::vector<Verdict>& rows) {
   return text;
 }
 
+std::vector<Measurement> measurements_of(const std::string& suite, const std::string& isa, uint32_t threads,
+                                         const std::vector<Verdict>& rows) {
+  std::vector<Measurement> measurements;
+  for (const Verdict& v : rows) {
+    Measurement m;
+    m.suite = suite, m.scene = v.name, m.metric = "result", m.unit = v.unit, m.isa = isa, m.value = v.result;
+    m.threads = threads, m.judgement = Measurement::Judgement{v.truth, v.limit, v.pass, v.control};
+    measurements.push_back(m);
+  }
+  return measurements;
+}
+
 void write_folder(const std::string& folder, const VerdictTable& table) {
   make_folder(folder);
   write_file(folder + "/verify.csv", table_csv(table.rows));
@@ -98,29 +119,84 @@ int verify_granular(const Options& options) {
   }
   print_table(table.rows);
   uint32_t failed = 0;
-  std::vector<Measurement> measurements;
-  for (const Verdict& v : table.rows) {
-    failed += v.pass ? 0 : 1;
-    Measurement m;
-    m.suite = "granular", m.scene = v.name, m.metric = "result", m.unit = v.unit, m.isa = isa_name, m.value = v.result;
-    m.judgement = Measurement::Judgement{v.truth, v.limit, v.pass, v.control};
-    measurements.push_back(m);
-  }
+  for (const Verdict& v : table.rows) failed += v.pass ? 0 : 1;
   std::printf("%zu rows, %u failed\n", table.rows.size(), failed);
-  if (!options.json.empty()) write_file(options.json, measurements_json(measurements));
+  if (!options.json.empty())
+    write_file(options.json, measurements_json(measurements_of("granular", isa_name, 1, table.rows)));
   if (!options.out.empty()) write_folder(options.out, table);
   return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : 0;
 }
 
+LightLabels labels_of_values(const float* direction, const float* light, const float* ambient, float contrast) {
+  const auto vector = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };
+  return {normalised(vector(direction)), vector(light), vector(ambient), contrast, true};
+}
+
+// The runtime's bytes; of exported weights (.npz) the float network, slowly.
+LightEstimator estimator_of(const Options& options) {
+  if (options.network.ends_with(".npz")) {
+    const auto net = std::make_shared<LightNet>(light_net_of(read_npz(options.network)));
+    return [net](const Picture& image, const std::string&) {
+      const LightValues v = light_of(*net, features_of(net->trunk, image.rgb, image.width, image.height));
+      return labels_of_values(&v[0], &v[3], &v[6], v[9]);
+    };
+  }
+  const std::string bytes = read_file(options.network, "lighting network");
+  const auto runner = std::make_shared<LightRunner>(
+      std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()), options.network, find_isa(options.isa));
+  return [runner](const Picture& image, const std::string&) {
+    const LightOutputs o = runner->run(image.rgb);
+    return labels_of_values(o.direction, o.light, o.ambient, o.contrast);
+  };
+}
+
+int verify_lighting_suite(const Options& options) {
+  if (options.panoramas.empty())
+    throw Failure("verify lighting needs panoramas; name .hdr or .exr files or folders of them with --panoramas");
+  LightingVerdictOptions lighting;
+  lighting.panoramas = options.panoramas, lighting.manifest = options.manifest;
+  lighting.views = options.views, lighting.samples = options.samples, lighting.threads = options.threads;
+  if (!options.estimates.empty())
+    lighting.estimator = estimates_of_csv(read_file(options.estimates, "estimates"), options.estimates);
+  if (!options.network.empty()) lighting.estimator = estimator_of(options);
+  MeshResult mesh = make_named(options.object);
+  if (!mesh) mesh = load_mesh(options.object);
+  if (!mesh) throw Failure(mesh.error);
+  lighting.object = mesh.mesh;
+  const LightingVerdicts verdicts = verify_lighting(lighting);
+  if (interrupted()) return k_exit_interrupted;
+  std::printf("%zu views of %zu panoramas\n\n%s\n", verdicts.views.size(), verdicts.pictures.size(),
+              lighting_table(verdicts).c_str());
+  print_table(verdicts.rows);
+  uint32_t failed = 0;
+  for (const Verdict& v : verdicts.rows) failed += v.pass ? 0 : 1;
+  if (!options.json.empty())
+    write_file(options.json,
+               measurements_json(measurements_of(
+                   "lighting", options.network.empty() || options.network.ends_with(".npz") ? "f32" : "int8",
+                   options.threads, verdicts.rows)));
+  if (!options.out.empty()) {
+    make_folder(options.out);
+    write_file(options.out + "/lighting.csv", lighting_csv(verdicts));
+    write_file(options.out + "/lighting.txt", lighting_table(verdicts));
+    if (verdicts.has_estimate) write_file(options.out + "/estimates.csv", estimates_csv(verdicts));
+    write_file(options.out + "/verify.csv", table_csv(verdicts.rows));
+    write_file(options.out + "/verify.md", table_markdown(verdicts.rows));
+    write_png(options.out + "/lighting.png", picture_grid(verdicts.pictures, 8, 4));
+    std::printf("%s: lighting.csv, lighting.txt, lighting.png, verify.csv, verify.md\n", options.out.c_str());
+  }
+  return failed > 0 ? k_exit_check_failed : 0;
+}
+
 // Where the data folder's indoor panoramas are; empty: nowhere.
 std::vector<std::string> indoor_panoramas(const Options& options) {
-  if (!options.panoramas.empty()) return find_panoramas({options.panoramas});
+  if (!options.panoramas.empty()) return find_panoramas(options.panoramas);
   const char* data = std::getenv("SANDGLASS_DATA_DIR");
   if (data == nullptr || *data == '\0') return {};
   return find_panoramas({std::string(data) + "/hdri/indoor"});
 }
 
-int verify_shot(const Options& options) {
+int verify_shot_suite(const Options& options) {
   ShotStudyOptions study;
   study.panoramas = indoor_panoramas(options);
   if (study.panoramas.empty()) {
@@ -166,24 +242,38 @@ int verify_shot(const Options& options) {
 void add_verify_command(CLI::App& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = program.add_subcommand("verify", "Measure claims against their truths; exit code 1 if one fails");
-  command->add_option("suite", options->suite, "granular, or shot")
+  command->add_option("suite", options->suite, "granular, lighting or shot")
       ->required()
-      ->check(CLI::IsMember({"granular", "shot"}));
+      ->check(CLI::IsMember({"granular", "lighting", "shot"}));
   command->add_option("--case", options->cases, "Only these cases (all)")->check(CLI::IsMember(verdict_groups()));
   command->add_flag("--quick", options->quick, "Only the cases that take seconds");
-  command->add_option(
-      "--panoramas", options->panoramas,
-      "Of shot: folder of indoor .hdr and .exr files (hdri/indoor of the folder in SANDGLASS_DATA_DIR)");
-  command->add_option("--network", options->network,
-                      "Of shot: the lighting network's file, instead of the shipped one");
-  command->add_option("--threads", options->threads, "Of shot: threads; the result does not depend on them")
-      ->check(CLI::Range(1u, 256u));
   command->add_option("--json", options->json, "Write the rows to this file");
   command->add_option("--out", options->out, "Write table and curves into this folder");
   command->add_option("--isa", options->isa, "Kernels to use (automatic)");
+  command->add_option("--panoramas", options->panoramas,
+                      "Lighting and shot: .hdr or .exr files, or folders of them (shot: the data folder's interiors)");
+  command->add_option("--manifest", options->manifest, "Lighting: CSV with file, group and fold");
+  command
+      ->add_option("--estimates", options->estimates, "Lighting: the estimates of all views, as train.py writes them")
+      ->excludes(
+          command->add_option("--network", options->network,
+                              "Lighting and shot: a network's file, run as in an app; lighting, .npz: in float"));
+  command->add_option("--object", options->object, "Lighting: a mesh file or a generated mesh's name")
+      ->capture_default_str();
+  command->add_option("--views", options->views, "Lighting: of each panorama's eight")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  command->add_option("--samples", options->samples, "Lighting: paths a pixel; 0 renders nothing")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "Lighting and shot: threads; the result does not depend on them")
+      ->check(CLI::Range(1u, 256u))
+      ->capture_default_str();
   command->callback([options, exit_code] {
     listen_for_interrupt();
-    *exit_code = options->suite == "shot" ? verify_shot(*options) : verify_granular(*options);
+    *exit_code = options->suite == "shot"       ? verify_shot_suite(*options)
+                 : options->suite == "lighting" ? verify_lighting_suite(*options)
+                                                : verify_granular(*options);
   });
 }
 

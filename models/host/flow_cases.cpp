@@ -330,8 +330,8 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
 }
 
 TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const CaseStep& step) {
-  constexpr double k_tube_d = 8.0, k_settle_seconds = 2.0;
-  constexpr int k_looks = 25;  // instants that are averaged, a frame apart
+  constexpr double k_tube_d = 8.0, k_settle_seconds = 2.0, k_sinking_d = 0.25;  // d a second
+  constexpr int k_looks = 150;  // instants that are averaged, a frame apart
   const double r = desc.granular.particle_radius, d = 2.0 * r, tube = 0.5 * k_tube_d * d;
   const double mass_per_diameter = k_loosest * std::numbers::pi * tube * tube * k_tube_d * d / sphere_volume(r);
   TubeLoad result;
@@ -347,14 +347,20 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
     double top = 0.0;
     for (size_t i = 1; i < points.size(); i += 3) top = std::max<double>(top, points[i]);
     const Vessel wall_vessel({{0.0, -4.0 * d}, {tube, -4.0 * d}, {tube, top + 4.0 * d}, {0.0, top + 4.0 * d}}, r);
-    const sandglass_collider colliders[2] = {wall_vessel.collider(), level_floor()};
+    sandglass_collider colliders[2] = {wall_vessel.collider(), level_floor()};
+    sandglass_collider& piston = colliders[1];
     Simulation simulation(full), with_floor(full), without_floor(full);
     simulation.add(points, {});
     settle(&simulation, colliders, d, step);
+    // Friction of sand at rest may point either way. The floor sinks slowly, as in the experiments, so all of it points
+    // up.
+    piston.linear_velocity[1] = static_cast<float>(-k_sinking_d * d);
+    const auto sink = [&] { piston.position[1] += static_cast<float>(k_frame) * piston.linear_velocity[1]; };
     for (uint32_t frame = 0; frame < frames_in(k_settle_seconds); ++frame)
-      simulation.frame(k_frame, k_no_budget, colliders), step();
+      sink(), simulation.frame(k_frame, k_no_budget, colliders), step();
     double load = 0.0;
     for (int look = 0; look < k_looks; ++look) {
+      sink();
       // The same length of sub-step, for a contact's force is its overlap over the square of that.
       const double substep = static_cast<double>(simulation.frame(k_frame, k_no_budget, colliders).substep);
       step();
@@ -362,11 +368,13 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
       const char* reason = nullptr;
       uint64_t written = 0;
       require(sandglass_scene_save(simulation.handle(), bytes.data(), bytes.size(), &written, &reason), reason);
+      sandglass_collider after[2] = {colliders[0], piston};  // where the floor is at that sub-step's end
+      after[1].position[1] += static_cast<float>(substep) * piston.linear_velocity[1];
       double speed[2] = {0.0, 0.0};
       int which = 0;
       for (Simulation* copy : {&with_floor, &without_floor}) {
         require(sandglass_scene_restore(copy->handle(), bytes.data(), bytes.size(), &reason), reason);
-        const sandglass_frame_report report = copy->frame(substep, k_no_budget, {colliders, which == 0 ? 2u : 1u});
+        const sandglass_frame_report report = copy->frame(substep, k_no_budget, {after, which == 0 ? 2u : 1u});
         if (report.substeps != 1) throw Failure("the sub-step that measures the load was split");
         for (size_t i = 1; i < copy->particle_velocities().size(); i += 3)
           speed[which] += static_cast<double>(copy->particle_velocities()[i]);

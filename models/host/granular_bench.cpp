@@ -83,6 +83,7 @@ SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterati
   SceneFile changed = scene;
   changed.granular.scheme = SANDGLASS_SCHEME_AVERAGED;
   changed.granular.relaxation = 1.0f;
+  changed.granular.height_weighting = 0.6f;  // (4.38)
   changed.granular.solver_iterations = iterations;
   changed.granular.stabilisation_iterations = 1;
   changed.granular.substep_max = changed.granular.substep_min =

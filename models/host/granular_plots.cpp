@@ -85,7 +85,7 @@ Plot load(const GranularCurves& c) {
   plot.series = {
       law("Janssen, K fitted", 0.01, 9.0, k_law, false,
           [saturation](double w) { return saturation * (1.0 - std::exp(-w / saturation)); }),
-      points("Sandglass, mu = 0.15", c.tube.weights, c.tube.loads, k_measured, PlotSeries::Mark::disk),
+      points("Sandglass, mu = 0.3, k = 0", c.tube.weights, c.tube.loads, k_measured, PlotSeries::Mark::disk),
       points("control: smooth wall", c.smooth_tube.weights, c.smooth_tube.loads, k_wrong, PlotSeries::Mark::ring)};
   return plot;
 }

@@ -104,18 +104,27 @@ Picture picture_grid(std::span<const Picture> pictures, int columns, int gap) {
   return grid;
 }
 
+static void append(void* context, void* data, int size) {
+  const uint8_t* bytes = static_cast<const uint8_t*>(data);
+  static_cast<std::vector<uint8_t>*>(context)->insert(static_cast<std::vector<uint8_t>*>(context)->end(), bytes,
+                                                      bytes + size);
+}
+
 void write_png(const std::string& path, const Picture& picture) {
   std::vector<uint8_t> file;
-  const auto append = [](void* context, void* data, int size) {
-    const uint8_t* bytes = static_cast<const uint8_t*>(data);
-    static_cast<std::vector<uint8_t>*>(context)->insert(static_cast<std::vector<uint8_t>*>(context)->end(), bytes,
-                                                        bytes + size);
-  };
   if (picture.width <= 0 || picture.height <= 0 ||
       stbi_write_png_to_func(append, &file, picture.width, picture.height, 3, picture.rgb.data(), picture.width * 3) ==
           0)
     throw Failure("cannot encode the picture '" + path + "' as PNG; it needs at least one pixel");
   write_file(path, file);
+}
+
+std::vector<uint8_t> jpeg_file(const Picture& picture, int quality) {
+  std::vector<uint8_t> file;
+  if (picture.width <= 0 || picture.height <= 0 ||
+      stbi_write_jpg_to_func(append, &file, picture.width, picture.height, 3, picture.rgb.data(), quality) == 0)
+    throw Failure("cannot encode a picture as JPEG; it needs at least one pixel");
+  return file;
 }
 
 // ------------------------------------------------------------------------------------------------ GIF

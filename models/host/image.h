@@ -40,6 +40,9 @@ Picture picture_grid(std::span<const Picture> pictures, int columns, int gap);
 
 void write_png(const std::string& path, const Picture& picture);
 
+// The bytes of a JPEG file; quality 1..100. A tenth of the PNG where a page carries photographs of sand.
+std::vector<uint8_t> jpeg_file(const Picture& picture, int quality);
+
 // Animated GIF with a fixed 6x6x6 palette and ordered dither: coarse, but it plays wherever ffmpeg is missing.
 void write_gif(const std::string& path, std::span<const Picture> frames, int centiseconds_per_frame);
 

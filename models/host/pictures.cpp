@@ -26,6 +26,7 @@ constexpr int k_large_width = 1280, k_large_height = 960;
 constexpr double k_film_period = 0.04;                  // seconds; 25 pictures a second
 constexpr double k_snapshot_bytes = 768.0 * 1048576.0;  // memory for all snapshots of a run
 constexpr int k_gif_width = 320, k_gif_height = 240;
+constexpr int k_page_quality = 88, k_sheet_quality = 80;  // of JPEG
 constexpr Colour k_ink = {20, 24, 30};
 
 Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& base, bool particles, int width,
@@ -105,6 +106,36 @@ Picture halved(const Picture& picture) {
 
 }  // namespace
 
+// For the report's page. `particles` is null where the sheet has none.
+static std::vector<PageFigure> page_figures(const PictureSet& set, const std::vector<Snapshot>& snapshots,
+                                            const SceneView& view, const Picture& first, const Picture& last,
+                                            const Picture* particles, const Picture& sheet) {
+  const Snapshot &begin = snapshots.front(), &end = snapshots.back();
+  const ImageFile last_file = jpeg_file(last, k_page_quality);
+  char moments[96];
+  std::snprintf(moments, sizeof moments, "The scene at %.2f s and at %.2f s.", begin.time, end.time);
+  std::vector<PageFigure> figures = {
+      {"First and last frame", moments, jpeg_file(first, k_page_quality), last_file, "first", "last", false}};
+  if (!end.shadows.empty()) {
+    Snapshot bare = end;
+    for (FloorShadow& shadow : bare.shadows) shadow.opacity = 0.0;
+    const Picture without = draw(set, bare, view, false, k_cell_width, k_cell_height);
+    figures.push_back({"The standing object's shadow", "One texture on the floor, computed within the frames' budget.",
+                       jpeg_file(without, k_page_quality), last_file, "without", "with", false});
+  }
+  if (particles != nullptr)
+    figures.push_back({"What is simulated, what is drawn",
+                       "Particles carry contacts and friction; grains are carried along by them.",
+                       jpeg_file(*particles, k_page_quality), last_file, "particles", "grains", false});
+  PageFigure all;
+  all.title = "Contact sheet";
+  all.caption = "The run from left to right and top to bottom; where there are grains, the last row shows particles.";
+  all.picture = jpeg_file(sheet, k_sheet_quality);
+  all.wide = figures.size() % 2 == 0;  // else it fills the last row of pairs
+  figures.push_back(std::move(all));
+  return figures;
+}
+
 uint32_t snapshot_step(uint32_t frames, double frame_step, uint32_t particles, uint32_t grains) {
   const double bytes = 12.0 * (static_cast<double>(particles) + grains) * frames;
   const double step = std::max({1.0, std::round(k_film_period / frame_step), std::ceil(bytes / k_snapshot_bytes)});
@@ -126,7 +157,7 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
   view.camera = set.camera ? *set.camera : automatic_camera(boxes, static_cast<double>(k_cell_width) / k_cell_height);
 
   const size_t total = snapshots.size();
-  Progress progress("drawing", total + k_particle_cells + 1);
+  Progress progress("drawing", total + k_particle_cells + 2);
   uint64_t drawn = 0;
   std::vector<Picture> film(total), cells;
   const auto film_picture = [&](size_t i) -> const Picture& {
@@ -146,9 +177,13 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
     }
   }
   paths.sheet = (fs::path(set.folder) / "contact_sheet.png").string();
-  write_png(paths.sheet, picture_grid(cells, k_columns, k_gap));
+  const Picture sheet = picture_grid(cells, k_columns, k_gap);
+  write_png(paths.sheet, sheet);
   paths.last = (fs::path(set.folder) / "last_frame.png").string();
   write_png(paths.last, draw(set, snapshots.back(), view, false, k_large_width, k_large_height));
+  progress.done(++drawn);
+  paths.figures = page_figures(set, snapshots, view, film_picture(0), film_picture(total - 1),
+                               snapshots[0].grains.empty() ? nullptr : &cells.back(), sheet);
   progress.done(++drawn);
 
   const std::string folder = (fs::path(set.folder) / "frames").string();

@@ -1,6 +1,6 @@
 // Pictures of a run: a contact sheet (twelve moments of the grains, four of the particles under them), the last frame
-// large, the film's frames as PNG, and the film as MP4 by the ffmpeg program or as GIF without it. One fixed camera for
-// the whole run.
+// large, pairs for the report's page, the film's frames as PNG, and the film as MP4 by the ffmpeg program or as GIF
+// without it. One fixed camera for the whole run.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "models/host/render.h"
+#include "models/host/report_page.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {
@@ -37,7 +38,8 @@ struct PictureSet {
 };
 
 struct PicturePaths {
-  std::string sheet, last, film;  // film empty when interrupted
+  std::string sheet, last, film;    // film empty when interrupted
+  std::vector<PageFigure> figures;  // first and last frame, grains and particles, with and without shadow; the sheet
 };
 
 // Draws everything into set.folder. Ctrl-C ends the drawing after the picture that is being made; what is there is

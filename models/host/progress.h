@@ -12,8 +12,9 @@ namespace sandglass::host {
 struct Progress {
   using Time = std::chrono::steady_clock::time_point;
 
-  // `stream` may be null: then nothing is shown. `what`: "simulating", "drawing".
-  Progress(std::string what, uint64_t total, std::FILE* stream = stderr);
+  // `stream` may be null: then nothing is shown. `what`: "simulating", "drawing". `first`: how much was done before, by
+  // a run that was interrupted; the time left is judged by what this run does.
+  Progress(std::string what, uint64_t total, std::FILE* stream = stderr, uint64_t first = 0);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -25,15 +26,16 @@ struct Progress {
 
  private:
   std::string what_;
-  uint64_t total_;
+  uint64_t total_, first_;
   std::FILE* stream_;
   bool terminal_;
   bool shown_ = false;
   Time start_, next_;
 };
 
-// "simulating 120/200 (60 %), 3 s left"; the time left is left out while nothing is done.
-std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s);
+// "simulating 120/200 (60 %), 3 s left"; the time left is left out while nothing beyond `first` is done.
+std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s,
+                          uint64_t first = 0);
 
 // From the first call on, Ctrl-C sets a flag instead of ending the program; a second Ctrl-C ends it.
 void listen_for_interrupt();

@@ -35,6 +35,12 @@ class Simulation {
   // The light to estimate, and the image for the next frame; null: none.
   void see(sandglass_light* light, const sandglass_camera_image* image) { light_ = light, image_ = image; }
 
+  // After sandglass_scene_reset: filled as at the start.
+  void restart(const Material& material);
+
+  // As the last frame wrote them, at the instant that its output_lag asked for.
+  std::span<const sandglass_grain> output() const { return output_; }
+
   // Refreshed by each call; 3 floats an item, as many items as were added or emitted.
   const std::vector<float>& particle_positions();
   const std::vector<float>& particle_velocities();

@@ -39,21 +39,6 @@ std::vector<CeilingVariant> all_variants() {
   return variants;
 }
 
-// Multiples of (directional light of irradiance pi, ambient light of radiance 1) that a variant asks for.
-struct Strengths {
-  Vec3 directional, ambient;
-};
-
-Strengths strengths_of(const LightLabels& labels, Radiometry radiometry) {
-  Vec3 light = labels.light;
-  const double o = std::min(labels.contrast, k_most_contrast), ratio = o / (1.0 - o);
-  if (radiometry == Radiometry::contrast_scaled) light = light * ratio;
-  if (radiometry == Radiometry::floor_share && luminance(light) > 0.0)
-    light = light *
-            (luminance(labels.ambient) * ratio / std::max(labels.direction.y, k_least_elevation) / luminance(light));
-  return {light, labels.ambient};
-}
-
 struct ViewResult {  // what one view adds to the sums
   std::vector<ImageErrors> errors;
   double shadow[k_contrasts] = {}, offset[k_contrasts] = {}, contrast[k_contrasts] = {}, best = 0.0;
@@ -123,6 +108,16 @@ void add(ImageErrors* sum, const ImageErrors& e, double share) {
 }
 
 }  // namespace
+
+Strengths strengths_of(const LightLabels& labels, Radiometry radiometry) {
+  Vec3 light = labels.light;
+  const double o = std::min(labels.contrast, k_most_contrast), ratio = o / (1.0 - o);
+  if (radiometry == Radiometry::contrast_scaled) light = light * ratio;
+  if (radiometry == Radiometry::floor_share && luminance(light) > 0.0)
+    light = light *
+            (luminance(labels.ambient) * ratio / std::max(labels.direction.y, k_least_elevation) / luminance(light));
+  return {light, labels.ambient};
+}
 
 const char* name_of(Range range) {
   constexpr const char* k_names[] = {"unlimited", "pixels clamped", "mean clamped", "mean scaled"};

@@ -23,6 +23,14 @@ namespace sandglass::host {
 //   floor_share      as much as makes its share of the level floor's irradiance o (in luminance)
 enum class Radiometry { plain, contrast_scaled, floor_share };
 constexpr int k_radiometries = 3;
+constexpr Radiometry k_chosen_radiometry = Radiometry::floor_share;  // the ceiling's choice
+
+// Multiples of (directional light of irradiance pi, ambient light of radiance 1) that a radiometry asks for; the
+// labels' direction with y up.
+struct Strengths {
+  Vec3 directional, ambient;
+};
+Strengths strengths_of(const LightLabels& labels, Radiometry radiometry);
 
 struct CeilingVariant {
   Range range;

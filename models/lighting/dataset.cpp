@@ -12,13 +12,9 @@
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/image.h"
-#include "models/host/npy.h"
 #include "models/host/progress.h"
-#include "models/lighting/excerpt.h"
-#include "models/lighting/labels.h"
 #include "models/lighting/light_picture.h"
-#include "models/lighting/panorama_file.h"
-#include "runtime/sampling/random.h"
+#include "models/lighting/lit_view.h"
 
 namespace sandglass::host {
 
@@ -28,13 +24,7 @@ namespace {
 
 constexpr int k_folds = 5;
 constexpr int k_small_width = 128, k_small_height = 64;  // panoramas under an excerpt on the sheet
-constexpr Colour k_white = {255, 255, 255}, k_black = {0, 0, 0};
-
-uint64_t hash_of(const std::string& text, uint64_t seed) {
-  uint64_t hash = mix_bits(seed);
-  for (const char c : text) hash = mix_bits(hash ^ static_cast<uint64_t>(static_cast<unsigned char>(c)));
-  return hash;
-}
+constexpr Colour k_white = {255, 255, 255};
 
 // Comma-separated fields; quotes keep commas.
 std::vector<std::string> fields_of(const std::string& line) {
@@ -54,12 +44,6 @@ struct Excerpt {
   bool has_direction;
 };
 
-Picture picture_of(const RadianceMap& linear) {
-  Picture picture(linear.width, linear.height, k_black);
-  for (size_t i = 0; i < linear.rgb.size(); ++i) picture.rgb[i] = srgb_byte(static_cast<double>(linear.rgb[i]));
-  return picture;
-}
-
 Picture shrunk(const RadianceMap& map, double white) {
   RadianceMap small(k_small_width, k_small_height);
   const int step_u = map.width / k_small_width, step_v = map.height / k_small_height;
@@ -73,62 +57,43 @@ Picture shrunk(const RadianceMap& map, double white) {
   return picture_of(small);
 }
 
-Picture tile_of(const Picture& image, const RadianceMap& warped, double white, const LightLabels& camera_labels,
-                const std::string& name) {
+Picture tile_of(const LitView& view, double white, const std::string& name) {
   Picture tile(k_excerpt_width, k_excerpt_height + k_small_height, k_white);
-  paste(&tile, image, 0, 0);
-  const Vec3 c = camera_labels.light;
-  draw_light_arrow(&tile, camera_labels.direction, {srgb_byte(c.x), srgb_byte(c.y), srgb_byte(c.z)});
+  paste(&tile, view.image, 0, 0);
+  const Vec3 c = view.labels.light;
+  draw_light_arrow(&tile, view.labels.direction, {srgb_byte(c.x), srgb_byte(c.y), srgb_byte(c.z)});
   draw_text(&tile, 4, 4, 1, name, k_white);
   char numbers[32];
-  std::snprintf(numbers, sizeof numbers, "O %.2f", camera_labels.contrast);
+  std::snprintf(numbers, sizeof numbers, "O %.2f", view.labels.contrast);
   draw_text(&tile, 4, 14, 1, numbers, k_white);
-  LightLabels rotated = camera_labels;
-  rotated.direction = camera_to_rotated(camera_labels.direction);
-  paste(&tile, shrunk(warped, white), 0, k_excerpt_height);
+  LightLabels rotated = view.labels;
+  rotated.direction = camera_to_rotated(rotated.direction);
+  paste(&tile, shrunk(view.warped, white), 0, k_excerpt_height);
   paste(&tile, picture_of(environment_of(rotated, k_small_width, k_small_height)), k_small_width, k_excerpt_height);
   return tile;
 }
 
-std::string stem_of(const std::string& path) { return fs::path(path).stem().string(); }
-
 std::vector<Excerpt> excerpts_of(const std::string& path, const Location& location, const DatasetOptions& options,
                                  const std::vector<bool>& with_tile) {
-  RadianceMap panorama = read_panorama(path);
-  fill_tripod(&panorama);
-  const double white = greatest_luminance(panorama);
-  const std::string depth_path = (fs::path(path).parent_path() / (stem_of(path) + "_depth.npy")).string();
-  NpyArray depth;
-  if (fs::exists(depth_path)) {
-    depth = read_npy(depth_path);
-    if (depth.shape.size() != 2 || depth.shape[1] != 2 * depth.shape[0])
-      throw Failure("depth map '" + depth_path + "' is not twice as wide as high; make the room again");
-  }
-  RadianceMap mapped(panorama.width, panorama.height);
-  for (int v = 0; v < panorama.height; ++v)
-    for (int u = 0; u < panorama.width; ++u) mapped.set(u, v, tone_mapped(panorama.colour(u, v), white));
+  const LitPanorama panorama(path);
   std::vector<Excerpt> result;
-  const auto views = choose_views(hash_of(stem_of(path), options.seed));
+  const auto views = views_of(path, options.seed);
   for (size_t k = 0; k < views.size(); ++k) {
     const View view = views[k];
-    const double radius =
-        insertion_radius(depth.values, depth.shape.empty() ? 0 : static_cast<int>(depth.shape[1]), view);
-    const RadianceMap warped = warp(panorama, view, radius);
-    LightLabels labels = labels_of(warped, ViewRotation(view).to_rotated({0, 1, 0}), white);
-    labels.direction = rotated_to_camera(labels.direction);
+    const LitView cut = panorama.cut(view);
+    const LightLabels& labels = cut.labels;
     const std::string name = stem_of(path) + "_" + std::to_string(k);
-    const Picture image = picture_of(cut_excerpt(mapped, view));
-    write_png(options.folder + "/images/" + name + ".png", image);
+    write_png(options.folder + "/images/" + name + ".png", cut.image);
     char numbers[512];
     const Vec3 d = labels.direction, c = labels.light, a = labels.ambient;
     std::snprintf(numbers, sizeof numbers, "%d,%.6f,%.6f,%.4f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%d",
-                  location.fold, view.theta, view.phi, radius, d.x, d.y, d.z, c.x, c.y, c.z, a.x, a.y, a.z,
+                  location.fold, view.theta, view.phi, cut.radius, d.x, d.y, d.z, c.x, c.y, c.z, a.x, a.y, a.z,
                   labels.contrast, labels.has_direction ? 1 : 0);
     Excerpt excerpt = {
         "images/" + name + ".png," + fs::path(path).filename().string() + "," + location.name + "," + numbers,
         {},
         labels.has_direction};
-    if (with_tile[k]) excerpt.tile = tile_of(image, warped, white, labels, name);
+    if (with_tile[k]) excerpt.tile = tile_of(cut, panorama.white(), name);
     result.push_back(std::move(excerpt));
   }
   return result;
@@ -177,7 +142,7 @@ Location location_of(const std::string& panorama, const std::string& manifest_te
     }
   }
   const std::string name = stem_of(panorama);
-  return {name, static_cast<int>(hash_of(name, 0) % k_folds)};
+  return {name, static_cast<int>(hash_of_name(name, 0) % k_folds)};
 }
 
 DatasetSummary make_dataset(const DatasetOptions& options) {

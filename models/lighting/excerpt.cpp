@@ -89,13 +89,21 @@ RadianceMap warp(const RadianceMap& panorama, View view, double radius, int widt
   const ViewRotation rotation(view);
   const Vec3 centre = view.direction() * radius;
   const double inside = 1.0 - radius * radius;
+  // A direction is a product of one term of its row and one of its column: sines are taken once for each of those.
+  const auto at = [](int i) { return i / k_places + (i % k_places + 0.5) / k_places - 0.5; };
+  std::vector<Vec3> columns(static_cast<size_t>(width) * k_places), rows(static_cast<size_t>(height) * k_places);
+  for (size_t i = 0; i < columns.size(); ++i)
+    columns[i] = panorama_direction(at(static_cast<int>(i)), 0.5 * (height - 1), width, height);
+  for (size_t i = 0; i < rows.size(); ++i)
+    rows[i] = panorama_direction(0.25 * width - 0.5, at(static_cast<int>(i)), width, height);
   RadianceMap warped(width, height);
   for (int v = 0; v < height; ++v)
     for (int u = 0; u < width; ++u) {
       Vec3 sum;
       for (int i = 0; i < k_places * k_places; ++i) {
-        const double du = (i % k_places + 0.5) / k_places - 0.5, dv = (i / k_places + 0.5) / k_places - 0.5;
-        const Vec3 d = rotation.to_panorama(panorama_direction(u + du, v + dv, width, height));
+        const Vec3 column = columns[static_cast<size_t>(u * k_places + i % k_places)],
+                   row = rows[static_cast<size_t>(v * k_places + i / k_places)];
+        const Vec3 d = rotation.to_panorama({column.x * row.x, row.y, column.z * row.x});
         const double along = dot(d, centre);
         sum = sum + look_up(panorama, centre + d * (std::sqrt(along * along + inside) - along));
       }

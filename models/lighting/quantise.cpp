@@ -179,12 +179,8 @@ std::vector<Input> image_inputs() {
   return inputs;
 }
 
-void quantise_heads(const LightNet& net, const std::vector<Input>& inputs, LightFile* file) {
-  for (const Input& input : inputs) {
-    file->last_low.push_back(input.low), file->last_high.push_back(input.high);
-    file->feature_scale.push_back(static_cast<float>(input.slope));
-    file->feature_shift.push_back(static_cast<float>(input.constant - input.slope * input.origin));
-  }
+void quantise_latent(const LightNet& net, const std::vector<Input>& inputs, LightFile* file) {
+  file->latent_weights.clear(), file->latent_scale.clear(), file->latent_bias.clear();
   for (size_t o = 0; o < k_latent; ++o) {
     std::vector<double> weights(k_features);
     for (size_t i = 0; i < k_features; ++i) weights[i] = static_cast<double>(net.latent[i * k_latent + o]);
@@ -193,6 +189,15 @@ void quantise_heads(const LightNet& net, const std::vector<Input>& inputs, Light
     file->latent_scale.push_back(static_cast<float>(row.scale));
     file->latent_bias.push_back(static_cast<float>(row.bias));
   }
+}
+
+void quantise_heads(const LightNet& net, const std::vector<Input>& inputs, LightFile* file) {
+  for (const Input& input : inputs) {
+    file->last_low.push_back(input.low), file->last_high.push_back(input.high);
+    file->feature_scale.push_back(static_cast<float>(input.slope));
+    file->feature_shift.push_back(static_cast<float>(input.constant - input.slope * input.origin));
+  }
+  quantise_latent(net, inputs, file);
   for (size_t o = 0; o < k_heads; ++o)
     for (size_t i = 0; i < k_latent; ++i) file->heads_weights.push_back(net.heads[i * k_heads + o]);
   file->heads_bias = net.heads_bias;
@@ -300,6 +305,28 @@ LightFile quantise(const LightNet& net, LightRanges* seen) {
   file.data_hash = net.data_hash, file.seed = net.seed, file.training_images = net.training_images;
   file.calibration_images = ranges.images;
   return file;
+}
+
+void fit_features(const LightNet& net, std::span<const FeaturePair> pairs, LightFile* file) {
+  constexpr double k_slope_least = 0.5, k_slope_most = 1.5;
+  const auto count = static_cast<double>(pairs.size());
+  std::vector<Input> inputs(k_features);
+  for (size_t c = 0; c < k_features; ++c) {
+    const auto scale = static_cast<double>(file->feature_scale[c]), shift = static_cast<double>(file->feature_shift[c]);
+    double truth = 0, bytes = 0, products = 0, squares = 0;
+    for (const FeaturePair& p : pairs)
+      truth += static_cast<double>(p.truth[c]) / count, bytes += static_cast<double>(p.bytes[c]) / count;
+    for (const FeaturePair& p : pairs) {
+      const double x = static_cast<double>(p.bytes[c]) - bytes;
+      products += x * (static_cast<double>(p.truth[c]) - truth), squares += x * x;
+    }
+    const double slope = squares > 0 ? std::clamp(products / squares, k_slope_least, k_slope_most) : 1;
+    inputs[c].slope = slope * scale, inputs[c].constant = truth + slope * (shift - bytes);
+    if (scale != 0) inputs[c].mean = (bytes - shift) / scale, inputs[c].variance = squares / count / (scale * scale);
+    file->feature_scale[c] = static_cast<float>(inputs[c].slope);
+    file->feature_shift[c] = static_cast<float>(inputs[c].constant);
+  }
+  quantise_latent(net, inputs, file);
 }
 
 }  // namespace sandglass::host

@@ -12,7 +12,7 @@
 // calibration images and a tenth more on both sides (cutting off costs more than coarser steps: quantiles were worse by
 // a fifth). An input's scale goes into the weights that read it. Weights have a scale an output, the one that adds the
 // least noise given how much each input varies; they are rounded together (rounding.h); what that moves the mean of an
-// output by is taken off its bias.
+// output by is taken off its bias. At the end each feature is fitted to the float network's.
 #pragma once
 
 #include <span>
@@ -51,5 +51,14 @@ std::vector<float> observe(const DenseNet& net, std::span<const uint8_t> rgb, in
                            LightRanges* ranges);
 
 LightFile quantise(const LightNet& net, LightRanges* ranges);
+
+// Features of one image by both networks, in float and in the bytes of a file.
+struct FeaturePair {
+  std::vector<float> truth, bytes;
+};
+
+// Fits each feature's scale and shift to the float network's (on the mean, rounding everywhere moves a feature and
+// flattens or steepens it), and the layer that reads them.
+void fit_features(const LightNet& net, std::span<const FeaturePair> pairs, LightFile* file);
 
 }  // namespace sandglass::host

@@ -6,11 +6,19 @@ DenseNet-121 from the pretrained weights, a layer of 512 with batch normalisatio
 
 Folds follow locations: a location of the test fold never trains, and rows of fold -1 only ever train. Two ways to train:
   --layers last   everything up to the third transition is computed once, for each image, its mirror image and a few
-                  augmented copies of both, and kept on disk; the last dense block and the heads learn. For a CPU.
+                  augmented copies of both, and kept on disk; the last layers of the last dense block (--learn) and the heads learn. For a CPU.
   --layers all    every layer learns, with fresh augmentation of every image in every epoch. For a GPU.
+Statistics of the pretrained batch normalisations stay as they are (--free-norm: they follow the data), their factors
+learn. What is kept at the end is the mean of the weights over the last quarter of the epochs.
 
 Checkpoints are written after every epoch, under a temporary name and then renamed; --resume goes on from the last one and
 gives what an uninterrupted run gives. Images are 256 x 192 sRGB; directions are in the camera's frame (x right, y down).
+
+--export FILE writes the float weights as the pretrained file names them (convolutions HWIO; every batch normalisation apart
+as gamma, beta, moving_mean, moving_variance; epsilon 1.001e-5), without fc1000, and behind them
+  latent/kernel (1024, 512), latent/bias, latent/bn/{gamma,beta,moving_mean,moving_variance} (epsilon 1e-5), then ELU,
+  direction/kernel (512, 3), direction/bias (tanh, then normalised), light/..., ambient/... (3), contrast/... (1; sigmoid),
+and data_hash (16 hexadecimal digits of the manifests' SHA-256), seed, training_images.
 """
 import argparse
 import csv
@@ -29,7 +37,12 @@ from PIL import Image
 
 LAYERS, GROWTH, BOTTLENECK, EPSILON = (6, 12, 24, 16), 32, 128, 1.001e-5
 MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
+NORM_NAMES = (("weight", "gamma"), ("bias", "beta"), ("running_mean", "moving_mean"), ("running_var", "moving_variance"))
 LOSS_WEIGHTS = {"direction": 5.0, "light": 2.0, "ambient": 2.0, "contrast": 1.0}  # (5.26)
+LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
+          "contrast")
+RIDGES = (2.0,) * 3 + (4.0,) * 3 + (0.1,) * 3 + (2.0,)  # of the standardised features; weak for the ambient colour, which images show
+COPIES_OF_START, SHIFT_OF_START, EXTRA_WEIGHT, LEAST_DEVIATION = 16, 3.0, 0.5, 0.25
 WIDTH, HEIGHT = 256, 192
 
 
@@ -73,6 +86,8 @@ class LightNet(nn.Module):
         self.blocks, self.transitions = nn.ModuleList(blocks), nn.ModuleList(transitions)
         self.last = nn.BatchNorm2d(channels, eps=EPSILON)
         self.latent = nn.Sequential(nn.Linear(channels, 512), nn.BatchNorm1d(512), nn.ELU())
+        self.dropout = 0.0  # of the 512, in training
+        self.learned = LAYERS[3]  # layers of the last block behind the trunk that is kept on disk
         self.heads = nn.ModuleDict({k: nn.Linear(512, n) for k, n in
                                     (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))})
 
@@ -85,30 +100,118 @@ class LightNet(nn.Module):
             x = self.transitions[i](self.blocks[i](x))
         return x
 
-    def features(self, trunk):
-        return F.relu(self.last(self.blocks[3](trunk))).mean((2, 3))
+    def prefix(self, trunk):
+        """The layers of the last block that do not learn."""
+        return self.blocks[3][:LAYERS[3] - self.learned](trunk)
 
-    def estimate(self, trunk):
-        latent = self.latent(self.features(trunk))
+    def features(self, prefix):
+        return F.relu(self.last(self.blocks[3][LAYERS[3] - self.learned:](prefix))).mean((2, 3))
+
+    def estimate(self, prefix):
+        latent = F.dropout(self.latent(self.features(prefix)), self.dropout, self.training)
         out = {k: head(latent) for k, head in self.heads.items()}
         return {"direction": F.normalize(torch.tanh(out["direction"]), dim=1), "light": torch.sigmoid(out["light"]),
                 "ambient": torch.sigmoid(out["ambient"]), "contrast": torch.sigmoid(out["contrast"])}
 
-    def last_parts(self):
-        return nn.ModuleList([self.blocks[3], self.last, self.latent, self.heads])
+    def start_at(self, features, labels, weights):
+        """Starts the heads from ridge regressions of the labels on features (float64, by rows, weighted): with few places,
+        a start that gradient descent does not find. Of the latent units the first 10 * COPIES_OF_START carry the solutions, each
+        COPIES_OF_START times because of the dropout, shifted to where ELU is the identity; the others begin without effect."""
+        targets = labels.copy()
+        targets[:, :3] *= 0.5  # where tanh is almost the identity; the length does not matter
+        targets[:, 3:] = np.log(targets[:, 3:].clip(0.02, 0.98) / (1 - targets[:, 3:].clip(0.02, 0.98)))
+        weights = (weights / weights.sum())[:, None]
+        mean, answer = (weights * features).sum(0), (weights * targets).sum(0)
+        centred = features - mean
+        deviation = np.sqrt((weights * centred ** 2).sum(0))
+        deviation = np.maximum(deviation, LEAST_DEVIATION * np.median(deviation))  # bytes do not keep what hardly varies
+        centred = centred / deviation
+        squares, products = (weights * centred).T @ centred, (weights * centred).T @ (targets - answer)
+        columns = [np.linalg.solve(squares + RIDGES[j] * np.eye(len(squares)), products[:, j]) for j in range(10)]
+        slopes = np.stack(columns, 1)
+        spread = np.sqrt((weights * (centred @ slopes) ** 2).sum(0)) + 1e-9
+        slopes = slopes / deviation[:, None]
+        linear, norm = self.latent[0], self.latent[1]
+        to = torch.arange(10).repeat_interleave(COPIES_OF_START)
+        with torch.no_grad():
+            for head in self.heads.values():
+                head.weight.zero_()
+            linear.bias.zero_()
+            linear.weight[:len(to)] = torch.from_numpy(slopes.T.astype(np.float32)).to(linear.weight.device)[to]
+            outputs = torch.from_numpy(features.astype(np.float32)).to(linear.weight.device) @ linear.weight.T
+            shares = torch.from_numpy(weights.astype(np.float32)).to(outputs.device)
+            norm.running_mean.copy_((shares * outputs).sum(0))
+            norm.running_var.copy_((shares * (outputs - norm.running_mean) ** 2).sum(0))
+            norm.bias[:len(to)] = SHIFT_OF_START
+            j = 0
+            for head in self.heads.values():
+                for row in range(len(head.bias)):
+                    head.weight[row, j * COPIES_OF_START:(j + 1) * COPIES_OF_START] = float(spread[j]) / COPIES_OF_START
+                    head.bias[row] = float(answer[j] - SHIFT_OF_START * spread[j])
+                    j += 1
 
-    def load_pretrained(self, path):
-        arrays = np.load(path)
+    def heads_of(self):
+        return nn.ModuleList([self.latent, self.heads])
+
+    def train_with(self, frozen_norm):
+        """Training mode, but for the statistics of the extractor's batch normalisations where those are frozen."""
+        self.train()
+        if frozen_norm:
+            for module in self.modules():
+                if isinstance(module, nn.BatchNorm2d):
+                    module.eval()
+
+    def load(self, path):
+        """The extractor of a pretrained or exported file; of an exported one the heads too. Whether there were heads."""
+        try:
+            arrays = np.load(path)
+        except (OSError, ValueError):
+            fail(f"'{path}' is no file of weights; name densenet121_imagenet_keras_fp32.npz or what --export wrote")
+        if "conv1/conv/kernel" not in arrays:
+            fail(f"'{path}' has no array conv1/conv/kernel; name densenet121_imagenet_keras_fp32.npz or what --export wrote")
 
         def norm(module, name):
-            module.weight.data = torch.from_numpy(arrays[name + "/gamma"])
-            module.bias.data = torch.from_numpy(arrays[name + "/beta"])
-            module.running_mean.data = torch.from_numpy(arrays[name + "/moving_mean"])
-            module.running_var.data = torch.from_numpy(arrays[name + "/moving_variance"])
+            for ours, theirs in NORM_NAMES:
+                getattr(module, ours).data = torch.from_numpy(arrays[f"{name}/{theirs}"])
 
         def conv(module, name):  # HWIO to OIHW
             module.weight.data = torch.from_numpy(np.ascontiguousarray(arrays[name + "/kernel"].transpose(3, 2, 0, 1)))
 
+        def linear(module, name):
+            module.weight.data = torch.from_numpy(np.ascontiguousarray(arrays[name + "/kernel"].T))
+            module.bias.data = torch.from_numpy(arrays[name + "/bias"])
+
+        self.walk(norm, conv)
+        if "latent/kernel" not in arrays:
+            return False
+        self.walk_heads(norm, linear)
+        return True
+
+    def exported(self):
+        """The arrays of --export."""
+        arrays = {}
+
+        def norm(module, name):
+            for ours, theirs in NORM_NAMES:
+                arrays[f"{name}/{theirs}"] = getattr(module, ours).detach().cpu().numpy()
+
+        def conv(module, name):
+            arrays[name + "/kernel"] = np.ascontiguousarray(module.weight.detach().cpu().numpy().transpose(2, 3, 1, 0))
+
+        def linear(module, name):
+            arrays[name + "/kernel"] = np.ascontiguousarray(module.weight.detach().cpu().numpy().T)
+            arrays[name + "/bias"] = module.bias.detach().cpu().numpy()
+
+        self.walk(norm, conv), self.walk_heads(norm, linear)
+        return arrays
+
+    def walk_heads(self, norm, linear):
+        linear(self.latent[0], "latent"), norm(self.latent[1], "latent/bn")
+        for name, head in self.heads.items():
+            linear(head, name)
+
+    def walk(self, norm, conv):
+        """Calls norm and conv with every layer of the extractor and its name in the pretrained file."""
         conv(self.stem, "conv1/conv"), norm(self.stem_norm, "conv1/bn"), norm(self.last, "bn")
         for i, block in enumerate(self.blocks):
             for j, layer in enumerate(block):
@@ -130,30 +233,39 @@ def save(path, write):
 
 
 class Rows:
-    """The lines of the manifests, and their labels as arrays."""
+    """The lines of the manifests, and their labels as arrays. Folders of `tested` are tested on, by fold; those of
+    `views` (more views of the same places) and `extra` (made-up rooms, outdoors) only train."""
 
-    def __init__(self, folders):
-        self.image, self.location, self.fold, labels = [], [], [], []
-        for folder in folders:
-            path = os.path.join(folder, "manifest.csv")
-            if not os.path.exists(path):
-                fail(f"'{folder}' has no manifest.csv; make it with `sandglass dataset`")
-            for row in csv.DictReader(open(path, newline="")):
-                self.image.append(os.path.join(folder, row["image"]))
-                self.location.append(row["location"])
-                self.fold.append(int(row["fold"]))
-                labels.append([float(row[k]) for k in
-                               ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r",
-                                "ambient_g", "ambient_b", "contrast")])
+    excluded = ()  # places that never train
+
+    def __init__(self, tested, views=(), extra=()):
+        self.image, self.location, self.fold, self.folder, self.number, self.kind, labels = [], [], [], [], [], [], []
+        for kind, folders in enumerate((tested, views, extra)):
+            for folder in folders:
+                path = os.path.join(folder, "manifest.csv")
+                if not os.path.exists(path):
+                    fail(f"'{folder}' has no manifest.csv; make it with `sandglass dataset`")
+                for number, row in enumerate(csv.DictReader(open(path, newline=""))):
+                    self.image.append(os.path.join(folder, row["image"]))
+                    self.location.append(row["location"])
+                    self.fold.append(int(row["fold"]))
+                    self.folder.append(folder), self.number.append(number), self.kind.append(kind)
+                    labels.append([float(row[k]) for k in LABELS])
         if not labels:
             fail("the manifests have no lines; make the data set again")
-        self.fold, self.labels = np.array(self.fold), np.array(labels, np.float32)
+        self.fold, self.kind, self.labels = np.array(self.fold), np.array(self.kind), np.array(labels, np.float32)
 
-    def split(self, test_fold, train_only):
-        """Indices to train and to test on. Folders in train_only (synthetic rooms) never test."""
-        only = np.array([any(i.startswith(os.path.join(f, "")) for f in train_only) for i in self.image], bool)
-        test = (self.fold == test_fold) & ~only
+    def hash(self):
+        text = hashlib.sha256()
+        for folder in dict.fromkeys(self.folder):
+            text.update(open(os.path.join(folder, "manifest.csv"), "rb").read())
+        return text.hexdigest()[:16]
+
+    def split(self, test_fold):
+        """Indices to train and to test on; None tests on nothing."""
+        test = (self.fold == test_fold) & (self.kind == 0) if test_fold is not None else np.zeros(len(self.fold), bool)
         held_out = {self.location[i] for i in np.flatnonzero(test)}
+        held_out.update(self.excluded)
         train = ~test & np.array([l not in held_out for l in self.location])
         return np.flatnonzero(train), np.flatnonzero(test)
 
@@ -165,8 +277,14 @@ def read_image(path):
     return np.asarray(image)
 
 
+def gain_of(random):
+    """Exposure and white balance: a factor of each linear channel."""
+    return (2.0 ** random.normal(0.0, 0.25) * np.exp(random.normal(0.0, 0.06, 3))).astype(np.float32)
+
+
 def augmented(rgb, random):
-    """Exposure, white balance, noise, JPEG, field of view with the border filled; the light's direction stays."""
+    """Exposure, white balance, noise, JPEG, field of view with the border filled."""
+    gain = gain_of(random)
     x = rgb.astype(np.float32) / 255.0
     if random.random() < 0.5:  # a narrower camera, re-projected: what it does not see is the edge's colour
         scale = random.uniform(0.6, 1.0)
@@ -174,8 +292,7 @@ def augmented(rgb, random):
         v = np.clip(np.rint(np.clip((np.arange(HEIGHT) - 95.5), -95.5 * scale, 95.5 * scale) + 95.5), 0, HEIGHT - 1)
         x = x[v.astype(int)][:, u.astype(int)]
     linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
-    linear = linear * 2.0 ** random.normal(0.0, 0.25) * np.exp(random.normal(0.0, 0.06, 3)).astype(np.float32)
-    linear = np.clip(linear + random.normal(0.0, 1.0, x.shape) * random.uniform(0.0, 0.01), 0.0, 1.0)
+    linear = np.clip(gain * linear + random.normal(0.0, 1.0, x.shape) * random.uniform(0.0, 0.01), 0.0, 1.0)
     x = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
     x = np.rint(255.0 * x).astype(np.uint8)
     if random.random() < 0.5:
@@ -185,44 +302,67 @@ def augmented(rgb, random):
     return x
 
 
-def mirrored(rgb, label):
-    label = label.copy()
-    label[0] = -label[0]
-    return np.ascontiguousarray(rgb[:, ::-1]), label
-
-
 def prepared(rows, index, copy, seed):
     """Copy 0 is the image, copy 1 its mirror image, further ones augmented, every other mirrored. A function of its
     arguments alone."""
-    rgb, label = read_image(rows.image[index]), rows.labels[index]
+    rgb = read_image(rows.image[index])
     if copy >= 2:
-        rgb = augmented(rgb, np.random.default_rng([seed, index, copy]))
-    return mirrored(rgb, label) if copy % 2 == 1 else (rgb, label)
+        rgb = augmented(rgb, np.random.default_rng([seed, rows.number[index], copy]))
+    return np.ascontiguousarray(rgb[:, ::-1]) if copy % 2 == 1 else rgb
+
+
+def label_of(rows, index, copy, seed):
+    """The labels of that copy: a mirror image has the mirrored direction, and gains colour the light like the image."""
+    label = rows.labels[index].copy()
+    if copy >= 2:
+        gain = gain_of(np.random.default_rng([seed, rows.number[index], copy]))
+        for at in (3, 6):  # as in the data set: hue kept, no channel above 1
+            colour = label[at:at + 3] * gain
+            label[at:at + 3] = colour / max(1.0, float(colour.max()))
+    if copy % 2 == 1:
+        label[0] = -label[0]
+    return label
 
 
 def to_tensor(rgb, device):
-    return torch.from_numpy(np.stack(rgb)).to(device).permute(0, 3, 1, 2).float() / 255.0
+    rgb = torch.from_numpy(np.stack(rgb)).to(device).permute(0, 3, 1, 2)
+    return rgb.float().div(255.0).contiguous(memory_format=torch.channels_last)
 
 
-def cached_trunks(net, rows, copies, arguments, device):
-    """Half-precision trunks of every row and copy, one file a copy; what is there is not computed again."""
-    key = hashlib.sha256(json.dumps([rows.image, arguments.weights, arguments.seed]).encode()).hexdigest()[:16]
-    folder = os.path.join(arguments.output, "trunks_" + key)
-    os.makedirs(folder, exist_ok=True)
+def cached_trunks(net, rows, arguments, device):
+    """Half-precision trunks of every row and copy, one file for each folder and copy; what is there is not computed
+    again. Returns a function from (row, copy) to a trunk."""
     net.eval()
-    for copy in range(copies):
-        path = os.path.join(folder, f"copy_{copy}.npy")
-        if not os.path.exists(path):
-            parts = []
-            for at in range(0, len(rows.image), 16):
-                batch = [prepared(rows, i, copy, arguments.seed)[0] for i in range(at, min(at + 16, len(rows.image)))]
-                with torch.no_grad():
-                    parts.append(net.trunk(to_tensor(batch, device)).cpu().numpy().astype(np.float16))
-            with open(path + ".unfinished", "wb") as file:
-                np.save(file, np.concatenate(parts))
-            os.replace(path + ".unfinished", path)
-            print(f"trunks of copy {copy + 1} of {copies}", flush=True)
-    return [np.load(os.path.join(folder, f"copy_{c}.npy"), mmap_mode="r") for c in range(copies)]
+    files, trunk = {}, hashlib.sha256()
+    for part in (net.stem, net.stem_norm, net.blocks[:3], net.transitions):
+        for value in part.state_dict().values():
+            trunk.update(value.cpu().contiguous().numpy().tobytes())
+    for folder in dict.fromkeys(rows.folder):
+        members = [i for i, f in enumerate(rows.folder) if f == folder]
+        key = hashlib.sha256(json.dumps([folder, len(members), trunk.hexdigest(), arguments.seed]).encode()).hexdigest()[:16]
+        cache = os.path.join(arguments.cache or arguments.output, "trunks_" + key)
+        os.makedirs(cache, exist_ok=True)
+        for copy in range(arguments.copies):
+            path = os.path.join(cache, f"copy_{copy}.npy")
+            if not os.path.exists(path):
+                parts = []
+                for at in range(0, len(members), 16):
+                    batch = [prepared(rows, i, copy, arguments.seed) for i in members[at:at + 16]]
+                    with torch.no_grad():
+                        parts.append(net.trunk(to_tensor(batch, device)).cpu().numpy().astype(np.float16))
+                with open(path + ".unfinished", "wb") as file:
+                    np.save(file, np.concatenate(parts))
+                os.replace(path + ".unfinished", path)
+                print(f"{folder}: copy {copy + 1} of {arguments.copies}", flush=True)
+            files[folder, copy] = np.load(path, mmap_mode="r")
+    trunks = {}
+    with torch.no_grad():
+        for key, file in files.items():
+            parts = [net.prefix(torch.from_numpy(file[at:at + 64].astype(np.float32)).to(device)
+                                .contiguous(memory_format=torch.channels_last)).cpu().numpy().astype(np.float16)
+                     for at in range(0, len(file), 64)] if net.learned < LAYERS[3] else [file]
+            trunks[key] = parts[0] if len(parts) == 1 else np.concatenate(parts)
+    return lambda i, c: trunks[rows.folder[i], c][rows.number[i]]
 
 
 def loss_of(estimate, labels):
@@ -242,88 +382,207 @@ def measures(estimate, truth):
             "contrast": float(np.abs(estimate[:, 9] - truth[:, 9]).mean())}
 
 
+def start_heads(arguments, rows, train_rows, net, trunk_of, device):
+    """From the features of every copy of the images to train on: captured ones count 1 together, others EXTRA_WEIGHT."""
+    last = arguments.layers == "last"
+    pairs = [(i, c) for c in range(arguments.copies if last else 2) for i in train_rows]
+    net.eval()
+    parts = []
+    with torch.no_grad():
+        for at in range(0, len(pairs), 64):
+            batch = pairs[at:at + 64]
+            if last:
+                inputs = torch.from_numpy(np.stack([trunk_of(i, c) for i, c in batch]).astype(np.float32)).to(device)
+                inputs = inputs.contiguous(memory_format=torch.channels_last)
+            else:
+                inputs = net.trunk(to_tensor([prepared(rows, i, c, arguments.seed) for i, c in batch], device))
+            parts.append(net.features(inputs).cpu().numpy())
+    labels = np.stack([label_of(rows, i, c, arguments.seed) for i, c in pairs]).astype(np.float64)
+    extra = rows.kind[[i for i, _ in pairs]] == 2
+    weights = np.where(extra, EXTRA_WEIGHT / max(1, extra.sum()), 1.0 / max(1, (~extra).sum()))
+    net.start_at(np.concatenate(parts).astype(np.float64), labels, weights)
+
+
+def batches_of(rows, train_rows, epoch, arguments):
+    """(row, copy) pairs of one epoch by batches: captured places `repeat` times, and a share of all else."""
+    random = np.random.default_rng([arguments.seed, epoch])  # of the epoch: a resumed run draws what an unbroken one draws
+    extra = rows.kind[train_rows] == 2
+    drawn = random.permutation(train_rows[extra])[:round(arguments.share * extra.sum())]
+    order = random.permutation(np.concatenate([drawn] + [train_rows[~extra]] * arguments.repeat))
+    first, beyond = (0, arguments.copies) if arguments.layers == "last" else (2, 1 << 20)
+    pairs = list(zip(order, random.integers(first, beyond, len(order))))
+    batches = [pairs[at:at + arguments.batch] for at in range(0, len(pairs), arguments.batch)]
+    return [b for b in batches if len(b) >= 2]  # batch normalisation needs two
+
+
 def train(arguments):
-    torch.manual_seed(arguments.seed)
     torch.set_num_threads(arguments.threads)
     device = torch.device("cuda" if torch.cuda.is_available() and not arguments.cpu else "cpu")
-    rows = Rows(arguments.dataset + arguments.train_only)
-    train_rows, test_rows = rows.split(arguments.test_fold, arguments.train_only)
-    if len(train_rows) == 0 or len(test_rows) == 0:
-        fail(f"fold {arguments.test_fold} leaves {len(train_rows)} images to train on and {len(test_rows)} to test on; "
-             "choose another fold")
+    rows = Rows(arguments.dataset, arguments.views, arguments.train_only)
+    rows.excluded = arguments.exclude
+    folds = [None] if arguments.all else arguments.test_fold
+    for fold in folds:
+        trained, tested = (len(part) for part in rows.split(fold))
+        if trained == 0 or (tested == 0 and fold is not None):
+            fail(f"fold {fold} leaves {trained} images to train on and {tested} to test on; choose another fold")
+    torch.manual_seed(arguments.seed)
     net = LightNet()
-    if arguments.weights:
-        net.load_pretrained(arguments.weights)
-    net.to(device)
+    net.learned = arguments.learn if arguments.layers == "last" else LAYERS[3]
+    has_heads = net.load(arguments.weights) if arguments.weights else False
+    net.to(device, memory_format=torch.channels_last)
+    trunk_of = cached_trunks(net, rows, arguments, device) if arguments.layers == "last" else None
+    start = {k: v.clone() for k, v in net.state_dict().items()}
+    for fold in folds:
+        net.load_state_dict(start)
+        train_fold(arguments, fold, rows, net, has_heads, trunk_of, device)
+
+
+def layout_of(rgb):
+    """Logarithms of the mean linear colours of 4 x 3 parts of an image."""
+    x = rgb.astype(np.float32) / 255.0
+    linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
+    parts = linear.reshape(3, HEIGHT // 3, 4, WIDTH // 4, 3).mean((1, 3))
+    return np.log(parts + 0.02).reshape(-1)
+
+
+def train_layout(arguments):
+    """Pooling forgets where things are, and light labels of few places do not teach it; images do: the last layers learn
+    to tell, from the pooled features alone, the colours of 4 x 3 parts of the image. No labels are used."""
+    torch.set_num_threads(arguments.threads), torch.manual_seed(arguments.seed)
+    device = torch.device("cuda" if torch.cuda.is_available() and not arguments.cpu else "cpu")
+    rows = Rows((), (), arguments.train_only)
+    net = LightNet()
+    net.learned = arguments.learn
+    net.load(arguments.weights)
+    net.to(device, memory_format=torch.channels_last)
+    trunk_of = cached_trunks(net, rows, arguments, device)
+    pairs = [(i, c) for i in range(len(rows.image)) for c in range(arguments.copies)]
+    layouts = torch.from_numpy(np.stack([layout_of(prepared(rows, i, c, arguments.seed)) for i, c in pairs])).to(device)
+    layouts = (layouts - layouts.mean(0)) / layouts.std(0)
+    read = nn.Sequential(nn.BatchNorm1d(1024, affine=False), nn.Linear(1024, layouts.shape[1])).to(device)
+    extractor = list(net.blocks[3][LAYERS[3] - net.learned:].parameters()) + list(net.last.parameters())
+    optimiser = torch.optim.AdamW([{"params": read.parameters(), "lr": arguments.rate},
+                                   {"params": extractor, "lr": arguments.rate * arguments.extractor_rate}],
+                                  weight_decay=arguments.decay)
+    halving = torch.optim.lr_scheduler.StepLR(optimiser, max(1, arguments.epochs // 4), 0.5)
+    for epoch in range(arguments.epochs):
+        random = np.random.default_rng([arguments.seed, epoch])
+        net.train_with(True), read.train()
+        order, total = random.permutation(len(pairs)), 0.0
+        for at in range(0, len(order) - 1, arguments.batch):
+            chosen = order[at:at + arguments.batch]
+            inputs = torch.from_numpy(np.stack([trunk_of(*pairs[i]) for i in chosen]).astype(np.float32)).to(device)
+            loss = F.mse_loss(read(net.features(inputs.contiguous(memory_format=torch.channels_last))), layouts[chosen])
+            optimiser.zero_grad(), loss.backward(), optimiser.step()
+            total += float(loss.detach()) * len(chosen)
+        halving.step()
+        print(json.dumps({"epoch": epoch + 1, "unexplained": total / len(order)}), flush=True)
+        arrays = {k: v for k, v in net.exported().items() if k.split("/")[0] not in ("latent", *LOSS_WEIGHTS)}
+        def write(path):
+            with open(path, "wb") as file:
+                np.savez(file, **arrays)
+        save(arguments.export, write)
+
+
+def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
+    torch.manual_seed(arguments.seed)
+    train_rows, test_rows = rows.split(fold)
+    captured = train_rows[rows.kind[train_rows] < 2]
+    mean_light = rows.labels[captured if len(captured) else train_rows].mean(0)
+    if not has_heads:
+        start_heads(arguments, rows, train_rows, net, trunk_of, device)
     last = arguments.layers == "last"
-    trunks = cached_trunks(net, rows, arguments.copies, arguments, device) if last else None
-    learned = net.last_parts() if last else net
-    optimiser = torch.optim.Adam(learned.parameters(), lr=arguments.rate)
+    net.dropout = arguments.dropout
+    heads = {id(p) for p in net.heads_of().parameters()}
+    extractor = list(net.blocks[3][LAYERS[3] - net.learned:].parameters()) + list(net.last.parameters()) if last else \
+        [p for p in net.parameters() if id(p) not in heads]
+    optimiser = torch.optim.AdamW([{"params": net.heads_of().parameters(), "lr": arguments.rate},
+                                   {"params": extractor, "lr": arguments.rate * arguments.extractor_rate}],
+                                  weight_decay=arguments.decay)
     halving = torch.optim.lr_scheduler.StepLR(optimiser, max(1, arguments.epochs // 4), 0.5)  # 15 of the source's 60
-    checkpoint = os.path.join(arguments.output, f"fold_{arguments.test_fold}.checkpoint")
-    log, first = [], 0
+    name = "all" if fold is None else f"fold_{fold}"
+    checkpoint = os.path.join(arguments.output, name + ".checkpoint")
+    log, first, sums = [], 0, None
     if arguments.resume and os.path.exists(checkpoint):
         state = torch.load(checkpoint, map_location=device)
         net.load_state_dict(state["net"]), optimiser.load_state_dict(state["optimiser"])
         halving.load_state_dict(state["halving"])
-        log, first = state["log"], state["epoch"]
+        log, first, sums = state["log"], state["epoch"], state["sums"]
 
     def inputs_of(items, epoch):
         """Tensors and labels of (row, copy) pairs."""
-        labels = np.stack([np.where(np.arange(10) == 0, -1 if c % 2 else 1, 1) * rows.labels[i] for i, c in items])
-        labels = torch.from_numpy(labels.astype(np.float32)).to(device)
+        seed = arguments.seed if last else arguments.seed + epoch
+        labels = torch.from_numpy(np.stack([label_of(rows, i, c, seed) for i, c in items])).to(device)
         if last:
-            return torch.from_numpy(np.stack([trunks[c][i] for i, c in items]).astype(np.float32)).to(device), labels
-        return net.trunk(to_tensor([prepared(rows, i, c, arguments.seed + epoch)[0] for i, c in items], device)), labels
+            trunks = torch.from_numpy(np.stack([trunk_of(i, c) for i, c in items]).astype(np.float32)).to(device)
+            return trunks.contiguous(memory_format=torch.channels_last), labels
+        return net.trunk(to_tensor([prepared(rows, i, c, seed) for i, c in items], device)), labels
 
-    def evaluated():
+    def estimates():
         net.eval()
         parts = []
         with torch.no_grad():
             for at in range(0, len(test_rows), 64):
                 estimate = net.estimate(inputs_of([(i, 0) for i in test_rows[at:at + 64]], 0)[0])
                 parts.append(torch.cat([estimate[k] for k in LOSS_WEIGHTS], 1).cpu().numpy())
-        return measures(np.concatenate(parts), rows.labels[test_rows])
+        return np.concatenate(parts)
 
+    if first == 0 and len(test_rows):
+        log.append({"epoch": 0, **measures(estimates(), rows.labels[test_rows])})
+        print(json.dumps(log[-1]), flush=True)
     for epoch in range(first, arguments.epochs):
-        random = np.random.default_rng([arguments.seed, epoch])  # of the epoch: a resumed run draws what an unbroken one draws
         torch.manual_seed(arguments.seed * 1000 + epoch)
-        order = random.permutation(train_rows)
-        copies = random.integers(0, arguments.copies, len(order)) if last else random.integers(2, 1 << 20, len(order))
-        net.train() if not last else (net.eval(), learned.train())
-        total = 0.0
-        for at in range(0, len(order) - 1, arguments.batch):  # batch normalisation needs two
-            chosen = list(zip(order[at:at + arguments.batch], copies[at:at + arguments.batch]))
-            if len(chosen) < 2:
-                continue
+        net.train_with(not arguments.free_norm)
+        total, images = 0.0, 0
+        for chosen in batches_of(rows, train_rows, epoch, arguments):
             inputs, labels = inputs_of(chosen, epoch)
             loss = loss_of(net.estimate(inputs), labels)
             optimiser.zero_grad(), loss.backward(), optimiser.step()
-            total += float(loss.detach()) * len(chosen)
+            total, images = total + float(loss.detach()) * len(chosen), images + len(chosen)
         halving.step()
-        log.append({"epoch": epoch + 1, "loss": total / len(order), **evaluated()})
+        log.append({"epoch": epoch + 1, "loss": total / images})
+        if len(test_rows):
+            log[-1].update(measures(estimates(), rows.labels[test_rows]))
         print(json.dumps(log[-1]), flush=True)
+        if epoch >= arguments.epochs - max(1, arguments.epochs // 4):
+            now = {k: v.double() for k, v in net.state_dict().items()}
+            sums = now if sums is None else {k: sums[k] + v for k, v in now.items()}
         state = {"net": net.state_dict(), "optimiser": optimiser.state_dict(), "halving": halving.state_dict(), "log": log,
-                 "epoch": epoch + 1}
+                 "epoch": epoch + 1, "sums": sums}
         save(checkpoint, lambda path: torch.save(state, path))
-    mean = rows.labels[train_rows].mean(0, keepdims=True).repeat(len(test_rows), 0)
-    result = {"fold": arguments.test_fold, "train_images": len(train_rows), "test_images": len(test_rows),
-              "test_locations": len({rows.location[i] for i in test_rows}), "network": evaluated(),
-              "mean_training_light": measures(mean, rows.labels[test_rows]), "log": log, "arguments": vars(arguments)}
-    save(os.path.join(arguments.output, f"fold_{arguments.test_fold}.json"),
-         lambda path: open(path, "w").write(json.dumps(result, indent=1)))
-    print(json.dumps({k: result[k] for k in ("network", "mean_training_light")}, indent=1))
+    if sums is not None:
+        net.load_state_dict({k: (sums[k] / max(1, arguments.epochs // 4)).to(v.dtype) for k, v in net.state_dict().items()})
+    result = {"fold": name, "train_images": len(train_rows), "test_images": len(test_rows),
+              "test_locations": len({rows.location[i] for i in test_rows}), "log": log, "arguments": vars(arguments)}
+    if len(test_rows):
+        made, truth = estimates(), rows.labels[test_rows]
+        mean = mean_light[None].repeat(len(test_rows), 0)
+        result.update(network=measures(made, truth), mean_training_light=measures(mean, truth))
+        lines = ["image," + ",".join(LABELS)] + [
+            os.path.basename(rows.image[i]) + "".join(f",{x:.6f}" for x in made[at]) for at, i in enumerate(test_rows)]
+        save(os.path.join(arguments.output, name + "_estimates.csv"),
+             lambda path: open(path, "w").write("\n".join(lines) + "\n"))
+        for k in ("network", "mean_training_light"):
+            print(k, json.dumps(result[k]), flush=True)
+    save(os.path.join(arguments.output, name + ".json"), lambda path: open(path, "w").write(json.dumps(result, indent=1)))
+    if arguments.export:
+        def write(path):
+            with open(path, "wb") as file:
+                np.savez(file, **net.exported(), data_hash=np.frombuffer(rows.hash().encode(), np.uint8),
+                         seed=np.array([arguments.seed], np.float32),
+                         training_images=np.array([len(train_rows)], np.float32))
+        save(arguments.export, write)
 
 
 def check_import(weights, reference):
     """The pretrained network against the reference outputs beside it: exit code 1 if a feature is off by over 1e-3."""
     net = LightNet()
-    net.load_pretrained(weights)
+    net.load(weights)
     net.eval()
     truth, worst = np.load(reference), 0.0
     for name in ("bird", "parrot", "cat"):
         with torch.no_grad():
-            features = net.features(net.trunk(to_tensor([truth[name + "/rgb_u8"]], "cpu")))[0].numpy()
+            features = net.features(net.prefix(net.trunk(to_tensor([truth[name + "/rgb_u8"]], "cpu"))))[0].numpy()
         worst = max(worst, float(np.abs(features - truth[name + "/feat1024"]).max()))
     print(f"greatest difference of a feature {worst:.2g}")
     return 0 if worst <= 1e-3 else 1
@@ -332,16 +591,30 @@ def check_import(weights, reference):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("dataset", nargs="*", help="folders made by `sandglass dataset`")
-    parser.add_argument("--train-only", nargs="*", default=[], help="further such folders that never test (made-up rooms)")
-    parser.add_argument("--weights", help="densenet121_imagenet_keras_fp32.npz; without it the network starts random")
+    parser.add_argument("--views", nargs="*", default=[], help="folders with more views of the same places, to train on")
+    parser.add_argument("--train-only", nargs="*", default=[], help="further folders that never test (made-up rooms)")
+    parser.add_argument("--exclude", nargs="*", default=[], help="places that never train (their licence forbids it)")
+    parser.add_argument("--weights", help="densenet121_imagenet_keras_fp32.npz or an exported file; without it, random")
     parser.add_argument("--check-import", metavar="REFERENCE", help="only compare the imported weights with this file")
     parser.add_argument("-o", "--output", default=".", help="folder for checkpoints, results and cached trunks")
-    parser.add_argument("--test-fold", type=int, default=1)
+    parser.add_argument("--cache", help="another folder for the cached trunks")
+    parser.add_argument("--export", metavar="FILE", help="write the trained weights as .npz")
+    parser.add_argument("--layout", action="store_true", help="only teach the last layers where things are in images")
+    parser.add_argument("--test-fold", type=int, nargs="+", default=[1], help="one run for each")
+    parser.add_argument("--all", action="store_true", help="train on every fold and test on none: for the shipped weights")
     parser.add_argument("--layers", choices=("last", "all"), default="last")
+    parser.add_argument("--learn", type=int, choices=range(17), default=6, metavar="N",
+                        help="how many of the last block's 16 layers learn with --layers last")
     parser.add_argument("--copies", type=int, default=4, help="cached copies of an image, its mirror image among them")
-    parser.add_argument("--epochs", type=int, default=60)
-    parser.add_argument("--batch", type=int, default=128)
-    parser.add_argument("--rate", type=float, default=1e-3)
+    parser.add_argument("--repeat", type=int, default=1, help="how often an epoch shows a captured image")
+    parser.add_argument("--share", type=float, default=1.0, help="of the --train-only images that an epoch shows")
+    parser.add_argument("--epochs", type=int, default=24, help="0 only tests the weights")
+    parser.add_argument("--batch", type=int, default=64)
+    parser.add_argument("--rate", type=float, default=1e-3, help="of the heads")
+    parser.add_argument("--extractor-rate", type=float, default=0.3, help="of the DenseNet's layers, over that of the heads")
+    parser.add_argument("--decay", type=float, default=1e-2, help="of the weights, decoupled")
+    parser.add_argument("--dropout", type=float, default=0.3)
+    parser.add_argument("--free-norm", action="store_true", help="batch normalisations follow the data (random start)")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--threads", type=int, default=1)
     parser.add_argument("--cpu", action="store_true", help="even where there is a GPU")
@@ -351,9 +624,14 @@ def main():
         if not arguments.weights:
             fail("--check-import compares weights; name them with --weights")
         return check_import(arguments.weights, arguments.check_import)
-    if not arguments.dataset:
+    if not arguments.dataset and not ((arguments.all or arguments.layout) and arguments.train_only):
         fail("no data set is named; make one with `sandglass dataset`")
     os.makedirs(arguments.output, exist_ok=True)
+    if arguments.layout:
+        if not (arguments.train_only and arguments.export and arguments.weights):
+            fail("--layout learns from the images of --train-only and --weights for --export; name all three")
+        train_layout(arguments)
+        return 0
     train(arguments)
     return 0
 

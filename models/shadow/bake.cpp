@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
@@ -25,6 +26,15 @@ constexpr double k_checkpoint_period_s = 60.0;
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
+
+double cpu_seconds_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }  // of all threads
+
+// A stage's time, while it lasts.
+struct StageClock {
+  BakeReport::Stage* stage;
+  double start = seconds_now(), cpu_start = cpu_seconds_now();
+  ~StageClock() { *stage = {seconds_now() - start, cpu_seconds_now() - cpu_start}; }
+};
 
 // Everything that traced values and training depend on.
 uint64_t key_of(const Mesh& mesh, const BakeSettings& s) {
@@ -52,9 +62,9 @@ double ms_per_texture(const std::vector<uint8_t>& file, sandglass_shadow_mode mo
   const std::vector<Direction> lights = ring_directions(polar_max, 16);
   std::vector<double> times;
   for (const Direction& light : lights) {
-    const double from = seconds_now();
+    const double from = cpu_seconds_now();
     runner.texture(light);
-    times.push_back(1e3 * (seconds_now() - from));
+    times.push_back(1e3 * (cpu_seconds_now() - from));
   }
   std::sort(times.begin(), times.end());
   return times[times.size() / 2];
@@ -87,16 +97,21 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   TrainingState state = start_training(settings.shape, settings.seed);
   const std::string checkpoint = output + ".checkpoint";
   const uint64_t key = key_of(mesh, settings);
-  if (resume) load_checkpoint(checkpoint, key, &set, &state);
+  if (resume && load_checkpoint(checkpoint, key, &set, &state))
+    std::fprintf(stderr, "going on from %zu of %zu lights traced, %u of %u steps trained\n",
+                 set.values.size() / (size_t{set.cells()} * set.cells()), set.lights.size(), state.step,
+                 settings.steps + settings.quantised_steps);
 
-  double start = seconds_now(), saved = start;
+  double saved = seconds_now();
   const auto keep = [&] {
     save_checkpoint(checkpoint, key, set, state);
     saved = seconds_now();
   };
   {
+    const StageClock stage = {&report.tracing};
     const uint32_t lights = static_cast<uint32_t>(set.lights.size());
-    Progress progress("tracing", lights);
+    const uint64_t traced = set.values.size() / (uint64_t{set.cells()} * set.cells());
+    Progress progress("tracing", lights, stderr, traced);
     const bool whole = trace_training_set(
         geometry, caster, pool,
         [&](uint32_t done) {
@@ -105,20 +120,19 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
           return !interrupted();
         },
         &set);
-    report.seconds_tracing = seconds_now() - start;
     if (!whole) {
       keep();
       report.interrupted = true;
       return report;
     }
   }
-  start = seconds_now();
   TrainingPlan plan;
   plan.float_steps = settings.steps, plan.quantised_steps = settings.quantised_steps;
   plan.batch = settings.batch, plan.seed = settings.seed;
   {
+    const StageClock stage = {&report.training};
     Trainer trainer(set, plan, pool);
-    Progress progress("training", plan.float_steps + plan.quantised_steps);
+    Progress progress("training", plan.float_steps + plan.quantised_steps, stderr, state.step);
     while (!trainer.finished(state)) {
       trainer.step(&state);
       progress.done(state.step);
@@ -126,18 +140,16 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
       if (!interrupted()) continue;
       keep();
       report.interrupted = true;
-      report.seconds_training = seconds_now() - start;
       return report;
     }
   }
-  report.seconds_training = seconds_now() - start;
 
-  start = seconds_now();
   ShadowFile file = {name, geometry, quantise(state.network, state.clips), 0, 0, 0, settings.seed, {}};
   if (settings.keep_float)
     file.float_parameters.assign(state.float_network.parameters.begin(), state.float_network.parameters.end());
   std::vector<uint8_t> bytes = shadow_file_bytes(file);
   {
+    const StageClock stage = {&report.validating};
     Progress progress("validating", settings.validation_lights);
     const bool whole = validate(
         geometry, caster, state.float_network, bytes, settings.validation_lights, pool,
@@ -152,7 +164,6 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
       return report;
     }
   }
-  report.seconds_validating = seconds_now() - start;
   file.rmse_float = report.validation.network_float.rmse;
   file.rmse_int8 = report.validation.network_int8.rmse;
   file.validated_lights = report.validation.lights;

@@ -27,7 +27,10 @@ struct BakeSettings {
 struct BakeReport {
   bool interrupted = false;
   Validation validation;
-  double seconds_tracing = 0, seconds_training = 0, seconds_validating = 0;  // of this run
+  struct Stage {
+    double seconds = 0, cpu_seconds = 0;  // of this run; CPU time of all threads
+  };
+  Stage tracing, training, validating;
   uint64_t file_bytes = 0;
   double ms_full = 0, ms_adaptive = 0;  // a texture, one thread of this machine
 };

@@ -1,7 +1,6 @@
 #include "models/shadow/shadow_bench.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 
@@ -11,6 +10,7 @@
 #include "models/shadow/shadow_runner.h"
 #include "models/shadow/trainer.h"
 #include "models/shadow/xnnpack_peer.h"
+#include "platform/clock.h"
 #include "runtime/asset/shadow_asset.h"
 
 namespace sandglass::host {
@@ -23,8 +23,10 @@ constexpr uint32_t k_repeats = 7;  // of each light; the best counts, because th
 constexpr uint64_t k_stream = uint64_t{3} << 40;
 constexpr double k_beyond = 1e-3;  // activations that the peer's int8 clips
 
+// CPU time of the calling thread: what other programs on the machine take does not count.
 double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  const sandglass_clock clock = clock_thread_cpu();
+  return 1e-9 * static_cast<double>(clock.now_ns(clock.user));
 }
 
 double best_ms(const std::function<void()>& work) {
@@ -87,20 +89,18 @@ struct Samples {
 
 }  // namespace
 
-ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh, sandglass_isa isa,
-                         const std::vector<uint32_t>& thresholds,
-                         const std::function<bool(uint32_t, uint32_t)>& go_on) {
+BakedShadow open_baked_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh) {
   const AlignedBytes aligned(file);
   ShadowAsset asset;
   const char* reason = nullptr;
   if (open_shadow_asset(aligned.data(), file.size(), &asset, &reason) != SANDGLASS_OK)
     throw Failure("'" + name + "': " + reason);
-  if (asset.float_parameters == nullptr || asset.texel_frequencies != k_texel_frequencies ||
-      asset.light_frequencies != k_light_frequencies)
-    throw Failure("'" + name + "' does not carry the float network to compare with; bake it with --keep-float");
-  const FloatNetwork network = {{asset.width, asset.layers},
-                                {asset.float_parameters, asset.float_parameters + asset.float_parameter_count}};
-  LightGeometry geometry;
+  BakedShadow baked;
+  baked.network.shape = {asset.width, asset.layers};
+  if (asset.float_parameters != nullptr && asset.texel_frequencies == k_texel_frequencies &&
+      asset.light_frequencies == k_light_frequencies)
+    baked.network.parameters.assign(asset.float_parameters, asset.float_parameters + asset.float_parameter_count);
+  LightGeometry& geometry = baked.geometry;
   geometry.object = stand_on_plane(mesh, name);
   geometry.plane = asset.plane;
   geometry.half_angle = 0.5 * asset.angular_diameter, geometry.polar_max = asset.polar_max;
@@ -108,7 +108,17 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   if (std::fabs(geometry.object.box.height * scale - asset.box.height) > 1e-4 * scale ||
       std::fabs(geometry.object.box.half_x * scale - asset.box.half_x) > 1e-4 * scale)
     throw Failure("'" + name + "' was baked from another mesh than the one given; name its mesh with --mesh");
+  return baked;
+}
 
+ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh, sandglass_isa isa,
+                         const std::vector<uint32_t>& thresholds,
+                         const std::function<bool(uint32_t, uint32_t)>& go_on) {
+  const BakedShadow baked = open_baked_shadow(file, name, mesh);
+  const LightGeometry& geometry = baked.geometry;
+  const FloatNetwork& network = baked.network;
+  if (network.parameters.empty())
+    throw Failure("'" + name + "' does not carry the float network to compare with; bake it with --keep-float");
   const ShadowCaster caster(geometry.object.mesh, geometry.half_angle, {}, 1);
   ThreadPool pool(1);
   const MachinePeak peak = measure_machine_peak();
@@ -133,7 +143,8 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   XnnpackPeer xnn_float(network, clips, false), xnn_int8(network, clips, true);
 #endif
   const double texel_macs = static_cast<double>(network.shape.macs());
-  const double separated_macs = static_cast<double>(asset.width) * (asset.layers * asset.width + 1);
+  const double separated_macs =
+      static_cast<double>(network.shape.width) * (network.shape.layers * network.shape.width + 1);
   for (uint32_t i = 0; i < k_lights; ++i) {
     const Direction& light = lights[i];
     const std::vector<float> truth = caster.texture(geometry.rectangle(light), light, k_stream + i, k_size, pool);

@@ -10,13 +10,15 @@
 #include <vector>
 
 #include "models/host/mesh/mesh.h"
+#include "models/shadow/network.h"
+#include "models/shadow/training_set.h"
 #include "sandglass/shadow.h"
 
 namespace sandglass::host {
 
 struct ShadowBenchRow {
   std::string name;        // f32, int8, int8_adaptive, xnnpack_f32, xnnpack_int8
-  double ms = 0;           // the median over the lights of each light's best time
+  double ms = 0;           // CPU time of the thread: the median over the lights of each light's best
   double ms_encoding = 0;  // of it, for peers: writing the encoded inputs, from tables
   double gmac_per_s = 0;   // of what it computes
   double fraction = 0;     // of this CPU's measured peak, f32 or int8
@@ -29,6 +31,15 @@ struct ShadowBench {
   std::vector<ShadowBenchRow> rows;
   bool has_xnnpack = false;
 };
+
+// A baked file and the mesh that it was made from.
+struct BakedShadow {
+  LightGeometry geometry;
+  FloatNetwork network;  // without parameters where the file does not carry them
+};
+
+// A Failure: the file is refused, or `mesh` is not what it was baked from.
+BakedShadow open_baked_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh);
 
 // `thresholds`: further rows int8_adaptive/N, one a threshold, in steps of coverage (sandglass_shadow_desc).
 // `file` must carry its float network; `mesh` is what it was baked from. `go_on` gets the steps done of `total`.

@@ -1,6 +1,11 @@
 // Sixteen rays a packet: those of one origin, in a patch of 4 x 4 neighbouring strata of the light, so that they visit
-// the same nodes. Directions come from a few hundred prepared sets in the light's own frame; a texel picks its sets by
-// a hash of its number, so results depend on neither thread nor order.
+// the same nodes. Directions come from prepared sets in the light's own frame; a texel picks its set by a hash of its
+// number, so results depend on neither thread nor order.
+//
+// All samples of a texel are stratified together: the light is cut into points^2 * light^2 strata, each block of
+// points^2 neighbours gives one of them to every point, in random order. Strata are squares mapped onto the disk with
+// area kept (Shirley and Chiu 1997), so they are compact. Against points that were stratified each for itself, in rings
+// and sectors, this takes the noise of the armadillo's textures from 0.0081 to 0.0056 (RMSE), for the same rays.
 #include "models/shadow/truth.h"
 
 #include <embree3/rtcore.h>
@@ -17,7 +22,7 @@ namespace sandglass::host {
 namespace {
 
 constexpr uint32_t k_packet = 16;
-constexpr uint32_t k_sets = 256;       // of light samples, each stratified with its own jitter
+constexpr uint32_t k_sets = 64;        // of light samples, each with its own jitter and order
 constexpr float k_nearest = 1e-5f;     // of the object's size: a face that lies in the plane does not shadow it
 constexpr double k_thinnest = 1e-6;    // of the object's size; floats resolve 1e-7
 constexpr double k_size_limit = 1e18;  // and its inverse: beyond, squares leave the range of a float
@@ -67,8 +72,9 @@ struct ShadowCaster::Scene {
   RTCScene scene = nullptr;
   uint64_t seed = 0;
   SampleCounts counts;
-  uint32_t light_count = 0;  // of one set, a multiple of the packet
-  // k_sets * light_count: components along two axes across the light and along its direction.
+  uint32_t light_count = 0;  // of one point, a multiple of the packet
+  uint32_t set_count = 0;    // of all points of a texel
+  // k_sets * set_count, point by point: components along two axes across the light and along its direction.
   std::vector<float> across, beside, along;
 };
 
@@ -76,6 +82,7 @@ ShadowCaster::ShadowCaster(const Mesh& mesh, double half_angle, SampleCounts cou
     : scene_(std::make_unique<Scene>()) {
   Scene& s = *scene_;
   s.seed = seed, s.counts = counts, s.light_count = counts.light * counts.light;
+  s.set_count = s.light_count * counts.points * counts.points;
   if (counts.light % 4 != 0 || counts.points == 0)
     throw Failure("the shadow caster needs strata of the light in multiples of 4 per axis, and one point a texel");
   s.device = rtcNewDevice("threads=1");
@@ -100,19 +107,35 @@ ShadowCaster::ShadowCaster(const Mesh& mesh, double half_angle, SampleCounts cou
   // Uniform in solid angle: the cosine is uniform between that of the rim and 1. 1 - cos = 2 sin^2(half the angle)
   // keeps the digits of small lights.
   const double sine = std::sin(0.5 * half_angle), depth = 2 * sine * sine;
-  const uint32_t side = counts.light;
+  const uint32_t side = counts.light, parts = counts.points * counts.points, fine = side * counts.points;
+  s.across.resize(size_t{k_sets} * s.set_count), s.beside.resize(s.across.size()), s.along.resize(s.across.size());
+  std::vector<uint32_t> order(parts);
   for (uint32_t set = 0; set < k_sets; ++set)
-    for (uint32_t patch_y = 0; patch_y < side; patch_y += 4)
-      for (uint32_t patch_x = 0; patch_x < side; patch_x += 4)
-        for (uint32_t cell = 0; cell < k_packet; ++cell) {
-          const uint32_t a = patch_y + cell / 4, b = patch_x + cell % 4;
-          const uint64_t random = random_mix(random_mix(seed ^ 0xA5A5ull) + (uint64_t{set} * side + a) * side + b);
-          const double drop = depth * (a + unit(random)) / side;  // 1 - cos
-          const double azimuth = 2 * k_pi * (b + unit(random_mix(random))) / side, ring = std::sqrt(drop * (2 - drop));
-          s.across.push_back(static_cast<float>(ring * std::cos(azimuth)));
-          s.beside.push_back(static_cast<float>(ring * std::sin(azimuth)));
-          s.along.push_back(static_cast<float>(1 - drop));
-        }
+    for (uint32_t block = 0; block < s.light_count; ++block) {
+      const uint32_t patch = block / k_packet, cell = block % k_packet;
+      const uint32_t a = 4 * (patch / (side / 4)) + cell / 4, b = 4 * (patch % (side / 4)) + cell % 4;
+      uint64_t random = random_mix(random_mix(seed ^ 0xA5A5ull) + (uint64_t{set} * side + a) * side + b);
+      for (uint32_t i = 0; i < parts; ++i) {
+        random = random_mix(random);
+        const uint32_t other = static_cast<uint32_t>(random % (i + 1));
+        order[i] = order[other], order[other] = i;
+      }
+      for (uint32_t point = 0; point < parts; ++point) {
+        random = random_mix(random);
+        const double x = 2 * (a * counts.points + order[point] / counts.points + unit(random)) / fine - 1;
+        random = random_mix(random);
+        const double y = 2 * (b * counts.points + order[point] % counts.points + unit(random)) / fine - 1;
+        const bool wide = std::fabs(x) > std::fabs(y);
+        const double radius = wide ? x : y, turn = radius == 0 ? 0 : 0.25 * k_pi * (wide ? y : x) / radius;
+        const double azimuth = wide ? turn : 0.5 * k_pi - turn;
+        const double drop = depth * radius * radius;  // 1 - cos
+        const double ring = std::copysign(std::sqrt(drop * (2 - drop)), radius);
+        const size_t at = (size_t{set} * parts + point) * s.light_count + block;
+        s.across[at] = static_cast<float>(ring * std::cos(azimuth));
+        s.beside[at] = static_cast<float>(ring * std::sin(azimuth));
+        s.along[at] = static_cast<float>(1 - drop);
+      }
+    }
 }
 
 ShadowCaster::~ShadowCaster() {
@@ -127,7 +150,7 @@ void ShadowCaster::texels(const ShadowRectangle& rectangle, const Direction& lig
   const double flat = std::hypot(light[0], light[2]);
   const double across[3] = {flat > 0 ? light[2] / flat : 1, 0, flat > 0 ? -light[0] / flat : 0};
   const double beside[3] = {light[1] * across[2], light[2] * across[0] - light[0] * across[2], -light[1] * across[0]};
-  const size_t samples = size_t{k_sets} * s.light_count;
+  const size_t samples = s.along.size();
   std::vector<float> direction(3 * samples);
   for (size_t i = 0; i < samples; ++i)
     for (size_t axis = 0; axis < 3; ++axis)
@@ -151,11 +174,12 @@ void ShadowCaster::texels(const ShadowRectangle& rectangle, const Direction& lig
   for (uint32_t texel = 0; texel < count; ++texel) {
     const uint32_t u = uv[2 * texel], v = uv[2 * texel + 1];
     uint64_t random = random_mix(random_mix(s.seed + 0x51ull) + (stream * size_y + v) * size_x + u);
+    const size_t set = (random >> 56) % k_sets * s.set_count;
     float visible = 0, all = 0;
     for (uint32_t point = 0; point < side * side; ++point) {
       random = random_mix(random);
       const double jitter_x = unit(random << 20), jitter_z = unit((random << 40) | (random & 0xFFFFF) << 20);
-      const size_t first = (random >> 56) % k_sets * s.light_count;
+      const size_t first = set + size_t{point} * s.light_count;
       std::fill_n(rays.org_x, k_packet,
                   static_cast<float>(rectangle.low_x + step_x * (u + (point % side + jitter_x) / side)));
       std::fill_n(rays.org_z, k_packet,

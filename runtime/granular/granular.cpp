@@ -193,7 +193,7 @@ void granular_reset(Granular* g) {
   g->particle_count = g->boundary_count = g->grain_count = g->collider_count = g->solid_count = 0;
   g->phase = ParticlePhase::idle;
   g->grain_phase = GrainPhase::idle;
-  g->cursor = g->pass = g->grain_cursor = g->output_cursor = g->interval_left = 0;
+  g->cursor = g->pass = g->grain_cursor = g->output_cursor = g->interval_left = g->dither = 0;
   g->sweeps_since_sort = 1e9f;
   g->lists_valid = g->bounds_known = false;
   g->list_slack = g->last_spread = g->speed_max = g->sweep_step = g->frame_step = 0.0f;

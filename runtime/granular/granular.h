@@ -196,6 +196,7 @@ struct Granular {
   float speed_max;
   uint32_t interval_left;  // sub-steps left before the grains may follow
   float substep;           // length of each
+  uint32_t dither;         // phase of the sequence by which gravity varies (particles.cpp)
   float frame_step;        // the app's time step
   double owed;             // simulated time to make up
   double interval_owed;    // what is owed once the interval is complete

@@ -10,7 +10,7 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t k_magic = 0x73676473;  // "sgds"
-constexpr uint32_t k_version = 1;
+constexpr uint32_t k_version = 2;
 
 struct Header {
   uint32_t magic, version;
@@ -27,7 +27,7 @@ struct Scalars {
   uint64_t emitted_particles, emitted_grains, removed_particles, removed_grains, denied_particles;
   float low[3], high[3];
   float speed_max, frame_step, densest_body, builds_per_substep;
-  uint32_t bounds_known, awake;
+  uint32_t bounds_known, awake, dither, reserved;
 };
 
 uint64_t fnv(const uint8_t* bytes, uint64_t count) {
@@ -133,7 +133,7 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
   for (int k = 0; k < 3; ++k) {
     if (!finite(s.low[k]) || !finite(s.high[k])) return false;
   }
-  if (!(s.owed >= 0.0 && s.owed <= 1.0 && s.slipped >= 0.0 && s.unswept >= 0.0 && s.unswept <= 10.0)) return false;
+  if (!(s.owed >= 0.0 && s.owed <= 1.0 && s.slipped >= 0.0 && s.unswept >= 0.0 && s.unswept <= 1e5)) return false;
   if (!finite(s.speed_max) || !(s.frame_step >= 0.0f && s.frame_step <= 1.0f) || !finite(s.densest_body)) return false;
   if (!(s.builds_per_substep >= 0.0f && s.builds_per_substep <= 1.0f)) return false;
   if (!sound_positions(g->records[0], h.particles) || !sound_positions(g->grains[0], h.grains)) return false;
@@ -245,6 +245,7 @@ sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t
   s.speed_max = g->speed_max, s.frame_step = g->frame_step, s.densest_body = g->densest_body;
   s.builds_per_substep = g->builds_per_substep;
   s.bounds_known = g->bounds_known ? 1 : 0, s.awake = g->awake_count;
+  s.dither = g->dither;
   uint8_t* to = static_cast<uint8_t*>(data) + sizeof h;
   for_arrays(g, h, &s, [&to](const void* from, uint64_t count) {
     if (to != nullptr && from != nullptr) __builtin_memcpy(to, from, count);
@@ -307,6 +308,7 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
     g->speed_max = s.speed_max, g->frame_step = s.frame_step, g->densest_body = s.densest_body;
     g->builds_per_substep = s.builds_per_substep;
     g->bounds_known = s.bounds_known != 0, g->awake_count = s.awake;
+    g->dither = s.dither;
     granular_sort_boundary(g, h.boundary);
     settle(g);
   }

@@ -23,7 +23,7 @@ constexpr float k_lift_gravities = 2.0f;
 // Speed of separation that an overlap may cause, in units of sqrt(g d). Contacts by position turn an overlap o into a
 // speed of omega o / dt, a metre a second for a tenth of a radius: close-packed bodies bounced off the floor. Piles
 // need n g dt to carry n layers, and stay far below the limit up to 100 of them.
-constexpr float k_separation_units = 1.0f;
+constexpr float k_separation_units = 0.9f;
 
 // Sand under a heavy body carries its weight as so many layers more, up to a density ratio of this: sand that may be
 // driven apart faster is thrown about by bodies a thousand times as dense.
@@ -32,6 +32,13 @@ constexpr float k_heaviest_counted = 10.0f;
 // Pairs closer than this when the lists were built come first in them, in radii: contacts, and those of the next few
 // sub-steps.
 constexpr float k_near_radii = 2.1f;
+
+// Gravity of a sub-step is varied by this share, to and fro. A fall adds nearly the same increment in every sub-step,
+// and its rounding has the same sign as long as the velocity's exponent stays: 5,000 sub-steps drifted by up to 8e-5 of
+// the way, varied ones by less than 1e-5 (measured for 40 to 200 sub-steps of 20 ms).
+constexpr float k_dither = 1.0f / 1024.0f;
+constexpr uint32_t k_dither_stride =
+    2654435769u;  // 2^32 over the golden ratio: every stretch of it averages to nothing
 
 constexpr double k_time_resolution = 1e-9;  // seconds; less is not owed
 
@@ -318,8 +325,9 @@ void finish_substep(Granular* g) {
   g->list_slack -= 2.0f * g->last_spread;
   --g->interval_left;
   ++g->substeps;
+  g->dither += k_dither_stride;
   g->simulated += static_cast<double>(g->substep);
-  g->unswept += static_cast<double>(g->substep);
+  if (g->grain_count != 0) g->unswept += static_cast<double>(g->substep);
   g->owed -= static_cast<double>(g->substep);
   if (g->interval_left == 0) {
     // Rounding of the parts does not accumulate: what was meant is what is owed.
@@ -373,9 +381,10 @@ void run_pass(Granular* g) {
   a.separation_max = a.averaged != 0 ? 1e6f : k_separation_units * heaviest * granular_speed_scale(*g) * dt;
   const bool first = solve && g->pass == 0;
   a.scale = first ? dt : 1.0f;
+  const float dithered = 1.0f + k_dither * (static_cast<float>(static_cast<int32_t>(g->dither)) * 0x1p-31f);
   for (int c = 0; c < 3; ++c) {
     a.up[c] = g->gravity_length > 0.0f ? -g->gravity[c] / g->gravity_length : 0.0f;
-    a.gravity[c] = first ? g->gravity[c] * dt * dt : 0.0f;
+    a.gravity[c] = first ? dithered * g->gravity[c] * dt * dt : 0.0f;
   }
   a.last = solve && g->pass + 1 == g->iterations ? 1 : 0;
   a.step = dt;

@@ -190,7 +190,7 @@ void granular_skip_rest(Granular* g) {
   const bool asleep = g->awake_count == 0 && (g->lists_valid || g->particle_count == 0);
   if (!asleep || g->emitter_count != 0 || g->touch_due || g->phase != ParticlePhase::idle) return;
   g->simulated += g->owed;
-  g->unswept += g->owed;
+  if (g->grain_count != 0) g->unswept += g->owed;
   g->owed = g->interval_owed = 0.0;
   g->interval_left = 0;
   g->speed_max = g->last_spread = 0.0f;

@@ -58,6 +58,13 @@ Parts lay_out(Layout* layout) {
   return parts;
 }
 
+// Its layout must not lie on the stack beside that of build.
+__attribute__((noinline)) uint64_t size_of_light() {
+  Layout layout;
+  (void)lay_out(&layout);
+  return layout.size;
+}
+
 // ---------------------------------------------------------------------------------------------------- units
 
 bool due(const Light& light, uint64_t time_ns) {
@@ -198,6 +205,7 @@ __attribute__((noinline)) void build(const LightAsset& asset, const sandglass_li
   layout.base = static_cast<uint8_t*>(block);
   const Parts parts = lay_out(&layout);
   sandglass_light* owner = parts.light;
+  if (owner == nullptr) return;  // cannot be: the layout has a block
   *owner = {};
   owner->functions = &k_light_functions;
   Light* l = &owner->light;
@@ -302,9 +310,7 @@ sandglass_status sandglass_light_bytes(const sandglass_light_desc* desc, uint64_
   if (status != SANDGLASS_OK) return status;
   if (bytes == nullptr)
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass where to store it");
-  Layout layout;
-  (void)lay_out(&layout);
-  *bytes = layout.size;
+  *bytes = size_of_light();
   return accept(reason);
 }
 
@@ -314,14 +320,12 @@ sandglass_status sandglass_light_create(const sandglass_light_desc* desc, void* 
   const Int8Kernels* kernels = nullptr;
   const sandglass_status status = check(desc, &asset, &kernels, reason);
   if (status != SANDGLASS_OK) return status;
-  Layout layout;
-  (void)lay_out(&layout);
   if (block == nullptr || light == nullptr)
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
                   "block or light is NULL: pass memory and where to store the light");
   if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
     return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT, "block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64)");
-  if (bytes < layout.size)
+  if (bytes < size_of_light())
     return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL, "block is smaller than sandglass_light_bytes asks for");
   const FloatingPointControl saved = floating_point_enter();
   build(asset, *desc, kernels, block, light);

@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "platform/check.h"
 #include "runtime/lighting/heads.h"
 
 namespace sandglass {
@@ -168,8 +169,10 @@ void run_transition(const LightNetwork& net, const LightOperator& op, uint32_t y
 
 // Averages of all pixels in steps of 1/256 byte, high and low bytes apart: two exact products of bytes make one of 16
 // bits.
-void run_head(LightNetwork* net) {
+// Its sums must not lie on the stack beside a kernel's.
+__attribute__((noinline)) void average_features(LightNetwork* net) {
   const uint32_t pixels = block_side(net->width, 3) * block_side(net->height, 3);
+  SANDGLASS_CHECK(pixels > 0);
   const uint8_t* in = block_of(*net, 3);
   const uint8_t *low = net->asset.last_low, *high = net->asset.last_high;
   uint16_t sums[k_light_features] = {};  // of at most 64 pixels
@@ -182,7 +185,12 @@ void run_head(LightNetwork* net) {
     const uint32_t average = (256 * sums[c] + pixels / 2) / pixels;
     net->pooled_high[c] = static_cast<uint8_t>(average >> 8), net->pooled_low[c] = static_cast<uint8_t>(average);
   }
-  double latent[k_light_latent];
+}
+
+void run_head(LightNetwork* net) {
+  average_features(net);
+  // The even blocks' buffer is free by now, and the stack is small.
+  double* latent = reinterpret_cast<double*>(net->even);
   for (uint32_t i = 0; i < k_light_latent; ++i) {
     const int8_t* weights = net->latent + i * k_light_features;
     const int64_t sum = int64_t{256} * net->kernels->dot(net->pooled_high, weights, k_light_features) +
@@ -210,6 +218,8 @@ Int8Convolution pack(const AssetConvolution& file, uint32_t inputs, uint32_t win
 }  // namespace
 
 LightMemory layout_light_network(uint32_t width, uint32_t height, Layout* layout) {
+  SANDGLASS_CHECK(width >= k_light_side_step && width <= k_light_side_limit && width % k_light_side_step == 0);
+  SANDGLASS_CHECK(height >= k_light_side_step && height <= k_light_side_limit && height % k_light_side_step == 0);
   constexpr Sizes k_sizes = packed_sizes();
   LightMemory memory;
   memory.network = layout_region<LightNetwork>(layout, "light.state", 1);
@@ -271,6 +281,7 @@ LightNetwork* create_light_network(const LightAsset& asset, const Int8Kernels* k
 void begin_light_network(LightNetwork* network, const uint8_t* rgb) { network->rgb = rgb; }
 
 void run_light_unit(LightNetwork* network, uint32_t unit) {
+  SANDGLASS_CHECK(unit < network->units);
   const LightOperator& op = operator_of(*network, unit);
   const uint32_t begin = first_row(op, unit), end = begin + row_count(op, unit);
   for (uint32_t y = begin; y < end; ++y) switch (op.kind) {

@@ -28,8 +28,8 @@ namespace {
 constexpr float k_grain_radii =
     0.35f;  // grain_radius 0: about the size at which 16 grains fill a particle's share of space
 
-// Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 64 for r = 1 cm, as small steps were measured best.
-constexpr float k_substep_units = 0.0098f;
+// Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 72 for r = 1 cm.
+constexpr float k_substep_units = 0.00871f;
 
 struct Failure {
   const char** reason;
@@ -306,10 +306,10 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.particle_radius = 0.01f;
   g.static_friction = 0.15f;
   g.kinetic_friction = 0.15f;
-  g.height_weighting = 0.9f;
+  g.height_weighting = 0.3f;
   g.scheme = SANDGLASS_SCHEME_SMALL_STEP;
   g.solver_iterations = 1;
-  g.relaxation = 0.36f;
+  g.relaxation = 0.45f;
   g.courant = 0.5f;
   g.list_skin = 0.6f;
   g.sleep_after = 0.5f;

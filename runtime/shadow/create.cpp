@@ -209,8 +209,9 @@ void describe(const ShadowAsset& asset, const sandglass_shadow_desc& desc, Shado
   s->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
 }
 
-sandglass_status size_of(const ShadowAsset& asset, const sandglass_shadow_desc& desc, uint64_t* bytes,
-                         const char** reason) {
+// Its layout must not lie on the stack beside that of build.
+__attribute__((noinline)) sandglass_status size_of(const ShadowAsset& asset, const sandglass_shadow_desc& desc,
+                                                   uint64_t* bytes, const char** reason) {
   Layout layout;
   Packed packed;
   lay_out(asset, desc.light_count, &layout, &packed);

@@ -125,7 +125,9 @@ TEST(Bodies, FallLikeAnythingElse) {
   const sandglass_body_pose after = sandglass_granular_body_pose(scene.scene, 0);
   const double body = static_cast<double>(after.position[1]) - static_cast<double>(before.position[1]);
   EXPECT_NEAR(body / static_cast<double>(scene.positions()[1]), 1.0, 1e-5);
-  EXPECT_NEAR(after.rotation[3], 1.0, 1e-6);
+  // Heights up to 4.9 m are rounded to 4.8e-7 m in each of 3600 sub-steps: at random, 3e-5 m or 0.003 rad of a body
+  // with arms of 1 cm; twice that is the limit.
+  EXPECT_NEAR(after.rotation[3], 1.0, 0.006 * 0.006 / 8.0);
 }
 
 TEST(Bodies, ThrownIntoSandTheMomentumIsShared) {
@@ -237,11 +239,11 @@ TEST(Bodies, LightOnesLieOnTopHeavyOnesSinkIn) {
   }
 }
 
-// Mass ratio 1:1000: sand between the cube and the floor is squeezed. 512 sub-steps a frame keep it apart; the default
+// Mass ratio 1:1000: sand between the cube and the floor is squeezed. 1024 sub-steps a frame keep it apart; the default
 // lets the cube swallow some, and throws none of it.
 TEST(HardCase, AThousandTimesHeavierThanSand) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "minutes under emulation; the kernels are compared there to the bit";
-  const OnSand fine = cube_on_sand(1000.0f, 512);
+  const OnSand fine = cube_on_sand(1000.0f, 1024);
   EXPECT_LE(fine.overlap, 0.1);
   EXPECT_LE(fine.speed, 0.3);
   EXPECT_LE(fine.softness, k_rigid);

@@ -112,6 +112,21 @@ TEST(Save, TheSavedSceneAndTheRestoredOneRunOnAlike) {
   }
 }
 
+TEST(Save, ALongRunWithoutGrainsIsRestored) {
+  sandglass_scene_desc desc = description(2);
+  desc.granular.sleep_after = 0.0f;
+  GranularScene live(desc), other(desc);
+  live.add({0.0f, 0.5f, 0.0f, 0.1f, 0.5f, 0.0f});
+  live.add_floor();
+  for (int i = 0; i < 600; ++i) live.frame(0.02f);
+  std::vector<uint8_t> data(sandglass_scene_save_bytes(live.scene));
+  uint64_t written = 0;
+  const char* reason = nullptr;
+  ASSERT_EQ(sandglass_scene_save(live.scene, data.data(), data.size(), &written, &reason), SANDGLASS_OK) << reason;
+  ASSERT_EQ(sandglass_scene_restore(other.scene, data.data(), written, &reason), SANDGLASS_OK) << reason;
+  EXPECT_EQ(other.hash(), live.hash());
+}
+
 TEST(Save, RestoresOnAnotherInstructionSetAndIntoALargerScene) {
   World live;
   live.fill();

@@ -127,7 +127,7 @@ TEST_F(Cli, OutWritesReportsAndPictures) {
   const Outcome outcome = run("run '" + tiny_scene() + "' --out '" + path("out") + "'");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   for (const char* file : {"contact_sheet.png", "last_frame.png", "frames/frame_000000.png", "trace.json", "report.csv",
-                           "summary.json", "summary.txt"})
+                           "summary.json", "summary.txt", "report.html"})
     EXPECT_GT(fs::file_size(folder / "out" / file), 100u) << file;
   EXPECT_TRUE(fs::exists(folder / "out" / "film.mp4") || fs::exists(folder / "out" / "film.gif"));
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder / "out"))

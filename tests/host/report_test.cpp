@@ -9,7 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "models/host/failure.h"
 #include "models/host/measurement_json.h"
+#include "models/host/report_page.h"
 
 namespace sandglass::host {
 namespace {
@@ -101,6 +103,52 @@ TEST(Report, TheRecorderPairsNestedUnits) {
   EXPECT_STREQ(recorder.events[0].name, "inner");
   EXPECT_LE(recorder.events[1].begin_ns, recorder.events[0].begin_ns);
   EXPECT_GE(recorder.events[1].end_ns, recorder.events[0].end_ns);
+}
+
+TEST(ReportPage, Base64IsThatOfRfc4648) {
+  const auto encoded = [](const std::string& text) { return base64({text.begin(), text.end()}); };
+  EXPECT_EQ(encoded(""), "");
+  EXPECT_EQ(encoded("f"), "Zg==");
+  EXPECT_EQ(encoded("fo"), "Zm8=");
+  EXPECT_EQ(encoded("foo"), "Zm9v");
+  EXPECT_EQ(encoded("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(encoded("\xff\xfe\xfd"), "//79");
+}
+
+TEST(ReportPage, CarriesTheRowsOfTheCsvAndEveryRung) {
+  const RunReport run = example();
+  const std::string page = report_page(run, {}), opening = "id=\"data\">";
+  const size_t from = page.find(opening) + opening.size();
+  const nlohmann::json data = nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
+  std::istringstream csv(report_csv(run));
+  std::string line, cell;
+  std::getline(csv, line);
+  std::string columns;
+  for (const auto& name : data.at("columns")) columns += (columns.empty() ? "" : ",") + name.get<std::string>();
+  EXPECT_EQ(columns, line);
+  for (const auto& row : data.at("rows")) {
+    ASSERT_TRUE(std::getline(csv, line));
+    std::istringstream cells(line);
+    for (const auto& value : row) {
+      std::getline(cells, cell, ',');
+      EXPECT_EQ(value.get<double>(), std::strtod(cell.c_str(), nullptr));
+    }
+    EXPECT_FALSE(std::getline(cells, cell, ','));
+  }
+  EXPECT_FALSE(std::getline(csv, line));
+  ASSERT_EQ(data.at("ladder").size(), static_cast<size_t>(SANDGLASS_LEVEL_COUNT));
+  EXPECT_EQ(data.at("ladder")[3].at("name"), sandglass_level_name(3));
+}
+
+TEST(ReportPage, TextStaysTextAndWhatIsNoPictureIsRefused) {
+  RunReport run;
+  run.scene = "</script><b>&";
+  const std::string page = report_page(run, {});
+  EXPECT_NE(page.find("<title>&lt;/script&gt;&lt;b&gt;&amp;"), std::string::npos);
+  EXPECT_EQ(page.find("</script><b>"), std::string::npos);
+  PageContent content;
+  content.figures.push_back({"a text", "", {'t', 'e', 'x', 't'}, {}, "", "", false});
+  EXPECT_THROW(report_page(run, content), Failure);
 }
 
 TEST(Measurements, AreFlatObjectsAsScriptsExpectThem) {

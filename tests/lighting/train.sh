@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # train.sh PROGRAM SOURCE_DIR: the training script end to end on a data set made here. The imported weights give the
-# reference features (where SANDGLASS_DATA_DIR is set), and a run that was killed and resumed ends like one that was not.
+# reference features (where SANDGLASS_DATA_DIR is set), a run that was killed and resumed ends like one that was not, what
+# it exports gives the same estimates when it is read back, and no fold trains on a place that it tests.
 # Exit code 77: there is no PyTorch.
 set -euo pipefail
 program=$1 train=$2/models/lighting/train.py
@@ -26,7 +27,12 @@ done
 printf 'file,group,fold\nroom_1.hdr,a,1\nroom_2.hdr,b,2\nroom_3.hdr,c,3\n' >"$folder/groups.csv"
 "$program" dataset "$folder/rooms" -o "$folder/set" --manifest "$folder/groups.csv" --tiles 1 >/dev/null
 
-run() { "$python" "$train" "$folder/set" -o "$1" --epochs 3 --batch 8 --copies 2 --test-fold 1 --cpu "${@:2}"; }
+"$program" dataset "$folder/rooms" -o "$folder/more" --manifest "$folder/groups.csv" --tiles 1 --seed 2 >/dev/null
+
+run() {
+  "$python" "$train" "$folder/set" --views "$folder/more" -o "$1" --cache "$folder/cache" --epochs 3 --batch 8 --copies 2 \
+    --test-fold 1 --cpu --export "$1/weights.npz" "${@:2}"
+}
 run "$folder/whole" >"$folder/whole.log"
 # Killed after its first epoch, then resumed.
 : >"$folder/broken.log"
@@ -40,15 +46,59 @@ kill $pid 2>/dev/null || true
 wait $pid 2>/dev/null || true
 [[ ! -e $folder/broken/fold_1.json ]] || { echo "the run to be killed was faster"; exit 1; }
 run "$folder/broken" --resume >"$folder/resumed.log"
-"$python" - "$folder" <<'PY'
+# The exported weights, only tested.
+run "$folder/again" --epochs 0 --weights "$folder/whole/weights.npz" >"$folder/again.log"
+"$python" - "$folder" "$(dirname "$train")" <<'PY'
 import json, sys
-whole, broken = (json.load(open(f"{sys.argv[1]}/{name}/fold_1.json")) for name in ("whole", "broken"))
+import numpy as np
+folder = sys.argv[1]
+sys.path.insert(0, sys.argv[2])
+sys.dont_write_bytecode = True
+import train
+whole, broken = (json.load(open(f"{folder}/{name}/fold_1.json")) for name in ("whole", "broken"))
 assert whole["log"] == broken["log"], (whole["log"], broken["log"])
-assert whole["train_images"] == 16 and whole["test_images"] == 8 and whole["test_locations"] == 1, whole
-assert whole["log"][-1]["loss"] < whole["log"][0]["loss"], whole["log"]
+weights = [np.load(f"{folder}/{name}/weights.npz") for name in ("whole", "broken")]
+assert all(np.array_equal(weights[0][k], weights[1][k]) for k in weights[0].files)
+assert whole["train_images"] == 32 and whole["test_images"] == 8 and whole["test_locations"] == 1, whole
+assert whole["log"][-1]["loss"] < whole["log"][1]["loss"], whole["log"]
+estimates = [np.loadtxt(f"{folder}/{name}/fold_1_estimates.csv", delimiter=",", skiprows=1, usecols=range(1, 11))
+             for name in ("whole", "again")]
+assert np.abs(estimates[0] - estimates[1]).max() < 2e-6, np.abs(estimates[0] - estimates[1]).max()
+assert np.allclose(np.linalg.norm(estimates[0][:, :3], axis=1), 1, atol=1e-5)
+rows = train.Rows([folder + "/set"], [folder + "/more"])
+for fold in (1, 2, 3):
+    trained, tested = rows.split(fold)
+    assert {rows.location[i] for i in tested} == {"abc"[fold - 1]} and len(tested) == 8
+    assert not {rows.location[i] for i in trained} & {rows.location[i] for i in tested} and len(trained) == 32
+assert len(rows.split(None)[0]) == 48 and len(rows.split(None)[1]) == 0
+image, mirror = (train.prepared(rows, 5, copy, 1) for copy in (0, 1))
+assert np.array_equal(mirror, image[:, ::-1]) and not np.array_equal(mirror, image)
+label = rows.labels[5]
+mirrored = train.label_of(rows, 5, 1, 1)
+assert mirrored[0] == -label[0] != 0 and np.array_equal(mirrored[1:], label[1:])
+# The mean of an augmented image, before its noise and JPEG, follows the same gain as its ambient colour.
+bright = train.label_of(rows, 5, 2, 1)[6:9] / label[6:9]
+gain = train.gain_of(np.random.default_rng([1, 5, 2]))
+assert np.allclose(bright, gain, rtol=1e-5) and np.array_equal(train.label_of(rows, 5, 2, 1)[:3], label[:3])
 print("resumed as unbroken:", whole["log"][-1])
 PY
+# The table of estimates goes into the evaluation; made-up rooms of three places prove nothing, so any verdict will do.
+"$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
+  --estimates "$folder/whole/fold_1_estimates.csv" >"$folder/verify.log" || [[ $? == 1 ]]
+grep -q "direction against" "$folder/verify.log"
+# What PyTorch estimates, the plain float network in C++ does.
+"$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
+  --network "$folder/whole/weights.npz" --out "$folder/float" >"$folder/float.log" || [[ $? == 1 ]]
+"$python" - "$folder" <<'PY'
+import sys
+import numpy as np
+a, b = (np.loadtxt(f"{sys.argv[1]}/{name}/{file}.csv", delimiter=",", skiprows=1, usecols=range(1, 11))
+        for name, file in (("whole", "fold_1_estimates"), ("float", "estimates")))
+print("greatest difference between PyTorch and C++:", np.abs(a - b).max())
+assert a.shape == b.shape == (8, 10) and np.abs(a - b).max() < 1e-3
+PY
 
+"$python" -c "import numpy, sys; numpy.savez(sys.argv[1], a=numpy.zeros(3))" "$folder/odd.npz"
 refused() {  # one sentence that contains the words, and a failure
   local words=$1 output
   shift
@@ -58,3 +108,5 @@ refused() {  # one sentence that contains the words, and a failure
 refused "no data set is named" -o "$folder/x"
 refused "no manifest.csv" "$folder/rooms" -o "$folder/x"
 refused "choose another fold" "$folder/set" --test-fold 7 -o "$folder/x"
+refused "no file" "$folder/set" --weights "$folder/none.npz" -o "$folder/x"
+refused "no array" "$folder/set" --weights "$folder/odd.npz" -o "$folder/x"

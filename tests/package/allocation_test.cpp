@@ -187,9 +187,10 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   sandglass_frame_report report;
   report.struct_size = sizeof report;
   uint32_t changes = 0;
-  for (uint32_t frame = 0; fine && frame < 200; ++frame) {
+  for (uint32_t frame = 0; fine && frame < 90; ++frame) {
     image.timestamp_ns = 1 + frame * uint64_t{300'000'000};
-    input.budget_ns = frame % 3 * 4'000'000u;
+    // Mostly a frame's time; now and then as much as an estimate takes on any machine.
+    input.budget_ns = frame % 30 == 29 ? 3'600'000'000'000u : frame % 3 * 4'000'000u;
     fine = sandglass_scene_frame(scene, &input, &report, nullptr) == SANDGLASS_OK;
     changes += report.light_changed;
   }
@@ -199,7 +200,7 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   EXPECT_TRUE(fine);
   EXPECT_EQ(calls, 0u);
   EXPECT_EQ(estimate.valid, 1u);
-  EXPECT_GT(changes, 2u);
+  EXPECT_GE(changes, 3u);
 }
 
 }  // namespace

@@ -21,5 +21,6 @@ for stop in 1 2; do  # twice: an interrupted resumption is resumed
   [[ -s $work/parts.checkpoint ]] || { echo "an interrupted bake left no checkpoint"; exit 1; }
 done
 "${bake[@]}" -o "$work/parts" --resume >"$work/log" 2>&1
+grep -q '^going on from' "$work/log" || { cat "$work/log"; echo "the resumed bake began again"; exit 1; }
 cmp "$work/whole" "$work/parts"
 [[ ! -e $work/parts.checkpoint ]] || { echo "a finished bake left its checkpoint"; exit 1; }

@@ -112,8 +112,8 @@ TEST(ShadowKernels, EveryTableEqualsTheOracleForEveryCountOfTexels) {
           c.width,     c.layers,         columns.data(),         rows.data(),           oracle.shift, {},
           last.data(), oracle.last_bias, oracle.last_multiplier, oracle.coverage.data()};
       for (uint32_t layer = 0; layer < c.layers; ++layer) {
-        table->pack_layer(oracle.weights[layer].data(), oracle.bias[layer].data(), c.width, c.width, packed[layer].data(),
-                          bias[layer].data());
+        table->pack_layer(oracle.weights[layer].data(), oracle.bias[layer].data(), c.width, c.width,
+                          packed[layer].data(), bias[layer].data());
         network.layer[layer] = {packed[layer].data(), bias[layer].data(), oracle.multiplier[layer].data()};
       }
       for (uint32_t count = 1; count <= k_most; count += count < 4 || count > 44 ? 1 : 7) {

@@ -161,8 +161,10 @@ typedef struct sandglass_granular_desc {
   float static_friction;  /* mu_s >= 0; the default of both, 0.15, spreads collapsing columns as far as sand spreads
                            * (Lube 2004): particles do not rotate, which does the work of higher coefficients */
   float kinetic_friction; /* mu_k >= 0; may exceed mu_s (the source's hourglass does) */
-  float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; 0 conserves momentum pairwise; what
-                           * it lifts a particle by is at most twice what gravity takes, so impacts throw nothing */
+  float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; the default, 0.3, is calibrated with
+                           * the friction. More carries tall piles with less overlap, and carries inside the sand what
+                           * a floor or a wall should carry; 0 conserves momentum pairwise. What it lifts a particle by
+                           * is at most twice what gravity takes, so impacts throw nothing */
 
   sandglass_scheme scheme;
   uint32_t solver_iterations;        /* 1..64 */
@@ -170,7 +172,7 @@ typedef struct sandglass_granular_desc {
   float relaxation; /* SMALL_STEP: the factor omega, above 0, at most 0.45. AVERAGED: above 0, at most 2 */
 
   float courant;     /* C of (4.45), above 0, at most 1; the source's 0.5 */
-  float substep_max; /* seconds; longest sub-step; 0 = 0.0098 * sqrt(r/g), the value the default scheme was calibrated
+  float substep_max; /* seconds; longest sub-step; 0 = 0.00871 * sqrt(r/g), the value the default scheme was calibrated
                         at */
   float substep_min; /* seconds; shortest sub-step that (4.45) may ask for; faster particles are slowed to
                         courant*r/substep_min; 0 = substep_max/4 */

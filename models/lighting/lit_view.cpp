@@ -1,0 +1,66 @@
+#include "models/lighting/lit_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "models/host/failure.h"
+#include "models/lighting/panorama_file.h"
+#include "runtime/sampling/random.h"
+
+namespace sandglass::host {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr Colour k_black = {0, 0, 0};
+constexpr int k_least_warped_width = 256;
+
+}  // namespace
+
+uint64_t hash_of_name(const std::string& name, uint64_t seed) {
+  uint64_t hash = mix_bits(seed);
+  for (const char c : name) hash = mix_bits(hash ^ static_cast<uint64_t>(static_cast<unsigned char>(c)));
+  return hash;
+}
+
+std::string stem_of(const std::string& path) { return fs::path(path).stem().string(); }
+
+std::array<View, k_excerpts> views_of(const std::string& path, uint64_t seed) {
+  return choose_views(hash_of_name(stem_of(path), seed));
+}
+
+Picture picture_of(const RadianceMap& linear) {
+  Picture picture(linear.width, linear.height, k_black);
+  for (size_t i = 0; i < linear.rgb.size(); ++i) picture.rgb[i] = srgb_byte(static_cast<double>(linear.rgb[i]));
+  return picture;
+}
+
+LitPanorama::LitPanorama(const std::string& path) : radiance_(read_panorama(path)) {
+  fill_tripod(&radiance_);
+  white_ = greatest_luminance(radiance_);
+  const std::string depth_path = (fs::path(path).parent_path() / (stem_of(path) + "_depth.npy")).string();
+  if (fs::exists(depth_path)) {
+    depth_ = read_npy(depth_path);
+    if (depth_.shape.size() != 2 || depth_.shape[1] != 2 * depth_.shape[0])
+      throw Failure("depth map '" + depth_path + "' is not twice as wide as high; make the room again");
+  }
+  mapped_ = RadianceMap(radiance_.width, radiance_.height);
+  for (int v = 0; v < mapped_.height; ++v)
+    for (int u = 0; u < mapped_.width; ++u) mapped_.set(u, v, tone_mapped(radiance_.colour(u, v), white_));
+}
+
+LitView LitPanorama::cut(View view) const {
+  LitView cut;
+  cut.radius = insertion_radius(depth_.values, depth_.shape.empty() ? 0 : static_cast<int>(depth_.shape[1]), view);
+  // More pixels than the panorama has tell nothing new.
+  const int width = std::clamp(radiance_.width, k_least_warped_width, k_warped_width);
+  cut.warped = warp(radiance_, view, cut.radius, width, width / 2);
+  cut.labels = labels_of(cut.warped, ViewRotation(view).to_rotated({0, 1, 0}), white_);
+  cut.labels.direction = rotated_to_camera(cut.labels.direction);
+  cut.image = picture_of(cut_excerpt(mapped_, view));
+  return cut;
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,47 @@
+// A panorama ready for cutting, and a view of it as the data set and the evaluation both use it: the camera's image,
+// the panorama as seen from where an object would be put, and the labels of its light in the camera's frame.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "models/host/image.h"
+#include "models/host/npy.h"
+#include "models/lighting/excerpt.h"
+#include "models/lighting/labels.h"
+
+namespace sandglass::host {
+
+struct LitView {
+  double radius;  // of the insertion point, in panorama radii
+  RadianceMap warped;
+  LightLabels labels;
+  Picture image;  // 256 x 192, tone mapped with the whole panorama's exposure, sRGB
+};
+
+class LitPanorama {
+ public:
+  // Reads the panorama, and the depth map NAME_depth.npy beside it where there is one.
+  explicit LitPanorama(const std::string& path);
+  LitView cut(View view) const;
+  double white() const { return white_; }
+
+ private:
+  RadianceMap radiance_, mapped_;
+  NpyArray depth_;
+  double white_;
+};
+
+// "room_7" of "rooms/room_7.hdr".
+std::string stem_of(const std::string& path);
+
+uint64_t hash_of_name(const std::string& name, uint64_t seed);
+
+// The eight views of the data set; a function of the panorama's name and the seed.
+std::array<View, k_excerpts> views_of(const std::string& path, uint64_t seed);
+
+// Linear 0..1 to an sRGB picture.
+Picture picture_of(const RadianceMap& linear);
+
+}  // namespace sandglass::host

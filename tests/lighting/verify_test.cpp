@@ -1,0 +1,196 @@
+// The evaluation of lighting: baselines on images whose answer is known, the bootstrap against the normal law, and the
+// whole on rooms of one lamp each, where the labels as estimate must beat every baseline and mirrored labels must not.
+#include "models/lighting/verify_lighting.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "models/host/failure.h"
+#include "models/host/mesh/generated.h"
+#include "models/lighting/lit_view.h"
+#include "models/lighting/panorama_file.h"
+#include "runtime/sampling/random.h"
+
+namespace sandglass::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string refusal(const std::string& csv) {
+  try {
+    estimates_of_csv(csv, "made up");
+  } catch (const Failure& failure) {
+    return failure.what();
+  }
+  return "";
+}
+
+constexpr const char* k_header =
+    "image,direction_x,direction_y,direction_z,light_r,light_g,light_b,ambient_r,ambient_g,ambient_b,contrast\n";
+
+TEST(PairedBootstrap, PlacesCountOnceWhateverTheirViews) {
+  const PairedDifference d = paired_bootstrap({{"a", 1.0}, {"a", 3.0}, {"a", 2.0}, {"b", 6.0}}, 1);
+  EXPECT_DOUBLE_EQ(d.mean, 4.0);
+  // Two places: a quarter of the resamples is all a, a quarter all b.
+  EXPECT_DOUBLE_EQ(d.low, 2.0);
+  EXPECT_DOUBLE_EQ(d.high, 6.0);
+}
+
+TEST(PairedBootstrap, IntervalOfManyPlacesIsTheNormalLaws) {
+  Random random = random_stream(7, 1);
+  std::vector<std::pair<std::string, double>> differences;
+  double sum = 0.0, square = 0.0;
+  constexpr int k_places = 400;
+  for (int i = 0; i < k_places; ++i) {
+    const double value = random.uniform() - 0.3;
+    differences.emplace_back("place " + std::to_string(i), value);
+    sum += value, square += value * value;
+  }
+  const double mean = sum / k_places, deviation = std::sqrt(square / k_places - mean * mean);
+  const double half = 1.959964 * deviation / std::sqrt(static_cast<double>(k_places));
+  const PairedDifference d = paired_bootstrap(differences, 3);
+  EXPECT_NEAR(d.mean, mean, 1e-12);
+  // 10,000 resamples place a 2.5 % quantile to about 3 % of the half width.
+  EXPECT_NEAR(d.low, mean - half, 0.1 * half);
+  EXPECT_NEAR(d.high, mean + half, 0.1 * half);
+}
+
+TEST(Baselines, BrightestRegionIsWhereItIs) {
+  Picture image(k_excerpt_width, k_excerpt_height, {20, 40, 60});
+  fill_rectangle(&image, 200, 30, 3, 3, {255, 230, 200});  // centre 201, 31
+  const double focal = focal_length(k_excerpt_width, k_excerpt_height, k_excerpt_fov_deg);
+  const Vec3 truth = normalised(Vec3{201 - 127.5, 31 - 95.5, focal});
+  const LightLabels made = brightest_region(image, 0.4);
+  EXPECT_GT(dot(made.direction, truth), 1.0 - 1e-6);
+  EXPECT_NEAR(made.light.x, 1.0, 1e-9);
+  EXPECT_NEAR(made.light.y, std::pow((230 / 255.0 + 0.055) / 1.055, 2.4), 1e-9);
+  EXPECT_NEAR(made.ambient.z, std::pow((60 / 255.0 + 0.055) / 1.055, 2.4), 1e-9);
+  EXPECT_DOUBLE_EQ(made.contrast, 0.4);
+}
+
+TEST(Baselines, GreyWorldIsTheMeanAndFromAbove) {
+  Picture image(k_excerpt_width, k_excerpt_height, {0, 0, 0});
+  fill_rectangle(&image, 0, 0, k_excerpt_width / 2, k_excerpt_height, {255, 255, 0});
+  const LightLabels made = grey_world(image, 0.4);
+  EXPECT_DOUBLE_EQ(made.direction.y, -1.0);
+  EXPECT_NEAR(made.ambient.x, 0.5, 1e-9);
+  EXPECT_DOUBLE_EQ(made.ambient.z, 0.0);
+  EXPECT_DOUBLE_EQ(made.light.x, 1.0);
+}
+
+TEST(Estimates, TableIsReadAndWhatIsNoTableIsRefused) {
+  const Picture image(k_excerpt_width, k_excerpt_height, {0, 0, 0});
+  const LightEstimator table = estimates_of_csv(std::string(k_header) + "a_0.png,0,-2,0,.1,.2,.3,.4,.5,.6,.7\n", "t");
+  const LightLabels made = table(image, "a_0");
+  EXPECT_DOUBLE_EQ(made.direction.y, -1.0);
+  EXPECT_DOUBLE_EQ(made.ambient.x, 0.4);
+  EXPECT_DOUBLE_EQ(made.contrast, 0.7);
+  EXPECT_THROW(table(image, "a_1"), Failure);
+  EXPECT_NE(refusal("a_0.png,0,-2,0,.1,.2,.3,.4,.5,.6,.7\n").find("do not begin"), std::string::npos);
+  for (const char* row : {"a", "a,1,0,0,1,1,1,1,1,1", "a,0,0,0,1,1,1,1,1,1,1", "a,1,0,0,1,1,nan,1,1,1,1",
+                          "a,1,0,0,1,1,1,1,1,1,1,1", "a,1,0,0,1,x,1,1,1,1,1"})
+    EXPECT_NE(refusal(std::string(k_header) + row).find("line 2"), std::string::npos) << row;
+}
+
+// Six places of even walls and one lamp each, in a row of directions on one side: their mean is a poor answer.
+class Verify : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (SANDGLASS_EMULATED) GTEST_SKIP() << "a minute under emulation, and nothing in it depends on the machine";
+    folder_ =
+        ::testing::TempDir() + "sandglass_verify_" + ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::create_directories(folder_);
+    for (int i = 0; i < 6; ++i) {
+      const Vec3 lamp = direction_of_angles(0.9, i * std::numbers::pi / 3.0);
+      RadianceMap map(128, 64);
+      for (int v = 0; v < 64; ++v)
+        for (int u = 0; u < 128; ++u) {
+          const double near = dot(lamp, panorama_direction(u, v, 128, 64));
+          const double light = 50.0 * std::exp(60.0 * (near - 1.0));
+          map.set(u, v, {0.3 + light, 0.3 + 0.9 * light, 0.2 + 0.7 * light});
+        }
+      write_hdr(folder_ + "/place_" + std::to_string(i) + ".hdr", map);
+    }
+    options_.panoramas = {folder_};
+    options_.views = 3, options_.samples = 0, options_.threads = 2;
+  }
+  void TearDown() override {
+    if (!folder_.empty()) fs::remove_all(folder_);
+  }
+
+  // The labels themselves, through the door that a network comes in by.
+  LightEstimator labels(double side) const {
+    return [this, side](const Picture&, const std::string& name) {
+      const size_t cut = name.find_last_of('_');
+      const std::string path = folder_ + "/" + name.substr(0, cut) + ".hdr";
+      const View view = views_of(path, options_.seed)[static_cast<size_t>(name.back() - '0')];
+      LightLabels made = LitPanorama(path).cut(view).labels;
+      made.direction.x *= side;
+      return made;
+    };
+  }
+  const Verdict& row(const LightingVerdicts& verdicts, const std::string& name) const {
+    for (const Verdict& v : verdicts.rows)
+      if (v.name == name) return v;
+    throw Failure("no row '" + name + "'");
+  }
+
+  std::string folder_;
+  LightingVerdictOptions options_;
+};
+
+TEST_F(Verify, LabelsBeatEveryBaselineAndMirroredLabelsDoNot) {
+  options_.estimator = labels(1.0);
+  const LightingVerdicts right = verify_lighting(options_);
+  ASSERT_EQ(right.views.size(), 18u);
+  ASSERT_EQ(right.pictures.size(), 6u);
+  for (const LightView& view : right.views) EXPECT_NEAR(view.errors[1].angle_deg, 0.0, 1e-6);
+  for (const Verdict& v : right.rows) EXPECT_TRUE(v.pass) << v.name << " " << v.result;
+  options_.estimator = estimates_of_csv(estimates_csv(right), "written");
+  for (const LightView& view : verify_lighting(options_).views) EXPECT_NEAR(view.errors[1].angle_deg, 0.0, 1e-3);
+  options_.estimator = labels(-1.0);
+  const LightingVerdicts wrong = verify_lighting(options_);
+  EXPECT_FALSE(row(wrong, "direction against mean light, 97.5 %").pass);
+  EXPECT_TRUE(row(wrong, "contrast against mean light, 2.5 %").pass);
+}
+
+TEST_F(Verify, WithoutAnEstimatorThereAreNoClaims) {
+  const LightingVerdicts verdicts = verify_lighting(options_);
+  EXPECT_TRUE(verdicts.rows.empty());
+  const std::string table = lighting_table(verdicts);
+  EXPECT_EQ(table.find("estimate"), std::string::npos);
+  EXPECT_NE(table.find("mean light"), std::string::npos);
+  // A line for the header and for labels and three baselines of each panorama.
+  const std::string csv = lighting_csv(verdicts);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 6 * 4);
+}
+
+TEST_F(Verify, OnePlaceHasNoMeanLight) {
+  options_.panoramas = {folder_ + "/place_2.hdr"};
+  EXPECT_EQ(lighting_table(verify_lighting(options_)).find("mean light"), std::string::npos);
+}
+
+#ifdef SANDGLASS_HAVE_EMBREE
+// With the true labels of a room that they describe, the rendered pictures differ from the truth only by the shape of
+// the lamp and by noise; the baselines' differ more, and no thread count changes a bit.
+TEST_F(Verify, RenderedLabelsAreNearTheTruth) {
+  options_.object = make_icosphere(0.5f, 2);
+  options_.samples = 8, options_.views = 1;
+  options_.estimator = labels(1.0);
+  const LightingVerdicts one = verify_lighting(options_);
+  options_.threads = 1;
+  EXPECT_EQ(lighting_csv(one), lighting_csv(verify_lighting(options_)));
+  double labels = 0.0, mean = 0.0;
+  for (const LightView& view : one.views) {
+    EXPECT_EQ(view.errors[0].image.rmse, view.errors[1].image.rmse);
+    labels += view.errors[0].image.scale_invariant, mean += view.errors[2].image.scale_invariant;
+  }
+  EXPECT_LT(labels, mean);
+}
+#endif
+
+}  // namespace
+}  // namespace sandglass::host

@@ -1,0 +1,79 @@
+// Writes the page of a run whose every number is known, and its CSV, into the folder named by the argument: what
+// page_test.py looks at in a browser. Frame i takes 1 + i/25 ms of a budget of 4 ms, so that those after frame 75 miss
+// it; every stage has its own share; the level is that of the frame's hundredth part of the run.
+#include <cstdio>
+#include <exception>
+
+#include "models/host/atomic_file.h"
+#include "models/host/image.h"
+#include "models/host/report_page.h"
+
+namespace sandglass::host {
+namespace {
+
+constexpr uint32_t k_frames = 120;
+
+RunReport known_run() {
+  RunReport run;
+  run.scene = "known <run> & \"page\"", run.isa = "scalar", run.clock = "virtual", run.memory_bytes = 3 << 20;
+  for (uint32_t i = 1; i <= k_frames; ++i) {
+    FrameRow row = {};
+    sandglass_frame_report& r = row.report;
+    r.frame = i, r.budget_ns = 4'000'000, r.elapsed_ns = 1'000'000 + 40'000 * i, r.last_unit_ns = 3'000'000;
+    uint64_t left = r.elapsed_ns;
+    for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) {
+      r.stages[stage] = {i + stage, 0, left / 2};  // what is left at last lies between the units
+      left -= left / 2;
+    }
+    r.level = i <= 60 ? 0 : i <= 100 ? 1 : 4;
+    r.time_debt = i > 100 ? 1e-4 * (i - 100) : 0.0;
+    r.particles = 10, r.grains = 160;
+    row.wall_ms = 6.0, row.cpu_ms = 0.03 * i;
+    run.frames.push_back(row);
+  }
+  return run;
+}
+
+// More frames than bars fit beside each other; one of them is longer than all others.
+RunReport long_run() {
+  RunReport run = known_run();
+  const FrameRow row = run.frames[0];
+  run.frames.assign(3000, row);
+  for (uint32_t i = 0; i < run.frames.size(); ++i) run.frames[i].report.frame = i + 1;
+  run.frames[1233].report.elapsed_ns = run.frames[1233].report.stages[SANDGLASS_STAGE_GRANULAR].elapsed_ns = 3'900'000;
+  return run;
+}
+
+ImageFile plain(const std::string& folder, Colour colour) {
+  const std::string path = folder + "/plain.png";
+  write_png(path, Picture(320, 240, colour));
+  const std::string content = read_file(path, "picture");
+  return {content.begin(), content.end()};
+}
+
+}  // namespace
+}  // namespace sandglass::host
+
+int main(int argc, char** argv) {
+  using namespace sandglass::host;
+  if (argc != 2) return std::fputs("usage: page_fixture FOLDER\n", stderr), 2;
+  try {
+    make_folder(argv[1]);
+    const RunReport run = known_run();
+    PageContent content;
+    content.figures = {
+        {"Pair", "Red before blue.", plain(argv[1], {200, 0, 0}), plain(argv[1], {0, 0, 200}), "red", "blue", false},
+        {"Single", "</script> is text.", jpeg_file(Picture(320, 240, {0, 150, 0}), 90), {}, "", "", true}};
+    content.tables = {{"Errors", "One view.", {"view", "RMSE"}, {{"1", "0.125"}}}, {"Facts", "", {}, {{"seed", "7"}}}};
+    LightSeries light = {"estimated", {}};
+    for (uint32_t i = 0; i < k_frames; ++i)
+      light.samples.push_back({0.02 * i, {1.0, 1.0, 0.01 * i}, {1.0, 0.9, 0.8}, {0.2, 0.2, 0.3}});
+    content.light = {light};
+    write_file(std::string(argv[1]) + "/report.csv", report_csv(run));
+    write_file(std::string(argv[1]) + "/report.html", report_page(run, content));
+    write_file(std::string(argv[1]) + "/long.html", report_page(long_run(), {}));
+    write_file(std::string(argv[1]) + "/empty.html", report_page({}, {}));
+  } catch (const std::exception& error) {
+    return std::fprintf(stderr, "page_fixture: %s\n", error.what()), 2;
+  }
+}

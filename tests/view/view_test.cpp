@@ -1,0 +1,281 @@
+// What can be touched in the viewer, without a window: camera and cursor agree, scripts are understood or refused,
+// surfaces are closed and true, sand can be poured and pushed, what is drawn lies between the simulated instants.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <numbers>
+
+#include "models/host/block.h"
+#include "models/host/failure.h"
+#include "models/host/render.h"
+#include "models/view/head_up.h"
+#include "models/view/input_script.h"
+#include "models/view/live_scene.h"
+#include "models/view/orbit.h"
+#include "models/view/surface.h"
+
+namespace sandglass::host {
+namespace {
+
+constexpr double k_all_the_work = 1000.0;  // ms: whatever the machine is doing
+
+TEST(Orbit, ThePointUnderAPixelIsDrawnAtThatPixel) {
+  Orbit orbit({{0.5, 0.7, 1.2}, {0.1, 0.1, 0.0}, 35.0});
+  orbit.turn(0.7, 0.2);
+  orbit.zoom(1.3);
+  for (const auto& [x, y] : {std::pair(320.0, 240.0), {20.0, 460.0}, {610.0, 300.0}}) {
+    const Vec3 at = on_plane(orbit.ray(x, y, 640, 480), 0.0, 100.0);
+    EXPECT_EQ(at.y, 0.0);
+    const PixelPlace place = project(orbit.camera(), 640, 480, at);
+    EXPECT_NEAR(place.x, x, 1e-6);
+    EXPECT_NEAR(place.y, y, 1e-6);
+  }
+}
+
+TEST(Orbit, StartsWhereTheCameraIsAndNeverTurnsOver) {
+  const Camera from = {{0.5, 0.7, 1.2}, {0.1, 0.1, 0.0}, 35.0};
+  Orbit orbit(from);
+  EXPECT_NEAR(length(orbit.camera().eye - from.eye), 0.0, 1e-12);
+  orbit.turn(0.0, 100.0);
+  const Vec3 up = orbit.camera().eye - from.target;
+  EXPECT_GT(up.y, 0.99 * length(up));
+  EXPECT_GT(std::hypot(up.x, up.z), 0.0);
+}
+
+TEST(InputScript, EventsComeInTheOrderOfTheirFrames) {
+  const std::vector<InputEvent> events = parse_input_script("30 up P; 2 down P;\n 2 cursor 10 20.5; 3 press right;");
+  ASSERT_EQ(events.size(), 4u);
+  EXPECT_EQ(events[0].key, "P");
+  EXPECT_EQ(events[1].y, 20.5);
+  EXPECT_TRUE(events[2].right_button);
+  EXPECT_EQ(events[3].kind, InputKind::key_up);
+  EXPECT_TRUE(parse_input_script("").empty());
+}
+
+TEST(InputScript, RefusesWhatItDoesNotUnderstand) {
+  for (const char* bad : {"down P", "5 dance", "5 cursor 1", "5 cursor 1 nan", "-1 down P", "5 down Meta",
+                          "5 press middle", "5 down P Q", "5000000000 down P"})
+    EXPECT_THROW(parse_input_script(bad), Failure) << bad;
+}
+
+// By the divergence theorem; also checks that every edge is run through once in each direction. Vertices that share a
+// place (the corners of a box) count as one.
+double enclosed(const Surface& surface) {
+  std::map<std::array<int, 3>, uint32_t> places;
+  std::vector<uint32_t> joined;
+  const auto corner = [&](uint32_t i, int k) {
+    return static_cast<double>(surface.vertices[6 * i + static_cast<size_t>(k)]);
+  };
+  for (uint32_t i = 0; i < surface.vertex_count(); ++i) {
+    std::array<int, 3> key;
+    for (int k = 0; k < 3; ++k) key[static_cast<size_t>(k)] = static_cast<int>(std::lround(1e6 * corner(i, k)));
+    joined.push_back(places.emplace(key, static_cast<uint32_t>(places.size())).first->second);
+  }
+  std::map<std::pair<uint32_t, uint32_t>, int> edges;
+  double volume = 0.0;
+  for (size_t t = 0; t < surface.indices.size(); t += 3) {
+    Vec3 p[3];
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t i = surface.indices[t + k];
+      p[k] = {corner(i, 0), corner(i, 1), corner(i, 2)};
+      const uint32_t a = joined[i], b = joined[surface.indices[t + (k + 1) % 3]];
+      if (a != b) ++edges[{a, b}], --edges[{b, a}];
+    }
+    volume += dot(p[0], cross(p[1], p[2])) / 6.0;
+  }
+  for (const auto& [edge, sum] : edges) EXPECT_EQ(sum, 0) << edge.first << " " << edge.second;
+  return volume;
+}
+
+sandglass_collider solid(sandglass_shape shape, float x, float y, float z) {
+  sandglass_collider c = {};
+  c.shape = shape, c.rotation[3] = 1.0f;
+  c.size[0] = x, c.size[1] = y, c.size[2] = z;
+  return c;
+}
+
+TEST(Surface, FormulasEncloseTheirVolumes) {
+  const double sphere = 4.0 / 3.0 * std::numbers::pi * 0.027, tube = std::numbers::pi * 0.09 * 0.8;
+  EXPECT_NEAR(enclosed(collider_surface(solid(SANDGLASS_SHAPE_BOX, 0.1f, 0.2f, 0.3f))), 8 * 0.006, 1e-8);
+  // Inscribed in the sphere with 32 x 16 faces: a little less than it.
+  const double ball = enclosed(collider_surface(solid(SANDGLASS_SHAPE_SPHERE, 0.3f, 0, 0)));
+  EXPECT_LT(ball, sphere);
+  EXPECT_GT(ball, 0.97 * sphere);
+  EXPECT_NEAR(enclosed(collider_surface(solid(SANDGLASS_SHAPE_CAPSULE, 0.3f, 0.4f, 0))) - ball, tube, 0.01 * tube);
+  EXPECT_EQ(collider_surface(solid(SANDGLASS_SHAPE_HALF_SPACE, 1, 1, 1)).indices.size(), 0u);
+}
+
+TEST(Surface, AFieldBecomesItsZeroLevelSeenFromTheFreeSide) {
+  struct Ball {
+    float radius, sign;
+    static float distance(void* user, const float p[3]) {
+      const Ball& ball = *static_cast<const Ball*>(user);
+      return ball.sign * (std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - ball.radius);
+    }
+  };
+  const float low[3] = {-0.15f, -0.15f, -0.15f}, high[3] = {0.15f, 0.15f, 0.15f}, spacing = 0.01f;
+  for (const sandglass_solid side : {SANDGLASS_SOLID_INSIDE, SANDGLASS_SOLID_OUTSIDE}) {
+    Ball ball = {0.1f, side == SANDGLASS_SOLID_INSIDE ? 1.0f : -1.0f};
+    uint64_t bytes = 0;
+    ASSERT_EQ(sandglass_field_bytes(low, high, spacing, &bytes, nullptr), SANDGLASS_OK);
+    const Block block = new_block(bytes, "the field", "make it smaller");
+    sandglass_collider c = solid(SANDGLASS_SHAPE_FIELD, 1, 1, 1);
+    sandglass_field* field = nullptr;
+    ASSERT_EQ(sandglass_field_from_function(low, high, spacing, side, Ball::distance, &ball, block.get(), bytes, &field,
+                                            nullptr),
+              SANDGLASS_OK);
+    c.field = field;
+    const Surface surface = collider_surface(c);
+    ASSERT_GT(surface.vertex_count(), 500u);
+    // The mean of crossings on a sphere lies inside it by about a quarter of h^2/R.
+    for (uint32_t i = 0; i < surface.vertex_count(); ++i) {
+      const float* v = &surface.vertices[6 * i];
+      const float r = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+      EXPECT_NEAR(r, 0.1f, spacing * spacing / 0.1f);
+      EXPECT_GT(ball.sign * (v[0] * v[3] + v[1] * v[4] + v[2] * v[5]), 0.95f * r);
+    }
+    const double truth = 4.0 / 3.0 * std::numbers::pi * 1e-3;
+    EXPECT_NEAR(static_cast<double>(ball.sign) * enclosed(surface), truth, 0.03 * truth);
+  }
+}
+
+class Live : public ::testing::Test {
+ protected:
+  std::string path =
+      (std::filesystem::path(::testing::TempDir()) / ("sandglass_view_" + std::to_string(::getpid()) + ".json"))
+          .string();
+  void SetUp() override {
+    std::ofstream(path) << R"({"name": "small", "frame_step": 0.02, "particle_radius": 0.01,
+      "bodies": [{"shape": "lattice", "counts": [6, 6, 6], "grains": 1000, "position": [0, 0.3, 0]}],
+      "colliders": [{"shape": "half_space"}]})";
+  }
+  void TearDown() override { std::filesystem::remove(path); }
+  LiveOptions options() const {
+    LiveOptions o;
+    o.scene = path, o.budget_ms = k_all_the_work;
+    return o;
+  }
+};
+
+double mean_height(std::span<const sandglass_grain> grains) {
+  double sum = 0.0;
+  for (const sandglass_grain& grain : grains) sum += static_cast<double>(grain.position[1]);
+  return sum / static_cast<double>(grains.size());
+}
+
+// Free fall. At the scene's 50 frames a second and a display's 200, every picture shows a later instant than the one
+// before, as far apart as the display's instants are.
+TEST_F(Live, GrainsAreDrawnBetweenTheSimulatedInstants) {
+  LiveScene live(options());
+  live.advance(0.02);
+  live.advance(0.02);
+  double before = mean_height(live.grains()), fallen = 0.0;
+  const double simulated = live.report().simulated_time;
+  for (int i = 0; i < 3; ++i) {
+    live.advance(0.005);
+    const double now = mean_height(live.grains());
+    fallen += before - now;
+    EXPECT_LT(now, before);
+    before = now;
+  }
+  EXPECT_EQ(live.report().simulated_time, simulated);
+  // Extrapolated backward from the state at 0.04 s with its velocity g t, for 0.015 s.
+  EXPECT_NEAR(fallen, 9.81 * simulated * 0.015, 0.1 * 9.81 * simulated * 0.015);
+}
+
+TEST_F(Live, PouringAddsSandUntilItStops) {
+  LiveScene live(options());
+  const uint32_t before = live.report().particles;
+  live.pour_at(Vec3{0.2, 0.4, 0.0});
+  for (int i = 0; i < 20; ++i) live.advance(0.02);
+  live.pour_at({});
+  live.advance(0.02);
+  const uint32_t poured = live.report().particles - before;
+  // Area of the nozzle times speed times 0.4 s times the density of packed sand, per particle's volume; by layers.
+  const double expected = 0.6 * 16.0 * 0.6 * 0.4 / (4.0 / 3.0 * 0.01);
+  EXPECT_GT(poured, 0.5 * expected);
+  EXPECT_LT(poured, 1.7 * expected);
+  EXPECT_GT(live.report().grains, 1000u + 3u * poured);
+  live.advance(0.02);
+  EXPECT_EQ(live.report().particles - before, poured);
+  live.restart();
+  EXPECT_EQ(live.report().particles, before);
+}
+
+TEST_F(Live, ThePushingSphereKeepsItsSpaceFree) {
+  LiveScene live(options());
+  for (int i = 0; i < 40; ++i) live.advance(0.02);  // fallen
+  const double height = live.floor() + live.push_radius();
+  for (int i = 0; i <= 20; ++i) {
+    live.push_at(Vec3{-0.2 + 0.01 * i, height, 0.0});
+    live.advance(0.02);
+  }
+  ASSERT_TRUE(live.pushing());
+  const sandglass_collider& sphere = live.colliders().back();
+  EXPECT_NEAR(sphere.position[0], 0.0f, 1e-6f);
+  EXPECT_NEAR(sphere.linear_velocity[0], 0.5f, 1e-4f);
+  const std::vector<float>& particles = live.particles();
+  for (size_t i = 0; i < particles.size(); i += 3) {
+    const double gap = std::hypot(particles[i], particles[i + 1] - height, particles[i + 2]);
+    EXPECT_GT(gap, live.push_radius() + 0.5 * live.scene().particle_radius);
+  }
+  live.push_at({});
+  live.advance(0.02);
+  EXPECT_EQ(live.colliders().size(), 1u);
+}
+
+TEST_F(Live, AJumpingCursorIsNoBlow) {
+  LiveScene live(options());
+  live.push_at(Vec3{-5.0, 0.05, 0.0});
+  live.advance(0.02);
+  live.push_at(Vec3{5.0, 0.05, 0.0});
+  live.advance(0.02);
+  EXPECT_LE(live.colliders().back().linear_velocity[0], 1.0f);
+  EXPECT_LT(live.colliders().back().position[0], -4.9f);
+}
+
+TEST_F(Live, BudgetAndLightStayInRange) {
+  LiveScene live(options());
+  for (int i = 0; i < 100; ++i) live.scale_budget(0.5);
+  EXPECT_EQ(live.budget_ms(), 0.1);
+  live.turn_light(-500.0, 90.0);
+  EXPECT_NEAR(live.to_light().y, 1.0, 1e-12);
+  live.turn_light(500.0, 0.0);
+  EXPECT_NEAR(live.to_light().y, std::cos(85.0 * std::numbers::pi / 180.0), 1e-9);
+}
+
+TEST(HeadUp, TheBarIsAsLongAsTheTime) {
+  sandglass_frame_report report = {};
+  report.elapsed_ns = 3'000'000;
+  report.stages[SANDGLASS_STAGE_GRANULAR].elapsed_ns = 1'000'000;
+  report.stages[SANDGLASS_STAGE_REFINE].elapsed_ns = 2'000'000;
+  HeadUp state;
+  state.scene = "x", state.report = &report, state.budget_ms = 4.0;
+  const Picture panel = head_up_panel(state);
+  const BudgetBar bar = budget_bar();
+  const auto length_of = [&](sandglass_stage stage) {
+    const Colour c = stage_colour(stage);
+    int length = 0;
+    for (int x = bar.x; x < bar.x + bar.full_width; ++x) {
+      const uint8_t* p = panel.at(x, bar.y + bar.height / 2);
+      length += p[0] == c.r && p[1] == c.g && p[2] == c.b;
+    }
+    return length;
+  };
+  EXPECT_NEAR(length_of(SANDGLASS_STAGE_GRANULAR), bar.budget_width / 4.0, 1.0);
+  EXPECT_NEAR(length_of(SANDGLASS_STAGE_REFINE), bar.budget_width / 2.0, 1.0);
+  EXPECT_EQ(length_of(SANDGLASS_STAGE_OUTPUT), 0);
+  report.stages[SANDGLASS_STAGE_REFINE].elapsed_ns = 2'000'000'000;  // far over: the bar ends where it must
+  const Picture full = head_up_panel(state);
+  EXPECT_EQ(
+      std::vector<uint8_t>(full.at(bar.x + bar.full_width, bar.y + 1), full.at(bar.x + bar.full_width + 1, bar.y + 1)),
+      std::vector<uint8_t>(panel.at(bar.x + bar.full_width, bar.y + 1),
+                           panel.at(bar.x + bar.full_width + 1, bar.y + 1)));
+}
+
+}  // namespace
+}  // namespace sandglass::host

@@ -1,0 +1,161 @@
+// The viewer's window as a user sees it: the program on a display of its own, drawn on the CPU, with mouse and keys
+// from a script; pixels of its screenshots.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "models/host/image.h"
+#include "models/view/head_up.h"
+
+#define STB_IMAGE_IMPLEMENTATION
+#define STBI_ONLY_PNG
+#define STB_IMAGE_STATIC
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#endif
+#include <stb_image.h>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+namespace sandglass::host {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int k_skipped = 77, k_width = 640, k_height = 480, k_overlay = 12;  // the panel's place in the window
+
+class Window : public ::testing::Test {
+ protected:
+  fs::path folder;
+  std::string said;
+  void SetUp() override {
+    folder = fs::path(::testing::TempDir()) / ("sandglass_window_" + std::to_string(::getpid()) + "_" +
+                                               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder);
+    // A block of sand on the floor before the camera, and its budget far beyond what it needs.
+    std::ofstream(folder / "small.json") << R"({"name": "small", "frame_step": 0.02, "particle_radius": 0.01,
+      "bodies": [{"shape": "lattice", "counts": [12, 5, 12], "grains": 9000, "position": [0, 0.012, 0]}],
+      "colliders": [{"shape": "half_space"}],
+      "camera": {"eye": [0, 0.9, 0.9], "target": [0, 0.05, 0], "fov_deg": 40}})";
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  // Exit code of `sandglass view small` on the display.
+  int show(const std::string& arguments) {
+    const std::string log = (folder / "said").string();
+    const std::string command = std::string("bash '") + SANDGLASS_WITH_DISPLAY + "' '" + SANDGLASS_PROGRAM +
+                                "' view '" + (folder / "small.json").string() + "' --budget-ms 1000 --width " +
+                                std::to_string(k_width) + " --height " + std::to_string(k_height) + " " + arguments +
+                                " >'" + log + "' 2>&1";
+    const int status = std::system(command.c_str());
+    std::ostringstream text;
+    text << std::ifstream(log).rdbuf();
+    said = text.str();
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  Picture screenshot(const std::string& script, int frames) {
+    const std::string file = (folder / "view.png").string();
+    const int code =
+        show("--frames " + std::to_string(frames) + " --screenshot '" + file + "' --script '" + script + "'");
+    if (code == k_skipped) return {};
+    EXPECT_EQ(code, 0) << said;
+    int width = 0, height = 0, channels = 0;
+    stbi_uc* pixels = stbi_load(file.c_str(), &width, &height, &channels, 3);
+    EXPECT_NE(pixels, nullptr);
+    Picture picture(width, height, {0, 0, 0});
+    if (pixels != nullptr) std::copy_n(pixels, picture.rgb.size(), picture.rgb.begin());
+    stbi_image_free(pixels);
+    EXPECT_EQ(width, k_width);
+    EXPECT_EQ(height, k_height);
+    return picture;
+  }
+};
+
+struct Box {
+  int left, top, right, bottom;
+};
+
+template <class Is>
+int count(const Picture& picture, Box box, Is is) {
+  int sum = 0;
+  for (int y = box.top; y < box.bottom; ++y)
+    for (int x = box.left; x < box.right; ++x) sum += is(picture.at(x, y));
+  return sum;
+}
+bool is_sand(const uint8_t* p) { return p[0] > p[1] + 12 && p[1] > p[2] + 12; }
+bool is_solid(const uint8_t* p) { return p[2] > p[0] + 30 && p[2] > p[1] + 12; }
+
+constexpr Box k_below_the_panel = {0, 200, k_width, k_height - 40}, k_middle = {290, 220, 350, 270};
+
+TEST_F(Window, ShowsSandOnTheFloorAndTheBudget) {
+  const Picture picture = screenshot("", 6);
+  if (picture.width == 0) GTEST_SKIP() << said;
+  EXPECT_GT(count(picture, k_below_the_panel, is_sand), 8000);
+  EXPECT_EQ(count(picture, {0, 400, 100, 440}, is_sand), 0);  // the floor's own grey
+  EXPECT_EQ(count(picture, k_below_the_panel, is_solid), 0);
+
+  // The bar begins with the time of the particles, in that stage's colour behind the panel's glass, and the budget is
+  // marked in the panel's ink.
+  const BudgetBar bar = budget_bar();
+  const Colour ink = stage_colour(SANDGLASS_STAGE_GRANULAR);
+  const uint8_t* mark = picture.at(k_overlay + bar.x + bar.budget_width, k_overlay + bar.y - 1);
+  EXPECT_GT(mark[0] + mark[1] + mark[2], 3 * 190);
+  const auto is_granular = [&](const uint8_t* p) {
+    return std::abs(p[0] - ink.r) < 30 && std::abs(p[1] - ink.g) < 30 && std::abs(p[2] - ink.b) < 40;
+  };
+  const int top = k_overlay + bar.y, left = k_overlay + bar.x;
+  EXPECT_GT(count(picture, {left, top + 20, left + 80, top + 40}, is_granular), 20);  // the legend's first word
+}
+
+TEST_F(Window, TheMousePushesSandAway) {
+  const Picture before = screenshot("", 32);
+  if (before.width == 0) GTEST_SKIP() << said;
+  const Picture pushed = screenshot(
+      "2 cursor 200 320; 3 press right; 8 cursor 220 310; 12 cursor 240 300; 16 cursor 260 290; 20 cursor 280 280; "
+      "24 cursor 300 265; 28 cursor 320 250",
+      32);
+  EXPECT_EQ(count(before, k_middle, is_solid), 0);
+  EXPECT_GT(count(pushed, k_middle, is_solid), 400);  // the sphere, where the cursor is
+  EXPECT_LT(count(pushed, k_middle, is_sand), count(before, k_middle, is_sand) / 2);
+}
+
+TEST_F(Window, KeysPourSandAndTurnTheLight) {
+  const Picture before = screenshot("", 24);
+  if (before.width == 0) GTEST_SKIP() << said;
+  const Picture poured = screenshot("1 cursor 560 330; 2 down P", 24), lit = screenshot("1 down Right", 24);
+  const Box beside = {480, 150, 640, 400};
+  EXPECT_EQ(count(before, beside, is_sand), 0);
+  EXPECT_GT(count(poured, beside, is_sand), 500);
+  // The heap's shadow on the floor moves: the floor's pixels change, sand's colour and place hardly.
+  int changed = 0;
+  for (int y = 200; y < 440; ++y)
+    for (int x = 0; x < k_width; ++x) {
+      const uint8_t *a = before.at(x, y), *b = lit.at(x, y);
+      changed += !is_sand(a) && !is_sand(b) && std::abs(a[0] - b[0]) > 20;
+    }
+  EXPECT_GT(changed, 300);
+}
+
+TEST_F(Window, SaysWhatIsWrong) {
+  if (show("--frames 1") == k_skipped) GTEST_SKIP() << said;
+  EXPECT_EQ(show("--frames 1 --script 'dance'"), 2);
+  EXPECT_NE(said.find("'dance' is no event"), std::string::npos) << said;
+  EXPECT_EQ(show("--screenshot x.png"), 2);
+  const std::string command = "env -u DISPLAY -u WAYLAND_DISPLAY '" SANDGLASS_PROGRAM "' view '" +
+                              (folder / "small.json").string() + "' 2>'" + (folder / "said").string() + "'";
+  const int status = std::system(command.c_str());
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  std::ostringstream text;
+  text << std::ifstream(folder / "said").rdbuf();
+  EXPECT_NE(text.str().find("there is no display here"), std::string::npos) << text.str();
+}
+
+}  // namespace
+}  // namespace sandglass::host
