@@ -109,7 +109,7 @@ std::string shipped_light_network() {
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   for (const fs::path& folder :
        {fs::path(SANDGLASS_LIGHTS_DIR), program.parent_path() / ".." / "share" / "sandglass" / "lights"})
-    if (fs::is_regular_file(folder / "indoor.light", error)) return (folder / "indoor.light").string();
+    if (fs::is_regular_file(folder / "room.light", error)) return (folder / "room.light").string();
   return "";
 }
 

@@ -178,9 +178,14 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   const uint32_t light_units = light == nullptr ? 1 : light->functions->begin_frame(light, input->camera, &refused);
   Shadows shadows = {{input->shadows, input->shadow_count}, input->pile_shadow};
   if (shadows.pile != nullptr) {
-    const sandglass::PileSource source = {&granular->records[0], sandglass::k_record_floats, granular->particle_count,
-                                          granular->desc.particle_radius};
-    shadows.pile->functions->begin_frame(shadows.pile, source, granular->awake_count != 0);
+    // Sand is what is drawn: grains where there are any. Particles that stray carry none.
+    const bool drawn = granular->grain_count != 0;
+    const sandglass::PileSource source = {drawn ? &granular->grains[0] : &granular->records[0],
+                                          sandglass::k_record_floats,
+                                          drawn ? granular->grain_count : granular->particle_count,
+                                          drawn ? granular->desc.grain_radius : granular->desc.particle_radius};
+    const bool moving = granular->awake_count != 0 || (drawn && granular->grain_group_count != 0);
+    shadows.pile->functions->begin_frame(shadows.pile, source, moving);
   }
   const Stage stages[SANDGLASS_STAGE_COUNT] = {
       sandglass::granular_particle_stage(granular), light_stage(&light, light_units), shadow_stage(&shadows),

@@ -112,19 +112,19 @@ TEST(ShotTruth, AnEvenRoomStaysEven) {
   const Surroundings room = panorama_surroundings(even, "even", camera(), -90, {0, 0, 0}, 0.8);
   const ShotPicture picture(cube(), {}, 0.001f);
   ShotPictureOptions o;
-  o.width = 40, o.height = 30, o.paths = 200;
+  o.width = 80, o.height = 60, o.paths = 64;
   const RadianceMap truth = picture.truth(room, resting_camera(camera()), o);
   const double white = tone_mapped_luminance(0.5, 0.5);  // of the room itself
-  EXPECT_NEAR(mean_of(truth, 0, 0, 40, 4), white, 1e-3) << "the wall behind";
-  EXPECT_NEAR(mean_of(truth, 0, 12, 3, 17), white, 0.05) << "the floor beside";
+  EXPECT_NEAR(mean_of(truth, 0, 0, 80, 8), white, 1e-3) << "the wall behind";
+  EXPECT_NEAR(mean_of(truth, 0, 24, 6, 34), white, 0.05) << "the floor beside";
   // The top of the cube sees nothing but the room: radiance rho * 0.5.
   const ShotCamera rest = resting_camera(camera());
   const Vec3 to = Vec3{0, 0.5, 0} - rest.eye;
   const double depth = dot(to, rest.forward);
-  const int x = static_cast<int>(20 + 30 * rest.focal * dot(to, rest.right) / depth);
-  const int y = static_cast<int>(15 - 30 * rest.focal * dot(to, rest.up) / depth);
+  const int x = static_cast<int>(40 + 60 * rest.focal * dot(to, rest.right) / depth);
+  const int y = static_cast<int>(30 - 60 * rest.focal * dot(to, rest.up) / depth);
   const Vec3 top = tone_mapped(Vec3{0.60, 0.44, 0.30} * 0.5, 0.5);
-  EXPECT_NEAR(mean_of(truth, x - 1, y - 1, x + 2, y + 2), luminance(top), 0.08 * luminance(top));
+  EXPECT_NEAR(mean_of(truth, x - 3, y - 1, x + 4, y + 2), luminance(top), 0.05 * luminance(top));
 }
 
 TEST(ShotTruth, ShadowsFallAwayFromTheLampInBothPictures) {
