@@ -4,8 +4,9 @@
 #define SANDGLASS_INT8_ISA SANDGLASS_ISA_AVX512
 #define SANDGLASS_INT8_MATRIX 0
 namespace sandglass::int8_avx512 {
-#include "kernels/int8_tables.inl"
 #include "kernels/int8_tile.inl"
 #include "kernels/light_convolution.inl"
 #include "kernels/shadow_texels.inl"
+// What the others above define:
+#include "kernels/int8_tables.inl"
 }  // namespace sandglass::int8_avx512
