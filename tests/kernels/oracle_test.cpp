@@ -488,10 +488,10 @@ void check_pile_light(uint32_t n) {
     }
   std::vector<float> receivers(padded);
   for (float& r : receivers) r = static_cast<float>(0.02 * unit(random));
-  std::vector<PileStep> steps;
-  for (int i = 0; i < 12; ++i)
-    steps.push_back({static_cast<int32_t>(7 * unit(random)) - 3, static_cast<int32_t>(9 * unit(random)) - 4,
-                     static_cast<float>(20 + 60 * unit(random))});
+  std::vector<PileStep> steps(12);
+  for (PileStep& step : steps)
+    step = {static_cast<int32_t>(7 * unit(random)) - 3, static_cast<int32_t>(9 * unit(random)) - 4,
+            static_cast<float>(20 + 60 * unit(random))};
   const PileAzimuth azimuths[2] = {{0.2f, 0.9f, 1.0f, 0, 5}, {0.1f, 0.8f, 0.7f, 5, 12}};
   const double total = 0.7 + 0.7 * 0.7;
   std::vector<float> first;
