@@ -7,5 +7,6 @@ namespace sandglass::int8_avx512 {
 #include "kernels/int8_tile.inl"
 #include "kernels/light_convolution.inl"
 #include "kernels/shadow_texels.inl"
+// What the others above define:
 #include "kernels/int8_tables.inl"
 }  // namespace sandglass::int8_avx512

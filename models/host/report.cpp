@@ -110,10 +110,10 @@ Summary summarise(const std::vector<FrameRow>& frames) {
 }
 
 std::string report_csv(const RunReport& report) {
-  std::string text =
-      "frame,level,budget_ms,elapsed_ms,mandatory_ms,last_unit_ms,longest_unit_ms,wall_ms,cpu_ms,"
-      "granular_ms,granular_units,granular_denied,shadow_ms,shadow_units,shadow_denied,refine_ms,refine_units,refine_"
-      "denied,output_ms,output_units,output_denied,"
+  std::string text = "frame,level,budget_ms,elapsed_ms,mandatory_ms,last_unit_ms,longest_unit_ms,wall_ms,cpu_ms,";
+  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+    for (const char* column : {"_ms,", "_units,", "_denied,"}) text += std::string(stage_name(stage)) + column;
+  text +=
       "simulated_s,debt_s,grain_lag_s,substep_s,substeps,list_builds,particles,grains,dropped_contacts,quarantined,"
       "ignored_colliders,speed_max,clock_fault,pending_shadows,shadow_age\n";
   for (const FrameRow& row : report.frames) {

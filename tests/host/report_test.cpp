@@ -83,10 +83,10 @@ TEST(Report, TraceIsChromeTraceJsonWithOneTrackAStage) {
     counters += phase == "C";
     if (phase != "X") continue;
     EXPECT_GT(event.at("dur").get<double>(), 0.0);
-    EXPECT_EQ(event.at("tid") == 3, event.at("name") == "shadow.tile");
+    EXPECT_EQ(event.at("tid") == 2 + SANDGLASS_STAGE_SHADOW, event.at("name") == "shadow.tile");
   }
-  EXPECT_EQ(tracks,
-            (std::map<std::string, int>{{"frame", 1}, {"granular", 2}, {"shadow", 3}, {"refine", 4}, {"output", 5}}));
+  EXPECT_EQ(tracks, (std::map<std::string, int>{
+                        {"frame", 1}, {"granular", 2}, {"lighting", 3}, {"shadow", 4}, {"refine", 5}, {"output", 6}}));
   EXPECT_EQ(complete, 3u * 101u);
   EXPECT_EQ(counters, 3u * 101u);
 }
