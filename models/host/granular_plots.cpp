@@ -34,7 +34,7 @@ Plot runout(const GranularCurves& c) {
   Plot plot;
   plot.title = "Run-out of a collapsing column";
   plot.x = {"aspect ratio a = H/R0", 0.4, 5.0, true};
-  plot.y = {"(R - R0)/R0", 0.3, 6.0, true};
+  plot.y = {"(R - R0)/R0", 0.3, 8.0, true};
   plot.series = {
       law("Lube 2004: 1.24 a, 1.6 sqrt(a)", 0.4, 5.0, k_law, false, lube_runout),
       law("+-25 %", 0.4, 5.0, k_wrong, true, [](double a) { return 1.25 * lube_runout(a); }),
