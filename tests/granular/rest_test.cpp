@@ -54,6 +54,7 @@ TEST(Sleep, NeverWhenSwitchedOff) {
 }
 
 TEST(Sleep, AHandWakesWhatItTouchesAndNothingElse) {
+  if (SANDGLASS_EMULATED != 0) GTEST_SKIP() << "minutes under emulation; the kernels are compared there to the bit";
   GranularScene bed = sleeping_bed(40);
   ASSERT_EQ(bed.frame(k_frame).awake, 0u);
   const std::vector<float> before = bed.positions();
@@ -131,6 +132,7 @@ std::vector<float> grains_about(const std::vector<float>& particles) {
 }
 
 TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
+  if (SANDGLASS_EMULATED != 0) GTEST_SKIP() << "minutes under emulation; the kernels are compared there to the bit";
   const std::vector<float> particles = loose_bed(40), grains = grains_about(particles);
   GranularScene bed(description(40 * 40 * 3, static_cast<uint32_t>(grains.size() / 3)));
   bed.add(particles, {}, grains);
