@@ -303,7 +303,7 @@ struct Run {
         return shot->paint(snapshot, width, height, threads);
       };
     if (snapshots.size() > 1) set.seconds_per_snapshot = snapshots[1].time - snapshots[0].time;
-    const PicturePaths paths = draw_pictures(set, snapshots);
+    PicturePaths paths = draw_pictures(set, snapshots);
     if (shot) {
       std::printf("light          %s, of %s\n", name_of(shot->source()), shot->surroundings().name.c_str());
       if (const double angle = shot->angle_deg(snapshots.back().frame); angle >= 0.0)
@@ -312,6 +312,13 @@ struct Run {
         const ShotErrors errors = shot->compare(snapshots.back(), options.out, set.threads);
         std::printf("beside truth   %s\n", shot_errors_text(errors).c_str());
         std::printf("               %s\n", (fs::path(options.out) / "beside_truth.png").string().c_str());
+        const auto file = [&](const char* name) {
+          const std::string content = read_file((fs::path(options.out) / name).string(), "picture");
+          return ImageFile(content.begin(), content.end());
+        };
+        paths.figures.insert(paths.figures.begin(),
+                             {"Composite and truth", shot_errors_text(errors), file("composite.png"), file("truth.png"),
+                              "composite", "path traced", false});
       }
     }
     const std::string page = (fs::path(options.out) / "report.html").string();
@@ -329,6 +336,22 @@ struct Run {
     content.figures = std::move(figures);
     content.tables.push_back({"Scene", "", {}, scene_facts(scene)});
     content.tables.push_back({"Machine", "", {}, machine_facts()});
+    if (shot) {
+      LightSeries series = {name_of(shot->source()), {}}, labels = {"labels", {}};
+      const auto add = [&](LightSeries* to, size_t frame, const ShotLight& light) {
+        LightSample sample;
+        sample.time = static_cast<double>(frame) * scene.frame_step;
+        sample.direction = {light.towards.x, light.towards.y, light.towards.z};
+        to->samples.push_back(sample);
+      };
+      for (size_t frame = 0; frame < report.frames.size(); ++frame) {
+        add(&series, frame, shot->light(static_cast<uint32_t>(frame)));
+        add(&labels, frame, shot->labels());
+      }
+      content.light.push_back(std::move(series));
+      if (shot->source() != LightSource::labels && shot->surroundings().has_truth())
+        content.light.push_back(std::move(labels));
+    }
     if (scene.light) {
       LightSeries series = {"scene's light", {}};
       for (size_t frame = 0; frame < report.frames.size(); ++frame) {

@@ -57,6 +57,7 @@ class Shot {
   // For the frame: null unless the light is estimated.
   sandglass_light* estimator() const { return estimate_ ? estimate_->handle() : nullptr; }
   const sandglass_camera_image* image() const { return image_; }
+  const ShotLight& labels() const { return labels_; }  // of the panorama; up and black without one
   // Angle between the light of a frame and the labels, degrees; below 0 where there are none.
   double angle_deg(uint32_t frame) const;
 
