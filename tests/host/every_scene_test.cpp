@@ -81,7 +81,7 @@ TEST_P(EveryScene, RunsWithoutTrapsAndRepeatsOnAnotherInstructionSet) {
     for (uint32_t frame = 0; frame < k_frames; ++frame) {
       std::vector<sandglass_collider> colliders = colliders_over_frame(scene, frame);
       simulation.flow(flow_over_frame(scene, frame * scene.frame_step));
-      add_rigid_shapes(scene, simulation.handle(), &colliders);
+      add_rigid_shapes(scene, simulation.handle(), scene.frame_step, &colliders);
       sandglass_frame_report report;
       {
         const Trapping trapping;
