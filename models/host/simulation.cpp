@@ -21,6 +21,7 @@ Simulation::Simulation(const sandglass_scene_desc& desc) {
   require(sandglass_scene_bytes(&desc, &bytes_, &reason), reason);
   block_ = new_block(bytes_, "the scene", "make the scene smaller");
   require(sandglass_scene_create(&desc, block_.get(), bytes_, &scene_, &reason), reason);
+  output_.reserve(desc.granular.grain_capacity);  // no frame allocates
 }
 
 void Simulation::add(const Material& material) {
