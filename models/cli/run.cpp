@@ -195,6 +195,7 @@ struct Run {
     report.scene = scene.name;
     report.isa = sandglass_isa_name(sandglass_scene_isa(simulation->handle()));
     report.clock = options.replay.empty() ? options.clock : "replay";
+    report.light = shot ? name_of(shot->source()) : scene.light ? "scene's light" : "";
     report.threads = options.threads;
     report.memory_bytes = simulation->bytes();
     if (!options.out.empty()) take_snapshot(0, colliders_over_frame(scene, 0));
@@ -226,6 +227,20 @@ struct Run {
   uint64_t hash() const {
     const uint64_t of_pile = pile ? sandglass_pile_shadow_hash(pile->handle()) : 0;
     return sandglass_scene_hash(simulation->handle()) + shadows->hash() + of_pile;
+  }
+
+  // What the app draws the frame with.
+  FrameLight light_of(uint32_t frame) const {
+    FrameLight light;
+    if (!shot && !scene.light) return light;
+    ShotLight now;
+    if (shot) now = shot->light(frame);
+    else now.towards = scene.light->towards(static_cast<double>(frame) / scene.frames);
+    const auto put = [](Vec3 from, double(&to)[3]) { to[0] = from.x, to[1] = from.y, to[2] = from.z; };
+    light.known = true, light.coloured = shot.has_value();
+    put(normalised(now.towards), light.towards), put(now.light, light.light), put(now.ambient, light.ambient);
+    light.contrast = now.contrast, light.confidence = now.confidence;
+    return light;
   }
 
   // One frame by clock and budget, or as recorded.
@@ -269,6 +284,7 @@ struct Run {
       row.report = advance(frame, &colliders);
       row.cpu_ms = static_cast<double>(thread_cpu_ns() - cpu_from) * 1e-6;
       row.wall_ms = static_cast<double>(recorder.now_ns() - row.begin_ns) * 1e-6;
+      row.light = light_of(frame);
       report.frames.push_back(row);
       if (!options.record.empty())
         recording.frames.push_back(
@@ -336,31 +352,15 @@ struct Run {
     content.figures = std::move(figures);
     content.tables.push_back({"Scene", "", {}, scene_facts(scene)});
     content.tables.push_back({"Machine", "", {}, machine_facts()});
-    if (shot) {
-      LightSeries series = {name_of(shot->source()), {}}, labels = {"labels", {}};
-      const auto add = [&](LightSeries* to, size_t frame, const ShotLight& light) {
+    if (shot && shot->source() != LightSource::labels && shot->surroundings().has_truth() && !report.frames.empty()) {
+      LightSeries labels = {"labels", {}};
+      const Vec3 d = shot->labels().towards;
+      for (const FrameRow& row : {report.frames.front(), report.frames.back()}) {
         LightSample sample;
-        sample.time = static_cast<double>(frame) * scene.frame_step;
-        sample.direction = {light.towards.x, light.towards.y, light.towards.z};
-        to->samples.push_back(sample);
-      };
-      for (size_t frame = 0; frame < report.frames.size(); ++frame) {
-        add(&series, frame, shot->light(static_cast<uint32_t>(frame)));
-        add(&labels, frame, shot->labels());
+        sample.time = row.report.simulated_time, sample.direction = {d.x, d.y, d.z};
+        labels.samples.push_back(sample);
       }
-      content.light.push_back(std::move(series));
-      if (shot->source() != LightSource::labels && shot->surroundings().has_truth())
-        content.light.push_back(std::move(labels));
-    }
-    if (scene.light) {
-      LightSeries series = {"scene's light", {}};
-      for (size_t frame = 0; frame < report.frames.size(); ++frame) {
-        const Vec3 d = scene.light->towards(static_cast<double>(frame) / scene.frames);
-        LightSample sample;
-        sample.time = static_cast<double>(frame) * scene.frame_step, sample.direction = {d.x, d.y, d.z};
-        series.samples.push_back(sample);
-      }
-      content.light.push_back(std::move(series));
+      content.light.push_back(std::move(labels));
     }
     return content;
   }

@@ -19,6 +19,7 @@ struct ShotLight {
   Vec3 towards = {0, 1, 0};
   Vec3 light, ambient;
   double contrast = 0.0;
+  double confidence = -1.0;  // of an estimate; below 0: it is none
 };
 
 struct Surroundings {
