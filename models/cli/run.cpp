@@ -137,6 +137,8 @@ struct Run {
       throw Failure("scene '" + scene.source +
                     "' is no shot; --panorama, --photo and --light need one, such as 'shot'");
     if (!scene.shot) return;
+    if (!options.collider_mesh.empty() && options.asset.empty())
+      throw Failure("--object needs --asset: the shadow of that mesh, which sandglass bake makes");
     if (!options.photo.empty() && options.fov_deg <= 0.0)
       throw Failure("--photo needs --fov: the camera's field of view across the diagonal, in degrees");
     ShotOptions o;
@@ -387,9 +389,11 @@ void add_run_command(CLI::App& program, int* exit_code) {
                       "Triangle mesh for the scene's colliders of shape \"mesh\"");
   command->add_option("--asset", options->asset, "Baked shadow of that object, instead of the scene's");
   CLI::Option* panorama = command->add_option("--panorama", options->panorama, "Of a shot: the room, .hdr or .exr");
-  command->add_option("--photo", options->photo, "Of a shot: a photograph behind it, with --fov")->excludes(panorama);
+  CLI::Option* photo = command->add_option("--photo", options->photo, "Of a shot: a photograph behind it, with --fov");
+  photo->excludes(panorama);
   command->add_option("--fov", options->fov_deg, "Field of view of --photo across the diagonal, degrees")
-      ->check(CLI::Range(5.0, 150.0));
+      ->check(CLI::Range(5.0, 150.0))
+      ->needs(photo);
   command->add_option("--network", options->network,
                       "Of a shot: the lighting network's file, instead of the shipped one");
   command->add_option("--light", options->light, "Of a shot: labels (of the panorama), estimate, or arbitrary")

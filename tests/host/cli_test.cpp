@@ -158,6 +158,38 @@ TEST_F(Cli, VerifiesAChosenCaseAndWritesItsTable) {
   EXPECT_FALSE(fs::exists(path("out/runout.png"))) << "no curve without its case";
 }
 
+TEST_F(Cli, RefusesBadShots) {
+  ASSERT_EQ(
+      run("room --seed 3 --width 64 --samples 1 -o '" + path("room.hdr") + "' --picture '" + path("room.png") + "'")
+          .code,
+      0);
+  const std::string room = "'" + path("room.hdr") + "'", photo = "'" + path("room.png") + "'";
+  const std::string cube = "'" + write("cube.obj", k_cube) + "'";
+  expect_refused("run shot --panorama '" + path("missing.hdr") + "'", "missing.hdr");
+  expect_refused("run shot --panorama " + photo, "neither .hdr nor .exr");
+  expect_refused("run shot --panorama '" + write("cut.hdr", read(path("room.hdr")).substr(0, 600)) + "'", "cut.hdr");
+  expect_refused("run shot --photo '" + path("missing.png") + "' --fov 70", "missing.png");
+  expect_refused("run shot --photo " + room + " --fov 70", "PNG or JPEG");
+  expect_refused("run shot --photo " + photo, "--fov");
+  expect_refused("run shot --photo " + photo + " --fov 0", "--fov");
+  expect_refused("run shot --photo " + photo + " --fov 179", "--fov");
+  expect_refused("run shot --photo " + photo + " --fov wide", "--fov");
+  expect_refused("run shot --fov 70", "--photo");
+  expect_refused("run shot --photo " + photo + " --fov 70 --panorama " + room, "excludes");
+  expect_refused("run shot --photo " + photo + " --fov 70 --light labels", "labels");
+  expect_refused("run shot --light moon", "moon");
+  expect_refused("run shot --network '" + path("missing.light") + "'", "missing.light");
+  expect_refused("run shot --network " + room, "room.hdr': ");
+  expect_refused("run demo --photo " + photo + " --fov 70", "no shot");
+  expect_refused("run demo --asset chair", "--asset");
+  expect_refused("run shot --asset '" + path("missing.shadow") + "'", "missing.shadow");
+  expect_refused("run shot --asset " + room, "room.hdr': ");
+  if (!have_assimp()) return;
+  expect_refused("run shot --object " + cube, "--asset");
+  expect_refused("run shot --object '" + path("missing.obj") + "' --asset chair", "missing.obj");
+  expect_refused("run shot --object " + cube + " --asset chair", "another object");
+}
+
 TEST_F(Cli, RefusesBadScenes) {
   expect_refused("run nowhere", "nowhere");
   expect_refused("run '" + write("empty.json", "") + "'", "empty.json");
