@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 #include <thread>
 
@@ -140,10 +139,7 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
         left = state_->blocked(start, light.towards, k_far) ? 0.0 : 1.0;
       const Vec3 seen = room.seen(camera, direction);
       if (cast == CastShadow::plain) return seen * (1.0 - (1.0 - left) * light.contrast);
-      const int rule = std::getenv("SHOT_RULE") ? std::atoi(std::getenv("SHOT_RULE")) : 3;
-      const Vec3 oo = (rule & 2) ? opacity : Vec3{1, 1, 1} * light.contrast;
-      if (!(rule & 1)) return product(seen, Vec3{1, 1, 1} - oo * (1.0 - left));
-      return room.shown(product(room.radiance(seen), Vec3{1, 1, 1} - oo * (1.0 - left)));
+      return room.shown(product(room.radiance(seen), Vec3{1, 1, 1} - opacity * (1.0 - left)));
     }
     const double facing = std::max(0.0, dot(hit.normal, light.towards));
     double open = facing > 0.0 ? 1.0 : 0.0;
