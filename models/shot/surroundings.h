@@ -59,7 +59,9 @@ Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_
 // pictures, of 4 : 3, show as much as fits of a photograph of another shape.
 Surroundings photo_surroundings(const std::string& path, double diagonal_fov_deg, Camera* camera);
 
-// The labels of the panorama at the place of the object: what a perfect network would say.
+// The labels of the panorama at the place of the object: what a perfect network would say. One thing more, which a
+// network is not asked: a shadow from one direction takes only that part of the highlight which comes from there, so
+// that the contrast is the label's times the highlight's concentration (labels.h).
 ShotLight labelled_light(const Surroundings& surroundings);
 
 // What an app lights with that knows nothing of the room: white, from the upper left behind the camera.

@@ -14,6 +14,7 @@
 #include "models/host/simulation.h"
 #include "models/host/standing_shadows.h"
 #include "models/lighting/panorama_file.h"
+#include "models/lighting/probe_scene.h"
 #include "models/shot/light_estimate.h"
 #include "runtime/sampling/random.h"
 
@@ -53,8 +54,9 @@ struct Stage {
     sandglass_shadow_run(standing.handles().data(), static_cast<uint32_t>(standing.handles().size()), ~0u);
     PileShadow pile(*scene.pile_shadow, SANDGLASS_ISA_AUTOMATIC);
     pile.set_light(towards);
-    sandglass_pile_shadow_run(pile.handle(), particles.data(), static_cast<uint32_t>(particles.size() / 3),
-                              static_cast<float>(scene.particle_radius), ~0u);
+    // Of the grains, as in a frame.
+    sandglass_pile_shadow_run(pile.handle(), grains.data(), static_cast<uint32_t>(grains.size() / 3), grain_radius,
+                              ~0u);
     const std::vector<sandglass_collider> colliders = colliders_over_frame(scene, 0);
     return {standing.drawn(colliders), {pile.drawn(false)}, {pile.drawn(true)}};
   }
@@ -91,14 +93,14 @@ bool read_line(const std::string& line, ShotView* view) {
 }
 
 std::string key_of(const ShotStudyOptions& o) {
-  return "shot study 3: " + std::to_string(o.width) + " x " + std::to_string(o.height) + ", " +
-         std::to_string(o.paths) + " paths, network '" + fs::path(o.network).filename().string() + "'\n";
+  return "shot study 4." + std::to_string(o.seed) + ": " + std::to_string(o.width) + " x " + std::to_string(o.height) +
+         ", " + std::to_string(o.paths) + " paths, network '" + fs::path(o.network).filename().string() + "'\n";
 }
 
 ShotView study_view(const ShotStudyOptions& options, const Stage& stage, const ShotPicture& picture, size_t index) {
   ShotView view;
   view.panorama = fs::path(options.panoramas[index]).stem().string();
-  const double azimuth = 360.0 * random_stream(index, k_azimuth_stream).uniform();
+  const double azimuth = 360.0 * random_stream(index, k_azimuth_stream + 1000 * options.seed).uniform();
   RadianceMap map = read_panorama(options.panoramas[index]);
   fill_tripod(&map);
   const Surroundings room =
@@ -118,6 +120,7 @@ ShotView study_view(const ShotStudyOptions& options, const Stage& stage, const S
   measure(ShotVariant::no_shadow, labels, CastShadow::none);
   measure(ShotVariant::hard_shadow, labels, CastShadow::hard);
   measure(ShotVariant::arbitrary_light, arbitrary, CastShadow::textures);
+  measure(ShotVariant::plain_shadow, labels, CastShadow::plain);
   if (!options.network.empty()) {
     LightEstimate estimate(options.network, SANDGLASS_ISA_AUTOMATIC);
     estimate.take(room, camera, 0);
@@ -148,7 +151,8 @@ void sum_up(ShotStudy* study) {
 }  // namespace
 
 const char* name_of(ShotVariant variant) {
-  constexpr const char* k_names[] = {"true labels", "no shadow", "hard shadow", "arbitrary light", "estimate"};
+  constexpr const char* k_names[] = {"true labels",     "no shadow",    "hard shadow",
+                                     "arbitrary light", "plain shadow", "estimate"};
   return k_names[static_cast<int>(variant)];
 }
 const char* shot_metric_name(int metric) {
@@ -167,6 +171,68 @@ ShotStudy::Paired ShotStudy::paired(ShotVariant better, ShotVariant worse, int m
   for (const double x : d) square += (x - mean_of) * (x - mean_of);
   constexpr double k_student = 2.093;  // 95 %, 19 degrees of freedom
   return {mean_of, n > 1 ? k_student * std::sqrt(square / (n - 1) / n) : 0.0};
+}
+
+std::vector<PileShadowError> study_pile_shadow() {
+  constexpr double k_degree = 3.141592653589793 / 180.0, k_lit = 0.98;
+  constexpr int k_lattice = 48, k_rays = 16;
+  const Stage stage;
+  const ShotPicture picture(stage.object, stage.grains, stage.grain_radius);
+  std::vector<PileShadowError> all;
+  // Within what textures are made for, 70 degrees.
+  for (const double polar : {20.0, 45.0, 65.0})
+    for (const double azimuth : {30.0, 150.0, 270.0}) {
+      const Vec3 towards = {std::sin(polar * k_degree) * std::cos(azimuth * k_degree), std::cos(polar * k_degree),
+                            std::sin(polar * k_degree) * std::sin(azimuth * k_degree)};
+      const FloorShadow texture = stage.shadows_for(towards).pile[0];
+      PileShadowError e = {polar, azimuth, 0.0, 0.0, 0};
+      for (int i = 0; i < k_lattice * k_lattice; ++i) {
+        const double x = texture.low[0] + (i % k_lattice + 0.5) / k_lattice * (texture.high[0] - texture.low[0]);
+        const double z = texture.low[1] + (i / k_lattice + 0.5) / k_lattice * (texture.high[1] - texture.low[1]);
+        if (picture.grains_leave(x, z, {0, 1, 0}, 0.0, 1) == 0.0) continue;  // under a grain
+        const double truth = picture.grains_leave(x, z, towards, k_light_half_angle_deg * k_degree, k_rays);
+        const double shown = floor_transparency(texture, x, z);
+        if (truth > k_lit && shown > k_lit) continue;
+        e.rmse += (shown - truth) * (shown - truth), e.without += (1.0 - truth) * (1.0 - truth), ++e.points;
+      }
+      const double n = std::max(1, e.points);
+      e.rmse = std::sqrt(e.rmse / n), e.without = std::sqrt(e.without / n);
+      all.push_back(e);
+    }
+  return all;
+}
+
+PileShadowError whole_of(const std::vector<PileShadowError>& lights) {
+  PileShadowError whole = {0.0, 0.0, 0.0, 0.0, 0};
+  for (const PileShadowError& e : lights) {
+    whole.rmse += e.rmse * e.rmse * e.points, whole.without += e.without * e.without * e.points;
+    whole.points += e.points;
+  }
+  const double n = std::max(1, whole.points);
+  whole.rmse = std::sqrt(whole.rmse / n), whole.without = std::sqrt(whole.without / n);
+  return whole;
+}
+
+double pile_shadow_limit(const PileShadowError& whole) {
+  constexpr double k_most = 0.06, k_share = 0.25;
+  return std::min(k_most, k_share * whole.without);
+}
+
+bool holds(const PileShadowError& whole) { return whole.points > 0 && whole.rmse <= pile_shadow_limit(whole); }
+
+std::string pile_shadow_text(const std::vector<PileShadowError>& lights) {
+  std::string text = "| light, degrees from the zenith; azimuth | RMSE of the sand's shadow | without it | points |\n";
+  text += "|---|---|---|---|\n";
+  char line[128];
+  for (const PileShadowError& e : lights) {
+    std::snprintf(line, sizeof line, "| %.0f; %.0f | %.4f | %.4f | %d |\n", e.polar_deg, e.azimuth_deg, e.rmse,
+                  e.without, e.points);
+    text += line;
+  }
+  const PileShadowError whole = whole_of(lights);
+  std::snprintf(line, sizeof line, "| all; limit %.4f, %s | %.4f | %.4f | %d |\n", pile_shadow_limit(whole),
+                holds(whole) ? "holds" : "FAILS", whole.rmse, whole.without, whole.points);
+  return text + line;
 }
 
 ShotStudy study_shots(const ShotStudyOptions& options, const std::function<bool(size_t done)>& progress) {
@@ -226,14 +292,16 @@ std::string shot_study_text(const ShotStudy& study) {
     }
     text += "\n";
   };
-  for (const ShotVariant worse : {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light})
+  for (const ShotVariant worse :
+       {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light, ShotVariant::plain_shadow})
     against(ShotVariant::labels, worse);
   if (study.has_estimate) {
     against(ShotVariant::labels, ShotVariant::estimate);
     for (const ShotVariant worse : {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light})
       against(ShotVariant::estimate, worse);
     for (const ShotView& view : study.views)
-      if (view.done && view.errors[4][0] > view.errors[3][0]) {
+      if (view.done && view.errors[static_cast<int>(ShotVariant::estimate)][0] >
+                           view.errors[static_cast<int>(ShotVariant::arbitrary_light)][0]) {
         std::snprintf(cell, sizeof cell, "%.0f", view.angle_deg);
         text += "\nWorse than an arbitrary light: " + view.panorama + ", " + cell + " degrees off.";
       }

@@ -110,7 +110,22 @@ TEST(Surroundings, LabelsPointAtTheLampAndAreWhatTheFloorReceives) {
   EXPECT_GT(dot(light.towards, lamp), std::cos(2 * k_pi / 180));
   // Directional share of the level floor's irradiance.
   const double direct = luminance(light.light) * light.towards.y, all = direct + luminance(light.ambient);
-  EXPECT_NEAR(direct / all, std::min(light.contrast, 0.95), 1e-6);
+  // Of a round patch of 10 degrees the mean direction is (1 + cos 10) / 2 long.
+  EXPECT_NEAR(light.contrast, direct / all * 0.5 * (1 + std::cos(10 * k_pi / 180)), 2e-3);
+}
+
+// Two equal lamps, each 40 degrees from the zenith on its side: the direction is up, and only the part of their light
+// that one from there would give casts its shadow.
+TEST(Surroundings, LampsOnTwoSidesCastAWeakerShadow) {
+  const double polar = 40 * k_pi / 180;
+  RadianceMap map = lamp_room({std::sin(polar), std::cos(polar), 0}, 50);
+  const RadianceMap other = lamp_room({-std::sin(polar), std::cos(polar), 0}, 50);
+  for (size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = std::max(map.rgb[i], other.rgb[i]);
+  const ShotLight light = labelled_light(panorama_surroundings(std::move(map), "lamps", camera(), -90, {0, 0, 0}, 0.0));
+  EXPECT_GT(light.towards.y, 0.999);
+  const double bright = luminance(light.light) * light.towards.y, all = bright + luminance(light.ambient);
+  const double spread = 0.5 * (1 + std::cos(10 * k_pi / 180)) * std::cos(polar);
+  EXPECT_NEAR(light.contrast, bright / all * spread, 5e-3);
 }
 
 TEST(Surroundings, ToneCurveHasAnInverse) {
