@@ -220,7 +220,7 @@ uint32_t judge_pile_shadow(const std::vector<PileShadowError>& lights, std::vect
   if (!pass) std::printf("FAIL: the shadow of the sand\n");
   Measurement row;
   row.suite = "shot", row.scene = "shadow of the sand", row.metric = "RMSE of visibility", row.isa = "automatic";
-  row.value = whole.rmse;
+  row.value = whole.clear.rmse;
   row.judgement = Measurement::Judgement{0.0, pile_shadow_limit(whole), pass, false};
   measurements->push_back(row);
   return pass ? 0 : 1;
