@@ -231,6 +231,7 @@ int verify_shot_suite(const Options& options) {
   study.panoramas = indoor_panoramas(options);
   study.network = options.network.empty() ? shipped_light_network() : options.network;
   study.folder = options.out, study.threads = options.threads, study.seed = options.seed;
+  if (options.seed > 0) study.views = study.panoramas.size();
   if (options.quick) study.views = 3;
   if (!study.folder.empty()) make_folder(study.folder);
   uint32_t failed = 0;
@@ -288,7 +289,9 @@ void add_verify_command(CLI::App& program, int* exit_code) {
   command->add_option("--samples", options->samples, "Lighting: paths a pixel; 0 renders nothing")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "Shot: where the cameras look; 0 is the study, others check it")
+  command
+      ->add_option("--seed", options->seed,
+                   "Shot: where the cameras look; 0 is the study, others check it in all panoramas")
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Lighting and shot: threads; the result does not depend on them")
       ->check(CLI::Range(1u, 256u))

@@ -100,7 +100,7 @@ std::string key_of(const ShotStudyOptions& o) {
 ShotView study_view(const ShotStudyOptions& options, const Stage& stage, const ShotPicture& picture, size_t index) {
   ShotView view;
   view.panorama = fs::path(options.panoramas[index]).stem().string();
-  const double azimuth = 360.0 * random_stream(index, k_azimuth_stream + 1000 * options.seed).uniform();
+  const double azimuth = 360.0 * random_stream(index, k_azimuth_stream + options.seed).uniform();
   RadianceMap map = read_panorama(options.panoramas[index]);
   fill_tripod(&map);
   const Surroundings room =
