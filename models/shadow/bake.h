@@ -30,7 +30,7 @@ struct BakeReport {
   struct Stage {
     double seconds = 0, cpu_seconds = 0;  // of this run; CPU time of all threads
   };
-  Stage tracing, training, validating;
+  Stage tracing, training, rounding, validating;  // rounding: the steps with rounded weights
   uint64_t file_bytes = 0;
   double ms_full = 0, ms_adaptive = 0;  // a texture, one thread of this machine
 };
