@@ -46,7 +46,7 @@ uint64_t key_of(const Mesh& mesh, const BakeSettings& s) {
     add(bits);
   }
   for (const uint32_t i : mesh.indices) add(i);
-  for (const double x : {s.angular_diameter, s.polar_max}) {
+  for (const double x : {s.angular_diameter, s.polar_max, s.rate}) {
     uint64_t bits;
     std::memcpy(&bits, &x, sizeof bits);
     add(bits);
@@ -128,7 +128,7 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   }
   TrainingPlan plan;
   plan.float_steps = settings.steps, plan.quantised_steps = settings.quantised_steps;
-  plan.batch = settings.batch, plan.seed = settings.seed;
+  plan.batch = settings.batch, plan.seed = settings.seed, plan.rate = settings.rate;
   Trainer trainer(set, plan, pool);
   const auto train = [&](const char* what, uint32_t first, uint32_t steps, BakeReport::Stage* time) {
     if (state.step >= first + steps) return true;

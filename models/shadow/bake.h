@@ -20,6 +20,7 @@ struct BakeSettings {
   uint32_t steps = 150'000;  // of training in float
   uint32_t quantised_steps = 10'000;
   uint32_t batch = 2048;
+  double rate = 3e-3;  // of learning, at the start
   uint32_t validation_lights = 1000;
   bool keep_float = false;  // the file carries the float network too, for measurements
 };
