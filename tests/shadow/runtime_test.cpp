@@ -18,7 +18,7 @@ constexpr float k_degree = 3.14159265f / 180;
 constexpr RandomShadow k_network = {128, 2, 10, 4, 11, 0.6f};
 
 // The textures of k_network for light (0.5, 1, 0.25): all instruction sets, compilers and machines.
-constexpr uint64_t k_golden_full = 0x448de45a0e59d3b8ull, k_golden_adaptive = 0x5c2abd735a53def0ull;
+constexpr uint64_t k_golden_full = 0x448de45a0e59d3b8ull, k_golden_adaptive = 0x4e71d93b206021eeull;
 
 uint64_t hash(const std::vector<uint8_t>& bytes) { return asset_checksum(bytes.data(), bytes.size()); }
 

@@ -50,7 +50,7 @@ typedef struct sandglass_shadow_desc {
   const void* asset; /* a baked file, aligned to 8 bytes; needed until create returns */
   uint64_t asset_bytes;
   sandglass_shadow_mode mode;
-  uint32_t threshold; /* steps of 1/255 of coverage, 0..255; default 24 (0.09), which adds less than 0.002 of error */
+  uint32_t threshold; /* steps of 1/255 of coverage, 0..255; default 48 (0.19), which adds less than 0.002 of error */
   float
       light_tolerance; /* radians, 0..1: the texture is computed anew when the light has turned by more; default 0.01 */
   uint32_t light_count; /* 1..SANDGLASS_SHADOW_LIGHTS; default 1. Each costs one texture, 64 KiB, of memory */
