@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "models/cli/commands.h"
+#include "models/cli/number_between.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/measurement_json.h"
@@ -118,7 +119,9 @@ void add_bake_command(CLI::App& program, int* exit_code) {
   command->add_option("--quantised-steps", settings.quantised_steps, "Steps with rounded weights after them")
       ->check(CLI::Range(0u, 100'000'000u))
       ->capture_default_str();
-  command->add_option("--rate", settings.rate, "Rate of learning at the start of training")->capture_default_str();
+  command->add_option("--rate", settings.rate, "Rate of learning at the start of training")
+      ->check(number_between(1e-5, 1.0))
+      ->capture_default_str();
   command->add_option("--textures", settings.textures, "Rays as for so many whole textures")
       ->check(CLI::Range(1u, 3000u))
       ->capture_default_str();
@@ -134,8 +137,6 @@ void add_bake_command(CLI::App& program, int* exit_code) {
     listen_for_interrupt();
     BakeSettings& s = options->settings;
     s.shape = network_shape(options->size);
-    if (!(s.rate >= 1e-5 && s.rate <= 1))  // nan passes a check of CLI11
-      throw Failure("--rate is not a rate of learning in 0.00001..1; the usual one is 0.003");
     s.angular_diameter = degrees(options->angle, "--angle", 1, 60);
     s.polar_max = degrees(options->polar, "--max-polar", 1, 84);
     s.plane = options->plane == "fixed" ? PlaneRule::fixed : PlaneRule::fitted;

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "models/cli/commands.h"
+#include "models/cli/number_between.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/progress.h"
@@ -101,7 +102,7 @@ void add_light_command(CLI::App& program, int* exit_code) {
   command->add_option("images", options->images, "PNG or JPEG files")->required();
   command->add_option("-o,--output", options->folder, "Folder to write JSON and pictures to")->required();
   command->add_option("--fov", options->fov_deg, "Field of view across the diagonal, degrees")
-      ->check(CLI::Range(10.0, 170.0))
+      ->check(number_between(10.0, 170.0))
       ->capture_default_str();
   command->add_option("--turn", options->turn_deg, "Clockwise turn that makes the images upright, degrees")
       ->check(CLI::IsMember({0u, 90u, 180u, 270u}))

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "models/cli/commands.h"
+#include "models/cli/number_between.h"
 #include "models/host/atomic_file.h"
 #include "models/host/body_meshes.h"
 #include "models/host/collision_fields.h"
@@ -396,7 +397,7 @@ void add_run_command(CLI::App& program, int* exit_code) {
   CLI::Option* photo = command->add_option("--photo", options->photo, "Of a shot: a photograph behind it, with --fov");
   photo->excludes(panorama);
   command->add_option("--fov", options->fov_deg, "Field of view of --photo across the diagonal, degrees")
-      ->check(CLI::Range(5.0, 150.0))
+      ->check(number_between(5.0, 150.0))
       ->needs(photo);
   command->add_option("--network", options->network,
                       "Of a shot: the lighting network's file, instead of the shipped one");
@@ -405,7 +406,7 @@ void add_run_command(CLI::App& program, int* exit_code) {
   command->add_option("--frames", options->frames, "Frames to run instead of the scene's")
       ->check(CLI::Range(1u, 100'000'000u));
   command->add_option("--budget-ms", options->budget_ms, "Budget of a frame, instead of the scene's")
-      ->check(CLI::Range(0.0, 1e6));
+      ->check(number_between(0.0, 1e6));
   command->add_option("--threads", options->threads, "Threads, the calling one included (1)")
       ->check(CLI::Range(1u, k_threads_at_most));
   command->add_option("--clock", options->clock, "real, or virtual: 5 microseconds a reading, the same plan everywhere")

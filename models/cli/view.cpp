@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 
 #include "models/cli/commands.h"
+#include "models/cli/number_between.h"
 #include "models/host/failure.h"
 #include "models/host/progress.h"
 #ifdef SANDGLASS_HAVE_VIEW
@@ -20,7 +21,7 @@ void add_view_command(CLI::App& program, int* exit_code) {
   command->add_option("--collider-mesh", options->live.collider_mesh,
                       "Triangle mesh for the scene's colliders of shape \"mesh\"");
   command->add_option("--budget-ms", options->live.budget_ms, "Budget of a frame, instead of the scene's")
-      ->check(CLI::Range(0.1, 1000.0));
+      ->check(number_between(0.1, 1000.0));
   command->add_option("--threads", options->live.threads, "Threads, the calling one included (1)")
       ->check(CLI::Range(1u, 256u));
   command->add_option("--isa", options->live.isa, "Kernels, as for run (automatic)");

@@ -167,6 +167,7 @@ TEST_F(Cli, RefusesBadUsage) {
   expect_refused("run demo --clock sundial", "clock");
   expect_refused("run demo --isa quantum", "quantum");
   expect_refused("run demo --budget-ms -1", "budget");
+  expect_refused("run demo --budget-ms nan", "budget");
   expect_refused("bench nothing", "nothing");
   expect_refused("verify nothing", "nothing");
   expect_refused("verify granular --case sundial", "sundial");
@@ -220,6 +221,7 @@ TEST_F(Cli, RefusesBadShots) {
   expect_refused("run shot --photo " + photo, "--fov");
   expect_refused("run shot --photo " + photo + " --fov 0", "--fov");
   expect_refused("run shot --photo " + photo + " --fov 179", "--fov");
+  expect_refused("run shot --photo " + photo + " --fov nan", "--fov");
   expect_refused("run shot --photo " + photo + " --fov wide", "--fov");
   expect_refused("run shot --fov 70", "--photo");
   expect_refused("run shot --photo " + photo + " --fov 70 --panorama " + room, "excludes");
@@ -324,6 +326,8 @@ TEST_F(Cli, SamplesShapesWithExactlyThePointsAskedFor) {
   EXPECT_EQ(read(path("ring.png")).substr(1, 3), "PNG");
   EXPECT_EQ(read(path("spectrum.png")).substr(1, 3), "PNG");
   expect_refused("sample --ring 10 --polar 50 20 -o " + path("x.ply"), "theta_a < theta_b");
+  expect_refused("sample --ring 10 --polar nan 20 -o " + path("x.ply"), "--polar");
+  expect_refused("sample trefoil --surface --distance nan -o " + path("x.ply"), "--distance");
   expect_refused("sample trefoil --disk 10 -o " + path("x.ply"), "leave it out");
   expect_refused("sample --surface --distance 1 -o " + path("x.ply"), "no mesh is named");
   EXPECT_FALSE(fs::exists(path("x.ply")));
@@ -371,6 +375,7 @@ TEST_F(Cli, LightsBadInputIsOneSentence) {
   expect_refused("light " + path("gone.png") + out + " --network " + good, "gone.png");
   expect_refused("light " + text + out + " --network " + good, "text.png");
   expect_refused("light " + path("fine.png") + out + " --fov 200 --network " + good, "--fov");
+  expect_refused("light " + path("fine.png") + out + " --fov nan --network " + good, "--fov");
   expect_refused("light " + path("fine.png") + out + " --turn 45 --network " + good, "--turn");
   EXPECT_FALSE(fs::exists(folder / "out"));
   expect_refused("light " + path("dot.png") + out + " --network " + good, "dot.png");
