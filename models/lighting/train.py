@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Trains the lighting network (SPEC 3.2) on data sets made by `sandglass dataset`.
 
-DenseNet-121 from the pretrained weights, a layer of 512 with batch normalisation and ELU, and four heads: direction
+DenseNet-121 (pretrained, or as initialised), a layer of 512 with batch normalisation and ELU, and four heads: direction
 (tanh, normalised), light colour, ambient colour (sigmoid), contrast (sigmoid). Loss (5.26): mean squares weighted 5, 2, 2, 1.
 
 Folds follow locations: a location of the test fold never trains, and rows of fold -1 only ever train. Two ways to train:
