@@ -1,6 +1,7 @@
 // `sandglass light-features NETWORK DATASET -o FILE.npy`: what the lighting network's heads see of each image of a data
 // set, as the runtime computes it: train.py fits the heads to that.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 
 #include "models/cli/commands.h"

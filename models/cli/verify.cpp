@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 
 #include "models/cli/commands.h"
 #include "models/host/atomic_file.h"
