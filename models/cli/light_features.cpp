@@ -25,7 +25,7 @@ struct Options {
 
 // The first column of the manifest, in its order.
 std::vector<std::string> images_of(const std::string& folder) {
-  const std::string path = folder + "/manifest.csv", text = read_file(path, "the data set's list of images");
+  const std::string path = folder + "/manifest.csv", text = read_file(path, "list of images");
   std::vector<std::string> images;
   bool heading = true;
   for (size_t at = 0; at < text.size(); heading = false) {
