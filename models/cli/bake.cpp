@@ -1,5 +1,6 @@
 // `sandglass bake MESH -o FILE`: the soft shadow of a mesh as a network small enough for a phone's frame.
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cstdio>
 #include <thread>
 
@@ -54,6 +55,11 @@ void print(const char* name, const ShadowError& e) {
   std::printf("  %-14s %9.4f %9.4f %9.2f %9.4f %12.4f\n", name, e.rmse, e.rmse_max, e.psnr, e.ssim, e.block);
 }
 
+std::array<std::pair<const char*, const BakeReport::Stage*>, 4> stages(const BakeReport& r) {
+  return {
+      {{"tracing", &r.tracing}, {"training", &r.training}, {"rounding", &r.rounding}, {"validating", &r.validating}}};
+}
+
 std::string measurements(const BakeReport& r, const BakeSettings& settings) {
   std::vector<Measurement> all;
   const auto keep = [&](const char* name, const char* metric, const char* unit, double value) {
@@ -76,10 +82,8 @@ std::string measurements(const BakeReport& r, const BakeSettings& settings) {
   keep("int8_adaptive", "ms", "ms", r.ms_adaptive);
   keep("int8_adaptive", "evaluated", "1", v.evaluated);
   keep("file", "bytes", "byte", static_cast<double>(r.file_bytes));
-  keep("bake", "seconds", "s", r.tracing.seconds + r.training.seconds + r.validating.seconds);
-  const std::pair<const char*, const BakeReport::Stage*> stages[] = {
-      {"tracing", &r.tracing}, {"training", &r.training}, {"validating", &r.validating}};
-  for (const auto& [name, stage] : stages) {
+  keep("bake", "seconds", "s", r.tracing.seconds + r.training.seconds + r.rounding.seconds + r.validating.seconds);
+  for (const auto& [name, stage] : stages(r)) {
     keep(name, "seconds", "s", stage->seconds);
     keep(name, "cpu_seconds", "s", stage->cpu_seconds);
   }
@@ -114,6 +118,7 @@ void add_bake_command(CLI::App& program, int* exit_code) {
   command->add_option("--quantised-steps", settings.quantised_steps, "Steps with rounded weights after them")
       ->check(CLI::Range(0u, 100'000'000u))
       ->capture_default_str();
+  command->add_option("--rate", settings.rate, "Rate of learning at the start of training")->capture_default_str();
   command->add_option("--textures", settings.textures, "Rays as for so many whole textures")
       ->check(CLI::Range(1u, 3000u))
       ->capture_default_str();
@@ -129,6 +134,8 @@ void add_bake_command(CLI::App& program, int* exit_code) {
     listen_for_interrupt();
     BakeSettings& s = options->settings;
     s.shape = network_shape(options->size);
+    if (!(s.rate >= 1e-5 && s.rate <= 1))  // nan passes a check of CLI11
+      throw Failure("--rate is not a rate of learning in 0.00001..1; the usual one is 0.003");
     s.angular_diameter = degrees(options->angle, "--angle", 1, 60);
     s.polar_max = degrees(options->polar, "--max-polar", 1, 84);
     s.plane = options->plane == "fixed" ? PlaneRule::fixed : PlaneRule::fitted;
@@ -150,9 +157,9 @@ void add_bake_command(CLI::App& program, int* exit_code) {
     std::printf("int8 to float %.4f, adaptive to float %.4f (RMSE); adaptive asks for %.1f %% of the texels\n",
                 v.int8_to_float, v.adaptive_to_float, 100 * v.evaluated);
     std::printf("texture: %.2f ms full, %.2f ms adaptive, one thread of this machine\n", r.ms_full, r.ms_adaptive);
-    std::printf("%u threads: %.0f s tracing (%.0f s of CPU), %.0f s training (%.0f s), %.0f s validating (%.0f s)\n",
-                s.threads, r.tracing.seconds, r.tracing.cpu_seconds, r.training.seconds, r.training.cpu_seconds,
-                r.validating.seconds, r.validating.cpu_seconds);
+    std::printf("%-12s %10s %10s   %u thread%s\n", "stage", "wall, s", "CPU, s", s.threads, s.threads == 1 ? "" : "s");
+    for (const auto& [name, stage] : stages(r))
+      std::printf("  %-10s %10.1f %10.1f\n", name, stage->seconds, stage->cpu_seconds);
     std::printf("%s: %llu bytes\n", options->output.c_str(), static_cast<unsigned long long>(r.file_bytes));
     *exit_code = 0;
   });

@@ -268,17 +268,21 @@ struct Bench {
                               return !interrupted();
                             });
     }
-    std::printf("%-18s %8s %10s %8s %9s %12s %11s %10s\n", "case", "ms", "+ encoding", "GMAC/s", "of peak",
-                "RMSE (f32)", "RMSE truth", "evaluated");
+    std::printf("%-18s %8s %10s %8s %9s %10s %9s %10s %8s %9s %10s\n", "case", "ms", "+ encoding", "GMAC/s", "of peak",
+                "RMSE (f32)", "max (f32)", "RMSE truth", "P99.9", "max", "evaluated");
     for (const ShadowBenchRow& r : result.rows) {
-      std::printf("%-18s %8.2f %10.2f %8.1f %8.1f%% %12.4f %11.4f %8.1f %%\n", r.name.c_str(), r.ms,
-                  r.ms + r.ms_encoding, r.gmac_per_s, 100 * r.fraction, r.rmse, r.rmse_truth, 100 * r.evaluated);
+      std::printf("%-18s %8.2f %10.2f %8.1f %8.1f%% %10.4f %9.3f %10.4f %8.3f %9.3f %8.1f %%\n", r.name.c_str(), r.ms,
+                  r.ms + r.ms_encoding, r.gmac_per_s, 100 * r.fraction, r.rmse, r.worst, r.rmse_truth, r.p999_truth,
+                  r.worst_truth, 100 * r.evaluated);
       keep(r.name, "ms", "ms", r.ms, 1);
       keep(r.name, "ms_with_encoding", "ms", r.ms + r.ms_encoding, 1);
       keep(r.name, "gmac_per_s", "GMAC/s", r.gmac_per_s, 1);
       keep(r.name, "fraction_of_peak", "1", r.fraction, 1);
       keep(r.name, "rmse", "1", r.rmse, 1);
+      keep(r.name, "worst", "1", r.worst, 1);
       keep(r.name, "rmse_truth", "1", r.rmse_truth, 1);
+      keep(r.name, "p999_truth", "1", r.p999_truth, 1);
+      keep(r.name, "worst_truth", "1", r.worst_truth, 1);
       keep(r.name, "evaluated", "1", r.evaluated, 1);
     }
     if (!result.rows.empty() && !result.has_xnnpack) std::puts("XNNPACK is not installed: its rows are left out");

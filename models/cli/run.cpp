@@ -137,6 +137,8 @@ struct Run {
       throw Failure("scene '" + scene.source +
                     "' is no shot; --panorama, --photo and --light need one, such as 'shot'");
     if (!scene.shot) return;
+    if (!options.collider_mesh.empty() && options.asset.empty())
+      throw Failure("--object needs --asset: the shadow of that mesh, which sandglass bake makes");
     if (!options.photo.empty() && options.fov_deg <= 0.0)
       throw Failure("--photo needs --fov: the camera's field of view across the diagonal, in degrees");
     ShotOptions o;
@@ -195,6 +197,7 @@ struct Run {
     report.scene = scene.name;
     report.isa = sandglass_isa_name(sandglass_scene_isa(simulation->handle()));
     report.clock = options.replay.empty() ? options.clock : "replay";
+    report.light = shot ? name_of(shot->source()) : scene.light ? "scene's light" : "";
     report.threads = options.threads;
     report.memory_bytes = simulation->bytes();
     if (!options.out.empty()) {
@@ -230,6 +233,20 @@ struct Run {
   uint64_t hash() const {
     const uint64_t of_pile = pile ? sandglass_pile_shadow_hash(pile->handle()) : 0;
     return sandglass_scene_hash(simulation->handle()) + shadows->hash() + of_pile;
+  }
+
+  // What the app draws the frame with.
+  FrameLight light_of(uint32_t frame) const {
+    FrameLight light;
+    if (!shot && !scene.light) return light;
+    ShotLight now;
+    if (shot) now = shot->light(frame);
+    else now.towards = scene.light->towards(static_cast<double>(frame) / scene.frames);
+    const auto put = [](Vec3 from, double(&to)[3]) { to[0] = from.x, to[1] = from.y, to[2] = from.z; };
+    light.known = true, light.coloured = shot.has_value();
+    put(normalised(now.towards), light.towards), put(now.light, light.light), put(now.ambient, light.ambient);
+    light.contrast = now.contrast, light.confidence = now.confidence;
+    return light;
   }
 
   // One frame by clock and budget, or as recorded.
@@ -273,6 +290,7 @@ struct Run {
       row.report = advance(frame, &colliders);
       row.cpu_ms = static_cast<double>(thread_cpu_ns() - cpu_from) * 1e-6;
       row.wall_ms = static_cast<double>(recorder.now_ns() - row.begin_ns) * 1e-6;
+      row.light = light_of(frame);
       report.frames.push_back(row);
       if (!options.record.empty())
         recording.frames.push_back(
@@ -340,31 +358,15 @@ struct Run {
     content.figures = std::move(figures);
     content.tables.push_back({"Scene", "", {}, scene_facts(scene)});
     content.tables.push_back({"Machine", "", {}, machine_facts()});
-    if (shot) {
-      LightSeries series = {name_of(shot->source()), {}}, labels = {"labels", {}};
-      const auto add = [&](LightSeries* to, size_t frame, const ShotLight& light) {
+    if (shot && shot->source() != LightSource::labels && shot->surroundings().has_truth() && !report.frames.empty()) {
+      LightSeries labels = {"labels", {}};
+      const Vec3 d = shot->labels().towards;
+      for (const FrameRow& row : {report.frames.front(), report.frames.back()}) {
         LightSample sample;
-        sample.time = static_cast<double>(frame) * scene.frame_step;
-        sample.direction = {light.towards.x, light.towards.y, light.towards.z};
-        to->samples.push_back(sample);
-      };
-      for (size_t frame = 0; frame < report.frames.size(); ++frame) {
-        add(&series, frame, shot->light(static_cast<uint32_t>(frame)));
-        add(&labels, frame, shot->labels());
+        sample.time = row.report.simulated_time, sample.direction = {d.x, d.y, d.z};
+        labels.samples.push_back(sample);
       }
-      content.light.push_back(std::move(series));
-      if (shot->source() != LightSource::labels && shot->surroundings().has_truth())
-        content.light.push_back(std::move(labels));
-    }
-    if (scene.light) {
-      LightSeries series = {"scene's light", {}};
-      for (size_t frame = 0; frame < report.frames.size(); ++frame) {
-        const Vec3 d = scene.light->towards(static_cast<double>(frame) / scene.frames);
-        LightSample sample;
-        sample.time = static_cast<double>(frame) * scene.frame_step, sample.direction = {d.x, d.y, d.z};
-        series.samples.push_back(sample);
-      }
-      content.light.push_back(std::move(series));
+      content.light.push_back(std::move(labels));
     }
     return content;
   }
@@ -391,9 +393,11 @@ void add_run_command(CLI::App& program, int* exit_code) {
                       "Triangle mesh for the scene's colliders of shape \"mesh\"");
   command->add_option("--asset", options->asset, "Baked shadow of that object, instead of the scene's");
   CLI::Option* panorama = command->add_option("--panorama", options->panorama, "Of a shot: the room, .hdr or .exr");
-  command->add_option("--photo", options->photo, "Of a shot: a photograph behind it, with --fov")->excludes(panorama);
+  CLI::Option* photo = command->add_option("--photo", options->photo, "Of a shot: a photograph behind it, with --fov");
+  photo->excludes(panorama);
   command->add_option("--fov", options->fov_deg, "Field of view of --photo across the diagonal, degrees")
-      ->check(CLI::Range(5.0, 150.0));
+      ->check(CLI::Range(5.0, 150.0))
+      ->needs(photo);
   command->add_option("--network", options->network,
                       "Of a shot: the lighting network's file, instead of the shipped one");
   command->add_option("--light", options->light, "Of a shot: labels (of the panorama), estimate, or arbitrary")

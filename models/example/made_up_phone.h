@@ -1,24 +1,39 @@
-// What the example's app has from its platform: a camera that looks at a room's floor, held by a hand that sways, and
-// something that draws over its image. 480 x 360 pixels; the same on every machine but for libm.
+// What the example's app has from its platform: its own files, a camera that looks at a room's floor, held by a hand
+// that sways, and something that draws over its image. 480 x 360 pixels; the same on every machine but for libm.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "sandglass/light.h"
 #include "sandglass/sandglass.h"
 #include "sandglass/shadow.h"
 
 class MadeUpPhone {
  public:
-  void next_image();
-  // The shadow multiplied onto the floor in linear light, then the grains, lit from `to_light`.
-  void draw(const sandglass_shadow_texture& shadow, const std::vector<sandglass_grain>& grains, float particle_radius,
-            const float to_light[3]);
+  // A file of the app's, in 8-byte words, as the library wants it aligned; without bytes where there is none.
+  struct Asset {
+    std::vector<uint64_t> words;
+    uint64_t bytes;
+  };
+  static Asset asset(const std::string& path);
+
+  // Of a camera of 30 images a second, before a display of 60: null every other time. Valid until the next call.
+  const sandglass_camera_image* next_image();
+  // Over the image, in linear values: the shadow on the floor, each colour as far as the light has its part in it; then
+  // the grains.
+  void draw(const sandglass_light_estimate& light, const sandglass_shadow_texture& shadow,
+            const std::vector<sandglass_grain>& grains, float particle_radius);
   bool save(const std::string& path) const;  // PPM
 
  private:
+  void see();
+  void darken_floor(const sandglass_light_estimate& light, const sandglass_shadow_texture& shadow);
+
   int frame_ = 0;
   float eye_[3] = {}, right_[3] = {}, up_[3] = {}, forward_[3] = {};
   std::vector<float> linear_, depth_;  // RGB, 0..1; metres along `forward`
+  std::vector<uint8_t> pixels_;        // of the camera, sRGB
+  sandglass_camera_image image_ = {};
 };

@@ -57,8 +57,9 @@ struct Discharge {
 struct DischargeSetting {
   std::vector<double> orifices_d;
   double settle_seconds = 2.0;  // the filled bed is denser than a flowing one
-  // Until so many have come out, at most so long: a quarter of them, counted as if at random, errs by 2 %.
-  double enough_particles = 12000.0, measure_seconds = 40.0;
+  // Until so many have come out, at most so long: a quarter of them, counted as if at random, errs by 1.3 %; near the
+  // width at which sand arches, it comes in gusts, and by more.
+  double enough_particles = 24000.0, measure_seconds = 80.0;
 };
 struct DischargeCurve {
   std::vector<Discharge> points;

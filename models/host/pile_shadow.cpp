@@ -4,7 +4,8 @@
 
 namespace sandglass::host {
 
-static void require(sandglass_status status, const char* reason) {
+// A reference: the call that writes the reason is the other argument.
+static void require(sandglass_status status, const char* const& reason) {
   if (status != SANDGLASS_OK) throw Failure(reason != nullptr ? reason : sandglass_status_name(status));
 }
 

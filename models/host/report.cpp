@@ -115,7 +115,8 @@ std::string report_csv(const RunReport& report) {
     for (const char* column : {"_ms,", "_units,", "_denied,"}) text += std::string(stage_name(stage)) + column;
   text +=
       "simulated_s,debt_s,grain_lag_s,substep_s,substeps,list_builds,particles,grains,dropped_contacts,quarantined,"
-      "ignored_colliders,speed_max,clock_fault,pending_shadows,shadow_age\n";
+      "ignored_colliders,speed_max,clock_fault,pending_shadows,shadow_age,light_x,light_y,light_z,light_r,light_g,"
+      "light_b,ambient_r,ambient_g,ambient_b,contrast,confidence,light_changed,light_units_left\n";
   for (const FrameRow& row : report.frames) {
     const sandglass_frame_report& r = row.report;
     add(&text, "%llu,%u,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f", static_cast<unsigned long long>(r.frame), r.level,
@@ -123,10 +124,20 @@ std::string report_csv(const RunReport& report) {
         row.cpu_ms);
     for (const sandglass_stage_report& stage : r.stages)
       add(&text, ",%.6f,%u,%u", ms(stage.elapsed_ns), stage.units, stage.denied);
-    add(&text, ",%.6f,%.6f,%.6f,%.9f,%u,%u,%u,%u,%u,%u,%u,%.6g,%u,%u,%u\n", r.simulated_time, r.time_debt,
+    add(&text, ",%.6f,%.6f,%.6f,%.9f,%u,%u,%u,%u,%u,%u,%u,%.6g,%u,%u,%u", r.simulated_time, r.time_debt,
         static_cast<double>(r.grain_lag), static_cast<double>(r.substep), r.substeps, r.list_builds, r.particles,
         r.grains, r.dropped_contacts, r.quarantined, r.ignored_colliders, static_cast<double>(r.speed_max),
         r.clock_fault, r.pending_shadows, r.shadow_age);
+    const FrameLight& l = row.light;
+    const auto cell = [&](bool known, double value) {
+      if (known) add(&text, ",%.6f", value);
+      else text += ',';
+    };
+    for (const double value : l.towards) cell(l.known, value);
+    for (const double value : l.light) cell(l.coloured, value);
+    for (const double value : l.ambient) cell(l.coloured, value);
+    cell(l.coloured, l.contrast), cell(l.confidence >= 0.0, l.confidence);
+    add(&text, ",%u,%u\n", r.light_changed, r.light_units_left);
   }
   return text;
 }
@@ -190,6 +201,7 @@ std::string report_summary_json(const RunReport& report) {
   file["isa"] = report.isa;
   file["clock"] = report.clock;
   file["threads"] = report.threads;
+  file["light"] = report.light;
   file["interrupted"] = report.interrupted;
   file["frames"] = report.frames.size();
   file["particles"] = report.frames.empty() ? 0 : report.frames.back().report.particles;

@@ -10,11 +10,21 @@
 
 namespace sandglass::host {
 
+// What a frame was lit by, in the world's frame. What is not known leaves its cells of the CSV empty.
+struct FrameLight {
+  bool known = false;                        // the direction
+  double towards[3] = {};                    // unit vector towards the light
+  bool coloured = false;                     // and the rest:
+  double light[3] = {}, ambient[3] = {};     // linear; `light` with its strength (light.h)
+  double contrast = 0.0, confidence = -1.0;  // confidence below 0: nobody said
+};
+
 struct FrameRow {
   sandglass_frame_report report;
   uint64_t begin_ns = 0;  // wall time since the run began
   double wall_ms = 0.0;
   double cpu_ms = 0.0;  // of the thread that called the frame
+  FrameLight light;
 };
 
 struct UnitEvent {
@@ -39,6 +49,7 @@ class TraceRecorder {
 
 struct RunReport {
   std::string scene, isa, clock;  // clock: "real", "virtual", "replay"
+  std::string light;              // whose light the frames have: "estimate"; empty: nobody's
   uint32_t threads = 1;
   uint64_t memory_bytes = 0;
   bool interrupted = false;
@@ -69,6 +80,9 @@ Summary summarise(const std::vector<FrameRow>& frames);
 
 const char* stage_name(sandglass_stage stage);  // "granular", "refine", "output"
 
+// One row a frame. Times in milliseconds end with _ms, in simulated seconds with _s; counts have no unit. light_x, _y
+// and _z point towards the light in the world; light_r, _g, _b, ambient_r, _g, _b, contrast and confidence are as in
+// light.h, the light's colour with its strength. A light that nothing is known of leaves its cells empty.
 std::string report_csv(const RunReport& report);
 std::string report_trace(const RunReport& report);
 std::string report_summary_json(const RunReport& report);

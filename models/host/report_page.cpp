@@ -152,6 +152,7 @@ std::string page_data(const RunReport& report, const PageContent& content) {
   data["summary"] = Json::parse(report_summary_json(report));
   data["ladder"] = ladder_json();
   data["light"] = light_json(content.light);
+  data["light_name"] = report.light;
   data["columns"] = columns_json(csv);
   std::string text = data.dump();
   text.pop_back();

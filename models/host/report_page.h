@@ -36,7 +36,7 @@ struct LightSample {
   std::array<double, 3> colour = {-1, 0, 0}, ambient = {-1, 0, 0};  // linear RGB, 0..1; first below 0: not known
 };
 struct LightSeries {
-  std::string name;  // "estimated", "true"
+  std::string name;  // "labels"
   std::vector<LightSample> samples;
 };
 
@@ -44,7 +44,7 @@ struct PageContent {
   std::string title;  // empty: the scene's name
   std::vector<PageFigure> figures;
   std::vector<PageTable> tables;
-  std::vector<LightSeries> light;
+  std::vector<LightSeries> light;  // beside that of the report's rows: what it should be, say
 };
 
 // A Failure for a figure that is neither PNG nor JPEG.

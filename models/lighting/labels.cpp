@@ -67,6 +67,7 @@ LabelVariants label_variants(const RadianceMap& panorama, Vec3 up, double white)
   }
   LabelVariants labels = {};
   const double concentration = bright[1] > 0.0 ? length(direction) / bright[1] : 0.0;
+  labels.concentration = concentration;
   labels.has_direction = concentration >= k_least_concentration;
   labels.direction = labels.has_direction ? normalised(direction) : up;
   for (int range = 0; range < k_ranges; ++range) {
@@ -88,7 +89,7 @@ LabelVariants label_variants(const RadianceMap& panorama, Vec3 up, double white)
 
 LightLabels LabelVariants::chosen(Range range, AmbientWeight weight, Contrast which) const {
   const auto r = static_cast<int>(range), w = static_cast<int>(weight), c = static_cast<int>(which);
-  return {direction, light[r], ambient[r][w], contrast[c], has_direction};
+  return {direction, light[r], ambient[r][w], contrast[c], has_direction, concentration};
 }
 
 LightLabels labels_of(const RadianceMap& panorama, Vec3 up, double white) {

@@ -24,11 +24,15 @@ struct LightLabels {
   Vec3 light, ambient;  // linear, tone mapped
   double contrast;
   bool has_direction;
+  // Length of the highlight's mean direction, 0..1: of light from one lamp nearly 1, of lamps all around 0. The share
+  // of the highlight that its one direction stands for; the rest of it comes from elsewhere and cancels out.
+  double concentration = 1.0;
 };
 
 struct LabelVariants {
   Vec3 direction;  // in the panorama's frame
   bool has_direction;
+  double concentration;
   Vec3 light[k_ranges], ambient[k_ranges][k_ambient_weights];
   double contrast[k_contrasts];
   LightLabels chosen(Range range, AmbientWeight weight, Contrast which) const;

@@ -63,6 +63,17 @@ Vec3 tone_mapped(Vec3 radiance, double white) {
   return bright > 0.0 ? radiance * (tone_mapped_luminance(bright, white) / bright) : Vec3{};
 }
 
+double radiance_of_luminance(double shown, double white) {
+  // The positive root of L^2 / white^2 + (1 - shown) L - shown = 0, in the form that loses nothing where that is small.
+  const double b = 1.0 - shown, root = std::sqrt(b * b + 4.0 * shown / (white * white));
+  return b >= 0.0 ? 2.0 * shown / (b + root) : 0.5 * white * white * (root - b);
+}
+
+Vec3 radiance_of(Vec3 shown, double white) {
+  const double y = luminance(shown);
+  return y > 0.0 ? shown * (radiance_of_luminance(y, white) / y) : Vec3{};
+}
+
 void fill_tripod(RadianceMap* panorama) {
   const auto black = [](const float* p) { return p[0] <= 0.0f && p[1] <= 0.0f && p[2] <= 0.0f; };
   for (int u = 0; u < panorama->width; ++u)

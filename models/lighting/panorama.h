@@ -64,6 +64,10 @@ Vec3 tone_mapped(Vec3 radiance, double white);
 // pixel above it that is not.
 void fill_tripod(RadianceMap* panorama);
 
+// Back, for luminances below 1 (or `white`'s own) and the colours of such.
+double radiance_of_luminance(double shown, double white);
+Vec3 radiance_of(Vec3 shown, double white);
+
 // For the eye: tone mapped by its own greatest luminance, channels clamped to 1, sRGB.
 Picture tone_mapped_picture(const RadianceMap& map, double white);
 

@@ -46,7 +46,7 @@ uint64_t key_of(const Mesh& mesh, const BakeSettings& s) {
     add(bits);
   }
   for (const uint32_t i : mesh.indices) add(i);
-  for (const double x : {s.angular_diameter, s.polar_max}) {
+  for (const double x : {s.angular_diameter, s.polar_max, s.rate}) {
     uint64_t bits;
     std::memcpy(&bits, &x, sizeof bits);
     add(bits);
@@ -128,21 +128,25 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   }
   TrainingPlan plan;
   plan.float_steps = settings.steps, plan.quantised_steps = settings.quantised_steps;
-  plan.batch = settings.batch, plan.seed = settings.seed;
-  {
-    const StageClock stage = {&report.training};
-    Trainer trainer(set, plan, pool);
-    Progress progress("training", plan.float_steps + plan.quantised_steps, stderr, state.step);
-    while (!trainer.finished(state)) {
+  plan.batch = settings.batch, plan.seed = settings.seed, plan.rate = settings.rate;
+  Trainer trainer(set, plan, pool);
+  const auto train = [&](const char* what, uint32_t first, uint32_t steps, BakeReport::Stage* time) {
+    if (state.step >= first + steps) return true;
+    const StageClock stage = {time};
+    Progress progress(what, steps, stderr, state.step - first);
+    while (state.step < first + steps) {
       trainer.step(&state);
-      progress.done(state.step);
+      progress.done(state.step - first);
       if (seconds_now() - saved > k_checkpoint_period_s) keep();
       if (!interrupted()) continue;
       keep();
-      report.interrupted = true;
-      return report;
+      return false;
     }
-  }
+    return true;
+  };
+  report.interrupted = !train("training", 0, plan.float_steps, &report.training) ||
+                       !train("rounding", plan.float_steps, plan.quantised_steps, &report.rounding);
+  if (report.interrupted) return report;
 
   ShadowFile file = {name, geometry, quantise(state.network, state.clips), 0, 0, 0, settings.seed, {}};
   if (settings.keep_float)

@@ -20,6 +20,7 @@ struct BakeSettings {
   uint32_t steps = 150'000;  // of training in float
   uint32_t quantised_steps = 10'000;
   uint32_t batch = 2048;
+  double rate = 3e-3;  // of learning, at the start
   uint32_t validation_lights = 1000;
   bool keep_float = false;  // the file carries the float network too, for measurements
 };
@@ -30,7 +31,7 @@ struct BakeReport {
   struct Stage {
     double seconds = 0, cpu_seconds = 0;  // of this run; CPU time of all threads
   };
-  Stage tracing, training, validating;
+  Stage tracing, training, rounding, validating;  // rounding: the steps with rounded weights
   uint64_t file_bytes = 0;
   double ms_full = 0, ms_adaptive = 0;  // a texture, one thread of this machine
 };

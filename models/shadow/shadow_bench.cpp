@@ -72,7 +72,16 @@ void encode_texels(const std::vector<float>& positions, const Direction& light, 
 
 struct Samples {
   std::vector<double> ms, ms_encoding;
-  double rmse = 0, rmse_truth = 0, macs = 0, evaluated = 0;
+  std::vector<float> differences;  // of each texel from the truth
+  double rmse = 0, rmse_truth = 0, worst = 0, macs = 0, evaluated = 0;
+
+  void judge(const std::vector<float>& values, const std::vector<float>& reference, const std::vector<float>& truth) {
+    rmse += host::rmse(values, reference), rmse_truth += host::rmse(values, truth);
+    for (size_t i = 0; i < values.size(); ++i) {
+      worst = std::max(worst, static_cast<double>(std::fabs(values[i] - reference[i])));
+      differences.push_back(std::fabs(values[i] - truth[i]));
+    }
+  }
 
   ShadowBenchRow row(const std::string& name, double peak) const {
     ShadowBenchRow r;
@@ -82,7 +91,11 @@ struct Samples {
     r.gmac_per_s = macs / k_lights / r.ms * 1e-6;
     r.fraction = peak > 0 ? r.gmac_per_s / peak : 0;
     r.evaluated = evaluated > 0 ? evaluated / k_lights / k_texels : 1;
-    r.rmse = rmse / k_lights, r.rmse_truth = rmse_truth / k_lights;
+    r.rmse = rmse / k_lights, r.rmse_truth = rmse_truth / k_lights, r.worst = worst;
+    std::vector<float> sorted = differences;
+    std::sort(sorted.begin(), sorted.end());
+    r.p999_truth = static_cast<double>(sorted[sorted.size() - 1 - sorted.size() / 1000]);
+    r.worst_truth = static_cast<double>(sorted.back());
     return r;
   }
 };
@@ -152,7 +165,7 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
     own_float.ms.push_back(
         best_ms([&] { evaluate_texels(network, light, k_size, uv.data(), k_texels, reference.data()); }));
     own_float.macs += texel_macs * k_texels;
-    own_float.rmse_truth += rmse(reference, truth);
+    own_float.judge(reference, reference, truth);
     // The runtime computes nothing for a light that it has: it is asked for another one in between, untimed.
     const Direction other = lights[(i + 1) % k_lights];
     const auto bytes = [&](ShadowRunner* runner, Samples* samples) {
@@ -168,7 +181,7 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
       samples->macs += separated_macs * texture.evaluated;
       samples->evaluated += texture.evaluated;
       for (uint32_t t = 0; t < k_texels; ++t) output[t] = 1 - static_cast<float>(texture.coverage[t]) / 255;
-      samples->rmse += rmse(output, reference), samples->rmse_truth += rmse(output, truth);
+      samples->judge(output, reference, truth);
     };
     bytes(&full, &own_int8);
     bytes(&adaptive, &own_adaptive);
@@ -179,7 +192,7 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
       samples->ms.push_back(best_ms(work));
       samples->ms_encoding.push_back(encoding);
       samples->macs += texel_macs * k_texels;
-      samples->rmse += rmse(output, reference), samples->rmse_truth += rmse(output, truth);
+      samples->judge(output, reference, truth);
     };
     peer(&peer_float, [&] { xnn_float.run(input.data(), k_texels, output.data()); });
     const std::vector<int8_t> encoded = XnnpackPeer::encoded_bytes(input);

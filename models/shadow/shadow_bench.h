@@ -24,6 +24,9 @@ struct ShadowBenchRow {
   double fraction = 0;     // of this CPU's measured peak, f32 or int8
   double rmse = 0;         // against the float network
   double rmse_truth = 0;   // against ray tracing
+  double p999_truth = 0;   // of the differences of single texels from ray tracing: one in a thousand is larger
+  double worst_truth = 0;  // the largest of them
+  double worst = 0;        // the largest difference of a texel from the float network
   double evaluated = 1;    // share of the texels that the network was asked for
 };
 

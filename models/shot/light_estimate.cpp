@@ -18,7 +18,8 @@ namespace {
 constexpr int k_width = SANDGLASS_LIGHT_WIDTH, k_height = SANDGLASS_LIGHT_HEIGHT;
 constexpr double k_focal = 174.60936017108344;  // pixels: 85 degrees across the diagonal
 
-void require(sandglass_status status, const std::string& what, const char* reason) {
+// A reference: the call that writes the reason is another argument.
+void require(sandglass_status status, const std::string& what, const char* const& reason) {
   if (status != SANDGLASS_OK) throw Failure(what + ": " + (reason != nullptr ? reason : sandglass_status_name(status)));
 }
 
@@ -41,7 +42,7 @@ const sandglass_camera_image* LightEstimate::take(const Surroundings& room, cons
                                                   uint64_t time_ns) {
   const bool photo = !room.has_truth();
   const int width = photo ? room.photo.width : k_width, height = photo ? room.photo.height : k_height;
-  const double focal = photo ? camera.focal * height : k_focal;
+  const double focal = photo ? room.photo_focal : k_focal;
   ShotCamera whole = camera;
   whole.focal = focal / height;
   pixels_.resize(3 * static_cast<size_t>(width) * static_cast<size_t>(height));
@@ -101,7 +102,7 @@ ShotLight LightEstimate::light() const {
   sandglass_light_get(light_, &e);
   const auto vector = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };
   return {vector(e.direction), vector(e.light) * static_cast<double>(e.strength), vector(e.ambient),
-          static_cast<double>(e.contrast)};
+          static_cast<double>(e.contrast), static_cast<double>(e.confidence)};
 }
 
 std::string shipped_light_network() {

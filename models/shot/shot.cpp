@@ -3,11 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 
+#include "models/host/atomic_file.h"
 #include "models/host/collision_fields.h"
 #include "models/host/failure.h"
+#include "models/host/standing_shadows.h"
 #include "models/lighting/panorama_file.h"
 #include "models/lighting/perceived_errors.h"
+#include "sandglass/shadow.h"
 
 namespace sandglass::host {
 
@@ -26,11 +30,51 @@ Surroundings surroundings_of(const SceneFile& scene, const ShotOptions& options,
                                k_unknown_depth_insertion);
 }
 
+std::string network_of(const ShotOptions& options) {
+  return options.network.empty() ? shipped_light_network() : options.network;
+}
+
+// Before anything is traced: what is wrong with it is said at once.
+LightSource source_of(const ShotOptions& options) {
+  const bool network = !network_of(options).empty(), photo = !options.photo.empty();
+  const LightSource source = options.light.value_or(network ? LightSource::estimate
+                                                    : photo ? LightSource::arbitrary
+                                                            : LightSource::labels);
+  if (source == LightSource::labels && photo)
+    throw Failure("a photograph has no labels of its light; take --light arbitrary, or a --panorama");
+  if (source == LightSource::estimate && !network)
+    throw Failure("there is no trained lighting network; name one with --network, or take --light labels or arbitrary");
+  return source;
+}
+
 const ColliderTrack& standing_track(const SceneFile& scene) {
   for (const ColliderTrack& track : scene.colliders)
     if (!track.shadow.empty()) return track;
   throw Failure("scene '" + scene.source +
                 "': a shot needs a collider with a \"shadow\", the object that stands in it");
+}
+
+// The mesh as it stands and the box that its shadow was baked of agree to this share of the height.
+constexpr double k_same_shape = 0.03;
+
+void require_baked_of(const ColliderTrack& track, const Mesh& standing, const std::string& name) {
+  const std::string path = find_shadow(track.shadow), content = read_file(path, "baked shadow");
+  std::vector<uint64_t> words(content.size() / 8 + 1);  // aligned as the library wants it
+  std::memcpy(words.data(), content.data(), content.size());
+  sandglass_shadow_info info = {};
+  info.struct_size = sizeof info;
+  const char* reason = nullptr;
+  if (sandglass_shadow_inspect(words.data(), content.size(), &info, &reason) != SANDGLASS_OK)
+    throw Failure("'" + path + "': " + reason);
+  double half[2] = {};
+  for (size_t i = 0; i < standing.vertices.size(); i += 3)
+    for (size_t axis = 0; axis < 2; ++axis)
+      half[axis] = std::max(half[axis], std::fabs(static_cast<double>(standing.vertices[i + 2 * axis])));
+  const double scale = track.size.y / static_cast<double>(info.height);
+  if (std::fabs(half[0] - scale * static_cast<double>(info.half_x)) > k_same_shape * track.size.y ||
+      std::fabs(half[1] - scale * static_cast<double>(info.half_z)) > k_same_shape * track.size.y)
+    throw Failure("the baked shadow '" + path + "' is that of another object than '" + name +
+                  "': their shapes differ; name the file that sandglass bake wrote for this one");
 }
 
 Picture labelled(Picture picture, const char* label) {
@@ -63,6 +107,7 @@ Mesh standing_object(const SceneFile& scene, const std::string& file) {
   MeshResult loaded = file.empty() ? make_named(track.mesh) : load_mesh(file);
   if (!loaded) throw Failure(loaded.error);
   stand_mesh(&loaded.mesh, track.size.y, file);
+  require_baked_of(track, loaded.mesh, file.empty() ? track.mesh : file);
   std::vector<float>& v = loaded.mesh.vertices;
   for (size_t i = 0; i < v.size(); i += 3) {
     const Vec3 at = rotate(track.rotation, Vec3{v[i], v[i + 1], v[i + 2]}) + track.position;
@@ -75,21 +120,11 @@ Shot::Shot(const SceneFile& scene, const ShotOptions& options)
     : scene_(scene),
       camera_(*scene.camera),
       object_(standing_object(scene, options.mesh)),
+      source_(source_of(options)),
+      estimate_(source_ == LightSource::estimate ? std::make_unique<LightEstimate>(network_of(options), options.isa)
+                                                 : nullptr),
       surroundings_(surroundings_of(scene, options, standing_track(scene).position, &camera_)) {
-  const bool known = surroundings_.has_truth();
-  const std::string network = options.network.empty() ? shipped_light_network() : options.network;
-  source_ = options.light.value_or(!network.empty() ? LightSource::estimate
-                                   : known          ? LightSource::labels
-                                                    : LightSource::arbitrary);
-  if (source_ == LightSource::labels && !known)
-    throw Failure("a photograph has no labels of its light; take --light arbitrary, or a --panorama");
-  if (source_ == LightSource::estimate) {
-    if (network.empty())
-      throw Failure(
-          "there is no trained lighting network; name one with --network, or take --light labels or arbitrary");
-    estimate_ = std::make_unique<LightEstimate>(network, options.isa);
-  }
-  if (known) labels_ = labelled_light(surroundings_);
+  if (surroundings_.has_truth()) labels_ = labelled_light(surroundings_);
 }
 
 ShotCamera Shot::camera(uint32_t frame) const {

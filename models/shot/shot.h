@@ -41,7 +41,8 @@ struct ShotErrors {
 ShotErrors shot_errors(const RadianceMap& truth, const RadianceMap& picture);
 std::string shot_errors_text(const ShotErrors& errors);
 
-// The mesh of the scene's first standing object, in the scene's frame. `file`: instead of the one it names.
+// The mesh of the scene's first standing object, in the scene's frame. `file`: instead of the one it names. A Failure
+// if its shadow was baked of another shape.
 Mesh standing_object(const SceneFile& scene, const std::string& file);
 
 class Shot {
@@ -75,10 +76,10 @@ class Shot {
   SceneFile scene_;
   Camera camera_;
   Mesh object_;
-  Surroundings surroundings_;
   LightSource source_;
-  ShotLight labels_;
   std::unique_ptr<LightEstimate> estimate_;
+  Surroundings surroundings_;
+  ShotLight labels_;
   const sandglass_camera_image* image_ = nullptr;
   std::vector<ShotLight> lights_;  // of the frames so far
 };

@@ -124,6 +124,8 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
                                    const ShotShadows& shadows, CastShadow cast,
                                    const ShotPictureOptions& options) const {
   const double half_angle = k_light_half_angle_deg * k_pi / 180.0;
+  const Vec3 opacity = shadow_opacity(light);
+  const bool textured = cast == CastShadow::textures || cast == CastShadow::plain;
   RadianceMap picture(options.width, options.height);
   const auto colour_of = [&](Vec3 direction, Random* random) {
     const Hit hit = state_->closest(camera.eye, direction);
@@ -131,18 +133,20 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     const Vec3 start = hit.point + hit.normal * k_lift;
     if (hit.surface == Surface::floor) {
       double left = 1.0;
-      if (cast == CastShadow::textures)
+      if (textured)
         left = left_by(shadows.object, hit.point.x, hit.point.z) * left_by(shadows.pile, hit.point.x, hit.point.z);
       else if (cast == CastShadow::hard && light.towards.y > 0.0 && length(hit.point) < k_catcher_reach)
         left = state_->blocked(start, light.towards, k_far) ? 0.0 : 1.0;
-      return room.seen(camera, direction) * (1.0 - (1.0 - left) * light.contrast);
+      const Vec3 seen = room.seen(camera, direction);
+      if (cast == CastShadow::plain) return seen * (1.0 - (1.0 - left) * light.contrast);
+      return room.shown(product(room.radiance(seen), Vec3{1, 1, 1} - opacity * (1.0 - left)));
     }
     const double facing = std::max(0.0, dot(hit.normal, light.towards));
     double open = facing > 0.0 ? 1.0 : 0.0;
     if (open > 0.0 && hit.surface == Surface::object) {
       const Vec3 to = in_cap(light.towards, half_angle, random->uniform(), random->uniform());
       open = state_->object_blocks(start, to, k_far) ? 0.0 : 1.0;
-    } else if (open > 0.0 && cast == CastShadow::textures && light.towards.y > 0.0) {
+    } else if (open > 0.0 && textured && light.towards.y > 0.0) {
       const Vec3 foot = hit.point - light.towards * (hit.point.y / light.towards.y);
       open = left_by(shadows.object, foot.x, foot.z) * left_by(shadows.pile_surface, hit.point.x, hit.point.z);
     } else if (open > 0.0 && cast == CastShadow::hard) {

@@ -1,8 +1,10 @@
 // One instant of a shot as a picture: composited as an app does, and path traced as the truth.
 //
 // Composite. Behind everything the camera's image. The object and the grains take the directional light, by the cosine,
-// and the ambient light; the floor is the camera's image times 1 - (1 - nu) o, nu being what the textures leave of the
-// direct light (4.3 of the project's SPEC), in linear values. Grains are darkened by the pile's own texture at their
+// and the ambient light; of the floor's radiance, which is the camera's image through the inverse of its tone curve,
+// 1 - (1 - nu) o_k is left in each colour, nu being what the textures leave of the direct light (4.3 of the project's
+// SPEC) and o_k its share (shadow_opacity). Then the tone curve again: where it is flat, a shadow looks lighter than it
+// is. Grains are darkened by the pile's own texture at their
 // place, and by the object's at the place of the floor that the light would reach through them. What stands for the
 // graphics engine and not for this library is traced: the object's shadow on itself, and how open a point is to ambient
 // light.
@@ -26,9 +28,9 @@
 
 namespace sandglass::host {
 
-// What falls on the floor and the grains: the library's textures, nothing, or an edge traced to the middle of the
-// light.
-enum class CastShadow { textures, none, hard };
+// What falls on the floor and the grains: the library's textures; nothing; an edge traced to the middle of the light;
+// or plain: the textures, multiplied onto the floor as the camera shows it, by the contrast in all colours alike.
+enum class CastShadow { textures, none, hard, plain };
 
 struct ShotShadows {
   std::vector<FloorShadow> object, pile, pile_surface;  // none of a kind: nothing is cast

@@ -19,6 +19,7 @@ namespace {
 constexpr double k_pi = std::numbers::pi;
 constexpr int k_room_width = 1024, k_room_samples = 48;
 constexpr double k_most_contrast = 0.95, k_least_cosine = 0.1, k_most_strength = 64.0;  // of the radiometry
+constexpr double k_picture_aspect = 4.0 / 3.0;
 constexpr double k_room_insertion = 0.6;  // 4 m from the farthest that is seen (5.22), as in these rooms
 
 Vec3 limited(Vec3 c) { return {std::min(c.x, 1.0), std::min(c.y, 1.0), std::min(c.z, 1.0)}; }
@@ -47,8 +48,20 @@ Vec3 photo_at(const RadianceMap& photo, double x, double y) {
 Vec3 Surroundings::seen(const ShotCamera& camera, Vec3 direction) const {
   if (has_truth()) return limited(tone_mapped(look_up(panorama, direction), white));
   const Vec3 d = camera.to_camera(direction);
-  const double scale = camera.focal * photo.height / d.z;
+  const double scale = photo_focal / d.z;
   return photo_at(photo, 0.5 * photo.width + d.x * scale, 0.5 * photo.height + d.y * scale);
+}
+
+Vec3 Surroundings::shown(Vec3 radiance) const { return limited(has_truth() ? tone_mapped(radiance, white) : radiance); }
+
+Vec3 shadow_opacity(const ShotLight& light) {
+  const double o = light.contrast, lit = luminance(light.light), rest = luminance(light.ambient);
+  if (!(lit > 0.0) || !(rest > 0.0)) return {o, o, o};
+  const auto of = [&](double c, double a) {
+    const double direct = o * c / lit, left = (1.0 - o) * a / rest;
+    return direct > 0.0 ? direct / (direct + left) : 0.0;
+  };
+  return {of(light.light.x, light.ambient.x), of(light.light.y, light.ambient.y), of(light.light.z, light.ambient.z)};
 }
 
 Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name, const Camera& camera,
@@ -96,8 +109,9 @@ Surroundings photo_surroundings(const std::string& path, double diagonal_fov_deg
   Surroundings s;
   s.name = fs::path(path).stem().string();
   s.photo = linear_photo(read_picture(path));
-  camera->fov_deg =
-      360.0 / k_pi * std::atan(0.5 * s.photo.height / focal_length(s.photo.width, s.photo.height, diagonal_fov_deg));
+  s.photo_focal = focal_length(s.photo.width, s.photo.height, diagonal_fov_deg);
+  const double shown = std::min<double>(s.photo.height, s.photo.width / k_picture_aspect);
+  camera->fov_deg = 360.0 / k_pi * std::atan(0.5 * shown / s.photo_focal);
   return s;
 }
 
@@ -110,7 +124,7 @@ ShotLight labelled_light(const Surroundings& s) {
   const double wanted = luminance(labels.ambient) * o / (1.0 - o) / std::max(towards.y, k_least_cosine);
   const double strength =
       luminance(labels.light) > 0.0 ? std::min(wanted / luminance(labels.light), k_most_strength) : 0.0;
-  return {towards, labels.light * strength, labels.ambient, labels.contrast};
+  return {towards, labels.light * strength, labels.ambient, labels.contrast * labels.concentration, -1.0};
 }
 
 ShotLight arbitrary_light(const ShotCamera& camera) {

@@ -11,8 +11,10 @@
 
 namespace sandglass::host {
 
-enum class ShotVariant { labels, no_shadow, hard_shadow, arbitrary_light, estimate };
-constexpr int k_shot_variants = 5, k_shot_metrics = 7;
+// plain_shadow: true labels, the shadow multiplied onto what the camera shows, in all colours alike. It is beside the
+// ablations, for what the tone curve does, and nothing is promised against it.
+enum class ShotVariant { labels, no_shadow, hard_shadow, arbitrary_light, plain_shadow, estimate };
+constexpr int k_shot_variants = 6, k_shot_metrics = 7;
 const char* name_of(ShotVariant variant);
 const char* shot_metric_name(int metric);  // "RMSE", ..., the last two "1 - SSIM" and "FLIP": all are 0 at best
 
@@ -22,6 +24,23 @@ struct ShotView {
   double errors[k_shot_variants][k_shot_metrics] = {};
   double angle_deg = 0.0;  // between estimate and labels
 };
+
+// The sand's own shadow on the floor, in one light, against rays cast at the very grains that are drawn: means over
+// texels of what can be seen of them (6.18), where either is in shadow. Apart: texels in which grains lie, of which a
+// texture can say no more than one thing.
+struct PileShadowError {
+  double polar_deg, azimuth_deg;
+  struct Part {
+    double rmse = 0.0, without = 0.0;  // of visibility; without: of no shadow of the sand
+    int texels = 0;
+  } clear, among_grains;
+};
+std::vector<PileShadowError> study_pile_shadow();
+PileShadowError whole_of(const std::vector<PileShadowError>& lights);  // over all texels of all lights
+// What the whole's RMSE of clear texels must stay below.
+double pile_shadow_limit(const PileShadowError& whole);
+bool holds(const PileShadowError& whole);
+std::string pile_shadow_text(const std::vector<PileShadowError>& lights);
 
 struct ShotStudy {
   std::vector<ShotView> views;
@@ -42,6 +61,7 @@ struct ShotStudy {
 struct ShotStudyOptions {
   std::vector<std::string> panoramas;  // files; the first `views` are taken
   size_t views = 20;
+  uint64_t seed = 0;  // where the cameras look: 0 is the study, others are there to check what was learnt from it
   int width = 160, height = 120, paths = 64;
   std::string network;  // a lighting network's file; empty: without estimate
   std::string folder;   // keeps finished views, so that a run goes on where it ended, and gets pictures; may be empty

@@ -282,7 +282,7 @@ using namespace sandglass;
 void sandglass_shadow_desc_default(sandglass_shadow_desc* desc) {
   *desc = {};
   desc->struct_size = sizeof *desc;
-  desc->threshold = 24;
+  desc->threshold = 48;
   desc->light_tolerance = 0.01f;
   desc->light_count = 1;
 }

@@ -155,6 +155,10 @@ void run_full(Shadow* s) {
 
 }  // namespace
 
+// What rounding a direction to floats can take from its cosine, twice over: a light that an app puts at the limit is
+// within.
+constexpr double k_limit_rounding = 2.4e-7;
+
 // Beyond polar_max the light is turned up to it at the same azimuth, and the shadow fades towards the horizon.
 void shadow_set_light(Shadow* s, uint32_t number, const double unit_vector[3], float irradiance) {
   ShadowLight& l = s->lights[number];
@@ -162,7 +166,7 @@ void shadow_set_light(Shadow* s, uint32_t number, const double unit_vector[3], f
   double light[3] = {unit_vector[0], unit_vector[1], unit_vector[2]};
   l.irradiance = irradiance;
   l.opacity = 1;
-  l.beyond = light[1] < s->polar_cosine;
+  l.beyond = light[1] < s->polar_cosine - k_limit_rounding;
   if (l.beyond) {
     const double flat = square_root(light[0] * light[0] + light[2] * light[2]);
     const double polar = arc_tangent2(flat, light[1]);

@@ -11,6 +11,8 @@
 #include <sstream>
 
 #include "models/host/image.h"
+#include "models/host/mesh/generated.h"
+#include "models/host/mesh/ply.h"
 #include "models/host/npy.h"
 #include "models/lighting/light_file.h"
 
@@ -130,6 +132,29 @@ TEST_F(Cli, OutWritesReportsAndPictures) {
                            "summary.json", "summary.txt", "report.html"})
     EXPECT_GT(fs::file_size(folder / "out" / file), 100u) << file;
   EXPECT_TRUE(fs::exists(folder / "out" / "film.mp4") || fs::exists(folder / "out" / "film.gif"));
+  // What the scene leaves out took no unit and no time, and there is nothing to say of it.
+  std::istringstream csv(read(path("out/report.csv")));
+  std::vector<std::string> names, cells;
+  std::string line, cell;
+  const auto split = [&](std::vector<std::string>* into) {
+    into->clear();
+    for (std::istringstream text(line); std::getline(text, cell, ',');) into->push_back(cell);
+  };
+  std::getline(csv, line), split(&names);
+  int rows = 0;
+  for (; std::getline(csv, line); ++rows) {
+    split(&cells);
+    ASSERT_EQ(cells.size(), names.size());
+    for (size_t i = 0; i < names.size(); ++i) {
+      if (names[i].rfind("lighting_", 0) == 0 || names[i].rfind("shadow_", 0) == 0) {
+        EXPECT_EQ(std::strtod(cells[i].c_str(), nullptr), 0.0) << names[i];
+      }
+      if (names[i] == "light_x" || names[i] == "contrast") {
+        EXPECT_EQ(cells[i], "");
+      }
+    }
+  }
+  EXPECT_EQ(rows, 3);
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder / "out"))
     EXPECT_EQ(entry.path().string().find("unfinished"), std::string::npos) << entry.path();
 }
@@ -156,6 +181,60 @@ TEST_F(Cli, VerifiesAChosenCaseAndWritesItsTable) {
   EXPECT_NE(csv.find("refinement,\"uniform field reproduced\""), std::string::npos);
   EXPECT_NE(markdown.find("fails, as it must"), std::string::npos);
   EXPECT_FALSE(fs::exists(path("out/runout.png"))) << "no curve without its case";
+}
+
+// A room that the program makes up, a photograph of it, and the program's own chair as somebody else's mesh.
+TEST_F(Cli, RunsShotsOfFiles) {
+  if (*SANDGLASS_EMULATOR != '\0')
+    GTEST_SKIP() << "fills 25,000 grains three times; nothing of it is the instruction set's";
+  const std::string files = "-o '" + path("room.hdr") + "' --picture '" + path("room.png") + "'";
+  ASSERT_EQ(run("room --seed 3 --width 64 --samples 1 " + files).code, 0);
+  const auto light_of = [&](const std::string& arguments) {
+    const Outcome outcome = run("run shot --frames 2 --clock virtual " + arguments);
+    EXPECT_EQ(outcome.code, 0) << arguments << "\n" << outcome.err;
+    EXPECT_NE(outcome.out.find("hash 0x"), std::string::npos) << outcome.out;
+    return outcome.out;
+  };
+  const std::string panorama = light_of("--panorama '" + path("room.hdr") + "' --light labels");
+  const std::string photo = light_of("--photo '" + path("room.png") + "' --fov 70 --light arbitrary");
+  EXPECT_NE(panorama.substr(panorama.find("hash")), photo.substr(photo.find("hash")))
+      << "another light, another shadow";
+  if (!have_assimp()) return;
+  const sandglass::host::MeshResult chair = sandglass::host::make_named("chair");
+  ASSERT_EQ(sandglass::host::write_mesh_obj(path("mine.obj"), chair.mesh), "");
+  light_of("--panorama '" + path("room.hdr") + "' --light labels --object '" + path("mine.obj") + "' --asset chair");
+}
+
+TEST_F(Cli, RefusesBadShots) {
+  ASSERT_EQ(
+      run("room --seed 3 --width 64 --samples 1 -o '" + path("room.hdr") + "' --picture '" + path("room.png") + "'")
+          .code,
+      0);
+  const std::string room = "'" + path("room.hdr") + "'", photo = "'" + path("room.png") + "'";
+  const std::string cube = "'" + write("cube.obj", k_cube) + "'";
+  expect_refused("run shot --panorama '" + path("missing.hdr") + "'", "missing.hdr");
+  expect_refused("run shot --panorama " + photo, "neither .hdr nor .exr");
+  expect_refused("run shot --panorama '" + write("cut.hdr", read(path("room.hdr")).substr(0, 600)) + "'", "cut.hdr");
+  expect_refused("run shot --photo '" + path("missing.png") + "' --fov 70", "missing.png");
+  expect_refused("run shot --photo " + room + " --fov 70", "PNG or JPEG");
+  expect_refused("run shot --photo " + photo, "--fov");
+  expect_refused("run shot --photo " + photo + " --fov 0", "--fov");
+  expect_refused("run shot --photo " + photo + " --fov 179", "--fov");
+  expect_refused("run shot --photo " + photo + " --fov wide", "--fov");
+  expect_refused("run shot --fov 70", "--photo");
+  expect_refused("run shot --photo " + photo + " --fov 70 --panorama " + room, "excludes");
+  expect_refused("run shot --photo " + photo + " --fov 70 --light labels", "labels");
+  expect_refused("run shot --light moon", "moon");
+  expect_refused("run shot --network '" + path("missing.light") + "'", "missing.light");
+  expect_refused("run shot --network " + room, "room.hdr': ");
+  expect_refused("run demo --photo " + photo + " --fov 70", "no shot");
+  expect_refused("run demo --asset chair", "--asset");
+  expect_refused("run shot --asset '" + path("missing.shadow") + "'", "missing.shadow");
+  expect_refused("run shot --asset " + room, "room.hdr': ");
+  if (!have_assimp()) return;
+  expect_refused("run shot --object " + cube, "--asset");
+  expect_refused("run shot --object '" + path("missing.obj") + "' --asset chair", "missing.obj");
+  expect_refused("run shot --object " + cube + " --asset chair", "another object");
 }
 
 TEST_F(Cli, RefusesBadScenes) {

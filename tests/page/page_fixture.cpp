@@ -1,6 +1,7 @@
 // Writes the page of a run whose every number is known, and its CSV, into the folder named by the argument: what
 // page_test.py looks at in a browser. Frame i takes 1 + i/25 ms of a budget of 4 ms, so that those after frame 75 miss
 // it; every stage has its own share; the level is that of the frame's hundredth part of the run.
+#include <cmath>
 #include <cstdio>
 #include <exception>
 
@@ -16,6 +17,7 @@ constexpr uint32_t k_frames = 120;
 RunReport known_run() {
   RunReport run;
   run.scene = "known <run> & \"page\"", run.isa = "scalar", run.clock = "virtual", run.memory_bytes = 3 << 20;
+  run.light = "estimate";
   for (uint32_t i = 1; i <= k_frames; ++i) {
     FrameRow row = {};
     sandglass_frame_report& r = row.report;
@@ -28,6 +30,16 @@ RunReport known_run() {
     r.level = i <= 60 ? 0 : i <= 100 ? 1 : 4;
     r.time_debt = i > 100 ? 1e-4 * (i - 100) : 0.0;
     r.particles = 10, r.grains = 160;
+    r.simulated_time = 0.02 * i;
+    // Out of the zenith's side, past the north into the west; there is none before the third frame.
+    const double polar = 0.01 * i, azimuth = 2.0 + 0.02 * i;
+    row.light.known = row.light.coloured = i > 2;
+    row.light.towards[0] = std::sin(polar) * std::cos(azimuth), row.light.towards[1] = std::cos(polar);
+    row.light.towards[2] = std::sin(polar) * std::sin(azimuth);
+    row.light.light[0] = 1.0, row.light.light[1] = 0.9, row.light.light[2] = 0.8;
+    for (double& value : row.light.ambient) value = 0.002 * i;
+    row.light.contrast = 0.25 + 0.005 * i;
+    if (i > 10) row.light.confidence = 1.0 - 0.005 * i;
     row.wall_ms = 6.0, row.cpu_ms = 0.03 * i;
     run.frames.push_back(row);
   }
@@ -65,10 +77,9 @@ int main(int argc, char** argv) {
         {"Pair", "Red before blue.", plain(argv[1], {200, 0, 0}), plain(argv[1], {0, 0, 200}), "red", "blue", false},
         {"Single", "</script> is text.", jpeg_file(Picture(320, 240, {0, 150, 0}), 90), {}, "", "", true}};
     content.tables = {{"Errors", "One view.", {"view", "RMSE"}, {{"1", "0.125"}}}, {"Facts", "", {}, {{"seed", "7"}}}};
-    LightSeries light = {"estimated", {}};
-    for (uint32_t i = 0; i < k_frames; ++i)
-      light.samples.push_back({0.02 * i, {1.0, 1.0, 0.01 * i}, {1.0, 0.9, 0.8}, {0.2, 0.2, 0.3}});
-    content.light = {light};
+    LightSeries labels = {"labels", {}};
+    for (const double time : {0.02, 0.02 * k_frames}) labels.samples.push_back({time, {1.0, 1.0, 0.0}, {-1}, {-1}});
+    content.light = {labels};
     write_file(std::string(argv[1]) + "/report.csv", report_csv(run));
     write_file(std::string(argv[1]) + "/report.html", report_page(run, content));
     write_file(std::string(argv[1]) + "/long.html", report_page(long_run(), {}));

@@ -3,9 +3,10 @@
 the numbers of the CSV, what is over the budget is marked, its sliders follow mouse and keys, pointing at a bar names the stage.
 
 page_test.py FIXTURE FOLDER [--screenshot FILE]     FIXTURE writes FOLDER/report.html and FOLDER/report.csv
-page_test.py --control FIXTURE FOLDER               damages the page in three ways, each of which the checks must notice
+page_test.py --control FIXTURE FOLDER               damages the page in four ways, each of which the checks must notice
 Exit code 77: there is no Chromium here."""
 import csv
+import math
 import shutil
 import subprocess
 import sys
@@ -71,14 +72,54 @@ def check_other_charts(browser, rows):
     rungs = browser.ask("data.ladder.length")
     check(browser.ask("document.querySelectorAll('#ladder-table tbody tr').length") == rungs and rungs >= 2, "a rung is missing")
     check(browser.ask("document.querySelectorAll('#ladder circle').length") >= 2 * (rungs - 1), "the ladder's curve is incomplete")
-    check(browser.ask("document.querySelectorAll('#light path').length") == 2, "the light has no curves")
-    check(browser.ask("document.querySelectorAll('#light rect').length") == 2 * len(rows), "the light has no colours")
+    lit = [row for row in rows if row["light_x"]]
+    check(browser.ask("document.querySelectorAll('#light rect').length") == 2 * len(lit), "the light has no colours")
     text = browser.ask("document.body.innerText")
     for word in ('known <run> & "page"', "</script> is text.", "0.125", "seed"):
         check(word in text, f"'{word}' is not on the page")
     unnamed = browser.ask("""[...document.querySelectorAll('svg, img, input, button')].filter(e =>
         !(e.getAttribute('aria-label') || e.alt || e.textContent.trim())).length""")
     check(unnamed == 0, f"{unnamed} elements have no name for a screen reader")
+
+
+def unwrapped(angles):
+    """Without jumps of whole turns."""
+    out = []
+    for angle in angles:
+        while out and angle - out[-1] > 180:
+            angle -= 360
+        while out and angle - out[-1] < -180:
+            angle += 360
+        out.append(angle)
+    return out
+
+
+def check_light(browser, rows):
+    """The light's curves, in the places where the CSV's numbers belong."""
+    lit = [row for row in rows if row["light_x"]]
+    sure = [row for row in rows if row["confidence"]]
+    check(0 < len(sure) < len(lit) < len(rows), "the fixture has light in all frames, or in none")
+    towards = [[float(row["light_" + axis]) for axis in "xyz"] for row in lit]
+    expected = {
+        "estimate: from the zenith": [math.degrees(math.acos(d[1])) for d in towards],
+        "estimate: azimuth, from x towards z": unwrapped([math.degrees(math.atan2(d[2], d[0])) for d in towards]),
+        "estimate: contrast": [float(row["contrast"]) for row in lit],
+        "estimate: confidence": [float(row["confidence"]) for row in sure],
+        "labels: from the zenith": [45, 45],
+        "labels: azimuth, from x towards z": [0, 0],
+    }
+    drawn = {name: [float(pair.split()[1]) for pair in path[1:].split("L")] for name, path in browser.ask(
+        "[...document.querySelectorAll('#light path')].map(p => [p.dataset.curve, p.getAttribute('d')])")}
+    check(drawn.keys() == expected.keys(), f"curves of the light: {sorted(drawn)}")
+    scale = browser.ask("({...document.querySelector('#light svg').dataset})")
+    for name, heights in drawn.items():
+        share = name.endswith(("contrast", "confidence"))
+        bottom, unit = (float(scale[key]) for key in (("shareBottom", "sharePerPixel") if share else ("bottom", "degreesPerPixel")))
+        low = 0.0 if share else float(scale["low"])
+        check(len(heights) == len(expected[name]), f"{name}: {len(heights)} places for {len(expected[name])} rows")
+        for height, value in zip(heights, expected[name]):
+            got = low + (bottom - height) * unit
+            check(abs(got - value) <= HALF_PIXEL * unit, f"{name}: drawn at {got}, is {value}")
 
 
 def box_of(browser, selector):
@@ -147,6 +188,7 @@ def check_page(program, page, rows, screenshot=None):
         check_opens(browser, page)
         check_bars(browser, rows)
         check_other_charts(browser, rows)
+        check_light(browser, rows)
         check_slider(browser)
         check_hover(browser, rows)
         if screenshot:
@@ -162,6 +204,7 @@ def controls(program, page, rows):
     text = open(page, encoding="utf-8").read()
     damages = {
         "a bar for": text.replace("height: Math.max(0, y(from) - y(from + time))", "height: Math.max(0, y(from) - y(from + 1.1 * time))"),
+        "contrast: drawn": text.replace("y = v => share.bottom - (share.bottom - share.top) * v", "y = v => share.bottom - (share.bottom - share.top) * v * v"),
         "the slider": text.replace("input.addEventListener('input', follow);", ""),
         "console complains": text.replace("document.documentElement.dataset.drawn", "console.error('no'); document.documentElement.dataset.drawn"),
     }

@@ -74,7 +74,7 @@ struct Everything {
       EXPECT_EQ(sandglass_shadow_bytes(&d, &need, &reason), SANDGLASS_OK) << reason;
       shadow_block = sandglass::host::new_block(need, "a test", "");
       EXPECT_EQ(sandglass_shadow_create(&d, shadow_block.get(), need, &shadow, &reason), SANDGLASS_OK) << reason;
-      bytes += need;
+      bytes += need, shadow_bytes = need;
     }
     if ((stages & k_pile) != 0) {
       sandglass_pile_shadow_desc d;
@@ -83,7 +83,7 @@ struct Everything {
       EXPECT_EQ(sandglass_pile_shadow_bytes(&d, &need, &reason), SANDGLASS_OK) << reason;
       pile_block = sandglass::host::new_block(need, "a test", "");
       EXPECT_EQ(sandglass_pile_shadow_create(&d, pile_block.get(), need, &pile, &reason), SANDGLASS_OK) << reason;
-      bytes += need;
+      bytes += need, pile_bytes = need;
     }
     if ((stages & k_light) != 0) {
       const std::vector<uint8_t> file = light_file_bytes(sandglass::host::random_light_file(7));
@@ -95,7 +95,7 @@ struct Everything {
       EXPECT_EQ(sandglass_light_bytes(&d, &need, &reason), SANDGLASS_OK) << reason;
       light_block = sandglass::host::new_block(need, "a test", "");
       EXPECT_EQ(sandglass_light_create(&d, light_block.get(), need, &light, &reason), SANDGLASS_OK) << reason;
-      bytes += need;
+      bytes += need, light_bytes = need;
       pixels.resize(3 * 640 * 480);
       for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = static_cast<uint8_t>(i * 7 / 31 ^ i >> 9);
       sandglass_camera_image_default(&image);
@@ -131,7 +131,7 @@ struct Everything {
   }
 
   uint32_t with;
-  uint64_t bytes = 0;
+  uint64_t bytes = 0, light_bytes = 0, shadow_bytes = 0, pile_bytes = 0;  // the first: of all
   sandglass::Scene scene;
   std::vector<sandglass_grain> drawn;
   Block shadow_block, pile_block, light_block;
@@ -196,10 +196,24 @@ TEST(ShotBudget, WhatIsLeftOutIsGone) {
   Everything all(k_all);
   constexpr int k_frames = 30;
   const auto units_of = [](Everything& scene, sandglass_stage stage) {
-    uint32_t units = 0;
-    for (int i = 0; i < k_frames; ++i) units += scene.frame(8'000'000, 0.8, 0.02 * i).stages[stage].units;
+    uint64_t units = 0;
+    for (int i = 0; i < k_frames; ++i) {
+      const sandglass_frame_report report = scene.frame(8'000'000, 0.8, 0.02 * i);
+      units += report.stages[stage].units;
+      if (report.stages[stage].units == 0) {
+        EXPECT_EQ(report.stages[stage].elapsed_ns, 0u) << "no unit, no time";
+      }
+    }
     return units;
   };
+  // All that the stages take is what each asks for, and the scene without them is one that never knew of them.
+  const Everything sand(0);
+  const uint64_t grains = Everything(k_grains).bytes - sand.bytes;
+  EXPECT_EQ(all.bytes, sand.bytes + grains + all.light_bytes + all.shadow_bytes + all.pile_bytes);
+  EXPECT_EQ(Everything(k_all & ~k_light).bytes, all.bytes - all.light_bytes);
+  EXPECT_EQ(Everything(k_all & ~k_shadow).bytes, all.bytes - all.shadow_bytes);
+  EXPECT_EQ(Everything(k_all & ~k_pile).bytes, all.bytes - all.pile_bytes);
+  EXPECT_EQ(Everything(k_all & ~k_grains).bytes, all.bytes - grains);
   struct Part {
     uint32_t stage_bit;
     sandglass_stage stage;

@@ -50,7 +50,7 @@ typedef struct sandglass_shadow_desc {
   const void* asset; /* a baked file, aligned to 8 bytes; needed until create returns */
   uint64_t asset_bytes;
   sandglass_shadow_mode mode;
-  uint32_t threshold; /* steps of 1/255 of coverage, 0..255; default 24 (0.09), which adds less than 0.002 of error */
+  uint32_t threshold; /* steps of 1/255 of coverage, 0..255; default 48 (0.19), which adds less than 0.002 of error */
   float
       light_tolerance; /* radians, 0..1: the texture is computed anew when the light has turned by more; default 0.01 */
   uint32_t light_count; /* 1..SANDGLASS_SHADOW_LIGHTS; default 1. Each costs one texture, 64 KiB, of memory */
@@ -95,9 +95,9 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_create(const
 /* Light number `light`: the direction towards it in the object's frame, of any length above 0, and the irradiance that
  * it gives the plane where nothing is in its way, in any unit that is the same for all lights (of a single light it
  * means nothing). A texture under way is completed for its own light first, so that one unit a frame is enough for
- * textures to arrive. Lights steeper than polar_max are followed exactly; beyond it the texture is that of polar_max at
- * the same azimuth, and `opacity` falls linearly to 0 at the horizon. Fails with INVALID_ARGUMENT: a number that is
- * none, a vector that is zero or not finite, an irradiance that is negative or not finite. */
+ * textures to arrive. Lights up to polar_max (to the rounding of floats) are followed exactly; beyond it the texture is
+ * that of polar_max at the same azimuth, and `opacity` falls linearly to 0 at the horizon. Fails with INVALID_ARGUMENT:
+ * a number that is none, a vector that is zero or not finite, an irradiance that is negative or not finite. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t light,
                                                                               const float direction[3],
                                                                               float irradiance, const char** reason);
