@@ -19,5 +19,6 @@ void add_dataset_command(CLI::App& program, int* exit_code);
 void add_ceiling_command(CLI::App& program, int* exit_code);
 void add_light_command(CLI::App& program, int* exit_code);
 void add_quantise_light_command(CLI::App& program, int* exit_code);
+void add_light_features_command(CLI::App& program, int* exit_code);
 
 }  // namespace sandglass::host

@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   add_ceiling_command(program, &exit_code);
   add_light_command(program, &exit_code);
   add_quantise_light_command(program, &exit_code);
+  add_light_features_command(program, &exit_code);
   try {
     program.parse(argc, argv);
     if (program.get_subcommands().empty()) std::fputs(program.help().c_str(), stdout);

@@ -23,7 +23,7 @@ constexpr double k_angle_limit_deg = 1, k_difference_limit = 0.01;  // of the me
 
 struct Options {
   std::string weights, output, name = "lighting";
-  std::vector<std::string> folders;
+  std::vector<std::string> folders, measured;
   uint32_t images = 96;
 };
 
@@ -43,12 +43,12 @@ std::vector<std::string> pictures_in(const std::vector<std::string>& folders) {
   return paths;
 }
 
-Picture excerpt(const std::string& path) {
-  Picture picture = read_picture(path);
-  if (picture.width != k_width || picture.height != k_height)
-    throw Failure("'" + path + "' is " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
-                  ", not 256 x 192; name a folder made by `sandglass dataset`");
-  return picture;
+// `count` of them, evenly; all where there are fewer.
+std::vector<std::string> spread_over(const std::vector<std::string>& paths, size_t count) {
+  std::vector<std::string> chosen;
+  count = std::min(count, paths.size());
+  for (size_t i = 0; i < count; ++i) chosen.push_back(paths[i * paths.size() / count]);
+  return chosen;
 }
 
 double quantile(std::vector<double> values, double share) {
@@ -75,25 +75,30 @@ void compare(const LightValues& truth, const LightOutputs& bytes, Differences* t
 int run(const Options& options) {
   const LightNet net = light_net_of(read_npz(options.weights));
   const std::vector<std::string> paths = pictures_in(options.folders);
-  // Every other one of those chosen calibrates, the rest measure.
-  const size_t count = std::min<size_t>(paths.size(), 2 * size_t{options.images});
+  std::vector<std::string> to_calibrate, to_measure;
+  if (options.measured.empty()) {  // every other one of those chosen
+    const std::vector<std::string> both = spread_over(paths, 2 * size_t{options.images});
+    for (size_t i = 0; i < both.size(); ++i) (i % 2 == 0 ? to_calibrate : to_measure).push_back(both[i]);
+  } else {
+    to_calibrate = spread_over(paths, options.images);
+    to_measure = spread_over(pictures_in(options.measured), options.images);
+  }
   LightRanges ranges;
   std::vector<std::vector<uint8_t>> calibration, images;
   std::vector<FeaturePair> pairs;  // of the calibration images
   std::vector<LightValues> truths;
   std::vector<std::vector<float>> features;
-  Progress progress("running the float network", count);
-  for (size_t i = 0; i < count && !interrupted(); ++i) {
-    const Picture picture = excerpt(paths[i * paths.size() / count]);
-    if (i % 2 == 0) {
-      pairs.push_back({observe(net.trunk, picture.rgb, k_width, k_height, &ranges), {}});
-      calibration.push_back(picture.rgb);
-    } else {
-      features.push_back(features_of(net.trunk, picture.rgb, k_width, k_height));
-      truths.push_back(light_of(net, features.back()));
-      images.push_back(picture.rgb);
-    }
+  Progress progress("running the float network", to_calibrate.size() + to_measure.size());
+  for (size_t i = 0; i < to_calibrate.size() && !interrupted(); ++i) {
+    calibration.push_back(read_excerpt(to_calibrate[i]).rgb);
+    pairs.push_back({observe(net.trunk, calibration.back(), k_width, k_height, &ranges), {}});
     progress.done(i + 1);
+  }
+  for (size_t i = 0; i < to_measure.size() && !interrupted(); ++i) {
+    images.push_back(read_excerpt(to_measure[i]).rgb);
+    features.push_back(features_of(net.trunk, images.back(), k_width, k_height));
+    truths.push_back(light_of(net, features.back()));
+    progress.done(to_calibrate.size() + i + 1);
   }
   if (interrupted()) return k_exit_interrupted;
   LightFile file = quantise(net, &ranges);
@@ -135,9 +140,9 @@ void add_quantise_light_command(CLI::App& program, int* exit_code) {
   command->add_option("weights", options->weights, "The trained network, as train.py exports it (.npz)")->required();
   command
       ->add_option("--calibrate", options->folders,
-                   "Folders made by `sandglass dataset`; half of the images calibrate, "
-                   "the others measure")
+                   "Folders made by `sandglass dataset`; without --measure half of the images measure")
       ->required();
+  command->add_option("--measure", options->measured, "Folders of other places whose images measure");
   command->add_option("-o,--output", options->output, "File to write")->required();
   command->add_option("--name", options->name, "Name of the network, in the file")->capture_default_str();
   command->add_option("--images", options->images, "To calibrate with, and as many to measure with")

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 
 #include "models/cli/commands.h"
 #include "models/host/atomic_file.h"
@@ -19,6 +20,7 @@
 #include "models/lighting/dataset.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
+#include "models/lighting/turning_camera.h"
 #include "models/lighting/verify_lighting.h"
 #include "models/shot/light_estimate.h"
 #include "models/shot/verify_shot.h"
@@ -151,6 +153,29 @@ LightEstimator estimator_of(const Options& options) {
   };
 }
 
+// Of the panoramas, four turns of the camera each: how much the light wanders in the world.
+void add_turns(const Options& options, std::vector<Verdict>* rows) {
+  const std::vector<std::string> paths = find_panoramas(options.panoramas);
+  double filtered = 0, latest = 0, labels = 0, fixed = 0, turns = 0;
+  Progress progress("turning the camera", paths.size());
+  for (size_t i = 0; i < paths.size() && !interrupted(); ++i) {
+    const LitPanorama panorama(paths[i]);
+    for (int quarter = 0; quarter < 4 && !interrupted(); ++quarter, ++turns) {
+      const Turn turn = turn_camera(options.network, panorama, 0.5 * M_PI * quarter);
+      filtered += wander_deg(turn.filtered), latest += wander_deg(turn.latest);
+      labels += wander_deg(turn.labels), fixed += wander_deg(turn.fixed);
+    }
+    progress.done(i + 1);
+  }
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto report = [&](const char* name, double sum) {
+    rows->push_back({"lighting", std::string("camera turns by 90 deg, light wanders: ") + name, "deg", 0.0, sum / turns,
+                     infinity, true, false});
+  };
+  report("labels", labels), report("network, unfiltered", latest), report("fixed to the camera", fixed);
+  report("network", filtered);
+}
+
 int verify_lighting_suite(const Options& options) {
   if (options.panoramas.empty())
     throw Failure("verify lighting needs panoramas; name .hdr or .exr files or folders of them with --panoramas");
@@ -164,10 +189,12 @@ int verify_lighting_suite(const Options& options) {
   if (!mesh) mesh = load_mesh(options.object);
   if (!mesh) throw Failure(mesh.error);
   lighting.object = mesh.mesh;
-  const LightingVerdicts verdicts = verify_lighting(lighting);
+  LightingVerdicts verdicts = verify_lighting(lighting);
   if (interrupted()) return k_exit_interrupted;
   std::printf("%zu views of %zu panoramas\n\n%s\n", verdicts.views.size(), verdicts.pictures.size(),
               lighting_table(verdicts).c_str());
+  if (!options.network.empty() && !options.network.ends_with(".npz")) add_turns(options, &verdicts.rows);
+  if (interrupted()) return k_exit_interrupted;
   print_table(verdicts.rows);
   uint32_t failed = 0;
   for (const Verdict& v : verdicts.rows) failed += v.pass ? 0 : 1;

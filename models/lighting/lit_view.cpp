@@ -59,8 +59,10 @@ LitView LitPanorama::cut(View view) const {
   cut.warped = warp(radiance_, view, cut.radius, width, width / 2);
   cut.labels = labels_of(cut.warped, ViewRotation(view).to_rotated({0, 1, 0}), white_);
   cut.labels.direction = rotated_to_camera(cut.labels.direction);
-  cut.image = picture_of(cut_excerpt(mapped_, view));
+  cut.image = image(view);
   return cut;
 }
+
+Picture LitPanorama::image(View view) const { return picture_of(cut_excerpt(mapped_, view)); }
 
 }  // namespace sandglass::host

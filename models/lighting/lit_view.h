@@ -25,6 +25,7 @@ class LitPanorama {
   // Reads the panorama, and the depth map NAME_depth.npy beside it where there is one.
   explicit LitPanorama(const std::string& path);
   LitView cut(View view) const;
+  Picture image(View view) const;  // of it alone
   double white() const { return white_; }
 
  private:

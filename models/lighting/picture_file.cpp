@@ -36,4 +36,12 @@ Picture read_picture(const std::string& path) {
   return picture;
 }
 
+Picture read_excerpt(const std::string& path) {
+  Picture picture = read_picture(path);
+  if (picture.width != 256 || picture.height != 192)
+    throw Failure("'" + path + "' is " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
+                  ", not 256 x 192; name a folder made by `sandglass dataset`");
+  return picture;
+}
+
 }  // namespace sandglass::host

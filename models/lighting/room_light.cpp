@@ -8,14 +8,14 @@
 
 namespace sandglass::host {
 
-RoomLight::RoomLight(const std::string& path) {
+RoomLight::RoomLight(const std::string& path, bool filter) {
   const std::string bytes = read_file(path, "lighting network");
   file_.resize((bytes.size() + 7) / 8);
   std::memcpy(file_.data(), bytes.data(), bytes.size());
   sandglass_light_desc desc;
   sandglass_light_desc_default(&desc);
   desc.asset = file_.data(), desc.asset_bytes = bytes.size();
-  desc.interval = desc.smoothing = 0.0f;
+  if (!filter) desc.interval = desc.smoothing = 0.0f;
   const char* reason = nullptr;
   uint64_t need = 0;
   if (sandglass_light_bytes(&desc, &need, &reason) != SANDGLASS_OK)
@@ -26,14 +26,19 @@ RoomLight::RoomLight(const std::string& path) {
 }
 
 sandglass_light_estimate RoomLight::estimate(const sandglass_camera_image& image) {
-  const char* reason = nullptr;
   sandglass_light_reset(light_);
+  return follow(image).filtered;
+}
+
+FollowedLight RoomLight::follow(const sandglass_camera_image& image) {
+  const char* reason = nullptr;
   if (sandglass_light_set_image(light_, &image, nullptr, &reason) != SANDGLASS_OK) throw Failure(reason);
   while (sandglass_light_run(light_, 1000) != 0) {
   }
-  sandglass_light_estimate estimate;
-  sandglass_light_get(light_, &estimate);
-  return estimate;
+  FollowedLight followed;
+  sandglass_light_get(light_, &followed.filtered);
+  sandglass_light_get_latest(light_, &followed.latest);
+  return followed;
 }
 
 sandglass_camera_image camera_image_of(const Picture& picture, double diagonal_deg) {

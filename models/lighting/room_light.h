@@ -11,13 +11,20 @@
 
 namespace sandglass::host {
 
+// What an app has after an image: the light, and the last estimate before the filter.
+struct FollowedLight {
+  sandglass_light_estimate filtered, latest;
+};
+
 class RoomLight {
  public:
-  // The network's file by its path; every image is estimated for itself, without the filter. A Failure names the file.
-  explicit RoomLight(const std::string& path);
+  // The network's file by its path; without `filter`, every estimate is taken whole. A Failure names the file.
+  explicit RoomLight(const std::string& path, bool filter = false);
 
   // World frame: that of `orientation`, a level camera looking along -z where it is the identity.
   sandglass_light_estimate estimate(const sandglass_camera_image& image);
+  // The next image of a camera that was here before; its timestamp and pose count.
+  FollowedLight follow(const sandglass_camera_image& image);
 
  private:
   std::vector<uint64_t> file_;  // aligned

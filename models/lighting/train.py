@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Trains the lighting network (SPEC 3.2) on data sets made by `sandglass dataset`.
 
-DenseNet-121 from the pretrained weights, a layer of 512 with batch normalisation and ELU, and four heads: direction
+DenseNet-121 (pretrained, or as initialised), a layer of 512 with batch normalisation and ELU, and four heads: direction
 (tanh, normalised), light colour, ambient colour (sigmoid), contrast (sigmoid). Loss (5.26): mean squares weighted 5, 2, 2, 1.
 
 Folds follow locations: a location of the test fold never trains, and rows of fold -1 only ever train. Two ways to train:
@@ -13,6 +13,10 @@ learn. What is kept at the end is the mean of the weights over the last quarter 
 
 Checkpoints are written after every epoch, under a temporary name and then renamed; --resume goes on from the last one and
 gives what an uninterrupted run gives. Images are 256 x 192 sRGB; directions are in the camera's frame (x right, y down).
+
+Of a network whose heads are ridge regressions nothing needs more than its features. With --features they are those of the
+runtime, in bytes (`sandglass light-features`), so that the heads know the rounding; how strong the ridges are is chosen
+within the folds that train.
 
 --export FILE writes the float weights as the pretrained file names them (convolutions HWIO; every batch normalisation apart
 as gamma, beta, moving_mean, moving_variance; epsilon 1.001e-5), without fc1000, and behind them
@@ -41,9 +45,53 @@ NORM_NAMES = (("weight", "gamma"), ("bias", "beta"), ("running_mean", "moving_me
 LOSS_WEIGHTS = {"direction": 5.0, "light": 2.0, "ambient": 2.0, "contrast": 1.0}  # (5.26)
 LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
           "contrast")
-RIDGES = (2.0,) * 3 + (4.0,) * 3 + (0.1,) * 3 + (2.0,)  # of the standardised features; weak for the ambient colour, which images show
+GROUPS = (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 10))  # of the labels: direction, light, ambient, contrast
+RIDGES = tuple(10.0 ** (k / 2) for k in range(-6, 5))  # to choose from, of the standardised features
+USUAL_RIDGES = (2.0, 4.0, 0.1, 2.0)  # of the groups, where there are no two folds to choose by
 COPIES_OF_START, SHIFT_OF_START, EXTRA_WEIGHT, LEAST_DEVIATION = 16, 3.0, 0.5, 0.25
 WIDTH, HEIGHT = 256, 192
+
+
+class Regression:
+    """Weighted ridge regressions of the labels on features, all in float64, for every ridge at the price of one."""
+
+    def __init__(self, features, labels, weights):
+        targets = labels.copy()
+        targets[:, :3] *= 0.5  # where tanh is almost the identity; the length does not matter
+        targets[:, 3:] = np.log(targets[:, 3:].clip(0.02, 0.98) / (1 - targets[:, 3:].clip(0.02, 0.98)))
+        weights = (weights / weights.sum())[:, None]
+        self.mean, self.answer = (weights * features).sum(0), (weights * targets).sum(0)
+        centred = features - self.mean
+        deviation = np.sqrt((weights * centred ** 2).sum(0))
+        self.deviation = np.maximum(deviation, LEAST_DEVIATION * np.median(deviation))  # bytes do not keep what hardly varies
+        centred = centred / self.deviation
+        self.values, self.vectors = np.linalg.eigh((weights * centred).T @ centred)
+        self.products = self.vectors.T @ ((weights * centred).T @ (targets - self.answer))
+
+    def slopes(self, ridges):
+        """Of the features as they are, by columns; one ridge for each group of labels."""
+        each = np.concatenate([np.full(g.stop - g.start, r) for g, r in zip(GROUPS, ridges)])
+        return self.vectors @ (self.products / (self.values.clip(0)[:, None] + each)) / self.deviation[:, None]
+
+    def errors(self, ridges, features, labels):
+        """Of each group: the mean angle, then mean absolute differences."""
+        out = self.answer + (features - self.mean) @ self.slopes(ridges)
+        out = np.concatenate([np.tanh(out[:, :3]), 1 / (1 + np.exp(-out[:, 3:]))], 1)
+        return [angles_deg(out[:, :3], labels[:, :3]).mean()] + [np.abs(out[:, g] - labels[:, g]).mean() for g in GROUPS[1:]]
+
+
+def chosen_ridges(features, labels, weights, folds, judged):
+    """The ridge of each group that is best for the `judged` rows of each fold, fitted on the other folds."""
+    kinds = np.unique(folds[judged])
+    if len(kinds) < 2:
+        return USUAL_RIDGES
+    errors = np.zeros((len(RIDGES), len(GROUPS)))
+    for fold in kinds:
+        test, fitted = judged & (folds == fold), folds != fold
+        regression = Regression(features[fitted], labels[fitted], weights[fitted])
+        for k, ridge in enumerate(RIDGES):
+            errors[k] += test.sum() * np.array(regression.errors((ridge,) * len(GROUPS), features[test], labels[test]))
+    return tuple(RIDGES[k] for k in errors.argmin(0))
 
 
 class DenseLayer(nn.Module):
@@ -113,24 +161,14 @@ class LightNet(nn.Module):
         return {"direction": F.normalize(torch.tanh(out["direction"]), dim=1), "light": torch.sigmoid(out["light"]),
                 "ambient": torch.sigmoid(out["ambient"]), "contrast": torch.sigmoid(out["contrast"])}
 
-    def start_at(self, features, labels, weights):
+    def start_at(self, features, labels, weights, ridges):
         """Starts the heads from ridge regressions of the labels on features (float64, by rows, weighted): with few places,
         a start that gradient descent does not find. Of the latent units the first 10 * COPIES_OF_START carry the solutions, each
         COPIES_OF_START times because of the dropout, shifted to where ELU is the identity; the others begin without effect."""
-        targets = labels.copy()
-        targets[:, :3] *= 0.5  # where tanh is almost the identity; the length does not matter
-        targets[:, 3:] = np.log(targets[:, 3:].clip(0.02, 0.98) / (1 - targets[:, 3:].clip(0.02, 0.98)))
+        regression = Regression(features, labels, weights)
+        slopes, answer = regression.slopes(ridges), regression.answer
         weights = (weights / weights.sum())[:, None]
-        mean, answer = (weights * features).sum(0), (weights * targets).sum(0)
-        centred = features - mean
-        deviation = np.sqrt((weights * centred ** 2).sum(0))
-        deviation = np.maximum(deviation, LEAST_DEVIATION * np.median(deviation))  # bytes do not keep what hardly varies
-        centred = centred / deviation
-        squares, products = (weights * centred).T @ centred, (weights * centred).T @ (targets - answer)
-        columns = [np.linalg.solve(squares + RIDGES[j] * np.eye(len(squares)), products[:, j]) for j in range(10)]
-        slopes = np.stack(columns, 1)
-        spread = np.sqrt((weights * (centred @ slopes) ** 2).sum(0)) + 1e-9
-        slopes = slopes / deviation[:, None]
+        spread = np.sqrt((weights * ((features - regression.mean) @ slopes) ** 2).sum(0)) + 1e-9
         linear, norm = self.latent[0], self.latent[1]
         to = torch.arange(10).repeat_interleave(COPIES_OF_START)
         with torch.no_grad():
@@ -365,6 +403,30 @@ def cached_trunks(net, rows, arguments, device):
     return lambda i, c: trunks[rows.folder[i], c][rows.number[i]]
 
 
+def packed(inputs):
+    """In the order that convolutions like; features are not pixels."""
+    return inputs.contiguous(memory_format=torch.channels_last) if inputs.dim() == 4 else inputs
+
+
+def read_features(net, rows, arguments):
+    """Features made elsewhere in the place of trunks: a file for each folder, copy behind copy."""
+    folders = list(dict.fromkeys(rows.folder))
+    if len(arguments.features) != len(folders):
+        fail(f"{len(arguments.features)} files of features for {len(folders)} folders; name one for each, in their order")
+    files = {}
+    for folder, path in zip(folders, arguments.features):
+        try:
+            values = np.load(path)
+        except (OSError, ValueError):
+            fail(f"'{path}' is no file of features; make it with `sandglass light-features`")
+        expected = (arguments.copies * rows.folder.count(folder), net.last.num_features)
+        if values.shape != expected:
+            fail(f"'{path}' holds {values.shape}, not {expected}; make it again from '{folder}', with --mirror for 2 copies")
+        files[folder] = values.reshape(arguments.copies, -1, expected[1])
+    net.features = lambda features: features
+    return lambda i, c: files[rows.folder[i]][c, rows.number[i]]
+
+
 def loss_of(estimate, labels):
     truth = {"direction": labels[:, :3], "light": labels[:, 3:6], "ambient": labels[:, 6:9], "contrast": labels[:, 9:]}
     return sum(w * F.mse_loss(estimate[k], truth[k]) for k, w in LOSS_WEIGHTS.items())
@@ -392,15 +454,18 @@ def start_heads(arguments, rows, train_rows, net, trunk_of, device):
         for at in range(0, len(pairs), 64):
             batch = pairs[at:at + 64]
             if last:
-                inputs = torch.from_numpy(np.stack([trunk_of(i, c) for i, c in batch]).astype(np.float32)).to(device)
-                inputs = inputs.contiguous(memory_format=torch.channels_last)
+                inputs = packed(torch.from_numpy(np.stack([trunk_of(i, c) for i, c in batch]).astype(np.float32)).to(device))
             else:
                 inputs = net.trunk(to_tensor([prepared(rows, i, c, arguments.seed) for i, c in batch], device))
             parts.append(net.features(inputs).cpu().numpy())
     labels = np.stack([label_of(rows, i, c, arguments.seed) for i, c in pairs]).astype(np.float64)
     extra = rows.kind[[i for i, _ in pairs]] == 2
     weights = np.where(extra, EXTRA_WEIGHT / max(1, extra.sum()), 1.0 / max(1, (~extra).sum()))
-    net.start_at(np.concatenate(parts).astype(np.float64), labels, weights)
+    features = np.concatenate(parts).astype(np.float64)
+    folds = np.array([rows.fold[i] for i, _ in pairs])
+    ridges = chosen_ridges(features, labels, weights, folds, (folds >= 0) & (extra if extra.all() else ~extra))
+    net.start_at(features, labels, weights, ridges)
+    return ridges
 
 
 def batches_of(rows, train_rows, epoch, arguments):
@@ -430,11 +495,28 @@ def train(arguments):
     net.learned = arguments.learn if arguments.layers == "last" else LAYERS[3]
     has_heads = net.load(arguments.weights) if arguments.weights else False
     net.to(device, memory_format=torch.channels_last)
-    trunk_of = cached_trunks(net, rows, arguments, device) if arguments.layers == "last" else None
+    trunk_of = None
+    if arguments.features:
+        trunk_of, has_heads = read_features(net, rows, arguments), False
+    elif arguments.layers == "last":
+        trunk_of = cached_trunks(net, rows, arguments, device)
     start = {k: v.clone() for k, v in net.state_dict().items()}
     for fold in folds:
         net.load_state_dict(start)
         train_fold(arguments, fold, rows, net, has_heads, trunk_of, device)
+
+
+def write_initial(arguments):
+    torch.manual_seed(arguments.seed)
+    net = LightNet()
+    if arguments.weights:
+        net.load(arguments.weights)
+    arrays = net.exported()
+
+    def write(path):
+        with open(path, "wb") as file:
+            np.savez(file, **arrays, seed=np.array([arguments.seed], np.float32))
+    save(arguments.export, write)
 
 
 def layout_of(rgb):
@@ -489,8 +571,7 @@ def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
     train_rows, test_rows = rows.split(fold)
     captured = train_rows[rows.kind[train_rows] < 2]
     mean_light = rows.labels[captured if len(captured) else train_rows].mean(0)
-    if not has_heads:
-        start_heads(arguments, rows, train_rows, net, trunk_of, device)
+    ridges = None if has_heads else start_heads(arguments, rows, train_rows, net, trunk_of, device)
     last = arguments.layers == "last"
     net.dropout = arguments.dropout
     heads = {id(p) for p in net.heads_of().parameters()}
@@ -515,7 +596,7 @@ def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
         labels = torch.from_numpy(np.stack([label_of(rows, i, c, seed) for i, c in items])).to(device)
         if last:
             trunks = torch.from_numpy(np.stack([trunk_of(i, c) for i, c in items]).astype(np.float32)).to(device)
-            return trunks.contiguous(memory_format=torch.channels_last), labels
+            return packed(trunks), labels
         return net.trunk(to_tensor([prepared(rows, i, c, seed) for i, c in items], device)), labels
 
     def estimates():
@@ -553,7 +634,8 @@ def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
     if sums is not None:
         net.load_state_dict({k: (sums[k] / max(1, arguments.epochs // 4)).to(v.dtype) for k, v in net.state_dict().items()})
     result = {"fold": name, "train_images": len(train_rows), "test_images": len(test_rows),
-              "test_locations": len({rows.location[i] for i in test_rows}), "log": log, "arguments": vars(arguments)}
+              "test_locations": len({rows.location[i] for i in test_rows}), "ridges": ridges, "log": log,
+              "arguments": vars(arguments)}
     if len(test_rows):
         made, truth = estimates(), rows.labels[test_rows]
         mean = mean_light[None].repeat(len(test_rows), 0)
@@ -599,6 +681,9 @@ def main():
     parser.add_argument("-o", "--output", default=".", help="folder for checkpoints, results and cached trunks")
     parser.add_argument("--cache", help="another folder for the cached trunks")
     parser.add_argument("--export", metavar="FILE", help="write the trained weights as .npz")
+    parser.add_argument("--features", nargs="*", default=[], metavar="FILE",
+                        help="of each folder, in their order, by `sandglass light-features`: only the heads are fitted")
+    parser.add_argument("--initial", action="store_true", help="only write the weights that training starts from")
     parser.add_argument("--layout", action="store_true", help="only teach the last layers where things are in images")
     parser.add_argument("--test-fold", type=int, nargs="+", default=[1], help="one run for each")
     parser.add_argument("--all", action="store_true", help="train on every fold and test on none: for the shipped weights")
@@ -624,6 +709,13 @@ def main():
         if not arguments.weights:
             fail("--check-import compares weights; name them with --weights")
         return check_import(arguments.weights, arguments.check_import)
+    if arguments.initial:
+        if not arguments.export:
+            fail("--initial writes weights; name the file with --export")
+        write_initial(arguments)
+        return 0
+    if arguments.features and (arguments.epochs or arguments.layers != "last"):
+        fail("--features fits only the heads; give --epochs 0 and --layers last")
     if not arguments.dataset and not ((arguments.all or arguments.layout) and arguments.train_only):
         fail("no data set is named; make one with `sandglass dataset`")
     os.makedirs(arguments.output, exist_ok=True)

@@ -69,17 +69,16 @@ TEST(LightAsset, ReadsWhatWasWritten) {
   EXPECT_EQ(asset.seed, 3u);
 }
 
-// What is shipped: at most 8 MB, trained, and by its own measurement as close to the float network as the README says.
-// The aim, 1 degree and 0.01, is missed by these weights.
-TEST(LightAsset, TheShippedNetworkIsAsCloseAsTheReadmeSays) {
+// What is shipped: at most 8 MB, trained, and by its own measurement within ACCURACY's limits of the float network.
+TEST(LightAsset, TheShippedNetworkIsCloseToTheFloatNetwork) {
   const std::string content = host::read_file(std::string(SANDGLASS_LIGHTS_DIR) + "/room.light", "lighting network");
   EXPECT_LE(content.size(), 8'000'000u);
   Words words(std::vector<uint8_t>(content.begin(), content.end()));
   LightAsset asset;
   const char* reason = nullptr;
   ASSERT_EQ(open_light_asset(words.data(), words.bytes, &asset, &reason), SANDGLASS_OK) << reason;
-  EXPECT_LE(asset.angle_deg, 1.5f);
-  EXPECT_LE(asset.difference, 0.012f);
+  EXPECT_LE(asset.angle_deg, 1.0f);
+  EXPECT_LE(asset.difference, 0.01f);
   EXPECT_GT(asset.training_images, 0u);
   EXPECT_GE(asset.calibration_images, 96u);
 }

@@ -46,6 +46,9 @@ kill $pid 2>/dev/null || true
 wait $pid 2>/dev/null || true
 [[ ! -e $folder/broken/fold_1.json ]] || { echo "the run to be killed was faster"; exit 1; }
 run "$folder/broken" --resume >"$folder/resumed.log"
+# From heads that know nothing, training gains.
+"$python" "$train" --initial --seed 1 --export "$folder/trunk.npz"
+run "$folder/learned" --weights "$folder/trunk.npz" >"$folder/learned.log"
 # The exported weights, only tested.
 run "$folder/again" --epochs 0 --weights "$folder/whole/weights.npz" >"$folder/again.log"
 "$python" - "$folder" "$(dirname "$train")" <<'PY'
@@ -60,7 +63,8 @@ assert whole["log"] == broken["log"], (whole["log"], broken["log"])
 weights = [np.load(f"{folder}/{name}/weights.npz") for name in ("whole", "broken")]
 assert all(np.array_equal(weights[0][k], weights[1][k]) for k in weights[0].files)
 assert whole["train_images"] == 32 and whole["test_images"] == 8 and whole["test_locations"] == 1, whole
-assert whole["log"][-1]["loss"] < whole["log"][1]["loss"], whole["log"]
+learned = json.load(open(f"{folder}/learned/fold_1.json"))["log"]
+assert learned[-1]["loss"] < learned[1]["loss"], learned
 estimates = [np.loadtxt(f"{folder}/{name}/fold_1_estimates.csv", delimiter=",", skiprows=1, usecols=range(1, 11))
              for name in ("whole", "again")]
 assert np.abs(estimates[0] - estimates[1]).max() < 2e-6, np.abs(estimates[0] - estimates[1]).max()
@@ -98,6 +102,55 @@ print("greatest difference between PyTorch and C++:", np.abs(a - b).max())
 assert a.shape == b.shape == (8, 10) and np.abs(a - b).max() < 1e-3
 PY
 
+# Heads fitted to the runtime's features in bytes: first the trunk in bytes, then the features, then the heads; what
+# PyTorch estimates from those features is what the runtime says with these heads, but for the bytes of the latent layer.
+quantised() {
+  "$program" quantise-light "$1" --calibrate "$folder/more" --measure "$folder/set" --images 8 -o "$2" || [[ $? == 1 ]]
+}
+quantised "$folder/trunk.npz" "$folder/trunk.light" >"$folder/trunk.log"
+for part in set more; do
+  "$program" light-features "$folder/trunk.light" "$folder/$part" --mirror -o "$folder/$part.npy" >/dev/null
+done
+fitted() {
+  "$python" "$train" "$folder/set" --views "$folder/more" --weights "$folder/trunk.npz" --features "$folder/set.npy" \
+    "$folder/more.npy" --copies 2 --epochs 0 --cpu -o "$folder/fitted" "$@"
+}
+fitted --test-fold 1 --export "$folder/fitted.npz" >"$folder/fitted.log"
+quantised "$folder/fitted.npz" "$folder/fitted.light" >>"$folder/trunk.log"
+"$program" light-features "$folder/fitted.light" "$folder/set" --mirror -o "$folder/again.npy" >/dev/null
+cmp "$folder/set.npy" "$folder/again.npy"  # the heads do not touch the trunk
+"$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
+  --network "$folder/fitted.light" --out "$folder/bytes" >"$folder/bytes.log" || [[ $? == 1 ]]
+grep -q "camera turns by 90 deg" "$folder/bytes.log"
+"$python" - "$folder" "$(dirname "$train")" <<'PY'
+import json, sys
+import numpy as np
+folder = sys.argv[1]
+sys.path.insert(0, sys.argv[2])
+sys.dont_write_bytecode = True
+import train
+a, b = (np.loadtxt(f"{folder}/{file}.csv", delimiter=",", skiprows=1, usecols=range(1, 11))
+        for file in ("fitted/fold_1_estimates", "bytes/estimates"))
+print("greatest difference between heads in float and in bytes:", np.abs(a - b).max())
+assert a.shape == b.shape == (8, 10) and np.abs(a - b).max() < 0.05, np.abs(a - b).max()
+assert all(r in train.RIDGES for r in json.load(open(f"{folder}/fitted/fold_1.json"))["ridges"])
+# The closed form: with a ridge of next to nothing the labels of a linear law come back, with a strong one their mean.
+random = np.random.default_rng(3)
+features = random.normal(size=(400, 6)) * [1, 2, 3, 1, 2, 3] + 5
+logits = 0.1 * (features - 5) @ random.normal(size=(6, 10))
+labels = np.concatenate([2 * logits[:, :3], 1 / (1 + np.exp(-logits[:, 3:]))], 1)
+regression = train.Regression(features, labels, np.ones(400))
+found = regression.answer + (features - regression.mean) @ regression.slopes((1e-9,) * 4)
+assert np.allclose(found, logits, atol=1e-6)
+assert np.abs(regression.slopes((1e9,) * 4)).max() < 1e-6
+# Chosen by other folds: a law that they share asks for the weakest ridge, labels that follow nothing for the strongest.
+folds, weights, judged = np.arange(400) % 4, np.ones(400), np.ones(400, bool)
+assert train.chosen_ridges(features, labels, weights, folds, judged)[1:] == (train.RIDGES[0],) * 3
+noise = random.normal(size=(400, 150))
+assert min(train.chosen_ridges(noise, labels, weights, folds, judged)[1:]) >= 10
+assert train.chosen_ridges(features, labels, weights, folds * 0, judged) == train.USUAL_RIDGES
+PY
+
 "$python" -c "import numpy, sys; numpy.savez(sys.argv[1], a=numpy.zeros(3))" "$folder/odd.npz"
 refused() {  # one sentence that contains the words, and a failure
   local words=$1 output
@@ -109,4 +162,8 @@ refused "no data set is named" -o "$folder/x"
 refused "no manifest.csv" "$folder/rooms" -o "$folder/x"
 refused "choose another fold" "$folder/set" --test-fold 7 -o "$folder/x"
 refused "no file" "$folder/set" --weights "$folder/none.npz" -o "$folder/x"
+refused "files of features for" "$folder/set" -o "$folder/x" --epochs 0 --features "$folder/set.npy" "$folder/more.npy"
+refused "make it again from" "$folder/set" --features "$folder/set.npy" -o "$folder/x" --epochs 0 --copies 1
+refused "no file of features" "$folder/set" --features "$folder/none.npy" -o "$folder/x" --epochs 0
+refused "give --epochs 0" "$folder/set" --features "$folder/set.npy" -o "$folder/x"
 refused "no array" "$folder/set" --weights "$folder/odd.npz" -o "$folder/x"

@@ -1,0 +1,87 @@
+// `sandglass light-features NETWORK DATASET -o FILE.npy`: what the lighting network's heads see of each image of a data
+// set, as the runtime computes it: train.py fits the heads to that.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+
+#include "models/cli/commands.h"
+#include "models/host/atomic_file.h"
+#include "models/host/failure.h"
+#include "models/host/npy.h"
+#include "models/host/progress.h"
+#include "models/lighting/light_runner.h"
+#include "models/lighting/picture_file.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr int k_exit_interrupted = 130;
+
+struct Options {
+  std::string network, folder, output;
+  bool mirror = false;
+};
+
+// The first column of the manifest, in its order.
+std::vector<std::string> images_of(const std::string& folder) {
+  const std::string path = folder + "/manifest.csv", text = read_file(path, "list of images");
+  std::vector<std::string> images;
+  bool heading = true;
+  for (size_t at = 0; at < text.size(); heading = false) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const std::string row = text.substr(at, end - at), image = row.substr(0, row.find(','));
+    at = end + 1;
+    if (heading ? image != "image" : image.empty())
+      throw Failure("'" + path + "' is not a data set's list of images; make it with `sandglass dataset`");
+    if (!heading) images.push_back(folder + "/" + image);
+  }
+  if (images.empty()) throw Failure("'" + path + "' names no image; make the data set again");
+  return images;
+}
+
+Picture mirrored(const Picture& picture) {
+  Picture out = picture;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) std::copy_n(picture.at(picture.width - 1 - x, y), 3, out.at(x, y));
+  return out;
+}
+
+int write_features(const Options& options) {
+  const std::string bytes = read_file(options.network, "lighting network");
+  LightRunner runner({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, options.network);
+  const std::vector<std::string> images = images_of(options.folder);
+  const size_t copies = options.mirror ? 2 : 1;
+  std::vector<float> features;
+  Progress progress("running the network", copies * images.size());
+  for (size_t copy = 0; copy < copies; ++copy)
+    for (size_t i = 0; i < images.size() && !interrupted(); ++i) {
+      const Picture picture = read_excerpt(images[i]);
+      runner.run(copy == 0 ? picture.rgb : mirrored(picture).rgb);
+      const std::vector<float> row = runner.features();
+      features.insert(features.end(), row.begin(), row.end());
+      progress.done(copy * images.size() + i + 1);
+    }
+  if (interrupted()) return k_exit_interrupted;
+  write_npy(options.output, features, copies * images.size(), features.size() / (copies * images.size()));
+  std::printf("%s: %zu rows of %zu features\n", options.output.c_str(), copies * images.size(),
+              features.size() / (copies * images.size()));
+  return 0;
+}
+
+}  // namespace
+
+void add_light_features_command(CLI::App& program, int* exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = program.add_subcommand("light-features", "Write what the lighting network's heads see");
+  command->add_option("network", options->network, "The lighting network's file")->required();
+  command->add_option("dataset", options->folder, "A folder made by `sandglass dataset`")->required();
+  command->add_option("-o,--output", options->output, "File to write, .npy: a row for each image")->required();
+  command->add_flag("--mirror", options->mirror, "Behind them the rows of the mirror images");
+  command->callback([options, exit_code] {
+    listen_for_interrupt();
+    *exit_code = write_features(*options);
+  });
+}
+
+}  // namespace sandglass::host
