@@ -76,7 +76,7 @@ TEST_P(XnnpackPeerInBytes, IsTheOwnNetworkButForItsRounding) {
     square += std::pow(static_cast<double>(features[i] - own[i]) / scale, 2);
   }
   const double rms = std::sqrt(square / static_cast<double>(own.size()));
-  EXPECT_LE(rms, 0.005);
+  EXPECT_LE(rms, 0.01);
   std::printf("root mean square of 1024 features' differences: %.2g of their range\n", rms);
 }
 
