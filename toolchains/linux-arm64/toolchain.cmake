@@ -17,7 +17,7 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE BOTH)
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L /usr/aarch64-linux-gnu)
 if(SANDGLASS_ARM64_SYSROOT)  # libraries there that need each other
   set(sandglass_arm64_libraries ${SANDGLASS_ARM64_SYSROOT}/usr/lib/aarch64-linux-gnu)
-  set(CMAKE_EXE_LINKER_FLAGS_INIT -Wl,-rpath-link,${sandglass_arm64_libraries})
+  add_link_options(-Wl,-rpath-link,${sandglass_arm64_libraries})
   list(APPEND CMAKE_CROSSCOMPILING_EMULATOR -E LD_LIBRARY_PATH=${sandglass_arm64_libraries})
 endif()
 if(SANDGLASS_QEMU_CPU)
