@@ -2,8 +2,8 @@
 #   sandglass_device_library(NAME sources...)  a folder of the part that runs on a phone: no exceptions, no RTTI, no guards,
 #                                              no fused multiply-add (DESIGN: one golden hash on every instruction set).
 #   sandglass_host_target(NAME)                warnings for workstation code.
-# SANDGLASS_HOST_OPTIONS are further options for workstation code alone. The builds of the second compiler and for emulated ARM say
-# -O1 there, which compiles in two thirds of the time, while the library is optimised as it ships.
+# SANDGLASS_HOST_OPTIONS are further options for workstation code alone. The build of the second compiler says -O1 there, which
+# compiles faster, while the library is optimised as it ships.
 set(SANDGLASS_HOST_OPTIONS "" CACHE STRING "Further compiler options for workstation code and tests")
 set(SANDGLASS_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wdouble-promotion)
 
