@@ -245,7 +245,8 @@ void add_sample_command(Command& program, int* exit_code) {
   Command command =
       program.add_subcommand("sample", "Sample a mesh's surface or volume, a disk, a sphere or a ring with points");
   const auto options = std::make_shared<SampleOptions>();
-  command->add_option("mesh", options->mesh, "A mesh file, or trefoil, torus, box, sphere, hourglass, bucket, silo");
+  command->add_option("mesh", options->mesh,
+                      "A mesh file, or trefoil, torus, box, sphere, hourglass, bucket, silo, chair");
   Command what = command->add_option_group("what");
   what->add_flag_callback(
       "--surface", [options] { options->what = SampleWhat::surface; }, "Poisson disk on the surface");
