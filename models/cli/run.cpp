@@ -197,7 +197,11 @@ struct Run {
     report.clock = options.replay.empty() ? options.clock : "replay";
     report.threads = options.threads;
     report.memory_bytes = simulation->bytes();
-    if (!options.out.empty()) take_snapshot(0, colliders_over_frame(scene, 0));
+    if (!options.out.empty()) {
+      std::vector<sandglass_collider> colliders = colliders_over_frame(scene, 0);
+      add_rigid_shapes(scene, simulation->handle(), 0.0, &colliders);
+      take_snapshot(0, std::move(colliders));
+    }
     const uint64_t start_hash = sandglass_scene_hash(simulation->handle());
     if (options.replay.empty()) {
       recording.scene_name = scene.name;
@@ -243,7 +247,7 @@ struct Run {
     simulation->flow(flow_over_frame(scene, frame * scene.frame_step));
     if (options.replay.empty()) {
       *colliders = colliders_over_frame(scene, frame);
-      add_rigid_shapes(scene, simulation->handle(), colliders);
+      add_rigid_shapes(scene, simulation->handle(), scene.frame_step, colliders);
       return simulation->frame(scene.frame_step, static_cast<uint64_t>(scene.budget_ms * 1e6), *colliders, nullptr,
                                shadows->handles());
     }

@@ -21,6 +21,7 @@ Simulation::Simulation(const sandglass_scene_desc& desc) {
   require(sandglass_scene_bytes(&desc, &bytes_, &reason), reason);
   block_ = new_block(bytes_, "the scene", "make the scene smaller");
   require(sandglass_scene_create(&desc, block_.get(), bytes_, &scene_, &reason), reason);
+  output_.reserve(desc.granular.grain_capacity);  // no frame allocates
 }
 
 void Simulation::add(const Material& material) {
@@ -132,7 +133,7 @@ std::vector<sandglass_collider> colliders_over_frame(const SceneFile& scene, uin
   return colliders;
 }
 
-void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state,
+void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state, double ahead,
                       std::vector<sandglass_collider>* colliders) {
   uint32_t index = 0;
   for (const Body& body : scene.bodies) {
@@ -144,14 +145,13 @@ void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state,
     shape.grains_only = 1;
     const double half[3] = {0.5 * body.size.x, 0.5 * body.size.y, 0.5 * body.size.z};
     for (int k = 0; k < 3; ++k) {
-      shape.position[k] = pose.position[k] + static_cast<float>(scene.frame_step) * pose.linear_velocity[k];
+      shape.position[k] = pose.position[k] + static_cast<float>(ahead) * pose.linear_velocity[k];
       shape.size[k] = static_cast<float>(body.shape == BodyShape::box ? half[k] : half[1]);
       shape.linear_velocity[k] = pose.linear_velocity[k];
       shape.angular_velocity[k] = pose.angular_velocity[k];
     }
     const Quaternion turned = normalised(multiply(
-        rotation_by(Vec3{pose.angular_velocity[0], pose.angular_velocity[1], pose.angular_velocity[2]} *
-                    scene.frame_step),
+        rotation_by(Vec3{pose.angular_velocity[0], pose.angular_velocity[1], pose.angular_velocity[2]} * ahead),
         multiply(Quaternion{pose.rotation[0], pose.rotation[1], pose.rotation[2], pose.rotation[3]}, body.rotation)));
     for (size_t k = 0; k < 4; ++k) shape.rotation[k] = static_cast<float>(turned[k]);
     colliders->push_back(shape);

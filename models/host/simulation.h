@@ -68,9 +68,10 @@ sandglass_scene_desc describe_filled(const SceneFile& scene, const Material& mat
 
 std::vector<sandglass_collider> colliders_over_frame(const SceneFile& scene, uint32_t frame);
 
-// Appends the shapes of the scene's rigid boxes and spheres where they will be at the end of the frame: they keep
-// grains out and are drawn.
-void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state, std::vector<sandglass_collider>* colliders);
+// Appends the shapes of the scene's rigid boxes and spheres where they will be `ahead` seconds from now, at the end of
+// the coming frame: they keep grains out and are drawn.
+void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state, double ahead,
+                      std::vector<sandglass_collider>* colliders);
 
 // The instruction set of that name, or a Failure: the name is unknown, this build lacks it, or this CPU does.
 sandglass_isa find_isa(const std::string& name);

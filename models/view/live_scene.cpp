@@ -87,7 +87,7 @@ void LiveScene::scale_budget(double factor) { scene_.budget_ms = std::clamp(scen
 
 void LiveScene::frame(double time_step, double lag) {
   colliders_ = colliders_over_frame(scene_, frame_);
-  add_rigid_shapes(scene_, simulation_->handle(), &colliders_);
+  add_rigid_shapes(scene_, simulation_->handle(), scene_.frame_step, &colliders_);
   const double r = scene_.particle_radius;
   if (push_) {
     sandglass_collider sphere = {};

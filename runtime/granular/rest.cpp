@@ -3,8 +3,9 @@
 //
 // What wakes it, always a neighbour in its list or a collider:
 //   touch       a collider that moved, appeared or went away since the last frame comes or was within reach
-//   wake        after each sub-step: a particle faster than the wake speed runs into it
-//   rest        every 20 ms of simulated time: a neighbour has moved on, by more than the distance that counts as rest
+//   wake        after each sub-step: a particle faster than the wake speed, and on its way from where it was, runs into
+//   it rest        every 20 ms of simulated time: a neighbour has moved on, by more than the distance that counts as
+//   rest
 // So a heap wakes shell by shell from where it was disturbed, as fast as the disturbance travels, and no further. A
 // particle that keeps still to within that distance but trembles does sleep: what counts is where it is.
 //
@@ -17,7 +18,9 @@ namespace sandglass {
 namespace {
 
 constexpr float k_rest_radii = 0.1f;        // moving further than this is moving on
-constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d); resting particles tremble at a tenth of it
+constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d)
+// Jammed particles, under a heavy body say, tremble faster than that, but stay within a hundredth of a radius.
+constexpr float k_stir_radii = 0.05f;
 
 float* record_at(const Granular& g, uint32_t i) { return g.records[0] + static_cast<uint64_t>(i) * k_record_floats; }
 
@@ -25,6 +28,14 @@ uint32_t number_of(const float* record) {
   uint32_t id;
   __builtin_memcpy(&id, record + 7, sizeof id);
   return id & k_number_mask;
+}
+
+// Squared distance from where the particle last moved on or woke.
+float moved2(const Granular& g, const float* record) {
+  const float* anchor = g.rest[number_of(record)].anchor;
+  float sum = 0.0f;
+  for (int k = 0; k < 3; ++k) sum += (record[k] - anchor[k]) * (record[k] - anchor[k]);
+  return sum;
 }
 
 // The particle in record i is awake from now on.
@@ -241,6 +252,7 @@ void granular_run_touch(Granular* g) {
 
 void granular_run_wake(Granular* g) {
   const float speed = granular_wake_speed(*g), speed2 = speed * speed;
+  const float stir = k_stir_radii * g->desc.particle_radius, stir2 = stir * stir;
   uint32_t done = 0;
   for (; g->cursor < g->active_count && done < g->unit; ++g->cursor) {
     const uint32_t group = g->active_groups[g->cursor];
@@ -249,7 +261,8 @@ void granular_run_wake(Granular* g) {
     done += k_lane_group;
     for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
       const float* r = record_at(*g, i);
-      if (r[3] > 0.0f && r[4] * r[4] + r[5] * r[5] + r[6] * r[6] > speed2) wake_neighbours(g, i);
+      if (!(r[3] > 0.0f) || !(r[4] * r[4] + r[5] * r[5] + r[6] * r[6] > speed2)) continue;
+      if (moved2(*g, r) > stir2) wake_neighbours(g, i);
     }
   }
   if (g->cursor < g->active_count) return;
@@ -268,9 +281,7 @@ void granular_run_rest(Granular* g) {
       float* r = record_at(*g, i);
       if (!(r[3] > 0.0f)) continue;
       Rest& rest = g->rest[number_of(r)];
-      float moved2 = 0.0f;
-      for (int k = 0; k < 3; ++k) moved2 += (r[k] - rest.anchor[k]) * (r[k] - rest.anchor[k]);
-      if (moved2 > limit2) {
+      if (moved2(*g, r) > limit2) {
         for (int k = 0; k < 3; ++k) rest.anchor[k] = r[k];
         rest.quiet = 0;
         wake_neighbours(g, i);

@@ -1,61 +1,16 @@
-// No frame allocates: malloc and its kin are replaced in this program by versions that count, and stay at 0 over 10,000
-// frames in which everything that the API offers is used. (That the archive has no such symbol at all is symbols.sh's
+// No frame allocates: the counting allocator stays at 0 over 10,000 frames in which everything that the API offers is
+// used. (That the archive has no such symbol at all is symbols.sh's
 // claim; this one holds for whatever the frame reaches, in the C library too.)
 #include <gtest/gtest.h>
-#include <malloc.h>
-
-#include <atomic>
-#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <new>
 #include <vector>
 
 #include "models/lighting/light_file.h"
 #include "sandglass/light.h"
 #include "sandglass/sandglass.h"
-
-namespace {
-std::atomic<bool> counting{false};
-std::atomic<uint64_t> calls{0};
-void count() {
-  if (counting.load(std::memory_order_relaxed)) calls.fetch_add(1, std::memory_order_relaxed);
-}
-}  // namespace
-
-extern "C" {
-// The entry points under which glibc keeps its own versions for programs that replace the public ones.
-void* __libc_malloc(size_t bytes);
-void* __libc_calloc(size_t items, size_t bytes);
-void* __libc_realloc(void* old, size_t bytes);
-void* __libc_memalign(size_t alignment, size_t bytes);
-void __libc_free(void* block);
-
-void* malloc(size_t bytes) { return count(), __libc_malloc(bytes); }
-void* calloc(size_t items, size_t bytes) { return count(), __libc_calloc(items, bytes); }
-void* realloc(void* old, size_t bytes) { return count(), __libc_realloc(old, bytes); }
-void* memalign(size_t alignment, size_t bytes) { return count(), __libc_memalign(alignment, bytes); }
-void* aligned_alloc(size_t alignment, size_t bytes) { return count(), __libc_memalign(alignment, bytes); }
-int posix_memalign(void** block, size_t alignment, size_t bytes) {
-  count();
-  *block = __libc_memalign(alignment, bytes);
-  return *block == nullptr ? ENOMEM : 0;
-}
-void free(void* block) { count(), __libc_free(block); }
-}
-
-// The C++ operators call the functions above in every library; counting them by name makes the claim independent of
-// that.
-void* operator new(size_t bytes) { return count(), __libc_malloc(bytes); }
-void* operator new[](size_t bytes) { return count(), __libc_malloc(bytes); }
-void* operator new(size_t bytes, std::align_val_t a) { return count(), __libc_memalign(static_cast<size_t>(a), bytes); }
-void operator delete(void* block) noexcept { count(), __libc_free(block); }
-void operator delete[](void* block) noexcept { count(), __libc_free(block); }
-void operator delete(void* block, size_t) noexcept { count(), __libc_free(block); }
-void operator delete[](void* block, size_t) noexcept { count(), __libc_free(block); }
-void operator delete(void* block, std::align_val_t) noexcept { count(), __libc_free(block); }
-void operator delete(void* block, size_t, std::align_val_t) noexcept { count(), __libc_free(block); }
+#include "tests/counting_allocator.h"
 
 namespace {
 
@@ -69,11 +24,10 @@ void on_this_thread(void*, void (*task)(void* context, uint32_t index), void* co
 void ignore(void*, const char*) {}
 
 TEST(Allocation, TheCountersCount) {
-  calls = 0;
-  counting = true;
+  sandglass::host::start_counting_allocations();
   int* volatile one = new int(1);
   delete one;
-  counting = false;
+  const uint64_t calls = sandglass::host::stop_counting_allocations();
   EXPECT_EQ(calls, 2u);
 }
 
@@ -123,8 +77,7 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
   report.struct_size = sizeof report;
 
   // From creation on: nothing but the block, and no call to get it.
-  calls = 0;
-  counting = true;
+  sandglass::host::start_counting_allocations();
   sandglass_scene* scene = nullptr;
   bool fine = sandglass_scene_create(&desc, block, bytes, &scene, nullptr) == SANDGLASS_OK;
   for (uint32_t frame = 0; fine && frame < 10000; ++frame) {
@@ -141,7 +94,7 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
     for (uint32_t i = 1; i < 4; ++i) colliders[i].position[0] = 0.001f * static_cast<float>((frame + 50 * i) % 200);
     fine = fine && sandglass_scene_frame(scene, &input, &report, nullptr) == SANDGLASS_OK;
   }
-  counting = false;
+  const uint64_t calls = sandglass::host::stop_counting_allocations();
   EXPECT_TRUE(fine);
   EXPECT_EQ(calls, 0u);
   EXPECT_EQ(report.particles, k_particles);
@@ -175,8 +128,7 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   image.strides[0] = image.strides[1] = 640;
   image.focal_x = image.focal_y = 525.0f;
 
-  calls = 0;
-  counting = true;
+  sandglass::host::start_counting_allocations();
   sandglass_light* light = nullptr;
   sandglass_scene* scene = nullptr;
   bool fine = sandglass_light_create(&desc, block, need, &light, nullptr) == SANDGLASS_OK &&
@@ -196,7 +148,7 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   }
   sandglass_light_estimate estimate;
   sandglass_light_get(light, &estimate);
-  counting = false;
+  const uint64_t calls = sandglass::host::stop_counting_allocations();
   EXPECT_TRUE(fine);
   EXPECT_EQ(calls, 0u);
   EXPECT_EQ(estimate.valid, 1u);

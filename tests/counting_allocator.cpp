@@ -1,0 +1,68 @@
+// The C library lets a program replace malloc and its kin; these count, and pass on to the library's own.
+#include "tests/counting_allocator.h"
+
+#include <malloc.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstddef>
+#include <new>
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SANDGLASS_OTHER_ALLOCATOR
+#endif
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SANDGLASS_OTHER_ALLOCATOR
+#endif
+
+namespace {
+std::atomic<bool> counting{false};
+std::atomic<uint64_t> calls{0};
+}  // namespace
+
+namespace sandglass::host {
+void start_counting_allocations() { calls = 0, counting = true; }
+uint64_t stop_counting_allocations() { return counting = false, calls.load(); }
+}  // namespace sandglass::host
+
+#ifndef SANDGLASS_OTHER_ALLOCATOR
+namespace {
+void count() {
+  if (counting.load(std::memory_order_relaxed)) calls.fetch_add(1, std::memory_order_relaxed);
+}
+}  // namespace
+
+extern "C" {
+// The entry points under which glibc keeps its own versions for programs that replace the public ones.
+void* __libc_malloc(size_t bytes);
+void* __libc_calloc(size_t items, size_t bytes);
+void* __libc_realloc(void* old, size_t bytes);
+void* __libc_memalign(size_t alignment, size_t bytes);
+void __libc_free(void* block);
+
+void* malloc(size_t bytes) { return count(), __libc_malloc(bytes); }
+void* calloc(size_t items, size_t bytes) { return count(), __libc_calloc(items, bytes); }
+void* realloc(void* old, size_t bytes) { return count(), __libc_realloc(old, bytes); }
+void* memalign(size_t alignment, size_t bytes) { return count(), __libc_memalign(alignment, bytes); }
+void* aligned_alloc(size_t alignment, size_t bytes) { return count(), __libc_memalign(alignment, bytes); }
+int posix_memalign(void** block, size_t alignment, size_t bytes) {
+  count();
+  *block = __libc_memalign(alignment, bytes);
+  return *block == nullptr ? ENOMEM : 0;
+}
+void free(void* block) { count(), __libc_free(block); }
+}
+
+// The C++ operators call the functions above in every library; counting them by name makes the claim independent of
+// that.
+void* operator new(size_t bytes) { return count(), __libc_malloc(bytes); }
+void* operator new[](size_t bytes) { return count(), __libc_malloc(bytes); }
+void* operator new(size_t bytes, std::align_val_t a) { return count(), __libc_memalign(static_cast<size_t>(a), bytes); }
+void operator delete(void* block) noexcept { count(), __libc_free(block); }
+void operator delete[](void* block) noexcept { count(), __libc_free(block); }
+void operator delete(void* block, size_t) noexcept { count(), __libc_free(block); }
+void operator delete[](void* block, size_t) noexcept { count(), __libc_free(block); }
+void operator delete(void* block, std::align_val_t) noexcept { count(), __libc_free(block); }
+void operator delete(void* block, size_t, std::align_val_t) noexcept { count(), __libc_free(block); }
+#endif
