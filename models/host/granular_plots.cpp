@@ -39,7 +39,7 @@ Plot runout(const GranularCurves& c) {
       law("Lube 2004: 1.24 a, 1.6 sqrt(a)", 0.4, 5.0, k_law, false, lube_runout),
       law("+-25 %", 0.4, 5.0, k_wrong, true, [](double a) { return 1.25 * lube_runout(a); }),
       law("", 0.4, 5.0, k_wrong, true, [](double a) { return 0.75 * lube_runout(a); }),
-      points("Sandglass, mu = 0.15", c.aspects, c.runouts, k_measured, PlotSeries::Mark::disk),
+      points("Sandglass, defaults", c.aspects, c.runouts, k_measured, PlotSeries::Mark::disk),
       points("control: mu = 0.1", c.wrong_aspects, c.wrong_runouts, k_wrong, PlotSeries::Mark::ring),
       points("planar (its law is steeper)", c.planar_aspects, c.planar_runouts, k_second, PlotSeries::Mark::square)};
   return plot;
@@ -62,7 +62,7 @@ Plot flow(const GranularCurves& c) {
   plot.y = {"particles a second", 60.0, 5000.0, true};
   plot.series = {law("Beverloo: power 2.5 of D - 1.4 d", 4.5, 11.0, k_law, false,
                      [offset](double d) { return std::exp(offset) * std::pow(d - 1.4, 2.5); }),
-                 points("Sandglass, mu = 0.15", x, y, k_measured, PlotSeries::Mark::disk),
+                 points("Sandglass, defaults", x, y, k_measured, PlotSeries::Mark::disk),
                  points("control: one long step a frame", wrong_x, wrong_y, k_wrong, PlotSeries::Mark::ring)};
   return plot;
 }

@@ -134,8 +134,7 @@ void column(Table& t) {
   for (const double aspect : {0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0}) {
     CollapseSetting setting;
     setting.aspect = aspect;
-    const uint64_t seeds = aspect < k_low_end ? k_seeds : 1;  // tall columns have particles enough
-    const double runout = mean_runout(t.defaults(), setting, seeds), law = lube_runout(aspect);
+    const double runout = mean_runout(t.defaults(), setting, k_seeds), law = lube_runout(aspect);
     char name[48];
     std::snprintf(name, sizeof name, "column a=%g", aspect);
     const bool gated = aspect == 0.5 || aspect == 1.0 || aspect == 2.0 || aspect == 3.0;

@@ -304,8 +304,8 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   sandglass_granular_desc& g = desc->granular;
   g.collider_capacity = 16;
   g.particle_radius = 0.01f;
-  g.static_friction = 0.15f;
-  g.kinetic_friction = 0.15f;
+  g.static_friction = 0.14f;
+  g.kinetic_friction = 0.14f;
   g.height_weighting = 0.3f;
   g.scheme = SANDGLASS_SCHEME_SMALL_STEP;
   g.solver_iterations = 1;

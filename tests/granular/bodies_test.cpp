@@ -199,6 +199,7 @@ struct OnSand {
 OnSand cube_on_sand(float density, uint32_t substeps) {
   constexpr uint32_t k_sand = 14 * 14 * 6, k_all = k_sand + 27;
   sandglass_scene_desc desc = with_bodies(k_sand, 27);
+  desc.granular.static_friction = desc.granular.kinetic_friction = 0.3f;  // it has no walls and must not flow away
   if (substeps != 0) desc.granular.substep_max = k_frame / static_cast<float>(substeps) * 1.00001f;
   GranularScene scene(desc);
   scene.add(lattice(14, 6, 14, 2.02f * k_radius, k_radius));

@@ -185,7 +185,9 @@ TEST(Ladder, EveryRungIsStable) {
       ASSERT_EQ(report.quarantined, 0u);
     }
     EXPECT_LT(fastest, 2.0f * k_speed) << sandglass_level_name(level);  // what one elastic pair could do
-    for (const float x : drop.positions()) ASSERT_LT(std::fabs(x), 2.0f) << sandglass_level_name(level);
+    // Nothing slides further than friction lets it from that speed, by more than the block was wide.
+    const float reach = k_speed * k_speed / (2.0f * desc.granular.kinetic_friction * 9.81f) + 0.17f;
+    for (const float x : drop.positions()) ASSERT_LT(std::fabs(x), reach) << sandglass_level_name(level);
   }
 }
 

@@ -158,7 +158,7 @@ typedef struct sandglass_granular_desc {
   float particle_radius; /* r, metres, above 0; all particles are equal */
   float
       grain_radius; /* metres, above 0, at most r: a grain's centre stays this far outside every collider; 0 = 0.35 r */
-  float static_friction;  /* mu_s >= 0; the default of both, 0.15, spreads collapsing columns as far as sand spreads
+  float static_friction;  /* mu_s >= 0; the default of both, 0.14, spreads collapsing columns as far as sand spreads
                            * (Lube 2004): particles do not rotate, which does the work of higher coefficients */
   float kinetic_friction; /* mu_k >= 0; may exceed mu_s (the source's hourglass does) */
   float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; the default, 0.3, is calibrated with
