@@ -1,11 +1,10 @@
 // `sandglass bake MESH -o FILE`: the soft shadow of a mesh as a network small enough for a phone's frame.
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cstdio>
 #include <thread>
 
 #include "models/cli/commands.h"
-#include "models/cli/number_between.h"
+#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/measurement_json.h"
@@ -93,11 +92,11 @@ std::string measurements(const BakeReport& r, const BakeSettings& settings) {
 
 }  // namespace
 
-void add_bake_command(CLI::App& program, int* exit_code) {
+void add_bake_command(Command& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
   BakeSettings& settings = options->settings;
   settings.threads = std::max(1u, std::thread::hardware_concurrency());
-  CLI::App* command = program.add_subcommand("bake", "Train the soft shadow of a mesh");
+  Command command = program.add_subcommand("bake", "Train the soft shadow of a mesh");
   command
       ->add_option("mesh", options->mesh,
                    "A mesh file (y up, metres), or the name of a generated one: chair, trefoil, torus, ...")
@@ -108,25 +107,25 @@ void add_bake_command(CLI::App& program, int* exit_code) {
   command->add_option("--max-polar", options->polar, "Largest angle of the light from the zenith")
       ->capture_default_str();
   command->add_option("--plane", options->plane, "fitted to the light, or one fixed square")
-      ->check(CLI::IsMember({"fitted", "fixed"}))
+      ->check(one_of({"fitted", "fixed"}))
       ->capture_default_str();
   command->add_option("--seed", settings.seed, "Equal seeds give equal files")->capture_default_str();
   command->add_option("--threads", settings.threads, "Threads; the file does not depend on them")
-      ->check(CLI::Range(1u, 256u));
+      ->check(range(1u, 256u));
   command->add_option("--steps", settings.steps, "Steps of training")
-      ->check(CLI::Range(1u, 100'000'000u))
+      ->check(range(1u, 100'000'000u))
       ->capture_default_str();
   command->add_option("--quantised-steps", settings.quantised_steps, "Steps with rounded weights after them")
-      ->check(CLI::Range(0u, 100'000'000u))
+      ->check(range(0u, 100'000'000u))
       ->capture_default_str();
   command->add_option("--rate", settings.rate, "Rate of learning at the start of training")
-      ->check(number_between(1e-5, 1.0))
+      ->check(range(1e-5, 1.0))
       ->capture_default_str();
   command->add_option("--textures", settings.textures, "Rays as for so many whole textures")
-      ->check(CLI::Range(1u, 3000u))
+      ->check(range(1u, 3000u))
       ->capture_default_str();
   command->add_option("--validation-lights", settings.validation_lights, "Unseen lights that the error is measured on")
-      ->check(CLI::Range(1u, 100'000u))
+      ->check(range(1u, 100'000u))
       ->capture_default_str();
   command->add_option("--picture", options->picture,
                       "Also draw truth, network and difference for four lights, as a PNG");

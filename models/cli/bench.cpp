@@ -1,10 +1,10 @@
 // `sandglass bench SUITE`: times with the error of the same run in the same row.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <functional>
 #include <thread>
 
 #include "models/cli/commands.h"
+#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/granular_bench.h"
@@ -370,12 +370,12 @@ struct Bench {
 
 }  // namespace
 
-void add_bench_command(CLI::App& program, int* exit_code) {
+void add_bench_command(Command& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("bench", "Measure time and error");
+  Command command = program.add_subcommand("bench", "Measure time and error");
   command->add_option("suite", options->suite, "granular, ladder, growth, shadow, lighting or machine")
       ->required()
-      ->check(CLI::IsMember({"granular", "ladder", "growth", "shadow", "lighting", "machine"}));
+      ->check(one_of({"granular", "ladder", "growth", "shadow", "lighting", "machine"}));
   command
       ->add_option(
           "--asset", options->assets,
@@ -386,15 +386,15 @@ void add_bench_command(CLI::App& program, int* exit_code) {
       ->add_option("--thresholds", options->thresholds,
                    "For shadow: also these thresholds of the adaptive mode, 0..255")
       ->delimiter(',')
-      ->check(CLI::Range(0u, 255u));
+      ->check(range(0u, 255u));
   command->add_option("--out", options->out, "ladder, shadow: write error against time as PNG into this folder");
   command->add_option("--json", options->json, "Write the measurements to this file");
   command->add_option("--frames", options->frames, "Frames a case; errors are comparable at 100 only (100)")
-      ->check(CLI::Range(1u, 10000u));
+      ->check(range(1u, 10000u));
   command->add_flag("--peers", options->peers, "granular: also run other engines on the same scene, five frames each");
   command->add_option("--threads", options->threads, "Thread counts, separated by commas (1)")
       ->delimiter(',')
-      ->check(CLI::Range(1u, 256u));
+      ->check(range(1u, 256u));
   command->add_option("--isa", options->isa, "Kernels to use (automatic)");
   command->callback([options, exit_code] {
     listen_for_interrupt();

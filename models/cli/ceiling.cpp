@@ -1,8 +1,8 @@
 // `sandglass ceiling PANORAMAS`: what the labels themselves can do, by variant; see models/lighting/ceiling.h.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "models/cli/commands.h"
+#include "models/cli/options.h"
 #include "models/host/failure.h"
 #include "models/host/mesh/generated.h"
 #include "models/host/progress.h"
@@ -37,24 +37,19 @@ void print(const Ceiling& ceiling, size_t rows) {
 
 }  // namespace
 
-void add_ceiling_command(CLI::App& program, int* exit_code) {
+void add_ceiling_command(Command& program, int* exit_code) {
   constexpr int k_exit_interrupted = 130;
   const auto options = std::make_shared<CeilingOptions>();
   const auto object = std::make_shared<std::string>("trefoil");
   const auto rows = std::make_shared<size_t>(100);
-  CLI::App* command =
-      program.add_subcommand("ceiling", "Measure how well true light labels light an object, by variant");
+  Command command = program.add_subcommand("ceiling", "Measure how well true light labels light an object, by variant");
   command->add_option("panoramas", options->panoramas, ".hdr or .exr files, or folders of them")->required();
   command->add_option("--object", *object, "A mesh file or a generated mesh's name")->capture_default_str();
-  command->add_option("--views", options->views, "Of each panorama's eight")
-      ->check(CLI::Range(1, 8))
-      ->capture_default_str();
-  command->add_option("--samples", options->samples, "Paths a pixel")
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
+  command->add_option("--views", options->views, "Of each panorama's eight")->check(range(1, 8))->capture_default_str();
+  command->add_option("--samples", options->samples, "Paths a pixel")->check(range(1, 4096))->capture_default_str();
   command->add_option("--rows", *rows, "Of the table, best first")->capture_default_str();
   command->add_option("--threads", options->threads, "Threads; the result does not depend on them")
-      ->check(CLI::Range(1u, 256u))
+      ->check(range(1u, 256u))
       ->capture_default_str();
   command->callback([options, object, rows, exit_code] {
     listen_for_interrupt();

@@ -1,17 +1,17 @@
 // `sandglass dataset PANORAMAS -o DIR`: training pairs for the lighting network.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "models/cli/commands.h"
+#include "models/cli/options.h"
 #include "models/host/progress.h"
 #include "models/lighting/dataset.h"
 
 namespace sandglass::host {
 
-void add_dataset_command(CLI::App& program, int* exit_code) {
+void add_dataset_command(Command& program, int* exit_code) {
   constexpr int k_exit_interrupted = 130;
   const auto options = std::make_shared<DatasetOptions>();
-  CLI::App* command = program.add_subcommand("dataset", "Cut camera images and light labels out of HDR panoramas");
+  Command command = program.add_subcommand("dataset", "Cut camera images and light labels out of HDR panoramas");
   command->add_option("panoramas", options->panoramas, ".hdr or .exr files, or folders of them")->required();
   command->add_option("-o,--output", options->folder, "Folder to write images, manifest.csv and sheet.png to")
       ->required();
@@ -19,7 +19,7 @@ void add_dataset_command(CLI::App& program, int* exit_code) {
   command->add_option("--seed", options->seed, "Equal seeds give equal views")->capture_default_str();
   command->add_option("--tiles", options->tiles, "Excerpts on the contact sheet")->capture_default_str();
   command->add_option("--threads", options->threads, "Threads; the result does not depend on them")
-      ->check(CLI::Range(1u, 256u))
+      ->check(range(1u, 256u))
       ->capture_default_str();
   command->callback([options, exit_code] {
     listen_for_interrupt();

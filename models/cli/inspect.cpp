@@ -1,11 +1,11 @@
 // `sandglass inspect FILE`: what a file is, by its content: a recording, a baked shadow, a scene, else a mesh.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 
 #include "models/cli/commands.h"
+#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/body_meshes.h"
 #include "models/host/failure.h"
@@ -130,12 +130,12 @@ void inspect_mesh(const std::string& path) {
 
 }  // namespace
 
-void add_inspect_command(CLI::App& program, int* exit_code) {
+void add_inspect_command(Command& program, int* exit_code) {
   struct Options {
     std::string file, mesh;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       program.add_subcommand("inspect", "Say what a file is: a recording, a baked shadow, a scene, a mesh");
   command->add_option("file", options->file, "The file, or the name of a shipped scene")->required();
   command->add_option("--mesh", options->mesh, "For a scene: the mesh to fill, as in run");

@@ -1,12 +1,11 @@
 // `sandglass light IMAGE... -o DIR`: the light of photographs, as numbers and as pictures.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "models/cli/commands.h"
-#include "models/cli/number_between.h"
+#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/progress.h"
@@ -96,16 +95,16 @@ int estimate_all(const Options& options) {
 
 }  // namespace
 
-void add_light_command(CLI::App& program, int* exit_code) {
+void add_light_command(Command& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("light", "Estimate the light of photographs");
+  Command command = program.add_subcommand("light", "Estimate the light of photographs");
   command->add_option("images", options->images, "PNG or JPEG files")->required();
   command->add_option("-o,--output", options->folder, "Folder to write JSON and pictures to")->required();
   command->add_option("--fov", options->fov_deg, "Field of view across the diagonal, degrees")
-      ->check(number_between(10.0, 170.0))
+      ->check(range(10.0, 170.0))
       ->capture_default_str();
   command->add_option("--turn", options->turn_deg, "Clockwise turn that makes the images upright, degrees")
-      ->check(CLI::IsMember({0u, 90u, 180u, 270u}))
+      ->check(one_of({0u, 90u, 180u, 270u}))
       ->capture_default_str();
   command->add_option("--network", options->network, "The lighting network's file; the shipped one by default");
   command->callback([options, exit_code] {

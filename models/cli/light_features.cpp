@@ -1,10 +1,10 @@
 // `sandglass light-features NETWORK DATASET -o FILE.npy`: what the lighting network's heads see of each image of a data
 // set, as the runtime computes it: train.py fits the heads to that.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 
 #include "models/cli/commands.h"
+#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/npy.h"
@@ -71,9 +71,9 @@ int write_features(const Options& options) {
 
 }  // namespace
 
-void add_light_features_command(CLI::App& program, int* exit_code) {
+void add_light_features_command(Command& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("light-features", "Write what the lighting network's heads see");
+  Command command = program.add_subcommand("light-features", "Write what the lighting network's heads see");
   command->add_option("network", options->network, "The lighting network's file")->required();
   command->add_option("dataset", options->folder, "A folder made by `sandglass dataset`")->required();
   command->add_option("-o,--output", options->output, "File to write, .npy: a row for each image")->required();

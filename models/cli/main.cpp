@@ -1,10 +1,10 @@
 // The command-line program. Bad input of any kind ends here as one sentence on stderr and exit code 2.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <new>
 
 #include "models/cli/commands.h"
+#include "models/cli/options.h"
 #include "models/cli/sample.h"
 #include "models/host/failure.h"
 #include "sandglass/sandglass.h"
@@ -13,15 +13,12 @@ int main(int argc, char** argv) {
   using namespace sandglass::host;
   constexpr int k_exit_bad_input = 2;
   int exit_code = 0;
-  CLI::App program("Sandglass: sand inside a fixed slice of every frame", "sandglass");
-  program.set_version_flag("--version", std::to_string(SANDGLASS_VERSION_MAJOR) + "." +
-                                            std::to_string(SANDGLASS_VERSION_MINOR) + "." +
-                                            std::to_string(SANDGLASS_VERSION_PATCH));
-  program.require_subcommand(0, 1);
-  program.get_formatter()->column_width(34);
-  program.footer(
-      "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 130 interrupted.\nTry: sandglass run demo --out "
-      "out");
+  Program program(
+      "Sandglass: sand inside a fixed slice of every frame", "sandglass",
+      std::to_string(SANDGLASS_VERSION_MAJOR) + "." + std::to_string(SANDGLASS_VERSION_MINOR) + "." +
+          std::to_string(SANDGLASS_VERSION_PATCH),
+      "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 130 interrupted.\nTry: sandglass run demo "
+      "--out out");
   add_run_command(program, &exit_code);
   add_view_command(program, &exit_code);
   add_sample_command(program, &exit_code);
@@ -38,13 +35,8 @@ int main(int argc, char** argv) {
   add_quantise_light_command(program, &exit_code);
   add_light_features_command(program, &exit_code);
   try {
-    program.parse(argc, argv);
-    if (program.get_subcommands().empty()) std::fputs(program.help().c_str(), stdout);
+    program.run(argc, argv);
     return exit_code;
-  } catch (const CLI::Success& help) {
-    return program.exit(help);
-  } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "sandglass: %s; see sandglass --help\n", error.what());
   } catch (const std::bad_alloc&) {
     std::fputs("sandglass: this machine has too little memory for what was asked; make the scene smaller\n", stderr);
   } catch (const std::exception& error) {

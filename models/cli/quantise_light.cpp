@@ -1,11 +1,11 @@
 // `sandglass quantise-light WEIGHTS.npz --calibrate DIR -o FILE`: the trained network as the runtime reads it.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 
 #include "models/cli/commands.h"
+#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/progress.h"
@@ -134,9 +134,9 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_quantise_light_command(CLI::App& program, int* exit_code) {
+void add_quantise_light_command(Command& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("quantise-light", "Turn the trained lighting network into bytes");
+  Command command = program.add_subcommand("quantise-light", "Turn the trained lighting network into bytes");
   command->add_option("weights", options->weights, "The trained network, as train.py exports it (.npz)")->required();
   command
       ->add_option("--calibrate", options->folders,
@@ -146,7 +146,7 @@ void add_quantise_light_command(CLI::App& program, int* exit_code) {
   command->add_option("-o,--output", options->output, "File to write")->required();
   command->add_option("--name", options->name, "Name of the network, in the file")->capture_default_str();
   command->add_option("--images", options->images, "To calibrate with, and as many to measure with")
-      ->check(CLI::Range(2u, 10000u))
+      ->check(range(2u, 10000u))
       ->capture_default_str();
   command->callback([options, exit_code] {
     listen_for_interrupt();

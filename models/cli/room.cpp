@@ -1,8 +1,8 @@
 // `sandglass room --seed S -o room.hdr`: one procedural room as a panorama, its depth, and a picture for the eye.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
 #include "models/cli/commands.h"
+#include "models/cli/options.h"
 #include "models/host/failure.h"
 #include "models/host/npy.h"
 #include "models/host/progress.h"
@@ -49,20 +49,20 @@ int make(const Options& options) {
 
 }  // namespace
 
-void add_room_command(CLI::App& program, int* exit_code) {
+void add_room_command(Command& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("room", "Make up an indoor room and trace its HDR panorama");
+  Command command = program.add_subcommand("room", "Make up an indoor room and trace its HDR panorama");
   command->add_option("--seed", options->seed, "Equal seeds give equal rooms")->capture_default_str();
   command->add_option("-o,--output", options->output, "Radiance file to write; the depth goes beside it")->required();
   command->add_option("--picture", options->picture, "Also write a tone-mapped PNG");
   command->add_option("--width", options->render.width, "Pixels across; half as many down")
-      ->check(CLI::Range(16, 8192))
+      ->check(range(16, 8192))
       ->capture_default_str();
   command->add_option("--samples", options->render.samples, "Paths a pixel")
-      ->check(CLI::Range(1, 65536))
+      ->check(range(1, 65536))
       ->capture_default_str();
   command->add_option("--threads", options->render.threads, "Threads; the result does not depend on them")
-      ->check(CLI::Range(1u, 256u))
+      ->check(range(1u, 256u))
       ->capture_default_str();
   command->callback([options, exit_code] {
     listen_for_interrupt();

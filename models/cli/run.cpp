@@ -2,7 +2,6 @@
 // final state.
 #include <time.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -10,7 +9,7 @@
 #include <thread>
 
 #include "models/cli/commands.h"
-#include "models/cli/number_between.h"
+#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/body_meshes.h"
 #include "models/host/collision_fields.h"
@@ -384,36 +383,36 @@ struct Run {
 
 }  // namespace
 
-void add_run_command(CLI::App& program, int* exit_code) {
+void add_run_command(Command& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command =
+  Command command =
       program.add_subcommand("run", "Fill a scene with sand, run it under its budget, report and draw it");
   command->add_option("scene", options->scene, "Scene file, or the name of a shipped scene")->required();
   command->add_option("--mesh", options->mesh, "Triangle mesh for the scene's bodies of shape \"mesh\"");
   command->add_option("--collider-mesh,--object", options->collider_mesh,
                       "Triangle mesh for the scene's colliders of shape \"mesh\"");
   command->add_option("--asset", options->asset, "Baked shadow of that object, instead of the scene's");
-  CLI::Option* panorama = command->add_option("--panorama", options->panorama, "Of a shot: the room, .hdr or .exr");
-  CLI::Option* photo = command->add_option("--photo", options->photo, "Of a shot: a photograph behind it, with --fov");
+  Option panorama = command->add_option("--panorama", options->panorama, "Of a shot: the room, .hdr or .exr");
+  Option photo = command->add_option("--photo", options->photo, "Of a shot: a photograph behind it, with --fov");
   photo->excludes(panorama);
   command->add_option("--fov", options->fov_deg, "Field of view of --photo across the diagonal, degrees")
-      ->check(number_between(5.0, 150.0))
+      ->check(range(5.0, 150.0))
       ->needs(photo);
   command->add_option("--network", options->network,
                       "Of a shot: the lighting network's file, instead of the shipped one");
   command->add_option("--light", options->light, "Of a shot: labels (of the panorama), estimate, or arbitrary")
-      ->check(CLI::IsMember({"labels", "estimate", "arbitrary"}));
+      ->check(one_of({"labels", "estimate", "arbitrary"}));
   command->add_option("--frames", options->frames, "Frames to run instead of the scene's")
-      ->check(CLI::Range(1u, 100'000'000u));
+      ->check(range(1u, 100'000'000u));
   command->add_option("--budget-ms", options->budget_ms, "Budget of a frame, instead of the scene's")
-      ->check(number_between(0.0, 1e6));
+      ->check(range(0.0, 1e6));
   command->add_option("--threads", options->threads, "Threads, the calling one included (1)")
-      ->check(CLI::Range(1u, k_threads_at_most));
+      ->check(range(1u, k_threads_at_most));
   command->add_option("--clock", options->clock, "real, or virtual: 5 microseconds a reading, the same plan everywhere")
-      ->check(CLI::IsMember({"real", "virtual"}));
+      ->check(one_of({"real", "virtual"}));
   command->add_option("--isa", options->isa,
                       "Kernels: scalar, neon, neon_dotprod, neon_i8mm, avx2, avx512 (automatic)");
-  CLI::Option* record =
+  Option record =
       command->add_option("--record", options->record, "Write what every frame was given and did to this file");
   command->add_option("--replay", options->replay, "Execute a recorded run to the bit")->excludes(record);
   command->add_option("--dump", options->dump,

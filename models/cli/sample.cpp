@@ -3,12 +3,12 @@
 // library names, as an app would.
 #include "models/cli/sample.h"
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <optional>
 
+#include "models/cli/options.h"
 #include "models/host/block.h"
 #include "models/host/image.h"
 #include "models/host/mesh/generated.h"
@@ -241,12 +241,13 @@ int sample_command(const SampleOptions& asked) {
   return 0;
 }
 
-void add_sample_command(CLI::App& program, int* exit_code) {
-  CLI::App* command =
+void add_sample_command(Command& program, int* exit_code) {
+  Command command =
       program.add_subcommand("sample", "Sample a mesh's surface or volume, a disk, a sphere or a ring with points");
   const auto options = std::make_shared<SampleOptions>();
-  command->add_option("mesh", options->mesh, "A mesh file, or trefoil, torus, box, sphere, hourglass, bucket, silo");
-  CLI::Option_group* what = command->add_option_group("what");
+  command->add_option("mesh", options->mesh,
+                      "A mesh file, or trefoil, torus, box, sphere, hourglass, bucket, silo, chair");
+  Command what = command->add_option_group("what");
   what->add_flag_callback(
       "--surface", [options] { options->what = SampleWhat::surface; }, "Poisson disk on the surface");
   what->add_flag_callback(
@@ -254,9 +255,9 @@ void add_sample_command(CLI::App& program, int* exit_code) {
   what->add_flag_callback(
       "--lattice", [options] { options->what = SampleWhat::lattice; }, "Hexagonal close packing in the volume");
   const auto shape = [&](const char* flag, SampleWhat which, const char* description) {
-    what->add_option_function<uint32_t>(
+    what->add_option_function(
             flag, [options, which](uint32_t count) { options->what = which, options->count = count; }, description)
-        ->check(CLI::Range(1u, 1u << 26));
+        ->check(range(1u, 1u << 26));
   };
   shape("--disk", SampleWhat::disk, "So many points of the unit disk");
   shape("--sphere", SampleWhat::sphere, "So many points of the unit sphere");

@@ -6,11 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace sandglass::host {
+
+class Command;
 
 enum class SampleWhat { surface, volume, lattice, disk, sphere, ring };
 
@@ -31,6 +29,6 @@ struct SampleOptions {
 // are and what they lie on.
 int sample_command(const SampleOptions& options);
 
-void add_sample_command(CLI::App& program, int* exit_code);
+void add_sample_command(Command& program, int* exit_code);
 
 }  // namespace sandglass::host

@@ -1,12 +1,12 @@
 // `sandglass verify SUITE`: claims with their truth, measured now, and wrong settings that must fail them; as a table
 // on the terminal, and with --out as CSV, Markdown and curves.
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
 
 #include "models/cli/commands.h"
+#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/granular_plots.h"
@@ -289,13 +289,13 @@ int verify_shot_suite(const Options& options) {
 
 }  // namespace
 
-void add_verify_command(CLI::App& program, int* exit_code) {
+void add_verify_command(Command& program, int* exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = program.add_subcommand("verify", "Measure claims against their truths; exit code 1 if one fails");
+  Command command = program.add_subcommand("verify", "Measure claims against their truths; exit code 1 if one fails");
   command->add_option("suite", options->suite, "granular, lighting or shot")
       ->required()
-      ->check(CLI::IsMember({"granular", "lighting", "shot"}));
-  command->add_option("--case", options->cases, "Only these cases (all)")->check(CLI::IsMember(verdict_groups()));
+      ->check(one_of({"granular", "lighting", "shot"}));
+  command->add_option("--case", options->cases, "Only these cases (all)")->check(one_of(verdict_groups()));
   command->add_flag("--quick", options->quick, "Only the cases that take seconds");
   command->add_option("--json", options->json, "Write the rows to this file");
   command->add_option("--out", options->out, "Write table and curves into this folder");
@@ -311,17 +311,17 @@ void add_verify_command(CLI::App& program, int* exit_code) {
   command->add_option("--object", options->object, "Lighting: a mesh file or a generated mesh's name")
       ->capture_default_str();
   command->add_option("--views", options->views, "Lighting: of each panorama's eight")
-      ->check(CLI::Range(1, 8))
+      ->check(range(1, 8))
       ->capture_default_str();
   command->add_option("--samples", options->samples, "Lighting: paths a pixel; 0 renders nothing")
-      ->check(CLI::Range(0, 4096))
+      ->check(range(0, 4096))
       ->capture_default_str();
   command
       ->add_option("--seed", options->seed,
                    "Shot: where the cameras look; 0 is the study, others check it in all panoramas")
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Lighting and shot: threads; the result does not depend on them")
-      ->check(CLI::Range(1u, 256u))
+      ->check(range(1u, 256u))
       ->capture_default_str();
   command->callback([options, exit_code] {
     listen_for_interrupt();

@@ -1,8 +1,7 @@
 // `sandglass view SCENE`: the scene in a window, to be turned, lit, poured and pushed while it runs.
-#include <CLI/CLI.hpp>
 
 #include "models/cli/commands.h"
-#include "models/cli/number_between.h"
+#include "models/cli/options.h"
 #include "models/host/failure.h"
 #include "models/host/progress.h"
 #ifdef SANDGLASS_HAVE_VIEW
@@ -13,23 +12,23 @@ namespace sandglass::host {
 
 #ifdef SANDGLASS_HAVE_VIEW
 
-void add_view_command(CLI::App& program, int* exit_code) {
+void add_view_command(Command& program, int* exit_code) {
   const auto options = std::make_shared<ViewOptions>();
-  CLI::App* command = program.add_subcommand("view", "Show a running scene in a window");
+  Command command = program.add_subcommand("view", "Show a running scene in a window");
   command->add_option("scene", options->live.scene, "Scene file, or the name of a shipped scene")->required();
   command->add_option("--mesh", options->live.mesh, "Triangle mesh for the scene's bodies of shape \"mesh\"");
   command->add_option("--collider-mesh", options->live.collider_mesh,
                       "Triangle mesh for the scene's colliders of shape \"mesh\"");
   command->add_option("--budget-ms", options->live.budget_ms, "Budget of a frame, instead of the scene's")
-      ->check(number_between(0.1, 1000.0));
+      ->check(range(0.1, 1000.0));
   command->add_option("--threads", options->live.threads, "Threads, the calling one included (1)")
-      ->check(CLI::Range(1u, 256u));
+      ->check(range(1u, 256u));
   command->add_option("--isa", options->live.isa, "Kernels, as for run (automatic)");
-  command->add_option("--width", options->width, "Of the window, pixels (1280)")->check(CLI::Range(320, 8192));
-  command->add_option("--height", options->height, "Of the window, pixels (800)")->check(CLI::Range(240, 8192));
-  CLI::Option* frames =
+  command->add_option("--width", options->width, "Of the window, pixels (1280)")->check(range(320, 8192));
+  command->add_option("--height", options->height, "Of the window, pixels (800)")->check(range(240, 8192));
+  Option frames =
       command->add_option("--frames", options->frames, "Show so many frames, each 1/60 s of the scene, and end")
-          ->check(CLI::Range(1u, 1'000'000u));
+          ->check(range(1u, 1'000'000u));
   command->add_option("--screenshot", options->screenshot, "Write the last frame to this PNG")->needs(frames);
   command
       ->add_option("--script", options->script,
@@ -44,8 +43,8 @@ void add_view_command(CLI::App& program, int* exit_code) {
 
 #else
 
-void add_view_command(CLI::App& program, int*) {
-  CLI::App* command = program.add_subcommand("view", "Show a running scene in a window (not in this build)");
+void add_view_command(Command& program, int*) {
+  Command command = program.add_subcommand("view", "Show a running scene in a window (not in this build)");
   command->allow_extras();
   command->callback([] {
     throw Failure(

@@ -1,24 +1,14 @@
 // Pixels, letters and files. PNG goes through stb_image_write; the GIF writer is the format's plain LZW.
 #include "models/host/image.h"
 
+#include <stb_image_write.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
-
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STBI_WRITE_NO_STDIO
-#define STB_IMAGE_WRITE_STATIC
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#endif
-#include <stb_image_write.h>
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif
 
 namespace sandglass::host {
 

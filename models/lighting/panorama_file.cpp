@@ -1,5 +1,7 @@
 #include "models/lighting/panorama_file.h"
 
+#include <stb_image_write.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -15,18 +17,6 @@
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
 #include <ImfInputFile.h>
-#endif
-
-// Not STBI_WRITE_NO_STDIO: stb_image_write 1.16 loses the .hdr writer with it.
-#define STB_IMAGE_WRITE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_STATIC
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#endif
-#include <stb_image_write.h>
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
 #endif
 
 namespace sandglass::host {

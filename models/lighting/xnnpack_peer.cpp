@@ -15,7 +15,8 @@ namespace sandglass::host {
 namespace {
 
 constexpr int8_t k_zero = -128;  // a byte q is the int8 q - 128
-constexpr float k_least_scale = 1e-9f;
+// XNNPACK takes multipliers below 256: of 256 and more, as of this one, any sum but 0 gives 255 or 0.
+constexpr float k_least_scale = 1e-9f, k_greatest_scale = 255.5f;
 
 void check(xnn_status status) {
   if (status != xnn_status_success) throw Failure("XNNPACK refused an operator of the lighting network");
@@ -117,9 +118,9 @@ struct XnnpackLightPeer::State {
                 h, in, out);
   }
 
-  static std::vector<float> scales(const AssetConvolution& c, uint32_t outputs) {
+  std::vector<float> scales(const AssetConvolution& c, uint32_t outputs) const {
     std::vector<float> multiplier(c.multiplier, c.multiplier + outputs);
-    for (float& m : multiplier) m = std::max(m, k_least_scale);
+    for (float& m : multiplier) m = std::clamp(m, k_least_scale, bytes ? k_greatest_scale : m + k_least_scale);
     return multiplier;
   }
 

@@ -12,7 +12,7 @@ golden=$(awk '$1 == "hash" {print $2}' "$hash_file")
 command=()
 while (($# > 0)); do
   command+=("$1")
-  [[ ${1##*/} == sandglass ]] && { shift; break; }
+  [[ ${1##*/} == sandglass* ]] && { shift; break; }
   shift
 done
 

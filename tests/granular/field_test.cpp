@@ -8,6 +8,7 @@
 #include "models/host/mesh/generated.h"
 #include "tests/granular/box_points.h"
 #include "tests/granular/granular_scene.h"
+#include "tests/granular/mesh_collider.h"
 
 namespace {
 
@@ -23,35 +24,11 @@ struct Aligned {
   void* data;
 };
 
-struct Field {
-  Field(const Mesh& mesh, float margin, float spacing, float band, sandglass_solid solid) {
-    const sandglass_mesh view = {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
-    const char* reason = nullptr;
-    uint64_t bytes = 0;
-    EXPECT_EQ(sandglass_mesh_bounds(&view, low, high, &reason), SANDGLASS_OK);
-    for (int k = 0; k < 3; ++k) low[k] -= margin, high[k] += margin;
-    EXPECT_EQ(sandglass_mesh_inside_bytes(&view, SANDGLASS_INSIDE_PARITY, &bytes, &reason), SANDGLASS_OK);
-    Aligned scratch(bytes);
-    sandglass_mesh_inside* inside = nullptr;
-    EXPECT_EQ(sandglass_mesh_inside_create(&view, SANDGLASS_INSIDE_PARITY, scratch.data, bytes, &inside, &reason),
-              SANDGLASS_OK);
-    EXPECT_EQ(sandglass_field_bytes(low, high, spacing, &bytes, &reason), SANDGLASS_OK);
-    block = std::make_unique<Aligned>(bytes);
-    EXPECT_EQ(sandglass_field_from_mesh(&view, sandglass_mesh_inside_test, inside, low, high, spacing, band, solid,
-                                        block->data, bytes, &field, &reason),
-              SANDGLASS_OK)
-        << reason;
-  }
-  float low[3], high[3];
-  std::unique_ptr<Aligned> block;
-  sandglass_field* field = nullptr;
-};
-
 double length(const float* p) { return std::hypot(p[0], p[1], p[2]); }
 
 TEST(Field, OfASphereHasItsDistanceAndNormal) {
   constexpr double k_spacing = 0.01, k_band = 0.04;
-  const Field sphere(make_icosphere(0.1f, 4), 0.05f, 0.01f, 0.04f, SANDGLASS_SOLID_INSIDE);
+  const MeshCollider sphere(make_icosphere(0.1f, 4), SANDGLASS_SOLID_INSIDE, 0.01f, 0.04f, 0.05f);
   // Trilinear interpolation of a function whose two curvatures are 1/rho errs by h^2/4rho at most; the icosphere's
   // chords (edge 0.1 * 1.26 / 2^4) lie e^2/8R below the sphere, as measured by its own triangles' edge.
   const double edge = 0.1 * 1.26 / 16.0, chord = edge * edge / (2.0 * 0.1);
@@ -60,7 +37,7 @@ TEST(Field, OfASphereHasItsDistanceAndNormal) {
     const double rho = length(p), truth = rho - 0.1;
     if (std::fabs(truth) > k_band - 2 * k_spacing) return;
     float normal[3];
-    const double distance = static_cast<double>(sandglass_field_distance(sphere.field, p, normal));
+    const double distance = static_cast<double>(sandglass_field_distance(sphere.collider.field, p, normal));
     worst = std::max(worst, std::fabs(distance - truth));
     EXPECT_NEAR(distance, truth, k_spacing * k_spacing / (4 * (rho - k_spacing)) + chord + 1e-6);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(normal[k], static_cast<double>(p[k]) / rho, 0.12);
@@ -69,10 +46,10 @@ TEST(Field, OfASphereHasItsDistanceAndNormal) {
 }
 
 TEST(Field, FarFromTheSurfaceItIsAtMostThirteenPercentTooLong) {
-  const Field torus(make_torus(0.1f, 0.04f, 96, 48), 0.1f, 0.01f, 0.02f, SANDGLASS_SOLID_INSIDE);
+  const MeshCollider torus(make_torus(0.1f, 0.04f, 96, 48), SANDGLASS_SOLID_INSIDE, 0.01f, 0.02f, 0.1f);
   for_points(torus.low, torus.high, 5000, [&](const float* p) {
     const double ring = std::hypot(p[0], p[2]) - 0.1, truth = std::hypot(ring, p[1]) - 0.04;
-    const double distance = static_cast<double>(sandglass_field_distance(torus.field, p, nullptr));
+    const double distance = static_cast<double>(sandglass_field_distance(torus.collider.field, p, nullptr));
     EXPECT_TRUE(std::fabs(truth) <= 1.5e-3 || (distance > 0) == (truth > 0));
     // Interpolation (h^2/4rho at the tube, rho >= 2 cm beyond the ridge) and the mesh's chords come on top.
     EXPECT_LE(std::fabs(distance), 1.13 * std::fabs(truth) + 2.5e-3);
@@ -82,16 +59,17 @@ TEST(Field, FarFromTheSurfaceItIsAtMostThirteenPercentTooLong) {
 
 TEST(Field, TwoSidesDifferInSignAndBeyondTheGrid) {
   const Mesh ball = make_icosphere(0.1f, 4);
-  const Field solid(ball, 0.03f, 0.01f, 0.03f, SANDGLASS_SOLID_INSIDE),
-      room(ball, 0.03f, 0.01f, 0.03f, SANDGLASS_SOLID_OUTSIDE);
+  const MeshCollider solid(ball, SANDGLASS_SOLID_INSIDE, 0.01f, 0.03f, 0.03f),
+      room(ball, SANDGLASS_SOLID_OUTSIDE, 0.01f, 0.03f, 0.03f);
   for_points(solid.low, solid.high, 2000, [&](const float* p) {
-    EXPECT_EQ(sandglass_field_distance(solid.field, p, nullptr), -sandglass_field_distance(room.field, p, nullptr));
+    EXPECT_EQ(sandglass_field_distance(solid.collider.field, p, nullptr),
+              -sandglass_field_distance(room.collider.field, p, nullptr));
   });
   const float far[3] = {3.0f, 0.0f, 0.0f};
   float normal[3];
-  EXPECT_NEAR(sandglass_field_distance(solid.field, far, normal), 3.0 - 0.13, 0.02);
+  EXPECT_NEAR(sandglass_field_distance(solid.collider.field, far, normal), 3.0 - 0.13, 0.02);
   EXPECT_EQ(normal[0], 1.0f);
-  EXPECT_LT(sandglass_field_distance(room.field, far, normal), -2.8f);
+  EXPECT_LT(sandglass_field_distance(room.collider.field, far, normal), -2.8f);
   EXPECT_EQ(normal[0], -1.0f);
 }
 

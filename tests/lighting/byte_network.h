@@ -1,31 +1,39 @@
-// The lighting network's file run naively, as asset/light.fbs describes it: integers, one sum after another. Shares
-// nothing with the runtime.
+// The lighting network's file run naively, as asset/light.fbs describes it: one sum after another, in integers, or in
+// double without any rounding. Shares nothing with the runtime.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "models/lighting/light_file.h"
 
 namespace sandglass::tests {
 
-struct ByteMap {
+// Value: uint8_t or double.
+template <class Value>
+struct Map {
   int width, height, channels;
-  std::vector<uint8_t> bytes;
-  ByteMap(int w, int h, int c)
+  std::vector<Value> values;
+  Map(int w, int h, int c)
       : width(w),
         height(h),
         channels(c),
-        bytes(static_cast<size_t>(w) * static_cast<size_t>(h) * static_cast<size_t>(c)) {}
-  uint8_t& at(int x, int y, int c) {
-    return bytes[(static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) *
-                     static_cast<size_t>(channels) +
-                 static_cast<size_t>(c)];
+        values(static_cast<size_t>(w) * static_cast<size_t>(h) * static_cast<size_t>(c)) {}
+  Value& at(int x, int y, int c) {
+    return values[(static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) *
+                      static_cast<size_t>(channels) +
+                  static_cast<size_t>(c)];
   }
-  uint8_t at(int x, int y, int c) const { return const_cast<ByteMap*>(this)->at(x, y, c); }
+  Value at(int x, int y, int c) const { return const_cast<Map*>(this)->at(x, y, c); }
 };
+using ByteMap = Map<uint8_t>;
 
+inline double requantised(double sum, float multiplier) {
+  return std::clamp(sum * static_cast<double>(multiplier), 0.0, 255.0);
+}
 // One rounding for the conversion, one for the product, then to nearest even.
 inline uint8_t requantised(int64_t sum, float multiplier) {
   const float scaled = static_cast<float>(sum) * multiplier;
@@ -33,37 +41,42 @@ inline uint8_t requantised(int64_t sum, float multiplier) {
 }
 
 // size x size, `step` pixels apart; beyond the edge lies `border` (of channel c: border[c % 3]).
-inline ByteMap convolved(const host::ByteConvolution& c, const ByteMap& in, int size, int step, const uint8_t* border) {
+template <class Value>
+Map<Value> convolved(const host::ByteConvolution& c, const Map<Value>& in, int size, int step, const uint8_t* border) {
+  using Sum = std::conditional_t<std::is_same_v<Value, double>, double, int64_t>;
   const int outputs = static_cast<int>(c.bias.size()), pad = size / 2;
-  ByteMap out(in.width / step, in.height / step, outputs);
+  Map<Value> out(in.width / step, in.height / step, outputs);
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
       for (int o = 0; o < outputs; ++o) {
-        int64_t sum = c.bias[static_cast<size_t>(o)];
+        Sum sum = c.bias[static_cast<size_t>(o)];
         const int8_t* weights = c.weights.data() + static_cast<size_t>(o * size * size * in.channels);
         for (int row = 0; row < size; ++row)
           for (int column = 0; column < size; ++column) {
             const int u = x * step + column - pad, v = y * step + row - pad;
             const bool inside = u >= 0 && v >= 0 && u < in.width && v < in.height;
             for (int i = 0; i < in.channels; ++i, ++weights)
-              sum += int64_t{*weights} * (inside ? in.at(u, v, i) : border == nullptr ? 0 : border[i % 3]);
+              sum += static_cast<Sum>(*weights) *
+                     (inside ? in.at(u, v, i) : static_cast<Value>(border == nullptr ? 0 : border[i % 3]));
           }
         out.at(x, y, o) = requantised(sum, c.multiplier[static_cast<size_t>(o)]);
       }
   return out;
 }
 
-inline ByteMap clamped(const ByteMap& in, const std::vector<uint8_t>& low, const std::vector<uint8_t>& high) {
-  ByteMap out = in;
-  for (size_t i = 0; i < out.bytes.size(); ++i) {
+template <class Value>
+Map<Value> clamped(const Map<Value>& in, const std::vector<uint8_t>& low, const std::vector<uint8_t>& high) {
+  Map<Value> out = in;
+  for (size_t i = 0; i < out.values.size(); ++i) {
     const size_t c = i % low.size();
-    out.bytes[i] = out.bytes[i] < low[c] ? low[c] : out.bytes[i] > high[c] ? high[c] : out.bytes[i];
+    out.values[i] = std::clamp(out.values[i], static_cast<Value>(low[c]), static_cast<Value>(high[c]));
   }
   return out;
 }
 
-inline ByteMap appended(const ByteMap& a, const ByteMap& b) {
-  ByteMap out(a.width, a.height, a.channels + b.channels);
+template <class Value>
+Map<Value> appended(const Map<Value>& a, const Map<Value>& b) {
+  Map<Value> out(a.width, a.height, a.channels + b.channels);
   for (int y = 0; y < a.height; ++y)
     for (int x = 0; x < a.width; ++x)
       for (int c = 0; c < out.channels; ++c)
@@ -71,19 +84,23 @@ inline ByteMap appended(const ByteMap& a, const ByteMap& b) {
   return out;
 }
 
-inline ByteMap averaged(const ByteMap& in) {
-  ByteMap out(in.width / 2, in.height / 2, in.channels);
+template <class Value>
+Map<Value> averaged(const Map<Value>& in) {
+  Map<Value> out(in.width / 2, in.height / 2, in.channels);
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
-      for (int c = 0; c < in.channels; ++c)
-        out.at(x, y, c) = static_cast<uint8_t>((in.at(2 * x, 2 * y, c) + in.at(2 * x + 1, 2 * y, c) +
-                                                in.at(2 * x, 2 * y + 1, c) + in.at(2 * x + 1, 2 * y + 1, c) + 2) /
-                                               4);
+      for (int c = 0; c < in.channels; ++c) {
+        const auto sum = in.at(2 * x, 2 * y, c) + in.at(2 * x + 1, 2 * y, c) + in.at(2 * x, 2 * y + 1, c) +
+                         in.at(2 * x + 1, 2 * y + 1, c);
+        if constexpr (std::is_same_v<Value, double>) out.at(x, y, c) = sum / 4;
+        else out.at(x, y, c) = static_cast<Value>((sum + 2) / 4);
+      }
   return out;
 }
 
-inline ByteMap pooled(const ByteMap& in) {
-  ByteMap out(in.width / 2, in.height / 2, in.channels);
+template <class Value>
+Map<Value> pooled(const Map<Value>& in) {
+  Map<Value> out(in.width / 2, in.height / 2, in.channels);
   for (int y = 0; y < out.height; ++y)
     for (int x = 0; x < out.width; ++x)
       for (int v = 2 * y - 1; v <= 2 * y + 1; ++v)
@@ -94,25 +111,31 @@ inline ByteMap pooled(const ByteMap& in) {
   return out;
 }
 
-// The 1024 averages in steps of 1/256 byte.
-inline std::vector<uint32_t> byte_features(const host::LightFile& file, const std::vector<uint8_t>& rgb, int width,
-                                           int height) {
+// What the average is taken of: the 1024 channels, clamped.
+template <class Value>
+Map<Value> last_map(const host::LightFile& file, const std::vector<uint8_t>& rgb, int width, int height) {
   constexpr int k_layers[4] = {6, 12, 24, 16};
-  ByteMap image(width, height, 3);
-  image.bytes = rgb;
-  ByteMap map = pooled(convolved(file.stem, image, 7, 2, file.border));
+  Map<Value> image(width, height, 3);
+  image.values.assign(rgb.begin(), rgb.end());
+  Map<Value> map = pooled(convolved(file.stem, image, 7, 2, file.border));
   size_t layer = 0;
   for (size_t b = 0; b < 4; ++b) {
     for (int i = 0; i < k_layers[b]; ++i, ++layer) {
       const host::ByteConvolution& narrow = file.narrow[layer];
-      const ByteMap bottleneck = convolved(narrow, clamped(map, narrow.low, narrow.high), 1, 1, nullptr);
+      const Map<Value> bottleneck = convolved(narrow, clamped(map, narrow.low, narrow.high), 1, 1, nullptr);
       map = appended(map, convolved(file.wide[layer], bottleneck, 3, 1, nullptr));
     }
     if (b == 3) break;
     const host::ByteConvolution& transition = file.transition[b];
     map = convolved(transition, averaged(clamped(map, transition.low, transition.high)), 1, 1, nullptr);
   }
-  map = clamped(map, file.last_low, file.last_high);
+  return clamped(map, file.last_low, file.last_high);
+}
+
+// The 1024 averages in steps of 1/256 byte.
+inline std::vector<uint32_t> byte_features(const host::LightFile& file, const std::vector<uint8_t>& rgb, int width,
+                                           int height) {
+  const ByteMap map = last_map<uint8_t>(file, rgb, width, height);
   std::vector<uint32_t> averages;
   const int pixels = map.width * map.height;
   for (int c = 0; c < map.channels; ++c) {

@@ -61,7 +61,7 @@ host::ByteConvolution random_convolution(Random* random, uint32_t inputs, uint32
 
 ByteMap random_map(Random* random, int width, int height, int channels, bool extreme) {
   ByteMap map(width, height, channels);
-  for (uint8_t& b : map.bytes) b = static_cast<uint8_t>(extreme ? 255 * random->next(0, 3) / 3 : random->next(0, 255));
+  for (uint8_t& b : map.values) b = static_cast<uint8_t>(extreme ? 255 * random->next(0, 3) / 3 : random->next(0, 255));
   return map;
 }
 
@@ -100,7 +100,7 @@ TEST(LightKernels, NarrowAndTransitionEqualTheOracleForEveryCountOfPixels) {
         for (const bool transition : {false, true}) {
           Aligned<uint8_t> out(size_t{k_most} * stride);
           std::fill_n(out.data(), k_most * stride, k_untouched);
-          const PixelRow row = {in.bytes.data(), s.inputs, 2 * k_most * s.inputs, count, out.data(), stride};
+          const PixelRow row = {in.values.data(), s.inputs, 2 * k_most * s.inputs, count, out.data(), stride};
           (transition ? table.transition : table.narrow)(&packed.convolution, &row);
           const ByteMap& expected = transition ? expected_transition : expected_narrow;
           for (uint32_t i = 0; i < k_most * stride; ++i) {
@@ -124,7 +124,7 @@ TEST(LightKernels, WideEqualsTheOracleForEveryCountOfPixels) {
       const ByteMap in = random_map(&random, width, 3, channels, s.extreme);
       const ByteMap expected = convolved(c, in, 3, 1, nullptr);
       ByteMap bordered(width + 2 + static_cast<int>(k_tile_slack), 3, channels);
-      std::fill(bordered.bytes.begin(), bordered.bytes.end(), k_untouched);
+      std::fill(bordered.values.begin(), bordered.values.end(), k_untouched);
       for (int y = 0; y < 3; ++y)
         for (int i = 0; i < channels; ++i) {
           bordered.at(0, y, i) = bordered.at(width + 1, y, i) = 0;
@@ -136,7 +136,7 @@ TEST(LightKernels, WideEqualsTheOracleForEveryCountOfPixels) {
         Aligned<uint8_t> out(size_t{18} * s.outputs);
         std::fill_n(out.data(), 18 * s.outputs, k_untouched);
         const PixelRow row = {
-            bordered.bytes.data(),        s.inputs,   static_cast<uint32_t>(bordered.width) * s.inputs,
+            bordered.values.data(),       s.inputs,   static_cast<uint32_t>(bordered.width) * s.inputs,
             static_cast<uint32_t>(width), out.data(), s.outputs};
         table.wide(&packed.convolution, &row);
         for (uint32_t i = 0; i < 18 * s.outputs; ++i) {
@@ -166,15 +166,15 @@ TEST(LightKernels, StemAndPoolEqualTheOracle) {
     for (const sandglass_isa isa : sets()) {
       const Int8Kernels& table = *select_int8_kernels(isa);
       Packed packed(table, grown, k_stem_bytes, k_stem_bytes);
-      Aligned<uint8_t> out(expected.bytes.size()), pool(expected_pool.bytes.size());
+      Aligned<uint8_t> out(expected.values.size()), pool(expected_pool.values.size());
       for (uint32_t y = 0; y < k_height / 2; ++y)
-        table.stem(&packed.convolution, image.bytes.data(), border, columns, k_height, y,
+        table.stem(&packed.convolution, image.values.data(), border, columns, k_height, y,
                    out.data() + y * (columns / 2) * k_stem_outputs);
-      EXPECT_TRUE(std::equal(expected.bytes.begin(), expected.bytes.end(), out.data())) << isa << " " << width;
+      EXPECT_TRUE(std::equal(expected.values.begin(), expected.values.end(), out.data())) << isa << " " << width;
       for (uint32_t y = 0; y < k_height / 4; ++y)
         table.pool(out.data(), columns / 2, k_height / 2, y, pool.data() + y * (columns / 4) * k_stem_outputs,
                    k_stem_outputs);
-      EXPECT_TRUE(std::equal(expected_pool.bytes.begin(), expected_pool.bytes.end(), pool.data()))
+      EXPECT_TRUE(std::equal(expected_pool.values.begin(), expected_pool.values.end(), pool.data()))
           << isa << " " << width;
     }
   }

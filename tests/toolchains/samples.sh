@@ -22,6 +22,6 @@ case $platform in
     clang "${apple[@]}" -std=c11 -isystem "$cross" "${ours[@]}" -I "$sample" "$sample/main.m" ;;
   unity)
     mcs -unsafe -warnaserror -nowarn:0649 -target:library -out:"$output/sample.dll" "$source/toolchains/unity/Sandglass.cs" \
-      "$sample/Sand.cs" "$stand_ins/UnityEngine.cs" ;;
+      "$sample/Sand.cs" "$sample/RoomLight.cs" "$stand_ins/UnityEngine.cs" ;;
 esac
 echo "$platform: compiles"

@@ -2,6 +2,9 @@
 #   sandglass_device_library(NAME sources...)  a folder of the part that runs on a phone: no exceptions, no RTTI, no guards,
 #                                              no fused multiply-add (DESIGN: one golden hash on every instruction set).
 #   sandglass_host_target(NAME)                warnings for workstation code.
+# SANDGLASS_HOST_OPTIONS are further options for workstation code alone. The build of the second compiler says -O1 there, which
+# compiles faster, while the library is optimised as it ships.
+set(SANDGLASS_HOST_OPTIONS "" CACHE STRING "Further compiler options for workstation code and tests")
 set(SANDGLASS_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wdouble-promotion)
 
 # Code that runs before main or after it is code that the app did not call: clang says where, nm proves it for both compilers.
@@ -29,5 +32,5 @@ function(sandglass_host_target name)
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
   # gcc 12 sees overlapping copies in its own std::string (gcc bug 105651).
   target_compile_options(${name} PRIVATE ${SANDGLASS_WARNINGS} ${SANDGLASS_EXACT_MATH} -Wno-double-promotion
-    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>)
+    $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict> ${SANDGLASS_HOST_OPTIONS})
 endfunction()

@@ -1,5 +1,6 @@
 # 64-bit ARM Linux from any Linux workstation: Debian's cross compiler, tests run under user-mode qemu.
-# SANDGLASS_ARM64_SYSROOT (optional) names a folder with further arm64 libraries; header-only host packages are found as they are.
+# SANDGLASS_ARM64_SYSROOT (optional) names a folder with further arm64 libraries, as `dpkg -x` unpacks Debian's; header-only host
+# packages are found as they are.
 # SANDGLASS_QEMU_CPU (optional) picks the emulated core: cortex-a53 (no dot product), cortex-a76, max.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
@@ -14,6 +15,11 @@ set(CMAKE_FIND_ROOT_PATH_MODE_INCLUDE BOTH)
 set(CMAKE_FIND_ROOT_PATH_MODE_PACKAGE BOTH)
 
 set(CMAKE_CROSSCOMPILING_EMULATOR qemu-aarch64 -L /usr/aarch64-linux-gnu)
+if(SANDGLASS_ARM64_SYSROOT)  # libraries there that need each other
+  set(sandglass_arm64_libraries ${SANDGLASS_ARM64_SYSROOT}/usr/lib/aarch64-linux-gnu)
+  add_link_options(-Wl,-rpath-link,${sandglass_arm64_libraries})
+  list(APPEND CMAKE_CROSSCOMPILING_EMULATOR -E LD_LIBRARY_PATH=${sandglass_arm64_libraries})
+endif()
 if(SANDGLASS_QEMU_CPU)
   list(APPEND CMAKE_CROSSCOMPILING_EMULATOR -cpu ${SANDGLASS_QEMU_CPU})
 endif()

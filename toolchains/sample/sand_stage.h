@@ -1,17 +1,17 @@
 // What the sample apps share, whatever the phone: a scene made once, sand poured above a point of the real floor, and
-// one call a frame that fills a mapped buffer with grains. Positions are those of the AR session's world: metres, y up,
-// which is also Sandglass's.
+// one call a frame that fills a mapped buffer with grains, estimates the light of the room from the camera's image, and
+// brings the sand's soft shadow up to date, all in one budget. Positions are those of the AR session's world: metres, y
+// up, which is also Sandglass's.
 //
-// Light and soft shadows have their place in `frame`. The samples draw no object, so they show no shadow: an app that
-// does makes a sandglass_shadow of the object's baked file beside the scene (shadow.h), calls
-// sandglass_shadow_set_light, passes it as input.shadows and draws the texture on the floor. The light comes from the
-// camera image: a sandglass_light of a network's file (light.h), passed as input.light with the image as input.camera;
-// where report.light_changed, what sandglass_light_get says goes to the shadows and, converted, to the renderer.
+// An app with objects of its own adds their baked shadows: a sandglass_shadow beside the scene (shadow.h), the
+// estimate's direction turned into the object's frame, passed as input.shadows.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
+#include "sandglass/light.h"
+#include "sandglass/pile_shadow.h"
 #include "sandglass/sandglass.hpp"
 
 namespace sample {
@@ -19,12 +19,40 @@ namespace sample {
 constexpr float k_particle_radius = 0.01f;
 constexpr uint32_t k_particles = 1500, k_grains = 25000;  // a phone's scene
 constexpr float k_heap_half = 0.1f;                       // metres: half the side of the block that is poured
+constexpr float k_shadow_half = 0.64f;                    // metres: half the side of the floor that is looked at
+constexpr uint32_t k_shadow_texels = 128;                 // a side: a texel is a particle's radius
 constexpr uint64_t k_budget_ns = 4'000'000;
 
 class SandStage {
  public:
-  // Makes the scene: the only allocation of the library's. `trace` is the platform's profiler or the app's own hook.
-  sandglass::Status create(sandglass_trace trace = sandglass_trace_system()) {
+  // Makes scene, shadow and light: the only allocations of the library's. `network` is the file of a lighting network
+  // (models/lights/room.light) in 8-byte words, of which it fills `network_bytes`; without one the light stays as it is
+  // at first: grey, from everywhere, and no shadow is seen. `trace` is the platform's profiler or the app's own hook.
+  sandglass::Status create(std::vector<uint64_t> network = {}, uint64_t network_bytes = 0,
+                           sandglass_trace trace = sandglass_trace_system()) {
+    estimate_.direction[1] = 1.0f;
+    for (float& channel : estimate_.ambient) channel = 0.5f;
+    sandglass_pile_shadow_desc shadow;
+    sandglass_pile_shadow_desc_default(&shadow);
+    for (int k = 0; k < 2; ++k) shadow.low[k] = -k_shadow_half, shadow.high[k] = k_shadow_half;
+    shadow.texels = k_shadow_texels;
+    shadow.on_sand = 0;
+    sandglass::Status status;
+    uint64_t bytes = 0;
+    status.code = sandglass_pile_shadow_bytes(&shadow, &bytes, &status.reason);
+    if (!status) return status;
+    shadow_block_ = sandglass::allocate_block(bytes);
+    status.code = sandglass_pile_shadow_create(&shadow, shadow_block_.get(), bytes, &shadow_, &status.reason);
+    if (!status) return status;
+
+    network_ = std::move(network);
+    if (!network_.empty()) {
+      sandglass_light_desc light = sandglass::light_desc();
+      light.asset = network_.data(), light.asset_bytes = network_bytes;
+      status = light_.create(light);
+      if (!status) return status;
+    }
+
     sandglass_scene_desc desc = sandglass::scene_desc();
     desc.clock = sandglass_clock_system();
     desc.trace = trace;
@@ -56,19 +84,37 @@ class SandStage {
   }
 
   // One frame. `seconds` since the last one; `headroom` as in sandglass_frame_input; `grains` is the renderer's mapped
-  // buffer of k_grains items. A performance hint session takes report.target_ns and report.elapsed_ns.
-  sandglass_frame_report frame(float seconds, float headroom, sandglass_grain* grains) {
+  // buffer of k_grains items; `camera` the newest image or null, read in this call only. A performance hint session
+  // takes report.target_ns and report.elapsed_ns. Where report.light_changed, the renderer takes light() anew.
+  sandglass_frame_report frame(float seconds, float headroom, sandglass_grain* grains,
+                               const sandglass_camera_image* camera = nullptr) {
+    (void)!sandglass_pile_shadow_set_light(shadow_, estimate_.direction, nullptr);  // a unit vector cannot be refused
     sandglass_frame_input input = sandglass::frame_input();
     input.time_step = seconds;
     input.budget_ns = k_budget_ns;
     input.thermal_headroom = headroom;
     input.colliders = &floor_, input.collider_count = 1;
     input.grains = grains, input.grain_capacity = k_grains;
+    input.pile_shadow = shadow_;
+    input.light = light_.get(), input.camera = light_ ? camera : nullptr;
     sandglass_frame_report report = sandglass::frame_report();
     const sandglass::Status status = scene_.frame(input, &report);
     if (!status) drawn_ = 0;
+    if (report.light_changed != 0) estimate_ = light_.estimated();
     return report;
   }
+
+  // The light of the room, in the session's world.
+  const sandglass_light_estimate& light() const { return estimate_; }
+  // The sand's shadow on the floor: `low` and `high` are x and z relative to origin(). Upload it after each frame.
+  sandglass_pile_shadow_texture shadow() const {
+    sandglass_pile_shadow_texture texture{};
+    texture.struct_size = sizeof texture;
+    sandglass_pile_shadow_get_texture(shadow_, &texture);
+    return texture;
+  }
+  // What coverage is multiplied with: the floor keeps 1 - coverage * shadow_strength() of its light.
+  float shadow_strength() const { return shadow().opacity * estimate_.contrast; }
 
   const float* origin() const { return origin_; }  // in the session's world
   uint32_t drawn() const { return drawn_; }        // grains to draw
@@ -76,6 +122,11 @@ class SandStage {
 
  private:
   sandglass::Scene scene_;
+  sandglass::Light light_;
+  std::vector<uint64_t> network_;  // what light_ reads
+  sandglass::Block shadow_block_;
+  sandglass_pile_shadow* shadow_ = nullptr;
+  sandglass_light_estimate estimate_ = {};
   sandglass_collider floor_ = sandglass::floor_at(0.0f);
   float origin_[3] = {0, 0, 0};
   uint32_t drawn_ = 0;

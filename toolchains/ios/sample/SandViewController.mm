@@ -1,12 +1,15 @@
 // Sand on the real floor. ARKit gives the camera image and the pose; once a displayed frame the library writes the grains straight
-// into a shared Metal buffer within its 4 ms; Metal draws the image and, with the same pose, the grains. Three buffers take turns,
-// so that the GPU never reads what the library writes.
+// into a shared Metal buffer, estimates the room's light from the image and casts the sand's shadow in it, all within its 4 ms; Metal
+// draws the image and, with the same pose, shadow and grains. Three buffers take turns, so that the GPU never reads what the
+// library writes.
 #import "SandViewController.h"
 
 #import <ARKit/ARKit.h>
 #import <CoreVideo/CoreVideo.h>
 #import <Metal/Metal.h>
 #import <MetalKit/MetalKit.h>
+
+#include <string.h>
 
 #include "sand_stage.h"
 #include "shader_types.h"
@@ -27,6 +30,35 @@ static float thermal_headroom(void) {
   }
 }
 
+// The camera's image as the library reads it, valid while the pixel buffer is locked: two planes, stored in landscape; the library
+// finds from the pose which way is up.
+static sandglass_camera_image camera_image(ARFrame *frame) {
+  CVPixelBufferRef pixels = frame.capturedImage;
+  sandglass_camera_image image = sandglass::camera_image();
+  image.format = SANDGLASS_CAMERA_NV12;
+  CFTypeRef matrix = CVBufferCopyAttachment(pixels, kCVImageBufferYCbCrMatrixKey, NULL);
+  if (matrix != NULL) {
+    if (CFEqual(matrix, kCVImageBufferYCbCrMatrix_ITU_R_709_2)) image.range = SANDGLASS_YUV_FULL_709;
+    CFRelease(matrix);
+  }
+  image.width = static_cast<uint32_t>(CVPixelBufferGetWidthOfPlane(pixels, 0));
+  image.height = static_cast<uint32_t>(CVPixelBufferGetHeightOfPlane(pixels, 0));
+  for (size_t plane = 0; plane < 2; ++plane) {
+    image.planes[plane] = static_cast<const uint8_t *>(CVPixelBufferGetBaseAddressOfPlane(pixels, plane));
+    image.strides[plane] = static_cast<uint32_t>(CVPixelBufferGetBytesPerRowOfPlane(pixels, plane));
+  }
+  const simd_float3x3 intrinsics = frame.camera.intrinsics;
+  image.focal_x = intrinsics.columns[0].x, image.focal_y = intrinsics.columns[1].y;
+  image.centre_x = intrinsics.columns[2].x, image.centre_y = intrinsics.columns[2].y;
+  float matrix_to_world[16];
+  const simd_float4x4 transform = frame.camera.transform;
+  memcpy(matrix_to_world, &transform, sizeof matrix_to_world);
+  sandglass_camera_orientation(matrix_to_world, image.orientation);
+  image.turn_deg = SANDGLASS_TURN_FROM_POSE;
+  image.timestamp_ns = static_cast<uint64_t>(1e9 * frame.timestamp);
+  return image;
+}
+
 @interface SandViewController () <MTKViewDelegate, ARSessionDelegate>
 @end
 
@@ -34,9 +66,10 @@ static float thermal_headroom(void) {
   ARSession *_session;
   MTKView *_view;
   id<MTLCommandQueue> _queue;
-  id<MTLRenderPipelineState> _imagePipeline, _sandPipeline;
+  id<MTLRenderPipelineState> _imagePipeline, _shadowPipeline, _sandPipeline;
   id<MTLDepthStencilState> _imageDepth, _sandDepth;
   id<MTLBuffer> _grains[k_buffers];
+  id<MTLTexture> _coverage[k_buffers];
   CVMetalTextureCacheRef _textures;
   dispatch_semaphore_t _free;
   int _turn;
@@ -49,23 +82,32 @@ static float thermal_headroom(void) {
   [super viewDidLoad];
   id<MTLDevice> device = MTLCreateSystemDefaultDevice();
   _view = [[MTKView alloc] initWithFrame:self.view.bounds device:device];
-  _view.colorPixelFormat = MTLPixelFormatBGRA8Unorm;
+  _view.colorPixelFormat = MTLPixelFormatBGRA8Unorm_sRGB;  // blends in linear light, as a shadow must
   _view.depthStencilPixelFormat = MTLPixelFormatDepth32Float;
   _view.delegate = self;
   self.view = _view;
   _queue = [device newCommandQueue];
   _free = dispatch_semaphore_create(k_buffers);
+  MTLTextureDescriptor *coverage = [MTLTextureDescriptor texture2DDescriptorWithPixelFormat:MTLPixelFormatR8Unorm
+                                                                                      width:sample::k_shadow_texels
+                                                                                     height:sample::k_shadow_texels
+                                                                                  mipmapped:NO];
   for (int i = 0; i < k_buffers; ++i) {
+    _coverage[i] = [device newTextureWithDescriptor:coverage];
     _grains[i] = [device newBufferWithLength:sample::k_grains * sizeof(sandglass_grain) options:MTLResourceStorageModeShared];
   }
   CVMetalTextureCacheCreate(NULL, NULL, device, NULL, &_textures);
   id<MTLLibrary> library = [device newDefaultLibrary];
-  _imagePipeline = [self pipeline:@"image" library:library device:device];
-  _sandPipeline = [self pipeline:@"sand" library:library device:device];
+  _imagePipeline = [self pipeline:@"image_vertex" fragment:@"image_fragment" blended:NO library:library device:device];
+  _shadowPipeline = [self pipeline:@"shadow_corner" fragment:@"shadow_catcher" blended:YES library:library device:device];
+  _sandPipeline = [self pipeline:@"sand_vertex" fragment:@"sand_fragment" blended:NO library:library device:device];
   _imageDepth = [self depth:MTLCompareFunctionAlways write:NO device:device];
   _sandDepth = [self depth:MTLCompareFunctionLess write:YES device:device];
 
-  const sandglass::Status status = _stage.create();
+  NSData *file = [NSData dataWithContentsOfFile:[NSBundle.mainBundle pathForResource:@"room" ofType:@"light"]];
+  std::vector<uint64_t> network((file.length + 7) / 8);
+  if (file.length > 0) memcpy(network.data(), file.bytes, file.length);
+  const sandglass::Status status = _stage.create(std::move(network), file.length);
   if (!status) NSLog(@"%s: %s", status.name(), status.reason);
   _session = [[ARSession alloc] init];
   _session.delegate = self;
@@ -84,11 +126,18 @@ static float thermal_headroom(void) {
   [_session pause];
 }
 
-- (id<MTLRenderPipelineState>)pipeline:(NSString *)name library:(id<MTLLibrary>)library device:(id<MTLDevice>)device {
+- (id<MTLRenderPipelineState>)pipeline:(NSString *)vertex
+                              fragment:(NSString *)fragment
+                               blended:(BOOL)blended
+                               library:(id<MTLLibrary>)library
+                                device:(id<MTLDevice>)device {
   MTLRenderPipelineDescriptor *descriptor = [[MTLRenderPipelineDescriptor alloc] init];
-  descriptor.vertexFunction = [library newFunctionWithName:[name stringByAppendingString:@"_vertex"]];
-  descriptor.fragmentFunction = [library newFunctionWithName:[name stringByAppendingString:@"_fragment"]];
+  descriptor.vertexFunction = [library newFunctionWithName:vertex];
+  descriptor.fragmentFunction = [library newFunctionWithName:fragment];
   descriptor.colorAttachments[0].pixelFormat = _view.colorPixelFormat;
+  descriptor.colorAttachments[0].blendingEnabled = blended;
+  descriptor.colorAttachments[0].sourceRGBBlendFactor = MTLBlendFactorSourceAlpha;
+  descriptor.colorAttachments[0].destinationRGBBlendFactor = MTLBlendFactorOneMinusSourceAlpha;
   descriptor.depthAttachmentPixelFormat = _view.depthStencilPixelFormat;
   NSError *error = nil;
   id<MTLRenderPipelineState> state = [device newRenderPipelineStateWithDescriptor:descriptor error:&error];
@@ -140,22 +189,27 @@ static float thermal_headroom(void) {
   if (frame == nil || pass == nil) return;
   dispatch_semaphore_wait(_free, DISPATCH_TIME_FOREVER);
   id<MTLBuffer> grains = _grains[_turn];
+  id<MTLTexture> coverage = _coverage[_turn];
   _turn = (_turn + 1) % k_buffers;
 
-  // The light's place: frame.capturedImage (two planes, full-range NV12, with their strides), frame.camera.intrinsics and
-  // frame.camera.transform (sandglass_camera_orientation) make a sandglass_camera_image with SANDGLASS_TURN_FROM_POSE; it goes into
-  // the frame's input (light.h).
-  if (_poured) {
-    const float step = _last > 0.0 ? static_cast<float>(frame.timestamp - _last) : 0.0f;
-    _stage.frame(step, thermal_headroom(), static_cast<sandglass_grain *>(grains.contents));
-  }
+  const float step = _last > 0.0 ? static_cast<float>(frame.timestamp - _last) : 0.0f;
+  CVPixelBufferLockBaseAddress(frame.capturedImage, kCVPixelBufferLock_ReadOnly);
+  const sandglass_camera_image seen = camera_image(frame);
+  _stage.frame(step, thermal_headroom(), _poured ? static_cast<sandglass_grain *>(grains.contents) : nullptr, &seen);
+  CVPixelBufferUnlockBaseAddress(frame.capturedImage, kCVPixelBufferLock_ReadOnly);
   _last = frame.timestamp;
 
   const CGSize size = view.bounds.size;
   const UIInterfaceOrientation portrait = UIInterfaceOrientationPortrait;
   ShaderFrame constants;
   const simd_float4x4 projection = [frame.camera projectionMatrixForOrientation:portrait viewportSize:size zNear:k_near zFar:k_far];
-  constants.clip_from_world = simd_mul(projection, [frame.camera viewMatrixForOrientation:portrait]);
+  constants.view_from_world = [frame.camera viewMatrixForOrientation:portrait];
+  constants.clip_from_world = simd_mul(projection, constants.view_from_world);
+  const sandglass_light_estimate &light = _stage.light();
+  const float k = light.strength;
+  constants.to_light = simd_make_float4(light.direction[0], light.direction[1], light.direction[2], 0);
+  constants.sun = simd_make_float4(k * light.light[0], k * light.light[1], k * light.light[2], 0);
+  constants.ambient = simd_make_float4(light.ambient[0], light.ambient[1], light.ambient[2], 0);
   constants.origin = simd_make_float4(_stage.origin()[0], _stage.origin()[1], _stage.origin()[2], 0);
   // Pixels of a grain's diameter at distance 1: 0.35 of a particle's radius.
   constants.point_size = 0.35f * sample::k_particle_radius * projection.columns[1][1] * static_cast<float>(view.drawableSize.height);
@@ -163,6 +217,19 @@ static float thermal_headroom(void) {
       CGAffineTransformInvert([frame displayTransformForOrientation:portrait viewportSize:size]);
   constants.image_from_view[0] = simd_make_float4(static_cast<float>(image.a), static_cast<float>(image.c), static_cast<float>(image.tx), 0);
   constants.image_from_view[1] = simd_make_float4(static_cast<float>(image.b), static_cast<float>(image.d), static_cast<float>(image.ty), 0);
+
+  const sandglass_pile_shadow_texture texture = _stage.shadow();
+  [coverage replaceRegion:MTLRegionMake2D(0, 0, sample::k_shadow_texels, sample::k_shadow_texels)
+              mipmapLevel:0
+                withBytes:texture.coverage
+              bytesPerRow:sample::k_shadow_texels];
+  ShaderShadow shadow;
+  simd_float4x4 place = matrix_identity_float4x4;
+  place.columns[3] = simd_make_float4(_stage.origin()[0], _stage.origin()[1], _stage.origin()[2], 1);
+  shadow.clip_from_object = simd_mul(constants.clip_from_world, place);
+  shadow.rectangle = simd_make_float4(texture.low[0], texture.low[1], texture.high[0], texture.high[1]);
+  shadow.plane = 0.001f;
+  shadow.strength = _stage.shadow_strength();
 
   id<MTLCommandBuffer> commands = [_queue commandBuffer];
   id<MTLRenderCommandEncoder> encoder = [commands renderCommandEncoderWithDescriptor:pass];
@@ -177,7 +244,14 @@ static float thermal_headroom(void) {
     [encoder drawPrimitives:MTLPrimitiveTypeTriangleStrip vertexStart:0 vertexCount:4];
   }
   if (_poured && _stage.drawn() > 0) {
+    [encoder setRenderPipelineState:_shadowPipeline];
+    [encoder setVertexBytes:&shadow length:sizeof(shadow) atIndex:0];
+    [encoder setFragmentBytes:&shadow length:sizeof(shadow) atIndex:0];
+    [encoder setFragmentTexture:coverage atIndex:0];
+    [encoder drawPrimitives:MTLPrimitiveTypeTriangleStrip vertexStart:0 vertexCount:4];
     [encoder setRenderPipelineState:_sandPipeline];
+    [encoder setVertexBytes:&constants length:sizeof(constants) atIndex:ShaderBufferFrame];
+    [encoder setFragmentBytes:&constants length:sizeof(constants) atIndex:ShaderBufferFrame];
     [encoder setDepthStencilState:_sandDepth];
     [encoder setVertexBuffer:grains offset:0 atIndex:ShaderBufferGrains];
     [encoder drawPrimitives:MTLPrimitiveTypePoint vertexStart:0 vertexCount:_stage.drawn()];

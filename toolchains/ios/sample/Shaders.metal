@@ -1,4 +1,5 @@
-// The camera image over the whole view, and a grain as a round point with the shading of a sphere.
+// The camera image over the whole view, and a grain as a round point with the shading of a sphere. The attachment encodes to sRGB, so
+// colours are linear here; the shadow between the two is ShadowCatcher.metal.
 #include <metal_stdlib>
 #include "shader_types.h"
 using namespace metal;
@@ -17,12 +18,15 @@ vertex ImageVertex image_vertex(uint index [[vertex_id]], constant ShaderFrame& 
   return out;
 }
 
+float3 to_linear(float3 c) { return select(pow((c + 0.055f) / 1.055f, 2.4f), c / 12.92f, c <= 0.04045f); }
+
 // Full-range BT.601, as ARKit captures.
 fragment float4 image_fragment(ImageVertex in [[stage_in]], texture2d<float> luma [[texture(0)]], texture2d<float> chroma [[texture(1)]]) {
   constexpr sampler linear(filter::linear);
   const float y = luma.sample(linear, in.uv).r;
   const float2 c = chroma.sample(linear, in.uv).rg - 0.5f;
-  return float4(y + 1.402f * c.y, y - 0.344f * c.x - 0.714f * c.y, y + 1.772f * c.x, 1.0f);
+  const float3 encoded = float3(y + 1.402f * c.y, y - 0.344f * c.x - 0.714f * c.y, y + 1.772f * c.x);
+  return float4(to_linear(saturate(encoded)), 1.0f);
 }
 
 struct Grain {
@@ -43,9 +47,13 @@ vertex SandVertex sand_vertex(uint index [[vertex_id]], constant ShaderFrame& fr
   return out;
 }
 
-fragment float4 sand_fragment(SandVertex in [[stage_in]], float2 at [[point_coord]]) {
-  const float2 p = 2.0f * at - 1.0f;
+fragment float4 sand_fragment(SandVertex in [[stage_in]], float2 at [[point_coord]],
+                              constant ShaderFrame& frame [[buffer(ShaderBufferFrame)]]) {
+  const float2 p = float2(2.0f * at.x - 1.0f, 1.0f - 2.0f * at.y);
   const float r2 = dot(p, p);
   if (r2 > 1.0f) discard_fragment();
-  return float4(float3(0.76f, 0.62f, 0.40f) * (0.45f + 0.55f * sqrt(1.0f - r2)), 1.0f);
+  const float3 normal = float3(p, sqrt(1.0f - r2));
+  const float3 to_light = (frame.view_from_world * float4(frame.to_light.xyz, 0.0f)).xyz;
+  const float3 light = frame.ambient.rgb + frame.sun.rgb * saturate(dot(normal, to_light));
+  return float4(float3(0.53f, 0.34f, 0.13f) * light, 1.0f);
 }

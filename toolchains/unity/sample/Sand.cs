@@ -1,23 +1,31 @@
 // Sand in a Unity scene: put this on an object that stands where the sand shall fall (an anchor on a real plane, with AR
 // Foundation); its floor is the plane y = 0 of that object. Once a frame the library writes the grains straight into a locked
-// graphics buffer, and Sand.shader draws six vertices a grain from it. Unity's world is left-handed: x is mirrored once, in the
-// shader, and everything on this side stays right-handed.
-//
-// Light and soft shadows have their place in Update, beside the sand: an object's baked shadow goes into input.shadows, and its
-// texture onto the floor; the light would come from the camera image, from which the library does not estimate it yet.
+// graphics buffer, estimates the room's light from the camera's image and casts the sand's shadow in it; Sand.shader draws six
+// vertices a grain, Shadow.shader the floor's darkening. Unity's world is left-handed: z is turned over, in the shaders and where
+// the light passes, and everything else on this side stays right-handed.
 using System;
 using System.Runtime.InteropServices;
 using Sandglass;
 using Unity.Collections.LowLevel.Unsafe;
 using UnityEngine;
+using UnityEngine.XR.ARFoundation;
 
 public unsafe class Sand : MonoBehaviour {
-  public Material material;  // of Sand.shader
+  public Material material;        // of Sand.shader
+  public Material shadowMaterial;  // of Shadow.shader
+  public ARCameraManager cameraManager;
+  public TextAsset network;  // models/lights/room.light, renamed to room.light.bytes
+  public Light sun;
   [Range(1, 8)] public float budgetMilliseconds = 4;
   [Range(0, 1)] public float thermalHeadroom = 1;  // lower it when the device warns (Adaptive Performance's warning level, say)
 
   const float ParticleRadius = 0.01f, HalfWidth = 0.1f, Height = 0.2f;
-  IntPtr memory, scene;
+  const float ShadowHalf = 0.64f;
+  const int ShadowTexels = 128;
+  IntPtr memory, scene, shadowMemory, shadow;
+  RoomLight room;
+  sandglass_light_estimate estimate;
+  Texture2D coverage;
   GraphicsBuffer grains;
   int grainCount;
   sandglass_collider floor;
@@ -26,7 +34,7 @@ public unsafe class Sand : MonoBehaviour {
 
   public sandglass_frame_report Report { get { return report; } }
 
-  static void Check(int status, IntPtr reason) {
+  public static void Check(int status, IntPtr reason) {
     if (status != Native.SANDGLASS_OK)
       throw new InvalidOperationException(Native.Text(Native.sandglass_status_name(status)) + ": " + Native.Text(reason));
   }
@@ -66,7 +74,7 @@ public unsafe class Sand : MonoBehaviour {
     return points;
   }
 
-  static IntPtr Aligned(IntPtr block) {
+  public static IntPtr Aligned(IntPtr block) {
     const long a = Native.SANDGLASS_BLOCK_ALIGNMENT;
     return (IntPtr)((block.ToInt64() + a - 1) / a * a);
   }
@@ -88,6 +96,23 @@ public unsafe class Sand : MonoBehaviour {
     Check(Native.sandglass_scene_create(ref desc, Aligned(memory), bytes, out scene, out reason), reason);
     Check(Native.sandglass_granular_add(scene, particles, null, (uint)(particles.Length / 3), fine, null, (uint)grainCount, out reason), reason);
 
+    sandglass_pile_shadow_desc shadowDesc;
+    Native.sandglass_pile_shadow_desc_default(out shadowDesc);
+    for (int k = 0; k < 2; ++k) {
+      shadowDesc.low[k] = -ShadowHalf;
+      shadowDesc.high[k] = ShadowHalf;
+    }
+    shadowDesc.texels = ShadowTexels;
+    shadowDesc.on_sand = 0;
+    Check(Native.sandglass_pile_shadow_bytes(ref shadowDesc, out bytes, out reason), reason);
+    shadowMemory = Marshal.AllocHGlobal((IntPtr)((long)bytes + Native.SANDGLASS_BLOCK_ALIGNMENT));
+    Check(Native.sandglass_pile_shadow_create(ref shadowDesc, Aligned(shadowMemory), bytes, out shadow, out reason), reason);
+    coverage = new Texture2D(ShadowTexels, ShadowTexels, TextureFormat.R8, false, true);
+    coverage.wrapMode = TextureWrapMode.Clamp;
+    room = new RoomLight(network.bytes);
+    estimate = room.Estimate();  // grey, from above, until the first image was estimated
+    RoomLight.Show(estimate, sun);
+
     grains = new GraphicsBuffer(GraphicsBuffer.Target.Structured, GraphicsBuffer.UsageFlags.LockBufferForWrite, grainCount,
                                 sizeof(sandglass_grain));
     var ground = new sandglass_collider();
@@ -100,12 +125,22 @@ public unsafe class Sand : MonoBehaviour {
   void OnDisable() {
     if (grains != null) grains.Dispose();
     grains = null;
+    if (room != null) room.Dispose();
+    room = null;
+    Marshal.FreeHGlobal(shadowMemory);
     Marshal.FreeHGlobal(memory);
-    memory = scene = IntPtr.Zero;
+    memory = scene = shadowMemory = shadow = IntPtr.Zero;
   }
 
   void Update() {
     IntPtr reason;
+    // Towards the light, in the frame that the sand is simulated in.
+    sandglass_light_estimate now = estimate;
+    Vector3 toLight = new Vector3(now.direction[0], now.direction[1], -now.direction[2]);
+    Vector3 here = transform.InverseTransformDirection(toLight);
+    Check(Native.sandglass_pile_shadow_set_light(shadow, new float[] {here.x, here.y, -here.z}, out reason), reason);
+    sandglass_camera_image image;
+    bool seen = room.Acquire(cameraManager, out image);
     var mapped = grains.LockBufferForWrite<sandglass_grain>(0, grainCount);
     fixed (sandglass_collider* colliders = &floor) {
       input.time_step = Time.deltaTime;
@@ -115,16 +150,50 @@ public unsafe class Sand : MonoBehaviour {
       input.collider_count = 1;
       input.grains = NativeArrayUnsafeUtility.GetUnsafePtr(mapped);
       input.grain_capacity = (uint)grainCount;
+      input.pile_shadow = shadow;
+      input.light = room.Handle;
+      input.camera = seen ? &image : null;
       int status = Native.sandglass_scene_frame(scene, ref input, ref report, out reason);
+      input.camera = null;  // the image was read within the call
       grains.UnlockBufferAfterWrite<sandglass_grain>(grainCount);
+      room.Release();
       Check(status, reason);
     }
+    if (report.light_changed != 0) {
+      estimate = room.Estimate();
+      RoomLight.Show(estimate, sun);
+    }
+    DrawShadow();
+    DrawGrains(toLight);
+  }
+
+  void DrawShadow() {
+    var texture = new sandglass_pile_shadow_texture();
+    texture.struct_size = (uint)sizeof(sandglass_pile_shadow_texture);
+    Native.sandglass_pile_shadow_get_texture(shadow, ref texture);
+    coverage.LoadRawTextureData((IntPtr)texture.coverage, ShadowTexels * ShadowTexels);
+    coverage.Apply(false);
+    var draw = new RenderParams(shadowMaterial);
+    draw.worldBounds = new Bounds(transform.position, 4 * Vector3.one);
+    draw.matProps = new MaterialPropertyBlock();
+    draw.matProps.SetTexture("_Coverage", coverage);
+    draw.matProps.SetMatrix("_FromScene", transform.localToWorldMatrix);
+    draw.matProps.SetVector("_Rectangle", new Vector4(texture.low[0], texture.low[1], texture.high[0], texture.high[1]));
+    draw.matProps.SetFloat("_Strength", texture.opacity * estimate.contrast);
+    Graphics.RenderPrimitives(draw, MeshTopology.Triangles, 6);
+  }
+
+  void DrawGrains(Vector3 toLight) {
+    sandglass_light_estimate now = estimate;
     var draw = new RenderParams(material);
     draw.worldBounds = new Bounds(transform.position, 4 * Vector3.one);
     draw.matProps = new MaterialPropertyBlock();
     draw.matProps.SetBuffer("_Grains", grains);
     draw.matProps.SetMatrix("_FromScene", transform.localToWorldMatrix);
     draw.matProps.SetFloat("_Radius", 0.35f * ParticleRadius);
+    draw.matProps.SetVector("_ToLight", new Vector4(toLight.x, toLight.y, toLight.z, 0));
+    draw.matProps.SetVector("_Sun", now.strength * new Vector4(now.light[0], now.light[1], now.light[2], 0));
+    draw.matProps.SetVector("_Ambient", new Vector4(now.ambient[0], now.ambient[1], now.ambient[2], 0));
     Graphics.RenderPrimitives(draw, MeshTopology.Triangles, 6 * grainCount);
   }
 }

@@ -1,4 +1,4 @@
-// A grain: a square that faces the camera, cut round and shaded as a sphere.
+// A grain: a square that faces the camera, cut round and shaded as a sphere in the room's light. Colours are linear.
 Shader "Sandglass/Sand" {
   Properties { _Color ("Colour", Color) = (0.76, 0.62, 0.40, 1) }
   SubShader {
@@ -14,6 +14,8 @@ Shader "Sandglass/Sand" {
       StructuredBuffer<Grain> _Grains;
       float4x4 _FromScene;
       float _Radius;
+      float3 _ToLight;  // world
+      float3 _Sun, _Ambient;
       fixed4 _Color;
 
       struct Corner { float4 position : SV_POSITION; float2 at : TEXCOORD0; };
@@ -21,7 +23,7 @@ Shader "Sandglass/Sand" {
       Corner vertex(uint index : SV_VertexID) {
         static const float2 corners[6] = { float2(-1, -1), float2(1, -1), float2(1, 1), float2(-1, -1), float2(1, 1), float2(-1, 1) };
         Grain grain = _Grains[index / 6];
-        float3 place = grain.position * float3(-1, 1, 1);  // right-handed to left-handed
+        float3 place = grain.position * float3(1, 1, -1);  // right-handed to left-handed
         float4 view = mul(UNITY_MATRIX_V, mul(_FromScene, float4(place, 1)));
         Corner corner;
         corner.at = corners[index % 6];
@@ -33,7 +35,9 @@ Shader "Sandglass/Sand" {
       fixed4 fragment(Corner corner) : SV_Target {
         float r2 = dot(corner.at, corner.at);
         clip(1 - r2);
-        return fixed4(_Color.rgb * (0.45 + 0.55 * sqrt(1 - r2)), 1);
+        float3 normal = float3(corner.at, sqrt(1 - r2));  // in view space
+        float3 light = _Ambient + _Sun * saturate(dot(normal, mul((float3x3)UNITY_MATRIX_V, _ToLight)));
+        return fixed4(_Color.rgb * light, 1);
       }
       ENDCG
     }

@@ -5,6 +5,8 @@ typedef struct ArSession_ ArSession;
 typedef struct ArConfig_ ArConfig;
 typedef struct ArFrame_ ArFrame;
 typedef struct ArCamera_ ArCamera;
+typedef struct ArCameraIntrinsics_ ArCameraIntrinsics;
+typedef struct ArImage_ ArImage;
 typedef struct ArPose_ ArPose;
 typedef struct ArHitResult_ ArHitResult;
 typedef struct ArHitResultList_ ArHitResultList;
@@ -32,6 +34,7 @@ void ArConfig_setUpdateMode(const ArSession* session, ArConfig* config, ArUpdate
 void ArFrame_create(const ArSession* session, ArFrame** frame);
 void ArFrame_destroy(ArFrame* frame);
 void ArFrame_acquireCamera(const ArSession* session, const ArFrame* frame, ArCamera** camera);
+ArStatus ArFrame_acquireCameraImage(ArSession* session, ArFrame* frame, ArImage** image);
 void ArFrame_hitTest(const ArSession* session, const ArFrame* frame, float x, float y, ArHitResultList* hits);
 void ArFrame_transformCoordinates2d(const ArSession* session, const ArFrame* frame, ArCoordinates2dType from,
                                     int32_t count, const float* input, ArCoordinates2dType to, float* output);
@@ -39,7 +42,23 @@ void ArCamera_getTrackingState(const ArSession* session, const ArCamera* camera,
 void ArCamera_getDisplayOrientedPose(const ArSession* session, const ArCamera* camera, ArPose* pose);
 void ArCamera_getProjectionMatrix(const ArSession* session, const ArCamera* camera, float near, float far,
                                   float* matrix);
+void ArCamera_getPose(const ArSession* session, const ArCamera* camera, ArPose* pose);
+void ArCamera_getImageIntrinsics(const ArSession* session, const ArCamera* camera, ArCameraIntrinsics* intrinsics);
 void ArCamera_release(ArCamera* camera);
+void ArCameraIntrinsics_create(const ArSession* session, ArCameraIntrinsics** intrinsics);
+void ArCameraIntrinsics_destroy(ArCameraIntrinsics* intrinsics);
+void ArCameraIntrinsics_getFocalLength(const ArSession* session, const ArCameraIntrinsics* intrinsics, float* x,
+                                       float* y);
+void ArCameraIntrinsics_getPrincipalPoint(const ArSession* session, const ArCameraIntrinsics* intrinsics, float* x,
+                                          float* y);
+void ArImage_getWidth(const ArSession* session, const ArImage* image, int32_t* width);
+void ArImage_getHeight(const ArSession* session, const ArImage* image, int32_t* height);
+void ArImage_getTimestamp(const ArSession* session, const ArImage* image, int64_t* ns);
+void ArImage_getPlaneData(const ArSession* session, const ArImage* image, int32_t plane, const uint8_t** data,
+                          int32_t* length);
+void ArImage_getPlaneRowStride(const ArSession* session, const ArImage* image, int32_t plane, int32_t* stride);
+void ArImage_getPlanePixelStride(const ArSession* session, const ArImage* image, int32_t plane, int32_t* stride);
+void ArImage_release(ArImage* image);
 void ArPose_create(const ArSession* session, const float* raw, ArPose** pose);
 void ArPose_destroy(ArPose* pose);
 void ArPose_getPoseRaw(const ArSession* session, const ArPose* pose, float* raw);

@@ -21,7 +21,9 @@ typedef double CGFloat, NSTimeInterval;
 typedef long NSInteger;
 typedef unsigned long NSUInteger;
 typedef const void* CFTypeRef;
+typedef const struct __CFString* CFStringRef;
 STAND_IN_C void CFRelease(CFTypeRef object);
+STAND_IN_C unsigned char CFEqual(CFTypeRef a, CFTypeRef b);
 
 typedef struct {
   CGFloat x, y;
@@ -50,7 +52,6 @@ __attribute__((objc_root_class))
 @protocol NSObject
 @end
 @interface NSString : NSObject
-- (NSString*)stringByAppendingString:(NSString*)other;
 @end
 @interface NSConstantString : NSString {
   const char* text;
@@ -61,6 +62,15 @@ extern void* _NSConstantStringClassReference;
 @interface NSError : NSObject
 @end
 @interface NSDictionary : NSObject
+@end
+@interface NSData : NSObject
++ (instancetype)dataWithContentsOfFile:(NSString*)path;
+@property(readonly) NSUInteger length;
+@property(readonly) const void* bytes;
+@end
+@interface NSBundle : NSObject
+@property(class, readonly, strong) NSBundle* mainBundle;
+- (NSString*)pathForResource:(NSString*)name ofType:(NSString*)ext;
 @end
 @interface NSArray<ObjectType> : NSObject
 @property(nonatomic, readonly) ObjectType firstObject;
@@ -90,15 +100,37 @@ typedef struct __CVCache* CVMetalTextureCacheRef;
 typedef enum : NSUInteger {
   MTLPixelFormatR8Unorm = 10,
   MTLPixelFormatRG8Unorm = 30,
-  MTLPixelFormatBGRA8Unorm = 80,
+  MTLPixelFormatBGRA8Unorm_sRGB = 81,
   MTLPixelFormatDepth32Float = 252
 } MTLPixelFormat;
 typedef enum : NSUInteger { MTLCompareFunctionLess = 1, MTLCompareFunctionAlways = 7 } MTLCompareFunction;
 typedef enum : NSUInteger { MTLPrimitiveTypePoint = 0, MTLPrimitiveTypeTriangleStrip = 4 } MTLPrimitiveType;
+typedef enum : NSUInteger { MTLBlendFactorSourceAlpha = 4, MTLBlendFactorOneMinusSourceAlpha = 5 } MTLBlendFactor;
+typedef struct {
+  NSUInteger x, y, z;
+} MTLOrigin;
+typedef struct {
+  NSUInteger width, height, depth;
+} MTLSize;
+typedef struct {
+  MTLOrigin origin;
+  MTLSize size;
+} MTLRegion;
+STAND_IN_C MTLRegion MTLRegionMake2D(NSUInteger x, NSUInteger y, NSUInteger width, NSUInteger height);
 typedef enum : NSUInteger { MTLResourceStorageModeShared = 0 } MTLResourceOptions;
 @protocol MTLFunction
 @end
 @protocol MTLTexture
+- (void)replaceRegion:(MTLRegion)region
+          mipmapLevel:(NSUInteger)level
+            withBytes:(const void*)bytes
+          bytesPerRow:(NSUInteger)bytes_per_row;
+@end
+@interface MTLTextureDescriptor : NSObject
++ (MTLTextureDescriptor*)texture2DDescriptorWithPixelFormat:(MTLPixelFormat)format
+                                                      width:(NSUInteger)width
+                                                     height:(NSUInteger)height
+                                                  mipmapped:(BOOL)mipmapped;
 @end
 @protocol MTLDrawable
 @end
@@ -116,6 +148,8 @@ typedef enum : NSUInteger { MTLResourceStorageModeShared = 0 } MTLResourceOption
 @end
 @interface MTLRenderPipelineColorAttachmentDescriptor : NSObject
 @property(nonatomic) MTLPixelFormat pixelFormat;
+@property(nonatomic, getter=isBlendingEnabled) BOOL blendingEnabled;
+@property(nonatomic) MTLBlendFactor sourceRGBBlendFactor, destinationRGBBlendFactor;
 @end
 @interface MTLRenderPipelineColorAttachmentDescriptorArray : NSObject
 - (MTLRenderPipelineColorAttachmentDescriptor*)objectAtIndexedSubscript:(NSUInteger)index;
@@ -132,6 +166,7 @@ typedef enum : NSUInteger { MTLResourceStorageModeShared = 0 } MTLResourceOption
 @protocol MTLRenderCommandEncoder
 - (void)setVertexBytes:(const void*)bytes length:(NSUInteger)length atIndex:(NSUInteger)index;
 - (void)setVertexBuffer:(id<MTLBuffer>)buffer offset:(NSUInteger)offset atIndex:(NSUInteger)index;
+- (void)setFragmentBytes:(const void*)bytes length:(NSUInteger)length atIndex:(NSUInteger)index;
 - (void)setFragmentTexture:(id<MTLTexture>)texture atIndex:(NSUInteger)index;
 - (void)setRenderPipelineState:(id<MTLRenderPipelineState>)state;
 - (void)setDepthStencilState:(id<MTLDepthStencilState>)state;
@@ -150,6 +185,7 @@ typedef enum : NSUInteger { MTLResourceStorageModeShared = 0 } MTLResourceOption
 @protocol MTLDevice
 - (id<MTLCommandQueue>)newCommandQueue;
 - (id<MTLLibrary>)newDefaultLibrary;
+- (id<MTLTexture>)newTextureWithDescriptor:(MTLTextureDescriptor*)descriptor;
 - (id<MTLBuffer>)newBufferWithLength:(NSUInteger)length options:(MTLResourceOptions)options;
 - (id<MTLRenderPipelineState>)newRenderPipelineStateWithDescriptor:(MTLRenderPipelineDescriptor*)descriptor
                                                              error:(NSError**)error;
@@ -165,6 +201,14 @@ STAND_IN_C int CVMetalTextureCacheCreateTextureFromImage(const void* allocator, 
 STAND_IN_C id<MTLTexture> CVMetalTextureGetTexture(CVMetalTextureRef texture);
 STAND_IN_C size_t CVPixelBufferGetWidthOfPlane(CVPixelBufferRef image, size_t plane);
 STAND_IN_C size_t CVPixelBufferGetHeightOfPlane(CVPixelBufferRef image, size_t plane);
+STAND_IN_C size_t CVPixelBufferGetBytesPerRowOfPlane(CVPixelBufferRef image, size_t plane);
+STAND_IN_C void* CVPixelBufferGetBaseAddressOfPlane(CVPixelBufferRef image, size_t plane);
+enum { kCVPixelBufferLock_ReadOnly = 1 };
+STAND_IN_C int CVPixelBufferLockBaseAddress(CVPixelBufferRef image, uint64_t flags);
+STAND_IN_C int CVPixelBufferUnlockBaseAddress(CVPixelBufferRef image, uint64_t flags);
+STAND_IN_C CFTypeRef CVBufferCopyAttachment(CVPixelBufferRef buffer, CFStringRef key, unsigned* mode);
+STAND_IN_C const CFStringRef kCVImageBufferYCbCrMatrixKey;
+STAND_IN_C const CFStringRef kCVImageBufferYCbCrMatrix_ITU_R_709_2;
 
 // ---- UIKit and MetalKit
 typedef enum : NSInteger { UIInterfaceOrientationPortrait = 1 } UIInterfaceOrientation;
@@ -224,6 +268,7 @@ typedef enum : NSInteger { ARRaycastTargetAlignmentHorizontal = 0 } ARRaycastTar
 @end
 @interface ARCamera : NSObject
 @property(nonatomic, readonly) simd_float4x4 transform;
+@property(nonatomic, readonly) simd_float3x3 intrinsics;
 - (simd_float4x4)projectionMatrixForOrientation:(UIInterfaceOrientation)orientation
                                    viewportSize:(CGSize)size
                                           zNear:(CGFloat)near

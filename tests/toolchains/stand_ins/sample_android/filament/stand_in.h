@@ -55,8 +55,56 @@ struct Viewport {
   uint32_t width, height;
 };
 class Engine;
+class IndirectLight {
+ public:
+  class Builder {
+   public:
+    Builder& irradiance(uint8_t bands, math::float3 const* sh);
+    Builder& intensity(float intensity);
+    IndirectLight* build(Engine& engine) const;
+  };
+};
+class ToneMapper {};
+class LinearToneMapper final : public ToneMapper {};
+class ColorGrading {
+ public:
+  class Builder {
+   public:
+    Builder& toneMapper(const ToneMapper* mapper);
+    ColorGrading* build(Engine& engine);
+  };
+};
+class Texture {
+ public:
+  enum class Sampler : uint8_t { SAMPLER_2D };
+  enum class InternalFormat : uint16_t { R8 };
+  enum class Format : uint8_t { R };
+  enum class Type : uint8_t { UBYTE };
+  class PixelBufferDescriptor {
+   public:
+    PixelBufferDescriptor(void const* buffer, size_t size, Format format, Type type,
+                          backend::BufferDescriptor::Callback callback = nullptr, void* user = nullptr);
+  };
+  class Builder {
+   public:
+    Builder& width(uint32_t width);
+    Builder& height(uint32_t height);
+    Builder& levels(uint8_t levels);
+    Builder& sampler(Sampler target);
+    Builder& format(InternalFormat format);
+    Texture* build(Engine& engine);
+  };
+  void setImage(Engine& engine, size_t level, PixelBufferDescriptor&& buffer) const;
+};
+class TextureSampler {
+ public:
+  enum class MinFilter : uint8_t { NEAREST, LINEAR };
+  enum class MagFilter : uint8_t { NEAREST, LINEAR };
+  TextureSampler(MinFilter min, MagFilter mag);
+};
 class Scene {
  public:
+  void setIndirectLight(IndirectLight* light);
   void addEntity(utils::Entity entity);
 };
 class SwapChain {
@@ -66,6 +114,7 @@ class SwapChain {
 class Camera {
  public:
   void setCustomProjection(math::mat4 const& projection, double near, double far);
+  void setExposure(float exposure);
   void setModelMatrix(const math::mat4f& matrix);
 };
 class View {
@@ -75,6 +124,7 @@ class View {
   void setCamera(Camera* camera);
   void setViewport(Viewport const& viewport);
   void setBlendMode(BlendMode mode);
+  void setColorGrading(ColorGrading* grading);
 };
 class Renderer {
  public:
@@ -88,7 +138,12 @@ class Renderer {
   void render(View const* view);
   void endFrame();
 };
-class MaterialInstance {};
+class MaterialInstance {
+ public:
+  template <class T>
+  void setParameter(const char* name, T const& value);
+  void setParameter(const char* name, Texture const* texture, TextureSampler const& sampler);
+};
 class Material {
  public:
   class Builder {
@@ -127,7 +182,7 @@ class IndexBuffer {
 class RenderableManager {
  public:
   struct Instance {};
-  enum class PrimitiveType : uint8_t { POINTS };
+  enum class PrimitiveType : uint8_t { POINTS = 0, TRIANGLES = 4 };
   class Builder {
    public:
     explicit Builder(size_t count);
@@ -155,12 +210,14 @@ class LightManager {
   class Builder {
    public:
     explicit Builder(Type type);
-    Builder& color(const LinearColor& color);
-    Builder& intensity(float intensity);
-    Builder& direction(const math::float3& direction);
     enum Result { Error = -1, Success = 0 };
     Result build(Engine& engine, utils::Entity entity);
   };
+  struct Instance {};
+  Instance getInstance(utils::Entity entity) const;
+  void setDirection(Instance instance, const math::float3& direction);
+  void setColor(Instance instance, const LinearColor& color);
+  void setIntensity(Instance instance, float intensity);
 };
 class Engine {
  public:
@@ -175,6 +232,7 @@ class Engine {
   void destroyCameraComponent(utils::Entity entity);
   RenderableManager& getRenderableManager();
   TransformManager& getTransformManager();
+  LightManager& getLightManager();
   void destroy(utils::Entity entity);
   bool destroy(const VertexBuffer* p);
   bool destroy(const IndexBuffer* p);
@@ -184,5 +242,8 @@ class Engine {
   bool destroy(const Scene* p);
   bool destroy(const Renderer* p);
   bool destroy(const SwapChain* p);
+  bool destroy(const Texture* p);
+  bool destroy(const IndirectLight* p);
+  bool destroy(const ColorGrading* p);
 };
 }  // namespace filament

@@ -1,15 +1,18 @@
 // Sand on the real floor. All calls come from the thread of the GLSurfaceView: ARCore updates the camera image and the
-// poses, the library writes the grains straight into the renderer's buffer within its 4 ms, Filament draws them with
-// the same pose.
+// poses, the library writes the grains straight into the renderer's buffer, estimates the room's light from the image
+// and casts the sand's shadow in it, all within its 4 ms; Filament draws grains and shadow with the same pose.
 #include <android/asset_manager_jni.h>
 #include <android/log.h>
 #include <android/native_window_jni.h>
 #include <jni.h>
 
+#include <cstring>
 #include <memory>
+#include <vector>
 
 #include "arcore_c_api.h"
 #include "camera_background.h"
+#include "camera_planes.h"
 #include "performance.h"
 #include "sand_stage.h"
 #include "sand_view.h"
@@ -32,6 +35,61 @@ Sample* of(jlong handle) { return reinterpret_cast<Sample*>(handle); }
 
 void say(const sandglass::Status& status) {
   if (!status) __android_log_print(ANDROID_LOG_ERROR, "sandglass", "%s: %s", status.name(), status.reason);
+}
+
+// A whole file of the app's assets, in 8-byte words; empty where there is none.
+std::vector<uint64_t> read_asset(AAssetManager* manager, const char* name, uint64_t* bytes) {
+  std::vector<uint64_t> words;
+  AAsset* asset = AAssetManager_open(manager, name, AASSET_MODE_BUFFER);
+  if (asset == nullptr) return words;
+  *bytes = static_cast<uint64_t>(AAsset_getLength64(asset));
+  const void* data = AAsset_getBuffer(asset);
+  if (data != nullptr) {
+    words.resize((*bytes + 7) / 8);
+    std::memcpy(words.data(), data, *bytes);
+  }
+  AAsset_close(asset);
+  return words;
+}
+
+// The camera's image of this frame as the library reads it. False where ARCore has none yet, or of another layout; else
+// *held must be released after the frame.
+bool camera_image(Sample* s, ArCamera* camera, ArImage** held, sandglass_camera_image* image) {
+  if (ArFrame_acquireCameraImage(s->session, s->frame, held) != AR_SUCCESS) return false;
+  const uint8_t* planes[3] = {};
+  int32_t rows[3] = {}, pixels[3] = {}, length = 0, width = 0, height = 0;
+  for (int32_t i = 0; i < 3; ++i) {
+    ArImage_getPlaneData(s->session, *held, i, &planes[i], &length);
+    ArImage_getPlaneRowStride(s->session, *held, i, &rows[i]);
+    ArImage_getPlanePixelStride(s->session, *held, i, &pixels[i]);
+  }
+  ArImage_getWidth(s->session, *held, &width);
+  ArImage_getHeight(s->session, *held, &height);
+  int64_t taken_ns = 0;
+  ArImage_getTimestamp(s->session, *held, &taken_ns);
+  *image = sandglass::camera_image();
+  image->width = static_cast<uint32_t>(width), image->height = static_cast<uint32_t>(height);
+  image->timestamp_ns = static_cast<uint64_t>(taken_ns);
+
+  ArCameraIntrinsics* intrinsics = nullptr;
+  ArCameraIntrinsics_create(s->session, &intrinsics);
+  ArCamera_getImageIntrinsics(s->session, camera, intrinsics);
+  ArCameraIntrinsics_getFocalLength(s->session, intrinsics, &image->focal_x, &image->focal_y);
+  ArCameraIntrinsics_getPrincipalPoint(s->session, intrinsics, &image->centre_x, &image->centre_y);
+  ArCameraIntrinsics_destroy(intrinsics);
+
+  ArPose* pose = nullptr;  // of the image as stored, in landscape: the library finds which way is up
+  float raw[7];
+  ArPose_create(s->session, nullptr, &pose);
+  ArCamera_getPose(s->session, camera, pose);
+  ArPose_getPoseRaw(s->session, pose, raw);
+  ArPose_destroy(pose);
+  for (int k = 0; k < 4; ++k) image->orientation[k] = raw[k];
+  image->turn_deg = SANDGLASS_TURN_FROM_POSE;
+
+  if (sample::set_yuv_planes(planes, rows, pixels, image)) return true;
+  ArImage_release(*held);
+  return false;
 }
 
 // The first real horizontal plane under a point of the screen.
@@ -88,7 +146,6 @@ JNIEXPORT jlong JNICALL Java_org_sandglass_sample_Native_create(JNIEnv* env, jcl
     return 0;
   }
   ArFrame_create(s->session, &s->frame);
-  say(s->stage.create());
   return reinterpret_cast<jlong>(s);
 }
 
@@ -119,11 +176,18 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_surface(JNIEnv* env, jcl
   s->view.destroy();
   if (s->window != nullptr) ANativeWindow_release(s->window);
   s->window = ANativeWindow_fromSurface(env, surface);
-  AAsset* material = AAssetManager_open(AAssetManager_fromJava(env, assets), "grain.filamat", AASSET_MODE_BUFFER);
-  if (material == nullptr) return;
-  s->view.create(s->window, static_cast<uint32_t>(width), static_cast<uint32_t>(height), AAsset_getBuffer(material),
-                 static_cast<size_t>(AAsset_getLength64(material)));
-  AAsset_close(material);
+  AAssetManager* files = AAssetManager_fromJava(env, assets);
+  uint64_t network_bytes = 0, grain_bytes = 0, shadow_bytes = 0;
+  if (!s->stage) {
+    std::vector<uint64_t> network = read_asset(files, "room.light", &network_bytes);
+    say(s->stage.create(std::move(network), network_bytes));
+  }
+  const std::vector<uint64_t> grain = read_asset(files, "grain.filamat", &grain_bytes),
+                              shadow = read_asset(files, "shadow.filamat", &shadow_bytes);
+  if (grain.empty() || shadow.empty() || !s->stage) return;
+  s->view.create(s->window, static_cast<uint32_t>(width), static_cast<uint32_t>(height), grain.data(), grain_bytes,
+                 shadow.data(), shadow_bytes);
+  s->view.set_light(s->stage.light());
   s->performance = std::make_unique<sample::Performance>(16'666'667);
 }
 
@@ -145,15 +209,17 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_frame(JNIEnv*, jclass, j
   ArTrackingState tracking = AR_TRACKING_STATE_STOPPED;
   ArCamera_getTrackingState(s->session, camera, &tracking);
   if (tracking == AR_TRACKING_STATE_TRACKING) {
-    // The light's place: the YUV image of this frame (ArFrame_acquireCameraImage, NV12 or I420 planes with their
-    // strides), ArCamera_getImageIntrinsics and the rotation of ArCamera_getPose make a sandglass_camera_image with
-    // SANDGLASS_TURN_FROM_POSE; it goes into the frame's input (light.h).
     const float step = s->last_seconds > 0.0 ? static_cast<float>(seconds - s->last_seconds) : 0.0f;
     sandglass_grain* grains = s->poured ? s->view.buffer() : nullptr;  // null: simulated all the same, drawn next time
-    if (s->poured) {
-      const sandglass_frame_report report = s->stage.frame(step, s->performance->headroom(seconds), grains);
-      s->performance->report(report.target_ns, report.elapsed_ns);
-    }
+    ArImage* held = nullptr;
+    sandglass_camera_image image;
+    const bool seen = camera_image(s, camera, &held, &image);
+    const sandglass_frame_report report =
+        s->stage.frame(step, s->performance->headroom(seconds), grains, seen ? &image : nullptr);
+    if (seen) ArImage_release(held);
+    s->performance->report(report.target_ns, report.elapsed_ns);
+    if (report.light_changed != 0) s->view.set_light(s->stage.light());
+    s->view.set_shadow(s->stage.shadow(), s->stage.shadow_strength());
     float projection[16], camera_to_world[16];
     ArCamera_getProjectionMatrix(s->session, camera, sample::SandView::k_near, sample::SandView::k_far, projection);
     ArPose* pose = nullptr;

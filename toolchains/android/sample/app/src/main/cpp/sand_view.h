@@ -1,11 +1,14 @@
-// Filament's side: grains as points under one directional light, on a transparent surface above the camera image.
+// Filament's side: grains as points and the sand's shadow on the floor, in the estimated light, on a transparent
+// surface above the camera image. The same light is given to Filament's own lights, for lit objects of the app.
 // Filament reads a vertex buffer some time after it was handed over, so three take turns; a frame that finds all three
 // in use keeps the last picture.
 #pragma once
 
 #include <filament/Camera.h>
+#include <filament/ColorGrading.h>
 #include <filament/Engine.h>
 #include <filament/IndexBuffer.h>
+#include <filament/IndirectLight.h>
 #include <filament/LightManager.h>
 #include <filament/Material.h>
 #include <filament/MaterialInstance.h>
@@ -13,12 +16,16 @@
 #include <filament/Renderer.h>
 #include <filament/Scene.h>
 #include <filament/SwapChain.h>
+#include <filament/Texture.h>
+#include <filament/TextureSampler.h>
+#include <filament/ToneMapper.h>
 #include <filament/TransformManager.h>
 #include <filament/VertexBuffer.h>
 #include <filament/View.h>
 #include <filament/Viewport.h>
 #include <math/mat4.h>
 #include <math/vec3.h>
+#include <math/vec4.h>
 #include <utils/Entity.h>
 #include <utils/EntityManager.h>
 
@@ -34,8 +41,9 @@ class SandView {
  public:
   static constexpr int k_buffers = 3;
 
-  // `material` is grain.filamat, compiled from materials/grain.mat.
-  void create(void* window, uint32_t width, uint32_t height, const void* material, size_t material_bytes) {
+  // `grain` and `shadow` are grain.filamat and shadow.filamat, compiled from materials/.
+  void create(void* window, uint32_t width, uint32_t height, const void* grain, size_t grain_bytes, const void* shadow,
+              size_t shadow_bytes) {
     using namespace filament;
     engine_ = Engine::create(Engine::Backend::OPENGL);
     swap_chain_ = engine_->createSwapChain(window, SwapChain::CONFIG_TRANSPARENT);
@@ -49,8 +57,13 @@ class SandView {
     view_->setCamera(camera_);
     view_->setViewport({0, 0, width, height});
     view_->setBlendMode(View::BlendMode::TRANSLUCENT);
+    // Radiance 1 is what the camera shows as white: no exposure, no film's curve.
+    camera_->setExposure(1.0f);
+    const LinearToneMapper linear;
+    grading_ = ColorGrading::Builder().toneMapper(&linear).build(*engine_);
+    view_->setColorGrading(grading_);
 
-    material_ = Material::Builder().package(material, material_bytes).build(*engine_);
+    material_ = Material::Builder().package(grain, grain_bytes).build(*engine_);
     instance_ = material_->createInstance();
     vertices_ =
         VertexBuffer::Builder()
@@ -74,23 +87,27 @@ class SandView {
         .build(*engine_, sand_);
     scene_->addEntity(sand_);
 
-    // Until the library estimates it: the sun at 45 degrees. Sandglass gives directions towards the light, Filament
-    // wants where it shines. A plane with the library's shadow texture, as material alpha, would go beside the sand.
+    create_shadow(shadow, shadow_bytes);
     light_ = utils::EntityManager::get().create();
-    LightManager::Builder(LightManager::Type::DIRECTIONAL)
-        .color({1, 1, 1})
-        .intensity(80'000.0f)
-        .direction({-0.5f, -0.7f, -0.5f})
-        .build(*engine_, light_);
+    LightManager::Builder(LightManager::Type::DIRECTIONAL).build(*engine_, light_);
     scene_->addEntity(light_);
     for (std::vector<sandglass_grain>& buffer : grains_) buffer.resize(k_grains);
   }
 
   void destroy() {
     if (engine_ == nullptr) return;
-    for (const utils::Entity entity : {sand_, light_}) engine_->destroy(entity);
+    for (const utils::Entity entity : {sand_, floor_, light_}) engine_->destroy(entity);
     engine_->destroyCameraComponent(camera_entity_);
-    for (const utils::Entity entity : {sand_, light_, camera_entity_}) utils::EntityManager::get().destroy(entity);
+    for (const utils::Entity entity : {sand_, floor_, light_, camera_entity_})
+      utils::EntityManager::get().destroy(entity);
+    engine_->destroy(floor_vertices_);
+    engine_->destroy(floor_indices_);
+    engine_->destroy(floor_instance_);
+    engine_->destroy(floor_material_);
+    engine_->destroy(coverage_);
+    if (ambient_ != nullptr) engine_->destroy(ambient_);
+    ambient_ = nullptr;
+    engine_->destroy(grading_);
     engine_->destroy(vertices_);
     engine_->destroy(indices_);
     engine_->destroy(instance_);
@@ -100,6 +117,47 @@ class SandView {
     engine_->destroy(renderer_);
     engine_->destroy(swap_chain_);
     filament::Engine::destroy(&engine_);  // waits for what is in flight; engine_ becomes null
+  }
+
+  // The room's light, whenever the library's estimate has changed.
+  void set_light(const sandglass_light_estimate& estimate) {
+    using namespace filament;
+    sandglass_light_filament filament;
+    if (engine_ == nullptr ||
+        sandglass_light_to_filament(&estimate, SANDGLASS_LIGHT_MODEL_AMBIENT, 1.0f, &filament, nullptr) != SANDGLASS_OK)
+      return;
+    auto& lights = engine_->getLightManager();
+    const LightManager::Instance sun = lights.getInstance(light_);
+    lights.setDirection(sun, {filament.direction[0], filament.direction[1], filament.direction[2]});
+    lights.setColor(sun, {filament.colour[0], filament.colour[1], filament.colour[2]});
+    lights.setIntensity(sun, filament.intensity);
+    math::float3 sh[9];
+    for (int i = 0; i < 9; ++i) sh[i] = {filament.sh[3 * i], filament.sh[3 * i + 1], filament.sh[3 * i + 2]};
+    IndirectLight* ambient =
+        IndirectLight::Builder().irradiance(3, sh).intensity(filament.sh_intensity).build(*engine_);
+    scene_->setIndirectLight(ambient);
+    if (ambient_ != nullptr) engine_->destroy(ambient_);
+    ambient_ = ambient;
+    // Grains are points, which Filament does not light: their material is told.
+    const float *c = estimate.light, *a = estimate.ambient, k = estimate.strength;
+    instance_->setParameter("to_light",
+                            math::float3{estimate.direction[0], estimate.direction[1], estimate.direction[2]});
+    instance_->setParameter("sun", math::float3{k * c[0], k * c[1], k * c[2]});
+    instance_->setParameter("ambient", math::float3{a[0], a[1], a[2]});
+  }
+
+  // The sand's shadow of this frame.
+  void set_shadow(const sandglass_pile_shadow_texture& shadow, float strength) {
+    using namespace filament;
+    if (engine_ == nullptr) return;
+    auto* copy = new std::vector<uint8_t>(shadow.coverage, shadow.coverage + k_shadow_texels * k_shadow_texels);
+    coverage_->setImage(*engine_, 0,
+                        Texture::PixelBufferDescriptor(
+                            copy->data(), copy->size(), Texture::Format::R, Texture::Type::UBYTE,
+                            [](void*, size_t, void* user) { delete static_cast<std::vector<uint8_t>*>(user); }, copy));
+    floor_instance_->setParameter("strength", strength);
+    floor_instance_->setParameter("rectangle",
+                                  math::float4{shadow.low[0], shadow.low[1], shadow.high[0], shadow.high[1]});
   }
 
   // Where the library may write this frame's grains, or null while all buffers are in use.
@@ -124,8 +182,9 @@ class SandView {
                                 vertices_, indices_, 0, count);
     }
     auto& transforms = engine_->getTransformManager();
-    transforms.setTransform(transforms.getInstance(sand_),
-                            mat4f::translation(filament::math::float3{origin[0], origin[1], origin[2]}));
+    for (const utils::Entity entity : {sand_, floor_})
+      transforms.setTransform(transforms.getInstance(entity),
+                              mat4f::translation(filament::math::float3{origin[0], origin[1], origin[2]}));
     mat4f p, m;
     for (int column = 0; column < 4; ++column) {
       for (int row = 0; row < 4; ++row) {
@@ -144,6 +203,41 @@ class SandView {
   static constexpr float k_near = 0.05f, k_far = 50.0f;
 
  private:
+  // The floor about the scene's origin, a millimetre above the real one, which the material darkens.
+  void create_shadow(const void* package, size_t bytes) {
+    using namespace filament;
+    constexpr float h = k_shadow_half, up = 0.001f;
+    static const float corners[12] = {-h, up, -h, h, up, -h, -h, up, h, h, up, h};
+    static const uint16_t order[6] = {0, 2, 1, 1, 2, 3};
+    floor_material_ = Material::Builder().package(package, bytes).build(*engine_);
+    floor_instance_ = floor_material_->createInstance();
+    floor_vertices_ = VertexBuffer::Builder()
+                          .bufferCount(1)
+                          .vertexCount(4)
+                          .attribute(VertexAttribute::POSITION, 0, VertexBuffer::AttributeType::FLOAT3)
+                          .build(*engine_);
+    floor_vertices_->setBufferAt(*engine_, 0, VertexBuffer::BufferDescriptor(corners, sizeof corners));
+    floor_indices_ = IndexBuffer::Builder().indexCount(6).bufferType(IndexBuffer::IndexType::USHORT).build(*engine_);
+    floor_indices_->setBuffer(*engine_, IndexBuffer::BufferDescriptor(order, sizeof order));
+    coverage_ = Texture::Builder()
+                    .width(k_shadow_texels)
+                    .height(k_shadow_texels)
+                    .levels(1)
+                    .format(Texture::InternalFormat::R8)
+                    .sampler(Texture::Sampler::SAMPLER_2D)
+                    .build(*engine_);
+    floor_instance_->setParameter("coverage", coverage_,
+                                  TextureSampler(TextureSampler::MinFilter::LINEAR, TextureSampler::MagFilter::LINEAR));
+    floor_ = utils::EntityManager::get().create();
+    RenderableManager::Builder(1)
+        .boundingBox({{0, up, 0}, {h, up, h}})
+        .material(0, floor_instance_)
+        .geometry(0, RenderableManager::PrimitiveType::TRIANGLES, floor_vertices_, floor_indices_, 0, 6)
+        .castShadows(false)
+        .build(*engine_, floor_);
+    scene_->addEntity(floor_);
+  }
+
   filament::Engine* engine_ = nullptr;
   filament::SwapChain* swap_chain_ = nullptr;
   filament::Renderer* renderer_ = nullptr;
@@ -154,7 +248,14 @@ class SandView {
   filament::MaterialInstance* instance_ = nullptr;
   filament::VertexBuffer* vertices_ = nullptr;
   filament::IndexBuffer* indices_ = nullptr;
-  utils::Entity camera_entity_, sand_, light_;
+  filament::ColorGrading* grading_ = nullptr;
+  filament::IndirectLight* ambient_ = nullptr;
+  filament::Texture* coverage_ = nullptr;
+  filament::VertexBuffer* floor_vertices_ = nullptr;
+  filament::IndexBuffer* floor_indices_ = nullptr;
+  filament::Material* floor_material_ = nullptr;
+  filament::MaterialInstance* floor_instance_ = nullptr;
+  utils::Entity camera_entity_, sand_, floor_, light_;
   std::vector<sandglass_grain> grains_[k_buffers];
   std::atomic<bool> in_use_[k_buffers] = {};
   int turn_ = 0;

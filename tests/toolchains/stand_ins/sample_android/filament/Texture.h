@@ -1,0 +1,2 @@
+#pragma once
+#include <filament/stand_in.h>
