@@ -326,7 +326,7 @@ TEST_F(Cli, SamplesShapesWithExactlyThePointsAskedFor) {
   EXPECT_EQ(read(path("ring.png")).substr(1, 3), "PNG");
   EXPECT_EQ(read(path("spectrum.png")).substr(1, 3), "PNG");
   expect_refused("sample --ring 10 --polar 50 20 -o " + path("x.ply"), "theta_a < theta_b");
-  expect_refused("sample --ring 10 --polar nan 20 -o " + path("x.ply"), "--polar");
+  expect_refused("sample --ring 10 --polar nan 20 -o " + path("x.ply"), "theta_a < theta_b");
   expect_refused("sample trefoil --surface --distance nan -o " + path("x.ply"), "--distance");
   expect_refused("sample trefoil --disk 10 -o " + path("x.ply"), "leave it out");
   expect_refused("sample --surface --distance 1 -o " + path("x.ply"), "no mesh is named");
