@@ -135,7 +135,7 @@ typedef struct sandglass_light_info {
   uint32_t struct_size;
   uint32_t training_images;
   uint32_t calibration_images; /* for the rounding to bytes */
-  float angle_deg;             /* on those: median angle between the directions of the network in bytes and in float */
+  float angle_deg;             /* on other images: median angle between its directions in bytes and in float */
   float difference;            /* and median of the greatest difference of colours and contrast */
   uint64_t data_hash;          /* of the training set's manifests */
   uint64_t seed;
