@@ -15,6 +15,8 @@
 
 namespace sandglass::host {
 
+#ifdef SANDGLASS_HAVE_EMBREE
+
 namespace {
 
 constexpr double k_pi = std::numbers::pi;
@@ -48,8 +50,6 @@ void each_row(int height, uint32_t threads, const std::function<void(int)>& draw
 }
 
 }  // namespace
-
-#ifdef SANDGLASS_HAVE_EMBREE
 
 struct ShotPicture::State {
   RayCaster object;
