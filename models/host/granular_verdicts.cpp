@@ -282,10 +282,10 @@ struct Group {
 };
 // Frames weigh alike in the progress, small scenes as large ones: the weight below makes up for it.
 constexpr Group k_groups[] = {
-    {"particle", one_particle, 0, true}, {"rest", rest, 0, true},           {"momentum", momentum, 0, true},
-    {"refinement", refinement, 0, true}, {"hard", hard, 0, true},           {"far", far_end, 500, true},
-    {"column", column, 3700, false},     {"janssen", janssen, 5400, false}, {"repose", angles, 5500, false},
-    {"beverloo", beverloo, 6500, false},
+    {"particle", one_particle, 0, true},  {"rest", rest, 0, true},           {"momentum", momentum, 0, true},
+    {"refinement", refinement, 0, true},  {"hard", hard, 0, true},           {"far", far_end, 500, true},
+    {"column", column, 4500, false},      {"janssen", janssen, 5400, false}, {"repose", angles, 5500, false},
+    {"beverloo", beverloo, 10500, false},
 };
 constexpr uint64_t k_group_cost = 100;  // of a group whatever its frames, in frames
 
