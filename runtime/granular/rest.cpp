@@ -3,9 +3,8 @@
 //
 // What wakes it, always a neighbour in its list or a collider:
 //   touch       a collider that moved, appeared or went away since the last frame comes or was within reach
-//   wake        after each sub-step: a particle faster than the wake speed, and on its way from where it was, runs into
-//   it rest        every 20 ms of simulated time: a neighbour has moved on, by more than the distance that counts as
-//   rest
+//   wake        after each sub-step: a particle that is fast, and away from where it last rested, runs into it
+//   rest        every 20 ms of simulated time: a neighbour has moved on, by more than the distance that counts as rest
 // So a heap wakes shell by shell from where it was disturbed, as fast as the disturbance travels, and no further. A
 // particle that keeps still to within that distance but trembles does sleep: what counts is where it is.
 //

@@ -171,6 +171,7 @@ TEST(Ladder, EveryRungIsStable) {
 
     desc = description(512);
     desc.finest_level = level;
+    desc.granular.static_friction = desc.granular.kinetic_friction = 0.3f;
     GranularScene drop(desc);
     drop.add_floor();
     constexpr float k_speed = 3.0f;
