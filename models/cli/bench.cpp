@@ -328,17 +328,21 @@ struct Bench {
                               });
     }
     std::printf("%-13s %8s %8s %9s %11s %13s %17s %10s\n", "case", "ms", "GMAC/s", "of peak", "arena, MiB",
-                "activations", "longest unit, ms", "to own");
+                "activations", "longest unit, ms", "to float");
     for (const LightingBenchRow& r : result.rows) {
-      std::printf("%-13s %8.2f %8.1f %8.1f%% %11.2f %9.2f MiB %17.3f %10.4f\n", r.name.c_str(), r.ms, r.gmac_per_s,
-                  100 * r.fraction, r.arena_bytes / (1 << 20), r.activations / (1 << 20), r.longest_unit_ms,
-                  r.relative_error);
+      std::printf("%-13s %8.2f %8.1f %8.1f%% %11.2f %9.2f MiB %17.3f %5.2f deg, %.4f\n", r.name.c_str(), r.ms,
+                  r.gmac_per_s, 100 * r.fraction, r.arena_bytes / (1 << 20), r.activations / (1 << 20),
+                  r.longest_unit_ms, r.angle_deg, r.difference);
       keep(r.name, "ms", "ms", r.ms, 1);
       keep(r.name, "gmac_per_s", "GMAC/s", r.gmac_per_s, 1);
       keep(r.name, "fraction_of_peak", "1", r.fraction, 1);
       keep(r.name, "arena_bytes", "B", r.arena_bytes, 1);
       keep(r.name, "longest_unit_ms", "ms", r.longest_unit_ms, 1);
       if (r.activations > 0) keep(r.name, "activation_bytes", "B", r.activations, 1);
+      if (result.has_xnnpack) {
+        keep(r.name, "angle_to_f32", "deg", r.angle_deg, 1);
+        keep(r.name, "difference_to_f32", "1", r.difference, 1);
+      }
       for (const LightingBenchRow::Part& part : r.parts) keep(r.name, ("ms_" + part.name).c_str(), "ms", part.ms, 1);
     }
     std::puts("by kind of operator, ms:");

@@ -3,11 +3,12 @@
 #include <cstring>
 
 #include "models/host/failure.h"
+#include "runtime/lighting/backends.h"
 
 namespace sandglass::host {
 
 LightRunner::LightRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, uint32_t width,
-                         uint32_t height)
+                         uint32_t height, sandglass_light_backend choice)
     : file_(file.size() / 8 + 1) {
   std::memcpy(file_.data(), file.data(), file.size());
   LightAsset asset;
@@ -16,11 +17,16 @@ LightRunner::LightRunner(std::span<const uint8_t> file, const std::string& name,
     throw Failure("'" + name + "': " + reason);
   const Int8Kernels* kernels = select_int8_kernels(isa);
   if (kernels == nullptr) throw Failure("this build or CPU does not have the kernels asked for; leave --isa out");
+  const LightBackend* backend = nullptr;
+  if (!find_light_backend(choice, &backend, &reason)) throw Failure(reason);
   Layout size, layout;
-  layout_light_network(width, height, &size);
+  layout_light_network(width, height, &size, backend);
+  block_bytes_ = size.size;
   block_ = new_block(size.size, "the lighting network", "close other programs");
   layout.base = static_cast<uint8_t*>(block_.get());
-  network_ = create_light_network(asset, kernels, width, height, layout_light_network(width, height, &layout));
+  network_ = create_light_network(asset, kernels, backend, width, height,
+                                  layout_light_network(width, height, &layout, backend), &reason);
+  if (network_ == nullptr) throw Failure(reason);
 }
 
 LightOutputs LightRunner::run(std::span<const uint8_t> rgb) {

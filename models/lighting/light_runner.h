@@ -15,7 +15,9 @@ class LightRunner {
  public:
   // `file` as light_file_bytes makes it; a Failure that names it for anything else. Sides: 32 to 256 in steps of 32.
   LightRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC,
-              uint32_t width = 256, uint32_t height = 192);
+              uint32_t width = 256, uint32_t height = 192,
+              sandglass_light_backend backend = SANDGLASS_LIGHT_BACKEND_OWN);
+  ~LightRunner() { release_light_network(network_); }
   LightRunner(const LightRunner&) = delete;
   LightRunner& operator=(const LightRunner&) = delete;
 
@@ -23,10 +25,12 @@ class LightRunner {
   std::vector<float> features() const;
   LightNetwork* network() { return network_; }
   const LightAsset& asset() const { return network_->asset; }
+  uint64_t block_bytes() const { return block_bytes_; }
 
  private:
   std::vector<uint64_t> file_;  // aligned
   Block block_;
+  uint64_t block_bytes_ = 0;
   LightNetwork* network_;
 };
 

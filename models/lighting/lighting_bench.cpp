@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <ctime>
+#include <numbers>
 
+#include "models/host/failure.h"
 #include "models/host/machine_peak.h"
 #include "models/host/random.h"
 #include "models/lighting/light_runner.h"
-#include "models/lighting/xnnpack_peer.h"
+#include "runtime/lighting/backends.h"
+#include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {
 
@@ -24,9 +28,39 @@ double seconds_now() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-void finish(LightingBenchRow* row, double peak) {
-  row->gmac_per_s = k_macs / row->ms * 1e-6;
-  row->fraction = peak > 0 ? row->gmac_per_s / peak : 0;
+// A wall with a lamp on it, in light that falls off: what the network may meet, made from a formula.
+struct Picture {
+  std::vector<uint8_t> rgb = std::vector<uint8_t>(size_t{3} * k_width * k_height);
+  sandglass_camera_image image;
+
+  Picture() {
+    for (uint32_t y = 0; y < k_height; ++y)
+      for (uint32_t x = 0; x < k_width; ++x) {
+        const double u = x - 0.7 * k_width, v = y - 0.2 * k_height, square = u * u + v * v;
+        const double grain = 0.05 * (random_unit(uint64_t{y} * k_width + x) - 0.5);
+        const double shade = 0.15 + 0.5 / (1 + square / 6000) + (square < 200 ? 1 : 0) + grain;
+        for (uint32_t c = 0; c < 3; ++c)
+          rgb[3 * (size_t{y} * k_width + x) + c] =
+              static_cast<uint8_t>(255 * std::clamp(shade * (1 - 0.12 * c), 0.0, 1.0));
+      }
+    sandglass_camera_image_default(&image);
+    image.width = k_width, image.height = k_height;
+    image.planes[0] = rgb.data(), image.strides[0] = 3 * k_width;
+    image.focal_x = image.focal_y = sandglass_camera_focal(k_width, k_height, 85);
+    image.centre_x = 0.5f * (k_width - 1), image.centre_y = 0.5f * (k_height - 1);
+  }
+};
+
+void compare(const sandglass_light_estimate& truth, LightingBenchRow* row) {
+  const sandglass_light_estimate& e = row->estimate;
+  double cosine = 0;
+  float most = std::fabs(e.contrast - truth.contrast);
+  for (int i = 0; i < 3; ++i) {
+    cosine += static_cast<double>(e.direction[i]) * static_cast<double>(truth.direction[i]);
+    most = std::max({most, std::fabs(e.light[i] - truth.light[i]), std::fabs(e.ambient[i] - truth.ambient[i])});
+  }
+  row->angle_deg = std::acos(std::min(1.0, cosine)) * 180 / std::numbers::pi;
+  row->difference = static_cast<double>(most);
 }
 
 void add_part(LightingBenchRow* row, const std::string& name, double ms) {
@@ -38,92 +72,93 @@ void add_part(LightingBenchRow* row, const std::string& name, double ms) {
   row->parts.push_back({name, ms});
 }
 
-LightingBenchRow bench_own(LightRunner* runner, std::span<const uint8_t> rgb, double peak,
-                           std::vector<LightingBenchRow::Part>* layers) {
-  LightNetwork* net = runner->network();
+// By unit, for what belongs to each kind of operator.
+void measure_units(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
+                   sandglass_light_backend backend, std::span<const uint8_t> rgb, LightingBenchRow* row,
+                   std::vector<LightingBenchRow::Part>* layers) {
+  LightRunner runner(file, name, isa, k_width, k_height, backend);
+  LightNetwork* net = runner.network();
   std::vector<double> best(net->units, 1e30);
-  LightingBenchRow row;
-  row.name = "int8", row.ms = 1e30;
   for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
     begin_light_network(net, rgb.data());
-    const double begin = seconds_now();
-    double from = begin;
+    double from = seconds_now();
     for (uint32_t unit = 0; unit < net->units; ++unit) {
       run_light_unit(net, unit);
       const double now = seconds_now();
       best[unit] = std::min(best[unit], 1e3 * (now - from));
       from = now;
     }
-    row.ms = std::min(row.ms, 1e3 * (from - begin));
   }
-  finish(&row, peak);
-  Layout layout;
-  layout_light_network(k_width, k_height, &layout);
-  row.arena_bytes = static_cast<double>(layout.size);
-  row.activations = static_cast<double>(light_activation_bytes(k_width, k_height));
-  row.longest_unit_ms = *std::max_element(best.begin(), best.end());
+  row->longest_unit_ms = *std::max_element(best.begin(), best.end());
   for (uint32_t first = 0; first < net->units; first = light_operator_end(*net, first)) {
     double sum = 0;
     for (uint32_t unit = first; unit < light_operator_end(*net, first); ++unit) sum += best[unit];
-    const std::string name = light_unit(*net, first).name;
-    layers->push_back({name, sum});
-    add_part(&row, name.substr(name.find('.') + 1), sum);
+    const std::string kind = light_unit(*net, first).name;
+    if (layers != nullptr) layers->push_back({kind, sum});
+    add_part(row, kind.substr(kind.find('.') + 1), sum);
   }
-  return row;
 }
 
-#ifdef SANDGLASS_HAVE_XNNPACK
-double relative_error(const std::vector<float>& a, const std::vector<float>& truth) {
-  double error = 0, square = 0;
-  for (size_t i = 0; i < a.size(); ++i) {
-    error += std::pow(static_cast<double>(a[i] - truth[i]), 2);
-    square += std::pow(static_cast<double>(truth[i]), 2);
-  }
-  return std::sqrt(error / square);
-}
-
-LightingBenchRow bench_peer(const LightAsset& asset, bool bytes, std::span<const uint8_t> rgb, double peak,
-                            const std::vector<float>& features) {
-  XnnpackLightPeer peer(asset, bytes, k_width, k_height);
-  LightingBenchRow row;
-  row.name = bytes ? "xnnpack_int8" : "xnnpack_f32", row.ms = 1e30;
-  std::vector<double> best(peer.times().size(), 1e30);
+// As an app has it; false where this build lacks the back end.
+bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_light_backend choice,
+             const sandglass_camera_image& image, LightingBenchRow* row) {
+  const LightBackend* backend = nullptr;
+  if (!find_light_backend(choice, &backend, nullptr)) return false;
+  std::vector<uint64_t> aligned(file.size() / 8 + 1);
+  std::memcpy(aligned.data(), file.data(), file.size());
+  sandglass_light_desc desc = light_desc();
+  desc.asset = aligned.data(), desc.asset_bytes = file.size();
+  desc.isa = isa, desc.backend = choice;
+  desc.smoothing = desc.interval = 0;
+  Light light;
+  if (const Status status = light.create(desc); !status) throw Failure("'" + name + "': " + status.reason);
+  uint64_t bytes = 0;
+  if (sandglass_light_bytes(&desc, &bytes, nullptr) != SANDGLASS_OK) return false;  // cannot be
+  row->arena_bytes = static_cast<double>(bytes + (backend == nullptr ? 0 : backend->bytes_beside()));
+  row->ms = 1e30;
   for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
+    if (sandglass_light_set_image(light.get(), &image, nullptr, nullptr) != SANDGLASS_OK) return false;  // cannot be
     const double begin = seconds_now();
-    peer.run(rgb);
-    row.ms = std::min(row.ms, 1e3 * (seconds_now() - begin));
-    for (size_t i = 0; i < best.size(); ++i) best[i] = std::min(best[i], 1e3 * peer.times()[i].seconds);
+    sandglass_light_run(light.get(), UINT32_MAX);
+    row->ms = std::min(row->ms, 1e3 * (seconds_now() - begin));
   }
-  finish(&row, peak);
-  row.arena_bytes = static_cast<double>(peer.memory_bytes());
-  row.longest_unit_ms = *std::max_element(best.begin(), best.end());
-  row.relative_error = relative_error(peer.features(), features);
-  for (size_t i = 0; i < best.size(); ++i) add_part(&row, peer.times()[i].name, best[i]);
-  return row;
+  row->estimate = light.estimated();
+  return true;
 }
-#endif
 
 }  // namespace
 
 LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
                              const std::function<bool(uint32_t done, uint32_t total)>& go_on) {
-  constexpr uint32_t k_steps = 3;
-  LightRunner runner(file, name, isa, k_width, k_height);
+  struct Case {
+    const char* name;
+    sandglass_light_backend backend;
+  };
+  constexpr Case k_cases[] = {{"int8", SANDGLASS_LIGHT_BACKEND_OWN},
+                              {"xnnpack_f32", SANDGLASS_LIGHT_BACKEND_XNNPACK_F32},
+                              {"xnnpack_int8", SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8}};
+  constexpr uint32_t k_steps = std::size(k_cases);
   const MachinePeak peak = measure_machine_peak();
-  // Times do not depend on what is seen; noise keeps every channel alive.
-  std::vector<uint8_t> rgb(size_t{3} * k_width * k_height);
-  for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = static_cast<uint8_t>(256 * random_unit(i));
   LightingBench bench;
   bench.int8_peak = peak.int8_gmac_per_s, bench.f32_peak = peak.f32_gmac_per_s;
-  bench.rows.push_back(bench_own(&runner, rgb, peak.int8_gmac_per_s, &bench.layers));
-  if (!go_on(1, k_steps)) return bench;
-#ifdef SANDGLASS_HAVE_XNNPACK
-  bench.has_xnnpack = true;
-  const std::vector<float> features = runner.features();
-  bench.rows.push_back(bench_peer(runner.asset(), false, rgb, peak.f32_gmac_per_s, features));
-  if (!go_on(2, k_steps)) return bench;
-  bench.rows.push_back(bench_peer(runner.asset(), true, rgb, peak.int8_gmac_per_s, features));
-#endif
+  const Picture picture;
+  for (const Case& c : k_cases) {
+    const bool own = c.backend == SANDGLASS_LIGHT_BACKEND_OWN;
+    LightingBenchRow row;
+    row.name = c.name;
+    if (!measure(file, name, isa, c.backend, picture.image, &row)) break;
+    measure_units(file, name, isa, c.backend, picture.rgb, &row, own ? &bench.layers : nullptr);
+    if (own) row.activations = static_cast<double>(light_activation_bytes(k_width, k_height));
+    const double fastest =
+        c.backend == SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 ? peak.f32_gmac_per_s : peak.int8_gmac_per_s;
+    row.gmac_per_s = k_macs / row.ms * 1e-6;
+    row.fraction = fastest > 0 ? row.gmac_per_s / fastest : 0;
+    bench.rows.push_back(row);
+    if (!go_on(static_cast<uint32_t>(bench.rows.size()), k_steps)) return bench;
+  }
+  bench.has_xnnpack = bench.rows.size() == k_steps;
+  if (bench.has_xnnpack)
+    for (LightingBenchRow& row : bench.rows) compare(bench.rows[1].estimate, &row);
   go_on(k_steps, k_steps);
   return bench;
 }

@@ -1,5 +1,6 @@
-// What one estimate of the lighting network costs for every way of computing it, on one thread of this machine: the
-// project's own kernels, the plain float network and, where XNNPACK is installed, XNNPACK on the same file.
+// What one estimate of the lighting network costs and how true it is by every back end that this build has, on one
+// thread of this machine, through the API that an app calls: the project's own kernels and, where it is installed,
+// XNNPACK, on the same file and the same image.
 #pragma once
 
 #include <cstdint>
@@ -8,19 +9,22 @@
 #include <string>
 #include <vector>
 
-#include "sandglass/sandglass.h"
+#include "sandglass/light.h"
 
 namespace sandglass::host {
 
 struct LightingBenchRow {
-  std::string name;            // int8, f32, xnnpack_f32, xnnpack_int8
+  std::string name;            // int8, xnnpack_f32, xnnpack_int8
   double ms = 0;               // of this thread's CPU time, the best of some repeats: the machine may be shared
   double gmac_per_s = 0;       // of the network's 2.549 G, whatever padding is computed besides
   double fraction = 0;         // of this CPU's measured peak, f32 or int8
-  double arena_bytes = 0;      // weights and activations; own kernels: the block
+  double arena_bytes = 0;      // weights and activations: the block, and what XNNPACK holds of its region
   double activations = 0;      // of them; own kernels only
-  double longest_unit_ms = 0;  // the largest of the units' best times; of a peer, of an operator
-  double relative_error = 0;   // of the 1024 features, against the own bytes
+  double longest_unit_ms = 0;  // the largest of the units' best times
+  // Against the file's network without any rounding, which xnnpack_f32 is; 0 where that is not there.
+  double angle_deg = 0;   // of the direction
+  double difference = 0;  // the greatest of colours and contrast
+  sandglass_light_estimate estimate = {};
   struct Part {
     std::string name;
     double ms;

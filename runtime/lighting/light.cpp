@@ -6,6 +6,7 @@
 #include "platform/floating_point.h"
 #include "runtime/asset/checksum.h"
 #include "runtime/core/math.h"
+#include "runtime/lighting/backends.h"
 #include "runtime/lighting/harmonics.h"
 #include "runtime/lighting/turn.h"
 
@@ -22,8 +23,13 @@ sandglass_status refuse(const char** reason, sandglass_status status, const char
 }
 sandglass_status accept(const char** reason) { return refuse(reason, SANDGLASS_OK, nullptr); }
 
-sandglass_status check(const sandglass_light_desc* desc, LightAsset* asset, const Int8Kernels** kernels,
-                       const char** reason) {
+struct Checked {
+  LightAsset asset;
+  const Int8Kernels* kernels;
+  const LightBackend* backend;
+};
+
+sandglass_status check(const sandglass_light_desc* desc, Checked* checked, const char** reason) {
   const auto fail = [&](const char* sentence) { return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, sentence); };
   if (desc == nullptr) return fail("desc is NULL: start from sandglass_light_desc_default");
   if (desc->struct_size != sizeof *desc)
@@ -34,11 +40,12 @@ sandglass_status check(const sandglass_light_desc* desc, LightAsset* asset, cons
     return fail("desc.turn_limit is not above 0 radians a second");
   if (!(desc->outlier_angle >= 0 && desc->outlier_angle <= 3.1416f)) return fail("desc.outlier_angle is not in 0..pi");
   if (!(desc->outlier_level >= 0 && desc->outlier_level <= 2)) return fail("desc.outlier_level is not in 0..2");
-  *kernels = select_light_kernels(desc->isa);
-  if (*kernels == nullptr)
+  if (!find_light_backend(desc->backend, &checked->backend, reason)) return SANDGLASS_ERROR_UNSUPPORTED;
+  checked->kernels = select_light_kernels(desc->isa);
+  if (checked->kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
-  return open_light_asset(desc->asset, desc->asset_bytes, asset, reason);
+  return open_light_asset(desc->asset, desc->asset_bytes, &checked->asset, reason);
 }
 
 struct Parts {
@@ -49,19 +56,19 @@ struct Parts {
 };
 
 // One walk for size and creation.
-Parts lay_out(Layout* layout) {
+Parts lay_out(const LightBackend* backend, Layout* layout) {
   Parts parts;
   parts.light = layout_region<sandglass_light>(layout, "light", 1);
-  parts.network = layout_light_network(k_light_width, k_light_height, layout);
+  parts.network = layout_light_network(k_light_width, k_light_height, layout, backend);
   parts.rgb = layout_region<uint8_t>(layout, "light.image", k_rgb_bytes);
   parts.sums = layout_region<uint32_t>(layout, "light.sums", k_camera_sums);
   return parts;
 }
 
 // Its layout must not lie on the stack beside that of build.
-__attribute__((noinline)) uint64_t size_of_light() {
+__attribute__((noinline)) uint64_t size_of_light(const LightBackend* backend) {
   Layout layout;
-  (void)lay_out(&layout);
+  (void)lay_out(backend, &layout);
   return layout.size;
 }
 
@@ -199,17 +206,20 @@ void reset(Light* light) {
   light->changed = false;
 }
 
-__attribute__((noinline)) void build(const LightAsset& asset, const sandglass_light_desc& desc,
-                                     const Int8Kernels* kernels, void* block, sandglass_light** light) {
+// Whether the back end could be had.
+__attribute__((noinline)) bool build(const Checked& checked, const sandglass_light_desc& desc, void* block,
+                                     sandglass_light** light, const char** reason) {
   Layout layout;
   layout.base = static_cast<uint8_t*>(block);
-  const Parts parts = lay_out(&layout);
+  const Parts parts = lay_out(checked.backend, &layout);
   sandglass_light* owner = parts.light;
-  if (owner == nullptr) return;  // cannot be: the layout has a block
+  if (owner == nullptr) return false;  // cannot be: the layout has a block
   *owner = {};
   owner->functions = &k_light_functions;
   Light* l = &owner->light;
-  l->network = create_light_network(asset, kernels, k_light_width, k_light_height, parts.network);
+  l->network = create_light_network(checked.asset, checked.kernels, checked.backend, k_light_width, k_light_height,
+                                    parts.network, reason);
+  if (l->network == nullptr) return false;
   l->rgb = parts.rgb, l->sums = parts.sums;
   memset(l->rgb, 0, k_rgb_bytes);
   const double interval = static_cast<double>(desc.interval);
@@ -218,6 +228,7 @@ __attribute__((noinline)) void build(const LightAsset& asset, const sandglass_li
                    static_cast<double>(desc.outlier_angle), static_cast<double>(desc.outlier_level)};
   reset(l);
   *light = owner;
+  return true;
 }
 
 void describe(const Light& light, const LightSample& sample, uint64_t timestamp_ns, sandglass_light_estimate* out) {
@@ -304,34 +315,34 @@ sandglass_status sandglass_light_inspect(const void* asset, uint64_t asset_bytes
 }
 
 sandglass_status sandglass_light_bytes(const sandglass_light_desc* desc, uint64_t* bytes, const char** reason) {
-  LightAsset asset;
-  const Int8Kernels* kernels = nullptr;
-  const sandglass_status status = check(desc, &asset, &kernels, reason);
+  Checked checked;
+  const sandglass_status status = check(desc, &checked, reason);
   if (status != SANDGLASS_OK) return status;
   if (bytes == nullptr)
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass where to store it");
-  *bytes = size_of_light();
+  *bytes = size_of_light(checked.backend);
   return accept(reason);
 }
 
 sandglass_status sandglass_light_create(const sandglass_light_desc* desc, void* block, uint64_t bytes,
                                         sandglass_light** light, const char** reason) {
-  LightAsset asset;
-  const Int8Kernels* kernels = nullptr;
-  const sandglass_status status = check(desc, &asset, &kernels, reason);
+  Checked checked;
+  const sandglass_status status = check(desc, &checked, reason);
   if (status != SANDGLASS_OK) return status;
   if (block == nullptr || light == nullptr)
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
                   "block or light is NULL: pass memory and where to store the light");
   if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
     return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT, "block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64)");
-  if (bytes < size_of_light())
+  if (bytes < size_of_light(checked.backend))
     return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL, "block is smaller than sandglass_light_bytes asks for");
   const FloatingPointControl saved = floating_point_enter();
-  build(asset, *desc, kernels, block, light);
+  const bool built = build(checked, *desc, block, light, reason);
   floating_point_restore(saved);
-  return accept(reason);
+  return built ? accept(reason) : SANDGLASS_ERROR_UNSUPPORTED;
 }
+
+void sandglass_light_release(sandglass_light* light) { release_light_network(light->light.network); }
 
 void sandglass_light_reset(sandglass_light* light) { reset(&light->light); }
 

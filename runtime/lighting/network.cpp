@@ -63,8 +63,9 @@ constexpr Sizes packed_sizes() {
 void add_operator(LightNetwork* net, uint32_t* count, LightOperator op) {
   const uint64_t rows = k_light_unit_macs / op.row_macs;
   const uint32_t most = static_cast<uint32_t>(rows < 1 ? 1 : rows > op.rows ? op.rows : rows);
-  const uint32_t units = (op.rows + most - 1) / most;
-  op.unit_rows = (op.rows + units - 1) / units;  // alike in size
+  uint32_t units = (op.rows + most - 1) / most;
+  while (net->backend != nullptr && op.rows % units != 0) ++units;  // all of one size
+  op.unit_rows = (op.rows + units - 1) / units;                     // alike in size
   op.first_unit = net->units;
   net->units += (op.rows + op.unit_rows - 1) / op.unit_rows;
   net->operators[(*count)++] = op;
@@ -167,6 +168,25 @@ void run_transition(const LightNetwork& net, const LightOperator& op, uint32_t y
   net.kernels->transition(&net.transition[op.block], &pixels);
 }
 
+void run_rows(const LightNetwork& net, const LightOperator& op, uint32_t first, uint32_t count) {
+  for (uint32_t y = first; y < first + count; ++y) switch (op.kind) {
+      case k_light_kind_stem:
+        run_stem(net, y);
+        break;
+      case k_light_kind_pool:
+        run_pool(net, y);
+        break;
+      case k_light_kind_narrow:
+        run_narrow(net, op, y);
+        break;
+      case k_light_kind_wide:
+        run_wide(net, op, y);
+        break;
+      default:
+        run_transition(net, op, y);
+    }
+}
+
 // Averages of all pixels in steps of 1/256 byte, high and low bytes apart: two exact products of bytes make one of 16
 // bits.
 // Its sums must not lie on the stack beside a kernel's.
@@ -187,10 +207,8 @@ __attribute__((noinline)) void average_features(LightNetwork* net) {
   }
 }
 
-void run_head(LightNetwork* net) {
-  average_features(net);
-  // The even blocks' buffer is free by now, and the stack is small.
-  double* latent = reinterpret_cast<double*>(net->even);
+// `latent` is scratch for k_light_latent: the stack is small.
+void run_head(LightNetwork* net, double* latent) {
   for (uint32_t i = 0; i < k_light_latent; ++i) {
     const int8_t* weights = net->latent + i * k_light_features;
     const int64_t sum = int64_t{256} * net->kernels->dot(net->pooled_high, weights, k_light_features) +
@@ -215,34 +233,9 @@ Int8Convolution pack(const AssetConvolution& file, uint32_t inputs, uint32_t win
   return convolution;
 }
 
-}  // namespace
-
-LightMemory layout_light_network(uint32_t width, uint32_t height, Layout* layout) {
-  SANDGLASS_CHECK(width >= k_light_side_step && width <= k_light_side_limit && width % k_light_side_step == 0);
-  SANDGLASS_CHECK(height >= k_light_side_step && height <= k_light_side_limit && height % k_light_side_step == 0);
-  constexpr Sizes k_sizes = packed_sizes();
-  LightMemory memory;
-  memory.network = layout_region<LightNetwork>(layout, "light.state", 1);
-  memory.weights = layout_region<int8_t>(layout, "light.weights", k_sizes.weights);
-  memory.latent = layout_region<int8_t>(layout, "light.latent", uint64_t{k_light_latent} * k_light_features);
-  memory.biases = layout_region<int32_t>(layout, "light.biases", k_sizes.biases);
-  memory.even = layout_region<uint8_t>(layout, "light.even", even_bytes(width, height));
-  memory.shared = layout_region<uint8_t>(layout, "light.shared", shared_bytes(width, height));
-  memory.pooled = layout_region<uint8_t>(layout, "light.pooled", 2 * k_light_features);
-  return memory;
-}
-
-uint64_t light_activation_bytes(uint32_t width, uint32_t height) {
-  return even_bytes(width, height) + shared_bytes(width, height) + 2 * k_light_features;
-}
-
-LightNetwork* create_light_network(const LightAsset& asset, const Int8Kernels* kernels, uint32_t width, uint32_t height,
-                                   const LightMemory& memory) {
-  LightNetwork* net = memory.network;
-  *net = {};
-  net->kernels = kernels;
-  net->asset = asset;
-  net->width = width, net->height = height;
+void create_own(LightNetwork* net, const LightMemory& memory) {
+  const LightAsset& asset = net->asset;
+  const Int8Kernels* kernels = net->kernels;
   int8_t* weights = memory.weights;
   int32_t* biases = memory.biases;
 
@@ -266,16 +259,62 @@ LightNetwork* create_light_network(const LightAsset& asset, const Int8Kernels* k
     if (b == k_transition_count) continue;
     net->transition[b] = pack(asset.transition[b], channels, 1, channels / 2, kernels, &weights, &biases);
   }
-  memcpy(memory.latent, asset.latent_weights, uint64_t{k_light_latent} * k_light_features);
-  net->latent = memory.latent;
   net->even = memory.even;
   net->stem_rows = net->odd = memory.shared;
-  net->bottleneck = memory.shared + odd_bytes(width, height);
+  net->bottleneck = memory.shared + odd_bytes(net->width, net->height);
+  memset(memory.even, 0, even_bytes(net->width, net->height));
+  memset(memory.shared, 0, shared_bytes(net->width, net->height));
+}
+
+}  // namespace
+
+LightMemory layout_light_network(uint32_t width, uint32_t height, Layout* layout, const LightBackend* backend) {
+  SANDGLASS_CHECK(width >= k_light_side_step && width <= k_light_side_limit && width % k_light_side_step == 0);
+  SANDGLASS_CHECK(height >= k_light_side_step && height <= k_light_side_limit && height % k_light_side_step == 0);
+  constexpr Sizes k_sizes = packed_sizes();
+  LightMemory memory = {};
+  memory.network = layout_region<LightNetwork>(layout, "light.state", 1);
+  memory.latent = layout_region<int8_t>(layout, "light.latent", uint64_t{k_light_latent} * k_light_features);
+  memory.pooled = layout_region<uint8_t>(layout, "light.pooled", 2 * k_light_features);
+  if (backend != nullptr) {
+    backend->lay_out(width, height, layout, &memory);
+    return memory;
+  }
+  memory.weights = layout_region<int8_t>(layout, "light.weights", k_sizes.weights);
+  memory.biases = layout_region<int32_t>(layout, "light.biases", k_sizes.biases);
+  memory.even = layout_region<uint8_t>(layout, "light.even", even_bytes(width, height));
+  memory.shared = layout_region<uint8_t>(layout, "light.shared", shared_bytes(width, height));
+  return memory;
+}
+
+uint64_t light_activation_bytes(uint32_t width, uint32_t height) {
+  return even_bytes(width, height) + shared_bytes(width, height) + 2 * k_light_features;
+}
+
+LightNetwork* create_light_network(const LightAsset& asset, const Int8Kernels* kernels, const LightBackend* backend,
+                                   uint32_t width, uint32_t height, const LightMemory& memory, const char** reason) {
+  LightNetwork* net = memory.network;
+  *net = {};
+  net->backend = backend;
+  net->kernels = kernels;
+  net->asset = asset;
+  net->width = width, net->height = height;
+  memcpy(memory.latent, asset.latent_weights, uint64_t{k_light_latent} * k_light_features);
+  net->latent = memory.latent;
   net->pooled_high = memory.pooled, net->pooled_low = memory.pooled + k_light_features;
-  memset(memory.even, 0, even_bytes(width, height));
-  memset(memory.shared, 0, shared_bytes(width, height));
   list_operators(net);
+  if (backend != nullptr) return backend->create(net, memory, reason) ? net : nullptr;
+  create_own(net, memory);
   return net;
+}
+
+LightNetwork* create_light_network(const LightAsset& asset, const Int8Kernels* kernels, uint32_t width, uint32_t height,
+                                   const LightMemory& memory) {
+  return create_light_network(asset, kernels, nullptr, width, height, memory, nullptr);
+}
+
+void release_light_network(LightNetwork* network) {
+  if (network->backend != nullptr) network->backend->release(network);
 }
 
 void begin_light_network(LightNetwork* network, const uint8_t* rgb) { network->rgb = rgb; }
@@ -283,26 +322,17 @@ void begin_light_network(LightNetwork* network, const uint8_t* rgb) { network->r
 void run_light_unit(LightNetwork* network, uint32_t unit) {
   SANDGLASS_CHECK(unit < network->units);
   const LightOperator& op = operator_of(*network, unit);
-  const uint32_t begin = first_row(op, unit), end = begin + row_count(op, unit);
-  for (uint32_t y = begin; y < end; ++y) switch (op.kind) {
-      case k_light_kind_stem:
-        run_stem(*network, y);
-        break;
-      case k_light_kind_pool:
-        run_pool(*network, y);
-        break;
-      case k_light_kind_narrow:
-        run_narrow(*network, op, y);
-        break;
-      case k_light_kind_wide:
-        run_wide(*network, op, y);
-        break;
-      case k_light_kind_transition:
-        run_transition(*network, op, y);
-        break;
-      default:
-        run_head(network);
-    }
+  const uint32_t first = first_row(op, unit), count = row_count(op, unit);
+  const LightBackend* other = network->backend;
+  if (op.kind == k_light_kind_head) {
+    if (other != nullptr) other->average(network);
+    else average_features(network);
+    run_head(network, reinterpret_cast<double*>(network->even));  // a block's buffer, free by now
+  } else if (other != nullptr) {
+    other->run_rows(network, op, first, count);
+  } else {
+    run_rows(*network, op, first, count);
+  }
 }
 
 void finish_light_network(const LightNetwork& network, LightOutputs* outputs) { *outputs = network.outputs; }

@@ -11,6 +11,9 @@
 // Units of one operator, those below light_operator_end(net, i), write apart and may run at the same time in any order;
 // an operator begins when all units of the one before are done. The result does not depend on either.
 //
+// What computes the operators is the back end that the app chose: this project's own kernels, or another one behind the
+// same units and heads, whose units may run in any order too, but not at the same time.
+//
 // Bytes: a feature is an unsigned byte with a scale and zero point of its own channel. A batch normalisation and its
 // rectifier before a 1x1 convolution are then a clamp of bytes to [low, high] of the channel; all else about them is
 // linear and lies in the convolution's weights and bias. See asset/light.fbs.
@@ -22,6 +25,7 @@
 #include "runtime/asset/light_asset.h"
 #include "runtime/core/governor.h"
 #include "runtime/core/layout.h"
+#include "sandglass/light.h"
 
 namespace sandglass {
 
@@ -60,7 +64,23 @@ struct LightOperator {
   uint64_t row_macs;
 };
 
+struct LightNetwork;
+struct LightMemory;
+
+// A back end other than this project's own kernels, which are called by name, so that a test can follow their stack.
+struct LightBackend {
+  void (*lay_out)(uint32_t width, uint32_t height, Layout* layout, LightMemory* memory);
+  // What is not in the block goes back with release. False, and one sentence.
+  bool (*create)(LightNetwork* network, const LightMemory& memory, const char** reason);
+  void (*run_rows)(LightNetwork* network, const LightOperator& op, uint32_t first, uint32_t count);
+  void (*average)(LightNetwork* network);  // fills pooled_high and pooled_low
+  void (*release)(LightNetwork* network);
+  uint64_t (*bytes_beside)();  // that all its networks hold beside their blocks
+};
+
 struct LightNetwork {
+  const LightBackend* backend;  // NULL: the project's own kernels
+  void* backend_state;
   const Int8Kernels* kernels;
   LightAsset asset;        // points into the file's bytes
   uint32_t width, height;  // of the image, multiples of 32
@@ -83,15 +103,25 @@ struct LightNetwork {
 // What the layout hands out and creation fills.
 struct LightMemory {
   LightNetwork* network;
-  int8_t *weights, *latent;  // packed
+  int8_t* latent;  // packed
+  uint8_t* pooled;
+  // Of the project's own kernels.
+  int8_t* weights;  // packed
   int32_t* biases;
-  uint8_t *even, *shared, *pooled;
+  uint8_t *even, *shared;
+  // Of another back end.
+  void *state, *maps[2], *stem, *bottleneck, *slice;
 };
 
 // Width and height are multiples of k_light_side_step up to k_light_side_limit. Regions are named "light.…".
-LightMemory layout_light_network(uint32_t width, uint32_t height, Layout* layout);
+LightMemory layout_light_network(uint32_t width, uint32_t height, Layout* layout,
+                                 const LightBackend* backend = nullptr);
 LightNetwork* create_light_network(const LightAsset& asset, const Int8Kernels* kernels, uint32_t width, uint32_t height,
                                    const LightMemory& memory);
+// With the memory that was laid out for it. NULL, and one sentence, where the back end cannot be had.
+LightNetwork* create_light_network(const LightAsset& asset, const Int8Kernels* kernels, const LightBackend* backend,
+                                   uint32_t width, uint32_t height, const LightMemory& memory, const char** reason);
+void release_light_network(LightNetwork* network);
 uint64_t light_activation_bytes(uint32_t width, uint32_t height);
 
 // `rgb` is read until the units of operator 0 are done.

@@ -208,6 +208,11 @@ TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
   refused(changed([](auto& d) { d.outlier_angle = 4.0f; }), "outlier_angle");
   refused(changed([](auto& d) { d.outlier_level = INFINITY; }), "outlier_level");
   refused(changed([](auto& d) { d.isa = 99; }), "isa");
+  refused(changed([](auto& d) { d.backend = -1; }), "not one of sandglass_light_backend");
+  refused(changed([](auto& d) { d.backend = SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8 + 1; }),
+          "SANDGLASS_LIGHT_BACKEND_OWN");
+  if (!SANDGLASS_WITH_XNNPACK)
+    refused(changed([](auto& d) { d.backend = SANDGLASS_LIGHT_BACKEND_XNNPACK_F32; }), "SANDGLASS_XNNPACK=ON");
   // Another kind of asset: the identifier of a shadow, with a right checksum.
   LightFileBytes shadow = random_light();
   std::memcpy(shadow.data() + 4, "SGSH", 4);

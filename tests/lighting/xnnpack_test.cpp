@@ -1,23 +1,33 @@
-// The peer of the lighting benchmark computes the same network: in float what the file says without any rounding, in
-// bytes the own kernels' features but for its rounding. So its times are those of the same work, here and, under
-// emulation, on ARM.
+// The back ends by XNNPACK that is installed: in float what the file says without any rounding, in bytes what the own
+// kernels say; small units; an estimate over frames, without a call of malloc; the reference images. The same on ARM,
+// under emulation.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <vector>
 
+#include "models/host/npz.h"
 #include "models/host/random.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
-#include "models/lighting/xnnpack_peer.h"
+#include "models/lighting/quantise.h"
+#include "platform/virtual_clock.h"
+#include "platform/xnnpack.h"
+#include "sandglass/sandglass.hpp"
+#include "tests/counting_allocator.h"
 #include "tests/lighting/byte_network.h"
+#include "tests/lighting/light_fixture.h"
 
 namespace sandglass::host {
 namespace {
+
+constexpr int k_width = 64, k_height = 32;
 
 std::vector<uint8_t> noise(int width, int height) {
   std::vector<uint8_t> rgb(static_cast<size_t>(3 * width * height));
@@ -25,14 +35,13 @@ std::vector<uint8_t> noise(int width, int height) {
   return rgb;
 }
 
-TEST(XnnpackPeer, InFloatIsTheFileWithoutRounding) {
-  constexpr int k_width = 64, k_height = 32;
+TEST(Xnnpack, InFloatIsTheFileWithoutRounding) {
   const LightFile file = random_light_file(7);
   const std::vector<uint8_t> rgb = noise(k_width, k_height);
-  LightRunner runner(light_file_bytes(file), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height);
-  XnnpackLightPeer peer(runner.asset(), false, k_width, k_height);
-  peer.run(rgb);
-  const std::vector<float> features = peer.features();
+  LightRunner runner(light_file_bytes(file), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height,
+                     SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+  runner.run(rgb);
+  const std::vector<float> features = runner.features();
 
   const tests::Map<double> map = tests::last_map<double>(file, rgb, k_width, k_height);
   const int pixels = map.width * map.height;
@@ -54,21 +63,22 @@ TEST(XnnpackPeer, InFloatIsTheFileWithoutRounding) {
 }
 
 // Of two networks; in the shipped one some channels have multipliers of thousands.
-class XnnpackPeerInBytes : public testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(, XnnpackPeerInBytes, testing::Bool(),
+class XnnpackInBytes : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(, XnnpackInBytes, testing::Bool(),
                          [](const auto& network) { return network.param ? "Shipped" : "Random"; });
-TEST_P(XnnpackPeerInBytes, IsTheOwnNetworkButForItsRounding) {
-  constexpr int k_width = 64, k_height = 32;
+TEST_P(XnnpackInBytes, IsTheOwnNetworkButForItsRounding) {
   const std::vector<uint8_t> rgb = noise(k_width, k_height);
   std::ifstream shipped(SANDGLASS_LIGHTS_DIR "/room.light", std::ios::binary);
   const std::vector<uint8_t> file = GetParam() ? std::vector<uint8_t>(std::istreambuf_iterator<char>(shipped), {})
                                                : light_file_bytes(random_light_file(7));
+  const auto features_of = [&](sandglass_light_backend backend) {
+    LightRunner runner(file, "network", SANDGLASS_ISA_AUTOMATIC, k_width, k_height, backend);
+    runner.run(rgb);
+    return runner.features();
+  };
   LightRunner runner(file, "network", SANDGLASS_ISA_AUTOMATIC, k_width, k_height);
-  runner.run(rgb);
-  const std::vector<float> own = runner.features();
-  XnnpackLightPeer peer(runner.asset(), true, k_width, k_height);
-  peer.run(rgb);
-  const std::vector<float> features = peer.features();
+  const std::vector<float> own = features_of(SANDGLASS_LIGHT_BACKEND_OWN),
+                           features = features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8);
   double square = 0;
   for (size_t i = 0; i < own.size(); ++i) {
     const double scale = 255 * static_cast<double>(runner.asset().feature_scale[i]);
@@ -78,6 +88,129 @@ TEST_P(XnnpackPeerInBytes, IsTheOwnNetworkButForItsRounding) {
   const double rms = std::sqrt(square / static_cast<double>(own.size()));
   EXPECT_LE(rms, 0.01);
   std::printf("root mean square of 1024 features' differences: %.2g of their range\n", rms);
+}
+
+TEST(Xnnpack, UnitsAreAsSmallAsTheOwnAndMayRunInAnyOrder) {
+  const std::vector<uint8_t> rgb = noise(256, 192), grey(rgb.size(), 90);
+  LightRunner runner(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC, 256, 192,
+                     SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+  LightNetwork* net = runner.network();
+  for (uint32_t unit = 0; unit < net->units; ++unit) EXPECT_LE(light_unit(*net, unit).items, k_light_unit_macs / 1000);
+  if (SANDGLASS_EMULATED) return;
+  const LightOutputs expected = runner.run(rgb);
+  runner.run(grey);  // leaves other values everywhere
+  begin_light_network(net, rgb.data());
+  for (uint32_t first = 0; first < net->units; first = light_operator_end(*net, first))
+    for (uint32_t unit = light_operator_end(*net, first); unit-- > first;) run_light_unit(net, unit);
+  LightOutputs outputs;
+  finish_light_network(*net, &outputs);
+  EXPECT_EQ(std::memcmp(&outputs, &expected, sizeof outputs), 0);
+}
+
+// The classifier in bytes, computed in float: as true to its float original as the weights' own rounding lets it be.
+TEST(Xnnpack, ClassifiesTheReferenceImagesAsTheFloatNetworkDoes) {
+  const char* folder = std::getenv("SANDGLASS_DATA_DIR");
+  if (folder == nullptr) GTEST_SKIP() << "SANDGLASS_DATA_DIR is not set";
+  if (SANDGLASS_EMULATED) GTEST_SKIP() << "minutes under emulation";
+  const std::string pretrained = std::string(folder) + "/pretrained/";
+  LightNet net;
+  net.trunk = densenet_of(read_npz(pretrained + "densenet121_imagenet_keras_fp32.npz"));
+  net.latent.assign(size_t{k_features} * k_latent, 0.01f), net.latent_bias.assign(k_latent, 0);
+  net.heads.assign(size_t{k_latent} * k_heads, 0.01f), net.heads_bias.assign(k_heads, 0);
+  const auto truth = read_npz(pretrained + "densenet121_reference_outputs.npz");
+  LightRanges ranges;
+  ranges.products = false;
+  std::vector<std::vector<uint8_t>> images;
+  for (const std::string name : {"bird", "parrot", "cat"}) {
+    const std::vector<float>& pixels = truth.at(name + "/rgb_u8").values;
+    images.emplace_back(pixels.size());
+    std::transform(pixels.begin(), pixels.end(), images.back().begin(),
+                   [](float v) { return static_cast<uint8_t>(v); });
+    observe(net.trunk, images.back(), 224, 224, &ranges);
+  }
+  const std::vector<uint8_t> file = light_file_bytes(quantise(net, &ranges));
+  for (const sandglass_light_backend backend :
+       {SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8}) {
+    LightRunner runner(file, "classifier", SANDGLASS_ISA_AUTOMATIC, 224, 224, backend);
+    size_t image = 0;
+    for (const std::string name : {"bird", "parrot", "cat"}) {
+      runner.run(images[image++]);
+      const std::vector<float> features = runner.features(), &expected = truth.at(name + "/feat1024").values;
+      double error = 0, square = 0;
+      for (size_t c = 0; c < features.size(); ++c) {
+        error += std::pow(static_cast<double>(features[c] - expected[c]), 2);
+        square += std::pow(static_cast<double>(expected[c]), 2);
+      }
+      std::printf("%s: relative error of the features %.4f\n", name.c_str(), std::sqrt(error / square));
+      EXPECT_LE(std::sqrt(error / square), 0.1) << name;
+      const std::vector<float> probabilities = probabilities_of(net.trunk, features),
+                               &classes = truth.at(name + "/prob1000").values;
+      EXPECT_EQ(std::max_element(probabilities.begin(), probabilities.end()) - probabilities.begin(),
+                std::max_element(classes.begin(), classes.end()) - classes.begin())
+          << name;
+    }
+  }
+}
+
+// As an app has it: chosen in the description, run in frames of a small budget.
+class XnnpackInFrames : public testing::TestWithParam<sandglass_light_backend> {};
+INSTANTIATE_TEST_SUITE_P(, XnnpackInFrames,
+                         testing::Values(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8),
+                         [](const auto& backend) {
+                           return backend.param == SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 ? "F32" : "Int8";
+                         });
+TEST_P(XnnpackInFrames, AnEstimateTakesSeveralAndNoMemory) {
+  const uint64_t before = xnnpack_region_used();
+  {
+    sandglass_light_desc desc = tests::describe_light();
+    desc.smoothing = 0;
+    Light own, light;
+    ASSERT_TRUE(own.create(desc));
+    desc.backend = GetParam();
+    const Status status = light.create(desc);
+    ASSERT_TRUE(status) << status.reason;
+    const uint64_t used = xnnpack_region_used();
+    EXPECT_GT(used, before + (GetParam() == SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 ? 27u << 20 : 6u << 20));
+    std::printf("of the region: %.1f MiB\n", static_cast<double>(used - before) / (1 << 20));
+
+    VirtualClock time;
+    time.step_ns = 20'000;  // a unit costs as much
+    sandglass_scene_desc scene_desc = sandglass::scene_desc();
+    scene_desc.clock = virtual_clock(&time);
+    scene_desc.granular.particle_radius = 0.01f;
+    scene_desc.granular.particle_capacity = scene_desc.granular.grain_capacity = 1;
+    Scene scene;
+    ASSERT_TRUE(scene.create(scene_desc));
+    tests::TestImage picture(4);
+    picture.image.timestamp_ns = 5;
+    sandglass_frame_input input = sandglass::frame_input();
+    input.time_step = 1.0f / 60.0f, input.budget_ns = 4'000'000;
+    input.light = light.get(), input.camera = &picture.image;
+    sandglass_frame_report report = sandglass::frame_report();
+    uint32_t frames = 0;
+    start_counting_allocations();
+    do {
+      ASSERT_TRUE(scene.frame(input, &report));
+      input.camera = nullptr;
+      ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
+    } while (report.light_changed == 0 && ++frames < 100);
+    EXPECT_EQ(stop_counting_allocations(), 0u);
+    EXPECT_EQ(xnnpack_region_used(), used);
+    EXPECT_GE(frames, 3u);
+    EXPECT_LT(frames, 30u);
+
+    // The own network's estimate of that image, but for its rounding to bytes.
+    ASSERT_TRUE(own.estimate(picture.image));
+    const sandglass_light_estimate a = own.estimated(), b = light.estimated();
+    EXPECT_EQ(b.valid, 1u);
+    double cosine = 0;
+    for (int i = 0; i < 3; ++i) {
+      cosine += static_cast<double>(a.direction[i]) * static_cast<double>(b.direction[i]);
+      EXPECT_NEAR(a.ambient[i], b.ambient[i], 0.1f);
+    }
+    EXPECT_GT(cosine, 0.9);
+  }
+  EXPECT_EQ(xnnpack_region_used(), before) << "the owner gives back what was taken";
 }
 
 }  // namespace

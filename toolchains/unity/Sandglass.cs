@@ -286,6 +286,7 @@ public struct sandglass_light_desc {
   public IntPtr asset;
   public ulong asset_bytes;
   public float interval, smoothing, turn_limit, outlier_angle, outlier_level;
+  public int backend;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -471,6 +472,7 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_light_inspect(IntPtr asset, ulong asset_bytes, ref sandglass_light_info info, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_light_bytes(ref sandglass_light_desc desc, out ulong bytes, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_light_create(ref sandglass_light_desc desc, IntPtr block, ulong bytes, out IntPtr light, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_light_release(IntPtr light);
   [DllImport(k_library)] public static extern void sandglass_light_reset(IntPtr light);
   [DllImport(k_library)] public static extern int sandglass_light_turn(IntPtr light, float[] rotation, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_light_set_image(IntPtr light, ref sandglass_camera_image image, out uint taken, out IntPtr reason);

@@ -104,6 +104,24 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_camera_check(const 
 
 /* ------------------------------------------------------------------------------------------------ light */
 
+/* What computes the network; all read the same file. By `sandglass bench lighting` on x86 with AVX-512, the project's
+ * own kernels are five times faster than the fastest other one and as true to the float network, so they are the
+ * default.
+ *
+ * XNNPACK_F32 and XNNPACK_INT8 are Google's kernels, in float and in bytes, in builds configured with
+ * SANDGLASS_XNNPACK=ON. They give up three promises of this header: their results differ in the last digits between
+ * CPUs, so that frames do not replay to the bit; a light of theirs must be given back by sandglass_light_release; and
+ * beside the block they draw on a region of the process, of SANDGLASS_XNNPACK_REGION_MIB (a CMake variable, 64) MiB,
+ * that holds one light in float (30 MiB) and one in bytes (9 MiB), say. Nothing is allocated from the heap, and nothing
+ * at all while frames run. xnn_initialize keeps the allocator of its first caller in the process: an app that calls it,
+ * too, must create its light before. Create and release such lights on one thread at a time. */
+typedef int32_t sandglass_light_backend;
+enum {
+  SANDGLASS_LIGHT_BACKEND_OWN = 0,
+  SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 = 1,
+  SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8 = 2
+};
+
 /* The temporal filter. An estimate m of the image at time t, after one at time t' that left the state d:
  *   a     = max((t - t') / (smoothing + t - t'), 1 / (n + 1)), n estimates taken in before; t - t' within 0..1 s
  *   d     turns towards m along the great circle by a times the angle between them, at most turn_limit * (t - t')
@@ -126,6 +144,7 @@ typedef struct sandglass_light_desc {
   float turn_limit;    /* radians a second, above 0; default 2.0944 (120 degrees); only with smoothing */
   float outlier_angle; /* radians, 0..pi; default 0.6981 (40 degrees); pi: no direction is held off */
   float outlier_level; /* of luminance, 0..2; default 0.35; 2: no brightness is held off */
+  sandglass_light_backend backend; /* default: the project's own kernels */
 } sandglass_light_desc;
 
 SANDGLASS_API void sandglass_light_desc_default(sandglass_light_desc* desc);
@@ -167,16 +186,21 @@ typedef struct sandglass_light_estimate {
 } sandglass_light_estimate;
 
 /* The exact number of bytes that sandglass_light_create needs. Fails with INVALID_ARGUMENT (a field out of range; a
- * file that is no lighting network, damaged, cut off, or of another version) and UNSUPPORTED (isa). */
+ * file that is no lighting network, damaged, cut off, or of another version) and UNSUPPORTED (isa, backend). */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_bytes(const sandglass_light_desc* desc,
                                                                          uint64_t* bytes, const char** reason);
 
 /* Checks the whole file, lays out the block and packs the weights for this CPU: some hundredths of a second, and up to
- * 24 KiB of stack. There is nothing to destroy. Fails as sandglass_light_bytes, and with MEMORY_TOO_SMALL and
- * MEMORY_ALIGNMENT; nothing is touched then. */
+ * 24 KiB of stack. With the project's own kernels there is nothing to destroy. Fails as sandglass_light_bytes, and with
+ * MEMORY_TOO_SMALL and MEMORY_ALIGNMENT; nothing is touched then. With XNNPACK, fails with UNSUPPORTED too where its
+ * region is full or the app initialised XNNPACK first; the block was written to then, and there is no light. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_create(const sandglass_light_desc* desc, void* block,
                                                                           uint64_t bytes, sandglass_light** light,
                                                                           const char** reason);
+
+/* Before the block is freed: gives back what an XNNPACK back end took of its region. With the project's own kernels
+ * there is nothing to give back. The light must not be used afterwards. */
+SANDGLASS_API void sandglass_light_release(sandglass_light* light);
 
 /* Forgets every estimate, and the image under way: for a new room. */
 SANDGLASS_API void sandglass_light_reset(sandglass_light* light);

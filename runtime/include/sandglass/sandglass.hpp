@@ -217,7 +217,10 @@ class Light {
  public:
   Light() = default;
   Light(Light&& other) noexcept : block_(std::move(other.block_)), light_(std::exchange(other.light_, nullptr)) {}
+  ~Light() { release(); }
   Light& operator=(Light&& other) noexcept {
+    if (this == &other) return *this;
+    release();
     block_ = std::move(other.block_);
     light_ = std::exchange(other.light_, nullptr);
     return *this;
@@ -235,6 +238,7 @@ class Light {
     sandglass_light* light = nullptr;
     status.code = sandglass_light_create(&desc, block.get(), need, &light, &status.reason);
     if (!status) return status;
+    release();
     block_ = std::move(block);
     light_ = light;
     return status;
@@ -258,6 +262,10 @@ class Light {
   }
 
  private:
+  void release() {
+    if (light_ != nullptr) sandglass_light_release(light_);
+  }
+
   Block block_;
   sandglass_light* light_ = nullptr;
 };
