@@ -53,13 +53,13 @@ struct Picture {
 
 void compare(const sandglass_light_estimate& truth, LightingBenchRow* row) {
   const sandglass_light_estimate& e = row->estimate;
-  double cosine = 0;
+  double square = 0;  // of the chord
   float most = std::fabs(e.contrast - truth.contrast);
   for (int i = 0; i < 3; ++i) {
-    cosine += static_cast<double>(e.direction[i]) * static_cast<double>(truth.direction[i]);
+    square += std::pow(static_cast<double>(e.direction[i]) - static_cast<double>(truth.direction[i]), 2);
     most = std::max({most, std::fabs(e.light[i] - truth.light[i]), std::fabs(e.ambient[i] - truth.ambient[i])});
   }
-  row->angle_deg = std::acos(std::min(1.0, cosine)) * 180 / std::numbers::pi;
+  row->angle_deg = 2 * std::asin(0.5 * std::sqrt(square)) * 180 / std::numbers::pi;
   row->difference = static_cast<double>(most);
 }
 

@@ -163,16 +163,18 @@ void run_rows(LightNetwork* net, const LightOperator& op, uint32_t first, uint32
 // In steps of 1/256 byte, as the heads take them.
 template <class Value>
 void average_features(LightNetwork* net) {
-  const State<Value>& s = *state_of<Value>(*net);
+  State<Value>* s = state_of<Value>(*net);
   const uint32_t pixels = block_side(net->width, 3) * block_side(net->height, 3);
-  const Value* map = s.maps[1];
+  const Value* map = s->maps[1];
+  load_clamp(s, net->asset.last_low, net->asset.last_high, k_light_features);
+  float* sums = reinterpret_cast<float*>(s->slice);  // of bytes
+  for (uint32_t c = 0; c < k_light_features; ++c) sums[c] = 0;
+  const float zero = static_cast<float>(value_of<Value>(0));
+  for (uint32_t p = 0; p < pixels; ++p, map += k_light_features)
+    for (uint32_t c = 0; c < k_light_features; ++c)
+      sums[c] += static_cast<float>(clamped(map[c], s->low[c], s->high[c])) - zero;
   for (uint32_t c = 0; c < k_light_features; ++c) {
-    const Value low = value_of<Value>(net->asset.last_low[c]), high = value_of<Value>(net->asset.last_high[c]);
-    const float zero = static_cast<float>(value_of<Value>(0));
-    float sum = 0;
-    for (uint32_t p = 0; p < pixels; ++p)
-      sum += static_cast<float>(clamped(map[uint64_t{p} * k_light_features + c], low, high)) - zero;
-    const auto steps = static_cast<uint32_t>(256.0f * sum / static_cast<float>(pixels) + 0.5f);
+    const auto steps = static_cast<uint32_t>(256.0f * sums[c] / static_cast<float>(pixels) + 0.5f);
     net->pooled_high[c] = static_cast<uint8_t>(steps >> 8), net->pooled_low[c] = static_cast<uint8_t>(steps);
   }
 }
