@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "models/host/aligned_bytes.h"
 #include "models/host/block.h"
 #include "runtime/lighting/network.h"
 
@@ -25,7 +26,7 @@ class LightRunner {
   const LightAsset& asset() const { return network_->asset; }
 
  private:
-  std::vector<uint64_t> file_;  // aligned
+  AlignedBytes file_;
   Block block_;
   LightNetwork* network_;
 };
