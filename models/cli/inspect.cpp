@@ -1,7 +1,6 @@
 // `sandglass inspect FILE`: what a file is, by its content: a recording, a baked shadow, a scene, else a mesh.
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 
 #include "models/cli/commands.h"
@@ -14,6 +13,7 @@
 #include "models/host/scene_file.h"
 #include "models/host/scene_fill.h"
 #include "models/host/simulation.h"
+#include "models/host/standing_shadows.h"
 #include "sandglass/shadow.h"
 
 namespace sandglass::host {
@@ -42,18 +42,13 @@ void inspect_recording(const std::string& path) {
               static_cast<unsigned long long>(recording.final_hash));
 }
 
-void inspect_shadow(const std::string& path, const std::string& content) {
-  std::vector<uint64_t> aligned(content.size() / 8 + 1);
-  std::memcpy(aligned.data(), content.data(), content.size());
-  sandglass_shadow_info info = {};
-  info.struct_size = sizeof info;
-  const char* reason = nullptr;
-  if (sandglass_shadow_inspect(aligned.data(), content.size(), &info, &reason) != SANDGLASS_OK)
-    throw Failure("'" + path + "': " + reason);
+void print_shadow(const std::string& path, const AlignedBytes& file) {
+  const sandglass_shadow_info info = inspect_shadow(file, path);
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
-  desc.asset = aligned.data(), desc.asset_bytes = content.size();
+  desc.asset = file.data(), desc.asset_bytes = file.size();
   uint64_t memory = 0;
+  const char* reason = nullptr;
   if (sandglass_shadow_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw Failure("'" + path + "': " + reason);
   const auto degrees = [](float radians) { return static_cast<double>(radians) * 180 / 3.14159265358979; };
   std::printf("baked shadow, version %u\n  network      %u neurons x (1 + %u) hidden layers, %llu MAC a texel\n",
@@ -147,7 +142,7 @@ void add_inspect_command(Command& program, int* exit_code) {
     if (content.empty()) throw Failure("the file '" + options->file + "' is empty; name another");
     if (content.starts_with(k_recording_magic)) return inspect_recording(options->file);
     if (content.size() > 8 && content.compare(4, 4, k_shadow_identifier) == 0)
-      return inspect_shadow(options->file, content);
+      return print_shadow(options->file, AlignedBytes(content));
     const size_t first = content.find_first_not_of(" \t\r\n");
     if (first != std::string::npos && content[first] == '{') return inspect_scene(options->file, options->mesh);
     inspect_mesh(options->file);

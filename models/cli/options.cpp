@@ -1,7 +1,11 @@
 #include "models/cli/options.h"
 
 #include <CLI/CLI.hpp>
+#include <cctype>
+#include <cerrno>
 #include <cstdio>
+#include <cstdlib>
+#include <type_traits>
 
 #include "models/host/failure.h"
 
@@ -12,6 +16,19 @@ namespace {
 template <class Validator>
 Check make(const Validator& validator) {
   return {std::make_shared<const CLI::Validator>(validator)};
+}
+
+// CLI11 reads -1 as the largest number of 64 bits, and one beyond that, too.
+Check whole_number() {
+  return make(CLI::Validator(
+      [](std::string& value) {
+        char* end = nullptr;
+        errno = 0;
+        std::strtoull(value.c_str(), &end, 0);
+        const bool good = std::isdigit(static_cast<unsigned char>(value[0])) != 0 && *end == '\0' && errno == 0;
+        return good ? std::string() : "'" + value + "' is not a whole number from 0 to 2^64 - 1";
+      },
+      "UINT"));
 }
 
 }  // namespace
@@ -33,7 +50,11 @@ Check one_of(std::initializer_list<const char*> values) {
   return make(CLI::IsMember(std::vector<std::string>(values.begin(), values.end())));
 }
 Check one_of(const std::vector<std::string>& values) { return make(CLI::IsMember(values)); }
-Check one_of(std::initializer_list<uint32_t> values) { return make(CLI::IsMember(std::vector<uint32_t>(values))); }
+Check one_of(std::initializer_list<uint32_t> values) {
+  std::vector<std::string> texts;
+  for (const uint32_t value : values) texts.push_back(std::to_string(value));
+  return one_of(texts);
+}
 
 Option Option::required() { return Option(option_->required()); }
 Option Option::check(const Check& check) { return Option(option_->check(*check.validator)); }
@@ -50,7 +71,8 @@ Command Command::add_option_group(const std::string& name) { return Command(app_
 
 template <class Value>
 Option Command::add_option(const std::string& name, Value& value, const std::string& help) {
-  return Option(app_->add_option(name, value, help));
+  Option option(app_->add_option(name, value, help));
+  return std::is_same_v<Value, uint64_t> ? option.check(whole_number()) : option;
 }
 template Option Command::add_option(const std::string&, std::string&, const std::string&);
 template Option Command::add_option(const std::string&, uint32_t&, const std::string&);

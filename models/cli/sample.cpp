@@ -263,7 +263,9 @@ void add_sample_command(Command& program, int* exit_code) {
   shape("--sphere", SampleWhat::sphere, "So many points of the unit sphere");
   shape("--ring", SampleWhat::ring, "So many points of a ring of the unit sphere");
   what->require_option(1);
-  command->add_option("--polar", options->polar_deg, "Polar angles of the ring, degrees (0 45)")->expected(2);
+  command->add_option("--polar", options->polar_deg, "Polar angles of the ring, degrees (0 45)")
+      ->expected(2)
+      ->check(range(0.0, 180.0));
   command->add_option("--distance", options->distance, "Least distance between two points on or in a mesh, metres");
   command->add_option("--seed", options->seed, "Equal seeds give equal points")->capture_default_str();
   command->add_flag("--geodesic", options->geodesic, "Measure the distance along the surface");

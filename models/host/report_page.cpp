@@ -96,7 +96,8 @@ std::string rows_json(const std::string& csv) {
     std::string row, cell;
     while (std::getline(cells, cell, ',')) {
       const bool number = !cell.empty() && cell.find_first_not_of("0123456789+-.e") == std::string::npos;
-      row += (row.empty() ? "" : ",") + (number ? cell : std::string("null"));
+      row += row.empty() ? "" : ",";
+      row += number ? cell : "null";
     }
     json += (json.empty() ? "[" : ",\n[") + row + "]";
   }

@@ -1,11 +1,9 @@
 #include "models/host/standing_shadows.h"
 
 #include <algorithm>
-#include <cstring>
 #include <filesystem>
 #include <new>
 
-#include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 
 namespace sandglass::host {
@@ -24,23 +22,28 @@ std::string find_shadow(const std::string& name_or_path) {
                 "sandglass bake");
 }
 
+sandglass_shadow_info inspect_shadow(const AlignedBytes& file, const std::string& path) {
+  sandglass_shadow_info info = {};
+  info.struct_size = sizeof info;
+  const char* reason = nullptr;
+  if (sandglass_shadow_inspect(file.data(), file.size(), &info, &reason) != SANDGLASS_OK)
+    throw Failure("'" + path + "': " + reason);
+  return info;
+}
+
 StandingShadows::StandingShadows(const SceneFile& scene, sandglass_isa isa) {
   for (uint32_t i = 0; i < scene.colliders.size(); ++i) {
     const ColliderTrack& track = scene.colliders[i];
     if (track.shadow.empty()) continue;
-    const std::string path = find_shadow(track.shadow), content = read_file(path, "baked shadow");
-    std::vector<uint64_t> words(content.size() / 8 + 1);  // aligned as the library wants it
-    std::memcpy(words.data(), content.data(), content.size());
+    const std::string path = find_shadow(track.shadow);
+    const AlignedBytes file = read_aligned(path, "baked shadow");
     sandglass_shadow_desc desc;
     sandglass_shadow_desc_default(&desc);
-    desc.isa = isa, desc.asset = words.data(), desc.asset_bytes = content.size();
-    Object object = {i, track.size.y, {}, nullptr};
-    object.info.struct_size = sizeof object.info;
+    desc.isa = isa, desc.asset = file.data(), desc.asset_bytes = file.size();
+    Object object = {i, track.size.y, inspect_shadow(file, path), nullptr};
     uint64_t bytes = 0;
     const char* reason = nullptr;
-    if (sandglass_shadow_inspect(words.data(), content.size(), &object.info, &reason) != SANDGLASS_OK ||
-        sandglass_shadow_bytes(&desc, &bytes, &reason) != SANDGLASS_OK)
-      throw Failure("'" + path + "': " + reason);
+    if (sandglass_shadow_bytes(&desc, &bytes, &reason) != SANDGLASS_OK) throw Failure("'" + path + "': " + reason);
     object.block = ::operator new(bytes, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
     objects_.push_back(object);
     handles_.push_back(nullptr);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "models/host/aligned_bytes.h"
 #include "models/host/render.h"
 #include "models/host/scene_file.h"
 #include "sandglass/shadow.h"
@@ -41,5 +42,8 @@ class StandingShadows {
 
 // The path of a baked shadow: the file itself, or a shipped one's name.
 std::string find_shadow(const std::string& name_or_path);
+
+// What a baked shadow says of itself, or a Failure that names its path.
+sandglass_shadow_info inspect_shadow(const AlignedBytes& file, const std::string& path);
 
 }  // namespace sandglass::host

@@ -1,7 +1,5 @@
 #include "models/lighting/light_runner.h"
 
-#include <cstring>
-
 #include "models/host/failure.h"
 #include "runtime/lighting/backends.h"
 
@@ -9,11 +7,10 @@ namespace sandglass::host {
 
 LightRunner::LightRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, uint32_t width,
                          uint32_t height, sandglass_light_backend choice)
-    : file_(file.size() / 8 + 1) {
-  std::memcpy(file_.data(), file.data(), file.size());
+    : file_(file) {
   LightAsset asset;
   const char* reason = nullptr;
-  if (open_light_asset(file_.data(), file.size(), &asset, &reason) != SANDGLASS_OK)
+  if (open_light_asset(file_.data(), file_.size(), &asset, &reason) != SANDGLASS_OK)
     throw Failure("'" + name + "': " + reason);
   const Int8Kernels* kernels = select_int8_kernels(isa);
   if (kernels == nullptr) throw Failure("this build or CPU does not have the kernels asked for; leave --isa out");

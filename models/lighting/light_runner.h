@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "models/host/aligned_bytes.h"
 #include "models/host/block.h"
 #include "runtime/lighting/network.h"
 
@@ -28,7 +29,7 @@ class LightRunner {
   uint64_t block_bytes() const { return block_bytes_; }
 
  private:
-  std::vector<uint64_t> file_;  // aligned
+  AlignedBytes file_;
   Block block_;
   uint64_t block_bytes_ = 0;
   LightNetwork* network_;

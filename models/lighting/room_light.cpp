@@ -1,20 +1,13 @@
 #include "models/lighting/room_light.h"
 
-#include <cstring>
-#include <numbers>
-
-#include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 
 namespace sandglass::host {
 
-RoomLight::RoomLight(const std::string& path, bool filter) {
-  const std::string bytes = read_file(path, "lighting network");
-  file_.resize((bytes.size() + 7) / 8);
-  std::memcpy(file_.data(), bytes.data(), bytes.size());
+RoomLight::RoomLight(const std::string& path, bool filter) : file_(read_aligned(path, "lighting network")) {
   sandglass_light_desc desc;
   sandglass_light_desc_default(&desc);
-  desc.asset = file_.data(), desc.asset_bytes = bytes.size();
+  desc.asset = file_.data(), desc.asset_bytes = file_.size();
   if (!filter) desc.interval = desc.smoothing = 0.0f;
   const char* reason = nullptr;
   uint64_t need = 0;

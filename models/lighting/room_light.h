@@ -3,8 +3,8 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
+#include "models/host/aligned_bytes.h"
 #include "models/host/block.h"
 #include "models/host/image.h"
 #include "sandglass/light.h"
@@ -27,7 +27,7 @@ class RoomLight {
   FollowedLight follow(const sandglass_camera_image& image);
 
  private:
-  std::vector<uint64_t> file_;  // aligned
+  AlignedBytes file_;
   Block block_;
   sandglass_light* light_ = nullptr;
 };

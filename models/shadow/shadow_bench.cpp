@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "models/host/aligned_bytes.h"
 #include "models/host/failure.h"
 #include "models/host/machine_peak.h"
 #include "models/host/random.h"

@@ -1,16 +1,11 @@
 #include "models/shadow/shadow_runner.h"
 
-#include <cstring>
 #include <new>
-#include <string>
 
+#include "models/host/aligned_bytes.h"
 #include "models/host/failure.h"
 
 namespace sandglass::host {
-
-AlignedBytes::AlignedBytes(std::span<const uint8_t> bytes) : words_(bytes.size() / 8 + 1) {
-  std::memcpy(words_.data(), bytes.data(), bytes.size());
-}
 
 ShadowRunner::ShadowRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
                            sandglass_shadow_mode mode, int32_t threshold) {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <vector>
+#include <string>
 
 #include "models/shadow/truth.h"
 #include "sandglass/shadow.h"
@@ -28,16 +28,6 @@ class ShadowRunner {
  private:
   void* block_ = nullptr;
   sandglass_shadow* shadow_ = nullptr;
-};
-
-// Bytes aligned as the library wants them.
-class AlignedBytes {
- public:
-  explicit AlignedBytes(std::span<const uint8_t> bytes);
-  const void* data() const { return words_.data(); }
-
- private:
-  std::vector<uint64_t> words_;
 };
 
 }  // namespace sandglass::host

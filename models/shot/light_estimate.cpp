@@ -1,10 +1,8 @@
 #include "models/shot/light_estimate.h"
 
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 
-#include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/image.h"
 
@@ -25,13 +23,11 @@ void require(sandglass_status status, const std::string& what, const char* const
 
 }  // namespace
 
-LightEstimate::LightEstimate(const std::string& file, sandglass_isa isa) {
-  const std::string content = read_file(file, "lighting network");
-  file_.resize(content.size() / 8 + 1);  // aligned as the library wants it
-  std::memcpy(file_.data(), content.data(), content.size());
+LightEstimate::LightEstimate(const std::string& file, sandglass_isa isa)
+    : file_(read_aligned(file, "lighting network")) {
   sandglass_light_desc desc;
   sandglass_light_desc_default(&desc);
-  desc.isa = isa, desc.asset = file_.data(), desc.asset_bytes = content.size();
+  desc.isa = isa, desc.asset = file_.data(), desc.asset_bytes = file_.size();
   const char* reason = nullptr;
   require(sandglass_light_bytes(&desc, &bytes_, &reason), "'" + file + "'", reason);
   block_ = new_block(bytes_, "the lighting network", "close other programs");

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "models/host/aligned_bytes.h"
 #include "models/host/block.h"
 #include "models/shot/surroundings.h"
 #include "sandglass/light.h"
@@ -29,7 +30,7 @@ class LightEstimate {
   ShotLight light() const;
 
  private:
-  std::vector<uint64_t> file_;
+  AlignedBytes file_;
   Block block_;
   uint64_t bytes_ = 0;
   sandglass_light* light_ = nullptr;

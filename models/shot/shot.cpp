@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 
-#include "models/host/atomic_file.h"
 #include "models/host/collision_fields.h"
 #include "models/host/failure.h"
 #include "models/host/standing_shadows.h"
@@ -58,14 +56,8 @@ const ColliderTrack& standing_track(const SceneFile& scene) {
 constexpr double k_same_shape = 0.03;
 
 void require_baked_of(const ColliderTrack& track, const Mesh& standing, const std::string& name) {
-  const std::string path = find_shadow(track.shadow), content = read_file(path, "baked shadow");
-  std::vector<uint64_t> words(content.size() / 8 + 1);  // aligned as the library wants it
-  std::memcpy(words.data(), content.data(), content.size());
-  sandglass_shadow_info info = {};
-  info.struct_size = sizeof info;
-  const char* reason = nullptr;
-  if (sandglass_shadow_inspect(words.data(), content.size(), &info, &reason) != SANDGLASS_OK)
-    throw Failure("'" + path + "': " + reason);
+  const std::string path = find_shadow(track.shadow);
+  const sandglass_shadow_info info = inspect_shadow(read_aligned(path, "baked shadow"), path);
   double half[2] = {};
   for (size_t i = 0; i < standing.vertices.size(); i += 3)
     for (size_t axis = 0; axis < 2; ++axis)

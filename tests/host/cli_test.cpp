@@ -173,6 +173,40 @@ TEST_F(Cli, RefusesBadUsage) {
   expect_refused("verify granular --case sundial", "sundial");
 }
 
+// Options that are numbers, of every command, each refused by its name before anything is read, made or computed.
+TEST_F(Cli, RefusesNumbersThatAreNone) {
+  const std::string out = " -o '" + path("out") + "' ";
+  const std::pair<const char*, std::string> commands[] = {
+      {"--angle", "bake chair" + out},
+      {"--max-polar", "bake chair" + out},
+      {"--rate", "bake chair" + out},
+      {"--size", "bake chair" + out},
+      {"--seed", "bake chair" + out},
+      {"--threads", "bench granular"},
+      {"--thresholds", "bench shadow"},
+      {"--rows", "ceiling a.hdr"},
+      {"--tiles", "dataset a.hdr" + out},
+      {"--seed", "dataset a.hdr" + out},
+      {"--fov", "light a.png" + out},
+      {"--turn", "light a.png" + out},
+      {"--images", "quantise-light a.npz --calibrate a" + out},
+      {"--samples", "room" + out},
+      {"--seed", "room" + out},
+      {"--budget-ms", "run demo"},
+      {"--frames", "run demo"},
+      {"--fov", "run shot --photo a.png"},
+      {"--distance", "sample box --surface" + out},
+      {"--views", "verify lighting"},
+      {"--seed", "verify lighting"},
+      {"--threads", "verify shot"},
+  };
+  for (const auto& [option, command] : commands)
+    for (const char* value : {"nan", "-1"}) expect_refused(command + " " + option + " " + value, option + 2);
+  expect_refused("room --seed 18446744073709551616" + out, "--seed");
+  expect_refused("light a.png --fov 1e999" + out, "--fov");
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
 TEST_F(Cli, VerifiesAChosenCaseAndWritesItsTable) {
   const Outcome outcome = run("verify granular --case refinement --out '" + path("out") + "'");
   EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
@@ -326,7 +360,8 @@ TEST_F(Cli, SamplesShapesWithExactlyThePointsAskedFor) {
   EXPECT_EQ(read(path("ring.png")).substr(1, 3), "PNG");
   EXPECT_EQ(read(path("spectrum.png")).substr(1, 3), "PNG");
   expect_refused("sample --ring 10 --polar 50 20 -o " + path("x.ply"), "theta_a < theta_b");
-  expect_refused("sample --ring 10 --polar nan 20 -o " + path("x.ply"), "theta_a < theta_b");
+  expect_refused("sample --ring 10 --polar nan 20 -o " + path("x.ply"), "--polar");
+  expect_refused("sample --ring 10 --polar 0 181 -o " + path("x.ply"), "--polar");
   expect_refused("sample trefoil --surface --distance nan -o " + path("x.ply"), "--distance");
   expect_refused("sample trefoil --disk 10 -o " + path("x.ply"), "leave it out");
   expect_refused("sample --surface --distance 1 -o " + path("x.ply"), "no mesh is named");

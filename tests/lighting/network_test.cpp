@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "models/host/aligned_bytes.h"
 #include "models/host/npz.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/quantise.h"
@@ -113,12 +114,10 @@ TEST(LightNetwork, UnitsAreSmallAndAddUp) {
 TEST(LightNetwork, ActivationsStayBelowTwoMegabytes) { EXPECT_LE(light_activation_bytes(256, 192), uint64_t{2} << 20); }
 
 TEST(LightNetwork, WritesNothingOutsideItsBlock) {
-  const std::vector<uint8_t>& bytes = random_file();
-  std::vector<uint64_t> file(bytes.size() / 8 + 1);
-  std::memcpy(file.data(), bytes.data(), bytes.size());
+  const AlignedBytes file(random_file());
   LightAsset asset;
   const char* reason = nullptr;
-  ASSERT_EQ(open_light_asset(file.data(), bytes.size(), &asset, &reason), SANDGLASS_OK) << reason;
+  ASSERT_EQ(open_light_asset(file.data(), file.size(), &asset, &reason), SANDGLASS_OK) << reason;
   for (const auto& [width, height] : {std::pair{32u, 32u}, std::pair{224u, 32u}, std::pair{32u, 256u}}) {
     Layout size, layout;
     layout_light_network(width, height, &size);

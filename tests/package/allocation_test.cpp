@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
+#include "models/host/aligned_bytes.h"
 #include "models/lighting/light_file.h"
 #include "sandglass/light.h"
 #include "sandglass/sandglass.h"
@@ -102,12 +102,10 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
 
 // The light's stage, from its creation on: images, units and estimates, in frames of a scene without sand.
 TEST(Allocation, FramesWithLightMakeNoCall) {
-  const std::vector<uint8_t> bytes = sandglass::host::light_file_bytes(sandglass::host::random_light_file(1));
-  std::vector<uint64_t> file((bytes.size() + 7) / 8);
-  std::memcpy(file.data(), bytes.data(), bytes.size());
+  const sandglass::host::AlignedBytes file(sandglass::host::light_file_bytes(sandglass::host::random_light_file(1)));
   sandglass_light_desc desc;
   sandglass_light_desc_default(&desc);
-  desc.asset = file.data(), desc.asset_bytes = bytes.size();
+  desc.asset = file.data(), desc.asset_bytes = file.size();
   sandglass_scene_desc scene_desc;
   sandglass_scene_desc_default(&scene_desc);
   scene_desc.clock = sandglass_clock_system();

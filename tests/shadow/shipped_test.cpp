@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "models/host/atomic_file.h"
+#include "models/host/aligned_bytes.h"
 #include "models/host/mesh/generated.h"
 #include "models/shadow/network.h"
 #include "models/shadow/shadow_runner.h"

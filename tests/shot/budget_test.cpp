@@ -8,12 +8,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "models/host/atomic_file.h"
+#include "models/host/aligned_bytes.h"
 #include "models/host/block.h"
 #include "models/lighting/light_file.h"
 #include "sandglass/light.h"
@@ -23,18 +22,13 @@
 
 namespace {
 
+using sandglass::host::AlignedBytes;
 using sandglass::host::Block;
 
 uint64_t thread_cpu_ns(void*) {
   timespec t = {};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return static_cast<uint64_t>(t.tv_sec) * 1'000'000'000u + static_cast<uint64_t>(t.tv_nsec);
-}
-
-std::vector<uint64_t> words_of(const void* bytes, size_t count) {
-  std::vector<uint64_t> words(count / 8 + 1);
-  std::memcpy(words.data(), bytes, count);
-  return words;
 }
 
 enum Stages : uint32_t { k_light = 1, k_shadow = 2, k_pile = 4, k_grains = 8, k_all = 15 };
@@ -65,11 +59,10 @@ struct Everything {
     drawn.resize(grains.size() / 3);
 
     if ((stages & k_shadow) != 0) {
-      const std::string file = sandglass::host::read_file(SANDGLASS_SHADOWS_DIR "/chair.shadow", "baked shadow");
-      const std::vector<uint64_t> words = words_of(file.data(), file.size());
+      const AlignedBytes file = sandglass::host::read_aligned(SANDGLASS_SHADOWS_DIR "/chair.shadow", "baked shadow");
       sandglass_shadow_desc d;
       sandglass_shadow_desc_default(&d);
-      d.asset = words.data(), d.asset_bytes = file.size();
+      d.asset = file.data(), d.asset_bytes = file.size();
       uint64_t need = 0;
       EXPECT_EQ(sandglass_shadow_bytes(&d, &need, &reason), SANDGLASS_OK) << reason;
       shadow_block = sandglass::host::new_block(need, "a test", "");
@@ -86,11 +79,10 @@ struct Everything {
       bytes += need, pile_bytes = need;
     }
     if ((stages & k_light) != 0) {
-      const std::vector<uint8_t> file = light_file_bytes(sandglass::host::random_light_file(7));
-      network = words_of(file.data(), file.size());
+      network = AlignedBytes(light_file_bytes(sandglass::host::random_light_file(7)));
       sandglass_light_desc d;
       sandglass_light_desc_default(&d);
-      d.asset = network.data(), d.asset_bytes = file.size();
+      d.asset = network.data(), d.asset_bytes = network.size();
       uint64_t need = 0;
       EXPECT_EQ(sandglass_light_bytes(&d, &need, &reason), SANDGLASS_OK) << reason;
       light_block = sandglass::host::new_block(need, "a test", "");
@@ -138,7 +130,7 @@ struct Everything {
   sandglass_shadow* shadow = nullptr;
   sandglass_pile_shadow* pile = nullptr;
   sandglass_light* light = nullptr;
-  std::vector<uint64_t> network;
+  AlignedBytes network;
   std::vector<uint8_t> pixels;
   sandglass_camera_image image = {};
 };

@@ -1,7 +1,7 @@
 # Compile rules, stated once.
 #   sandglass_device_library(NAME sources...)  a folder of the part that runs on a phone: no exceptions, no RTTI, no guards,
 #                                              no fused multiply-add (DESIGN: one golden hash on every instruction set).
-#   sandglass_host_target(NAME)                warnings for workstation code.
+#   sandglass_host_target(NAME [TEST])         warnings for workstation code; common headers parsed once.
 # SANDGLASS_HOST_OPTIONS are further options for workstation code alone. The build of the second compiler says -O1 there, which
 # compiles faster, while the library is optimised as it ships.
 set(SANDGLASS_HOST_OPTIONS "" CACHE STRING "Further compiler options for workstation code and tests")
@@ -26,6 +26,16 @@ function(sandglass_device_library name)
     $<$<COMPILE_LANGUAGE:CXX>:-fno-exceptions -fno-rtti -fno-threadsafe-statics> -ffunction-sections -fdata-sections)
 endfunction()
 
+# Most of the time that a small source file of a workstation takes is the standard library's headers, and GoogleTest's. They are parsed
+# once a build, except where a compiler cache does better (and would not see through it), and in builds for other machines, which so show
+# that every file includes what it uses, and keep two warnings that are off here.
+function(sandglass_precompiled_headers name)
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${name}.cpp CONTENT "// Nothing but the headers.\n")
+  add_library(${name} OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/${name}.cpp)
+  sandglass_host_target(${name} HEADERS)
+  target_precompile_headers(${name} PRIVATE ${ARGN})
+endfunction()
+
 function(sandglass_host_target name)
   target_compile_features(${name} PUBLIC cxx_std_20)
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF)
@@ -33,4 +43,14 @@ function(sandglass_host_target name)
   # gcc 12 sees overlapping copies in its own std::string (gcc bug 105651).
   target_compile_options(${name} PRIVATE ${SANDGLASS_WARNINGS} ${SANDGLASS_EXACT_MATH} -Wno-double-promotion
     $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict> ${SANDGLASS_HOST_OPTIONS})
+  set(headers sandglass_host_headers)
+  if(ARGN STREQUAL "TEST")
+    set(headers sandglass_test_headers)
+  endif()
+  if(TARGET ${headers} AND NOT ARGN STREQUAL "HEADERS")
+    target_precompile_headers(${name} REUSE_FROM ${headers})
+    # The same bug, in headers that gcc, once they are precompiled, no longer takes for the system's.
+    target_compile_options(${name} PRIVATE
+      "$<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-stringop-overflow;-Wno-array-bounds>")
+  endif()
 endfunction()

@@ -3,6 +3,9 @@
 # downloaded, pinned by hash. -DSANDGLASS_FETCH=OFF forbids the last.
 option(SANDGLASS_FETCH "Download what is not found, pinned by hash" ON)
 set(sandglass_flatbuffers_version 2.0.8)
+set(SANDGLASS_FLATBUFFERS_URL https://github.com/google/flatbuffers/archive/refs/tags/v${sandglass_flatbuffers_version}.tar.gz
+  CACHE STRING "Where FlatBuffers ${sandglass_flatbuffers_version} is downloaded from")
+mark_as_advanced(SANDGLASS_FLATBUFFERS_URL)
 
 # sandglass_flatbuffers_fits(RESULT FOLDER): whether the headers there are of that release.
 function(sandglass_flatbuffers_fits result folder)
@@ -25,8 +28,7 @@ if(NOT fits)
       "SANDGLASS_FLATBUFFERS_INCLUDE, or allow the download by SANDGLASS_FETCH=ON.")
   endif()
   include(FetchContent)
-  FetchContent_Declare(sandglass_flatbuffers
-    URL https://github.com/google/flatbuffers/archive/refs/tags/v${sandglass_flatbuffers_version}.tar.gz
+  FetchContent_Declare(sandglass_flatbuffers URL ${SANDGLASS_FLATBUFFERS_URL}
     URL_HASH SHA256=f97965a727d26386afaefff950badef2db3ab6af9afe23ed6d94bfb65f95f37e DOWNLOAD_EXTRACT_TIMESTAMP ON)
   FetchContent_GetProperties(sandglass_flatbuffers)
   if(NOT sandglass_flatbuffers_POPULATED)
