@@ -10,6 +10,10 @@ namespace {
 
 // Sand is lit as it is seen, grain by grain: what lies lower than this share of a radius does not shade its neighbour.
 constexpr float k_surface_lift = 0.5f;
+constexpr float k_half_square =
+    0.8862269f;                         // of a radius: half the side of a square as large as the sphere's silhouette
+constexpr float k_sliver = 0.05f;       // of a texel
+constexpr double k_cap_share = 0.9;     // of a light: what hides that much of it has as good as reached its top
 constexpr double k_step_growth = 1.12;  // beyond the first steps; a light of 20 degrees is 0.35 wide at distance 1
 constexpr double k_even_steps = 8;      // texels walked one by one
 
@@ -17,18 +21,20 @@ void clear_columns(Pile* p) {
   const uint32_t count = p->texels * p->pitch + k_lane_group;
   float* tops = p->tops - k_lane_group;
   float* bottoms = p->bottoms - k_lane_group;
-  for (uint32_t i = 0; i < count; ++i) tops[i] = -k_pile_empty, bottoms[i] = k_pile_empty;
+  float* fills = p->fills - k_lane_group;
+  for (uint32_t i = 0; i < count; ++i) tops[i] = -k_pile_empty, bottoms[i] = k_pile_empty, fills[i] = 0;
   p->sand_rows[0] = p->sand_columns[0] = static_cast<int32_t>(p->texels);
   p->sand_rows[1] = p->sand_columns[1] = -1;
   p->top = 0;
 }
 
-void put_column(Pile* p, int64_t u, int64_t v, float low, float high) {
-  const int32_t n = static_cast<int32_t>(p->texels);
-  if (u < 0 || v < 0 || u >= n || v >= n || !(high > 0)) return;
+// `share` of the texel is covered from `low` to `high`. A sliver fills its column and leaves the heights to others.
+void put_column(Pile* p, int64_t u, int64_t v, float share, float low, float high) {
   const int32_t column = static_cast<int32_t>(u), row = static_cast<int32_t>(v);
-  float* top = p->tops + static_cast<int64_t>(row) * p->pitch + column;
-  float* bottom = p->bottoms + static_cast<int64_t>(row) * p->pitch + column;
+  const int64_t at = static_cast<int64_t>(row) * p->pitch + column;
+  float *top = p->tops + at, *bottom = p->bottoms + at, *fill = p->fills + at;
+  *fill += share * (1 - *fill);
+  if (!(share > k_sliver)) return;
   *top = high > *top ? high : *top;
   *bottom = low < *bottom ? low : *bottom;
   p->top = high > p->top ? high : p->top;
@@ -38,30 +44,49 @@ void put_column(Pile* p, int64_t u, int64_t v, float low, float high) {
   p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
 }
 
-// The columns whose middles lie under or over a sphere, and the one that holds its centre.
+// The part of [middle - reach, middle + reach] in texel i: its width, and its own middle's distance from `middle`.
+struct Part {
+  float width, off;
+};
+Part part_in(int64_t i, float middle, float reach) {
+  const float texel = static_cast<float>(i);
+  const float from = middle - reach > texel ? middle - reach : texel;
+  const float to = middle + reach < texel + 1 ? middle + reach : texel + 1;
+  return {to - from, 0.5f * (from + to) - middle};
+}
+
+// Seen from above a sphere is a square of its area, cut by the texels; over each piece it reaches as high and as low as
+// its root mean square half chord there: r^2 less the mean square distance from its axis, off^2 + width^2 / 12.
 void put_sphere(Pile* p, const float* centre, float radius) {
   const float x = (centre[0] - p->low[0]) / p->texel[0], z = (centre[2] - p->low[1]) / p->texel[1];
-  const float n = static_cast<float>(p->texels), reach_x = radius / p->texel[0], reach_z = radius / p->texel[1];
-  const float y = centre[1] - p->height;
+  const float half = k_half_square * radius, reach_x = half / p->texel[0], reach_z = half / p->texel[1];
+  const float n = static_cast<float>(p->texels), y = centre[1] - p->height;
   if (!(x > -reach_x && z > -reach_z && x < n + reach_x && z < n + reach_z && y < 1e6f)) return;
-  put_column(p, floor_index(static_cast<double>(x)), floor_index(static_cast<double>(z)), y - radius, y + radius);
-  const int64_t u0 = ceiling_index(static_cast<double>(x - reach_x - 0.5f));
-  const int64_t u1 = floor_index(static_cast<double>(x + reach_x - 0.5f));
-  const int64_t v0 = ceiling_index(static_cast<double>(z - reach_z - 0.5f));
-  const int64_t v1 = floor_index(static_cast<double>(z + reach_z - 0.5f));
-  for (int64_t v = v0; v <= v1; ++v)
+  const int64_t last = static_cast<int64_t>(p->texels) - 1;
+  const auto inside = [last](float at) {
+    const int64_t i = floor_index(static_cast<double>(at));
+    return i < 0 ? 0 : i > last ? last : i;
+  };
+  const int64_t u0 = inside(x - reach_x), u1 = inside(x + reach_x), v1 = inside(z + reach_z);
+  for (int64_t v = inside(z - reach_z); v <= v1; ++v) {
+    const Part along = part_in(v, z, reach_z);
+    if (!(along.width > 0)) continue;
+    const float zz = p->texel[1] * p->texel[1] * (along.off * along.off + along.width * along.width * (1.0f / 12));
     for (int64_t u = u0; u <= u1; ++u) {
-      const float dx = (static_cast<float>(u) + 0.5f - x) * p->texel[0];
-      const float dz = (static_cast<float>(v) + 0.5f - z) * p->texel[1];
-      const float square = radius * radius - dx * dx - dz * dz;
-      if (!(square > 0)) continue;
-      const float half = __builtin_sqrtf(square);
-      put_column(p, u, v, y - half, y + half);
+      const Part across = part_in(u, x, reach_x);
+      const float xx =
+          p->texel[0] * p->texel[0] * (across.off * across.off + across.width * across.width * (1.0f / 12));
+      const float square = radius * radius - xx - zz;
+      if (!(across.width > 0) || !(square > 0)) continue;
+      const float chord = __builtin_sqrtf(square);
+      if (y + chord > 0) put_column(p, u, v, across.width * along.width, y - chord, y + chord);
     }
+  }
 }
 
 uint32_t unit_spheres(const Pile& p) {
-  const float columns = (2 * p.source.radius / p.texel[0] + 1) * (2 * p.source.radius / p.texel[1] + 1);
+  const float side = 2 * k_half_square * p.source.radius;
+  const float columns = (side / p.texel[0] + 1) * (side / p.texel[1] + 1);
   const float count = static_cast<float>(k_pile_unit_columns) / columns;
   return count > 1024 ? 1024u : count > 1 ? static_cast<uint32_t>(count) : 1u;
 }
@@ -88,7 +113,8 @@ uint32_t walk(const Pile& p, double cosine, double sine, double low, PileStep* s
   const double reach =
       slope * across * texel > static_cast<double>(p.top) ? static_cast<double>(p.top) / (slope * texel) : across;
   uint32_t count = 0;
-  steps[count++] = {0, 0, static_cast<float>(2 / texel)};  // what hangs over the receiver itself
+  // The receiver's own column: two places on a line are a third of its length apart on the mean.
+  steps[count++] = {0, 0, static_cast<float>(3 / texel)};
   for (double distance = 1; distance <= reach + 1 && count < k_pile_steps;
        distance = distance < k_even_steps ? distance + 1 : distance * k_step_growth) {
     const double x = distance * texel * cosine / static_cast<double>(p.texel[0]);
@@ -130,6 +156,9 @@ void cut_light(Pile* p) {
     PileAzimuth& azimuth = p->azimuths[p->azimuth_count++];
     azimuth.low = static_cast<float>(low), azimuth.high = static_cast<float>(high);
     azimuth.weight = static_cast<float>(weight);
+    const double cap = low + k_cap_share * (high - low);
+    azimuth.foot = static_cast<float>(square_root(low / (1 - low)));
+    azimuth.cap = static_cast<float>(square_root(cap / (1 - cap)));
     azimuth.first_step = steps;
     steps += walk(*p, ahead_x * cosine - ahead_z * sine, ahead_z * cosine + ahead_x * sine, low, p->steps + steps);
     azimuth.last_step = steps;
@@ -160,7 +189,8 @@ void run_columns(Pile* p) {
 
 void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage) {
   PileLightArgs args = {};
-  args.tops = p->tops, args.bottoms = p->bottoms, args.pitch = p->pitch, args.row = static_cast<int32_t>(row);
+  args.tops = p->tops, args.bottoms = p->bottoms, args.fills = p->fills, args.pitch = p->pitch,
+  args.row = static_cast<int32_t>(row);
   for (uint32_t side = 0; side < 2; ++side)
     args.sand_rows[side] = p->sand_rows[side], args.sand_columns[side] = p->sand_columns[side];
   args.receivers = receivers;
