@@ -10,12 +10,10 @@ namespace {
 
 // Sand is lit as it is seen, grain by grain: what lies lower than this share of a radius does not shade its neighbour.
 constexpr float k_surface_lift = 0.5f;
-constexpr float k_half_square =
-    0.8862269f;                         // of a radius: half the side of a square as large as the sphere's silhouette
-constexpr float k_sliver = 0.05f;       // of a texel
-constexpr double k_cap_share = 0.9;     // of a light: what hides that much of it has as good as reached its top
-constexpr double k_step_growth = 1.12;  // beyond the first steps; a light of 20 degrees is 0.35 wide at distance 1
-constexpr double k_even_steps = 8;      // texels walked one by one
+constexpr float k_half_face = 0.8862269f;  // of a radius: half the side of a square as large as a sphere's silhouette
+constexpr double k_cap_share = 0.9;        // of a light: what hides that much of it has as good as reached its top
+constexpr double k_step_growth = 1.12;     // beyond the first steps; a light of 20 degrees is 0.35 wide at distance 1
+constexpr double k_even_steps = 8;         // texels walked one by one
 
 void clear_columns(Pile* p) {
   const uint32_t count = p->texels * p->pitch + k_lane_group;
@@ -28,15 +26,16 @@ void clear_columns(Pile* p) {
   p->top = 0;
 }
 
-// `share` of the texel is covered from `low` to `high`. A sliver fills its column and leaves the heights to others.
+// `share` of the texel is covered from `low` to `high`; spheres of one column lie in it independently of each other.
 void put_column(Pile* p, int64_t u, int64_t v, float share, float low, float high) {
+  const int32_t n = static_cast<int32_t>(p->texels);
+  if (u < 0 || v < 0 || u >= n || v >= n || !(high > 0)) return;
   const int32_t column = static_cast<int32_t>(u), row = static_cast<int32_t>(v);
   const int64_t at = static_cast<int64_t>(row) * p->pitch + column;
   float *top = p->tops + at, *bottom = p->bottoms + at, *fill = p->fills + at;
-  *fill += share * (1 - *fill);
-  if (!(share > k_sliver)) return;
   *top = high > *top ? high : *top;
   *bottom = low < *bottom ? low : *bottom;
+  *fill += share * (1 - *fill);
   p->top = high > p->top ? high : p->top;
   p->sand_rows[0] = row < p->sand_rows[0] ? row : p->sand_rows[0];
   p->sand_rows[1] = row > p->sand_rows[1] ? row : p->sand_rows[1];
@@ -44,49 +43,35 @@ void put_column(Pile* p, int64_t u, int64_t v, float share, float low, float hig
   p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
 }
 
-// The part of [middle - reach, middle + reach] in texel i: its width, and its own middle's distance from `middle`.
-struct Part {
-  float width, off;
-};
-Part part_in(int64_t i, float middle, float reach) {
-  const float texel = static_cast<float>(i);
-  const float from = middle - reach > texel ? middle - reach : texel;
-  const float to = middle + reach < texel + 1 ? middle + reach : texel + 1;
-  return {to - from, 0.5f * (from + to) - middle};
-}
-
-// Seen from above a sphere is a square of its area, cut by the texels; over each piece it reaches as high and as low as
-// its root mean square half chord there: r^2 less the mean square distance from its axis, off^2 + width^2 / 12.
+// A sphere lies in the column that holds its centre: as the cube whose faces are as large as its silhouette, so that it
+// hides as much from every side, and fills the texel by one face. A sphere as wide as a texel fills all columns, too,
+// whose middles lie under or over it.
 void put_sphere(Pile* p, const float* centre, float radius) {
   const float x = (centre[0] - p->low[0]) / p->texel[0], z = (centre[2] - p->low[1]) / p->texel[1];
-  const float half = k_half_square * radius, reach_x = half / p->texel[0], reach_z = half / p->texel[1];
-  const float n = static_cast<float>(p->texels), y = centre[1] - p->height;
+  const float n = static_cast<float>(p->texels), reach_x = radius / p->texel[0], reach_z = radius / p->texel[1];
+  const float y = centre[1] - p->height;
   if (!(x > -reach_x && z > -reach_z && x < n + reach_x && z < n + reach_z && y < 1e6f)) return;
-  const int64_t last = static_cast<int64_t>(p->texels) - 1;
-  const auto inside = [last](float at) {
-    const int64_t i = floor_index(static_cast<double>(at));
-    return i < 0 ? 0 : i > last ? last : i;
-  };
-  const int64_t u0 = inside(x - reach_x), u1 = inside(x + reach_x), v1 = inside(z + reach_z);
-  for (int64_t v = inside(z - reach_z); v <= v1; ++v) {
-    const Part along = part_in(v, z, reach_z);
-    if (!(along.width > 0)) continue;
-    const float zz = p->texel[1] * p->texel[1] * (along.off * along.off + along.width * along.width * (1.0f / 12));
+  const float area = 4 * k_half_face * k_half_face * reach_x * reach_z, face = k_half_face * radius;
+  put_column(p, floor_index(static_cast<double>(x)), floor_index(static_cast<double>(z)), area < 1 ? area : 1, y - face,
+             y + face);
+  if (reach_x < 0.5f && reach_z < 0.5f) return;
+  const int64_t u0 = ceiling_index(static_cast<double>(x - reach_x - 0.5f));
+  const int64_t u1 = floor_index(static_cast<double>(x + reach_x - 0.5f));
+  const int64_t v0 = ceiling_index(static_cast<double>(z - reach_z - 0.5f));
+  const int64_t v1 = floor_index(static_cast<double>(z + reach_z - 0.5f));
+  for (int64_t v = v0; v <= v1; ++v)
     for (int64_t u = u0; u <= u1; ++u) {
-      const Part across = part_in(u, x, reach_x);
-      const float xx =
-          p->texel[0] * p->texel[0] * (across.off * across.off + across.width * across.width * (1.0f / 12));
-      const float square = radius * radius - xx - zz;
-      if (!(across.width > 0) || !(square > 0)) continue;
-      const float chord = __builtin_sqrtf(square);
-      if (y + chord > 0) put_column(p, u, v, across.width * along.width, y - chord, y + chord);
+      const float dx = (static_cast<float>(u) + 0.5f - x) * p->texel[0];
+      const float dz = (static_cast<float>(v) + 0.5f - z) * p->texel[1];
+      const float square = radius * radius - dx * dx - dz * dz;
+      if (!(square > 0)) continue;
+      const float half = __builtin_sqrtf(square);
+      put_column(p, u, v, 1, y - half, y + half);
     }
-  }
 }
 
 uint32_t unit_spheres(const Pile& p) {
-  const float side = 2 * k_half_square * p.source.radius;
-  const float columns = (side / p.texel[0] + 1) * (side / p.texel[1] + 1);
+  const float columns = (2 * p.source.radius / p.texel[0] + 1) * (2 * p.source.radius / p.texel[1] + 1);
   const float count = static_cast<float>(k_pile_unit_columns) / columns;
   return count > 1024 ? 1024u : count > 1 ? static_cast<uint32_t>(count) : 1u;
 }
