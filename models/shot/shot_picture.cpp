@@ -24,6 +24,7 @@ constexpr double k_far = 1e3, k_lift = 2e-4;   // metres
 constexpr Vec3 k_object = {0.60, 0.44, 0.30};  // reflectance: varnished wood
 constexpr double k_open_reach = 0.5;           // metres that ambient light is looked for
 constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; beyond, nothing is cast
+constexpr double k_above = 2.0;                // metres: higher than any sand
 constexpr int k_bounces = 3;
 constexpr uint64_t k_composite_stream = 41, k_truth_stream = 42, k_floor_stream = 43;
 
@@ -289,6 +290,25 @@ double ShotPicture::grains_leave(double x, double z, Vec3 towards, double half_a
   return all > 0.0 ? open / all : 1.0;
 }
 
+double ShotPicture::grain_lit(double x, double z, Vec3 towards, double half_angle, int points, double* facing) const {
+  const Vec3 down = {0, -1, 0}, above = {x, k_above, z};
+  SphereHit hit;
+  hit.distance = k_above;
+  *facing = 0.0;
+  if (!state_->grains.closest(above, down, &hit)) return 1.0;
+  const float* c = state_->centres.data() + 3 * static_cast<size_t>(hit.index);
+  const Vec3 point = above + down * hit.distance, normal = normalised(point - Vec3{c[0], c[1], c[2]});
+  *facing = std::max(0.0, dot(normal, towards));
+  double all = 0.0, open = 0.0;
+  for (int i = 0; i < points * points; ++i) {
+    const Vec3 d = in_cap(towards, half_angle, (i % points + 0.5) / points, (i / points + 0.5) / points);
+    const double cosine = std::max(0.0, dot(d, normal));
+    all += cosine;
+    if (cosine > 0.0 && !state_->grains.occluded(point + normal * k_lift, d, k_far)) open += cosine;
+  }
+  return all > 0.0 ? open / all : 1.0;
+}
+
 #else
 
 struct ShotPicture::State {};
@@ -301,6 +321,7 @@ RadianceMap ShotPicture::composite(const Surroundings&, const ShotCamera&, const
 }
 RadianceMap ShotPicture::truth(const Surroundings&, const ShotCamera&, const ShotPictureOptions&) const { return {}; }
 double ShotPicture::grains_leave(double, double, Vec3, double, int) const { return 1.0; }
+double ShotPicture::grain_lit(double, double, Vec3, double, int, double*) const { return 1.0; }
 
 #endif
 

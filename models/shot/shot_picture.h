@@ -60,6 +60,9 @@ class ShotPicture {
   // Share of the light's irradiance of a level floor at (x, 0, z) that the grains alone leave, the light being a cap of
   // half angle `half_angle` about `towards`: stratified rays, points^2 of them.
   double grains_leave(double x, double z, Vec3 towards, double half_angle, int points) const;
+  // The same of the grain's own surface that is seen from above at (x, z); *facing: its cosine to `towards`, 0 where
+  // there is no grain or it faces away.
+  double grain_lit(double x, double z, Vec3 towards, double half_angle, int points, double* facing) const;
 
  private:
   struct State;
