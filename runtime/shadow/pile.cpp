@@ -11,7 +11,6 @@ namespace {
 // Sand is lit as it is seen, grain by grain: what lies lower than this share of a radius does not shade its neighbour.
 constexpr float k_surface_lift = 0.5f;
 constexpr float k_half_face = 0.8862269f;  // of a radius: half the side of a square as large as a sphere's silhouette
-constexpr double k_roughness = 0.5;        // a grain's shadow on sand of its kind, in diameters and cotangents
 constexpr double k_cap_share = 0.9;        // of a light: what hides that much of it has as good as reached its top
 constexpr double k_step_growth = 1.12;     // beyond the first steps; a light of 20 degrees is 0.35 wide at distance 1
 constexpr double k_even_steps = 8;         // texels walked one by one
@@ -151,9 +150,6 @@ void cut_light(Pile* p) {
     total += static_cast<double>(azimuth.weight) * static_cast<double>(azimuth.high - azimuth.low);
   }
   p->inverse_total = total > 0 ? static_cast<float>(1 / total) : 0.0f;
-  // Grains that a texel does not resolve shade each other: of level sand 1 / (1 + k_roughness cot) is lit.
-  const bool resolved = p->source.radius >= 0.5f * p->texel[0] || p->source.radius >= 0.5f * p->texel[1];
-  p->rough = resolved ? 0.0f : static_cast<float>(k_roughness * flat / (up + k_roughness * flat));
 }
 
 void begin(Pile* p) {
@@ -176,7 +172,7 @@ void run_columns(Pile* p) {
   p->phase = PilePhase::floor, p->cursor = 0;
 }
 
-void light_row(Pile* p, uint32_t row, const float* receivers, float rough, uint8_t* coverage) {
+void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage) {
   PileLightArgs args = {};
   args.tops = p->tops, args.bottoms = p->bottoms, args.fills = p->fills, args.pitch = p->pitch,
   args.row = static_cast<int32_t>(row);
@@ -188,11 +184,7 @@ void light_row(Pile* p, uint32_t row, const float* receivers, float rough, uint8
   args.shares = p->shares;
   uint32_t unused = 0;
   p->kernels->pile_light(&args, 0, p->texels, &unused);
-  const float* fills = p->fills + uint64_t{row} * p->pitch;
-  for (uint32_t u = 0; u < p->texels; ++u) {
-    const float share = p->shares[u] * (1.0f - rough * fills[u]);
-    coverage[u] = static_cast<uint8_t>(255.0f * (1.0f - share) + 0.5f);
-  }
+  for (uint32_t u = 0; u < p->texels; ++u) coverage[u] = static_cast<uint8_t>(255.0f * (1.0f - p->shares[u]) + 0.5f);
 }
 
 void run_rows(Pile* p) {
@@ -205,12 +197,12 @@ void run_rows(Pile* p) {
     if (p->sand_rows[1] < 0) {
       memset(coverage, 0, p->texels);
     } else if (floor) {
-      light_row(p, p->cursor, p->nothing, 0.0f, coverage);
+      light_row(p, p->cursor, p->nothing, coverage);
     } else {
       const float* tops = p->tops + uint64_t{p->cursor} * p->pitch;
       for (uint32_t u = 0; u < p->texels; ++u)
         p->receivers[u] = tops[u] > 0 ? tops[u] + k_surface_lift * p->source.radius : 0;
-      light_row(p, p->cursor, p->receivers, p->rough, coverage);
+      light_row(p, p->cursor, p->receivers, coverage);
     }
   }
   if (p->cursor < p->texels) return;

@@ -55,7 +55,6 @@ struct Pile {
   float top;  // of all sand, over the floor
   uint32_t azimuth_count;
   float inverse_total;
-  float rough;  // the part of level sand that lies in its own grains' shadow
   PileTexture front, back;
   bool valid;
   double light[3], made_for[3];
