@@ -93,7 +93,7 @@ bool read_line(const std::string& line, ShotView* view) {
 }
 
 std::string key_of(const ShotStudyOptions& o) {
-  return "shot study 5." + std::to_string(o.seed) + ": " + std::to_string(o.width) + " x " + std::to_string(o.height) +
+  return "shot study 6." + std::to_string(o.seed) + ": " + std::to_string(o.width) + " x " + std::to_string(o.height) +
          ", " + std::to_string(o.paths) + " paths, network '" + fs::path(o.network).filename().string() + "'\n";
 }
 
