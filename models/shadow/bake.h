@@ -17,7 +17,7 @@ struct BakeSettings {
   uint64_t seed = 1;
   uint32_t threads = 1;
   uint32_t textures = 301;   // rays as for so many whole textures of 256 x 256 (6.19)
-  uint32_t steps = 150'000;  // of training in float
+  uint32_t steps = 400'000;  // of training in float
   uint32_t quantised_steps = 10'000;
   uint32_t batch = 2048;
   double rate = 3e-3;  // of learning, at the start

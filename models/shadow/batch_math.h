@@ -34,11 +34,23 @@ struct Batch {
   float* scratch;  // batch_scratch() floats
 };
 
+// One step of Adam for the mean of several sums of gradients, added up in order.
+struct AdamStep {
+  const float* const* gradients;  // `lanes` of them
+  uint32_t lanes;
+  float per_sample;                  // factor of their sum
+  float mean_scale, variance_scale;  // with the correction for the first steps; mean_scale with the rate too
+  float mean_decay, variance_decay, epsilon;
+  float *parameters, *mean, *variance;
+};
+
 struct BatchMath {
   // output[s] = network(sample s).
   void (*forward)(const Batch& batch, float* output);
   // Adds the gradient of sum_s weight_s (output_s - target_s)^2 to `gradient` and returns that sum.
   double (*gradient)(const Batch& batch, const float* target, const float* weight, float* gradient);
+  // Parameters begin..end - 1.
+  void (*adam)(const AdamStep& step, uint32_t begin, uint32_t end);
 };
 
 uint64_t batch_scratch(uint32_t width, uint32_t layers, uint32_t samples);

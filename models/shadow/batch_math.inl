@@ -46,8 +46,8 @@ static void forward(const Batch& b, float* output) {
   for (uint32_t layer = 0; layer <= b.layers; ++layer) {
     float* values = b.scratch + layer * count;
     Matrix z(values, w, b.samples);
-    z.noalias() = Constant(p, w, depth) * Constant(in, depth, b.samples);
-    z.colwise() += Column(p + uint64_t{w} * depth, w);
+    z.colwise() = Column(p + uint64_t{w} * depth, w);
+    z.noalias() += Constant(p, w, depth) * Constant(in, depth, b.samples);
     activate(values, count, b.clips == nullptr ? nullptr : b.clips + layer);
     p += uint64_t{w} * (depth + 1);
     in = values, depth = w;
@@ -95,8 +95,28 @@ static double gradient(const Batch& b, const float* target, const float* weight,
   return loss;
 }
 
+static void adam(const AdamStep& a, uint32_t begin, uint32_t end) {
+  constexpr uint32_t k_part = 256;
+  float sum[k_part];
+  for (uint32_t first = begin; first < end; first += k_part) {
+    const uint32_t count = end - first < k_part ? end - first : k_part;
+    for (uint32_t i = 0; i < count; ++i) sum[i] = 0;
+    for (uint32_t lane = 0; lane < a.lanes; ++lane) {
+      const float* gradient = a.gradients[lane] + first;
+      for (uint32_t i = 0; i < count; ++i) sum[i] += gradient[i];
+    }
+    float *p = a.parameters + first, *m = a.mean + first, *v = a.variance + first;
+    for (uint32_t i = 0; i < count; ++i) {
+      const float g = sum[i] * a.per_sample;
+      m[i] = a.mean_decay * m[i] + (1 - a.mean_decay) * g;
+      v[i] = a.variance_decay * v[i] + (1 - a.variance_decay) * g * g;
+      p[i] -= a.mean_scale * m[i] / (std::sqrt(a.variance_scale * v[i]) + a.epsilon);
+    }
+  }
+}
+
 extern const BatchMath k_batch_math;
-const BatchMath k_batch_math = {forward, gradient};
+const BatchMath k_batch_math = {forward, gradient, adam};
 
 }  // namespace sandglass::host::SANDGLASS_BATCH_SET
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "models/host/random.h"
 #include "models/shadow/batch_math.h"
@@ -14,7 +15,7 @@ constexpr uint32_t k_lanes = 8;    // of a batch: what threads share; fixed, so 
 constexpr uint32_t k_chunk = 256;  // samples whose activations stay in the second cache
 constexpr float k_mean_decay = 0.9f, k_variance_decay = 0.99f, k_epsilon = 1e-8f;
 constexpr double k_beyond = 1e-3;       // share of activations that is clipped
-constexpr uint32_t k_probe = 16384;     // samples that the clips are measured on
+constexpr uint32_t k_probe = 16384;     // samples that the clips are measured on, whole chunks
 constexpr double k_loss_decay = 0.998;  // of the running mean that is shown
 
 }  // namespace
@@ -50,29 +51,40 @@ Trainer::Trainer(const TrainingSet& set, const TrainingPlan& plan, ThreadPool& p
 
 Trainer::~Trainer() = default;
 
-// Sample `first + i` of a step: which texel, by its own random number.
+// Sample `first + i` of a step: which texel, by its own random number. Texels lie all over memory: where each is comes
+// first, then all are asked for at once.
 void Trainer::Work::draw(uint32_t step_number, uint32_t first, uint32_t count, float* in, float* nu,
                          float* share) const {
   const TrainingSet& set = trainer->set_;
   const uint64_t all = set.values.size(), edge = set.penumbra.size();
   const double part = edge == 0 ? 0 : trainer->plan_.penumbra_share;
+  const double denser = edge == 0 ? 0 : part * static_cast<double>(all) / static_cast<double>(edge);
+  const float in_edge = static_cast<float>(1 / (1 - part + denser));
+  const float elsewhere = static_cast<float>(1 / (1 - part));
+  uint64_t index[k_chunk];
+  bool from_edge[k_chunk];
   for (uint32_t i = 0; i < count; ++i) {
     const uint64_t counter = random_mix(trainer->plan_.seed) + (uint64_t{step_number} << 32) + first + i;
     const uint64_t random = random_mix(counter);
-    const double where = random_unit(random + 1);
-    const bool from_edge = random_unit(random + 2) < part;
-    const uint64_t index = from_edge ? set.penumbra[static_cast<uint64_t>(where * static_cast<double>(edge))]
-                                     : static_cast<uint64_t>(where * static_cast<double>(all));
-    const bool in_edge = from_edge || std::binary_search(set.penumbra.begin(), set.penumbra.end(), index);
-    const double density = (1 - part) + (in_edge ? part * static_cast<double>(all) / static_cast<double>(edge) : 0);
-    share[i] = static_cast<float>(1 / density);
-    nu[i] = static_cast<float>(set.transparency(index));
-    const TrainingSet::Texel texel = set.texel(index);
-    const uint64_t u = texel.u, v = texel.v, light = texel.light;
+    from_edge[i] = random_unit(random + 2) < part;
+    index[i] = static_cast<uint64_t>(random_unit(random + 1) * static_cast<double>(from_edge[i] ? edge : all));
+    if (from_edge[i]) __builtin_prefetch(&set.penumbra[index[i]]);
+  }
+  for (uint32_t i = 0; i < count; ++i) {
+    if (from_edge[i]) index[i] = set.penumbra[index[i]];
+    __builtin_prefetch(&set.values[index[i]]);
+    const float* light = &lights[size_t{set.texel(index[i]).light} * 3 * k_light_inputs];
+    __builtin_prefetch(light), __builtin_prefetch(light + 3 * k_light_inputs - 1);
+  }
+  for (uint32_t i = 0; i < count; ++i) {
+    share[i] = set.in_penumbra[index[i]] ? in_edge : elsewhere;
+    nu[i] = static_cast<float>(set.transparency(index[i]));
+    const TrainingSet::Texel texel = set.texel(index[i]);
     float* x = in + size_t{i} * k_inputs;
-    std::copy_n(&positions[u * k_texel_inputs], k_texel_inputs, x);
-    std::copy_n(&positions[v * k_texel_inputs], k_texel_inputs, x + k_texel_inputs);
-    std::copy_n(&lights[light * 3 * k_light_inputs], 3 * k_light_inputs, x + 2 * k_texel_inputs);
+    std::memcpy(x, &positions[size_t{texel.u} * k_texel_inputs], k_texel_inputs * sizeof *x);
+    std::memcpy(x + k_texel_inputs, &positions[size_t{texel.v} * k_texel_inputs], k_texel_inputs * sizeof *x);
+    std::memcpy(x + 2 * k_texel_inputs, &lights[size_t{texel.light} * 3 * k_light_inputs],
+                3 * k_light_inputs * sizeof *x);
   }
 }
 
@@ -94,8 +106,9 @@ void Trainer::Work::run_lane(uint32_t lane) {
 
 void Trainer::begin_quantisation(TrainingState* state) {
   state->float_network = state->network;
-  Floats input(size_t{k_probe} * k_inputs), ignored(2 * size_t{k_probe});
-  work_->draw(~0u, 0, k_probe, input.data(), ignored.data(), ignored.data() + k_probe);
+  Floats input(size_t{k_probe} * k_inputs), ignored(2 * size_t{k_chunk});
+  for (uint32_t done = 0; done < k_probe; done += k_chunk)
+    work_->draw(~0u, done, k_chunk, &input[size_t{done} * k_inputs], ignored.data(), ignored.data() + k_chunk);
   state->clips = activation_clips(state->network, input, k_probe, k_beyond);
   std::fill(state->mean.begin(), state->mean.end(), 0.0f);
   std::fill(state->variance.begin(), state->variance.end(), 0.0f);
@@ -126,17 +139,25 @@ void Trainer::step(TrainingState* state) {
   const float mean_scale = static_cast<float>(rate / (1 - std::pow(static_cast<double>(k_mean_decay), age)));
   const float variance_scale = static_cast<float>(1 / (1 - std::pow(static_cast<double>(k_variance_decay), age)));
   const float per_sample = 1.0f / static_cast<float>(k_lanes * w.samples);
-  float *p = state->network.parameters.data(), *m = state->mean.data(), *v = state->variance.data();
+  const float* gradients[k_lanes];
+  for (uint32_t lane = 0; lane < k_lanes; ++lane) gradients[lane] = w.gradients[lane].data();
+  const AdamStep adam = {gradients,
+                         k_lanes,
+                         per_sample,
+                         mean_scale,
+                         variance_scale,
+                         k_mean_decay,
+                         k_variance_decay,
+                         k_epsilon,
+                         state->network.parameters.data(),
+                         state->mean.data(),
+                         state->variance.data()};
+  run_on(pool_, k_lanes, [&](uint32_t lane) {
+    const uint32_t all = w.shape.parameters();
+    batch_math().adam(adam, all * lane / k_lanes, all * (lane + 1) / k_lanes);
+  });
   double loss = 0;
   for (const double part : w.loss) loss += part;
-  for (uint32_t i = 0; i < w.shape.parameters(); ++i) {
-    float g = 0;
-    for (const Floats& part : w.gradients) g += part[i];
-    g *= per_sample;
-    m[i] = k_mean_decay * m[i] + (1 - k_mean_decay) * g;
-    v[i] = k_variance_decay * v[i] + (1 - k_variance_decay) * g * g;
-    p[i] -= mean_scale * m[i] / (std::sqrt(variance_scale * v[i]) + k_epsilon);
-  }
   loss *= static_cast<double>(per_sample);
   state->loss = state->step == 0 ? loss : k_loss_decay * state->loss + (1 - k_loss_decay) * loss;
   ++state->step;

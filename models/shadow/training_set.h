@@ -28,6 +28,7 @@ struct TrainingSet {
   std::vector<Direction> lights;
   std::vector<uint16_t> values;    // transparency times 65535: light by light, cell by cell
   std::vector<uint32_t> penumbra;  // indices of values that are neither lit nor dark, or next to such a one
+  std::vector<bool> in_penumbra;   // one a value: whether its index is among them
 
   struct Texel {
     uint32_t light, u, v;
@@ -37,12 +38,12 @@ struct TrainingSet {
   double transparency(uint64_t index) const { return values[index] * (1.0 / 65535); }
 };
 
-// Traces light after light, beginning behind those that `set` holds; `go_on` is asked after each with the number done.
+// Traces lights in order, beginning behind those that `set` holds; `go_on` is asked every few with the number done.
 // False: interrupted, with whole lights.
 bool trace_training_set(const LightGeometry& geometry, const ShadowCaster& caster, ThreadPool& pool,
                         const std::function<bool(uint32_t)>& go_on, TrainingSet* set);
 
-// Fills `penumbra`.
+// Fills `penumbra` and `in_penumbra`.
 void find_penumbra(TrainingSet* set);
 
 }  // namespace sandglass::host
