@@ -171,10 +171,11 @@ struct RefineExtent {
   uint32_t quarantined;
 };
 
-// One azimuth of a soft light: its elevations as sin^2, its share of the horizon, and the steps that are walked along
-// it.
+// One azimuth of a soft light: its elevations as sin^2, its share of the horizon, the slopes of its lower edge and of
+// what is as good as its upper one, and the steps that are walked along it.
 struct PileAzimuth {
   float low, high, weight;
+  float foot, cap;
   uint32_t first_step, last_step;
 };
 struct PileStep {
@@ -183,10 +184,11 @@ struct PileStep {
 };
 
 // The range is of texels of one row. Columns of sand are texels too: heights over the floor, tops of empty ones far
-// below and bottoms far above everything; k_lane_group of those stand before and after every row.
+// below and bottoms far above everything; k_lane_group of those stand before and after every row. A column's fill is
+// the share of its texel that sand covers.
 struct PileLightArgs {
-  const float *tops, *bottoms;  // row 0, column 0
-  uint32_t pitch;               // floats from row to row
+  const float *tops, *bottoms, *fills;  // row 0, column 0
+  uint32_t pitch;                       // floats from row to row
   int32_t row;
   int32_t sand_rows[2], sand_columns[2];  // first and last with sand
   const float* receivers;                 // heights of this row's

@@ -2,16 +2,20 @@
 // elevations that the columns along it hide, against the light's own. A step along an azimuth is the same shift for all
 // texels, so that lane = texel reads consecutive columns. Elevations are compared as sin^2, which is what their cosine-
 // weighted share of the light is linear in: s = t^2 / (1 + t^2) of the slope t.
+// Sand that does not fill its texels lets light through. `reached` climbs from the light's lower edge towards each
+// column's top by the share that the column fills: full columns make it the highest of them, and n that cover all of
+// the light and fill f leave (1 - f)^n of the way. Of what the interval hides, that part is dark.
 static void pile_light(const PileLightArgs* a, uint32_t begin, uint32_t end, uint32_t* unused) {
   (void)unused;
-  const Float zero = broadcast(0.0f), one = broadcast(1.0f), steepest = broadcast(1e6f);
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f), steepest = broadcast(1e6f), shortest = broadcast(1e-6f);
   const Float inverse_total = broadcast(a->inverse_total);
   for (uint32_t i = begin; i < end; i += k_width) {
     const Float receiver = load(a->receivers + i);
     Float sum = zero;
     for (uint32_t k = 0; k < a->azimuth_count; ++k) {
       const PileAzimuth& azimuth = a->azimuths[k];
-      Float high = zero, low = steepest;
+      Float high = zero, low = steepest, reached = broadcast(azimuth.foot);
+      const Float cap = broadcast(azimuth.cap);
       for (uint32_t s = azimuth.first_step; s < azimuth.last_step; ++s) {
         const PileStep& step = a->steps[s];
         const int32_t row = a->row + step.rows, column = static_cast<int32_t>(i) + step.columns;
@@ -20,14 +24,18 @@ static void pile_light(const PileLightArgs* a, uint32_t begin, uint32_t end, uin
           continue;
         const int64_t at = static_cast<int64_t>(row) * a->pitch + column;
         const Float inverse = broadcast(step.inverse_distance);
-        high = maximum((load(a->tops + at) - receiver) * inverse, high);
+        const Float slope = (load(a->tops + at) - receiver) * inverse;
+        high = maximum(slope, high);
+        reached = reached + load(a->fills + at) * maximum(minimum(slope, cap) - reached, zero);
         low = minimum((load(a->bottoms + at) - receiver) * inverse, low);
       }
+      const Float foot = broadcast(azimuth.foot), way = maximum(minimum(high, cap) - foot, shortest);
+      const Float dark = minimum((reached - foot) / way, one);
       high = minimum(high, steepest), low = maximum(low, zero);
       const Float high_square = high * high, low_square = low * low;
       const Float from = maximum(low_square / (one + low_square), broadcast(azimuth.low));
       const Float to = minimum(high_square / (one + high_square), broadcast(azimuth.high));
-      const Float hidden = maximum(to - from, zero);
+      const Float hidden = maximum(to - from, zero) * dark;
       sum = sum + broadcast(azimuth.weight) * (broadcast(azimuth.high - azimuth.low) - hidden);
     }
     store(a->shares + i, minimum(sum * inverse_total, one));

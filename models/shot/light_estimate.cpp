@@ -97,8 +97,12 @@ ShotLight LightEstimate::light() const {
   e.struct_size = sizeof e;
   sandglass_light_get(light_, &e);
   const auto vector = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };
-  return {vector(e.direction), vector(e.light) * static_cast<double>(e.strength), vector(e.ambient),
-          static_cast<double>(e.contrast), static_cast<double>(e.confidence)};
+  return {vector(e.direction),
+          vector(e.light) * static_cast<double>(e.strength),
+          vector(e.ambient),
+          static_cast<double>(e.contrast),
+          1.0,
+          static_cast<double>(e.confidence)};
 }
 
 std::string shipped_light_network() {

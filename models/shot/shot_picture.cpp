@@ -23,7 +23,9 @@ constexpr double k_pi = std::numbers::pi;
 constexpr double k_far = 1e3, k_lift = 2e-4;   // metres
 constexpr Vec3 k_object = {0.60, 0.44, 0.30};  // reflectance: varnished wood
 constexpr double k_open_reach = 0.5;           // metres that ambient light is looked for
+constexpr double k_contact_reach = 0.011;      // metres: a texel of the sand's shadow
 constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; beyond, nothing is cast
+constexpr double k_above = 2.0;                // metres: higher than any sand
 constexpr int k_bounces = 3;
 constexpr uint64_t k_composite_stream = 41, k_truth_stream = 42, k_floor_stream = 43;
 
@@ -143,21 +145,28 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     }
     const double facing = std::max(0.0, dot(hit.normal, light.towards));
     double open = facing > 0.0 ? 1.0 : 0.0;
+    Vec3 past = {1, 1, 1};  // what arrives past a grain's neighbours: everything, or what they give back
     if (open > 0.0 && hit.surface == Surface::object) {
       const Vec3 to = in_cap(light.towards, half_angle, random->uniform(), random->uniform());
       open = state_->object_blocks(start, to, k_far) ? 0.0 : 1.0;
     } else if (open > 0.0 && textured && light.towards.y > 0.0) {
       const Vec3 foot = hit.point - light.towards * (hit.point.y / light.towards.y);
       open = left_by(shadows.object, foot.x, foot.z) * left_by(shadows.pile_surface, hit.point.x, hit.point.z);
+      // Grains next to each other are finer than a texel: contact shadows, of rays that end where texels begin.
+      const Vec3 to = in_cap(light.towards, half_angle, random->uniform(), random->uniform());
+      if (state_->grains.occluded(start, to, k_contact_reach)) past = hit.reflectance;
     } else if (open > 0.0 && cast == CastShadow::hard) {
       open = state_->blocked(start, light.towards, k_far) ? 0.0 : 1.0;
     }
+    // In shadow lies only what one direction stands for.
+    const double one = light.concentration;
+    const Vec3 direct = past * (one * open) + Vec3{1, 1, 1} * (1.0 - one);
     // What hides a part of the room is lit by it, too, and gives back its share.
     const Hit around = state_->closest(start, cosine_direction(hit.normal, random->uniform(), random->uniform()));
     const bool hidden =
         (around.surface == Surface::object || around.surface == Surface::grain) && around.distance < k_open_reach;
     const Vec3 ambient = hidden ? product(light.ambient, around.reflectance) : light.ambient;
-    return limited(product(hit.reflectance, light.light * (facing * open) + ambient));
+    return limited(product(hit.reflectance, product(light.light, direct) * facing + ambient));
   };
   each_row(options.height, options.threads, [&](int y) {
     for (int x = 0; x < options.width; ++x) {
@@ -289,6 +298,25 @@ double ShotPicture::grains_leave(double x, double z, Vec3 towards, double half_a
   return all > 0.0 ? open / all : 1.0;
 }
 
+double ShotPicture::grain_lit(double x, double z, Vec3 towards, double half_angle, int points, double* facing) const {
+  const Vec3 down = {0, -1, 0}, above = {x, k_above, z};
+  SphereHit hit;
+  hit.distance = k_above;
+  *facing = 0.0;
+  if (!state_->grains.closest(above, down, &hit)) return 1.0;
+  const float* c = state_->centres.data() + 3 * static_cast<size_t>(hit.index);
+  const Vec3 point = above + down * hit.distance, normal = normalised(point - Vec3{c[0], c[1], c[2]});
+  *facing = std::max(0.0, dot(normal, towards));
+  double all = 0.0, open = 0.0;
+  for (int i = 0; i < points * points; ++i) {
+    const Vec3 d = in_cap(towards, half_angle, (i % points + 0.5) / points, (i / points + 0.5) / points);
+    const double cosine = std::max(0.0, dot(d, normal));
+    all += cosine;
+    if (cosine > 0.0 && !state_->grains.occluded(point + normal * k_lift, d, k_far)) open += cosine;
+  }
+  return all > 0.0 ? open / all : 1.0;
+}
+
 #else
 
 struct ShotPicture::State {};
@@ -301,6 +329,7 @@ RadianceMap ShotPicture::composite(const Surroundings&, const ShotCamera&, const
 }
 RadianceMap ShotPicture::truth(const Surroundings&, const ShotCamera&, const ShotPictureOptions&) const { return {}; }
 double ShotPicture::grains_leave(double, double, Vec3, double, int) const { return 1.0; }
+double ShotPicture::grain_lit(double, double, Vec3, double, int, double*) const { return 1.0; }
 
 #endif
 

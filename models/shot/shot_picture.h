@@ -4,10 +4,10 @@
 // and the ambient light; of the floor's radiance, which is the camera's image through the inverse of its tone curve,
 // 1 - (1 - nu) o_k is left in each colour, nu being what the textures leave of the direct light (4.3 of the project's
 // SPEC) and o_k its share (shadow_opacity). Then the tone curve again: where it is flat, a shadow looks lighter than it
-// is. Grains are darkened by the pile's own texture at their
-// place, and by the object's at the place of the floor that the light would reach through them. What stands for the
-// graphics engine and not for this library is traced: the object's shadow on itself, and how open a point is to ambient
-// light.
+// is. Grains are darkened by the pile's own texture at their place, and by the object's at the place of the floor that
+// the light would reach through them; in both, what one direction stands for (ShotLight). What stands for the graphics
+// engine and not for this library is traced: the object's shadow on itself, the contact shadows of grains on grains,
+// and how open a point is to ambient light.
 //
 // Truth. Object, grains and a floor that only catches shadows and gives back light, in the light of the warped
 // panorama: where the floor is seen, the panorama's radiance is multiplied by irradiance with over irradiance without
@@ -60,6 +60,9 @@ class ShotPicture {
   // Share of the light's irradiance of a level floor at (x, 0, z) that the grains alone leave, the light being a cap of
   // half angle `half_angle` about `towards`: stratified rays, points^2 of them.
   double grains_leave(double x, double z, Vec3 towards, double half_angle, int points) const;
+  // The same of the grain's own surface that is seen from above at (x, z); *facing: its cosine to `towards`, 0 where
+  // there is no grain or it faces away.
+  double grain_lit(double x, double z, Vec3 towards, double half_angle, int points, double* facing) const;
 
  private:
   struct State;

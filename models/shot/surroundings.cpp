@@ -124,7 +124,9 @@ ShotLight labelled_light(const Surroundings& s) {
   const double wanted = luminance(labels.ambient) * o / (1.0 - o) / std::max(towards.y, k_least_cosine);
   const double strength =
       luminance(labels.light) > 0.0 ? std::min(wanted / luminance(labels.light), k_most_strength) : 0.0;
-  return {towards, labels.light * strength, labels.ambient, labels.contrast * labels.concentration, -1.0};
+  return {
+      towards, labels.light * strength, labels.ambient, labels.contrast * labels.concentration, labels.concentration,
+      -1.0};
 }
 
 ShotLight arbitrary_light(const ShotCamera& camera) {

@@ -19,7 +19,8 @@ struct ShotLight {
   Vec3 towards = {0, 1, 0};
   Vec3 light, ambient;
   double contrast = 0.0;
-  double confidence = -1.0;  // of an estimate; below 0: it is none
+  double concentration = 1.0;  // the share of `light` that one direction stands for: more is in no one thing's shadow
+  double confidence = -1.0;    // of an estimate; below 0: it is none
 };
 
 struct Surroundings {

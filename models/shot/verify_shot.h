@@ -25,20 +25,19 @@ struct ShotView {
   double angle_deg = 0.0;  // between estimate and labels
 };
 
-// The sand's own shadow on the floor, in one light, against rays cast at the very grains that are drawn: means over
-// texels of what can be seen of them (6.18), where either is in shadow. Apart: texels in which grains lie, of which a
-// texture can say no more than one thing.
+// The sand's own shadow in one light, against rays cast at the very grains that are drawn: means over texels of what
+// can be seen of them (6.18), on the floor where either is in shadow. Apart: texels in which grains lie, of which a
+// texture can say no more than one thing; and the grains' own surface as it is seen from above, by its cosine to the
+// light.
 struct PileShadowError {
   double polar_deg, azimuth_deg;
   struct Part {
-    double rmse = 0.0, without = 0.0;  // of visibility; without: of no shadow of the sand
+    double rmse = 0.0, without = 0.0, bias = 0.0;  // of visibility; without: of no shadow of the sand
     int texels = 0;
-  } clear, among_grains;
+  } clear, among_grains, on_sand;
 };
 std::vector<PileShadowError> study_pile_shadow();
 PileShadowError whole_of(const std::vector<PileShadowError>& lights);  // over all texels of all lights
-// What the whole's RMSE of clear texels must stay below.
-double pile_shadow_limit(const PileShadowError& whole);
 bool holds(const PileShadowError& whole);
 std::string pile_shadow_text(const std::vector<PileShadowError>& lights);
 

@@ -10,27 +10,32 @@ namespace {
 
 // Sand is lit as it is seen, grain by grain: what lies lower than this share of a radius does not shade its neighbour.
 constexpr float k_surface_lift = 0.5f;
-constexpr double k_step_growth = 1.12;  // beyond the first steps; a light of 20 degrees is 0.35 wide at distance 1
-constexpr double k_even_steps = 8;      // texels walked one by one
+constexpr float k_half_face = 0.8862269f;  // of a radius: half the side of a square as large as a sphere's silhouette
+constexpr double k_cap_share = 0.9;        // of a light: what hides that much of it has as good as reached its top
+constexpr double k_step_growth = 1.12;     // beyond the first steps; a light of 20 degrees is 0.35 wide at distance 1
+constexpr double k_even_steps = 8;         // texels walked one by one
 
 void clear_columns(Pile* p) {
   const uint32_t count = p->texels * p->pitch + k_lane_group;
   float* tops = p->tops - k_lane_group;
   float* bottoms = p->bottoms - k_lane_group;
-  for (uint32_t i = 0; i < count; ++i) tops[i] = -k_pile_empty, bottoms[i] = k_pile_empty;
+  float* fills = p->fills - k_lane_group;
+  for (uint32_t i = 0; i < count; ++i) tops[i] = -k_pile_empty, bottoms[i] = k_pile_empty, fills[i] = 0;
   p->sand_rows[0] = p->sand_columns[0] = static_cast<int32_t>(p->texels);
   p->sand_rows[1] = p->sand_columns[1] = -1;
   p->top = 0;
 }
 
-void put_column(Pile* p, int64_t u, int64_t v, float low, float high) {
+// `share` of the texel is covered from `low` to `high`; spheres of one column lie in it independently of each other.
+void put_column(Pile* p, int64_t u, int64_t v, float share, float low, float high) {
   const int32_t n = static_cast<int32_t>(p->texels);
   if (u < 0 || v < 0 || u >= n || v >= n || !(high > 0)) return;
   const int32_t column = static_cast<int32_t>(u), row = static_cast<int32_t>(v);
-  float* top = p->tops + static_cast<int64_t>(row) * p->pitch + column;
-  float* bottom = p->bottoms + static_cast<int64_t>(row) * p->pitch + column;
+  const int64_t at = static_cast<int64_t>(row) * p->pitch + column;
+  float *top = p->tops + at, *bottom = p->bottoms + at, *fill = p->fills + at;
   *top = high > *top ? high : *top;
   *bottom = low < *bottom ? low : *bottom;
+  *fill += share * (1 - *fill);
   p->top = high > p->top ? high : p->top;
   p->sand_rows[0] = row < p->sand_rows[0] ? row : p->sand_rows[0];
   p->sand_rows[1] = row > p->sand_rows[1] ? row : p->sand_rows[1];
@@ -38,13 +43,18 @@ void put_column(Pile* p, int64_t u, int64_t v, float low, float high) {
   p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
 }
 
-// The columns whose middles lie under or over a sphere, and the one that holds its centre.
+// A sphere lies in the column that holds its centre: as the cube whose faces are as large as its silhouette, so that it
+// hides as much from every side, and fills the texel by one face. A sphere as wide as a texel fills all columns, too,
+// whose middles lie under or over it.
 void put_sphere(Pile* p, const float* centre, float radius) {
   const float x = (centre[0] - p->low[0]) / p->texel[0], z = (centre[2] - p->low[1]) / p->texel[1];
   const float n = static_cast<float>(p->texels), reach_x = radius / p->texel[0], reach_z = radius / p->texel[1];
   const float y = centre[1] - p->height;
   if (!(x > -reach_x && z > -reach_z && x < n + reach_x && z < n + reach_z && y < 1e6f)) return;
-  put_column(p, floor_index(static_cast<double>(x)), floor_index(static_cast<double>(z)), y - radius, y + radius);
+  const float area = 4 * k_half_face * k_half_face * reach_x * reach_z, face = k_half_face * radius;
+  put_column(p, floor_index(static_cast<double>(x)), floor_index(static_cast<double>(z)), area < 1 ? area : 1, y - face,
+             y + face);
+  if (reach_x < 0.5f && reach_z < 0.5f) return;
   const int64_t u0 = ceiling_index(static_cast<double>(x - reach_x - 0.5f));
   const int64_t u1 = floor_index(static_cast<double>(x + reach_x - 0.5f));
   const int64_t v0 = ceiling_index(static_cast<double>(z - reach_z - 0.5f));
@@ -56,7 +66,7 @@ void put_sphere(Pile* p, const float* centre, float radius) {
       const float square = radius * radius - dx * dx - dz * dz;
       if (!(square > 0)) continue;
       const float half = __builtin_sqrtf(square);
-      put_column(p, u, v, y - half, y + half);
+      put_column(p, u, v, 1, y - half, y + half);
     }
 }
 
@@ -88,7 +98,8 @@ uint32_t walk(const Pile& p, double cosine, double sine, double low, PileStep* s
   const double reach =
       slope * across * texel > static_cast<double>(p.top) ? static_cast<double>(p.top) / (slope * texel) : across;
   uint32_t count = 0;
-  steps[count++] = {0, 0, static_cast<float>(2 / texel)};  // what hangs over the receiver itself
+  // The receiver's own column: two places on a line are a third of its length apart on the mean.
+  steps[count++] = {0, 0, static_cast<float>(3 / texel)};
   for (double distance = 1; distance <= reach + 1 && count < k_pile_steps;
        distance = distance < k_even_steps ? distance + 1 : distance * k_step_growth) {
     const double x = distance * texel * cosine / static_cast<double>(p.texel[0]);
@@ -130,6 +141,9 @@ void cut_light(Pile* p) {
     PileAzimuth& azimuth = p->azimuths[p->azimuth_count++];
     azimuth.low = static_cast<float>(low), azimuth.high = static_cast<float>(high);
     azimuth.weight = static_cast<float>(weight);
+    const double cap = low + k_cap_share * (high - low);
+    azimuth.foot = static_cast<float>(square_root(low / (1 - low)));
+    azimuth.cap = static_cast<float>(square_root(cap / (1 - cap)));
     azimuth.first_step = steps;
     steps += walk(*p, ahead_x * cosine - ahead_z * sine, ahead_z * cosine + ahead_x * sine, low, p->steps + steps);
     azimuth.last_step = steps;
@@ -160,7 +174,8 @@ void run_columns(Pile* p) {
 
 void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage) {
   PileLightArgs args = {};
-  args.tops = p->tops, args.bottoms = p->bottoms, args.pitch = p->pitch, args.row = static_cast<int32_t>(row);
+  args.tops = p->tops, args.bottoms = p->bottoms, args.fills = p->fills, args.pitch = p->pitch,
+  args.row = static_cast<int32_t>(row);
   for (uint32_t side = 0; side < 2; ++side)
     args.sand_rows[side] = p->sand_rows[side], args.sand_columns[side] = p->sand_columns[side];
   args.receivers = receivers;

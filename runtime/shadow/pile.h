@@ -44,7 +44,7 @@ struct Pile {
   uint32_t texels, pitch;
   double half_sine, half_cosine;  // of half the light
   double tolerance_squared;
-  float *tops, *bottoms;                // texels x pitch, after k_lane_group of padding
+  float *tops, *bottoms, *fills;        // texels x pitch, after k_lane_group of padding
   float *nothing, *receivers, *shares;  // one row each: heights of the floor, of the receivers, the kernel's output
   PileAzimuth* azimuths;
   PileStep* steps;

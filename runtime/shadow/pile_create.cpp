@@ -54,6 +54,7 @@ sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* l
   p->texels = desc.texels, p->pitch = static_cast<uint32_t>(pitch);
   p->tops = layout_region<float>(layout, "pile_shadow.tops", columns);
   p->bottoms = layout_region<float>(layout, "pile_shadow.bottoms", columns);
+  p->fills = layout_region<float>(layout, "pile_shadow.fills", columns);
   float** const rows[] = {&p->nothing, &p->receivers, &p->shares};
   for (float** row : rows) *row = layout_region<float>(layout, "pile_shadow.row", n + k_lane_group);
   p->azimuths = layout_region<PileAzimuth>(layout, "pile_shadow.azimuths", k_pile_azimuths);
@@ -74,7 +75,7 @@ __attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, voi
   owner->functions = &k_pile_functions;
   Pile* p = &owner->pile;
   p->kernels = select_kernels(desc.isa);
-  p->tops += k_lane_group, p->bottoms += k_lane_group;
+  p->tops += k_lane_group, p->bottoms += k_lane_group, p->fills += k_lane_group;
   for (uint32_t i = 0; i < p->texels + k_lane_group; ++i) p->nothing[i] = p->receivers[i] = p->shares[i] = 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {
     p->low[axis] = desc.low[axis], p->high[axis] = desc.high[axis];

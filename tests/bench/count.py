@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Executed ARM instructions per item and per frame, against the committed ones.
 
-    count.py sand|shadow|light --emulator COMMAND --plugin FILE --program COMMAND --compiler TEXT --baseline FILE [--write] [--control]
+    count.py sand|shadow|pile|light --emulator COMMAND --plugin FILE --program COMMAND --compiler TEXT --baseline FILE [--write] [--control]
 
 Runs the workload under the emulator with count_plugin, prints the table, and fails when a line has grown by more than 2 %. The
 numbers belong to one compiler; with another the table is printed and the test is skipped (exit code 77). --write replaces the
@@ -28,6 +28,11 @@ METRICS = {
     "shadow": [
         ("int8 kernels per texel", r"sandglass::int8_", "texels"),
         ("int8 kernels per thousand multiply-adds", r"sandglass::int8_", "thousand_macs"),
+        ("whole texture", None, "textures"),
+    ],
+    "pile": [
+        ("pile_light per texel", r"::pile_light\(", "texels"),
+        ("columns per grain", r"sandglass::pile_run\(|::run_columns\(|::put_sphere\(|::put_column\(", "grains_put"),
         ("whole texture", None, "textures"),
     ],
     "light": [

@@ -473,18 +473,21 @@ void check_surface_at(uint32_t n) {
 
 // ---- pile_light
 
-// Random columns, some of them empty or in the air, in the middle of a row-padded grid; two azimuths of random steps.
+// Random columns, some of them empty, thinly filled or in the air, in the middle of a row-padded grid; two azimuths of
+// random steps.
 void check_pile_light(uint32_t n) {
   const uint32_t rows = 5, padded = (n + 15) / 16 * 16, pitch = padded + k_lane_group;
   std::mt19937 random(53);
   std::uniform_real_distribution<double> unit(0, 1);
-  std::vector<float> tops(rows * pitch + 3 * k_lane_group, -1e30f), bottoms(tops.size(), 1e30f);
+  std::vector<float> tops(rows * pitch + 3 * k_lane_group, -1e30f), bottoms(tops.size(), 1e30f),
+      fills(tops.size(), 0.0f);
   const auto place = [&](uint32_t row, uint32_t column) { return k_lane_group + row * pitch + column; };
   for (uint32_t v = 0; v < rows; ++v)
     for (uint32_t u = 0; u < n; ++u) {
       if (unit(random) < 0.3) continue;
       tops[place(v, u)] = static_cast<float>(0.05 + 0.1 * unit(random));
       bottoms[place(v, u)] = static_cast<float>(0.06 * unit(random) - 0.02);
+      fills[place(v, u)] = unit(random) < 0.4 ? 1.0f : static_cast<float>(unit(random));
     }
   std::vector<float> receivers(padded);
   for (float& r : receivers) r = static_cast<float>(0.02 * unit(random));
@@ -492,13 +495,16 @@ void check_pile_light(uint32_t n) {
   for (PileStep& step : steps)
     step = {static_cast<int32_t>(7 * unit(random)) - 3, static_cast<int32_t>(9 * unit(random)) - 4,
             static_cast<float>(20 + 60 * unit(random))};
-  const PileAzimuth azimuths[2] = {{0.2f, 0.9f, 1.0f, 0, 5}, {0.1f, 0.8f, 0.7f, 5, 12}};
+  // The slopes whose sin^2 are 0.2 and 0.83, 0.1 and 0.73.
+  const PileAzimuth azimuths[2] = {{0.2f, 0.9f, 1.0f, 0.5f, 2.2096042f, 0, 5},
+                                   {0.1f, 0.8f, 0.7f, 0.33333333f, 1.6442943f, 5, 12}};
   const double total = 0.7 + 0.7 * 0.7;
   std::vector<float> first;
   for (const Kernels* kernels : tables()) {
     std::vector<float> shares(padded);
     PileLightArgs args = {};
     args.tops = tops.data() + k_lane_group, args.bottoms = bottoms.data() + k_lane_group;
+    args.fills = fills.data() + k_lane_group;
     args.pitch = pitch, args.row = 2;
     args.sand_rows[0] = 0, args.sand_rows[1] = rows - 1;
     args.sand_columns[0] = 0, args.sand_columns[1] = static_cast<int32_t>(n) - 1;
@@ -509,14 +515,19 @@ void check_pile_light(uint32_t n) {
     for (uint32_t i = 0; i < n; ++i) {
       double sum = 0;
       for (const PileAzimuth& azimuth : azimuths) {
-        double high = 0, low = 1e30;
+        // How much of the way from the foot each height is dark: what a column leaves is left by those it does not top.
+        const double foot = static_cast<double>(azimuth.foot), cap = static_cast<double>(azimuth.cap);
+        double high = 0, low = 1e30, reached = foot;
         for (uint32_t s = azimuth.first_step; s < azimuth.last_step; ++s) {
           const int row = 2 + steps[s].rows, column = static_cast<int>(i) + steps[s].columns;
           if (row < 0 || row >= static_cast<int>(rows) || column < 0 || column >= static_cast<int>(n)) continue;
           const uint32_t at = place(static_cast<uint32_t>(row), static_cast<uint32_t>(column));
           if (tops[at] < 0) continue;
           const double inverse = static_cast<double>(steps[s].inverse_distance);
-          high = std::max(high, static_cast<double>(tops[at] - receivers[i]) * inverse);
+          const double slope = static_cast<double>(tops[at] - receivers[i]) * inverse;
+          high = std::max(high, slope);
+          if (std::min(slope, cap) > reached)
+            reached += static_cast<double>(fills[at]) * (std::min(slope, cap) - reached);
           low = std::min(low, static_cast<double>(bottoms[at] - receivers[i]) * inverse);
         }
         // The share of the azimuth that no column hides.
@@ -524,7 +535,8 @@ void check_pile_light(uint32_t n) {
                      to = std::pow(std::sin(std::atan(high)), 2);
         const double hidden = std::max(
             0.0, std::min(to, static_cast<double>(azimuth.high)) - std::max(from, static_cast<double>(azimuth.low)));
-        sum += static_cast<double>(azimuth.weight) * (static_cast<double>(azimuth.high - azimuth.low) - hidden);
+        const double dark = high > foot ? (reached - foot) / (std::min(high, cap) - foot) : 0.0;
+        sum += static_cast<double>(azimuth.weight) * (static_cast<double>(azimuth.high - azimuth.low) - hidden * dark);
       }
       ASSERT_NEAR(shares[i], std::min(sum / total, 1.0), 2e-6) << sandglass_isa_name(kernels->isa) << " texel " << i;
     }

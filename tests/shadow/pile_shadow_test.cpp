@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,7 @@
 namespace {
 
 constexpr double k_degree = std::numbers::pi / 180.0;
-constexpr float k_radius = 0.01f;
+constexpr float k_radius = 0.01f, k_grain = 0.0035f;  // of particles; of grains, which a texel does not resolve
 
 struct Light {
   double polar_deg, azimuth_deg;
@@ -75,7 +76,8 @@ std::vector<float> tower() {  // as it begins to collapse
 }
 
 // The share of the light's irradiance that reaches a point, by rays through the middles of equal parts of the cap.
-double traced(const std::vector<float>& spheres, const double (&point)[3], const Light& light) {
+double traced(const std::vector<float>& spheres, const double (&point)[3], const Light& light,
+              float radius = k_radius) {
   constexpr int k_side = 12;
   double d[3], u[3], v[3];
   light.vector(d);
@@ -99,7 +101,7 @@ double traced(const std::vector<float>& spheres, const double (&point)[3], const
           const double to = static_cast<double>(spheres[s + k]) - point[k];
           along += to * r[k], square += to * to;
         }
-        hit = along > 0 && square - along * along < static_cast<double>(k_radius * k_radius);
+        hit = along > 0 && square - along * along < static_cast<double>(radius * radius);
       }
       open += hit ? 0 : r[1];
     }
@@ -154,7 +156,7 @@ TEST(PileShadow, IsWhatRaysSay) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "a million rays";
   const std::vector<float> steep = tower(), flat = heap();
   // Limits are the measured errors and a quarter.
-  for (const Light light : {Light{50, 200}, Light{65, 305}}) expect_truth("tower", steep, light, 0.053);
+  for (const Light light : {Light{50, 200}, Light{65, 305}}) expect_truth("tower", steep, light, 0.0525);
   expect_truth("heap", flat, {68, 100}, 0.035);
 }
 
@@ -162,8 +164,8 @@ TEST(PileShadow, OfSandInTheAirStandsOffFromItsFoot) {
   const std::vector<float> ball =
       spheres_in([](const float* p) { return std::hypot(std::hypot(p[0], p[2]), p[1] - 0.2f) < 0.06f; }, 0.1f, 0.3f);
   const Light light = {45, 0};  // from +x: the shadow's middle is 0.2 m to the other side
-  expect_truth("ball", ball, light, 0.053);
-  expect_truth("ball", ball, {4, 70}, 0.065);
+  expect_truth("ball", ball, light, 0.0515);
+  expect_truth("ball", ball, {4, 70}, 0.063);
   const Shadow shadow(description());
   shadow.light(light);
   sandglass_pile_shadow_run(shadow.handle, ball.data(), static_cast<uint32_t>(ball.size() / 3), k_radius, 100000);
@@ -174,6 +176,40 @@ TEST(PileShadow, OfSandInTheAirStandsOffFromItsFoot) {
   EXPECT_GT(at(-0.2, 0), 200) << "shadow";
   EXPECT_EQ(at(0, 0), 0) << "below the ball";
   EXPECT_EQ(at(0.2, 0), 0) << "on the light's side";
+}
+
+// A thin layer of grains: a texel holds less than one.
+TEST(PileShadow, OfScatteredGrainsIsNotThatOfFullTexels) {
+  if (SANDGLASS_EMULATED) GTEST_SKIP() << "ten million rays";
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  std::vector<float> grains;
+  while (grains.size() < 3 * 700) {
+    const float x = 0.15f * unit(random), z = 0.15f * unit(random);
+    if (std::hypot(x, z) < 0.15f) grains.insert(grains.end(), {x, k_grain, z});
+  }
+  for (const double polar : {20.0, 45.0, 65.0}) {
+    const Light light = {polar, 200};
+    const Shadow shadow(description());
+    shadow.light(light);
+    sandglass_pile_shadow_run(shadow.handle, grains.data(), static_cast<uint32_t>(grains.size() / 3), k_grain, 1000);
+    const sandglass_pile_shadow_texture t = shadow.texture();
+    double truth = 0, shown = 0, points = 0;
+    for (int i = 0; i < 600; ++i) {
+      const double point[3] = {static_cast<double>(0.12f * unit(random)), 0, static_cast<double>(0.12f * unit(random))};
+      bool under = false;
+      for (size_t s = 0; s < grains.size() && !under; s += 3)
+        under = std::hypot(static_cast<double>(grains[s]) - point[0], static_cast<double>(grains[s + 2]) - point[2]) <
+                static_cast<double>(k_grain);
+      if (under) continue;
+      const auto texel = [](double x) { return static_cast<size_t>((x + 0.5) * 128); };
+      truth += traced(grains, point, light, k_grain);
+      shown += 1 - t.coverage[texel(point[2]) * 128 + texel(point[0])] / 255.0, points += 1;
+    }
+    // The measured differences, 0.02 to 0.036, and a quarter; full columns are too dark by far more.
+    EXPECT_NEAR(shown / points, truth / points, 0.045) << "light at " << polar;
+    EXPECT_GT(1 - truth / points, 0.1) << "light at " << polar << ": there is a shadow";
+  }
 }
 
 TEST(PileShadow, OneHashForAllKernelsAndAllDivisions) {
@@ -194,7 +230,7 @@ TEST(PileShadow, OneHashForAllKernelsAndAllDivisions) {
       EXPECT_EQ(hash, first) << sandglass_isa_name(isa) << ", " << units << " units at a time";
     }
   }
-  EXPECT_EQ(first, 11349589810376426131ull) << "on every machine";
+  EXPECT_EQ(first, 6054312259728143041ull) << "on every machine";
 }
 
 TEST(PileShadow, RefusesWithASentence) {

@@ -1,10 +1,11 @@
 /* Sandglass pile shadow: the soft shadow that a scene's sand casts on the floor and on itself.
  *
  * The sand is taken as columns: over each texel of a rectangle of the floor it reaches from its lowest to its highest
- * particle. What a column hides of the light is an interval of elevations; seen along one azimuth, the intervals of all
- * columns are taken as one. The light is a cap of uniform radiance, cut into azimuths. This is exact for a heap that
- * lies on the floor, as far as azimuths and texels are fine, right for one body of sand in the air, and too dark where
- * sand falls onto a heap: what lies between the two counts as sand.
+ * particle, and hides light by the share of the texel that particles cover. What a column hides of the light is an
+ * interval of elevations; seen along one azimuth, the intervals of all columns are taken as one. The light is a cap of
+ * uniform radiance, cut into azimuths. This is exact for a heap that lies on the floor, as far as azimuths and texels
+ * are fine, right for one body of sand in the air, and too dark where sand falls onto a heap: what lies between the two
+ * counts as sand. Of scattered grains smaller than half a texel it is right on the mean, not grain by grain.
  *
  * An app
  *   1. fills a sandglass_pile_shadow_desc, asks sandglass_pile_shadow_bytes, and hands a block of that size to

@@ -1,0 +1,56 @@
+// What is counted of the sand's own shadow: textures of 128 x 128 of a heap of 24,000 grains, on the floor and on the
+// sand, each from its light to its last unit (and its hash), with the light 20, 45 and 65 degrees from the zenith.
+//   count_pile [ISA]
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+#include "sandglass/pile_shadow.h"
+#include "sandglass/sandglass.hpp"
+
+extern "C" {
+__attribute__((noinline)) void counting_begins() { __asm__ volatile(""); }
+__attribute__((noinline)) void counting_ends() { __asm__ volatile(""); }
+}
+
+int main(int argument_count, char** arguments) {
+  constexpr uint32_t k_grains = 24000, k_lights = 3;
+  constexpr float k_radius = 0.0035f, k_foot = 0.25f, k_height = 0.08f;
+  sandglass_pile_shadow_desc desc;
+  sandglass_pile_shadow_desc_default(&desc);
+  desc.isa = argument_count > 1 ? std::atoi(arguments[1]) : SANDGLASS_ISA_AUTOMATIC;
+  // A cone, filled evenly: x and z over its foot, y below its surface.
+  std::vector<float> grains;
+  uint32_t state = 1;
+  const auto unit = [&state] {
+    state = state * 1664525u + 1013904223u;
+    return static_cast<float>(state >> 8) / 16777216.0f;
+  };
+  while (grains.size() < 3 * k_grains) {
+    const float x = k_foot * (2 * unit() - 1), z = k_foot * (2 * unit() - 1), y = k_height * unit();
+    const float left = 1 - y / k_height;
+    if (x * x + z * z < k_foot * k_foot * left * left) grains.insert(grains.end(), {x, y + k_radius, z});
+  }
+  const char* reason = nullptr;
+  uint64_t bytes = 0;
+  sandglass_pile_shadow* shadow = nullptr;
+  if (sandglass_pile_shadow_bytes(&desc, &bytes, &reason) != SANDGLASS_OK)
+    return std::fprintf(stderr, "%s\n", reason), 2;
+  const sandglass::cpp::Block block = sandglass::cpp::allocate_block(bytes);
+  if (sandglass_pile_shadow_create(&desc, block.get(), bytes, &shadow, &reason) != SANDGLASS_OK)
+    return std::fprintf(stderr, "%s\n", reason), 2;
+  const float lights[k_lights][3] = {{0.342f, 0.940f, 0}, {0.707f, 0.707f, 0}, {0.906f, 0.423f, 0}};
+  uint64_t hash = 0;
+  counting_begins();
+  for (const float(&light)[3] : lights) {
+    if (sandglass_pile_shadow_set_light(shadow, light, &reason) != SANDGLASS_OK) return 2;
+    while (sandglass_pile_shadow_run(shadow, grains.data(), k_grains, k_radius, 64) != 0) continue;
+    hash = hash * 31 + sandglass_pile_shadow_hash(shadow);
+  }
+  counting_ends();
+  std::printf("isa %s\ntexels %u\ngrains_put %u\ntextures %u\nhash 0x%016llx\n", sandglass_isa_name(desc.isa),
+              2 * k_lights * desc.texels * desc.texels, k_lights * k_grains, k_lights,
+              static_cast<unsigned long long>(hash));
+  return 0;
+}
