@@ -61,7 +61,7 @@ struct ShotStudyOptions {
   std::vector<std::string> panoramas;  // files; the first `views` are taken
   size_t views = 20;
   uint64_t seed = 0;  // where the cameras look: 0 is the study, others are there to check what was learnt from it
-  int width = 160, height = 120, paths = 64;
+  int width = 160, height = 120, paths = 1024;
   std::string network;  // a lighting network's file; empty: without estimate
   std::string folder;   // keeps finished views, so that a run goes on where it ended, and gets pictures; may be empty
   uint32_t threads = 1;
