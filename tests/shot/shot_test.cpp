@@ -43,16 +43,6 @@ Camera camera() {
   return c;
 }
 
-// A cube of half a metre on the floor.
-Mesh cube() {
-  const float size[3] = {0.5f, 0.5f, 0.5f};
-  Mesh mesh = make_box(size);
-  float low = 1e9f;
-  for (size_t i = 1; i < mesh.vertices.size(); i += 3) low = std::min(low, mesh.vertices[i]);
-  for (size_t i = 1; i < mesh.vertices.size(); i += 3) mesh.vertices[i] -= low;
-  return mesh;
-}
-
 // An even panorama with one bright patch of 10 degrees at a direction.
 RadianceMap lamp_room(Vec3 towards, double bright, double even = 0.2) {
   RadianceMap map(256, 128);
@@ -229,6 +219,16 @@ TEST(Shot, TheShadowDoesNotSwimWhileTheCameraTurns) {
 }
 
 #ifdef SANDGLASS_HAVE_EMBREE
+
+// A cube of half a metre on the floor.
+Mesh cube() {
+  const float size[3] = {0.5f, 0.5f, 0.5f};
+  Mesh mesh = make_box(size);
+  float low = 1e9f;
+  for (size_t i = 1; i < mesh.vertices.size(); i += 3) low = std::min(low, mesh.vertices[i]);
+  for (size_t i = 1; i < mesh.vertices.size(); i += 3) mesh.vertices[i] -= low;
+  return mesh;
+}
 
 double mean_of(const RadianceMap& map, int x0, int y0, int x1, int y1) {
   double sum = 0;
