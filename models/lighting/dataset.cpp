@@ -148,6 +148,11 @@ Location location_of(const std::string& panorama, const std::string& manifest_te
 DatasetSummary make_dataset(const DatasetOptions& options) {
   const std::vector<std::string> panoramas = find_panoramas(options.panoramas);
   const std::string manifest_text = options.manifest.empty() ? "" : read_file(options.manifest, "manifest");
+  std::vector<Location> locations;
+  for (const std::string& panorama : panoramas) {
+    if (!fs::exists(panorama)) throw Failure("cannot open the panorama '" + panorama + "'; check the path");
+    locations.push_back(location_of(panorama, manifest_text));
+  }
   make_folder(options.folder + "/images");
   std::vector<std::vector<Excerpt>> results(panoramas.size());
   // Tiles of the sheet: evenly over all excerpts.
@@ -164,7 +169,7 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
   const auto work = [&] {
     for (size_t i; (i = next.fetch_add(1)) < panoramas.size() && !interrupted();) {
       try {
-        results[i] = excerpts_of(panoramas[i], location_of(panoramas[i], manifest_text), options, with_tile[i]);
+        results[i] = excerpts_of(panoramas[i], locations[i], options, with_tile[i]);
       } catch (...) {
         const std::lock_guard lock(mutex);
         failure = std::current_exception();

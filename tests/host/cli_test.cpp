@@ -374,6 +374,7 @@ TEST_F(Cli, RoomsAndPanoramasBadInputIsOneSentence) {
   expect_refused("room --samples 0 -o " + path("room.hdr"), "--samples");
   EXPECT_FALSE(fs::exists(path("room.hdr")));
   expect_refused("dataset " + path("nowhere") + " -o " + path("out"), "nowhere");
+  EXPECT_FALSE(fs::exists(path("out")));
   expect_refused("dataset " + write("text.hdr", "not a panorama\n") + " -o " + path("out"), "not a Radiance");
   expect_refused("dataset '" + folder.string() + "/out' -o " + path("out"), "no .hdr or .exr");
 }
