@@ -79,6 +79,14 @@ bool have_assimp() {
 #endif
 }
 
+bool have_embree() {  // which rooms are traced by
+#ifdef SANDGLASS_HAVE_EMBREE
+  return true;
+#else
+  return false;
+#endif
+}
+
 constexpr const char* k_cube =
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
     "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
@@ -222,6 +230,7 @@ TEST_F(Cli, VerifiesAChosenCaseAndWritesItsTable) {
 TEST_F(Cli, RunsShotsOfFiles) {
   if (*SANDGLASS_EMULATOR != '\0')
     GTEST_SKIP() << "fills 25,000 grains three times; nothing of it is the instruction set's";
+  if (!have_embree()) GTEST_SKIP() << "needs a room, and this build has no Embree to trace one";
   const std::string files = "-o '" + path("room.hdr") + "' --picture '" + path("room.png") + "'";
   ASSERT_EQ(run("room --seed 3 --width 64 --samples 1 " + files).code, 0);
   const auto light_of = [&](const std::string& arguments) {
@@ -241,6 +250,7 @@ TEST_F(Cli, RunsShotsOfFiles) {
 }
 
 TEST_F(Cli, RefusesBadShots) {
+  if (!have_embree()) GTEST_SKIP() << "needs a room, and this build has no Embree to trace one";
   ASSERT_EQ(
       run("room --seed 3 --width 64 --samples 1 -o '" + path("room.hdr") + "' --picture '" + path("room.png") + "'")
           .code,
