@@ -10,12 +10,11 @@
 #include <cstring>
 
 #include "models/host/aligned_bytes.h"
-#include "models/host/npz.h"
 #include "models/lighting/light_runner.h"
-#include "models/lighting/quantise.h"
 #include "runtime/asset/checksum.h"
 #include "runtime/lighting/heads.h"
 #include "tests/lighting/byte_network.h"
+#include "tests/lighting/reference_classifier.h"
 
 namespace sandglass::host {
 namespace {
@@ -162,40 +161,9 @@ TEST(LightNetwork, ClassifiesTheReferenceImagesAsTheFloatNetworkDoes) {
   const char* folder = std::getenv("SANDGLASS_DATA_DIR");
   if (folder == nullptr) GTEST_SKIP() << "SANDGLASS_DATA_DIR is not set";
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "minutes under emulation";
-  const std::string pretrained = std::string(folder) + "/pretrained/";
-  LightNet net;
-  net.trunk = densenet_of(read_npz(pretrained + "densenet121_imagenet_keras_fp32.npz"));
-  net.latent.assign(size_t{k_features} * k_latent, 0.01f), net.latent_bias.assign(k_latent, 0);
-  net.heads.assign(size_t{k_latent} * k_heads, 0.01f), net.heads_bias.assign(k_heads, 0);
-  const auto truth = read_npz(pretrained + "densenet121_reference_outputs.npz");
-  LightRanges ranges;
-  ranges.products = false;
-  std::vector<std::vector<uint8_t>> images;
-  for (const std::string name : {"bird", "parrot", "cat"}) {
-    const std::vector<float>& pixels = truth.at(name + "/rgb_u8").values;
-    images.emplace_back(pixels.size());
-    std::transform(pixels.begin(), pixels.end(), images.back().begin(),
-                   [](float v) { return static_cast<uint8_t>(v); });
-    observe(net.trunk, images.back(), 224, 224, &ranges);
-  }
-  LightRunner runner(light_file_bytes(quantise(net, &ranges)), "classifier", SANDGLASS_ISA_AUTOMATIC, 224, 224);
-  size_t image = 0;
-  for (const std::string name : {"bird", "parrot", "cat"}) {
-    runner.run(images[image++]);
-    const std::vector<float> features = runner.features(), &expected = truth.at(name + "/feat1024").values;
-    double error = 0, square = 0;
-    for (size_t c = 0; c < features.size(); ++c) {
-      error += std::pow(static_cast<double>(features[c] - expected[c]), 2);
-      square += std::pow(static_cast<double>(expected[c]), 2);
-    }
-    std::printf("%s: relative error of the features %.4f\n", name.c_str(), std::sqrt(error / square));
-    EXPECT_LE(std::sqrt(error / square), 0.1) << name;
-    const std::vector<float> probabilities = probabilities_of(net.trunk, features),
-                             &classes = truth.at(name + "/prob1000").values;
-    EXPECT_EQ(std::max_element(probabilities.begin(), probabilities.end()) - probabilities.begin(),
-              std::max_element(classes.begin(), classes.end()) - classes.begin())
-        << name;
-  }
+  const ReferenceClassifier classifier(folder);
+  LightRunner runner(classifier.file(), "classifier", SANDGLASS_ISA_AUTOMATIC, k_reference_side, k_reference_side);
+  classifier.expect_reference(&runner);
 }
 
 }  // namespace

@@ -12,17 +12,16 @@
 #include <iterator>
 #include <vector>
 
-#include "models/host/npz.h"
 #include "models/host/random.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
-#include "models/lighting/quantise.h"
 #include "platform/virtual_clock.h"
 #include "platform/xnnpack.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/counting_allocator.h"
 #include "tests/lighting/byte_network.h"
 #include "tests/lighting/light_fixture.h"
+#include "tests/lighting/reference_classifier.h"
 
 namespace sandglass::host {
 namespace {
@@ -112,43 +111,12 @@ TEST(Xnnpack, ClassifiesTheReferenceImagesAsTheFloatNetworkDoes) {
   const char* folder = std::getenv("SANDGLASS_DATA_DIR");
   if (folder == nullptr) GTEST_SKIP() << "SANDGLASS_DATA_DIR is not set";
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "minutes under emulation";
-  const std::string pretrained = std::string(folder) + "/pretrained/";
-  LightNet net;
-  net.trunk = densenet_of(read_npz(pretrained + "densenet121_imagenet_keras_fp32.npz"));
-  net.latent.assign(size_t{k_features} * k_latent, 0.01f), net.latent_bias.assign(k_latent, 0);
-  net.heads.assign(size_t{k_latent} * k_heads, 0.01f), net.heads_bias.assign(k_heads, 0);
-  const auto truth = read_npz(pretrained + "densenet121_reference_outputs.npz");
-  LightRanges ranges;
-  ranges.products = false;
-  std::vector<std::vector<uint8_t>> images;
-  for (const std::string name : {"bird", "parrot", "cat"}) {
-    const std::vector<float>& pixels = truth.at(name + "/rgb_u8").values;
-    images.emplace_back(pixels.size());
-    std::transform(pixels.begin(), pixels.end(), images.back().begin(),
-                   [](float v) { return static_cast<uint8_t>(v); });
-    observe(net.trunk, images.back(), 224, 224, &ranges);
-  }
-  const std::vector<uint8_t> file = light_file_bytes(quantise(net, &ranges));
+  const ReferenceClassifier classifier(folder);
   for (const sandglass_light_backend backend :
        {SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8}) {
-    LightRunner runner(file, "classifier", SANDGLASS_ISA_AUTOMATIC, 224, 224, backend);
-    size_t image = 0;
-    for (const std::string name : {"bird", "parrot", "cat"}) {
-      runner.run(images[image++]);
-      const std::vector<float> features = runner.features(), &expected = truth.at(name + "/feat1024").values;
-      double error = 0, square = 0;
-      for (size_t c = 0; c < features.size(); ++c) {
-        error += std::pow(static_cast<double>(features[c] - expected[c]), 2);
-        square += std::pow(static_cast<double>(expected[c]), 2);
-      }
-      std::printf("%s: relative error of the features %.4f\n", name.c_str(), std::sqrt(error / square));
-      EXPECT_LE(std::sqrt(error / square), 0.1) << name;
-      const std::vector<float> probabilities = probabilities_of(net.trunk, features),
-                               &classes = truth.at(name + "/prob1000").values;
-      EXPECT_EQ(std::max_element(probabilities.begin(), probabilities.end()) - probabilities.begin(),
-                std::max_element(classes.begin(), classes.end()) - classes.begin())
-          << name;
-    }
+    LightRunner runner(classifier.file(), "classifier", SANDGLASS_ISA_AUTOMATIC, k_reference_side, k_reference_side,
+                       backend);
+    classifier.expect_reference(&runner);
   }
 }
 

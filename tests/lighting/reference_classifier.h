@@ -1,0 +1,30 @@
+// The pretrained classifier of the data folder as a lighting file, and the three reference images that it is asked
+// about.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/lighting/light_net.h"
+#include "models/lighting/light_runner.h"
+
+namespace sandglass::host {
+
+constexpr uint32_t k_reference_side = 224;  // pixels of an image
+
+class ReferenceClassifier {
+ public:
+  explicit ReferenceClassifier(const std::string& data_folder);
+
+  const std::vector<uint8_t>& file() const { return file_; }
+  // Features within a tenth of the reference's, and its class, for each image.
+  void expect_reference(LightRunner* runner) const;
+
+ private:
+  std::string folder_;
+  LightNet net_;
+  std::vector<std::vector<uint8_t>> images_;
+  std::vector<uint8_t> file_;
+};
+
+}  // namespace sandglass::host
