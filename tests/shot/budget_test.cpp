@@ -22,6 +22,13 @@
 
 namespace {
 
+// The law holds for any build; how much is done in a budget is said of one that is optimised and free of sanitizers.
+#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+constexpr bool k_as_it_ships = true;
+#else
+constexpr bool k_as_it_ships = false;
+#endif
+
 using sandglass::host::AlignedBytes;
 using sandglass::host::Block;
 
@@ -176,12 +183,17 @@ Law expect_law(uint64_t budget_ns) {
       "first light in frame %d\n",
       1e-6 * static_cast<double>(budget_ns), law.cpu_p999_ms, law.debt, law.worst_level, law.shadow_frames,
       first_light);
-  EXPECT_GT(textures, 20);
-  EXPECT_GT(first_light, 0);
+  if (k_as_it_ships) {
+    EXPECT_GT(textures, 20);
+    EXPECT_GT(first_light, 0);
+  }
   return law;
 }
 
-TEST(ShotBudget, EightMillisecondsOweNothing) { EXPECT_EQ(expect_law(8'000'000).debt, 0.0); }
+TEST(ShotBudget, EightMillisecondsOweNothing) {
+  const Law law = expect_law(8'000'000);
+  if (k_as_it_ships) EXPECT_EQ(law.debt, 0.0);
+}
 TEST(ShotBudget, FourMillisecondsHold) { expect_law(4'000'000); }
 
 TEST(ShotBudget, WhatIsLeftOutIsGone) {
