@@ -192,7 +192,9 @@ Law expect_law(uint64_t budget_ns) {
 
 TEST(ShotBudget, EightMillisecondsOweNothing) {
   const Law law = expect_law(8'000'000);
-  if (k_as_it_ships) EXPECT_EQ(law.debt, 0.0);
+  if (k_as_it_ships) {
+    EXPECT_EQ(law.debt, 0.0);
+  }
 }
 TEST(ShotBudget, FourMillisecondsHold) { expect_law(4'000'000); }
 
