@@ -1,5 +1,4 @@
 // The worker pool that the program hands to the library.
-// calls.
 #pragma once
 
 #include <cstdint>

@@ -164,7 +164,7 @@ typedef struct sandglass_granular_desc {
   float height_weighting; /* k of SPEC 2.1 (erratum 4.38), dimensionless, 0..1.5; the default, 0.3, is calibrated with
                            * the friction. More carries tall piles with less overlap, and carries inside the sand what
                            * a floor or a wall should carry; 0 conserves momentum pairwise. What it lifts a particle by
-                           * is at most twice what gravity takes, so impacts throw nothing */
+                           * is at most twice what gravity takes, so nothing flies up at an impact */
 
   sandglass_scheme scheme;
   uint32_t solver_iterations;        /* 1..64 */
