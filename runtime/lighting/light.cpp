@@ -342,7 +342,9 @@ sandglass_status sandglass_light_create(const sandglass_light_desc* desc, void* 
   return built ? accept(reason) : SANDGLASS_ERROR_UNSUPPORTED;
 }
 
-void sandglass_light_release(sandglass_light* light) { release_light_network(light->light.network); }
+void sandglass_light_release(sandglass_light* light) {
+  if (light != nullptr) release_light_network(light->light.network);
+}
 
 void sandglass_light_reset(sandglass_light* light) { reset(&light->light); }
 

@@ -213,6 +213,7 @@ TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
           "SANDGLASS_LIGHT_BACKEND_OWN");
   if (!SANDGLASS_WITH_XNNPACK)
     refused(changed([](auto& d) { d.backend = SANDGLASS_LIGHT_BACKEND_XNNPACK_F32; }), "SANDGLASS_XNNPACK=ON");
+  sandglass_light_release(nullptr);  // as after a refusal: nothing to give back
   // Another kind of asset: the identifier of a shadow, with a right checksum.
   LightFileBytes shadow = random_light();
   std::memcpy(shadow.data() + 4, "SGSH", 4);

@@ -199,7 +199,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_create(const 
                                                                           const char** reason);
 
 /* Before the block is freed: gives back what an XNNPACK back end took of its region. With the project's own kernels
- * there is nothing to give back. The light must not be used afterwards. */
+ * there is nothing to give back. The light must not be used afterwards. NULL: nothing. */
 SANDGLASS_API void sandglass_light_release(sandglass_light* light);
 
 /* Forgets every estimate, and the image under way: for a new room. */
