@@ -14,7 +14,7 @@ constexpr float k_support_radii = 3.0f;       // h = 3r
 constexpr float k_grain_cell_radii = 2.0f;    // a vector of grains is then about one cell
 constexpr float k_sweeps_per_sort = 4.0f;     // grains move a fraction of a cell between sorts
 constexpr float k_still_speed_units = 0.25f;  // of sqrt(g d): between sleepers grains creep on, slower than that
-constexpr uint32_t k_sweep_steps_max = 4;
+constexpr uint32_t k_sweep_steps_max = 4;     // and frames that a sweep may cover
 
 bool sweep_wanted(const Granular& g, uint32_t level) {
   if (g.grain_count == 0 || g.particle_count == 0 || g.unswept < k_time_resolution) return false;
@@ -262,7 +262,22 @@ void granular_finish_sweep(Granular* g) {
   while (g->grain_phase != GrainPhase::idle) run(g, 0);
 }
 
-Stage granular_grain_stage(Granular* granular) { return {granular, next, run, forecast, 0, 1.0f}; }
+double granular_lag_limit(const Granular& g) {
+  const float frame = g.frame_step > g.desc.refine_step ? g.frame_step : g.desc.refine_step;
+  const double under_way = g.grain_phase == GrainPhase::idle ? 0.0 : g.sweep_time;
+  return under_way + k_sweep_steps_max * static_cast<double>(frame);
+}
+
+bool granular_grains_behind(const Granular& g) {
+  if (g.grain_count == 0 || g.particle_count == 0) return false;  // without particles there is nothing to follow
+  return g.unswept >= granular_lag_limit(g) - k_time_resolution;
+}
+
+// A unit of grains becomes mandatory when the particles wait for them: whatever the budget, one of the two goes on.
+Stage granular_grain_stage(Granular* granular) {
+  const bool awaited = granular_grains_behind(*granular) || granular->grain_phase == GrainPhase::snapshot;
+  return {granular, next, run, forecast, awaited ? 1u : 0u, 1.0f};
+}
 
 Stage granular_output_stage(Granular* granular) {
   return {granular, next_output, run_output, forecast_output, ~0u, 1.0f};

@@ -271,7 +271,9 @@ sandglass_status granular_save(Granular* granular, void* data, uint64_t bytes, u
 sandglass_status granular_restore(Granular* granular, const void* data, uint64_t bytes, const char** reason);
 sandglass_status granular_move(Granular* granular, const float rotation[4], const float translation[3],
                                const char** reason);
-void granular_finish_sweep(Granular* granular);                   // grains.cpp
+void granular_finish_sweep(Granular* granular);         // grains.cpp
+double granular_lag_limit(const Granular& granular);    // as much as the next sweep may cover, after the one under way
+bool granular_grains_behind(const Granular& granular);  // at that limit: the particles wait
 void granular_sort_boundary(Granular* granular, uint32_t count);  // of the records where the boundary stands
 void granular_move_body(Granular* granular, uint32_t index, const double rotation[4], const float shift[3]);
 

@@ -86,8 +86,10 @@ double interval_for(const Granular& g, uint32_t level) {
   return g.owed / parts;
 }
 
+// At full quality each interval is refined before the next; below it time slows rather than leave grains behind.
 bool waits_for_grains(const Granular& g, uint32_t level) {
-  return k_ladder[level].refine_often && g.grain_count != 0 && g.interval_left == 0 && g.unswept > k_time_resolution;
+  if (g.grain_count == 0 || g.particle_count == 0 || g.interval_left != 0) return false;
+  return k_ladder[level].refine_often ? g.unswept > k_time_resolution : granular_grains_behind(g);
 }
 
 uint32_t active_items(const Granular& g) { return g.active_count * k_lane_group; }

@@ -200,7 +200,12 @@ void granular_skip_rest(Granular* g) {
   const bool asleep = g->awake_count == 0 && (g->lists_valid || g->particle_count == 0);
   if (!asleep || g->emitter_count != 0 || g->touch_due || g->phase != ParticlePhase::idle) return;
   g->simulated += g->owed;
-  if (g->grain_count != 0) g->unswept += g->owed;
+  if (g->grain_count != 0) {
+    // Around sleepers grains only come to rest: what they cannot follow now they need not.
+    const double limit = granular_lag_limit(*g);
+    g->unswept += g->owed;
+    if (g->unswept > limit) g->unswept = limit;
+  }
   g->owed = g->interval_owed = 0.0;
   g->interval_left = 0;
   g->speed_max = g->last_spread = 0.0f;

@@ -94,6 +94,51 @@ TEST(Ladder, EachRungHasItsBudget) {
   EXPECT_GT(debt, 2.0 * static_cast<double>(k_frame)) << "at the lowest rung there is slow motion";
 }
 
+double mean_distance_to_particles(const std::vector<sandglass_grain>& grains, const std::vector<float>& particles) {
+  double sum = 0.0;
+  for (const sandglass_grain& grain : grains) {
+    double nearest = 1e9;
+    for (size_t i = 0; i < particles.size(); i += 3) {
+      double square = 0.0;
+      for (size_t k = 0; k < 3; ++k) square += std::pow(static_cast<double>(grain.position[k] - particles[i + k]), 2);
+      nearest = std::min(nearest, square);
+    }
+    sum += std::sqrt(nearest);
+  }
+  return sum / static_cast<double>(grains.size());
+}
+
+// Grains follow particles that were where they are a few frames ago at most: when they cannot, time slows for both. A
+// sweep covers four frames, and four more pass while it is under way, each by at most one interval too many. They lie
+// within a diameter of them in the end.
+TEST(Ladder, GrainsAreNeverLeftBehind) {
+  constexpr double k_simulated = 0.4;  // seconds: a fall of 10 cm takes 0.14, the block then spreads
+  for (const uint64_t budget : {~uint64_t{0} >> 1, uint64_t{1'000'000}, uint64_t{300'000}, uint64_t{0}}) {
+    UnitClock clock;
+    sandglass_scene_desc desc = description(216, 1728);
+    desc.unit_items = 256;
+    desc.clock = {UnitClock::read, &clock};
+    desc.trace = {nullptr, UnitClock::end, &clock};
+    GranularScene scene(desc);
+    std::vector<float> block = lattice(6, 6, 6, 0.0205f, k_radius);
+    for (size_t i = 1; i < block.size(); i += 3) block[i] += 0.1f;
+    scene.add(block, {}, grains_of(block));
+    scene.add_floor();
+    sandglass_frame_report report = {};
+    for (int frame = 0; report.simulated_time < k_simulated && frame < 3000; ++frame) {
+      report = scene.frame(k_frame, budget);
+      ASSERT_LE(report.grain_lag, 10.0f * k_frame) << "budget " << budget << ", frame " << frame;
+    }
+    EXPECT_GE(report.simulated_time, k_simulated) << "budget " << budget << ": time must go on";
+    report = scene.frame(0.0f);  // the grains catch up
+    const double distance = mean_distance_to_particles(scene.grains, scene.positions());
+    EXPECT_LT(report.grain_lag, 1e-6f);
+    std::printf("budget %g ms: mean distance %.3f r\n", 1e-6 * static_cast<double>(budget),
+                distance / static_cast<double>(k_radius));
+    EXPECT_LE(distance, 2.0 * static_cast<double>(k_radius)) << "budget " << budget;
+  }
+}
+
 TEST(Ladder, WithoutAClockTheFinestRungRuns) {
   const std::vector<float> block = lattice(6, 6, 6, 0.0205f, k_radius);
   uint32_t substeps[SANDGLASS_LEVEL_COUNT] = {}, lists[SANDGLASS_LEVEL_COUNT] = {};

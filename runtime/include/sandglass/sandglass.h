@@ -492,7 +492,7 @@ typedef struct sandglass_frame_report {
   sandglass_stage_report stages[SANDGLASS_STAGE_COUNT];
   double simulated_time; /* seconds simulated since create or reset */
   double time_debt;      /* seconds asked for since then and not simulated: 0 means no slow motion */
-  float grain_lag;       /* seconds by which the oldest grain lags the particles */
+  float grain_lag;       /* seconds by which the oldest grain lags the particles; never ten frames: time slows before */
   float substep;         /* seconds; length of the last sub-step */
   uint32_t substeps;     /* completed in this frame */
   uint32_t list_builds;
