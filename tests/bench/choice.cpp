@@ -30,7 +30,7 @@ Answer sand(sandglass_isa isa) {
   Answer answer;
   sandglass_scene_desc desc = sandglass::scene_desc();
   desc.isa = isa;
-  desc.granular.particle_capacity = 256;
+  desc.granular.particle_capacity = 1024;
   sandglass::Scene scene;
   std::vector<float> particles;
   const sandglass::Box box{{0, 0, 0}, {0.1f, 0.15f, 0.1f}};
