@@ -109,9 +109,9 @@ typedef struct sandglass_log {
 
 /* ------------------------------------------------------------------------------------------------ instruction sets */
 
-/* Which kernels to use. All give the same bits; AUTOMATIC takes the fastest that the CPU has. NEON_DOTPROD and NEON_I8MM
- * are NEON with SDOT and with SMMLA: shadows of networks and the light have a table for each, sand and its shadow run
- * that of NEON. Of shadows and light, AVX512 means AVX-512 with VNNI. */
+/* Which kernels to use. All give the same bits; AUTOMATIC takes the fastest that the CPU has. NEON_DOTPROD is NEON with
+ * SDOT, NEON_I8MM with SMMLA: shadows of networks and the light have a table for each, sand and its shadow run that of
+ * NEON. Of shadows and light, AVX512 means AVX-512 with VNNI. */
 typedef int32_t sandglass_isa;
 enum {
   SANDGLASS_ISA_AUTOMATIC = 0,
@@ -123,7 +123,7 @@ enum {
   SANDGLASS_ISA_NEON_I8MM = 6
 };
 
-/* "scalar", "neon", "avx2", "avx512", "neon_dotprod", "neon_i8mm"; "automatic" for 0; NULL for a number that is none. */
+/* "scalar", "neon", "avx2", "avx512", "neon_dotprod", "neon_i8mm"; "automatic" for 0; NULL for any other number. */
 SANDGLASS_API const char* sandglass_isa_name(sandglass_isa isa);
 
 /* 1 if this build has kernels for `isa` and this CPU can run them, else 0. AUTOMATIC and SCALAR are always available.
