@@ -43,6 +43,9 @@ case $how in
     if configure -DSANDGLASS_XNNPACK=ON -DSANDGLASS_FETCH=OFF "${none[@]}" "$@"; then fail "not refused"; fi
     tr -s ' \n' '  ' <"$output/log" | grep -q "XNNPACK was not found and SANDGLASS_XNNPACK is ON: install it" || { cat "$output/log"; fail "no sentence"; }
     rm -rf "$output/build"
+    if configure -DSANDGLASS_XNNPACK=ON -DFETCHCONTENT_FULLY_DISCONNECTED=ON "${none[@]}" "$@"; then fail "an empty folder was taken for XNNPACK"; fi
+    tr -s ' \n' '  ' <"$output/log" | grep -q "XNNPACK is not in $output/build/_deps/sandglass_xnnpack-src: install it" || { cat "$output/log"; fail "no sentence"; }
+    rm -rf "$output/build"
     configure "$@" || { cat "$output/log"; fail "does not configure without the option"; }
     ! grep -q XNNPACK "$output/log" || fail "XNNPACK was looked for" ;;
 esac
