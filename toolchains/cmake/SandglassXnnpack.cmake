@@ -78,11 +78,12 @@ foreach(name qc8 qs8_qc8w)
     target_compile_definitions(sandglass_xnnpack_api INTERFACE SANDGLASS_XNNPACK_INT8=${name})
   endif()
 endforeach()
-# For the installed package, which finds them again: names and folders of the libraries; none where they are built with this project.
+# For the installed package, which finds them again: names and folders of the libraries; none where they are built with this project,
+# or where it does not need them.
 set(SANDGLASS_XNNPACK_PARTS "")
 set(SANDGLASS_XNNPACK_FOLDERS "")
 foreach(library IN LISTS libraries)
-  if(IS_ABSOLUTE ${library})
+  if(SANDGLASS_XNNPACK AND IS_ABSOLUTE ${library})
     get_filename_component(name ${library} NAME_WE)
     get_filename_component(folder ${library} DIRECTORY)
     string(REGEX REPLACE "^lib" "" name ${name})
