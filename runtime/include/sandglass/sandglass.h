@@ -27,11 +27,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(__GNUC__) || defined(__clang__)
+/* A shared library keeps all that it exports, used or not. So the static archive hides the API (inside the app that
+ * links it, it is found as ever), and only the build of a shared library of it, the plug-in, defines SANDGLASS_EXPORTS.
+ */
+#if defined(SANDGLASS_EXPORTS)
 #define SANDGLASS_API __attribute__((visibility("default")))
-#define SANDGLASS_NODISCARD __attribute__((warn_unused_result))
 #else
 #define SANDGLASS_API
+#endif
+#if defined(__GNUC__) || defined(__clang__)
+#define SANDGLASS_NODISCARD __attribute__((warn_unused_result))
+#else
 #define SANDGLASS_NODISCARD
 #endif
 
