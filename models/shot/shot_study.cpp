@@ -19,6 +19,8 @@ const char* shot_metric_name(int metric) {
 }
 
 void take_means(ShotStudy* study) {
+  study->has_estimate = false;
+  std::fill_n(&study->mean[0][0], k_shot_variants * k_shot_metrics, 0.0);
   double count = 0;
   for (const ShotView& view : study->views) count += view.done ? 1 : 0;
   for (const ShotView& view : study->views) {

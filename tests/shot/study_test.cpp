@@ -61,7 +61,6 @@ TEST(ShotStudy, MeansAndIntervalsAreOfTheViewsThatAreDone) {
   ShotView never;
   never.errors[k_none][0] = 1000;
   study.views.push_back(never);
-  std::fill_n(&study.mean[0][0], k_shot_variants * k_shot_metrics, 0.0);
   take_means(&study);
   EXPECT_NEAR(study.mean[k_none][0], 2.0, 1e-12);
   EXPECT_NEAR(study.paired(ShotVariant::labels, ShotVariant::no_shadow, 0).half, 4.303 / std::sqrt(3.0), 1e-3);
