@@ -152,7 +152,7 @@ using PilePart = PileShadowError::Part;
 constexpr PilePart PileShadowError::*k_pile_parts[] = {&PileShadowError::clear, &PileShadowError::among_grains,
                                                        &PileShadowError::on_sand};
 // Of the error that leaving the shadow out makes (shot_study.h says why), and of the light on the floor.
-constexpr double k_pile_shares[] = {0.5, 0.5, 0.75}, k_pile_bias_limit = 0.05;
+constexpr double k_pile_shares[] = {1.0 / 3.0, 1.0 / 3.0, 0.75}, k_pile_bias_limit = 0.05;
 
 }  // namespace
 
@@ -178,9 +178,9 @@ bool holds(const PileShadowError& whole) {
   for (size_t i = 0; i < 3; ++i) {
     const PilePart& part = whole.*k_pile_parts[i];
     const bool floor = k_pile_parts[i] != &PileShadowError::on_sand;
-    if (part.texels == 0 || !(part.rmse <= k_pile_shares[i] * part.without) || !(part.rmse < part.particles) ||
-        !(part.rmse < part.mirrored) || (floor && !(std::fabs(part.bias) <= k_pile_bias_limit)))
+    if (part.texels == 0 || !(part.rmse <= k_pile_shares[i] * part.without) || !(part.rmse < part.mirrored))
       return false;
+    if (floor && (!(part.rmse < part.particles) || !(std::fabs(part.bias) <= k_pile_bias_limit))) return false;
   }
   return true;
 }

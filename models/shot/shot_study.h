@@ -69,10 +69,10 @@ struct PileShadowError {
 };
 PileShadowError whole_of(const std::vector<PileShadowError>& lights);  // over all texels of all lights
 
-// What the shadow has to be good for: on the floor it takes away half or more of the error that leaving it out makes,
-// with no more than a twentieth of the light too much or too little; on the sand, where the shadows between neighbours
-// are not its part, a quarter. Everywhere it is nearer than the particles' own shadow and than that of the light from
-// the other side.
+// What the shadow has to be good for: on the floor it takes away two thirds or more of the error that leaving it out
+// makes, with no more than a twentieth of the light too much or too little, and is nearer than the particles' own
+// shadow; on the sand, where the shadows between neighbours are not its part, a quarter. Everywhere it is nearer than
+// that of the light from the other side.
 bool holds(const PileShadowError& whole);
 std::string pile_shadow_text(const std::vector<PileShadowError>& lights);
 

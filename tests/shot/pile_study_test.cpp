@@ -15,7 +15,7 @@ TEST(PileShadowStudy, HoldsAndItsControlsDoNot) {
   ASSERT_EQ(lights.size(), 9u);
   const PileShadowError whole = whole_of(lights);
   EXPECT_TRUE(holds(whole)) << pile_shadow_text(lights);
-  // The light from the other side takes nothing like half of the error away.
+  // The light from the other side takes nothing like two thirds of the error away.
   PileShadowError mirrored = whole;
   for (PileShadowError::Part* part : {&mirrored.clear, &mirrored.among_grains, &mirrored.on_sand})
     part->rmse = part->mirrored, part->mirrored = 1.0, part->particles = 1.0;
