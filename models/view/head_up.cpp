@@ -62,6 +62,7 @@ Picture head_up_panel(const HeadUp& state) {
   line = 3;
   int x = k_margin;
   for (sandglass_stage stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) {
+    if (!state.runs[stage]) continue;
     draw_text(&panel, x, k_margin + k_line * line - 2, 1, stage_name(stage), stage_colour(stage));
     x += text_width(1, stage_name(stage)) + 14;
   }

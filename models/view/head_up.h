@@ -12,6 +12,7 @@ struct HeadUp {
   const sandglass_frame_report* report = nullptr;
   double budget_ms = 0.0, frames_per_second = 0.0, polar_deg = 0.0, azimuth_deg = 0.0;
   bool paused = false;
+  bool runs[SANDGLASS_STAGE_COUNT] = {true, true, true, true, true};  // the stages that the legend names
 };
 
 Picture head_up_panel(const HeadUp& state);
