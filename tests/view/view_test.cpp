@@ -311,6 +311,7 @@ TEST(LiveShot, TheSandsShadowIsMadeInTheFrame) {
   LiveOptions options;
   options.scene = "shot", options.budget_ms = k_all_the_work;
   LiveScene live(options);
+  live.turn_light(30.0, 0.0);                       // to 70 degrees from the zenith
   for (int i = 0; i < 30; ++i) live.advance(0.02);  // fallen
   ASSERT_TRUE(live.pile(false) && live.pile(true));
   EXPECT_GT(live.report().stages[SANDGLASS_STAGE_SHADOW].units, 0u);
@@ -323,16 +324,19 @@ TEST(LiveShot, TheSandsShadowIsMadeInTheFrame) {
     for (uint32_t i = 0; i < shadow.texels * shadow.texels; ++i) {
       const double covered = shadow.coverage[i];
       sum += covered;
-      middle = middle + Vec3{i % shadow.texels + 0.5, 0.0, i / shadow.texels + 0.5} * (covered / shadow.texels);
+      const Vec3 texel = {i % shadow.texels + 0.5, 0.0, i / shadow.texels + 0.5};
+      middle = middle + texel * (covered * (shadow.high[0] - shadow.low[0]) / shadow.texels);
     }
     EXPECT_GT(sum, 0.0);
     return middle * (1.0 / sum);
   };
   const Vec3 before = middle_of_the_shadow(), light = live.to_light();
-  live.turn_light(20.0, 180.0);
+  live.turn_light(0.0, 180.0);
   live.advance(0.02);
   const Vec3 after = middle_of_the_shadow(), moved = after - before;
-  EXPECT_GT(moved.x * light.x + moved.z * light.z, 0.01) << "away from where the light is now";
+  const FloorShadow shadow = *live.pile(false);
+  EXPECT_GT(moved.x * light.x + moved.z * light.z, (shadow.high[0] - shadow.low[0]) / shadow.texels)
+      << "by more than a texel, to where the light was";
   EXPECT_FALSE(LiveScene([] {
                  LiveOptions o;
                  o.scene = "demo", o.budget_ms = k_all_the_work;
