@@ -9,7 +9,7 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr int k_width = 440, k_height = 178, k_margin = 10, k_line = 20, k_scale = 2;
+constexpr int k_width = 440, k_height = 178, k_margin = k_panel_margin, k_line = k_panel_line, k_scale = k_panel_scale;
 constexpr Colour k_paper = {24, 26, 30}, k_ink = {236, 233, 226}, k_faint = {160, 166, 174}, k_bad = {255, 107, 102},
                  k_trough = {52, 56, 63};
 

@@ -15,6 +15,8 @@ struct HeadUp {
   bool runs[SANDGLASS_STAGE_COUNT] = {true, true, true, true, true};  // the stages that the legend names
 };
 
+// Lines of text, from the panel's upper left corner, pixels: 1 is the budget, 4 the quality, 5 its error.
+constexpr int k_panel_margin = 10, k_panel_line = 20, k_panel_scale = 2;
 Picture head_up_panel(const HeadUp& state);
 Picture key_help();
 
