@@ -75,6 +75,7 @@ struct PileFunctions {
   // The next unit; false: there is none, or, where `others` have work, it is not this one's turn.
   bool (*next)(const sandglass_pile_shadow* shadow, bool others, bool others_under_way, WorkUnit* unit);
   void (*run)(sandglass_pile_shadow* shadow);
+  uint32_t (*forecast)(const sandglass_pile_shadow* shadow, Forecast* entries);  // of the texture under way or asked for
   void (*gave_way)(sandglass_pile_shadow* shadow);  // an object's unit was run
 };
 extern const PileFunctions k_pile_functions;
