@@ -132,11 +132,15 @@ struct Run {
   }
 
   void take_shot() {
-    const bool asked = !options.panorama.empty() || !options.photo.empty() || !options.light.empty();
+    const bool asked =
+        !options.panorama.empty() || !options.photo.empty() || !options.light.empty() || !options.network.empty();
     if (!scene.shot && asked)
       throw Failure("scene '" + scene.source +
-                    "' is no shot; --panorama, --photo and --light need one, such as 'shot'");
+                    "' is no shot; --panorama, --photo, --light and --network need one, such as 'shot'");
     if (!scene.shot) return;
+    if (!options.network.empty() && !options.light.empty() && options.light != name_of(LightSource::estimate))
+      throw Failure("--network estimates the light, and --light " + options.light +
+                    " takes another; leave one of them out");
     if (!options.collider_mesh.empty() && options.asset.empty())
       throw Failure("--object needs --asset: the shadow of that mesh, which sandglass bake makes");
     if (!options.photo.empty() && options.fov_deg <= 0.0)
@@ -251,10 +255,7 @@ struct Run {
 
   // One frame by clock and budget, or as recorded.
   sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
-    if (shot) {
-      shot->begin(frame);
-      simulation->see(shot->estimator(), shot->image());
-    }
+    if (shot) simulation->see(shot->estimator(), shot->image());
     if (shot || scene.light) {
       const Vec3 towards =
           shot ? shot->light(frame).towards : scene.light->towards(static_cast<double>(frame) / scene.frames);
@@ -285,6 +286,7 @@ struct Run {
     for (uint32_t frame = 0; frame < scene.frames && !interrupted(); ++frame) {
       std::vector<sandglass_collider> colliders;
       FrameRow row = {};
+      if (shot) shot->begin(frame);  // the made-up camera's image: an app is given its own
       row.begin_ns = recorder.now_ns();
       const uint64_t cpu_from = thread_cpu_ns();
       row.report = advance(frame, &colliders);

@@ -179,6 +179,14 @@ TEST_F(Cli, RefusesBadUsage) {
   expect_refused("bench nothing", "nothing");
   expect_refused("verify nothing", "nothing");
   expect_refused("verify granular --case sundial", "sundial");
+  // What a suite does not know it does not pass over in silence.
+  expect_refused("verify shot --isa scalar", "--isa");
+  expect_refused("verify shot --case refinement", "--case");
+  expect_refused("verify shot --views 1", "--views");
+  expect_refused("verify shot --samples 1", "--samples");
+  expect_refused("verify lighting --quick", "--quick");
+  expect_refused("verify granular --threads 2", "--threads");
+  expect_refused("run demo --network x.light", "--network");
 }
 
 // Options that are numbers, of every command, each refused by its name before anything is read, made or computed.
@@ -273,6 +281,8 @@ TEST_F(Cli, RefusesBadShots) {
   expect_refused("run shot --light moon", "moon");
   expect_refused("run shot --network '" + path("missing.light") + "'", "missing.light");
   expect_refused("run shot --network " + room, "room.hdr': ");
+  expect_refused("run shot --light labels --network '" + path("missing.light") + "'", "--network");
+  expect_refused("run shot --light arbitrary --network " + room, "--network");
   expect_refused("run demo --photo " + photo + " --fov 70", "no shot");
   expect_refused("run demo --asset chair", "--asset");
   expect_refused("run shot --asset '" + path("missing.shadow") + "'", "missing.shadow");
