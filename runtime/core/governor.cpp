@@ -150,7 +150,8 @@ uint32_t choose_level(const Governor* governor, const Stage* stages, uint32_t st
   for (uint32_t level = governor->finest_level; level + 1 < governor->level_count; ++level) {
     bool unknown = false;  // unknown work counts for nothing: trying it is how its cost becomes known
     uint64_t sum = 0;
-    for (uint32_t i = 0; i < stage_count; ++i) sum = add(sum, predict_stage(governor, stages[i], level, budget, &unknown));
+    for (uint32_t i = 0; i < stage_count; ++i)
+      sum = add(sum, predict_stage(governor, stages[i], level, budget, &unknown));
     if (sum <= (level < governor->level ? budget - budget / k_hysteresis_divisor : budget)) return level;
   }
   return governor->level_count - 1;
