@@ -251,6 +251,15 @@ TEST_F(Cli, RunsShotsOfFiles) {
   const std::string photo = light_of("--photo '" + path("room.png") + "' --fov 70 --light arbitrary");
   EXPECT_NE(panorama.substr(panorama.find("hash")), photo.substr(photo.find("hash")))
       << "another light, another shadow";
+  // The frame's time is the library's: the made-up camera's image, some 9 ms, is not in it. Around the units are only
+  // colliders and lights.
+  const Outcome timed = run("run shot --frames 4 --light estimate --panorama '" + path("room.hdr") + "'");
+  const auto mean_of = [&](const std::string& row) {
+    const size_t at = timed.out.find(row);
+    return at == std::string::npos ? -1.0 : std::strtod(timed.out.c_str() + at + row.size(), nullptr);
+  };
+  EXPECT_GT(mean_of("  budget used"), 0.0) << timed.out << timed.err;
+  EXPECT_LT(mean_of("  CPU time, one thread"), mean_of("  budget used") + 3.0);
   if (!have_assimp()) return;
   const sandglass::host::MeshResult chair = sandglass::host::make_named("chair");
   ASSERT_EQ(sandglass::host::write_mesh_obj(path("mine.obj"), chair.mesh), "");
