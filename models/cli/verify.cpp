@@ -297,6 +297,17 @@ int verify_shot_suite(const Options& options) {
   return failed > 0 ? k_exit_check_failed : 0;
 }
 
+struct SuiteOption {
+  const char *name, *suites;
+  Option option;
+};
+
+void refuse_options_of_other_suites(const std::vector<SuiteOption>& limited, const std::string& suite) {
+  for (const SuiteOption& o : limited)
+    if (o.option.given() && std::string(o.suites).find(suite) == std::string::npos)
+      throw Failure("verify " + suite + " does not know " + o.name + "; it is of " + o.suites + "; leave it out");
+}
+
 }  // namespace
 
 void add_verify_command(Command& program, int* exit_code) {
@@ -305,35 +316,51 @@ void add_verify_command(Command& program, int* exit_code) {
   command->add_option("suite", options->suite, "granular, lighting or shot")
       ->required()
       ->check(one_of({"granular", "lighting", "shot"}));
-  command->add_option("--case", options->cases, "Only these cases (all)")->check(one_of(verdict_groups()));
-  command->add_flag("--quick", options->quick, "Only the cases that take seconds");
+  std::vector<SuiteOption> limited;
+  const auto only = [&](const char* name, const char* suites, Option option) {
+    limited.push_back({name, suites, option});
+    return option;
+  };
+  only("--case", "granular", command->add_option("--case", options->cases, "Only these cases (all)"))
+      ->check(one_of(verdict_groups()));
+  only("--quick", "granular, shot", command->add_flag("--quick", options->quick, "Only the cases that take seconds"));
   command->add_option("--json", options->json, "Write the rows to this file");
   command->add_option("--out", options->out, "Write table and curves into this folder");
-  command->add_option("--isa", options->isa, "Kernels to use (automatic)");
-  command->add_option("--panoramas", options->panoramas,
-                      "Lighting and shot: .hdr or .exr files, or folders of them (shot: the data folder's interiors)");
-  command->add_option("--manifest", options->manifest, "Lighting: CSV with file, group and fold");
-  command
-      ->add_option("--estimates", options->estimates, "Lighting: the estimates of all views, as train.py writes them")
+  only("--isa", "granular, lighting", command->add_option("--isa", options->isa, "Kernels to use (automatic)"));
+  only("--panoramas", "lighting, shot",
+       command->add_option(
+           "--panoramas", options->panoramas,
+           "Lighting and shot: .hdr or .exr files, or folders of them (shot: the data folder's interiors)"));
+  only("--manifest", "lighting",
+       command->add_option("--manifest", options->manifest, "Lighting: CSV with file, group and fold"));
+  only("--estimates", "lighting",
+       command->add_option("--estimates", options->estimates,
+                           "Lighting: the estimates of all views, as train.py writes them"))
       ->excludes(
-          command->add_option("--network", options->network,
-                              "Lighting and shot: a network's file, run as in an app; lighting, .npz: in float"));
-  command->add_option("--object", options->object, "Lighting: a mesh file or a generated mesh's name")
+          only("--network", "lighting, shot",
+               command->add_option("--network", options->network,
+                                   "Lighting and shot: a network's file, run as in an app; lighting, .npz: in float")));
+  only("--object", "lighting",
+       command->add_option("--object", options->object, "Lighting: a mesh file or a generated mesh's name"))
       ->capture_default_str();
-  command->add_option("--views", options->views, "Lighting: of each panorama's eight")
+  only("--views", "lighting", command->add_option("--views", options->views, "Lighting: of each panorama's eight"))
       ->check(range(1, 8))
       ->capture_default_str();
-  command->add_option("--samples", options->samples, "Lighting: paths a pixel; 0 renders nothing")
+  only("--samples", "lighting",
+       command->add_option("--samples", options->samples, "Lighting: paths a pixel; 0 renders nothing"))
       ->check(range(0, 4096))
       ->capture_default_str();
-  command
-      ->add_option("--seed", options->seed,
-                   "Shot: where the cameras look; 0 is the study, others check it in all panoramas")
+  only("--seed", "shot",
+       command->add_option("--seed", options->seed,
+                           "Shot: where the cameras look; 0 is the study, others check it in all panoramas"))
       ->capture_default_str();
-  command->add_option("--threads", options->threads, "Lighting and shot: threads; the result does not depend on them")
+  only("--threads", "lighting, shot",
+       command->add_option("--threads", options->threads,
+                           "Lighting and shot: threads; the result does not depend on them"))
       ->check(range(1u, 256u))
       ->capture_default_str();
-  command->callback([options, exit_code] {
+  command->callback([options, exit_code, limited] {
+    refuse_options_of_other_suites(limited, options->suite);
     listen_for_interrupt();
     *exit_code = options->suite == "shot"       ? verify_shot_suite(*options)
                  : options->suite == "lighting" ? verify_lighting_suite(*options)

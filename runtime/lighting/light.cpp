@@ -168,14 +168,21 @@ uint32_t begin_frame(sandglass_light* owner, const sandglass_camera_image* image
   return take_image(light, *image) ? 1 + image_units_left(*light) : 1;
 }
 
-// Of an image, all of it: it must be resampled in this frame. Of the network, the next unit only: an estimate under way
-// is no reason to lower the rung of the sand.
+// Of an image, all of it: it must be resampled in this frame. The network may take several frames; all its units as the
+// next one, which is close enough where the stage's share is what counts.
 uint32_t forecast(const sandglass_light* owner, Forecast* entries) {
+  const Light& light = owner->light;
   WorkUnit unit;
   if (!next_unit(owner, &unit)) return 0;
-  const bool image = owner->light.phase == LightPhase::image;
-  entries[0] = {unit.kind, static_cast<uint64_t>(unit.items) * (image ? image_units_left(owner->light) : 1)};
-  return 1;
+  uint32_t count = 0;
+  if (light.phase == LightPhase::image) {
+    entries[count++] = {unit.kind, uint64_t{unit.items} * image_units_left(light)};
+    unit = light_unit(*light.network, 0);
+    unit.kind += k_light_stage_network;
+  }
+  const uint32_t done = light.phase == LightPhase::image ? 0 : light.cursor;
+  entries[count++] = {unit.kind, uint64_t{unit.items} * (light.network->units - done), true};
+  return count;
 }
 
 void end_frame(sandglass_light* owner, sandglass_frame_report* report) {

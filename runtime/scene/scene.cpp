@@ -77,8 +77,7 @@ sandglass_scene* lay_out(const sandglass_scene_desc& desc, Layout* layout, Granu
   return scene;
 }
 
-// The shadows that a frame was given, as a stage. What is left of a texture is no work of this frame: the forecast asks
-// for the next unit only, so that a moving light does not lower the rung of the sand.
+// The shadows that a frame was given, as a stage. What is left of their textures may take several frames.
 constexpr float k_shadow_share = 0.2f;  // of the optional time, while grains want theirs: as much as is left to them
 
 struct Shadows {
@@ -104,6 +103,21 @@ bool shadow_unit(const Shadows& all, bool* of_pile, sandglass::WorkUnit* unit) {
   unit->kind += k_pile_kinds_from;
   return true;
 }
+
+uint32_t shadow_forecast(const Shadows& all, sandglass::Forecast* entries) {
+  uint32_t count = 0;
+  sandglass::WorkUnit unit;
+  if (all.set.count != 0 && all.set.shadows[0]->set->next(all.set, &unit))
+    entries[count++] = {unit.kind + uint32_t{sandglass::k_granular_kinds},
+                        uint64_t{unit.items} * all.set.shadows[0]->set->units_left(all.set), true};
+  if (all.pile != nullptr) {
+    const uint32_t of_pile = all.pile->functions->forecast(all.pile, entries + count);
+    for (uint32_t i = 0; i < of_pile; ++i) entries[count + i].kind += k_pile_kinds_from;
+    count += of_pile;
+  }
+  return count;
+}
+
 constexpr uint32_t k_light_kinds_from = k_pile_kinds_from + uint32_t{sandglass::k_pile_kinds};
 static_assert(k_light_kinds_from + uint32_t{sandglass::k_light_stage_kinds} <= sandglass::k_unit_kinds);
 
@@ -151,11 +165,7 @@ Stage shadow_stage(Shadows* shadows) {
             }
           },
           [](const void* state, uint32_t, sandglass::Forecast* entries) -> uint32_t {
-            sandglass::WorkUnit unit;
-            bool of_pile;
-            if (!shadow_unit(*static_cast<const Shadows*>(state), &of_pile, &unit)) return 0;
-            entries[0] = {unit.kind, unit.items};
-            return 1;
+            return shadow_forecast(*static_cast<const Shadows*>(state), entries);
           },
           1,
           k_shadow_share};

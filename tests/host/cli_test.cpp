@@ -179,6 +179,14 @@ TEST_F(Cli, RefusesBadUsage) {
   expect_refused("bench nothing", "nothing");
   expect_refused("verify nothing", "nothing");
   expect_refused("verify granular --case sundial", "sundial");
+  // What a suite does not know it does not pass over in silence.
+  expect_refused("verify shot --isa scalar", "--isa");
+  expect_refused("verify shot --case refinement", "--case");
+  expect_refused("verify shot --views 1", "--views");
+  expect_refused("verify shot --samples 1", "--samples");
+  expect_refused("verify lighting --quick", "--quick");
+  expect_refused("verify granular --threads 2", "--threads");
+  expect_refused("run demo --network x.light", "--network");
 }
 
 // Options that are numbers, of every command, each refused by its name before anything is read, made or computed.
@@ -243,6 +251,15 @@ TEST_F(Cli, RunsShotsOfFiles) {
   const std::string photo = light_of("--photo '" + path("room.png") + "' --fov 70 --light arbitrary");
   EXPECT_NE(panorama.substr(panorama.find("hash")), photo.substr(photo.find("hash")))
       << "another light, another shadow";
+  // The frame's time is the library's: the made-up camera's image, some 9 ms, is not in it. Around the units are only
+  // colliders and lights.
+  const Outcome timed = run("run shot --frames 4 --light estimate --panorama '" + path("room.hdr") + "'");
+  const auto mean_of = [&](const std::string& row) {
+    const size_t at = timed.out.find(row);
+    return at == std::string::npos ? -1.0 : std::strtod(timed.out.c_str() + at + row.size(), nullptr);
+  };
+  EXPECT_GT(mean_of("  budget used"), 0.0) << timed.out << timed.err;
+  EXPECT_LT(mean_of("  CPU time, one thread"), mean_of("  budget used") + 3.0);
   if (!have_assimp()) return;
   const sandglass::host::MeshResult chair = sandglass::host::make_named("chair");
   ASSERT_EQ(sandglass::host::write_mesh_obj(path("mine.obj"), chair.mesh), "");
@@ -273,6 +290,8 @@ TEST_F(Cli, RefusesBadShots) {
   expect_refused("run shot --light moon", "moon");
   expect_refused("run shot --network '" + path("missing.light") + "'", "missing.light");
   expect_refused("run shot --network " + room, "room.hdr': ");
+  expect_refused("run shot --light labels --network '" + path("missing.light") + "'", "--network");
+  expect_refused("run shot --light arbitrary --network " + room, "--network");
   expect_refused("run demo --photo " + photo + " --fov 70", "no shot");
   expect_refused("run demo --asset chair", "--asset");
   expect_refused("run shot --asset '" + path("missing.shadow") + "'", "missing.shadow");

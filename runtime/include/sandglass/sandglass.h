@@ -465,8 +465,8 @@ typedef struct sandglass_frame_input {
   struct sandglass_shadow* const* shadows; /* to bring up to date (shadow.h): one unit a frame whatever the budget, more
                                             * as it admits; pass all whose shadows are seen */
   uint32_t shadow_count;
-  struct sandglass_pile_shadow* pile_shadow; /* NULL, or the sand's own shadow, to bring up to date with the others: its
-                                              * textures and theirs take turns */
+  struct sandglass_pile_shadow* pile_shadow; /* NULL, or the sand's own shadow, of its grains where it has any, else of
+                                              * its particles; it and the others are brought up to date in turns */
   struct sandglass_light* light; /* NULL, or the light to bring up to date (light.h): one unit a frame whatever the
                                   * budget, more as it admits; an image that is taken is resampled in its frame,
                                   * whatever the budget */
