@@ -3,6 +3,7 @@
 #include <functional>
 #include <thread>
 
+#include "kernels/int8.h"
 #include "models/cli/commands.h"
 #include "models/cli/options.h"
 #include "models/host/atomic_file.h"
@@ -399,7 +400,7 @@ void add_bench_command(Command& program, int* exit_code) {
   command->add_option("--threads", options->threads, "Thread counts, separated by commas (1)")
       ->delimiter(',')
       ->check(range(1u, 256u));
-  command->add_option("--isa", options->isa, "Kernels to use (automatic)");
+  command->add_option("--isa", options->isa, "Kernels, as for run (automatic)");
   command->callback([options, exit_code] {
     listen_for_interrupt();
     Bench bench = {*options, find_isa(options->isa), {}, {}};
@@ -407,6 +408,9 @@ void add_bench_command(Command& program, int* exit_code) {
     sandglass_scene_desc_default(&desc);
     desc.isa = bench.isa;
     bench.isa_name = sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
+    const Int8Kernels* of_bytes = select_int8_kernels(bench.isa);  // shadows and light have tables of their own
+    if (of_bytes != nullptr && (options->suite == "shadow" || options->suite == "lighting"))
+      bench.isa_name = sandglass_isa_name(of_bytes->isa);
     if (options->suite == "granular") bench.granular();
     else if (options->suite == "ladder") bench.ladder();
     else if (options->suite == "growth") bench.growth();

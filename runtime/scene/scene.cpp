@@ -61,7 +61,7 @@ sandglass_status check(const sandglass_scene_desc* desc, const char** reason) {
   if (desc->unit_items < 16 || desc->unit_items > 65536 || desc->unit_items % 16 != 0) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.unit_items must be a multiple of 16 from 16 to 65536.");
   }
-  if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_AVX512) {
+  if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_NEON_I8MM) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.isa must be a SANDGLASS_ISA value.");
   }
   if (desc->finest_level >= SANDGLASS_LEVEL_COUNT)

@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 #include "models/host/image.h"
@@ -15,6 +16,7 @@
 #include "models/host/mesh/ply.h"
 #include "models/host/npy.h"
 #include "models/lighting/light_file.h"
+#include "sandglass/sandglass.h"
 
 namespace {
 
@@ -190,6 +192,22 @@ TEST_F(Cli, RefusesBadUsage) {
 }
 
 // Options that are numbers, of every command, each refused by its name before anything is read, made or computed.
+// What the library has is run, and gives the same hash; what it lacks is refused by name.
+TEST_F(Cli, EveryInstructionSetRunsOrIsSaidToBeMissing) {
+  std::set<std::string> hashes;
+  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_NEON_I8MM; ++isa) {
+    const std::string name = sandglass_isa_name(isa), arguments = "run chair --frames 2 --clock virtual --isa " + name;
+    if (sandglass_isa_available(isa) == 0) {
+      expect_refused(arguments, "lacks the instruction set '" + name + "'");
+      continue;
+    }
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 0) << name << "\n" << outcome.err;
+    hashes.insert(outcome.out.substr(outcome.out.find("hash")));
+  }
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
 TEST_F(Cli, RefusesNumbersThatAreNone) {
   const std::string out = " -o '" + path("out") + "' ";
   const std::pair<const char*, std::string> commands[] = {

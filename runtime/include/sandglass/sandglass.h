@@ -115,17 +115,21 @@ typedef struct sandglass_log {
 
 /* ------------------------------------------------------------------------------------------------ instruction sets */
 
-/* Which kernels to use. All give the same bits; AUTOMATIC takes the fastest that the CPU has. */
+/* Which kernels to use. All give the same bits; AUTOMATIC takes the fastest that the CPU has. NEON_DOTPROD is NEON with
+ * SDOT, NEON_I8MM with SMMLA: shadows of networks and the light have a table for each, sand and its shadow run that of
+ * NEON. Of shadows and light, AVX512 means AVX-512 with VNNI. */
 typedef int32_t sandglass_isa;
 enum {
   SANDGLASS_ISA_AUTOMATIC = 0,
   SANDGLASS_ISA_SCALAR = 1,
   SANDGLASS_ISA_NEON = 2,
   SANDGLASS_ISA_AVX2 = 3,
-  SANDGLASS_ISA_AVX512 = 4
+  SANDGLASS_ISA_AVX512 = 4,
+  SANDGLASS_ISA_NEON_DOTPROD = 5,
+  SANDGLASS_ISA_NEON_I8MM = 6
 };
 
-/* "scalar", "neon", "avx2", "avx512"; "automatic" for 0; those of shadow.h too; NULL for a number that is none. */
+/* "scalar", "neon", "avx2", "avx512", "neon_dotprod", "neon_i8mm"; "automatic" for 0; NULL for any other number. */
 SANDGLASS_API const char* sandglass_isa_name(sandglass_isa isa);
 
 /* 1 if this build has kernels for `isa` and this CPU can run them, else 0. AUTOMATIC and SCALAR are always available.
@@ -299,7 +303,7 @@ typedef struct sandglass_region {
 SANDGLASS_API uint32_t sandglass_scene_regions(const sandglass_scene* scene, sandglass_region* regions,
                                                uint32_t capacity);
 
-/* The kernels that the scene uses: never AUTOMATIC. */
+/* The kernels that the scene uses: never AUTOMATIC; NEON where NEON_DOTPROD or NEON_I8MM was asked for. */
 SANDGLASS_API sandglass_isa sandglass_scene_isa(const sandglass_scene* scene);
 
 /* Adds particles and grains at rest or moving. positions: 3 floats each; velocities: 3 floats each, or NULL for rest.

@@ -29,10 +29,6 @@
 extern "C" {
 #endif
 
-/* Instruction sets that only the int8 kernels tell apart from SANDGLASS_ISA_NEON: with SDOT, with SMMLA. Here
- * SANDGLASS_ISA_AVX512 means AVX-512 with VNNI. */
-enum { SANDGLASS_ISA_NEON_DOTPROD = 5, SANDGLASS_ISA_NEON_I8MM = 6 };
-
 /* Texels a side of the texture that networks are baked for. */
 #define SANDGLASS_SHADOW_TEXELS 256
 /* Most lights of one object. */
