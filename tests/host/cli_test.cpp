@@ -408,6 +408,27 @@ TEST_F(Cli, LightWritesNumbersAndPicturesForEveryPhotograph) {
   EXPECT_EQ(json, read((folder / "out" / "two.json").string()));  // the same photograph
 }
 
+TEST_F(Cli, LightDestroysNoPhotograph) {
+  const std::vector<uint8_t> bytes = sandglass::host::light_file_bytes(sandglass::host::random_light_file(3));
+  const std::string network = " --network " + write("random.light", std::string(bytes.begin(), bytes.end()));
+  for (const char* name : {"one.png", "sheet.png"})
+    sandglass::host::write_png(path(name), sandglass::host::Picture(64, 48, {90, 120, 40}));
+  const std::string one = read(path("one.png")), sheet = read(path("sheet.png"));
+  expect_refused("light " + path("one.png") + network + " -o " + folder.string(), "one.png");
+  expect_refused("light " + path("one.png") + network + " -o " + path("out/.."), "one.png");
+  fs::create_directories(folder / "elsewhere");
+  fs::copy(path("one.png"), path("elsewhere/two.png"));
+  const std::string both = path("sheet.png") + " " + path("elsewhere/two.png");
+  expect_refused("light " + both + network + " -o " + folder.string(), "sheet.png");
+  EXPECT_EQ(read(path("one.png")), one);
+  EXPECT_EQ(read(path("sheet.png")), sheet);
+  EXPECT_FALSE(fs::exists(path("out"))) << "refused before anything is made";
+  // A photograph of that name and the sheet of all are two files.
+  EXPECT_EQ(run("light " + both + network + " -o " + path("out")).code, 0);
+  EXPECT_TRUE(fs::exists(path("out/sheet_2.png")));
+  EXPECT_NE(read(path("out/sheet_2.png")), read(path("out/sheet.png")));
+}
+
 TEST_F(Cli, LightsBadInputIsOneSentence) {
   const std::vector<uint8_t> bytes = sandglass::host::light_file_bytes(sandglass::host::random_light_file(3));
   const std::string good = write("good.light", std::string(bytes.begin(), bytes.end()));
