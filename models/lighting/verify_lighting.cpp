@@ -313,7 +313,9 @@ PairedDifference paired_bootstrap(const std::vector<std::pair<std::string, doubl
 
 LightingVerdicts verify_lighting(const LightingVerdictOptions& options) {
   const std::vector<std::string> panoramas = find_panoramas(options.panoramas);
-  const std::string manifest = options.manifest.empty() ? "" : read_file(options.manifest, "manifest");
+  refuse_equal_stems(panoramas);
+  const std::string manifest = read_locations(options.manifest);
+  for (const std::string& panorama : panoramas) location_of(panorama, manifest);  // before minutes of rendering
   const auto views = static_cast<size_t>(options.views);
   const bool rendered = options.samples > 0;
   const auto scene = rendered ? std::make_unique<ProbeScene>(options.object) : nullptr;

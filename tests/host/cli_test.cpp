@@ -15,6 +15,7 @@
 #include "models/host/mesh/ply.h"
 #include "models/host/npy.h"
 #include "models/lighting/light_file.h"
+#include "models/lighting/panorama_file.h"
 
 namespace {
 
@@ -386,7 +387,41 @@ TEST_F(Cli, RoomsAndPanoramasBadInputIsOneSentence) {
   expect_refused("dataset " + path("nowhere") + " -o " + path("out"), "nowhere");
   EXPECT_FALSE(fs::exists(path("out")));
   expect_refused("dataset " + write("text.hdr", "not a panorama\n") + " -o " + path("out"), "not a Radiance");
-  expect_refused("dataset '" + folder.string() + "/out' -o " + path("out"), "no .hdr or .exr");
+  fs::create_directories(folder / "none");
+  expect_refused("dataset '" + path("none") + "' -o " + path("out"), "no .hdr or .exr");
+  EXPECT_FALSE(fs::exists(path("out"))) << "refused before anything is made";
+}
+
+TEST_F(Cli, PanoramasAreToldApartByTheirNames) {
+  const auto panorama = [&](const std::string& name, double blue) {
+    sandglass::host::RadianceMap map(64, 32);
+    for (int v = 0; v < 32; ++v)
+      for (int u = 0; u < 64; ++u) map.set(u, v, {0.3, 0.4, u == 20 && v == 5 ? 90.0 : blue});
+    fs::create_directories((folder / name).parent_path());
+    sandglass::host::write_hdr(path(name), map);
+    return path(name);
+  };
+  const std::string one = panorama("x/room.hdr", 0.2), same = panorama("y/room.hdr", 0.5);
+  const std::string two = panorama("x/hall.hdr", 0.3), out = " -o " + path("out");
+  for (const char* command : {"dataset ", "verify lighting --samples 0 --panoramas "}) {
+    const std::string to = command == std::string("dataset ") ? out : "";
+    const std::string all = command + path("x") + to + " --manifest ";
+    expect_refused(command + path("x") + " " + path("y") + to, "'" + one + "' and '" + same + "'");
+    expect_refused(all + "'" + write("empty.csv", "") + "'", "empty.csv");
+    expect_refused(all + "'" + write("blank.csv", "\n\n") + "'", "blank.csv");
+    expect_refused(all + "'" + write("one.csv", "file,group,fold\nroom.hdr,a,1\n") + "'", "'hall.hdr'");
+    expect_refused(all + "'" + write("typo.csv", "file,group,fold\nroom.hdr,a,1\nhal.hdr,b,2\n") + "'", "'hall.hdr'");
+  }
+  const std::string cut = write("x/late.hdr", read(one).substr(0, 300));
+  expect_refused("dataset " + path("x") + out, "late.hdr");
+  fs::remove(cut);
+  EXPECT_FALSE(fs::exists(path("out"))) << "refused before anything is made";
+  const std::string good = write("x/manifest.csv", "file,group,fold\nroom.hdr,a,1\nhall.hdr,b,2\n");
+  expect_refused("dataset " + path("x") + " --manifest " + good + " -o " + path("x"), "manifest.csv");
+  EXPECT_EQ(run("dataset " + path("x") + " --manifest " + good + out).code, 0);
+  const std::string made = read(path("out/manifest.csv"));
+  EXPECT_NE(made.find("hall.hdr,b,2"), std::string::npos) << made;
+  EXPECT_NE(made.find("room.hdr,a,1"), std::string::npos) << made;
 }
 
 // A network of random numbers knows nothing about light, but its answers are written like any other's.
