@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "models/host/image.h"
@@ -182,6 +183,36 @@ TEST_F(Cli, RefusesBadUsage) {
   expect_refused("verify granular --case sundial", "sundial");
 }
 
+// What a case does not use it does not take: an option that is ignored answers something else than what was asked.
+TEST_F(Cli, RefusesOptionsThatTheCaseDoesNotUse) {
+  const std::map<std::string, std::string> bench = {{"granular", "asset mesh thresholds out"},
+                                                    {"ladder", "asset mesh thresholds peers"},
+                                                    {"growth", "asset mesh thresholds out frames peers"},
+                                                    {"shadow", "frames peers threads"},
+                                                    {"lighting", "mesh thresholds out frames peers threads"},
+                                                    {"machine", "asset mesh thresholds out frames peers threads isa"}};
+  const std::map<std::string, std::string> verify = {
+      {"granular", "panoramas manifest estimates network object views samples seed threads"},
+      {"lighting", "case quick seed"},
+      {"shot", "case isa manifest estimates object views samples"}};
+  const std::map<std::string, std::string> values = {{"peers", ""}, {"quick", ""}, {"case", "rest"}};
+  for (const auto& [command, cases] : {std::pair{"bench ", bench}, {"verify ", verify}})
+    for (const auto& [name, unused] : cases) {
+      std::istringstream words(unused);
+      for (std::string option; words >> option;) {
+        const auto value = values.find(option);
+        expect_refused(command + name + " --" + option + " " + (value == values.end() ? "3" : value->second),
+                       command + name + " does not use --" + option);
+      }
+    }
+  expect_refused("bench lighting --asset a,b", "one network");
+  expect_refused("bench shadow --asset a,b", "--out");
+  expect_refused("verify lighting --samples 0 --object torus", "--object");
+  expect_refused("verify lighting --isa scalar --estimates e.csv", "--isa");
+  expect_refused("verify lighting --isa scalar --network n.npz", "--isa");
+  expect_refused("inspect '" + write("cube.obj", k_cube) + "' --mesh x", "--mesh");
+}
+
 // Options that are numbers, of every command, each refused by its name before anything is read, made or computed.
 TEST_F(Cli, RefusesNumbersThatAreNone) {
   const std::string out = " -o '" + path("out") + "' ";
@@ -343,6 +374,11 @@ TEST_F(Cli, InspectTellsScenesAndMeshesApart) {
   EXPECT_NE(scene.out.find("memory"), std::string::npos);
   expect_refused("inspect '" + write("empty", "") + "'", "empty");
   expect_refused("inspect '" + path("missing") + "'", "missing");
+  const std::vector<uint8_t> bytes = sandglass::host::light_file_bytes(sandglass::host::random_light_file(3));
+  const Outcome light = run("inspect '" + write("n.light", std::string(bytes.begin(), bytes.end())) + "'");
+  EXPECT_EQ(light.code, 0) << light.err;
+  EXPECT_NE(light.out.find("lighting network 'random'"), std::string::npos) << light.out;
+  expect_refused("inspect '" + write("cut.light", std::string(bytes.begin(), bytes.end() - 9)) + "'", "cut off");
   if (!have_assimp()) return;
   const Outcome mesh = run("inspect '" + write("cube.obj", k_cube) + "'");
   EXPECT_EQ(mesh.code, 0) << mesh.err;
@@ -422,6 +458,44 @@ TEST_F(Cli, PanoramasAreToldApartByTheirNames) {
   const std::string made = read(path("out/manifest.csv"));
   EXPECT_NE(made.find("hall.hdr,b,2"), std::string::npos) << made;
   EXPECT_NE(made.find("room.hdr,a,1"), std::string::npos) << made;
+}
+
+// Without arguments: the data folder's interiors and studios, by place, against the cross-validated estimates.
+TEST_F(Cli, VerifiesLightingOnTheDataFolder) {
+  const auto panorama = [&](const std::string& name, int lamp) {
+    sandglass::host::RadianceMap map(64, 32);
+    for (int v = 0; v < 32; ++v)
+      for (int u = 0; u < 64; ++u) map.set(u, v, {0.3, 0.4, u == lamp && v == 5 ? 90.0 : 0.2});
+    fs::create_directories((folder / name).parent_path());
+    sandglass::host::write_hdr(path(name), map);
+  };
+  panorama("hdri/indoor/vestibule_1k.hdr", 20), panorama("hdri/studio/studio_small_05_1k.hdr", 40);
+  write("manifest.csv", "file,group,fold\nvestibule_1k.hdr,a,1\nstudio_small_05_1k.hdr,b,2\n");
+  const char* data = std::getenv("SANDGLASS_DATA_DIR");
+  const std::string before = data == nullptr ? "" : data;
+  ::setenv("SANDGLASS_DATA_DIR", folder.c_str(), 1);
+  const Outcome whole = run("verify lighting --samples 0");
+  ::unsetenv("SANDGLASS_DATA_DIR");
+  expect_refused("verify lighting --samples 0", "SANDGLASS_DATA_DIR");
+  if (data != nullptr) ::setenv("SANDGLASS_DATA_DIR", before.c_str(), 1);
+  EXPECT_LE(whole.code, 1) << whole.err;  // made-up panoramas under real names prove nothing
+  EXPECT_NE(whole.out.find("16 views of 2 panoramas"), std::string::npos) << whole.out;
+  EXPECT_NE(whole.out.find("cross_validated_estimates.csv"), std::string::npos) << whole.out;
+  EXPECT_NE(whole.out.find("direction against mean light, 97.5 %"), std::string::npos) << whole.out;
+  const std::string row = whole.out.substr(whole.out.find("\nestimate"));
+  EXPECT_NE(row.substr(0, row.find('\n', 1)).find("-        -        -        -        -"), std::string::npos) << row;
+  if (*SANDGLASS_EMULATOR != '\0') return;  // the shipped network, some hundred times
+  // Of panoramas that are named: the shipped network, and a word where it was fitted to them.
+  panorama("named/vestibule_1k.hdr", 20), panorama("named/elsewhere.hdr", 40);
+  const std::string named = "verify lighting --samples 0 --views 1 --panoramas " + path("named");
+  const Outcome known = run(named);
+  EXPECT_LE(known.code, 1) << known.err;
+  EXPECT_NE(known.out.find("room.light\n1 of these 2 panoramas"), std::string::npos) << known.out;
+  fs::remove(path("named/vestibule_1k.hdr"));
+  const Outcome unknown = run(named);
+  EXPECT_LE(unknown.code, 1) << unknown.err;
+  EXPECT_NE(unknown.out.find("room.light\n"), std::string::npos) << unknown.out;
+  EXPECT_EQ(unknown.out.find("fitted to"), std::string::npos) << unknown.out;
 }
 
 // A network of random numbers knows nothing about light, but its answers are written like any other's.
