@@ -176,6 +176,8 @@ constexpr const char* k_cross_validated = SANDGLASS_LIGHTING_DIR "/cross_validat
 
 LightingSources lighting_sources(const Options& options) {
   LightingSources s = {options.panoramas, options.manifest, options.estimates, options.network};
+  if (options.samples == 0 && options.object != k_usual_object)
+    throw Failure("--object is what is rendered, and --samples 0 renders nothing; leave one of them out");
   const bool own = s.panoramas.empty();
   if (own) {
     const std::string data = data_folder();
@@ -190,8 +192,6 @@ LightingSources lighting_sources(const Options& options) {
     (own ? s.estimates : s.network) = own ? k_cross_validated : shipped_light_network();
   if (options.isa != "automatic" && (s.network.empty() || is_float(s.network)))
     throw Failure("--isa chooses what runs a network in bytes, and none is run here; leave it out");
-  if (options.samples == 0 && options.object != k_usual_object)
-    throw Failure("--object is what is rendered, and --samples 0 renders nothing; leave one of them out");
   return s;
 }
 
