@@ -205,7 +205,7 @@ std::string said_of_training(const LightingSources& sources) {
   size_t known = 0;
   for (const std::string& path : panoramas) known += fitted.count(stem_of(path));
   if (known == 0) return "";
-  return std::to_string(known) + " of these " + std::to_string(panoramas.size()) +
+  return std::to_string(known) + " of " + std::to_string(panoramas.size()) +
          " panoramas are of places that the network was fitted to: what it does there is no test. Of places that it "
          "never saw `sandglass verify lighting` on the data folder has the cross-validated estimates.\n";
 }

@@ -238,4 +238,20 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
   return summary;
 }
 
+std::vector<std::string> images_of_dataset(const std::string& folder) {
+  const std::string path = folder + "/manifest.csv", text = read_file(path, "list of images");
+  std::vector<std::string> images;
+  bool heading = true;
+  for (size_t at = 0; at < text.size(); heading = false) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const std::string row = text.substr(at, end - at), image = row.substr(0, row.find(','));
+    at = end + 1;
+    if (heading ? image != "image" : image.empty())
+      throw Failure("'" + path + "' is not a data set's list of images; make it with `sandglass dataset`");
+    if (!heading) images.push_back(folder + "/" + image);
+  }
+  if (images.empty()) throw Failure("'" + path + "' names no image; make the data set again");
+  return images;
+}
+
 }  // namespace sandglass::host

@@ -29,6 +29,9 @@ struct DatasetSummary {
 
 DatasetSummary make_dataset(const DatasetOptions& options);
 
+// The images of a data set that was made, by its manifest and in its order.
+std::vector<std::string> images_of_dataset(const std::string& folder);
+
 // .hdr and .exr files, in the order of their names, of files and (recursively) folders; a Failure if there is none.
 std::vector<std::string> find_panoramas(const std::vector<std::string>& paths);
 
