@@ -60,6 +60,13 @@ std::string read_file(const std::string& path, const std::string& kind) {
   return content;
 }
 
+void keep_inputs(const std::string& output, const std::vector<std::string>& inputs) {
+  std::error_code error;  // of a path that is nowhere: then they are not the same
+  for (const std::string& input : inputs)
+    if (fs::equivalent(fs::weakly_canonical(output, error), input, error))
+      throw Failure("'" + output + "' would be written over, and it is read; write somewhere else with -o");
+}
+
 void make_folder(const std::string& path) {
   std::error_code error;
   fs::create_directories(path, error);

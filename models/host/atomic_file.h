@@ -20,6 +20,9 @@ void finish_file(const std::string& path);
 // The whole file, or a Failure that names it. `kind` is what the file should be: "scene", "recording".
 std::string read_file(const std::string& path, const std::string& kind);
 
+// A Failure where writing `output` would destroy one of the files that a command reads.
+void keep_inputs(const std::string& output, const std::vector<std::string>& inputs);
+
 // Makes a folder and its parents, or a Failure.
 void make_folder(const std::string& path);
 

@@ -141,6 +141,8 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
   const MachinePeak peak = measure_machine_peak();
   LightingBench bench;
   bench.int8_peak = peak.int8_gmac_per_s, bench.f32_peak = peak.f32_gmac_per_s;
+  const LightBackend* xnnpack = nullptr;
+  bench.has_xnnpack = find_light_backend(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
   const Picture picture;
   for (const Case& c : k_cases) {
     const bool own = c.backend == SANDGLASS_LIGHT_BACKEND_OWN;
@@ -156,8 +158,8 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
     bench.rows.push_back(row);
     if (!go_on(static_cast<uint32_t>(bench.rows.size()), k_steps)) return bench;
   }
-  bench.has_xnnpack = bench.rows.size() == k_steps;
-  if (bench.has_xnnpack)
+  bench.compared = bench.rows.size() == k_steps;
+  if (bench.compared)
     for (LightingBenchRow& row : bench.rows) compare(bench.rows[1].estimate, &row);
   go_on(k_steps, k_steps);
   return bench;

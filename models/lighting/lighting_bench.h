@@ -36,7 +36,8 @@ struct LightingBench {
   std::vector<LightingBenchRow> rows;
   std::vector<LightingBenchRow::Part> layers;  // of own bytes, by operator, in order
   double int8_peak = 0, f32_peak = 0;          // GMAC/s
-  bool has_xnnpack = false;
+  bool has_xnnpack = false;                    // in this build
+  bool compared = false;                       // to float: with XNNPACK, and not interrupted
 };
 
 // `file`: the bytes of a lighting network's file. `go_on` gets the steps done of `total`.
