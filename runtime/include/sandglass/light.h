@@ -218,8 +218,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_set_image(san
                                                                              const sandglass_camera_image* image,
                                                                              uint32_t* taken, const char** reason);
 
-/* Runs at most `units` work units, of some tens of microseconds each; returns how many it ran. Fewer than `units`: there
- * is no image left to estimate. */
+/* Runs at most `units` work units, of some tens of microseconds each; returns how many it ran. Fewer than `units`:
+ * there is no image left to estimate. */
 SANDGLASS_API uint32_t sandglass_light_run(sandglass_light* light, uint32_t units);
 
 /* Work units until the estimate under way is complete; 0: none is. */

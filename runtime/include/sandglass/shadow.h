@@ -136,9 +136,10 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_resample(con
                                                                              uint8_t* coverage, const char** reason);
 
 /* All lights together, size x size bytes over the rectangle low..high that holds all their textures: coverage =
- * sum(E c opacity) / sum(E) over the lights above the horizon, E being their irradiances, and c 0 for a light whose first
- * texture is not complete; transparencies then add up as nu = sum(E nu) / sum(E). For apps that draw one texture an object; takes about a millisecond a light at 256, so call
- * it when a texture has changed. size is 1..1024. Fails with INVALID_ARGUMENT. */
+ * sum(E c opacity) / sum(E) over the lights above the horizon, E being their irradiances, and c 0 for a light whose
+ * first texture is not complete; transparencies then add up as nu = sum(E nu) / sum(E). For apps that draw one texture
+ * an object; takes about a millisecond a light at 256, so call it when a texture has changed. size is 1..1024. Fails
+ * with INVALID_ARGUMENT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_combine(const sandglass_shadow* shadow,
                                                                             uint32_t size, uint8_t* coverage,
                                                                             float low[2], float high[2],
