@@ -115,7 +115,8 @@ void add_bake_command(Command& program, int* exit_code) {
   command->add_option("--plane", options->plane, "fitted to the light, or one fixed square")
       ->check(one_of({"fitted", "fixed"}))
       ->capture_default_str();
-  command->add_option("--seed", settings.seed, "Equal seeds give equal files, on CPUs of one instruction set")->capture_default_str();
+  command->add_option("--seed", settings.seed, "Equal seeds give equal files, on CPUs of one instruction set")
+      ->capture_default_str();
   command->add_option("--threads", settings.threads, "Threads; the file does not depend on them")
       ->check(range(1u, 256u));
   command->add_option("--steps", settings.steps, "Steps of training")
@@ -137,7 +138,8 @@ void add_bake_command(Command& program, int* exit_code) {
                       "Also draw truth, network and difference for four lights, as a PNG");
   command->add_option("--json", options->json, "Write the measurements to this file");
   command->add_flag("--keep-float", settings.keep_float, "Keep the float network in the file, for sandglass bench");
-  command->add_flag("--resume", options->resume, "Go on where an interrupted bake of the same command stopped; from the beginning if none was");
+  command->add_flag("--resume", options->resume,
+                    "Go on where an interrupted bake of the same command stopped; from the beginning if none was");
   command->callback([options, exit_code] {
     listen_for_interrupt();
     BakeSettings& s = options->settings;
@@ -162,8 +164,8 @@ void add_bake_command(Command& program, int* exit_code) {
     print("float", v.network_float);
     print("int8", v.network_int8);
     print("int8 adaptive", v.network_adaptive);
-    std::printf("SSIM and block: of %u whole textures, every %uth light; the rest: of one texel in 4 x 4 of all\n", v.whole,
-                v.every);
+    std::printf("SSIM and block: of %u whole textures, every %uth light; the rest: of one texel in 4 x 4 of all\n",
+                v.whole, v.every);
     std::printf("int8 to float %.4f, adaptive to float %.4f (RMSE); adaptive asks for %.1f %% of the texels\n",
                 v.int8_to_float, v.adaptive_to_float, 100 * v.evaluated);
     std::printf("texture: %.2f ms full, %.2f ms adaptive, one thread of this machine\n", r.ms_full, r.ms_adaptive);

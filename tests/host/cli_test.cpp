@@ -211,8 +211,8 @@ TEST_F(Cli, RefusesNumbersThatAreNone) {
   for (const auto& [option, command] : commands)
     for (const char* value : {"nan", "-1"}) expect_refused(command + " " + option + " " + value, option + 2);
   // 2^32 + 8, 8 - 2^32 and 2^32 + 128 are sizes when they are cut to 32 bits; 0x14 is 20 to a parser that guesses.
-  for (const char* size : {"4294967304x1", "-4294967288x1", "8x4294967297", "4294967424x2", "8x1 ", " 8x1", "8x+1", "0x8x1",
-                           "99999999999999999999999x1", "8x", "x1", "8", "8x1x1"})
+  for (const char* size : {"4294967304x1", "-4294967288x1", "8x4294967297", "4294967424x2", "8x1 ", " 8x1", "8x+1",
+                           "0x8x1", "99999999999999999999999x1", "8x", "x1", "8", "8x1x1"})
     expect_refused("bake chair" + out + "--size '" + size + "'", "size");
   for (const char* angle : {"0x14", "+20", " 20", "20 deg", "20rad", "1e999", "inf", "deg", ""})
     expect_refused("bake chair" + out + "--angle '" + angle + "'", "angle");
@@ -243,7 +243,8 @@ TEST_F(Cli, ABakeIsRefusedBeforeItsWorkWhereItCouldNotWrite) {
 
 // What `bake` prints and writes of the smallest network, and what `inspect` says of it.
 TEST_F(Cli, BakesAndInspectsAShadow) {
-  const std::string options = " --size 8x1 --textures 1 --steps 20 --quantised-steps 5 --validation-lights 40 --threads 2 ";
+  const std::string options =
+      " --size 8x1 --textures 1 --steps 20 --quantised-steps 5 --validation-lights 40 --threads 2 ";
   const Outcome baked = run("bake chair -o '" + path("x.shadow") + "' --json '" + path("x.json") + "'" + options);
   ASSERT_EQ(baked.code, 0) << baked.err;
   EXPECT_NE(baked.out.find("40 unseen lights"), std::string::npos) << baked.out;

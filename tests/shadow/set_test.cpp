@@ -162,7 +162,10 @@ TEST(ShadowSet, ALightWithoutATextureYetIsCombinedAsUnshaded) {
   float low[2][2], high[2][2];
   ASSERT_EQ(sandglass_shadow_combine(one.shadow, k_out, alone.data(), low[0], high[0], nullptr), SANDGLASS_OK);
   ASSERT_EQ(sandglass_shadow_combine(two.shadow, k_out, together.data(), low[1], high[1], nullptr), SANDGLASS_OK);
-  for (int axis = 0; axis < 2; ++axis) EXPECT_EQ(low[0][axis], low[1][axis]), EXPECT_EQ(high[0][axis], high[1][axis]);
+  for (int axis = 0; axis < 2; ++axis) {
+    EXPECT_EQ(low[0][axis], low[1][axis]);
+    EXPECT_EQ(high[0][axis], high[1][axis]);
+  }
   EXPECT_GT(*std::max_element(alone.begin(), alone.end()), 200);
   for (uint32_t i = 0; i < k_out * k_out; ++i) ASSERT_NEAR(together[i], 0.1 * alone[i], 0.55) << i;  // both are rounded
   two.finish();
