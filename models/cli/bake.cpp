@@ -22,7 +22,7 @@ constexpr int k_exit_interrupted = 130;
 struct Options {
   std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", plane = "fitted", picture, json;
   BakeSettings settings;
-  bool resume = false;
+  bool resume = false, no_picture = false;
 };
 
 // The number that `text` begins with, decimal, without sign, and what follows it; false: none, or too large.
@@ -135,7 +135,8 @@ void add_bake_command(Command& program, int* exit_code) {
       ->check(range(1u, 100'000u))
       ->capture_default_str();
   command->add_option("--picture", options->picture,
-                      "Also draw truth, network and difference for four lights, as a PNG");
+                      "Where to draw truth, network and difference for four lights, as a PNG; by default OUTPUT.png");
+  command->add_flag("--no-picture", options->no_picture, "Draw none");
   command->add_option("--json", options->json, "Write the measurements to this file");
   command->add_flag("--keep-float", settings.keep_float, "Keep the float network in the file, for sandglass bench");
   command->add_flag("--resume", options->resume,
@@ -150,9 +151,12 @@ void add_bake_command(Command& program, int* exit_code) {
     MeshResult loaded = make_named(options->mesh);
     if (!loaded) loaded = load_mesh(options->mesh);
     if (!loaded) throw Failure(loaded.error);
+    require_writable(options->output);
+    require_writable(options->output + ".checkpoint");
+    if (options->picture.empty()) options->picture = options->output + ".png";
+    if (options->no_picture) options->picture.clear();
     for (const std::string& path : {options->picture, options->json})
       if (!path.empty()) require_writable(path);
-    for (const std::string& path : {options->output, options->output + ".checkpoint"}) require_writable(path);
     const BakeReport r = bake(loaded.mesh, options->mesh, s, options->output, options->picture, options->resume);
     if (r.interrupted) {
       std::printf("interrupted; to go on, repeat the command with --resume\n");
@@ -164,8 +168,8 @@ void add_bake_command(Command& program, int* exit_code) {
     print("float", v.network_float);
     print("int8", v.network_int8);
     print("int8 adaptive", v.network_adaptive);
-    std::printf("SSIM and block: of %u whole textures, every %uth light; the rest: of one texel in 4 x 4 of all\n",
-                v.whole, v.every);
+    std::printf("SSIM and block: of %u whole textures, evenly among them; the rest: of one texel in 4 x 4 of all\n",
+                v.whole);
     std::printf("int8 to float %.4f, adaptive to float %.4f (RMSE); adaptive asks for %.1f %% of the texels\n",
                 v.int8_to_float, v.adaptive_to_float, 100 * v.evaluated);
     std::printf("texture: %.2f ms full, %.2f ms adaptive, one thread of this machine\n", r.ms_full, r.ms_adaptive);
@@ -173,6 +177,7 @@ void add_bake_command(Command& program, int* exit_code) {
     for (const auto& [name, stage] : stages(r))
       std::printf("  %-10s %10.1f %10.1f\n", name, stage->seconds, stage->cpu_seconds);
     std::printf("%s: %llu bytes\n", options->output.c_str(), static_cast<unsigned long long>(r.file_bytes));
+    if (!options->picture.empty()) std::printf("picture: %s\n", options->picture.c_str());
     if (!options->json.empty()) write_file(options->json, measurements(r, s));
     *exit_code = 0;
   });

@@ -140,7 +140,7 @@ bool validate(const LightGeometry& geometry, const ShadowCaster& caster, const F
     if (!go_on(begin) && begin < lights) return false;
   }
   *result = {};
-  result->lights = lights, result->every = every;
+  result->lights = lights;
   ShadowError* ways[3] = {&result->network_float, &result->network_int8, &result->network_adaptive};
   for (uint32_t way = 0; way < 3; ++way) {
     double square = 0;

@@ -24,7 +24,6 @@ struct ShadowError {
 
 struct Validation {
   uint32_t lights = 0, whole = 0;  // of which `whole` with all texels; of the others one texel in 4 x 4
-  uint32_t every = 1;              // number of a whole one to that of the next
   ShadowError network_float, network_int8, network_adaptive;
   double int8_to_float = 0, adaptive_to_float = 0;  // RMSE between two ways of evaluating the same network
   double evaluated = 0;                             // share of the texels that the adaptive mode asks for

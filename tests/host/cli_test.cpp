@@ -244,17 +244,18 @@ TEST_F(Cli, ABakeIsRefusedBeforeItsWorkWhereItCouldNotWrite) {
 // What `bake` prints and writes of the smallest network, and what `inspect` says of it.
 TEST_F(Cli, BakesAndInspectsAShadow) {
   const std::string options =
-      " --size 8x1 --textures 1 --steps 20 --quantised-steps 5 --validation-lights 40 --threads 2 ";
+      " --size 8x1 --textures 1 --steps 20 --quantised-steps 5 --validation-lights 4 --threads 2 ";
   const Outcome baked = run("bake chair -o '" + path("x.shadow") + "' --json '" + path("x.json") + "'" + options);
   ASSERT_EQ(baked.code, 0) << baked.err;
-  EXPECT_NE(baked.out.find("40 unseen lights"), std::string::npos) << baked.out;
-  EXPECT_NE(baked.out.find("SSIM and block: of 20 whole textures"), std::string::npos) << baked.out;
+  EXPECT_NE(baked.out.find("4 unseen lights"), std::string::npos) << baked.out;
+  EXPECT_NE(baked.out.find("SSIM and block: of 4 whole textures"), std::string::npos) << baked.out;
   EXPECT_NE(read(path("x.json")).find("whole_textures"), std::string::npos);
+  EXPECT_TRUE(fs::exists(path("x.shadow.png")));
   const Outcome told = run("inspect '" + path("x.shadow") + "'");
   ASSERT_EQ(told.code, 0) << told.err;
   for (const char* line : {"baked shadow, version 1", "8 neurons x (1 + 1) hidden layers, 72 MAC a texel",
                            "20 degrees wide, up to 70 degrees from the zenith", "fitted to the light",
-                           "over 40 unseen lights", "float copy   no"})
+                           "over 4 unseen lights", "float copy   no"})
     EXPECT_NE(told.out.find(line), std::string::npos) << line << "\n" << told.out;
   write("cut.shadow", read(path("x.shadow")).substr(0, 1000));
   expect_refused("inspect '" + path("cut.shadow") + "'", "cut.shadow");
