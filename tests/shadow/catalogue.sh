@@ -55,7 +55,7 @@ mkdir -p "$work/stale"
   >"$work/interrupted.log" 2>&1 &
 long=$!
 for ((i = 0; i < 600; ++i)); do
-  if grep -q training "$work/interrupted.log"; then break; fi
+  if grep -q training "$work/interrupted.log" 2>/dev/null; then break; fi
   sleep 0.1
 done
 kill -INT "$long" && ! wait "$long"
