@@ -31,6 +31,7 @@ for name in tetrahedron "open cone"; do
   grep -q "^$name" "$work/out/summary.txt" || { echo "$name is not in the table"; exit 1; }
 done
 grep -q '^2 baked, 1 refused$' "$work/out/summary.txt" || { echo "the counts are wrong"; exit 1; }
+grep -q '^tetrahedron .* 4/4 ' "$work/out/summary.txt" || { echo "the table does not say how many lights it is of"; exit 1; }
 grep -q '^  broken: .*broken.obj' "$work/out/summary.txt" || { echo "the refusal does not say why"; exit 1; }
 
 # Nothing is baked twice.
