@@ -13,6 +13,7 @@
 #include "platform/virtual_clock.h"
 #include "runtime/lighting/camera_image.h"
 #include "runtime/sampling/random.h"
+#include "tests/filled_struct.h"
 #include "tests/lighting/light_fixture.h"
 
 namespace {
@@ -36,6 +37,29 @@ TEST(Light, NeedsExactlyTheBytesThatItAsksFor) {
   EXPECT_EQ(sandglass_light_create(&desc, block + 8, live.bytes, &light, nullptr), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
   EXPECT_EQ(light, nullptr);
   EXPECT_TRUE(std::all_of(memory.begin(), memory.end(), [](uint8_t b) { return b == 0x5A; }));
+}
+
+TEST(Light, FillsNoByteBeyondTheCallersStructs) {
+  LiveLight live;
+  const TestImage picture(1);
+  live.estimate(picture.image);
+  expect_filled_within_its_size<sandglass_light_estimate>(
+      [&](sandglass_light_estimate* estimate) {
+        sandglass_light_get(live.light, estimate);
+        return true;
+      },
+      false);
+  expect_filled_within_its_size<sandglass_light_estimate>(
+      [&](sandglass_light_estimate* estimate) {
+        sandglass_light_get_latest(live.light, estimate);
+        return true;
+      },
+      false);
+  expect_filled_within_its_size<sandglass_light_info>(
+      [&](sandglass_light_info* info) {
+        return sandglass_light_inspect(random_light().data(), random_light().bytes, info, nullptr) == SANDGLASS_OK;
+      },
+      true);
 }
 
 TEST(Light, BeforeTheFirstEstimateItComesFromAboveAndIsNotValid) {
