@@ -357,12 +357,8 @@ sandglass_status sandglass_light_turn(sandglass_light* light, const float rotati
   double turned[3];
   rotate(turn, light->light.latest.direction, turned);
   for (int i = 0; i < 3; ++i) light->light.latest.direction[i] = turned[i];
-  // The image under way was taken in the frame that was: its pose turns too, by the product of the quaternions.
-  const float *a = rotation, *b = light->light.image.orientation;
-  const float product[4] = {
-      a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1], a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
-      a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3], a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]};
-  memcpy(light->light.image.orientation, product, sizeof product);
+  // The image under way was taken in the frame that was: its pose turns too.
+  turn_further(rotation, light->light.image.orientation);
   floating_point_restore(saved);
   return accept(reason);
 }

@@ -181,6 +181,42 @@ TEST(Light, ResetForgetsAndTurnTurns) {
   EXPECT_EQ(sandglass_light_hash(live.light), sandglass_light_hash(fresh.light));
 }
 
+// Quaternions of any length: neither those that overflow a float when multiplied, nor those that vanish.
+TEST(Light, PosesAndTurnsOfAnyLengthTurnTheImageUnderWay) {
+  const auto turned_at_length = [](float length) {
+    LiveLight live;
+    TestImage picture(3);
+    const float pose[4] = {0.5f * length, 0.1f * length, -0.3f * length, 0.8f * length};
+    std::copy_n(pose, 4, picture.image.orientation);
+    EXPECT_EQ(sandglass_light_set_image(live.light, &picture.image, nullptr, nullptr), SANDGLASS_OK);
+    const float turn[4] = {-0.2f * length, 0.6f * length, 0.4f * length, 0.7f * length};
+    EXPECT_EQ(sandglass_light_turn(live.light, turn, nullptr), SANDGLASS_OK);
+    while (sandglass_light_run(live.light, 1000) != 0) {
+    }
+    EXPECT_EQ(live.get().valid, 1u);
+    return vector_of(live.get().direction);
+  };
+  const Vec3 expected = turned_at_length(1.0f);
+  EXPECT_NEAR(host::length(expected), 1.0, 1e-6);
+  for (const float length : {1e20f, 1e37f, 1e-25f, 1e-37f})
+    EXPECT_NEAR(host::length(turned_at_length(length) - expected), 0.0, 1e-6) << length;
+}
+
+// A turn of the world while an image is under way is the turn of its estimate afterwards.
+TEST(Light, TurningUnderWayAndAfterwardsAreTheSame) {
+  LiveLight under_way, afterwards;
+  TestImage picture(3);
+  picture.image.orientation[0] = 3.0f;
+  const float turn[4] = {-20.0f, 60.0f, 40.0f, 70.0f};
+  ASSERT_EQ(sandglass_light_set_image(under_way.light, &picture.image, nullptr, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_light_turn(under_way.light, turn, nullptr), SANDGLASS_OK);
+  while (sandglass_light_run(under_way.light, 1000) != 0) {
+  }
+  afterwards.estimate(picture.image);
+  ASSERT_EQ(sandglass_light_turn(afterwards.light, turn, nullptr), SANDGLASS_OK);
+  EXPECT_NEAR(host::length(vector_of(under_way.get().direction) - vector_of(afterwards.get().direction)), 0.0, 1e-6);
+}
+
 // ------------------------------------------------------------------------------------------------------- bad input
 
 TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
