@@ -5,6 +5,7 @@
 
 #include "platform/floating_point.h"
 #include "runtime/asset/checksum.h"
+#include "runtime/core/filled_struct.h"
 #include "runtime/core/math.h"
 #include "runtime/lighting/backends.h"
 #include "runtime/lighting/harmonics.h"
@@ -232,29 +233,29 @@ __attribute__((noinline)) bool build(const Checked& checked, const sandglass_lig
 }
 
 void describe(const Light& light, const LightSample& sample, uint64_t timestamp_ns, sandglass_light_estimate* out) {
-  *out = {};
-  out->struct_size = sizeof *out;
-  out->valid = light.filter.accepted != 0 ? 1 : 0;
-  out->timestamp_ns = timestamp_ns;
-  out->image_ns = light.latest_ns;
+  sandglass_light_estimate estimate = {};
+  estimate.valid = light.filter.accepted != 0 ? 1 : 0;
+  estimate.timestamp_ns = timestamp_ns;
+  estimate.image_ns = light.latest_ns;
   for (int i = 0; i < 3; ++i) {
-    out->direction[i] = static_cast<float>(sample.direction[i]);
-    out->light[i] = static_cast<float>(sample.levels[k_sample_light + i]);
-    out->ambient[i] = static_cast<float>(sample.levels[k_sample_ambient + i]);
+    estimate.direction[i] = static_cast<float>(sample.direction[i]);
+    estimate.light[i] = static_cast<float>(sample.levels[k_sample_light + i]);
+    estimate.ambient[i] = static_cast<float>(sample.levels[k_sample_ambient + i]);
   }
-  out->contrast = static_cast<float>(sample.levels[k_sample_contrast]);
-  if (out->valid == 0)
-    for (int i = 0; i < 3; ++i) out->ambient[i] = 0.5f;
-  out->strength =
+  estimate.contrast = static_cast<float>(sample.levels[k_sample_contrast]);
+  if (estimate.valid == 0)
+    for (int i = 0; i < 3; ++i) estimate.ambient[i] = 0.5f;
+  estimate.strength =
       static_cast<float>(light_strength(sample.direction, sample.levels + k_sample_light,
                                         sample.levels + k_sample_ambient, sample.levels[k_sample_contrast]));
-  out->confidence = static_cast<float>(light_filter_confidence(light.filter));
-  out->estimates = light.estimates;
-  out->deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
-  out->held_off = light.filter.held_off;
+  estimate.confidence = static_cast<float>(light_filter_confidence(light.filter));
+  estimate.estimates = light.estimates;
+  estimate.deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
+  estimate.held_off = light.filter.held_off;
   double sh[3 * k_harmonics];
-  light_harmonics(*out, SANDGLASS_LIGHT_MODEL_WHOLE, sh);
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) out->sh[i] = static_cast<float>(sh[i]);
+  light_harmonics(estimate, SANDGLASS_LIGHT_MODEL_WHOLE, sh);
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) estimate.sh[i] = static_cast<float>(sh[i]);
+  fill_struct(&estimate, sizeof estimate, out);
 }
 
 __attribute__((noinline)) void resample_now(Light* light) {
@@ -302,15 +303,17 @@ void sandglass_light_desc_default(sandglass_light_desc* desc) {
 
 sandglass_status sandglass_light_inspect(const void* asset, uint64_t asset_bytes, sandglass_light_info* info,
                                          const char** reason) {
-  if (info == nullptr || info->struct_size != sizeof *info)
+  if (info == nullptr || !can_fill(info))
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "info is NULL or its struct_size is not that of this library");
+                  "info is NULL or its struct_size is not set: set it to sizeof(sandglass_light_info)");
   LightAsset file;
   const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason);
   if (status != SANDGLASS_OK) return status;
-  info->training_images = file.training_images, info->calibration_images = file.calibration_images;
-  info->angle_deg = file.angle_deg, info->difference = file.difference;
-  info->data_hash = file.data_hash, info->seed = file.seed;
+  sandglass_light_info filled = {};
+  filled.training_images = file.training_images, filled.calibration_images = file.calibration_images;
+  filled.angle_deg = file.angle_deg, filled.difference = file.difference;
+  filled.data_hash = file.data_hash, filled.seed = file.seed;
+  fill_struct(&filled, sizeof filled, info);
   return SANDGLASS_OK;
 }
 

@@ -478,8 +478,8 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_light_set_image(IntPtr light, ref sandglass_camera_image image, out uint taken, out IntPtr reason);
   [DllImport(k_library)] public static extern uint sandglass_light_run(IntPtr light, uint units);
   [DllImport(k_library)] public static extern uint sandglass_light_units_left(IntPtr light);
-  [DllImport(k_library)] public static extern void sandglass_light_get(IntPtr light, out sandglass_light_estimate estimate);
-  [DllImport(k_library)] public static extern void sandglass_light_get_latest(IntPtr light, out sandglass_light_estimate estimate);
+  [DllImport(k_library)] public static extern void sandglass_light_get(IntPtr light, ref sandglass_light_estimate estimate);
+  [DllImport(k_library)] public static extern void sandglass_light_get_latest(IntPtr light, ref sandglass_light_estimate estimate);
   [DllImport(k_library)] public static extern ulong sandglass_light_hash(IntPtr light);
   [DllImport(k_library)] public static extern int sandglass_light_isa(IntPtr light);
   [DllImport(k_library)] public static extern int sandglass_light_harmonics(ref sandglass_light_estimate estimate, int model, [Out] float[] sh, out IntPtr reason);

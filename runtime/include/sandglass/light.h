@@ -160,7 +160,8 @@ typedef struct sandglass_light_info {
   uint64_t seed;
 } sandglass_light_info;
 
-/* Reads the file's description after the checks of sandglass_light_create. Fails with INVALID_ARGUMENT. */
+/* Reads the file's description after the checks of sandglass_light_create; info.struct_size is set before (see "Sizes"
+ * in sandglass.h). Fails with INVALID_ARGUMENT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_inspect(const void* asset, uint64_t asset_bytes,
                                                                            sandglass_light_info* info,
                                                                            const char** reason);
@@ -217,13 +218,14 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_set_image(san
                                                                              const sandglass_camera_image* image,
                                                                              uint32_t* taken, const char** reason);
 
-/* Runs at most `units` work units, of some tens of microseconds each; returns how many there were to run. 0: there is
- * no image to estimate. */
+/* Runs at most `units` work units, of some tens of microseconds each; returns how many it ran. Fewer than `units`: there
+ * is no image left to estimate. */
 SANDGLASS_API uint32_t sandglass_light_run(sandglass_light* light, uint32_t units);
 
 /* Work units until the estimate under way is complete; 0: none is. */
 SANDGLASS_API uint32_t sandglass_light_units_left(const sandglass_light* light);
 
+/* The estimate after the filter; estimate.struct_size is set before, here and below (see "Sizes" in sandglass.h). */
 SANDGLASS_API void sandglass_light_get(const sandglass_light* light, sandglass_light_estimate* estimate);
 
 /* The last estimate as the network gave it, turned into the world, before the filter. */

@@ -13,8 +13,14 @@
  *
  * Conventions. SI units: metres, seconds, kilograms, radians. World frame right-handed, y up. Quaternions are (x, y, z,
  * w). `float` throughout. Positions are relative to a scene origin of the app's choice; keep them within
- * SANDGLASS_COORDINATE_LIMIT of it. Every struct begins with `struct_size`, set by its `_default` function (or to
- * sizeof by the caller), so that a library newer than the app that calls it knows which fields exist.
+ * SANDGLASS_COORDINATE_LIMIT of it.
+ *
+ * Sizes. A struct that may grow begins with `struct_size`, set by its `_default` function or, where it has none, to
+ * sizeof by the caller, before every call. One that the library reads must have the library's own size, or is refused.
+ * Of one that it fills (a report, an estimate, a texture, an info), no byte beyond struct_size is written, and
+ * struct_size then says how many were; below 8 it was not set: functions that can fail refuse it, others leave the
+ * struct as it is. A plan inside a report is read again, and so must be whole. Of the library's own (a level), it says
+ * which fields exist.
  *
  * Errors. Functions that can fail return a sandglass_status and, where `reason` is not NULL, store in it one static
  * sentence that says what is wrong, where, and what to do; on success it is set to NULL. A function that fails has
@@ -524,10 +530,9 @@ typedef struct sandglass_frame_report {
 /* Advances the scene by one frame: moves simulated time on by input->time_step plus what earlier frames still owe (at
  * most two frames' worth; the rest is slow motion, and counted in time_debt), as far as the budget admits. After it,
  * positions are valid and grains are written whatever the budget was. *report may be NULL. Fails only with
- * INVALID_ARGUMENT (NULL scene or input, wrong struct_size, unusable grain buffer, NULL among the shadows; nothing was
- * changed) or REPLAY
- * (input->plan is malformed: nothing was changed; or it asks for a unit that this state does not offer: the frame ended
- * there, the scene is valid, but it is not the recorded one: reset it).
+ * INVALID_ARGUMENT (NULL scene or input, a struct_size that is wrong or not set, unusable grain buffer, NULL among the
+ * shadows; nothing was changed) or REPLAY (input->plan is malformed: nothing was changed; or it asks for a unit that
+ * this state does not offer: the frame ended there, the scene is valid, but it is not the recorded one: reset it).
  *
  * Guarantee, for a clock that runs: elapsed <= max(target, mandatory part) + last_unit_ns of the report: one work unit,
  * and whatever time writing the grains, which is always done and comes last, took beyond its own prediction. */

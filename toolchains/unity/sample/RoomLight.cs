@@ -107,8 +107,9 @@ public unsafe sealed class RoomLight : IDisposable {
   }
 
   public sandglass_light_estimate Estimate() {
-    sandglass_light_estimate estimate;
-    Native.sandglass_light_get(light, out estimate);
+    var estimate = new sandglass_light_estimate();
+    estimate.struct_size = (uint)sizeof(sandglass_light_estimate);
+    Native.sandglass_light_get(light, ref estimate);
     return estimate;
   }
 
