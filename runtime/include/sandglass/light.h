@@ -218,8 +218,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_set_image(san
                                                                              const sandglass_camera_image* image,
                                                                              uint32_t* taken, const char** reason);
 
-/* Runs at most `units` work units, of some tens of microseconds each; returns how many it ran. Fewer than `units`: there
- * is no image left to estimate. */
+/* Runs at most `units` work units, of some tens of microseconds each; returns how many it ran. Fewer than `units`:
+ * there is no image left to estimate. */
 SANDGLASS_API uint32_t sandglass_light_run(sandglass_light* light, uint32_t units);
 
 /* Work units until the estimate under way is complete; 0: none is. */
@@ -234,7 +234,8 @@ SANDGLASS_API void sandglass_light_get_latest(const sandglass_light* light, sand
 /* A 64-bit hash of the filtered estimate and the image under way: equal on every instruction set and compiler. */
 SANDGLASS_API uint64_t sandglass_light_hash(const sandglass_light* light);
 
-/* The instruction set of the kernels in use. */
+/* The instruction set of the project's own kernels, which with SANDGLASS_LIGHT_BACKEND_XNNPACK_* only clamp and average
+ * between XNNPACK's operators: those choose theirs by the CPU. */
 SANDGLASS_API sandglass_isa sandglass_light_isa(const sandglass_light* light);
 
 /* ------------------------------------------------------------------------------------------------ harmonics */
@@ -263,10 +264,14 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_harmonics(con
 
 /* ------------------------------------------------------------------------------------------------ renderers */
 
+/* Each struct's struct_size is set before its function is called (see "Sizes" in sandglass.h). The estimate may be that
+ * of an older or a newer header: what the functions need of it is in every version. */
+
 /* For Filament: a LightManager of type DIRECTIONAL or SUN, and an IndirectLight. `nits`: the luminance that radiance 1
  * stands for, in cd/m^2 and above 0; it is the IndirectLight's intensity. Around 30 for Filament's default indoor
  * exposure; with the camera's exposure e (Camera::setExposure), 1 / e shows radiance 1 as 1. */
 typedef struct sandglass_light_filament {
+  uint32_t struct_size;
   float direction[3]; /* LightManager direction: the way the light travels */
   float colour[3];    /* linear sRGB, greatest channel 1 */
   float intensity;    /* lux: pi * nits * strength * greatest channel of light */
@@ -286,6 +291,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_filament(c
  * and SceneKit's lights have by default: they stand for irradiance pi on a facing surface and for ambient radiance 1.
  */
 typedef struct sandglass_light_arkit {
+  uint32_t struct_size;
   float primary_light_direction[3]; /* the way the light travels: -z of an SCNLight's node */
   float primary_light_intensity;    /* lumens: 1000 * strength * luminance of light */
   float orientation[4];             /* (x, y, z, w) of a node whose -z is that direction */
@@ -304,6 +310,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_arkit(cons
 
 /* For Unity, whose world is left-handed: z is turned over, as AR Foundation does with poses. */
 typedef struct sandglass_light_unity {
+  uint32_t struct_size;
   float forward[3];  /* of the Light's transform: the way the light travels */
   float rotation[4]; /* Quaternion (x, y, z, w) of that transform */
   float colour[3];   /* linear, greatest channel 1 (Light.color takes gamma: use Color.gamma) */
