@@ -377,7 +377,7 @@ TEST(LightInput, AHugeImageIsReadWhereItShouldBe) {
   ramp.image.focal_y = static_cast<float>(k_light_focal * k_height / 192.0);
   std::vector<uint8_t> rgb(3 * k_light_width * k_light_height);
   std::vector<uint32_t> sums(k_camera_sums);
-  resample_camera_rows(ramp.image, 0, k_light_height, rgb.data(), sums.data());
+  resample_camera_block(ramp.image, whole_camera_block(ramp.image), rgb.data(), sums.data());
   for (uint32_t y = 0; y < k_light_height; ++y)
     for (uint32_t x = 0; x < k_light_width; ++x) {
       const uint8_t* p = rgb.data() + 3 * (y * k_light_width + x);
