@@ -14,9 +14,9 @@
  * of its frame that must be done whatever the budget is, and what it costs grows with the image. On an x86 server, as a
  * share of the time of one estimate (7 ms there): 0.13 for 640 x 480 and 0.25 for 1920 x 1440 in NV12, 1.8 for 4032 x
  * 3024 in RGBA, 6 for 16384 x 3072 in RGB; 0.09 to 0.15 a megapixel from two megapixels on. It is cut into work units
- * that read at most 256 KiB of the image, below 0.1 ms each at every size. Pass the size that the camera's preview has,
- * not its photographs. Nothing is allocated, no
- * clock is read, and the same bytes come out of every instruction set and every division into frames.
+ * that read about 256 KiB of the image, below 0.1 ms each at every size. Pass the size that the camera's preview has,
+ * not its photographs. Nothing is allocated, no clock is read, and the same bytes come out of every instruction set and
+ * every division into frames.
  *
  * Conventions. World frame right-handed, y up, as in sandglass.h; directions are unit vectors *towards* the light.
  * Colours are linear, in the tone-mapped range of the picture: 1 is what the camera shows as white.
