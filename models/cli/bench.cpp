@@ -347,6 +347,13 @@ struct Bench {
       }
       for (const LightingBenchRow::Part& part : r.parts) keep(r.name, ("ms_" + part.name).c_str(), "ms", part.ms, 1);
     }
+    std::puts("image to 256 x 192, all of it in its frame:");
+    for (const LightingImageRow& r : result.images) {
+      std::printf("%-15s %6.2f ms in %3u units, %5.2f ms a megapixel, longest unit %.3f ms\n", r.name.c_str(), r.ms,
+                  r.units, r.ms / r.megapixels, r.longest_unit_ms);
+      keep("image_" + r.name, "ms", "ms", r.ms, 1);
+      keep("image_" + r.name, "longest_unit_ms", "ms", r.longest_unit_ms, 1);
+    }
     std::puts("by kind of operator, ms:");
     for (const LightingBenchRow& r : result.rows) {
       std::printf("%-13s", r.name.c_str());

@@ -14,8 +14,6 @@
 namespace sandglass {
 namespace {
 
-constexpr uint64_t k_unit_image_bytes = 256 * 1024;  // read by a unit: some tens of microseconds
-constexpr uint32_t k_unit_rows_most = 16;
 constexpr uint64_t k_rgb_bytes = 3 * k_light_width * k_light_height;
 
 sandglass_status refuse(const char** reason, sandglass_status status, const char* sentence) {
@@ -86,26 +84,21 @@ bool take_image(Light* light, const sandglass_camera_image& image) {
   light->phase = LightPhase::image;
   light->cursor = 0;
   light->image = with_turn(image);
-  const uint64_t rows = k_unit_image_bytes / camera_row_bytes(light->image);
-  light->unit_rows = static_cast<uint32_t>(rows < 1 ? 1 : rows > k_unit_rows_most ? k_unit_rows_most : rows);
+  light->blocks = camera_blocks(light->image);
   light->image_frame = light->frame;
   return true;
 }
 
-uint32_t image_units_left(const Light& light) {
-  return (camera_rows(light.image) - light.cursor + light.unit_rows - 1) / light.unit_rows;
-}
+uint32_t image_units_left(const Light& light) { return light.blocks.count - light.cursor; }
 
 void drop_image(Light* light) {
   for (const uint8_t*& plane : light->image.planes) plane = nullptr;
 }
 
 void run_image(Light* light) {
-  const uint32_t left = camera_rows(light->image) - light->cursor;
-  const uint32_t rows = left < light->unit_rows ? left : light->unit_rows;
-  resample_camera_rows(light->image, light->cursor, rows, light->rgb, light->sums);
-  light->cursor += rows;
-  if (rows < left) return;
+  const CameraBlock block = camera_block(light->image, light->blocks, light->cursor);
+  resample_camera_block(light->image, block, light->rgb, light->sums);
+  if (++light->cursor < light->blocks.count) return;
   drop_image(light);
   light->taken_ns = light->image.timestamp_ns;
   light->phase = LightPhase::network;
@@ -138,8 +131,7 @@ bool next_unit(const sandglass_light* owner, WorkUnit* unit) {
   const Light& light = owner->light;
   if (light.phase == LightPhase::idle) return false;
   if (light.phase == LightPhase::image) {
-    *unit = {k_light_stage_image, static_cast<uint32_t>(light.unit_rows * camera_row_bytes(light.image) / 256 + 1),
-             "light.image"};
+    *unit = {k_light_stage_image, static_cast<uint32_t>(light.blocks.bytes / 256 + 1), "light.image"};
     return true;
   }
   *unit = light_unit(*light.network, light.cursor);
@@ -367,12 +359,8 @@ sandglass_status sandglass_light_turn(sandglass_light* light, const float rotati
   double turned[3];
   rotate(turn, light->light.latest.direction, turned);
   for (int i = 0; i < 3; ++i) light->light.latest.direction[i] = turned[i];
-  // The image under way was taken in the frame that was: its pose turns too, by the product of the quaternions.
-  const float *a = rotation, *b = light->light.image.orientation;
-  const float product[4] = {
-      a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1], a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
-      a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3], a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]};
-  memcpy(light->light.image.orientation, product, sizeof product);
+  // The image under way was taken in the frame that was: its pose turns too.
+  turn_further(rotation, light->light.image.orientation);
   floating_point_restore(saved);
   return accept(reason);
 }

@@ -17,6 +17,7 @@ int main(int count, char** arguments) {
   sandglass_light_run(light, 8);
   estimate.struct_size = sizeof estimate;
   sandglass_light_get(light, &estimate);
+  filament.struct_size = sizeof filament;
   if (sandglass_light_to_filament(&estimate, SANDGLASS_LIGHT_MODEL_AMBIENT, 30.0f, &filament, &reason) != SANDGLASS_OK)
     return 1;
   return estimate.valid != 1;
