@@ -132,7 +132,8 @@ class SandView {
   // The room's light, whenever the library's estimate has changed.
   void set_light(const sandglass_light_estimate& estimate) {
     using namespace filament;
-    sandglass_light_filament filament;
+    sandglass_light_filament filament{};
+    filament.struct_size = sizeof filament;
     if (engine_ == nullptr ||
         sandglass_light_to_filament(&estimate, SANDGLASS_LIGHT_MODEL_AMBIENT, 1.0f, &filament, nullptr) != SANDGLASS_OK)
       return;
