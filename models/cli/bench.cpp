@@ -3,6 +3,7 @@
 #include <functional>
 #include <thread>
 
+#include "kernels/int8.h"
 #include "models/cli/commands.h"
 #include "models/cli/options.h"
 #include "models/host/atomic_file.h"
@@ -285,7 +286,7 @@ struct Bench {
       keep(r.name, "worst_truth", "1", r.worst_truth, 1);
       keep(r.name, "evaluated", "1", r.evaluated, 1);
     }
-    if (!result.rows.empty() && !result.has_xnnpack) std::puts("XNNPACK is not installed: its rows are left out");
+    if (!interrupted() && !result.has_xnnpack) std::puts("XNNPACK is not installed: its rows are left out");
     if (!options.out.empty() && !interrupted()) shadow_curves(files, loaded.mesh, mesh_name);
   }
 
@@ -330,20 +331,28 @@ struct Bench {
     std::printf("%-13s %8s %8s %9s %11s %13s %17s %10s\n", "case", "ms", "GMAC/s", "of peak", "arena, MiB",
                 "activations", "longest unit, ms", "to float");
     for (const LightingBenchRow& r : result.rows) {
-      std::printf("%-13s %8.2f %8.1f %8.1f%% %11.2f %9.2f MiB %17.3f %5.2f deg, %.4f\n", r.name.c_str(), r.ms,
-                  r.gmac_per_s, 100 * r.fraction, r.arena_bytes / (1 << 20), r.activations / (1 << 20),
-                  r.longest_unit_ms, r.angle_deg, r.difference);
+      char to_float[32] = "-";
+      if (result.compared) std::snprintf(to_float, sizeof to_float, "%5.2f deg, %.4f", r.angle_deg, r.difference);
+      std::printf("%-13s %8.2f %8.1f %8.1f%% %11.2f %9.2f MiB %17.3f %s\n", r.name.c_str(), r.ms, r.gmac_per_s,
+                  100 * r.fraction, r.arena_bytes / (1 << 20), r.activations / (1 << 20), r.longest_unit_ms, to_float);
       keep(r.name, "ms", "ms", r.ms, 1);
       keep(r.name, "gmac_per_s", "GMAC/s", r.gmac_per_s, 1);
       keep(r.name, "fraction_of_peak", "1", r.fraction, 1);
       keep(r.name, "arena_bytes", "B", r.arena_bytes, 1);
       keep(r.name, "longest_unit_ms", "ms", r.longest_unit_ms, 1);
       if (r.activations > 0) keep(r.name, "activation_bytes", "B", r.activations, 1);
-      if (result.has_xnnpack) {
+      if (result.compared) {
         keep(r.name, "angle_to_f32", "deg", r.angle_deg, 1);
         keep(r.name, "difference_to_f32", "1", r.difference, 1);
       }
       for (const LightingBenchRow::Part& part : r.parts) keep(r.name, ("ms_" + part.name).c_str(), "ms", part.ms, 1);
+    }
+    std::puts("image to 256 x 192, all of it in its frame:");
+    for (const LightingImageRow& r : result.images) {
+      std::printf("%-15s %6.2f ms in %3u units, %5.2f ms a megapixel, longest unit %.3f ms\n", r.name.c_str(), r.ms,
+                  r.units, r.ms / r.megapixels, r.longest_unit_ms);
+      keep("image_" + r.name, "ms", "ms", r.ms, 1);
+      keep("image_" + r.name, "longest_unit_ms", "ms", r.longest_unit_ms, 1);
     }
     std::puts("by kind of operator, ms:");
     for (const LightingBenchRow& r : result.rows) {
@@ -359,7 +368,7 @@ struct Bench {
                                : ", ",
                   result.layers[i].name.c_str() + 6, 1e3 * result.layers[i].ms);
     std::puts("");
-    if (!result.rows.empty() && !result.has_xnnpack) std::puts("XNNPACK is not installed: its rows are left out");
+    if (!result.has_xnnpack) std::puts("XNNPACK is not installed: its rows are left out");
   }
 
   void machine() {
@@ -371,6 +380,22 @@ struct Bench {
     keep("peak", "read_gb_per_s", "GB/s", peak.read_gb_per_s, 1);
   }
 };
+
+const std::vector<OptionUse> k_uses = {{"--asset", {"shadow", "lighting"}},
+                                       {"--mesh", {"shadow"}},
+                                       {"--thresholds", {"shadow"}},
+                                       {"--out", {"ladder", "shadow"}},
+                                       {"--json", {}},
+                                       {"--frames", {"granular", "ladder"}},
+                                       {"--peers", {"granular"}},
+                                       {"--threads", {"granular", "ladder", "growth"}},
+                                       {"--isa", {"granular", "ladder", "growth", "shadow", "lighting"}}};
+
+void check_assets(const Options& options) {
+  if (options.assets.size() < 2) return;
+  if (options.suite == "lighting") throw Failure("bench lighting measures one network; name one file with --asset");
+  if (options.out.empty()) throw Failure("further shadows are only drawn; name a folder for that with --out");
+}
 
 }  // namespace
 
@@ -399,14 +424,19 @@ void add_bench_command(Command& program, int* exit_code) {
   command->add_option("--threads", options->threads, "Thread counts, separated by commas (1)")
       ->delimiter(',')
       ->check(range(1u, 256u));
-  command->add_option("--isa", options->isa, "Kernels to use (automatic)");
-  command->callback([options, exit_code] {
+  command->add_option("--isa", options->isa, "Kernels, as for run (automatic)");
+  command->callback([options, exit_code, command] {
+    command.refuse_unused(options->suite, k_uses);
+    check_assets(*options);
     listen_for_interrupt();
     Bench bench = {*options, find_isa(options->isa), {}, {}};
     sandglass_scene_desc desc;
     sandglass_scene_desc_default(&desc);
     desc.isa = bench.isa;
     bench.isa_name = sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
+    const Int8Kernels* of_bytes = select_int8_kernels(bench.isa);  // shadows and light have tables of their own
+    if (of_bytes != nullptr && (options->suite == "shadow" || options->suite == "lighting"))
+      bench.isa_name = sandglass_isa_name(of_bytes->isa);
     if (options->suite == "granular") bench.granular();
     else if (options->suite == "ladder") bench.ladder();
     else if (options->suite == "growth") bench.growth();

@@ -1,4 +1,5 @@
-// `sandglass inspect FILE`: what a file is, by its content: a recording, a baked shadow, a scene, else a mesh.
+// `sandglass inspect FILE`: what a file is, by its content: a recording, a baked shadow, a lighting network,
+// a scene, else a mesh.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -14,6 +15,8 @@
 #include "models/host/scene_fill.h"
 #include "models/host/simulation.h"
 #include "models/host/standing_shadows.h"
+#include "runtime/asset/light_asset.h"
+#include "sandglass/light.h"
 #include "sandglass/shadow.h"
 
 namespace sandglass::host {
@@ -22,6 +25,7 @@ namespace {
 
 constexpr char k_recording_magic[] = "SGREC";   // the first bytes of models/host/recording.h's format
 constexpr char k_shadow_identifier[] = "SGSH";  // bytes 4..7 of runtime/asset/shadow.fbs's
+constexpr char k_light_identifier[] = "SGLN";   // and of light.fbs's
 
 void inspect_recording(const std::string& path) {
   const Recording recording = load_recording(path);
@@ -64,6 +68,23 @@ void print_shadow(const std::string& path, const AlignedBytes& file) {
               static_cast<double>(info.rmse_int8), info.validated_lights);
   std::printf("  float copy   %s\n  memory       %llu bytes\n", info.float_parameters > 0 ? "yes" : "no",
               static_cast<unsigned long long>(memory));
+}
+
+void print_light(const std::string& path, const AlignedBytes& file) {
+  LightAsset asset;
+  const char* reason = nullptr;
+  if (open_light_asset(file.data(), file.size(), &asset, &reason) != SANDGLASS_OK)
+    throw Failure("'" + path + "': " + reason);
+  sandglass_light_desc desc;
+  sandglass_light_desc_default(&desc);
+  desc.asset = file.data(), desc.asset_bytes = file.size();
+  uint64_t memory = 0;
+  if (sandglass_light_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw Failure("'" + path + "': " + reason);
+  std::printf("lighting network '%s', version %u\n  trained on   %u images, calibrated on %u\n", asset.name,
+              k_light_asset_version, asset.training_images, asset.calibration_images);
+  std::printf("  int8         %.2f degrees and %.4f of a colour from float, medians\n",
+              static_cast<double>(asset.angle_deg), static_cast<double>(asset.difference));
+  std::printf("  memory       %llu bytes\n", static_cast<unsigned long long>(memory));
 }
 
 void inspect_scene(const std::string& path, const std::string& mesh) {
@@ -130,22 +151,25 @@ void add_inspect_command(Command& program, int* exit_code) {
     std::string file, mesh;
   };
   const auto options = std::make_shared<Options>();
-  Command command =
-      program.add_subcommand("inspect", "Say what a file is: a recording, a baked shadow, a scene, a mesh");
+  Command command = program.add_subcommand(
+      "inspect", "Say what a file is: a recording, a shadow, a lighting network, a scene, a mesh");
   command->add_option("file", options->file, "The file, or the name of a shipped scene")->required();
   command->add_option("--mesh", options->mesh, "For a scene: the mesh to fill, as in run");
-  command->callback([options, exit_code] {
+  command->callback([options, exit_code, command] {
     *exit_code = 0;
     std::error_code error;
+    const auto is = [&](const char* kind) { command.refuse_unused(kind, {{"--mesh", {"scene"}}}); };
     if (!std::filesystem::exists(options->file, error)) return inspect_scene(find_scene(options->file), options->mesh);
     const std::string content = read_file(options->file, "file");
     if (content.empty()) throw Failure("the file '" + options->file + "' is empty; name another");
-    if (content.starts_with(k_recording_magic)) return inspect_recording(options->file);
+    if (content.starts_with(k_recording_magic)) return is("recording"), inspect_recording(options->file);
     if (content.size() > 8 && content.compare(4, 4, k_shadow_identifier) == 0)
-      return print_shadow(options->file, AlignedBytes(content));
+      return is("shadow"), print_shadow(options->file, AlignedBytes(content));
+    if (content.size() > 8 && content.compare(4, 4, k_light_identifier) == 0)
+      return is("lighting network"), print_light(options->file, AlignedBytes(content));
     const size_t first = content.find_first_not_of(" \t\r\n");
     if (first != std::string::npos && content[first] == '{') return inspect_scene(options->file, options->mesh);
-    inspect_mesh(options->file);
+    is("mesh"), inspect_mesh(options->file);
   });
 }
 

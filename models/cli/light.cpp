@@ -54,15 +54,32 @@ Picture turned(const Picture& picture, uint32_t degrees) {
   return out;
 }
 
+// Without extensions, and different where photographs of several folders have one name.
+std::vector<std::string> outputs_of(const Options& options) {
+  std::set<std::string> names = {"sheet"};
+  std::vector<std::string> outputs;
+  for (const std::string& path : options.images) {
+    const std::string stem = fs::path(path).stem().string();
+    std::string name = stem;
+    for (int copy = 2; !names.insert(name).second; ++copy) name = stem + "_" + std::to_string(copy);
+    outputs.push_back((fs::path(options.folder) / name).string());
+  }
+  return outputs;
+}
+
 int estimate_all(const Options& options) {
   RoomLight light(options.network);
   // What cannot be read is said before anything is written.
   std::vector<Picture> pictures;
   for (const std::string& path : options.images) pictures.push_back(read_picture(path));
+  const std::string sheet_path = (fs::path(options.folder) / "sheet.png").string();
+  const std::vector<std::string> outputs = outputs_of(options);
+  for (const std::string& output : outputs)
+    keep_inputs(output + ".png", options.images), keep_inputs(output + ".json", options.images);
+  if (outputs.size() > 1) keep_inputs(sheet_path, options.images);
   make_folder(options.folder);
   Progress progress("estimating light", pictures.size());
   std::vector<Picture> sheet;
-  std::set<std::string> names;
   for (size_t i = 0; i < pictures.size() && !interrupted(); ++i) {
     sandglass_camera_image image = camera_image_of(pictures[i], options.fov_deg);
     image.turn_deg = options.turn_deg;
@@ -74,13 +91,10 @@ int estimate_all(const Options& options) {
       throw Failure("'" + options.images[i] + "': " + failure.what());
     }
     const sandglass_light_estimate e = in_camera_frame(world);
-    const std::string stem = fs::path(options.images[i]).stem().string();
-    std::string name = stem;
-    for (int copy = 2; !names.insert(name).second; ++copy) name = stem + "_" + std::to_string(copy);
-    const std::string base = (fs::path(options.folder) / name).string();
+    const std::string name = fs::path(outputs[i]).filename().string();
     const Picture drawn = light_picture(turned(pictures[i], options.turn_deg), e, name);
-    write_png(base + ".png", drawn);
-    write_file(base + ".json", json_of(options, options.images[i], world).dump(2) + "\n");
+    write_png(outputs[i] + ".png", drawn);
+    write_file(outputs[i] + ".json", json_of(options, options.images[i], world).dump(2) + "\n");
     std::printf("%-24s towards the light %6.3f right %6.3f down %6.3f forward, contrast %.2f, light %.2f %.2f %.2f\n",
                 name.c_str(), static_cast<double>(e.direction[0]), static_cast<double>(e.direction[1]),
                 static_cast<double>(e.direction[2]), static_cast<double>(e.contrast), static_cast<double>(e.light[0]),
@@ -89,7 +103,7 @@ int estimate_all(const Options& options) {
     progress.done(i + 1);
   }
   if (interrupted()) return k_exit_interrupted;
-  if (sheet.size() > 1) write_png((fs::path(options.folder) / "sheet.png").string(), picture_grid(sheet, 1, 4));
+  if (sheet.size() > 1) write_png(sheet_path, picture_grid(sheet, 1, 4));
   return 0;
 }
 

@@ -9,6 +9,7 @@
 #include "models/host/failure.h"
 #include "models/host/npy.h"
 #include "models/host/progress.h"
+#include "models/lighting/dataset.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/picture_file.h"
 
@@ -23,23 +24,6 @@ struct Options {
   bool mirror = false;
 };
 
-// The first column of the manifest, in its order.
-std::vector<std::string> images_of(const std::string& folder) {
-  const std::string path = folder + "/manifest.csv", text = read_file(path, "list of images");
-  std::vector<std::string> images;
-  bool heading = true;
-  for (size_t at = 0; at < text.size(); heading = false) {
-    const size_t end = std::min(text.find('\n', at), text.size());
-    const std::string row = text.substr(at, end - at), image = row.substr(0, row.find(','));
-    at = end + 1;
-    if (heading ? image != "image" : image.empty())
-      throw Failure("'" + path + "' is not a data set's list of images; make it with `sandglass dataset`");
-    if (!heading) images.push_back(folder + "/" + image);
-  }
-  if (images.empty()) throw Failure("'" + path + "' names no image; make the data set again");
-  return images;
-}
-
 Picture mirrored(const Picture& picture) {
   Picture out = picture;
   for (int y = 0; y < picture.height; ++y)
@@ -50,7 +34,7 @@ Picture mirrored(const Picture& picture) {
 int write_features(const Options& options) {
   const std::string bytes = read_file(options.network, "lighting network");
   LightRunner runner({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, options.network);
-  const std::vector<std::string> images = images_of(options.folder);
+  const std::vector<std::string> images = images_of_dataset(options.folder);
   const size_t copies = options.mirror ? 2 : 1;
   std::vector<float> features;
   Progress progress("running the network", copies * images.size());

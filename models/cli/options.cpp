@@ -1,6 +1,7 @@
 #include "models/cli/options.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cstdio>
@@ -98,6 +99,23 @@ Option Command::add_flag_callback(const std::string& name, std::function<void()>
 void Command::require_option(int count) { app_->require_option(count); }
 void Command::allow_extras() { app_->allow_extras(); }
 void Command::callback(std::function<void()> run) { app_->callback(run); }
+
+void Command::refuse_unused(const std::string& chosen, const std::vector<OptionUse>& table) const {
+  for (const CLI::Option* option : app_->get_options()) {
+    if (option->get_positional() || option == app_->get_help_ptr()) continue;
+    const auto use = std::find_if(table.begin(), table.end(),
+                                  [&](const OptionUse& entry) { return option->check_name(entry.option); });
+    if (use == table.end()) throw Failure("no case of " + app_->get_name() + " uses " + option->get_name());
+    if (option->count() == 0 || use->cases.empty()) continue;
+    std::string cases;
+    bool used = false;
+    for (const char* name : use->cases)
+      used = used || name == chosen, cases += (cases.empty() ? "" : ", ") + std::string(name);
+    if (!used)
+      throw Failure(app_->get_name() + " " + chosen + " does not use " + use->option + ", which is for " + cases +
+                    "; leave it out");
+  }
+}
 
 Program::Program(const std::string& help, const std::string& name, const std::string& version,
                  const std::string& footer)

@@ -47,6 +47,12 @@ class Option {
   CLI::Option* option_;
 };
 
+// An option and the cases of its command that use it; without a case, all do.
+struct OptionUse {
+  const char* option;
+  std::vector<const char*> cases;
+};
+
 class Command {
  public:
   explicit Command(CLI::App* app) : app_(app) {}
@@ -65,6 +71,9 @@ class Command {
   void require_option(int count);
   void allow_extras();
   void callback(std::function<void()> run);
+  // When the command runs its case `chosen`: a Failure for an option on the command line that this case does not use,
+  // rather than an answer to something else than what was asked. Every option of the command is in the table.
+  void refuse_unused(const std::string& chosen, const std::vector<OptionUse>& table) const;
 
  protected:
   CLI::App* app_;

@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
 #include "models/cli/commands.h"
 #include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/progress.h"
+#include "models/lighting/dataset.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/picture_file.h"
 #include "models/lighting/quantise.h"
@@ -27,18 +27,14 @@ struct Options {
   uint32_t images = 96;
 };
 
+// By the manifests: what an earlier data set left in a folder is not of this one.
 std::vector<std::string> pictures_in(const std::vector<std::string>& folders) {
   std::vector<std::string> paths;
   for (const std::string& folder : folders) {
-    const std::filesystem::path images = std::filesystem::path(folder) / "images";
-    std::error_code error;
-    const auto where = std::filesystem::is_directory(images, error) ? images : std::filesystem::path(folder);
-    for (const auto& entry : std::filesystem::directory_iterator(where, error))
-      if (entry.path().extension() == ".png") paths.push_back(entry.path().string());
-    if (error) throw Failure("the folder '" + folder + "' cannot be read; name one made by `sandglass dataset`");
+    const std::vector<std::string> images = images_of_dataset(folder);
+    paths.insert(paths.end(), images.begin(), images.end());
   }
-  if (paths.size() < 4)
-    throw Failure("fewer than 4 .png images to calibrate with; name a folder made by `sandglass dataset`");
+  if (paths.size() < 4) throw Failure("fewer than 4 images in '" + folders.at(0) + "'; name larger data sets");
   std::sort(paths.begin(), paths.end());
   return paths;
 }
@@ -73,7 +69,6 @@ void compare(const LightValues& truth, const LightOutputs& bytes, Differences* t
 }
 
 int run(const Options& options) {
-  const LightNet net = light_net_of(read_npz(options.weights));
   const std::vector<std::string> paths = pictures_in(options.folders);
   std::vector<std::string> to_calibrate, to_measure;
   if (options.measured.empty()) {  // every other one of those chosen
@@ -83,6 +78,7 @@ int run(const Options& options) {
     to_calibrate = spread_over(paths, options.images);
     to_measure = spread_over(pictures_in(options.measured), options.images);
   }
+  const LightNet net = light_net_of(read_npz(options.weights));
   LightRanges ranges;
   std::vector<std::vector<uint8_t>> calibration, images;
   std::vector<FeaturePair> pairs;  // of the calibration images

@@ -200,6 +200,10 @@ struct Run {
     }
     report.scene = scene.name;
     report.isa = sandglass_isa_name(sandglass_scene_isa(simulation->handle()));
+    if (!shadows->handles().empty()) {
+      const std::string of_bytes = sandglass_isa_name(sandglass_shadow_isa(shadows->handles()[0]));
+      if (of_bytes != report.isa) report.isa += ", shadows " + of_bytes;
+    }
     report.clock = options.replay.empty() ? options.clock : "replay";
     report.light = shot ? name_of(shot->source()) : scene.light ? "scene's light" : "";
     report.threads = options.threads;

@@ -1,9 +1,11 @@
 // `sandglass verify SUITE`: claims with their truth, measured now, and wrong settings that must fail them; as a table
 // on the terminal, and with --out as CSV, Markdown and curves.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "models/cli/commands.h"
@@ -21,6 +23,7 @@
 #include "models/lighting/dataset.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
+#include "models/lighting/lit_view.h"
 #include "models/lighting/turning_camera.h"
 #include "models/lighting/verify_lighting.h"
 #include "models/shot/light_estimate.h"
@@ -32,13 +35,15 @@ namespace {
 
 constexpr int k_exit_check_failed = 1, k_exit_interrupted = 130;
 
+constexpr const char* k_usual_object = "trefoil";
+
 struct Options {
   std::string suite, json, out, isa = "automatic";
   std::vector<std::string> cases;
   bool quick = false;
   std::vector<std::string> panoramas;
-  std::string manifest, estimates, network, object = "trefoil";
-  int views = 8, samples = 32;
+  std::string manifest, estimates, network, object = k_usual_object;
+  int views = 8, samples = 48;
   uint32_t threads = 1;
   uint64_t seed = 0;
 };
@@ -131,38 +136,90 @@ int verify_granular(const Options& options) {
   return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : 0;
 }
 
+bool is_float(const std::string& network) { return network.ends_with(".npz"); }
+
 LightLabels labels_of_values(const float* direction, const float* light, const float* ambient, float contrast) {
   const auto vector = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };
   return {normalised(vector(direction)), vector(light), vector(ambient), contrast, true};
 }
 
 // The runtime's bytes; of exported weights (.npz) the float network, slowly.
-LightEstimator estimator_of(const Options& options) {
-  if (options.network.ends_with(".npz")) {
-    const auto net = std::make_shared<LightNet>(light_net_of(read_npz(options.network)));
+LightEstimator estimator_of(const std::string& network, sandglass_isa isa) {
+  if (is_float(network)) {
+    const auto net = std::make_shared<LightNet>(light_net_of(read_npz(network)));
     return [net](const Picture& image, const std::string&) {
       const LightValues v = light_of(*net, features_of(net->trunk, image.rgb, image.width, image.height));
       return labels_of_values(&v[0], &v[3], &v[6], v[9]);
     };
   }
-  const std::string bytes = read_file(options.network, "lighting network");
+  const std::string bytes = read_file(network, "lighting network");
   const auto runner = std::make_shared<LightRunner>(
-      std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()), options.network, find_isa(options.isa));
+      std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()), network, isa);
   return [runner](const Picture& image, const std::string&) {
     const LightOutputs o = runner->run(image.rgb);
     return labels_of_values(o.direction, o.light, o.ambient, o.contrast);
   };
 }
 
+std::string data_folder() {
+  const char* data = std::getenv("SANDGLASS_DATA_DIR");
+  return data == nullptr ? "" : data;
+}
+
+// What is measured where: on the data folder the cross-validated estimates of its places, on panoramas that are named
+// the shipped network; or what the options name.
+struct LightingSources {
+  std::vector<std::string> panoramas;
+  std::string manifest, estimates, network;
+};
+
+constexpr const char* k_cross_validated = SANDGLASS_LIGHTING_DIR "/cross_validated_estimates.csv";
+
+LightingSources lighting_sources(const Options& options) {
+  LightingSources s = {options.panoramas, options.manifest, options.estimates, options.network};
+  if (options.samples == 0 && options.object != k_usual_object)
+    throw Failure("--object is what is rendered, and --samples 0 renders nothing; leave one of them out");
+  const bool own = s.panoramas.empty();
+  if (own) {
+    const std::string data = data_folder();
+    if (data.empty())
+      throw Failure(
+          "verify lighting needs panoramas; name .hdr or .exr files or folders of them with --panoramas, or the data "
+          "folder in SANDGLASS_DATA_DIR");
+    s.panoramas = {data + "/hdri/indoor", data + "/hdri/studio"};
+    if (s.manifest.empty()) s.manifest = data + "/manifest.csv";
+  }
+  if (s.estimates.empty() && s.network.empty())
+    (own ? s.estimates : s.network) = own ? k_cross_validated : shipped_light_network();
+  if (options.isa != "automatic" && (s.network.empty() || is_float(s.network)))
+    throw Failure("--isa chooses what runs a network in bytes, and none is run here; leave it out");
+  return s;
+}
+
+// The shipped network was fitted to all places of the cross-validation.
+std::string said_of_training(const LightingSources& sources) {
+  const std::string shipped = shipped_light_network();
+  if (sources.network.empty() || shipped.empty() || is_float(sources.network)) return "";
+  if (read_file(sources.network, "lighting network") != read_file(shipped, "lighting network")) return "";
+  const std::set<std::string> fitted = panoramas_of_estimates(read_file(k_cross_validated, "estimates"));
+  const std::vector<std::string> panoramas = find_panoramas(sources.panoramas);
+  size_t known = 0;
+  for (const std::string& path : panoramas) known += fitted.count(stem_of(path));
+  if (known == 0) return "";
+  return std::to_string(known) + " of " + std::to_string(panoramas.size()) +
+         " panoramas are of places that the network was fitted to: what it does there is no test. Of places that it "
+         "never saw `sandglass verify lighting` on the data folder has the cross-validated estimates.\n";
+}
+
 // Of the panoramas, four turns of the camera each: how much the light wanders in the world.
-void add_turns(const Options& options, std::vector<Verdict>* rows) {
-  const std::vector<std::string> paths = find_panoramas(options.panoramas);
+void add_turns(const LightingSources& sources, std::vector<Verdict>* rows) {
+  const std::vector<std::string> paths = find_panoramas(sources.panoramas);
   double filtered = 0, latest = 0, labels = 0, fixed = 0, turns = 0;
   Progress progress("turning the camera", paths.size());
   for (size_t i = 0; i < paths.size() && !interrupted(); ++i) {
     const LitPanorama panorama(paths[i]);
     for (int quarter = 0; quarter < 4 && !interrupted(); ++quarter, ++turns) {
-      const Turn turn = turn_camera(options.network, panorama, 0.5 * M_PI * quarter);
+      const Turn turn = turn_camera(sources.network, panorama, 0.5 * M_PI * quarter);
       filtered += wander_deg(turn.filtered), latest += wander_deg(turn.latest);
       labels += wander_deg(turn.labels), fixed += wander_deg(turn.fixed);
     }
@@ -178,37 +235,37 @@ void add_turns(const Options& options, std::vector<Verdict>* rows) {
 }
 
 int verify_lighting_suite(const Options& options) {
-  if (options.panoramas.empty())
-    throw Failure("verify lighting needs panoramas; name .hdr or .exr files or folders of them with --panoramas");
+  const LightingSources sources = lighting_sources(options);
+  const bool in_bytes = !sources.network.empty() && !is_float(sources.network);
   LightingVerdictOptions lighting;
-  lighting.panoramas = options.panoramas, lighting.manifest = options.manifest;
+  lighting.panoramas = sources.panoramas, lighting.manifest = sources.manifest;
   lighting.views = options.views, lighting.samples = options.samples, lighting.threads = options.threads;
-  if (!options.estimates.empty())
-    lighting.estimator = estimates_of_csv(read_file(options.estimates, "estimates"), options.estimates);
-  if (!options.network.empty()) lighting.estimator = estimator_of(options);
+  if (!sources.estimates.empty())
+    lighting.estimator = estimates_of_csv(read_file(sources.estimates, "estimates"), sources.estimates);
+  if (!sources.network.empty()) lighting.estimator = estimator_of(sources.network, find_isa(options.isa));
+  const std::string said = said_of_training(sources);
   MeshResult mesh = make_named(options.object);
   if (!mesh) mesh = load_mesh(options.object);
   if (!mesh) throw Failure(mesh.error);
   lighting.object = mesh.mesh;
   LightingVerdicts verdicts = verify_lighting(lighting);
   if (interrupted()) return k_exit_interrupted;
-  std::printf("%zu views of %zu panoramas\n\n%s\n", verdicts.views.size(), verdicts.pictures.size(),
+  std::printf("%zu views of %zu panoramas, estimates: %s\n%s\n%s\n", verdicts.views.size(), verdicts.pictures.size(),
+              sources.network.empty() ? sources.estimates.c_str() : sources.network.c_str(), said.c_str(),
               lighting_table(verdicts).c_str());
-  if (!options.network.empty() && !options.network.ends_with(".npz")) add_turns(options, &verdicts.rows);
+  if (in_bytes) add_turns(sources, &verdicts.rows);
   if (interrupted()) return k_exit_interrupted;
   print_table(verdicts.rows);
   uint32_t failed = 0;
   for (const Verdict& v : verdicts.rows) failed += v.pass ? 0 : 1;
   if (!options.json.empty())
-    write_file(options.json,
-               measurements_json(measurements_of(
-                   "lighting", options.network.empty() || options.network.ends_with(".npz") ? "f32" : "int8",
-                   options.threads, verdicts.rows)));
+    write_file(options.json, measurements_json(measurements_of("lighting", in_bytes ? "int8" : "f32", options.threads,
+                                                               verdicts.rows)));
   if (!options.out.empty()) {
     make_folder(options.out);
     write_file(options.out + "/lighting.csv", lighting_csv(verdicts));
-    write_file(options.out + "/lighting.txt", lighting_table(verdicts));
-    if (verdicts.has_estimate) write_file(options.out + "/estimates.csv", estimates_csv(verdicts));
+    write_file(options.out + "/lighting.txt", said + lighting_table(verdicts));
+    write_file(options.out + "/estimates.csv", estimates_csv(verdicts));
     write_file(options.out + "/verify.csv", table_csv(verdicts.rows));
     write_file(options.out + "/verify.md", table_markdown(verdicts.rows));
     write_png(options.out + "/lighting.png", picture_grid(verdicts.pictures, 8, 4));
@@ -220,9 +277,8 @@ int verify_lighting_suite(const Options& options) {
 // Where the data folder's indoor panoramas are; empty: nowhere.
 std::vector<std::string> indoor_panoramas(const Options& options) {
   if (!options.panoramas.empty()) return find_panoramas(options.panoramas);
-  const char* data = std::getenv("SANDGLASS_DATA_DIR");
-  if (data == nullptr || *data == '\0') return {};
-  return find_panoramas({std::string(data) + "/hdri/indoor"});
+  const std::string data = data_folder();
+  return data.empty() ? std::vector<std::string>{} : find_panoramas({data + "/hdri/indoor"});
 }
 
 // The views of a study, against each ablation; returns how many comparisons are lost.
@@ -268,23 +324,27 @@ int verify_shot_suite(const Options& options) {
   if (!study.folder.empty()) make_folder(study.folder);
   uint32_t failed = 0;
   std::vector<Measurement> measurements;
-  const std::vector<PileShadowError> pile = study_pile_shadow();
-  std::string text = pile_shadow_text(pile);
-  if (study.panoramas.empty()) {
-    std::printf(
-        "views skipped: no panoramas; name a folder with --panoramas, or the data folder in "
-        "SANDGLASS_DATA_DIR\n\n");
-  } else {
-    Progress progress("compositing and tracing views", std::min(study.views, study.panoramas.size()));
+  std::string text;
+  {
+    Progress progress("compositing and tracing views",
+                      std::max<size_t>(1, std::min(study.views, study.panoramas.size())));
     const ShotStudy result = study_shots(study, [&](size_t done) {
       progress.done(done);
       return !interrupted();
     });
     if (interrupted()) return k_exit_interrupted;
-    text = shot_study_text(result) + "\n" + text;
-    failed += judge_views(result, &measurements);
-    if (study.network.empty()) std::printf("no lighting network: without estimates\n");
+    if (!result.views.empty()) {
+      text = shot_study_text(result) + "\n";
+      failed += judge_views(result, &measurements);
+    }
   }
+  if (study.panoramas.empty())
+    std::printf(
+        "views skipped: no panoramas; name a folder with --panoramas, or the data folder in "
+        "SANDGLASS_DATA_DIR\n\n");
+  if (study.network.empty()) std::printf("no lighting network: without estimates\n");
+  const std::vector<PileShadowError> pile = study_pile_shadow();
+  text += pile_shadow_text(pile);
   failed += judge_pile_shadow(pile, &measurements);
   std::fputs(text.c_str(), stdout);
   if (!study.folder.empty()) write_file(study.folder + "/shot.md", text);
@@ -292,16 +352,20 @@ int verify_shot_suite(const Options& options) {
   return failed > 0 ? k_exit_check_failed : 0;
 }
 
-struct SuiteOption {
-  const char *name, *suites;
-  Option option;
-};
-
-void refuse_options_of_other_suites(const std::vector<SuiteOption>& limited, const std::string& suite) {
-  for (const SuiteOption& o : limited)
-    if (o.option.given() && std::string(o.suites).find(suite) == std::string::npos)
-      throw Failure("verify " + suite + " does not know " + o.name + "; it is of " + o.suites + "; leave it out");
-}
+const std::vector<OptionUse> k_uses = {{"--case", {"granular"}},
+                                       {"--quick", {"granular", "shot"}},
+                                       {"--json", {}},
+                                       {"--out", {}},
+                                       {"--isa", {"granular", "lighting"}},
+                                       {"--panoramas", {"lighting", "shot"}},
+                                       {"--manifest", {"lighting"}},
+                                       {"--estimates", {"lighting"}},
+                                       {"--network", {"lighting", "shot"}},
+                                       {"--object", {"lighting"}},
+                                       {"--views", {"lighting"}},
+                                       {"--samples", {"lighting"}},
+                                       {"--seed", {"shot"}},
+                                       {"--threads", {"lighting", "shot"}}};
 
 }  // namespace
 
@@ -311,51 +375,38 @@ void add_verify_command(Command& program, int* exit_code) {
   command->add_option("suite", options->suite, "granular, lighting or shot")
       ->required()
       ->check(one_of({"granular", "lighting", "shot"}));
-  std::vector<SuiteOption> limited;
-  const auto only = [&](const char* name, const char* suites, Option option) {
-    limited.push_back({name, suites, option});
-    return option;
-  };
-  only("--case", "granular", command->add_option("--case", options->cases, "Only these cases (all)"))
-      ->check(one_of(verdict_groups()));
-  only("--quick", "granular, shot", command->add_flag("--quick", options->quick, "Only the cases that take seconds"));
+  command->add_option("--case", options->cases, "Only these cases (all)")->check(one_of(verdict_groups()));
+  command->add_flag("--quick", options->quick, "Only the cases that take seconds");
   command->add_option("--json", options->json, "Write the rows to this file");
   command->add_option("--out", options->out, "Write table and curves into this folder");
-  only("--isa", "granular, lighting", command->add_option("--isa", options->isa, "Kernels to use (automatic)"));
-  only("--panoramas", "lighting, shot",
-       command->add_option(
-           "--panoramas", options->panoramas,
-           "Lighting and shot: .hdr or .exr files, or folders of them (shot: the data folder's interiors)"));
-  only("--manifest", "lighting",
-       command->add_option("--manifest", options->manifest, "Lighting: CSV with file, group and fold"));
-  only("--estimates", "lighting",
-       command->add_option("--estimates", options->estimates,
-                           "Lighting: the estimates of all views, as train.py writes them"))
-      ->excludes(
-          only("--network", "lighting, shot",
-               command->add_option("--network", options->network,
-                                   "Lighting and shot: a network's file, run as in an app; lighting, .npz: in float")));
-  only("--object", "lighting",
-       command->add_option("--object", options->object, "Lighting: a mesh file or a generated mesh's name"))
+  command->add_option("--isa", options->isa, "Kernels to use (automatic)");
+  command->add_option("--panoramas", options->panoramas,
+                      "Lighting and shot: .hdr or .exr files, or folders of them (the data folder's interiors)");
+  command->add_option("--manifest", options->manifest, "Lighting: CSV with file, group and fold");
+  command
+      ->add_option(
+          "--estimates", options->estimates,
+          "Lighting: the estimates of all views, as train.py writes them (on the data folder the cross-validated ones)")
+      ->excludes(command->add_option(
+          "--network", options->network,
+          "Lighting and shot: a network's file, run as in an app (the shipped one); lighting, .npz: in float"));
+  command->add_option("--object", options->object, "Lighting: a mesh file or a generated mesh's name")
       ->capture_default_str();
-  only("--views", "lighting", command->add_option("--views", options->views, "Lighting: of each panorama's eight"))
+  command->add_option("--views", options->views, "Lighting: of each panorama's eight")
       ->check(range(1, 8))
       ->capture_default_str();
-  only("--samples", "lighting",
-       command->add_option("--samples", options->samples, "Lighting: paths a pixel; 0 renders nothing"))
+  command->add_option("--samples", options->samples, "Lighting: paths a pixel; 0 renders nothing")
       ->check(range(0, 4096))
       ->capture_default_str();
-  only("--seed", "shot",
-       command->add_option("--seed", options->seed,
-                           "Shot: where the cameras look; 0 is the study, others check it in all panoramas"))
+  command
+      ->add_option("--seed", options->seed,
+                   "Shot: where the cameras look; 0 is the study, others check it in all panoramas")
       ->capture_default_str();
-  only("--threads", "lighting, shot",
-       command->add_option("--threads", options->threads,
-                           "Lighting and shot: threads; the result does not depend on them"))
+  command->add_option("--threads", options->threads, "Lighting and shot: threads; the result does not depend on them")
       ->check(range(1u, 256u))
       ->capture_default_str();
-  command->callback([options, exit_code, limited] {
-    refuse_options_of_other_suites(limited, options->suite);
+  command->callback([options, exit_code, command] {
+    command.refuse_unused(options->suite, k_uses);
     listen_for_interrupt();
     *exit_code = options->suite == "shot"       ? verify_shot_suite(*options)
                  : options->suite == "lighting" ? verify_lighting_suite(*options)

@@ -9,6 +9,10 @@
 
 namespace sandglass::host {
 
+// Whether write_file could write there, as far as can be told without making or changing anything; else a Failure.
+// Called before long work whose result goes to `path`.
+void require_writable(const std::string& path);
+
 void write_file(const std::string& path, std::string_view content);
 void write_file(const std::string& path, std::span<const uint8_t> content);
 
@@ -19,6 +23,9 @@ void finish_file(const std::string& path);
 
 // The whole file, or a Failure that names it. `kind` is what the file should be: "scene", "recording".
 std::string read_file(const std::string& path, const std::string& kind);
+
+// A Failure where writing `output` would destroy one of the files that a command reads.
+void keep_inputs(const std::string& output, const std::vector<std::string>& inputs);
 
 // Makes a folder and its parents, or a Failure.
 void make_folder(const std::string& path);

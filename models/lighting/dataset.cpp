@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <mutex>
 #include <thread>
 
@@ -99,6 +101,32 @@ std::vector<Excerpt> excerpts_of(const std::string& path, const Location& locati
   return result;
 }
 
+// Runs `task` for 0 .. count - 1 on some threads until one fails; its exception comes out.
+void for_all(size_t count, uint32_t threads, const char* what, const std::function<void(size_t)>& task) {
+  std::atomic<size_t> next{0}, done{0};
+  std::mutex mutex;
+  std::exception_ptr failure;
+  Progress progress(what, count);
+  const auto work = [&] {
+    for (size_t i; (i = next.fetch_add(1)) < count && !interrupted();) {
+      try {
+        task(i);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        failure = std::current_exception();
+        next.store(count);
+      }
+      const std::lock_guard lock(mutex);
+      progress.done(done.fetch_add(1) + 1);
+    }
+  };
+  std::vector<std::thread> workers;
+  for (uint32_t i = 1; i < threads; ++i) workers.emplace_back(work);
+  work();
+  for (std::thread& worker : workers) worker.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
 }  // namespace
 
 std::vector<std::string> find_panoramas(const std::vector<std::string>& paths) {
@@ -116,6 +144,24 @@ std::vector<std::string> find_panoramas(const std::vector<std::string>& paths) {
     throw Failure("there is no .hdr or .exr file in '" + paths.at(0) + "'; name a folder with panoramas");
   std::sort(found.begin(), found.end());
   return found;
+}
+
+void refuse_equal_stems(const std::vector<std::string>& panoramas) {
+  std::map<std::string, std::string> seen;
+  for (const std::string& path : panoramas) {
+    const auto [other, is_new] = seen.emplace(stem_of(path), path);
+    if (!is_new)
+      throw Failure("'" + other->second + "' and '" + path +
+                    "' have one name, by which images and estimates are told apart; rename one or leave it out");
+  }
+}
+
+std::string read_locations(const std::string& path) {
+  if (path.empty()) return "";
+  std::string text = read_file(path, "manifest");
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw Failure("the manifest '" + path + "' is empty; its first line must name the columns file, group and fold");
+  return text;
 }
 
 Location location_of(const std::string& panorama, const std::string& manifest_text) {
@@ -141,19 +187,22 @@ Location location_of(const std::string& panorama, const std::string& manifest_te
       return {fields[group_column], fold.empty() ? -1 : fold[0] - '0'};
     }
   }
+  if (!manifest_text.empty())
+    throw Failure("the manifest has no line for '" + file + "'; add one with its group and fold");
   const std::string name = stem_of(panorama);
   return {name, static_cast<int>(hash_of_name(name, 0) % k_folds)};
 }
 
 DatasetSummary make_dataset(const DatasetOptions& options) {
   const std::vector<std::string> panoramas = find_panoramas(options.panoramas);
-  const std::string manifest_text = options.manifest.empty() ? "" : read_file(options.manifest, "manifest");
+  refuse_equal_stems(panoramas);
+  const std::string manifest_text = read_locations(options.manifest);
   std::vector<Location> locations;
   for (const std::string& panorama : panoramas) {
     if (!fs::exists(panorama)) throw Failure("cannot open the panorama '" + panorama + "'; check the path");
     locations.push_back(location_of(panorama, manifest_text));
   }
-  make_folder(options.folder + "/images");
+  if (!options.manifest.empty()) keep_inputs(options.folder + "/manifest.csv", {options.manifest});
   std::vector<std::vector<Excerpt>> results(panoramas.size());
   // Tiles of the sheet: evenly over all excerpts.
   const size_t excerpts = panoramas.size() * k_excerpts, tiles = std::min<size_t>(options.tiles, excerpts);
@@ -162,28 +211,12 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
     const size_t at = i * excerpts / tiles;
     with_tile[at / k_excerpts][at % k_excerpts] = true;
   }
-  std::atomic<size_t> next{0}, done{0};
-  std::mutex mutex;
-  std::exception_ptr failure;
-  Progress progress("cutting panoramas", panoramas.size());
-  const auto work = [&] {
-    for (size_t i; (i = next.fetch_add(1)) < panoramas.size() && !interrupted();) {
-      try {
-        results[i] = excerpts_of(panoramas[i], locations[i], options, with_tile[i]);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        failure = std::current_exception();
-        next.store(panoramas.size());
-      }
-      const std::lock_guard lock(mutex);
-      progress.done(done.fetch_add(1) + 1);
-    }
-  };
-  std::vector<std::thread> workers;
-  for (uint32_t i = 1; i < options.threads; ++i) workers.emplace_back(work);
-  work();
-  for (std::thread& worker : workers) worker.join();
-  if (failure) std::rethrow_exception(failure);
+  // What cannot be read is said before anything is written.
+  for_all(panoramas.size(), options.threads, "reading panoramas", [&](size_t i) { LitPanorama{panoramas[i]}; });
+  if (interrupted()) return {};
+  make_folder(options.folder + "/images");
+  for_all(panoramas.size(), options.threads, "cutting panoramas",
+          [&](size_t i) { results[i] = excerpts_of(panoramas[i], locations[i], options, with_tile[i]); });
   DatasetSummary summary;
   if (interrupted()) return summary;
   std::string manifest =
@@ -203,6 +236,22 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
     write_png(options.folder + "/sheet.png", picture_grid(sheet, std::min<int>(8, static_cast<int>(sheet.size())), 4));
   write_file(options.folder + "/manifest.csv", manifest);
   return summary;
+}
+
+std::vector<std::string> images_of_dataset(const std::string& folder) {
+  const std::string path = folder + "/manifest.csv", text = read_file(path, "list of images");
+  std::vector<std::string> images;
+  bool heading = true;
+  for (size_t at = 0; at < text.size(); heading = false) {
+    const size_t end = std::min(text.find('\n', at), text.size());
+    const std::string row = text.substr(at, end - at), image = row.substr(0, row.find(','));
+    at = end + 1;
+    if (heading ? image != "image" : image.empty())
+      throw Failure("'" + path + "' is not a data set's list of images; make it with `sandglass dataset`");
+    if (!heading) images.push_back(folder + "/" + image);
+  }
+  if (images.empty()) throw Failure("'" + path + "' names no image; make the data set again");
+  return images;
 }
 
 }  // namespace sandglass::host

@@ -29,14 +29,23 @@ struct DatasetSummary {
 
 DatasetSummary make_dataset(const DatasetOptions& options);
 
+// The images of a data set that was made, by its manifest and in its order.
+std::vector<std::string> images_of_dataset(const std::string& folder);
+
 // .hdr and .exr files, in the order of their names, of files and (recursively) folders; a Failure if there is none.
 std::vector<std::string> find_panoramas(const std::vector<std::string>& paths);
+
+// A Failure that names two panoramas with one stem: images, estimates and rows of tables are called by it.
+void refuse_equal_stems(const std::vector<std::string>& panoramas);
 
 struct Location {
   std::string name;
   int fold = -1;  // -1: only ever for training
 };
-// The location of a panorama by its line in a manifest, else by its own name, with a fold of 0 to 4 from that.
+// A manifest's text; none where no path is given, and a Failure for one without a line.
+std::string read_locations(const std::string& path);
+// The location of a panorama by its line in a manifest, a Failure where it has none; without a manifest by the
+// panorama's own name, with a fold of 0 to 4 from that.
 Location location_of(const std::string& panorama, const std::string& manifest_text);
 
 }  // namespace sandglass::host

@@ -32,6 +32,8 @@ import json
 import math
 import os
 import sys
+import zipfile
+import zlib
 
 import numpy as np
 import torch
@@ -201,23 +203,29 @@ class LightNet(nn.Module):
 
     def load(self, path):
         """The extractor of a pretrained or exported file; of an exported one the heads too. Whether there were heads."""
+        these = "name densenet121_imagenet_keras_fp32.npz or what --export wrote"
         try:
-            arrays = np.load(path)
-        except (OSError, ValueError):
-            fail(f"'{path}' is no file of weights; name densenet121_imagenet_keras_fp32.npz or what --export wrote")
-        if "conv1/conv/kernel" not in arrays:
-            fail(f"'{path}' has no array conv1/conv/kernel; name densenet121_imagenet_keras_fp32.npz or what --export wrote")
+            arrays = dict(np.load(path))
+        except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error):
+            fail(f"'{path}' is no file of weights; {these}")
+
+        def fill(parameter, name, axes=None):
+            if name not in arrays:
+                fail(f"'{path}' has no array {name}; {these}")
+            values = arrays[name].transpose(axes) if axes and arrays[name].ndim == len(axes) else arrays[name]
+            if values.shape != tuple(parameter.shape):
+                fail(f"the array {name} of '{path}' has another shape than the network; {these}")
+            parameter.data = torch.from_numpy(np.ascontiguousarray(values, np.float32))
 
         def norm(module, name):
             for ours, theirs in NORM_NAMES:
-                getattr(module, ours).data = torch.from_numpy(arrays[f"{name}/{theirs}"])
+                fill(getattr(module, ours), f"{name}/{theirs}")
 
         def conv(module, name):  # HWIO to OIHW
-            module.weight.data = torch.from_numpy(np.ascontiguousarray(arrays[name + "/kernel"].transpose(3, 2, 0, 1)))
+            fill(module.weight, name + "/kernel", (3, 2, 0, 1))
 
         def linear(module, name):
-            module.weight.data = torch.from_numpy(np.ascontiguousarray(arrays[name + "/kernel"].T))
-            module.bias.data = torch.from_numpy(arrays[name + "/bias"])
+            fill(module.weight, name + "/kernel", (1, 0)), fill(module.bias, name + "/bias")
 
         self.walk(norm, conv)
         if "latent/kernel" not in arrays:
@@ -283,12 +291,21 @@ class Rows:
                 path = os.path.join(folder, "manifest.csv")
                 if not os.path.exists(path):
                     fail(f"'{folder}' has no manifest.csv; make it with `sandglass dataset`")
-                for number, row in enumerate(csv.DictReader(open(path, newline=""))):
+                for number, row in enumerate(csv.DictReader(open(path, newline="", encoding="utf-8", errors="replace"))):
+                    missing = [k for k in ("image", "location", "fold") + LABELS if not row.get(k)]
+                    if missing:
+                        fail(f"line {number + 2} of '{path}' has no {missing[0]}; make the data set again")
+                    try:
+                        fold, values = int(row["fold"]), [float(row[k]) for k in LABELS]
+                    except ValueError:
+                        fail(f"line {number + 2} of '{path}' has words in the place of numbers; make the data set again")
+                    if not all(map(math.isfinite, values)) or not any(values[:3]):
+                        fail(f"line {number + 2} of '{path}' has labels that are no light; make the data set again")
                     self.image.append(os.path.join(folder, row["image"]))
                     self.location.append(row["location"])
-                    self.fold.append(int(row["fold"]))
+                    self.fold.append(fold)
                     self.folder.append(folder), self.number.append(number), self.kind.append(kind)
-                    labels.append([float(row[k]) for k in LABELS])
+                    labels.append(values)
         if not labels:
             fail("the manifests have no lines; make the data set again")
         self.fold, self.kind, self.labels = np.array(self.fold), np.array(self.kind), np.array(labels, np.float32)
@@ -308,8 +325,19 @@ class Rows:
         return np.flatnonzero(train), np.flatnonzero(test)
 
 
+def read_bytes(path):
+    try:
+        with open(path, "rb") as file:
+            return file.read()
+    except OSError:
+        fail(f"the image '{path}' of the manifest cannot be read; make the data set again")
+
+
 def read_image(path):
-    image = Image.open(path).convert("RGB")
+    try:
+        image = Image.open(io.BytesIO(read_bytes(path))).convert("RGB")
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
+        fail(f"'{path}' is no image; make the data set again")
     if image.size != (WIDTH, HEIGHT):
         fail(f"'{path}' is {image.size[0]} x {image.size[1]}, not {WIDTH} x {HEIGHT}; make the data set again")
     return np.asarray(image)
@@ -367,9 +395,17 @@ def to_tensor(rgb, device):
     return rgb.float().div(255.0).contiguous(memory_format=torch.channels_last)
 
 
+def images_hash(paths):
+    """Of the images' bytes, in their order: whatever a folder is called, other images are other trunks."""
+    whole = hashlib.sha256()
+    for path in paths:
+        whole.update(hashlib.sha256(read_bytes(path)).digest())
+    return whole.hexdigest()
+
+
 def cached_trunks(net, rows, arguments, device):
-    """Half-precision trunks of every row and copy, one file for each folder and copy; what is there is not computed
-    again. Returns a function from (row, copy) to a trunk."""
+    """Half-precision trunks of every row and copy, one file for each folder and copy; what is there of the same images is
+    not computed again. Returns a function from (row, copy) to a trunk."""
     net.eval()
     files, trunk = {}, hashlib.sha256()
     for part in (net.stem, net.stem_norm, net.blocks[:3], net.transitions):
@@ -377,7 +413,8 @@ def cached_trunks(net, rows, arguments, device):
             trunk.update(value.cpu().contiguous().numpy().tobytes())
     for folder in dict.fromkeys(rows.folder):
         members = [i for i, f in enumerate(rows.folder) if f == folder]
-        key = hashlib.sha256(json.dumps([folder, len(members), trunk.hexdigest(), arguments.seed]).encode()).hexdigest()[:16]
+        images = images_hash(rows.image[i] for i in members)
+        key = hashlib.sha256(json.dumps([images, trunk.hexdigest(), arguments.seed]).encode()).hexdigest()[:16]
         cache = os.path.join(arguments.cache or arguments.output, "trunks_" + key)
         os.makedirs(cache, exist_ok=True)
         for copy in range(arguments.copies):
@@ -392,7 +429,12 @@ def cached_trunks(net, rows, arguments, device):
                     np.save(file, np.concatenate(parts))
                 os.replace(path + ".unfinished", path)
                 print(f"{folder}: copy {copy + 1} of {arguments.copies}", flush=True)
-            files[folder, copy] = np.load(path, mmap_mode="r")
+            try:
+                files[folder, copy] = np.load(path, mmap_mode="r")
+            except (OSError, ValueError):
+                fail(f"the cached trunks '{path}' are damaged; remove that file")
+            if len(files[folder, copy]) != len(members):
+                fail(f"the cached trunks '{path}' are of {len(files[folder, copy])} images, not {len(members)}; remove that file")
     trunks = {}
     with torch.no_grad():
         for key, file in files.items():
@@ -417,7 +459,7 @@ def read_features(net, rows, arguments):
     for folder, path in zip(folders, arguments.features):
         try:
             values = np.load(path)
-        except (OSError, ValueError):
+        except (OSError, ValueError, EOFError):
             fail(f"'{path}' is no file of features; make it with `sandglass light-features`")
         expected = (arguments.copies * rows.folder.count(folder), net.last.num_features)
         if values.shape != expected:
@@ -585,10 +627,13 @@ def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
     checkpoint = os.path.join(arguments.output, name + ".checkpoint")
     log, first, sums = [], 0, None
     if arguments.resume and os.path.exists(checkpoint):
-        state = torch.load(checkpoint, map_location=device)
-        net.load_state_dict(state["net"]), optimiser.load_state_dict(state["optimiser"])
-        halving.load_state_dict(state["halving"])
-        log, first, sums = state["log"], state["epoch"], state["sums"]
+        try:
+            state = torch.load(checkpoint, map_location=device)
+            net.load_state_dict(state["net"]), optimiser.load_state_dict(state["optimiser"])
+            halving.load_state_dict(state["halving"])
+            log, first, sums = state["log"], state["epoch"], state["sums"]
+        except Exception:  # of bytes that are anything, torch.load raises anything
+            fail(f"the checkpoint '{checkpoint}' is damaged or of another training; remove it to begin anew")
 
     def inputs_of(items, epoch):
         """Tensors and labels of (row, copy) pairs."""
@@ -615,7 +660,10 @@ def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
         torch.manual_seed(arguments.seed * 1000 + epoch)
         net.train_with(not arguments.free_norm)
         total, images = 0.0, 0
-        for chosen in batches_of(rows, train_rows, epoch, arguments):
+        batches = batches_of(rows, train_rows, epoch, arguments)
+        if not batches:
+            fail("an epoch shows fewer than two images; raise --share or name more data sets")
+        for chosen in batches:
             inputs, labels = inputs_of(chosen, epoch)
             loss = loss_of(net.estimate(inputs), labels)
             optimiser.zero_grad(), loss.backward(), optimiser.step()
@@ -656,12 +704,33 @@ def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
         save(arguments.export, write)
 
 
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        self.exit(2, f"train.py: {message}; see train.py --help\n")
+
+
+def number(kind, low, high=math.inf, above=False):
+    """The type of an option: a number from `low` on, or above it, up to `high`."""
+    def read(text):
+        value = kind(text)
+        if not (low < value if above else low <= value) or not value <= high or not math.isfinite(value):
+            bound = f"above {low}" if above else f"from {low}"
+            raise argparse.ArgumentTypeError(f"'{text}' is not a number {bound}" + ("" if high == math.inf else f" to {high}"))
+        return value
+    read.__name__ = "number"
+    return read
+
+
 def check_import(weights, reference):
     """The pretrained network against the reference outputs beside it: exit code 1 if a feature is off by over 1e-3."""
     net = LightNet()
     net.load(weights)
     net.eval()
-    truth, worst = np.load(reference), 0.0
+    try:
+        truth, worst = dict(np.load(reference)), 0.0
+        assert all(name + end in truth for name in ("bird", "parrot", "cat") for end in ("/rgb_u8", "/feat1024"))
+    except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, AssertionError):
+        fail(f"'{reference}' holds no reference outputs; name densenet121_reference_outputs.npz")
     for name in ("bird", "parrot", "cat"):
         with torch.no_grad():
             features = net.features(net.prefix(net.trunk(to_tensor([truth[name + "/rgb_u8"]], "cpu"))))[0].numpy()
@@ -671,7 +740,7 @@ def check_import(weights, reference):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("dataset", nargs="*", help="folders made by `sandglass dataset`")
     parser.add_argument("--views", nargs="*", default=[], help="folders with more views of the same places, to train on")
     parser.add_argument("--train-only", nargs="*", default=[], help="further folders that never test (made-up rooms)")
@@ -685,23 +754,23 @@ def main():
                         help="of each folder, in their order, by `sandglass light-features`: only the heads are fitted")
     parser.add_argument("--initial", action="store_true", help="only write the weights that training starts from")
     parser.add_argument("--layout", action="store_true", help="only teach the last layers where things are in images")
-    parser.add_argument("--test-fold", type=int, nargs="+", default=[1], help="one run for each")
+    parser.add_argument("--test-fold", type=number(int, 0), nargs="+", default=[1], help="one run for each")
     parser.add_argument("--all", action="store_true", help="train on every fold and test on none: for the shipped weights")
     parser.add_argument("--layers", choices=("last", "all"), default="last")
     parser.add_argument("--learn", type=int, choices=range(17), default=6, metavar="N",
                         help="how many of the last block's 16 layers learn with --layers last")
-    parser.add_argument("--copies", type=int, default=4, help="cached copies of an image, its mirror image among them")
-    parser.add_argument("--repeat", type=int, default=1, help="how often an epoch shows a captured image")
-    parser.add_argument("--share", type=float, default=1.0, help="of the --train-only images that an epoch shows")
-    parser.add_argument("--epochs", type=int, default=24, help="0 only tests the weights")
-    parser.add_argument("--batch", type=int, default=64)
-    parser.add_argument("--rate", type=float, default=1e-3, help="of the heads")
-    parser.add_argument("--extractor-rate", type=float, default=0.3, help="of the DenseNet's layers, over that of the heads")
-    parser.add_argument("--decay", type=float, default=1e-2, help="of the weights, decoupled")
-    parser.add_argument("--dropout", type=float, default=0.3)
+    parser.add_argument("--copies", type=number(int, 1), default=4, help="cached copies of an image, its mirror image among them")
+    parser.add_argument("--repeat", type=number(int, 1), default=1, help="how often an epoch shows a captured image")
+    parser.add_argument("--share", type=number(float, 0.0, 1.0), default=1.0, help="of the --train-only images that an epoch shows")
+    parser.add_argument("--epochs", type=number(int, 0), default=24, help="0 only tests the weights")
+    parser.add_argument("--batch", type=number(int, 2), default=64)
+    parser.add_argument("--rate", type=number(float, 0.0, above=True), default=1e-3, help="of the heads")
+    parser.add_argument("--extractor-rate", type=number(float, 0.0), default=0.3, help="of the DenseNet's layers, over that of the heads")
+    parser.add_argument("--decay", type=number(float, 0.0), default=1e-2, help="of the weights, decoupled")
+    parser.add_argument("--dropout", type=number(float, 0.0, 0.99), default=0.3)
     parser.add_argument("--free-norm", action="store_true", help="batch normalisations follow the data (random start)")
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--seed", type=number(int, 0, 2**32 - 1), default=1)
+    parser.add_argument("--threads", type=number(int, 1, 256), default=1)
     parser.add_argument("--cpu", action="store_true", help="even where there is a GPU")
     parser.add_argument("--resume", action="store_true")
     arguments = parser.parse_args()
@@ -718,7 +787,10 @@ def main():
         fail("--features fits only the heads; give --epochs 0 and --layers last")
     if not arguments.dataset and not ((arguments.all or arguments.layout) and arguments.train_only):
         fail("no data set is named; make one with `sandglass dataset`")
-    os.makedirs(arguments.output, exist_ok=True)
+    try:
+        os.makedirs(arguments.output, exist_ok=True)
+    except OSError:
+        fail(f"the folder '{arguments.output}' cannot be made; name another with -o")
     if arguments.layout:
         if not (arguments.train_only and arguments.export and arguments.weights):
             fail("--layout learns from the images of --train-only and --weights for --export; name all three")
@@ -729,4 +801,9 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        sys.exit(main())
+    except OSError as error:
+        fail(f"{error}; check the path, its permissions and the space left")
+    except KeyboardInterrupt:
+        sys.exit(130)

@@ -261,6 +261,15 @@ LightEstimator estimates_of_csv(const std::string& text, const std::string& path
   };
 }
 
+std::set<std::string> panoramas_of_estimates(const std::string& text) {
+  std::set<std::string> stems;
+  for (size_t at = text.find('\n'); at < text.size(); at = text.find('\n', at + 1)) {
+    const std::string image = text.substr(at + 1, text.find(',', at) - at - 1);
+    if (const size_t view = image.rfind('_'); view != std::string::npos) stems.insert(image.substr(0, view));
+  }
+  return stems;
+}
+
 LightLabels brightest_region(const Picture& image, double contrast) {
   const double focal = focal_length(image.width, image.height, k_excerpt_fov_deg);
   double greatest = 0.0;
@@ -313,12 +322,15 @@ PairedDifference paired_bootstrap(const std::vector<std::pair<std::string, doubl
 
 LightingVerdicts verify_lighting(const LightingVerdictOptions& options) {
   const std::vector<std::string> panoramas = find_panoramas(options.panoramas);
-  const std::string manifest = options.manifest.empty() ? "" : read_file(options.manifest, "manifest");
+  refuse_equal_stems(panoramas);
+  const std::string manifest = read_locations(options.manifest);
+  for (const std::string& panorama : panoramas) location_of(panorama, manifest);  // before minutes of rendering
   const auto views = static_cast<size_t>(options.views);
   const bool rendered = options.samples > 0;
   const auto scene = rendered ? std::make_unique<ProbeScene>(options.object) : nullptr;
   std::vector<Work> works(panoramas.size() * views);
   LightingVerdicts verdicts;
+  verdicts.rendered = rendered;
   verdicts.has_estimate = static_cast<bool>(options.estimator);
   {
     Progress progress("lighting truths", panoramas.size());
@@ -386,10 +398,12 @@ std::string lighting_table(const LightingVerdicts& verdicts) {
       m.image.logarithmic += share * e.image.logarithmic, m.image.angle_deg += share * e.image.angle_deg;
     }
     const double median = quantile(angles, 0.5), most = quantile(angles, 0.9);
-    std::snprintf(line, sizeof line, "%-11s %7.2f %7.2f %7.2f %7.4f %7.4f %8.4f %8.4f %8.4f %8.4f %8.4f %8.3f\n",
-                  name_of(static_cast<Contender>(s)), m.angle_deg, median, most, m.light, m.ambient, m.contrast,
-                  m.image.rmse, m.image.relative, m.image.scale_invariant, m.image.logarithmic, m.image.angle_deg);
+    std::snprintf(line, sizeof line, "%-11s %7.2f %7.2f %7.2f %7.4f %7.4f %8.4f", name_of(static_cast<Contender>(s)),
+                  m.angle_deg, median, most, m.light, m.ambient, m.contrast);
     text += line;
+    std::snprintf(line, sizeof line, " %8.4f %8.4f %8.4f %8.4f %8.3f\n", m.image.rmse, m.image.relative,
+                  m.image.scale_invariant, m.image.logarithmic, m.image.angle_deg);
+    text += verdicts.rendered ? line : "        -        -        -        -        -\n";
   }
   return text;
 }
@@ -418,10 +432,10 @@ std::string lighting_csv(const LightingVerdicts& verdicts) {
       }
       text += verdicts.views[first].panorama + "," + verdicts.views[first].location + "," +
               name_of(static_cast<Contender>(s)) + "," + std::to_string(end - first);
-      for (const double value : sums) {
+      for (size_t q = 0; q < 9; ++q) {
         char number[32];
-        std::snprintf(number, sizeof number, ",%.5g", value);
-        text += number;
+        std::snprintf(number, sizeof number, ",%.5g", sums[q]);
+        text += q < 4 || verdicts.rendered ? number : ",";
       }
       text += "\n";
     }

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,6 +30,9 @@ using LightEstimator = std::function<LightLabels(const Picture& image, const std
 
 // A table of estimates as train.py writes it: image, direction_x .. contrast. A Failure for a table that is not one.
 LightEstimator estimates_of_csv(const std::string& text, const std::string& path);
+
+// Of which panoramas ("room_7" of "room_7_0.png") that table has estimates.
+std::set<std::string> panoramas_of_estimates(const std::string& text);
 
 // Estimates that need no training: of the image alone, the contrast given.
 LightLabels brightest_region(const Picture& image, double contrast);
@@ -59,6 +63,7 @@ PairedDifference paired_bootstrap(const std::vector<std::pair<std::string, doubl
 struct LightingVerdicts {
   std::vector<LightView> views;
   bool has_estimate = false, has[k_light_sources] = {};  // the mean light needs other places
+  bool rendered = false;                                 // else no view has image errors
   std::vector<Verdict> rows;                             // claims: pass or not
   std::vector<Picture> pictures;  // one view of each panorama: image with arrows; truth, labels, estimate, baselines
 };
@@ -69,7 +74,7 @@ struct LightingVerdictOptions {
   LightEstimator estimator;  // may be empty: only ceiling and baselines
   Mesh object;
   int views = 8;     // of each panorama's eight
-  int samples = 32;  // paths a pixel; 0 renders nothing
+  int samples = 48;  // paths a pixel; 0 renders nothing
   uint64_t seed = 1;
   uint32_t threads = 1;
 };

@@ -46,6 +46,25 @@ kill $pid 2>/dev/null || true
 wait $pid 2>/dev/null || true
 [[ ! -e $folder/broken/fold_1.json ]] || { echo "the run to be killed was faster"; exit 1; }
 run "$folder/broken" --resume >"$folder/resumed.log"
+# The cached trunks are those of these images: with others under the same names nothing of the first is left, and with the
+# first ones again nothing is computed.
+cached() {
+  rm -rf "$folder/here" && cp -r "$1" "$folder/here"
+  "$python" "$train" "$folder/here" -o "$folder/$2" --cache "$3" --weights "$folder/whole/weights.npz" --epochs 0 --copies 1 \
+    --test-fold 1 --cpu >"$folder/$2.log"
+}
+cached "$folder/set" first "$folder/cache_here"
+cached "$folder/more" other "$folder/cache_here"
+cached "$folder/more" alone "$folder/cache_alone"
+cached "$folder/set" same "$folder/cache_here"
+cmp "$folder/other/fold_1_estimates.csv" "$folder/alone/fold_1_estimates.csv"
+cmp "$folder/first/fold_1_estimates.csv" "$folder/same/fold_1_estimates.csv"
+! cmp -s "$folder/first/fold_1_estimates.csv" "$folder/other/fold_1_estimates.csv"
+grep -q "copy 1 of 1" "$folder/other.log"
+! grep -q "copy 1 of 1" "$folder/same.log"
+# Every layer learns where that is asked for; of the last ones only, the trunk stays.
+"$python" "$train" "$folder/set" -o "$folder/every" --layers all --epochs 1 --batch 8 --test-fold 1 --cpu \
+  --weights "$folder/whole/weights.npz" --export "$folder/every.npz" >"$folder/every.log"
 # From heads that know nothing, training gains.
 "$python" "$train" --initial --seed 1 --export "$folder/trunk.npz"
 run "$folder/learned" --weights "$folder/trunk.npz" >"$folder/learned.log"
@@ -63,6 +82,14 @@ assert whole["log"] == broken["log"], (whole["log"], broken["log"])
 weights = [np.load(f"{folder}/{name}/weights.npz") for name in ("whole", "broken")]
 assert all(np.array_equal(weights[0][k], weights[1][k]) for k in weights[0].files)
 assert whole["train_images"] == 32 and whole["test_images"] == 8 and whole["test_locations"] == 1, whole
+every = json.load(open(f"{folder}/every/fold_1.json"))
+assert np.isfinite(every["log"][-1]["loss"]) and every["train_images"] == 16, every["log"]
+before, after = np.load(f"{folder}/whole/weights.npz"), np.load(f"{folder}/every.npz")
+for name in ("conv1/conv/kernel", "conv3_block2_1_conv/kernel", "pool4_conv/kernel", "conv5_block16_2_conv/kernel", "latent/kernel"):
+    assert np.abs(before[name] - after[name]).max() > 0, name
+start, last = np.load(f"{folder}/trunk.npz"), np.load(f"{folder}/learned/weights.npz")
+for name, learns in (("conv1/conv/kernel", False), ("pool4_conv/kernel", False), ("conv5_block16_2_conv/kernel", True)):
+    assert np.array_equal(start[name], last[name]) != learns, name
 learned = json.load(open(f"{folder}/learned/fold_1.json"))["log"]
 assert learned[-1]["loss"] < learned[1]["loss"], learned
 estimates = [np.loadtxt(f"{folder}/{name}/fold_1_estimates.csv", delimiter=",", skiprows=1, usecols=range(1, 11))
@@ -180,3 +207,32 @@ refused "make it again from" "$folder/set" --features "$folder/set.npy" -o "$fol
 refused "no file of features" "$folder/set" --features "$folder/none.npy" -o "$folder/x" --epochs 0
 refused "give --epochs 0" "$folder/set" --features "$folder/set.npy" -o "$folder/x"
 refused "no array" "$folder/set" --weights "$folder/odd.npz" -o "$folder/x"
+head -c 5000 "$folder/trunk.npz" >"$folder/cut.npz"
+refused "no file of weights" "$folder/set" --weights "$folder/cut.npz" -o "$folder/x"
+refused "no reference" --weights "$folder/trunk.npz" --check-import "$folder/odd.npz"
+for option in batch copies epochs rate threads seed share dropout decay; do
+  for value in nan -1 x; do refused "--$option" "$folder/set" -o "$folder/x" "--$option" $value; done
+done
+for option in batch copies rate threads repeat; do refused "--$option" "$folder/set" -o "$folder/x" "--$option" 0; done
+refused "--layers" "$folder/set" -o "$folder/x" --layers some
+refused "fewer than two" --all --train-only "$folder/set" --share 0 -o "$folder/x" --cache "$folder/cache" --copies 1 --epochs 1 --cpu
+refused "cannot be made" "$folder/set" -o "$folder/odd.npz/x"
+[[ ! -e $folder/x/fold_1.json ]]
+bad() {  # a copy of the data set, changed by a command in it
+  rm -rf "$folder/bad" && cp -r "$folder/set" "$folder/bad"
+  (cd "$folder/bad" && eval "$2")
+  refused "$1" "$folder/bad" -o "$folder/x" --copies 1 --epochs 0 --cpu
+}
+bad "line 2 of" "sed -i 's/,contrast,/,kontrast,/' manifest.csv"
+bad "no image" "sed -i '1s/image/picture/' manifest.csv"
+bad "line 3 of" "sed -i '3s/,[^,]*,[^,]*\$//' manifest.csv"
+bad "words" "sed -i '3s/,1,/,one,/' manifest.csv"
+bad "no light" "sed -i '4s/,[^,]*,\([^,]*\)\$/,nan,\1/' manifest.csv"
+bad "room_1_2.png' of the manifest cannot be read" "rm images/room_1_2.png"
+bad "room_1_2.png' is no image" "echo nothing >images/room_1_2.png"
+bad "room_1_2.png' is no image" "head -c 300 ../set/images/room_1_2.png >images/room_1_2.png"
+for content in nothing "$(printf 'PK\003\004')" ""; do
+  printf '%s' "$content" >"$folder/broken/fold_1.checkpoint"
+  if output=$(run "$folder/broken" --resume 2>&1); then echo "a damaged checkpoint is read"; exit 1; fi
+  [[ $(tail -1 <<<"$output") == *"fold_1.checkpoint' is damaged"* && $output != *Traceback* ]] || { echo "$output"; exit 1; }
+done

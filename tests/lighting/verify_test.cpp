@@ -89,6 +89,9 @@ TEST(Estimates, TableIsReadAndWhatIsNoTableIsRefused) {
   EXPECT_DOUBLE_EQ(made.ambient.x, 0.4);
   EXPECT_DOUBLE_EQ(made.contrast, 0.7);
   EXPECT_THROW(table(image, "a_1"), Failure);
+  const std::string two = std::string(k_header) + "a_0.png,0,-2,0\na_1.png,0,-2,0\nb_c_0.png,1,0,0\n";
+  EXPECT_EQ(panoramas_of_estimates(two), (std::set<std::string>{"a", "b_c"}));
+  EXPECT_TRUE(panoramas_of_estimates(k_header).empty());
   EXPECT_NE(refusal("a_0.png,0,-2,0,.1,.2,.3,.4,.5,.6,.7\n").find("do not begin"), std::string::npos);
   for (const char* row : {"a", "a,1,0,0,1,1,1,1,1,1", "a,0,0,0,1,1,1,1,1,1,1", "a,1,0,0,1,1,nan,1,1,1,1",
                           "a,1,0,0,1,1,1,1,1,1,1,1", "a,1,0,0,1,x,1,1,1,1,1"})

@@ -65,8 +65,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_set_lig
 SANDGLASS_API void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow);
 
 /* Without a scene: runs at most `units` work units on these spheres, 3 floats each, which must stay as they are from
- * the first unit of a texture to its last; returns how many there were to run. A complete texture is not begun again
- * before set_light or refresh asks for one. */
+ * the first unit of a texture to its last; returns how many it ran. A complete texture is not begun again before
+ * set_light or refresh asks for one. */
 SANDGLASS_API uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count,
                                                  float radius, uint32_t units);
 
@@ -81,7 +81,7 @@ typedef struct sandglass_pile_shadow_texture {
   uint32_t age;            /* frames since the one that the texture was begun in; 0: nothing has changed since */
 } sandglass_pile_shadow_texture;
 
-/* Bytes are stable until units are run again. */
+/* texture.struct_size is set before (see "Sizes" in sandglass.h). Bytes are stable until units are run again. */
 SANDGLASS_API void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow,
                                                      sandglass_pile_shadow_texture* texture);
 
