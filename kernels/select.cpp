@@ -1,4 +1,5 @@
-// Picks a table of kernels: the fastest that both this build and this CPU have, or the one asked for.
+// Picks a table of kernels: the fastest that both this build and this CPU have, or the one asked for. Products of bytes
+// are of no use to these kernels: NEON with SDOT or SMMLA is the NEON table, where the CPU has them.
 #include "kernels/kernels.h"
 #include "platform/cpu_features.h"
 
@@ -36,7 +37,9 @@ const Kernels* select_kernels(sandglass_isa isa) {
   if ((automatic || isa == SANDGLASS_ISA_AVX2) && cpu.avx2) return &simd_avx2::k_table;
 #endif
 #if defined(SANDGLASS_HAVE_NEON)
-  if ((automatic || isa == SANDGLASS_ISA_NEON) && cpu.neon) return &simd_neon::k_table;
+  const bool asked = isa == SANDGLASS_ISA_NEON || (isa == SANDGLASS_ISA_NEON_DOTPROD && cpu.dotprod) ||
+                     (isa == SANDGLASS_ISA_NEON_I8MM && cpu.i8mm);
+  if ((automatic || asked) && cpu.neon) return &simd_neon::k_table;
 #endif
   return automatic ? &simd_scalar::k_table : nullptr;
 }

@@ -1,5 +1,6 @@
 // `sandglass bake MESH -o FILE`: the soft shadow of a mesh as a network small enough for a phone's frame.
 #include <array>
+#include <charconv>
 #include <cstdio>
 #include <thread>
 
@@ -21,19 +22,22 @@ constexpr int k_exit_interrupted = 130;
 struct Options {
   std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", plane = "fitted", picture, json;
   BakeSettings settings;
-  bool resume = false;
+  bool resume = false, no_picture = false;
 };
 
+// The number that `text` begins with, decimal, without sign, and what follows it; false: none, or too large.
+template <class Number>
+bool number_at(std::string_view text, Number* number, std::string_view* rest) {
+  const bool digit = !text.empty() && text[0] >= '0' && text[0] <= '9';
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), *number);
+  *rest = text.substr(static_cast<size_t>(end - text.data()));
+  return digit && error == std::errc();
+}
+
 double degrees(const std::string& text, const char* option, double least, double most) {
-  size_t used = 0;
   double value = 0;
-  try {
-    value = std::stod(text, &used);
-  } catch (const std::exception&) {
-    used = std::string::npos;
-  }
-  const std::string unit = used <= text.size() ? text.substr(used) : "?";
-  if ((!unit.empty() && unit != "deg") || !(value >= least && value <= most))
+  std::string_view unit;
+  if (!number_at(text, &value, &unit) || !(unit.empty() || unit == "deg") || !(value >= least && value <= most))
     throw Failure(std::string(option) + " '" + text + "' is not an angle in " +
                   std::to_string(static_cast<int>(least)) + ".." + std::to_string(static_cast<int>(most)) +
                   " degrees; write 20deg, say");
@@ -42,10 +46,10 @@ double degrees(const std::string& text, const char* option, double least, double
 
 NetworkShape network_shape(const std::string& text) {
   NetworkShape shape;
-  int used = 0;
-  if (std::sscanf(text.c_str(), "%ux%u%n", &shape.width, &shape.layers, &used) != 2 ||
-      static_cast<size_t>(used) != text.size() || shape.width < 8 || shape.width > 256 || shape.layers < 1 ||
-      shape.layers > 8)
+  std::string_view layers, nothing;
+  const bool read = number_at(text, &shape.width, &layers) && layers.starts_with('x') &&
+                    number_at(layers.substr(1), &shape.layers, &nothing) && nothing.empty();
+  if (!read || shape.width < 8 || shape.width > 256 || shape.layers < 1 || shape.layers > 8)
     throw Failure("--size '" + text +
                   "' is not WIDTHxLAYERS with 8..256 neurons and 1..8 layers after the first; the usual one is 128x2");
   return shape;
@@ -78,6 +82,8 @@ std::string measurements(const BakeReport& r, const BakeSettings& settings) {
     keep(name, "ssim", "1", error->ssim);
     keep(name, "block", "1", error->block);
   }
+  keep("validation", "lights", "1", v.lights);
+  keep("validation", "whole_textures", "1", v.whole);  // that ssim and block are of
   keep("int8", "ms", "ms", r.ms_full);
   keep("int8_adaptive", "ms", "ms", r.ms_adaptive);
   keep("int8_adaptive", "evaluated", "1", v.evaluated);
@@ -109,7 +115,8 @@ void add_bake_command(Command& program, int* exit_code) {
   command->add_option("--plane", options->plane, "fitted to the light, or one fixed square")
       ->check(one_of({"fitted", "fixed"}))
       ->capture_default_str();
-  command->add_option("--seed", settings.seed, "Equal seeds give equal files")->capture_default_str();
+  command->add_option("--seed", settings.seed, "Equal seeds give equal files, on CPUs of one instruction set")
+      ->capture_default_str();
   command->add_option("--threads", settings.threads, "Threads; the file does not depend on them")
       ->check(range(1u, 256u));
   command->add_option("--steps", settings.steps, "Steps of training")
@@ -128,10 +135,12 @@ void add_bake_command(Command& program, int* exit_code) {
       ->check(range(1u, 100'000u))
       ->capture_default_str();
   command->add_option("--picture", options->picture,
-                      "Also draw truth, network and difference for four lights, as a PNG");
+                      "Where to draw truth, network and difference for four lights, as a PNG; by default OUTPUT.png");
+  command->add_flag("--no-picture", options->no_picture, "Draw none");
   command->add_option("--json", options->json, "Write the measurements to this file");
   command->add_flag("--keep-float", settings.keep_float, "Keep the float network in the file, for sandglass bench");
-  command->add_flag("--resume", options->resume, "Go on where an interrupted bake of the same command stopped");
+  command->add_flag("--resume", options->resume,
+                    "Go on where an interrupted bake of the same command stopped; from the beginning if none was");
   command->callback([options, exit_code] {
     listen_for_interrupt();
     BakeSettings& s = options->settings;
@@ -142,18 +151,25 @@ void add_bake_command(Command& program, int* exit_code) {
     MeshResult loaded = make_named(options->mesh);
     if (!loaded) loaded = load_mesh(options->mesh);
     if (!loaded) throw Failure(loaded.error);
+    require_writable(options->output);
+    require_writable(options->output + ".checkpoint");
+    if (options->picture.empty()) options->picture = options->output + ".png";
+    if (options->no_picture) options->picture.clear();
+    for (const std::string& path : {options->picture, options->json})
+      if (!path.empty()) require_writable(path);
     const BakeReport r = bake(loaded.mesh, options->mesh, s, options->output, options->picture, options->resume);
     if (r.interrupted) {
       std::printf("interrupted; to go on, repeat the command with --resume\n");
       *exit_code = k_exit_interrupted;
       return;
     }
-    if (!options->json.empty()) write_file(options->json, measurements(r, s));
     const Validation& v = r.validation;
     std::printf("%u unseen lights      RMSE mean       max  PSNR (dB)     SSIM  16x16 block\n", v.lights);
     print("float", v.network_float);
     print("int8", v.network_int8);
     print("int8 adaptive", v.network_adaptive);
+    std::printf("SSIM and block: of %u whole textures, evenly among them; the rest: of one texel in 4 x 4 of all\n",
+                v.whole);
     std::printf("int8 to float %.4f, adaptive to float %.4f (RMSE); adaptive asks for %.1f %% of the texels\n",
                 v.int8_to_float, v.adaptive_to_float, 100 * v.evaluated);
     std::printf("texture: %.2f ms full, %.2f ms adaptive, one thread of this machine\n", r.ms_full, r.ms_adaptive);
@@ -161,6 +177,8 @@ void add_bake_command(Command& program, int* exit_code) {
     for (const auto& [name, stage] : stages(r))
       std::printf("  %-10s %10.1f %10.1f\n", name, stage->seconds, stage->cpu_seconds);
     std::printf("%s: %llu bytes\n", options->output.c_str(), static_cast<unsigned long long>(r.file_bytes));
+    if (!options->picture.empty()) std::printf("picture: %s\n", options->picture.c_str());
+    if (!options->json.empty()) write_file(options->json, measurements(r, s));
     *exit_code = 0;
   });
 }

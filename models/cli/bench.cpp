@@ -3,6 +3,7 @@
 #include <functional>
 #include <thread>
 
+#include "kernels/int8.h"
 #include "models/cli/commands.h"
 #include "models/cli/options.h"
 #include "models/host/atomic_file.h"
@@ -346,6 +347,13 @@ struct Bench {
       }
       for (const LightingBenchRow::Part& part : r.parts) keep(r.name, ("ms_" + part.name).c_str(), "ms", part.ms, 1);
     }
+    std::puts("image to 256 x 192, all of it in its frame:");
+    for (const LightingImageRow& r : result.images) {
+      std::printf("%-15s %6.2f ms in %3u units, %5.2f ms a megapixel, longest unit %.3f ms\n", r.name.c_str(), r.ms,
+                  r.units, r.ms / r.megapixels, r.longest_unit_ms);
+      keep("image_" + r.name, "ms", "ms", r.ms, 1);
+      keep("image_" + r.name, "longest_unit_ms", "ms", r.longest_unit_ms, 1);
+    }
     std::puts("by kind of operator, ms:");
     for (const LightingBenchRow& r : result.rows) {
       std::printf("%-13s", r.name.c_str());
@@ -416,7 +424,7 @@ void add_bench_command(Command& program, int* exit_code) {
   command->add_option("--threads", options->threads, "Thread counts, separated by commas (1)")
       ->delimiter(',')
       ->check(range(1u, 256u));
-  command->add_option("--isa", options->isa, "Kernels to use (automatic)");
+  command->add_option("--isa", options->isa, "Kernels, as for run (automatic)");
   command->callback([options, exit_code, command] {
     command.refuse_unused(options->suite, k_uses);
     check_assets(*options);
@@ -426,6 +434,9 @@ void add_bench_command(Command& program, int* exit_code) {
     sandglass_scene_desc_default(&desc);
     desc.isa = bench.isa;
     bench.isa_name = sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
+    const Int8Kernels* of_bytes = select_int8_kernels(bench.isa);  // shadows and light have tables of their own
+    if (of_bytes != nullptr && (options->suite == "shadow" || options->suite == "lighting"))
+      bench.isa_name = sandglass_isa_name(of_bytes->isa);
     if (options->suite == "granular") bench.granular();
     else if (options->suite == "ladder") bench.ladder();
     else if (options->suite == "growth") bench.growth();

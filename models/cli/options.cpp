@@ -61,6 +61,7 @@ Option Option::required() { return Option(option_->required()); }
 Option Option::check(const Check& check) { return Option(option_->check(*check.validator)); }
 Option Option::capture_default_str() { return Option(option_->capture_default_str()); }
 Option Option::delimiter(char between) { return Option(option_->delimiter(between)); }
+bool Option::given() const { return option_->count() > 0; }
 Option Option::expected(int values) { return Option(option_->expected(values)); }
 Option Option::excludes(const Option& other) { return Option(option_->excludes(other.option_)); }
 Option Option::needs(const Option& other) { return Option(option_->needs(other.option_)); }

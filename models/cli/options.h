@@ -41,6 +41,7 @@ class Option {
   Option expected(int values);
   Option excludes(const Option& other);
   Option needs(const Option& other);
+  bool given() const;  // on the command line, once that is read
 
  private:
   CLI::Option* option_;

@@ -132,11 +132,15 @@ struct Run {
   }
 
   void take_shot() {
-    const bool asked = !options.panorama.empty() || !options.photo.empty() || !options.light.empty();
+    const bool asked =
+        !options.panorama.empty() || !options.photo.empty() || !options.light.empty() || !options.network.empty();
     if (!scene.shot && asked)
       throw Failure("scene '" + scene.source +
-                    "' is no shot; --panorama, --photo and --light need one, such as 'shot'");
+                    "' is no shot; --panorama, --photo, --light and --network need one, such as 'shot'");
     if (!scene.shot) return;
+    if (!options.network.empty() && !options.light.empty() && options.light != name_of(LightSource::estimate))
+      throw Failure("--network estimates the light, and --light " + options.light +
+                    " takes another; leave one of them out");
     if (!options.collider_mesh.empty() && options.asset.empty())
       throw Failure("--object needs --asset: the shadow of that mesh, which sandglass bake makes");
     if (!options.photo.empty() && options.fov_deg <= 0.0)
@@ -196,6 +200,10 @@ struct Run {
     }
     report.scene = scene.name;
     report.isa = sandglass_isa_name(sandglass_scene_isa(simulation->handle()));
+    if (!shadows->handles().empty()) {
+      const std::string of_bytes = sandglass_isa_name(sandglass_shadow_isa(shadows->handles()[0]));
+      if (of_bytes != report.isa) report.isa += ", shadows " + of_bytes;
+    }
     report.clock = options.replay.empty() ? options.clock : "replay";
     report.light = shot ? name_of(shot->source()) : scene.light ? "scene's light" : "";
     report.threads = options.threads;
@@ -251,10 +259,7 @@ struct Run {
 
   // One frame by clock and budget, or as recorded.
   sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
-    if (shot) {
-      shot->begin(frame);
-      simulation->see(shot->estimator(), shot->image());
-    }
+    if (shot) simulation->see(shot->estimator(), shot->image());
     if (shot || scene.light) {
       const Vec3 towards =
           shot ? shot->light(frame).towards : scene.light->towards(static_cast<double>(frame) / scene.frames);
@@ -285,6 +290,7 @@ struct Run {
     for (uint32_t frame = 0; frame < scene.frames && !interrupted(); ++frame) {
       std::vector<sandglass_collider> colliders;
       FrameRow row = {};
+      if (shot) shot->begin(frame);  // the made-up camera's image: an app is given its own
       row.begin_ns = recorder.now_ns();
       const uint64_t cpu_from = thread_cpu_ns();
       row.report = advance(frame, &colliders);
@@ -331,16 +337,8 @@ struct Run {
       if (const double angle = shot->angle_deg(snapshots.back().frame); angle >= 0.0)
         std::printf("               %.1f degrees from the labels in the last frame\n", angle);
       if (shot->surroundings().has_truth() && !interrupted()) {
-        const ShotErrors errors = shot->compare(snapshots.back(), options.out, set.threads);
-        std::printf("beside truth   %s\n", shot_errors_text(errors).c_str());
-        std::printf("               %s\n", (fs::path(options.out) / "beside_truth.png").string().c_str());
-        const auto file = [&](const char* name) {
-          const std::string content = read_file((fs::path(options.out) / name).string(), "picture");
-          return ImageFile(content.begin(), content.end());
-        };
-        paths.figures.insert(paths.figures.begin(),
-                             {"Composite and truth", shot_errors_text(errors), file("composite.png"), file("truth.png"),
-                              "composite", "path traced", false});
+        const std::vector<PageFigure> figures = beside_truth(set.threads);
+        paths.figures.insert(paths.figures.begin(), figures.begin(), figures.end());
       }
     }
     const std::string page = (fs::path(options.out) / "report.html").string();
@@ -351,6 +349,33 @@ struct Run {
     for (const char* file : {"trace.json", "report.csv", "summary.json", "summary.txt"})
       std::printf("report         %s\n", (fs::path(options.out) / file).string().c_str());
     std::printf("page           %s\n", page.c_str());
+  }
+
+  // The last picture beside its truth; where its light is not that of the labels, first the same instant in theirs:
+  // what renderer and shadow can do, before what the light gets wrong.
+  std::vector<PageFigure> beside_truth(uint32_t threads) const {
+    const Snapshot& last = snapshots.back();
+    const RadianceMap truth = shot->traced(last, options.out, threads);
+    const auto file = [&](const std::string& name) {
+      const std::string content = read_file((fs::path(options.out) / (name + ".png")).string(), "picture");
+      return ImageFile(content.begin(), content.end());
+    };
+    std::vector<PageFigure> figures;
+    const auto compare = [&](const Snapshot& lit, const ShotLight& light, const std::string& name,
+                             const std::string& title) {
+      const std::string errors = shot_errors_text(shot->compare(lit, light, truth, options.out, name, threads));
+      std::printf("beside truth   %s: %s\n", title.c_str(), errors.c_str());
+      std::printf("               %s\n", (fs::path(options.out) / ("beside_truth" + name + ".png")).string().c_str());
+      figures.push_back({"Composite and truth: " + title, errors, file("composite" + name), file("truth"), "composite",
+                         "path traced", false});
+    };
+    if (shot->source() != LightSource::labels)
+      compare(shot->relit(last, shot->labels().towards), shot->labels(), "_labels", "lit by the true labels");
+    const char* title = shot->source() == LightSource::labels     ? "lit by the true labels"
+                        : shot->source() == LightSource::estimate ? "lit by the network's estimate"
+                                                                  : "lit by an arbitrary light";
+    compare(last, shot->light(last.frame), "", title);
+    return figures;
   }
 
   PageContent page_content(std::vector<PageFigure> figures) const {

@@ -1,5 +1,6 @@
 // `sandglass verify SUITE`: claims with their truth, measured now, and wrong settings that must fail them; as a table
 // on the terminal, and with --out as CSV, Markdown and curves.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -324,23 +325,27 @@ int verify_shot_suite(const Options& options) {
   if (!study.folder.empty()) make_folder(study.folder);
   uint32_t failed = 0;
   std::vector<Measurement> measurements;
-  const std::vector<PileShadowError> pile = study_pile_shadow();
-  std::string text = pile_shadow_text(pile);
-  if (study.panoramas.empty()) {
-    std::printf(
-        "views skipped: no panoramas; name a folder with --panoramas, or the data folder in "
-        "SANDGLASS_DATA_DIR\n\n");
-  } else {
-    Progress progress("compositing and tracing views", std::min(study.views, study.panoramas.size()));
+  std::string text;
+  {
+    Progress progress("compositing and tracing views",
+                      std::max<size_t>(1, std::min(study.views, study.panoramas.size())));
     const ShotStudy result = study_shots(study, [&](size_t done) {
       progress.done(done);
       return !interrupted();
     });
     if (interrupted()) return k_exit_interrupted;
-    text = shot_study_text(result) + "\n" + text;
-    failed += judge_views(result, &measurements);
-    if (study.network.empty()) std::printf("no lighting network: without estimates\n");
+    if (!result.views.empty()) {
+      text = shot_study_text(result) + "\n";
+      failed += judge_views(result, &measurements);
+    }
   }
+  if (study.panoramas.empty())
+    std::printf(
+        "views skipped: no panoramas; name a folder with --panoramas, or the data folder in "
+        "SANDGLASS_DATA_DIR\n\n");
+  if (study.network.empty()) std::printf("no lighting network: without estimates\n");
+  const std::vector<PileShadowError> pile = study_pile_shadow();
+  text += pile_shadow_text(pile);
   failed += judge_pile_shadow(pile, &measurements);
   std::fputs(text.c_str(), stdout);
   if (!study.folder.empty()) write_file(study.folder + "/shot.md", text);

@@ -14,7 +14,10 @@ namespace sandglass::host {
 
 void add_view_command(Command& program, int* exit_code) {
   const auto options = std::make_shared<ViewOptions>();
-  Command command = program.add_subcommand("view", "Show a running scene in a window");
+  Command command = program.add_subcommand(
+      "view",
+      "Show a running scene in a window: the sand, what stands in it, and the shadows of both, within the budget; of a "
+      "shot neither its room nor an estimate of its light");
   command->add_option("scene", options->live.scene, "Scene file, or the name of a shipped scene")->required();
   command->add_option("--mesh", options->live.mesh, "Triangle mesh for the scene's bodies of shape \"mesh\"");
   command->add_option("--collider-mesh", options->live.collider_mesh,

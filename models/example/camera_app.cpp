@@ -1,7 +1,6 @@
 // What an AR app does with Sandglass, whole: from the camera's image the light of the room, in that light a ball of
 // sand that falls beside a chair, and the chair's soft shadow on the floor: 4 ms a frame. The phone is made up; copy
 // the rest.
-//   camera_app room.light chair.shadow last_frame.ppm
 #include <cmath>
 #include <cstdio>
 
@@ -34,7 +33,7 @@ int main(int argc, char** argv) {
   status.code = sandglass_shadow_create(&shadow_desc, shadow_block.get(), bytes, &shadow, &status.reason);
 
   // Sand: particles that collide, grains that are drawn.
-  const float r = 0.01f, x = chair.half_x + 0.3f, y = 0.25f, z = 0.1f;
+  const float r = 0.01f, turn = 0.4f, x = chair.half_x + 0.3f, y = 0.25f, z = 0.1f;
   auto in_ball = [&](const float* p) { return std::hypot(p[0] - x, std::hypot(p[1] - y, p[2] - z)) < 0.1f; };
   const sandglass::Box box{{x - 0.1f, y - 0.1f, z - 0.1f}, {x + 0.1f, y + 0.1f, z + 0.1f}};
   std::vector<float> particles, grains;
@@ -50,27 +49,28 @@ int main(int argc, char** argv) {
   if (status) status = scene.add(particles, grains);
 
   std::vector<sandglass_grain> drawn(desc.granular.grain_capacity);  // stands for a mapped vertex buffer
-  const sandglass_collider colliders[] = {
-      sandglass::floor_at(0.0f),  // the plane that ARCore or ARKit found, and the chair
+  sandglass_collider colliders[] = {
+      sandglass::floor_at(0.0f),  // the plane that ARCore or ARKit found, and the chair, turned about y
       sandglass::box(0, chair.height / 2, 0, chair.half_x, chair.height / 2, chair.half_z)};
+  colliders[1].rotation[1] = std::sin(turn / 2), colliders[1].rotation[3] = std::cos(turn / 2);
   sandglass_frame_input input = sandglass::frame_input();
-  input.time_step = 1.0f / 60.0f, input.budget_ns = 4'000'000;
-  input.colliders = colliders, input.collider_count = 2;
-  input.grains = drawn.data(), input.grain_stride = sizeof drawn[0],
-  input.grain_capacity = desc.granular.grain_capacity;
+  input.time_step = 1.0f / 60.0f, input.budget_ns = 4'000'000, input.colliders = colliders, input.collider_count = 2;
+  input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
   input.shadows = &shadow, input.shadow_count = 1, input.light = light.get();
   sandglass_frame_report report = sandglass::frame_report();
   sandglass_light_estimate now = light.estimated();  // until the first estimate: from above, and no shadow
   MadeUpPhone phone;
   for (int frame = 0; status && frame < 90; ++frame) {
     input.camera = phone.next_image();  // NULL where the camera, slower than the display, has no new one
-    status.code = sandglass_shadow_set_light(shadow, 0, now.direction, 1.0f, &status.reason);  // in the chair's frame
+    const float s = std::sin(turn), c = std::cos(turn), *d = now.direction;
+    const float to[3] = {c * d[0] - s * d[2], d[1], s * d[0] + c * d[2]};  // the light in the chair's frame
+    status.code = sandglass_shadow_set_light(shadow, 0, to, 1.0f, &status.reason);
     if (status) status = scene.frame(input, &report);
     if (report.light_changed != 0) now = light.estimated();
     sandglass_shadow_texture texture{};
     texture.struct_size = sizeof texture;
     sandglass_shadow_get_texture(shadow, 0, &texture);
-    phone.draw(now, texture, drawn, r);  // the chair's mesh is the app's own
+    phone.draw(now, texture, turn, drawn, r);  // the chair's mesh is the app's own
   }
   if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;
   std::printf("%u grains; last frame %.2f of 4 ms; light from (%.2f %.2f %.2f), contrast %.2f, %u estimates\n",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 namespace {
@@ -30,11 +31,13 @@ uint8_t srgb_byte(float value) {
 }  // namespace
 
 MadeUpPhone::Asset MadeUpPhone::asset(const std::string& path) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  Asset asset = {{}, file ? static_cast<uint64_t>(file.tellg()) : 0};
-  asset.words.resize(asset.bytes / 8 + 1);
-  file.seekg(0);
-  file.read(reinterpret_cast<char*>(asset.words.data()), static_cast<std::streamsize>(asset.bytes));
+  Asset asset = {std::vector<uint64_t>(1), 0};
+  std::error_code none;
+  const uint64_t bytes = std::filesystem::file_size(path, none);  // of a folder there is none
+  if (none) return asset;
+  asset.words.resize(bytes / 8 + 1);
+  std::ifstream file(path, std::ios::binary);
+  if (file.read(reinterpret_cast<char*>(asset.words.data()), static_cast<std::streamsize>(bytes))) asset.bytes = bytes;
   return asset;
 }
 
@@ -91,7 +94,8 @@ void MadeUpPhone::see() {
     }
 }
 
-void MadeUpPhone::darken_floor(const sandglass_light_estimate& light, const sandglass_shadow_texture& shadow) {
+void MadeUpPhone::darken_floor(const sandglass_light_estimate& light, const sandglass_shadow_texture& shadow,
+                               float turn) {
   // Of what the floor receives in each colour, the share that the object can take (light.h).
   float opacity[3];
   for (int k = 0; k < 3; ++k) {
@@ -99,7 +103,7 @@ void MadeUpPhone::darken_floor(const sandglass_light_estimate& light, const sand
     const float rest = (1.0f - light.contrast) * light.ambient[k] / std::max(luminance(light.ambient), 1e-6f);
     opacity[k] = direct > 0.0f ? shadow.opacity * direct / (direct + rest) : 0.0f;
   }
-  const float side = SANDGLASS_SHADOW_TEXELS;
+  const float side = SANDGLASS_SHADOW_TEXELS, sine = std::sin(turn), cosine = std::cos(turn);
   for (int y = 0; y < k_height && shadow.valid != 0; ++y)
     for (int x = 0; x < k_width; ++x) {
       float ray[3];
@@ -107,9 +111,10 @@ void MadeUpPhone::darken_floor(const sandglass_light_estimate& light, const sand
                   v = (0.5f * k_height - static_cast<float>(y) - 0.5f) / k_focal;
       for (int k = 0; k < 3; ++k) ray[k] = forward_[k] + u * right_[k] + v * up_[k];
       if (ray[1] >= 0.0f) continue;
-      const float along = -eye_[1] / ray[1];
-      const float column = (eye_[0] + along * ray[0] - shadow.low[0]) / (shadow.high[0] - shadow.low[0]) * side;
-      const float row = (eye_[2] + along * ray[2] - shadow.low[1]) / (shadow.high[1] - shadow.low[1]) * side;
+      const float along = -eye_[1] / ray[1], on_x = eye_[0] + along * ray[0], on_z = eye_[2] + along * ray[2];
+      const float own_x = cosine * on_x - sine * on_z, own_z = sine * on_x + cosine * on_z;
+      const float column = (own_x - shadow.low[0]) / (shadow.high[0] - shadow.low[0]) * side;
+      const float row = (own_z - shadow.low[1]) / (shadow.high[1] - shadow.low[1]) * side;
       if (!(column >= 0.0f && row >= 0.0f && column < side && row < side)) continue;
       const size_t texel = static_cast<size_t>(row) * SANDGLASS_SHADOW_TEXELS + static_cast<size_t>(column);
       const float covered = static_cast<float>(shadow.coverage[texel]) / 255.0f;
@@ -118,9 +123,9 @@ void MadeUpPhone::darken_floor(const sandglass_light_estimate& light, const sand
     }
 }
 
-void MadeUpPhone::draw(const sandglass_light_estimate& light, const sandglass_shadow_texture& shadow,
+void MadeUpPhone::draw(const sandglass_light_estimate& light, const sandglass_shadow_texture& shadow, float turn,
                        const std::vector<sandglass_grain>& grains, float particle_radius) {
-  darken_floor(light, shadow);
+  darken_floor(light, shadow, turn);
   const float radius = 0.45f * particle_radius;
   for (size_t i = 0; i < grains.size(); ++i) {
     float to[3];

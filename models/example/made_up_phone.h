@@ -12,7 +12,7 @@
 
 class MadeUpPhone {
  public:
-  // A file of the app's, in 8-byte words, as the library wants it aligned; without bytes where there is none.
+  // A file of the app's, in 8-byte words, as the library wants it aligned; without bytes where it cannot be read.
   struct Asset {
     std::vector<uint64_t> words;
     uint64_t bytes;
@@ -21,15 +21,15 @@ class MadeUpPhone {
 
   // Of a camera of 30 images a second, before a display of 60: null every other time. Valid until the next call.
   const sandglass_camera_image* next_image();
-  // Over the image, in linear values: the shadow on the floor, each colour as far as the light has its part in it; then
-  // the grains.
-  void draw(const sandglass_light_estimate& light, const sandglass_shadow_texture& shadow,
+  // Over the image, in linear values: the shadow on the floor, of an object that is turned about y by `turn` radians,
+  // each colour as far as the light has its part in it; then the grains.
+  void draw(const sandglass_light_estimate& light, const sandglass_shadow_texture& shadow, float turn,
             const std::vector<sandglass_grain>& grains, float particle_radius);
   bool save(const std::string& path) const;  // PPM
 
  private:
   void see();
-  void darken_floor(const sandglass_light_estimate& light, const sandglass_shadow_texture& shadow);
+  void darken_floor(const sandglass_light_estimate& light, const sandglass_shadow_texture& shadow, float turn);
 
   int frame_ = 0;
   float eye_[3] = {}, right_[3] = {}, up_[3] = {}, forward_[3] = {};

@@ -21,13 +21,31 @@ std::string unfinished_name(const std::string& path) {
 }
 
 void finish_file(const std::string& path) {
-  std::error_code error;
+  std::error_code error, of_removal;
   fs::rename(unfinished_name(path), path, error);
-  if (error)
-    throw Failure("cannot finish the file '" + path + "': " + error.message() + "; check the folder's permissions");
+  if (!error) return;
+  fs::remove(unfinished_name(path), of_removal);
+  throw Failure("cannot finish the file '" + path + "': " + error.message() + "; check the folder's permissions");
+}
+
+// Looks only: what a file system says without being written to. Space, and a disk that fails, show when it is.
+void require_writable(const std::string& path) {
+  if (path.empty()) throw Failure("cannot write a file without a name; name one");
+  std::error_code error;
+  const fs::file_status target = fs::status(path, error);
+  if (fs::is_directory(target)) throw Failure("cannot write '" + path + "', which is a folder; name a file in it");
+  if (fs::exists(target) && !fs::is_regular_file(target))
+    throw Failure("cannot write '" + path + "', which is no ordinary file; name one");
+  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
+  const bool has_name = fs::path(path).has_filename();
+  const fs::file_status unfinished = fs::symlink_status(unfinished_name(path), error);  // its name is the longer one
+  if (!has_name || unfinished.type() == fs::file_type::none || !fs::is_directory(folder, error) ||
+      access(folder.c_str(), W_OK | X_OK) != 0)
+    throw Failure("cannot write '" + path + "'; check that the folder exists, may be written to and has space left");
 }
 
 void write_file(const std::string& path, std::string_view content) {
+  require_writable(path);
   const std::string unfinished = unfinished_name(path);
   std::FILE* file = std::fopen(unfinished.c_str(), "wb");
   bool good = file != nullptr;

@@ -9,6 +9,10 @@
 
 namespace sandglass::host {
 
+// Whether write_file could write there, as far as can be told without making or changing anything; else a Failure.
+// Called before long work whose result goes to `path`.
+void require_writable(const std::string& path);
+
 void write_file(const std::string& path, std::string_view content);
 void write_file(const std::string& path, std::span<const uint8_t> content);
 

@@ -1,8 +1,6 @@
 // Thin: every rule is the library's.
 #include "models/host/simulation.h"
 
-#include <algorithm>
-#include <array>
 #include <string>
 
 #include "models/host/failure.h"
@@ -160,8 +158,6 @@ void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state, doub
 
 sandglass_isa find_isa(const std::string& name) {
   constexpr sandglass_isa k_isa_limit = 16;  // above every number that sandglass_isa_name knows
-  // Names of the int8 tables that later stages choose among; the granular kernels are the same for all of them.
-  constexpr std::array k_known = {"scalar", "neon", "neon_dotprod", "neon_i8mm", "avx2", "avx512"};
   std::string available;
   sandglass_isa found = -1;
   for (sandglass_isa isa = 0; isa < k_isa_limit; ++isa) {
@@ -171,7 +167,7 @@ sandglass_isa find_isa(const std::string& name) {
     if (name == isa_name) found = isa;
   }
   if (found >= 0 && sandglass_isa_available(found) != 0) return found;
-  if (found >= 0 || std::find(k_known.begin(), k_known.end(), name) != k_known.end())
+  if (found >= 0)
     throw Failure("this CPU, or this build for it, lacks the instruction set '" + name + "'; available are " +
                   available);
   throw Failure("there is no instruction set named '" + name + "'; available are " + available);

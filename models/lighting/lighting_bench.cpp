@@ -11,6 +11,7 @@
 #include "models/host/random.h"
 #include "models/lighting/light_runner.h"
 #include "runtime/lighting/backends.h"
+#include "runtime/lighting/camera_image.h"
 #include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {
@@ -99,6 +100,50 @@ void measure_units(std::span<const uint8_t> file, const std::string& name, sandg
   }
 }
 
+struct ImageCase {
+  const char* name;
+  sandglass_camera_format format;
+  uint32_t width, height;
+};
+// What phones hand to apps, the photograph of a phone, and the widest image that is accepted, with boxes as high as are
+// read.
+constexpr ImageCase k_images[] = {{"640x480_nv12", SANDGLASS_CAMERA_NV12, 640, 480},
+                                  {"1920x1440_nv12", SANDGLASS_CAMERA_NV12, 1920, 1440},
+                                  {"4032x3024_rgba", SANDGLASS_CAMERA_RGBA, 4032, 3024},
+                                  {"16384x3072_rgb", SANDGLASS_CAMERA_RGB, SANDGLASS_CAMERA_SIDE_LIMIT, 3072}};
+
+LightingImageRow measure_image(const ImageCase& c) {
+  const bool yuv = c.format == SANDGLASS_CAMERA_NV12;
+  const uint32_t pixel = c.format == SANDGLASS_CAMERA_RGBA ? 4 : yuv ? 1 : 3, stride = pixel * c.width;
+  std::vector<uint8_t> planes(size_t{stride} * c.height * (yuv ? 3 : 2) / 2);  // of NV12 half as much for chroma
+  if (!yuv) planes.resize(size_t{stride} * c.height);
+  for (size_t i = 0; i < planes.size(); ++i) planes[i] = static_cast<uint8_t>(i * 2654435761u >> 13);
+  sandglass_camera_image image;
+  sandglass_camera_image_default(&image);
+  image.format = c.format, image.width = c.width, image.height = c.height;
+  image.planes[0] = planes.data(), image.strides[0] = stride;
+  if (yuv) image.planes[1] = planes.data() + size_t{stride} * c.height, image.strides[1] = stride;
+  image.focal_x = sandglass_camera_focal(c.width, c.width * 3 / 4, 85);
+  image.focal_y = sandglass_camera_focal(c.height * 4 / 3, c.height, 85);
+  image.centre_x = 0.5f * static_cast<float>(c.width - 1), image.centre_y = 0.5f * static_cast<float>(c.height - 1);
+  const CameraBlocks blocks = camera_blocks(image);
+  std::vector<uint8_t> rgb(size_t{3} * k_width * k_height);
+  std::vector<uint32_t> sums(k_camera_sums);
+  std::vector<double> best(blocks.count, 1e30);
+  for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
+    double from = seconds_now();
+    for (uint32_t unit = 0; unit < blocks.count; ++unit) {
+      resample_camera_block(image, camera_block(image, blocks, unit), rgb.data(), sums.data());
+      const double now = seconds_now();
+      best[unit] = std::min(best[unit], 1e3 * (now - from));
+      from = now;
+    }
+  }
+  LightingImageRow row = {c.name, 1e-6 * c.width * c.height, blocks.count, 0, 0};
+  for (const double ms : best) row.ms += ms, row.longest_unit_ms = std::max(row.longest_unit_ms, ms);
+  return row;
+}
+
 // As an app has it; false where this build lacks the back end.
 bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_light_backend choice,
              const sandglass_camera_image& image, LightingBenchRow* row) {
@@ -137,12 +182,14 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
   constexpr Case k_cases[] = {{"int8", SANDGLASS_LIGHT_BACKEND_OWN},
                               {"xnnpack_f32", SANDGLASS_LIGHT_BACKEND_XNNPACK_F32},
                               {"xnnpack_int8", SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8}};
-  constexpr uint32_t k_steps = std::size(k_cases);
+  constexpr uint32_t k_steps = std::size(k_cases) + 1;
   const MachinePeak peak = measure_machine_peak();
   LightingBench bench;
   bench.int8_peak = peak.int8_gmac_per_s, bench.f32_peak = peak.f32_gmac_per_s;
   const LightBackend* xnnpack = nullptr;
   bench.has_xnnpack = find_light_backend(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
+  for (const ImageCase& c : k_images) bench.images.push_back(measure_image(c));
+  if (!go_on(1, k_steps)) return bench;
   const Picture picture;
   for (const Case& c : k_cases) {
     const bool own = c.backend == SANDGLASS_LIGHT_BACKEND_OWN;
@@ -156,9 +203,9 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
     row.gmac_per_s = k_macs / row.ms * 1e-6;
     row.fraction = fastest > 0 ? row.gmac_per_s / fastest : 0;
     bench.rows.push_back(row);
-    if (!go_on(static_cast<uint32_t>(bench.rows.size()), k_steps)) return bench;
+    if (!go_on(static_cast<uint32_t>(bench.rows.size()) + 1, k_steps)) return bench;
   }
-  bench.compared = bench.rows.size() == k_steps;
+  bench.compared = bench.rows.size() == std::size(k_cases);
   if (bench.compared)
     for (LightingBenchRow& row : bench.rows) compare(bench.rows[1].estimate, &row);
   go_on(k_steps, k_steps);

@@ -32,8 +32,18 @@ struct LightingBenchRow {
   std::vector<Part> parts;  // by kind of operator
 };
 
+// Resampling a camera's image to what the network sees, which is mandatory in the frame that brings the image.
+struct LightingImageRow {
+  std::string name;       // 640x480_nv12 ...
+  double megapixels = 0;  // of the camera's image
+  uint32_t units = 0;
+  double ms = 0;               // the sum of the units' best times
+  double longest_unit_ms = 0;  // the largest of them
+};
+
 struct LightingBench {
   std::vector<LightingBenchRow> rows;
+  std::vector<LightingImageRow> images;
   std::vector<LightingBenchRow::Part> layers;  // of own bytes, by operator, in order
   double int8_peak = 0, f32_peak = 0;          // GMAC/s
   bool has_xnnpack = false;                    // in this build

@@ -28,7 +28,8 @@ FollowedLight RoomLight::follow(const sandglass_camera_image& image) {
   if (sandglass_light_set_image(light_, &image, nullptr, &reason) != SANDGLASS_OK) throw Failure(reason);
   while (sandglass_light_run(light_, 1000) != 0) {
   }
-  FollowedLight followed;
+  FollowedLight followed = {};
+  followed.filtered.struct_size = followed.latest.struct_size = sizeof(sandglass_light_estimate);
   sandglass_light_get(light_, &followed.filtered);
   sandglass_light_get_latest(light_, &followed.latest);
   return followed;

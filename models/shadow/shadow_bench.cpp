@@ -189,15 +189,16 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
     for (size_t t = 0; t < others.size(); ++t) bytes(others[t].get(), &own_others[t]);
 #ifdef SANDGLASS_HAVE_XNNPACK
     const double encoding = best_ms([&] { encode_texels(positions, light, &input); });
-    const auto peer = [&](Samples* samples, const std::function<void()>& work) {
+    const auto peer = [&](Samples* samples, double of_input, const std::function<void()>& work) {
       samples->ms.push_back(best_ms(work));
-      samples->ms_encoding.push_back(encoding);
+      samples->ms_encoding.push_back(of_input);
       samples->macs += texel_macs * k_texels;
       samples->judge(output, reference, truth);
     };
-    peer(&peer_float, [&] { xnn_float.run(input.data(), k_texels, output.data()); });
-    const std::vector<int8_t> encoded = XnnpackPeer::encoded_bytes(input);
-    peer(&peer_int8, [&] { xnn_int8.run_bytes(encoded.data(), k_texels, output.data()); });
+    peer(&peer_float, encoding, [&] { xnn_float.run(input.data(), k_texels, output.data()); });
+    std::vector<int8_t> encoded(input.size());
+    const double rounding = best_ms([&] { xnn_int8.round_inputs(input.data(), k_texels, encoded.data()); });
+    peer(&peer_int8, encoding + rounding, [&] { xnn_int8.run_bytes(encoded.data(), k_texels, output.data()); });
 #endif
     if (!go_on(i + 1, k_lights)) break;
   }

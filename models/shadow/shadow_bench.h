@@ -19,7 +19,7 @@ namespace sandglass::host {
 struct ShadowBenchRow {
   std::string name;        // f32, int8, int8_adaptive, xnnpack_f32, xnnpack_int8
   double ms = 0;           // CPU time of the thread: the median over the lights of each light's best
-  double ms_encoding = 0;  // of it, for peers: writing the encoded inputs, from tables
+  double ms_encoding = 0;  // for peers: writing the encoded inputs, from tables, and rounding them to bytes
   double gmac_per_s = 0;   // of what it computes
   double fraction = 0;     // of this CPU's measured peak, f32 or int8
   double rmse = 0;         // against the float network

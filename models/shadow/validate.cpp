@@ -14,6 +14,10 @@ constexpr uint32_t k_size = k_native_size, k_stride = 4, k_whole = 16, k_block =
 constexpr uint32_t k_task = 5;                          // lights that share one runner
 constexpr uint64_t k_first_stream = uint64_t{1} << 32;  // random numbers that no training light has
 
+// Rings of two sizes can have a direction in common; no turn of one by half a golden angle has: the azimuths of its
+// spiral are whole golden angles.
+constexpr double k_turn = 0.5 * 2.399963229728653;
+
 // Sums for one light.
 struct LightError {
   double against_truth[3] = {};  // float, int8, adaptive: mean squared error
@@ -110,10 +114,17 @@ double structural_similarity(const std::vector<float>& a, const std::vector<floa
   return sum / static_cast<double>(windows);
 }
 
+std::vector<Direction> unseen_directions(double polar_max, uint32_t count) {
+  std::vector<Direction> directions = ring_directions(polar_max, count);
+  const double c = std::cos(k_turn), s = std::sin(k_turn);
+  for (Direction& d : directions) d = {c * d[0] - s * d[2], d[1], s * d[0] + c * d[2]};
+  return directions;
+}
+
 bool validate(const LightGeometry& geometry, const ShadowCaster& caster, const FloatNetwork& network,
               std::span<const uint8_t> file, uint32_t lights, ThreadPool& pool,
               const std::function<bool(uint32_t)>& go_on, Validation* result) {
-  const std::vector<Direction> directions = ring_directions(geometry.polar_max, lights);
+  const std::vector<Direction> directions = unseen_directions(geometry.polar_max, lights);
   const Validator validator = {geometry, caster, network};
   const uint32_t every = std::max(1u, lights / k_whole);
   std::vector<LightError> errors(lights);

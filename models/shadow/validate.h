@@ -18,8 +18,8 @@ struct ShadowError {
   double rmse = 0;      // the mean over the lights of each light's
   double rmse_max = 0;  // of the worst light
   double psnr = 0;      // dB, of the mean squared error over all lights
-  double ssim = 0;      // mean over whole textures: windows of 8 x 8 texels, every fourth
-  double block = 0;     // largest difference of the means of 16 x 16 texels, over whole textures
+  double ssim = 0;      // mean over the whole textures: windows of 8 x 8 texels, every fourth
+  double block = 0;     // largest difference of the means of 16 x 16 texels, over the whole textures
 };
 
 struct Validation {
@@ -28,6 +28,9 @@ struct Validation {
   double int8_to_float = 0, adaptive_to_float = 0;  // RMSE between two ways of evaluating the same network
   double evaluated = 0;                             // share of the texels that the adaptive mode asks for
 };
+
+// Lights that training has none of: the ring of ring_directions, turned about the vertical.
+std::vector<Direction> unseen_directions(double polar_max, uint32_t count);
 
 // `go_on` gets the lights done; false: interrupted, the result is not complete.
 bool validate(const LightGeometry& geometry, const ShadowCaster& caster, const FloatNetwork& network,

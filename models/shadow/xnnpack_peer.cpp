@@ -34,6 +34,7 @@ std::vector<float> by_output(const float* weights, uint32_t inputs, uint32_t out
 
 struct XnnpackPeer::State {
   std::vector<xnn_operator_t> operators;
+  xnn_operator_t to_bytes = nullptr;
   std::vector<float> a, b;
   std::vector<int8_t> ba, bb;
   uint32_t width = 0;
@@ -75,6 +76,8 @@ XnnpackPeer::XnnpackPeer(const FloatNetwork& network, const std::vector<float>& 
     }
     s.operators.push_back(op);
   };
+  if (quantised)
+    check(xnn_create_convert_nc_f32_qs8(k_inputs, k_inputs, k_inputs, k_input_step, 0, -127, 127, 0, &s.to_bytes));
   add(network.first_weights(), network.first_bias(), k_inputs, shape.width, clips[0]);
   for (uint32_t layer = 0; layer < shape.layers; ++layer)
     add(network.weights(layer), network.bias(layer), shape.width, shape.width, clips[layer + 1]);
@@ -83,6 +86,7 @@ XnnpackPeer::XnnpackPeer(const FloatNetwork& network, const std::vector<float>& 
 
 XnnpackPeer::~XnnpackPeer() {
   for (const xnn_operator_t op : state_->operators) xnn_delete_operator(op);
+  if (state_->to_bytes != nullptr) xnn_delete_operator(state_->to_bytes);
 }
 
 void XnnpackPeer::run(const float* input, uint32_t texels, float* output) {
@@ -102,11 +106,9 @@ void XnnpackPeer::run(const float* input, uint32_t texels, float* output) {
   for (uint32_t i = 0; i < texels; ++i) output[i] = 1 / (1 + std::exp(-output[i]));
 }
 
-std::vector<int8_t> XnnpackPeer::encoded_bytes(const std::vector<float>& input) {
-  std::vector<int8_t> bytes;
-  bytes.reserve(input.size() + XNN_EXTRA_BYTES);
-  for (const float x : input) bytes.push_back(static_cast<int8_t>(std::nearbyint(x / k_input_step)));
-  return bytes;
+void XnnpackPeer::round_inputs(const float* input, uint32_t texels, int8_t* bytes) {
+  check(xnn_setup_convert_nc_f32_qs8(state_->to_bytes, texels, input, bytes, nullptr));
+  check(xnn_run_operator(state_->to_bytes, nullptr));
 }
 
 void XnnpackPeer::run_bytes(const int8_t* input, uint32_t texels, float* output) {

@@ -18,9 +18,10 @@ class XnnpackPeer {
   XnnpackPeer(const XnnpackPeer&) = delete;
   XnnpackPeer& operator=(const XnnpackPeer&) = delete;
 
-  // `input` is k_inputs floats a texel. The int8 network wants bytes: encoded_bytes() once, then run_bytes.
+  // `input` is k_inputs floats a texel. The int8 network wants bytes: round_inputs(), then run_bytes.
   void run(const float* input, uint32_t texels, float* output);
-  static std::vector<int8_t> encoded_bytes(const std::vector<float>& input);
+  // Both arrays are read and written by vectors: 64 values beyond the last texel are there, whatever they are.
+  void round_inputs(const float* input, uint32_t texels, int8_t* bytes);
   void run_bytes(const int8_t* input, uint32_t texels, float* output);
 
  private:

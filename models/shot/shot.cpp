@@ -6,9 +6,11 @@
 
 #include "models/host/collision_fields.h"
 #include "models/host/failure.h"
+#include "models/host/pile_shadow.h"
 #include "models/host/standing_shadows.h"
 #include "models/lighting/panorama_file.h"
 #include "models/lighting/perceived_errors.h"
+#include "sandglass/pile_shadow.h"
 #include "sandglass/shadow.h"
 
 namespace sandglass::host {
@@ -69,6 +71,13 @@ void require_baked_of(const ColliderTrack& track, const Mesh& standing, const st
                   "': their shapes differ; name the file that sandglass bake wrote for this one");
 }
 
+ShotPictureOptions compared(uint32_t threads) {
+  ShotPictureOptions options;
+  options.width = k_compared_width, options.height = k_compared_height;
+  options.paths = k_compared_paths, options.threads = threads;
+  return options;
+}
+
 Picture labelled(Picture picture, const char* label) {
   draw_text(&picture, 9, 9, 2, label, {0, 0, 0});
   draw_text(&picture, 8, 8, 2, label, {255, 255, 255});
@@ -115,7 +124,8 @@ Shot::Shot(const SceneFile& scene, const ShotOptions& options)
       source_(source_of(options)),
       estimate_(source_ == LightSource::estimate ? std::make_unique<LightEstimate>(network_of(options), options.isa)
                                                  : nullptr),
-      surroundings_(surroundings_of(scene, options, standing_track(scene).position, &camera_)) {
+      surroundings_(surroundings_of(scene, options, standing_track(scene).position, &camera_)),
+      isa_(options.isa) {
   if (surroundings_.has_truth()) labels_ = labelled_light(surroundings_);
 }
 
@@ -150,11 +160,13 @@ double Shot::angle_deg(uint32_t frame) const {
   return std::acos(std::clamp(dot(light(frame).towards, labels_.towards), -1.0, 1.0)) * 180.0 / 3.141592653589793;
 }
 
+float Shot::drawn_radius(const Snapshot& snapshot) const {
+  return drawn_grain_radius(scene_.particle_radius, static_cast<uint32_t>(snapshot.particles.size() / 3),
+                            static_cast<uint32_t>(snapshot.grains.size() / 3));
+}
+
 std::unique_ptr<ShotPicture> Shot::picture_of(const Snapshot& snapshot) const {
-  return std::make_unique<ShotPicture>(
-      object_, snapshot.grains,
-      drawn_grain_radius(scene_.particle_radius, static_cast<uint32_t>(snapshot.particles.size() / 3),
-                         static_cast<uint32_t>(snapshot.grains.size() / 3)));
+  return std::make_unique<ShotPicture>(object_, snapshot.grains, drawn_radius(snapshot));
 }
 
 RadianceMap Shot::composite(const Snapshot& snapshot, CastShadow cast, const ShotPictureOptions& options) const {
@@ -172,11 +184,33 @@ Picture Shot::paint(const Snapshot& snapshot, int width, int height, uint32_t th
   return displayed_picture(composite(snapshot, CastShadow::textures, options));
 }
 
-ShotErrors Shot::compare(const Snapshot& snapshot, const std::string& folder, uint32_t threads) const {
-  ShotPictureOptions options;
-  options.width = k_compared_width, options.height = k_compared_height;
-  options.paths = k_compared_paths, options.threads = threads;
-  const RadianceMap picture = composite(snapshot, CastShadow::textures, options), real = truth(snapshot, options);
+Snapshot Shot::relit(const Snapshot& snapshot, Vec3 towards) const {
+  Snapshot now = snapshot;
+  StandingShadows standing(scene_, isa_);
+  standing.set_light(scene_, snapshot.frame, towards);
+  sandglass_shadow_run(standing.handles().data(), static_cast<uint32_t>(standing.handles().size()), ~0u);
+  now.to_light = towards;
+  now.shadows = standing.drawn(snapshot.colliders);
+  if (!scene_.pile_shadow) return now;
+  PileShadow pile(*scene_.pile_shadow, isa_);
+  pile.set_light(towards);
+  sandglass_pile_shadow_run(pile.handle(), now.grains.data(), static_cast<uint32_t>(now.grains.size() / 3),
+                            drawn_radius(snapshot), ~0u);
+  now.pile = {pile.drawn(false)}, now.pile_surface = {pile.drawn(true)};
+  return now;
+}
+
+RadianceMap Shot::traced(const Snapshot& snapshot, const std::string& folder, uint32_t threads) const {
+  RadianceMap real = truth(snapshot, compared(threads));
+  write_png(folder + "/truth.png", displayed_picture(real));
+  return real;
+}
+
+ShotErrors Shot::compare(const Snapshot& snapshot, const ShotLight& light, const RadianceMap& real,
+                         const std::string& folder, const std::string& name, uint32_t threads) const {
+  const RadianceMap picture = picture_of(snapshot)->composite(surroundings_, camera(snapshot.frame), light,
+                                                              {snapshot.shadows, snapshot.pile, snapshot.pile_surface},
+                                                              CastShadow::textures, compared(threads));
   RadianceMap difference(picture.width, picture.height), seen(picture.width, picture.height);
   const std::vector<double> flips = flip_map(real, picture);
   for (size_t i = 0; i < picture.rgb.size(); ++i) difference.rgb[i] = 4.0f * std::fabs(picture.rgb[i] - real.rgb[i]);
@@ -185,9 +219,8 @@ ShotErrors Shot::compare(const Snapshot& snapshot, const std::string& folder, ui
   const Picture cells[] = {
       labelled(displayed_picture(picture), "composite"), labelled(displayed_picture(real), "path traced"),
       labelled(displayed_picture(difference), "difference x 4"), labelled(displayed_picture(seen), "FLIP")};
-  write_png(folder + "/composite.png", displayed_picture(picture));
-  write_png(folder + "/truth.png", displayed_picture(real));
-  write_png(folder + "/beside_truth.png", picture_grid(cells, 2, 4));
+  write_png(folder + "/composite" + name + ".png", displayed_picture(picture));
+  write_png(folder + "/beside_truth" + name + ".png", picture_grid(cells, 2, 4));
   return shot_errors(real, picture);
 }
 

@@ -67,11 +67,19 @@ class Shot {
   RadianceMap truth(const Snapshot& snapshot, const ShotPictureOptions& options) const;
   Picture paint(const Snapshot& snapshot, int width, int height, uint32_t threads) const;
 
-  // Composite, truth, their difference times four and FLIP, side by side, into `folder`; the errors.
-  ShotErrors compare(const Snapshot& snapshot, const std::string& folder, uint32_t threads) const;
+  // What `compare` measures against: the snapshot path traced, and written as truth.png into `folder`.
+  RadianceMap traced(const Snapshot& snapshot, const std::string& folder, uint32_t threads) const;
+  // The snapshot lit so and composited, the truth, their difference times four and FLIP, side by side, into `folder` as
+  // beside_truth`name`.png, the composite as composite`name`.png; the errors. The snapshot's shadows must be of this
+  // light.
+  ShotErrors compare(const Snapshot& snapshot, const ShotLight& light, const RadianceMap& truth,
+                     const std::string& folder, const std::string& name, uint32_t threads) const;
+  // The snapshot with the shadows that object and sand cast in this light, complete.
+  Snapshot relit(const Snapshot& snapshot, Vec3 towards) const;
 
  private:
   std::unique_ptr<ShotPicture> picture_of(const Snapshot& snapshot) const;
+  float drawn_radius(const Snapshot& snapshot) const;  // of a grain
 
   SceneFile scene_;
   Camera camera_;
@@ -82,6 +90,7 @@ class Shot {
   ShotLight labels_;
   const sandglass_camera_image* image_ = nullptr;
   std::vector<ShotLight> lights_;  // of the frames so far
+  sandglass_isa isa_;
 };
 
 }  // namespace sandglass::host

@@ -9,6 +9,11 @@
 // engine and not for this library is traced: the object's shadow on itself, the contact shadows of grains on grains,
 // and how open a point is to ambient light.
 //
+// Object and grains do not go through the tone curve: the light's colours are means of tone mapped ones (labels.h). On
+// three captured views (verify shot --quick) true labels' RMSE is 0.0193; through the curve as they are 0.0229, and
+// 0.0162 where the light is first scaled by what the inverse curve says of the ambient luminance. Then all seven errors
+// fall, but no shadow at all is nearer to the truth in RGB angle than the right one, 0.440 to 0.448 degrees.
+//
 // Truth. Object, grains and a floor that only catches shadows and gives back light, in the light of the warped
 // panorama: where the floor is seen, the panorama's radiance is multiplied by irradiance with over irradiance without
 // what stands on it (differential rendering, Debevec 1998). The floor's reflectance for light that it gives back is

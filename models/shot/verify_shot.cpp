@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <sstream>
+#include <memory>
 
 #include "models/host/atomic_file.h"
 #include "models/host/body_meshes.h"
@@ -16,6 +16,7 @@
 #include "models/lighting/panorama_file.h"
 #include "models/lighting/probe_scene.h"
 #include "models/shot/light_estimate.h"
+#include "runtime/asset/checksum.h"
 #include "runtime/sampling/random.h"
 
 namespace sandglass::host {
@@ -48,17 +49,23 @@ struct Stage {
     object = standing_object(scene, "");
   }
 
+  enum class Sand { grains, particles };
+  std::unique_ptr<PileShadow> pile_for(Vec3 towards, Sand of) const {
+    auto pile = std::make_unique<PileShadow>(*scene.pile_shadow, SANDGLASS_ISA_AUTOMATIC);
+    pile->set_light(towards);
+    const std::vector<float>& spheres = of == Sand::grains ? grains : particles;
+    sandglass_pile_shadow_run(pile->handle(), spheres.data(), static_cast<uint32_t>(spheres.size() / 3),
+                              of == Sand::grains ? grain_radius : static_cast<float>(scene.particle_radius), ~0u);
+    return pile;
+  }
+
   ShotShadows shadows_for(Vec3 towards) const {
     StandingShadows standing(scene, SANDGLASS_ISA_AUTOMATIC);
     standing.set_light(scene, 0, towards);
     sandglass_shadow_run(standing.handles().data(), static_cast<uint32_t>(standing.handles().size()), ~0u);
-    PileShadow pile(*scene.pile_shadow, SANDGLASS_ISA_AUTOMATIC);
-    pile.set_light(towards);
-    // Of the grains, as in a frame.
-    sandglass_pile_shadow_run(pile.handle(), grains.data(), static_cast<uint32_t>(grains.size() / 3), grain_radius,
-                              ~0u);
+    const std::unique_ptr<PileShadow> pile = pile_for(towards, Sand::grains);  // as in a frame
     const std::vector<sandglass_collider> colliders = colliders_over_frame(scene, 0);
-    return {standing.drawn(colliders), {pile.drawn(false)}, {pile.drawn(true)}};
+    return {standing.drawn(colliders), {pile->drawn(false)}, {pile->drawn(true)}};
   }
 };
 
@@ -73,38 +80,37 @@ void put(const ShotErrors& e, double (&row)[k_shot_metrics]) {
   std::copy_n(values, k_shot_metrics, row);
 }
 
-// One line a view: name, whether there is an estimate, its angle, and all errors.
-std::string line_of(const ShotView& view) {
-  std::ostringstream text;
-  text.precision(9);
-  text << view.panorama << ' ' << view.has_estimate << ' ' << view.angle_deg;
-  for (const auto& row : view.errors)
-    for (const double e : row) text << ' ' << e;
-  return text.str() + "\n";
-}
-
-bool read_line(const std::string& line, ShotView* view) {
-  std::istringstream text(line);
-  text >> view->panorama >> view->has_estimate >> view->angle_deg;
-  for (auto& row : view->errors)
-    for (double& e : row) text >> e;
-  view->done = !text.fail();
-  return view->done;
+// Names alone would take a retrained network's rows for those of the one before it.
+uint64_t hash_of(const std::string& file, const std::string& kind) {
+  const std::string bytes = read_file(file, kind);
+  return asset_checksum(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
 }
 
 std::string key_of(const ShotStudyOptions& o) {
-  return "shot study 6." + std::to_string(o.seed) + ": " + std::to_string(o.width) + " x " + std::to_string(o.height) +
-         ", " + std::to_string(o.paths) + " paths, network '" + fs::path(o.network).filename().string() + "'\n";
+  const uint64_t network = o.network.empty() ? 0 : hash_of(o.network, "lighting network");
+  return "shot study 7." + std::to_string(o.seed) + ": " + std::to_string(o.width) + " x " + std::to_string(o.height) +
+         ", " + std::to_string(o.paths) + " paths, network " + std::to_string(network);
 }
 
-ShotView study_view(const ShotStudyOptions& options, const Stage& stage, const ShotPicture& picture, size_t index) {
-  ShotView view;
-  view.panorama = fs::path(options.panoramas[index]).stem().string();
-  const double azimuth = 360.0 * random_stream(index, k_azimuth_stream + options.seed).uniform();
+// The views that are asked for, none of them done: what is wrong with a file is said now, not after minutes.
+std::vector<ShotView> planned_views(const ShotStudyOptions& options) {
+  if (!options.network.empty()) LightEstimate(options.network, SANDGLASS_ISA_AUTOMATIC);
+  std::vector<ShotView> views(std::min(options.views, options.panoramas.size()));
+  for (size_t i = 0; i < views.size(); ++i) {
+    read_panorama(options.panoramas[i]);
+    views[i].panorama = fs::path(options.panoramas[i]).stem().string();
+    views[i].panorama_hash = hash_of(options.panoramas[i], "panorama");
+    views[i].azimuth_deg = 360.0 * random_stream(i, k_azimuth_stream + options.seed).uniform();
+  }
+  return views;
+}
+
+void study_view(const ShotStudyOptions& options, const Stage& stage, const ShotPicture& picture, size_t index,
+                ShotView* view) {
   RadianceMap map = read_panorama(options.panoramas[index]);
   fill_tripod(&map);
-  const Surroundings room =
-      panorama_surroundings(std::move(map), view.panorama, *stage.scene.camera, azimuth, {}, k_unknown_depth_insertion);
+  const Surroundings room = panorama_surroundings(std::move(map), view->panorama, *stage.scene.camera,
+                                                  view->azimuth_deg, {}, k_unknown_depth_insertion);
   const ShotCamera camera = resting_camera(*stage.scene.camera);
   ShotPictureOptions o;
   o.width = options.width, o.height = options.height, o.paths = options.paths, o.threads = options.threads;
@@ -113,7 +119,7 @@ ShotView study_view(const ShotStudyOptions& options, const Stage& stage, const S
   std::vector<Picture> cells = {displayed_picture(truth)};
   const auto measure = [&](ShotVariant variant, const ShotLight& light, CastShadow cast) {
     const RadianceMap made = picture.composite(room, camera, light, stage.shadows_for(light.towards), cast, o);
-    put(shot_errors(truth, made), view.errors[static_cast<int>(variant)]);
+    put(shot_errors(truth, made), view->errors[static_cast<int>(variant)]);
     cells.push_back(displayed_picture(made));
   };
   measure(ShotVariant::labels, labels, CastShadow::textures);
@@ -127,71 +133,34 @@ ShotView study_view(const ShotStudyOptions& options, const Stage& stage, const S
     estimate.finish();
     const ShotLight light = estimate.light();
     measure(ShotVariant::estimate, light, CastShadow::textures);
-    view.has_estimate = true;
-    view.angle_deg = std::acos(std::clamp(dot(light.towards, labels.towards), -1.0, 1.0)) * 180.0 / 3.141592653589793;
+    view->has_estimate = true;
+    view->angle_deg = std::acos(std::clamp(dot(light.towards, labels.towards), -1.0, 1.0)) * 180.0 / 3.141592653589793;
   }
   if (!options.folder.empty())
     write_png((fs::path(options.folder) / ("view_" + std::to_string(index) + ".png")).string(),
               picture_grid(cells, static_cast<int>(cells.size()), 2));
-  view.done = true;
-  return view;
+  view->done = true;
 }
-
-void sum_up(ShotStudy* study) {
-  double count = 0;
-  for (const ShotView& view : study->views) count += view.done ? 1 : 0;
-  for (const ShotView& view : study->views) {
-    if (!view.done) continue;
-    study->has_estimate = study->has_estimate || view.has_estimate;
-    for (int v = 0; v < k_shot_variants; ++v)
-      for (int m = 0; m < k_shot_metrics; ++m) study->mean[v][m] += view.errors[v][m] / count;
-  }
-}
-
-}  // namespace
-
-const char* name_of(ShotVariant variant) {
-  constexpr const char* k_names[] = {"true labels",     "no shadow",    "hard shadow",
-                                     "arbitrary light", "plain shadow", "estimate"};
-  return k_names[static_cast<int>(variant)];
-}
-const char* shot_metric_name(int metric) {
-  constexpr const char* k_names[] = {"RMSE", "nRMSE", "siRMSE", "RMLE", "RGB deg", "1 - SSIM", "FLIP"};
-  return k_names[metric];
-}
-
-ShotStudy::Paired ShotStudy::paired(ShotVariant better, ShotVariant worse, int metric) const {
-  std::vector<double> d;
-  for (const ShotView& view : views)
-    if (view.done)
-      d.push_back(view.errors[static_cast<int>(worse)][metric] - view.errors[static_cast<int>(better)][metric]);
-  double mean_of = 0.0, square = 0.0;
-  const double n = static_cast<double>(d.size());
-  for (const double x : d) mean_of += x / n;
-  for (const double x : d) square += (x - mean_of) * (x - mean_of);
-  constexpr double k_student = 2.093;  // 95 %, 19 degrees of freedom
-  return {mean_of, n > 1 ? k_student * std::sqrt(square / (n - 1) / n) : 0.0};
-}
-
-namespace {
 
 using PilePart = PileShadowError::Part;
 
-void add_texel(PilePart* part, double truth, double shown) {
-  part->rmse += (shown - truth) * (shown - truth), part->without += (1.0 - truth) * (1.0 - truth);
-  part->bias += shown - truth, ++part->texels;
+// What each texture shows of a place, or of some together: the shadow itself, then the controls.
+constexpr size_t k_textures = 3;
+constexpr double PilePart::*k_errors_of[k_textures] = {&PilePart::rmse, &PilePart::particles, &PilePart::mirrored};
+
+void add_texel(PilePart* part, double truth, const double (&shown)[k_textures], double places) {
+  const double real = truth / places;
+  const auto square = [&](double seen) { return (seen - real) * (seen - real); };
+  for (size_t t = 0; t < k_textures; ++t) part->*k_errors_of[t] += square(shown[t] / places);
+  part->without += square(1.0), part->bias += shown[0] / places - real, ++part->texels;
 }
 
 void finish(PilePart* sums) {
   const double n = std::max(1, sums->texels);
-  sums->rmse = std::sqrt(sums->rmse / n), sums->without = std::sqrt(sums->without / n), sums->bias /= n;
+  for (double PilePart::*sum : {&PilePart::rmse, &PilePart::particles, &PilePart::mirrored, &PilePart::without})
+    sums->*sum = std::sqrt(sums->*sum / n);
+  sums->bias /= n;
 }
-
-constexpr PilePart PileShadowError::*k_pile_parts[] = {&PileShadowError::clear, &PileShadowError::among_grains,
-                                                       &PileShadowError::on_sand};
-constexpr double k_pile_limits[] = {0.105, 0.295, 0.385};  // what was measured, and a quarter
-constexpr double k_pile_shares[] = {0.45, 0.45, 0.8};      // of what leaving it out costs
-constexpr double k_pile_bias_limit = 0.05;                 // on the floor
 
 }  // namespace
 
@@ -207,12 +176,16 @@ std::vector<PileShadowError> study_pile_shadow() {
     for (const double azimuth : {30.0, 150.0, 270.0}) {
       const Vec3 towards = {std::sin(polar * k_degree) * std::cos(azimuth * k_degree), std::cos(polar * k_degree),
                             std::sin(polar * k_degree) * std::sin(azimuth * k_degree)};
-      const ShotShadows shadows = stage.shadows_for(towards);
-      const FloorShadow &texture = shadows.pile[0], &on_sand = shadows.pile_surface[0];
+      const std::unique_ptr<PileShadow> piles[k_textures] = {
+          stage.pile_for(towards, Stage::Sand::grains), stage.pile_for(towards, Stage::Sand::particles),
+          stage.pile_for({-towards.x, towards.y, -towards.z}, Stage::Sand::grains)};
+      FloorShadow on_floor[k_textures], on_sand[k_textures];
+      for (size_t t = 0; t < k_textures; ++t) on_floor[t] = piles[t]->drawn(false), on_sand[t] = piles[t]->drawn(true);
+      const FloorShadow& texture = on_floor[0];
       PileShadowError e = {polar, azimuth, {}, {}, {}};
       for (uint32_t v = 0; v < texture.texels; v += k_stride)
         for (uint32_t u = 0; u < texture.texels; u += k_stride) {
-          double truth = 0.0, shown = 0.0, seen = 0.0, lit = 0.0, drawn = 0.0, facing = 0.0;
+          double truth = 0.0, seen = 0.0, lit = 0.0, facing = 0.0, shown[k_textures] = {}, drawn[k_textures] = {};
           for (int i = 0; i < k_places * k_places; ++i) {
             const double across = (u + (i % k_places + 0.5) / k_places) / texture.texels,
                          along = (v + (i / k_places + 0.5) / k_places) / texture.texels;
@@ -221,148 +194,47 @@ std::vector<PileShadowError> study_pile_shadow() {
             if (picture.grains_leave(x, z, {0, 1, 0}, 0.0, 1) == 0.0) {  // under a grain
               double cosine = 0.0;
               const double open = picture.grain_lit(x, z, towards, k_light_half_angle_deg * k_degree, k_rays, &cosine);
-              lit += cosine * open, drawn += cosine * floor_transparency(on_sand, x, z), facing += cosine;
+              lit += cosine * open, facing += cosine;
+              for (size_t t = 0; t < k_textures; ++t) drawn[t] += cosine * floor_transparency(on_sand[t], x, z);
               continue;
             }
             truth += picture.grains_leave(x, z, towards, k_light_half_angle_deg * k_degree, k_rays);
-            shown += floor_transparency(texture, x, z), seen += 1.0;
+            seen += 1.0;
+            for (size_t t = 0; t < k_textures; ++t) shown[t] += floor_transparency(on_floor[t], x, z);
           }
-          if (facing > 0.0) add_texel(&e.on_sand, lit / facing, drawn / facing);
-          if (seen == 0.0 || (truth > k_lit * seen && shown > k_lit * seen)) continue;
-          add_texel(seen == k_places * k_places ? &e.clear : &e.among_grains, truth / seen, shown / seen);
+          if (facing > 0.0) add_texel(&e.on_sand, lit, drawn, facing);
+          if (seen == 0.0 || (truth > k_lit * seen && shown[0] > k_lit * seen)) continue;
+          add_texel(seen == k_places * k_places ? &e.clear : &e.among_grains, truth, shown, seen);
         }
-      for (const auto part : k_pile_parts) finish(&(e.*part));
+      for (PilePart* part : {&e.clear, &e.among_grains, &e.on_sand}) finish(part);
       all.push_back(e);
     }
   return all;
 }
 
-PileShadowError whole_of(const std::vector<PileShadowError>& lights) {
-  PileShadowError whole = {};
-  for (const auto of : k_pile_parts) {
-    PilePart& sum = whole.*of;
-    for (const PileShadowError& e : lights) {
-      const PilePart& part = e.*of;
-      sum.rmse += part.rmse * part.rmse * part.texels, sum.without += part.without * part.without * part.texels;
-      sum.bias += part.bias * part.texels, sum.texels += part.texels;
-    }
-    finish(&sum);
-  }
-  return whole;
-}
-
-bool holds(const PileShadowError& whole) {
-  for (size_t i = 0; i < 3; ++i) {
-    const PilePart& part = whole.*k_pile_parts[i];
-    const bool floor = &part != &whole.on_sand;
-    if (part.texels == 0 || part.rmse > k_pile_limits[i] || part.rmse > k_pile_shares[i] * part.without ||
-        (floor && std::fabs(part.bias) > k_pile_bias_limit))
-      return false;
-  }
-  return true;
-}
-
-std::string pile_shadow_text(const std::vector<PileShadowError>& lights) {
-  std::string text =
-      "| light, from the zenith; azimuth | RMSE, clear floor | without | bias | texels | among grains | without | bias "
-      "| "
-      "texels | on the sand | without | bias | texels |\n|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
-  char cell[80];
-  const auto add = [&](const char* name, const PileShadowError& e) {
-    text += std::string("| ") + name + " |";
-    for (const auto of : k_pile_parts) {
-      const PilePart& part = e.*of;
-      std::snprintf(cell, sizeof cell, " %.4f | %.4f | %+.4f | %d |", part.rmse, part.without, part.bias, part.texels);
-      text += cell;
-    }
-    text += "\n";
-  };
-  for (const PileShadowError& e : lights) {
-    char name[48];
-    std::snprintf(name, sizeof name, "%.0f; %.0f degrees", e.polar_deg, e.azimuth_deg);
-    add(name, e);
-  }
-  const PileShadowError whole = whole_of(lights);
-  char name[96];
-  std::snprintf(name, sizeof name, "all; limits %.3f, %.3f, %.3f, of bias %.2f: %s", k_pile_limits[0], k_pile_limits[1],
-                k_pile_limits[2], k_pile_bias_limit, holds(whole) ? "holds" : "FAILS");
-  add(name, whole);
-  return text;
-}
-
 ShotStudy study_shots(const ShotStudyOptions& options, const std::function<bool(size_t done)>& progress) {
   ShotStudy study;
-  const size_t count = std::min(options.views, options.panoramas.size());
-  study.views.resize(count);
+  study.views = planned_views(options);
+  if (study.views.empty()) return study;
+  const std::string key = key_of(options);
   const std::string memory = options.folder.empty() ? "" : (fs::path(options.folder) / "views.txt").string();
   std::error_code ignored;
-  if (!memory.empty() && fs::is_regular_file(memory, ignored)) {
-    std::istringstream lines(read_file(memory, "study"));
-    std::string line;
-    if (std::getline(lines, line) && line + "\n" == key_of(options))
-      while (std::getline(lines, line)) {
-        ShotView view;
-        if (!read_line(line, &view)) continue;
-        for (size_t i = 0; i < count; ++i)
-          if (fs::path(options.panoramas[i]).stem().string() == view.panorama) study.views[i] = view;
-      }
-  }
+  if (!memory.empty() && fs::is_regular_file(memory, ignored)) remember(read_file(memory, "study"), key, &study.views);
   const Stage stage;
   const ShotPicture picture(stage.object, stage.grains, stage.grain_radius);
   size_t done = 0;
-  for (size_t i = 0; i < count; ++i) {
+  for (size_t i = 0; i < study.views.size(); ++i) {
     if (!study.views[i].done) {
-      study.views[i] = study_view(options, stage, picture, i);
-      std::string text = key_of(options);
+      study_view(options, stage, picture, i, &study.views[i]);
+      std::string text = key + "\n";
       for (const ShotView& view : study.views)
         if (view.done) text += line_of(view);
       if (!memory.empty()) write_file(memory, text);
     }
     if (!progress(++done)) break;
   }
-  sum_up(&study);
+  take_means(&study);
   return study;
-}
-
-std::string shot_study_text(const ShotStudy& study) {
-  std::string text = "| mean of " + std::to_string(study.views.size()) + " views |";
-  char cell[64];
-  for (int m = 0; m < k_shot_metrics; ++m) text += std::string(" ") + shot_metric_name(m) + " |";
-  text += "\n|---|---|---|---|---|---|---|---|\n";
-  const auto variants = static_cast<int>(ShotVariant::estimate) + (study.has_estimate ? 1 : 0);
-  for (int v = 0; v < variants; ++v) {
-    text += std::string("| ") + name_of(static_cast<ShotVariant>(v)) + " |";
-    for (int m = 0; m < k_shot_metrics; ++m) {
-      std::snprintf(cell, sizeof cell, " %.4f |", study.mean[v][m]);
-      text += cell;
-    }
-    text += "\n";
-  }
-  const auto against = [&](ShotVariant better, ShotVariant worse) {
-    text += std::string("| ") + name_of(worse) + " - " + name_of(better) + ", paired |";
-    for (int m = 0; m < k_shot_metrics; ++m) {
-      const ShotStudy::Paired p = study.paired(better, worse, m);
-      std::snprintf(cell, sizeof cell, " %+.4f ± %.4f |", p.mean, p.half);
-      text += cell;
-    }
-    text += "\n";
-  };
-  for (const ShotVariant worse :
-       {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light, ShotVariant::plain_shadow})
-    against(ShotVariant::labels, worse);
-  if (study.has_estimate) {
-    against(ShotVariant::labels, ShotVariant::estimate);
-    for (const ShotVariant worse : {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light})
-      against(ShotVariant::estimate, worse);
-    for (const ShotView& view : study.views)
-      if (view.done && view.errors[static_cast<int>(ShotVariant::estimate)][0] >
-                           view.errors[static_cast<int>(ShotVariant::arbitrary_light)][0]) {
-        std::snprintf(cell, sizeof cell, "%.0f", view.angle_deg);
-        text += "\nWorse than an arbitrary light: " + view.panorama + ", " + cell + " degrees off.";
-      }
-    text += "\n";
-  }
-  return text;
 }
 
 }  // namespace sandglass::host

@@ -9,7 +9,7 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr int k_width = 440, k_height = 178, k_margin = 10, k_line = 20, k_scale = 2;
+constexpr int k_width = 440, k_height = 178, k_margin = k_panel_margin, k_line = k_panel_line, k_scale = k_panel_scale;
 constexpr Colour k_paper = {24, 26, 30}, k_ink = {236, 233, 226}, k_faint = {160, 166, 174}, k_bad = {255, 107, 102},
                  k_trough = {52, 56, 63};
 
@@ -62,6 +62,7 @@ Picture head_up_panel(const HeadUp& state) {
   line = 3;
   int x = k_margin;
   for (sandglass_stage stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) {
+    if (!state.runs[stage]) continue;
     draw_text(&panel, x, k_margin + k_line * line - 2, 1, stage_name(stage), stage_colour(stage));
     x += text_width(1, stage_name(stage)) + 14;
   }

@@ -12,8 +12,11 @@ struct HeadUp {
   const sandglass_frame_report* report = nullptr;
   double budget_ms = 0.0, frames_per_second = 0.0, polar_deg = 0.0, azimuth_deg = 0.0;
   bool paused = false;
+  bool runs[SANDGLASS_STAGE_COUNT] = {true, true, true, true, true};  // the stages that the legend names
 };
 
+// Lines of text, from the panel's upper left corner, pixels: 1 is the budget, 4 the quality, 5 its error.
+constexpr int k_panel_margin = 10, k_panel_line = 20, k_panel_scale = 2;
 Picture head_up_panel(const HeadUp& state);
 Picture key_help();
 

@@ -51,6 +51,7 @@ LiveScene::LiveScene(const LiveOptions& options) : scene_(load_scene(options.sce
   if (!scene_.light) scene_.light = LightTrack{{k_sun_polar, k_sun_polar}, {k_sun_azimuth, k_sun_azimuth}};
   turn_light(0.0, 0.0);
   shadows_.emplace(scene_, isa);
+  if (scene_.pile_shadow) pile_.emplace(*scene_.pile_shadow, isa);
 
   bounds_.add_most(material_.grains() > 0 ? material_.grain_positions : material_.particle_positions);
   floor_ = 1e30;
@@ -70,6 +71,7 @@ LiveScene::LiveScene(const LiveOptions& options) : scene_(load_scene(options.sce
 void LiveScene::restart() {
   sandglass_scene_reset(simulation_->handle());
   simulation_->restart(material_);
+  if (pile_) sandglass_pile_shadow_refresh(pile_->handle());
   frame_ = 0, owed_ = 0.0, report_ = {};
   frame(0.0, 0.0);
 }
@@ -125,6 +127,7 @@ void LiveScene::frame(double time_step, double lag) {
     flow.emitters.push_back(nozzle);
   }
   shadows_->set_light(scene_, frame_, scene_.light->towards(0.0));
+  if (pile_) pile_->set_light(scene_.light->towards(0.0));
 
   sandglass_frame_input input;
   sandglass_frame_input_default(&input);
@@ -134,6 +137,7 @@ void LiveScene::frame(double time_step, double lag) {
   input.emitters = flow.emitters.data(), input.emitter_count = static_cast<uint32_t>(flow.emitters.size());
   input.sinks = flow.sinks.data(), input.sink_count = static_cast<uint32_t>(flow.sinks.size());
   input.shadows = shadows_->handles().data(), input.shadow_count = static_cast<uint32_t>(shadows_->handles().size());
+  input.pile_shadow = pile_ ? pile_->handle() : nullptr;
   input.output_lag = static_cast<float>(lag);
   const sandglass_frame_report now = simulation_->frame(input);
   if (time_step > 0.0 || report_.struct_size == 0) report_ = now;
@@ -153,5 +157,14 @@ void LiveScene::advance(double seconds) {
 }
 
 std::vector<FloorShadow> LiveScene::shadows() const { return shadows_->drawn(colliders_); }
+
+std::optional<FloorShadow> LiveScene::pile(bool on_sand) const {
+  return pile_ ? std::optional(pile_->drawn(on_sand)) : std::nullopt;
+}
+
+bool LiveScene::runs(sandglass_stage stage) const {
+  if (stage == SANDGLASS_STAGE_SHADOW) return pile_ || !shadows_->handles().empty();
+  return stage != SANDGLASS_STAGE_LIGHTING;  // nothing is estimated here
+}
 
 }  // namespace sandglass::host

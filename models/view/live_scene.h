@@ -1,5 +1,6 @@
 // A scene that runs by the wall clock and can be touched: sand poured where the cursor points, pushed by a sphere, the
-// light turned, the budget changed. Knows nothing of windows.
+// light turned, the budget changed. The library's own shadows are in the frame, of the objects and of the sand; a room
+// and an estimate of its light are not. Knows nothing of windows.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +12,7 @@
 
 #include "models/host/body_meshes.h"
 #include "models/host/collision_fields.h"
+#include "models/host/pile_shadow.h"
 #include "models/host/scene_file.h"
 #include "models/host/scene_fill.h"
 #include "models/host/simulation.h"
@@ -42,7 +44,9 @@ class LiveScene {
   std::span<const sandglass_grain> grains() const { return simulation_->output(); }
   const std::vector<float>& particles() { return simulation_->particle_positions(); }
   const std::vector<sandglass_collider>& colliders() const { return colliders_; }  // the sphere last, while it pushes
-  std::vector<FloorShadow> shadows() const;
+  std::vector<FloorShadow> shadows() const;                                        // of the objects
+  std::optional<FloorShadow> pile(bool on_sand) const;  // of the sand, where the scene has one
+  bool runs(sandglass_stage stage) const;               // any frame has units of it
   Vec3 to_light() const { return scene_.light->towards(0.0); }
   const sandglass_frame_report& report() const { return report_; }  // of the last frame that moved time on
   const SceneFile& scene() const { return scene_; }
@@ -62,6 +66,7 @@ class LiveScene {
   std::optional<ThreadPool> pool_;
   std::optional<Simulation> simulation_;
   std::optional<StandingShadows> shadows_;
+  std::optional<PileShadow> pile_;
   std::vector<sandglass_collider> colliders_;
   sandglass_frame_report report_ = {};
   Bounds bounds_;

@@ -1,5 +1,6 @@
 // Colours are linear until a shader's last line. Spheres are point sprites whose fragments write the depth of the
-// sphere; the same sprites, from the light, fill the shadow map. A solid whose shadow is baked is left out of the map.
+// sphere; the same sprites, from the light, fill the shadow map. A solid whose shadow is baked is left out of the map,
+// and the sand where it has a shadow of its own: both come from textures, on the floor and on the sand.
 #include "models/view/painter.h"
 
 #include <epoxy/gl.h>
@@ -19,9 +20,11 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr int k_map_size = 1024;        // texels of the shadow map
-constexpr int k_shadows_at_most = 4;    // textures on the floor
-constexpr double k_floor_reach = 40.0;  // box diagonals
+constexpr int k_map_size = 1024;                  // texels of the shadow map
+constexpr int k_shadows_at_most = 4;              // textures on the floor
+constexpr double k_same_floor = 1e-3;             // metres
+constexpr int k_floor_unit = 5, k_sand_unit = 6;  // texture units of the sand's shadow
+constexpr double k_floor_reach = 40.0;            // box diagonals
 
 using Matrix = std::array<float, 16>;  // column by column, as OpenGL wants it
 
@@ -76,6 +79,23 @@ Matrix pose(const sandglass_collider& c) {
   return m;
 }
 
+// Rows: local x and z over the texture's rectangle, and the height above its floor.
+Matrix to_square(const FloorShadow& shadow) {
+  const Quaternion q = shadow.rotation;
+  const Vec3 axes[3] = {rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
+  const double scale[3] = {1.0 / (shadow.high[0] - shadow.low[0]), 1.0, 1.0 / (shadow.high[1] - shadow.low[1])};
+  const double low[3] = {shadow.low[0], 0.0, shadow.low[1]};
+  Matrix m = {};
+  for (size_t row = 0; row < 3; ++row) {
+    const Vec3 axis = axes[row] * scale[row];
+    m[row] = static_cast<float>(axis.x), m[4 + row] = static_cast<float>(axis.y);
+    m[8 + row] = static_cast<float>(axis.z);
+    m[12 + row] = static_cast<float>(-dot(axis, shadow.position) - low[row] * scale[row]);
+  }
+  m[15] = 1.0f;
+  return m;
+}
+
 // Shared by every shader that lights something.
 constexpr const char* k_lighting = R"(
 uniform vec3 to_light;
@@ -96,6 +116,38 @@ vec3 shade(vec3 albedo, vec3 normal, float direct) {
 vec4 encoded(vec3 linear) {
   linear = clamp(linear, 0.0, 1.0);
   return vec4(mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear)), 1);
+}
+)";
+
+// Shared by what the library's shadows fall on; after k_lighting.
+constexpr const char* k_shadows = R"(
+uniform int shadow_count;
+uniform mat4 to_texture[4];  // world to the texture's square in x and z; y: metres above its floor
+uniform float opacity[4];
+uniform sampler2D coverage[4];
+uniform bool has_pile;
+uniform mat4 to_pile;
+uniform float pile_opacity;
+uniform sampler2D pile_coverage;  // on the floor, or on the sand
+uniform float highest;  // metres above its floor that a texture is seen on: of a floor, none
+float passed(vec3 at, sampler2D image, float opacity) {
+  bool on = all(greaterThan(at.xz, vec2(0))) && all(lessThan(at.xz, vec2(1)));
+  return on ? 1.0 - texture(image, at.xz).r * opacity : 1.0;
+}
+// Where the ray from the light through the place meets the texture's floor: what is in shadow there is in it here.
+float shadowed_by(mat4 frame, sampler2D image, float opacity, vec3 place) {
+  vec3 at = (frame * vec4(place, 1)).xyz, along = (frame * vec4(to_light, 0)).xyz;
+  return abs(at.y) < highest ? passed(at - along * (at.y / max(along.y, 0.05)), image, opacity) : 1.0;
+}
+float shadowed(vec3 place) {
+  float share = 1.0;
+  if (shadow_count > 0) share *= shadowed_by(to_texture[0], coverage[0], opacity[0], place);
+  if (shadow_count > 1) share *= shadowed_by(to_texture[1], coverage[1], opacity[1], place);
+  if (shadow_count > 2) share *= shadowed_by(to_texture[2], coverage[2], opacity[2], place);
+  if (shadow_count > 3) share *= shadowed_by(to_texture[3], coverage[3], opacity[3], place);
+  vec3 at = (to_pile * vec4(place, 1)).xyz;
+  if (has_pile && abs(at.y) < highest) share *= passed(at, pile_coverage, pile_opacity);
+  return share;
 }
 )";
 
@@ -130,7 +182,7 @@ void main() {
   gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
   mat3 back = transpose(mat3(view));
   vec3 world = back * (place - view[3].xyz), n = back * normal;
-  pixel = encoded(shade(colour, n, lit(world + 1.5 * radius * n)) * (0.75 + 0.25 * n.y));
+  pixel = encoded(shade(colour, n, lit(world + 1.5 * radius * n) * shadowed(world)) * (0.75 + 0.25 * n.y));
 }
 )";
 
@@ -169,22 +221,9 @@ constexpr const char* k_floor_fragment = R"(
 in vec3 world, normal;
 uniform vec3 target;
 uniform float reach, tile, bias;
-uniform int shadow_count;
-uniform mat4 to_texture[4];  // world to the texture's square in x and z; y: metres above its floor
-uniform float opacity[4];
-uniform sampler2D coverage[4];
 out vec4 pixel;
-float covered(int i, sampler2D image) {
-  vec3 at = (to_texture[i] * vec4(world, 1)).xyz;
-  bool on = abs(at.y) < 1e-3 && all(greaterThan(at.xz, vec2(0))) && all(lessThan(at.xz, vec2(1)));
-  return on ? 1.0 - texture(image, at.xz).r * opacity[i] : 1.0;
-}
 void main() {
-  float direct = lit(world + bias * normal);
-  if (shadow_count > 0) direct *= covered(0, coverage[0]);
-  if (shadow_count > 1) direct *= covered(1, coverage[1]);
-  if (shadow_count > 2) direct *= covered(2, coverage[2]);
-  if (shadow_count > 3) direct *= covered(3, coverage[3]);
+  float direct = lit(world + bias * normal) * shadowed(world);
   vec2 square = world.xz / tile, wide = max(fwidth(square), 1e-4);
   vec2 wave = clamp((abs(fract(square * 0.5) - 0.5) - 0.25) / wide * 2.0, -0.5, 0.5);  // edges as wide as a pixel
   float odd = 0.5 + 2.0 * wave.x * wave.y * clamp(0.6 / max(wide.x, wide.y), 0.0, 1.0);
@@ -304,17 +343,17 @@ void require_version() {
 struct Painter::State {
   Program sphere, sphere_depth, solid, solid_depth, floor, overlay;
   Mesh3 spheres, floor_square, nothing;
-  GLuint map = 0, map_target = 0, image = 0;
+  GLuint map = 0, map_target = 0, image = 0, pile_on_floor = 0, pile_on_sand = 0;
   std::array<GLuint, k_shadows_at_most> coverage = {};
   // What was made of a collider before, by shape, size and field: meshes of fields are costly.
   std::map<std::array<double, 5>, Mesh3> meshes;
 
   State()
-      : sphere(k_sphere_vertex, std::string(k_lighting) + k_sphere_fragment),
+      : sphere(k_sphere_vertex, std::string(k_lighting) + k_shadows + k_sphere_fragment),
         sphere_depth(k_sphere_vertex, k_sphere_depth_fragment),
         solid(k_solid_vertex, std::string(k_lighting) + k_solid_fragment),
         solid_depth(k_solid_vertex, k_nothing_fragment),
-        floor(k_solid_vertex, std::string(k_lighting) + k_floor_fragment),
+        floor(k_solid_vertex, std::string(k_lighting) + k_shadows + k_floor_fragment),
         overlay(k_overlay_vertex, k_overlay_fragment) {
     floor_square.layout(6, true);
     constexpr uint32_t k_square[] = {0, 1, 2, 0, 2, 3};
@@ -330,6 +369,7 @@ struct Painter::State {
     glReadBuffer(GL_NONE);
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
     for (GLuint& texture : coverage) texture = new_texture(GL_LINEAR);
+    pile_on_floor = new_texture(GL_LINEAR), pile_on_sand = new_texture(GL_LINEAR);
     image = new_texture(GL_NEAREST);
     glEnable(GL_PROGRAM_POINT_SIZE);
     glEnable(GL_DEPTH_TEST);
@@ -379,35 +419,44 @@ struct Painter::State {
     }
   }
 
-  void bind_shadows(std::span<const FloorShadow> shadows) {
-    const int count = std::min(k_shadows_at_most, static_cast<int>(shadows.size()));
-    floor.set("shadow_count", count);
+  // Into the texture unit of this number.
+  static void upload(const FloorShadow& shadow, GLuint texture, int unit) {
+    glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+    glBindTexture(GL_TEXTURE_2D, texture);
+    const GLsizei side = static_cast<GLsizei>(shadow.texels);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, side, side, 0, GL_RED, GL_UNSIGNED_BYTE, shadow.coverage.data());
+    glActiveTexture(GL_TEXTURE0);
+  }
+
+  void upload_shadows(const Painted& scene) {
+    for (int i = 0; i < shadow_count(scene); ++i)
+      upload(scene.shadows[static_cast<size_t>(i)], coverage[static_cast<size_t>(i)], 1 + i);
+    if (scene.pile == nullptr) return;
+    upload(*scene.pile, pile_on_floor, k_floor_unit);
+    upload(*scene.pile_on_sand, pile_on_sand, k_sand_unit);
+  }
+
+  static int shadow_count(const Painted& scene) {
+    return std::min(k_shadows_at_most, static_cast<int>(scene.shadows.size()));
+  }
+
+  // For the program in use. `unit`: of what the sand casts on it; `highest`: metres.
+  static void use_shadows(const Painted& scene, const Program& program, int unit, double highest) {
+    program.set("highest", highest);
+    program.set("shadow_count", shadow_count(scene));
     for (int i = 0; i < k_shadows_at_most; ++i) {
       const std::string index = "[" + std::to_string(i) + "]";
-      floor.set(("coverage" + index).c_str(), 1 + i);
-      if (i >= count) continue;
-      const FloorShadow& shadow = shadows[static_cast<size_t>(i)];
-      glActiveTexture(GL_TEXTURE1 + static_cast<GLenum>(i));
-      glBindTexture(GL_TEXTURE_2D, coverage[static_cast<size_t>(i)]);
-      const GLsizei side = static_cast<GLsizei>(shadow.texels);
-      glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, side, side, 0, GL_RED, GL_UNSIGNED_BYTE, shadow.coverage.data());
-      floor.set(("opacity" + index).c_str(), shadow.opacity);
-      // Rows: local x and z over the rectangle, height above the floor.
-      const Quaternion q = shadow.rotation;
-      const Vec3 axes[3] = {rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
-      const double scale[3] = {1.0 / (shadow.high[0] - shadow.low[0]), 1.0, 1.0 / (shadow.high[1] - shadow.low[1])};
-      const double low[3] = {shadow.low[0], 0.0, shadow.low[1]};
-      Matrix m = {};
-      for (size_t row = 0; row < 3; ++row) {
-        const Vec3 axis = axes[row] * scale[row];
-        m[row] = static_cast<float>(axis.x), m[4 + row] = static_cast<float>(axis.y);
-        m[8 + row] = static_cast<float>(axis.z);
-        m[12 + row] = static_cast<float>(-dot(axis, shadow.position) - low[row] * scale[row]);
-      }
-      m[15] = 1.0f;
-      floor.set(("to_texture" + index).c_str(), m);
+      program.set(("coverage" + index).c_str(), 1 + i);
+      if (i >= shadow_count(scene)) continue;
+      const FloorShadow& shadow = scene.shadows[static_cast<size_t>(i)];
+      program.set(("opacity" + index).c_str(), shadow.opacity);
+      program.set(("to_texture" + index).c_str(), to_square(shadow));
     }
-    glActiveTexture(GL_TEXTURE0);
+    program.set("has_pile", scene.pile != nullptr ? 1 : 0);
+    program.set("pile_coverage", unit);
+    if (scene.pile == nullptr) return;
+    program.set("pile_opacity", scene.pile->opacity);
+    program.set("to_pile", to_square(*scene.pile));
   }
 
   void lay_over(const Overlay& over, int width, int height) {
@@ -453,7 +502,7 @@ void Painter::paint(const Painted& scene, int width, int height, std::span<const
   s.sphere_depth.set("radius", scene.radius);
   s.sphere_depth.set("pixels", 0.5 * k_map_size / reach);
   glBindVertexArray(s.spheres.array);
-  glDrawArrays(GL_POINTS, 0, count);
+  if (scene.pile == nullptr) glDrawArrays(GL_POINTS, 0, count);
   glUseProgram(s.solid_depth.name);
   s.solid_depth.set("view", light_view);
   s.solid_depth.set("projection", light_projection);
@@ -482,12 +531,14 @@ void Painter::paint(const Painted& scene, int width, int height, std::span<const
   s.floor.set("reach", k_floor_reach * diagonal * 0.5);
   s.floor.set("tile", std::pow(10.0, std::floor(std::log10(diagonal))) * 0.5);
   s.floor.set("bias", 0.25 * bias);
-  s.bind_shadows(scene.shadows);
+  s.upload_shadows(scene);
+  s.use_shadows(scene, s.floor, k_floor_unit, k_same_floor);
   s.draw_floors(scene, diagonal);
   begin(s.solid);
   s.solid.set("bias", bias);
   s.draw_solids(scene, s.solid, false);
   begin(s.sphere);
+  s.use_shadows(scene, s.sphere, k_sand_unit, k_floor_reach * diagonal);
   s.sphere.set("radius", scene.radius);
   s.sphere.set("pixels", 0.5 * height / std::tan(scene.camera.fov_deg * std::numbers::pi / 360.0));
   glBindVertexArray(s.spheres.array);

@@ -1,5 +1,5 @@
-// Draws a scene with OpenGL 3.3: grains as lit spheres, one square each; floor, solids, the baked shadow on the floor,
-// a shadow map for what moves. Needs a current context for its whole life.
+// Draws a scene with OpenGL 3.3: grains as lit spheres, one square each; floor, solids, the library's shadows of
+// objects and sand, a shadow map for what has none of them. Needs a current context for its whole life.
 #pragma once
 
 #include <memory>
@@ -18,6 +18,7 @@ struct Painted {
   double radius = 0.01;
   std::span<const sandglass_collider> colliders;
   std::span<const FloorShadow> shadows;
+  const FloorShadow *pile = nullptr, *pile_on_sand = nullptr;  // of the sand; null: it is in the shadow map
   Vec3 to_light;
   Camera camera;
   Bounds bounds;

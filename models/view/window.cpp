@@ -218,10 +218,14 @@ void view_scene(const ViewOptions& options) {
       scene.spheres = {live.grains().data()->position, 4 * live.grains().size()}, scene.radius = live.grain_radius();
     }
     scene.colliders = live.colliders(), scene.shadows = shadows;
+    const std::optional<FloorShadow> pile = live.pile(false), on_sand = live.pile(true);
+    if (pile) scene.pile = &*pile, scene.pile_on_sand = &*on_sand;
     scene.to_light = live.to_light(), scene.camera = orbit.camera(), scene.bounds = live.bounds();
     const LightTrack& light = *live.scene().light;
-    const Picture panel = head_up_panel({live.scene().name, &live.report(), live.budget_ms(), 1.0 / period,
-                                         light.polar_deg[0], light.azimuth_deg[0], hands.paused});
+    HeadUp state = {live.scene().name,  &live.report(),       live.budget_ms(), 1.0 / period,
+                    light.polar_deg[0], light.azimuth_deg[0], hands.paused};
+    for (sandglass_stage stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) state.runs[stage] = live.runs(stage);
+    const Picture panel = head_up_panel(state);
     const Overlay overlays[] = {{&panel, k_margin, k_margin}, {&help, k_margin, height - help.height - k_margin}};
     painter.paint(scene, width, height, overlays);
     if (scripted && frame + 1 == options.frames) picture = painter.read_back(width, height);

@@ -119,18 +119,21 @@ void observe(Governor* governor, const WorkUnit& unit, uint64_t ns) {
   if (!full || !unmoved) kind->estimate = quantile(*kind, policy.dropped);
 }
 
-// Predicted cost of everything that the stage would like to do, and whether some of it is of unknown cost.
-uint64_t predict_stage(const Governor* governor, const Stage& stage, uint32_t level, bool* unknown) {
+// Predicted cost of everything that the stage would like to do, and whether some of it is of unknown cost. What it may
+// spread over frames counts for no more than it will be given.
+uint64_t predict_stage(const Governor* governor, const Stage& stage, uint32_t level, uint64_t budget, bool* unknown) {
   Forecast entries[k_unit_kinds];
   const uint32_t count = stage.forecast(stage.state, level, entries);
   SANDGLASS_CHECK(count <= k_unit_kinds);
-  uint64_t sum = 0;
+  uint64_t sum = 0, spread = 0;
   for (uint32_t i = 0; i < count; ++i) {
     const uint64_t ns = governor_predict(governor, entries[i].kind, entries[i].items);
     if (ns == 0 && entries[i].items != 0) *unknown = true;
-    sum = add(sum, ns);
+    if (entries[i].spread) spread = add(spread, ns);
+    else sum = add(sum, ns);
   }
-  return sum;
+  const uint64_t most = share_of(budget, stage.share);
+  return add(sum, spread < most ? spread : most);
 }
 
 bool has_forecast(const Stage& stage, uint32_t level) {
@@ -147,7 +150,8 @@ uint32_t choose_level(const Governor* governor, const Stage* stages, uint32_t st
   for (uint32_t level = governor->finest_level; level + 1 < governor->level_count; ++level) {
     bool unknown = false;  // unknown work counts for nothing: trying it is how its cost becomes known
     uint64_t sum = 0;
-    for (uint32_t i = 0; i < stage_count; ++i) sum = add(sum, predict_stage(governor, stages[i], level, &unknown));
+    for (uint32_t i = 0; i < stage_count; ++i)
+      sum = add(sum, predict_stage(governor, stages[i], level, budget, &unknown));
     if (sum <= (level < governor->level ? budget - budget / k_hysteresis_divisor : budget)) return level;
   }
   return governor->level_count - 1;
@@ -284,6 +288,14 @@ void run_mandatory(Frame* frame, uint64_t* last_unit) {
       }
     }
   }
+}
+
+// The first unit of the output stage, where nothing is known of its kind: half of the first frame was kept free for it
+// else, and time owed that fitted.
+void learn_output(Frame* frame, uint32_t output, uint64_t* last_unit) {
+  WorkUnit unit;
+  if (!offers(*frame, output, &unit) || unit.kind >= k_unit_kinds || !plan_has_room(*frame, output)) return;
+  if (governor_predict(frame->governor, unit.kind, unit.items) == 0) *last_unit = run_unit(frame, output, unit);
 }
 
 // Whether a later optional stage has a claim on time. Once a whole pass ran nothing, one that is blocked has none: the
@@ -434,8 +446,9 @@ bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_coun
   } else {
     run_mandatory(&frame, &last_mandatory);
     if (has_output && frame.timed) {
+      learn_output(&frame, last, &last_mandatory);
       bool unknown = false;
-      frame.reserve = with_margin(predict_stage(governor, stages[last], frame.level, &unknown));
+      frame.reserve = with_margin(predict_stage(governor, stages[last], frame.level, budget_ns, &unknown));
       if (unknown && frame.reserve < budget_ns / 2) frame.reserve = budget_ns / 2;
     }
     const uint64_t optional_from = frame.elapsed;

@@ -36,6 +36,7 @@ struct WorkUnit {
 struct Forecast {
   uint32_t kind;
   uint64_t items;
+  bool spread = false;  // may go on in later frames: all that a stage has of it counts for its share at most
 };
 
 struct Stage {
@@ -49,7 +50,8 @@ struct Stage {
   uint32_t (*forecast)(const void* state, uint32_t level, Forecast* entries);
   // Units that this stage runs in every frame, whatever the budget, before any optional one and while `next` offers
   // any; what is still blocked then becomes optional. k_all_units: the output stage, the last one of the array; all its
-  // units run, at the very end, and its forecast is the reserve that optional units leave free.
+  // units run, at the very end, and its forecast is the reserve that optional units leave free. While what a unit of it
+  // costs is unknown, one runs before the optional ones, to learn it: the stage offers it again if it is out of date.
   uint32_t mandatory_units;
   // Share of the time left after mandatory units and reserve that the stage's optional units may take while a later
   // optional stage has work; what that one leaves is handed back. 1: all.

@@ -131,6 +131,7 @@ void run_refine(Granular* g) {
 
 void run(void* state, uint32_t level) {
   Granular* g = static_cast<Granular*>(state);
+  g->output_cursor = 0;  // what was written is out of date
   if (g->grain_phase == GrainPhase::idle) begin_sweep(g, level);
   switch (g->grain_phase) {
     case GrainPhase::snapshot: {

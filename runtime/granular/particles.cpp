@@ -424,6 +424,7 @@ void run_bodies(Granular* g) {
 
 void run(void* state, uint32_t level) {
   Granular* g = static_cast<Granular*>(state);
+  g->output_cursor = 0;  // emitters and sinks: what was written is out of date
   if (g->phase == ParticlePhase::idle) {
     if (g->touch_due) granular_settle(g);
     else begin_substep(g, level);

@@ -9,6 +9,8 @@ namespace {
 
 constexpr int32_t k_one = 256;  // a pixel, in the fixed point of boxes
 constexpr float k_intrinsics_limit = 1e6f;
+constexpr uint32_t k_block_rows_most = 16;
+constexpr uint32_t k_camera_box_columns = k_camera_sums / 4;  // pixels of a box that are read, of up to four bytes
 
 sandglass_status refuse(const char** reason, const char* sentence) {
   if (reason != nullptr) *reason = sentence;
@@ -229,13 +231,48 @@ void camera_to_world(const CameraImage& image, const double camera[3], double wo
   rotate(rotation, local, world);
 }
 
-uint32_t camera_rows(const CameraImage& image) { return image.turn_deg % 180 == 0 ? k_light_height : k_light_width; }
+CameraBlock whole_camera_block(const CameraImage& image) {
+  const bool quarter = image.turn_deg % 180 != 0;
+  return {0, quarter ? k_light_width : k_light_height, 0, quarter ? k_light_height : k_light_width};
+}
 
-uint64_t camera_row_bytes(const CameraImage& image) {
-  const double step = static_cast<double>(image.focal_y) / k_light_focal;
-  const double rows = step < 1.0 ? 1.0 : step > k_camera_box_rows ? k_camera_box_rows : step;
+namespace {
+
+// Pixels of the input that a box covers along an axis, about: cut off where boxes are.
+uint64_t box_pixels(float focal, uint32_t most) {
+  const double step = static_cast<double>(focal) / k_light_focal;
+  return static_cast<uint64_t>((step < 1.0 ? 1.0 : step > most ? most : step) + 1.0);
+}
+
+}  // namespace
+
+CameraBlocks camera_blocks(const CameraImage& image) {
+  const CameraBlock whole = whole_camera_block(image);
   const uint64_t pixel = image.format == SANDGLASS_CAMERA_RGB ? 3 : image.format == SANDGLASS_CAMERA_RGBA ? 4 : 2;
-  return pixel * image.width * static_cast<uint64_t>(rows + 1.0);
+  const uint64_t column = pixel * box_pixels(image.focal_y, k_camera_box_rows), row = column * image.width;
+  CameraBlocks blocks;
+  if (row <= k_camera_block_bytes) {
+    const uint64_t rows = k_camera_block_bytes / row;
+    blocks.rows = static_cast<uint32_t>(rows > k_block_rows_most ? k_block_rows_most : rows);
+    blocks.columns = whole.columns;
+    blocks.bytes = blocks.rows * row;
+  } else {
+    const uint64_t box = column * (box_pixels(image.focal_x, k_camera_box_columns) + 1);
+    const uint64_t columns = k_camera_block_bytes / box;  // at least 3: 4 bytes x 17 rows x 1026 columns
+    blocks.rows = 1;
+    blocks.columns = columns > whole.columns ? whole.columns : static_cast<uint32_t>(columns);
+    blocks.bytes = blocks.columns * box;
+  }
+  blocks.across = (whole.columns + blocks.columns - 1) / blocks.columns;
+  blocks.count = blocks.across * ((whole.rows + blocks.rows - 1) / blocks.rows);
+  return blocks;
+}
+
+CameraBlock camera_block(const CameraImage& image, const CameraBlocks& blocks, uint32_t index) {
+  const CameraBlock whole = whole_camera_block(image);
+  const uint32_t row = index / blocks.across * blocks.rows, column = index % blocks.across * blocks.columns;
+  const uint32_t rows = whole.rows - row, columns = whole.columns - column;
+  return {row, rows < blocks.rows ? rows : blocks.rows, column, columns < blocks.columns ? columns : blocks.columns};
 }
 
 namespace {
@@ -267,9 +304,10 @@ uint32_t planes_of(const CameraImage& image, Plane planes[3]) {
 
 }  // namespace
 
-void resample_camera_rows(const CameraImage& image, uint32_t first, uint32_t count, uint8_t* rgb, uint32_t* sums) {
+void resample_camera_block(const CameraImage& image, const CameraBlock& block, uint8_t* rgb, uint32_t* sums) {
   const bool quarter = image.turn_deg % 180 != 0, yuv = is_yuv(image.format);
-  const uint32_t across = quarter ? k_light_height : k_light_width, down = quarter ? k_light_width : k_light_height;
+  const CameraBlock whole = whole_camera_block(image);
+  const uint32_t across = whole.columns, down = whole.rows;
   // Upright x is the stored x, -y, -x, y for turns of 0, 90, 180, 270 degrees clockwise; upright y is y, x, -y, -x.
   const bool x_backwards = image.turn_deg == 180 || image.turn_deg == 270;
   const bool y_backwards = image.turn_deg == 90 || image.turn_deg == 180;
@@ -278,22 +316,23 @@ void resample_camera_rows(const CameraImage& image, uint32_t first, uint32_t cou
   Box columns[2][k_light_width];  // of planes of full and of half size
   for (uint32_t half = 0; half < (yuv ? 2u : 1u); ++half) {
     const Axis axis = axis_of(image.focal_x, image.centre_x, across, x_backwards, half != 0);
-    for (uint32_t a = 0; a < across; ++a)
-      columns[half][a] = middle_of(oriented_box(axis, a, across, half != 0 ? image.width / 2 : image.width),
-                                   static_cast<int32_t>(k_camera_sums / 4));
+    for (uint32_t a = 0; a < block.columns; ++a)
+      columns[half][a] =
+          middle_of(oriented_box(axis, block.first_column + a, across, half != 0 ? image.width / 2 : image.width),
+                    static_cast<int32_t>(k_camera_box_columns));
   }
   uint8_t bytes[3][k_light_width];
   uint8_t* values[3] = {bytes[0], bytes[1], bytes[2]};
-  for (uint32_t b = first; b < first + count; ++b) {
+  for (uint32_t b = block.first_row; b < block.first_row + block.rows; ++b) {
     for (uint32_t i = 0; i < plane_count; ++i) {
       const bool half = yuv && i > 0;
       const Axis axis = axis_of(image.focal_y, image.centre_y, down, y_backwards, half);
       const Box rows =
           middle_of(oriented_box(axis, b, down, planes[i].height), static_cast<int32_t>(k_camera_box_rows));
-      resample_row(planes[i], columns[half ? 1 : 0], across, rows, values, sums);
+      resample_row(planes[i], columns[half ? 1 : 0], block.columns, rows, values, sums);
     }
-    for (uint32_t a = 0; a < across; ++a) {
-      const uint32_t x = quarter ? b : a, y = quarter ? a : b;
+    for (uint32_t a = 0; a < block.columns; ++a) {
+      const uint32_t column = block.first_column + a, x = quarter ? b : column, y = quarter ? column : b;
       uint8_t* out = rgb + 3 * (y * k_light_width + x);
       if (yuv) yuv_to_rgb(image.range, bytes[0][a], bytes[1][a], bytes[2][a], out);
       else out[0] = bytes[0][a], out[1] = bytes[1][a], out[2] = bytes[2][a];

@@ -33,12 +33,25 @@ CameraImage with_turn(const CameraImage& image);
 // A direction of the upright camera (x right, y down, z forward), in the world.
 void camera_to_world(const CameraImage& image, const double camera[3], double world[3]);
 
-// Output is made in rows of the stored image's orientation: k_light_height of them for a turn of 0 or 180 degrees,
-// k_light_width for 90 or 270. A range of rows is a unit of work; rows may be made in any order. `sums` is scratch.
-uint32_t camera_rows(const CameraImage& image);
-void resample_camera_rows(const CameraImage& image, uint32_t first, uint32_t count,
-                          uint8_t rgb[3 * k_light_width * k_light_height], uint32_t sums[k_camera_sums]);
-// Bytes of the image that one row of output reads, about.
-uint64_t camera_row_bytes(const CameraImage& image);
+// Output pixels in the stored image's orientation: k_light_height rows of k_light_width for a turn of 0 or 180 degrees,
+// the other way round for 90 or 270.
+struct CameraBlock {
+  uint32_t first_row, rows, first_column, columns;
+};
+CameraBlock whole_camera_block(const CameraImage& image);
+// Makes a block of the output; in any order, cut in any way, the bytes are the same. `sums` is scratch.
+void resample_camera_block(const CameraImage& image, const CameraBlock& block,
+                           uint8_t rgb[3 * k_light_width * k_light_height], uint32_t sums[k_camera_sums]);
+
+// The blocks that are units of work: whole rows, some at a time, or parts of a row where one reads too much of a wide
+// image.
+struct CameraBlocks {
+  uint32_t rows, columns, across, count;  // of a block but the last ones; blocks beside each other; of all
+  uint64_t bytes;                         // of the image that one reads, at most, but for the edges of boxes
+};
+// What a unit reads at most, some tens of microseconds of it.
+constexpr uint64_t k_camera_block_bytes = 256 * 1024;
+CameraBlocks camera_blocks(const CameraImage& image);
+CameraBlock camera_block(const CameraImage& image, const CameraBlocks& blocks, uint32_t index);
 
 }  // namespace sandglass

@@ -75,8 +75,9 @@ sandglass_status sandglass_light_harmonics(const sandglass_light_estimate* estim
     return SANDGLASS_ERROR_INVALID_ARGUMENT;
   };
   if (estimate == nullptr || sh == nullptr) return refuse("estimate or sh is NULL");
-  if (estimate->struct_size != sizeof *estimate)
-    return refuse("estimate.struct_size is not that of this library: set it before sandglass_light_get");
+  if (estimate->struct_size < k_least_estimate_bytes)
+    return refuse(
+        "estimate.struct_size is not set: set it to sizeof(sandglass_light_estimate) before sandglass_light_get");
   if (model < SANDGLASS_LIGHT_MODEL_AMBIENT || model > SANDGLASS_LIGHT_MODEL_PICTURE)
     return refuse("model is none of SANDGLASS_LIGHT_MODEL_AMBIENT, _WHOLE and _PICTURE");
   double exact[3 * k_harmonics];

@@ -8,6 +8,10 @@ namespace sandglass {
 
 constexpr uint32_t k_harmonics = 9;
 
+// Of an estimate in the first version of the header: direction, colours and strength are in it.
+constexpr uint32_t k_least_estimate_bytes = 192;
+static_assert(k_least_estimate_bytes <= sizeof(sandglass_light_estimate));
+
 // The factor before the polynomial of coefficient i, and the polynomials at a unit vector: Y_i = factor * polynomial.
 extern const double k_harmonic_factors[k_harmonics];
 void harmonic_polynomials(const double v[3], double polynomials[k_harmonics]);

@@ -5,6 +5,7 @@
 
 #include "platform/floating_point.h"
 #include "runtime/asset/checksum.h"
+#include "runtime/core/filled_struct.h"
 #include "runtime/core/math.h"
 #include "runtime/lighting/backends.h"
 #include "runtime/lighting/harmonics.h"
@@ -13,8 +14,6 @@
 namespace sandglass {
 namespace {
 
-constexpr uint64_t k_unit_image_bytes = 256 * 1024;  // read by a unit: some tens of microseconds
-constexpr uint32_t k_unit_rows_most = 16;
 constexpr uint64_t k_rgb_bytes = 3 * k_light_width * k_light_height;
 
 sandglass_status refuse(const char** reason, sandglass_status status, const char* sentence) {
@@ -85,26 +84,21 @@ bool take_image(Light* light, const sandglass_camera_image& image) {
   light->phase = LightPhase::image;
   light->cursor = 0;
   light->image = with_turn(image);
-  const uint64_t rows = k_unit_image_bytes / camera_row_bytes(light->image);
-  light->unit_rows = static_cast<uint32_t>(rows < 1 ? 1 : rows > k_unit_rows_most ? k_unit_rows_most : rows);
+  light->blocks = camera_blocks(light->image);
   light->image_frame = light->frame;
   return true;
 }
 
-uint32_t image_units_left(const Light& light) {
-  return (camera_rows(light.image) - light.cursor + light.unit_rows - 1) / light.unit_rows;
-}
+uint32_t image_units_left(const Light& light) { return light.blocks.count - light.cursor; }
 
 void drop_image(Light* light) {
   for (const uint8_t*& plane : light->image.planes) plane = nullptr;
 }
 
 void run_image(Light* light) {
-  const uint32_t left = camera_rows(light->image) - light->cursor;
-  const uint32_t rows = left < light->unit_rows ? left : light->unit_rows;
-  resample_camera_rows(light->image, light->cursor, rows, light->rgb, light->sums);
-  light->cursor += rows;
-  if (rows < left) return;
+  const CameraBlock block = camera_block(light->image, light->blocks, light->cursor);
+  resample_camera_block(light->image, block, light->rgb, light->sums);
+  if (++light->cursor < light->blocks.count) return;
   drop_image(light);
   light->taken_ns = light->image.timestamp_ns;
   light->phase = LightPhase::network;
@@ -137,8 +131,7 @@ bool next_unit(const sandglass_light* owner, WorkUnit* unit) {
   const Light& light = owner->light;
   if (light.phase == LightPhase::idle) return false;
   if (light.phase == LightPhase::image) {
-    *unit = {k_light_stage_image, static_cast<uint32_t>(light.unit_rows * camera_row_bytes(light.image) / 256 + 1),
-             "light.image"};
+    *unit = {k_light_stage_image, static_cast<uint32_t>(light.blocks.bytes / 256 + 1), "light.image"};
     return true;
   }
   *unit = light_unit(*light.network, light.cursor);
@@ -168,14 +161,21 @@ uint32_t begin_frame(sandglass_light* owner, const sandglass_camera_image* image
   return take_image(light, *image) ? 1 + image_units_left(*light) : 1;
 }
 
-// Of an image, all of it: it must be resampled in this frame. Of the network, the next unit only: an estimate under way
-// is no reason to lower the rung of the sand.
+// Of an image, all of it: it must be resampled in this frame. The network may take several frames; all its units as the
+// next one, which is close enough where the stage's share is what counts.
 uint32_t forecast(const sandglass_light* owner, Forecast* entries) {
+  const Light& light = owner->light;
   WorkUnit unit;
   if (!next_unit(owner, &unit)) return 0;
-  const bool image = owner->light.phase == LightPhase::image;
-  entries[0] = {unit.kind, static_cast<uint64_t>(unit.items) * (image ? image_units_left(owner->light) : 1)};
-  return 1;
+  uint32_t count = 0;
+  if (light.phase == LightPhase::image) {
+    entries[count++] = {unit.kind, uint64_t{unit.items} * image_units_left(light)};
+    unit = light_unit(*light.network, 0);
+    unit.kind += k_light_stage_network;
+  }
+  const uint32_t done = light.phase == LightPhase::image ? 0 : light.cursor;
+  entries[count++] = {unit.kind, uint64_t{unit.items} * (light.network->units - done), true};
+  return count;
 }
 
 void end_frame(sandglass_light* owner, sandglass_frame_report* report) {
@@ -232,29 +232,29 @@ __attribute__((noinline)) bool build(const Checked& checked, const sandglass_lig
 }
 
 void describe(const Light& light, const LightSample& sample, uint64_t timestamp_ns, sandglass_light_estimate* out) {
-  *out = {};
-  out->struct_size = sizeof *out;
-  out->valid = light.filter.accepted != 0 ? 1 : 0;
-  out->timestamp_ns = timestamp_ns;
-  out->image_ns = light.latest_ns;
+  sandglass_light_estimate estimate = {};
+  estimate.valid = light.filter.accepted != 0 ? 1 : 0;
+  estimate.timestamp_ns = timestamp_ns;
+  estimate.image_ns = light.latest_ns;
   for (int i = 0; i < 3; ++i) {
-    out->direction[i] = static_cast<float>(sample.direction[i]);
-    out->light[i] = static_cast<float>(sample.levels[k_sample_light + i]);
-    out->ambient[i] = static_cast<float>(sample.levels[k_sample_ambient + i]);
+    estimate.direction[i] = static_cast<float>(sample.direction[i]);
+    estimate.light[i] = static_cast<float>(sample.levels[k_sample_light + i]);
+    estimate.ambient[i] = static_cast<float>(sample.levels[k_sample_ambient + i]);
   }
-  out->contrast = static_cast<float>(sample.levels[k_sample_contrast]);
-  if (out->valid == 0)
-    for (int i = 0; i < 3; ++i) out->ambient[i] = 0.5f;
-  out->strength =
+  estimate.contrast = static_cast<float>(sample.levels[k_sample_contrast]);
+  if (estimate.valid == 0)
+    for (int i = 0; i < 3; ++i) estimate.ambient[i] = 0.5f;
+  estimate.strength =
       static_cast<float>(light_strength(sample.direction, sample.levels + k_sample_light,
                                         sample.levels + k_sample_ambient, sample.levels[k_sample_contrast]));
-  out->confidence = static_cast<float>(light_filter_confidence(light.filter));
-  out->estimates = light.estimates;
-  out->deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
-  out->held_off = light.filter.held_off;
+  estimate.confidence = static_cast<float>(light_filter_confidence(light.filter));
+  estimate.estimates = light.estimates;
+  estimate.deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
+  estimate.held_off = light.filter.held_off;
   double sh[3 * k_harmonics];
-  light_harmonics(*out, SANDGLASS_LIGHT_MODEL_WHOLE, sh);
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) out->sh[i] = static_cast<float>(sh[i]);
+  light_harmonics(estimate, SANDGLASS_LIGHT_MODEL_WHOLE, sh);
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) estimate.sh[i] = static_cast<float>(sh[i]);
+  fill_struct(&estimate, sizeof estimate, out);
 }
 
 __attribute__((noinline)) void resample_now(Light* light) {
@@ -302,15 +302,17 @@ void sandglass_light_desc_default(sandglass_light_desc* desc) {
 
 sandglass_status sandglass_light_inspect(const void* asset, uint64_t asset_bytes, sandglass_light_info* info,
                                          const char** reason) {
-  if (info == nullptr || info->struct_size != sizeof *info)
+  if (info == nullptr || !can_fill(info))
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "info is NULL or its struct_size is not that of this library");
+                  "info is NULL or its struct_size is not set: set it to sizeof(sandglass_light_info)");
   LightAsset file;
   const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason);
   if (status != SANDGLASS_OK) return status;
-  info->training_images = file.training_images, info->calibration_images = file.calibration_images;
-  info->angle_deg = file.angle_deg, info->difference = file.difference;
-  info->data_hash = file.data_hash, info->seed = file.seed;
+  sandglass_light_info filled = {};
+  filled.training_images = file.training_images, filled.calibration_images = file.calibration_images;
+  filled.angle_deg = file.angle_deg, filled.difference = file.difference;
+  filled.data_hash = file.data_hash, filled.seed = file.seed;
+  fill_struct(&filled, sizeof filled, info);
   return SANDGLASS_OK;
 }
 
@@ -357,12 +359,8 @@ sandglass_status sandglass_light_turn(sandglass_light* light, const float rotati
   double turned[3];
   rotate(turn, light->light.latest.direction, turned);
   for (int i = 0; i < 3; ++i) light->light.latest.direction[i] = turned[i];
-  // The image under way was taken in the frame that was: its pose turns too, by the product of the quaternions.
-  const float *a = rotation, *b = light->light.image.orientation;
-  const float product[4] = {
-      a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1], a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
-      a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3], a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]};
-  memcpy(light->light.image.orientation, product, sizeof product);
+  // The image under way was taken in the frame that was: its pose turns too.
+  turn_further(rotation, light->light.image.orientation);
   floating_point_restore(saved);
   return accept(reason);
 }

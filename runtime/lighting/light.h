@@ -26,11 +26,11 @@ struct Light {
   LightFilter filter;
   uint64_t interval_ns;
   LightPhase phase;
-  uint32_t cursor;     // next row of the image, or unit of the network
-  CameraImage image;   // under way; its planes are NULL once it is resampled
-  uint32_t unit_rows;  // of the image
-  uint8_t* rgb;        // what the network sees
-  uint32_t* sums;      // scratch of resampling
+  uint32_t cursor;      // next block of the image, or unit of the network
+  CameraImage image;    // under way; its planes are NULL once it is resampled
+  CameraBlocks blocks;  // of the image
+  uint8_t* rgb;         // what the network sees
+  uint32_t* sums;       // scratch of resampling
   // Estimates.
   LightSample latest;  // before the filter, in the world
   uint64_t latest_ns, changed_ns, taken_ns;

@@ -1,5 +1,8 @@
 // The estimate in the terms of three renderers. Each function states its target's convention; the tests evaluate the
 // target's own formula on what comes out.
+#include <cstring>
+
+#include "runtime/core/filled_struct.h"
 #include "runtime/core/math.h"
 #include "runtime/lighting/harmonics.h"
 
@@ -78,6 +81,7 @@ void irradiance_polynomial(const sandglass_light_estimate& estimate, sandglass_l
 sandglass_status check(const sandglass_light_estimate* estimate, sandglass_light_model model, const void* out,
                        const char** reason) {
   if (out == nullptr) return refuse(reason, "there is no struct to fill: pass where to store the light");
+  if (!can_fill(out)) return refuse(reason, "the struct to fill has no struct_size: set it to the struct's sizeof");
   float unused[27];
   return sandglass_light_harmonics(estimate, model, unused, reason);
 }
@@ -115,11 +119,13 @@ sandglass_status sandglass_light_to_filament(const sandglass_light_estimate* est
   if (!(nits > 0.0f && nits <= 1e9f)) return refuse(reason, "nits is not a number above 0 and up to 1e9");
   double polynomial[3 * k_harmonics];
   irradiance_polynomial(*estimate, model, polynomial);
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) filament->sh[i] = static_cast<float>(polynomial[i]);
-  for (int i = 0; i < 3; ++i) filament->direction[i] = -estimate->direction[i];
-  const float greatest = split_colour(estimate->light, filament->colour);
-  filament->intensity = static_cast<float>(k_pi) * nits * estimate->strength * greatest;
-  filament->sh_intensity = nits;
+  sandglass_light_filament filled = {};
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) filled.sh[i] = static_cast<float>(polynomial[i]);
+  for (int i = 0; i < 3; ++i) filled.direction[i] = -estimate->direction[i];
+  const float greatest = split_colour(estimate->light, filled.colour);
+  filled.intensity = static_cast<float>(k_pi) * nits * estimate->strength * greatest;
+  filled.sh_intensity = nits;
+  fill_struct(&filled, sizeof filled, filament);
   return SANDGLASS_OK;
 }
 
@@ -128,16 +134,18 @@ sandglass_status sandglass_light_to_arkit(const sandglass_light_estimate* estima
   const sandglass_status status = check(estimate, model, arkit, reason);
   if (status != SANDGLASS_OK) return status;
   double sh[3 * k_harmonics], towards[3];
+  sandglass_light_arkit filled = {};
   light_harmonics(*estimate, model, sh);
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) arkit->sh[k_harmonics * (i % 3) + i / 3] = static_cast<float>(sh[i]);
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) filled.sh[k_harmonics * (i % 3) + i / 3] = static_cast<float>(sh[i]);
   for (int i = 0; i < 3; ++i) {
-    arkit->primary_light_direction[i] = -estimate->direction[i];
+    filled.primary_light_direction[i] = -estimate->direction[i];
     towards[i] = static_cast<double>(estimate->direction[i]);
   }
-  rotation_with_z(towards, arkit->orientation);
-  arkit->primary_light_intensity = k_neutral_lumens * estimate->strength * luminance(estimate->light);
-  arkit->ambient_intensity = k_neutral_lumens * luminance(estimate->ambient);
-  arkit->ambient_colour_temperature = temperature_of(estimate->ambient);
+  rotation_with_z(towards, filled.orientation);
+  filled.primary_light_intensity = k_neutral_lumens * estimate->strength * luminance(estimate->light);
+  filled.ambient_intensity = k_neutral_lumens * luminance(estimate->ambient);
+  filled.ambient_colour_temperature = temperature_of(estimate->ambient);
+  fill_struct(&filled, sizeof filled, arkit);
   return SANDGLASS_OK;
 }
 
@@ -146,17 +154,20 @@ sandglass_status sandglass_light_to_unity(const sandglass_light_estimate* estima
   const sandglass_status status = check(estimate, model, unity, reason);
   if (status != SANDGLASS_OK) return status;
   // The mirror world's light: z turned over.
-  sandglass_light_estimate mirrored = *estimate;
+  sandglass_light_estimate mirrored = {};
+  memcpy(&mirrored, estimate, k_least_estimate_bytes);
   mirrored.direction[2] = -mirrored.direction[2];
   double polynomial[3 * k_harmonics], forward[3];
+  sandglass_light_unity filled = {};
   irradiance_polynomial(mirrored, model, polynomial);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i)
-    unity->sh[k_harmonics * (i % 3) + i / 3] = static_cast<float>(polynomial[i]);
+    filled.sh[k_harmonics * (i % 3) + i / 3] = static_cast<float>(polynomial[i]);
   for (int i = 0; i < 3; ++i) {
-    unity->forward[i] = -mirrored.direction[i];
-    forward[i] = static_cast<double>(unity->forward[i]);
+    filled.forward[i] = -mirrored.direction[i];
+    forward[i] = static_cast<double>(filled.forward[i]);
   }
-  rotation_with_z(forward, unity->rotation);
-  unity->intensity = estimate->strength * split_colour(estimate->light, unity->colour);
+  rotation_with_z(forward, filled.rotation);
+  filled.intensity = estimate->strength * split_colour(estimate->light, filled.colour);
+  fill_struct(&filled, sizeof filled, unity);
   return SANDGLASS_OK;
 }

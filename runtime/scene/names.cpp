@@ -2,7 +2,6 @@
 #include "kernels/kernels.h"
 #include "runtime/granular/ladder.h"
 #include "sandglass/sandglass.h"
-#include "sandglass/shadow.h"
 
 const char* sandglass_status_name(sandglass_status status) {
   switch (status) {

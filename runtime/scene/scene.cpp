@@ -1,6 +1,7 @@
 // The scene: one walk over the description lays it out, the governor runs its stages, the report says what happened.
 #include "kernels/kernels.h"
 #include "platform/floating_point.h"
+#include "runtime/core/filled_struct.h"
 #include "runtime/core/governor.h"
 #include "runtime/core/layout.h"
 #include "runtime/granular/granular.h"
@@ -61,7 +62,7 @@ sandglass_status check(const sandglass_scene_desc* desc, const char** reason) {
   if (desc->unit_items < 16 || desc->unit_items > 65536 || desc->unit_items % 16 != 0) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.unit_items must be a multiple of 16 from 16 to 65536.");
   }
-  if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_AVX512) {
+  if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_NEON_I8MM) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.isa must be a SANDGLASS_ISA value.");
   }
   if (desc->finest_level >= SANDGLASS_LEVEL_COUNT)
@@ -77,8 +78,7 @@ sandglass_scene* lay_out(const sandglass_scene_desc& desc, Layout* layout, Granu
   return scene;
 }
 
-// The shadows that a frame was given, as a stage. What is left of a texture is no work of this frame: the forecast asks
-// for the next unit only, so that a moving light does not lower the rung of the sand.
+// The shadows that a frame was given, as a stage. What is left of their textures may take several frames.
 constexpr float k_shadow_share = 0.2f;  // of the optional time, while grains want theirs: as much as is left to them
 
 struct Shadows {
@@ -104,6 +104,21 @@ bool shadow_unit(const Shadows& all, bool* of_pile, sandglass::WorkUnit* unit) {
   unit->kind += k_pile_kinds_from;
   return true;
 }
+
+uint32_t shadow_forecast(const Shadows& all, sandglass::Forecast* entries) {
+  uint32_t count = 0;
+  sandglass::WorkUnit unit;
+  if (all.set.count != 0 && all.set.shadows[0]->set->next(all.set, &unit))
+    entries[count++] = {unit.kind + uint32_t{sandglass::k_granular_kinds},
+                        uint64_t{unit.items} * all.set.shadows[0]->set->units_left(all.set), true};
+  if (all.pile != nullptr) {
+    const uint32_t of_pile = all.pile->functions->forecast(all.pile, entries + count);
+    for (uint32_t i = 0; i < of_pile; ++i) entries[count + i].kind += k_pile_kinds_from;
+    count += of_pile;
+  }
+  return count;
+}
+
 constexpr uint32_t k_light_kinds_from = k_pile_kinds_from + uint32_t{sandglass::k_pile_kinds};
 static_assert(k_light_kinds_from + uint32_t{sandglass::k_light_stage_kinds} <= sandglass::k_unit_kinds);
 
@@ -151,11 +166,7 @@ Stage shadow_stage(Shadows* shadows) {
             }
           },
           [](const void* state, uint32_t, sandglass::Forecast* entries) -> uint32_t {
-            sandglass::WorkUnit unit;
-            bool of_pile;
-            if (!shadow_unit(*static_cast<const Shadows*>(state), &of_pile, &unit)) return 0;
-            entries[0] = {unit.kind, unit.items};
-            return 1;
+            return shadow_forecast(*static_cast<const Shadows*>(state), entries);
           },
           1,
           k_shadow_share};
@@ -495,17 +506,19 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
        input->plan->level >= static_cast<uint32_t>(SANDGLASS_LEVEL_COUNT))) {
     return fail(SANDGLASS_ERROR_REPLAY, "input.plan is not a plan of this library: pass the plan of a frame report.");
   }
-  sandglass_frame_report local = {};
-  sandglass_frame_report* out = report != nullptr ? report : &local;
-  *out = sandglass_frame_report{};
-  out->struct_size = sizeof *out;
+  if (report != nullptr && !sandglass::can_fill(report)) {
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "report.struct_size is not set: set it to sizeof(sandglass_frame_report).");
+  }
+  sandglass_frame_report done = {};
   ++scene->frame;
   const sandglass::FloatingPointControl saved = sandglass::floating_point_enter();
-  const bool ran = run_frame(scene, input, out);
+  const bool ran = run_frame(scene, input, &done);
   sandglass::floating_point_restore(saved);
-  describe(*scene, out);
+  describe(*scene, &done);
   if (input->shadow_count != 0)
-    input->shadows[0]->set->describe({input->shadows, input->shadow_count}, &out->pending_shadows, &out->shadow_age);
+    input->shadows[0]->set->describe({input->shadows, input->shadow_count}, &done.pending_shadows, &done.shadow_age);
+  if (report != nullptr) sandglass::fill_struct(&done, sizeof done, report);
   say(*scene);
   return ran ? succeed(reason)
              : fail(SANDGLASS_ERROR_REPLAY,

@@ -3,6 +3,7 @@
 
 #include "platform/floating_point.h"
 #include "runtime/asset/shadow_asset.h"
+#include "runtime/core/filled_struct.h"
 #include "runtime/core/math.h"
 #include "runtime/shadow/shadow.h"
 
@@ -274,6 +275,44 @@ __attribute__((noinline)) sandglass_status take_light(Shadow* s, uint32_t number
   return accept(reason);
 }
 
+void fill_info(const ShadowAsset& asset, sandglass_shadow_info* out) {
+  sandglass_shadow_info info = {};
+  info.version = asset.version;
+  for (uint32_t axis = 0; axis < 3; ++axis) info.origin[axis] = static_cast<float>(asset.origin[axis]);
+  info.half_x = static_cast<float>(asset.box.half_x), info.half_z = static_cast<float>(asset.box.half_z);
+  info.height = static_cast<float>(asset.box.height);
+  info.angular_diameter = static_cast<float>(asset.angular_diameter);
+  info.polar_max = static_cast<float>(asset.polar_max);
+  info.plane_fitted = asset.plane == PlaneRule::fitted ? 1 : 0;
+  info.width = asset.width, info.layers = asset.layers;
+  info.macs_per_texel = uint64_t{asset.width} * (asset.layers * asset.width + 1);
+  info.rmse_float = asset.rmse_float, info.rmse_int8 = asset.rmse_int8;
+  info.validated_lights = asset.validated_lights;
+  info.float_parameters = asset.float_parameter_count;
+  fill_struct(&info, sizeof info, out);
+}
+
+void fill_texture(const Shadow& s, uint32_t light, sandglass_shadow_texture* out) {
+  sandglass_shadow_texture texture = {};
+  if (light < s.light_count) {
+    const ShadowLight& l = s.lights[light];
+    const ShadowTexture& t = l.front;
+    texture.valid = t.valid ? 1 : 0;
+    texture.coverage = t.coverage;
+    texture.low[0] = static_cast<float>(t.rectangle.low_x + s.origin[0]);
+    texture.low[1] = static_cast<float>(t.rectangle.low_z + s.origin[2]);
+    texture.high[0] = static_cast<float>(t.rectangle.high_x + s.origin[0]);
+    texture.high[1] = static_cast<float>(t.rectangle.high_z + s.origin[2]);
+    for (uint32_t axis = 0; axis < 3; ++axis) texture.light[axis] = static_cast<float>(t.light[axis]);
+    texture.opacity = l.opacity;
+    texture.beyond = l.beyond ? 1 : 0;
+    const bool under_way = s.phase != ShadowPhase::idle && s.active == light;
+    texture.age = l.pending || under_way ? static_cast<uint32_t>(l.calls - t.light_call) : 0;
+    texture.evaluated = t.evaluated;
+  }
+  fill_struct(&texture, sizeof texture, out);
+}
+
 }  // namespace
 }  // namespace sandglass
 
@@ -289,24 +328,13 @@ void sandglass_shadow_desc_default(sandglass_shadow_desc* desc) {
 
 sandglass_status sandglass_shadow_inspect(const void* bytes, uint64_t count, sandglass_shadow_info* info,
                                           const char** reason) {
-  if (info == nullptr || info->struct_size != sizeof *info)
+  if (info == nullptr || !can_fill(info))
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "info is NULL or its struct_size is not that of this library");
+                  "info is NULL or its struct_size is not set: set it to sizeof(sandglass_shadow_info)");
   ShadowAsset asset;
   const sandglass_status status = open_shadow_asset(bytes, count, &asset, reason);
   if (status != SANDGLASS_OK) return status;
-  info->version = asset.version;
-  for (uint32_t axis = 0; axis < 3; ++axis) info->origin[axis] = static_cast<float>(asset.origin[axis]);
-  info->half_x = static_cast<float>(asset.box.half_x), info->half_z = static_cast<float>(asset.box.half_z);
-  info->height = static_cast<float>(asset.box.height);
-  info->angular_diameter = static_cast<float>(asset.angular_diameter);
-  info->polar_max = static_cast<float>(asset.polar_max);
-  info->plane_fitted = asset.plane == PlaneRule::fitted ? 1 : 0;
-  info->width = asset.width, info->layers = asset.layers;
-  info->macs_per_texel = uint64_t{asset.width} * (asset.layers * asset.width + 1);
-  info->rmse_float = asset.rmse_float, info->rmse_int8 = asset.rmse_int8;
-  info->validated_lights = asset.validated_lights;
-  info->float_parameters = asset.float_parameter_count;
+  fill_info(asset, info);
   return SANDGLASS_OK;
 }
 
@@ -377,26 +405,8 @@ uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {
   return units;
 }
 
-void sandglass_shadow_get_texture(const sandglass_shadow* shadow, uint32_t light, sandglass_shadow_texture* out) {
-  const Shadow& s = shadow->shadow;
-  const uint32_t struct_size = out->struct_size;
-  *out = {};
-  out->struct_size = struct_size;
-  if (light >= s.light_count) return;
-  const ShadowLight& l = s.lights[light];
-  const ShadowTexture& t = l.front;
-  out->valid = t.valid ? 1 : 0;
-  out->coverage = t.coverage;
-  out->low[0] = static_cast<float>(t.rectangle.low_x + s.origin[0]);
-  out->low[1] = static_cast<float>(t.rectangle.low_z + s.origin[2]);
-  out->high[0] = static_cast<float>(t.rectangle.high_x + s.origin[0]);
-  out->high[1] = static_cast<float>(t.rectangle.high_z + s.origin[2]);
-  for (uint32_t axis = 0; axis < 3; ++axis) out->light[axis] = static_cast<float>(t.light[axis]);
-  out->opacity = l.opacity;
-  out->beyond = l.beyond ? 1 : 0;
-  const bool under_way = s.phase != ShadowPhase::idle && s.active == light;
-  out->age = l.pending || under_way ? static_cast<uint32_t>(l.calls - t.light_call) : 0;
-  out->evaluated = t.evaluated;
+void sandglass_shadow_get_texture(const sandglass_shadow* shadow, uint32_t light, sandglass_shadow_texture* texture) {
+  fill_texture(shadow->shadow, light, texture);
 }
 
 uint64_t sandglass_shadow_hash(const sandglass_shadow* shadow) {

@@ -239,6 +239,20 @@ bool next(const sandglass_pile_shadow* shadow, bool others, bool others_under_wa
 void run(sandglass_pile_shadow* shadow) { pile_run(&shadow->pile); }
 void gave_way(sandglass_pile_shadow* shadow) { shadow->pile.yielded = false; }
 
+uint32_t forecast(const sandglass_pile_shadow* shadow, Forecast* entries) {
+  const Pile& p = shadow->pile;
+  if (p.phase == PilePhase::idle && (!p.pending || !(p.opacity > 0))) return 0;
+  const uint64_t textures = p.back.sand != nullptr ? 2 : 1;
+  uint64_t columns = 0, rows = textures * p.texels;
+  if (p.phase == PilePhase::idle) columns = p.source.count;
+  else if (p.phase == PilePhase::columns) columns = p.source.count > p.cursor ? p.source.count - p.cursor : 0;
+  else rows -= p.cursor + (p.phase == PilePhase::sand ? p.texels : 0);
+  uint32_t count = 0;
+  if (columns != 0) entries[count++] = {k_pile_columns, columns, true};
+  entries[count++] = {k_pile_rows, rows * p.texels, true};
+  return count;
+}
+
 }  // namespace
 
 WorkUnit pile_next(const Pile& p) {
@@ -255,6 +269,6 @@ void pile_run(Pile* p) {
   else run_rows(p);
 }
 
-extern const PileFunctions k_pile_functions = {begin_frame, next, run, gave_way};
+extern const PileFunctions k_pile_functions = {begin_frame, next, run, forecast, gave_way};
 
 }  // namespace sandglass

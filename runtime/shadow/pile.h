@@ -1,9 +1,8 @@
 // The state behind sandglass/pile_shadow.h, as work units of the shadow stage. A texture is made in phases: columns
-// from the particles, then rows of the floor, then rows of the sand's own surface; the last unit swaps the two
-// textures.
+// from the spheres, then rows of the floor, then rows of the sand's own surface; the last unit swaps the two textures.
 //
-// Particles are read where the scene has them. One that is sorted to another place between two units of the first phase
-// may be missed, or taken twice, in that one texture.
+// The spheres are the grains, or the particles of a scene without; they are read where the scene has them. One that is
+// sorted to another place between two units of the first phase may be missed, or taken twice, in that one texture.
 #pragma once
 
 #include <cstdint>
@@ -75,6 +74,8 @@ struct PileFunctions {
   // The next unit; false: there is none, or, where `others` have work, it is not this one's turn.
   bool (*next)(const sandglass_pile_shadow* shadow, bool others, bool others_under_way, WorkUnit* unit);
   void (*run)(sandglass_pile_shadow* shadow);
+  uint32_t (*forecast)(const sandglass_pile_shadow* shadow,
+                       Forecast* entries);          // of the texture under way or asked for
   void (*gave_way)(sandglass_pile_shadow* shadow);  // an object's unit was run
 };
 extern const PileFunctions k_pile_functions;

@@ -3,6 +3,7 @@
 
 #include "platform/floating_point.h"
 #include "runtime/asset/checksum.h"
+#include "runtime/core/filled_struct.h"
 #include "runtime/core/layout.h"
 #include "runtime/core/math.h"
 #include "runtime/shadow/pile.h"
@@ -38,7 +39,7 @@ sandglass_status check(const sandglass_pile_shadow_desc* desc, const char** reas
   if (!within(desc->angular_diameter, 0.02f, 1.0f)) return wrong("desc.angular_diameter is not in 0.02..1 radians");
   if (!within(desc->light_tolerance, 0.0f, 1.0f)) return wrong("desc.light_tolerance is not in 0..1 radians");
   if (desc->on_sand > 1) return wrong("desc.on_sand is neither 0 nor 1");
-  if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_AVX512 || select_kernels(desc->isa) == nullptr)
+  if (select_kernels(desc->isa) == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
   return accept(reason);
@@ -196,18 +197,17 @@ uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* p
   return done;
 }
 
-void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_texture* texture) {
+void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_texture* out) {
   const Pile& p = shadow->pile;
-  const uint32_t struct_size = texture->struct_size;
-  *texture = {};
-  texture->struct_size = struct_size;
-  texture->valid = p.valid ? 1 : 0;
-  texture->texels = p.texels;
-  texture->coverage = p.front.floor, texture->on_sand = p.front.sand;
-  for (uint32_t axis = 0; axis < 2; ++axis) texture->low[axis] = p.low[axis], texture->high[axis] = p.high[axis];
-  texture->opacity = p.opacity;
+  sandglass_pile_shadow_texture texture = {};
+  texture.valid = p.valid ? 1 : 0;
+  texture.texels = p.texels;
+  texture.coverage = p.front.floor, texture.on_sand = p.front.sand;
+  for (uint32_t axis = 0; axis < 2; ++axis) texture.low[axis] = p.low[axis], texture.high[axis] = p.high[axis];
+  texture.opacity = p.opacity;
   const bool stale = p.pending || p.phase != PilePhase::idle;
-  texture->age = stale ? static_cast<uint32_t>(p.frame - p.front.frame) : 0;
+  texture.age = stale ? static_cast<uint32_t>(p.frame - p.front.frame) : 0;
+  fill_struct(&texture, sizeof texture, out);
 }
 
 uint64_t sandglass_pile_shadow_hash(const sandglass_pile_shadow* shadow) {

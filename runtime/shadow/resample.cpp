@@ -45,23 +45,25 @@ uint32_t sample(const uint8_t* texture, Between u, Between v) {
   return top * (256 - v.part) + bottom * v.part;
 }
 
-bool shines(const ShadowLight& light) { return light.front.valid && light.opacity > 0 && light.irradiance > 0; }
+bool shines(const ShadowLight& light) { return light.opacity > 0 && light.irradiance > 0; }
+bool shades(const ShadowLight& light) { return shines(light) && light.front.valid; }
 
 __attribute__((noinline)) void combine(const Shadow& s, uint32_t size, uint8_t* out, float low[2], float high[2]) {
   ShadowRectangle all = {-s.box.half_x, -s.box.half_z, s.box.half_x, s.box.half_z};
   double irradiance = 0;
   for (uint32_t i = 0; i < s.light_count; ++i) {
     if (!shines(s.lights[i])) continue;
+    irradiance += static_cast<double>(s.lights[i].irradiance);
+    if (!shades(s.lights[i])) continue;
     const ShadowRectangle& r = s.lights[i].front.rectangle;
     all.low_x = r.low_x < all.low_x ? r.low_x : all.low_x, all.low_z = r.low_z < all.low_z ? r.low_z : all.low_z;
     all.high_x = r.high_x > all.high_x ? r.high_x : all.high_x;
     all.high_z = r.high_z > all.high_z ? r.high_z : all.high_z;
-    irradiance += static_cast<double>(s.lights[i].irradiance);
   }
   double weight[SANDGLASS_SHADOW_LIGHTS];
   for (uint32_t i = 0; i < s.light_count; ++i) {
     const ShadowLight& l = s.lights[i];
-    weight[i] = shines(l) ? static_cast<double>(l.irradiance) * static_cast<double>(l.opacity) / irradiance / 65536 : 0;
+    weight[i] = shades(l) ? static_cast<double>(l.irradiance) * static_cast<double>(l.opacity) / irradiance / 65536 : 0;
   }
   for (uint32_t v = 0; v < size; ++v) {
     const double z = all.low_z + (all.high_z - all.low_z) * (v + 0.5) / size;

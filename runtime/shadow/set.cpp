@@ -61,6 +61,12 @@ void run(const ShadowSet& set) {
   if (choose(set, &choice)) shadow_run(&set.shadows[choice.shadow]->shadow, choice.light);
 }
 
+uint32_t units_left(const ShadowSet& set) {
+  uint32_t units = 0;
+  for (uint32_t i = 0; i < set.count; ++i) units += sandglass_shadow_units_left(set.shadows[i]);
+  return units;
+}
+
 void describe(const ShadowSet& set, uint32_t* pending, uint32_t* age) {
   uint64_t oldest = 0;
   *pending = 0;
@@ -79,6 +85,6 @@ void describe(const ShadowSet& set, uint32_t* pending, uint32_t* age) {
 
 }  // namespace
 
-extern const ShadowSetFunctions k_shadow_set_functions = {next, run, describe};
+extern const ShadowSetFunctions k_shadow_set_functions = {next, run, units_left, describe};
 
 }  // namespace sandglass

@@ -106,6 +106,7 @@ struct ShadowSet {
 struct ShadowSetFunctions {
   bool (*next)(const ShadowSet& set, WorkUnit* unit);
   void (*run)(const ShadowSet& set);
+  uint32_t (*units_left)(const ShadowSet& set);
   void (*describe)(const ShadowSet& set, uint32_t* pending, uint32_t* age);
 };
 extern const ShadowSetFunctions k_shadow_set_functions;

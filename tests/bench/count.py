@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Executed ARM instructions per item and per frame, against the committed ones.
 
-    count.py sand|shadow|pile|light --emulator COMMAND --plugin FILE --program COMMAND --compiler TEXT --baseline FILE [--write] [--control]
+    count.py sand|kernels|shadow|pile|light --emulator COMMAND --plugin FILE --program COMMAND --compiler TEXT --baseline FILE [--write] [--control]
 
 Runs the workload under the emulator with count_plugin, prints the table, and fails when a line has grown by more than 2 %. The
 numbers belong to one compiler; with another the table is printed and the test is skipped (exit code 77). --write replaces the
-baseline: a change that is meant to cost more says why in its message. --control gates against a baseline lowered by 5 %.
+baseline: a change that is meant to cost more says why in its message. --control gates against a baseline lowered by 5 %. The lines
+of `kernels` are the workloads that the program lists, each run by itself; every_kernel_counted.py looks for a line of each kernel.
 """
 import argparse
 import pathlib
@@ -26,8 +27,8 @@ METRICS = {
         ("whole frame", None, "frames"),
     ],
     "shadow": [
-        ("int8 kernels per texel", r"sandglass::int8_", "texels"),
-        ("int8 kernels per thousand multiply-adds", r"sandglass::int8_", "thousand_macs"),
+        ("shadow_texels per texel", r"sandglass::int8_", "texels"),
+        ("shadow_texels per thousand multiply-adds", r"sandglass::int8_", "thousand_macs"),
         ("whole texture", None, "textures"),
     ],
     "pile": [
@@ -36,19 +37,27 @@ METRICS = {
         ("whole texture", None, "textures"),
     ],
     "light": [
-        ("1x1 per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::narrow\(", "narrow_thousand_macs"),
-        ("3x3 per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::wide\(", "wide_thousand_macs"),
+        ("stem per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::stem\(", "stem_thousand_macs"),
+        ("pool per thousand bytes compared", r"sandglass::int8_[a-z0-9_]+::pool\(", "pool_thousand_bytes"),
+        ("narrow (1x1) per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::narrow\(", "narrow_thousand_macs"),
+        ("wide (3x3) per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::wide\(", "wide_thousand_macs"),
+        ("transition per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::transition\(", "transition_thousand_macs"),
+        ("dot per thousand multiply-adds", r"sandglass::int8_[a-z0-9_]+::dot\(", "dot_thousand_macs"),
         ("all per thousand multiply-adds", None, "thousand_macs"),
         ("whole pass", None, "passes"),
     ],
 }
 
 
-def run(arguments):
+def command_of(arguments, *more):
+    return [*arguments.emulator.split(" "), *more, *arguments.program.split(" ")]
+
+
+def run(arguments, *workload):
     with tempfile.TemporaryDirectory() as folder:
         counts_file = pathlib.Path(folder) / "counts"
-        command = [*arguments.emulator.split(" "), "-plugin", f"{arguments.plugin},out={counts_file}", *arguments.program.split(" ")]
-        printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+        command = command_of(arguments, "-plugin", f"{arguments.plugin},out={counts_file}")
+        printed = subprocess.run([*command, *workload], check=True, capture_output=True, text=True).stdout
         counts = counts_file.read_text()
     names = subprocess.run(["c++filt"], input=counts, check=True, capture_output=True, text=True).stdout
     functions = [(int(line.split(" ", 1)[0]), line.split(" ", 1)[1]) for line in names.splitlines()]
@@ -58,23 +67,33 @@ def run(arguments):
     return functions, items
 
 
+def measure(arguments):
+    """Instructions an item by metric, and the instruction set of the kernels."""
+    if arguments.suite == "kernels":
+        names = subprocess.run(command_of(arguments), check=True, capture_output=True, text=True).stdout.split()
+        runs = {name: (*run(arguments, name), [(f"{name} per item", r"sandglass::simd_", "items")]) for name in names}
+    else:
+        runs = {arguments.suite: (*run(arguments), METRICS[arguments.suite])}
+    measured = {}
+    for functions, items, metrics in runs.values():
+        for metric, pattern, divisor in metrics:
+            total = sum(count for count, name in functions if pattern is None or re.search(pattern, name))
+            if total == 0:
+                sys.exit(f"no function matches {pattern}: the workload was built without symbols")
+            measured[metric] = total / int(items[divisor])
+    return measured, items["isa"]
+
+
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("suite", choices=METRICS)
+    parser.add_argument("suite", choices=[*METRICS, "kernels"])
     for name in ("emulator", "plugin", "program", "compiler", "baseline"):
         parser.add_argument("--" + name, required=True)
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--control", action="store_true")
     arguments = parser.parse_args()
 
-    functions, items = run(arguments)
-    measured = {}
-    for metric, pattern, divisor in METRICS[arguments.suite]:
-        total = sum(count for count, name in functions if pattern is None or re.search(pattern, name))
-        if total == 0:
-            sys.exit(f"no function matches {pattern}: the workload was built without symbols")
-        measured[metric] = total / int(items[divisor])
-
+    measured, isa = measure(arguments)
     baseline_path = pathlib.Path(arguments.baseline)
     if arguments.write:
         lines = [f"compiler {arguments.compiler}"] + [f"{value:.1f} {metric}" for metric, value in measured.items()]
@@ -82,7 +101,10 @@ def main():
     first, *lines = baseline_path.read_text().splitlines()
     baseline = {line.split(" ", 1)[1]: float(line.split(" ", 1)[0]) for line in lines}
 
-    print(f"{arguments.suite}, {items['isa']} kernels, {arguments.compiler}")
+    print(f"{arguments.suite}, {isa} kernels, {arguments.compiler}")
+    if baseline.keys() != measured.keys():
+        different = ", ".join(sorted(baseline.keys() ^ measured.keys()))
+        sys.exit(f"{baseline_path.name} has other lines ({different}): build count_baseline and commit what it writes")
     grown = []
     for metric, value in measured.items():
         limit = baseline[metric] * (0.95 if arguments.control else GROWTH_ALLOWED)

@@ -1,6 +1,6 @@
 // What is counted of the lighting network: one pass over an image of a quarter of the usual pixels, random weights. How
 // many instructions run does not depend on either's values.
-//   count_light [ISA]
+//   count_light [ISA [WIDTH HEIGHT]]
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
@@ -14,12 +14,15 @@ __attribute__((noinline)) void counting_ends() { __asm__ volatile(""); }
 }
 
 int main(int argument_count, char** arguments) {
-  constexpr uint32_t k_width = 128, k_height = 96;
-  const int isa = argument_count > 1 ? std::atoi(arguments[1]) : SANDGLASS_ISA_AUTOMATIC;
+  const auto argument = [&](int at, int otherwise) {
+    return at < argument_count ? std::atoi(arguments[at]) : otherwise;
+  };
+  const int isa = argument(1, SANDGLASS_ISA_AUTOMATIC);
+  const auto width = static_cast<uint32_t>(argument(2, 128)), height = static_cast<uint32_t>(argument(3, 96));
   const std::vector<uint8_t> file = sandglass::host::light_file_bytes(sandglass::host::random_light_file(1));
-  sandglass::host::LightRunner runner(file, "random", isa, k_width, k_height);
+  sandglass::host::LightRunner runner(file, "random", isa, width, height);
   sandglass::LightNetwork* net = runner.network();
-  const std::vector<uint8_t> rgb(size_t{3} * k_width * k_height, 100);
+  const std::vector<uint8_t> rgb(size_t{3} * width * height, 100);
   uint64_t items[sandglass::k_light_kinds], thousand_macs = 0;
   sandglass::light_items_left(*net, 0, items);
   for (const uint64_t of_kind : items) thousand_macs += of_kind;
@@ -29,9 +32,12 @@ int main(int argument_count, char** arguments) {
   for (uint32_t unit = 0; unit < net->units; ++unit) sandglass::run_light_unit(net, unit);
   counting_ends();
 
-  std::printf("isa %s\nthousand_macs %llu\nnarrow_thousand_macs %llu\nwide_thousand_macs %llu\npasses 1\n",
-              sandglass_isa_name(net->kernels->isa), static_cast<unsigned long long>(thousand_macs),
-              static_cast<unsigned long long>(items[sandglass::k_light_kind_narrow]),
-              static_cast<unsigned long long>(items[sandglass::k_light_kind_wide]));
+  std::printf("isa %s\nthousand_macs %llu\npasses 1\n", sandglass_isa_name(net->kernels->isa),
+              static_cast<unsigned long long>(thousand_macs));
+  constexpr const char* k_names[sandglass::k_light_kinds] = {"stem_thousand_macs",       "pool_thousand_bytes",
+                                                             "narrow_thousand_macs",     "wide_thousand_macs",
+                                                             "transition_thousand_macs", "dot_thousand_macs"};
+  for (uint32_t kind = 0; kind < sandglass::k_light_kinds; ++kind)
+    std::printf("%s %llu\n", k_names[kind], static_cast<unsigned long long>(items[kind]));
   return 0;
 }

@@ -22,7 +22,7 @@ int fail(const sandglass::Status& status) { return std::fprintf(stderr, "%s: %s\
 
 }  // namespace
 
-// count_workload [ISA [SETTLING_FRAMES [COUNTED_FRAMES]]]
+// count_workload [ISA [SETTLING_FRAMES [COUNTED_FRAMES [MICROSECONDS_A_FRAME]]]]
 int main(int argument_count, char** arguments) {
   const auto argument = [&](int at, int otherwise) {
     return at < argument_count ? std::atoi(arguments[at]) : otherwise;
@@ -65,7 +65,7 @@ int main(int argument_count, char** arguments) {
   colliders[1].size[0] = colliders[1].size[1] = colliders[1].size[2] = 0.08f;
   std::vector<sandglass_grain> drawn(desc.granular.grain_capacity);
   sandglass_frame_input input = sandglass::frame_input();
-  input.time_step = 0.016f;  // two steps of the grains
+  input.time_step = 1e-6f * static_cast<float>(argument(4, 16000));  // two steps of the grains
   input.budget_ns = ~0ull;
   input.colliders = colliders, input.collider_count = 2;
   input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;

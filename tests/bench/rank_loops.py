@@ -5,19 +5,37 @@
 
 An inner loop is the straight run of instructions from the target of a backward branch to that branch. Predictions of this tool have
 been 0.45 to 1.7 times the truth, several ARM names share one model, and branches inside a loop count as fallen through: use them to
-choose between two versions of a loop, never as a time.
+choose between two versions of a loop, never as a time. A function that the object lacks, one without such a loop, and a tool that
+fails end with a sentence and exit code 2.
 """
 import argparse
 import re
 import subprocess
+import sys
 
 CORES = ["cortex-a55", "cortex-a76", "neoverse-v2"]  # little; big of 2018; the nearest model to a Cortex-X3
 ITERATIONS = 100
+SHORTEST = 8  # instructions; shorter loops are copies
+
+
+def refuse(sentence):
+    print(f"rank_loops.py: {sentence}", file=sys.stderr)
+    sys.exit(2)
+
+
+def said_by(command, **options):
+    """What the tool prints."""
+    try:
+        ran = subprocess.run(command, capture_output=True, text=True, **options)
+    except OSError as error:
+        refuse(f"cannot run {command[0]}: {error.strerror}")
+    if ran.returncode != 0:
+        refuse(f"{command[0]} failed: {(ran.stderr.strip() or 'without a word').splitlines()[0]}")
+    return ran.stdout
 
 
 def instructions(arguments):
-    text = subprocess.run([arguments.objdump, "-d", "--no-show-raw-insn", "-C", arguments.object], check=True, capture_output=True,
-                          text=True).stdout
+    text = said_by([arguments.objdump, "-d", "--no-show-raw-insn", "-C", arguments.object])
     inside = False
     for line in text.splitlines():
         if line.endswith(">:"):
@@ -45,9 +63,10 @@ def cycles(arguments, body, core):
     lines = [re.sub(r"^(adrp\s+\w+,).*", r"\1 0", text) for text in lines]
     command = [arguments.mca, "--mtriple=aarch64", f"--mcpu={core}", f"--iterations={ITERATIONS}", "--resource-pressure=false",
                "--instruction-info=false"]
-    printed = subprocess.run(command, input="\n".join(lines), capture_output=True, text=True)
-    match = re.search(r"Total Cycles:\s+(\d+)", printed.stdout)
-    return int(match[1]) / ITERATIONS if match else float("nan")
+    match = re.search(r"Total Cycles:\s+(\d+)", said_by(command, input="\n".join(lines)))
+    if not match:
+        refuse(f"{arguments.mca} says nothing of cycles for {core}")
+    return int(match[1]) / ITERATIONS
 
 
 def main():
@@ -58,13 +77,15 @@ def main():
     parser.add_argument("--mca", default="llvm-mca-19")
     arguments = parser.parse_args()
     code = list(instructions(arguments))
+    if not code:
+        refuse(f"{arguments.object} has no function '{arguments.function}'; names are as c++filt prints them")
+    loops = [code[first:last + 1] for first, last in inner_loops(code) if last + 1 - first >= SHORTEST]
+    if not loops:
+        refuse(f"'{arguments.function}' has no inner loop of {SHORTEST} instructions or more")
     print(f"{'at':>8} {'instructions':>13} " + " ".join(f"{core:>12}" for core in CORES) + "   cycles an iteration")
-    for first, last in inner_loops(code):
-        body = code[first:last + 1]
-        if len(body) < 8:
-            continue
+    for body in loops:
         predicted = " ".join(f"{cycles(arguments, body, core):12.1f}" for core in CORES)
-        print(f"{code[first][0]:8x} {len(body):13d} {predicted}")
+        print(f"{body[0][0]:8x} {len(body):13d} {predicted}")
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ struct ListStage {
   uint32_t per_ahead = 1;
   uint32_t lead = 0;  // units beyond that
   std::string* log = nullptr;
+  bool spread = false;  // forecast as work for several frames
 };
 
 constexpr uint64_t k_list_unit_ns = 100000;
@@ -43,7 +44,7 @@ Stage list_stage(ListStage* list, uint32_t mandatory, float share) {
   };
   stage.forecast = [](const void* state, uint32_t, Forecast* entries) {
     const ListStage* self = static_cast<const ListStage*>(state);
-    entries[0] = {self->kind, 10ull * (self->units - self->done)};
+    entries[0] = {self->kind, 10ull * (self->units - self->done), self->spread};
     return 1u;
   };
   stage.mandatory_units = mandatory;
@@ -273,6 +274,36 @@ TEST(Plan, TheLadderTakesTheBestRungThatFitsAndDoesNotFlicker) {
   EXPECT_EQ(level_at(full * 8 / 7 + 10000), 0u);
   EXPECT_EQ(level_at(half - 10000), 2u);
   EXPECT_EQ(level_at(0), 2u);
+}
+
+// Half the frame was kept free for an output that takes a twentieth of it.
+TEST(Plan, TheFirstFrameLearnsWhatTheOutputCosts) {
+  Lists lists;
+  lists.offer(100, 0, 2);
+  EXPECT_TRUE(lists.frame(4000000, 0, 1.0f));
+  EXPECT_EQ(lists.log.front(), 'c') << "a unit of output first";
+  EXPECT_EQ(lists.log.back(), 'c');
+  // 4 ms, less two units of output and the margins of a quarter on the second and on the last unit of work.
+  EXPECT_GE(lists.report.stages[0].units, 40u - 2 - 1);
+  EXPECT_LE(lists.report.elapsed_ns, 4000000u);
+  lists.offer(100, 0, 2);
+  EXPECT_TRUE(lists.frame(4000000, 0, 1.0f));
+  EXPECT_EQ(lists.log.front(), 'a') << "known by now";
+}
+
+// A texture of 10 ms is no reason for the worst rung, but the millisecond that it will be given is missing elsewhere.
+TEST(Plan, WorkSpreadOverFramesCountsForItsShareInTheChoiceOfTheRung) {
+  const auto level_beside = [](uint32_t units) {
+    Lists lists;
+    lists.learn();
+    lists.governor.level_count = 2;
+    lists.first.spread = true;
+    lists.offer(100, units, 1);
+    EXPECT_TRUE(lists.frame(4000000, 0, 0.25f));
+    return lists.report.level;
+  };
+  EXPECT_EQ(level_beside(28), 0u);  // 1 + 2.8 + 0.1 ms
+  EXPECT_EQ(level_beside(30), 1u);  // 4.1 ms
 }
 
 TEST(Plan, AnEstimateThatNobodyChecksFades) {

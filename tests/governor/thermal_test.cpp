@@ -101,6 +101,7 @@ const Warming& warming() {
       input.grains = scene.grains.data();
       input.grain_capacity = static_cast<uint32_t>(scene.grains.size());
       sandglass_frame_report report;
+      report.struct_size = sizeof report;
       const char* reason = nullptr;
       EXPECT_EQ(sandglass_scene_frame(scene.scene, &input, &report, &reason), SANDGLASS_OK) << reason;
       w.reports.push_back(report);

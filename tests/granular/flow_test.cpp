@@ -43,6 +43,7 @@ struct Flow {
     input.grain_capacity = static_cast<uint32_t>(scene.grains.size());
     input.output_lag = lag;
     sandglass_frame_report report;
+    report.struct_size = sizeof report;
     const char* reason = nullptr;
     EXPECT_EQ(sandglass_scene_frame(scene.scene, &input, &report, &reason), SANDGLASS_OK) << reason;
     scene.particle_count = report.particle_numbers;

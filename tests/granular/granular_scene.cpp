@@ -39,6 +39,7 @@ sandglass_frame_report GranularScene::frame(float time_step, uint64_t budget_ns,
   input.grain_capacity = static_cast<uint32_t>(grains.size());
   input.plan = plan;
   sandglass_frame_report report;
+  report.struct_size = sizeof report;
   const char* reason = nullptr;
   if (sandglass_scene_frame(scene, &input, &report, &reason) != SANDGLASS_OK) throw std::runtime_error(reason);
   return report;

@@ -57,6 +57,7 @@ struct World {
     input.emitters = &emitter, input.emitter_count = 1;
     input.sinks = &sink, input.sink_count = 1;
     sandglass_frame_report report;
+    report.struct_size = sizeof report;
     EXPECT_EQ(sandglass_scene_frame(scene.scene, &input, &report, nullptr), SANDGLASS_OK);
     return report;
   }

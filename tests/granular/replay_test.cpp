@@ -4,6 +4,7 @@
 
 #include <thread>
 
+#include "sandglass/sandglass.hpp"
 #include "tests/granular/granular_scene.h"
 
 namespace {
@@ -44,6 +45,24 @@ TEST(Determinism, EveryInstructionSetGivesTheSameBits) {
       desc.isa = isa;
       EXPECT_EQ(run(desc, 12), scalar) << sandglass_isa_name(isa);
     }
+  }
+}
+
+TEST(Determinism, AnInstructionSetThatIsNotHereIsUnsupportedAndANumberThatIsNoneInvalid) {
+  sandglass_scene_desc desc = description(k_particles, k_grains);
+  const char* reason = nullptr;
+  uint64_t bytes = 0;
+  for (sandglass_isa isa = -1; isa <= SANDGLASS_ISA_NEON_I8MM + 1; ++isa) {
+    desc.isa = SANDGLASS_ISA_AUTOMATIC;
+    ASSERT_EQ(sandglass_scene_bytes(&desc, &bytes, &reason), SANDGLASS_OK);
+    const sandglass::cpp::Block block = sandglass::cpp::allocate_block(bytes);
+    desc.isa = isa;
+    sandglass_scene* scene = nullptr;
+    const sandglass_status status = sandglass_scene_create(&desc, block.get(), bytes, &scene, &reason);
+    const sandglass_status expected = sandglass_isa_name(isa) == nullptr  ? SANDGLASS_ERROR_INVALID_ARGUMENT
+                                      : sandglass_isa_available(isa) == 0 ? SANDGLASS_ERROR_UNSUPPORTED
+                                                                          : SANDGLASS_OK;
+    EXPECT_EQ(status, expected) << isa << ": " << reason;
   }
 }
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "models/host/image.h"
@@ -17,6 +18,7 @@
 #include "models/host/npy.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/panorama_file.h"
+#include "sandglass/sandglass.h"
 
 namespace {
 
@@ -181,6 +183,7 @@ TEST_F(Cli, RefusesBadUsage) {
   expect_refused("bench nothing", "nothing");
   expect_refused("verify nothing", "nothing");
   expect_refused("verify granular --case sundial", "sundial");
+  expect_refused("run demo --network x.light", "--network");
 }
 
 // What a case does not use it does not take: an option that is ignored answers something else than what was asked.
@@ -213,6 +216,22 @@ TEST_F(Cli, RefusesOptionsThatTheCaseDoesNotUse) {
   expect_refused("inspect '" + write("cube.obj", k_cube) + "' --mesh x", "--mesh");
 }
 
+// What the library has is run, and gives the same hash; what it lacks is refused by name.
+TEST_F(Cli, EveryInstructionSetRunsOrIsSaidToBeMissing) {
+  std::set<std::string> hashes;
+  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_NEON_I8MM; ++isa) {
+    const std::string name = sandglass_isa_name(isa), arguments = "run chair --frames 2 --clock virtual --isa " + name;
+    if (sandglass_isa_available(isa) == 0) {
+      expect_refused(arguments, "lacks the instruction set '" + name + "'");
+      continue;
+    }
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 0) << name << "\n" << outcome.err;
+    hashes.insert(outcome.out.substr(outcome.out.find("hash")));
+  }
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
 // Options that are numbers, of every command, each refused by its name before anything is read, made or computed.
 TEST_F(Cli, RefusesNumbersThatAreNone) {
   const std::string out = " -o '" + path("out") + "' ";
@@ -242,9 +261,55 @@ TEST_F(Cli, RefusesNumbersThatAreNone) {
   };
   for (const auto& [option, command] : commands)
     for (const char* value : {"nan", "-1"}) expect_refused(command + " " + option + " " + value, option + 2);
+  // 2^32 + 8, 8 - 2^32 and 2^32 + 128 are sizes when they are cut to 32 bits; 0x14 is 20 to a parser that guesses.
+  for (const char* size : {"4294967304x1", "-4294967288x1", "8x4294967297", "4294967424x2", "8x1 ", " 8x1", "8x+1",
+                           "0x8x1", "99999999999999999999999x1", "8x", "x1", "8", "8x1x1"})
+    expect_refused("bake chair" + out + "--size '" + size + "'", "size");
+  for (const char* angle : {"0x14", "+20", " 20", "20 deg", "20rad", "1e999", "inf", "deg", ""})
+    expect_refused("bake chair" + out + "--angle '" + angle + "'", "angle");
   expect_refused("room --seed 18446744073709551616" + out, "--seed");
   expect_refused("light a.png --fov 1e999" + out, "--fov");
   EXPECT_FALSE(fs::exists(path("out")));
+}
+
+// Places where a bake could not write are refused before its minutes of work, and stay as they are.
+TEST_F(Cli, ABakeIsRefusedBeforeItsWorkWhereItCouldNotWrite) {
+  fs::create_directories(path("folder"));
+  const std::string kept = write("kept.png", "an older picture"), out = " -o '" + path("out") + "' ";
+  const std::string nowhere = path("nowhere/x"), bake = "bake chair --textures 3000 --steps 100000000 ";
+  expect_refused(bake + "-o '" + path("folder") + "'", "folder");
+  expect_refused(bake + "-o ''", "name");
+  expect_refused(bake + "-o '" + nowhere + "'", "nowhere");
+  expect_refused(bake + "-o '" + path("kept.png/x") + "'", "kept.png/x");
+  expect_refused(bake + "-o '" + path(std::string(240, 'n')) + "'", "nnn");  // no room for ".checkpoint" either
+  expect_refused(bake + out + "--picture '" + kept + "' --json '" + nowhere + "'", "nowhere");
+  expect_refused(bake + out + "--picture '" + nowhere + ".png'", "nowhere");
+  expect_refused(bake + out + "--json /dev/null", "/dev/null");
+  EXPECT_EQ(read(kept), "an older picture");
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(name == "folder" || name == "kept.png" || name == "stdout" || name == "stderr") << name;
+  }
+}
+
+// What `bake` prints and writes of the smallest network, and what `inspect` says of it.
+TEST_F(Cli, BakesAndInspectsAShadow) {
+  const std::string options =
+      " --size 8x1 --textures 1 --steps 20 --quantised-steps 5 --validation-lights 4 --threads 2 ";
+  const Outcome baked = run("bake chair -o '" + path("x.shadow") + "' --json '" + path("x.json") + "'" + options);
+  ASSERT_EQ(baked.code, 0) << baked.err;
+  EXPECT_NE(baked.out.find("4 unseen lights"), std::string::npos) << baked.out;
+  EXPECT_NE(baked.out.find("SSIM and block: of 4 whole textures"), std::string::npos) << baked.out;
+  EXPECT_NE(read(path("x.json")).find("whole_textures"), std::string::npos);
+  EXPECT_TRUE(fs::exists(path("x.shadow.png")));
+  const Outcome told = run("inspect '" + path("x.shadow") + "'");
+  ASSERT_EQ(told.code, 0) << told.err;
+  for (const char* line : {"baked shadow, version 1", "8 neurons x (1 + 1) hidden layers, 72 MAC a texel",
+                           "20 degrees wide, up to 70 degrees from the zenith", "fitted to the light",
+                           "over 4 unseen lights", "float copy   no"})
+    EXPECT_NE(told.out.find(line), std::string::npos) << line << "\n" << told.out;
+  write("cut.shadow", read(path("x.shadow")).substr(0, 1000));
+  expect_refused("inspect '" + path("cut.shadow") + "'", "cut.shadow");
 }
 
 TEST_F(Cli, VerifiesAChosenCaseAndWritesItsTable) {
@@ -275,6 +340,15 @@ TEST_F(Cli, RunsShotsOfFiles) {
   const std::string photo = light_of("--photo '" + path("room.png") + "' --fov 70 --light arbitrary");
   EXPECT_NE(panorama.substr(panorama.find("hash")), photo.substr(photo.find("hash")))
       << "another light, another shadow";
+  // The frame's time is the library's: the made-up camera's image, some 9 ms, is not in it. Around the units are only
+  // colliders and lights.
+  const Outcome timed = run("run shot --frames 4 --light estimate --panorama '" + path("room.hdr") + "'");
+  const auto mean_of = [&](const std::string& row) {
+    const size_t at = timed.out.find(row);
+    return at == std::string::npos ? -1.0 : std::strtod(timed.out.c_str() + at + row.size(), nullptr);
+  };
+  EXPECT_GT(mean_of("  budget used"), 0.0) << timed.out << timed.err;
+  EXPECT_LT(mean_of("  CPU time, one thread"), mean_of("  budget used") + 3.0);
   if (!have_assimp()) return;
   const sandglass::host::MeshResult chair = sandglass::host::make_named("chair");
   ASSERT_EQ(sandglass::host::write_mesh_obj(path("mine.obj"), chair.mesh), "");
@@ -305,6 +379,8 @@ TEST_F(Cli, RefusesBadShots) {
   expect_refused("run shot --light moon", "moon");
   expect_refused("run shot --network '" + path("missing.light") + "'", "missing.light");
   expect_refused("run shot --network " + room, "room.hdr': ");
+  expect_refused("run shot --light labels --network '" + path("missing.light") + "'", "--network");
+  expect_refused("run shot --light arbitrary --network " + room, "--network");
   expect_refused("run demo --photo " + photo + " --fov 70", "no shot");
   expect_refused("run demo --asset chair", "--asset");
   expect_refused("run shot --asset '" + path("missing.shadow") + "'", "missing.shadow");

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <numbers>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "models/lighting/excerpt.h"
@@ -44,7 +45,7 @@ struct Camera {
   std::vector<uint8_t> resampled() const {
     std::vector<uint8_t> rgb(k_bytes);
     uint32_t sums[k_camera_sums];
-    resample_camera_rows(image, 0, camera_rows(image), rgb.data(), sums);
+    resample_camera_block(image, whole_camera_block(image), rgb.data(), sums);
     return rgb;
   }
   double channel(int x, int y, int c) const {
@@ -165,7 +166,7 @@ TEST(CameraImage, YuvMatricesAgainstTheirDefinitions) {
             std::fill(camera.bytes[i].begin(), camera.bytes[i].end(), static_cast<uint8_t>(values[i]));
           uint8_t rgb[k_bytes];
           uint32_t sums[k_camera_sums];
-          resample_camera_rows(camera.image, 0, 1, rgb, sums);
+          resample_camera_block(camera.image, {0, 1, 0, 1}, rgb, sums);
           const double luma = video ? (y - 16) * 255.0 / 219.0 : y, chroma = video ? 255.0 / 224.0 : 1.0;
           const double pb = chroma * (u - 128), pr = chroma * (v - 128);
           const double expected[3] = {luma + 2 * (1 - kr) * pr,
@@ -213,15 +214,61 @@ TEST(CameraImage, ChromaIsNotShifted) {
   }
 }
 
-TEST(CameraImage, RowsInAnyOrderAreTheWhole) {
-  for (const uint32_t turn : {0u, 90u}) {
-    Camera camera(SANDGLASS_CAMERA_RGBA, 500, 333, 3, 9);
-    camera.image.turn_deg = turn;
-    std::vector<uint8_t> rgb(k_bytes);
-    uint32_t sums[k_camera_sums];
-    for (uint32_t row = camera_rows(camera.image); row-- > 0;)
-      resample_camera_rows(camera.image, row, 1, rgb.data(), sums);
-    EXPECT_EQ(rgb, camera.resampled());
+TEST(CameraImage, BlocksInAnyOrderAreTheWhole) {
+  for (const auto& [format, width, height] :
+       {std::tuple(SANDGLASS_CAMERA_RGBA, 500u, 333u), std::tuple(SANDGLASS_CAMERA_NV21, 640u, 480u),
+        std::tuple(SANDGLASS_CAMERA_RGBA, 16384u, 300u), std::tuple(SANDGLASS_CAMERA_I420, 16384u, 300u)})
+    for (const uint32_t turn : {0u, 90u, 180u, 270u}) {
+      if (SANDGLASS_EMULATED && width > 1000 && turn != 90) continue;
+      Camera camera(format, width, height, 3, 9);
+      camera.image.turn_deg = turn;
+      std::vector<uint8_t> rgb(k_bytes);
+      uint32_t sums[k_camera_sums];
+      const CameraBlocks blocks = camera_blocks(camera.image);
+      EXPECT_EQ(blocks.across > 1, width > 1000);
+      for (uint32_t i = blocks.count; i-- > 0;)
+        resample_camera_block(camera.image, camera_block(camera.image, blocks, i), rgb.data(), sums);
+      EXPECT_EQ(rgb, camera.resampled()) << width << " turned by " << turn;
+    }
+}
+
+// The bound of a unit at every size, format, focal length and turn that is accepted: it reads no more than it may, the
+// blocks cover every pixel of the output once, and where an image is small enough they are whole rows as ever.
+TEST(CameraImage, NoBlockReadsMoreThanItMay) {
+  Random random = random_stream(31, 2);
+  for (int trial = 0; trial < 4000; ++trial) {
+    const auto length = [&](double least, double most) { return least * std::pow(most / least, random.uniform()); };
+    CameraImage image;
+    sandglass_camera_image_default(&image);
+    image.format = static_cast<sandglass_camera_format>(random.below(5));
+    image.width = trial % 4 == 0 ? SANDGLASS_CAMERA_SIDE_LIMIT
+                                 : static_cast<uint32_t>(length(2.0, SANDGLASS_CAMERA_SIDE_LIMIT)) & ~1u;
+    image.height = static_cast<uint32_t>(length(2.0, SANDGLASS_CAMERA_SIDE_LIMIT)) & ~1u;
+    image.focal_x = static_cast<float>(length(1.0, 1e6)), image.focal_y = static_cast<float>(length(1.0, 1e6));
+    image.turn_deg = 90 * random.below(4);
+    const CameraBlocks blocks = camera_blocks(image);
+    const CameraBlock whole = whole_camera_block(image);
+    // Bytes, for each output pixel those of a box's rows and columns; a row reads no more columns than there are.
+    const bool rgb = image.format == SANDGLASS_CAMERA_RGB, rgba = image.format == SANDGLASS_CAMERA_RGBA;
+    const double pixel = rgb ? 3.0 : rgba ? 4.0 : 2.0;
+    const double down = std::clamp(image.focal_y / k_light_focal, 1.0, 16.0) + 1.0;
+    const double across = std::clamp(image.focal_x / k_light_focal, 1.0, 1024.0) + 1.0;
+    const double reads = pixel * blocks.rows * down * std::min<double>(image.width, blocks.columns * across);
+    ASSERT_LE(reads, 256.0 * 1024.0 * (1.0 + 1.0 / 2.0))
+        << "half as much again for the parts of pixels at boxes' edges";
+    ASSERT_LE(blocks.bytes, k_camera_block_bytes);
+    if (pixel * image.width * down <= 256.0 * 1024.0) {
+      ASSERT_EQ(blocks.columns, whole.columns);
+    }
+    uint64_t pixels = 0;
+    for (uint32_t i = 0; i < blocks.count; ++i) {
+      const CameraBlock block = camera_block(image, blocks, i);
+      ASSERT_LE(block.first_row + block.rows, whole.rows);
+      ASSERT_LE(block.first_column + block.columns, whole.columns);
+      ASSERT_GT(block.rows * block.columns, 0u);
+      pixels += uint64_t{block.rows} * block.columns;
+    }
+    ASSERT_EQ(pixels, uint64_t{256} * 192);
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -31,6 +32,13 @@ sandglass_light_estimate estimate_of(Vec3 direction, float contrast = 0.6f) {
   e.contrast = contrast;
   e.strength = 2.5f;
   return e;
+}
+
+template <class Struct>
+Struct sized() {
+  Struct s = {};
+  s.struct_size = sizeof s;
+  return s;
 }
 
 const Vec3 k_directions[] = {{0.3, 0.8, -0.5}, {0, 1, 0}, {-0.9, 0.1, 0.4}, {0.2, -0.7, 0.6}};
@@ -174,7 +182,7 @@ void expect_diffuse(const sandglass_light_estimate& e, sandglass_light_model mod
 TEST(Renderers, FilamentsShaderGetsIrradianceOverPi) {
   for (const sandglass_light_model model : {SANDGLASS_LIGHT_MODEL_AMBIENT, SANDGLASS_LIGHT_MODEL_WHOLE}) {
     const sandglass_light_estimate e = estimate_of(k_directions[0]);
-    sandglass_light_filament f;
+    sandglass_light_filament f = sized<sandglass_light_filament>();
     ASSERT_EQ(sandglass_light_to_filament(&e, model, 40.0f, &f, nullptr), SANDGLASS_OK);
     for (int c = 0; c < 3; ++c) expect_diffuse(e, model, f.sh, 3, c, false);
   }
@@ -185,7 +193,7 @@ TEST(Renderers, FilamentsTableOfFactorsGivesTheSameCoefficients) {
   const double table[9] = {0.282095,  -0.325735, 0.325735,  -0.325735, 0.273137,
                            -0.273137, 0.078848,  -0.273137, 0.136569};
   const sandglass_light_estimate e = estimate_of(k_directions[3]);
-  sandglass_light_filament f;
+  sandglass_light_filament f = sized<sandglass_light_filament>();
   float sh[27];
   ASSERT_EQ(sandglass_light_to_filament(&e, SANDGLASS_LIGHT_MODEL_WHOLE, 1.0f, &f, nullptr), SANDGLASS_OK);
   ASSERT_EQ(sandglass_light_harmonics(&e, SANDGLASS_LIGHT_MODEL_WHOLE, sh, nullptr), SANDGLASS_OK);
@@ -199,7 +207,7 @@ TEST(Renderers, FilamentsTableOfFactorsGivesTheSameCoefficients) {
 // of intensity I the luminance I x polynomial: both must be nits x the header's radiance.
 TEST(Renderers, FilamentsLightsAreInOneUnit) {
   const sandglass_light_estimate e = estimate_of(k_directions[0]);
-  sandglass_light_filament f;
+  sandglass_light_filament f = sized<sandglass_light_filament>();
   ASSERT_EQ(sandglass_light_to_filament(&e, SANDGLASS_LIGHT_MODEL_AMBIENT, 40.0f, &f, nullptr), SANDGLASS_OK);
   for (int c = 0; c < 3; ++c) {
     const double luminance = f.intensity * f.colour[c] / std::numbers::pi + f.sh_intensity * f.sh[c];
@@ -222,7 +230,7 @@ Vec3 turned(const float q[4], Vec3 v) {
 TEST(Renderers, ArkitsLayoutIsPlanarAndItsNodeShinesAlongItsAxis) {
   for (const Vec3& direction : k_directions) {
     const sandglass_light_estimate e = estimate_of(direction);
-    sandglass_light_arkit a;
+    sandglass_light_arkit a = sized<sandglass_light_arkit>();
     float sh[27];
     ASSERT_EQ(sandglass_light_to_arkit(&e, SANDGLASS_LIGHT_MODEL_WHOLE, &a, nullptr), SANDGLASS_OK);
     ASSERT_EQ(sandglass_light_harmonics(&e, SANDGLASS_LIGHT_MODEL_WHOLE, sh, nullptr), SANDGLASS_OK);
@@ -238,7 +246,7 @@ TEST(Renderers, ArkitsLayoutIsPlanarAndItsNodeShinesAlongItsAxis) {
 // McCamy's formula is within 2 K of D65, and within 1 % of illuminant A at 2856 K (x = 0.4476, y = 0.4074).
 TEST(Renderers, ColourTemperaturesOfKnownIlluminants) {
   sandglass_light_estimate e = estimate_of(k_directions[0]);
-  sandglass_light_arkit a;
+  sandglass_light_arkit a = sized<sandglass_light_arkit>();
   e.ambient[0] = e.ambient[1] = e.ambient[2] = 0.4f;
   ASSERT_EQ(sandglass_light_to_arkit(&e, SANDGLASS_LIGHT_MODEL_WHOLE, &a, nullptr), SANDGLASS_OK);
   EXPECT_NEAR(a.ambient_colour_temperature, 6504, 10);
@@ -256,7 +264,7 @@ TEST(Renderers, ColourTemperaturesOfKnownIlluminants) {
 TEST(Renderers, UnitysProbeInItsMirroredWorld) {
   for (const Vec3& direction : k_directions) {
     const sandglass_light_estimate e = estimate_of(direction);
-    sandglass_light_unity u;
+    sandglass_light_unity u = sized<sandglass_light_unity>();
     ASSERT_EQ(sandglass_light_to_unity(&e, SANDGLASS_LIGHT_MODEL_WHOLE, &u, nullptr), SANDGLASS_OK);
     for (int c = 0; c < 3; ++c) expect_diffuse(e, SANDGLASS_LIGHT_MODEL_WHOLE, u.sh + 8 * c, 1, c, true);
     const Vec3 forward = turned(u.rotation, {0, 0, 1});
@@ -267,9 +275,9 @@ TEST(Renderers, UnitysProbeInItsMirroredWorld) {
 
 TEST(Renderers, WhatIsWrongIsRefusedWithASentence) {
   sandglass_light_estimate e = estimate_of({0, 1, 0});
-  sandglass_light_filament f;
-  sandglass_light_arkit a;
-  sandglass_light_unity u;
+  sandglass_light_filament f = sized<sandglass_light_filament>();
+  sandglass_light_arkit a = sized<sandglass_light_arkit>();
+  sandglass_light_unity u = sized<sandglass_light_unity>();
   float sh[27];
   const char* reason = nullptr;
   const auto expect = [&](sandglass_status status, const std::string& words) {
@@ -282,8 +290,55 @@ TEST(Renderers, WhatIsWrongIsRefusedWithASentence) {
   expect(sandglass_light_to_filament(&e, 0, NAN, &f, &reason), "nits");
   expect(sandglass_light_to_filament(&e, 0, 1.0f, nullptr, &reason), "struct");
   expect(sandglass_light_to_arkit(&e, -1, &a, &reason), "model");
-  e.struct_size = 4;
-  expect(sandglass_light_to_unity(&e, 0, &u, &reason), "struct_size");
+  f.struct_size = a.struct_size = u.struct_size = 4;
+  expect(sandglass_light_to_filament(&e, 0, 1.0f, &f, &reason), "struct to fill has no struct_size");
+  expect(sandglass_light_to_arkit(&e, 0, &a, &reason), "struct to fill has no struct_size");
+  expect(sandglass_light_to_unity(&e, 0, &u, &reason), "struct to fill has no struct_size");
+  EXPECT_EQ(f.sh[0] + a.sh[0] + u.sh[0], 0.0f) << "refused and yet filled";
+  u.struct_size = sizeof u, e.struct_size = 4;
+  expect(sandglass_light_to_unity(&e, 0, &u, &reason), "estimate.struct_size");
+}
+
+// In a struct of an older or a newer header nothing lies beyond its struct_size that is not the app's.
+template <class Struct, class Convert>
+void expect_filled_as_far_as_it_reaches(Convert convert) {
+  struct Longer {
+    Struct known;
+    uint8_t rest[64];
+  };
+  for (const size_t size : {sizeof(Struct) / 2, sizeof(Struct), sizeof(Longer)}) {
+    Longer out;
+    std::memset(&out, 0xA5, sizeof out);
+    out.known.struct_size = static_cast<uint32_t>(size);
+    ASSERT_EQ(convert(&out.known), SANDGLASS_OK) << size;
+    Struct whole = sized<Struct>();
+    ASSERT_EQ(convert(&whole), SANDGLASS_OK);
+    const auto* bytes = reinterpret_cast<const uint8_t*>(&out);
+    const size_t filled = std::min(size, sizeof(Struct)), first = sizeof whole.struct_size;
+    EXPECT_EQ(std::memcmp(bytes + first, reinterpret_cast<const uint8_t*>(&whole) + first, filled - first), 0) << size;
+    EXPECT_TRUE(std::all_of(bytes + filled, bytes + sizeof out, [](uint8_t b) { return b == 0xA5; })) << size;
+  }
+}
+
+TEST(Renderers, StructsOfOtherHeadersAreFilledAsFarAsTheyReach) {
+  const sandglass_light_estimate e = estimate_of(k_directions[0]);
+  const auto whole = SANDGLASS_LIGHT_MODEL_WHOLE;
+  expect_filled_as_far_as_it_reaches<sandglass_light_filament>(
+      [&](sandglass_light_filament* f) { return sandglass_light_to_filament(&e, whole, 30.0f, f, nullptr); });
+  expect_filled_as_far_as_it_reaches<sandglass_light_arkit>(
+      [&](sandglass_light_arkit* a) { return sandglass_light_to_arkit(&e, whole, a, nullptr); });
+  expect_filled_as_far_as_it_reaches<sandglass_light_unity>(
+      [&](sandglass_light_unity* u) { return sandglass_light_to_unity(&e, whole, u, nullptr); });
+}
+
+// An estimate of a newer header is read for what this one knows.
+TEST(Renderers, AnEstimateOfANewerHeaderIsRead) {
+  sandglass_light_estimate e = estimate_of(k_directions[0]);
+  float sh[27], same[27];
+  ASSERT_EQ(sandglass_light_harmonics(&e, SANDGLASS_LIGHT_MODEL_WHOLE, sh, nullptr), SANDGLASS_OK);
+  e.struct_size += 40;
+  ASSERT_EQ(sandglass_light_harmonics(&e, SANDGLASS_LIGHT_MODEL_WHOLE, same, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(std::memcmp(sh, same, sizeof sh), 0);
 }
 
 TEST(CameraPose, MatricesBecomeQuaternionsThatTurnTheSameWay) {

@@ -74,12 +74,14 @@ void LiveLight::estimate(const sandglass_camera_image& image) {
 }
 
 sandglass_light_estimate LiveLight::get() const {
-  sandglass_light_estimate e;
+  sandglass_light_estimate e = {};
+  e.struct_size = sizeof e;
   sandglass_light_get(light, &e);
   return e;
 }
 sandglass_light_estimate LiveLight::latest() const {
-  sandglass_light_estimate e;
+  sandglass_light_estimate e = {};
+  e.struct_size = sizeof e;
   sandglass_light_get_latest(light, &e);
   return e;
 }

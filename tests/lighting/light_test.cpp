@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <memory>
 #include <numbers>
@@ -13,6 +14,7 @@
 #include "platform/virtual_clock.h"
 #include "runtime/lighting/camera_image.h"
 #include "runtime/sampling/random.h"
+#include "tests/filled_struct.h"
 #include "tests/lighting/light_fixture.h"
 
 namespace {
@@ -36,6 +38,29 @@ TEST(Light, NeedsExactlyTheBytesThatItAsksFor) {
   EXPECT_EQ(sandglass_light_create(&desc, block + 8, live.bytes, &light, nullptr), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
   EXPECT_EQ(light, nullptr);
   EXPECT_TRUE(std::all_of(memory.begin(), memory.end(), [](uint8_t b) { return b == 0x5A; }));
+}
+
+TEST(Light, FillsNoByteBeyondTheCallersStructs) {
+  LiveLight live;
+  const TestImage picture(1);
+  live.estimate(picture.image);
+  expect_filled_within_its_size<sandglass_light_estimate>(
+      [&](sandglass_light_estimate* estimate) {
+        sandglass_light_get(live.light, estimate);
+        return true;
+      },
+      false);
+  expect_filled_within_its_size<sandglass_light_estimate>(
+      [&](sandglass_light_estimate* estimate) {
+        sandglass_light_get_latest(live.light, estimate);
+        return true;
+      },
+      false);
+  expect_filled_within_its_size<sandglass_light_info>(
+      [&](sandglass_light_info* info) {
+        return sandglass_light_inspect(random_light().data(), random_light().bytes, info, nullptr) == SANDGLASS_OK;
+      },
+      true);
 }
 
 TEST(Light, BeforeTheFirstEstimateItComesFromAboveAndIsNotValid) {
@@ -181,6 +206,84 @@ TEST(Light, ResetForgetsAndTurnTurns) {
   EXPECT_EQ(sandglass_light_hash(live.light), sandglass_light_hash(fresh.light));
 }
 
+// Quaternions of any length: neither those that overflow a float when multiplied, nor those that vanish.
+TEST(Light, PosesAndTurnsOfAnyLengthTurnTheImageUnderWay) {
+  const auto turned_at_length = [](float length) {
+    LiveLight live;
+    TestImage picture(3);
+    const float pose[4] = {0.5f * length, 0.1f * length, -0.3f * length, 0.8f * length};
+    std::copy_n(pose, 4, picture.image.orientation);
+    EXPECT_EQ(sandglass_light_set_image(live.light, &picture.image, nullptr, nullptr), SANDGLASS_OK);
+    const float turn[4] = {-0.2f * length, 0.6f * length, 0.4f * length, 0.7f * length};
+    EXPECT_EQ(sandglass_light_turn(live.light, turn, nullptr), SANDGLASS_OK);
+    while (sandglass_light_run(live.light, 1000) != 0) {
+    }
+    EXPECT_EQ(live.get().valid, 1u);
+    return vector_of(live.get().direction);
+  };
+  const Vec3 expected = turned_at_length(1.0f);
+  EXPECT_NEAR(host::length(expected), 1.0, 1e-6);
+  for (const float length : {1e20f, 1e37f, 1e-25f, 1e-37f})
+    EXPECT_NEAR(host::length(turned_at_length(length) - expected), 0.0, 1e-6) << length;
+}
+
+// A turn of the world while an image is under way is the turn of its estimate afterwards.
+TEST(Light, TurningUnderWayAndAfterwardsAreTheSame) {
+  LiveLight under_way, afterwards;
+  TestImage picture(3);
+  picture.image.orientation[0] = 3.0f;
+  const float turn[4] = {-20.0f, 60.0f, 40.0f, 70.0f};
+  ASSERT_EQ(sandglass_light_set_image(under_way.light, &picture.image, nullptr, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_light_turn(under_way.light, turn, nullptr), SANDGLASS_OK);
+  while (sandglass_light_run(under_way.light, 1000) != 0) {
+  }
+  afterwards.estimate(picture.image);
+  ASSERT_EQ(sandglass_light_turn(afterwards.light, turn, nullptr), SANDGLASS_OK);
+  EXPECT_NEAR(host::length(vector_of(under_way.get().direction) - vector_of(afterwards.get().direction)), 0.0, 1e-6);
+}
+
+// An app compiled against an older or a newer header than the library: nothing beyond its struct_size is written.
+TEST(Light, EstimatesAndInfosAreFilledAsFarAsTheyReach) {
+  LiveLight live;
+  TestImage picture(3);
+  live.estimate(picture.image);
+  const sandglass_light_estimate whole = live.get();
+  const auto fill = [&](uint32_t size, auto get) {
+    std::vector<uint8_t> bytes(sizeof whole + 64, 0xA5);
+    std::memcpy(bytes.data(), &size, sizeof size);
+    get(reinterpret_cast<sandglass_light_estimate*>(bytes.data()));
+    return bytes;
+  };
+  for (const auto get : {sandglass_light_get, sandglass_light_get_latest})
+    for (const size_t size : {size_t{0}, size_t{4}, sizeof whole / 2, sizeof whole, sizeof whole + 64}) {
+      const std::vector<uint8_t> bytes =
+          fill(static_cast<uint32_t>(size), [&](sandglass_light_estimate* e) { get(live.light, e); });
+      const size_t filled = size < 8 ? 4 : std::min(size, sizeof whole);
+      EXPECT_EQ(std::memcmp(bytes.data() + 4, reinterpret_cast<const uint8_t*>(&whole) + 4, filled - 4), 0) << size;
+      EXPECT_TRUE(std::all_of(bytes.begin() + static_cast<std::ptrdiff_t>(filled), bytes.end(), [](uint8_t b) {
+        return b == 0xA5;
+      })) << size;
+    }
+  struct {
+    sandglass_light_info info = {};
+    uint64_t beyond = 7;
+  } longer;
+  const char* reason = nullptr;
+  const auto inspect = [&] {
+    return sandglass_light_inspect(random_light().data(), random_light().bytes, &longer.info, &reason);
+  };
+  longer.info.struct_size = 4;
+  EXPECT_EQ(inspect(), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_NE(std::string(reason).find("struct_size"), std::string::npos) << reason;
+  longer.info.struct_size = offsetof(sandglass_light_info, seed);
+  EXPECT_EQ(inspect(), SANDGLASS_OK);
+  EXPECT_EQ(longer.info.seed, 0u);
+  longer.info.struct_size = sizeof longer;
+  EXPECT_EQ(inspect(), SANDGLASS_OK);
+  EXPECT_EQ(longer.info.seed, 7u);
+  EXPECT_EQ(longer.beyond, 7u);
+}
+
 // ------------------------------------------------------------------------------------------------------- bad input
 
 TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
@@ -298,7 +401,7 @@ TEST(LightInput, AHugeImageIsReadWhereItShouldBe) {
   ramp.image.focal_y = static_cast<float>(k_light_focal * k_height / 192.0);
   std::vector<uint8_t> rgb(3 * k_light_width * k_light_height);
   std::vector<uint32_t> sums(k_camera_sums);
-  resample_camera_rows(ramp.image, 0, k_light_height, rgb.data(), sums.data());
+  resample_camera_block(ramp.image, whole_camera_block(ramp.image), rgb.data(), sums.data());
   for (uint32_t y = 0; y < k_light_height; ++y)
     for (uint32_t x = 0; x < k_light_width; ++x) {
       const uint8_t* p = rgb.data() + 3 * (y * k_light_width + x);

@@ -145,6 +145,7 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
     changes += report.light_changed;
   }
   sandglass_light_estimate estimate;
+  estimate.struct_size = sizeof estimate;
   sandglass_light_get(light, &estimate);
   const uint64_t calls = sandglass::host::stop_counting_allocations();
   EXPECT_TRUE(fine);

@@ -2,6 +2,7 @@
 """Runs the Conan recipe as `conan create` would: the names that it imports are defined here by what Conan 2 documents of them.
 
     conan_recipe.py CONANFILE WORK_FOLDER [COMPILER_LAUNCHER]
+    conan_recipe.py CONANFILE WORK_FOLDER --settings          only for which settings it says to build
 
 The exported sources are copied to a folder of their own first, so a file that the recipe forgets to export fails the build.
 """
@@ -13,7 +14,8 @@ import sys
 import types
 
 recipe_path, work = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-launcher = sys.argv[3] if len(sys.argv) > 3 else None
+settings_only = sys.argv[3:] == ["--settings"]
+launcher = sys.argv[3] if len(sys.argv) > 3 and not settings_only else None
 
 
 class ConanInvalidConfiguration(Exception):
@@ -94,12 +96,19 @@ def main():
     recipe.settings = types.SimpleNamespace(os="Linux", arch="armv7", compiler="gcc", build_type="Release")
     recipe.cpp_info = types.SimpleNamespace(builddirs=[], libs=[], system_libs=[], set_property=lambda name, value: None)
 
-    try:
-        recipe.validate()
-        sys.exit("32-bit ARM was not refused")
-    except ConanInvalidConfiguration as refusal:
-        print(f"refused: {refusal}")
-    recipe.settings.arch = "x86_64"
+    # The rows of the README's table of targets.
+    for system, processor, built in (("Linux", "armv7", False), ("Android", "armv7", False), ("Android", "x86_64", False),
+                                     ("iOS", "x86_64", False), ("Macos", "armv8", False), ("Windows", "x86_64", False),
+                                     ("Android", "armv8", True), ("iOS", "armv8", True), ("Linux", "armv8", True),
+                                     ("Linux", "x86_64", True)):
+        recipe.settings.os, recipe.settings.arch = system, processor
+        try:
+            recipe.validate()
+            expect(built, f"{system} on {processor} was not refused")
+        except ConanInvalidConfiguration as refusal:
+            expect(not built, str(refusal))
+    if settings_only:
+        return print("the recipe builds for what is built")
     for step in (recipe.validate, recipe.export_sources, recipe.layout, recipe.generate, recipe.build, recipe.package,
                  recipe.package_info):
         step()

@@ -42,6 +42,7 @@ static unsafe class Pour {
     input.colliders = &floor;
     input.collider_count = 1;
     var report = new sandglass_frame_report();
+    report.struct_size = (uint)Marshal.SizeOf(typeof(sandglass_frame_report));
     for (int frame = 0; frame < 60; ++frame) Check(Native.sandglass_scene_frame(scene, ref input, ref report, out reason), reason);
     Console.WriteLine("{0} particles, {1} kernels, fastest {2:F3} m/s", report.particles,
                       Native.Text(Native.sandglass_isa_name(Native.sandglass_scene_isa(scene))), report.speed_max);

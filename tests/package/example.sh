@@ -20,4 +20,13 @@ grep -q "$source: ." "$output.said"
 if "$@" "$light" "$source" "$output.not" 2>"$output.said"; then echo "a source file passed for a shadow"; exit 1; fi
 grep -q "$source: ." "$output.said"
 if "$@" "$source.missing" "$shadow" "$output.not" 2>"$output.said"; then echo "a missing file passed"; exit 1; fi
+# A folder is no file: its sentence, and no abort.
+mkdir -p "$output.folder"
+for files in "$output.folder $shadow" "$light $output.folder"; do
+  read -r first second <<<"$files"
+  code=0
+  "$@" "$first" "$second" "$output.not" 2>"$output.said" || code=$?
+  ((code == 1)) || { echo "a folder ended it with $code"; exit 1; }
+  grep -q "$output.folder: ." "$output.said"
+done
 [[ ! -e $output.not ]]

@@ -1,18 +1,34 @@
 #!/usr/bin/env bash
-# What a capability weighs in an app after the linker has dropped unused sections: the program's code and constant data less
-# those of an empty one.
-#   footprint.sh NOTHING CAPABILITY PROGRAM LIMIT_KIB FORBIDDEN_SYMBOLS
-# Fails above the limit, and when a symbol of another capability (an extended regular expression) came along.
-# NM and SIZE name the tools of the target.
+# What a capability weighs in an app after the linker has dropped unused sections: the code and constant data of a program, or of a
+# shared library as every Android app is one, less those of an empty one.
+#   footprint.sh EMPTY CAPABILITY APP FIGURE FORBIDDEN_SYMBOLS
+# FIGURE is what it weighs in KiB, or the name of a row of the table in $README. Fails a quarter above it, when a symbol of another
+# capability (an extended regular expression) came along, and when a shared library exports functions of Sandglass. With
+# ROUNDING=PERCENT the figure must be right to that much. NM and SIZE name the tools of the target.
 set -euo pipefail
-nothing=$1 capability=$2 program=$3 limit=$4 forbidden=$5
+empty=$1 capability=$2 app=$3 figure=$4 forbidden=$5
 
 bytes() { "$SIZE" "$1" | awk 'NR == 2 {print $1 + $2}'; }
 
-weight=$(($(bytes "$program") - $(bytes "$nothing")))
-printf '%s: %d bytes of code and constants, limit %d KiB\n' "$capability" "$weight" "$limit"
-if "$NM" -C "$program" | grep -E "$forbidden" >&2; then
+if [[ ! $figure =~ ^[0-9]+$ ]]; then
+  row=$figure
+  figure=$(awk -F ' *[|] *' -v row="$row" '$2 == row {print $3}' "$README")
+  [[ $figure =~ ^[0-9]+$ ]] || { echo "README has no figure for '$row': '$figure'"; exit 1; }
+fi
+weight=$(($(bytes "$app") - $(bytes "$empty")))
+limit=$((figure * 1024 * 5 / 4))
+printf '%s: %d bytes of code and constants (%d KiB), limit %d\n' "$capability" "$weight" $(((weight + 512) / 1024)) "$limit"
+if "$NM" -C "$app" | grep -E "$forbidden" >&2; then
   echo "a capability that the app does not use was linked: the symbols above"
   exit 1
 fi
-((weight <= limit * 1024)) || { echo "heavier than the limit"; exit 1; }
+if [[ $app == *.so ]] && "$NM" -D --defined-only "$app" | grep sandglass_ >&2; then
+  echo "the app's library exports functions of Sandglass, the symbols above: a linker keeps them, used or not"
+  exit 1
+fi
+((weight <= limit)) || { echo "heavier than the limit, a quarter above $figure KiB"; exit 1; }
+if [[ -n ${ROUNDING-} ]]; then
+  wrong=$((weight - figure * 1024))
+  ((${wrong#-} * 100 <= figure * 1024 * ROUNDING)) ||
+    { echo "the figure of $figure KiB is wrong by more than $ROUNDING %: $(((weight + 512) / 1024)) KiB"; exit 1; }
+fi

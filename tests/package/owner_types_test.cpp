@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sandglass/sandglass.hpp"
+#include "tests/filled_struct.h"
 
 extern "C" const uint32_t c99_struct_sizes[];
 
@@ -41,6 +42,44 @@ TEST(OwnerTypes, StructsHaveOneSizeInC99AndInCxx20) {
   EXPECT_EQ(c99_struct_sizes[1], sizeof(sandglass_frame_input));
   EXPECT_EQ(c99_struct_sizes[2], sizeof(sandglass_frame_report));
   EXPECT_EQ(c99_struct_sizes[3], sizeof(sandglass_granular_desc));
+}
+
+// Frames of the same scene from its beginning, into the reports of apps of every age; then the report's plan, which the
+// library reads, and the levels, which are its own.
+TEST(OwnerTypes, AReportIsFilledWithinItsSizeAndItsPlanReadWhole) {
+  sandglass::Scene scene;
+  ASSERT_TRUE(scene.create(small_scene()));
+  sandglass_frame_input input = sandglass::frame_input();
+  input.time_step = 1.0f / 60.0f;
+  const auto begin = [&] {
+    sandglass_scene_reset(scene.get());
+    EXPECT_TRUE(scene.add(k_two_particles));
+  };
+  sandglass::tests::expect_filled_within_its_size<sandglass_frame_report>(
+      [&](sandglass_frame_report* report) {
+        begin();
+        return sandglass_scene_frame(scene.get(), &input, report, nullptr) == SANDGLASS_OK;
+      },
+      true);
+  begin();
+  const uint64_t before = scene.hash();
+  sandglass_frame_report report = {};
+  EXPECT_EQ(sandglass_scene_frame(scene.get(), &input, &report, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(scene.hash(), before);  // refused before anything moved
+  report.struct_size = sizeof report;
+  ASSERT_EQ(sandglass_scene_frame(scene.get(), &input, &report, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(report.plan.struct_size, sizeof report.plan);
+  sandglass_plan plan = report.plan;
+  input.plan = &plan;
+  begin();
+  for (const uint32_t size : {0u, 8u, static_cast<uint32_t>(sizeof plan) - 4, static_cast<uint32_t>(sizeof plan) + 4}) {
+    plan.struct_size = size;
+    EXPECT_EQ(sandglass_scene_frame(scene.get(), &input, &report, nullptr), SANDGLASS_ERROR_REPLAY) << size;
+  }
+  plan.struct_size = sizeof plan;
+  EXPECT_EQ(sandglass_scene_frame(scene.get(), &input, &report, nullptr), SANDGLASS_OK);
+  for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level)
+    EXPECT_EQ(sandglass_level_describe(level)->struct_size, sizeof(sandglass_level)) << level;
 }
 
 TEST(OwnerTypes, DefaultsCarryTheirStructSize) {

@@ -10,7 +10,8 @@
 #   symbols.sh exported SHARED_LIBRARY INCLUDE_FOLDER
 #                                       a plug-in made of the whole archive exports the functions of the headers and no other
 #
-# NM, LD and READELF name the tools of the target. WITH_XNNPACK=1: the archive was configured to ask for XNNPACK.
+# NM, LD and READELF name the tools of the target; one that fails or says nothing is a failure of the test, not a clean archive.
+# WITH_XNNPACK=1: the archive was configured to ask for XNNPACK.
 set -euo pipefail
 
 # memory    : the four block functions that compilers emit on their own, and their string cousins that the verifier needs
@@ -23,55 +24,71 @@ readonly allowed='^(mem(cpy|move|set|cmp)|str(len|cmp|ncmp)'\
 '|(sqrt|floor|ceil|trunc|rint|nearbyint|fabs|fmin|fmax)f?'\
 '|bzero|memset_pattern(4|8|16)|__stack_chk_(fail|guard)|_GLOBAL_OFFSET_TABLE_|__(u?div|u?mod|mul)ti3|__cpu_model|__cpu_indicator_init)$'
 
+# said_by WHAT TOOL ARGUMENTS...: what the tool printed, WHAT says of it in a sentence. Called before it is looked at: a failure inside
+# <(...) would be lost.
+said_by() {
+  local what=$1 said
+  shift
+  said=$("$@") || { echo "$1 failed: it was to tell $what" >&2; return 1; }
+  [[ -n $said ]] || { echo "$1 printed nothing: it was to tell $what" >&2; return 1; }
+  echo "$said"
+}
+
+readonly sections_before_main='\.(init_array|fini_array|preinit_array|ctors|dtors|tbss|tdata)\b'\
+'|__mod_init_func|__mod_term_func|__thread_(data|bss|vars)'
+
+# look_at SYMBOLS SECTIONS ALSO_ALLOWED: one undefined symbol a line, and the tool's list of sections.
+look_at() {
+  local symbol section failed=0
+  while read -r symbol; do
+    # Mach-O puts an underscore before every name of C.
+    [[ -z $symbol || $symbol =~ $allowed || ${symbol#_} =~ $allowed || $symbol =~ $3 ]] && continue
+    echo "forbidden symbol: $symbol ($(c++filt "$symbol"))"
+    failed=1
+  done <<<"$1"
+  while read -r section; do
+    [[ -z $section ]] && continue
+    echo "forbidden section: $section"
+    failed=1
+  done < <(grep -oE "$sections_before_main" <<<"$2" | sort -u)
+  echo "undefined: ${1//$'\n'/ }"
+  return "$failed"
+}
+
 archive() {
-  local merged symbol section failed=0
-  local also='^$'
+  local merged undefined defined sections also='^$'
   [[ ${WITH_XNNPACK:-0} == 0 ]] || also='^xnn_[a-z0-9_]+$'
   merged=$(mktemp)
   trap 'rm -f "$merged"' RETURN
   "$LD" -r --whole-archive "$1" -o "$merged"
-  while read -r _ symbol; do
-    [[ $symbol =~ $allowed || $symbol =~ $also ]] && continue
-    echo "forbidden symbol: $symbol ($(echo "$symbol" | c++filt))"
-    failed=1
-  done < <("$NM" -u "$merged")
-  while read -r section; do
-    echo "forbidden section: $section"
-    failed=1
-  done < <("$READELF" -SW "$merged" | grep -oE '\.(init_array|fini_array|preinit_array|ctors|dtors|tbss|tdata)\b' | sort -u)
-  echo "undefined: $("$NM" -u "$merged" | awk '{printf "%s ", $2}')"
-  return "$failed"
+  # What is defined tells a tool that works from one that does not: an archive may need nothing.
+  defined=$(said_by "what $1 defines" "$NM" --defined-only "$merged")
+  undefined=$("$NM" -u "$merged" | awk '{print $2}')
+  sections=$(said_by "the sections of $1" "$READELF" -SW "$merged")
+  look_at "$undefined" "$sections" "$also"
 }
 
 members() {
-  local undefined symbol failed=0
-  # Mach-O puts an underscore before every name of C.
-  undefined=$(comm -23 <("$NM" -u -j "$1" | grep -vE ':$|^$' | sort -u) <("$NM" --defined-only -j "$1" | grep -vE ':$|^$' | sort -u))
-  for symbol in $undefined; do
-    [[ $symbol =~ $allowed || ${symbol#_} =~ $allowed ]] && continue
-    echo "forbidden symbol: $symbol"
-    failed=1
-  done
-  while read -r section; do
-    echo "forbidden section: $section"
-    failed=1
-  done < <("$READELF" --sections "$1" | grep -oE '\.(init_array|fini_array|preinit_array|ctors|dtors|tbss|tdata)\b|__mod_init_func|__mod_term_func|__thread_(data|bss|vars)' |
-    sort -u)
-  echo "undefined: ${undefined//$'\n'/ }"
-  return "$failed"
+  local undefined defined sections
+  defined=$(said_by "what $1 defines" "$NM" --defined-only -j "$1")
+  undefined=$("$NM" -u -j "$1")
+  sections=$(said_by "the sections of $1" "$READELF" --sections "$1")
+  undefined=$(comm -23 <(grep -vE ':$|^$' <<<"$undefined" | sort -u) <(grep -vE ':$|^$' <<<"$defined" | sort -u))
+  look_at "$undefined" "$sections" '^$'
 }
 
 isa() {
-  local object name symbol tables=0 failed=0
+  local object name symbol symbols tables=0 failed=0
   for object in "$@"; do
     [[ $(basename "$object") =~ ^table_([a-z0-9_]+)\. ]] || continue
     name=${BASH_REMATCH[1]}
     tables=$((tables + 1))
+    symbols=$(said_by "what $object defines" "$NM" -gC --defined-only "$object")
     while read -r symbol; do
       [[ -z $symbol || $symbol == *"$name"* ]] && continue
       echo "$(basename "$object") defines a symbol outside its namespace: $symbol"
       failed=1
-    done < <("$NM" -gC --defined-only "$object" | cut -d' ' -f3-)
+    done < <(cut -d' ' -f3- <<<"$symbols")
   done
   echo "$tables instruction-set tables looked at"
   ((tables > 0)) || failed=1
@@ -82,7 +99,8 @@ exported() {
   local declared found
   declared=$(tr '\n' ' ' < <(cat "$2"/sandglass/*.h) | grep -oE 'SANDGLASS_API [^;/]*\(' | grep -oE 'sandglass_[a-z0-9_]+\(' | tr -d '(' |
     sort -u)
-  found=$("$NM" -D --defined-only "$1" | awk '{print $3}' | sort -u)
+  found=$(said_by "what $1 exports" "$NM" -D --defined-only "$1")
+  found=$(awk '{print $3}' <<<"$found" | sort -u)
   diff <(echo "$declared") <(echo "$found") || { echo "the headers (<) and what is exported (>) differ"; return 1; }
   echo "$(wc -l <<<"$found") functions exported"
 }

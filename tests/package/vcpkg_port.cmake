@@ -1,5 +1,8 @@
 # Runs the vcpkg port as vcpkg would: the functions that it calls are defined here by what vcpkg documents of them.
-#   cmake -DPORT=portfile.cmake -DWORK=DIR [-DGENERATOR=Ninja] -P vcpkg_port.cmake
+#   cmake -DPORT=portfile.cmake -DWORK=DIR -DFLATBUFFERS_INCLUDE=DIR [-DGENERATOR=Ninja] [-DCONFIGURE_ONLY=ON] -P vcpkg_port.cmake
+# As there, CMake may download nothing, and headers that are installed on this machine are not seen: FlatBuffers comes from the archive
+# that the port names, for which a copy of this machine's headers stands in.
+cmake_policy(VERSION 3.25)
 set(CURRENT_PACKAGES_DIR ${WORK}/packages/sandglass)
 file(REMOVE_RECURSE ${WORK})
 
@@ -11,15 +14,37 @@ function(vcpkg_check_linkage kind)
     message(FATAL_ERROR "unknown linkage ${kind}")
   endif()
 endfunction()
+function(vcpkg_from_github)
+  cmake_parse_arguments(arg "" "OUT_SOURCE_PATH;REPO;REF;SHA512" "" ${ARGN})
+  get_filename_component(folder ${PORT} DIRECTORY)
+  file(STRINGS ${folder}/../../cmake/SandglassFlatBuffers.cmake pinned REGEX "set\\(sandglass_flatbuffers_version ")
+  string(REGEX REPLACE "^.* ([0-9.]+).$" "v\\1" pinned "${pinned}")
+  if(NOT "${arg_REPO} ${arg_REF}" STREQUAL "google/flatbuffers ${pinned}")
+    message(FATAL_ERROR "the port takes ${arg_REPO} ${arg_REF}, CMake's pin is ${pinned}")
+  endif()
+  string(LENGTH "${arg_SHA512}" digits)
+  if(NOT digits EQUAL 128 OR NOT arg_SHA512 MATCHES "^[0-9a-f]+$")
+    message(FATAL_ERROR "not a SHA-512: ${arg_SHA512}")
+  endif()
+  file(COPY ${FLATBUFFERS_INCLUDE}/flatbuffers DESTINATION ${WORK}/flatbuffers/include)
+  set(${arg_OUT_SOURCE_PATH} ${WORK}/flatbuffers PARENT_SCOPE)
+endfunction()
 function(vcpkg_cmake_configure)
   cmake_parse_arguments(arg "" "SOURCE_PATH" "OPTIONS" ${ARGN})
   run(${CMAKE_COMMAND} -S ${arg_SOURCE_PATH} -B ${WORK}/build -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Release ${LAUNCHER}
+    -DFETCHCONTENT_FULLY_DISCONNECTED=ON -DCMAKE_IGNORE_PATH=/usr/include
     -DCMAKE_INSTALL_LIBDIR=lib -DCMAKE_INSTALL_PREFIX=${CURRENT_PACKAGES_DIR} ${arg_OPTIONS})
 endfunction()
 function(vcpkg_cmake_install)
+  if(CONFIGURE_ONLY)
+    return()
+  endif()
   run(${CMAKE_COMMAND} --build ${WORK}/build --target install --parallel 2)
 endfunction()
 function(vcpkg_cmake_config_fixup)
+  if(CONFIGURE_ONLY)
+    return()
+  endif()
   cmake_parse_arguments(arg "" "CONFIG_PATH" "" ${ARGN})
   file(COPY ${CURRENT_PACKAGES_DIR}/${arg_CONFIG_PATH}/ DESTINATION ${CURRENT_PACKAGES_DIR}/share/sandglass)
   file(REMOVE_RECURSE ${CURRENT_PACKAGES_DIR}/${arg_CONFIG_PATH})
@@ -33,6 +58,17 @@ endfunction()
 
 include(${PORT})
 
+# What the README says is not built, the port must not claim.
+get_filename_component(folder ${PORT} DIRECTORY)
+file(READ ${folder}/vcpkg.json manifest)
+string(JSON supports GET "${manifest}" supports)
+if(NOT supports STREQUAL "(linux & (x64 | arm64)) | ((android | ios) & arm64)")
+  message(FATAL_ERROR "the port claims to support ${supports}")
+endif()
+if(CONFIGURE_ONLY)
+  message(STATUS "the port configures without a download and without the system's headers")
+  return()
+endif()
 foreach(file lib/libsandglass.a include/sandglass/sandglass.h share/sandglass/sandglassConfig.cmake lib/pkgconfig/sandglass.pc
              share/sandglass/LICENSE)
   if(NOT EXISTS ${CURRENT_PACKAGES_DIR}/${file})

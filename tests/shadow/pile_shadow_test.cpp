@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "sandglass/sandglass.hpp"
+#include "tests/filled_struct.h"
 
 namespace {
 
@@ -279,6 +280,17 @@ TEST(PileShadow, RefusesWithASentence) {
   ASSERT_EQ(t.valid, 1u);
   for (uint32_t i = 0; i < 128 * 128; ++i) ASSERT_EQ(t.coverage[i], 0);
   for (size_t i = bytes; i < sizeof block; ++i) ASSERT_EQ(block[i], 0x5a);
+}
+
+TEST(PileShadow, FillsNoByteBeyondTheCallersTexture) {
+  const Shadow shadow(description());
+  shadow.light({40, 90});
+  sandglass::tests::expect_filled_within_its_size<sandglass_pile_shadow_texture>(
+      [&](sandglass_pile_shadow_texture* texture) {
+        sandglass_pile_shadow_get_texture(shadow.handle, texture);
+        return true;
+      },
+      false);
 }
 
 // A block of sand that falls, spreads and comes to rest, at one unit of shadow a frame beside all of the sand's work.

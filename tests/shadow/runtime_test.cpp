@@ -2,10 +2,12 @@
 // memory to the byte.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "runtime/asset/shadow_asset.h"
+#include "tests/filled_struct.h"
 #include "tests/shadow/shadow_fixture.h"
 
 namespace {
@@ -115,16 +117,22 @@ TEST(Shadow, OneUnitAFrameGivesTheSameTextureLater) {
 
 TEST(Shadow, ALightThatNeverStopsStillGetsTextures) {
   LiveShadow shadow(describe(make_shadow_file({32, 1, 10, 4, 11, 0.6f})));
-  uint32_t changes = 0, oldest = 0;
+  uint32_t changes = 0, oldest = 0, most_units = 0;
+  constexpr uint32_t k_units_a_frame = 5;
   std::vector<uint8_t> last = shadow.coverage();
   for (int frame = 0; frame < 1000; ++frame) {
     shadow.light(std::sin(0.02f * static_cast<float>(frame)), 1, 0.3f);
-    sandglass_shadow_run(&shadow.shadow, 1, 5);
+    if (frame == 0) most_units = sandglass_shadow_units_left(shadow.shadow);  // of one texture
+    sandglass_shadow_run(&shadow.shadow, 1, k_units_a_frame);
     oldest = std::max(oldest, shadow.texture().age);
     if (shadow.coverage() != last) ++changes, last = shadow.coverage();
   }
   EXPECT_GT(changes, 10u);
   EXPECT_GT(shadow.texture().age, 0u);
+  // The one that is shown was begun a texture ago when it arrived, and stays for a texture more; a frame may be shared.
+  const uint32_t frames = (most_units + k_units_a_frame - 1) / k_units_a_frame;
+  EXPECT_LE(oldest, 2 * frames + 1);
+  EXPECT_LT(2 * frames + 1, 500u);  // of 1000: else the bound says nothing
 }
 
 TEST(Shadow, NothingIsComputedForALightThatHardlyMoved) {
@@ -266,20 +274,47 @@ TEST(Shadow, EveryBlockThatIsTooSmallIsRefusedUntouched) {
   EXPECT_TRUE(block.guards_intact());
 }
 
-TEST(Shadow, ResamplingKeepsTheMean) {
+TEST(Shadow, FillsNoByteBeyondTheCallersStructs) {
+  const AssetFile file = make_shadow_file(k_network);
+  LiveShadow shadow(describe(file));
+  shadow.light(0.5f, 1, 0.25f);
+  shadow.finish();
+  for (const uint32_t light : {0u, 1u})  // the second is none
+    expect_filled_within_its_size<sandglass_shadow_texture>(
+        [&](sandglass_shadow_texture* texture) {
+          sandglass_shadow_get_texture(shadow.shadow, light, texture);
+          return true;
+        },
+        false);
+  expect_filled_within_its_size<sandglass_shadow_info>(
+      [&](sandglass_shadow_info* info) {
+        return sandglass_shadow_inspect(file.data(), file.bytes, info, nullptr) == SANDGLASS_OK;
+      },
+      true);
+}
+
+// Each texel against the mean of the 2 x 2 that it covers, or bilinear interpolation at its centre, both in double.
+TEST(Shadow, ResamplingIsTheMeanOrBilinear) {
   LiveShadow shadow(describe(make_shadow_file(k_network)));
   shadow.light(0.5f, 1, 0.25f);
   shadow.finish();
   const std::vector<uint8_t> native = shadow.coverage();
-  const auto mean = [](const std::vector<uint8_t>& t) {
-    double sum = 0;
-    for (const uint8_t c : t) sum += c;
-    return sum / static_cast<double>(t.size());
+  const auto texel = [&](double x, double y) {  // to the edge and no further
+    const auto u = static_cast<uint32_t>(std::clamp(x, 0.0, k_size - 1.0));
+    const auto v = static_cast<uint32_t>(std::clamp(y, 0.0, k_size - 1.0));
+    return static_cast<double>(native[v * k_size + u]);
   };
   for (const uint32_t size : {128u, 256u, 512u}) {
     std::vector<uint8_t> out(size * size);
     ASSERT_EQ(sandglass_shadow_resample(shadow.shadow, 0, size, out.data(), nullptr), SANDGLASS_OK);
-    EXPECT_NEAR(mean(out), mean(native), 0.2) << size;
+    for (uint32_t v = 0; v < size; ++v)
+      for (uint32_t u = 0; u < size; ++u) {
+        const double at_x = (u + 0.5) * k_size / size - 0.5, at_y = (v + 0.5) * k_size / size - 0.5;
+        const double x = std::floor(at_x), y = std::floor(at_y), fx = at_x - x, fy = at_y - y;
+        const double expected = (1 - fy) * ((1 - fx) * texel(x, y) + fx * texel(x + 1, y)) +
+                                fy * ((1 - fx) * texel(x, y + 1) + fx * texel(x + 1, y + 1));
+        ASSERT_LE(std::fabs(out[v * size + u] - expected), 0.5) << size << ": " << u << " " << v;
+      }
   }
   uint8_t byte = 0;
   EXPECT_EQ(sandglass_shadow_resample(shadow.shadow, 0, 64, &byte, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);

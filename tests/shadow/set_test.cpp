@@ -148,6 +148,31 @@ TEST(ShadowSet, CombinedLightsAreWeightedByTheirIrradiance) {
   EXPECT_EQ(sandglass_shadow_combine(shadow.shadow, 1025, &byte, low, high, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
+// A light that shines where nothing of its shadow is known yet counts as light: 1 of 10 parts are known to be shaded.
+TEST(ShadowSet, ALightWithoutATextureYetIsCombinedAsUnshaded) {
+  const AssetFile file = make_shadow_file(k_network);
+  LiveShadow one(describe(file)), two(describe_lights(file, 2));
+  one.light(0.5f, 1, 0.1f), one.finish();
+  set_light(two, 0, 0.5f, 0.1f, 1), two.finish();
+  set_light(two, 1, -0.6f, 0.4f, 9);
+  ASSERT_EQ(two.texture(1).valid, 0u);
+  ASSERT_EQ(two.texture(1).opacity, 1.0f);
+  constexpr uint32_t k_out = 100;
+  std::vector<uint8_t> alone(k_out * k_out), together(k_out * k_out);
+  float low[2][2], high[2][2];
+  ASSERT_EQ(sandglass_shadow_combine(one.shadow, k_out, alone.data(), low[0], high[0], nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_shadow_combine(two.shadow, k_out, together.data(), low[1], high[1], nullptr), SANDGLASS_OK);
+  for (int axis = 0; axis < 2; ++axis) {
+    EXPECT_EQ(low[0][axis], low[1][axis]);
+    EXPECT_EQ(high[0][axis], high[1][axis]);
+  }
+  EXPECT_GT(*std::max_element(alone.begin(), alone.end()), 200);
+  for (uint32_t i = 0; i < k_out * k_out; ++i) ASSERT_NEAR(together[i], 0.1 * alone[i], 0.55) << i;  // both are rounded
+  two.finish();
+  ASSERT_EQ(sandglass_shadow_combine(two.shadow, k_out, together.data(), low[1], high[1], nullptr), SANDGLASS_OK);
+  EXPECT_GT(*std::max_element(together.begin(), together.end()), 100);  // the strong light's shadow
+}
+
 // ------------------------------------------------------------------------------------------------------- in the frame
 
 struct SandScene {

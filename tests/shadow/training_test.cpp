@@ -10,6 +10,7 @@
 #include "models/shadow/quantise.h"
 #include "models/shadow/shadow_runner.h"
 #include "models/shadow/trainer.h"
+#include "models/shadow/validate.h"
 
 namespace {
 
@@ -79,6 +80,27 @@ TEST(ShadowTraining, GradientIsTheSlopeOfTheLoss) {
     difference += std::pow(slope - static_cast<double>(gradient[i]), 2), length += slope * slope;
   }
   EXPECT_LT(std::sqrt(difference), 0.02 * std::sqrt(length));
+}
+
+// Whatever the two counts, equal ones above all. The spacing of n points is the side of the square that each has.
+TEST(ShadowTraining, NoUnseenLightIsATrainedOne) {
+  const double polar_max = 70 * k_pi / 180, area = 2 * k_pi * (1 - std::cos(polar_max));
+  const auto nearest = [](const std::vector<Direction>& lights, const std::vector<Direction>& trained) {
+    double least = 4;
+    for (const Direction& a : lights)
+      for (const Direction& b : trained) least = std::min(least, std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]));
+    return least;
+  };
+  constexpr std::pair<uint32_t, uint32_t> k_counts[] = {{16, 16},     {960, 960},  {4816, 4816},
+                                                        {4816, 1000}, {4816, 301}, {16, 1000}};
+  for (const auto& [trained, unseen] : k_counts) {
+    const std::vector<Direction> ring = ring_directions(polar_max, trained);
+    const std::vector<Direction> lights = unseen_directions(polar_max, unseen);
+    ASSERT_EQ(lights.size(), unseen);
+    EXPECT_GT(nearest(lights, ring), 1e-3 * std::sqrt(area / trained)) << trained << " trained, " << unseen;
+    EXPECT_NEAR(lights.back()[1], ring_directions(polar_max, unseen).back()[1], 1e-12);  // as far from the zenith
+  }
+  EXPECT_EQ(nearest(ring_directions(polar_max, 960), ring_directions(polar_max, 960)), 0);  // what it would see
 }
 
 TEST(ShadowTraining, SameNetworkOnAnyNumberOfThreads) {

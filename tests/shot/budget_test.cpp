@@ -1,12 +1,15 @@
 // Sand, light, an object's shadow and the sand's own, all active in one budget and one thread: the law holds in CPU
 // time, nothing is owed at 8 ms, and what a description leaves out takes neither memory nor time.
 //
-// The scene's clock counts the thread's own CPU time: what else runs on the machine is not the library's doing.
+// The scene's clock counts the thread's own CPU time: what else runs on the machine is not the library's doing. But a
+// processor that others share does the same work in twice the time, and then 8 ms are 4. So what is said of every frame
+// at 8 ms is said by a clock on which each unit takes what it takes on a machine of its own.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <cstdio>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -35,11 +38,38 @@ using sandglass::test::FramesAndControl;
 using sandglass::test::percentile_999;
 using sandglass::test::thread_cpu_ns;
 
+// Moves by every unit's median cost in a run of the shot on the development machine, microseconds; counts the units.
+struct UnitClock {
+  uint64_t now_ns = 0;
+  uint64_t scale = 1;
+  std::map<std::string, uint64_t> units, spent_ns;  // by the first word of their names
+  static uint64_t now(void* user) { return static_cast<UnitClock*>(user)->now_ns; }
+  static void begin(void*, const char*) {}
+  static void end(void* user, const char* name) {
+    static const std::map<std::string, double> k_costs = {
+        {"granular.lists", 36.9},   {"granular.rest", 11.6},   {"granular.solve", 15.3},
+        {"granular.sort", 1.3},     {"granular.wake", 0.1},    {"granular.wake_lists", 4.0},
+        {"light.1x1", 12.1},        {"light.3x3", 10.4},       {"light.heads", 47.0},
+        {"light.image", 57.5},      {"light.pool", 40.0},      {"light.stem", 12.3},
+        {"light.transition", 13.5}, {"output.grains", 5.7},    {"pile_shadow.columns", 26.9},
+        {"pile_shadow.floor", 2.8}, {"pile_shadow.sand", 3.3}, {"refine.grains", 21.2},
+        {"refine.snapshot", 1.3},   {"refine.sort", 2.4},      {"refine.triage", 5.3},
+        {"shadow.coarse", 13.2},    {"shadow.decide", 11.4},   {"shadow.refine", 12.8},
+        {"shadow.rows", 7.3}};
+    UnitClock* clock = static_cast<UnitClock*>(user);
+    const auto cost = k_costs.find(name);
+    ASSERT_NE(cost, k_costs.end()) << "no cost of " << name;
+    const uint64_t ns = clock->scale * static_cast<uint64_t>(1e3 * cost->second);
+    const std::string word = cost->first.substr(0, cost->first.find('.'));
+    clock->now_ns += ns, clock->spent_ns[word] += ns, ++clock->units[word];
+  }
+};
+
 enum Stages : uint32_t { k_light = 1, k_shadow = 2, k_pile = 4, k_grains = 8, k_all = 15 };
 
 // 1,500 particles and 24,000 grains that fall and spread, a chair, a network of random weights, and a light that turns.
 struct Everything {
-  explicit Everything(uint32_t stages) : with(stages) {
+  explicit Everything(uint32_t stages, UnitClock* units = nullptr) : with(stages) {
     const char* reason = nullptr;
     const float r = 0.01f;
     const sandglass::Box box{{-0.1f, r, -0.1f}, {0.1f, 0.4f, 0.1f}};
@@ -54,6 +84,7 @@ struct Everything {
                              0.004f * (static_cast<float>(k >> axis & 1) - 0.5f * static_cast<float>(k >> 3)));
     sandglass_scene_desc desc = sandglass::scene_desc();
     desc.clock = {[](void*) { return thread_cpu_ns(); }, nullptr};
+    if (units != nullptr) desc.clock = {UnitClock::now, units}, desc.trace = {UnitClock::begin, UnitClock::end, units};
     desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
     desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
     desc.granular.collider_capacity = 1;
@@ -142,47 +173,50 @@ struct Everything {
 // The light turns by a degree a frame, so that both shadows always have work; the sand falls, spreads and comes to
 // rest.
 struct Law {
-  double debt = 0, cpu_p999_ms = 0, shadow_frames = 0, light_frames = 0;
+  double debt = 0, last_debt = 0;    // the most at the end of a frame, of the last one; seconds
+  int owing = 0, longest_owing = 0;  // frames; in a row
+  int textures = 0, first_light = 0;
   uint32_t worst_level = 0;
   FramesAndControl frames;
 };
+constexpr int k_frames = 400;
+constexpr double k_step = 1.0 / 60;
 
-Law run(uint64_t budget_ns) {
-  constexpr int k_frames = 400;
-  Everything all(k_all);
+Law run(uint64_t budget_ns, UnitClock* units = nullptr) {
+  Everything all(k_all, units);
   Law law;
   std::vector<uint64_t> spent;
-  int textures = 0, first_light = -1;
+  int owing = 0;
   float last_azimuth = 1e9f;
   for (int i = 0; i < k_frames; ++i) {
     const uint64_t before = thread_cpu_ns();
     const sandglass_frame_report report = all.frame(budget_ns, 0.8, 0.0174533 * i);
     spent.push_back(thread_cpu_ns() - before);
     EXPECT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
-    // Setting two lights and the call around the units: 200 us.
-    const uint64_t allowed =
-        std::max(budget_ns, report.mandatory_ns) + std::max(report.longest_unit_ns, report.last_unit_ns) + 200'000;
-    law.frames.over_ns.push_back(spent.back() > allowed ? spent.back() - allowed : 0);
-    law.frames.lost_ns.push_back(sandglass::test::lost_to_the_machine_ns(spent.back()));
-    law.debt = report.time_debt;
+    if (units == nullptr) {
+      // Setting two lights and the call around the units: 200 us.
+      const uint64_t allowed =
+          std::max(budget_ns, report.mandatory_ns) + std::max(report.longest_unit_ns, report.last_unit_ns) + 200'000;
+      law.frames.over_ns.push_back(spent.back() > allowed ? spent.back() - allowed : 0);
+      law.frames.lost_ns.push_back(sandglass::test::lost_to_the_machine_ns(spent.back()));
+    }
+    law.last_debt = report.time_debt, law.debt = std::max(law.debt, report.time_debt);
+    owing = report.time_debt > 0 ? owing + 1 : 0;
+    law.owing += owing > 0 ? 1 : 0, law.longest_owing = std::max(law.longest_owing, owing);
     law.worst_level = std::max(law.worst_level, report.level);
-    if (first_light < 0 && report.light_valid != 0) first_light = i + 1;
+    if (law.first_light == 0 && report.light_valid != 0) law.first_light = i + 1;
     sandglass_shadow_texture t = {};
     t.struct_size = sizeof t;
     sandglass_shadow_get_texture(all.shadow, 0, &t);
-    if (t.valid != 0 && t.light[0] != last_azimuth) ++textures, last_azimuth = t.light[0];
+    if (t.valid != 0 && t.light[0] != last_azimuth) ++law.textures, last_azimuth = t.light[0];
   }
-  law.cpu_p999_ms = 1e-6 * static_cast<double>(percentile_999(spent));
-  law.shadow_frames = static_cast<double>(k_frames) / std::max(1, textures), law.light_frames = first_light;
   std::printf(
-      "budget %.0f ms: p99.9 of CPU time %.2f ms, debt %.3f s, worst rung %u, a fresh shadow every %.1f frames, "
-      "first light in frame %d\n",
-      1e-6 * static_cast<double>(budget_ns), law.cpu_p999_ms, law.debt, law.worst_level, law.shadow_frames,
-      first_light);
-  if (k_as_it_ships) {
-    EXPECT_GT(textures, 20);
-    EXPECT_GT(first_light, 0);
-  }
+      "budget %.0f ms%s: p99.9 of CPU time %.2f ms, worst rung %u, a fresh shadow every %.1f frames, first light in "
+      "frame %d; %d frames owe, at most %.1f ms and %d in a row, the last one %.1f ms\n",
+      1e-6 * static_cast<double>(budget_ns), units != nullptr ? ", units' own clock" : "",
+      1e-6 * static_cast<double>(percentile_999(spent)), law.worst_level,
+      static_cast<double>(k_frames) / std::max(1, law.textures), law.first_light, law.owing, 1e3 * law.debt,
+      law.longest_owing, 1e3 * law.last_debt);
   return law;
 }
 
@@ -195,27 +229,67 @@ Law expect_law(uint64_t budget_ns) {
   return law;
 }
 
-TEST(ShotBudget, EightMillisecondsOweNothing) {
+// What is owed is made up for while it is less than two frames; more would be time that is given up.
+TEST(ShotBudget, EightMillisecondsHold) {
   const Law law = expect_law(8'000'000);
-  if (k_as_it_ships) {
-    EXPECT_EQ(law.debt, 0.0);
-  }
+  if (!k_as_it_ships) return;
+  EXPECT_EQ(law.last_debt, 0.0);
+  EXPECT_LT(law.debt, 2 * k_step);
+  EXPECT_GE(law.textures, k_frames / 2);
+  EXPECT_LE(law.first_light, 14);
+  EXPECT_GT(law.first_light, 0);
 }
-TEST(ShotBudget, FourMillisecondsHold) { expect_law(4'000'000); }
+
+TEST(ShotBudget, FourMillisecondsHold) {
+  const Law law = expect_law(4'000'000);
+  if (!k_as_it_ships) return;
+  EXPECT_GE(law.textures, k_frames / 4);
+  EXPECT_LE(law.first_light, 28);
+  EXPECT_GT(law.first_light, 0);
+}
+
+// All that is wanted fits 8 ms, at times only on a lower rung: no frame owes anything, the first one included, in which
+// no cost is known.
+TEST(ShotBudget, NoFrameOwesWhereTheBudgetFits) {
+  UnitClock clock;
+  const Law law = run(8'000'000, &clock);
+  EXPECT_EQ(law.debt, 0.0);
+  EXPECT_LE(law.worst_level, static_cast<uint32_t>(SANDGLASS_LEVEL_COARSE));
+  // The shadow moves in every frame, and a texture is done in the next one at the latest.
+  EXPECT_GE(law.textures, k_frames / 2);
+  // A fifth of what is left of 8 ms by mandatory units and output, 7 ms at least, is the light's.
+  UnitClock alone;
+  Everything light(k_light, &alone);
+  int frames = 0;
+  while (light.frame(8'000'000, 0.8, 0).light_valid == 0 && frames < 100) ++frames;
+  const double estimate_ns = static_cast<double>(alone.spent_ns["light"]);
+  EXPECT_LE(law.first_light, 1 + std::ceil(estimate_ns / (0.2 * 7e6)));
+}
+
+// A machine half as fast, on which not everything fits: what is owed stays below two frames and is paid back.
+TEST(ShotBudget, WhatIsOwedIsPaidBack) {
+  UnitClock clock;
+  clock.scale = 2;
+  const Law law = run(8'000'000, &clock);
+  EXPECT_LT(law.debt, 2 * k_step);
+  EXPECT_EQ(law.last_debt, 0.0);
+}
 
 TEST(ShotBudget, WhatIsLeftOutIsGone) {
   Everything all(k_all);
-  constexpr int k_frames = 30;
-  const auto units_of = [](Everything& scene, sandglass_stage stage) {
-    uint64_t units = 0;
-    for (int i = 0; i < k_frames; ++i) {
+  // Units of 30 frames, by the first word of their names.
+  const auto units_of = [](uint32_t stages) {
+    UnitClock clock;
+    Everything scene(stages, &clock);
+    for (int i = 0; i < 30; ++i) {
       const sandglass_frame_report report = scene.frame(8'000'000, 0.8, 0.02 * i);
-      units += report.stages[stage].units;
-      if (report.stages[stage].units == 0) {
-        EXPECT_EQ(report.stages[stage].elapsed_ns, 0u) << "no unit, no time";
+      for (const sandglass_stage_report& stage : report.stages) {
+        if (stage.units == 0) {
+          EXPECT_EQ(stage.elapsed_ns, 0u) << "no unit, no time";
+        }
       }
     }
-    return units;
+    return clock.units;
   };
   // All that the stages take is what each asks for, and the scene without them is one that never knew of them.
   const Everything sand(0);
@@ -227,24 +301,18 @@ TEST(ShotBudget, WhatIsLeftOutIsGone) {
   EXPECT_EQ(Everything(k_all & ~k_grains).bytes, all.bytes - grains);
   struct Part {
     uint32_t stage_bit;
-    sandglass_stage stage;
+    const char* word;
     uint64_t least_bytes;
   };
   // An estimate's planes, two textures of 64 KiB, two of 16 KiB twice, records of grains.
-  for (const Part part :
-       {Part{k_light, SANDGLASS_STAGE_LIGHTING, 1 << 20}, Part{k_shadow, SANDGLASS_STAGE_SHADOW, 2 << 16},
-        Part{k_pile, SANDGLASS_STAGE_SHADOW, 4 << 14}, Part{k_grains, SANDGLASS_STAGE_REFINE, 24000 * 32}}) {
-    Everything without(k_all & ~part.stage_bit);
-    EXPECT_GE(all.bytes, without.bytes + part.least_bytes) << part.stage_bit;
-    const bool shared = part.stage == SANDGLASS_STAGE_SHADOW;  // object and sand: both must go
-    if (shared) {
-      Everything neither(k_all & ~(k_shadow | k_pile));
-      EXPECT_EQ(units_of(neither, part.stage), 0u);
-    } else {
-      EXPECT_EQ(units_of(without, part.stage), 0u);
-    }
+  auto with = units_of(k_all);
+  for (const Part part : {Part{k_light, "light", 1 << 20}, Part{k_shadow, "shadow", 2 << 16},
+                          Part{k_pile, "pile_shadow", 4 << 14}, Part{k_grains, "refine", 24000 * 32}}) {
+    EXPECT_GE(all.bytes, Everything(k_all & ~part.stage_bit).bytes + part.least_bytes) << part.word;
+    auto without = units_of(k_all & ~part.stage_bit);
+    EXPECT_GE(with[part.word], 30u) << part.word;
+    EXPECT_EQ(without[part.word], 0u) << part.word;
   }
-  EXPECT_GT(units_of(all, SANDGLASS_STAGE_LIGHTING), 0u);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
 #include <numbers>
 
 #include "models/host/failure.h"
@@ -16,6 +17,7 @@
 #include "models/host/simulation.h"
 #include "models/host/standing_shadows.h"
 #include "models/lighting/panorama_file.h"
+#include "models/lighting/room_light.h"
 #include "models/shot/shot.h"
 #include "models/shot/shot_camera.h"
 #include "models/shot/shot_picture.h"
@@ -216,6 +218,95 @@ TEST(Shot, TheShadowDoesNotSwimWhileTheCameraTurns) {
   // Controls: a light that turns with the camera, and the lamp elsewhere, give other textures.
   EXPECT_FALSE(same(before[0], textures_of(swimming)[0]));
   EXPECT_FALSE(same(before[0], textures_of(normalised(first + Vec3{0.1, 0, 0}))[0]));
+}
+
+// A shot in a room with one lamp whose light the shipped network estimates, an estimate a frame.
+struct EstimatedTurn {
+  static constexpr double k_between = 0.25;  // seconds: the light's default interval
+  Folder folder;
+  SceneFile scene = shot_scene();
+  std::unique_ptr<Shot> shot;
+  EstimatedTurn(double turn_deg, uint32_t estimates) {
+    write_hdr(folder / "lamp.hdr", lamp_room({0.5, 1.0, 0.4}, 50));
+    scene.shot->turn_deg = turn_deg, scene.shot->sway_deg = 1;
+    scene.frames = estimates, scene.frame_step = k_between;
+    ShotOptions options;
+    options.panorama = folder / "lamp.hdr", options.light = LightSource::estimate;
+    shot = std::make_unique<Shot>(scene, options);
+  }
+  // The frame's image, estimated to its end: what the app has then, and what the network itself said.
+  FollowedLight follow(uint32_t frame) {
+    shot->begin(frame);
+    uint32_t taken = 0;
+    EXPECT_EQ(sandglass_light_set_image(shot->estimator(), shot->image(), &taken, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(taken, 1u) << frame;
+    while (sandglass_light_run(shot->estimator(), 1000) != 0) {
+    }
+    FollowedLight light = {};
+    light.filtered.struct_size = light.latest.struct_size = sizeof(sandglass_light_estimate);
+    sandglass_light_get(shot->estimator(), &light.filtered);
+    sandglass_light_get_latest(shot->estimator(), &light.latest);
+    return light;
+  }
+};
+
+Vec3 direction_of(const sandglass_light_estimate& e) { return {e.direction[0], e.direction[1], e.direction[2]}; }
+double between_deg(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / k_pi; }
+constexpr double k_step_limit_deg = 30;  // the filter's documented limit, an estimate
+
+// The filter's law (light.h): a step goes the share a of the way from the light to the newest estimate, both in the
+// world's frame. With estimates in the camera's axes, the pose left out, it does not.
+TEST(Shot, AnEstimatedLightFollowsTheFiltersLawWhileTheCameraTurns) {
+  if (shipped_light_network().empty()) GTEST_SKIP() << "no lighting network";
+  EstimatedTurn turn(90, 18);
+  const ShotCamera rest = resting_camera(*turn.scene.camera);
+  constexpr double k_share = EstimatedTurn::k_between / (0.4 + EstimatedTurn::k_between), k_held_off_deg = 40;
+  Vec3 before;
+  double greatest = 0, off_without_pose = 0;
+  for (uint32_t frame = 0; frame <= turn.scene.frames; ++frame) {
+    const FollowedLight light = turn.follow(frame);
+    const Vec3 now = direction_of(light.filtered), said = direction_of(light.latest);
+    if (frame > 0) {
+      EXPECT_NEAR(between_deg(turn.shot->light(frame).towards, before), 0, 1e-3) << "the light that the frame has";
+      const double share = std::max(k_share, 1.0 / (1 + frame)), step = between_deg(now, before);
+      const auto expected = [&](Vec3 newest) {
+        return std::min(k_step_limit_deg, share * between_deg(newest, before));
+      };
+      ASSERT_LT(between_deg(said, before), k_held_off_deg) << "nothing is held off here";
+      EXPECT_NEAR(step, expected(said), 0.02) << frame;
+      EXPECT_LE(step, k_step_limit_deg) << frame;
+      const Vec3 without_pose = rest.to_scene(turn.shot->camera(frame).to_camera(said));
+      off_without_pose = std::max(off_without_pose, std::fabs(step - expected(without_pose)));
+      greatest = std::max(greatest, step);
+    }
+    before = now;
+  }
+  EXPECT_GT(greatest, 0.5) << "the estimates did move";
+  EXPECT_GT(off_without_pose, 3.0);
+}
+
+// A camera that looks behind itself from one image to the next. An app that filters in the camera's axes, and turns
+// what comes out, swings its light round.
+TEST(Shot, AnEstimatedLightIsNotSwungRoundByTheCamera) {
+  if (shipped_light_network().empty()) GTEST_SKIP() << "no lighting network";
+  EstimatedTurn turn(540, 3);
+  RoomLight alone(shipped_light_network(), true);
+  sandglass_camera_image first = {};
+  Vec3 before, swung_before;
+  double step = 0, swung_step = 0;
+  for (uint32_t frame = 0; frame <= turn.scene.frames; ++frame) {
+    const Vec3 now = direction_of(turn.follow(frame).filtered);
+    sandglass_camera_image image = *turn.shot->image();
+    if (frame == 0) first = image;
+    std::copy_n(first.orientation, 4, image.orientation);
+    const Vec3 left = direction_of(alone.follow(image).filtered);
+    const Vec3 swung = turn.shot->camera(frame).to_scene(turn.shot->camera(0).to_camera(left));
+    if (frame > 0) step = std::max(step, between_deg(now, before));
+    if (frame > 0) swung_step = std::max(swung_step, between_deg(swung, swung_before));
+    before = now, swung_before = swung;
+  }
+  EXPECT_LE(step, k_step_limit_deg);
+  EXPECT_GT(swung_step, k_step_limit_deg);
 }
 
 #ifdef SANDGLASS_HAVE_EMBREE

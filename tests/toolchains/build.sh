@@ -44,6 +44,14 @@ members=$(ar t "$archive" | wc -l)
 echo "$members objects in the archive"
 NM=$(command -v llvm-nm) READELF=$(command -v llvm-readobj) bash "$source/tests/package/symbols.sh" members "$archive"
 
+# What an app's own library would export unasked, and so keep.
+if [[ $preset == android ]]; then
+  visible=$(llvm-readelf -sW "$archive" | awk '$5 == "GLOBAL" && $6 == "DEFAULT" && $7 != "UND" {print $8}')
+else
+  visible=$(llvm-nm -m "$archive" | grep ' external ' | grep -vE '\(undefined\)|private external' || true)
+fi
+[[ -z $visible ]] || fail "not hidden in the archive: $visible"
+
 if [[ $preset == android ]]; then
   cmake --build "$output/build" --target sandglass_unity -- --quiet
   plugin=$output/build/unity/libsandglass.so

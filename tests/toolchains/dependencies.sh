@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The ways in which a dependency of headers is found, each with stand-ins of its headers: as given, in a prefix, downloaded from a source
-# folder that the app names; and that neither another release nor an archive of other bytes than the pinned is taken.
+# folder that the app names; and that neither another release nor an archive of other bytes than the pinned is taken, nor a download that
+# was forbidden for one that arrived.
 #   dependencies.sh Eigen|FlatBuffers SOURCE_FOLDER OUTPUT_FOLDER GENERATOR
 set -euo pipefail
 dependency=$1 source=$2 output=$3 generator=$4
@@ -46,5 +47,7 @@ expect given "found $output/given" "-DSANDGLASS_${upper}_INCLUDE=$output/given" 
 expect prefix "found $output/prefix/$in_prefix" -DCMAKE_PREFIX_PATH="$output/prefix" "$nowhere"
 expect other_release "was not found: install its headers" "$other_release" -DSANDGLASS_FETCH=OFF
 expect source "found $output/source" "$other_release" "-DFETCHCONTENT_SOURCE_DIR_SANDGLASS_${upper}=$output/source" "$nowhere"
+expect disconnected "is not in $output/build_disconnected/_deps/sandglass_${dependency,,}-src: install its headers" "$other_release" \
+  -DFETCHCONTENT_FULLY_DISCONNECTED=ON
 expect other_bytes "does not match expected value" "$other_release" "-DSANDGLASS_${upper}_URL=$output/other.tar.gz"
 ! find "$output/build_other_bytes" -name '*.h' | grep . || { echo "an archive of other bytes was unpacked"; exit 1; }

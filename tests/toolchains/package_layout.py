@@ -3,6 +3,7 @@
 
     package_layout.py aar FILE INCLUDE_FOLDER
     package_layout.py xcframework FOLDER INCLUDE_FOLDER
+    package_layout.py android|ios ARCHIVE          only that every object is for 64-bit ARM of that system's format
 """
 import json
 import pathlib
@@ -21,8 +22,35 @@ def headers_below(folder):
     return {str(path.relative_to(folder)) for path in pathlib.Path(folder).rglob("*") if path.is_file()}
 
 
-def is_archive(path):
-    return path.read_bytes()[:8] == b"!<arch>\n"
+# How an object for 64-bit ARM begins: ELF64 of machine 183, little endian; Mach-O of 64 bits, CPU type 12 with the bit for 64.
+OBJECT = {"android": (b"\x7fELF\x02\x01", 18, b"\xb7\x00"), "ios": (b"\xcf\xfa\xed\xfe", 4, b"\x0c\x00\x00\x01")}
+
+
+def objects(path):
+    """An archive's members, less the tables of symbols and of long names. BSD puts a long name before the contents."""
+    data = path.read_bytes()
+    expect(data[:8] == b"!<arch>\n", f"{path} is not an archive")
+    at, found = 8, {}
+    while at < len(data):
+        name, size = data[at:at + 16].decode().strip(), int(data[at + 48:at + 58])
+        contents = data[at + 60:at + 60 + size]
+        if name.startswith("#1/"):
+            length = int(name[3:])
+            name, contents = contents[:length].rstrip(b"\0").decode(), contents[length:]
+        if name not in ("/", "//", "/SYM64/") and not name.startswith("__.SYMDEF"):
+            found[f"{at}: {name}"] = contents
+        at += 60 + size + size % 2
+    return found
+
+
+def for_arm64(path, system):
+    magic, offset, machine = OBJECT[system]
+    members = objects(pathlib.Path(path))
+    expect(members, f"{path} is empty")
+    for name, contents in members.items():
+        expect(contents.startswith(magic) and contents[offset:offset + len(machine)] == machine,
+               f"{path}: the object at {name} is not for {system} on arm64")
+    print(f"{len(members)} objects for {system} on arm64")
 
 
 # Prefab: https://google.github.io/prefab, schema version 2.
@@ -42,7 +70,9 @@ def aar(file, include):
         built = json.loads((abi / "abi.json").read_text())
         expect(set(built) == {"abi", "api", "ndk", "stl", "static"}, "abi.json must have exactly these five fields")
         expect(built["abi"] == "arm64-v8a" and built["api"] >= 24 and built["static"] is True, "abi.json")
-        expect(is_archive(abi / (described["library_name"] + ".a")), "the library is not where module.json says")
+        library = abi / (described["library_name"] + ".a")
+        expect(library.is_file(), "the library is not where module.json says")
+        for_arm64(library, "android")
         expect(headers_below(module / "include") == headers_below(include), "the headers are not those of the source")
     print("Prefab package: complete")
 
@@ -56,11 +86,15 @@ def xcframework(folder, include):
     for one in slices:
         place = root / one["LibraryIdentifier"]
         expect(one["SupportedPlatform"] == "ios" and one["SupportedArchitectures"] == ["arm64"], "platform")
-        expect(is_archive(place / one["LibraryPath"]), f"no archive in {place}")
+        expect((place / one["LibraryPath"]).is_file(), f"no archive in {place}")
+        for_arm64(place / one["LibraryPath"], "ios")
         expect(headers_below(place / one["HeadersPath"]) == headers_below(include), "the headers are not those of the source")
         expect((place / one["HeadersPath"] / "sandglass/module.modulemap").is_file(), "no module map: Swift could not import it")
     print("XCFramework: complete")
 
 
 if __name__ == "__main__":
-    {"aar": aar, "xcframework": xcframework}[sys.argv[1]](*sys.argv[2:])
+    if sys.argv[1] in OBJECT:
+        for_arm64(sys.argv[2], sys.argv[1])
+    else:
+        {"aar": aar, "xcframework": xcframework}[sys.argv[1]](*sys.argv[2:])

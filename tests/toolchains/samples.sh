@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Compiles what is native in a sample app, for its own target but against stand-in headers: nothing is linked or run.
-#   samples.sh android|ios|unity SOURCE_FOLDER OUTPUT_FOLDER
+# Compiles what is native in a sample app, for its own target but against stand-in headers: nothing is linked or run. `java` compiles
+# the Android sample's Java in the same way, compares its native methods with those of the C++, and runs the activity through its life.
+#   samples.sh android|java|ios|unity SOURCE_FOLDER OUTPUT_FOLDER
 # The C++ library's headers are those of Debian's cross compiler, which clang reads for either target.
 set -euo pipefail
 platform=$1 source=$2 output=$3
@@ -12,11 +13,36 @@ library=(-nostdinc++ -D_GNU_SOURCE)
 for folder in "$cross"/c++/*/ "$cross"/c++/*/aarch64-linux-gnu "$cross"; do library+=(-isystem "$folder"); done
 ours=(-I "$source/runtime/include" -I "$source/toolchains/sample" -fsyntax-only -Wall -Wextra -Werror)
 
+# files FOLDER TEXT: the files that a text is made of, each behind a line `//// PATH`.
+files() {
+  rm -rf "$1"
+  awk -v folder="$1" '/^\/\/\/\/ / {file = folder "/" $2; dir = file; sub("/[^/]*$", "", dir); system("mkdir -p " dir); next} file {print > file}' "$2"
+}
+# optimised FILE TEXT: where the sample says that its kernels are optimised in every build.
+optimised() {
+  grep -q -- "$2" "$1" || { echo "$1 does not set $2: a debug build would run unoptimised kernels"; exit 1; }
+}
+
 case $platform in
   android)
+    optimised "$sample/app/build.gradle" "'-DCMAKE_BUILD_TYPE=RelWithDebInfo'"
     clang++ --target=aarch64-linux-android24 -std=c++20 "${library[@]}" -isystem "$stand_ins/sample_android" "${ours[@]}" \
       "$sample/app/src/main/cpp/sample.cpp" ;;
+  java)
+    android=$source/toolchains/android/sample/app/src/main java=$output/java
+    files "$java/stand_ins" "$stand_ins/android.java"
+    files "$java/test" "$source/tests/toolchains/android_threads.java"
+    mapfile -t platform_classes < <(find "$java/stand_ins" -name '*.java')
+    # -h writes the declarations that the C++ must agree with.
+    javac -Xlint:all,-serial -Werror -d "$java/classes" -h "$java/jni" "${platform_classes[@]}" "$android"/java/org/sandglass/sample/*.java
+    clang++ --target=aarch64-linux-android24 -std=c++20 "${library[@]}" -isystem "$stand_ins/sample_android" "${ours[@]}" \
+      -include "$java/jni/org_sandglass_sample_Native.h" "$android/cpp/sample.cpp"
+    diff <(grep -oE 'Java_[A-Za-z_]+' "$java/jni/org_sandglass_sample_Native.h" | sort -u) \
+      <(grep -oE 'Java_[A-Za-z_]+' "$android/cpp/sample.cpp" | sort -u) || { echo "Native.java (<) and sample.cpp (>) differ"; exit 1; }
+    javac -cp "$java/classes" -d "$java/run" "$android/java/org/sandglass/sample/MainActivity.java" "$java"/test/org/sandglass/sample/*.java
+    timeout 60 java -cp "$java/run:$java/classes" -XX:TieredStopAtLevel=1 org.sandglass.sample.Lives ;;
   ios)
+    optimised "$sample/CMakeLists.txt" "XCODE_SCHEME_LAUNCH_CONFIGURATION Release"
     apple=(--target=arm64-apple-ios15 -fobjc-arc -fblocks -U__nonnull -Wno-objc-root-class -isystem "$stand_ins/sample_ios")
     clang++ "${apple[@]}" -std=c++20 "${library[@]}" "${ours[@]}" -I "$sample" "$sample/SandViewController.mm"
     clang "${apple[@]}" -std=c11 -isystem "$cross" "${ours[@]}" -I "$sample" "$sample/main.m" ;;

@@ -1,9 +1,11 @@
 #!/usr/bin/env bash
 # Where the build finds XNNPACK, each way by a configuration of its own, without a network.
-#   xnnpack.sh fetched|prefix|refused SOURCE_FOLDER OUTPUT_FOLDER GENERATOR [CMAKE_OPTION...]
+#   xnnpack.sh fetched|prefix|refused|installed SOURCE_FOLDER OUTPUT_FOLDER GENERATOR [CMAKE_OPTION...]
 # fetched: nothing is installed, and a stand-in lies where FetchContent would have downloaded to; its header is of the generation
 # since 2023, the adapter compiles against it and the archive asks for its functions. prefix: an app's own, beside the stand-in's
-# header. refused: nothing is there and nothing may be downloaded; without the option nothing is looked for.
+# header. refused: nothing is there and nothing may be downloaded; without the option nothing is looked for. installed: with archives in
+# a prefix, in parts that need each other as XNNPACK's do, the installed package links in an app, by CMake and by pkg-config, finds a
+# prefix that was moved when told, and says so when it was not.
 set -euo pipefail
 how=$1 source=$2 output=$3/$1 generator=$4
 shift 4
@@ -30,7 +32,10 @@ case $how in
     grep -q "API of 2023" "$output/log" || fail "the header's generation was not seen"
     build sandglass_lighting_xnnpack XNNPACK
     [[ $(asked) == *xnn_reshape_convolution2d_nhwc_f32*xnn_reshape_convolution2d_nhwc_qs8_qc8w* ]] || fail "asks for: $(asked)"
-    find "$output/build" -name libXNNPACK.a | grep -q . || fail "the stand-in was not built" ;;
+    find "$output/build" -name libXNNPACK.a | grep -q . || fail "the stand-in was not built"
+    ! cmake --install "$output/build" --prefix "$output/installed" >"$output/log" 2>&1 || fail "installed without its XNNPACK"
+    tr -s ' \n' '  ' <"$output/log" | grep -q "Sandglass is not installed: its XNNPACK was built with it" || { cat "$output/log"; fail "no sentence"; }
+    [[ ! -e $output/installed ]] || fail "a part was installed" ;;
   prefix)
     mkdir -p "$output/prefix/lib"
     cp -r "$stand_in/include" "$output/prefix"
@@ -39,9 +44,48 @@ case $how in
     configure -DSANDGLASS_XNNPACK=ON -DSANDGLASS_FETCH=OFF -DCMAKE_PREFIX_PATH="$output/prefix" "$@" ||
       { cat "$output/log"; fail "does not configure"; }
     grep -q "XNNPACK: $output/prefix/include/xnnpack.h, API of 2023" "$output/log" || fail "the prefix was not seen" ;;
+  installed)
+    mkdir -p "$output"/{xnnpack/lib,app}
+    cp -r "$stand_in/include" "$output/xnnpack"
+    archive() { "$1" -O1 -I "$stand_in/include" "${@:3}" -c -o "$output/$2.o" && ar qc "$output/xnnpack/lib/lib$2.a" "$output/$2.o"; }
+    echo 'int cpuinfo_initialize(void) { return 0; }' >"$output/cpuinfo.c"
+    echo 'int cpuinfo_initialize(void); int kernels(void) { return cpuinfo_initialize(); }' >"$output/kernels.c"
+    echo 'void pthreadpool_destroy(void* pool) { (void)pool; }' >"$output/pthreadpool.c"
+    echo 'extern "C" int kernels(void); int g_kernels = kernels();' >"$output/needs.h"
+    archive cc cpuinfo "$output/cpuinfo.c"
+    archive cc xnnpack-microkernels-prod "$output/kernels.c"
+    archive cc pthreadpool "$output/pthreadpool.c"
+    archive c++ XNNPACK -std=c++20 -include "$output/needs.h" "$stand_in/xnnpack.cpp"
+    configure -DSANDGLASS_XNNPACK=ON -DSANDGLASS_SCALAR_ONLY=ON -DSANDGLASS_FETCH=OFF -DCMAKE_PREFIX_PATH="$output/xnnpack" "$@" ||
+      { cat "$output/log"; fail "does not configure"; }
+    build sandglass
+    cmake --install "$output/build" --prefix "$output/installed" >>"$output/log"
+    cp "$source/tests/package/footprint/light.c" "$output/app/app.c"
+    printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(app)' 'find_package(sandglass CONFIG REQUIRED)' 'add_executable(app app.c)' \
+      'target_link_libraries(app PRIVATE sandglass::sandglass)' 'set_target_properties(app PROPERTIES LINKER_LANGUAGE CXX)' >"$output/app/CMakeLists.txt"
+    # app FOLDER [CMAKE_OPTION...]: the consumer, of which the log is kept.
+    app() {
+      { cmake -S "$output/app" -B "$output/$1" -G "$generator" -DCMAKE_PREFIX_PATH="$output/installed;${2-}" && cmake --build "$output/$1"; } \
+        >"$output/log" 2>&1
+    }
+    app as_it_was || { cat "$output/log"; fail "the package does not link"; }
+    flags=$(PKG_CONFIG_LIBDIR=$(dirname "$(find "$output/installed" -name sandglass.pc)") pkg-config --define-prefix --cflags --libs sandglass)
+    # shellcheck disable=SC2086 # a list of words
+    cc -c "$output/app/app.c" $flags -o "$output/app.o" && c++ "$output/app.o" $flags -o "$output/by_pkg_config"
+    for program in "$output"/{as_it_was/app,by_pkg_config}; do
+      [[ $(nm "$program") == *" T xnn_create_convolution2d_nhwc_f32"* ]] || fail "$program carries no XNNPACK"
+    done
+    mv "$output/xnnpack" "$output/moved"
+    ! app lost || fail "linked without XNNPACK"
+    tr -s ' \n' '  ' <"$output/log" | grep -q "built with XNNPACK, of which the library [A-Za-z-]* was not found: name its prefix" ||
+      { cat "$output/log"; fail "no sentence"; }
+    app moved "$output/moved" || { cat "$output/log"; fail "does not link with the prefix that was moved"; } ;;
   refused)
     if configure -DSANDGLASS_XNNPACK=ON -DSANDGLASS_FETCH=OFF "${none[@]}" "$@"; then fail "not refused"; fi
     tr -s ' \n' '  ' <"$output/log" | grep -q "XNNPACK was not found and SANDGLASS_XNNPACK is ON: install it" || { cat "$output/log"; fail "no sentence"; }
+    rm -rf "$output/build"
+    if configure -DSANDGLASS_XNNPACK=ON -DFETCHCONTENT_FULLY_DISCONNECTED=ON "${none[@]}" "$@"; then fail "an empty folder was taken for XNNPACK"; fi
+    tr -s ' \n' '  ' <"$output/log" | grep -q "XNNPACK is not in $output/build/_deps/sandglass_xnnpack-src: install it" || { cat "$output/log"; fail "no sentence"; }
     rm -rf "$output/build"
     configure "$@" || { cat "$output/log"; fail "does not configure without the option"; }
     ! grep -q XNNPACK "$output/log" || fail "XNNPACK was looked for" ;;

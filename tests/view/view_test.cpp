@@ -277,5 +277,74 @@ TEST(HeadUp, TheBarIsAsLongAsTheTime) {
                            panel.at(bar.x + bar.full_width + 1, bar.y + 1)));
 }
 
+int texels_of(const Picture& picture, Colour colour) {
+  int count = 0;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const uint8_t* p = picture.at(x, y);
+      count += p[0] == colour.r && p[1] == colour.g && p[2] == colour.b;
+    }
+  return count;
+}
+
+TEST_F(Live, TheLegendNamesTheStagesThatRun) {
+  const LiveScene plain(options());
+  LiveOptions of_the_shot;
+  of_the_shot.scene = "shot", of_the_shot.budget_ms = k_all_the_work;
+  const LiveScene shot(of_the_shot);
+  for (const auto& [live, shadows] : {std::pair(&plain, false), {&shot, true}}) {
+    EXPECT_FALSE(live->runs(SANDGLASS_STAGE_LIGHTING)) << "nothing estimates the light";
+    EXPECT_EQ(live->runs(SANDGLASS_STAGE_SHADOW), shadows);
+    HeadUp state;
+    const sandglass_frame_report report = {};
+    state.report = &report, state.budget_ms = 4.0;
+    for (sandglass_stage stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) state.runs[stage] = live->runs(stage);
+    const Picture panel = head_up_panel(state);
+    for (sandglass_stage stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+      EXPECT_EQ(texels_of(panel, stage_colour(stage)) > 0, live->runs(stage)) << stage;
+  }
+}
+
+// The shot's sand has the library's own shadow in the viewer too: made within the frame, on floor and sand, turned with
+// the light.
+TEST(LiveShot, TheSandsShadowIsMadeInTheFrame) {
+  LiveOptions options;
+  options.scene = "shot", options.budget_ms = k_all_the_work;
+  LiveScene live(options);
+  live.turn_light(30.0, 0.0);                       // to 70 degrees from the zenith
+  for (int i = 0; i < 30; ++i) live.advance(0.02);  // fallen
+  ASSERT_TRUE(live.pile(false) && live.pile(true));
+  EXPECT_GT(live.report().stages[SANDGLASS_STAGE_SHADOW].units, 0u);
+  EXPECT_EQ(live.report().pending_shadows, 0u);
+  // Where the darkness is on the floor, from the middle of the rectangle.
+  const auto middle_of_the_shadow = [&] {
+    const FloorShadow shadow = *live.pile(false);
+    double sum = 0.0;
+    Vec3 middle;
+    for (uint32_t i = 0; i < shadow.texels * shadow.texels; ++i) {
+      const double covered = shadow.coverage[i];
+      sum += covered;
+      const Vec3 texel = {i % shadow.texels + 0.5, 0.0, i / shadow.texels + 0.5};
+      middle = middle + texel * (covered * (shadow.high[0] - shadow.low[0]) / shadow.texels);
+    }
+    EXPECT_GT(sum, 0.0);
+    return middle * (1.0 / sum);
+  };
+  const Vec3 before = middle_of_the_shadow(), light = live.to_light();
+  live.turn_light(0.0, 180.0);
+  live.advance(0.02);
+  const Vec3 after = middle_of_the_shadow(), moved = after - before;
+  const FloorShadow shadow = *live.pile(false);
+  EXPECT_GT(moved.x * light.x + moved.z * light.z, (shadow.high[0] - shadow.low[0]) / shadow.texels)
+      << "by more than a texel, to where the light was";
+  EXPECT_FALSE(LiveScene([] {
+                 LiveOptions o;
+                 o.scene = "demo", o.budget_ms = k_all_the_work;
+                 return o;
+               }())
+                   .pile(false))
+      << "a scene without one";
+}
+
 }  // namespace
 }  // namespace sandglass::host

@@ -4,12 +4,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "models/host/image.h"
+#include "models/host/vec3.h"
 #include "models/view/head_up.h"
 
 #define STB_IMAGE_IMPLEMENTATION
@@ -39,21 +43,29 @@ class Window : public ::testing::Test {
     folder = fs::path(::testing::TempDir()) / ("sandglass_window_" + std::to_string(::getpid()) + "_" +
                                                ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::create_directories(folder);
-    // A block of sand on the floor before the camera, and its budget far beyond what it needs.
-    std::ofstream(folder / "small.json") << R"({"name": "small", "frame_step": 0.02, "particle_radius": 0.01,
+    write_scene({0, 0.9, 0.9});
+  }
+  // A block of sand on the floor before the camera, and its budget far beyond what it needs.
+  void write_scene(Vec3 eye) {
+    std::ofstream file(folder / "small.json");
+    file.precision(17);
+    file << R"({"name": "small", "frame_step": 0.02, "particle_radius": 0.01,
       "bodies": [{"shape": "lattice", "counts": [12, 5, 12], "grains": 9000, "position": [0, 0.012, 0]}],
       "colliders": [{"shape": "half_space"}],
-      "camera": {"eye": [0, 0.9, 0.9], "target": [0, 0.05, 0], "fov_deg": 40}})";
+      "camera": {"eye": [)"
+         << eye.x << ", " << eye.y << ", " << eye.z << R"(], "target": [0, 0.05, 0], "fov_deg": 40}})";
   }
   void TearDown() override { fs::remove_all(folder); }
 
+  std::string view_small() const {
+    return std::string("'") + SANDGLASS_PROGRAM + "' view '" + (folder / "small.json").string() +
+           "' --budget-ms 1000 --width " + std::to_string(k_width) + " --height " + std::to_string(k_height) + " ";
+  }
   // Exit code of `sandglass view small` on the display.
-  int show(const std::string& arguments) {
+  int show(const std::string& arguments) { return on_display(view_small() + arguments); }
+  int on_display(const std::string& what) {
     const std::string log = (folder / "said").string();
-    const std::string command = std::string("bash '") + SANDGLASS_WITH_DISPLAY + "' '" + SANDGLASS_PROGRAM +
-                                "' view '" + (folder / "small.json").string() + "' --budget-ms 1000 --width " +
-                                std::to_string(k_width) + " --height " + std::to_string(k_height) + " " + arguments +
-                                " >'" + log + "' 2>&1";
+    const std::string command = std::string("bash '") + SANDGLASS_WITH_DISPLAY + "' " + what + " >'" + log + "' 2>&1";
     const int status = std::system(command.c_str());
     std::ostringstream text;
     text << std::ifstream(log).rdbuf();
@@ -141,6 +153,99 @@ TEST_F(Window, KeysPourSandAndTurnTheLight) {
       changed += !is_sand(a) && !is_sand(b) && std::abs(a[0] - b[0]) > 20;
     }
   EXPECT_GT(changed, 300);
+}
+
+// A drag by (100, 50) pixels turns by 0.6 and raises by 0.3 radians: what is seen then is what a camera sees that stood
+// there from the start. A cursor whose button is up turns nothing.
+TEST_F(Window, ADragTurnsTheCamera) {
+  const Picture before = screenshot("", 8);
+  if (before.width == 0) GTEST_SKIP() << said;
+  const Picture dragged = screenshot(
+      "1 cursor 300 280; 2 press left; 3 cursor 350 300; 4 cursor 400 330; 5 release left; 6 cursor 50 80", 8);
+  const double distance = std::hypot(0.85, 0.9), azimuth = -0.6, elevation = std::asin(0.85 / distance) + 0.3;
+  write_scene(Vec3{0, 0.05, 0} + Vec3{std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                                      std::cos(azimuth) * std::cos(elevation)} *
+                                     distance);
+  const Picture there = screenshot("", 8);
+  const auto differing = [&](const Picture& a, const Picture& b) {
+    int sum = 0;
+    for (int y = k_below_the_panel.top; y < k_below_the_panel.bottom; ++y)
+      for (int x = 0; x < k_width; ++x) sum += std::abs(a.at(x, y)[0] - b.at(x, y)[0]) > 12;
+    return sum;
+  };
+  const int all = k_width * (k_below_the_panel.bottom - k_below_the_panel.top);
+  EXPECT_LT(differing(dragged, there), all / 100);
+  EXPECT_GT(differing(dragged, before), all / 10);
+}
+
+// Whether a line of the panel begins with this text, pixel by pixel: ink or red where the letters are, paper elsewhere.
+bool reads(const Picture& picture, int line, const std::string& text) {
+  Picture letters(text_width(k_panel_scale, text), 7 * k_panel_scale, {0, 0, 0});
+  draw_text(&letters, 0, 0, k_panel_scale, text, {255, 255, 255});
+  for (int y = 0; y < letters.height; ++y)
+    for (int x = 0; x < letters.width; ++x) {
+      const uint8_t* p =
+          picture.at(k_overlay + k_panel_margin + x, k_overlay + k_panel_margin + k_panel_line * line + y);
+      const bool ink = *std::max_element(p, p + 3) > 140;
+      if (ink != (letters.at(x, y)[0] > 0)) return false;
+    }
+  return true;
+}
+
+std::string presses(const char* key, int times, int frame) {
+  std::string script;
+  const std::string at = std::to_string(frame);
+  for (int i = 0; i < times; ++i) script += at + " down " + key + "; " + at + " up " + key + "; ";
+  return script;
+}
+
+// 1,000 ms, ten steps down and four up again: 1000 / 1.25^6. Then so far down that the sand cannot be computed, to the
+// least there is: the quality falls, and the panel names the error of the rung that is reached.
+TEST_F(Window, KeysChangeTheBudgetAndTheQualityAnswers) {
+  const Picture rich = screenshot(presses("-", 10, 1) + presses("=", 4, 2), 12);
+  if (rich.width == 0) GTEST_SKIP() << said;
+  EXPECT_TRUE(reads(rich, 1, "budget 262.14 ms"));
+  EXPECT_FALSE(reads(rich, 1, "budget 262.15 ms"));
+  const auto quality_of = [](uint32_t level) {
+    return "quality " + std::to_string(level) + ": " + sandglass_level_describe(level)->name;
+  };
+  EXPECT_TRUE(reads(rich, 4, quality_of(0)));
+  const Picture poor = screenshot(presses("-", 50, 1), 12);
+  EXPECT_TRUE(reads(poor, 1, "budget 0.10 ms"));
+  EXPECT_FALSE(reads(poor, 4, quality_of(0)));
+  int named = 0;
+  for (uint32_t level = 0; sandglass_level_describe(level) != nullptr; ++level) {
+    char error[48];
+    std::snprintf(error, sizeof error, "overlap p99 %.2f %% of r",
+                  100.0 * static_cast<double>(sandglass_level_describe(level)->overlap_p99));
+    if (reads(poor, 4, quality_of(level))) {
+      ++named;
+      EXPECT_TRUE(reads(poor, 5, error)) << level;
+    }
+    if (level == 0) {
+      EXPECT_TRUE(reads(rich, 5, error));
+    }
+  }
+  EXPECT_EQ(named, 1);
+}
+
+// Keys as a person presses them: events of the X server, through GLFW's callbacks. X does nothing, Q closes the window.
+TEST_F(Window, ARealKeyClosesTheWindow) {
+  if (std::system("command -v xdotool >/dev/null") != 0)
+    GTEST_SKIP() << "no xdotool is installed (Debian's package of that name)";
+  std::ofstream(folder / "press.sh") << "timeout 100 " << view_small() << R"( &
+viewer=$!
+window=$(timeout 60 xdotool search --sync --onlyvisible --name '^Sandglass: small$') || exit 3
+xdotool windowfocus --sync "$window"
+xdotool key x
+sleep 1
+kill -0 "$viewer" || exit 4
+xdotool key q
+wait "$viewer"
+)";
+  const int code = on_display("bash '" + (folder / "press.sh").string() + "'");
+  if (code == k_skipped) GTEST_SKIP() << said;
+  EXPECT_EQ(code, 0) << said;  // 124: nobody heard the key
 }
 
 TEST_F(Window, SaysWhatIsWrong) {

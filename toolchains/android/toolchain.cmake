@@ -24,6 +24,9 @@ endif()
 if(ANDROID_ABI MATCHES "^armeabi")
   message(FATAL_ERROR "Sandglass does not run on 32-bit ARM (${ANDROID_ABI}), whose SIMD flushes denormals and so gives other bits: "
     "restrict abiFilters to arm64-v8a.")
+elseif(NOT ANDROID_ABI STREQUAL "arm64-v8a")
+  message(FATAL_ERROR "Sandglass is built for arm64-v8a, not ${ANDROID_ABI}: restrict abiFilters to arm64-v8a, and take an emulator's "
+    "image for ARM.")
 endif()
 if(NOT ANDROID_PLATFORM)
   set(ANDROID_PLATFORM android-24)

@@ -1,6 +1,7 @@
 # Compile rules, stated once.
 #   sandglass_device_library(NAME sources...)  a folder of the part that runs on a phone: no exceptions, no RTTI, no guards,
 #                                              no fused multiply-add (DESIGN: one golden hash on every instruction set).
+#   sandglass_device_rules(NAME)               the same rules for a target that is not such a folder: the plug-in.
 #   sandglass_host_target(NAME [TEST])         warnings for workstation code; common headers parsed once.
 # SANDGLASS_HOST_OPTIONS are further options for workstation code alone. The build of the second compiler says -O1 there, which
 # compiles faster, while the library is optimised as it ships.
@@ -17,6 +18,10 @@ set(SANDGLASS_EXACT_MATH -ffp-contract=off -fno-fast-math -fno-math-errno)
 
 function(sandglass_device_library name)
   add_library(${name} OBJECT ${ARGN})
+  sandglass_device_rules(${name})
+endfunction()
+
+function(sandglass_device_rules name)
   target_compile_features(${name} PUBLIC cxx_std_20)
   set_target_properties(${name} PROPERTIES CXX_EXTENSIONS OFF CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON
     POSITION_INDEPENDENT_CODE ON)

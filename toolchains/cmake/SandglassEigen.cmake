@@ -35,5 +35,10 @@ if(NOT fits)
   if(NOT sandglass_eigen_POPULATED)
     FetchContent_Populate(sandglass_eigen)
   endif()
+  sandglass_eigen_fits(fits ${sandglass_eigen_SOURCE_DIR})
+  if(NOT fits)  # nothing was downloaded: FETCHCONTENT_FULLY_DISCONNECTED, or a folder that the app named
+    message(FATAL_ERROR "Eigen 3.4 is not in ${sandglass_eigen_SOURCE_DIR}: install its headers, name their folder by "
+      "SANDGLASS_EIGEN_INCLUDE, or allow the download by FETCHCONTENT_FULLY_DISCONNECTED=OFF.")
+  endif()
   set(SANDGLASS_EIGEN_INCLUDE ${sandglass_eigen_SOURCE_DIR} CACHE PATH "Eigen's headers" FORCE)
 endif()

@@ -34,6 +34,11 @@ if(NOT fits)
   if(NOT sandglass_flatbuffers_POPULATED)
     FetchContent_Populate(sandglass_flatbuffers)
   endif()
+  sandglass_flatbuffers_fits(fits ${sandglass_flatbuffers_SOURCE_DIR}/include)
+  if(NOT fits)  # nothing was downloaded: FETCHCONTENT_FULLY_DISCONNECTED, or a folder that the app named
+    message(FATAL_ERROR "FlatBuffers ${sandglass_flatbuffers_version} is not in ${sandglass_flatbuffers_SOURCE_DIR}: install its headers, "
+      "name their folder by SANDGLASS_FLATBUFFERS_INCLUDE, or allow the download by FETCHCONTENT_FULLY_DISCONNECTED=OFF.")
+  endif()
   set(SANDGLASS_FLATBUFFERS_INCLUDE ${sandglass_flatbuffers_SOURCE_DIR}/include CACHE PATH "FlatBuffers' headers" FORCE)
 elseif((ANDROID OR IOS) AND SANDGLASS_FLATBUFFERS_INCLUDE MATCHES "^/usr/")
   # Beside them lies this machine's C library: only their own folder may be seen.

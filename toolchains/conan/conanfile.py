@@ -16,8 +16,11 @@ class SandglassRecipe(ConanFile):
     settings = "os", "arch", "compiler", "build_type"
 
     def validate(self):
-        if self.settings.arch not in ("x86_64", "armv8"):
-            raise ConanInvalidConfiguration("Sandglass runs on x86-64 and 64-bit ARM: set arch=x86_64 or arch=armv8.")
+        built = {"Linux": ("x86_64", "armv8"), "Android": ("armv8",), "iOS": ("armv8",)}
+        system, processor = str(self.settings.os), str(self.settings.arch)
+        if processor not in built.get(system, ()):
+            raise ConanInvalidConfiguration(f"Sandglass is built for Linux on x86_64 and armv8, and for Android and iOS on armv8, not for "
+                                            f"{system} on {processor}: set os and arch to one of these.")
 
     def export_sources(self):
         checkout = os.path.join(self.recipe_folder, "..", "..")

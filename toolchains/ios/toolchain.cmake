@@ -12,6 +12,8 @@ endif()
 if(CMAKE_OSX_ARCHITECTURES MATCHES "armv7")
   message(FATAL_ERROR "Sandglass does not run on 32-bit ARM (${CMAKE_OSX_ARCHITECTURES}), whose SIMD flushes denormals and so gives "
     "other bits: build for arm64.")
+elseif(NOT CMAKE_OSX_ARCHITECTURES STREQUAL "arm64")
+  message(FATAL_ERROR "Sandglass is built for iOS on arm64, not ${CMAKE_OSX_ARCHITECTURES}: set CMAKE_OSX_ARCHITECTURES=arm64.")
 endif()
 set(CMAKE_SYSTEM_NAME iOS)
 set(CMAKE_SYSTEM_PROCESSOR arm64)

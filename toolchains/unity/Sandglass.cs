@@ -313,6 +313,7 @@ public unsafe struct sandglass_light_estimate {
 
 [StructLayout(LayoutKind.Sequential)]
 public unsafe struct sandglass_light_filament {
+  public uint struct_size;
   public fixed float direction[3];
   public fixed float colour[3];
   public float intensity;
@@ -322,6 +323,7 @@ public unsafe struct sandglass_light_filament {
 
 [StructLayout(LayoutKind.Sequential)]
 public unsafe struct sandglass_light_arkit {
+  public uint struct_size;
   public fixed float primary_light_direction[3];
   public float primary_light_intensity;
   public fixed float orientation[4];
@@ -331,6 +333,7 @@ public unsafe struct sandglass_light_arkit {
 
 [StructLayout(LayoutKind.Sequential)]
 public unsafe struct sandglass_light_unity {
+  public uint struct_size;
   public fixed float forward[3];
   public fixed float rotation[4];
   public fixed float colour[3];
@@ -478,14 +481,14 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_light_set_image(IntPtr light, ref sandglass_camera_image image, out uint taken, out IntPtr reason);
   [DllImport(k_library)] public static extern uint sandglass_light_run(IntPtr light, uint units);
   [DllImport(k_library)] public static extern uint sandglass_light_units_left(IntPtr light);
-  [DllImport(k_library)] public static extern void sandglass_light_get(IntPtr light, out sandglass_light_estimate estimate);
-  [DllImport(k_library)] public static extern void sandglass_light_get_latest(IntPtr light, out sandglass_light_estimate estimate);
+  [DllImport(k_library)] public static extern void sandglass_light_get(IntPtr light, ref sandglass_light_estimate estimate);
+  [DllImport(k_library)] public static extern void sandglass_light_get_latest(IntPtr light, ref sandglass_light_estimate estimate);
   [DllImport(k_library)] public static extern ulong sandglass_light_hash(IntPtr light);
   [DllImport(k_library)] public static extern int sandglass_light_isa(IntPtr light);
   [DllImport(k_library)] public static extern int sandglass_light_harmonics(ref sandglass_light_estimate estimate, int model, [Out] float[] sh, out IntPtr reason);
-  [DllImport(k_library)] public static extern int sandglass_light_to_filament(ref sandglass_light_estimate estimate, int model, float nits, out sandglass_light_filament filament, out IntPtr reason);
-  [DllImport(k_library)] public static extern int sandglass_light_to_arkit(ref sandglass_light_estimate estimate, int model, out sandglass_light_arkit arkit, out IntPtr reason);
-  [DllImport(k_library)] public static extern int sandglass_light_to_unity(ref sandglass_light_estimate estimate, int model, out sandglass_light_unity unity, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_light_to_filament(ref sandglass_light_estimate estimate, int model, float nits, ref sandglass_light_filament filament, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_light_to_arkit(ref sandglass_light_estimate estimate, int model, ref sandglass_light_arkit arkit, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_light_to_unity(ref sandglass_light_estimate estimate, int model, ref sandglass_light_unity unity, out IntPtr reason);
 }
 
 }  // namespace Sandglass

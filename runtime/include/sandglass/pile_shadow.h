@@ -1,11 +1,13 @@
 /* Sandglass pile shadow: the soft shadow that a scene's sand casts on the floor and on itself.
  *
- * The sand is taken as columns: over each texel of a rectangle of the floor it reaches from its lowest to its highest
- * particle, and hides light by the share of the texel that particles cover. What a column hides of the light is an
- * interval of elevations; seen along one azimuth, the intervals of all columns are taken as one. The light is a cap of
- * uniform radiance, cut into azimuths. This is exact for a heap that lies on the floor, as far as azimuths and texels
- * are fine, right for one body of sand in the air, and too dark where sand falls onto a heap: what lies between the two
- * counts as sand. Of scattered grains smaller than half a texel it is right on the mean, not grain by grain.
+ * The sand is taken as columns of what is drawn: the grains, spheres of granular.grain_radius, or the particles of a
+ * scene without grains. Over each texel of a rectangle of the floor it reaches from its lowest to its highest sphere,
+ * and hides light by the share of the texel that spheres cover: a greater grain_radius gives a darker shadow. What a
+ * column hides of the light is an interval of elevations; seen along one azimuth, the intervals of all columns are
+ * taken as one. The light is a cap of uniform radiance, cut into azimuths. This is exact for a heap that lies on the
+ * floor, as far as azimuths and texels are fine, right for one body of sand in the air, and too dark where sand falls
+ * onto a heap: what lies between the two counts as sand. Of scattered grains smaller than half a texel it is right on
+ * the mean, not grain by grain.
  *
  * An app
  *   1. fills a sandglass_pile_shadow_desc, asks sandglass_pile_shadow_bytes, and hands a block of that size to
@@ -34,7 +36,7 @@ typedef struct sandglass_pile_shadow_desc {
   float low[2], high[2];  /* x and z of the rectangle's corners, world, metres: what sand and shadow are looked at in */
   float floor;            /* y of the floor, metres */
   uint32_t texels;        /* a side: 32..256, a multiple of 32; default 128. A texel of half a particle's diameter to a
-                           * whole one is fine enough */
+                           * whole one is fine enough, also for grains, of which it is then one to three wide */
   float angular_diameter; /* of the light, radians, 0.02..1; default 0.34907 (20 degrees) */
   float light_tolerance;  /* radians, 0..1: made anew when the light has turned by more; default 0.01 */
   uint32_t on_sand;       /* 1 (the default): also the shadow of the sand on itself; 0 saves half the time and memory */
@@ -63,8 +65,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_set_lig
 SANDGLASS_API void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow);
 
 /* Without a scene: runs at most `units` work units on these spheres, 3 floats each, which must stay as they are from
- * the first unit of a texture to its last; returns how many there were to run. A complete texture is not begun again
- * before set_light or refresh asks for one. */
+ * the first unit of a texture to its last; returns how many it ran. A complete texture is not begun again before
+ * set_light or refresh asks for one. */
 SANDGLASS_API uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count,
                                                  float radius, uint32_t units);
 
@@ -79,7 +81,7 @@ typedef struct sandglass_pile_shadow_texture {
   uint32_t age;            /* frames since the one that the texture was begun in; 0: nothing has changed since */
 } sandglass_pile_shadow_texture;
 
-/* Bytes are stable until units are run again. */
+/* texture.struct_size is set before (see "Sizes" in sandglass.h). Bytes are stable until units are run again. */
 SANDGLASS_API void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow,
                                                      sandglass_pile_shadow_texture* texture);
 

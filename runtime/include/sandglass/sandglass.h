@@ -13,8 +13,14 @@
  *
  * Conventions. SI units: metres, seconds, kilograms, radians. World frame right-handed, y up. Quaternions are (x, y, z,
  * w). `float` throughout. Positions are relative to a scene origin of the app's choice; keep them within
- * SANDGLASS_COORDINATE_LIMIT of it. Every struct begins with `struct_size`, set by its `_default` function (or to
- * sizeof by the caller), so that a library newer than the app that calls it knows which fields exist.
+ * SANDGLASS_COORDINATE_LIMIT of it.
+ *
+ * Sizes. A struct that may grow begins with `struct_size`, set by its `_default` function or, where it has none, to
+ * sizeof by the caller, before every call. One that the library reads must have the library's own size, or is refused.
+ * Of one that it fills (a report, an estimate, a texture, an info), no byte beyond struct_size is written, and
+ * struct_size then says how many were; below 8 it was not set: functions that can fail refuse it, others leave the
+ * struct as it is. What is read again (a report's plan, an estimate) must be whole. Of the library's own (a level), it
+ * says which fields exist.
  *
  * Errors. Functions that can fail return a sandglass_status and, where `reason` is not NULL, store in it one static
  * sentence that says what is wrong, where, and what to do; on success it is set to NULL. A function that fails has
@@ -27,11 +33,17 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#if defined(__GNUC__) || defined(__clang__)
+/* A shared library keeps all that it exports, used or not. So the static archive hides the API (inside the app that
+ * links it, it is found as ever), and only the build of a shared library of it, the plug-in, defines SANDGLASS_EXPORTS.
+ */
+#if defined(SANDGLASS_EXPORTS)
 #define SANDGLASS_API __attribute__((visibility("default")))
-#define SANDGLASS_NODISCARD __attribute__((warn_unused_result))
 #else
 #define SANDGLASS_API
+#endif
+#if defined(__GNUC__) || defined(__clang__)
+#define SANDGLASS_NODISCARD __attribute__((warn_unused_result))
+#else
 #define SANDGLASS_NODISCARD
 #endif
 
@@ -109,17 +121,21 @@ typedef struct sandglass_log {
 
 /* ------------------------------------------------------------------------------------------------ instruction sets */
 
-/* Which kernels to use. All give the same bits; AUTOMATIC takes the fastest that the CPU has. */
+/* Which kernels to use. All give the same bits; AUTOMATIC takes the fastest that the CPU has. NEON_DOTPROD is NEON with
+ * SDOT, NEON_I8MM with SMMLA: shadows of networks and the light have a table for each, sand and its shadow run that of
+ * NEON. Of shadows and light, AVX512 means AVX-512 with VNNI. */
 typedef int32_t sandglass_isa;
 enum {
   SANDGLASS_ISA_AUTOMATIC = 0,
   SANDGLASS_ISA_SCALAR = 1,
   SANDGLASS_ISA_NEON = 2,
   SANDGLASS_ISA_AVX2 = 3,
-  SANDGLASS_ISA_AVX512 = 4
+  SANDGLASS_ISA_AVX512 = 4,
+  SANDGLASS_ISA_NEON_DOTPROD = 5,
+  SANDGLASS_ISA_NEON_I8MM = 6
 };
 
-/* "scalar", "neon", "avx2", "avx512"; "automatic" for 0; those of shadow.h too; NULL for a number that is none. */
+/* "scalar", "neon", "avx2", "avx512", "neon_dotprod", "neon_i8mm"; "automatic" for 0; NULL for any other number. */
 SANDGLASS_API const char* sandglass_isa_name(sandglass_isa isa);
 
 /* 1 if this build has kernels for `isa` and this CPU can run them, else 0. AUTOMATIC and SCALAR are always available.
@@ -293,7 +309,7 @@ typedef struct sandglass_region {
 SANDGLASS_API uint32_t sandglass_scene_regions(const sandglass_scene* scene, sandglass_region* regions,
                                                uint32_t capacity);
 
-/* The kernels that the scene uses: never AUTOMATIC. */
+/* The kernels that the scene uses: never AUTOMATIC; NEON where NEON_DOTPROD or NEON_I8MM was asked for. */
 SANDGLASS_API sandglass_isa sandglass_scene_isa(const sandglass_scene* scene);
 
 /* Adds particles and grains at rest or moving. positions: 3 floats each; velocities: 3 floats each, or NULL for rest.
@@ -459,8 +475,8 @@ typedef struct sandglass_frame_input {
   struct sandglass_shadow* const* shadows; /* to bring up to date (shadow.h): one unit a frame whatever the budget, more
                                             * as it admits; pass all whose shadows are seen */
   uint32_t shadow_count;
-  struct sandglass_pile_shadow* pile_shadow; /* NULL, or the sand's own shadow, to bring up to date with the others: its
-                                              * textures and theirs take turns */
+  struct sandglass_pile_shadow* pile_shadow; /* NULL, or the sand's own shadow, of its grains where it has any, else of
+                                              * its particles; it and the others are brought up to date in turns */
   struct sandglass_light* light; /* NULL, or the light to bring up to date (light.h): one unit a frame whatever the
                                   * budget, more as it admits; an image that is taken is resampled in its frame,
                                   * whatever the budget */
@@ -524,10 +540,9 @@ typedef struct sandglass_frame_report {
 /* Advances the scene by one frame: moves simulated time on by input->time_step plus what earlier frames still owe (at
  * most two frames' worth; the rest is slow motion, and counted in time_debt), as far as the budget admits. After it,
  * positions are valid and grains are written whatever the budget was. *report may be NULL. Fails only with
- * INVALID_ARGUMENT (NULL scene or input, wrong struct_size, unusable grain buffer, NULL among the shadows; nothing was
- * changed) or REPLAY
- * (input->plan is malformed: nothing was changed; or it asks for a unit that this state does not offer: the frame ended
- * there, the scene is valid, but it is not the recorded one: reset it).
+ * INVALID_ARGUMENT (NULL scene or input, a struct_size that is wrong or not set, unusable grain buffer, NULL among the
+ * shadows; nothing was changed) or REPLAY (input->plan is malformed: nothing was changed; or it asks for a unit that
+ * this state does not offer: the frame ended there, the scene is valid, but it is not the recorded one: reset it).
  *
  * Guarantee, for a clock that runs: elapsed <= max(target, mandatory part) + last_unit_ns of the report: one work unit,
  * and whatever time writing the grains, which is always done and comes last, took beyond its own prediction. */

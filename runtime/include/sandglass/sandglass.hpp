@@ -256,7 +256,8 @@ class Light {
     return status;
   }
   sandglass_light_estimate estimated() const {
-    sandglass_light_estimate now;
+    sandglass_light_estimate now{};
+    now.struct_size = sizeof now;
     sandglass_light_get(light_, &now);
     return now;
   }

@@ -29,10 +29,6 @@
 extern "C" {
 #endif
 
-/* Instruction sets that only the int8 kernels tell apart from SANDGLASS_ISA_NEON: with SDOT, with SMMLA. Here
- * SANDGLASS_ISA_AVX512 means AVX-512 with VNNI. */
-enum { SANDGLASS_ISA_NEON_DOTPROD = 5, SANDGLASS_ISA_NEON_I8MM = 6 };
-
 /* Texels a side of the texture that networks are baked for. */
 #define SANDGLASS_SHADOW_TEXELS 256
 /* Most lights of one object. */
@@ -75,7 +71,8 @@ typedef struct sandglass_shadow_info {
   uint32_t float_parameters; /* of the network before rounding, if the file carries them, else 0 */
 } sandglass_shadow_info;
 
-/* Reads the file's description after the checks of sandglass_shadow_create. Fails with INVALID_ARGUMENT. */
+/* Reads the file's description after the checks of sandglass_shadow_create; info.struct_size is set before (see "Sizes"
+ * in sandglass.h). Fails with INVALID_ARGUMENT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_inspect(const void* asset, uint64_t asset_bytes,
                                                                             sandglass_shadow_info* info,
                                                                             const char** reason);
@@ -102,8 +99,10 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_set_light(sa
                                                                               const float direction[3],
                                                                               float irradiance, const char** reason);
 
-/* Runs at most `units` work units, of some tens of microseconds each, of `count` shadows (none NULL); returns how many
- * there were to run. 0: every texture is that of its light. */
+/* Runs at most `units` work units of `count` shadows (none NULL); returns how many it ran. Fewer than `units`: every
+ * texture is that of its light. A unit takes some tens of microseconds of a core that does 110 GMAC/s; of networks with
+ * more than 100,000 MAC a texel (info.macs_per_texel) longer in proportion, as it is never less than 48 texels: 0.23 ms
+ * for the largest, 256 x 8. */
 SANDGLASS_API uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, uint32_t count, uint32_t units);
 
 /* Work units until the textures of the present lights are complete; an upper bound while an adaptive grid is not yet
@@ -122,7 +121,7 @@ typedef struct sandglass_shadow_texture {
   uint32_t evaluated;    /* texels that the network was asked for */
 } sandglass_shadow_texture;
 
-/* A `light` that is none has no valid texture. */
+/* texture.struct_size is set before (see "Sizes" in sandglass.h). A `light` that is none has no valid texture. */
 SANDGLASS_API void sandglass_shadow_get_texture(const sandglass_shadow* shadow, uint32_t light,
                                                 sandglass_shadow_texture* texture);
 
@@ -133,9 +132,10 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_resample(con
                                                                              uint8_t* coverage, const char** reason);
 
 /* All lights together, size x size bytes over the rectangle low..high that holds all their textures: coverage =
- * sum(E c opacity) / sum(E) over the lights above the horizon, E being their irradiances; transparencies then add up as
- * nu = sum(E nu) / sum(E). For apps that draw one texture an object; takes about a millisecond a light at 256, so call
- * it when a texture has changed. size is 1..1024. Fails with INVALID_ARGUMENT. */
+ * sum(E c opacity) / sum(E) over the lights above the horizon, E being their irradiances, and c 0 for a light whose
+ * first texture is not complete; transparencies then add up as nu = sum(E nu) / sum(E). For apps that draw one texture
+ * an object; takes about a millisecond a light at 256, so call it when a texture has changed. size is 1..1024. Fails
+ * with INVALID_ARGUMENT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_combine(const sandglass_shadow* shadow,
                                                                             uint32_t size, uint8_t* coverage,
                                                                             float low[2], float high[2],

@@ -15,7 +15,9 @@ int main(int count, char** arguments) {
   sandglass_camera_image_default(&image);
   if (sandglass_light_set_image(light, &image, NULL, &reason) != SANDGLASS_OK) return 1;
   sandglass_light_run(light, 8);
+  estimate.struct_size = sizeof estimate;
   sandglass_light_get(light, &estimate);
+  filament.struct_size = sizeof filament;
   if (sandglass_light_to_filament(&estimate, SANDGLASS_LIGHT_MODEL_AMBIENT, 30.0f, &filament, &reason) != SANDGLASS_OK)
     return 1;
   return estimate.valid != 1;

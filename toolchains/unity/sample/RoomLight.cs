@@ -107,16 +107,18 @@ public unsafe sealed class RoomLight : IDisposable {
   }
 
   public sandglass_light_estimate Estimate() {
-    sandglass_light_estimate estimate;
-    Native.sandglass_light_get(light, out estimate);
+    var estimate = new sandglass_light_estimate();
+    estimate.struct_size = (uint)sizeof(sandglass_light_estimate);
+    Native.sandglass_light_get(light, ref estimate);
     return estimate;
   }
 
   // Unity's directional light and ambient probe, for whatever else the app draws.
   public static void Show(sandglass_light_estimate estimate, Light sun) {
-    sandglass_light_unity unity;
+    var unity = new sandglass_light_unity();
+    unity.struct_size = (uint)sizeof(sandglass_light_unity);
     IntPtr reason;
-    Sand.Check(Native.sandglass_light_to_unity(ref estimate, Native.SANDGLASS_LIGHT_MODEL_AMBIENT, out unity, out reason), reason);
+    Sand.Check(Native.sandglass_light_to_unity(ref estimate, Native.SANDGLASS_LIGHT_MODEL_AMBIENT, ref unity, out reason), reason);
     sun.transform.rotation = new Quaternion(unity.rotation[0], unity.rotation[1], unity.rotation[2], unity.rotation[3]);
     sun.color = new Color(unity.colour[0], unity.colour[1], unity.colour[2], 1).gamma;
     sun.intensity = unity.intensity;

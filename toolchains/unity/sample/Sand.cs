@@ -120,6 +120,7 @@ public unsafe class Sand : MonoBehaviour {
     ground.rotation[3] = 1;
     floor = ground;
     Native.sandglass_frame_input_default(out input);
+    report.struct_size = (uint)sizeof(sandglass_frame_report);
   }
 
   void OnDisable() {

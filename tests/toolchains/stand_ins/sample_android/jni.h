@@ -12,3 +12,5 @@ typedef int32_t jint;
 typedef int64_t jlong;
 typedef float jfloat;
 typedef double jdouble;
+#define JNI_FALSE 0
+#define JNI_TRUE 1

@@ -1,6 +1,8 @@
-// Sand on the real floor. All calls come from the thread of the GLSurfaceView: ARCore updates the camera image and the
-// poses, the library writes the grains straight into the renderer's buffer, estimates the room's light from the image
-// and casts the sand's shadow in it, all within its 4 ms; Filament draws grains and shadow with the same pose.
+// Sand on the real floor. Frames, and whatever concerns the renderer, come from the GL thread of the lower surface,
+// which Filament's engine therefore belongs to; the session is made, resumed and paused by the UI thread, while no
+// frame is under way. In a frame ARCore updates the camera image and the poses, the library writes the grains straight
+// into the renderer's buffer, estimates the room's light from the image and casts the sand's shadow in it, all within
+// its 4 ms; Filament draws grains and shadow with the same pose.
 #include <android/asset_manager_jni.h>
 #include <android/log.h>
 #include <android/native_window_jni.h>
@@ -149,15 +151,6 @@ JNIEXPORT jlong JNICALL Java_org_sandglass_sample_Native_create(JNIEnv* env, jcl
   return reinterpret_cast<jlong>(s);
 }
 
-JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_destroy(JNIEnv*, jclass, jlong handle) {
-  Sample* s = of(handle);
-  s->view.destroy();
-  if (s->window != nullptr) ANativeWindow_release(s->window);
-  ArFrame_destroy(s->frame);
-  ArSession_destroy(s->session);
-  delete s;
-}
-
 JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Native_resume(JNIEnv*, jclass, jlong handle) {
   return ArSession_resume(of(handle)->session) == AR_SUCCESS;
 }
@@ -166,35 +159,58 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_pause(JNIEnv*, jclass, j
   ArSession_pause(of(handle)->session);
 }
 
-// With the GLSurfaceView's context current; `surface` is the transparent one above it.
-JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_surface(JNIEnv* env, jclass, jlong handle, jobject surface,
-                                                                jobject assets, jint rotation, jint width,
-                                                                jint height) {
+// With the GL thread's context current.
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_surface(JNIEnv* env, jclass, jlong handle, jobject assets,
+                                                                jint rotation, jint width, jint height) {
   Sample* s = of(handle);
   ArSession_setCameraTextureName(s->session, s->background.create());
   ArSession_setDisplayGeometry(s->session, rotation, width, height);
-  s->view.destroy();
-  if (s->window != nullptr) ANativeWindow_release(s->window);
-  s->window = ANativeWindow_fromSurface(env, surface);
-  AAssetManager* files = AAssetManager_fromJava(env, assets);
-  uint64_t network_bytes = 0, grain_bytes = 0, shadow_bytes = 0;
   if (!s->stage) {
-    std::vector<uint64_t> network = read_asset(files, "room.light", &network_bytes);
-    say(s->stage.create(std::move(network), network_bytes));
+    uint64_t bytes = 0;
+    std::vector<uint64_t> network = read_asset(AAssetManager_fromJava(env, assets), "room.light", &bytes);
+    say(s->stage.create(std::move(network), bytes));
   }
+  if (s->performance == nullptr) s->performance = std::make_unique<sample::Performance>(16'666'667);
+}
+
+JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Native_show(JNIEnv* env, jclass, jlong handle, jobject surface,
+                                                                 jobject assets, jint width, jint height) {
+  Sample* s = of(handle);
+  AAssetManager* files = AAssetManager_fromJava(env, assets);
+  uint64_t grain_bytes = 0, shadow_bytes = 0;
   const std::vector<uint64_t> grain = read_asset(files, "grain.filamat", &grain_bytes),
                               shadow = read_asset(files, "shadow.filamat", &shadow_bytes);
-  if (grain.empty() || shadow.empty() || !s->stage) return;
-  s->view.create(s->window, static_cast<uint32_t>(width), static_cast<uint32_t>(height), grain.data(), grain_bytes,
-                 shadow.data(), shadow_bytes);
-  s->view.set_light(s->stage.light());
-  s->performance = std::make_unique<sample::Performance>(16'666'667);
+  if (grain.empty() || shadow.empty()) return JNI_FALSE;
+  s->window = ANativeWindow_fromSurface(env, surface);
+  if (s->window == nullptr) return JNI_FALSE;  // the surface has gone again
+  if (!s->view.create(s->window, static_cast<uint32_t>(width), static_cast<uint32_t>(height), grain.data(), grain_bytes,
+                      shadow.data(), shadow_bytes)) {
+    ANativeWindow_release(s->window);
+    s->window = nullptr;
+    return JNI_FALSE;
+  }
+  if (s->stage) s->view.set_light(s->stage.light());
+  return JNI_TRUE;
+}
+
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_hide(JNIEnv*, jclass, jlong handle) {
+  Sample* s = of(handle);
+  s->view.destroy();
+  ANativeWindow_release(s->window);
+  s->window = nullptr;
+}
+
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_destroy(JNIEnv*, jclass, jlong handle) {
+  Sample* s = of(handle);
+  ArFrame_destroy(s->frame);
+  ArSession_destroy(s->session);
+  delete s;
 }
 
 JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_tap(JNIEnv*, jclass, jlong handle, jfloat x, jfloat y) {
   Sample* s = of(handle);
   float point[3];
-  if (!hit_plane(s, x, y, point)) return;
+  if (!s->stage || !hit_plane(s, x, y, point)) return;
   const sandglass::Status status = s->stage.pour(point);
   say(status);
   s->poured = static_cast<bool>(status);
@@ -204,6 +220,7 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_frame(JNIEnv*, jclass, j
   Sample* s = of(handle);
   if (s->performance == nullptr || ArSession_update(s->session, s->frame) != AR_SUCCESS) return;
   s->background.draw(s->session, s->frame);
+  if (!s->stage || !s->view.shown()) return;
   ArCamera* camera = nullptr;
   ArFrame_acquireCamera(s->session, s->frame, &camera);
   ArTrackingState tracking = AR_TRACKING_STATE_STOPPED;

@@ -41,12 +41,19 @@ class SandView {
  public:
   static constexpr int k_buffers = 3;
 
-  // `grain` and `shadow` are grain.filamat and shadow.filamat, compiled from materials/.
-  void create(void* window, uint32_t width, uint32_t height, const void* grain, size_t grain_bytes, const void* shadow,
+  // `grain` and `shadow` are grain.filamat and shadow.filamat, compiled from materials/. False, and nothing made, where
+  // the system gives no engine or no chain of images for the window. Everything here on one thread, which the engine
+  // then belongs to.
+  bool create(void* window, uint32_t width, uint32_t height, const void* grain, size_t grain_bytes, const void* shadow,
               size_t shadow_bytes) {
     using namespace filament;
     engine_ = Engine::create(Engine::Backend::OPENGL);
+    if (engine_ == nullptr) return false;
     swap_chain_ = engine_->createSwapChain(window, SwapChain::CONFIG_TRANSPARENT);
+    if (swap_chain_ == nullptr) {
+      Engine::destroy(&engine_);
+      return false;
+    }
     renderer_ = engine_->createRenderer();
     renderer_->setClearOptions({{0, 0, 0, 0}, 0, true, true});
     scene_ = engine_->createScene();
@@ -92,7 +99,10 @@ class SandView {
     LightManager::Builder(LightManager::Type::DIRECTIONAL).build(*engine_, light_);
     scene_->addEntity(light_);
     for (std::vector<sandglass_grain>& buffer : grains_) buffer.resize(k_grains);
+    return true;
   }
+
+  bool shown() const { return engine_ != nullptr; }
 
   void destroy() {
     if (engine_ == nullptr) return;
@@ -122,7 +132,8 @@ class SandView {
   // The room's light, whenever the library's estimate has changed.
   void set_light(const sandglass_light_estimate& estimate) {
     using namespace filament;
-    sandglass_light_filament filament;
+    sandglass_light_filament filament{};
+    filament.struct_size = sizeof filament;
     if (engine_ == nullptr ||
         sandglass_light_to_filament(&estimate, SANDGLASS_LIGHT_MODEL_AMBIENT, 1.0f, &filament, nullptr) != SANDGLASS_OK)
       return;

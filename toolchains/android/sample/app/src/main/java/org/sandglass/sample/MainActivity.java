@@ -7,18 +7,31 @@ import android.graphics.PixelFormat;
 import android.opengl.GLSurfaceView;
 import android.os.Bundle;
 import android.view.MotionEvent;
+import android.view.SurfaceHolder;
 import android.view.SurfaceView;
 import android.widget.FrameLayout;
 import com.google.ar.core.ArCoreApk;
 import com.google.ar.core.exceptions.UnavailableException;
+import java.util.concurrent.CountDownLatch;
 import javax.microedition.khronos.egl.EGLConfig;
 import javax.microedition.khronos.opengles.GL10;
 
-/** Two surfaces: the camera image below, Filament's transparent one above. A tap on a real table pours sand there. */
-public final class MainActivity extends Activity implements GLSurfaceView.Renderer {
+/**
+ * Two surfaces: the camera image below, Filament's transparent one above. A tap on a real table pours sand there.
+ *
+ * <p>Filament's engine belongs to one thread from its creation to its end: the GL thread of the lower surface, which serves its queue
+ * while it is paused, too. The upper surface comes and goes on the UI thread, which therefore waits for the GL thread to let go of it.
+ */
+public final class MainActivity extends Activity implements GLSurfaceView.Renderer, SurfaceHolder.Callback {
   private GLSurfaceView camera;
   private SurfaceView sand;
-  private long sample;
+  private volatile long sample;  // 0 before ARCore has a session, and in the end
+  // Of the GL thread alone: the size of the lower surface, and whether the sample knows it; the size of the upper one, 0 while there is
+  // none, and whether Filament draws on it.
+  private int cameraWidth, cameraHeight;
+  private boolean begun;
+  private int width, height;
+  private boolean shown;
 
   @Override
   protected void onCreate(Bundle saved) {
@@ -28,15 +41,18 @@ public final class MainActivity extends Activity implements GLSurfaceView.Render
     camera.setPreserveEGLContextOnPause(true);
     camera.setRenderer(this);
     camera.setOnTouchListener((view, event) -> {
-      if (event.getAction() == MotionEvent.ACTION_UP && sample != 0) {
+      if (event.getAction() == MotionEvent.ACTION_UP) {
         final float x = event.getX(), y = event.getY();
-        camera.queueEvent(() -> Native.tap(sample, x, y));
+        camera.queueEvent(() -> {
+          if (sample != 0) Native.tap(sample, x, y);
+        });
       }
       return true;
     });
     sand = new SurfaceView(this);
     sand.setZOrderMediaOverlay(true);
     sand.getHolder().setFormat(PixelFormat.TRANSLUCENT);
+    sand.getHolder().addCallback(this);
     FrameLayout both = new FrameLayout(this);
     both.addView(camera);
     both.addView(sand);
@@ -63,28 +79,83 @@ public final class MainActivity extends Activity implements GLSurfaceView.Render
   @Override
   protected void onPause() {
     super.onPause();
-    camera.onPause();
+    camera.onPause();  // returns when no frame is under way
     if (sample != 0) Native.pause(sample);
   }
 
   @Override
   protected void onDestroy() {
-    if (sample != 0) Native.destroy(sample);
-    sample = 0;
-    super.onDestroy();
+    if (sample != 0) {
+      onGlThread(() -> {
+        hide();
+        Native.destroy(sample);
+        sample = 0;
+      });
+    }
+    super.onDestroy();  // the view, and with it the GL thread, ends after this
+  }
+
+  /** Runs on the GL thread and waits until it has run. */
+  private void onGlThread(Runnable work) {
+    final CountDownLatch done = new CountDownLatch(1);
+    camera.queueEvent(() -> {
+      work.run();
+      done.countDown();
+    });
+    try {
+      done.await();
+    } catch (InterruptedException e) {
+      Thread.currentThread().interrupt();
+    }
+  }
+
+  // The upper surface, on the UI thread.
+
+  @Override
+  public void surfaceCreated(SurfaceHolder holder) {}
+
+  @Override
+  public void surfaceChanged(SurfaceHolder holder, int format, int newWidth, int newHeight) {
+    camera.queueEvent(() -> {
+      hide();
+      width = newWidth;
+      height = newHeight;
+    });
+  }
+
+  @Override
+  public void surfaceDestroyed(SurfaceHolder holder) {
+    if (sample == 0) return;  // nothing draws on it, and at the very end there is no GL thread to wait for
+    onGlThread(() -> {
+      hide();
+      width = height = 0;
+    });
+  }
+
+  // On the GL thread.
+
+  private void hide() {
+    if (shown) Native.hide(sample);
+    shown = false;
   }
 
   @Override
   public void onSurfaceCreated(GL10 gl, EGLConfig config) {}
 
   @Override
-  public void onSurfaceChanged(GL10 gl, int width, int height) {
-    final int rotation = getWindowManager().getDefaultDisplay().getRotation();
-    if (sample != 0) Native.surface(sample, sand.getHolder().getSurface(), getAssets(), rotation, width, height);
+  public void onSurfaceChanged(GL10 gl, int newWidth, int newHeight) {
+    cameraWidth = newWidth;
+    cameraHeight = newHeight;
+    begun = false;
   }
 
+  /** Session and surfaces come in any order: whatever is there by now is put to use before the frame. */
   @Override
   public void onDrawFrame(GL10 gl) {
-    if (sample != 0) Native.frame(sample, 1e-9 * System.nanoTime());
+    if (sample == 0) return;
+    if (!begun) Native.surface(sample, getAssets(), getWindowManager().getDefaultDisplay().getRotation(), cameraWidth, cameraHeight);
+    begun = true;
+    if (!shown && width > 0) shown = Native.show(sample, sand.getHolder().getSurface(), getAssets(), width, height);
+    Native.frame(sample, 1e-9 * System.nanoTime());
   }
 }

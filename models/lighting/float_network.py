@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""The float network behind models/lights/room.light, from what is in this repository, and what it says of the excerpts.
+
+Its trunk is what PyTorch 1.13 draws from seed 1; its heads lie in excerpts/heads.npz: of the 512 latent units 160 carry the ten ridge
+regressions, 16 each alike, and the others, as drawn, have no effect. Every array is bit for bit the one of which `sandglass
+quantise-light` made the shipped bytes (calibrated as MODEL_CARD.md says it makes the same file of them again).
+
+  float_network.py weights WEIGHTS.npz                  puts both together, as train.py exports a network
+  float_network.py estimates WEIGHTS.npz PIXELS OUT.csv PyTorch's estimates of the excerpts; PIXELS are their bytes one after another,
+                                                        by name, as the tests' reader decodes them: decoders of JPEG differ
+"""
+import argparse
+import csv
+import glob
+import hashlib
+import os
+import sys
+
+import numpy as np
+import torch
+
+sys.dont_write_bytecode = True
+import train
+
+FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "excerpts")
+SEED = 1
+WEIGHTS_SHA256 = "c87400f2133b698095f4fc6df06255df56647dfcef96995c7e8fbd8acf7df5ae"  # of every array, by name
+EXIT_OTHER_PYTORCH = 77
+
+
+def sha256_of(arrays):
+    digest = hashlib.sha256()
+    for name in sorted(arrays):
+        digest.update(name.encode() + np.ascontiguousarray(arrays[name]).tobytes())
+    return digest.hexdigest()
+
+
+def write_weights(path):
+    torch.manual_seed(SEED)
+    arrays = train.LightNet().exported()  # as train.py --initial --seed 1 has it
+    heads = np.load(os.path.join(FOLDER, "heads.npz"))
+    copies, j = train.COPIES_OF_START, 0
+    used = 10 * copies
+    arrays["latent/kernel"][:, :used] = np.repeat(heads["slopes"], copies, 1)
+    arrays["latent/bias"][:] = 0
+    arrays["latent/bn/beta"][:used] = train.SHIFT_OF_START
+    for name in ("moving_mean", "moving_variance"):
+        arrays["latent/bn/" + name] = heads[name]
+    for name in ("direction", "light", "ambient", "contrast"):
+        kernel, bias = arrays[name + "/kernel"], arrays[name + "/bias"]
+        kernel[:] = 0
+        for o in range(len(bias)):
+            kernel[copies * j:copies * (j + 1), o], bias[o] = heads["spread"][j], heads["bias"][j]
+            j += 1
+    for name in ("data_hash", "seed", "training_images"):
+        arrays[name] = heads[name]
+    if sha256_of(arrays) != WEIGHTS_SHA256:
+        print(f"PyTorch {torch.__version__} draws other numbers from seed {SEED} than the one that drew the network")
+        sys.exit(EXIT_OTHER_PYTORCH)
+    np.savez(path, **arrays)
+
+
+def write_estimates(weights, pixels, path):
+    names = sorted(os.path.basename(name) for name in glob.glob(FOLDER + "/*.jpg"))
+    images = np.fromfile(pixels, np.uint8).reshape(len(names), train.HEIGHT, train.WIDTH, 3)
+    network = train.LightNet()
+    if not network.load(weights):
+        sys.exit(f"'{weights}' has no heads; make it with `float_network.py weights`")
+    network.eval()
+    with open(path, "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(["image", "fnv1a"] + list(train.LABELS))
+        for name, image in zip(names, images):
+            hashed = 14695981039346656037
+            for byte in image.tobytes():
+                hashed = (hashed ^ byte) * 1099511628211 % 2 ** 64
+            with torch.no_grad():
+                rgb = torch.from_numpy(image.transpose(2, 0, 1).astype(np.float32) / 255)[None]
+                said = network.estimate(network.prefix(network.trunk(rgb)))
+            values = np.concatenate([said[k][0].numpy() for k in ("direction", "light", "ambient", "contrast")])
+            out.writerow([name, f"{hashed:016x}"] + [f"{x:.7f}" for x in values])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    steps = parser.add_subparsers(dest="step", required=True)
+    steps.add_parser("weights").add_argument("weights")
+    estimates = steps.add_parser("estimates")
+    for name in ("weights", "pixels", "output"):
+        estimates.add_argument(name)
+    options = parser.parse_args()
+    if options.step == "weights":
+        write_weights(options.weights)
+    else:
+        write_estimates(options.weights, options.pixels, options.output)
+
+
+if __name__ == "__main__":
+    main()

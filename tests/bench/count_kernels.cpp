@@ -1,0 +1,307 @@
+// What is counted of the float kernels one by one: each on a workload of its own, of a thousand items or so, with none
+// of the scene about it. kernels.inc expands into the list: a kernel without a work_<name> does not compile.
+//   count_kernels        the workloads' names, one a line
+//   count_kernels NAME   one of them
+//   count_kernels all    all between one pair of marks
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <vector>
+
+#include "kernels/kernels.h"
+#include "runtime/granular/cell_sort.h"
+
+extern "C" {
+__attribute__((noinline)) void counting_begins() { __asm__ volatile(""); }
+__attribute__((noinline)) void counting_ends() { __asm__ volatile(""); }
+}
+
+namespace {
+
+using namespace sandglass;
+
+constexpr uint32_t k_items = 960, k_slack = 2 * k_lane_group;
+constexpr float k_radius = 0.01f;
+
+bool g_all = false;  // between one pair of marks
+void begin() {
+  if (!g_all) counting_begins();
+}
+void end() {
+  if (!g_all) counting_ends();
+}
+
+// A sheet of random numbers, 0 to 1: the same everywhere.
+struct Random {
+  uint32_t state = 1;
+  float operator()() {
+    state = state * 1664525u + 1013904223u;
+    return static_cast<float>(state >> 8) / 16777216.0f;
+  }
+};
+
+// Aligned as the scene's block.
+struct alignas(64) Line {
+  float values[16] = {};
+};
+struct Records {
+  explicit Records(uint32_t count) : lines((count + 1) / 2) {}
+  float* data() { return lines[0].values; }
+  float* operator[](uint32_t i) { return data() + k_record_floats * i; }
+  std::vector<Line> lines;
+};
+
+// Particles in a heap as dense as sand, every fifth asleep, every sixth of a rigid body; behind them the inert record.
+struct Heap {
+  Heap() : records(k_items + k_slack), lists(k_items * k_list_slots, k_items), counts(k_items) {
+    Random random;
+    for (uint32_t i = 0; i < k_items + k_slack; ++i) {
+      const bool inert = i >= k_items;
+      const float values[7] = {
+          inert ? k_inert_position : side * random(),   inert ? k_inert_position : side * random(),
+          inert ? k_inert_position : side * random(),   inert ? 0.0f : (i % 5 == 2 ? -1.0f : 1.0f),
+          inert || i % 5 == 2 ? 0.0f : random() - 0.5f, inert || i % 5 == 2 ? 0.0f : random() - 0.5f,
+          inert || i % 5 == 2 ? 0.0f : random() - 0.5f};
+      const uint32_t id = inert ? ~0u : i | (i % 6 == 1 ? 1u << k_body_shift : 0u);
+      std::memcpy(records[i], values, sizeof values);
+      std::memcpy(records[i] + 7, &id, sizeof id);
+    }
+    for (uint32_t i = 0; i < k_items; ++i)
+      for (uint32_t j = 0; j < k_items && counts[i] < k_list_slots; ++j) {
+        float squared = 0;
+        for (int k = 0; k < 3; ++k) {
+          const float apart = records[i][k] - records[j][k];
+          squared += apart * apart;
+        }
+        if (j != i && squared < reach * reach) lists[i * k_list_slots + counts[i]++] = j;
+      }
+    for (uint32_t g = 0; g < k_items / k_lane_group; ++g) groups.push_back(g);
+  }
+  static constexpr float reach = 2.4f * k_radius, side = 0.22f;  // 0.7 particles a diameter cubed
+  Records records;
+  std::vector<uint32_t> lists, groups;
+  std::vector<uint8_t> counts;
+};
+
+// The heap sorted by cell.
+struct Sorted {
+  Sorted(Heap* heap, const Kernels& kernels, float cell, uint32_t bits_min)
+      : records(k_items + k_slack), starts(4096 + k_slack), keys(k_items + k_slack) {
+    for (std::vector<float>& axis : axes) axis.resize(k_items + k_slack, k_inert_position);
+    const float low[3] = {0, 0, 0}, high[3] = {Heap::side, Heap::side, Heap::side};
+    sort.cells_max = 4096, sort.starts = starts.data(), sort.keys = keys.data();
+    cell_sort_begin(&sort, cell, low, high, bits_min);
+    const SortTarget target = {records.data(), {axes[0].data(), axes[1].data(), axes[2].data()}, false};
+    while (sort.phase != k_sort_done) cell_sort_run(&sort, kernels, heap->records.data(), k_items, k_items, target);
+  }
+  Records records;
+  std::vector<float> axes[3];
+  std::vector<uint32_t> starts, keys;
+  CellSort sort = {};
+};
+
+ColliderFrame still(sandglass_shape shape, float size, float height) {
+  ColliderFrame frame = {};
+  frame.shape = shape;
+  frame.position[0] = frame.position[2] = 0.5f * Heap::side, frame.position[1] = height;
+  for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f, frame.size[k] = size;
+  return frame;
+}
+
+// A ball of 4 cm as a field, in the middle of the heap.
+struct Field {
+  static constexpr uint32_t n = 17;
+  Field() : values(n * n * n), frame(still(SANDGLASS_SHAPE_FIELD, 0.0f, 0.5f * Heap::side)) {
+    constexpr float half = 0.08f, spacing = 2 * half / (n - 1);
+    for (uint32_t i = 0; i < n * n * n; ++i) {
+      const float x = spacing * static_cast<float>(i % n) - half, y = spacing * static_cast<float>(i / n % n) - half,
+                  z = spacing * static_cast<float>(i / n / n) - half;
+      values[i] = std::sqrt(x * x + y * y + z * z) - 0.04f;
+    }
+    frame.field = {values.data(), {n, n, n}, {-half, -half, -half}, spacing, 1.0f / spacing, 1.0f, half - 0.04f};
+  }
+  std::vector<float> values;
+  ColliderFrame frame;
+};
+
+void work_grid_cells(const Kernels& kernels) {
+  Heap heap;
+  std::vector<uint32_t> keys(k_items + k_slack);
+  const GridCellsArgs args = {{1.0f / Heap::reach, {3, 3, 3}, nullptr}, heap.records.data(), keys.data(), 0, {0, 0, 0}};
+  uint32_t unused = 0;
+  begin();
+  kernels.grid_cells(&args, 0, k_items, &unused);
+  end();
+}
+
+void work_neighbour_lists(const Kernels& kernels) {
+  Heap heap;
+  Sorted sorted(&heap, kernels, Heap::reach, 2);
+  ListArgs args = {};
+  args.grid = sorted.sort.grid;
+  for (int k = 0; k < 3; ++k) args.positions[k] = sorted.axes[k].data();
+  args.inert = k_items;
+  args.reach_squared = Heap::reach * Heap::reach, args.near_squared = 4.4f * k_radius * k_radius;
+  args.lists = heap.lists.data(), args.counts = heap.counts.data();
+  uint32_t dropped = 0;
+  begin();
+  kernels.neighbour_lists(&args, 0, k_items, &dropped);
+  end();
+}
+
+// One pass of the heap on a floor, `beside` something else.
+void contact(contact_solve_function kernel, const ColliderFrame* beside) {
+  constexpr float step = 3e-4f, omega = 0.3f;
+  Heap heap;
+  Records out(k_items + k_slack);
+  std::vector<uint8_t> touched(heap.groups.size());
+  std::vector<ColliderFrame> colliders = {still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0)};
+  if (beside != nullptr) colliders.push_back(*beside);
+  ContactArgs args = {};
+  args.in = heap.records.data(), args.out = out.data();
+  args.groups = heap.groups.data(), args.lists = heap.lists.data(), args.counts = heap.counts.data();
+  args.particle_count = k_items;
+  args.radius = k_radius, args.diameter = 2 * k_radius;
+  args.static_friction = args.kinetic_friction = 0.14f;
+  args.relaxation = omega, args.inverse_relaxation = 1.0f / omega, args.separation_max = 4e-4f;
+  args.weight_linear = -0.15f, args.weight_cubic = 0.0045f, args.lift_max = 2e-5f, args.up[1] = 1.0f;
+  args.scale = args.step = step, args.gravity[1] = -9.81f * step * step;
+  args.displacement_max = 1.0f;
+  args.bodies = 1, args.last = 1;
+  args.wake_displacement = 1e-4f, args.touched = touched.data();
+  args.colliders = colliders.data(), args.collider_count = static_cast<uint32_t>(colliders.size());
+  ContactExtent extent = {};
+  begin();
+  kernel(&args, 0, k_items, &extent);
+  end();
+}
+
+void work_contact_stabilise(const Kernels& kernels) { contact(kernels.contact_stabilise, nullptr); }
+void work_contact_solve(const Kernels& kernels) { contact(kernels.contact_solve, nullptr); }
+void work_contact_solve_beside_a_field(const Kernels& kernels) {
+  const Field field;
+  contact(kernels.contact_solve, &field.frame);
+}
+
+void work_wake_near(const Kernels& kernels) {
+  Heap heap;
+  const ColliderFrame colliders[2] = {still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0),
+                                      still(SANDGLASS_SHAPE_SPHERE, 0.04f, 0.1f)};
+  const float margins[2] = {0.01f, 0.01f};
+  const WakeArgs args = {heap.records.data(), k_items, colliders, margins, 2};
+  uint32_t woken = 0;
+  begin();
+  kernels.wake_near(&args, 0, k_items, &woken);
+  end();
+}
+
+void work_find_inside(const Kernels& kernels) {
+  Heap heap;
+  const ColliderFrame shapes[2] = {still(SANDGLASS_SHAPE_BOX, 0.04f, 0.1f),
+                                   still(SANDGLASS_SHAPE_CAPSULE, 0.03f, 0.15f)};
+  std::vector<uint8_t> inside(k_items);
+  const InsideArgs args = {heap.records.data(), k_items, shapes, 2, inside.data()};
+  uint32_t found = 0;
+  begin();
+  kernels.find_inside(&args, 0, k_items, &found);
+  end();
+}
+
+void work_surface_at(const Kernels& kernels) {
+  Heap heap;
+  const Field field;
+  const SurfaceArgs args = {heap.records.data(), &field.frame};
+  uint32_t unused = 0;
+  begin();
+  kernels.surface_at(&args, 0, k_items, &unused);
+  end();
+}
+
+// Grains all over the heap, one step.
+void refine(const Kernels& kernels, const ColliderFrame& beside) {
+  Heap heap;
+  Sorted snapshot(&heap, kernels, 3 * k_radius, 3);
+  Records grains(k_items + k_slack);
+  Random random = {7};
+  for (uint32_t i = 0; i < k_items; ++i)
+    for (int k = 0; k < 3; ++k) grains[i][k] = Heap::side * random();
+  std::vector<uint8_t> still_groups(heap.groups.size());
+  RefineArgs args = {};
+  args.grid = snapshot.sort.grid, args.snapshot = snapshot.records.data();
+  for (int k = 0; k < 3; ++k) args.positions[k] = snapshot.axes[k].data();
+  args.grains = grains.data(), args.grain_count = k_items;
+  args.groups = heap.groups.data(), args.still = still_groups.data();
+  args.still_distance = 1e-4f, args.still_sweeps = 4.0f;
+  args.support = 3 * k_radius, args.step = 0.008f, args.steps = 1, args.gravity[1] = -9.81f;
+  args.weight_at_radius = 512.0f / 729.0f;
+  args.colliders = &beside, args.collider_count = 1;
+  args.grain_radius = 0.35f * k_radius, args.friction = 0.14f;
+  RefineExtent extent = {};
+  begin();
+  kernels.refine_grains(&args, 0, k_items, &extent);
+  end();
+}
+
+void work_refine_grains(const Kernels& kernels) { refine(kernels, still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0)); }
+void work_refine_grains_beside_a_field(const Kernels& kernels) {
+  const Field field;
+  refine(kernels, field.frame);
+}
+
+// One row of columns, half of them empty, seen along eight azimuths of eight steps.
+void work_pile_light(const Kernels& kernels) {
+  constexpr uint32_t rows = 17, pitch = k_items + k_lane_group, azimuth_count = 8, steps_each = 8;
+  Random random;
+  std::vector<float> tops(rows * pitch + 2 * k_lane_group, -1e30f), bottoms(tops.size(), 1e30f), fills(tops.size());
+  for (uint32_t i = 0; i < tops.size(); ++i)
+    if (i % pitch >= k_lane_group && random() < 0.5f) tops[i] = 0.1f * random(), bottoms[i] = 0.0f, fills[i] = random();
+  std::vector<float> receivers(k_items), shares(k_items);
+  PileAzimuth azimuths[azimuth_count];
+  PileStep steps[azimuth_count * steps_each];
+  for (uint32_t a = 0; a < azimuth_count; ++a) {
+    azimuths[a] = {0.2f, 0.8f, 1.0f, 0.5f, 2.0f, a * steps_each, (a + 1) * steps_each};
+    for (uint32_t s = 0; s < steps_each; ++s)
+      steps[a * steps_each + s] = {static_cast<int32_t>(s + 1), static_cast<int32_t>(a * s / 8),
+                                   200.0f / static_cast<float>(s + 1)};
+  }
+  PileLightArgs args = {};
+  args.tops = tops.data() + k_lane_group, args.bottoms = bottoms.data() + k_lane_group;
+  args.fills = fills.data() + k_lane_group;
+  args.pitch = pitch, args.row = rows / 2;
+  args.sand_rows[1] = rows - 1, args.sand_columns[1] = static_cast<int32_t>(k_items) - 1;
+  args.receivers = receivers.data(), args.azimuths = azimuths, args.azimuth_count = azimuth_count, args.steps = steps;
+  args.inverse_total = 1.0f / (0.6f * azimuth_count), args.shares = shares.data();
+  uint32_t unused = 0;
+  begin();
+  kernels.pile_light(&args, 0, k_items, &unused);
+  end();
+}
+
+struct Work {
+  const char* name;
+  void (*run)(const Kernels& kernels);
+};
+constexpr Work k_works[] = {
+#define SANDGLASS_KERNEL(name, Args, Result) {#name, work_##name},
+#include "kernels/kernels.inc"
+#undef SANDGLASS_KERNEL
+    {"contact_solve_beside_a_field", work_contact_solve_beside_a_field},
+    {"refine_grains_beside_a_field", work_refine_grains_beside_a_field},
+};
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  const Kernels& kernels = *select_kernels(SANDGLASS_ISA_AUTOMATIC);
+  bool found = argument_count < 2;
+  g_all = argument_count > 1 && std::strcmp(arguments[1], "all") == 0;
+  if (g_all) counting_begins();
+  for (const Work& work : k_works) {
+    if (argument_count < 2) std::printf("%s\n", work.name);
+    else if (g_all || std::strcmp(arguments[1], work.name) == 0) work.run(kernels), found = true;
+  }
+  if (g_all) counting_ends();
+  if (!found) return std::fprintf(stderr, "count_kernels: no kernel is named '%s'\n", arguments[1]), 2;
+  if (argument_count > 1) std::printf("isa %s\nitems %u\n", sandglass_isa_name(kernels.isa), k_items);
+  return 0;
+}

@@ -1,0 +1,148 @@
+// The network that is shipped, on images: 56 excerpts of seven made-up rooms that it was neither trained nor calibrated
+// on, beside what PyTorch says of them with the float weights that the bytes were made of (models/lighting/excerpts,
+// float_network.py).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "models/host/atomic_file.h"
+#include "models/host/npz.h"
+#include "models/lighting/light_net.h"
+#include "models/lighting/light_runner.h"
+#include "models/lighting/picture_file.h"
+#include "runtime/asset/checksum.h"
+
+namespace sandglass::host {
+namespace {
+
+const std::string k_folder = SANDGLASS_EXCERPTS_DIR;
+
+struct Excerpt {
+  std::string name;
+  std::vector<uint8_t> rgb;
+  LightValues values;  // PyTorch's
+};
+
+// Of estimates.csv every `step`th; the bytes are those that PyTorch saw.
+std::vector<Excerpt> excerpts(size_t step) {
+  std::istringstream rows(read_file(k_folder + "/estimates.csv", "table of estimates"));
+  std::vector<Excerpt> all;
+  std::string row;
+  std::getline(rows, row);
+  for (size_t i = 0; std::getline(rows, row); ++i) {
+    if (i % step != 0) continue;
+    std::istringstream fields(row);
+    Excerpt excerpt;
+    std::string field;
+    std::getline(fields, excerpt.name, ',');
+    excerpt.rgb = read_excerpt(k_folder + "/" + excerpt.name).rgb;
+    std::getline(fields, field, ',');
+    EXPECT_EQ(asset_checksum(excerpt.rgb.data(), excerpt.rgb.size()), std::stoull(field, nullptr, 16))
+        << excerpt.name << ": this reader of JPEG gives other bytes than the one that PyTorch's came from";
+    for (float& value : excerpt.values) {
+      std::getline(fields, field, ',');
+      value = std::stof(field);
+    }
+    all.push_back(excerpt);
+  }
+  return all;
+}
+
+double angle_deg(const LightValues& a, const LightValues& b) {
+  double dot = 0, lengths[2] = {};
+  for (size_t i = 0; i < 3; ++i) {
+    const double x = static_cast<double>(a[i]), y = static_cast<double>(b[i]);
+    dot += x * y, lengths[0] += x * x, lengths[1] += y * y;
+  }
+  return std::acos(std::clamp(dot / std::sqrt(lengths[0] * lengths[1]), -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+// The greatest of the colours' channels and the contrast.
+double difference(const LightValues& a, const LightValues& b) {
+  double most = 0;
+  for (size_t i = 3; i < a.size(); ++i) most = std::max(most, static_cast<double>(std::fabs(a[i] - b[i])));
+  return most;
+}
+
+struct Medians {
+  double angle_deg, difference;
+};
+Medians medians(const std::vector<LightValues>& a, const std::vector<LightValues>& b) {
+  std::vector<double> angles, differences;
+  for (size_t i = 0; i < a.size(); ++i)
+    angles.push_back(angle_deg(a[i], b[i])), differences.push_back(difference(a[i], b[i]));
+  const auto median = [](std::vector<double>* v) {
+    std::sort(v->begin(), v->end());
+    return 0.5 * ((*v)[(v->size() - 1) / 2] + (*v)[v->size() / 2]);
+  };
+  return {median(&angles), median(&differences)};
+}
+
+std::vector<uint8_t> shipped() {
+  const std::string content = read_file(SANDGLASS_LIGHTS_DIR "/room.light", "lighting network");
+  return {content.begin(), content.end()};
+}
+
+TEST(Excerpts, TheShippedBytesSayWhatPyTorchSaysInFloat) {
+  const std::vector<Excerpt> all = excerpts(SANDGLASS_EMULATED ? 9 : 1);
+  ASSERT_GE(all.size(), SANDGLASS_EMULATED ? 6u : 50u);
+  LightRunner runner(shipped(), "room.light");
+  std::vector<LightValues> bytes, floats;
+  for (const Excerpt& excerpt : all) {
+    const LightOutputs out = runner.run(excerpt.rgb);
+    bytes.push_back({out.direction[0], out.direction[1], out.direction[2], out.light[0], out.light[1], out.light[2],
+                     out.ambient[0], out.ambient[1], out.ambient[2], out.contrast});
+    floats.push_back(excerpt.values);
+  }
+  const Medians found = medians(bytes, floats);
+  EXPECT_LE(found.angle_deg, 1.0);
+  EXPECT_LE(found.difference, 0.01);
+  std::printf("bytes against float on %zu excerpts: median %.3f deg, %.4f\n", all.size(), found.angle_deg,
+              found.difference);
+  // The control: a network that says of each image what PyTorch says of the next is past both limits.
+  std::rotate(bytes.begin(), bytes.begin() + 1, bytes.end());
+  const Medians shifted = medians(bytes, floats);
+  EXPECT_GT(shifted.angle_deg, 2.0);
+  EXPECT_GT(shifted.difference, 0.02);
+}
+
+// The heads are in the file in float, as PyTorch has them: the table was made with the weights of this very file.
+TEST(Excerpts, TheHeadsOfTheShippedBytesAreThoseOfTheFloatNetwork) {
+  const auto arrays = read_npz(k_folder + "/heads.npz");
+  const std::vector<float>&spread = arrays.at("spread").values, &bias = arrays.at("bias").values;
+  LightRunner runner(shipped(), "room.light");
+  const LightAsset& asset = runner.asset();
+  constexpr size_t k_copies = 16;  // of each regression among the latent units
+  for (size_t o = 0; o < k_heads; ++o) {
+    EXPECT_EQ(asset.heads_bias[o], bias[o]);
+    for (size_t i = 0; i < k_latent; ++i)
+      ASSERT_EQ(asset.heads_weights[o * k_latent + i], i / k_copies == o ? spread[o] : 0.0f) << o << " " << i;
+  }
+}
+
+// By float_network.sh, which makes the weights.
+TEST(Excerpts, TheFloatNetworkInCppIsPyTorchs) {
+  const char* weights = std::getenv("SANDGLASS_FLOAT_WEIGHTS");
+  if (weights == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_WEIGHTS is not set to what float_network.py wrote";
+  const LightNet net = light_net_of(read_npz(weights));
+  double worst = 0;
+  const std::vector<Excerpt> all = excerpts(1);
+  for (const Excerpt& excerpt : all) {
+    const LightValues values = light_of(net, features_of(net.trunk, excerpt.rgb, 256, 192));
+    for (size_t i = 0; i < values.size(); ++i)
+      worst = std::max(worst, static_cast<double>(std::fabs(values[i] - excerpt.values[i])));
+  }
+  EXPECT_LE(worst, 1e-3);
+  std::printf("C++ against PyTorch in float on %zu excerpts: %.2g at the most\n", all.size(), worst);
+}
+
+}  // namespace
+}  // namespace sandglass::host

@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# float_network.sh NETWORK_TESTS EXCERPT_PIXELS SOURCE_DIR: the float network behind the shipped bytes is rebuilt; PyTorch says of the
+# excerpts what the table beside them says, and the plain float network in C++ does too. Exit code 77: there is no PyTorch, or one that
+# draws other numbers.
+set -euo pipefail
+tests=$1 pixels=$2 models=$3/models/lighting
+export OMP_NUM_THREADS=1
+python=
+for candidate in python3 /usr/bin/python3; do
+  if "$candidate" -c 'import torch, numpy, PIL' 2>/dev/null; then python=$candidate && break; fi
+done
+[[ -n $python ]] || { echo "no Python with torch, numpy and PIL: skipped"; exit 77; }
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+"$python" "$models/float_network.py" weights "$folder/weights.npz"
+"$pixels" "$models"/excerpts/*.jpg >"$folder/pixels"
+"$python" "$models/float_network.py" estimates "$folder/weights.npz" "$folder/pixels" "$folder/estimates.csv"
+"$python" - "$folder/estimates.csv" "$models/excerpts/estimates.csv" <<'PY'
+import sys
+import numpy as np
+found, kept = (np.loadtxt(path, delimiter=",", skiprows=1, dtype=str) for path in sys.argv[1:])
+assert found.shape == kept.shape == (56, 12) and (found[:, :2] == kept[:, :2]).all(), "other images"
+worst = np.abs(found[:, 2:].astype(float) - kept[:, 2:].astype(float)).max()
+print("greatest difference between this PyTorch and the table:", worst)
+assert worst < 1e-5, worst
+PY
+SANDGLASS_FLOAT_WEIGHTS=$folder/weights.npz "$tests" --gtest_filter=Excerpts.TheFloatNetworkInCppIsPyTorchs | tee "$folder/log"
+grep -q "PASSED.* 1 test" "$folder/log"
+! grep -q SKIPPED "$folder/log"

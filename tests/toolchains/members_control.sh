@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# What looks at the archives for Android and iOS (symbols.sh members) finds each fault in an object of either system, passes one without
+# any, and fails with tools that fail or say nothing.
+#   members_control.sh OUTPUT_FOLDER
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+output=$1
+rm -rf "$output"
+mkdir -p "$output"
+failed=0
+
+# expect STATUS SENTENCE NM READELF ARCHIVE: how symbols.sh must end, and the line that it must print.
+expect() {
+  local status=0 printed
+  printed=$(NM=$3 READELF=$4 bash "$here/../package/symbols.sh" members "$5" 2>&1) || status=$?
+  if [[ $((status != 0)) != "$1" ]] || ! grep -q "$2" <<<"$printed"; then
+    echo "$(basename "$5") with $3 and $4: status $status, expected '$2', printed:" "$printed"
+    failed=1
+  fi
+}
+
+nm=$(command -v llvm-nm) readobj=$(command -v llvm-readobj)
+for target in aarch64-linux-android24 arm64-apple-ios15; do
+  # make NAME: an archive of the C on standard input.
+  make() {
+    clang --target="$target" -fno-emulated-tls -ffreestanding -O1 -x c -c - -o "$output/$target.$1.o"
+    llvm-ar rc "$output/$target.$1.a" "$output/$target.$1.o"
+    echo "$output/$target.$1.a"
+  }
+  clean=$(make clean <<<'void* memcpy(void*, const void*, unsigned long); void fine(int* a, int* b) { memcpy(a, b, 1000); }')
+  allocation=$(make allocation <<<'void* malloc(unsigned long); void* fault(void) { return malloc(8); }')
+  constructor=$(make constructor <<<'volatile int n; __attribute__((constructor)) static void fault(void) { n = 1; }')
+  thread_local=$(make thread_local <<<'__thread int fault = 1;')
+  expect 0 'undefined: _*memcpy' "$nm" "$readobj" "$clean"
+  expect 1 'forbidden symbol: _*malloc' "$nm" "$readobj" "$allocation"
+  expect 1 'forbidden section: \(.init_array\|__mod_init_func\)' "$nm" "$readobj" "$constructor"
+  expect 1 'forbidden section: \(.tdata\|__thread_data\)' "$nm" "$readobj" "$thread_local"
+  for broken in /bin/false /bin/true; do
+    expect 1 "$broken .*: it was to tell what .* defines" "$broken" "$readobj" "$clean"
+    expect 1 "$broken .*: it was to tell the sections of" "$nm" "$broken" "$clean"
+  done
+done
+((failed == 0)) && echo "every fault was found"
