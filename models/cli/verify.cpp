@@ -244,14 +244,15 @@ int verify_lighting_suite(const Options& options) {
     lighting.estimator = estimates_of_csv(read_file(sources.estimates, "estimates"), sources.estimates);
   if (!sources.network.empty()) lighting.estimator = estimator_of(sources.network, find_isa(options.isa));
   const std::string said = said_of_training(sources);
+  std::fputs(said.c_str(), stdout);
   MeshResult mesh = make_named(options.object);
   if (!mesh) mesh = load_mesh(options.object);
   if (!mesh) throw Failure(mesh.error);
   lighting.object = mesh.mesh;
   LightingVerdicts verdicts = verify_lighting(lighting);
   if (interrupted()) return k_exit_interrupted;
-  std::printf("%zu views of %zu panoramas, estimates: %s\n%s\n%s\n", verdicts.views.size(), verdicts.pictures.size(),
-              sources.network.empty() ? sources.estimates.c_str() : sources.network.c_str(), said.c_str(),
+  std::printf("%zu views of %zu panoramas, estimates: %s\n\n%s\n", verdicts.views.size(), verdicts.pictures.size(),
+              sources.network.empty() ? sources.estimates.c_str() : sources.network.c_str(),
               lighting_table(verdicts).c_str());
   if (in_bytes) add_turns(sources, &verdicts.rows);
   if (interrupted()) return k_exit_interrupted;

@@ -19,8 +19,8 @@
  * sizeof by the caller, before every call. One that the library reads must have the library's own size, or is refused.
  * Of one that it fills (a report, an estimate, a texture, an info), no byte beyond struct_size is written, and
  * struct_size then says how many were; below 8 it was not set: functions that can fail refuse it, others leave the
- * struct as it is. What is read again (a report's plan, an estimate) must be whole. Of the library's own (a level), it
- * says which fields exist.
+ * struct as it is. A report's plan is read again, and so must be whole; an estimate may be that of an older header. Of
+ * the library's own (a level), it says which fields exist.
  *
  * Errors. Functions that can fail return a sandglass_status and, where `reason` is not NULL, store in it one static
  * sentence that says what is wrong, where, and what to do; on success it is set to NULL. A function that fails has
