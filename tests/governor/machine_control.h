@@ -47,6 +47,7 @@ inline uint64_t lost_to_the_machine_ns(uint64_t duration_ns) {
 // Frame by frame: by how much it broke the law, and what the machine took from the loop after it.
 struct FramesAndControl {
   std::vector<uint64_t> over_ns, lost_ns;
+  bool held = true;  // what else the caller asserts of the attempt that counts, and a slow moment would break
 };
 
 // `attempt()` runs its frames, each with its control, and returns FramesAndControl.
@@ -56,14 +57,13 @@ void expect_law_on_a_shared_machine(Attempt attempt) {
   for (int k = 1;; ++k) {
     const FramesAndControl frames = attempt();
     const uint64_t over = percentile_999(frames.over_ns), lost = percentile_999(frames.lost_ns);
-    if (over <= lost) return;
+    if (over <= lost && frames.held) return;
     const bool quiet = *std::max_element(frames.lost_ns.begin(), frames.lost_ns.end()) == 0;
     std::printf("attempt %d: p99.9 of frames %.3f ms over, p99.9 of what the idle loop lost %.3f ms\n", k,
                 1e-6 * static_cast<double>(over), 1e-6 * static_cast<double>(lost));
-    if (quiet || k == k_attempts) {
-      ADD_FAILURE() << "p99.9 of frames is " << over << " ns over the budget and one unit";
-      return;
-    }
+    if (!quiet && k < k_attempts) continue;
+    EXPECT_LE(over, lost) << "ns by which the 99.9th percentile of frames is over the budget and one unit";
+    return;
   }
 }
 

@@ -220,33 +220,31 @@ Law run(uint64_t budget_ns, UnitClock* units = nullptr) {
   return law;
 }
 
-Law expect_law(uint64_t budget_ns) {
+// Of the real clock: the law, and how much is done by the optimised library, which a stolen moment may spoil as well.
+struct Least {
+  double last_debt, debt;
+  int textures, first_light;
+};
+
+void expect_law(uint64_t budget_ns, const Least& least) {
   Law law;
   sandglass::test::expect_law_on_a_shared_machine([&] {
     law = run(budget_ns);
+    law.frames.held = !k_as_it_ships || (law.last_debt <= least.last_debt && law.debt <= least.debt &&
+                                         law.textures >= least.textures && law.first_light <= least.first_light);
     return law.frames;
   });
-  return law;
+  if (!k_as_it_ships) return;
+  EXPECT_LE(law.last_debt, least.last_debt);
+  EXPECT_LE(law.debt, least.debt);
+  EXPECT_GE(law.textures, least.textures);
+  EXPECT_LE(law.first_light, least.first_light);
+  EXPECT_GT(law.first_light, 0);
 }
 
 // What is owed is made up for while it is less than two frames; more would be time that is given up.
-TEST(ShotBudget, EightMillisecondsHold) {
-  const Law law = expect_law(8'000'000);
-  if (!k_as_it_ships) return;
-  EXPECT_EQ(law.last_debt, 0.0);
-  EXPECT_LT(law.debt, 2 * k_step);
-  EXPECT_GE(law.textures, k_frames / 2);
-  EXPECT_LE(law.first_light, 14);
-  EXPECT_GT(law.first_light, 0);
-}
-
-TEST(ShotBudget, FourMillisecondsHold) {
-  const Law law = expect_law(4'000'000);
-  if (!k_as_it_ships) return;
-  EXPECT_GE(law.textures, k_frames / 4);
-  EXPECT_LE(law.first_light, 28);
-  EXPECT_GT(law.first_light, 0);
-}
+TEST(ShotBudget, EightMillisecondsHold) { expect_law(8'000'000, {0, 2 * k_step, k_frames / 2, 14}); }
+TEST(ShotBudget, FourMillisecondsHold) { expect_law(4'000'000, {HUGE_VAL, HUGE_VAL, k_frames / 4, 28}); }  // any debt
 
 // All that is wanted fits 8 ms, at times only on a lower rung: no frame owes anything, the first one included, in which
 // no cost is known.
