@@ -1,14 +1,11 @@
 #include "models/lighting/ceiling.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <filesystem>
-#include <mutex>
 #include <numbers>
-#include <thread>
 
+#include "models/host/for_all.h"
 #include "models/host/progress.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/excerpt.h"
@@ -137,34 +134,17 @@ Ceiling measure_ceiling(const CeilingOptions& options) {
   const std::vector<std::string> panoramas = find_panoramas(options.panoramas);
   const ProbeScene scene(options.object);
   std::vector<ViewResult> views(panoramas.size() * static_cast<size_t>(options.views));
-  std::atomic<size_t> next{0}, done{0};
-  std::mutex mutex;
-  std::exception_ptr failure;
-  Progress progress("lighting views", views.size());
-  const auto work = [&] {
-    for (size_t i; (i = next.fetch_add(1)) < panoramas.size() && !interrupted();) try {
-        RadianceMap panorama = read_panorama(panoramas[i]);
-        fill_tripod(&panorama);
-        const auto all = choose_views(options.seed + i);
-        for (size_t k = 0; k < static_cast<size_t>(options.views) && !interrupted(); ++k) {
-          // Ambient light looks different from each side of the object.
-          const ProbeImage ambient = scene.render(ProbeLight::ambient(), all[k], options.samples);
-          views[i * static_cast<size_t>(options.views) + k] =
-              measure_view(scene, ambient, panorama, all[k], k_unknown_depth_insertion, options.samples);
-          const std::lock_guard lock(mutex);
-          progress.done(done.fetch_add(1) + 1);
-        }
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        failure = std::current_exception();
-        next.store(panoramas.size());
-      }
-  };
-  std::vector<std::thread> workers;
-  for (uint32_t i = 1; i < options.threads; ++i) workers.emplace_back(work);
-  work();
-  for (std::thread& worker : workers) worker.join();
-  if (failure) std::rethrow_exception(failure);
+  for_all(panoramas.size(), options.threads, "lighting panoramas", [&](size_t i) {
+    RadianceMap panorama = read_panorama(panoramas[i]);
+    fill_tripod(&panorama);
+    const auto all = choose_views(options.seed + i);
+    for (size_t k = 0; k < static_cast<size_t>(options.views) && !interrupted(); ++k) {
+      // Ambient light looks different from each side of the object.
+      const ProbeImage ambient = scene.render(ProbeLight::ambient(), all[k], options.samples);
+      views[i * static_cast<size_t>(options.views) + k] =
+          measure_view(scene, ambient, panorama, all[k], k_unknown_depth_insertion, options.samples);
+    }
+  });
 
   Ceiling ceiling;
   if (interrupted()) return ceiling;

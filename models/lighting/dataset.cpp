@@ -1,18 +1,14 @@
 #include "models/lighting/dataset.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <filesystem>
-#include <functional>
 #include <map>
-#include <mutex>
-#include <thread>
 
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
+#include "models/host/for_all.h"
 #include "models/host/image.h"
 #include "models/host/progress.h"
 #include "models/lighting/light_picture.h"
@@ -99,32 +95,6 @@ std::vector<Excerpt> excerpts_of(const std::string& path, const Location& locati
     result.push_back(std::move(excerpt));
   }
   return result;
-}
-
-// Runs `task` for 0 .. count - 1 on some threads until one fails; its exception comes out.
-void for_all(size_t count, uint32_t threads, const char* what, const std::function<void(size_t)>& task) {
-  std::atomic<size_t> next{0}, done{0};
-  std::mutex mutex;
-  std::exception_ptr failure;
-  Progress progress(what, count);
-  const auto work = [&] {
-    for (size_t i; (i = next.fetch_add(1)) < count && !interrupted();) {
-      try {
-        task(i);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        failure = std::current_exception();
-        next.store(count);
-      }
-      const std::lock_guard lock(mutex);
-      progress.done(done.fetch_add(1) + 1);
-    }
-  };
-  std::vector<std::thread> workers;
-  for (uint32_t i = 1; i < threads; ++i) workers.emplace_back(work);
-  work();
-  for (std::thread& worker : workers) worker.join();
-  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace

@@ -1,19 +1,16 @@
 #include "models/lighting/verify_lighting.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <exception>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <numbers>
-#include <thread>
 
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
+#include "models/host/for_all.h"
 #include "models/host/metrics.h"
 #include "models/host/progress.h"
 #include "models/lighting/ceiling.h"
@@ -92,32 +89,6 @@ void render_estimates(const ProbeScene& scene, int samples, Work* work) {
                     limited(product(strengths.directional, directional.colour(x, y)) +
                             product(strengths.ambient, ambient.colour(x, y))));
   }
-}
-
-// Runs `task` for 0 .. count - 1 on some threads; the first exception comes out.
-void for_each(size_t count, uint32_t threads, Progress* progress, const std::function<void(size_t)>& task) {
-  std::atomic<size_t> next{0};
-  std::mutex mutex;
-  std::exception_ptr failure;
-  size_t done = 0;
-  const auto work = [&] {
-    for (size_t i; (i = next.fetch_add(1)) < count && !interrupted();) {
-      try {
-        task(i);
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        failure = std::current_exception();
-        next.store(count);
-      }
-      const std::lock_guard lock(mutex);
-      progress->done(++done);
-    }
-  };
-  std::vector<std::thread> workers;
-  for (uint32_t i = 1; i < threads; ++i) workers.emplace_back(work);
-  work();
-  for (std::thread& worker : workers) worker.join();
-  if (failure) std::rethrow_exception(failure);
 }
 
 // The mean of the labels of other places, and of other folds where the place has one; false where there are none.
@@ -332,21 +303,18 @@ LightingVerdicts verify_lighting(const LightingVerdictOptions& options) {
   LightingVerdicts verdicts;
   verdicts.rendered = rendered;
   verdicts.has_estimate = static_cast<bool>(options.estimator);
-  {
-    Progress progress("lighting truths", panoramas.size());
-    for_each(panoramas.size(), options.threads, &progress, [&](size_t i) {
-      const LitPanorama panorama(panoramas[i]);
-      const auto all = views_of(panoramas[i], options.seed);
-      for (size_t k = 0; k < views && !interrupted(); ++k) {
-        Work& work = works[i * views + k];
-        LitView cut = panorama.cut(all[k]);
-        work.path = panoramas[i], work.name = stem_of(panoramas[i]) + "_" + std::to_string(k);
-        work.location = location_of(panoramas[i], manifest), work.view = all[k], work.white = panorama.white();
-        work.image = std::move(cut.image), work.lights[0] = cut.labels;
-        if (rendered) render_truth(*scene, cut.warped, options.samples, &work);
-      }
-    });
-  }
+  for_all(panoramas.size(), options.threads, "lighting truths", [&](size_t i) {
+    const LitPanorama panorama(panoramas[i]);
+    const auto all = views_of(panoramas[i], options.seed);
+    for (size_t k = 0; k < views && !interrupted(); ++k) {
+      Work& work = works[i * views + k];
+      LitView cut = panorama.cut(all[k]);
+      work.path = panoramas[i], work.name = stem_of(panoramas[i]) + "_" + std::to_string(k);
+      work.location = location_of(panoramas[i], manifest), work.view = all[k], work.white = panorama.white();
+      work.image = std::move(cut.image), work.lights[0] = cut.labels;
+      if (rendered) render_truth(*scene, cut.warped, options.samples, &work);
+    }
+  });
   if (interrupted()) return verdicts;
   for (Work& work : works) {
     const bool others = mean_light(works, work.location, &work.lights[static_cast<size_t>(Contender::mean)]);
@@ -359,9 +327,8 @@ LightingVerdicts verify_lighting(const LightingVerdictOptions& options) {
       work.lights[static_cast<size_t>(Contender::estimate)] = options.estimator(work.image, work.name);
   }
   if (rendered) {
-    Progress progress("lighting estimates", works.size());
-    for_each(works.size(), options.threads, &progress,
-             [&](size_t i) { render_estimates(*scene, options.samples, &works[i]); });
+    for_all(works.size(), options.threads, "lighting estimates",
+            [&](size_t i) { render_estimates(*scene, options.samples, &works[i]); });
     if (interrupted()) return verdicts;
   }
   for (const Work& work : works) {
