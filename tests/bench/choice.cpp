@@ -3,6 +3,7 @@
 //   choice SHADOW_FILE
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 #include <vector>
 
 #include "models/host/aligned_bytes.h"
@@ -17,6 +18,7 @@ namespace {
 
 using sandglass::cpp::allocate_block;
 using sandglass::cpp::Block;
+using sandglass::host::AlignedBytes;
 
 struct Answer {
   sandglass_status status = SANDGLASS_OK;
@@ -49,11 +51,10 @@ Answer sand(sandglass_isa isa) {
 }
 
 // One coarse texture of a baked file.
-Answer shadow(const std::vector<uint8_t>& file, sandglass_isa isa) {
-  const sandglass::host::AlignedBytes aligned(file);
+Answer shadow(const AlignedBytes& file, sandglass_isa isa) {
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
-  desc.isa = isa, desc.asset = aligned.data(), desc.asset_bytes = aligned.size(), desc.threshold = 255;
+  desc.isa = isa, desc.asset = file.data(), desc.asset_bytes = file.size(), desc.threshold = 255;
   Answer answer;
   uint64_t bytes = 0;
   answer.status = sandglass_shadow_bytes(&desc, &bytes, &answer.reason);
@@ -71,7 +72,7 @@ Answer shadow(const std::vector<uint8_t>& file, sandglass_isa isa) {
 
 // The light as the API makes it; its network on the smallest image.
 Answer light(const std::vector<uint8_t>& file, sandglass_isa isa) {
-  const sandglass::host::AlignedBytes aligned(file);
+  const AlignedBytes aligned(file);
   sandglass_light_desc desc;
   sandglass_light_desc_default(&desc);
   desc.isa = isa, desc.asset = aligned.data(), desc.asset_bytes = aligned.size();
@@ -94,21 +95,11 @@ Answer light(const std::vector<uint8_t>& file, sandglass_isa isa) {
   return answer;
 }
 
-std::vector<uint8_t> read(const char* path) {
-  std::vector<uint8_t> bytes;
-  if (std::FILE* file = std::fopen(path, "rb")) {
-    bytes.resize(1u << 20);
-    bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file));
-    std::fclose(file);
-  }
-  return bytes;
-}
-
 }  // namespace
 
-int main(int argument_count, char** arguments) {
-  const std::vector<uint8_t> shadow_file = argument_count > 1 ? read(arguments[1]) : std::vector<uint8_t>{};
-  if (shadow_file.empty()) return std::fprintf(stderr, "choice FILE: FILE must be a baked shadow\n"), 2;
+int main(int argument_count, char** arguments) try {
+  if (argument_count < 2) return std::fprintf(stderr, "choice FILE: FILE must be a baked shadow\n"), 2;
+  const AlignedBytes shadow_file = sandglass::host::read_aligned(arguments[1], "baked shadow");
   const std::vector<uint8_t> light_file = sandglass::host::light_file_bytes(sandglass::host::random_light_file(1));
   std::vector<uint64_t> first;
   for (const sandglass_isa isa :
@@ -140,4 +131,6 @@ int main(int argument_count, char** arguments) {
     if (hashes != first) return std::printf("%s: other bits\n", name), 1;
   }
   return 0;
+} catch (const std::exception& e) {
+  return std::fprintf(stderr, "choice: %s\n", e.what()), 2;
 }

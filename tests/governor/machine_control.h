@@ -10,19 +10,18 @@
 
 #include <gtest/gtest.h>
 
-#include <time.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <vector>
 
+#include "platform/clock.h"
+
 namespace sandglass::test {
 
 inline uint64_t thread_cpu_ns() {
-  timespec t = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<uint64_t>(t.tv_sec) * 1'000'000'000u + static_cast<uint64_t>(t.tv_nsec);
+  static const sandglass_clock clock = clock_thread_cpu();
+  return clock.now_ns(clock.user);
 }
 
 // The 99.9th percentile: of 2,000 frames two may be longer.

@@ -4,12 +4,7 @@
 # draws other numbers.
 set -euo pipefail
 tests=$1 pixels=$2 models=$3/models/lighting
-export OMP_NUM_THREADS=1
-python=
-for candidate in python3 /usr/bin/python3; do
-  if "$candidate" -c 'import torch, numpy, PIL' 2>/dev/null; then python=$candidate && break; fi
-done
-[[ -n $python ]] || { echo "no Python with torch, numpy and PIL: skipped"; exit 77; }
+. "$(dirname "${BASH_SOURCE[0]}")/find_python.sh"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 "$python" "$models/float_network.py" weights "$folder/weights.npz"

@@ -5,12 +5,7 @@
 # Exit code 77: there is no PyTorch.
 set -euo pipefail
 program=$1 train=$2/models/lighting/train.py
-export OMP_NUM_THREADS=1
-python=
-for candidate in python3 /usr/bin/python3; do
-  if "$candidate" -c 'import torch, numpy, PIL' 2>/dev/null; then python=$candidate && break; fi
-done
-[[ -n $python ]] || { echo "no Python with torch, numpy and PIL: skipped"; exit 77; }
+. "$(dirname "${BASH_SOURCE[0]}")/find_python.sh"
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

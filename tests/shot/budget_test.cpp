@@ -83,7 +83,7 @@ struct Everything {
             grains.push_back(particles[i + axis] +
                              0.004f * (static_cast<float>(k >> axis & 1) - 0.5f * static_cast<float>(k >> 3)));
     sandglass_scene_desc desc = sandglass::scene_desc();
-    desc.clock = {[](void*) { return thread_cpu_ns(); }, nullptr};
+    desc.clock = sandglass::clock_thread_cpu();
     if (units != nullptr) desc.clock = {UnitClock::now, units}, desc.trace = {UnitClock::begin, UnitClock::end, units};
     desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
     desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
