@@ -16,7 +16,8 @@ gives what an uninterrupted run gives. Images are 256 x 192 sRGB; directions are
 
 Of a network whose heads are ridge regressions nothing needs more than its features. With --features they are those of the
 runtime, in bytes (`sandglass light-features`), so that the heads know the rounding; how strong the ridges are is chosen
-within the folds that train.
+within the folds that train. So is, with --or-features, whose features they are: each test fold is estimated from the set that was
+best for the direction when the other folds were estimated from one another.
 
 --export FILE writes the float weights as the pretrained file names them (convolutions HWIO; every batch normalisation apart
 as gamma, beta, moving_mean, moving_variance; epsilon 1.001e-5), without fc1000, and behind them
@@ -82,18 +83,22 @@ class Regression:
         return [angles_deg(out[:, :3], labels[:, :3]).mean()] + [np.abs(out[:, g] - labels[:, g]).mean() for g in GROUPS[1:]]
 
 
-def chosen_ridges(features, labels, weights, folds, judged):
-    """The ridge of each group that is best for the `judged` rows of each fold, fitted on the other folds."""
+def ridge_errors(features, labels, weights, folds, judged):
+    """Of each ridge and group, the mean error of the `judged` rows of each fold, fitted on the other folds; None of one fold."""
     kinds = np.unique(folds[judged])
     if len(kinds) < 2:
-        return USUAL_RIDGES
+        return None
     errors = np.zeros((len(RIDGES), len(GROUPS)))
     for fold in kinds:
         test, fitted = judged & (folds == fold), folds != fold
         regression = Regression(features[fitted], labels[fitted], weights[fitted])
         for k, ridge in enumerate(RIDGES):
             errors[k] += test.sum() * np.array(regression.errors((ridge,) * len(GROUPS), features[test], labels[test]))
-    return tuple(RIDGES[k] for k in errors.argmin(0))
+    return errors / judged.sum()
+
+
+def best_ridges(errors):
+    return USUAL_RIDGES if errors is None else tuple(RIDGES[k] for k in errors.argmin(0))
 
 
 class DenseLayer(nn.Module):
@@ -450,13 +455,13 @@ def packed(inputs):
     return inputs.contiguous(memory_format=torch.channels_last) if inputs.dim() == 4 else inputs
 
 
-def read_features(net, rows, arguments):
+def read_features(net, rows, arguments, paths):
     """Features made elsewhere in the place of trunks: a file for each folder, copy behind copy."""
     folders = list(dict.fromkeys(rows.folder))
-    if len(arguments.features) != len(folders):
-        fail(f"{len(arguments.features)} files of features for {len(folders)} folders; name one for each, in their order")
+    if len(paths) != len(folders):
+        fail(f"{len(paths)} files of features for {len(folders)} folders; name one for each, in their order")
     files = {}
-    for folder, path in zip(folders, arguments.features):
+    for folder, path in zip(folders, paths):
         try:
             values = np.load(path)
         except (OSError, ValueError, EOFError):
@@ -486,8 +491,9 @@ def measures(estimate, truth):
             "contrast": float(np.abs(estimate[:, 9] - truth[:, 9]).mean())}
 
 
-def start_heads(arguments, rows, train_rows, net, trunk_of, device):
-    """From the features of every copy of the images to train on: captured ones count 1 together, others EXTRA_WEIGHT."""
+def start_rows(arguments, rows, train_rows, net, trunk_of, device):
+    """What heads start from: features and labels of every copy of the images to train on, weights (captured ones count 1
+    together, others EXTRA_WEIGHT), and the errors of ridges within these folds."""
     last = arguments.layers == "last"
     pairs = [(i, c) for c in range(arguments.copies if last else 2) for i in train_rows]
     net.eval()
@@ -505,9 +511,21 @@ def start_heads(arguments, rows, train_rows, net, trunk_of, device):
     weights = np.where(extra, EXTRA_WEIGHT / max(1, extra.sum()), 1.0 / max(1, (~extra).sum()))
     features = np.concatenate(parts).astype(np.float64)
     folds = np.array([rows.fold[i] for i, _ in pairs])
-    ridges = chosen_ridges(features, labels, weights, folds, (folds >= 0) & (extra if extra.all() else ~extra))
-    net.start_at(features, labels, weights, ridges)
-    return ridges
+    errors = ridge_errors(features, labels, weights, folds, (folds >= 0) & (extra if extra.all() else ~extra))
+    return features, labels, weights, errors
+
+
+def start_heads(arguments, rows, train_rows, net, sources, device):
+    """Of several sources of features, from the one whose direction is best within the folds that train. Which one it is, its
+    ridges, and the least errors of each source."""
+    starts = [start_rows(arguments, rows, train_rows, net, source, device) for source in sources]
+    if len(sources) > 1 and starts[0][-1] is None:
+        fail("--or-features chooses by the folds that train, and there are fewer than two; name more places")
+    least = [errors.min(0).tolist() for *_, errors in starts if errors is not None]
+    chosen = min(range(len(least)), key=lambda k: least[k][0], default=0)
+    features, labels, weights, errors = starts[chosen]
+    net.start_at(features, labels, weights, best_ridges(errors))
+    return chosen, best_ridges(errors), least
 
 
 def batches_of(rows, train_rows, epoch, arguments):
@@ -537,15 +555,16 @@ def train(arguments):
     net.learned = arguments.learn if arguments.layers == "last" else LAYERS[3]
     has_heads = net.load(arguments.weights) if arguments.weights else False
     net.to(device, memory_format=torch.channels_last)
-    trunk_of = None
+    sources = [None]
     if arguments.features:
-        trunk_of, has_heads = read_features(net, rows, arguments), False
+        sets = [arguments.features] + arguments.or_features
+        sources, has_heads = [read_features(net, rows, arguments, paths) for paths in sets], False
     elif arguments.layers == "last":
-        trunk_of = cached_trunks(net, rows, arguments, device)
+        sources = [cached_trunks(net, rows, arguments, device)]
     start = {k: v.clone() for k, v in net.state_dict().items()}
     for fold in folds:
         net.load_state_dict(start)
-        train_fold(arguments, fold, rows, net, has_heads, trunk_of, device)
+        train_fold(arguments, fold, rows, net, has_heads, sources, device)
 
 
 def write_initial(arguments):
@@ -608,12 +627,13 @@ def train_layout(arguments):
         save(arguments.export, write)
 
 
-def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
+def train_fold(arguments, fold, rows, net, has_heads, sources, device):
     torch.manual_seed(arguments.seed)
     train_rows, test_rows = rows.split(fold)
     captured = train_rows[rows.kind[train_rows] < 2]
     mean_light = rows.labels[captured if len(captured) else train_rows].mean(0)
-    ridges = None if has_heads else start_heads(arguments, rows, train_rows, net, trunk_of, device)
+    chosen, ridges, inner = (0, None, []) if has_heads else start_heads(arguments, rows, train_rows, net, sources, device)
+    trunk_of = sources[chosen]
     last = arguments.layers == "last"
     net.dropout = arguments.dropout
     heads = {id(p) for p in net.heads_of().parameters()}
@@ -682,7 +702,7 @@ def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
     if sums is not None:
         net.load_state_dict({k: (sums[k] / max(1, arguments.epochs // 4)).to(v.dtype) for k, v in net.state_dict().items()})
     result = {"fold": name, "train_images": len(train_rows), "test_images": len(test_rows),
-              "test_locations": len({rows.location[i] for i in test_rows}), "ridges": ridges, "log": log,
+              "test_locations": len({rows.location[i] for i in test_rows}), "ridges": ridges, "features": chosen, "inner": inner, "log": log,
               "arguments": vars(arguments)}
     if len(test_rows):
         made, truth = estimates(), rows.labels[test_rows]
@@ -752,6 +772,8 @@ def main():
     parser.add_argument("--export", metavar="FILE", help="write the trained weights as .npz")
     parser.add_argument("--features", nargs="*", default=[], metavar="FILE",
                         help="of each folder, in their order, by `sandglass light-features`: only the heads are fitted")
+    parser.add_argument("--or-features", nargs="+", action="append", default=[], metavar="FILE",
+                        help="another such set, of another trunk: for each test fold the other folds choose (may be repeated)")
     parser.add_argument("--initial", action="store_true", help="only write the weights that training starts from")
     parser.add_argument("--layout", action="store_true", help="only teach the last layers where things are in images")
     parser.add_argument("--test-fold", type=number(int, 0), nargs="+", default=[1], help="one run for each")
@@ -785,6 +807,8 @@ def main():
         return 0
     if arguments.features and (arguments.epochs or arguments.layers != "last"):
         fail("--features fits only the heads; give --epochs 0 and --layers last")
+    if arguments.or_features and (not arguments.features or arguments.export):
+        fail("--or-features only tests a choice, beside --features; leave out --export, or name what was chosen with --features")
     if not arguments.dataset and not ((arguments.all or arguments.layout) and arguments.train_only):
         fail("no data set is named; make one with `sandglass dataset`")
     try:

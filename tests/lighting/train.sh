@@ -180,10 +180,41 @@ assert np.allclose(found, logits, atol=1e-6)
 assert np.abs(regression.slopes((1e9,) * 4)).max() < 1e-6
 # Chosen by other folds: a law that they share asks for the weakest ridge, labels that follow nothing for the strongest.
 folds, weights, judged = np.arange(400) % 4, np.ones(400), np.ones(400, bool)
-assert train.chosen_ridges(features, labels, weights, folds, judged)[1:] == (train.RIDGES[0],) * 3
+def chosen_ridges(*arguments):
+    return train.best_ridges(train.ridge_errors(*arguments))
+assert chosen_ridges(features, labels, weights, folds, judged)[1:] == (train.RIDGES[0],) * 3
 noise = random.normal(size=(400, 150))
-assert min(train.chosen_ridges(noise, labels, weights, folds, judged)[1:]) >= 10
-assert train.chosen_ridges(features, labels, weights, folds * 0, judged) == train.USUAL_RIDGES
+assert min(chosen_ridges(noise, labels, weights, folds, judged)[1:]) >= 10
+assert chosen_ridges(features, labels, weights, folds * 0, judged) == train.USUAL_RIDGES
+# Two sets of features to choose from: one says nothing, one the labels; and one the labels of the tested place alone.
+rows = train.Rows([folder + "/set"], [folder + "/more"])
+at = 0
+for name in ("set", "more"):
+    count = rows.folder.count(f"{folder}/{name}")
+    labels = np.concatenate([[train.label_of(rows, i, copy, 1) for i in range(at, at + count)] for copy in (0, 1)])
+    tested = np.tile(rows.fold[at:at + count] == 1, 2)
+    nothing = random.normal(size=(2 * count, 1024)).astype(np.float32)
+    for kind, told in (("nothing", tested & False), ("labels", tested | True), ("tested", tested)):
+        made = nothing.copy()
+        made[told, :10] = 100 * labels[told]
+        np.save(f"{folder}/{kind}_{name}.npy", made)
+    at += count
+PY
+# The folds that train choose, whatever the order; and the tested place has no say.
+between() {
+  "$python" "$train" "$folder/set" --views "$folder/more" --copies 2 --epochs 0 --cpu --test-fold 1 -o "$folder/between_$1_$2" \
+    --features "$folder/$1_set.npy" "$folder/$1_more.npy" --or-features "$folder/$2_set.npy" "$folder/$2_more.npy" >>"$folder/between.log"
+}
+between nothing labels
+between labels nothing
+between nothing tested
+"$python" - "$folder" <<'PY'
+import json, sys
+late, early, blind = (json.load(open(f"{sys.argv[1]}/between_{name}/fold_1.json"))
+                      for name in ("nothing_labels", "labels_nothing", "nothing_tested"))
+assert (late["features"], early["features"]) == (1, 0) and late["network"] == early["network"], (late, early)
+assert late["inner"] == early["inner"][::-1] and late["inner"][1][0] < late["inner"][0][0]
+assert blind["inner"][0] == blind["inner"][1] == late["inner"][0] and blind["features"] == 0, blind["inner"]
 PY
 
 "$python" -c "import numpy, sys; numpy.savez(sys.argv[1], a=numpy.zeros(3))" "$folder/odd.npz"
@@ -201,6 +232,9 @@ refused "files of features for" "$folder/set" -o "$folder/x" --epochs 0 --featur
 refused "make it again from" "$folder/set" --features "$folder/set.npy" -o "$folder/x" --epochs 0 --copies 1
 refused "no file of features" "$folder/set" --features "$folder/none.npy" -o "$folder/x" --epochs 0
 refused "give --epochs 0" "$folder/set" --features "$folder/set.npy" -o "$folder/x"
+refused "only tests a choice" "$folder/set" --or-features "$folder/set.npy" -o "$folder/x" --epochs 0
+refused "fewer than two" "$folder/set" --exclude b --features "$folder/nothing_set.npy" --or-features "$folder/labels_set.npy" \
+  -o "$folder/x" --copies 2 --epochs 0 --cpu
 refused "no array" "$folder/set" --weights "$folder/odd.npz" -o "$folder/x"
 head -c 5000 "$folder/trunk.npz" >"$folder/cut.npz"
 refused "no file of weights" "$folder/set" --weights "$folder/cut.npz" -o "$folder/x"
