@@ -19,6 +19,11 @@ runtime, in bytes (`sandglass light-features`), so that the heads know the round
 within the folds that train. So is, with --or-features, whose features they are: each test fold is estimated from the set that was
 best for the direction when the other folds were estimated from one another.
 
+ImageNet's features have forgotten how bright which part of an image is, which tells most of where light comes from. --lanes keeps
+that: the channels of the pretrained network that are used least, LANES at each of its four widths, carry brightness above
+thresholds past its layers, and the last LAYOUT_LAYERS layers move it about, so that the averages over all pixels are also
+those over parts. All else stays pretrained; how far its features are trusted is chosen, with the ridges, within the folds.
+
 --export FILE writes the float weights as the pretrained file names them (convolutions HWIO; every batch normalisation apart
 as gamma, beta, moving_mean, moving_variance; epsilon 1.001e-5), without fc1000, and behind them
   latent/kernel (1024, 512), latent/bias, latent/bn/{gamma,beta,moving_mean,moving_variance} (epsilon 1e-5), then ELU,
@@ -49,16 +54,19 @@ LOSS_WEIGHTS = {"direction": 5.0, "light": 2.0, "ambient": 2.0, "contrast": 1.0}
 LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
           "contrast")
 GROUPS = (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 10))  # of the labels: direction, light, ambient, contrast
+TRUSTS = (0.03, 0.1, 0.3, 1.0)  # to choose from, of what is no lane's beside what is
 RIDGES = tuple(10.0 ** (k / 2) for k in range(-6, 5))  # to choose from, of the standardised features
 USUAL_RIDGES = (2.0, 4.0, 0.1, 2.0)  # of the groups, where there are no two folds to choose by
 COPIES_OF_START, SHIFT_OF_START, EXTRA_WEIGHT, LEAST_DEVIATION = 16, 3.0, 0.5, 0.25
 WIDTH, HEIGHT = 256, 192
+LANES = tuple((channel, threshold) for threshold in (0.0, 0.5, 0.75, 0.9) for channel in range(3))  # brightness in sRGB
+LAYOUT_LAYERS = 4  # moves by as many of the last map's 6 rows and of its 8 columns
 
 
 class Regression:
     """Weighted ridge regressions of the labels on features, all in float64, for every ridge at the price of one."""
 
-    def __init__(self, features, labels, weights):
+    def __init__(self, features, labels, weights, trust=1.0):
         targets = labels.copy()
         targets[:, :3] *= 0.5  # where tanh is almost the identity; the length does not matter
         targets[:, 3:] = np.log(targets[:, 3:].clip(0.02, 0.98) / (1 - targets[:, 3:].clip(0.02, 0.98)))
@@ -66,7 +74,7 @@ class Regression:
         self.mean, self.answer = (weights * features).sum(0), (weights * targets).sum(0)
         centred = features - self.mean
         deviation = np.sqrt((weights * centred ** 2).sum(0))
-        self.deviation = np.maximum(deviation, LEAST_DEVIATION * np.median(deviation))  # bytes do not keep what hardly varies
+        self.deviation = np.maximum(deviation, LEAST_DEVIATION * np.median(deviation)) / trust  # bytes do not keep what hardly varies
         centred = centred / self.deviation
         self.values, self.vectors = np.linalg.eigh((weights * centred).T @ centred)
         self.products = self.vectors.T @ ((weights * centred).T @ (targets - self.answer))
@@ -83,7 +91,7 @@ class Regression:
         return [angles_deg(out[:, :3], labels[:, :3]).mean()] + [np.abs(out[:, g] - labels[:, g]).mean() for g in GROUPS[1:]]
 
 
-def ridge_errors(features, labels, weights, folds, judged):
+def ridge_errors(features, labels, weights, folds, judged, trust=1.0):
     """Of each ridge and group, the mean error of the `judged` rows of each fold, fitted on the other folds; None of one fold."""
     kinds = np.unique(folds[judged])
     if len(kinds) < 2:
@@ -91,7 +99,7 @@ def ridge_errors(features, labels, weights, folds, judged):
     errors = np.zeros((len(RIDGES), len(GROUPS)))
     for fold in kinds:
         test, fitted = judged & (folds == fold), folds != fold
-        regression = Regression(features[fitted], labels[fitted], weights[fitted])
+        regression = Regression(features[fitted], labels[fitted], weights[fitted], trust)
         for k, ridge in enumerate(RIDGES):
             errors[k] += test.sum() * np.array(regression.errors((ridge,) * len(GROUPS), features[test], labels[test]))
     return errors / judged.sum()
@@ -99,6 +107,20 @@ def ridge_errors(features, labels, weights, folds, judged):
 
 def best_ridges(errors):
     return USUAL_RIDGES if errors is None else tuple(RIDGES[k] for k in errors.argmin(0))
+
+
+def expected(norm, at):
+    """Mean and deviation of the channels `at` behind a batch normalisation and ReLU, were they distributed normally."""
+    shift, spread = norm.bias[at].double(), norm.weight[at].double().abs() + 1e-9
+    below = 0.5 * (1 + torch.erf(shift / spread / 2 ** 0.5))
+    density = spread * torch.exp(-0.5 * (shift / spread) ** 2) / math.sqrt(2 * math.pi)
+    mean = shift * below + density
+    return mean, ((shift ** 2 + spread ** 2) * below + shift * density - mean ** 2).clamp(min=0).sqrt()
+
+
+def pass_through(norm, at):
+    """A batch normalisation that leaves the channels `at` as they are; they are not negative, nor does the ReLU change them."""
+    norm.weight[at], norm.bias[at], norm.running_mean[at], norm.running_var[at] = 1.0, 0.0, 0.0, 1.0 - EPSILON
 
 
 class DenseLayer(nn.Module):
@@ -142,9 +164,62 @@ class LightNet(nn.Module):
         self.last = nn.BatchNorm2d(channels, eps=EPSILON)
         self.latent = nn.Sequential(nn.Linear(channels, 512), nn.BatchNorm1d(512), nn.ELU())
         self.dropout = 0.0  # of the 512, in training
+        self.lanes = None  # which of the features are lanes', where there are lanes
         self.learned = LAYERS[3]  # layers of the last block behind the trunk that is kept on disk
         self.heads = nn.ModuleDict({k: nn.Linear(512, n) for k, n in
                                     (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))})
+
+    def readers(self, stage):
+        """What reads the maps of a width: a batch normalisation, the 1 x 1 convolution behind it, and the normalisations behind that."""
+        layers = [(layer.before, layer.narrow, [layer.between]) for layer in self.blocks[stage]]
+        if stage == 3:
+            return layers + [(self.last, None, [])]
+        transition = self.transitions[stage]
+        return layers + [(transition.before, transition.narrow, [norm for norm, *_ in self.readers(stage + 1)])]
+
+    def free(self, readers, at):
+        """Of the channels `at` nothing is read but their means, and they pass all normalisations."""
+        for before, narrow, behind in readers:
+            if narrow is not None:
+                constant = (narrow.weight[:, at, 0, 0].double() @ expected(before, at)[0]).float()
+                for norm in behind:
+                    norm.running_mean[:len(constant)] -= constant
+                narrow.weight[:, at] = 0
+            pass_through(before, at)
+
+    @torch.no_grad()
+    def give_lanes(self):
+        count, places = len(LANES), []
+        for stage, width in enumerate((64, 128, 256, 512)):
+            use, every = torch.zeros(width, dtype=torch.float64), torch.arange(width)
+            for before, narrow, _ in self.readers(stage)[:LAYERS[stage] + (stage < 3)]:
+                share = expected(before, every)[1] * narrow.weight[:, :width, 0, 0].double().norm(dim=0)
+                use += share / share.sum()
+            places.append(use.argsort()[:count].sort().values)
+        for stage, at in enumerate(places):
+            self.free(self.readers(stage), at)
+            into = self.stem if stage == 0 else self.transitions[stage - 1].narrow
+            into.weight[at] = 0
+            for place, (channel, threshold) in zip(at, LANES):
+                if stage == 0:  # the mean of 7 x 7 pixels, from which the input's mean has been taken
+                    self.stem.weight[place, channel] = DEVIATION[channel] / 49
+                    pass_through(self.stem_norm, place)
+                    self.stem_norm.running_mean[place] = threshold - MEAN[channel]
+            if stage:
+                into.weight[at, places[stage - 1]] = 1.0
+        block, first = self.blocks[3], LAYERS[3] - LAYOUT_LAYERS
+        made = [torch.arange(2 * count) + 512 + GROWTH * layer for layer in range(first, LAYERS[3])]
+        for layer, at in zip(range(first, LAYERS[3]), made):
+            self.free(self.readers(3)[layer + 1:], at)
+            up, left = (places[3], places[3]) if layer == first else made[layer - first - 1].chunk(2)
+            read = block[layer]
+            read.narrow.weight[:2 * count] = 0
+            read.narrow.weight[torch.arange(2 * count), torch.cat([up, left])] = 1.0
+            pass_through(read.between, torch.arange(2 * count))
+            read.wide.weight[:, :2 * count], read.wide.weight[:2 * count] = 0, 0
+            for k in range(count):  # the row below, the column to the right
+                read.wide.weight[k, k, 2, 1] = read.wide.weight[count + k, count + k, 1, 2] = 1.0
+        self.lanes = np.isin(np.arange(self.last.num_features), torch.cat([places[3]] + made).numpy())
 
     def trunk(self, rgb):
         """sRGB 0..1 to what the last dense block reads, 512 x 6 x 8."""
@@ -168,12 +243,21 @@ class LightNet(nn.Module):
         return {"direction": F.normalize(torch.tanh(out["direction"]), dim=1), "light": torch.sigmoid(out["light"]),
                 "ambient": torch.sigmoid(out["ambient"]), "contrast": torch.sigmoid(out["contrast"])}
 
-    def start_at(self, features, labels, weights, ridges):
+    def trusts(self):
+        """What may be chosen: factors of the standardised features."""
+        return [1.0] if self.lanes is None else [np.where(self.lanes, 1.0, trust) for trust in TRUSTS]
+
+    def start_at(self, features, labels, weights, ridges, chosen_trusts=(0,) * len(GROUPS)):
         """Starts the heads from ridge regressions of the labels on features (float64, by rows, weighted): with few places,
         a start that gradient descent does not find. Of the latent units the first 10 * COPIES_OF_START carry the solutions, each
         COPIES_OF_START times because of the dropout, shifted to where ELU is the identity; the others begin without effect."""
-        regression = Regression(features, labels, weights)
-        slopes, answer = regression.slopes(ridges), regression.answer
+        slopes = np.zeros((features.shape[1], len(LABELS)))
+        for k in set(chosen_trusts):
+            regression = Regression(features, labels, weights, self.trusts()[k])
+            for group, its in zip(GROUPS, chosen_trusts):
+                if its == k:
+                    slopes[:, group] = regression.slopes(ridges)[:, group]
+        answer = regression.answer
         weights = (weights / weights.sum())[:, None]
         spread = np.sqrt((weights * ((features - regression.mean) @ slopes) ** 2).sum(0)) + 1e-9
         linear, norm = self.latent[0], self.latent[1]
@@ -233,6 +317,8 @@ class LightNet(nn.Module):
             fill(module.weight, name + "/kernel", (1, 0)), fill(module.bias, name + "/bias")
 
         self.walk(norm, conv)
+        if "lanes" in arrays:
+            self.lanes = arrays["lanes"] > 0
         if "latent/kernel" not in arrays:
             return False
         self.walk_heads(norm, linear)
@@ -254,6 +340,8 @@ class LightNet(nn.Module):
             arrays[name + "/bias"] = module.bias.detach().cpu().numpy()
 
         self.walk(norm, conv), self.walk_heads(norm, linear)
+        if self.lanes is not None:
+            arrays["lanes"] = self.lanes.astype(np.float32)
         return arrays
 
     def walk_heads(self, norm, linear):
@@ -511,8 +599,9 @@ def start_rows(arguments, rows, train_rows, net, trunk_of, device):
     weights = np.where(extra, EXTRA_WEIGHT / max(1, extra.sum()), 1.0 / max(1, (~extra).sum()))
     features = np.concatenate(parts).astype(np.float64)
     folds = np.array([rows.fold[i] for i, _ in pairs])
-    errors = ridge_errors(features, labels, weights, folds, (folds >= 0) & (extra if extra.all() else ~extra))
-    return features, labels, weights, errors
+    judged = (folds >= 0) & (extra if extra.all() else ~extra)
+    errors = [ridge_errors(features, labels, weights, folds, judged, trust) for trust in net.trusts()]
+    return features, labels, weights, None if errors[0] is None else np.stack(errors)
 
 
 def start_heads(arguments, rows, train_rows, net, sources, device):
@@ -521,11 +610,16 @@ def start_heads(arguments, rows, train_rows, net, sources, device):
     starts = [start_rows(arguments, rows, train_rows, net, source, device) for source in sources]
     if len(sources) > 1 and starts[0][-1] is None:
         fail("--or-features chooses by the folds that train, and there are fewer than two; name more places")
-    least = [errors.min(0).tolist() for *_, errors in starts if errors is not None]
+    least = [errors.min((0, 1)).tolist() for *_, errors in starts if errors is not None]
     chosen = min(range(len(least)), key=lambda k: least[k][0], default=0)
     features, labels, weights, errors = starts[chosen]
-    net.start_at(features, labels, weights, best_ridges(errors))
-    return chosen, best_ridges(errors), least
+    if errors is None:
+        trusts, ridges = (len(net.trusts()) - 1,) * len(GROUPS), USUAL_RIDGES
+    else:
+        trusts = tuple(errors.min(1).argmin(0).tolist())
+        ridges = tuple(best_ridges(errors[k])[group] for group, k in enumerate(trusts))
+    net.start_at(features, labels, weights, ridges, trusts)
+    return chosen, ridges, least if net.lanes is None else least + [[TRUSTS[k] for k in trusts]]
 
 
 def batches_of(rows, train_rows, epoch, arguments):
@@ -572,6 +666,8 @@ def write_initial(arguments):
     net = LightNet()
     if arguments.weights:
         net.load(arguments.weights)
+    if arguments.lanes:
+        net.give_lanes()
     arrays = net.exported()
 
     def write(path):
@@ -775,6 +871,7 @@ def main():
     parser.add_argument("--or-features", nargs="+", action="append", default=[], metavar="FILE",
                         help="another such set, of another trunk: for each test fold the other folds choose (may be repeated)")
     parser.add_argument("--initial", action="store_true", help="only write the weights that training starts from")
+    parser.add_argument("--lanes", action="store_true", help="with --initial: channels that carry brightness past the pretrained layers")
     parser.add_argument("--layout", action="store_true", help="only teach the last layers where things are in images")
     parser.add_argument("--test-fold", type=number(int, 0), nargs="+", default=[1], help="one run for each")
     parser.add_argument("--all", action="store_true", help="train on every fold and test on none: for the shipped weights")
