@@ -605,8 +605,8 @@ def start_rows(arguments, rows, train_rows, net, trunk_of, device):
 
 
 def start_heads(arguments, rows, train_rows, net, sources, device):
-    """Of several sources of features, from the one whose direction is best within the folds that train. Which one it is, its
-    ridges, and the least errors of each source."""
+    """Of several sources of features, from the one whose direction is best within the folds that train. Which one that is, its
+    ridges and trusts, and the least errors of each source within these folds."""
     starts = [start_rows(arguments, rows, train_rows, net, source, device) for source in sources]
     if len(sources) > 1 and starts[0][-1] is None:
         fail("--or-features chooses by the folds that train, and there are fewer than two; name more places")
@@ -619,7 +619,8 @@ def start_heads(arguments, rows, train_rows, net, sources, device):
         trusts = tuple(errors.min(1).argmin(0).tolist())
         ridges = tuple(best_ridges(errors[k])[group] for group, k in enumerate(trusts))
     net.start_at(features, labels, weights, ridges, trusts)
-    return chosen, ridges, least if net.lanes is None else least + [[TRUSTS[k] for k in trusts]]
+    return {"features": chosen, "ridges": ridges, "inner": least,
+            **({} if net.lanes is None else {"trusts": [TRUSTS[k] for k in trusts]})}
 
 
 def batches_of(rows, train_rows, epoch, arguments):
@@ -728,8 +729,8 @@ def train_fold(arguments, fold, rows, net, has_heads, sources, device):
     train_rows, test_rows = rows.split(fold)
     captured = train_rows[rows.kind[train_rows] < 2]
     mean_light = rows.labels[captured if len(captured) else train_rows].mean(0)
-    chosen, ridges, inner = (0, None, []) if has_heads else start_heads(arguments, rows, train_rows, net, sources, device)
-    trunk_of = sources[chosen]
+    start = {} if has_heads else start_heads(arguments, rows, train_rows, net, sources, device)
+    trunk_of = sources[start.get("features", 0)]
     last = arguments.layers == "last"
     net.dropout = arguments.dropout
     heads = {id(p) for p in net.heads_of().parameters()}
@@ -798,7 +799,7 @@ def train_fold(arguments, fold, rows, net, has_heads, sources, device):
     if sums is not None:
         net.load_state_dict({k: (sums[k] / max(1, arguments.epochs // 4)).to(v.dtype) for k, v in net.state_dict().items()})
     result = {"fold": name, "train_images": len(train_rows), "test_images": len(test_rows),
-              "test_locations": len({rows.location[i] for i in test_rows}), "ridges": ridges, "features": chosen, "inner": inner, "log": log,
+              "test_locations": len({rows.location[i] for i in test_rows}), **start, "log": log,
               "arguments": vars(arguments)}
     if len(test_rows):
         made, truth = estimates(), rows.labels[test_rows]
@@ -897,6 +898,8 @@ def main():
         if not arguments.weights:
             fail("--check-import compares weights; name them with --weights")
         return check_import(arguments.weights, arguments.check_import)
+    if arguments.lanes and not (arguments.initial and arguments.weights):
+        fail("--lanes changes weights as they begin; name them with --weights, beside --initial")
     if arguments.initial:
         if not arguments.export:
             fail("--initial writes weights; name the file with --export")
