@@ -870,7 +870,7 @@ def main():
     parser.add_argument("--features", nargs="*", default=[], metavar="FILE",
                         help="of each folder, in their order, by `sandglass light-features`: only the heads are fitted")
     parser.add_argument("--or-features", nargs="+", action="append", default=[], metavar="FILE",
-                        help="another such set, of another trunk: for each test fold the other folds choose (may be repeated)")
+                        help="another such set, of another trunk: for each test fold the other folds choose; may be repeated")
     parser.add_argument("--initial", action="store_true", help="only write the weights that training starts from")
     parser.add_argument("--lanes", action="store_true", help="with --initial: channels that carry brightness past the pretrained layers")
     parser.add_argument("--layout", action="store_true", help="only teach the last layers where things are in images")
