@@ -318,6 +318,8 @@ class LightNet(nn.Module):
 
         self.walk(norm, conv)
         if "lanes" in arrays:
+            if arrays["lanes"].shape != (self.last.num_features,):
+                fail(f"the array lanes of '{path}' has another shape than the network's features; {these}")
             self.lanes = arrays["lanes"] > 0
         if "latent/kernel" not in arrays:
             return False

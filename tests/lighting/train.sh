@@ -294,6 +294,9 @@ refused "beside --initial" "$folder/set" --lanes -o "$folder/x" --epochs 0
 refused "only tests a choice" "$folder/set" --or-features "$folder/set.npy" -o "$folder/x" --epochs 0
 refused "fewer than two" "$folder/set" --exclude b --features "$folder/nothing_set.npy" --or-features "$folder/labels_set.npy" \
   -o "$folder/x" --copies 2 --epochs 0 --cpu
+"$python" -c "import numpy, sys; numpy.savez(sys.argv[2], **{**numpy.load(sys.argv[1]), 'lanes': numpy.zeros(3)})" \
+  "$folder/lanes.npz" "$folder/odd_lanes.npz"
+refused "array lanes" "$folder/set" --weights "$folder/odd_lanes.npz" -o "$folder/x" --epochs 0
 refused "no array" "$folder/set" --weights "$folder/odd.npz" -o "$folder/x"
 head -c 5000 "$folder/trunk.npz" >"$folder/cut.npz"
 refused "no file of weights" "$folder/set" --weights "$folder/cut.npz" -o "$folder/x"
