@@ -238,13 +238,17 @@ void run_latent(const LightNetwork& net, double* latent) {
   }
 }
 
-// Feature by feature: outputs side by side are vectors without being asked to.
+// Outputs side by side make vectors; of four features at a time, so that sums are fetched and stored a quarter as
+// often.
 void run_float_latent(const LightNetwork& net, double* latent, float* __restrict sums) {
   const LightFloats floats = light_floats(net, net.operators[k_light_operators - 1]);
   memcpy(sums, floats.bias, k_light_latent * sizeof(float));
   const float* __restrict weights = floats.weights;
-  for (uint32_t c = 0; c < k_light_features; ++c, weights += k_light_latent)
-    for (uint32_t i = 0; i < k_light_latent; ++i) sums[i] += net.features[c] * weights[i];
+  for (uint32_t c = 0; c < k_light_features; c += 4, weights += 4 * k_light_latent)
+    for (uint32_t i = 0; i < k_light_latent; ++i)
+      sums[i] += (net.features[c] * weights[i] + net.features[c + 1] * weights[k_light_latent + i]) +
+                 (net.features[c + 2] * weights[2 * k_light_latent + i] +
+                  net.features[c + 3] * weights[3 * k_light_latent + i]);
   for (uint32_t i = 0; i < k_light_latent; ++i) latent[i] = elu(static_cast<double>(sums[i]));
 }
 
