@@ -18,8 +18,10 @@
 
 namespace sandglass::tests {
 
-// Normalisations of either sign; a few channels have none, or next to none, so that what they say is constant.
+// Maps far beyond a byte's 255; normalisations of either sign; a few channels have none, or next to none, so that what
+// they say is constant.
 inline host::LightNet random_light_net(uint64_t seed) {
+  constexpr double k_maps = 300;  // size of what lies in maps and bottlenecks; behind a normalisation 1
   host::Random random = {seed};
   const auto uniform = [&](double from, double to) { return static_cast<float>(from + (to - from) * random.unit()); };
   const auto numbers = [&](int count, double most) {
@@ -27,35 +29,35 @@ inline host::LightNet random_light_net(uint64_t seed) {
     for (int i = 0; i < count; ++i) values.push_back(uniform(-most, most));
     return values;
   };
-  const auto affine = [&](int channels) {
-    host::ChannelAffine a = {{}, numbers(channels, 0.5)};
+  const auto affine = [&](int channels, double from, double to) {
+    host::ChannelAffine a = {{}, numbers(channels, 0.5 * to)};
     for (int c = 0; c < channels; ++c) {
       const double kind = random.unit();
-      const float scale = uniform(0.5, 1.5);
+      const float scale = uniform(0.5 * to / from, 1.5 * to / from);
       a.scale.push_back(kind < 0.02 ? 0.0f : kind < 0.04 ? 1e-20f : kind < 0.4 ? -scale : scale);
     }
     return a;
   };
-  const auto convolution = [&](int size, int inputs, int outputs) {
+  const auto convolution = [&](int size, int inputs, int outputs, double gain = 1) {
     const int places = size * size * inputs;
-    return host::Convolution{size, inputs, outputs, numbers(places * outputs, std::sqrt(6.0 / places))};
+    return host::Convolution{size, inputs, outputs, numbers(places * outputs, gain * std::sqrt(6.0 / places))};
   };
   host::LightNet net;
   int channels = host::k_stem_channels;
   net.trunk.stem = convolution(7, 3, channels);
-  net.trunk.stem_affine = affine(channels);
+  net.trunk.stem_affine = affine(channels, 1, k_maps);
   for (int b = 0; b < 4; ++b) {
     host::DenseBlock& block = net.trunk.blocks[b];
     for (int l = 0; l < host::k_dense_layers[b]; ++l, channels += host::k_growth)
-      block.layers.push_back({affine(channels), affine(host::k_bottleneck),
+      block.layers.push_back({affine(channels, k_maps, 1), affine(host::k_bottleneck, 1, k_maps),
                               convolution(1, channels, host::k_bottleneck),
                               convolution(3, host::k_bottleneck, host::k_growth)});
     if (b == 3) break;
-    block.transition_affine = affine(channels);
-    block.transition = convolution(1, channels, channels / 2);
+    block.transition_affine = affine(channels, k_maps, 1);
+    block.transition = convolution(1, channels, channels / 2, k_maps);
     channels /= 2;
   }
-  net.trunk.last = affine(channels);
+  net.trunk.last = affine(channels, k_maps, 1);
   net.latent = numbers(host::k_features * host::k_latent, 0.05), net.latent_bias = numbers(host::k_latent, 0.5);
   net.heads = numbers(host::k_latent * host::k_heads, 0.1), net.heads_bias = numbers(host::k_heads, 0.5);
   return net;
