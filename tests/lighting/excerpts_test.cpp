@@ -9,7 +9,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -17,44 +16,12 @@
 #include "models/host/npz.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
-#include "models/lighting/picture_file.h"
-#include "runtime/asset/checksum.h"
+#include "tests/lighting/excerpts.h"
 
 namespace sandglass::host {
 namespace {
 
 const std::string k_folder = SANDGLASS_EXCERPTS_DIR;
-
-struct Excerpt {
-  std::string name;
-  std::vector<uint8_t> rgb;
-  LightValues values;  // PyTorch's
-};
-
-// Of estimates.csv every `step`th; the bytes are those that PyTorch saw.
-std::vector<Excerpt> excerpts(size_t step) {
-  std::istringstream rows(read_file(k_folder + "/estimates.csv", "table of estimates"));
-  std::vector<Excerpt> all;
-  std::string row;
-  std::getline(rows, row);
-  for (size_t i = 0; std::getline(rows, row); ++i) {
-    if (i % step != 0) continue;
-    std::istringstream fields(row);
-    Excerpt excerpt;
-    std::string field;
-    std::getline(fields, excerpt.name, ',');
-    excerpt.rgb = read_excerpt(k_folder + "/" + excerpt.name).rgb;
-    std::getline(fields, field, ',');
-    EXPECT_EQ(asset_checksum(excerpt.rgb.data(), excerpt.rgb.size()), std::stoull(field, nullptr, 16))
-        << excerpt.name << ": this reader of JPEG gives other bytes than the one that PyTorch's came from";
-    for (float& value : excerpt.values) {
-      std::getline(fields, field, ',');
-      value = std::stof(field);
-    }
-    all.push_back(excerpt);
-  }
-  return all;
-}
 
 double angle_deg(const LightValues& a, const LightValues& b) {
   double dot = 0, lengths[2] = {};

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# float_network.sh NETWORK_TESTS EXCERPT_PIXELS SOURCE_DIR: the float network behind the shipped bytes is rebuilt; PyTorch says of the
-# excerpts what the table beside them says, and the plain float network in C++ does too. Exit code 77: there is no PyTorch, or one that
-# draws other numbers.
+# float_network.sh NETWORK_TESTS EXCERPT_PIXELS SOURCE_DIR [XNNPACK_TESTS]: the float network behind the shipped bytes is rebuilt; PyTorch
+# says of the excerpts what the table beside them says, and the plain float network in C++ does too; so does the runtime, by XNNPACK in
+# float from a file that carries the network. Exit code 77: there is no PyTorch, or one that draws other numbers.
 set -euo pipefail
 tests=$1 pixels=$2 models=$3/models/lighting
 . "$(dirname "${BASH_SOURCE[0]}")/find_python.sh"
@@ -19,6 +19,10 @@ worst = np.abs(found[:, 2:].astype(float) - kept[:, 2:].astype(float)).max()
 print("greatest difference between this PyTorch and the table:", worst)
 assert worst < 1e-5, worst
 PY
-SANDGLASS_FLOAT_WEIGHTS=$folder/weights.npz "$tests" --gtest_filter=Excerpts.TheFloatNetworkInCppIsPyTorchs | tee "$folder/log"
-grep -q "PASSED.* 1 test" "$folder/log"
-! grep -q SKIPPED "$folder/log"
+says_so() {
+  SANDGLASS_FLOAT_WEIGHTS=$folder/weights.npz "$1" --gtest_filter="$2" | tee "$folder/log"
+  grep -q "PASSED.* 1 test" "$folder/log"
+  ! grep -q SKIPPED "$folder/log"
+}
+says_so "$tests" Excerpts.TheFloatNetworkInCppIsPyTorchs
+[[ $# == 3 ]] || says_so "$4" Xnnpack.InFloatIsPyTorchs

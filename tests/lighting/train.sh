@@ -198,7 +198,7 @@ PY
 # Heads fitted to the runtime's features in bytes: first the trunk in bytes, then the features, then the heads; what
 # PyTorch estimates from those features is what the runtime says with these heads, but for the bytes of the latent layer.
 quantised() {
-  "$program" quantise-light "$1" --calibrate "$folder/more" --measure "$folder/set" --images 8 -o "$2" || [[ $? == 1 ]]
+  "$program" quantise-light "$1" --calibrate "$folder/more" --measure "$folder/set" --images 8 "${@:3}" -o "$2" || [[ $? == 1 ]]
 }
 quantised "$folder/trunk.npz" "$folder/trunk.light" >"$folder/trunk.log"
 for part in set more; do
@@ -209,7 +209,9 @@ fitted() {
     "$folder/more.npy" --copies 2 --epochs 0 --cpu -o "$folder/fitted" "$@"
 }
 fitted --test-fold 1 --export "$folder/fitted.npz" >"$folder/fitted.log"
-quantised "$folder/fitted.npz" "$folder/fitted.light" >>"$folder/trunk.log"
+quantised "$folder/fitted.npz" "$folder/fitted.light" --keep-float >>"$folder/trunk.log"
+"$program" inspect "$folder/trunk.light" | grep -q "float copy   no"
+"$program" inspect "$folder/fitted.light" | grep -q "float copy   yes"
 "$program" light-features "$folder/fitted.light" "$folder/set" --mirror -o "$folder/again.npy" >/dev/null
 cmp "$folder/set.npy" "$folder/again.npy"  # the heads do not touch the trunk
 "$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
