@@ -261,16 +261,18 @@ for name in ("set", "more"):
     at += count
 PY
 # The folds that train choose, whatever the order; and the tested place has no say.
-between() {
-  "$python" "$train" "$folder/set" --views "$folder/more" --copies 2 --epochs 0 --cpu --test-fold 1 -o "$folder/between_$1_$2" \
-    --features "$folder/$1_set.npy" "$folder/$1_more.npy" --or-features "$folder/$2_set.npy" "$folder/$2_more.npy" >>"$folder/between.log"
-}
-between nothing labels
-between labels nothing
-between nothing tested
-"$python" - "$folder" <<'PY'
+"$python" - "$folder" "$(dirname "$train")" >"$folder/between.log" <<'PY'
 import json, sys
-late, early, blind = (json.load(open(f"{sys.argv[1]}/between_{name}/fold_1.json"))
+folder = sys.argv[1]
+sys.path.insert(0, sys.argv[2])
+sys.dont_write_bytecode = True
+import train
+for one, other in (("nothing", "labels"), ("labels", "nothing"), ("nothing", "tested")):
+    files = [[f"{folder}/{kind}_{name}.npy" for name in ("set", "more")] for kind in (one, other)]
+    sys.argv = ["train.py", folder + "/set", "--views", folder + "/more", "--copies", "2", "--epochs", "0", "--cpu", "--test-fold", "1",
+                "-o", f"{folder}/between_{one}_{other}", "--features", *files[0], "--or-features", *files[1]]
+    assert train.main() == 0
+late, early, blind = (json.load(open(f"{folder}/between_{name}/fold_1.json"))
                       for name in ("nothing_labels", "labels_nothing", "nothing_tested"))
 assert (late["features"], early["features"]) == (1, 0) and late["network"] == early["network"], (late, early)
 assert late["inner"] == early["inner"][::-1] and late["inner"][1][0] < late["inner"][0][0]
