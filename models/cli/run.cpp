@@ -1,7 +1,5 @@
 // `sandglass run`: fills a scene with sand, runs its frames under the budget, reports, and ends with the hash of the
 // final state.
-#include <time.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -28,6 +26,7 @@
 #include "models/host/standing_shadows.h"
 #include "models/host/thread_pool.h"
 #include "models/shot/shot.h"
+#include "platform/clock.h"
 #include "platform/virtual_clock.h"
 
 namespace sandglass::host {
@@ -48,12 +47,6 @@ struct Options {
   uint32_t frames = 0, threads = 1;
   double budget_ms = -1.0, fov_deg = 0.0;
 };
-
-uint64_t thread_cpu_ns() {
-  timespec now = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<uint64_t>(now.tv_sec) * 1'000'000'000u + static_cast<uint64_t>(now.tv_nsec);
-}
 
 void dump_frame(const std::string& folder, uint32_t frame, double particle_radius, Simulation* simulation) {
   const auto write = [&](const char* item, const char* what, const std::vector<float>& values, uint64_t columns) {
@@ -286,15 +279,16 @@ struct Run {
     const uint32_t particles = static_cast<uint32_t>(simulation->particle_positions().size() / 3);
     const uint32_t grains = static_cast<uint32_t>(simulation->grain_positions().size() / 3);
     const uint32_t step = snapshot_step(scene.frames, scene.frame_step, particles, grains);
+    const sandglass_clock cpu = clock_thread_cpu();
     Progress progress("simulating " + scene.name, scene.frames);
     for (uint32_t frame = 0; frame < scene.frames && !interrupted(); ++frame) {
       std::vector<sandglass_collider> colliders;
       FrameRow row = {};
       if (shot) shot->begin(frame);  // the made-up camera's image: an app is given its own
       row.begin_ns = recorder.now_ns();
-      const uint64_t cpu_from = thread_cpu_ns();
+      const uint64_t cpu_from = cpu.now_ns(cpu.user);
       row.report = advance(frame, &colliders);
-      row.cpu_ms = static_cast<double>(thread_cpu_ns() - cpu_from) * 1e-6;
+      row.cpu_ms = static_cast<double>(cpu.now_ns(cpu.user) - cpu_from) * 1e-6;
       row.wall_ms = static_cast<double>(recorder.now_ns() - row.begin_ns) * 1e-6;
       row.light = light_of(frame);
       report.frames.push_back(row);
