@@ -69,11 +69,20 @@ void dump_frame(const std::string& folder, uint32_t frame, double particle_radiu
 }
 
 void write_reports(const std::string& folder, const RunReport& report) {
-  const fs::path out(folder);
-  write_file((out / "report.csv").string(), report_csv(report));
-  write_file((out / "trace.json").string(), report_trace(report));
-  write_file((out / "summary.json").string(), report_summary_json(report));
-  write_file((out / "summary.txt").string(), report_summary_text(report));
+  struct Part {
+    const char* file;
+    std::string (*content)(const RunReport& report);
+  };
+  constexpr Part k_parts[] = {{"report.csv", report_csv},
+                              {"trace.json", report_trace},
+                              {"summary.json", report_summary_json},
+                              {"summary.txt", report_summary_text}};
+  Progress progress("writing reports", std::size(k_parts));
+  uint64_t written = 0;
+  for (const Part& part : k_parts) {
+    write_file((fs::path(folder) / part.file).string(), part.content(report));
+    progress.done(++written);
+  }
 }
 
 // Rows for the page's table.
@@ -301,6 +310,10 @@ struct Run {
       progress.done(frame + 1);
     }
     report.interrupted = interrupted();
+    if (report.interrupted && !options.out.empty())
+      std::fprintf(stderr,
+                   "sandglass: interrupted; reports and sheet of %zu frames follow, Ctrl-C again ends at once\n",
+                   report.frames.size());
     report.units = std::move(recorder.events);
   }
 
@@ -320,6 +333,7 @@ struct Run {
     set.particle_radius = scene.particle_radius;
     set.camera = scene.camera;
     set.threads = drawing_threads();
+    set.film = !report.interrupted;
     if (shot)
       set.painter = [this](const Snapshot& snapshot, int width, int height, uint32_t threads) {
         return shot->paint(snapshot, width, height, threads);
