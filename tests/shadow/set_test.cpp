@@ -101,10 +101,10 @@ TEST(ShadowSet, ALightThatSetsIsNotWaitedFor) {
 // which is not full but counts as a whole one, and by cells that are refined now and were not in the light's last
 // texture.
 TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
-  const AssetFile small = make_shadow_file(k_rough), large = make_shadow_file({160, 3, 10, 4, 12, 0.6f});
-  sandglass_shadow_desc in_full = describe_lights(large, 2);
+  const AssetFile rough = make_shadow_file(k_rough), small = make_shadow_file({64, 1, 10, 4, 12, 0.6f});
+  sandglass_shadow_desc in_full = describe_lights(small, 2);
   in_full.mode = SANDGLASS_SHADOW_FULL;
-  sandglass_shadow_desc refined = describe_lights(small, 2);
+  sandglass_shadow_desc refined = describe_lights(rough, 2);
   refined.light_tolerance = in_full.light_tolerance = 0;
   LiveShadow adaptive(refined), full(in_full);
   sandglass_shadow* both[2] = {adaptive.shadow, full.shadow};
@@ -339,9 +339,9 @@ TEST(ShadowFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
 // The least budget that brings the best rung grows by what the texture costs by the clock, and to what leaves the stage
 // its share at most.
 TEST(ShadowFrame, ATextureCountsForItsCostWhenTheRungIsChosen) {
-  constexpr uint64_t k_ample = 1'000'000'000, k_unit_ns = 1000, k_least = 1 << 19, k_most = 1 << 21, k_near = 1 << 13;
+  constexpr uint64_t k_ample = 1'000'000'000, k_unit_ns = 1000, k_least = 1 << 19, k_most = 1 << 21, k_near = 1 << 12;
   constexpr double k_share = 0.2;  // of runtime/scene
-  const AssetFile file = make_shadow_file(k_rough);
+  const AssetFile file = make_shadow_file({64, 1, 10, 4, 11, 0.6f});
   struct Waiting {
     uint32_t threshold;
     int light;      // that waits for a texture, or -1
