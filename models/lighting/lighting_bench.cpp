@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <numbers>
 
 #include "models/host/failure.h"
 #include "models/host/machine_peak.h"
 #include "models/host/random.h"
 #include "models/lighting/light_runner.h"
+#include "platform/clock.h"
 #include "runtime/lighting/backends.h"
 #include "runtime/lighting/camera_image.h"
 #include "sandglass/sandglass.hpp"
@@ -24,9 +24,8 @@ constexpr double k_macs = 2.549e9;  // pooling before the transitions' convoluti
 
 // Of this thread: what other processes take away in between does not count.
 double seconds_now() {
-  timespec time;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+  const sandglass_clock clock = clock_thread_cpu();
+  return 1e-9 * static_cast<double>(clock.now_ns(clock.user));
 }
 
 // A wall with a lamp on it, in light that falls off: what the network may meet, made from a formula.
