@@ -1,10 +1,9 @@
 #include "platform/xnnpack.h"
 
-#include <xnnpack.h>
-
 #include <cstring>
 
 #include "platform/check.h"
+#include "platform/xnnpack_create.h"
 
 // The build says what it found in the header:
 //   SANDGLASS_XNNPACK_RESHAPES  the generation since 2023
@@ -88,16 +87,6 @@ void deallocate(void*, void* pointer) { give(pointer); }
 constexpr xnn_allocator k_allocator = {nullptr, allocate, reallocate, deallocate, allocate_aligned, deallocate};
 
 // ---------------------------------------------------------------------------------------------------- both generations
-
-// Versions differ in how many caches, as pointers, stand before the result; none is used.
-template <class... Parameters, class... Arguments>
-xnn_status create(xnn_status (*function)(Parameters...), xnn_operator_t* result, Arguments... arguments) {
-  constexpr size_t k_caches = sizeof...(Parameters) - sizeof...(Arguments) - 1;
-  static_assert(k_caches <= 2);
-  if constexpr (k_caches == 0) return function(arguments..., result);
-  else if constexpr (k_caches == 1) return function(arguments..., nullptr, result);
-  else return function(arguments..., nullptr, nullptr, result);
-}
 
 #ifdef SANDGLASS_XNNPACK_RESHAPES
 
@@ -183,9 +172,9 @@ XnnpackOperator* create_operator(Function function, const XnnpackConvolution& s,
   if (op == nullptr) return refuse(reason);
   *op = {nullptr, nullptr, s.width, s.height, bytes};
   // Padding above, right, below, left; the window; its steps; its dilation; one group.
-  const xnn_status status =
-      create(function, &op->handle, 0u, s.pad_columns, 0u, s.pad_columns, s.size, s.size, s.step, s.step, 1u, 1u, 1u,
-             size_t{s.inputs}, size_t{s.outputs}, size_t{s.in_stride}, size_t{s.out_stride}, arguments...);
+  const xnn_status status = xnnpack_create_operator(
+      function, &op->handle, 0u, s.pad_columns, 0u, s.pad_columns, s.size, s.size, s.step, s.step, 1u, 1u, 1u,
+      size_t{s.inputs}, size_t{s.outputs}, size_t{s.in_stride}, size_t{s.out_stride}, arguments...);
   if (status != xnn_status_success) op->handle = nullptr;
   else if (prepare(op)) return op;
   xnnpack_release(op);
@@ -204,8 +193,9 @@ bool xnnpack_begin(const char** reason) {
   xnn_operator_t probe = nullptr;
   const float one = 1.0f;
   const uint64_t before = g_used;
-  if (create(&xnn_create_convolution2d_nhwc_f32, &probe, 0u, 0u, 0u, 0u, 1u, 1u, 1u, 1u, 1u, 1u, 1u, size_t{1},
-             size_t{1}, size_t{1}, size_t{1}, &one, &one, 0.0f, 1.0f, 0u) != xnn_status_success) {
+  if (xnnpack_create_operator(&xnn_create_convolution2d_nhwc_f32, &probe, 0u, 0u, 0u, 0u, 1u, 1u, 1u, 1u, 1u, 1u, 1u,
+                              size_t{1}, size_t{1}, size_t{1}, size_t{1}, &one, &one, 0.0f, 1.0f,
+                              0u) != xnn_status_success) {
     (void)refuse(reason);
     return false;
   }

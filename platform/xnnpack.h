@@ -1,7 +1,7 @@
-// XNNPACK's convolutions behind declarations of our own: xnnpack.cpp is the only file that knows its header, which
-// comes in two generations. Until 2023 an operator is created, set up with its image's size and buffers, and run; since
-// then it is created, reshaped to that size, which may ask for a workspace, set up with workspace and buffers, and run.
-// Here an operator has one size for ever, and buffers from run to run.
+// XNNPACK's convolutions behind declarations of our own: xnnpack.cpp is the only file of the runtime that knows its
+// header, which comes in two generations. Until 2023 an operator is created, set up with its image's size and buffers,
+// and run; since then it is created, reshaped to that size, which may ask for a workspace, set up with workspace and
+// buffers, and run. Here an operator has one size for ever, and buffers from run to run.
 //
 // Memory: xnn_initialize installs one allocator per process, and its first caller wins. Ours takes from one static
 // region of SANDGLASS_XNNPACK_REGION_MIB MiB, never from the heap. Where the app was first, nothing bounds what XNNPACK

@@ -2,13 +2,12 @@
 
 #ifdef SANDGLASS_HAVE_XNNPACK
 
-#include <xnnpack.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "models/host/failure.h"
+#include "platform/xnnpack_create.h"
 
 namespace sandglass::host {
 
@@ -30,6 +29,17 @@ std::vector<float> by_output(const float* weights, uint32_t inputs, uint32_t out
   return turned;
 }
 
+#ifdef SANDGLASS_XNNPACK_RESHAPES
+// Later versions take a table too, before the rounding that is not there of floats.
+template <class... Parameters>
+void create_convert(xnn_status (*function)(Parameters...), const xnn_quantization_params& bytes, xnn_operator_t* op) {
+  if constexpr (sizeof...(Parameters) == 8)
+    check(function(xnn_unary_convert, xnn_datatype_fp32, xnn_datatype_qint8, nullptr, nullptr, &bytes, 0, op));
+  else
+    check(function(xnn_unary_convert, xnn_datatype_fp32, xnn_datatype_qint8, nullptr, nullptr, nullptr, &bytes, 0, op));
+}
+#endif
+
 }  // namespace
 
 struct XnnpackPeer::State {
@@ -38,8 +48,34 @@ struct XnnpackPeer::State {
   std::vector<float> a, b;
   std::vector<int8_t> ba, bb;
   uint32_t width = 0;
+  uint32_t rows = 0;    // that the operators were last shaped for
   float last_step = 0;  // of the int8 output
+
+  // Since 2023 the rows go to a call of their own, made when they change; until then to the one that names the buffers.
+  template <class Reshape>
+  void shape([[maybe_unused]] Reshape reshape, uint32_t count) {
+    if (count == rows) return;
+    rows = count;
+#ifdef SANDGLASS_XNNPACK_RESHAPES
+    for (const xnn_operator_t op : operators) check(reshape(op, rows, nullptr));
+#endif
+  }
+  template <class Setup, class Value>
+  void run(Setup setup, xnn_operator_t op, const Value* in, Value* out) const {
+#ifdef SANDGLASS_XNNPACK_RESHAPES
+    check(setup(op, in, out));
+#else
+    check(setup(op, rows, in, out, nullptr));
+#endif
+    check(xnn_run_operator(op, nullptr));
+  }
 };
+
+#ifdef SANDGLASS_XNNPACK_RESHAPES
+#define SANDGLASS_RESHAPE(kind) &xnn_reshape_fully_connected_nc_##kind
+#else
+#define SANDGLASS_RESHAPE(kind) nullptr
+#endif
 
 XnnpackPeer::XnnpackPeer(const FloatNetwork& network, const std::vector<float>& clips, bool quantised)
     : state_(std::make_unique<State>()) {
@@ -56,9 +92,9 @@ XnnpackPeer::XnnpackPeer(const FloatNetwork& network, const std::vector<float>& 
     const bool last = outputs == 1;
     xnn_operator_t op = nullptr;
     if (!quantised) {
-      check(xnn_create_fully_connected_nc_f32(inputs, outputs, inputs, outputs, kernel.data(), bias,
-                                              last ? -std::numeric_limits<float>::infinity() : 0.0f,
-                                              std::numeric_limits<float>::infinity(), 0, &op));
+      check(xnnpack_create_operator(&xnn_create_fully_connected_nc_f32, &op, inputs, outputs, inputs, outputs,
+                                    kernel.data(), bias, last ? -std::numeric_limits<float>::infinity() : 0.0f,
+                                    std::numeric_limits<float>::infinity(), 0u));
     } else {
       float largest = 0;
       for (const float w : kernel) largest = std::max(largest, std::fabs(w));
@@ -70,14 +106,21 @@ XnnpackPeer::XnnpackPeer(const FloatNetwork& network, const std::vector<float>& 
         biases.push_back(static_cast<int32_t>(std::nearbyint(bias[o] / (kernel_step * step))));
       s.last_step = 8.0f / 127;  // the sigmoid's argument in -8..8
       const float out_step = last ? s.last_step : clip / 255;
-      check(xnn_create_fully_connected_nc_qs8(inputs, outputs, inputs, outputs, zero, step, kernel_step, bytes.data(),
-                                              biases.data(), last ? int8_t{0} : k_zero, out_step, -128, 127, 0, &op));
+      check(xnnpack_create_operator(&xnn_create_fully_connected_nc_qs8, &op, inputs, outputs, inputs, outputs, zero,
+                                    step, kernel_step, bytes.data(), biases.data(), last ? int8_t{0} : k_zero, out_step,
+                                    int8_t{-128}, int8_t{127}, 0u));
       step = out_step, zero = k_zero;
     }
     s.operators.push_back(op);
   };
-  if (quantised)
+  if (quantised) {
+#ifdef SANDGLASS_XNNPACK_RESHAPES
+    const xnn_quantization_params bytes = {0, k_input_step};
+    create_convert(&xnn_create_unary_elementwise_nc, bytes, &s.to_bytes);
+#else
     check(xnn_create_convert_nc_f32_qs8(k_inputs, k_inputs, k_inputs, k_input_step, 0, -127, 127, 0, &s.to_bytes));
+#endif
+  }
   add(network.first_weights(), network.first_bias(), k_inputs, shape.width, clips[0]);
   for (uint32_t layer = 0; layer < shape.layers; ++layer)
     add(network.weights(layer), network.bias(layer), shape.width, shape.width, clips[layer + 1]);
@@ -93,12 +136,12 @@ void XnnpackPeer::run(const float* input, uint32_t texels, float* output) {
   State& s = *state_;
   for (uint32_t first = 0; first < texels; first += k_rows) {
     const uint32_t rows = std::min(k_rows, texels - first);
+    s.shape(SANDGLASS_RESHAPE(f32), rows);
     const float* in = input + size_t{first} * k_inputs;
     float *out = s.a.data(), *other = s.b.data();
     for (size_t i = 0; i < s.operators.size(); ++i) {
       if (i + 1 == s.operators.size()) out = output + first;
-      check(xnn_setup_fully_connected_nc_f32(s.operators[i], rows, in, out, nullptr));
-      check(xnn_run_operator(s.operators[i], nullptr));
+      s.run(&xnn_setup_fully_connected_nc_f32, s.operators[i], in, out);
       in = out;
       std::swap(out, other);
     }
@@ -107,7 +150,12 @@ void XnnpackPeer::run(const float* input, uint32_t texels, float* output) {
 }
 
 void XnnpackPeer::round_inputs(const float* input, uint32_t texels, int8_t* bytes) {
+#ifdef SANDGLASS_XNNPACK_RESHAPES
+  check(xnn_reshape_unary_elementwise_nc(state_->to_bytes, texels, k_inputs, k_inputs, k_inputs, nullptr));
+  check(xnn_setup_unary_elementwise_nc(state_->to_bytes, input, bytes));
+#else
   check(xnn_setup_convert_nc_f32_qs8(state_->to_bytes, texels, input, bytes, nullptr));
+#endif
   check(xnn_run_operator(state_->to_bytes, nullptr));
 }
 
@@ -118,12 +166,12 @@ void XnnpackPeer::run_bytes(const int8_t* input, uint32_t texels, float* output)
   std::vector<int8_t> last(k_rows + XNN_EXTRA_BYTES);
   for (uint32_t first = 0; first < texels; first += k_rows) {
     const uint32_t rows = std::min(k_rows, texels - first);
+    s.shape(SANDGLASS_RESHAPE(qs8), rows);
     const int8_t* in = input + size_t{first} * k_inputs;
     int8_t *out = s.ba.data(), *other = s.bb.data();
     for (size_t i = 0; i < s.operators.size(); ++i) {
       if (i + 1 == s.operators.size()) out = last.data();
-      check(xnn_setup_fully_connected_nc_qs8(s.operators[i], rows, in, out, nullptr));
-      check(xnn_run_operator(s.operators[i], nullptr));
+      s.run(&xnn_setup_fully_connected_nc_qs8, s.operators[i], in, out);
       in = out;
       std::swap(out, other);
     }

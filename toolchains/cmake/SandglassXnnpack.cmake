@@ -63,7 +63,7 @@ else()
 endif()
 
 # What differs between versions, by what the header declares.
-file(STRINGS ${header} declared REGEX "xnn_(reshape|create)_convolution2d_nhwc_(f32|qc8|qs8_qc8w)\\(")
+file(STRINGS ${header} declared REGEX "xnn_((reshape|create)_convolution2d_nhwc_(f32|qc8|qs8_qc8w)|create_unary_elementwise_nc)\\(")
 add_library(sandglass_xnnpack_api INTERFACE)
 get_filename_component(folder ${header} DIRECTORY)
 target_include_directories(sandglass_xnnpack_api SYSTEM INTERFACE ${folder})
@@ -78,6 +78,11 @@ foreach(name qc8 qs8_qc8w)
     target_compile_definitions(sandglass_xnnpack_api INTERFACE SANDGLASS_XNNPACK_INT8=${name})
   endif()
 endforeach()
+# The benchmark of shadows' peer is written for 2022 and for what has one operator for all that is done to single values.
+set(SANDGLASS_XNNPACK_PEER OFF)
+if(SANDGLASS_XNNPACK_GENERATION STREQUAL "2022" OR declared MATCHES "xnn_create_unary_elementwise_nc")
+  set(SANDGLASS_XNNPACK_PEER ON)
+endif()
 # For the installed package, which finds them again: names and folders of the libraries; none where they are built with this project,
 # or where it does not need them.
 set(SANDGLASS_XNNPACK_PARTS "")
