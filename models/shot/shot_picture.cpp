@@ -127,7 +127,11 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
                                    const ShotPictureOptions& options) const {
   const double half_angle = k_light_half_angle_deg * k_pi / 180.0;
   const Vec3 opacity = shadow_opacity(light);
-  const bool textured = cast == CastShadow::textures || cast == CastShadow::plain;
+  const bool textured = cast == CastShadow::textures || cast == CastShadow::no_curve;
+  const bool curve = cast != CastShadow::no_curve;
+  // The light's colours are means of what the camera shows; what the ambient one stands for says how bright both are.
+  const double shown = luminance(light.ambient);
+  const double exposure = curve && shown > 0.0 ? luminance(room.radiance(light.ambient)) / shown : 1.0;
   RadianceMap picture(options.width, options.height);
   const auto colour_of = [&](Vec3 direction, Random* random) {
     const Hit hit = state_->closest(camera.eye, direction);
@@ -140,33 +144,33 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
       else if (cast == CastShadow::hard && light.towards.y > 0.0 && length(hit.point) < k_catcher_reach)
         left = state_->blocked(start, light.towards, k_far) ? 0.0 : 1.0;
       const Vec3 seen = room.seen(camera, direction);
-      if (cast == CastShadow::plain) return seen * (1.0 - (1.0 - left) * light.contrast);
+      if (!curve) return seen * (1.0 - (1.0 - left) * light.contrast);
       return room.shown(product(room.radiance(seen), Vec3{1, 1, 1} - opacity * (1.0 - left)));
     }
     const double facing = std::max(0.0, dot(hit.normal, light.towards));
     double open = facing > 0.0 ? 1.0 : 0.0;
-    Vec3 past = {1, 1, 1};  // what arrives past a grain's neighbours: everything, or what they give back
+    const auto in_light = [&] { return in_cap(light.towards, half_angle, random->uniform(), random->uniform()); };
     if (open > 0.0 && hit.surface == Surface::object) {
-      const Vec3 to = in_cap(light.towards, half_angle, random->uniform(), random->uniform());
-      open = state_->object_blocks(start, to, k_far) ? 0.0 : 1.0;
-    } else if (open > 0.0 && textured && light.towards.y > 0.0) {
-      const Vec3 foot = hit.point - light.towards * (hit.point.y / light.towards.y);
-      open = left_by(shadows.object, foot.x, foot.z) * left_by(shadows.pile_surface, hit.point.x, hit.point.z);
+      open = state_->object_blocks(start, in_light(), k_far) ? 0.0 : 1.0;
+    } else if (open > 0.0 && textured) {
       // Grains next to each other are finer than a texel: contact shadows, of rays that end where texels begin.
-      const Vec3 to = in_cap(light.towards, half_angle, random->uniform(), random->uniform());
-      if (state_->grains.occluded(start, to, k_contact_reach)) past = hit.reflectance;
+      open = state_->grains.occluded(start, in_light(), k_contact_reach) ? 0.0 : 1.0;
+      if (light.towards.y > 0.0) {
+        const Vec3 foot = hit.point - light.towards * (hit.point.y / light.towards.y);
+        open *= left_by(shadows.object, foot.x, foot.z) * left_by(shadows.pile_surface, hit.point.x, hit.point.z);
+      }
     } else if (open > 0.0 && cast == CastShadow::hard) {
       open = state_->blocked(start, light.towards, k_far) ? 0.0 : 1.0;
     }
     // In shadow lies only what one direction stands for.
-    const double one = light.concentration;
-    const Vec3 direct = past * (one * open) + Vec3{1, 1, 1} * (1.0 - one);
+    const double direct = facing * (1.0 - light.concentration * (1.0 - open));
     // What hides a part of the room is lit by it, too, and gives back its share.
     const Hit around = state_->closest(start, cosine_direction(hit.normal, random->uniform(), random->uniform()));
     const bool hidden =
         (around.surface == Surface::object || around.surface == Surface::grain) && around.distance < k_open_reach;
     const Vec3 ambient = hidden ? product(light.ambient, around.reflectance) : light.ambient;
-    return limited(product(hit.reflectance, product(light.light, direct) * facing + ambient));
+    const Vec3 radiance = product(hit.reflectance, light.light * direct + ambient) * exposure;
+    return curve ? room.shown(radiance) : limited(radiance);
   };
   each_row(options.height, options.threads, [&](int y) {
     for (int x = 0; x < options.width; ++x) {

@@ -9,8 +9,8 @@
 namespace sandglass::host {
 
 const char* name_of(ShotVariant variant) {
-  constexpr const char* k_names[] = {"true labels",     "no shadow",    "hard shadow",
-                                     "arbitrary light", "plain shadow", "estimate"};
+  constexpr const char* k_names[] = {"true labels",     "no shadow",     "hard shadow",
+                                     "arbitrary light", "no tone curve", "estimate"};
   return k_names[static_cast<int>(variant)];
 }
 const char* shot_metric_name(int metric) {
@@ -128,7 +128,7 @@ std::string shot_study_text(const ShotStudy& study) {
     text += "\n";
   };
   for (const ShotVariant worse :
-       {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light, ShotVariant::plain_shadow})
+       {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light, ShotVariant::no_curve})
     against(ShotVariant::labels, worse);
   if (study.has_estimate) {
     against(ShotVariant::labels, ShotVariant::estimate);

@@ -8,9 +8,9 @@
 
 namespace sandglass::host {
 
-// plain_shadow: true labels, the shadow multiplied onto what the camera shows, in all colours alike. It is beside the
-// ablations, for what the tone curve does, and nothing is promised against it.
-enum class ShotVariant { labels, no_shadow, hard_shadow, arbitrary_light, plain_shadow, estimate };
+// no_curve: true labels without the camera's tone curve, the shadow multiplied onto what the camera shows, in all
+// colours alike. It is beside the ablations, for what the curve does, and nothing is promised against it.
+enum class ShotVariant { labels, no_shadow, hard_shadow, arbitrary_light, no_curve, estimate };
 constexpr int k_shot_variants = 6, k_shot_metrics = 7;
 const char* name_of(ShotVariant variant);
 const char* shot_metric_name(int metric);  // "RMSE", ..., the last two "1 - SSIM" and "FLIP": all are 0 at best
@@ -37,6 +37,11 @@ struct ShotStudy {
   // The labels' mean is below the ablation's.
   bool beats(ShotVariant ablation, int metric) const {
     return mean[0][metric] < mean[static_cast<int>(ablation)][metric];
+  }
+  // It is above the ablation's by more than the interval: what a few views can say.
+  bool surely_loses(ShotVariant ablation, int metric) const {
+    const Paired p = paired(ShotVariant::labels, ablation, metric);
+    return !(p.mean + p.half >= 0.0);
   }
 };
 void take_means(ShotStudy* study);

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <numbers>
+#include <span>
 
 #include "models/host/failure.h"
 #include "models/host/image.h"
@@ -369,6 +370,67 @@ TEST(ShotTruth, ShadowsFallAwayFromTheLampInBothPictures) {
   }
 }
 
+// Object and grain show, through the camera's tone curve, the radiance of their reflectance in the light that the curve
+// had made darker. Of the ambient light alone, which is even here, that is a closed form, and what is path traced.
+TEST(ShotComposite, ObjectAndGrainsGoThroughTheToneCurve) {
+  const double even = 1.0;
+  RadianceMap map(256, 128);
+  for (float& value : map.rgb) value = static_cast<float>(even);
+  map.set(0, 0, {100, 100, 100});  // white, and by its size no light
+  const Surroundings room = panorama_surroundings(map, "even", camera(), -90, {0, 0, 0}, 0.0);
+  ASSERT_EQ(room.white, 100.0);
+  const float grain[3] = {0.4f, 0.6f, 0.4f};
+  const ShotPicture picture(cube(), grain, 0.1f);
+  ShotPictureOptions o;
+  o.width = 80, o.height = 60, o.paths = 256;
+  const ShotCamera rest = resting_camera(camera());
+  ShotLight light;
+  light.ambient = tone_mapped({even, even, even}, room.white);
+  EXPECT_NEAR(luminance(light.ambient), 0.5, 1e-3) << "Reinhard's curve takes half of 1";
+  const RadianceMap made = picture.composite(room, rest, light, {}, CastShadow::textures, o),
+                    plain = picture.composite(room, rest, light, {}, CastShadow::no_curve, o),
+                    truth = picture.truth(room, rest, o);
+  const auto at = [&](const RadianceMap& of, Vec3 place) {
+    const Vec3 to = place - rest.eye;
+    const double depth = dot(to, rest.forward);
+    const int x = static_cast<int>(40 + 60 * rest.focal * dot(to, rest.right) / depth);
+    const int y = static_cast<int>(30 - 60 * rest.focal * dot(to, rest.up) / depth);
+    return mean_of(of, x - 1, y - 1, x + 2, y + 1);
+  };
+  struct {
+    Vec3 place, reflectance;
+  } const seen[] = {{{0, 0.5, 0}, {0.60, 0.44, 0.30}}, {{0.4, 0.6, 0.4}, grain_colour(0)}};
+  for (const auto& [place, reflectance] : seen) {
+    const double expected = luminance(tone_mapped(reflectance * even, room.white));
+    EXPECT_NEAR(at(made, place), expected, 1e-3);
+    EXPECT_NEAR(at(truth, place), expected, 0.06 * expected) << "half of what the grain sees is the floor";
+    EXPECT_NEAR(at(plain, place), luminance(reflectance) * 0.5 * even, 1e-3);
+    EXPECT_LT(at(plain, place), 0.8 * expected);
+  }
+}
+
+// Two grains that touch, lit along the line between their centres, from the horizon: the nearer one leaves nothing of
+// the light on the other, though the textures know no light so low.
+TEST(ShotComposite, GrainsShadeTheirNeighboursInEveryLight) {
+  const float grains[6] = {0, 0.8f, 0, 0.01f, 0.8f, 0};  // above the cube
+  ShotPictureOptions o;
+  o.width = 40, o.height = 40;
+  Camera close = camera();
+  close.eye = {0.005, 0.8, 1}, close.target = {0.005, 0.8, 0}, close.fov_deg = 1.6;  // 28 mm high
+  const ShotCamera rest = resting_camera(close);
+  const Surroundings room = panorama_surroundings(lamp_room({1, 0, 0}, 50), "lamp", close, -90, {0, 0, 0}, 0.0);
+  ShotLight light;
+  light.light = {1, 1, 1}, light.towards = {1, 0, 0};
+  const auto lit = [&](std::span<const float> of) {
+    const RadianceMap map = ShotPicture(cube(), of, 0.005f).composite(room, rest, light, {}, CastShadow::textures, o);
+    return mean_of(map, 18, 18, 20,
+                   22);  // of the left grain, where it meets the other: hardly a ray of 20 degrees passes
+  };
+  const double alone = lit(std::span(grains, 3));
+  EXPECT_GT(alone, 0.1);
+  EXPECT_LT(lit(grains), 0.05 * alone);
+}
+
 // Luminance, bilinear.
 double between(const RadianceMap& map, double x, double y) {
   const int u = static_cast<int>(x), v = static_cast<int>(y);
@@ -406,7 +468,7 @@ TEST(ShotComposite, AnUmbraIsAsDarkAsTraced) {
   EXPECT_NEAR(made(CastShadow::hard, {}), umbra, 1e-3);
   EXPECT_NEAR(made(CastShadow::textures, {{whole}, {}, {}}), umbra, 1e-3);
   EXPECT_NEAR(truth, umbra, 0.02);
-  EXPECT_LT(made(CastShadow::plain, {{whole}, {}, {}}), truth - 0.05);
+  EXPECT_LT(made(CastShadow::no_curve, {{whole}, {}, {}}), truth - 0.05);
 }
 
 // The shadow's place on the floor, seen by two cameras that look 30 degrees past each other: what a point of the floor

