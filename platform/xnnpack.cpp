@@ -217,9 +217,9 @@ bool xnnpack_begin(const char** reason) {
              "choose the project's own back end");
 }
 
-XnnpackOperator* xnnpack_create(const XnnpackConvolution& shape, const float* weights, const float* bias,
-                                const char** reason) {
-  return create_operator(&xnn_create_convolution2d_nhwc_f32, shape, false, reason, weights, bias, 0.0f, 255.0f, 0u);
+XnnpackOperator* xnnpack_create(const XnnpackConvolution& shape, const float* weights, const float* bias, float low,
+                                float high, const char** reason) {
+  return create_operator(&xnn_create_convolution2d_nhwc_f32, shape, false, reason, weights, bias, low, high, 0u);
 }
 
 XnnpackOperator* xnnpack_create(const XnnpackConvolution& shape, const int8_t* weights, const int32_t* bias,

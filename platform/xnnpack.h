@@ -36,9 +36,9 @@ bool xnnpack_begin(const char** reason);
 
 // Weights: of output 0 row, column, input; then of output 1. They are copied. NULL, and one sentence: the region is
 // full, or this version or CPU cannot do it.
-// In float: the sum and the bias, clamped to 0..255.
-XnnpackOperator* xnnpack_create(const XnnpackConvolution& shape, const float* weights, const float* bias,
-                                const char** reason);
+// In float: the sum and the bias, clamped to low..high, which may be infinite.
+XnnpackOperator* xnnpack_create(const XnnpackConvolution& shape, const float* weights, const float* bias, float low,
+                                float high, const char** reason);
 // In bytes, stored as byte - 128: (sum of weight * byte + bias) * multiplier, rounded and clamped to 0..255.
 XnnpackOperator* xnnpack_create(const XnnpackConvolution& shape, const int8_t* weights, const int32_t* bias,
                                 const float* multipliers, const char** reason);

@@ -84,7 +84,8 @@ void print_light(const std::string& path, const AlignedBytes& file) {
               k_light_asset_version, asset.training_images, asset.calibration_images);
   std::printf("  int8         %.2f degrees and %.4f of a colour from float, medians\n",
               static_cast<double>(asset.angle_deg), static_cast<double>(asset.difference));
-  std::printf("  memory       %llu bytes\n", static_cast<unsigned long long>(memory));
+  std::printf("  float copy   %s\n  memory       %llu bytes\n", asset.float_parameters != nullptr ? "yes" : "no",
+              static_cast<unsigned long long>(memory));
 }
 
 void inspect_scene(const std::string& path, const std::string& mesh) {

@@ -9,6 +9,7 @@
 #include "models/host/failure.h"
 #include "models/host/progress.h"
 #include "models/lighting/dataset.h"
+#include "models/lighting/float_parameters.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/picture_file.h"
 #include "models/lighting/quantise.h"
@@ -25,6 +26,7 @@ struct Options {
   std::string weights, output, name = "lighting";
   std::vector<std::string> folders, measured;
   uint32_t images = 96;
+  bool keep_float = false;
 };
 
 // By the manifests: what an earlier data set left in a folder is not of this one.
@@ -99,6 +101,7 @@ int run(const Options& options) {
   if (interrupted()) return k_exit_interrupted;
   LightFile file = quantise(net, &ranges);
   file.name = options.name;
+  if (options.keep_float) file.float_parameters = float_parameters(net);
   LightRunner unfitted(light_file_bytes(file), options.output);
   for (size_t i = 0; i < pairs.size(); ++i) unfitted.run(calibration[i]), pairs[i].bytes = unfitted.features();
   fit_features(net, pairs, &file);
@@ -144,6 +147,8 @@ void add_quantise_light_command(Command& program, int* exit_code) {
   command->add_option("--images", options->images, "To calibrate with, and as many to measure with")
       ->check(range(2u, 10000u))
       ->capture_default_str();
+  command->add_flag("--keep-float", options->keep_float,
+                    "Keep the float network in the file, 30 MB more: XNNPACK in float then computes it");
   command->callback([options, exit_code] {
     listen_for_interrupt();
     *exit_code = run(*options);

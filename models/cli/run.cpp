@@ -1,7 +1,5 @@
 // `sandglass run`: fills a scene with sand, runs its frames under the budget, reports, and ends with the hash of the
 // final state.
-#include <time.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -28,6 +26,7 @@
 #include "models/host/standing_shadows.h"
 #include "models/host/thread_pool.h"
 #include "models/shot/shot.h"
+#include "platform/clock.h"
 #include "platform/virtual_clock.h"
 
 namespace sandglass::host {
@@ -48,12 +47,6 @@ struct Options {
   uint32_t frames = 0, threads = 1;
   double budget_ms = -1.0, fov_deg = 0.0;
 };
-
-uint64_t thread_cpu_ns() {
-  timespec now = {};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<uint64_t>(now.tv_sec) * 1'000'000'000u + static_cast<uint64_t>(now.tv_nsec);
-}
 
 void dump_frame(const std::string& folder, uint32_t frame, double particle_radius, Simulation* simulation) {
   const auto write = [&](const char* item, const char* what, const std::vector<float>& values, uint64_t columns) {
@@ -76,11 +69,20 @@ void dump_frame(const std::string& folder, uint32_t frame, double particle_radiu
 }
 
 void write_reports(const std::string& folder, const RunReport& report) {
-  const fs::path out(folder);
-  write_file((out / "report.csv").string(), report_csv(report));
-  write_file((out / "trace.json").string(), report_trace(report));
-  write_file((out / "summary.json").string(), report_summary_json(report));
-  write_file((out / "summary.txt").string(), report_summary_text(report));
+  struct Part {
+    const char* file;
+    std::string (*content)(const RunReport& report);
+  };
+  constexpr Part k_parts[] = {{"report.csv", report_csv},
+                              {"trace.json", report_trace},
+                              {"summary.json", report_summary_json},
+                              {"summary.txt", report_summary_text}};
+  Progress progress("writing reports", std::size(k_parts));
+  uint64_t written = 0;
+  for (const Part& part : k_parts) {
+    write_file((fs::path(folder) / part.file).string(), part.content(report));
+    progress.done(++written);
+  }
 }
 
 // Rows for the page's table.
@@ -286,15 +288,16 @@ struct Run {
     const uint32_t particles = static_cast<uint32_t>(simulation->particle_positions().size() / 3);
     const uint32_t grains = static_cast<uint32_t>(simulation->grain_positions().size() / 3);
     const uint32_t step = snapshot_step(scene.frames, scene.frame_step, particles, grains);
+    const sandglass_clock cpu = clock_thread_cpu();
     Progress progress("simulating " + scene.name, scene.frames);
     for (uint32_t frame = 0; frame < scene.frames && !interrupted(); ++frame) {
       std::vector<sandglass_collider> colliders;
       FrameRow row = {};
       if (shot) shot->begin(frame);  // the made-up camera's image: an app is given its own
       row.begin_ns = recorder.now_ns();
-      const uint64_t cpu_from = thread_cpu_ns();
+      const uint64_t cpu_from = cpu.now_ns(cpu.user);
       row.report = advance(frame, &colliders);
-      row.cpu_ms = static_cast<double>(thread_cpu_ns() - cpu_from) * 1e-6;
+      row.cpu_ms = static_cast<double>(cpu.now_ns(cpu.user) - cpu_from) * 1e-6;
       row.wall_ms = static_cast<double>(recorder.now_ns() - row.begin_ns) * 1e-6;
       row.light = light_of(frame);
       report.frames.push_back(row);
@@ -307,6 +310,10 @@ struct Run {
       progress.done(frame + 1);
     }
     report.interrupted = interrupted();
+    if (report.interrupted && !options.out.empty())
+      std::fprintf(stderr,
+                   "sandglass: interrupted; reports and sheet of %zu frames follow, Ctrl-C again ends at once\n",
+                   report.frames.size());
     report.units = std::move(recorder.events);
   }
 
@@ -326,6 +333,7 @@ struct Run {
     set.particle_radius = scene.particle_radius;
     set.camera = scene.camera;
     set.threads = drawing_threads();
+    set.film = !report.interrupted;
     if (shot)
       set.painter = [this](const Snapshot& snapshot, int width, int height, uint32_t threads) {
         return shot->paint(snapshot, width, height, threads);

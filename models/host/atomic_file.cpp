@@ -1,9 +1,12 @@
-// Temporary name, flush, check, rename. A program that is killed leaves at most a "*.unfinished.*" file behind.
+// Temporary name, flush, check, rename. A program that is killed leaves at most a "*.unfinished.*" file behind; one
+// that is ended by Ctrl-C removes it.
 #include "models/host/atomic_file.h"
 
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <system_error>
 
@@ -12,6 +15,44 @@
 namespace sandglass::host {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// Names of files that are being written, as a signal's handler can read them: no lock, no heap. A file that finds no
+// place here is written all the same.
+struct Writing {
+  std::atomic<bool> taken, named;
+  char name[4096];
+};
+constexpr size_t k_writers = 32;
+Writing writing[k_writers];
+
+class Noted {
+ public:
+  explicit Noted(const std::string& name) {
+    if (name.size() >= sizeof Writing::name) return;
+    for (size_t i = 0; i < k_writers && place_ == nullptr; ++i)
+      if (!writing[i].taken.exchange(true)) place_ = &writing[i];
+    if (place_ == nullptr) return;
+    std::memcpy(place_->name, name.c_str(), name.size() + 1);
+    place_->named = true;
+  }
+  ~Noted() {
+    if (place_ != nullptr) place_->named = false, place_->taken = false;
+  }
+  Noted(const Noted&) = delete;
+  Noted& operator=(const Noted&) = delete;
+
+ private:
+  Writing* place_ = nullptr;
+};
+
+}  // namespace
+
+void remove_unfinished() {
+  for (const Writing& file : writing)
+    if (file.named) unlink(file.name);
+}
 
 std::string unfinished_name(const std::string& path) {
   const fs::path target(path);
@@ -47,6 +88,7 @@ void require_writable(const std::string& path) {
 void write_file(const std::string& path, std::string_view content) {
   require_writable(path);
   const std::string unfinished = unfinished_name(path);
+  const Noted noted(unfinished);
   std::FILE* file = std::fopen(unfinished.c_str(), "wb");
   bool good = file != nullptr;
   if (good) {

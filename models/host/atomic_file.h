@@ -27,6 +27,9 @@ std::string read_file(const std::string& path, const std::string& kind);
 // A Failure where writing `output` would destroy one of the files that a command reads.
 void keep_inputs(const std::string& output, const std::vector<std::string>& inputs);
 
+// Removes what write_file has not finished: for a signal's handler that is about to end the program, and may call it.
+void remove_unfinished();
+
 // Makes a folder and its parents, or a Failure.
 void make_folder(const std::string& path);
 

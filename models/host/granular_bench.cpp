@@ -1,8 +1,6 @@
 // Errors are measured between frames and are not part of the times.
 #include "models/host/granular_bench.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,15 +10,9 @@
 #include "models/host/scene_fill.h"
 #include "models/host/simulation.h"
 #include "models/host/thread_pool.h"
+#include "platform/clock.h"
 
 namespace sandglass::host {
-
-// CPU time of the calling thread: what other programs on the machine take does not count.
-static uint64_t thread_time_ns(void*) {
-  timespec time;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<uint64_t>(time.tv_sec) * 1000000000u + static_cast<uint64_t>(time.tv_nsec);
-}
 
 BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint32_t frames, bool with_grains,
                      const BenchStep& step, uint32_t level) {
@@ -31,7 +23,8 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
   sandglass_scene_desc desc = describe_scene(scene, material.particles(), material.grains());
   ThreadPool pool(threads);
   desc.isa = isa;
-  desc.clock = threads == 1 ? sandglass_clock{thread_time_ns, nullptr} : sandglass_clock_system();
+  // CPU time of one thread: what other programs on the machine take does not count. Of several there is none.
+  desc.clock = threads == 1 ? clock_thread_cpu() : sandglass_clock_system();
   desc.parallel = pool.hook();
   desc.finest_level = level;
   Simulation simulation(desc);

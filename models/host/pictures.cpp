@@ -142,9 +142,18 @@ uint32_t snapshot_step(uint32_t frames, double frame_step, uint32_t particles, u
   return static_cast<uint32_t>(step);
 }
 
+// The moments of the sheet's grains.
+static std::vector<Snapshot> moments(const std::vector<Snapshot>& snapshots) {
+  const size_t count = std::min(k_grain_cells, snapshots.size());
+  std::vector<Snapshot> few;
+  for (size_t i = 0; i < count; ++i) few.push_back(snapshots[evenly(i, count, snapshots.size())]);
+  return few;
+}
+
 PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& snapshots) {
   PicturePaths paths;
   if (snapshots.empty()) return paths;
+  if (!set.film && snapshots.size() > k_grain_cells) return draw_pictures(set, moments(snapshots));
   SceneView view;
   std::vector<Bounds> boxes;
   for (const Snapshot& snapshot : snapshots) {
@@ -186,6 +195,7 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
                                snapshots[0].grains.empty() ? nullptr : &cells.back(), sheet);
   progress.done(++drawn);
 
+  if (!set.film || interrupted()) return paths;
   const std::string folder = (fs::path(set.folder) / "frames").string();
   make_folder(folder);
   std::error_code ignored;

@@ -6,6 +6,8 @@
 #include <csignal>
 #include <cstdio>
 
+#include "models/host/atomic_file.h"
+
 namespace sandglass::host {
 
 using namespace std::chrono_literals;
@@ -56,9 +58,14 @@ namespace {
 
 volatile std::sig_atomic_t interrupt_flag = 0;
 
-void on_interrupt(int) {
-  interrupt_flag = 1;
-  std::signal(SIGINT, SIG_DFL);
+void on_interrupt(int number) {
+  if (interrupt_flag == 0) {
+    interrupt_flag = 1;
+    return;
+  }
+  remove_unfinished();
+  std::signal(number, SIG_DFL);
+  std::raise(number);
 }
 
 }  // namespace

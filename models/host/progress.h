@@ -37,7 +37,8 @@ struct Progress {
 std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s,
                           uint64_t first = 0);
 
-// From the first call on, Ctrl-C sets a flag instead of ending the program; a second Ctrl-C ends it.
+// From the first call on, Ctrl-C sets a flag instead of ending the program; a second Ctrl-C ends it at once, and leaves
+// no file half-written.
 void listen_for_interrupt();
 bool interrupted();
 

@@ -88,20 +88,20 @@ std::string table_html(const PageTable& table) {
 
 // The numbers as they stand in the CSV; what JSON has no word for (nan, inf) becomes null.
 std::string rows_json(const std::string& csv) {
-  std::istringstream lines(csv);
-  std::string line, json;
-  std::getline(lines, line);
-  while (std::getline(lines, line)) {
-    std::istringstream cells(line);
-    std::string row, cell;
-    while (std::getline(cells, cell, ',')) {
-      const bool number = !cell.empty() && cell.find_first_not_of("0123456789+-.e") == std::string::npos;
-      row += row.empty() ? "" : ",";
-      row += number ? cell : "null";
+  std::string json = "[";
+  for (size_t line = csv.find('\n') + 1; line < csv.size(); line = csv.find('\n', line) + 1) {
+    json += json.size() == 1 ? "[" : ",\n[";
+    const size_t end = csv.find('\n', line);
+    for (size_t from = line, to; from <= end; from = to + 1) {
+      to = std::min(csv.find(',', from), end);
+      const std::string_view cell = std::string_view(csv).substr(from, to - from);
+      const bool number = !cell.empty() && cell.find_first_not_of("0123456789+-.e") == std::string_view::npos;
+      json += from == line ? "" : ",";
+      json += number ? cell : "null";
     }
-    json += (json.empty() ? "[" : ",\n[") + row + "]";
+    json += "]";
   }
-  return "[" + json + "]";
+  return json + "]";
 }
 
 Json columns_json(const std::string& csv) {

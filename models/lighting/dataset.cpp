@@ -181,7 +181,7 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
     const size_t at = i * excerpts / tiles;
     with_tile[at / k_excerpts][at % k_excerpts] = true;
   }
-  // What cannot be read is said before anything is written.
+  // What cannot be read is said before anything is written. That they are read twice costs a hundredth of the cutting.
   for_all(panoramas.size(), options.threads, "reading panoramas", [&](size_t i) { LitPanorama{panoramas[i]}; });
   if (interrupted()) return {};
   make_folder(options.folder + "/images");

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 """The float network behind models/lights/room.light, from what is in this repository, and what it says of the excerpts.
 
-Its trunk is what PyTorch 1.13 draws from seed 1; its heads lie in excerpts/heads.npz: of the 512 latent units 160 carry the ten ridge
-regressions, 16 each alike, and the others, as drawn, have no effect. Every array is bit for bit the one of which `sandglass
-quantise-light` made the shipped bytes (calibrated as MODEL_CARD.md says it makes the same file of them again).
+Its trunk is the pretrained DenseNet-121 with lanes (train.py --initial --lanes); its heads lie in excerpts/heads.npz: of the 512 latent units
+160 carry the ten ridge regressions, 16 each alike, and the others, as PyTorch 1.13 draws them from seed 1, have no effect. Every array is
+bit for bit the one of which `sandglass quantise-light` made the shipped bytes (calibrated as MODEL_CARD.md says it makes the same file
+of them again).
 
-  float_network.py weights WEIGHTS.npz                  puts both together, as train.py exports a network
+  float_network.py weights PRETRAINED.npz WEIGHTS.npz   puts both together, as train.py exports a network; PRETRAINED is the data
+                                                        folder's densenet121_imagenet_keras_fp32.npz
   float_network.py estimates WEIGHTS.npz PIXELS OUT.csv PyTorch's estimates of the excerpts; PIXELS are their bytes one after another,
                                                         by name, as the tests' reader decodes them: decoders of JPEG differ
 """
@@ -24,7 +26,7 @@ import train
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "excerpts")
 SEED = 1
-WEIGHTS_SHA256 = "c87400f2133b698095f4fc6df06255df56647dfcef96995c7e8fbd8acf7df5ae"  # of every array, by name
+WEIGHTS_SHA256 = "496f06301a07febe357dd257197fb2ed295310c3436892c41bee7b68de1be123"  # of every array, by name
 EXIT_OTHER_PYTORCH = 77
 
 
@@ -35,9 +37,12 @@ def sha256_of(arrays):
     return digest.hexdigest()
 
 
-def write_weights(path):
+def write_weights(pretrained, path):
     torch.manual_seed(SEED)
-    arrays = train.LightNet().exported()  # as train.py --initial --seed 1 has it
+    network = train.LightNet()
+    network.load(pretrained)
+    network.give_lanes()
+    arrays = network.exported()  # as train.py --initial --lanes --seed 1 has it
     heads = np.load(os.path.join(FOLDER, "heads.npz"))
     copies, j = train.COPIES_OF_START, 0
     used = 10 * copies
@@ -55,7 +60,7 @@ def write_weights(path):
     for name in ("data_hash", "seed", "training_images"):
         arrays[name] = heads[name]
     if sha256_of(arrays) != WEIGHTS_SHA256:
-        print(f"PyTorch {torch.__version__} draws other numbers from seed {SEED} than the one that drew the network")
+        print(f"PyTorch {torch.__version__} draws other numbers from seed {SEED}, or sums otherwise, than the one that made the network")
         sys.exit(EXIT_OTHER_PYTORCH)
     np.savez(path, **arrays)
 
@@ -84,13 +89,15 @@ def write_estimates(weights, pixels, path):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     steps = parser.add_subparsers(dest="step", required=True)
-    steps.add_parser("weights").add_argument("weights")
+    weights = steps.add_parser("weights")
+    for name in ("pretrained", "weights"):
+        weights.add_argument(name)
     estimates = steps.add_parser("estimates")
     for name in ("weights", "pixels", "output"):
         estimates.add_argument(name)
     options = parser.parse_args()
     if options.step == "weights":
-        write_weights(options.weights)
+        write_weights(options.pretrained, options.weights)
     else:
         write_estimates(options.weights, options.pixels, options.output)
 

@@ -199,6 +199,9 @@ struct LightBuilder {
   }
   void add_angle_deg(float angle_deg) { fbb_.AddElement<float>(Light::VT_ANGLE_DEG, angle_deg, 0.0f); }
   void add_difference(float difference) { fbb_.AddElement<float>(Light::VT_DIFFERENCE, difference, 0.0f); }
+  void add_float_parameters(flatbuffers::Offset<flatbuffers::Vector<float>> float_parameters) {
+    fbb_.AddOffset(Light::VT_FLOAT_PARAMETERS, float_parameters);
+  }
   explicit LightBuilder(flatbuffers::FlatBufferBuilder& _fbb) : fbb_(_fbb) { start_ = fbb_.StartTable(); }
   flatbuffers::Offset<Light> Finish() {
     const auto end = fbb_.EndTable(start_);
@@ -221,10 +224,12 @@ inline flatbuffers::Offset<Light> CreateLight(
     flatbuffers::Offset<flatbuffers::Vector<float>> latent_bias = 0,
     flatbuffers::Offset<flatbuffers::Vector<float>> heads_weights = 0,
     flatbuffers::Offset<flatbuffers::Vector<float>> heads_bias = 0, uint64_t data_hash = 0, uint64_t seed = 0,
-    uint32_t training_images = 0, uint32_t calibration_images = 0, float angle_deg = 0.0f, float difference = 0.0f) {
+    uint32_t training_images = 0, uint32_t calibration_images = 0, float angle_deg = 0.0f, float difference = 0.0f,
+    flatbuffers::Offset<flatbuffers::Vector<float>> float_parameters = 0) {
   LightBuilder builder_(_fbb);
   builder_.add_seed(seed);
   builder_.add_data_hash(data_hash);
+  builder_.add_float_parameters(float_parameters);
   builder_.add_difference(difference);
   builder_.add_angle_deg(angle_deg);
   builder_.add_calibration_images(calibration_images);
@@ -255,7 +260,8 @@ inline flatbuffers::Offset<Light> CreateLightDirect(
     const std::vector<int8_t>* latent_weights = nullptr, const std::vector<float>* latent_scale = nullptr,
     const std::vector<float>* latent_bias = nullptr, const std::vector<float>* heads_weights = nullptr,
     const std::vector<float>* heads_bias = nullptr, uint64_t data_hash = 0, uint64_t seed = 0,
-    uint32_t training_images = 0, uint32_t calibration_images = 0, float angle_deg = 0.0f, float difference = 0.0f) {
+    uint32_t training_images = 0, uint32_t calibration_images = 0, float angle_deg = 0.0f, float difference = 0.0f,
+    const std::vector<float>* float_parameters = nullptr) {
   auto name__ = name ? _fbb.CreateString(name) : 0;
   auto border__ = border ? _fbb.CreateVector<uint8_t>(*border) : 0;
   auto blocks__ = blocks ? _fbb.CreateVector<flatbuffers::Offset<sandglass::asset::Block>>(*blocks) : 0;
@@ -268,10 +274,11 @@ inline flatbuffers::Offset<Light> CreateLightDirect(
   auto latent_bias__ = latent_bias ? _fbb.CreateVector<float>(*latent_bias) : 0;
   auto heads_weights__ = heads_weights ? _fbb.CreateVector<float>(*heads_weights) : 0;
   auto heads_bias__ = heads_bias ? _fbb.CreateVector<float>(*heads_bias) : 0;
+  auto float_parameters__ = float_parameters ? _fbb.CreateVector<float>(*float_parameters) : 0;
   return sandglass::asset::CreateLight(_fbb, version, name__, border__, stem, blocks__, last_low__, last_high__,
                                        feature_scale__, feature_shift__, latent_weights__, latent_scale__,
                                        latent_bias__, heads_weights__, heads_bias__, data_hash, seed, training_images,
-                                       calibration_images, angle_deg, difference);
+                                       calibration_images, angle_deg, difference, float_parameters__);
 }
 
 inline void FinishLightBuffer(flatbuffers::FlatBufferBuilder& fbb, flatbuffers::Offset<sandglass::asset::Light> root) {

@@ -53,10 +53,12 @@ std::vector<uint8_t> light_file_bytes(const LightFile& file) {
   const auto latent_bias = builder.CreateVector(file.latent_bias);
   const auto heads_weights = builder.CreateVector(file.heads_weights);
   const auto heads_bias = builder.CreateVector(file.heads_bias);
+  flatbuffers::Offset<flatbuffers::Vector<float>> float_parameters = 0;
+  if (!file.float_parameters.empty()) float_parameters = builder.CreateVector(file.float_parameters);
   builder.Finish(asset::CreateLight(builder, k_light_asset_version, name, border, stem, all_blocks, last_low, last_high,
                                     feature_scale, feature_shift, latent_weights, latent_scale, latent_bias,
                                     heads_weights, heads_bias, file.data_hash, file.seed, file.training_images,
-                                    file.calibration_images, file.angle_deg, file.difference),
+                                    file.calibration_images, file.angle_deg, file.difference, float_parameters),
                  asset::LightIdentifier());
   std::vector<uint8_t> bytes(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   const uint64_t hash = asset_checksum(bytes.data(), bytes.size());

@@ -27,6 +27,7 @@ struct LightFile {
   uint64_t data_hash = 0, seed = 0;
   uint32_t training_images = 0, calibration_images = 0;
   float angle_deg = 0, difference = 0;
+  std::vector<float> float_parameters;  // empty: left out
 };
 
 // FlatBuffer and checksum: a file for open_light_asset.

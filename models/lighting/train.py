@@ -16,7 +16,13 @@ gives what an uninterrupted run gives. Images are 256 x 192 sRGB; directions are
 
 Of a network whose heads are ridge regressions nothing needs more than its features. With --features they are those of the
 runtime, in bytes (`sandglass light-features`), so that the heads know the rounding; how strong the ridges are is chosen
-within the folds that train.
+within the folds that train. So is, with --or-features, whose features they are: each test fold is estimated from the set that was
+best for the direction when the other folds were estimated from one another.
+
+ImageNet's features have forgotten how bright which part of an image is, which tells most of where light comes from. --lanes keeps
+that: the channels of the pretrained network that are used least, LANES at each of its four widths, carry brightness above
+thresholds past its layers, and the last LAYOUT_LAYERS layers move it about, so that the averages over all pixels are also
+those over parts. All else stays pretrained; how far its features are trusted is chosen, with the ridges, within the folds.
 
 --export FILE writes the float weights as the pretrained file names them (convolutions HWIO; every batch normalisation apart
 as gamma, beta, moving_mean, moving_variance; epsilon 1.001e-5), without fc1000, and behind them
@@ -48,16 +54,19 @@ LOSS_WEIGHTS = {"direction": 5.0, "light": 2.0, "ambient": 2.0, "contrast": 1.0}
 LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
           "contrast")
 GROUPS = (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 10))  # of the labels: direction, light, ambient, contrast
+TRUSTS = (0.03, 0.1, 0.3, 1.0)  # to choose from, of what is no lane's beside what is
 RIDGES = tuple(10.0 ** (k / 2) for k in range(-6, 5))  # to choose from, of the standardised features
 USUAL_RIDGES = (2.0, 4.0, 0.1, 2.0)  # of the groups, where there are no two folds to choose by
 COPIES_OF_START, SHIFT_OF_START, EXTRA_WEIGHT, LEAST_DEVIATION = 16, 3.0, 0.5, 0.25
 WIDTH, HEIGHT = 256, 192
+LANES = tuple((channel, threshold) for threshold in (0.0, 0.5, 0.75, 0.9) for channel in range(3))  # brightness in sRGB
+LAYOUT_LAYERS = 4  # moves by as many of the last map's 6 rows and of its 8 columns
 
 
 class Regression:
     """Weighted ridge regressions of the labels on features, all in float64, for every ridge at the price of one."""
 
-    def __init__(self, features, labels, weights):
+    def __init__(self, features, labels, weights, trust=1.0):
         targets = labels.copy()
         targets[:, :3] *= 0.5  # where tanh is almost the identity; the length does not matter
         targets[:, 3:] = np.log(targets[:, 3:].clip(0.02, 0.98) / (1 - targets[:, 3:].clip(0.02, 0.98)))
@@ -65,7 +74,7 @@ class Regression:
         self.mean, self.answer = (weights * features).sum(0), (weights * targets).sum(0)
         centred = features - self.mean
         deviation = np.sqrt((weights * centred ** 2).sum(0))
-        self.deviation = np.maximum(deviation, LEAST_DEVIATION * np.median(deviation))  # bytes do not keep what hardly varies
+        self.deviation = np.maximum(deviation, LEAST_DEVIATION * np.median(deviation)) / trust  # bytes do not keep what hardly varies
         centred = centred / self.deviation
         self.values, self.vectors = np.linalg.eigh((weights * centred).T @ centred)
         self.products = self.vectors.T @ ((weights * centred).T @ (targets - self.answer))
@@ -82,18 +91,36 @@ class Regression:
         return [angles_deg(out[:, :3], labels[:, :3]).mean()] + [np.abs(out[:, g] - labels[:, g]).mean() for g in GROUPS[1:]]
 
 
-def chosen_ridges(features, labels, weights, folds, judged):
-    """The ridge of each group that is best for the `judged` rows of each fold, fitted on the other folds."""
+def ridge_errors(features, labels, weights, folds, judged, trust=1.0):
+    """Of each ridge and group, the mean error of the `judged` rows of each fold, fitted on the other folds; None of one fold."""
     kinds = np.unique(folds[judged])
     if len(kinds) < 2:
-        return USUAL_RIDGES
+        return None
     errors = np.zeros((len(RIDGES), len(GROUPS)))
     for fold in kinds:
         test, fitted = judged & (folds == fold), folds != fold
-        regression = Regression(features[fitted], labels[fitted], weights[fitted])
+        regression = Regression(features[fitted], labels[fitted], weights[fitted], trust)
         for k, ridge in enumerate(RIDGES):
             errors[k] += test.sum() * np.array(regression.errors((ridge,) * len(GROUPS), features[test], labels[test]))
-    return tuple(RIDGES[k] for k in errors.argmin(0))
+    return errors / judged.sum()
+
+
+def best_ridges(errors):
+    return USUAL_RIDGES if errors is None else tuple(RIDGES[k] for k in errors.argmin(0))
+
+
+def expected(norm, at):
+    """Mean and deviation of the channels `at` behind a batch normalisation and ReLU, were they distributed normally."""
+    shift, spread = norm.bias[at].double(), norm.weight[at].double().abs() + 1e-9
+    below = 0.5 * (1 + torch.erf(shift / spread / 2 ** 0.5))
+    density = spread * torch.exp(-0.5 * (shift / spread) ** 2) / math.sqrt(2 * math.pi)
+    mean = shift * below + density
+    return mean, ((shift ** 2 + spread ** 2) * below + shift * density - mean ** 2).clamp(min=0).sqrt()
+
+
+def pass_through(norm, at):
+    """A batch normalisation that leaves the channels `at` as they are; they are not negative, nor does the ReLU change them."""
+    norm.weight[at], norm.bias[at], norm.running_mean[at], norm.running_var[at] = 1.0, 0.0, 0.0, 1.0 - EPSILON
 
 
 class DenseLayer(nn.Module):
@@ -137,9 +164,62 @@ class LightNet(nn.Module):
         self.last = nn.BatchNorm2d(channels, eps=EPSILON)
         self.latent = nn.Sequential(nn.Linear(channels, 512), nn.BatchNorm1d(512), nn.ELU())
         self.dropout = 0.0  # of the 512, in training
+        self.lanes = None  # which of the features are lanes', where there are lanes
         self.learned = LAYERS[3]  # layers of the last block behind the trunk that is kept on disk
         self.heads = nn.ModuleDict({k: nn.Linear(512, n) for k, n in
                                     (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))})
+
+    def readers(self, stage):
+        """What reads the maps of a width: a batch normalisation, the 1 x 1 convolution behind it, and the normalisations behind that."""
+        layers = [(layer.before, layer.narrow, [layer.between]) for layer in self.blocks[stage]]
+        if stage == 3:
+            return layers + [(self.last, None, [])]
+        transition = self.transitions[stage]
+        return layers + [(transition.before, transition.narrow, [norm for norm, *_ in self.readers(stage + 1)])]
+
+    def free(self, readers, at):
+        """Of the channels `at` nothing is read but their means, and they pass all normalisations."""
+        for before, narrow, behind in readers:
+            if narrow is not None:
+                constant = (narrow.weight[:, at, 0, 0].double() @ expected(before, at)[0]).float()
+                for norm in behind:
+                    norm.running_mean[:len(constant)] -= constant
+                narrow.weight[:, at] = 0
+            pass_through(before, at)
+
+    @torch.no_grad()
+    def give_lanes(self):
+        count, places = len(LANES), []
+        for stage, width in enumerate((64, 128, 256, 512)):
+            use, every = torch.zeros(width, dtype=torch.float64), torch.arange(width)
+            for before, narrow, _ in self.readers(stage)[:LAYERS[stage] + (stage < 3)]:
+                share = expected(before, every)[1] * narrow.weight[:, :width, 0, 0].double().norm(dim=0)
+                use += share / share.sum()
+            places.append(use.argsort()[:count].sort().values)
+        for stage, at in enumerate(places):
+            self.free(self.readers(stage), at)
+            into = self.stem if stage == 0 else self.transitions[stage - 1].narrow
+            into.weight[at] = 0
+            for place, (channel, threshold) in zip(at, LANES):
+                if stage == 0:  # the mean of 7 x 7 pixels, from which the input's mean has been taken
+                    self.stem.weight[place, channel] = DEVIATION[channel] / 49
+                    pass_through(self.stem_norm, place)
+                    self.stem_norm.running_mean[place] = threshold - MEAN[channel]
+            if stage:
+                into.weight[at, places[stage - 1]] = 1.0
+        block, first = self.blocks[3], LAYERS[3] - LAYOUT_LAYERS
+        made = [torch.arange(2 * count) + 512 + GROWTH * layer for layer in range(first, LAYERS[3])]
+        for layer, at in zip(range(first, LAYERS[3]), made):
+            self.free(self.readers(3)[layer + 1:], at)
+            up, left = (places[3], places[3]) if layer == first else made[layer - first - 1].chunk(2)
+            read = block[layer]
+            read.narrow.weight[:2 * count] = 0
+            read.narrow.weight[torch.arange(2 * count), torch.cat([up, left])] = 1.0
+            pass_through(read.between, torch.arange(2 * count))
+            read.wide.weight[:, :2 * count], read.wide.weight[:2 * count] = 0, 0
+            for k in range(count):  # the row below, the column to the right
+                read.wide.weight[k, k, 2, 1] = read.wide.weight[count + k, count + k, 1, 2] = 1.0
+        self.lanes = np.isin(np.arange(self.last.num_features), torch.cat([places[3]] + made).numpy())
 
     def trunk(self, rgb):
         """sRGB 0..1 to what the last dense block reads, 512 x 6 x 8."""
@@ -163,12 +243,21 @@ class LightNet(nn.Module):
         return {"direction": F.normalize(torch.tanh(out["direction"]), dim=1), "light": torch.sigmoid(out["light"]),
                 "ambient": torch.sigmoid(out["ambient"]), "contrast": torch.sigmoid(out["contrast"])}
 
-    def start_at(self, features, labels, weights, ridges):
+    def trusts(self):
+        """What may be chosen: factors of the standardised features."""
+        return [1.0] if self.lanes is None else [np.where(self.lanes, 1.0, trust) for trust in TRUSTS]
+
+    def start_at(self, features, labels, weights, ridges, chosen_trusts=(0,) * len(GROUPS)):
         """Starts the heads from ridge regressions of the labels on features (float64, by rows, weighted): with few places,
         a start that gradient descent does not find. Of the latent units the first 10 * COPIES_OF_START carry the solutions, each
         COPIES_OF_START times because of the dropout, shifted to where ELU is the identity; the others begin without effect."""
-        regression = Regression(features, labels, weights)
-        slopes, answer = regression.slopes(ridges), regression.answer
+        slopes = np.zeros((features.shape[1], len(LABELS)))
+        for k in set(chosen_trusts):
+            regression = Regression(features, labels, weights, self.trusts()[k])
+            for group, its in zip(GROUPS, chosen_trusts):
+                if its == k:
+                    slopes[:, group] = regression.slopes(ridges)[:, group]
+        answer = regression.answer
         weights = (weights / weights.sum())[:, None]
         spread = np.sqrt((weights * ((features - regression.mean) @ slopes) ** 2).sum(0)) + 1e-9
         linear, norm = self.latent[0], self.latent[1]
@@ -228,6 +317,10 @@ class LightNet(nn.Module):
             fill(module.weight, name + "/kernel", (1, 0)), fill(module.bias, name + "/bias")
 
         self.walk(norm, conv)
+        if "lanes" in arrays:
+            if arrays["lanes"].shape != (self.last.num_features,):
+                fail(f"the array lanes of '{path}' has another shape than the network's features; {these}")
+            self.lanes = arrays["lanes"] > 0
         if "latent/kernel" not in arrays:
             return False
         self.walk_heads(norm, linear)
@@ -249,6 +342,8 @@ class LightNet(nn.Module):
             arrays[name + "/bias"] = module.bias.detach().cpu().numpy()
 
         self.walk(norm, conv), self.walk_heads(norm, linear)
+        if self.lanes is not None:
+            arrays["lanes"] = self.lanes.astype(np.float32)
         return arrays
 
     def walk_heads(self, norm, linear):
@@ -450,13 +545,13 @@ def packed(inputs):
     return inputs.contiguous(memory_format=torch.channels_last) if inputs.dim() == 4 else inputs
 
 
-def read_features(net, rows, arguments):
+def read_features(net, rows, arguments, paths):
     """Features made elsewhere in the place of trunks: a file for each folder, copy behind copy."""
     folders = list(dict.fromkeys(rows.folder))
-    if len(arguments.features) != len(folders):
-        fail(f"{len(arguments.features)} files of features for {len(folders)} folders; name one for each, in their order")
+    if len(paths) != len(folders):
+        fail(f"{len(paths)} files of features for {len(folders)} folders; name one for each, in their order")
     files = {}
-    for folder, path in zip(folders, arguments.features):
+    for folder, path in zip(folders, paths):
         try:
             values = np.load(path)
         except (OSError, ValueError, EOFError):
@@ -486,8 +581,9 @@ def measures(estimate, truth):
             "contrast": float(np.abs(estimate[:, 9] - truth[:, 9]).mean())}
 
 
-def start_heads(arguments, rows, train_rows, net, trunk_of, device):
-    """From the features of every copy of the images to train on: captured ones count 1 together, others EXTRA_WEIGHT."""
+def start_rows(arguments, rows, train_rows, net, trunk_of, device):
+    """What heads start from: features and labels of every copy of the images to train on, weights (captured ones count 1
+    together, others EXTRA_WEIGHT), and the errors of ridges within these folds."""
     last = arguments.layers == "last"
     pairs = [(i, c) for c in range(arguments.copies if last else 2) for i in train_rows]
     net.eval()
@@ -505,9 +601,28 @@ def start_heads(arguments, rows, train_rows, net, trunk_of, device):
     weights = np.where(extra, EXTRA_WEIGHT / max(1, extra.sum()), 1.0 / max(1, (~extra).sum()))
     features = np.concatenate(parts).astype(np.float64)
     folds = np.array([rows.fold[i] for i, _ in pairs])
-    ridges = chosen_ridges(features, labels, weights, folds, (folds >= 0) & (extra if extra.all() else ~extra))
-    net.start_at(features, labels, weights, ridges)
-    return ridges
+    judged = (folds >= 0) & (extra if extra.all() else ~extra)
+    errors = [ridge_errors(features, labels, weights, folds, judged, trust) for trust in net.trusts()]
+    return features, labels, weights, None if errors[0] is None else np.stack(errors)
+
+
+def start_heads(arguments, rows, train_rows, net, sources, device):
+    """Of several sources of features, from the one whose direction is best within the folds that train. Which one that is, its
+    ridges and trusts, and the least errors of each source within these folds."""
+    starts = [start_rows(arguments, rows, train_rows, net, source, device) for source in sources]
+    if len(sources) > 1 and starts[0][-1] is None:
+        fail("--or-features chooses by the folds that train, and there are fewer than two; name more places")
+    least = [errors.min((0, 1)).tolist() for *_, errors in starts if errors is not None]
+    chosen = min(range(len(least)), key=lambda k: least[k][0], default=0)
+    features, labels, weights, errors = starts[chosen]
+    if errors is None:
+        trusts, ridges = (len(net.trusts()) - 1,) * len(GROUPS), USUAL_RIDGES
+    else:
+        trusts = tuple(errors.min(1).argmin(0).tolist())
+        ridges = tuple(best_ridges(errors[k])[group] for group, k in enumerate(trusts))
+    net.start_at(features, labels, weights, ridges, trusts)
+    return {"features": chosen, "ridges": ridges, "inner": least,
+            **({} if net.lanes is None else {"trusts": [TRUSTS[k] for k in trusts]})}
 
 
 def batches_of(rows, train_rows, epoch, arguments):
@@ -537,15 +652,16 @@ def train(arguments):
     net.learned = arguments.learn if arguments.layers == "last" else LAYERS[3]
     has_heads = net.load(arguments.weights) if arguments.weights else False
     net.to(device, memory_format=torch.channels_last)
-    trunk_of = None
+    sources = [None]
     if arguments.features:
-        trunk_of, has_heads = read_features(net, rows, arguments), False
+        sets = [arguments.features] + arguments.or_features
+        sources, has_heads = [read_features(net, rows, arguments, paths) for paths in sets], False
     elif arguments.layers == "last":
-        trunk_of = cached_trunks(net, rows, arguments, device)
+        sources = [cached_trunks(net, rows, arguments, device)]
     start = {k: v.clone() for k, v in net.state_dict().items()}
     for fold in folds:
         net.load_state_dict(start)
-        train_fold(arguments, fold, rows, net, has_heads, trunk_of, device)
+        train_fold(arguments, fold, rows, net, has_heads, sources, device)
 
 
 def write_initial(arguments):
@@ -553,6 +669,8 @@ def write_initial(arguments):
     net = LightNet()
     if arguments.weights:
         net.load(arguments.weights)
+    if arguments.lanes:
+        net.give_lanes()
     arrays = net.exported()
 
     def write(path):
@@ -608,12 +726,13 @@ def train_layout(arguments):
         save(arguments.export, write)
 
 
-def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
+def train_fold(arguments, fold, rows, net, has_heads, sources, device):
     torch.manual_seed(arguments.seed)
     train_rows, test_rows = rows.split(fold)
     captured = train_rows[rows.kind[train_rows] < 2]
     mean_light = rows.labels[captured if len(captured) else train_rows].mean(0)
-    ridges = None if has_heads else start_heads(arguments, rows, train_rows, net, trunk_of, device)
+    start = {} if has_heads else start_heads(arguments, rows, train_rows, net, sources, device)
+    trunk_of = sources[start.get("features", 0)]
     last = arguments.layers == "last"
     net.dropout = arguments.dropout
     heads = {id(p) for p in net.heads_of().parameters()}
@@ -682,7 +801,7 @@ def train_fold(arguments, fold, rows, net, has_heads, trunk_of, device):
     if sums is not None:
         net.load_state_dict({k: (sums[k] / max(1, arguments.epochs // 4)).to(v.dtype) for k, v in net.state_dict().items()})
     result = {"fold": name, "train_images": len(train_rows), "test_images": len(test_rows),
-              "test_locations": len({rows.location[i] for i in test_rows}), "ridges": ridges, "log": log,
+              "test_locations": len({rows.location[i] for i in test_rows}), **start, "log": log,
               "arguments": vars(arguments)}
     if len(test_rows):
         made, truth = estimates(), rows.labels[test_rows]
@@ -752,7 +871,10 @@ def main():
     parser.add_argument("--export", metavar="FILE", help="write the trained weights as .npz")
     parser.add_argument("--features", nargs="*", default=[], metavar="FILE",
                         help="of each folder, in their order, by `sandglass light-features`: only the heads are fitted")
+    parser.add_argument("--or-features", nargs="+", action="append", default=[], metavar="FILE",
+                        help="another such set, of another trunk: for each test fold the other folds choose; may be repeated")
     parser.add_argument("--initial", action="store_true", help="only write the weights that training starts from")
+    parser.add_argument("--lanes", action="store_true", help="with --initial: channels that carry brightness past the pretrained layers")
     parser.add_argument("--layout", action="store_true", help="only teach the last layers where things are in images")
     parser.add_argument("--test-fold", type=number(int, 0), nargs="+", default=[1], help="one run for each")
     parser.add_argument("--all", action="store_true", help="train on every fold and test on none: for the shipped weights")
@@ -778,6 +900,8 @@ def main():
         if not arguments.weights:
             fail("--check-import compares weights; name them with --weights")
         return check_import(arguments.weights, arguments.check_import)
+    if arguments.lanes and not (arguments.initial and arguments.weights):
+        fail("--lanes changes weights as they begin; name them with --weights, beside --initial")
     if arguments.initial:
         if not arguments.export:
             fail("--initial writes weights; name the file with --export")
@@ -785,6 +909,8 @@ def main():
         return 0
     if arguments.features and (arguments.epochs or arguments.layers != "last"):
         fail("--features fits only the heads; give --epochs 0 and --layers last")
+    if arguments.or_features and (not arguments.features or arguments.export):
+        fail("--or-features only tests a choice, beside --features; leave out --export, or name what was chosen with --features")
     if not arguments.dataset and not ((arguments.all or arguments.layout) and arguments.train_only):
         fail("no data set is named; make one with `sandglass dataset`")
     try:

@@ -58,6 +58,7 @@ std::vector<uint32_t> all_texels() {
   return uv;
 }
 
+#ifdef SANDGLASS_HAVE_XNNPACK
 // What a peer needs for one light: 69 floats a texel, from tables of the two coordinates.
 void encode_texels(const std::vector<float>& positions, const Direction& light, std::vector<float>* input) {
   float encoded[3 * k_light_inputs];
@@ -70,6 +71,7 @@ void encode_texels(const std::vector<float>& positions, const Direction& light, 
       std::copy_n(encoded, 3 * k_light_inputs, x + 2 * k_texel_inputs);
     }
 }
+#endif
 
 struct Samples {
   std::vector<double> ms, ms_encoding;

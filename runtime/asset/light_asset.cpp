@@ -144,6 +144,13 @@ sandglass_status open_light_asset(const void* bytes, uint64_t count, LightAsset*
     return refuse(reason, fault);
   if (const char* fault = check_blocks(file, out)) return refuse(reason, fault);
   if (const char* fault = check_heads(file, out)) return refuse(reason, fault);
+  if (file.float_parameters() != nullptr) {
+    out->float_parameters = numbers(file.float_parameters(), k_light_float_parameters, k_light_float_limit);
+    if (out->float_parameters == nullptr)
+      return refuse(reason,
+                    "the lighting file's float network has the wrong size or holds what is not a number: quantise it "
+                    "again");
+  }
   out->data_hash = file.data_hash(), out->seed = file.seed();
   out->training_images = file.training_images(), out->calibration_images = file.calibration_images();
   out->angle_deg = file.angle_deg(), out->difference = file.difference();

@@ -37,6 +37,7 @@ struct LightAsset {
   uint64_t data_hash, seed;
   uint32_t training_images, calibration_images;
   float angle_deg, difference;
+  const float* float_parameters;  // null: the file has none; see light.fbs
 };
 
 // Channels that the first layer of a block reads, and that its last one leaves.
@@ -48,6 +49,20 @@ constexpr uint32_t light_channels_before(uint32_t block) {
 constexpr uint32_t light_channels_after(uint32_t block) {
   return light_channels_before(block) + k_light_growth * k_block_layers[block];
 }
+
+// Of the network in float: clamps, weights, biases; what light.fbs has before and behind them.
+constexpr uint32_t light_float_parameters() {
+  uint32_t count = 3 + (3 * k_stem_size * k_stem_size + 1) * k_light_stem;
+  for (uint32_t b = 0; b < k_dense_blocks; ++b) {
+    uint32_t channels = light_channels_before(b);
+    for (uint32_t i = 0; i < k_block_layers[b]; ++i, channels += k_light_growth)
+      count += 2 * channels + (channels + 1) * k_light_bottleneck + (9 * k_light_bottleneck + 1) * k_light_growth;
+    if (b < k_transition_count) count += 2 * channels + (channels + 1) * channels / 2;
+  }
+  return count + 4 * k_light_features + (k_light_features + 1) * k_light_latent;
+}
+constexpr uint32_t k_light_float_parameters = light_float_parameters();
+constexpr float k_light_float_limit = 1e9f;  // of each; a clamp that goes so far is none
 
 // `bytes` aligned to 8. Refused with one sentence: anything that is not a whole, undamaged file of this version with
 // numbers that the kernels can run on blindly.

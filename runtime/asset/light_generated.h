@@ -114,7 +114,8 @@ struct Light FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
     VT_TRAINING_IMAGES = 36,
     VT_CALIBRATION_IMAGES = 38,
     VT_ANGLE_DEG = 40,
-    VT_DIFFERENCE = 42
+    VT_DIFFERENCE = 42,
+    VT_FLOAT_PARAMETERS = 44
   };
   uint16_t version() const { return GetField<uint16_t>(VT_VERSION, 0); }
   const flatbuffers::String* name() const { return GetPointer<const flatbuffers::String*>(VT_NAME); }
@@ -160,6 +161,9 @@ struct Light FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
   uint32_t calibration_images() const { return GetField<uint32_t>(VT_CALIBRATION_IMAGES, 0); }
   float angle_deg() const { return GetField<float>(VT_ANGLE_DEG, 0.0f); }
   float difference() const { return GetField<float>(VT_DIFFERENCE, 0.0f); }
+  const flatbuffers::Vector<float>* float_parameters() const {
+    return GetPointer<const flatbuffers::Vector<float>*>(VT_FLOAT_PARAMETERS);
+  }
   bool Verify(flatbuffers::Verifier& verifier) const {
     return VerifyTableStart(verifier) && VerifyField<uint16_t>(verifier, VT_VERSION, 2) &&
            VerifyOffset(verifier, VT_NAME) && verifier.VerifyString(name()) && VerifyOffset(verifier, VT_BORDER) &&
@@ -177,7 +181,8 @@ struct Light FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
            verifier.VerifyVector(heads_bias()) && VerifyField<uint64_t>(verifier, VT_DATA_HASH, 8) &&
            VerifyField<uint64_t>(verifier, VT_SEED, 8) && VerifyField<uint32_t>(verifier, VT_TRAINING_IMAGES, 4) &&
            VerifyField<uint32_t>(verifier, VT_CALIBRATION_IMAGES, 4) && VerifyField<float>(verifier, VT_ANGLE_DEG, 4) &&
-           VerifyField<float>(verifier, VT_DIFFERENCE, 4) && verifier.EndTable();
+           VerifyField<float>(verifier, VT_DIFFERENCE, 4) && VerifyOffset(verifier, VT_FLOAT_PARAMETERS) &&
+           verifier.VerifyVector(float_parameters()) && verifier.EndTable();
   }
 };
 

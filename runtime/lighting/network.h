@@ -64,16 +64,25 @@ struct LightOperator {
   uint64_t row_macs;
 };
 
+// An operator's part of a file's float parameters; null where it has none.
+struct LightFloats {
+  const float* border;                         // of the stem
+  const float *low, *high;                     // of the inputs
+  const float *feature_scale, *feature_shift;  // of the heads
+  const float *weights, *bias;
+};
+
 struct LightNetwork;
 struct LightMemory;
 
 // A back end other than this project's own kernels, which are called by name, so that a test can follow their stack.
 struct LightBackend {
+  bool in_float;  // takes the file's float parameters where it has them
   void (*lay_out)(uint32_t width, uint32_t height, Layout* layout, LightMemory* memory);
   // What is not in the block goes back with release. False, and one sentence.
   bool (*create)(LightNetwork* network, const LightMemory& memory, const char** reason);
   void (*run_rows)(LightNetwork* network, const LightOperator& op, uint32_t first, uint32_t count);
-  void (*average)(LightNetwork* network);  // fills pooled_high and pooled_low
+  void (*average)(LightNetwork* network);  // fills pooled_high and pooled_low; with float parameters, features
   void (*release)(LightNetwork* network);
   uint64_t (*bytes_beside)();  // that all its networks hold beside their blocks
 };
@@ -82,7 +91,7 @@ struct LightNetwork {
   const LightBackend* backend;  // NULL: the project's own kernels
   void* backend_state;
   const Int8Kernels* kernels;
-  LightAsset asset;        // points into the file's bytes
+  LightAsset asset;        // points into the file's bytes; no float parameters unless the back end takes them
   uint32_t width, height;  // of the image, multiples of 32
   uint32_t units;          // of one estimate
   LightOperator operators[k_light_operators];
@@ -91,7 +100,8 @@ struct LightNetwork {
   Int8Convolution stem;
   Int8Convolution narrow[k_dense_layer_count], wide[k_dense_layer_count];
   Int8Convolution transition[k_transition_count];
-  int8_t* latent;  // 512 x 1024
+  int8_t* latent;   // 512 x 1024; without float parameters
+  float* features;  // k_light_features; with them, in the same place
   // Activations. Blocks 0 and 2 live in `even`, 1 and 3 in `odd`, which with the bottleneck lies where the stem's rows
   // were before.
   uint8_t *even, *odd, *stem_rows;
@@ -128,6 +138,9 @@ uint64_t light_activation_bytes(uint32_t width, uint32_t height);
 void begin_light_network(LightNetwork* network, const uint8_t* rgb);
 void run_light_unit(LightNetwork* network, uint32_t unit);
 void finish_light_network(const LightNetwork& network, LightOutputs* outputs);
+
+// Of an operator of this network, which has float parameters.
+LightFloats light_floats(const LightNetwork& network, const LightOperator& op);
 
 uint32_t light_operator_end(const LightNetwork& network, uint32_t unit);
 WorkUnit light_unit(const LightNetwork& network, uint32_t unit);

@@ -3,9 +3,10 @@
 //
 // A unit is a slice of rows, and all slices of an operator are of one size, so that XNNPACK prepares each once. Where a
 // window reaches above and below a slice, the rows are there: in the slice itself (stem), or in the bottleneck, which
-// has a row of zeros at either end. In float a value is a byte that was not rounded; in bytes it is stored as byte -
-// 128.
+// has a row of zeros at either end. In float a value is a byte that was not rounded or, of a file with float
+// parameters, the network's own; in bytes it is stored as byte - 128.
 #include <cstring>
+#include <type_traits>
 
 #include "platform/xnnpack.h"
 #include "runtime/lighting/backends.h"
@@ -42,11 +43,25 @@ State<Value>* state_of(const LightNetwork& net) {
 
 // ---------------------------------------------------------------------------------------------------- between them
 
+// Whether the values are the float network's own.
 template <class Value>
-void load_clamp(State<Value>* s, const uint8_t* low, const uint8_t* high, uint32_t channels) {
-  for (uint32_t c = 0; c < channels; ++c) s->low[c] = value_of<Value>(low[c]), s->high[c] = value_of<Value>(high[c]);
+bool in_float(const LightNetwork& net) {
+  return std::is_same_v<Value, float> && net.asset.float_parameters != nullptr;
 }
 
+// Of the operator's inputs.
+template <class Value>
+void load_clamp(const LightNetwork& net, const LightOperator& op, const uint8_t* low, const uint8_t* high,
+                State<Value>* s) {
+  if (in_float<Value>(net)) {
+    const LightFloats floats = light_floats(net, op);
+    memcpy(s->low, floats.low, op.inputs * sizeof(float)), memcpy(s->high, floats.high, op.inputs * sizeof(float));
+    return;
+  }
+  for (uint32_t c = 0; c < op.inputs; ++c) s->low[c] = value_of<Value>(low[c]), s->high[c] = value_of<Value>(high[c]);
+}
+
+// In float, what is not a number becomes the lower end: forged weights may make one.
 template <class Value>
 Value clamped(Value value, Value low, Value high) {
   const Value above = value > low ? value : low;
@@ -103,6 +118,7 @@ void run_stem(const LightNetwork& net, State<Value>* s, uint32_t first, uint32_t
   constexpr uint32_t k_pad = k_stem_size / 2;
   Value border[3], *out = s->slice;
   for (uint32_t c = 0; c < 3; ++c) border[c] = value_of<Value>(net.asset.border[c]);
+  if (in_float<Value>(net)) memcpy(border, light_floats(net, net.operators[0]).border, sizeof border);
   const auto fill = [&](uint32_t pixels) {
     for (uint32_t x = 0; x < pixels; ++x, out += 3) memcpy(out, border, sizeof border);
   };
@@ -140,7 +156,7 @@ void run_rows(LightNetwork* net, const LightOperator& op, uint32_t first, uint32
       return;
     case k_light_kind_narrow: {
       const AssetConvolution& file = net->asset.narrow[op.layer];
-      load_clamp(s, file.low, file.high, op.inputs);
+      load_clamp(*net, op, file.low, file.high, s);
       clamp_pixels(map + place * stride, stride, count * width, op.inputs, s->low, s->high, s->slice);
       if (first == 0) fill_zero(s->bottleneck, line);
       if (first + count == op.rows) fill_zero(s->bottleneck + (op.rows + 1) * line, line);
@@ -150,7 +166,7 @@ void run_rows(LightNetwork* net, const LightOperator& op, uint32_t first, uint32
       return xnnpack_run(s->wide[op.layer], s->bottleneck + first * line, map + place * stride + op.inputs);
     default: {
       const AssetConvolution& file = net->asset.transition[op.block];
-      load_clamp(s, file.low, file.high, op.inputs);
+      load_clamp(*net, op, file.low, file.high, s);
       for (uint32_t i = 0; i < count; ++i)
         average_pixels(map + uint64_t{2} * (first + i) * width * stride, stride, width * stride, width / 2, s->low,
                        s->high, s->slice + uint64_t{i} * (width / 2) * stride);
@@ -160,19 +176,26 @@ void run_rows(LightNetwork* net, const LightOperator& op, uint32_t first, uint32
   }
 }
 
-// In steps of 1/256 byte, as the heads take them.
+// As the heads take them: in steps of 1/256 byte, or the float network's features.
 template <class Value>
 void average_features(LightNetwork* net) {
   State<Value>* s = state_of<Value>(*net);
   const uint32_t pixels = block_side(net->width, 3) * block_side(net->height, 3);
   const Value* map = s->maps[1];
-  load_clamp(s, net->asset.last_low, net->asset.last_high, k_light_features);
-  float* sums = reinterpret_cast<float*>(s->slice);  // of bytes
+  const LightOperator& heads = net->operators[k_light_operators - 1];
+  load_clamp(*net, heads, net->asset.last_low, net->asset.last_high, s);
+  float* sums = reinterpret_cast<float*>(s->slice);
   for (uint32_t c = 0; c < k_light_features; ++c) sums[c] = 0;
   const float zero = static_cast<float>(value_of<Value>(0));
   for (uint32_t p = 0; p < pixels; ++p, map += k_light_features)
     for (uint32_t c = 0; c < k_light_features; ++c)
       sums[c] += static_cast<float>(clamped(map[c], s->low[c], s->high[c])) - zero;
+  if (in_float<Value>(*net)) {
+    const LightFloats floats = light_floats(*net, heads);
+    for (uint32_t c = 0; c < k_light_features; ++c)
+      net->features[c] = floats.feature_scale[c] * (sums[c] / static_cast<float>(pixels)) + floats.feature_shift[c];
+    return;
+  }
   for (uint32_t c = 0; c < k_light_features; ++c) {
     const auto steps = static_cast<uint32_t>(256.0f * sums[c] / static_cast<float>(pixels) + 0.5f);
     net->pooled_high[c] = static_cast<uint8_t>(steps >> 8), net->pooled_low[c] = static_cast<uint8_t>(steps);
@@ -200,8 +223,14 @@ void lay_out(uint32_t width, uint32_t height, Layout* layout, LightMemory* memor
   memory->slice = layout_region<Value>(layout, "light.slice", k_slice_values + k_slack);
 }
 
-XnnpackOperator* create(const XnnpackConvolution& shape, const AssetConvolution& file, float* scratch,
-                        const char** reason) {
+XnnpackOperator* create(const XnnpackConvolution& shape, const LightNetwork& net, const LightOperator& op,
+                        const AssetConvolution& file, float* scratch, const char** reason) {
+  if (in_float<float>(net)) {
+    constexpr float k_infinity = __builtin_inff();
+    const LightFloats floats = light_floats(net, op);
+    const bool rectified = op.kind == k_light_kind_stem || op.kind == k_light_kind_narrow;
+    return xnnpack_create(shape, floats.weights, floats.bias, rectified ? 0.0f : -k_infinity, k_infinity, reason);
+  }
   const uint64_t places = uint64_t{shape.size} * shape.size * shape.inputs;
   float* bias = scratch + shape.outputs * places;
   for (uint32_t o = 0; o < shape.outputs; ++o) {
@@ -209,11 +238,11 @@ XnnpackOperator* create(const XnnpackConvolution& shape, const AssetConvolution&
       scratch[o * places + i] = static_cast<float>(file.weights[o * places + i]) * file.multiplier[o];
     bias[o] = static_cast<float>(file.bias[o]) * file.multiplier[o];
   }
-  return xnnpack_create(shape, scratch, bias, reason);
+  return xnnpack_create(shape, scratch, bias, 0.0f, 255.0f, reason);
 }
 
-XnnpackOperator* create(const XnnpackConvolution& shape, const AssetConvolution& file, int8_t* scratch,
-                        const char** reason) {
+XnnpackOperator* create(const XnnpackConvolution& shape, const LightNetwork&, const LightOperator&,
+                        const AssetConvolution& file, int8_t* scratch, const char** reason) {
   float* multipliers = reinterpret_cast<float*>(scratch);
   for (uint32_t o = 0; o < shape.outputs; ++o)
     multipliers[o] = clamped(file.multiplier[o], k_least_multiplier, k_greatest_multiplier);
@@ -230,22 +259,22 @@ bool create_operators(LightNetwork* net, State<Value>* s, const char** reason) {
       case k_light_kind_stem:
         made = s->stem = create({k_stem_size, 2, 0, 3, k_light_stem, 3, k_light_stem, net->width + k_stem_size - 1,
                                  2 * (rows - 1) + k_stem_size},
-                                net->asset.stem, s->slice, reason);
+                                *net, op, net->asset.stem, s->slice, reason);
         break;
       case k_light_kind_narrow:
         made = s->narrow[op.layer] =
-            create({1, 1, 0, op.inputs, k_light_bottleneck, op.inputs, k_light_bottleneck, width, rows},
+            create({1, 1, 0, op.inputs, k_light_bottleneck, op.inputs, k_light_bottleneck, width, rows}, *net, op,
                    net->asset.narrow[op.layer], s->slice, reason);
         break;
       case k_light_kind_wide:
         made = s->wide[op.layer] =
-            create({3, 1, 1, k_light_bottleneck, k_light_growth, k_light_bottleneck, stride, width, rows + 2},
+            create({3, 1, 1, k_light_bottleneck, k_light_growth, k_light_bottleneck, stride, width, rows + 2}, *net, op,
                    net->asset.wide[op.layer], s->slice, reason);
         break;
       case k_light_kind_transition:
         made = s->transition[op.block] =
             create({1, 1, 0, op.inputs, op.inputs / 2, op.inputs, light_channels_after(op.block + 1), width / 2, rows},
-                   net->asset.transition[op.block], s->slice, reason);
+                   *net, op, net->asset.transition[op.block], s->slice, reason);
         break;
       default:
         continue;  // the pool and the heads have none
@@ -281,9 +310,10 @@ bool create(LightNetwork* net, const LightMemory& memory, const char** reason) {
 
 }  // namespace
 
-constexpr LightBackend k_light_xnnpack_f32 = {lay_out<float>,          create<float>,  run_rows<float>,
-                                              average_features<float>, release<float>, xnnpack_region_used};
-constexpr LightBackend k_light_xnnpack_int8 = {lay_out<int8_t>,          create<int8_t>,  run_rows<int8_t>,
-                                               average_features<int8_t>, release<int8_t>, xnnpack_region_used};
+constexpr LightBackend k_light_xnnpack_f32 = {
+    true, lay_out<float>, create<float>, run_rows<float>, average_features<float>, release<float>, xnnpack_region_used};
+constexpr LightBackend k_light_xnnpack_int8 = {
+    false,           lay_out<int8_t>,    create<int8_t>, run_rows<int8_t>, average_features<int8_t>,
+    release<int8_t>, xnnpack_region_used};
 
 }  // namespace sandglass

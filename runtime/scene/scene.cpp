@@ -106,11 +106,8 @@ bool shadow_unit(const Shadows& all, bool* of_pile, sandglass::WorkUnit* unit) {
 }
 
 uint32_t shadow_forecast(const Shadows& all, sandglass::Forecast* entries) {
-  uint32_t count = 0;
-  sandglass::WorkUnit unit;
-  if (all.set.count != 0 && all.set.shadows[0]->set->next(all.set, &unit))
-    entries[count++] = {unit.kind + uint32_t{sandglass::k_granular_kinds},
-                        uint64_t{unit.items} * all.set.shadows[0]->set->units_left(all.set), true};
+  uint32_t count = all.set.count == 0 ? 0 : all.set.shadows[0]->set->forecast(all.set, entries);
+  for (uint32_t i = 0; i < count; ++i) entries[i].kind += sandglass::k_granular_kinds;
   if (all.pile != nullptr) {
     const uint32_t of_pile = all.pile->functions->forecast(all.pile, entries + count);
     for (uint32_t i = 0; i < of_pile; ++i) entries[count + i].kind += k_pile_kinds_from;

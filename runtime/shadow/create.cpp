@@ -390,17 +390,14 @@ uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, uint32_t count, 
 
 uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {
   const Shadow& s = shadow->shadow;
-  Forecast entries[k_shadow_kinds];
-  const uint32_t count = shadow_forecast(s, entries);
-  const uint32_t items[k_shadow_kinds] = {k_unit_table_rows, s.unit_texels, k_unit_cell_rows,
-                                          s.unit_texels / (k_cell * k_cell - 1)};
+  const ShadowWork left = shadow_work_left(s, false);
   uint32_t waiting = 0;
   for (uint32_t i = 0; i < s.light_count; ++i) waiting += s.lights[i].pending ? 1 : 0;
   // Every texture ends with a unit of each kind that is not full.
   uint32_t units = 0;
-  for (uint32_t i = 0; i < count; ++i) {
-    const uint32_t of_kind = items[entries[i].kind];
-    units += static_cast<uint32_t>((entries[i].items + of_kind - 1) / of_kind) + waiting;
+  for (uint32_t kind = 0; kind < k_shadow_kinds; ++kind) {
+    const uint32_t pieces = shadow_unit(s, kind).pieces;
+    if (left.pieces[kind] != 0) units += static_cast<uint32_t>((left.pieces[kind] + pieces - 1) / pieces) + waiting;
   }
   return units;
 }

@@ -194,20 +194,36 @@ void shadow_set_light(Shadow* s, uint32_t number, const double unit_vector[3], f
 
 // Items of the two kinds that run the network count its size, in units of 1024 products a texel, so that one prediction
 // serves networks of any size.
-WorkUnit shadow_next(const Shadow& s) {
+ShadowUnit shadow_unit(const Shadow& s, uint32_t kind) {
   const uint32_t weight = s.network.layers * s.network.width * s.network.width / 1024;
+  switch (kind) {
+    case k_kind_rows:
+      return {k_unit_table_rows, k_unit_table_rows * s.network.width};
+    case k_kind_decide:
+      return {k_unit_cell_rows, k_unit_cell_rows};
+    case k_kind_refine:
+      return {s.unit_texels / k_new_texels, s.unit_texels * weight};
+    default:
+      return {s.unit_texels, s.unit_texels * weight};
+  }
+}
+
+WorkUnit shadow_next(const Shadow& s) {
+  const auto of_kind = [&](uint32_t kind, const char* name) -> WorkUnit {
+    return {kind, shadow_unit(s, kind).items, name};
+  };
   switch (s.phase) {
     case ShadowPhase::idle:
     case ShadowPhase::rows:
-      return {k_kind_rows, k_unit_table_rows * s.network.width, "shadow.rows"};
+      return of_kind(k_kind_rows, "shadow.rows");
     case ShadowPhase::coarse:
-      return {k_kind_texels, s.unit_texels * weight, "shadow.coarse"};
+      return of_kind(k_kind_texels, "shadow.coarse");
     case ShadowPhase::decide:
-      return {k_kind_decide, k_unit_cell_rows, "shadow.decide"};
+      return of_kind(k_kind_decide, "shadow.decide");
     case ShadowPhase::refine:
-      return {k_kind_refine, s.unit_texels * weight, "shadow.refine"};
+      return of_kind(k_kind_refine, "shadow.refine");
     case ShadowPhase::full:
-      return {k_kind_texels, s.unit_texels * weight, "shadow.texels"};
+      return of_kind(k_kind_texels, "shadow.texels");
   }
   return {};
 }
@@ -233,27 +249,32 @@ void shadow_run(Shadow* s, uint32_t light) {
   }
 }
 
-// Until the decision has been made, every cell may have to be refined.
-uint32_t shadow_forecast(const Shadow& s, Forecast* entries) {
-  uint64_t rows = 0, texels = 0, decide = 0, refine = 0;
+ShadowWork shadow_work_left(const Shadow& s, bool likely) {
+  ShadowWork left = {};
+  uint64_t &rows = left.pieces[k_kind_rows], &texels = left.pieces[k_kind_texels];
+  uint64_t &decide = left.pieces[k_kind_decide], &refine = left.pieces[k_kind_refine];
   const bool full = s.mode == SANDGLASS_SHADOW_FULL;
   const uint64_t all = full ? k_shadow_size * k_shadow_size : k_grid * k_grid;
-  const auto whole = [&] {
+  const auto cells_of = [&](uint32_t light) -> uint64_t {
+    const ShadowTexture& last = s.lights[light].front;
+    return likely && last.valid ? (last.evaluated - all) / k_new_texels : k_cells * k_cells;
+  };
+  const auto whole = [&](uint32_t light) {
     rows += k_table_rows, texels += all;
-    if (!full) decide += 2 * k_cells, refine += k_cells * k_cells;
+    if (!full) decide += 2 * k_cells, refine += cells_of(light);
   };
   switch (s.phase) {
     case ShadowPhase::idle:
       break;
     case ShadowPhase::rows:
-      whole();
+      whole(s.active);
       rows -= s.cursor;
       break;
     case ShadowPhase::coarse:
-      texels += all - s.cursor, decide += 2 * k_cells, refine += k_cells * k_cells;
+      texels += all - s.cursor, decide += 2 * k_cells, refine += cells_of(s.active);
       break;
     case ShadowPhase::decide:
-      decide += 2 * k_cells - s.cursor, refine += k_cells * k_cells;
+      decide += 2 * k_cells - s.cursor, refine += cells_of(s.active);
       break;
     case ShadowPhase::refine:
       refine += s.refined_count - s.cursor;
@@ -263,13 +284,8 @@ uint32_t shadow_forecast(const Shadow& s, Forecast* entries) {
       break;
   }
   for (uint32_t i = 0; i < s.light_count; ++i)
-    if (s.lights[i].pending) whole();
-  uint32_t count = 0;
-  if (rows > 0) entries[count++] = {k_kind_rows, rows};
-  if (texels > 0) entries[count++] = {k_kind_texels, texels};
-  if (decide > 0) entries[count++] = {k_kind_decide, decide};
-  if (refine > 0) entries[count++] = {k_kind_refine, refine};
-  return count;
+    if (s.lights[i].pending) whole(i);
+  return left;
 }
 
 }  // namespace sandglass

@@ -61,10 +61,20 @@ void run(const ShadowSet& set) {
   if (choose(set, &choice)) shadow_run(&set.shadows[choice.shadow]->shadow, choice.light);
 }
 
-uint32_t units_left(const ShadowSet& set) {
-  uint32_t units = 0;
-  for (uint32_t i = 0; i < set.count; ++i) units += sandglass_shadow_units_left(set.shadows[i]);
-  return units;
+uint32_t forecast(const ShadowSet& set, Forecast* entries) {
+  uint64_t items[k_shadow_kinds] = {};
+  for (uint32_t i = 0; i < set.count; ++i) {
+    const Shadow& s = set.shadows[i]->shadow;
+    const ShadowWork left = shadow_work_left(s, true);
+    for (uint32_t kind = 0; kind < k_shadow_kinds; ++kind) {
+      const ShadowUnit unit = shadow_unit(s, kind);
+      items[kind] += (left.pieces[kind] * unit.items + unit.pieces - 1) / unit.pieces;
+    }
+  }
+  uint32_t count = 0;
+  for (uint32_t kind = 0; kind < k_shadow_kinds; ++kind)
+    if (items[kind] != 0) entries[count++] = {kind, items[kind], true};
+  return count;
 }
 
 void describe(const ShadowSet& set, uint32_t* pending, uint32_t* age) {
@@ -85,6 +95,6 @@ void describe(const ShadowSet& set, uint32_t* pending, uint32_t* age) {
 
 }  // namespace
 
-extern const ShadowSetFunctions k_shadow_set_functions = {next, run, units_left, describe};
+extern const ShadowSetFunctions k_shadow_set_functions = {next, run, forecast, describe};
 
 }  // namespace sandglass

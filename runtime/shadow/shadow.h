@@ -94,8 +94,21 @@ void shadow_set_light(Shadow* shadow, uint32_t light, const double unit_vector[3
 // The next unit of the texture under way or, when there is none, of `light`'s; runs it.
 WorkUnit shadow_next(const Shadow& shadow);
 void shadow_run(Shadow* shadow, uint32_t light);
-// Items left by kind; at most k_shadow_kinds entries.
-uint32_t shadow_forecast(const Shadow& shadow, Forecast* entries);
+
+// A whole unit of a kind: what it does, in rows of the table, texels, rows of cells or cells, and what the governor
+// counts it as.
+struct ShadowUnit {
+  uint32_t pieces, items;
+};
+ShadowUnit shadow_unit(const Shadow& shadow, uint32_t kind);
+
+// Pieces left by kind, of the texture under way and of those that lights wait for. How many cells will be refined is
+// known once the grid is decided; until then it is taken to be all of them or, `likely`, as many as in the texture that
+// the light has.
+struct ShadowWork {
+  uint64_t pieces[k_shadow_kinds];
+};
+ShadowWork shadow_work_left(const Shadow& shadow, bool likely);
 
 // Several shadows under one budget. Reached from the scene through a table that creation leaves in every shadow, so
 // that an app without shadows does not link them.
@@ -106,7 +119,8 @@ struct ShadowSet {
 struct ShadowSetFunctions {
   bool (*next)(const ShadowSet& set, WorkUnit* unit);
   void (*run)(const ShadowSet& set);
-  uint32_t (*units_left)(const ShadowSet& set);
+  // What is likely left of all textures; at most k_shadow_kinds entries.
+  uint32_t (*forecast)(const ShadowSet& set, Forecast* entries);
   void (*describe)(const ShadowSet& set, uint32_t* pending, uint32_t* age);
 };
 extern const ShadowSetFunctions k_shadow_set_functions;

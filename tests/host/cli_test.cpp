@@ -483,6 +483,8 @@ TEST_F(Cli, CtrlCFinishesCleanlyWithExitCode130) {
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 130);
   EXPECT_NE(read(path("stdout")).find("interrupted after"), std::string::npos) << read(path("stdout"));
+  const std::string said = read(path("stderr"));  // when the key is pressed, before anything is written
+  EXPECT_NE(said.find("sandglass: interrupted; reports and sheet of "), std::string::npos) << said;
   EXPECT_TRUE(fs::exists(folder / "out" / "report.csv"));
   EXPECT_TRUE(fs::exists(folder / "out" / "contact_sheet.png"));
 }

@@ -1,10 +1,13 @@
 // Files are complete or not there; arrays come back as they were written; progress says how long it will take.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 
@@ -64,6 +67,34 @@ TEST(AtomicFile, LeavesNothingButTheFile) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()), 1);
   EXPECT_THROW(write_file(folder.file("missing/a.txt"), std::string_view("x")), Failure);
   EXPECT_THROW(read_file(folder.file("b.txt"), "text"), Failure);
+}
+
+// The second Ctrl-C comes in the middle of a file: its temporary name is a pipe, which takes no more than its buffer.
+TEST(AtomicFile, ASecondCtrlCLeavesNothingHalfWritten) {
+  const Folder folder;
+  const std::string path = folder.file("a.txt");
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    listen_for_interrupt();
+    std::raise(SIGINT);
+    if (!interrupted() || mkfifo(unfinished_name(path).c_str(), 0600) != 0) _exit(3);
+    write_file(path, std::string(1 << 24, 'x'));
+    _exit(4);
+  }
+  fs::path pipe;
+  while (pipe.empty() && waitpid(child, nullptr, WNOHANG) == 0)
+    for (const auto& entry : fs::directory_iterator(folder.path)) pipe = entry.path();
+  const int reader = open(pipe.c_str(), O_RDONLY);  // returns when the other end is open
+  ASSERT_GE(reader, 0);
+  char byte = 0;
+  ASSERT_EQ(::read(reader, &byte, 1), 1);  // it is writing
+  kill(child, SIGINT);
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  close(reader);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) << status;
+  EXPECT_TRUE(fs::is_empty(folder.path)) << pipe;
 }
 
 TEST(Progress, SaysHowLongItWillTake) {

@@ -4,8 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <functional>
+#include <limits>
 #include <memory>
 
+#include "models/host/failure.h"
 #include "models/host/image.h"
 #include "models/host/pictures.h"
 #include "models/host/render.h"
@@ -183,6 +186,34 @@ TEST(AutomaticCamera, FramesEveryBox) {
       widest = std::max({widest, std::fabs(at.x - 200.0) / 200.0, std::fabs(at.y - 150.0) / 150.0});
     }
   EXPECT_GT(widest, 0.7);
+}
+
+// Of 111 snapshots the sheet shows every tenth. Where sand is in one of these alone, the drawing begins; where it is in
+// all others alone, there is nothing to draw.
+TEST(Pictures, WithoutAFilmNothingButTheMomentsOfTheSheetIsLookedAt) {
+  struct Stopped {};
+  std::vector<uint32_t> painted;
+  const auto draw = [&](const std::function<bool(uint32_t frame)>& has_sand) {
+    std::vector<Snapshot> snapshots(111);
+    for (uint32_t frame = 0; frame <= 110; ++frame) {
+      snapshots[frame].frame = frame;
+      snapshots[frame].grains.assign(3, has_sand(frame) ? 0.1f : std::numeric_limits<float>::quiet_NaN());
+    }
+    painted.clear();
+    PictureSet set;
+    set.film = false;
+    set.painter = [&](const Snapshot& snapshot, int width, int height, uint32_t) {
+      painted.push_back(snapshot.frame);
+      if (painted.size() == 12) throw Stopped{};
+      return Picture(width, height, {90, 90, 90});
+    };
+    draw_pictures(set, snapshots);
+  };
+  for (uint32_t moment = 0; moment <= 110; moment += 10) {
+    EXPECT_THROW(draw([&](uint32_t frame) { return frame == moment; }), Stopped);
+    EXPECT_EQ(painted, (std::vector<uint32_t>{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110}));
+  }
+  EXPECT_THROW(draw([](uint32_t frame) { return frame % 10 != 0; }), Failure);
 }
 
 TEST(Image, TextIsDrawnAndClipped) {

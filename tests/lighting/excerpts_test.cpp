@@ -9,52 +9,19 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "models/host/atomic_file.h"
 #include "models/host/npz.h"
+#include "models/lighting/excerpts.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
-#include "models/lighting/picture_file.h"
-#include "runtime/asset/checksum.h"
 
 namespace sandglass::host {
 namespace {
 
 const std::string k_folder = SANDGLASS_EXCERPTS_DIR;
-
-struct Excerpt {
-  std::string name;
-  std::vector<uint8_t> rgb;
-  LightValues values;  // PyTorch's
-};
-
-// Of estimates.csv every `step`th; the bytes are those that PyTorch saw.
-std::vector<Excerpt> excerpts(size_t step) {
-  std::istringstream rows(read_file(k_folder + "/estimates.csv", "table of estimates"));
-  std::vector<Excerpt> all;
-  std::string row;
-  std::getline(rows, row);
-  for (size_t i = 0; std::getline(rows, row); ++i) {
-    if (i % step != 0) continue;
-    std::istringstream fields(row);
-    Excerpt excerpt;
-    std::string field;
-    std::getline(fields, excerpt.name, ',');
-    excerpt.rgb = read_excerpt(k_folder + "/" + excerpt.name).rgb;
-    std::getline(fields, field, ',');
-    EXPECT_EQ(asset_checksum(excerpt.rgb.data(), excerpt.rgb.size()), std::stoull(field, nullptr, 16))
-        << excerpt.name << ": this reader of JPEG gives other bytes than the one that PyTorch's came from";
-    for (float& value : excerpt.values) {
-      std::getline(fields, field, ',');
-      value = std::stof(field);
-    }
-    all.push_back(excerpt);
-  }
-  return all;
-}
 
 double angle_deg(const LightValues& a, const LightValues& b) {
   double dot = 0, lengths[2] = {};
@@ -92,7 +59,7 @@ std::vector<uint8_t> shipped() {
 }
 
 TEST(Excerpts, TheShippedBytesSayWhatPyTorchSaysInFloat) {
-  const std::vector<Excerpt> all = excerpts(SANDGLASS_EMULATED ? 9 : 1);
+  const std::vector<Excerpt> all = read_excerpts(SANDGLASS_EXCERPTS_DIR, SANDGLASS_EMULATED ? 9 : 1);
   ASSERT_GE(all.size(), SANDGLASS_EMULATED ? 6u : 50u);
   LightRunner runner(shipped(), "room.light");
   std::vector<LightValues> bytes, floats;
@@ -134,7 +101,7 @@ TEST(Excerpts, TheFloatNetworkInCppIsPyTorchs) {
   if (weights == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_WEIGHTS is not set to what float_network.py wrote";
   const LightNet net = light_net_of(read_npz(weights));
   double worst = 0;
-  const std::vector<Excerpt> all = excerpts(1);
+  const std::vector<Excerpt> all = read_excerpts(SANDGLASS_EXCERPTS_DIR);
   for (const Excerpt& excerpt : all) {
     const LightValues values = light_of(net, features_of(net.trunk, excerpt.rgb, 256, 192));
     for (size_t i = 0; i < values.size(); ++i)

@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
-# float_network.sh NETWORK_TESTS EXCERPT_PIXELS SOURCE_DIR: the float network behind the shipped bytes is rebuilt; PyTorch says of the
-# excerpts what the table beside them says, and the plain float network in C++ does too. Exit code 77: there is no PyTorch, or one that
-# draws other numbers.
+# float_network.sh NETWORK_TESTS EXCERPT_PIXELS SOURCE_DIR [XNNPACK_TESTS]: the float network behind the shipped bytes is rebuilt; PyTorch
+# says of the excerpts what the table beside them says, and the plain float network in C++ does too; so does the runtime, by XNNPACK in
+# float from a file that carries the network. Exit code 77: no data folder, which has the pretrained weights; no PyTorch, or another.
 set -euo pipefail
 tests=$1 pixels=$2 models=$3/models/lighting
+pretrained=${SANDGLASS_DATA_DIR:-}/pretrained/densenet121_imagenet_keras_fp32.npz
+[[ -f $pretrained ]] || { echo "no '$pretrained': skipped"; exit 77; }
 . "$(dirname "${BASH_SOURCE[0]}")/find_python.sh"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-"$python" "$models/float_network.py" weights "$folder/weights.npz"
+"$python" "$models/float_network.py" weights "$pretrained" "$folder/weights.npz"
 "$pixels" "$models"/excerpts/*.jpg >"$folder/pixels"
 "$python" "$models/float_network.py" estimates "$folder/weights.npz" "$folder/pixels" "$folder/estimates.csv"
 "$python" - "$folder/estimates.csv" "$models/excerpts/estimates.csv" <<'PY'
@@ -19,6 +21,10 @@ worst = np.abs(found[:, 2:].astype(float) - kept[:, 2:].astype(float)).max()
 print("greatest difference between this PyTorch and the table:", worst)
 assert worst < 1e-5, worst
 PY
-SANDGLASS_FLOAT_WEIGHTS=$folder/weights.npz "$tests" --gtest_filter=Excerpts.TheFloatNetworkInCppIsPyTorchs | tee "$folder/log"
-grep -q "PASSED.* 1 test" "$folder/log"
-! grep -q SKIPPED "$folder/log"
+says_so() {
+  SANDGLASS_FLOAT_WEIGHTS=$folder/weights.npz "$1" --gtest_filter="$2" | tee "$folder/log"
+  grep -q "PASSED.* 1 test" "$folder/log"
+  ! grep -q SKIPPED "$folder/log"
+}
+says_so "$tests" Excerpts.TheFloatNetworkInCppIsPyTorchs
+[[ $# == 3 ]] || says_so "$4" Xnnpack.InFloatIsPyTorchs

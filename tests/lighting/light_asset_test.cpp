@@ -20,6 +20,7 @@ namespace {
 using namespace sandglass;
 
 constexpr int k_few = SANDGLASS_EMULATED ? 6 : 60;
+constexpr int k_fewer = SANDGLASS_EMULATED ? 1 : 5;  // of a file five times as long
 
 struct Words {
   std::vector<uint64_t> words;
@@ -41,6 +42,16 @@ const host::LightFile& file() {
 
 Words content() {
   static const std::vector<uint8_t> bytes = host::light_file_bytes(file());
+  return Words(bytes);
+}
+
+// That with a float network.
+Words float_content() {
+  static const std::vector<uint8_t> bytes = [] {
+    host::LightFile made = file();
+    made.float_parameters.assign(k_light_float_parameters, 0.25f);
+    return host::light_file_bytes(made);
+  }();
   return Words(bytes);
 }
 
@@ -66,6 +77,22 @@ TEST(LightAsset, ReadsWhatWasWritten) {
   EXPECT_EQ(std::memcmp(asset.wide[57].weights, file().wide[57].weights.data(), file().wide[57].weights.size()), 0);
   EXPECT_EQ(std::memcmp(asset.transition[2].low, file().transition[2].low.data(), 1024), 0);
   EXPECT_EQ(asset.heads_bias[9], file().heads_bias[9]);
+  EXPECT_EQ(asset.seed, 3u);
+  EXPECT_EQ(asset.float_parameters, nullptr);
+}
+
+TEST(LightAsset, ReadsAFloatNetworkWhereThereIsOne) {
+  // Keras counts 6,953,856 trainable numbers in DenseNet-121 without its classifier, two of them for each of 41,824
+  // normalised channels. Of these the stem's and the bottlenecks' are normalised behind a convolution.
+  constexpr uint32_t k_normalised = 41'824, k_behind = 64 + 58 * 128;
+  constexpr uint32_t k_biases = k_behind + 58 * 32 + 128 + 256 + 512;
+  EXPECT_EQ(k_light_float_parameters,
+            3 + 6'953'856 - 2 * k_normalised + k_biases + 2 * (k_normalised - k_behind) + 2 * 1024 + 1024 * 512 + 512);
+  Words words = float_content();
+  LightAsset asset;
+  ASSERT_EQ(open_light_asset(words.data(), words.bytes, &asset, nullptr), SANDGLASS_OK);
+  ASSERT_NE(asset.float_parameters, nullptr);
+  EXPECT_EQ(asset.float_parameters[k_light_float_parameters - 1], 0.25f);
   EXPECT_EQ(asset.seed, 3u);
 }
 
@@ -93,18 +120,27 @@ TEST(LightAsset, TruncatedFilesAreRefused) {
         i < k_few / 4 ? words.bytes - 1 - static_cast<uint64_t>(i) : random_number(&state) % words.bytes;
     ASSERT_NE(open(words, count), SANDGLASS_OK) << count;
   }
+  Words floats = float_content();
+  for (int i = 0; i < k_fewer; ++i) {
+    const uint64_t count = i == 0 ? floats.bytes - 1 : random_number(&state) % floats.bytes;
+    ASSERT_NE(open(floats, count), SANDGLASS_OK) << count;
+  }
 }
 
-TEST(LightAsset, ChangedBitsAreRefused) {
-  Words words = content();
+void expect_changed_bits_refused(Words words, int times) {
   uint64_t state = 2;
-  for (int i = 0; i < k_few; ++i) {
+  for (int i = 0; i < times; ++i) {
     const uint64_t at = random_number(&state) % words.bytes;
     words.data()[at] ^= static_cast<uint8_t>(1 << i % 8);
     ASSERT_NE(open(words, words.bytes), SANDGLASS_OK) << at;
     words.data()[at] ^= static_cast<uint8_t>(1 << i % 8);
   }
   EXPECT_EQ(open(words, words.bytes), SANDGLASS_OK);
+}
+
+TEST(LightAsset, ChangedBitsAreRefused) {
+  expect_changed_bits_refused(content(), k_few);
+  expect_changed_bits_refused(float_content(), k_fewer);
 }
 
 TEST(LightAsset, OtherKindsGetTheirSentence) {
@@ -143,6 +179,15 @@ TEST(LightAsset, WrongNumbersBehindARightChecksumAreRefused) {
       {"heads", [&](host::LightFile* f) { f->latent_scale[0] = nan; }},
       {"heads", [](host::LightFile* f) { f->heads_weights.pop_back(); }},
       {"errors are not numbers", [&](host::LightFile* f) { f->angle_deg = nan; }},
+      {"float network", [](host::LightFile* f) { f->float_parameters = {1}; }},
+      {"float network",
+       [&](host::LightFile* f) {
+         f->float_parameters.assign(k_light_float_parameters, 0), f->float_parameters.back() = nan;
+       }},
+      {"float network",
+       [](host::LightFile* f) {
+         f->float_parameters.assign(k_light_float_parameters, 0), f->float_parameters.front() = -1.1e9f;
+       }},
   };
   for (const Case& c : cases) {
     host::LightFile spoilt = file();
@@ -155,8 +200,7 @@ TEST(LightAsset, WrongNumbersBehindARightChecksumAreRefused) {
 }
 
 // An attacker repairs the checksum: what is accepted then must also run.
-TEST(LightAsset, ChangedBytesBehindARightChecksumNeverCrash) {
-  Words words = content();
+void expect_changed_bytes_harmless(Words words, int times) {
   const std::vector<uint8_t> rgb(3 * 32 * 32, 100);
   Layout size;
   layout_light_network(32, 32, &size);
@@ -165,7 +209,7 @@ TEST(LightAsset, ChangedBytesBehindARightChecksumNeverCrash) {
   layout.base = memory.data() + (64 - reinterpret_cast<uintptr_t>(memory.data()) % 64);
   const LightMemory block = layout_light_network(32, 32, &layout);
   uint64_t state = 3;
-  for (int i = 0; i < k_few; ++i) {
+  for (int i = 0; i < times; ++i) {
     // Tables lie at the front and the back, between the arrays.
     const uint64_t span = i % 3 == 0   ? 256
                           : i % 3 == 1 ? 65536
@@ -184,6 +228,11 @@ TEST(LightAsset, ChangedBytesBehindARightChecksumNeverCrash) {
     }
     words.data()[at] = before;
   }
+}
+
+TEST(LightAsset, ChangedBytesBehindARightChecksumNeverCrash) {
+  expect_changed_bytes_harmless(content(), k_few);
+  expect_changed_bytes_harmless(float_content(), k_fewer);
 }
 
 }  // namespace

@@ -77,6 +77,14 @@ TEST(LightNetwork, EqualsTheNaiveNetworkOfBytes) {
             *std::min_element(expected.begin(), expected.end()) + 25600);
 }
 
+TEST(LightNetwork, DoesNotReadAFloatNetworkBesideTheBytes) {
+  LightFile file = random_light_file(7);
+  file.float_parameters.assign(k_light_float_parameters, 0.5f);
+  LightRunner runner(light_file_bytes(file), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height);
+  const LightOutputs outputs = runner.run(random_image(k_width, k_height));
+  EXPECT_EQ(hash_of(outputs, runner.features()), k_golden);
+}
+
 TEST(LightNetwork, UnitsOfAnOperatorMayRunInAnyOrder) {
   LightRunner runner(random_file(), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height);
   const std::vector<uint8_t> rgb = random_image(k_width, k_height), grey(rgb.size(), 90);

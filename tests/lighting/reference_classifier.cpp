@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "models/host/npz.h"
+#include "models/lighting/float_parameters.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/quantise.h"
 
@@ -30,7 +31,10 @@ ReferenceClassifier::ReferenceClassifier(const std::string& data_folder) : folde
                    [](float v) { return static_cast<uint8_t>(v); });
     observe(net_.trunk, images_.back(), k_reference_side, k_reference_side, &ranges);
   }
-  file_ = light_file_bytes(quantise(net_, &ranges));
+  LightFile file = quantise(net_, &ranges);
+  file_ = light_file_bytes(file);
+  file.float_parameters = float_parameters(net_);
+  float_file_ = light_file_bytes(file);
 }
 
 void ReferenceClassifier::expect_reference(LightRunner* runner) const {
@@ -48,6 +52,30 @@ void ReferenceClassifier::expect_reference(LightRunner* runner) const {
     EXPECT_LE(std::sqrt(error / square), 0.1) << name;
     const std::vector<float> probabilities = probabilities_of(net_.trunk, features),
                              &classes = truth.at(name + "/prob1000").values;
+    EXPECT_EQ(std::max_element(probabilities.begin(), probabilities.end()) - probabilities.begin(),
+              std::max_element(classes.begin(), classes.end()) - classes.begin())
+        << name;
+  }
+}
+
+void ReferenceClassifier::expect_float_reference(LightRunner* runner) const {
+  const auto truth = read_npz(folder_ + "densenet121_reference_outputs.npz");
+  const auto worst = [](const std::vector<float>& a, const std::vector<float>& b) {
+    double most = a.size() == b.size() ? 0 : 1e9;
+    for (size_t i = 0; i < a.size() && i < b.size(); ++i)
+      most = std::max(most, std::fabs(static_cast<double>(a[i]) - static_cast<double>(b[i])));
+    return most;
+  };
+  size_t image = 0;
+  for (const std::string name : k_images) {
+    runner->run(images_[image++]);
+    const std::vector<float> features = runner->features(), probabilities = probabilities_of(net_.trunk, features);
+    const std::vector<float>&expected = truth.at(name + "/feat1024").values,
+          &classes = truth.at(name + "/prob1000").values;
+    std::printf("%s: features off by %.2g, probabilities by %.2g\n", name.c_str(), worst(features, expected),
+                worst(probabilities, classes));
+    EXPECT_LE(worst(features, expected), 1e-3) << name;
+    EXPECT_LE(worst(probabilities, classes), 1e-3) << name;
     EXPECT_EQ(std::max_element(probabilities.begin(), probabilities.end()) - probabilities.begin(),
               std::max_element(classes.begin(), classes.end()) - classes.begin())
         << name;

@@ -17,14 +17,17 @@ class ReferenceClassifier {
   explicit ReferenceClassifier(const std::string& data_folder);
 
   const std::vector<uint8_t>& file() const { return file_; }
+  const std::vector<uint8_t>& float_file() const { return float_file_; }  // that with the float network
   // Features within a tenth of the reference's, and its class, for each image.
   void expect_reference(LightRunner* runner) const;
+  // Features and probabilities within 1e-3, as the project's float network.
+  void expect_float_reference(LightRunner* runner) const;
 
  private:
   std::string folder_;
   LightNet net_;
   std::vector<std::vector<uint8_t>> images_;
-  std::vector<uint8_t> file_;
+  std::vector<uint8_t> file_, float_file_;
 };
 
 }  // namespace sandglass::host

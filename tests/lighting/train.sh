@@ -63,6 +63,64 @@ grep -q "copy 1 of 1" "$folder/other.log"
 # From heads that know nothing, training gains.
 "$python" "$train" --initial --seed 1 --export "$folder/trunk.npz"
 run "$folder/learned" --weights "$folder/trunk.npz" >"$folder/learned.log"
+# Lanes carry brightness to the averages over all pixels and over parts of them; heads start from them, and training goes on.
+"$python" "$train" --initial --lanes --weights "$folder/trunk.npz" --export "$folder/lanes.npz"
+"$python" - "$folder" "$(dirname "$train")" <<'PY'
+import sys
+import numpy as np
+import torch
+import torch.nn.functional as F
+folder = sys.argv[1]
+sys.path.insert(0, sys.argv[2])
+sys.dont_write_bytecode = True
+import train
+arrays = dict(np.load(folder + "/lanes.npz"))
+np.savez(folder + "/lanes_trunk.npz", **{k: v for k, v in arrays.items() if k.split("/")[0] not in ("latent", *train.LOSS_WEIGHTS)})
+net, rows = train.LightNet(), train.Rows([folder + "/set"])
+net.learned = 16
+assert not net.load(folder + "/lanes_trunk.npz")
+net.eval()
+rgb = train.to_tensor([train.prepared(rows, i, 0, 1) for i in range(4)], "cpu")
+with torch.no_grad():
+    features = net.features(net.trunk(rgb))[:, torch.from_numpy(net.lanes)].double()
+mean = torch.tensor(train.MEAN).view(1, 3, 1, 1)
+smooth = F.avg_pool2d(F.pad(rgb - mean, (3, 3, 3, 3)), 7, 2) + mean  # what lies beyond the image is the mean
+lanes = torch.cat([F.max_pool2d((smooth[:, c:c + 1] - t).clamp(min=0), 3, 2, 1) for c, t in train.LANES], 1).double()
+lanes = F.avg_pool2d(lanes, 8)
+parts = [lanes.mean((2, 3))]
+for k in range(1, train.LAYOUT_LAYERS + 1):
+    parts += [lanes[:, :, k:].sum((2, 3)) / 48, lanes[:, :, :, k:].sum((2, 3)) / 48]
+count = len(train.LANES)
+found = features.split(count, 1)
+assert len(found) == len(parts) and lanes.mean() > 0.05
+assert np.allclose(found[0].sort(1).values, parts[0].sort(1).values, atol=1e-5)  # their places are in the order of use
+for a, b in zip(found[1:], parts[1:]):
+    assert np.allclose(a, b, atol=1e-5), np.abs(a - b).max()
+# What stands in for a channel that is no longer read: mean and deviation of a rectified normal distribution.
+norm = torch.nn.BatchNorm2d(3)
+norm.weight.data, norm.bias.data = torch.tensor([0.5, 1.0, 2.0]), torch.tensor([0.3, -1.0, 0.0])
+drawn = np.maximum(np.random.default_rng(1).normal(size=(1000000, 3)) * norm.weight.data.numpy() + norm.bias.data.numpy(), 0)
+found_mean, found_deviation = train.expected(norm, torch.arange(3))
+assert np.allclose(found_mean.detach(), drawn.mean(0), atol=5e-3) and np.allclose(found_deviation.detach(), drawn.std(0), atol=5e-3)
+# A trust t is a ridge of 1/t^2 times as much: of uncorrelated features of deviation 1 the slope is c t^2 / (t^2 + ridge).
+design = np.array([[1, 1, 1, 1, -1, -1, -1, -1], [1, 1, -1, -1, 1, 1, -1, -1], [1, -1, 1, -1, 1, -1, 1, -1]], float).T
+labels = np.full((8, 10), 0.5)
+labels[:, :3] = 0.2 * design
+trust = np.array([1.0, 0.3, 0.1])
+slopes = train.Regression(design, labels, np.ones(8), trust).slopes((0.25,) * 4)
+assert np.allclose(slopes[:, :3], np.diag(0.1 * trust ** 2 / (trust ** 2 + 0.25)), atol=1e-12)
+PY
+run "$folder/laned" --weights "$folder/lanes_trunk.npz" --epochs 1 >"$folder/laned.log"
+"$python" - "$folder" "$(dirname "$train")" <<'PY'
+import json, sys
+import numpy as np
+sys.path.insert(0, sys.argv[2])
+sys.dont_write_bytecode = True
+import train
+laned = json.load(open(sys.argv[1] + "/laned/fold_1.json"))
+assert len(laned["trusts"]) == 4 and all(trust in train.TRUSTS for trust in laned["trusts"]), laned
+assert np.array_equal(np.load(sys.argv[1] + "/laned/weights.npz")["lanes"], np.load(sys.argv[1] + "/lanes.npz")["lanes"])
+PY
 # The exported weights, only tested.
 run "$folder/again" --epochs 0 --weights "$folder/whole/weights.npz" >"$folder/again.log"
 "$python" - "$folder" "$(dirname "$train")" <<'PY'
@@ -140,7 +198,7 @@ PY
 # Heads fitted to the runtime's features in bytes: first the trunk in bytes, then the features, then the heads; what
 # PyTorch estimates from those features is what the runtime says with these heads, but for the bytes of the latent layer.
 quantised() {
-  "$program" quantise-light "$1" --calibrate "$folder/more" --measure "$folder/set" --images 8 -o "$2" || [[ $? == 1 ]]
+  "$program" quantise-light "$1" --calibrate "$folder/more" --measure "$folder/set" --images 8 "${@:3}" -o "$2" || [[ $? == 1 ]]
 }
 quantised "$folder/trunk.npz" "$folder/trunk.light" >"$folder/trunk.log"
 for part in set more; do
@@ -151,7 +209,9 @@ fitted() {
     "$folder/more.npy" --copies 2 --epochs 0 --cpu -o "$folder/fitted" "$@"
 }
 fitted --test-fold 1 --export "$folder/fitted.npz" >"$folder/fitted.log"
-quantised "$folder/fitted.npz" "$folder/fitted.light" >>"$folder/trunk.log"
+quantised "$folder/fitted.npz" "$folder/fitted.light" --keep-float >>"$folder/trunk.log"
+"$program" inspect "$folder/trunk.light" | grep -q "float copy   no"
+"$program" inspect "$folder/fitted.light" | grep -q "float copy   yes"
 "$program" light-features "$folder/fitted.light" "$folder/set" --mirror -o "$folder/again.npy" >/dev/null
 cmp "$folder/set.npy" "$folder/again.npy"  # the heads do not touch the trunk
 "$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
@@ -180,10 +240,43 @@ assert np.allclose(found, logits, atol=1e-6)
 assert np.abs(regression.slopes((1e9,) * 4)).max() < 1e-6
 # Chosen by other folds: a law that they share asks for the weakest ridge, labels that follow nothing for the strongest.
 folds, weights, judged = np.arange(400) % 4, np.ones(400), np.ones(400, bool)
-assert train.chosen_ridges(features, labels, weights, folds, judged)[1:] == (train.RIDGES[0],) * 3
+def chosen_ridges(*arguments):
+    return train.best_ridges(train.ridge_errors(*arguments))
+assert chosen_ridges(features, labels, weights, folds, judged)[1:] == (train.RIDGES[0],) * 3
 noise = random.normal(size=(400, 150))
-assert min(train.chosen_ridges(noise, labels, weights, folds, judged)[1:]) >= 10
-assert train.chosen_ridges(features, labels, weights, folds * 0, judged) == train.USUAL_RIDGES
+assert min(chosen_ridges(noise, labels, weights, folds, judged)[1:]) >= 10
+assert chosen_ridges(features, labels, weights, folds * 0, judged) == train.USUAL_RIDGES
+# Two sets of features to choose from: one says nothing, one the labels; and one the labels of the tested place alone.
+rows = train.Rows([folder + "/set"], [folder + "/more"])
+at = 0
+for name in ("set", "more"):
+    count = rows.folder.count(f"{folder}/{name}")
+    labels = np.concatenate([[train.label_of(rows, i, copy, 1) for i in range(at, at + count)] for copy in (0, 1)])
+    tested = np.tile(rows.fold[at:at + count] == 1, 2)
+    nothing = random.normal(size=(2 * count, 1024)).astype(np.float32)
+    for kind, told in (("nothing", tested & False), ("labels", tested | True), ("tested", tested)):
+        made = nothing.copy()
+        made[told, :10] = 100 * labels[told]
+        np.save(f"{folder}/{kind}_{name}.npy", made)
+    at += count
+PY
+# The folds that train choose, whatever the order; and the tested place has no say.
+"$python" - "$folder" "$(dirname "$train")" >"$folder/between.log" <<'PY'
+import json, sys
+folder = sys.argv[1]
+sys.path.insert(0, sys.argv[2])
+sys.dont_write_bytecode = True
+import train
+for one, other in (("nothing", "labels"), ("labels", "nothing"), ("nothing", "tested")):
+    files = [[f"{folder}/{kind}_{name}.npy" for name in ("set", "more")] for kind in (one, other)]
+    sys.argv = ["train.py", folder + "/set", "--views", folder + "/more", "--copies", "2", "--epochs", "0", "--cpu", "--test-fold", "1",
+                "-o", f"{folder}/between_{one}_{other}", "--features", *files[0], "--or-features", *files[1]]
+    assert train.main() == 0
+late, early, blind = (json.load(open(f"{folder}/between_{name}/fold_1.json"))
+                      for name in ("nothing_labels", "labels_nothing", "nothing_tested"))
+assert (late["features"], early["features"]) == (1, 0) and late["network"] == early["network"], (late, early)
+assert late["inner"] == early["inner"][::-1] and late["inner"][1][0] < late["inner"][0][0]
+assert blind["inner"][0] == blind["inner"][1] == late["inner"][0] and blind["features"] == 0, blind["inner"]
 PY
 
 "$python" -c "import numpy, sys; numpy.savez(sys.argv[1], a=numpy.zeros(3))" "$folder/odd.npz"
@@ -201,6 +294,13 @@ refused "files of features for" "$folder/set" -o "$folder/x" --epochs 0 --featur
 refused "make it again from" "$folder/set" --features "$folder/set.npy" -o "$folder/x" --epochs 0 --copies 1
 refused "no file of features" "$folder/set" --features "$folder/none.npy" -o "$folder/x" --epochs 0
 refused "give --epochs 0" "$folder/set" --features "$folder/set.npy" -o "$folder/x"
+refused "beside --initial" "$folder/set" --lanes -o "$folder/x" --epochs 0
+refused "only tests a choice" "$folder/set" --or-features "$folder/set.npy" -o "$folder/x" --epochs 0
+refused "fewer than two" "$folder/set" --exclude b --features "$folder/nothing_set.npy" --or-features "$folder/labels_set.npy" \
+  -o "$folder/x" --copies 2 --epochs 0 --cpu
+"$python" -c "import numpy, sys; numpy.savez(sys.argv[2], **{**numpy.load(sys.argv[1]), 'lanes': numpy.zeros(3)})" \
+  "$folder/lanes.npz" "$folder/odd_lanes.npz"
+refused "array lanes" "$folder/set" --weights "$folder/odd_lanes.npz" -o "$folder/x" --epochs 0
 refused "no array" "$folder/set" --weights "$folder/odd.npz" -o "$folder/x"
 head -c 5000 "$folder/trunk.npz" >"$folder/cut.npz"
 refused "no file of weights" "$folder/set" --weights "$folder/cut.npz" -o "$folder/x"

@@ -15,6 +15,7 @@
 #include "models/lighting/light_runner.h"
 #include "platform/xnnpack.h"
 #include "tests/lighting/byte_network.h"
+#include "tests/lighting/float_network.h"
 #include "tests/toolchains/stand_ins/xnnpack/calls.h"
 
 namespace sandglass::host {
@@ -84,6 +85,10 @@ TEST(XnnpackStandIn, InFloatIsTheFileWithoutRounding) {
     worst = std::max(worst, std::fabs(static_cast<double>(features[i]) - truth) / (255 * std::fabs(scale)));
   }
   EXPECT_LE(worst, 1e-3);
+}
+
+TEST(XnnpackStandIn, InFloatIsTheFloatNetworkOfAFileThatHasIt) {
+  tests::expect_float_network(noise(), k_width, k_height);
 }
 
 TEST(XnnpackStandIn, InBytesIsTheOwnNetworkToTheBit) {

@@ -1,6 +1,6 @@
-// The back ends by XNNPACK that is installed: in float what the file says without any rounding, in bytes what the own
-// kernels say; small units; an estimate over frames, without a call of malloc; the reference images. The same on ARM,
-// under emulation.
+// The back ends by XNNPACK that is installed: in float what the file says without any rounding, or the float network
+// that it carries; in bytes what the own kernels say; small units; an estimate over frames, without a call of malloc;
+// the reference images. The same on ARM, under emulation.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,7 +12,9 @@
 #include <iterator>
 #include <vector>
 
+#include "models/host/npz.h"
 #include "models/host/random.h"
+#include "models/lighting/excerpts.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/lighting_bench.h"
@@ -21,6 +23,7 @@
 #include "sandglass/sandglass.hpp"
 #include "tests/counting_allocator.h"
 #include "tests/lighting/byte_network.h"
+#include "tests/lighting/float_network.h"
 #include "tests/lighting/light_fixture.h"
 #include "tests/lighting/reference_classifier.h"
 
@@ -62,6 +65,39 @@ TEST(Xnnpack, InFloatIsTheFileWithoutRounding) {
   std::printf("greatest difference of 1024 features: %.2g of their range\n", worst);
 }
 
+TEST(Xnnpack, InFloatIsTheFloatNetworkOfAFileThatHasIt) {
+  tests::expect_float_network(noise(k_width, k_height), k_width, k_height);
+}
+
+TEST(Xnnpack, InBytesDoesNotReadTheFloatNetwork) {
+  const std::vector<uint8_t> rgb = noise(k_width, k_height);
+  LightFile file = random_light_file(7);
+  const auto features_of = [&] {
+    LightRunner runner(light_file_bytes(file), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height,
+                       SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8);
+    runner.run(rgb);
+    return runner.features();
+  };
+  const std::vector<float> expected = features_of();
+  file.float_parameters.assign(k_light_float_parameters, 0.5f);
+  EXPECT_EQ(features_of(), expected);
+}
+
+// As great as the reader lets them be: infinities and what is not a number come up on the way, and must not come out.
+TEST(Xnnpack, ForgedFloatNetworksSayNumbers) {
+  const std::vector<uint8_t> rgb = noise(32, 32);
+  LightFile file = random_light_file(7);
+  for (const double share : {1.0, 0.5, 0.0}) {  // of positive numbers
+    file.float_parameters.resize(k_light_float_parameters);
+    for (size_t i = 0; i < file.float_parameters.size(); ++i)
+      file.float_parameters[i] = random_unit(i) < share ? k_light_float_limit : -k_light_float_limit;
+    LightRunner runner(light_file_bytes(file), "forged", SANDGLASS_ISA_AUTOMATIC, 32, 32,
+                       SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+    for (const float value : tests::values_of(runner.run(rgb))) EXPECT_TRUE(value >= -1 && value <= 1) << value;
+    for (const float feature : runner.features()) ASSERT_TRUE(std::isfinite(feature)) << feature;
+  }
+}
+
 // Of two networks; in the shipped one some channels have multipliers of thousands.
 class XnnpackInBytes : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(, XnnpackInBytes, testing::Bool(),
@@ -96,7 +132,7 @@ TEST_P(XnnpackInBytes, IsTheOwnNetworkButForItsRounding) {
 // Whoever stops the bench early is not told that what comes later is not installed, nor that it differs by nothing.
 TEST(Xnnpack, AnInterruptedBenchKnowsWhatTheBuildHas) {
   const LightingBench bench =
-      bench_lighting(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC,
+      bench_lighting(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC, {},
                      [](uint32_t done, uint32_t) { return done < 2; });  // the images, then the first back end
   EXPECT_EQ(bench.rows.size(), 1u);
   EXPECT_TRUE(bench.has_xnnpack);
@@ -121,6 +157,7 @@ TEST(Xnnpack, UnitsAreAsSmallAsTheOwnAndMayRunInAnyOrder) {
 }
 
 // The classifier in bytes, computed in float: as true to its float original as the weights' own rounding lets it be.
+// With the float network in the file: the original.
 TEST(Xnnpack, ClassifiesTheReferenceImagesAsTheFloatNetworkDoes) {
   const char* folder = std::getenv("SANDGLASS_DATA_DIR");
   if (folder == nullptr) GTEST_SKIP() << "SANDGLASS_DATA_DIR is not set";
@@ -132,6 +169,26 @@ TEST(Xnnpack, ClassifiesTheReferenceImagesAsTheFloatNetworkDoes) {
                        backend);
     classifier.expect_reference(&runner);
   }
+  LightRunner runner(classifier.float_file(), "classifier", SANDGLASS_ISA_AUTOMATIC, k_reference_side, k_reference_side,
+                     SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+  classifier.expect_float_reference(&runner);
+}
+
+// By float_network.sh, which makes the weights.
+TEST(Xnnpack, InFloatIsPyTorchs) {
+  const char* weights = std::getenv("SANDGLASS_FLOAT_WEIGHTS");
+  if (weights == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_WEIGHTS is not set to what float_network.py wrote";
+  LightRunner runner(light_file_bytes(tests::float_file(light_net_of(read_npz(weights)))), "room in float",
+                     SANDGLASS_ISA_AUTOMATIC, 256, 192, SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+  double worst = 0;
+  const std::vector<Excerpt> all = read_excerpts(SANDGLASS_EXCERPTS_DIR);
+  for (const Excerpt& excerpt : all) {
+    const LightValues values = tests::values_of(runner.run(excerpt.rgb));
+    for (size_t i = 0; i < values.size(); ++i)
+      worst = std::max(worst, static_cast<double>(std::fabs(values[i] - excerpt.values[i])));
+  }
+  EXPECT_LE(worst, 1e-3);
+  std::printf("XNNPACK against PyTorch in float on %zu excerpts: %.2g at the most\n", all.size(), worst);
 }
 
 uint64_t weights() {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "platform/virtual_clock.h"
+#include "runtime/shadow/shadow.h"
 #include "tests/shadow/shadow_fixture.h"
 
 namespace {
@@ -15,6 +16,7 @@ using namespace sandglass::tests;
 
 constexpr uint32_t k_size = SANDGLASS_SHADOW_TEXELS;
 constexpr RandomShadow k_network = {32, 1, 6, 4, 11, 0.6f};
+constexpr RandomShadow k_rough = {128, 2, 10, 4, 11, 0.6f};  // of which some cells are refined
 
 sandglass_shadow_desc describe_lights(const AssetFile& file, uint32_t lights) {
   sandglass_shadow_desc desc = describe(file);
@@ -92,6 +94,64 @@ TEST(ShadowSet, ALightThatSetsIsNotWaitedFor) {
   EXPECT_EQ(sandglass_shadow_units_left(shadow.shadow), 0u);
   EXPECT_EQ(shadow.texture().opacity, 0);
   EXPECT_EQ(shadow.texture().age, 0u);
+}
+
+// Two objects with networks of two sizes, one refined and one in full, two lights each. What was foreseen at any moment
+// against the items of the units that were then run: apart are they by the last unit of each kind of each texture,
+// which is not full but counts as a whole one, and by cells that are refined now and were not in the light's last
+// texture.
+TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
+  const AssetFile rough = make_shadow_file(k_rough), small = make_shadow_file({64, 1, 10, 4, 12, 0.6f});
+  sandglass_shadow_desc in_full = describe_lights(small, 2);
+  in_full.mode = SANDGLASS_SHADOW_FULL;
+  sandglass_shadow_desc refined = describe_lights(rough, 2);
+  refined.light_tolerance = in_full.light_tolerance = 0;
+  LiveShadow adaptive(refined), full(in_full);
+  sandglass_shadow* both[2] = {adaptive.shadow, full.shadow};
+  const ShadowSet set = {both, 2};
+  for (const float turn : {0.0f, 0.003f}) {
+    uint32_t cells_before[2], cells[2];
+    const auto count_cells = [&](uint32_t* of) {
+      for (uint32_t l = 0; l < 2; ++l)
+        of[l] = (adaptive.texture(l).evaluated - k_grid * k_grid) / (k_cell * k_cell - 1);
+    };
+    if (turn > 0) count_cells(cells_before);
+    for (LiveShadow* s : {&adaptive, &full}) set_light(*s, 0, turn, 0.1f), set_light(*s, 1, -0.3f, turn, 0.5f);
+    std::vector<std::array<uint64_t, k_shadow_kinds>> foreseen, spent;  // at each unit
+    std::array<uint64_t, k_shadow_kinds> total = {};
+    for (WorkUnit unit; both[0]->set->next(set, &unit); both[0]->set->run(set)) {
+      Forecast entries[k_unit_kinds];
+      const uint32_t count = both[0]->set->forecast(set, entries);
+      foreseen.emplace_back(), spent.push_back(total);
+      for (uint32_t i = 0; i < count; ++i) {
+        EXPECT_TRUE(entries[i].spread);
+        foreseen.back()[entries[i].kind] += entries[i].items;
+      }
+      total[unit.kind] += unit.items;
+    }
+    count_cells(cells);
+    for (uint32_t kind = 0; kind < k_shadow_kinds; ++kind) {
+      // In the first round no light has a texture yet: all cells.
+      const ShadowUnit whole = shadow_unit(adaptive.shadow->shadow, kind);
+      const auto items_of = [&](uint32_t pieces) {
+        return (uint64_t{pieces} * whole.items + whole.pieces - 1) / whole.pieces;
+      };
+      uint64_t apart = 0;
+      if (kind == k_kind_refine)
+        for (uint32_t l = 0; l < 2; ++l) {
+          const uint32_t expected = turn > 0 ? cells_before[l] : k_cells * k_cells;
+          apart += items_of(expected > cells[l] ? expected - cells[l] : cells[l] - expected);
+          EXPECT_GT(cells[l], 0u);
+        }
+      const uint64_t last_units = 2 * (whole.items + shadow_unit(full.shadow->shadow, kind).items);
+      for (size_t i = 0; i < foreseen.size(); ++i) {
+        const uint64_t then = total[kind] - spent[i][kind];
+        ASSERT_LE(foreseen[i][kind], then + apart + 2) << kind << " at " << i;  // 2: each object's is rounded up
+        ASSERT_GE(foreseen[i][kind] + apart + last_units, then) << kind << " at " << i;
+      }
+      EXPECT_LE(5 * apart, turn > 0 ? total[kind] : ~uint64_t{0});  // else the bound says little
+    }
+  }
 }
 
 TEST(ShadowSet, RefusesLightsThatItCannotUse) {
@@ -274,6 +334,48 @@ TEST(ShadowFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
   EXPECT_GT(with_shadow, 10u);
   EXPECT_GT(with_grains, 10u);
   EXPECT_GT(arrived, 0u);
+}
+
+// The least budget that brings the best rung grows by what the texture costs by the clock, and to what leaves the stage
+// its share at most.
+TEST(ShadowFrame, ATextureCountsForItsCostWhenTheRungIsChosen) {
+  constexpr uint64_t k_ample = 1'000'000'000, k_unit_ns = 1000, k_least = 1 << 19, k_most = 1 << 21, k_near = 1 << 12;
+  constexpr double k_share = 0.2;  // of runtime/scene
+  const AssetFile file = make_shadow_file({64, 1, 10, 4, 11, 0.6f});
+  struct Waiting {
+    uint32_t threshold;
+    int light;      // that waits for a texture, or -1
+    uint32_t done;  // of the units of its texture
+  };
+  uint64_t cost = 0;  // of a texture
+  const auto level_at = [&](const Waiting& waiting, uint64_t budget) {
+    sandglass_shadow_desc desc = describe_lights(file, 2);
+    desc.threshold = waiting.threshold;
+    LiveShadow shadow(desc);
+    VirtualClock time;
+    time.step_ns = k_unit_ns;
+    SandScene sand(virtual_clock(&time));
+    for (int f = 0; f < 4; ++f) {
+      set_light(shadow, 0, 0.1f * static_cast<float>(f), 0.2f);
+      cost = sand.frame({shadow.shadow}, k_ample).stages[SANDGLASS_STAGE_SHADOW].elapsed_ns;
+    }
+    if (waiting.light >= 0) set_light(shadow, static_cast<uint32_t>(waiting.light), -0.3f, 0.2f);
+    sandglass_shadow_run(&shadow.shadow, 1, waiting.done);
+    return sand.frame({shadow.shadow}, budget).level;
+  };
+  const auto least_budget = [&](const Waiting& waiting) {
+    uint64_t low = k_least, high = k_most;
+    while (high - low > k_near) (level_at(waiting, (low + high) / 2) == 0 ? high : low) = (low + high) / 2;
+    return high;
+  };
+  const double near = 2 * k_near, alone = static_cast<double>(least_budget({255, -1, 0}));
+  // No cell of the light's last texture was refined.
+  EXPECT_NEAR(static_cast<double>(least_budget({255, 0, 0})), alone + static_cast<double>(cost), near);
+  const uint32_t all_but_one = static_cast<uint32_t>(cost / k_unit_ns) - 1;
+  EXPECT_NEAR(static_cast<double>(least_budget({255, 0, all_but_one})), alone + k_unit_ns, near);
+  EXPECT_GT(static_cast<double>(cost), 2 * near);  // else the two are one
+  // A light without a texture, all of whose cells may have to be refined.
+  EXPECT_NEAR(static_cast<double>(least_budget({0, 1, 0})), alone / (1 - k_share), near);
 }
 
 TEST(ShadowFrame, WithoutAClockEveryTextureIsDoneInItsFrame) {

@@ -116,6 +116,11 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_camera_check(const 
  * AVX-512 the project's own kernels are three times faster than XNNPACK of 2022 in bytes, whose results are the same
  * there to the bit, and five times faster than in float: they are the default.
  *
+ * A file holds the network in bytes and may hold it in float too (`sandglass quantise-light --keep-float`, 30 MB more;
+ * the shipped file does not). Without it XNNPACK_F32 computes with the weights that the bytes stand for and rounds
+ * nothing in between, which is as far from the network as it was trained as their rounding is; with it that network
+ * itself, to 1e-3. The others read the bytes of either file.
+ *
  * XNNPACK_F32 and XNNPACK_INT8 are Google's kernels, in float and in bytes, in builds configured with
  * SANDGLASS_XNNPACK=ON. They give up three promises of this header: their results differ in the last digits between
  * CPUs, so that frames do not replay to the bit; a light of theirs must be given back by sandglass_light_release; and

@@ -1,0 +1,155 @@
+// A random float network, and its features naively in double: max(0, scale x + shift) and one sum after another, as
+// trained. Shares nothing with the file's clamps.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <vector>
+
+#include "models/host/random.h"
+#include "models/lighting/float_parameters.h"
+#include "models/lighting/light_net.h"
+#include "models/lighting/light_runner.h"
+#include "tests/lighting/byte_network.h"
+
+namespace sandglass::tests {
+
+// Maps far beyond a byte's 255; normalisations of either sign; a few channels have none, or next to none, so that what
+// they say is constant.
+inline host::LightNet random_light_net(uint64_t seed) {
+  constexpr double k_maps = 300;  // size of what lies in maps and bottlenecks; behind a normalisation 1
+  host::Random random = {seed};
+  const auto uniform = [&](double from, double to) { return static_cast<float>(from + (to - from) * random.unit()); };
+  const auto numbers = [&](int count, double most) {
+    std::vector<float> values;
+    for (int i = 0; i < count; ++i) values.push_back(uniform(-most, most));
+    return values;
+  };
+  const auto affine = [&](int channels, double from, double to) {
+    host::ChannelAffine a = {{}, numbers(channels, 0.5 * to)};
+    for (int c = 0; c < channels; ++c) {
+      const double kind = random.unit();
+      const float scale = uniform(0.5 * to / from, 1.5 * to / from);
+      a.scale.push_back(kind < 0.02 ? 0.0f : kind < 0.04 ? 1e-20f : kind < 0.4 ? -scale : scale);
+    }
+    return a;
+  };
+  const auto convolution = [&](int size, int inputs, int outputs, double gain = 1) {
+    const int places = size * size * inputs;
+    return host::Convolution{size, inputs, outputs, numbers(places * outputs, gain * std::sqrt(6.0 / places))};
+  };
+  host::LightNet net;
+  int channels = host::k_stem_channels;
+  net.trunk.stem = convolution(7, 3, channels);
+  net.trunk.stem_affine = affine(channels, 1, k_maps);
+  for (int b = 0; b < 4; ++b) {
+    host::DenseBlock& block = net.trunk.blocks[b];
+    for (int l = 0; l < host::k_dense_layers[b]; ++l, channels += host::k_growth)
+      block.layers.push_back({affine(channels, k_maps, 1), affine(host::k_bottleneck, 1, k_maps),
+                              convolution(1, channels, host::k_bottleneck),
+                              convolution(3, host::k_bottleneck, host::k_growth)});
+    if (b == 3) break;
+    block.transition_affine = affine(channels, k_maps, 1);
+    block.transition = convolution(1, channels, channels / 2, k_maps);
+    channels /= 2;
+  }
+  net.trunk.last = affine(channels, k_maps, 1);
+  net.latent = numbers(host::k_features * host::k_latent, 0.05), net.latent_bias = numbers(host::k_latent, 0.5);
+  net.heads = numbers(host::k_latent * host::k_heads, 0.1), net.heads_bias = numbers(host::k_heads, 0.5);
+  return net;
+}
+
+inline Map<double> convolved(const host::Convolution& c, const Map<double>& in, int step) {
+  const int pad = c.size / 2;
+  const auto outputs = static_cast<size_t>(c.outputs);
+  Map<double> out(in.width / step, in.height / step, c.outputs);
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      const float* weights = c.weights.data();
+      double* sums = &out.at(x, y, 0);
+      for (int row = 0; row < c.size; ++row)
+        for (int column = 0; column < c.size; ++column)
+          for (int i = 0; i < c.inputs; ++i, weights += outputs) {
+            const int u = x * step + column - pad, v = y * step + row - pad;
+            if (u < 0 || v < 0 || u >= in.width || v >= in.height) continue;
+            const double value = in.at(u, v, i);
+            for (size_t o = 0; o < outputs; ++o) sums[o] += value * static_cast<double>(weights[o]);
+          }
+    }
+  return out;
+}
+
+inline Map<double> rectified(const host::ChannelAffine& affine, const Map<double>& in) {
+  Map<double> out = in;
+  for (size_t i = 0; i < out.values.size(); ++i) {
+    const size_t c = i % affine.scale.size();
+    out.values[i] =
+        std::max(0.0, static_cast<double>(affine.scale[c]) * out.values[i] + static_cast<double>(affine.shift[c]));
+  }
+  return out;
+}
+
+inline std::vector<double> double_features(const host::DenseNet& net, const std::vector<uint8_t>& rgb, int width,
+                                           int height) {
+  constexpr double k_mean[3] = {0.485, 0.456, 0.406}, k_deviation[3] = {0.229, 0.224, 0.225};
+  Map<double> image(width, height, 3);
+  for (size_t i = 0; i < rgb.size(); ++i) image.values[i] = (rgb[i] / 255.0 - k_mean[i % 3]) / k_deviation[i % 3];
+  Map<double> map = pooled(rectified(net.stem_affine, convolved(net.stem, image, 2)));
+  for (const host::DenseBlock& block : net.blocks) {
+    for (const host::DenseLayer& layer : block.layers) {
+      const Map<double> bottleneck = rectified(layer.between, convolved(layer.narrow, rectified(layer.before, map), 1));
+      map = appended(map, convolved(layer.wide, bottleneck, 1));
+    }
+    if (!block.transition_affine.scale.empty())
+      map = convolved(block.transition, averaged(rectified(block.transition_affine, map)), 1);
+  }
+  const Map<double> last = rectified(net.last, map);
+  std::vector<double> features(static_cast<size_t>(last.channels));
+  for (size_t i = 0; i < last.values.size(); ++i)
+    features[i % features.size()] += last.values[i] / (last.width * last.height);
+  return features;
+}
+
+// The network in float beside bytes of another one, which a back end in float must not read.
+inline host::LightFile float_file(const host::LightNet& net) {
+  host::LightFile file = host::random_light_file(7);
+  file.float_parameters = host::float_parameters(net);
+  for (size_t o = 0; o < host::k_heads; ++o)
+    for (size_t i = 0; i < host::k_latent; ++i)
+      file.heads_weights[o * host::k_latent + i] = net.heads[i * host::k_heads + o];
+  file.heads_bias = net.heads_bias;
+  return file;
+}
+
+inline host::LightValues values_of(const LightOutputs& out) {
+  return {out.direction[0], out.direction[1], out.direction[2], out.light[0],   out.light[1],
+          out.light[2],     out.ambient[0],   out.ambient[1],   out.ambient[2], out.contrast};
+}
+
+// XNNPACK on a file with float parameters: the float network to 1e-3, features and what the heads make of them.
+inline void expect_float_network(const std::vector<uint8_t>& rgb, uint32_t width, uint32_t height) {
+  const host::LightNet net = random_light_net(5);
+  host::LightRunner runner(host::light_file_bytes(float_file(net)), "random", SANDGLASS_ISA_AUTOMATIC, width, height,
+                           SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
+  const host::LightValues values = values_of(runner.run(rgb));
+  const std::vector<float> features = runner.features();
+  const std::vector<double> truth = double_features(net.trunk, rgb, static_cast<int>(width), static_cast<int>(height));
+  double worst = 0, greatest = 0, worst_value = 0;
+  for (size_t c = 0; c < truth.size(); ++c) {
+    worst = std::max(worst, std::fabs(static_cast<double>(features[c]) - truth[c]));
+    greatest = std::max(greatest, truth[c]);
+  }
+  const host::LightValues expected = host::light_of(net, std::vector<float>(truth.begin(), truth.end()));
+  for (size_t i = 0; i < values.size(); ++i)
+    worst_value = std::max(worst_value, static_cast<double>(std::fabs(values[i] - expected[i])));
+  EXPECT_LE(worst, 1e-3);
+  EXPECT_LE(worst_value, 1e-3);
+  EXPECT_GT(greatest, 1.0) << "features that say something";
+  std::printf("features off by %.2g of %.3g, outputs by %.2g\n", worst, greatest, worst_value);
+}
+
+}  // namespace sandglass::tests
