@@ -16,6 +16,7 @@
 #include "models/host/plot.h"
 #include "models/host/progress.h"
 #include "models/host/simulation.h"
+#include "models/lighting/excerpts.h"
 #include "models/lighting/lighting_bench.h"
 #ifdef SANDGLASS_HAVE_BAKE
 #include "models/host/mesh/generated.h"
@@ -315,14 +316,16 @@ struct Bench {
 #endif
 
   void lighting() {
-    const std::string asset =
-        options.assets.empty() ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.assets.front();
+    const bool shipped = options.assets.empty();
+    const std::string asset = shipped ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.assets.front();
     const std::string content = read_file(asset, "lighting network");
+    std::vector<Excerpt> excerpts;
+    if (shipped) excerpts = read_excerpts(SANDGLASS_LIGHTS_DIR "/../lighting/excerpts");
     LightingBench result;
     {
       Progress progress("measuring", 1);
       result = bench_lighting(std::span(reinterpret_cast<const uint8_t*>(content.data()), content.size()), asset, isa,
-                              [&](uint32_t done, uint32_t total) {
+                              excerpts, [&](uint32_t done, uint32_t total) {
                                 progress.total(total);
                                 progress.done(done);
                                 return !interrupted();
@@ -347,6 +350,10 @@ struct Bench {
       }
       for (const LightingBenchRow::Part& part : r.parts) keep(r.name, ("ms_" + part.name).c_str(), "ms", part.ms, 1);
     }
+    if (result.compared)
+      std::puts(shipped
+                    ? "to float: medians over 56 excerpts of made-up rooms, against the float network behind the file"
+                    : "to float: of one image, against xnnpack_f32");
     std::puts("image to 256 x 192, all of it in its frame:");
     for (const LightingImageRow& r : result.images) {
       std::printf("%-15s %6.2f ms in %3u units, %5.2f ms a megapixel, longest unit %.3f ms\n", r.name.c_str(), r.ms,

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "models/lighting/excerpts.h"
 #include "sandglass/light.h"
 
 namespace sandglass::host {
@@ -21,10 +22,10 @@ struct LightingBenchRow {
   double arena_bytes = 0;      // weights and activations: the block, and what XNNPACK holds of its region
   double activations = 0;      // of them; own kernels only
   double longest_unit_ms = 0;  // the largest of the units' best times
-  // Against the file's network without any rounding, which xnnpack_f32 is; 0 where that is not there.
-  double angle_deg = 0;   // of the direction
-  double difference = 0;  // the greatest of colours and contrast
-  sandglass_light_estimate estimate = {};
+  // Against the float network, medians over the images; 0 where it is not known what that says.
+  double angle_deg = 0;                // of the direction
+  double difference = 0;               // the greatest of colours and contrast
+  std::vector<LightValues> estimates;  // of each image
   struct Part {
     std::string name;
     double ms;
@@ -47,11 +48,15 @@ struct LightingBench {
   std::vector<LightingBenchRow::Part> layers;  // of own bytes, by operator, in order
   double int8_peak = 0, f32_peak = 0;          // GMAC/s
   bool has_xnnpack = false;                    // in this build
-  bool compared = false;                       // to float: with XNNPACK, and not interrupted
+  bool compared = false;                       // to float, and not interrupted
 };
 
-// `file`: the bytes of a lighting network's file. `go_on` gets the steps done of `total`.
+// `file`: the bytes of a lighting network's file. `excerpts`: images, and what the file's float network says of them;
+// the first is timed. None: a wall with a lamp on it, made from a formula, and truth is what xnnpack_f32 says, which is
+// the float network where the file carries it, else the file's weights without further rounding. `go_on` gets the steps
+// done of `total`.
 LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
+                             const std::vector<Excerpt>& excerpts,
                              const std::function<bool(uint32_t done, uint32_t total)>& go_on);
 
 }  // namespace sandglass::host

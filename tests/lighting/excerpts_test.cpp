@@ -14,9 +14,9 @@
 
 #include "models/host/atomic_file.h"
 #include "models/host/npz.h"
+#include "models/lighting/excerpts.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
-#include "tests/lighting/excerpts.h"
 
 namespace sandglass::host {
 namespace {
@@ -59,7 +59,7 @@ std::vector<uint8_t> shipped() {
 }
 
 TEST(Excerpts, TheShippedBytesSayWhatPyTorchSaysInFloat) {
-  const std::vector<Excerpt> all = excerpts(SANDGLASS_EMULATED ? 9 : 1);
+  const std::vector<Excerpt> all = read_excerpts(SANDGLASS_EXCERPTS_DIR, SANDGLASS_EMULATED ? 9 : 1);
   ASSERT_GE(all.size(), SANDGLASS_EMULATED ? 6u : 50u);
   LightRunner runner(shipped(), "room.light");
   std::vector<LightValues> bytes, floats;
@@ -101,7 +101,7 @@ TEST(Excerpts, TheFloatNetworkInCppIsPyTorchs) {
   if (weights == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_WEIGHTS is not set to what float_network.py wrote";
   const LightNet net = light_net_of(read_npz(weights));
   double worst = 0;
-  const std::vector<Excerpt> all = excerpts(1);
+  const std::vector<Excerpt> all = read_excerpts(SANDGLASS_EXCERPTS_DIR);
   for (const Excerpt& excerpt : all) {
     const LightValues values = light_of(net, features_of(net.trunk, excerpt.rgb, 256, 192));
     for (size_t i = 0; i < values.size(); ++i)

@@ -14,6 +14,7 @@
 
 #include "models/host/npz.h"
 #include "models/host/random.h"
+#include "models/lighting/excerpts.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/lighting_bench.h"
@@ -22,7 +23,6 @@
 #include "sandglass/sandglass.hpp"
 #include "tests/counting_allocator.h"
 #include "tests/lighting/byte_network.h"
-#include "tests/lighting/excerpts.h"
 #include "tests/lighting/float_network.h"
 #include "tests/lighting/light_fixture.h"
 #include "tests/lighting/reference_classifier.h"
@@ -132,7 +132,7 @@ TEST_P(XnnpackInBytes, IsTheOwnNetworkButForItsRounding) {
 // Whoever stops the bench early is not told that what comes later is not installed, nor that it differs by nothing.
 TEST(Xnnpack, AnInterruptedBenchKnowsWhatTheBuildHas) {
   const LightingBench bench =
-      bench_lighting(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC,
+      bench_lighting(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC, {},
                      [](uint32_t done, uint32_t) { return done < 2; });  // the images, then the first back end
   EXPECT_EQ(bench.rows.size(), 1u);
   EXPECT_TRUE(bench.has_xnnpack);
@@ -181,7 +181,7 @@ TEST(Xnnpack, InFloatIsPyTorchs) {
   LightRunner runner(light_file_bytes(tests::float_file(light_net_of(read_npz(weights)))), "room in float",
                      SANDGLASS_ISA_AUTOMATIC, 256, 192, SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
   double worst = 0;
-  const std::vector<Excerpt> all = excerpts(1);
+  const std::vector<Excerpt> all = read_excerpts(SANDGLASS_EXCERPTS_DIR);
   for (const Excerpt& excerpt : all) {
     const LightValues values = tests::values_of(runner.run(excerpt.rgb));
     for (size_t i = 0; i < values.size(); ++i)

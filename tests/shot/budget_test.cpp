@@ -25,7 +25,7 @@
 namespace {
 
 // The law holds for any build; how much is done in a budget is said of one that is optimised and free of sanitizers.
-#if defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__OPTIMIZE__) && !defined(SANDGLASS_SANITIZED)
 constexpr bool k_as_it_ships = true;
 #else
 constexpr bool k_as_it_ships = false;

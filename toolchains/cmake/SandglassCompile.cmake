@@ -3,9 +3,10 @@
 #                                              no fused multiply-add (DESIGN: one golden hash on every instruction set).
 #   sandglass_device_rules(NAME)               the same rules for a target that is not such a folder: the plug-in.
 #   sandglass_host_target(NAME [TEST])         warnings for workstation code; common headers parsed once.
-# SANDGLASS_HOST_OPTIONS are further options for workstation code alone. The build of the second compiler says -O1 there, which
-# compiles faster, while the library is optimised as it ships.
+# SANDGLASS_HOST_OPTIONS are further options for workstation code alone. The builds of the second compiler and for ARM say -O1 there,
+# which compiles faster, while the library is optimised as it ships. Tests, which are compiled more than they run, always are -O1.
 set(SANDGLASS_HOST_OPTIONS "" CACHE STRING "Further compiler options for workstation code and tests")
+set(SANDGLASS_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 set(SANDGLASS_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wdouble-promotion)
 
 # Code that runs before main or after it is code that the app did not call: clang says where, nm proves it for both compilers.
@@ -51,6 +52,7 @@ function(sandglass_host_target name)
   set(headers sandglass_host_headers)
   if(ARGN STREQUAL "TEST")
     set(headers sandglass_test_headers)
+    target_compile_options(${name} PRIVATE ${SANDGLASS_TEST_OPTIONS})
   endif()
   if(TARGET ${headers} AND NOT ARGN STREQUAL "HEADERS")
     target_precompile_headers(${name} REUSE_FROM ${headers})

@@ -1,0 +1,42 @@
+#include "models/lighting/excerpts.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include "models/host/atomic_file.h"
+#include "models/host/failure.h"
+#include "models/lighting/picture_file.h"
+#include "runtime/asset/checksum.h"
+
+namespace sandglass::host {
+
+std::vector<Excerpt> read_excerpts(const std::string& folder, size_t step) {
+  const std::string table = folder + "/estimates.csv";
+  std::istringstream rows(read_file(table, "table of estimates"));
+  std::vector<Excerpt> all;
+  std::string row;
+  std::getline(rows, row);
+  for (size_t i = 0; std::getline(rows, row); ++i) {
+    if (i % step != 0) continue;
+    std::istringstream fields(row);
+    Excerpt excerpt;
+    std::string hash, value;
+    std::getline(fields, excerpt.name, ','), std::getline(fields, hash, ',');
+    excerpt.rgb = read_excerpt(folder + "/" + excerpt.name).rgb;
+    std::ostringstream found;
+    found << std::hex << asset_checksum(excerpt.rgb.data(), excerpt.rgb.size());
+    if (hash.substr(std::min(hash.find_first_not_of('0'), hash.size())) != found.str())
+      throw Failure("'" + table + "' is of other pixels than '" + excerpt.name +
+                    "' has here; write it again with float_network.py");
+    for (float& v : excerpt.values) {
+      std::getline(fields, value, ',');
+      std::istringstream number(value);
+      if (!(number >> v)) throw Failure("'" + table + "' has no ten numbers for " + excerpt.name);
+    }
+    all.push_back(excerpt);
+  }
+  if (all.empty()) throw Failure("'" + table + "' has no excerpts; write it again with float_network.py");
+  return all;
+}
+
+}  // namespace sandglass::host
