@@ -1,6 +1,5 @@
 #include "models/lighting/excerpts.h"
 
-#include <algorithm>
 #include <sstream>
 
 #include "models/host/atomic_file.h"
@@ -23,9 +22,9 @@ std::vector<Excerpt> read_excerpts(const std::string& folder, size_t step) {
     std::string hash, value;
     std::getline(fields, excerpt.name, ','), std::getline(fields, hash, ',');
     excerpt.rgb = read_excerpt(folder + "/" + excerpt.name).rgb;
-    std::ostringstream found;
-    found << std::hex << asset_checksum(excerpt.rgb.data(), excerpt.rgb.size());
-    if (hash.substr(std::min(hash.find_first_not_of('0'), hash.size())) != found.str())
+    uint64_t expected = 0;
+    std::istringstream(hash) >> std::hex >> expected;
+    if (expected != asset_checksum(excerpt.rgb.data(), excerpt.rgb.size()))
       throw Failure("'" + table + "' is of other pixels than '" + excerpt.name +
                     "' has here; write it again with float_network.py");
     for (float& v : excerpt.values) {

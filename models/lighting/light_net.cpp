@@ -1,8 +1,11 @@
 #include "models/lighting/light_net.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "models/host/failure.h"
+#include "models/host/metrics.h"
 
 namespace sandglass::host {
 
@@ -81,6 +84,22 @@ LightValues light_of(const LightNet& net, std::span<const float> features) {
   const float length = std::sqrt(values[0] * values[0] + values[1] * values[1] + values[2] * values[2]);
   for (size_t axis = 0; axis < 3; ++axis) values[axis] /= std::max(length, 1e-12f);
   return values;
+}
+
+LightDifference median_difference(std::span<const LightValues> a, std::span<const LightValues> b) {
+  std::vector<double> angles, others;
+  for (size_t k = 0; k < a.size(); ++k) {
+    double dot = 0, lengths[2] = {}, most = 0;
+    for (size_t i = 0; i < 3; ++i) {
+      const double x = static_cast<double>(a[k][i]), y = static_cast<double>(b[k][i]);
+      dot += x * y, lengths[0] += x * x, lengths[1] += y * y;
+    }
+    for (size_t i = 3; i < a[k].size(); ++i) most = std::max(most, static_cast<double>(std::fabs(a[k][i] - b[k][i])));
+    angles.push_back(std::acos(std::clamp(dot / std::sqrt(lengths[0] * lengths[1]), -1.0, 1.0)) * 180 /
+                     std::numbers::pi);
+    others.push_back(most);
+  }
+  return {quantile(angles, 0.5), quantile(others, 0.5)};
 }
 
 }  // namespace sandglass::host

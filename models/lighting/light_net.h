@@ -29,4 +29,11 @@ LightNet light_net_of(const std::map<std::string, NpyArray>& arrays);
 using LightValues = std::array<float, k_heads>;
 LightValues light_of(const LightNet& net, std::span<const float> features);
 
+// Medians over images, a[i] beside b[i]: of the angle between the directions, and of the greatest difference of the
+// colours' channels and the contrast.
+struct LightDifference {
+  double angle_deg, other;
+};
+LightDifference median_difference(std::span<const LightValues> a, std::span<const LightValues> b);
+
 }  // namespace sandglass::host

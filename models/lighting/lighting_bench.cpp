@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 
 #include "models/host/failure.h"
 #include "models/host/machine_peak.h"
@@ -57,25 +56,6 @@ sandglass_camera_image camera_image_of(const std::vector<uint8_t>& rgb) {
 LightValues values_of(const sandglass_light_estimate& e) {
   return {e.direction[0], -e.direction[1], -e.direction[2], e.light[0],   e.light[1],
           e.light[2],     e.ambient[0],    e.ambient[1],    e.ambient[2], e.contrast};
-}
-
-// Medians over the images.
-void compare(const std::vector<LightValues>& truth, LightingBenchRow* row) {
-  std::vector<double> angles, differences;
-  for (size_t k = 0; k < truth.size(); ++k) {
-    const LightValues &e = row->estimates[k], &t = truth[k];
-    double square = 0;  // of the chord
-    float most = 0;
-    for (size_t i = 0; i < 3; ++i) square += std::pow(static_cast<double>(e[i]) - static_cast<double>(t[i]), 2);
-    for (size_t i = 3; i < e.size(); ++i) most = std::max(most, std::fabs(e[i] - t[i]));
-    angles.push_back(2 * std::asin(std::min(1.0, 0.5 * std::sqrt(square))) * 180 / std::numbers::pi);
-    differences.push_back(static_cast<double>(most));
-  }
-  const auto median = [](std::vector<double>& values) {
-    std::sort(values.begin(), values.end());
-    return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
-  };
-  row->angle_deg = median(angles), row->difference = median(differences);
 }
 
 void add_part(LightingBenchRow* row, const std::string& name, double ms) {
@@ -231,7 +211,10 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
   if (truth.empty() && bench.rows.size() == std::size(k_cases)) truth = bench.rows[1].estimates;
   bench.compared = !truth.empty();
   if (bench.compared)
-    for (LightingBenchRow& row : bench.rows) compare(truth, &row);
+    for (LightingBenchRow& row : bench.rows) {
+      const LightDifference off = median_difference(row.estimates, truth);
+      row.angle_deg = off.angle_deg, row.difference = off.other;
+    }
   go_on(k_steps, k_steps);
   return bench;
 }

@@ -23,36 +23,6 @@ namespace {
 
 const std::string k_folder = SANDGLASS_EXCERPTS_DIR;
 
-double angle_deg(const LightValues& a, const LightValues& b) {
-  double dot = 0, lengths[2] = {};
-  for (size_t i = 0; i < 3; ++i) {
-    const double x = static_cast<double>(a[i]), y = static_cast<double>(b[i]);
-    dot += x * y, lengths[0] += x * x, lengths[1] += y * y;
-  }
-  return std::acos(std::clamp(dot / std::sqrt(lengths[0] * lengths[1]), -1.0, 1.0)) * 180 / std::numbers::pi;
-}
-
-// The greatest of the colours' channels and the contrast.
-double difference(const LightValues& a, const LightValues& b) {
-  double most = 0;
-  for (size_t i = 3; i < a.size(); ++i) most = std::max(most, static_cast<double>(std::fabs(a[i] - b[i])));
-  return most;
-}
-
-struct Medians {
-  double angle_deg, difference;
-};
-Medians medians(const std::vector<LightValues>& a, const std::vector<LightValues>& b) {
-  std::vector<double> angles, differences;
-  for (size_t i = 0; i < a.size(); ++i)
-    angles.push_back(angle_deg(a[i], b[i])), differences.push_back(difference(a[i], b[i]));
-  const auto median = [](std::vector<double>* v) {
-    std::sort(v->begin(), v->end());
-    return 0.5 * ((*v)[(v->size() - 1) / 2] + (*v)[v->size() / 2]);
-  };
-  return {median(&angles), median(&differences)};
-}
-
 std::vector<uint8_t> shipped() {
   const std::string content = read_file(SANDGLASS_LIGHTS_DIR "/room.light", "lighting network");
   return {content.begin(), content.end()};
@@ -69,16 +39,15 @@ TEST(Excerpts, TheShippedBytesSayWhatPyTorchSaysInFloat) {
                      out.ambient[0], out.ambient[1], out.ambient[2], out.contrast});
     floats.push_back(excerpt.values);
   }
-  const Medians found = medians(bytes, floats);
+  const LightDifference found = median_difference(bytes, floats);
   EXPECT_LE(found.angle_deg, 1.0);
-  EXPECT_LE(found.difference, 0.01);
-  std::printf("bytes against float on %zu excerpts: median %.3f deg, %.4f\n", all.size(), found.angle_deg,
-              found.difference);
+  EXPECT_LE(found.other, 0.01);
+  std::printf("bytes against float on %zu excerpts: median %.3f deg, %.4f\n", all.size(), found.angle_deg, found.other);
   // The control: a network that says of each image what PyTorch says of the next is past both limits.
   std::rotate(bytes.begin(), bytes.begin() + 1, bytes.end());
-  const Medians shifted = medians(bytes, floats);
+  const LightDifference shifted = median_difference(bytes, floats);
   EXPECT_GT(shifted.angle_deg, 2.0);
-  EXPECT_GT(shifted.difference, 0.02);
+  EXPECT_GT(shifted.other, 0.02);
 }
 
 // The heads are in the file in float, as PyTorch has them: the table was made with the weights of this very file.
