@@ -22,7 +22,8 @@ import numpy as np
 import torch
 
 sys.dont_write_bytecode = True
-import train
+import light_data
+import light_network
 
 FOLDER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "excerpts")
 SEED = 1
@@ -39,16 +40,16 @@ def sha256_of(arrays):
 
 def write_weights(pretrained, path):
     torch.manual_seed(SEED)
-    network = train.LightNet()
+    network = light_network.LightNet()
     network.load(pretrained)
     network.give_lanes()
     arrays = network.exported()  # as train.py --initial --lanes --seed 1 has it
     heads = np.load(os.path.join(FOLDER, "heads.npz"))
-    copies, j = train.COPIES_OF_START, 0
+    copies, j = light_network.COPIES_OF_START, 0
     used = 10 * copies
     arrays["latent/kernel"][:, :used] = np.repeat(heads["slopes"], copies, 1)
     arrays["latent/bias"][:] = 0
-    arrays["latent/bn/beta"][:used] = train.SHIFT_OF_START
+    arrays["latent/bn/beta"][:used] = light_network.SHIFT_OF_START
     for name in ("moving_mean", "moving_variance"):
         arrays["latent/bn/" + name] = heads[name]
     for name in ("direction", "light", "ambient", "contrast"):
@@ -67,14 +68,14 @@ def write_weights(pretrained, path):
 
 def write_estimates(weights, pixels, path):
     names = sorted(os.path.basename(name) for name in glob.glob(FOLDER + "/*.jpg"))
-    images = np.fromfile(pixels, np.uint8).reshape(len(names), train.HEIGHT, train.WIDTH, 3)
-    network = train.LightNet()
+    images = np.fromfile(pixels, np.uint8).reshape(len(names), light_data.HEIGHT, light_data.WIDTH, 3)
+    network = light_network.LightNet()
     if not network.load(weights):
         sys.exit(f"'{weights}' has no heads; make it with `float_network.py weights`")
     network.eval()
     with open(path, "w", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
-        out.writerow(["image", "fnv1a"] + list(train.LABELS))
+        out.writerow(["image", "fnv1a"] + list(light_data.LABELS))
         for name, image in zip(names, images):
             hashed = 14695981039346656037
             for byte in image.tobytes():

@@ -73,24 +73,27 @@ import torch.nn.functional as F
 folder = sys.argv[1]
 sys.path.insert(0, sys.argv[2])
 sys.dont_write_bytecode = True
+import light_data
+import light_network
+import light_ridge
 import train
 arrays = dict(np.load(folder + "/lanes.npz"))
 np.savez(folder + "/lanes_trunk.npz", **{k: v for k, v in arrays.items() if k.split("/")[0] not in ("latent", *train.LOSS_WEIGHTS)})
-net, rows = train.LightNet(), train.Rows([folder + "/set"])
+net, rows = light_network.LightNet(), light_data.Rows([folder + "/set"])
 net.learned = 16
 assert not net.load(folder + "/lanes_trunk.npz")
 net.eval()
-rgb = train.to_tensor([train.prepared(rows, i, 0, 1) for i in range(4)], "cpu")
+rgb = light_data.to_tensor([light_data.prepared(rows, i, 0, 1) for i in range(4)], "cpu")
 with torch.no_grad():
     features = net.features(net.trunk(rgb))[:, torch.from_numpy(net.lanes)].double()
-mean = torch.tensor(train.MEAN).view(1, 3, 1, 1)
+mean = torch.tensor(light_network.MEAN).view(1, 3, 1, 1)
 smooth = F.avg_pool2d(F.pad(rgb - mean, (3, 3, 3, 3)), 7, 2) + mean  # what lies beyond the image is the mean
-lanes = torch.cat([F.max_pool2d((smooth[:, c:c + 1] - t).clamp(min=0), 3, 2, 1) for c, t in train.LANES], 1).double()
+lanes = torch.cat([F.max_pool2d((smooth[:, c:c + 1] - t).clamp(min=0), 3, 2, 1) for c, t in light_network.LANES], 1).double()
 lanes = F.avg_pool2d(lanes, 8)
 parts = [lanes.mean((2, 3))]
-for k in range(1, train.LAYOUT_LAYERS + 1):
+for k in range(1, light_network.LAYOUT_LAYERS + 1):
     parts += [lanes[:, :, k:].sum((2, 3)) / 48, lanes[:, :, :, k:].sum((2, 3)) / 48]
-count = len(train.LANES)
+count = len(light_network.LANES)
 found = features.split(count, 1)
 assert len(found) == len(parts) and lanes.mean() > 0.05
 assert np.allclose(found[0].sort(1).values, parts[0].sort(1).values, atol=1e-5)  # their places are in the order of use
@@ -100,14 +103,14 @@ for a, b in zip(found[1:], parts[1:]):
 norm = torch.nn.BatchNorm2d(3)
 norm.weight.data, norm.bias.data = torch.tensor([0.5, 1.0, 2.0]), torch.tensor([0.3, -1.0, 0.0])
 drawn = np.maximum(np.random.default_rng(1).normal(size=(1000000, 3)) * norm.weight.data.numpy() + norm.bias.data.numpy(), 0)
-found_mean, found_deviation = train.expected(norm, torch.arange(3))
+found_mean, found_deviation = light_network.expected(norm, torch.arange(3))
 assert np.allclose(found_mean.detach(), drawn.mean(0), atol=5e-3) and np.allclose(found_deviation.detach(), drawn.std(0), atol=5e-3)
 # A trust t is a ridge of 1/t^2 times as much: of uncorrelated features of deviation 1 the slope is c t^2 / (t^2 + ridge).
 design = np.array([[1, 1, 1, 1, -1, -1, -1, -1], [1, 1, -1, -1, 1, 1, -1, -1], [1, -1, 1, -1, 1, -1, 1, -1]], float).T
 labels = np.full((8, 10), 0.5)
 labels[:, :3] = 0.2 * design
 trust = np.array([1.0, 0.3, 0.1])
-slopes = train.Regression(design, labels, np.ones(8), trust).slopes((0.25,) * 4)
+slopes = light_ridge.Regression(design, labels, np.ones(8), trust).slopes((0.25,) * 4)
 assert np.allclose(slopes[:, :3], np.diag(0.1 * trust ** 2 / (trust ** 2 + 0.25)), atol=1e-12)
 PY
 run "$folder/laned" --weights "$folder/lanes_trunk.npz" --epochs 1 >"$folder/laned.log"
@@ -116,9 +119,9 @@ import json, sys
 import numpy as np
 sys.path.insert(0, sys.argv[2])
 sys.dont_write_bytecode = True
-import train
+import light_ridge
 laned = json.load(open(sys.argv[1] + "/laned/fold_1.json"))
-assert len(laned["trusts"]) == 4 and all(trust in train.TRUSTS for trust in laned["trusts"]), laned
+assert len(laned["trusts"]) == 4 and all(trust in light_ridge.TRUSTS for trust in laned["trusts"]), laned
 assert np.array_equal(np.load(sys.argv[1] + "/laned/weights.npz")["lanes"], np.load(sys.argv[1] + "/lanes.npz")["lanes"])
 PY
 # The exported weights, only tested.
@@ -129,7 +132,7 @@ import numpy as np
 folder = sys.argv[1]
 sys.path.insert(0, sys.argv[2])
 sys.dont_write_bytecode = True
-import train
+import light_data
 whole, broken = (json.load(open(f"{folder}/{name}/fold_1.json")) for name in ("whole", "broken"))
 assert whole["log"] == broken["log"], (whole["log"], broken["log"])
 weights = [np.load(f"{folder}/{name}/weights.npz") for name in ("whole", "broken")]
@@ -149,21 +152,21 @@ estimates = [np.loadtxt(f"{folder}/{name}/fold_1_estimates.csv", delimiter=",", 
              for name in ("whole", "again")]
 assert np.abs(estimates[0] - estimates[1]).max() < 2e-6, np.abs(estimates[0] - estimates[1]).max()
 assert np.allclose(np.linalg.norm(estimates[0][:, :3], axis=1), 1, atol=1e-5)
-rows = train.Rows([folder + "/set"], [folder + "/more"])
+rows = light_data.Rows([folder + "/set"], [folder + "/more"])
 for fold in (1, 2, 3):
     trained, tested = rows.split(fold)
     assert {rows.location[i] for i in tested} == {"abc"[fold - 1]} and len(tested) == 8
     assert not {rows.location[i] for i in trained} & {rows.location[i] for i in tested} and len(trained) == 32
 assert len(rows.split(None)[0]) == 48 and len(rows.split(None)[1]) == 0
-image, mirror = (train.prepared(rows, 5, copy, 1) for copy in (0, 1))
+image, mirror = (light_data.prepared(rows, 5, copy, 1) for copy in (0, 1))
 assert np.array_equal(mirror, image[:, ::-1]) and not np.array_equal(mirror, image)
 label = rows.labels[5]
-mirrored = train.label_of(rows, 5, 1, 1)
+mirrored = light_data.label_of(rows, 5, 1, 1)
 assert mirrored[0] == -label[0] != 0 and np.array_equal(mirrored[1:], label[1:])
 # The mean of an augmented image, before its noise and JPEG, follows the same gain as its ambient colour.
-bright = train.label_of(rows, 5, 2, 1)[6:9] / label[6:9]
-gain = train.gain_of(np.random.default_rng([1, 5, 2]))
-assert np.allclose(bright, gain, rtol=1e-5) and np.array_equal(train.label_of(rows, 5, 2, 1)[:3], label[:3])
+bright = light_data.label_of(rows, 5, 2, 1)[6:9] / label[6:9]
+gain = light_data.gain_of(np.random.default_rng([1, 5, 2]))
+assert np.allclose(bright, gain, rtol=1e-5) and np.array_equal(light_data.label_of(rows, 5, 2, 1)[:3], label[:3])
 print("resumed as unbroken:", whole["log"][-1])
 PY
 # The table of estimates goes into the evaluation; made-up rooms of three places prove nothing, so any verdict will do.
@@ -223,35 +226,36 @@ import numpy as np
 folder = sys.argv[1]
 sys.path.insert(0, sys.argv[2])
 sys.dont_write_bytecode = True
-import train
+import light_data
+import light_ridge
 a, b = (np.loadtxt(f"{folder}/{file}.csv", delimiter=",", skiprows=1, usecols=range(1, 11))
         for file in ("fitted/fold_1_estimates", "bytes/estimates"))
 print("greatest difference between heads in float and in bytes:", np.abs(a - b).max())
 assert a.shape == b.shape == (8, 10) and np.abs(a - b).max() < 0.05, np.abs(a - b).max()
-assert all(r in train.RIDGES for r in json.load(open(f"{folder}/fitted/fold_1.json"))["ridges"])
+assert all(r in light_ridge.RIDGES for r in json.load(open(f"{folder}/fitted/fold_1.json"))["ridges"])
 # The closed form: with a ridge of next to nothing the labels of a linear law come back, with a strong one their mean.
 random = np.random.default_rng(3)
 features = random.normal(size=(400, 6)) * [1, 2, 3, 1, 2, 3] + 5
 logits = 0.1 * (features - 5) @ random.normal(size=(6, 10))
 labels = np.concatenate([2 * logits[:, :3], 1 / (1 + np.exp(-logits[:, 3:]))], 1)
-regression = train.Regression(features, labels, np.ones(400))
+regression = light_ridge.Regression(features, labels, np.ones(400))
 found = regression.answer + (features - regression.mean) @ regression.slopes((1e-9,) * 4)
 assert np.allclose(found, logits, atol=1e-6)
 assert np.abs(regression.slopes((1e9,) * 4)).max() < 1e-6
 # Chosen by other folds: a law that they share asks for the weakest ridge, labels that follow nothing for the strongest.
 folds, weights, judged = np.arange(400) % 4, np.ones(400), np.ones(400, bool)
 def chosen_ridges(*arguments):
-    return train.best_ridges(train.ridge_errors(*arguments))
-assert chosen_ridges(features, labels, weights, folds, judged)[1:] == (train.RIDGES[0],) * 3
+    return light_ridge.best_ridges(light_ridge.ridge_errors(*arguments))
+assert chosen_ridges(features, labels, weights, folds, judged)[1:] == (light_ridge.RIDGES[0],) * 3
 noise = random.normal(size=(400, 150))
 assert min(chosen_ridges(noise, labels, weights, folds, judged)[1:]) >= 10
-assert chosen_ridges(features, labels, weights, folds * 0, judged) == train.USUAL_RIDGES
+assert chosen_ridges(features, labels, weights, folds * 0, judged) == light_ridge.USUAL_RIDGES
 # Two sets of features to choose from: one says nothing, one the labels; and one the labels of the tested place alone.
-rows = train.Rows([folder + "/set"], [folder + "/more"])
+rows = light_data.Rows([folder + "/set"], [folder + "/more"])
 at = 0
 for name in ("set", "more"):
     count = rows.folder.count(f"{folder}/{name}")
-    labels = np.concatenate([[train.label_of(rows, i, copy, 1) for i in range(at, at + count)] for copy in (0, 1)])
+    labels = np.concatenate([[light_data.label_of(rows, i, copy, 1) for i in range(at, at + count)] for copy in (0, 1)])
     tested = np.tile(rows.fold[at:at + count] == 1, 2)
     nothing = random.normal(size=(2 * count, 1024)).astype(np.float32)
     for kind, told in (("nothing", tested & False), ("labels", tested | True), ("tested", tested)):
