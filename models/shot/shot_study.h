@@ -38,11 +38,6 @@ struct ShotStudy {
   bool beats(ShotVariant ablation, int metric) const {
     return mean[0][metric] < mean[static_cast<int>(ablation)][metric];
   }
-  // It is above the ablation's by more than the interval: what a few views can say.
-  bool surely_loses(ShotVariant ablation, int metric) const {
-    const Paired p = paired(ShotVariant::labels, ablation, metric);
-    return !(p.mean + p.half >= 0.0);
-  }
 };
 void take_means(ShotStudy* study);
 

@@ -222,7 +222,7 @@ TEST_F(Cli, RefusesOptionsThatTheCaseDoesNotUse) {
   const std::map<std::string, std::string> verify = {
       {"granular", "panoramas manifest estimates network object views samples seed threads"},
       {"lighting", "case quick seed"},
-      {"shot", "case isa manifest estimates object views samples"}};
+      {"shot", "case quick isa manifest estimates object views samples"}};
   const std::map<std::string, std::string> values = {{"peers", ""}, {"quick", ""}, {"case", "rest"}};
   for (const auto& [command, cases] : {std::pair{"bench ", bench}, {"verify ", verify}})
     for (const auto& [name, unused] : cases) {

@@ -76,16 +76,6 @@ TEST(ShotStudy, OnlyASmallerMeanBeats) {
   EXPECT_FALSE(other.beats(ShotVariant::no_shadow, 0));
 }
 
-// Of three the interval is 4.303 standard errors: -1, -2, -3 lose by 2 and are uncertain by 2.48, -4, -5, -6 surely
-// lose.
-TEST(ShotStudy, FewViewsLoseOnlyBeyondChance) {
-  EXPECT_FALSE(study_of({-1, -2, -3}).surely_loses(ShotVariant::no_shadow, 0));
-  EXPECT_TRUE(study_of({-4, -5, -6}).surely_loses(ShotVariant::no_shadow, 0));
-  EXPECT_FALSE(study_of({4, 5, 6}).surely_loses(ShotVariant::no_shadow, 0));
-  EXPECT_FALSE(study_of({-1}).surely_loses(ShotVariant::no_shadow, 0)) << "of one view nothing is known";
-  EXPECT_TRUE(study_of({-1, std::numeric_limits<double>::quiet_NaN(), -1}).surely_loses(ShotVariant::no_shadow, 0));
-}
-
 TEST(ShotStudy, TheTableSaysWhatIsWorseThanAnArbitraryLight) {
   ShotStudy study = study_of({0.2, 0.3});
   for (ShotView& view : study.views) view.has_estimate = true, view.panorama = "hall";
