@@ -26,12 +26,6 @@ struct sandglass_scene {
 
 namespace {
 
-constexpr float k_grain_radii =
-    0.35f;  // grain_radius 0: about the size at which 16 grains fill a particle's share of space
-
-// Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 72 for r = 1 cm.
-constexpr float k_substep_units = 0.00871f;
-
 struct Failure {
   const char** reason;
   sandglass_status operator()(sandglass_status status, const char* sentence) const {
@@ -187,12 +181,12 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   Shadows shadows = {{input->shadows, input->shadow_count}, input->pile_shadow};
   if (shadows.pile != nullptr) {
     // Sand is what is drawn: grains where there are any. Particles that stray carry none.
-    const bool drawn = granular->grain_count != 0;
-    const sandglass::PileSource source = {drawn ? nullptr : &granular->records[0],
-                                          drawn ? &granular->grains[0] : nullptr, nullptr,
-                                          drawn ? granular->grain_count : granular->particle_count,
+    const bool drawn = granular->grains.count != 0;
+    const sandglass::PileSource source = {drawn ? nullptr : &granular->particles.records[0],
+                                          drawn ? &granular->grains.records[0] : nullptr, nullptr,
+                                          drawn ? granular->grains.count : granular->particles.count,
                                           drawn ? granular->desc.grain_radius : granular->desc.particle_radius};
-    const bool moving = granular->awake_count != 0 || (drawn && granular->grain_group_count != 0);
+    const bool moving = granular->sleep.awake_count != 0 || (drawn && granular->grain_sleep.group_count != 0);
     shadows.pile->functions->begin_frame(shadows.pile, source, moving);
   }
   const Stage stages[SANDGLASS_STAGE_COUNT] = {
@@ -211,43 +205,20 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
 }
 
 void describe(const sandglass_scene& scene, sandglass_frame_report* report) {
-  const Granular& g = scene.granular;
   report->frame = scene.frame;
-  report->simulated_time = g.simulated;
-  const double debt = g.owed + g.slipped;
-  report->time_debt = debt > 1e-9 ? debt : 0.0;
-  report->grain_lag = g.grain_count == 0 ? 0.0f : static_cast<float>(g.unswept);
-  report->substep = g.substep;
-  report->substeps = g.substeps;
-  report->list_builds = g.list_builds;
-  report->particles = g.particle_count;
-  report->awake = g.awake_count;
-  report->grains = g.grain_count;
-  const uint32_t awake_grains = g.grain_group_count * sandglass::k_lane_group;
-  report->awake_grains = awake_grains < g.grain_count ? awake_grains : g.grain_count;
-  report->dropped_contacts = g.dropped_contacts;
-  report->quarantined = g.quarantined;
-  report->ignored_colliders = g.ignored_colliders;
-  report->particle_numbers = g.particle_count + g.free_particle_count;
-  report->grain_numbers = g.grain_count + g.free_grain_count;
-  report->emitted_particles = g.emitted_particles;
-  report->emitted_grains = g.emitted_grains;
-  report->removed_particles = g.removed_particles;
-  report->removed_grains = g.removed_grains;
-  report->denied_particles = g.denied_particles;
-  report->speed_max = g.speed_max;
+  sandglass::granular_describe(scene.granular, report);
 }
 
 void say(const sandglass_scene& scene) {
   const sandglass_log& log = scene.desc.log;
   if (log.write == nullptr) return;
   const Granular& g = scene.granular;
-  if (g.dropped_contacts != 0)
+  if (g.counts.dropped_contacts != 0)
     log.write(log.user, "granular: more neighbours than a list holds; some contacts were left out in this frame.");
-  if (g.quarantined != 0)
+  if (g.counts.quarantined != 0)
     log.write(log.user,
               "granular: a particle or grain left the coordinate range or was not finite; it was put to rest.");
-  if (g.ignored_colliders != 0)
+  if (g.counts.ignored_colliders != 0)
     log.write(log.user,
               "granular: a collider was not finite, degenerate or beyond collider_capacity; it was left out.");
 }
@@ -363,17 +334,7 @@ sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* 
   s->layout = layout;
   s->kernels = kernels;
   s->granular = granular;
-  Granular& g = s->granular;
-  g.kernels = kernels;
-  g.parallel = desc->parallel;
-  g.unit = desc->unit_items;
-  for (int k = 0; k < 3; ++k) g.gravity[k] = desc->gravity[k];
-  g.gravity_length = length_of(desc->gravity);
-  sandglass_granular_desc& d = g.desc;
-  const float pull = g.gravity_length > 0.1f ? g.gravity_length : 9.81f;  // weightless scenes keep the Earth's step
-  g.substep_max = d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
-  g.substep_min = d.substep_min > 0.0f ? d.substep_min : 0.25f * g.substep_max;
-  if (d.grain_radius <= 0.0f) d.grain_radius = k_grain_radii * d.particle_radius;
+  sandglass::granular_configure(&s->granular, *desc, kernels);
   reset(s);
   *scene = s;
   return succeed(reason);
@@ -447,7 +408,7 @@ sandglass_status sandglass_granular_add_body(sandglass_scene* scene, const sandg
 sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index) {
   sandglass_body_pose pose = {};
   pose.rotation[3] = 1.0f;
-  if (scene != nullptr && index < scene->granular.body_count)
+  if (scene != nullptr && index < scene->granular.bodies.count)
     sandglass::granular_body_pose(scene->granular, index, &pose);
   return pose;
 }
@@ -468,7 +429,7 @@ sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float s
   }
   scene->granular.desc.static_friction = static_friction;
   scene->granular.desc.kinetic_friction = kinetic_friction;
-  sandglass::granular_wake_all(&scene->granular);
+  sandglass::sleep_wake_all(&scene->granular);
   return succeed(reason);
 }
 
@@ -513,23 +474,24 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
 
 void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities) {
   const Granular& g = scene->granular;
-  copy_items(g.records[0], g.particle_count, g.free_particles, g.free_particle_count, positions, velocities);
+  copy_items(g.particles.records[0], g.particles.count, g.flow.free_particles, g.flow.free_particle_count, positions,
+             velocities);
 }
 
 void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities) {
   const Granular& g = scene->granular;
-  copy_items(g.grains[0], g.grain_count, g.free_grains, g.free_grain_count, positions, velocities);
+  copy_items(g.grains.records[0], g.grains.count, g.flow.free_grains, g.flow.free_grain_count, positions, velocities);
 }
 
 uint64_t sandglass_scene_hash(const sandglass_scene* scene) {
   const Granular& g = scene->granular;
   uint64_t hash = 0;
-  for (uint32_t i = 0; i < g.particle_count; ++i) {
-    const sandglass::Particle& p = g.records[0][i];
+  for (uint32_t i = 0; i < g.particles.count; ++i) {
+    const sandglass::Particle& p = g.particles.records[0][i];
     hash += item_hash(0, p.identity, p.position, p.velocity);
   }
-  for (uint32_t i = 0; i < g.grain_count; ++i) {
-    const sandglass::Grain& grain = g.grains[0][i];
+  for (uint32_t i = 0; i < g.grains.count; ++i) {
+    const sandglass::Grain& grain = g.grains.records[0][i];
     hash += item_hash(1, grain.number, grain.position, grain.velocity);
   }
   return hash;
