@@ -5,7 +5,7 @@
 #include "runtime/core/governor.h"
 #include "runtime/core/layout.h"
 #include "runtime/granular/granular.h"
-#include "runtime/lighting/light.h"
+#include "runtime/light/light.h"
 #include "runtime/shadow/pile.h"
 #include "runtime/shadow/shadow.h"
 #include "sandglass/sandglass.h"

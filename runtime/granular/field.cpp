@@ -1,7 +1,7 @@
 // Signed distances on a grid. From a mesh: every triangle writes its exact distance to the nodes within the band; from
 // there distances spread node by node (two sweeps over the 26 neighbours), never below the truth and at most 13 % above
 // it; an inside test gives the sign. No memory but the field's own.
-#include "runtime/sampling/field.h"
+#include "runtime/granular/field.h"
 
 #include "runtime/sampling/arguments.h"
 
