@@ -128,7 +128,7 @@ void accumulate(Granular* g, uint32_t slot) {
   for (int k = 0; k < 3; ++k) {
     const double displacement = static_cast<double>(next[4 + k]) * dt;
     double stabilised = 0.0;  // what the stabilisation moved the start position by: position, not velocity
-    if (g->desc.stabilisation_iterations != 0)
+    if (g->desc.reference.stabilisation_iterations != 0)
       stabilised = static_cast<double>(next[k]) - static_cast<double>(now[k]) - displacement;
     carried[k] = displacement;
     moved[k] = displacement + stabilised;

@@ -97,13 +97,15 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (outside(d.static_friction, 0.0f, 10.0f)) return "granular.static_friction must be 0 to 10.";
   if (outside(d.kinetic_friction, 0.0f, 10.0f)) return "granular.kinetic_friction must be 0 to 10.";
   if (outside(d.height_weighting, 0.0f, 1.5f)) return "granular.height_weighting must be 0 (off) to 1.5.";
-  if (d.scheme != SANDGLASS_SCHEME_SMALL_STEP && d.scheme != SANDGLASS_SCHEME_AVERAGED)
-    return "granular.scheme must be a SANDGLASS_SCHEME value.";
-  if (d.solver_iterations < 1 || d.solver_iterations > 64) return "granular.solver_iterations must be 1 to 64.";
-  if (d.stabilisation_iterations > 8) return "granular.stabilisation_iterations must be 0 to 8.";
-  const float most = d.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 0.45f : 2.0f;
-  if (!(d.relaxation > 0.0f && d.relaxation <= most)) {
-    return "granular.relaxation must be above 0 and at most 0.45 (SMALL_STEP) or 2 (AVERAGED): above that, piles blow "
+  if (d.reference.scheme != SANDGLASS_SCHEME_SMALL_STEP && d.reference.scheme != SANDGLASS_SCHEME_AVERAGED)
+    return "granular.reference.scheme must be a SANDGLASS_SCHEME value.";
+  if (d.reference.solver_iterations < 1 || d.reference.solver_iterations > 64)
+    return "granular.reference.solver_iterations must be 1 to 64.";
+  if (d.reference.stabilisation_iterations > 8) return "granular.reference.stabilisation_iterations must be 0 to 8.";
+  const float most = d.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 0.45f : 2.0f;
+  if (!(d.reference.relaxation > 0.0f && d.reference.relaxation <= most)) {
+    return "granular.reference.relaxation must be above 0 and at most 0.45 (SMALL_STEP) or 2 (AVERAGED): above that, "
+           "piles blow "
            "up.";
   }
   if (!(d.courant > 0.0f && d.courant <= 1.0f)) return "granular.courant must be above 0 and at most 1.";
@@ -112,8 +114,8 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (d.substep_min > 0.0f && d.substep_max > 0.0f && d.substep_min > d.substep_max)
     return "granular.substep_min must not exceed substep_max.";
   if (outside(d.list_skin, 0.1f, 1.0f)) return "granular.list_skin must be 0.1 to 1 particle radius.";
-  if (d.blend != SANDGLASS_BLEND_CONTINUOUS && d.blend != SANDGLASS_BLEND_SOURCE)
-    return "granular.blend must be a SANDGLASS_BLEND value.";
+  if (d.reference.blend != SANDGLASS_BLEND_CONTINUOUS && d.reference.blend != SANDGLASS_BLEND_SOURCE)
+    return "granular.reference.blend must be a SANDGLASS_BLEND value.";
   if (outside(d.sleep_after, 0.0f, 5.0f)) return "granular.sleep_after must be 0 (never) to 5 seconds.";
   if (outside(d.refine_step, 1e-4f, 0.1f)) return "granular.refine_step must be 0.0001 to 0.1 seconds.";
   return nullptr;
@@ -125,7 +127,7 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   g->particle_rows = round_up(d.particle_capacity, k_lane_group) + k_slack;
   g->inert = g->particle_rows + d.boundary_capacity;
   const uint64_t records = (static_cast<uint64_t>(g->inert) + k_slack) * k_record_floats;
-  const bool several_passes = d.solver_iterations + d.stabilisation_iterations > 1;
+  const bool several_passes = d.reference.solver_iterations + d.reference.stabilisation_iterations > 1;
   g->records[0] = layout_region<float>(layout, "granular.particles", records);
   g->records[1] = layout_region<float>(layout, "granular.particles_next", records);
   g->records[2] = layout_region<float>(layout, "granular.particles_between", several_passes ? records : 0);

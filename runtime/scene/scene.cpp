@@ -315,14 +315,14 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.static_friction = 0.14f;
   g.kinetic_friction = 0.14f;
   g.height_weighting = 0.3f;
-  g.scheme = SANDGLASS_SCHEME_SMALL_STEP;
-  g.solver_iterations = 1;
-  g.relaxation = 0.45f;
   g.courant = 0.5f;
   g.list_skin = 0.6f;
   g.sleep_after = 0.5f;
-  g.blend = SANDGLASS_BLEND_CONTINUOUS;
   g.refine_step = 0.008f;
+  g.reference.scheme = SANDGLASS_SCHEME_SMALL_STEP;
+  g.reference.blend = SANDGLASS_BLEND_CONTINUOUS;
+  g.reference.solver_iterations = 1;
+  g.reference.relaxation = 0.45f;
 }
 
 void sandglass_frame_input_default(sandglass_frame_input* input) {
