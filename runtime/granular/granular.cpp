@@ -104,9 +104,8 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (d.reference.stabilisation_iterations > 8) return "granular.reference.stabilisation_iterations must be 0 to 8.";
   const float most = d.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 0.45f : 2.0f;
   if (!(d.reference.relaxation > 0.0f && d.reference.relaxation <= most)) {
-    return "granular.reference.relaxation must be above 0 and at most 0.45 (SMALL_STEP) or 2 (AVERAGED): above that, "
-           "piles blow "
-           "up.";
+    return "granular.reference.relaxation must be above 0 and at most 0.45 (SMALL_STEP) or 2 (AVERAGED): above "
+           "that, piles blow up.";
   }
   if (!(d.courant > 0.0f && d.courant <= 1.0f)) return "granular.courant must be above 0 and at most 1.";
   if (outside(d.substep_max, 0.0f, 0.1f)) return "granular.substep_max must be 0 (automatic) to 0.1 seconds.";
@@ -225,28 +224,27 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
                               uint32_t grain_count, const char** reason) {
   if ((particle_count != 0 && particles == nullptr) || (grain_count != 0 && grains == nullptr)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add: a count is above 0 but its positions are NULL.", reason);
+                "particle_positions or grain_positions is NULL but its count is above 0: pass 3 floats for each item.",
+                reason);
   }
   if (particle_count > g->desc.particle_capacity - g->particle_count) {
-    return fail(SANDGLASS_ERROR_CAPACITY,
-                "sandglass_granular_add: more particles than granular.particle_capacity has room for: raise it.",
+    return fail(SANDGLASS_ERROR_CAPACITY, "more particles than granular.particle_capacity has room for: raise it.",
                 reason);
   }
   if (grain_count > g->desc.grain_capacity - g->grain_count) {
-    return fail(SANDGLASS_ERROR_CAPACITY,
-                "sandglass_granular_add: more grains than granular.grain_capacity has room for: raise it.", reason);
+    return fail(SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.", reason);
   }
   if (!all_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
       !all_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add: a position is not finite or more than 1000 m from the scene origin: move the "
+                "a position is not finite or more than 1000 m from the scene origin: move the "
                 "origin nearer.",
                 reason);
   }
   if ((particle_velocities != nullptr && !all_within(particle_velocities, particle_count, k_speed_limit)) ||
       (grain_velocities != nullptr && !all_within(grain_velocities, grain_count, k_speed_limit))) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add: a velocity is not finite or above 10000 m/s.", reason);
+                "a velocity is not finite or above 10000 m/s: check where it comes from.", reason);
   }
   if (particle_count != 0) granular_abandon_substep(g);
   for (uint32_t i = 0; i < particle_count; ++i) {
@@ -328,12 +326,15 @@ sandglass_status granular_set_boundary(Granular* g, const float* positions, uint
                 "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.", reason);
   }
   if (count != 0 && positions == nullptr) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_set_boundary: count is above 0 but positions is NULL.", reason);
+    return fail(
+        SANDGLASS_ERROR_INVALID_ARGUMENT,
+        "sandglass_granular_set_boundary: positions is NULL but count is above 0: pass 3 floats for each sample.",
+        reason);
   }
   if (!all_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin.",
+                "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin: "
+                "move the origin nearer.",
                 reason);
   }
   granular_wake_all(g);
