@@ -109,7 +109,7 @@ void run_refine(Granular* g) {
   a.support = k_support_radii * g->desc.particle_radius;
   a.step = g->sweep_step;
   a.steps = g->sweep_steps;
-  a.source_rule = g->desc.blend == SANDGLASS_BLEND_SOURCE ? 1 : 0;
+  a.source_rule = g->desc.reference.blend == SANDGLASS_BLEND_SOURCE ? 1 : 0;
   a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
   a.colliders = g->sweep_colliders;
   a.collider_count = g->collider_count;

@@ -43,7 +43,7 @@ constexpr uint32_t k_dither_stride =
 constexpr double k_time_resolution = 1e-9;  // seconds; less is not owed
 
 uint32_t passes_of(const Granular& g, ParticlePhase phase) {
-  return phase == ParticlePhase::stabilise ? g.desc.stabilisation_iterations : g.iterations;
+  return phase == ParticlePhase::stabilise ? g.desc.reference.stabilisation_iterations : g.iterations;
 }
 
 // Half the diagonal of the box that holds all displacements of a sub-step; where something stands still, the longest
@@ -63,7 +63,7 @@ float spread_of(const Granular& g, const ContactExtent& e) {
 
 // Length of the next sub-steps: (4.45) within the scheme's range, equal parts of the interval (erratum of Alg. 5).
 uint32_t substeps_for(const Granular& g, double interval, uint32_t level) {
-  float limit = rung_substep(k_ladder[level], g.desc.solver_iterations, g.substep_max);
+  float limit = rung_substep(k_ladder[level], g.desc.reference.solver_iterations, g.substep_max);
   if (g.speed_max > 0.0f) {
     const float courant = g.desc.courant * g.desc.particle_radius / g.speed_max;
     limit = courant < limit ? courant : limit;
@@ -126,10 +126,10 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
     if (!g.touch_due && g.interval_left == 0 && (g.owed < k_time_resolution || waits_for_grains(g, level)))
       return false;
     cursor = 0;
-    phase = g.touch_due                            ? ParticlePhase::touch
-            : plan_substep(g, level).stale         ? ParticlePhase::sort
-            : g.desc.stabilisation_iterations != 0 ? ParticlePhase::stabilise
-                                                   : ParticlePhase::solve;
+    phase = g.touch_due                                      ? ParticlePhase::touch
+            : plan_substep(g, level).stale                   ? ParticlePhase::sort
+            : g.desc.reference.stabilisation_iterations != 0 ? ParticlePhase::stabilise
+                                                             : ParticlePhase::solve;
   }
   const uint32_t left = (phase == ParticlePhase::lists ? g.particle_count : active_items(g)) - cursor;
   unit->items = left < g.unit ? left : g.unit;
@@ -177,7 +177,7 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
 }
 
 void enter_passes(Granular* g) {
-  g->phase = g->desc.stabilisation_iterations != 0 ? ParticlePhase::stabilise : ParticlePhase::solve;
+  g->phase = g->desc.reference.stabilisation_iterations != 0 ? ParticlePhase::stabilise : ParticlePhase::solve;
   g->cursor = g->pass = 0;
   g->extent.speed_squared = 0.0f;
   g->extent.quarantined = g->extent.touched = 0;
@@ -193,7 +193,7 @@ void begin_substep(Granular* g, uint32_t level) {
   if (g->interval_left == 0) g->interval_owed = g->owed - plan.interval;
   g->interval_left = plan.count;
   g->substep = plan.substep;
-  g->iterations = rung_iterations(k_ladder[level], g->desc.solver_iterations);
+  g->iterations = rung_iterations(k_ladder[level], g->desc.reference.solver_iterations);
   // Seconds between the end of this sub-step and the end of the frame, where the colliders' poses are given.
   const double after = g->owed - static_cast<double>(g->substep);
   colliders_pose(g->colliders, g->solid_count, after > 0.0 ? static_cast<float>(after) : 0.0f, g->substep_colliders);
@@ -355,7 +355,7 @@ void pass_buffers(const Granular& g, uint32_t pass, uint32_t passes, const float
 
 void run_pass(Granular* g) {
   const bool solve = g->phase == ParticlePhase::solve;
-  const uint32_t stabilisations = g->desc.stabilisation_iterations;
+  const uint32_t stabilisations = g->desc.reference.stabilisation_iterations;
   const uint32_t pass = solve ? stabilisations + g->pass : g->pass;
   const uint32_t passes = stabilisations + g->iterations;
   const float dt = g->substep;
@@ -371,13 +371,13 @@ void run_pass(Granular* g) {
   a.diameter = 2.0f * g->desc.particle_radius;
   a.static_friction = g->desc.static_friction;
   a.kinetic_friction = g->desc.kinetic_friction;
-  a.relaxation = g->desc.relaxation;
-  a.averaged = g->desc.scheme == SANDGLASS_SCHEME_AVERAGED ? 1 : 0;
+  a.relaxation = g->desc.reference.relaxation;
+  a.averaged = g->desc.reference.scheme == SANDGLASS_SCHEME_AVERAGED ? 1 : 0;
   const float k = g->gravity_length > 0.0f ? g->desc.height_weighting : 0.0f;
   a.weight_linear = -0.25f * k;
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
   a.lift_max = k_lift_gravities * g->gravity_length * dt * dt / static_cast<float>(g->iterations);
-  a.inverse_relaxation = 1.0f / g->desc.relaxation;
+  a.inverse_relaxation = 1.0f / g->desc.reference.relaxation;
   const float heaviest =
       g->densest_body < 1.0f ? 1.0f : (g->densest_body < k_heaviest_counted ? g->densest_body : k_heaviest_counted);
   a.separation_max = a.averaged != 0 ? 1e6f : k_separation_units * heaviest * granular_speed_scale(*g) * dt;
@@ -462,10 +462,11 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   uint32_t n = 0;
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};
   entries[n++] = {k_unit_lists, builds * active};
-  if (g.desc.stabilisation_iterations != 0)
-    entries[n++] = {k_unit_stabilise, substeps * g.desc.stabilisation_iterations * active};
+  if (g.desc.reference.stabilisation_iterations != 0)
+    entries[n++] = {k_unit_stabilise, substeps * g.desc.reference.stabilisation_iterations * active};
   if (g.body_count != 0) entries[n++] = {k_unit_bodies, substeps * 2 * g.body_particle_count};
-  entries[n++] = {k_unit_solve, substeps * rung_iterations(k_ladder[level], g.desc.solver_iterations) * active};
+  entries[n++] = {k_unit_solve,
+                  substeps * rung_iterations(k_ladder[level], g.desc.reference.solver_iterations) * active};
   return n;
 }
 
