@@ -18,16 +18,16 @@ SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index
   const Float h2 = broadcast(a->support * a->support), inverse = broadcast(1.0f / (a->support * a->support));
   const Float zero = broadcast(0.0f);
   for (uint32_t c = 0; c < n; ++c) {
-    Float p[8];
-    broadcast_record(a->snapshot + static_cast<uint64_t>(index[c]) * k_record_floats, p);
-    const Float dx = p[0] - x, dy = p[1] - y, dz = p[2] - z;
+    Float p[k_record_floats];
+    broadcast_record(floats_of(a->snapshot + index[c]), p);
+    const Float dx = p[k_x] - x, dy = p[k_y] - y, dz = p[k_z] - z;
     const Float d2 = dx * dx + dy * dy + dz * dz;
     const Float t = maximum((h2 - d2) * inverse, zero);
     const Float weight = t * t * t;
     flow->weight = flow->weight + weight;
-    flow->x = flow->x + weight * p[4];
-    flow->y = flow->y + weight * p[5];
-    flow->z = flow->z + weight * p[6];
+    flow->x = flow->x + weight * p[k_vx];
+    flow->y = flow->y + weight * p[k_vy];
+    flow->z = flow->z + weight * p[k_vz];
     flow->largest = maximum(weight, flow->largest);
   }
 }
@@ -154,14 +154,15 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t group_number = a->groups[item / k_lane_group];
     const uint32_t i = group_number * k_lane_group + item % k_lane_group;
-    float* record = a->grains + static_cast<uint64_t>(i) * k_record_floats;
-    Float grain[8];
+    float* record = floats_of(a->grains + i);
+    Float grain[k_record_floats];
     load_records(record, grain);
-    Float position[3] = {grain[0], grain[1], grain[2]}, velocity[3] = {grain[4], grain[5], grain[6]};
+    Float position[3] = {grain[k_x], grain[k_y], grain[k_z]};
+    Float velocity[3] = {grain[k_vx], grain[k_vy], grain[k_vz]};
     const Mask inside =
         lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
     // A grain that has kept still long enough stays where it is while nothing around it moves.
-    Mask settled = broadcast(a->still_sweeps) <= grain[7];
+    Mask settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
     for (uint32_t s = 0; s < a->steps; ++s) {
       Flow flow = {zero, zero, zero, zero, zero};
       Mask left =
@@ -202,17 +203,17 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
       }
     }
     const Float still_distance = broadcast(a->still_distance);
-    const Mask still = (absolute(position[0] - grain[0]) <= still_distance) &
-                       (absolute(position[1] - grain[1]) <= still_distance) &
-                       (absolute(position[2] - grain[2]) <= still_distance);
-    const Float sweeps = keep(still, minimum(grain[7] + one, broadcast(a->still_sweeps)));
+    const Mask still = (absolute(position[0] - grain[k_x]) <= still_distance) &
+                       (absolute(position[1] - grain[k_y]) <= still_distance) &
+                       (absolute(position[2] - grain[k_z]) <= still_distance);
+    const Float sweeps = keep(still, minimum(grain[k_still_sweeps] + one, broadcast(a->still_sweeps)));
     if (item % k_lane_group == 0) a->still[group_number] = 1;
     if (any(and_not(inside, broadcast(a->still_sweeps) <= sweeps))) a->still[group_number] = 0;
     for (int k = 0; k < 3; ++k) {
       grain[k] = select(inside, position[k], grain[k]);
-      grain[4 + k] = select(inside, velocity[k], grain[4 + k]);
+      grain[k_vx + k] = select(inside, velocity[k], grain[k_vx + k]);
     }
-    grain[7] = select(inside, sweeps, grain[7]);
+    grain[k_still_sweeps] = select(inside, sweeps, grain[k_still_sweeps]);
     store_records(record, grain);
   }
   extent->quarantined = quarantined;

@@ -82,17 +82,21 @@ SANDGLASS_INLINE float lane_minimum(Float a) { return a.v; }
 // base[index] a lane.
 SANDGLASS_INLINE Float gather(const float* base, Int index) { return {base[index.v]}; }
 
+// A record holds integers too, which are loaded as if they were floats. The wide sets' vector types alias anything.
+typedef float __attribute__((may_alias)) RecordFloat;
 SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uint32_t stride, Float out[8]) {
   (void)stride;
-  const float* p = base + static_cast<uint64_t>(index[0]) * 8;
+  const RecordFloat* p = base + static_cast<uint64_t>(index[0]) * 8;
   for (int c = 0; c < 8; ++c) out[c].v = p[c];
 }
 // k_width consecutive records.
-SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
+SANDGLASS_INLINE void load_records(const float* base, Float out[8]) {
+  const RecordFloat* p = base;
   for (int c = 0; c < 8; ++c) out[c].v = p[c];
 }
 SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) { load_records(p, out); }
-SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
+SANDGLASS_INLINE void store_records(float* base, const Float in[8]) {
+  RecordFloat* p = base;
   for (int c = 0; c < 8; ++c) p[c] = in[c].v;
 }
 
