@@ -154,7 +154,7 @@ bool is_yuv(sandglass_camera_format format) { return format >= SANDGLASS_CAMERA_
 }  // namespace
 
 sandglass_status check_camera_image(const CameraImage* image, const char** reason) {
-  if (image == nullptr) return refuse(reason, "camera image: there is none; give an image");
+  if (image == nullptr) return refuse(reason, "camera image: the image is NULL; give an image");
   if (image->struct_size != sizeof *image)
     return refuse(reason, "camera image: struct_size is not this library's; start from sandglass_camera_image_default");
   if (image->format < SANDGLASS_CAMERA_RGB || image->format > SANDGLASS_CAMERA_I420)

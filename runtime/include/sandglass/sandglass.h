@@ -42,6 +42,22 @@ enum { SANDGLASS_SCHEME_SMALL_STEP = 0, SANDGLASS_SCHEME_AVERAGED = 1 };
 typedef int32_t sandglass_blend;
 enum { SANDGLASS_BLEND_CONTINUOUS = 0, SANDGLASS_BLEND_SOURCE = 1 };
 
+/* How one sub-step is solved. An app leaves this struct as sandglass_scene_desc_default filled it: every measured number
+ * and the quality ladder hold for these defaults. Its other values are the solver of the dissertation as printed. They
+ * are here so that the library can be compared with it. Frozen: this struct never grows. */
+typedef struct sandglass_reference_scheme {
+  /* Default: SANDGLASS_SCHEME_SMALL_STEP. */
+  sandglass_scheme scheme;
+  /* Default: SANDGLASS_BLEND_CONTINUOUS. */
+  sandglass_blend blend;
+  /* Jacobi iterations a sub-step, 1..64. Default: 1. */
+  uint32_t solver_iterations;
+  /* Iterations that move overlapping particles apart before the solver runs, 0..8 (Alg. 4, lines 6 to 12). Default: 0. */
+  uint32_t stabilisation_iterations;
+  /* SMALL_STEP: the factor omega, above 0, at most 0.45. AVERAGED: above 0, at most 2. Default: 0.45. */
+  float relaxation;
+} sandglass_reference_scheme;
+
 /* Granular material: `particles` carry the physics (low resolution, contacts and friction between equal spheres);
  * `grains` are what is drawn (high resolution, advected by the particles, never colliding with each other). Chapter 4
  * of the source. */
@@ -66,11 +82,6 @@ typedef struct sandglass_granular_desc {
                            * a floor or a wall should carry; 0 conserves momentum pairwise. What it lifts a particle by
                            * is at most twice what gravity takes, so nothing flies up at an impact */
 
-  sandglass_scheme scheme;
-  uint32_t solver_iterations;        /* 1..64 */
-  uint32_t stabilisation_iterations; /* 0..8; (Alg. 4, lines 6-12) */
-  float relaxation; /* SMALL_STEP: the factor omega, above 0, at most 0.45. AVERAGED: above 0, at most 2 */
-
   float courant;     /* C of (4.45), above 0, at most 1; the source's 0.5 */
   float substep_max; /* seconds; longest sub-step; 0 = 0.00871 * sqrt(r/g), the value the default scheme was calibrated
                         at */
@@ -82,8 +93,10 @@ typedef struct sandglass_granular_desc {
   float sleep_after; /* seconds; particles that stay within 10 % of r of one place for so long sleep, and cost nothing,
                       * until something touches them; 0 = never; at most 5; the default is 0.5 */
 
-  sandglass_blend blend;
-  float refine_step; /* seconds; longest step of the grains, Delta t_hr; the source's 0.008 */
+  /* Seconds, above 0: the longest step of the grains, Delta t_hr. The default is the dissertation's, 0.008. */
+  float refine_step;
+
+  sandglass_reference_scheme reference;
 } sandglass_granular_desc;
 
 /* ------------------------------------------------------------------------------------------------ quality */
