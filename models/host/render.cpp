@@ -12,7 +12,7 @@
 
 #include "models/host/frame.h"
 #include "models/host/sphere_caster.h"
-#include "runtime/sampling/field.h"
+#include "runtime/granular/field.h"
 
 namespace sandglass::host {
 
