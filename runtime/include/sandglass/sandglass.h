@@ -33,16 +33,27 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* A shared library keeps all that it exports, used or not. So the static archive hides the API (inside the app that
- * links it, it is found as ever), and only the build of a shared library of it, the plug-in, defines SANDGLASS_EXPORTS.
- */
-#if defined(SANDGLASS_EXPORTS)
-#define SANDGLASS_API __attribute__((visibility("default")))
+/* Attributes in brackets, where the language has them: C++17 and C23. */
+#if defined(__cplusplus) ? __cplusplus >= 201703L : defined(__STDC_VERSION__) && __STDC_VERSION__ > 201710L
+#define SANDGLASS_BRACKETS 1
 #else
-#define SANDGLASS_API
+#define SANDGLASS_BRACKETS 0
 #endif
-#if defined(__GNUC__) || defined(__clang__)
-#define SANDGLASS_NODISCARD __attribute__((warn_unused_result))
+
+/* A shared library keeps all that it exports, used or not. So the static archive hides the API: the app that links it
+ * finds it all the same. Only the build of a shared library from it, the plug-in, defines SANDGLASS_EXPORTS. */
+#if !defined(SANDGLASS_EXPORTS)
+#define SANDGLASS_API
+#elif SANDGLASS_BRACKETS
+#define SANDGLASS_API [[gnu::visibility("default")]]
+#else
+#define SANDGLASS_API __attribute__((visibility("default")))
+#endif
+
+/* A status that nobody looks at is a warning, and a cast to void silences it. Only [[nodiscard]] does both: GCC's
+ * attribute for older languages warns in spite of the cast, so older languages have none. */
+#if SANDGLASS_BRACKETS
+#define SANDGLASS_NODISCARD [[nodiscard]]
 #else
 #define SANDGLASS_NODISCARD
 #endif
@@ -54,6 +65,15 @@ extern "C" {
 #define SANDGLASS_VERSION_MAJOR 0
 #define SANDGLASS_VERSION_MINOR 1
 #define SANDGLASS_VERSION_PATCH 0
+/* One number for the three: 1,000,000 major + 1,000 minor + patch. */
+#define SANDGLASS_VERSION (1000000 * SANDGLASS_VERSION_MAJOR + 1000 * SANDGLASS_VERSION_MINOR + SANDGLASS_VERSION_PATCH)
+
+/* The SANDGLASS_VERSION of the library that is linked. */
+SANDGLASS_API uint32_t sandglass_version(void);
+
+/* 1 if the linked library fits the headers that this is compiled with, else 0: major and minor version are the same.
+ * An app asks this first, before any other call. */
+#define SANDGLASS_VERSION_FITS() (sandglass_version() / 1000u == SANDGLASS_VERSION / 1000u)
 
 /* Coordinates beyond this distance (metres) from the scene origin are refused: there a float resolves 6e-5 m, and
  * contacts between centimetre particles lose their meaning. Move the scene origin instead. */
@@ -371,6 +391,40 @@ typedef struct sandglass_body_pose {
 
 /* The pose of a body now: what draws its mesh. A number that is none gives the identity at the origin. */
 SANDGLASS_API sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index);
+
+/* A box as a rigid body: its particles, the collider that keeps grains out of it, and the mesh that draws it fit each
+ * other. The particles form a regular lattice, at most 2r apart; the outermost touch the faces of the box from inside.
+ *
+ * sandglass_body_box_count: how many particles the box has. `half_extents`: half the edges along x, y and z in metres,
+ * each at least particle_radius and at most SANDGLASS_COORDINATE_LIMIT. Fails with INVALID_ARGUMENT: NULL, a number out
+ * of its range, or more than 2^20 particles.
+ *
+ * sandglass_body_box: writes the particles of a box with its centre at `position` to `points` (3 floats each), and fills
+ * *body for sandglass_granular_add_body. `rotation` (x, y, z, w) turns the box about its centre; NULL: not turned.
+ * `density`: the density of the box over that of packed sand. body->density_ratio is then the value that gives the
+ * whole box that mass, whatever its lattice. body->particle_positions is `points`, which is needed until the body is
+ * added. `capacity`: how many particles fit into `points`. Fails like sandglass_body_box_count, with INVALID_ARGUMENT
+ * also for a rotation without length, and with CAPACITY. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_body_box_count(const float half_extents[3],
+                                                                            float particle_radius, uint32_t* count,
+                                                                            const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_body_box(const float half_extents[3],
+                                                                      float particle_radius, const float position[3],
+                                                                      const float rotation[4], float density,
+                                                                      float* points, uint32_t capacity,
+                                                                      sandglass_body* body, const char** reason);
+
+/* The collider of a box body at a pose, for frame_input.colliders: it keeps grains out of the box, and its position and
+ * rotation are where the box's mesh is drawn. `rotation` is the one that the box was made with; NULL: it was not turned.
+ * A NULL pose or half_extents leaves *collider as it was. */
+struct sandglass_collider;
+SANDGLASS_API void sandglass_body_box_collider(const sandglass_body_pose* pose, const float half_extents[3],
+                                               const float rotation[4], struct sandglass_collider* collider);
+
+/* The rotation by `angle` radians about `axis` (of any length above 0), as a quaternion (x, y, z, w); seen against the
+ * axis it turns counter-clockwise. Returns 1. Returns 0, and gives the identity, where the axis or the angle is not
+ * finite, the axis has no length, or the axis is NULL. */
+SANDGLASS_API int32_t sandglass_rotation_about(const float axis[3], float angle, float rotation[4]);
 
 /* Replaces the static boundary particles: fixed spheres of the particles' radius, samples of a surface
  * (sandglass_sample_surface with a distance of at most 2r). Particles collide with them; grains do not see them. Fails
