@@ -46,6 +46,7 @@ struct Options {
   std::string panorama, photo, asset, light, network;
   uint32_t frames = 0, threads = 1;
   double budget_ms = -1.0, fov_deg = 0.0;
+  bool plain = false;
 };
 
 void dump_frame(const std::string& folder, uint32_t frame, double particle_radius, Simulation* simulation) {
@@ -333,6 +334,7 @@ struct Run {
     set.particle_radius = scene.particle_radius;
     set.camera = scene.camera;
     set.threads = drawing_threads();
+    set.plain = options.plain;
     set.film = !report.interrupted;
     if (shot)
       set.painter = [this](const Snapshot& snapshot, int width, int height, uint32_t threads) {
@@ -451,6 +453,7 @@ void add_run_command(Command& program, int* exit_code) {
   command->add_option("--dump", options->dump,
                       "Write positions, velocities and radii of every frame as NPY into this folder");
   command->add_option("--out", options->out, "Write reports, contact sheet, frames and film into this folder");
+  command->add_flag("--plain", options->plain, "Pictures without label, ruler and checker, in warmer colours");
   command->callback([options, exit_code] {
     listen_for_interrupt();
     Run run(*options);

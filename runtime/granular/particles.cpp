@@ -204,10 +204,10 @@ void begin_substep(Granular* g, uint32_t level) {
 }
 
 void run_sort(Granular* g) {
-  const SortTarget target = {g->records[1], {g->positions[0], g->positions[1], g->positions[2]}, false};
-  cell_sort_run(&g->particle_sort, *g->kernels, g->records[0], g->particle_count, g->unit, target);
+  const SortTarget target = {as_records(g->records[1]), {g->positions[0], g->positions[1], g->positions[2]}, false};
+  cell_sort_run(&g->particle_sort, *g->kernels, as_records(g->records[0]), g->particle_count, g->unit, target);
   if (g->particle_sort.phase != k_sort_done) return;
-  float* sorted = g->records[1];
+  Particle* sorted = g->records[1];
   g->records[1] = g->records[0];
   g->records[0] = sorted;
   g->phase = ParticlePhase::lists;
@@ -221,23 +221,19 @@ struct ListTask {
   uint32_t dropped[8], awake[8];
 
   bool settle_group(uint32_t group, uint32_t* awake_lanes) const {
-    const float* records = g->records[0] + static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
+    const uint32_t first = group * k_lane_group;
     uint32_t lanes = 0;
-    for (uint32_t l = 0; l < k_lane_group; ++l) {
-      const float* r = records + l * k_record_floats;
-      lanes += r[3] > 0.0f ? 1u : 0u;
-      uint32_t id;
-      __builtin_memcpy(&id, r + 7, sizeof id);
-      if (g->body_count != 0 && id > k_number_mask && id != ~0u)
-        g->body_rows[g->rest[id & k_number_mask].body_slot] = group * k_lane_group + l;
+    for (uint32_t i = first; i < first + k_lane_group; ++i) {
+      const Particle& p = g->records[0][i];
+      lanes += is_awake(p) ? 1u : 0u;
+      if (g->body_count != 0 && in_body(p) && !is_inert(p)) g->body_rows[g->rest[number_of(p)].body_slot] = i;
     }
     *awake_lanes += lanes;
     g->group_states[group] = lanes != 0 ? GroupState::active : GroupState::asleep;
     if (lanes != 0) return true;
-    const uint64_t at = static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
     for (uint32_t b = 1; b < 3; ++b) {
       if (g->records[b] != nullptr)
-        __builtin_memcpy(g->records[b] + at, g->records[0] + at, k_lane_group * k_record_floats * sizeof(float));
+        __builtin_memcpy(g->records[b] + first, g->records[0] + first, k_lane_group * sizeof(Particle));
     }
     return false;
   }
@@ -311,7 +307,7 @@ void merge_extent(ContactExtent* into, const ContactExtent& from) {
 
 // The last pass has written records[1]: that is the state now.
 void finish_substep(Granular* g) {
-  float* state = g->records[1];
+  Particle* state = g->records[1];
   g->records[1] = g->records[0];
   g->records[0] = state;
   g->quarantined += g->extent.quarantined;
@@ -347,7 +343,7 @@ void finish_substep(Granular* g) {
 }
 
 // Buffers a pass reads and writes. The first reads the state; the last writes records[1], which then becomes the state.
-void pass_buffers(const Granular& g, uint32_t pass, uint32_t passes, const float** in, float** out) {
+void pass_buffers(const Granular& g, uint32_t pass, uint32_t passes, const Particle** in, Particle** out) {
   const uint32_t after = passes - 1 - pass;  // passes that follow
   *out = g.records[after % 2 == 0 ? 1 : 2];
   *in = pass == 0 ? g.records[0] : g.records[after % 2 == 0 ? 2 : 1];

@@ -62,7 +62,7 @@ sandglass_status check_distance(float distance, const char** reason) {
 sandglass_status check_block(const void* block, uint64_t bytes, uint64_t need, const char** reason) {
   if (block == nullptr)
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "the memory block is NULL: pass as many bytes as the _bytes function says");
+                  "block or scratch is NULL: pass as many bytes as the _bytes function says");
   if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
     return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT,
                   "the memory block is not aligned to SANDGLASS_BLOCK_ALIGNMENT: align it");

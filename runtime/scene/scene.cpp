@@ -5,7 +5,7 @@
 #include "runtime/core/governor.h"
 #include "runtime/core/layout.h"
 #include "runtime/granular/granular.h"
-#include "runtime/lighting/light.h"
+#include "runtime/light/light.h"
 #include "runtime/shadow/pile.h"
 #include "runtime/shadow/shadow.h"
 #include "sandglass/sandglass.h"
@@ -190,8 +190,8 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   if (shadows.pile != nullptr) {
     // Sand is what is drawn: grains where there are any. Particles that stray carry none.
     const bool drawn = granular->grain_count != 0;
-    const sandglass::PileSource source = {drawn ? &granular->grains[0] : &granular->records[0],
-                                          sandglass::k_record_floats,
+    const sandglass::PileSource source = {drawn ? nullptr : &granular->records[0],
+                                          drawn ? &granular->grains[0] : nullptr, nullptr,
                                           drawn ? granular->grain_count : granular->particle_count,
                                           drawn ? granular->desc.grain_radius : granular->desc.particle_radius};
     const bool moving = granular->awake_count != 0 || (drawn && granular->grain_group_count != 0);
@@ -272,39 +272,28 @@ uint64_t item_hash(uint32_t kind, uint32_t id, const float* position, const floa
   return fnv(hash, velocity, 3 * sizeof(float));
 }
 
-uint32_t id_at(const float* slot) {
-  uint32_t id;
-  __builtin_memcpy(&id, slot, sizeof id);
-  return id;
-}
+uint32_t number_in(const sandglass::Particle& particle) { return number_of(particle); }
+uint32_t number_in(const sandglass::Grain& grain) { return grain.number; }
 
-struct Items {
-  const float* records;
-  uint32_t count;
-  uint32_t id_slot, id_mask;
-  const uint32_t* removed;
-  uint32_t removed_count;
-};
-
-void copy_items(const Items& items, float* positions, float* velocities) {
-  for (uint32_t i = 0; i < items.count; ++i) {
-    const float* r = items.records + static_cast<uint64_t>(i) * sandglass::k_record_floats;
-    const uint64_t to = 3ull * (id_at(r + items.id_slot) & items.id_mask);
+// Particles or grains in the order of their numbers; removed ones are told by their place.
+template <class Item>
+void copy_items(const Item* items, uint32_t count, const uint32_t* removed, uint32_t removed_count, float* positions,
+                float* velocities) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint64_t to = 3ull * number_in(items[i]);
     for (int k = 0; k < 3; ++k) {
-      if (positions != nullptr) positions[to + k] = r[k];
-      if (velocities != nullptr) velocities[to + k] = r[4 + k];
+      if (positions != nullptr) positions[to + k] = items[i].position[k];
+      if (velocities != nullptr) velocities[to + k] = items[i].velocity[k];
     }
   }
-  for (uint32_t i = 0; i < items.removed_count; ++i) {
-    const uint64_t to = 3ull * items.removed[i];
+  for (uint32_t i = 0; i < removed_count; ++i) {
+    const uint64_t to = 3ull * removed[i];
     for (int k = 0; k < 3; ++k) {
       if (positions != nullptr) positions[to + k] = k == 1 ? SANDGLASS_REMOVED_Y : 0.0f;
       if (velocities != nullptr) velocities[to + k] = 0.0f;
     }
   }
 }
-
-constexpr uint32_t k_particle_id = 7, k_grain_id = 3;  // slots of a record
 
 }  // namespace
 
@@ -544,15 +533,13 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
 void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities) {
   if (scene == nullptr) return;
   const Granular& g = scene->granular;
-  copy_items({g.records[0], g.particle_count, k_particle_id, sandglass::k_number_mask, g.free_particles,
-              g.free_particle_count},
-             positions, velocities);
+  copy_items(g.records[0], g.particle_count, g.free_particles, g.free_particle_count, positions, velocities);
 }
 
 void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities) {
   if (scene == nullptr) return;
   const Granular& g = scene->granular;
-  copy_items({g.grains[0], g.grain_count, k_grain_id, ~0u, g.free_grains, g.free_grain_count}, positions, velocities);
+  copy_items(g.grains[0], g.grain_count, g.free_grains, g.free_grain_count, positions, velocities);
 }
 
 uint64_t sandglass_scene_hash(const sandglass_scene* scene) {
@@ -560,12 +547,12 @@ uint64_t sandglass_scene_hash(const sandglass_scene* scene) {
   const Granular& g = scene->granular;
   uint64_t hash = 0;
   for (uint32_t i = 0; i < g.particle_count; ++i) {
-    const float* r = g.records[0] + static_cast<uint64_t>(i) * sandglass::k_record_floats;
-    hash += item_hash(0, id_at(r + k_particle_id), r, r + 4);
+    const sandglass::Particle& p = g.records[0][i];
+    hash += item_hash(0, p.identity, p.position, p.velocity);
   }
   for (uint32_t i = 0; i < g.grain_count; ++i) {
-    const float* r = g.grains[0] + static_cast<uint64_t>(i) * sandglass::k_record_floats;
-    hash += item_hash(1, id_at(r + k_grain_id), r, r + 4);
+    const sandglass::Grain& grain = g.grains[0][i];
+    hash += item_hash(1, grain.number, grain.position, grain.velocity);
   }
   return hash;
 }

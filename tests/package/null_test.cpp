@@ -75,7 +75,7 @@ class Nulls : public ::testing::Test {
       EXPECT_EQ(status, may_be ? SANDGLASS_OK : SANDGLASS_ERROR_INVALID_ARGUMENT) << (said != nullptr ? said : "");
       if (may_be) return;
       ASSERT_NE(said, nullptr);
-      EXPECT_NE(std::string(said).find(argument), std::string::npos) << said;
+      EXPECT_TRUE(std::regex_search(said, std::regex("\\b" + argument + "\\b"))) << said;
       EXPECT_NE(std::string(said).find("NULL"), std::string::npos) << said;
     });
   }

@@ -1,4 +1,4 @@
-// The C API, one to one: names, layouts and order are those of sandglass.h, sampling.h, field.h, shadow.h and light.h, which
+// The C API, one to one: names, layouts and order are those of the public headers (types.h, sandglass.h, sampling.h, …), which
 // document every field. Sizes and offsets are compared with the C compiler's by tests/package, so a header that moved on fails there, not
 // on a phone. Nothing here allocates; what calls it every frame should keep its structs and arrays.
 //

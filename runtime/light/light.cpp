@@ -1,5 +1,5 @@
 // The C API around a Light, and its units.
-#include "runtime/lighting/light.h"
+#include "runtime/light/light.h"
 
 #include <cstring>
 
@@ -7,9 +7,9 @@
 #include "runtime/asset/checksum.h"
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/math.h"
-#include "runtime/lighting/backends.h"
-#include "runtime/lighting/harmonics.h"
-#include "runtime/lighting/turn.h"
+#include "runtime/light/backends.h"
+#include "runtime/light/harmonics.h"
+#include "runtime/light/turn.h"
 
 namespace sandglass {
 namespace {

@@ -1,7 +1,7 @@
-#include "runtime/lighting/camera_image.h"
+#include "runtime/light/camera_image.h"
 
 #include "runtime/core/math.h"
-#include "runtime/lighting/turn.h"
+#include "runtime/light/turn.h"
 
 namespace sandglass {
 

@@ -1,4 +1,4 @@
-#include "runtime/lighting/harmonics.h"
+#include "runtime/light/harmonics.h"
 
 #include "runtime/core/math.h"
 

@@ -1,7 +1,7 @@
 // Signed distances on a grid. From a mesh: every triangle writes its exact distance to the nodes within the band; from
 // there distances spread node by node (two sweeps over the 26 neighbours), never below the truth and at most 13 % above
 // it; an inside test gives the sign. No memory but the field's own.
-#include "runtime/sampling/field.h"
+#include "runtime/granular/field.h"
 
 #include "runtime/sampling/arguments.h"
 
@@ -295,14 +295,15 @@ float sandglass_field_distance(const sandglass_field* field, const float point[3
   frame.shape = SANDGLASS_SHAPE_FIELD;
   for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f;
   frame.field = field->grid;
-  alignas(SANDGLASS_BLOCK_ALIGNMENT) float record[k_record_floats] = {point[0], point[1], point[2]};
-  SurfaceArgs args = {record, &frame};
+  SurfacePoint at = {};
+  for (int k = 0; k < 3; ++k) at.position[k] = point[k];
+  SurfaceArgs args = {&at, &frame};
   uint32_t unused = 0;
   kernels->surface_at(&args, 0, 1, &unused);
   if (normal != nullptr) {
-    for (int k = 0; k < 3; ++k) normal[k] = record[4 + k];
+    for (int k = 0; k < 3; ++k) normal[k] = at.normal[k];
   }
-  return record[3];
+  return at.distance;
 }
 
 sandglass_solid sandglass_field_bounds(const sandglass_field* field, float bounds_min[3], float bounds_max[3]) {

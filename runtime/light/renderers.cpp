@@ -4,7 +4,7 @@
 
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/math.h"
-#include "runtime/lighting/harmonics.h"
+#include "runtime/light/harmonics.h"
 
 namespace sandglass {
 namespace {
