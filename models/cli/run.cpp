@@ -45,6 +45,7 @@ void add_machine_options(Command& command, RunOptions& o) {
 
 void add_output_options(Command& command, RunOptions& o) {
   command.add("--out FOLDER", o.out, "Write reports, contact sheet, frames and film into this folder");
+  command.add_flag("--plain", o.plain, "Draw without label, ruler and checker, in warmer colours");
   command.add("--dump FOLDER", o.dump, "Write positions, velocities and radii of every frame into this folder, .npy");
   Option& record = command.add("--record FILE", o.record, "Write what every frame was given and did to this file");
   command.add("--replay FILE", o.replay, "Repeat the run of such a file, to the bit").excludes(record);

@@ -93,6 +93,7 @@ sandglass_status check_options(const sandglass_sample_options* options, sandglas
 extern "C" {
 
 void sandglass_sample_options_default(sandglass_sample_options* options) {
+  if (options == nullptr) return;
   *options = {sizeof(sandglass_sample_options), 30, 1, SANDGLASS_METRIC_EUCLIDEAN, nullptr, nullptr};
 }
 

@@ -78,6 +78,7 @@ sandglass_status sandglass_mesh_inside_create(const sandglass_mesh* mesh, sandgl
 
 int sandglass_mesh_inside_test(void* user, const float point[3]) {
   const auto* inside = static_cast<const sandglass_mesh_inside*>(user);
+  if (inside == nullptr || point == nullptr) return 0;
   for (int k = 0; k < 3; ++k)
     if (!is_finite(static_cast<double>(point[k]))) return 0;
   if (inside->rule == SANDGLASS_INSIDE_PARITY) return parity_inside(inside->parity, point) ? 1 : 0;

@@ -5,7 +5,7 @@
 #include "runtime/core/governor.h"
 #include "runtime/core/layout.h"
 #include "runtime/granular/granular.h"
-#include "runtime/lighting/light.h"
+#include "runtime/light/light.h"
 #include "runtime/shadow/pile.h"
 #include "runtime/shadow/shadow.h"
 #include "sandglass/sandglass.h"
@@ -39,6 +39,8 @@ struct Failure {
     return status;
   }
 };
+
+constexpr char k_no_scene[] = "scene is NULL: pass the scene that sandglass_scene_create made.";
 
 sandglass_status succeed(const char** reason) {
   if (reason != nullptr) *reason = nullptr;
@@ -188,8 +190,8 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   if (shadows.pile != nullptr) {
     // Sand is what is drawn: grains where there are any. Particles that stray carry none.
     const bool drawn = granular->grain_count != 0;
-    const sandglass::PileSource source = {drawn ? &granular->grains[0] : &granular->records[0],
-                                          sandglass::k_record_floats,
+    const sandglass::PileSource source = {drawn ? nullptr : &granular->records[0],
+                                          drawn ? &granular->grains[0] : nullptr, nullptr,
                                           drawn ? granular->grain_count : granular->particle_count,
                                           drawn ? granular->desc.grain_radius : granular->desc.particle_radius};
     const bool moving = granular->awake_count != 0 || (drawn && granular->grain_group_count != 0);
@@ -248,8 +250,10 @@ void say(const sandglass_scene& scene) {
     log.write(log.user,
               "granular: a particle or grain left the coordinate range or was not finite; it was put to rest.");
   if (g.ignored_colliders != 0)
-    log.write(log.user,
-              "granular: a collider was not finite, degenerate or beyond collider_capacity; it was left out.");
+    log.write(
+        log.user,
+        "granular: a collider, emitter or sink was left out: it is not finite, has no size, or is beyond the capacity "
+        "for its kind. Check what the frame input holds.");
 }
 
 constexpr uint64_t k_fnv_basis = 14695981039346656037ull, k_fnv_prime = 1099511628211ull;
@@ -268,31 +272,22 @@ uint64_t item_hash(uint32_t kind, uint32_t id, const float* position, const floa
   return fnv(hash, velocity, 3 * sizeof(float));
 }
 
-uint32_t id_at(const float* slot) {
-  uint32_t id;
-  __builtin_memcpy(&id, slot, sizeof id);
-  return id;
-}
+uint32_t number_in(const sandglass::Particle& particle) { return number_of(particle); }
+uint32_t number_in(const sandglass::Grain& grain) { return grain.number; }
 
-struct Items {
-  const float* records;
-  uint32_t count;
-  uint32_t id_slot, id_mask;
-  const uint32_t* removed;
-  uint32_t removed_count;
-};
-
-void copy_items(const Items& items, float* positions, float* velocities) {
-  for (uint32_t i = 0; i < items.count; ++i) {
-    const float* r = items.records + static_cast<uint64_t>(i) * sandglass::k_record_floats;
-    const uint64_t to = 3ull * (id_at(r + items.id_slot) & items.id_mask);
+// Particles or grains in the order of their numbers; removed ones are told by their place.
+template <class Item>
+void copy_items(const Item* items, uint32_t count, const uint32_t* removed, uint32_t removed_count, float* positions,
+                float* velocities) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint64_t to = 3ull * number_in(items[i]);
     for (int k = 0; k < 3; ++k) {
-      if (positions != nullptr) positions[to + k] = r[k];
-      if (velocities != nullptr) velocities[to + k] = r[4 + k];
+      if (positions != nullptr) positions[to + k] = items[i].position[k];
+      if (velocities != nullptr) velocities[to + k] = items[i].velocity[k];
     }
   }
-  for (uint32_t i = 0; i < items.removed_count; ++i) {
-    const uint64_t to = 3ull * items.removed[i];
+  for (uint32_t i = 0; i < removed_count; ++i) {
+    const uint64_t to = 3ull * removed[i];
     for (int k = 0; k < 3; ++k) {
       if (positions != nullptr) positions[to + k] = k == 1 ? SANDGLASS_REMOVED_Y : 0.0f;
       if (velocities != nullptr) velocities[to + k] = 0.0f;
@@ -300,11 +295,10 @@ void copy_items(const Items& items, float* positions, float* velocities) {
   }
 }
 
-constexpr uint32_t k_particle_id = 7, k_grain_id = 3;  // slots of a record
-
 }  // namespace
 
 void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
+  if (desc == nullptr) return;
   *desc = sandglass_scene_desc{};
   desc->struct_size = sizeof *desc;
   desc->unit_items = 1024;
@@ -315,17 +309,18 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.static_friction = 0.14f;
   g.kinetic_friction = 0.14f;
   g.height_weighting = 0.3f;
-  g.scheme = SANDGLASS_SCHEME_SMALL_STEP;
-  g.solver_iterations = 1;
-  g.relaxation = 0.45f;
   g.courant = 0.5f;
   g.list_skin = 0.6f;
   g.sleep_after = 0.5f;
-  g.blend = SANDGLASS_BLEND_CONTINUOUS;
   g.refine_step = 0.008f;
+  g.reference.scheme = SANDGLASS_SCHEME_SMALL_STEP;
+  g.reference.blend = SANDGLASS_BLEND_CONTINUOUS;
+  g.reference.solver_iterations = 1;
+  g.reference.relaxation = 0.45f;
 }
 
 void sandglass_frame_input_default(sandglass_frame_input* input) {
+  if (input == nullptr) return;
   *input = sandglass_frame_input{};
   input->struct_size = sizeof *input;
   input->thermal_headroom = 1.0f;
@@ -390,11 +385,13 @@ sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* 
   return succeed(reason);
 }
 
-void sandglass_scene_reset(sandglass_scene* scene) { reset(scene); }
+void sandglass_scene_reset(sandglass_scene* scene) {
+  if (scene != nullptr) reset(scene);
+}
 
 sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotation[4], const float translation[3],
                                       const char** reason) {
-  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, k_no_scene);
   const sandglass::FloatingPointControl saved = sandglass::floating_point_enter();
   const sandglass_status status = sandglass::granular_move(&scene->granular, rotation, translation, reason);
   sandglass::floating_point_restore(saved);
@@ -402,12 +399,12 @@ sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotati
 }
 
 uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene) {
-  return sandglass::granular_save_bytes(scene->granular);
+  return scene == nullptr ? 0 : sandglass::granular_save_bytes(scene->granular);
 }
 
 sandglass_status sandglass_scene_save(sandglass_scene* scene, void* data, uint64_t bytes, uint64_t* written,
                                       const char** reason) {
-  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, k_no_scene);
   const sandglass::FloatingPointControl saved = sandglass::floating_point_enter();
   const sandglass_status status = sandglass::granular_save(&scene->granular, data, bytes, written, reason);
   sandglass::floating_point_restore(saved);
@@ -416,34 +413,39 @@ sandglass_status sandglass_scene_save(sandglass_scene* scene, void* data, uint64
 
 sandglass_status sandglass_scene_restore(sandglass_scene* scene, const void* data, uint64_t bytes,
                                          const char** reason) {
-  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, k_no_scene);
   return sandglass::granular_restore(&scene->granular, data, bytes, reason);
 }
 
 uint32_t sandglass_scene_regions(const sandglass_scene* scene, sandglass_region* regions, uint32_t capacity) {
+  if (scene == nullptr) return 0;
   const Layout& layout = scene->layout;
-  for (uint32_t i = 0; i < layout.region_count && i < capacity; ++i) regions[i] = layout.regions[i];
+  for (uint32_t i = 0; regions != nullptr && i < layout.region_count && i < capacity; ++i)
+    regions[i] = layout.regions[i];
   return layout.region_count;
 }
 
-sandglass_isa sandglass_scene_isa(const sandglass_scene* scene) { return scene->kernels->isa; }
+sandglass_isa sandglass_scene_isa(const sandglass_scene* scene) {
+  return scene == nullptr ? SANDGLASS_ISA_AUTOMATIC : scene->kernels->isa;
+}
 
 sandglass_status sandglass_granular_add(sandglass_scene* scene, const float* particle_positions,
                                         const float* particle_velocities, uint32_t particle_count,
                                         const float* grain_positions, const float* grain_velocities,
                                         uint32_t grain_count, const char** reason) {
-  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, k_no_scene);
   return sandglass::granular_add(&scene->granular, particle_positions, particle_velocities, particle_count,
                                  grain_positions, grain_velocities, grain_count, reason);
 }
 
 sandglass_status sandglass_granular_remove(sandglass_scene* scene, const sandglass_collider* region,
                                            uint32_t* particles, uint32_t* grains, const char** reason) {
-  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, k_no_scene);
   return sandglass::granular_remove(&scene->granular, region, particles, grains, reason);
 }
 
 void sandglass_body_default(sandglass_body* body) {
+  if (body == nullptr) return;
   *body = sandglass_body{};
   body->struct_size = sizeof *body;
   body->density_ratio = 1.0f;
@@ -451,7 +453,7 @@ void sandglass_body_default(sandglass_body* body) {
 
 sandglass_status sandglass_granular_add_body(sandglass_scene* scene, const sandglass_body* body, uint32_t* index,
                                              const char** reason) {
-  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, k_no_scene);
   return sandglass::granular_add_body(&scene->granular, body, index, reason);
 }
 
@@ -465,14 +467,14 @@ sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, u
 
 sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene, const float* positions, uint32_t count,
                                                  const char** reason) {
-  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  if (scene == nullptr) return Failure{reason}(SANDGLASS_ERROR_INVALID_ARGUMENT, k_no_scene);
   return sandglass::granular_set_boundary(&scene->granular, positions, count, reason);
 }
 
 sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float static_friction, float kinetic_friction,
                                                  const char** reason) {
   const Failure fail = {reason};
-  if (scene == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene is NULL.");
+  if (scene == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, k_no_scene);
   if (!(static_friction >= 0.0f && static_friction <= 10.0f && kinetic_friction >= 0.0f && kinetic_friction <= 10.0f)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
                 "sandglass_granular_set_friction: both coefficients must be 0 to 10.");
@@ -486,7 +488,11 @@ sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float s
 sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_frame_input* input,
                                        sandglass_frame_report* report, const char** reason) {
   const Failure fail = {reason};
-  if (scene == nullptr || input == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "scene or input is NULL.");
+  if (scene == nullptr) return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, k_no_scene);
+  if (input == nullptr) {
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "input is NULL: pass a frame input filled by sandglass_frame_input_default.");
+  }
   if (input->struct_size != sizeof *input) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
                 "input.struct_size is not this library's: fill the input with sandglass_frame_input_default.");
@@ -497,7 +503,9 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
   }
   for (uint32_t i = 0; i < input->shadow_count; ++i)
     if (input->shadows == nullptr || input->shadows[i] == nullptr)
-      return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "input.shadows is NULL or has a NULL among them.");
+      return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "input.shadows is NULL or has a NULL among its first shadow_count: pass the shadows, or set "
+                  "shadow_count to 0.");
   if (input->plan != nullptr &&
       (input->plan->struct_size != sizeof(sandglass_plan) || input->plan->run_count > SANDGLASS_PLAN_RUNS ||
        input->plan->level >= static_cast<uint32_t>(SANDGLASS_LEVEL_COUNT))) {
@@ -523,27 +531,28 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
 }
 
 void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities) {
+  if (scene == nullptr) return;
   const Granular& g = scene->granular;
-  copy_items({g.records[0], g.particle_count, k_particle_id, sandglass::k_number_mask, g.free_particles,
-              g.free_particle_count},
-             positions, velocities);
+  copy_items(g.records[0], g.particle_count, g.free_particles, g.free_particle_count, positions, velocities);
 }
 
 void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities) {
+  if (scene == nullptr) return;
   const Granular& g = scene->granular;
-  copy_items({g.grains[0], g.grain_count, k_grain_id, ~0u, g.free_grains, g.free_grain_count}, positions, velocities);
+  copy_items(g.grains[0], g.grain_count, g.free_grains, g.free_grain_count, positions, velocities);
 }
 
 uint64_t sandglass_scene_hash(const sandglass_scene* scene) {
+  if (scene == nullptr) return 0;
   const Granular& g = scene->granular;
   uint64_t hash = 0;
   for (uint32_t i = 0; i < g.particle_count; ++i) {
-    const float* r = g.records[0] + static_cast<uint64_t>(i) * sandglass::k_record_floats;
-    hash += item_hash(0, id_at(r + k_particle_id), r, r + 4);
+    const sandglass::Particle& p = g.records[0][i];
+    hash += item_hash(0, p.identity, p.position, p.velocity);
   }
   for (uint32_t i = 0; i < g.grain_count; ++i) {
-    const float* r = g.grains[0] + static_cast<uint64_t>(i) * sandglass::k_record_floats;
-    hash += item_hash(1, id_at(r + k_grain_id), r, r + 4);
+    const sandglass::Grain& grain = g.grains[0][i];
+    hash += item_hash(1, grain.number, grain.position, grain.velocity);
   }
   return hash;
 }

@@ -263,7 +263,8 @@ __attribute__((noinline)) sandglass_status take_light(Shadow* s, uint32_t number
   double light[3], largest = 0;
   for (uint32_t axis = 0; axis < 3; ++axis) {
     if (!is_finite(direction[axis]))
-      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "direction is not finite: leave the light as it was");
+      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                    "direction is not finite: check where it comes from; the light is as it was");
     light[axis] = static_cast<double>(direction[axis]);
     largest = absolute(light[axis]) > largest ? absolute(light[axis]) : largest;
   }
@@ -319,6 +320,7 @@ void fill_texture(const Shadow& s, uint32_t light, sandglass_shadow_texture* out
 using namespace sandglass;
 
 void sandglass_shadow_desc_default(sandglass_shadow_desc* desc) {
+  if (desc == nullptr) return;
   *desc = {};
   desc->struct_size = sizeof *desc;
   desc->threshold = 48;
@@ -372,7 +374,8 @@ sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void
 sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t light, const float direction[3],
                                             float irradiance, const char** reason) {
   if (shadow == nullptr || direction == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "shadow or direction is NULL");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "shadow or direction is NULL: pass the shadow and 3 floats");
   if (light >= shadow->shadow.light_count)
     return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "light is not below the light_count of the description");
   const FloatingPointControl saved = floating_point_enter();
@@ -382,6 +385,9 @@ sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t l
 }
 
 uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, uint32_t count, uint32_t units) {
+  if (shadows == nullptr) return 0;
+  for (uint32_t i = 0; i < count; ++i)
+    if (shadows[i] == nullptr) return 0;
   const FloatingPointControl saved = floating_point_enter();
   const uint32_t done = run_units({shadows, count}, units);
   floating_point_restore(saved);
@@ -389,6 +395,7 @@ uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, uint32_t count, 
 }
 
 uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {
+  if (shadow == nullptr) return 0;
   const Shadow& s = shadow->shadow;
   const ShadowWork left = shadow_work_left(s, false);
   uint32_t waiting = 0;
@@ -403,10 +410,11 @@ uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {
 }
 
 void sandglass_shadow_get_texture(const sandglass_shadow* shadow, uint32_t light, sandglass_shadow_texture* texture) {
-  fill_texture(shadow->shadow, light, texture);
+  if (shadow != nullptr && texture != nullptr) fill_texture(shadow->shadow, light, texture);
 }
 
 uint64_t sandglass_shadow_hash(const sandglass_shadow* shadow) {
+  if (shadow == nullptr) return 0;
   constexpr uint64_t k_prime = 1099511628211ull;
   uint64_t hash = 14695981039346656037ull;
   for (uint32_t i = 0; i < shadow->shadow.light_count; ++i) {
@@ -417,4 +425,6 @@ uint64_t sandglass_shadow_hash(const sandglass_shadow* shadow) {
   return hash;
 }
 
-sandglass_isa sandglass_shadow_isa(const sandglass_shadow* shadow) { return shadow->shadow.kernels->isa; }
+sandglass_isa sandglass_shadow_isa(const sandglass_shadow* shadow) {
+  return shadow == nullptr ? SANDGLASS_ISA_AUTOMATIC : shadow->shadow.kernels->isa;
+}

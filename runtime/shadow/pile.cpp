@@ -160,13 +160,18 @@ void begin(Pile* p) {
   clear_columns(p);
 }
 
+const float* centre_of(const PileSource& source, uint32_t i) {
+  if (source.grains != nullptr) return (*source.grains)[i].position;
+  if (source.particles != nullptr) return (*source.particles)[i].position;
+  return source.positions + 3ull * i;
+}
+
 void run_columns(Pile* p) {
   if (p->phase == PilePhase::idle) begin(p);
   const PileSource& source = p->source;
   const uint32_t left = source.count > p->cursor ? source.count - p->cursor : 0, most = unit_spheres(*p);
   const uint32_t end = p->cursor + (left < most ? left : most);
-  for (; p->cursor < end; ++p->cursor)
-    put_sphere(p, *source.positions + static_cast<uint64_t>(p->cursor) * source.stride, source.radius);
+  for (; p->cursor < end; ++p->cursor) put_sphere(p, centre_of(source, p->cursor), source.radius);
   if (p->cursor < source.count) return;
   cut_light(p);
   p->phase = PilePhase::floor, p->cursor = 0;

@@ -24,11 +24,14 @@ enum : uint32_t { k_pile_columns, k_pile_rows, k_pile_kinds };
 
 enum class PilePhase : uint32_t { idle, columns, floor, sand };
 
+// The spheres: one of the three is not null. A scene swaps its arrays from sub-step to sub-step, so what stands here is
+// where its pointer to them is.
 struct PileSource {
-  const float* const* positions;  // where the pointer to them is: the scene's changes from sub-step to sub-step
-  uint32_t stride;                // floats from one to the next
+  const Particle* const* particles;
+  const Grain* const* grains;
+  const float* positions;  // x y z of each
   uint32_t count;
-  float radius;
+  float radius;  // metres
 };
 
 struct PileTexture {
@@ -60,7 +63,6 @@ struct Pile {
   float opacity;
   // What asks for a texture.
   PileSource source;
-  const float* own_positions;  // without a scene
   uint64_t frame;
   bool pending, moving, yielded;  // yielded: an object's texture comes first
 };

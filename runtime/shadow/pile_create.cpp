@@ -96,7 +96,8 @@ __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direc
   double light[3], largest = 0;
   for (uint32_t axis = 0; axis < 3; ++axis) {
     if (!(direction[axis] - direction[axis] == 0))
-      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "direction is not finite: leave the light as it was");
+      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                    "direction is not finite: check where it comes from; the light is as it was");
     light[axis] = static_cast<double>(direction[axis]);
     largest = absolute(light[axis]) > largest ? absolute(light[axis]) : largest;
   }
@@ -135,6 +136,7 @@ __attribute__((noinline)) uint32_t run_units(Pile* p, uint32_t units) {
 using namespace sandglass;
 
 void sandglass_pile_shadow_desc_default(sandglass_pile_shadow_desc* desc) {
+  if (desc == nullptr) return;
   *desc = {};
   desc->struct_size = sizeof *desc;
   for (uint32_t axis = 0; axis < 2; ++axis) desc->low[axis] = -0.5f, desc->high[axis] = 0.5f;
@@ -178,26 +180,30 @@ sandglass_status sandglass_pile_shadow_create(const sandglass_pile_shadow_desc* 
 sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, const float direction[3],
                                                  const char** reason) {
   if (shadow == nullptr || direction == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "shadow or direction is NULL");
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "shadow or direction is NULL: pass the shadow and 3 floats");
   const FloatingPointControl saved = floating_point_enter();
   const sandglass_status status = take_light(&shadow->pile, direction, reason);
   floating_point_restore(saved);
   return status;
 }
 
-void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) { shadow->pile.pending = true; }
+void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) {
+  if (shadow != nullptr) shadow->pile.pending = true;
+}
 
 uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count, float radius,
                                    uint32_t units) {
+  if (shadow == nullptr || (positions == nullptr && count != 0)) return 0;
   const FloatingPointControl saved = floating_point_enter();
-  shadow->pile.own_positions = positions;
-  shadow->pile.source = {&shadow->pile.own_positions, 3, radius > 0 ? count : 0, radius};
+  shadow->pile.source = {nullptr, nullptr, positions, radius > 0 ? count : 0, radius};
   const uint32_t done = run_units(&shadow->pile, units);
   floating_point_restore(saved);
   return done;
 }
 
 void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_texture* out) {
+  if (shadow == nullptr || out == nullptr) return;
   const Pile& p = shadow->pile;
   sandglass_pile_shadow_texture texture = {};
   texture.valid = p.valid ? 1 : 0;
@@ -211,6 +217,7 @@ void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sand
 }
 
 uint64_t sandglass_pile_shadow_hash(const sandglass_pile_shadow* shadow) {
+  if (shadow == nullptr) return 0;
   constexpr uint64_t k_prime = 1099511628211ull;
   const Pile& p = shadow->pile;
   const uint64_t texels = uint64_t{p.texels} * p.texels;

@@ -12,7 +12,7 @@
 #include "models/host/atomic_file.h"
 #include "models/lighting/light_file.h"
 #include "runtime/asset/checksum.h"
-#include "runtime/lighting/network.h"
+#include "runtime/light/network.h"
 #include "sandglass/shadow.h"
 
 namespace {

@@ -1,6 +1,6 @@
 // The lighting network at run time: against the naive network of bytes to the bit, against the float network, alike on
 // every instruction set, in every order that is allowed, within its memory.
-#include "runtime/lighting/network.h"
+#include "runtime/light/network.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include "models/host/aligned_bytes.h"
 #include "models/lighting/light_runner.h"
 #include "runtime/asset/checksum.h"
-#include "runtime/lighting/heads.h"
+#include "runtime/light/heads.h"
 #include "tests/lighting/byte_network.h"
 #include "tests/lighting/reference_classifier.h"
 

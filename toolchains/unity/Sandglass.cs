@@ -1,4 +1,4 @@
-// The C API, one to one: names, layouts and order are those of sandglass.h, sampling.h, field.h, shadow.h and light.h, which
+// The C API, one to one: names, layouts and order are those of the public headers (types.h, sandglass.h, sampling.h, …), which
 // document every field. Sizes and offsets are compared with the C compiler's by tests/package, so a header that moved on fails there, not
 // on a phone. Nothing here allocates; what calls it every frame should keep its structs and arrays.
 //
@@ -49,15 +49,19 @@ public struct sandglass_log {
 }
 
 [StructLayout(LayoutKind.Sequential)]
+public struct sandglass_reference_scheme {
+  public int scheme, blend;
+  public uint solver_iterations, stabilisation_iterations;
+  public float relaxation;
+}
+
+[StructLayout(LayoutKind.Sequential)]
 public struct sandglass_granular_desc {
   public uint particle_capacity, grain_capacity, boundary_capacity, body_capacity, body_particle_capacity;
   public uint emitter_capacity, sink_capacity, collider_capacity;
   public float particle_radius, grain_radius, static_friction, kinetic_friction, height_weighting;
-  public int scheme;
-  public uint solver_iterations, stabilisation_iterations;
-  public float relaxation, courant, substep_max, substep_min, list_skin, sleep_after;
-  public int blend;
-  public float refine_step;
+  public float courant, substep_max, substep_min, list_skin, sleep_after, refine_step;
+  public sandglass_reference_scheme reference;
 }
 
 [StructLayout(LayoutKind.Sequential)]

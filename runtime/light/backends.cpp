@@ -1,5 +1,5 @@
 // The back ends that this build has: the project's own kernels, and with SANDGLASS_HAVE_XNNPACK XNNPACK's convolutions.
-#include "runtime/lighting/backends.h"
+#include "runtime/light/backends.h"
 
 namespace sandglass {
 

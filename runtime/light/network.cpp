@@ -1,9 +1,9 @@
-#include "runtime/lighting/network.h"
+#include "runtime/light/network.h"
 
 #include <cstring>
 
 #include "platform/check.h"
-#include "runtime/lighting/heads.h"
+#include "runtime/light/heads.h"
 
 namespace sandglass {
 namespace {

@@ -1,5 +1,5 @@
 // The C API around a Light, and its units.
-#include "runtime/lighting/light.h"
+#include "runtime/light/light.h"
 
 #include <cstring>
 
@@ -7,9 +7,9 @@
 #include "runtime/asset/checksum.h"
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/math.h"
-#include "runtime/lighting/backends.h"
-#include "runtime/lighting/harmonics.h"
-#include "runtime/lighting/turn.h"
+#include "runtime/light/backends.h"
+#include "runtime/light/harmonics.h"
+#include "runtime/light/turn.h"
 
 namespace sandglass {
 namespace {
@@ -36,7 +36,7 @@ sandglass_status check(const sandglass_light_desc* desc, Checked* checked, const
   if (!(desc->interval >= 0 && desc->interval <= 60)) return fail("desc.interval is not in 0..60 seconds");
   if (!(desc->smoothing >= 0 && desc->smoothing <= 60)) return fail("desc.smoothing is not in 0..60 seconds");
   if (!(desc->turn_limit > 0 && desc->turn_limit <= 1e6f))
-    return fail("desc.turn_limit is not above 0 radians a second");
+    return fail("desc.turn_limit is not above 0 and at most 1e6 radians a second");
   if (!(desc->outlier_angle >= 0 && desc->outlier_angle <= 3.1416f)) return fail("desc.outlier_angle is not in 0..pi");
   if (!(desc->outlier_level >= 0 && desc->outlier_level <= 2)) return fail("desc.outlier_level is not in 0..2");
   if (!find_light_backend(desc->backend, &checked->backend, reason)) return SANDGLASS_ERROR_UNSUPPORTED;
@@ -274,6 +274,7 @@ __attribute__((noinline)) uint32_t run_units(sandglass_light* light, uint32_t un
 using namespace sandglass;
 
 void sandglass_camera_image_default(sandglass_camera_image* image) {
+  if (image == nullptr) return;
   *image = {};
   image->struct_size = sizeof *image;
   image->orientation[3] = 1.0f;
@@ -291,6 +292,7 @@ sandglass_status sandglass_camera_check(const sandglass_camera_image* image, con
 }
 
 void sandglass_light_desc_default(sandglass_light_desc* desc) {
+  if (desc == nullptr) return;
   *desc = {};
   desc->struct_size = sizeof *desc;
   desc->interval = 0.25f;
@@ -348,12 +350,18 @@ void sandglass_light_release(sandglass_light* light) {
   if (light != nullptr) release_light_network(light->light.network);
 }
 
-void sandglass_light_reset(sandglass_light* light) { reset(&light->light); }
+void sandglass_light_reset(sandglass_light* light) {
+  if (light != nullptr) reset(&light->light);
+}
 
 sandglass_status sandglass_light_turn(sandglass_light* light, const float rotation[4], const char** reason) {
+  if (light == nullptr || rotation == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "light or rotation is NULL: pass the light and a quaternion (x, y, z, w)");
   Rotation turn = {};
-  if (light == nullptr || rotation == nullptr || !rotation_of(rotation, &turn))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "light or rotation is NULL, zero or not finite");
+  if (!rotation_of(rotation, &turn))
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "rotation is not finite or has no length: pass a quaternion (x, y, z, w)");
   const FloatingPointControl saved = floating_point_enter();
   light_filter_turn(&light->light.filter, turn.m);
   double turned[3];
@@ -367,7 +375,9 @@ sandglass_status sandglass_light_turn(sandglass_light* light, const float rotati
 
 sandglass_status sandglass_light_set_image(sandglass_light* light, const sandglass_camera_image* image, uint32_t* taken,
                                            const char** reason) {
-  if (light == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "light is NULL");
+  if (light == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
+                  "light is NULL: pass the light that sandglass_light_create made");
   const sandglass_status status = check_camera_image(image, reason);
   if (status != SANDGLASS_OK) return status;
   const FloatingPointControl saved = floating_point_enter();
@@ -379,6 +389,7 @@ sandglass_status sandglass_light_set_image(sandglass_light* light, const sandgla
 }
 
 uint32_t sandglass_light_run(sandglass_light* light, uint32_t units) {
+  if (light == nullptr) return 0;
   const FloatingPointControl saved = floating_point_enter();
   const uint32_t done = run_units(light, units);
   floating_point_restore(saved);
@@ -386,24 +397,28 @@ uint32_t sandglass_light_run(sandglass_light* light, uint32_t units) {
 }
 
 uint32_t sandglass_light_units_left(const sandglass_light* light) {
+  if (light == nullptr) return 0;
   const Light& l = light->light;
   if (l.phase == LightPhase::idle) return 0;
   return l.phase == LightPhase::network ? l.network->units - l.cursor : image_units_left(l) + l.network->units;
 }
 
 void sandglass_light_get(const sandglass_light* light, sandglass_light_estimate* estimate) {
+  if (light == nullptr || estimate == nullptr) return;
   const FloatingPointControl saved = floating_point_enter();
   describe(light->light, light->light.filter.state, light->light.changed_ns, estimate);
   floating_point_restore(saved);
 }
 
 void sandglass_light_get_latest(const sandglass_light* light, sandglass_light_estimate* estimate) {
+  if (light == nullptr || estimate == nullptr) return;
   const FloatingPointControl saved = floating_point_enter();
   describe(light->light, light->light.latest, light->light.latest_ns, estimate);
   floating_point_restore(saved);
 }
 
 uint64_t sandglass_light_hash(const sandglass_light* light) {
+  if (light == nullptr) return 0;
   constexpr uint64_t k_prime = 1099511628211ull;
   const Light& l = light->light;
   const LightFilter& f = l.filter;
@@ -416,4 +431,6 @@ uint64_t sandglass_light_hash(const sandglass_light* light) {
   return (hash ^ asset_checksum(reinterpret_cast<const uint8_t*>(counts), sizeof counts)) * k_prime;
 }
 
-sandglass_isa sandglass_light_isa(const sandglass_light* light) { return light->light.network->kernels->isa; }
+sandglass_isa sandglass_light_isa(const sandglass_light* light) {
+  return light == nullptr ? SANDGLASS_ISA_AUTOMATIC : light->light.network->kernels->isa;
+}

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "runtime/core/math.h"
-#include "runtime/lighting/network.h"
+#include "runtime/light/network.h"
 
 namespace sandglass {
 

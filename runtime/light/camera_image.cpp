@@ -1,7 +1,7 @@
-#include "runtime/lighting/camera_image.h"
+#include "runtime/light/camera_image.h"
 
 #include "runtime/core/math.h"
-#include "runtime/lighting/turn.h"
+#include "runtime/light/turn.h"
 
 namespace sandglass {
 
@@ -159,7 +159,7 @@ bool finite_within(float value, float limit) { return value >= -limit && value <
 }  // namespace
 
 sandglass_status check_camera_image(const CameraImage* image, const char** reason) {
-  if (image == nullptr) return refuse(reason, "camera image: there is none; give an image");
+  if (image == nullptr) return refuse(reason, "camera image: the image is NULL; give an image");
   if (image->struct_size != sizeof *image)
     return refuse(reason, "camera image: struct_size is not this library's; start from sandglass_camera_image_default");
   if (image->format < SANDGLASS_CAMERA_RGB || image->format > SANDGLASS_CAMERA_I420)

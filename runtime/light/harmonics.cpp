@@ -1,4 +1,4 @@
-#include "runtime/lighting/harmonics.h"
+#include "runtime/light/harmonics.h"
 
 #include "runtime/core/math.h"
 
@@ -20,6 +20,13 @@ constexpr double k_zonal[3] = {2.0 * k_pi * k_moment_0, 2.0 * k_pi* k_moment_1,
 constexpr double k_facing = 2.0 * k_pi * (1.0 / k_sharpness - (1.0 - k_at_side) / (k_sharpness * k_sharpness));
 
 constexpr double k_most_contrast = 0.95, k_least_elevation = 0.1, k_most_strength = 64.0;
+
+bool is_finite(const sandglass_light_estimate& e) {
+  float sum = e.strength - e.strength;  // x - x is 0, or not a number where x is not finite
+  for (int i = 0; i < 3; ++i)
+    sum += (e.direction[i] - e.direction[i]) + (e.light[i] - e.light[i]) + (e.ambient[i] - e.ambient[i]);
+  return sum == 0.0f;
+}
 
 constexpr double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
@@ -74,12 +81,17 @@ sandglass_status sandglass_light_harmonics(const sandglass_light_estimate* estim
     if (reason != nullptr) *reason = sentence;
     return SANDGLASS_ERROR_INVALID_ARGUMENT;
   };
-  if (estimate == nullptr || sh == nullptr) return refuse("estimate or sh is NULL");
+  if (estimate == nullptr || sh == nullptr)
+    return refuse("estimate or sh is NULL: pass an estimate of sandglass_light_get and room for 27 floats");
   if (estimate->struct_size < k_least_estimate_bytes)
     return refuse(
         "estimate.struct_size is not set: set it to sizeof(sandglass_light_estimate) before sandglass_light_get");
   if (model < SANDGLASS_LIGHT_MODEL_AMBIENT || model > SANDGLASS_LIGHT_MODEL_PICTURE)
     return refuse("model is none of SANDGLASS_LIGHT_MODEL_AMBIENT, _WHOLE and _PICTURE");
+  if (!is_finite(*estimate))
+    return refuse(
+        "a direction, colour or strength of the estimate is not finite: pass an estimate as sandglass_light_get fills "
+        "it");
   double exact[3 * k_harmonics];
   light_harmonics(*estimate, model, exact);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) sh[i] = static_cast<float>(exact[i]);

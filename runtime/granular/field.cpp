@@ -1,7 +1,7 @@
 // Signed distances on a grid. From a mesh: every triangle writes its exact distance to the nodes within the band; from
 // there distances spread node by node (two sweeps over the 26 neighbours), never below the truth and at most 13 % above
 // it; an inside test gives the sign. No memory but the field's own.
-#include "runtime/sampling/field.h"
+#include "runtime/granular/field.h"
 
 #include "runtime/sampling/arguments.h"
 
@@ -25,7 +25,8 @@ sandglass_status invalid(const char* sentence, const char** reason) {
 
 // Node counts of the box, or a sentence.
 const char* measure(const float low[3], const float high[3], float spacing, uint32_t counts[3]) {
-  if (low == nullptr || high == nullptr) return "sandglass_field: bounds are NULL.";
+  if (low == nullptr || high == nullptr)
+    return "sandglass_field: bounds_min or bounds_max is NULL: pass the corners of the box.";
   if (!(spacing >= 1e-5f && spacing <= 100.0f)) return "sandglass_field: spacing must be 0.00001 to 100 metres.";
   double nodes = 1.0;
   for (int k = 0; k < 3; ++k) {
@@ -217,7 +218,7 @@ sandglass_status sandglass_field_bytes(const float bounds_min[3], const float bo
                                        uint64_t* bytes, const char** reason) {
   uint32_t counts[3];
   if (const char* sentence = measure(bounds_min, bounds_max, spacing, counts)) return invalid(sentence, reason);
-  if (bytes == nullptr) return invalid("sandglass_field_bytes: bytes is NULL.", reason);
+  if (bytes == nullptr) return invalid("sandglass_field_bytes: bytes is NULL: pass where to store the size.", reason);
   *bytes = bytes_of(counts);
   if (reason != nullptr) *reason = nullptr;
   return SANDGLASS_OK;
@@ -230,7 +231,8 @@ sandglass_status sandglass_field_from_function(const float bounds_min[3], const 
   Nodes n = {};
   const sandglass_status status = check_block(bounds_min, bounds_max, spacing, solid, block, bytes, field, &n, reason);
   if (status != SANDGLASS_OK) return status;
-  if (distance == nullptr) return invalid("sandglass_field_from_function: distance is NULL.", reason);
+  if (distance == nullptr)
+    return invalid("sandglass_field_from_function: distance is NULL: pass the function that gives distances.", reason);
   for (uint32_t k = 0; k < n.counts[2]; ++k) {
     for (uint32_t j = 0; j < n.counts[1]; ++j) {
       for (uint32_t i = 0; i < n.counts[0]; ++i) {
@@ -253,7 +255,9 @@ sandglass_status sandglass_field_from_mesh(const sandglass_mesh* mesh, sandglass
   if (status != SANDGLASS_OK) return status;
   status = check_block(bounds_min, bounds_max, spacing, solid, block, bytes, field, &n, reason);
   if (status != SANDGLASS_OK) return status;
-  if (inside == nullptr) return invalid("sandglass_field_from_mesh: inside is NULL.", reason);
+  if (inside == nullptr)
+    return invalid(
+        "sandglass_field_from_mesh: inside is NULL: pass sandglass_mesh_inside_test, or a function of yours.", reason);
   if (!(band >= 0.0f && band <= SANDGLASS_COORDINATE_LIMIT))
     return invalid("sandglass_field_from_mesh: band must be 0 to 1000 metres.", reason);
   const float reach = band > 2.0f * spacing ? band : 2.0f * spacing;
@@ -285,26 +289,29 @@ sandglass_status sandglass_field_from_mesh(const sandglass_mesh* mesh, sandglass
 }
 
 float sandglass_field_distance(const sandglass_field* field, const float point[3], float normal[3]) {
+  if (field == nullptr || point == nullptr) return 0.0f;
   const Kernels* kernels = select_kernels(SANDGLASS_ISA_SCALAR);
   ColliderFrame frame = {};
   frame.shape = SANDGLASS_SHAPE_FIELD;
   for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f;
   frame.field = field->grid;
-  alignas(SANDGLASS_BLOCK_ALIGNMENT) float record[k_record_floats] = {point[0], point[1], point[2]};
-  SurfaceArgs args = {record, &frame};
+  SurfacePoint at = {};
+  for (int k = 0; k < 3; ++k) at.position[k] = point[k];
+  SurfaceArgs args = {&at, &frame};
   uint32_t unused = 0;
   kernels->surface_at(&args, 0, 1, &unused);
   if (normal != nullptr) {
-    for (int k = 0; k < 3; ++k) normal[k] = record[4 + k];
+    for (int k = 0; k < 3; ++k) normal[k] = at.normal[k];
   }
-  return record[3];
+  return at.distance;
 }
 
 sandglass_solid sandglass_field_bounds(const sandglass_field* field, float bounds_min[3], float bounds_max[3]) {
+  if (field == nullptr) return SANDGLASS_SOLID_INSIDE;
   const FieldGrid& grid = field->grid;
   for (int k = 0; k < 3; ++k) {
-    bounds_min[k] = grid.low[k];
-    bounds_max[k] = grid.low[k] + grid.spacing * static_cast<float>(grid.counts[k] - 1);
+    if (bounds_min != nullptr) bounds_min[k] = grid.low[k];
+    if (bounds_max != nullptr) bounds_max[k] = grid.low[k] + grid.spacing * static_cast<float>(grid.counts[k] - 1);
   }
   return grid.outward > 0.0f ? SANDGLASS_SOLID_INSIDE : SANDGLASS_SOLID_OUTSIDE;
 }

@@ -6,9 +6,9 @@
 
 #include <cstdint>
 
-#include "runtime/lighting/camera_image.h"
-#include "runtime/lighting/filter.h"
-#include "runtime/lighting/network.h"
+#include "runtime/light/camera_image.h"
+#include "runtime/light/filter.h"
+#include "runtime/light/network.h"
 
 namespace sandglass {
 

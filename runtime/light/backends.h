@@ -1,7 +1,7 @@
 // Back ends of the lighting network beside the project's own kernels.
 #pragma once
 
-#include "runtime/lighting/network.h"
+#include "runtime/light/network.h"
 
 namespace sandglass {
 

@@ -4,7 +4,7 @@
 
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/math.h"
-#include "runtime/lighting/harmonics.h"
+#include "runtime/light/harmonics.h"
 
 namespace sandglass {
 namespace {
@@ -80,7 +80,7 @@ void irradiance_polynomial(const sandglass_light_estimate& estimate, sandglass_l
 
 sandglass_status check(const sandglass_light_estimate* estimate, sandglass_light_model model, const void* out,
                        const char** reason) {
-  if (out == nullptr) return refuse(reason, "there is no struct to fill: pass where to store the light");
+  if (out == nullptr) return refuse(reason, "filament, arkit or unity is NULL: pass the struct to fill");
   if (!can_fill(out)) return refuse(reason, "the struct to fill has no struct_size: set it to the struct's sizeof");
   float unused[27];
   return sandglass_light_harmonics(estimate, model, unused, reason);
@@ -92,6 +92,11 @@ sandglass_status check(const sandglass_light_estimate* estimate, sandglass_light
 using namespace sandglass;
 
 int32_t sandglass_camera_orientation(const float matrix[16], float orientation[4]) {
+  if (orientation == nullptr) return 0;
+  if (matrix == nullptr) {
+    orientation[0] = orientation[1] = orientation[2] = 0.0f, orientation[3] = 1.0f;
+    return 0;
+  }
   constexpr double k_tolerance = 1e-3;  // of lengths and right angles
   double axes[3][3];
   bool fine = true;

@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "platform/xnnpack.h"
-#include "runtime/lighting/backends.h"
+#include "runtime/light/backends.h"
 
 namespace sandglass {
 namespace {

@@ -1,4 +1,4 @@
-#include "runtime/lighting/filter.h"
+#include "runtime/light/filter.h"
 
 #include "runtime/core/math.h"
 
