@@ -1,6 +1,8 @@
 #include "runtime/light/camera_image.h"
 
+#include "runtime/core/finite.h"
 #include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
 #include "runtime/light/turn.h"
 
 namespace sandglass {
@@ -11,11 +13,6 @@ constexpr int32_t k_one = 256;  // a pixel, in the fixed point of boxes
 constexpr float k_intrinsics_limit = 1e6f;
 constexpr uint32_t k_block_rows_most = 16;
 constexpr uint32_t k_camera_box_columns = k_camera_sums / 4;  // pixels of a box that are read, of up to four bytes
-
-sandglass_status refuse(const char** reason, const char* sentence) {
-  if (reason != nullptr) *reason = sentence;
-  return SANDGLASS_ERROR_INVALID_ARGUMENT;
-}
 
 // Input interval that an output pixel covers along one axis, in 1/256 pixel from the image's edge; never empty.
 struct Box {
@@ -154,8 +151,6 @@ void yuv_to_rgb(sandglass_yuv_range range, uint8_t y, uint8_t u, uint8_t v, uint
 
 bool is_yuv(sandglass_camera_format format) { return format >= SANDGLASS_CAMERA_NV12; }
 
-bool finite_within(float value, float limit) { return value >= -limit && value <= limit; }  // false for NaN
-
 }  // namespace
 
 sandglass_status check_camera_image(const CameraImage* image, const char** reason) {
@@ -191,18 +186,17 @@ sandglass_status check_camera_image(const CameraImage* image, const char** reaso
   if (from_pose && image->pose_is_upright != 0)
     return refuse(reason,
                   "camera image: the pose of an upright image does not tell its turn; give the turn in degrees");
-  if (!(image->focal_x >= 1.0f && image->focal_x <= k_intrinsics_limit && image->focal_y >= 1.0f &&
-        image->focal_y <= k_intrinsics_limit))
+  if (!within(image->focal_x, 1.0f, k_intrinsics_limit) || !within(image->focal_y, 1.0f, k_intrinsics_limit))
     return refuse(
         reason,
         "camera image: a focal length is not a number from 1 to a million pixels; give the camera's intrinsics");
-  if (!finite_within(image->centre_x, k_intrinsics_limit) || !finite_within(image->centre_y, k_intrinsics_limit))
+  if (!within(image->centre_x, -k_intrinsics_limit, k_intrinsics_limit) ||
+      !within(image->centre_y, -k_intrinsics_limit, k_intrinsics_limit))
     return refuse(reason, "camera image: the principal point is not finite; give the camera's intrinsics");
   Rotation rotation = {};
   if (!rotation_of(image->orientation, &rotation))
     return refuse(reason, "camera image: the orientation is zero or not finite; give the camera's pose");
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 CameraImage with_turn(const CameraImage& image) {

@@ -1,6 +1,7 @@
 #include "runtime/light/harmonics.h"
 
 #include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
 
 namespace sandglass {
 
@@ -77,24 +78,21 @@ using namespace sandglass;
 
 sandglass_status sandglass_light_harmonics(const sandglass_light_estimate* estimate, sandglass_light_model model,
                                            float sh[27], const char** reason) {
-  const auto refuse = [&](const char* sentence) {
-    if (reason != nullptr) *reason = sentence;
-    return SANDGLASS_ERROR_INVALID_ARGUMENT;
-  };
   if (estimate == nullptr || sh == nullptr)
-    return refuse("estimate or sh is NULL: pass an estimate of sandglass_light_get and room for 27 floats");
+    return refuse(reason, "estimate or sh is NULL: pass an estimate of sandglass_light_get and room for 27 floats");
   if (estimate->struct_size < k_least_estimate_bytes)
     return refuse(
+        reason,
         "estimate.struct_size is not set: set it to sizeof(sandglass_light_estimate) before sandglass_light_get");
   if (model < SANDGLASS_LIGHT_MODEL_AMBIENT || model > SANDGLASS_LIGHT_MODEL_PICTURE)
-    return refuse("model is none of SANDGLASS_LIGHT_MODEL_AMBIENT, _WHOLE and _PICTURE");
+    return refuse(reason, "model is none of SANDGLASS_LIGHT_MODEL_AMBIENT, _WHOLE and _PICTURE");
   if (!is_finite(*estimate))
     return refuse(
+        reason,
         "a direction, colour or strength of the estimate is not finite: pass an estimate as sandglass_light_get fills "
         "it");
   double exact[3 * k_harmonics];
   light_harmonics(*estimate, model, exact);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) sh[i] = static_cast<float>(exact[i]);
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }

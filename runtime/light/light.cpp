@@ -4,9 +4,10 @@
 #include <cstring>
 
 #include "platform/floating_point.h"
-#include "runtime/asset/checksum.h"
 #include "runtime/core/filled_struct.h"
+#include "runtime/core/hash.h"
 #include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
 #include "runtime/light/backends.h"
 #include "runtime/light/harmonics.h"
 #include "runtime/light/turn.h"
@@ -16,12 +17,6 @@ namespace {
 
 constexpr uint64_t k_rgb_bytes = 3 * k_light_width * k_light_height;
 
-sandglass_status refuse(const char** reason, sandglass_status status, const char* sentence) {
-  if (reason != nullptr) *reason = sentence;
-  return status;
-}
-sandglass_status accept(const char** reason) { return refuse(reason, SANDGLASS_OK, nullptr); }
-
 struct Checked {
   LightAsset asset;
   const Int8Kernels* kernels;
@@ -29,16 +24,17 @@ struct Checked {
 };
 
 sandglass_status check(const sandglass_light_desc* desc, Checked* checked, const char** reason) {
-  const auto fail = [&](const char* sentence) { return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, sentence); };
-  if (desc == nullptr) return fail("desc is NULL: start from sandglass_light_desc_default");
+  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_light_desc_default");
   if (desc->struct_size != sizeof *desc)
-    return fail("desc.struct_size is not that of this library: start from sandglass_light_desc_default");
-  if (!(desc->interval >= 0 && desc->interval <= 60)) return fail("desc.interval is not in 0..60 seconds");
-  if (!(desc->smoothing >= 0 && desc->smoothing <= 60)) return fail("desc.smoothing is not in 0..60 seconds");
+    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_light_desc_default");
+  if (!(desc->interval >= 0 && desc->interval <= 60)) return refuse(reason, "desc.interval is not in 0..60 seconds");
+  if (!(desc->smoothing >= 0 && desc->smoothing <= 60)) return refuse(reason, "desc.smoothing is not in 0..60 seconds");
   if (!(desc->turn_limit > 0 && desc->turn_limit <= 1e6f))
-    return fail("desc.turn_limit is not above 0 and at most 1e6 radians a second");
-  if (!(desc->outlier_angle >= 0 && desc->outlier_angle <= 3.1416f)) return fail("desc.outlier_angle is not in 0..pi");
-  if (!(desc->outlier_level >= 0 && desc->outlier_level <= 2)) return fail("desc.outlier_level is not in 0..2");
+    return refuse(reason, "desc.turn_limit is not above 0 and at most 1e6 radians a second");
+  if (!(desc->outlier_angle >= 0 && desc->outlier_angle <= 3.1416f))
+    return refuse(reason, "desc.outlier_angle is not in 0..pi");
+  if (!(desc->outlier_level >= 0 && desc->outlier_level <= 2))
+    return refuse(reason, "desc.outlier_level is not in 0..2");
   if (!find_light_backend(desc->backend, &checked->backend, reason)) return SANDGLASS_ERROR_UNSUPPORTED;
   checked->kernels = select_light_kernels(desc->isa);
   if (checked->kernels == nullptr)
@@ -305,8 +301,7 @@ void sandglass_light_desc_default(sandglass_light_desc* desc) {
 sandglass_status sandglass_light_inspect(const void* asset, uint64_t asset_bytes, sandglass_light_info* info,
                                          const char** reason) {
   if (info == nullptr || !can_fill(info))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "info is NULL or its struct_size is not set: set it to sizeof(sandglass_light_info)");
+    return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_light_info)");
   LightAsset file;
   const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason);
   if (status != SANDGLASS_OK) return status;
@@ -322,8 +317,7 @@ sandglass_status sandglass_light_bytes(const sandglass_light_desc* desc, uint64_
   Checked checked;
   const sandglass_status status = check(desc, &checked, reason);
   if (status != SANDGLASS_OK) return status;
-  if (bytes == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass where to store it");
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   *bytes = size_of_light(checked.backend);
   return accept(reason);
 }
@@ -333,13 +327,9 @@ sandglass_status sandglass_light_create(const sandglass_light_desc* desc, void* 
   Checked checked;
   const sandglass_status status = check(desc, &checked, reason);
   if (status != SANDGLASS_OK) return status;
-  if (block == nullptr || light == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "block or light is NULL: pass memory and where to store the light");
-  if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
-    return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT, "block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64)");
-  if (bytes < size_of_light(checked.backend))
-    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL, "block is smaller than sandglass_light_bytes asks for");
+  if (light == nullptr) return refuse(reason, "light is NULL: pass where to store it");
+  const sandglass_status usable = check_block(block, bytes, size_of_light(checked.backend), reason);
+  if (usable != SANDGLASS_OK) return usable;
   const FloatingPointControl saved = floating_point_enter();
   const bool built = build(checked, *desc, block, light, reason);
   floating_point_restore(saved);
@@ -356,12 +346,10 @@ void sandglass_light_reset(sandglass_light* light) {
 
 sandglass_status sandglass_light_turn(sandglass_light* light, const float rotation[4], const char** reason) {
   if (light == nullptr || rotation == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "light or rotation is NULL: pass the light and a quaternion (x, y, z, w)");
+    return refuse(reason, "light or rotation is NULL: pass the light and a quaternion (x, y, z, w)");
   Rotation turn = {};
   if (!rotation_of(rotation, &turn))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "rotation is not finite or has no length: pass a quaternion (x, y, z, w)");
+    return refuse(reason, "rotation is not finite or has no length: pass a quaternion (x, y, z, w)");
   const FloatingPointControl saved = floating_point_enter();
   light_filter_turn(&light->light.filter, turn.m);
   double turned[3];
@@ -375,9 +363,7 @@ sandglass_status sandglass_light_turn(sandglass_light* light, const float rotati
 
 sandglass_status sandglass_light_set_image(sandglass_light* light, const sandglass_camera_image* image, uint32_t* taken,
                                            const char** reason) {
-  if (light == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "light is NULL: pass the light that sandglass_light_create made");
+  if (light == nullptr) return refuse(reason, "light is NULL: pass the light that sandglass_light_create made");
   const sandglass_status status = check_camera_image(image, reason);
   if (status != SANDGLASS_OK) return status;
   const FloatingPointControl saved = floating_point_enter();
@@ -419,16 +405,14 @@ void sandglass_light_get_latest(const sandglass_light* light, sandglass_light_es
 
 uint64_t sandglass_light_hash(const sandglass_light* light) {
   if (light == nullptr) return 0;
-  constexpr uint64_t k_prime = 1099511628211ull;
   const Light& l = light->light;
   const LightFilter& f = l.filter;
-  uint64_t hash = asset_checksum(l.rgb, k_rgb_bytes);
+  uint64_t hash = hash_bytes(l.rgb, k_rgb_bytes);
   const LightSample* const samples[3] = {&f.state, &f.held, &l.latest};
-  for (const LightSample* sample : samples)
-    hash = (hash ^ asset_checksum(reinterpret_cast<const uint8_t*>(sample), sizeof *sample)) * k_prime;
-  hash = (hash ^ asset_checksum(reinterpret_cast<const uint8_t*>(&f.agreement), sizeof f.agreement)) * k_prime;
+  for (const LightSample* sample : samples) hash = hash_with(hash, hash_bytes(sample, sizeof *sample));
+  hash = hash_with(hash, hash_bytes(&f.agreement, sizeof f.agreement));
   const uint64_t counts[4] = {l.estimates, f.held_off, static_cast<uint64_t>(l.phase), l.cursor};
-  return (hash ^ asset_checksum(reinterpret_cast<const uint8_t*>(counts), sizeof counts)) * k_prime;
+  return hash_with(hash, hash_bytes(counts, sizeof counts));
 }
 
 sandglass_isa sandglass_light_isa(const sandglass_light* light) {

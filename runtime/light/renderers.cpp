@@ -4,6 +4,7 @@
 
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
 #include "runtime/light/harmonics.h"
 
 namespace sandglass {
@@ -11,11 +12,6 @@ namespace {
 
 constexpr float k_neutral_lumens = 1000.0f;
 constexpr double k_coldest = 40000.0, k_warmest = 1000.0, k_white = 6500.0;  // kelvin
-
-sandglass_status refuse(const char** reason, const char* sentence) {
-  if (reason != nullptr) *reason = sentence;
-  return SANDGLASS_ERROR_INVALID_ARGUMENT;
-}
 
 float luminance(const float c[3]) { return 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2]; }
 

@@ -1,6 +1,7 @@
 // Rotations given as quaternions by apps and their sensors, in double: any length above 0 is accepted.
 #pragma once
 
+#include "runtime/core/finite.h"
 #include "runtime/core/math.h"
 
 namespace sandglass {
@@ -13,7 +14,7 @@ struct Rotation {
 inline bool unit_quaternion(const float q[4], double unit[4]) {
   double squared = 0.0;
   for (int i = 0; i < 4; ++i) unit[i] = static_cast<double>(q[i]), squared += unit[i] * unit[i];
-  if (!(squared > 0.0) || squared - squared != 0.0) return false;
+  if (!(squared > 0.0) || !is_finite(squared)) return false;
   const double length = square_root(squared);
   for (int i = 0; i < 4; ++i) unit[i] /= length;
   return true;

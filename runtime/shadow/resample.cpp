@@ -4,6 +4,7 @@
 
 #include "platform/floating_point.h"
 #include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
 #include "runtime/shadow/shadow.h"
 
 namespace sandglass {
@@ -11,15 +12,6 @@ namespace {
 
 constexpr uint32_t n = k_shadow_size;
 constexpr uint32_t k_combined_most = 1024;  // texels a side
-
-sandglass_status refuse(const char** reason, const char* sentence) {
-  if (reason != nullptr) *reason = sentence;
-  return SANDGLASS_ERROR_INVALID_ARGUMENT;
-}
-sandglass_status accept(const char** reason) {
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
-}
 
 // Where a coordinate falls between texel centres: index of the lower one, -1..n-1, and 256ths of the way to the next.
 struct Between {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "models/lighting/excerpt.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass {
 namespace {

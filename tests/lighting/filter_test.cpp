@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 #include "sandglass/light.h"
 
 namespace sandglass {

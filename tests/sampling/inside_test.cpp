@@ -6,7 +6,7 @@
 #include "models/host/mesh/generated.h"
 #include "models/host/mesh/ray_caster.h"
 #include "runtime/sampling/inside.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {

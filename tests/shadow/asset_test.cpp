@@ -1,4 +1,5 @@
 // A shadow file is untrusted: every truncation, every changed byte, and wrong numbers behind a right checksum.
+#include "runtime/asset/file.h"
 #include "runtime/asset/shadow_asset.h"
 
 #include <gtest/gtest.h>

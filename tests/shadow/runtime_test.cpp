@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "runtime/asset/shadow_asset.h"
+#include "runtime/core/hash.h"
 #include "tests/filled_struct.h"
 #include "tests/shadow/shadow_fixture.h"
 
@@ -22,7 +23,7 @@ constexpr RandomShadow k_network = {128, 2, 10, 4, 11, 0.6f};
 // The textures of k_network for light (0.5, 1, 0.25): all instruction sets, compilers and machines.
 constexpr uint64_t k_golden_full = 0x448de45a0e59d3b8ull, k_golden_adaptive = 0x4e71d93b206021eeull;
 
-uint64_t hash(const std::vector<uint8_t>& bytes) { return asset_checksum(bytes.data(), bytes.size()); }
+uint64_t hash(const std::vector<uint8_t>& bytes) { return hash_bytes(bytes.data(), bytes.size()); }
 
 std::vector<uint8_t> texture_of(const AssetFile& file, sandglass_isa isa, sandglass_shadow_mode mode) {
   LiveShadow shadow(describe(file, isa, mode));

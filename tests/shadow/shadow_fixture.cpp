@@ -8,6 +8,7 @@
 
 #include "kernels/int8.h"
 #include "models/shadow/shadow_builders.h"
+#include "runtime/asset/file.h"
 #include "runtime/asset/shadow_asset.h"
 
 namespace sandglass::tests {
@@ -41,7 +42,7 @@ AssetFile copy_of(const uint8_t* bytes, uint64_t count) {
 }
 
 void repair_checksum(AssetFile* file) {
-  const uint64_t body = file->bytes - k_checksum_bytes, hash = asset_checksum(file->data(), body);
+  const uint64_t body = file->bytes - k_checksum_bytes, hash = hash_bytes(file->data(), body);
   for (uint32_t i = 0; i < k_checksum_bytes; ++i) file->data()[body + i] = static_cast<uint8_t>(hash >> 8 * i);
 }
 
