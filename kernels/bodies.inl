@@ -1,5 +1,5 @@
-// Every kernel body, in one namespace per instruction set: a table_<set>.cpp sets SANDGLASS_SIMD to the namespace of
-// its simd header, includes this, and exports one table.
+// Every kernel body, in one namespace per instruction set. A table_<set>.cpp sets SANDGLASS_SIMD to the namespace of
+// its simd header, includes this file, and exports one table.
 namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/records.inl"
 

@@ -1,23 +1,23 @@
-// One Jacobi pass: every particle gathers the corrections of its contacts from the positions before the pass
-// (4.14-4.27), adds them with a fixed factor or averaged (4.37), and is then projected out of the analytic colliders,
-// whose mass is infinite.
+// One Jacobi pass. Every particle gathers the corrections of its contacts from the positions before the pass, by
+// (4.14)-(4.27) of the dissertation. It adds them with a fixed factor or averaged (4.37), and is then pushed out of the
+// colliders, whose mass is infinite. Where the equations differ from the printed ones, runtime/README.md says why
+// ("Corrections").
 //
-// A particle holds the position at the start of the sub-step and its velocity or displacement. Predicted positions are
-// never stored, only the displacement is carried (correction of Alg. 4): relative positions are
-// (x_j - x_i) + (displacement_j - displacement_i), exact to the last bits of the small quantities. With one iteration
-// the whole sub-step is this one pass.
+// A particle holds the position at the start of the sub-step and the displacement since then. Predicted positions are
+// never stored (correction to Alg. 4): a relative position is (x_j - x_i) + (displacement_j - displacement_i), exact to
+// the last bits of the small quantities. With one iteration the whole sub-step is this one pass.
 
-// Height weighting, 1/(1 + exp(k c)) - 1/2 as a cubic of c = n . up (erratum 4.38): how much more than half of a
-// correction this particle takes. What one side takes more the other takes less, so every contact lifts the pair. That
-// is what carries the layers above; more than they weigh it must not be, or towers jump and impacts throw. The sum of
-// what weighting adds to a particle is therefore limited, to a multiple of gravity's own displacement (lift_max).
+// Height weighting (correction to 4.38): 1/(1 + exp(k c)) - 1/2 as a cubic of c = n . up, which says how much more than
+// half of a correction this particle takes. One side takes more by what the other takes less, so every contact lifts
+// the pair. That lift carries the layers above. It must not exceed their weight, or towers jump and impacts throw. So
+// the sum that weighting adds to a particle is limited to a multiple of gravity's own displacement (lift_max).
 SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Float nz) {
   const Float c = dot3(nx, ny, nz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
   return c * (broadcast(a->weight_linear) + broadcast(a->weight_cubic) * (c * c));
 }
 
-// Coincident particles part along a fixed direction that both sides agree on: a unit vector chosen by the pair's
-// records.
+// Coincident particles part along a fixed direction that both sides agree on: a unit vector chosen by the indices of
+// the pair.
 SANDGLASS_INLINE void part_coincident(uint32_t first, const uint32_t* index, Mask coincident, Float* nx, Float* ny,
                                       Float* nz) {
   alignas(64) float ux[k_lane_group], uy[k_lane_group], uz[k_lane_group];
@@ -74,7 +74,7 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
     for (uint32_t s = 0; s < slots; ++s) {
       Float other[k_record_floats];
       load_records(floats_of(a->in), row + s, k_list_slots, other);
-      Float rx = zero, ry = zero, rz = zero;  // relative displacement (4.17, erratum)
+      Float rx = zero, ry = zero, rz = zero;  // relative displacement (correction to 4.17)
       Float ex = other[k_x] - self[k_x], ey = other[k_y] - self[k_y], ez = other[k_z] - self[k_z];
       const Mask free = zero < other[k_mobility];
       if (k_solve) {
@@ -96,12 +96,13 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       Float overlap = d - diameter;  // negative
       Float along = zero;
       if (k_solve) {
-        // The speed at which an overlap may drive a pair apart is limited: the rest of it goes in later sub-steps.
+        // The speed at which an overlap drives a pair apart is limited; the rest of the overlap goes in later
+        // sub-steps.
         along = dot3(rx, ry, rz, nx, ny, nz);
         overlap =
             maximum(overlap, broadcast(a->inverse_relaxation) * minimum(along - broadcast(a->separation_max), zero));
       }
-      // Shares of the correction: all of it against what does not move, else by inverse mass.
+      // Share of the correction: all of it against what does not move or is asleep, else by inverse mass.
       Float mine = select(free, half, one);
       Float lift = zero;
       if (k_weighted) lift = height_share(a, nx, ny, nz);
@@ -138,7 +139,8 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
     if (a->averaged != 0) {
       factor = minimum(omega / maximum(contacts, one), one);
     } else {
-      // Twelve spheres touch one; more are a heap of coincident ones, whose corrections must not add up.
+      // At most twelve equal spheres touch one. More contacts come from coincident particles, whose corrections must
+      // not add up.
       const Float crowd = minimum(broadcast(12.0f) / maximum(contacts, one), one);
       const Float crowd2 = crowd * crowd;
       factor = omega * (crowd2 * crowd2);
@@ -170,8 +172,7 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
         Float v[3];
         collider_velocity(collider, px, py, pz, v);
         const Float step = broadcast(a->step);
-        // The collider's displacement minus the particle's, normal part removed; all of it is the particle's to make
-        // up.
+        // The collider's displacement minus the particle's, without its normal part. The particle makes up all of it.
         const Float rx = step * v[0] - dx, ry = step * v[1] - dy, rz = step * v[2] - dz;
         const Float along = dot3(rx, ry, rz, surface.nx, surface.ny, surface.nz);
         const Float tx = rx - along * surface.nx, ty = ry - along * surface.ny, tz = rz - along * surface.nz;
@@ -191,7 +192,7 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
     out[k_mobility] = w;
     out[k_identity] = self[k_identity];
     if (!k_solve) {
-      // Stabilisation moves the start positions only, and by no more than the CFL limit.
+      // Stabilisation moves the start positions only. A move beyond the CFL limit is left out.
       const Float mx = x - self[k_x], my = y - self[k_y], mz = z - self[k_z];
       const Float m2 = dot3(mx, my, mz, mx, my, mz);
       const Float limit = broadcast(a->displacement_max);
@@ -207,7 +208,7 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
         lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->particle_count));
     const Mask live = inside & moves;
     Float move2 = dot3(dx, dy, dz, dx, dy, dz);
-    const Mask sound = move2 < broadcast(1e12f);  // false for NaN and Inf: such a particle stays where it is, at rest
+    const Mask sound = move2 < broadcast(1e12f);  // false for NaN and Inf: such a particle stays where it is
     dx = keep(sound, dx), dy = keep(sound, dy), dz = keep(sound, dz);
     move2 = keep(sound, move2);
     if (a->last != 0) {
@@ -223,7 +224,8 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       out[k_z] = select(live, z + dz, self[k_z]);
       // A division: multiplying by 1/dt would err by the same sign in every sub-step.
       out[k_vx] = keep(live, dx / step), out[k_vy] = keep(live, dy / step), out[k_vz] = keep(live, dz / step);
-      // Out of bounds, or not a number: it rests where it was, or at the origin when that was not a number either.
+      // Out of bounds, or not a number: back to where it was, with velocity 0. A coordinate that was no better becomes
+      // 0.
       const Float bound = broadcast(k_coordinate_bound);
       const Mask legal = (absolute(out[k_x]) < bound) & (absolute(out[k_y]) < bound) & (absolute(out[k_z]) < bound);
       const Mask bad = and_not(live, sound & legal);

@@ -1,5 +1,5 @@
-// Cell of each record in a wrapped grid. Coordinates are clamped before the cast: out of range, casts differ between
-// machines.
+// The cell of each particle or grain in a wrapped grid. Coordinates are clamped before the cast, because casts out of
+// range differ between machines.
 
 SANDGLASS_INLINE Int floor_to_int(Float a) {
   const Float bounded = minimum(maximum(a, broadcast(-536870912.0f)), broadcast(536870912.0f));

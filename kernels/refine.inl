@@ -1,13 +1,13 @@
-// Grains: advected by the velocity field of the particles (4.39-4.44), blended into free flight near and outside the
-// surface, kept outside the colliders. Lane = grain. Grains are sorted by cell, so k_width neighbouring lanes share
-// almost all candidates: those are found once per group, by the distance to the group's bounding box, and then
-// broadcast to all lanes.
+// Grains are advected by the velocity field of the particles, (4.39)-(4.44) of the dissertation, blended into free
+// flight near and outside the surface, and kept outside the colliders. Lane = grain. Grains are sorted by cell, so
+// k_width neighbouring lanes share almost all candidates. The candidates are found once for such a group of lanes, by
+// their distance to the group's bounding box, and each is then broadcast to all lanes.
 //
-// A candidate outside the box's reach has weight exactly 0 in every lane: the box's distance is computed with the same
+// A candidate out of the box's reach has weight exactly 0 in every lane: the box's distance is computed with the same
 // operations, which round monotonically, and the weight is max(0, (h^2 - d^2)/h^2)^3. So neither the lane count nor the
-// grouping shows in a sum.
+// grouping changes a sum.
 
-constexpr uint32_t k_candidates_max = 512;
+constexpr uint32_t k_candidates_max = 512;  // gathered before they are added up: 2 KB of stack
 
 struct Flow {
   Float weight, x, y, z, largest;
@@ -37,7 +37,7 @@ SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
   return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
 }
 
-// Sums over the particles near the lanes of `lanes`, whose bounding box is at most two cells wide.
+// Sums over the particles near the lanes that `lanes` holds, whose bounding box is at most two cells wide.
 SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Float y, Float z, Flow* flow) {
   const Float big = broadcast(3e38f), small = broadcast(-3e38f);
   const float low[3] = {lane_minimum(select(lanes, x, big)), lane_minimum(select(lanes, y, big)),
@@ -47,7 +47,8 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Floa
   int32_t first[3], last[3];
   uint32_t mask[3];
   for (int k = 0; k < 3; ++k) {
-    // One unit of slack in the cell coordinate covers the rounding of low - h.
+    // A reach a little longer than h: whatever its squared distance rounds to, no candidate below h^2 is in a cell that
+    // is left out. Differences and products round monotonically.
     first[k] = floor_scalar((low[k] - a->support * 1.0001f) * a->grid.inverse_cell);
     last[k] = floor_scalar((high[k] + a->support * 1.0001f) * a->grid.inverse_cell);
     mask[k] = (1u << a->grid.bits[k]) - 1;
@@ -101,8 +102,8 @@ SANDGLASS_INLINE Float fade(Float value, float a, float b) {
   return t * t * (broadcast(3.0f) - broadcast(2.0f) * t);
 }
 
-// How freely a grain flies: (4.44), or the continuous rule, which crosses over about the same two thresholds without a
-// jump.
+// The share of free flight in a grain's motion: (4.44), or the continuous rule, which has the same two thresholds and
+// passes them without a jump.
 SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
   const Float one = broadcast(1.0f), zero = broadcast(0.0f);
   const Mask alone = flow.weight <= zero;
@@ -135,7 +136,7 @@ SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Float position[3], Float
       relative[k] = velocity[k] - v[k];
       along = along + relative[k] * n[k];
     }
-    // The inward part of the relative velocity goes; Coulomb friction takes its share of the rest.
+    // The inward part of the relative velocity is removed. Coulomb friction reduces the rest.
     const Mask inward = hit & (along < zero);
     Float tangential[3], t2 = zero;
     for (int k = 0; k < 3; ++k) tangential[k] = relative[k] - along * n[k], t2 = t2 + tangential[k] * tangential[k];
@@ -161,7 +162,7 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
     Float velocity[3] = {grain[k_vx], grain[k_vy], grain[k_vz]};
     const Mask inside =
         lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
-    // A grain that has kept still long enough stays where it is while nothing around it moves.
+    // A grain that has been still for long enough stays where it is while nothing around it moves.
     Mask settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
     for (uint32_t s = 0; s < a->steps; ++s) {
       Flow flow = {zero, zero, zero, zero, zero};
@@ -194,7 +195,7 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
                        (absolute(velocity[1]) < broadcast(1e6f)) & (absolute(velocity[2]) < broadcast(1e6f));
     const Mask bad = and_not(inside, sound);
     if (any(bad)) {
-      // Back to where it was, at rest; to the origin when that was not a number either.
+      // Back to where it was, with velocity 0. A coordinate that was no better becomes 0.
       quarantined += count(bad);
       for (int k = 0; k < 3; ++k) {
         const Mask number = absolute(grain[k]) < limit;

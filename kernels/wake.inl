@@ -1,5 +1,6 @@
-// Who is near a shape: sleepers near colliders that moved wake up, before the sub-step that would run into them; what
-// is inside a sink is removed; and how far it is from one.
+// What depends on the distance to a shape: particles and grains that sleep near a moving collider wake up, before the
+// sub-step in which it would run into them (wake_near); which points lie inside any of several shapes (find_inside);
+// distance and normal of one collider (surface_at).
 
 static void wake_near(const WakeArgs* a, uint32_t begin, uint32_t end, uint32_t* woken) {
   const Float zero = broadcast(0.0f);

@@ -120,7 +120,7 @@ void accumulate(Granular* g, uint32_t slot) {
   for (int k = 0; k < 3; ++k) {
     const double displacement = static_cast<double>(next.velocity[k]) * dt;
     double stabilised = 0.0;  // what the stabilisation moved the start position by: position, not velocity
-    if (g->desc.stabilisation_iterations != 0)
+    if (g->desc.reference.stabilisation_iterations != 0)
       stabilised = static_cast<double>(next.position[k]) - static_cast<double>(now.position[k]) - displacement;
     carried[k] = displacement;
     moved[k] = displacement + stabilised;
@@ -243,12 +243,19 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
     if (reason != nullptr) *reason = sentence;
     return status;
   };
-  if (desc == nullptr || desc->struct_size != sizeof *desc)
+  if (desc == nullptr)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_granular_add_body: body is NULL: pass a body filled by sandglass_body_default.");
+  if (desc->struct_size != sizeof *desc)
     return fail(
         SANDGLASS_ERROR_INVALID_ARGUMENT,
-        "sandglass_granular_add_body: body is NULL or not this library's: fill it with sandglass_body_default.");
-  if (desc->particle_count == 0 || desc->particle_positions == nullptr)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_granular_add_body: a body needs at least one particle.");
+        "sandglass_granular_add_body: body.struct_size is not this library's: fill it with sandglass_body_default.");
+  if (desc->particle_count == 0)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_granular_add_body: body.particle_count is 0: a body needs at least one particle.");
+  if (desc->particle_positions == nullptr)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_granular_add_body: body.particle_positions is NULL: pass 3 floats for each particle.");
   if (!(desc->density_ratio >= 1e-3f && desc->density_ratio <= 1e3f))
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_granular_add_body: density_ratio must be 0.001 to 1000.");
   for (int k = 0; k < 3; ++k) {

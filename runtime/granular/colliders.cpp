@@ -2,8 +2,8 @@
 // and an error of (angle^3)/12, 7e-4 rad for a turn of 0.2 rad within one frame.
 #include "runtime/granular/colliders.h"
 
+#include "runtime/granular/field.h"
 #include "runtime/granular/granular.h"
-#include "runtime/sampling/field.h"
 
 namespace sandglass {
 

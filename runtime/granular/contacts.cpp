@@ -57,7 +57,7 @@ void choose_arrays(const Granular& g, uint32_t pass, uint32_t passes, ContactArg
 ContactArgs contact_args(const Granular& g) {
   const Substep& s = g.substep;
   const bool solve = s.phase == SubstepPhase::solve;
-  const uint32_t stabilisations = g.desc.stabilisation_iterations;
+  const uint32_t stabilisations = g.desc.reference.stabilisation_iterations;
   const float dt = s.length;
   ContactArgs a = {};
   choose_arrays(g, solve ? stabilisations + s.pass : s.pass, stabilisations + s.iterations, &a);
@@ -69,13 +69,13 @@ ContactArgs contact_args(const Granular& g) {
   a.diameter = 2.0f * g.desc.particle_radius;
   a.static_friction = g.desc.static_friction;
   a.kinetic_friction = g.desc.kinetic_friction;
-  a.relaxation = g.desc.relaxation;
-  a.averaged = g.desc.scheme == SANDGLASS_SCHEME_AVERAGED ? 1 : 0;
+  a.relaxation = g.desc.reference.relaxation;
+  a.averaged = g.desc.reference.scheme == SANDGLASS_SCHEME_AVERAGED ? 1 : 0;
   const float k = g.gravity_length > 0.0f ? g.desc.height_weighting : 0.0f;
   a.weight_linear = -0.25f * k;
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
   a.lift_max = k_lift_gravities * g.gravity_length * dt * dt / static_cast<float>(s.iterations);
-  a.inverse_relaxation = 1.0f / g.desc.relaxation;
+  a.inverse_relaxation = 1.0f / g.desc.reference.relaxation;
   const float densest = g.bodies.densest;
   const float heaviest = densest < 1.0f ? 1.0f : (densest < k_heaviest_counted ? densest : k_heaviest_counted);
   a.separation_max = a.averaged != 0 ? 1e6f : k_separation_units * heaviest * granular_speed_scale(g) * dt;

@@ -287,8 +287,16 @@ bool flow_run_grain_drain(Granular* g) {
 sandglass_status granular_remove(Granular* g, const sandglass_collider* region, uint32_t* particles, uint32_t* grains,
                                  const char** reason) {
   sandglass_collider accepted;
-  if (region == nullptr || !collider_accept(*region, &accepted)) {
-    if (reason != nullptr) *reason = "sandglass_granular_remove: region is NULL, not finite or without size.";
+  const char* wrong = nullptr;
+  if (region == nullptr) {
+    wrong = "sandglass_granular_remove: region is NULL: pass the shape to empty.";
+  } else if (!collider_accept(*region, &accepted)) {
+    wrong =
+        "sandglass_granular_remove: region is not a usable shape: its numbers must be finite, its position within "
+        "the coordinate limit, its sizes above 0, its rotation not zero, and its field made by this library.";
+  }
+  if (wrong != nullptr) {
+    if (reason != nullptr) *reason = wrong;
     return SANDGLASS_ERROR_INVALID_ARGUMENT;
   }
   ColliderFrame shape;

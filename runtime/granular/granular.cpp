@@ -55,14 +55,15 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (outside(d.static_friction, 0.0f, 10.0f)) return "granular.static_friction must be 0 to 10.";
   if (outside(d.kinetic_friction, 0.0f, 10.0f)) return "granular.kinetic_friction must be 0 to 10.";
   if (outside(d.height_weighting, 0.0f, 1.5f)) return "granular.height_weighting must be 0 (off) to 1.5.";
-  if (d.scheme != SANDGLASS_SCHEME_SMALL_STEP && d.scheme != SANDGLASS_SCHEME_AVERAGED)
-    return "granular.scheme must be a SANDGLASS_SCHEME value.";
-  if (d.solver_iterations < 1 || d.solver_iterations > 64) return "granular.solver_iterations must be 1 to 64.";
-  if (d.stabilisation_iterations > 8) return "granular.stabilisation_iterations must be 0 to 8.";
-  const float most = d.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 0.45f : 2.0f;
-  if (!(d.relaxation > 0.0f && d.relaxation <= most)) {
-    return "granular.relaxation must be above 0 and at most 0.45 (SMALL_STEP) or 2 (AVERAGED): above that, piles blow "
-           "up.";
+  if (d.reference.scheme != SANDGLASS_SCHEME_SMALL_STEP && d.reference.scheme != SANDGLASS_SCHEME_AVERAGED)
+    return "granular.reference.scheme must be a SANDGLASS_SCHEME value.";
+  if (d.reference.solver_iterations < 1 || d.reference.solver_iterations > 64)
+    return "granular.reference.solver_iterations must be 1 to 64.";
+  if (d.reference.stabilisation_iterations > 8) return "granular.reference.stabilisation_iterations must be 0 to 8.";
+  const float most = d.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 0.45f : 2.0f;
+  if (!(d.reference.relaxation > 0.0f && d.reference.relaxation <= most)) {
+    return "granular.reference.relaxation must be above 0 and at most 0.45 (SMALL_STEP) or 2 (AVERAGED): above "
+           "that, piles blow up.";
   }
   if (!(d.courant > 0.0f && d.courant <= 1.0f)) return "granular.courant must be above 0 and at most 1.";
   if (outside(d.substep_max, 0.0f, 0.1f)) return "granular.substep_max must be 0 (automatic) to 0.1 seconds.";
@@ -70,8 +71,8 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (d.substep_min > 0.0f && d.substep_max > 0.0f && d.substep_min > d.substep_max)
     return "granular.substep_min must not exceed substep_max.";
   if (outside(d.list_skin, 0.1f, 1.0f)) return "granular.list_skin must be 0.1 to 1 particle radius.";
-  if (d.blend != SANDGLASS_BLEND_CONTINUOUS && d.blend != SANDGLASS_BLEND_SOURCE)
-    return "granular.blend must be a SANDGLASS_BLEND value.";
+  if (d.reference.blend != SANDGLASS_BLEND_CONTINUOUS && d.reference.blend != SANDGLASS_BLEND_SOURCE)
+    return "granular.reference.blend must be a SANDGLASS_BLEND value.";
   if (outside(d.sleep_after, 0.0f, 5.0f)) return "granular.sleep_after must be 0 (never) to 5 seconds.";
   if (outside(d.refine_step, 1e-4f, 0.1f)) return "granular.refine_step must be 0.0001 to 0.1 seconds.";
   return nullptr;
@@ -158,28 +159,27 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
                               uint32_t grain_count, const char** reason) {
   if ((particle_count != 0 && particles == nullptr) || (grain_count != 0 && grains == nullptr)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add: a count is above 0 but its positions are NULL.", reason);
+                "particle_positions or grain_positions is NULL but its count is above 0: pass 3 floats for each item.",
+                reason);
   }
   if (particle_count > g->desc.particle_capacity - g->particles.count) {
-    return fail(SANDGLASS_ERROR_CAPACITY,
-                "sandglass_granular_add: more particles than granular.particle_capacity has room for: raise it.",
+    return fail(SANDGLASS_ERROR_CAPACITY, "more particles than granular.particle_capacity has room for: raise it.",
                 reason);
   }
   if (grain_count > g->desc.grain_capacity - g->grains.count) {
-    return fail(SANDGLASS_ERROR_CAPACITY,
-                "sandglass_granular_add: more grains than granular.grain_capacity has room for: raise it.", reason);
+    return fail(SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.", reason);
   }
   if (!all_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
       !all_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add: a position is not finite or more than 1000 m from the scene origin: move the "
+                "a position is not finite or more than 1000 m from the scene origin: move the "
                 "origin nearer.",
                 reason);
   }
   if ((particle_velocities != nullptr && !all_within(particle_velocities, particle_count, k_speed_limit)) ||
       (grain_velocities != nullptr && !all_within(grain_velocities, grain_count, k_speed_limit))) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add: a velocity is not finite or above 10000 m/s.", reason);
+                "a velocity is not finite or above 10000 m/s: check where it comes from.", reason);
   }
   if (particle_count != 0) {
     substep_abandon(g);
@@ -204,12 +204,15 @@ sandglass_status granular_set_boundary(Granular* g, const float* positions, uint
                 "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.", reason);
   }
   if (count != 0 && positions == nullptr) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_set_boundary: count is above 0 but positions is NULL.", reason);
+    return fail(
+        SANDGLASS_ERROR_INVALID_ARGUMENT,
+        "sandglass_granular_set_boundary: positions is NULL but count is above 0: pass 3 floats for each sample.",
+        reason);
   }
   if (!all_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin.",
+                "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin: "
+                "move the origin nearer.",
                 reason);
   }
   sleep_wake_all(g);

@@ -41,7 +41,7 @@ enum : uint32_t {
   k_unit_triage,
   k_unit_bodies,
   k_unit_drain,
-  k_granular_kinds  // where the next stage's begin
+  k_granular_kinds
 };
 
 // Of the frame under way.
@@ -101,9 +101,6 @@ sandglass_status granular_set_boundary(Granular* granular, const float* position
 
 // Takes a frame's input: colliders, emitters, sinks and time.
 void granular_begin_frame(Granular* granular, const sandglass_frame_input* input);
-
-// What the frame's report says of the material (report.cpp).
-void granular_describe(const Granular& granular, sandglass_frame_report* report);
 
 // Saving, restoring and moving (live.cpp).
 uint64_t granular_save_bytes(const Granular& granular);

@@ -12,6 +12,10 @@ namespace {
 constexpr uint32_t k_magic = 0x73676473;  // "sgds"
 constexpr uint32_t k_version = 2;
 
+constexpr char k_moved_too_far[] =
+    "sandglass_scene_move: the move would leave the coordinate limit, 1000 m from the scene origin; nothing "
+    "was moved.";
+
 struct Header {
   uint32_t magic, version;
   uint64_t bytes;     // all of it
@@ -242,13 +246,15 @@ uint64_t granular_save_bytes(const Granular& granular) {
 
 sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t* written, const char** reason) {
   if (data == nullptr || written == nullptr)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_scene_save: data or written is NULL.", reason);
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_scene_save: data or written is NULL: pass the memory and where to store its length.",
+                reason);
   settle(g);
   Header h = header_of(*g);
   h.bytes = size_of(g, h);
   if (bytes < h.bytes)
     return fail(SANDGLASS_ERROR_MEMORY_TOO_SMALL,
-                "sandglass_scene_save: fewer bytes than sandglass_scene_save_bytes says.", reason);
+                "sandglass_scene_save: bytes is less than the scene needs: ask sandglass_scene_save_bytes.", reason);
   Scalars s = scalars_of(*g);
   uint8_t* to = static_cast<uint8_t*>(data) + sizeof h;
   for_arrays(g, h, &s, [&to](const void* from, uint64_t count) {
@@ -264,13 +270,22 @@ sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t
 
 sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes, const char** reason) {
   Header h;
-  if (data == nullptr || bytes < sizeof h)
+  if (data == nullptr)
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_restore: data is NULL or shorter than a saved scene.", reason);
+                "sandglass_scene_restore: data is NULL: pass the bytes that sandglass_scene_save wrote.", reason);
+  if (bytes < sizeof h)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_scene_restore: the data is shorter than any saved scene: it was cut.", reason);
   __builtin_memcpy(&h, data, sizeof h);
-  if (h.magic != k_magic || h.version != k_version)
+  if (h.magic != k_magic)
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_restore: not a scene saved by this version of the library.", reason);
+                "sandglass_scene_restore: the data is no saved scene: pass the bytes that sandglass_scene_save wrote.",
+                reason);
+  if (h.version != k_version)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_scene_restore: the data has the format of another version of the library: save again with "
+                "this one.",
+                reason);
   const sandglass_granular_desc& d = g->desc;
   if (h.bytes != bytes || h.reserved != 0 ||
       fnv(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
@@ -315,7 +330,11 @@ sandglass_status granular_move(Granular* g, const float rotation[4], const float
   sandglass_collider frame = {}, accepted;
   frame.rotation[3] = 1.0f;
   for (int k = 0; rotation != nullptr && k < 4; ++k) frame.rotation[k] = rotation[k];
-  for (int k = 0; translation != nullptr && k < 3; ++k) frame.position[k] = translation[k];
+  for (int k = 0; translation != nullptr && k < 3; ++k) {
+    frame.position[k] = translation[k];
+    if (finite(translation[k]) && __builtin_fabsf(translation[k]) > k_coordinate_bound)
+      return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, k_moved_too_far, reason);
+  }
   if (!collider_accept(frame, &accepted))
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
                 "sandglass_scene_move: rotation or translation is not finite, or the rotation has no length.", reason);
@@ -330,9 +349,7 @@ sandglass_status granular_move(Granular* g, const float rotation[4], const float
   if (!stays_within(motion, g->particles.records[0], g->particles.count) ||
       !stays_within(motion, g->grains.records[0], g->grains.count) ||
       !stays_within(motion, boundary, g->boundary.count)) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_move: something would be more than 1000 m from the origin; nothing was moved.",
-                reason);
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, k_moved_too_far, reason);
   }
   settle(g);
   move_items(motion, g->particles.records[0], g->particles.count);

@@ -87,6 +87,8 @@ void output_begin_frame(Output* output, const sandglass_frame_input* input) {
 
 void output_restart(Output* output) { output->cursor = 0; }
 
-Stage granular_output_stage(Granular* granular) { return {granular, next, run, forecast, ~0u, 1.0f}; }
+Stage granular_output_stage(Granular* granular) {
+  return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f};
+}
 
 }  // namespace sandglass

@@ -76,7 +76,7 @@ double time_interval(const Granular& g, uint32_t level) {
 }
 
 uint32_t time_substeps(const Granular& g, double interval, uint32_t level) {
-  float limit = level_substep(k_ladder[level], g.desc.solver_iterations, g.substep.longest);
+  float limit = level_substep(k_ladder[level], g.desc.reference.solver_iterations, g.substep.longest);
   if (g.particles.speed_max > 0.0f) {
     const float courant = g.desc.courant * g.desc.particle_radius / g.particles.speed_max;
     limit = courant < limit ? courant : limit;

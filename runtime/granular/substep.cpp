@@ -17,7 +17,7 @@ constexpr uint32_t bit(SubstepPhase phase) { return 1u << static_cast<uint32_t>(
 // ---- what follows what
 
 SubstepPhase first_pass(const Granular& g) {
-  return g.desc.stabilisation_iterations != 0 ? SubstepPhase::stabilise : SubstepPhase::solve;
+  return g.desc.reference.stabilisation_iterations != 0 ? SubstepPhase::stabilise : SubstepPhase::solve;
 }
 
 // At full quality each interval is refined before the next; below it time slows rather than leave grains behind.
@@ -60,7 +60,7 @@ SubstepPhase after(Granular* g, SubstepPhase done) {
       contacts_begin(g);
       return first_pass(*g);
     case SubstepPhase::stabilise:
-      if (++s.pass < g->desc.stabilisation_iterations) return SubstepPhase::stabilise;
+      if (++s.pass < g->desc.reference.stabilisation_iterations) return SubstepPhase::stabilise;
       s.pass = 0;
       return SubstepPhase::solve;
     case SubstepPhase::solve:
@@ -99,7 +99,7 @@ void begin(Granular* g, uint32_t level) {
   if (s.interval_left == 0) g->time.interval_debt = g->time.debt - plan.interval;
   s.interval_left = plan.count;
   s.length = plan.substep;
-  s.iterations = level_iterations(k_ladder[level], g->desc.solver_iterations);
+  s.iterations = level_iterations(k_ladder[level], g->desc.reference.solver_iterations);
   // Seconds between the end of this sub-step and the end of the frame, where the colliders' poses are given.
   const double before_end = g->time.debt - static_cast<double>(s.length);
   colliders_pose(g->colliders.given, g->colliders.solid_count, before_end > 0.0 ? static_cast<float>(before_end) : 0.0f,
@@ -243,10 +243,11 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   uint32_t n = 0;
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};
   entries[n++] = {k_unit_lists, builds * active};
-  if (g.desc.stabilisation_iterations != 0)
-    entries[n++] = {k_unit_stabilise, substeps * g.desc.stabilisation_iterations * active};
+  if (g.desc.reference.stabilisation_iterations != 0)
+    entries[n++] = {k_unit_stabilise, substeps * g.desc.reference.stabilisation_iterations * active};
   if (g.bodies.count != 0) entries[n++] = {k_unit_bodies, substeps * 2 * g.bodies.particle_count};
-  entries[n++] = {k_unit_solve, substeps * level_iterations(k_ladder[level], g.desc.solver_iterations) * active};
+  entries[n++] = {k_unit_solve,
+                  substeps * level_iterations(k_ladder[level], g.desc.reference.solver_iterations) * active};
   return n;
 }
 
@@ -283,6 +284,6 @@ void substep_abandon(Granular* g) {
   s.due &= bit(SubstepPhase::touch);
 }
 
-Stage granular_particle_stage(Granular* granular) { return {granular, next, run, forecast, 1, 0.6f}; }
+Stage granular_particle_stage(Granular* granular) { return {granular, next, run, forecast, k_granular_kinds, 1, 0.6f}; }
 
 }  // namespace sandglass

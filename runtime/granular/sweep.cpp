@@ -138,7 +138,7 @@ bool run_refine(Granular* g) {
   a.support = k_support_radii * g->desc.particle_radius;
   a.step = g->sweep.step;
   a.steps = g->sweep.steps;
-  a.source_rule = g->desc.blend == SANDGLASS_BLEND_SOURCE ? 1 : 0;
+  a.source_rule = g->desc.reference.blend == SANDGLASS_BLEND_SOURCE ? 1 : 0;
   a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
   a.colliders = g->colliders.sweep_frames;
   a.collider_count = g->colliders.count;
@@ -297,7 +297,7 @@ void sweep_grains_removed(Granular* g) {
 // A unit of grains becomes mandatory when the particles wait for them: whatever the budget, one of the two goes on.
 Stage granular_grain_stage(Granular* granular) {
   const bool awaited = time_grains_behind(*granular) || granular->sweep.phase == SweepPhase::snapshot;
-  return {granular, next, run, forecast, awaited ? 1u : 0u, 1.0f};
+  return {granular, next, run, forecast, k_granular_kinds, awaited ? 1u : 0u, 1.0f};
 }
 
 }  // namespace sandglass
