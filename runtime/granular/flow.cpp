@@ -1,5 +1,8 @@
 #include "runtime/granular/flow.h"
 
+#include "runtime/core/finite.h"
+#include "runtime/core/random.h"
+#include "runtime/core/refuse.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -12,18 +15,8 @@ constexpr float k_layer = 0.81649658f;    // sqrt(2/3)
 constexpr float k_jitter_radii = 0.02f;   // of every coordinate: perfect layers would stack
 constexpr uint32_t k_batch = 64;          // sites added at once, from the stack
 
-bool finite(const float* a, uint32_t n) {
-  bool all = true;
-  for (uint32_t i = 0; i < n; ++i) all = all && a[i] - a[i] == 0.0f;
-  return all;
-}
-
-uint64_t mix(uint64_t z) {  // splitmix64
-  z += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
+// The next number of the sequence that an emitter's jitter is drawn from.
+uint64_t next_seed(uint64_t seed) { return mix_bits(seed + k_random_step); }
 
 // -1..1
 float symmetric(uint64_t bits) { return static_cast<float>(static_cast<int32_t>(bits >> 40) - (1 << 23)) * 0x1p-23f; }
@@ -31,7 +24,7 @@ float symmetric(uint64_t bits) { return static_cast<float>(static_cast<int32_t>(
 bool accept(const Granular& g, const sandglass_emitter& emitter, sandglass_emitter* accepted) {
   const float r = g.desc.particle_radius;
   const float* q = emitter.rotation;
-  if (!finite(emitter.position, 3) || !finite(q, 4)) return false;
+  if (!all_finite(emitter.position, 3) || !all_finite(q, 4)) return false;
   for (const float p : emitter.position) {
     if (!(__builtin_fabsf(p) <= SANDGLASS_COORDINATE_LIMIT)) return false;
   }
@@ -115,18 +108,18 @@ void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_
   for (int k = 0; k < 3; ++k) velocity[k] = -e.speed * nozzle.axes[1][k];
   Batch particles, fine;
   particles.count = fine.count = 0;
-  uint64_t seed = mix((static_cast<uint64_t>(index) << 32) | layer);
+  uint64_t seed = next_seed((static_cast<uint64_t>(index) << 32) | layer);
   for_sites(e, r, layer, [&](float x, float z) {
     float at[3];
     for (int k = 0; k < 3; ++k) {
-      seed = mix(seed);
+      seed = next_seed(seed);
       at[k] = e.position[k] + x * nozzle.axes[0][k] - gone * nozzle.axes[1][k] + z * nozzle.axes[2][k] +
               k_jitter_radii * r * symmetric(seed);
     }
     put_site(g, &particles, false, at, velocity);
     for (uint32_t grain = 0; grain < e.grains_per_particle;) {
       float offset[3], length2 = 0.0f;
-      for (float& o : offset) seed = mix(seed), o = symmetric(seed), length2 += o * o;
+      for (float& o : offset) seed = next_seed(seed), o = symmetric(seed), length2 += o * o;
       if (length2 > 1.0f) continue;  // uniform within the ball
       for (int k = 0; k < 3; ++k) offset[k] = at[k] + r * offset[k];
       put_site(g, &fine, true, offset, velocity);
@@ -287,17 +280,12 @@ bool flow_run_grain_drain(Granular* g) {
 sandglass_status granular_remove(Granular* g, const sandglass_collider* region, uint32_t* particles, uint32_t* grains,
                                  const char** reason) {
   sandglass_collider accepted;
-  const char* wrong = nullptr;
-  if (region == nullptr) {
-    wrong = "sandglass_granular_remove: region is NULL: pass the shape to empty.";
-  } else if (!collider_accept(*region, &accepted)) {
-    wrong =
+  if (region == nullptr) return refuse(reason, "sandglass_granular_remove: region is NULL: pass the shape to empty.");
+  if (!collider_accept(*region, &accepted)) {
+    return refuse(
+        reason,
         "sandglass_granular_remove: region is not a usable shape: its numbers must be finite, its position within "
-        "the coordinate limit, its sizes above 0, its rotation not zero, and its field made by this library.";
-  }
-  if (wrong != nullptr) {
-    if (reason != nullptr) *reason = wrong;
-    return SANDGLASS_ERROR_INVALID_ARGUMENT;
+        "the coordinate limit, its sizes above 0, its rotation not zero, and its field made by this library.");
   }
   ColliderFrame shape;
   colliders_pose(&accepted, 1, 0.0f, &shape);
@@ -324,8 +312,7 @@ sandglass_status granular_remove(Granular* g, const sandglass_collider* region, 
   g->flow.counts.removed_grains += removed_grains;
   if (particles != nullptr) *particles = removed;
   if (grains != nullptr) *grains = removed_grains;
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 }  // namespace sandglass
