@@ -40,8 +40,9 @@ bool awake(const Granular& g, const RigidBody& body) {
   return is_awake(g.particles.records[0][g.bodies.rows[body.first]]);
 }
 
-// w with (tr(S) - S) w = l, for the spread S = sum of r r^T. A straight body has no inertia about its own axis: a trace
-// of it on the diagonal keeps the equation solvable, and no spin comes out there, because none went in.
+// The w with (tr(S) - S) w = l, for the spread S = sum of r r^T. A straight body has no inertia about its own axis. A
+// billionth more of the trace on the diagonal keeps the equation solvable, and no spin comes out about that axis,
+// because none went in.
 void angular_velocity(const double spread[9], const double l[3], double w[3]) {
   const double trace = spread[0] + spread[4] + spread[8];
   double m[9];
@@ -89,7 +90,7 @@ void match(Granular* g, RigidBody* body) {
   }
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) m.a[3 * i + j] -= m.shift[i] * m.offset[j], sound = sound && is_finite(m.a[3 * i + j]);
-  if (!sound) {  // it rests where it was
+  if (!sound) {  // the body stays where it was, at rest
     g->counts.quarantined += body->count;
     for (int k = 0; k < 3; ++k) m.shift[k] = m.stabilised[k] = m.spin[k] = 0.0;
   }
@@ -119,7 +120,7 @@ void accumulate(Granular* g, uint32_t slot) {
   double moved[3], carried[3];
   for (int k = 0; k < 3; ++k) {
     const double displacement = static_cast<double>(next.velocity[k]) * dt;
-    double stabilised = 0.0;  // what the stabilisation moved the start position by: position, not velocity
+    double stabilised = 0.0;  // the stabilisation moved the start position by this: it changes no velocity
     if (g->desc.reference.stabilisation_iterations != 0)
       stabilised = static_cast<double>(next.position[k]) - static_cast<double>(now.position[k]) - displacement;
     carried[k] = displacement;

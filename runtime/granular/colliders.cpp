@@ -1,5 +1,5 @@
-// Rotations by angular velocity use the first-order quaternion step, renormalised: no sine or cosine in a hashed path,
-// and an error of (angle^3)/12, 7e-4 rad for a turn of 0.2 rad within one frame.
+// Rotations by angular velocity use the first-order quaternion step, renormalised. So there is no sine or cosine in a
+// hashed path. The error is angle^3 / 12: 7e-4 rad for a turn of 0.2 rad within one frame.
 #include "runtime/granular/colliders.h"
 
 #include "runtime/core/finite.h"
@@ -145,7 +145,7 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
     if (!(collider.size[k] > 0.0f && collider.size[k] <= k_coordinate_bound)) return false;
   }
   *accepted = collider;
-  if (field) {  // how far its points are from its origin: what turning moves them by
+  if (field) {  // as far as its points are from its origin: turning moves them by that
     float low[3], high[3];
     sandglass_field_bounds(collider.field, low, high);
     for (int k = 0; k < 3; ++k) accepted->size[k] = high[k] > -low[k] ? high[k] : -low[k];

@@ -12,13 +12,13 @@ namespace {
 constexpr float k_spacing_radii = 2.02f;  // of the poured lattice
 constexpr float k_row = 0.8660254f;       // sqrt(3)/2
 constexpr float k_layer = 0.81649658f;    // sqrt(2/3)
-constexpr float k_jitter_radii = 0.02f;   // of every coordinate: perfect layers would stack
+constexpr float k_jitter_radii = 0.02f;   // added to every coordinate: perfect layers would stack
 constexpr uint32_t k_batch = 64;          // sites added at once, from the stack
 
 // The next number of the sequence that an emitter's jitter is drawn from.
 uint64_t next_seed(uint64_t seed) { return mix_bits(seed + k_random_step); }
 
-// -1..1
+// From -1 to 1.
 float symmetric(uint64_t bits) { return static_cast<float>(static_cast<int32_t>(bits >> 40) - (1 << 23)) * 0x1p-23f; }
 
 bool accept(const Granular& g, const sandglass_emitter& emitter, sandglass_emitter* accepted) {
@@ -75,7 +75,7 @@ struct Batch {
 };
 
 void flush(Granular* g, Batch* batch, bool grains) {
-  // Room was checked for the whole layer; what still fails here is a nozzle beyond the coordinate limit.
+  // Room was checked for the whole layer. What can still fail is a site beyond the coordinate limit.
   const uint32_t particles = grains ? 0 : batch->count, fine = grains ? batch->count : 0;
   const sandglass_status status = granular_add(g, batch->positions, batch->velocities, particles, batch->positions,
                                                batch->velocities, fine, nullptr);
@@ -148,8 +148,8 @@ void remove_grain(Granular* g, uint32_t i) {
   *gap = g->grains.records[0][last];
 }
 
-// Removes what lies inside the shapes from the group that begins at `first`, from its end, so that what moves into a
-// gap comes from beyond. Returns how many.
+// Removes what lies inside the shapes from the group that begins at `first`. Goes through it from its end, so what
+// moves into a gap comes from behind the group. Returns how many were removed.
 template <class Remove>
 uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* count, uint32_t first,
                      const ColliderFrame* shapes, uint32_t shape_count, const Remove& remove) {
@@ -164,7 +164,7 @@ uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* c
   return removed;
 }
 
-// Sleeping groups' records may have moved; which groups sleep is found out by the next list build.
+// Particles of sleeping groups may have moved to others. The next list build finds out which groups sleep.
 void after_removal(Granular* g) {
   g->neighbours.valid = false;
   substep_set_due(g, SubstepPhase::wake, false);
@@ -188,7 +188,7 @@ void flow_reset(Flow* f, const sandglass_granular_desc& d) {
   for (uint32_t e = 0; e < d.emitter_capacity; ++e) f->emitter_states[e] = {};
 }
 
-// Live and free numbers together are 0, 1, 2, ...: without free ones the next is the count.
+// Numbers in use and free ones together are 0, 1, 2, ...; without free ones the next is the count.
 uint32_t flow_take_particle_number(Flow* f, uint32_t count) {
   return f->free_particle_count != 0 ? f->free_particles[--f->free_particle_count] : count;
 }
@@ -240,7 +240,7 @@ bool flow_run_drain(Granular* g) {
   const uint32_t items = sleep_active_items(*g);
   const uint32_t end = items - g->substep.cursor < g->unit ? items : g->substep.cursor + g->unit;
   uint32_t removed = 0;
-  // From the last group to the first: the record that fills a gap has been looked at.
+  // From the last group to the first, so the particle that fills a gap has been looked at.
   for (uint32_t at = g->substep.cursor; at < end; at += k_lane_group) {
     const uint32_t first = g->sleep.active_groups[g->sleep.active_count - 1 - at / k_lane_group] * k_lane_group;
     if (first >= g->particles.count) continue;

@@ -5,8 +5,8 @@
 //   output      grains into the app's buffer                               output.h    mandatory, at the end of a frame
 //
 // Each of the three is a stage: a sequence of work units, after each of which a frame may end. A part lays out its own
-// memory, resets itself, and lives in the header and source that are named after it. A function that needs several parts
-// takes the whole Granular.
+// memory, resets itself, and lives in the header and source that are named after it. A function that needs several
+// parts takes the whole Granular.
 #pragma once
 
 #include "runtime/granular/bodies.h"
@@ -99,8 +99,8 @@ sandglass_status granular_add(Granular* granular, const float* particles, const 
                               uint32_t grain_count, const char** reason);
 sandglass_status granular_set_boundary(Granular* granular, const float* positions, uint32_t count, const char** reason);
 
-// Between frames: the grains' sweep is finished, the sub-step under way is abandoned or ended, and lists and orders that
-// can be found again are forgotten. Nothing is remembered then that a restored scene would not know.
+// Between frames: the grains' sweep is finished, the sub-step under way is abandoned or ended, and lists and orders
+// that can be found again are forgotten. Nothing is remembered then that a restored scene would not know.
 void granular_settle(Granular* granular);
 
 // Takes a frame's input: colliders, emitters, sinks and time.

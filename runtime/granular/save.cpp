@@ -1,7 +1,7 @@
 // A scene as bytes, and back.
 //
-// Saving first settles the scene, and restoring ends in the same state. So a scene that was saved goes on exactly as the
-// one restored from the bytes, to the bit, whatever it was in the middle of.
+// Saving first settles the scene, and restoring ends in the same state. So a scene that was saved goes on exactly as
+// the one restored from the bytes, to the bit, whatever it was in the middle of.
 #include "runtime/core/finite.h"
 #include "runtime/core/hash.h"
 #include "runtime/core/refuse.h"
