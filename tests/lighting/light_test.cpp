@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "models/lighting/panorama.h"
+#include "models/rooms/panorama.h"
 #include "platform/virtual_clock.h"
-#include "runtime/light/camera_image.h"
 #include "runtime/core/random.h"
+#include "runtime/light/camera_image.h"
 #include "tests/filled_struct.h"
 #include "tests/lighting/light_fixture.h"
 

@@ -1,6 +1,6 @@
 // The evaluation of lighting: baselines on images whose answer is known, the bootstrap against the normal law, and the
 // whole on rooms of one lamp each, where the labels as estimate must beat every baseline and mirrored labels must not.
-#include "models/lighting/verify_lighting.h"
+#include "models/laboratory/light/verify_lighting.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <numbers>
 
-#include "models/host/failure.h"
-#include "models/host/mesh/generated.h"
 #include "models/lighting/lit_view.h"
-#include "models/lighting/panorama_file.h"
+#include "models/mesh/generated.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/failure.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {
