@@ -107,7 +107,8 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
   refined.light_tolerance = in_full.light_tolerance = 0;
   LiveShadow adaptive(refined), full(in_full);
   sandglass_shadow* both[2] = {adaptive.shadow, full.shadow};
-  const ShadowSet set = {both, 2};
+  ShadowSet set = {both, 2};
+  const Stage stage = shadow_set_stage(&set);
   for (const float turn : {0.0f, 0.003f}) {
     uint32_t cells_before[2], cells[2];
     const auto count_cells = [&](uint32_t* of) {
@@ -118,9 +119,9 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
     for (LiveShadow* s : {&adaptive, &full}) set_light(*s, 0, turn, 0.1f), set_light(*s, 1, -0.3f, turn, 0.5f);
     std::vector<std::array<uint64_t, k_shadow_kinds>> foreseen, spent;  // at each unit
     std::array<uint64_t, k_shadow_kinds> total = {};
-    for (WorkUnit unit; both[0]->set->next(set, &unit); both[0]->set->run(set)) {
+    for (WorkUnit unit; stage.next(&set, 0, &unit); stage.run(&set, 0)) {
       Forecast entries[k_unit_kinds];
-      const uint32_t count = both[0]->set->forecast(set, entries);
+      const uint32_t count = stage.forecast(&set, 0, entries);
       foreseen.emplace_back(), spent.push_back(total);
       for (uint32_t i = 0; i < count; ++i) {
         EXPECT_TRUE(entries[i].spread);
