@@ -132,9 +132,8 @@ TEST_P(XnnpackInBytes, IsTheOwnNetworkButForItsRounding) {
 // A bench that is stopped early must not report that the rest is not installed, or that it differs by nothing.
 TEST(Xnnpack, AnInterruptedBenchKnowsWhatTheBuildHas) {
   // Stops after the images and the first back end.
-  const LightingBench bench =
-      bench_lighting(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC, {},
-                     [](uint32_t done, uint32_t) { return done < 2; });
+  const LightingBench bench = bench_lighting(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC,
+                                             {}, [](uint32_t done, uint32_t) { return done < 2; });
   EXPECT_EQ(bench.rows.size(), 1u);
   EXPECT_TRUE(bench.has_xnnpack);
   EXPECT_FALSE(bench.compared);
