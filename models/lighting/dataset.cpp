@@ -6,13 +6,13 @@
 #include <filesystem>
 #include <map>
 
-#include "models/host/atomic_file.h"
-#include "models/host/failure.h"
-#include "models/host/for_all.h"
-#include "models/host/image.h"
-#include "models/host/progress.h"
+#include "models/files/atomic_file.h"
+#include "models/files/image.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/lit_view.h"
+#include "models/work/failure.h"
+#include "models/work/for_all.h"
+#include "models/work/progress.h"
 
 namespace sandglass::host {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/host/failure.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 

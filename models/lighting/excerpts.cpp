@@ -2,9 +2,9 @@
 
 #include <sstream>
 
-#include "models/host/atomic_file.h"
-#include "models/host/failure.h"
-#include "models/lighting/picture_file.h"
+#include "models/files/atomic_file.h"
+#include "models/files/picture_file.h"
+#include "models/work/failure.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "models/host/failure.h"
-#include "models/host/metrics.h"
+#include "models/simulation/metrics.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 

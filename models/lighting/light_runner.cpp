@@ -1,6 +1,6 @@
 #include "models/lighting/light_runner.h"
 
-#include "models/host/failure.h"
+#include "models/work/failure.h"
 #include "runtime/light/backends.h"
 
 namespace sandglass::host {

@@ -1,6 +1,6 @@
 #include "models/lighting/room_light.h"
 
-#include "models/host/failure.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 

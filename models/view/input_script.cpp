@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "models/host/failure.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 

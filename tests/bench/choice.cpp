@@ -7,7 +7,7 @@
 #include <exception>
 #include <vector>
 
-#include "models/host/aligned_bytes.h"
+#include "models/files/aligned_bytes.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
 #include "sandglass/light.h"

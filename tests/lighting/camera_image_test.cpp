@@ -12,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-#include "models/lighting/excerpt.h"
+#include "models/rooms/excerpt.h"
 #include "runtime/core/random.h"
 
 namespace sandglass {

@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "models/host/atomic_file.h"
-#include "models/host/failure.h"
+#include "models/files/atomic_file.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

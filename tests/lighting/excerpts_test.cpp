@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "models/host/atomic_file.h"
-#include "models/host/npz.h"
+#include "models/files/atomic_file.h"
+#include "models/files/npz.h"
 #include "models/lighting/excerpts.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"

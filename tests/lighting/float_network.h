@@ -10,10 +10,10 @@
 #include <cstdio>
 #include <vector>
 
-#include "models/host/random.h"
 #include "models/lighting/float_parameters.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
+#include "models/work/random.h"
 #include "tests/lighting/byte_network.h"
 
 namespace sandglass::tests {

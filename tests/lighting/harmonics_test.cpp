@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "models/lighting/labels.h"
-#include "models/lighting/panorama.h"
+#include "models/rooms/panorama.h"
 
 namespace sandglass {
 namespace {

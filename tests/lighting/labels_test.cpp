@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <numbers>
 
-#include "models/host/atomic_file.h"
-#include "models/host/failure.h"
-#include "models/host/npy.h"
+#include "models/files/atomic_file.h"
+#include "models/files/npy.h"
 #include "models/lighting/dataset.h"
-#include "models/lighting/excerpt.h"
-#include "models/lighting/panorama_file.h"
+#include "models/rooms/excerpt.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

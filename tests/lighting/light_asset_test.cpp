@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "models/host/atomic_file.h"
+#include "models/files/atomic_file.h"
 #include "models/lighting/light_file.h"
 #include "runtime/asset/file.h"
 #include "runtime/light/network.h"

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "models/lighting/panorama.h"
+#include "models/rooms/panorama.h"
 #include "platform/virtual_clock.h"
 #include "runtime/core/random.h"
 #include "runtime/light/camera_image.h"

@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "models/host/aligned_bytes.h"
+#include "models/files/aligned_bytes.h"
 #include "models/lighting/light_runner.h"
 #include "runtime/core/hash.h"
 #include "runtime/light/heads.h"

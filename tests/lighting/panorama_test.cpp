@@ -1,5 +1,5 @@
 // The convention of panoramas, their tone mapping and their files.
-#include "models/lighting/panorama.h"
+#include "models/rooms/panorama.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <fstream>
 #include <numbers>
 
-#include "models/host/atomic_file.h"
-#include "models/host/failure.h"
-#include "models/lighting/panorama_file.h"
+#include "models/files/atomic_file.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "models/lighting/perceived_errors.h"
+#include "models/compositing/perceived_errors.h"
 
 namespace {
 

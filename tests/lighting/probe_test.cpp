@@ -1,6 +1,6 @@
 // The evaluation's renderer against closed forms on the empty floor, the image errors against numbers computed by hand,
 // and the label ceiling on a panorama that the labels describe exactly.
-#include "models/lighting/probe_scene.h"
+#include "models/rooms/probe_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <numbers>
 
-#include "models/host/mesh/generated.h"
-#include "models/lighting/ceiling.h"
-#include "models/lighting/panorama_file.h"
+#include "models/laboratory/light/ceiling.h"
+#include "models/mesh/generated.h"
+#include "models/rooms/panorama_file.h"
 
 namespace sandglass::host {
 namespace {

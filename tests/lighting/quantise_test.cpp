@@ -7,11 +7,11 @@
 #include <functional>
 #include <string>
 
-#include "models/host/failure.h"
-#include "models/host/random.h"
+#include "models/files/picture_file.h"
 #include "models/lighting/light_runner.h"
-#include "models/lighting/picture_file.h"
 #include "models/lighting/rounding.h"
+#include "models/work/failure.h"
+#include "models/work/random.h"
 
 namespace sandglass::host {
 namespace {

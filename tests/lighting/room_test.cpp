@@ -1,13 +1,13 @@
 // The room tracer against closed forms of light transport: the form factor of a rectangle, the integrating sphere, the
 // sun's irradiance. Equal seeds give equal bits on any number of threads.
-#include "models/lighting/room_render.h"
+#include "models/rooms/room_render.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "models/lighting/room_builder.h"
+#include "models/rooms/room_builder.h"
 
 namespace sandglass::host {
 namespace {

@@ -1,5 +1,5 @@
 // A camera that turns in a panorama: its pose against the pictures, and the measure of wander against closed forms.
-#include "models/lighting/turning_camera.h"
+#include "models/laboratory/light/turning_camera.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "models/lighting/panorama_file.h"
+#include "models/rooms/panorama_file.h"
 
 namespace sandglass::host {
 namespace {

@@ -1,7 +1,7 @@
 // The evaluation of lighting: baselines on images with a known answer, the bootstrap against the normal distribution,
 // and the whole evaluation on rooms with one lamp each. There the labels as estimates must beat every baseline, and
 // mirrored labels must not.
-#include "models/lighting/verify_lighting.h"
+#include "models/laboratory/light/verify_lighting.h"
 
 #include <gtest/gtest.h>
 
@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <numbers>
 
-#include "models/host/failure.h"
-#include "models/host/mesh/generated.h"
 #include "models/lighting/lit_view.h"
-#include "models/lighting/panorama_file.h"
+#include "models/mesh/generated.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/failure.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {

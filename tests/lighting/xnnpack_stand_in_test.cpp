@@ -9,10 +9,10 @@
 #include <memory>
 #include <string>
 
-#include "models/host/failure.h"
-#include "models/host/random.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
+#include "models/work/failure.h"
+#include "models/work/random.h"
 #include "platform/xnnpack.h"
 #include "tests/lighting/byte_network.h"
 #include "tests/lighting/float_network.h"

@@ -12,12 +12,12 @@
 #include <iterator>
 #include <vector>
 
-#include "models/host/npz.h"
-#include "models/host/random.h"
+#include "models/files/npz.h"
+#include "models/laboratory/light/lighting_bench.h"
 #include "models/lighting/excerpts.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
-#include "models/lighting/lighting_bench.h"
+#include "models/work/random.h"
 #include "platform/virtual_clock.h"
 #include "platform/xnnpack.h"
 #include "sandglass/sandglass.hpp"

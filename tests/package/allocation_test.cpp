@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "models/host/aligned_bytes.h"
+#include "models/files/aligned_bytes.h"
 #include "models/lighting/light_file.h"
 #include "sandglass/light.h"
 #include "sandglass/sandglass.h"

@@ -1,5 +1,5 @@
 // Generated meshes against their formulas; cleaning and the counts of edges; files are written whole or not at all.
-#include "models/host/mesh/mesh.h"
+#include "models/mesh/mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "models/host/mesh/generated.h"
-#include "models/host/mesh/ply.h"
-#include "models/host/mesh/point_picture.h"
+#include "models/drawing/point_picture.h"
+#include "models/mesh/generated.h"
+#include "models/mesh/ply.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {

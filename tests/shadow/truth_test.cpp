@@ -1,6 +1,6 @@
 // The ray caster against closed forms (small lights), against deterministic quadrature of the irradiance (the light of
 // 20 degrees that is baked), and what it refuses.
-#include "models/shadow/truth.h"
+#include "models/baking/truth.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "models/host/failure.h"
-#include "models/host/mesh/generated.h"
+#include "models/mesh/generated.h"
+#include "models/work/failure.h"
 
 namespace {
 
