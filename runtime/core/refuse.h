@@ -23,7 +23,7 @@ inline sandglass_status accept(const char** reason) { return refuse(reason, SAND
 // Whether the app's memory can hold what is created in it, or is worked in.
 inline sandglass_status check_block(const void* block, uint64_t bytes, uint64_t need, const char** reason) {
   if (block == nullptr)
-    return refuse(reason, "the memory block is NULL: pass as many bytes as the _bytes function says");
+    return refuse(reason, "block or scratch is NULL: pass as many bytes as the _bytes function says");
   if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
     return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT,
                   "the memory block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64 bytes): align it");

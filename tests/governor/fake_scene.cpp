@@ -37,7 +37,7 @@ void granular_run(void* state, uint32_t) {
   scene->cycles_this_frame += scene->cycle == 0;
 }
 
-// Eight cycles a frame at the best rung, four and two at the others.
+// Eight cycles a frame at the best quality level, four and two at the others.
 uint32_t granular_forecast(const void*, uint32_t level, Forecast* entries) {
   for (uint32_t kind = k_predict; kind <= k_finish; ++kind) {
     entries[kind] = {kind, static_cast<uint64_t>(k_items[kind]) * (kind == k_solve ? 6 : 1) * (8u >> level)};

@@ -1,6 +1,6 @@
-// The law for scenes nobody thought of: random stages (any number of units, kinds, shares, mandatory parts, units that
-// block each other), random costs over six orders of magnitude, random budgets. Every frame keeps the law by the
-// ledger, does all its mandatory work, writes its output, and replays.
+// The budget law for random scenes: stages with any number of units, kinds, shares, mandatory parts and units that
+// block each other; costs over six orders of magnitude; random budgets. Every frame keeps the law by the ledger, does
+// all its mandatory work, writes its output, and replays.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ struct RandomStage {
   uint32_t units = 0;
   uint32_t done = 0;
   uint32_t kinds = 1;
-  uint32_t gate = 0;  // every so many units, 0 never, the stage waits until the other one has caught up
+  uint32_t gate = 0;  // after this many units the stage waits until the other one has caught up; 0: never
   uint64_t base_ns = 0;
 };
 
@@ -123,7 +123,7 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
       ASSERT_LE(governor.closing_excess_ns, scene.run_ns[2]);
       ASSERT_EQ(scene.stages[2].done, scene.stages[2].units);
       ASSERT_TRUE(budget != 0 || report.elapsed_ns == report.mandatory_ns);
-      // A stage that nothing blocks has done its mandatory units, as far as it had any.
+      // A stage that nothing blocks has done its mandatory units, or all units if it had fewer.
       for (uint32_t i = 0; i < 2; ++i) {
         if (scene.stages[i].gate != 0) continue;
         ASSERT_GE(report.stages[i].units, std::min(stages[i].mandatory_units, scene.stages[i].units));
@@ -141,7 +141,7 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
   RecordProperty("frames", static_cast<int>(frames));
 }
 
-// The clock may do anything at all: frames still end, the output is written, and memory stays sane.
+// The clock may do anything: frames still end, the output is written, and memory stays valid.
 TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
   FakeScene scene;
   scene.show = [](FakeScene* self) { return self->random.next() >> self->random.below(64); };
@@ -157,7 +157,7 @@ TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
     ASSERT_GE(report.stages[0].units, 4u);
     ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
   }
-  // The clock comes to its senses: 16 frames later the scene fills its budget again.
+  // The clock is right again: 16 frames later the scene fills its budget again.
   scene.show = nullptr;
   sandglass_frame_report report = {};
   for (uint32_t frame = 0; frame < 17; ++frame) {
@@ -169,7 +169,7 @@ TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
   EXPECT_GT(report.stages[k_refinement].units, 0u);
 }
 
-// A clock frozen from the very first reading, before anything is known: each frame stops at the cap of 64 optional
+// A clock that is frozen from the first reading, before any cost is known: each frame ends at the cap of 64 optional
 // units.
 TEST(LawProperty, AClockThatNeverRanEndsFramesAtTheUnitCap) {
   FakeScene scene;
@@ -188,7 +188,7 @@ TEST(LawProperty, AClockThatNeverRanEndsFramesAtTheUnitCap) {
   }
 }
 
-// A clock that moves a nanosecond a reading would admit four million units: the frame ends at 65536.
+// A clock that moves by one nanosecond a reading would admit four million units. The frame ends at 65,536.
 TEST(LawProperty, AClockThatCrawlsEndsFramesAtTheUnitLimit) {
   FakeScene scene;
   scene.show = [](FakeScene* self) { return self->readings; };

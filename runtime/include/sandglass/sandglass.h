@@ -256,6 +256,35 @@ typedef struct sandglass_body_pose {
 /* The pose of a body now: what draws its mesh. A number that is none gives the identity at the origin. */
 SANDGLASS_API sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index);
 
+/* A box as a rigid body: its particles, the collider that keeps grains out of it, and the mesh that draws it fit each
+ * other. The particles form a regular lattice, at most 2r apart; the outermost touch the faces of the box from inside.
+ *
+ * sandglass_body_box_count: how many particles the box has. `half_extents`: half the edges along x, y and z in metres,
+ * each at least particle_radius and at most SANDGLASS_COORDINATE_LIMIT. Fails with INVALID_ARGUMENT: NULL, a number out
+ * of its range, or more than 2^20 particles.
+ *
+ * sandglass_body_box: writes the particles of a box with its centre at `position` to `points` (3 floats each), and fills
+ * *body for sandglass_granular_add_body. `rotation` (x, y, z, w) turns the box about its centre; NULL: not turned.
+ * `density`: the density of the box over that of packed sand. body->density_ratio is then the value that gives the
+ * whole box that mass, whatever its lattice. body->particle_positions is `points`, which is needed until the body is
+ * added. `capacity`: how many particles fit into `points`. Fails like sandglass_body_box_count, with INVALID_ARGUMENT
+ * also for a rotation without length, and with CAPACITY. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_body_box_count(const float half_extents[3],
+                                                                            float particle_radius, uint32_t* count,
+                                                                            const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_body_box(const float half_extents[3],
+                                                                      float particle_radius, const float position[3],
+                                                                      const float rotation[4], float density,
+                                                                      float* points, uint32_t capacity,
+                                                                      sandglass_body* body, const char** reason);
+
+/* The collider of a box body at a pose, for frame_input.colliders: it keeps grains out of the box, and its position and
+ * rotation are where the box's mesh is drawn. `rotation` is the one that the box was made with; NULL: it was not turned.
+ * A NULL pose or half_extents leaves *collider as it was. */
+struct sandglass_collider;
+SANDGLASS_API void sandglass_body_box_collider(const sandglass_body_pose* pose, const float half_extents[3],
+                                               const float rotation[4], struct sandglass_collider* collider);
+
 /* Replaces the static boundary particles: fixed spheres of the particles' radius, samples of a surface
  * (sandglass_sample_surface with a distance of at most 2r). Particles collide with them; grains do not see them. Fails
  * like sandglass_granular_add. */
