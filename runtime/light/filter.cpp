@@ -37,14 +37,14 @@ double seconds_since(const LightFilter& filter, uint64_t time_ns) {
 // Whether the sample is to be believed; remembers one that is not.
 bool believed(LightFilter* filter, const LightSample& sample) {
   if (!apart(filter->law, sample, filter->state)) {
-    filter->held_in_a_row = 0;
+    filter->outliers_in_a_row = 0;
     return true;
   }
-  const bool agrees = filter->held_in_a_row > 0 && !apart(filter->law, sample, filter->held);
-  const bool take = agrees || filter->held_in_a_row + 1 >= k_patience;
-  filter->held = sample;
-  filter->held_in_a_row = take ? 1 : filter->held_in_a_row + 1;  // what follows this change agrees with it
-  if (!take) ++filter->held_off;
+  const bool agrees = filter->outliers_in_a_row > 0 && !apart(filter->law, sample, filter->outlier);
+  const bool take = agrees || filter->outliers_in_a_row + 1 >= k_patience;
+  filter->outlier = sample;
+  filter->outliers_in_a_row = take ? 1 : filter->outliers_in_a_row + 1;  // what follows this change agrees with it
+  if (!take) ++filter->rejected;
   return take;
 }
 
@@ -88,7 +88,7 @@ void light_filter_reset(LightFilter* filter) {
   const LightFilterLaw law = filter->law;
   *filter = {};
   filter->law = law;
-  filter->state.direction[1] = filter->held.direction[1] = 1.0;
+  filter->state.direction[1] = filter->outlier.direction[1] = 1.0;
 }
 
 bool light_filter_take(LightFilter* filter, const LightSample& sample, uint64_t time_ns) {
@@ -113,12 +113,12 @@ bool light_filter_take(LightFilter* filter, const LightSample& sample, uint64_t 
 }
 
 double light_filter_confidence(const LightFilter& filter) {
-  const double n = filter.accepted + filter.held_off;
+  const double n = filter.accepted + filter.rejected;
   return filter.agreement * (n / (n + 1.0));
 }
 
 void light_filter_turn(LightFilter* filter, const double rotation[3][3]) {
-  LightSample* const samples[2] = {&filter->state, &filter->held};
+  LightSample* const samples[2] = {&filter->state, &filter->outlier};
   for (LightSample* sample : samples) {
     double turned[3];
     for (int i = 0; i < 3; ++i) turned[i] = dot(rotation[i], sample->direction);

@@ -23,12 +23,12 @@ struct LightFilterLaw {
 
 struct LightFilter {
   LightFilterLaw law;
-  LightSample state, held;
-  double agreement;        // smoothed mean of the cosines
-  uint64_t time_ns;        // of the last estimate
-  uint32_t accepted;       // n
-  uint32_t held_in_a_row;  // the last of them is `held`
-  uint32_t held_off;       // altogether
+  LightSample state, outlier;
+  double agreement;            // smoothed mean of the cosines
+  uint64_t time_ns;            // of the last estimate
+  uint32_t accepted;           // n
+  uint32_t outliers_in_a_row;  // the last of them is `outlier`
+  uint32_t rejected;           // altogether
 };
 
 void light_filter_reset(LightFilter* filter);

@@ -255,7 +255,7 @@ void describe(const Light& light, const LightSample& sample, uint64_t timestamp_
   estimate.confidence = static_cast<float>(light_filter_confidence(light.filter));
   estimate.estimates = light.estimates;
   estimate.deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
-  estimate.held_off = light.filter.held_off;
+  estimate.rejected = light.filter.rejected;
   double sh[3 * k_harmonics];
   light_harmonics(estimate, SANDGLASS_LIGHT_MODEL_WHOLE, sh);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) estimate.sh[i] = static_cast<float>(sh[i]);
@@ -417,10 +417,10 @@ uint64_t sandglass_light_hash(const sandglass_light* light) {
   const Light& l = light->light;
   const LightFilter& f = l.filter;
   uint64_t hash = hash_bytes(l.rgb, k_rgb_bytes);
-  const LightSample* const samples[3] = {&f.state, &f.held, &l.latest};
+  const LightSample* const samples[3] = {&f.state, &f.outlier, &l.latest};
   for (const LightSample* sample : samples) hash = hash_with(hash, hash_bytes(sample, sizeof *sample));
   hash = hash_with(hash, hash_bytes(&f.agreement, sizeof f.agreement));
-  const uint64_t counts[4] = {l.estimates, f.held_off, static_cast<uint64_t>(l.phase), l.cursor};
+  const uint64_t counts[4] = {l.estimates, f.rejected, static_cast<uint64_t>(l.phase), l.cursor};
   return hash_with(hash, hash_bytes(counts, sizeof counts));
 }
 

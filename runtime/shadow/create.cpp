@@ -8,6 +8,7 @@
 #include "runtime/core/hash.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
+#include "runtime/shadow/light_direction.h"
 #include "runtime/shadow/shadow.h"
 
 namespace sandglass {
@@ -252,14 +253,8 @@ __attribute__((noinline)) uint32_t run_units(ShadowSet set, uint32_t units) {
 __attribute__((noinline)) sandglass_status take_light(Shadow* s, uint32_t number, const float direction[3],
                                                       float irradiance, const char** reason) {
   if (!(irradiance >= 0 && is_finite(irradiance))) return refuse(reason, "irradiance is negative or not finite");
-  double light[3], largest = 0;
-  for (uint32_t axis = 0; axis < 3; ++axis) {
-    if (!is_finite(direction[axis]))
-      return refuse(reason, "direction is not finite: check where it comes from; the light is as it was");
-    light[axis] = static_cast<double>(direction[axis]);
-    largest = absolute(light[axis]) > largest ? absolute(light[axis]) : largest;
-  }
-  if (!(largest > 0)) return refuse(reason, "direction is the zero vector: it must point to the light");
+  double light[3];
+  if (const sandglass_status status = check_light_direction(direction, light, reason)) return status;
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
   for (double& x : light) x /= length;
   shadow_set_light(s, number, light, irradiance);

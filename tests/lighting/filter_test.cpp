@@ -58,13 +58,13 @@ TEST(LightFilter, StepResponseIsTheDocumentedOne) {
     if (i > 0) expected += std::min(30.0, (90.0 - expected) * 5.0 / 13.0);
     EXPECT_NEAR(angles[i], expected, 1e-5) << i;  // the law's numbers are floats
   }
-  EXPECT_EQ(angles[0], 0.0);   // held off
+  EXPECT_EQ(angles[0], 0.0);   // rejected
   EXPECT_LT(angles[1], 45.0);  // half way with the third estimate,
   EXPECT_GE(angles[2], 45.0);
   EXPECT_LT(angles[4], 81.0);  // 90 % with the sixth: 1.25 s after the first
   EXPECT_GE(angles[5], 81.0);
   for (size_t i = 1; i < angles.size(); ++i) EXPECT_LT(angles[i], 90.0);
-  EXPECT_EQ(f.held_off, 1u);
+  EXPECT_EQ(f.rejected, 1u);
 }
 
 // The answer depends on time, not on how often it is asked: twice the rate, the same state after the same time.
@@ -94,7 +94,7 @@ TEST(LightFilter, ASingleOutlierChangesNothing) {
     EXPECT_TRUE(light_filter_take(&f, at(20.0), t += k_period_ns));
   }
   EXPECT_NEAR(azimuth(f), 20.0, 1e-9);
-  EXPECT_EQ(f.held_off, 2u);
+  EXPECT_EQ(f.rejected, 2u);
 }
 
 // The control: without the gate the same outlier moves the light by 30 degrees.
