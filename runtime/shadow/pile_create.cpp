@@ -42,7 +42,7 @@ sandglass_status check(const sandglass_pile_shadow_desc* desc, const char** reas
   return accept(reason);
 }
 
-// One walk for size and creation.
+// The one walk: counts the bytes, or hands out the regions.
 sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* layout) {
   const uint64_t n = desc.texels, pitch = n + k_lane_group, columns = n * pitch + 2 * k_lane_group;
   auto* owner = layout_region<sandglass_pile_shadow>(layout, "pile_shadow.state", 1);
