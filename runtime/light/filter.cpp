@@ -6,8 +6,8 @@ namespace sandglass {
 
 namespace {
 
-constexpr double k_longest_gap = 1.0;      // seconds between estimates that count
-constexpr uint32_t k_patience = 3;         // estimates in a row that are no outliers any more
+constexpr double k_longest_gap = 1.0;      // seconds; a longer gap between estimates counts as this
+constexpr uint32_t k_patience = 3;         // so many outliers in a row are believed
 constexpr double k_same_direction = 1e-9;  // length of a difference below which there is nothing to turn
 
 double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -34,7 +34,7 @@ double seconds_since(const LightFilter& filter, uint64_t time_ns) {
   return gap < k_longest_gap ? gap : k_longest_gap;
 }
 
-// Whether the sample is to be believed; remembers one that is not.
+// Whether the sample is believed. One that contradicts the state is remembered.
 bool believed(LightFilter* filter, const LightSample& sample) {
   if (!apart(filter->law, sample, filter->state)) {
     filter->outliers_in_a_row = 0;
@@ -71,7 +71,7 @@ void turn_towards(const double from[3], const double to[3], double angle, double
   if (square_root(dot(side, side)) < k_same_direction) {
     for (int i = 0; i < 3; ++i) side[i] = 0.0;
     if (along < 0.0) {
-      // Opposite: about whichever axis `from` lies farthest from.
+      // Opposite: towards the axis that `from` is farthest from.
       int axis = 0;
       for (int i = 1; i < 3; ++i)
         if (absolute(from[i]) < absolute(from[axis])) axis = i;

@@ -1,5 +1,5 @@
-// A texture at other sizes, and the textures of all lights as one. Texels are mixed in integers; where a texel lies, and
-// how much each light weighs, is computed in double.
+// A texture at other sizes, and the textures of all lights as one. Texels are mixed in integers. The place of a
+// texel and the weight of a light are computed in double.
 #include <cstring>
 
 #include "platform/floating_point.h"
