@@ -1,6 +1,8 @@
-// Every kernel body, in one namespace per instruction set: a table_<set>.cpp sets SANDGLASS_SIMD to the namespace of
-// its simd header, includes this, and exports one table.
+// Every kernel body, in one namespace per instruction set. A table_<set>.cpp sets SANDGLASS_SIMD to the namespace of
+// its simd header, includes this file, and exports one table.
 namespace sandglass::SANDGLASS_SIMD {
+#include "kernels/records.inl"
+
 #include "kernels/colliders.inl"
 #include "kernels/contact.inl"
 #include "kernels/grid_cells.inl"

@@ -1,4 +1,4 @@
-// Signed distance and outward normal of a collider at k_width points. Outside is positive.
+// Signed distance (positive outside) and outward normal of a collider at k_width points.
 
 struct Surface {
   Float distance;
@@ -9,7 +9,8 @@ SANDGLASS_INLINE Float dot3(Float ax, Float ay, Float az, Float bx, Float by, Fl
   return ax * bx + ay * by + az * bz;
 }
 
-// Distance to a point at offset (x, y, z); at the point itself the normal is the collider's local y axis.
+// A ball whose centre lies at minus (x, y, z) from the point. At the centre, where no direction is outward, the normal
+// is `axis`.
 SANDGLASS_INLINE Surface ball(Float x, Float y, Float z, float radius, const float axis[3]) {
   const Float length2 = dot3(x, y, z, x, y, z);
   const Mask away = broadcast(1e-24f) < length2;
@@ -73,7 +74,7 @@ SANDGLASS_INLINE Surface collider_surface(const ColliderFrame& c, Float px, Floa
   }
 }
 
-// Velocity of the collider's material at a point.
+// Velocity of the collider's material at a point, m/s.
 SANDGLASS_INLINE void collider_velocity(const ColliderFrame& c, Float px, Float py, Float pz, Float v[3]) {
   const Float x = px - broadcast(c.position[0]), y = py - broadcast(c.position[1]), z = pz - broadcast(c.position[2]);
   const Float wx = broadcast(c.angular[0]), wy = broadcast(c.angular[1]), wz = broadcast(c.angular[2]);

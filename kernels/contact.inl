@@ -1,22 +1,23 @@
-// One Jacobi pass: every particle gathers the corrections of its contacts from the positions before the pass
-// (4.14-4.27), adds them with a fixed factor or averaged (4.37), and is then projected out of the analytic colliders,
-// whose mass is infinite.
+// One Jacobi pass. Every particle gathers the corrections of its contacts from the positions before the pass, by
+// (4.14)-(4.27) of the dissertation. It adds them with a fixed factor or averaged (4.37), and is then pushed out of the
+// colliders, whose mass is infinite. Where the equations differ from the printed ones, runtime/README.md says why
+// ("Corrections").
 //
-// A record holds the position at the start of the sub-step and u; predicted positions are never stored, only the
-// displacement is carried (erratum of Alg. 4): relative positions are (x_j - x_i) + (displacement_j - displacement_i),
-// exact to the last bits of the small quantities. With one iteration the whole sub-step is this one pass.
+// A particle holds the position at the start of the sub-step and the displacement since then. Predicted positions are
+// never stored (correction to Alg. 4): a relative position is (x_j - x_i) + (displacement_j - displacement_i), exact to
+// the last bits of the small quantities. With one iteration the whole sub-step is this one pass.
 
-// Height weighting, 1/(1 + exp(k c)) - 1/2 as a cubic of c = n . up (erratum 4.38): how much more than half of a
-// correction this particle takes. What one side takes more the other takes less, so every contact lifts the pair. That
-// is what carries the layers above; more than they weigh it must not be, or towers jump and impacts throw. The sum of
-// what weighting adds to a particle is therefore limited, to a multiple of gravity's own displacement (lift_max).
+// Height weighting (correction to 4.38): 1/(1 + exp(k c)) - 1/2 as a cubic of c = n . up, which says how much more than
+// half of a correction this particle takes. One side takes more by what the other takes less, so every contact lifts
+// the pair. That lift carries the layers above. It must not exceed their weight, or towers jump and impacts throw. So
+// the sum that weighting adds to a particle is limited to a multiple of gravity's own displacement (lift_max).
 SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Float nz) {
   const Float c = dot3(nx, ny, nz, broadcast(a->up[0]), broadcast(a->up[1]), broadcast(a->up[2]));
   return c * (broadcast(a->weight_linear) + broadcast(a->weight_cubic) * (c * c));
 }
 
-// Coincident particles part along a fixed direction that both sides agree on: a unit vector chosen by the pair's
-// records.
+// Coincident particles part along a fixed direction that both sides agree on: a unit vector chosen by the indices of
+// the pair.
 SANDGLASS_INLINE void part_coincident(uint32_t first, const uint32_t* index, Mask coincident, Float* nx, Float* ny,
                                       Float* nz) {
   alignas(64) float ux[k_lane_group], uy[k_lane_group], uz[k_lane_group];
@@ -54,14 +55,15 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
 
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t i = a->groups[item / k_lane_group] * k_lane_group + item % k_lane_group;
-    Float self[8];
-    load_records(a->in + static_cast<uint64_t>(i) * k_record_floats, self);
-    const Float w = self[3];
+    Float self[k_record_floats];
+    load_records(floats_of(a->in + i), self);
+    const Float w = self[k_mobility];
     const Mask moves = zero < w;
     const Float pull = keep(moves, one);  // gravity acts on what moves
     // Displacement of this particle over the sub-step so far.
     Float dx = zero, dy = zero, dz = zero;
-    if (k_solve) dx = scale * self[4] + gx * pull, dy = scale * self[5] + gy * pull, dz = scale * self[6] + gz * pull;
+    if (k_solve)
+      dx = scale * self[k_vx] + gx * pull, dy = scale * self[k_vy] + gy * pull, dz = scale * self[k_vz] + gz * pull;
     Mask wakes = zero < zero;
 
     Float sx = zero, sy = zero, sz = zero, contacts = zero;
@@ -70,21 +72,21 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
     for (uint32_t l = 0; l < k_width; ++l) slots = a->counts[i + l] > slots ? a->counts[i + l] : slots;
     const uint32_t* row = a->lists + static_cast<uint64_t>(i) * k_list_slots;
     for (uint32_t s = 0; s < slots; ++s) {
-      Float other[8];
-      load_records(a->in, row + s, k_list_slots, other);
-      Float rx = zero, ry = zero, rz = zero;  // relative displacement (4.17, erratum)
-      Float ex = other[0] - self[0], ey = other[1] - self[1], ez = other[2] - self[2];
-      const Mask free = zero < other[3];
+      Float other[k_record_floats];
+      load_records(floats_of(a->in), row + s, k_list_slots, other);
+      Float rx = zero, ry = zero, rz = zero;  // relative displacement (correction to 4.17)
+      Float ex = other[k_x] - self[k_x], ey = other[k_y] - self[k_y], ez = other[k_z] - self[k_z];
+      const Mask free = zero < other[k_mobility];
       if (k_solve) {
         const Float relative_pull = keep(free, one) - pull;
-        rx = scale * (other[4] - self[4]) + gx * relative_pull;
-        ry = scale * (other[5] - self[5]) + gy * relative_pull;
-        rz = scale * (other[6] - self[6]) + gz * relative_pull;
+        rx = scale * (other[k_vx] - self[k_vx]) + gx * relative_pull;
+        ry = scale * (other[k_vy] - self[k_vy]) + gy * relative_pull;
+        rz = scale * (other[k_vz] - self[k_vz]) + gz * relative_pull;
         ex = ex + rx, ey = ey + ry, ez = ez + rz;
       }
       const Float d2 = dot3(ex, ey, ez, ex, ey, ez);
       Mask touch = d2 < diameter2;
-      if (a->bodies != 0) touch = and_not(touch, same_body(self[7], other[7]));
+      if (a->bodies != 0) touch = and_not(touch, same_body(self[k_identity], other[k_identity]));
       if (!any(touch)) continue;
       const Float d = square_root(maximum(d2, tiny));  // no lane divides by zero, touching or not
       const Float inverse = one / d;
@@ -94,19 +96,20 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       Float overlap = d - diameter;  // negative
       Float along = zero;
       if (k_solve) {
-        // The speed at which an overlap may drive a pair apart is limited: the rest of it goes in later sub-steps.
+        // The speed at which an overlap drives a pair apart is limited; the rest of the overlap goes in later
+        // sub-steps.
         along = dot3(rx, ry, rz, nx, ny, nz);
         overlap =
             maximum(overlap, broadcast(a->inverse_relaxation) * minimum(along - broadcast(a->separation_max), zero));
       }
-      // Shares of the correction: all of it against what does not move, else by inverse mass.
+      // Share of the correction: all of it against what does not move or is asleep, else by inverse mass.
       Float mine = select(free, half, one);
       Float lift = zero;
       if (k_weighted) lift = height_share(a, nx, ny, nz);
-      if (a->bodies != 0 && any(touch & free & ((w < other[3]) | (other[3] < w)))) {
-        const Mask unequal = moves & free & ((w < other[3]) | (other[3] < w));
-        const Float heavy = w * (half + lift), light = other[3] * (half - lift);
-        const Float share = w / select(unequal, w + other[3], one);
+      if (a->bodies != 0 && any(touch & free & ((w < other[k_mobility]) | (other[k_mobility] < w)))) {
+        const Mask unequal = moves & free & ((w < other[k_mobility]) | (other[k_mobility] < w));
+        const Float heavy = w * (half + lift), light = other[k_mobility] * (half - lift);
+        const Float share = w / select(unequal, w + other[k_mobility], one);
         mine = select(unequal, share, mine);
         if (k_weighted) lift = select(unequal, heavy / select(unequal, heavy + light, one) - share, lift);
       }
@@ -129,14 +132,15 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       }
       sx = sx + keep(touch, cx), sy = sy + keep(touch, cy), sz = sz + keep(touch, cz);
       contacts = contacts + keep(touch, one);
-      wakes = wakes | (touch & (other[3] < zero));
+      wakes = wakes | (touch & (other[k_mobility] < zero));
     }
 
     Float factor = omega;
     if (a->averaged != 0) {
       factor = minimum(omega / maximum(contacts, one), one);
     } else {
-      // Twelve spheres touch one; more are a heap of coincident ones, whose corrections must not add up.
+      // At most twelve equal spheres touch one. More contacts come from coincident particles, whose corrections must
+      // not add up.
       const Float crowd = minimum(broadcast(12.0f) / maximum(contacts, one), one);
       const Float crowd2 = crowd * crowd;
       factor = omega * (crowd2 * crowd2);
@@ -149,7 +153,7 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       const Float part = select(lift_max < rise, lift_max / maximum(rise, tiny), one);
       sx = sx + part * lx, sy = sy + part * ly, sz = sz + part * lz;
     }
-    Float x = self[0], y = self[1], z = self[2];
+    Float x = self[k_x], y = self[k_y], z = self[k_z];
     if (k_solve) {
       dx = dx + sx, dy = dy + sy, dz = dz + sz;
     } else {
@@ -168,8 +172,7 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
         Float v[3];
         collider_velocity(collider, px, py, pz, v);
         const Float step = broadcast(a->step);
-        // The collider's displacement minus the particle's, normal part removed; all of it is the particle's to make
-        // up.
+        // The collider's displacement minus the particle's, without its normal part. The particle makes up all of it.
         const Float rx = step * v[0] - dx, ry = step * v[1] - dy, rz = step * v[2] - dz;
         const Float along = dot3(rx, ry, rz, surface.nx, surface.ny, surface.nz);
         const Float tx = rx - along * surface.nx, ty = ry - along * surface.ny, tz = rz - along * surface.nz;
@@ -185,18 +188,19 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
       }
     }
 
-    Float out[8];
-    out[3] = w;
-    out[7] = self[7];
+    Float out[k_record_floats];
+    out[k_mobility] = w;
+    out[k_identity] = self[k_identity];
     if (!k_solve) {
-      // Stabilisation moves the start positions only, and by no more than the CFL limit.
-      const Float mx = x - self[0], my = y - self[1], mz = z - self[2];
+      // Stabilisation moves the start positions only. A move beyond the CFL limit is left out.
+      const Float mx = x - self[k_x], my = y - self[k_y], mz = z - self[k_z];
       const Float m2 = dot3(mx, my, mz, mx, my, mz);
       const Float limit = broadcast(a->displacement_max);
       const Mask calm = (m2 <= limit * limit) & moves;
-      out[0] = select(calm, x, self[0]), out[1] = select(calm, y, self[1]), out[2] = select(calm, z, self[2]);
-      out[4] = self[4], out[5] = self[5], out[6] = self[6];
-      store_records(a->out + static_cast<uint64_t>(i) * k_record_floats, out);
+      out[k_x] = select(calm, x, self[k_x]), out[k_y] = select(calm, y, self[k_y]),
+      out[k_z] = select(calm, z, self[k_z]);
+      out[k_vx] = self[k_vx], out[k_vy] = self[k_vy], out[k_vz] = self[k_vz];
+      store_records(floats_of(a->out + i), out);
       continue;
     }
 
@@ -204,7 +208,7 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
         lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->particle_count));
     const Mask live = inside & moves;
     Float move2 = dot3(dx, dy, dz, dx, dy, dz);
-    const Mask sound = move2 < broadcast(1e12f);  // false for NaN and Inf: such a particle stays where it is, at rest
+    const Mask sound = move2 < broadcast(1e12f);  // false for NaN and Inf: such a particle stays where it is
     dx = keep(sound, dx), dy = keep(sound, dy), dz = keep(sound, dz);
     move2 = keep(sound, move2);
     if (a->last != 0) {
@@ -216,20 +220,21 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
         move2 = select(fast, limit * limit, move2);
       }
       const Float step = broadcast(a->step);
-      out[0] = select(live, x + dx, self[0]), out[1] = select(live, y + dy, self[1]),
-      out[2] = select(live, z + dz, self[2]);
+      out[k_x] = select(live, x + dx, self[k_x]), out[k_y] = select(live, y + dy, self[k_y]),
+      out[k_z] = select(live, z + dz, self[k_z]);
       // A division: multiplying by 1/dt would err by the same sign in every sub-step.
-      out[4] = keep(live, dx / step), out[5] = keep(live, dy / step), out[6] = keep(live, dz / step);
-      // Out of bounds, or not a number: it rests where it was, or at the origin when that was not a number either.
+      out[k_vx] = keep(live, dx / step), out[k_vy] = keep(live, dy / step), out[k_vz] = keep(live, dz / step);
+      // Out of bounds, or not a number: back to where it was, with velocity 0. A coordinate that was no better becomes
+      // 0.
       const Float bound = broadcast(k_coordinate_bound);
-      const Mask legal = (absolute(out[0]) < bound) & (absolute(out[1]) < bound) & (absolute(out[2]) < bound);
+      const Mask legal = (absolute(out[k_x]) < bound) & (absolute(out[k_y]) < bound) & (absolute(out[k_z]) < bound);
       const Mask bad = and_not(live, sound & legal);
       if (any(bad)) {
         quarantined += count(bad);
         for (int k = 0; k < 3; ++k) {
           const Mask number = absolute(self[k]) < bound;
           out[k] = select(bad, keep(number, self[k]), out[k]);
-          out[4 + k] = select(bad, zero, out[4 + k]);
+          out[k_vx + k] = select(bad, zero, out[k_vx + k]);
         }
       }
       if (any(wakes & live & (broadcast(a->wake_displacement * a->wake_displacement) < move2))) {
@@ -237,7 +242,7 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
         extent->touched = 1;
       }
       speed2 = maximum(keep(live, move2 / (step * step)), speed2);
-      const Float position[3] = {out[0], out[1], out[2]}, move[3] = {dx, dy, dz};
+      const Float position[3] = {out[k_x], out[k_y], out[k_z]}, move[3] = {dx, dy, dz};
       for (int k = 0; k < 3; ++k) {
         low[k] = select(live, minimum(position[k], low[k]), low[k]),
         high[k] = select(live, maximum(position[k], high[k]), high[k]);
@@ -245,10 +250,10 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
         move_high[k] = select(live, maximum(move[k], move_high[k]), move_high[k]);
       }
     } else {
-      out[0] = self[0], out[1] = self[1], out[2] = self[2];
-      out[4] = keep(live, dx), out[5] = keep(live, dy), out[6] = keep(live, dz);
+      out[k_x] = self[k_x], out[k_y] = self[k_y], out[k_z] = self[k_z];
+      out[k_vx] = keep(live, dx), out[k_vy] = keep(live, dy), out[k_vz] = keep(live, dz);
     }
-    store_records(a->out + static_cast<uint64_t>(i) * k_record_floats, out);
+    store_records(floats_of(a->out + i), out);
   }
 
   if (k_solve && a->last != 0) {

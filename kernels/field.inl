@@ -1,5 +1,5 @@
-// A collider whose surface is the zero of a grid of signed distances: trilinear interpolation and its gradient. Where
-// no lane is within the grid nothing is fetched, and a lane's result does not depend on the others.
+// A collider whose surface is the zero of a grid of signed distances: trilinear interpolation and its gradient. Nothing
+// is fetched where no lane is within the grid. The result of a lane does not depend on the other lanes.
 
 SANDGLASS_INLINE Surface field_surface(const ColliderFrame& c, Float x, Float y, Float z) {
   const FieldGrid& grid = c.field;
@@ -43,7 +43,8 @@ SANDGLASS_INLINE Surface field_surface(const ColliderFrame& c, Float x, Float y,
     gradient[1] = (edge[0][1] - edge[0][0]) + w * ((edge[1][1] - edge[1][0]) - (edge[0][1] - edge[0][0]));
     gradient[2] = high - low;
   }
-  // Beyond the grid: the border is a lower bound of the distance to what lies within it, or of the depth.
+  // Beyond the grid: the surface is at least as far from the grid's faces as the border value says. With free space
+  // around the grid that bounds the distance from below, with solid around it the depth.
   const Float border = broadcast(grid.border), outward = broadcast(grid.outward);
   const Float far = grid.outward > 0.0f ? maximum(distance_out, border) : border - distance_out;
   Float length2 = zero;
@@ -51,7 +52,8 @@ SANDGLASS_INLINE Surface field_surface(const ColliderFrame& c, Float x, Float y,
     gradient[k] = select(beyond, outward * out[k], gradient[k]);
     length2 = length2 + gradient[k] * gradient[k];
   }
-  const Mask steep = broadcast(1e-12f) < length2;  // on a ridge, say: local y, as at the centre of a sphere
+  // Without a gradient, as on a ridge, the normal is local y, as at the centre of a sphere.
+  const Mask steep = broadcast(1e-12f) < length2;
   const Float scale = one / square_root(select(steep, length2, one));
   for (int k = 0; k < 3; ++k) gradient[k] = select(steep, gradient[k] * scale, k == 1 ? one : zero);
   Float n[3];

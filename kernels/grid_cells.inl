@@ -1,5 +1,5 @@
-// Cell of each record in a wrapped grid. Coordinates are clamped before the cast: out of range, casts differ between
-// machines.
+// The cell of each particle or grain in a wrapped grid. Coordinates are clamped before the cast, because casts out of
+// range differ between machines.
 
 SANDGLASS_INLINE Int floor_to_int(Float a) {
   const Float bounded = minimum(maximum(a, broadcast(-536870912.0f)), broadcast(536870912.0f));
@@ -16,10 +16,10 @@ static void grid_cells(const GridCellsArgs* args, uint32_t begin, uint32_t end, 
   const Int mask_z = broadcast(static_cast<int32_t>((1u << grid.bits[2]) - 1));
   const int shift_y = static_cast<int>(grid.bits[0]), shift_z = static_cast<int>(grid.bits[0] + grid.bits[1]);
   for (uint32_t i = begin; i < end; i += k_width) {
-    Float record[8];
-    load_records(args->records + static_cast<uint64_t>(i) * k_record_floats, record);
-    Int x = floor_to_int(record[0] * inverse), y = floor_to_int(record[1] * inverse),
-        z = floor_to_int(record[2] * inverse);
+    Float record[k_record_floats];
+    load_records(floats_of(args->records + i), record);
+    Int x = floor_to_int(record[k_x] * inverse), y = floor_to_int(record[k_y] * inverse),
+        z = floor_to_int(record[k_z] * inverse);
     if (args->serpentine != 0) {
       z = (z - broadcast(args->first[2])) & mask_z;
       y = (y - broadcast(args->first[1])) & mask_y;

@@ -1,11 +1,11 @@
-// The int8 kernels: shadow networks on any set of texels, and the convolutions of the lighting network. A table per
-// instruction set, as for the float kernels, but
-// picked apart from them: what counts here is the dot product of bytes, which cores of one family have or lack.
-// Everything that reaches a texture is integer, apart from one float multiply and rounding an activation
-// (requantisation), so all tables give the same bits.
+// The int8 kernels: shadow networks on any set of texels, and the convolutions of the lighting network. There is one
+// table per instruction set, as for the float kernels, but it is picked on its own: what counts here is the dot product
+// of bytes, which some cores of one family have and others lack. All arithmetic is in integers, apart from one float
+// multiply and one rounding for each activation (requantisation), so all tables give the same bits.
 //
-// Requantisation rule, the only one: byte = round to nearest even(clamp(float(sum) * multiplier, 0, 255)), with the sum
-// in 32 bits and the conversion and the product each rounded once, to nearest even.
+// There is one rule of requantisation:
+//   byte = round to nearest even(clamp(float(sum) * multiplier, 0, 255))
+// The sum has 32 bits. The conversion and the product are each rounded once, to nearest even.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,15 @@
 
 namespace sandglass {
 
-constexpr uint32_t k_texel_block = 48;          // texels that go through the layers together: their bytes stay in L1
-constexpr uint32_t k_channel_group = 32;        // widths are padded to multiples of it
-constexpr uint32_t k_shadow_width_limit = 256;  // accumulators: 256 * 255 * 127 < 2^24, so floats hold them exactly
+constexpr uint32_t k_texel_block = 48;    // texels that go through the layers together: their bytes stay in L1
+constexpr uint32_t k_channel_group = 32;  // widths are padded to multiples of it
+// Channels of a layer. The products of one sum then stay below 2^24 (256 * 255 * 127), and 32 bits hold them beside any
+// bias that a file may have.
+constexpr uint32_t k_shadow_width_limit = 256;
 constexpr uint32_t k_shadow_layers_limit = 8;
-constexpr uint32_t k_coverage_steps = 4096;  // of the output's argument
-constexpr float k_coverage_scale = 256.0f;   // steps per 1
+// The sigmoid of the output is a table: this many steps, so many for each 1 of its argument.
+constexpr uint32_t k_coverage_steps = 4096;
+constexpr float k_coverage_scale = 256.0f;
 
 struct Int8Layer {
   const int8_t* weights;  // packed by the table's own pack_layer
@@ -30,15 +33,16 @@ struct Int8Layer {
 struct ShadowNetwork {
   uint32_t width;   // padded
   uint32_t layers;  // hidden layers after the first
-  // The first layer, separated: byte c of texel (u, v) = clamp((columns[u][c] + rows[v][c]) >> shift, 0, 255), the sum
-  // saturating at 16 bits. Rows hold light, bias and rounding too.
+  // The first layer is the sum of a part of u and a part of v, one table each:
+  //   byte c of texel (u, v) = clamp((columns[u][c] + rows[v][c]) >> shift, 0, 255)
+  // The sum saturates at 16 bits. The rows also hold the light, the bias and the rounding.
   const int16_t* columns;
   const int16_t* rows;
   uint32_t shift;
   Int8Layer layer[k_shadow_layers_limit];
   const int8_t* last_weights;  // width bytes, zero beyond the network's own
   int32_t last_bias;
-  float last_multiplier;    // to steps of the table
+  float last_multiplier;    // from the last sum to steps of the coverage table
   const uint8_t* coverage;  // k_coverage_steps bytes: 255 * (1 - transparency)
 };
 
@@ -50,31 +54,34 @@ struct TexelRange {
   uint8_t* coverage;  // out, `count` bytes
 };
 
-// A convolution over pixels whose channels lie together. Outputs and inputs are multiples of k_channel_group; the sum
-// of a window's inputs is at most 65,793, so that 32 bits hold every sum.
+// A convolution over pixels whose channels lie together. Outputs and inputs are multiples of k_channel_group. A window
+// has at most 9 * 128 inputs, so its products add up to less than 2^26. A file's biases are at most 2^29 (they are
+// checked when it is loaded), so 32 bits hold every sum.
 struct Int8Convolution {
   const int8_t* weights;  // packed by the table's own pack_layer: outputs x (rows, columns, inputs)
   const int32_t* bias;
   const float* multiplier;
-  const uint8_t *low, *high;  // an input byte counts as the nearest one in low..high; null: as it is
-  uint32_t inputs;            // of one pixel
+  // One of each for every input: narrow and transition clamp an input byte to low..high. The others do not read them.
+  const uint8_t *low, *high;
+  uint32_t inputs;  // channels of one input pixel
   uint32_t outputs;
 };
 
-constexpr uint32_t k_convolution_inputs_limit = 1024;  // of one pixel
-constexpr uint32_t k_stem_pixels_limit = 256;          // of an image's row
-constexpr uint32_t k_stem_window = 7;                  // pixels a side, two apart
+constexpr uint32_t k_convolution_inputs_limit = 1024;  // channels of one input pixel
+constexpr uint32_t k_stem_pixels_limit = 256;          // pixels in a row of the image
+constexpr uint32_t k_stem_window = 7;                  // pixels a side; windows are two pixels apart
 constexpr uint32_t k_stem_bytes = 160;                 // 7 x 7 x 3, and zeros up to a multiple of 16
 constexpr uint32_t k_stem_outputs = 64;
-constexpr uint32_t k_tile_slack = 8;  // pixels behind the last one of a buffer that wide may read, and throws away
+// Pixels behind the last one of a buffer: wide may read them and does not use them.
+constexpr uint32_t k_tile_slack = 8;
 
-// `count` neighbouring pixels of one row.
+// `count` neighbouring pixels of one row of output, and where their input begins.
 struct PixelRow {
   const uint8_t* in;
   uint32_t in_stride;  // bytes from pixel to pixel
-  uint32_t in_pitch;   // bytes from row to row, where a window has more than one
-  uint32_t count;      // of output
-  uint8_t* out;        // aligned to 16, as are its strides
+  uint32_t in_pitch;   // bytes from row to row, where a window has more than one row
+  uint32_t count;
+  uint8_t* out;  // aligned to 16, as are its strides
   uint32_t out_stride;
 };
 
@@ -82,31 +89,32 @@ constexpr uint64_t shadow_scratch_bytes(uint32_t width) { return uint64_t{2} * k
 
 struct Int8Kernels {
   sandglass_isa isa;
-  // From outputs x inputs bytes, all inputs of output 0 first, to this table's own order; the bias takes what the
-  // table's arithmetic needs. Both are of the same size as before. Outputs are a multiple of k_channel_group, inputs
-  // of 16.
+  // Puts outputs x inputs weights (all inputs of output 0 first) into this table's own order, and adds to the biases
+  // what the table's arithmetic needs. Neither array changes its size. Outputs are a multiple of k_channel_group,
+  // inputs of 16.
   void (*pack_layer)(const int8_t* weights, const int32_t* bias, uint32_t outputs, uint32_t inputs, int8_t* packed,
                      int32_t* packed_bias);
   void (*shadow_texels)(const ShadowNetwork* network, const TexelRange* range);
 
-  // 1x1 on clamped bytes.
+  // A 1x1 convolution of clamped bytes.
   void (*narrow)(const Int8Convolution* convolution, const PixelRow* row);
   // The same after averaging 2x2 clamped bytes: (a + b + c + d + 2) / 4, rounded down. `in` is the upper of two rows.
   void (*transition)(const Int8Convolution* convolution, const PixelRow* row);
-  // 3x3 with the pixels' bytes one behind the other (in_stride = inputs); `in` is the window's first pixel.
+  // A 3x3 convolution. Pixels lie without gaps (in_stride = inputs); `in` is the first pixel of the first window.
   void (*wide)(const Int8Convolution* convolution, const PixelRow* row);
-  // 7x7, two pixels apart, of an RGB image of width x height; output row y of width / 2 pixels, k_stem_outputs bytes
-  // each. Beyond the image lies `border`.
+  // A 7x7 convolution, two pixels apart, of an RGB image of width x height. Writes row y of the output: width / 2
+  // pixels of k_stem_outputs bytes. Pixels beyond the image are `border`.
   void (*stem)(const Int8Convolution* convolution, const uint8_t* rgb, const uint8_t border[3], uint32_t width,
                uint32_t height, uint32_t y, uint8_t* out);
-  // The greatest of 3x3 pixels, two apart, of rows of width x k_stem_outputs bytes; output row y of width / 2 pixels.
+  // The greatest of 3x3 pixels, two apart, in an image of width x height pixels of k_stem_outputs bytes. Writes row y
+  // of the output: width / 2 pixels.
   void (*pool)(const uint8_t* rows, uint32_t width, uint32_t height, uint32_t y, uint8_t* out, uint32_t out_stride);
-  // Sum of `count` products, a multiple of 32; both aligned to 64.
+  // The sum of `count` products. `count` is a multiple of 32; both arrays are aligned to 64.
   int32_t (*dot)(const uint8_t* bytes, const int8_t* weights, uint32_t count);
 };
 
-// The table for `isa` (AUTOMATIC: the fastest that this CPU runs), or null where build or CPU lack it. Those of one
-// capability have the others' kernels null, and do not bring them into the program.
+// The table for `isa` (AUTOMATIC: the fastest that this CPU runs), or null where build or CPU lack it. The tables for
+// shadows alone and for light alone have null for the other's kernels and do not link them into the program.
 const Int8Kernels* select_int8_kernels(sandglass_isa isa);
 const Int8Kernels* select_shadow_kernels(sandglass_isa isa);
 const Int8Kernels* select_light_kernels(sandglass_isa isa);

@@ -1,4 +1,5 @@
-// The tables of one instruction set: all kernels, and those of one capability, so that an app links only its own.
+// The tables of one instruction set: one with all kernels, and one for each capability, so that an app links only the
+// kernels it uses.
 extern const Int8Kernels k_table, k_shadow_table, k_light_table;
 const Int8Kernels k_table = {SANDGLASS_INT8_ISA, pack_layer, shadow_texels, narrow, transition, wide, stem, pool, dot};
 const Int8Kernels k_shadow_table = {

@@ -1,20 +1,20 @@
-// What every int8 kernel comes down to: a tile of texels x channels, summed over the inputs of a window. Registers hold
-// the sums; activations and weights stream by.
+// The inner loop of every int8 kernel: a tile of texels x channels, summed over the inputs of a window. Registers hold
+// the sums, while activations and weights stream by.
 
 static_assert(k_tile_slack % k_row_texels == 0);
 
-// The inputs of one texel: rows of neighbouring bytes, multiples of 16.
+// The inputs of one texel: rows of neighbouring bytes.
 struct Window {
   uint32_t stride;     // bytes from texel to texel
-  uint32_t rows;       // of a window
-  uint32_t row_bytes;  // that count
+  uint32_t rows;       // rows of the window
+  uint32_t row_bytes;  // bytes of a row, a multiple of 16
   uint32_t row_pitch;  // bytes from row to row
 };
 
 constexpr uint32_t k_tile_channels = k_tile_sums * k_sum_lanes;
 constexpr uint32_t k_pack_depth = k_matrix ? 8 : 4;  // inputs of one channel that lie together
 
-// Where weight (channel, input) of a matrix is packed.
+// Where the weight of (channel, input) lies in the packed matrix.
 static uint32_t weight_position(uint32_t inputs, uint32_t channel, uint32_t input) {
   const uint32_t panel = channel / k_channel_group * k_channel_group, within = channel % k_channel_group;
   return panel * inputs + (input / k_pack_depth * k_channel_group + within) * k_pack_depth + input % k_pack_depth;
@@ -47,7 +47,7 @@ SANDGLASS_INT8_INLINE void accumulate(Sum (&sum)[k_texels][k_tile_sums], const A
   }
 }
 
-// k_texels texels, k_tile_channels channels, all inputs; of the texels `count` are written.
+// Sums k_texels texels x k_tile_channels channels over all inputs, and writes the first `count` texels.
 template <uint32_t k_texels>
 SANDGLASS_INT8_INLINE void dense_tile(const uint8_t* in, const Window& window, const int8_t* weights,
                                       const int32_t* bias, const float* multiplier, uint8_t* out, uint32_t out_stride,

@@ -1,29 +1,21 @@
 // The kernels: pure functions on the caller's arrays, without state, memory or clock. Every instruction set exports one
 // table of them; select_kernels picks a table. All tables give the same bits.
 //
-// Arrays of records are 32-byte aligned; a record is 8 floats. Particle: x y z w | u u u id. w is the inverse mass in
-// sand particles: above 0 the particle moves, 0 it never does, below 0 it sleeps (its inverse mass is then -w). u is
-// the velocity between sub-steps and the displacement between the iterations of one. id holds, as bits, the particle's
-// number and, above k_number_mask, the rigid body it belongs to (0: none). Grain: x y z id | v v v s, s = sweeps in a
-// row in which it kept still. Ranges begin at multiples of 16; arrays are padded to whole groups of 16 with inert
-// records (w = 0).
+// Ranges begin at multiples of 16. Arrays of particles and grains are padded to whole groups of 16; the padding of
+// particles is inert.
 #pragma once
 
 #include <cstdint>
 
+#include "kernels/particle.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass {
 
-constexpr uint32_t k_record_floats = 8;
-constexpr uint32_t k_lane_group = 16;  // every width divides it
-constexpr uint32_t k_number_mask = 0x00ffffff;
-constexpr uint32_t k_body_shift = 24;
-constexpr float k_coordinate_bound = 2.0f * SANDGLASS_COORDINATE_LIMIT;  // metres; what strays beyond it is quarantined
-// An inert record lies here, without mass: it pads vectors and neighbour rows, and nothing touches it.
-constexpr float k_inert_position = 1e6f;
-constexpr uint32_t k_list_slots =
-    32;  // neighbours a particle can have; a dense packing has 12 to 15 inside a list's reach
+constexpr uint32_t k_lane_group = 16;                                    // every width divides it
+constexpr float k_coordinate_bound = 2.0f * SANDGLASS_COORDINATE_LIMIT;  // metres; what strays beyond is quarantined
+// Neighbours that a particle's list can hold. In a dense packing 12 to 15 lie within a list's reach.
+constexpr uint32_t k_list_slots = 32;
 
 // A grid of cubic cells that covers all space by wrapping round: the cell with integer coordinates c is stored at c mod
 // 2^bits per axis. No bounds are needed and none can be left; distant cells that share storage cost distance tests, not
@@ -36,8 +28,8 @@ struct Grid {
 
 struct GridCellsArgs {
   Grid grid;
-  const float* records;
-  uint32_t* keys;  // storage index of each item's cell
+  const Record* records;
+  uint32_t* keys;  // storage index of each record's cell
   // For an order that only has to keep neighbours together, not to be looked up: cells count from `first`, and every
   // other row and plane runs backward, so that the end of one lies beside the beginning of the next.
   int32_t serpentine;
@@ -83,8 +75,8 @@ struct ColliderFrame {
 // One Jacobi pass over particles: contacts and friction from the positions before the pass, then colliders. Reads `in`,
 // writes `out`. The range is of items: item i is lane i % 16 of record group groups[i / 16].
 struct ContactArgs {
-  const float* in;
-  float* out;
+  const Particle* in;
+  Particle* out;
   const uint32_t* groups;
   const uint32_t* lists;
   const uint8_t* counts;
@@ -120,25 +112,25 @@ struct ContactExtent {
   uint32_t touched;                                 // 1: some group was marked
 };
 
-// Wakes the sleepers near colliders: a record with w < 0 whose distance to a collider is below margin + u[0] (the
-// radius that it stands for; 0 for a particle at rest) gets w = -w.
+// Wakes the sleepers near colliders: those whose distance to a collider is below its margin and their own radius
+// together.
 struct WakeArgs {
-  float* records;
-  uint32_t record_count;
+  Sleeper* sleepers;
+  uint32_t sleeper_count;
   const ColliderFrame* colliders;
   const float* margins;  // metres, one a collider
   uint32_t collider_count;
 };
 
-// Distance (into w) and normal (into u) of a collider at the positions of records.
+// Distance and normal of a collider at points.
 struct SurfaceArgs {
-  float* records;
+  SurfacePoint* points;
   const ColliderFrame* collider;
 };
 
 // Which points of records lie inside a shape.
 struct InsideArgs {
-  const float* records;
+  const Record* records;
   uint32_t record_count;
   const ColliderFrame* shapes;
   uint32_t shape_count;
@@ -147,9 +139,9 @@ struct InsideArgs {
 
 struct RefineArgs {
   Grid grid;                  // of the particles' snapshot; cell edge = support radius
-  const float* snapshot;      // particle records in sorted order, u = velocity
+  const Particle* snapshot;   // in sorted order
   const float* positions[3];  // the same positions, one array an axis
-  float* grains;
+  Grain* grains;
   uint32_t grain_count;
   const uint32_t* groups;  // the range is of items: item i is lane i % 16 of grain group groups[i / 16]
   uint8_t* still;          // one a group: 1 once every grain of it has kept still for still_sweeps

@@ -1,14 +1,14 @@
-// The lighting network's operators, a row of output at a time. What a 1x1 reads is clamped, and for a transition
-// averaged, on its way into a few kilobytes on the stack, from which all channels are then computed; a 3x3 reads its
-// neighbouring pixels where they lie. Pixels go through in tiles of k_row_texels; the last tile of a row may read
-// beyond it and writes nothing there.
+// The operators of the lighting network, one row of output at a time. A 1x1 convolution clamps its inputs (a transition
+// also averages them) into a few kilobytes on the stack and computes all channels from there. A 3x3 convolution reads
+// its pixels where they lie. Pixels are processed in tiles of k_row_texels. The last tile of a row may read beyond the
+// row; it writes nothing there.
 
-// Of stack, which is scarce, and of the first cache: eight pixels of the widest dense layer, or one tile of the widest
-// transition.
+// Bytes of that buffer: eight pixels of the widest dense layer, or one tile of the widest transition if that is more.
+// Stack is scarce, and the buffer has to stay in the first cache.
 constexpr uint32_t k_layer_bytes = 8 * 992, k_tile_bytes = k_row_texels * k_convolution_inputs_limit;
 constexpr uint32_t k_packed_bytes = k_tile_bytes > k_layer_bytes ? k_tile_bytes : k_layer_bytes;
 
-// All channels of `count` pixels.
+// Computes all channels of `count` pixels.
 SANDGLASS_INT8_INLINE void convolve(const Int8Convolution& c, const uint8_t* in, const Window& window, uint32_t count,
                                     uint8_t* out, uint32_t out_stride) {
   const uint32_t inputs = window.rows * window.row_bytes;
@@ -74,7 +74,7 @@ static void wide(const Int8Convolution* convolution, const PixelRow* row) {
 static void stem(const Int8Convolution* convolution, const uint8_t* rgb, const uint8_t border[3], uint32_t width,
                  uint32_t height, uint32_t y, uint8_t* out) {
   constexpr uint32_t k_pad = k_stem_window / 2, k_window_bytes = 3 * k_stem_window;
-  constexpr uint32_t k_row_bytes = 3 * (k_stem_pixels_limit + 2 * k_pad) + 16;  // copies go in 24 bytes
+  constexpr uint32_t k_row_bytes = 3 * (k_stem_pixels_limit + 2 * k_pad) + 16;
   uint8_t rows[k_stem_window][k_row_bytes];
   const uint32_t padded = width + 2 * k_pad;
   for (uint32_t r = 0; r < k_stem_window; ++r) {
@@ -89,7 +89,8 @@ static void stem(const Int8Convolution* convolution, const uint8_t* rgb, const u
   const Window window = {k_stem_bytes, 1, k_stem_bytes, 0};
   for (uint32_t x = 0; x < width / 2; x += k_row_texels) {
     const uint32_t count = width / 2 - x < k_row_texels ? width / 2 - x : k_row_texels;
-    // 24 bytes at a time: three too many, which the next copy, or a weight of zero, undoes.
+    // Copies of 24 bytes, three more than a row of the window has: the next copy overwrites them, and those of the last
+    // row meet weights of 0.
     for (uint32_t t = 0; t < count; ++t)
       for (uint32_t r = 0; r < k_stem_window; ++r)
         __builtin_memcpy(packed + t * k_stem_bytes + r * k_window_bytes, rows[r] + 6 * (x + t), 24);
@@ -98,11 +99,11 @@ static void stem(const Int8Convolution* convolution, const uint8_t* rgb, const u
 }
 
 static void pool(const uint8_t* rows, uint32_t width, uint32_t height, uint32_t y, uint8_t* out, uint32_t out_stride) {
-  // Rows and columns beyond the edge are left out by taking the middle one again.
+  // A row or column beyond the edge is replaced by the middle one, which leaves the maximum as it is.
   const uint32_t pitch = width * k_stem_outputs;
   const uint8_t* row[3];
   for (uint32_t r = 0; r < 3; ++r) {
-    const uint32_t v = 2 * y + r;  // plus 1
+    const uint32_t v = 2 * y + r;  // row of the image, plus 1
     row[r] = rows + (v == 0 || v > height ? 2 * y : v - 1) * pitch;
   }
   for (uint32_t x = 0; x < width / 2; ++x)
@@ -110,7 +111,7 @@ static void pool(const uint8_t* rows, uint32_t width, uint32_t height, uint32_t 
       Bytes most = load_bytes(row[0] + 2 * x * k_stem_outputs + i);
       for (uint32_t r = 0; r < 3; ++r)
         for (uint32_t s = 0; s < 3; ++s) {
-          const uint32_t u = 2 * x + s;  // plus 1
+          const uint32_t u = 2 * x + s;  // column of the image, plus 1
           most = greatest(most, load_bytes(row[r] + (u == 0 || u > width ? 2 * x : u - 1) * k_stem_outputs + i));
         }
       store_bytes(out + x * out_stride + i, most);

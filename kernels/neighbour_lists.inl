@@ -1,13 +1,15 @@
-// Neighbour lists from a sorted grid. Particles of one cell see the same 27 cells: the stored ranges of those are
-// looked up once a cell, three cells of a row at a time, and every particle of the cell is tested against them, a
-// vector of candidates at a time. The order of a list is the order of the candidates: rows of cells by z, then y, then
-// x, moving particles before boundary ones; but those that touch, or soon may, come before all others. A pass over the
-// lists of a vector of particles then finds contacts in its first slots and skips the arithmetic of the later ones.
+// Neighbour lists from a sorted grid. Particles of one cell see the same 27 cells. The stored ranges of those are
+// looked up once a cell, three cells of a row at a time. Every particle of the cell is then tested against them, a
+// vector of candidates at a time. A list first has the neighbours that touch or soon may, then the others. Within each
+// part it has the order of the candidates: moving particles before boundary ones, cells by z, then y, then x. A pass
+// over the lists of a vector of particles therefore finds its contacts in the first slots and skips the arithmetic of
+// the later ones.
 //
-// Gathering the candidates of a cell into one dense buffer first was slower: its short overlapping stores stall the
+// To gather the candidates of a cell into one dense buffer first was slower: the short overlapping stores stall the
 // loads after them.
 
-// Stored ranges of candidates near one cell: at most 9 rows, each cut at most twice where the grid wraps round.
+// Stored ranges of candidates near one cell: at most 9 rows of three cells, each in at most three pieces where the grid
+// wraps round.
 struct Ranges {
   static constexpr uint32_t k_capacity = 27;
   uint32_t begin[k_capacity], end[k_capacity];
@@ -41,10 +43,12 @@ SANDGLASS_INLINE void find_ranges(const Grid& grid, const int32_t cell[3], Range
   }
 }
 
-// A row being filled: what compress_store writes beyond the last slot falls into the slack, and is counted as dropped.
+// The list of one particle while it is filled. Behind the last slot is room for what compress_store writes there;
+// neighbours that end up in that room are counted as dropped.
 struct Row {
   alignas(64) uint32_t slots[k_list_slots + 2 * k_lane_group];
-  alignas(64) uint32_t distances[k_list_slots + 2 * k_lane_group];  // squared: the bits of floats, which compare alike
+  // Squared distances as the bits of floats: they compare like the floats, because none is negative.
+  alignas(64) uint32_t distances[k_list_slots + 2 * k_lane_group];
   uint32_t used;
   uint32_t dropped;
 };
@@ -71,7 +75,7 @@ SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* posi
   }
 }
 
-// The near ones, then the others, then the inert record to the end of the row.
+// Writes the near neighbours, then the others, then the index of the inert particle up to the end of the row.
 SANDGLASS_INLINE void put_near_first(const Row& row, Int near2, Int inert, uint32_t* out) {
   alignas(64) uint32_t ordered[k_list_slots + 2 * k_lane_group];
   const Int used = broadcast(static_cast<int32_t>(row.used));

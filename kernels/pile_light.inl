@@ -1,10 +1,13 @@
-// How much of a soft light columns of sand leave to the receivers of one row: for each azimuth the interval of
-// elevations that the columns along it hide, against the light's own. A step along an azimuth is the same shift for all
-// texels, so that lane = texel reads consecutive columns. Elevations are compared as sin^2, which is what their cosine-
-// weighted share of the light is linear in: s = t^2 / (1 + t^2) of the slope t.
-// Sand that does not fill its texels lets light through. `reached` climbs from the light's lower edge towards each
-// column's top by the share that the column fills: full columns make it the highest of them, and n that cover all of
-// the light and fill f leave (1 - f)^n of the way. Of what the interval hides, that part is dark.
+// How much of a soft light the columns of sand leave to the receivers of one row. For each azimuth, the elevations that
+// the columns along it hide form one interval, which is compared with the interval of the light. A step along an
+// azimuth is the same shift for all texels, so with lane = texel the loads are consecutive. Elevations are compared as
+// sin^2, because the cosine-weighted share of the light is linear in it: s = t^2 / (1 + t^2) of the slope t.
+//
+// Sand that does not fill its texel lets light through. `reached` begins at the light's lower edge. Each column moves
+// it towards the column's top by the share of the texel that the column fills. Full columns therefore make it the
+// highest top; n columns that cover the whole light and fill f of their texels leave (1 - f)^n of the way. The share of
+// the way that is reached is the share of the hidden interval that is dark.
+
 static void pile_light(const PileLightArgs* a, uint32_t begin, uint32_t end, uint32_t* unused) {
   (void)unused;
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), steepest = broadcast(1e6f), shortest = broadcast(1e-6f);

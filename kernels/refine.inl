@@ -1,13 +1,13 @@
-// Grains: advected by the velocity field of the particles (4.39-4.44), blended into free flight near and outside the
-// surface, kept outside the colliders. Lane = grain. Grains are sorted by cell, so k_width neighbouring lanes share
-// almost all candidates: those are found once per group, by the distance to the group's bounding box, and then
-// broadcast to all lanes.
+// Grains are advected by the velocity field of the particles, (4.39)-(4.44) of the dissertation, blended into free
+// flight near and outside the surface, and kept outside the colliders. Lane = grain. Grains are sorted by cell, so
+// k_width neighbouring lanes share almost all candidates. The candidates are found once for such a group of lanes, by
+// their distance to the group's bounding box, and each is then broadcast to all lanes.
 //
-// A candidate outside the box's reach has weight exactly 0 in every lane: the box's distance is computed with the same
+// A candidate out of the box's reach has weight exactly 0 in every lane: the box's distance is computed with the same
 // operations, which round monotonically, and the weight is max(0, (h^2 - d^2)/h^2)^3. So neither the lane count nor the
-// grouping shows in a sum.
+// grouping changes a sum.
 
-constexpr uint32_t k_candidates_max = 512;
+constexpr uint32_t k_candidates_max = 512;  // gathered before they are added up: 2 KB of stack
 
 struct Flow {
   Float weight, x, y, z, largest;
@@ -18,16 +18,16 @@ SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index
   const Float h2 = broadcast(a->support * a->support), inverse = broadcast(1.0f / (a->support * a->support));
   const Float zero = broadcast(0.0f);
   for (uint32_t c = 0; c < n; ++c) {
-    Float p[8];
-    broadcast_record(a->snapshot + static_cast<uint64_t>(index[c]) * k_record_floats, p);
-    const Float dx = p[0] - x, dy = p[1] - y, dz = p[2] - z;
+    Float p[k_record_floats];
+    broadcast_record(floats_of(a->snapshot + index[c]), p);
+    const Float dx = p[k_x] - x, dy = p[k_y] - y, dz = p[k_z] - z;
     const Float d2 = dx * dx + dy * dy + dz * dz;
     const Float t = maximum((h2 - d2) * inverse, zero);
     const Float weight = t * t * t;
     flow->weight = flow->weight + weight;
-    flow->x = flow->x + weight * p[4];
-    flow->y = flow->y + weight * p[5];
-    flow->z = flow->z + weight * p[6];
+    flow->x = flow->x + weight * p[k_vx];
+    flow->y = flow->y + weight * p[k_vy];
+    flow->z = flow->z + weight * p[k_vz];
     flow->largest = maximum(weight, flow->largest);
   }
 }
@@ -37,7 +37,7 @@ SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
   return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
 }
 
-// Sums over the particles near the lanes of `lanes`, whose bounding box is at most two cells wide.
+// Sums over the particles near the lanes that `lanes` holds, whose bounding box is at most two cells wide.
 SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Float y, Float z, Flow* flow) {
   const Float big = broadcast(3e38f), small = broadcast(-3e38f);
   const float low[3] = {lane_minimum(select(lanes, x, big)), lane_minimum(select(lanes, y, big)),
@@ -47,7 +47,8 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Floa
   int32_t first[3], last[3];
   uint32_t mask[3];
   for (int k = 0; k < 3; ++k) {
-    // One unit of slack in the cell coordinate covers the rounding of low - h.
+    // A reach a little longer than h: whatever its squared distance rounds to, no candidate below h^2 is in a cell that
+    // is left out. Differences and products round monotonically.
     first[k] = floor_scalar((low[k] - a->support * 1.0001f) * a->grid.inverse_cell);
     last[k] = floor_scalar((high[k] + a->support * 1.0001f) * a->grid.inverse_cell);
     mask[k] = (1u << a->grid.bits[k]) - 1;
@@ -101,8 +102,8 @@ SANDGLASS_INLINE Float fade(Float value, float a, float b) {
   return t * t * (broadcast(3.0f) - broadcast(2.0f) * t);
 }
 
-// How freely a grain flies: (4.44), or the continuous rule, which crosses over about the same two thresholds without a
-// jump.
+// The share of free flight in a grain's motion: (4.44), or the continuous rule, which has the same two thresholds and
+// passes them without a jump.
 SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
   const Float one = broadcast(1.0f), zero = broadcast(0.0f);
   const Mask alone = flow.weight <= zero;
@@ -135,7 +136,7 @@ SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Float position[3], Float
       relative[k] = velocity[k] - v[k];
       along = along + relative[k] * n[k];
     }
-    // The inward part of the relative velocity goes; Coulomb friction takes its share of the rest.
+    // The inward part of the relative velocity is removed. Coulomb friction reduces the rest.
     const Mask inward = hit & (along < zero);
     Float tangential[3], t2 = zero;
     for (int k = 0; k < 3; ++k) tangential[k] = relative[k] - along * n[k], t2 = t2 + tangential[k] * tangential[k];
@@ -154,14 +155,15 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t group_number = a->groups[item / k_lane_group];
     const uint32_t i = group_number * k_lane_group + item % k_lane_group;
-    float* record = a->grains + static_cast<uint64_t>(i) * k_record_floats;
-    Float grain[8];
+    float* record = floats_of(a->grains + i);
+    Float grain[k_record_floats];
     load_records(record, grain);
-    Float position[3] = {grain[0], grain[1], grain[2]}, velocity[3] = {grain[4], grain[5], grain[6]};
+    Float position[3] = {grain[k_x], grain[k_y], grain[k_z]};
+    Float velocity[3] = {grain[k_vx], grain[k_vy], grain[k_vz]};
     const Mask inside =
         lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
-    // A grain that has kept still long enough stays where it is while nothing around it moves.
-    Mask settled = broadcast(a->still_sweeps) <= grain[7];
+    // A grain that has been still for long enough stays where it is while nothing around it moves.
+    Mask settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
     for (uint32_t s = 0; s < a->steps; ++s) {
       Flow flow = {zero, zero, zero, zero, zero};
       Mask left =
@@ -193,7 +195,7 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
                        (absolute(velocity[1]) < broadcast(1e6f)) & (absolute(velocity[2]) < broadcast(1e6f));
     const Mask bad = and_not(inside, sound);
     if (any(bad)) {
-      // Back to where it was, at rest; to the origin when that was not a number either.
+      // Back to where it was, with velocity 0. A coordinate that was no better becomes 0.
       quarantined += count(bad);
       for (int k = 0; k < 3; ++k) {
         const Mask number = absolute(grain[k]) < limit;
@@ -202,17 +204,17 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
       }
     }
     const Float still_distance = broadcast(a->still_distance);
-    const Mask still = (absolute(position[0] - grain[0]) <= still_distance) &
-                       (absolute(position[1] - grain[1]) <= still_distance) &
-                       (absolute(position[2] - grain[2]) <= still_distance);
-    const Float sweeps = keep(still, minimum(grain[7] + one, broadcast(a->still_sweeps)));
+    const Mask still = (absolute(position[0] - grain[k_x]) <= still_distance) &
+                       (absolute(position[1] - grain[k_y]) <= still_distance) &
+                       (absolute(position[2] - grain[k_z]) <= still_distance);
+    const Float sweeps = keep(still, minimum(grain[k_still_sweeps] + one, broadcast(a->still_sweeps)));
     if (item % k_lane_group == 0) a->still[group_number] = 1;
     if (any(and_not(inside, broadcast(a->still_sweeps) <= sweeps))) a->still[group_number] = 0;
     for (int k = 0; k < 3; ++k) {
       grain[k] = select(inside, position[k], grain[k]);
-      grain[4 + k] = select(inside, velocity[k], grain[4 + k]);
+      grain[k_vx + k] = select(inside, velocity[k], grain[k_vx + k]);
     }
-    grain[7] = select(inside, sweeps, grain[7]);
+    grain[k_still_sweeps] = select(inside, sweeps, grain[k_still_sweeps]);
     store_records(record, grain);
   }
   extent->quarantined = quarantined;

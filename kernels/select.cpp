@@ -1,5 +1,6 @@
 // Picks a table of kernels: the fastest that both this build and this CPU have, or the one asked for. Products of bytes
-// are of no use to these kernels: NEON with SDOT or SMMLA is the NEON table, where the CPU has them.
+// are of no use to these kernels, so NEON_DOTPROD and NEON_I8MM get the NEON table where the CPU has those
+// instructions.
 #include "kernels/kernels.h"
 #include "platform/cpu_features.h"
 

@@ -1,5 +1,5 @@
-// Picks a table of int8 kernels: the fastest that both this build and this CPU have, or the one asked for. AVX512 means
-// AVX-512 with VNNI; a CPU that has the one without the other runs the AVX2 table.
+// Picks a table of int8 kernels: the fastest that both this build and this CPU have, or the one asked for. AVX512 here
+// means AVX-512 with VNNI. AUTOMATIC gives a CPU without VNNI the AVX2 table.
 #include "kernels/int8.h"
 #include "platform/cpu_features.h"
 
@@ -29,12 +29,12 @@ SANDGLASS_INT8_TABLE(neon_i8mm)
 
 namespace {
 
-// In the order of sandglass_isa from SCALAR on; null: not in this build.
+// One pointer for each sandglass_isa from SCALAR on, in its order; null where this build lacks the table.
 struct Tables {
   const Int8Kernels* of[6];
 };
 
-// By name, so that each has a section of its own and the linker can drop what an app does not use.
+// Named constants, so that each has a section of its own and the linker drops those that an app does not use.
 constexpr Tables k_all = {SANDGLASS_INT8_TABLES(k_table)};
 constexpr Tables k_of_shadows = {SANDGLASS_INT8_TABLES(k_shadow_table)};
 constexpr Tables k_of_light = {SANDGLASS_INT8_TABLES(k_light_table)};

@@ -1,5 +1,6 @@
-// A shadow network on any set of texels, 48 at a time: every layer over the block before the next, so that the block's
-// activations (2 x 48 x width bytes) and one layer's weights stay in the first cache.
+// A shadow network on any set of texels, in blocks of 48. Each layer is computed for the whole block before the next
+// layer. At a width of 128 the activations of a block (2 x 48 x 128 bytes) and the weights of one layer (128 x 128)
+// then stay in a first cache of 32 KB.
 
 static void dense_layer(const Int8Layer& layer, uint32_t width, const uint8_t* in, uint8_t* out) {
   const Window window = {width, 1, width, 0};
@@ -13,7 +14,8 @@ static void dense_layer(const Int8Layer& layer, uint32_t width, const uint8_t* i
     }
 }
 
-// A table instead of a sigmoid: its argument is rounded to 1/256, which moves no byte by more than 1/8 of a step.
+// A table instead of a sigmoid. Its argument is rounded to 1/256, which changes no coverage by more than 1/8 of a
+// byte's step.
 static uint8_t coverage_of(const ShadowNetwork& network, int32_t sum) {
   constexpr float k_half = static_cast<float>(k_coverage_steps) / 2;
   float x = static_cast<float>(sum) * network.last_multiplier;
@@ -31,7 +33,7 @@ static void shadow_texels(const ShadowNetwork* network, const TexelRange* range)
     uint8_t *in = range->scratch, *out = in + k_texel_block * width;
     const uint32_t last = range->count - 1;
     for (uint32_t t = 0; t < k_texel_block; ++t) {
-      const uint32_t i = begin + t < last ? begin + t : last;  // the last texel again fills the block
+      const uint32_t i = begin + t < last ? begin + t : last;  // repeats the last texel to fill the block
       first_layer(net.columns + uint32_t{range->u[i]} * width, net.rows + uint32_t{range->v[i]} * width, width,
                   net.shift, in + t * width);
     }

@@ -1,4 +1,4 @@
-// The kernels for avx2.
+// The kernels for AVX2.
 #include "kernels/kernels.h"
 #include "kernels/simd/avx2.h"
 #define SANDGLASS_SIMD simd_avx2

@@ -1,4 +1,4 @@
-// The kernels for avx512.
+// The kernels for AVX-512.
 #include "kernels/kernels.h"
 #include "kernels/simd/avx512.h"
 #define SANDGLASS_SIMD simd_avx512

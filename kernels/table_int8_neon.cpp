@@ -1,4 +1,4 @@
-// The int8 kernels for neon.
+// The int8 kernels for NEON.
 #include "kernels/int8.h"
 #include "kernels/simd_int8/neon.h"
 #define SANDGLASS_INT8_ISA SANDGLASS_ISA_NEON
@@ -7,6 +7,6 @@ namespace sandglass::int8_neon {
 #include "kernels/int8_tile.inl"
 #include "kernels/light_convolution.inl"
 #include "kernels/shadow_texels.inl"
-// What the others above define:
+// The tables of what the files above define.
 #include "kernels/int8_tables.inl"
 }  // namespace sandglass::int8_neon

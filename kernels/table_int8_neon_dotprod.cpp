@@ -1,4 +1,4 @@
-// The int8 kernels for neon_dotprod.
+// The int8 kernels for NEON with SDOT.
 #include "kernels/int8.h"
 #include "kernels/simd_int8/neon_dotprod.h"
 #define SANDGLASS_INT8_ISA SANDGLASS_ISA_NEON_DOTPROD
@@ -7,6 +7,6 @@ namespace sandglass::int8_neon_dotprod {
 #include "kernels/int8_tile.inl"
 #include "kernels/light_convolution.inl"
 #include "kernels/shadow_texels.inl"
-// What the others above define:
+// The tables of what the files above define.
 #include "kernels/int8_tables.inl"
 }  // namespace sandglass::int8_neon_dotprod

@@ -1,4 +1,4 @@
-// The kernels for neon.
+// The kernels for NEON.
 #include "kernels/kernels.h"
 #include "kernels/simd/neon.h"
 #define SANDGLASS_SIMD simd_neon

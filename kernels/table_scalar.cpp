@@ -1,4 +1,4 @@
-// The kernels for scalar.
+// The kernels for any processor, without vectors.
 #include "kernels/kernels.h"
 #include "kernels/simd/scalar.h"
 #define SANDGLASS_SIMD simd_scalar

@@ -1,24 +1,27 @@
-// Who is near a shape: sleepers near colliders that moved wake up, before the sub-step that would run into them; what
-// is inside a sink is removed; and how far it is from one.
+// What depends on the distance to a shape: particles and grains that sleep near a moving collider wake up, before the
+// sub-step in which it would run into them (wake_near); which points lie inside any of several shapes (find_inside);
+// distance and normal of one collider (surface_at).
 
 static void wake_near(const WakeArgs* a, uint32_t begin, uint32_t end, uint32_t* woken) {
   const Float zero = broadcast(0.0f);
   *woken = 0;
   for (uint32_t i = begin; i < end; i += k_width) {
-    float* record = a->records + static_cast<uint64_t>(i) * k_record_floats;
-    Float r[8];
-    load_records(record, r);
-    const Mask asleep = (r[3] < zero) & (lane_index() + broadcast(static_cast<int32_t>(i)) <
-                                         broadcast(static_cast<int32_t>(a->record_count)));
+    float* sleeper = floats_of(a->sleepers + i);
+    Float r[k_record_floats];
+    load_records(sleeper, r);
+    const Mask asleep = (r[k_mobility] < zero) & (lane_index() + broadcast(static_cast<int32_t>(i)) <
+                                                  broadcast(static_cast<int32_t>(a->sleeper_count)));
     if (!any(asleep)) continue;
     Mask near = zero < zero;
-    for (uint32_t c = 0; c < a->collider_count; ++c)
-      near = near | (collider_surface(a->colliders[c], r[0], r[1], r[2]).distance < broadcast(a->margins[c]) + r[4]);
+    for (uint32_t c = 0; c < a->collider_count; ++c) {
+      const Float reach = broadcast(a->margins[c]) + r[k_radius];
+      near = near | (collider_surface(a->colliders[c], r[k_x], r[k_y], r[k_z]).distance < reach);
+    }
     near = near & asleep;
     if (!any(near)) continue;
     *woken += count(near);
-    r[3] = select(near, zero - r[3], r[3]);
-    store_records(record, r);
+    r[k_mobility] = select(near, zero - r[k_mobility], r[k_mobility]);
+    store_records(sleeper, r);
   }
 }
 
@@ -26,11 +29,11 @@ static void find_inside(const InsideArgs* a, uint32_t begin, uint32_t end, uint3
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   *found = 0;
   for (uint32_t i = begin; i < end; i += k_width) {
-    Float r[8];
-    load_records(a->records + static_cast<uint64_t>(i) * k_record_floats, r);
+    Float r[k_record_floats];
+    load_records(floats_of(a->records + i), r);
     Mask inside = zero < zero;
     for (uint32_t c = 0; c < a->shape_count; ++c)
-      inside = inside | (collider_surface(a->shapes[c], r[0], r[1], r[2]).distance < zero);
+      inside = inside | (collider_surface(a->shapes[c], r[k_x], r[k_y], r[k_z]).distance < zero);
     inside =
         inside & (lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->record_count)));
     *found += count(inside);
@@ -43,12 +46,12 @@ static void find_inside(const InsideArgs* a, uint32_t begin, uint32_t end, uint3
 static void surface_at(const SurfaceArgs* a, uint32_t begin, uint32_t end, uint32_t* unused) {
   (void)unused;
   for (uint32_t i = begin; i < end; i += k_width) {
-    float* record = a->records + static_cast<uint64_t>(i) * k_record_floats;
-    Float r[8];
-    load_records(record, r);
-    const Surface surface = collider_surface(*a->collider, r[0], r[1], r[2]);
-    r[3] = surface.distance;
-    r[4] = surface.nx, r[5] = surface.ny, r[6] = surface.nz;
-    store_records(record, r);
+    float* point = floats_of(a->points + i);
+    Float r[k_record_floats];
+    load_records(point, r);
+    const Surface surface = collider_surface(*a->collider, r[k_x], r[k_y], r[k_z]);
+    r[k_distance] = surface.distance;
+    r[k_normal] = surface.nx, r[k_normal + 1] = surface.ny, r[k_normal + 2] = surface.nz;
+    store_records(point, r);
   }
 }

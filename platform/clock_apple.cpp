@@ -1,5 +1,5 @@
-// Clocks of iOS and macOS. CLOCK_UPTIME_RAW is mach_absolute_time already converted to nanoseconds by the system, so no
-// timebase has to be cached in a global.
+// Clocks of iOS and macOS. CLOCK_UPTIME_RAW is mach_absolute_time in nanoseconds: the system converts it, so no
+// timebase has to be kept in a global.
 #include <time.h>
 
 #include "platform/clock.h"

@@ -1,4 +1,5 @@
-// Clocks of Linux and Android. CLOCK_MONOTONIC does not count time asleep and is slewed, never stepped.
+// Clocks of Linux and Android. CLOCK_MONOTONIC does not count the time that the device is suspended. The system may
+// slew it but never steps it.
 #include <time.h>
 
 #include "platform/clock.h"
@@ -8,7 +9,8 @@ namespace {
 
 constexpr uint64_t k_nanoseconds_per_second = 1000000000u;
 
-// A clock that cannot be read returns 0: to the governor that is a frozen clock, which it survives.
+// A clock that cannot be read returns 0. The governor then sees a frozen clock and ends the frame at its cap of work
+// units.
 uint64_t read_clock(clockid_t id) {
   struct timespec time = {};
   if (clock_gettime(id, &time) != 0) return 0;

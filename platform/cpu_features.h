@@ -1,6 +1,6 @@
-// What this processor and this operating system can run, asked once when a scene is created. Every flag means "may be
-// used": the instructions exist *and* the system saves the registers they need. Flags of the other architecture are
-// false.
+// What this processor and this operating system can run. It is asked when kernels are chosen, which is when something
+// is created and never in a frame. A flag means "may be used": the instructions exist and the system saves the
+// registers that they need. The flags of the other architecture are false.
 #pragma once
 
 namespace sandglass {

@@ -1,4 +1,5 @@
-// 64-bit ARM under iOS and macOS: one named system value a feature. A name that the system does not know means "no".
+// 64-bit ARM under iOS and macOS: the system has a named value for each feature. A name that it does not know means
+// "no".
 #if defined(__aarch64__) && defined(__APPLE__)
 
 #include "platform/cpu_features.h"

@@ -1,5 +1,5 @@
-// 64-bit ARM under Linux and Android: the kernel's auxiliary vector lists what user space may use. Reading the ID
-// registers instead would trap on old kernels.
+// 64-bit ARM under Linux and Android: the kernel's auxiliary vector lists what user space may use. On old kernels,
+// reading the ID registers instead would trap.
 #if defined(__aarch64__) && defined(__linux__)
 
 #include "platform/cpu_features.h"
@@ -9,7 +9,8 @@
 namespace sandglass {
 namespace {
 
-// Bits of the kernel's ABI (asm/hwcap.h), spelled out because old C libraries lack the newer names.
+// Numbers of the kernel's ABI (linux/auxvec.h, asm/hwcap.h). They stand here because old C libraries lack the newer
+// names.
 constexpr unsigned long k_auxiliary_hwcap = 16;
 constexpr unsigned long k_auxiliary_hwcap2 = 26;
 constexpr unsigned long k_hwcap_asimd = 1ul << 1;

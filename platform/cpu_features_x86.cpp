@@ -1,5 +1,5 @@
-// x86: CPUID says what the processor has, XGETBV which register files the operating system saves. Both must agree, or
-// the first context switch would corrupt the upper halves.
+// x86: CPUID says what the processor has, XGETBV which registers the operating system saves. Both must agree: where the
+// system does not save the wide registers, their instructions are illegal.
 #if defined(__x86_64__) || defined(__i386__)
 
 #include "platform/cpu_features.h"
@@ -10,7 +10,7 @@
 namespace sandglass {
 namespace {
 
-// Register state bits of XCR0: SSE and AVX; opmask, upper halves of ZMM0-15, ZMM16-31.
+// Bits of XCR0. AVX: the SSE and the AVX registers. AVX-512: also the masks, the upper halves of ZMM0-15, and ZMM16-31.
 constexpr uint64_t k_state_avx = (1u << 1) | (1u << 2);
 constexpr uint64_t k_state_avx512 = k_state_avx | (1u << 5) | (1u << 6) | (1u << 7);
 

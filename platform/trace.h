@@ -1,4 +1,4 @@
-// Calls to the app's hooks, each of which may be absent.
+// Calls of the app's hooks. Each hook may be absent.
 #pragma once
 
 #include "sandglass/sandglass.h"

@@ -1,5 +1,5 @@
-// ATrace: a section costs a load and a branch while nobody records. In a file of its own, so that an app which does not
-// ask for it need not link libandroid.
+// Sections of ATrace, which cost a load and a branch while nobody records. They have a file of their own, so that an
+// app which does not use them need not link libandroid.
 #include <android/trace.h>
 
 #include "sandglass/sandglass.h"

@@ -1,5 +1,6 @@
-// Signposts: intervals named "unit" with the work unit's name as their message, since a signpost's own name must be a
-// literal. Units never nest, so the exclusive identifier will do. The log object is the hook's `user`: no global.
+// Signposts: intervals that are called "unit" and have the work unit's name as their message, because a signpost's own
+// name must be a literal. Units never nest, so the exclusive identifier is enough. The log object is the hook's `user`,
+// which saves a global.
 #include <os/log.h>
 #include <os/signpost.h>
 

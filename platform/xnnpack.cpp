@@ -5,10 +5,10 @@
 #include "platform/check.h"
 #include "platform/xnnpack_create.h"
 
-// The build says what it found in the header:
-//   SANDGLASS_XNNPACK_RESHAPES  the generation since 2023
-//   SANDGLASS_XNNPACK_INT8      how it calls bytes with a multiplier for each output: qc8, or qs8_qc8w since then; not
-//                               defined: it does not have them
+// The build defines what it found in XNNPACK's header:
+//   SANDGLASS_XNNPACK_RESHAPES  the header is of the generation since 2023
+//   SANDGLASS_XNNPACK_INT8      its name for convolutions of bytes with a multiplier for each output: qc8, or qs8_qc8w
+//                               since 2023; not defined if it has none
 #define SANDGLASS_JOIN_WORDS(a, b) a##b
 #define SANDGLASS_JOIN(a, b) SANDGLASS_JOIN_WORDS(a, b)
 
@@ -24,22 +24,23 @@ struct XnnpackOperator {
 namespace {
 
 static_assert(XNN_EXTRA_BYTES <= k_xnnpack_slack_bytes);
-constexpr int8_t k_zero = -128;  // what a byte of 0 is stored as
+constexpr int8_t k_zero = -128;  // how a byte of 0 is stored
 
 // ---------------------------------------------------------------------------------------------------- region
 
-// Pieces in the order of their addresses, each behind its header; free neighbours are joined when they are next looked
-// at. The first that fits is taken: there are some hundreds, all of them when a network is created.
-constexpr uint64_t k_grain = 128;  // alignment of all, more than XNNPACK asks for
+// Pieces in the order of their addresses, each behind its header. Free neighbours are joined when a search next comes
+// to them. The first piece that fits is taken: there are only some hundreds, and all are taken when a network is
+// created.
+constexpr uint64_t k_grain = 128;  // alignment of every piece, more than XNNPACK asks for
 struct Piece {
-  uint64_t bytes;  // with its header
+  uint64_t bytes;  // with the header
   bool taken;
 };
 static_assert(sizeof(Piece) <= k_grain);
 
 alignas(k_grain) uint8_t g_region[k_xnnpack_region_bytes];
 uint64_t g_used;
-bool g_full;  // something was refused since this was last cleared
+bool g_full;  // a request was refused since this was last cleared
 
 Piece* piece_at(uint64_t offset) { return reinterpret_cast<Piece*>(g_region + offset); }
 Piece* piece_of(void* pointer) { return reinterpret_cast<Piece*>(static_cast<uint8_t*>(pointer) - k_grain); }
@@ -122,7 +123,7 @@ xnn_status reshape(const XnnpackOperator& op, Workspace* workspace) {
   return reshape(&xnn_reshape_convolution2d_nhwc_f32, op, workspace);
 }
 
-// What the size decides, once.
+// Everything that depends on the image's size, once.
 bool prepare(XnnpackOperator* op) {
   Workspace workspace;
   if (reshape(*op, &workspace) != xnn_status_success || workspace.alignment > k_grain) return false;
@@ -140,7 +141,7 @@ xnn_status set_up(xnn_status (*function)(Parameters...), const XnnpackOperator& 
 
 xnn_status set_up(const XnnpackOperator& op, const void* in, void* out);
 
-// The first setup makes the table of addresses that later ones, for the same size, only move; nothing is read yet.
+// The first setup makes a table of addresses; later ones for the same size only move it. Nothing is read yet.
 bool prepare(XnnpackOperator* op) { return set_up(*op, g_region, g_region) == xnn_status_success; }
 
 #endif
@@ -171,7 +172,7 @@ XnnpackOperator* create_operator(Function function, const XnnpackConvolution& s,
   auto* op = static_cast<XnnpackOperator*>(take(sizeof(XnnpackOperator)));
   if (op == nullptr) return refuse(reason);
   *op = {nullptr, nullptr, s.width, s.height, bytes};
-  // Padding above, right, below, left; the window; its steps; its dilation; one group.
+  // Padding above, right, below and left; the window; its steps; its dilation; one group.
   const xnn_status status = xnnpack_create_operator(
       function, &op->handle, 0u, s.pad_columns, 0u, s.pad_columns, s.size, s.size, s.step, s.step, 1u, 1u, 1u,
       size_t{s.inputs}, size_t{s.outputs}, size_t{s.in_stride}, size_t{s.out_stride}, arguments...);
@@ -189,7 +190,7 @@ bool xnnpack_begin(const char** reason) {
     return false;
   };
   if (xnn_initialize(&k_allocator) != xnn_status_success) return fail("XNNPACK does not run on this CPU");
-  // Whether it draws on the region shows when it takes something.
+  // Only a request shows whether XNNPACK draws on the region.
   xnn_operator_t probe = nullptr;
   const float one = 1.0f;
   const uint64_t before = g_used;
@@ -231,7 +232,7 @@ void xnnpack_release(XnnpackOperator* op) {
   give(op);
 }
 
-// The size is the one that was prepared: neither call has anything left to refuse.
+// The size is the one that was prepared, so neither call has a reason to fail.
 void xnnpack_run(XnnpackOperator* op, const void* in, void* out) {
   SANDGLASS_CHECK(set_up(*op, in, out) == xnn_status_success);
   SANDGLASS_CHECK(xnn_run_operator(op->handle, nullptr) == xnn_status_success);

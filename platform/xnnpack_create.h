@@ -1,5 +1,5 @@
-// One call for all versions of XNNPACK: they differ in how many caches, as pointers, stand before the operator that is
-// created. None of them is used.
+// One call for all versions of XNNPACK. They differ in how many pointers to caches stand before the operator that is
+// created; no cache is used.
 #pragma once
 
 #include <xnnpack.h>

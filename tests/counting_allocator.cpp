@@ -1,4 +1,5 @@
-// The C library lets a program replace malloc and its kin; these count, and pass on to the library's own.
+// The C library lets a program replace malloc and the other allocation functions. These count a call and pass it on to
+// the library's own.
 #include "tests/counting_allocator.h"
 
 #include <malloc.h>
@@ -34,7 +35,7 @@ void count() {
 }  // namespace
 
 extern "C" {
-// The entry points under which glibc keeps its own versions for programs that replace the public ones.
+// The names under which glibc keeps its own versions for programs that replace the public ones.
 void* __libc_malloc(size_t bytes);
 void* __libc_calloc(size_t items, size_t bytes);
 void* __libc_realloc(void* old, size_t bytes);
@@ -54,8 +55,8 @@ int posix_memalign(void** block, size_t alignment, size_t bytes) {
 void free(void* block) { count(), __libc_free(block); }
 }
 
-// The C++ operators call the functions above in every library; counting them by name makes the claim independent of
-// that.
+// The C++ operators call the functions above in every library known. They are replaced too, so that the count does not
+// depend on that.
 void* operator new(size_t bytes) { return count(), __libc_malloc(bytes); }
 void* operator new[](size_t bytes) { return count(), __libc_malloc(bytes); }
 void* operator new(size_t bytes, std::align_val_t a) { return count(), __libc_memalign(static_cast<size_t>(a), bytes); }

@@ -1,5 +1,5 @@
-// The rule of sandglass.h for structs that the library fills, held against one of them: apps of every age have a room
-// of their own for it, and nothing beyond that is written.
+// Checks the rule of sandglass.h for structs that the library fills: apps built with older or newer headers have a
+// smaller or larger struct, and nothing beyond its struct_size is written.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,8 @@
 
 namespace sandglass::tests {
 
-// `fill` lets the library fill a T* and says whether it accepted it; `can_refuse`: it has a status to do otherwise.
+// `fill` lets the library fill a T* and returns whether the library accepted it. `can_refuse` says that the function
+// has a status with which it can refuse.
 template <class T, class Fill>
 void expect_filled_within_its_size(Fill&& fill, bool can_refuse) {
   constexpr uint32_t k_whole = sizeof(T), k_longer = k_whole + 32;

@@ -118,7 +118,8 @@ SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   for (uint32_t k = 0; k < 8; ++k) _mm256_store_ps(p + 8 * k, t[k]);
 }
 
-// No compress instruction: the set bits are walked; neighbour tests pass about one lane in five, so this is short.
+// AVX2 has no compress instruction, so this walks the set bits. Few are set: a neighbour test passes about one lane in
+// five.
 SANDGLASS_INLINE uint32_t compress_store(uint32_t* p, Int v, Mask m) {
   alignas(32) uint32_t lanes[8];
   _mm256_store_si256(reinterpret_cast<__m256i*>(lanes), v.v);

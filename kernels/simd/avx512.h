@@ -65,8 +65,8 @@ SANDGLASS_INLINE Int select(Mask m, Int a, Int b) { return {_mm512_mask_blend_ep
 SANDGLASS_INLINE float lane_maximum(Float a) { return _mm512_reduce_max_ps(a.v); }
 SANDGLASS_INLINE float lane_minimum(Float a) { return _mm512_reduce_min_ps(a.v); }
 
-// Transposes 16 records held as rows r[k] = { record k, record k+8 } (8 floats each) into 8 component vectors of lanes
-// 0..15: three rounds of two-input shuffles; the last also brings the two halves into lane order.
+// Transposes 16 records, held as rows r[k] = { record k, record k+8 } of 8 floats each, into 8 component vectors of
+// lanes 0..15. It takes three rounds of two-input shuffles; the last also brings the two halves into lane order.
 SANDGLASS_INLINE void transpose_in(const __m512 r[8], Float out[8]) {
   // Pairs (0,1) (2,3) (4,5) (6,7) of records: interleave 32-bit, then 64-bit, inside 128-bit blocks.
   const __m512 a0 = _mm512_unpacklo_ps(r[0], r[1]), a1 = _mm512_unpackhi_ps(r[0], r[1]);
@@ -113,7 +113,8 @@ SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) {
   for (int c = 0; c < 8; ++c) out[c] = broadcast(p[c]);
 }
 SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
-  // Rows of 16 lanes of one component; interleave 4 components at a time into 128-bit quarters of records.
+  // Each input vector is one component of 16 records. Interleaves 4 components at a time into halves of records, 128
+  // bits each.
   const __m512 a0 = _mm512_unpacklo_ps(in[0].v, in[1].v), a1 = _mm512_unpackhi_ps(in[0].v, in[1].v);
   const __m512 a2 = _mm512_unpacklo_ps(in[2].v, in[3].v), a3 = _mm512_unpackhi_ps(in[2].v, in[3].v);
   const __m512 a4 = _mm512_unpacklo_ps(in[4].v, in[5].v), a5 = _mm512_unpackhi_ps(in[4].v, in[5].v);

@@ -1,5 +1,5 @@
-// The contract of scalar.h for ARMv8.0 NEON: 4 lanes. fmin/fmax and the fused multiply-add are avoided on purpose: they
-// treat NaN and rounding differently from the other sets.
+// The contract of scalar.h for ARMv8.0 NEON: 4 lanes. minimum and maximum are compares and selects, because FMIN and
+// FMAX treat NaN differently from the other sets. There is no fused multiply-add, because it rounds differently.
 #pragma once
 
 #include <arm_neon.h>
@@ -110,7 +110,7 @@ SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
 }
 SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) {
-  const float32x4x2_t r = vld1q_f32_x2(p);  // one load; a product with a lane of it needs no copy of that lane
+  const float32x4x2_t r = vld1q_f32_x2(p);  // one load; a product can name a lane of it, which saves the copy
   for (int half = 0; half < 2; ++half) {
     out[4 * half].v = vdupq_laneq_f32(r.val[half], 0);
     out[4 * half + 1].v = vdupq_laneq_f32(r.val[half], 1);
@@ -126,7 +126,7 @@ SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   for (int k = 0; k < 4; ++k) vst1q_f32(p + 8 * k + 4, t[k]);
 }
 
-// No compress instruction: a byte shuffle for each of the sixteen masks, which puts the lanes that are kept first.
+// NEON has no compress instruction. For each of the sixteen masks a byte shuffle puts the kept lanes first.
 #define SANDGLASS_LANE(l) 4 * (l), 4 * (l) + 1, 4 * (l) + 2, 4 * (l) + 3
 #define SANDGLASS_SHUFFLE(a, b, c, d) \
   { SANDGLASS_LANE(a), SANDGLASS_LANE(b), SANDGLASS_LANE(c), SANDGLASS_LANE(d) }

@@ -1,16 +1,17 @@
 // The wide-vector type that every kernel body is written in. This header states the contract once and implements it for
-// one lane; neon.h, avx2.h and avx512.h implement the same names for 4, 8 and 16. Each lives in a namespace of its own,
-// so that two sets can never be merged by the linker.
+// one lane; neon.h, avx2.h and avx512.h implement the same names for 4, 8 and 16 lanes. Each has a namespace of its
+// own, so that the linker can never merge functions of two sets.
 //
 // Contract
-//   Lane = particle (or grain, or candidate): no operation adds across lanes, so the width never changes a sum.
+//   Lane = particle (or grain, candidate, texel): no operation adds across lanes, so the width never changes a sum.
 //   + - * / and square_root are the IEEE operations, correctly rounded; no contraction, no reciprocal estimates.
 //   minimum(a, b) = a < b ? a : b and maximum(a, b) = a > b ? a : b: with a NaN they return b, on every set.
 //   Comparisons are ordered: false where a lane is NaN. select(m, a, b) takes a where m holds, else b, bit for bit.
 //   to_int truncates; the caller keeps the value within +-2^30 (out of range, ARM and x86 differ).
 //   A record is 8 floats, 32 bytes, 32-byte aligned. load_records gathers one record a lane and transposes: out[c]
 //   holds component c. The index of lane l is index[l * stride]. broadcast_record puts one record into every lane.
-//   compress_store appends the lanes of v where m holds, in lane order, and may write (not count) up to k_width values.
+//   compress_store writes the lanes of v where m holds, in lane order, and returns how many. It may write up to k_width
+//   values; those behind the count mean nothing.
 #pragma once
 
 #include <stdint.h>
@@ -70,29 +71,33 @@ SANDGLASS_INLINE Mask and_not(Mask a, Mask b) { return {a.m && !b.m}; }  // a an
 SANDGLASS_INLINE bool any(Mask a) { return a.m; }
 SANDGLASS_INLINE bool all(Mask a) { return a.m; }
 SANDGLASS_INLINE uint32_t count(Mask a) { return a.m ? 1u : 0u; }
-SANDGLASS_INLINE uint32_t first(Mask a) { return a.m ? 0u : 1u; }  // the first lane that holds; any(a) must
+SANDGLASS_INLINE uint32_t first(Mask a) { return a.m ? 0u : 1u; }  // the first lane that holds; one must hold
 SANDGLASS_INLINE Float select(Mask m, Float a, Float b) { return {m.m ? a.v : b.v}; }
 SANDGLASS_INLINE Float keep(Mask m, Float a) { return {m.m ? a.v : 0.0f}; }  // select(m, a, 0)
 SANDGLASS_INLINE Int select(Mask m, Int a, Int b) { return {m.m ? a.v : b.v}; }
 
-// The largest and smallest lane: exact, so the width does not show. Lanes must not be NaN.
+// The largest and the smallest lane: exact, so the width does not matter. Lanes must not be NaN.
 SANDGLASS_INLINE float lane_maximum(Float a) { return a.v; }
 SANDGLASS_INLINE float lane_minimum(Float a) { return a.v; }
 
-// base[index] a lane.
+// base[index] for every lane.
 SANDGLASS_INLINE Float gather(const float* base, Int index) { return {base[index.v]}; }
 
+// A record holds integers too, which are loaded as if they were floats. The wide sets' vector types alias anything.
+typedef float __attribute__((may_alias)) RecordFloat;
 SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uint32_t stride, Float out[8]) {
   (void)stride;
-  const float* p = base + static_cast<uint64_t>(index[0]) * 8;
+  const RecordFloat* p = base + static_cast<uint64_t>(index[0]) * 8;
   for (int c = 0; c < 8; ++c) out[c].v = p[c];
 }
 // k_width consecutive records.
-SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
+SANDGLASS_INLINE void load_records(const float* base, Float out[8]) {
+  const RecordFloat* p = base;
   for (int c = 0; c < 8; ++c) out[c].v = p[c];
 }
 SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) { load_records(p, out); }
-SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
+SANDGLASS_INLINE void store_records(float* base, const Float in[8]) {
+  RecordFloat* p = base;
   for (int c = 0; c < 8; ++c) p[c] = in[c].v;
 }
 

@@ -1,5 +1,5 @@
-// 8 outputs. The contract is in scalar.h. The byte multiply of this set saturates (255 * 127 * 2 > 32767), so bytes are
-// widened to 16 bits: even and odd inputs apart, whose pairs of products add up exactly in 32 bits.
+// The contract of scalar.h for AVX2: 8 outputs. The byte multiply of this set saturates (255 * 127 * 2 > 32767), so
+// bytes are widened to 16 bits, even and odd inputs apart. Their products are then added in pairs, exactly, in 32 bits.
 #pragma once
 
 #include <immintrin.h>
@@ -86,7 +86,7 @@ SANDGLASS_INT8_INLINE Bytes load_bytes(const uint8_t* p) {
 SANDGLASS_INT8_INLINE void store_bytes(uint8_t* p, Bytes b) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), b.v); }
 SANDGLASS_INT8_INLINE Bytes greatest(Bytes a, Bytes b) { return {_mm256_max_epu8(a.v, b.v)}; }
 SANDGLASS_INT8_INLINE Bytes least(Bytes a, Bytes b) { return {_mm256_min_epu8(a.v, b.v)}; }
-// Halves of 16 bits that packing puts back in order.
+// Unpacking splits each 128-bit half into two vectors of 16-bit sums; packing restores the order.
 SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
   const __m256i zero = _mm256_setzero_si256();
   __m256i low = _mm256_set1_epi16(2), high = low;

@@ -1,4 +1,4 @@
-// 16 outputs. The contract is in scalar.h.
+// The contract of scalar.h for AVX-512 with VNNI: 16 outputs.
 #pragma once
 
 #include <immintrin.h>
@@ -38,7 +38,7 @@ SANDGLASS_INT8_INLINE Four pick(Activations a) {
   __builtin_memcpy(&four, a.p + 4 * i, 4);
   return {_mm512_set1_epi32(four)};
 }
-// Assembly, because gcc 12 gives the builtin's accumulator a new register and moves or spills the old one: twice the
+// Assembly, because gcc 12 gives the intrinsic's sum a new register and moves or spills the old one, which doubles the
 // time.
 SANDGLASS_INT8_INLINE void dot4(Sum* sum, Four a, Weights w) {
   __asm__("vpdpbusd %2, %1, %0" : "+v"(sum->v) : "v"(a.v), "v"(w.v));
@@ -72,7 +72,7 @@ SANDGLASS_INT8_INLINE Bytes load_bytes(const uint8_t* p) {
 SANDGLASS_INT8_INLINE void store_bytes(uint8_t* p, Bytes b) { _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), b.v); }
 SANDGLASS_INT8_INLINE Bytes greatest(Bytes a, Bytes b) { return {_mm256_max_epu8(a.v, b.v)}; }
 SANDGLASS_INT8_INLINE Bytes least(Bytes a, Bytes b) { return {_mm256_min_epu8(a.v, b.v)}; }
-// Halves of 16 bits that packing puts back in order.
+// Unpacking splits each 128-bit half into two vectors of 16-bit sums; packing restores the order.
 SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
   const __m256i zero = _mm256_setzero_si256();
   __m256i low = _mm256_set1_epi16(2), high = low;

@@ -1,5 +1,5 @@
-// 4 outputs, every 64-bit ARM core. The contract is in scalar.h. Two products of a signed activation and a weight fit
-// 16 bits (2 * 128 * 127 = 32512), so they are added in pairs there and once more in 32 bits.
+// The contract of scalar.h for every 64-bit ARM core: 4 outputs. The sum of two products of a signed activation and a
+// weight fits 16 bits (2 * 128 * 127 = 32512), so products are added in pairs there, and the pairs in 32 bits.
 #pragma once
 
 #include <arm_neon.h>

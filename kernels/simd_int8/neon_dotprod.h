@@ -1,4 +1,4 @@
-// 4 outputs, cores with SDOT. The contract is in scalar.h.
+// The contract of scalar.h for ARM cores with SDOT: 4 outputs.
 #pragma once
 
 #include <arm_neon.h>
@@ -30,7 +30,7 @@ template <int i>
 SANDGLASS_INT8_INLINE Four<i> pick(Activations a) {
   return {a.v};
 }
-// The group of four is named by the instruction: nothing is broadcast.
+// The instruction names the group of four, so nothing is broadcast.
 template <int i>
 SANDGLASS_INT8_INLINE void dot4(Sum* sum, Four<i> a, Weights w) {
   sum->v = vdotq_laneq_s32(sum->v, w.v, a.v, i);

@@ -1,6 +1,6 @@
-// Cores with SMMLA: sums of 2 texels x 2 channels over 8 inputs in one instruction. The contract is in scalar.h, with
-// the exception that it allows: k_matrix. A Pair holds the sums of texels t, t + 1 and channels c, c + 1 as (t,c)
-// (t,c+1) (t+1,c) (t+1,c+1); packed weights are 8 inputs of channel c, then of c + 1.
+// The contract of scalar.h, in the form that k_matrix stands for, on ARM cores with SMMLA: one instruction adds to the
+// sums of 2 texels x 2 channels the products of 8 inputs. A Pair holds the sums of texels t, t + 1 and channels c, c +
+// 1 in the order (t,c) (t,c+1) (t+1,c) (t+1,c+1). Packed weights are 8 inputs of channel c, then 8 of c + 1.
 #pragma once
 
 #include <arm_neon.h>
@@ -28,7 +28,7 @@ SANDGLASS_INT8_INLINE int8x16_t load_weight_pair(const int8_t* p) { return vld1q
 SANDGLASS_INT8_INLINE Pair multiply(Pair sum, int8x16_t texels, int8x16_t weights) {
   return vmmlaq_s32(sum, texels, weights);
 }
-// Four channels of one texel from two neighbouring Pairs.
+// The sums of four channels of one texel, from two neighbouring Pairs.
 SANDGLASS_INT8_INLINE Sum first_texel(Pair a, Pair b) { return {vcombine_s32(vget_low_s32(a), vget_low_s32(b))}; }
 SANDGLASS_INT8_INLINE Sum second_texel(Pair a, Pair b) { return {vcombine_s32(vget_high_s32(a), vget_high_s32(b))}; }
 

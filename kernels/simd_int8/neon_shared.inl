@@ -1,5 +1,5 @@
-// What the three ARM sets have in common, included in the namespace of each. Activations are turned to signed bytes
-// (less 128) on the way in, because SDOT, and the byte multiply before it, take bytes of the same sign only.
+// What the three ARM sets have in common, included in the namespace of each. Activations become signed bytes when they
+// are loaded (their value less 128), because the byte products used here (SMULL, SDOT, SMMLA) take signed bytes only.
 
 constexpr bool k_signed = true;
 constexpr uint32_t k_sum_lanes = 4;
@@ -21,7 +21,7 @@ SANDGLASS_INT8_INLINE uint32x4_t round_sums(int32x4_t sum, const float* multipli
   x = vminq_f32(vmaxq_f32(x, vdupq_n_f32(0.0f)), vdupq_n_f32(255.0f));
   return vcvtnq_u32_f32(x);
 }
-// 16 neighbouring channels.
+// Writes 16 neighbouring channels.
 SANDGLASS_INT8_INLINE void requantise(const Sum* sums, const float* multiplier, uint8_t* out) {
   const uint16x8_t low =
       vcombine_u16(vmovn_u32(round_sums(sums[0].v, multiplier)), vmovn_u32(round_sums(sums[1].v, multiplier + 4)));

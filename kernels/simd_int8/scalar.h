@@ -5,18 +5,19 @@
 //   Lane = output channel. A Sum holds k_sum_lanes 32-bit sums of neighbouring channels; sums are exact.
 //   Weights are signed bytes in -127..127, activations unsigned bytes.
 //   A panel is k_channel_group channels of packed weights: for each group of four inputs, four bytes a channel, channel
-//   after channel (weight_position). neon_i8mm.h packs eight inputs of two channels instead and says so by k_matrix.
+//   after channel (weight_position). With k_matrix (neon_i8mm.h) the groups are of eight inputs.
 //   load_activations(p) takes 16 bytes of one texel; pick<i> is the i-th group of four, for all lanes.
 //   dot4(sum, four, weights): every lane += the dot product of the four activations with its four weights.
 //   requantise(sums, multiplier, out): k_tile_sums Sums of one texel to bytes, by the rule of int8.h.
-//   first_layer(columns, rows, width, shift, out) and dot_row(activations, weights, width) as in int8.h.
-//   k_tile_texels * k_tile_sums Sums fit the registers beside what they need; k_tile_texels divides k_texel_block and
-//   k_sum_lanes * k_tile_sums divides k_channel_group, or is a multiple of it.
-//   k_row_texels texels of one row, likewise a tile, divide k_tile_slack.
-//   Bytes holds k_bytes unsigned bytes, at any address: load_bytes, store_bytes, greatest, least, and average of four,
-//   (a + b + c + d + 2) / 4 rounded down.
-//   k_signed: activations enter the products less 128 (sets that only multiply bytes of the same sign); pack_layer
-//   puts 128 * (sum of the weights) into the bias.
+//   first_layer(columns, rows, width, shift, out) computes the first layer of int8.h's ShadowNetwork for one texel.
+//   dot_row(activations, weights, width) is the dot product of two rows of bytes.
+//   A tile of a shadow network is k_tile_texels texels x k_tile_sums Sums, as many as fit the registers beside weights
+//   and activations. k_tile_texels divides k_texel_block. k_sum_lanes * k_tile_sums divides k_channel_group.
+//   A tile of a convolution is k_row_texels texels of one row x k_tile_sums Sums. k_row_texels divides k_tile_slack.
+//   Bytes holds k_bytes unsigned bytes. load_bytes and store_bytes take any address. greatest and least work byte by
+//   byte; average of four is (a + b + c + d + 2) / 4, rounded down.
+//   k_signed: activations enter the products less 128, in sets that only multiply signed bytes. pack_layer adds
+//   128 * (sum of the weights) to the bias.
 #pragma once
 
 #include <stdint.h>
@@ -58,7 +59,7 @@ SANDGLASS_INT8_INLINE void dot4(Sum* sum, Activations a, Weights w) {
   for (int k = 0; k < 4; ++k) sum->v += a.p[k] * w.p[k];
 }
 
-// Adding 1.5 * 2^23 leaves an integer in the low bits, rounded to nearest even; the value is in 0..255.
+// Clamps to 0..255. Adding 1.5 * 2^23 then leaves the integer, rounded to nearest even, in the low bits.
 SANDGLASS_INT8_INLINE uint8_t round_to_byte(float x) {
   x = x > 0.0f ? x : 0.0f;
   x = x < 255.0f ? x : 255.0f;

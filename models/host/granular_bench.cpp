@@ -74,11 +74,11 @@ SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t gr
 
 SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterations) {
   SceneFile changed = scene;
-  changed.granular.scheme = SANDGLASS_SCHEME_AVERAGED;
-  changed.granular.relaxation = 1.0f;
+  changed.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;
+  changed.granular.reference.relaxation = 1.0f;
   changed.granular.height_weighting = 0.6f;  // (4.38)
-  changed.granular.solver_iterations = iterations;
-  changed.granular.stabilisation_iterations = 1;
+  changed.granular.reference.solver_iterations = iterations;
+  changed.granular.reference.stabilisation_iterations = 1;
   changed.granular.substep_max = changed.granular.substep_min =
       static_cast<float>(scene.frame_step / steps * k_rounding);
   return changed;

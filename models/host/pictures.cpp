@@ -27,6 +27,7 @@ constexpr double k_film_period = 0.04;                  // seconds; 25 pictures 
 constexpr double k_snapshot_bytes = 768.0 * 1048576.0;  // memory for all snapshots of a run
 constexpr int k_gif_width = 320, k_gif_height = 240;
 constexpr int k_page_quality = 88, k_sheet_quality = 80;  // of JPEG
+constexpr int k_plain_samples = 3;                        // per pixel and axis
 constexpr Colour k_ink = {20, 24, 30};
 
 Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& base, bool particles, int width,
@@ -43,8 +44,11 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& b
   view.to_light = snapshot.to_light;
   RenderOptions options;
   options.width = width, options.height = height, options.threads = set.threads;
+  options.plain = set.plain, options.scale = !set.plain;
+  if (set.plain) options.samples = k_plain_samples;
   Picture picture =
       set.painter && !particles ? set.painter(snapshot, width, height, set.threads) : render(view, options);
+  if (set.plain) return picture;
   char label[96];
   std::snprintf(label, sizeof label, "%s  t = %.2f s  frame %u%s", set.title.c_str(), snapshot.time, snapshot.frame,
                 particles ? "  particles" : "");

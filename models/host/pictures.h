@@ -33,7 +33,8 @@ struct PictureSet {
   double particle_radius = 0.01, seconds_per_snapshot = 0.04;
   std::optional<Camera> camera;
   uint32_t threads = 4;
-  bool film = true;  // else nothing but the moments of the sheet is looked at, however many snapshots there are
+  bool plain = false;  // without label, ruler and checker
+  bool film = true;    // else nothing but the moments of the sheet is looked at, however many snapshots there are
   // Draws the grains of a snapshot instead of the renderer of render.h, if it is set.
   std::function<Picture(const Snapshot& snapshot, int width, int height, uint32_t threads)> painter;
 };

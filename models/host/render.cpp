@@ -12,7 +12,7 @@
 
 #include "models/host/frame.h"
 #include "models/host/sphere_caster.h"
-#include "runtime/sampling/field.h"
+#include "runtime/granular/field.h"
 
 namespace sandglass::host {
 
@@ -23,15 +23,23 @@ constexpr double k_margin = 1.18;                               // room around w
 constexpr Vec3 k_sun = {-0.5144957554275266, 0.7717436331412899,
                         0.3736};       // towards the light, nearly unit: from the front left
 constexpr double k_sun_radius = 0.03;  // radians; six suns, so that penumbrae show
-constexpr Vec3 k_sun_light = {2.3, 2.15, 1.9}, k_sky_light = {0.55, 0.62, 0.73};
-constexpr Vec3 k_sand = {0.56, 0.36, 0.17}, k_light_tile = {0.37, 0.38, 0.40}, k_dark_tile = {0.27, 0.28, 0.30};
-constexpr Vec3 k_solid = {0.16, 0.30, 0.44};
+constexpr Vec3 k_sand = {0.56, 0.36, 0.17};
 constexpr double k_colour_spread = 0.28;    // of the grains, relative
 constexpr double k_occlusion_reach = 0.35;  // of the box's diagonal
 constexpr double k_fade_from =
     4.0;                           // box diagonals from the target: there the floor begins to fade into the background
 constexpr double k_offset = 1e-4;  // of a sphere radius or box diagonal: lifts secondary rays off their surface
 constexpr double k_far = 1e4;      // metres
+
+// Lights, and reflectances of what is not sand.
+struct Look {
+  Vec3 sun_light, sky_light, light_tile, dark_tile, solid, horizon, zenith;
+};
+constexpr Look k_measuring = {{2.3, 2.15, 1.9},   {0.55, 0.62, 0.73}, {0.37, 0.38, 0.40}, {0.27, 0.28, 0.30},
+                              {0.16, 0.30, 0.44}, {0.80, 0.83, 0.86}, {0.42, 0.55, 0.72}};
+// Both tiles are alike: the floor has no checker.
+constexpr Look k_plain = {{3.0, 2.55, 1.95},  {0.46, 0.50, 0.56}, {0.52, 0.50, 0.46}, {0.52, 0.50, 0.46},
+                          {0.09, 0.24, 0.33}, {0.86, 0.82, 0.75}, {0.62, 0.66, 0.70}};
 
 uint32_t hash(uint32_t value) {
   value ^= value >> 16;
@@ -231,6 +239,7 @@ std::string length_text(double metres) {
 
 struct Tracer {
   const SceneView& view;
+  const Look& look;
   SphereCaster caster;
   std::vector<Solid> solids;
   CameraFrame frame;
@@ -238,8 +247,9 @@ struct Tracer {
   Vec3 sun = normalised(k_sun);
   double sun_spread = k_sun_radius;
 
-  explicit Tracer(const SceneView& v)
+  Tracer(const SceneView& v, const Look& l)
       : view(v),
+        look(l),
         caster(v.spheres, v.radius),
         frame(v.camera),
         diagonal(std::max(1e-6, length(v.bounds.high - v.bounds.low))) {
@@ -256,7 +266,7 @@ struct Tracer {
   }
 
   Vec3 background(Vec3 direction) const {
-    return mixed({0.80, 0.83, 0.86}, {0.42, 0.55, 0.72}, std::clamp(direction.y * 1.6, 0.0, 1.0));
+    return mixed(look.horizon, look.zenith, std::clamp(direction.y * 1.6, 0.0, 1.0));
   }
 
   // `catcher`: the point lies on a floor, where the shadows of some solids are textures.
@@ -285,7 +295,7 @@ struct Tracer {
   Vec3 tile_colour(const Solid& floor, Vec3 at) const {
     const Vec3 local = floor.to_local(at - floor.position);
     const auto odd = [&](double value) { return static_cast<int64_t>(std::floor(value / tile)) & 1; };
-    return odd(local.x) == odd(local.z) ? k_light_tile : k_dark_tile;
+    return odd(local.x) == odd(local.z) ? look.light_tile : look.dark_tile;
   }
 
   Vec3 trace(Vec3 origin, Vec3 direction, uint32_t* random) const {
@@ -300,7 +310,7 @@ struct Tracer {
     if (!on_sphere && solid == nullptr) return background(direction);
 
     const Vec3 at = origin + direction * surface.distance;
-    Vec3 normal = surface.normal, albedo = k_solid;
+    Vec3 normal = surface.normal, albedo = look.solid;
     double fade = 0.0;
     if (solid == nullptr) {
       normal = normalised(at - vec(view.spheres.data() + 3 * static_cast<size_t>(sphere.index)));
@@ -317,14 +327,14 @@ struct Tracer {
     const double facing = dot(normal, to_sun);
     const bool floor = solid != nullptr && solid->shape == SANDGLASS_SHAPE_HALF_SPACE;
     Vec3 light = {};
-    if (facing > 0.0 && !blocked(start, to_sun, k_far, floor)) light = k_sun_light * (facing / std::numbers::pi);
+    if (facing > 0.0 && !blocked(start, to_sun, k_far, floor)) light = look.sun_light * (facing / std::numbers::pi);
     if (floor) light = light * transparency(at);
 
     const double sky_turn = 2.0 * std::numbers::pi * unit_random(random), sine = std::sqrt(unit_random(random));
     const Vec3 to_sky =
         Frame(normal).world(sine * std::cos(sky_turn), sine * std::sin(sky_turn), std::sqrt(1.0 - sine * sine));
-    if (!blocked(start, to_sky, k_occlusion_reach * diagonal)) light = light + k_sky_light;
-    else light = light + k_sky_light * 0.12;  // light that comes by way of other grains
+    if (!blocked(start, to_sky, k_occlusion_reach * diagonal)) light = light + look.sky_light;
+    else light = light + look.sky_light * 0.12;  // light that comes by way of other grains
     return mixed(scaled(albedo, light) * 1.15, background({direction.x, 0.0, direction.z}), fade);
   }
 
@@ -494,7 +504,7 @@ PixelPlace project(const Camera& camera, int width, int height, Vec3 point) {
 }
 
 Picture render(const SceneView& view, const RenderOptions& options) {
-  const Tracer tracer(view);
+  const Tracer tracer(view, options.plain ? k_plain : k_measuring);
   Picture picture(options.width, options.height, {0, 0, 0});
   std::atomic<int> next_row = 0;
   const auto draw = [&] {

@@ -63,7 +63,8 @@ struct RenderOptions {
   int width = 960, height = 720;
   int samples = 2;  // per pixel and axis
   uint32_t threads = 4;
-  bool scale = true;  // ruler, scale bar and the size of the checker in words
+  bool scale = true;   // ruler, scale bar and the size of the checker in words
+  bool plain = false;  // warm colours and a floor without checker: a picture to look at, not to measure in
 };
 
 Picture render(const SceneView& view, const RenderOptions& options);

@@ -178,18 +178,19 @@ class Reader {
 };
 
 void read_solver(Reader reader, sandglass_granular_desc* granular) {
-  granular->scheme = reader.choice("scheme", {"small_step", "averaged"}, granular->scheme);
-  granular->solver_iterations = reader.integer("iterations", granular->solver_iterations, 1, 64);
-  granular->stabilisation_iterations = reader.integer("stabilisation", granular->stabilisation_iterations, 0, 8);
-  const double relaxation_limit = granular->scheme == SANDGLASS_SCHEME_AVERAGED ? 2.0 : 0.45;
-  if (granular->scheme == SANDGLASS_SCHEME_AVERAGED) granular->relaxation = 1.0f;
-  granular->relaxation = reader.real("relaxation", granular->relaxation, 1e-3, relaxation_limit);
+  granular->reference.scheme = reader.choice("scheme", {"small_step", "averaged"}, granular->reference.scheme);
+  granular->reference.solver_iterations = reader.integer("iterations", granular->reference.solver_iterations, 1, 64);
+  granular->reference.stabilisation_iterations =
+      reader.integer("stabilisation", granular->reference.stabilisation_iterations, 0, 8);
+  const double relaxation_limit = granular->reference.scheme == SANDGLASS_SCHEME_AVERAGED ? 2.0 : 0.45;
+  if (granular->reference.scheme == SANDGLASS_SCHEME_AVERAGED) granular->reference.relaxation = 1.0f;
+  granular->reference.relaxation = reader.real("relaxation", granular->reference.relaxation, 1e-3, relaxation_limit);
   granular->substep_max = reader.real("substep_max", granular->substep_max, 0.0, 0.1);
   granular->substep_min = reader.real("substep_min", granular->substep_min, 0.0, 0.1);
   granular->height_weighting = reader.real("height_weighting", granular->height_weighting, 0.0, 1.5);
   granular->courant = reader.real("courant", granular->courant, 1e-3, 1.0);
   granular->list_skin = reader.real("list_skin", granular->list_skin, 0.1, 1.0);
-  granular->blend = reader.choice("blend", {"continuous", "source"}, granular->blend);
+  granular->reference.blend = reader.choice("blend", {"continuous", "source"}, granular->reference.blend);
   granular->refine_step = reader.real("refine_step", granular->refine_step, 1e-4, 0.1);
   reader.finish();
 }

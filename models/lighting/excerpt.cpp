@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass::host {
 

@@ -5,7 +5,7 @@
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/lighting/picture_file.h"
-#include "runtime/asset/checksum.h"
+#include "runtime/core/hash.h"
 
 namespace sandglass::host {
 
@@ -24,7 +24,7 @@ std::vector<Excerpt> read_excerpts(const std::string& folder, size_t step) {
     excerpt.rgb = read_excerpt(folder + "/" + excerpt.name).rgb;
     uint64_t expected = 0;
     std::istringstream(hash) >> std::hex >> expected;
-    if (expected != asset_checksum(excerpt.rgb.data(), excerpt.rgb.size()))
+    if (expected != hash_bytes(excerpt.rgb.data(), excerpt.rgb.size()))
       throw Failure("'" + table + "' is of other pixels than '" + excerpt.name +
                     "' has here; write it again with float_network.py");
     for (float& v : excerpt.values) {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "models/lighting/light_builders.h"
-#include "runtime/asset/checksum.h"
+#include "runtime/asset/file.h"
 #include "runtime/asset/light_asset.h"
 
 namespace sandglass::host {
@@ -61,7 +61,7 @@ std::vector<uint8_t> light_file_bytes(const LightFile& file) {
                                     file.calibration_images, file.angle_deg, file.difference, float_parameters),
                  asset::LightIdentifier());
   std::vector<uint8_t> bytes(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
-  const uint64_t hash = asset_checksum(bytes.data(), bytes.size());
+  const uint64_t hash = hash_bytes(bytes.data(), bytes.size());
   for (uint32_t i = 0; i < k_checksum_bytes; ++i) bytes.push_back(static_cast<uint8_t>(hash >> 8 * i));
   return bytes;
 }

@@ -1,7 +1,7 @@
 #include "models/lighting/light_runner.h"
 
 #include "models/host/failure.h"
-#include "runtime/lighting/backends.h"
+#include "runtime/light/backends.h"
 
 namespace sandglass::host {
 

@@ -8,7 +8,7 @@
 
 #include "models/host/aligned_bytes.h"
 #include "models/host/block.h"
-#include "runtime/lighting/network.h"
+#include "runtime/light/network.h"
 
 namespace sandglass::host {
 

@@ -9,8 +9,8 @@
 #include "models/host/random.h"
 #include "models/lighting/light_runner.h"
 #include "platform/clock.h"
-#include "runtime/lighting/backends.h"
-#include "runtime/lighting/camera_image.h"
+#include "runtime/light/backends.h"
+#include "runtime/light/camera_image.h"
 #include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {

@@ -6,7 +6,7 @@
 
 #include "models/host/failure.h"
 #include "models/lighting/panorama_file.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass::host {
 

@@ -7,7 +7,7 @@
 #include "models/host/failure.h"
 #include "models/host/frame.h"
 #include "models/host/mesh/ray_caster.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass::host {
 

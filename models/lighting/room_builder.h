@@ -2,7 +2,7 @@
 #pragma once
 
 #include "models/lighting/room.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass::host {
 

@@ -9,7 +9,7 @@
 #include "models/host/failure.h"
 #include "models/host/frame.h"
 #include "models/host/progress.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 #ifdef SANDGLASS_HAVE_EMBREE
 #include <embree3/rtcore.h>

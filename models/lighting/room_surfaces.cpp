@@ -5,7 +5,7 @@
 
 #include "models/lighting/panorama.h"
 #include "models/lighting/room.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass::host {
 

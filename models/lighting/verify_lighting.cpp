@@ -18,7 +18,7 @@
 #include "models/lighting/light_picture.h"
 #include "models/lighting/lit_view.h"
 #include "models/lighting/probe_scene.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass::host {
 

@@ -7,6 +7,7 @@
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "runtime/asset/shadow_asset.h"
+#include "runtime/core/hash.h"
 
 namespace sandglass::host {
 
@@ -52,9 +53,7 @@ struct Reader {
   }
 };
 
-uint64_t hash_of(const std::string& bytes, size_t count) {
-  return asset_checksum(reinterpret_cast<const uint8_t*>(bytes.data()), count);
-}
+uint64_t hash_of(const std::string& bytes, size_t count) { return hash_bytes(bytes.data(), count); }
 
 }  // namespace
 

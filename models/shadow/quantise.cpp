@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "models/shadow/shadow_builders.h"
+#include "runtime/asset/file.h"
 #include "runtime/asset/shadow_asset.h"
 
 namespace sandglass::host {
@@ -48,7 +49,7 @@ ByteNetwork quantise(const FloatNetwork& network, const std::vector<float>& clip
 }
 
 void append_checksum(std::vector<uint8_t>* bytes) {
-  const uint64_t hash = asset_checksum(bytes->data(), bytes->size());
+  const uint64_t hash = hash_bytes(bytes->data(), bytes->size());
   for (uint32_t i = 0; i < k_checksum_bytes; ++i) bytes->push_back(static_cast<uint8_t>(hash >> 8 * i));
 }
 

@@ -11,7 +11,7 @@
 #include "models/host/mesh/ray_caster.h"
 #include "models/host/sphere_caster.h"
 #include "models/lighting/probe_scene.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass::host {
 

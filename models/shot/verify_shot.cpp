@@ -16,8 +16,8 @@
 #include "models/lighting/panorama_file.h"
 #include "models/lighting/probe_scene.h"
 #include "models/shot/light_estimate.h"
-#include "runtime/asset/checksum.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/hash.h"
+#include "runtime/core/random.h"
 
 namespace sandglass::host {
 
@@ -84,7 +84,7 @@ void put(const ShotErrors& e, double (&row)[k_shot_metrics]) {
 // Names alone would take a retrained network's rows for those of the one before it.
 uint64_t hash_of(const std::string& file, const std::string& kind) {
   const std::string bytes = read_file(file, kind);
-  return asset_checksum(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+  return hash_bytes(bytes.data(), bytes.size());
 }
 
 std::string key_of(const ShotStudyOptions& o) {

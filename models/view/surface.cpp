@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/sampling/field.h"
+#include "runtime/granular/field.h"
 
 namespace sandglass::host {
 

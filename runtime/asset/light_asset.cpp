@@ -2,7 +2,8 @@
 // stays inside, and the checks below that every number is one that the kernels may be run on.
 #include "runtime/asset/light_asset.h"
 
-#include "runtime/asset/checksum.h"
+#include "runtime/asset/file.h"
+#include "runtime/core/finite.h"
 
 // The verifier's assertions are about the calling code, and asserting would bring stdio.
 #define FLATBUFFERS_ASSERT(condition) ((condition) ? (void)0 : __builtin_trap())
@@ -18,17 +19,15 @@ constexpr float k_number_limit = 1e9f;
 // convolutions.
 constexpr uint32_t k_tables_limit = 2 + k_dense_blocks + 4 * k_dense_layer_count + 2 * k_transition_count;
 
-sandglass_status refuse(const char** reason, const char* sentence) {
-  if (reason != nullptr) *reason = sentence;
-  return SANDGLASS_ERROR_INVALID_ARGUMENT;
-}
+constexpr AssetRefusals k_refusals = {
+    "asset is NULL: pass the bytes of a lighting network's file",
+    "the file is not a lighting network: name one that `sandglass quantise-light` wrote",
+    "the lighting file is damaged or cut off (its checksum differs): copy it again"};
 
 // `count` finite numbers in -limit..limit, or null.
 const float* numbers(const flatbuffers::Vector<float>* values, uint32_t count, float limit) {
   if (values == nullptr || values->size() != count) return nullptr;
-  for (uint32_t i = 0; i < count; ++i)
-    if (!(values->data()[i] >= -limit && values->data()[i] <= limit)) return nullptr;
-  return values->data();
+  return all_within(values->data(), count, -limit, limit) ? values->data() : nullptr;
 }
 
 const int8_t* weights_of(const flatbuffers::Vector<int8_t>* values, uint32_t count) {
@@ -117,18 +116,10 @@ const char* check_heads(const asset::Light& file, LightAsset* out) {
 }  // namespace
 
 sandglass_status open_light_asset(const void* bytes, uint64_t count, LightAsset* out, const char** reason) {
+  const sandglass_status whole = check_asset_bytes(bytes, count, asset::LightIdentifier(), k_refusals, reason);
+  if (whole != SANDGLASS_OK) return whole;
   const uint8_t* data = static_cast<const uint8_t*>(bytes);
-  if (data == nullptr) return refuse(reason, "asset is NULL: pass the bytes of a lighting network's file");
-  if (reinterpret_cast<uintptr_t>(data) % 8 != 0)
-    return refuse(reason, "asset is not aligned to 8 bytes: read the file into memory that is");
-  if (count < 32 || count >= (uint64_t{1} << 31) || !asset::LightBufferHasIdentifier(data))
-    return refuse(reason, "the file is not a lighting network: name one that `sandglass quantise-light` wrote");
-  const uint64_t body = count - k_checksum_bytes;
-  uint64_t stored = 0;
-  for (uint32_t i = 0; i < 8; ++i) stored |= uint64_t{data[body + i]} << 8 * i;
-  if (stored != asset_checksum(data, body))
-    return refuse(reason, "the lighting file is damaged or cut off (its checksum differs): copy it again");
-  flatbuffers::Verifier verifier(data, body, 8, k_tables_limit);
+  flatbuffers::Verifier verifier(data, count - k_checksum_bytes, 8, k_tables_limit);
   if (!asset::VerifyLightBuffer(verifier))
     return refuse(reason, "the lighting file has an offset that leads outside of it: quantise it again");
 
@@ -156,8 +147,7 @@ sandglass_status open_light_asset(const void* bytes, uint64_t count, LightAsset*
   out->angle_deg = file.angle_deg(), out->difference = file.difference();
   if (!(out->angle_deg >= 0 && out->angle_deg <= 180) || !(out->difference >= 0 && out->difference <= 1))
     return refuse(reason, "the lighting file's errors are not numbers in 0..180 degrees and 0..1: quantise it again");
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 }  // namespace sandglass

@@ -2,6 +2,9 @@
 // the checks below that every number is one that the kernels may be run on.
 #include "runtime/asset/shadow_asset.h"
 
+#include "runtime/asset/file.h"
+#include "runtime/core/finite.h"
+
 // The verifier's assertions are about the calling code, and asserting would bring stdio.
 #define FLATBUFFERS_ASSERT(condition) ((condition) ? (void)0 : __builtin_trap())
 #include "runtime/asset/shadow_generated.h"
@@ -14,17 +17,13 @@ constexpr int32_t k_bias_limit = 1 << 24;  // sums then stay below 2^25
 constexpr double k_horizon = 1.5533430;    // 89 degrees: polar_max plus half the light
 constexpr uint32_t k_tables_limit = 16;    // tables that the verifier follows: root, last and the layers
 
-sandglass_status refuse(const char** reason, const char* sentence) {
-  if (reason != nullptr) *reason = sentence;
-  return SANDGLASS_ERROR_INVALID_ARGUMENT;
-}
+constexpr AssetRefusals k_refusals = {
+    "asset is NULL: pass the bytes of a file that `sandglass bake` wrote",
+    "the file is not a baked shadow: name one that `sandglass bake` wrote",
+    "the shadow file is damaged or cut off (its checksum differs): copy or bake it again"};
 
-bool within(double x, double low, double high) { return x >= low && x <= high; }  // false for NaN
-
-bool all_within(const flatbuffers::Vector<float>& values, float low, float high) {
-  for (uint32_t i = 0; i < values.size(); ++i)
-    if (!(values.data()[i] >= low && values.data()[i] <= high)) return false;
-  return true;
+bool numbers_within(const flatbuffers::Vector<float>& values, float low, float high) {
+  return all_within(values.data(), values.size(), low, high);
 }
 
 // Null, or what is wrong.
@@ -39,7 +38,7 @@ const char* check_layer(const asset::Layer* layer, uint32_t inputs, uint32_t out
   for (uint32_t i = 0; i < outputs; ++i)
     if (layer->bias()->data()[i] < -k_bias_limit || layer->bias()->data()[i] > k_bias_limit)
       return "the shadow file has a bias beyond 2^24, which no baking writes";
-  if (!all_within(*layer->multiplier(), 0.0f, k_weight_limit))
+  if (!numbers_within(*layer->multiplier(), 0.0f, k_weight_limit))
     return "the shadow file has a multiplier that is not a number in 0..1e6, which no baking writes";
   *out = {layer->weights()->data(), layer->bias()->data(), layer->multiplier()->data()};
   return nullptr;
@@ -48,18 +47,10 @@ const char* check_layer(const asset::Layer* layer, uint32_t inputs, uint32_t out
 }  // namespace
 
 sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsset* out, const char** reason) {
+  const sandglass_status whole = check_asset_bytes(bytes, count, asset::ShadowIdentifier(), k_refusals, reason);
+  if (whole != SANDGLASS_OK) return whole;
   const uint8_t* data = static_cast<const uint8_t*>(bytes);
-  if (data == nullptr) return refuse(reason, "asset is NULL: pass the bytes of a file that `sandglass bake` wrote");
-  if (reinterpret_cast<uintptr_t>(data) % 8 != 0)
-    return refuse(reason, "asset is not aligned to 8 bytes: read the file into memory that is");
-  if (count < 32 || count >= (uint64_t{1} << 31) || !asset::ShadowBufferHasIdentifier(data))
-    return refuse(reason, "the file is not a baked shadow: name one that `sandglass bake` wrote");
-  const uint64_t body = count - k_checksum_bytes;
-  uint64_t stored = 0;
-  for (uint32_t i = 0; i < 8; ++i) stored |= uint64_t{data[body + i]} << 8 * i;
-  if (stored != asset_checksum(data, body))
-    return refuse(reason, "the shadow file is damaged or cut off (its checksum differs): copy or bake it again");
-  flatbuffers::Verifier verifier(data, body, 8, k_tables_limit);
+  flatbuffers::Verifier verifier(data, count - k_checksum_bytes, 8, k_tables_limit);
   if (!asset::VerifyShadowBuffer(verifier))
     return refuse(reason, "the shadow file has an offset that leads outside of it: bake it again");
 
@@ -95,8 +86,8 @@ sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsse
   if (file.first_weights() == nullptr || file.first_bias() == nullptr ||
       file.first_weights()->size() != out->inputs() * out->width || file.first_bias()->size() != out->width)
     return refuse(reason, "the shadow file's first layer has the wrong size: bake it again");
-  if (!all_within(*file.first_weights(), -k_weight_limit, k_weight_limit) ||
-      !all_within(*file.first_bias(), -k_weight_limit, k_weight_limit) ||
+  if (!numbers_within(*file.first_weights(), -k_weight_limit, k_weight_limit) ||
+      !numbers_within(*file.first_bias(), -k_weight_limit, k_weight_limit) ||
       !within(static_cast<double>(file.first_step()), 1e-9, 1e9))
     return refuse(reason, "the shadow file's first layer has a weight that is not a number: bake it again");
   out->first_weights = file.first_weights()->data();
@@ -115,13 +106,12 @@ sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsse
     const uint32_t expected =
         out->width * (out->inputs() + 1) + out->layers * out->width * (out->width + 1) + out->width + 1;
     if (file.float_parameters()->size() != expected ||
-        !all_within(*file.float_parameters(), -k_weight_limit, k_weight_limit))
+        !numbers_within(*file.float_parameters(), -k_weight_limit, k_weight_limit))
       return refuse(reason, "the shadow file's float network has the wrong size or a weight that is not a number");
     out->float_parameters = file.float_parameters()->data();
     out->float_parameter_count = expected;
   }
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 }  // namespace sandglass

@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "kernels/int8.h"
-#include "runtime/asset/checksum.h"
 #include "runtime/shadow/plane.h"
 #include "sandglass/shadow.h"
 

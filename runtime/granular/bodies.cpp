@@ -40,11 +40,8 @@ Vector rest_of(const Granular& g, uint32_t slot) {
   return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
 }
 
-float* row_of(const Granular& g, const float* records, uint32_t slot) {
-  return const_cast<float*>(records) + static_cast<uint64_t>(g.body_rows[slot]) * k_record_floats;
-}
-
-bool awake(const Granular& g, const RigidBody& body) { return row_of(g, g.records[0], body.first)[3] > 0.0f; }
+// A body sleeps and wakes as a whole: its first particle tells.
+bool awake(const Granular& g, const RigidBody& body) { return is_awake(g.records[0][g.body_rows[body.first]]); }
 
 bool finite(double a) { return a - a == 0.0; }
 
@@ -119,17 +116,17 @@ void match(Granular* g, RigidBody* body) {
 
 void accumulate(Granular* g, uint32_t slot) {
   BodyMatch& m = g->match;
-  const float* next = row_of(*g, g->records[1], slot);
-  const float* now = row_of(*g, g->records[0], slot);
+  const Particle& next = g->records[1][g->body_rows[slot]];
+  const Particle& now = g->records[0][g->body_rows[slot]];
   const RigidBody& body = g->bodies[g->body_cursor];
   const Vector r = rotated(body.rotation, rest_of(*g, slot));
   const double offset[3] = {r.x, r.y, r.z}, dt = static_cast<double>(g->substep);
   double moved[3], carried[3];
   for (int k = 0; k < 3; ++k) {
-    const double displacement = static_cast<double>(next[4 + k]) * dt;
+    const double displacement = static_cast<double>(next.velocity[k]) * dt;
     double stabilised = 0.0;  // what the stabilisation moved the start position by: position, not velocity
-    if (g->desc.stabilisation_iterations != 0)
-      stabilised = static_cast<double>(next[k]) - static_cast<double>(now[k]) - displacement;
+    if (g->desc.reference.stabilisation_iterations != 0)
+      stabilised = static_cast<double>(next.position[k]) - static_cast<double>(now.position[k]) - displacement;
     carried[k] = displacement;
     moved[k] = displacement + stabilised;
     m.shift[k] += moved[k], m.stabilised[k] += stabilised, m.offset[k] += offset[k];
@@ -146,7 +143,8 @@ void accumulate(Granular* g, uint32_t slot) {
 void apply(Granular* g, uint32_t slot) {
   const BodyMatch& m = g->match;
   const RigidBody& body = g->bodies[g->body_cursor];
-  float* next = row_of(*g, g->records[1], slot);
+  Particle* next = &g->records[1][g->body_rows[slot]];
+  float *position = next->position, *velocity = next->velocity;
   const Vector now = rotated(body.rotation, rest_of(*g, slot));
   const double back[4] = {-m.turn[0], -m.turn[1], -m.turn[2], m.turn[3]};
   const Vector turned = turned_by(back, now);  // the turn of this sub-step, backward
@@ -159,14 +157,14 @@ void apply(Granular* g, uint32_t slot) {
   float speed2 = 0.0f;
   for (int k = 0; k < 3; ++k) {
     const double displacement = m.shift[k] + turn[k];
-    next[k] = static_cast<float>(body.center[k] + offset[k]);
-    next[4 + k] = body.linear[k] + static_cast<float>(spin[k]);
+    position[k] = static_cast<float>(body.center[k] + offset[k]);
+    velocity[k] = body.linear[k] + static_cast<float>(spin[k]);
     const float moved = static_cast<float>(displacement);
     e.displacement_low[k] = moved < e.displacement_low[k] ? moved : e.displacement_low[k];
     e.displacement_high[k] = moved > e.displacement_high[k] ? moved : e.displacement_high[k];
-    e.low[k] = next[k] < e.low[k] ? next[k] : e.low[k];
-    e.high[k] = next[k] > e.high[k] ? next[k] : e.high[k];
-    speed2 += next[4 + k] * next[4 + k];
+    e.low[k] = position[k] < e.low[k] ? position[k] : e.low[k];
+    e.high[k] = position[k] > e.high[k] ? position[k] : e.high[k];
+    speed2 += velocity[k] * velocity[k];
   }
   e.speed_squared = speed2 > e.speed_squared ? speed2 : e.speed_squared;
 }
@@ -175,9 +173,8 @@ void apply(Granular* g, uint32_t slot) {
 
 void granular_find_body_rows(Granular* g) {
   for (uint32_t i = 0; g->body_count != 0 && i < g->particle_count; ++i) {
-    uint32_t id;
-    __builtin_memcpy(&id, g->records[0] + static_cast<uint64_t>(i) * k_record_floats + 7, sizeof id);
-    if (id > k_number_mask) g->body_rows[g->rest[id & k_number_mask].body_slot] = i;
+    const Particle& p = g->records[0][i];
+    if (in_body(p)) g->body_rows[g->rest[number_of(p)].body_slot] = i;
   }
 }
 
@@ -234,12 +231,19 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
     if (reason != nullptr) *reason = sentence;
     return status;
   };
-  if (desc == nullptr || desc->struct_size != sizeof *desc)
+  if (desc == nullptr)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_granular_add_body: body is NULL: pass a body filled by sandglass_body_default.");
+  if (desc->struct_size != sizeof *desc)
     return fail(
         SANDGLASS_ERROR_INVALID_ARGUMENT,
-        "sandglass_granular_add_body: body is NULL or not this library's: fill it with sandglass_body_default.");
-  if (desc->particle_count == 0 || desc->particle_positions == nullptr)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_granular_add_body: a body needs at least one particle.");
+        "sandglass_granular_add_body: body.struct_size is not this library's: fill it with sandglass_body_default.");
+  if (desc->particle_count == 0)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_granular_add_body: body.particle_count is 0: a body needs at least one particle.");
+  if (desc->particle_positions == nullptr)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_granular_add_body: body.particle_positions is NULL: pass 3 floats for each particle.");
   if (!(desc->density_ratio >= 1e-3f && desc->density_ratio <= 1e3f))
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_granular_add_body: density_ratio must be 0.001 to 1000.");
   for (int k = 0; k < 3; ++k) {
@@ -273,22 +277,19 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
   float speed2_most = 0.0f;
   for (uint32_t i = 0; i < body.count; ++i) {
     const uint32_t slot = body.first + i;
-    float* record = g->records[0] + static_cast<uint64_t>(first_record + i) * k_record_floats;
+    Particle* p = &g->records[0][first_record + i];
     for (int k = 0; k < 3; ++k)
-      g->body_rest[3ull * slot + k] = static_cast<float>(static_cast<double>(record[k]) - body.center[k]);
+      g->body_rest[3ull * slot + k] = static_cast<float>(static_cast<double>(p->position[k]) - body.center[k]);
     g->body_rows[slot] = first_record + i;
-    uint32_t id;
-    __builtin_memcpy(&id, record + 7, sizeof id);
-    g->body_numbers[slot] = id;
-    g->rest[id].body_slot = slot;
-    id |= (g->body_count + 1) << k_body_shift;
-    __builtin_memcpy(record + 7, &id, sizeof id);
-    record[3] = 1.0f / desc->density_ratio;
+    g->body_numbers[slot] = number_of(*p);
+    g->rest[number_of(*p)].body_slot = slot;
+    join_body(p, g->body_count + 1, 1.0f / desc->density_ratio);
     const Vector turning = cross(spin, rest_of(*g, slot));
-    record[4] = body.linear[0] + static_cast<float>(turning.x);
-    record[5] = body.linear[1] + static_cast<float>(turning.y);
-    record[6] = body.linear[2] + static_cast<float>(turning.z);
-    const float speed2 = record[4] * record[4] + record[5] * record[5] + record[6] * record[6];
+    float* v = p->velocity;
+    v[0] = body.linear[0] + static_cast<float>(turning.x);
+    v[1] = body.linear[1] + static_cast<float>(turning.y);
+    v[2] = body.linear[2] + static_cast<float>(turning.z);
+    const float speed2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
     speed2_most = speed2 > speed2_most ? speed2 : speed2_most;
   }
   const float speed = __builtin_sqrtf(speed2_most);

@@ -56,7 +56,7 @@ uint32_t cell_sort_items(const CellSort& sort, uint32_t record_count, uint32_t u
          (sort.phase == k_sort_clear || sort.phase == k_sort_prefix ? items / k_cells_per_item : items);
 }
 
-void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records, uint32_t record_count, uint32_t unit,
+void cell_sort_run(CellSort* sort, const Kernels& kernels, const Record* records, uint32_t record_count, uint32_t unit,
                    const SortTarget& target) {
   const uint32_t end = phase_end(*sort, record_count), size = unit_size(*sort, unit);
   const uint32_t first = sort->cursor, last = end - first < size ? end : first + size;
@@ -86,14 +86,10 @@ void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records,
     default:
       for (uint32_t i = first; i < last; ++i) {
         const uint32_t to = starts[sort->keys[i] + 1]++;
-        const float* from = records + static_cast<uint64_t>(i) * k_record_floats;
-        __builtin_memcpy(target.records + static_cast<uint64_t>(to) * k_record_floats, from,
-                         k_record_floats * sizeof(float));
+        target.records[to] = records[i];
         if (target.positions[0] != nullptr) {
-          uint32_t id;
-          __builtin_memcpy(&id, from + 7, sizeof id);
-          const bool hidden = target.sand_only && id > k_number_mask;
-          for (int k = 0; k < 3; ++k) target.positions[k][to] = hidden ? k_inert_position : from[k];
+          const bool hidden = target.sand_only && in_body(as_particle(records[i]));
+          for (int k = 0; k < 3; ++k) target.positions[k][to] = hidden ? k_inert_position : records[i].position[k];
         }
       }
       break;

@@ -23,7 +23,7 @@ enum : uint32_t { k_sort_clear, k_sort_count, k_sort_prefix, k_sort_scatter, k_s
 
 // The sorted copy: records, and optionally positions as one array an axis.
 struct SortTarget {
-  float* records;
+  Record* records;
   float* positions[3];  // null: not wanted
   bool sand_only;       // particles of rigid bodies get a position far from everything
 };
@@ -36,7 +36,7 @@ void cell_sort_begin(CellSort* sort, float cell, const float low[3], const float
 uint32_t cell_sort_items(const CellSort& sort, uint32_t record_count, uint32_t unit);
 
 // Runs the next unit.
-void cell_sort_run(CellSort* sort, const Kernels& kernels, const float* records, uint32_t record_count, uint32_t unit,
+void cell_sort_run(CellSort* sort, const Kernels& kernels, const Record* records, uint32_t record_count, uint32_t unit,
                    const SortTarget& target);
 
 }  // namespace sandglass

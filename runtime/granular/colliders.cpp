@@ -2,7 +2,7 @@
 // and an error of (angle^3)/12, 7e-4 rad for a turn of 0.2 rad within one frame.
 #include "runtime/granular/colliders.h"
 
-#include "runtime/sampling/field.h"
+#include "runtime/granular/field.h"
 
 namespace sandglass {
 

@@ -140,37 +140,28 @@ void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_
   if (fine.count != 0) flush(g, &fine, true);
 }
 
-uint32_t id_of(const float* slot) {
-  uint32_t id;
-  __builtin_memcpy(&id, slot, sizeof id);
-  return id;
-}
-
 // Takes particle i out; the last one moves into its place.
 void remove_particle(Granular* g, uint32_t i) {
-  float* record = g->records[0] + static_cast<uint64_t>(i) * k_record_floats;
-  g->free_particles[g->free_particle_count++] = id_of(record + 7) & k_number_mask;
-  if (record[3] > 0.0f) --g->awake_count;
+  Particle* gap = &g->records[0][i];
+  g->free_particles[g->free_particle_count++] = number_of(*gap);
+  if (is_awake(*gap)) --g->awake_count;
   const uint32_t last = --g->particle_count;
   if (i == last) return;
-  const float* moved = g->records[0] + static_cast<uint64_t>(last) * k_record_floats;
-  __builtin_memcpy(record, moved, k_record_floats * sizeof(float));
-  const uint32_t id = id_of(record + 7);
-  if (id > k_number_mask) g->body_rows[g->rest[id & k_number_mask].body_slot] = i;
+  *gap = g->records[0][last];
+  if (in_body(*gap)) g->body_rows[g->rest[number_of(*gap)].body_slot] = i;
 }
 
 void remove_grain(Granular* g, uint32_t i) {
-  float* record = g->grains[0] + static_cast<uint64_t>(i) * k_record_floats;
-  g->free_grains[g->free_grain_count++] = id_of(record + 3);
+  Grain* gap = &g->grains[0][i];
+  g->free_grains[g->free_grain_count++] = gap->number;
   const uint32_t last = --g->grain_count;
-  __builtin_memcpy(record, g->grains[0] + static_cast<uint64_t>(last) * k_record_floats,
-                   k_record_floats * sizeof(float));
+  *gap = g->grains[0][last];
 }
 
 // Removes what lies inside the shapes from the group that begins at `first`, from its end, so that what moves into a
 // gap comes from beyond. Returns how many.
 template <class Remove>
-uint32_t drain_group(const Granular& g, const float* records, const uint32_t* count, uint32_t first,
+uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* count, uint32_t first,
                      const ColliderFrame* shapes, uint32_t shape_count, const Remove& remove) {
   uint8_t inside[k_lane_group];
   uint32_t found = 0, removed = 0;
@@ -181,10 +172,6 @@ uint32_t drain_group(const Granular& g, const float* records, const uint32_t* co
     if (inside[l] != 0 && remove(first + l)) ++removed;
   }
   return removed;
-}
-
-bool is_body(const Granular& g, uint32_t i) {
-  return id_of(g.records[0] + static_cast<uint64_t>(i) * k_record_floats + 7) > k_number_mask;
 }
 
 // Sleeping groups' records may have moved; which groups sleep is found out by the next list build.
@@ -253,12 +240,13 @@ void granular_run_drain(Granular* g) {
   for (uint32_t at = g->cursor; at < end; at += k_lane_group) {
     const uint32_t first = g->active_groups[g->active_count - 1 - at / k_lane_group] * k_lane_group;
     if (first >= g->particle_count) continue;
-    removed += drain_group(*g, g->records[0], &g->particle_count, first, g->sinks, g->sink_count, [g](uint32_t i) {
-      const float* r = g->records[0] + static_cast<uint64_t>(i) * k_record_floats;
-      if (is_body(*g, i) || !(r[3] > 0.0f)) return false;
-      remove_particle(g, i);
-      return true;
-    });
+    removed +=
+        drain_group(*g, as_records(g->records[0]), &g->particle_count, first, g->sinks, g->sink_count, [g](uint32_t i) {
+          const Particle& p = g->records[0][i];
+          if (in_body(p) || !is_awake(p)) return false;
+          remove_particle(g, i);
+          return true;
+        });
   }
   g->removed_particles += removed;
   if (removed != 0) after_removal(g);
@@ -275,10 +263,11 @@ void granular_run_grain_drain(Granular* g) {
   for (uint32_t at = g->grain_cursor; at < end; at += k_lane_group) {
     const uint32_t first = g->grain_groups[g->grain_group_count - 1 - at / k_lane_group] * k_lane_group;
     if (first >= g->grain_count) continue;
-    removed += drain_group(*g, g->grains[0], &g->grain_count, first, g->sinks, g->sink_count, [g](uint32_t i) {
-      remove_grain(g, i);
-      return true;
-    });
+    removed +=
+        drain_group(*g, as_records(g->grains[0]), &g->grain_count, first, g->sinks, g->sink_count, [g](uint32_t i) {
+          remove_grain(g, i);
+          return true;
+        });
   }
   g->removed_grains += removed;
   if (removed != 0) g->groups_changed = true;
@@ -290,8 +279,16 @@ void granular_run_grain_drain(Granular* g) {
 sandglass_status granular_remove(Granular* g, const sandglass_collider* region, uint32_t* particles, uint32_t* grains,
                                  const char** reason) {
   sandglass_collider accepted;
-  if (region == nullptr || !collider_accept(*region, &accepted)) {
-    if (reason != nullptr) *reason = "sandglass_granular_remove: region is NULL, not finite or without size.";
+  const char* wrong = nullptr;
+  if (region == nullptr) {
+    wrong = "sandglass_granular_remove: region is NULL: pass the shape to empty.";
+  } else if (!collider_accept(*region, &accepted)) {
+    wrong =
+        "sandglass_granular_remove: region is not a usable shape: its numbers must be finite, its position within "
+        "the coordinate limit, its sizes above 0, its rotation not zero, and its field made by this library.";
+  }
+  if (wrong != nullptr) {
+    if (reason != nullptr) *reason = wrong;
     return SANDGLASS_ERROR_INVALID_ARGUMENT;
   }
   ColliderFrame shape;
@@ -299,17 +296,19 @@ sandglass_status granular_remove(Granular* g, const sandglass_collider* region, 
   granular_wake_all(g);
   uint32_t removed = 0, removed_grains = 0;
   for (uint32_t group = (g->particle_count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
-    removed += drain_group(*g, g->records[0], &g->particle_count, group * k_lane_group, &shape, 1, [g](uint32_t i) {
-      if (is_body(*g, i)) return false;
-      remove_particle(g, i);
-      return true;
-    });
+    removed += drain_group(*g, as_records(g->records[0]), &g->particle_count, group * k_lane_group, &shape, 1,
+                           [g](uint32_t i) {
+                             if (in_body(g->records[0][i])) return false;
+                             remove_particle(g, i);
+                             return true;
+                           });
   }
   for (uint32_t group = (g->grain_count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
-    removed_grains += drain_group(*g, g->grains[0], &g->grain_count, group * k_lane_group, &shape, 1, [g](uint32_t i) {
-      remove_grain(g, i);
-      return true;
-    });
+    removed_grains +=
+        drain_group(*g, as_records(g->grains[0]), &g->grain_count, group * k_lane_group, &shape, 1, [g](uint32_t i) {
+          remove_grain(g, i);
+          return true;
+        });
   }
   if (g->desc.particle_capacity != 0) after_removal(g);
   if (removed_grains != 0) {

@@ -29,8 +29,7 @@ void mark_awake(Granular* g, uint32_t begin, uint32_t end) {
   const uint32_t* starts = g->snapshot_sort.starts;
   for (uint32_t c = begin; c < end; ++c) {
     bool awake = false;
-    for (uint32_t i = starts[c]; i < starts[c + 1]; ++i)
-      awake = awake || g->snapshot[static_cast<uint64_t>(i) * k_record_floats + 3] > 0.0f;
+    for (uint32_t i = starts[c]; i < starts[c + 1]; ++i) awake = awake || is_awake(g->snapshot[i]);
     g->awake_cells[0][c] = awake ? 1 : 0;
   }
 }
@@ -44,22 +43,22 @@ void spread(const uint8_t* from, uint8_t* to, uint32_t shift, uint32_t bits, uin
   }
 }
 
-// The sphere round the grains of a group, kept as a record so that the kernel that wakes particles wakes groups too.
+// The sphere around the grains of a group. The kernel that wakes particles wakes such spheres too.
 void make_tile(Granular* g, uint32_t group) {
-  float* tile = g->grain_tiles + static_cast<uint64_t>(group) * k_record_floats;
+  Sleeper* tile = &g->grain_tiles[group];
   const uint32_t first = group * k_lane_group;
   const uint32_t last = g->grain_count - first < k_lane_group ? g->grain_count : first + k_lane_group;
   float low[3] = {3e38f, 3e38f, 3e38f}, high[3] = {-3e38f, -3e38f, -3e38f};
   for (uint32_t i = first; i < last; ++i) {
-    const float* r = g->grains[0] + static_cast<uint64_t>(i) * k_record_floats;
+    const float* r = g->grains[0][i].position;
     for (int k = 0; k < 3; ++k) low[k] = r[k] < low[k] ? r[k] : low[k], high[k] = r[k] > high[k] ? r[k] : high[k];
   }
   float radius2 = 0.0f;
   for (int k = 0; k < 3; ++k) {
-    tile[k] = 0.5f * (low[k] + high[k]);
+    tile->position[k] = 0.5f * (low[k] + high[k]);
     radius2 += 0.25f * (high[k] - low[k]) * (high[k] - low[k]);
   }
-  tile[4] = __builtin_sqrtf(radius2);
+  tile->radius = __builtin_sqrtf(radius2);
 }
 
 int32_t floor_cell(float scaled) {
@@ -67,14 +66,14 @@ int32_t floor_cell(float scaled) {
   return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
 }
 
-bool near_awake_particle(const Granular& g, const float* tile) {
+bool near_awake_particle(const Granular& g, const Sleeper& tile) {
   const Grid& grid = g.snapshot_sort.grid;
   // Grains of distant cells that share storage: they rest when everything does.
-  if (tile[4] * grid.inverse_cell > k_scattered_cells) return g.awake_count != 0;
+  if (tile.radius * grid.inverse_cell > k_scattered_cells) return g.awake_count != 0;
   int32_t first[3], last[3];
   for (int k = 0; k < 3; ++k) {
-    first[k] = floor_cell((tile[k] - tile[4]) * grid.inverse_cell);
-    last[k] = floor_cell((tile[k] + tile[4]) * grid.inverse_cell);
+    first[k] = floor_cell((tile.position[k] - tile.radius) * grid.inverse_cell);
+    last[k] = floor_cell((tile.position[k] + tile.radius) * grid.inverse_cell);
   }
   uint8_t awake = 0;
   for (int32_t z = first[2]; z <= last[2]; ++z) {
@@ -94,25 +93,25 @@ bool keeps_still(const Granular& g, uint32_t group) {
   const uint32_t first = group * k_lane_group;
   const uint32_t last = g.grain_count - first < k_lane_group ? g.grain_count : first + k_lane_group;
   bool still = true;
-  for (uint32_t i = first; i < last; ++i)
-    still = still && g.grains[0][static_cast<uint64_t>(i) * k_record_floats + 7] >= k_still_sweeps;
+  for (uint32_t i = first; i < last; ++i) still = still && g.grains[0][i].still_sweeps >= k_patience_sweeps;
   return still;
 }
 
 // The collider that came near the group: which of its grains are really near? Those have to find their rest anew.
 bool wake_grains(Granular* g, uint32_t group) {
-  alignas(SANDGLASS_BLOCK_ALIGNMENT) float points[k_lane_group * k_record_floats];
-  float* grains = g->grains[0] + static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
-  __builtin_memcpy(points, grains, sizeof points);
-  for (uint32_t l = 0; l < k_lane_group; ++l)
-    points[l * k_record_floats + 3] = -1.0f, points[l * k_record_floats + 4] = 0.0f;
+  alignas(SANDGLASS_BLOCK_ALIGNMENT) Sleeper points[k_lane_group] = {};
+  Grain* grains = g->grains[0] + static_cast<uint64_t>(group) * k_lane_group;
+  for (uint32_t l = 0; l < k_lane_group; ++l) {
+    for (int k = 0; k < 3; ++k) points[l].position[k] = grains[l].position[k];
+    set_asleep(&points[l], true);
+  }
   const uint32_t left = g->grain_count - group * k_lane_group;
   const WakeArgs args = {points, left < k_lane_group ? left : k_lane_group, g->sweep_moved.frames,
                          g->sweep_moved.margins, g->sweep_moved.count};
   uint32_t woken = 0;
-  g->kernels->wake_near(&args, 0, args.record_count, &woken);
-  for (uint32_t l = 0; l < args.record_count; ++l) {
-    if (points[l * k_record_floats + 3] > 0.0f) grains[l * k_record_floats + 7] = 0.0f;
+  g->kernels->wake_near(&args, 0, args.sleeper_count, &woken);
+  for (uint32_t l = 0; l < args.sleeper_count; ++l) {
+    if (is_awake(points[l])) grains[l].still_sweeps = 0.0f;
   }
   return woken != 0;
 }
@@ -174,13 +173,15 @@ void granular_run_triage(Granular* g) {
   const uint32_t groups = groups_of(*g);
   const uint32_t begin = g->grain_cursor, end = groups - begin < g->unit ? groups : begin + g->unit;
   for (uint32_t group = begin; group < end; ++group) {
-    float* tile = g->grain_tiles + static_cast<uint64_t>(group) * k_record_floats;
-    tile[3] = tile[5] = 1.0f;
+    Sleeper* tile = &g->grain_tiles[group];
+    set_asleep(tile, false);
+    tile->untouched[0] = tile->mobility;
     if (g->groups_changed) g->grain_still[group] = keeps_still(*g, group) ? 1 : 0;
     if (g->grain_still[group] == 0) continue;
     make_tile(g, group);
     ++g->still_groups;
-    if (g->mark_pass == k_mark_done && !near_awake_particle(*g, tile)) tile[3] = tile[5] = -1.0f;
+    if (g->mark_pass == k_mark_done && !near_awake_particle(*g, *tile)) set_asleep(tile, true);
+    tile->untouched[0] = tile->mobility;
   }
   if (g->sweep_moved.count != 0) {
     const WakeArgs args = {g->grain_tiles, end, g->sweep_moved.frames, g->sweep_moved.margins, g->sweep_moved.count};
@@ -188,9 +189,9 @@ void granular_run_triage(Granular* g) {
     g->kernels->wake_near(&args, begin / k_lane_group * k_lane_group, end, &woken);
   }
   for (uint32_t group = begin; group < end; ++group) {
-    const float* tile = g->grain_tiles + static_cast<uint64_t>(group) * k_record_floats;
-    if (!(tile[3] > 0.0f)) continue;
-    if (tile[5] < 0.0f && !wake_grains(g, group)) continue;
+    const Sleeper& tile = g->grain_tiles[group];
+    if (!is_awake(tile)) continue;
+    if (tile.untouched[0] < 0.0f && !wake_grains(g, group)) continue;
     g->grain_groups[g->grain_group_count++] = group;
   }
   g->grain_cursor = end;

@@ -105,11 +105,11 @@ void run_refine(Granular* g) {
   a.groups = g->grain_groups;
   a.still = g->grain_still;
   a.still_distance = k_still_speed_units * granular_speed_scale(*g) * static_cast<float>(g->sweep_time);
-  a.still_sweeps = k_still_sweeps;
+  a.still_sweeps = k_patience_sweeps;
   a.support = k_support_radii * g->desc.particle_radius;
   a.step = g->sweep_step;
   a.steps = g->sweep_steps;
-  a.source_rule = g->desc.blend == SANDGLASS_BLEND_SOURCE ? 1 : 0;
+  a.source_rule = g->desc.reference.blend == SANDGLASS_BLEND_SOURCE ? 1 : 0;
   a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
   a.colliders = g->sweep_colliders;
   a.collider_count = g->collider_count;
@@ -135,17 +135,18 @@ void run(void* state, uint32_t level) {
   if (g->grain_phase == GrainPhase::idle) begin_sweep(g, level);
   switch (g->grain_phase) {
     case GrainPhase::snapshot: {
-      const SortTarget target = {
-          g->snapshot, {g->snapshot_positions[0], g->snapshot_positions[1], g->snapshot_positions[2]}, true};
-      cell_sort_run(&g->snapshot_sort, *g->kernels, g->records[0], g->particle_count, g->unit, target);
+      const SortTarget target = {as_records(g->snapshot),
+                                 {g->snapshot_positions[0], g->snapshot_positions[1], g->snapshot_positions[2]},
+                                 true};
+      cell_sort_run(&g->snapshot_sort, *g->kernels, as_records(g->records[0]), g->particle_count, g->unit, target);
       if (g->snapshot_sort.phase == k_sort_done) begin_grains(g);
       break;
     }
     case GrainPhase::sort: {
-      const SortTarget target = {g->grains[1], {nullptr, nullptr, nullptr}, false};
-      cell_sort_run(&g->grain_sort, *g->kernels, g->grains[0], g->grain_count, g->unit, target);
+      const SortTarget target = {as_records(g->grains[1]), {nullptr, nullptr, nullptr}, false};
+      cell_sort_run(&g->grain_sort, *g->kernels, as_records(g->grains[0]), g->grain_count, g->unit, target);
       if (g->grain_sort.phase == k_sort_done) {
-        float* sorted = g->grains[1];
+        Grain* sorted = g->grains[1];
         g->grains[1] = g->grains[0];
         g->grains[0] = sorted;
         g->groups_changed = true;
@@ -207,7 +208,7 @@ bool next_output(const void* state, uint32_t level, WorkUnit* unit) {
 
 // The grains, then the numbers that stand for none.
 struct OutputTask {
-  const float* records;
+  const Grain* grains;
   const uint32_t* removed;
   uint32_t grain_count;
   uint8_t* out;
@@ -218,16 +219,16 @@ struct OutputTask {
     (void)piece;
     for (uint32_t i = begin; i < end; ++i) {
       sandglass_grain grain = {{0.0f, SANDGLASS_REMOVED_Y, 0.0f}, -1.0f};
-      uint32_t id;
+      uint32_t number;
       if (i < grain_count) {
-        const float* r = records + static_cast<uint64_t>(i) * k_record_floats;
-        __builtin_memcpy(&id, r + 3, sizeof id);
-        grain = {{r[0] - lag * r[4], r[1] - lag * r[5], r[2] - lag * r[6]},
-                 __builtin_sqrtf(r[4] * r[4] + r[5] * r[5] + r[6] * r[6])};
+        const float *x = grains[i].position, *v = grains[i].velocity;
+        number = grains[i].number;
+        grain = {{x[0] - lag * v[0], x[1] - lag * v[1], x[2] - lag * v[2]},
+                 __builtin_sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])};
       } else {
-        id = removed[i - grain_count];
+        number = removed[i - grain_count];
       }
-      if (id < capacity) __builtin_memcpy(out + id * stride, &grain, sizeof grain);
+      if (number < capacity) __builtin_memcpy(out + number * stride, &grain, sizeof grain);
     }
   }
 };
@@ -277,11 +278,11 @@ bool granular_grains_behind(const Granular& g) {
 // A unit of grains becomes mandatory when the particles wait for them: whatever the budget, one of the two goes on.
 Stage granular_grain_stage(Granular* granular) {
   const bool awaited = granular_grains_behind(*granular) || granular->grain_phase == GrainPhase::snapshot;
-  return {granular, next, run, forecast, awaited ? 1u : 0u, 1.0f};
+  return {granular, next, run, forecast, k_granular_kinds, awaited ? 1u : 0u, 1.0f};
 }
 
 Stage granular_output_stage(Granular* granular) {
-  return {granular, next_output, run_output, forecast_output, ~0u, 1.0f};
+  return {granular, next_output, run_output, forecast_output, k_granular_kinds, k_all_units, 1.0f};
 }
 
 }  // namespace sandglass

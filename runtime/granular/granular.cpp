@@ -23,30 +23,15 @@ void layout_sort(CellSort* sort, Layout* layout, const char* starts_name, const 
   sort->keys = layout_region<uint32_t>(layout, keys_name, records + k_slack);
 }
 
-void put(float* records, uint32_t index, const float* position, float w, const float* u, uint32_t id) {
-  float* r = records + static_cast<uint64_t>(index) * k_record_floats;
-  for (int k = 0; k < 3; ++k) r[k] = position[k], r[4 + k] = u == nullptr ? 0.0f : u[k];
-  r[3] = w;
-  __builtin_memcpy(r + 7, &id, sizeof id);
-}
-
-void put_grain(float* records, uint32_t index, const float* position, const float* v, uint32_t id) {
-  put(records, index, position, 0.0f, v, 0);  // the last slot, all bits 0, says: not yet still
-  __builtin_memcpy(records + static_cast<uint64_t>(index) * k_record_floats + 3, &id, sizeof id);
-}
-
-void put_inert(float* records, uint32_t index) {
-  const float far[3] = {k_inert_position, k_inert_position, k_inert_position};
-  put(records, index, far, 0.0f, nullptr, ~0u);
-}
+constexpr float k_at_rest[3] = {0.0f, 0.0f, 0.0f};
 
 }  // namespace
 
 // Inert records after the last particle, so that whole vectors can be processed; their rows point at inert neighbours.
 void granular_seal_particles(Granular* g) {
   for (uint32_t i = g->particle_count; i < g->particle_rows && i < g->particle_count + k_slack; ++i) {
-    for (float* records : g->records) {
-      if (records != nullptr) put_inert(records, i);
+    for (Particle* records : g->records) {
+      if (records != nullptr) records[i] = inert_particle();
     }
     g->counts[i] = 0;
     for (uint32_t s = 0; s < k_list_slots; ++s) g->lists[static_cast<uint64_t>(i) * k_list_slots + s] = g->inert;
@@ -97,14 +82,15 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (outside(d.static_friction, 0.0f, 10.0f)) return "granular.static_friction must be 0 to 10.";
   if (outside(d.kinetic_friction, 0.0f, 10.0f)) return "granular.kinetic_friction must be 0 to 10.";
   if (outside(d.height_weighting, 0.0f, 1.5f)) return "granular.height_weighting must be 0 (off) to 1.5.";
-  if (d.scheme != SANDGLASS_SCHEME_SMALL_STEP && d.scheme != SANDGLASS_SCHEME_AVERAGED)
-    return "granular.scheme must be a SANDGLASS_SCHEME value.";
-  if (d.solver_iterations < 1 || d.solver_iterations > 64) return "granular.solver_iterations must be 1 to 64.";
-  if (d.stabilisation_iterations > 8) return "granular.stabilisation_iterations must be 0 to 8.";
-  const float most = d.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 0.45f : 2.0f;
-  if (!(d.relaxation > 0.0f && d.relaxation <= most)) {
-    return "granular.relaxation must be above 0 and at most 0.45 (SMALL_STEP) or 2 (AVERAGED): above that, piles blow "
-           "up.";
+  if (d.reference.scheme != SANDGLASS_SCHEME_SMALL_STEP && d.reference.scheme != SANDGLASS_SCHEME_AVERAGED)
+    return "granular.reference.scheme must be a SANDGLASS_SCHEME value.";
+  if (d.reference.solver_iterations < 1 || d.reference.solver_iterations > 64)
+    return "granular.reference.solver_iterations must be 1 to 64.";
+  if (d.reference.stabilisation_iterations > 8) return "granular.reference.stabilisation_iterations must be 0 to 8.";
+  const float most = d.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 0.45f : 2.0f;
+  if (!(d.reference.relaxation > 0.0f && d.reference.relaxation <= most)) {
+    return "granular.reference.relaxation must be above 0 and at most 0.45 (SMALL_STEP) or 2 (AVERAGED): above "
+           "that, piles blow up.";
   }
   if (!(d.courant > 0.0f && d.courant <= 1.0f)) return "granular.courant must be above 0 and at most 1.";
   if (outside(d.substep_max, 0.0f, 0.1f)) return "granular.substep_max must be 0 (automatic) to 0.1 seconds.";
@@ -112,8 +98,8 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (d.substep_min > 0.0f && d.substep_max > 0.0f && d.substep_min > d.substep_max)
     return "granular.substep_min must not exceed substep_max.";
   if (outside(d.list_skin, 0.1f, 1.0f)) return "granular.list_skin must be 0.1 to 1 particle radius.";
-  if (d.blend != SANDGLASS_BLEND_CONTINUOUS && d.blend != SANDGLASS_BLEND_SOURCE)
-    return "granular.blend must be a SANDGLASS_BLEND value.";
+  if (d.reference.blend != SANDGLASS_BLEND_CONTINUOUS && d.reference.blend != SANDGLASS_BLEND_SOURCE)
+    return "granular.reference.blend must be a SANDGLASS_BLEND value.";
   if (outside(d.sleep_after, 0.0f, 5.0f)) return "granular.sleep_after must be 0 (never) to 5 seconds.";
   if (outside(d.refine_step, 1e-4f, 0.1f)) return "granular.refine_step must be 0.0001 to 0.1 seconds.";
   return nullptr;
@@ -124,11 +110,11 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   if (d.particle_capacity == 0) return;
   g->particle_rows = round_up(d.particle_capacity, k_lane_group) + k_slack;
   g->inert = g->particle_rows + d.boundary_capacity;
-  const uint64_t records = (static_cast<uint64_t>(g->inert) + k_slack) * k_record_floats;
-  const bool several_passes = d.solver_iterations + d.stabilisation_iterations > 1;
-  g->records[0] = layout_region<float>(layout, "granular.particles", records);
-  g->records[1] = layout_region<float>(layout, "granular.particles_next", records);
-  g->records[2] = layout_region<float>(layout, "granular.particles_between", several_passes ? records : 0);
+  const uint64_t records = static_cast<uint64_t>(g->inert) + k_slack;
+  const bool several_passes = d.reference.solver_iterations + d.reference.stabilisation_iterations > 1;
+  g->records[0] = layout_region<Particle>(layout, "granular.particles", records);
+  g->records[1] = layout_region<Particle>(layout, "granular.particles_next", records);
+  g->records[2] = layout_region<Particle>(layout, "granular.particles_between", several_passes ? records : 0);
   const char* const axes[3] = {"granular.sorted_x", "granular.sorted_y", "granular.sorted_z"};
   const char* const boundary_axes[3] = {"granular.boundary_x", "granular.boundary_y", "granular.boundary_z"};
   const char* const snapshot_axes[3] = {"granular.snapshot_x", "granular.snapshot_y", "granular.snapshot_z"};
@@ -163,16 +149,16 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
                 4ull * d.boundary_capacity);
   }
   if (grains) {
-    g->snapshot = layout_region<float>(layout, "granular.snapshot", rows * k_record_floats);
+    g->snapshot = layout_region<Particle>(layout, "granular.snapshot", rows);
     layout_sort(&g->snapshot_sort, layout, "granular.snapshot_cells", "granular.snapshot_keys", rows, 2ull * rows);
-    g->grains[0] = layout_region<float>(layout, "granular.grains", grain_rows * k_record_floats);
-    g->grains[1] = layout_region<float>(layout, "granular.grains_sorted", grain_rows * k_record_floats);
+    g->grains[0] = layout_region<Grain>(layout, "granular.grains", grain_rows);
+    g->grains[1] = layout_region<Grain>(layout, "granular.grains_sorted", grain_rows);
     layout_sort(&g->grain_sort, layout, "granular.grain_cells", "granular.grain_keys", grain_rows, grain_rows);
     g->grain_sort.serpentine = true;
     const uint64_t grain_groups = round_up(d.grain_capacity, k_lane_group) / k_lane_group;
     g->grain_groups = layout_region<uint32_t>(layout, "granular.grain_groups", grain_groups);
     g->grain_still = layout_region<uint8_t>(layout, "granular.grain_still", grain_groups);
-    g->grain_tiles = layout_region<float>(layout, "granular.grain_tiles", (grain_groups + k_slack) * k_record_floats);
+    g->grain_tiles = layout_region<Sleeper>(layout, "granular.grain_tiles", grain_groups + k_slack);
     g->awake_cells[0] = layout_region<uint8_t>(layout, "granular.awake_cells", g->snapshot_sort.cells_max);
     g->awake_cells[1] = layout_region<uint8_t>(layout, "granular.awake_cells_spread", g->snapshot_sort.cells_max);
   }
@@ -212,8 +198,8 @@ void granular_reset(Granular* g) {
   g->densest_body = 0.0f;
   g->touch_due = g->wake_due = g->rest_due = false;
   for (int k = 0; k < 3; ++k) g->low[k] = g->high[k] = 0.0f;
-  for (float* records : g->records) {
-    if (records != nullptr) put_inert(records, g->inert);
+  for (Particle* records : g->records) {
+    if (records != nullptr) records[g->inert] = inert_particle();
   }
   granular_seal_particles(g);
 }
@@ -223,37 +209,36 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
                               uint32_t grain_count, const char** reason) {
   if ((particle_count != 0 && particles == nullptr) || (grain_count != 0 && grains == nullptr)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add: a count is above 0 but its positions are NULL.", reason);
+                "particle_positions or grain_positions is NULL but its count is above 0: pass 3 floats for each item.",
+                reason);
   }
   if (particle_count > g->desc.particle_capacity - g->particle_count) {
-    return fail(SANDGLASS_ERROR_CAPACITY,
-                "sandglass_granular_add: more particles than granular.particle_capacity has room for: raise it.",
+    return fail(SANDGLASS_ERROR_CAPACITY, "more particles than granular.particle_capacity has room for: raise it.",
                 reason);
   }
   if (grain_count > g->desc.grain_capacity - g->grain_count) {
-    return fail(SANDGLASS_ERROR_CAPACITY,
-                "sandglass_granular_add: more grains than granular.grain_capacity has room for: raise it.", reason);
+    return fail(SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.", reason);
   }
   if (!all_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
       !all_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add: a position is not finite or more than 1000 m from the scene origin: move the "
+                "a position is not finite or more than 1000 m from the scene origin: move the "
                 "origin nearer.",
                 reason);
   }
   if ((particle_velocities != nullptr && !all_within(particle_velocities, particle_count, k_speed_limit)) ||
       (grain_velocities != nullptr && !all_within(grain_velocities, grain_count, k_speed_limit))) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add: a velocity is not finite or above 10000 m/s.", reason);
+                "a velocity is not finite or above 10000 m/s: check where it comes from.", reason);
   }
   if (particle_count != 0) granular_abandon_substep(g);
   for (uint32_t i = 0; i < particle_count; ++i) {
     const uint32_t index = g->particle_count + i;
     const float* position = particles + 3ull * i;
-    const float* velocity = particle_velocities == nullptr ? nullptr : particle_velocities + 3ull * i;
+    const float* velocity = particle_velocities == nullptr ? k_at_rest : particle_velocities + 3ull * i;
     // Live and free numbers together are 0, 1, 2, ...: without free ones the next is the count.
     const uint32_t number = g->free_particle_count != 0 ? g->free_particles[--g->free_particle_count] : index;
-    put(g->records[0], index, position, 1.0f, velocity, number);
+    g->records[0][index] = moving_particle(position, velocity, number);
     Rest& rest = g->rest[number];
     for (int k = 0; k < 3; ++k) rest.anchor[k] = position[k];
     rest.quiet = 0;
@@ -263,7 +248,7 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
       const bool first = !g->bounds_known;
       if (first || position[k] < g->low[k]) g->low[k] = position[k];
       if (first || position[k] > g->high[k]) g->high[k] = position[k];
-      if (velocity != nullptr) speed2 += velocity[k] * velocity[k];
+      speed2 += velocity[k] * velocity[k];
     }
     g->bounds_known = true;
     const float speed = __builtin_sqrtf(speed2);
@@ -272,8 +257,8 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
   for (uint32_t i = 0; i < grain_count; ++i) {
     const uint32_t index = g->grain_count + i;
     const uint32_t number = g->free_grain_count != 0 ? g->free_grains[--g->free_grain_count] : index;
-    put_grain(g->grains[0], index, grains + 3ull * i,
-              grain_velocities == nullptr ? nullptr : grain_velocities + 3ull * i, number);
+    const float* velocity = grain_velocities == nullptr ? k_at_rest : grain_velocities + 3ull * i;
+    g->grains[0][index] = moving_grain(grains + 3ull * i, velocity, number);
   }
   if (particle_count != 0) {
     g->particle_count += particle_count;
@@ -295,28 +280,29 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
 
 void granular_sort_boundary(Granular* g, uint32_t count) {
   g->boundary_count = count;
-  const uint64_t rows = static_cast<uint64_t>(g->particle_rows) * k_record_floats;
-  const uint64_t bytes = static_cast<uint64_t>(count) * k_record_floats * sizeof(float);
+  const uint32_t rows = g->particle_rows;
+  const uint64_t bytes = count * sizeof(Particle);
   if (count != 0) {
-    float* sorted = g->records[0] + rows;
-    float* unsorted = g->records[1] + rows;
+    Particle* sorted = g->records[0] + rows;
+    Particle* unsorted = g->records[1] + rows;
     __builtin_memcpy(unsorted, sorted, bytes);
-    float low[3] = {unsorted[0], unsorted[1], unsorted[2]}, high[3] = {unsorted[0], unsorted[1], unsorted[2]};
+    float low[3], high[3];
+    for (int k = 0; k < 3; ++k) low[k] = high[k] = unsorted[0].position[k];
     for (uint32_t i = 0; i < count; ++i) {
-      const float* p = unsorted + static_cast<uint64_t>(i) * k_record_floats;
+      const float* p = unsorted[i].position;
       for (int k = 0; k < 3; ++k) low[k] = p[k] < low[k] ? p[k] : low[k], high[k] = p[k] > high[k] ? p[k] : high[k];
     }
     cell_sort_begin(&g->boundary_sort, (2.0f + g->desc.list_skin) * g->desc.particle_radius, low, high, 2);
     const SortTarget target = {
-        sorted, {g->boundary_positions[0], g->boundary_positions[1], g->boundary_positions[2]}, false};
+        as_records(sorted), {g->boundary_positions[0], g->boundary_positions[1], g->boundary_positions[2]}, false};
     while (g->boundary_sort.phase != k_sort_done)
-      cell_sort_run(&g->boundary_sort, *g->kernels, unsorted, count, g->unit, target);
+      cell_sort_run(&g->boundary_sort, *g->kernels, as_records(unsorted), count, g->unit, target);
     for (int b = 1; b < 3; ++b) {
       if (g->records[b] != nullptr) __builtin_memcpy(g->records[b] + rows, sorted, bytes);
     }
   }
-  for (float* records : g->records) {
-    if (records != nullptr) put_inert(records, g->inert);
+  for (Particle* records : g->records) {
+    if (records != nullptr) records[g->inert] = inert_particle();
   }
 }
 
@@ -326,19 +312,19 @@ sandglass_status granular_set_boundary(Granular* g, const float* positions, uint
                 "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.", reason);
   }
   if (count != 0 && positions == nullptr) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_set_boundary: count is above 0 but positions is NULL.", reason);
+    return fail(
+        SANDGLASS_ERROR_INVALID_ARGUMENT,
+        "sandglass_granular_set_boundary: positions is NULL but count is above 0: pass 3 floats for each sample.",
+        reason);
   }
   if (!all_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin.",
+                "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin: "
+                "move the origin nearer.",
                 reason);
   }
   granular_wake_all(g);
-  float* records = g->desc.boundary_capacity == 0
-                       ? nullptr
-                       : g->records[0] + static_cast<uint64_t>(g->particle_rows) * k_record_floats;
-  for (uint32_t i = 0; i < count; ++i) put(records, i, positions + 3ull * i, 0.0f, nullptr, i);
+  for (uint32_t i = 0; i < count; ++i) g->records[0][g->particle_rows + i] = fixed_particle(positions + 3ull * i, i);
   granular_sort_boundary(g, count);
   if (reason != nullptr) *reason = nullptr;
   return SANDGLASS_OK;

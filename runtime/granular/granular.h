@@ -33,7 +33,7 @@ enum : uint32_t {
   k_unit_triage,
   k_unit_bodies,
   k_unit_drain,
-  k_granular_kinds  // where the next stage's begin
+  k_granular_kinds
 };
 
 enum class ParticlePhase : uint32_t {
@@ -54,7 +54,7 @@ enum class GrainPhase : uint32_t { idle, snapshot, sort, mark, triage, refine, d
 constexpr double k_rest_period = 0.02;  // seconds of simulated time between looks at who rests and what sinks take
 
 // Sweeps in a row that a grain keeps still before it may sleep; the apex of a flight is shorter.
-constexpr float k_still_sweeps = 16.0f;
+constexpr float k_patience_sweeps = 16.0f;
 
 // Whether the particles of a record group are computed. waking: awake, but without neighbour lists yet.
 enum class GroupState : uint8_t { asleep, active, waking };
@@ -107,7 +107,7 @@ struct Granular {
   uint32_t inert;          // index of the inert record, after the boundary
 
   // Particles. records[0]: the state; [1]: where a pass writes; [2]: only when a sub-step has more than one pass.
-  float* records[3];
+  Particle* records[3];
   float* positions[3];
   uint32_t* lists;
   uint8_t* counts;
@@ -156,8 +156,8 @@ struct Granular {
   uint32_t boundary_count;
 
   // Grains. grains[0]: the state; [1]: sorting target.
-  float* grains[2];
-  float* snapshot;
+  Grain* grains[2];
+  Particle* snapshot;
   float* snapshot_positions[3];
   CellSort snapshot_sort, grain_sort;
   uint32_t grain_count;
@@ -165,7 +165,7 @@ struct Granular {
   // Sleep of the grains, by groups of 16; see grain_rest.cpp.
   uint32_t* grain_groups;   // those that the sweep refines
   uint8_t* grain_still;     // as the refinement left it
-  float* grain_tiles;       // a record a group: the sphere that holds it
+  Sleeper* grain_tiles;     // one a group: the sphere that holds its grains
   uint8_t* awake_cells[2];  // cells of the snapshot near an awake particle
   sandglass_collider* sweep_colliders_before;
   uint32_t grain_group_count, sweep_collider_before_count;

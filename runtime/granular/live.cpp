@@ -12,6 +12,10 @@ namespace {
 constexpr uint32_t k_magic = 0x73676473;  // "sgds"
 constexpr uint32_t k_version = 2;
 
+constexpr char k_moved_too_far[] =
+    "sandglass_scene_move: the move would leave the coordinate limit, 1000 m from the scene origin; nothing "
+    "was moved.";
+
 struct Header {
   uint32_t magic, version;
   uint64_t bytes;     // all of it
@@ -50,15 +54,13 @@ Header header_of(const Granular& g) {
 // The one walk over the arrays: counts, copies out or copies in.
 template <class Visit>
 void for_arrays(Granular* g, const Header& h, Scalars* scalars, const Visit& visit) {
-  const uint64_t record = k_record_floats * sizeof(float);
   visit(scalars, sizeof *scalars);
-  visit(g->records[0], h.particles * record);
+  visit(g->records[0], h.particles * sizeof(Particle));
   visit(g->rest, (static_cast<uint64_t>(h.particles) + h.free_particles) * sizeof(Rest));
   visit(g->free_particles, h.free_particles * sizeof(uint32_t));
-  visit(g->grains[0], h.grains * record);
+  visit(g->grains[0], h.grains * sizeof(Grain));
   visit(g->free_grains, h.free_grains * sizeof(uint32_t));
-  visit(g->records[0] == nullptr ? nullptr : g->records[0] + static_cast<uint64_t>(g->particle_rows) * k_record_floats,
-        h.boundary * record);
+  visit(g->records[0] == nullptr ? nullptr : g->records[0] + g->particle_rows, h.boundary * sizeof(Particle));
   visit(g->bodies, h.bodies * sizeof(RigidBody));
   visit(g->body_rest, 3ull * h.body_particles * sizeof(float));
   visit(g->body_rows, h.body_particles * sizeof(uint32_t));
@@ -96,29 +98,25 @@ void settle(Granular* g) {
 bool finite(float a) { return a - a == 0.0f; }
 bool finite(double a) { return a - a == 0.0; }
 
-uint32_t id_of(const float* slot) {
-  uint32_t id;
-  __builtin_memcpy(&id, slot, sizeof id);
-  return id;
-}
-
-bool sound_positions(const float* records, uint32_t count) {
+template <class Item>
+bool sound_motion(const Item* items, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {
-    const float* r = records + static_cast<uint64_t>(i) * k_record_floats;
     for (int k = 0; k < 3; ++k) {
-      if (!(__builtin_fabsf(r[k]) <= k_coordinate_bound) || !finite(r[4 + k])) return false;
+      if (!(__builtin_fabsf(items[i].position[k]) <= k_coordinate_bound) || !finite(items[i].velocity[k])) return false;
     }
   }
   return true;
 }
 
-// Whether the numbers of `count` records and the `free` ones are 0, 1, 2, ... in some order. marks: count + free words.
-bool sound_numbers(const float* records, uint32_t count, int slot, uint32_t mask, const uint32_t* free,
-                   uint32_t free_count, uint32_t* marks) {
+uint32_t number_of(const Grain& grain) { return grain.number; }
+
+// Whether the numbers of `count` items and the `free` ones are 0, 1, 2, ... in some order. marks: count + free words.
+template <class Item>
+bool sound_numbers(const Item* items, uint32_t count, const uint32_t* free, uint32_t free_count, uint32_t* marks) {
   const uint64_t all = static_cast<uint64_t>(count) + free_count;
   for (uint64_t i = 0; i < all; ++i) marks[i] = 0;
   for (uint64_t i = 0; i < all; ++i) {
-    const uint32_t number = i < count ? id_of(records + i * k_record_floats + slot) & mask : free[i - count];
+    const uint32_t number = i < count ? number_of(items[i]) : free[i - count];
     if (number >= all || marks[number]++ != 0) return false;
   }
   return true;
@@ -136,15 +134,12 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
   if (!(s.owed >= 0.0 && s.owed <= 1.0 && s.slipped >= 0.0 && s.unswept >= 0.0 && s.unswept <= 1e5)) return false;
   if (!finite(s.speed_max) || !(s.frame_step >= 0.0f && s.frame_step <= 1.0f) || !finite(s.densest_body)) return false;
   if (!(s.builds_per_substep >= 0.0f && s.builds_per_substep <= 1.0f)) return false;
-  if (!sound_positions(g->records[0], h.particles) || !sound_positions(g->grains[0], h.grains)) return false;
-  const float* boundary = g->records[0] + static_cast<uint64_t>(g->particle_rows) * k_record_floats;
-  if (!sound_positions(boundary, h.boundary)) return false;
+  if (!sound_motion(g->records[0], h.particles) || !sound_motion(g->grains[0], h.grains)) return false;
+  if (!sound_motion(g->records[0] + g->particle_rows, h.boundary)) return false;
   // The lists are invalid by now: their memory serves for marks. The sorted copy of the grains does for them.
-  if (!sound_numbers(g->records[0], h.particles, 7, k_number_mask, g->free_particles, h.free_particles, g->lists))
-    return false;
+  if (!sound_numbers(g->records[0], h.particles, g->free_particles, h.free_particles, g->lists)) return false;
   if (h.grains + static_cast<uint64_t>(h.free_grains) != 0 &&
-      !sound_numbers(g->grains[0], h.grains, 3, ~0u, g->free_grains, h.free_grains,
-                     reinterpret_cast<uint32_t*>(g->grains[1])))
+      !sound_numbers(g->grains[0], h.grains, g->free_grains, h.free_grains, reinterpret_cast<uint32_t*>(g->grains[1])))
     return false;
   uint32_t slots = 0, awake = 0, in_bodies = 0;
   for (uint32_t b = 0; b < h.bodies; ++b) {
@@ -160,9 +155,9 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
     for (uint32_t slot = body.first; slot < slots; ++slot) {
       const uint32_t row = g->body_rows[slot];
       if (row >= h.particles) return false;
-      const uint32_t id = id_of(g->records[0] + static_cast<uint64_t>(row) * k_record_floats + 7);
-      if (id >> k_body_shift != b + 1 || (id & k_number_mask) != g->body_numbers[slot]) return false;
-      if (g->rest[id & k_number_mask].body_slot != slot) return false;
+      const Particle& p = g->records[0][row];
+      if (body_of(p) != b + 1 || number_of(p) != g->body_numbers[slot]) return false;
+      if (g->rest[number_of(p)].body_slot != slot) return false;
       for (int k = 0; k < 3; ++k) {
         if (!finite(g->body_rest[3ull * slot + k])) return false;
       }
@@ -170,11 +165,10 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
   }
   if (slots != h.body_particles) return false;
   for (uint32_t i = 0; i < h.particles; ++i) {
-    const float* r = g->records[0] + static_cast<uint64_t>(i) * k_record_floats;
-    const float weight = __builtin_fabsf(r[3]);
-    if (!(weight >= 1e-4f && weight <= 1e4f)) return false;
-    awake += r[3] > 0.0f ? 1u : 0u;
-    in_bodies += id_of(r + 7) > k_number_mask ? 1u : 0u;
+    const Particle& p = g->records[0][i];
+    if (!(inverse_mass(p) >= 1e-4f && inverse_mass(p) <= 1e4f)) return false;
+    awake += is_awake(p) ? 1u : 0u;
+    in_bodies += in_body(p) ? 1u : 0u;
   }
   return awake == s.awake && in_bodies == h.body_particles;
 }
@@ -199,10 +193,11 @@ struct Motion {
   }
 };
 
-bool stays_within(const Motion& motion, const float* records, uint32_t count) {
+template <class Item>
+bool stays_within(const Motion& motion, const Item* items, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {
-    const float* r = records + static_cast<uint64_t>(i) * k_record_floats;
-    float p[3] = {r[0], r[1], r[2]};
+    const float* at = items[i].position;
+    float p[3] = {at[0], at[1], at[2]};
     motion.move(p);
     for (const float c : p) {
       if (!(__builtin_fabsf(c) <= SANDGLASS_COORDINATE_LIMIT)) return false;
@@ -211,11 +206,11 @@ bool stays_within(const Motion& motion, const float* records, uint32_t count) {
   return true;
 }
 
-void move_records(const Motion& motion, float* records, uint32_t count) {
+template <class Item>
+void move_items(const Motion& motion, Item* items, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {
-    float* r = records + static_cast<uint64_t>(i) * k_record_floats;
-    motion.move(r);
-    motion.turn(r + 4);
+    motion.move(items[i].position);
+    motion.turn(items[i].velocity);
   }
 }
 
@@ -228,13 +223,15 @@ uint64_t granular_save_bytes(const Granular& granular) {
 
 sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t* written, const char** reason) {
   if (data == nullptr || written == nullptr)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_scene_save: data or written is NULL.", reason);
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_scene_save: data or written is NULL: pass the memory and where to store its length.",
+                reason);
   settle(g);
   Header h = header_of(*g);
   h.bytes = size_of(g, h);
   if (bytes < h.bytes)
     return fail(SANDGLASS_ERROR_MEMORY_TOO_SMALL,
-                "sandglass_scene_save: fewer bytes than sandglass_scene_save_bytes says.", reason);
+                "sandglass_scene_save: bytes is less than the scene needs: ask sandglass_scene_save_bytes.", reason);
   Scalars s = {};
   s.owed = g->owed, s.slipped = g->slipped, s.simulated = g->simulated, s.unswept = g->unswept;
   s.next_rest = g->next_rest;
@@ -260,13 +257,22 @@ sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t
 
 sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes, const char** reason) {
   Header h;
-  if (data == nullptr || bytes < sizeof h)
+  if (data == nullptr)
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_restore: data is NULL or shorter than a saved scene.", reason);
+                "sandglass_scene_restore: data is NULL: pass the bytes that sandglass_scene_save wrote.", reason);
+  if (bytes < sizeof h)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_scene_restore: the data is shorter than any saved scene: it was cut.", reason);
   __builtin_memcpy(&h, data, sizeof h);
-  if (h.magic != k_magic || h.version != k_version)
+  if (h.magic != k_magic)
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_restore: not a scene saved by this version of the library.", reason);
+                "sandglass_scene_restore: the data is no saved scene: pass the bytes that sandglass_scene_save wrote.",
+                reason);
+  if (h.version != k_version)
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
+                "sandglass_scene_restore: the data has the format of another version of the library: save again with "
+                "this one.",
+                reason);
   const sandglass_granular_desc& d = g->desc;
   if (h.bytes != bytes || h.reserved != 0 ||
       fnv(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
@@ -320,7 +326,11 @@ sandglass_status granular_move(Granular* g, const float rotation[4], const float
   sandglass_collider frame = {}, accepted;
   frame.rotation[3] = 1.0f;
   for (int k = 0; rotation != nullptr && k < 4; ++k) frame.rotation[k] = rotation[k];
-  for (int k = 0; translation != nullptr && k < 3; ++k) frame.position[k] = translation[k];
+  for (int k = 0; translation != nullptr && k < 3; ++k) {
+    frame.position[k] = translation[k];
+    if (finite(translation[k]) && __builtin_fabsf(translation[k]) > k_coordinate_bound)
+      return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, k_moved_too_far, reason);
+  }
   if (!collider_accept(frame, &accepted))
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
                 "sandglass_scene_move: rotation or translation is not finite, or the rotation has no length.", reason);
@@ -331,28 +341,26 @@ sandglass_status granular_move(Granular* g, const float rotation[4], const float
   __builtin_memcpy(motion.axes, posed.axes, sizeof motion.axes);
   for (int k = 0; k < 3; ++k) motion.shift[k] = accepted.position[k];
   for (int k = 0; k < 4; ++k) motion.rotation[k] = static_cast<double>(accepted.rotation[k]);
-  float* boundary = g->records[0] + static_cast<uint64_t>(g->particle_rows) * k_record_floats;
+  Particle* boundary = g->records[0] + g->particle_rows;
   if (!stays_within(motion, g->records[0], g->particle_count) || !stays_within(motion, g->grains[0], g->grain_count) ||
       !stays_within(motion, boundary, g->boundary_count)) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_move: something would be more than 1000 m from the origin; nothing was moved.",
-                reason);
+    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, k_moved_too_far, reason);
   }
   settle(g);
-  move_records(motion, g->records[0], g->particle_count);
-  if (g->grain_count != 0) move_records(motion, g->grains[0], g->grain_count);
+  move_items(motion, g->records[0], g->particle_count);
+  if (g->grain_count != 0) move_items(motion, g->grains[0], g->grain_count);
   for (uint32_t i = 0; i < g->particle_count + g->free_particle_count; ++i) motion.move(g->rest[i].anchor);
   for (uint32_t b = 0; b < g->body_count; ++b) granular_move_body(g, b, motion.rotation, motion.shift);
   bool first = true;
   for (uint32_t i = 0; i < g->particle_count; ++i) {
-    const float* r = g->records[0] + static_cast<uint64_t>(i) * k_record_floats;
+    const float* r = g->records[0][i].position;
     for (int k = 0; k < 3; ++k) {
       if (first || r[k] < g->low[k]) g->low[k] = r[k];
       if (first || r[k] > g->high[k]) g->high[k] = r[k];
     }
     first = false;
   }
-  move_records(motion, boundary, g->boundary_count);
+  move_items(motion, boundary, g->boundary_count);
   granular_sort_boundary(g, g->boundary_count);
   if (reason != nullptr) *reason = nullptr;
   return SANDGLASS_OK;

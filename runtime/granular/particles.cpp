@@ -43,7 +43,7 @@ constexpr uint32_t k_dither_stride =
 constexpr double k_time_resolution = 1e-9;  // seconds; less is not owed
 
 uint32_t passes_of(const Granular& g, ParticlePhase phase) {
-  return phase == ParticlePhase::stabilise ? g.desc.stabilisation_iterations : g.iterations;
+  return phase == ParticlePhase::stabilise ? g.desc.reference.stabilisation_iterations : g.iterations;
 }
 
 // Half the diagonal of the box that holds all displacements of a sub-step; where something stands still, the longest
@@ -63,7 +63,7 @@ float spread_of(const Granular& g, const ContactExtent& e) {
 
 // Length of the next sub-steps: (4.45) within the scheme's range, equal parts of the interval (erratum of Alg. 5).
 uint32_t substeps_for(const Granular& g, double interval, uint32_t level) {
-  float limit = rung_substep(k_ladder[level], g.desc.solver_iterations, g.substep_max);
+  float limit = rung_substep(k_ladder[level], g.desc.reference.solver_iterations, g.substep_max);
   if (g.speed_max > 0.0f) {
     const float courant = g.desc.courant * g.desc.particle_radius / g.speed_max;
     limit = courant < limit ? courant : limit;
@@ -126,10 +126,10 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
     if (!g.touch_due && g.interval_left == 0 && (g.owed < k_time_resolution || waits_for_grains(g, level)))
       return false;
     cursor = 0;
-    phase = g.touch_due                            ? ParticlePhase::touch
-            : plan_substep(g, level).stale         ? ParticlePhase::sort
-            : g.desc.stabilisation_iterations != 0 ? ParticlePhase::stabilise
-                                                   : ParticlePhase::solve;
+    phase = g.touch_due                                      ? ParticlePhase::touch
+            : plan_substep(g, level).stale                   ? ParticlePhase::sort
+            : g.desc.reference.stabilisation_iterations != 0 ? ParticlePhase::stabilise
+                                                             : ParticlePhase::solve;
   }
   const uint32_t left = (phase == ParticlePhase::lists ? g.particle_count : active_items(g)) - cursor;
   unit->items = left < g.unit ? left : g.unit;
@@ -177,7 +177,7 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
 }
 
 void enter_passes(Granular* g) {
-  g->phase = g->desc.stabilisation_iterations != 0 ? ParticlePhase::stabilise : ParticlePhase::solve;
+  g->phase = g->desc.reference.stabilisation_iterations != 0 ? ParticlePhase::stabilise : ParticlePhase::solve;
   g->cursor = g->pass = 0;
   g->extent.speed_squared = 0.0f;
   g->extent.quarantined = g->extent.touched = 0;
@@ -193,7 +193,7 @@ void begin_substep(Granular* g, uint32_t level) {
   if (g->interval_left == 0) g->interval_owed = g->owed - plan.interval;
   g->interval_left = plan.count;
   g->substep = plan.substep;
-  g->iterations = rung_iterations(k_ladder[level], g->desc.solver_iterations);
+  g->iterations = rung_iterations(k_ladder[level], g->desc.reference.solver_iterations);
   // Seconds between the end of this sub-step and the end of the frame, where the colliders' poses are given.
   const double after = g->owed - static_cast<double>(g->substep);
   colliders_pose(g->colliders, g->solid_count, after > 0.0 ? static_cast<float>(after) : 0.0f, g->substep_colliders);
@@ -204,10 +204,10 @@ void begin_substep(Granular* g, uint32_t level) {
 }
 
 void run_sort(Granular* g) {
-  const SortTarget target = {g->records[1], {g->positions[0], g->positions[1], g->positions[2]}, false};
-  cell_sort_run(&g->particle_sort, *g->kernels, g->records[0], g->particle_count, g->unit, target);
+  const SortTarget target = {as_records(g->records[1]), {g->positions[0], g->positions[1], g->positions[2]}, false};
+  cell_sort_run(&g->particle_sort, *g->kernels, as_records(g->records[0]), g->particle_count, g->unit, target);
   if (g->particle_sort.phase != k_sort_done) return;
-  float* sorted = g->records[1];
+  Particle* sorted = g->records[1];
   g->records[1] = g->records[0];
   g->records[0] = sorted;
   g->phase = ParticlePhase::lists;
@@ -221,23 +221,19 @@ struct ListTask {
   uint32_t dropped[8], awake[8];
 
   bool settle_group(uint32_t group, uint32_t* awake_lanes) const {
-    const float* records = g->records[0] + static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
+    const uint32_t first = group * k_lane_group;
     uint32_t lanes = 0;
-    for (uint32_t l = 0; l < k_lane_group; ++l) {
-      const float* r = records + l * k_record_floats;
-      lanes += r[3] > 0.0f ? 1u : 0u;
-      uint32_t id;
-      __builtin_memcpy(&id, r + 7, sizeof id);
-      if (g->body_count != 0 && id > k_number_mask && id != ~0u)
-        g->body_rows[g->rest[id & k_number_mask].body_slot] = group * k_lane_group + l;
+    for (uint32_t i = first; i < first + k_lane_group; ++i) {
+      const Particle& p = g->records[0][i];
+      lanes += is_awake(p) ? 1u : 0u;
+      if (g->body_count != 0 && in_body(p) && !is_inert(p)) g->body_rows[g->rest[number_of(p)].body_slot] = i;
     }
     *awake_lanes += lanes;
     g->group_states[group] = lanes != 0 ? GroupState::active : GroupState::asleep;
     if (lanes != 0) return true;
-    const uint64_t at = static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
     for (uint32_t b = 1; b < 3; ++b) {
       if (g->records[b] != nullptr)
-        __builtin_memcpy(g->records[b] + at, g->records[0] + at, k_lane_group * k_record_floats * sizeof(float));
+        __builtin_memcpy(g->records[b] + first, g->records[0] + first, k_lane_group * sizeof(Particle));
     }
     return false;
   }
@@ -311,7 +307,7 @@ void merge_extent(ContactExtent* into, const ContactExtent& from) {
 
 // The last pass has written records[1]: that is the state now.
 void finish_substep(Granular* g) {
-  float* state = g->records[1];
+  Particle* state = g->records[1];
   g->records[1] = g->records[0];
   g->records[0] = state;
   g->quarantined += g->extent.quarantined;
@@ -347,7 +343,7 @@ void finish_substep(Granular* g) {
 }
 
 // Buffers a pass reads and writes. The first reads the state; the last writes records[1], which then becomes the state.
-void pass_buffers(const Granular& g, uint32_t pass, uint32_t passes, const float** in, float** out) {
+void pass_buffers(const Granular& g, uint32_t pass, uint32_t passes, const Particle** in, Particle** out) {
   const uint32_t after = passes - 1 - pass;  // passes that follow
   *out = g.records[after % 2 == 0 ? 1 : 2];
   *in = pass == 0 ? g.records[0] : g.records[after % 2 == 0 ? 2 : 1];
@@ -355,7 +351,7 @@ void pass_buffers(const Granular& g, uint32_t pass, uint32_t passes, const float
 
 void run_pass(Granular* g) {
   const bool solve = g->phase == ParticlePhase::solve;
-  const uint32_t stabilisations = g->desc.stabilisation_iterations;
+  const uint32_t stabilisations = g->desc.reference.stabilisation_iterations;
   const uint32_t pass = solve ? stabilisations + g->pass : g->pass;
   const uint32_t passes = stabilisations + g->iterations;
   const float dt = g->substep;
@@ -371,13 +367,13 @@ void run_pass(Granular* g) {
   a.diameter = 2.0f * g->desc.particle_radius;
   a.static_friction = g->desc.static_friction;
   a.kinetic_friction = g->desc.kinetic_friction;
-  a.relaxation = g->desc.relaxation;
-  a.averaged = g->desc.scheme == SANDGLASS_SCHEME_AVERAGED ? 1 : 0;
+  a.relaxation = g->desc.reference.relaxation;
+  a.averaged = g->desc.reference.scheme == SANDGLASS_SCHEME_AVERAGED ? 1 : 0;
   const float k = g->gravity_length > 0.0f ? g->desc.height_weighting : 0.0f;
   a.weight_linear = -0.25f * k;
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
   a.lift_max = k_lift_gravities * g->gravity_length * dt * dt / static_cast<float>(g->iterations);
-  a.inverse_relaxation = 1.0f / g->desc.relaxation;
+  a.inverse_relaxation = 1.0f / g->desc.reference.relaxation;
   const float heaviest =
       g->densest_body < 1.0f ? 1.0f : (g->densest_body < k_heaviest_counted ? g->densest_body : k_heaviest_counted);
   a.separation_max = a.averaged != 0 ? 1e6f : k_separation_units * heaviest * granular_speed_scale(*g) * dt;
@@ -462,10 +458,11 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   uint32_t n = 0;
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};
   entries[n++] = {k_unit_lists, builds * active};
-  if (g.desc.stabilisation_iterations != 0)
-    entries[n++] = {k_unit_stabilise, substeps * g.desc.stabilisation_iterations * active};
+  if (g.desc.reference.stabilisation_iterations != 0)
+    entries[n++] = {k_unit_stabilise, substeps * g.desc.reference.stabilisation_iterations * active};
   if (g.body_count != 0) entries[n++] = {k_unit_bodies, substeps * 2 * g.body_particle_count};
-  entries[n++] = {k_unit_solve, substeps * rung_iterations(k_ladder[level], g.desc.solver_iterations) * active};
+  entries[n++] = {k_unit_solve,
+                  substeps * rung_iterations(k_ladder[level], g.desc.reference.solver_iterations) * active};
   return n;
 }
 
@@ -539,6 +536,6 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   granular_skip_rest(g);
 }
 
-Stage granular_particle_stage(Granular* granular) { return {granular, next, run, forecast, 1, 0.6f}; }
+Stage granular_particle_stage(Granular* granular) { return {granular, next, run, forecast, k_granular_kinds, 1, 0.6f}; }
 
 }  // namespace sandglass

@@ -21,27 +21,21 @@ constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d)
 // Jammed particles, under a heavy body say, tremble faster than that, but stay within a hundredth of a radius.
 constexpr float k_stir_radii = 0.05f;
 
-float* record_at(const Granular& g, uint32_t i) { return g.records[0] + static_cast<uint64_t>(i) * k_record_floats; }
-
-uint32_t number_of(const float* record) {
-  uint32_t id;
-  __builtin_memcpy(&id, record + 7, sizeof id);
-  return id & k_number_mask;
-}
+Particle* particle_at(const Granular& g, uint32_t i) { return &g.records[0][i]; }
 
 // Squared distance from where the particle last moved on or woke.
-float moved2(const Granular& g, const float* record) {
-  const float* anchor = g.rest[number_of(record)].anchor;
+float moved2(const Granular& g, const Particle& p) {
+  const float* anchor = g.rest[number_of(p)].anchor;
   float sum = 0.0f;
-  for (int k = 0; k < 3; ++k) sum += (record[k] - anchor[k]) * (record[k] - anchor[k]);
+  for (int k = 0; k < 3; ++k) sum += (p.position[k] - anchor[k]) * (p.position[k] - anchor[k]);
   return sum;
 }
 
 // The particle in record i is awake from now on.
 void begin_waking_one(Granular* g, uint32_t i) {
-  const float* record = record_at(*g, i);
-  Rest& rest = g->rest[number_of(record)];
-  for (int k = 0; k < 3; ++k) rest.anchor[k] = record[k];
+  const Particle& p = *particle_at(*g, i);
+  Rest& rest = g->rest[number_of(p)];
+  for (int k = 0; k < 3; ++k) rest.anchor[k] = p.position[k];
   rest.quiet = 0;
   ++g->awake_count;
   GroupState& state = g->group_states[i / k_lane_group];
@@ -53,14 +47,13 @@ void begin_waking_one(Granular* g, uint32_t i) {
 // And so is the rest of its body.
 void begin_waking(Granular* g, uint32_t i) {
   begin_waking_one(g, i);
-  uint32_t id;
-  __builtin_memcpy(&id, record_at(*g, i) + 7, sizeof id);
-  if (id <= k_number_mask) return;
-  const RigidBody& body = g->bodies[(id >> k_body_shift) - 1];
+  const Particle& first = *particle_at(*g, i);
+  if (!in_body(first)) return;
+  const RigidBody& body = g->bodies[body_of(first) - 1];
   for (uint32_t slot = body.first; slot < body.first + body.count; ++slot) {
-    float* record = record_at(*g, g->body_rows[slot]);
-    if (!(record[3] < 0.0f)) continue;
-    record[3] = -record[3];
+    Particle* p = particle_at(*g, g->body_rows[slot]);
+    if (!is_asleep(*p)) continue;
+    wake(p);
     begin_waking_one(g, g->body_rows[slot]);
   }
 }
@@ -69,9 +62,9 @@ void wake_neighbours(Granular* g, uint32_t i) {
   const uint32_t* row = g->lists + static_cast<uint64_t>(i) * k_list_slots;
   for (uint32_t s = 0; s < g->counts[i]; ++s) {
     if (row[s] >= g->particle_count) continue;
-    float* record = record_at(*g, row[s]);
-    if (!(record[3] < 0.0f)) continue;
-    record[3] = -record[3];
+    Particle* p = particle_at(*g, row[s]);
+    if (!is_asleep(*p)) continue;
+    wake(p);
     begin_waking(g, row[s]);
   }
 }
@@ -79,12 +72,12 @@ void wake_neighbours(Granular* g, uint32_t i) {
 // Where all of the group sleep it leaves the passes, so both buffers must hold it.
 void settle_group(Granular* g, uint32_t group) {
   for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i)
-    if (record_at(*g, i)[3] > 0.0f) return;
+    if (is_awake(*particle_at(*g, i))) return;
   g->group_states[group] = GroupState::asleep;
-  const uint64_t at = static_cast<uint64_t>(group) * k_lane_group * k_record_floats;
+  const uint32_t first = group * k_lane_group;
   for (uint32_t b = 1; b < 3; ++b) {
     if (g->records[b] != nullptr)
-      __builtin_memcpy(g->records[b] + at, g->records[0] + at, k_lane_group * k_record_floats * sizeof(float));
+      __builtin_memcpy(g->records[b] + first, g->records[0] + first, k_lane_group * sizeof(Particle));
   }
 }
 
@@ -109,17 +102,10 @@ float half_travel(const sandglass_collider& a, const sandglass_collider& b) {
   return 0.5f * __builtin_sqrtf(shift2) + __builtin_sqrtf(turn2 * extent2);
 }
 
-bool in_body(const float* record) {
-  uint32_t id;
-  __builtin_memcpy(&id, record + 7, sizeof id);
-  return id > k_number_mask;
-}
-
 void fall_asleep(Granular* g, uint32_t i) {
-  float* r = record_at(*g, i);
-  r[3] = -r[3];
-  r[4] = r[5] = r[6] = 0.0f;
-  g->rest[number_of(r)].quiet = k_asleep;
+  Particle* p = particle_at(*g, i);
+  put_to_sleep(p);
+  g->rest[number_of(*p)].quiet = k_asleep;
   --g->awake_count;
 }
 
@@ -221,9 +207,9 @@ void granular_skip_rest(Granular* g) {
 void granular_wake_all(Granular* g) {
   granular_abandon_substep(g);
   for (uint32_t i = 0; i < g->particle_count; ++i) {
-    float* record = record_at(*g, i);
-    if (!(record[3] < 0.0f)) continue;
-    record[3] = -record[3];
+    Particle* p = particle_at(*g, i);
+    if (!is_asleep(*p)) continue;
+    wake(p);
     begin_waking(g, i);
   }
   g->lists_valid = false;
@@ -240,12 +226,12 @@ uint32_t granular_rest_items(const Granular& g) {
 
 void granular_run_touch(Granular* g) {
   const uint32_t end = g->particle_count - g->cursor < g->unit ? g->particle_count : g->cursor + g->unit;
-  WakeArgs args = {g->records[0], g->particle_count, g->moved.frames, g->moved.margins, g->moved.count};
+  WakeArgs args = {as_sleepers(g->records[0]), g->particle_count, g->moved.frames, g->moved.margins, g->moved.count};
   uint32_t woken = 0;
   g->kernels->wake_near(&args, g->cursor, end, &woken);
   for (uint32_t i = g->cursor; woken != 0 && i < end; ++i) {
-    const float* record = record_at(*g, i);
-    if (record[3] > 0.0f && g->rest[number_of(record)].quiet == k_asleep) begin_waking(g, i);
+    const Particle& p = *particle_at(*g, i);
+    if (is_awake(p) && g->rest[number_of(p)].quiet == k_asleep) begin_waking(g, i);
   }
   g->cursor = end;
   if (end < g->particle_count) return;
@@ -264,9 +250,10 @@ void granular_run_wake(Granular* g) {
     g->touched[group] = 0;
     done += k_lane_group;
     for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
-      const float* r = record_at(*g, i);
-      if (!(r[3] > 0.0f) || !(r[4] * r[4] + r[5] * r[5] + r[6] * r[6] > speed2)) continue;
-      if (moved2(*g, r) > stir2) wake_neighbours(g, i);
+      const Particle& p = *particle_at(*g, i);
+      const float* v = p.velocity;
+      if (!is_awake(p) || !(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > speed2)) continue;
+      if (moved2(*g, p) > stir2) wake_neighbours(g, i);
     }
   }
   if (g->cursor < g->active_count) return;
@@ -282,14 +269,14 @@ void granular_run_rest(Granular* g) {
   for (uint32_t at = g->cursor; at < end; at += k_lane_group) {
     const uint32_t group = g->active_groups[at / k_lane_group];
     for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
-      float* r = record_at(*g, i);
-      if (!(r[3] > 0.0f)) continue;
-      Rest& rest = g->rest[number_of(r)];
-      if (moved2(*g, r) > limit2) {
-        for (int k = 0; k < 3; ++k) rest.anchor[k] = r[k];
+      const Particle& p = *particle_at(*g, i);
+      if (!is_awake(p)) continue;
+      Rest& rest = g->rest[number_of(p)];
+      if (moved2(*g, p) > limit2) {
+        for (int k = 0; k < 3; ++k) rest.anchor[k] = p.position[k];
         rest.quiet = 0;
         wake_neighbours(g, i);
-      } else if (++rest.quiet >= patience && !in_body(r)) {
+      } else if (++rest.quiet >= patience && !in_body(p)) {
         fall_asleep(g, i);
       }
     }

@@ -6,44 +6,31 @@
 
 namespace sandglass {
 
-sandglass_status refuse(const char** reason, sandglass_status status, const char* sentence) {
-  if (reason != nullptr) *reason = sentence;
-  return status;
-}
-
-sandglass_status accept(const char** reason) { return refuse(reason, SANDGLASS_OK, nullptr); }
-
-bool is_finite(double x) { return x - x == 0; }
-
 namespace {
 
-bool is_coordinate(float x) { return x >= -SANDGLASS_COORDINATE_LIMIT && x <= SANDGLASS_COORDINATE_LIMIT; }
+bool is_coordinate(float x) { return within(x, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT); }
 
 }  // namespace
 
 sandglass_status check_mesh(const sandglass_mesh* mesh, const char** reason) {
-  const sandglass_status invalid = SANDGLASS_ERROR_INVALID_ARGUMENT;
   if (mesh == nullptr || mesh->vertices == nullptr || mesh->indices == nullptr)
-    return refuse(reason, invalid, "the mesh, its vertices or its indices are NULL: pass all three");
+    return refuse(reason, "the mesh, its vertices or its indices are NULL: pass all three");
   if (mesh->triangle_count == 0 || mesh->vertex_count == 0)
-    return refuse(reason, invalid, "the mesh has no triangles: check that it was loaded and triangulated");
+    return refuse(reason, "the mesh has no triangles: check that it was loaded and triangulated");
   if (mesh->triangle_count > k_triangle_limit)
-    return refuse(reason, invalid, "the mesh has more than 2^27 triangles: simplify or split it");
-  for (uint64_t i = 0; i < 3ull * mesh->vertex_count; ++i)
-    if (!is_coordinate(mesh->vertices[i]))
-      return refuse(
-          reason, invalid,
-          "a mesh vertex is not finite or beyond SANDGLASS_COORDINATE_LIMIT: repair, move or rescale the mesh");
+    return refuse(reason, "the mesh has more than 2^27 triangles: simplify or split it");
+  if (!all_within(mesh->vertices, 3ull * mesh->vertex_count, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
+    return refuse(reason,
+                  "a mesh vertex is not finite or beyond SANDGLASS_COORDINATE_LIMIT: repair, move or rescale the mesh");
   for (uint64_t i = 0; i < 3ull * mesh->triangle_count; ++i)
     if (mesh->indices[i] >= mesh->vertex_count)
-      return refuse(reason, invalid, "a mesh index is not below vertex_count: repair the mesh");
+      return refuse(reason, "a mesh index is not below vertex_count: repair the mesh");
   return accept(reason);
 }
 
 sandglass_status check_box(const float bounds_min[3], const float bounds_max[3], const char** reason) {
   if (bounds_min == nullptr || bounds_max == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "bounds_min or bounds_max is NULL: pass the volume's bounding box");
+    return refuse(reason, "bounds_min or bounds_max is NULL: pass the volume's bounding box");
   for (int k = 0; k < 3; ++k)
     if (!is_coordinate(bounds_min[k]) || !is_coordinate(bounds_max[k]) || bounds_min[k] > bounds_max[k])
       return refuse(
@@ -53,22 +40,8 @@ sandglass_status check_box(const float bounds_min[3], const float bounds_max[3],
 }
 
 sandglass_status check_distance(float distance, const char** reason) {
-  if (!is_finite(static_cast<double>(distance)) || !(distance > 0))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "distance is not a finite number above 0: give it in metres");
-  return accept(reason);
-}
-
-sandglass_status check_block(const void* block, uint64_t bytes, uint64_t need, const char** reason) {
-  if (block == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "the memory block is NULL: pass as many bytes as the _bytes function says");
-  if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
-    return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT,
-                  "the memory block is not aligned to SANDGLASS_BLOCK_ALIGNMENT: align it");
-  if (bytes < need)
-    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
-                  "the memory block is too small: ask the matching _bytes function for the need");
+  if (!is_finite(distance) || !(distance > 0))
+    return refuse(reason, "distance is not a finite number above 0: give it in metres");
   return accept(reason);
 }
 
@@ -77,13 +50,11 @@ sandglass_status check_options(const sandglass_sample_options* options, sandglas
   sandglass_sample_options_default(resolved);
   if (options == nullptr) return accept(reason);
   if (options->struct_size != sizeof(sandglass_sample_options))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "options.struct_size is wrong: start from sandglass_sample_options_default");
+    return refuse(reason, "options.struct_size is wrong: start from sandglass_sample_options_default");
   if (options->tries < 1 || options->tries > 1000)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "options.tries is not in 1..1000: 30 is a good value");
+    return refuse(reason, "options.tries is not in 1..1000: 30 is a good value");
   if (options->metric != SANDGLASS_METRIC_EUCLIDEAN && options->metric != SANDGLASS_METRIC_GEODESIC)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "options.metric is none of sandglass_metric: use EUCLIDEAN or GEODESIC");
+    return refuse(reason, "options.metric is none of sandglass_metric: use EUCLIDEAN or GEODESIC");
   *resolved = *options;
   return accept(reason);
 }
@@ -93,6 +64,7 @@ sandglass_status check_options(const sandglass_sample_options* options, sandglas
 extern "C" {
 
 void sandglass_sample_options_default(sandglass_sample_options* options) {
+  if (options == nullptr) return;
   *options = {sizeof(sandglass_sample_options), 30, 1, SANDGLASS_METRIC_EUCLIDEAN, nullptr, nullptr};
 }
 
@@ -101,8 +73,7 @@ sandglass_status sandglass_mesh_bounds(const sandglass_mesh* mesh, float bounds_
   using namespace sandglass;
   if (const sandglass_status status = check_mesh(mesh, reason)) return status;
   if (bounds_min == nullptr || bounds_max == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "bounds_min or bounds_max is NULL: pass room for 3 floats each");
+    return refuse(reason, "bounds_min or bounds_max is NULL: pass room for 3 floats each");
   for (int k = 0; k < 3; ++k) {
     bounds_min[k] = SANDGLASS_COORDINATE_LIMIT;
     bounds_max[k] = -SANDGLASS_COORDINATE_LIMIT;
@@ -119,7 +90,7 @@ sandglass_status sandglass_mesh_bounds(const sandglass_mesh* mesh, float bounds_
 sandglass_status sandglass_mesh_area(const sandglass_mesh* mesh, double* area, const char** reason) {
   using namespace sandglass;
   if (const sandglass_status status = check_mesh(mesh, reason)) return status;
-  if (area == nullptr) return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "area is NULL: pass room for a double");
+  if (area == nullptr) return refuse(reason, "area is NULL: pass room for a double");
   *area = sum_areas(*mesh, nullptr);
   return accept(reason);
 }

@@ -2,7 +2,7 @@
 // the same result, so the candidate grid is filled in two passes (count, place) without a copy of the set.
 #pragma once
 
-#include "runtime/sampling/random.h"
+#include "runtime/sampling/streams.h"
 #include "sandglass/sampling.h"
 
 namespace sandglass {

@@ -2,7 +2,7 @@
 #include "runtime/sampling/geodesic_mesh.h"
 
 #include "runtime/core/math.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass {
 namespace {

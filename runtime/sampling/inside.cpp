@@ -23,8 +23,7 @@ sandglass_status measure(const sandglass_mesh* mesh, sandglass_inside_rule rule,
   } else if (rule == SANDGLASS_INSIDE_WINDING) {
     plan->winding = measure_winding(*mesh);
   } else {
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "rule is none of sandglass_inside_rule: use PARITY or WINDING");
+    return refuse(reason, "rule is none of sandglass_inside_rule: use PARITY or WINDING");
   }
   return accept(reason);
 }
@@ -47,8 +46,7 @@ sandglass_status sandglass_mesh_inside_bytes(const sandglass_mesh* mesh, sandgla
                                              const char** reason) {
   sandglass_mesh_inside plan;
   if (const sandglass_status status = measure(mesh, rule, &plan, reason)) return status;
-  if (bytes == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass room for a number");
   Layout layout;
   lay_out(&layout, *mesh, &plan);
   *bytes = layout.size;
@@ -58,8 +56,7 @@ sandglass_status sandglass_mesh_inside_bytes(const sandglass_mesh* mesh, sandgla
 sandglass_status sandglass_mesh_inside_create(const sandglass_mesh* mesh, sandglass_inside_rule rule, void* block,
                                               uint64_t bytes, sandglass_mesh_inside** inside, const char** reason) {
   sandglass_mesh_inside plan;
-  if (inside == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "inside is NULL: pass room for a pointer");
+  if (inside == nullptr) return refuse(reason, "inside is NULL: pass room for a pointer");
   if (const sandglass_status status = measure(mesh, rule, &plan, reason)) return status;
   Layout size;
   lay_out(&size, *mesh, &plan);
@@ -78,8 +75,9 @@ sandglass_status sandglass_mesh_inside_create(const sandglass_mesh* mesh, sandgl
 
 int sandglass_mesh_inside_test(void* user, const float point[3]) {
   const auto* inside = static_cast<const sandglass_mesh_inside*>(user);
+  if (inside == nullptr || point == nullptr) return 0;
   for (int k = 0; k < 3; ++k)
-    if (!is_finite(static_cast<double>(point[k]))) return 0;
+    if (!is_finite(point[k])) return 0;
   if (inside->rule == SANDGLASS_INSIDE_PARITY) return parity_inside(inside->parity, point) ? 1 : 0;
   const double number = winding_number(inside->winding, point);
   return number >= 0.5 || number <= -0.5 ? 1 : 0;

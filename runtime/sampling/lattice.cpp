@@ -31,8 +31,7 @@ sandglass_status measure(const float bounds_min[3], const float bounds_max[3], f
     const double sites = (lattice->far[k] - lattice->origin[k]) / (spacing[k] * lattice->distance);
     total *= sites + 1;
     if (!(total <= static_cast<double>(k_point_limit)))
-      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                    "distance is too small: more than 2^30 lattice sites in the bounding box; enlarge it");
+      return refuse(reason, "distance is too small: more than 2^30 lattice sites in the bounding box; enlarge it");
     lattice->sites[k] = static_cast<uint32_t>(sites) + 1;
   }
   lattice->total = static_cast<uint64_t>(lattice->sites[0]) * lattice->sites[1] * lattice->sites[2];
@@ -68,8 +67,7 @@ sandglass_status sandglass_sample_lattice_capacity(const float bounds_min[3], co
                                                    uint32_t* capacity, const char** reason) {
   Lattice lattice;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &lattice, reason)) return status;
-  if (capacity == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "capacity is NULL: pass room for a number");
+  if (capacity == nullptr) return refuse(reason, "capacity is NULL: pass room for a number");
   *capacity = static_cast<uint32_t>(lattice.total);
   return accept(reason);
 }
@@ -78,8 +76,7 @@ sandglass_status sandglass_sample_lattice_bytes(const float bounds_min[3], const
                                                 uint64_t* bytes, const char** reason) {
   Lattice lattice;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &lattice, reason)) return status;
-  if (bytes == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass room for a number");
   Layout layout;
   lay_out(&layout, lattice);
   *bytes = layout.size;
@@ -91,16 +88,14 @@ sandglass_status sandglass_sample_lattice(const float bounds_min[3], const float
                                           const sandglass_sample_options* options, void* scratch,
                                           uint64_t scratch_bytes, float* points, uint32_t capacity, uint32_t* count,
                                           const char** reason) {
-  if (count == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "count is NULL: pass room for a number");
+  if (count == nullptr) return refuse(reason, "count is NULL: pass room for a number");
   *count = 0;
   Lattice lattice;
   sandglass_sample_options resolved;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &lattice, reason)) return status;
   if (const sandglass_status status = check_options(options, &resolved, reason)) return status;
   if (inside == nullptr || points == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "inside or points is NULL: pass an inside test and room for 3*capacity floats");
+    return refuse(reason, "inside or points is NULL: pass an inside test and room for 3*capacity floats");
   Layout size;
   lay_out(&size, lattice);
   if (const sandglass_status status = check_block(scratch, scratch_bytes, size.size, reason)) return status;

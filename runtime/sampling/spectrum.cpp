@@ -22,15 +22,13 @@ double power_at(const float* points, uint32_t count, const double frequency[3]) 
 
 // |v . x| is at most |v| |x|; refused also where a point is not finite.
 sandglass_status check_points(const float* points, uint32_t count, double frequency, const char** reason) {
-  if (points == nullptr || count == 0)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "points is NULL or count is 0: a spectrum needs points");
+  if (points == nullptr || count == 0) return refuse(reason, "points is NULL or count is 0: a spectrum needs points");
   for (uint64_t i = 0; i < count; ++i) {
     double squared = 0;
     for (int k = 0; k < 3; ++k)
       squared += static_cast<double>(points[3 * i + k]) * static_cast<double>(points[3 * i + k]);
     if (!(square_root(squared) * frequency <= k_cycle_limit))
-      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                    "a point or the frequency is not finite, or their product above 1e9 cycles: rescale");
+      return refuse(reason, "a point or the frequency is not finite, or their product above 1e9 cycles: rescale");
   }
   return accept(reason);
 }
@@ -45,8 +43,7 @@ extern "C" {
 sandglass_status sandglass_sample_power(const float* points, uint32_t count, const float frequency[3], double* power,
                                         const char** reason) {
   if (frequency == nullptr || power == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "frequency or power is NULL: pass 3 floats and room for a double");
+    return refuse(reason, "frequency or power is NULL: pass 3 floats and room for a double");
   const double v[3] = {static_cast<double>(frequency[0]), static_cast<double>(frequency[1]),
                        static_cast<double>(frequency[2])};
   const double magnitude = square_root(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -57,14 +54,11 @@ sandglass_status sandglass_sample_power(const float* points, uint32_t count, con
 
 sandglass_status sandglass_sample_spectrum(const float* points, uint32_t count, float frequency_max, uint32_t bins,
                                            uint32_t directions, int32_t planar, double* power, const char** reason) {
-  if (power == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "power is NULL: pass room for `bins` doubles");
+  if (power == nullptr) return refuse(reason, "power is NULL: pass room for `bins` doubles");
   if (bins == 0 || bins > 65536 || directions == 0 || directions > 65536)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "bins or directions is not in 1..65536: 64 of each are plenty");
+    return refuse(reason, "bins or directions is not in 1..65536: 64 of each are plenty");
   if (!(frequency_max > 0))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "frequency_max is not above 0: give cycles per metre, twice 1/distance say");
+    return refuse(reason, "frequency_max is not above 0: give cycles per metre, twice 1/distance say");
   const double highest = static_cast<double>(frequency_max);
   if (const sandglass_status status = check_points(points, count, highest, reason)) return status;
   for (uint32_t b = 0; b < bins; ++b) {

@@ -43,17 +43,14 @@ sandglass_status measure(const sandglass_mesh* mesh, float distance, const sandg
   need->mesh = mesh;
   need->distance = distance;
   need->area = sum_areas(*mesh, nullptr);
-  if (!(need->area > 0))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "the mesh's triangles have no area: check its vertices");
+  if (!(need->area > 0)) return refuse(reason, "the mesh's triangles have no area: check its vertices");
   const double candidates = candidate_count(need->area, distance, need->options.tries);
   if (!(candidates <= k_point_limit))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "distance is too small: more than 2^30 candidates; enlarge it or shrink the mesh");
+    return refuse(reason, "distance is too small: more than 2^30 candidates; enlarge it or shrink the mesh");
   for (int k = 0; k < 3; ++k) {
     const double extent = static_cast<double>(need->bounds_max[k]) - static_cast<double>(need->bounds_min[k]);
     if (!(extent * cells_per_metre(distance) < k_axis_cell_limit))
-      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                    "distance is too small: more than 2^20 of it along the bounding box; enlarge it");
+      return refuse(reason, "distance is too small: more than 2^20 of it along the bounding box; enlarge it");
   }
   need->candidates = static_cast<uint32_t>(candidates);
   // With 30 tries a cell that the surface crosses holds about ten candidates.
@@ -206,8 +203,7 @@ sandglass_status sandglass_sample_surface_capacity(const sandglass_mesh* mesh, f
                                                    const char** reason) {
   SurfaceNeed need;
   if (const sandglass_status status = measure(mesh, distance, options, &need, reason)) return status;
-  if (capacity == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "capacity is NULL: pass room for a number");
+  if (capacity == nullptr) return refuse(reason, "capacity is NULL: pass room for a number");
   *capacity = need.candidates;
   return accept(reason);
 }
@@ -217,8 +213,7 @@ sandglass_status sandglass_sample_surface_bytes(const sandglass_mesh* mesh, floa
                                                 uint64_t* bytes, const char** reason) {
   SurfaceNeed need;
   if (const sandglass_status status = measure(mesh, distance, options, &need, reason)) return status;
-  if (bytes == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass room for a number");
   need.capacity = capacity < need.candidates ? capacity : need.candidates;
   Layout layout;
   lay_out(&layout, need);
@@ -230,13 +225,11 @@ sandglass_status sandglass_sample_surface(const sandglass_mesh* mesh, float dist
                                           const sandglass_sample_options* options, void* scratch,
                                           uint64_t scratch_bytes, float* points, uint32_t capacity, uint32_t* count,
                                           const char** reason) {
-  if (count == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "count is NULL: pass room for a number");
+  if (count == nullptr) return refuse(reason, "count is NULL: pass room for a number");
   *count = 0;
   SurfaceNeed need;
   if (const sandglass_status status = measure(mesh, distance, options, &need, reason)) return status;
-  if (points == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "points is NULL: pass room for 3*capacity floats");
+  if (points == nullptr) return refuse(reason, "points is NULL: pass room for 3*capacity floats");
   need.capacity = capacity < need.candidates ? capacity : need.candidates;
   Layout size;
   lay_out(&size, need);

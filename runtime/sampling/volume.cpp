@@ -45,8 +45,7 @@ sandglass_status measure(const float bounds_min[3], const float bounds_max[3], f
   if (const sandglass_status status = check_box(bounds_min, bounds_max, reason)) return status;
   if (const sandglass_status status = check_distance(distance, reason)) return status;
   if (!make_cell_grid(bounds_min, bounds_max, distance, grid) || !(packing_bound(*grid) < 0xFFFFFFFEu))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "distance is too small: more than 2^30 cells of it in the bounding box; enlarge it");
+    return refuse(reason, "distance is too small: more than 2^30 cells of it in the bounding box; enlarge it");
   return accept(reason);
 }
 
@@ -186,8 +185,7 @@ sandglass_status sandglass_sample_volume_capacity(const float bounds_min[3], con
                                                   uint32_t* capacity, const char** reason) {
   CellGrid grid;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &grid, reason)) return status;
-  if (capacity == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "capacity is NULL: pass room for a number");
+  if (capacity == nullptr) return refuse(reason, "capacity is NULL: pass room for a number");
   *capacity = static_cast<uint32_t>(packing_bound(grid)) + 1;
   return accept(reason);
 }
@@ -196,8 +194,7 @@ sandglass_status sandglass_sample_volume_bytes(const float bounds_min[3], const 
                                                uint32_t capacity, uint64_t* bytes, const char** reason) {
   CellGrid grid;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &grid, reason)) return status;
-  if (bytes == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass room for a number");
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass room for a number");
   Layout layout;
   lay_out(&layout, grid, capacity);
   *bytes = layout.size;
@@ -208,16 +205,14 @@ sandglass_status sandglass_sample_volume(const float bounds_min[3], const float 
                                          sandglass_inside inside, void* inside_user,
                                          const sandglass_sample_options* options, void* scratch, uint64_t scratch_bytes,
                                          float* points, uint32_t capacity, uint32_t* count, const char** reason) {
-  if (count == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "count is NULL: pass room for a number");
+  if (count == nullptr) return refuse(reason, "count is NULL: pass room for a number");
   *count = 0;
   CellGrid grid;
   sandglass_sample_options resolved;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &grid, reason)) return status;
   if (const sandglass_status status = check_options(options, &resolved, reason)) return status;
   if (inside == nullptr || points == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "inside or points is NULL: pass an inside test and room for 3*capacity floats");
+    return refuse(reason, "inside or points is NULL: pass an inside test and room for 3*capacity floats");
   Layout size;
   lay_out(&size, grid, capacity);
   if (const sandglass_status status = check_block(scratch, scratch_bytes, size.size, reason)) return status;

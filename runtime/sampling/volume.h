@@ -3,7 +3,7 @@
 #pragma once
 
 #include "runtime/core/math.h"
-#include "runtime/sampling/random.h"
+#include "runtime/sampling/streams.h"
 
 namespace sandglass {
 

@@ -1,7 +1,9 @@
-// Names of statuses, instruction sets and rungs.
+// The version, and the names of statuses, instruction sets and quality levels.
 #include "kernels/kernels.h"
 #include "runtime/granular/ladder.h"
 #include "sandglass/sandglass.h"
+
+uint32_t sandglass_version() { return SANDGLASS_VERSION; }
 
 const char* sandglass_status_name(sandglass_status status) {
   switch (status) {

@@ -4,7 +4,10 @@
 #include "platform/floating_point.h"
 #include "runtime/asset/shadow_asset.h"
 #include "runtime/core/filled_struct.h"
+#include "runtime/core/finite.h"
+#include "runtime/core/hash.h"
 #include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
 #include "runtime/shadow/shadow.h"
 
 namespace sandglass {
@@ -13,31 +16,20 @@ namespace {
 constexpr uint32_t k_shift_limit = 6;  // finer than 1/64 of a step changes nothing
 constexpr double k_table_limit = 32000;
 
-sandglass_status refuse(const char** reason, sandglass_status status, const char* sentence) {
-  if (reason != nullptr) *reason = sentence;
-  return status;
-}
-sandglass_status accept(const char** reason) { return refuse(reason, SANDGLASS_OK, nullptr); }
-
-bool is_finite(float x) { return x - x == 0; }
-
 uint32_t padded(uint32_t width) { return (width + k_channel_group - 1) / k_channel_group * k_channel_group; }
 
 sandglass_status check(const sandglass_shadow_desc* desc, ShadowAsset* asset, const Int8Kernels** kernels,
                        const char** reason) {
-  if (desc == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "desc is NULL: start from sandglass_shadow_desc_default");
+  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_shadow_desc_default");
   if (desc->struct_size != sizeof *desc)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "desc.struct_size is not that of this library: start from sandglass_shadow_desc_default");
+    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_shadow_desc_default");
   if (desc->mode != SANDGLASS_SHADOW_ADAPTIVE && desc->mode != SANDGLASS_SHADOW_FULL)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.mode is neither ADAPTIVE nor FULL");
-  if (desc->threshold > 255)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.threshold is not in 0..255, steps of coverage");
+    return refuse(reason, "desc.mode is neither ADAPTIVE nor FULL");
+  if (desc->threshold > 255) return refuse(reason, "desc.threshold is not in 0..255, steps of coverage");
   if (!(desc->light_tolerance >= 0 && desc->light_tolerance <= 1))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.light_tolerance is not in 0..1 radians");
+    return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
   if (desc->light_count == 0 || desc->light_count > SANDGLASS_SHADOW_LIGHTS)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "desc.light_count is not in 1..8");
+    return refuse(reason, "desc.light_count is not in 1..8");
   *kernels = select_shadow_kernels(desc->isa);
   if (*kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
@@ -226,7 +218,7 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   layout.base = static_cast<uint8_t*>(block);
   Packed packed;
   sandglass_shadow* owner = lay_out(asset, desc.light_count, &layout, &packed);
-  owner->set = &k_shadow_set_functions;
+  owner->functions = &k_shadow_functions;
   Shadow* s = &owner->shadow;
   s->kernels = kernels;
   s->light_count = desc.light_count;
@@ -249,26 +241,25 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   *shadow = owner;
 }
 
-__attribute__((noinline)) uint32_t run_units(const ShadowSet& set, uint32_t units) {
+__attribute__((noinline)) uint32_t run_units(ShadowSet set, uint32_t units) {
+  const Stage stage = shadow_set_stage(&set);
   WorkUnit unit;
   uint32_t done = 0;
-  while (done < units && k_shadow_set_functions.next(set, &unit)) k_shadow_set_functions.run(set), ++done;
+  while (done < units && stage.next(stage.state, 0, &unit)) stage.run(stage.state, 0), ++done;
   return done;
 }
 
 __attribute__((noinline)) sandglass_status take_light(Shadow* s, uint32_t number, const float direction[3],
                                                       float irradiance, const char** reason) {
-  if (!(irradiance >= 0 && is_finite(irradiance)))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "irradiance is negative or not finite");
+  if (!(irradiance >= 0 && is_finite(irradiance))) return refuse(reason, "irradiance is negative or not finite");
   double light[3], largest = 0;
   for (uint32_t axis = 0; axis < 3; ++axis) {
     if (!is_finite(direction[axis]))
-      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "direction is not finite: leave the light as it was");
+      return refuse(reason, "direction is not finite: check where it comes from; the light is as it was");
     light[axis] = static_cast<double>(direction[axis]);
     largest = absolute(light[axis]) > largest ? absolute(light[axis]) : largest;
   }
-  if (!(largest > 0))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "direction is the zero vector: it must point to the light");
+  if (!(largest > 0)) return refuse(reason, "direction is the zero vector: it must point to the light");
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
   for (double& x : light) x /= length;
   shadow_set_light(s, number, light, irradiance);
@@ -319,6 +310,7 @@ void fill_texture(const Shadow& s, uint32_t light, sandglass_shadow_texture* out
 using namespace sandglass;
 
 void sandglass_shadow_desc_default(sandglass_shadow_desc* desc) {
+  if (desc == nullptr) return;
   *desc = {};
   desc->struct_size = sizeof *desc;
   desc->threshold = 48;
@@ -329,8 +321,7 @@ void sandglass_shadow_desc_default(sandglass_shadow_desc* desc) {
 sandglass_status sandglass_shadow_inspect(const void* bytes, uint64_t count, sandglass_shadow_info* info,
                                           const char** reason) {
   if (info == nullptr || !can_fill(info))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "info is NULL or its struct_size is not set: set it to sizeof(sandglass_shadow_info)");
+    return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_shadow_info)");
   ShadowAsset asset;
   const sandglass_status status = open_shadow_asset(bytes, count, &asset, reason);
   if (status != SANDGLASS_OK) return status;
@@ -343,8 +334,7 @@ sandglass_status sandglass_shadow_bytes(const sandglass_shadow_desc* desc, uint6
   const Int8Kernels* kernels = nullptr;
   const sandglass_status status = check(desc, &asset, &kernels, reason);
   if (status != SANDGLASS_OK) return status;
-  if (bytes == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass where to store it");
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   return size_of(asset, *desc, bytes, reason);
 }
 
@@ -356,13 +346,9 @@ sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void
   if (status != SANDGLASS_OK) return status;
   uint64_t need = 0;
   (void)size_of(asset, *desc, &need, reason);
-  if (block == nullptr || shadow == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "block or shadow is NULL: pass memory and where to store it");
-  if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
-    return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT, "block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64)");
-  if (bytes < need)
-    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL, "block is smaller than sandglass_shadow_bytes asks for");
+  if (shadow == nullptr) return refuse(reason, "shadow is NULL: pass where to store it");
+  const sandglass_status usable = check_block(block, bytes, need, reason);
+  if (usable != SANDGLASS_OK) return usable;
   const FloatingPointControl saved = floating_point_enter();
   build(asset, *desc, kernels, block, shadow);
   floating_point_restore(saved);
@@ -372,9 +358,9 @@ sandglass_status sandglass_shadow_create(const sandglass_shadow_desc* desc, void
 sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t light, const float direction[3],
                                             float irradiance, const char** reason) {
   if (shadow == nullptr || direction == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "shadow or direction is NULL");
+    return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats");
   if (light >= shadow->shadow.light_count)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "light is not below the light_count of the description");
+    return refuse(reason, "light is not below the light_count of the description");
   const FloatingPointControl saved = floating_point_enter();
   const sandglass_status status = take_light(&shadow->shadow, light, direction, irradiance, reason);
   floating_point_restore(saved);
@@ -382,6 +368,9 @@ sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t l
 }
 
 uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, uint32_t count, uint32_t units) {
+  if (shadows == nullptr) return 0;
+  for (uint32_t i = 0; i < count; ++i)
+    if (shadows[i] == nullptr) return 0;
   const FloatingPointControl saved = floating_point_enter();
   const uint32_t done = run_units({shadows, count}, units);
   floating_point_restore(saved);
@@ -389,6 +378,7 @@ uint32_t sandglass_shadow_run(sandglass_shadow* const* shadows, uint32_t count, 
 }
 
 uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {
+  if (shadow == nullptr) return 0;
   const Shadow& s = shadow->shadow;
   const ShadowWork left = shadow_work_left(s, false);
   uint32_t waiting = 0;
@@ -403,18 +393,20 @@ uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {
 }
 
 void sandglass_shadow_get_texture(const sandglass_shadow* shadow, uint32_t light, sandglass_shadow_texture* texture) {
-  fill_texture(shadow->shadow, light, texture);
+  if (shadow != nullptr && texture != nullptr) fill_texture(shadow->shadow, light, texture);
 }
 
 uint64_t sandglass_shadow_hash(const sandglass_shadow* shadow) {
-  constexpr uint64_t k_prime = 1099511628211ull;
-  uint64_t hash = 14695981039346656037ull;
+  if (shadow == nullptr) return 0;
+  uint64_t hash = k_hash_basis;
   for (uint32_t i = 0; i < shadow->shadow.light_count; ++i) {
     const ShadowTexture& t = shadow->shadow.lights[i].front;
-    hash = (hash ^ asset_checksum(t.coverage, k_shadow_size * k_shadow_size)) * k_prime;
-    hash = (hash ^ asset_checksum(reinterpret_cast<const uint8_t*>(t.light), sizeof t.light)) * k_prime;
+    hash = hash_with(hash, hash_bytes(t.coverage, k_shadow_size * k_shadow_size));
+    hash = hash_with(hash, hash_bytes(t.light, sizeof t.light));
   }
   return hash;
 }
 
-sandglass_isa sandglass_shadow_isa(const sandglass_shadow* shadow) { return shadow->shadow.kernels->isa; }
+sandglass_isa sandglass_shadow_isa(const sandglass_shadow* shadow) {
+  return shadow == nullptr ? SANDGLASS_ISA_AUTOMATIC : shadow->shadow.kernels->isa;
+}

@@ -2,10 +2,12 @@
 #include <cstring>
 
 #include "platform/floating_point.h"
-#include "runtime/asset/checksum.h"
 #include "runtime/core/filled_struct.h"
+#include "runtime/core/finite.h"
+#include "runtime/core/hash.h"
 #include "runtime/core/layout.h"
 #include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
 #include "runtime/shadow/pile.h"
 
 namespace sandglass {
@@ -14,31 +16,25 @@ namespace {
 constexpr double k_polar_max = 70 * k_pi / 180;
 constexpr float k_side_limit = 1e4f;  // metres
 
-sandglass_status refuse(const char** reason, sandglass_status status, const char* sentence) {
-  if (reason != nullptr) *reason = sentence;
-  return status;
-}
-sandglass_status accept(const char** reason) { return refuse(reason, SANDGLASS_OK, nullptr); }
-
-bool within(float x, float low, float high) { return x >= low && x <= high; }
-
 sandglass_status check(const sandglass_pile_shadow_desc* desc, const char** reason) {
-  const auto wrong = [&](const char* sentence) { return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, sentence); };
-  if (desc == nullptr) return wrong("desc is NULL: start from sandglass_pile_shadow_desc_default");
+  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_pile_shadow_desc_default");
   if (desc->struct_size != sizeof *desc)
-    return wrong("desc.struct_size is not that of this library: start from sandglass_pile_shadow_desc_default");
+    return refuse(reason,
+                  "desc.struct_size is not that of this library: start from sandglass_pile_shadow_desc_default");
   for (uint32_t axis = 0; axis < 2; ++axis) {
     if (!within(desc->low[axis], -k_side_limit, k_side_limit) || !within(desc->high[axis], -k_side_limit, k_side_limit))
-      return wrong("desc.low or high is not finite, or beyond 10 km");
+      return refuse(reason, "desc.low or high is not finite, or beyond 10 km");
     if (!(desc->high[axis] - desc->low[axis] >= 1e-3f))
-      return wrong("desc.high is not above low by at least a millimetre in x and in z");
+      return refuse(reason, "desc.high is not above low by at least a millimetre in x and in z");
   }
-  if (!within(desc->floor, -k_side_limit, k_side_limit)) return wrong("desc.floor is not finite, or beyond 10 km");
+  if (!within(desc->floor, -k_side_limit, k_side_limit))
+    return refuse(reason, "desc.floor is not finite, or beyond 10 km");
   if (desc->texels < 32 || desc->texels > 256 || desc->texels % 32 != 0)
-    return wrong("desc.texels is not a multiple of 32 in 32..256");
-  if (!within(desc->angular_diameter, 0.02f, 1.0f)) return wrong("desc.angular_diameter is not in 0.02..1 radians");
-  if (!within(desc->light_tolerance, 0.0f, 1.0f)) return wrong("desc.light_tolerance is not in 0..1 radians");
-  if (desc->on_sand > 1) return wrong("desc.on_sand is neither 0 nor 1");
+    return refuse(reason, "desc.texels is not a multiple of 32 in 32..256");
+  if (!within(desc->angular_diameter, 0.02f, 1.0f))
+    return refuse(reason, "desc.angular_diameter is not in 0.02..1 radians");
+  if (!within(desc->light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
+  if (desc->on_sand > 1) return refuse(reason, "desc.on_sand is neither 0 nor 1");
   if (select_kernels(desc->isa) == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
@@ -95,13 +91,12 @@ __attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, voi
 __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direction[3], const char** reason) {
   double light[3], largest = 0;
   for (uint32_t axis = 0; axis < 3; ++axis) {
-    if (!(direction[axis] - direction[axis] == 0))
-      return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "direction is not finite: leave the light as it was");
+    if (!is_finite(direction[axis]))
+      return refuse(reason, "direction is not finite: check where it comes from; the light is as it was");
     light[axis] = static_cast<double>(direction[axis]);
     largest = absolute(light[axis]) > largest ? absolute(light[axis]) : largest;
   }
-  if (!(largest > 0))
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "direction is the zero vector: it must point to the light");
+  if (!(largest > 0)) return refuse(reason, "direction is the zero vector: it must point to the light");
   for (double& x : light) x /= largest;
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
   for (double& x : light) x /= length;
@@ -135,6 +130,7 @@ __attribute__((noinline)) uint32_t run_units(Pile* p, uint32_t units) {
 using namespace sandglass;
 
 void sandglass_pile_shadow_desc_default(sandglass_pile_shadow_desc* desc) {
+  if (desc == nullptr) return;
   *desc = {};
   desc->struct_size = sizeof *desc;
   for (uint32_t axis = 0; axis < 2; ++axis) desc->low[axis] = -0.5f, desc->high[axis] = 0.5f;
@@ -148,8 +144,7 @@ sandglass_status sandglass_pile_shadow_bytes(const sandglass_pile_shadow_desc* d
                                              const char** reason) {
   const sandglass_status status = check(desc, reason);
   if (status != SANDGLASS_OK) return status;
-  if (bytes == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "bytes is NULL: pass where to store it");
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
   Layout layout;
   lay_out(*desc, &layout);
   *bytes = layout.size;
@@ -161,14 +156,9 @@ sandglass_status sandglass_pile_shadow_create(const sandglass_pile_shadow_desc* 
   uint64_t need = 0;
   const sandglass_status status = sandglass_pile_shadow_bytes(desc, &need, reason);
   if (status != SANDGLASS_OK) return status;
-  if (block == nullptr || shadow == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "block or shadow is NULL: pass memory and where to store the shadow");
-  if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
-    return refuse(reason, SANDGLASS_ERROR_MEMORY_ALIGNMENT, "block is not aligned to SANDGLASS_BLOCK_ALIGNMENT (64)");
-  if (bytes < need)
-    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
-                  "block is smaller than sandglass_pile_shadow_bytes asks for");
+  if (shadow == nullptr) return refuse(reason, "shadow is NULL: pass where to store it");
+  const sandglass_status usable = check_block(block, bytes, need, reason);
+  if (usable != SANDGLASS_OK) return usable;
   const FloatingPointControl saved = floating_point_enter();
   build(*desc, block, shadow);
   floating_point_restore(saved);
@@ -178,26 +168,29 @@ sandglass_status sandglass_pile_shadow_create(const sandglass_pile_shadow_desc* 
 sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, const float direction[3],
                                                  const char** reason) {
   if (shadow == nullptr || direction == nullptr)
-    return refuse(reason, SANDGLASS_ERROR_INVALID_ARGUMENT, "shadow or direction is NULL");
+    return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats");
   const FloatingPointControl saved = floating_point_enter();
   const sandglass_status status = take_light(&shadow->pile, direction, reason);
   floating_point_restore(saved);
   return status;
 }
 
-void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) { shadow->pile.pending = true; }
+void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) {
+  if (shadow != nullptr) shadow->pile.pending = true;
+}
 
 uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count, float radius,
                                    uint32_t units) {
+  if (shadow == nullptr || (positions == nullptr && count != 0)) return 0;
   const FloatingPointControl saved = floating_point_enter();
-  shadow->pile.own_positions = positions;
-  shadow->pile.source = {&shadow->pile.own_positions, 3, radius > 0 ? count : 0, radius};
+  shadow->pile.source = {nullptr, nullptr, positions, radius > 0 ? count : 0, radius};
   const uint32_t done = run_units(&shadow->pile, units);
   floating_point_restore(saved);
   return done;
 }
 
 void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_texture* out) {
+  if (shadow == nullptr || out == nullptr) return;
   const Pile& p = shadow->pile;
   sandglass_pile_shadow_texture texture = {};
   texture.valid = p.valid ? 1 : 0;
@@ -211,10 +204,10 @@ void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sand
 }
 
 uint64_t sandglass_pile_shadow_hash(const sandglass_pile_shadow* shadow) {
-  constexpr uint64_t k_prime = 1099511628211ull;
+  if (shadow == nullptr) return 0;
   const Pile& p = shadow->pile;
   const uint64_t texels = uint64_t{p.texels} * p.texels;
-  uint64_t hash = asset_checksum(p.front.floor, texels);
-  if (p.front.sand != nullptr) hash = (hash ^ asset_checksum(p.front.sand, texels)) * k_prime;
+  uint64_t hash = hash_bytes(p.front.floor, texels);
+  if (p.front.sand != nullptr) hash = hash_with(hash, hash_bytes(p.front.sand, texels));
   return hash;
 }

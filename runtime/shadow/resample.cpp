@@ -4,6 +4,7 @@
 
 #include "platform/floating_point.h"
 #include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
 #include "runtime/shadow/shadow.h"
 
 namespace sandglass {
@@ -11,15 +12,6 @@ namespace {
 
 constexpr uint32_t n = k_shadow_size;
 constexpr uint32_t k_combined_most = 1024;  // texels a side
-
-sandglass_status refuse(const char** reason, const char* sentence) {
-  if (reason != nullptr) *reason = sentence;
-  return SANDGLASS_ERROR_INVALID_ARGUMENT;
-}
-sandglass_status accept(const char** reason) {
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
-}
 
 // Where a coordinate falls between texel centres: index of the lower one, -1..n-1, and 256ths of the way to the next.
 struct Between {
@@ -91,8 +83,9 @@ using namespace sandglass;
 
 sandglass_status sandglass_shadow_resample(const sandglass_shadow* shadow, uint32_t light, uint32_t size, uint8_t* out,
                                            const char** reason) {
-  if (shadow == nullptr || out == nullptr || (size != 128 && size != 256 && size != 512))
-    return refuse(reason, "shadow or coverage is NULL, or size is not 128, 256 or 512");
+  if (shadow == nullptr || out == nullptr)
+    return refuse(reason, "shadow or coverage is NULL: pass the shadow and room for size * size bytes");
+  if (size != 128 && size != 256 && size != 512) return refuse(reason, "size is not 128, 256 or 512");
   if (light >= shadow->shadow.light_count)
     return refuse(reason, "light is not below the light_count of the description");
   const uint8_t* in = shadow->shadow.lights[light].front.coverage;
@@ -118,7 +111,9 @@ sandglass_status sandglass_shadow_resample(const sandglass_shadow* shadow, uint3
 sandglass_status sandglass_shadow_combine(const sandglass_shadow* shadow, uint32_t size, uint8_t* coverage,
                                           float low[2], float high[2], const char** reason) {
   if (shadow == nullptr || coverage == nullptr || low == nullptr || high == nullptr)
-    return refuse(reason, "shadow, coverage, low or high is NULL");
+    return refuse(
+        reason,
+        "shadow, coverage, low or high is NULL: pass the shadow, room for size * size bytes and for two floats each");
   if (size == 0 || size > k_combined_most) return refuse(reason, "size is not in 1..1024");
   const FloatingPointControl saved = floating_point_enter();
   combine(shadow->shadow, size, coverage, low, high);

@@ -40,14 +40,15 @@ struct Random {
   }
 };
 
-// Aligned as the scene's block.
-struct alignas(64) Line {
-  float values[16] = {};
-};
+// Aligned as the scene's block: two records a cache line.
+template <class Item>
 struct Records {
+  struct alignas(64) Line {
+    Item items[2] = {};
+  };
   explicit Records(uint32_t count) : lines((count + 1) / 2) {}
-  float* data() { return lines[0].values; }
-  float* operator[](uint32_t i) { return data() + k_record_floats * i; }
+  Item* data() { return lines[0].items; }
+  Item& operator[](uint32_t i) { return data()[i]; }
   std::vector<Line> lines;
 };
 
@@ -56,21 +57,23 @@ struct Heap {
   Heap() : records(k_items + k_slack), lists(k_items * k_list_slots, k_items), counts(k_items) {
     Random random;
     for (uint32_t i = 0; i < k_items + k_slack; ++i) {
-      const bool inert = i >= k_items;
-      const float values[7] = {
-          inert ? k_inert_position : side * random(),   inert ? k_inert_position : side * random(),
-          inert ? k_inert_position : side * random(),   inert ? 0.0f : (i % 5 == 2 ? -1.0f : 1.0f),
-          inert || i % 5 == 2 ? 0.0f : random() - 0.5f, inert || i % 5 == 2 ? 0.0f : random() - 0.5f,
-          inert || i % 5 == 2 ? 0.0f : random() - 0.5f};
-      const uint32_t id = inert ? ~0u : i | (i % 6 == 1 ? 1u << k_body_shift : 0u);
-      std::memcpy(records[i], values, sizeof values);
-      std::memcpy(records[i] + 7, &id, sizeof id);
+      if (i >= k_items) {
+        records[i] = inert_particle();
+        continue;
+      }
+      const bool asleep = i % 5 == 2;
+      const float x[3] = {side * random(), side * random(), side * random()};
+      float v[3] = {0, 0, 0};
+      for (int k = 0; !asleep && k < 3; ++k) v[k] = random() - 0.5f;
+      records[i] = moving_particle(x, v, i);
+      join_body(&records[i], i % 6 == 1 ? 1 : 0, 1.0f);
+      if (asleep) put_to_sleep(&records[i]);
     }
     for (uint32_t i = 0; i < k_items; ++i)
       for (uint32_t j = 0; j < k_items && counts[i] < k_list_slots; ++j) {
         float squared = 0;
         for (int k = 0; k < 3; ++k) {
-          const float apart = records[i][k] - records[j][k];
+          const float apart = records[i].position[k] - records[j].position[k];
           squared += apart * apart;
         }
         if (j != i && squared < reach * reach) lists[i * k_list_slots + counts[i]++] = j;
@@ -78,7 +81,7 @@ struct Heap {
     for (uint32_t g = 0; g < k_items / k_lane_group; ++g) groups.push_back(g);
   }
   static constexpr float reach = 2.4f * k_radius, side = 0.22f;  // 0.7 particles a diameter cubed
-  Records records;
+  Records<Particle> records;
   std::vector<uint32_t> lists, groups;
   std::vector<uint8_t> counts;
 };
@@ -91,10 +94,11 @@ struct Sorted {
     const float low[3] = {0, 0, 0}, high[3] = {Heap::side, Heap::side, Heap::side};
     sort.cells_max = 4096, sort.starts = starts.data(), sort.keys = keys.data();
     cell_sort_begin(&sort, cell, low, high, bits_min);
-    const SortTarget target = {records.data(), {axes[0].data(), axes[1].data(), axes[2].data()}, false};
-    while (sort.phase != k_sort_done) cell_sort_run(&sort, kernels, heap->records.data(), k_items, k_items, target);
+    const SortTarget target = {as_records(records.data()), {axes[0].data(), axes[1].data(), axes[2].data()}, false};
+    while (sort.phase != k_sort_done)
+      cell_sort_run(&sort, kernels, as_records(heap->records.data()), k_items, k_items, target);
   }
-  Records records;
+  Records<Particle> records;
   std::vector<float> axes[3];
   std::vector<uint32_t> starts, keys;
   CellSort sort = {};
@@ -127,7 +131,8 @@ struct Field {
 void work_grid_cells(const Kernels& kernels) {
   Heap heap;
   std::vector<uint32_t> keys(k_items + k_slack);
-  const GridCellsArgs args = {{1.0f / Heap::reach, {3, 3, 3}, nullptr}, heap.records.data(), keys.data(), 0, {0, 0, 0}};
+  const GridCellsArgs args = {
+      {1.0f / Heap::reach, {3, 3, 3}, nullptr}, as_records(heap.records.data()), keys.data(), 0, {0, 0, 0}};
   uint32_t unused = 0;
   begin();
   kernels.grid_cells(&args, 0, k_items, &unused);
@@ -153,7 +158,7 @@ void work_neighbour_lists(const Kernels& kernels) {
 void contact(contact_solve_function kernel, const ColliderFrame* beside) {
   constexpr float step = 3e-4f, omega = 0.3f;
   Heap heap;
-  Records out(k_items + k_slack);
+  Records<Particle> out(k_items + k_slack);
   std::vector<uint8_t> touched(heap.groups.size());
   std::vector<ColliderFrame> colliders = {still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0)};
   if (beside != nullptr) colliders.push_back(*beside);
@@ -188,7 +193,7 @@ void work_wake_near(const Kernels& kernels) {
   const ColliderFrame colliders[2] = {still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0),
                                       still(SANDGLASS_SHAPE_SPHERE, 0.04f, 0.1f)};
   const float margins[2] = {0.01f, 0.01f};
-  const WakeArgs args = {heap.records.data(), k_items, colliders, margins, 2};
+  const WakeArgs args = {as_sleepers(heap.records.data()), k_items, colliders, margins, 2};
   uint32_t woken = 0;
   begin();
   kernels.wake_near(&args, 0, k_items, &woken);
@@ -200,7 +205,7 @@ void work_find_inside(const Kernels& kernels) {
   const ColliderFrame shapes[2] = {still(SANDGLASS_SHAPE_BOX, 0.04f, 0.1f),
                                    still(SANDGLASS_SHAPE_CAPSULE, 0.03f, 0.15f)};
   std::vector<uint8_t> inside(k_items);
-  const InsideArgs args = {heap.records.data(), k_items, shapes, 2, inside.data()};
+  const InsideArgs args = {as_records(heap.records.data()), k_items, shapes, 2, inside.data()};
   uint32_t found = 0;
   begin();
   kernels.find_inside(&args, 0, k_items, &found);
@@ -210,7 +215,10 @@ void work_find_inside(const Kernels& kernels) {
 void work_surface_at(const Kernels& kernels) {
   Heap heap;
   const Field field;
-  const SurfaceArgs args = {heap.records.data(), &field.frame};
+  Records<SurfacePoint> points(k_items + k_slack);
+  for (uint32_t i = 0; i < k_items; ++i)
+    for (int k = 0; k < 3; ++k) points[i].position[k] = heap.records[i].position[k];
+  const SurfaceArgs args = {points.data(), &field.frame};
   uint32_t unused = 0;
   begin();
   kernels.surface_at(&args, 0, k_items, &unused);
@@ -221,10 +229,10 @@ void work_surface_at(const Kernels& kernels) {
 void refine(const Kernels& kernels, const ColliderFrame& beside) {
   Heap heap;
   Sorted snapshot(&heap, kernels, 3 * k_radius, 3);
-  Records grains(k_items + k_slack);
+  Records<Grain> grains(k_items + k_slack);
   Random random = {7};
   for (uint32_t i = 0; i < k_items; ++i)
-    for (int k = 0; k < 3; ++k) grains[i][k] = Heap::side * random();
+    for (int k = 0; k < 3; ++k) grains[i].position[k] = Heap::side * random();
   std::vector<uint8_t> still_groups(heap.groups.size());
   RefineArgs args = {};
   args.grid = snapshot.sort.grid, args.snapshot = snapshot.records.data();

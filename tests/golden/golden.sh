@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # Runs the demo scene on a virtual clock and compares its hash with the committed one.
 #   golden.sh HASH_FILE [EMULATOR...] PROGRAM [ARGUMENTS...]
-# HASH_FILE holds `frames N` and `hash 0x…`. Exit codes: 0 equal, 1 different or failed, 77 the CPU lacks the instruction set.
+# HASH_FILE holds `frames N` and `hash 0x…`.
+# Exit code 0: equal; 1: different, or the run failed; 77: the CPU lacks the instruction set.
 set -euo pipefail
 hash_file=$1
 shift
 frames=$(awk '$1 == "frames" {print $2}' "$hash_file")
 golden=$(awk '$1 == "hash" {print $2}' "$hash_file")
 
-# The emulator and the program come before `run`; what follows the program are its arguments.
+# The emulator and the program come before `run`. Everything behind the program is an argument of it.
 command=()
 while (($# > 0)); do
   command+=("$1")
@@ -16,7 +17,8 @@ while (($# > 0)); do
   shift
 done
 
-# Only an instruction set that the kernel does not report may be skipped; one that the program refuses beyond that is a failure.
+# A test is skipped only if the operating system does not report the instruction set. If the program refuses another
+# one, that is a failure.
 if [[ $* =~ --isa\ (avx2|avx512) ]]; then
   flag=${BASH_REMATCH[1]/avx512/avx512f}
   grep -qw "$flag" /proc/cpuinfo || { echo "this CPU has no $flag"; exit 77; }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The golden hash of a program that was linked without any SIMD table.
 #   scalar_only.sh NM HASH_FILE PROGRAM USUAL_PROGRAM
-# That the usual program has such tables shows that looking for them finds them.
+# The usual program must have such tables, which shows that the search finds them.
 set -euo pipefail
 nm=$1 hash_file=$2 program=$3 usual=$4
 simd_tables() { "$nm" -C "$1" | grep -cE 'sandglass::(simd|int8)_(avx2|avx512|neon)[a-z_0-9]*::k_[a-z_]*table$' || true; }

@@ -1,8 +1,10 @@
 // The time budget under a virtual clock, a million frames a case. Whatever the units cost:
-//   law        elapsed <= max(budget, mandatory) + last unit, in every frame, by the report and by the scene's own
-//   ledger; recovery   within 16 frames after a disturbance every stage is back to 90 % of the units that it gets
-//   undisturbed; precision  constant cost never overruns and fills 90 % of the budget; ±20 % of jitter overruns in 0.1
-//   % of frames at most.
+//
+//   law        In every frame elapsed <= max(budget, mandatory) + last unit, by the report and by the scene's ledger.
+//   recovery   Within 16 frames after a disturbance every stage gets again 90 % of the units that it gets undisturbed.
+//   precision  Constant costs never overrun the budget and fill 90 % of it. With jitter of ±20 %, at most 0.1 % of the
+//              frames overrun.
+//
 // The negative control replaces the predictor by the maximum of recent costs: one preemption then starves refinement
 // for ever.
 #include <gtest/gtest.h>
@@ -20,7 +22,7 @@ namespace {
 constexpr uint32_t k_recovery_frames = 16;
 constexpr uint32_t k_levels = 3;
 
-// Units a frame of each stage, the fewest in a steady run on an undisturbed machine of the given speed.
+// The fewest units that each stage gets in a frame of a steady run, on an undisturbed machine of the given speed.
 struct Baseline {
   uint64_t fewest[2];
   uint64_t total;
@@ -47,18 +49,18 @@ Baseline measure_baseline(uint64_t scale_percent) {
 struct Outcome {
   uint64_t frames = 0;
   uint64_t law_broken = 0;         // by the report
-  uint64_t law_broken_strict = 0;  // one unit and no more, in frames whose output cost what it always costs
+  uint64_t law_broken_strict = 0;  // late by more than one unit, in frames whose output cost what it always costs
   uint64_t true_law_broken = 0;    // by true time
   uint64_t ledger_differs = 0;     // the report's times are not the sum of the units' costs
   uint64_t over_budget = 0;
-  uint64_t excess_frames = 0;   // the output stage outran its reserve
+  uint64_t excess_frames = 0;   // the output stage took longer than its reserve
   uint64_t below_baseline = 0;  // frames, more than 16 after a disturbance
   uint64_t faults = 0;
-  uint64_t faults_missed = 0;  // frames with a clock that lied, unreported
+  uint64_t faults_missed = 0;  // frames whose clock lied and that did not report it
   uint64_t false_faults = 0;
-  uint64_t least_used_ns = ~0ull;   // of the budget, in undisturbed frames but the first, which knows no costs
+  uint64_t least_used_ns = ~0ull;   // the least time of an undisturbed frame; without the first, which knows no costs
   uint64_t under_used = 0;          // undisturbed frames that used less than 90 % of the budget
-  uint64_t longest_under_used = 0;  // of those, most in a row
+  uint64_t longest_under_used = 0;  // the most such frames in a row
   uint64_t plan_hash = 0;
 };
 
@@ -80,7 +82,7 @@ uint64_t hash_plan(uint64_t hash, const sandglass_plan& plan) {
   return hash;
 }
 
-// Baselines at speeds 100, 125, ... 300 %, of which a frame is measured by the slower neighbour.
+// Baselines at costs of 100, 125, ... 300 %. A frame between two of them is compared with the slower one.
 const Baseline& baseline_at(uint64_t scale_percent) {
   static const std::vector<Baseline> table = [] {
     std::vector<Baseline> made;
@@ -122,13 +124,13 @@ Outcome run_case(const Case& which) {
       const bool last_unit_real =
           one_unit == scene.last_cost[0] || one_unit == scene.last_cost[1] || one_unit == scene.last_cost[2];
       outcome.ledger_differs += report.elapsed_ns != true_elapsed || !last_unit_real;
-      // The excess is the disturbance itself, never a reserve that was too small from the start (the first frame knows
-      // none).
+      // The excess is the disturbance itself and never a reserve that was too small from the start. (In the first frame
+      // the reserve is not known.)
       outcome.ledger_differs += !scene.unforeseeable && governor.closing_excess_ns > 0 &&
                                 governor.closing_excess_ns + closing_undisturbed > scene.closing_ns;
     }
-    // Under a clock that lies only the predictions are left: they know the true costs, so true time holds up to a unit
-    // as well.
+    // Under a clock that lies only the predictions are left. They know the true costs, so true time too is over by one
+    // unit at most.
     const uint64_t longest_true = k_cost_ns[k_neighbours] * scene.scale_percent / 100;
     outcome.true_law_broken += which.clock_lies && true_elapsed > k_budget_ns + longest_true;
     outcome.faults += report.clock_fault;
@@ -189,13 +191,13 @@ TEST(Budget, OnePercentOfUnitsTenTimesAsLong) {
   expect_law(outcome);
   EXPECT_EQ(outcome.false_faults, 0u);
   EXPECT_EQ(outcome.below_baseline, 0u);
-  // Frames in between do not pay for their predecessors' outliers: three of one kind among 16 are rare, and soon
+  // An outlier does not make later frames use less of their budget: three of one kind among 16 units are rare, and soon
   // forgotten.
   EXPECT_LE(outcome.under_used * 200, outcome.frames);
   EXPECT_LE(outcome.longest_under_used, k_recovery_frames);
 }
 
-// Every 97th frame, units of each kind in turn.
+// Hits one unit in every 97th frame, of each kind in turn.
 uint64_t preempt_one(FakeScene* scene, Kind kind, uint64_t undisturbed) {
   uint64_t* pending = static_cast<uint64_t*>(scene->user);  // 1 + the kind to hit
   if (*pending != 1ull + kind) return undisturbed;
@@ -230,7 +232,7 @@ TEST(Budget, StepToAThirdOfTheSpeedAndBack) {
   const Outcome outcome = run_case(which);
   expect_law(outcome);
   EXPECT_EQ(outcome.below_baseline, 0u);
-  // Only the first frame after a step down in speed may be late: nobody could know.
+  // Only the first frame after a step down in speed may be late, because nothing could predict it.
   EXPECT_LE(outcome.over_budget, outcome.frames / 200 + 1);
   EXPECT_EQ(outcome.faults, 0u);
 }
@@ -260,12 +262,12 @@ TEST(Budget, JitterOfTwentyPercent) {
   EXPECT_EQ(outcome.faults, 0u);
 }
 
-// A disturbance of the clock: in 20 of every 200 frames.
+// The clock is disturbed in 20 of every 200 frames.
 bool clock_is_disturbed(uint64_t frame) { return frame % 200 >= 180; }
 
 struct LyingClock {
   bool active = false;
-  uint64_t offset = 0;  // added to true time, for good
+  uint64_t offset = 0;  // added to true time from then on
   uint64_t frozen_at = 0;
 };
 
@@ -274,7 +276,7 @@ TEST(Budget, ClockRunsBackward) {
   Case which;
   which.user = &clock;
   which.clock_lies = true;
-  // A third of the disturbances each: always backward; one step back in the frame's first units; backward at one
+  // Three kinds of disturbance in turn: always backward; one step back among the frame's first units; backward at one
   // reading in four.
   which.prepare = [](FakeScene* scene, uint64_t frame) {
     LyingClock* lying = static_cast<LyingClock*>(scene->user);
@@ -308,7 +310,7 @@ TEST(Budget, ClockFreezes) {
     LyingClock* lying = static_cast<LyingClock*>(scene->user);
     const bool active = clock_is_disturbed(frame);
     if (active && !lying->active) lying->frozen_at = scene->true_ns + lying->offset;
-    if (!active && lying->active) lying->offset = lying->frozen_at - scene->true_ns;  // runs on from where it stood
+    if (!active && lying->active) lying->offset = lying->frozen_at - scene->true_ns;  // goes on from where it stood
     lying->active = scene->disturbed = scene->unforeseeable = active;
   };
   which.show = [](FakeScene* scene) {
@@ -330,7 +332,7 @@ TEST(Budget, ClockJumps) {
     LyingClock* lying = static_cast<LyingClock*>(scene->user);
     lying->active = scene->disturbed = scene->unforeseeable = clock_is_disturbed(frame);
   };
-  // Jumps of any size from a microsecond to 2^63 ns, forward and backward, at one reading in ten.
+  // Jumps forward and backward at one reading in ten, by any size from a microsecond to 2^63 ns.
   which.show = [](FakeScene* scene) {
     LyingClock* lying = static_cast<LyingClock*>(scene->user);
     if (lying->active && scene->random.below(10) == 0) {
@@ -358,7 +360,7 @@ TEST(Budget, AMaximumOfRecentCostsStarvesAStageForEver) {
   which.user = &pending;
   EXPECT_EQ(run_case(which).below_baseline, 0u);  // the real predictor recovers
   pending = 0;
-  which.policy = {0, 0, 0, false};  // the maximum of 16, uncensored, uncapped, without probes
+  which.policy = {0, 0, 0, false};  // the maximum of 16 costs: outliers count, no cap, no probes
   EXPECT_GE(run_case(which).below_baseline, which.frames - 200);
 }
 
@@ -371,7 +373,7 @@ TEST(Budget, TheSameTraceGivesTheSamePlansOnEveryMachine) {
   };
   const uint64_t first = run_case(which).plan_hash;
   EXPECT_EQ(first, run_case(which).plan_hash);
-  // One golden value for every compiler and processor. A change of the governor's decisions changes it, knowingly.
+  // One golden value for every compiler and processor. Change it only with a wanted change of the governor's decisions.
   EXPECT_EQ(first, 0x645bf4684a150461u) << std::hex << first;
 }
 

@@ -1,7 +1,8 @@
-// A scene made of time only. Three stages shaped like the real ones hand out units whose cost a test chooses: granular
-// (a cycle of four kinds of unit, without end, share 0.6), refine (blocked in each frame until one granular cycle is
-// complete, then without end) and output (three units, mandatory, at the end). The scene keeps true time itself, so
-// that a test can see through a clock that lies.
+// A scene that consists of time only. Three stages like the real ones hand out units whose cost a test chooses:
+//   granular  a cycle of four kinds of unit, without end; share 0.6
+//   refine    blocked in each frame until one granular cycle is complete, then without end
+//   output    three units, mandatory, at the end
+// The scene keeps true time itself, so that a test knows it when the clock lies.
 #pragma once
 
 #include <cstdint>
@@ -35,26 +36,26 @@ constexpr uint32_t k_refinement = 1;
 constexpr uint32_t k_closing = 2;
 
 struct FakeScene {
-  // Cost of the unit about to run, from its undisturbed cost. Null: undisturbed.
+  // Returns the cost of the unit about to run, given its undisturbed cost. Null: undisturbed.
   uint64_t (*cost)(FakeScene* scene, Kind kind, uint64_t undisturbed) = nullptr;
-  // What the clock shows when true time is `true_ns`. Null: the truth.
+  // Returns what the clock shows when true time is `true_ns`. Null: the truth.
   uint64_t (*show)(FakeScene* scene) = nullptr;
   void* user = nullptr;
   Random random{1};
 
   uint64_t true_ns = 0;
-  uint64_t scale_percent = 100;  // of every cost: the machine's speed
+  uint64_t scale_percent = 100;  // factor of every cost: the machine's speed
   uint64_t readings = 0;
 
   // This frame's ledger.
   uint64_t frame_start_ns = 0;
   uint64_t stage_units[3] = {};
-  uint64_t last_cost[3] = {};     // of a stage's last unit
+  uint64_t last_cost[3] = {};     // cost of each stage's last unit
   uint64_t closing_ns = 0;        // true time of the output stage
-  bool disturbed = false;         // set by the test: some unit, the machine or the clock did not behave
-  bool unforeseeable = false;     // set by the test: the machine's speed or the clock, not a unit
+  bool disturbed = false;         // set by the test: a unit, the machine or the clock was disturbed
+  bool unforeseeable = false;     // set by the test: the machine or the clock was disturbed
   bool output_disturbed = false;  // set here when an output unit cost more than undisturbed
-  uint64_t order_hash = 0;        // of the kinds run since the start, in order
+  uint64_t order_hash = 0;        // hash of the kinds run since the start, in order
 
   uint32_t cycle = 0;  // position in granular's cycle
   uint32_t cycles_this_frame = 0;

@@ -1,6 +1,6 @@
-// How many frames a budget case runs: one million, the project's pass condition, where the build is optimised and
-// native. Emulated, sanitised and unoptimised builds set SANDGLASS_GOVERNOR_FRAMES lower (see CMakeLists.txt), and
-// every case says so.
+// How many frames a budget case runs. An optimised native build runs one million, which is the condition to pass.
+// Emulated, sanitised and unoptimised builds set SANDGLASS_GOVERNOR_FRAMES lower (see CMakeLists.txt); every case
+// prints how many it ran.
 #pragma once
 
 #include <cstdint>

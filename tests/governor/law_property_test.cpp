@@ -1,6 +1,6 @@
-// The law for scenes nobody thought of: random stages (any number of units, kinds, shares, mandatory parts, units that
-// block each other), random costs over six orders of magnitude, random budgets. Every frame keeps the law by the
-// ledger, does all its mandatory work, writes its output, and replays.
+// The budget law for random scenes: stages with any number of units, kinds, shares, mandatory parts and units that
+// block each other; costs over six orders of magnitude; random budgets. Every frame keeps the law by the ledger, does
+// all its mandatory work, writes its output, and replays.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,8 +19,8 @@ struct RandomStage {
   uint32_t index = 0;
   uint32_t units = 0;
   uint32_t done = 0;
-  uint32_t kinds = 1;  // first kind is index * 4
-  uint32_t gate = 0;   // every so many units, 0 never, the stage waits until the other one has caught up
+  uint32_t kinds = 1;
+  uint32_t gate = 0;  // after this many units the stage waits until the other one has caught up; 0: never
   uint64_t base_ns = 0;
 };
 
@@ -32,7 +32,7 @@ struct RandomScene {
   RandomStage stages[3];
 };
 
-uint32_t kind_of(const RandomStage& stage) { return stage.index * 4 + stage.done % stage.kinds; }
+uint32_t kind_of(const RandomStage& stage) { return stage.done % stage.kinds; }
 
 bool random_next(const void* state, uint32_t, WorkUnit* unit) {
   const RandomStage* self = static_cast<const RandomStage*>(state);
@@ -47,7 +47,7 @@ bool random_next(const void* state, uint32_t, WorkUnit* unit) {
 void random_run(void* state, uint32_t) {
   RandomStage* self = static_cast<RandomStage*>(state);
   RandomScene* scene = self->scene;
-  uint64_t cost = self->base_ns * (1 + kind_of(*self) % 4);
+  uint64_t cost = self->base_ns * (1 + kind_of(*self));
   const uint64_t luck = scene->random.below(1000);
   if (luck < 5) cost *= 1000;
   else if (luck < 30) cost *= 10;
@@ -61,7 +61,7 @@ void random_run(void* state, uint32_t) {
 uint32_t random_forecast(const void* state, uint32_t, Forecast* entries) {
   const RandomStage* self = static_cast<const RandomStage*>(state);
   for (uint32_t k = 0; k < self->kinds; ++k) {
-    entries[k] = {self->index * 4 + k, 64ull * ((self->units - self->done + self->kinds - 1 - k) / self->kinds)};
+    entries[k] = {k, 64ull * ((self->units - self->done + self->kinds - 1 - k) / self->kinds)};
   }
   return self->kinds;
 }
@@ -87,10 +87,12 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
                    random_next,
                    random_run,
                    random_forecast,
+                   stage.kinds,
                    static_cast<uint32_t>(random.below(5)),
                    static_cast<float>(random.below(12)) / 10.0f};
     }
     stages[2].mandatory_units = k_all_units;
+    assign_kinds(stages, 3);
     const sandglass_clock clock = {[](void* user) { return *static_cast<uint64_t*>(user); }, &scene.now_ns};
     Governor governor;
     governor_init(&governor, clock, {}, 1 + static_cast<uint32_t>(random.below(3)));
@@ -121,7 +123,7 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
       ASSERT_LE(governor.closing_excess_ns, scene.run_ns[2]);
       ASSERT_EQ(scene.stages[2].done, scene.stages[2].units);
       ASSERT_TRUE(budget != 0 || report.elapsed_ns == report.mandatory_ns);
-      // A stage that nothing blocks has done its mandatory units, as far as it had any.
+      // A stage that nothing blocks has done its mandatory units, or all units if it had fewer.
       for (uint32_t i = 0; i < 2; ++i) {
         if (scene.stages[i].gate != 0) continue;
         ASSERT_GE(report.stages[i].units, std::min(stages[i].mandatory_units, scene.stages[i].units));
@@ -139,7 +141,7 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
   RecordProperty("frames", static_cast<int>(frames));
 }
 
-// The clock may do anything at all: frames still end, the output is written, and memory stays sane.
+// The clock may do anything: frames still end, the output is written, and memory stays valid.
 TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
   FakeScene scene;
   scene.show = [](FakeScene* self) { return self->random.next() >> self->random.below(64); };
@@ -155,7 +157,7 @@ TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
     ASSERT_GE(report.stages[0].units, 4u);
     ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
   }
-  // The clock comes to its senses: 16 frames later the scene fills its budget again.
+  // The clock is right again: 16 frames later the scene fills its budget again.
   scene.show = nullptr;
   sandglass_frame_report report = {};
   for (uint32_t frame = 0; frame < 17; ++frame) {
@@ -167,7 +169,7 @@ TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
   EXPECT_GT(report.stages[k_refinement].units, 0u);
 }
 
-// A clock frozen from the very first reading, before anything is known: each frame stops at the cap of 64 optional
+// A clock that is frozen from the first reading, before any cost is known: each frame ends at the cap of 64 optional
 // units.
 TEST(LawProperty, AClockThatNeverRanEndsFramesAtTheUnitCap) {
   FakeScene scene;
@@ -186,7 +188,7 @@ TEST(LawProperty, AClockThatNeverRanEndsFramesAtTheUnitCap) {
   }
 }
 
-// A clock that moves a nanosecond a reading would admit four million units: the frame ends at 65536.
+// A clock that moves by one nanosecond a reading would admit four million units. The frame ends at 65,536.
 TEST(LawProperty, AClockThatCrawlsEndsFramesAtTheUnitLimit) {
   FakeScene scene;
   scene.show = [](FakeScene* self) { return self->readings; };

@@ -1,10 +1,10 @@
 // A control for tests of the budget on a real clock.
 //
-// A hypervisor that takes the processor away, and interrupts, are charged to the CPU time of the thread they stopped:
-// no clock tells them from work. So a loop that does nothing runs after every frame, for as long as the frame took, and
-// counts what was taken from it. Frames may then be over by no more than the loop lost at the same percentile: nothing
-// on a quiet machine. As both are rare events of chance, an attempt that fails is repeated if the loop lost anything;
-// what breaks the law by itself breaks it every time.
+// Interrupts, and a hypervisor that takes the processor away, count as CPU time of the thread that they stop. No clock
+// can tell them from work. So after every frame a loop that does nothing runs for as long as the frame took, and
+// measures how much time it lost. At the same percentile, frames may then be over by no more than the loop lost, which
+// is nothing on a quiet machine. Both are rare events of chance, so an attempt that fails is repeated if the loop lost
+// anything. Code that breaks the law by itself breaks it every time.
 #ifndef SANDGLASS_TESTS_GOVERNOR_MACHINE_CONTROL_H_
 #define SANDGLASS_TESTS_GOVERNOR_MACHINE_CONTROL_H_
 
@@ -30,8 +30,8 @@ inline uint64_t percentile_999(std::vector<uint64_t> values) {
   return values[static_cast<size_t>(0.999 * static_cast<double>(values.size() - 1))];
 }
 
-// CPU time that the machine took from an idle loop of `duration_ns`: the sum of its gaps of more than 100 us, two units
-// of the governor's target size; its readings lie less than a microsecond apart.
+// CPU time that the machine took from an idle loop of `duration_ns`: the sum of its gaps of more than 100 us, which is
+// twice the target size of a work unit. Readings that nothing disturbs are less than a microsecond apart.
 inline uint64_t lost_to_the_machine_ns(uint64_t duration_ns) {
   uint64_t lost = 0;
   const uint64_t start = thread_cpu_ns();
@@ -43,10 +43,11 @@ inline uint64_t lost_to_the_machine_ns(uint64_t duration_ns) {
   return lost;
 }
 
-// Frame by frame: by how much it broke the law, and what the machine took from the loop after it.
+// For each frame: by how much it broke the law, and what the machine took from the loop after it.
 struct FramesAndControl {
   std::vector<uint64_t> over_ns, lost_ns;
-  bool held = true;  // what else the caller asserts of the attempt that counts, and a slow moment would break
+  // Whether the caller's other claims held, which a slow moment of the machine can break too.
+  bool held = true;
 };
 
 // `attempt()` runs its frames, each with its control, and returns FramesAndControl.

@@ -1,5 +1,5 @@
-// What a frame does with its stages, and that the plan says so: order, shares, unblocking, the ladder, replay, and the
-// edges (no clock, no budget, no stage, a plan that is full, a plan that does not fit).
+// What a frame does with its stages, and that the plan records it: order, shares, unblocking, the quality ladder,
+// replay, and the edges (no clock, no budget, no stage, a plan that is full, a plan that does not fit).
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -11,18 +11,18 @@
 namespace sandglass::governor_test {
 namespace {
 
-// A stage with a finite list of units of one kind, 100 us each on the shared clock, that another stage may have to
-// unblock.
+// A stage with a finite list of units of one kind, 100 us each on the shared clock. Another stage may have to unblock
+// them.
 struct ListStage {
   uint64_t* now_ns = nullptr;
   uint32_t kind = 0;
-  uint32_t units = 0;  // offered in all
+  uint32_t units = 0;  // all that it offers
   uint32_t done = 0;
-  const uint32_t* ahead = nullptr;  // may be done only while fewer than *ahead * per_ahead are
+  const uint32_t* ahead = nullptr;  // units may run only while fewer than *ahead * per_ahead are done
   uint32_t per_ahead = 1;
-  uint32_t lead = 0;  // units beyond that
+  uint32_t lead = 0;  // so many more may run
   std::string* log = nullptr;
-  bool spread = false;  // forecast as work for several frames
+  bool spread = false;  // forecast as work that is spread over several frames
 };
 
 constexpr uint64_t k_list_unit_ns = 100000;
@@ -74,12 +74,12 @@ struct Lists {
     log.clear();
     return governor_frame(&governor, stages, 3, budget_ns, replay, &report);
   }
-  // Units offered in the next frame.
+  // Sets the units that are offered in the next frame.
   void offer(uint32_t a, uint32_t b, uint32_t c) {
     first.units = a, second.units = b, output.units = c;
     first.done = second.done = output.done = 0;
   }
-  // A frame in which every kind becomes known.
+  // Runs a frame in which the cost of every kind becomes known.
   void learn() {
     offer(4, 4, 4);
     frame(1000000000, 1, 1.0f);
@@ -122,7 +122,7 @@ TEST(Plan, AShareIsKeptWhileALaterStageHasWorkAndHandedBackAfterwards) {
   lists.learn();
   lists.offer(100, 100, 0);
   lists.frame(10 * k_list_unit_ns, 0, 0.5f);
-  EXPECT_EQ(lists.log, "aaaaabbbb");  // the tenth unit would need its margin too
+  EXPECT_EQ(lists.log, "aaaaabbbb");  // a tenth unit would fit, but not with its margin
   lists.offer(100, 2, 0);
   lists.frame(10 * k_list_unit_ns, 0, 0.5f);
   EXPECT_EQ(lists.log, "aaaaabbaa");
@@ -131,13 +131,12 @@ TEST(Plan, AShareIsKeptWhileALaterStageHasWorkAndHandedBackAfterwards) {
 TEST(Plan, AStageThatUnblocksAnotherGetsTimeForIt) {
   Lists lists;
   lists.learn();
-  // One unit of the second stage becomes possible with each of the first; the first's share alone is not enough for
-  // any.
+  // Each unit of the first stage makes one of the second possible. The share of the first alone is not enough for one.
   lists.offer(4, 4, 1);
   lists.second.ahead = &lists.first.done;
   lists.frame(100 * k_list_unit_ns, 0, 0.0f);
   EXPECT_EQ(lists.log, "ababababc");
-  // And the other way round: the first is held back by the second.
+  // The other way round: the second stage unblocks the first.
   Lists reversed;
   reversed.learn();
   reversed.offer(6, 3, 1);
@@ -196,7 +195,7 @@ TEST(Plan, ReplayExecutesExactlyThePlanWhateverTheClock) {
   governor_init(&governor, fake_clock(&recorded), {}, 3);
   const FakeStages stages = fake_stages(&recorded);
 
-  FakeScene replayed[2];  // with a clock of its own that runs elsewhere, and without one
+  FakeScene replayed[2];  // one with a clock of its own that shows other times, one without a clock
   Governor replaying[2];
   governor_init(&replaying[0], fake_clock(&replayed[0]), {}, 3);
   governor_init(&replaying[1], {}, {}, 3);
@@ -247,11 +246,11 @@ TEST(Plan, AReplayThatDoesNotFitStopsBeforeTheUnitThatIsNotOffered) {
   plan.run_count = SANDGLASS_PLAN_RUNS + 1;
   EXPECT_FALSE(lists.frame(0, 0, 1.0f, &plan));
   plan.run_count = 2;
-  plan.level = 1;  // the ladder has one rung
+  plan.level = 1;  // the ladder has one level
   EXPECT_FALSE(lists.frame(0, 0, 1.0f, &plan));
 }
 
-TEST(Plan, TheLadderTakesTheBestRungThatFitsAndDoesNotFlicker) {
+TEST(Plan, TheBestQualityLevelThatFitsIsTakenAndDoesNotFlicker) {
   FakeScene scene;
   Governor governor;
   governor_init(&governor, fake_clock(&scene), {}, 3);
@@ -264,35 +263,37 @@ TEST(Plan, TheLadderTakesTheBestRungThatFitsAndDoesNotFlicker) {
     }
     return report.level;
   };
-  // What the fake stages forecast: cycles of 790 us, refinement units of 100 us, three output units of 70 us.
+  // The forecast of the fake stages: cycles of 790 us, refinement units of 100 us, three output units of 70 us.
   const uint64_t full = 8 * 790000 + 16 * 100000 + 210000;
   const uint64_t half = 4 * 790000 + 8 * 100000 + 210000;
   EXPECT_EQ(level_at(2 * full), 0u);
   EXPECT_EQ(level_at(full), 0u);
   EXPECT_EQ(level_at(full - 10000), 1u);
-  EXPECT_EQ(level_at(full + 10000), 1u);  // it fits again, but barely
+  EXPECT_EQ(level_at(full + 10000), 1u);  // level 0 fits again, but with too little to spare
   EXPECT_EQ(level_at(full * 8 / 7 + 10000), 0u);
   EXPECT_EQ(level_at(half - 10000), 2u);
   EXPECT_EQ(level_at(0), 2u);
 }
 
-// Half the frame was kept free for an output that takes a twentieth of it.
+// The output takes a twentieth of the frame. The first frame begins with one unit of it, and so learns that it need not
+// keep half of its time free.
 TEST(Plan, TheFirstFrameLearnsWhatTheOutputCosts) {
   Lists lists;
   lists.offer(100, 0, 2);
   EXPECT_TRUE(lists.frame(4000000, 0, 1.0f));
-  EXPECT_EQ(lists.log.front(), 'c') << "a unit of output first";
+  EXPECT_EQ(lists.log.front(), 'c') << "the first unit must be one of the output";
   EXPECT_EQ(lists.log.back(), 'c');
   // 4 ms, less two units of output and the margins of a quarter on the second and on the last unit of work.
   EXPECT_GE(lists.report.stages[0].units, 40u - 2 - 1);
   EXPECT_LE(lists.report.elapsed_ns, 4000000u);
   lists.offer(100, 0, 2);
   EXPECT_TRUE(lists.frame(4000000, 0, 1.0f));
-  EXPECT_EQ(lists.log.front(), 'a') << "known by now";
+  EXPECT_EQ(lists.log.front(), 'a') << "the output's cost is known by now";
 }
 
-// A texture of 10 ms is no reason for the worst rung, but the millisecond that it will be given is missing elsewhere.
-TEST(Plan, WorkSpreadOverFramesCountsForItsShareInTheChoiceOfTheRung) {
+// A shadow texture that costs 10 ms is no reason for the worst quality level, but the millisecond that it gets in this
+// frame is missing elsewhere.
+TEST(Plan, WorkSpreadOverFramesCountsForItsShareInTheChoiceOfTheQualityLevel) {
   const auto level_beside = [](uint32_t units) {
     Lists lists;
     lists.learn();
@@ -330,8 +331,8 @@ TEST(Plan, PredictionsSaturateInsteadOfOverflowing) {
   EXPECT_EQ(governor_predict(&governor, 0, 5000), 5u);
 }
 
-// Frames until a kind that is remembered as five seconds a unit, but takes 100 us, gets to run when `percent` of the
-// budget is left.
+// A kind of unit takes 100 us but is remembered with five seconds. Returns after how many frames it runs when `percent`
+// of the budget is left.
 uint32_t frames_until_tried(uint32_t percent, Lists* lists) {
   lists->learn();
   Governor::Kind* kind = &lists->governor.kinds[1];
@@ -349,8 +350,8 @@ uint32_t frames_until_tried(uint32_t percent, Lists* lists) {
 TEST(Plan, AnOverestimateIsCappedFadesWhileDeniedAndIsProbedWithinEightFrames) {
   Lists capped, faded, probed;
   EXPECT_EQ(frames_until_tried(60, &capped), 1u);  // no unit is predicted to need more than half the budget
-  EXPECT_EQ(frames_until_tried(30, &faded), 5u);   // half, less an eighth of it for each of four denials
-  EXPECT_EQ(frames_until_tried(3, &probed), 8u);   // does not fit by any estimate
+  EXPECT_EQ(frames_until_tried(30, &faded), 5u);   // half the budget, less an eighth of that for each of four denials
+  EXPECT_EQ(frames_until_tried(3, &probed), 8u);   // fits by no estimate, so only a probe runs it
 }
 
 TEST(Plan, OneProbeCorrectsTheMemory) {

@@ -1,5 +1,5 @@
-// The platform layer: clocks that advance as they should, features that agree with what the operating system says, and
-// a floating-point environment that is exact inside and untouched outside.
+// The platform layer: clocks advance as they should, CPU features agree with what the operating system says, and the
+// floating-point environment is exact inside a frame and untouched outside.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -70,7 +70,7 @@ TEST(CpuFeatures, AreConsistentInThemselves) {
   EXPECT_FALSE(f.avx2 || f.fma || f.avx512f || f.avx512bw || f.avx512dq || f.avx512vl || f.avx512vnni);
 #else
   EXPECT_FALSE(f.neon || f.dotprod || f.i8mm);
-  // No processor has one of these without the foundation.
+  // No processor has one of these without AVX-512 F.
   EXPECT_TRUE(f.avx512f || !(f.avx512bw || f.avx512dq || f.avx512vl || f.avx512vnni));
 #endif
 }
@@ -85,7 +85,7 @@ TEST(CpuFeatures, AgreeWithTheKernelsList) {
     flags.insert(std::istream_iterator<std::string>(words), {});
     break;
   }
-  if (flags.empty()) GTEST_SKIP() << "the kernel lists no flags here";
+  if (flags.empty()) GTEST_SKIP() << "the operating system's kernel lists no flags here";
   const CpuFeatures f = cpu_features();
   EXPECT_EQ(f.avx2, flags.count("avx2") == 1);
   EXPECT_EQ(f.fma, flags.count("fma") == 1);
@@ -97,13 +97,13 @@ TEST(CpuFeatures, AgreeWithTheKernelsList) {
 }
 #endif
 
-// Arithmetic behind pointers that the compiler cannot see through, as a stage table is.
+// Arithmetic behind pointers that the compiler cannot see through, as in a stage's table.
 float divide(float a, float b) { return a / b; }
 float (*volatile divide_hidden)(float, float) = divide;
 
 constexpr float k_denormal = 1e-40f;
 
-// The app's way of switching flushing on and rounding off: the control bits of this architecture, all of them.
+// The worst control register that an app can have: every bit set that switches to flushing or to another rounding.
 FloatingPointControl hostile_control() {
 #if defined(__aarch64__)
   return (3u << 22) | (1u << 24) | (1u << 25);
@@ -126,7 +126,7 @@ TEST(FloatingPoint, DenormalsSurviveInsideAndTheAppsModeComesBack) {
   const FloatingPointControl after = floating_point_control();
   floating_point_restore(original);
 
-  EXPECT_EQ(flushed, 0.0f);  // the app's mode was what it claims to be
+  EXPECT_EQ(flushed, 0.0f);  // the app's mode really flushes
   EXPECT_LT(truncated, 0.66666667f);
   EXPECT_EQ(kept, 5e-41f);
   EXPECT_EQ(rounded, 0.66666667f);

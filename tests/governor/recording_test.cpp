@@ -1,6 +1,6 @@
-// A recording comes back as it was written, and no other bytes are taken for one: every truncation, every value of
-// every byte, records dropped, doubled and swapped, lengths that lie. The reader sees exactly-sized heap blocks, so
-// that the address sanitizer would notice a byte read too far.
+// A recording is read back as it was written, and all other bytes are refused: every truncation, every value of every
+// byte, records dropped, doubled and swapped, wrong lengths. The reader gets heap blocks of the exact size, so that the
+// address sanitizer notices any byte read too far.
 #include "models/host/recording.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ Recording small_recording() {
       collider = {SANDGLASS_SHAPE_BOX, {1, 2, 3}, {0, 0, 0, 1}, {0.1f, 0.2f, 0.3f}, {-1, -0.0f, 1e-40f},
                   {4, 5, 6},           0,         nullptr};
       collider.position[0] =
-          std::numeric_limits<float>::quiet_NaN();  // an app may have passed it; a replay must as well
+          std::numeric_limits<float>::quiet_NaN();  // an app may have passed it, so a replay must too
     }
     frame.plan.struct_size = sizeof(sandglass_plan);
     frame.plan.level = f;
@@ -88,7 +88,7 @@ TEST(Recording, EveryTruncationIsRefusedWithASentence) {
     Recording back;
     std::string error;
     ASSERT_FALSE(decodes({bytes.begin(), bytes.begin() + static_cast<long>(length)}, &back, &error)) << length;
-    ASSERT_NE(error.find("; "), std::string::npos) << error;  // what is wrong; what to do
+    ASSERT_NE(error.find("; "), std::string::npos) << error;  // says what is wrong, then what to do
     ASSERT_TRUE(same(back, {})) << "a failed read changed the result";
   }
 }
@@ -108,7 +108,7 @@ TEST(Recording, EveryChangeOfAByteIsRefused) {
   }
 }
 
-// Start of every record; the last entry is the end.
+// The start of every record, and at last the end.
 std::vector<size_t> record_starts(const std::vector<uint8_t>& bytes) {
   std::vector<size_t> starts = {12};
   while (starts.back() < bytes.size()) {
@@ -147,7 +147,7 @@ TEST(Recording, RecordsCannotBeDroppedDoubledSwappedOrAppended) {
   }
 }
 
-// A forger may fix the checksums. Then lengths, counts and kinds are what is left to check.
+// A forger may repair the checksums. Then only lengths, counts and kinds can be checked.
 uint64_t fnv(uint64_t sum, const uint8_t* data, size_t bytes) {
   for (size_t i = 0; i < bytes; ++i) sum = (sum ^ data[i]) * 0x100000001b3u;
   return sum;
@@ -183,7 +183,7 @@ TEST(Recording, ForgedRecordsAreAnErrorOrAValidRecording) {
           ASSERT_LT(frame.plan.runs[r].stage, static_cast<uint32_t>(SANDGLASS_STAGE_COUNT));
         }
       }
-      // What was accepted is what the bytes say: written again it is the same file.
+      // If it is accepted, it is what the bytes say: written again it gives the same file.
       ASSERT_EQ(encode_recording(back), bytes);
     }
   }
@@ -208,8 +208,8 @@ TEST(Recording, GoesThroughAFileAndLeavesNothingElseBehind) {
   EXPECT_THROW(save_recording(recording, path), Failure);
 }
 
-// The purpose of it all, on time-only stages: record under a disturbed clock, write, read, replay without a clock, same
-// end.
+// The purpose of recordings, on stages that consist of time only: recorded under a disturbed clock, written, read and
+// replayed without a clock, a run ends the same.
 TEST(Recording, AReadRecordingReplaysToTheSameEnd) {
   using namespace governor_test;
   FakeScene recorded;

@@ -1,5 +1,5 @@
-// Thermal headroom: the share of the budget that a device can sustain. Half of it halves what a frame plans; quality
-// falls with it and recovers with it; the law holds against the scaled budget throughout.
+// Thermal headroom: the share of the budget that a device can sustain. Half the headroom halves what a frame plans.
+// Quality falls and recovers with it. The budget law always holds for the scaled budget.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ constexpr uint32_t k_levels = 3;
 constexpr uint32_t k_settled = 16;  // frames after which costs are known (budget_test.cpp)
 
 struct Steady {
-  uint64_t optional_ns = 0;  // a frame's time beyond mandatory units and output
+  uint64_t optional_ns = 0;  // a frame's time without its mandatory units and output
   uint64_t units = 0;
 };
 
@@ -43,10 +43,10 @@ Steady run_steady(float headroom) {
 
 TEST(ThermalHeadroom, HalfOfItHalvesThePlan) {
   const Steady full = run_steady(1.0f), half = run_steady(0.5f);
-  // Both leave up to one unit of their target unused (the longest costs 140 us with its margin 175), and what is
-  // mandatory does not scale: so much may the ratio differ from a half.
+  // The ratio may differ from a half: both runs leave up to one unit of their target unused (the longest costs 140 us,
+  // 175 us with its margin), and the mandatory part does not scale.
   const double slack = 9.0 * k_settled * 175e3;
-  const double lost = static_cast<double>(9 * k_settled) * 0.5 * k_budget_ns;  // what halving takes from the target
+  const double lost = static_cast<double>(9 * k_settled) * 0.5 * k_budget_ns;  // halving takes this from the target
   EXPECT_NEAR(static_cast<double>(full.optional_ns - half.optional_ns), lost, slack);
   EXPECT_NEAR(static_cast<double>(half.units) / static_cast<double>(full.units), 0.5, 0.05);
 }
@@ -62,9 +62,9 @@ TEST(ThermalHeadroom, OutOfRangeCountsAsTheNearestOrAsUnknown) {
   EXPECT_EQ(governor_target(~0ull, 1.0f), ~0ull);
 }
 
-// A real scene whose every unit costs 10 us by a virtual clock. The hint falls from 1 to 0.2 as a phone warms up, stays
-// and recovers as it cools.
-constexpr uint64_t k_warm_budget_ns = 2500000;  // the frame's whole work takes 2.2 ms
+// A real scene in which every unit costs 10 us by a virtual clock. The headroom falls from 1 to 0.2 as a phone warms
+// up, stays there, and recovers as it cools.
+constexpr uint64_t k_warm_budget_ns = 2500000;  // all work of a frame takes 2.2 ms
 
 struct Warming {
   std::vector<float> headroom;

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <limits>
 
+#include "kernels/particle.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {
@@ -108,8 +109,9 @@ TEST(HardCase, ADamagedParticleIsQuarantinedWithinOneFrame) {
       if (std::strcmp(regions[i].name, "granular.particles") != 0 &&
           std::strcmp(regions[i].name, "granular.particles_next") != 0)
         continue;
-      float* records = reinterpret_cast<float*>(static_cast<char*>(scene.block.get()) + regions[i].offset);
-      records[8 * 100 + 1] = damage;  // y of some particle, in whichever buffer holds the state
+      auto* particles =
+          reinterpret_cast<sandglass::Particle*>(static_cast<char*>(scene.block.get()) + regions[i].offset);
+      particles[100].position[1] = damage;  // in whichever buffer holds the state
       found = true;
     }
     ASSERT_TRUE(found);

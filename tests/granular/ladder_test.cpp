@@ -170,9 +170,9 @@ TEST(Ladder, TheAveragedSchemeIteratesLess) {
   double overlap[2] = {};
   for (const uint32_t level : {uint32_t{SANDGLASS_LEVEL_FULL}, uint32_t{SANDGLASS_LEVEL_COARSER}}) {
     sandglass_scene_desc desc = description(216);
-    desc.granular.scheme = SANDGLASS_SCHEME_AVERAGED;
-    desc.granular.relaxation = 1.0f;
-    desc.granular.solver_iterations = 7, desc.granular.stabilisation_iterations = 1;
+    desc.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;
+    desc.granular.reference.relaxation = 1.0f;
+    desc.granular.reference.solver_iterations = 7, desc.granular.reference.stabilisation_iterations = 1;
     desc.granular.substep_max = desc.granular.substep_min = 0.02f / 16 * 1.00001f;
     desc.finest_level = level;
     GranularScene scene(desc);

@@ -150,8 +150,8 @@ TEST(Physics, APileRestsOnTheFloorWithoutOverlap) {
 TEST(Physics, AveragingWithoutSmallStepsLeavesOverlap) {
   // Negative control of the test above: one long averaged step a frame does not resolve the pile.
   sandglass_scene_desc desc = rough();
-  desc.granular.scheme = SANDGLASS_SCHEME_AVERAGED;
-  desc.granular.relaxation = 1.0f;
+  desc.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;
+  desc.granular.reference.relaxation = 1.0f;
   desc.granular.substep_max = desc.granular.substep_min = 0.02f;
   desc.granular.courant = 1.0f;
   Pile pile(desc);

@@ -33,11 +33,11 @@ TEST(Determinism, EveryInstructionSetGivesTheSameBits) {
   for (const sandglass_scheme scheme : {SANDGLASS_SCHEME_SMALL_STEP, SANDGLASS_SCHEME_AVERAGED}) {
     sandglass_scene_desc desc = description(k_particles, k_grains);
     desc.isa = SANDGLASS_ISA_SCALAR;
-    desc.granular.scheme = scheme;
-    desc.granular.relaxation = scheme == SANDGLASS_SCHEME_AVERAGED ? 1.0f : 0.3f;
+    desc.granular.reference.scheme = scheme;
+    desc.granular.reference.relaxation = scheme == SANDGLASS_SCHEME_AVERAGED ? 1.0f : 0.3f;
     if (scheme == SANDGLASS_SCHEME_AVERAGED) {
-      desc.granular.solver_iterations = 3, desc.granular.stabilisation_iterations = 2,
-      desc.granular.blend = SANDGLASS_BLEND_SOURCE;
+      desc.granular.reference.solver_iterations = 3, desc.granular.reference.stabilisation_iterations = 2,
+      desc.granular.reference.blend = SANDGLASS_BLEND_SOURCE;
     }
     const uint64_t scalar = run(desc, 12);
     for (sandglass_isa isa = SANDGLASS_ISA_NEON; isa <= SANDGLASS_ISA_AVX512; ++isa) {

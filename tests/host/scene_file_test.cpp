@@ -45,10 +45,10 @@ TEST(SceneFile, ReadsWhatItIsGiven) {
   EXPECT_EQ(scene.budget_ms, 2.5);
   EXPECT_EQ(scene.granular.static_friction, 0.3f);
   EXPECT_EQ(scene.granular.kinetic_friction, 0.2f);
-  EXPECT_EQ(scene.granular.scheme, SANDGLASS_SCHEME_AVERAGED);
-  EXPECT_EQ(scene.granular.solver_iterations, 7u);
-  EXPECT_EQ(scene.granular.relaxation, 1.5f);
-  EXPECT_EQ(scene.granular.blend, SANDGLASS_BLEND_SOURCE);
+  EXPECT_EQ(scene.granular.reference.scheme, SANDGLASS_SCHEME_AVERAGED);
+  EXPECT_EQ(scene.granular.reference.solver_iterations, 7u);
+  EXPECT_EQ(scene.granular.reference.relaxation, 1.5f);
+  EXPECT_EQ(scene.granular.reference.blend, SANDGLASS_BLEND_SOURCE);
   EXPECT_EQ(scene.bodies.at(0).size.y, 0.2);
   EXPECT_EQ(scene.colliders.at(0).shape, SANDGLASS_SHAPE_HALF_SPACE);
 }

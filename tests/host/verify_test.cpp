@@ -28,8 +28,8 @@ TEST(Truth, AFreeCloudKeepsItsMomentumAndAveragingDoesNot) {
   EXPECT_LT(cloud.drift, 1e-6) << "rounding of 512 floats over 1300 sub-steps";
   EXPECT_GT(cloud.collisions, 256);
   sandglass_scene_desc averaged = defaults();
-  averaged.granular.scheme = SANDGLASS_SCHEME_AVERAGED;
-  averaged.granular.relaxation = 1.0f;
+  averaged.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;
+  averaged.granular.reference.relaxation = 1.0f;
   EXPECT_GT(free_cloud(averaged).drift, 1e-4);
 }
 
@@ -41,7 +41,7 @@ TEST(Truth, GrainsReproduceAUniformFieldAndNotASheared) {
 TEST(Truth, NoGrainJumpsAtTheThresholdAndTheSourcesDo) {
   EXPECT_LT(threshold_jump(defaults()), 0.001);
   sandglass_scene_desc source = defaults();
-  source.granular.blend = SANDGLASS_BLEND_SOURCE;
+  source.granular.reference.blend = SANDGLASS_BLEND_SOURCE;
   // The printed rule jumps by 1 - W(r) = 0.298 of the particles' 1 m/s for 8 ms, in d = 2 cm.
   EXPECT_NEAR(threshold_jump(source), 0.298 * 0.008 / 0.02, 0.002);
 }

@@ -27,24 +27,39 @@ std::vector<const Kernels*> tables() {
   return all;
 }
 
-// 64-byte aligned floats, as the scene's block gives them.
-struct Records {
-  explicit Records(uint64_t count) : storage(count * 8 + 16), count_(count) {}
-  float* data() {
-    auto address = reinterpret_cast<uintptr_t>(storage.data());
-    return storage.data() + ((64 - address % 64) % 64) / sizeof(float);
-  }
-  float* operator[](uint64_t i) { return data() + 8 * i; }
-  std::vector<float> copy() { return {data(), data() + 8 * count_}; }
-  std::vector<float> storage;
-  uint64_t count_;
+struct Vector {
+  double x = 0, y = 0, z = 0;
 };
+Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Vector operator*(double s, Vector a) { return {s * a.x, s * a.y, s * a.z}; }
+double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+double length(Vector a) { return std::sqrt(dot(a, a)); }
+Vector at(const float* p) { return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}; }
+void set(float* p, Vector a) {
+  p[0] = static_cast<float>(a.x), p[1] = static_cast<float>(a.y), p[2] = static_cast<float>(a.z);
+}
 
-void put(float* r, double x, double y, double z, float w, double vx, double vy, double vz, uint32_t id) {
-  const float values[7] = {static_cast<float>(x),  static_cast<float>(y),  static_cast<float>(z), w,
-                           static_cast<float>(vx), static_cast<float>(vy), static_cast<float>(vz)};
-  std::memcpy(r, values, sizeof values);
-  std::memcpy(r + 7, &id, sizeof id);
+// A moving particle or a grain.
+template <class Item>
+Item item_at(Vector position, Vector velocity, uint32_t number);
+template <>
+Particle item_at(Vector position, Vector velocity, uint32_t number) {
+  float x[3], v[3];
+  set(x, position), set(v, velocity);
+  return moving_particle(x, v, number);
+}
+template <>
+Grain item_at(Vector position, Vector velocity, uint32_t number) {
+  float x[3], v[3];
+  set(x, position), set(v, velocity);
+  return moving_grain(x, v, number);
+}
+
+// The same bits, number by number.
+template <class Item>
+bool same_bits(const std::vector<Item>& a, const std::vector<Item>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Item)) == 0;
 }
 
 // n particles in a cube that holds about `density` of them per diameter cubed, then `fixed` boundary particles, then
@@ -57,23 +72,28 @@ struct Cluster {
     side = 0.02 * std::cbrt((n + fixed + 1) / density);
     for (uint32_t i = 0; i < rows + fixed; ++i) {
       if (i >= n && i < rows) {
-        put(records[i], 1e6, 1e6, 1e6, 0, 0, 0, 0, ~0u);
+        records[i] = inert_particle();
+        continue;
+      }
+      const Vector x = {side * unit(random), side * unit(random), side * unit(random)};
+      if (i < n) {
+        records[i] = item_at<Particle>(x, {unit(random), unit(random), unit(random)}, i);
       } else {
-        put(records[i], side * unit(random), side * unit(random), side * unit(random), i < n ? 1.0f : 0.0f,
-            i < n ? unit(random) : 0, i < n ? unit(random) : 0, i < n ? unit(random) : 0, i);
+        float position[3];
+        set(position, x);
+        records[i] = fixed_particle(position, i);
       }
     }
-    put(records[inert], 1e6, 1e6, 1e6, 0, 0, 0, 0, ~0u);
+    records[inert] = inert_particle();
   }
   uint32_t count, rows, boundary, inert;
-  Records records;
+  std::vector<Particle> records;
   double side;
 };
 
-double distance(const float* a, const float* b) {
-  return std::hypot(static_cast<double>(a[0]) - static_cast<double>(b[0]),
-                    static_cast<double>(a[1]) - static_cast<double>(b[1]),
-                    static_cast<double>(a[2]) - static_cast<double>(b[2]));
+double distance(const Particle& a, const Particle& b) {
+  const Vector apart = at(a.position) - at(b.position);
+  return std::hypot(apart.x, apart.y, apart.z);
 }
 
 // ---- grid_cells
@@ -85,7 +105,7 @@ void check_grid_cells(uint32_t n) {
     std::vector<uint32_t> first;
     for (const Kernels* kernels : tables()) {
       std::vector<uint32_t> keys(cluster.rows + k_slack);
-      const GridCellsArgs args = {grid, cluster.records.data(), keys.data(), serpentine, {-3, 2, -1}};
+      const GridCellsArgs args = {grid, as_records(cluster.records.data()), keys.data(), serpentine, {-3, 2, -1}};
       uint32_t unused = 0;
       kernels->grid_cells(&args, 0, n, &unused);
       keys.resize(n);
@@ -93,7 +113,8 @@ void check_grid_cells(uint32_t n) {
         int64_t c[3], cells[3];
         for (int k = 0; k < 3; ++k) {
           cells[k] = int64_t{1} << grid.bits[k];
-          c[k] = static_cast<int64_t>(std::floor(static_cast<double>(cluster.records[i][k] * grid.inverse_cell)));
+          c[k] =
+              static_cast<int64_t>(std::floor(static_cast<double>(cluster.records[i].position[k] * grid.inverse_cell)));
           if (serpentine != 0) c[k] -= args.first[k];
           c[k] = (c[k] % cells[k] + cells[k]) % cells[k];
         }
@@ -111,20 +132,21 @@ void check_grid_cells(uint32_t n) {
 
 // Positions sorted by cell, one array an axis, as the stage makes them.
 struct Sorted {
-  Sorted(float* source, uint32_t n, float cell, const Kernels& kernels, uint32_t bits_min) : records(n + k_slack) {
+  Sorted(const Particle* source, uint32_t n, float cell, const Kernels& kernels, uint32_t bits_min)
+      : records(n + k_slack) {
     starts.resize(4096 + k_slack), keys.resize(n + k_slack);
     for (auto& axis : axes) axis.resize(n + k_slack);
     sort.cells_max = 4096, sort.starts = starts.data(), sort.keys = keys.data();
     float low[3] = {0, 0, 0}, high[3] = {0, 0, 0};
     for (uint32_t i = 0; i < n; ++i) {
       for (int k = 0; k < 3; ++k)
-        low[k] = std::min(low[k], source[8 * i + k]), high[k] = std::max(high[k], source[8 * i + k]);
+        low[k] = std::min(low[k], source[i].position[k]), high[k] = std::max(high[k], source[i].position[k]);
     }
     cell_sort_begin(&sort, cell, low, high, bits_min);
-    const SortTarget target = {records.data(), {axes[0].data(), axes[1].data(), axes[2].data()}, false};
-    while (sort.phase != k_sort_done) cell_sort_run(&sort, kernels, source, n, 64, target);
+    const SortTarget target = {as_records(records.data()), {axes[0].data(), axes[1].data(), axes[2].data()}, false};
+    while (sort.phase != k_sort_done) cell_sort_run(&sort, kernels, as_records(source), n, 64, target);
   }
-  Records records;
+  std::vector<Particle> records;
   std::vector<float> axes[3];
   std::vector<uint32_t> starts, keys;
   CellSort sort = {};
@@ -136,7 +158,7 @@ void check_neighbour_lists(uint32_t n) {
   std::vector<uint32_t> first;
   for (const Kernels* kernels : tables()) {
     Sorted moving(cluster.records.data(), n, reach, *kernels, 2);
-    Sorted fixed(cluster.records[cluster.rows], n, reach, *kernels, 2);
+    Sorted fixed(&cluster.records[cluster.rows], n, reach, *kernels, 2);
     std::vector<uint32_t> lists(uint64_t{cluster.rows} * k_list_slots);
     std::vector<uint8_t> counts(cluster.rows);
     ListArgs args = {};
@@ -154,7 +176,7 @@ void check_neighbour_lists(uint32_t n) {
       std::vector<uint32_t> found(&lists[i * k_list_slots], &lists[i * k_list_slots] + counts[i]);
       for (uint32_t s = counts[i]; s < k_list_slots; ++s) ASSERT_EQ(lists[i * k_list_slots + s], cluster.inert);
       const auto near = [&](uint32_t j) {
-        const float* other = j < cluster.rows ? moving.records[j] : fixed.records[j - cluster.rows];
+        const Particle& other = j < cluster.rows ? moving.records[j] : fixed.records[j - cluster.rows];
         return distance(moving.records[i], other) < 0.021;
       };
       ASSERT_TRUE(std::is_partitioned(found.begin(), found.end(), near)) << sandglass_isa_name(kernels->isa);
@@ -179,30 +201,12 @@ void check_neighbour_lists(uint32_t n) {
 
 // ---- contact_stabilise, contact_solve
 
-struct Vector {
-  double x = 0, y = 0, z = 0;
-};
-Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vector operator*(double s, Vector a) { return {s * a.x, s * a.y, s * a.z}; }
-double dot(Vector a, Vector b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-double length(Vector a) { return std::sqrt(dot(a, a)); }
-Vector at(const float* p) { return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])}; }
-
 // Masses, sleepers and rigid bodies among the particles of a cluster.
 void mix(Cluster* c) {
   for (uint32_t i = 0; i < c->count; ++i) {
-    float* r = c->records[i];
-    if (i % 7 == 3) r[3] = 0.25f;
-    const uint32_t id = i | (i % 6 == 1 ? 1u << k_body_shift : i % 6 == 4 ? 2u << k_body_shift : 0u);
-    std::memcpy(r + 7, &id, sizeof id);
-    if (i % 5 == 2) r[3] = -r[3], r[4] = r[5] = r[6] = 0.0f;
+    join_body(&c->records[i], i % 6 == 1 ? 1 : i % 6 == 4 ? 2 : 0, i % 7 == 3 ? 0.25f : 1.0f);
+    if (i % 5 == 2) put_to_sleep(&c->records[i]);
   }
-}
-uint32_t body_of(const float* r) {
-  uint32_t id = 0;
-  std::memcpy(&id, r + 7, sizeof id);
-  return id == ~0u ? 0 : id >> k_body_shift;
 }
 
 constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_lift = 2e-5,
@@ -212,28 +216,29 @@ constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, 
 // touches one.
 Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_sleeper) {
   const Vector g = {0, -9.81 * k_step * k_step, 0};
-  const auto weight = [&](uint32_t j) { return static_cast<double>(c.records[j][3]); };
+  const auto weight = [&](uint32_t j) { return static_cast<double>(inverse_mass(c.records[j])); };
   const auto moved = [&](uint32_t j) {
-    return solve && j < c.count ? k_step * at(c.records[j] + 4) + (weight(j) > 0 ? 1.0 : 0.0) * g : Vector{};
+    return solve && j < c.count ? k_step * at(c.records[j].velocity) + (is_awake(c.records[j]) ? 1.0 : 0.0) * g
+                                : Vector{};
   };
   *runs_into_sleeper = false;
   Vector sum, lift;
   int contacts = 0;
   for (uint32_t j = 0; j < c.inert; ++j) {
     if (j == i || (j >= c.count && j < c.rows)) continue;
-    if (body_of(c.records[i]) != 0 && body_of(c.records[i]) == body_of(c.records[j])) continue;
-    const bool fixed = weight(j) <= 0;
+    if (in_body(c.records[i]) && body_of(c.records[i]) == body_of(c.records[j])) continue;
+    const bool fixed = !is_awake(c.records[j]);
     const Vector relative = moved(j) - moved(i);
-    const Vector e = at(c.records[j]) - at(c.records[i]) + relative;
+    const Vector e = at(c.records[j].position) - at(c.records[i].position) + relative;
     const double d = length(e);
     if (d >= 0.02) continue;
-    if (weight(j) < 0) *runs_into_sleeper = true;
+    if (is_asleep(c.records[j])) *runs_into_sleeper = true;
     const Vector n = (1 / d) * e;
     const double z = k_weight * n.y;
     const double overlap =
         solve ? std::max(d - 0.02, std::min(0.0, dot(relative, n) - k_separation) / k_omega) : d - 0.02;
     ++contacts;
-    // The lower of two equal particles takes 1/2 + asymmetry; masses m = m exp(-k h) multiply that (erratum 4.38).
+    // The lower of two equal particles takes 1/2 + asymmetry; masses m = m exp(-k h) multiply that (correction of 4.38).
     const double asymmetry = -z / 4 + z * z * z / 48;
     const double share = fixed ? 1.0 : weight(i) / (weight(i) + weight(j));
     const double a = weight(i) * (0.5 + asymmetry), b = weight(j) * (0.5 - asymmetry);
@@ -247,7 +252,7 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
   // What the weighting adds raises by k_lift at most.
   const double omega = k_omega * std::pow(std::min(1.0, 12.0 / std::max(contacts, 1)), 4), rise = omega * lift.y;
   Vector move = moved(i) + omega * (sum + std::min(1.0, k_lift / std::max(rise, 1e-30)) * lift);
-  const double depth = k_radius - (at(c.records[i]).y + move.y + 0.004);
+  const double depth = k_radius - (at(c.records[i].position).y + move.y + 0.004);
   if (depth > 0) {
     if (solve) {
       const Vector t = {-move.x, 0, -move.z};
@@ -297,24 +302,23 @@ void check_contact(uint32_t n, bool solve) {
   std::vector<uint32_t> groups(cluster.rows / k_lane_group);
   for (uint32_t g = 0; g < groups.size(); ++g) groups[g] = g;
   args.groups = groups.data();
-  std::vector<float> first;
+  std::vector<Particle> first;
   for (const Kernels* kernels : tables()) {
-    Records out(cluster.inert + k_slack);
+    std::vector<Particle> out(cluster.inert + k_slack);
     args.out = out.data();
     ContactExtent extent = {};
     (solve ? kernels->contact_solve : kernels->contact_stabilise)(&args, 0, n, &extent);
-    std::vector<float> all = out.copy();
-    all.resize(8ull * n);
+    const std::vector<Particle> all(out.begin(), out.begin() + n);
     for (uint32_t i = 0; i < n; ++i) {
       bool into_sleeper = false;
       const Vector expected =
-          cluster.records[i][3] > 0.0f ? displacement_oracle(cluster, i, solve, &into_sleeper) : Vector{};
-      const Vector result = solve ? at(&all[8 * i + 4]) : at(&all[8 * i]) - at(cluster.records[i]);
+          is_awake(cluster.records[i]) ? displacement_oracle(cluster, i, solve, &into_sleeper) : Vector{};
+      const Vector result = solve ? at(all[i].velocity) : at(all[i].position) - at(cluster.records[i].position);
       // Positions of centimetres in float: 4e-9 m each, a dozen contacts.
       ASSERT_LT(length(result - expected), 1e-7) << sandglass_isa_name(kernels->isa) << " particle " << i;
     }
     if (first.empty()) first = all;
-    ASSERT_EQ(std::memcmp(all.data(), first.data(), all.size() * sizeof(float)), 0) << sandglass_isa_name(kernels->isa);
+    ASSERT_TRUE(same_bits(all, first)) << sandglass_isa_name(kernels->isa);
     if (!solve) continue;
 
     // As the last pass: groups in which a fast particle runs into a sleeper are marked, others are not.
@@ -326,7 +330,7 @@ void check_contact(uint32_t n, bool solve) {
     std::vector<uint8_t> expected(groups.size(), 0);
     for (uint32_t i = 0; i < n; ++i) {
       bool into_sleeper = false;
-      if (!(cluster.records[i][3] > 0.0f)) continue;
+      if (!is_awake(cluster.records[i])) continue;
       const double moved = length(displacement_oracle(cluster, i, true, &into_sleeper));
       ASSERT_GT(std::fabs(moved - k_wake), 1e-8) << "too near the threshold to decide; change the seed";
       if (into_sleeper && moved > k_wake) expected[i / k_lane_group] = 1;
@@ -350,27 +354,28 @@ void check_wake_near(uint32_t n) {
   colliders[0].shape = SANDGLASS_SHAPE_SPHERE, colliders[0].size[0] = 0.02f, colliders[0].position[0] = 0.01f;
   colliders[1].shape = SANDGLASS_SHAPE_HALF_SPACE, colliders[1].position[1] = -0.03f;
   const float margins[2] = {0.005f, 0.012f};
-  for (uint32_t i = 0; i < n; i += 3) cluster.records[i][4] = 0.004f;
-  std::vector<float> first;
+  std::vector<Sleeper> sleepers(cluster.inert + k_slack);
+  std::memcpy(sleepers.data(), cluster.records.data(), sleepers.size() * sizeof(Sleeper));
+  for (uint32_t i = 0; i < n; i += 3) sleepers[i].radius = 0.004f;
+  std::vector<Sleeper> first;
   for (const Kernels* kernels : tables()) {
-    Records moved(cluster.inert + k_slack);
-    std::memcpy(moved.data(), cluster.records.data(), 8 * sizeof(float) * (cluster.inert + k_slack));
+    std::vector<Sleeper> moved = sleepers;
     const WakeArgs args = {moved.data(), n, colliders, margins, 2};
     uint32_t woken = 0, expected = 0;
     kernels->wake_near(&args, 0, n, &woken);
     for (uint32_t i = 0; i < n; ++i) {
-      const float* r = cluster.records[i];
-      const Vector x = at(r);
+      const Sleeper& sleeper = sleepers[i];
+      const Vector x = at(sleeper.position);
       const double ball = length(x - Vector{0.01, 0, 0}) - 0.02 - 0.005, floor = x.y + 0.03 - 0.012;
-      const double gap = std::min(ball, floor) - (i % 3 == 0 ? 0.004 : static_cast<double>(r[4]));
+      const double gap = std::min(ball, floor) - static_cast<double>(sleeper.radius);
       ASSERT_GT(std::fabs(gap), 1e-8);
-      const bool wakes = r[3] < 0.0f && gap < 0;
+      const bool wakes = sleeper.mobility < 0.0f && gap < 0;
       expected += wakes ? 1 : 0;
-      ASSERT_EQ(moved[i][3], wakes ? -r[3] : r[3]) << sandglass_isa_name(kernels->isa);
+      ASSERT_EQ(moved[i].mobility, wakes ? -sleeper.mobility : sleeper.mobility) << sandglass_isa_name(kernels->isa);
     }
     ASSERT_EQ(woken, expected);
-    if (first.empty()) first = moved.copy();
-    ASSERT_EQ(std::memcmp(moved.data(), first.data(), first.size() * sizeof(float)), 0);
+    if (first.empty()) first = moved;
+    ASSERT_TRUE(same_bits(moved, first));
   }
 }
 
@@ -385,11 +390,11 @@ void check_find_inside(uint32_t n) {
   shapes[1].shape = SANDGLASS_SHAPE_HALF_SPACE, shapes[1].position[1] = -0.01f;
   for (const Kernels* kernels : tables()) {
     std::vector<uint8_t> inside(cluster.rows, 7);
-    const InsideArgs args = {cluster.records.data(), n, shapes, 2, inside.data()};
+    const InsideArgs args = {as_records(cluster.records.data()), n, shapes, 2, inside.data()};
     uint32_t found = 0, expected = 0;
     kernels->find_inside(&args, 0, n, &found);
     for (uint32_t i = 0; i < n; ++i) {
-      const Vector x = at(cluster.records[i]);
+      const Vector x = at(cluster.records[i].position);
       const double gap = std::min(length(x - Vector{0, 0, 0.02}) - 0.015, x.y + 0.01);
       ASSERT_GT(std::fabs(gap), 1e-8);
       ASSERT_EQ(inside[i], gap < 0 ? 1 : 0) << sandglass_isa_name(kernels->isa);
@@ -437,15 +442,15 @@ void check_surface_at(uint32_t n) {
   for (const float outward : {1.0f, -1.0f}) {
     frame.field = {values.data(), {7, 6, 5}, {-0.03f, -0.025f, -0.02f}, 0.01f, 100.0f, outward, outward * 0.002f};
     Cluster cluster(n, 0, 0.1, 47);
-    std::vector<float> first;
+    std::vector<SurfacePoint> first;
     for (const Kernels* kernels : tables()) {
-      Records found(cluster.inert + k_slack);
-      std::memcpy(found.data(), cluster.records.data(), 8 * sizeof(float) * (cluster.inert + k_slack));
+      std::vector<SurfacePoint> found(cluster.inert + k_slack);
+      std::memcpy(found.data(), cluster.records.data(), found.size() * sizeof(SurfacePoint));
       const SurfaceArgs args = {found.data(), &frame};
       uint32_t unused = 0;
       kernels->surface_at(&args, 0, n, &unused);
       for (uint32_t i = 0; i < n; ++i) {
-        const Vector world = at(cluster.records[i]) - Vector{static_cast<double>(frame.position[0]), 0, 0};
+        const Vector world = at(cluster.records[i].position) - Vector{static_cast<double>(frame.position[0]), 0, 0};
         const Vector local = {world.y, -world.x, world.z};
         const Vector near = {std::clamp(local.x, -0.03, 0.03), std::clamp(local.y, -0.025, 0.025),
                              std::clamp(local.z, -0.02, 0.02)};
@@ -460,13 +465,12 @@ void check_surface_at(uint32_t n) {
           distance = trilinear(frame.field, local, &normal);
         }
         const Vector turned = {-normal.y, normal.x, normal.z};
-        ASSERT_NEAR(found[i][3], distance, 1e-7) << sandglass_isa_name(kernels->isa) << " point " << i;
-        ASSERT_LT(length(at(found[i] + 4) - turned), 2e-4) << sandglass_isa_name(kernels->isa) << " point " << i;
+        ASSERT_NEAR(found[i].distance, distance, 1e-7) << sandglass_isa_name(kernels->isa) << " point " << i;
+        ASSERT_LT(length(at(found[i].normal) - turned), 2e-4) << sandglass_isa_name(kernels->isa) << " point " << i;
       }
-      std::vector<float> all = found.copy();
-      all.resize(8ull * n);
-      if (first.empty()) first = all;
-      ASSERT_EQ(std::memcmp(all.data(), first.data(), all.size() * sizeof(float)), 0);
+      found.resize(n);
+      if (first.empty()) first = found;
+      ASSERT_TRUE(same_bits(found, first));
     }
   }
 }
@@ -553,14 +557,12 @@ struct Refinement {
     std::mt19937 random(37);
     std::uniform_real_distribution<double> unit(-0.7, 0.7);
     if (uniform) {
-      for (uint32_t j = 0; j < 200; ++j)
-        put(particles.records[j], at(particles.records[j]).x, at(particles.records[j]).y, at(particles.records[j]).z, 1,
-            0.3, -0.2, 0.1, j);
+      for (uint32_t j = 0; j < 200; ++j) set(particles.records[j].velocity, {0.3, -0.2, 0.1});
     }
     for (uint32_t i = 0; i < n; ++i) {
       const double side = particles.side * (uniform ? 0.4 : 1.0);
-      put(grains[i], side * unit(random), side * unit(random), side * unit(random), 0, unit(random), unit(random),
-          unit(random), i);
+      const Vector x = {side * unit(random), side * unit(random), side * unit(random)};
+      grains[i] = item_at<Grain>(x, {unit(random), unit(random), unit(random)}, i);
     }
     count = n;
     args.support = 3 * k_radius;
@@ -575,10 +577,9 @@ struct Refinement {
     args.groups = groups.data(), args.still = still.data();
     args.still_distance = 0.004f, args.still_sweeps = 2.0f;
   }
-  std::vector<float> run(const Kernels& kernels) {
+  std::vector<Grain> run(const Kernels& kernels) {
     Sorted snapshot(particles.records.data(), 200, 3 * k_radius, kernels, 3);
-    Records moved(count + k_slack);
-    std::memcpy(moved.data(), grains.data(), (count + k_slack) * 8 * sizeof(float));
+    std::vector<Grain> moved = grains;
     args.grid = snapshot.sort.grid;
     args.snapshot = snapshot.records.data();
     for (int k = 0; k < 3; ++k) args.positions[k] = snapshot.axes[k].data();
@@ -586,12 +587,11 @@ struct Refinement {
     RefineExtent extent = {};
     kernels.refine_grains(&args, 0, count, &extent);
     EXPECT_EQ(extent.quarantined, 0u);
-    std::vector<float> all = moved.copy();
-    all.resize(8ull * count);
-    return all;
+    moved.resize(count);
+    return moved;
   }
   Cluster particles;
-  Records grains;
+  std::vector<Grain> grains;
   uint32_t count;
   std::vector<uint32_t> groups;
   std::vector<uint8_t> still;
@@ -601,18 +601,18 @@ struct Refinement {
 void check_refine_grains(uint32_t n) {
   for (const bool source_rule : {true, false}) {
     Refinement refinement(n, source_rule, false);
-    std::vector<float> first;
+    std::vector<Grain> first;
     for (const Kernels* kernels : tables()) {
-      const std::vector<float> all = refinement.run(*kernels);
+      const std::vector<Grain> all = refinement.run(*kernels);
       for (uint32_t i = 0; i < n; ++i) {
-        const Vector x = at(refinement.grains[i]), v = at(refinement.grains[i] + 4);
+        const Vector x = at(refinement.grains[i].position), v = at(refinement.grains[i].velocity);
         double weight = 0, largest = 0;
         Vector flow;
         for (uint32_t j = 0; j < 200; ++j) {
-          const double d = length(at(refinement.particles.records[j]) - x);
+          const double d = length(at(refinement.particles.records[j].position) - x);
           const double w = std::pow(std::max(0.0, 1 - d * d / 9e-4), 3);
           weight += w, largest = std::max(largest, w);
-          flow = flow + w * at(refinement.particles.records[j] + 4);
+          flow = flow + w * at(refinement.particles.records[j].velocity);
         }
         const double radius_weight = 512.0 / 729.0, ratio = weight > 0 ? largest / weight : 0;
         const auto fade = [](double value, double a, double b) {
@@ -628,12 +628,11 @@ void check_refine_grains(uint32_t n) {
         if (weight == 0) lambda = 1;
         const Vector fall = v + 0.004 * Vector{0, -9.81, 0};
         const Vector expected = weight > 0 ? ((1 - lambda) / weight) * flow + lambda * fall : fall;
-        ASSERT_LT(length(at(&all[8 * i + 4]) - expected), 2e-5) << sandglass_isa_name(kernels->isa) << " grain " << i;
-        ASSERT_LT(length(at(&all[8 * i]) - (x + 0.004 * expected)), 2e-7);
+        ASSERT_LT(length(at(all[i].velocity) - expected), 2e-5) << sandglass_isa_name(kernels->isa) << " grain " << i;
+        ASSERT_LT(length(at(all[i].position) - (x + 0.004 * expected)), 2e-7);
       }
       if (first.empty()) first = all;
-      ASSERT_EQ(std::memcmp(all.data(), first.data(), all.size() * sizeof(float)), 0)
-          << sandglass_isa_name(kernels->isa);
+      ASSERT_TRUE(same_bits(all, first)) << sandglass_isa_name(kernels->isa);
     }
   }
 }
@@ -655,39 +654,35 @@ void check_all_sizes(void (*check)(uint32_t)) {
 TEST(Refinement, AUniformVelocityFieldIsReproduced) {
   Refinement refinement(64, false, true);
   refinement.args.gravity[1] = 0.0f;
-  for (uint32_t i = 0; i < 64; ++i) {
-    put(refinement.grains[i], at(refinement.grains[i]).x, at(refinement.grains[i]).y, at(refinement.grains[i]).z, 0,
-        0.3, -0.2, 0.1, i);
-  }
-  const std::vector<float> all = refinement.run(*select_kernels(SANDGLASS_ISA_AUTOMATIC));
-  for (uint32_t i = 0; i < 64; ++i) EXPECT_LT(length(at(&all[8 * i + 4]) - Vector{0.3, -0.2, 0.1}), 1e-5);
+  for (uint32_t i = 0; i < 64; ++i) set(refinement.grains[i].velocity, {0.3, -0.2, 0.1});
+  const std::vector<Grain> all = refinement.run(*select_kernels(SANDGLASS_ISA_AUTOMATIC));
+  for (uint32_t i = 0; i < 64; ++i) EXPECT_LT(length(at(all[i].velocity) - Vector{0.3, -0.2, 0.1}), 1e-5);
 }
 
 TEST(Refinement, AStillGrainAmongSleepersStaysAndOthersCountTheirStillSweeps) {
   constexpr uint32_t n = 64;
   for (const Kernels* kernels : tables()) {
     Refinement refinement(n, false, true);
-    for (uint32_t j = 0; j < 200; ++j)
-      for (int k = 4; k < 7; ++k) refinement.particles.records[j][k] = 0.0f;
+    for (uint32_t j = 0; j < 200; ++j) set(refinement.particles.records[j].velocity, {});
     // Every third grain has been still for two sweeps, the others not yet; grain 40 falls, far from all particles.
     for (uint32_t i = 0; i < n; ++i) {
-      refinement.grains[i][7] = i % 3 == 0 ? 2.0f : 0.0f;
-      for (int k = 4; k < 7; ++k) refinement.grains[i][k] = 0.0f;
+      refinement.grains[i].still_sweeps = i % 3 == 0 ? 2.0f : 0.0f;
+      set(refinement.grains[i].velocity, {});
     }
-    refinement.grains[40][0] = 5.0f, refinement.grains[40][5] = -4.0f;
-    const std::vector<float> all = refinement.run(*kernels);
+    refinement.grains[40].position[0] = 5.0f, refinement.grains[40].velocity[1] = -4.0f;
+    const std::vector<Grain> all = refinement.run(*kernels);
     for (uint32_t i = 0; i < n; ++i) {
-      const double moved = length(at(&all[8 * i]) - at(refinement.grains[i]));
+      const double moved = length(at(all[i].position) - at(refinement.grains[i].position));
       if (i % 3 == 0) {
         EXPECT_EQ(moved, 0.0) << i;
-        EXPECT_EQ(all[8 * i + 7], 2.0f);
+        EXPECT_EQ(all[i].still_sweeps, 2.0f);
       } else {
-        EXPECT_EQ(all[8 * i + 7], moved <= 0.004 ? 1.0f : 0.0f) << i;
+        EXPECT_EQ(all[i].still_sweeps, moved <= 0.004 ? 1.0f : 0.0f) << i;
       }
     }
-    EXPECT_EQ(all[8 * 40 + 7], 0.0f);
+    EXPECT_EQ(all[40].still_sweeps, 0.0f);
     for (uint32_t g = 0; g < n / k_lane_group; ++g) EXPECT_EQ(refinement.still[g], 0) << "not all of them";
-    for (uint32_t i = 16; i < 32; ++i) refinement.grains[i][7] = 1.0f;
+    for (uint32_t i = 16; i < 32; ++i) refinement.grains[i].still_sweeps = 1.0f;
     refinement.run(*kernels);
     EXPECT_EQ(refinement.still[0], 0);
     EXPECT_EQ(refinement.still[1], 1) << "the second still sweep of all sixteen";
@@ -704,13 +699,15 @@ double jump_at_threshold(bool source_rule) {
   for (int back = 0; back < 40; ++back) d = std::nextafter(d, 0.0f);
   for (int ulp = 0; ulp < 80; ++ulp, d = std::nextafter(d, 1.0f)) {
     Refinement refinement(1, source_rule, false);
-    put(refinement.grains[0], 0, 0, 0, 0, 1, 0, 0, 0);
+    refinement.grains[0] = item_at<Grain>({0, 0, 0}, {1, 0, 0}, 0);
     // Two particles, so that the larger weight is below 0.6 of the sum and the distance decides.
-    for (uint32_t j = 0; j < 200; ++j)
-      put(refinement.particles.records[j], j == 0 ? d : j == 1 ? -0.0101 : 0.5, j < 2 ? 0 : 0.01 * j, 0, 1, 0, 0, 0, j);
-    const std::vector<float> all = refinement.run(*select_kernels(SANDGLASS_ISA_AUTOMATIC));
-    if (known) largest = std::max(largest, length(at(all.data()) - at(before)));
-    std::memcpy(before, all.data(), sizeof before);
+    for (uint32_t j = 0; j < 200; ++j) {
+      const Vector x = {j == 0 ? static_cast<double>(d) : j == 1 ? -0.0101 : 0.5, j < 2 ? 0 : 0.01 * j, 0};
+      refinement.particles.records[j] = item_at<Particle>(x, {}, j);
+    }
+    const std::vector<Grain> all = refinement.run(*select_kernels(SANDGLASS_ISA_AUTOMATIC));
+    if (known) largest = std::max(largest, length(at(all[0].position) - at(before)));
+    std::memcpy(before, all[0].position, sizeof before);
     known = true;
   }
   return largest;

@@ -1,5 +1,5 @@
 // The network's input against a double-precision camera model that knows nothing of boxes per axis: it turns rays.
-#include "runtime/lighting/camera_image.h"
+#include "runtime/light/camera_image.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "models/lighting/excerpt.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass {
 namespace {

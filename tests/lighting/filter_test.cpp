@@ -1,6 +1,6 @@
 // The temporal filter against the law that the header states: its step response in numbers, what it holds off, and
 // what it lets through.
-#include "runtime/lighting/filter.h"
+#include "runtime/light/filter.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 #include "sandglass/light.h"
 
 namespace sandglass {

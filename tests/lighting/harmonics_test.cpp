@@ -1,6 +1,6 @@
 // Harmonics and renderers against numerical integration of the light model in double, and against the formulas that
 // Filament, SceneKit and Unity evaluate, written out here.
-#include "runtime/lighting/harmonics.h"
+#include "runtime/light/harmonics.h"
 
 #include <gtest/gtest.h>
 

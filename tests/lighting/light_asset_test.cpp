@@ -11,8 +11,8 @@
 
 #include "models/host/atomic_file.h"
 #include "models/lighting/light_file.h"
-#include "runtime/asset/checksum.h"
-#include "runtime/lighting/network.h"
+#include "runtime/asset/file.h"
+#include "runtime/light/network.h"
 #include "sandglass/shadow.h"
 
 namespace {
@@ -30,7 +30,7 @@ struct Words {
   }
   uint8_t* data() { return reinterpret_cast<uint8_t*>(words.data()); }
   void repair_checksum() {
-    const uint64_t body = bytes - k_checksum_bytes, hash = asset_checksum(data(), body);
+    const uint64_t body = bytes - k_checksum_bytes, hash = hash_bytes(data(), body);
     for (uint32_t i = 0; i < k_checksum_bytes; ++i) data()[body + i] = static_cast<uint8_t>(hash >> 8 * i);
   }
 };

@@ -7,7 +7,7 @@
 #include <cstring>
 
 #include "models/lighting/light_file.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass::tests {
 

@@ -12,8 +12,8 @@
 
 #include "models/lighting/panorama.h"
 #include "platform/virtual_clock.h"
-#include "runtime/lighting/camera_image.h"
-#include "runtime/sampling/random.h"
+#include "runtime/light/camera_image.h"
+#include "runtime/core/random.h"
 #include "tests/filled_struct.h"
 #include "tests/lighting/light_fixture.h"
 

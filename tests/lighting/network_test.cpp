@@ -1,6 +1,6 @@
 // The lighting network at run time: against the naive network of bytes to the bit, against the float network, alike on
 // every instruction set, in every order that is allowed, within its memory.
-#include "runtime/lighting/network.h"
+#include "runtime/light/network.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 
 #include "models/host/aligned_bytes.h"
 #include "models/lighting/light_runner.h"
-#include "runtime/asset/checksum.h"
-#include "runtime/lighting/heads.h"
+#include "runtime/core/hash.h"
+#include "runtime/light/heads.h"
 #include "tests/lighting/byte_network.h"
 #include "tests/lighting/reference_classifier.h"
 
@@ -47,8 +47,8 @@ std::vector<sandglass_isa> sets() {
 }
 
 uint64_t hash_of(const LightOutputs& outputs, const std::vector<float>& features) {
-  const uint64_t of_features = asset_checksum(reinterpret_cast<const uint8_t*>(features.data()), 4 * features.size());
-  return of_features * 1099511628211ull ^ asset_checksum(reinterpret_cast<const uint8_t*>(&outputs), sizeof outputs);
+  const uint64_t of_features = hash_bytes(features.data(), 4 * features.size());
+  return of_features * 1099511628211ull ^ hash_bytes(&outputs, sizeof outputs);
 }
 
 std::vector<uint32_t> averages_of(LightRunner* runner) {

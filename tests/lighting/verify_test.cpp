@@ -12,7 +12,7 @@
 #include "models/host/mesh/generated.h"
 #include "models/lighting/lit_view.h"
 #include "models/lighting/panorama_file.h"
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass::host {
 namespace {

@@ -1,5 +1,7 @@
 // The public headers in the oldest C++ they promise, without exceptions and RTTI.
+#include "sandglass/field.h"
 #include "sandglass/light.h"
+#include "sandglass/pile_shadow.h"
 #include "sandglass/sandglass.hpp"
 #include "sandglass/shadow.h"
 

@@ -1,5 +1,5 @@
-# A headless Chromium driven over its DevTools pipe (file descriptors 3 and 4, messages ended by a zero byte): no port, no
-# library, no network. Every console message, exception and request of the page is kept.
+# A headless Chromium, driven over its DevTools pipe (file descriptors 3 and 4, each message ends with a zero byte). It
+# needs no port, no library and no network. Every console message, exception and request of the page is kept.
 import base64
 import json
 import os
@@ -19,7 +19,7 @@ class Browser:
         self.from_read, from_write = os.pipe()
 
         def place_pipes():
-            held = os.dup(to_read), os.dup(from_write)  # dup2 must not close the one that the other becomes
+            held = os.dup(to_read), os.dup(from_write)  # dup2 must not close a descriptor that is still needed
             os.dup2(held[0], 3)
             os.dup2(held[1], 4)
 

@@ -1,6 +1,6 @@
-// Writes the page of a run whose every number is known, and its CSV, into the folder named by the argument: what
-// page_test.py looks at in a browser. Frame i takes 1 + i/25 ms of a budget of 4 ms, so that those after frame 75 miss
-// it; every stage has its own share; the level is that of the frame's hundredth part of the run.
+// Writes the page and the CSV of a run in which every number is known into the folder that the argument names.
+// page_test.py looks at them in a browser. Frame i takes 1 + i/25 ms of a budget of 4 ms, so the frames after number 75
+// miss it. Every stage has its own share. Quality levels are 0, 1 and 4 in turn.
 #include <cmath>
 #include <cstdio>
 #include <exception>
@@ -24,14 +24,14 @@ RunReport known_run() {
     r.frame = i, r.budget_ns = 4'000'000, r.elapsed_ns = 1'000'000 + 40'000 * i, r.last_unit_ns = 3'000'000;
     uint64_t left = r.elapsed_ns;
     for (uint32_t stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) {
-      r.stages[stage] = {i + stage, 0, left / 2};  // what is left at last lies between the units
+      r.stages[stage] = {i + stage, 0, left / 2};  // the rest is time between the units
       left -= left / 2;
     }
     r.level = i <= 60 ? 0 : i <= 100 ? 1 : 4;
     r.time_debt = i > 100 ? 1e-4 * (i - 100) : 0.0;
     r.particles = 10, r.grains = 160;
     r.simulated_time = 0.02 * i;
-    // Out of the zenith's side, past the north into the west; there is none before the third frame.
+    // The light begins beside the zenith and moves past the north into the west. Before the third frame there is none.
     const double polar = 0.01 * i, azimuth = 2.0 + 0.02 * i;
     row.light.known = row.light.coloured = i > 2;
     row.light.towards[0] = std::sin(polar) * std::cos(azimuth), row.light.towards[1] = std::cos(polar);
@@ -46,7 +46,7 @@ RunReport known_run() {
   return run;
 }
 
-// More frames than bars fit beside each other; one of them is longer than all others.
+// More frames than bars that fit beside each other. One frame is longer than all others.
 RunReport long_run() {
   RunReport run = known_run();
   const FrameRow row = run.frames[0];

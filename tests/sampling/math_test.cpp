@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "runtime/sampling/random.h"
+#include "runtime/core/random.h"
 
 namespace sandglass {
 namespace {

@@ -1,5 +1,6 @@
-// What can be touched in the viewer, without a window: camera and cursor agree, scripts are understood or refused,
-// surfaces are closed and true, sand can be poured and pushed, what is drawn lies between the simulated instants.
+// What a user can do in the viewer, without a window: camera and cursor agree, scripts are understood or refused, drawn
+// surfaces are closed and have the right volume, sand can be poured and pushed, and grains are drawn between the
+// simulated instants.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -21,7 +22,7 @@
 namespace sandglass::host {
 namespace {
 
-constexpr double k_all_the_work = 1000.0;  // ms: whatever the machine is doing
+constexpr double k_all_the_work = 1000.0;  // ms, enough for all work on a busy machine too
 
 TEST(Orbit, ThePointUnderAPixelIsDrawnAtThatPixel) {
   Orbit orbit({{0.5, 0.7, 1.2}, {0.1, 0.1, 0.0}, 35.0});
@@ -62,8 +63,8 @@ TEST(InputScript, RefusesWhatItDoesNotUnderstand) {
     EXPECT_THROW(parse_input_script(bad), Failure) << bad;
 }
 
-// By the divergence theorem; also checks that every edge is run through once in each direction. Vertices that share a
-// place (the corners of a box) count as one.
+// The enclosed volume, by the divergence theorem. Also checks that every edge is used once in each direction. Vertices
+// at the same place (the corners of a box) count as one.
 double enclosed(const Surface& surface) {
   std::map<std::array<int, 3>, uint32_t> places;
   std::vector<uint32_t> joined;
@@ -101,7 +102,7 @@ sandglass_collider solid(sandglass_shape shape, float x, float y, float z) {
 TEST(Surface, FormulasEncloseTheirVolumes) {
   const double sphere = 4.0 / 3.0 * std::numbers::pi * 0.027, tube = std::numbers::pi * 0.09 * 0.8;
   EXPECT_NEAR(enclosed(collider_surface(solid(SANDGLASS_SHAPE_BOX, 0.1f, 0.2f, 0.3f))), 8 * 0.006, 1e-8);
-  // Inscribed in the sphere with 32 x 16 faces: a little less than it.
+  // A polyhedron of 32 x 16 faces inside the sphere: a little less than the sphere.
   const double ball = enclosed(collider_surface(solid(SANDGLASS_SHAPE_SPHERE, 0.3f, 0, 0)));
   EXPECT_LT(ball, sphere);
   EXPECT_GT(ball, 0.97 * sphere);
@@ -131,7 +132,7 @@ TEST(Surface, AFieldBecomesItsZeroLevelSeenFromTheFreeSide) {
     c.field = field;
     const Surface surface = collider_surface(c);
     ASSERT_GT(surface.vertex_count(), 500u);
-    // The mean of crossings on a sphere lies inside it by about a quarter of h^2/R.
+    // The mean of crossings on a sphere of radius R lies inside it by about h^2 / (4 R), with h the spacing.
     for (uint32_t i = 0; i < surface.vertex_count(); ++i) {
       const float* v = &surface.vertices[6 * i];
       const float r = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -167,8 +168,8 @@ double mean_height(std::span<const sandglass_grain> grains) {
   return sum / static_cast<double>(grains.size());
 }
 
-// Free fall. At the scene's 50 frames a second and a display's 200, every picture shows a later instant than the one
-// before, as far apart as the display's instants are.
+// Free fall, with 50 frames a second of the scene and 200 of the display. Every picture shows a later instant than the
+// one before, by the time between two pictures of the display.
 TEST_F(Live, GrainsAreDrawnBetweenTheSimulatedInstants) {
   LiveScene live(options());
   live.advance(0.02);
@@ -183,7 +184,7 @@ TEST_F(Live, GrainsAreDrawnBetweenTheSimulatedInstants) {
     before = now;
   }
   EXPECT_EQ(live.report().simulated_time, simulated);
-  // Extrapolated backward from the state at 0.04 s with its velocity g t, for 0.015 s.
+  // Drawn 0.015 s before the state at 0.04 s, by its velocity g t.
   EXPECT_NEAR(fallen, 9.81 * simulated * 0.015, 0.1 * 9.81 * simulated * 0.015);
 }
 
@@ -195,7 +196,7 @@ TEST_F(Live, PouringAddsSandUntilItStops) {
   live.pour_at({});
   live.advance(0.02);
   const uint32_t poured = live.report().particles - before;
-  // Area of the nozzle times speed times 0.4 s times the density of packed sand, per particle's volume; by layers.
+  // Area of the nozzle x speed x 0.4 s x density of packed sand / volume of a particle. Sand is added in layers.
   const double expected = 0.6 * 16.0 * 0.6 * 0.4 / (4.0 / 3.0 * 0.01);
   EXPECT_GT(poured, 0.5 * expected);
   EXPECT_LT(poured, 1.7 * expected);
@@ -208,7 +209,7 @@ TEST_F(Live, PouringAddsSandUntilItStops) {
 
 TEST_F(Live, ThePushingSphereKeepsItsSpaceFree) {
   LiveScene live(options());
-  for (int i = 0; i < 40; ++i) live.advance(0.02);  // fallen
+  for (int i = 0; i < 40; ++i) live.advance(0.02);  // until the sand lies on the floor
   const double height = live.floor() + live.push_radius();
   for (int i = 0; i <= 20; ++i) {
     live.push_at(Vec3{-0.2 + 0.01 * i, height, 0.0});
@@ -269,7 +270,7 @@ TEST(HeadUp, TheBarIsAsLongAsTheTime) {
   EXPECT_NEAR(length_of(SANDGLASS_STAGE_GRANULAR), bar.budget_width / 4.0, 1.0);
   EXPECT_NEAR(length_of(SANDGLASS_STAGE_REFINE), bar.budget_width / 2.0, 1.0);
   EXPECT_EQ(length_of(SANDGLASS_STAGE_OUTPUT), 0);
-  report.stages[SANDGLASS_STAGE_REFINE].elapsed_ns = 2'000'000'000;  // far over: the bar ends where it must
+  report.stages[SANDGLASS_STAGE_REFINE].elapsed_ns = 2'000'000'000;  // far over the budget: the bar is cut off
   const Picture full = head_up_panel(state);
   EXPECT_EQ(
       std::vector<uint8_t>(full.at(bar.x + bar.full_width, bar.y + 1), full.at(bar.x + bar.full_width + 1, bar.y + 1)),
@@ -305,18 +306,18 @@ TEST_F(Live, TheLegendNamesTheStagesThatRun) {
   }
 }
 
-// The shot's sand has the library's own shadow in the viewer too: made within the frame, on floor and sand, turned with
-// the light.
+// In the viewer too, the shot's sand has the library's own shadow: made within the frame, on floor and sand, and it
+// turns with the light.
 TEST(LiveShot, TheSandsShadowIsMadeInTheFrame) {
   LiveOptions options;
   options.scene = "shot", options.budget_ms = k_all_the_work;
   LiveScene live(options);
   live.turn_light(30.0, 0.0);                       // to 70 degrees from the zenith
-  for (int i = 0; i < 30; ++i) live.advance(0.02);  // fallen
+  for (int i = 0; i < 30; ++i) live.advance(0.02);  // until the sand lies on the floor
   ASSERT_TRUE(live.pile(false) && live.pile(true));
   EXPECT_GT(live.report().stages[SANDGLASS_STAGE_SHADOW].units, 0u);
   EXPECT_EQ(live.report().pending_shadows, 0u);
-  // Where the darkness is on the floor, from the middle of the rectangle.
+  // The centre of the darkness on the floor, relative to the middle of the rectangle.
   const auto middle_of_the_shadow = [&] {
     const FloorShadow shadow = *live.pile(false);
     double sum = 0.0;
@@ -334,20 +335,20 @@ TEST(LiveShot, TheSandsShadowIsMadeInTheFrame) {
   live.turn_light(0.0, 180.0);
   const FloorShadow shadow = *live.pile(false);
   const double texel = (shadow.high[0] - shadow.low[0]) / shadow.texels;
-  double moved = 0.0;  // in the next frame, or where the machine is slow (emulated) in one of the next
+  double moved = 0.0;  // in the next frame, or on a slow (emulated) machine in one of the next few
   for (int i = 0; i < 20 && moved <= texel; ++i) {
     live.advance(0.02);
     const Vec3 by = middle_of_the_shadow() - before;
     moved = by.x * light.x + by.z * light.z;
   }
-  EXPECT_GT(moved, texel) << "by more than a texel, to where the light was";
+  EXPECT_GT(moved, texel) << "the shadow must move by more than a texel, to where the light was";
   EXPECT_FALSE(LiveScene([] {
                  LiveOptions o;
                  o.scene = "demo", o.budget_ms = k_all_the_work;
                  return o;
                }())
                    .pile(false))
-      << "a scene without one";
+      << "this scene has no such shadow";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The viewer's window as a user sees it: the program on a display of its own, drawn on the CPU, with mouse and keys
-// from a script; pixels of its screenshots.
+// The viewer's window as a user sees it: the program runs on a display of its own, drawn on the CPU, with mouse and
+// keys from a script. The tests look at pixels of its screenshots.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -33,7 +33,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int k_skipped = 77, k_width = 640, k_height = 480, k_overlay = 12;  // the panel's place in the window
+constexpr int k_skipped = 77, k_width = 640, k_height = 480;
+constexpr int k_overlay = 12;  // pixels from the window's corner to the panel
 
 class Window : public ::testing::Test {
  protected:
@@ -45,7 +46,7 @@ class Window : public ::testing::Test {
     fs::create_directories(folder);
     write_scene({0, 0.9, 0.9});
   }
-  // A block of sand on the floor before the camera, and its budget far beyond what it needs.
+  // A block of sand on the floor in front of the camera, with a budget far beyond what it needs.
   void write_scene(Vec3 eye) {
     std::ofstream file(folder / "small.json");
     file.precision(17);
@@ -61,7 +62,7 @@ class Window : public ::testing::Test {
     return std::string("'") + SANDGLASS_PROGRAM + "' view '" + (folder / "small.json").string() +
            "' --budget-ms 1000 --width " + std::to_string(k_width) + " --height " + std::to_string(k_height) + " ";
   }
-  // Exit code of `sandglass view small` on the display.
+  // Returns the exit code of `sandglass view small` on the display.
   int show(const std::string& arguments) { return on_display(view_small() + arguments); }
   int on_display(const std::string& what) {
     const std::string log = (folder / "said").string();
@@ -113,8 +114,8 @@ TEST_F(Window, ShowsSandOnTheFloorAndTheBudget) {
   EXPECT_EQ(count(picture, {0, 400, 100, 440}, is_sand), 0);  // the floor's own grey
   EXPECT_EQ(count(picture, k_below_the_panel, is_solid), 0);
 
-  // The bar begins with the time of the particles, in that stage's colour behind the panel's glass, and the budget is
-  // marked in the panel's ink.
+  // The bar begins with the time of the particles, in that stage's colour seen through the panel. The budget is marked
+  // in the colour of the panel's text.
   const BudgetBar bar = budget_bar();
   const Colour ink = stage_colour(SANDGLASS_STAGE_GRANULAR);
   const uint8_t* mark = picture.at(k_overlay + bar.x + bar.budget_width, k_overlay + bar.y - 1);
@@ -145,7 +146,7 @@ TEST_F(Window, KeysPourSandAndTurnTheLight) {
   const Box beside = {480, 150, 640, 400};
   EXPECT_EQ(count(before, beside, is_sand), 0);
   EXPECT_GT(count(poured, beside, is_sand), 500);
-  // The heap's shadow on the floor moves: the floor's pixels change, sand's colour and place hardly.
+  // The shadow of the pile on the floor moves. Pixels of the floor change; the sand's colour and place hardly do.
   int changed = 0;
   for (int y = 200; y < 440; ++y)
     for (int x = 0; x < k_width; ++x) {
@@ -155,8 +156,8 @@ TEST_F(Window, KeysPourSandAndTurnTheLight) {
   EXPECT_GT(changed, 300);
 }
 
-// A drag by (100, 50) pixels turns by 0.6 and raises by 0.3 radians: what is seen then is what a camera sees that stood
-// there from the start. A cursor whose button is up turns nothing.
+// A drag by (100, 50) pixels turns the camera by 0.6 radians and raises it by 0.3. The picture is then that of a camera
+// that stood there from the start. Moving the cursor without the button turns nothing.
 TEST_F(Window, ADragTurnsTheCamera) {
   const Picture before = screenshot("", 8);
   if (before.width == 0) GTEST_SKIP() << said;
@@ -178,7 +179,8 @@ TEST_F(Window, ADragTurnsTheCamera) {
   EXPECT_GT(differing(dragged, before), all / 10);
 }
 
-// Whether a line of the panel begins with this text, pixel by pixel: ink or red where the letters are, paper elsewhere.
+// Whether a line of the panel begins with this text, pixel by pixel: the text's colour or red where letters are, the
+// background elsewhere.
 bool reads(const Picture& picture, int line, const std::string& text) {
   Picture letters(text_width(k_panel_scale, text), 7 * k_panel_scale, {0, 0, 0});
   draw_text(&letters, 0, 0, k_panel_scale, text, {255, 255, 255});
@@ -199,8 +201,8 @@ std::string presses(const char* key, int times, int frame) {
   return script;
 }
 
-// 1,000 ms, ten steps down and four up again: 1000 / 1.25^6. Then so far down that the sand cannot be computed, to the
-// least there is: the quality falls, and the panel names the error of the rung that is reached.
+// From 1,000 ms, ten steps down and four up give 1000 / 1.25^6. Then down to the least budget, in which the sand cannot
+// be computed: the quality falls, and the panel names the error of the quality level that is reached.
 TEST_F(Window, KeysChangeTheBudgetAndTheQualityAnswers) {
   const Picture rich = screenshot(presses("-", 10, 1) + presses("=", 4, 2), 12);
   if (rich.width == 0) GTEST_SKIP() << said;
@@ -229,7 +231,7 @@ TEST_F(Window, KeysChangeTheBudgetAndTheQualityAnswers) {
   EXPECT_EQ(named, 1);
 }
 
-// Keys as a person presses them: events of the X server, through GLFW's callbacks. X does nothing, Q closes the window.
+// Keys as a person presses them: events of the X server, through GLFW's callbacks. X does nothing; Q closes the window.
 TEST_F(Window, ARealKeyClosesTheWindow) {
   if (std::system("command -v xdotool >/dev/null") != 0)
     GTEST_SKIP() << "no xdotool is installed (Debian's package of that name)";
@@ -245,7 +247,7 @@ wait "$viewer"
 )";
   const int code = on_display("bash '" + (folder / "press.sh").string() + "'");
   if (code == k_skipped) GTEST_SKIP() << said;
-  EXPECT_EQ(code, 0) << said;  // 124: nobody heard the key
+  EXPECT_EQ(code, 0) << said;  // 124: the key did not arrive
 }
 
 TEST_F(Window, SaysWhatIsWrong) {

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# with_display.sh COMMAND...: runs a command on an X display of its own, drawn on the CPU. Exit code 77: there is no Xvfb here.
+# with_display.sh COMMAND...: runs a command on an X display of its own, drawn on the CPU. Exit code 77: Xvfb is
+# missing.
 set -euo pipefail
 command -v Xvfb >/dev/null || { echo "skipped: no Xvfb is installed (Debian: xvfb, libgl1-mesa-dri)"; exit 77; }
 

@@ -1,6 +1,6 @@
-# 64-bit ARM Android, by the NDK's own toolchain file: found by ANDROID_NDK, else by the environment (ANDROID_NDK_HOME,
-# ANDROID_NDK_ROOT), else the newest one that Android Studio installed below ANDROID_HOME. What Sandglass settles: arm64-v8a, API
-# 24 or newer, the static C++ library, and shared libraries aligned for pages of 16 KB.
+# 64-bit ARM Android, by the NDK's own toolchain file. The NDK is the one that ANDROID_NDK names, else the environment
+# (ANDROID_NDK_HOME, ANDROID_NDK_ROOT), else the newest one that Android Studio installed below ANDROID_HOME. Sandglass
+# sets arm64-v8a, API 24 or newer, the static C++ library, and shared libraries aligned for pages of 16 KB.
 set(sandglass_ndk_candidates ${ANDROID_NDK} $ENV{ANDROID_NDK_HOME} $ENV{ANDROID_NDK_ROOT})
 if(DEFINED ENV{ANDROID_HOME})
   file(GLOB sandglass_installed LIST_DIRECTORIES true $ENV{ANDROID_HOME}/ndk/*)
@@ -38,9 +38,10 @@ endif()
 if(NOT ANDROID_STL)
   set(ANDROID_STL c++_static)
 endif()
-set(ANDROID_SUPPORT_FLEXIBLE_PAGE_SIZES ON)  # known to NDK 27 and newer; older ones need the linker's option
+# Pages of 16 KB: NDK 27 and newer know the variable, older ones need the linker's option.
+set(ANDROID_SUPPORT_FLEXIBLE_PAGE_SIZES ON)
 string(APPEND CMAKE_SHARED_LINKER_FLAGS_INIT " -Wl,-z,max-page-size=16384")
-# What a try_compile must know too: it reads this file again.
+# A try_compile reads this file again and needs these variables.
 list(APPEND CMAKE_TRY_COMPILE_PLATFORM_VARIABLES ANDROID_NDK ANDROID_ABI ANDROID_PLATFORM ANDROID_STL)
 
 include(${sandglass_ndk}/build/cmake/android.toolchain.cmake)

@@ -1,11 +1,12 @@
-# Eigen's headers, of release 3.4 or a later 3, in SANDGLASS_EIGEN_INCLUDE: as given, from the target's packages or a prefix, from this
-# machine (they are headers alone, the same for every target), or downloaded, pinned by hash. -DSANDGLASS_FETCH=OFF forbids the last.
+# Finds Eigen's headers, release 3.4 or a later 3, and sets SANDGLASS_EIGEN_INCLUDE. The first of these that fits is
+# taken: the folder that the app gave; the target's packages or a prefix; this machine (Eigen is headers alone, the same
+# for every target); a download, pinned by hash. -DSANDGLASS_FETCH=OFF forbids the download.
 option(SANDGLASS_FETCH "Download what is not found, pinned by hash" ON)
 set(SANDGLASS_EIGEN_URL https://gitlab.com/libeigen/eigen/-/archive/3.4.0/eigen-3.4.0.tar.gz
   https://github.com/eigen-mirror/eigen/archive/refs/tags/3.4.0.tar.gz CACHE STRING "Where Eigen 3.4.0 is downloaded from, tried in turn")
 mark_as_advanced(SANDGLASS_EIGEN_URL)
 
-# sandglass_eigen_fits(RESULT FOLDER): whether the headers there are of such a release.
+# sandglass_eigen_fits(RESULT FOLDER): whether the headers in FOLDER are of such a release.
 function(sandglass_eigen_fits result folder)
   set(found "")
   if(EXISTS ${folder}/Eigen/src/Core/util/Macros.h)
@@ -28,7 +29,7 @@ if(NOT fits)
       "download by SANDGLASS_FETCH=ON.")
   endif()
   include(FetchContent)
-  # The same bytes from either server; a release's archive that GitLab packs anew may differ, the mirror's then serves.
+  # Both servers give the same bytes. Should GitLab ever pack its archive anew, the mirror's still fits.
   FetchContent_Declare(sandglass_eigen URL ${SANDGLASS_EIGEN_URL}
     URL_HASH SHA256=8586084f71f9bde545ee7fa6d00288b264a2b7ac3607b974e54d13e7162c1c72 DOWNLOAD_EXTRACT_TIMESTAMP ON)
   FetchContent_GetProperties(sandglass_eigen)
@@ -36,7 +37,7 @@ if(NOT fits)
     FetchContent_Populate(sandglass_eigen)
   endif()
   sandglass_eigen_fits(fits ${sandglass_eigen_SOURCE_DIR})
-  if(NOT fits)  # nothing was downloaded: FETCHCONTENT_FULLY_DISCONNECTED, or a folder that the app named
+  if(NOT fits)  # nothing was downloaded: FETCHCONTENT_FULLY_DISCONNECTED is set, or the app named a folder
     message(FATAL_ERROR "Eigen 3.4 is not in ${sandglass_eigen_SOURCE_DIR}: install its headers, name their folder by "
       "SANDGLASS_EIGEN_INCLUDE, or allow the download by FETCHCONTENT_FULLY_DISCONNECTED=OFF.")
   endif()

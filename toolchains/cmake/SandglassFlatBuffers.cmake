@@ -1,13 +1,14 @@
-# FlatBuffers' headers, of the release whose compiler made runtime/asset/shadow_generated.h, in SANDGLASS_FLATBUFFERS_INCLUDE: as given
-# by the app, from the target's packages or a prefix, from this machine (they are headers alone, the same for every target), or
-# downloaded, pinned by hash. -DSANDGLASS_FETCH=OFF forbids the last.
+# Finds FlatBuffers' headers, of the release whose compiler made runtime/asset/*_generated.h, and sets
+# SANDGLASS_FLATBUFFERS_INCLUDE. The first of these that fits is taken: the folder that the app gave; the target's
+# packages or a prefix; this machine (FlatBuffers is used by its headers alone, the same for every target); a download,
+# pinned by hash. -DSANDGLASS_FETCH=OFF forbids the download.
 option(SANDGLASS_FETCH "Download what is not found, pinned by hash" ON)
 set(sandglass_flatbuffers_version 2.0.8)
 set(SANDGLASS_FLATBUFFERS_URL https://github.com/google/flatbuffers/archive/refs/tags/v${sandglass_flatbuffers_version}.tar.gz
   CACHE STRING "Where FlatBuffers ${sandglass_flatbuffers_version} is downloaded from")
 mark_as_advanced(SANDGLASS_FLATBUFFERS_URL)
 
-# sandglass_flatbuffers_fits(RESULT FOLDER): whether the headers there are of that release.
+# sandglass_flatbuffers_fits(RESULT FOLDER): whether the headers in FOLDER are of that release.
 function(sandglass_flatbuffers_fits result folder)
   set(found "")
   if(EXISTS ${folder}/flatbuffers/base.h)
@@ -35,13 +36,13 @@ if(NOT fits)
     FetchContent_Populate(sandglass_flatbuffers)
   endif()
   sandglass_flatbuffers_fits(fits ${sandglass_flatbuffers_SOURCE_DIR}/include)
-  if(NOT fits)  # nothing was downloaded: FETCHCONTENT_FULLY_DISCONNECTED, or a folder that the app named
+  if(NOT fits)  # nothing was downloaded: FETCHCONTENT_FULLY_DISCONNECTED is set, or the app named a folder
     message(FATAL_ERROR "FlatBuffers ${sandglass_flatbuffers_version} is not in ${sandglass_flatbuffers_SOURCE_DIR}: install its headers, "
       "name their folder by SANDGLASS_FLATBUFFERS_INCLUDE, or allow the download by FETCHCONTENT_FULLY_DISCONNECTED=OFF.")
   endif()
   set(SANDGLASS_FLATBUFFERS_INCLUDE ${sandglass_flatbuffers_SOURCE_DIR}/include CACHE PATH "FlatBuffers' headers" FORCE)
 elseif((ANDROID OR IOS) AND SANDGLASS_FLATBUFFERS_INCLUDE MATCHES "^/usr/")
-  # Beside them lies this machine's C library: only their own folder may be seen.
+  # The headers of this machine's C library lie beside them, so the compiler gets a folder with FlatBuffers' alone.
   set(alone ${PROJECT_BINARY_DIR}/flatbuffers_alone)
   file(MAKE_DIRECTORY ${alone})
   file(CREATE_LINK ${SANDGLASS_FLATBUFFERS_INCLUDE}/flatbuffers ${alone}/flatbuffers SYMBOLIC)

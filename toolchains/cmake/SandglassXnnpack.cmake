@@ -1,7 +1,8 @@
-# XNNPACK, for the back ends of the lighting network that need it and for benchmarks' peers: the target sandglass_xnnpack_api, if it
-# was found. From the target's packages or a prefix (CMAKE_PREFIX_PATH), or as given by the app: SANDGLASS_XNNPACK_INCLUDE,
-# SANDGLASS_XNNPACK_LIBRARY, SANDGLASS_PTHREADPOOL_LIBRARY, each OFF for none. With SANDGLASS_XNNPACK=ON what is not found is
-# downloaded, pinned by hash; -DSANDGLASS_FETCH=OFF forbids that. Either generation of its API will do: see platform/xnnpack.h.
+# XNNPACK, for the back ends of the lighting network that need it and for benchmarks that compare with it. Makes the
+# target sandglass_xnnpack_api if XNNPACK is found: in the target's packages or a prefix (CMAKE_PREFIX_PATH), or where
+# the app says by SANDGLASS_XNNPACK_INCLUDE, SANDGLASS_XNNPACK_LIBRARY and SANDGLASS_PTHREADPOOL_LIBRARY (OFF for any of
+# them means none). With SANDGLASS_XNNPACK=ON it is downloaded, pinned by hash, if it is not found;
+# -DSANDGLASS_FETCH=OFF forbids that. Either generation of its API will do: see platform/xnnpack.h.
 option(SANDGLASS_XNNPACK "The lighting network by XNNPACK too, which then every app links" OFF)
 option(SANDGLASS_FETCH "Download what is not found, pinned by hash" ON)
 set(SANDGLASS_XNNPACK_REGION_MIB 64 CACHE STRING "MiB of the region that XNNPACK draws on instead of the heap")
@@ -23,7 +24,7 @@ find_library(SANDGLASS_PTHREADPOOL_LIBRARY pthreadpool)
 set(header ${SANDGLASS_XNNPACK_INCLUDE}/xnnpack.h)
 set(libraries ${SANDGLASS_XNNPACK_LIBRARY} ${SANDGLASS_PTHREADPOOL_LIBRARY})
 if(SANDGLASS_XNNPACK_INCLUDE AND SANDGLASS_XNNPACK_LIBRARY AND SANDGLASS_PTHREADPOOL_LIBRARY)
-  # Archives come in parts, a shared library knows its own.
+  # A static XNNPACK comes in several archives. A shared one names what it needs itself.
   if(SANDGLASS_XNNPACK_LIBRARY MATCHES "\\.a$")
     find_library(SANDGLASS_XNNPACK_KERNELS_LIBRARY NAMES xnnpack-microkernels-prod microkernels-prod)
     find_library(SANDGLASS_CPUINFO_LIBRARY cpuinfo)
@@ -40,7 +41,7 @@ elseif(SANDGLASS_XNNPACK)
       "CMAKE_PREFIX_PATH, or allow the download by SANDGLASS_FETCH=ON.")
   endif()
   include(FetchContent)
-  # Of December 2024. It brings cpuinfo, pthreadpool and FXdiv, which it pins by SHA-256 itself.
+  # A commit of December 2024. It downloads cpuinfo, pthreadpool and FXdiv, which it pins by SHA-256 itself.
   FetchContent_Declare(sandglass_xnnpack
     GIT_REPOSITORY https://github.com/google/XNNPACK.git GIT_TAG 51a0103656eff6fc9bfd39a4597923c4b542c883)
   FetchContent_GetProperties(sandglass_xnnpack)
@@ -62,7 +63,7 @@ else()
   return()
 endif()
 
-# What differs between versions, by what the header declares.
+# What the header declares tells how this version differs from others.
 file(STRINGS ${header} declared REGEX "xnn_((reshape|create)_convolution2d_nhwc_(f32|qc8|qs8_qc8w)|create_unary_elementwise_nc)\\(")
 add_library(sandglass_xnnpack_api INTERFACE)
 get_filename_component(folder ${header} DIRECTORY)
@@ -78,13 +79,14 @@ foreach(name qc8 qs8_qc8w)
     target_compile_definitions(sandglass_xnnpack_api INTERFACE SANDGLASS_XNNPACK_INT8=${name})
   endif()
 endforeach()
-# The benchmark of shadows' peer is written for 2022 and for what has one operator for all that is done to single values.
+# The benchmark that runs a shadow network by XNNPACK is written for the API of 2022 and for one that has a single
+# operator for all functions of single values.
 set(SANDGLASS_XNNPACK_PEER OFF)
 if(SANDGLASS_XNNPACK_GENERATION STREQUAL "2022" OR declared MATCHES "xnn_create_unary_elementwise_nc")
   set(SANDGLASS_XNNPACK_PEER ON)
 endif()
-# For the installed package, which finds them again: names and folders of the libraries; none where they are built with this project,
-# or where it does not need them.
+# Names and folders of the libraries, by which the installed package finds them again. There are none where the
+# libraries are built with this project or are not needed.
 set(SANDGLASS_XNNPACK_PARTS "")
 set(SANDGLASS_XNNPACK_FOLDERS "")
 foreach(library IN LISTS libraries)

@@ -47,7 +47,7 @@ class SandglassRecipe(ConanFile):
         CMake(self).install()
 
     def package_info(self):
-        # The package's own CMake files name sandglass::sandglass; Conan need not write others.
+        # The package has its own CMake files, which define sandglass::sandglass. Conan need not write others.
         self.cpp_info.set_property("cmake_find_mode", "none")
         self.cpp_info.builddirs.append(os.path.join("lib", "cmake", "sandglass"))
         self.cpp_info.libs = ["sandglass"]

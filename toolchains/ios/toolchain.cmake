@@ -1,5 +1,6 @@
-# iOS 15 and newer on 64-bit ARM. SANDGLASS_IOS_SDK picks the device (iphoneos, the default) or the simulator (iphonesimulator, on
-# a Mac with an ARM processor). CMake asks Xcode for compiler and SDK; elsewhere CMAKE_OSX_SYSROOT names an SDK's folder.
+# iOS 15 and newer on 64-bit ARM. SANDGLASS_IOS_SDK picks the device (iphoneos, the default) or the simulator
+# (iphonesimulator, on a Mac with an ARM processor). On a Mac, CMake asks Xcode for the compiler and the SDK. Elsewhere
+# CMAKE_OSX_SYSROOT names the folder of an SDK.
 if(NOT SANDGLASS_IOS_SDK)
   set(SANDGLASS_IOS_SDK iphoneos)
 endif()
@@ -24,7 +25,7 @@ if(NOT CMAKE_OSX_DEPLOYMENT_TARGET)
   set(CMAKE_OSX_DEPLOYMENT_TARGET 15.0)
 endif()
 if(NOT CMAKE_HOST_APPLE)
-  # Clang anywhere compiles for Apple once it is told the target; archives need LLVM's tools.
+  # Any clang compiles for Apple's systems if it is told the target. Archives need LLVM's tools.
   set(sandglass_triple arm64-apple-ios${CMAKE_OSX_DEPLOYMENT_TARGET})
   if(SANDGLASS_IOS_SDK STREQUAL iphonesimulator)
     string(APPEND sandglass_triple -simulator)
@@ -33,7 +34,7 @@ if(NOT CMAKE_HOST_APPLE)
   set(CMAKE_CXX_COMPILER clang++)
   set(CMAKE_C_COMPILER_TARGET ${sandglass_triple})
   set(CMAKE_CXX_COMPILER_TARGET ${sandglass_triple})
-  set(CMAKE_CXX_FLAGS_INIT -stdlib=libc++)  # what Apple builds with
+  set(CMAKE_CXX_FLAGS_INIT -stdlib=libc++)  # Apple's standard library
   find_program(SANDGLASS_LLVM_AR NAMES llvm-ar llvm-ar-14 REQUIRED)
   find_program(SANDGLASS_LLVM_RANLIB NAMES llvm-ranlib llvm-ranlib-14 REQUIRED)
   set(CMAKE_AR ${SANDGLASS_LLVM_AR})

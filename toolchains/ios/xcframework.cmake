@@ -1,5 +1,5 @@
-# Makes Sandglass.xcframework, the library for device and simulator in one folder that Xcode and Swift packages take: what
-# `xcodebuild -create-xcframework` writes, without needing it.
+# Makes Sandglass.xcframework: the library for device and simulator in one folder, as Xcode and Swift packages take it.
+# It is what `xcodebuild -create-xcframework` writes, made without Xcode.
 #   cmake -DDEVICE=libsandglass.a -DSIMULATOR=libsandglass.a -DINCLUDE=DIR -DOUTPUT=Sandglass.xcframework -P xcframework.cmake
 cmake_policy(VERSION 3.25)
 foreach(needed DEVICE SIMULATOR INCLUDE OUTPUT)
@@ -10,7 +10,7 @@ endforeach()
 if(NOT EXISTS ${SIMULATOR})
   message(FATAL_ERROR "${SIMULATOR} does not exist: build the preset ios-simulator first, or name its archive by SANDGLASS_SIMULATOR_ARCHIVE.")
 endif()
-# The framework says arm64: so must the first object in each archive, by its Mach-O header.
+# The framework says arm64, and so must the Mach-O header of the first object in each archive.
 foreach(archive IN ITEMS ${DEVICE} ${SIMULATOR})
   file(READ ${archive} bytes LIMIT 1048576 HEX)
   if(NOT bytes MATCHES "cffaedfe0c000001")

@@ -1,5 +1,5 @@
-// The planes of Android's YUV_420_888, which leaves open how chroma lies in memory, as one of the layouts that the
-// library reads: NV12, NV21 or I420 by pixel stride and order.
+// Tells which layout the planes of Android's YUV_420_888 have. That format leaves open how chroma lies in memory; the
+// pixel stride and the order of the planes show whether it is NV12, NV21 or I420, which the library reads.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace sample {
 
-// Three planes Y, U, V with their strides in bytes, from row to row and from pixel to pixel. False, and *image as it
-// was, for a layout that is none of the three.
+// Takes the planes Y, U and V with their strides in bytes, from row to row and from pixel to pixel. Returns false and
+// leaves *image as it was if the layout is none of the three.
 inline bool set_yuv_planes(const uint8_t* const planes[3], const int32_t row_strides[3], const int32_t pixel_strides[3],
                            sandglass_camera_image* image) {
   const uint8_t *u = planes[1], *v = planes[2];

@@ -1,10 +1,10 @@
-// What the sample apps share, whatever the phone: a scene made once, sand poured above a point of the real floor, and
-// one call a frame that fills a mapped buffer with grains, estimates the light of the room from the camera's image, and
-// brings the sand's soft shadow up to date, all in one budget. Positions are those of the AR session's world: metres, y
-// up, which is also Sandglass's.
+// What the sample apps share on every phone. A scene is made once, and sand is poured above a point of the real floor.
+// One call a frame fills a mapped buffer with grains, estimates the light of the room from the camera's image, and
+// updates the sand's soft shadow, all in one budget. Positions are those of the AR session's world: metres, y up, as
+// Sandglass has them.
 //
-// An app with objects of its own adds their baked shadows: a sandglass_shadow beside the scene (shadow.h), the
-// estimate's direction turned into the object's frame, passed as input.shadows.
+// An app with objects of its own adds their baked shadows: it makes a sandglass_shadow beside the scene (shadow.h),
+// gives it the estimate's direction turned into the object's frame, and passes it as input.shadows.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,18 @@
 namespace sample {
 
 constexpr float k_particle_radius = 0.01f;
-constexpr uint32_t k_particles = 1500, k_grains = 25000;  // a phone's scene
-constexpr float k_heap_half = 0.1f;                       // metres: half the side of the block that is poured
-constexpr float k_shadow_half = 0.64f;                    // metres: half the side of the floor that is looked at
-constexpr uint32_t k_shadow_texels = 128;                 // a side: a texel is a particle's radius
+constexpr uint32_t k_particles = 1500, k_grains = 25000;  // as much as a phone simulates in the budget
+constexpr float k_block_half = 0.1f;                      // metres, half the side of the block that is poured
+constexpr float k_shadow_half = 0.64f;                    // metres, half the side of the floor that receives the shadow
+constexpr uint32_t k_shadow_texels = 128;                 // on a side: a texel is as wide as a particle's radius
 constexpr uint64_t k_budget_ns = 4'000'000;
 
 class SandStage {
  public:
-  // Makes scene, shadow and light: the only allocations of the library's. `network` is the file of a lighting network
-  // (models/lights/room.light) in 8-byte words, of which it fills `network_bytes`; without one the light stays as it is
-  // at first: grey, from everywhere, and no shadow is seen. `trace` is the platform's profiler or the app's own hook.
+  // Makes scene, shadow and light, with all memory that the library ever uses. `network` is the file of a lighting
+  // network (models/lights/room.light) in 8-byte words, of which the file fills `network_bytes`. Without one the light
+  // stays as it begins: grey, from everywhere, with no visible shadow. `trace` is the system's profiler or the app's
+  // own hook.
   sandglass::Status create(std::vector<uint64_t> network = {}, uint64_t network_bytes = 0,
                            sandglass_trace trace = sandglass_trace_system()) {
     estimate_.direction[1] = 1.0f;
@@ -63,9 +64,9 @@ class SandStage {
     return scene_.create(desc);
   }
 
-  // A block of sand above a point of a real horizontal surface, instead of what was there.
+  // Replaces all sand by a block of it above a point of a real horizontal surface.
   sandglass::Status pour(const float point[3]) {
-    const float r = k_particle_radius, h = k_heap_half;
+    const float r = k_particle_radius, h = k_block_half;
     for (int k = 0; k < 3; ++k) origin_[k] = point[k];  // the scene's origin: grains are given relative to it
     floor_ = sandglass::floor_at(0.0f);
     scene_.reset();
@@ -83,12 +84,13 @@ class SandStage {
     return status;
   }
 
-  // One frame. `seconds` since the last one; `headroom` as in sandglass_frame_input; `grains` is the renderer's mapped
-  // buffer of k_grains items; `camera` the newest image or null, read in this call only. A performance hint session
-  // takes report.target_ns and report.elapsed_ns. Where report.light_changed, the renderer takes light() anew.
+  // Runs one frame, `seconds` after the last one. `headroom` is that of sandglass_frame_input. `grains` is the
+  // renderer's mapped buffer of k_grains items. `camera` is the newest image or null; it is read in this call only. A
+  // performance hint session takes report.target_ns and report.elapsed_ns. If report.light_changed is set, the renderer
+  // has to take light() again.
   sandglass_frame_report frame(float seconds, float headroom, sandglass_grain* grains,
                                const sandglass_camera_image* camera = nullptr) {
-    (void)!sandglass_pile_shadow_set_light(shadow_, estimate_.direction, nullptr);  // a unit vector cannot be refused
+    (void)!sandglass_pile_shadow_set_light(shadow_, estimate_.direction, nullptr);  // a unit vector is never refused
     sandglass_frame_input input = sandglass::frame_input();
     input.time_step = seconds;
     input.budget_ns = k_budget_ns;
@@ -113,7 +115,7 @@ class SandStage {
     sandglass_pile_shadow_get_texture(shadow_, &texture);
     return texture;
   }
-  // What coverage is multiplied with: the floor keeps 1 - coverage * shadow_strength() of its light.
+  // The factor of coverage: the floor keeps 1 - coverage * shadow_strength() of its light.
   float shadow_strength() const { return shadow().opacity * estimate_.contrast; }
 
   const float* origin() const { return origin_; }  // in the session's world
@@ -123,7 +125,7 @@ class SandStage {
  private:
   sandglass::Scene scene_;
   sandglass::Light light_;
-  std::vector<uint64_t> network_;  // what light_ reads
+  std::vector<uint64_t> network_;  // light_ reads it
   sandglass::Block shadow_block_;
   sandglass_pile_shadow* shadow_ = nullptr;
   sandglass_light_estimate estimate_ = {};

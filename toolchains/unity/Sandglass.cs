@@ -1,4 +1,4 @@
-// The C API, one to one: names, layouts and order are those of sandglass.h, sampling.h, field.h, shadow.h and light.h, which
+// The C API, one to one: names, layouts and order are those of the public headers (types.h, sandglass.h, sampling.h, …), which
 // document every field. Sizes and offsets are compared with the C compiler's by tests/package, so a header that moved on fails there, not
 // on a phone. Nothing here allocates; what calls it every frame should keep its structs and arrays.
 //
@@ -49,15 +49,19 @@ public struct sandglass_log {
 }
 
 [StructLayout(LayoutKind.Sequential)]
+public struct sandglass_reference_scheme {
+  public int scheme, blend;
+  public uint solver_iterations, stabilisation_iterations;
+  public float relaxation;
+}
+
+[StructLayout(LayoutKind.Sequential)]
 public struct sandglass_granular_desc {
   public uint particle_capacity, grain_capacity, boundary_capacity, body_capacity, body_particle_capacity;
   public uint emitter_capacity, sink_capacity, collider_capacity;
   public float particle_radius, grain_radius, static_friction, kinetic_friction, height_weighting;
-  public int scheme;
-  public uint solver_iterations, stabilisation_iterations;
-  public float relaxation, courant, substep_max, substep_min, list_skin, sleep_after;
-  public int blend;
-  public float refine_step;
+  public float courant, substep_max, substep_min, list_skin, sleep_after, refine_step;
+  public sandglass_reference_scheme reference;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -348,7 +352,11 @@ public static unsafe class Native {
   const string k_library = "sandglass";  // libsandglass.so, libsandglass.dylib
 #endif
 
-  public const int SANDGLASS_VERSION_MAJOR = 0, SANDGLASS_VERSION_MINOR = 1;
+  public const int SANDGLASS_VERSION_MAJOR = 0, SANDGLASS_VERSION_MINOR = 1, SANDGLASS_VERSION_PATCH = 0;
+  public const int SANDGLASS_VERSION =
+      1000000 * SANDGLASS_VERSION_MAJOR + 1000 * SANDGLASS_VERSION_MINOR + SANDGLASS_VERSION_PATCH;
+  // Whether the native library is of the version that these structs mirror: ask before any other call.
+  public static bool VersionFits() { return sandglass_version() / 1000 == SANDGLASS_VERSION / 1000; }
   public const int SANDGLASS_OK = 0, SANDGLASS_ERROR_INVALID_ARGUMENT = 1, SANDGLASS_ERROR_MEMORY_TOO_SMALL = 2,
                    SANDGLASS_ERROR_MEMORY_ALIGNMENT = 3, SANDGLASS_ERROR_CAPACITY = 4, SANDGLASS_ERROR_UNSUPPORTED = 5,
                    SANDGLASS_ERROR_REPLAY = 6;
@@ -382,6 +390,7 @@ public static unsafe class Native {
   public static string Text(IntPtr sentence) { return sentence == IntPtr.Zero ? null : Marshal.PtrToStringAnsi(sentence); }
 
   // ------------------------------------------------------------------------------------------------ sandglass.h
+  [DllImport(k_library)] public static extern uint sandglass_version();
   [DllImport(k_library)] public static extern IntPtr sandglass_status_name(int status);
   [DllImport(k_library)] public static extern sandglass_clock sandglass_clock_system();
   [DllImport(k_library)] public static extern sandglass_trace sandglass_trace_system();
@@ -402,6 +411,10 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern void sandglass_body_default(out sandglass_body body);
   [DllImport(k_library)] public static extern int sandglass_granular_add_body(IntPtr scene, ref sandglass_body body, out uint index, out IntPtr reason);
   [DllImport(k_library)] public static extern sandglass_body_pose sandglass_granular_body_pose(IntPtr scene, uint index);
+  [DllImport(k_library)] public static extern int sandglass_body_box_count(float[] half_extents, float particle_radius, out uint count, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_body_box(float[] half_extents, float particle_radius, float[] position, float[] rotation, float density, float* points, uint capacity, out sandglass_body body, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_body_box_collider(ref sandglass_body_pose pose, float[] half_extents, float[] rotation, out sandglass_collider collider);
+  [DllImport(k_library)] public static extern int sandglass_rotation_about(float[] axis, float angle, [Out] float[] rotation);
   [DllImport(k_library)] public static extern int sandglass_granular_set_boundary(IntPtr scene, float[] positions, uint count, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_granular_set_friction(IntPtr scene, float static_friction, float kinetic_friction, out IntPtr reason);
   [DllImport(k_library)] public static extern void sandglass_frame_input_default(out sandglass_frame_input input);

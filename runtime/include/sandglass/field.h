@@ -2,7 +2,7 @@
  * hourglass, a bucket. A field is a regular grid of distances in the caller's memory, made once, from a mesh or from a
  * function, on a workstation or on the device. Distances above 0 are free space, below 0 solid.
  *
- * Part of sandglass.h, which says what holds for all functions. */
+ * See types.h for what holds for all functions. */
 #ifndef SANDGLASS_FIELD_H
 #define SANDGLASS_FIELD_H
 

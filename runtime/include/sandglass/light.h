@@ -18,7 +18,7 @@
  * not its photographs. Nothing is allocated, no clock is read, and the same bytes come out of every instruction set and
  * every division into frames.
  *
- * Conventions. World frame right-handed, y up, as in sandglass.h; directions are unit vectors *towards* the light.
+ * Conventions. World frame right-handed, y up, as in types.h; directions are unit vectors *towards* the light.
  * Colours are linear, in the tone-mapped range of the picture: 1 is what the camera shows as white.
  *
  * Radiometry. The source gives none; of the rules that were measured (`sandglass ceiling`, SPEC 3.3) this one lights an
@@ -33,7 +33,7 @@
 #ifndef SANDGLASS_LIGHT_H
 #define SANDGLASS_LIGHT_H
 
-#include "sandglass/sandglass.h"
+#include "sandglass/types.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -174,7 +174,7 @@ typedef struct sandglass_light_info {
 } sandglass_light_info;
 
 /* Reads the file's description after the checks of sandglass_light_create; info.struct_size is set before (see "Sizes"
- * in sandglass.h). Fails with INVALID_ARGUMENT. */
+ * in types.h). Fails with INVALID_ARGUMENT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_inspect(const void* asset, uint64_t asset_bytes,
                                                                            sandglass_light_info* info,
                                                                            const char** reason);
@@ -237,7 +237,7 @@ SANDGLASS_API uint32_t sandglass_light_run(sandglass_light* light, uint32_t unit
 /* Work units until the estimate under way is complete; 0: none is. */
 SANDGLASS_API uint32_t sandglass_light_units_left(const sandglass_light* light);
 
-/* The estimate after the filter; estimate.struct_size is set before, here and below (see "Sizes" in sandglass.h). */
+/* The estimate after the filter; estimate.struct_size is set before, here and below (see "Sizes" in types.h). */
 SANDGLASS_API void sandglass_light_get(const sandglass_light* light, sandglass_light_estimate* estimate);
 
 /* The last estimate as the network gave it, turned into the world, before the filter. */
@@ -276,7 +276,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_harmonics(con
 
 /* ------------------------------------------------------------------------------------------------ renderers */
 
-/* Each struct's struct_size is set before its function is called (see "Sizes" in sandglass.h). The estimate may be that
+/* Each struct's struct_size is set before its function is called (see "Sizes" in types.h). The estimate may be that
  * of an older or a newer header: what the functions need of it is in every version. */
 
 /* For Filament: a LightManager of type DIRECTIONAL or SUN, and an IndirectLight. `nits`: the luminance that radiance 1

@@ -24,7 +24,7 @@
 #ifndef SANDGLASS_PILE_SHADOW_H
 #define SANDGLASS_PILE_SHADOW_H
 
-#include "sandglass/sandglass.h"
+#include "sandglass/types.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -81,7 +81,7 @@ typedef struct sandglass_pile_shadow_texture {
   uint32_t age;            /* frames since the one that the texture was begun in; 0: nothing has changed since */
 } sandglass_pile_shadow_texture;
 
-/* texture.struct_size is set before (see "Sizes" in sandglass.h). Bytes are stable until units are run again. */
+/* texture.struct_size is set before (see "Sizes" in types.h). Bytes are stable until units are run again. */
 SANDGLASS_API void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow,
                                                      sandglass_pile_shadow_texture* texture);
 

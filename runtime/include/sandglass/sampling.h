@@ -18,7 +18,7 @@
 #ifndef SANDGLASS_SAMPLING_H
 #define SANDGLASS_SAMPLING_H
 
-#include "sandglass/sandglass.h"
+#include "sandglass/types.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -247,7 +247,5 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_spectrum(con
 #ifdef __cplusplus
 } /* extern "C" */
 #endif
-
-#include "sandglass/field.h"
 
 #endif /* SANDGLASS_SAMPLING_H */

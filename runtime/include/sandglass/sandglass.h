@@ -1,6 +1,7 @@
 /* Sandglass: sand, light and shadow for augmented reality, inside a fixed slice of every frame.
  *
- * The whole public API, in C. An app
+ * Scenes and granular material, in C; with it come sampling (sampling.h) and signed-distance fields (field.h). Light
+ * and shadows stand in headers of their own: light.h, shadow.h, pile_shadow.h. An app
  *
  *   1. fills a sandglass_scene_desc (start from sandglass_scene_desc_default),
  *   2. asks sandglass_scene_bytes how much memory that scene needs,
@@ -11,136 +12,19 @@
  * After step 3 the library allocates nothing, starts no thread, takes no lock and reads no clock but the one it was
  * handed. There is nothing to destroy: the block is the scene, and it is the caller's.
  *
- * Conventions. SI units: metres, seconds, kilograms, radians. World frame right-handed, y up. Quaternions are (x, y, z,
- * w). `float` throughout. Positions are relative to a scene origin of the app's choice; keep them within
- * SANDGLASS_COORDINATE_LIMIT of it.
- *
- * Sizes. A struct that may grow begins with `struct_size`, set by its `_default` function or, where it has none, to
- * sizeof by the caller, before every call. One that the library reads must have the library's own size, or is refused.
- * Of one that it fills (a report, an estimate, a texture, an info), no byte beyond struct_size is written, and
- * struct_size then says how many were; below 8 it was not set: functions that can fail refuse it, others leave the
- * struct as it is. A report's plan is read again, and so must be whole; an estimate may be that of an older header. Of
- * the library's own (a level), it says which fields exist.
- *
- * Errors. Functions that can fail return a sandglass_status and, where `reason` is not NULL, store in it one static
- * sentence that says what is wrong, where, and what to do; on success it is set to NULL. A function that fails has
- * changed nothing. sandglass_scene_frame does not fail: it degrades, in a stated order, and says so in the report.
+ * Units, coordinates, the sizes of structs and errors: see types.h, whose rules hold for all functions.
  *
  * Threads. One scene belongs to one thread at a time; different scenes are independent. */
 #ifndef SANDGLASS_SANDGLASS_H
 #define SANDGLASS_SANDGLASS_H
 
-#include <stddef.h>
-#include <stdint.h>
-
-/* A shared library keeps all that it exports, used or not. So the static archive hides the API (inside the app that
- * links it, it is found as ever), and only the build of a shared library of it, the plug-in, defines SANDGLASS_EXPORTS.
- */
-#if defined(SANDGLASS_EXPORTS)
-#define SANDGLASS_API __attribute__((visibility("default")))
-#else
-#define SANDGLASS_API
-#endif
-#if defined(__GNUC__) || defined(__clang__)
-#define SANDGLASS_NODISCARD __attribute__((warn_unused_result))
-#else
-#define SANDGLASS_NODISCARD
-#endif
+#include "sandglass/field.h"
+#include "sandglass/sampling.h"
+#include "sandglass/types.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-#define SANDGLASS_VERSION_MAJOR 0
-#define SANDGLASS_VERSION_MINOR 1
-#define SANDGLASS_VERSION_PATCH 0
-
-/* Coordinates beyond this distance (metres) from the scene origin are refused: there a float resolves 6e-5 m, and
- * contacts between centimetre particles lose their meaning. Move the scene origin instead. */
-#define SANDGLASS_COORDINATE_LIMIT 1000.0f
-
-/* ------------------------------------------------------------------------------------------------ status */
-
-typedef int32_t sandglass_status;
-enum {
-  SANDGLASS_OK = 0,
-  SANDGLASS_ERROR_INVALID_ARGUMENT = 1, /* a field is out of range, not finite, or a pointer is NULL */
-  SANDGLASS_ERROR_MEMORY_TOO_SMALL = 2, /* the block is smaller than the need; nothing was touched */
-  SANDGLASS_ERROR_MEMORY_ALIGNMENT = 3, /* the block is not aligned to SANDGLASS_BLOCK_ALIGNMENT */
-  SANDGLASS_ERROR_CAPACITY = 4,         /* more items than the description made room for; nothing was added */
-  SANDGLASS_ERROR_UNSUPPORTED = 5,      /* this CPU or this build lacks what was asked for */
-  SANDGLASS_ERROR_REPLAY = 6            /* a recorded plan does not fit this scene */
-};
-
-/* A short constant name of a status, "SANDGLASS_ERROR_CAPACITY" say; never NULL. */
-SANDGLASS_API const char* sandglass_status_name(sandglass_status status);
-
-/* Alignment in bytes that the scene's memory block must have. */
-#define SANDGLASS_BLOCK_ALIGNMENT 64
-
-/* ------------------------------------------------------------------------------------------------ hooks */
-
-/* A clock. now_ns returns nanoseconds from any origin; it should not go backward, but nothing breaks if it does: the
- * frame then ends at its cap of units, with a valid state. now_ns == NULL means "no clock": every frame runs all its
- * work. */
-typedef struct sandglass_clock {
-  uint64_t (*now_ns)(void* user);
-  void* user;
-} sandglass_clock;
-
-/* The platform's monotonic clock (CLOCK_MONOTONIC; mach_absolute_time on Apple), ready to be handed over. */
-SANDGLASS_API sandglass_clock sandglass_clock_system(void);
-
-/* A worker pool of the app's. run must call task(context, index) once for each index in 0..count-1, on any threads in
- * any order, and return when all calls have. Results do not depend on it. run == NULL: the calling thread does
- * everything. */
-typedef struct sandglass_parallel {
-  void (*run)(void* user, void (*task)(void* context, uint32_t index), void* context, uint32_t count);
-  void* user;
-} sandglass_parallel;
-
-/* Profiling hook: `begin` and `end` bracket every work unit, `name` is a static string such as "granular.solve". Either
- * may be NULL. Called on the thread that called sandglass_scene_frame. */
-typedef struct sandglass_trace {
-  void (*begin)(void* user, const char* name);
-  void (*end)(void* user, const char* name);
-  void* user;
-} sandglass_trace;
-
-/* The platform's own profiler as a trace hook: sections of ATrace on Android (seen in Perfetto and Android Studio; link
- * with -landroid), signpost intervals of the subsystem "sandglass" on Apple (seen in Instruments); both members NULL
- * elsewhere. Call it once, before the scenes are created: on Apple the system makes a log object for the process. */
-SANDGLASS_API sandglass_trace sandglass_trace_system(void);
-
-/* Log hook: static sentences about things an app developer should know (a capacity reached, a quarantined particle).
- * May be NULL. Called at most once per kind of event and frame. */
-typedef struct sandglass_log {
-  void (*write)(void* user, const char* sentence);
-  void* user;
-} sandglass_log;
-
-/* ------------------------------------------------------------------------------------------------ instruction sets */
-
-/* Which kernels to use. All give the same bits; AUTOMATIC takes the fastest that the CPU has. NEON_DOTPROD is NEON with
- * SDOT, NEON_I8MM with SMMLA: shadows of networks and the light have a table for each, sand and its shadow run that of
- * NEON. Of shadows and light, AVX512 means AVX-512 with VNNI. */
-typedef int32_t sandglass_isa;
-enum {
-  SANDGLASS_ISA_AUTOMATIC = 0,
-  SANDGLASS_ISA_SCALAR = 1,
-  SANDGLASS_ISA_NEON = 2,
-  SANDGLASS_ISA_AVX2 = 3,
-  SANDGLASS_ISA_AVX512 = 4,
-  SANDGLASS_ISA_NEON_DOTPROD = 5,
-  SANDGLASS_ISA_NEON_I8MM = 6
-};
-
-/* "scalar", "neon", "avx2", "avx512", "neon_dotprod", "neon_i8mm"; "automatic" for 0; NULL for any other number. */
-SANDGLASS_API const char* sandglass_isa_name(sandglass_isa isa);
-
-/* 1 if this build has kernels for `isa` and this CPU can run them, else 0. AUTOMATIC and SCALAR are always available.
- */
-SANDGLASS_API int32_t sandglass_isa_available(sandglass_isa isa);
 
 /* ------------------------------------------------------------------------------------------------ granular material */
 
@@ -157,6 +41,22 @@ enum { SANDGLASS_SCHEME_SMALL_STEP = 0, SANDGLASS_SCHEME_AVERAGED = 1 };
  * from 0.298 to 0. */
 typedef int32_t sandglass_blend;
 enum { SANDGLASS_BLEND_CONTINUOUS = 0, SANDGLASS_BLEND_SOURCE = 1 };
+
+/* How one sub-step is solved. An app leaves this struct as sandglass_scene_desc_default filled it: every measured number
+ * and the quality ladder hold for these defaults. Its other values are the solver of the dissertation as printed. They
+ * are here so that the library can be compared with it. Frozen: this struct never grows. */
+typedef struct sandglass_reference_scheme {
+  /* Default: SANDGLASS_SCHEME_SMALL_STEP. */
+  sandglass_scheme scheme;
+  /* Default: SANDGLASS_BLEND_CONTINUOUS. */
+  sandglass_blend blend;
+  /* Jacobi iterations a sub-step, 1..64. Default: 1. */
+  uint32_t solver_iterations;
+  /* Iterations that move overlapping particles apart before the solver runs, 0..8 (Alg. 4, lines 6 to 12). Default: 0. */
+  uint32_t stabilisation_iterations;
+  /* SMALL_STEP: the factor omega, above 0, at most 0.45. AVERAGED: above 0, at most 2. Default: 0.45. */
+  float relaxation;
+} sandglass_reference_scheme;
 
 /* Granular material: `particles` carry the physics (low resolution, contacts and friction between equal spheres);
  * `grains` are what is drawn (high resolution, advected by the particles, never colliding with each other). Chapter 4
@@ -182,11 +82,6 @@ typedef struct sandglass_granular_desc {
                            * a floor or a wall should carry; 0 conserves momentum pairwise. What it lifts a particle by
                            * is at most twice what gravity takes, so nothing flies up at an impact */
 
-  sandglass_scheme scheme;
-  uint32_t solver_iterations;        /* 1..64 */
-  uint32_t stabilisation_iterations; /* 0..8; (Alg. 4, lines 6-12) */
-  float relaxation; /* SMALL_STEP: the factor omega, above 0, at most 0.45. AVERAGED: above 0, at most 2 */
-
   float courant;     /* C of (4.45), above 0, at most 1; the source's 0.5 */
   float substep_max; /* seconds; longest sub-step; 0 = 0.00871 * sqrt(r/g), the value the default scheme was calibrated
                         at */
@@ -198,8 +93,10 @@ typedef struct sandglass_granular_desc {
   float sleep_after; /* seconds; particles that stay within 10 % of r of one place for so long sleep, and cost nothing,
                       * until something touches them; 0 = never; at most 5; the default is 0.5 */
 
-  sandglass_blend blend;
-  float refine_step; /* seconds; longest step of the grains, Delta t_hr; the source's 0.008 */
+  /* Seconds, above 0: the longest step of the grains, Delta t_hr. The default is the dissertation's, 0.008. */
+  float refine_step;
+
+  sandglass_reference_scheme reference;
 } sandglass_granular_desc;
 
 /* ------------------------------------------------------------------------------------------------ quality */
@@ -359,6 +256,35 @@ typedef struct sandglass_body_pose {
 /* The pose of a body now: what draws its mesh. A number that is none gives the identity at the origin. */
 SANDGLASS_API sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index);
 
+/* A box as a rigid body: its particles, the collider that keeps grains out of it, and the mesh that draws it fit each
+ * other. The particles form a regular lattice, at most 2r apart; the outermost touch the faces of the box from inside.
+ *
+ * sandglass_body_box_count: how many particles the box has. `half_extents`: half the edges along x, y and z in metres,
+ * each at least particle_radius and at most SANDGLASS_COORDINATE_LIMIT. Fails with INVALID_ARGUMENT: NULL, a number out
+ * of its range, or more than 2^20 particles.
+ *
+ * sandglass_body_box: writes the particles of a box with its centre at `position` to `points` (3 floats each), and fills
+ * *body for sandglass_granular_add_body. `rotation` (x, y, z, w) turns the box about its centre; NULL: not turned.
+ * `density`: the density of the box over that of packed sand. body->density_ratio is then the value that gives the
+ * whole box that mass, whatever its lattice. body->particle_positions is `points`, which is needed until the body is
+ * added. `capacity`: how many particles fit into `points`. Fails like sandglass_body_box_count, with INVALID_ARGUMENT
+ * also for a rotation without length, and with CAPACITY. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_body_box_count(const float half_extents[3],
+                                                                            float particle_radius, uint32_t* count,
+                                                                            const char** reason);
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_body_box(const float half_extents[3],
+                                                                      float particle_radius, const float position[3],
+                                                                      const float rotation[4], float density,
+                                                                      float* points, uint32_t capacity,
+                                                                      sandglass_body* body, const char** reason);
+
+/* The collider of a box body at a pose, for frame_input.colliders: it keeps grains out of the box, and its position and
+ * rotation are where the box's mesh is drawn. `rotation` is the one that the box was made with; NULL: it was not turned.
+ * A NULL pose or half_extents leaves *collider as it was. */
+struct sandglass_collider;
+SANDGLASS_API void sandglass_body_box_collider(const sandglass_body_pose* pose, const float half_extents[3],
+                                               const float rotation[4], struct sandglass_collider* collider);
+
 /* Replaces the static boundary particles: fixed spheres of the particles' radius, samples of a surface
  * (sandglass_sample_surface with a distance of at most 2r). Particles collide with them; grains do not see them. Fails
  * like sandglass_granular_add. */
@@ -374,11 +300,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_fricti
 
 /* ------------------------------------------------------------------------------------------------ frame */
 
-/* The shadows of one object (shadow.h); the light of the room, and the camera's image that it is estimated from
- * (light.h). */
-typedef struct sandglass_shadow sandglass_shadow;
-typedef struct sandglass_light sandglass_light;
-typedef struct sandglass_pile_shadow sandglass_pile_shadow; /* that the sand casts (pile_shadow.h) */
+/* The image that the light is estimated from (light.h). */
 struct sandglass_camera_image;
 
 typedef int32_t sandglass_shape;
@@ -564,7 +486,5 @@ SANDGLASS_API uint64_t sandglass_scene_hash(const sandglass_scene* scene);
 #ifdef __cplusplus
 } /* extern "C" */
 #endif
-
-#include "sandglass/sampling.h"
 
 #endif /* SANDGLASS_SANDGLASS_H */

@@ -1,7 +1,11 @@
-// Thin C++ owner types over sandglass.h: the same functions, with the block owned, the pointer-and-count pairs joined,
-// and status and reason in one value. Header-only, C++17, no exceptions, no RTTI. Everything the C API promises holds
-// here. Memory is allocated by Scene::create and by the sample_* functions, before the first frame, and by nothing
-// else. Structs are the C API's own (sandglass_scene_desc, …).
+// Thin C++ owner types over the C API: the same functions, with memory owned, pointers and counts joined, and status and
+// reason in one value. Header-only, C++17, no exceptions, no RTTI.
+//
+// Everything that the C headers promise holds here. Memory is allocated by the create and from_* functions, by the
+// sample_* functions, by save and by box_body, and by nothing else; none of them is called in a frame. Structs are those
+// of the C API (sandglass_scene_desc, ...). Each owner type gives its C handle by get(), for every function that has no
+// short form here. An owner type that nothing was created in yet is empty: its functions then follow the C API's rule
+// for NULL.
 //
 //   sandglass_scene_desc desc = sandglass::scene_desc();
 //   desc.granular.particle_capacity = 1000;
@@ -10,6 +14,7 @@
 #ifndef SANDGLASS_SANDGLASS_HPP
 #define SANDGLASS_SANDGLASS_HPP
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -25,8 +30,12 @@
 #include <span>
 #endif
 
+#include "sandglass/field.h"
 #include "sandglass/light.h"
+#include "sandglass/pile_shadow.h"
+#include "sandglass/sampling.h"
 #include "sandglass/sandglass.h"
+#include "sandglass/shadow.h"
 
 namespace sandglass {
 // The inline namespace keeps these inline functions apart from the library's own symbols in one static link.
@@ -65,6 +74,44 @@ inline Status no_memory() {
   return {SANDGLASS_ERROR_MEMORY_TOO_SMALL, "the heap has no block of the size that is needed"};
 }
 
+// Whether the linked library fits these headers: what an app asks first. The owner types ask it, too, when they create.
+inline Status check_version() {
+  if (SANDGLASS_VERSION_FITS()) return {};
+  return {SANDGLASS_ERROR_UNSUPPORTED, "the linked library is of another version than the headers: build with its own"};
+}
+
+// What is made in a block: the block, empty when the caller lent it, and the handle into it. The handle stays valid
+// when its owner is moved, because the block does not move.
+template <class Handle>
+struct Owned {
+  Block block;
+  Handle* handle = nullptr;
+
+  Owned() = default;
+  Owned(Owned&& other) noexcept : block(std::move(other.block)), handle(std::exchange(other.handle, nullptr)) {}
+  Owned& operator=(Owned&& other) noexcept {
+    block = std::move(other.block);
+    handle = std::exchange(other.handle, nullptr);
+    return *this;
+  }
+
+  // Allocates `need` bytes and makes the thing in them: make(block, bytes, &handle, &reason). What was there is
+  // replaced on success and kept on failure.
+  template <class Make>
+  Status create(uint64_t need, Make make) {
+    Status status = check_version();
+    if (!status) return status;
+    Block made_in = allocate_block(need);
+    if (made_in == nullptr) return no_memory();
+    Handle* made = nullptr;
+    status.code = make(made_in.get(), need, &made, &status.reason);
+    if (!status) return status;
+    block = std::move(made_in);
+    handle = made;
+    return status;
+  }
+};
+
 // Structs with their defaults and struct_size filled in.
 inline sandglass_scene_desc scene_desc() {
   sandglass_scene_desc desc;
@@ -80,6 +127,21 @@ inline sandglass_frame_report frame_report() {
   sandglass_frame_report report{};
   report.struct_size = sizeof report;
   return report;
+}
+
+inline sandglass_body body() {
+  sandglass_body body;
+  sandglass_body_default(&body);
+  return body;
+}
+
+// The rotation by `angle` radians about the axis (x, y, z), of any length above 0; the identity for an axis without one.
+using Rotation = std::array<float, 4>;
+inline Rotation rotation_about(float x, float y, float z, float angle) {
+  const float axis[3] = {x, y, z};
+  Rotation rotation{};
+  sandglass_rotation_about(axis, angle, rotation.data());
+  return rotation;
 }
 
 // Colliders at rest and unrotated; set `rotation` and the velocities afterwards for others. Metres.
@@ -108,19 +170,40 @@ inline sandglass_collider box(float x, float y, float z, float half_x, float hal
   return c;
 }
 
-// A scene and, unless the caller lends it, the block it lives in. Movable, not copyable; the C handle stays valid
-// across a move because the block does not move. The functions below create must be called only on a scene that create
-// made.
+// A box as a rigid body, by sandglass_body_box: its particles, what Scene::add_body takes, and the box's collider.
+struct BoxBody {
+  std::vector<float> particles;
+  sandglass_body body{};
+  std::array<float, 3> half_extents{};
+  Rotation rotation{0.0f, 0.0f, 0.0f, 1.0f};  // that it was made with
+
+  // The box at a pose: keeps grains out, and says where its mesh is drawn.
+  sandglass_collider collider(const sandglass_body_pose& pose) const {
+    sandglass_collider c{};
+    sandglass_body_box_collider(&pose, half_extents.data(), rotation.data(), &c);
+    return c;
+  }
+};
+
+// Fills *box; its body.particle_positions point into box->particles. `density` over that of packed sand. Fails like
+// sandglass_body_box.
+inline Status box_body(const std::array<float, 3>& half_extents, float particle_radius,
+                       const std::array<float, 3>& position, float density, BoxBody* box,
+                       const Rotation& rotation = {0.0f, 0.0f, 0.0f, 1.0f}) {
+  Status status;
+  uint32_t count = 0;
+  status.code = sandglass_body_box_count(half_extents.data(), particle_radius, &count, &status.reason);
+  if (!status) return status;
+  box->particles.resize(3 * static_cast<std::size_t>(count));
+  box->half_extents = half_extents, box->rotation = rotation;
+  status.code = sandglass_body_box(half_extents.data(), particle_radius, position.data(), rotation.data(), density,
+                                   box->particles.data(), count, &box->body, &status.reason);
+  return status;
+}
+
+// A scene and, unless the caller lends it, the block it lives in. Movable, not copyable.
 class Scene {
  public:
-  Scene() = default;
-  Scene(Scene&& other) noexcept : block_(std::move(other.block_)), scene_(std::exchange(other.scene_, nullptr)) {}
-  Scene& operator=(Scene&& other) noexcept {
-    block_ = std::move(other.block_);
-    scene_ = std::exchange(other.scene_, nullptr);
-    return *this;
-  }
-
   // The bytes that a scene of this description needs; 0 when the description is not valid (create says why).
   static uint64_t bytes(const sandglass_scene_desc& desc) {
     uint64_t need = 0;
@@ -134,21 +217,20 @@ class Scene {
     uint64_t need = 0;
     status.code = sandglass_scene_bytes(&desc, &need, &status.reason);
     if (!status) return status;
-    Block block = allocate_block(need);
-    if (block == nullptr) return no_memory();
-    status = create_in(desc, block.get(), need);
-    if (status) block_ = std::move(block);
-    return status;
+    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_scene** scene, const char** reason) {
+      return sandglass_scene_create(&desc, block, bytes, scene, reason);
+    });
   }
 
   // Makes the scene in a block of the caller's, aligned to SANDGLASS_BLOCK_ALIGNMENT, which must outlive it.
   Status create_in(const sandglass_scene_desc& desc, void* block, uint64_t bytes) {
-    Status status;
+    Status status = check_version();
+    if (!status) return status;
     sandglass_scene* scene = nullptr;
     status.code = sandglass_scene_create(&desc, block, bytes, &scene, &status.reason);
     if (!status) return status;
-    block_.reset();
-    scene_ = scene;
+    owned_.block.reset();
+    owned_.handle = scene;
     return status;
   }
 #if defined(__cpp_lib_span)
@@ -158,25 +240,37 @@ class Scene {
 #endif
 
   // True once create has succeeded.
-  explicit operator bool() const { return scene_ != nullptr; }
-  // The C handle, for every function of sandglass.h that has no short form here.
-  sandglass_scene* get() const { return scene_; }
+  explicit operator bool() const { return get() != nullptr; }
+  sandglass_scene* get() const { return owned_.handle; }
 
-  // Adds particles and grains at rest. For moving ones: sandglass_granular_add(get(), …).
+  // Adds particles and grains at rest. For moving ones: sandglass_granular_add(get(), ...).
   Status add(Points particles, Points grains = {}) {
     Status status;
-    status.code = sandglass_granular_add(scene_, particles.xyz, nullptr, particles.count, grains.xyz, nullptr,
+    status.code = sandglass_granular_add(get(), particles.xyz, nullptr, particles.count, grains.xyz, nullptr,
                                          grains.count, &status.reason);
     return status;
   }
+  // Removes the sand inside a shape; the counts may be null.
+  Status remove(const sandglass_collider& region, uint32_t* particles = nullptr, uint32_t* grains = nullptr) {
+    Status status;
+    status.code = sandglass_granular_remove(get(), &region, particles, grains, &status.reason);
+    return status;
+  }
+  // Adds a rigid body; *index, which may be null, is its number.
+  Status add_body(const sandglass_body& body, uint32_t* index = nullptr) {
+    Status status;
+    status.code = sandglass_granular_add_body(get(), &body, index, &status.reason);
+    return status;
+  }
+  sandglass_body_pose body_pose(uint32_t index) const { return sandglass_granular_body_pose(get(), index); }
   Status set_boundary(Points samples) {
     Status status;
-    status.code = sandglass_granular_set_boundary(scene_, samples.xyz, samples.count, &status.reason);
+    status.code = sandglass_granular_set_boundary(get(), samples.xyz, samples.count, &status.reason);
     return status;
   }
   Status set_friction(float static_friction, float kinetic_friction) {
     Status status;
-    status.code = sandglass_granular_set_friction(scene_, static_friction, kinetic_friction, &status.reason);
+    status.code = sandglass_granular_set_friction(get(), static_friction, kinetic_friction, &status.reason);
     return status;
   }
 
@@ -184,17 +278,38 @@ class Scene {
   Status frame(const sandglass_frame_input& input, sandglass_frame_report* report = nullptr) {
     Status status;
     if (report != nullptr) report->struct_size = sizeof *report;
-    status.code = sandglass_scene_frame(scene_, &input, report, &status.reason);
+    status.code = sandglass_scene_frame(get(), &input, report, &status.reason);
     return status;
   }
 
-  void reset() { sandglass_scene_reset(scene_); }
-  sandglass_isa isa() const { return sandglass_scene_isa(scene_); }
-  uint64_t hash() const { return sandglass_scene_hash(scene_); }
+  // Moves everything rigidly: see sandglass_scene_move.
+  Status move(const Rotation& rotation, const std::array<float, 3>& translation) {
+    Status status;
+    status.code = sandglass_scene_move(get(), rotation.data(), translation.data(), &status.reason);
+    return status;
+  }
+  // The state as bytes, and back: see sandglass_scene_save.
+  Status save(std::vector<std::byte>* data) {
+    Status status;
+    uint64_t written = 0;
+    data->resize(static_cast<std::size_t>(sandglass_scene_save_bytes(get())));
+    status.code = sandglass_scene_save(get(), data->data(), data->size(), &written, &status.reason);
+    data->resize(static_cast<std::size_t>(written));
+    return status;
+  }
+  Status restore(const void* data, uint64_t bytes) {
+    Status status;
+    status.code = sandglass_scene_restore(get(), data, bytes, &status.reason);
+    return status;
+  }
+  Status restore(const std::vector<std::byte>& data) { return restore(data.data(), data.size()); }
+
+  void reset() { sandglass_scene_reset(get()); }
+  sandglass_isa isa() const { return sandglass_scene_isa(get()); }
+  uint64_t hash() const { return sandglass_scene_hash(get()); }
 
  private:
-  Block block_;  // empty when the caller lent the block
-  sandglass_scene* scene_ = nullptr;
+  Owned<sandglass_scene> owned_;
 };
 
 // ----------------------------------------------------------------------------------------------------------------
@@ -212,17 +327,16 @@ inline sandglass_camera_image camera_image() {
 }
 
 // The light of a room and the block it lives in. Movable, not copyable. The network's file stays the caller's, and must
-// outlive it. The functions below create must be called only on a light that create made.
+// outlive it.
 class Light {
  public:
   Light() = default;
-  Light(Light&& other) noexcept : block_(std::move(other.block_)), light_(std::exchange(other.light_, nullptr)) {}
-  ~Light() { release(); }
+  Light(Light&&) noexcept = default;
+  ~Light() { sandglass_light_release(get()); }
   Light& operator=(Light&& other) noexcept {
     if (this == &other) return *this;
-    release();
-    block_ = std::move(other.block_);
-    light_ = std::exchange(other.light_, nullptr);
+    sandglass_light_release(get());
+    owned_ = std::move(other.owned_);
     return *this;
   }
 
@@ -233,42 +347,147 @@ class Light {
     uint64_t need = 0;
     status.code = sandglass_light_bytes(&desc, &need, &status.reason);
     if (!status) return status;
-    Block block = allocate_block(need);
-    if (block == nullptr) return no_memory();
-    sandglass_light* light = nullptr;
-    status.code = sandglass_light_create(&desc, block.get(), need, &light, &status.reason);
+    Owned<sandglass_light> made;
+    status = made.create(need, [&](void* block, uint64_t bytes, sandglass_light** light, const char** reason) {
+      return sandglass_light_create(&desc, block, bytes, light, reason);
+    });
     if (!status) return status;
-    release();
-    block_ = std::move(block);
-    light_ = light;
+    sandglass_light_release(get());
+    owned_ = std::move(made);
     return status;
   }
 
-  explicit operator bool() const { return light_ != nullptr; }
-  // The C handle: for sandglass_frame_input::light, and every function of light.h that has no short form here.
-  sandglass_light* get() const { return light_; }
+  explicit operator bool() const { return get() != nullptr; }
+  // For sandglass_frame_input::light, too.
+  sandglass_light* get() const { return owned_.handle; }
 
   // Without a scene: takes the image if one is due, then runs units until the estimate is complete.
   Status estimate(const sandglass_camera_image& image) {
     Status status;
-    status.code = sandglass_light_set_image(light_, &image, nullptr, &status.reason);
-    if (status) sandglass_light_run(light_, UINT32_MAX);
+    status.code = sandglass_light_set_image(get(), &image, nullptr, &status.reason);
+    if (status) sandglass_light_run(get(), UINT32_MAX);
     return status;
   }
   sandglass_light_estimate estimated() const {
     sandglass_light_estimate now{};
     now.struct_size = sizeof now;
-    sandglass_light_get(light_, &now);
+    sandglass_light_get(get(), &now);
     return now;
   }
+  Status turn(const Rotation& rotation) {
+    Status status;
+    status.code = sandglass_light_turn(get(), rotation.data(), &status.reason);
+    return status;
+  }
+  void reset() { sandglass_light_reset(get()); }
 
  private:
-  void release() {
-    if (light_ != nullptr) sandglass_light_release(light_);
+  Owned<sandglass_light> owned_;
+};
+
+// ----------------------------------------------------------------------------------------------------------------
+// shadows
+
+inline sandglass_shadow_desc shadow_desc() {
+  sandglass_shadow_desc desc;
+  sandglass_shadow_desc_default(&desc);
+  return desc;
+}
+inline sandglass_pile_shadow_desc pile_shadow_desc() {
+  sandglass_pile_shadow_desc desc;
+  sandglass_pile_shadow_desc_default(&desc);
+  return desc;
+}
+
+// The shadows of one object and the block they live in. Movable, not copyable. The baked file may go after create.
+class Shadow {
+ public:
+  // Allocates the block, once and for all. Fails like sandglass_shadow_create, or with MEMORY_TOO_SMALL when the heap
+  // has no such block; an existing shadow is then kept.
+  Status create(const sandglass_shadow_desc& desc) {
+    Status status;
+    uint64_t need = 0;
+    status.code = sandglass_shadow_bytes(&desc, &need, &status.reason);
+    if (!status) return status;
+    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_shadow** shadow, const char** reason) {
+      return sandglass_shadow_create(&desc, block, bytes, shadow, reason);
+    });
   }
 
-  Block block_;
-  sandglass_light* light_ = nullptr;
+  explicit operator bool() const { return get() != nullptr; }
+  // For the array that sandglass_frame_input::shadows points to, too.
+  sandglass_shadow* get() const { return owned_.handle; }
+
+  // The direction towards a light in the object's frame: see sandglass_shadow_set_light.
+  Status set_light(const std::array<float, 3>& direction, float irradiance = 1.0f, uint32_t light = 0) {
+    Status status;
+    status.code = sandglass_shadow_set_light(get(), light, direction.data(), irradiance, &status.reason);
+    return status;
+  }
+  // Without a scene: runs at most `units` work units, by default all; returns how many it ran.
+  uint32_t run(uint32_t units = UINT32_MAX) {
+    sandglass_shadow* const one = get();
+    return sandglass_shadow_run(&one, 1, units);
+  }
+  sandglass_shadow_texture texture(uint32_t light = 0) const {
+    sandglass_shadow_texture now{};
+    now.struct_size = sizeof now;
+    sandglass_shadow_get_texture(get(), light, &now);
+    return now;
+  }
+  uint64_t hash() const { return sandglass_shadow_hash(get()); }
+
+ private:
+  Owned<sandglass_shadow> owned_;
+};
+
+// What a baked file says of itself. Fails like sandglass_shadow_inspect.
+inline Status inspect_shadow(const void* asset, uint64_t asset_bytes, sandglass_shadow_info* info) {
+  Status status;
+  info->struct_size = sizeof *info;
+  status.code = sandglass_shadow_inspect(asset, asset_bytes, info, &status.reason);
+  return status;
+}
+
+// The shadow of a scene's sand and the block it lives in. Movable, not copyable.
+class PileShadow {
+ public:
+  // Allocates the block, once and for all. Fails like sandglass_pile_shadow_create, or with MEMORY_TOO_SMALL when the
+  // heap has no such block; an existing shadow is then kept.
+  Status create(const sandglass_pile_shadow_desc& desc) {
+    Status status;
+    uint64_t need = 0;
+    status.code = sandglass_pile_shadow_bytes(&desc, &need, &status.reason);
+    if (!status) return status;
+    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_pile_shadow** shadow, const char** reason) {
+      return sandglass_pile_shadow_create(&desc, block, bytes, shadow, reason);
+    });
+  }
+
+  explicit operator bool() const { return get() != nullptr; }
+  // For sandglass_frame_input::pile_shadow, too.
+  sandglass_pile_shadow* get() const { return owned_.handle; }
+
+  Status set_light(const std::array<float, 3>& direction) {
+    Status status;
+    status.code = sandglass_pile_shadow_set_light(get(), direction.data(), &status.reason);
+    return status;
+  }
+  void refresh() { sandglass_pile_shadow_refresh(get()); }
+  // Without a scene: see sandglass_pile_shadow_run.
+  uint32_t run(Points spheres, float radius, uint32_t units = UINT32_MAX) {
+    return sandglass_pile_shadow_run(get(), spheres.xyz, spheres.count, radius, units);
+  }
+  sandglass_pile_shadow_texture texture() const {
+    sandglass_pile_shadow_texture now{};
+    now.struct_size = sizeof now;
+    sandglass_pile_shadow_get_texture(get(), &now);
+    return now;
+  }
+  uint64_t hash() const { return sandglass_pile_shadow_hash(get()); }
+
+ private:
+  Owned<sandglass_pile_shadow> owned_;
 };
 
 // ----------------------------------------------------------------------------------------------------------------
@@ -348,6 +567,80 @@ inline Status sample_surface(const sandglass_mesh& mesh, float distance, std::ve
   return sample_into(points, capacity, bytes, [&](void* scratch, float* out, uint32_t* count, const char** reason) {
     return sandglass_sample_surface(&mesh, distance, options, scratch, bytes, out, capacity, count, reason);
   });
+}
+
+// ----------------------------------------------------------------------------------------------------------------
+// meshes and fields
+
+// A mesh prepared for many inside tests, and its block; the mesh's arrays may go after create. Movable, not copyable.
+// Give the samplers a reference: [&](const float* p) { return inside(p); }.
+class MeshInside {
+ public:
+  Status create(const sandglass_mesh& mesh, sandglass_inside_rule rule = SANDGLASS_INSIDE_PARITY) {
+    Status status;
+    uint64_t need = 0;
+    status.code = sandglass_mesh_inside_bytes(&mesh, rule, &need, &status.reason);
+    if (!status) return status;
+    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_mesh_inside** inside, const char** reason) {
+      return sandglass_mesh_inside_create(&mesh, rule, block, bytes, inside, reason);
+    });
+  }
+
+  explicit operator bool() const { return get() != nullptr; }
+  sandglass_mesh_inside* get() const { return owned_.handle; }
+  bool operator()(const float point[3]) const { return sandglass_mesh_inside_test(get(), point) != 0; }
+
+ private:
+  Owned<sandglass_mesh_inside> owned_;
+};
+
+// A signed-distance field and its block: what a collider of SANDGLASS_SHAPE_FIELD points to. Movable, not copyable.
+class Field {
+ public:
+  // `distance` is anything that can be called with a const float[3] and gives the distance from the surface. Fails like
+  // sandglass_field_from_function, or with MEMORY_TOO_SMALL when the heap has no such block.
+  template <class Distance>
+  Status from_function(const Box& box, float spacing, sandglass_solid solid, Distance distance) {
+    return create(box, spacing, [&](void* block, uint64_t bytes, sandglass_field** field, const char** reason) {
+      return sandglass_field_from_function(box.min, box.max, spacing, solid, call_distance<Distance>, &distance, block,
+                                           bytes, field, reason);
+    });
+  }
+  // From a mesh and the inside test that was prepared from it. Fails like sandglass_field_from_mesh, or with
+  // MEMORY_TOO_SMALL when the heap has no such block.
+  Status from_mesh(const sandglass_mesh& mesh, const MeshInside& inside, const Box& box, float spacing, float band,
+                   sandglass_solid solid) {
+    return create(box, spacing, [&](void* block, uint64_t bytes, sandglass_field** field, const char** reason) {
+      return sandglass_field_from_mesh(&mesh, sandglass_mesh_inside_test, inside.get(), box.min, box.max, spacing, band,
+                                       solid, block, bytes, field, reason);
+    });
+  }
+
+  explicit operator bool() const { return get() != nullptr; }
+  sandglass_field* get() const { return owned_.handle; }
+  float distance(const float point[3]) const { return sandglass_field_distance(get(), point, nullptr); }
+
+ private:
+  template <class Distance>
+  static float call_distance(void* distance, const float point[3]) {
+    return (*static_cast<Distance*>(distance))(point);
+  }
+  template <class Make>
+  Status create(const Box& box, float spacing, Make make) {
+    Status status;
+    uint64_t need = 0;
+    status.code = sandglass_field_bytes(box.min, box.max, spacing, &need, &status.reason);
+    return status ? owned_.create(need, make) : status;
+  }
+
+  Owned<sandglass_field> owned_;
+};
+
+// A collider of a field whose own coordinates begin at (x, y, z), unrotated and at rest. The field must outlive it.
+inline sandglass_collider field_at(const Field& field, float x, float y, float z) {
+  sandglass_collider c = collider(SANDGLASS_SHAPE_FIELD, x, y, z);
+  c.field = field.get();
+  return c;
 }
 
 }  // namespace cpp

@@ -23,7 +23,7 @@
 #ifndef SANDGLASS_SHADOW_H
 #define SANDGLASS_SHADOW_H
 
-#include "sandglass/sandglass.h"
+#include "sandglass/types.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -72,7 +72,7 @@ typedef struct sandglass_shadow_info {
 } sandglass_shadow_info;
 
 /* Reads the file's description after the checks of sandglass_shadow_create; info.struct_size is set before (see "Sizes"
- * in sandglass.h). Fails with INVALID_ARGUMENT. */
+ * in types.h). Fails with INVALID_ARGUMENT. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_inspect(const void* asset, uint64_t asset_bytes,
                                                                             sandglass_shadow_info* info,
                                                                             const char** reason);
@@ -121,7 +121,7 @@ typedef struct sandglass_shadow_texture {
   uint32_t evaluated;    /* texels that the network was asked for */
 } sandglass_shadow_texture;
 
-/* texture.struct_size is set before (see "Sizes" in sandglass.h). A `light` that is none has no valid texture. */
+/* texture.struct_size is set before (see "Sizes" in types.h). A `light` that is none has no valid texture. */
 SANDGLASS_API void sandglass_shadow_get_texture(const sandglass_shadow* shadow, uint32_t light,
                                                 sandglass_shadow_texture* texture);
 

@@ -1,7 +1,7 @@
-// Sand on the real floor. ARKit gives the camera image and the pose; once a displayed frame the library writes the grains straight
-// into a shared Metal buffer, estimates the room's light from the image and casts the sand's shadow in it, all within its 4 ms; Metal
-// draws the image and, with the same pose, shadow and grains. Three buffers take turns, so that the GPU never reads what the
-// library writes.
+// Sand on the real floor. ARKit gives the camera image and the pose. Once for every displayed frame, in 4 ms, the
+// library writes the grains straight into a shared Metal buffer, estimates the room's light from the image, and casts
+// the sand's shadow in that light. Metal draws the image and, with the same pose, shadow and grains. Three buffers take
+// turns, so that the GPU never reads what the library writes.
 #import "SandViewController.h"
 
 #import <ARKit/ARKit.h>
@@ -17,7 +17,7 @@
 static const int k_buffers = 3;
 static const float k_near = 0.05f, k_far = 50.0f;
 
-// The share of the budget that can be kept up, from the four states that iOS tells.
+// The share of the budget that the device can keep up, from the four states that iOS tells.
 static float thermal_headroom(void) {
   switch (NSProcessInfo.processInfo.thermalState) {
     case NSProcessInfoThermalStateNominal:
@@ -30,8 +30,8 @@ static float thermal_headroom(void) {
   }
 }
 
-// The camera's image as the library reads it, valid while the pixel buffer is locked: two planes, stored in landscape; the library
-// finds from the pose which way is up.
+// The camera's image as the library reads it, valid while the pixel buffer is locked. It has two planes and is stored
+// in landscape; the library finds from the pose which way is up.
 static sandglass_camera_image camera_image(ARFrame *frame) {
   CVPixelBufferRef pixels = frame.capturedImage;
   sandglass_camera_image image = sandglass::camera_image();
@@ -155,7 +155,7 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
 - (void)tap:(UITapGestureRecognizer *)recognizer {
   ARFrame *frame = _session.currentFrame;
   if (frame == nil) return;
-  // The ray query takes points of the camera image, from 0 to 1: the inverse of how the image is shown.
+  // The ray query takes points of the camera image, from 0 to 1, so the map from image to view is inverted.
   const CGSize size = _view.bounds.size;
   const CGPoint at = [recognizer locationInView:_view];
   const CGAffineTransform shown = [frame displayTransformForOrientation:UIInterfaceOrientationPortrait viewportSize:size];
@@ -211,7 +211,7 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   constants.sun = simd_make_float4(k * light.light[0], k * light.light[1], k * light.light[2], 0);
   constants.ambient = simd_make_float4(light.ambient[0], light.ambient[1], light.ambient[2], 0);
   constants.origin = simd_make_float4(_stage.origin()[0], _stage.origin()[1], _stage.origin()[2], 0);
-  // Pixels of a grain's diameter at distance 1: 0.35 of a particle's radius.
+  // The diameter of a grain in pixels at distance 1. Its radius is 0.35 of a particle's.
   constants.point_size = 0.35f * sample::k_particle_radius * projection.columns[1][1] * static_cast<float>(view.drawableSize.height);
   const CGAffineTransform image =
       CGAffineTransformInvert([frame displayTransformForOrientation:portrait viewportSize:size]);

@@ -1,5 +1,5 @@
-// The camera image over the whole view, and a grain as a round point with the shading of a sphere. The attachment encodes to sRGB, so
-// colours are linear here; the shadow between the two is ShadowCatcher.metal.
+// Draws the camera image over the whole view, and each grain as a round point with the shading of a sphere. The
+// attachment encodes to sRGB, so colours are linear here. The shadow between the two is drawn by ShadowCatcher.metal.
 #include <metal_stdlib>
 #include "shader_types.h"
 using namespace metal;

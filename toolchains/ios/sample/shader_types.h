@@ -1,4 +1,4 @@
-// What the shaders are given, seen from both sides.
+// The arguments of the shaders, as the app and the shaders see them.
 #pragma once
 #include <simd/simd.h>
 
@@ -7,15 +7,17 @@ enum { ShaderBufferFrame = 0, ShaderBufferGrains = 1 };
 struct ShaderFrame {
   simd_float4x4 clip_from_world;
   simd_float4x4 view_from_world;
-  simd_float4 image_from_view[2];  // rows of the affine map from the view, 0..1 downward, to the camera image
-  simd_float4 to_light;            // unit vector, world
-  simd_float4 sun;                 // what a white surface that faces the light gives back of it, linear RGB
-  simd_float4 ambient;             // and of all the rest
-  simd_float4 origin;              // of the sand's scene, in the session's world
-  float point_size;                // pixels at a distance of 1
+  // The rows of the affine map from the view (0..1, y downward) to the camera image.
+  simd_float4 image_from_view[2];
+  simd_float4 to_light;  // unit vector in the world
+  // Linear RGB that a white surface facing the light reflects of the main light, and that it reflects of all other
+  // light.
+  simd_float4 sun, ambient;
+  simd_float4 origin;  // the origin of the sand's scene in the session's world
+  float point_size;    // a grain's diameter in pixels at a distance of 1 m
 };
 
-// As ShadowPlace of ShadowCatcher.metal.
+// The same as ShadowPlace in ShadowCatcher.metal.
 struct ShaderShadow {
   simd_float4x4 clip_from_object;
   simd_float4 rectangle;

@@ -1,6 +1,6 @@
-// Pours a block of sand onto the floor for one second of simulated time, 4 ms a frame, and says which kernels did it.
-// The hash is the same on every machine only when the plan is: here no clock is handed over, so every frame runs all
-// its work.
+// Pours a block of sand onto the floor for one second of simulated time, with a budget of 4 ms a frame, and says which
+// kernels ran. The hash is the same on every machine if the plan is the same. Here it is: no clock is handed over, so
+// every frame runs all its work.
 #include <cinttypes>
 #include <cstdio>
 #include <vector>

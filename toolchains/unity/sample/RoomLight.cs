@@ -1,5 +1,6 @@
-// The light of the room, from AR Foundation's camera: its image as the library reads it, the library's estimate, and Unity's own light
-// and ambient probe set to it. The estimate itself is made within the scene's frame (Sand.cs), in that frame's budget.
+// The light of the room, from AR Foundation's camera. Hands the camera's image to the library, reads the library's
+// estimate, and sets Unity's own light and ambient probe to it. The estimate itself is made in the scene's frame
+// (Sand.cs), within that frame's budget.
 using System;
 using System.Runtime.InteropServices;
 using Sandglass;
@@ -18,7 +19,7 @@ public unsafe sealed class RoomLight : IDisposable {
 
   // `network` is models/lights/room.light, a text asset named room.light.bytes in Unity.
   public RoomLight(byte[] network) {
-    file = Marshal.AllocHGlobal(network.Length);  // aligned to 8 bytes and more; stays as long as the light
+    file = Marshal.AllocHGlobal(network.Length);  // aligned to at least 8 bytes; must outlive the light
     Marshal.Copy(network, 0, file, network.Length);
     sandglass_light_desc desc;
     Native.sandglass_light_desc_default(out desc);
@@ -38,7 +39,7 @@ public unsafe sealed class RoomLight : IDisposable {
     memory = file = light = IntPtr.Zero;
   }
 
-  // The newest image, to be released after the frame; false where there is none, or of a layout that the library does not read.
+  // Takes the newest image; release it after the frame. False if there is none or the library does not read its layout.
   public bool Acquire(ARCameraManager camera, out sandglass_camera_image acquired) {
     sandglass_camera_image image;
     Native.sandglass_camera_image_default(out image);
@@ -53,7 +54,7 @@ public unsafe sealed class RoomLight : IDisposable {
     image.focal_y = intrinsics.focalLength.y;
     image.centre_x = intrinsics.principalPoint.x;
     image.centre_y = intrinsics.principalPoint.y;
-    // Unity's pose is that of the upright image, left-handed: z is turned over.
+    // Unity's pose is that of the upright image and left-handed, so z changes its sign.
     Quaternion pose = camera.transform.rotation;
     image.orientation[0] = -pose.x;
     image.orientation[1] = -pose.y;
@@ -79,7 +80,7 @@ public unsafe sealed class RoomLight : IDisposable {
 
   static byte* Bytes(XRCpuImage.Plane plane) { return (byte*)NativeArrayUnsafeUtility.GetUnsafeReadOnlyPtr(plane.data); }
 
-  // ARKit's two planes are NV12; Android's three are NV12, NV21 or I420 by their pixel stride and order.
+  // ARKit's two planes are NV12. Android's three are NV12, NV21 or I420; their pixel stride and order show which.
   bool SetPlanes(sandglass_camera_image* image) {
     XRCpuImage.Plane luma = held.GetPlane(0), u = held.GetPlane(1);
     image->plane0 = Bytes(luma);
@@ -113,7 +114,7 @@ public unsafe sealed class RoomLight : IDisposable {
     return estimate;
   }
 
-  // Unity's directional light and ambient probe, for whatever else the app draws.
+  // Sets Unity's directional light and ambient probe, for whatever else the app draws.
   public static void Show(sandglass_light_estimate estimate, Light sun) {
     var unity = new sandglass_light_unity();
     unity.struct_size = (uint)sizeof(sandglass_light_unity);

@@ -1,8 +1,10 @@
-// Sand in a Unity scene: put this on an object that stands where the sand shall fall (an anchor on a real plane, with AR
-// Foundation); its floor is the plane y = 0 of that object. Once a frame the library writes the grains straight into a locked
-// graphics buffer, estimates the room's light from the camera's image and casts the sand's shadow in it; Sand.shader draws six
-// vertices a grain, Shadow.shader the floor's darkening. Unity's world is left-handed: z is turned over, in the shaders and where
-// the light passes, and everything else on this side stays right-handed.
+// Sand in a Unity scene. Put this on an object that stands where the sand shall fall (with AR Foundation, an anchor on
+// a real plane). The floor is the plane y = 0 of that object. Once a frame the library writes the grains straight into
+// a locked graphics buffer, estimates the room's light from the camera's image, and casts the sand's shadow in that
+// light. Sand.shader draws six vertices a grain; Shadow.shader darkens the floor.
+//
+// Unity's world is left-handed and Sandglass's is right-handed. z changes its sign in the shaders and where the light
+// is handed over. Everything else here is right-handed.
 using System;
 using System.Runtime.InteropServices;
 using Sandglass;
@@ -17,7 +19,8 @@ public unsafe class Sand : MonoBehaviour {
   public TextAsset network;  // models/lights/room.light, renamed to room.light.bytes
   public Light sun;
   [Range(1, 8)] public float budgetMilliseconds = 4;
-  [Range(0, 1)] public float thermalHeadroom = 1;  // lower it when the device warns (Adaptive Performance's warning level, say)
+  // Lower it when the device warns, for example by the warning level of Adaptive Performance.
+  [Range(0, 1)] public float thermalHeadroom = 1;
 
   const float ParticleRadius = 0.01f, HalfWidth = 0.1f, Height = 0.2f;
   const float ShadowHalf = 0.64f;
@@ -43,7 +46,7 @@ public unsafe class Sand : MonoBehaviour {
   static int Everywhere(IntPtr user, float* point) { return 1; }
   static readonly InsideFunction everywhere = Everywhere;
 
-  // Points in the block that is poured: a lattice of particles, or a Poisson-disk set of grains.
+  // Points in the block that is poured: a lattice for particles, or a Poisson-disk set for grains.
   static float[] Sample(bool lattice, float distance) {
     float[] low = {-HalfWidth, 2 * ParticleRadius, -HalfWidth}, high = {HalfWidth, 2 * ParticleRadius + Height, HalfWidth};
     sandglass_sample_options options;
@@ -110,7 +113,7 @@ public unsafe class Sand : MonoBehaviour {
     coverage = new Texture2D(ShadowTexels, ShadowTexels, TextureFormat.R8, false, true);
     coverage.wrapMode = TextureWrapMode.Clamp;
     room = new RoomLight(network.bytes);
-    estimate = room.Estimate();  // grey, from above, until the first image was estimated
+    estimate = room.Estimate();  // grey, from above, until the first image is processed
     RoomLight.Show(estimate, sun);
 
     grains = new GraphicsBuffer(GraphicsBuffer.Target.Structured, GraphicsBuffer.UsageFlags.LockBufferForWrite, grainCount,
@@ -135,7 +138,7 @@ public unsafe class Sand : MonoBehaviour {
 
   void Update() {
     IntPtr reason;
-    // Towards the light, in the frame that the sand is simulated in.
+    // The direction towards the light, in the frame that the sand is simulated in.
     sandglass_light_estimate now = estimate;
     Vector3 toLight = new Vector3(now.direction[0], now.direction[1], -now.direction[2]);
     Vector3 here = transform.InverseTransformDirection(toLight);

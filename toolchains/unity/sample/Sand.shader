@@ -1,4 +1,5 @@
-// A grain: a square that faces the camera, cut round and shaded as a sphere in the room's light. Colours are linear.
+// A grain: a square that faces the camera, cut to a circle and shaded like a sphere in the room's light. Colours are
+// linear.
 Shader "Sandglass/Sand" {
   Properties { _Color ("Colour", Color) = (0.76, 0.62, 0.40, 1) }
   SubShader {
@@ -14,7 +15,7 @@ Shader "Sandglass/Sand" {
       StructuredBuffer<Grain> _Grains;
       float4x4 _FromScene;
       float _Radius;
-      float3 _ToLight;  // world
+      float3 _ToLight;  // in the world
       float3 _Sun, _Ambient;
       fixed4 _Color;
 

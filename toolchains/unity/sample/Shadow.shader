@@ -1,5 +1,5 @@
-// The sand's shadow on the floor: takes coverage * strength of its light away. The project's colour space must be linear, in which
-// blending is the multiplication that a shadow is.
+// The sand's shadow on the floor: removes coverage * strength of the floor's light. The project's colour space must be
+// linear, because a shadow multiplies linear light.
 Shader "Sandglass/Shadow" {
   SubShader {
     Tags { "RenderType" = "Transparent" "Queue" = "Transparent" }

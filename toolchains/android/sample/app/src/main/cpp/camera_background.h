@@ -10,7 +10,7 @@ namespace sample {
 
 class CameraBackground {
  public:
-  // With a current OpenGL context. Returns the texture's name, for ArSession_setCameraTextureName.
+  // Needs a current OpenGL context. Returns the texture's name, for ArSession_setCameraTextureName.
   GLuint create() {
     glGenTextures(1, &texture_);
     glBindTexture(GL_TEXTURE_EXTERNAL_OES, texture_);

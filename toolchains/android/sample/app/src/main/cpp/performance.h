@@ -1,5 +1,5 @@
-// What Android says about heat and what it wants to know about time. Both came with later systems than the sample's
-// least one, so they are looked up when the app starts; where they are missing, the headroom is 1 and nobody is told.
+// Android's thermal headroom and its performance hints. Both are newer than the oldest system that the sample runs on,
+// so they are looked up when the app starts. Where they are missing, the headroom is 1 and no hint is given.
 #pragma once
 
 #include <dlfcn.h>
@@ -28,9 +28,9 @@ class Performance {
     if (of_device != nullptr) session_ = create(of_device, &thread, 1, frame_ns);
   }
 
-  // The share of the budget that can be kept up. Android's number is 1 where throttling becomes severe and may be asked
-  // for once a second: below 0.7 nothing need change, at 1 a quarter is left. Not a number (unknown) stays so, and
-  // means 1.
+  // The share of the budget that the device can keep up. Android's number is 1 where throttling becomes severe; an app
+  // may ask for it once a second. Up to 0.7 the share is 1; it falls to a quarter at 1. NaN (unknown) is passed on: the
+  // library takes it for 1.
   float headroom(double now_seconds) {
     if (thermal_ == nullptr || thermal_headroom_ == nullptr) return 1.0f;
     if (now_seconds - asked_ >= 1.0) {

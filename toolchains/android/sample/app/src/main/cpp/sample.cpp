@@ -1,8 +1,11 @@
-// Sand on the real floor. Frames, and whatever concerns the renderer, come from the GL thread of the lower surface,
-// which Filament's engine therefore belongs to; the session is made, resumed and paused by the UI thread, while no
-// frame is under way. In a frame ARCore updates the camera image and the poses, the library writes the grains straight
-// into the renderer's buffer, estimates the room's light from the image and casts the sand's shadow in it, all within
-// its 4 ms; Filament draws grains and shadow with the same pose.
+// Sand on the real floor.
+//
+// Threads: the GL thread of the lower surface runs the frames and every call of the renderer, so Filament's engine
+// belongs to it. The UI thread makes, resumes and pauses the session while no frame runs.
+//
+// A frame: ARCore updates the camera image and the poses. In 4 ms the library writes the grains straight into the
+// renderer's buffer, estimates the room's light from the image, and casts the sand's shadow in that light. Filament
+// draws grains and shadow with the same pose.
 #include <android/asset_manager_jni.h>
 #include <android/log.h>
 #include <android/native_window_jni.h>
@@ -39,7 +42,7 @@ void say(const sandglass::Status& status) {
   if (!status) __android_log_print(ANDROID_LOG_ERROR, "sandglass", "%s: %s", status.name(), status.reason);
 }
 
-// A whole file of the app's assets, in 8-byte words; empty where there is none.
+// Reads a whole file of the app's assets into 8-byte words. Empty if there is no such file.
 std::vector<uint64_t> read_asset(AAssetManager* manager, const char* name, uint64_t* bytes) {
   std::vector<uint64_t> words;
   AAsset* asset = AAssetManager_open(manager, name, AASSET_MODE_BUFFER);
@@ -54,8 +57,8 @@ std::vector<uint64_t> read_asset(AAssetManager* manager, const char* name, uint6
   return words;
 }
 
-// The camera's image of this frame as the library reads it. False where ARCore has none yet, or of another layout; else
-// *held must be released after the frame.
+// The camera's image of this frame as the library reads it. False if ARCore has none yet or has it in another layout.
+// If true, *held must be released after the frame.
 bool camera_image(Sample* s, ArCamera* camera, ArImage** held, sandglass_camera_image* image) {
   if (ArFrame_acquireCameraImage(s->session, s->frame, held) != AR_SUCCESS) return false;
   const uint8_t* planes[3] = {};
@@ -80,7 +83,7 @@ bool camera_image(Sample* s, ArCamera* camera, ArImage** held, sandglass_camera_
   ArCameraIntrinsics_getPrincipalPoint(s->session, intrinsics, &image->centre_x, &image->centre_y);
   ArCameraIntrinsics_destroy(intrinsics);
 
-  ArPose* pose = nullptr;  // of the image as stored, in landscape: the library finds which way is up
+  ArPose* pose = nullptr;  // the pose of the image as stored, in landscape: the library finds which way is up
   float raw[7];
   ArPose_create(s->session, nullptr, &pose);
   ArCamera_getPose(s->session, camera, pose);
@@ -159,7 +162,7 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_pause(JNIEnv*, jclass, j
   ArSession_pause(of(handle)->session);
 }
 
-// With the GL thread's context current.
+// Needs the GL thread's context to be current.
 JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_surface(JNIEnv* env, jclass, jlong handle, jobject assets,
                                                                 jint rotation, jint width, jint height) {
   Sample* s = of(handle);
@@ -182,7 +185,7 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Native_show(JNIEnv* env, jc
                               shadow = read_asset(files, "shadow.filamat", &shadow_bytes);
   if (grain.empty() || shadow.empty()) return JNI_FALSE;
   s->window = ANativeWindow_fromSurface(env, surface);
-  if (s->window == nullptr) return JNI_FALSE;  // the surface has gone again
+  if (s->window == nullptr) return JNI_FALSE;  // the surface is gone already
   if (!s->view.create(s->window, static_cast<uint32_t>(width), static_cast<uint32_t>(height), grain.data(), grain_bytes,
                       shadow.data(), shadow_bytes)) {
     ANativeWindow_release(s->window);
@@ -227,7 +230,7 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_frame(JNIEnv*, jclass, j
   ArCamera_getTrackingState(s->session, camera, &tracking);
   if (tracking == AR_TRACKING_STATE_TRACKING) {
     const float step = s->last_seconds > 0.0 ? static_cast<float>(seconds - s->last_seconds) : 0.0f;
-    sandglass_grain* grains = s->poured ? s->view.buffer() : nullptr;  // null: simulated all the same, drawn next time
+    sandglass_grain* grains = s->poured ? s->view.buffer() : nullptr;  // null: simulated too, and drawn next time
     ArImage* held = nullptr;
     sandglass_camera_image image;
     const bool seen = camera_image(s, camera, &held, &image);

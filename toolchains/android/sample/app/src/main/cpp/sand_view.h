@@ -1,7 +1,7 @@
-// Filament's side: grains as points and the sand's shadow on the floor, in the estimated light, on a transparent
-// surface above the camera image. The same light is given to Filament's own lights, for lit objects of the app.
-// Filament reads a vertex buffer some time after it was handed over, so three take turns; a frame that finds all three
-// in use keeps the last picture.
+// Filament draws the grains as points and the sand's shadow on the floor, in the estimated light, on a transparent
+// surface above the camera image. Filament's own lights get the same light, for lit objects of the app. Filament reads
+// a vertex buffer some time after it got it, so three take turns. A frame that finds all three in use keeps the last
+// picture.
 #pragma once
 
 #include <filament/Camera.h>
@@ -41,9 +41,9 @@ class SandView {
  public:
   static constexpr int k_buffers = 3;
 
-  // `grain` and `shadow` are grain.filamat and shadow.filamat, compiled from materials/. False, and nothing made, where
-  // the system gives no engine or no chain of images for the window. Everything here on one thread, which the engine
-  // then belongs to.
+  // `grain` and `shadow` are grain.filamat and shadow.filamat, compiled from materials/. Returns false and makes
+  // nothing if the system gives no engine or no chain of images for the window. Call everything here on one thread: the
+  // engine belongs to it.
   bool create(void* window, uint32_t width, uint32_t height, const void* grain, size_t grain_bytes, const void* shadow,
               size_t shadow_bytes) {
     using namespace filament;
@@ -64,7 +64,7 @@ class SandView {
     view_->setCamera(camera_);
     view_->setViewport({0, 0, width, height});
     view_->setBlendMode(View::BlendMode::TRANSLUCENT);
-    // Radiance 1 is what the camera shows as white: no exposure, no film's curve.
+    // Radiance 1 is what the camera shows as white, so there is no exposure and no tone curve.
     camera_->setExposure(1.0f);
     const LinearToneMapper linear;
     grading_ = ColorGrading::Builder().toneMapper(&linear).build(*engine_);
@@ -126,10 +126,10 @@ class SandView {
     engine_->destroy(scene_);
     engine_->destroy(renderer_);
     engine_->destroy(swap_chain_);
-    filament::Engine::destroy(&engine_);  // waits for what is in flight; engine_ becomes null
+    filament::Engine::destroy(&engine_);  // waits for pending work; engine_ becomes null
   }
 
-  // The room's light, whenever the library's estimate has changed.
+  // Takes the room's light. Call it whenever the library's estimate has changed.
   void set_light(const sandglass_light_estimate& estimate) {
     using namespace filament;
     sandglass_light_filament filament{};
@@ -149,7 +149,7 @@ class SandView {
     scene_->setIndirectLight(ambient);
     if (ambient_ != nullptr) engine_->destroy(ambient_);
     ambient_ = ambient;
-    // Grains are points, which Filament does not light: their material is told.
+    // Filament does not light points, so the grains' material gets the light as parameters.
     const float *c = estimate.light, *a = estimate.ambient, k = estimate.strength;
     instance_->setParameter("to_light",
                             math::float3{estimate.direction[0], estimate.direction[1], estimate.direction[2]});
@@ -157,7 +157,7 @@ class SandView {
     instance_->setParameter("ambient", math::float3{a[0], a[1], a[2]});
   }
 
-  // The sand's shadow of this frame.
+  // Takes the sand's shadow of this frame.
   void set_shadow(const sandglass_pile_shadow_texture& shadow, float strength) {
     using namespace filament;
     if (engine_ == nullptr) return;
@@ -174,7 +174,7 @@ class SandView {
   // Where the library may write this frame's grains, or null while all buffers are in use.
   sandglass_grain* buffer() { return in_use_[turn_].load(std::memory_order_acquire) ? nullptr : grains_[turn_].data(); }
 
-  // Shows the sand (`count` grains; fewer leave the rest at the removed place, beyond the far plane) about `origin`.
+  // Shows `count` grains about `origin`. Removed grains lie at a place beyond the far plane.
   void draw(bool filled, uint32_t count, const float origin[3], const float projection[16],
             const float camera_to_world[16]) {
     using filament::math::mat4f;
@@ -214,7 +214,7 @@ class SandView {
   static constexpr float k_near = 0.05f, k_far = 50.0f;
 
  private:
-  // The floor about the scene's origin, a millimetre above the real one, which the material darkens.
+  // A floor about the scene's origin, a millimetre above the real one. Its material darkens the camera image.
   void create_shadow(const void* package, size_t bytes) {
     using namespace filament;
     constexpr float h = k_shadow_half, up = 0.001f;

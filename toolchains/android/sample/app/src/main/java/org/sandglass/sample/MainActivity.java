@@ -19,15 +19,16 @@ import javax.microedition.khronos.opengles.GL10;
 /**
  * Two surfaces: the camera image below, Filament's transparent one above. A tap on a real table pours sand there.
  *
- * <p>Filament's engine belongs to one thread from its creation to its end: the GL thread of the lower surface, which serves its queue
- * while it is paused, too. The upper surface comes and goes on the UI thread, which therefore waits for the GL thread to let go of it.
+ * <p>Filament's engine belongs to one thread from its creation to its end. This is the GL thread of the lower surface,
+ * which serves its queue also while it is paused. The upper surface is made and taken away on the UI thread, which
+ * therefore waits until the GL thread has stopped using it.
  */
 public final class MainActivity extends Activity implements GLSurfaceView.Renderer, SurfaceHolder.Callback {
   private GLSurfaceView camera;
   private SurfaceView sand;
-  private volatile long sample;  // 0 before ARCore has a session, and in the end
-  // Of the GL thread alone: the size of the lower surface, and whether the sample knows it; the size of the upper one, 0 while there is
-  // none, and whether Filament draws on it.
+  private volatile long sample;  // 0 before ARCore has a session, and at the end
+  // The fields below are used by the GL thread alone: the size of the lower surface and whether the sample knows it,
+  // the size of the upper one (0 while there is none) and whether Filament draws on it.
   private int cameraWidth, cameraHeight;
   private boolean begun;
   private int width, height;
@@ -64,7 +65,7 @@ public final class MainActivity extends Activity implements GLSurfaceView.Render
     super.onResume();
     if (checkSelfPermission(Manifest.permission.CAMERA) != PackageManager.PERMISSION_GRANTED) {
       requestPermissions(new String[] {Manifest.permission.CAMERA}, 0);
-      return;  // comes back here
+      return;  // the system calls onResume again
     }
     try {
       if (ArCoreApk.getInstance().requestInstall(this, sample == 0) == ArCoreApk.InstallStatus.INSTALL_REQUESTED) return;
@@ -79,7 +80,7 @@ public final class MainActivity extends Activity implements GLSurfaceView.Render
   @Override
   protected void onPause() {
     super.onPause();
-    camera.onPause();  // returns when no frame is under way
+    camera.onPause();  // returns when no frame runs
     if (sample != 0) Native.pause(sample);
   }
 
@@ -92,7 +93,7 @@ public final class MainActivity extends Activity implements GLSurfaceView.Render
         sample = 0;
       });
     }
-    super.onDestroy();  // the view, and with it the GL thread, ends after this
+    super.onDestroy();  // after this the view ends, and the GL thread with it
   }
 
   /** Runs on the GL thread and waits until it has run. */
@@ -125,7 +126,7 @@ public final class MainActivity extends Activity implements GLSurfaceView.Render
 
   @Override
   public void surfaceDestroyed(SurfaceHolder holder) {
-    if (sample == 0) return;  // nothing draws on it, and at the very end there is no GL thread to wait for
+    if (sample == 0) return;  // nothing draws on the surface, and after onDestroy there is no GL thread to wait for
     onGlThread(() -> {
       hide();
       width = height = 0;
@@ -149,7 +150,7 @@ public final class MainActivity extends Activity implements GLSurfaceView.Render
     begun = false;
   }
 
-  /** Session and surfaces come in any order: whatever is there by now is put to use before the frame. */
+  /** Session and surfaces are made in any order. Whatever is there by now is set up before the frame. */
   @Override
   public void onDrawFrame(GL10 gl) {
     if (sample == 0) return;

@@ -1,0 +1,210 @@
+/* Sandglass types: what all public headers share. It holds the version, the status codes, the hooks of the app (clock,
+ * worker pool, trace, log), the instruction sets, and the rules below, which hold for every public function.
+ *
+ * sandglass.h and every header beside it include this one; an app need not.
+ *
+ * Units. SI: metres, seconds, kilograms, radians. The world frame is right-handed with y up. Quaternions are
+ * (x, y, z, w). All numbers are `float` where nothing else is said. Positions are relative to a scene origin that the
+ * app chooses. Keep them within SANDGLASS_COORDINATE_LIMIT of it.
+ *
+ * Errors. A function that can fail returns a sandglass_status and takes `reason`, which may be NULL. On failure it
+ * stores one static sentence in *reason: what is wrong, where, and what to do. On success it stores NULL there. A
+ * function that fails has changed nothing, except where its comment says so.
+ *
+ * NULL. One rule holds for every pointer that is not documented as optional:
+ *   - A function that returns a status refuses NULL with SANDGLASS_ERROR_INVALID_ARGUMENT; *reason names the argument.
+ *   - A function that returns nothing does nothing.
+ *   - A function that returns a value returns the neutral one: 0, NULL, or the identity pose.
+ * `reason` is always optional. So is the `user` pointer of a callback. An array may be NULL when its count is 0.
+ * This header does not protect an app from a pointer that is neither NULL nor valid.
+ *
+ * Version and ABI. SANDGLASS_VERSION is the version of the headers, sandglass_version() that of the linked library.
+ * Before 1.0 a new minor version may change anything; from 1.0 on only a new major version may break an app. A patch
+ * version changes no header. CHANGELOG.md names every change that breaks source code or saved data. An app, and above
+ * all one that links a shared library, begins with
+ *
+ *     if (!SANDGLASS_VERSION_FITS()) return fail("the library is of another version than its headers");
+ *
+ * because a `_default` function writes the whole struct as the library knows it.
+ *
+ * Structs are of three kinds:
+ *   - Structs that begin with `struct_size` may grow, at their end only. The `_default` function of the struct sets
+ *     struct_size. Where there is no such function, the caller sets it to sizeof the struct before every call.
+ *       - A struct that the library reads must have the size that the library knows, or it is refused.
+ *       - In a struct that the library fills (a report, an estimate, a texture, an info), no byte beyond struct_size is
+ *         written, and struct_size then says how many were. A struct_size below 8 counts as not set: a function with a
+ *         status refuses it, any other leaves the struct as it is.
+ *       - A report's plan is read again when it is replayed, so it must be whole. An estimate that is converted for a
+ *         renderer may be that of an older header.
+ *       - In a struct that the library owns (sandglass_level), struct_size says which fields exist.
+ *   - sandglass_granular_desc is the last member of sandglass_scene_desc and grows with it, at its end only.
+ *   - All other structs are frozen: sandglass_clock, _parallel, _trace, _log, _reference_scheme, _region, _collider,
+ *     _body_pose, _emitter, _grain, _plan_run, _stage_report and _mesh never change their size or fields, because they
+ *     stand in arrays, in other structs or by value. What they lack will come as a new struct and a new function.
+ *
+ * Enumerations are 32-bit integers; new values are added at the end. */
+#ifndef SANDGLASS_TYPES_H
+#define SANDGLASS_TYPES_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Attributes in brackets, where the language has them: C++17 and C23. */
+#if defined(__cplusplus) ? __cplusplus >= 201703L : defined(__STDC_VERSION__) && __STDC_VERSION__ > 201710L
+#define SANDGLASS_BRACKETS 1
+#else
+#define SANDGLASS_BRACKETS 0
+#endif
+
+/* The static archive hides the API: the app that links it finds it all the same, and a shared library made of that app
+ * does not export it. Only the build of the plug-in, which must export it, defines SANDGLASS_EXPORTS. */
+#if !defined(SANDGLASS_EXPORTS)
+#define SANDGLASS_API
+#elif SANDGLASS_BRACKETS
+#define SANDGLASS_API [[gnu::visibility("default")]]
+#else
+#define SANDGLASS_API __attribute__((visibility("default")))
+#endif
+
+/* A status that nobody looks at is a warning, and a cast to void silences it. Only [[nodiscard]] does both: GCC's
+ * attribute for older languages warns in spite of the cast, so older languages have none. */
+#if SANDGLASS_BRACKETS
+#define SANDGLASS_NODISCARD [[nodiscard]]
+#else
+#define SANDGLASS_NODISCARD
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ------------------------------------------------------------------------------------------------ version */
+
+#define SANDGLASS_VERSION_MAJOR 0
+#define SANDGLASS_VERSION_MINOR 1
+#define SANDGLASS_VERSION_PATCH 0
+
+/* One number for the three: 1,000,000 major + 1,000 minor + patch. */
+#define SANDGLASS_VERSION (1000000 * SANDGLASS_VERSION_MAJOR + 1000 * SANDGLASS_VERSION_MINOR + SANDGLASS_VERSION_PATCH)
+
+/* The SANDGLASS_VERSION of the library that is linked. */
+SANDGLASS_API uint32_t sandglass_version(void);
+
+/* 1 if the linked library fits the headers that this line is compiled with, else 0: major and minor version are the
+ * same. Ask it before any other call. */
+#define SANDGLASS_VERSION_FITS() (sandglass_version() / 1000u == SANDGLASS_VERSION / 1000u)
+
+/* Coordinates farther from the scene origin than this, in metres, are refused. A float resolves 6e-5 m there, and the
+ * contacts of centimetre particles lose their meaning. Move the scene origin instead. */
+#define SANDGLASS_COORDINATE_LIMIT 1000.0f
+
+/* ------------------------------------------------------------------------------------------------ status */
+
+typedef int32_t sandglass_status;
+enum {
+  SANDGLASS_OK = 0,
+  /* An argument or a field is out of range or not finite, or a pointer is NULL. */
+  SANDGLASS_ERROR_INVALID_ARGUMENT = 1,
+  /* The block is smaller than the need. */
+  SANDGLASS_ERROR_MEMORY_TOO_SMALL = 2,
+  /* The block is not aligned to SANDGLASS_BLOCK_ALIGNMENT. */
+  SANDGLASS_ERROR_MEMORY_ALIGNMENT = 3,
+  /* There are more items than there is room for. */
+  SANDGLASS_ERROR_CAPACITY = 4,
+  /* This CPU or this build lacks what was asked for. */
+  SANDGLASS_ERROR_UNSUPPORTED = 5,
+  /* A recorded plan does not fit this scene. */
+  SANDGLASS_ERROR_REPLAY = 6
+};
+
+/* The name of a status, such as "SANDGLASS_ERROR_CAPACITY". Never NULL; "unknown status" for any other number. */
+SANDGLASS_API const char* sandglass_status_name(sandglass_status status);
+
+/* The alignment, in bytes, of every block of memory that an app hands over. */
+#define SANDGLASS_BLOCK_ALIGNMENT 64
+
+/* ------------------------------------------------------------------------------------------------ hooks */
+
+/* A clock. now_ns returns nanoseconds since any origin and should not go backward. If it does, nothing breaks: the frame
+ * ends at its cap of work units, with a valid state. now_ns == NULL means "no clock": every frame runs all its work. */
+typedef struct sandglass_clock {
+  uint64_t (*now_ns)(void* user);
+  void* user;
+} sandglass_clock;
+
+/* The monotonic clock of the platform: CLOCK_MONOTONIC, or mach_absolute_time on Apple. */
+SANDGLASS_API sandglass_clock sandglass_clock_system(void);
+
+/* A worker pool of the app. `run` must call task(context, index) once for each index in 0..count-1, on any threads and
+ * in any order, and return when all calls have returned. Results do not depend on it. run == NULL: the calling thread
+ * does everything. */
+typedef struct sandglass_parallel {
+  void (*run)(void* user, void (*task)(void* context, uint32_t index), void* context, uint32_t count);
+  void* user;
+} sandglass_parallel;
+
+/* A profiling hook. `begin` and `end` bracket every work unit; `name` is a static string such as "granular.solve".
+ * Either may be NULL. They are called on the thread that called sandglass_scene_frame. */
+typedef struct sandglass_trace {
+  void (*begin)(void* user, const char* name);
+  void (*end)(void* user, const char* name);
+  void* user;
+} sandglass_trace;
+
+/* The profiler of the platform as a trace hook. Android: sections of ATrace, seen in Perfetto and Android Studio (link
+ * with -landroid). Apple: signpost intervals of the subsystem "sandglass", seen in Instruments. Elsewhere both members
+ * are NULL. Call it once, before the scenes are created: on Apple the system makes a log object for the process. */
+SANDGLASS_API sandglass_trace sandglass_trace_system(void);
+
+/* A log hook. It receives static sentences about what an app developer should know: a capacity was reached, a particle
+ * was quarantined. `write` may be NULL. It is called at most once per kind of event and frame. */
+typedef struct sandglass_log {
+  void (*write)(void* user, const char* sentence);
+  void* user;
+} sandglass_log;
+
+/* ------------------------------------------------------------------------------------------------ instruction sets */
+
+/* Which kernels to use. All give the same bits. AUTOMATIC takes the fastest that the CPU has.
+ *
+ * NEON_DOTPROD is NEON with SDOT, NEON_I8MM is NEON with SMMLA. The light and the shadows of objects have kernels for
+ * each; sand and its shadow then run those of NEON. For the light and the shadows of objects, AVX512 means AVX-512 with
+ * VNNI. */
+typedef int32_t sandglass_isa;
+enum {
+  SANDGLASS_ISA_AUTOMATIC = 0,
+  SANDGLASS_ISA_SCALAR = 1,
+  SANDGLASS_ISA_NEON = 2,
+  SANDGLASS_ISA_AVX2 = 3,
+  SANDGLASS_ISA_AVX512 = 4,
+  SANDGLASS_ISA_NEON_DOTPROD = 5,
+  SANDGLASS_ISA_NEON_I8MM = 6
+};
+
+/* The name of an instruction set: "automatic", "scalar", "neon", "avx2", "avx512", "neon_dotprod" or "neon_i8mm". NULL
+ * for any other number. */
+SANDGLASS_API const char* sandglass_isa_name(sandglass_isa isa);
+
+/* 1 if this build has kernels for `isa` and this CPU can run them, else 0. AUTOMATIC and SCALAR are always available. */
+SANDGLASS_API int32_t sandglass_isa_available(sandglass_isa isa);
+
+/* ------------------------------------------------------------------------------------------------ rotations */
+
+/* The rotation by `angle` radians about `axis`, as a quaternion (x, y, z, w). The axis may have any length above 0. Seen
+ * from its tip, a positive angle turns counter-clockwise. Returns 1. Where the axis is not finite or has no length, or
+ * the angle is not finite, it gives the identity and returns 0. */
+SANDGLASS_API int32_t sandglass_rotation_about(const float axis[3], float angle, float rotation[4]);
+
+/* ------------------------------------------------------------------------------------------------ handles */
+
+/* Objects that an app creates in blocks of its own and hands to sandglass_scene_frame: the shadows of one object
+ * (shadow.h), the shadow that the sand casts (pile_shadow.h), the light of the room (light.h). */
+typedef struct sandglass_shadow sandglass_shadow;
+typedef struct sandglass_pile_shadow sandglass_pile_shadow;
+typedef struct sandglass_light sandglass_light;
+
+#ifdef __cplusplus
+} /* extern "C" */
+#endif
+
+#endif /* SANDGLASS_TYPES_H */

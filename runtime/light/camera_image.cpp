@@ -1,0 +1,337 @@
+#include "runtime/light/camera_image.h"
+
+#include "runtime/core/finite.h"
+#include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
+#include "runtime/light/turn.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr int32_t k_one = 256;  // a pixel, in the fixed point of boxes
+constexpr float k_intrinsics_limit = 1e6f;
+constexpr uint32_t k_block_rows_most = 16;
+constexpr uint32_t k_camera_box_columns = k_camera_sums / 4;  // pixels of a box that are read, of up to four bytes
+
+// Input interval that an output pixel covers along one axis, in 1/256 pixel from the image's edge; never empty.
+struct Box {
+  int32_t low, high;
+};
+
+Box box_of(uint32_t index, double first, double step, uint32_t size) {
+  // Beyond this the answer is an edge pixel, and the conversion to integers is safe.
+  const double limit = 2.0 * SANDGLASS_CAMERA_SIDE_LIMIT;
+  const double width = step < 1.0 ? 1.0 : step;
+  double middle = first + step * index + 0.5;  // 0 is the image's edge
+  middle = middle < -limit ? -limit : middle > limit ? limit : middle;
+  const double half = width < limit ? 0.5 * width : 0.5 * limit;
+  const int32_t end = static_cast<int32_t>(size) * k_one;
+  auto low = static_cast<int32_t>(floor_index((middle - half) * k_one + 0.5));
+  auto high = static_cast<int32_t>(floor_index((middle + half) * k_one + 0.5));
+  if (high <= 0) return {0, k_one};
+  if (low >= end) return {end - k_one, end};
+  low = low < 0 ? 0 : low;
+  high = high > end ? end : high;
+  return high > low ? Box{low, high} : Box{low, low + 1};
+}
+
+// Where along a stored axis the output's pixels lie: pixel i of `count` at first + step * i.
+struct Axis {
+  double first, step;
+};
+
+// `focal`, `centre`: of the input along this axis; `backwards`: the output's axis runs against it. Chroma at half
+// resolution has its samples between pairs of luma: (x - 1/2) / 2.
+Axis axis_of(float focal, float centre, uint32_t count, bool backwards, bool half) {
+  double step = static_cast<double>(focal) / k_light_focal;
+  double first = static_cast<double>(centre) - step * 0.5 * (count - 1);
+  if (half) step *= 0.5, first = (first - 0.5) * 0.5;
+  if (backwards) first += step * (count - 1), step = -step;
+  return {first, step};
+}
+
+Box oriented_box(const Axis& axis, uint32_t index, uint32_t count, uint32_t size) {
+  // A box has no direction: count from the other end.
+  return axis.step >= 0.0 ? box_of(index, axis.first, axis.step, size)
+                          : box_of(count - 1 - index, axis.first + axis.step * (count - 1), -axis.step, size);
+}
+
+// A plane of bytes with one to four channels beside each other.
+struct Plane {
+  const uint8_t* bytes;
+  uint32_t stride, step;  // bytes between rows and between pixels
+  uint32_t width, height;
+  uint32_t channels, first;  // of the three of the picture
+  uint32_t offset[3];        // of each channel within a pixel
+};
+
+// Part of pixel i that lies in the box, in 1/256.
+uint32_t part(const Box& box, int32_t i) {
+  const int32_t from = i * k_one > box.low ? i * k_one : box.low;
+  const int32_t to = (i + 1) * k_one < box.high ? (i + 1) * k_one : box.high;
+  return static_cast<uint32_t>(to - from);
+}
+
+int32_t first_of(const Box& box) { return box.low / k_one; }
+int32_t last_of(const Box& box) { return (box.high - 1) / k_one; }
+
+// At most `most` pixels of a box, from its middle.
+Box middle_of(const Box& box, int32_t most) {
+  if (last_of(box) - first_of(box) < most) return box;
+  const int32_t first = (first_of(box) + last_of(box) + 1 - most) / 2;
+  return {first * k_one, (first + most) * k_one};
+}
+
+// sums[i] = the box's weighted sum down column `from` + i of bytes.
+void sum_rows(const Plane& plane, const Box& rows, uint32_t from, uint32_t count, uint32_t* sums) {
+  for (int32_t y = first_of(rows); y <= last_of(rows); ++y) {
+    const uint8_t* row = plane.bytes + static_cast<uint64_t>(y) * plane.stride + from;
+    const uint32_t weight = part(rows, y);
+    if (y == first_of(rows))
+      for (uint32_t i = 0; i < count; ++i) sums[i] = weight * row[i];
+    else
+      for (uint32_t i = 0; i < count; ++i) sums[i] += weight * row[i];
+  }
+}
+
+// The mean of one channel over a box, rounded; `sums` begins at pixel `from`.
+uint8_t box_mean(const uint32_t* sums, uint32_t step, int32_t from, const Box& across, const Box& down) {
+  const int32_t x0 = first_of(across), x1 = last_of(across);
+  const uint32_t* at = sums + static_cast<uint64_t>(x0 - from) * step;
+  uint64_t sum = static_cast<uint64_t>(part(across, x0)) * *at, inner = 0;
+  for (int32_t x = x0 + 1; x < x1; ++x) inner += *(at += step);
+  sum += inner * k_one;
+  if (x1 > x0) sum += static_cast<uint64_t>(part(across, x1)) * at[step];
+  const uint64_t area = static_cast<uint64_t>(across.high - across.low) * static_cast<uint64_t>(down.high - down.low);
+  return static_cast<uint8_t>((sum + area / 2) / area);
+}
+
+// One row of a plane's channels: as many boxes at a time as their bytes' sums fit the scratch.
+void resample_row(const Plane& plane, const Box* columns, uint32_t count, const Box& rows, uint8_t* values[3],
+                  uint32_t* sums) {
+  const auto pixels = static_cast<int32_t>(k_camera_sums / plane.step);
+  for (uint32_t begin = 0; begin < count;) {
+    int32_t low = first_of(columns[begin]), high = last_of(columns[begin]);
+    uint32_t end = begin + 1;
+    for (; end < count; ++end) {
+      const int32_t l = first_of(columns[end]) < low ? first_of(columns[end]) : low;
+      const int32_t h = last_of(columns[end]) > high ? last_of(columns[end]) : high;
+      if (h - l >= pixels) break;
+      low = l, high = h;
+    }
+    sum_rows(plane, rows, static_cast<uint32_t>(low) * plane.step, static_cast<uint32_t>(high - low + 1) * plane.step,
+             sums);
+    for (uint32_t c = 0; c < plane.channels; ++c)
+      for (uint32_t a = begin; a < end; ++a)
+        values[plane.first + c][a] = box_mean(sums + plane.offset[c], plane.step, low, columns[a], rows);
+    begin = end;
+  }
+}
+
+uint8_t clamped_byte(int32_t value) { return static_cast<uint8_t>(value < 0 ? 0 : value > 255 ? 255 : value); }
+
+// Coefficients times 2^16: ITU-R BT.601 and BT.709, for luma over 0..255 and over 16..235 (chroma over 16..240).
+struct YuvMatrix {
+  int32_t luma_offset, luma, red_v, green_u, green_v, blue_u;
+};
+constexpr YuvMatrix k_matrices[4] = {{0, 65536, 91881, -22553, -46802, 116130},
+                                     {16, 76309, 104597, -25675, -53279, 132201},
+                                     {0, 65536, 103206, -12276, -30679, 121609},
+                                     {16, 76309, 117489, -13975, -34925, 138438}};
+
+void yuv_to_rgb(sandglass_yuv_range range, uint8_t y, uint8_t u, uint8_t v, uint8_t rgb[3]) {
+  const YuvMatrix& m = k_matrices[range];
+  const int32_t luma = (y - m.luma_offset) * m.luma + 32768, cu = u - 128, cv = v - 128;
+  // Shifts of negative numbers keep the sign (C++20).
+  rgb[0] = clamped_byte((luma + m.red_v * cv) >> 16);
+  rgb[1] = clamped_byte((luma + m.green_u * cu + m.green_v * cv) >> 16);
+  rgb[2] = clamped_byte((luma + m.blue_u * cu) >> 16);
+}
+
+bool is_yuv(sandglass_camera_format format) { return format >= SANDGLASS_CAMERA_NV12; }
+
+}  // namespace
+
+sandglass_status check_camera_image(const CameraImage* image, const char** reason) {
+  if (image == nullptr) return refuse(reason, "camera image: the image is NULL; give an image");
+  if (image->struct_size != sizeof *image)
+    return refuse(reason, "camera image: struct_size is not this library's; start from sandglass_camera_image_default");
+  if (image->format < SANDGLASS_CAMERA_RGB || image->format > SANDGLASS_CAMERA_I420)
+    return refuse(reason, "camera image: unknown format; give RGB, RGBA, NV12, NV21 or I420");
+  if (image->range < SANDGLASS_YUV_FULL_601 || image->range > SANDGLASS_YUV_VIDEO_709)
+    return refuse(reason, "camera image: unknown YUV range; give one of BT.601 or BT.709, full or video");
+  if (image->width < 2 || image->height < 2)
+    return refuse(reason, "camera image: smaller than 2 x 2 pixels; light cannot be estimated from it");
+  if (image->width > SANDGLASS_CAMERA_SIDE_LIMIT || image->height > SANDGLASS_CAMERA_SIDE_LIMIT)
+    return refuse(reason, "camera image: a side is longer than 16384 pixels; scale it down");
+  const bool yuv = is_yuv(image->format);
+  if (yuv && (image->width % 2 != 0 || image->height % 2 != 0))
+    return refuse(reason, "camera image: YUV with an odd width or height; crop it to even numbers");
+  const uint32_t planes = image->format == SANDGLASS_CAMERA_I420 ? 3 : yuv ? 2 : 1;
+  const uint32_t row_bytes[3] = {image->format == SANDGLASS_CAMERA_RGB    ? 3 * image->width
+                                 : image->format == SANDGLASS_CAMERA_RGBA ? 4 * image->width
+                                                                          : image->width,
+                                 image->format == SANDGLASS_CAMERA_I420 ? image->width / 2 : image->width,
+                                 image->width / 2};
+  for (uint32_t i = 0; i < planes; ++i) {
+    if (image->planes[i] == nullptr)
+      return refuse(reason, "camera image: a plane is NULL; give every plane of the format");
+    if (image->strides[i] < row_bytes[i])
+      return refuse(reason, "camera image: a stride is smaller than its row; strides are bytes from row to row");
+  }
+  const bool from_pose = image->turn_deg == SANDGLASS_TURN_FROM_POSE;
+  if (!from_pose && image->turn_deg != 0 && image->turn_deg != 90 && image->turn_deg != 180 && image->turn_deg != 270)
+    return refuse(reason, "camera image: the turn is not 0, 90, 180 or 270 degrees; give the sensor's orientation");
+  if (from_pose && image->pose_is_upright != 0)
+    return refuse(reason,
+                  "camera image: the pose of an upright image does not tell its turn; give the turn in degrees");
+  if (!within(image->focal_x, 1.0f, k_intrinsics_limit) || !within(image->focal_y, 1.0f, k_intrinsics_limit))
+    return refuse(
+        reason,
+        "camera image: a focal length is not a number from 1 to a million pixels; give the camera's intrinsics");
+  if (!within(image->centre_x, -k_intrinsics_limit, k_intrinsics_limit) ||
+      !within(image->centre_y, -k_intrinsics_limit, k_intrinsics_limit))
+    return refuse(reason, "camera image: the principal point is not finite; give the camera's intrinsics");
+  Rotation rotation = {};
+  if (!rotation_of(image->orientation, &rotation))
+    return refuse(reason, "camera image: the orientation is zero or not finite; give the camera's pose");
+  return accept(reason);
+}
+
+CameraImage with_turn(const CameraImage& image) {
+  CameraImage turned = image;
+  if (image.turn_deg != SANDGLASS_TURN_FROM_POSE) return turned;
+  Rotation rotation = {};
+  (void)rotation_of(image.orientation, &rotation);
+  // The world's up in the stored image, x right and y down; the upright image's y of it is to be the least.
+  const double right = rotation.m[1][0], down = -rotation.m[1][1];
+  const double upright[4] = {down, right, -down, -right};
+  uint32_t best = 0;
+  for (uint32_t quarter = 1; quarter < 4; ++quarter)
+    if (upright[quarter] < upright[best]) best = quarter;
+  turned.turn_deg = 90 * best;
+  return turned;
+}
+
+void camera_to_world(const CameraImage& image, const double camera[3], double world[3]) {
+  const uint32_t turn = image.pose_is_upright != 0 ? 0 : image.turn_deg;
+  const double x = camera[0], y = camera[1];
+  const double stored_x = turn == 90 ? y : turn == 180 ? -x : turn == 270 ? -y : x;
+  const double stored_y = turn == 90 ? -x : turn == 180 ? -y : turn == 270 ? x : y;
+  Rotation rotation = {};
+  (void)rotation_of(image.orientation, &rotation);
+  const double local[3] = {stored_x, -stored_y, -camera[2]};  // y up, looking along -z
+  rotate(rotation, local, world);
+}
+
+CameraBlock whole_camera_block(const CameraImage& image) {
+  const bool quarter = image.turn_deg % 180 != 0;
+  return {0, quarter ? k_light_width : k_light_height, 0, quarter ? k_light_height : k_light_width};
+}
+
+namespace {
+
+// Pixels of the input that a box covers along an axis, about: cut off where boxes are.
+uint64_t box_pixels(float focal, uint32_t most) {
+  const double step = static_cast<double>(focal) / k_light_focal;
+  return static_cast<uint64_t>((step < 1.0 ? 1.0 : step > most ? most : step) + 1.0);
+}
+
+}  // namespace
+
+CameraBlocks camera_blocks(const CameraImage& image) {
+  const CameraBlock whole = whole_camera_block(image);
+  const uint64_t pixel = image.format == SANDGLASS_CAMERA_RGB ? 3 : image.format == SANDGLASS_CAMERA_RGBA ? 4 : 2;
+  const uint64_t column = pixel * box_pixels(image.focal_y, k_camera_box_rows), row = column * image.width;
+  CameraBlocks blocks;
+  if (row <= k_camera_block_bytes) {
+    const uint64_t rows = k_camera_block_bytes / row;
+    blocks.rows = static_cast<uint32_t>(rows > k_block_rows_most ? k_block_rows_most : rows);
+    blocks.columns = whole.columns;
+    blocks.bytes = blocks.rows * row;
+  } else {
+    const uint64_t box = column * (box_pixels(image.focal_x, k_camera_box_columns) + 1);
+    const uint64_t columns = k_camera_block_bytes / box;  // at least 3: 4 bytes x 17 rows x 1026 columns
+    blocks.rows = 1;
+    blocks.columns = columns > whole.columns ? whole.columns : static_cast<uint32_t>(columns);
+    blocks.bytes = blocks.columns * box;
+  }
+  blocks.across = (whole.columns + blocks.columns - 1) / blocks.columns;
+  blocks.count = blocks.across * ((whole.rows + blocks.rows - 1) / blocks.rows);
+  return blocks;
+}
+
+CameraBlock camera_block(const CameraImage& image, const CameraBlocks& blocks, uint32_t index) {
+  const CameraBlock whole = whole_camera_block(image);
+  const uint32_t row = index / blocks.across * blocks.rows, column = index % blocks.across * blocks.columns;
+  const uint32_t rows = whole.rows - row, columns = whole.columns - column;
+  return {row, rows < blocks.rows ? rows : blocks.rows, column, columns < blocks.columns ? columns : blocks.columns};
+}
+
+namespace {
+
+uint32_t planes_of(const CameraImage& image, Plane planes[3]) {
+  const uint32_t half_width = image.width / 2, half_height = image.height / 2;
+  const auto stored = [&](uint32_t i, uint32_t step, bool half, uint32_t channels, uint32_t first, uint32_t swapped) {
+    planes[i] = {image.planes[i],
+                 image.strides[i],
+                 step,
+                 half ? half_width : image.width,
+                 half ? half_height : image.height,
+                 channels,
+                 first,
+                 {swapped, 1 - swapped, 2}};
+  };
+  if (image.format == SANDGLASS_CAMERA_RGB || image.format == SANDGLASS_CAMERA_RGBA) {
+    stored(0, image.format == SANDGLASS_CAMERA_RGBA ? 4 : 3, false, 3, 0, 0);
+    return 1;
+  }
+  stored(0, 1, false, 1, 0, 0);
+  if (image.format != SANDGLASS_CAMERA_I420) {
+    stored(1, 2, true, 2, 1, image.format == SANDGLASS_CAMERA_NV21 ? 1 : 0);
+    return 2;
+  }
+  stored(1, 1, true, 1, 1, 0), stored(2, 1, true, 1, 2, 0);
+  return 3;
+}
+
+}  // namespace
+
+void resample_camera_block(const CameraImage& image, const CameraBlock& block, uint8_t* rgb, uint32_t* sums) {
+  const bool quarter = image.turn_deg % 180 != 0, yuv = is_yuv(image.format);
+  const CameraBlock whole = whole_camera_block(image);
+  const uint32_t across = whole.columns, down = whole.rows;
+  // Upright x is the stored x, -y, -x, y for turns of 0, 90, 180, 270 degrees clockwise; upright y is y, x, -y, -x.
+  const bool x_backwards = image.turn_deg == 180 || image.turn_deg == 270;
+  const bool y_backwards = image.turn_deg == 90 || image.turn_deg == 180;
+  Plane planes[3];
+  const uint32_t plane_count = planes_of(image, planes);
+  Box columns[2][k_light_width];  // of planes of full and of half size
+  for (uint32_t half = 0; half < (yuv ? 2u : 1u); ++half) {
+    const Axis axis = axis_of(image.focal_x, image.centre_x, across, x_backwards, half != 0);
+    for (uint32_t a = 0; a < block.columns; ++a)
+      columns[half][a] =
+          middle_of(oriented_box(axis, block.first_column + a, across, half != 0 ? image.width / 2 : image.width),
+                    static_cast<int32_t>(k_camera_box_columns));
+  }
+  uint8_t bytes[3][k_light_width];
+  uint8_t* values[3] = {bytes[0], bytes[1], bytes[2]};
+  for (uint32_t b = block.first_row; b < block.first_row + block.rows; ++b) {
+    for (uint32_t i = 0; i < plane_count; ++i) {
+      const bool half = yuv && i > 0;
+      const Axis axis = axis_of(image.focal_y, image.centre_y, down, y_backwards, half);
+      const Box rows =
+          middle_of(oriented_box(axis, b, down, planes[i].height), static_cast<int32_t>(k_camera_box_rows));
+      resample_row(planes[i], columns[half ? 1 : 0], block.columns, rows, values, sums);
+    }
+    for (uint32_t a = 0; a < block.columns; ++a) {
+      const uint32_t column = block.first_column + a, x = quarter ? b : column, y = quarter ? column : b;
+      uint8_t* out = rgb + 3 * (y * k_light_width + x);
+      if (yuv) yuv_to_rgb(image.range, bytes[0][a], bytes[1][a], bytes[2][a], out);
+      else out[0] = bytes[0][a], out[1] = bytes[1][a], out[2] = bytes[2][a];
+    }
+  }
+}
+
+}  // namespace sandglass

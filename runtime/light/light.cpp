@@ -1,0 +1,429 @@
+// The C API around a Light, and its units.
+#include "runtime/light/light.h"
+
+#include <cstring>
+
+#include "platform/floating_point.h"
+#include "runtime/core/filled_struct.h"
+#include "runtime/core/hash.h"
+#include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
+#include "runtime/light/backends.h"
+#include "runtime/light/harmonics.h"
+#include "runtime/light/turn.h"
+
+namespace sandglass {
+namespace {
+
+constexpr uint64_t k_rgb_bytes = 3 * k_light_width * k_light_height;
+constexpr float k_light_share = 0.2f;  // of the optional time, while a later stage has work
+
+struct Checked {
+  LightAsset asset;
+  const Int8Kernels* kernels;
+  const LightBackend* backend;
+};
+
+sandglass_status check(const sandglass_light_desc* desc, Checked* checked, const char** reason) {
+  if (desc == nullptr) return refuse(reason, "desc is NULL: start from sandglass_light_desc_default");
+  if (desc->struct_size != sizeof *desc)
+    return refuse(reason, "desc.struct_size is not that of this library: start from sandglass_light_desc_default");
+  if (!(desc->interval >= 0 && desc->interval <= 60)) return refuse(reason, "desc.interval is not in 0..60 seconds");
+  if (!(desc->smoothing >= 0 && desc->smoothing <= 60)) return refuse(reason, "desc.smoothing is not in 0..60 seconds");
+  if (!(desc->turn_limit > 0 && desc->turn_limit <= 1e6f))
+    return refuse(reason, "desc.turn_limit is not above 0 and at most 1e6 radians a second");
+  if (!(desc->outlier_angle >= 0 && desc->outlier_angle <= 3.1416f))
+    return refuse(reason, "desc.outlier_angle is not in 0..pi");
+  if (!(desc->outlier_level >= 0 && desc->outlier_level <= 2))
+    return refuse(reason, "desc.outlier_level is not in 0..2");
+  if (!find_light_backend(desc->backend, &checked->backend, reason)) return SANDGLASS_ERROR_UNSUPPORTED;
+  checked->kernels = select_light_kernels(desc->isa);
+  if (checked->kernels == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
+                  "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
+  return open_light_asset(desc->asset, desc->asset_bytes, &checked->asset, reason);
+}
+
+struct Parts {
+  sandglass_light* light;
+  LightMemory network;
+  uint8_t* rgb;
+  uint32_t* sums;
+};
+
+// One walk for size and creation.
+Parts lay_out(const LightBackend* backend, Layout* layout) {
+  Parts parts;
+  parts.light = layout_region<sandglass_light>(layout, "light", 1);
+  parts.network = layout_light_network(k_light_width, k_light_height, layout, backend);
+  parts.rgb = layout_region<uint8_t>(layout, "light.image", k_rgb_bytes);
+  parts.sums = layout_region<uint32_t>(layout, "light.sums", k_camera_sums);
+  return parts;
+}
+
+// Its layout must not lie on the stack beside that of build.
+__attribute__((noinline)) uint64_t size_of_light(const LightBackend* backend) {
+  Layout layout;
+  (void)lay_out(backend, &layout);
+  return layout.size;
+}
+
+// ---------------------------------------------------------------------------------------------------- units
+
+bool due(const Light& light, uint64_t time_ns) {
+  if (time_ns == 0 || light.estimates == 0 || time_ns < light.taken_ns) return true;  // no clock, or one that restarted
+  return time_ns != light.taken_ns && time_ns - light.taken_ns >= light.interval_ns;
+}
+
+// Whether the image was taken; it has passed sandglass_camera_check.
+bool take_image(Light* light, const sandglass_camera_image& image) {
+  if (light->phase != LightPhase::idle || !due(*light, image.timestamp_ns)) return false;
+  light->phase = LightPhase::image;
+  light->cursor = 0;
+  light->image = with_turn(image);
+  light->blocks = camera_blocks(light->image);
+  light->image_frame = light->frame;
+  return true;
+}
+
+uint32_t image_units_left(const Light& light) { return light.blocks.count - light.cursor; }
+
+void drop_image(Light* light) {
+  for (const uint8_t*& plane : light->image.planes) plane = nullptr;
+}
+
+void run_image(Light* light) {
+  const CameraBlock block = camera_block(light->image, light->blocks, light->cursor);
+  resample_camera_block(light->image, block, light->rgb, light->sums);
+  if (++light->cursor < light->blocks.count) return;
+  drop_image(light);
+  light->taken_ns = light->image.timestamp_ns;
+  light->phase = LightPhase::network;
+  light->cursor = 0;
+  begin_light_network(light->network, light->rgb);
+}
+
+void finish(Light* light) {
+  LightOutputs out;
+  finish_light_network(*light->network, &out);
+  double camera[3];
+  for (int i = 0; i < 3; ++i) {
+    camera[i] = static_cast<double>(out.direction[i]);
+    light->latest.levels[k_sample_light + i] = static_cast<double>(out.light[i]);
+    light->latest.levels[k_sample_ambient + i] = static_cast<double>(out.ambient[i]);
+  }
+  light->latest.levels[k_sample_contrast] = static_cast<double>(out.contrast);
+  camera_to_world(light->image, camera, light->latest.direction);
+  light->latest_ns = light->image.timestamp_ns;
+  light->estimate_frame = light->image_frame;
+  ++light->estimates;
+  if (light_filter_take(&light->filter, light->latest, light->latest_ns)) {
+    light->changed_ns = light->latest_ns;
+    light->changed = true;
+  }
+  light->phase = LightPhase::idle;
+}
+
+bool next_unit(const sandglass_light* owner, WorkUnit* unit) {
+  const Light& light = owner->light;
+  if (light.phase == LightPhase::idle) return false;
+  if (light.phase == LightPhase::image) {
+    *unit = {k_light_stage_image, static_cast<uint32_t>(light.blocks.bytes / 256 + 1), "light.image"};
+    return true;
+  }
+  *unit = light_unit(*light.network, light.cursor);
+  unit->kind += k_light_stage_network;
+  return true;
+}
+
+void run_unit(sandglass_light* owner) {
+  Light* light = &owner->light;
+  if (light->phase == LightPhase::image) return run_image(light);
+  run_light_unit(light->network, light->cursor);
+  if (++light->cursor == light->network->units) finish(light);
+}
+
+// ---------------------------------------------------------------------------------------------------- in a frame
+
+bool next(const void* state, uint32_t, WorkUnit* unit) {
+  return next_unit(static_cast<const sandglass_light*>(state), unit);
+}
+
+void run(void* state, uint32_t) { run_unit(static_cast<sandglass_light*>(state)); }
+
+// The image counts whole: it must be resampled in this frame. The network may take several frames. Its units are all
+// forecast as the next one, which is close enough: the stage's share bounds what they get.
+uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
+  const sandglass_light* owner = static_cast<const sandglass_light*>(state);
+  const Light& light = owner->light;
+  WorkUnit unit;
+  if (!next_unit(owner, &unit)) return 0;
+  uint32_t count = 0;
+  if (light.phase == LightPhase::image) {
+    entries[count++] = {unit.kind, uint64_t{unit.items} * image_units_left(light)};
+    unit = light_unit(*light.network, 0);
+    unit.kind += k_light_stage_network;
+  }
+  const uint32_t done = light.phase == LightPhase::image ? 0 : light.cursor;
+  entries[count++] = {unit.kind, uint64_t{unit.items} * (light.network->units - done), true};
+  return count;
+}
+
+Stage begin_frame(sandglass_light* owner, const sandglass_camera_image* image, const char** refused) {
+  Light* light = &owner->light;
+  ++light->frame;
+  light->changed = false;
+  bool taken = false;
+  if (image != nullptr) {
+    const char* reason = nullptr;
+    if (check_camera_image(image, &reason) != SANDGLASS_OK) *refused = reason;
+    else taken = take_image(light, *image);
+  }
+  const uint32_t mandatory = taken ? 1 + image_units_left(*light) : 1;
+  return {owner, next, run, forecast, k_light_stage_kinds, mandatory, k_light_share};
+}
+
+void end_frame(sandglass_light* owner, sandglass_frame_report* report) {
+  Light* light = &owner->light;
+  if (light->phase == LightPhase::image) {
+    drop_image(light);
+    light->phase = LightPhase::idle;
+  }
+  report->light_valid = light->filter.accepted != 0 ? 1 : 0;
+  report->light_changed = light->changed ? 1 : 0;
+  report->light_age = light->estimates != 0 ? static_cast<uint32_t>(light->frame - light->estimate_frame) : 0;
+  report->light_units_left = sandglass_light_units_left(owner);
+}
+
+constexpr LightFunctions k_light_functions = {begin_frame, end_frame};
+
+// ---------------------------------------------------------------------------------------------------- description
+
+void reset(Light* light) {
+  light_filter_reset(&light->filter);
+  drop_image(light);
+  light->phase = LightPhase::idle;
+  light->cursor = 0;
+  light->latest = light->filter.state;
+  light->latest_ns = light->changed_ns = light->taken_ns = 0;
+  light->estimates = 0;
+  light->frame = light->image_frame = light->estimate_frame = 0;
+  light->changed = false;
+}
+
+// Whether the back end could be had.
+__attribute__((noinline)) bool build(const Checked& checked, const sandglass_light_desc& desc, void* block,
+                                     sandglass_light** light, const char** reason) {
+  Layout layout;
+  layout.base = static_cast<uint8_t*>(block);
+  const Parts parts = lay_out(checked.backend, &layout);
+  sandglass_light* owner = parts.light;
+  if (owner == nullptr) return false;  // cannot be: the layout has a block
+  *owner = {};
+  owner->functions = &k_light_functions;
+  Light* l = &owner->light;
+  l->network = create_light_network(checked.asset, checked.kernels, checked.backend, k_light_width, k_light_height,
+                                    parts.network, reason);
+  if (l->network == nullptr) return false;
+  l->rgb = parts.rgb, l->sums = parts.sums;
+  memset(l->rgb, 0, k_rgb_bytes);
+  const double interval = static_cast<double>(desc.interval);
+  l->interval_ns = static_cast<uint64_t>(interval * 1e9);
+  l->filter.law = {static_cast<double>(desc.smoothing), interval, static_cast<double>(desc.turn_limit),
+                   static_cast<double>(desc.outlier_angle), static_cast<double>(desc.outlier_level)};
+  reset(l);
+  *light = owner;
+  return true;
+}
+
+void describe(const Light& light, const LightSample& sample, uint64_t timestamp_ns, sandglass_light_estimate* out) {
+  sandglass_light_estimate estimate = {};
+  estimate.valid = light.filter.accepted != 0 ? 1 : 0;
+  estimate.timestamp_ns = timestamp_ns;
+  estimate.image_ns = light.latest_ns;
+  for (int i = 0; i < 3; ++i) {
+    estimate.direction[i] = static_cast<float>(sample.direction[i]);
+    estimate.light[i] = static_cast<float>(sample.levels[k_sample_light + i]);
+    estimate.ambient[i] = static_cast<float>(sample.levels[k_sample_ambient + i]);
+  }
+  estimate.contrast = static_cast<float>(sample.levels[k_sample_contrast]);
+  if (estimate.valid == 0)
+    for (int i = 0; i < 3; ++i) estimate.ambient[i] = 0.5f;
+  estimate.strength =
+      static_cast<float>(light_strength(sample.direction, sample.levels + k_sample_light,
+                                        sample.levels + k_sample_ambient, sample.levels[k_sample_contrast]));
+  estimate.confidence = static_cast<float>(light_filter_confidence(light.filter));
+  estimate.estimates = light.estimates;
+  estimate.deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
+  estimate.held_off = light.filter.held_off;
+  double sh[3 * k_harmonics];
+  light_harmonics(estimate, SANDGLASS_LIGHT_MODEL_WHOLE, sh);
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) estimate.sh[i] = static_cast<float>(sh[i]);
+  fill_struct(&estimate, sizeof estimate, out);
+}
+
+__attribute__((noinline)) void resample_now(Light* light) {
+  while (light->phase == LightPhase::image) run_image(light);
+}
+
+__attribute__((noinline)) uint32_t run_units(sandglass_light* light, uint32_t units) {
+  WorkUnit unit;
+  uint32_t done = 0;
+  while (done < units && next_unit(light, &unit)) run_unit(light), ++done;
+  return done;
+}
+
+}  // namespace
+}  // namespace sandglass
+
+using namespace sandglass;
+
+void sandglass_camera_image_default(sandglass_camera_image* image) {
+  if (image == nullptr) return;
+  *image = {};
+  image->struct_size = sizeof *image;
+  image->orientation[3] = 1.0f;
+}
+
+float sandglass_camera_focal(uint32_t width, uint32_t height, float diagonal_deg) {
+  if (!(diagonal_deg >= 1.0f && diagonal_deg <= 179.0f)) return 0.0f;
+  const double w = width, h = height;
+  const SinCos half = sin_cos_turns(static_cast<double>(diagonal_deg) / 720.0);
+  return static_cast<float>(0.5 * square_root(w * w + h * h) * half.cos / half.sin);
+}
+
+sandglass_status sandglass_camera_check(const sandglass_camera_image* image, const char** reason) {
+  return check_camera_image(image, reason);
+}
+
+void sandglass_light_desc_default(sandglass_light_desc* desc) {
+  if (desc == nullptr) return;
+  *desc = {};
+  desc->struct_size = sizeof *desc;
+  desc->interval = 0.25f;
+  desc->smoothing = 0.4f;
+  desc->turn_limit = 2.0943951f;
+  desc->outlier_angle = 0.6981317f;
+  desc->outlier_level = 0.35f;
+}
+
+sandglass_status sandglass_light_inspect(const void* asset, uint64_t asset_bytes, sandglass_light_info* info,
+                                         const char** reason) {
+  if (info == nullptr || !can_fill(info))
+    return refuse(reason, "info is NULL or its struct_size is not set: set it to sizeof(sandglass_light_info)");
+  LightAsset file;
+  const sandglass_status status = open_light_asset(asset, asset_bytes, &file, reason);
+  if (status != SANDGLASS_OK) return status;
+  sandglass_light_info filled = {};
+  filled.training_images = file.training_images, filled.calibration_images = file.calibration_images;
+  filled.angle_deg = file.angle_deg, filled.difference = file.difference;
+  filled.data_hash = file.data_hash, filled.seed = file.seed;
+  fill_struct(&filled, sizeof filled, info);
+  return SANDGLASS_OK;
+}
+
+sandglass_status sandglass_light_bytes(const sandglass_light_desc* desc, uint64_t* bytes, const char** reason) {
+  Checked checked;
+  const sandglass_status status = check(desc, &checked, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store it");
+  *bytes = size_of_light(checked.backend);
+  return accept(reason);
+}
+
+sandglass_status sandglass_light_create(const sandglass_light_desc* desc, void* block, uint64_t bytes,
+                                        sandglass_light** light, const char** reason) {
+  Checked checked;
+  const sandglass_status status = check(desc, &checked, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (light == nullptr) return refuse(reason, "light is NULL: pass where to store it");
+  const sandglass_status usable = check_block(block, bytes, size_of_light(checked.backend), reason);
+  if (usable != SANDGLASS_OK) return usable;
+  const FloatingPointControl saved = floating_point_enter();
+  const bool built = build(checked, *desc, block, light, reason);
+  floating_point_restore(saved);
+  return built ? accept(reason) : SANDGLASS_ERROR_UNSUPPORTED;
+}
+
+void sandglass_light_release(sandglass_light* light) {
+  if (light != nullptr) release_light_network(light->light.network);
+}
+
+void sandglass_light_reset(sandglass_light* light) {
+  if (light != nullptr) reset(&light->light);
+}
+
+sandglass_status sandglass_light_turn(sandglass_light* light, const float rotation[4], const char** reason) {
+  if (light == nullptr || rotation == nullptr)
+    return refuse(reason, "light or rotation is NULL: pass the light and a quaternion (x, y, z, w)");
+  Rotation turn = {};
+  if (!rotation_of(rotation, &turn))
+    return refuse(reason, "rotation is not finite or has no length: pass a quaternion (x, y, z, w)");
+  const FloatingPointControl saved = floating_point_enter();
+  light_filter_turn(&light->light.filter, turn.m);
+  double turned[3];
+  rotate(turn, light->light.latest.direction, turned);
+  for (int i = 0; i < 3; ++i) light->light.latest.direction[i] = turned[i];
+  // The image under way was taken in the frame that was: its pose turns too.
+  turn_further(rotation, light->light.image.orientation);
+  floating_point_restore(saved);
+  return accept(reason);
+}
+
+sandglass_status sandglass_light_set_image(sandglass_light* light, const sandglass_camera_image* image, uint32_t* taken,
+                                           const char** reason) {
+  if (light == nullptr) return refuse(reason, "light is NULL: pass the light that sandglass_light_create made");
+  const sandglass_status status = check_camera_image(image, reason);
+  if (status != SANDGLASS_OK) return status;
+  const FloatingPointControl saved = floating_point_enter();
+  const bool took = take_image(&light->light, *image);
+  if (took) resample_now(&light->light);
+  floating_point_restore(saved);
+  if (taken != nullptr) *taken = took ? 1 : 0;
+  return accept(reason);
+}
+
+uint32_t sandglass_light_run(sandglass_light* light, uint32_t units) {
+  if (light == nullptr) return 0;
+  const FloatingPointControl saved = floating_point_enter();
+  const uint32_t done = run_units(light, units);
+  floating_point_restore(saved);
+  return done;
+}
+
+uint32_t sandglass_light_units_left(const sandglass_light* light) {
+  if (light == nullptr) return 0;
+  const Light& l = light->light;
+  if (l.phase == LightPhase::idle) return 0;
+  return l.phase == LightPhase::network ? l.network->units - l.cursor : image_units_left(l) + l.network->units;
+}
+
+void sandglass_light_get(const sandglass_light* light, sandglass_light_estimate* estimate) {
+  if (light == nullptr || estimate == nullptr) return;
+  const FloatingPointControl saved = floating_point_enter();
+  describe(light->light, light->light.filter.state, light->light.changed_ns, estimate);
+  floating_point_restore(saved);
+}
+
+void sandglass_light_get_latest(const sandglass_light* light, sandglass_light_estimate* estimate) {
+  if (light == nullptr || estimate == nullptr) return;
+  const FloatingPointControl saved = floating_point_enter();
+  describe(light->light, light->light.latest, light->light.latest_ns, estimate);
+  floating_point_restore(saved);
+}
+
+uint64_t sandglass_light_hash(const sandglass_light* light) {
+  if (light == nullptr) return 0;
+  const Light& l = light->light;
+  const LightFilter& f = l.filter;
+  uint64_t hash = hash_bytes(l.rgb, k_rgb_bytes);
+  const LightSample* const samples[3] = {&f.state, &f.held, &l.latest};
+  for (const LightSample* sample : samples) hash = hash_with(hash, hash_bytes(sample, sizeof *sample));
+  hash = hash_with(hash, hash_bytes(&f.agreement, sizeof f.agreement));
+  const uint64_t counts[4] = {l.estimates, f.held_off, static_cast<uint64_t>(l.phase), l.cursor};
+  return hash_with(hash, hash_bytes(counts, sizeof counts));
+}
+
+sandglass_isa sandglass_light_isa(const sandglass_light* light) {
+  return light == nullptr ? SANDGLASS_ISA_AUTOMATIC : light->light.network->kernels->isa;
+}

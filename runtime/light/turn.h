@@ -1,0 +1,48 @@
+// Rotations given as quaternions by apps and their sensors, in double: any length above 0 is accepted.
+#pragma once
+
+#include "runtime/core/finite.h"
+#include "runtime/core/math.h"
+
+namespace sandglass {
+
+struct Rotation {
+  double m[3][3];  // rows
+};
+
+// Of length 1; false for one that is zero, NaN or infinite.
+inline bool unit_quaternion(const float q[4], double unit[4]) {
+  double squared = 0.0;
+  for (int i = 0; i < 4; ++i) unit[i] = static_cast<double>(q[i]), squared += unit[i] * unit[i];
+  if (!(squared > 0.0) || !is_finite(squared)) return false;
+  const double length = square_root(squared);
+  for (int i = 0; i < 4; ++i) unit[i] /= length;
+  return true;
+}
+
+inline bool rotation_of(const float q[4], Rotation* rotation) {
+  double c[4];
+  if (!unit_quaternion(q, c)) return false;
+  const double x = c[0], y = c[1], z = c[2], w = c[3];
+  *rotation = {{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+                {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}}};
+  return true;
+}
+
+// q, then the turn `second`; q is left alone where it is no rotation. Both are brought to length 1 before they are
+// multiplied: the product of two long or two short ones is no float any more.
+inline void turn_further(const float second[4], float q[4]) {
+  double a[4], b[4];
+  if (!unit_quaternion(second, a) || !unit_quaternion(q, b)) return;
+  q[0] = static_cast<float>(a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1]);
+  q[1] = static_cast<float>(a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0]);
+  q[2] = static_cast<float>(a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3]);
+  q[3] = static_cast<float>(a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2]);
+}
+
+inline void rotate(const Rotation& rotation, const double v[3], double out[3]) {
+  for (int i = 0; i < 3; ++i) out[i] = rotation.m[i][0] * v[0] + rotation.m[i][1] * v[1] + rotation.m[i][2] * v[2];
+}
+
+}  // namespace sandglass

@@ -1,0 +1,206 @@
+// What the API adds to the stages: the version, a rotation from axis and angle, a box body whose collider fits it, and
+// converters that refuse an estimate which is not finite.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "sandglass/sandglass.hpp"
+
+namespace {
+
+// v turned by the quaternion q.
+void turned(const float q[4], const float v[3], double out[3]) {
+  const double x = q[0], y = q[1], z = q[2], w = q[3];
+  const double t[3] = {2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]), 2 * (x * v[1] - y * v[0])};
+  out[0] = v[0] + w * t[0] + y * t[2] - z * t[1];
+  out[1] = v[1] + w * t[1] + z * t[0] - x * t[2];
+  out[2] = v[2] + w * t[2] + x * t[1] - y * t[0];
+}
+
+TEST(Version, TheLinkedLibraryIsThatOfTheHeaders) {
+  EXPECT_EQ(sandglass_version(), static_cast<uint32_t>(SANDGLASS_VERSION));
+  EXPECT_TRUE(SANDGLASS_VERSION_FITS());
+  EXPECT_EQ(SANDGLASS_VERSION / 1000000, SANDGLASS_VERSION_MAJOR);
+  EXPECT_EQ(SANDGLASS_VERSION / 1000 % 1000, SANDGLASS_VERSION_MINOR);
+}
+
+TEST(Rotation, AQuarterTurnAboutYTakesZToX) {
+  const float axis[3] = {0, 7, 0}, z[3] = {0, 0, 1};
+  float q[4];
+  ASSERT_EQ(sandglass_rotation_about(axis, 1.57079633f, q), 1);
+  double x[3];
+  turned(q, z, x);
+  EXPECT_NEAR(x[0], 1.0, 1e-6);
+  EXPECT_NEAR(x[1], 0.0, 1e-6);
+  EXPECT_NEAR(x[2], 0.0, 1e-6);
+}
+
+TEST(Rotation, AnyAxisAndAngleAgreeWithSineAndCosine) {
+  for (const float angle : {-7.0f, -0.3f, 0.0f, 1e-4f, 2.0f, 100.0f}) {
+    const float axis[3] = {1e-20f, 2e-20f, -2e-20f};
+    float q[4];
+    ASSERT_EQ(sandglass_rotation_about(axis, angle, q), 1);
+    const double s = std::sin(0.5 * angle) / 3.0;
+    EXPECT_NEAR(q[0], s, 1e-7);
+    EXPECT_NEAR(q[1], 2 * s, 1e-7);
+    EXPECT_NEAR(q[2], -2 * s, 1e-7);
+    EXPECT_NEAR(q[3], std::cos(0.5 * angle), 1e-7);
+  }
+}
+
+TEST(Rotation, WithoutAnAxisOrAnAngleItIsTheIdentity) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(), infinite = std::numeric_limits<float>::infinity();
+  const float none[3] = {0, 0, 0}, broken[3] = {0, nan, 0}, endless[3] = {infinite, 0, 0}, y[3] = {0, 1, 0};
+  const struct {
+    const float* axis;
+    float angle;
+  } cases[] = {{none, 1}, {broken, 1}, {endless, 1}, {y, nan}, {y, infinite}};
+  for (const auto& c : cases) {
+    float q[4] = {5, 5, 5, 5};
+    EXPECT_EQ(sandglass_rotation_about(c.axis, c.angle, q), 0);
+    EXPECT_EQ(q[0], 0.0f);
+    EXPECT_EQ(q[1], 0.0f);
+    EXPECT_EQ(q[2], 0.0f);
+    EXPECT_EQ(q[3], 1.0f);
+  }
+}
+
+constexpr float k_radius = 0.01f;
+
+struct MadeBox {
+  std::vector<float> points;
+  sandglass_body body;
+};
+
+MadeBox make_box(const float half[3], const float position[3], const float rotation[4], float density) {
+  MadeBox made;
+  uint32_t count = 0;
+  const char* reason = nullptr;
+  EXPECT_EQ(sandglass_body_box_count(half, k_radius, &count, &reason), SANDGLASS_OK) << reason;
+  made.points.resize(3 * size_t{count});
+  EXPECT_EQ(
+      sandglass_body_box(half, k_radius, position, rotation, density, made.points.data(), count, &made.body, &reason),
+      SANDGLASS_OK)
+      << reason;
+  EXPECT_EQ(made.body.particle_count, count);
+  return made;
+}
+
+// The extent of the spheres along each axis, in the box's own frame.
+TEST(BoxBody, ItsSpheresTouchAllFacesFromInside) {
+  const float at[3] = {0, 0, 0};
+  for (const float h : {0.01f, 0.013f, 0.02f, 0.05f, 0.0777f}) {
+    const float half[3] = {h, 0.03f, 0.01f};
+    const MadeBox box = make_box(half, at, nullptr, 1.0f);
+    for (size_t k = 0; k < 3; ++k) {
+      float least = 1.0f, most = -1.0f;
+      for (size_t i = k; i < box.points.size(); i += 3)
+        least = std::min(least, box.points[i] - k_radius), most = std::max(most, box.points[i] + k_radius);
+      EXPECT_NEAR(least, -half[k], 1e-6f) << h;
+      EXPECT_NEAR(most, half[k], 1e-6f) << h;
+    }
+  }
+}
+
+TEST(BoxBody, ItWeighsAsMuchAsItsVolumeOfSandTimesItsDensity) {
+  const float half[3] = {0.033f, 0.04f, 0.05f}, at[3] = {1, 2, 3};
+  const MadeBox box = make_box(half, at, nullptr, 2.5f);
+  const double packed = 4.0 * std::sqrt(2.0) * std::pow(static_cast<double>(k_radius), 3);
+  const double volume = 8.0 * 0.033 * 0.04 * 0.05;
+  EXPECT_NEAR(box.body.particle_count * static_cast<double>(box.body.density_ratio) * packed, 2.5 * volume,
+              1e-5 * volume);
+}
+
+// Half a second of falling, turned and spinning: every particle stays within the box that the collider is, and the
+// outermost stay at its faces.
+TEST(BoxBody, TheColliderAtItsPoseFitsItsParticles) {
+  const float half[3] = {0.04f, 0.02f, 0.03f}, at[3] = {0.1f, 1.0f, -0.2f}, axis[3] = {1, 2, 3};
+  float rotation[4];
+  ASSERT_EQ(sandglass_rotation_about(axis, 0.7f, rotation), 1);
+  MadeBox box = make_box(half, at, rotation, 1.0f);
+  box.body.angular_velocity[0] = 3.0f, box.body.angular_velocity[2] = -2.0f;
+  sandglass_scene_desc desc = sandglass::scene_desc();
+  desc.granular.particle_capacity = desc.granular.body_particle_capacity = box.body.particle_count;
+  desc.granular.body_capacity = 1;
+  sandglass::Scene scene;
+  ASSERT_TRUE(scene.create(desc));
+  uint32_t index = 7;
+  ASSERT_TRUE(scene.add_body(box.body, &index));
+  EXPECT_EQ(index, 0u);
+  sandglass_frame_input input = sandglass::frame_input();
+  input.time_step = 1.0f / 60.0f;
+  for (int frame = 0; frame < 30; ++frame) ASSERT_TRUE(scene.frame(input));
+  const sandglass_body_pose pose = scene.body_pose(index);
+  sandglass_collider collider;
+  sandglass_body_box_collider(&pose, half, rotation, &collider);
+  EXPECT_EQ(collider.shape, SANDGLASS_SHAPE_BOX);
+  EXPECT_EQ(collider.grains_only, 1);
+  EXPECT_LT(collider.position[1], 0.5f) << "it fell";
+  std::vector<float> now(box.points.size());
+  sandglass_granular_particles(scene.get(), now.data(), nullptr);
+  const float inverse[4] = {-collider.rotation[0], -collider.rotation[1], -collider.rotation[2], collider.rotation[3]};
+  double most[3] = {};
+  for (size_t i = 0; i < now.size(); i += 3) {
+    const float offset[3] = {now[i] - collider.position[0], now[i + 1] - collider.position[1],
+                             now[i + 2] - collider.position[2]};
+    double own[3];
+    turned(inverse, offset, own);
+    for (int k = 0; k < 3; ++k) most[k] = std::max(most[k], std::fabs(own[k]) + k_radius);
+  }
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(most[k], half[k], 2e-6) << k;
+}
+
+TEST(BoxBody, ABoxThatHoldsNoParticleOrTooManyIsRefused) {
+  uint32_t count = 7;
+  const char* reason = nullptr;
+  const float thin[3] = {0.05f, 0.009f, 0.05f}, huge[3] = {10, 10, 10}, broken[3] = {0.05f, NAN, 0.05f};
+  for (const float* half : {thin, huge, broken}) {
+    reason = nullptr;
+    EXPECT_EQ(sandglass_body_box_count(half, k_radius, &count, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+    EXPECT_NE(reason, nullptr);
+  }
+  const float half[3] = {0.02f, 0.02f, 0.02f}, at[3] = {0, 0, 0};
+  float points[3 * 8];
+  sandglass_body body;
+  EXPECT_EQ(sandglass_body_box(half, k_radius, at, nullptr, 1, points, 7, &body, &reason), SANDGLASS_ERROR_CAPACITY);
+  EXPECT_EQ(sandglass_body_box(half, k_radius, at, nullptr, 1, points, 8, &body, &reason), SANDGLASS_OK);
+}
+
+TEST(Converters, AnEstimateThatIsNotFiniteIsRefused) {
+  sandglass_light_estimate good = {};
+  good.struct_size = sizeof good;
+  good.direction[1] = 1.0f, good.strength = 1.0f;
+  for (int k = 0; k < 3; ++k) good.light[k] = good.ambient[k] = 0.5f;
+  const auto convert = [](const sandglass_light_estimate& estimate, const char** reason) {
+    float sh[27];
+    sandglass_light_filament filament = {};
+    sandglass_light_arkit arkit = {};
+    sandglass_light_unity unity = {};
+    filament.struct_size = sizeof filament, arkit.struct_size = sizeof arkit, unity.struct_size = sizeof unity;
+    const sandglass_light_model model = SANDGLASS_LIGHT_MODEL_WHOLE;
+    const sandglass_status all[4] = {sandglass_light_harmonics(&estimate, model, sh, reason),
+                                     sandglass_light_to_filament(&estimate, model, 30, &filament, reason),
+                                     sandglass_light_to_arkit(&estimate, model, &arkit, reason),
+                                     sandglass_light_to_unity(&estimate, model, &unity, reason)};
+    for (const sandglass_status status : all) EXPECT_EQ(status, all[0]);
+    return all[0];
+  };
+  const char* reason = nullptr;
+  EXPECT_EQ(convert(good, &reason), SANDGLASS_OK);
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
+    for (int field = 0; field < 10; ++field) {
+      sandglass_light_estimate estimate = good;
+      float* const fields[4] = {estimate.direction, estimate.light, estimate.ambient, &estimate.strength};
+      fields[field / 3][field % 3] = bad;
+      EXPECT_EQ(convert(estimate, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT) << field;
+      ASSERT_NE(reason, nullptr);
+      EXPECT_NE(std::string(reason).find("not finite"), std::string::npos) << reason;
+    }
+  }
+}
+
+}  // namespace
