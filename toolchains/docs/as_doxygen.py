@@ -4,7 +4,7 @@
 The headers carry plain comments. Doxygen must be told which of them are documentation. This filter tells it, and keeps every line at
 its number, so that Doxygen's messages name the right line:
   a comment that begins a line     documents the declaration below it; also further functions that follow without a blank line
-  a comment behind code            documents that field or constant
+  a comment behind code            documents that field or constant; all fields, where the line has several
   the first comment of a file      documents the file
   /* ---- title ---- */            heads a section of the page
   a field struct_size              is the same in every struct, and needs no comment
@@ -81,20 +81,28 @@ def marked(text):
     return SIZE.sub(SIZE_COMMENT, "".join(out))
 
 
+FUNCTION = re.compile(r"(?:SANDGLASS_API|inline)\b[\w\s*:<>,]*?(\w+)\(")
+FIELDS = re.compile(r"( +)([\w ]+?\**) (\w+[][\w]*)((?:, \w+[][\w]*)+);(.*)")
+
+
 def shared(text):
-    """The text, with a reference to the comment above the first function before each further function of the same paragraph."""
-    out, name, depth, statement = [], None, 0, True
-    for line in text.split("\n"):
-        code = re.sub(r'/\*.*?\*/|//.*|"(?:\\.|[^"\\])*"', "", line)
-        if not line.strip() or re.match(r"(/\*\*|///)", line):
-            name = None
-        elif depth == 0 and statement and (found := re.match(r"(?:SANDGLASS_API|inline)\b.*?(?:SANDGLASS_NODISCARD\s+)?[\w\s*:<>]*?(\w+)\(", line)):
-            if name:
-                line = f"/** @copydoc {name} */ {line}"
-            name = name or found.group(1)
-        depth += code.count("{") + code.count("(") - code.count("}") - code.count(")")
-        if code.strip():
-            statement = code.rstrip()[-1] in ";}"
+    """The text, in which a further function, or a further field of the same line, refers to the comment of the first."""
+    out, above, struct, lines = [], None, None, text.split("\n")
+    for number, line in enumerate(lines):
+        if found := re.match(r"(?:typedef )?struct (\w+) {", line):
+            struct = found.group(1)
+        if not line.strip() or re.match(r"/\*\*|///", line):
+            above = None
+        elif found := FUNCTION.match("\n".join(lines[number:number + 2])):
+            if above:
+                line = f"/** @copydoc {above} */ {line}"
+            above = above or found.group(1)
+        elif struct and (found := FIELDS.match(line)):
+            space, kind, first, others, comment = found.groups()
+            names = [first, *others[2:].split(", ")]
+            shown = names[-1 if comment else 0]
+            reference = f"/**< @copydoc {struct}::{re.match('[a-z_0-9]+', shown).group()} */"
+            line = space + " ".join(f"{kind} {name};" + (comment if name == shown else reference) for name in names)
         out.append(line)
     return "\n".join(out)
 
