@@ -58,7 +58,7 @@ endfunction()
 
 include(${PORT})
 
-# What the README says is not built, the port must not claim.
+# What tests/README.md says is not built, the port must not claim.
 get_filename_component(folder ${PORT} DIRECTORY)
 file(READ ${folder}/vcpkg.json manifest)
 string(JSON supports GET "${manifest}" supports)
