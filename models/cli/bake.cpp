@@ -4,20 +4,16 @@
 #include <cstdio>
 #include <thread>
 
+#include "models/cli/command_line.h"
 #include "models/cli/commands.h"
-#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
-#include "models/host/failure.h"
 #include "models/host/measurement_json.h"
-#include "models/host/mesh/generated.h"
 #include "models/host/progress.h"
 #include "models/shadow/bake.h"
 
 namespace sandglass::host {
 
 namespace {
-
-constexpr int k_exit_interrupted = 130;
 
 struct Options {
   std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", plane = "fitted", picture, json;
@@ -34,25 +30,39 @@ bool number_at(std::string_view text, Number* number, std::string_view* rest) {
   return digit && error == std::errc();
 }
 
-double degrees(const std::string& text, const char* option, double least, double most) {
-  double value = 0;
+// "20" or "20deg"
+bool read_degrees(const std::string& text, double* value) {
   std::string_view unit;
-  if (!number_at(text, &value, &unit) || !(unit.empty() || unit == "deg") || !(value >= least && value <= most))
-    throw Failure(std::string(option) + " '" + text + "' is not an angle in " +
-                  std::to_string(static_cast<int>(least)) + ".." + std::to_string(static_cast<int>(most)) +
-                  " degrees; write 20deg, say");
-  return value;
+  return number_at(text, value, &unit) && (unit.empty() || unit == "deg");
 }
 
-NetworkShape network_shape(const std::string& text) {
-  NetworkShape shape;
+Check angle(int low, int high) {
+  const std::string range = std::to_string(low) + " to " + std::to_string(high) + " degrees";
+  return {range,
+          "an angle from " + range + ", such as 20deg",
+          [low, high](const std::string& text) {
+            double value = 0;
+            return read_degrees(text, &value) && value >= low && value <= high;
+          },
+          {}};
+}
+
+// "128x2"
+bool read_shape(const std::string& text, NetworkShape* shape) {
   std::string_view layers, nothing;
-  const bool read = number_at(text, &shape.width, &layers) && layers.starts_with('x') &&
-                    number_at(layers.substr(1), &shape.layers, &nothing) && nothing.empty();
-  if (!read || shape.width < 8 || shape.width > 256 || shape.layers < 1 || shape.layers > 8)
-    throw Failure("--size '" + text +
-                  "' is not WIDTHxLAYERS with 8..256 neurons and 1..8 layers after the first; the usual one is 128x2");
-  return shape;
+  return number_at(text, &shape->width, &layers) && layers.starts_with('x') &&
+         number_at(layers.substr(1), &shape->layers, &nothing) && nothing.empty() && shape->width >= 8 &&
+         shape->width <= 256 && shape->layers >= 1 && shape->layers <= 8;
+}
+
+Check shape_of_network() {
+  return {"8x1 to 256x8",
+          "WIDTHxLAYERS with 8 to 256 neurons and 1 to 8 layers, such as 128x2",
+          [](const std::string& text) {
+            NetworkShape shape;
+            return read_shape(text, &shape);
+          },
+          {}};
 }
 
 void print(const char* name, const ShadowError& e) {
@@ -96,90 +106,87 @@ std::string measurements(const BakeReport& r, const BakeSettings& settings) {
   return measurements_json(all);
 }
 
+void print(const BakeReport& r, const BakeSettings& s) {
+  const Validation& v = r.validation;
+  std::printf("%u unseen lights      RMSE mean       max  PSNR (dB)     SSIM  16x16 block\n", v.lights);
+  print("float", v.network_float);
+  print("int8", v.network_int8);
+  print("int8 adaptive", v.network_adaptive);
+  std::printf("SSIM and block: of %u whole textures, evenly among them; the rest: of one texel in 4 x 4 of all\n",
+              v.whole);
+  std::printf("int8 to float %.4f, adaptive to float %.4f (RMSE); adaptive asks for %.1f %% of the texels\n",
+              v.int8_to_float, v.adaptive_to_float, 100 * v.evaluated);
+  std::printf("texture: %.2f ms full, %.2f ms adaptive, one thread of this machine\n", r.ms_full, r.ms_adaptive);
+  std::printf("%-12s %10s %10s   %u thread%s\n", "stage", "wall, s", "CPU, s", s.threads, s.threads == 1 ? "" : "s");
+  for (const auto& [name, stage] : stages(r))
+    std::printf("  %-10s %10.1f %10.1f\n", name, stage->seconds, stage->cpu_seconds);
+}
+
+int bake_and_report(Options& options) {
+  BakeSettings& s = options.settings;
+  read_shape(options.size, &s.shape);
+  read_degrees(options.angle, &s.angular_diameter);
+  read_degrees(options.polar, &s.polar_max);
+  s.plane = options.plane == "fixed" ? PlaneRule::fixed : PlaneRule::fitted;
+  const Mesh mesh = named_mesh(options.mesh);
+  require_writable(options.output);
+  require_writable(options.output + ".checkpoint");
+  if (options.picture.empty()) options.picture = options.output + ".png";
+  if (options.no_picture) options.picture.clear();
+  for (const std::string& path : {options.picture, options.json})
+    if (!path.empty()) require_writable(path);
+  const BakeReport report = bake(mesh, options.mesh, s, options.output, options.picture, options.resume);
+  if (report.interrupted) {
+    std::printf("interrupted; to go on, repeat the command with --resume\n");
+    return k_exit_interrupted;
+  }
+  print(report, s);
+  std::printf("%s: %llu bytes\n", options.output.c_str(), static_cast<unsigned long long>(report.file_bytes));
+  if (!options.picture.empty()) std::printf("picture: %s\n", options.picture.c_str());
+  if (!options.json.empty()) write_file(options.json, measurements(report, s));
+  return k_exit_done;
+}
+
+void add_options(Command& command, Options& options) {
+  BakeSettings& settings = options.settings;
+  constexpr uint64_t k_most_steps = 100'000'000;
+  command.add("MESH", options.mesh, "A mesh file (y up, metres), or the name of a generated mesh").required();
+  command.add("-o,--output FILE", options.output, "Write the shadow to this file").required();
+  command.add("--size WxL", options.size, "Size of the network: neurons a layer, and layers after the first")
+      .checked(shape_of_network());
+  command.add("--angle ANGLE", options.angle, "Angular diameter of the light").checked(angle(1, 60));
+  command.add("--max-polar ANGLE", options.polar, "Largest angle of the light from the zenith").checked(angle(1, 84));
+  command.add("--plane KIND", options.plane, "Square of the plane: fitted to each light, or one fixed for all")
+      .checked(one_of({"fitted", "fixed"}));
+  command.add("--seed N", settings.seed, "Equal seeds give equal files on CPUs of one instruction set");
+  add_threads(command, settings.threads).by_default("all of this machine");
+  command.add("--steps N", settings.steps, "Steps of training").checked(whole_number(1, k_most_steps));
+  command.add("--quantised-steps N", settings.quantised_steps, "Further steps with rounded weights")
+      .checked(whole_number(0, k_most_steps));
+  command.add("--rate X", settings.rate, "Learning rate at the start").checked(number(1e-5, 1));
+  command.add("--textures N", settings.textures, "Rays, as many as for this many whole textures")
+      .checked(whole_number(1, 3000));
+  command.add("--validation-lights N", settings.validation_lights, "Unseen lights that the error is measured on")
+      .checked(whole_number(1, 100'000));
+  command
+      .add("--picture FILE", options.picture, "Draw truth, network and difference for four lights to this file, .png")
+      .by_default("OUTPUT.png");
+  command.add_flag("--no-picture", options.no_picture, "Draw no picture");
+  add_json(command, options.json);
+  command.add_flag("--keep-float", settings.keep_float, "Keep the float network in the file, for `bench shadow`");
+  command.add_flag("--resume", options.resume, "Go on where an interrupted bake of the same command stopped");
+}
+
 }  // namespace
 
-void add_bake_command(Command& program, int* exit_code) {
+void add_bake_command(Command& program, const std::string& group) {
   const auto options = std::make_shared<Options>();
-  BakeSettings& settings = options->settings;
-  settings.threads = std::max(1u, std::thread::hardware_concurrency());
-  Command command = program.add_subcommand("bake", "Train the soft shadow of a mesh");
-  command
-      ->add_option("mesh", options->mesh,
-                   "A mesh file (y up, metres), or the name of a generated one: chair, trefoil, torus, ...")
-      ->required();
-  command->add_option("-o,--output", options->output, "File to write")->required();
-  command->add_option("--size", options->size, "Neurons a layer x layers after the first")->capture_default_str();
-  command->add_option("--angle", options->angle, "Angular diameter of the light")->capture_default_str();
-  command->add_option("--max-polar", options->polar, "Largest angle of the light from the zenith")
-      ->capture_default_str();
-  command->add_option("--plane", options->plane, "fitted to the light, or one fixed square")
-      ->check(one_of({"fitted", "fixed"}))
-      ->capture_default_str();
-  command->add_option("--seed", settings.seed, "Equal seeds give equal files, on CPUs of one instruction set")
-      ->capture_default_str();
-  command->add_option("--threads", settings.threads, "Threads; the file does not depend on them")
-      ->check(range(1u, 256u));
-  command->add_option("--steps", settings.steps, "Steps of training")
-      ->check(range(1u, 100'000'000u))
-      ->capture_default_str();
-  command->add_option("--quantised-steps", settings.quantised_steps, "Steps with rounded weights after them")
-      ->check(range(0u, 100'000'000u))
-      ->capture_default_str();
-  command->add_option("--rate", settings.rate, "Rate of learning at the start of training")
-      ->check(range(1e-5, 1.0))
-      ->capture_default_str();
-  command->add_option("--textures", settings.textures, "Rays as for so many whole textures")
-      ->check(range(1u, 3000u))
-      ->capture_default_str();
-  command->add_option("--validation-lights", settings.validation_lights, "Unseen lights that the error is measured on")
-      ->check(range(1u, 100'000u))
-      ->capture_default_str();
-  command->add_option("--picture", options->picture,
-                      "Where to draw truth, network and difference for four lights, as a PNG; by default OUTPUT.png");
-  command->add_flag("--no-picture", options->no_picture, "Draw none");
-  command->add_option("--json", options->json, "Write the measurements to this file");
-  command->add_flag("--keep-float", settings.keep_float, "Keep the float network in the file, for sandglass bench");
-  command->add_flag("--resume", options->resume,
-                    "Go on where an interrupted bake of the same command stopped; from the beginning if none was");
-  command->callback([options, exit_code] {
+  options->settings.threads = std::max(1u, std::thread::hardware_concurrency());
+  Command& command = program.add_command("bake", "Train the soft shadow of a mesh", group);
+  add_options(command, *options);
+  command.runs([options] {
     listen_for_interrupt();
-    BakeSettings& s = options->settings;
-    s.shape = network_shape(options->size);
-    s.angular_diameter = degrees(options->angle, "--angle", 1, 60);
-    s.polar_max = degrees(options->polar, "--max-polar", 1, 84);
-    s.plane = options->plane == "fixed" ? PlaneRule::fixed : PlaneRule::fitted;
-    MeshResult loaded = make_named(options->mesh);
-    if (!loaded) loaded = load_mesh(options->mesh);
-    if (!loaded) throw Failure(loaded.error);
-    require_writable(options->output);
-    require_writable(options->output + ".checkpoint");
-    if (options->picture.empty()) options->picture = options->output + ".png";
-    if (options->no_picture) options->picture.clear();
-    for (const std::string& path : {options->picture, options->json})
-      if (!path.empty()) require_writable(path);
-    const BakeReport r = bake(loaded.mesh, options->mesh, s, options->output, options->picture, options->resume);
-    if (r.interrupted) {
-      std::printf("interrupted; to go on, repeat the command with --resume\n");
-      *exit_code = k_exit_interrupted;
-      return;
-    }
-    const Validation& v = r.validation;
-    std::printf("%u unseen lights      RMSE mean       max  PSNR (dB)     SSIM  16x16 block\n", v.lights);
-    print("float", v.network_float);
-    print("int8", v.network_int8);
-    print("int8 adaptive", v.network_adaptive);
-    std::printf("SSIM and block: of %u whole textures, evenly among them; the rest: of one texel in 4 x 4 of all\n",
-                v.whole);
-    std::printf("int8 to float %.4f, adaptive to float %.4f (RMSE); adaptive asks for %.1f %% of the texels\n",
-                v.int8_to_float, v.adaptive_to_float, 100 * v.evaluated);
-    std::printf("texture: %.2f ms full, %.2f ms adaptive, one thread of this machine\n", r.ms_full, r.ms_adaptive);
-    std::printf("%-12s %10s %10s   %u thread%s\n", "stage", "wall, s", "CPU, s", s.threads, s.threads == 1 ? "" : "s");
-    for (const auto& [name, stage] : stages(r))
-      std::printf("  %-10s %10.1f %10.1f\n", name, stage->seconds, stage->cpu_seconds);
-    std::printf("%s: %llu bytes\n", options->output.c_str(), static_cast<unsigned long long>(r.file_bytes));
-    if (!options->picture.empty()) std::printf("picture: %s\n", options->picture.c_str());
-    if (!options->json.empty()) write_file(options->json, measurements(r, s));
-    *exit_code = 0;
+    return bake_and_report(*options);
   });
 }
 

@@ -1,10 +1,8 @@
 // `sandglass ceiling PANORAMAS`: what the labels themselves can do, by variant; see models/lighting/ceiling.h.
 #include <cstdio>
 
+#include "models/cli/command_line.h"
 #include "models/cli/commands.h"
-#include "models/cli/options.h"
-#include "models/host/failure.h"
-#include "models/host/mesh/generated.h"
 #include "models/host/progress.h"
 #include "models/lighting/ceiling.h"
 
@@ -37,29 +35,28 @@ void print(const Ceiling& ceiling, size_t rows) {
 
 }  // namespace
 
-void add_ceiling_command(Command& program, int* exit_code) {
-  constexpr int k_exit_interrupted = 130;
-  const auto options = std::make_shared<CeilingOptions>();
-  const auto object = std::make_shared<std::string>("trefoil");
-  const auto rows = std::make_shared<size_t>(100);
-  Command command = program.add_subcommand("ceiling", "Measure how well true light labels light an object, by variant");
-  command->add_option("panoramas", options->panoramas, ".hdr or .exr files, or folders of them")->required();
-  command->add_option("--object", *object, "A mesh file or a generated mesh's name")->capture_default_str();
-  command->add_option("--views", options->views, "Of each panorama's eight")->check(range(1, 8))->capture_default_str();
-  command->add_option("--samples", options->samples, "Paths a pixel")->check(range(1, 4096))->capture_default_str();
-  command->add_option("--rows", *rows, "Of the table, best first")->capture_default_str();
-  command->add_option("--threads", options->threads, "Threads; the result does not depend on them")
-      ->check(range(1u, 256u))
-      ->capture_default_str();
-  command->callback([options, object, rows, exit_code] {
+void add_ceiling_command(Command& program, const std::string& group) {
+  struct Options {
+    CeilingOptions ceiling;
+    std::string object = "trefoil";
+    uint32_t rows = 100;
+  };
+  const auto options = std::make_shared<Options>();
+  CeilingOptions& ceiling = options->ceiling;
+  Command& command = program.add_command("ceiling", "Measure how well the true light labels light an object", group);
+  command.add("PANORAMAS", ceiling.panoramas, "Files that end in .hdr or .exr, or folders of them").required();
+  command.add("--object MESH", options->object, "Object that is lit: a mesh file, or the name of a generated mesh");
+  command.add("--views N", ceiling.views, "Views of each panorama").checked(whole_number(1, 8));
+  command.add("--samples N", ceiling.samples, "Paths a pixel").checked(whole_number(1, 4096));
+  command.add("--rows N", options->rows, "Rows of the table, best first");
+  add_threads(command, ceiling.threads);
+  command.runs([options] {
     listen_for_interrupt();
-    MeshResult mesh = make_named(*object);
-    if (!mesh) mesh = load_mesh(*object);
-    if (!mesh) throw Failure(mesh.error);
-    options->object = mesh.mesh;
-    const Ceiling ceiling = measure_ceiling(*options);
-    *exit_code = interrupted() ? k_exit_interrupted : 0;
-    if (*exit_code == 0) print(ceiling, *rows);
+    options->ceiling.object = named_mesh(options->object);
+    const Ceiling measured = measure_ceiling(options->ceiling);
+    if (interrupted()) return k_exit_interrupted;
+    print(measured, options->rows);
+    return k_exit_done;
   });
 }
 

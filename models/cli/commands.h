@@ -1,22 +1,38 @@
-// The sub-commands of the program. Each adds its options (options.h) and, when chosen, runs and sets *exit_code: 0
-// done, 1 a check failed, 2 bad input (also through a Failure), 130 interrupted.
+// The commands of the program. Each function adds one with its options; what the command returns is the exit code.
 #pragma once
+
+#include <string>
+
+#include "models/host/mesh/mesh.h"
 
 namespace sandglass::host {
 
 class Command;
+struct Option;
 
-void add_run_command(Command& program, int* exit_code);
-void add_view_command(Command& program, int* exit_code);
-void add_bake_command(Command& program, int* exit_code);  // in builds with Embree
-void add_bench_command(Command& program, int* exit_code);
-void add_verify_command(Command& program, int* exit_code);
-void add_inspect_command(Command& program, int* exit_code);
-void add_room_command(Command& program, int* exit_code);
-void add_dataset_command(Command& program, int* exit_code);
-void add_ceiling_command(Command& program, int* exit_code);
-void add_light_command(Command& program, int* exit_code);
-void add_quantise_light_command(Command& program, int* exit_code);
-void add_light_features_command(Command& program, int* exit_code);
+// Bad input, a Failure, is the program's exit code 2.
+constexpr int k_exit_done = 0, k_exit_check_failed = 1, k_exit_bad_input = 2, k_exit_interrupted = 130;
+
+void add_run_command(Command& program, const std::string& group);
+void add_view_command(Command& program, const std::string& group);
+void add_inspect_command(Command& program, const std::string& group);
+void add_light_command(Command& program, const std::string& group);
+void add_bake_command(Command& program, const std::string& group);
+void add_sample_command(Command& program, const std::string& group);
+void add_room_command(Command& program, const std::string& group);
+void add_dataset_command(Command& program, const std::string& group);
+void add_light_features_command(Command& program, const std::string& group);
+void add_quantise_light_command(Command& program, const std::string& group);
+void add_ceiling_command(Command& program, const std::string& group);
+void add_bench_command(Command& program, const std::string& group);
+void add_verify_command(Command& program, const std::string& group);
+
+// Options that several commands have, in the same words.
+Option& add_threads(Command& command, uint32_t& threads);
+Option& add_isa(Command& command, std::string& isa);
+Option& add_json(Command& command, std::string& file);
+
+// The mesh that a command line names: a generated one (models/host/mesh/generated.h), or a file.
+Mesh named_mesh(const std::string& name_or_file);
 
 }  // namespace sandglass::host

@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "models/cli/command_line.h"
 #include "models/cli/commands.h"
-#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/body_meshes.h"
 #include "models/host/failure.h"
@@ -27,7 +27,7 @@ constexpr char k_recording_magic[] = "SGREC";   // the first bytes of models/hos
 constexpr char k_shadow_identifier[] = "SGSH";  // bytes 4..7 of runtime/asset/shadow.fbs's
 constexpr char k_light_identifier[] = "SGLN";   // and of light.fbs's
 
-void inspect_recording(const std::string& path) {
+void inspect_recording(const std::string& path, const std::string&) {
   const Recording recording = load_recording(path);
   double seconds = 0.0;
   size_t colliders = 0;
@@ -46,14 +46,15 @@ void inspect_recording(const std::string& path) {
               static_cast<unsigned long long>(recording.final_hash));
 }
 
-void print_shadow(const std::string& path, const AlignedBytes& file) {
+void inspect_shadow_file(const std::string& path, const std::string& content) {
+  const AlignedBytes file(content);
   const sandglass_shadow_info info = inspect_shadow(file, path);
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
   desc.asset = file.data(), desc.asset_bytes = file.size();
   uint64_t memory = 0;
   const char* reason = nullptr;
-  if (sandglass_shadow_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw Failure("'" + path + "': " + reason);
+  if (sandglass_shadow_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
   const auto degrees = [](float radians) { return static_cast<double>(radians) * 180 / 3.14159265358979; };
   std::printf("baked shadow, version %u\n  network      %u neurons x (1 + %u) hidden layers, %llu MAC a texel\n",
               info.version, info.width, info.layers, static_cast<unsigned long long>(info.macs_per_texel));
@@ -70,16 +71,16 @@ void print_shadow(const std::string& path, const AlignedBytes& file) {
               static_cast<unsigned long long>(memory));
 }
 
-void print_light(const std::string& path, const AlignedBytes& file) {
+void inspect_light(const std::string& path, const std::string& content) {
+  const AlignedBytes file(content);
   LightAsset asset;
   const char* reason = nullptr;
-  if (open_light_asset(file.data(), file.size(), &asset, &reason) != SANDGLASS_OK)
-    throw Failure("'" + path + "': " + reason);
+  if (open_light_asset(file.data(), file.size(), &asset, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
   sandglass_light_desc desc;
   sandglass_light_desc_default(&desc);
   desc.asset = file.data(), desc.asset_bytes = file.size();
   uint64_t memory = 0;
-  if (sandglass_light_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw Failure("'" + path + "': " + reason);
+  if (sandglass_light_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
   std::printf("lighting network '%s', version %u\n  trained on   %u images, calibrated on %u\n", asset.name,
               k_light_asset_version, asset.training_images, asset.calibration_images);
   std::printf("  int8         %.2f degrees and %.4f of a colour from float, medians\n",
@@ -117,7 +118,7 @@ void inspect_scene(const std::string& path, const std::string& mesh) {
     std::printf("    %-30s %12llu\n", region.name, static_cast<unsigned long long>(region.bytes));
 }
 
-void inspect_mesh(const std::string& path) {
+void inspect_mesh(const std::string& path, const std::string&) {
   const MeshResult loaded = load_mesh(path);
   if (!loaded) throw Failure(loaded.error);
   const Mesh& mesh = loaded.mesh;
@@ -145,32 +146,37 @@ void inspect_mesh(const std::string& path) {
   if (!faults.empty()) std::printf("  faults       %s\n", faults.c_str());
 }
 
+// `mesh` is for scenes alone.
+void inspect(const std::string& file, const std::string& mesh) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return inspect_scene(find_scene(file), mesh);
+  const std::string content = read_file(file, "file");
+  if (content.empty()) throw cannot("inspect", file, "the file is empty", "Name another");
+  const size_t first = content.find_first_not_of(" \t\r\n");
+  const auto has_identifier = [&](const char* name) { return content.size() > 8 && content.compare(4, 4, name) == 0; };
+  void (*of_kind)(const std::string& file, const std::string& content) = inspect_mesh;
+  if (content.starts_with(k_recording_magic)) of_kind = inspect_recording;
+  else if (has_identifier(k_shadow_identifier)) of_kind = inspect_shadow_file;
+  else if (has_identifier(k_light_identifier)) of_kind = inspect_light;
+  else if (first != std::string::npos && content[first] == '{') return inspect_scene(file, mesh);
+  if (!mesh.empty()) throw cannot("use --mesh with", file, "the file is no scene", "Leave --mesh out");
+  of_kind(file, content);
+}
+
 }  // namespace
 
-void add_inspect_command(Command& program, int* exit_code) {
+void add_inspect_command(Command& program, const std::string& group) {
   struct Options {
     std::string file, mesh;
   };
   const auto options = std::make_shared<Options>();
-  Command command = program.add_subcommand(
-      "inspect", "Say what a file is: a recording, a shadow, a lighting network, a scene, a mesh");
-  command->add_option("file", options->file, "The file, or the name of a shipped scene")->required();
-  command->add_option("--mesh", options->mesh, "For a scene: the mesh to fill, as in run");
-  command->callback([options, exit_code, command] {
-    *exit_code = 0;
-    std::error_code error;
-    const auto is = [&](const char* kind) { command.refuse_unused(kind, {{"--mesh", {"scene"}}}); };
-    if (!std::filesystem::exists(options->file, error)) return inspect_scene(find_scene(options->file), options->mesh);
-    const std::string content = read_file(options->file, "file");
-    if (content.empty()) throw Failure("the file '" + options->file + "' is empty; name another");
-    if (content.starts_with(k_recording_magic)) return is("recording"), inspect_recording(options->file);
-    if (content.size() > 8 && content.compare(4, 4, k_shadow_identifier) == 0)
-      return is("shadow"), print_shadow(options->file, AlignedBytes(content));
-    if (content.size() > 8 && content.compare(4, 4, k_light_identifier) == 0)
-      return is("lighting network"), print_light(options->file, AlignedBytes(content));
-    const size_t first = content.find_first_not_of(" \t\r\n");
-    if (first != std::string::npos && content[first] == '{') return inspect_scene(options->file, options->mesh);
-    is("mesh"), inspect_mesh(options->file);
+  Command& command = program.add_command(
+      "inspect", "Say what a file is: a recording, a shadow, a lighting network, a scene or a mesh", group);
+  command.add("FILE", options->file, "The file, or the name of a shipped scene").required();
+  command.add("--mesh FILE", options->mesh, "For a scene: mesh of its bodies of shape \"mesh\"");
+  command.runs([options] {
+    inspect(options->file, options->mesh);
+    return k_exit_done;
   });
 }
 

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "models/cli/command_line.h"
 #include "models/cli/commands.h"
-#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/progress.h"
@@ -18,7 +18,6 @@ namespace sandglass::host {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int k_exit_interrupted = 130;
 constexpr size_t k_sheet_rows = 24;  // pictures on the sheet
 
 struct Options {
@@ -109,21 +108,19 @@ int estimate_all(const Options& options) {
 
 }  // namespace
 
-void add_light_command(Command& program, int* exit_code) {
+void add_light_command(Command& program, const std::string& group) {
   const auto options = std::make_shared<Options>();
-  Command command = program.add_subcommand("light", "Estimate the light of photographs");
-  command->add_option("images", options->images, "PNG or JPEG files")->required();
-  command->add_option("-o,--output", options->folder, "Folder to write JSON and pictures to")->required();
-  command->add_option("--fov", options->fov_deg, "Field of view across the diagonal, degrees")
-      ->check(range(10.0, 170.0))
-      ->capture_default_str();
-  command->add_option("--turn", options->turn_deg, "Clockwise turn that makes the images upright, degrees")
-      ->check(one_of({0u, 90u, 180u, 270u}))
-      ->capture_default_str();
-  command->add_option("--network", options->network, "The lighting network's file; the shipped one by default");
-  command->callback([options, exit_code] {
+  Command& command = program.add_command("light", "Estimate the light of photographs", group);
+  command.add("IMAGES", options->images, "PNG or JPEG files").required();
+  command.add("-o,--output FOLDER", options->folder, "Write a JSON file and a picture for each image into this folder")
+      .required();
+  command.add("--fov DEGREES", options->fov_deg, "Field of view across the diagonal, degrees").checked(number(10, 170));
+  command.add("--turn DEGREES", options->turn_deg, "Clockwise turn that makes the images upright, degrees")
+      .checked(one_of({"0", "90", "180", "270"}));
+  command.add("--network FILE", options->network, "The lighting network").by_default("the shipped one");
+  command.runs([options] {
     listen_for_interrupt();
-    *exit_code = estimate_all(*options);
+    return estimate_all(*options);
   });
 }
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "models/cli/command_line.h"
 #include "models/cli/commands.h"
-#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/npy.h"
@@ -16,8 +16,6 @@
 namespace sandglass::host {
 
 namespace {
-
-constexpr int k_exit_interrupted = 130;
 
 struct Options {
   std::string network, folder, output;
@@ -55,16 +53,16 @@ int write_features(const Options& options) {
 
 }  // namespace
 
-void add_light_features_command(Command& program, int* exit_code) {
+void add_light_features_command(Command& program, const std::string& group) {
   const auto options = std::make_shared<Options>();
-  Command command = program.add_subcommand("light-features", "Write what the lighting network's heads see");
-  command->add_option("network", options->network, "The lighting network's file")->required();
-  command->add_option("dataset", options->folder, "A folder made by `sandglass dataset`")->required();
-  command->add_option("-o,--output", options->output, "File to write, .npy: a row for each image")->required();
-  command->add_flag("--mirror", options->mirror, "Behind them the rows of the mirror images");
-  command->callback([options, exit_code] {
+  Command& command = program.add_command("light-features", "Write what the lighting network's heads see", group);
+  command.add("NETWORK", options->network, "File of the lighting network").required();
+  command.add("DATASET", options->folder, "Folder that `sandglass dataset` made").required();
+  command.add("-o,--output FILE", options->output, "Write one row an image to this file, .npy").required();
+  command.add_flag("--mirror", options->mirror, "Add the rows of the mirrored images behind them");
+  command.runs([options] {
     listen_for_interrupt();
-    *exit_code = write_features(*options);
+    return write_features(*options);
   });
 }
 

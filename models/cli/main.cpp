@@ -3,42 +3,57 @@
 #include <exception>
 #include <new>
 
+#include "models/cli/command_line.h"
 #include "models/cli/commands.h"
-#include "models/cli/options.h"
-#include "models/cli/sample.h"
-#include "models/host/failure.h"
 #include "sandglass/sandglass.h"
+
+namespace sandglass::host {
+
+namespace {
+
+std::string version() {
+  return "sandglass " + std::to_string(SANDGLASS_VERSION_MAJOR) + "." + std::to_string(SANDGLASS_VERSION_MINOR) + "." +
+         std::to_string(SANDGLASS_VERSION_PATCH);
+}
+
+void add_commands(Command& program) {
+  const char* look = "Run and look";
+  add_run_command(program, look);
+  add_view_command(program, look);
+  add_light_command(program, look);
+  add_inspect_command(program, look);
+  const char* make = "Make what an app loads";
+#ifdef SANDGLASS_HAVE_BAKE
+  add_bake_command(program, make);
+#else
+  program.add_command("bake", "Train the soft shadow of a mesh", make)
+      .is_left_out("this build has no ray tracer", "Install Embree and Eigen, configure and build again.");
+#endif
+  add_sample_command(program, make);
+  const char* train = "Train the lighting network";
+  add_room_command(program, train);
+  add_dataset_command(program, train);
+  add_light_features_command(program, train);
+  add_quantise_light_command(program, train);
+  add_ceiling_command(program, train);
+  const char* measure = "Measure and check";
+  add_bench_command(program, measure);
+  add_verify_command(program, measure);
+}
+
+}  // namespace
+
+}  // namespace sandglass::host
 
 int main(int argc, char** argv) {
   using namespace sandglass::host;
-  constexpr int k_exit_bad_input = 2;
-  int exit_code = 0;
-  Program program(
-      "Sandglass: sand inside a fixed slice of every frame", "sandglass",
-      std::to_string(SANDGLASS_VERSION_MAJOR) + "." + std::to_string(SANDGLASS_VERSION_MINOR) + "." +
-          std::to_string(SANDGLASS_VERSION_PATCH),
-      "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 130 interrupted.\nTry: sandglass run demo "
-      "--out out");
-  add_run_command(program, &exit_code);
-  add_view_command(program, &exit_code);
-  add_sample_command(program, &exit_code);
-#ifdef SANDGLASS_HAVE_BAKE
-  add_bake_command(program, &exit_code);
-#endif
-  add_bench_command(program, &exit_code);
-  add_verify_command(program, &exit_code);
-  add_inspect_command(program, &exit_code);
-  add_room_command(program, &exit_code);
-  add_dataset_command(program, &exit_code);
-  add_ceiling_command(program, &exit_code);
-  add_light_command(program, &exit_code);
-  add_quantise_light_command(program, &exit_code);
-  add_light_features_command(program, &exit_code);
+  Command program(nullptr, "", "Sandglass: sand, light and shadow inside a fixed slice of every frame");
+  add_commands(program);
   try {
-    program.run(argc, argv);
-    return exit_code;
+    return run_command_line(program, version(), argc, argv);
   } catch (const std::bad_alloc&) {
-    std::fputs("sandglass: this machine has too little memory for what was asked; make the scene smaller\n", stderr);
+    std::fputs("sandglass: cannot go on: this machine has too little memory for what was asked. Ask for less.\n",
+               stderr);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "sandglass: %s\n", error.what());
   }

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "models/cli/command_line.h"
 #include "models/cli/commands.h"
-#include "models/cli/options.h"
 #include "models/host/atomic_file.h"
 #include "models/host/failure.h"
 #include "models/host/progress.h"
@@ -18,7 +18,6 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr int k_exit_check_failed = 1, k_exit_interrupted = 130;
 constexpr int k_width = 256, k_height = 192;
 constexpr double k_angle_limit_deg = 1, k_difference_limit = 0.01;  // of the medians: ACCURACY 4
 
@@ -133,25 +132,24 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_quantise_light_command(Command& program, int* exit_code) {
+void add_quantise_light_command(Command& program, const std::string& group) {
   const auto options = std::make_shared<Options>();
-  Command command = program.add_subcommand("quantise-light", "Turn the trained lighting network into bytes");
-  command->add_option("weights", options->weights, "The trained network, as train.py exports it (.npz)")->required();
+  Command& command = program.add_command("quantise-light", "Turn the trained lighting network into bytes", group);
+  command.add("WEIGHTS", options->weights, "The trained network, as train.py exports it, .npz").required();
   command
-      ->add_option("--calibrate", options->folders,
-                   "Folders made by `sandglass dataset`; without --measure half of the images measure")
-      ->required();
-  command->add_option("--measure", options->measured, "Folders of other places whose images measure");
-  command->add_option("-o,--output", options->output, "File to write")->required();
-  command->add_option("--name", options->name, "Name of the network, in the file")->capture_default_str();
-  command->add_option("--images", options->images, "To calibrate with, and as many to measure with")
-      ->check(range(2u, 10000u))
-      ->capture_default_str();
-  command->add_flag("--keep-float", options->keep_float,
-                    "Keep the float network in the file, 30 MB more: XNNPACK in float then computes it");
-  command->callback([options, exit_code] {
+      .add("--calibrate FOLDERS", options->folders,
+           "Folders that `sandglass dataset` made; without --measure half of their images measure the error")
+      .required();
+  command.add("--measure FOLDERS", options->measured, "Folders of other places, whose images measure the error");
+  command.add("-o,--output FILE", options->output, "Write the network to this file").required();
+  command.add("--name NAME", options->name, "Name of the network, kept in the file");
+  command.add("--images N", options->images, "Images that calibrate, and as many that measure")
+      .checked(whole_number(2, 10000));
+  command.add_flag("--keep-float", options->keep_float,
+                   "Keep the float network in the file, 30 MB more, for XNNPACK in float");
+  command.runs([options] {
     listen_for_interrupt();
-    *exit_code = run(*options);
+    return run(*options);
   });
 }
 

@@ -1,8 +1,8 @@
 // `sandglass room --seed S -o room.hdr`: one procedural room as a panorama, its depth, and a picture for the eye.
 #include <cstdio>
 
+#include "models/cli/command_line.h"
 #include "models/cli/commands.h"
-#include "models/cli/options.h"
 #include "models/host/failure.h"
 #include "models/host/npy.h"
 #include "models/host/progress.h"
@@ -12,8 +12,6 @@
 namespace sandglass::host {
 
 namespace {
-
-constexpr int k_exit_interrupted = 130;
 
 struct Options {
   uint64_t seed = 1;
@@ -49,24 +47,20 @@ int make(const Options& options) {
 
 }  // namespace
 
-void add_room_command(Command& program, int* exit_code) {
+void add_room_command(Command& program, const std::string& group) {
   const auto options = std::make_shared<Options>();
-  Command command = program.add_subcommand("room", "Make up an indoor room and trace its HDR panorama");
-  command->add_option("--seed", options->seed, "Equal seeds give equal rooms")->capture_default_str();
-  command->add_option("-o,--output", options->output, "Radiance file to write; the depth goes beside it")->required();
-  command->add_option("--picture", options->picture, "Also write a tone-mapped PNG");
-  command->add_option("--width", options->render.width, "Pixels across; half as many down")
-      ->check(range(16, 8192))
-      ->capture_default_str();
-  command->add_option("--samples", options->render.samples, "Paths a pixel")
-      ->check(range(1, 65536))
-      ->capture_default_str();
-  command->add_option("--threads", options->render.threads, "Threads; the result does not depend on them")
-      ->check(range(1u, 256u))
-      ->capture_default_str();
-  command->callback([options, exit_code] {
+  Command& command = program.add_command("room", "Make up an indoor room and trace its HDR panorama", group);
+  command.add("--seed N", options->seed, "Equal seeds give equal rooms");
+  command.add("-o,--output FILE", options->output, "Write the panorama to this file, .hdr; its depth goes beside it")
+      .required();
+  command.add("--picture FILE", options->picture, "Also write a tone-mapped picture, .png");
+  command.add("--width N", options->render.width, "Width in pixels, even; the height is half of it")
+      .checked(whole_number(16, 8192));
+  command.add("--samples N", options->render.samples, "Paths a pixel").checked(whole_number(1, 65536));
+  add_threads(command, options->render.threads);
+  command.runs([options] {
     listen_for_interrupt();
-    *exit_code = make(*options);
+    return make(*options);
   });
 }
 

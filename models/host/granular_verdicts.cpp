@@ -299,6 +299,13 @@ std::vector<std::string> verdict_groups() {
   return names;
 }
 
+std::vector<std::string> quick_verdict_groups() {
+  std::vector<std::string> names;
+  for (const Group& group : k_groups)
+    if (group.quick) names.emplace_back(group.name);
+  return names;
+}
+
 VerdictTable granular_verdicts(const VerdictChoice& choice, const std::function<bool(uint64_t, uint64_t)>& progress) {
   VerdictTable table;
   std::vector<const Group*> chosen;

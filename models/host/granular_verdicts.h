@@ -41,6 +41,8 @@ struct VerdictChoice {
 
 // The names of the groups, in the order in which they run.
 std::vector<std::string> verdict_groups();
+// Of these, those of a second or two.
+std::vector<std::string> quick_verdict_groups();
 
 // `progress(done, total)` in units of about a frame of a thousand particles, after every frame; when it returns false,
 // what is complete so far is returned.

@@ -123,8 +123,7 @@ void observe(Governor* governor, const WorkUnit& unit, uint64_t ns) {
 // spread over frames counts for no more than it will be given.
 uint64_t predict_stage(const Governor* governor, const Stage& stage, uint32_t level, uint64_t budget, bool* unknown) {
   Forecast entries[k_unit_kinds];
-  const uint32_t count = stage.forecast(stage.state, level, entries);
-  SANDGLASS_CHECK(count <= k_unit_kinds);
+  const uint32_t count = stage_forecast(stage, level, entries);
   uint64_t sum = 0, spread = 0;
   for (uint32_t i = 0; i < count; ++i) {
     const uint64_t ns = governor_predict(governor, entries[i].kind, entries[i].items);
@@ -138,8 +137,7 @@ uint64_t predict_stage(const Governor* governor, const Stage& stage, uint32_t le
 
 bool has_forecast(const Stage& stage, uint32_t level) {
   Forecast entries[k_unit_kinds];
-  const uint32_t count = stage.forecast(stage.state, level, entries);
-  SANDGLASS_CHECK(count <= k_unit_kinds);
+  const uint32_t count = stage_forecast(stage, level, entries);
   for (uint32_t i = 0; i < count; ++i) {
     if (entries[i].items != 0) return true;
   }
@@ -234,8 +232,7 @@ uint64_t run_unit(Frame* frame, uint32_t index, const WorkUnit& unit) {
 }
 
 bool offers(const Frame& frame, uint32_t index, WorkUnit* unit) {
-  const Stage& stage = frame.stages[index];
-  return stage.next(stage.state, frame.level, unit);
+  return stage_next(frame.stages[index], frame.level, unit);
 }
 
 // ---------------------------------------------------------------------------------------------------- admission
@@ -388,6 +385,45 @@ void governor_init(Governor* governor, sandglass_clock clock, sandglass_trace tr
   governor->trace = trace;
   governor->level_count = level_count;
   governor->policy = k_predictor_policy;
+}
+
+void assign_kinds(Stage* stages, uint32_t count) {
+  uint32_t next = 0;
+  for (uint32_t i = 0; i < count; ++i) {
+    uint32_t same = 0;
+    while (same < i && (stages[same].state != stages[i].state || stages[i].state == nullptr)) ++same;
+    if (same < i) {
+      SANDGLASS_CHECK(stages[same].kinds == stages[i].kinds);
+      stages[i].first_kind = stages[same].first_kind;
+    } else {
+      stages[i].first_kind = next;
+      next += stages[i].kinds;
+    }
+  }
+  SANDGLASS_CHECK(next <= k_unit_kinds);
+}
+
+Stage stage_without_work(uint32_t kinds) {
+  return {nullptr,
+          [](const void*, uint32_t, WorkUnit*) { return false; },
+          [](void*, uint32_t) {},
+          [](const void*, uint32_t, Forecast*) -> uint32_t { return 0; },
+          kinds,
+          0,
+          1.0f};
+}
+
+bool stage_next(const Stage& stage, uint32_t level, WorkUnit* unit) {
+  if (!stage.next(stage.state, level, unit)) return false;
+  if (unit->kind < k_unit_kinds) unit->kind += stage.first_kind;
+  return true;
+}
+
+uint32_t stage_forecast(const Stage& stage, uint32_t level, Forecast* entries) {
+  const uint32_t count = stage.forecast(stage.state, level, entries);
+  SANDGLASS_CHECK(count <= k_unit_kinds);
+  for (uint32_t i = 0; i < count; ++i) entries[i].kind += stage.first_kind;
+  return count;
 }
 
 uint64_t governor_target(uint64_t budget_ns, float headroom) {

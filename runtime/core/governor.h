@@ -39,24 +39,42 @@ struct Forecast {
   bool spread = false;  // may go on in later frames: all that a stage has of it counts for its share at most
 };
 
+// What a capability takes part in a frame with. Each capability exports one function that returns its Stage; the scene
+// puts them into an array. Kinds of work unit are counted from 0 by each stage; assign_kinds gives them their places.
 struct Stage {
   void* state;
-  // The next unit at this rung of the ladder, or false when there is none now (another stage's units may unblock it).
-  // Asking changes nothing, and is cheap: it is asked more often than it is run.
+  // The next unit at this quality level, or false when there is none now (another stage's units may unblock it).
+  // Asking changes nothing and is cheap: it is asked more often than it is run.
   bool (*next)(const void* state, uint32_t level, WorkUnit* unit);
   // Runs the unit that `next` describes.
   void (*run)(void* state, uint32_t level);
-  // Work left in this frame at `level`; at most k_unit_kinds entries; returns their number.
+  // Work left in this frame at `level`. Writes at most k_unit_kinds entries and returns their number.
   uint32_t (*forecast)(const void* state, uint32_t level, Forecast* entries);
+  // Kinds of unit that the stage has. Stages of one state share their kinds and name the same number.
+  uint32_t kinds;
   // Units that this stage runs in every frame, whatever the budget, before any optional one and while `next` offers
-  // any; what is still blocked then becomes optional. k_all_units: the output stage, the last one of the array; all its
-  // units run, at the very end, and its forecast is the reserve that optional units leave free. While what a unit of it
-  // costs is unknown, one runs before the optional ones, to learn it: the stage offers it again if it is out of date.
+  // any; what is still blocked then becomes optional. k_all_units marks the output stage, the last of the array: all
+  // its units run, at the very end, and its forecast is the reserve that optional units leave free. While the cost of
+  // its units is unknown, one runs before the optional ones, to learn it; the stage offers it again if it is out of
+  // date.
   uint32_t mandatory_units;
   // Share of the time left after mandatory units and reserve that the stage's optional units may take while a later
   // optional stage has work; what that one leaves is handed back. 1: all.
   float share;
+  uint32_t first_kind = 0;  // see assign_kinds
 };
+
+// Gives every stage's kinds their place among all kinds of the frame, in the order of the array: each begins where the
+// one before ends. Stages of one state share one place. Pass the same capabilities in the same order every frame, and
+// for one that is left out stage_without_work: the predictor's memory is by place.
+void assign_kinds(Stage* stages, uint32_t count);
+
+// What stands for a capability that a frame leaves out: it keeps its place and offers nothing.
+Stage stage_without_work(uint32_t kinds);
+
+// A stage's answers, with kinds as places among all.
+bool stage_next(const Stage& stage, uint32_t level, WorkUnit* unit);
+uint32_t stage_forecast(const Stage& stage, uint32_t level, Forecast* entries);
 
 // The numbers of the predictor, in one place so that a test can prove that a worse choice fails.
 struct PredictorPolicy {

@@ -278,11 +278,11 @@ bool granular_grains_behind(const Granular& g) {
 // A unit of grains becomes mandatory when the particles wait for them: whatever the budget, one of the two goes on.
 Stage granular_grain_stage(Granular* granular) {
   const bool awaited = granular_grains_behind(*granular) || granular->grain_phase == GrainPhase::snapshot;
-  return {granular, next, run, forecast, awaited ? 1u : 0u, 1.0f};
+  return {granular, next, run, forecast, k_granular_kinds, awaited ? 1u : 0u, 1.0f};
 }
 
 Stage granular_output_stage(Granular* granular) {
-  return {granular, next_output, run_output, forecast_output, ~0u, 1.0f};
+  return {granular, next_output, run_output, forecast_output, k_granular_kinds, k_all_units, 1.0f};
 }
 
 }  // namespace sandglass

@@ -33,7 +33,7 @@ enum : uint32_t {
   k_unit_triage,
   k_unit_bodies,
   k_unit_drain,
-  k_granular_kinds  // where the next stage's begin
+  k_granular_kinds
 };
 
 enum class ParticlePhase : uint32_t {

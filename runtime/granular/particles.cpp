@@ -536,6 +536,6 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   granular_skip_rest(g);
 }
 
-Stage granular_particle_stage(Granular* granular) { return {granular, next, run, forecast, 1, 0.6f}; }
+Stage granular_particle_stage(Granular* granular) { return {granular, next, run, forecast, k_granular_kinds, 1, 0.6f}; }
 
 }  // namespace sandglass

@@ -1,5 +1,6 @@
 #include "runtime/light/harmonics.h"
 
+#include "runtime/core/finite.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
 
@@ -22,11 +23,8 @@ constexpr double k_facing = 2.0 * k_pi * (1.0 / k_sharpness - (1.0 - k_at_side) 
 
 constexpr double k_most_contrast = 0.95, k_least_elevation = 0.1, k_most_strength = 64.0;
 
-bool is_finite(const sandglass_light_estimate& e) {
-  float sum = e.strength - e.strength;  // x - x is 0, or not a number where x is not finite
-  for (int i = 0; i < 3; ++i)
-    sum += (e.direction[i] - e.direction[i]) + (e.light[i] - e.light[i]) + (e.ambient[i] - e.ambient[i]);
-  return sum == 0.0f;
+bool usable(const sandglass_light_estimate& e) {
+  return is_finite(e.strength) && all_finite(e.direction, 3) && all_finite(e.light, 3) && all_finite(e.ambient, 3);
 }
 
 constexpr double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
@@ -86,7 +84,7 @@ sandglass_status sandglass_light_harmonics(const sandglass_light_estimate* estim
         "estimate.struct_size is not set: set it to sizeof(sandglass_light_estimate) before sandglass_light_get");
   if (model < SANDGLASS_LIGHT_MODEL_AMBIENT || model > SANDGLASS_LIGHT_MODEL_PICTURE)
     return refuse(reason, "model is none of SANDGLASS_LIGHT_MODEL_AMBIENT, _WHOLE and _PICTURE");
-  if (!is_finite(*estimate))
+  if (!usable(*estimate))
     return refuse(
         reason,
         "a direction, colour or strength of the estimate is not finite: pass an estimate as sandglass_light_get fills "

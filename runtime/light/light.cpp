@@ -16,6 +16,7 @@ namespace sandglass {
 namespace {
 
 constexpr uint64_t k_rgb_bytes = 3 * k_light_width * k_light_height;
+constexpr float k_light_share = 0.2f;  // of the optional time, while a later stage has work
 
 struct Checked {
   LightAsset asset;
@@ -144,22 +145,16 @@ void run_unit(sandglass_light* owner) {
 
 // ---------------------------------------------------------------------------------------------------- in a frame
 
-uint32_t begin_frame(sandglass_light* owner, const sandglass_camera_image* image, const char** refused) {
-  Light* light = &owner->light;
-  ++light->frame;
-  light->changed = false;
-  if (image == nullptr) return 1;
-  const char* reason = nullptr;
-  if (check_camera_image(image, &reason) != SANDGLASS_OK) {
-    *refused = reason;
-    return 1;
-  }
-  return take_image(light, *image) ? 1 + image_units_left(*light) : 1;
+bool next(const void* state, uint32_t, WorkUnit* unit) {
+  return next_unit(static_cast<const sandglass_light*>(state), unit);
 }
 
-// Of an image, all of it: it must be resampled in this frame. The network may take several frames; all its units as the
-// next one, which is close enough where the stage's share is what counts.
-uint32_t forecast(const sandglass_light* owner, Forecast* entries) {
+void run(void* state, uint32_t) { run_unit(static_cast<sandglass_light*>(state)); }
+
+// The image counts whole: it must be resampled in this frame. The network may take several frames. Its units are all
+// forecast as the next one, which is close enough: the stage's share bounds what they get.
+uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
+  const sandglass_light* owner = static_cast<const sandglass_light*>(state);
   const Light& light = owner->light;
   WorkUnit unit;
   if (!next_unit(owner, &unit)) return 0;
@@ -174,6 +169,20 @@ uint32_t forecast(const sandglass_light* owner, Forecast* entries) {
   return count;
 }
 
+Stage begin_frame(sandglass_light* owner, const sandglass_camera_image* image, const char** refused) {
+  Light* light = &owner->light;
+  ++light->frame;
+  light->changed = false;
+  bool taken = false;
+  if (image != nullptr) {
+    const char* reason = nullptr;
+    if (check_camera_image(image, &reason) != SANDGLASS_OK) *refused = reason;
+    else taken = take_image(light, *image);
+  }
+  const uint32_t mandatory = taken ? 1 + image_units_left(*light) : 1;
+  return {owner, next, run, forecast, k_light_stage_kinds, mandatory, k_light_share};
+}
+
 void end_frame(sandglass_light* owner, sandglass_frame_report* report) {
   Light* light = &owner->light;
   if (light->phase == LightPhase::image) {
@@ -186,7 +195,7 @@ void end_frame(sandglass_light* owner, sandglass_frame_report* report) {
   report->light_units_left = sandglass_light_units_left(owner);
 }
 
-extern const LightFunctions k_light_functions = {begin_frame, next_unit, run_unit, forecast, end_frame};
+constexpr LightFunctions k_light_functions = {begin_frame, end_frame};
 
 // ---------------------------------------------------------------------------------------------------- description
 

@@ -39,16 +39,11 @@ struct Light {
   bool changed;                                 // in this frame
 };
 
-// Reached from the scene through a table that creation leaves in every light, so that an app without it does not link
-// it.
+// Creation leaves this table in every light, and the scene calls through it. So the linker drops the light from an app
+// that never creates one.
 struct LightFunctions {
-  // Looks at the frame's image; returns the units that must run in this frame, 1 and those of the image. *refused: what
-  // is wrong with an image that cannot be used, else untouched.
-  uint32_t (*begin_frame)(sandglass_light* light, const sandglass_camera_image* image, const char** refused);
-  bool (*next)(const sandglass_light* light, WorkUnit* unit);
-  void (*run)(sandglass_light* light);
-  uint32_t (*forecast)(const sandglass_light* light, Forecast* entries);
-  // Drops an image that was not finished, and describes.
+  // See light_stage and light_end_frame.
+  Stage (*begin_frame)(sandglass_light* light, const sandglass_camera_image* image, const char** refused);
   void (*end_frame)(sandglass_light* light, sandglass_frame_report* report);
 };
 
@@ -58,3 +53,20 @@ struct sandglass_light {
   const sandglass::LightFunctions* functions;
   sandglass::Light light;
 };
+
+namespace sandglass {
+
+// The light's stage of this frame. Takes the frame's image where it is due; the units of that image are then
+// mandatory, because its planes belong to the app. *refused says what is wrong with an image that cannot be used, and
+// is left alone otherwise. `light` may be NULL.
+inline Stage light_stage(sandglass_light* light, const sandglass_camera_image* image, const char** refused) {
+  return light == nullptr ? stage_without_work(k_light_stage_kinds)
+                          : light->functions->begin_frame(light, image, refused);
+}
+
+// Drops an image that was not finished and fills in the light's part of the report.
+inline void light_end_frame(sandglass_light* light, sandglass_frame_report* report) {
+  if (light != nullptr) light->functions->end_frame(light, report);
+}
+
+}  // namespace sandglass

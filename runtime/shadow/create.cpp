@@ -218,7 +218,7 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   layout.base = static_cast<uint8_t*>(block);
   Packed packed;
   sandglass_shadow* owner = lay_out(asset, desc.light_count, &layout, &packed);
-  owner->set = &k_shadow_set_functions;
+  owner->functions = &k_shadow_functions;
   Shadow* s = &owner->shadow;
   s->kernels = kernels;
   s->light_count = desc.light_count;
@@ -241,10 +241,11 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   *shadow = owner;
 }
 
-__attribute__((noinline)) uint32_t run_units(const ShadowSet& set, uint32_t units) {
+__attribute__((noinline)) uint32_t run_units(ShadowSet set, uint32_t units) {
+  const Stage stage = shadow_set_stage(&set);
   WorkUnit unit;
   uint32_t done = 0;
-  while (done < units && k_shadow_set_functions.next(set, &unit)) k_shadow_set_functions.run(set), ++done;
+  while (done < units && stage.next(stage.state, 0, &unit)) stage.run(stage.state, 0), ++done;
   return done;
 }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "runtime/core/math.h"
+#include "runtime/shadow/shadow.h"
 
 namespace sandglass {
 namespace {
@@ -220,33 +221,24 @@ void run_rows(Pile* p) {
   p->front = p->back, p->back = swap;
   p->valid = true;
   p->phase = PilePhase::idle;
-  p->yielded = true;
+  p->gives_way = true;
 }
 
-void begin_frame(sandglass_pile_shadow* shadow, const PileSource& source, bool moving) {
-  Pile& p = shadow->pile;
-  ++p.frame;
-  // Once more after the last motion: the texture that was under way is of sand that had not come to rest.
-  if (moving || p.moving || source.count != p.source.count) p.pending = true;
-  p.moving = moving;
-  p.source = source;
-}
+bool has_work(const Pile& p) { return p.phase != PilePhase::idle || (p.pending && p.opacity > 0); }
 
-bool next(const sandglass_pile_shadow* shadow, bool others, bool others_under_way, WorkUnit* unit) {
-  const Pile& p = shadow->pile;
-  const bool under_way = p.phase != PilePhase::idle;
-  if (others_under_way && !under_way) return false;
-  if (!under_way && (!p.pending || !(p.opacity > 0) || (others && p.yielded))) return false;
+bool next(const void* state, uint32_t, WorkUnit* unit) {
+  const Pile& p = static_cast<const sandglass_pile_shadow*>(state)->pile;
+  if (!has_work(p)) return false;
   *unit = pile_next(p);
   return true;
 }
 
-void run(sandglass_pile_shadow* shadow) { pile_run(&shadow->pile); }
-void gave_way(sandglass_pile_shadow* shadow) { shadow->pile.yielded = false; }
+void run(void* state, uint32_t) { pile_run(&static_cast<sandglass_pile_shadow*>(state)->pile); }
 
-uint32_t forecast(const sandglass_pile_shadow* shadow, Forecast* entries) {
-  const Pile& p = shadow->pile;
-  if (p.phase == PilePhase::idle && (!p.pending || !(p.opacity > 0))) return 0;
+// Of the texture under way or asked for.
+uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
+  const Pile& p = static_cast<const sandglass_pile_shadow*>(state)->pile;
+  if (!has_work(p)) return 0;
   const uint64_t textures = p.back.sand != nullptr ? 2 : 1;
   uint64_t columns = 0, rows = textures * p.texels;
   if (p.phase == PilePhase::idle) columns = p.source.count;
@@ -256,6 +248,16 @@ uint32_t forecast(const sandglass_pile_shadow* shadow, Forecast* entries) {
   if (columns != 0) entries[count++] = {k_pile_columns, columns, true};
   entries[count++] = {k_pile_rows, rows * p.texels, true};
   return count;
+}
+
+Stage begin_frame(sandglass_pile_shadow* shadow, const PileSource& source, bool moving) {
+  Pile& p = shadow->pile;
+  ++p.frame;
+  // Once more after the last motion: the texture that was under way is of sand that had not come to rest.
+  if (moving || p.moving || source.count != p.source.count) p.pending = true;
+  p.moving = moving;
+  p.source = source;
+  return {shadow, next, run, forecast, k_pile_kinds, 1, k_shadow_share};
 }
 
 }  // namespace
@@ -274,6 +276,6 @@ void pile_run(Pile* p) {
   else run_rows(p);
 }
 
-extern const PileFunctions k_pile_functions = {begin_frame, next, run, forecast, gave_way};
+extern const PileFunctions k_pile_functions = {begin_frame};
 
 }  // namespace sandglass

@@ -64,21 +64,18 @@ struct Pile {
   // What asks for a texture.
   PileSource source;
   uint64_t frame;
-  bool pending, moving, yielded;  // yielded: an object's texture comes first
+  bool pending, moving;
+  bool gives_way;  // a texture of an object comes before the next one of the sand
 };
 
 WorkUnit pile_next(const Pile& pile);
 void pile_run(Pile* pile);
 
-// Reached through a table that creation leaves in the handle, so that an app without one does not link it.
+// Creation leaves this table in the handle, and the scene calls through it. So the linker drops the sand's shadow from an
+// app that never creates one.
 struct PileFunctions {
-  void (*begin_frame)(sandglass_pile_shadow* shadow, const PileSource& source, bool moving);
-  // The next unit; false: there is none, or, where `others` have work, it is not this one's turn.
-  bool (*next)(const sandglass_pile_shadow* shadow, bool others, bool others_under_way, WorkUnit* unit);
-  void (*run)(sandglass_pile_shadow* shadow);
-  uint32_t (*forecast)(const sandglass_pile_shadow* shadow,
-                       Forecast* entries);          // of the texture under way or asked for
-  void (*gave_way)(sandglass_pile_shadow* shadow);  // an object's unit was run
+  // Looks at the frame's sand and returns the stage of this shadow. `moving`: some of the sand is awake.
+  Stage (*begin_frame)(sandglass_pile_shadow* shadow, const PileSource& source, bool moving);
 };
 extern const PileFunctions k_pile_functions;
 

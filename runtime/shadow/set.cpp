@@ -49,19 +49,24 @@ bool choose(const ShadowSet& set, Choice* choice) {
   return most >= 0;
 }
 
-bool next(const ShadowSet& set, WorkUnit* unit) {
+const ShadowSet& set_of(const void* state) { return *static_cast<const ShadowSet*>(state); }
+
+bool next(const void* state, uint32_t, WorkUnit* unit) {
+  const ShadowSet& set = set_of(state);
   Choice choice;
   if (!choose(set, &choice)) return false;
   *unit = shadow_next(set.shadows[choice.shadow]->shadow);
   return true;
 }
 
-void run(const ShadowSet& set) {
+void run(void* state, uint32_t) {
+  const ShadowSet& set = set_of(state);
   Choice choice;
   if (choose(set, &choice)) shadow_run(&set.shadows[choice.shadow]->shadow, choice.light);
 }
 
-uint32_t forecast(const ShadowSet& set, Forecast* entries) {
+uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
+  const ShadowSet& set = set_of(state);
   uint64_t items[k_shadow_kinds] = {};
   for (uint32_t i = 0; i < set.count; ++i) {
     const Shadow& s = set.shadows[i]->shadow;
@@ -77,24 +82,27 @@ uint32_t forecast(const ShadowSet& set, Forecast* entries) {
   return count;
 }
 
-void describe(const ShadowSet& set, uint32_t* pending, uint32_t* age) {
+void report_set(const ShadowSet& set, sandglass_frame_report* report) {
   uint64_t oldest = 0;
-  *pending = 0;
+  uint32_t pending = 0;
   for (uint32_t i = 0; i < set.count; ++i) {
     const Shadow& s = set.shadows[i]->shadow;
     for (uint32_t l = 0; l < s.light_count; ++l) {
       const bool under_way = s.phase != ShadowPhase::idle && s.active == l;
       if (!s.lights[l].pending && !under_way) continue;
-      ++*pending;
+      ++pending;
       const uint64_t calls = s.lights[l].calls - s.lights[l].front.light_call;
       oldest = calls > oldest ? calls : oldest;
     }
   }
-  *age = static_cast<uint32_t>(oldest);
+  report->pending_shadows = pending;
+  report->shadow_age = static_cast<uint32_t>(oldest);
 }
 
 }  // namespace
 
-extern const ShadowSetFunctions k_shadow_set_functions = {next, run, forecast, describe};
+Stage shadow_set_stage(ShadowSet* set) { return {set, next, run, forecast, k_shadow_kinds, 1, k_shadow_share}; }
+
+extern const ShadowFunctions k_shadow_functions = {shadow_set_stage, report_set};
 
 }  // namespace sandglass

@@ -12,6 +12,7 @@
 #include "runtime/core/governor.h"
 #include "runtime/core/layout.h"
 #include "runtime/shadow/plane.h"
+#include "sandglass/sandglass.h"
 #include "sandglass/shadow.h"
 
 namespace sandglass {
@@ -25,6 +26,9 @@ constexpr uint64_t k_unit_macs = 5'000'000;           // 45 us of a core that do
 constexpr uint32_t k_unit_table_rows = 64;            // of the first layer's table
 constexpr uint32_t k_unit_cell_rows = 16;             // of the decision
 constexpr uint32_t k_table_rows = k_shadow_size + 1;  // the last corners lie one texel beyond the texture
+
+// Of a frame's optional time, while a later stage has work: for all shadows together.
+constexpr float k_shadow_share = 0.2f;
 
 // Kinds of work unit.
 enum : uint32_t { k_kind_rows, k_kind_texels, k_kind_decide, k_kind_refine, k_shadow_kinds };
@@ -110,24 +114,27 @@ struct ShadowWork {
 };
 ShadowWork shadow_work_left(const Shadow& shadow, bool likely);
 
-// Several shadows under one budget. Reached from the scene through a table that creation leaves in every shadow, so
-// that an app without shadows does not link them.
+// The shadows of several objects under one budget (set.cpp).
 struct ShadowSet {
   sandglass_shadow* const* shadows;
   uint32_t count;
 };
-struct ShadowSetFunctions {
-  bool (*next)(const ShadowSet& set, WorkUnit* unit);
-  void (*run)(const ShadowSet& set);
-  // What is likely left of all textures; at most k_shadow_kinds entries.
-  uint32_t (*forecast)(const ShadowSet& set, Forecast* entries);
-  void (*describe)(const ShadowSet& set, uint32_t* pending, uint32_t* age);
+
+// Their work as a stage; `set` must outlive it. The forecast is what is likely left of all textures.
+Stage shadow_set_stage(ShadowSet* set);
+
+// Creation leaves this table in every shadow, and the scene calls through that of the first. So the linker drops shadows
+// from an app that never creates one.
+struct ShadowFunctions {
+  Stage (*stage)(ShadowSet* set);
+  // Textures that are not yet those of their lights, and the calls of set_light since the oldest of them was begun.
+  void (*report)(const ShadowSet& set, sandglass_frame_report* report);
 };
-extern const ShadowSetFunctions k_shadow_set_functions;
+extern const ShadowFunctions k_shadow_functions;
 
 }  // namespace sandglass
 
 struct sandglass_shadow {
-  const sandglass::ShadowSetFunctions* set;
+  const sandglass::ShadowFunctions* functions;
   sandglass::Shadow shadow;
 };

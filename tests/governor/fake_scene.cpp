@@ -95,9 +95,9 @@ void fake_begin_frame(FakeScene* scene) {
 sandglass_clock fake_clock(FakeScene* scene) { return {read_fake_clock, scene}; }
 
 FakeStages fake_stages(FakeScene* scene, uint32_t mandatory) {
-  return {{{scene, granular_next, granular_run, granular_forecast, mandatory, 0.6f},
-           {scene, refine_next, refine_run, refine_forecast, 0, 1.0f},
-           {scene, output_next, output_run, output_forecast, k_all_units, 1.0f}}};
+  return {{{scene, granular_next, granular_run, granular_forecast, k_kind_count, mandatory, 0.6f},
+           {scene, refine_next, refine_run, refine_forecast, k_kind_count, 0, 1.0f},
+           {scene, output_next, output_run, output_forecast, k_kind_count, k_all_units, 1.0f}}};
 }
 
 }  // namespace sandglass::governor_test

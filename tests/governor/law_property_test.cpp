@@ -19,8 +19,8 @@ struct RandomStage {
   uint32_t index = 0;
   uint32_t units = 0;
   uint32_t done = 0;
-  uint32_t kinds = 1;  // first kind is index * 4
-  uint32_t gate = 0;   // after this many units the stage waits until the other one has caught up; 0: never
+  uint32_t kinds = 1;
+  uint32_t gate = 0;  // after this many units the stage waits until the other one has caught up; 0: never
   uint64_t base_ns = 0;
 };
 
@@ -32,7 +32,7 @@ struct RandomScene {
   RandomStage stages[3];
 };
 
-uint32_t kind_of(const RandomStage& stage) { return stage.index * 4 + stage.done % stage.kinds; }
+uint32_t kind_of(const RandomStage& stage) { return stage.done % stage.kinds; }
 
 bool random_next(const void* state, uint32_t, WorkUnit* unit) {
   const RandomStage* self = static_cast<const RandomStage*>(state);
@@ -47,7 +47,7 @@ bool random_next(const void* state, uint32_t, WorkUnit* unit) {
 void random_run(void* state, uint32_t) {
   RandomStage* self = static_cast<RandomStage*>(state);
   RandomScene* scene = self->scene;
-  uint64_t cost = self->base_ns * (1 + kind_of(*self) % 4);
+  uint64_t cost = self->base_ns * (1 + kind_of(*self));
   const uint64_t luck = scene->random.below(1000);
   if (luck < 5) cost *= 1000;
   else if (luck < 30) cost *= 10;
@@ -61,7 +61,7 @@ void random_run(void* state, uint32_t) {
 uint32_t random_forecast(const void* state, uint32_t, Forecast* entries) {
   const RandomStage* self = static_cast<const RandomStage*>(state);
   for (uint32_t k = 0; k < self->kinds; ++k) {
-    entries[k] = {self->index * 4 + k, 64ull * ((self->units - self->done + self->kinds - 1 - k) / self->kinds)};
+    entries[k] = {k, 64ull * ((self->units - self->done + self->kinds - 1 - k) / self->kinds)};
   }
   return self->kinds;
 }
@@ -87,10 +87,12 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
                    random_next,
                    random_run,
                    random_forecast,
+                   stage.kinds,
                    static_cast<uint32_t>(random.below(5)),
                    static_cast<float>(random.below(12)) / 10.0f};
     }
     stages[2].mandatory_units = k_all_units;
+    assign_kinds(stages, 3);
     const sandglass_clock clock = {[](void* user) { return *static_cast<uint64_t*>(user); }, &scene.now_ns};
     Governor governor;
     governor_init(&governor, clock, {}, 1 + static_cast<uint32_t>(random.below(3)));

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # An app of one file, built as a shell user would with pkg-config, and run.
 #   compile_and_run.sh PREFIX OUTPUT_FOLDER SOURCE "COMPILER FLAGS" [EMULATOR...]
-# A .md source stands for its first ```cpp block: the README's example is the program that runs, and stays within 40 lines.
+# A .md source stands for its first ```cpp block: the README's example is models/examples/pour.cpp, at most 40 lines, and runs.
 # A .c source is linked by the C compiler alone: the archive needs no C++ runtime library.
 set -euo pipefail
 prefix=$1 output=$2 source=$3 compiler=$4
@@ -14,6 +14,7 @@ if [[ $source == *.md ]]; then
   lines=$(wc -l <"$example")
   echo "$lines lines in the example"
   ((lines > 0 && lines <= 40)) || { echo "the example must have 1 to 40 lines"; exit 1; }
+  diff "$(dirname "$source")/models/examples/pour.cpp" "$example" || { echo "the README's example is not models/examples/pour.cpp"; exit 1; }
   source=$example
 fi
 

@@ -1,32 +1,79 @@
 #!/usr/bin/env bash
-# The example that apps are to copy: at most 80 lines, and it runs.
-#   example.sh SOURCE LIGHT SHADOW OUTPUT PROGRAM...
+# An example that apps are to copy: at most 80 lines, it runs, and its output holds what its head claims.
+#   example.sh NAME SOURCE_FOLDER OUTPUT_FOLDER PROGRAM...
 set -euo pipefail
-source=$1 light=$2 shadow=$3 output=$4
-shift 4
-lines=$(wc -l <"$source")
-((lines > 0 && lines <= 80)) || { echo "$source has $lines lines; the example must have 1 to 80"; exit 1; }
-"$@" "$light" "$shadow" "$output" | tee "$output.said"
-# Of 90 frames, 1.5 seconds, at four estimates a second. Under emulation, where the program is the second word, 4 ms are
-# too short for one.
-estimates=$(grep -o '[0-9]* estimates' "$output.said" | cut -d ' ' -f 1)
-(($# > 1 || estimates >= 3)) || { echo "only $estimates estimates of the light"; exit 1; }
-# A PPM of 480 x 360 with more colours than floor and wall have: shadow and sand.
-(($(stat -c %s "$output") == 15 + 3 * 480 * 360)) || { echo "$output is not the picture"; exit 1; }
-(($(tail -c +16 "$output" | od -An -v -tx1 -w3 | sort -u | wc -l) > 200)) || { echo "$output shows nothing"; exit 1; }
-# What is no network, or no shadow, is refused with its sentence.
-if "$@" "$source" "$shadow" "$output.not" 2>"$output.said"; then echo "a source file passed for a network"; exit 1; fi
-grep -q "$source: ." "$output.said"
-if "$@" "$light" "$source" "$output.not" 2>"$output.said"; then echo "a source file passed for a shadow"; exit 1; fi
-grep -q "$source: ." "$output.said"
-if "$@" "$source.missing" "$shadow" "$output.not" 2>"$output.said"; then echo "a missing file passed"; exit 1; fi
-# A folder is no file: its sentence, and no abort.
-mkdir -p "$output.folder"
-for files in "$output.folder $shadow" "$light $output.folder"; do
-  read -r first second <<<"$files"
-  code=0
-  "$@" "$first" "$second" "$output.not" 2>"$output.said" || code=$?
-  ((code == 1)) || { echo "a folder ended it with $code"; exit 1; }
-  grep -q "$output.folder: ." "$output.said"
-done
-[[ ! -e $output.not ]]
+name=$1 root=$2 output=$3
+shift 3
+program=("$@")
+emulated=$(($# > 1))
+mkdir -p "$output"
+light=$root/models/lights/room.light shadow=$root/models/shadows/chair.shadow said=$output/$name.said
+
+fail() { echo "$name: $1"; exit 1; }
+# run ARGUMENT...: the program's output goes to $said too.
+run() { "${program[@]}" "$@" | tee "$said"; }
+# holds AWK_CONDITION: of the numbers in the output, in the order printed: n[1], n[2], ...
+holds() {
+  grep -oE -- '-?[0-9]+[.]?[0-9]*' "$said" | awk -v FS=' ' '{n[NR] = $1} END {exit !('"$1"')}' || fail "not so: $1"
+}
+# refuses FILE ARGUMENT...: exit status 1, and a sentence about that file.
+refuses() {
+  local file=$1 code=0
+  shift
+  "${program[@]}" "$@" 2>"$said.refused" || code=$?
+  ((code == 1)) || fail "'$*' ended with $code"
+  grep -q "$file: ." "$said.refused" || fail "no sentence about $file"
+}
+
+example_hello() {
+  run
+  # 512 particles, 2 s: a block of 0.16 m fell, spread and came to rest.
+  holds 'n[1] == 512 && n[2] == 2 && n[3] > 0.02 && n[3] < 0.12 && n[4] < 0.1'
+}
+
+example_pour() {
+  run
+  # The nozzle fills the scene, or nearly; no grain is without its particle.
+  holds 'n[1] > 500 && n[1] <= 3000 && n[2] > 4 * n[1]'
+}
+
+example_bodies() {
+  run
+  # Sand 0.1 m deep bears the box, whose middle is at least 0.03 m from each of its faces; it lies still.
+  holds 'n[1] > 0.10 && n[1] < 0.16 && n[2] > -0.02 && n[2] < 0.02'
+  local hashes
+  hashes=$(grep -oE '0x[0-9a-f]{16}' "$said" | sort -u | wc -l)
+  ((hashes == 1)) || fail "the restored scene ends in another state"
+}
+
+example_shadow_alone() {
+  run "$shadow"
+  # For every light the shadow falls to the other side.
+  [[ $(grep -c 'away from the light by 0[.][0-9]*[1-9]' "$said") == 8 ]] || fail "a shadow falls towards its light"
+  [[ $(tail -24 "$said" | grep -c '[%@]') -gt 2 ]] || fail "the last texture has no umbra"
+  refuses "$light" "$light"
+}
+
+example_camera_app() {
+  local picture=$output/camera_app.ppm source=$root/models/examples/camera_app.cpp estimates folder files
+  run "$light" "$shadow" "$picture"
+  # Of 90 frames, 1.5 seconds, at four estimates a second. Under emulation 4 ms are too short for one.
+  estimates=$(grep -o '[0-9]* estimates' "$said" | cut -d ' ' -f 1)
+  ((emulated || estimates >= 3)) || fail "only $estimates estimates of the light"
+  # A PPM of 480 x 360 with more colours than floor and wall have: shadow and sand.
+  (($(stat -c %s "$picture") == 15 + 3 * 480 * 360)) || fail "$picture is not the picture"
+  (($(tail -c +16 "$picture" | od -An -v -tx1 -w3 | sort -u | wc -l) > 200)) || fail "$picture shows nothing"
+  # What is no network, no shadow, no file or a folder is refused with its sentence.
+  folder=$output/folder
+  mkdir -p "$folder"
+  refuses "$source" "$source" "$shadow" "$picture.not"
+  refuses "$source" "$light" "$source" "$picture.not"
+  refuses "$source.missing" "$source.missing" "$shadow" "$picture.not"
+  refuses "$folder" "$folder" "$shadow" "$picture.not"
+  refuses "$folder" "$light" "$folder" "$picture.not"
+  [[ ! -e $picture.not ]]
+}
+
+lines=$(cat "$root/models/examples/$name".c* | wc -l)
+((lines > 0 && lines <= 80)) || fail "it has $lines lines; an example must have 1 to 80"
+"example_$name"

@@ -1,5 +1,6 @@
-// Distances along the surface (3.14), against surfaces on which they are known: a folded sheet, which unrolls into a
-// plane; a sphere; the net of a cube; and a plate with a notch, around whose inner corner shortest paths turn.
+// Distances along the surface, (3.14) of the dissertation, on surfaces where they are known: a folded sheet, which
+// unrolls into a plane; a sphere; the net of a cube; and a plate with a notch, where shortest paths turn around the
+// inner corner.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -62,7 +63,7 @@ host::Mesh folded_sheet(uint32_t steps) {
   for (uint32_t i = 0; i <= steps; ++i) profile.push_back({static_cast<double>(i) / steps, 0});
   for (uint32_t i = 0; i <= steps; ++i) profile.push_back({1 - static_cast<double>(i) / steps, k_gap});
   const uint32_t rows = static_cast<uint32_t>(profile.size());
-  std::mt19937 jitter(5);  // uneven across, so that nothing lines up
+  std::mt19937 jitter(5);  // uneven across the sheet, so that no edges line up
   for (uint32_t i = 0; i < rows; ++i)
     for (uint32_t j = 0; j <= steps; ++j) {
       const double shift = j == 0 || j == steps ? 0 : (static_cast<double>(jitter() % 1000) / 1000 - 0.5) * 0.6 / steps;
@@ -152,7 +153,8 @@ TEST(Geodesic, of_a_fine_sphere_is_the_great_circle) {
       if (truth < 1.4 && truth > 0.01) worst = std::max(worst, std::fabs(found[i] / truth - 1));
     }
   }
-  // Edges of about 0.07: chords and faces sag by (edge)^2/8 of the radius at most, and the length with them.
+  // Edges are about 0.07 long. Chords and faces lie below the sphere by at most (edge)^2/8 of the radius, which
+  // shortens the path.
   EXPECT_LT(worst, 0.07 * 0.07 / 4);
 }
 
@@ -172,7 +174,7 @@ TEST(Geodesic, turns_at_an_inner_corner) {
       const double ax = targets[s].position[0], az = targets[s].position[2], bx = targets[i].position[0],
                    bz = targets[i].position[2];
       double truth = std::hypot(ax - bx, az - bz);
-      // Straight is impossible where the segment passes the corner on its far side.
+      // The straight segment is impossible where it leaves the plate at the corner.
       const bool across = (ax > 1 && bz > 1) || (bx > 1 && az > 1);
       const double side = (bx - ax) * (1 - az) - (bz - az) * (1 - ax);
       if (across && (ax > 1 ? side > 0 : side < 0)) {
@@ -205,7 +207,8 @@ TEST(Geodesic, sampling_keeps_the_two_sides_of_a_thin_sheet_apart) {
   // Euclidean distance lets each side block most of the other: the geodesic set is that of a sheet twice as large.
   EXPECT_GT(static_cast<double>(geodesic.size()), 1.4 * static_cast<double>(euclidean.size()));
 
-  // Maximal in the unrolled sheet: no random place is further than l (and a hole that no candidate hit) from a sample.
+  // Maximal in the unrolled sheet: no random place is further from a sample than l plus the size of a hole between
+  // candidates.
   size_t uncovered = 0;
   const std::vector<Candidate> places = random_targets(sheet, 5000, 6);
   for (const Candidate& place : places) {

@@ -1,6 +1,6 @@
 // Golden hashes: the samples of a seed on the trefoil are the same bits with every compiler, instruction set and
-// architecture. A change of these numbers is a change of the algorithm, and of every scene that starts from samples:
-// note it in the changes that break recordings.
+// architecture. A change of these numbers is a change of the algorithm and of every scene that starts from samples:
+// list it among the changes that break recordings.
 #include <gtest/gtest.h>
 
 #include <cinttypes>

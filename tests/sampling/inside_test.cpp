@@ -1,12 +1,13 @@
-// Inside tests against shapes of which the truth is a formula, at points placed to do harm, and on meshes with holes.
+// Inside tests against shapes whose inside is a formula, at points that are chosen to be difficult, and on meshes with
+// holes.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "models/host/mesh/generated.h"
 #include "models/host/mesh/ray_caster.h"
-#include "runtime/sampling/inside.h"
 #include "runtime/core/random.h"
+#include "runtime/sampling/inside.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {
@@ -51,7 +52,7 @@ void expect_torus(const InsideTest& inside, const char* name) {
         << name << " at " << points[i] << " " << points[i + 1] << " " << points[i + 2];
   }
   EXPECT_GT(in_torus, 5000);
-  EXPECT_LT(in_band, 400);  // the band is thin: the test says something about nearly all points
+  EXPECT_LT(in_band, 400);  // the band is thin, so nearly all points are tested
 }
 
 TEST(Inside, parity_agrees_with_the_analytic_torus) {
@@ -132,7 +133,7 @@ TEST(Inside, tree_agrees_with_the_exact_winding_number) {
     double winding = -1;
     const char* reason = nullptr;
     ASSERT_EQ(sandglass_mesh_winding_number(&mesh, &points[i], &winding, &reason), SANDGLASS_OK);
-    // Closed and not crossing itself: a whole number, 0 or 1, up to rounding.
+    // For a closed mesh that does not cross itself the number is 0 or 1, up to rounding.
     ASSERT_LT(std::min(std::fabs(winding), std::fabs(winding - 1)), 1e-9);
     ASSERT_EQ(inside(&points[i]), winding > 0.5);
     in += winding > 0.5;
@@ -164,7 +165,7 @@ double worst_tree_error(const host::Mesh& mesh, int count, double reach) {
   return worst;
 }
 
-TEST(Inside, tree_stays_within_its_error) {  // the header's 0.04
+TEST(Inside, tree_stays_within_its_error) {  // 0.04, as the header says
   EXPECT_LT(worst_tree_error(host::make_trefoil(0.1f, 0.018f, 200, 16), 300, 0.13), 0.04);
   EXPECT_LT(worst_tree_error(host::make_icosphere(1, 4), 300, 1.3), 0.04);
   const float plate[3] = {1, 0.01f, 1};
@@ -172,7 +173,7 @@ TEST(Inside, tree_stays_within_its_error) {  // the header's 0.04
 }
 
 TEST(Inside, winding_number_is_a_fraction_where_the_mesh_is_open) {
-  // The lower half of a sphere seen from its centre fills half of all directions; erratum (3.27).
+  // Seen from the centre, the lower half of a sphere fills half of all directions. This tests the corrected (3.27).
   host::Mesh half = host::make_icosphere(1, 3);
   std::vector<uint32_t> kept;
   for (size_t t = 0; t < half.indices.size(); t += 3)
@@ -205,7 +206,7 @@ TEST(Inside, winding_decides_for_a_mesh_with_a_hole_where_parity_cannot) {
   for (size_t i = 0; i < points.size(); i += 3) {
     const float* p = &points[i];
     const double r = std::sqrt(static_cast<double>(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]));
-    if (p[0] > 0.55f || std::fabs(r - 1) < 0.02) continue;  // near the hole inside is a matter of degree
+    if (p[0] > 0.55f || std::fabs(r - 1) < 0.02) continue;  // near the hole it is not defined what is inside
     ASSERT_EQ(winding(p), r < 1) << p[0] << " " << p[1] << " " << p[2];
   }
 }

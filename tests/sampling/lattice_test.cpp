@@ -1,4 +1,5 @@
-// Alg. 3: the packing's defining numbers (12 neighbours at exactly l, density sqrt(2)/l^3) and its place.
+// Alg. 3 of the dissertation: the numbers that define the packing (12 neighbours at exactly l, density sqrt(2)/l^3) and
+// its place.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +15,7 @@ TEST(Lattice, has_twelve_neighbours_at_exactly_the_distance) {
   const float low[3] = {-3.1f, 2.2f, 10.3f}, high[3] = {-2.1f, 3.2f, 11.3f}, distance = 0.083f;
   const Points sites = sample_lattice(low, high, distance, everywhere, nullptr);
   const PointLookup lookup(sites, 1.2 * distance);
-  // A coordinate near 11 is rounded to 5e-7: two of them and the third dimension.
+  // A coordinate near 11 has a rounding error of up to 5e-7; a distance takes three.
   const double rounding = 1.5e-6;
   int interior = 0;
   for (size_t i = 0; i < sites.size(); i += 3) {
@@ -30,7 +31,8 @@ TEST(Lattice, has_twelve_neighbours_at_exactly_the_distance) {
 }
 
 TEST(Lattice, is_hexagonal_not_cubic_close_packed) {
-  // In HCP a site's mirror image about a neighbour layer is again a site: layer j + 2 lies right above layer j.
+  // In a hexagonal packing the mirror image of a site about a neighbour layer is again a site: layer j + 2 lies exactly
+  // above layer j.
   const float low[3] = {0, 0, 0}, high[3] = {1, 1, 1}, distance = 0.1f;
   const Points sites = sample_lattice(low, high, distance, everywhere, nullptr);
   const PointLookup lookup(sites, 0.01);
@@ -55,7 +57,7 @@ TEST(Lattice, starts_at_the_minimum_of_the_box) {
 }
 
 TEST(Lattice, fills_space_at_the_density_of_the_closest_packing) {
-  // One site per l^3/sqrt(2). In a box of extent b the surplus is that of the half cells along its faces: of order l/b.
+  // One site per l^3/sqrt(2). A box of extent b has more, because of the half cells along its faces: of order l/b.
   const float low[3] = {0, 0, 0}, high[3] = {2, 2, 2}, distance = 0.05f;
   const Points sites = sample_lattice(low, high, distance, everywhere, nullptr);
   const double expected = 8 * std::sqrt(2.0) / std::pow(static_cast<double>(distance), 3);

@@ -1,5 +1,5 @@
-// Caller's memory: exactly the bytes that are named, one less is refused and touches nothing; capacity, alignment, bad
-// arguments.
+// The caller's memory: exactly the stated bytes suffice; one byte less is refused and nothing is touched. Also
+// capacity, alignment and bad arguments.
 #include <gtest/gtest.h>
 
 #include <cmath>

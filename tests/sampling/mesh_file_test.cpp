@@ -1,4 +1,4 @@
-// Reading mesh files, good and bad: each bad one gives one sentence that names the file.
+// Reading good and bad mesh files: each bad one gives one sentence that names the file.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -51,7 +51,7 @@ TEST(MeshFile, bad_ones_give_one_sentence) {
   std::string stl(80, ' ');
   stl += std::string("\x02\0\0\0", 4) + std::string(50, '\0');
   expect_sentence(write("cut.stl", stl), "");
-  // A binary PLY cut in its vertex data.
+  // A binary PLY that ends in its vertex data.
   const std::string whole = write("whole.ply", "");
   ASSERT_EQ(host::write_mesh_ply(whole, host::make_icosphere(1, 1)), "");
   std::ifstream file(whole, std::ios::binary);
@@ -66,7 +66,7 @@ TEST(MeshFile, every_truncation_of_a_file_gives_a_mesh_or_a_sentence) {
   const std::string text((std::istreambuf_iterator<char>(file)), {});
   for (size_t length = 0; length < text.size(); length += 7) {
     const host::MeshResult result = host::load_mesh(write("truncated.obj", text.substr(0, length)));
-    // Whole triangles may remain, and then the hole is reported.
+    // Whole triangles may remain. Then the hole is reported.
     if (result) EXPECT_GT(result.report.boundary_edges, 0u) << length;
     else EXPECT_FALSE(result.error.empty());
   }

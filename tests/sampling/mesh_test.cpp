@@ -1,4 +1,4 @@
-// Generated meshes against their formulas, cleaning and the counts of edges, and files that are whole or not there.
+// Generated meshes against their formulas; cleaning and the counts of edges; files are written whole or not at all.
 #include "models/host/mesh/mesh.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 
 constexpr double k_pi = 3.14159265358979323846;
 
-// A folder of this process's own, gone afterwards.
+// A folder of this process, removed at the end.
 class Folder {
  public:
   Folder()
@@ -116,7 +116,7 @@ TEST(Generated, hourglass_has_the_volume_that_Pappus_gives_its_outline) {
   for (const uint32_t steps : {8u, 16u, 32u}) {
     const host::Mesh mesh = host::make_revolved(host::hourglass_profile(k_height, k_bulb, k_neck, steps), 128);
     const double error = std::fabs(host::signed_volume(mesh) / (share * truth) - 1);
-    EXPECT_LT(error, 0.3 * last) << "chords err by their length squared; steps " << steps;
+    EXPECT_LT(error, 0.3 * last) << "the error of chords must fall with their length squared; steps " << steps;
     last = error;
   }
   EXPECT_LT(last, 5e-4);
@@ -159,8 +159,7 @@ TEST(Generated, unknown_name_is_a_sentence) {
 }
 
 TEST(Clean, merges_duplicates_and_drops_degenerates) {
-  // A tetrahedron with every corner of every face a vertex of its own, one of them at -0, and two triangles that are
-  // none.
+  // A tetrahedron in which every face has its own three vertices, one of them at -0, and two degenerate triangles.
   const float corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   std::vector<float> vertices;
@@ -170,7 +169,7 @@ TEST(Clean, merges_duplicates_and_drops_degenerates) {
       indices.push_back(static_cast<uint32_t>(vertices.size() / 3));
       for (float x : corners[corner]) vertices.push_back(vertices.empty() ? -x : x);
     }
-  indices.insert(indices.end(), {0, 0, 1, 0, 3, 1});  // vertex 3 is vertex 0's twin
+  indices.insert(indices.end(), {0, 0, 1, 0, 3, 1});  // vertex 3 is a copy of vertex 0
   const host::MeshResult result = host::clean_mesh(vertices, indices, "tetrahedron");
   ASSERT_TRUE(result) << result.error;
   EXPECT_EQ(result.mesh.vertex_count(), 4u);
@@ -193,7 +192,7 @@ TEST(Clean, counts_the_faults_of_edges) {
   host::Mesh flipped = box;
   std::swap(flipped.indices[0], flipped.indices[1]);
   EXPECT_EQ(report(flipped).inconsistent_edges, 3u);
-  EXPECT_TRUE(report(flipped).watertight());  // parity does not mind
+  EXPECT_TRUE(report(flipped).watertight());  // parity works for any orientation
   EXPECT_FALSE(report(flipped).manifold());
   host::Mesh fin = box;  // a triangle that stands on one of the box's edges
   fin.vertices.insert(fin.vertices.end(), {2, 2, 2});
@@ -239,7 +238,7 @@ TEST(Ply, failure_is_a_sentence_and_leaves_what_was_there) {
   EXPECT_NE(host::write_points_ply(folder / "no/such/folder/points.ply", {1, 2, 3}).find("cannot be written"),
             std::string::npos);
   std::filesystem::create_directories(folder / "taken");
-  EXPECT_NE(host::write_points_ply(folder / "taken", {1, 2, 3}), "");  // a folder of that name: renaming fails
+  EXPECT_NE(host::write_points_ply(folder / "taken", {1, 2, 3}), "");  // a folder has that name, so renaming fails
   EXPECT_EQ(folder.files(), 1u);
 }
 
@@ -248,7 +247,7 @@ TEST(Picture, shows_the_points) {
   const std::string path = folder / "points.png";
   ASSERT_EQ(host::write_point_picture(path, {0, 0, 0, 1, 0, 0, 0, 1, 0}, 0.2f, 64, 48), "");
   const std::string png = content(path);
-  ASSERT_GT(png.size(), 300u);  // a picture of background alone takes less
+  ASSERT_GT(png.size(), 300u);  // a picture of background alone is smaller
   EXPECT_EQ(png.substr(1, 3), "PNG");
   EXPECT_EQ(png.substr(16, 8), (std::string{0, 0, 0, 64, 0, 0, 0, 48}));
   EXPECT_NE(host::write_point_picture(folder / "none.png", {}, 0.1f, 64, 48), "");

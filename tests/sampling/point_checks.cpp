@@ -182,7 +182,7 @@ double least_distance(const Points& points, double expected) {
   const PointLookup lookup(points, 1.01 * expected);
   double least = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < points.size(); i += 3) {
-    // The point itself is found at distance 0: a second one within reach is what counts.
+    // The point itself is found at distance 0, so a second one must be within reach.
     if (lookup.count_within(&points[i], 1.01 * expected) < 2) continue;
     for (size_t j = 0; j < points.size(); j += 3)
       if (j != i) least = std::min(least, distance_between(&points[i], &points[j]));

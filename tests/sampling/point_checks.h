@@ -1,5 +1,5 @@
-// What the sampling tests share: runs of the samplers in exactly sized blocks, and independent answers (in double, by a
-// plain grid of their own) on the distances between points.
+// What the sampling tests share: runs of the samplers in blocks of the exact size, and distances between points that
+// are found independently (in double, by a plain grid of their own).
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,20 @@
 
 namespace sandglass::test {
 
-using Points = std::vector<float>;  // 3 a point
+using Points = std::vector<float>;  // x, y, z of each point
 
 sandglass_mesh view(const host::Mesh& mesh);
 host::Mesh joined(const host::Mesh& a, const host::Mesh& b);
 host::Mesh moved(host::Mesh mesh, float x, float y, float z);
 
-// A block aligned for the library, of exactly `bytes`, with guard bytes before and behind.
+// A block of exactly `bytes`, aligned for the library, with guard bytes before and behind.
 class GuardedBlock {
  public:
   explicit GuardedBlock(uint64_t bytes);
   void* data();
   uint64_t bytes() const { return bytes_; }
   bool guards_intact() const;
-  bool untouched() const;  // guards and contents as at the start
+  bool untouched() const;  // guards and contents are as at the start
 
  private:
   uint64_t bytes_;
@@ -55,7 +55,7 @@ class InsideTest {
 double distance_between(const float a[3], const float b[3]);
 // The least distance between two points of the set.
 double least_distance(const Points& points, double expected);
-// Points hashed into cubes, to look up whether one lies within `reach` (at most the cube's edge) of a place.
+// Points hashed into cubes, to find out whether one lies within `reach` (at most the cube's edge) of a place.
 class PointLookup {
  public:
   PointLookup(const Points& points, double edge);

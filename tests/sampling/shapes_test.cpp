@@ -1,5 +1,5 @@
-// Disk, sphere and ring against the source's formulas in long double, and the ring's promise: exactly M points, all in
-// it.
+// Disk, sphere and ring against the dissertation's formulas in long double, and the ring's promise: exactly M points,
+// all in it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ struct RingSweep {
   int rings = 0, off_by_formula = 0;
 };
 
-// The count that (3.10) keeps of the sphere that (3.11) asks for: the source's own number.
+// How many points (3.10) keeps of the sphere that (3.11) asks for: the dissertation's own number.
 int64_t count_by_formula(double a, double b, uint32_t wanted) {
   const double n = std::ceil(2 * wanted / (std::cos(a) - std::cos(b)));
   return static_cast<int64_t>(std::floor((n * (1 - std::cos(b)) + 1) / 2) -
@@ -52,7 +52,7 @@ int64_t count_by_formula(double a, double b, uint32_t wanted) {
 }
 
 void check_ring(float a, float b, uint32_t wanted, RingSweep* sweep) {
-  // One more triple than asked for, as a guard: exactly `wanted` points are written.
+  // The array has room for one more point, as a guard: exactly `wanted` points are written.
   Points points(3 * (wanted + 1), -7.0f);
   const char* reason = nullptr;
   ASSERT_EQ(sandglass_sample_ring(1.0f, a, b, wanted, points.data(), &reason), SANDGLASS_OK)
@@ -80,7 +80,7 @@ TEST(Ring, has_exactly_the_wanted_points_all_inside) {
       }
   for (float width : {1e-4f, 1e-3f, 0.01f})
     for (uint32_t wanted : {1u, 10u, 77u}) check_ring(0.7f, 0.7f + width, wanted, &sweep);
-  // The erratum is real: the formula alone misses the number for some of these rings.
+  // The correction is needed: the printed formula misses the number for some of these rings.
   EXPECT_GT(sweep.off_by_formula, 0);
   RecordProperty("rings", sweep.rings);
   RecordProperty("rings_where_3_11_is_off", sweep.off_by_formula);

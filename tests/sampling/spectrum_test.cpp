@@ -1,4 +1,5 @@
-// (3.1): the sum against known sums, and the colour of the samplers' noise. White noise is the control that must fail.
+// The power spectrum, (3.1) of the dissertation, against known sums, and the colour of the samplers' noise. White noise
+// is the control that must fail.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,8 +44,8 @@ TEST(Spectrum, equals_the_sum_in_long_double) {
   EXPECT_NEAR(power, static_cast<double>((real * real + imaginary * imaginary) / 100), 1e-11);
 }
 
-// The mean power between 0.15/l and 0.5/l: above what the 1 m outline of the set shows, well below the spacing's own
-// frequency.
+// The mean power between 0.15/l and 0.5/l: above the frequencies of the set's 1 m outline, and well below that of the
+// spacing.
 double low_frequency_power(const Points& points, int32_t planar) {
   std::vector<double> power(k_bins);
   const char* reason = nullptr;
@@ -77,8 +78,8 @@ TEST(Spectrum, surface_samples_are_blue_noise) {
   EXPECT_LT(low_frequency_power(points, 1), k_blue_limit);
 }
 
-// The same for a cube of edge `edge`, at the frequencies (i, j, k)/edge only: there the cube's own outline has no power
-// at all, whereas in a radial mean it would drown the noise.
+// The same for a cube of edge `edge`, at the frequencies (i, j, k)/edge only. There the outline of the cube has no
+// power at all; in a radial mean it would hide the noise.
 double low_frequency_power_of_cube(const Points& points, double edge) {
   const int lowest = static_cast<int>(0.15 * edge / k_distance), highest = static_cast<int>(0.5 * edge / k_distance);
   double sum = 0;

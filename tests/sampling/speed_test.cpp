@@ -1,5 +1,5 @@
-// 100,000 points, timed; and the law of growth: four times the points must not take much more than four times as long.
-// Ratios, not times, are gated: times depend on the machine, a quadratic algorithm does not hide.
+// The time for 100,000 points, and how it grows: four times the points must not take much more than four times as long.
+// Only ratios have limits, because times depend on the machine. A quadratic algorithm would show.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace sandglass::test {
 namespace {
 
-constexpr double k_linear = 4, k_quadratic = 16;  // for four times the points
+constexpr double k_linear = 4, k_quadratic = 16;  // the ratio of times, for four times the points
 const double k_growth_limit = std::sqrt(k_linear * k_quadratic);
 
 struct Timed {
@@ -23,7 +23,7 @@ struct Timed {
 template <class Sample>
 Timed timed(const Sample& sample) {
   Timed best = {0, 1e9};
-  for (int run = 0; run < 3; ++run) {  // the quickest of three: other processes only add
+  for (int run = 0; run < 3; ++run) {  // the quickest of three, because other processes only add time
     const std::clock_t start = std::clock();
     best.points = sample().size() / 3;
     best.seconds = std::min(best.seconds, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);

@@ -1,4 +1,5 @@
-// Alg. 1: least distance, maximality over the very candidates, points on the surface, parts that growth cannot reach.
+// Alg. 1 of the dissertation: least distance, maximality over the same candidates, points on the surface, parts that
+// growth cannot reach.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +11,7 @@
 namespace sandglass::test {
 namespace {
 
-// The candidates that a run with this seed draws, by the library's own stream.
+// The candidates that a run with this seed draws, by the library's own random numbers.
 Points candidates_of(const host::Mesh& mesh, float distance, uint64_t seed) {
   const sandglass_mesh surface = view(mesh);
   std::vector<double> running(mesh.triangle_count());
@@ -48,7 +49,7 @@ TEST(Surface, reaches_parts_further_apart_than_two_distances) {
   const Points samples = sample_surface(legs, distance, options_with_seed(3));
   size_t left = 0, right = 0;
   for (size_t i = 0; i < samples.size(); i += 3) (samples[i] < 0 ? left : right) += 1;
-  // Two equal boxes: their numbers differ by chance only, a few per cent of about 170.
+  // Two equal boxes: their counts differ by chance only, by a few per cent of about 170.
   EXPECT_NEAR(static_cast<double>(left) / static_cast<double>(right), 1, 0.2);
   EXPECT_GE(least_distance(samples, distance), static_cast<double>(distance));
   expect_maximal(samples, candidates_of(legs, distance, 3), distance);
@@ -70,9 +71,9 @@ TEST(Surface, lies_on_the_surface) {
 }
 
 TEST(Surface, fills_the_plane_as_densely_as_random_packing_does) {
-  // Maximal Poisson-disk sets cover about 0.7 points a distance^2 (random sequential packing of disks of diameter l
-  // jams at a coverage of 0.547, that is 0.547/(pi/4) = 0.697; Feder 1980). Finite candidates leave it a little below,
-  // the rim a little above.
+  // Maximal Poisson-disk sets have about 0.7 points per distance^2: random sequential packing of disks of diameter l
+  // jams at a coverage of 0.547, which is 0.547/(pi/4) = 0.697 (Feder 1980). Finite candidates give a little less, the
+  // rim a little more.
   host::Mesh square;
   square.vertices = {0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1};
   square.indices = {0, 2, 1, 0, 3, 2};
@@ -84,7 +85,7 @@ TEST(Surface, fills_the_plane_as_densely_as_random_packing_does) {
 }
 
 TEST(Surface, weighs_triangles_by_area) {
-  // A square of one large and many small triangles: the halves must get equal numbers of candidates.
+  // A square of one large triangle and many small ones: both halves must get equally many candidates.
   host::Mesh square;
   square.vertices = {0, 0, 0, 1, 0, 0, 1, 0, 1};
   square.indices = {0, 1, 2};

@@ -1,4 +1,5 @@
-// Alg. 2 with its errata: the law of the tries, least distance, maximality over the probes, separate parts.
+// Alg. 2 of the dissertation with its corrections (runtime/README.md): the distribution of the tries, least distance,
+// maximality over the probes, separate parts.
 #include "runtime/sampling/volume.h"
 
 #include <gtest/gtest.h>
@@ -11,11 +12,12 @@
 namespace sandglass::test {
 namespace {
 
-// The share of the shell's volume within r: uniform in 0..1 if the points are uniform in the shell.
+// The share of the shell's volume within r. It is uniform in 0..1 if the points are uniform in the shell.
 double volume_share(double r) { return (r * r * r - 1) / 7; }
 
 constexpr int k_draws = 100000;
-// Kolmogorov-Smirnov: a gap beyond 1.95/sqrt(n) happens to a right law once in a thousand sets. The seed is fixed.
+// Kolmogorov and Smirnov: with the right distribution, a gap above 1.95/sqrt(n) happens once in a thousand sets. The
+// seed is fixed.
 const double k_gap_limit = 1.95 / std::sqrt(k_draws);
 
 TEST(Shell, tries_are_uniform_in_the_shell) {
@@ -96,13 +98,13 @@ TEST(Volume, reaches_parts_further_apart_than_two_distances) {
 }
 
 TEST(Volume, leaves_no_large_hole) {
-  // Beyond the probes: growth with 30 tries leaves no place much further than l from a sample. Independent random
-  // places; 2 % of them may lie in the small holes that 30 tries miss.
+  // At other places than the probes: growth with 30 tries leaves no place much further than l from a sample. The places
+  // are random; 2 % of them may lie in small holes that 30 tries miss.
   const float low[3] = {0, 0, 0}, high[3] = {1, 1, 1}, distance = 0.06f;
   const auto everywhere = [](void*, const float*) { return 1; };
   const Points samples = sample_volume(low, high, distance, everywhere, nullptr, options_with_seed(1));
-  // Random sequential packing of balls jams at a coverage of 0.384, 0.733 points a distance^3 (Torquato 2006); 30 tries
-  // stop short of that, and the faces of the box add to it.
+  // Random sequential packing of balls jams at a coverage of 0.384, which is 0.733 points per distance^3 (Torquato
+  // 2006). 30 tries give less, and the faces of the box add some.
   const double density = static_cast<double>(samples.size() / 3) * std::pow(static_cast<double>(distance), 3);
   EXPECT_GT(density, 0.55);
   EXPECT_LT(density, 0.8);
@@ -123,7 +125,7 @@ TEST(Volume, leaves_no_large_hole) {
 TEST(Volume, finds_an_object_that_no_probe_hits) {
   std::vector<Ball> ball = {{{0.02f, 0.03f, -0.01f}, 0.1f}};
   const float low[3] = {-0.5f, -0.5f, -0.5f}, high[3] = {0.5f, 0.5f, 0.5f};
-  // One cell, one probe; the ball is 0.4 % of the box.
+  // There is one cell and one probe. The ball is 0.4 % of the box.
   const Points samples = sample_volume(low, high, 1.5f, inside_balls, &ball, options_with_seed(1));
   EXPECT_EQ(samples.size(), 3u);
 }
@@ -150,7 +152,7 @@ TEST(Volume, asks_inside_only_within_the_box) {
   const Points samples = sample_volume(low, high, 0.1f, inside, &watch, options_with_seed(1));
   EXPECT_GT(samples.size(), 0u);
   EXPECT_EQ(watch.outside, 0);
-  // A try is tested for conflicts first: whatever is inside and asked for becomes a sample.
+  // A try is tested for conflicts first, so each point that is asked for and is inside becomes a sample.
   EXPECT_EQ(static_cast<size_t>(watch.calls), samples.size() / 3);
 }
 

@@ -1,4 +1,4 @@
-// A shadow file is untrusted: every truncation, every changed byte, and wrong numbers behind a right checksum.
+// A shadow file is untrusted. Tested are every truncation, every changed bit, and wrong numbers with a right checksum.
 #include "runtime/asset/file.h"
 #include "runtime/asset/shadow_asset.h"
 
@@ -56,7 +56,7 @@ TEST(ShadowAsset, EveryChangedBitIsRefused) {
   EXPECT_EQ(open(file), SANDGLASS_OK);
 }
 
-// An attacker repairs the checksum: what is accepted then must also run.
+// An attacker may repair the checksum. A file that is then accepted must also run.
 TEST(ShadowAsset, ChangedBytesBehindARightChecksumNeverCrash) {
   const AssetFile original = make_shadow_file(k_small);
   int accepted = 0;

@@ -1,4 +1,4 @@
-// Baking end to end in small: the same file on any number of threads and across an interruption, and what is refused.
+// Small bakes from end to end: the same file on any number of threads and after an interruption, and what is refused.
 #include "models/shadow/bake.h"
 
 #include <gtest/gtest.h>
@@ -87,7 +87,7 @@ TEST_F(Bake, TrainingGoesOnFromACheckpointToTheSameBits) {
         geometry, caster, pool, [](uint32_t) { return true; }, s));
   EXPECT_EQ(resumed.values, set.values);
 
-  for (const uint32_t stop : {3u, 12u, 15u}) {  // within, at the end of, and after the float steps
+  for (const uint32_t stop : {3u, 12u, 15u}) {  // during, at the end of, and after the float steps
     Trainer trainer(set, plan, pool);
     TrainingState straight = start_training({16, 1}, 1), broken = start_training({16, 1}, 1);
     while (!trainer.finished(straight)) trainer.step(&straight);

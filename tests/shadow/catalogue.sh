@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The catalogue end to end in small: two objects and a file that is none, one bake killed in the middle.
+# A small catalogue from end to end: two objects, a file that is no mesh, and one bake that is killed in the middle.
 #   catalogue.sh SNAKEFILE PROGRAM WORK_FOLDER
 # Exit code 77: Snakemake is not installed.
 set -euo pipefail
@@ -16,7 +16,7 @@ bake() {
     threads=1 options="${2:-$options}"
 }
 
-# A program that dies in its first try at an object, as a machine that is switched off.
+# A program that dies in its first try at an object, like a machine that is switched off.
 cat >"$work/mortal" <<MORTAL
 #!/usr/bin/env bash
 if [[ \$* == *tetrahedron* && ! -e "$work/died" ]]; then touch "$work/died"; kill -9 \$\$; fi
@@ -38,19 +38,19 @@ grep -q '^  broken: .*broken.obj' "$work/out/summary.txt" || { echo "the refusal
 bake "$work/mortal" >"$work/second.log" 2>&1 || { cat "$work/second.log"; exit 1; }
 grep -q 'Nothing to be done' "$work/second.log" || { cat "$work/second.log"; exit 1; }
 
-# What is missing is baked again, and to the same bytes.
+# A missing shadow is baked again, to the same bytes.
 mv "$work/out/tetrahedron.shadow" "$work/kept"
 bake "$program" >"$work/third.log" 2>&1 || { cat "$work/third.log"; exit 1; }
-cmp "$work/kept" "$work/out/tetrahedron.shadow" || { echo "the shadow that had gone was not baked again"; exit 1; }
+cmp "$work/kept" "$work/out/tetrahedron.shadow" || { echo "the missing shadow was not baked again to the same bytes"; exit 1; }
 
-# Options that are wrong are no object's fault: the run fails, and no object counts as done.
+# Wrong options are not the fault of an object: the run fails, and no object counts as done.
 ! bake "$program" "$options --sizes 8x1" typo >"$work/typo.log" 2>&1 || { echo "a wrong option passed"; exit 1; }
 [[ -z $(ls "$work"/typo/*.json "$work"/typo/summary.txt 2>/dev/null) ]] || { echo "a wrong option refused objects"; exit 1; }
 grep -q 'sizes' "$work/typo/tetrahedron.log" || { cat "$work/typo.log"; echo "the log does not say why"; exit 1; }
 bake "$program" "$options" typo >"$work/mended.log" 2>&1 || { cat "$work/mended.log"; exit 1; }
 grep -q '^2 baked, 1 refused$' "$work/typo/summary.txt" || { echo "objects were lost to a wrong option"; exit 1; }
 
-# Checkpoints that cannot be gone on from: one of other options, of a bake that was interrupted, and one that is damaged.
+# Checkpoints that cannot be used: one of an interrupted bake with other options, and one that is damaged.
 mkdir -p "$work/stale"
 "$program" bake "$work/meshes/tetrahedron.obj" -o "$work/stale/tetrahedron.shadow" --threads 1 --size 16x1 --textures 1 --steps 100000000 \
   >"$work/interrupted.log" 2>&1 &

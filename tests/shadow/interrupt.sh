@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Ctrl-C in the middle of a bake: no output file, a checkpoint, exit code 130; with --resume the same bytes as without.
+# Ctrl-C in the middle of a bake leaves a checkpoint and no output file, with exit code 130. With --resume the bake
+# gives the same bytes as one without interruption.
 #   interrupt.sh PROGRAM WORK_FOLDER
 set -euo pipefail
 program=$1 work=$2
@@ -10,21 +11,21 @@ begin=$(date +%s%N)
 "${bake[@]}" -o "$work/whole" >"$work/log" 2>&1
 third=$((($(date +%s%N) - begin) / 3000000))  # ms
 
-# Whether a process handles SIGINT already: before that, the signal would end it as it ends any program.
+# Whether a process handles SIGINT already. Before that, the signal ends it as it ends any program.
 listens() {
   local caught
   caught=$(sed -n 's/^SigCgt:[[:space:]]*//p' "/proc/$1/status" 2>/dev/null) || return 1
   ((16#${caught:-0} & 2))
 }
 
-# Interrupts the bake a third of a whole one after it began, or earlier if it has finished by then: tried again from
-# where it was, with half the time.
+# Interrupts the bake after a third of the time that a whole one takes. If it has finished by then, tries again with
+# half that time.
 interrupt() {
   local wait_ms=$third code job
   for attempt in {1..8}; do
     rm -f "$work/parts"
     if [[ -e $work/before ]]; then cp "$work/before" "$work/parts.checkpoint"; else rm -f "$work/parts.checkpoint"; fi
-    set -m  # a background job of a script ignores SIGINT otherwise
+    set -m  # otherwise a background job of a script ignores SIGINT
     "${bake[@]}" -o "$work/parts" "$@" >"$work/log" 2>&1 &
     set +m
     job=$!
@@ -42,7 +43,7 @@ interrupt() {
   exit 1
 }
 
-for resume in "" --resume; do  # twice: an interrupted resumption is resumed
+for resume in "" --resume; do  # twice: a resumed bake that is interrupted is resumed again
   interrupt $resume
   [[ ! -e $work/parts ]] || { echo "an interrupted bake left a file"; exit 1; }
   [[ -s $work/parts.checkpoint ]] || { echo "an interrupted bake left no checkpoint"; exit 1; }

@@ -1,4 +1,4 @@
-// Every int8 table against a naive oracle in 64-bit integers and double, and so against every other one, to the bit.
+// Every int8 table equals a naive oracle in 64-bit integers and double to the bit, and so every other table.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -63,7 +63,7 @@ struct Oracle {
     for (uint8_t& b : coverage) b = static_cast<uint8_t>(next(0, 255));
   }
 
-  // (float)(sum) * multiplier is one rounding each; nearbyint in double rounds to nearest even.
+  // The conversion to float and the product are rounded once each. nearbyint in double rounds to nearest even.
   uint8_t texel(uint32_t u, uint32_t v) const {
     std::vector<uint8_t> in(width), out(width);
     for (uint32_t i = 0; i < width; ++i) {

@@ -1,4 +1,4 @@
-// The sand's own shadow against rays cast at its spheres, the promises of its header, and its place in the frame.
+// The sand's own shadow: against rays cast at its spheres, the promises of its header, and its place in the frame.
 #include "sandglass/pile_shadow.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,8 @@
 namespace {
 
 constexpr double k_degree = std::numbers::pi / 180.0;
-constexpr float k_radius = 0.01f, k_grain = 0.0035f;  // of particles; of grains, which a texel does not resolve
+constexpr float k_radius = 0.01f;   // of particles
+constexpr float k_grain = 0.0035f;  // radius of grains; a texel is larger
 
 struct Light {
   double polar_deg, azimuth_deg;
@@ -60,7 +61,7 @@ sandglass_pile_shadow_desc description() {
   return desc;
 }
 
-// A hexagonal lattice of spheres wherever `inside`.
+// A hexagonal lattice of spheres where `inside` holds.
 std::vector<float> spheres_in(const std::function<bool(const float*)>& inside, float reach, float height) {
   std::vector<float> points;
   const sandglass::Box box{{-reach, k_radius, -reach}, {reach, height, reach}};
@@ -69,14 +70,15 @@ std::vector<float> spheres_in(const std::function<bool(const float*)>& inside, f
   return points;
 }
 
-std::vector<float> heap() {  // as steep as sand gets
+std::vector<float> pile() {  // a cone as steep as sand gets
   return spheres_in([](const float* p) { return std::hypot(p[0], p[2]) < 0.16f - 1.8f * p[1]; }, 0.2f, 0.1f);
 }
-std::vector<float> tower() {  // as it begins to collapse
+std::vector<float> tower() {  // a column as it begins to collapse
   return spheres_in([](const float* p) { return std::hypot(p[0], p[2]) < 0.08f - 0.2f * p[1]; }, 0.1f, 0.18f);
 }
 
-// The share of the light's irradiance that reaches a point, by rays through the middles of equal parts of the cap.
+// The share of the light's irradiance that reaches a point, by rays through the centres of equal parts of the light's
+// cap.
 double traced(const std::vector<float>& spheres, const double (&point)[3], const Light& light,
               float radius = k_radius) {
   constexpr int k_side = 12;
@@ -110,11 +112,11 @@ double traced(const std::vector<float>& spheres, const double (&point)[3], const
 }
 
 struct Error {
-  double rmse = 0, without = 0;  // of visibility, and of no shadow at all
+  double rmse = 0, without = 0;  // errors of visibility, with the shadow and with no shadow at all
   int points = 0;
 };
 
-// Over a lattice of floor points in shadow or near it, beside the sand and not under it.
+// The errors over a lattice of floor points in shadow or near it, beside the sand and not under it.
 Error error_of(const std::vector<float>& spheres, const Light& light, uint32_t texels) {
   sandglass_pile_shadow_desc desc = description();
   desc.texels = texels;
@@ -148,23 +150,24 @@ void expect_truth(const char* what, const std::vector<float>& sand, const Light&
   const Error error = error_of(sand, light, 128);
   ASSERT_GT(error.points, 10) << what << " at " << light.polar_deg;
   EXPECT_LT(error.rmse, limit) << what << " at " << light.polar_deg;
-  EXPECT_GT(error.without, 4 * error.rmse) << what << " at " << light.polar_deg << ": no shadow at all must be worse";
+  EXPECT_GT(error.without, 4 * error.rmse)
+      << what << " at " << light.polar_deg << ": the error without a shadow must be larger";
   std::printf("%s, light at %g degrees: RMSE %.4f, of no shadow %.4f, %d points\n", what, light.polar_deg, error.rmse,
               error.without, error.points);
 }
 
 TEST(PileShadow, IsWhatRaysSay) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "a million rays";
-  const std::vector<float> steep = tower(), flat = heap();
-  // Limits are the measured errors and a quarter.
+  const std::vector<float> steep = tower(), flat = pile();
+  // The limits are the measured errors plus a quarter.
   for (const Light light : {Light{50, 200}, Light{65, 305}}) expect_truth("tower", steep, light, 0.0525);
-  expect_truth("heap", flat, {68, 100}, 0.035);
+  expect_truth("pile", flat, {68, 100}, 0.035);
 }
 
 TEST(PileShadow, OfSandInTheAirStandsOffFromItsFoot) {
   const std::vector<float> ball =
       spheres_in([](const float* p) { return std::hypot(std::hypot(p[0], p[2]), p[1] - 0.2f) < 0.06f; }, 0.1f, 0.3f);
-  const Light light = {45, 0};  // from +x: the shadow's middle is 0.2 m to the other side
+  const Light light = {45, 0};  // light from +x: the shadow's centre is 0.2 m on the other side
   expect_truth("ball", ball, light, 0.0515);
   expect_truth("ball", ball, {4, 70}, 0.063);
   const Shadow shadow(description());
@@ -174,12 +177,12 @@ TEST(PileShadow, OfSandInTheAirStandsOffFromItsFoot) {
   const auto at = [&](double x, double z) {
     return t.coverage[static_cast<size_t>((z + 0.5) * 128) * 128 + static_cast<size_t>((x + 0.5) * 128)];
   };
-  EXPECT_GT(at(-0.2, 0), 200) << "shadow";
+  EXPECT_GT(at(-0.2, 0), 200) << "in the shadow";
   EXPECT_EQ(at(0, 0), 0) << "below the ball";
   EXPECT_EQ(at(0.2, 0), 0) << "on the light's side";
 }
 
-// A thin layer of grains: a texel holds less than one.
+// A thin layer with less than one grain a texel.
 TEST(PileShadow, OfScatteredGrainsIsNotThatOfFullTexels) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "ten million rays";
   std::mt19937 random(5);
@@ -207,14 +210,14 @@ TEST(PileShadow, OfScatteredGrainsIsNotThatOfFullTexels) {
       truth += traced(grains, point, light, k_grain);
       shown += 1 - t.coverage[texel(point[2]) * 128 + texel(point[0])] / 255.0, points += 1;
     }
-    // The measured differences, 0.02 to 0.036, and a quarter; full columns are too dark by far more.
+    // The limit is the largest measured difference (0.02 to 0.036) plus a quarter. Full columns would be far too dark.
     EXPECT_NEAR(shown / points, truth / points, 0.045) << "light at " << polar;
-    EXPECT_GT(1 - truth / points, 0.1) << "light at " << polar << ": there is a shadow";
+    EXPECT_GT(1 - truth / points, 0.1) << "light at " << polar << ": there must be a shadow to compare";
   }
 }
 
 TEST(PileShadow, OneHashForAllKernelsAndAllDivisions) {
-  const std::vector<float> sand = heap();
+  const std::vector<float> sand = pile();
   uint64_t first = 0;
   for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_AVX512; ++isa) {
     if (sandglass_isa_available(isa) == 0) continue;
@@ -231,7 +234,7 @@ TEST(PileShadow, OneHashForAllKernelsAndAllDivisions) {
       EXPECT_EQ(hash, first) << sandglass_isa_name(isa) << ", " << units << " units at a time";
     }
   }
-  EXPECT_EQ(first, 6054312259728143041ull) << "on every machine";
+  EXPECT_EQ(first, 6054312259728143041ull) << "the hash must be the same on every machine";
 }
 
 TEST(PileShadow, RefusesWithASentence) {
@@ -269,8 +272,8 @@ TEST(PileShadow, RefusesWithASentence) {
   EXPECT_EQ(sandglass_pile_shadow_set_light(handle, good, nullptr), SANDGLASS_OK);
   EXPECT_EQ(sandglass_pile_shadow_set_light(handle, below, nullptr), SANDGLASS_OK);
   EXPECT_EQ(sandglass_pile_shadow_run(handle, nullptr, 0, k_radius, 10), 0u)
-      << "below the horizon there is nothing to do";
-  // Spheres that are not finite, far away, below the floor: left out.
+      << "a light below the horizon leaves nothing to do";
+  // Spheres that are not finite, far away or below the floor are left out.
   const float wild[] = {NAN, 0, 0, 1e30f, 0.1f, 0, 0, INFINITY, 0, 0, -5, 0, 0, 0.1f, NAN};
   EXPECT_EQ(sandglass_pile_shadow_set_light(handle, good, nullptr), SANDGLASS_OK);
   EXPECT_GT(sandglass_pile_shadow_run(handle, wild, 5, k_radius, 100000), 0u);
@@ -293,15 +296,15 @@ TEST(PileShadow, FillsNoByteBeyondTheCallersTexture) {
       false);
 }
 
-// A block of sand that falls, spreads and comes to rest, at one unit of shadow a frame beside all of the sand's work.
+// A block of sand falls, spreads and comes to rest. Each frame has one unit of shadow beside all of the sand's work.
 TEST(PileShadow, FollowsTheSandOfAScene) {
   sandglass_scene_desc desc = sandglass::scene_desc();
-  const std::vector<float> sand = heap();
+  const std::vector<float> sand = pile();
   const auto count = static_cast<uint32_t>(sand.size() / 3);
   desc.granular.particle_capacity = count, desc.granular.collider_capacity = 1;
   const uint64_t bytes = sandglass::Scene::bytes(desc);
   const Shadow shadow(description());
-  EXPECT_EQ(sandglass::Scene::bytes(desc), bytes) << "a scene does not grow by it";
+  EXPECT_EQ(sandglass::Scene::bytes(desc), bytes) << "the shadow must not make the scene larger";
   shadow.light({40, 90});
   sandglass::Scene scene;
   ASSERT_TRUE(scene.create(desc));
@@ -319,12 +322,12 @@ TEST(PileShadow, FollowsTheSandOfAScene) {
     rested = report.awake == 0 && report.stages[SANDGLASS_STAGE_SHADOW].units == 0 ? rested + 1 : 0;
     if (rested == 10) break;
   }
-  EXPECT_EQ(rested, 10u) << "sand at rest costs nothing";
+  EXPECT_EQ(rested, 10u) << "the shadow of sand at rest must cost nothing";
   EXPECT_GT(worked, 10u);
   const sandglass_pile_shadow_texture t = shadow.texture();
   EXPECT_EQ(t.valid, 1u);
   EXPECT_EQ(t.age, 0u);
-  // What the frames made is what the positions make.
+  // The texture that the frames made is the one that the positions give.
   std::vector<float> positions(sand.size());
   sandglass_granular_particles(scene.get(), positions.data(), nullptr);
   const Shadow again(description());
@@ -332,7 +335,7 @@ TEST(PileShadow, FollowsTheSandOfAScene) {
   while (sandglass_pile_shadow_run(again.handle, positions.data(), count, k_radius, 1000) != 0) {
   }
   EXPECT_EQ(sandglass_pile_shadow_hash(again.handle), sandglass_pile_shadow_hash(shadow.handle));
-  // And light that turns is followed.
+  // The shadow follows a light that turns.
   shadow.light({40, 120});
   ASSERT_TRUE(scene.frame(input, &report));
   EXPECT_GT(report.stages[SANDGLASS_STAGE_SHADOW].units, 0u);

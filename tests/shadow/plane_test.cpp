@@ -17,7 +17,7 @@ void direction(double polar, double azimuth, double out[3]) {
   out[0] = std::sin(polar) * std::cos(azimuth), out[1] = std::cos(polar), out[2] = std::sin(polar) * std::sin(azimuth);
 }
 
-// What the rim's rays through the corners span on the plane.
+// The rectangle on the plane that the rays of the rim through the corners span.
 ShadowRectangle brute_force(const ShadowBox& box, const double light[3]) {
   double across[3] = {light[1], -light[0], 0};
   if (std::hypot(across[0], across[1]) < 1e-9) across[0] = 1, across[1] = 0;

@@ -1,5 +1,5 @@
-// The runtime through its C API: one texture on every instruction set and in every division into units; hard lights;
-// memory to the byte.
+// The runtime through its C API: one texture on every instruction set and in every division into units, difficult
+// lights, and memory to the byte.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,8 @@ constexpr uint32_t k_size = SANDGLASS_SHADOW_TEXELS;
 constexpr float k_degree = 3.14159265f / 180;
 constexpr RandomShadow k_network = {128, 2, 10, 4, 11, 0.6f};
 
-// The textures of k_network for light (0.5, 1, 0.25): all instruction sets, compilers and machines.
+// Hashes of the textures of k_network for light (0.5, 1, 0.25), the same on all instruction sets, compilers and
+// machines.
 constexpr uint64_t k_golden_full = 0x448de45a0e59d3b8ull, k_golden_adaptive = 0x4e71d93b206021eeull;
 
 uint64_t hash(const std::vector<uint8_t>& bytes) { return hash_bytes(bytes.data(), bytes.size()); }
@@ -58,7 +59,8 @@ TEST(Shadow, AdaptiveEqualsFullWhereItAsksTheNetwork) {
   shadow.light(0.5f, 1, 0.25f);
   shadow.finish();
   const std::vector<uint8_t> adaptive = shadow.coverage();
-  // Every corner of the coarse grid is the network's, and at least as many texels agree as were asked for.
+  // Every corner of the coarse grid has the network's value. At least as many texels agree as the network was asked
+  // for.
   uint32_t equal = 0;
   for (uint32_t v = 0; v < k_size; ++v)
     for (uint32_t u = 0; u < k_size; ++u) {
@@ -71,7 +73,7 @@ TEST(Shadow, AdaptiveEqualsFullWhereItAsksTheNetwork) {
   EXPECT_LT(shadow.texture().evaluated, k_size * k_size);
 }
 
-// Threshold 255 refines nothing: bilinear between the corners, checked in double.
+// With the threshold 255 nothing is refined: values are bilinear between the corners, checked in double.
 TEST(Shadow, CellsThatAreNotRefinedAreInterpolated) {
   const AssetFile file = make_shadow_file(k_network);
   sandglass_shadow_desc desc = describe(file);
@@ -102,7 +104,7 @@ TEST(Shadow, OneUnitAFrameGivesTheSameTextureLater) {
     shadow.light(0.5f, 1, 0.25f);
     uint32_t frames = 0;
     while (shadow.texture().age > 0 || frames == 0) {
-      ASSERT_EQ(shadow.coverage(), before);  // the old one stays, whole
+      ASSERT_EQ(shadow.coverage(), before);  // the old texture stays complete
       const uint32_t left = sandglass_shadow_units_left(shadow.shadow);
       ASSERT_GT(left, 0u);
       ASSERT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 1u);
@@ -123,17 +125,18 @@ TEST(Shadow, ALightThatNeverStopsStillGetsTextures) {
   std::vector<uint8_t> last = shadow.coverage();
   for (int frame = 0; frame < 1000; ++frame) {
     shadow.light(std::sin(0.02f * static_cast<float>(frame)), 1, 0.3f);
-    if (frame == 0) most_units = sandglass_shadow_units_left(shadow.shadow);  // of one texture
+    if (frame == 0) most_units = sandglass_shadow_units_left(shadow.shadow);  // units of one texture
     sandglass_shadow_run(&shadow.shadow, 1, k_units_a_frame);
     oldest = std::max(oldest, shadow.texture().age);
     if (shadow.coverage() != last) ++changes, last = shadow.coverage();
   }
   EXPECT_GT(changes, 10u);
   EXPECT_GT(shadow.texture().age, 0u);
-  // The one that is shown was begun a texture ago when it arrived, and stays for a texture more; a frame may be shared.
+  // A texture is as old as its own making when it arrives, and is shown while the next one is made. Two may share a
+  // frame.
   const uint32_t frames = (most_units + k_units_a_frame - 1) / k_units_a_frame;
   EXPECT_LE(oldest, 2 * frames + 1);
-  EXPECT_LT(2 * frames + 1, 500u);  // of 1000: else the bound says nothing
+  EXPECT_LT(2 * frames + 1, 500u);  // of 1000 frames; otherwise the bound would say nothing
 }
 
 TEST(Shadow, NothingIsComputedForALightThatHardlyMoved) {
@@ -161,15 +164,15 @@ TEST(Shadow, LightsBeyondTheBakedOnesFadeOut) {
   const std::vector<uint8_t> limit = (at(70.001f), shadow.coverage());
   EXPECT_NEAR(at(80).opacity, 0.5, 1e-4);
   EXPECT_EQ(at(80).beyond, 1u);
-  EXPECT_EQ(shadow.coverage(), limit);  // turned up to 70 degrees
+  EXPECT_EQ(shadow.coverage(), limit);  // the light is turned up to 70 degrees
   EXPECT_NEAR(at(89).opacity, 0.05, 1e-4);
   EXPECT_EQ(at(90.1f).opacity, 0);
   EXPECT_EQ(at(180).opacity, 0);
   EXPECT_EQ(at(20).opacity, 1);
 }
 
-// The limit itself is within, at every azimuth and length of the vector, though floats put half of these directions
-// past it; a hundredth and a ten-thousandth of a degree more are not, and fade by the documented line.
+// A light at the limit itself is within it, at every azimuth and length of the vector, though floats put half of these
+// directions past it. A hundredth or a ten-thousandth of a degree more is beyond, and fades as documented.
 TEST(Shadow, ALightAtTheLimitIsWithinAndOneJustBeyondIsNot) {
   const AssetFile file = make_shadow_file(k_network);
   sandglass_shadow_info info = {};
@@ -191,10 +194,10 @@ TEST(Shadow, ALightAtTheLimitIsWithinAndOneJustBeyondIsNot) {
       const double fade = (90 * degree - polar) / (90 * degree - limit);
       EXPECT_NEAR(shadow.texture().opacity, std::min(1.0, fade), over > 0 ? 1e-6 : 0.0) << turn << " " << over;
     }
-  EXPECT_GT(past, 90);  // else nothing was tested
+  EXPECT_GT(past, 90);  // otherwise nothing was tested
 }
 
-// The last texture before the limit and the first beyond it are one, to the rounding of the light's own numbers.
+// The last texture before the limit and the first one beyond are equal, up to the rounding of the light's own numbers.
 TEST(Shadow, NothingJumpsAtTheLimit) {
   const AssetFile file = make_shadow_file(k_network);
   LiveShadow shadow(describe(file, SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL));
@@ -214,7 +217,7 @@ TEST(Shadow, NothingJumpsAtTheLimit) {
     return std::sqrt(squares / static_cast<double>(limit.size()));
   };
   EXPECT_LE(rms(beyond), 1);
-  EXPECT_GT(rms(at(69)), 1);  // one degree is seen
+  EXPECT_GT(rms(at(69)), 1);  // a difference of one degree is visible
 }
 
 TEST(Shadow, RefusesLightsWithoutDirection) {
@@ -280,7 +283,7 @@ TEST(Shadow, FillsNoByteBeyondTheCallersStructs) {
   LiveShadow shadow(describe(file));
   shadow.light(0.5f, 1, 0.25f);
   shadow.finish();
-  for (const uint32_t light : {0u, 1u})  // the second is none
+  for (const uint32_t light : {0u, 1u})  // the second light does not exist
     expect_filled_within_its_size<sandglass_shadow_texture>(
         [&](sandglass_shadow_texture* texture) {
           sandglass_shadow_get_texture(shadow.shadow, light, texture);
@@ -294,13 +297,13 @@ TEST(Shadow, FillsNoByteBeyondTheCallersStructs) {
       true);
 }
 
-// Each texel against the mean of the 2 x 2 that it covers, or bilinear interpolation at its centre, both in double.
+// Each texel is the mean of the 2 x 2 that it covers, or a bilinear interpolation at its centre; both in double.
 TEST(Shadow, ResamplingIsTheMeanOrBilinear) {
   LiveShadow shadow(describe(make_shadow_file(k_network)));
   shadow.light(0.5f, 1, 0.25f);
   shadow.finish();
   const std::vector<uint8_t> native = shadow.coverage();
-  const auto texel = [&](double x, double y) {  // to the edge and no further
+  const auto texel = [&](double x, double y) {  // clamped to the edge
     const auto u = static_cast<uint32_t>(std::clamp(x, 0.0, k_size - 1.0));
     const auto v = static_cast<uint32_t>(std::clamp(y, 0.0, k_size - 1.0));
     return static_cast<double>(native[v * k_size + u]);

@@ -1,5 +1,5 @@
-// Several objects, several lights, one budget: who comes first, who must not starve, what the frame call promises, and
-// the textures of all lights as one.
+// Several objects, several lights, one budget: which texture comes first, that none starves, what the frame call
+// promises, and the textures of all lights combined into one.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,7 +50,7 @@ TEST(ShadowSet, EveryLightHasTheTextureThatItWouldHaveAlone) {
   EXPECT_EQ(all.texture(3).coverage, nullptr);
 }
 
-// Turn of the light x share of the irradiance, over two objects: what the header promises.
+// The visible change is the turn of the light x its share of the irradiance, over two objects, as the header promises.
 TEST(ShadowSet, TheGreatestVisibleChangeComesFirst) {
   const AssetFile file = make_shadow_file(k_network);
   LiveShadow first(describe_lights(file, 2)), second(describe_lights(file, 2));
@@ -71,8 +71,8 @@ TEST(ShadowSet, TheGreatestVisibleChangeComesFirst) {
   EXPECT_EQ(order, (std::vector<uint32_t>{3, 0, 1, 2}));
 }
 
-// A light of 90 % of the irradiance turns by half a radian with every call; the weak one moved by a tenth, once. Its
-// change, 1/100, has to grow to 9/20 by an eighth a call.
+// A light with 90 % of the irradiance turns by half a radian with every call. The weak light moved once, by a tenth of
+// a radian. Its change of 1/100 grows by an eighth with every call and has to reach 9/20.
 TEST(ShadowSet, AWeakLightWaitsButDoesNotStarve) {
   LiveShadow shadow(describe_lights(make_shadow_file(k_network), 2));
   set_light(shadow, 0, 1, 0, 9), set_light(shadow, 1, 0, 0, 1);
@@ -96,10 +96,9 @@ TEST(ShadowSet, ALightThatSetsIsNotWaitedFor) {
   EXPECT_EQ(shadow.texture().age, 0u);
 }
 
-// Two objects with networks of two sizes, one refined and one in full, two lights each. What was foreseen at any moment
-// against the items of the units that were then run: apart are they by the last unit of each kind of each texture,
-// which is not full but counts as a whole one, and by cells that are refined now and were not in the light's last
-// texture.
+// Two objects with networks of two sizes, one refined and one in full, two lights each. The forecast at any moment is
+// compared with the items of the units that then ran. They may differ in two ways: the last unit of each kind of each
+// texture is not full but counts as a whole one, and some cells are refined that were not in the light's last texture.
 TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
   const AssetFile rough = make_shadow_file(k_rough), small = make_shadow_file({64, 1, 10, 4, 12, 0.6f});
   sandglass_shadow_desc in_full = describe_lights(small, 2);
@@ -108,7 +107,8 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
   refined.light_tolerance = in_full.light_tolerance = 0;
   LiveShadow adaptive(refined), full(in_full);
   sandglass_shadow* both[2] = {adaptive.shadow, full.shadow};
-  const ShadowSet set = {both, 2};
+  ShadowSet set = {both, 2};
+  const Stage stage = shadow_set_stage(&set);
   for (const float turn : {0.0f, 0.003f}) {
     uint32_t cells_before[2], cells[2];
     const auto count_cells = [&](uint32_t* of) {
@@ -119,9 +119,9 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
     for (LiveShadow* s : {&adaptive, &full}) set_light(*s, 0, turn, 0.1f), set_light(*s, 1, -0.3f, turn, 0.5f);
     std::vector<std::array<uint64_t, k_shadow_kinds>> foreseen, spent;  // at each unit
     std::array<uint64_t, k_shadow_kinds> total = {};
-    for (WorkUnit unit; both[0]->set->next(set, &unit); both[0]->set->run(set)) {
+    for (WorkUnit unit; stage.next(&set, 0, &unit); stage.run(&set, 0)) {
       Forecast entries[k_unit_kinds];
-      const uint32_t count = both[0]->set->forecast(set, entries);
+      const uint32_t count = stage.forecast(&set, 0, entries);
       foreseen.emplace_back(), spent.push_back(total);
       for (uint32_t i = 0; i < count; ++i) {
         EXPECT_TRUE(entries[i].spread);
@@ -131,7 +131,7 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
     }
     count_cells(cells);
     for (uint32_t kind = 0; kind < k_shadow_kinds; ++kind) {
-      // In the first round no light has a texture yet: all cells.
+      // In the first round no light has a texture yet, so all cells are forecast.
       const ShadowUnit whole = shadow_unit(adaptive.shadow->shadow, kind);
       const auto items_of = [&](uint32_t pieces) {
         return (uint64_t{pieces} * whole.items + whole.pieces - 1) / whole.pieces;
@@ -146,10 +146,11 @@ TEST(ShadowSet, TheForecastIsOfTheUnitsThatAreThenRun) {
       const uint64_t last_units = 2 * (whole.items + shadow_unit(full.shadow->shadow, kind).items);
       for (size_t i = 0; i < foreseen.size(); ++i) {
         const uint64_t then = total[kind] - spent[i][kind];
-        ASSERT_LE(foreseen[i][kind], then + apart + 2) << kind << " at " << i;  // 2: each object's is rounded up
+        // 2, because the forecast of each object is rounded up.
+        ASSERT_LE(foreseen[i][kind], then + apart + 2) << kind << " at " << i;
         ASSERT_GE(foreseen[i][kind] + apart + last_units, then) << kind << " at " << i;
       }
-      EXPECT_LE(5 * apart, turn > 0 ? total[kind] : ~uint64_t{0});  // else the bound says little
+      EXPECT_LE(5 * apart, turn > 0 ? total[kind] : ~uint64_t{0});  // otherwise the bound would say little
     }
   }
 }
@@ -169,12 +170,13 @@ TEST(ShadowSet, RefusesLightsThatItCannotUse) {
   }
 }
 
-// nu = sum(E nu) / sum(E), each texture read by bilinear interpolation in double.
+// Visibility nu = sum(E nu) / sum(E) over lights of irradiance E. Each texture is read by bilinear interpolation in
+// double.
 TEST(ShadowSet, CombinedLightsAreWeightedByTheirIrradiance) {
   LiveShadow shadow(describe_lights(make_shadow_file(k_network), 3));
   set_light(shadow, 0, 0.5f, 0.1f, 2), set_light(shadow, 1, -0.6f, 0.4f, 1), set_light(shadow, 2, 9.0f, 0, 0.5f);
   shadow.finish();
-  ASSERT_EQ(shadow.texture(2).beyond, 1u);  // atan 9 = 83.7 degrees: it has faded
+  ASSERT_EQ(shadow.texture(2).beyond, 1u);  // at atan 9 = 83.7 degrees the light has faded
   constexpr uint32_t k_out = 100;
   std::vector<uint8_t> out(k_out * k_out);
   float low[2], high[2];
@@ -208,7 +210,7 @@ TEST(ShadowSet, CombinedLightsAreWeightedByTheirIrradiance) {
   EXPECT_EQ(sandglass_shadow_combine(shadow.shadow, 1025, &byte, low, high, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
-// A light that shines where nothing of its shadow is known yet counts as light: 1 of 10 parts are known to be shaded.
+// A light without a texture yet counts as unshaded. Here only one part in ten is known to be in shadow.
 TEST(ShadowSet, ALightWithoutATextureYetIsCombinedAsUnshaded) {
   const AssetFile file = make_shadow_file(k_network);
   LiveShadow one(describe(file)), two(describe_lights(file, 2));
@@ -281,7 +283,7 @@ struct SandScene {
   sandglass_status status = SANDGLASS_OK;
 };
 
-// Without time for anything, one unit a frame still runs: the texture arrives, complete, later.
+// With no time at all, one unit a frame still runs: the texture arrives later, and complete.
 TEST(ShadowFrame, ABudgetOfNothingStillBringsTheTexture) {
   const AssetFile file = make_shadow_file(k_network);
   LiveShadow expected(describe(file)), shadow(describe(file));
@@ -306,8 +308,8 @@ TEST(ShadowFrame, ABudgetOfNothingStillBringsTheTexture) {
   EXPECT_EQ(sand.frame({shadow.shadow}, 0).stages[SANDGLASS_STAGE_SHADOW].units, 0u);
 }
 
-// Two objects, two lights each that turn in every frame, beside falling sand: the law of the budget holds, textures
-// keep arriving, and the recorded plans bring the same bits in another scene.
+// Two objects with two lights each, which turn in every frame, beside falling sand. The budget law holds, textures keep
+// arriving, and the recorded plans give the same bits in another scene.
 TEST(ShadowFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
   const AssetFile file = make_shadow_file(k_network);
   VirtualClock time;
@@ -336,18 +338,18 @@ TEST(ShadowFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
   EXPECT_GT(arrived, 0u);
 }
 
-// The least budget that brings the best rung grows by what the texture costs by the clock, and to what leaves the stage
-// its share at most.
-TEST(ShadowFrame, ATextureCountsForItsCostWhenTheRungIsChosen) {
+// The least budget that gives the best quality level grows by the measured cost of the texture, and at most so far that
+// the cost is the stage's share of the budget.
+TEST(ShadowFrame, ATextureCountsForItsCostWhenTheQualityLevelIsChosen) {
   constexpr uint64_t k_ample = 1'000'000'000, k_unit_ns = 1000, k_least = 1 << 19, k_most = 1 << 21, k_near = 1 << 12;
-  constexpr double k_share = 0.2;  // of runtime/scene
+  constexpr double k_share = 0.2;  // the stage's share, as in runtime/scene
   const AssetFile file = make_shadow_file({64, 1, 10, 4, 11, 0.6f});
   struct Waiting {
     uint32_t threshold;
-    int light;      // that waits for a texture, or -1
-    uint32_t done;  // of the units of its texture
+    int light;      // the light that waits for a texture, or -1
+    uint32_t done;  // units of its texture that are done
   };
-  uint64_t cost = 0;  // of a texture
+  uint64_t cost = 0;  // of a whole texture
   const auto level_at = [&](const Waiting& waiting, uint64_t budget) {
     sandglass_shadow_desc desc = describe_lights(file, 2);
     desc.threshold = waiting.threshold;
@@ -373,7 +375,7 @@ TEST(ShadowFrame, ATextureCountsForItsCostWhenTheRungIsChosen) {
   EXPECT_NEAR(static_cast<double>(least_budget({255, 0, 0})), alone + static_cast<double>(cost), near);
   const uint32_t all_but_one = static_cast<uint32_t>(cost / k_unit_ns) - 1;
   EXPECT_NEAR(static_cast<double>(least_budget({255, 0, all_but_one})), alone + k_unit_ns, near);
-  EXPECT_GT(static_cast<double>(cost), 2 * near);  // else the two are one
+  EXPECT_GT(static_cast<double>(cost), 2 * near);  // otherwise the two budgets are the same
   // A light without a texture, all of whose cells may have to be refined.
   EXPECT_NEAR(static_cast<double>(least_budget({0, 1, 0})), alone / (1 - k_share), near);
 }

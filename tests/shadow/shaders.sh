@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The GLSL of the shadow catcher in the README is accepted by the reference compiler, and a control with a fault is not.
+# The reference compiler accepts the GLSL of the shadow catcher in the README, and refuses a control with a fault.
 #   shaders.sh README WORK_FOLDER
 # Exit code 77: glslangValidator is not installed (Debian: glslang-tools).
 set -euo pipefail
@@ -10,7 +10,7 @@ awk -v work="$work" '/^```glsl$/ {n++; on = 1; next} /^```$/ {on = 0} on {print 
 [[ -s $work/2.glsl && ! -e $work/3.glsl ]] || { echo "the README holds other shaders than a vertex and a fragment one"; exit 1; }
 glslangValidator -S vert "$work/1.glsl"
 glslangValidator -S frag "$work/2.glsl"
-# What the one hands over, the other takes.
+# The outputs of the vertex shader must be the inputs of the fragment shader.
 cp "$work/1.glsl" "$work/catcher.vert" && cp "$work/2.glsl" "$work/catcher.frag"
 glslangValidator -l "$work/catcher.vert" "$work/catcher.frag"
 sed 's/^in vec2 texture_position/in vec2 elsewhere/' "$work/2.glsl" >"$work/wrong.frag"

@@ -68,7 +68,7 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   std::vector<float> first(inputs * what.width), first_bias(what.width);
   for (float& w : first) w = what.zero ? 0.0f : static_cast<float>(static_cast<double>(what.spread) * random.unit());
   for (float& b : first_bias) b = what.zero ? 0.0f : static_cast<float>(random.unit());
-  // High frequencies count less, so that a texture has smooth parts for the adaptive mode to find.
+  // High frequencies have smaller weights, so that a texture has smooth parts for the adaptive mode to find.
   for (uint32_t i = 0; i < 2 * (1 + 2 * what.texel_frequencies); ++i)
     for (uint32_t c = 0; c < what.width; ++c)
       first[i * what.width + c] /= std::ldexp(1.0f, static_cast<int>(i % (1 + 2 * what.texel_frequencies)));

@@ -1,4 +1,4 @@
-// Networks out of a random number generator, as files: what the runtime's tests run on without any baking.
+// Files of networks with random weights, on which the runtime's tests run without any baking.
 #pragma once
 
 #include <cstdint>
@@ -11,15 +11,15 @@ namespace sandglass::tests {
 struct RandomShadow {
   uint32_t width = 32, layers = 2, texel_frequencies = 4, light_frequencies = 2;
   uint64_t seed = 1;
-  float spread = 1;          // of the first layer's weights
+  float spread = 1;          // spread of the first layer's weights
   bool zero = false;         // all weights and biases 0
   bool extreme = false;      // hidden weights are -127 or 127
-  int8_t forced_weight = 0;  // where not 0: put into the first hidden layer
-  float forced_first = 0;    // where not 0 (NaN, say): put into the first layer
+  int8_t forced_weight = 0;  // if not 0, put into the first hidden layer
+  float forced_first = 0;    // if not 0 (NaN, for example), put into the first layer
   uint16_t version = 1;
 };
 
-// A file with its checksum, in words so that it is aligned.
+// A file with its checksum, in 8-byte words so that it is aligned.
 struct AssetFile {
   std::vector<uint64_t> words;
   uint64_t bytes = 0;

@@ -1,5 +1,5 @@
-// The shipped chair against ray tracing: what its file claims of itself, the limits that bytes and the adaptive grid
-// must keep, two lights together, and where the shadow lies.
+// The shipped chair against ray tracing: the errors that its file states, the limits for bytes and for the adaptive
+// grid, two lights together, and where the shadow lies.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,7 +39,7 @@ struct Chair {
   std::span<const uint8_t> file() const { return {reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}; }
 };
 
-// One texel in 8 x 8, another one for every light.
+// One texel in 8 x 8, a different one for every light.
 std::vector<uint32_t> some_texels(uint32_t light) {
   std::vector<uint32_t> uv;
   for (uint32_t v = light % 8; v < k_size; v += 8)
@@ -51,7 +51,7 @@ TEST(ShippedChair, IsAsCloseToRayTracingAsItsFileSays) {
   const Chair chair;
   ShadowRunner full(chair.file(), "chair", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL);
   ShadowRunner adaptive(chair.file(), "chair", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE);
-  constexpr uint32_t k_lights = 40;  // none that was trained on: a ring of another count
+  constexpr uint32_t k_lights = 40;  // none of them trained on: a ring of another count has other directions
   double rmse[3] = {};
   const std::vector<Direction> lights = ring_directions(chair.geometry.polar_max, k_lights);
   for (uint32_t l = 0; l < k_lights; ++l) {
@@ -74,13 +74,13 @@ TEST(ShippedChair, IsAsCloseToRayTracingAsItsFileSays) {
   EXPECT_LE(rmse[0], 0.02);
   EXPECT_NEAR(rmse[0], static_cast<double>(chair.asset.rmse_float), 0.002);
   EXPECT_NEAR(rmse[1], static_cast<double>(chair.asset.rmse_int8), 0.002);
-  EXPECT_LE(rmse[1], rmse[0] + 0.003);  // ACCURACY 3
+  EXPECT_LE(rmse[1], rmse[0] + 0.003);  // bytes may add this much to the float network's error
   EXPECT_LE(rmse[2], rmse[1] + 0.002);
   std::printf("RMSE over %u lights: float %.4f, int8 %.4f, adaptive %.4f\n", k_lights, rmse[0], rmse[1], rmse[2]);
 }
 
-// A sun of twice the lamp's irradiance. Truth: irradiance that arrives from both over irradiance that would, traced at
-// points of the floor that are texel centres of neither texture.
+// A sun with twice the irradiance of the lamp. The truth is the irradiance that arrives from both, divided by the
+// irradiance without the object, traced at points of the floor that are texel centres of neither texture.
 TEST(ShippedChair, TwoLightsAddUpAsRayTracingSays) {
   const Chair chair;
   const Direction lights[2] = {{0.6, 0.7, -0.387}, {-0.5, 0.8, 0.331}};
@@ -119,7 +119,7 @@ TEST(ShippedChair, TwoLightsAddUpAsRayTracingSays) {
   }
   double squares = 0, dark = 0;
   for (size_t i = 0; i < combined.size(); ++i) {
-    // The light that arrives over the light that would.
+    // The light that arrives, divided by the light without the object.
     const double arrives =
         irradiance[0] * static_cast<double>(traced[0][i]) + irradiance[1] * static_cast<double>(traced[1][i]);
     const double truth = arrives / (irradiance[0] + irradiance[1]);
@@ -128,10 +128,10 @@ TEST(ShippedChair, TwoLightsAddUpAsRayTracingSays) {
   }
   ::operator delete (block, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT});
   EXPECT_LE(std::sqrt(squares / static_cast<double>(combined.size())), 0.02);
-  EXPECT_GT(dark / static_cast<double>(combined.size()), 0.05);  // there is something to get wrong
+  EXPECT_GT(dark / static_cast<double>(combined.size()), 0.05);  // enough shadow for an error to show
 }
 
-// Dark under every leg; on the side away from the light.
+// The floor is dark under every leg, and the shadow is on the side away from the light.
 TEST(ShippedChair, ShadowIsAttachedAndOnTheRightSide) {
   const Chair chair;
   ShadowRunner runner(chair.file(), "chair", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE);

@@ -1,17 +1,18 @@
 #!/usr/bin/env bash
-# The catalogue on Slurm: one node, two workers, as the profile in models/catalogue/slurm says. Of three bakes one is cancelled
-# in the middle as a cluster does it (SIGTERM) and one is killed outright; afterwards every file has the bytes of an
-# uninterrupted bake, and the cancelled one did not begin again.
+# The catalogue on Slurm: one node, two workers, as the profile in models/catalogue/slurm says. Of three bakes one is
+# cancelled in the middle, as a cluster does it (SIGTERM), and one is killed. Afterwards every file has the bytes of an
+# uninterrupted bake, and the cancelled bake was resumed.
 #   slurm.sh CATALOGUE_FOLDER PROGRAM WORK_FOLDER
-# Starts a controller, a node and an authentication service of its own on the loopback, in WORK_FOLDER, and ends them. Exit
-# code 77: they are not installed (Debian: slurm-wlm, snakemake), or this is not root, without whom a node runs no job.
+# Starts a controller, a node and an authentication service of its own on the loopback, in WORK_FOLDER, and ends them.
+# Exit code 77: they are not installed (Debian: slurm-wlm, snakemake), or the user is not root, and a node needs root to
+# run a job.
 set -euo pipefail
 for command in snakemake slurmctld slurmd munged sbatch; do PATH=$PATH:/usr/sbin command -v $command >/dev/null || exit 77; done
 ((EUID == 0)) || exit 77
 export PATH=$PATH:/usr/sbin
 catalogue=$1 program=$2 work=$3
 rm -rf "$work" && mkdir -p "$work"/{meshes,out,state,spool} && chmod 755 "$work"
-run=$(mktemp -d /tmp/sandglass-slurm.XXXXXX)  # sockets: their paths must be short
+run=$(mktemp -d /tmp/sandglass-slurm.XXXXXX)  # for sockets, whose paths must be short
 chmod 755 "$run"
 daemons=()
 finish() {
@@ -21,7 +22,8 @@ finish() {
 }
 trap finish EXIT
 
-# ------------------------------------------------------------------------------------------------------------------- cluster
+# -------------------------------------------------------------------------------------------------------------------
+# cluster
 
 head -c 1024 /dev/urandom >"$run/key" && chmod 400 "$run/key"
 munged --foreground --force --socket="$run/munge" --key-file="$run/key" --pid-file="$run/munge.pid" --seed-file="$run/seed" \
@@ -66,7 +68,8 @@ for i in {1..60}; do
 done
 [[ $(sinfo --noheader --format=%T) == idle ]] || { tail -n 20 "$work"/*.log; echo "the node did not come up"; exit 1; }
 
-# --------------------------------------------------------------------------------------------------------------------- bakes
+# ---------------------------------------------------------------------------------------------------------------------
+# bakes
 
 printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 1 3 2\n' >"$work/meshes/tetrahedron.obj"
 printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 2 0\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >"$work/meshes/cone.obj"

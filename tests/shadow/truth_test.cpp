@@ -1,5 +1,5 @@
-// The ray caster against closed forms (small lights) and against deterministic quadrature of the irradiance (the 20
-// degrees that are baked), and what it refuses.
+// The ray caster against closed forms (small lights), against deterministic quadrature of the irradiance (the light of
+// 20 degrees that is baked), and what it refuses.
 #include "models/shadow/truth.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ using namespace sandglass::host;
 constexpr double k_degree = k_pi / 180;
 constexpr SampleCounts k_fine = {4, 16};
 
-// Raised by `height`: the centre of a generated mesh is its origin.
+// The mesh raised by `height`. A generated mesh has its centre at the origin.
 Mesh raised(Mesh mesh, float height) {
   for (size_t i = 1; i < mesh.vertices.size(); i += 3) mesh.vertices[i] += height;
   return mesh;
@@ -43,7 +43,8 @@ TEST(ShadowTruth, StraightEdgeUnderASmallLight) {
   const std::vector<float> row = line(caster, {0, 1, 0}, -1.5 * penumbra, 1.5 * penumbra, k_texels);
   double worst = 0;
   for (uint32_t i = 0; i < k_texels; ++i) {
-    // V = 1/2 + (u sqrt(1-u^2) + asin u)/pi at u = distance from the edge in half widths; lit on the free side.
+    // V = 1/2 + (u sqrt(1-u^2) + asin u)/pi, with u the distance from the edge in half widths, positive on the free
+    // side.
     const double u = std::clamp(-1.5 * texel_centre(i, k_texels), -1.0, 1.0);
     const double truth = 0.5 + (u * std::sqrt(1 - u * u) + std::asin(u)) / k_pi;
     worst = std::max(worst, std::fabs(truth - static_cast<double>(row[i])));
@@ -73,7 +74,8 @@ TEST(ShadowTruth, SphereUnderASmallLight) {
   EXPECT_LE(worst, 0.02);
 }
 
-// Irradiance at (x, 0, 0) over the unoccluded one, by midpoints in cos(theta) and phi: no random number, no mesh.
+// The irradiance at (x, 0, 0) divided by the unoccluded one, by midpoints in cos(theta) and phi, without random numbers
+// or a mesh.
 double quadrature(const Direction& light, double half_angle, double x, double height, double radius) {
   constexpr int k_rings = 400, k_sectors = 800;
   const double flat = std::hypot(light[0], light[2]);
@@ -87,7 +89,7 @@ double quadrature(const Direction& light, double half_angle, double x, double he
       const double turn = 2 * k_pi * (j + 0.5) / k_sectors;
       Direction r;
       for (size_t k = 0; k < 3; ++k) r[k] = cosine * light[k] + sine * (std::cos(turn) * a[k] + std::sin(turn) * b[k]);
-      const double along = -x * r[0] + height * r[1];  // from the point to the foot of the sphere's centre
+      const double along = -x * r[0] + height * r[1];  // along the ray, to the place nearest to the sphere's centre
       const double miss_squared = x * x + height * height - along * along;
       all += r[1];
       visible += along > 0 && miss_squared < radius * radius ? 0 : r[1];
@@ -113,7 +115,8 @@ TEST(ShadowTruth, SphereUnderTheBakedLightAgainstQuadrature) {
   }
 }
 
-// The printed (6.16) has another sin(theta_s): it would weigh the light's middle less. A control of the test above.
+// A control of the test above: (6.16) as printed has another factor sin(theta_s), which gives the light's middle less
+// weight.
 TEST(ShadowTruth, SourcesPrintedWeightWouldBeSeen) {
   const double alpha = 10 * k_degree, x = 0.2, height = 1, radius = 0.3;
   const double right = quadrature({1e-9, 1, 0}, alpha, x, height, radius);

@@ -1,9 +1,9 @@
-// Sand, light, an object's shadow and the sand's own, all active in one budget and one thread: the law holds in CPU
-// time, nothing is owed at 8 ms, and what a description leaves out takes neither memory nor time.
+// Sand, light, an object's shadow and the sand's own shadow, all active in one budget and one thread. The budget law
+// holds in CPU time, there is no time debt at 8 ms, and what a description leaves out takes neither memory nor time.
 //
-// The scene's clock counts the thread's own CPU time: what else runs on the machine is not the library's doing. But a
-// processor that others share does the same work in twice the time, and then 8 ms are 4. So what is said of every frame
-// at 8 ms is said by a clock on which each unit takes what it takes on a machine of its own.
+// The scene's clock counts the CPU time of the thread, so that other processes do not count. But a processor that
+// others share takes twice the time for the same work, and then 8 ms are worth 4. So claims about every frame at 8 ms
+// are made with a clock on which each unit takes as long as it takes on a machine of its own.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,7 +24,8 @@
 
 namespace {
 
-// The law holds for any build; how much is done in a budget is said of one that is optimised and free of sanitizers.
+// The law holds for any build. How much is done in a budget is tested only in builds that are optimised and free of
+// sanitizers.
 #if defined(__OPTIMIZE__) && !defined(SANDGLASS_SANITIZED)
 constexpr bool k_as_it_ships = true;
 #else
@@ -38,7 +39,8 @@ using sandglass::test::FramesAndControl;
 using sandglass::test::percentile_999;
 using sandglass::test::thread_cpu_ns;
 
-// Moves by every unit's median cost in a run of the shot on the development machine, microseconds; counts the units.
+// A clock that moves by the median cost of every unit, in microseconds, from a run of the shot on the development
+// machine. Counts the units.
 struct UnitClock {
   uint64_t now_ns = 0;
   uint64_t scale = 1;
@@ -67,7 +69,8 @@ struct UnitClock {
 
 enum Stages : uint32_t { k_light = 1, k_shadow = 2, k_pile = 4, k_grains = 8, k_all = 15 };
 
-// 1,500 particles and 24,000 grains that fall and spread, a chair, a network of random weights, and a light that turns.
+// 1,500 particles and 24,000 grains that fall and spread, a chair, a lighting network of random weights, and a light
+// that turns.
 struct Everything {
   explicit Everything(uint32_t stages, UnitClock* units = nullptr) : with(stages) {
     const char* reason = nullptr;
@@ -158,7 +161,7 @@ struct Everything {
   }
 
   uint32_t with;
-  uint64_t bytes = 0, light_bytes = 0, shadow_bytes = 0, pile_bytes = 0;  // the first: of all
+  uint64_t bytes = 0, light_bytes = 0, shadow_bytes = 0, pile_bytes = 0;  // the first is that of everything
   sandglass::Scene scene;
   std::vector<sandglass_grain> drawn;
   Block shadow_block, pile_block, light_block;
@@ -170,11 +173,11 @@ struct Everything {
   sandglass_camera_image image = {};
 };
 
-// The light turns by a degree a frame, so that both shadows always have work; the sand falls, spreads and comes to
-// rest.
+// What a run showed. The light turns by a degree a frame, so that both shadows always have work. The sand falls,
+// spreads and comes to rest.
 struct Law {
-  double debt = 0, last_debt = 0;    // the most at the end of a frame, of the last one; seconds
-  int owing = 0, longest_owing = 0;  // frames; in a row
+  double debt = 0, last_debt = 0;    // time debt in seconds: the most at the end of a frame, and that of the last frame
+  int owing = 0, longest_owing = 0;  // frames with time debt: all, and the most in a row
   int textures = 0, first_light = 0;
   uint32_t worst_level = 0;
   FramesAndControl frames;
@@ -194,7 +197,7 @@ Law run(uint64_t budget_ns, UnitClock* units = nullptr) {
     spent.push_back(thread_cpu_ns() - before);
     EXPECT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
     if (units == nullptr) {
-      // Setting two lights and the call around the units: 200 us.
+      // 200 us for setting two lights and for the call around the units.
       const uint64_t allowed =
           std::max(budget_ns, report.mandatory_ns) + std::max(report.longest_unit_ns, report.last_unit_ns) + 200'000;
       law.frames.over_ns.push_back(spent.back() > allowed ? spent.back() - allowed : 0);
@@ -211,8 +214,8 @@ Law run(uint64_t budget_ns, UnitClock* units = nullptr) {
     if (t.valid != 0 && t.light[0] != last_azimuth) ++law.textures, last_azimuth = t.light[0];
   }
   std::printf(
-      "budget %.0f ms%s: p99.9 of CPU time %.2f ms, worst rung %u, a fresh shadow every %.1f frames, first light in "
-      "frame %d; %d frames owe, at most %.1f ms and %d in a row, the last one %.1f ms\n",
+      "budget %.0f ms%s: p99.9 of CPU time %.2f ms, worst quality level %u, a fresh shadow every %.1f frames, first "
+      "light in frame %d; %d frames with time debt, at most %.1f ms and %d in a row, the last one %.1f ms\n",
       1e-6 * static_cast<double>(budget_ns), units != nullptr ? ", units' own clock" : "",
       1e-6 * static_cast<double>(percentile_999(spent)), law.worst_level,
       static_cast<double>(k_frames) / std::max(1, law.textures), law.first_light, law.owing, 1e3 * law.debt,
@@ -220,7 +223,8 @@ Law run(uint64_t budget_ns, UnitClock* units = nullptr) {
   return law;
 }
 
-// Of the real clock: the law, and how much is done by the optimised library, which a stolen moment may spoil as well.
+// What a run on the real clock must reach with the optimised library. A moment that the machine takes away can spoil
+// it.
 struct Least {
   double last_debt, debt;
   int textures, first_light;
@@ -242,20 +246,20 @@ void expect_law(uint64_t budget_ns, const Least& least) {
   EXPECT_GT(law.first_light, 0);
 }
 
-// What is owed is made up for while it is less than two frames; more would be time that is given up.
+// Time debt is paid back while it is less than two frames. The library gives up more than that.
 TEST(ShotBudget, EightMillisecondsHold) { expect_law(8'000'000, {0, 2 * k_step, k_frames / 2, 14}); }
 TEST(ShotBudget, FourMillisecondsHold) { expect_law(4'000'000, {HUGE_VAL, HUGE_VAL, k_frames / 4, 28}); }  // any debt
 
-// All that is wanted fits 8 ms, at times only on a lower rung: no frame owes anything, the first one included, in which
+// All work fits 8 ms, at times only at a lower quality level. No frame has time debt, not even the first one, in which
 // no cost is known.
-TEST(ShotBudget, NoFrameOwesWhereTheBudgetFits) {
+TEST(ShotBudget, NoFrameHasTimeDebtWhereTheBudgetFits) {
   UnitClock clock;
   const Law law = run(8'000'000, &clock);
   EXPECT_EQ(law.debt, 0.0);
   EXPECT_LE(law.worst_level, static_cast<uint32_t>(SANDGLASS_LEVEL_COARSE));
-  // The shadow moves in every frame, and a texture is done in the next one at the latest.
+  // The shadow moves in every frame. Its texture is done in the next frame at the latest.
   EXPECT_GE(law.textures, k_frames / 2);
-  // A fifth of what is left of 8 ms by mandatory units and output, 7 ms at least, is the light's.
+  // Mandatory units and output leave at least 7 ms of 8. The light gets a fifth of that.
   UnitClock alone;
   Everything light(k_light, &alone);
   int frames = 0;
@@ -264,8 +268,8 @@ TEST(ShotBudget, NoFrameOwesWhereTheBudgetFits) {
   EXPECT_LE(law.first_light, 1 + std::ceil(estimate_ns / (0.2 * 7e6)));
 }
 
-// A machine half as fast, on which not everything fits: what is owed stays below two frames and is paid back.
-TEST(ShotBudget, WhatIsOwedIsPaidBack) {
+// On a machine half as fast not everything fits: the time debt stays below two frames and is paid back.
+TEST(ShotBudget, TimeDebtIsPaidBack) {
   UnitClock clock;
   clock.scale = 2;
   const Law law = run(8'000'000, &clock);
@@ -275,7 +279,7 @@ TEST(ShotBudget, WhatIsOwedIsPaidBack) {
 
 TEST(ShotBudget, WhatIsLeftOutIsGone) {
   Everything all(k_all);
-  // Units of 30 frames, by the first word of their names.
+  // The units of 30 frames, by the first word of their names.
   const auto units_of = [](uint32_t stages) {
     UnitClock clock;
     Everything scene(stages, &clock);
@@ -283,13 +287,14 @@ TEST(ShotBudget, WhatIsLeftOutIsGone) {
       const sandglass_frame_report report = scene.frame(8'000'000, 0.8, 0.02 * i);
       for (const sandglass_stage_report& stage : report.stages) {
         if (stage.units == 0) {
-          EXPECT_EQ(stage.elapsed_ns, 0u) << "no unit, no time";
+          EXPECT_EQ(stage.elapsed_ns, 0u) << "a stage without units must take no time";
         }
       }
     }
     return clock.units;
   };
-  // All that the stages take is what each asks for, and the scene without them is one that never knew of them.
+  // The stages take the bytes that each asks for, and no more. A scene without them is as large as one that has no such
+  // stages.
   const Everything sand(0);
   const uint64_t grains = Everything(k_grains).bytes - sand.bytes;
   EXPECT_EQ(all.bytes, sand.bytes + grains + all.light_bytes + all.shadow_bytes + all.pile_bytes);
@@ -302,7 +307,7 @@ TEST(ShotBudget, WhatIsLeftOutIsGone) {
     const char* word;
     uint64_t least_bytes;
   };
-  // An estimate's planes, two textures of 64 KiB, two of 16 KiB twice, records of grains.
+  // The planes of an estimate; two textures of 64 KiB; two of 16 KiB, twice; the grains.
   auto with = units_of(k_all);
   for (const Part part : {Part{k_light, "light", 1 << 20}, Part{k_shadow, "shadow", 2 << 16},
                           Part{k_pile, "pile_shadow", 4 << 14}, Part{k_grains, "refine", 24000 * 32}}) {

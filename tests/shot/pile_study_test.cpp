@@ -1,4 +1,4 @@
-// The shadow of the shot's heap against rays at the grains that are drawn: what the README says of it.
+// The shadow of the shot's pile against rays at the grains that are drawn: the numbers that the documentation gives.
 #include <gtest/gtest.h>
 
 #include "models/shot/verify_shot.h"
@@ -15,7 +15,7 @@ TEST(PileShadowStudy, HoldsAndItsControlsDoNot) {
   ASSERT_EQ(lights.size(), 9u);
   const PileShadowError whole = whole_of(lights);
   EXPECT_TRUE(holds(whole)) << pile_shadow_text(lights);
-  // The light from the other side takes nothing like two thirds of the error away.
+  // With the light from the other side, the error falls by far less than two thirds.
   PileShadowError mirrored = whole;
   for (PileShadowError::Part* part : {&mirrored.clear, &mirrored.among_grains, &mirrored.on_sand})
     part->rmse = part->mirrored, part->mirrored = 1.0, part->particles = 1.0;

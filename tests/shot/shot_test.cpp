@@ -1,5 +1,5 @@
-// The shot's pictures against closed forms: where things appear, what an even room must give, whose side shadows are on
-// and how dark they are; and that a shadow stays where it is while the camera turns.
+// The shot's pictures against closed forms: where things appear, what an even room must give, on which side shadows
+// fall and how dark they are. A shadow stays where it is while the camera turns.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -46,7 +46,7 @@ Camera camera() {
   return c;
 }
 
-// An even panorama with one bright patch of 10 degrees at a direction.
+// An even panorama with one bright patch of 10 degrees in the given direction.
 RadianceMap lamp_room(Vec3 towards, double bright, double even = 0.2) {
   RadianceMap map(256, 128);
   for (int v = 0; v < map.height; ++v)
@@ -66,7 +66,7 @@ TEST(ShotCamera, TurnsWithoutMovingAndKeepsItsAxes) {
     EXPECT_NEAR(length(held.eye - rest.eye), 0, 1e-12);
     EXPECT_NEAR(dot(held.right, held.up), 0, 1e-12);
     EXPECT_NEAR(length(cross(held.right, held.forward) - held.up), 0, 1e-12) << "right-handed, y up";
-    // What the camera is told in its own axes is the world's, whichever way it looks: a light stands still.
+    // A light that is turned into the camera's axes and back is the same, whichever way the camera looks.
     const Vec3 light = normalised(Vec3{0.3, 0.8, -0.4});
     EXPECT_NEAR(length(held.to_scene(held.to_camera(light)) - light), 0, 1e-12);
   }
@@ -81,7 +81,7 @@ TEST(ShotCamera, TurnsWithoutMovingAndKeepsItsAxes) {
 }
 
 TEST(Surroundings, AzimuthIsWhereTheCameraLooks) {
-  // A patch at azimuth 200 degrees of the panorama: looked at, it is in the middle of the picture.
+  // A camera that looks at a patch at azimuth 200 degrees has it in the middle of the picture.
   const double azimuth = 200 * k_pi / 180;
   const Camera c = [] {
     Camera level;
@@ -101,14 +101,14 @@ TEST(Surroundings, LabelsPointAtTheLampAndAreWhatTheFloorReceives) {
   const Surroundings room = panorama_surroundings(lamp_room(lamp, 50), "lamp", camera(), -90, {0, 0, 0}, 0.0);
   const ShotLight light = labelled_light(room);
   EXPECT_GT(dot(light.towards, lamp), std::cos(2 * k_pi / 180));
-  // Directional share of the level floor's irradiance.
+  // The directional share of the level floor's irradiance.
   const double direct = luminance(light.light) * light.towards.y, all = direct + luminance(light.ambient);
-  // Of a round patch of 10 degrees the mean direction is (1 + cos 10) / 2 long.
+  // The mean direction of a round patch of 10 degrees has the length (1 + cos 10) / 2.
   EXPECT_NEAR(light.contrast, direct / all * 0.5 * (1 + std::cos(10 * k_pi / 180)), 2e-3);
 }
 
-// Two equal lamps, each 40 degrees from the zenith on its side: the direction is up, and only the part of their light
-// that one from there would give casts its shadow.
+// Two equal lamps, 40 degrees from the zenith on opposite sides. The estimated direction is up, and only the part of
+// their light that a lamp there would give casts a shadow.
 TEST(Surroundings, LampsOnTwoSidesCastAWeakerShadow) {
   const double polar = 40 * k_pi / 180;
   RadianceMap map = lamp_room({std::sin(polar), std::cos(polar), 0}, 50);
@@ -131,30 +131,31 @@ TEST(Surroundings, ToneCurveHasAnInverse) {
   EXPECT_EQ(length(radiance_of({}, 5)), 0);
 }
 
-// What the light gives a level floor in a colour, over all that the floor gets in it.
+// In each colour, the opacity is the irradiance of the level floor by the light, divided by all of its irradiance.
 TEST(Surroundings, OpacityIsTheLightsShareOfEachColour) {
   ShotLight light;
   light.contrast = 0.6;
   light.light = {3, 2, 1}, light.ambient = {0.1, 0.2, 0.5};
   const Vec3 o = shadow_opacity(light);
-  // Irradiances whose luminances are as 0.6 to 0.4.
+  // Irradiances with luminances in the ratio 0.6 to 0.4.
   const Vec3 direct = light.light * (0.6 / luminance(light.light)),
              rest = light.ambient * (0.4 / luminance(light.ambient));
   EXPECT_NEAR(o.x, direct.x / (direct.x + rest.x), 1e-12);
   EXPECT_NEAR(o.y, direct.y / (direct.y + rest.y), 1e-12);
   EXPECT_NEAR(o.z, direct.z / (direct.z + rest.z), 1e-12);
-  EXPECT_NEAR(luminance(product(direct + rest, o)), 0.6, 1e-12) << "together: the contrast";
-  EXPECT_GT(o.x, o.z + 0.3) << "a warm light leaves a blue shadow";
+  EXPECT_NEAR(luminance(product(direct + rest, o)), 0.6, 1e-12) << "over all colours it must be the contrast";
+  EXPECT_GT(o.x, o.z + 0.3) << "the shadow of a warm light must be bluer";
   light.ambient = light.light * 0.2;
-  EXPECT_NEAR(length(shadow_opacity(light) - Vec3{0.6, 0.6, 0.6}), 0, 1e-12) << "one hue, one opacity";
+  EXPECT_NEAR(length(shadow_opacity(light) - Vec3{0.6, 0.6, 0.6}), 0, 1e-12)
+      << "light of one hue must have one opacity";
   light.contrast = 0;
   EXPECT_EQ(length(shadow_opacity(light)), 0);
   light.contrast = 1;
   EXPECT_NEAR(length(shadow_opacity(light) - Vec3{1, 1, 1}), 0, 1e-12);
 }
 
-// A photograph of 100 rows, red above and blue below, is seen with its horizon where its field of view puts it, whole
-// in height if it is wide, and as wide as it is if it is high.
+// A photograph of 100 rows, red above and blue below, appears with its horizon where its field of view puts it. A wide
+// one is shown in full height, a high one in full width.
 TEST(Surroundings, PhotographsKeepTheirFieldOfView) {
   const Folder folder;
   for (const int width : {133, 220, 60}) {
@@ -183,7 +184,7 @@ TEST(Surroundings, PhotographsKeepTheirFieldOfView) {
 
 SceneFile shot_scene() { return load_scene("shot"); }
 
-// A camera that turns by 90 degrees: what it is told of the light, in its own axes, and what follows from that.
+// A camera turns by 90 degrees. The light in its own axes turns with it; the shadow in the world must not.
 TEST(Shot, TheShadowDoesNotSwimWhileTheCameraTurns) {
   const Folder folder;
   const Vec3 lamp = normalised(Vec3{0.5, 1.0, 0.4});
@@ -216,12 +217,12 @@ TEST(Shot, TheShadowDoesNotSwimWhileTheCameraTurns) {
   EXPECT_GT(std::acos(dot(normalised(shot.camera(0).forward), normalised(shot.camera(scene.frames).forward))),
             60 * k_pi / 180);
   EXPECT_TRUE(same(before[0], textures_of(shot.light(scene.frames).towards)[0]));
-  // Controls: a light that turns with the camera, and the lamp elsewhere, give other textures.
+  // Controls: a light that turns with the camera, or a lamp at another place, gives other textures.
   EXPECT_FALSE(same(before[0], textures_of(swimming)[0]));
   EXPECT_FALSE(same(before[0], textures_of(normalised(first + Vec3{0.1, 0, 0}))[0]));
 }
 
-// A shot in a room with one lamp whose light the shipped network estimates, an estimate a frame.
+// A shot in a room with one lamp. The shipped network estimates its light, once a frame.
 struct EstimatedTurn {
   static constexpr double k_between = 0.25;  // seconds: the light's default interval
   Folder folder;
@@ -235,7 +236,8 @@ struct EstimatedTurn {
     options.panorama = folder / "lamp.hdr", options.light = LightSource::estimate;
     shot = std::make_unique<Shot>(scene, options);
   }
-  // The frame's image, estimated to its end: what the app has then, and what the network itself said.
+  // Estimates the light of the frame's image. Returns the light that the app then has, and what the network itself
+  // said.
   FollowedLight follow(uint32_t frame) {
     shot->begin(frame);
     uint32_t taken = 0;
@@ -253,10 +255,10 @@ struct EstimatedTurn {
 
 Vec3 direction_of(const sandglass_light_estimate& e) { return {e.direction[0], e.direction[1], e.direction[2]}; }
 double between_deg(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180 / k_pi; }
-constexpr double k_step_limit_deg = 30;  // the filter's documented limit, an estimate
+constexpr double k_step_limit_deg = 30;  // the filter's documented limit for one estimate
 
 // The filter's law (light.h): a step goes the share a of the way from the light to the newest estimate, both in the
-// world's frame. With estimates in the camera's axes, the pose left out, it does not.
+// world. A control that leaves out the pose, so that estimates are in the camera's axes, breaks the law.
 TEST(Shot, AnEstimatedLightFollowsTheFiltersLawWhileTheCameraTurns) {
   if (shipped_light_network().empty()) GTEST_SKIP() << "no lighting network";
   EstimatedTurn turn(90, 18);
@@ -273,7 +275,7 @@ TEST(Shot, AnEstimatedLightFollowsTheFiltersLawWhileTheCameraTurns) {
       const auto expected = [&](Vec3 newest) {
         return std::min(k_step_limit_deg, share * between_deg(newest, before));
       };
-      ASSERT_LT(between_deg(said, before), k_held_off_deg) << "nothing is held off here";
+      ASSERT_LT(between_deg(said, before), k_held_off_deg) << "no estimate may be rejected here";
       EXPECT_NEAR(step, expected(said), 0.02) << frame;
       EXPECT_LE(step, k_step_limit_deg) << frame;
       const Vec3 without_pose = rest.to_scene(turn.shot->camera(frame).to_camera(said));
@@ -282,12 +284,12 @@ TEST(Shot, AnEstimatedLightFollowsTheFiltersLawWhileTheCameraTurns) {
     }
     before = now;
   }
-  EXPECT_GT(greatest, 0.5) << "the estimates did move";
+  EXPECT_GT(greatest, 0.5) << "the estimates must move at all";
   EXPECT_GT(off_without_pose, 3.0);
 }
 
-// A camera that looks behind itself from one image to the next. An app that filters in the camera's axes, and turns
-// what comes out, swings its light round.
+// A camera turns round between one image and the next. An app that filters in the camera's axes and turns the result
+// swings its light round.
 TEST(Shot, AnEstimatedLightIsNotSwungRoundByTheCamera) {
   if (shipped_light_network().empty()) GTEST_SKIP() << "no lighting network";
   EstimatedTurn turn(540, 3);
@@ -329,8 +331,8 @@ double mean_of(const RadianceMap& map, int x0, int y0, int x1, int y1) {
   return sum / ((x1 - x0) * (y1 - y0));
 }
 
-// In a room of equal radiance everywhere a convex object of reflectance rho far from the floor's influence looks rho as
-// bright, and the floor far from it as bright as the room.
+// In a room of equal radiance everywhere, a convex object of reflectance rho that the floor does not influence has rho
+// times the radiance. The floor far from it is as bright as the room.
 TEST(ShotTruth, AnEvenRoomStaysEven) {
   RadianceMap even(64, 32);
   for (float& value : even.rgb) value = 0.5f;
@@ -339,10 +341,10 @@ TEST(ShotTruth, AnEvenRoomStaysEven) {
   ShotPictureOptions o;
   o.width = 80, o.height = 60, o.paths = 64;
   const RadianceMap truth = picture.truth(room, resting_camera(camera()), o);
-  const double white = tone_mapped_luminance(0.5, 0.5);  // of the room itself
+  const double white = tone_mapped_luminance(0.5, 0.5);  // the radiance of the room
   EXPECT_NEAR(mean_of(truth, 0, 0, 80, 8), white, 1e-3) << "the wall behind";
   EXPECT_NEAR(mean_of(truth, 0, 24, 6, 34), white, 0.05) << "the floor beside";
-  // The top of the cube sees nothing but the room: radiance rho * 0.5.
+  // The top of the cube sees only the room: radiance rho * 0.5.
   const ShotCamera rest = resting_camera(camera());
   const Vec3 to = Vec3{0, 0.5, 0} - rest.eye;
   const double depth = dot(to, rest.forward);
@@ -370,13 +372,14 @@ TEST(ShotTruth, ShadowsFallAwayFromTheLampInBothPictures) {
   }
 }
 
-// Object and grain show, through the camera's tone curve, the radiance of their reflectance in the light that the curve
-// had made darker. Of the ambient light alone, which is even here, that is a closed form, and what is path traced.
+// The camera's tone curve makes the estimated light darker. Object and grain reflect the light before that curve, and
+// are then shown through it. With ambient light alone, which is even here, this has a closed form and equals the path
+// tracing.
 TEST(ShotComposite, ObjectAndGrainsGoThroughTheToneCurve) {
   const double even = 1.0;
   RadianceMap map(256, 128);
   for (float& value : map.rgb) value = static_cast<float>(even);
-  map.set(0, 0, {100, 100, 100});  // white, and by its size no light
+  map.set(0, 0, {100, 100, 100});  // white, and too small to count as the light
   const Surroundings room = panorama_surroundings(map, "even", camera(), -90, {0, 0, 0}, 0.0);
   ASSERT_EQ(room.white, 100.0);
   const float grain[3] = {0.4f, 0.6f, 0.4f};
@@ -409,8 +412,8 @@ TEST(ShotComposite, ObjectAndGrainsGoThroughTheToneCurve) {
   }
 }
 
-// Two grains that touch, lit along the line between their centres, from the horizon: the nearer one leaves nothing of
-// the light on the other, though the textures know no light so low.
+// Two grains touch and are lit from the horizon, along the line between their centres. The nearer one takes all light
+// from the other, though the shadow textures know no light that low.
 TEST(ShotComposite, GrainsShadeTheirNeighboursInEveryLight) {
   const float grains[6] = {0, 0.8f, 0, 0.01f, 0.8f, 0};  // above the cube
   ShotPictureOptions o;
@@ -424,14 +427,14 @@ TEST(ShotComposite, GrainsShadeTheirNeighboursInEveryLight) {
   const auto lit = [&](std::span<const float> of) {
     const RadianceMap map = ShotPicture(cube(), of, 0.005f).composite(room, rest, light, {}, CastShadow::textures, o);
     return mean_of(map, 18, 18, 20,
-                   22);  // of the left grain, where it meets the other: hardly a ray of 20 degrees passes
+                   22);  // the left grain where it meets the other: hardly a ray of 20 degrees passes
   };
   const double alone = lit(std::span(grains, 3));
   EXPECT_GT(alone, 0.1);
   EXPECT_LT(lit(grains), 0.05 * alone);
 }
 
-// Luminance, bilinear.
+// The luminance, interpolated bilinearly.
 double between(const RadianceMap& map, double x, double y) {
   const int u = static_cast<int>(x), v = static_cast<int>(y);
   const auto at = [&](int i, int k) { return luminance(map.colour(u + i, v + k)); };
@@ -439,8 +442,8 @@ double between(const RadianceMap& map, double x, double y) {
          (at(0, 1) * (u + 1 - x) + at(1, 1) * (x - u)) * (y - v);
 }
 
-// Under a plate that hides a lamp overhead but little else, the floor is as dark in the composite as path traced; with
-// the contrast multiplied onto what the camera shows it is too dark, by what its tone curve takes away.
+// A plate hides a lamp overhead but little else. The floor under it is as dark in the composite as in the path tracing.
+// If the contrast were multiplied onto what the camera shows, it would be too dark, because of the tone curve.
 TEST(ShotComposite, AnUmbraIsAsDarkAsTraced) {
   const Surroundings room =
       panorama_surroundings(lamp_room({0, 1, 0}, 100, 1.0), "lamp", camera(), -90, {0, 0, 0}, 0.0);
@@ -454,7 +457,7 @@ TEST(ShotComposite, AnUmbraIsAsDarkAsTraced) {
   ShotPictureOptions o;
   o.width = 80, o.height = 60, o.paths = 512, o.threads = 2;
   Camera c = camera();
-  c.target = {0, 0, 0}, c.fov_deg = 10;  // half a centimetre of the floor a pixel
+  c.target = {0, 0, 0}, c.fov_deg = 10;  // a pixel covers half a centimetre of the floor
   const ShotCamera rest_camera = resting_camera(c);
   const double truth = mean_of(picture.truth(room, rest_camera, o), 39, 29, 42, 32);
   const auto made = [&](CastShadow cast, const ShotShadows& shadows) {
@@ -471,8 +474,8 @@ TEST(ShotComposite, AnUmbraIsAsDarkAsTraced) {
   EXPECT_LT(made(CastShadow::no_curve, {{whole}, {}, {}}), truth - 0.05);
 }
 
-// The shadow's place on the floor, seen by two cameras that look 30 degrees past each other: what a point of the floor
-// loses is the same in both. With a light that turns with the camera it is not.
+// Two cameras that look in directions 30 degrees apart see the shadow at the same place of the floor: a point of the
+// floor loses the same light in both. With a light that turns with the camera it does not.
 TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   const SceneFile scene = shot_scene();
   const Mesh object = standing_object(scene, "");
@@ -492,7 +495,7 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
     const ShotShadows shadows = {standing.drawn(colliders_over_frame(scene, 0)), {}, {}};
     const RadianceMap with = picture.composite(room, held, light, shadows, CastShadow::textures, o),
                       without = picture.composite(room, held, light, shadows, CastShadow::none, o);
-    // Of the light that a point of the floor has without the shadow.
+    // As a share of the light that the point has without the shadow.
     return [=](double x, double z) {
       const Vec3 to = Vec3{x, 0, z} - held.eye;
       const double depth = dot(to, held.forward);
@@ -509,7 +512,7 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   for (double x = -1.2; x < 0.6; x += 0.02)
     for (double z = -1.0; z < 0.5; z += 0.02) {
       const double a = first(x, z), b = second(x, z), c = swimming(x, z);
-      if (a < 0 || b < 0 || a > 0.97) continue;  // out of one's sight, or lit
+      if (a < 0 || b < 0 || a > 0.97) continue;  // not seen by both, or lit
       apart += std::fabs(a - b), swum += std::fabs(a - c), ++points;
       darkest = std::min(darkest, a);
     }
@@ -521,10 +524,10 @@ TEST(ShotComposite, TheShadowStaysOnTheFloorWhileTheCameraTurns) {
   EXPECT_GT(swum / points, 0.05);
 }
 
-// A mesh from a file, with the shadow baked of it: the program's own chair, written out and read again.
+// A mesh from a file with the shadow baked from it: the program's own chair, written and read again.
 TEST(Shot, AnObjectFromAFileIsTheSameObject) {
 #ifndef SANDGLASS_HAVE_ASSIMP
-  GTEST_SKIP() << "no mesh files without Assimp";
+  GTEST_SKIP() << "this build has no Assimp, which reads mesh files";
 #endif
   const Folder folder;
   const MeshResult chair = make_named("chair");

@@ -1,5 +1,5 @@
-// What a study of shots concludes from its rows, on rows made up for it; what it remembers of an earlier run; and that
-// it looks at its files before it begins.
+// A study of shots: what it concludes from its rows (made up here), what it remembers of an earlier run, and that it
+// reads its files before it begins.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr int k_labels = static_cast<int>(ShotVariant::labels), k_none = static_cast<int>(ShotVariant::no_shadow);
 
-// Two-sided 95 %, as every table prints them.
+// The two-sided values for 95 %, as published tables print them.
 TEST(Student, IsThePublishedTable) {
   const std::pair<int, double> table[] = {{1, 12.706}, {2, 4.303},  {3, 3.182},  {4, 2.776},  {9, 2.262},
                                           {10, 2.228}, {19, 2.093}, {26, 2.056}, {30, 2.042}, {120, 1.980}};
@@ -30,7 +30,8 @@ TEST(Student, IsThePublishedTable) {
   EXPECT_TRUE(std::isinf(student_95(0)));
 }
 
-// A study whose labels' RMSE is 0 and whose unshadowed RMSE are these: the paired differences.
+// A study in which the labels' RMSE is 0 and the RMSE without shadows is given, so that the paired differences are
+// known.
 ShotStudy study_of(const std::vector<double>& differences) {
   ShotStudy study;
   for (const double d : differences) {
@@ -43,7 +44,7 @@ ShotStudy study_of(const std::vector<double>& differences) {
   return study;
 }
 
-// Of 1, 2, 3 the mean is 2 and its standard error 1/sqrt(3); of 20 alternating 0 and 2 it is sqrt(20/19/20).
+// The standard error of the mean of 1, 2, 3 is 1/sqrt(3). That of 20 values which alternate 0 and 2 is sqrt(20/19/20).
 TEST(ShotStudy, AnIntervalKnowsHowManyViewsThereAre) {
   const auto half = [](const std::vector<double>& d) {
     return study_of(d).paired(ShotVariant::labels, ShotVariant::no_shadow, 0).half;
@@ -53,7 +54,7 @@ TEST(ShotStudy, AnIntervalKnowsHowManyViewsThereAre) {
   std::vector<double> twenty;
   for (int i = 0; i < 20; ++i) twenty.push_back(i % 2 == 0 ? 0 : 2);
   EXPECT_NEAR(half(twenty), 2.093 / std::sqrt(19.0), 1e-3);
-  EXPECT_TRUE(std::isinf(half({1}))) << "of one view nothing is known";
+  EXPECT_TRUE(std::isinf(half({1}))) << "one view gives no interval";
 }
 
 TEST(ShotStudy, MeansAndIntervalsAreOfTheViewsThatAreDone) {
@@ -69,9 +70,9 @@ TEST(ShotStudy, MeansAndIntervalsAreOfTheViewsThatAreDone) {
 TEST(ShotStudy, OnlyASmallerMeanBeats) {
   EXPECT_TRUE(study_of({1, -0.5, 0.1}).beats(ShotVariant::no_shadow, 0));
   EXPECT_FALSE(study_of({1, -1.5, 0.1}).beats(ShotVariant::no_shadow, 0));
-  EXPECT_FALSE(study_of({1, -1}).beats(ShotVariant::no_shadow, 0)) << "equal is no better";
+  EXPECT_FALSE(study_of({1, -1}).beats(ShotVariant::no_shadow, 0)) << "an equal mean must not beat";
   ShotStudy other = study_of({1, 1});
-  EXPECT_FALSE(other.beats(ShotVariant::no_shadow, 1)) << "another metric, another answer";
+  EXPECT_FALSE(other.beats(ShotVariant::no_shadow, 1)) << "another metric must have its own answer";
   other.mean[k_labels][0] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(other.beats(ShotVariant::no_shadow, 0));
 }
@@ -106,7 +107,7 @@ TEST(ShotStudyMemory, ALineComesBackAsItWas) {
   EXPECT_EQ(back.panorama, view.panorama);
   EXPECT_EQ(line_of(back), line_of(view));
   EXPECT_TRUE(std::equal(&view.errors[0][0], &view.errors[0][0] + k_shot_variants * k_shot_metrics, &back.errors[0][0]))
-      << "to the last bit";
+      << "the numbers must be equal to the last bit";
   const std::string line = line_of(view);
   for (const size_t length : {size_t{0}, size_t{5}, line.find(view.panorama) - 2})
     EXPECT_FALSE(read_line(line.substr(0, length), &back)) << length;
@@ -121,8 +122,8 @@ TEST(ShotStudyMemory, OnlyTheSameBytesSeenTheSameWayAreRemembered) {
     return views[0].done;
   };
   EXPECT_TRUE(remembered("key", 7, 30));
-  EXPECT_FALSE(remembered("key", 8, 30)) << "another panorama of that name";
-  EXPECT_FALSE(remembered("key", 7, 40)) << "the list has grown: this panorama is looked at elsewhere";
+  EXPECT_FALSE(remembered("key", 8, 30)) << "another panorama of that name must be measured anew";
+  EXPECT_FALSE(remembered("key", 7, 40)) << "with a longer list this panorama is seen from another place";
   EXPECT_FALSE(remembered("another network", 7, 30));
   std::vector<ShotView> views(1);
   remember("", "key", &views);
@@ -130,7 +131,7 @@ TEST(ShotStudyMemory, OnlyTheSameBytesSeenTheSameWayAreRemembered) {
   EXPECT_FALSE(views[0].done);
 }
 
-// A shadow that is good enough, and each thing that makes it not so.
+// A shadow that is good enough, and each fault that makes it fail.
 TEST(PileShadowStudy, HoldsOnlyIfEveryPartDoes) {
   PileShadowError good = {45, 0, {}, {}, {}};
   good.clear = good.among_grains = {0.1, 0.31, 0.04, 0.12, 0.3, 100};
@@ -153,7 +154,7 @@ TEST(PileShadowStudy, HoldsOnlyIfEveryPartDoes) {
   fails("not a number", [](auto& e) { e.clear.rmse = std::numeric_limits<double>::quiet_NaN(); });
 }
 
-// 100 texels with an error of 0.3 and 300 with 0.1: the root of (9 + 3) / 400.
+// 100 texels with an error of 0.3 and 300 with 0.1 give the root of (9 + 3) / 400.
 TEST(PileShadowStudy, TheWholeIsTheRootMeanSquareOverTexels) {
   PileShadowError few = {20, 0, {}, {}, {}}, many = {65, 0, {}, {}, {}};
   few.clear = {0.3, 0.3, 0.04, 0.3, 0.3, 100}, many.clear = {0.1, 0.1, 0.0, 0.1, 0.1, 300};
@@ -192,11 +193,11 @@ TEST(ShotStudy, FilesAreReadBeforeAnythingIsMeasured) {
   fs::create_directories(options.folder);
   options.panoramas = {folder / "whole.hdr", folder / "half.hdr"};
   EXPECT_NE(refusal(options).find("half.hdr"), std::string::npos) << refusal(options);
-  EXPECT_TRUE(fs::is_empty(options.folder)) << "the second panorama is read before the first is seen";
+  EXPECT_TRUE(fs::is_empty(options.folder)) << "the second panorama must be read before the first is measured";
   options.network = folder / "nope.light";
-  EXPECT_NE(refusal(options).find("nope.light"), std::string::npos) << "and the network before both";
+  EXPECT_NE(refusal(options).find("nope.light"), std::string::npos) << "the network must be read before both";
   options.panoramas.clear();
-  EXPECT_NE(refusal(options).find("nope.light"), std::string::npos) << "without panoramas too";
+  EXPECT_NE(refusal(options).find("nope.light"), std::string::npos) << "the network must be read without panoramas too";
   options.network.clear();
   EXPECT_EQ(refusal(options), "");
 }

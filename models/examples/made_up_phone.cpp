@@ -1,4 +1,4 @@
-#include "models/example/made_up_phone.h"
+#include "models/examples/made_up_phone.h"
 
 #include <algorithm>
 #include <cmath>

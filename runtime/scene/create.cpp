@@ -1,0 +1,119 @@
+// Making a scene: the description is checked, one walk over it lays out the block, and the same walk counts its bytes.
+#include "runtime/core/refuse.h"
+#include "runtime/scene/scene.h"
+
+namespace sandglass {
+namespace {
+
+// grain_radius 0: about the size at which 16 grains fill a particle's share of space.
+constexpr float k_grain_radii = 0.35f;
+
+// Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 72 for r = 1 cm.
+constexpr float k_substep_units = 0.00871f;
+
+float length_of(const float* v) { return __builtin_sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
+
+sandglass_status check(const sandglass_scene_desc* desc, const char** reason) {
+  if (desc == nullptr)
+    return refuse(reason, "desc is NULL: pass a description filled by sandglass_scene_desc_default.");
+  if (desc->struct_size != sizeof(sandglass_scene_desc)) {
+    return refuse(reason,
+                  "desc.struct_size is not this library's: fill the description with sandglass_scene_desc_default.");
+  }
+  const float g = length_of(desc->gravity);
+  if (!(g <= 1000.0f)) return refuse(reason, "desc.gravity must be finite and at most 1000 m/s^2.");
+  if (desc->unit_items < 16 || desc->unit_items > 65536 || desc->unit_items % 16 != 0) {
+    return refuse(reason, "desc.unit_items must be a multiple of 16 from 16 to 65536.");
+  }
+  if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_NEON_I8MM) {
+    return refuse(reason, "desc.isa must be a SANDGLASS_ISA value.");
+  }
+  if (desc->finest_level >= SANDGLASS_LEVEL_COUNT)
+    return refuse(reason, "desc.finest_level must be below SANDGLASS_LEVEL_COUNT; 0 is best.");
+  const char* granular = granular_refuse(desc->granular);
+  return granular == nullptr ? SANDGLASS_OK : refuse(reason, granular);
+}
+
+// The one walk: the scene itself, then every stage's regions.
+sandglass_scene* lay_out(const sandglass_scene_desc& desc, Layout* layout, Granular* granular) {
+  sandglass_scene* scene = layout_region<sandglass_scene>(layout, "scene", 1);
+  granular_layout(granular, desc.granular, layout);
+  return scene;
+}
+
+void reset(sandglass_scene* scene) {
+  governor_init(&scene->governor, scene->desc.clock, scene->desc.trace, SANDGLASS_LEVEL_COUNT);
+  scene->governor.finest_level = scene->desc.finest_level;
+  granular_reset(&scene->granular);
+  scene->frame = 0;
+}
+
+}  // namespace
+}  // namespace sandglass
+
+using namespace sandglass;
+
+sandglass_status sandglass_scene_bytes(const sandglass_scene_desc* desc, uint64_t* bytes, const char** reason) {
+  const sandglass_status status = check(desc, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (bytes == nullptr) return refuse(reason, "bytes is NULL: pass where to store the size.");
+  Layout layout;
+  Granular granular = {};
+  lay_out(*desc, &layout, &granular);
+  *bytes = layout.size;
+  return accept(reason);
+}
+
+sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* block, uint64_t bytes,
+                                        sandglass_scene** scene, const char** reason) {
+  uint64_t need = 0;
+  const sandglass_status status = sandglass_scene_bytes(desc, &need, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (scene == nullptr) return refuse(reason, "scene is NULL: pass where to store the scene.");
+  const Kernels* kernels = select_kernels(desc->isa);
+  if (kernels == nullptr)
+    return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
+                  "desc.isa is not available on this CPU or in this build: use SANDGLASS_ISA_AUTOMATIC.");
+  const sandglass_status usable = check_block(block, bytes, need, reason);
+  if (usable != SANDGLASS_OK) return usable;
+
+  __builtin_memset(block, 0, need);
+  Layout layout;
+  layout.base = static_cast<uint8_t*>(block);
+  Granular granular = {};
+  sandglass_scene* s = lay_out(*desc, &layout, &granular);
+  s->desc = *desc;
+  s->layout = layout;
+  s->kernels = kernels;
+  s->granular = granular;
+  Granular& g = s->granular;
+  g.kernels = kernels;
+  g.parallel = desc->parallel;
+  g.unit = desc->unit_items;
+  for (int k = 0; k < 3; ++k) g.gravity[k] = desc->gravity[k];
+  g.gravity_length = length_of(desc->gravity);
+  sandglass_granular_desc& d = g.desc;
+  const float pull = g.gravity_length > 0.1f ? g.gravity_length : 9.81f;  // weightless scenes keep the Earth's step
+  g.substep_max = d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
+  g.substep_min = d.substep_min > 0.0f ? d.substep_min : 0.25f * g.substep_max;
+  if (d.grain_radius <= 0.0f) d.grain_radius = k_grain_radii * d.particle_radius;
+  reset(s);
+  *scene = s;
+  return accept(reason);
+}
+
+void sandglass_scene_reset(sandglass_scene* scene) {
+  if (scene != nullptr) reset(scene);
+}
+
+uint32_t sandglass_scene_regions(const sandglass_scene* scene, sandglass_region* regions, uint32_t capacity) {
+  if (scene == nullptr) return 0;
+  const Layout& layout = scene->layout;
+  for (uint32_t i = 0; regions != nullptr && i < layout.region_count && i < capacity; ++i)
+    regions[i] = layout.regions[i];
+  return layout.region_count;
+}
+
+sandglass_isa sandglass_scene_isa(const sandglass_scene* scene) {
+  return scene == nullptr ? SANDGLASS_ISA_AUTOMATIC : scene->kernels->isa;
+}

@@ -1,0 +1,39 @@
+// Descriptions and inputs as an app starts from. The defaults of the sand are calibrated: see the fields' comments.
+#include "sandglass/sandglass.h"
+
+void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
+  if (desc == nullptr) return;
+  *desc = sandglass_scene_desc{};
+  desc->struct_size = sizeof *desc;
+  desc->unit_items = 1024;
+  desc->gravity[1] = -9.81f;
+  sandglass_granular_desc& g = desc->granular;
+  g.collider_capacity = 16;
+  g.particle_radius = 0.01f;
+  g.static_friction = 0.14f;
+  g.kinetic_friction = 0.14f;
+  g.height_weighting = 0.3f;
+  g.courant = 0.5f;
+  g.list_skin = 0.6f;
+  g.sleep_after = 0.5f;
+  g.refine_step = 0.008f;
+  g.reference.scheme = SANDGLASS_SCHEME_SMALL_STEP;
+  g.reference.blend = SANDGLASS_BLEND_CONTINUOUS;
+  g.reference.solver_iterations = 1;
+  g.reference.relaxation = 0.45f;
+}
+
+void sandglass_frame_input_default(sandglass_frame_input* input) {
+  if (input == nullptr) return;
+  *input = sandglass_frame_input{};
+  input->struct_size = sizeof *input;
+  input->thermal_headroom = 1.0f;
+  input->grain_stride = sizeof(sandglass_grain);
+}
+
+void sandglass_body_default(sandglass_body* body) {
+  if (body == nullptr) return;
+  *body = sandglass_body{};
+  body->struct_size = sizeof *body;
+  body->density_ratio = 1.0f;
+}

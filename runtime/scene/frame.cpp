@@ -1,0 +1,104 @@
+// One frame, top to bottom: check the input, give every capability its share of it, collect their stages, let the
+// governor run them, report.
+//
+// A capability takes part by the one function that returns its Stage. A new one adds a row to the array of run_frame.
+#include "platform/floating_point.h"
+#include "runtime/core/filled_struct.h"
+#include "runtime/core/refuse.h"
+#include "runtime/light/light.h"
+#include "runtime/scene/scene.h"
+#include "runtime/shadow/stage.h"
+
+namespace sandglass {
+namespace {
+
+static_assert(uint32_t{k_granular_kinds} + uint32_t{k_light_stage_kinds} + k_shadow_stage_kinds <= k_unit_kinds);
+
+sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input* input,
+                       const sandglass_frame_report* report, const char** reason) {
+  if (scene == nullptr) return refuse(reason, k_no_scene);
+  if (input == nullptr) {
+    return refuse(reason, "input is NULL: pass a frame input filled by sandglass_frame_input_default.");
+  }
+  if (input->struct_size != sizeof *input) {
+    return refuse(reason,
+                  "input.struct_size is not this library's: fill the input with sandglass_frame_input_default.");
+  }
+  if (input->grains != nullptr && (input->grain_stride < sizeof(sandglass_grain) || input->grain_stride % 4 != 0)) {
+    return refuse(reason, "input.grain_stride must be a multiple of 4 and at least sizeof(sandglass_grain).");
+  }
+  for (uint32_t i = 0; i < input->shadow_count; ++i)
+    if (input->shadows == nullptr || input->shadows[i] == nullptr)
+      return refuse(reason,
+                    "input.shadows is NULL or has a NULL among its first shadow_count: pass the shadows, or set "
+                    "shadow_count to 0.");
+  if (input->plan != nullptr &&
+      (input->plan->struct_size != sizeof(sandglass_plan) || input->plan->run_count > SANDGLASS_PLAN_RUNS ||
+       input->plan->level >= static_cast<uint32_t>(SANDGLASS_LEVEL_COUNT))) {
+    return refuse(reason, SANDGLASS_ERROR_REPLAY,
+                  "input.plan is not a plan of this library: pass the plan of a frame report.");
+  }
+  if (report != nullptr && !can_fill(report)) {
+    return refuse(reason, "report.struct_size is not set: set it to sizeof(sandglass_frame_report).");
+  }
+  return accept(reason);
+}
+
+// The sand as the app draws it: its grains, or the particles of a scene without grains. Particles that stray carry no
+// grains.
+Sand sand_as_drawn(const Granular& g) {
+  const bool grains = g.grain_count != 0;
+  const bool moving = g.awake_count != 0 || (grains && g.grain_group_count != 0);
+  if (grains) return {{nullptr, &g.grains[0], nullptr, g.grain_count, g.desc.grain_radius}, moving};
+  return {{&g.records[0], nullptr, nullptr, g.particle_count, g.desc.particle_radius}, moving};
+}
+
+// Out of line: it runs between the two calls that set and restore the floating-point control.
+__attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass_frame_input* input,
+                                         sandglass_frame_report* report) {
+  Granular* granular = &scene->granular;
+  granular_begin_frame(granular, input);
+  const char* refused_image = nullptr;
+  FrameShadows shadows = {{input->shadows, input->shadow_count}, input->pile_shadow};
+  Stage stages[SANDGLASS_STAGE_COUNT] = {
+      granular_particle_stage(granular),
+      light_stage(input->light, input->camera, &refused_image),
+      shadow_stage(&shadows, sand_as_drawn(*granular)),
+      granular_grain_stage(granular),
+      granular_output_stage(granular),
+  };
+  assign_kinds(stages, SANDGLASS_STAGE_COUNT);
+
+  const uint64_t target = governor_target(input->budget_ns, input->thermal_headroom);
+  const bool ran = governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);
+  report->budget_ns = input->budget_ns;
+  light_end_frame(input->light, report);
+  shadow_end_frame(shadows, report);
+  if (refused_image != nullptr) {
+    report->ignored_images = 1;
+    if (scene->desc.log.write != nullptr) scene->desc.log.write(scene->desc.log.user, refused_image);
+  }
+  return ran;
+}
+
+}  // namespace
+}  // namespace sandglass
+
+using namespace sandglass;
+
+sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_frame_input* input,
+                                       sandglass_frame_report* report, const char** reason) {
+  const sandglass_status status = check(scene, input, report, reason);
+  if (status != SANDGLASS_OK) return status;
+  sandglass_frame_report done = {};
+  ++scene->frame;
+  const FloatingPointControl saved = floating_point_enter();
+  const bool ran = run_frame(scene, input, &done);
+  floating_point_restore(saved);
+  report_scene(*scene, &done);
+  if (report != nullptr) fill_struct(&done, sizeof done, report);
+  log_frame(*scene);
+  return ran ? accept(reason)
+             : refuse(reason, SANDGLASS_ERROR_REPLAY,
+                      "input.plan does not fit this scene's state: replay from the state it was recorded in.");
+}

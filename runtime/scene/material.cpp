@@ -1,0 +1,55 @@
+// What the app adds, removes, changes and moves between frames. The functions of the sand do the work.
+#include "platform/floating_point.h"
+#include "runtime/core/finite.h"
+#include "runtime/core/refuse.h"
+#include "runtime/scene/scene.h"
+
+using namespace sandglass;
+
+sandglass_status sandglass_granular_add(sandglass_scene* scene, const float* particle_positions,
+                                        const float* particle_velocities, uint32_t particle_count,
+                                        const float* grain_positions, const float* grain_velocities,
+                                        uint32_t grain_count, const char** reason) {
+  if (scene == nullptr) return refuse(reason, k_no_scene);
+  return granular_add(&scene->granular, particle_positions, particle_velocities, particle_count, grain_positions,
+                      grain_velocities, grain_count, reason);
+}
+
+sandglass_status sandglass_granular_remove(sandglass_scene* scene, const sandglass_collider* region,
+                                           uint32_t* particles, uint32_t* grains, const char** reason) {
+  if (scene == nullptr) return refuse(reason, k_no_scene);
+  return granular_remove(&scene->granular, region, particles, grains, reason);
+}
+
+sandglass_status sandglass_granular_add_body(sandglass_scene* scene, const sandglass_body* body, uint32_t* index,
+                                             const char** reason) {
+  if (scene == nullptr) return refuse(reason, k_no_scene);
+  return granular_add_body(&scene->granular, body, index, reason);
+}
+
+sandglass_status sandglass_granular_set_boundary(sandglass_scene* scene, const float* positions, uint32_t count,
+                                                 const char** reason) {
+  if (scene == nullptr) return refuse(reason, k_no_scene);
+  return granular_set_boundary(&scene->granular, positions, count, reason);
+}
+
+sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float static_friction, float kinetic_friction,
+                                                 const char** reason) {
+  if (scene == nullptr) return refuse(reason, k_no_scene);
+  if (!within(static_friction, 0.0f, 10.0f) || !within(kinetic_friction, 0.0f, 10.0f)) {
+    return refuse(reason, "sandglass_granular_set_friction: both coefficients must be 0 to 10.");
+  }
+  scene->granular.desc.static_friction = static_friction;
+  scene->granular.desc.kinetic_friction = kinetic_friction;
+  granular_wake_all(&scene->granular);
+  return accept(reason);
+}
+
+sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotation[4], const float translation[3],
+                                      const char** reason) {
+  if (scene == nullptr) return refuse(reason, k_no_scene);
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = granular_move(&scene->granular, rotation, translation, reason);
+  floating_point_restore(saved);
+  return status;
+}

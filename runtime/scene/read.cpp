@@ -1,0 +1,52 @@
+// Reading the state by number: positions and velocities of particles and grains, poses of bodies.
+#include "runtime/scene/scene.h"
+
+namespace sandglass {
+namespace {
+
+uint32_t number_in(const Particle& particle) { return number_of(particle); }
+uint32_t number_in(const Grain& grain) { return grain.number; }
+
+// Particles or grains in the order of their numbers; removed ones are told by their place.
+template <class Item>
+void copy_items(const Item* items, uint32_t count, const uint32_t* removed, uint32_t removed_count, float* positions,
+                float* velocities) {
+  for (uint32_t i = 0; i < count; ++i) {
+    const uint64_t to = 3ull * number_in(items[i]);
+    for (int k = 0; k < 3; ++k) {
+      if (positions != nullptr) positions[to + k] = items[i].position[k];
+      if (velocities != nullptr) velocities[to + k] = items[i].velocity[k];
+    }
+  }
+  for (uint32_t i = 0; i < removed_count; ++i) {
+    const uint64_t to = 3ull * removed[i];
+    for (int k = 0; k < 3; ++k) {
+      if (positions != nullptr) positions[to + k] = k == 1 ? SANDGLASS_REMOVED_Y : 0.0f;
+      if (velocities != nullptr) velocities[to + k] = 0.0f;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace sandglass
+
+using namespace sandglass;
+
+void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities) {
+  if (scene == nullptr) return;
+  const Granular& g = scene->granular;
+  copy_items(g.records[0], g.particle_count, g.free_particles, g.free_particle_count, positions, velocities);
+}
+
+void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities) {
+  if (scene == nullptr) return;
+  const Granular& g = scene->granular;
+  copy_items(g.grains[0], g.grain_count, g.free_grains, g.free_grain_count, positions, velocities);
+}
+
+sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index) {
+  sandglass_body_pose pose = {};
+  pose.rotation[3] = 1.0f;
+  if (scene != nullptr && index < scene->granular.body_count) granular_body_pose(scene->granular, index, &pose);
+  return pose;
+}

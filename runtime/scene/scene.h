@@ -1,0 +1,39 @@
+// The state behind a sandglass_scene: the first region of the app's block. The regions of the sand follow it.
+//
+//   defaults.cpp   descriptions and inputs as an app starts from
+//   create.cpp     check the description, lay out the block, begin and reset
+//   material.cpp   what the app adds, removes, changes and moves between frames
+//   save.cpp       to bytes and back
+//   frame.cpp      one frame: the stages, under the governor
+//   report.cpp     what a frame did, told to the app
+//   read.cpp       positions and poses by number
+//   hash.cpp       the state as one number
+//   names.cpp      names of statuses, instruction sets and quality levels
+#pragma once
+
+#include "kernels/kernels.h"
+#include "runtime/core/governor.h"
+#include "runtime/core/layout.h"
+#include "runtime/granular/granular.h"
+#include "sandglass/sandglass.h"
+
+struct sandglass_scene {
+  sandglass_scene_desc desc;
+  sandglass::Layout layout;
+  sandglass::Governor governor;
+  sandglass::Granular granular;
+  const sandglass::Kernels* kernels;
+  uint64_t frame;
+};
+
+namespace sandglass {
+
+inline constexpr char k_no_scene[] = "scene is NULL: pass the scene that sandglass_scene_create made.";
+
+// What a frame did. The governor has filled in its part.
+void report_scene(const sandglass_scene& scene, sandglass_frame_report* report);
+
+// Writes to the app's log what its developer should know of the last frame.
+void log_frame(const sandglass_scene& scene);
+
+}  // namespace sandglass

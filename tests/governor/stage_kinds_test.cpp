@@ -1,0 +1,71 @@
+// Every stage counts its kinds of work unit from 0; the array gives them their places among all.
+#include <gtest/gtest.h>
+
+#include "runtime/core/governor.h"
+
+namespace sandglass::governor_test {
+namespace {
+
+// A stage whose only unit is of its last kind.
+Stage stage_of(uint32_t* kinds) {
+  return {kinds,
+          [](const void* state, uint32_t, WorkUnit* unit) {
+            *unit = {*static_cast<const uint32_t*>(state) - 1, 1, "fake"};
+            return true;
+          },
+          [](void*, uint32_t) {},
+          [](const void* state, uint32_t, Forecast* entries) -> uint32_t {
+            const uint32_t count = *static_cast<const uint32_t*>(state);
+            for (uint32_t k = 0; k < count; ++k) entries[k] = {k, 1};
+            return count;
+          },
+          *kinds,
+          1,
+          1.0f};
+}
+
+uint32_t kind_offered(const Stage& stage) {
+  WorkUnit unit;
+  return stage_next(stage, 0, &unit) ? unit.kind : k_unit_kind_none;
+}
+
+TEST(StageKinds, BeginWhereThoseOfTheStageBeforeEnd) {
+  uint32_t three = 3, two = 2;
+  Stage stages[2] = {stage_of(&three), stage_of(&two)};
+  assign_kinds(stages, 2);
+  EXPECT_EQ(kind_offered(stages[0]), 2u);
+  EXPECT_EQ(kind_offered(stages[1]), 4u);
+  Forecast entries[k_unit_kinds];
+  ASSERT_EQ(stage_forecast(stages[1], 0, entries), 2u);
+  EXPECT_EQ(entries[0].kind, 3u);
+  EXPECT_EQ(entries[1].kind, 4u);
+}
+
+TEST(StageKinds, AreSharedByStagesOfOneState) {
+  uint32_t three = 3, two = 2;
+  Stage stages[3] = {stage_of(&three), stage_of(&two), stage_of(&three)};
+  assign_kinds(stages, 3);
+  EXPECT_EQ(kind_offered(stages[2]), kind_offered(stages[0]));
+}
+
+// The predictor remembers costs by place, so a capability that joins or leaves must not move those of the others.
+TEST(StageKinds, StayWhereTheyAreWhenACapabilityIsLeftOut) {
+  uint32_t three = 3, two = 2, one = 1;
+  Stage with[3] = {stage_of(&three), stage_of(&two), stage_of(&one)};
+  Stage without[3] = {stage_without_work(3), stage_without_work(2), stage_of(&one)};
+  assign_kinds(with, 3);
+  assign_kinds(without, 3);
+  EXPECT_EQ(kind_offered(without[0]), k_unit_kind_none);
+  EXPECT_EQ(kind_offered(without[2]), kind_offered(with[2]));
+}
+
+TEST(StageKinds, LeaveAUnitWithoutAKindWithoutOne) {
+  uint32_t three = 3, none = k_unit_kind_none + 1;
+  Stage stages[2] = {stage_of(&three), stage_of(&none)};
+  stages[1].kinds = 0;
+  assign_kinds(stages, 2);
+  EXPECT_EQ(kind_offered(stages[1]), k_unit_kind_none);
+}
+
+}  // namespace
+}  // namespace sandglass::governor_test
