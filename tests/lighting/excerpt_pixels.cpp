@@ -1,5 +1,5 @@
-// The bytes of data sets' images as the host reads them, one image after another: what PyTorch is given, so that both
-// see the same.
+// Writes the bytes of data sets' images as the host reads them, one image after another. PyTorch gets these bytes, so
+// that both see the same.
 #include <cstdio>
 #include <exception>
 

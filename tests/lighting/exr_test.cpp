@@ -1,4 +1,4 @@
-// Panoramas as OpenEXR, written here by the library itself in the compressions that Blender and cameras use.
+// Panoramas as OpenEXR files, which the OpenEXR library writes here with the compressions that Blender and cameras use.
 #include <ImfArray.h>
 #include <ImfRgbaFile.h>
 #include <gtest/gtest.h>

@@ -43,7 +43,8 @@ TEST(PanoramaConvention, PixelsCoverTheSphere) {
   EXPECT_NEAR(sum, 4.0 * std::numbers::pi, 1e-4);
 }
 
-// Radiance linear in the direction is reproduced to the second order of the pixel's size, over seam and poles too.
+// Radiance that is linear in the direction is reproduced to the second order of the pixel's size, also at seam and
+// poles.
 TEST(LookUp, LinearInDirection) {
   RadianceMap map(128, 64);
   const auto truth = [](Vec3 d) { return Vec3{2 + d.x, 2 + d.y, 2 + d.z}; };
