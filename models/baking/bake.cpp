@@ -85,8 +85,8 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
                 const std::string& picture, bool resume) {
   if (settings.polar_max + 0.5 * settings.angular_diameter > 85)
     throw Failure(
-        "the light reaches within 5 degrees of the horizon, where shadows have no end; choose --max-polar plus half of "
-        "--angle at most 85 degrees");
+        "cannot bake: the light reaches within 5 degrees of the horizon, where shadows have no end. Choose --max-polar "
+        "plus half of --angle at most 85 degrees.");
   BakeReport report;
   const LightGeometry geometry = light_geometry(mesh, name, settings);
   const ShadowCaster caster(geometry.object.mesh, geometry.half_angle, {}, settings.seed);

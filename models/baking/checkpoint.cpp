@@ -95,11 +95,10 @@ bool load_checkpoint(const std::string& path, uint64_t key, TrainingSet* set, Tr
   const size_t end = r.at;
   r.value(&stored_hash);
   if (!r.good || std::memcmp(magic, k_magic, sizeof magic) != 0 || stored_hash != hash_of(bytes, end))
-    throw Failure("the checkpoint '" + path + "' is damaged; delete it, or bake without --resume");
+    throw cannot("read checkpoint", path, "it is damaged", "Delete it, or bake without --resume");
   if (stored_key != key)
-    throw Failure(
-        "the checkpoint '" + path +
-        "' is of another mesh or other settings; repeat the command that was interrupted, or bake without --resume");
+    throw cannot("read checkpoint", path, "it is of another mesh or other settings",
+                 "Repeat the command that was interrupted, or bake without --resume");
   set->values = std::move(read_set.values);
   read_state.network.shape = read_state.float_network.shape = state->network.shape;
   *state = std::move(read_state);

@@ -17,11 +17,11 @@ ShadowRunner::ShadowRunner(std::span<const uint8_t> file, const std::string& nam
   if (threshold >= 0) desc.threshold = static_cast<uint32_t>(threshold);
   uint64_t bytes = 0;
   const char* reason = nullptr;
-  if (sandglass_shadow_bytes(&desc, &bytes, &reason) != SANDGLASS_OK) throw Failure("'" + name + "': " + reason);
+  if (sandglass_shadow_bytes(&desc, &bytes, &reason) != SANDGLASS_OK) throw cannot("read", name, reason);
   block_ = ::operator new (bytes, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT});
   if (sandglass_shadow_create(&desc, block_, bytes, &shadow_, &reason) != SANDGLASS_OK) {
     ::operator delete (block_, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT});
-    throw Failure("'" + name + "': " + reason);
+    throw cannot("read", name, reason);
   }
 }
 
@@ -30,7 +30,8 @@ ShadowRunner::~ShadowRunner() { ::operator delete (block_, std::align_val_t{SAND
 sandglass_shadow_texture ShadowRunner::texture(const Direction& light) {
   const float direction[3] = {static_cast<float>(light[0]), static_cast<float>(light[1]), static_cast<float>(light[2])};
   const char* reason = nullptr;
-  if (sandglass_shadow_set_light(shadow_, 0, direction, 1, &reason) != SANDGLASS_OK) throw Failure(reason);
+  if (sandglass_shadow_set_light(shadow_, 0, direction, 1, &reason) != SANDGLASS_OK)
+    throw cannot("turn", "light", reason);
   while (sandglass_shadow_run(&shadow_, 1, 1u << 20) > 0) {
   }
   sandglass_shadow_texture texture = {};

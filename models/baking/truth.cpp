@@ -38,11 +38,11 @@ StandingObject stand_on_plane(const Mesh& mesh, const std::string& name) {
     for (size_t axis = 0; axis < 3; ++axis) {
       const double x = static_cast<double>(mesh.vertices.at(3 * size_t{index} + axis));
       if (!std::isfinite(x))
-        throw Failure("mesh '" + name +
-                      "' has a vertex that is not finite: repair it in a mesh editor and export again");
+        throw cannot("bake", name, "it has a vertex that is not finite",
+                     "Repair it in a mesh editor and export it again");
       low[axis] = std::min(low[axis], x), high[axis] = std::max(high[axis], x);
     }
-  if (mesh.indices.empty()) throw Failure("mesh '" + name + "' has no triangles: export it as a surface of polygons");
+  if (mesh.indices.empty()) throw cannot("bake", name, "it has no triangles", "Export it as a surface of polygons");
 
   StandingObject object;
   const double extent[3] = {high[0] - low[0], high[1] - low[1], high[2] - low[2]};
@@ -50,13 +50,13 @@ StandingObject stand_on_plane(const Mesh& mesh, const std::string& name) {
   const double distance = std::max({std::fabs(low[0]), std::fabs(low[1]), std::fabs(low[2]), std::fabs(high[0]),
                                     std::fabs(high[1]), std::fabs(high[2])});
   if (!(object.scale > 1 / k_size_limit && object.scale < k_size_limit))
-    throw Failure("mesh '" + name + "' has no extent that can be computed with: scale it to metres");
+    throw cannot("bake", name, "its size is out of range", "Scale it to metres");
   if (object.scale < 1e-4 * distance)
-    throw Failure("mesh '" + name + "' lies so far from its origin that rounding spoils its shape: move it there");
+    throw cannot("bake", name, "it lies so far from its origin that rounding spoils its shape", "Move it there");
   if (extent[1] < k_thinnest * object.scale)
-    throw Failure("mesh '" + name + "' is flat and lies in the ground, where it casts no shadow: y is up, turn it");
+    throw cannot("bake", name, "it is flat and lies in the ground, where it casts no shadow", "Turn it: y is up");
   if (extent[0] < k_thinnest * object.scale && extent[2] < k_thinnest * object.scale)
-    throw Failure("mesh '" + name + "' is a line without width: it casts no shadow");
+    throw cannot("bake", name, "it is a line without width, which casts no shadow", "Name another mesh");
 
   object.origin[0] = 0.5 * (low[0] + high[0]), object.origin[1] = low[1], object.origin[2] = 0.5 * (low[2] + high[2]);
   object.box = {0.5 * extent[0] / object.scale, 0.5 * extent[2] / object.scale, extent[1] / object.scale};
@@ -84,16 +84,17 @@ ShadowCaster::ShadowCaster(const Mesh& mesh, double half_angle, SampleCounts cou
   s.seed = seed, s.counts = counts, s.light_count = counts.light * counts.light;
   s.set_count = s.light_count * counts.points * counts.points;
   if (counts.light % 4 != 0 || counts.points == 0)
-    throw Failure("the shadow caster needs strata of the light in multiples of 4 per axis, and one point a texel");
+    throw Failure(
+        "cannot trace: strata of the light come in multiples of 4 per axis, and one point a texel. Report this.");
   s.device = rtcNewDevice("threads=1");
-  if (s.device == nullptr) throw Failure("Embree cannot be started on this machine; shadows cannot be traced");
+  if (s.device == nullptr) throw Failure("cannot trace: Embree does not start on this machine. Reinstall it.");
   RTCGeometry geometry = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_TRIANGLE);
   void* vertices =
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertex_count());
   void* indices =
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangle_count());
   if (vertices == nullptr || indices == nullptr)
-    throw Failure("Embree cannot hold this mesh: it is too large for this machine's memory; simplify it");
+    throw Failure("cannot trace: this machine has too little memory for the mesh. Simplify it.");
   std::memcpy(vertices, mesh.vertices.data(), 4 * mesh.vertices.size());
   std::memcpy(indices, mesh.indices.data(), 4 * mesh.indices.size());
   rtcCommitGeometry(geometry);
@@ -226,7 +227,7 @@ std::vector<Direction> ring_directions(double polar_max, uint32_t count) {
   std::vector<float> points(3 * size_t{count});
   const char* reason = nullptr;
   if (sandglass_sample_ring(1.0f, 0.0f, static_cast<float>(polar_max), count, points.data(), &reason) != SANDGLASS_OK)
-    throw Failure(reason);
+    throw cannot("choose", "lights", reason);
   std::vector<Direction> directions(count);
   for (size_t i = 0; i < count; ++i) {
     const double x = static_cast<double>(points[3 * i]), y = static_cast<double>(points[3 * i + 1]),

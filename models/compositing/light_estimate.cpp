@@ -18,7 +18,7 @@ constexpr double k_focal = 174.60936017108344;  // pixels: 85 degrees across the
 
 // A reference: the call that writes the reason is another argument.
 void require(sandglass_status status, const std::string& what, const char* const& reason) {
-  if (status != SANDGLASS_OK) throw Failure(what + ": " + (reason != nullptr ? reason : sandglass_status_name(status)));
+  if (status != SANDGLASS_OK) throw cannot("read", what, reason != nullptr ? reason : sandglass_status_name(status));
 }
 
 }  // namespace
@@ -29,9 +29,9 @@ LightEstimate::LightEstimate(const std::string& file, sandglass_isa isa)
   sandglass_light_desc_default(&desc);
   desc.isa = isa, desc.asset = file_.data(), desc.asset_bytes = file_.size();
   const char* reason = nullptr;
-  require(sandglass_light_bytes(&desc, &bytes_, &reason), "'" + file + "'", reason);
+  require(sandglass_light_bytes(&desc, &bytes_, &reason), file, reason);
   block_ = new_block(bytes_, "the lighting network", "close other programs");
-  require(sandglass_light_create(&desc, block_.get(), bytes_, &light_, &reason), "'" + file + "'", reason);
+  require(sandglass_light_create(&desc, block_.get(), bytes_, &light_, &reason), file, reason);
 }
 
 const sandglass_camera_image* LightEstimate::take(const Surroundings& room, const ShotCamera& camera,
@@ -73,7 +73,8 @@ const sandglass_camera_image* LightEstimate::take(const Surroundings& room, cons
                             0,
                             0,
                             1};
-  if (sandglass_camera_orientation(matrix, image_.orientation) == 0) throw Failure("the camera's pose is no rotation");
+  if (sandglass_camera_orientation(matrix, image_.orientation) == 0)
+    throw cannot("read", "camera", "its pose is no rotation", "Correct \"eye\" and \"target\"");
   image_.timestamp_ns = time_ns;
   return &image_;
 }

@@ -41,17 +41,19 @@ LightSource source_of(const ShotOptions& options) {
                                                     : photo ? LightSource::arbitrary
                                                             : LightSource::labels);
   if (source == LightSource::labels && photo)
-    throw Failure("a photograph has no labels of its light; take --light arbitrary, or a --panorama");
+    throw Failure("cannot use \"--light labels\": a photograph has none. Take --light arbitrary, or a --panorama.");
   if (source == LightSource::estimate && !network)
-    throw Failure("there is no trained lighting network; name one with --network, or take --light labels or arbitrary");
+    throw Failure(
+        "cannot estimate light: no lighting network is shipped here. Name one with --network, or take --light labels "
+        "or arbitrary.");
   return source;
 }
 
 const ColliderTrack& standing_track(const SceneFile& scene) {
   for (const ColliderTrack& track : scene.colliders)
     if (!track.shadow.empty()) return track;
-  throw Failure("scene '" + scene.source +
-                "': a shot needs a collider with a \"shadow\", the object that stands in it");
+  throw cannot("read", scene.source, "a shot needs a collider with a \"shadow\", the object that stands in it",
+               "Add one");
 }
 
 // The mesh as it stands and the box that its shadow was baked of agree to this share of the height.
@@ -67,8 +69,8 @@ void require_baked_of(const ColliderTrack& track, const Mesh& standing, const st
   const double scale = track.size.y / static_cast<double>(info.height);
   if (std::fabs(half[0] - scale * static_cast<double>(info.half_x)) > k_same_shape * track.size.y ||
       std::fabs(half[1] - scale * static_cast<double>(info.half_z)) > k_same_shape * track.size.y)
-    throw Failure("the baked shadow '" + path + "' is that of another object than '" + name +
-                  "': their shapes differ; name the file that sandglass bake wrote for this one");
+    throw cannot("use", path, "it is the shadow of another object than \"" + name + "\"",
+                 "Name the file that sandglass bake wrote for this one");
 }
 
 ShotPictureOptions compared(uint32_t threads) {

@@ -325,7 +325,7 @@ double ShotPicture::grain_lit(double x, double z, Vec3 towards, double half_angl
 
 struct ShotPicture::State {};
 ShotPicture::ShotPicture(const Mesh&, std::span<const float>, float) {
-  throw Failure("a shot is drawn with Embree, which this build does not have; install it and build again");
+  throw Failure("cannot draw a shot: this build lacks Embree. Install it, configure and build again.");
 }
 RadianceMap ShotPicture::composite(const Surroundings&, const ShotCamera&, const ShotLight&, const ShotShadows&,
                                    CastShadow, const ShotPictureOptions&) const {

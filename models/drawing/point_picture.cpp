@@ -1,6 +1,7 @@
 // See point_picture.h. Each ball is drawn as a disc of pixels with the depth and the normal of a sphere; a depth buffer
 // sorts them. Rendered at twice the size and averaged down for smooth rims.
 #include "models/drawing/point_picture.h"
+#include "models/work/failure.h"
 
 #include <stb_image_write.h>
 
@@ -96,7 +97,7 @@ std::string write_point_picture(const std::string& path, const std::vector<float
       low[k] = std::min(low[k], static_cast<double>(points[i + k]));
       high[k] = std::max(high[k], static_cast<double>(points[i + k]));
     }
-  if (points.size() < 3) return "picture '" + path + "' has no points to show: sample at a smaller distance";
+  if (points.size() < 3) return message("draw", path, "there are no points", "Sample at a smaller distance");
   Vector centre;
   double extent = ball_radius;
   for (size_t k = 0; k < 3; ++k) centre[k] = 0.5 * (low[k] + high[k]);
@@ -132,7 +133,7 @@ std::string write_point_picture(const std::string& path, const std::vector<float
       }
   std::string png;
   if (stbi_write_png_to_func(append, &png, width, height, 3, pixels.data(), 3 * width) == 0)
-    return "picture '" + path + "' could not be encoded: choose a size of at least one pixel";
+    return message("draw", path, "the picture has no pixel", "Make it larger");
   return write_whole_file(path, png);
 }
 

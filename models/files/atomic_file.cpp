@@ -66,23 +66,23 @@ void finish_file(const std::string& path) {
   fs::rename(unfinished_name(path), path, error);
   if (!error) return;
   fs::remove(unfinished_name(path), of_removal);
-  throw Failure("cannot finish the file '" + path + "': " + error.message() + "; check the folder's permissions");
+  throw cannot("write", path, error.message(), "Check the folder's permissions");
 }
 
 // Looks only: what a file system says without being written to. Space, and a disk that fails, show when it is.
 void require_writable(const std::string& path) {
-  if (path.empty()) throw Failure("cannot write a file without a name; name one");
+  if (path.empty()) throw cannot("write", path, "the file has no name", "Name it");
   std::error_code error;
   const fs::file_status target = fs::status(path, error);
-  if (fs::is_directory(target)) throw Failure("cannot write '" + path + "', which is a folder; name a file in it");
+  if (fs::is_directory(target)) throw cannot("write", path, "it is a folder", "Name a file in it");
   if (fs::exists(target) && !fs::is_regular_file(target))
-    throw Failure("cannot write '" + path + "', which is no ordinary file; name one");
+    throw cannot("write", path, "it is no ordinary file", "Name another");
   const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
   const bool has_name = fs::path(path).has_filename();
   const fs::file_status unfinished = fs::symlink_status(unfinished_name(path), error);  // its name is the longer one
   if (!has_name || unfinished.type() == fs::file_type::none || !fs::is_directory(folder, error) ||
       access(folder.c_str(), W_OK | X_OK) != 0)
-    throw Failure("cannot write '" + path + "'; check that the folder exists, may be written to and has space left");
+    throw cannot("write", path, "its folder is missing, full or may not be written to", "Check the folder");
 }
 
 void write_file(const std::string& path, std::string_view content) {
@@ -97,7 +97,7 @@ void write_file(const std::string& path, std::string_view content) {
   }
   if (!good) {
     std::remove(unfinished.c_str());
-    throw Failure("cannot write '" + path + "'; check that the folder exists, may be written to and has space left");
+    throw cannot("write", path, "its folder is missing, full or may not be written to", "Check the folder");
   }
   finish_file(path);
 }
@@ -108,15 +108,15 @@ void write_file(const std::string& path, std::span<const uint8_t> content) {
 
 std::string read_file(const std::string& path, const std::string& kind) {
   std::error_code error;
-  if (fs::is_directory(path, error)) throw Failure("the " + kind + " '" + path + "' is a folder; name a file");
+  if (fs::is_directory(path, error)) throw cannot("read " + kind, path, "it is a folder", "Name a file");
   std::FILE* file = std::fopen(path.c_str(), "rb");
-  if (file == nullptr) throw Failure("cannot open the " + kind + " '" + path + "'; check the path");
+  if (file == nullptr) throw cannot("read " + kind, path, "it does not exist or may not be read", "Check the path");
   std::string content;
   char buffer[65536];
   for (size_t got; (got = std::fread(buffer, 1, sizeof buffer, file)) > 0;) content.append(buffer, got);
   const bool good = std::ferror(file) == 0;
   std::fclose(file);
-  if (!good) throw Failure("reading the " + kind + " '" + path + "' failed part of the way; check the disk");
+  if (!good) throw cannot("read " + kind, path, "the disk stops within it", "Check the disk");
   return content;
 }
 
@@ -124,15 +124,14 @@ void keep_inputs(const std::string& output, const std::vector<std::string>& inpu
   std::error_code error;  // of a path that is nowhere: then they are not the same
   for (const std::string& input : inputs)
     if (fs::equivalent(fs::weakly_canonical(output, error), input, error))
-      throw Failure("'" + output + "' would be written over, and it is read; write somewhere else with -o");
+      throw cannot("write", output, "the same command reads it", "Write somewhere else with -o");
 }
 
 void make_folder(const std::string& path) {
   std::error_code error;
   fs::create_directories(path, error);
   if (error || !fs::is_directory(path, error))
-    throw Failure("cannot make the folder '" + path +
-                  "'; check that its parent may be written to and no file has that name");
+    throw cannot("make folder", path, "its parent may not be written to, or a file has that name", "Name another");
 }
 
 }  // namespace sandglass::host

@@ -105,7 +105,7 @@ void write_png(const std::string& path, const Picture& picture) {
   if (picture.width <= 0 || picture.height <= 0 ||
       stbi_write_png_to_func(append, &file, picture.width, picture.height, 3, picture.rgb.data(), picture.width * 3) ==
           0)
-    throw Failure("cannot encode the picture '" + path + "' as PNG; it needs at least one pixel");
+    throw cannot("write", path, "the picture has no pixel", "Make it larger");
   write_file(path, file);
 }
 
@@ -113,7 +113,7 @@ std::vector<uint8_t> jpeg_file(const Picture& picture, int quality) {
   std::vector<uint8_t> file;
   if (picture.width <= 0 || picture.height <= 0 ||
       stbi_write_jpg_to_func(append, &file, picture.width, picture.height, 3, picture.rgb.data(), quality) == 0)
-    throw Failure("cannot encode a picture as JPEG; it needs at least one pixel");
+    throw cannot("encode", "JPEG", "the picture has no pixel", "Make it larger");
   return file;
 }
 
@@ -194,7 +194,7 @@ void put_lzw(std::vector<uint8_t>* file, std::span<const uint8_t> indices) {
 }  // namespace
 
 void write_gif(const std::string& path, std::span<const Picture> frames, int centiseconds_per_frame) {
-  if (frames.empty()) throw Failure("cannot write '" + path + "': there is no picture to put into it");
+  if (frames.empty()) throw cannot("write", path, "the film has no picture", "Run at least one frame");
   const int width = frames[0].width, height = frames[0].height;
   std::vector<uint8_t> file = {'G', 'I', 'F', '8', '9', 'a'};
   put16(&file, width);

@@ -19,7 +19,7 @@ constexpr size_t k_alignment = 64;                 // of the data, by the format
 
 void write_npy(const std::string& path, std::span<const float> values, uint64_t rows, uint64_t columns) {
   if (values.size() != rows * columns)
-    throw Failure("the array for '" + path + "' does not have rows x columns values");
+    throw cannot("write", path, "the array does not have rows x columns values", "Report this");
   std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (" + std::to_string(rows) + ",";
   if (columns != 1) header.append(" ").append(std::to_string(columns));
   header += "), }";

@@ -20,7 +20,7 @@ struct ZipReader {
   const std::string& bytes;
 
   [[noreturn]] void damaged(const std::string& what) const {
-    throw Failure("'" + path + "' " + what + "; save it again with numpy.savez");
+    throw cannot("read", path, "it " + what, "Save it again with numpy.savez");
   }
   void need(size_t at, size_t count) const {
     if (at > bytes.size() || count > bytes.size() - at) damaged("is cut off or damaged");
@@ -49,7 +49,7 @@ std::string header_value(const std::string& header, const std::string& key) {
 }
 
 NpyArray parse_array(const ZipReader& zip, const std::string& name, size_t at, size_t size) {
-  const auto damaged = [&](const std::string& what) { zip.damaged("has an array '" + name + "' that " + what); };
+  const auto damaged = [&](const std::string& what) { zip.damaged("has an array \"" + name + "\" that " + what); };
   if (size < 10 || zip.bytes.compare(at, 8, std::string("\x93NUMPY\x01\x00", 8)) != 0)
     damaged("is not in .npy format 1.0");
   const size_t header_bytes = zip.field(at + 8, 2);
@@ -99,7 +99,7 @@ std::map<std::string, NpyArray> read_npz(const std::string& path) {
     zip.need(at + k_entry_bytes, name_bytes);
     std::string name = bytes.substr(at + k_entry_bytes, name_bytes);
     if (name.size() > 4 && name.compare(name.size() - 4, 4, ".npy") == 0) name.resize(name.size() - 4);
-    if (zip.field(local, 4) != k_local_signature) zip.damaged("has a damaged entry '" + name + "'");
+    if (zip.field(local, 4) != k_local_signature) zip.damaged("has a damaged entry \"" + name + "\"");
     const size_t data = local + k_local_bytes + zip.field(local + 26, 2) + zip.field(local + 28, 2);
     zip.need(data, size);
     arrays[name] = parse_array(zip, name, data, size);

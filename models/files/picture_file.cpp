@@ -29,7 +29,7 @@ Picture read_picture(const std::string& path) {
   uint8_t* pixels =
       stbi_load_from_memory(reinterpret_cast<const uint8_t*>(content.data()), static_cast<int>(content.size()),
                             &picture.width, &picture.height, &channels, 3);
-  if (pixels == nullptr) throw Failure("'" + path + "' is not a PNG or JPEG picture that can be read; convert it");
+  if (pixels == nullptr) throw cannot("read", path, "it is no PNG or JPEG picture", "Convert it");
   const size_t bytes = 3 * static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
   picture.rgb.assign(pixels, pixels + bytes);
   std::free(pixels);
@@ -39,8 +39,10 @@ Picture read_picture(const std::string& path) {
 Picture read_excerpt(const std::string& path) {
   Picture picture = read_picture(path);
   if (picture.width != 256 || picture.height != 192)
-    throw Failure("'" + path + "' is " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
-                  ", not 256 x 192; name a folder made by `sandglass dataset`");
+    throw cannot(
+        "read", path,
+        "it has " + std::to_string(picture.width) + " x " + std::to_string(picture.height) + " pixels, not 256 x 192",
+        "Name a folder that sandglass dataset made");
   return picture;
 }
 

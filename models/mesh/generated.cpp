@@ -1,5 +1,6 @@
 // See generated.h.
 #include "models/mesh/generated.h"
+#include "models/work/failure.h"
 
 #include <array>
 #include <map>
@@ -258,7 +259,7 @@ MeshResult make_named(const std::string& name) {
   if (name == "chair") return {make_chair(), {}, ""};
   std::string list;
   for (const std::string& known : mesh_names()) list += (list.empty() ? "" : ", ") + known;
-  return {{}, {}, "no generated mesh is called '" + name + "': use one of " + list};
+  return {{}, {}, message("make", name, "no generated mesh has this name", "Take one of " + list)};
 }
 
 }  // namespace sandglass::host

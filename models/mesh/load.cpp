@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "models/mesh/mesh.h"
+#include "models/work/failure.h"
 
 #ifdef SANDGLASS_HAVE_ASSIMP
 #include <assimp/postprocess.h>
@@ -20,7 +21,7 @@ namespace {
 
 MeshResult fail(const std::string& path, const std::string& sentence) {
   MeshResult result;
-  result.error = "mesh '" + path + "' " + sentence;
+  result.error = message("read", path, "it " + sentence);
   return result;
 }
 
@@ -59,14 +60,14 @@ std::string first_fault(const aiScene& scene) {
     for (unsigned f = 0; f < part.mNumFaces; ++f)
       for (unsigned k = 0; k < part.mFaces[f].mNumIndices; ++k)
         if (part.mFaces[f].mIndices[k] >= part.mNumVertices)
-          return "has a face with an index beyond its vertices: the file is damaged, export it again";
+          return "has a face with an index beyond its vertices. Export it again.";
     for (unsigned v = 0; v < part.mNumVertices; ++v)
       if (!std::isfinite(part.mVertices[v].x) || !std::isfinite(part.mVertices[v].y) ||
           !std::isfinite(part.mVertices[v].z))
-        return "has a vertex that is not finite: repair it in a mesh editor and export again";
+        return "has a vertex that is not finite. Repair it in a mesh editor and export it again.";
     faces += part.mNumFaces;
   }
-  return faces > 0 ? "" : "has no triangles: export it as a surface of polygons";
+  return faces > 0 ? "" : "has no triangles. Export it as a surface of polygons.";
 }
 
 struct Placed {
@@ -78,12 +79,11 @@ MeshResult parse(const std::string& path) {
   Assimp::Importer importer;
   const aiScene* scene = importer.ReadFile(path, 0);
   if (scene == nullptr)
-    return fail(path, "cannot be read as a mesh (" + first_line(importer.GetErrorString()) +
-                          "): check that it is a complete file of a mesh format");
+    return fail(path, "is no complete mesh (" + first_line(importer.GetErrorString()) + "). Export it again.");
   if (const std::string fault = first_fault(*scene); !fault.empty()) return fail(path, fault);
   scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
   if (scene == nullptr || scene->mRootNode == nullptr)
-    return fail(path, "cannot be cut into triangles: export it triangulated");
+    return fail(path, "cannot be cut into triangles. Export it triangulated.");
 
   std::vector<float> vertices;
   std::vector<uint32_t> indices;
@@ -116,23 +116,21 @@ MeshResult parse(const std::string& path) {
 
 MeshResult load_mesh(const std::string& path) {
   std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return fail(path, "does not exist: check the path");
-  if (!std::filesystem::is_regular_file(path, ignored)) return fail(path, "is not a file: name one mesh file");
+  if (!std::filesystem::exists(path, ignored)) return fail(path, "does not exist. Check the path.");
+  if (!std::filesystem::is_regular_file(path, ignored)) return fail(path, "is not a file. Name one mesh file.");
   std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(path, "cannot be opened: check its permissions");
-  if (std::filesystem::file_size(path, ignored) == 0) return fail(path, "is empty: export it again");
+  if (!file) return fail(path, "cannot be opened. Check its permissions.");
+  if (std::filesystem::file_size(path, ignored) == 0) return fail(path, "is empty. Export it again.");
 #ifdef SANDGLASS_HAVE_ASSIMP
-  if (ends_within_line(path)) return fail(path, "is cut off in its last line: copy or export it again");
+  if (ends_within_line(path)) return fail(path, "ends within its last line. Copy or export it again.");
   try {
     return parse(path);
   } catch (const std::exception& e) {
-    return fail(path, std::string("cannot be read as a mesh (") + e.what() +
-                          "): check that it is a complete file of a mesh format");
+    return fail(path, std::string("is no complete mesh (") + e.what() + "). Export it again.");
   }
 #else
-  return fail(
-      path,
-      "cannot be read: this build has no mesh reader; build with Assimp, or use a generated mesh such as trefoil");
+  return fail(path,
+              "needs Assimp, which this build lacks. Build with Assimp, or use a generated mesh such as trefoil.");
 #endif
 }
 

@@ -1,5 +1,6 @@
 // See mesh.h.
 #include "models/mesh/mesh.h"
+#include "models/work/failure.h"
 
 #include <algorithm>
 #include <array>
@@ -78,19 +79,19 @@ MeshResult clean_mesh(const std::vector<float>& vertices, const std::vector<uint
   MeshResult result;
   const auto fail = [&](const std::string& sentence) {
     result.mesh = {};
-    result.error = "mesh '" + name + "' " + sentence;
+    result.error = message("read", name, "it " + sentence);
     return result;
   };
-  if (vertices.size() < 9 || indices.size() < 3) return fail("has no triangles: export it as a surface of polygons");
+  if (vertices.size() < 9 || indices.size() < 3) return fail("has no triangles. Export it as a surface of polygons.");
   const size_t vertex_count = vertices.size() / 3;
   for (size_t i = 0; i < vertices.size(); ++i)
     if (!std::isfinite(vertices[i]))
       return fail("has a vertex that is not finite (vertex " + std::to_string(i / 3) +
-                  "): repair it in a mesh editor and export again");
+                  "). Repair it in a mesh editor and export it again.");
   for (size_t i = 0; i < indices.size(); ++i)
     if (indices[i] >= vertex_count)
       return fail("has a triangle (" + std::to_string(i / 3) + ") with index " + std::to_string(indices[i]) +
-                  ", but only " + std::to_string(vertex_count) + " vertices: the file is damaged, export it again");
+                  ", but only " + std::to_string(vertex_count) + " vertices. Export it again.");
 
   std::vector<uint32_t> merged(vertex_count);
   std::unordered_map<std::array<float, 3>, uint32_t, PositionHash> known;
@@ -112,7 +113,7 @@ MeshResult clean_mesh(const std::vector<float>& vertices, const std::vector<uint
     result.mesh.indices.insert(result.mesh.indices.end(), {a, b, c});
     result.report.flat_triangles += is_flat(result.mesh, result.mesh.indices.size() - 3);
   }
-  if (result.mesh.indices.empty()) return fail("has only degenerate triangles: export it again at a larger scale");
+  if (result.mesh.indices.empty()) return fail("has only degenerate triangles. Export it again at a larger scale.");
   count_edges(result.mesh, &result.report);
   return result;
 }

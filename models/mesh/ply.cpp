@@ -1,5 +1,6 @@
 // See ply.h.
 #include "models/mesh/ply.h"
+#include "models/work/failure.h"
 
 #include <cstdio>
 #include <cstring>
@@ -35,18 +36,18 @@ std::string write_whole_file(const std::string& path, const std::string& bytes) 
   const std::string partial = path + ".partial";
   std::error_code error;
   std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  if (!file) return "file '" + path + "' cannot be written: check that its folder exists and may be written to";
+  if (!file) return message("write", path, "its folder is missing or may not be written to", "Check the folder");
   file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.close();
   if (!file) {
     std::filesystem::remove(partial, error);
-    return "file '" + path + "' could not be written completely: check the free space of its disk";
+    return message("write", path, "the disk takes no more of it", "Check its free space");
   }
   std::filesystem::rename(partial, path, error);
   if (!error) return "";
   std::error_code ignored;
   std::filesystem::remove(partial, ignored);
-  return "file '" + path + "' cannot be put in place (" + error.message() + "): choose another name";
+  return message("write", path, error.message(), "Choose another name");
 }
 
 std::string write_points_ply(const std::string& path, const std::vector<float>& points) {

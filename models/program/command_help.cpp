@@ -68,7 +68,7 @@ std::string commands_by_group(const Command& command) {
   std::string text, group;
   const auto flush = [&] {
     if (rows.empty()) return;
-    text += group + ":\n" + table(rows);
+    text += (group.empty() ? "Suites" : group) + ":\n" + table(rows);
     rows.clear();
   };
   for (const auto& below : command.commands()) {

@@ -87,7 +87,7 @@ int estimate_all(const Options& options) {
     try {
       world = light.estimate(image);
     } catch (const Failure& failure) {
-      throw Failure("'" + options.images[i] + "': " + failure.what());
+      throw cannot("estimate the light of", options.images[i], failure.what());
     }
     const sandglass_light_estimate e = in_camera_frame(world);
     const std::string name = fs::path(outputs[i]).filename().string();

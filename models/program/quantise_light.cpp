@@ -37,7 +37,7 @@ std::vector<std::string> pictures_in(const std::vector<std::string>& folders) {
     const std::vector<std::string> images = images_of_dataset(folder);
     paths.insert(paths.end(), images.begin(), images.end());
   }
-  if (paths.size() < 4) throw Failure("fewer than 4 images in '" + folders.at(0) + "'; name larger data sets");
+  if (paths.size() < 4) throw cannot("use", folders.at(0), "it has fewer than 4 images", "Name larger data sets");
   std::sort(paths.begin(), paths.end());
   return paths;
 }

@@ -22,14 +22,15 @@ struct Options {
 std::string without_extension(const std::string& path) {
   const size_t dot = path.find_last_of('.');
   if (dot == std::string::npos || path.substr(dot) != ".hdr")
-    throw Failure("room '" + path + "': the panorama is written as Radiance; give a name that ends in .hdr");
+    throw cannot("write", path, "the panorama is a Radiance file", "Choose a name that ends in .hdr");
   return path.substr(0, dot);
 }
 
 int make(const Options& options) {
   const std::string stem = without_extension(options.output);
   if (options.render.width % 2 != 0)
-    throw Failure("--width is odd; a panorama is half as high as wide: give an even number");
+    throw cannot("use --width", std::to_string(options.render.width), "a panorama is half as high as wide",
+                 "Give an even number");
   const Room room = make_room(options.seed);
   RoomPanorama made = trace_room(room, options.render);
   if (interrupted()) return k_exit_interrupted;

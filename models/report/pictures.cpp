@@ -166,7 +166,7 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
     view.bounds.add(boxes.back().low);
     view.bounds.add(boxes.back().high);
   }
-  if (view.bounds.empty()) throw Failure("there is nothing to draw: no particle has a finite position");
+  if (view.bounds.empty()) throw cannot("draw", set.title, "no particle has a finite position", "Report this");
   view.camera = set.camera ? *set.camera : automatic_camera(boxes, static_cast<double>(k_cell_width) / k_cell_height);
 
   const size_t total = snapshots.size();

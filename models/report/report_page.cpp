@@ -47,7 +47,7 @@ std::string image_url(const ImageFile& file, const std::string& title) {
     return file.size() >= std::size(signature) && std::equal(std::begin(signature), std::end(signature), file.begin());
   };
   const char* type = begins(k_png) ? "png" : begins(k_jpeg) ? "jpeg" : nullptr;
-  if (type == nullptr) throw Failure("the figure '" + title + "' is neither a PNG nor a JPEG file; write it as one");
+  if (type == nullptr) throw cannot("show", title, "the figure is neither a PNG nor a JPEG file", "Write it as one");
   return std::string("data:image/") + type + ";base64," + base64(file);
 }
 

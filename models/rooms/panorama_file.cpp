@@ -41,7 +41,7 @@ struct HdrReader {
   size_t at = 0;
 
   [[noreturn]] void damaged(const std::string& what) const {
-    throw Failure("panorama '" + path + "' " + what + "; export it again as Radiance .hdr");
+    throw cannot("read", path, "it " + what, "Export it again as Radiance .hdr");
   }
   std::string line() {
     const size_t end = bytes.find('\n', at);
@@ -74,7 +74,7 @@ struct HdrReader {
     const std::string size = line();
     if (std::sscanf(size.c_str(), "-Y %d +X %d", &height, &width) != 2 || width < 1 || height < 1 || width > k_widest ||
         height > k_widest)
-      damaged("has a size that is not understood ('" + size.substr(0, 40) + "')");
+      damaged("has an unknown size line (\"" + size.substr(0, 40) + "\")");
     RadianceMap map(width, height);
     std::vector<uint8_t> row(4 * static_cast<size_t>(width));
     for (int v = 0; v < height; ++v) {
@@ -101,10 +101,10 @@ RadianceMap decode_exr(const std::string& path) {
     const Imath::Box2i window = file.header().dataWindow();
     const int64_t width = int64_t{window.max.x} - window.min.x + 1, height = int64_t{window.max.y} - window.min.y + 1;
     if (width > k_widest || height > k_widest)
-      throw Failure("panorama '" + path + "' is wider than " + std::to_string(k_widest) + " pixels; scale it down");
+      throw cannot("read", path, "it is wider than " + std::to_string(k_widest) + " pixels", "Scale it down");
     for (const char* channel : {"R", "G", "B"})
       if (file.header().channels().findChannel(channel) == nullptr)
-        throw Failure("panorama '" + path + "' has no channel " + channel + "; export it with R, G and B");
+        throw cannot("read", path, std::string("it has no channel ") + channel, "Export it with R, G and B");
     RadianceMap map(static_cast<int>(width), static_cast<int>(height));
     Imf::FrameBuffer buffer;
     const char* names[] = {"R", "G", "B"};
@@ -117,12 +117,12 @@ RadianceMap decode_exr(const std::string& path) {
   } catch (const Failure&) {
     throw;
   } catch (const std::exception&) {
-    throw Failure("panorama '" + path + "' cannot be read as OpenEXR: it is missing or damaged; export it again");
+    throw cannot("read", path, "it is missing, or no complete OpenEXR file", "Export it again");
   }
 }
 #else
 RadianceMap decode_exr(const std::string& path) {
-  throw Failure("panorama '" + path + "' is OpenEXR, which this build does not read; convert it to .hdr");
+  throw cannot("read", path, "this build does not read OpenEXR", "Convert it to .hdr");
 }
 #endif
 
@@ -135,8 +135,7 @@ void append_bytes(void* context, void* data, int size) {
 std::vector<uint8_t> encode_hdr(const RadianceMap& map) {
   std::vector<uint8_t> bytes;
   if (stbi_write_hdr_to_func(append_bytes, &bytes, map.width, map.height, 3, map.rgb.data()) == 0)
-    throw Failure("a picture of " + std::to_string(map.width) + " x " + std::to_string(map.height) +
-                  " pixels cannot be written as .hdr; it needs at least one");
+    throw cannot("encode", ".hdr", "the picture has no pixel", "Make it larger");
   return bytes;
 }
 
@@ -157,16 +156,18 @@ RadianceMap read_panorama(const std::string& path) {
     const std::string bytes = read_file(path, "panorama");
     map = HdrReader{path, bytes}.read();
   } else if (extension == ".exr") map = decode_exr(path);
-  else throw Failure("panorama '" + path + "' is neither .hdr nor .exr; convert it to one of them");
+  else throw cannot("read", path, "it is neither .hdr nor .exr", "Convert it to one of them");
   if (map.width < k_narrowest || map.width != 2 * map.height)
-    throw Failure("panorama '" + path + "' is " + std::to_string(map.width) + " x " + std::to_string(map.height) +
-                  " pixels; an equirectangular panorama is twice as wide as high");
+    throw cannot("read", path,
+                 "it has " + std::to_string(map.width) + " x " + std::to_string(map.height) +
+                     " pixels, and a panorama is twice as wide as high",
+                 "Export it as equirectangular");
   for (float& value : map.rgb) {
     if (!std::isfinite(value))
-      throw Failure("panorama '" + path + "' has a pixel that is not a finite number; repair or export it again");
+      throw cannot("read", path, "it has a pixel that is not a finite number", "Repair or export it again");
     value = std::max(value, 0.0f);  // sharpening filters leave radiance a little below 0 beside lamps
   }
-  if (greatest_luminance(map) <= 0.0) throw Failure("panorama '" + path + "' is black everywhere; expose it");
+  if (greatest_luminance(map) <= 0.0) throw cannot("read", path, "it is black everywhere", "Expose it");
   return map;
 }
 

@@ -80,7 +80,7 @@ ProbeScene::ProbeScene(const Mesh& object) : state_(std::make_unique<State>()) {
     low = {std::min<double>(low.x, p[0]), std::min<double>(low.y, p[1]), std::min<double>(low.z, p[2])};
     high = {std::max<double>(high.x, p[0]), std::max<double>(high.y, p[1]), std::max<double>(high.z, p[2])};
   }
-  if (!(high.y > low.y)) throw Failure("the object has no height; give a solid mesh");
+  if (!(high.y > low.y)) throw Failure("cannot light the object: it has no height. Name a solid mesh with --object.");
   const double scale = 1.0 / (high.y - low.y);
   Mesh scene = object;
   for (size_t i = 0; i < scene.vertices.size(); i += 3) {
@@ -172,7 +172,7 @@ ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) c
 
 struct ProbeScene::State {};
 ProbeScene::ProbeScene(const Mesh&) {
-  throw Failure("lighting is verified with Embree, which this build does not have; install it and build again");
+  throw Failure("cannot light the object: this build lacks Embree. Install it, configure and build again.");
 }
 ProbeImage ProbeScene::render(const ProbeLight&, View, int) const { return {}; }
 

@@ -55,7 +55,7 @@ void expose(RadianceMap* map, double key) {
 #ifndef SANDGLASS_HAVE_EMBREE
 
 RoomPanorama trace_room(const Room&, const RoomRenderOptions&) {
-  throw Failure("rooms are traced with Embree, which this build does not have; install it and build again");
+  throw Failure("cannot trace a room: this build lacks Embree. Install it, configure and build again.");
 }
 
 #else
@@ -79,7 +79,7 @@ struct Scene {
 
   explicit Scene(const Room& room) {
     device = rtcNewDevice("threads=1");
-    if (device == nullptr) throw Failure("Embree does not start on this machine; rooms cannot be traced");
+    if (device == nullptr) throw Failure("cannot trace a room: Embree does not start on this machine. Reinstall it.");
     scene = rtcNewScene(device);
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);

@@ -23,17 +23,18 @@ LoadedMeshes::LoadedMeshes(const SceneFile& scene, const std::string& mesh_path)
   }
   if (mesh_path.empty()) return;
   if (!asked_for(BodyShape::mesh))
-    throw Failure("scene '" + scene.source +
-                  "' has no body of shape \"mesh\", so --mesh does nothing; leave it out or take another scene");
+    throw cannot("use --mesh with", scene.source, "the scene has no body of shape \"mesh\"", "Leave --mesh out");
   MeshResult loaded = load_mesh(mesh_path);
   if (!loaded) throw Failure(loaded.error);
   const MeshReport& report = loaded.report;
   if (!report.watertight() && report.non_manifold_edges > 0)
-    throw Failure("the mesh '" + mesh_path + "' is not manifold: " + std::to_string(report.non_manifold_edges) +
-                  " edges belong to three or more triangles, so it has no inside that could be filled; repair it");
+    throw cannot("fill", mesh_path,
+                 "it is not manifold: " + std::to_string(report.non_manifold_edges) +
+                     " edges belong to three or more triangles, so it has no inside",
+                 "Repair it");
   if (!report.watertight())
-    note_ = "the mesh '" + mesh_path + "' is open (" + std::to_string(report.boundary_edges) +
-            " boundary edges); it is filled where its winding number is at least one half";
+    note_ = "\"" + mesh_path + "\" is open (" + std::to_string(report.boundary_edges) +
+            " boundary edges). It is filled where its winding number is at least one half.";
   argument_ = std::move(loaded.mesh);
   bodies_.argument = {view_of(argument_), report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING};
 }

@@ -22,8 +22,8 @@ float turned_distance(void* user, const float p[3]) {
 
 void require(const SceneFile& scene, size_t index, sandglass_status status, const char* const& reason) {
   if (status == SANDGLASS_OK) return;
-  throw Failure("scene '" + scene.source + "': collider " + std::to_string(index) +
-                " has no field: " + (reason != nullptr ? reason : sandglass_status_name(status)));
+  throw cannot("make the field of collider " + std::to_string(index) + " in", scene.source,
+               reason != nullptr ? reason : sandglass_status_name(status));
 }
 
 Block field_block(uint64_t bytes) { return new_block(bytes, "a collider's field", "enlarge its \"field_spacing\""); }
@@ -38,7 +38,8 @@ void stand_mesh(Mesh* mesh, double height, const std::string& name) {
     for (size_t v = axis; v < vertices.size(); v += 3)
       low[axis] = std::min(low[axis], vertices[v]), high[axis] = std::max(high[axis], vertices[v]);
   }
-  if (!(high[1] > low[1])) throw Failure("the mesh '" + name + "' is flat; a collider needs a height");
+  if (!(high[1] > low[1]))
+    throw cannot("stand", name, "the mesh is flat, and a collider needs a height", "Turn it: y is up");
   const float scale = static_cast<float>(height) / (high[1] - low[1]);
   const float middle[3] = {0.5f * (low[0] + high[0]), low[1], 0.5f * (low[2] + high[2])};
   for (size_t v = 0; v < vertices.size(); ++v) vertices[v] = (vertices[v] - middle[v % 3]) * scale;
@@ -50,8 +51,8 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
   };
   const bool wanted = std::any_of(scene->colliders.begin(), scene->colliders.end(), is_mesh);
   if (!wanted && !mesh_path.empty())
-    throw Failure("scene '" + scene->source +
-                  "' has no collider of shape \"mesh\", so --collider-mesh does nothing; leave it out");
+    throw cannot("use --collider-mesh with", scene->source, "the scene has no collider of shape \"mesh\"",
+                 "Leave --collider-mesh out");
   MeshResult argument;
   if (!mesh_path.empty()) {
     argument = load_mesh(mesh_path);
@@ -84,8 +85,8 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
               reason);
     } else {
       if (mesh_path.empty() && track.mesh.empty())
-        throw Failure("scene '" + scene->source + "': collider " + std::to_string(i) +
-                      " is a mesh: name its file with --collider-mesh FILE");
+        throw cannot("read", scene->source, "collider " + std::to_string(i) + " is a mesh without a file",
+                     "Name it with --collider-mesh FILE");
       const MeshResult loaded = mesh_path.empty() ? make_named(track.mesh) : argument;
       if (!loaded) throw Failure(loaded.error);
       Mesh standing = loaded.mesh;

@@ -6,7 +6,8 @@ namespace sandglass::host {
 
 // A reference: the call that writes the reason is the other argument.
 static void require(sandglass_status status, const char* const& reason) {
-  if (status != SANDGLASS_OK) throw Failure(reason != nullptr ? reason : sandglass_status_name(status));
+  if (status != SANDGLASS_OK)
+    throw cannot("make", "pile_shadow", reason != nullptr ? reason : sandglass_status_name(status));
 }
 
 PileShadow::PileShadow(const PileShadowTrack& track, sandglass_isa isa) {

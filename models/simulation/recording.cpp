@@ -173,13 +173,13 @@ bool parse_frame(Reader payload, uint32_t version, RecordedFrame* frame) {
   return !payload.short_of_bytes && payload.left == 0;
 }
 
-// Errors complete the sentence "the recording 'NAME' ...".
+// Errors complete the sentence "it ...".
 bool fail(std::string* error, std::string rest) {
   *error = std::move(rest);
   return false;
 }
 
-std::string in_record(size_t index) { return " in record " + std::to_string(index) + "; record the run again"; }
+std::string in_record(size_t index) { return " in record " + std::to_string(index) + ". Record the run again."; }
 
 }  // namespace
 
@@ -197,16 +197,16 @@ std::vector<uint8_t> encode_recording(const Recording& recording) {
 }
 
 bool decode_recording(const uint8_t* data, size_t bytes, Recording* recording, std::string* error) {
-  if (bytes < k_prologue_bytes) return fail(error, "is too short to be one; record the run again");
+  if (bytes < k_prologue_bytes) return fail(error, "is too short for a recording. Record the run again.");
   for (size_t i = 0; i < sizeof(k_magic); ++i) {
-    if (data[i] != k_magic[i]) return fail(error, "is not a Sandglass recording; name a file that --record wrote");
+    if (data[i] != k_magic[i]) return fail(error, "is not a recording. Name a file that --record wrote.");
   }
   Reader file = {data + sizeof(k_magic), bytes - sizeof(k_magic)};
   const uint32_t version = file.u32();
   if (version < k_oldest_version || version > k_version) {
-    return fail(error, "has version " + std::to_string(version) + ", this program reads versions " +
+    return fail(error, "has version " + std::to_string(version) + ", and this program reads versions " +
                            std::to_string(k_oldest_version) + " to " + std::to_string(k_version) +
-                           "; replay it with the program that recorded it");
+                           ". Replay it with the program that recorded it.");
   }
   uint64_t sum = checksum(k_fnv_offset, data, k_prologue_bytes);
   Recording result;
@@ -255,7 +255,7 @@ Recording load_recording(const std::string& path) {
   Recording recording;
   std::string error;
   if (!decode_recording(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size(), &recording, &error)) {
-    throw Failure("the recording '" + path + "' " + error);
+    throw cannot("read", path, "it " + error);
   }
   return recording;
 }

@@ -42,7 +42,7 @@ class Reader {
   }
 
   [[noreturn]] void fail(const std::string& what, const std::string& problem) const {
-    throw Failure("scene '" + source_ + "': " + what + " " + problem);
+    throw cannot("read", source_, what + " " + problem);
   }
   [[noreturn]] void refuse(const std::string& key, const std::string& problem) const { fail(quoted(key), problem); }
 
@@ -380,10 +380,9 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   } catch (const json::parse_error& error) {
     size_t line = 1;
     for (size_t i = 0; i + 1 < error.byte && i < text.size(); ++i) line += text[i] == '\n';
-    throw Failure("scene '" + source + "' is not valid JSON: line " + std::to_string(line) +
-                  "; correct what stands there");
+    throw cannot("read", source, "line " + std::to_string(line) + " is not valid JSON", "Correct it");
   } catch (const json::exception&) {
-    throw Failure("scene '" + source + "' holds a number that no double can hold; correct it");
+    throw cannot("read", source, "it has a number that no double can hold", "Correct it");
   }
   SceneFile scene;
   scene.source = source;
@@ -484,8 +483,8 @@ std::string find_scene(const std::string& name_or_path) {
   }
   std::string list;
   for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  throw Failure("there is no scene file '" + name_or_path + "' and no shipped scene of that name; shipped are: " +
-                (list.empty() ? "none that this program can find" : list));
+  throw cannot("find", name_or_path, "no file and no shipped scene has this name",
+               list.empty() ? "Name a scene file" : "Name a scene file, or one of " + list);
 }
 
 SceneFile load_scene(const std::string& name_or_path) {
@@ -577,8 +576,10 @@ sandglass_scene_desc describe_scene(const SceneFile& scene, uint32_t particles, 
   const auto fit = [&](uint32_t* capacity, uint32_t need, const char* key) {
     if (*capacity == 0) *capacity = need;
     if (*capacity < need)
-      throw Failure("scene '" + scene.source + "': \"" + key + "\" is " + std::to_string(*capacity) +
-                    ", too small for the " + std::to_string(need) + " that the scene holds; raise it or leave it out");
+      throw cannot("use", scene.source,
+                   "\"" + std::string(key) + "\" is " + std::to_string(*capacity) + ", and the scene holds " +
+                       std::to_string(need),
+                   "Raise it or leave it out");
   };
   fit(&desc.granular.particle_capacity, particles, "particle_capacity");
   fit(&desc.granular.grain_capacity, grains, "grain_capacity");

@@ -43,15 +43,14 @@ struct UnitBody {
   float low[3], high[3];
   sandglass_inside inside = nullptr;
   void* user = nullptr;
-  std::string label;  // "scene 'x.json': body 0"
+  std::string label;  // "body 0 of x.json"
   Profile profile;    // of a revolved body, in the unit frame
   // Owned by mesh bodies.
   std::vector<float> vertices;
   Block inside_block;
 
   void require(sandglass_status status, const char* const& reason) const {
-    if (status != SANDGLASS_OK)
-      throw Failure(label + " cannot be filled: " + (reason != nullptr ? reason : sandglass_status_name(status)));
+    if (status != SANDGLASS_OK) throw cannot("fill", label, reason != nullptr ? reason : sandglass_status_name(status));
   }
 };
 
@@ -81,7 +80,7 @@ void make_mesh_body(const BodyMesh& source, UnitBody* body) {
   float low[3], high[3];
   body->require(sandglass_mesh_bounds(&source.mesh, low, high, &reason), reason);
   const double height = static_cast<double>(high[1]) - low[1];
-  if (!(height > 0.0)) throw Failure(body->label + " is flat: its mesh has no height; turn it or take another mesh");
+  if (!(height > 0.0)) throw cannot("fill", body->label, "its mesh has no height", "Turn it: y is up");
   const double middle[3] = {0.5 * (static_cast<double>(low[0]) + high[0]), low[1],
                             0.5 * (static_cast<double>(low[2]) + high[2])};
   body->vertices.resize(3 * static_cast<size_t>(source.mesh.vertex_count));
@@ -105,7 +104,7 @@ UnitBody make_unit_body(const Body& body, const BodyMeshes& meshes, const std::s
   unit.label = label;
   if (body.shape == BodyShape::trefoil || body.shape == BodyShape::mesh) {
     const std::optional<BodyMesh>& mesh = body.shape == BodyShape::mesh ? meshes.argument : meshes.trefoil;
-    if (!mesh) throw Failure(label + " has shape \"mesh\": name the mesh file with --mesh FILE");
+    if (!mesh) throw cannot("fill", label, "it is a mesh without a file", "Name it with --mesh FILE");
     make_mesh_body(*mesh, &unit);
     return unit;
   }
@@ -196,8 +195,10 @@ Points sample_wanted(const UnitBody& body, uint32_t wanted, double enough, doubl
     tried *= count == 0.0 ? 0.5 : cube_root(std::clamp(count / wanted, 0.05, 20.0));
   }
   if (best_error > k_count_tolerance)
-    throw Failure(body.label + " cannot hold " + std::to_string(wanted) + " " + what + " within 1 % (nearest: " +
-                  std::to_string(best.size() / 3) + "); ask for another number or give its size instead");
+    throw cannot("fill", body.label,
+                 "it cannot hold " + std::to_string(wanted) + " " + what + " to 1 %; the nearest number is " +
+                     std::to_string(best.size() / 3),
+                 "Ask for that, or give its size instead");
   *distance = best_distance;
   return best;
 }
@@ -346,7 +347,8 @@ Filled fill_body(const Body& body, const UnitBody& unit, double* particle_radius
     sites = lattice_points(unit, unit_distance);
   }
   if (sites.empty())
-    throw Failure(unit.label + " is too small to hold a single particle; make it larger or the particles smaller");
+    throw cannot("fill", unit.label, "it is too small for a single particle",
+                 "Make it larger or the particles smaller");
   const double volume = static_cast<double>(sites.size() / 3) * unit_distance * unit_distance * unit_distance / k_root2;
   filled.particles = scaled(sites, scale);
   filled.grains = scaled(unit_grains(body, unit, volume, scale, seed), scale);
@@ -364,10 +366,10 @@ Material fill_scene(SceneFile* scene, const BodyMeshes& meshes) {
     for (size_t i = 0; i < scene->bodies.size(); ++i) {
       const Body& body = scene->bodies[i];
       if ((body.size.y > 0.0 && body.particles > 0) != fixes_radius) continue;
-      const std::string label = "scene '" + scene->source + "': body " + std::to_string(i);
+      const std::string label = "body " + std::to_string(i) + " of " + scene->source;
       if (fixes_radius && scene->particle_radius > 0.0)
-        throw Failure(label +
-                      " would fix the particle radius a second time; leave out its \"size\" or its \"particles\"");
+        throw cannot("fill", label, "another body fixes the particle radius already",
+                     "Leave out its \"size\" or its \"particles\"");
       const uint64_t seed = scene->seed + (i << 32);
       if (body.shape == BodyShape::lattice) {
         const double distance = body.spacing * scene->particle_radius;

@@ -10,8 +10,7 @@ namespace sandglass::host {
 // By reference: the call that sets it is an argument too, and arguments are evaluated in any order.
 static void require(sandglass_status status, const char* const& reason) {
   if (status == SANDGLASS_OK) return;
-  throw Failure(std::string("the library refuses the scene (") + sandglass_status_name(status) +
-                "): " + (reason != nullptr ? reason : "no reason given"));
+  throw cannot("create", "scene", reason != nullptr ? reason : sandglass_status_name(status));
 }
 
 Simulation::Simulation(const sandglass_scene_desc& desc) {
@@ -168,9 +167,8 @@ sandglass_isa find_isa(const std::string& name) {
   }
   if (found >= 0 && sandglass_isa_available(found) != 0) return found;
   if (found >= 0)
-    throw Failure("this CPU, or this build for it, lacks the instruction set '" + name + "'; available are " +
-                  available);
-  throw Failure("there is no instruction set named '" + name + "'; available are " + available);
+    throw cannot("use", name, "this CPU, or this build, lacks the instruction set", "Take one of " + available);
+  throw cannot("use", name, "no instruction set has this name", "Take one of " + available);
 }
 
 }  // namespace sandglass::host

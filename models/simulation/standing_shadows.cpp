@@ -18,8 +18,7 @@ std::string find_shadow(const std::string& name_or_path) {
   for (const fs::path& folder : folders)
     if (fs::is_regular_file(folder / (name_or_path + ".shadow"), error))
       return (folder / (name_or_path + ".shadow")).string();
-  throw Failure("there is no baked shadow '" + name_or_path + "', neither a file nor a shipped one; write it with " +
-                "sandglass bake");
+  throw cannot("read", name_or_path, "no file and no shipped shadow has this name", "Bake it with sandglass bake");
 }
 
 sandglass_shadow_info inspect_shadow(const AlignedBytes& file, const std::string& path) {
@@ -27,7 +26,7 @@ sandglass_shadow_info inspect_shadow(const AlignedBytes& file, const std::string
   info.struct_size = sizeof info;
   const char* reason = nullptr;
   if (sandglass_shadow_inspect(file.data(), file.size(), &info, &reason) != SANDGLASS_OK)
-    throw Failure("'" + path + "': " + reason);
+    throw cannot("read", path, reason);
   return info;
 }
 
@@ -43,12 +42,12 @@ StandingShadows::StandingShadows(const SceneFile& scene, sandglass_isa isa) {
     Object object = {i, track.size.y, inspect_shadow(file, path), nullptr};
     uint64_t bytes = 0;
     const char* reason = nullptr;
-    if (sandglass_shadow_bytes(&desc, &bytes, &reason) != SANDGLASS_OK) throw Failure("'" + path + "': " + reason);
+    if (sandglass_shadow_bytes(&desc, &bytes, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
     object.block = ::operator new(bytes, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
     objects_.push_back(object);
     handles_.push_back(nullptr);
     if (sandglass_shadow_create(&desc, object.block, bytes, &handles_.back(), &reason) != SANDGLASS_OK)
-      throw Failure("'" + path + "': " + reason);
+      throw cannot("read", path, reason);
   }
 }
 
@@ -64,7 +63,8 @@ void StandingShadows::set_light(const SceneFile& scene, uint32_t frame, Vec3 tow
     const Vec3 light = rotate(conjugate(rotation), towards);
     const float direction[3] = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z)};
     const char* reason = nullptr;
-    if (sandglass_shadow_set_light(handles_[i], 0, direction, 1.0f, &reason) != SANDGLASS_OK) throw Failure(reason);
+    if (sandglass_shadow_set_light(handles_[i], 0, direction, 1.0f, &reason) != SANDGLASS_OK)
+      throw cannot("turn", "light", reason);
   }
 }
 

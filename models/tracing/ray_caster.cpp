@@ -1,5 +1,6 @@
 // See ray_caster.h.
 #include "models/tracing/ray_caster.h"
+#include "models/work/failure.h"
 
 #ifdef SANDGLASS_HAVE_EMBREE
 
@@ -77,7 +78,7 @@ struct RayCaster::Scene {
 RayCaster::RayCaster(const Mesh& mesh) : scene_(std::make_unique<Scene>()) {
   scene_->device = rtcNewDevice("threads=1");
   if (scene_->device == nullptr) {
-    scene_->error = "Embree cannot be started on this machine: use the library's own inside test";
+    scene_->error = message("trace", "mesh", "Embree does not start on this machine", "Reinstall it");
     return;
   }
   RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
@@ -87,7 +88,7 @@ RayCaster::RayCaster(const Mesh& mesh) : scene_(std::make_unique<Scene>()) {
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangle_count());
   if (vertices == nullptr || indices == nullptr) {
     rtcReleaseGeometry(geometry);
-    scene_->error = "Embree cannot hold this mesh: it is too large for this machine's memory; simplify it";
+    scene_->error = message("trace", "mesh", "this machine has too little memory for it", "Simplify the mesh");
     return;
   }
   std::memcpy(vertices, mesh.vertices.data(), 4 * mesh.vertices.size());

@@ -22,8 +22,7 @@ SphereCaster::SphereCaster(std::span<const float> centres, float radius) : state
     if (std::isfinite(centres[3 * i]) && std::isfinite(centres[3 * i + 1]) && std::isfinite(centres[3 * i + 2]))
       state_->source.push_back(i);
   state_->device = rtcNewDevice(nullptr);
-  if (state_->device == nullptr)
-    throw Failure("Embree does not start on this machine; build without it to draw pictures");
+  if (state_->device == nullptr) throw Failure("cannot draw: Embree does not start on this machine. Build without it.");
   state_->scene = rtcNewScene(state_->device);
   if (!state_->source.empty()) {
     RTCGeometry geometry = rtcNewGeometry(state_->device, RTC_GEOMETRY_TYPE_SPHERE_POINT);

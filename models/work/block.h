@@ -20,8 +20,7 @@ using Block = std::unique_ptr<void, BlockDelete>;
 inline Block new_block(uint64_t bytes, const char* purpose, const char* remedy) {
   Block block(::operator new(bytes, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT), std::nothrow));
   if (block == nullptr)
-    throw Failure("this machine has no block of " + std::to_string(bytes >> 20) + " MiB for " + purpose + "; " +
-                  remedy);
+    throw cannot("hold", purpose, "this machine has no block of " + std::to_string(bytes >> 20) + " MiB", remedy);
   return block;
 }
 

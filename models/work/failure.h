@@ -18,25 +18,30 @@ inline std::string message(const std::string& verb, const std::string& which, co
                            const std::string& remedy) {
   return "cannot " + verb + " \"" + which + "\": " + why + ". " + remedy + ".";
 }
+
+// A reason that is written "why: what to do" or "why; what to do", as the library does, ends a message as "why. What to
+// do." One that ends in a full stop is taken as it is.
+inline std::string message(const std::string& verb, const std::string& which, std::string reason) {
+  const size_t end = std::max(reason.rfind(": ") + 1, reason.rfind("; ") + 1);  // 0: neither
+  if (!reason.ends_with('.')) {
+    if (end > 0 && end + 1 < reason.size()) {
+      reason[end - 1] = '.';
+      reason[end + 1] = static_cast<char>(std::toupper(static_cast<unsigned char>(reason[end + 1])));
+    }
+    reason += '.';
+  }
+  return "cannot " + verb + " \"" + which + "\": " + reason;
+}
+
 inline Failure cannot(const std::string& verb, const std::string& which, const std::string& why,
                       const std::string& remedy) {
   return Failure(message(verb, which, why, remedy));
 }
-
-// The library says "why: what to do" or "why; what to do", or why alone; a message ends in "why. What to do."
-inline std::string reason_text(const char* reason) {
-  std::string text = reason == nullptr ? "the library gives no reason" : reason;
-  const size_t end = std::max(text.rfind(": ") + 1, text.rfind("; ") + 1);  // 0: neither
-  if (end > 0 && end + 1 < text.size()) {
-    text[end - 1] = '.';
-    text[end + 1] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[end + 1])));
-  }
-  return text.ends_with('.') ? text : text + ".";
+inline Failure cannot(const std::string& verb, const std::string& which, const std::string& reason) {
+  return Failure(message(verb, which, reason));
 }
-
-// The library refuses: cannot read "room.light": the file is cut off. Copy it again.
 inline Failure cannot(const std::string& verb, const std::string& which, const char* reason) {
-  return Failure("cannot " + verb + " \"" + which + "\": " + reason_text(reason));
+  return Failure(message(verb, which, reason == nullptr ? "the library gives no reason" : reason));
 }
 
 }  // namespace sandglass::host

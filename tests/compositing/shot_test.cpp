@@ -263,7 +263,7 @@ TEST(Shot, AnEstimatedLightFollowsTheFiltersLawWhileTheCameraTurns) {
   if (shipped_light_network().empty()) GTEST_SKIP() << "no lighting network";
   EstimatedTurn turn(90, 18);
   const ShotCamera rest = resting_camera(*turn.scene.camera);
-  constexpr double k_share = EstimatedTurn::k_between / (0.4 + EstimatedTurn::k_between), k_held_off_deg = 40;
+  constexpr double k_share = EstimatedTurn::k_between / (0.4 + EstimatedTurn::k_between), k_outlier_deg = 40;
   Vec3 before;
   double greatest = 0, off_without_pose = 0;
   for (uint32_t frame = 0; frame <= turn.scene.frames; ++frame) {
@@ -275,7 +275,7 @@ TEST(Shot, AnEstimatedLightFollowsTheFiltersLawWhileTheCameraTurns) {
       const auto expected = [&](Vec3 newest) {
         return std::min(k_step_limit_deg, share * between_deg(newest, before));
       };
-      ASSERT_LT(between_deg(said, before), k_held_off_deg) << "no estimate may be rejected here";
+      ASSERT_LT(between_deg(said, before), k_outlier_deg) << "no estimate may be rejected here";
       EXPECT_NEAR(step, expected(said), 0.02) << frame;
       EXPECT_LE(step, k_step_limit_deg) << frame;
       const Vec3 without_pose = rest.to_scene(turn.shot->camera(frame).to_camera(said));

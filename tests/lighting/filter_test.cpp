@@ -65,7 +65,7 @@ TEST(LightFilter, StepResponseIsTheDocumentedOne) {
   EXPECT_LT(angles[4], 81.0);  // 90 % with the sixth: 1.25 s after the first
   EXPECT_GE(angles[5], 81.0);
   for (size_t i = 1; i < angles.size(); ++i) EXPECT_LT(angles[i], 90.0);
-  EXPECT_EQ(f.held_off, 1u);
+  EXPECT_EQ(f.rejected, 1u);
 }
 
 // The state depends on time and not on the rate of estimates: at twice the rate it is the same after the same time.
@@ -95,7 +95,7 @@ TEST(LightFilter, ASingleOutlierChangesNothing) {
     EXPECT_TRUE(light_filter_take(&f, at(20.0), t += k_period_ns));
   }
   EXPECT_NEAR(azimuth(f), 20.0, 1e-9);
-  EXPECT_EQ(f.held_off, 2u);
+  EXPECT_EQ(f.rejected, 2u);
 }
 
 // The control: without the gate the same outlier moves the light by 30 degrees.

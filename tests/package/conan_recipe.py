@@ -96,7 +96,7 @@ def main():
     recipe.settings = types.SimpleNamespace(os="Linux", arch="armv7", compiler="gcc", build_type="Release")
     recipe.cpp_info = types.SimpleNamespace(builddirs=[], libs=[], system_libs=[], set_property=lambda name, value: None)
 
-    # The rows of the README's table of targets.
+    # The rows of the table of targets in tests/README.md.
     for system, processor, built in (("Linux", "armv7", False), ("Android", "armv7", False), ("Android", "x86_64", False),
                                      ("iOS", "x86_64", False), ("Macos", "armv8", False), ("Windows", "x86_64", False),
                                      ("Android", "armv8", True), ("iOS", "armv8", True), ("Linux", "armv8", True),

@@ -58,7 +58,7 @@ endfunction()
 
 include(${PORT})
 
-# The port must not claim a system that the README says is not built.
+# The port must not claim a system that tests/README.md says is not built.
 get_filename_component(folder ${PORT} DIRECTORY)
 file(READ ${folder}/vcpkg.json manifest)
 string(JSON supports GET "${manifest}" supports)

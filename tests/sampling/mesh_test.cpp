@@ -212,7 +212,7 @@ TEST(Clean, refuses_with_one_sentence) {
         host::clean_mesh(vertices, {}, "thing"), host::clean_mesh({}, {0, 1, 2}, "thing"),
         host::clean_mesh(vertices, {0, 1, 1}, "thing")}) {
     EXPECT_FALSE(result);
-    EXPECT_NE(result.error.find("'thing'"), std::string::npos);
+    EXPECT_NE(result.error.find("\"thing\""), std::string::npos);
     EXPECT_EQ(result.error.find('\n'), std::string::npos);
     EXPECT_TRUE(result.mesh.vertices.empty());
   }

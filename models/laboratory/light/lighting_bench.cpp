@@ -150,7 +150,7 @@ bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_i
   desc.isa = isa, desc.backend = choice;
   desc.smoothing = desc.interval = 0;
   Light light;
-  if (const Status status = light.create(desc); !status) throw Failure("'" + name + "': " + status.reason);
+  if (const Status status = light.create(desc); !status) throw cannot("read", name, status.reason);
   uint64_t bytes = 0;
   if (sandglass_light_bytes(&desc, &bytes, nullptr) != SANDGLASS_OK) return false;  // cannot be
   row->arena_bytes = static_cast<double>(bytes + (backend == nullptr ? 0 : backend->bytes_beside()));

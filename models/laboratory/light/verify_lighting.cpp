@@ -203,7 +203,7 @@ LightEstimator estimates_of_csv(const std::string& text, const std::string& path
     if (!row.empty() && row.back() == '\r') row.pop_back();
     if (row.empty() || row == header) continue;
     if (line == 1)
-      throw Failure("estimates '" + path + "' do not begin with the line '" + header + "'; write them with train.py");
+      throw cannot("read", path, "it does not begin with the line \"" + header + "\"", "Write it with train.py");
     const size_t comma = row.find(',');
     double v[10];
     const char* rest = comma == std::string::npos ? "" : row.c_str() + comma;
@@ -218,8 +218,8 @@ LightEstimator estimates_of_csv(const std::string& text, const std::string& path
     }
     const Vec3 d = {v[0], v[1], v[2]};
     if (!whole || *rest != '\0' || !(length(d) > 0.0))
-      throw Failure("line " + std::to_string(line) + " of estimates '" + path +
-                    "' is not a name, a direction and seven numbers; write them with train.py");
+      throw cannot("read", path, "line " + std::to_string(line) + " is not a name, a direction and seven numbers",
+                   "Write it with train.py");
     std::string name = row.substr(0, comma);
     if (name.ends_with(".png")) name.resize(name.size() - 4);
     (*table)[name] = {normalised(d), {v[3], v[4], v[5]}, {v[6], v[7], v[8]}, v[9], true};
@@ -227,7 +227,7 @@ LightEstimator estimates_of_csv(const std::string& text, const std::string& path
   return [table, path](const Picture&, const std::string& name) {
     const auto found = table->find(name);
     if (found == table->end())
-      throw Failure("estimates '" + path + "' have no line for '" + name + "'; estimate all views of these panoramas");
+      throw cannot("use", path, "it has no line for \"" + name + "\"", "Estimate all views of these panoramas");
     return found->second;
   };
 }

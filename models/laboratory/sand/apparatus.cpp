@@ -25,7 +25,7 @@ float turned_distance(void* user, const float p[3]) {
 
 void require(sandglass_status status, const char* const& reason) {
   if (status == SANDGLASS_OK) return;
-  throw Failure(std::string("the vessel has no field: ") + (reason != nullptr ? reason : "no reason given"));
+  throw cannot("make", "field of the vessel", reason);
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ uint32_t frames_in(double seconds) { return static_cast<uint32_t>(std::lround(se
 double sphere_volume(double radius) { return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius; }
 
 void require(sandglass_status status, const char* const& reason) {
-  if (status != SANDGLASS_OK) throw Failure(reason != nullptr ? reason : sandglass_status_name(status));
+  if (status != SANDGLASS_OK) throw cannot("run", "flow", reason != nullptr ? reason : sandglass_status_name(status));
 }
 
 // The particles that were not removed.
@@ -375,7 +375,8 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
       for (Simulation* copy : {&with_floor, &without_floor}) {
         require(sandglass_scene_restore(copy->handle(), bytes.data(), bytes.size(), &reason), reason);
         const sandglass_frame_report report = copy->frame(substep, k_no_budget, {after, which == 0 ? 2u : 1u});
-        if (report.substeps != 1) throw Failure("the sub-step that measures the load was split");
+        if (report.substeps != 1)
+          throw cannot("measure", "load", "the sub-step that measures it was split", "Report this");
         for (size_t i = 1; i < copy->particle_velocities().size(); i += 3)
           speed[which] += static_cast<double>(copy->particle_velocities()[i]);
         ++which;

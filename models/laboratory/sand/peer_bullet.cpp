@@ -72,9 +72,9 @@ BenchRow bench_bullet(SceneFile scene, uint32_t frames, const BenchStep& step) {
   for (Body& body : scene.bodies) body.grains = 0, body.grain_distance = 0.0;
   for (const Body& body : scene.bodies) {
     if (body.shape == BodyShape::trefoil || body.shape == BodyShape::mesh)
-      throw Failure(scene.source + ": the comparison with Bullet takes no meshes");
+      throw cannot("compare with Bullet", scene.source, "its bodies are meshes", "Take a scene of boxes");
     if (body.velocity.x != 0.0 || body.velocity.y != 0.0 || body.velocity.z != 0.0)
-      throw Failure(scene.source + ": the comparison with Bullet takes bodies at rest only");
+      throw cannot("compare with Bullet", scene.source, "a body moves", "Take a scene of bodies at rest");
   }
   const Material material = fill_scene(&scene, {});
   const uint32_t count = material.particles();
@@ -84,7 +84,7 @@ BenchRow bench_bullet(SceneFile scene, uint32_t frames, const BenchStep& step) {
   const double friction = static_cast<double>(scene.granular.kinetic_friction);
   for (const ColliderTrack& track : scene.colliders) {
     if (track.shape != SANDGLASS_SHAPE_HALF_SPACE || !track.motion.empty())
-      throw Failure(scene.source + ": the comparison with Bullet takes resting half-spaces as colliders only");
+      throw cannot("compare with Bullet", scene.source, "a collider is no half-space at rest", "Take another scene");
     const sandglass_collider plane = collider_over_frame(track, 0.0, scene.frame_step);
     engine.shapes.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 1, 0), btScalar(0)));
     engine.add(engine.shapes.back().get(), 0,
@@ -136,7 +136,8 @@ bool bullet_available() { return false; }
 
 BenchRow bench_bullet(SceneFile, uint32_t, const BenchStep&) {
   throw Failure(
-      "this build has no Bullet to compare with; install it (Debian: libbullet-dev), configure and build again");
+      "cannot compare with Bullet: this build lacks it. Install libbullet-dev (Debian's name), configure and "
+      "build again.");
 }
 
 }  // namespace sandglass::host

@@ -110,7 +110,7 @@ BakedShadow open_baked_shadow(std::span<const uint8_t> file, const std::string& 
   ShadowAsset asset;
   const char* reason = nullptr;
   if (open_shadow_asset(aligned.data(), file.size(), &asset, &reason) != SANDGLASS_OK)
-    throw Failure("'" + name + "': " + reason);
+    throw cannot("read", name, reason);
   BakedShadow baked;
   baked.network.shape = {asset.width, asset.layers};
   if (asset.float_parameters != nullptr && asset.texel_frequencies == k_texel_frequencies &&
@@ -123,7 +123,7 @@ BakedShadow open_baked_shadow(std::span<const uint8_t> file, const std::string& 
   const double scale = geometry.object.scale;
   if (std::fabs(geometry.object.box.height * scale - asset.box.height) > 1e-4 * scale ||
       std::fabs(geometry.object.box.half_x * scale - asset.box.half_x) > 1e-4 * scale)
-    throw Failure("'" + name + "' was baked from another mesh than the one given; name its mesh with --mesh");
+    throw cannot("measure", name, "it was baked from another mesh", "Name its mesh with --mesh");
   return baked;
 }
 
@@ -134,7 +134,7 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   const LightGeometry& geometry = baked.geometry;
   const FloatNetwork& network = baked.network;
   if (network.parameters.empty())
-    throw Failure("'" + name + "' does not carry the float network to compare with; bake it with --keep-float");
+    throw cannot("measure", name, "it does not hold the float network to compare with", "Bake it with --keep-float");
   const ShadowCaster caster(geometry.object.mesh, geometry.half_angle, {}, 1);
   ThreadPool pool(1);
   const MachinePeak peak = measure_machine_peak();

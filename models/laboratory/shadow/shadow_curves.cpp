@@ -82,8 +82,9 @@ std::vector<ShadowCurve> measure_shadow_curves(const std::vector<NamedShadow>& f
   const LightGeometry& first = baked[0].geometry;
   for (size_t i = 1; i < baked.size(); ++i)
     if (std::fabs(baked[i].geometry.half_angle - first.half_angle) > 1e-6)
-      throw Failure("'" + files[i].name + "' was baked for a light of another --angle than '" + files[0].name +
-                    "'; errors can only be compared for the same one");
+      throw cannot("compare", files[i].name,
+                   "it was baked for a light of another --angle than \"" + files[0].name + "\"",
+                   "Bake both for the same --angle");
   LightGeometry fitted = first;
   fitted.plane = PlaneRule::fitted;
   const ShadowCaster caster(first.object.mesh, first.half_angle, {}, 1);
@@ -117,7 +118,7 @@ std::vector<ShadowCurve> measure_shadow_curves(const std::vector<NamedShadow>& f
         const char* reason = nullptr;
         if (size != k_size &&
             sandglass_shadow_resample(runner->handle(), 0, size, resampled.data(), &reason) != SANDGLASS_OK)
-          throw Failure(reason);
+          throw cannot("turn", "light", reason);
         best = std::min(best, 1e3 * (seconds_now() - from));
       }
       sum->ms.push_back(best);

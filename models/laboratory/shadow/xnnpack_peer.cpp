@@ -18,7 +18,8 @@ constexpr int8_t k_zero = -128;             // of activations: 0 .. clip as -128
 constexpr float k_input_step = 1.0f / 127;  // encoded inputs lie in -1..1
 
 void check(xnn_status status) {
-  if (status != xnn_status_success) throw Failure("XNNPACK refused an operator of the shadow network");
+  if (status != xnn_status_success)
+    throw Failure("cannot compare with XNNPACK: it refuses an operator of the shadow network. Build without it.");
 }
 
 // XNNPACK wants all inputs of output 0 first.
