@@ -6,7 +6,7 @@
 Checked in every .md file:
   [text](path#heading)   the file or folder exists, and the heading in it
   `path/of/file`         exists, from the top folder, from the document's or from one above it; a file's name alone: somewhere in the tree
-And README.md has at most N lines (200), its pictures at most 2 MB, and its C++ block is the file that the line above it links to.
+And README.md has at most N lines (200), its pictures at most 2 MB, and its C++ block is the file that the paragraph above it links to.
 
 Fenced blocks are no prose and are left out; so are names with a placeholder (capitals alone, ..., <, *, $).
 """
@@ -76,9 +76,12 @@ def check_readme(root, most_lines):
     for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text):
         if (root / picture).is_file() and (root / picture).stat().st_size > PICTURE_BYTES:
             yield f"README.md: {picture} is larger than {PICTURE_BYTES} bytes"
-    for link, code in re.findall(r"\]\((models/[^)]+\.cpp)\)[^\n]*\n\n```cpp\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
-        if (root / link).is_file() and (root / link).read_text(encoding="utf-8") != code:
-            yield f"README.md: the code is not that of {link}"
+    for paragraph, code in re.findall(r"((?:^[^\n]+\n)+)\n```cpp\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        links = re.findall(r"\]\(([^)]+\.cpp)\)", paragraph)
+        if not links:
+            yield "README.md: the paragraph above the code links to no file that it is of"
+        elif (root / links[-1]).is_file() and (root / links[-1]).read_text(encoding="utf-8") != code:
+            yield f"README.md: the code is not that of {links[-1]}"
 
 
 def main():
