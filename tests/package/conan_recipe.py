@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Runs the Conan recipe as `conan create` would: the names that it imports are defined here by what Conan 2 documents of them.
+"""Runs the Conan recipe as `conan create` would. The names that it imports are defined here, as Conan 2 documents them.
 
     conan_recipe.py CONANFILE WORK_FOLDER [COMPILER_LAUNCHER]
     conan_recipe.py CONANFILE WORK_FOLDER --settings          only for which settings it says to build
 
-The exported sources are copied to a folder of their own first, so a file that the recipe forgets to export fails the build.
+The exported sources are first copied to a folder of their own, so a file that the recipe does not export fails the build.
 """
 import importlib.util
 import pathlib
