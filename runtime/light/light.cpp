@@ -255,7 +255,7 @@ void describe(const Light& light, const LightSample& sample, uint64_t timestamp_
   estimate.confidence = static_cast<float>(light_filter_confidence(light.filter));
   estimate.estimates = light.estimates;
   estimate.deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
-  estimate.held_off = light.filter.held_off;
+  estimate.rejected = light.filter.held_off;
   double sh[3 * k_harmonics];
   light_harmonics(estimate, SANDGLASS_LIGHT_MODEL_WHOLE, sh);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) estimate.sh[i] = static_cast<float>(sh[i]);
