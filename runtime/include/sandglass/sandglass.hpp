@@ -4,8 +4,8 @@
 // Everything that the C headers promise holds here. Memory is allocated by the create and from_* functions, by the
 // sample_* functions, by save and by box_body, and by nothing else; none of them is called in a frame. Structs are
 // those of the C API (sandglass_scene_desc, ...). Each owner type gives its C handle by get(), for every function that
-// has no short form here. An owner type that nothing was created in yet is empty: its functions then follow the C API's rule
-// for NULL.
+// has no short form here. An owner type that nothing was created in yet is empty: its functions then follow the rule of
+// the C API for NULL.
 //
 //   sandglass_scene_desc desc = sandglass::scene_desc();
 //   desc.granular.particle_capacity = 1000;
