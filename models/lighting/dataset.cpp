@@ -6,13 +6,13 @@
 #include <filesystem>
 #include <map>
 
-#include "models/host/atomic_file.h"
-#include "models/host/failure.h"
-#include "models/host/for_all.h"
-#include "models/host/image.h"
-#include "models/host/progress.h"
+#include "models/files/atomic_file.h"
+#include "models/files/image.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/lit_view.h"
+#include "models/work/failure.h"
+#include "models/work/for_all.h"
+#include "models/work/progress.h"
 
 namespace sandglass::host {
 
@@ -111,7 +111,7 @@ std::vector<std::string> find_panoramas(const std::vector<std::string>& paths) {
       if (entry.is_regular_file() && is_panorama(entry.path())) found.push_back(entry.path().string());
   }
   if (found.empty())
-    throw Failure("there is no .hdr or .exr file in '" + paths.at(0) + "'; name a folder with panoramas");
+    throw cannot("use", paths.at(0), "it has no .hdr or .exr file", "Name panoramas, or folders of them");
   std::sort(found.begin(), found.end());
   return found;
 }
@@ -121,8 +121,9 @@ void refuse_equal_stems(const std::vector<std::string>& panoramas) {
   for (const std::string& path : panoramas) {
     const auto [other, is_new] = seen.emplace(stem_of(path), path);
     if (!is_new)
-      throw Failure("'" + other->second + "' and '" + path +
-                    "' have one name, by which images and estimates are told apart; rename one or leave it out");
+      throw cannot("use", path,
+                   "\"" + other->second + "\" has the same name, and names tell images and estimates apart",
+                   "Rename one or leave it out");
   }
 }
 
@@ -130,7 +131,7 @@ std::string read_locations(const std::string& path) {
   if (path.empty()) return "";
   std::string text = read_file(path, "manifest");
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
-    throw Failure("the manifest '" + path + "' is empty; its first line must name the columns file, group and fold");
+    throw cannot("read", path, "the manifest is empty", "Its first line names the columns file, group and fold");
   return text;
 }
 
@@ -148,17 +149,18 @@ Location location_of(const std::string& panorama, const std::string& manifest_te
         if (fields[i] == "fold") fold_column = i;
       }
       if (std::max({file_column, group_column, fold_column}) == SIZE_MAX)
-        throw Failure("the manifest has no columns file, group and fold; its first line must name them");
+        throw Failure("cannot read the manifest: it has no columns file, group and fold. Name them in its first line.");
     } else if (fields.size() > std::max({file_column, group_column, fold_column}) &&
                fs::path(fields[file_column]).filename() == file) {
       const std::string& fold = fields[fold_column];
       if (fold.size() > 1 || (fold.size() == 1 && (fold[0] < '0' || fold[0] > '9')))
-        throw Failure("the manifest gives '" + file + "' the fold '" + fold + "'; it must be a digit, or empty");
+        throw Failure("cannot read the manifest: it gives \"" + file + "\" the fold \"" + fold +
+                      "\". Write one digit, or nothing.");
       return {fields[group_column], fold.empty() ? -1 : fold[0] - '0'};
     }
   }
   if (!manifest_text.empty())
-    throw Failure("the manifest has no line for '" + file + "'; add one with its group and fold");
+    throw Failure("cannot read the manifest: it has no line for \"" + file + "\". Add one with its group and fold.");
   const std::string name = stem_of(panorama);
   return {name, static_cast<int>(hash_of_name(name, 0) % k_folds)};
 }
@@ -169,7 +171,7 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
   const std::string manifest_text = read_locations(options.manifest);
   std::vector<Location> locations;
   for (const std::string& panorama : panoramas) {
-    if (!fs::exists(panorama)) throw Failure("cannot open the panorama '" + panorama + "'; check the path");
+    if (!fs::exists(panorama)) throw cannot("read", panorama, "the panorama does not exist", "Check the path");
     locations.push_back(location_of(panorama, manifest_text));
   }
   if (!options.manifest.empty()) keep_inputs(options.folder + "/manifest.csv", {options.manifest});
@@ -217,10 +219,10 @@ std::vector<std::string> images_of_dataset(const std::string& folder) {
     const std::string row = text.substr(at, end - at), image = row.substr(0, row.find(','));
     at = end + 1;
     if (heading ? image != "image" : image.empty())
-      throw Failure("'" + path + "' is not a data set's list of images; make it with `sandglass dataset`");
+      throw cannot("read", path, "it is no data set's list of images", "Make it with sandglass dataset");
     if (!heading) images.push_back(folder + "/" + image);
   }
-  if (images.empty()) throw Failure("'" + path + "' names no image; make the data set again");
+  if (images.empty()) throw cannot("read", path, "it names no image", "Make the data set again");
   return images;
 }
 

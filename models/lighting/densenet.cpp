@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/host/failure.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 
@@ -15,9 +15,10 @@ constexpr float k_mean[3] = {0.485f, 0.456f, 0.406f}, k_deviation[3] = {0.229f, 
 const NpyArray& find(const std::map<std::string, NpyArray>& arrays, const std::string& name,
                      const std::vector<uint64_t>& shape) {
   const auto found = arrays.find(name);
-  if (found == arrays.end()) throw Failure("the weights have no array '" + name + "'; give DenseNet-121's");
+  if (found == arrays.end())
+    throw cannot("read", name, "the weights have no array of this name", "Give DenseNet-121's weights");
   if (found->second.shape != shape)
-    throw Failure("the weights' array '" + name + "' has another shape than DenseNet-121's; give DenseNet-121's");
+    throw cannot("read", name, "the array has another shape than DenseNet-121's", "Give DenseNet-121's weights");
   return found->second;
 }
 
@@ -189,7 +190,7 @@ std::vector<float> features_of(const DenseNet& net, std::span<const uint8_t> rgb
                                const ActivationObserver& observer) {
   if (width < 32 || height < 32 || width % 32 != 0 || height % 32 != 0 ||
       rgb.size() != 3 * static_cast<size_t>(width) * static_cast<size_t>(height))
-    throw Failure("DenseNet-121 takes images whose sides are multiples of 32 pixels; resample this one");
+    throw Failure("cannot run DenseNet-121: the image's sides are no multiples of 32 pixels. Resample it.");
   int channels = k_stem_channels, index = 0;
   Activations block = stem(net, rgb, width, height, channels_after(0, channels), observer);
   for (int b = 0; b < 4; ++b) {

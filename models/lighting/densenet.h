@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "models/host/npz.h"
+#include "models/files/npz.h"
 
 namespace sandglass::host {
 

@@ -2,9 +2,9 @@
 
 #include <sstream>
 
-#include "models/host/atomic_file.h"
-#include "models/host/failure.h"
-#include "models/lighting/picture_file.h"
+#include "models/files/atomic_file.h"
+#include "models/files/picture_file.h"
+#include "models/work/failure.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {
@@ -25,16 +25,18 @@ std::vector<Excerpt> read_excerpts(const std::string& folder, size_t step) {
     uint64_t expected = 0;
     std::istringstream(hash) >> std::hex >> expected;
     if (expected != hash_bytes(excerpt.rgb.data(), excerpt.rgb.size()))
-      throw Failure("'" + table + "' is of other pixels than '" + excerpt.name +
-                    "' has here; write it again with float_network.py");
+      throw cannot("read", table, "its row \"" + excerpt.name + "\" is of other pixels than that file has",
+                   "Write it again with float_network.py");
     for (float& v : excerpt.values) {
       std::getline(fields, value, ',');
       std::istringstream number(value);
-      if (!(number >> v)) throw Failure("'" + table + "' has no ten numbers for " + excerpt.name);
+      if (!(number >> v))
+        throw cannot("read", table, "its row \"" + excerpt.name + "\" has fewer than ten numbers",
+                     "Write it again with float_network.py");
     }
     all.push_back(excerpt);
   }
-  if (all.empty()) throw Failure("'" + table + "' has no excerpts; write it again with float_network.py");
+  if (all.empty()) throw cannot("read", table, "it has no excerpts", "Write it again with float_network.py");
   return all;
 }
 

@@ -4,7 +4,7 @@
 // label ceiling (ceiling.h) decides between them; `labels_of` is the decision.
 #pragma once
 
-#include "models/lighting/panorama.h"
+#include "models/rooms/panorama.h"
 
 namespace sandglass::host {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "models/host/failure.h"
-#include "models/host/metrics.h"
+#include "models/simulation/metrics.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 
@@ -17,12 +17,12 @@ const std::vector<float>& find(const std::map<std::string, NpyArray>& arrays, co
                                const std::vector<uint64_t>& shape) {
   const auto found = arrays.find(name);
   if (found == arrays.end())
-    throw Failure("the weights have no array '" + name + "'; export them with train.py --export");
+    throw cannot("read", name, "the weights have no array of this name", "Export them with train.py --export");
   if (found->second.shape != shape)
-    throw Failure("the weights' array '" + name + "' has another shape than the lighting network's; export it again");
+    throw cannot("read", name, "the array has another shape than the lighting network's", "Export the weights again");
   for (const float value : found->second.values)
     if (!std::isfinite(value))
-      throw Failure("the weights' array '" + name + "' holds a value that is not a number; train again");
+      throw cannot("read", name, "the array holds a value that is not a number", "Train again");
   return found->second.values;
 }
 

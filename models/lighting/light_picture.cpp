@@ -6,9 +6,9 @@
 #include <numbers>
 #include <optional>
 
-#include "models/lighting/excerpt.h"
 #include "models/lighting/labels.h"
-#include "models/lighting/probe_scene.h"
+#include "models/rooms/excerpt.h"
+#include "models/rooms/probe_scene.h"
 
 namespace sandglass::host {
 

@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "models/host/image.h"
-#include "models/lighting/panorama.h"
+#include "models/files/image.h"
+#include "models/rooms/panorama.h"
 #include "sandglass/light.h"
 
 namespace sandglass::host {

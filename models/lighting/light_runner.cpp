@@ -1,6 +1,6 @@
 #include "models/lighting/light_runner.h"
 
-#include "models/host/failure.h"
+#include "models/work/failure.h"
 #include "runtime/light/backends.h"
 
 namespace sandglass::host {
@@ -10,12 +10,12 @@ LightRunner::LightRunner(std::span<const uint8_t> file, const std::string& name,
     : file_(file) {
   LightAsset asset;
   const char* reason = nullptr;
-  if (open_light_asset(file_.data(), file_.size(), &asset, &reason) != SANDGLASS_OK)
-    throw Failure("'" + name + "': " + reason);
+  if (open_light_asset(file_.data(), file_.size(), &asset, &reason) != SANDGLASS_OK) throw cannot("read", name, reason);
   const Int8Kernels* kernels = select_int8_kernels(isa);
-  if (kernels == nullptr) throw Failure("this build or CPU does not have the kernels asked for; leave --isa out");
+  if (kernels == nullptr)
+    throw Failure("cannot use \"--isa\": this CPU, or this build, has no such kernels. Leave --isa out.");
   const LightBackend* backend = nullptr;
-  if (!find_light_backend(choice, &backend, &reason)) throw Failure(reason);
+  if (!find_light_backend(choice, &backend, &reason)) throw cannot("run", name, reason);
   Layout size, layout;
   layout_light_network(width, height, &size, backend);
   block_bytes_ = size.size;
@@ -23,13 +23,13 @@ LightRunner::LightRunner(std::span<const uint8_t> file, const std::string& name,
   layout.base = static_cast<uint8_t*>(block_.get());
   network_ = create_light_network(asset, kernels, backend, width, height,
                                   layout_light_network(width, height, &layout, backend), &reason);
-  if (network_ == nullptr) throw Failure(reason);
+  if (network_ == nullptr) throw cannot("run", name, reason);
 }
 
 LightOutputs LightRunner::run(std::span<const uint8_t> rgb) {
   if (rgb.size() != size_t{3} * network_->width * network_->height)
-    throw Failure("the lighting network takes images of " + std::to_string(network_->width) + " x " +
-                  std::to_string(network_->height) + " pixels; resample this one");
+    throw Failure("cannot estimate light: the network takes images of " + std::to_string(network_->width) + " x " +
+                  std::to_string(network_->height) + " pixels. Resample this one.");
   begin_light_network(network_, rgb.data());
   for (uint32_t unit = 0; unit < network_->units; ++unit) run_light_unit(network_, unit);
   LightOutputs outputs;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "models/host/aligned_bytes.h"
-#include "models/host/block.h"
+#include "models/files/aligned_bytes.h"
+#include "models/work/block.h"
 #include "runtime/light/network.h"
 
 namespace sandglass::host {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "models/host/failure.h"
-#include "models/lighting/panorama_file.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/failure.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {
@@ -44,7 +44,7 @@ LitPanorama::LitPanorama(const std::string& path) : radiance_(read_panorama(path
   if (fs::exists(depth_path)) {
     depth_ = read_npy(depth_path);
     if (depth_.shape.size() != 2 || depth_.shape[1] != 2 * depth_.shape[0])
-      throw Failure("depth map '" + depth_path + "' is not twice as wide as high; make the room again");
+      throw cannot("read", depth_path, "the depth map is not twice as wide as high", "Make the room again");
   }
   mapped_ = RadianceMap(radiance_.width, radiance_.height);
   for (int v = 0; v < mapped_.height; ++v)

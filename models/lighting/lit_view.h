@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <string>
 
-#include "models/host/image.h"
-#include "models/host/npy.h"
-#include "models/lighting/excerpt.h"
+#include "models/files/image.h"
+#include "models/files/npy.h"
 #include "models/lighting/labels.h"
+#include "models/rooms/excerpt.h"
 
 namespace sandglass::host {
 

@@ -1,6 +1,6 @@
 #include "models/lighting/room_light.h"
 
-#include "models/host/failure.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 
@@ -11,11 +11,10 @@ RoomLight::RoomLight(const std::string& path, bool filter) : file_(read_aligned(
   if (!filter) desc.interval = desc.smoothing = 0.0f;
   const char* reason = nullptr;
   uint64_t need = 0;
-  if (sandglass_light_bytes(&desc, &need, &reason) != SANDGLASS_OK)
-    throw Failure("lighting network '" + path + "': " + reason);
+  if (sandglass_light_bytes(&desc, &need, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
   block_ = new_block(need, "the lighting network", "close other programs");
   if (sandglass_light_create(&desc, block_.get(), need, &light_, &reason) != SANDGLASS_OK)
-    throw Failure("lighting network '" + path + "': " + reason);
+    throw cannot("read", path, reason);
 }
 
 sandglass_light_estimate RoomLight::estimate(const sandglass_camera_image& image) {
@@ -25,7 +24,8 @@ sandglass_light_estimate RoomLight::estimate(const sandglass_camera_image& image
 
 FollowedLight RoomLight::follow(const sandglass_camera_image& image) {
   const char* reason = nullptr;
-  if (sandglass_light_set_image(light_, &image, nullptr, &reason) != SANDGLASS_OK) throw Failure(reason);
+  if (sandglass_light_set_image(light_, &image, nullptr, &reason) != SANDGLASS_OK)
+    throw Failure(reason);
   while (sandglass_light_run(light_, 1000) != 0) {
   }
   FollowedLight followed = {};

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "models/host/aligned_bytes.h"
-#include "models/host/block.h"
-#include "models/host/image.h"
+#include "models/files/aligned_bytes.h"
+#include "models/files/image.h"
+#include "models/work/block.h"
 #include "sandglass/light.h"
 
 namespace sandglass::host {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "models/host/report.h"
+#include "models/report/report.h"
 
 namespace sandglass::host {
 

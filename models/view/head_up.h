@@ -2,7 +2,7 @@
 // owed, and what the keys do; as pictures that the window lays over its own.
 #pragma once
 
-#include "models/host/image.h"
+#include "models/files/image.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {

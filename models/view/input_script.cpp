@@ -5,7 +5,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "models/host/failure.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 
@@ -53,8 +53,9 @@ std::vector<InputEvent> parse_input_script(const std::string& text) {
     InputEvent event;
     int64_t frame = -1;
     if (!(words >> frame) || frame < 0 || frame > UINT32_MAX || !parse_action(&words, &event))
-      throw Failure("--script: '" + part + "' is no event; write 'FRAME cursor X Y', 'FRAME press left' or 'right', " +
-                    "'FRAME release left', 'FRAME scroll N', 'FRAME down KEY' or 'FRAME up KEY', parted by ';'");
+      throw cannot("take as --script", part, "it is no event",
+                   "Write FRAME cursor X Y, FRAME press left, FRAME release right, FRAME scroll N, FRAME down KEY or "
+                   "FRAME up KEY, with semicolons between events");
     event.frame = static_cast<uint32_t>(frame);
     events.push_back(std::move(event));
   }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "models/host/failure.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 

@@ -10,14 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "models/host/body_meshes.h"
-#include "models/host/collision_fields.h"
-#include "models/host/pile_shadow.h"
-#include "models/host/scene_file.h"
-#include "models/host/scene_fill.h"
-#include "models/host/simulation.h"
-#include "models/host/standing_shadows.h"
-#include "models/host/thread_pool.h"
+#include "models/simulation/body_meshes.h"
+#include "models/simulation/collision_fields.h"
+#include "models/simulation/pile_shadow.h"
+#include "models/simulation/scene_file.h"
+#include "models/simulation/scene_fill.h"
+#include "models/simulation/simulation.h"
+#include "models/simulation/standing_shadows.h"
+#include "models/work/thread_pool.h"
 
 namespace sandglass::host {
 

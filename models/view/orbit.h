@@ -1,8 +1,8 @@
 // A camera that turns about a point, and the ray under the cursor.
 #pragma once
 
-#include "models/host/render.h"
-#include "models/host/vec3.h"
+#include "models/drawing/render.h"
+#include "models/geometry/vec3.h"
 
 namespace sandglass::host {
 

@@ -13,8 +13,8 @@
 #include <numbers>
 #include <string>
 
-#include "models/host/failure.h"
 #include "models/view/surface.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 
@@ -260,8 +260,8 @@ GLuint compiled(GLenum kind, const std::string& body) {
   if (good != 0) return shader;
   char log[1024] = {};
   glGetShaderInfoLog(shader, sizeof log - 1, nullptr, log);
-  throw Failure(std::string("this OpenGL refuses a shader of the viewer: ") +
-                std::string(log, std::strcspn(log, "\n")));
+  throw Failure("cannot draw: this OpenGL refuses a shader of the viewer (" +
+                std::string(log, std::strcspn(log, "\n")) + "). Update its driver.");
 }
 
 struct Program {
@@ -274,7 +274,7 @@ struct Program {
     glLinkProgram(name);
     GLint good = 0;
     glGetProgramiv(name, GL_LINK_STATUS, &good);
-    if (good == 0) throw Failure("this OpenGL cannot link the viewer's shaders; update its driver");
+    if (good == 0) throw Failure("cannot draw: this OpenGL cannot link the viewer's shaders. Update its driver.");
   }
   GLint at(const char* uniform) const { return glGetUniformLocation(name, uniform); }
   void set(const char* uniform, const Matrix& m) const { glUniformMatrix4fv(at(uniform), 1, GL_FALSE, m.data()); }
@@ -334,8 +334,9 @@ GLuint new_texture(GLint filter) {
 
 void require_version() {
   if (epoxy_gl_version() < 33)
-    throw Failure("the viewer needs OpenGL 3.3 and this display has " + std::to_string(epoxy_gl_version() / 10) + "." +
-                  std::to_string(epoxy_gl_version() % 10) + "; LIBGL_ALWAYS_SOFTWARE=1 draws on the CPU");
+    throw Failure("cannot draw: this display has OpenGL " + std::to_string(epoxy_gl_version() / 10) + "." +
+                  std::to_string(epoxy_gl_version() % 10) +
+                  ", and the viewer needs 3.3. Set LIBGL_ALWAYS_SOFTWARE=1 to draw on the CPU.");
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "models/host/image.h"
-#include "models/host/render.h"
+#include "models/drawing/render.h"
+#include "models/files/image.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {

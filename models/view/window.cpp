@@ -7,12 +7,12 @@
 #include <memory>
 #include <set>
 
-#include "models/host/failure.h"
-#include "models/host/progress.h"
 #include "models/view/head_up.h"
 #include "models/view/input_script.h"
 #include "models/view/orbit.h"
 #include "models/view/painter.h"
+#include "models/work/failure.h"
+#include "models/work/progress.h"
 
 namespace sandglass::host {
 
@@ -144,8 +144,8 @@ struct Window {
   Window(int width, int height, const std::string& title, bool visible) {
     if (glfwInit() == 0)
       throw Failure(
-          "no window can be opened, there is no display here; on a machine without one: xvfb-run sandglass "
-          "view ... --frames 200 --screenshot view.png");
+          "cannot open a window: there is no display here. Run: xvfb-run sandglass view ... --frames 200 --screenshot "
+          "view.png");
     glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
     glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
     glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
@@ -155,7 +155,8 @@ struct Window {
     handle = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
     if (handle == nullptr) {
       glfwTerminate();
-      throw Failure("this display has no OpenGL 3.3; LIBGL_ALWAYS_SOFTWARE=1 draws on the CPU");
+      throw Failure(
+          "cannot open a window: this display has no OpenGL 3.3. Set LIBGL_ALWAYS_SOFTWARE=1 to draw on the CPU.");
     }
     glfwMakeContextCurrent(handle);
   }

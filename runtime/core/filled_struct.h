@@ -1,5 +1,5 @@
-// How a struct of the public API reaches the caller that wants it filled: the one place that knows what `struct_size`
-// promises. The caller's may be that of an older header, and shorter, or of a newer one, and longer.
+// How the library fills a struct of the public API for the app. This is the one place that keeps the promise of
+// `struct_size`: the app's struct may be shorter, from an older header, or longer, from a newer one.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace sandglass {
 
-// The size alone tells nothing: below it, struct_size was not set.
+// A struct_size below this was never set: the field itself and one more must fit.
 constexpr uint32_t k_least_struct_size = 2 * sizeof(uint32_t);
 
 // Whether `out`, which begins with its struct_size, has room for anything.
@@ -17,7 +17,8 @@ inline bool can_fill(const void* out) {
   return room >= k_least_struct_size;
 }
 
-// Copies as much of `filled`, of `bytes` bytes, as the caller said that there is room for, and says how much that was.
+// Copies `filled`, which has `bytes` bytes, as far as the app's struct has room, and sets its struct_size to the number
+// of bytes copied.
 inline void fill_struct(const void* filled, uint32_t bytes, void* out) {
   if (!can_fill(out)) return;
   uint32_t room;

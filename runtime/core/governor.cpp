@@ -1,10 +1,10 @@
-// One frame, top to bottom: choose a rung of the ladder; run what is mandatory; keep time free for the output stage;
-// admit optional units while they fit; run the output stage; remember what things cost.
+// One frame, top to bottom: choose a quality level; run what is mandatory; keep time free for the output stage; admit
+// optional units while they fit; run the output stage; remember what things cost.
 //
-// Time is a sum of differences between successive readings, one reading a unit, so that every nanosecond of the frame
+// The clock is read once after every unit, and time is the sum of the differences. So every nanosecond of the frame
 // belongs to some unit, the governor's own overhead included. A difference is believed when it is positive and below a
-// second; else the unit is charged with its prediction. Differences wrap modulo 2^64 and everything else saturates: no
-// reading can overflow anything.
+// second; otherwise the unit is charged with its prediction. Differences wrap modulo 2^64 and all other sums saturate,
+// so no reading can overflow anything.
 #include "runtime/core/governor.h"
 
 #include "platform/check.h"
@@ -17,26 +17,26 @@ constexpr uint64_t k_time_max = ~static_cast<uint64_t>(0);
 constexpr uint64_t k_picoseconds_per_nanosecond = 1000;
 constexpr uint32_t k_history = sizeof(Governor::Kind::recent) / sizeof(uint64_t);
 
-// A unit is meant to take 50 us; one that seems to take a second means a suspended machine, a debugger or a broken
-// clock, and a backward step, modulo 2^64, is longer still.
+// A unit is meant to take 50 us. A second means a suspended machine, a debugger or a broken clock. A step backward,
+// modulo 2^64, is longer than that too.
 constexpr uint64_t k_jump_ns = 1000000000;
-// An estimate is believed with a quarter on top: it covers the jitter of ±20 % that a quantile of 16 may have missed.
+// A quarter is added to every prediction: it covers jitter of 20 % that a quantile of 16 observations may have missed.
 constexpr uint64_t k_margin_divisor = 4;
 // With fewer observations than this there is no "usual" to measure an outlier by.
 constexpr uint32_t k_censor_from = 4;
 // A unit of unknown cost that the clock did not see counts for this part of the budget: 62 us of 4 ms.
 constexpr uint64_t k_unit_cap = 64;
-// So many units in a row without the clock moving are not a coarse clock but a frozen one.
+// A clock that does not move for this many units in a row is not coarse but frozen.
 constexpr uint32_t k_frozen_units = 8;
-// No frame has more optional units: at 60 ns each, less than reading a clock takes, they would fill 4 ms. A clock that
-// shows room for more does not keep up with the work.
+// Most optional units of a frame. At 60 ns each, less than reading a clock takes, they fill 4 ms. A clock that shows
+// room for more does not follow the work.
 constexpr uint32_t k_optional_units_max = 65536;
-// An estimate that no unit has checked for about a second halves: what only a better rung runs must not keep that rung
-// away.
+// An estimate that no unit has checked for about a second is halved. Otherwise a kind that only a better level runs
+// could keep that level away for ever.
 constexpr uint32_t k_idle_frames_per_halving = 64;
-// A rung better than the last frame's must leave this part of the budget free.
+// A level better than the last frame's must leave this part of the budget free.
 constexpr uint64_t k_hysteresis_divisor = 8;
-// Shares are taken in units of 1/1024, to stay in integers.
+// Shares are in units of 1/1024, to stay in integers.
 constexpr uint32_t k_share_one = 1024;
 
 uint64_t add(uint64_t a, uint64_t b) { return a > k_time_max - b ? k_time_max : a + b; }
@@ -59,7 +59,7 @@ struct Frame {
 
   uint64_t reading;  // the clock's last
   uint64_t elapsed;  // sum of believed differences
-  uint64_t assumed;  // predictions of units that were timed by nonsense
+  uint64_t assumed;  // predictions of units whose difference was not believed
   uint64_t unseen;   // predictions of units since the clock last moved
   uint32_t unseen_units;
   uint32_t optional_units;
@@ -74,8 +74,7 @@ uint64_t share_of(uint64_t time, float share) {
 
 // ---------------------------------------------------------------------------------------------------- predictor
 
-// The largest of the recent costs after `dropped` in 16 larger ones are left out: small counts drop proportionally
-// fewer.
+// The largest recent cost after the largest `dropped` of 16 are left out; of fewer costs, proportionally fewer.
 uint64_t quantile(const Governor::Kind& kind, uint32_t dropped) {
   const uint32_t leave_out = dropped * kind.count / k_history;
   uint64_t bound = k_time_max;
@@ -104,8 +103,7 @@ void observe(Governor* governor, const WorkUnit& unit, uint64_t ns) {
   if (policy.censor != 0 && kind->count >= k_censor_from && cost / policy.censor >= kind->estimate) {
     cost = multiply(kind->estimate, policy.censor);
   }
-  // A denied kind that got its chance and was far cheaper than remembered: the memory is of another machine, or of
-  // none.
+  // A kind that was denied got its chance and was far cheaper than remembered: what is remembered no longer holds.
   if (policy.probe_frames != 0 && kind->frames_denied > 0 && cost < kind->estimate / 2) kind->count = kind->cursor = 0;
 
   const bool full = kind->count == k_history;
@@ -113,14 +111,14 @@ void observe(Governor* governor, const WorkUnit& unit, uint64_t ns) {
   kind->recent[kind->cursor] = cost;
   kind->cursor = (kind->cursor + 1) % k_history;
   if (!full) ++kind->count;
-  // A cost that leaves and one that comes on the same side of the estimate leave it where it is: most units do.
+  // Where the old cost and the new one lie on the same side of the estimate, the estimate stays. Most units are so.
   const bool unmoved = (replaced < kind->estimate && cost <= kind->estimate) || replaced == cost ||
                        (replaced > kind->estimate && cost >= kind->estimate);
   if (!full || !unmoved) kind->estimate = quantile(*kind, policy.dropped);
 }
 
-// Predicted cost of everything that the stage would like to do, and whether some of it is of unknown cost. What it may
-// spread over frames counts for no more than it will be given.
+// Predicted cost of all that the stage would like to do, and whether the cost of some of it is unknown. Work that it
+// may spread over frames counts for no more than it will get.
 uint64_t predict_stage(const Governor* governor, const Stage& stage, uint32_t level, uint64_t budget, bool* unknown) {
   Forecast entries[k_unit_kinds];
   const uint32_t count = stage_forecast(stage, level, entries);
@@ -166,7 +164,7 @@ uint64_t read_difference(Frame* frame) {
   return k_time_max;
 }
 
-// Believed duration of the unit that has just run, 0 if the clock did not tell.
+// The duration of the unit that has just run, or 0 if the clock's difference is not believed.
 uint64_t account(Frame* frame, const WorkUnit& unit) {
   const uint64_t predicted = governor_predict(frame->governor, unit.kind, unit.items);
   const uint64_t charge = predicted != 0 ? predicted : frame->budget / k_unit_cap + 1;
@@ -180,7 +178,7 @@ uint64_t account(Frame* frame, const WorkUnit& unit) {
     ++frame->unseen_units;
     return 0;
   }
-  // A coarse clock shows many units' time at once: each had an equal part of it.
+  // A coarse clock shows the time of many units at once: each is given an equal part.
   if (frame->timed) observe(frame->governor, unit, difference / (static_cast<uint64_t>(frame->unseen_units) + 1));
   frame->unseen = 0;
   frame->unseen_units = 0;
@@ -209,7 +207,7 @@ void plan_append(sandglass_plan* plan, uint32_t stage) {
   plan->runs[plan->run_count++] = {stage, 1};
 }
 
-// Runs the unit that the stage offers, records it in the plan and returns its believed duration.
+// Runs the unit that the stage offers, records it in the plan and returns its duration.
 uint64_t run_unit(Frame* frame, uint32_t index, const WorkUnit& unit) {
   const Stage& stage = frame->stages[index];
   sandglass_frame_report* report = frame->report;
@@ -237,7 +235,7 @@ bool offers(const Frame& frame, uint32_t index, WorkUnit* unit) {
 
 // ---------------------------------------------------------------------------------------------------- admission
 
-// Whether `cost` still fits, by the clock and by what was charged where the clock said nothing.
+// Whether `cost` still fits: by the clock, and by what was charged where the clock said nothing.
 bool fits(Frame* frame, uint64_t cost) {
   const uint64_t told = add(frame->elapsed, frame->assumed);
   const uint64_t needed = add(cost, frame->reserve);
@@ -271,7 +269,7 @@ bool admitted(Frame* frame, const WorkUnit& unit) {
   return false;
 }
 
-// Mandatory units of all stages but the output stage, over and over, since one stage's units may unblock another's.
+// Mandatory units of all stages but the output stage. In several passes, since one stage's units may unblock another's.
 void run_mandatory(Frame* frame, uint64_t* last_unit) {
   bool ran = true;
   while (ran) {
@@ -287,16 +285,16 @@ void run_mandatory(Frame* frame, uint64_t* last_unit) {
   }
 }
 
-// The first unit of the output stage, where nothing is known of its kind: half of the first frame was kept free for it
-// else, and time owed that fitted.
+// Runs the first unit of the output stage where the cost of its kind is unknown. Otherwise half of the first frame's
+// budget would be kept free for it, and the frame would begin with a time debt that it need not have.
 void learn_output(Frame* frame, uint32_t output, uint64_t* last_unit) {
   WorkUnit unit;
   if (!offers(*frame, output, &unit) || unit.kind >= k_unit_kinds || !plan_has_room(*frame, output)) return;
   if (governor_predict(frame->governor, unit.kind, unit.items) == 0) *last_unit = run_unit(frame, output, unit);
 }
 
-// Whether a later optional stage has a claim on time. Once a whole pass ran nothing, one that is blocked has none: the
-// units that would unblock it must be allowed to run.
+// Whether a later stage has a claim on optional time. A stage that is blocked has one, until a whole pass ran nothing:
+// then the units that would unblock it must be allowed to run.
 bool later_stage_has_work(const Frame& frame, uint32_t index, const bool* denied, bool blocked_counts) {
   for (uint32_t i = index + 1; i < frame.open_count; ++i) {
     if (denied[i]) continue;

@@ -1,18 +1,19 @@
-// The governor decides, work unit by work unit, what fits into a frame's budget. It is the only reader of the clock;
-// what it decided is data (the executed plan), so a frame can be replayed to the bit without a clock.
+// The governor decides, work unit by work unit, what fits into a frame's budget. It is the only reader of the clock.
+// Its decisions are data (the executed plan), so a frame can be replayed to the bit without a clock.
 //
-// A stage is a table of functions that hands out work units: bounded pieces of work after each of which the scene is
-// valid. The governor runs every stage's mandatory units, then optional ones in stage order, admitting a unit when
+// A work unit is a bounded piece of work; after each one the scene is valid. A stage is a table of functions that hands
+// out work units. The governor runs the mandatory units of all stages first, then optional ones in the order of the
+// stages. It admits an optional unit when
 //     now + predicted cost of the unit + predicted cost of what must still come (reserve) <= deadline.
-// Costs are predicted per kind of unit and per item, by a high quantile of recent observations with outliers censored,
-// so that one preemption neither starves a kind for ever nor breaks the promise:
+// It predicts a cost per kind of unit and per item, by a high quantile of recent observations. A large outlier counts
+// only in part, so one preemption does not starve a kind for ever. The promise is
 //     elapsed <= max(budget, mandatory part) + the last unit.
-// The last unit is the last one admitted. The output stage comes after it, into time kept free for it; where it outruns
-// its own forecast, nothing can take back what was admitted before. That excess is counted into last_unit_ns, and told
-// apart in Governor::closing_excess_ns; without it the promise is one unit and no more.
+// The last unit is the last one admitted. The output stage comes after it, into time that was kept free for it. Where
+// the output stage takes longer than its own forecast, nothing can take back what was admitted before: that excess is
+// counted into last_unit_ns, and Governor::closing_excess_ns holds it alone. Without it the promise is one unit.
 //
-// A clock that goes backward, freezes or jumps ends the frame at a cap of units: a unit that was not timed is charged
-// with its prediction, an unknown one with 1/64 of the budget. Such units teach the predictor nothing.
+// A clock that goes backward, freezes or jumps ends the frame at a cap of units. A unit that such a clock did not time
+// is charged with its prediction, or with 1/64 of the budget where nothing is known. It teaches the predictor nothing.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +26,7 @@ constexpr uint32_t k_unit_kinds = 32;                // bits of a word
 constexpr uint32_t k_unit_kind_none = k_unit_kinds;  // a unit of this kind is never predicted
 constexpr uint32_t k_all_units = ~0u;                // Stage::mandatory_units of the output stage
 
-// The next unit of a stage: its kind (for the predictor) and size. Units of one kind should be of similar size.
+// The next unit of a stage: its kind, for the predictor, and its size. Units of one kind should have similar sizes.
 struct WorkUnit {
   uint32_t kind = k_unit_kind_none;
   uint32_t items = 0;
@@ -36,7 +37,8 @@ struct WorkUnit {
 struct Forecast {
   uint32_t kind;
   uint64_t items;
-  bool spread = false;  // may go on in later frames: all that a stage has of it counts for its share at most
+  // May go on in later frames. All work of this sort together counts for no more than the stage's share.
+  bool spread = false;
 };
 
 // What a capability takes part in a frame with. Each capability exports one function that returns its Stage; the scene
@@ -52,14 +54,15 @@ struct Stage {
   uint32_t (*forecast)(const void* state, uint32_t level, Forecast* entries);
   // Kinds of unit that the stage has. Stages of one state share their kinds and name the same number.
   uint32_t kinds;
-  // Units that this stage runs in every frame, whatever the budget, before any optional one and while `next` offers
-  // any; what is still blocked then becomes optional. k_all_units marks the output stage, the last of the array: all
-  // its units run, at the very end, and its forecast is the reserve that optional units leave free. While the cost of
-  // its units is unknown, one runs before the optional ones, to learn it; the stage offers it again if it is out of
-  // date.
+  // Units that this stage runs in every frame, whatever the budget, before any optional one. Units that `next` does not
+  // offer by then become optional.
+  //
+  // k_all_units marks the output stage, the last of the array. All its units run, at the very end, and its forecast is
+  // the reserve that optional units leave free. While the cost of its units is unknown, one of them runs before the
+  // optional ones, to learn it; the stage offers that unit again at the end if it is out of date.
   uint32_t mandatory_units;
-  // Share of the time left after mandatory units and reserve that the stage's optional units may take while a later
-  // optional stage has work; what that one leaves is handed back. 1: all.
+  // Share of the time left after mandatory units and reserve. While a later stage has optional work, this stage's
+  // optional units take no more; what the later stage leaves comes back. 1: all.
   float share;
   uint32_t first_kind = 0;  // see assign_kinds
 };
@@ -78,51 +81,58 @@ uint32_t stage_forecast(const Stage& stage, uint32_t level, Forecast* entries);
 
 // The numbers of the predictor, in one place so that a test can prove that a worse choice fails.
 struct PredictorPolicy {
-  uint32_t dropped;  // of 16 recent costs this many of the largest are not believed: the rest's maximum is the estimate
-  uint32_t censor;   // an observation counts for at most this many estimates; 0: for what it is
-  uint32_t probe_frames;  // a kind denied in all of so many frames, less one, is tried in the next; 0: never
-  bool capped;            // no unit is predicted to need more than half the budget
+  // The estimate is the greatest of 16 recent costs after this many of the largest are left out.
+  uint32_t dropped;
+  // An observation counts for at most this many times the estimate. 0: it counts for what it is.
+  uint32_t censor;
+  // A kind that was denied in all of this many frames less one is tried in the next. 0: never.
+  uint32_t probe_frames;
+  // No unit is predicted to need more than half the budget.
+  bool capped;
 };
 
-// Two of 16: a kind that sees 1 % of outliers has three among 16 in 0.05 % of its history only. Censoring at 3: a
-// processor that throttles to a third of its speed is known after three units, while no outlier, believed or not,
-// counts for more than that.
+// Two of 16: with 1 % of outliers, three of them lie among 16 costs in only 0.05 % of all cases. Censoring at 3: a
+// processor that throttles to a third of its speed is known after three units, and no outlier counts for more than
+// three estimates.
 constexpr PredictorPolicy k_predictor_policy = {2, 3, 8, true};
 
 struct Governor {
   sandglass_clock clock;
   sandglass_trace trace;
-  uint32_t level_count;  // rungs of the ladder, 1..; the governor takes the lowest-numbered one whose forecast fits the
-                         // budget
-  uint32_t finest_level;  // rungs better than this are not used
-  uint32_t level;  // of the last frame; a better one must fit 7/8 of the budget, so that quality does not flicker
+  // Quality levels, at least 1. A frame runs at the first one whose forecast fits the budget.
+  uint32_t level_count;
+  // Levels better than this are not used.
+  uint32_t finest_level;
+  // Of the last frame. A better one must fit into 7/8 of the budget, so that quality does not flicker.
+  uint32_t level;
   PredictorPolicy policy;
-  uint64_t closing_excess_ns;  // of the last frame: time by which the output stage outran what was kept free for it
-  // Recent cost of each kind, picoseconds an item (integers: the same clock trace gives the same plan everywhere).
+  // Of the last frame: time that the output stage took beyond what was kept free for it.
+  uint64_t closing_excess_ns;
+  // Recent costs of each kind in picoseconds an item. Integers, so the same clock gives the same plan everywhere.
   struct Kind {
     uint64_t recent[16];
-    uint64_t estimate;       // from `recent`, whenever that changes
-    uint32_t count;          // of `recent`
+    uint64_t estimate;       // made from `recent`
+    uint32_t count;          // observations in `recent`
     uint32_t cursor;         // where the next observation goes
-    uint32_t frames_denied;  // in a row: offered, predicted not to fit, never run
-    uint32_t frames_idle;    // in a row: never run
+    uint32_t frames_denied;  // frames in a row in which a unit was predicted not to fit and none ran
+    uint32_t frames_idle;    // frames in a row in which none ran
   } kinds[k_unit_kinds];
 };
 
 void governor_init(Governor* governor, sandglass_clock clock, sandglass_trace trace, uint32_t level_count);
 
-// Runs one frame over the stages. `replay` NULL: by clock and budget. Else: executes that plan and reads the clock only
-// to report. Fills level, budget, elapsed, mandatory, last and longest unit, clock_fault, stages and plan of *report.
-// Returns false, with nothing run beyond what fitted, when a replayed plan is malformed or asks for a unit that its
-// stage does not offer.
+// Runs one frame over the stages. With `replay` NULL clock and budget decide. Otherwise that plan is executed, and the
+// clock is read only to report. Fills level, budget, elapsed, mandatory, last and longest unit, clock_fault, stages and
+// plan of *report. Returns false where a replayed plan is malformed or asks for a unit that its stage does not offer;
+// nothing runs after that.
 //
-// Nothing runs that the plan cannot record: where the stages alternate so often that the runs would overflow, the frame
-// ends early (the output stage always has its run). Without a clock everything runs, at the finest rung.
+// Nothing runs that the plan cannot record. Where the stages alternate so often that the plan is full, the frame ends
+// early; one run is always kept for the output stage. Without a clock everything runs, at the finest level.
 bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget_ns,
                     const sandglass_plan* replay, sandglass_frame_report* report);
 
-// The part of a budget that a device with this thermal headroom (0..1; sandglass_frame_input) can sustain. Scaled in
-// steps of 1/1024 in integers, so that the same hint gives the same plan everywhere.
+// The part of a budget that a device with this thermal headroom can sustain: 0..1, see sandglass_frame_input. In steps
+// of 1/1024, in integers, so that the same headroom gives the same plan everywhere.
 uint64_t governor_target(uint64_t budget_ns, float headroom);
 
 // Predicted cost of `items` of a kind in nanoseconds; 0 while nothing is known.

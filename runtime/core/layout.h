@@ -1,6 +1,6 @@
-// One walk over the description lays out the scene: run with a null base it counts bytes, run with the block it hands
-// out the same regions. Size and creation therefore cannot drift apart. Regions are named, aligned to a cache line and
-// reported.
+// One walk over a description lays out a block. With a null base the walk counts bytes; with the block it hands out the
+// same regions. So size and creation cannot drift apart. Every region has a name and starts on a cache line; a scene
+// reports its regions.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct Layout {
   uint32_t region_count = 0;
 };
 
-// `count` items of T, aligned to SANDGLASS_BLOCK_ALIGNMENT; null while counting. The region's bytes are rounded up to
-// that alignment, so a kernel may touch whole vectors at its end.
+// A region of `count` items of T, aligned to SANDGLASS_BLOCK_ALIGNMENT; null while counting. Its bytes are rounded up
+// to that alignment, so a kernel may touch whole vectors at its end.
 template <class T>
 T* layout_region(Layout* layout, const char* name, uint64_t count) {
   const uint64_t bytes =

@@ -1,12 +1,5 @@
-// Rigid bodies by shape matching (4.28-4.36). A body's particles take part in the contact pass like sand, each with its
-// own inverse mass; after it, the rigid motion that fits their displacements best replaces them. So contacts push
-// bodies and bodies push sand, and linear momentum is what the particles' was.
-//
-// A body carries its pose (centre in double, rotation), and what is matched is the displacement of the sub-step: small
-// quantities, never differences of stored positions (erratum of Alg. 4). Positions then follow from the pose, so a body
-// stays rigid to the rounding of a float however often it moves.
-//
-// A body sleeps and wakes as a whole.
+#include "runtime/granular/bodies.h"
+
 #include "runtime/granular/granular.h"
 #include "runtime/granular/rotation.h"
 
@@ -36,12 +29,14 @@ Vector rotated(const double q[4], const Vector& r) {
 }
 
 Vector rest_of(const Granular& g, uint32_t slot) {
-  const float* p = g.body_rest + 3ull * slot;
+  const float* p = g.bodies.rest_shape + 3ull * slot;
   return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
 }
 
 // A body sleeps and wakes as a whole: its first particle tells.
-bool awake(const Granular& g, const RigidBody& body) { return is_awake(g.records[0][g.body_rows[body.first]]); }
+bool awake(const Granular& g, const RigidBody& body) {
+  return is_awake(g.particles.records[0][g.bodies.rows[body.first]]);
+}
 
 bool finite(double a) { return a - a == 0.0; }
 
@@ -84,8 +79,8 @@ void turn_spread(const double q[4], double spread[9]) {
 
 // The rigid motion of the sub-step from the sums.
 void match(Granular* g, RigidBody* body) {
-  BodyMatch& m = g->match;
-  const double n = body->count, identity[4] = {0, 0, 0, 1}, dt = static_cast<double>(g->substep);
+  BodyMatch& m = g->bodies.match;
+  const double n = body->count, identity[4] = {0, 0, 0, 1}, dt = static_cast<double>(g->substep.length);
   bool sound = true;
   for (int k = 0; k < 3; ++k) {
     m.shift[k] /= n, m.stabilised[k] /= n;
@@ -95,7 +90,7 @@ void match(Granular* g, RigidBody* body) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) m.a[3 * i + j] -= m.shift[i] * m.offset[j], sound = sound && finite(m.a[3 * i + j]);
   if (!sound) {  // it rests where it was
-    g->quarantined += body->count;
+    g->counts.quarantined += body->count;
     for (int k = 0; k < 3; ++k) m.shift[k] = m.stabilised[k] = m.spin[k] = 0.0;
   }
   for (int k = 0; k < 4; ++k) m.turn[k] = identity[k];
@@ -115,12 +110,12 @@ void match(Granular* g, RigidBody* body) {
 }
 
 void accumulate(Granular* g, uint32_t slot) {
-  BodyMatch& m = g->match;
-  const Particle& next = g->records[1][g->body_rows[slot]];
-  const Particle& now = g->records[0][g->body_rows[slot]];
-  const RigidBody& body = g->bodies[g->body_cursor];
+  BodyMatch& m = g->bodies.match;
+  const Particle& next = g->particles.records[1][g->bodies.rows[slot]];
+  const Particle& now = g->particles.records[0][g->bodies.rows[slot]];
+  const RigidBody& body = g->bodies.all[g->bodies.cursor];
   const Vector r = rotated(body.rotation, rest_of(*g, slot));
-  const double offset[3] = {r.x, r.y, r.z}, dt = static_cast<double>(g->substep);
+  const double offset[3] = {r.x, r.y, r.z}, dt = static_cast<double>(g->substep.length);
   double moved[3], carried[3];
   for (int k = 0; k < 3; ++k) {
     const double displacement = static_cast<double>(next.velocity[k]) * dt;
@@ -141,9 +136,9 @@ void accumulate(Granular* g, uint32_t slot) {
 }
 
 void apply(Granular* g, uint32_t slot) {
-  const BodyMatch& m = g->match;
-  const RigidBody& body = g->bodies[g->body_cursor];
-  Particle* next = &g->records[1][g->body_rows[slot]];
+  const BodyMatch& m = g->bodies.match;
+  const RigidBody& body = g->bodies.all[g->bodies.cursor];
+  Particle* next = &g->particles.records[1][g->bodies.rows[slot]];
   float *position = next->position, *velocity = next->velocity;
   const Vector now = rotated(body.rotation, rest_of(*g, slot));
   const double back[4] = {-m.turn[0], -m.turn[1], -m.turn[2], m.turn[3]};
@@ -153,7 +148,7 @@ void apply(Granular* g, uint32_t slot) {
                             now);
   const double offset[3] = {now.x, now.y, now.z}, turn[3] = {-turned.x, -turned.y, -turned.z};
   const double spin[3] = {spun.x, spun.y, spun.z};
-  ContactExtent& e = g->extent;
+  ContactExtent& e = g->substep.extent;
   float speed2 = 0.0f;
   for (int k = 0; k < 3; ++k) {
     const double displacement = m.shift[k] + turn[k];
@@ -171,58 +166,75 @@ void apply(Granular* g, uint32_t slot) {
 
 }  // namespace
 
-void granular_find_body_rows(Granular* g) {
-  for (uint32_t i = 0; g->body_count != 0 && i < g->particle_count; ++i) {
-    const Particle& p = g->records[0][i];
-    if (in_body(p)) g->body_rows[g->rest[number_of(p)].body_slot] = i;
+void bodies_layout(Bodies* b, const sandglass_granular_desc& d, Layout* layout) {
+  b->all = layout_region<RigidBody>(layout, "granular.bodies", d.body_capacity);
+  b->rest_shape = layout_region<float>(layout, "granular.body_rest", 3ull * d.body_particle_capacity);
+  b->rows = layout_region<uint32_t>(layout, "granular.body_rows", d.body_particle_capacity);
+  b->numbers = layout_region<uint32_t>(layout, "granular.body_numbers", d.body_particle_capacity);
+}
+
+void bodies_reset(Bodies* b) {
+  b->count = b->particle_count = 0;
+  b->densest = 0.0f;
+}
+
+void bodies_note_row(Granular* g, uint32_t index) {
+  const uint32_t number = number_of(g->particles.records[0][index]);
+  g->bodies.rows[g->sleep.anchors[number].body_slot] = index;
+}
+
+void bodies_find_rows(Granular* g) {
+  for (uint32_t i = 0; g->bodies.count != 0 && i < g->particles.count; ++i) {
+    if (in_body(g->particles.records[0][i])) bodies_note_row(g, i);
   }
 }
 
-bool granular_begin_bodies(Granular* g) {
-  g->body_cursor = g->body_particle = 0;
-  g->body_applies = false;
-  g->match = {};
-  while (g->body_cursor < g->body_count && !awake(*g, g->bodies[g->body_cursor])) ++g->body_cursor;
-  return g->body_cursor < g->body_count;
+bool bodies_begin(Granular* g) {
+  if (g->bodies.count == 0) return false;
+  g->bodies.cursor = g->bodies.particle = 0;
+  g->bodies.moves = false;
+  g->bodies.match = {};
+  while (g->bodies.cursor < g->bodies.count && !awake(*g, g->bodies.all[g->bodies.cursor])) ++g->bodies.cursor;
+  return g->bodies.cursor < g->bodies.count;
 }
 
-uint32_t granular_body_items(const Granular& g) {
-  const uint32_t left =
-      2 * g.bodies[g.body_cursor].count - (g.body_applies ? g.bodies[g.body_cursor].count : 0) - g.body_particle;
+uint32_t bodies_items(const Granular& g) {
+  const uint32_t left = 2 * g.bodies.all[g.bodies.cursor].count -
+                        (g.bodies.moves ? g.bodies.all[g.bodies.cursor].count : 0) - g.bodies.particle;
   return left < g.unit ? left : g.unit;
 }
 
-bool granular_run_bodies(Granular* g) {
-  for (uint32_t done = 0; done < g->unit && g->body_cursor < g->body_count; ++done) {
-    RigidBody& body = g->bodies[g->body_cursor];
-    if (g->body_applies) apply(g, body.first + g->body_particle);
-    else accumulate(g, body.first + g->body_particle);
-    if (++g->body_particle < body.count) continue;
-    g->body_particle = 0;
-    if (!g->body_applies) {
+bool bodies_run(Granular* g) {
+  for (uint32_t done = 0; done < g->unit && g->bodies.cursor < g->bodies.count; ++done) {
+    RigidBody& body = g->bodies.all[g->bodies.cursor];
+    if (g->bodies.moves) apply(g, body.first + g->bodies.particle);
+    else accumulate(g, body.first + g->bodies.particle);
+    if (++g->bodies.particle < body.count) continue;
+    g->bodies.particle = 0;
+    if (!g->bodies.moves) {
       match(g, &body);
-      g->body_applies = true;
+      g->bodies.moves = true;
       continue;
     }
-    g->body_applies = false;
-    g->match = {};
-    do ++g->body_cursor;
-    while (g->body_cursor < g->body_count && !awake(*g, g->bodies[g->body_cursor]));
+    g->bodies.moves = false;
+    g->bodies.match = {};
+    do ++g->bodies.cursor;
+    while (g->bodies.cursor < g->bodies.count && !awake(*g, g->bodies.all[g->bodies.cursor]));
   }
-  return g->body_cursor == g->body_count;
+  return g->bodies.cursor == g->bodies.count;
 }
 
-void granular_rest_bodies(Granular* g, uint32_t patience) {
-  for (uint32_t b = 0; b < g->body_count; ++b) {
-    const RigidBody& body = g->bodies[b];
+void bodies_put_to_sleep(Granular* g, uint32_t patience) {
+  for (uint32_t b = 0; b < g->bodies.count; ++b) {
+    const RigidBody& body = g->bodies.all[b];
     if (!awake(*g, body)) continue;
     bool quiet = true;
     for (uint32_t slot = body.first; slot < body.first + body.count; ++slot)
-      quiet = quiet && g->rest[g->body_numbers[slot]].quiet >= patience;
+      quiet = quiet && g->sleep.anchors[g->bodies.numbers[slot]].quiet >= patience;
     for (uint32_t slot = body.first; quiet && slot < body.first + body.count; ++slot)
-      granular_sleep_particle(g, g->body_rows[slot]);
+      sleep_put_one(g, g->bodies.rows[slot]);
     if (!quiet) continue;
-    for (int k = 0; k < 3; ++k) g->bodies[b].linear[k] = g->bodies[b].angular[k] = 0.0f;
+    for (int k = 0; k < 3; ++k) g->bodies.all[b].linear[k] = g->bodies.all[b].angular[k] = 0.0f;
   }
 }
 
@@ -251,19 +263,19 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
       return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
                   "sandglass_granular_add_body: a velocity is not finite or above 10000 m/s or rad/s.");
   }
-  if (g->body_count == g->desc.body_capacity ||
-      desc->particle_count > g->desc.body_particle_capacity - g->body_particle_count)
+  if (g->bodies.count == g->desc.body_capacity ||
+      desc->particle_count > g->desc.body_particle_capacity - g->bodies.particle_count)
     return fail(SANDGLASS_ERROR_CAPACITY,
                 "sandglass_granular_add_body: more bodies or body particles than granular.body_capacity and "
                 "body_particle_capacity have room for: raise them.");
-  const uint32_t first_record = g->particle_count;
+  const uint32_t first_record = g->particles.count;
   const sandglass_status added =
       granular_add(g, desc->particle_positions, nullptr, desc->particle_count, nullptr, nullptr, 0, reason);
   if (added != SANDGLASS_OK) return added;
 
-  RigidBody& body = g->bodies[g->body_count];
+  RigidBody& body = g->bodies.all[g->bodies.count];
   body = {};
-  body.first = g->body_particle_count;
+  body.first = g->bodies.particle_count;
   body.count = desc->particle_count;
   body.rotation[3] = 1.0;
   for (uint32_t i = 0; i < body.count; ++i)
@@ -277,13 +289,13 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
   float speed2_most = 0.0f;
   for (uint32_t i = 0; i < body.count; ++i) {
     const uint32_t slot = body.first + i;
-    Particle* p = &g->records[0][first_record + i];
+    Particle* p = &g->particles.records[0][first_record + i];
     for (int k = 0; k < 3; ++k)
-      g->body_rest[3ull * slot + k] = static_cast<float>(static_cast<double>(p->position[k]) - body.center[k]);
-    g->body_rows[slot] = first_record + i;
-    g->body_numbers[slot] = number_of(*p);
-    g->rest[number_of(*p)].body_slot = slot;
-    join_body(p, g->body_count + 1, 1.0f / desc->density_ratio);
+      g->bodies.rest_shape[3ull * slot + k] = static_cast<float>(static_cast<double>(p->position[k]) - body.center[k]);
+    g->bodies.rows[slot] = first_record + i;
+    g->bodies.numbers[slot] = number_of(*p);
+    g->sleep.anchors[number_of(*p)].body_slot = slot;
+    join_body(p, g->bodies.count + 1, 1.0f / desc->density_ratio);
     const Vector turning = cross(spin, rest_of(*g, slot));
     float* v = p->velocity;
     v[0] = body.linear[0] + static_cast<float>(turning.x);
@@ -293,16 +305,16 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
     speed2_most = speed2 > speed2_most ? speed2 : speed2_most;
   }
   const float speed = __builtin_sqrtf(speed2_most);
-  g->speed_max = speed > g->speed_max ? speed : g->speed_max;
-  g->body_particle_count += body.count;
-  if (desc->density_ratio > g->densest_body) g->densest_body = desc->density_ratio;
-  if (index != nullptr) *index = g->body_count;
-  ++g->body_count;
+  g->particles.speed_max = speed > g->particles.speed_max ? speed : g->particles.speed_max;
+  g->bodies.particle_count += body.count;
+  if (desc->density_ratio > g->bodies.densest) g->bodies.densest = desc->density_ratio;
+  if (index != nullptr) *index = g->bodies.count;
+  ++g->bodies.count;
   return SANDGLASS_OK;
 }
 
-void granular_move_body(Granular* g, uint32_t index, const double rotation[4], const float shift[3]) {
-  RigidBody& body = g->bodies[index];
+void bodies_move(Bodies* bodies, uint32_t index, const double rotation[4], const float shift[3]) {
+  RigidBody& body = bodies->all[index];
   const Vector c = rotated(rotation, {body.center[0], body.center[1], body.center[2]});
   const Vector v = rotated(rotation, {static_cast<double>(body.linear[0]), static_cast<double>(body.linear[1]),
                                       static_cast<double>(body.linear[2])});
@@ -320,7 +332,7 @@ void granular_move_body(Granular* g, uint32_t index, const double rotation[4], c
 }
 
 void granular_body_pose(const Granular& g, uint32_t index, sandglass_body_pose* pose) {
-  const RigidBody& body = g.bodies[index];
+  const RigidBody& body = g.bodies.all[index];
   for (int k = 0; k < 3; ++k) {
     pose->position[k] = static_cast<float>(body.center[k]);
     pose->linear_velocity[k] = body.linear[k];

@@ -10,6 +10,12 @@ constexpr uint32_t k_cells_per_item = 8;
 // What a unit costs besides its items, in items: keeps the last, short unit of a phase from looking expensive.
 constexpr uint32_t k_unit_overhead = 64;
 
+uint32_t power_of_two(uint64_t at_least) {
+  uint32_t p = 512;  // 8 cells an axis, the fewest that a sweep looks at
+  while (p < at_least && p < (1u << 30)) p *= 2;
+  return p;
+}
+
 uint32_t unit_size(const CellSort& sort, uint32_t unit) {
   return sort.phase == k_sort_clear || sort.phase == k_sort_prefix ? unit * k_cells_per_item : unit;
 }
@@ -21,6 +27,13 @@ uint32_t phase_end(const CellSort& sort, uint32_t record_count) {
 }
 
 }  // namespace
+
+void cell_sort_layout(CellSort* sort, Layout* layout, const char* starts_name, const char* keys_name, uint64_t records,
+                      uint64_t cells) {
+  sort->cells_max = power_of_two(cells);
+  sort->starts = layout_region<uint32_t>(layout, starts_name, static_cast<uint64_t>(sort->cells_max) + k_array_slack);
+  sort->keys = layout_region<uint32_t>(layout, keys_name, records + k_array_slack);
+}
 
 void cell_sort_begin(CellSort* sort, float cell, const float low[3], const float high[3], uint32_t bits_min) {
   const float inverse = 1.0f / cell;

@@ -3,8 +3,12 @@
 #pragma once
 
 #include "kernels/kernels.h"
+#include "runtime/core/layout.h"
 
 namespace sandglass {
+
+// Kernels may read arrays up to a vector beyond their last item: every array has this many more.
+constexpr uint32_t k_array_slack = 2 * k_lane_group;
 
 struct CellSort {
   Grid grid;         // grid.starts == starts
@@ -28,11 +32,15 @@ struct SortTarget {
   bool sand_only;       // particles of rigid bodies get a position far from everything
 };
 
+// Regions for sorting up to `records` records into about `cells` cells.
+void cell_sort_layout(CellSort* sort, Layout* layout, const char* starts_name, const char* keys_name, uint64_t records,
+                      uint64_t cells);
+
 // Chooses the grid: cells of edge `cell`, as many per axis as the bounds need and cells_max and `bits_min` allow; then
 // starts the sort.
 void cell_sort_begin(CellSort* sort, float cell, const float low[3], const float high[3], uint32_t bits_min);
 
-// Items of the next unit, at most `unit`.
+// Cost of the next unit in records: at most `unit` of them, and a fixed share for the unit itself.
 uint32_t cell_sort_items(const CellSort& sort, uint32_t record_count, uint32_t unit);
 
 // Runs the next unit.

@@ -3,6 +3,7 @@
 #include "runtime/granular/colliders.h"
 
 #include "runtime/granular/field.h"
+#include "runtime/granular/granular.h"
 
 namespace sandglass {
 
@@ -25,7 +26,109 @@ bool normalise(float q[4]) {
   return true;
 }
 
+bool same(const sandglass_collider& a, const sandglass_collider& b) {
+  bool equal = a.shape == b.shape && a.field == b.field;
+  for (int k = 0; k < 3; ++k) {
+    equal = equal && a.position[k] == b.position[k] && a.size[k] == b.size[k];
+    equal = equal && b.linear_velocity[k] == 0.0f && b.angular_velocity[k] == 0.0f;
+  }
+  for (int k = 0; k < 4; ++k) equal = equal && a.rotation[k] == b.rotation[k];
+  return equal;
+}
+
+// About half of what a point of the collider can have travelled between two poses: half the shift, and half the arc of
+// a point as far from the centre as the sizes reach. A half-space has no size, so its turning does not count.
+float half_travel(const sandglass_collider& a, const sandglass_collider& b) {
+  float shift2 = 0.0f, turn2 = 0.0f, extent2 = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    shift2 += (b.position[k] - a.position[k]) * (b.position[k] - a.position[k]);
+    extent2 += b.size[k] * b.size[k];
+  }
+  for (int k = 0; k < 4; ++k) turn2 += (b.rotation[k] - a.rotation[k]) * (b.rotation[k] - a.rotation[k]);
+  return 0.5f * __builtin_sqrtf(shift2) + __builtin_sqrtf(turn2 * extent2);
+}
+
 }  // namespace
+
+void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* layout) {
+  const uint64_t capacity = d.collider_capacity;
+  c->given = layout_region<sandglass_collider>(layout, "granular.colliders", capacity);
+  c->substep_frames = layout_region<ColliderFrame>(layout, "granular.substep_colliders", capacity);
+  c->sweep_frames = layout_region<ColliderFrame>(layout, "granular.sweep_colliders", capacity);
+  c->solid.before = layout_region<sandglass_collider>(layout, "granular.colliders_before", capacity);
+  c->all.before = layout_region<sandglass_collider>(layout, "granular.sweep_colliders_before", capacity);
+  c->solid.moved.frames = layout_region<ColliderFrame>(layout, "granular.moved_colliders", 2 * capacity);
+  c->solid.moved.margins = layout_region<float>(layout, "granular.moved_margins", 2 * capacity);
+  c->all.moved.frames = layout_region<ColliderFrame>(layout, "granular.sweep_moved", 2 * capacity);
+  c->all.moved.margins = layout_region<float>(layout, "granular.sweep_moved_margins", 2 * capacity);
+}
+
+void colliders_reset(Colliders* c) {
+  c->count = c->solid_count = 0;
+  c->solid.before_count = c->solid.moved.count = 0;
+  c->all.before_count = 0;
+  c->adopts = false;
+}
+
+void colliders_take(Granular* g, const sandglass_frame_input& input) {
+  Colliders& c = g->colliders;
+  c.count = 0;
+  for (int pass = 0; pass < 2; ++pass) {
+    const bool grains_only = pass == 1;
+    for (uint32_t i = 0; i < input.collider_count; ++i) {
+      if (input.colliders == nullptr) {
+        g->counts.ignored_colliders += grains_only ? 0 : 1;
+        continue;
+      }
+      if ((input.colliders[i].grains_only != 0) != grains_only) continue;
+      if (c.count == g->desc.collider_capacity || !collider_accept(input.colliders[i], &c.given[c.count])) {
+        ++g->counts.ignored_colliders;
+      } else {
+        ++c.count;
+      }
+    }
+    if (!grains_only) c.solid_count = c.count;
+  }
+}
+
+void colliders_find_moved(Granular* g) {
+  Colliders& c = g->colliders;
+  c.solid.moved.count = 0;
+  if (c.adopts) {
+    watch_remember(&c.solid, c.given, c.solid_count);
+    watch_remember(&c.all, c.given, c.count);
+    c.adopts = false;
+  }
+  if (g->sleep.awake_count < g->particles.count)
+    watch_find_moved(&c.solid, c.given, c.solid_count, neighbours_reach(*g));
+  const bool touch = c.solid.moved.count != 0;
+  substep_set_due(g, SubstepPhase::touch, touch);
+  if (!touch) watch_remember(&c.solid, c.given, c.solid_count);
+}
+
+void watch_remember(ColliderWatch* watch, const sandglass_collider* now, uint32_t count) {
+  watch->before_count = count;
+  for (uint32_t c = 0; c < count; ++c) watch->before[c] = now[c];
+}
+
+void watch_find_moved(ColliderWatch* watch, const sandglass_collider* now, uint32_t count, float margin) {
+  const sandglass_collider* before = watch->before;
+  MovedColliders& moved = watch->moved;
+  moved.count = 0;
+  for (uint32_t c = 0; c < count || c < watch->before_count; ++c) {
+    const bool is = c < count, was = c < watch->before_count;
+    if (is && was && same(before[c], now[c])) continue;
+    const float reach = margin + (is && was ? half_travel(before[c], now[c]) : 0.0f);
+    if (is) colliders_pose(&now[c], 1, 0.0f, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
+    if (was) colliders_pose(&before[c], 1, 0.0f, &moved.frames[moved.count]), moved.margins[moved.count++] = reach;
+  }
+}
+
+bool watch_changed(const ColliderWatch& watch, const sandglass_collider* now, uint32_t count) {
+  bool changed = count != watch.before_count;
+  for (uint32_t c = 0; !changed && c < count; ++c) changed = !same(watch.before[c], now[c]);
+  return changed;
+}
 
 bool collider_accept(const sandglass_collider& collider, sandglass_collider* accepted) {
   if (collider.shape < SANDGLASS_SHAPE_HALF_SPACE || collider.shape > SANDGLASS_SHAPE_FIELD) return false;

@@ -1,15 +1,57 @@
-// Analytic colliders on their way through a frame: checked once, then posed at the instant a sub-step ends.
+// Colliders on their way through a frame: checked once, posed at the instant at which a sub-step ends, and compared
+// with those of earlier frames, because sand sleeps on them.
 #pragma once
 
 #include "kernels/kernels.h"
-#include "sandglass/sandglass.h"
+#include "runtime/core/layout.h"
 
 namespace sandglass {
+
+struct Granular;
+
+// Colliders that moved, appeared or went away: where they were and where they are.
+struct MovedColliders {
+  ColliderFrame* frames;
+  float* margins;  // metres around each, within which sleepers wake
+  uint32_t count;
+};
+
+// The colliders as sleepers last saw them, and what has changed since.
+struct ColliderWatch {
+  sandglass_collider* before;
+  uint32_t before_count;
+  MovedColliders moved;
+};
+
+struct Colliders {
+  sandglass_collider* given;      // of this frame, those that particles see first
+  ColliderFrame* substep_frames;  // posed for the sub-step
+  ColliderFrame* sweep_frames;    // posed for the grains' sweep
+  uint32_t count;
+  uint32_t solid_count;  // those that particles see
+  ColliderWatch solid;   // for the particles
+  ColliderWatch all;     // for the grains
+  bool adopts;           // the next frame's count as seen: nothing has moved
+};
+
+void colliders_layout(Colliders* colliders, const sandglass_granular_desc& desc, Layout* layout);
+void colliders_reset(Colliders* colliders);
+
+// Takes a frame's colliders. Counts those that it leaves out.
+void colliders_take(Granular* granular, const sandglass_frame_input& input);
+// Finds what has changed for the particles since they were last woken; a change makes the touch phase due.
+void colliders_find_moved(Granular* granular);
+
+// `now` are the colliders that sleepers have seen.
+void watch_remember(ColliderWatch* watch, const sandglass_collider* now, uint32_t count);
+// Fills watch->moved. margin: metres around a collider that count as near.
+void watch_find_moved(ColliderWatch* watch, const sandglass_collider* now, uint32_t count, float margin);
+bool watch_changed(const ColliderWatch& watch, const sandglass_collider* now, uint32_t count);
 
 // Finite, with positive sizes and a usable rotation? Writes the collider with its rotation normalised.
 bool collider_accept(const sandglass_collider& collider, sandglass_collider* accepted);
 
-// Poses each collider `before` seconds before the end of the frame, moving back along its velocities.
+// Poses each collider as it was `before` seconds before the end of the frame, going back along its velocities.
 void colliders_pose(const sandglass_collider* colliders, uint32_t count, float before, ColliderFrame* frames);
 
 }  // namespace sandglass

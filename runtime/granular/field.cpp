@@ -3,6 +3,7 @@
 // it; an inside test gives the sign. No memory but the field's own.
 #include "runtime/granular/field.h"
 
+#include "runtime/core/refuse.h"
 #include "runtime/sampling/arguments.h"
 
 namespace sandglass {
@@ -13,15 +14,6 @@ constexpr uint32_t k_nodes_max = 1u << 24;
 constexpr uint64_t k_header =
     (sizeof(sandglass_field) + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT;
 constexpr float k_far = 1e30f;
-
-sandglass_status fail(sandglass_status status, const char* sentence, const char** reason) {
-  if (reason != nullptr) *reason = sentence;
-  return status;
-}
-
-sandglass_status invalid(const char* sentence, const char** reason) {
-  return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, sentence, reason);
-}
 
 // Node counts of the box, or a sentence.
 const char* measure(const float low[3], const float high[3], float spacing, uint32_t counts[3]) {
@@ -62,18 +54,14 @@ struct Nodes {
   }
 };
 
-sandglass_status check_block(const float low[3], const float high[3], float spacing, sandglass_solid solid, void* block,
-                             uint64_t bytes, sandglass_field** field, Nodes* nodes, const char** reason) {
-  if (const char* sentence = measure(low, high, spacing, nodes->counts)) return invalid(sentence, reason);
+sandglass_status begin(const float low[3], const float high[3], float spacing, sandglass_solid solid, void* block,
+                       uint64_t bytes, sandglass_field** field, Nodes* nodes, const char** reason) {
+  if (const char* sentence = measure(low, high, spacing, nodes->counts)) return refuse(reason, sentence);
   if (solid != SANDGLASS_SOLID_INSIDE && solid != SANDGLASS_SOLID_OUTSIDE)
-    return invalid("sandglass_field: solid must be a SANDGLASS_SOLID value.", reason);
-  if (block == nullptr || field == nullptr)
-    return invalid("sandglass_field: block or field is NULL: pass the memory and where to store the field.", reason);
-  if (reinterpret_cast<uintptr_t>(block) % SANDGLASS_BLOCK_ALIGNMENT != 0)
-    return fail(SANDGLASS_ERROR_MEMORY_ALIGNMENT, "sandglass_field: block is not aligned to 64 bytes.", reason);
-  if (bytes < bytes_of(nodes->counts))
-    return fail(SANDGLASS_ERROR_MEMORY_TOO_SMALL, "sandglass_field: block is smaller than sandglass_field_bytes says.",
-                reason);
+    return refuse(reason, "sandglass_field: solid must be a SANDGLASS_SOLID value.");
+  if (field == nullptr) return refuse(reason, "sandglass_field: field is NULL: pass where to store the field.");
+  const sandglass_status usable = check_block(block, bytes, bytes_of(nodes->counts), reason);
+  if (usable != SANDGLASS_OK) return usable;
   nodes->values = reinterpret_cast<float*>(static_cast<uint8_t*>(block) + k_header);
   for (int k = 0; k < 3; ++k) nodes->low[k] = low[k];
   nodes->spacing = spacing;
@@ -90,7 +78,7 @@ sandglass_status finish(const Nodes& n, sandglass_solid solid, void* block, sand
     for (uint32_t j = 0; j < n.counts[1]; ++j) {
       for (uint32_t i = 0; i < n.counts[0]; ++i) {
         const float value = n.values[n.at(i, j, k)];
-        if (!(value > -1e6f && value < 1e6f)) return invalid("sandglass_field: a distance is not finite.", reason);
+        if (!(value > -1e6f && value < 1e6f)) return refuse(reason, "sandglass_field: a distance is not finite.");
         const bool face =
             i == 0 || j == 0 || k == 0 || i + 1 == n.counts[0] || j + 1 == n.counts[1] || k + 1 == n.counts[2];
         two_sided = two_sided || (inside ? value < 0.0f : value > 0.0f);
@@ -99,11 +87,11 @@ sandglass_status finish(const Nodes& n, sandglass_solid solid, void* block, sand
     }
   }
   if (inside ? border <= 0.0f : border >= 0.0f)
-    return invalid("sandglass_field: the surface crosses the faces of the box: enlarge the bounds.", reason);
+    return refuse(reason, "sandglass_field: the surface crosses the faces of the box: enlarge the bounds.");
   if (!two_sided) {
-    return invalid(inside ? "sandglass_field: no node is solid: make spacing smaller than the thinnest wall."
-                          : "sandglass_field: no node is free: make spacing smaller than the narrowest passage.",
-                   reason);
+    return refuse(reason, inside
+                              ? "sandglass_field: no node is solid: make spacing smaller than the thinnest wall."
+                              : "sandglass_field: no node is free: make spacing smaller than the narrowest passage.");
   }
   sandglass_field* header = static_cast<sandglass_field*>(block);
   *header = {};
@@ -116,8 +104,7 @@ sandglass_status finish(const Nodes& n, sandglass_solid solid, void* block, sand
   grid.outward = inside ? 1.0f : -1.0f;
   grid.border = border;
   *field = header;
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 struct Vector {
@@ -217,11 +204,10 @@ using namespace sandglass;
 sandglass_status sandglass_field_bytes(const float bounds_min[3], const float bounds_max[3], float spacing,
                                        uint64_t* bytes, const char** reason) {
   uint32_t counts[3];
-  if (const char* sentence = measure(bounds_min, bounds_max, spacing, counts)) return invalid(sentence, reason);
-  if (bytes == nullptr) return invalid("sandglass_field_bytes: bytes is NULL: pass where to store the size.", reason);
+  if (const char* sentence = measure(bounds_min, bounds_max, spacing, counts)) return refuse(reason, sentence);
+  if (bytes == nullptr) return refuse(reason, "sandglass_field_bytes: bytes is NULL: pass where to store the size.");
   *bytes = bytes_of(counts);
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 sandglass_status sandglass_field_from_function(const float bounds_min[3], const float bounds_max[3], float spacing,
@@ -229,10 +215,10 @@ sandglass_status sandglass_field_from_function(const float bounds_min[3], const 
                                                void* block, uint64_t bytes, sandglass_field** field,
                                                const char** reason) {
   Nodes n = {};
-  const sandglass_status status = check_block(bounds_min, bounds_max, spacing, solid, block, bytes, field, &n, reason);
+  const sandglass_status status = begin(bounds_min, bounds_max, spacing, solid, block, bytes, field, &n, reason);
   if (status != SANDGLASS_OK) return status;
   if (distance == nullptr)
-    return invalid("sandglass_field_from_function: distance is NULL: pass the function that gives distances.", reason);
+    return refuse(reason, "sandglass_field_from_function: distance is NULL: pass the function that gives distances.");
   for (uint32_t k = 0; k < n.counts[2]; ++k) {
     for (uint32_t j = 0; j < n.counts[1]; ++j) {
       for (uint32_t i = 0; i < n.counts[0]; ++i) {
@@ -253,13 +239,13 @@ sandglass_status sandglass_field_from_mesh(const sandglass_mesh* mesh, sandglass
   float low[3], high[3];
   sandglass_status status = sandglass_mesh_bounds(mesh, low, high, reason);  // checks the mesh, too
   if (status != SANDGLASS_OK) return status;
-  status = check_block(bounds_min, bounds_max, spacing, solid, block, bytes, field, &n, reason);
+  status = begin(bounds_min, bounds_max, spacing, solid, block, bytes, field, &n, reason);
   if (status != SANDGLASS_OK) return status;
   if (inside == nullptr)
-    return invalid(
-        "sandglass_field_from_mesh: inside is NULL: pass sandglass_mesh_inside_test, or a function of yours.", reason);
+    return refuse(
+        reason, "sandglass_field_from_mesh: inside is NULL: pass sandglass_mesh_inside_test, or a function of yours.");
   if (!(band >= 0.0f && band <= SANDGLASS_COORDINATE_LIMIT))
-    return invalid("sandglass_field_from_mesh: band must be 0 to 1000 metres.", reason);
+    return refuse(reason, "sandglass_field_from_mesh: band must be 0 to 1000 metres.");
   const float reach = band > 2.0f * spacing ? band : 2.0f * spacing;
   const uint64_t count = static_cast<uint64_t>(n.counts[0]) * n.counts[1] * n.counts[2];
   for (uint64_t i = 0; i < count; ++i) n.values[i] = k_far;

@@ -1,8 +1,5 @@
-// Coming and going: emitters pour particles and grains into the scene, sinks and the app take them out.
-//
-// Removing moves the last record into the gap, so it costs what is removed and nothing else. Emitting happens between
-// intervals of simulated time, never in the middle of a sub-step, and only while the grains' arrays are not being
-// sorted; what cannot come in time comes later, as far from the nozzle as it would be by then.
+#include "runtime/granular/flow.h"
+
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -43,7 +40,7 @@ bool accept(const Granular& g, const sandglass_emitter& emitter, sandglass_emitt
   const float length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   if (!(length2 > 1e-12f && length2 < 1e12f)) return false;
   *accepted = emitter;
-  const float fastest = g.desc.courant * r / g.substep_min, inverse = 1.0f / __builtin_sqrtf(length2);
+  const float fastest = g.desc.courant * r / g.substep.shortest, inverse = 1.0f / __builtin_sqrtf(length2);
   if (accepted->speed > fastest) accepted->speed = fastest;
   for (float& c : accepted->rotation) c *= inverse;
   return true;
@@ -91,11 +88,11 @@ void flush(Granular* g, Batch* batch, bool grains) {
                                                batch->velocities, fine, nullptr);
   batch->count = 0;
   if (status != SANDGLASS_OK) {
-    g->denied_particles += particles;
+    g->flow.counts.denied_particles += particles;
     return;
   }
-  g->emitted_particles += particles;
-  g->emitted_grains += fine;
+  g->flow.counts.emitted_particles += particles;
+  g->flow.counts.emitted_grains += fine;
 }
 
 void put_site(Granular* g, Batch* batch, bool grains, const float position[3], const float velocity[3]) {
@@ -109,8 +106,8 @@ void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_
   uint32_t sites = 0;
   for_sites(e, r, layer, [&](float, float) { ++sites; });
   const uint64_t grains = static_cast<uint64_t>(sites) * e.grains_per_particle;
-  if (sites > g->desc.particle_capacity - g->particle_count || grains > g->desc.grain_capacity - g->grain_count) {
-    g->denied_particles += sites;
+  if (sites > g->desc.particle_capacity - g->particles.count || grains > g->desc.grain_capacity - g->grains.count) {
+    g->flow.counts.denied_particles += sites;
     return;
   }
   const Nozzle nozzle = nozzle_of(e);
@@ -142,20 +139,20 @@ void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_
 
 // Takes particle i out; the last one moves into its place.
 void remove_particle(Granular* g, uint32_t i) {
-  Particle* gap = &g->records[0][i];
-  g->free_particles[g->free_particle_count++] = number_of(*gap);
-  if (is_awake(*gap)) --g->awake_count;
-  const uint32_t last = --g->particle_count;
+  Particle* gap = &g->particles.records[0][i];
+  g->flow.free_particles[g->flow.free_particle_count++] = number_of(*gap);
+  if (is_awake(*gap)) --g->sleep.awake_count;
+  const uint32_t last = --g->particles.count;
   if (i == last) return;
-  *gap = g->records[0][last];
-  if (in_body(*gap)) g->body_rows[g->rest[number_of(*gap)].body_slot] = i;
+  *gap = g->particles.records[0][last];
+  if (in_body(*gap)) bodies_note_row(g, i);
 }
 
 void remove_grain(Granular* g, uint32_t i) {
-  Grain* gap = &g->grains[0][i];
-  g->free_grains[g->free_grain_count++] = gap->number;
-  const uint32_t last = --g->grain_count;
-  *gap = g->grains[0][last];
+  Grain* gap = &g->grains.records[0][i];
+  g->flow.free_grains[g->flow.free_grain_count++] = gap->number;
+  const uint32_t last = --g->grains.count;
+  *gap = g->grains.records[0][last];
 }
 
 // Removes what lies inside the shapes from the group that begins at `first`, from its end, so that what moves into a
@@ -176,50 +173,69 @@ uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* c
 
 // Sleeping groups' records may have moved; which groups sleep is found out by the next list build.
 void after_removal(Granular* g) {
-  g->lists_valid = false;
-  g->wake_due = false;
-  g->waking_count = 0;
-  granular_seal_particles(g);
+  g->neighbours.valid = false;
+  substep_set_due(g, SubstepPhase::wake, false);
+  g->sleep.waking_count = 0;
+  particles_seal(g);
 }
 
 }  // namespace
 
-void granular_take_flow(Granular* g, const sandglass_frame_input* input) {
-  g->emitter_count = 0;
-  for (uint32_t e = 0; e < input->emitter_count; ++e) {
-    if (input->emitters == nullptr || g->emitter_count == g->desc.emitter_capacity ||
-        !accept(*g, input->emitters[e], &g->emitters[g->emitter_count])) {
-      ++g->ignored_colliders;
+void flow_layout(Flow* f, const sandglass_granular_desc& d, Layout* layout) {
+  f->free_particles = layout_region<uint32_t>(layout, "granular.free_particles", d.particle_capacity);
+  f->free_grains = layout_region<uint32_t>(layout, "granular.free_grains", d.grain_capacity);
+  f->emitters = layout_region<sandglass_emitter>(layout, "granular.emitters", d.emitter_capacity);
+  f->emitter_states = layout_region<EmitterState>(layout, "granular.emitter_states", d.emitter_capacity);
+  f->sinks = layout_region<ColliderFrame>(layout, "granular.sinks", d.sink_capacity);
+}
+
+void flow_reset(Flow* f, const sandglass_granular_desc& d) {
+  f->free_particle_count = f->free_grain_count = f->emitter_count = f->sink_count = 0;
+  f->counts = {};
+  for (uint32_t e = 0; e < d.emitter_capacity; ++e) f->emitter_states[e] = {};
+}
+
+// Live and free numbers together are 0, 1, 2, ...: without free ones the next is the count.
+uint32_t flow_take_particle_number(Flow* f, uint32_t count) {
+  return f->free_particle_count != 0 ? f->free_particles[--f->free_particle_count] : count;
+}
+
+uint32_t flow_take_grain_number(Flow* f, uint32_t count) {
+  return f->free_grain_count != 0 ? f->free_grains[--f->free_grain_count] : count;
+}
+
+void flow_take(Granular* g, const sandglass_frame_input& input) {
+  g->flow.emitter_count = 0;
+  for (uint32_t e = 0; e < input.emitter_count; ++e) {
+    if (input.emitters == nullptr || g->flow.emitter_count == g->desc.emitter_capacity ||
+        !accept(*g, input.emitters[e], &g->flow.emitters[g->flow.emitter_count])) {
+      ++g->counts.ignored_colliders;
     } else {
-      ++g->emitter_count;
+      ++g->flow.emitter_count;
     }
   }
   // An emitter that is no longer passed starts from nothing when it comes back.
-  for (uint32_t e = g->emitter_count; e < g->desc.emitter_capacity; ++e) g->emitter_states[e] = {};
-  g->sink_count = 0;
-  for (uint32_t s = 0; s < input->sink_count; ++s) {
+  for (uint32_t e = g->flow.emitter_count; e < g->desc.emitter_capacity; ++e) g->flow.emitter_states[e] = {};
+  g->flow.sink_count = 0;
+  for (uint32_t s = 0; s < input.sink_count; ++s) {
     sandglass_collider accepted;
-    if (input->sinks == nullptr || g->sink_count == g->desc.sink_capacity ||
-        !collider_accept(input->sinks[s], &accepted)) {
-      ++g->ignored_colliders;
+    if (input.sinks == nullptr || g->flow.sink_count == g->desc.sink_capacity ||
+        !collider_accept(input.sinks[s], &accepted)) {
+      ++g->counts.ignored_colliders;
     } else {
-      colliders_pose(&accepted, 1, 0.0f, &g->sinks[g->sink_count++]);
+      colliders_pose(&accepted, 1, 0.0f, &g->flow.sinks[g->flow.sink_count++]);
     }
   }
 }
 
-bool granular_can_emit(const Granular& g) {
-  return g.grain_phase == GrainPhase::idle || g.grain_phase == GrainPhase::refine || g.grain_phase == GrainPhase::drain;
-}
-
-void granular_emit(Granular* g, double seconds) {
+void flow_emit(Granular* g, double seconds) {
   const double layer = static_cast<double>(k_spacing_radii * k_layer * g->desc.particle_radius);
-  for (uint32_t e = 0; e < g->emitter_count; ++e) {
-    EmitterState& state = g->emitter_states[e];
-    const sandglass_emitter& emitter = g->emitters[e];
+  for (uint32_t e = 0; e < g->flow.emitter_count; ++e) {
+    EmitterState& state = g->flow.emitter_states[e];
+    const sandglass_emitter& emitter = g->flow.emitters[e];
     if (state.layer == 0) state.run = layer;  // the first comes at once
     state.run += seconds * static_cast<double>(emitter.speed);
-    if (!granular_can_emit(*g)) continue;
+    if (!sweep_takes_grains(*g)) continue;
     while (state.run >= layer) {
       state.run -= layer;
       emit_layer(g, emitter, e, state.layer++, static_cast<float>(state.run));
@@ -227,53 +243,45 @@ void granular_emit(Granular* g, double seconds) {
   }
 }
 
-uint32_t granular_drain_items(const Granular& g) {
-  const uint32_t left = g.active_count * k_lane_group - g.cursor;
-  return left < g.unit ? left : g.unit;
-}
-
-void granular_run_drain(Granular* g) {
-  const uint32_t items = g->active_count * k_lane_group;
-  const uint32_t end = items - g->cursor < g->unit ? items : g->cursor + g->unit;
+bool flow_run_drain(Granular* g) {
+  const uint32_t items = sleep_active_items(*g);
+  const uint32_t end = items - g->substep.cursor < g->unit ? items : g->substep.cursor + g->unit;
   uint32_t removed = 0;
   // From the last group to the first: the record that fills a gap has been looked at.
-  for (uint32_t at = g->cursor; at < end; at += k_lane_group) {
-    const uint32_t first = g->active_groups[g->active_count - 1 - at / k_lane_group] * k_lane_group;
-    if (first >= g->particle_count) continue;
-    removed +=
-        drain_group(*g, as_records(g->records[0]), &g->particle_count, first, g->sinks, g->sink_count, [g](uint32_t i) {
-          const Particle& p = g->records[0][i];
-          if (in_body(p) || !is_awake(p)) return false;
-          remove_particle(g, i);
-          return true;
-        });
+  for (uint32_t at = g->substep.cursor; at < end; at += k_lane_group) {
+    const uint32_t first = g->sleep.active_groups[g->sleep.active_count - 1 - at / k_lane_group] * k_lane_group;
+    if (first >= g->particles.count) continue;
+    removed += drain_group(*g, as_records(g->particles.records[0]), &g->particles.count, first, g->flow.sinks,
+                           g->flow.sink_count, [g](uint32_t i) {
+                             const Particle& p = g->particles.records[0][i];
+                             if (in_body(p) || !is_awake(p)) return false;
+                             remove_particle(g, i);
+                             return true;
+                           });
   }
-  g->removed_particles += removed;
+  g->flow.counts.removed_particles += removed;
   if (removed != 0) after_removal(g);
-  g->cursor = end;
-  if (end < items) return;
-  g->drain_due = false;
-  granular_settle(g);
+  g->substep.cursor = end;
+  return end >= items;
 }
 
-void granular_run_grain_drain(Granular* g) {
-  const uint32_t items = g->grain_group_count * k_lane_group;
-  const uint32_t end = items - g->grain_cursor < g->unit ? items : g->grain_cursor + g->unit;
+bool flow_run_grain_drain(Granular* g) {
+  const uint32_t items = g->grain_sleep.group_count * k_lane_group;
+  const uint32_t end = items - g->sweep.cursor < g->unit ? items : g->sweep.cursor + g->unit;
   uint32_t removed = 0;
-  for (uint32_t at = g->grain_cursor; at < end; at += k_lane_group) {
-    const uint32_t first = g->grain_groups[g->grain_group_count - 1 - at / k_lane_group] * k_lane_group;
-    if (first >= g->grain_count) continue;
-    removed +=
-        drain_group(*g, as_records(g->grains[0]), &g->grain_count, first, g->sinks, g->sink_count, [g](uint32_t i) {
-          remove_grain(g, i);
-          return true;
-        });
+  for (uint32_t at = g->sweep.cursor; at < end; at += k_lane_group) {
+    const uint32_t first = g->grain_sleep.groups[g->grain_sleep.group_count - 1 - at / k_lane_group] * k_lane_group;
+    if (first >= g->grains.count) continue;
+    removed += drain_group(*g, as_records(g->grains.records[0]), &g->grains.count, first, g->flow.sinks,
+                           g->flow.sink_count, [g](uint32_t i) {
+                             remove_grain(g, i);
+                             return true;
+                           });
   }
-  g->removed_grains += removed;
-  if (removed != 0) g->groups_changed = true;
-  g->grain_cursor = end;
-  if (end < items) return;
-  g->grain_phase = GrainPhase::idle;
+  g->flow.counts.removed_grains += removed;
+  if (removed != 0) g->grain_sleep.groups_changed = true;
+  g->sweep.cursor = end;
+  return end >= items;
 }
 
 sandglass_status granular_remove(Granular* g, const sandglass_collider* region, uint32_t* particles, uint32_t* grains,
@@ -293,31 +301,27 @@ sandglass_status granular_remove(Granular* g, const sandglass_collider* region, 
   }
   ColliderFrame shape;
   colliders_pose(&accepted, 1, 0.0f, &shape);
-  granular_wake_all(g);
+  sleep_wake_all(g);
   uint32_t removed = 0, removed_grains = 0;
-  for (uint32_t group = (g->particle_count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
-    removed += drain_group(*g, as_records(g->records[0]), &g->particle_count, group * k_lane_group, &shape, 1,
-                           [g](uint32_t i) {
-                             if (in_body(g->records[0][i])) return false;
+  for (uint32_t group = (g->particles.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
+    removed += drain_group(*g, as_records(g->particles.records[0]), &g->particles.count, group * k_lane_group, &shape,
+                           1, [g](uint32_t i) {
+                             if (in_body(g->particles.records[0][i])) return false;
                              remove_particle(g, i);
                              return true;
                            });
   }
-  for (uint32_t group = (g->grain_count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
-    removed_grains +=
-        drain_group(*g, as_records(g->grains[0]), &g->grain_count, group * k_lane_group, &shape, 1, [g](uint32_t i) {
-          remove_grain(g, i);
-          return true;
-        });
+  for (uint32_t group = (g->grains.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
+    removed_grains += drain_group(*g, as_records(g->grains.records[0]), &g->grains.count, group * k_lane_group, &shape,
+                                  1, [g](uint32_t i) {
+                                    remove_grain(g, i);
+                                    return true;
+                                  });
   }
   if (g->desc.particle_capacity != 0) after_removal(g);
-  if (removed_grains != 0) {
-    g->groups_changed = true;
-    g->grain_phase = GrainPhase::idle;
-    g->grains_asleep = false;
-  }
-  g->removed_particles += removed;
-  g->removed_grains += removed_grains;
+  if (removed_grains != 0) sweep_grains_removed(g);
+  g->flow.counts.removed_particles += removed;
+  g->flow.counts.removed_grains += removed_grains;
   if (particles != nullptr) *particles = removed;
   if (grains != nullptr) *grains = removed_grains;
   if (reason != nullptr) *reason = nullptr;

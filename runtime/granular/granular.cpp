@@ -1,44 +1,17 @@
-// Layout, checks and material of the granular stages.
+// Checks, layout and reset of the parts, the beginning of a frame, and the material that the app adds.
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
 
 namespace {
 
-// Arrays may be read one vector beyond their last item.
-constexpr uint64_t k_slack = 2 * k_lane_group;
+// grain_radius 0: about the size at which 16 grains fill a particle's share of space.
+constexpr float k_grain_radii = 0.35f;
 
-uint32_t round_up(uint32_t count, uint32_t to) { return (count + to - 1) / to * to; }
-
-uint32_t power_of_two(uint64_t at_least) {
-  uint32_t p = 512;  // 8 cells an axis, the fewest that a sweep looks at
-  while (p < at_least && p < (1u << 30)) p *= 2;
-  return p;
-}
-
-void layout_sort(CellSort* sort, Layout* layout, const char* starts_name, const char* keys_name, uint64_t records,
-                 uint64_t cells) {
-  sort->cells_max = power_of_two(cells);
-  sort->starts = layout_region<uint32_t>(layout, starts_name, static_cast<uint64_t>(sort->cells_max) + k_slack);
-  sort->keys = layout_region<uint32_t>(layout, keys_name, records + k_slack);
-}
+// Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 72 for r = 1 cm.
+constexpr float k_substep_units = 0.00871f;
 
 constexpr float k_at_rest[3] = {0.0f, 0.0f, 0.0f};
-
-}  // namespace
-
-// Inert records after the last particle, so that whole vectors can be processed; their rows point at inert neighbours.
-void granular_seal_particles(Granular* g) {
-  for (uint32_t i = g->particle_count; i < g->particle_rows && i < g->particle_count + k_slack; ++i) {
-    for (Particle* records : g->records) {
-      if (records != nullptr) records[i] = inert_particle();
-    }
-    g->counts[i] = 0;
-    for (uint32_t s = 0; s < k_list_slots; ++s) g->lists[static_cast<uint64_t>(i) * k_list_slots + s] = g->inert;
-  }
-}
-
-namespace {
 
 bool all_within(const float* values, uint32_t count, float limit) {
   for (uint64_t i = 0; i < static_cast<uint64_t>(count) * 3; ++i) {
@@ -108,101 +81,78 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
 void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layout) {
   g->desc = d;
   if (d.particle_capacity == 0) return;
-  g->particle_rows = round_up(d.particle_capacity, k_lane_group) + k_slack;
-  g->inert = g->particle_rows + d.boundary_capacity;
-  const uint64_t records = static_cast<uint64_t>(g->inert) + k_slack;
-  const bool several_passes = d.reference.solver_iterations + d.reference.stabilisation_iterations > 1;
-  g->records[0] = layout_region<Particle>(layout, "granular.particles", records);
-  g->records[1] = layout_region<Particle>(layout, "granular.particles_next", records);
-  g->records[2] = layout_region<Particle>(layout, "granular.particles_between", several_passes ? records : 0);
-  const char* const axes[3] = {"granular.sorted_x", "granular.sorted_y", "granular.sorted_z"};
-  const char* const boundary_axes[3] = {"granular.boundary_x", "granular.boundary_y", "granular.boundary_z"};
-  const char* const snapshot_axes[3] = {"granular.snapshot_x", "granular.snapshot_y", "granular.snapshot_z"};
-  const bool grains = d.grain_capacity != 0, boundary = d.boundary_capacity != 0;
-  const uint64_t rows = g->particle_rows;
-  const uint64_t grain_rows = static_cast<uint64_t>(d.grain_capacity) + k_slack;
-  for (int k = 0; k < 3; ++k) {
-    g->positions[k] = layout_region<float>(layout, axes[k], rows + k_slack);
-    g->boundary_positions[k] =
-        layout_region<float>(layout, boundary_axes[k], boundary ? d.boundary_capacity + k_slack : 0);
-    g->snapshot_positions[k] = layout_region<float>(layout, snapshot_axes[k], grains ? rows + k_slack : 0);
-  }
-  g->lists = layout_region<uint32_t>(layout, "granular.lists", rows * k_list_slots);
-  g->counts = layout_region<uint8_t>(layout, "granular.list_counts", rows);
-  const uint64_t groups = rows / k_lane_group + 1;
-  g->active_groups = layout_region<uint32_t>(layout, "granular.active_groups", groups);
-  g->group_states = layout_region<GroupState>(layout, "granular.group_states", groups);
-  g->touched = layout_region<uint8_t>(layout, "granular.touched", groups);
-  g->rest = layout_region<Rest>(layout, "granular.rest", d.particle_capacity);
-  g->free_particles = layout_region<uint32_t>(layout, "granular.free_particles", d.particle_capacity);
-  g->free_grains = layout_region<uint32_t>(layout, "granular.free_grains", d.grain_capacity);
-  g->emitters = layout_region<sandglass_emitter>(layout, "granular.emitters", d.emitter_capacity);
-  g->emitter_states = layout_region<EmitterState>(layout, "granular.emitter_states", d.emitter_capacity);
-  g->sinks = layout_region<ColliderFrame>(layout, "granular.sinks", d.sink_capacity);
-  g->bodies = layout_region<RigidBody>(layout, "granular.bodies", d.body_capacity);
-  g->body_rest = layout_region<float>(layout, "granular.body_rest", 3ull * d.body_particle_capacity);
-  g->body_rows = layout_region<uint32_t>(layout, "granular.body_rows", d.body_particle_capacity);
-  g->body_numbers = layout_region<uint32_t>(layout, "granular.body_numbers", d.body_particle_capacity);
-  layout_sort(&g->particle_sort, layout, "granular.cells", "granular.cell_keys", rows, 4ull * rows);
-  if (boundary) {
-    layout_sort(&g->boundary_sort, layout, "granular.boundary_cells", "granular.boundary_keys", d.boundary_capacity,
-                4ull * d.boundary_capacity);
-  }
-  if (grains) {
-    g->snapshot = layout_region<Particle>(layout, "granular.snapshot", rows);
-    layout_sort(&g->snapshot_sort, layout, "granular.snapshot_cells", "granular.snapshot_keys", rows, 2ull * rows);
-    g->grains[0] = layout_region<Grain>(layout, "granular.grains", grain_rows);
-    g->grains[1] = layout_region<Grain>(layout, "granular.grains_sorted", grain_rows);
-    layout_sort(&g->grain_sort, layout, "granular.grain_cells", "granular.grain_keys", grain_rows, grain_rows);
-    g->grain_sort.serpentine = true;
-    const uint64_t grain_groups = round_up(d.grain_capacity, k_lane_group) / k_lane_group;
-    g->grain_groups = layout_region<uint32_t>(layout, "granular.grain_groups", grain_groups);
-    g->grain_still = layout_region<uint8_t>(layout, "granular.grain_still", grain_groups);
-    g->grain_tiles = layout_region<Sleeper>(layout, "granular.grain_tiles", grain_groups + k_slack);
-    g->awake_cells[0] = layout_region<uint8_t>(layout, "granular.awake_cells", g->snapshot_sort.cells_max);
-    g->awake_cells[1] = layout_region<uint8_t>(layout, "granular.awake_cells_spread", g->snapshot_sort.cells_max);
-  }
-  g->colliders = layout_region<sandglass_collider>(layout, "granular.colliders", d.collider_capacity);
-  g->substep_colliders = layout_region<ColliderFrame>(layout, "granular.substep_colliders", d.collider_capacity);
-  g->sweep_colliders = layout_region<ColliderFrame>(layout, "granular.sweep_colliders", d.collider_capacity);
-  g->colliders_before = layout_region<sandglass_collider>(layout, "granular.colliders_before", d.collider_capacity);
-  g->sweep_colliders_before =
-      layout_region<sandglass_collider>(layout, "granular.sweep_colliders_before", d.collider_capacity);
-  g->moved.frames = layout_region<ColliderFrame>(layout, "granular.moved_colliders", 2ull * d.collider_capacity);
-  g->moved.margins = layout_region<float>(layout, "granular.moved_margins", 2ull * d.collider_capacity);
-  g->sweep_moved.frames = layout_region<ColliderFrame>(layout, "granular.sweep_moved", 2ull * d.collider_capacity);
-  g->sweep_moved.margins = layout_region<float>(layout, "granular.sweep_moved_margins", 2ull * d.collider_capacity);
+  particles_layout(&g->particles, d, layout);
+  neighbours_layout(&g->neighbours, g->particles.rows, layout);
+  sleep_layout(&g->sleep, d, g->particles.rows, layout);
+  boundary_layout(&g->boundary, d, layout);
+  bodies_layout(&g->bodies, d, layout);
+  flow_layout(&g->flow, d, layout);
+  grains_layout(&g->grains, d, g->particles.rows, layout);
+  grain_sleep_layout(&g->grain_sleep, d, g->grains.snapshot.sort.cells_max, layout);
+  colliders_layout(&g->colliders, d, layout);
+}
+
+void granular_configure(Granular* g, const sandglass_scene_desc& desc, const Kernels* kernels) {
+  g->kernels = kernels;
+  g->parallel = desc.parallel;
+  g->unit = desc.unit_items;
+  float length2 = 0.0f;
+  for (int k = 0; k < 3; ++k) g->gravity[k] = desc.gravity[k], length2 += desc.gravity[k] * desc.gravity[k];
+  g->gravity_length = __builtin_sqrtf(length2);
+  sandglass_granular_desc& d = g->desc;
+  const float pull = g->gravity_length > 0.1f ? g->gravity_length : 9.81f;  // weightless scenes keep the Earth's step
+  Substep& s = g->substep;
+  s.longest = d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
+  s.shortest = d.substep_min > 0.0f ? d.substep_min : 0.25f * s.longest;
+  if (d.grain_radius <= 0.0f) d.grain_radius = k_grain_radii * d.particle_radius;
 }
 
 void granular_reset(Granular* g) {
   if (g->desc.particle_capacity == 0) return;
-  g->particle_count = g->boundary_count = g->grain_count = g->collider_count = g->solid_count = 0;
-  g->phase = ParticlePhase::idle;
-  g->grain_phase = GrainPhase::idle;
-  g->cursor = g->pass = g->grain_cursor = g->output_cursor = g->interval_left = g->dither = 0;
-  g->sweeps_since_sort = 1e9f;
-  g->lists_valid = g->bounds_known = false;
-  g->list_slack = g->last_spread = g->speed_max = g->sweep_step = g->frame_step = 0.0f;
-  g->substep = g->last_substep = g->substep_max;
-  g->owed = g->interval_owed = g->slipped = g->simulated = g->unswept = g->sweep_time = 0.0;
-  g->builds_per_substep = 0.25f;
-  g->active_count = g->awake_count = g->collider_before_count = g->moved.count = 0;
-  g->grain_group_count = g->sweep_collider_before_count = g->mark_pass = g->still_groups = 0;
-  g->grains_asleep = g->groups_changed = false;
-  g->next_rest = 0.0;
-  g->waking_count = g->body_count = g->body_particle_count = 0;
-  g->free_particle_count = g->free_grain_count = g->emitter_count = g->sink_count = 0;
-  g->emitted_particles = g->emitted_grains = g->removed_particles = g->removed_grains = g->denied_particles = 0;
-  for (uint32_t e = 0; e < g->desc.emitter_capacity; ++e) g->emitter_states[e] = {};
-  g->drain_due = g->adopts_colliders = false;
-  g->densest_body = 0.0f;
-  g->touch_due = g->wake_due = g->rest_due = false;
-  for (int k = 0; k < 3; ++k) g->low[k] = g->high[k] = 0.0f;
-  for (Particle* records : g->records) {
-    if (records != nullptr) records[g->inert] = inert_particle();
-  }
-  granular_seal_particles(g);
+  particles_reset(&g->particles);
+  neighbours_reset(&g->neighbours, g->substep.longest);
+  sleep_reset(&g->sleep);
+  g->boundary.count = 0;
+  bodies_reset(&g->bodies);
+  flow_reset(&g->flow, g->desc);
+  grains_reset(&g->grains);
+  grain_sleep_reset(&g->grain_sleep);
+  colliders_reset(&g->colliders);
+  time_reset(&g->time);
+  substep_reset(&g->substep);
+  sweep_reset(&g->sweep);
+  output_restart(&g->output);
+  particles_seal(g);
 }
+
+void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
+  neighbours_learn(&g->neighbours, g->counts.list_builds, g->counts.substeps);
+  g->counts = {};
+  output_begin_frame(&g->output, input);
+  colliders_take(g, *input);
+  flow_take(g, *input);
+  colliders_find_moved(g);
+  time_take(g, input->time_step);
+  sleep_skip_time(g);
+}
+
+namespace {
+
+void add_particle(Granular* g, const float position[3], const float velocity[3]) {
+  Particles& p = g->particles;
+  const uint32_t number = flow_take_particle_number(&g->flow, p.count);
+  p.records[0][p.count++] = moving_particle(position, velocity, number);
+  sleep_add(&g->sleep, number, position);
+  particles_include(&p, position, velocity);
+}
+
+void add_grain(Granular* g, const float position[3], const float velocity[3]) {
+  Grains& grains = g->grains;
+  const uint32_t number = flow_take_grain_number(&g->flow, grains.count);
+  grains.records[0][grains.count++] = moving_grain(position, velocity, number);
+}
+
+}  // namespace
 
 sandglass_status granular_add(Granular* g, const float* particles, const float* particle_velocities,
                               uint32_t particle_count, const float* grains, const float* grain_velocities,
@@ -212,11 +162,11 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
                 "particle_positions or grain_positions is NULL but its count is above 0: pass 3 floats for each item.",
                 reason);
   }
-  if (particle_count > g->desc.particle_capacity - g->particle_count) {
+  if (particle_count > g->desc.particle_capacity - g->particles.count) {
     return fail(SANDGLASS_ERROR_CAPACITY, "more particles than granular.particle_capacity has room for: raise it.",
                 reason);
   }
-  if (grain_count > g->desc.grain_capacity - g->grain_count) {
+  if (grain_count > g->desc.grain_capacity - g->grains.count) {
     return fail(SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.", reason);
   }
   if (!all_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
@@ -231,79 +181,21 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
                 "a velocity is not finite or above 10000 m/s: check where it comes from.", reason);
   }
-  if (particle_count != 0) granular_abandon_substep(g);
-  for (uint32_t i = 0; i < particle_count; ++i) {
-    const uint32_t index = g->particle_count + i;
-    const float* position = particles + 3ull * i;
-    const float* velocity = particle_velocities == nullptr ? k_at_rest : particle_velocities + 3ull * i;
-    // Live and free numbers together are 0, 1, 2, ...: without free ones the next is the count.
-    const uint32_t number = g->free_particle_count != 0 ? g->free_particles[--g->free_particle_count] : index;
-    g->records[0][index] = moving_particle(position, velocity, number);
-    Rest& rest = g->rest[number];
-    for (int k = 0; k < 3; ++k) rest.anchor[k] = position[k];
-    rest.quiet = 0;
-    ++g->awake_count;
-    float speed2 = 0.0f;
-    for (int k = 0; k < 3; ++k) {
-      const bool first = !g->bounds_known;
-      if (first || position[k] < g->low[k]) g->low[k] = position[k];
-      if (first || position[k] > g->high[k]) g->high[k] = position[k];
-      speed2 += velocity[k] * velocity[k];
-    }
-    g->bounds_known = true;
-    const float speed = __builtin_sqrtf(speed2);
-    if (speed > g->speed_max) g->speed_max = speed;
-  }
-  for (uint32_t i = 0; i < grain_count; ++i) {
-    const uint32_t index = g->grain_count + i;
-    const uint32_t number = g->free_grain_count != 0 ? g->free_grains[--g->free_grain_count] : index;
-    const float* velocity = grain_velocities == nullptr ? k_at_rest : grain_velocities + 3ull * i;
-    g->grains[0][index] = moving_grain(grains + 3ull * i, velocity, number);
-  }
   if (particle_count != 0) {
-    g->particle_count += particle_count;
-    g->lists_valid = false;
-    if (g->grain_phase == GrainPhase::snapshot) g->grain_phase = GrainPhase::idle;
-    granular_seal_particles(g);
+    substep_abandon(g);
+    for (uint64_t i = 0; i < particle_count; ++i)
+      add_particle(g, particles + 3 * i, particle_velocities == nullptr ? k_at_rest : particle_velocities + 3 * i);
+    g->neighbours.valid = false;
+    sweep_particles_added(g);
+    particles_seal(g);
   }
   if (grain_count != 0) {
-    g->grain_count += grain_count;
-    if (g->grain_phase != GrainPhase::refine && g->grain_phase != GrainPhase::drain) g->grain_phase = GrainPhase::idle;
-    for (uint32_t group = (g->grain_count - grain_count) / k_lane_group; group * k_lane_group < g->grain_count; ++group)
-      g->grain_still[group] = 0;
-    g->sweeps_since_sort = 1e9f;
-    g->grains_asleep = false;
+    for (uint64_t i = 0; i < grain_count; ++i)
+      add_grain(g, grains + 3 * i, grain_velocities == nullptr ? k_at_rest : grain_velocities + 3 * i);
+    sweep_grains_added(g, grain_count);
   }
   if (reason != nullptr) *reason = nullptr;
   return SANDGLASS_OK;
-}
-
-void granular_sort_boundary(Granular* g, uint32_t count) {
-  g->boundary_count = count;
-  const uint32_t rows = g->particle_rows;
-  const uint64_t bytes = count * sizeof(Particle);
-  if (count != 0) {
-    Particle* sorted = g->records[0] + rows;
-    Particle* unsorted = g->records[1] + rows;
-    __builtin_memcpy(unsorted, sorted, bytes);
-    float low[3], high[3];
-    for (int k = 0; k < 3; ++k) low[k] = high[k] = unsorted[0].position[k];
-    for (uint32_t i = 0; i < count; ++i) {
-      const float* p = unsorted[i].position;
-      for (int k = 0; k < 3; ++k) low[k] = p[k] < low[k] ? p[k] : low[k], high[k] = p[k] > high[k] ? p[k] : high[k];
-    }
-    cell_sort_begin(&g->boundary_sort, (2.0f + g->desc.list_skin) * g->desc.particle_radius, low, high, 2);
-    const SortTarget target = {
-        as_records(sorted), {g->boundary_positions[0], g->boundary_positions[1], g->boundary_positions[2]}, false};
-    while (g->boundary_sort.phase != k_sort_done)
-      cell_sort_run(&g->boundary_sort, *g->kernels, as_records(unsorted), count, g->unit, target);
-    for (int b = 1; b < 3; ++b) {
-      if (g->records[b] != nullptr) __builtin_memcpy(g->records[b] + rows, sorted, bytes);
-    }
-  }
-  for (Particle* records : g->records) {
-    if (records != nullptr) records[g->inert] = inert_particle();
-  }
 }
 
 sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
@@ -323,9 +215,9 @@ sandglass_status granular_set_boundary(Granular* g, const float* positions, uint
                 "move the origin nearer.",
                 reason);
   }
-  granular_wake_all(g);
-  for (uint32_t i = 0; i < count; ++i) g->records[0][g->particle_rows + i] = fixed_particle(positions + 3ull * i, i);
-  granular_sort_boundary(g, count);
+  sleep_wake_all(g);
+  for (uint32_t i = 0; i < count; ++i) boundary_particles(*g)[i] = fixed_particle(positions + 3ull * i, i);
+  boundary_sort(g, count);
   if (reason != nullptr) *reason = nullptr;
   return SANDGLASS_OK;
 }

@@ -1,7 +1,7 @@
-// The quality ladder: what a frame gives up, in order, when its budget does not hold everything. A rung includes what
-// the rungs above it gave up; the governor takes the first one whose predicted cost fits.
+// The quality ladder: what a frame gives up, in order, when its budget does not hold everything. A level includes what
+// the levels before it gave up. The governor takes the first one whose predicted cost fits.
 //
-// The order is that of the measured errors (sandglass bench ladder, README): the grains' steps first, which no contact
+// The order is that of the measured errors (sandglass bench ladder): the grains' steps first, which no contact
 // sees; then the guarantee of the neighbour lists, which on a collapsing column changes no percentile of the overlap;
 // then the length of the sub-steps, whose error grows with its square; simulated time last. Twice the sub-step is the
 // end: beyond it, impacts overlap by half a radius.
@@ -13,17 +13,17 @@
 
 namespace sandglass {
 
-struct Rung {
-  bool refine_often;     // grains follow every refine_step, or once a frame
+struct QualityLevel {
+  bool refine_often;     // true: grains follow every refine_step; false: once a frame
   float list_reuse;      // lists are kept until the particles' motion could have closed so many skins
-  float coarsening;      // SMALL_STEP: length of the sub-steps in substep_max; AVERAGED: iterations divided by this
+  float coarsening;      // one solver iteration: sub-steps so many times as long; several: so many times fewer of them
   sandglass_level told;  // what the app is told
 };
 
-extern const Rung k_ladder[SANDGLASS_LEVEL_COUNT];
+extern const QualityLevel k_ladder[SANDGLASS_LEVEL_COUNT];
 
-// Iterations at a rung. One stays one: then the sub-steps are longer.
-uint32_t rung_iterations(const Rung& rung, uint32_t iterations);
-float rung_substep(const Rung& rung, uint32_t iterations, float substep_max);
+// What a level makes of the description's solver iterations and longest sub-step.
+uint32_t level_iterations(const QualityLevel& level, uint32_t iterations);
+float level_substep(const QualityLevel& level, uint32_t iterations, float longest);
 
 }  // namespace sandglass

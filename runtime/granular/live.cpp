@@ -1,8 +1,8 @@
 // A scene that lives on: moved rigidly, saved to bytes, restored from them.
 //
-// All three first settle the scene: the grains' sweep is finished, the sub-step under way is abandoned or ended, lists
-// and orders that can be found again are forgotten. So a scene that was saved goes on exactly as the one restored from
-// the bytes, to the bit, whatever it was in the middle of.
+// Moving and saving first settle the scene: the grains' sweep is finished, the sub-step under way is abandoned or ended,
+// lists and orders that can be found again are forgotten. Restoring ends in the same state. So a scene that was saved
+// goes on exactly as the one restored from the bytes, to the bit, whatever it was in the middle of.
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -25,14 +25,38 @@ struct Header {
   uint32_t reserved;
 };
 
-// What of the state is neither an array nor found again.
+// The numbers of the state that a restored scene cannot work out again.
 struct Scalars {
-  double owed, slipped, simulated, unswept, next_rest;
-  uint64_t emitted_particles, emitted_grains, removed_particles, removed_grains, denied_particles;
+  double debt, slipped, simulated, grain_lag, next_check;
+  FlowCounts flow;
   float low[3], high[3];
   float speed_max, frame_step, densest_body, builds_per_substep;
   uint32_t bounds_known, awake, dither, reserved;
 };
+
+Scalars scalars_of(const Granular& g) {
+  Scalars s = {};
+  s.debt = g.time.debt, s.slipped = g.time.slipped, s.simulated = g.time.simulated, s.grain_lag = g.time.grain_lag;
+  s.next_check = g.sleep.next_check;
+  s.flow = g.flow.counts;
+  for (int k = 0; k < 3; ++k) s.low[k] = g.particles.low[k], s.high[k] = g.particles.high[k];
+  s.speed_max = g.particles.speed_max, s.frame_step = g.time.frame_step, s.densest_body = g.bodies.densest;
+  s.builds_per_substep = g.neighbours.builds_per_substep;
+  s.bounds_known = g.particles.bounds_known ? 1 : 0, s.awake = g.sleep.awake_count;
+  s.dither = g.substep.dither;
+  return s;
+}
+
+void take_scalars(Granular* g, const Scalars& s) {
+  g->time.debt = s.debt, g->time.slipped = s.slipped, g->time.simulated = s.simulated, g->time.grain_lag = s.grain_lag;
+  g->sleep.next_check = s.next_check;
+  g->flow.counts = s.flow;
+  for (int k = 0; k < 3; ++k) g->particles.low[k] = s.low[k], g->particles.high[k] = s.high[k];
+  g->particles.speed_max = s.speed_max, g->time.frame_step = s.frame_step, g->bodies.densest = s.densest_body;
+  g->neighbours.builds_per_substep = s.builds_per_substep;
+  g->particles.bounds_known = s.bounds_known != 0, g->sleep.awake_count = s.awake;
+  g->substep.dither = s.dither;
+}
 
 uint64_t fnv(const uint8_t* bytes, uint64_t count) {
   uint64_t hash = 14695981039346656037ull;
@@ -43,9 +67,9 @@ uint64_t fnv(const uint8_t* bytes, uint64_t count) {
 Header header_of(const Granular& g) {
   Header h = {};
   h.magic = k_magic, h.version = k_version;
-  h.particles = g.particle_count, h.free_particles = g.free_particle_count;
-  h.grains = g.grain_count, h.free_grains = g.free_grain_count;
-  h.boundary = g.boundary_count, h.bodies = g.body_count, h.body_particles = g.body_particle_count;
+  h.particles = g.particles.count, h.free_particles = g.flow.free_particle_count;
+  h.grains = g.grains.count, h.free_grains = g.flow.free_grain_count;
+  h.boundary = g.boundary.count, h.bodies = g.bodies.count, h.body_particles = g.bodies.particle_count;
   h.emitters = g.desc.emitter_capacity;
   h.particle_radius = g.desc.particle_radius;
   return h;
@@ -55,17 +79,17 @@ Header header_of(const Granular& g) {
 template <class Visit>
 void for_arrays(Granular* g, const Header& h, Scalars* scalars, const Visit& visit) {
   visit(scalars, sizeof *scalars);
-  visit(g->records[0], h.particles * sizeof(Particle));
-  visit(g->rest, (static_cast<uint64_t>(h.particles) + h.free_particles) * sizeof(Rest));
-  visit(g->free_particles, h.free_particles * sizeof(uint32_t));
-  visit(g->grains[0], h.grains * sizeof(Grain));
-  visit(g->free_grains, h.free_grains * sizeof(uint32_t));
-  visit(g->records[0] == nullptr ? nullptr : g->records[0] + g->particle_rows, h.boundary * sizeof(Particle));
-  visit(g->bodies, h.bodies * sizeof(RigidBody));
-  visit(g->body_rest, 3ull * h.body_particles * sizeof(float));
-  visit(g->body_rows, h.body_particles * sizeof(uint32_t));
-  visit(g->body_numbers, h.body_particles * sizeof(uint32_t));
-  visit(g->emitter_states, h.emitters * sizeof(EmitterState));
+  visit(g->particles.records[0], h.particles * sizeof(Particle));
+  visit(g->sleep.anchors, (static_cast<uint64_t>(h.particles) + h.free_particles) * sizeof(Anchor));
+  visit(g->flow.free_particles, h.free_particles * sizeof(uint32_t));
+  visit(g->grains.records[0], h.grains * sizeof(Grain));
+  visit(g->flow.free_grains, h.free_grains * sizeof(uint32_t));
+  visit(g->particles.records[0] == nullptr ? nullptr : boundary_particles(*g), h.boundary * sizeof(Particle));
+  visit(g->bodies.all, h.bodies * sizeof(RigidBody));
+  visit(g->bodies.rest_shape, 3ull * h.body_particles * sizeof(float));
+  visit(g->bodies.rows, h.body_particles * sizeof(uint32_t));
+  visit(g->bodies.numbers, h.body_particles * sizeof(uint32_t));
+  visit(g->flow.emitter_states, h.emitters * sizeof(EmitterState));
 }
 
 uint64_t size_of(Granular* g, const Header& h) {
@@ -78,21 +102,16 @@ uint64_t size_of(Granular* g, const Header& h) {
 // Settled: nothing is under way, and nothing is remembered that a restored scene would not know.
 void settle(Granular* g) {
   if (g->desc.particle_capacity == 0) return;
-  granular_finish_sweep(g);
-  granular_abandon_substep(g);
-  g->interval_left = 0;
-  g->interval_owed = 0.0;
-  g->cursor = g->pass = g->grain_cursor = 0;
-  g->lists_valid = g->touch_due = false;
-  g->waking_count = 0;
-  g->last_spread = g->list_slack = 0.0f;
-  g->substep = g->last_substep = g->substep_max;
-  g->sweeps_since_sort = 1e9f;
-  g->still_groups = g->grain_group_count = 0;
-  g->groups_changed = true;
-  g->grains_asleep = false;
-  g->adopts_colliders = true;
-  granular_seal_particles(g);
+  sweep_finish(g);
+  substep_abandon(g);
+  substep_forget(&g->substep);
+  neighbours_forget(&g->neighbours, g->substep.longest);
+  g->time.interval_debt = 0.0;
+  g->sleep.waking_count = 0;
+  sweep_forget(&g->sweep);
+  grain_sleep_forget(&g->grain_sleep);
+  g->colliders.adopts = true;
+  particles_seal(g);
 }
 
 bool finite(float a) { return a - a == 0.0f; }
@@ -124,26 +143,30 @@ bool sound_numbers(const Item* items, uint32_t count, const uint32_t* free, uint
 
 // Everything that is used as an index or must be a number. Runs on the restored arrays; a scene that fails is reset.
 bool sound(Granular* g, const Header& h, const Scalars& s) {
-  const double times[] = {s.owed, s.slipped, s.simulated, s.unswept, s.next_rest};
+  const double times[] = {s.debt, s.slipped, s.simulated, s.grain_lag, s.next_check};
   for (const double t : times) {
     if (!finite(t)) return false;
   }
   for (int k = 0; k < 3; ++k) {
     if (!finite(s.low[k]) || !finite(s.high[k])) return false;
   }
-  if (!(s.owed >= 0.0 && s.owed <= 1.0 && s.slipped >= 0.0 && s.unswept >= 0.0 && s.unswept <= 1e5)) return false;
+  if (!(s.debt >= 0.0 && s.debt <= 1.0 && s.slipped >= 0.0 && s.grain_lag >= 0.0 && s.grain_lag <= 1e5)) return false;
   if (!finite(s.speed_max) || !(s.frame_step >= 0.0f && s.frame_step <= 1.0f) || !finite(s.densest_body)) return false;
   if (!(s.builds_per_substep >= 0.0f && s.builds_per_substep <= 1.0f)) return false;
-  if (!sound_motion(g->records[0], h.particles) || !sound_motion(g->grains[0], h.grains)) return false;
-  if (!sound_motion(g->records[0] + g->particle_rows, h.boundary)) return false;
+  if (!sound_motion(g->particles.records[0], h.particles) || !sound_motion(g->grains.records[0], h.grains))
+    return false;
+  if (!sound_motion(boundary_particles(*g), h.boundary)) return false;
   // The lists are invalid by now: their memory serves for marks. The sorted copy of the grains does for them.
-  if (!sound_numbers(g->records[0], h.particles, g->free_particles, h.free_particles, g->lists)) return false;
+  if (!sound_numbers(g->particles.records[0], h.particles, g->flow.free_particles, h.free_particles,
+                     g->neighbours.lists))
+    return false;
   if (h.grains + static_cast<uint64_t>(h.free_grains) != 0 &&
-      !sound_numbers(g->grains[0], h.grains, g->free_grains, h.free_grains, reinterpret_cast<uint32_t*>(g->grains[1])))
+      !sound_numbers(g->grains.records[0], h.grains, g->flow.free_grains, h.free_grains,
+                     reinterpret_cast<uint32_t*>(g->grains.records[1])))
     return false;
   uint32_t slots = 0, awake = 0, in_bodies = 0;
   for (uint32_t b = 0; b < h.bodies; ++b) {
-    const RigidBody& body = g->bodies[b];
+    const RigidBody& body = g->bodies.all[b];
     if (body.first != slots || body.count == 0 || body.count > h.body_particles - slots) return false;
     slots += body.count;
     for (int k = 0; k < 4; ++k) {
@@ -153,19 +176,19 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
       if (!(__builtin_fabs(body.center[k]) <= static_cast<double>(k_coordinate_bound))) return false;
     }
     for (uint32_t slot = body.first; slot < slots; ++slot) {
-      const uint32_t row = g->body_rows[slot];
+      const uint32_t row = g->bodies.rows[slot];
       if (row >= h.particles) return false;
-      const Particle& p = g->records[0][row];
-      if (body_of(p) != b + 1 || number_of(p) != g->body_numbers[slot]) return false;
-      if (g->rest[number_of(p)].body_slot != slot) return false;
+      const Particle& p = g->particles.records[0][row];
+      if (body_of(p) != b + 1 || number_of(p) != g->bodies.numbers[slot]) return false;
+      if (g->sleep.anchors[number_of(p)].body_slot != slot) return false;
       for (int k = 0; k < 3; ++k) {
-        if (!finite(g->body_rest[3ull * slot + k])) return false;
+        if (!finite(g->bodies.rest_shape[3ull * slot + k])) return false;
       }
     }
   }
   if (slots != h.body_particles) return false;
   for (uint32_t i = 0; i < h.particles; ++i) {
-    const Particle& p = g->records[0][i];
+    const Particle& p = g->particles.records[0][i];
     if (!(inverse_mass(p) >= 1e-4f && inverse_mass(p) <= 1e4f)) return false;
     awake += is_awake(p) ? 1u : 0u;
     in_bodies += in_body(p) ? 1u : 0u;
@@ -232,17 +255,7 @@ sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t
   if (bytes < h.bytes)
     return fail(SANDGLASS_ERROR_MEMORY_TOO_SMALL,
                 "sandglass_scene_save: bytes is less than the scene needs: ask sandglass_scene_save_bytes.", reason);
-  Scalars s = {};
-  s.owed = g->owed, s.slipped = g->slipped, s.simulated = g->simulated, s.unswept = g->unswept;
-  s.next_rest = g->next_rest;
-  s.emitted_particles = g->emitted_particles, s.emitted_grains = g->emitted_grains;
-  s.removed_particles = g->removed_particles, s.removed_grains = g->removed_grains;
-  s.denied_particles = g->denied_particles;
-  for (int k = 0; k < 3; ++k) s.low[k] = g->low[k], s.high[k] = g->high[k];
-  s.speed_max = g->speed_max, s.frame_step = g->frame_step, s.densest_body = g->densest_body;
-  s.builds_per_substep = g->builds_per_substep;
-  s.bounds_known = g->bounds_known ? 1 : 0, s.awake = g->awake_count;
-  s.dither = g->dither;
+  Scalars s = scalars_of(*g);
   uint8_t* to = static_cast<uint8_t*>(data) + sizeof h;
   for_arrays(g, h, &s, [&to](const void* from, uint64_t count) {
     if (to != nullptr && from != nullptr) __builtin_memcpy(to, from, count);
@@ -302,20 +315,11 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
       return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
                   "sandglass_scene_restore: the data contradicts itself; the scene was reset.", reason);
     }
-    g->particle_count = h.particles, g->free_particle_count = h.free_particles;
-    g->grain_count = h.grains, g->free_grain_count = h.free_grains;
-    g->body_count = h.bodies, g->body_particle_count = h.body_particles;
-    g->owed = s.owed, g->slipped = s.slipped, g->simulated = s.simulated, g->unswept = s.unswept;
-    g->next_rest = s.next_rest;
-    g->emitted_particles = s.emitted_particles, g->emitted_grains = s.emitted_grains;
-    g->removed_particles = s.removed_particles, g->removed_grains = s.removed_grains;
-    g->denied_particles = s.denied_particles;
-    for (int k = 0; k < 3; ++k) g->low[k] = s.low[k], g->high[k] = s.high[k];
-    g->speed_max = s.speed_max, g->frame_step = s.frame_step, g->densest_body = s.densest_body;
-    g->builds_per_substep = s.builds_per_substep;
-    g->bounds_known = s.bounds_known != 0, g->awake_count = s.awake;
-    g->dither = s.dither;
-    granular_sort_boundary(g, h.boundary);
+    g->particles.count = h.particles, g->flow.free_particle_count = h.free_particles;
+    g->grains.count = h.grains, g->flow.free_grain_count = h.free_grains;
+    g->bodies.count = h.bodies, g->bodies.particle_count = h.body_particles;
+    take_scalars(g, s);
+    boundary_sort(g, h.boundary);
     settle(g);
   }
   if (reason != nullptr) *reason = nullptr;
@@ -341,27 +345,21 @@ sandglass_status granular_move(Granular* g, const float rotation[4], const float
   __builtin_memcpy(motion.axes, posed.axes, sizeof motion.axes);
   for (int k = 0; k < 3; ++k) motion.shift[k] = accepted.position[k];
   for (int k = 0; k < 4; ++k) motion.rotation[k] = static_cast<double>(accepted.rotation[k]);
-  Particle* boundary = g->records[0] + g->particle_rows;
-  if (!stays_within(motion, g->records[0], g->particle_count) || !stays_within(motion, g->grains[0], g->grain_count) ||
-      !stays_within(motion, boundary, g->boundary_count)) {
+  Particle* boundary = boundary_particles(*g);
+  if (!stays_within(motion, g->particles.records[0], g->particles.count) ||
+      !stays_within(motion, g->grains.records[0], g->grains.count) ||
+      !stays_within(motion, boundary, g->boundary.count)) {
     return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, k_moved_too_far, reason);
   }
   settle(g);
-  move_items(motion, g->records[0], g->particle_count);
-  if (g->grain_count != 0) move_items(motion, g->grains[0], g->grain_count);
-  for (uint32_t i = 0; i < g->particle_count + g->free_particle_count; ++i) motion.move(g->rest[i].anchor);
-  for (uint32_t b = 0; b < g->body_count; ++b) granular_move_body(g, b, motion.rotation, motion.shift);
-  bool first = true;
-  for (uint32_t i = 0; i < g->particle_count; ++i) {
-    const float* r = g->records[0][i].position;
-    for (int k = 0; k < 3; ++k) {
-      if (first || r[k] < g->low[k]) g->low[k] = r[k];
-      if (first || r[k] > g->high[k]) g->high[k] = r[k];
-    }
-    first = false;
-  }
-  move_items(motion, boundary, g->boundary_count);
-  granular_sort_boundary(g, g->boundary_count);
+  move_items(motion, g->particles.records[0], g->particles.count);
+  if (g->grains.count != 0) move_items(motion, g->grains.records[0], g->grains.count);
+  for (uint32_t i = 0; i < g->particles.count + g->flow.free_particle_count; ++i)
+    motion.move(g->sleep.anchors[i].position);
+  for (uint32_t b = 0; b < g->bodies.count; ++b) bodies_move(&g->bodies, b, motion.rotation, motion.shift);
+  particles_find_bounds(&g->particles);
+  move_items(motion, boundary, g->boundary.count);
+  boundary_sort(g, g->boundary.count);
   if (reason != nullptr) *reason = nullptr;
   return SANDGLASS_OK;
 }

@@ -1,4 +1,4 @@
-// The back ends that this build has: the project's own kernels, and with SANDGLASS_HAVE_XNNPACK XNNPACK's convolutions.
+// The back ends of this build: the project's own kernels and, with SANDGLASS_HAVE_XNNPACK, XNNPACK's convolutions.
 #include "runtime/light/backends.h"
 
 #include "runtime/core/refuse.h"

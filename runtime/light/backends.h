@@ -5,10 +5,12 @@
 
 namespace sandglass {
 
-// NULL in *backend: the project's own. False, and one sentence, for one that is none or not in this build.
+// NULL in *backend stands for the project's own kernels. False, with one sentence, for an unknown back end or one that
+// is not in this build.
 bool find_light_backend(sandglass_light_backend choice, const LightBackend** backend, const char** reason);
 
-// The file's float network, else its bytes and multipliers without any rounding in between; these with it.
+// In float: the file's float network where it has one, else its bytes and multipliers without rounding in between. In
+// int8: its bytes and multipliers, rounded as the project's own kernels round.
 extern const LightBackend k_light_xnnpack_f32, k_light_xnnpack_int8;
 
 }  // namespace sandglass

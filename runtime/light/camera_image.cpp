@@ -12,9 +12,10 @@ namespace {
 constexpr int32_t k_one = 256;  // a pixel, in the fixed point of boxes
 constexpr float k_intrinsics_limit = 1e6f;
 constexpr uint32_t k_block_rows_most = 16;
-constexpr uint32_t k_camera_box_columns = k_camera_sums / 4;  // pixels of a box that are read, of up to four bytes
+constexpr uint32_t k_camera_box_columns = k_camera_sums / 4;  // most pixels of a box that are read, of up to four bytes
 
-// Input interval that an output pixel covers along one axis, in 1/256 pixel from the image's edge; never empty.
+// The interval of the input that an output pixel covers along one axis, in 1/256 pixel from the image's edge. It is
+// never empty.
 struct Box {
   int32_t low, high;
 };
@@ -36,13 +37,13 @@ Box box_of(uint32_t index, double first, double step, uint32_t size) {
   return high > low ? Box{low, high} : Box{low, low + 1};
 }
 
-// Where along a stored axis the output's pixels lie: pixel i of `count` at first + step * i.
+// Where the output's pixels lie along a stored axis: pixel i of `count` at first + step * i.
 struct Axis {
   double first, step;
 };
 
-// `focal`, `centre`: of the input along this axis; `backwards`: the output's axis runs against it. Chroma at half
-// resolution has its samples between pairs of luma: (x - 1/2) / 2.
+// `focal` and `centre` are the input's along this axis. `backwards`: the output's axis runs against it. Chroma of half
+// the resolution has its samples between pairs of luma: (x - 1/2) / 2.
 Axis axis_of(float focal, float centre, uint32_t count, bool backwards, bool half) {
   double step = static_cast<double>(focal) / k_light_focal;
   double first = static_cast<double>(centre) - step * 0.5 * (count - 1);
@@ -57,16 +58,16 @@ Box oriented_box(const Axis& axis, uint32_t index, uint32_t count, uint32_t size
                           : box_of(count - 1 - index, axis.first + axis.step * (count - 1), -axis.step, size);
 }
 
-// A plane of bytes with one to four channels beside each other.
+// A plane of bytes in which a pixel has one to four channels.
 struct Plane {
   const uint8_t* bytes;
   uint32_t stride, step;  // bytes between rows and between pixels
   uint32_t width, height;
-  uint32_t channels, first;  // of the three of the picture
-  uint32_t offset[3];        // of each channel within a pixel
+  uint32_t channels, first;  // how many of the picture's three channels it holds, and which is the first
+  uint32_t offset[3];        // bytes from the start of a pixel to each channel
 };
 
-// Part of pixel i that lies in the box, in 1/256.
+// The part of pixel i that lies in the box, in 1/256.
 uint32_t part(const Box& box, int32_t i) {
   const int32_t from = i * k_one > box.low ? i * k_one : box.low;
   const int32_t to = (i + 1) * k_one < box.high ? (i + 1) * k_one : box.high;
@@ -76,14 +77,14 @@ uint32_t part(const Box& box, int32_t i) {
 int32_t first_of(const Box& box) { return box.low / k_one; }
 int32_t last_of(const Box& box) { return (box.high - 1) / k_one; }
 
-// At most `most` pixels of a box, from its middle.
+// The middle of a box, at most `most` pixels of it.
 Box middle_of(const Box& box, int32_t most) {
   if (last_of(box) - first_of(box) < most) return box;
   const int32_t first = (first_of(box) + last_of(box) + 1 - most) / 2;
   return {first * k_one, (first + most) * k_one};
 }
 
-// sums[i] = the box's weighted sum down column `from` + i of bytes.
+// sums[i] is the weighted sum of the box's rows at byte `from` + i.
 void sum_rows(const Plane& plane, const Box& rows, uint32_t from, uint32_t count, uint32_t* sums) {
   for (int32_t y = first_of(rows); y <= last_of(rows); ++y) {
     const uint8_t* row = plane.bytes + static_cast<uint64_t>(y) * plane.stride + from;
@@ -107,7 +108,7 @@ uint8_t box_mean(const uint32_t* sums, uint32_t step, int32_t from, const Box& a
   return static_cast<uint8_t>((sum + area / 2) / area);
 }
 
-// One row of a plane's channels: as many boxes at a time as their bytes' sums fit the scratch.
+// One output row of a plane's channels. At a time, as many boxes as the sums of their bytes fit the scratch.
 void resample_row(const Plane& plane, const Box* columns, uint32_t count, const Box& rows, uint8_t* values[3],
                   uint32_t* sums) {
   const auto pixels = static_cast<int32_t>(k_camera_sums / plane.step);
@@ -204,7 +205,7 @@ CameraImage with_turn(const CameraImage& image) {
   if (image.turn_deg != SANDGLASS_TURN_FROM_POSE) return turned;
   Rotation rotation = {};
   (void)rotation_of(image.orientation, &rotation);
-  // The world's up in the stored image, x right and y down; the upright image's y of it is to be the least.
+  // The world's up in the stored image, x right and y down. The turn is right in which up has the least y.
   const double right = rotation.m[1][0], down = -rotation.m[1][1];
   const double upright[4] = {down, right, -down, -right};
   uint32_t best = 0;
@@ -232,7 +233,7 @@ CameraBlock whole_camera_block(const CameraImage& image) {
 
 namespace {
 
-// Pixels of the input that a box covers along an axis, about: cut off where boxes are.
+// About how many pixels of the input a box reads along an axis.
 uint64_t box_pixels(float focal, uint32_t most) {
   const double step = static_cast<double>(focal) / k_light_focal;
   return static_cast<uint64_t>((step < 1.0 ? 1.0 : step > most ? most : step) + 1.0);

@@ -6,8 +6,8 @@ namespace sandglass {
 
 namespace {
 
-constexpr double k_longest_gap = 1.0;      // seconds between estimates that count
-constexpr uint32_t k_patience = 3;         // estimates in a row that are no outliers any more
+constexpr double k_longest_gap = 1.0;      // seconds; a longer gap between estimates counts as this
+constexpr uint32_t k_patience = 3;         // so many outliers in a row are believed
 constexpr double k_same_direction = 1e-9;  // length of a difference below which there is nothing to turn
 
 double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
@@ -34,17 +34,17 @@ double seconds_since(const LightFilter& filter, uint64_t time_ns) {
   return gap < k_longest_gap ? gap : k_longest_gap;
 }
 
-// Whether the sample is to be believed; remembers one that is not.
+// Whether the sample is believed. One that contradicts the state is remembered.
 bool believed(LightFilter* filter, const LightSample& sample) {
   if (!apart(filter->law, sample, filter->state)) {
-    filter->held_in_a_row = 0;
+    filter->outliers_in_a_row = 0;
     return true;
   }
-  const bool agrees = filter->held_in_a_row > 0 && !apart(filter->law, sample, filter->held);
-  const bool take = agrees || filter->held_in_a_row + 1 >= k_patience;
-  filter->held = sample;
-  filter->held_in_a_row = take ? 1 : filter->held_in_a_row + 1;  // what follows this change agrees with it
-  if (!take) ++filter->held_off;
+  const bool agrees = filter->outliers_in_a_row > 0 && !apart(filter->law, sample, filter->outlier);
+  const bool take = agrees || filter->outliers_in_a_row + 1 >= k_patience;
+  filter->outlier = sample;
+  filter->outliers_in_a_row = take ? 1 : filter->outliers_in_a_row + 1;  // what follows this change agrees with it
+  if (!take) ++filter->rejected;
   return take;
 }
 
@@ -71,7 +71,7 @@ void turn_towards(const double from[3], const double to[3], double angle, double
   if (square_root(dot(side, side)) < k_same_direction) {
     for (int i = 0; i < 3; ++i) side[i] = 0.0;
     if (along < 0.0) {
-      // Opposite: about whichever axis `from` lies farthest from.
+      // Opposite: towards the axis that `from` is farthest from.
       int axis = 0;
       for (int i = 1; i < 3; ++i)
         if (absolute(from[i]) < absolute(from[axis])) axis = i;
@@ -88,7 +88,7 @@ void light_filter_reset(LightFilter* filter) {
   const LightFilterLaw law = filter->law;
   *filter = {};
   filter->law = law;
-  filter->state.direction[1] = filter->held.direction[1] = 1.0;
+  filter->state.direction[1] = filter->outlier.direction[1] = 1.0;
 }
 
 bool light_filter_take(LightFilter* filter, const LightSample& sample, uint64_t time_ns) {
@@ -113,12 +113,12 @@ bool light_filter_take(LightFilter* filter, const LightSample& sample, uint64_t 
 }
 
 double light_filter_confidence(const LightFilter& filter) {
-  const double n = filter.accepted + filter.held_off;
+  const double n = filter.accepted + filter.rejected;
   return filter.agreement * (n / (n + 1.0));
 }
 
 void light_filter_turn(LightFilter* filter, const double rotation[3][3]) {
-  LightSample* const samples[2] = {&filter->state, &filter->held};
+  LightSample* const samples[2] = {&filter->state, &filter->outlier};
   for (LightSample* sample : samples) {
     double turned[3];
     for (int i = 0; i < 3; ++i) turned[i] = dot(rotation[i], sample->direction);

@@ -1,5 +1,6 @@
-// The light model as nine harmonics a colour. A lobe about an axis has coefficients z_l Y_lm(axis), z_l being its
-// integral against the Legendre polynomial l (Funk and Hecke); those of the spherical Gaussian of (5.27) are closed.
+// The light model as nine harmonics a colour. A lobe about an axis has the coefficients z_l Y_lm(axis), where z_l is
+// its integral against the Legendre polynomial l (Funk and Hecke). For the spherical Gaussian of (5.27) these integrals
+// have a closed form.
 #pragma once
 
 #include "sandglass/light.h"
@@ -8,7 +9,7 @@ namespace sandglass {
 
 constexpr uint32_t k_harmonics = 9;
 
-// Of an estimate in the first version of the header: direction, colours and strength are in it.
+// The size of an estimate in the first version of the header. Direction, colours and strength lie within it.
 constexpr uint32_t k_least_estimate_bytes = 192;
 static_assert(k_least_estimate_bytes <= sizeof(sandglass_light_estimate));
 
@@ -19,10 +20,10 @@ void harmonic_polynomials(const double v[3], double polynomials[k_harmonics]);
 // What convolving with the clamped cosine and dividing by pi makes of coefficient i: 1, 2/3, 1/4 by its l.
 extern const double k_cosine_factors[k_harmonics];
 
-// SH of the model, interleaved, in double.
+// The harmonics of the model, interleaved (r0 g0 b0 ...), in double.
 void light_harmonics(const sandglass_light_estimate& estimate, sandglass_light_model model, double sh[3 * k_harmonics]);
 
-// The rule of the header: how strong the directional light is.
+// How strong the directional light is: the rule of sandglass/light.h.
 double light_strength(const double direction[3], const double light[3], const double ambient[3], double contrast);
 
 }  // namespace sandglass

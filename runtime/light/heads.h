@@ -1,4 +1,4 @@
-// From the heads' ten sums to what they mean, without libm: results must not differ between C libraries.
+// What the ten sums of the network's heads mean. Without libm, because results must not differ between C libraries.
 #pragma once
 
 #include "runtime/core/math.h"
@@ -10,7 +10,7 @@ inline double elu(double x) { return x > 0 ? x : exponential(x) - 1; }
 inline double sigmoid(double x) { return 1 / (1 + exponential(-x)); }
 inline double hyperbolic_tangent(double x) { return 2 * sigmoid(2 * x) - 1; }
 
-// Heads: direction, light colour, ambient colour, contrast. A direction of zero length is up.
+// The heads are direction, light colour, ambient colour and contrast. A direction of zero length becomes up.
 inline LightOutputs light_outputs_of(const double heads[k_light_heads]) {
   constexpr double k_shortest = 1e-6;
   LightOutputs out = {};

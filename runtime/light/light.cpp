@@ -51,7 +51,7 @@ struct Parts {
   uint32_t* sums;
 };
 
-// One walk for size and creation.
+// The one walk: counts the bytes, or hands out the regions.
 Parts lay_out(const LightBackend* backend, Layout* layout) {
   Parts parts;
   parts.light = layout_region<sandglass_light>(layout, "light", 1);
@@ -61,7 +61,7 @@ Parts lay_out(const LightBackend* backend, Layout* layout) {
   return parts;
 }
 
-// Its layout must not lie on the stack beside that of build.
+// Out of line, so that its layout does not lie on the stack beside that of build.
 __attribute__((noinline)) uint64_t size_of_light(const LightBackend* backend) {
   Layout layout;
   (void)lay_out(backend, &layout);
@@ -75,7 +75,7 @@ bool due(const Light& light, uint64_t time_ns) {
   return time_ns != light.taken_ns && time_ns - light.taken_ns >= light.interval_ns;
 }
 
-// Whether the image was taken; it has passed sandglass_camera_check.
+// Takes an image that has passed sandglass_camera_check, if one is due. Returns whether it did.
 bool take_image(Light* light, const sandglass_camera_image& image) {
   if (light->phase != LightPhase::idle || !due(*light, image.timestamp_ns)) return false;
   light->phase = LightPhase::image;
@@ -211,14 +211,14 @@ void reset(Light* light) {
   light->changed = false;
 }
 
-// Whether the back end could be had.
+// False: the back end cannot be had.
 __attribute__((noinline)) bool build(const Checked& checked, const sandglass_light_desc& desc, void* block,
                                      sandglass_light** light, const char** reason) {
   Layout layout;
   layout.base = static_cast<uint8_t*>(block);
   const Parts parts = lay_out(checked.backend, &layout);
   sandglass_light* owner = parts.light;
-  if (owner == nullptr) return false;  // cannot be: the layout has a block
+  if (owner == nullptr) return false;  // never: the layout has a block
   *owner = {};
   owner->functions = &k_light_functions;
   Light* l = &owner->light;
@@ -255,7 +255,7 @@ void describe(const Light& light, const LightSample& sample, uint64_t timestamp_
   estimate.confidence = static_cast<float>(light_filter_confidence(light.filter));
   estimate.estimates = light.estimates;
   estimate.deviation = static_cast<float>(angle_between(light.latest.direction, sample.direction));
-  estimate.held_off = light.filter.held_off;
+  estimate.rejected = light.filter.rejected;
   double sh[3 * k_harmonics];
   light_harmonics(estimate, SANDGLASS_LIGHT_MODEL_WHOLE, sh);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) estimate.sh[i] = static_cast<float>(sh[i]);
@@ -364,7 +364,7 @@ sandglass_status sandglass_light_turn(sandglass_light* light, const float rotati
   double turned[3];
   rotate(turn, light->light.latest.direction, turned);
   for (int i = 0; i < 3; ++i) light->light.latest.direction[i] = turned[i];
-  // The image under way was taken in the frame that was: its pose turns too.
+  // The image under way was taken in the world as it was: its pose turns too.
   turn_further(rotation, light->light.image.orientation);
   floating_point_restore(saved);
   return accept(reason);
@@ -417,10 +417,10 @@ uint64_t sandglass_light_hash(const sandglass_light* light) {
   const Light& l = light->light;
   const LightFilter& f = l.filter;
   uint64_t hash = hash_bytes(l.rgb, k_rgb_bytes);
-  const LightSample* const samples[3] = {&f.state, &f.held, &l.latest};
+  const LightSample* const samples[3] = {&f.state, &f.outlier, &l.latest};
   for (const LightSample* sample : samples) hash = hash_with(hash, hash_bytes(sample, sizeof *sample));
   hash = hash_with(hash, hash_bytes(&f.agreement, sizeof f.agreement));
-  const uint64_t counts[4] = {l.estimates, f.held_off, static_cast<uint64_t>(l.phase), l.cursor};
+  const uint64_t counts[4] = {l.estimates, f.rejected, static_cast<uint64_t>(l.phase), l.cursor};
   return hash_with(hash, hash_bytes(counts, sizeof counts));
 }
 

@@ -1,7 +1,8 @@
-// The room's light as work units that the governor can hand out (core/governor.h), and the state behind the C API of
-// sandglass/light.h. One estimate at a time: the image is resampled, all of it in the frame that brought it, because
-// its planes are the app's; then the network runs, unit by unit, over as many frames as it takes; its answer is turned
-// into the world by the pose of that image and goes through the filter.
+// The state behind the C API of sandglass/light.h, and its work in units that a frame can hand out (core/governor.h).
+//
+// One estimate at a time. The image is resampled whole, in the frame that brought it, because its planes belong to the
+// app. Then the network runs, unit by unit, over as many frames as it takes. Its answer is turned into the world by the
+// pose of that image and goes through the filter.
 #pragma once
 
 #include <cstdint>
@@ -27,16 +28,18 @@ struct Light {
   uint64_t interval_ns;
   LightPhase phase;
   uint32_t cursor;      // next block of the image, or unit of the network
-  CameraImage image;    // under way; its planes are NULL once it is resampled
-  CameraBlocks blocks;  // of the image
-  uint8_t* rgb;         // what the network sees
-  uint32_t* sums;       // scratch of resampling
+  CameraImage image;    // the one under way; its planes are NULL once it is resampled
+  CameraBlocks blocks;  // the units of that image
+  uint8_t* rgb;         // the image as the network sees it
+  uint32_t* sums;       // scratch of the resampling
   // Estimates.
   LightSample latest;  // before the filter, in the world
   uint64_t latest_ns, changed_ns, taken_ns;
   uint32_t estimates;
-  uint64_t frame, image_frame, estimate_frame;  // now, of the image under way, and of the last estimate's image
-  bool changed;                                 // in this frame
+  uint64_t frame;           // number of this frame
+  uint64_t image_frame;     // of the frame that brought the image under way
+  uint64_t estimate_frame;  // of the frame that brought the image of the last estimate
+  bool changed;             // the filtered light changed in this frame
 };
 
 // Creation leaves this table in every light, and the scene calls through it. So the linker drops the light from an app

@@ -8,9 +8,9 @@
 namespace sandglass {
 namespace {
 
-constexpr uint32_t k_bottleneck_border = 1;  // pixels, zeros
+constexpr uint32_t k_bottleneck_border = 1;  // pixels of zeros
 
-// Of a block's feature maps; the stem halves the image, the pool and every transition again.
+// The size of a block's feature maps. The stem, the pool and every transition halve the image.
 uint32_t block_side(uint32_t image_side, uint32_t block) { return image_side >> (2 + block); }
 
 uint64_t block_bytes(uint32_t width, uint32_t height, uint32_t block) {
@@ -99,7 +99,7 @@ void list_operators(LightNetwork* net) {
 
 uint8_t* block_of(const LightNetwork& net, uint32_t block) { return block % 2 == 0 ? net.even : net.odd; }
 
-// What an operator's weights join: its window's values, and its outputs; the pool has none.
+// The two sides of an operator's weights: values of its window, and outputs. The pool has none.
 struct Shape {
   uint32_t places, outputs;
 };
@@ -148,7 +148,7 @@ void run_pool(const LightNetwork& net, uint32_t y) {
                     stride);
 }
 
-// The bottleneck has a border of zeros, which the rows that touch it write.
+// The bottleneck has a border of zeros. The rows that touch it write it.
 void run_narrow(const LightNetwork& net, const LightOperator& op, uint32_t y) {
   const uint32_t width = block_side(net.width, op.block), stride = light_channels_after(op.block);
   const uint32_t pitch = (width + 2 * k_bottleneck_border) * k_light_bottleneck;
@@ -208,9 +208,8 @@ void run_rows(const LightNetwork& net, const LightOperator& op, uint32_t first, 
     }
 }
 
-// Averages of all pixels in steps of 1/256 byte, high and low bytes apart: two exact products of bytes make one of 16
-// bits.
-// Its sums must not lie on the stack beside a kernel's.
+// Averages of all pixels in steps of 1/256 byte, as high and low bytes: two exact products of bytes then make one of 16
+// bits. Out of line, so that its sums do not lie on the stack beside those of a kernel.
 __attribute__((noinline)) void average_features(LightNetwork* net) {
   const uint32_t pixels = block_side(net->width, 3) * block_side(net->height, 3);
   SANDGLASS_CHECK(pixels > 0);
@@ -238,8 +237,7 @@ void run_latent(const LightNetwork& net, double* latent) {
   }
 }
 
-// Outputs side by side make vectors; of four features at a time, so that sums are fetched and stored a quarter as
-// often.
+// Outputs side by side make vectors. Four features at a time, so that sums are loaded and stored a quarter as often.
 void run_float_latent(const LightNetwork& net, double* latent, float* __restrict sums) {
   const LightFloats floats = light_floats(net, net.operators[k_light_operators - 1]);
   memcpy(sums, floats.bias, k_light_latent * sizeof(float));
@@ -279,7 +277,7 @@ void create_own(LightNetwork* net, const LightMemory& memory) {
   int8_t* weights = memory.weights;
   int32_t* biases = memory.biases;
 
-  // The stem's 147 inputs grow to k_stem_bytes where activations will be.
+  // The stem's 147 inputs grow to k_stem_bytes, in memory that activations use later.
   constexpr uint32_t k_stem_inputs = 3 * k_stem_window * k_stem_window;
   int8_t* grown = reinterpret_cast<int8_t*>(memory.even);
   memset(grown, 0, k_stem_weights);

@@ -1,10 +1,10 @@
-// The lighting network by XNNPACK's convolutions, in float or in bytes, from the same file and in the same units as by
-// the project's own kernels. What lies between convolutions, clamps, averages and the greatest of nine, is here.
+// The lighting network with XNNPACK's convolutions, in float or in bytes. It reads the same file as the project's own
+// kernels and has the same units. What lies between convolutions is here: clamps, averages, and the greatest of nine.
 //
-// A unit is a slice of rows, and all slices of an operator are of one size, so that XNNPACK prepares each once. Where a
-// window reaches above and below a slice, the rows are there: in the slice itself (stem), or in the bottleneck, which
-// has a row of zeros at either end. In float a value is a byte that was not rounded or, of a file with float
-// parameters, the network's own; in bytes it is stored as byte - 128.
+// A unit is a slice of rows. All slices of an operator have one size, so that XNNPACK prepares each operator once. A
+// window reaches above and below its slice: those rows lie in the slice itself (stem), or in the bottleneck, which has
+// a row of zeros at either end. In float a value is a byte that was not rounded or, in a file with float parameters,
+// the network's own value. In bytes it is stored as byte - 128.
 #include <cstring>
 #include <type_traits>
 
@@ -14,7 +14,7 @@
 namespace sandglass {
 namespace {
 
-// XNNPACK takes multipliers below 256: of 256 and more, as of this one, any sum but 0 gives 255 or 0.
+// XNNPACK takes multipliers below 256. With this one, as with all greater ones, any sum but 0 gives 255 or 0.
 constexpr float k_least_multiplier = 1e-9f, k_greatest_multiplier = 255.5f;
 
 float value_of(uint8_t byte, float) { return static_cast<float>(byte); }
@@ -24,7 +24,8 @@ Value value_of(uint8_t byte) {
   return value_of(byte, Value{});
 }
 
-// A slice's input, and while creating the largest convolution in float: the last transition's weights and biases.
+// The input of a slice. While the network is created: the weights and biases of the largest convolution in float, that
+// of the last transition.
 constexpr uint64_t k_slice_values = uint64_t{k_light_features} * k_light_features / 2 + k_light_features / 2;
 
 uint32_t block_side(uint32_t image_side, uint32_t block) { return image_side >> (2 + block); }
@@ -61,7 +62,7 @@ void load_clamp(const LightNetwork& net, const LightOperator& op, const uint8_t*
   for (uint32_t c = 0; c < op.inputs; ++c) s->low[c] = value_of<Value>(low[c]), s->high[c] = value_of<Value>(high[c]);
 }
 
-// In float, what is not a number becomes the lower end: forged weights may make one.
+// In float, NaN becomes the lower end: forged weights may make one.
 template <class Value>
 Value clamped(Value value, Value low, Value high) {
   const Value above = value > low ? value : low;
@@ -76,12 +77,12 @@ void clamp_pixels(const Value* in, uint32_t stride, uint32_t pixels, uint32_t ch
 }
 
 float average(const float four[4]) { return 0.25f * ((four[0] + four[1]) + (four[2] + four[3])); }
-// Of bytes: (sum + 2) / 4; of what is stored in their place the same, shifted to be positive.
+// The mean of four bytes is (sum + 2) / 4. They are stored as byte - 128, so the sum is shifted to be positive first.
 int8_t average(const int8_t four[4]) {
   return static_cast<int8_t>((four[0] + four[1] + four[2] + four[3] + 4 * 128 + 2) / 4 - 128);
 }
 
-// Of a row of 2x2 pixels.
+// The means of a row of 2x2 pixels.
 template <class Value>
 void average_pixels(const Value* in, uint32_t stride, uint32_t pitch, uint32_t pixels, const Value* __restrict low,
                     const Value* __restrict high, Value* __restrict out) {
@@ -93,7 +94,7 @@ void average_pixels(const Value* in, uint32_t stride, uint32_t pitch, uint32_t p
     }
 }
 
-// Beyond the edge lies nothing: the middle row or column is taken again.
+// Beyond the edge there is no pixel: the middle row or column is taken again.
 template <class Value>
 void pool_row(const Value* rows, uint32_t width, uint32_t height, uint32_t y, Value* out, uint32_t out_stride) {
   for (uint32_t x = 0; x < width / 2; ++x, out += out_stride) {
@@ -176,7 +177,7 @@ void run_rows(LightNetwork* net, const LightOperator& op, uint32_t first, uint32
   }
 }
 
-// As the heads take them: in steps of 1/256 byte, or the float network's features.
+// Averages as the heads take them: in steps of 1/256 byte, or as features of the float network.
 template <class Value>
 void average_features(LightNetwork* net) {
   State<Value>* s = state_of<Value>(*net);

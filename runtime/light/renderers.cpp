@@ -20,7 +20,7 @@ float greatest_of(const float c[3]) {
   return two > c[2] ? two : c[2];
 }
 
-// The colour with its greatest channel 1; black is white without intensity.
+// Splits a light into a colour whose greatest channel is 1, and that channel. Black becomes white of intensity 0.
 float split_colour(const float c[3], float colour[3]) {
   const float greatest = greatest_of(c);
   for (int i = 0; i < 3; ++i) colour[i] = greatest > 0.0f ? c[i] / greatest : 1.0f;
@@ -46,7 +46,7 @@ void quaternion_of(const double x[3], const double y[3], const double z[3], floa
   for (int i = 0; i < 4; ++i) q[i] = static_cast<float>(out[i]);
 }
 
-// A rotation whose z axis is the given unit vector, its x axis level.
+// A rotation whose z axis is the given unit vector and whose x axis is level.
 void rotation_with_z(const double z[3], float q[4]) {
   const double level = square_root(z[0] * z[0] + z[2] * z[2]);
   const bool upright = level < 1e-6;
@@ -68,7 +68,7 @@ float temperature_of(const float c[3]) {
   return static_cast<float>(kelvin < k_warmest ? k_warmest : kelvin > k_coldest ? k_coldest : kelvin);
 }
 
-// Irradiance over pi as factors of the polynomials of harmonic_polynomials.
+// Irradiance over pi, as factors of the polynomials of harmonic_polynomials.
 void irradiance_polynomial(const sandglass_light_estimate& estimate, sandglass_light_model model, double* polynomial) {
   light_harmonics(estimate, model, polynomial);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) polynomial[i] *= k_harmonic_factors[i / 3] * k_cosine_factors[i / 3];
@@ -154,7 +154,7 @@ sandglass_status sandglass_light_to_unity(const sandglass_light_estimate* estima
                                           sandglass_light_unity* unity, const char** reason) {
   const sandglass_status status = check(estimate, model, unity, reason);
   if (status != SANDGLASS_OK) return status;
-  // The mirror world's light: z turned over.
+  // The light in a left-handed world: z is turned over.
   sandglass_light_estimate mirrored = {};
   memcpy(&mirrored, estimate, k_least_estimate_bytes);
   mirrored.direction[2] = -mirrored.direction[2];

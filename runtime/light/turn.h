@@ -1,4 +1,4 @@
-// Rotations given as quaternions by apps and their sensors, in double: any length above 0 is accepted.
+// Rotations from the quaternions of apps and their sensors, in double. Any length above 0 is accepted.
 #pragma once
 
 #include "runtime/core/finite.h"
@@ -10,7 +10,7 @@ struct Rotation {
   double m[3][3];  // rows
 };
 
-// Of length 1; false for one that is zero, NaN or infinite.
+// q at length 1. False where q is zero, NaN or infinite.
 inline bool unit_quaternion(const float q[4], double unit[4]) {
   double squared = 0.0;
   for (int i = 0; i < 4; ++i) unit[i] = static_cast<double>(q[i]), squared += unit[i] * unit[i];
@@ -30,8 +30,8 @@ inline bool rotation_of(const float q[4], Rotation* rotation) {
   return true;
 }
 
-// q, then the turn `second`; q is left alone where it is no rotation. Both are brought to length 1 before they are
-// multiplied: the product of two long or two short ones is no float any more.
+// Turns q further, by `second`. Leaves q alone where one of the two is no rotation. Both are brought to length 1 before
+// they are multiplied, because the product of two long or two short ones may not fit a float.
 inline void turn_further(const float second[4], float q[4]) {
   double a[4], b[4];
   if (!unit_quaternion(second, a) || !unit_quaternion(q, b)) return;

@@ -5,12 +5,6 @@
 namespace sandglass {
 namespace {
 
-// grain_radius 0: about the size at which 16 grains fill a particle's share of space.
-constexpr float k_grain_radii = 0.35f;
-
-// Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 72 for r = 1 cm.
-constexpr float k_substep_units = 0.00871f;
-
 float length_of(const float* v) { return __builtin_sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 sandglass_status check(const sandglass_scene_desc* desc, const char** reason) {
@@ -86,17 +80,7 @@ sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* 
   s->layout = layout;
   s->kernels = kernels;
   s->granular = granular;
-  Granular& g = s->granular;
-  g.kernels = kernels;
-  g.parallel = desc->parallel;
-  g.unit = desc->unit_items;
-  for (int k = 0; k < 3; ++k) g.gravity[k] = desc->gravity[k];
-  g.gravity_length = length_of(desc->gravity);
-  sandglass_granular_desc& d = g.desc;
-  const float pull = g.gravity_length > 0.1f ? g.gravity_length : 9.81f;  // weightless scenes keep the Earth's step
-  g.substep_max = d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
-  g.substep_min = d.substep_min > 0.0f ? d.substep_min : 0.25f * g.substep_max;
-  if (d.grain_radius <= 0.0f) d.grain_radius = k_grain_radii * d.particle_radius;
+  granular_configure(&s->granular, *desc, kernels);
   reset(s);
   *scene = s;
   return accept(reason);

@@ -47,10 +47,10 @@ sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input
 // The sand as the app draws it: its grains, or the particles of a scene without grains. Particles that stray carry no
 // grains.
 Sand sand_as_drawn(const Granular& g) {
-  const bool grains = g.grain_count != 0;
-  const bool moving = g.awake_count != 0 || (grains && g.grain_group_count != 0);
-  if (grains) return {{nullptr, &g.grains[0], nullptr, g.grain_count, g.desc.grain_radius}, moving};
-  return {{&g.records[0], nullptr, nullptr, g.particle_count, g.desc.particle_radius}, moving};
+  const bool grains = g.grains.count != 0;
+  const bool moving = g.sleep.awake_count != 0 || (grains && g.grain_sleep.group_count != 0);
+  if (grains) return {{nullptr, &g.grains.records[0], nullptr, g.grains.count, g.desc.grain_radius}, moving};
+  return {{&g.particles.records[0], nullptr, nullptr, g.particles.count, g.desc.particle_radius}, moving};
 }
 
 // Out of line: it runs between the two calls that set and restore the floating-point control.

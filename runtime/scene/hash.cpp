@@ -26,12 +26,12 @@ uint64_t sandglass_scene_hash(const sandglass_scene* scene) {
   if (scene == nullptr) return 0;
   const Granular& g = scene->granular;
   uint64_t hash = 0;
-  for (uint32_t i = 0; i < g.particle_count; ++i) {
-    const Particle& p = g.records[0][i];
+  for (uint32_t i = 0; i < g.particles.count; ++i) {
+    const Particle& p = g.particles.records[0][i];
     hash += item_hash(k_hashed_particle, p.identity, p.position, p.velocity);
   }
-  for (uint32_t i = 0; i < g.grain_count; ++i) {
-    const Grain& grain = g.grains[0][i];
+  for (uint32_t i = 0; i < g.grains.count; ++i) {
+    const Grain& grain = g.grains.records[0][i];
     hash += item_hash(k_hashed_grain, grain.number, grain.position, grain.velocity);
   }
   return hash;

@@ -41,7 +41,7 @@ sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float s
   }
   scene->granular.desc.static_friction = static_friction;
   scene->granular.desc.kinetic_friction = kinetic_friction;
-  granular_wake_all(&scene->granular);
+  sleep_wake_all(&scene->granular);
   return accept(reason);
 }
 

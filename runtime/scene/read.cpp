@@ -35,18 +35,19 @@ using namespace sandglass;
 void sandglass_granular_particles(const sandglass_scene* scene, float* positions, float* velocities) {
   if (scene == nullptr) return;
   const Granular& g = scene->granular;
-  copy_items(g.records[0], g.particle_count, g.free_particles, g.free_particle_count, positions, velocities);
+  copy_items(g.particles.records[0], g.particles.count, g.flow.free_particles, g.flow.free_particle_count, positions,
+             velocities);
 }
 
 void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities) {
   if (scene == nullptr) return;
   const Granular& g = scene->granular;
-  copy_items(g.grains[0], g.grain_count, g.free_grains, g.free_grain_count, positions, velocities);
+  copy_items(g.grains.records[0], g.grains.count, g.flow.free_grains, g.flow.free_grain_count, positions, velocities);
 }
 
 sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index) {
   sandglass_body_pose pose = {};
   pose.rotation[3] = 1.0f;
-  if (scene != nullptr && index < scene->granular.body_count) granular_body_pose(scene->granular, index, &pose);
+  if (scene != nullptr && index < scene->granular.bodies.count) granular_body_pose(scene->granular, index, &pose);
   return pose;
 }

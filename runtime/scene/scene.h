@@ -1,14 +1,15 @@
 // The state behind a sandglass_scene: the first region of the app's block. The regions of the sand follow it.
 //
-//   defaults.cpp   descriptions and inputs as an app starts from
-//   create.cpp     check the description, lay out the block, begin and reset
-//   material.cpp   what the app adds, removes, changes and moves between frames
-//   save.cpp       to bytes and back
-//   frame.cpp      one frame: the stages, under the governor
-//   report.cpp     what a frame did, told to the app
-//   read.cpp       positions and poses by number
-//   hash.cpp       the state as one number
-//   names.cpp      names of statuses, instruction sets and quality levels
+//   defaults.cpp         descriptions and inputs as an app starts from
+//   create.cpp           check the description, lay out the block, begin and reset
+//   material.cpp         what the app adds, removes, changes and moves between frames
+//   save.cpp             to bytes and back
+//   frame.cpp            one frame: the stages, under the governor
+//   report.cpp           what a frame did, told to the app
+//   read.cpp             positions and poses by number
+//   hash.cpp             the state as one number
+//   names.cpp            the version, and names of statuses, instruction sets and quality levels
+//   rotation_about.cpp   a rotation from axis and angle
 #pragma once
 
 #include "kernels/kernels.h"

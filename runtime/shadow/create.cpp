@@ -8,12 +8,13 @@
 #include "runtime/core/hash.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
+#include "runtime/shadow/light_direction.h"
 #include "runtime/shadow/shadow.h"
 
 namespace sandglass {
 namespace {
 
-constexpr uint32_t k_shift_limit = 6;  // finer than 1/64 of a step changes nothing
+constexpr uint32_t k_shift_limit = 6;  // steps finer than 1/64 of a byte's change nothing
 constexpr double k_table_limit = 32000;
 
 uint32_t padded(uint32_t width) { return (width + k_channel_group - 1) / k_channel_group * k_channel_group; }
@@ -46,7 +47,7 @@ struct Packed {
   float *light_weights, *first_bias;
 };
 
-// One walk for size and creation.
+// The one walk: counts the bytes, or hands out the regions.
 sandglass_shadow* lay_out(const ShadowAsset& asset, uint32_t light_count, Layout* layout, Packed* packed) {
   const uint64_t width = padded(asset.width);
   sandglass_shadow* owner = layout_region<sandglass_shadow>(layout, "shadow.state", 1);
@@ -85,7 +86,7 @@ sandglass_shadow* lay_out(const ShadowAsset& asset, uint32_t light_count, Layout
   return owner;
 }
 
-// Encoded texel coordinates times their weights, in activation units: one row of a table in double.
+// One row of a table, in double and in units of activation: the encoded texel coordinate times its weights.
 void table_row(const float* weights, uint32_t width, uint32_t frequencies, uint32_t index, double* sums) {
   const double x = texel_centre(index, k_shadow_size);
   for (uint32_t c = 0; c < width; ++c) sums[c] = x * static_cast<double>(weights[c]);
@@ -103,8 +104,8 @@ int16_t table_entry(double x) {
   return static_cast<int16_t>(floor_index(x + 0.5));
 }
 
-// How far the three parts of a channel's sum can go, whatever the texel and the light: then they fit 16 bits. Its
-// arrays must not lie on the stack beside those of fill_tables.
+// The finest shift at which the table entries of every channel fit 16 bits, whatever the texel and the light. Out of
+// line, so that its arrays do not lie on the stack beside those of fill_tables.
 __attribute__((noinline)) uint32_t choose_shift(const ShadowAsset& asset) {
   double sums[k_shadow_width_limit], column_most[k_shadow_width_limit] = {}, row_most[k_shadow_width_limit] = {};
   const uint32_t width = asset.width;
@@ -150,7 +151,8 @@ __attribute__((noinline)) void fill_tables(const ShadowAsset& asset, Shadow* s, 
   for (uint32_t c = 0; c < width; ++c) packed.first_bias[c] = c < own ? asset.first_bias[c] : 0.0f;
 }
 
-// Rows of the file's weights grow to the padded width where the table of rows will be; from there they are packed.
+// Packs the weights for this CPU. Each row first grows to the padded width; the memory of `rows`, which is free until
+// the first texture, serves as scratch.
 void pack_layers(const ShadowAsset& asset, Shadow* s, const Packed& packed) {
   const uint32_t own = asset.width, width = s->network.width;
   static_assert(k_table_rows * sizeof(int16_t) > k_shadow_width_limit + sizeof(int32_t));
@@ -172,8 +174,8 @@ void pack_layers(const ShadowAsset& asset, Shadow* s, const Packed& packed) {
   memcpy(packed.last_weights, asset.last.weights, own);
 }
 
-// Coverage is 1 - sigmoid(x) = 1/(1 + e^x) at x = (i - half)/256. Powers of e^(1/256) by repeated multiplication, from
-// the middle outward: each is correct to 1e-12.
+// Coverage is 1 - sigmoid(x) = 1/(1 + e^x) at x = (i - half)/256. The powers of e^(1/256) come from repeated
+// multiplication, from the middle outward; each is correct to 1e-12.
 void fill_coverage(uint8_t* coverage) {
   constexpr double k_factor = 1.0039138893383475;  // e^(1/256)
   constexpr uint32_t k_half = k_coverage_steps / 2;
@@ -202,7 +204,7 @@ void describe(const ShadowAsset& asset, const sandglass_shadow_desc& desc, Shado
   s->tolerance_squared = static_cast<double>(desc.light_tolerance) * static_cast<double>(desc.light_tolerance);
 }
 
-// Its layout must not lie on the stack beside that of build.
+// Out of line, so that its layout does not lie on the stack beside that of build.
 __attribute__((noinline)) sandglass_status size_of(const ShadowAsset& asset, const sandglass_shadow_desc& desc,
                                                    uint64_t* bytes, const char** reason) {
   Layout layout;
@@ -252,14 +254,8 @@ __attribute__((noinline)) uint32_t run_units(ShadowSet set, uint32_t units) {
 __attribute__((noinline)) sandglass_status take_light(Shadow* s, uint32_t number, const float direction[3],
                                                       float irradiance, const char** reason) {
   if (!(irradiance >= 0 && is_finite(irradiance))) return refuse(reason, "irradiance is negative or not finite");
-  double light[3], largest = 0;
-  for (uint32_t axis = 0; axis < 3; ++axis) {
-    if (!is_finite(direction[axis]))
-      return refuse(reason, "direction is not finite: check where it comes from; the light is as it was");
-    light[axis] = static_cast<double>(direction[axis]);
-    largest = absolute(light[axis]) > largest ? absolute(light[axis]) : largest;
-  }
-  if (!(largest > 0)) return refuse(reason, "direction is the zero vector: it must point to the light");
+  double light[3];
+  if (const sandglass_status status = check_light_direction(direction, light, reason)) return status;
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
   for (double& x : light) x /= length;
   shadow_set_light(s, number, light, irradiance);
@@ -383,7 +379,7 @@ uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {
   const ShadowWork left = shadow_work_left(s, false);
   uint32_t waiting = 0;
   for (uint32_t i = 0; i < s.light_count; ++i) waiting += s.lights[i].pending ? 1 : 0;
-  // Every texture ends with a unit of each kind that is not full.
+  // In every texture the last unit of each kind may be smaller than the others: one more for each that waits.
   uint32_t units = 0;
   for (uint32_t kind = 0; kind < k_shadow_kinds; ++kind) {
     const uint32_t pieces = shadow_unit(s, kind).pieces;

@@ -96,7 +96,8 @@ void interpolate_cell(const Shadow* s, uint32_t cell_u, uint32_t cell_v) {
     }
 }
 
-// First all cells are marked, then looked at again with their neighbours: the rows of cells count twice.
+// Two passes: cells whose corners differ are marked, then each cell is looked at with its neighbours. So the rows of
+// cells count twice.
 void run_decide(Shadow* s) {
   for (uint32_t end = s->cursor + k_unit_cell_rows; s->cursor < end; ++s->cursor) {
     const uint32_t v = s->cursor % k_cells;
@@ -119,7 +120,7 @@ void run_decide(Shadow* s) {
   go_to(s, ShadowPhase::refine);
 }
 
-// Whole cells; their own corner is known from the coarse grid.
+// All texels of the refined cells, except the corner that is known from the coarse grid.
 constexpr uint32_t k_new_texels = k_cell * k_cell - 1;
 
 void run_refine(Shadow* s) {
@@ -155,11 +156,11 @@ void run_full(Shadow* s) {
 
 }  // namespace
 
-// What rounding a direction to floats can take from its cosine, twice over: a light that an app puts at the limit is
-// within.
+// Twice what rounding a direction to floats can take from its cosine. So a light that an app puts exactly at the limit
+// counts as within it.
 constexpr double k_limit_rounding = 2.4e-7;
 
-// Beyond polar_max the light is turned up to it at the same azimuth, and the shadow fades towards the horizon.
+// A light beyond polar_max is turned up to it at the same azimuth, and its shadow fades towards the horizon.
 void shadow_set_light(Shadow* s, uint32_t number, const double unit_vector[3], float irradiance) {
   ShadowLight& l = s->lights[number];
   ++l.calls;
@@ -176,7 +177,7 @@ void shadow_set_light(Shadow* s, uint32_t number, const double unit_vector[3], f
     const double scale = flat > 0 ? s->polar_sine / flat : 0;
     light[0] = flat > 0 ? light[0] * scale : s->polar_sine, light[1] = s->polar_cosine, light[2] *= scale;
   }
-  if (l.beyond && !(l.opacity > 0)) {  // nothing to see, nothing to compute
+  if (l.beyond && !(l.opacity > 0)) {  // there is nothing to see
     l.pending = false;
     return;
   }
@@ -192,8 +193,8 @@ void shadow_set_light(Shadow* s, uint32_t number, const double unit_vector[3], f
   l.pending = true;
 }
 
-// Items of the two kinds that run the network count its size, in units of 1024 products a texel, so that one prediction
-// serves networks of any size.
+// The two kinds that run the network count its size too, in units of 1024 products a texel. So one prediction serves
+// networks of any size.
 ShadowUnit shadow_unit(const Shadow& s, uint32_t kind) {
   const uint32_t weight = s.network.layers * s.network.width * s.network.width / 1024;
   switch (kind) {

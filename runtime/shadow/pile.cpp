@@ -1,4 +1,4 @@
-// One texture of a pile's shadow, unit by unit.
+// One texture of the sand's shadow, unit by unit.
 #include "runtime/shadow/pile.h"
 
 #include <cstring>
@@ -9,12 +9,13 @@
 namespace sandglass {
 namespace {
 
-// Sand is lit as it is seen, grain by grain: what lies lower than this share of a radius does not shade its neighbour.
+// Sand is lit as it is seen, sphere by sphere. A receiver on the sand is raised by this share of a radius, so that
+// neighbours of the same height do not shade each other.
 constexpr float k_surface_lift = 0.5f;
-constexpr float k_half_face = 0.8862269f;  // of a radius: half the side of a square as large as a sphere's silhouette
-constexpr double k_cap_share = 0.9;        // of a light: what hides that much of it has as good as reached its top
-constexpr double k_step_growth = 1.12;     // beyond the first steps; a light of 20 degrees is 0.35 wide at distance 1
-constexpr double k_even_steps = 8;         // texels walked one by one
+constexpr float k_half_face = 0.8862269f;  // radii: half the side of a square as large as a sphere's silhouette
+constexpr double k_cap_share = 0.9;        // what hides this share of a light counts as reaching its upper edge
+constexpr double k_step_growth = 1.12;     // of distant steps; a light of 20 degrees is 0.35 wide at distance 1
+constexpr double k_even_steps = 8;         // texels that are walked one by one
 
 void clear_columns(Pile* p) {
   const uint32_t count = p->texels * p->pitch + k_lane_group;
@@ -27,7 +28,8 @@ void clear_columns(Pile* p) {
   p->top = 0;
 }
 
-// `share` of the texel is covered from `low` to `high`; spheres of one column lie in it independently of each other.
+// Adds to a column: `share` of its texel is covered from `low` to `high`. Spheres in one column are taken to lie
+// independently of each other.
 void put_column(Pile* p, int64_t u, int64_t v, float share, float low, float high) {
   const int32_t n = static_cast<int32_t>(p->texels);
   if (u < 0 || v < 0 || u >= n || v >= n || !(high > 0)) return;
@@ -44,9 +46,9 @@ void put_column(Pile* p, int64_t u, int64_t v, float share, float low, float hig
   p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
 }
 
-// A sphere lies in the column that holds its centre: as the cube whose faces are as large as its silhouette, so that it
-// hides as much from every side, and fills the texel by one face. A sphere as wide as a texel fills all columns, too,
-// whose middles lie under or over it.
+// A sphere goes into the column that holds its centre. It counts as the cube whose faces are as large as its
+// silhouette: so it hides equally much from every side, and covers its texel by one face. A sphere as wide as a texel
+// also fills every column whose middle lies under or over it.
 void put_sphere(Pile* p, const float* centre, float radius) {
   const float x = (centre[0] - p->low[0]) / p->texel[0], z = (centre[2] - p->low[1]) / p->texel[1];
   const float n = static_cast<float>(p->texels), reach_x = radius / p->texel[0], reach_z = radius / p->texel[1];
@@ -77,21 +79,23 @@ uint32_t unit_spheres(const Pile& p) {
   return count > 1024 ? 1024u : count > 1 ? static_cast<uint32_t>(count) : 1u;
 }
 
-// Elevations of the light in the vertical half plane at an azimuth `cosine`, `sine` (of the angle) away from its own.
-// The light is where a . cos e + b . sin e >= cos(half); `flat` and `up` are its horizontal and vertical components.
+// The range of elevations that the light fills in one vertical half plane, as squares of sines. `cosine` is that of the
+// angle between the half plane's azimuth and the light's. The light is where a cos e + b sin e >= cos(half), with
+// a = flat * cosine and b = up; `flat` and `up` are the horizontal and vertical components of its direction. False: the
+// half plane does not meet the light.
 bool elevations(double flat, double up, double cosine, double half_cosine, double* low, double* high) {
   const double a = flat * cosine, b = up, norm = square_root(a * a + b * b);
   if (!(norm > half_cosine)) return false;
   const double c1 = a / norm, s1 = b / norm, c2 = half_cosine / norm, s2 = square_root(1 - c2 * c2);
   const double sin_high = s1 * c2 + c1 * s2, cos_high = c1 * c2 - s1 * s2;
   const double sin_low = s1 * c2 - c1 * s2, cos_low = c1 * c2 + s1 * s2;
-  if (!(cos_low > 0)) return false;  // the other half plane's
+  if (!(cos_low > 0)) return false;  // it lies in the opposite half plane
   *high = cos_high > 0 ? (sin_high > 0 ? sin_high * sin_high : 0) : 1;
   *low = sin_low > 0 ? sin_low * sin_low : 0;
   return *high > *low;
 }
 
-// Steps along an azimuth, out to where the highest sand no longer reaches the light's lower edge.
+// The steps along an azimuth, out to the distance at which the highest sand no longer reaches the light's lower edge.
 uint32_t walk(const Pile& p, double cosine, double sine, double low, PileStep* steps) {
   const double texel = static_cast<double>(p.texel[0] < p.texel[1] ? p.texel[0] : p.texel[1]);
   const double slope = square_root(low / (1 - (low < 1 ? low : 0)));
@@ -99,7 +103,7 @@ uint32_t walk(const Pile& p, double cosine, double sine, double low, PileStep* s
   const double reach =
       slope * across * texel > static_cast<double>(p.top) ? static_cast<double>(p.top) / (slope * texel) : across;
   uint32_t count = 0;
-  // The receiver's own column: two places on a line are a third of its length apart on the mean.
+  // The receiver's own column: two random places in it are a third of its width apart on average.
   steps[count++] = {0, 0, static_cast<float>(3 / texel)};
   for (double distance = 1; distance <= reach + 1 && count < k_pile_steps;
        distance = distance < k_even_steps ? distance + 1 : distance * k_step_growth) {
@@ -115,8 +119,8 @@ uint32_t walk(const Pile& p, double cosine, double sine, double low, PileStep* s
   return count;
 }
 
-// Cuts the light into azimuths: evenly in the sine of the angle from its own azimuth, as wide as it is; all round where
-// it holds the zenith.
+// Cuts the light into azimuths. They lie evenly in the sine of the angle from the light's own azimuth, over its width.
+// A light that holds the zenith is cut all round.
 void cut_light(Pile* p) {
   const double flat = square_root(p->made_for[0] * p->made_for[0] + p->made_for[2] * p->made_for[2]);
   const double up = p->made_for[1];
@@ -235,7 +239,7 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
 
 void run(void* state, uint32_t) { pile_run(&static_cast<sandglass_pile_shadow*>(state)->pile); }
 
-// Of the texture under way or asked for.
+// What is left of the texture under way or asked for.
 uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const Pile& p = static_cast<const sandglass_pile_shadow*>(state)->pile;
   if (!has_work(p)) return 0;
@@ -253,7 +257,7 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
 Stage begin_frame(sandglass_pile_shadow* shadow, const PileSource& source, bool moving) {
   Pile& p = shadow->pile;
   ++p.frame;
-  // Once more after the last motion: the texture that was under way is of sand that had not come to rest.
+  // Also in the frame after the last motion: the texture under way then shows sand that still moved.
   if (moving || p.moving || source.count != p.source.count) p.pending = true;
   p.moving = moving;
   p.source = source;

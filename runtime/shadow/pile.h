@@ -1,8 +1,10 @@
-// The state behind sandglass/pile_shadow.h, as work units of the shadow stage. A texture is made in phases: columns
-// from the spheres, then rows of the floor, then rows of the sand's own surface; the last unit swaps the two textures.
+// The state behind sandglass/pile_shadow.h. Its work is cut into units of the shadow stage. A texture is made in
+// phases: columns from the spheres, then rows of the floor, then rows of the sand's own surface. The last unit swaps
+// the two textures.
 //
-// The spheres are the grains, or the particles of a scene without; they are read where the scene has them. One that is
-// sorted to another place between two units of the first phase may be missed, or taken twice, in that one texture.
+// The spheres are the grains, or the particles of a scene without grains. They are read in place, without a copy. The
+// scene may sort them between two units of the first phase: then a sphere may be missed or taken twice, in that one
+// texture.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +15,10 @@
 
 namespace sandglass {
 
-constexpr uint32_t k_pile_azimuths = 12;  // of a cap that holds the zenith; of others half as many
-constexpr uint32_t k_pile_steps = 48;     // most along one azimuth
+constexpr uint32_t k_pile_azimuths = 12;  // of a light that holds the zenith; other lights have half as many
+constexpr uint32_t k_pile_steps = 48;     // most steps along one azimuth
 constexpr uint32_t k_pile_unit_texels = 512;
-constexpr uint32_t k_pile_unit_columns = 8192;  // written by the particles of one unit, about
+constexpr uint32_t k_pile_unit_columns = 8192;  // about as many as the spheres of one unit write
 constexpr float k_pile_empty = 1e30f;
 
 // Kinds of work unit.
@@ -24,8 +26,8 @@ enum : uint32_t { k_pile_columns, k_pile_rows, k_pile_kinds };
 
 enum class PilePhase : uint32_t { idle, columns, floor, sand };
 
-// The spheres: one of the three is not null. A scene swaps its arrays from sub-step to sub-step, so what stands here is
-// where its pointer to them is.
+// The spheres: one of the three pointers is not null. A scene swaps its arrays from sub-step to sub-step, so the first
+// two point to the scene's own pointer.
 struct PileSource {
   const Particle* const* particles;
   const Grain* const* grains;
@@ -36,15 +38,16 @@ struct PileSource {
 
 struct PileTexture {
   uint8_t *floor, *sand;  // sand: null without
-  uint64_t frame;         // that it was begun in
+  uint64_t frame;         // in which it was begun
 };
 
 struct Pile {
   const Kernels* kernels;
-  float low[2], high[2], height;  // height: of the floor
-  float texel[2];                 // metres
+  float low[2], high[2];  // corners of the rectangle, x and z
+  float height;           // of the floor
+  float texel[2];         // metres
   uint32_t texels, pitch;
-  double half_sine, half_cosine;  // of half the light
+  double half_sine, half_cosine;  // of half the light's angular diameter
   double tolerance_squared;
   float *tops, *bottoms, *fills;        // texels x pitch, after k_lane_group of padding
   float *nothing, *receivers, *shares;  // one row each: heights of the floor, of the receivers, the kernel's output
@@ -54,7 +57,7 @@ struct Pile {
   PilePhase phase;
   uint32_t cursor;  // next particle or row
   int32_t sand_rows[2], sand_columns[2];
-  float top;  // of all sand, over the floor
+  float top;  // of the highest sand, above the floor
   uint32_t azimuth_count;
   float inverse_total;
   PileTexture front, back;
@@ -71,8 +74,8 @@ struct Pile {
 WorkUnit pile_next(const Pile& pile);
 void pile_run(Pile* pile);
 
-// Creation leaves this table in the handle, and the scene calls through it. So the linker drops the sand's shadow from an
-// app that never creates one.
+// Creation leaves this table in the handle, and the scene calls through it. So the linker drops the sand's shadow from
+// an app that never creates one.
 struct PileFunctions {
   // Looks at the frame's sand and returns the stage of this shadow. `moving`: some of the sand is awake.
   Stage (*begin_frame)(sandglass_pile_shadow* shadow, const PileSource& source, bool moving);

@@ -8,6 +8,7 @@
 #include "runtime/core/layout.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
+#include "runtime/shadow/light_direction.h"
 #include "runtime/shadow/pile.h"
 
 namespace sandglass {
@@ -41,7 +42,7 @@ sandglass_status check(const sandglass_pile_shadow_desc* desc, const char** reas
   return accept(reason);
 }
 
-// One walk for size and creation.
+// The one walk: counts the bytes, or hands out the regions.
 sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* layout) {
   const uint64_t n = desc.texels, pitch = n + k_lane_group, columns = n * pitch + 2 * k_lane_group;
   auto* owner = layout_region<sandglass_pile_shadow>(layout, "pile_shadow.state", 1);
@@ -90,13 +91,8 @@ __attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, voi
 
 __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direction[3], const char** reason) {
   double light[3], largest = 0;
-  for (uint32_t axis = 0; axis < 3; ++axis) {
-    if (!is_finite(direction[axis]))
-      return refuse(reason, "direction is not finite: check where it comes from; the light is as it was");
-    light[axis] = static_cast<double>(direction[axis]);
-    largest = absolute(light[axis]) > largest ? absolute(light[axis]) : largest;
-  }
-  if (!(largest > 0)) return refuse(reason, "direction is the zero vector: it must point to the light");
+  if (const sandglass_status status = check_light_direction(direction, light, reason)) return status;
+  for (const double x : light) largest = absolute(x) > largest ? absolute(x) : largest;
   for (double& x : light) x /= largest;
   const double length = square_root(light[0] * light[0] + light[1] * light[1] + light[2] * light[2]);
   for (double& x : light) x /= length;

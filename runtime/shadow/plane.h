@@ -3,10 +3,11 @@
 // FITTED follows the light: the smallest axis-aligned rectangle that holds the footprint and every point where a ray of
 // the light, through any point of the box, meets the plane. A light of half angle a around the direction d is a cone;
 // seen from the top of the box it cuts the plane in an ellipse, and the tangent planes of the cone give the ellipse's
-// extent along x: the roots p of (d_x - p d_y)^2 = sin(a)^2 (1 + p^2). FIXED is the source's square (6.11), the same
-// for every light up to a polar angle. The network sees coordinates normalised to whichever was baked.
+// extent along x: the roots p of (d_x - p d_y)^2 = sin(a)^2 (1 + p^2). FIXED is the dissertation's square (6.11), the
+// same for every light up to a polar angle. The network sees coordinates normalised to the kind of rectangle that was
+// baked.
 //
-// The object's frame: the plane is y = 0, the footprint's centre the origin, the object at y >= 0.
+// The object's frame: the plane is y = 0, the footprint's centre is the origin, the object lies at y >= 0.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +27,8 @@ struct ShadowRectangle {
 
 enum class PlaneRule : uint8_t { fitted, fixed };
 
-// The slopes p = r_x / r_y of the light's rays r, least and greatest. `d` is the light's component along the axis,
-// `up` its vertical one; up > sine, so that no ray of the light is below the horizon.
+// The least and greatest slope p = r_x / r_y of the light's rays r. `d` is the light's component along the axis, `up`
+// its vertical one. up > sine, so that no ray of the light comes from below the horizon.
 struct SlopeRange {
   double low, high;
 };
@@ -37,7 +38,7 @@ inline SlopeRange slope_range(double d, double up, double sine) {
 }
 
 // `light` is a unit vector towards the light with polar angle at most polar_max; polar_max + half the angular diameter
-// is below 90 degrees (the tangent and the sines are handed in, because no elementary function is computed here).
+// is below 90 degrees. The sine and the tangent are handed in, because no elementary function is computed here.
 // `half_sine` = sin(half the angular diameter), `reach` = tan(polar_max + half the angular diameter), used by FIXED.
 inline ShadowRectangle shadow_rectangle(const ShadowBox& box, PlaneRule rule, const double light[3], double half_sine,
                                         double reach) {

@@ -1,5 +1,5 @@
-// A texture at other sizes, and the textures of all lights as one. Integer arithmetic throughout, apart from where a
-// texel lies.
+// A texture at other sizes, and the textures of all lights as one. Texels are mixed in integers. The place of a
+// texel and the weight of a light are computed in double.
 #include <cstring>
 
 #include "platform/floating_point.h"
@@ -13,7 +13,8 @@ namespace {
 constexpr uint32_t n = k_shadow_size;
 constexpr uint32_t k_combined_most = 1024;  // texels a side
 
-// Where a coordinate falls between texel centres: index of the lower one, -1..n-1, and 256ths of the way to the next.
+// Where a coordinate lies between texel centres: the index of the lower one, -1..n-1, and 256ths of the way to the
+// next. Index -2: outside the texture.
 struct Between {
   int32_t index;
   uint32_t part;
@@ -25,7 +26,7 @@ Between place(double x, double low, double high) {
   return {static_cast<int32_t>(steps >> 8), static_cast<uint32_t>(steps & 255)};
 }
 
-// Bilinear, 0 outside: 255 * 65536 at full coverage.
+// Bilinear; 0 outside the texture, 255 * 65536 at full coverage.
 uint32_t sample(const uint8_t* texture, Between u, Between v) {
   if (u.index < -1 || v.index < -1) return 0;
   const auto at = [&](int32_t x, int32_t y) -> uint32_t {

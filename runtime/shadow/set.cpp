@@ -1,9 +1,11 @@
 // Several objects, each with several lights, under one budget: which texture is computed next.
 //
-// A texture under way is completed first, so at any time at most one texture an object is not what its light asks for
-// because it is half done. Then the one with the greatest visible change is begun: the turn of the light since the
-// texture that is shown (as a chord; 2 where there is none) x the light's share of the object's irradiance x opacity,
-// growing with the time that it waits, so that a strong light that never rests cannot starve a weak one.
+// A texture under way is completed first. Then the texture with the greatest visible change is begun. Its visible
+// change is the product of
+//   the turn of the light since the texture that is shown, as a chord (2 where none is shown),
+//   the light's share of all irradiance on the object,
+//   the opacity,
+//   a factor that grows while it waits, so that a strong light that always moves cannot starve a weak one.
 #include "runtime/core/math.h"
 #include "runtime/shadow/shadow.h"
 
@@ -11,7 +13,7 @@ namespace sandglass {
 namespace {
 
 constexpr double k_no_texture = 2;           // the chord of half a turn
-constexpr double k_growth_a_call = 1.0 / 8;  // of set_light
+constexpr double k_growth_a_call = 1.0 / 8;  // growth of the factor with every call of set_light
 
 struct Choice {
   uint32_t shadow, light;

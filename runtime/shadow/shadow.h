@@ -1,9 +1,12 @@
-// The shadows of one object, one a light, as work units that the governor can hand out (core/governor.h), and the
-// state behind the C API of sandglass/shadow.h. One texture at a time is under way; set.cpp chooses which.
+// The state behind the C API of sandglass/shadow.h: the shadows of one object, one for each light. One texture at a
+// time is under way; set.cpp chooses which. Its work is cut into units that a frame can hand out (core/governor.h).
 //
-// A texture is computed in phases, each a list of units: rows (the first layer's tables for this light), the coarse
-// grid, the decision which cells to refine together with the interpolation of the others, and the refined cells. In
-// mode FULL the rows are followed by all texels. The last unit swaps the two textures.
+// A texture is computed in phases, each a list of units:
+//   rows     the tables of the network's first layer for this light
+//   coarse   the samples of the coarse grid
+//   decide   which cells to refine; the other cells are interpolated
+//   refine   the texels of those cells
+// In mode FULL all texels follow the rows. The last unit swaps the two textures.
 #pragma once
 
 #include <cstdint>
@@ -18,16 +21,16 @@
 namespace sandglass {
 
 constexpr uint32_t k_shadow_size = SANDGLASS_SHADOW_TEXELS;
-constexpr uint32_t k_cell = 4;                        // texels a side of a cell of the coarse grid
-constexpr uint32_t k_cells = k_shadow_size / k_cell;  // a side
-constexpr uint32_t k_grid = k_cells + 1;              // coarse samples a side: the corners of the cells
+constexpr uint32_t k_cell = 4;                        // side of a cell of the coarse grid, texels
+constexpr uint32_t k_cells = k_shadow_size / k_cell;  // cells along a side of the texture
+constexpr uint32_t k_grid = k_cells + 1;              // coarse samples along a side: the corners of the cells
 constexpr uint32_t k_unit_texels_most = 6 * k_texel_block;
-constexpr uint64_t k_unit_macs = 5'000'000;           // 45 us of a core that does 110 GMAC/s of bytes, a phone's
-constexpr uint32_t k_unit_table_rows = 64;            // of the first layer's table
-constexpr uint32_t k_unit_cell_rows = 16;             // of the decision
+constexpr uint64_t k_unit_macs = 5'000'000;           // 45 us on a phone's core, which does 110 GMAC/s of bytes
+constexpr uint32_t k_unit_table_rows = 64;            // rows of the first layer's table in one unit
+constexpr uint32_t k_unit_cell_rows = 16;             // rows of cells that one unit decides
 constexpr uint32_t k_table_rows = k_shadow_size + 1;  // the last corners lie one texel beyond the texture
 
-// Of a frame's optional time, while a later stage has work: for all shadows together.
+// Share of a frame's optional time for all shadows together, while a later stage has work.
 constexpr float k_shadow_share = 0.2f;
 
 // Kinds of work unit.
@@ -39,7 +42,7 @@ struct ShadowTexture {
   uint8_t* coverage;
   ShadowRectangle rectangle;  // in the object's frame
   double light[3];
-  uint64_t light_call;  // number of the set_light call that it was begun for
+  uint64_t light_call;  // number of the call of set_light that it was begun for
   uint32_t evaluated;
   bool valid;
 };
@@ -47,21 +50,21 @@ struct ShadowTexture {
 // One light and the last texture that was completed for it.
 struct ShadowLight {
   ShadowTexture front;
-  double wanted[3];  // clamped to polar_max
-  bool pending;      // the texture of `wanted` is neither done nor under way
+  double wanted[3];  // the direction last asked for, clamped to polar_max
+  bool pending;      // the texture for `wanted` is neither done nor under way
   bool beyond;
   float opacity, irradiance;
-  uint64_t calls, pending_since;  // of set_light
+  uint64_t calls, pending_since;  // calls of set_light so far, and when `pending` began
 };
 
 struct Shadow {
   const Int8Kernels* kernels;
   ShadowNetwork network;
-  // Of the object and the light that was baked.
+  // The object and the light that were baked.
   double origin[3];
   ShadowBox box;
   PlaneRule plane;
-  double half_sine, reach;          // of half the light; tan(polar_max + half the light)
+  double half_sine, reach;          // sin(half the light), tan(polar_max + half the light), in angles
   double polar_sine, polar_cosine;  // of polar_max
   double polar_max;
   uint32_t light_frequencies;
@@ -69,11 +72,11 @@ struct Shadow {
   sandglass_shadow_mode mode;
   uint32_t threshold;
   double tolerance_squared;  // of the chord between two unit vectors
-  // Tables: bytes' units times 2^shift.
-  double table_scale;          // from activation to table units
+  // The first layer as tables. Their entries count 2^-shift steps of an activation byte.
+  double table_scale;          // table units for one unit of activation
   int16_t* columns;            // k_table_rows x width
-  int16_t* row_base;           // k_table_rows x width, without the light
-  int16_t* rows;               // with it
+  int16_t* row_base;           // k_table_rows x width, without the light's part
+  int16_t* rows;               // k_table_rows x width, with it
   int16_t* light_sums;         // width
   const float* light_weights;  // 3 * light_inputs x width
   const float* first_bias;
@@ -81,11 +84,11 @@ struct Shadow {
   ShadowPhase phase;
   uint32_t cursor;    // next table row, coarse sample, row of cells, refined cell, or texel
   uint8_t* coarse;    // k_grid^2
-  uint8_t* marked;    // k_cells^2: 1 where the corners differ
+  uint8_t* marked;    // k_cells^2: 1 where the corners of the cell differ
   uint16_t* refined;  // cells to refine
   uint32_t refined_count;
-  uint32_t unit_texels;       // of this network, a multiple of the block
-  uint16_t *unit_u, *unit_v;  // texels of one unit
+  uint32_t unit_texels;       // in one unit of this network, a multiple of the block
+  uint16_t *unit_u, *unit_v;  // the texels of one unit
   uint8_t *unit_coverage, *scratch;
   ShadowTexture back;
   uint32_t active;  // light that `back` is for
@@ -95,20 +98,20 @@ struct Shadow {
 
 void shadow_set_light(Shadow* shadow, uint32_t light, const double unit_vector[3], float irradiance);
 
-// The next unit of the texture under way or, when there is none, of `light`'s; runs it.
+// The next unit of the texture under way, or the first one of a new texture. shadow_run runs it; a new texture is that
+// of `light`.
 WorkUnit shadow_next(const Shadow& shadow);
 void shadow_run(Shadow* shadow, uint32_t light);
 
-// A whole unit of a kind: what it does, in rows of the table, texels, rows of cells or cells, and what the governor
-// counts it as.
+// A whole unit of a kind: how many pieces it does (rows of the table, texels, rows of cells, or cells), and how many
+// items it counts for the governor.
 struct ShadowUnit {
   uint32_t pieces, items;
 };
 ShadowUnit shadow_unit(const Shadow& shadow, uint32_t kind);
 
-// Pieces left by kind, of the texture under way and of those that lights wait for. How many cells will be refined is
-// known once the grid is decided; until then it is taken to be all of them or, `likely`, as many as in the texture that
-// the light has.
+// Pieces left of each kind, in the texture under way and those that lights wait for. How many cells will be refined is
+// known once the grid is decided. Until then all of them count; with `likely`, as many as in the light's last texture.
 struct ShadowWork {
   uint64_t pieces[k_shadow_kinds];
 };
@@ -123,11 +126,11 @@ struct ShadowSet {
 // Their work as a stage; `set` must outlive it. The forecast is what is likely left of all textures.
 Stage shadow_set_stage(ShadowSet* set);
 
-// Creation leaves this table in every shadow, and the scene calls through that of the first. So the linker drops shadows
-// from an app that never creates one.
+// Creation leaves this table in every shadow, and the scene calls through the table of the first. So the linker drops
+// shadows from an app that never creates one.
 struct ShadowFunctions {
   Stage (*stage)(ShadowSet* set);
-  // Textures that are not yet those of their lights, and the calls of set_light since the oldest of them was begun.
+  // Fills in pending_shadows and shadow_age.
   void (*report)(const ShadowSet& set, sandglass_frame_report* report);
 };
 extern const ShadowFunctions k_shadow_functions;

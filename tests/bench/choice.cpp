@@ -1,12 +1,13 @@
-// What an app gets that asks for one instruction set by name, through the API: for every set of ARM a line, the kernels
-// of sand, of a shadow and of the light, or that it is refused. All that run must end in the same bits.
+// What an app gets when it asks for one instruction set by name, through the API. Prints a line for every instruction
+// set of ARM: which kernels sand, a shadow and the light get, or that the set is refused. All that run must end in the
+// same bits.
 //   choice SHADOW_FILE
 #include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <vector>
 
-#include "models/host/aligned_bytes.h"
+#include "models/files/aligned_bytes.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
 #include "sandglass/light.h"
@@ -50,7 +51,7 @@ Answer sand(sandglass_isa isa) {
   return answer;
 }
 
-// One coarse texture of a baked file.
+// A coarse texture of a baked file.
 Answer shadow(const AlignedBytes& file, sandglass_isa isa) {
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
@@ -70,7 +71,7 @@ Answer shadow(const AlignedBytes& file, sandglass_isa isa) {
   return answer;
 }
 
-// The light as the API makes it; its network on the smallest image.
+// The light as the API makes it, with its network on the smallest image.
 Answer light(const std::vector<uint8_t>& file, sandglass_isa isa) {
   const AlignedBytes aligned(file);
   sandglass_light_desc desc;

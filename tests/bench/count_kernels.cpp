@@ -1,8 +1,8 @@
-// What is counted of the float kernels one by one: each on a workload of its own, of a thousand items or so, with none
-// of the scene about it. kernels.inc expands into the list: a kernel without a work_<name> does not compile.
-//   count_kernels        the workloads' names, one a line
-//   count_kernels NAME   one of them
-//   count_kernels all    all between one pair of marks
+// The workloads on which each float kernel is counted by itself: about a thousand items, without a scene. kernels.inc
+// expands into the list, so a kernel without a function work_<name> does not compile.
+//   count_kernels        prints the workloads' names, one a line
+//   count_kernels NAME   runs one of them
+//   count_kernels all    runs all of them between one pair of marks
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -23,7 +23,7 @@ using namespace sandglass;
 constexpr uint32_t k_items = 960, k_slack = 2 * k_lane_group;
 constexpr float k_radius = 0.01f;
 
-bool g_all = false;  // between one pair of marks
+bool g_all = false;  // all run between one pair of marks
 void begin() {
   if (!g_all) counting_begins();
 }
@@ -31,7 +31,7 @@ void end() {
   if (!g_all) counting_ends();
 }
 
-// A sheet of random numbers, 0 to 1: the same everywhere.
+// Random numbers from 0 to 1, the same on every machine.
 struct Random {
   uint32_t state = 1;
   float operator()() {
@@ -40,7 +40,7 @@ struct Random {
   }
 };
 
-// Aligned as the scene's block: two records a cache line.
+// Aligned like the scene's block: two particles or grains in a cache line.
 template <class Item>
 struct Records {
   struct alignas(64) Line {
@@ -52,9 +52,10 @@ struct Records {
   std::vector<Line> lines;
 };
 
-// Particles in a heap as dense as sand, every fifth asleep, every sixth of a rigid body; behind them the inert record.
-struct Heap {
-  Heap() : records(k_items + k_slack), lists(k_items * k_list_slots, k_items), counts(k_items) {
+// Particles in a pile as dense as sand, every fifth asleep, every sixth of a rigid body. Behind them lies the inert
+// particle.
+struct Pile {
+  Pile() : records(k_items + k_slack), lists(k_items * k_list_slots, k_items), counts(k_items) {
     Random random;
     for (uint32_t i = 0; i < k_items + k_slack; ++i) {
       if (i >= k_items) {
@@ -80,23 +81,23 @@ struct Heap {
       }
     for (uint32_t g = 0; g < k_items / k_lane_group; ++g) groups.push_back(g);
   }
-  static constexpr float reach = 2.4f * k_radius, side = 0.22f;  // 0.7 particles a diameter cubed
+  static constexpr float reach = 2.4f * k_radius, side = 0.22f;  // 0.7 particles per diameter cubed
   Records<Particle> records;
   std::vector<uint32_t> lists, groups;
   std::vector<uint8_t> counts;
 };
 
-// The heap sorted by cell.
+// The pile sorted by cell.
 struct Sorted {
-  Sorted(Heap* heap, const Kernels& kernels, float cell, uint32_t bits_min)
+  Sorted(Pile* pile, const Kernels& kernels, float cell, uint32_t bits_min)
       : records(k_items + k_slack), starts(4096 + k_slack), keys(k_items + k_slack) {
     for (std::vector<float>& axis : axes) axis.resize(k_items + k_slack, k_inert_position);
-    const float low[3] = {0, 0, 0}, high[3] = {Heap::side, Heap::side, Heap::side};
+    const float low[3] = {0, 0, 0}, high[3] = {Pile::side, Pile::side, Pile::side};
     sort.cells_max = 4096, sort.starts = starts.data(), sort.keys = keys.data();
     cell_sort_begin(&sort, cell, low, high, bits_min);
     const SortTarget target = {as_records(records.data()), {axes[0].data(), axes[1].data(), axes[2].data()}, false};
     while (sort.phase != k_sort_done)
-      cell_sort_run(&sort, kernels, as_records(heap->records.data()), k_items, k_items, target);
+      cell_sort_run(&sort, kernels, as_records(pile->records.data()), k_items, k_items, target);
   }
   Records<Particle> records;
   std::vector<float> axes[3];
@@ -107,15 +108,15 @@ struct Sorted {
 ColliderFrame still(sandglass_shape shape, float size, float height) {
   ColliderFrame frame = {};
   frame.shape = shape;
-  frame.position[0] = frame.position[2] = 0.5f * Heap::side, frame.position[1] = height;
+  frame.position[0] = frame.position[2] = 0.5f * Pile::side, frame.position[1] = height;
   for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f, frame.size[k] = size;
   return frame;
 }
 
-// A ball of 4 cm as a field, in the middle of the heap.
+// A ball of 4 cm as a field, in the middle of the pile.
 struct Field {
   static constexpr uint32_t n = 17;
-  Field() : values(n * n * n), frame(still(SANDGLASS_SHAPE_FIELD, 0.0f, 0.5f * Heap::side)) {
+  Field() : values(n * n * n), frame(still(SANDGLASS_SHAPE_FIELD, 0.0f, 0.5f * Pile::side)) {
     constexpr float half = 0.08f, spacing = 2 * half / (n - 1);
     for (uint32_t i = 0; i < n * n * n; ++i) {
       const float x = spacing * static_cast<float>(i % n) - half, y = spacing * static_cast<float>(i / n % n) - half,
@@ -129,10 +130,10 @@ struct Field {
 };
 
 void work_grid_cells(const Kernels& kernels) {
-  Heap heap;
+  Pile pile;
   std::vector<uint32_t> keys(k_items + k_slack);
   const GridCellsArgs args = {
-      {1.0f / Heap::reach, {3, 3, 3}, nullptr}, as_records(heap.records.data()), keys.data(), 0, {0, 0, 0}};
+      {1.0f / Pile::reach, {3, 3, 3}, nullptr}, as_records(pile.records.data()), keys.data(), 0, {0, 0, 0}};
   uint32_t unused = 0;
   begin();
   kernels.grid_cells(&args, 0, k_items, &unused);
@@ -140,31 +141,31 @@ void work_grid_cells(const Kernels& kernels) {
 }
 
 void work_neighbour_lists(const Kernels& kernels) {
-  Heap heap;
-  Sorted sorted(&heap, kernels, Heap::reach, 2);
+  Pile pile;
+  Sorted sorted(&pile, kernels, Pile::reach, 2);
   ListArgs args = {};
   args.grid = sorted.sort.grid;
   for (int k = 0; k < 3; ++k) args.positions[k] = sorted.axes[k].data();
   args.inert = k_items;
-  args.reach_squared = Heap::reach * Heap::reach, args.near_squared = 4.4f * k_radius * k_radius;
-  args.lists = heap.lists.data(), args.counts = heap.counts.data();
+  args.reach_squared = Pile::reach * Pile::reach, args.near_squared = 4.4f * k_radius * k_radius;
+  args.lists = pile.lists.data(), args.counts = pile.counts.data();
   uint32_t dropped = 0;
   begin();
   kernels.neighbour_lists(&args, 0, k_items, &dropped);
   end();
 }
 
-// One pass of the heap on a floor, `beside` something else.
+// One pass of the pile on a floor, with a second collider `beside`.
 void contact(contact_solve_function kernel, const ColliderFrame* beside) {
   constexpr float step = 3e-4f, omega = 0.3f;
-  Heap heap;
+  Pile pile;
   Records<Particle> out(k_items + k_slack);
-  std::vector<uint8_t> touched(heap.groups.size());
+  std::vector<uint8_t> touched(pile.groups.size());
   std::vector<ColliderFrame> colliders = {still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0)};
   if (beside != nullptr) colliders.push_back(*beside);
   ContactArgs args = {};
-  args.in = heap.records.data(), args.out = out.data();
-  args.groups = heap.groups.data(), args.lists = heap.lists.data(), args.counts = heap.counts.data();
+  args.in = pile.records.data(), args.out = out.data();
+  args.groups = pile.groups.data(), args.lists = pile.lists.data(), args.counts = pile.counts.data();
   args.particle_count = k_items;
   args.radius = k_radius, args.diameter = 2 * k_radius;
   args.static_friction = args.kinetic_friction = 0.14f;
@@ -189,11 +190,11 @@ void work_contact_solve_beside_a_field(const Kernels& kernels) {
 }
 
 void work_wake_near(const Kernels& kernels) {
-  Heap heap;
+  Pile pile;
   const ColliderFrame colliders[2] = {still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0),
                                       still(SANDGLASS_SHAPE_SPHERE, 0.04f, 0.1f)};
   const float margins[2] = {0.01f, 0.01f};
-  const WakeArgs args = {as_sleepers(heap.records.data()), k_items, colliders, margins, 2};
+  const WakeArgs args = {as_sleepers(pile.records.data()), k_items, colliders, margins, 2};
   uint32_t woken = 0;
   begin();
   kernels.wake_near(&args, 0, k_items, &woken);
@@ -201,11 +202,11 @@ void work_wake_near(const Kernels& kernels) {
 }
 
 void work_find_inside(const Kernels& kernels) {
-  Heap heap;
+  Pile pile;
   const ColliderFrame shapes[2] = {still(SANDGLASS_SHAPE_BOX, 0.04f, 0.1f),
                                    still(SANDGLASS_SHAPE_CAPSULE, 0.03f, 0.15f)};
   std::vector<uint8_t> inside(k_items);
-  const InsideArgs args = {as_records(heap.records.data()), k_items, shapes, 2, inside.data()};
+  const InsideArgs args = {as_records(pile.records.data()), k_items, shapes, 2, inside.data()};
   uint32_t found = 0;
   begin();
   kernels.find_inside(&args, 0, k_items, &found);
@@ -213,11 +214,11 @@ void work_find_inside(const Kernels& kernels) {
 }
 
 void work_surface_at(const Kernels& kernels) {
-  Heap heap;
+  Pile pile;
   const Field field;
   Records<SurfacePoint> points(k_items + k_slack);
   for (uint32_t i = 0; i < k_items; ++i)
-    for (int k = 0; k < 3; ++k) points[i].position[k] = heap.records[i].position[k];
+    for (int k = 0; k < 3; ++k) points[i].position[k] = pile.records[i].position[k];
   const SurfaceArgs args = {points.data(), &field.frame};
   uint32_t unused = 0;
   begin();
@@ -225,20 +226,20 @@ void work_surface_at(const Kernels& kernels) {
   end();
 }
 
-// Grains all over the heap, one step.
+// One step of grains all over the pile.
 void refine(const Kernels& kernels, const ColliderFrame& beside) {
-  Heap heap;
-  Sorted snapshot(&heap, kernels, 3 * k_radius, 3);
+  Pile pile;
+  Sorted snapshot(&pile, kernels, 3 * k_radius, 3);
   Records<Grain> grains(k_items + k_slack);
   Random random = {7};
   for (uint32_t i = 0; i < k_items; ++i)
-    for (int k = 0; k < 3; ++k) grains[i].position[k] = Heap::side * random();
-  std::vector<uint8_t> still_groups(heap.groups.size());
+    for (int k = 0; k < 3; ++k) grains[i].position[k] = Pile::side * random();
+  std::vector<uint8_t> still_groups(pile.groups.size());
   RefineArgs args = {};
   args.grid = snapshot.sort.grid, args.snapshot = snapshot.records.data();
   for (int k = 0; k < 3; ++k) args.positions[k] = snapshot.axes[k].data();
   args.grains = grains.data(), args.grain_count = k_items;
-  args.groups = heap.groups.data(), args.still = still_groups.data();
+  args.groups = pile.groups.data(), args.still = still_groups.data();
   args.still_distance = 1e-4f, args.still_sweeps = 4.0f;
   args.support = 3 * k_radius, args.step = 0.008f, args.steps = 1, args.gravity[1] = -9.81f;
   args.weight_at_radius = 512.0f / 729.0f;
@@ -256,7 +257,7 @@ void work_refine_grains_beside_a_field(const Kernels& kernels) {
   refine(kernels, field.frame);
 }
 
-// One row of columns, half of them empty, seen along eight azimuths of eight steps.
+// One row of columns, half of them empty, along eight azimuths of eight steps each.
 void work_pile_light(const Kernels& kernels) {
   constexpr uint32_t rows = 17, pitch = k_items + k_lane_group, azimuth_count = 8, steps_each = 8;
   Random random;

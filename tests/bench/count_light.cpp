@@ -1,5 +1,5 @@
-// What is counted of the lighting network: one pass over an image of a quarter of the usual pixels, random weights. How
-// many instructions run does not depend on either's values.
+// The workload on which the lighting network is counted: one pass over an image with a quarter of the usual pixels,
+// with random weights. The number of instructions does not depend on the values of weights or pixels.
 //   count_light [ISA [WIDTH HEIGHT]]
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,6 @@
-// What is counted of the sand's own shadow: textures of 128 x 128 of a heap of 24,000 grains, on the floor and on the
-// sand, each from its light to its last unit (and its hash), with the light 20, 45 and 65 degrees from the zenith.
+// The workload on which the sand's own shadow is counted: textures of 128 x 128 texels of a pile of 24,000 grains, on
+// the floor and on the sand, with the light 20, 45 and 65 degrees from the zenith. Each is counted from the new light
+// to the last unit, with its hash.
 //   count_pile [ISA]
 #include <cstdint>
 #include <cstdio>
@@ -20,7 +21,7 @@ int main(int argument_count, char** arguments) {
   sandglass_pile_shadow_desc desc;
   sandglass_pile_shadow_desc_default(&desc);
   desc.isa = argument_count > 1 ? std::atoi(arguments[1]) : SANDGLASS_ISA_AUTOMATIC;
-  // A cone, filled evenly: x and z over its foot, y below its surface.
+  // A cone that is filled evenly: x and z lie over its foot, y below its surface.
   std::vector<float> grains;
   uint32_t state = 1;
   const auto unit = [&state] {

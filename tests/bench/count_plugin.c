@@ -1,13 +1,13 @@
-/* A plugin of QEMU's translator that counts executed guest instructions per function, exactly and repeatably: the same program
- * gives the same numbers on every machine, however busy. It says nothing about time, only about work.
+/* A plugin of QEMU's translator that counts the executed guest instructions of each function. The counts are exact: the
+ * same program gives the same numbers on every machine, however busy. They measure work, not time.
  *
  *   qemu-aarch64 -plugin count_plugin.so,out=FILE PROGRAM
  *
  * Counting starts over when the program enters a function named counting_begins, and the counts are written, one line
  * `instructions function` each, when it enters counting_ends.
  *
- * Distributions ship qemu-user without qemu-plugin.h; the few functions used are declared here, after the interface's
- * documentation (version 1, QEMU 4.2 to 8). */
+ * Distributions ship qemu-user without qemu-plugin.h. The few functions that are used are declared here, as the
+ * interface's documentation describes them (version 1, QEMU 4.2 to 8). */
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -34,7 +34,7 @@ void qemu_plugin_register_vcpu_insn_exec_cb(struct qemu_plugin_insn* instruction
 
 EXPORT int qemu_plugin_version = 1;
 
-/* A counter a function. Their addresses are in translated code, so they never move. */
+/* One counter for each function. Translated code has their addresses, so they never move. */
 enum { k_functions_max = 4096 };
 static struct {
   char* name;
@@ -77,7 +77,7 @@ static void end(unsigned int processor, void* user) {
   fclose(file);
 }
 
-/* One addition for every run of instructions of one function within a block. */
+/* Adds once for each run of instructions of one function within a block. */
 static void translate(qemu_plugin_id_t id, struct qemu_plugin_tb* block) {
   const size_t n = qemu_plugin_tb_n_insns(block);
   size_t from = 0;

@@ -1,5 +1,5 @@
-// What is counted of the shadows: one texture of a baked file, adaptive as in an app, from its light to its last unit.
-// Prints how many texels the network was asked for.
+// The workload on which shadows are counted: one texture of a baked file, adaptive as in an app, from the new light to
+// the last unit. Prints for how many texels the network was evaluated.
 //   count_shadow FILE [ISA]
 #include <cstdint>
 #include <cstdio>

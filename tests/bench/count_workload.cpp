@@ -1,6 +1,6 @@
-// What is counted: the scene that a phone needs (PEERS 1), 1.5 K particles that carry 25 K grains, collapsing on a
-// floor beside a box, every frame with all of its work. Prints how many items the kernels went through between the two
-// marks.
+// The workload on which sand is counted: a scene of the size for phones, 1,500 particles that carry 25,000 grains. It
+// collapses on a floor beside a box; every frame does all of its work. Prints how many items the kernels processed
+// between the two marks.
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -15,7 +15,7 @@ __attribute__((noinline)) void counting_ends() { __asm__ volatile(""); }
 
 namespace {
 
-constexpr int k_settling_frames = 6;  // the lattice has become a heap in motion: contacts as they are in use
+constexpr int k_settling_frames = 6;  // after them the lattice is a moving pile, with contacts as in use
 constexpr int k_counted_frames = 4;
 
 int fail(const sandglass::Status& status) { return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1; }
@@ -34,7 +34,7 @@ int main(int argument_count, char** arguments) {
   const auto everywhere = [](const float*) { return true; };
   sandglass::Status status = sandglass::sample_lattice(box, 2.02f * r, everywhere, &particles);
   if (!status) return fail(status);
-  // Grains on a lattice of their own, about sixteen a particle, each shifted by a fixed fraction of its cell.
+  // Grains on a lattice of their own, about sixteen for each particle, each shifted by a fraction of its cell.
   const float edge = 0.0068f;
   uint32_t random = 1;
   for (float y = r; y < 0.21f; y += edge) {

@@ -1,5 +1,5 @@
-// What a CPU model offers and which tables of kernels are chosen for it: one line, compared by dispatch.sh. With the
-// argument `sdot` it executes one dot-product instruction instead: the control, which must die of SIGILL where the
+// Prints in one line what a CPU model offers and which tables of kernels are chosen for it; dispatch.sh compares the
+// line. The argument `sdot` is the control: it executes one dot-product instruction, which must end in SIGILL where the
 // model has none.
 #include <cstdio>
 #include <cstring>

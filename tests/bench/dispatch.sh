@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# One emulated CPU model: what the library sees, which tables it chooses, what it gives or refuses to an app that asks by name, and,
-# counted by the plugin, which kernels then ran.
+# Tests one emulated CPU model: what the library sees, which tables it chooses, what an app gets or is refused that asks
+# by name, and, counted by the plugin, which kernels then ran.
 #   dispatch.sh MODEL "EXPECTED LINE" PLUGIN PROGRAMS_FOLDER SHADOW_FILE KERNELS_INC EMULATOR...
 # An illegal instruction anywhere ends the emulator with SIGILL, which is a failure.
 set -euo pipefail
@@ -12,13 +12,14 @@ found=$("${emulator[@]}" "$programs/dispatch")
 echo "$model: $found"
 [[ $found == "$expected" ]] || { echo "expected: $expected"; exit 1; }
 
-# The control: this model has dot products exactly when it says so.
+# The control: this model executes dot products only if it says that it has them.
 status=0
 "${emulator[@]}" "$programs/dispatch" sdot >/dev/null 2>&1 || status=$?
 if [[ $found == *'dotprod 1'* ]]; then expected_status=0; else expected_status=$((128 + 4)); fi
 ((status == expected_status)) || { echo "an SDOT ended with $status, not $expected_status"; exit 1; }
 
-# Asked for by name: sand takes the NEON table, shadow and light their own, to the same bits; what the CPU lacks is refused.
+# Asked by name, sand gets the NEON table, shadow and light get their own, all with the same bits. What the CPU lacks is
+# refused.
 expected_choice='scalar sand scalar shadow scalar light scalar'
 expected_choice+=$'\nneon sand neon shadow neon light neon'
 for feature in dotprod i8mm; do
@@ -29,7 +30,8 @@ choice=$("${emulator[@]}" "$programs/choice" "$file") || { echo "$choice"; exit 
 echo "$choice"
 [[ $choice == "$expected_choice" ]] || { echo "expected: $expected_choice"; exit 1; }
 
-# The kernels that ran, by name: of a whole frame, of every float kernel by itself, of a shadow's texture and of the light's network.
+# The names of the kernels that ran: in a whole frame, in every float kernel's own workload, in a shadow's texture and
+# in the light's network.
 counts=$(mktemp)
 trap 'rm -f "$counts"' EXIT
 # ran_only PATTERN NAMESPACE KERNELS PROGRAM...

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Every kernel of every ARM table has a line in a baseline, so that its growth is seen.
+"""Checks that every kernel of every ARM table has a line in a baseline, so that its growth is noticed.
 
     every_kernel_counted.py KERNELS_FOLDER BASELINES_FOLDER
 
-The float kernels are those of kernels.inc; those of bytes the members of Int8Kernels, wanted for NEON, SDOT and SMMLA each.
+The float kernels are those of kernels.inc. The kernels of bytes are the members of Int8Kernels, each for NEON, SDOT and SMMLA.
 """
 import pathlib
 import re
 import sys
 
-AT_START = {"pack_layer"}  # runs once, when a file is opened: no frame waits for it
+AT_START = {"pack_layer"}  # runs once when a file is opened, in no frame
 
 
 def lines_of(folder, pattern):

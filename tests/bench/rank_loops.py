@@ -3,10 +3,10 @@
 
     rank_loops.py OBJECT FUNCTION [--objdump aarch64-linux-gnu-objdump] [--mca llvm-mca-19]
 
-An inner loop is the straight run of instructions from the target of a backward branch to that branch. Predictions of this tool have
-been 0.45 to 1.7 times the truth, several ARM names share one model, and branches inside a loop count as fallen through: use them to
-choose between two versions of a loop, never as a time. A function that the object lacks, one without such a loop, and a tool that
-fails end with a sentence and exit code 2.
+An inner loop is the straight run of instructions from the target of a backward branch to that branch. Use the predictions to choose
+between two versions of a loop, never as a time: they have been 0.45 to 1.7 times the truth, several ARM names share one model, and
+branches inside a loop count as not taken. If the object lacks the function, the function has no such loop, or a tool fails, the
+program ends with a sentence and exit code 2.
 """
 import argparse
 import re
@@ -58,7 +58,7 @@ def inner_loops(code):
 
 
 def cycles(arguments, body, core):
-    # Branches become no-operations: the model is of one pass through the straight line.
+    # Branches become no-operations, because one pass straight through the loop is modelled.
     lines = [re.sub(r"^(b\.\w+|cbn?z|tbn?z|b|bl)\s.*", "nop", re.sub(r"<[^>]*>", "", text)) for _, text in body]
     lines = [re.sub(r"^(adrp\s+\w+,).*", r"\1 0", text) for text in lines]
     command = [arguments.mca, "--mtriple=aarch64", f"--mcpu={core}", f"--iterations={ITERATIONS}", "--resource-pressure=false",

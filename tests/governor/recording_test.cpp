@@ -1,7 +1,7 @@
 // A recording is read back as it was written, and all other bytes are refused: every truncation, every value of every
 // byte, records dropped, doubled and swapped, wrong lengths. The reader gets heap blocks of the exact size, so that the
 // address sanitizer notices any byte read too far.
-#include "models/host/recording.h"
+#include "models/simulation/recording.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@
 #include <memory>
 
 #include "fake_scene.h"
-#include "models/host/failure.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {
@@ -88,7 +88,7 @@ TEST(Recording, EveryTruncationIsRefusedWithASentence) {
     Recording back;
     std::string error;
     ASSERT_FALSE(decodes({bytes.begin(), bytes.begin() + static_cast<long>(length)}, &back, &error)) << length;
-    ASSERT_NE(error.find("; "), std::string::npos) << error;  // says what is wrong, then what to do
+    ASSERT_NE(error.find(". "), std::string::npos) << error;  // says what is wrong, then what to do
     ASSERT_TRUE(same(back, {})) << "a failed read changed the result";
   }
 }

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "models/host/mesh/generated.h"
+#include "models/mesh/generated.h"
 #include "tests/granular/box_points.h"
 #include "tests/granular/granular_scene.h"
 

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "models/host/mesh/mesh.h"
+#include "models/mesh/mesh.h"
 #include "sandglass/sandglass.h"
 
 struct MeshCollider {

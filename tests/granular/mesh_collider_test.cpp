@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/host/mesh/generated.h"
+#include "models/mesh/generated.h"
 #include "tests/granular/granular_scene.h"
 #include "tests/granular/mesh_collider.h"
 

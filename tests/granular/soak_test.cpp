@@ -14,9 +14,9 @@
 #include <filesystem>
 #include <string>
 
-#include "models/host/atomic_file.h"
-#include "models/host/mesh/generated.h"
-#include "models/host/progress.h"
+#include "models/files/atomic_file.h"
+#include "models/mesh/generated.h"
+#include "models/work/progress.h"
 #include "tests/granular/granular_scene.h"
 #include "tests/granular/mesh_collider.h"
 

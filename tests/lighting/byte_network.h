@@ -1,5 +1,5 @@
-// The lighting network's file run naively, as asset/light.fbs describes it: one sum after another, in integers, or in
-// double without any rounding. Shares nothing with the runtime.
+// Runs the lighting network's file naively, as asset/light.fbs describes it: one sum after another, in integers, or in
+// double without any rounding. Shares no code with the runtime.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace sandglass::tests {
 
-// Value: uint8_t or double.
+// Value is uint8_t or double.
 template <class Value>
 struct Map {
   int width, height, channels;
@@ -34,13 +34,13 @@ using ByteMap = Map<uint8_t>;
 inline double requantised(double sum, float multiplier) {
   return std::clamp(sum * static_cast<double>(multiplier), 0.0, 255.0);
 }
-// One rounding for the conversion, one for the product, then to nearest even.
+// The conversion and the product are rounded once each, then the result is rounded to nearest even.
 inline uint8_t requantised(int64_t sum, float multiplier) {
   const float scaled = static_cast<float>(sum) * multiplier;
   return static_cast<uint8_t>(std::nearbyint(std::fmin(std::fmax(static_cast<double>(scaled), 0.0), 255.0)));
 }
 
-// size x size, `step` pixels apart; beyond the edge lies `border` (of channel c: border[c % 3]).
+// Windows of size x size, `step` pixels apart. Beyond the edge channel c has the value border[c % 3].
 template <class Value>
 Map<Value> convolved(const host::ByteConvolution& c, const Map<Value>& in, int size, int step, const uint8_t* border) {
   using Sum = std::conditional_t<std::is_same_v<Value, double>, double, int64_t>;
@@ -111,7 +111,7 @@ Map<Value> pooled(const Map<Value>& in) {
   return out;
 }
 
-// What the average is taken of: the 1024 channels, clamped.
+// The 1024 channels, clamped, of which the average is taken.
 template <class Value>
 Map<Value> last_map(const host::LightFile& file, const std::vector<uint8_t>& rgb, int width, int height) {
   constexpr int k_layers[4] = {6, 12, 24, 16};

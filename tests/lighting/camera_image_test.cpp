@@ -1,4 +1,5 @@
-// The network's input against a double-precision camera model that knows nothing of boxes per axis: it turns rays.
+// The network's input against a camera model in double that turns rays, and so shares no method with the library's
+// boxes per axis.
 #include "runtime/light/camera_image.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-#include "models/lighting/excerpt.h"
+#include "models/rooms/excerpt.h"
 #include "runtime/core/random.h"
 
 namespace sandglass {
@@ -54,11 +55,12 @@ struct Camera {
   }
 };
 
-// Mean over the box around the projected ray, with real weights.
+// The mean over the box around the projected ray, with real weights.
 double reference(const Camera& camera, int i, int j, int c) {
   const CameraImage& m = camera.image;
   const double x = (i - 127.5) / k_light_focal, y = (j - 95.5) / k_light_focal;
-  const double turn = m.turn_deg * std::numbers::pi / 180.0;  // stored to upright, clockwise on the screen
+  // From the stored to the upright image, clockwise on the screen.
+  const double turn = m.turn_deg * std::numbers::pi / 180.0;
   const double sx = std::cos(turn) * x + std::sin(turn) * y, sy = -std::sin(turn) * x + std::cos(turn) * y;
   const double u = m.focal_x * sx + m.centre_x, v = m.focal_y * sy + m.centre_y;
   const double half_u = 0.5 * std::max(1.0, m.focal_x / k_light_focal);
@@ -92,7 +94,7 @@ TEST(CameraImage, TheNetworksOwnCameraIsCopied) {
   const std::vector<uint8_t> rgb = camera.resampled();
   int wrong = 0;
   for (size_t i = 0; i < k_bytes; ++i) wrong += std::abs(rgb[i] - camera.bytes[0][i]) > 1 ? 1 : 0;
-  EXPECT_EQ(wrong, 0);  // one step, where the float focal length moves a pixel's edge by 1/256
+  EXPECT_EQ(wrong, 0);  // the float focal length may move a pixel's edge by 1/256, which is one step
 }
 
 TEST(CameraImage, AgreesWithTheDoubleModelForEveryTurnAndSize) {
@@ -108,12 +110,14 @@ TEST(CameraImage, AgreesWithTheDoubleModelForEveryTurnAndSize) {
             for (int c = 0; c < 3; ++c)
               worst = std::max(worst,
                                std::fabs(reference(camera, i, j, c) - rgb[static_cast<size_t>(3 * (j * 256 + i) + c)]));
-        // Half a step of rounding, and edges rounded to 1/256 pixel: at most 255/256 a side of a box one pixel wide.
+        // Half a step of rounding, and edges that are rounded to 1/256 pixel: at most 255/256 on each side of a box
+        // that is one pixel wide.
         EXPECT_LE(worst, 0.5 + 2.0 * 255.0 / 256.0) << width << " x " << height << ", turned by " << turn;
       }
 }
 
-// What the camera sees of a panorama, resampled, is what the data set's camera sees of it: pixels mean the same ray.
+// The resampled image of a camera in a panorama equals that of the data set's camera: a pixel means the same ray in
+// both.
 TEST(CameraImage, SeesAPanoramaAsTheDataSetDoes) {
   host::RadianceMap panorama(512, 256);
   for (int v = 0; v < 256; ++v)
@@ -198,7 +202,7 @@ TEST(CameraImage, YuvLayoutsOfOnePictureAgreeAndPaddingIsNotRead) {
   }
 }
 
-// Grey ramps in luma and chroma that are the same picture stay so: chroma samples lie between pairs of luma samples.
+// Luma and chroma ramps that are in step stay in step: chroma samples lie between pairs of luma samples.
 TEST(CameraImage, ChromaIsNotShifted) {
   Camera camera(SANDGLASS_CAMERA_I420, 256, 192, 0, 1);
   camera.image.focal_x = camera.image.focal_y = static_cast<float>(k_light_focal);
@@ -209,7 +213,7 @@ TEST(CameraImage, ChromaIsNotShifted) {
     for (size_t x = 0; x < 128; ++x) camera.bytes[2][y * 128 + x] = static_cast<uint8_t>(88 + x / 2);  // V along x
   const std::vector<uint8_t> rgb = camera.resampled();
   for (int x = 8; x < 248; ++x) {
-    const double v = 88 + ((x - 0.5) / 2.0 - 0.5) / 2.0;  // steps of one every four pixels, about their middle
+    const double v = 88 + ((x - 0.5) / 2.0 - 0.5) / 2.0;  // a step of 1 every four pixels, about their middle
     EXPECT_NEAR(rgb[static_cast<size_t>(3 * (90 * 256 + x))], 128 + 1.402 * (v - 128), 1.6) << x;
   }
 }
@@ -232,8 +236,8 @@ TEST(CameraImage, BlocksInAnyOrderAreTheWhole) {
     }
 }
 
-// The bound of a unit at every size, format, focal length and turn that is accepted: it reads no more than it may, the
-// blocks cover every pixel of the output once, and where an image is small enough they are whole rows as ever.
+// The bound of a unit at every size, format, focal length and turn that is accepted. A block reads no more than it may,
+// the blocks cover every pixel of the output once, and for an image that is small enough they are whole rows.
 TEST(CameraImage, NoBlockReadsMoreThanItMay) {
   Random random = random_stream(31, 2);
   for (int trial = 0; trial < 4000; ++trial) {
@@ -248,14 +252,14 @@ TEST(CameraImage, NoBlockReadsMoreThanItMay) {
     image.turn_deg = 90 * random.below(4);
     const CameraBlocks blocks = camera_blocks(image);
     const CameraBlock whole = whole_camera_block(image);
-    // Bytes, for each output pixel those of a box's rows and columns; a row reads no more columns than there are.
+    // In bytes: each output pixel reads the rows and columns of a box, and a row has no more columns than the image.
     const bool rgb = image.format == SANDGLASS_CAMERA_RGB, rgba = image.format == SANDGLASS_CAMERA_RGBA;
     const double pixel = rgb ? 3.0 : rgba ? 4.0 : 2.0;
     const double down = std::clamp(image.focal_y / k_light_focal, 1.0, 16.0) + 1.0;
     const double across = std::clamp(image.focal_x / k_light_focal, 1.0, 1024.0) + 1.0;
     const double reads = pixel * blocks.rows * down * std::min<double>(image.width, blocks.columns * across);
     ASSERT_LE(reads, 256.0 * 1024.0 * (1.0 + 1.0 / 2.0))
-        << "half as much again for the parts of pixels at boxes' edges";
+        << "the limit has half as much again, for the parts of pixels at the edges of boxes";
     ASSERT_LE(blocks.bytes, k_camera_block_bytes);
     if (pixel * image.width * down <= 256.0 * 1024.0) {
       ASSERT_EQ(blocks.columns, whole.columns);
@@ -281,7 +285,7 @@ TEST(CameraImage, BeyondTheCamerasViewIsTheEdgesColour) {
     EXPECT_EQ(rgb[static_cast<size_t>(c)], camera.channel(0, 0, c));
     EXPECT_EQ(rgb[k_bytes - 3 + static_cast<size_t>(c)], camera.channel(63, 47, c));
   }
-  camera.image.centre_x = 9e5f, camera.image.centre_y = -9e5f;  // looks past the image altogether
+  camera.image.centre_x = 9e5f, camera.image.centre_y = -9e5f;  // looks past the whole image
   const std::vector<uint8_t> beside = camera.resampled();
   for (size_t i = 0; i < k_bytes; ++i) ASSERT_EQ(beside[i], camera.channel(63, 0, static_cast<int>(i % 3)));
 }

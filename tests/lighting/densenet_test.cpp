@@ -1,5 +1,5 @@
-// The import of the pretrained network against the outputs of an independent forward pass that lie beside it, and .npz
-// files that are damaged.
+// The import of the pretrained network, against the outputs of an independent forward pass that lie beside it. Damaged
+// .npz files are refused.
 #include "models/lighting/densenet.h"
 
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "models/host/atomic_file.h"
-#include "models/host/failure.h"
+#include "models/files/atomic_file.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {
@@ -21,7 +21,7 @@ std::string pretrained(const char* file) {
   return std::filesystem::exists(path) ? path : "";
 }
 
-// The first 600 bytes of such a file, by hand: a stored zip with the arrays a (2 floats) and b (3 bytes).
+// A small file of this kind, written by hand: an uncompressed zip with the arrays a (2 floats) and b (3 bytes).
 std::string small_npz() {
   const auto little = [](uint32_t value, int bytes) {
     std::string text;
@@ -103,7 +103,7 @@ TEST_F(Npz, OtherWeightsAreRefusedByName) {
 TEST(DenseNetImport, ReproducesTheReferenceOutputs) {
   const std::string weights = pretrained("densenet121_imagenet_keras_fp32.npz");
   if (weights.empty()) GTEST_SKIP() << "SANDGLASS_DATA_DIR is not set, or has no pretrained network";
-  if (SANDGLASS_EMULATED) GTEST_SKIP() << "minutes under emulation";
+  if (SANDGLASS_EMULATED) GTEST_SKIP() << "it takes minutes under emulation";
   const DenseNet net = densenet_of(read_npz(weights));
   EXPECT_NEAR(static_cast<double>(multiplications_of(net, 256, 192)), 2.549e9, 0.001e9);
   const auto truth = read_npz(pretrained("densenet121_reference_outputs.npz"));

@@ -1,9 +1,9 @@
-// The bytes of data sets' images as the host reads them, one image after another: what PyTorch is given, so that both
-// see the same.
+// Writes the bytes of data sets' images as the host reads them, one image after another. PyTorch gets these bytes, so
+// that both see the same.
 #include <cstdio>
 #include <exception>
 
-#include "models/lighting/picture_file.h"
+#include "models/files/picture_file.h"
 
 int main(int count, char** arguments) try {
   for (int i = 1; i < count; ++i) {

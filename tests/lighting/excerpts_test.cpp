@@ -1,5 +1,5 @@
-// The network that is shipped, on images: 56 excerpts of seven made-up rooms that it was neither trained nor calibrated
-// on, beside what PyTorch says of them with the float weights that the bytes were made of (models/lighting/excerpts,
+// The shipped network on images: 56 excerpts of seven made-up rooms on which it was neither trained nor calibrated. The
+// truth is PyTorch's output with the float weights from which the bytes were made (models/lighting/excerpts,
 // float_network.py).
 #include <gtest/gtest.h>
 
@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "models/host/atomic_file.h"
-#include "models/host/npz.h"
+#include "models/files/atomic_file.h"
+#include "models/files/npz.h"
 #include "models/lighting/excerpts.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
@@ -43,20 +43,20 @@ TEST(Excerpts, TheShippedBytesSayWhatPyTorchSaysInFloat) {
   EXPECT_LE(found.angle_deg, 1.0);
   EXPECT_LE(found.other, 0.01);
   std::printf("bytes against float on %zu excerpts: median %.3f deg, %.4f\n", all.size(), found.angle_deg, found.other);
-  // The control: a network that says of each image what PyTorch says of the next is past both limits.
+  // The control: outputs that belong to the next image are beyond both limits.
   std::rotate(bytes.begin(), bytes.begin() + 1, bytes.end());
   const LightDifference shifted = median_difference(bytes, floats);
   EXPECT_GT(shifted.angle_deg, 2.0);
   EXPECT_GT(shifted.other, 0.02);
 }
 
-// The heads are in the file in float, as PyTorch has them: the table was made with the weights of this very file.
+// The file has the heads in float, as PyTorch has them: the table was made with the weights of this file.
 TEST(Excerpts, TheHeadsOfTheShippedBytesAreThoseOfTheFloatNetwork) {
   const auto arrays = read_npz(k_folder + "/heads.npz");
   const std::vector<float>&spread = arrays.at("spread").values, &bias = arrays.at("bias").values;
   LightRunner runner(shipped(), "room.light");
   const LightAsset& asset = runner.asset();
-  constexpr size_t k_copies = 16;  // of each regression among the latent units
+  constexpr size_t k_copies = 16;  // copies of each regression among the latent units
   for (size_t o = 0; o < k_heads; ++o) {
     EXPECT_EQ(asset.heads_bias[o], bias[o]);
     for (size_t i = 0; i < k_latent; ++i)
@@ -64,7 +64,7 @@ TEST(Excerpts, TheHeadsOfTheShippedBytesAreThoseOfTheFloatNetwork) {
   }
 }
 
-// By float_network.sh, which makes the weights.
+// Run by float_network.sh, which makes the weights.
 TEST(Excerpts, TheFloatNetworkInCppIsPyTorchs) {
   const char* weights = std::getenv("SANDGLASS_FLOAT_WEIGHTS");
   if (weights == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_WEIGHTS is not set to what float_network.py wrote";

@@ -1,12 +1,12 @@
-// Panoramas as OpenEXR, written here by the library itself in the compressions that Blender and cameras use.
+// Panoramas as OpenEXR files, which the OpenEXR library writes here with the compressions that Blender and cameras use.
 #include <ImfArray.h>
 #include <ImfRgbaFile.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "models/host/failure.h"
-#include "models/lighting/panorama_file.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

@@ -1,5 +1,5 @@
-// The temporal filter against the law that the header states: its step response in numbers, what it holds off, and
-// what it lets through.
+// The temporal filter against the law that the header states: its step response in numbers, what it rejects, and what
+// it accepts.
 #include "runtime/light/filter.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ LightFilter default_filter() {
   return filter;
 }
 
-// A light in the x-y plane, `degrees` from the x axis.
+// A light in the x-y plane at an angle of `degrees` from the x axis.
 LightSample at(double degrees, double level = 0.5) {
   LightSample s = {{std::cos(degrees * k_degree), std::sin(degrees * k_degree), 0.0}, {}};
   for (double& x : s.levels) x = level;
@@ -43,7 +43,8 @@ TEST(LightFilter, TheFirstEstimateIsTakenWhole) {
   EXPECT_NEAR(light_filter_confidence(f), 0.5, 1e-15);
 }
 
-// a = 0.25 / (0.4 + 0.25) = 5/13 of the angle, at most 120 degrees a second: 30 in a quarter of one.
+// Each estimate moves the light by a = 0.25 / (0.4 + 0.25) = 5/13 of the angle, at most by 120 degrees a second, which
+// is 30 in a quarter of a second.
 TEST(LightFilter, StepResponseIsTheDocumentedOne) {
   LightFilter f = default_filter();
   uint64_t t = 1'000'000'000;
@@ -56,18 +57,18 @@ TEST(LightFilter, StepResponseIsTheDocumentedOne) {
   double expected = 0.0;
   for (size_t i = 0; i < angles.size(); ++i) {
     if (i > 0) expected += std::min(30.0, (90.0 - expected) * 5.0 / 13.0);
-    EXPECT_NEAR(angles[i], expected, 1e-5) << i;  // the law's numbers are floats
+    EXPECT_NEAR(angles[i], expected, 1e-5) << i;  // the law is computed in floats
   }
-  EXPECT_EQ(angles[0], 0.0);   // held off
-  EXPECT_LT(angles[1], 45.0);  // half way with the third estimate,
+  EXPECT_EQ(angles[0], 0.0);   // rejected
+  EXPECT_LT(angles[1], 45.0);  // half way with the third estimate
   EXPECT_GE(angles[2], 45.0);
   EXPECT_LT(angles[4], 81.0);  // 90 % with the sixth: 1.25 s after the first
   EXPECT_GE(angles[5], 81.0);
   for (size_t i = 1; i < angles.size(); ++i) EXPECT_LT(angles[i], 90.0);
-  EXPECT_EQ(f.held_off, 1u);
+  EXPECT_EQ(f.rejected, 1u);
 }
 
-// The answer depends on time, not on how often it is asked: twice the rate, the same state after the same time.
+// The state depends on time and not on the rate of estimates: at twice the rate it is the same after the same time.
 TEST(LightFilter, FollowsASlowLightWithABoundedLag) {
   for (const uint64_t period : {k_period_ns, k_period_ns / 2}) {
     LightFilter f = default_filter();
@@ -78,7 +79,7 @@ TEST(LightFilter, FollowsASlowLightWithABoundedLag) {
       light_filter_take(&f, at(now), t + 1);
       lag = now - azimuth(f);
     }
-    EXPECT_NEAR(lag, rate * 0.4, 0.1);  // that of a first-order filter: smoothing x rate
+    EXPECT_NEAR(lag, rate * 0.4, 0.1);  // the lag of a first-order filter: smoothing x rate
   }
 }
 
@@ -94,7 +95,7 @@ TEST(LightFilter, ASingleOutlierChangesNothing) {
     EXPECT_TRUE(light_filter_take(&f, at(20.0), t += k_period_ns));
   }
   EXPECT_NEAR(azimuth(f), 20.0, 1e-9);
-  EXPECT_EQ(f.held_off, 2u);
+  EXPECT_EQ(f.rejected, 2u);
 }
 
 // The control: without the gate the same outlier moves the light by 30 degrees.
@@ -107,7 +108,7 @@ TEST(LightFilter, WithoutTheGateAnOutlierMovesTheLight) {
   EXPECT_NEAR(azimuth(f), 50.0, 1e-5);
 }
 
-// Outliers that do not agree with each other are believed at the third in a row: the filter never locks up.
+// Outliers that do not agree with each other are accepted at the third in a row, so the filter never locks up.
 TEST(LightFilter, DisagreementDoesNotLockItUp) {
   LightFilter f = default_filter();
   uint64_t t = 0;
@@ -117,7 +118,8 @@ TEST(LightFilter, DisagreementDoesNotLockItUp) {
   EXPECT_TRUE(light_filter_take(&f, at(120.0), t += k_period_ns));
 }
 
-// White noise of 15 degrees, 5000 estimates: the deviation of a first-order filter is sqrt(a / (2 - a)) of the input's.
+// 5000 estimates with white noise of 15 degrees. The deviation after a first-order filter is sqrt(a / (2 - a)) times
+// that of the input.
 TEST(LightFilter, NoiseShrinksAsThatOfAFirstOrderFilter) {
   LightFilter f = default_filter();
   f.law.outlier_angle = std::numbers::pi, f.law.turn_limit = 1e6;

@@ -1,4 +1,5 @@
-# Sourced: `python` becomes a Python that has what the training script needs; without one the test is skipped, code 77.
+# To be sourced. Sets `python` to a Python that has what the training script needs; without one the test is skipped with
+# exit code 77.
 export OMP_NUM_THREADS=1
 python=
 for candidate in python3 /usr/bin/python3; do

@@ -1,5 +1,5 @@
-// A random float network, and its features naively in double: max(0, scale x + shift) and one sum after another, as
-// trained. Shares nothing with the file's clamps.
+// A random float network, and its features computed naively in double, as in training: max(0, scale x + shift) and one
+// sum after another. Does not use the clamps of the file.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,18 +10,18 @@
 #include <cstdio>
 #include <vector>
 
-#include "models/host/random.h"
 #include "models/lighting/float_parameters.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
+#include "models/work/random.h"
 #include "tests/lighting/byte_network.h"
 
 namespace sandglass::tests {
 
-// Maps far beyond a byte's 255; normalisations of either sign; a few channels have none, or next to none, so that what
-// they say is constant.
+// The values of maps go far beyond a byte's 255. Normalisations have either sign; those of a few channels are zero or
+// nearly so, which makes the channels constant.
 inline host::LightNet random_light_net(uint64_t seed) {
-  constexpr double k_maps = 300;  // size of what lies in maps and bottlenecks; behind a normalisation 1
+  constexpr double k_maps = 300;  // size of values in maps and bottlenecks; behind a normalisation it is 1
   host::Random random = {seed};
   const auto uniform = [&](double from, double to) { return static_cast<float>(from + (to - from) * random.unit()); };
   const auto numbers = [&](int count, double most) {
@@ -114,7 +114,7 @@ inline std::vector<double> double_features(const host::DenseNet& net, const std:
   return features;
 }
 
-// The network in float beside bytes of another one, which a back end in float must not read.
+// The float network, beside the bytes of another network, which a back end in float must not read.
 inline host::LightFile float_file(const host::LightNet& net) {
   host::LightFile file = host::random_light_file(7);
   file.float_parameters = host::float_parameters(net);
@@ -130,7 +130,7 @@ inline host::LightValues values_of(const LightOutputs& out) {
           out.light[2],     out.ambient[0],   out.ambient[1],   out.ambient[2], out.contrast};
 }
 
-// XNNPACK on a file with float parameters: the float network to 1e-3, features and what the heads make of them.
+// XNNPACK on a file with float parameters gives the float network's features and heads to within 1e-3.
 inline void expect_float_network(const std::vector<uint8_t>& rgb, uint32_t width, uint32_t height) {
   const host::LightNet net = random_light_net(5);
   host::LightRunner runner(host::light_file_bytes(float_file(net)), "random", SANDGLASS_ISA_AUTOMATIC, width, height,
@@ -148,7 +148,7 @@ inline void expect_float_network(const std::vector<uint8_t>& rgb, uint32_t width
     worst_value = std::max(worst_value, static_cast<double>(std::fabs(values[i] - expected[i])));
   EXPECT_LE(worst, 1e-3);
   EXPECT_LE(worst_value, 1e-3);
-  EXPECT_GT(greatest, 1.0) << "features that say something";
+  EXPECT_GT(greatest, 1.0) << "the features must not all be small";
   std::printf("features off by %.2g of %.3g, outputs by %.2g\n", worst, greatest, worst_value);
 }
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# float_network.sh NETWORK_TESTS EXCERPT_PIXELS SOURCE_DIR [XNNPACK_TESTS]: the float network behind the shipped bytes is rebuilt; PyTorch
-# says of the excerpts what the table beside them says, and the plain float network in C++ does too; so does the runtime, by XNNPACK in
-# float from a file that carries the network. Exit code 77: no data folder, which has the pretrained weights; no PyTorch, or another.
+# float_network.sh NETWORK_TESTS EXCERPT_PIXELS SOURCE_DIR [XNNPACK_TESTS]: rebuilds the float network from which the
+# shipped bytes were made. Its outputs for the excerpts must be those of the table beside them: by PyTorch, by the plain
+# float network in C++, and by the runtime, with XNNPACK in float on a file that has the network. Exit code 77: there is
+# no data folder with the pretrained weights, no PyTorch, or another one.
 set -euo pipefail
 tests=$1 pixels=$2 models=$3/models/lighting
 pretrained=${SANDGLASS_DATA_DIR:-}/pretrained/densenet121_imagenet_keras_fp32.npz

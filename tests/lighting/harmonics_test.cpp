@@ -1,5 +1,5 @@
 // Harmonics and renderers against numerical integration of the light model in double, and against the formulas that
-// Filament, SceneKit and Unity evaluate, written out here.
+// Filament, SceneKit and Unity evaluate, which are written here.
 #include "runtime/light/harmonics.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "models/lighting/labels.h"
-#include "models/lighting/panorama.h"
+#include "models/rooms/panorama.h"
 
 namespace sandglass {
 namespace {
@@ -57,7 +57,7 @@ double irradiance_facing_gaussian() {
   return sum;
 }
 
-// Radiance of a model from a direction, one colour: what the header says in words.
+// The radiance of a model from a direction, in one colour, as the header describes it in words.
 double radiance(const sandglass_light_estimate& e, sandglass_light_model model, Vec3 from, int colour) {
   const double a = e.ambient[colour], c = e.light[colour], g = gaussian(host::dot(towards(e), from));
   if (model == SANDGLASS_LIGHT_MODEL_AMBIENT) return a;
@@ -66,7 +66,7 @@ double radiance(const sandglass_light_estimate& e, sandglass_light_model model, 
   return a + k_height * e.strength * c * g;
 }
 
-// Over the sphere, in rings of equal height: exact for the low harmonics.
+// The integral over the sphere, in rings of equal height: exact for the low harmonics.
 template <class Function>
 void integrate(Function&& add) {
   constexpr int k_rings = 400, k_around = 800;
@@ -110,7 +110,7 @@ TEST(Harmonics, AreTheIntegralsOfTheModelOverTheSphere) {
     }
 }
 
-// PICTURE is the map that `sandglass light` draws.
+// The model PICTURE is the map that `sandglass light` draws.
 TEST(Harmonics, PictureIsTheEnvironmentMapOfTheSource) {
   const sandglass_light_estimate e = estimate_of(k_directions[0]);
   host::LightLabels labels = {};
@@ -124,7 +124,7 @@ TEST(Harmonics, PictureIsTheEnvironmentMapOfTheSource) {
                     radiance(e, SANDGLASS_LIGHT_MODEL_PICTURE, host::panorama_direction(u, v, 128, 64), c), 1e-6);
 }
 
-// What a surface with this normal receives from the model, over pi.
+// The irradiance of a surface with this normal by the model, divided by pi.
 double diffuse(const sandglass_light_estimate& e, sandglass_light_model model, Vec3 normal, int colour) {
   double sum = 0.0;
   integrate([&](Vec3 v, double omega) {
@@ -133,14 +133,14 @@ double diffuse(const sandglass_light_estimate& e, sandglass_light_model model, V
   return sum / std::numbers::pi;
 }
 
-// The directional light of the header and the lobe of WHOLE give a facing surface the same.
+// The header's directional light and the lobe of WHOLE give a surface that faces them the same irradiance.
 TEST(Harmonics, WholeGivesAFacingSurfaceWhatTheDirectionalLightGives) {
   const sandglass_light_estimate e = estimate_of(k_directions[0]);
   for (int c = 0; c < 3; ++c)
     EXPECT_NEAR(diffuse(e, SANDGLASS_LIGHT_MODEL_WHOLE, towards(e), c), e.ambient[c] + e.strength * e.light[c], 1e-3);
 }
 
-// The share of the directional light in what the level floor receives is the contrast: the rule that defines strength.
+// The rule that defines strength: the directional light's share of the level floor's irradiance is the contrast.
 TEST(Harmonics, StrengthMakesTheContrastTheShareOfTheFloor) {
   const auto lum = [](const double* c) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; };
   const double light[3] = {0.9, 0.7, 0.4}, ambient[3] = {0.2, 0.25, 0.35};
@@ -158,7 +158,7 @@ TEST(Harmonics, StrengthMakesTheContrastTheShareOfTheFloor) {
 
 // ------------------------------------------------------------------------------------------------------- renderers
 
-// Filament's and Unity's shaders evaluate this of their nine coefficients.
+// Filament's and Unity's shaders evaluate this polynomial with their nine coefficients.
 double polynomial(const float* sh, int stride, Vec3 n) {
   const double terms[9] = {
       1.0, n.y, n.z, n.x, n.x * n.y, n.y * n.z, 3.0 * n.z * n.z - 1.0, n.x * n.z, n.x * n.x - n.y * n.y};
@@ -167,8 +167,8 @@ double polynomial(const float* sh, int stride, Vec3 n) {
   return sum;
 }
 
-// The irradiance of a sphere of radiance cut off after l = 2, over pi: 2 pi x the lobe's cosine factors, by quadrature.
-// What is cut off is below 3 % of the lobe (odd l above 1 vanish, l = 4 has the factor -1/24).
+// The irradiance of the radiance's harmonics up to l = 2, divided by pi: 2 pi x the lobe's cosine factors, by
+// quadrature. The rest is below 3 % of the lobe (odd l above 1 vanish, l = 4 has the factor -1/24).
 void expect_diffuse(const sandglass_light_estimate& e, sandglass_light_model model, const float* sh, int stride,
                     int colour, bool mirrored) {
   for (const Vec3& normal : {Vec3{0, 1, 0}, Vec3{0.6, 0.8, 0}, Vec3{0, 0, 1}, Vec3{-0.48, 0.6, -0.64}, towards(e)}) {
@@ -188,7 +188,7 @@ TEST(Renderers, FilamentsShaderGetsIrradianceOverPi) {
   }
 }
 
-// Filament's documented table, made for radiance in the basis with the Condon-Shortley phase: the product is the same.
+// Filament's documented table is for radiance in the basis with the Condon-Shortley phase. The product is the same.
 TEST(Renderers, FilamentsTableOfFactorsGivesTheSameCoefficients) {
   const double table[9] = {0.282095,  -0.325735, 0.325735,  -0.325735, 0.273137,
                            -0.273137, 0.078848,  -0.273137, 0.136569};
@@ -203,8 +203,8 @@ TEST(Renderers, FilamentsTableOfFactorsGivesTheSameCoefficients) {
   }
 }
 
-// A directional light of E lux gives a white diffuse surface that faces it the luminance E / pi, and an IndirectLight
-// of intensity I the luminance I x polynomial: both must be nits x the header's radiance.
+// A directional light of E lux gives a white diffuse surface that faces it the luminance E / pi. An IndirectLight of
+// intensity I gives it the luminance I x polynomial. Both must be nits x the header's radiance.
 TEST(Renderers, FilamentsLightsAreInOneUnit) {
   const sandglass_light_estimate e = estimate_of(k_directions[0]);
   sandglass_light_filament f = sized<sandglass_light_filament>();
@@ -217,7 +217,7 @@ TEST(Renderers, FilamentsLightsAreInOneUnit) {
   EXPECT_EQ(std::max({f.colour[0], f.colour[1], f.colour[2]}), 1.0f);
 }
 
-// The vector that a unit quaternion makes of v.
+// The vector v turned by a unit quaternion.
 Vec3 turned(const float q[4], Vec3 v) {
   const Vec3 u = {q[0], q[1], q[2]};
   const auto cross = [](Vec3 a, Vec3 b) {
@@ -294,12 +294,12 @@ TEST(Renderers, WhatIsWrongIsRefusedWithASentence) {
   expect(sandglass_light_to_filament(&e, 0, 1.0f, &f, &reason), "struct to fill has no struct_size");
   expect(sandglass_light_to_arkit(&e, 0, &a, &reason), "struct to fill has no struct_size");
   expect(sandglass_light_to_unity(&e, 0, &u, &reason), "struct to fill has no struct_size");
-  EXPECT_EQ(f.sh[0] + a.sh[0] + u.sh[0], 0.0f) << "refused and yet filled";
+  EXPECT_EQ(f.sh[0] + a.sh[0] + u.sh[0], 0.0f) << "a refused call must not fill its result";
   u.struct_size = sizeof u, e.struct_size = 4;
   expect(sandglass_light_to_unity(&e, 0, &u, &reason), "estimate.struct_size");
 }
 
-// In a struct of an older or a newer header nothing lies beyond its struct_size that is not the app's.
+// In a struct of an older or a newer header, the memory beyond its struct_size is the app's.
 template <class Struct, class Convert>
 void expect_filled_as_far_as_it_reaches(Convert convert) {
   struct Longer {
@@ -331,7 +331,7 @@ TEST(Renderers, StructsOfOtherHeadersAreFilledAsFarAsTheyReach) {
       [&](sandglass_light_unity* u) { return sandglass_light_to_unity(&e, whole, u, nullptr); });
 }
 
-// An estimate of a newer header is read for what this one knows.
+// Of an estimate of a newer header, the fields that this one knows are read.
 TEST(Renderers, AnEstimateOfANewerHeaderIsRead) {
   sandglass_light_estimate e = estimate_of(k_directions[0]);
   float sh[27], same[27];

@@ -1,4 +1,4 @@
-// Excerpts, warp and labels against panoramas whose answer is known in closed form.
+// Excerpts, warp and labels against panoramas whose labels have a closed form.
 #include "models/lighting/labels.h"
 
 #include <gtest/gtest.h>
@@ -7,12 +7,12 @@
 #include <filesystem>
 #include <numbers>
 
-#include "models/host/atomic_file.h"
-#include "models/host/failure.h"
-#include "models/host/npy.h"
+#include "models/files/atomic_file.h"
+#include "models/files/npy.h"
 #include "models/lighting/dataset.h"
-#include "models/lighting/excerpt.h"
-#include "models/lighting/panorama_file.h"
+#include "models/rooms/excerpt.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {
@@ -38,7 +38,7 @@ RadianceMap gaussian_on_constant(Vec3 axis, double sharpness, double peak, doubl
 
 double angle_deg(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) / k_degree; }
 
-// Everything a test wants from one view, with the labels in the camera's frame as the data set has them.
+// The labels of one view, in the camera's frame as in the data set.
 LightLabels camera_labels(const RadianceMap& panorama, View view, double radius) {
   const RadianceMap warped = warp(panorama, view, radius, 512, 256);
   LightLabels labels = labels_of(warped, ViewRotation(view).to_rotated(k_up), greatest_luminance(panorama));
@@ -63,7 +63,7 @@ TEST(Views, SpreadAsAskedAndNeverClose) {
                   10.0 * k_degree);
     }
   }
-  // A normal law cut off at two deviations keeps 0.7737 of its variance.
+  // A normal distribution that is cut off at two deviations keeps 0.7737 of its variance.
   EXPECT_NEAR(sum / count, 0.0, 0.02);
   EXPECT_NEAR(squares / count, 0.7737 * std::pow(k_pi / 12.0, 2.0), 0.03 * std::pow(k_pi / 12.0, 2.0));
 }
@@ -79,8 +79,8 @@ TEST(ViewRotation, TakesForwardToTheViewAndIsProper) {
   }
 }
 
-// A spot in the panorama lies where the camera model says: right of the view means right in the image, above means
-// above.
+// A spot in the panorama appears where the camera model puts it: right of the view direction is right in the image,
+// above is above.
 TEST(Excerpt, ShowsDirectionsWhereTheCameraModelPutsThem) {
   for (const View view : choose_views(3)) {
     const ViewRotation rotation(view);
@@ -127,7 +127,7 @@ TEST(Labels, FollowTheCameraIntoItsFrame) {
   }
 }
 
-// A lamp on the right has camera x > 0, one on the ceiling y < 0, and the mirrored image has the mirrored direction.
+// A lamp on the right has camera x > 0, one on the ceiling y < 0. The mirrored image has the mirrored direction.
 TEST(Labels, RightIsPositiveUpIsNegativeMirrorMirrors) {
   const View ahead = {k_pi / 2.0, k_pi / 2.0};
   const RadianceMap lamp_right = gaussian_on_constant(normalised(Vec3{-1.0, 0.4, 0.5}), 100.0, 40.0, 0.3);
@@ -193,7 +193,8 @@ TEST(Labels, ConeOfLight) {
   const double ratio = b * (4.0 * k_pi - solid_angle) / (l * solid_angle);
   EXPECT_NEAR(labels.contrast[static_cast<int>(Contrast::printed)], 1.0 - std::tanh(ratio / 0.05), 1e-3);
   EXPECT_NEAR(labels.contrast[static_cast<int>(Contrast::factor_above)], 1.0 - std::tanh(0.05 * ratio), 1e-3);
-  const double cone = k_pi * std::pow(std::sin(half), 2.0) * axis.y;  // of irradiance per radiance; all above the floor
+  // Irradiance per radiance. The whole cone is above the floor.
+  const double cone = k_pi * std::pow(std::sin(half), 2.0) * axis.y;
   const double physical = l * cone / (l * cone + b * (k_pi - cone));
   EXPECT_NEAR(labels.contrast[static_cast<int>(Contrast::irradiance)], physical, 2e-3);
 }
@@ -256,7 +257,8 @@ class DatasetFiles : public ::testing::Test {
 };
 
 TEST_F(DatasetFiles, EveryExcerptHasItsLineAndItsPicture) {
-  if (SANDGLASS_EMULATED) GTEST_SKIP() << "a minute under emulation; nothing here depends on the instruction set";
+  if (SANDGLASS_EMULATED)
+    GTEST_SKIP() << "it takes a minute under emulation, and nothing here depends on the instruction set";
   write_hdr(folder + "/in/a.hdr", gaussian_on_constant(normalised(Vec3{1, 1, 0}), 100.0, 10.0, 0.2));
   write_hdr(folder + "/in/b.hdr", gaussian_on_constant(normalised(Vec3{0, 1, 1}), 100.0, 10.0, 0.2));
   write_file(folder + "/groups.csv",

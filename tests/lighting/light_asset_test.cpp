@@ -1,4 +1,5 @@
-// A lighting file is untrusted: truncated, damaged, of another kind, and with wrong numbers behind a right checksum.
+// A lighting file is untrusted. Tested are files that are truncated, damaged, of another kind, or have wrong numbers
+// with a right checksum.
 #include "runtime/asset/light_asset.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "models/host/atomic_file.h"
+#include "models/files/atomic_file.h"
 #include "models/lighting/light_file.h"
 #include "runtime/asset/file.h"
 #include "runtime/light/network.h"
@@ -20,7 +21,7 @@ namespace {
 using namespace sandglass;
 
 constexpr int k_few = SANDGLASS_EMULATED ? 6 : 60;
-constexpr int k_fewer = SANDGLASS_EMULATED ? 1 : 5;  // of a file five times as long
+constexpr int k_fewer = SANDGLASS_EMULATED ? 1 : 5;  // fewer changes: a file with a float network is five times as long
 
 struct Words {
   std::vector<uint64_t> words;
@@ -45,7 +46,7 @@ Words content() {
   return Words(bytes);
 }
 
-// That with a float network.
+// The content with a float network.
 Words float_content() {
   static const std::vector<uint8_t> bytes = [] {
     host::LightFile made = file();
@@ -82,8 +83,8 @@ TEST(LightAsset, ReadsWhatWasWritten) {
 }
 
 TEST(LightAsset, ReadsAFloatNetworkWhereThereIsOne) {
-  // Keras counts 6,953,856 trainable numbers in DenseNet-121 without its classifier, two of them for each of 41,824
-  // normalised channels. Of these the stem's and the bottlenecks' are normalised behind a convolution.
+  // Keras counts 6,953,856 trainable numbers in DenseNet-121 without its classifier, two for each of 41,824 normalised
+  // channels. Those of the stem and of the bottlenecks are normalised behind a convolution.
   constexpr uint32_t k_normalised = 41'824, k_behind = 64 + 58 * 128;
   constexpr uint32_t k_biases = k_behind + 58 * 32 + 128 + 256 + 512;
   EXPECT_EQ(k_light_float_parameters,
@@ -96,7 +97,8 @@ TEST(LightAsset, ReadsAFloatNetworkWhereThereIsOne) {
   EXPECT_EQ(asset.seed, 3u);
 }
 
-// What is shipped: at most 8 MB, trained, and by its own measurement within ACCURACY's limits of the float network.
+// The shipped file has at most 8 MB and a trained network. By its own measurement it is close enough to the float
+// network.
 TEST(LightAsset, TheShippedNetworkIsCloseToTheFloatNetwork) {
   const std::string content = host::read_file(std::string(SANDGLASS_LIGHTS_DIR) + "/room.light", "lighting network");
   EXPECT_LE(content.size(), 8'000'000u);
@@ -199,7 +201,7 @@ TEST(LightAsset, WrongNumbersBehindARightChecksumAreRefused) {
   }
 }
 
-// An attacker repairs the checksum: what is accepted then must also run.
+// An attacker may repair the checksum. A file that is then accepted must also run.
 void expect_changed_bytes_harmless(Words words, int times) {
   const std::vector<uint8_t> rgb(3 * 32 * 32, 100);
   Layout size;
@@ -210,7 +212,7 @@ void expect_changed_bytes_harmless(Words words, int times) {
   const LightMemory block = layout_light_network(32, 32, &layout);
   uint64_t state = 3;
   for (int i = 0; i < times; ++i) {
-    // Tables lie at the front and the back, between the arrays.
+    // Tables lie at the front, at the back and between the arrays.
     const uint64_t span = i % 3 == 0   ? 256
                           : i % 3 == 1 ? 65536
                                        : words.bytes - 16,

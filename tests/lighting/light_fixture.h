@@ -1,4 +1,4 @@
-// A light on a network of random numbers, in a block with guard bytes, and images to show it.
+// A light on a network of random weights, in a block with guard bytes, and images for it.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ const LightFileBytes& random_light();
 
 sandglass_light_desc describe_light();
 
-// RGB by default: smooth blobs of colour, different for every seed, seen by the network's own camera.
+// An image, RGB by default: smooth blobs of colour that differ for every seed, seen by the network's own camera.
 struct TestImage {
   sandglass_camera_image image;
   std::vector<uint8_t> bytes;
@@ -28,7 +28,7 @@ struct TestImage {
 
 struct LiveLight {
   explicit LiveLight(const sandglass_light_desc& desc = describe_light());
-  // Image and estimate, to the end.
+  // Gives it the image and runs all units of the estimate.
   void estimate(const sandglass_camera_image& image);
   sandglass_light_estimate get() const;
   sandglass_light_estimate latest() const;

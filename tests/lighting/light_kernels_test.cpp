@@ -1,5 +1,5 @@
-// Every int8 table's convolutions against naive oracles, to the bit: all lengths of a row around the tiles, weights and
-// bytes at their extremes too.
+// The convolutions of every int8 table equal naive oracles to the bit, for all lengths of a row around the tile's size,
+// also with weights and bytes at their extremes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -92,7 +92,7 @@ TEST(LightKernels, NarrowAndTransitionEqualTheOracleForEveryCountOfPixels) {
     const ByteMap limited = clamped(in, c.low, c.high);
     const ByteMap expected_narrow = convolved(c, limited, 1, 1, nullptr);
     const ByteMap expected_transition = convolved(c, averaged(limited), 1, 1, nullptr);
-    const uint32_t stride = s.outputs + 64;  // as in a block: the next channels are another layer's
+    const uint32_t stride = s.outputs + 64;  // as in a dense block, where the next channels belong to another layer
     for (const sandglass_isa isa : sets()) {
       const Int8Kernels& table = *select_int8_kernels(isa);
       Packed packed(table, c, s.inputs, s.inputs);

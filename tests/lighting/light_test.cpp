@@ -1,4 +1,4 @@
-// The light as an app meets it: memory, units, the world's frame, what is refused, and its stage in a frame.
+// The light as an app uses it: memory, units, the world's frame, what is refused, and its stage in a frame.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "models/lighting/panorama.h"
+#include "models/rooms/panorama.h"
 #include "platform/virtual_clock.h"
-#include "runtime/light/camera_image.h"
 #include "runtime/core/random.h"
+#include "runtime/light/camera_image.h"
 #include "tests/filled_struct.h"
 #include "tests/lighting/light_fixture.h"
 
@@ -75,7 +75,7 @@ TEST(Light, BeforeTheFirstEstimateItComesFromAboveAndIsNotValid) {
   EXPECT_EQ(sandglass_light_units_left(live.light), 0u);
 }
 
-// One unit at a time: the estimate before stays what it was until the last one, and the answer is that of one call.
+// Run one unit at a time: the old estimate stays until the last unit, and the result is that of a single call.
 TEST(Light, UnitByUnitIsTheSameAsAllAtOnce) {
   LiveLight whole, parts;
   TestImage first(1), second(2);
@@ -85,7 +85,7 @@ TEST(Light, UnitByUnitIsTheSameAsAllAtOnce) {
   EXPECT_EQ(before.valid, 1u);
   EXPECT_EQ(before.timestamp_ns, k_period_ns);
   ASSERT_EQ(sandglass_light_set_image(parts.light, &second.image, nullptr, nullptr), SANDGLASS_OK);
-  std::fill(second.bytes.begin(), second.bytes.end(), uint8_t{0});  // not read after the call
+  std::fill(second.bytes.begin(), second.bytes.end(), uint8_t{0});  // the library must not read it after the call
   uint32_t left = sandglass_light_units_left(parts.light);
   EXPECT_GT(left, 100u);
   for (; left > 0; --left) {
@@ -105,8 +105,8 @@ TEST(Light, UnitByUnitIsTheSameAsAllAtOnce) {
 
 Vec3 vector_of(const float* v) { return {v[0], v[1], v[2]}; }
 
-// With the identity the camera looks along -z, y up: the network's (x, y down, z) is the world's (x, -y, -z). A camera
-// that is turned sees the same image and finds the light turned with it.
+// With the identity pose the camera looks along -z, y up: the network's (x, y down, z) is the world's (x, -y, -z). If a
+// turned camera sees the same image, the light is turned with it.
 TEST(Light, TheCamerasTurnIsTakenOut) {
   sandglass_light_desc desc = describe_light();
   desc.smoothing = 0.0f;
@@ -124,8 +124,8 @@ TEST(Light, TheCamerasTurnIsTakenOut) {
   EXPECT_NEAR(turned.z, -std::sin(angle) * straight.x + std::cos(angle) * straight.z, 1e-6);
 }
 
-// Any pose and turn: a world direction that the sensor sees, in upright coordinates, comes back. The quarter turn is
-// done here on the screen: clockwise, right becomes down, down becomes left.
+// For any pose and turn, a world direction that the sensor sees in upright coordinates comes back. The quarter turn is
+// done here on the screen: clockwise, right becomes down and down becomes left.
 TEST(Light, StoredTurnedAndUprightPosesGiveOneWorld) {
   Random random = random_stream(11, 1);
   for (int trial = 0; trial < 40; ++trial) {
@@ -150,7 +150,7 @@ TEST(Light, StoredTurnedAndUprightPosesGiveOneWorld) {
     camera_to_world(image, upright, world);
     EXPECT_NEAR(host::length(Vec3{world[0], world[1], world[2]} - d), 0.0, 1e-6) << trial;
 
-    // FROM_POSE: of the four turns the one in which the world's up points up most.
+    // FROM_POSE picks that of the four turns in which the world's up is nearest to up in the image.
     sandglass_camera_image unknown = image;
     unknown.turn_deg = SANDGLASS_TURN_FROM_POSE;
     double u = right.y, v = -up.y, least = 2.0;
@@ -181,7 +181,7 @@ TEST(Light, ImagesComeNoMoreOftenThanTheInterval) {
     return taken;
   };
   EXPECT_EQ(offer(1'000'000'000), 1u);
-  EXPECT_EQ(offer(2'000'000'000), 0u);  // an estimate is under way
+  EXPECT_EQ(offer(2'000'000'000), 0u);  // an estimate is in progress
   while (sandglass_light_run(live.light, 1000) != 0) {
   }
   EXPECT_EQ(offer(1'000'000'000), 0u);  // the same image
@@ -206,7 +206,7 @@ TEST(Light, ResetForgetsAndTurnTurns) {
   EXPECT_EQ(sandglass_light_hash(live.light), sandglass_light_hash(fresh.light));
 }
 
-// Quaternions of any length: neither those that overflow a float when multiplied, nor those that vanish.
+// Quaternions of any length work, also those whose squares overflow or vanish in float.
 TEST(Light, PosesAndTurnsOfAnyLengthTurnTheImageUnderWay) {
   const auto turned_at_length = [](float length) {
     LiveLight live;
@@ -224,12 +224,12 @@ TEST(Light, PosesAndTurnsOfAnyLengthTurnTheImageUnderWay) {
   const Vec3 expected = turned_at_length(1.0f);
   EXPECT_NEAR(host::length(expected), 1.0, 1e-6);
   for (const float length : {1e20f, 1e37f, 1e-25f, 1e-37f}) {
-    if (SANDGLASS_EMULATED && length != 1e20f) continue;  // seconds an estimate
+    if (SANDGLASS_EMULATED && length != 1e20f) continue;  // an estimate takes seconds
     EXPECT_NEAR(host::length(turned_at_length(length) - expected), 0.0, 1e-6) << length;
   }
 }
 
-// A turn of the world while an image is under way is the turn of its estimate afterwards.
+// Turning the world during an estimate gives the same as turning the finished estimate.
 TEST(Light, TurningUnderWayAndAfterwardsAreTheSame) {
   LiveLight under_way, afterwards;
   TestImage picture(3);
@@ -244,7 +244,7 @@ TEST(Light, TurningUnderWayAndAfterwardsAreTheSame) {
   EXPECT_NEAR(host::length(vector_of(under_way.get().direction) - vector_of(afterwards.get().direction)), 0.0, 1e-6);
 }
 
-// An app compiled against an older or a newer header than the library: nothing beyond its struct_size is written.
+// For an app with an older or a newer header than the library, nothing beyond its struct_size is written.
 TEST(Light, EstimatesAndInfosAreFilledAsFarAsTheyReach) {
   LiveLight live;
   TestImage picture(3);
@@ -318,8 +318,8 @@ TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
           "SANDGLASS_LIGHT_BACKEND_OWN");
   if (!SANDGLASS_WITH_XNNPACK)
     refused(changed([](auto& d) { d.backend = SANDGLASS_LIGHT_BACKEND_XNNPACK_F32; }), "SANDGLASS_XNNPACK=ON");
-  sandglass_light_release(nullptr);  // as after a refusal: nothing to give back
-  // Another kind of asset: the identifier of a shadow, with a right checksum.
+  sandglass_light_release(nullptr);  // as after a refusal, when there is nothing to release
+  // Another kind of asset: the identifier of a shadow with a right checksum.
   LightFileBytes shadow = random_light();
   std::memcpy(shadow.data() + 4, "SGSH", 4);
   uint64_t hash = 0xCBF29CE484222325ull;
@@ -389,8 +389,8 @@ TEST(LightInput, BlackWhiteTinyAndHugeImagesGiveUsableLight) {
   expect_usable(other.get());
 }
 
-// Enlarged or shrunk by far, the picture is still the picture: a ramp stays a ramp, also where only the middle rows of
-// a box are read.
+// An image that is enlarged or shrunk by far stays the same picture: a ramp stays a ramp, also where only the middle
+// rows of a box are read.
 TEST(LightInput, AHugeImageIsReadWhereItShouldBe) {
   constexpr uint32_t k_width = 3000, k_height = 9000;
   TestImage ramp(1, k_width, k_height);
@@ -415,7 +415,7 @@ TEST(LightInput, AHugeImageIsReadWhereItShouldBe) {
 
 // ------------------------------------------------------------------------------------------------------- every machine
 
-// The golden hash: two estimates, from an RGB image and from turned NV12 with a pose, through the filter.
+// The golden hash of two filtered estimates: from an RGB image, and from a turned NV12 image with a pose.
 uint64_t hash_on(sandglass_isa isa) {
   sandglass_light_desc desc = describe_light();
   desc.isa = isa;
@@ -443,7 +443,7 @@ uint64_t hash_on(sandglass_isa isa) {
 TEST(LightHash, IsOneOnEveryInstructionSetAndCompiler) {
   constexpr uint64_t k_golden = 5541727358863979531u;
   EXPECT_EQ(hash_on(SANDGLASS_ISA_AUTOMATIC), k_golden);
-  if (SANDGLASS_EMULATED) return;  // seconds an estimate; the kernels are compared one by one elsewhere
+  if (SANDGLASS_EMULATED) return;  // an estimate takes seconds; other tests compare the kernels one by one
   for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512}) {
     sandglass_light_desc desc = describe_light();
     desc.isa = isa;
@@ -497,8 +497,8 @@ struct SandScene {
   sandglass_status status = SANDGLASS_OK;
 };
 
-// Without time for anything, the image is resampled in its frame and then one unit a frame runs: the estimate arrives,
-// the same, later; the image's bytes are the app's again after the frame.
+// With no time at all, the image is resampled in its frame, and then one unit a frame runs. The same estimate arrives
+// later. The app may change the image's bytes after the frame.
 TEST(LightFrame, ABudgetOfNothingStillBringsTheEstimate) {
   LiveLight expected, live;
   TestImage picture(4);
@@ -514,7 +514,7 @@ TEST(LightFrame, ABudgetOfNothingStillBringsTheEstimate) {
   uint32_t left = report.light_units_left, frames = 1;
   EXPECT_GT(left, 100u);
   for (; left > 0; ++frames) {
-    report = sand.frame(live.light, &picture.image, 0);  // images during an estimate are passed over
+    report = sand.frame(live.light, &picture.image, 0);  // images during an estimate are ignored
     ASSERT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 1u);
     ASSERT_EQ(report.light_units_left, left - 1);
     left = report.light_units_left;
@@ -529,8 +529,8 @@ TEST(LightFrame, ABudgetOfNothingStillBringsTheEstimate) {
   EXPECT_EQ(report.light_changed, 0u);
 }
 
-// Beside falling sand: the law of the budget holds, estimates keep arriving, sand is not starved, and the recorded
-// plans bring the same bits in another scene.
+// Beside falling sand, the budget law holds, estimates keep arriving, sand is not starved, and the recorded plans give
+// the same bits in another scene.
 TEST(LightFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
   VirtualClock time;
   time.step_ns = 20'000;
@@ -547,7 +547,8 @@ TEST(LightFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
     with_light += report.stages[SANDGLASS_STAGE_LIGHTING].units > 1;
     with_grains += report.stages[SANDGLASS_STAGE_REFINE].units > 0;
     changes += report.light_changed;
-    ASSERT_EQ(live.get().timestamp_ns != timestamp, report.light_changed != 0);  // changes only when the estimate does
+    // The timestamp changes only with the estimate.
+    ASSERT_EQ(live.get().timestamp_ns != timestamp, report.light_changed != 0);
     timestamp = live.get().timestamp_ns;
     again.frame(again_light.light, &picture.image, 4'000'000, &report.plan);
     ASSERT_EQ(again.status, SANDGLASS_OK) << f;

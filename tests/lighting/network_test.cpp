@@ -1,5 +1,5 @@
-// The lighting network at run time: against the naive network of bytes to the bit, against the float network, alike on
-// every instruction set, in every order that is allowed, within its memory.
+// The lighting network at run time: equal to the naive network of bytes to the bit, close to the float network, equal
+// on every instruction set and in every order that is allowed, and within its memory.
 #include "runtime/light/network.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "models/host/aligned_bytes.h"
+#include "models/files/aligned_bytes.h"
 #include "models/lighting/light_runner.h"
 #include "runtime/core/hash.h"
 #include "runtime/light/heads.h"
@@ -72,7 +72,7 @@ TEST(LightNetwork, EqualsTheNaiveNetworkOfBytes) {
   runner.run(rgb);
   const std::vector<uint32_t> expected = tests::byte_features(random_light_file(7), rgb, 64, 32);
   EXPECT_EQ(averages_of(&runner), expected);
-  // Channels that all ended alike would prove little.
+  // The channels must differ, or equality would prove little.
   EXPECT_GT(*std::max_element(expected.begin(), expected.end()),
             *std::min_element(expected.begin(), expected.end()) + 25600);
 }
@@ -89,7 +89,7 @@ TEST(LightNetwork, UnitsOfAnOperatorMayRunInAnyOrder) {
   LightRunner runner(random_file(), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height);
   const std::vector<uint8_t> rgb = random_image(k_width, k_height), grey(rgb.size(), 90);
   const LightOutputs expected = runner.run(rgb);
-  runner.run(grey);  // leaves other bytes everywhere
+  runner.run(grey);  // fills the memory with other bytes
   LightNetwork* net = runner.network();
   begin_light_network(net, rgb.data());
   for (uint32_t first = 0; first < net->units; first = light_operator_end(*net, first))
@@ -111,7 +111,7 @@ TEST(LightNetwork, UnitsAreSmallAndAddUp) {
     EXPECT_GT(work.items, 0u) << unit;
     counted += work.items;
   }
-  // 2.549 G multiplications, 10 M more for the stem's padding, 7 M comparisons; each unit rounds down.
+  // 2.549 G multiplications, 10 M more for the stem's padding, and 7 M comparisons. Each unit rounds down.
   EXPECT_NEAR(static_cast<double>(sum), 2.549e6 + 0.010e6 + 0.002e6, 2e3);
   EXPECT_NEAR(static_cast<double>(counted), static_cast<double>(sum), static_cast<double>(net.units));
   light_items_left(net, net.units, left);
@@ -163,12 +163,11 @@ TEST(LightNetwork, HeadsMeanWhatTheyShould) {
   for (const double t : {-3.0, -1e-3, 0.0, 2.0}) EXPECT_NEAR(elu(t), t > 0 ? t : std::expm1(t), 1e-15);
 }
 
-// The pretrained classifier in bytes, calibrated on the images that it is asked about: its 1024 features, and the
-// class.
+// The pretrained classifier in bytes, calibrated on the images that it is tested on: its 1024 features and the class.
 TEST(LightNetwork, ClassifiesTheReferenceImagesAsTheFloatNetworkDoes) {
   const char* folder = std::getenv("SANDGLASS_DATA_DIR");
   if (folder == nullptr) GTEST_SKIP() << "SANDGLASS_DATA_DIR is not set";
-  if (SANDGLASS_EMULATED) GTEST_SKIP() << "minutes under emulation";
+  if (SANDGLASS_EMULATED) GTEST_SKIP() << "it takes minutes under emulation";
   const ReferenceClassifier classifier(folder);
   LightRunner runner(classifier.file(), "classifier", SANDGLASS_ISA_AUTOMATIC, k_reference_side, k_reference_side);
   classifier.expect_reference(&runner);

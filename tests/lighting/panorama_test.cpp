@@ -1,5 +1,5 @@
 // The convention of panoramas, their tone mapping and their files.
-#include "models/lighting/panorama.h"
+#include "models/rooms/panorama.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <fstream>
 #include <numbers>
 
-#include "models/host/atomic_file.h"
-#include "models/host/failure.h"
-#include "models/lighting/panorama_file.h"
+#include "models/files/atomic_file.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {
@@ -43,7 +43,8 @@ TEST(PanoramaConvention, PixelsCoverTheSphere) {
   EXPECT_NEAR(sum, 4.0 * std::numbers::pi, 1e-4);
 }
 
-// Radiance linear in the direction is reproduced to the second order of the pixel's size, over seam and poles too.
+// Radiance that is linear in the direction is reproduced to the second order of the pixel's size, also at seam and
+// poles.
 TEST(LookUp, LinearInDirection) {
   RadianceMap map(128, 64);
   const auto truth = [](Vec3 d) { return Vec3{2 + d.x, 2 + d.y, 2 + d.z}; };

@@ -1,9 +1,10 @@
-// The perceived errors against what their papers fix: the ends of the scale, the knee, and a picture worked by hand.
+// The perceived errors against values that their papers give: the ends of the scale, the knee, and a picture computed
+// by hand.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "models/lighting/perceived_errors.h"
+#include "models/compositing/perceived_errors.h"
 
 namespace {
 
@@ -28,7 +29,7 @@ TEST(Flip, GreenAndBlueAreOneApart) {
   EXPECT_EQ(flip(filled({0.3, 0.5, 0.1}), filled({0.3, 0.5, 0.1})), 0.0);
 }
 
-// Even greys differ in lightness alone, and have neither edges nor points: the formula is what remains. Its scale, the
+// Even greys differ in lightness alone and have neither edges nor points, so only the formula is left. Its scale, the
 // distance of green and blue to the power 0.7, is 41.2760: L*a*b* of (87.735, -86.183, 83.180) and (32.297, 79.188,
 // -107.860) by CIE 1976, colour axes times L*/100, |dL| + |d(a, b)| = 203.3.
 TEST(Flip, EvenGreysFollowTheFormula) {
@@ -43,8 +44,7 @@ TEST(Flip, EvenGreysFollowTheFormula) {
 TEST(Flip, SeesWhatTheEyeSees) {
   const RadianceMap plain = with_square(0.2, 0.2, 20, 8), square = with_square(0.2, 0.4, 20, 8);
   EXPECT_NEAR(flip(plain, square), flip(square, plain), 1e-12);
-  // A checker of single pixels is beyond the eye's resolution at 67 pixels a degree; a coarse one of equal contrast is
-  // not.
+  // At 67 pixels a degree the eye does not resolve a checker of single pixels, but it does resolve a coarse one.
   RadianceMap fine = filled({0.2, 0.2, 0.2}), coarse = fine;
   for (int y = 0; y < fine.height; ++y)
     for (int x = 0; x < fine.width; ++x) {
@@ -57,11 +57,11 @@ TEST(Flip, SeesWhatTheEyeSees) {
 TEST(StructuralSimilarity, EndsAndTheConstantTerm) {
   const RadianceMap square = with_square(0.2, 0.4, 20, 8);
   EXPECT_NEAR(structural_similarity(square, square), 1.0, 1e-12);
-  // Even pictures: only the term of the means is left, (2ab + c)/(a^2 + b^2 + c).
+  // In even pictures only the term of the means is left, (2ab + c)/(a^2 + b^2 + c).
   const double a = 1.055 * std::pow(0.5, 1.0 / 2.4) - 0.055, b = 1.055 * std::pow(0.1, 1.0 / 2.4) - 0.055;
   EXPECT_NEAR(structural_similarity(filled({0.5, 0.5, 0.5}), filled({0.1, 0.1, 0.1})),
               (2 * a * b + 1e-4) / (a * a + b * b + 1e-4), 1e-6);
-  // A negative in structure is worse than no structure.
+  // The negative of a structure is worse than no structure.
   const RadianceMap inverse = with_square(0.4, 0.2, 20, 8), none = with_square(0.3, 0.3, 20, 8);
   EXPECT_LT(structural_similarity(square, inverse), structural_similarity(square, none));
 }

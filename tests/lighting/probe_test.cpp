@@ -1,6 +1,6 @@
-// The evaluation's renderer against closed forms on the empty floor, the image errors against numbers worked out by
-// hand, and the label ceiling on a panorama that the labels describe exactly.
-#include "models/lighting/probe_scene.h"
+// The evaluation's renderer against closed forms on the empty floor, the image errors against numbers computed by hand,
+// and the label ceiling on a panorama that the labels describe exactly.
+#include "models/rooms/probe_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <filesystem>
 #include <numbers>
 
-#include "models/host/mesh/generated.h"
-#include "models/lighting/ceiling.h"
-#include "models/lighting/panorama_file.h"
+#include "models/laboratory/light/ceiling.h"
+#include "models/mesh/generated.h"
+#include "models/rooms/panorama_file.h"
 
 namespace sandglass::host {
 namespace {
@@ -18,7 +18,7 @@ namespace {
 constexpr double k_pi = std::numbers::pi;
 constexpr View k_view = {k_pi / 2.0, k_pi / 2.0};
 
-// Lower left corner of the picture: floor, far from the object.
+// The lower left corner of the picture: floor, far from the object.
 Vec3 floor_colour(const ProbeImage& image) {
   Vec3 sum;
   for (int y = 66; y < 72; ++y)
@@ -31,8 +31,8 @@ Mesh small_object() { return make_icosphere(0.5f, 2); }
 TEST(ProbeScene, DirectionalLightOnTheFloor) {
   const ProbeScene scene(small_object());
   const Vec3 towards = normalised(Vec3{0.3, 0.8, -0.4});
-  // Irradiance pi on a facing surface, so the floor gives back reflectance * cosine; the sun-like cap's mean cosine is
-  // that of its axis times the shrinkage of irradiance that the definition already took out.
+  // The irradiance on a facing surface is pi, so the floor reflects reflectance * cosine. The mean cosine of the
+  // light's cap is that of its axis times a factor that the definition of irradiance already contains.
   const double expected = ProbeScene::k_reflectance * towards.y;
   EXPECT_NEAR(floor_colour(scene.render(ProbeLight::directional(towards), k_view, 64)).x, expected, 0.02 * expected);
 }
@@ -43,7 +43,7 @@ TEST(ProbeScene, AmbientLightOnTheFloorIsItsReflectance) {
               0.05 * ProbeScene::k_reflectance);
 }
 
-// A panorama that is the directional and the ambient light must give the same picture as those two.
+// A panorama that consists of the directional and the ambient light must give the same picture as those two.
 TEST(ProbeScene, EnvironmentOfTheTwoLightsIsTheirSum) {
   const View view = choose_views(4)[1];
   const ViewRotation rotation(view);
@@ -64,7 +64,7 @@ TEST(ProbeScene, EnvironmentOfTheTwoLightsIsTheirSum) {
     for (int x = 0; x < sum.width; ++x)
       sum.set(x, y, product({2, 0, 0}, directional.radiance.colour(x, y)) + ambient.radiance.colour(x, y) * 0.3);
   EXPECT_LE(compare(truth.radiance, sum).relative, 0.05);  // noise of 256 paths
-  // The wrong light fails the same gate.
+  // The control: a wrong light is beyond the same limit.
   const ProbeImage wrong = scene.render(ProbeLight::directional(normalised(Vec3{-0.4, 0.7, 0.5})), view, 256);
   for (int y = 0; y < sum.height; ++y)
     for (int x = 0; x < sum.width; ++x)
@@ -74,7 +74,7 @@ TEST(ProbeScene, EnvironmentOfTheTwoLightsIsTheirSum) {
 
 TEST(ProbeScene, ShadowFallsAwayFromTheLight) {
   const ProbeScene scene(small_object());
-  // Light from the picture's right, camera looking along +z: +x is on the left of the picture.
+  // The light comes from the right of the picture. The camera looks along +z, so +x is on the left.
   const ProbeImage image = scene.render(ProbeLight::directional(normalised(Vec3{-1.0, 1.0, 0.0})), k_view, 16);
   double left = 0.0, right = 0.0;
   for (int y = 0; y < ProbeScene::k_height; ++y)
@@ -107,7 +107,7 @@ TEST(ImageErrors, ScalingThePictureLeavesTheScaleInvariantOne) {
   EXPECT_GT(compare(truth, picture).rmse, 1.0);
 }
 
-// A room that is a soft lamp in an even glow.
+// A room with a soft lamp in even light.
 TEST(Ceiling, OneLampInAnEvenRoom) {
   const std::string path = ::testing::TempDir() + "sandglass_ceiling.hdr";
   RadianceMap map(512, 256);
@@ -125,9 +125,9 @@ TEST(Ceiling, OneLampInAnEvenRoom) {
   EXPECT_LE(ceiling.variants.front().mean.rmse, ceiling.variants.back().mean.rmse);
   const ContrastError& physical = ceiling.contrasts[static_cast<int>(Contrast::irradiance)];
   const ContrastError& printed = ceiling.contrasts[static_cast<int>(Contrast::printed)];
-  EXPECT_LE(printed.high, 0.04);  // as printed there is no shadow, whatever the room
+  EXPECT_LE(printed.high, 0.04);  // the formula as printed gives no shadow in any room
   EXPECT_GT(printed.shadow_rmse, 1.3 * physical.shadow_rmse);
-  // The object also keeps ambient light from its umbra: the best opacity lies above the physical one, never below.
+  // The object also keeps ambient light from its umbra, so the best opacity is above the physical one.
   EXPECT_GT(physical.low, 0.3);
   EXPECT_LE(ceiling.best_contrast_rmse, physical.shadow_rmse);
   options.threads = 2;

@@ -1,4 +1,4 @@
-// How weights become bytes, and what is refused as weights.
+// How weights become bytes, and which weights are refused.
 #include "models/lighting/quantise.h"
 
 #include <gtest/gtest.h>
@@ -7,18 +7,18 @@
 #include <functional>
 #include <string>
 
-#include "models/host/failure.h"
-#include "models/host/random.h"
+#include "models/files/picture_file.h"
 #include "models/lighting/light_runner.h"
-#include "models/lighting/picture_file.h"
 #include "models/lighting/rounding.h"
+#include "models/work/failure.h"
+#include "models/work/random.h"
 
 namespace sandglass::host {
 namespace {
 
 constexpr size_t k_inputs = 48, k_samples = 4000;
 
-// Inputs that share `shared` of their variance, and the mean square that rounding adds to an output.
+// Inputs that have the share `shared` of their variance in common, and the mean square that rounding adds to an output.
 struct Inputs {
   std::vector<float> values;
   InputProducts products;
@@ -57,8 +57,8 @@ std::vector<double> random_weights(uint64_t seed) {
   return weights;
 }
 
-// To nearest leaves, on the mean of many rows, k_inputs/12 of the common variance, 400 x 0.9, and as much of each
-// input's own, 400 x 0.1. Together the rows keep little more than the latter.
+// Rounding to nearest leaves, on the mean of many rows, k_inputs/12 of the common variance (400 x 0.9) and of each
+// input's own (400 x 0.1). Rounding that lets weights make up for one another leaves little more than the second part.
 TEST(Rounding, WeightsMakeUpForOneAnotherWhereInputsVaryTogether) {
   constexpr int k_rows = 40;
   const Inputs inputs(0.9);
@@ -75,7 +75,7 @@ TEST(Rounding, WeightsMakeUpForOneAnotherWhereInputsVaryTogether) {
 
 TEST(Rounding, IndependentInputsAreRoundedToNearest) {
   InputProducts products;
-  for (size_t s = 0; s < 2 * k_inputs; ++s) {  // plus and minus each axis: a diagonal covariance, exactly
+  for (size_t s = 0; s < 2 * k_inputs; ++s) {  // plus and minus each axis: the covariance is exactly diagonal
     std::vector<float> sample(k_inputs, 0.0f);
     sample[s / 2] = s % 2 == 0 ? 8.0f : -8.0f;
     products.add(sample.data(), sample.size());

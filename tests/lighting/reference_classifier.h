@@ -1,5 +1,5 @@
-// The pretrained classifier of the data folder as a lighting file, and the three reference images that it is asked
-// about.
+// The pretrained classifier of the data folder as a lighting file, and the three reference images on which it is
+// tested.
 #pragma once
 
 #include <string>
@@ -17,10 +17,10 @@ class ReferenceClassifier {
   explicit ReferenceClassifier(const std::string& data_folder);
 
   const std::vector<uint8_t>& file() const { return file_; }
-  const std::vector<uint8_t>& float_file() const { return float_file_; }  // that with the float network
-  // Features within a tenth of the reference's, and its class, for each image.
+  const std::vector<uint8_t>& float_file() const { return float_file_; }  // the file with the float network
+  // For each image, features must be within a tenth of the reference's, and the class must be its class.
   void expect_reference(LightRunner* runner) const;
-  // Features and probabilities within 1e-3, as the project's float network.
+  // Features and probabilities must be within 1e-3, as for the project's float network.
   void expect_float_reference(LightRunner* runner) const;
 
  private:

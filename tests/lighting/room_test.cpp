@@ -1,26 +1,26 @@
 // The room tracer against closed forms of light transport: the form factor of a rectangle, the integrating sphere, the
-// sun's irradiance. And its promise: equal seeds, equal bits, on any number of threads.
-#include "models/lighting/room_render.h"
+// sun's irradiance. Equal seeds give equal bits on any number of threads.
+#include "models/rooms/room_render.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "models/lighting/room_builder.h"
+#include "models/rooms/room_builder.h"
 
 namespace sandglass::host {
 namespace {
 
 constexpr double k_pi = std::numbers::pi;
 
-// Form factor from a small face to a parallel rectangle of a x b at distance h whose corner is above it.
+// The form factor from a small face to a parallel rectangle of a x b at distance h, with a corner above the face.
 double corner_form_factor(double a, double b, double h) {
   const double x = a / h, y = b / h, sx = std::sqrt(1 + x * x), sy = std::sqrt(1 + y * y);
   return (x / sx * std::atan(y / sx) + y / sy * std::atan(x / sy)) / (2 * k_pi);
 }
 
-// A floor of reflectance 1/2 seen from 1 m above its middle. Nothing else is there.
+// A floor of reflectance 1/2, seen from 1 m above its middle, and nothing else.
 RoomBuilder bare_floor() {
   RoomBuilder b(1);
   b.room.size = {4, 3, 4};
@@ -50,8 +50,9 @@ TEST(RoomTracer, PanelOverFloor) {
 TEST(RoomTracer, GlobeOverFloor) {
   RoomBuilder b = bare_floor();
   b.sphere_emitter({2, 2.2, 2}, 0.4, {100, 100, 100});
-  const double expected = 0.5 * 100 * (0.4 * 0.4) / (2.2 * 2.2);  // sin^2 of the half angle it is seen under
-  // The triangles of the globe reach 0.4 m only at their corners: what a bounce finds is up to 3 % smaller.
+  // (0.4 / 2.2)^2 is sin^2 of the globe's half angle, as seen from the floor.
+  const double expected = 0.5 * 100 * (0.4 * 0.4) / (2.2 * 2.2);
+  // The globe's triangles reach 0.4 m only at their corners, so it is up to 3 % smaller.
   EXPECT_NEAR(straight_down(b.room, 256).x, expected, 0.03 * expected);
 }
 
@@ -89,7 +90,7 @@ TEST(RoomTracer, IntegratingSphere) {
   RoomRenderOptions options;
   options.width = 32, options.samples = 256;
   const RadianceMap map = trace_room(b.room, options).radiance;
-  // Above the eye, the wall: flux / area, reflected for ever, of which what the lamp swallows is lost.
+  // Above the eye is the wall: flux / area, reflected again and again, less the part that the lamp absorbs.
   const double flux = k_pi * 1000 * 4 * k_pi * lamp * lamp, area = 4 * k_pi * wall * wall;
   const double swallowed = lamp * lamp / (wall * wall);
   const double expected = reflectance * flux / (k_pi * area * (1 - reflectance * (1 - swallowed)));
@@ -166,7 +167,7 @@ TEST(Exposure, LogarithmicMeanBecomesTheKey) {
       area += pixel_solid_angle(v, 16, 8);
     }
   EXPECT_NEAR(std::exp(logarithm / area), 0.25, 1e-4);
-  EXPECT_NEAR(map.colour(0, 0).x / map.colour(0, 0).z, std::sqrt(3.0), 1e-5);  // half of the cast is left
+  EXPECT_NEAR(map.colour(0, 0).x / map.colour(0, 0).z, std::sqrt(3.0), 1e-5);  // half of the colour cast is left
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# train.sh PROGRAM SOURCE_DIR: the training script end to end on a data set made here. The imported weights give the
-# reference features (where SANDGLASS_DATA_DIR is set), a run that was killed and resumed ends like one that was not, what
-# it exports gives the same estimates when it is read back, and no fold trains on a place that it tests.
-# Exit code 77: there is no PyTorch.
+# train.sh PROGRAM SOURCE_DIR: the training script from end to end, on a data set that is made here. The imported
+# weights give the reference features (where SANDGLASS_DATA_DIR is set). A run that was killed and resumed ends like one
+# that was not. Exported weights give the same estimates when they are read back. No fold trains on a place on which it
+# is tested. Exit code 77: there is no PyTorch.
 set -euo pipefail
 program=$1 train=$2/models/lighting/train.py
 . "$(dirname "${BASH_SOURCE[0]}")/find_python.sh"
@@ -41,8 +41,8 @@ kill $pid 2>/dev/null || true
 wait $pid 2>/dev/null || true
 [[ ! -e $folder/broken/fold_1.json ]] || { echo "the run to be killed was faster"; exit 1; }
 run "$folder/broken" --resume >"$folder/resumed.log"
-# The cached trunks are those of these images: with others under the same names nothing of the first is left, and with the
-# first ones again nothing is computed.
+# Cached outputs of the trunk belong to these images. With other images under the same names nothing of the first is
+# used, and with the first ones again nothing is computed.
 cached() {
   rm -rf "$folder/here" && cp -r "$1" "$folder/here"
   "$python" "$train" "$folder/here" -o "$folder/$2" --cache "$3" --weights "$folder/whole/weights.npz" --epochs 0 --copies 1 \
@@ -57,13 +57,14 @@ cmp "$folder/first/fold_1_estimates.csv" "$folder/same/fold_1_estimates.csv"
 ! cmp -s "$folder/first/fold_1_estimates.csv" "$folder/other/fold_1_estimates.csv"
 grep -q "copy 1 of 1" "$folder/other.log"
 ! grep -q "copy 1 of 1" "$folder/same.log"
-# Every layer learns where that is asked for; of the last ones only, the trunk stays.
+# Every layer learns where that is asked for. If only the last layers learn, the trunk stays.
 "$python" "$train" "$folder/set" -o "$folder/every" --layers all --epochs 1 --batch 8 --test-fold 1 --cpu \
   --weights "$folder/whole/weights.npz" --export "$folder/every.npz" >"$folder/every.log"
-# From heads that know nothing, training gains.
+# Training improves random heads.
 "$python" "$train" --initial --seed 1 --export "$folder/trunk.npz"
 run "$folder/learned" --weights "$folder/trunk.npz" >"$folder/learned.log"
-# Lanes carry brightness to the averages over all pixels and over parts of them; heads start from them, and training goes on.
+# Lanes carry brightness to the averages over all pixels and over parts of them. Heads start from them, and training
+# goes on.
 "$python" "$train" --initial --lanes --weights "$folder/trunk.npz" --export "$folder/lanes.npz"
 "$python" - "$folder" "$(dirname "$train")" <<'PY'
 import sys
@@ -87,7 +88,7 @@ rgb = light_data.to_tensor([light_data.prepared(rows, i, 0, 1) for i in range(4)
 with torch.no_grad():
     features = net.features(net.trunk(rgb))[:, torch.from_numpy(net.lanes)].double()
 mean = torch.tensor(light_network.MEAN).view(1, 3, 1, 1)
-smooth = F.avg_pool2d(F.pad(rgb - mean, (3, 3, 3, 3)), 7, 2) + mean  # what lies beyond the image is the mean
+smooth = F.avg_pool2d(F.pad(rgb - mean, (3, 3, 3, 3)), 7, 2) + mean  # beyond the image there is the mean
 lanes = torch.cat([F.max_pool2d((smooth[:, c:c + 1] - t).clamp(min=0), 3, 2, 1) for c, t in light_network.LANES], 1).double()
 lanes = F.avg_pool2d(lanes, 8)
 parts = [lanes.mean((2, 3))]
@@ -96,16 +97,17 @@ for k in range(1, light_network.LAYOUT_LAYERS + 1):
 count = len(light_network.LANES)
 found = features.split(count, 1)
 assert len(found) == len(parts) and lanes.mean() > 0.05
-assert np.allclose(found[0].sort(1).values, parts[0].sort(1).values, atol=1e-5)  # their places are in the order of use
+assert np.allclose(found[0].sort(1).values, parts[0].sort(1).values, atol=1e-5)  # their places are in the order in which they are used
 for a, b in zip(found[1:], parts[1:]):
     assert np.allclose(a, b, atol=1e-5), np.abs(a - b).max()
-# What stands in for a channel that is no longer read: mean and deviation of a rectified normal distribution.
+# A channel that is no longer read is replaced by the mean and the deviation of a rectified normal distribution.
 norm = torch.nn.BatchNorm2d(3)
 norm.weight.data, norm.bias.data = torch.tensor([0.5, 1.0, 2.0]), torch.tensor([0.3, -1.0, 0.0])
 drawn = np.maximum(np.random.default_rng(1).normal(size=(1000000, 3)) * norm.weight.data.numpy() + norm.bias.data.numpy(), 0)
 found_mean, found_deviation = light_network.expected(norm, torch.arange(3))
 assert np.allclose(found_mean.detach(), drawn.mean(0), atol=5e-3) and np.allclose(found_deviation.detach(), drawn.std(0), atol=5e-3)
-# A trust t is a ridge of 1/t^2 times as much: of uncorrelated features of deviation 1 the slope is c t^2 / (t^2 + ridge).
+# A trust t means a ridge that is 1/t^2 times as large. With uncorrelated features of deviation 1 the slope is
+# c t^2 / (t^2 + ridge).
 design = np.array([[1, 1, 1, 1, -1, -1, -1, -1], [1, 1, -1, -1, 1, 1, -1, -1], [1, -1, 1, -1, 1, -1, 1, -1]], float).T
 labels = np.full((8, 10), 0.5)
 labels[:, :3] = 0.2 * design
@@ -124,7 +126,7 @@ laned = json.load(open(sys.argv[1] + "/laned/fold_1.json"))
 assert len(laned["trusts"]) == 4 and all(trust in light_ridge.TRUSTS for trust in laned["trusts"]), laned
 assert np.array_equal(np.load(sys.argv[1] + "/laned/weights.npz")["lanes"], np.load(sys.argv[1] + "/lanes.npz")["lanes"])
 PY
-# The exported weights, only tested.
+# The exported weights are only tested, not trained.
 run "$folder/again" --epochs 0 --weights "$folder/whole/weights.npz" >"$folder/again.log"
 "$python" - "$folder" "$(dirname "$train")" <<'PY'
 import json, sys
@@ -163,17 +165,17 @@ assert np.array_equal(mirror, image[:, ::-1]) and not np.array_equal(mirror, ima
 label = rows.labels[5]
 mirrored = light_data.label_of(rows, 5, 1, 1)
 assert mirrored[0] == -label[0] != 0 and np.array_equal(mirrored[1:], label[1:])
-# The mean of an augmented image, before its noise and JPEG, follows the same gain as its ambient colour.
+# The mean of an augmented image, before its noise and JPEG, has the same gain as its ambient colour.
 bright = light_data.label_of(rows, 5, 2, 1)[6:9] / label[6:9]
 gain = light_data.gain_of(np.random.default_rng([1, 5, 2]))
 assert np.allclose(bright, gain, rtol=1e-5) and np.array_equal(light_data.label_of(rows, 5, 2, 1)[:3], label[:3])
 print("resumed as unbroken:", whole["log"][-1])
 PY
-# The table of estimates goes into the evaluation; made-up rooms of three places prove nothing, so any verdict will do.
+# The evaluation reads the table of estimates. Made-up rooms of three places prove nothing, so any verdict will do.
 "$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
   --estimates "$folder/whole/fold_1_estimates.csv" >"$folder/verify.log" || [[ $? == 1 ]]
 grep -q "direction against" "$folder/verify.log"
-# What PyTorch estimates of 56 excerpts, the plain float network in C++ does.
+# The plain float network in C++ gives PyTorch's estimates for 56 excerpts.
 mkdir "$folder/others"
 cp "$folder/rooms/room_1.hdr" "$folder/others/room_0.hdr"
 printf 'file,group,fold\nroom_0.hdr,a,2\n' >"$folder/others.csv"
@@ -198,8 +200,9 @@ print("greatest difference between PyTorch and C++ on 56 excerpts:", worst)
 assert worst < 1e-3
 PY
 
-# Heads fitted to the runtime's features in bytes: first the trunk in bytes, then the features, then the heads; what
-# PyTorch estimates from those features is what the runtime says with these heads, but for the bytes of the latent layer.
+# Heads that are fitted to the runtime's features in bytes: first the trunk in bytes, then the features, then the heads.
+# The runtime's output with these heads is PyTorch's estimate from those features, except for the bytes of the latent
+# layer.
 quantised() {
   "$program" quantise-light "$1" --calibrate "$folder/more" --measure "$folder/set" --images 8 "${@:3}" -o "$2" || [[ $? == 1 ]]
 }
@@ -216,7 +219,7 @@ quantised "$folder/fitted.npz" "$folder/fitted.light" --keep-float >>"$folder/tr
 "$program" inspect "$folder/trunk.light" | grep -q "float copy   no"
 "$program" inspect "$folder/fitted.light" | grep -q "float copy   yes"
 "$program" light-features "$folder/fitted.light" "$folder/set" --mirror -o "$folder/again.npy" >/dev/null
-cmp "$folder/set.npy" "$folder/again.npy"  # the heads do not touch the trunk
+cmp "$folder/set.npy" "$folder/again.npy"  # the heads do not change the trunk
 "$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
   --network "$folder/fitted.light" --out "$folder/bytes" >"$folder/bytes.log" || [[ $? == 1 ]]
 grep -q "camera turns by 90 deg" "$folder/bytes.log"
@@ -233,7 +236,7 @@ a, b = (np.loadtxt(f"{folder}/{file}.csv", delimiter=",", skiprows=1, usecols=ra
 print("greatest difference between heads in float and in bytes:", np.abs(a - b).max())
 assert a.shape == b.shape == (8, 10) and np.abs(a - b).max() < 0.05, np.abs(a - b).max()
 assert all(r in light_ridge.RIDGES for r in json.load(open(f"{folder}/fitted/fold_1.json"))["ridges"])
-# The closed form: with a ridge of next to nothing the labels of a linear law come back, with a strong one their mean.
+# The closed form: with a very weak ridge the labels of a linear law come back, with a strong one their mean.
 random = np.random.default_rng(3)
 features = random.normal(size=(400, 6)) * [1, 2, 3, 1, 2, 3] + 5
 logits = 0.1 * (features - 5) @ random.normal(size=(6, 10))
@@ -242,7 +245,7 @@ regression = light_ridge.Regression(features, labels, np.ones(400))
 found = regression.answer + (features - regression.mean) @ regression.slopes((1e-9,) * 4)
 assert np.allclose(found, logits, atol=1e-6)
 assert np.abs(regression.slopes((1e9,) * 4)).max() < 1e-6
-# Chosen by other folds: a law that they share asks for the weakest ridge, labels that follow nothing for the strongest.
+# Other folds choose the ridge. A law that they share gives the weakest ridge, labels without any law the strongest.
 folds, weights, judged = np.arange(400) % 4, np.ones(400), np.ones(400, bool)
 def chosen_ridges(*arguments):
     return light_ridge.best_ridges(light_ridge.ridge_errors(*arguments))
@@ -250,7 +253,7 @@ assert chosen_ridges(features, labels, weights, folds, judged)[1:] == (light_rid
 noise = random.normal(size=(400, 150))
 assert min(chosen_ridges(noise, labels, weights, folds, judged)[1:]) >= 10
 assert chosen_ridges(features, labels, weights, folds * 0, judged) == light_ridge.USUAL_RIDGES
-# Two sets of features to choose from: one says nothing, one the labels; and one the labels of the tested place alone.
+# Sets of features to choose from: one is noise, one is the labels, and one has the labels of the tested place alone.
 rows = light_data.Rows([folder + "/set"], [folder + "/more"])
 at = 0
 for name in ("set", "more"):
@@ -264,7 +267,7 @@ for name in ("set", "more"):
         np.save(f"{folder}/{kind}_{name}.npy", made)
     at += count
 PY
-# The folds that train choose, whatever the order; and the tested place has no say.
+# The training folds choose, in any order of the sets. The tested place has no influence.
 "$python" - "$folder" "$(dirname "$train")" >"$folder/between.log" <<'PY'
 import json, sys
 folder = sys.argv[1]
@@ -284,7 +287,7 @@ assert blind["inner"][0] == blind["inner"][1] == late["inner"][0] and blind["fea
 PY
 
 "$python" -c "import numpy, sys; numpy.savez(sys.argv[1], a=numpy.zeros(3))" "$folder/odd.npz"
-refused() {  # one sentence that contains the words, and a failure
+refused() {  # it must fail with one sentence that contains the words
   local words=$1 output
   shift
   if output=$("$python" "$train" "$@" 2>&1); then echo "not refused: $*"; exit 1; fi
@@ -317,7 +320,7 @@ refused "--layers" "$folder/set" -o "$folder/x" --layers some
 refused "fewer than two" --all --train-only "$folder/set" --share 0 -o "$folder/x" --cache "$folder/cache" --copies 1 --epochs 1 --cpu
 refused "cannot be made" "$folder/set" -o "$folder/odd.npz/x"
 [[ ! -e $folder/x/fold_1.json ]]
-bad() {  # a copy of the data set, changed by a command in it
+bad() {  # runs on a copy of the data set that a command has changed
   rm -rf "$folder/bad" && cp -r "$folder/set" "$folder/bad"
   (cd "$folder/bad" && eval "$2")
   refused "$1" "$folder/bad" -o "$folder/x" --copies 1 --epochs 0 --cpu

@@ -1,5 +1,5 @@
-// The camera that turns in a panorama: its pose against the pictures, and the measure against closed forms.
-#include "models/lighting/turning_camera.h"
+// A camera that turns in a panorama: its pose against the pictures, and the measure of wander against closed forms.
+#include "models/laboratory/light/turning_camera.h"
 
 #include <gtest/gtest.h>
 
@@ -7,17 +7,17 @@
 #include <cstdio>
 #include <numbers>
 
-#include "models/lighting/panorama_file.h"
+#include "models/rooms/panorama_file.h"
 
 namespace sandglass::host {
 namespace {
 
 constexpr double k_pi = std::numbers::pi;
 
-// Of a panorama that looks alike everywhere the network says the same of every view: in the world that light turns with
-// the camera, exactly as its pose says.
+// In a panorama that looks alike everywhere, the network's output is the same for every view. In the world that light
+// turns with the camera, exactly as the pose does.
 TEST(TurningCamera, InAnEvenPanoramaTheLightTurnsWithThePose) {
-  if (SANDGLASS_EMULATED) GTEST_SKIP() << "minutes under emulation";
+  if (SANDGLASS_EMULATED) GTEST_SKIP() << "it takes minutes under emulation";
   const std::string path = ::testing::TempDir() + "sandglass_even.hdr";
   RadianceMap map(64, 32);
   for (float& value : map.rgb) value = 0.5f;
@@ -29,7 +29,7 @@ TEST(TurningCamera, InAnEvenPanoramaTheLightTurnsWithThePose) {
   for (size_t i = 0; i < turn.latest.size(); ++i) {
     const double yaw = static_cast<double>(i) * 3.0 * k_pi / 180.0;
     const Vec3 d = turn.latest[i];
-    // Azimuth grows from x to z; the height above the horizon stays.
+    // The azimuth grows from x to z. The height above the horizon stays.
     EXPECT_NEAR(d.x, std::cos(yaw) * first.x - std::sin(yaw) * first.z, 1e-5) << i;
     EXPECT_NEAR(d.z, std::sin(yaw) * first.x + std::cos(yaw) * first.z, 1e-5) << i;
     EXPECT_NEAR(d.y, first.y, 1e-5) << i;

@@ -1,6 +1,7 @@
-// The evaluation of lighting: baselines on images whose answer is known, the bootstrap against the normal law, and the
-// whole on rooms of one lamp each, where the labels as estimate must beat every baseline and mirrored labels must not.
-#include "models/lighting/verify_lighting.h"
+// The evaluation of lighting: baselines on images with a known answer, the bootstrap against the normal distribution,
+// and the whole evaluation on rooms with one lamp each. There the labels as estimates must beat every baseline, and
+// mirrored labels must not.
+#include "models/laboratory/light/verify_lighting.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +9,10 @@
 #include <filesystem>
 #include <numbers>
 
-#include "models/host/failure.h"
-#include "models/host/mesh/generated.h"
 #include "models/lighting/lit_view.h"
-#include "models/lighting/panorama_file.h"
+#include "models/mesh/generated.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/failure.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {
@@ -34,7 +35,7 @@ constexpr const char* k_header =
 TEST(PairedBootstrap, PlacesCountOnceWhateverTheirViews) {
   const PairedDifference d = paired_bootstrap({{"a", 1.0}, {"a", 3.0}, {"a", 2.0}, {"b", 6.0}}, 1);
   EXPECT_DOUBLE_EQ(d.mean, 4.0);
-  // Two places: a quarter of the resamples is all a, a quarter all b.
+  // With two places, a quarter of the resamples has only the first, and a quarter only the second.
   EXPECT_DOUBLE_EQ(d.low, 2.0);
   EXPECT_DOUBLE_EQ(d.high, 6.0);
 }
@@ -98,11 +99,13 @@ TEST(Estimates, TableIsReadAndWhatIsNoTableIsRefused) {
     EXPECT_NE(refusal(std::string(k_header) + row).find("line 2"), std::string::npos) << row;
 }
 
-// Six places of even walls and one lamp each, in a row of directions on one side: their mean is a poor answer.
+// Six places with even walls and one lamp each. The lamps' directions are a row on one side, so their mean is a poor
+// answer.
 class Verify : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (SANDGLASS_EMULATED) GTEST_SKIP() << "a minute under emulation, and nothing in it depends on the machine";
+    if (SANDGLASS_EMULATED)
+      GTEST_SKIP() << "it takes a minute under emulation, and nothing in it depends on the machine";
     folder_ =
         ::testing::TempDir() + "sandglass_verify_" + ::testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::create_directories(folder_);
@@ -124,7 +127,7 @@ class Verify : public ::testing::Test {
     if (!folder_.empty()) fs::remove_all(folder_);
   }
 
-  // The labels themselves, through the door that a network comes in by.
+  // The labels themselves, in place of a network's estimates.
   LightEstimator labels(double side) const {
     return [this, side](const Picture&, const std::string& name) {
       const size_t cut = name.find_last_of('_');
@@ -166,7 +169,7 @@ TEST_F(Verify, WithoutAnEstimatorThereAreNoClaims) {
   const std::string table = lighting_table(verdicts);
   EXPECT_EQ(table.find("estimate"), std::string::npos);
   EXPECT_NE(table.find("mean light"), std::string::npos);
-  // A line for the header and for labels and three baselines of each panorama.
+  // One line for the header, and one for the labels and each of three baselines of each panorama.
   const std::string csv = lighting_csv(verdicts);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 6 * 4);
 }
@@ -177,8 +180,8 @@ TEST_F(Verify, OnePlaceHasNoMeanLight) {
 }
 
 #ifdef SANDGLASS_HAVE_EMBREE
-// With the true labels of a room that they describe, the rendered pictures differ from the truth only by the shape of
-// the lamp and by noise; the baselines' differ more, and no thread count changes a bit.
+// With true labels in a room that they describe well, the rendered pictures differ from the truth only by the shape of
+// the lamp and by noise. The baselines' pictures differ more. No number of threads changes a bit.
 TEST_F(Verify, RenderedLabelsAreNearTheTruth) {
   options_.object = make_icosphere(0.5f, 2);
   options_.samples = 8, options_.views = 1;

@@ -1,6 +1,6 @@
-// The lighting network by XNNPACK as it has been since 2023, against a stand-in: each operator is created, reshaped
-// once, set up with the workspace that it asked for and run; what comes out is the file's network; all memory is of the
-// region, and goes back; what cannot be had is refused in a sentence.
+// The lighting network by XNNPACK's generation since 2023, with a stand-in for it. Each operator is created, reshaped
+// once, set up with the workspace that it asked for, and run. The output is that of the file's network. All memory is
+// from the region and is given back. What is not possible is refused with a sentence.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,10 +9,10 @@
 #include <memory>
 #include <string>
 
-#include "models/host/failure.h"
-#include "models/host/random.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
+#include "models/work/failure.h"
+#include "models/work/random.h"
 #include "platform/xnnpack.h"
 #include "tests/lighting/byte_network.h"
 #include "tests/lighting/float_network.h"
@@ -46,7 +46,7 @@ TEST(XnnpackStandIn, OperatorsAreCreatedReshapedSetUpAndRunInThisOrder) {
   features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
   ASSERT_LT(xnnpack_stand_in::g_asked_count, xnnpack_stand_in::k_call_capacity);
   ASSERT_EQ(xnnpack_stand_in::g_asked[0].call, Call::initialize);
-  std::map<const void*, std::string> life;  // of every operator, one letter a call; addresses come back
+  std::map<const void*, std::string> life;  // one letter for each call of an operator; addresses are used again
   uint32_t complete = 0, probes = 0;
   for (size_t i = 1; i < xnnpack_stand_in::g_asked_count; ++i) {
     const auto [call, op] = xnnpack_stand_in::g_asked[i];
@@ -54,7 +54,7 @@ TEST(XnnpackStandIn, OperatorsAreCreatedReshapedSetUpAndRunInThisOrder) {
     calls += "icrsxd"[static_cast<int>(call)];
     if (call != Call::remove) continue;
     if (calls == "cd") {
-      ++probes;  // whether the region is ours
+      ++probes;  // it finds out whether the region is used
     } else {
       ASSERT_EQ(calls.substr(0, 2), "cr");
       ASSERT_EQ(calls.size() % 2, 1u);
@@ -113,7 +113,7 @@ TEST(XnnpackStandIn, ItsRegionBoundsWhatItTakes) {
   EXPECT_EQ(xnnpack_region_used(), used);
   lights.clear();
   EXPECT_EQ(xnnpack_region_used(), 0u);
-  another();  // in the pieces that came back
+  another();  // in the pieces that were given back
   EXPECT_EQ(xnnpack_region_used(), used);
 }
 

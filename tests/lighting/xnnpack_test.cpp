@@ -1,6 +1,6 @@
-// The back ends by XNNPACK that is installed: in float what the file says without any rounding, or the float network
-// that it carries; in bytes what the own kernels say; small units; an estimate over frames, without a call of malloc;
-// the reference images. The same on ARM, under emulation.
+// The back ends with the installed XNNPACK. In float they give the file's network without any rounding, or the float
+// network that the file has. In bytes they give what the library's own kernels give. Units are small, an estimate over
+// frames calls no malloc, and the reference images are recognised. The same holds on ARM, under emulation.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,12 +12,12 @@
 #include <iterator>
 #include <vector>
 
-#include "models/host/npz.h"
-#include "models/host/random.h"
+#include "models/files/npz.h"
+#include "models/laboratory/light/lighting_bench.h"
 #include "models/lighting/excerpts.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
-#include "models/lighting/lighting_bench.h"
+#include "models/work/random.h"
 #include "platform/virtual_clock.h"
 #include "platform/xnnpack.h"
 #include "sandglass/sandglass.hpp"
@@ -56,12 +56,12 @@ TEST(Xnnpack, InFloatIsTheFileWithoutRounding) {
     const auto i = static_cast<size_t>(c);
     const double scale = static_cast<double>(file.feature_scale[i]);
     const double truth = scale * (sum / pixels) + static_cast<double>(file.feature_shift[i]);
-    // In units of the range that a byte has: 1e-3, as the float network of the project against PyTorch.
+    // In units of a byte's range. The limit is 1e-3, as for the project's float network against PyTorch.
     worst = std::max(worst, std::fabs(static_cast<double>(features[i]) - truth) / (255 * std::fabs(scale)));
     size = std::max(size, sum / pixels);
   }
   EXPECT_LE(worst, 1e-3);
-  EXPECT_GT(size, 16.0) << "features that say something";
+  EXPECT_GT(size, 16.0) << "the features must not all be small";
   std::printf("greatest difference of 1024 features: %.2g of their range\n", worst);
 }
 
@@ -83,11 +83,11 @@ TEST(Xnnpack, InBytesDoesNotReadTheFloatNetwork) {
   EXPECT_EQ(features_of(), expected);
 }
 
-// As great as the reader lets them be: infinities and what is not a number come up on the way, and must not come out.
+// Weights as large as the reader allows. Infinities and NaN occur in between but must not come out.
 TEST(Xnnpack, ForgedFloatNetworksSayNumbers) {
   const std::vector<uint8_t> rgb = noise(32, 32);
   LightFile file = random_light_file(7);
-  for (const double share : {1.0, 0.5, 0.0}) {  // of positive numbers
+  for (const double share : {1.0, 0.5, 0.0}) {  // the share of positive numbers
     file.float_parameters.resize(k_light_float_parameters);
     for (size_t i = 0; i < file.float_parameters.size(); ++i)
       file.float_parameters[i] = random_unit(i) < share ? k_light_float_limit : -k_light_float_limit;
@@ -98,7 +98,7 @@ TEST(Xnnpack, ForgedFloatNetworksSayNumbers) {
   }
 }
 
-// Of two networks; in the shipped one some channels have multipliers of thousands.
+// For two networks: a random one, and the shipped one, in which some channels have multipliers of thousands.
 class XnnpackInBytes : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(, XnnpackInBytes, testing::Bool(),
                          [](const auto& network) { return network.param ? "Shipped" : "Random"; });
@@ -129,11 +129,11 @@ TEST_P(XnnpackInBytes, IsTheOwnNetworkButForItsRounding) {
   std::printf("root mean square of 1024 features' differences: %.2g of their range\n", rms);
 }
 
-// Whoever stops the bench early is not told that what comes later is not installed, nor that it differs by nothing.
+// A bench that is stopped early must not report that the rest is not installed, or that it differs by nothing.
 TEST(Xnnpack, AnInterruptedBenchKnowsWhatTheBuildHas) {
-  const LightingBench bench =
-      bench_lighting(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC, {},
-                     [](uint32_t done, uint32_t) { return done < 2; });  // the images, then the first back end
+  // Stops after the images and the first back end.
+  const LightingBench bench = bench_lighting(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC,
+                                             {}, [](uint32_t done, uint32_t) { return done < 2; });
   EXPECT_EQ(bench.rows.size(), 1u);
   EXPECT_TRUE(bench.has_xnnpack);
   EXPECT_FALSE(bench.compared);
@@ -147,7 +147,7 @@ TEST(Xnnpack, UnitsAreAsSmallAsTheOwnAndMayRunInAnyOrder) {
   for (uint32_t unit = 0; unit < net->units; ++unit) EXPECT_LE(light_unit(*net, unit).items, k_light_unit_macs / 1000);
   if (SANDGLASS_EMULATED) return;
   const LightOutputs expected = runner.run(rgb);
-  runner.run(grey);  // leaves other values everywhere
+  runner.run(grey);  // fills the memory with other values
   begin_light_network(net, rgb.data());
   for (uint32_t first = 0; first < net->units; first = light_operator_end(*net, first))
     for (uint32_t unit = light_operator_end(*net, first); unit-- > first;) run_light_unit(net, unit);
@@ -156,12 +156,12 @@ TEST(Xnnpack, UnitsAreAsSmallAsTheOwnAndMayRunInAnyOrder) {
   EXPECT_EQ(std::memcmp(&outputs, &expected, sizeof outputs), 0);
 }
 
-// The classifier in bytes, computed in float: as true to its float original as the weights' own rounding lets it be.
-// With the float network in the file: the original.
+// The classifier in bytes, computed in float, is as close to its float original as the rounding of the weights allows.
+// With the float network in the file it is the original.
 TEST(Xnnpack, ClassifiesTheReferenceImagesAsTheFloatNetworkDoes) {
   const char* folder = std::getenv("SANDGLASS_DATA_DIR");
   if (folder == nullptr) GTEST_SKIP() << "SANDGLASS_DATA_DIR is not set";
-  if (SANDGLASS_EMULATED) GTEST_SKIP() << "minutes under emulation";
+  if (SANDGLASS_EMULATED) GTEST_SKIP() << "it takes minutes under emulation";
   const ReferenceClassifier classifier(folder);
   for (const sandglass_light_backend backend :
        {SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8}) {
@@ -174,7 +174,7 @@ TEST(Xnnpack, ClassifiesTheReferenceImagesAsTheFloatNetworkDoes) {
   classifier.expect_float_reference(&runner);
 }
 
-// By float_network.sh, which makes the weights.
+// Run by float_network.sh, which makes the weights.
 TEST(Xnnpack, InFloatIsPyTorchs) {
   const char* weights = std::getenv("SANDGLASS_FLOAT_WEIGHTS");
   if (weights == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_WEIGHTS is not set to what float_network.py wrote";
@@ -202,7 +202,7 @@ uint64_t weights() {
   return count;
 }
 
-// As an app has it: chosen in the description, run in frames of a small budget.
+// As in an app: chosen in the description, and run in frames with a small budget.
 class XnnpackInFrames : public testing::TestWithParam<sandglass_light_backend> {};
 INSTANTIATE_TEST_SUITE_P(, XnnpackInFrames,
                          testing::Values(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8),
@@ -220,14 +220,14 @@ TEST_P(XnnpackInFrames, AnEstimateTakesSeveralAndNoMemory) {
     const Status status = light.create(desc);
     ASSERT_TRUE(status) << status.reason;
     const uint64_t used = xnnpack_region_used();
-    // It holds all weights at least, and no second copy of them.
+    // The region holds all weights, and no second copy of them.
     const uint64_t held = weights() * (GetParam() == SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 ? sizeof(float) : 1);
     EXPECT_GT(used, before + held);
     EXPECT_LT(used, before + 3 * held / 2);
     std::printf("of the region: %.1f MiB\n", static_cast<double>(used - before) / (1 << 20));
 
     VirtualClock time;
-    time.step_ns = 20'000;  // a unit costs as much
+    time.step_ns = 20'000;  // the cost of a unit
     sandglass_scene_desc scene_desc = sandglass::scene_desc();
     scene_desc.clock = virtual_clock(&time);
     scene_desc.granular.particle_radius = 0.01f;
@@ -252,7 +252,7 @@ TEST_P(XnnpackInFrames, AnEstimateTakesSeveralAndNoMemory) {
     EXPECT_GE(frames, 3u);
     EXPECT_LT(frames, 30u);
 
-    // The own network's estimate of that image, but for its rounding to bytes.
+    // It is the own network's estimate of that image, except for the rounding to bytes.
     ASSERT_TRUE(own.estimate(picture.image));
     const sandglass_light_estimate a = own.estimated(), b = light.estimated();
     EXPECT_EQ(b.valid, 1u);
@@ -263,7 +263,7 @@ TEST_P(XnnpackInFrames, AnEstimateTakesSeveralAndNoMemory) {
     }
     EXPECT_GT(cosine, 0.9);
   }
-  EXPECT_EQ(xnnpack_region_used(), before) << "the owner gives back what was taken";
+  EXPECT_EQ(xnnpack_region_used(), before) << "the owner must give back what was taken";
 }
 
 }  // namespace

@@ -1,12 +1,11 @@
-// No frame allocates: the counting allocator stays at 0 over 10,000 frames in which everything that the API offers is
-// used. (That the archive has no such symbol at all is symbols.sh's
-// claim; this one holds for whatever the frame reaches, in the C library too.)
+// No frame allocates: the counting allocator stays at 0 over 10,000 frames that use everything the API offers.
+// (symbols.sh tests that the archive has no such symbol. This test also covers what a frame calls in the C library.)
 #include <gtest/gtest.h>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include "models/host/aligned_bytes.h"
+#include "models/files/aligned_bytes.h"
 #include "models/lighting/light_file.h"
 #include "sandglass/light.h"
 #include "sandglass/sandglass.h"
@@ -76,7 +75,7 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
   sandglass_frame_report report;
   report.struct_size = sizeof report;
 
-  // From creation on: nothing but the block, and no call to get it.
+  // From creation on there is only the block, and no call to get it.
   sandglass::host::start_counting_allocations();
   sandglass_scene* scene = nullptr;
   bool fine = sandglass_scene_create(&desc, block, bytes, &scene, nullptr) == SANDGLASS_OK;
@@ -89,7 +88,7 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
              sandglass_granular_set_boundary(scene, boundary.data(), 40, nullptr) == SANDGLASS_OK &&
              sandglass_granular_set_friction(scene, 0.5f, frame % 1000 == 0 ? 0.4f : 0.3f, nullptr) == SANDGLASS_OK;
     }
-    // Budgets from nothing to plenty: the ladder's rungs, the denied units and the debt are all reached.
+    // Budgets from nothing to plenty, so that all quality levels, denied units and time debt occur.
     input.budget_ns = frame % 3 * 1000000u;
     for (uint32_t i = 1; i < 4; ++i) colliders[i].position[0] = 0.001f * static_cast<float>((frame + 50 * i) % 200);
     fine = fine && sandglass_scene_frame(scene, &input, &report, nullptr) == SANDGLASS_OK;
@@ -100,7 +99,7 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
   EXPECT_EQ(report.particles, k_particles);
 }
 
-// The light's stage, from its creation on: images, units and estimates, in frames of a scene without sand.
+// The light's stage from its creation on: images, units and estimates, in frames of a scene without sand.
 TEST(Allocation, FramesWithLightMakeNoCall) {
   const sandglass::host::AlignedBytes file(sandglass::host::light_file_bytes(sandglass::host::random_light_file(1)));
   sandglass_light_desc desc;
@@ -139,7 +138,7 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   uint32_t changes = 0;
   for (uint32_t frame = 0; fine && frame < 90; ++frame) {
     image.timestamp_ns = 1 + frame * uint64_t{300'000'000};
-    // Mostly a frame's time; now and then as much as an estimate takes on any machine.
+    // Mostly the time of a frame; every 30th time as much as an estimate takes on any machine.
     input.budget_ns = frame % 30 == 29 ? 3'600'000'000'000u : frame % 3 * 4'000'000u;
     fine = sandglass_scene_frame(scene, &input, &report, nullptr) == SANDGLASS_OK;
     changes += report.light_changed;

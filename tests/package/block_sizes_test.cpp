@@ -1,5 +1,5 @@
-// The scene's block, at every size from 0 to the need: below it creation says so and touches nothing; at the need it
-// succeeds and neither creation nor frames touch a byte outside.
+// The scene's block, at every size from 0 to the size that is needed. If it is too small, creation fails and touches
+// nothing. At the needed size it succeeds, and neither creation nor frames touch a byte outside.
 #include <gtest/gtest.h>
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr size_t k_guard = 4096;  // bytes watched on either side of the block
 
-// A pattern without period: a stray write cannot match it everywhere.
+// A pattern without period, which a stray write cannot match everywhere.
 uint8_t poison(size_t i) {
   uint32_t x = static_cast<uint32_t>(i) * 2654435761u;
   return static_cast<uint8_t>((x ^ (x >> 15)) * 2246822519u >> 24);
@@ -71,8 +71,7 @@ TEST(BlockSizes, EverySizeBelowTheNeedIsRefusedAndNothingIsTouched) {
         << size;
     ASSERT_NE(reason, nullptr);
     ASSERT_EQ(scene, unset) << "a function that fails has changed nothing";
-    // A touched byte stays touched: looking at all of them now and then, and at the end, finds the same faults as
-    // always.
+    // A touched byte stays touched, so looking at all bytes now and then, and at the end, finds every fault.
     if (size % 4096 == 0) {
       ASSERT_TRUE(memory.untouched()) << size;
     }

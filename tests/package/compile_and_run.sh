@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# An app of one file, built as a shell user would with pkg-config, and run.
+# Builds an app of one file with pkg-config, as in a shell, and runs it.
 #   compile_and_run.sh PREFIX OUTPUT_FOLDER SOURCE "COMPILER FLAGS" [EMULATOR...]
-# A .md source stands for its first ```cpp block: the README's example is models/examples/pour.cpp, at most 40 lines, and runs.
-# A .c source is linked by the C compiler alone: the archive needs no C++ runtime library.
+# Of a .md source the first ```cpp block is taken: the README's example is models/examples/pour.cpp, has at most 40 lines,
+# and runs. A .c source is linked by the C compiler alone, because the archive needs no C++ runtime library.
 set -euo pipefail
 prefix=$1 output=$2 source=$3 compiler=$4
 shift 4
@@ -19,7 +19,7 @@ if [[ $source == *.md ]]; then
 fi
 
 pc=$(find "$prefix" -name sandglass.pc)
-# Only this folder: for a foreign target the workstation's own packages must not be found.
+# Only this folder is searched: for another target the workstation's own packages must not be found.
 flags=$(PKG_CONFIG_LIBDIR=$(dirname "$pc") pkg-config --define-prefix --cflags --libs sandglass)
 program=$output/$(basename "${source%.*}")
 echo "$compiler $source $flags"

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Runs the Conan recipe as `conan create` would: the names that it imports are defined here by what Conan 2 documents of them.
+"""Runs the Conan recipe as `conan create` would. The names that it imports are defined here, as Conan 2 documents them.
 
     conan_recipe.py CONANFILE WORK_FOLDER [COMPILER_LAUNCHER]
     conan_recipe.py CONANFILE WORK_FOLDER --settings          only for which settings it says to build
 
-The exported sources are copied to a folder of their own first, so a file that the recipe forgets to export fails the build.
+The exported sources are first copied to a folder of their own, so a file that the recipe does not export fails the build.
 """
 import importlib.util
 import pathlib
@@ -96,7 +96,7 @@ def main():
     recipe.settings = types.SimpleNamespace(os="Linux", arch="armv7", compiler="gcc", build_type="Release")
     recipe.cpp_info = types.SimpleNamespace(builddirs=[], libs=[], system_libs=[], set_property=lambda name, value: None)
 
-    # The rows of the README's table of targets.
+    # The rows of the table of targets in tests/README.md.
     for system, processor, built in (("Linux", "armv7", False), ("Android", "armv7", False), ("Android", "x86_64", False),
                                      ("iOS", "x86_64", False), ("Macos", "armv8", False), ("Windows", "x86_64", False),
                                      ("Android", "armv8", True), ("iOS", "armv8", True), ("Linux", "armv8", True),

@@ -18,7 +18,7 @@ layout() {
   mono "$output/layout.exe" >"$output/csharp_claims.c"
   echo "$(grep -c typedef "$output/csharp_claims.c") claims"
   "$1" -std=c99 -fsyntax-only -I "$third" "$output/csharp_claims.c" || { echo "Sandglass.cs differs from the headers"; exit 1; }
-  # What the headers declare: structs with a body, and functions.
+  # The headers declare these structs with a body, and these functions.
   declared=$(grep -hoE '^typedef struct sandglass_[a-z_]+ \{' "$third"/sandglass/*.h | awk '{print $3}'
     tr '\n' ' ' < <(cat "$third"/sandglass/*.h) | grep -oE 'SANDGLASS_API [^;/]*\(' | grep -oE 'sandglass_[a-z0-9_]+\(' | tr -d '(')
   mirrored=$(awk '$2 == "mirrored" {print $3}' "$output/csharp_claims.c")

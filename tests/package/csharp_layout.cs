@@ -1,5 +1,6 @@
-// Writes C: one claim for every struct's size, every field's offset and size, and every constant of Sandglass.cs, to be compiled
-// against the headers by the C compiler of the target. Also lists what is mirrored, for the script to compare with the headers.
+// Writes a C file with one claim for every struct's size, every field's offset and size, and every constant of
+// Sandglass.cs. The target's C compiler compiles it against the headers. Also lists what is mirrored, which the script
+// compares with the headers.
 using System;
 using System.Reflection;
 using System.Runtime.InteropServices;
@@ -33,6 +34,6 @@ static class Layout {
     }
   }
 
-  // A pointer is a pointer; a fixed buffer is a struct that the compiler made.
+  // Marshal cannot size a pointer type. A fixed buffer is a struct that the compiler made.
   static int Size(Type type) { return type.IsPointer ? IntPtr.Size : Marshal.SizeOf(type); }
 }

@@ -1,5 +1,5 @@
-// The scene of toolchains/linux-arm64/sample from C#: the same block of sand, poured for the same second. The script compares the
-// two hashes.
+// The scene of toolchains/linux-arm64/sample in C#: the same block of sand, poured for the same second. The script
+// compares the two hashes.
 using System;
 using System.Runtime.InteropServices;
 using Sandglass;

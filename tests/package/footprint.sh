@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# What a capability weighs in an app after the linker has dropped unused sections: the code and constant data of a program, or of a
-# shared library as every Android app is one, less those of an empty one.
+# How large a capability is in an app after the linker has dropped unused sections: the code and constant data of a
+# program, or of a shared library (which every Android app is), less those of an empty one.
 #   footprint.sh EMPTY CAPABILITY APP FIGURE FORBIDDEN_SYMBOLS
-# FIGURE is what it weighs in KiB, or the name of a row of the table in $README. Fails a quarter above it, when a symbol of another
-# capability (an extended regular expression) came along, and when a shared library exports functions of Sandglass. With
-# ROUNDING=PERCENT the figure must be right to that much. NM and SIZE name the tools of the target.
+# FIGURE is the size in KiB, or the name of a row of the table in $README. Fails if the size is more than a quarter
+# above it, if a symbol of another capability (an extended regular expression) was linked, or if a shared library
+# exports functions of Sandglass. With ROUNDING=PERCENT the figure must be right to within PERCENT. NM and SIZE name the
+# tools of the target.
 set -euo pipefail
 empty=$1 capability=$2 app=$3 figure=$4 forbidden=$5
 

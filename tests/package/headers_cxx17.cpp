@@ -1,4 +1,4 @@
-// The public headers in the oldest C++ they promise, without exceptions and RTTI.
+// The public headers in the oldest C++ that they promise, without exceptions and RTTI.
 #include "sandglass/field.h"
 #include "sandglass/light.h"
 #include "sandglass/pile_shadow.h"

@@ -1,4 +1,4 @@
-// The headers as a Clang module, which is how Swift sees them: constants, structs and functions come through the import alone.
+// The headers as a Clang module, as Swift sees them: the import alone gives constants, structs and functions.
 @import Sandglass;
 
 uint64_t whole_api(void);

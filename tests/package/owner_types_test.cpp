@@ -23,7 +23,7 @@ sandglass_scene_desc small_scene() {
   return desc;
 }
 
-// Half a second over a floor; the hash of what came out.
+// Half a second of sand on a floor; returns the scene's hash.
 uint64_t fall(sandglass::Scene& scene) {
   EXPECT_TRUE(scene.add(k_two_particles));
   const sandglass_collider floor = sandglass::floor_at(0.0f);
@@ -44,8 +44,8 @@ TEST(OwnerTypes, StructsHaveOneSizeInC99AndInCxx20) {
   EXPECT_EQ(c99_struct_sizes[3], sizeof(sandglass_granular_desc));
 }
 
-// Frames of the same scene from its beginning, into the reports of apps of every age; then the report's plan, which the
-// library reads, and the levels, which are its own.
+// Runs frames of the same scene from its beginning and fills the reports of apps with older and newer headers. Then
+// tests the report's plan, which the library reads, and the levels, which the library owns.
 TEST(OwnerTypes, AReportIsFilledWithinItsSizeAndItsPlanReadWhole) {
   sandglass::Scene scene;
   ASSERT_TRUE(scene.create(small_scene()));

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""The most stack that a call can need, from what gcc wrote beside the objects (-fstack-usage -fcallgraph-info=su).
+"""The most stack that a call can need, from the files that gcc wrote beside the objects (-fstack-usage -fcallgraph-info=su).
 
     stack_bound.py BUILD_FOLDER --from FUNCTION --limit BYTES
 
 Walks the call graph of every .ci file under the folder and prints the deepest path. Fails above the limit, on recursion, on a
 frame of unbounded size, and on a function that the graph does not know.
 
-A call through a pointer may reach any function that nobody calls by name (that is how stages, pool tasks and kernels are
-entered), and such calls nest at most three deep: governor -> stage, stage -> pool task, task -> kernel. The bound is therefore on
-the safe side. The app's own hooks and the C library's memory functions are outside it.
+A call through a pointer is taken to reach any function that is never called by name: so stages, pool tasks and kernels are
+entered. Such calls nest at most three deep: governor -> stage, stage -> pool task, task -> kernel. The bound is therefore too high
+rather than too low. It leaves out the app's own hooks and the C library's memory functions.
 """
 import argparse
 import pathlib

@@ -1,6 +1,6 @@
-/* The public header in C99: it compiles, `struct_size` comes first in every struct that has one, enumerations are four
- * bytes, and the structs that cross the boundary in arrays have the sizes that their fields add up to, without hidden
- * padding. The C++ tests compare the other sizes with these. */
+/* The public headers in C99. They compile, `struct_size` is the first field of every struct that has one, enumerations
+ * have four bytes, and structs that are passed in arrays have no hidden padding. The C++ tests compare the other sizes
+ * with these. */
 #include "sandglass/light.h"
 #include "sandglass/sandglass.h"
 #include "sandglass/shadow.h"

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What the archive may ask of its surroundings, and what it may do before main.
+# Which symbols the archive may need from outside, and that it does nothing before main.
 #
 #   symbols.sh archive libsandglass.a   after merging all members: every undefined symbol is on the list below, and there are no
 #                                       global constructors or destructors and no thread-local storage
@@ -10,22 +10,21 @@
 #   symbols.sh exported SHARED_LIBRARY INCLUDE_FOLDER
 #                                       a plug-in made of the whole archive exports the functions of the headers and no other
 #
-# NM, LD and READELF name the tools of the target; one that fails or says nothing is a failure of the test, not a clean archive.
-# WITH_XNNPACK=1: the archive was configured to ask for XNNPACK.
+# NM, LD and READELF name the tools of the target; one that fails or says nothing is a failure of the test, not a clean
+# archive. WITH_XNNPACK=1: the archive was configured to ask for XNNPACK.
 set -euo pipefail
 
-# memory    : the four block functions that compilers emit on their own, and their string cousins that the verifier needs
-# platform  : clock, CPU features, profiler
-# exact     : libm functions that IEEE 754 defines to the bit; transcendental ones differ between C libraries
-# compiler  : stack protector, position-independent code, out-of-line arithmetic
+# memory : the four functions that compilers emit on their own, and the string functions that FlatBuffers' verifier
+# needs platform : clock, CPU features, profiler exact : libm functions that IEEE 754 defines to the bit; transcendental
+# ones differ between C libraries compiler : stack protector, position-independent code, out-of-line arithmetic
 readonly allowed='^(mem(cpy|move|set|cmp)|str(len|cmp|ncmp)'\
 '|clock_gettime|getauxval|ATrace_(begin|end)Section|abort'\
 '|clock_gettime_nsec_np|sysctlbyname|os_log_create|(stand_in)?_os_signpost[a-z_]*|__dso_handle'\
 '|(sqrt|floor|ceil|trunc|rint|nearbyint|fabs|fmin|fmax)f?'\
 '|bzero|memset_pattern(4|8|16)|__stack_chk_(fail|guard)|_GLOBAL_OFFSET_TABLE_|__(u?div|u?mod|mul)ti3|__cpu_model|__cpu_indicator_init)$'
 
-# said_by WHAT TOOL ARGUMENTS...: what the tool printed, WHAT says of it in a sentence. Called before it is looked at: a failure inside
-# <(...) would be lost.
+# said_by WHAT TOOL ARGUMENTS...: prints what the tool printed. WHAT names it in a sentence. The result goes into a
+# variable first, because a failure inside <(...) would be lost.
 said_by() {
   local what=$1 said
   shift
@@ -41,7 +40,7 @@ readonly sections_before_main='\.(init_array|fini_array|preinit_array|ctors|dtor
 look_at() {
   local symbol section failed=0
   while read -r symbol; do
-    # Mach-O puts an underscore before every name of C.
+    # Mach-O puts an underscore in front of every C name.
     [[ -z $symbol || $symbol =~ $allowed || ${symbol#_} =~ $allowed || $symbol =~ $3 ]] && continue
     echo "forbidden symbol: $symbol ($(c++filt "$symbol"))"
     failed=1
@@ -61,7 +60,7 @@ archive() {
   merged=$(mktemp)
   trap 'rm -f "$merged"' RETURN
   "$LD" -r --whole-archive "$1" -o "$merged"
-  # What is defined tells a tool that works from one that does not: an archive may need nothing.
+  # An archive may need nothing. That the tool finds defined symbols shows that it works.
   defined=$(said_by "what $1 defines" "$NM" --defined-only "$merged")
   undefined=$("$NM" -u "$merged" | awk '{print $2}')
   sections=$(said_by "the sections of $1" "$READELF" -SW "$merged")

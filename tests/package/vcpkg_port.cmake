@@ -1,7 +1,7 @@
-# Runs the vcpkg port as vcpkg would: the functions that it calls are defined here by what vcpkg documents of them.
+# Runs the vcpkg port as vcpkg would. The functions that it calls are defined here, as vcpkg documents them.
 #   cmake -DPORT=portfile.cmake -DWORK=DIR -DFLATBUFFERS_INCLUDE=DIR [-DGENERATOR=Ninja] [-DCONFIGURE_ONLY=ON] -P vcpkg_port.cmake
-# As there, CMake may download nothing, and headers that are installed on this machine are not seen: FlatBuffers comes from the archive
-# that the port names, for which a copy of this machine's headers stands in.
+# As with vcpkg, CMake may not download anything and does not see the headers that are installed on this machine.
+# FlatBuffers comes from the archive that the port names; here a copy of this machine's headers takes its place.
 cmake_policy(VERSION 3.25)
 set(CURRENT_PACKAGES_DIR ${WORK}/packages/sandglass)
 file(REMOVE_RECURSE ${WORK})
@@ -58,7 +58,7 @@ endfunction()
 
 include(${PORT})
 
-# What the README says is not built, the port must not claim.
+# The port must not claim a system that tests/README.md says is not built.
 get_filename_component(folder ${PORT} DIRECTORY)
 file(READ ${folder}/vcpkg.json manifest)
 string(JSON supports GET "${manifest}" supports)

@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <exception>
 
-#include "models/host/atomic_file.h"
-#include "models/host/image.h"
-#include "models/host/report_page.h"
+#include "models/files/atomic_file.h"
+#include "models/files/image.h"
+#include "models/report/report_page.h"
 
 namespace sandglass::host {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "models/host/mesh/generated.h"
+#include "models/mesh/generated.h"
 #include "runtime/sampling/geodesic.h"
 #include "tests/sampling/point_checks.h"
 

@@ -6,7 +6,7 @@
 #include <cinttypes>
 #include <cstdio>
 
-#include "models/host/mesh/generated.h"
+#include "models/mesh/generated.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {

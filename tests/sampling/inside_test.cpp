@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "models/host/mesh/generated.h"
-#include "models/host/mesh/ray_caster.h"
+#include "models/mesh/generated.h"
+#include "models/tracing/ray_caster.h"
 #include "runtime/core/random.h"
 #include "runtime/sampling/inside.h"
 #include "tests/sampling/point_checks.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "models/host/mesh/generated.h"
+#include "models/mesh/generated.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {

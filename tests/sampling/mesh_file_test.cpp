@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <fstream>
 
-#include "models/host/mesh/generated.h"
-#include "models/host/mesh/mesh.h"
-#include "models/host/mesh/ply.h"
+#include "models/mesh/generated.h"
+#include "models/mesh/mesh.h"
+#include "models/mesh/ply.h"
 
 namespace sandglass::test {
 namespace {

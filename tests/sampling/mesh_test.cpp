@@ -1,5 +1,5 @@
 // Generated meshes against their formulas; cleaning and the counts of edges; files are written whole or not at all.
-#include "models/host/mesh/mesh.h"
+#include "models/mesh/mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "models/host/mesh/generated.h"
-#include "models/host/mesh/ply.h"
-#include "models/host/mesh/point_picture.h"
+#include "models/drawing/point_picture.h"
+#include "models/mesh/generated.h"
+#include "models/mesh/ply.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {
@@ -212,7 +212,7 @@ TEST(Clean, refuses_with_one_sentence) {
         host::clean_mesh(vertices, {}, "thing"), host::clean_mesh({}, {0, 1, 2}, "thing"),
         host::clean_mesh(vertices, {0, 1, 1}, "thing")}) {
     EXPECT_FALSE(result);
-    EXPECT_NE(result.error.find("'thing'"), std::string::npos);
+    EXPECT_NE(result.error.find("\"thing\""), std::string::npos);
     EXPECT_EQ(result.error.find('\n'), std::string::npos);
     EXPECT_TRUE(result.mesh.vertices.empty());
   }

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "models/host/mesh/mesh.h"
+#include "models/mesh/mesh.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::test {

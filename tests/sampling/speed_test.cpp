@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <ctime>
 
-#include "models/host/mesh/generated.h"
+#include "models/mesh/generated.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "models/host/mesh/generated.h"
+#include "models/mesh/generated.h"
 #include "runtime/sampling/candidates.h"
 #include "tests/sampling/point_checks.h"
 

@@ -1,5 +1,5 @@
 // Small bakes from end to end: the same file on any number of threads and after an interruption, and what is refused.
-#include "models/shadow/bake.h"
+#include "models/baking/bake.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <functional>
 
-#include "models/host/atomic_file.h"
-#include "models/host/failure.h"
-#include "models/host/mesh/generated.h"
-#include "models/shadow/checkpoint.h"
+#include "models/baking/checkpoint.h"
+#include "models/files/atomic_file.h"
+#include "models/mesh/generated.h"
+#include "models/work/failure.h"
 #include "sandglass/shadow.h"
 
 namespace {

@@ -7,7 +7,7 @@
 #include <new>
 
 #include "kernels/int8.h"
-#include "models/shadow/shadow_builders.h"
+#include "models/baking/shadow_builders.h"
 #include "runtime/asset/file.h"
 #include "runtime/asset/shadow_asset.h"
 

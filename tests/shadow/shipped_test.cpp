@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "models/host/aligned_bytes.h"
-#include "models/host/mesh/generated.h"
-#include "models/shadow/network.h"
-#include "models/shadow/shadow_runner.h"
-#include "models/shadow/training_set.h"
+#include "models/baking/network.h"
+#include "models/baking/shadow_runner.h"
+#include "models/baking/training_set.h"
+#include "models/files/aligned_bytes.h"
+#include "models/mesh/generated.h"
 #include "runtime/asset/shadow_asset.h"
 
 namespace {

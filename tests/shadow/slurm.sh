@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The catalogue on Slurm: one node, two workers, as the profile in models/catalogue/slurm says. Of three bakes one is
+# The catalogue on Slurm: one node, two workers, as the profile in models/baking/catalogue/slurm says. Of three bakes one is
 # cancelled in the middle, as a cluster does it (SIGTERM), and one is killed. Afterwards every file has the bytes of an
 # uninterrupted bake, and the cancelled bake was resumed.
 #   slurm.sh CATALOGUE_FOLDER PROGRAM WORK_FOLDER

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/host/mesh/generated.h"
-#include "models/host/random.h"
-#include "models/shadow/batch_math.h"
-#include "models/shadow/quantise.h"
-#include "models/shadow/shadow_runner.h"
-#include "models/shadow/trainer.h"
-#include "models/shadow/validate.h"
+#include "models/baking/batch_math.h"
+#include "models/baking/quantise.h"
+#include "models/baking/shadow_runner.h"
+#include "models/baking/trainer.h"
+#include "models/baking/validate.h"
+#include "models/mesh/generated.h"
+#include "models/work/random.h"
 
 namespace {
 

@@ -1,6 +1,6 @@
 // The ray caster against closed forms (small lights), against deterministic quadrature of the irradiance (the light of
 // 20 degrees that is baked), and what it refuses.
-#include "models/shadow/truth.h"
+#include "models/baking/truth.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "models/host/failure.h"
-#include "models/host/mesh/generated.h"
+#include "models/mesh/generated.h"
+#include "models/work/failure.h"
 
 namespace {
 
@@ -171,7 +171,7 @@ TEST(ShadowTruth, RefusesWhatCastsNoShadow) {
   refused({{0, 0, 0, 1, nan, 0, 0, 0, 1}, {0, 1, 2}}, "not finite");
   refused({{0, 0, 0, 1, 0, 0, 0, 0, 1}, {0, 1, 2}}, "flat");
   refused({{0, 0, 0, 0, 1, 0, 0, 2, 0}, {0, 1, 2}}, "line");
-  refused({{0, 0, 0, 0, 0, 0, 0, 0, 0}, {0, 1, 2}}, "no extent");
+  refused({{0, 0, 0, 0, 0, 0, 0, 0, 0}, {0, 1, 2}}, "out of range");
   refused({{1e6f, 0, 0, 1e6f + 1, 1, 0, 1e6f, 0, 1}, {0, 1, 2}}, "far from its origin");
 }
 

@@ -1,6 +1,6 @@
-// The sample's activity through its life, on the stand-ins: renderer and frames belong to the GL thread from beginning to end, nothing
-// draws on a surface that has gone, and what was made is given back before the activity ends. Native is stood in for by a record of
-// who called what. As in the stand-ins, `//// FILE` begins a file.
+// The life of the sample's activity, on the stand-ins: renderer and frames belong to the GL thread from beginning to
+// end, no frame draws on a surface that is gone, and everything that was made is destroyed before the activity ends. A
+// stand-in for Native records which thread called what. As in the stand-ins, `//// FILE` begins a file.
 //// org/sandglass/sample/Native.java
 package org.sandglass.sample;
 import java.util.concurrent.atomic.AtomicInteger;
@@ -66,7 +66,7 @@ public final class Lives {
     Native.surfaceGone = true;
     check(!Native.shown, "nothing is shown once surfaceDestroyed has returned");
   }
-  // One life; the upper surface comes before or after ARCore's session.
+  // One life, in which the upper surface is made before or after ARCore's session.
   private static void live(boolean surfaceFirst) throws InterruptedException {
     final MainActivity activity = new MainActivity();
     activity.onCreate(null);
@@ -97,7 +97,7 @@ public final class Lives {
     activity.onDestroy();
     check(!Native.session && !Native.shown, "all is given back when onDestroy has returned");
     camera.detach();
-    if (!surfaceFirst) disappear(activity);  // must not wait for a thread that has ended
+    if (!surfaceFirst) disappear(activity);  // it must not wait for a thread that has ended
     check(Native.shows.get() == Native.hides.get(), "what is shown is hidden once");
   }
   public static void main(String[] arguments) throws InterruptedException {

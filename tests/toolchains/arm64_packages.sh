@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What the README of linux-arm64 says to install is what a build for ARM demands: of the tables in `sg`, every package for ARM, and every
-# one whose file is a header that some CMakeLists requires; and it names nothing that the tables do not have.
+# The README of linux-arm64 must name what a build for ARM needs: every package for ARM in the tables of `sg`, and every
+# package there whose file is a header that a CMakeLists requires. It must name no package that the tables do not have.
 #   arm64_packages.sh SOURCE_FOLDER README
 set -euo pipefail
 source=$1 readme=$2

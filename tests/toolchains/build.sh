@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the library by one of the presets android, ios and ios-simulator with the system's clang against the stand-in headers, and
-# looks at what it will ask of that system.
+# Builds the library by one of the presets android, ios and ios-simulator, with this machine's clang and the stand-in
+# headers, and checks which symbols it needs from that system.
 #   build.sh PRESET OUTPUT_FOLDER [CMAKE_OPTION...]
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -11,21 +11,21 @@ rm -rf "$output"
 mkdir -p "$output"
 fail() { echo "$*"; exit 1; }
 
-# iOS takes the headers of C++ from the cross compiler too; its SDK's own come first.
+# For iOS too the C++ headers are those of the cross compiler. The SDK's own come first.
 cross=/usr/aarch64-linux-gnu/include
 cxx=$(echo "$cross"/c++/*)
 apple_cxx="-nostdinc++ -isystem $cxx -isystem $cxx/aarch64-linux-gnu -isystem $cross -D_GNU_SOURCE -U__nonnull -include stdint.h"
 
 case $preset in
   android)
-    # A sysroot with the two libraries that the plug-in links, so that it links as it would for a phone.
+    # A sysroot with the libraries that the plug-in links, so that it links as it would for a phone.
     cp -r "$here/stand_ins/ndk" "$output/ndk"
     lib=$(echo "$output"/ndk/toolchains/llvm/prebuilt/*/sysroot)/usr/lib
     mkdir -p "$lib"
     shared=(clang --target=aarch64-linux-android24 -shared -nostdlib -fuse-ld=lld -x c -)
     echo 'void ATrace_beginSection(const char* n) { (void)n; } void ATrace_endSection(void) {}' | "${shared[@]}" -o "$lib/libandroid.so"
     echo 'int m;' | "${shared[@]}" -o "$lib/libm.so"
-    # The C library of the stand-in: what it has of memory and strings, the clock, the auxiliary vector.
+    # The stand-in's C library: functions for memory and strings, the clock, the auxiliary vector.
     printf '#define F(f) void f(void) {}\nF(memcpy) F(memset) F(memmove) F(memcmp) F(strncmp) F(clock_gettime) F(getauxval)\n' |
       "${shared[@]}" -fno-builtin -o "$lib/libc.so"
     set -- -DANDROID_NDK="$output/ndk" "$@" ;;
@@ -44,7 +44,7 @@ members=$(ar t "$archive" | wc -l)
 echo "$members objects in the archive"
 NM=$(command -v llvm-nm) READELF=$(command -v llvm-readobj) bash "$source/tests/package/symbols.sh" members "$archive"
 
-# What an app's own library would export unasked, and so keep.
+# Symbols that an app's own library would export without being asked, and therefore keep.
 if [[ $preset == android ]]; then
   visible=$(llvm-readelf -sW "$archive" | awk '$5 == "GLOBAL" && $6 == "DEFAULT" && $7 != "UND" {print $8}')
 else
@@ -62,7 +62,7 @@ if [[ $preset == android ]]; then
   cmake --build "$output/build" --target aar -- --quiet
   python3 "$here/package_layout.py" aar "$output"/build/sandglass-*.aar "$source/runtime/include"
 else
-  # Every object says which system and which least version it is for.
+  # Every object says for which system and which oldest version it is.
   expected=$([[ $preset == ios ]] && echo ios || echo iossimulator)
   llvm-objdump --macho --private-headers "$archive" | awk -v expected="$expected" '
     $1 == "platform" {++n; if ($2 != expected) ++wrong} $1 == "minos" && $2 != "15.0" {++wrong}

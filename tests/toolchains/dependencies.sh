@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The ways in which a dependency of headers is found, each with stand-ins of its headers: as given, in a prefix, downloaded from a source
-# folder that the app names; and that neither another release nor an archive of other bytes than the pinned is taken, nor a download that
-# was forbidden for one that arrived.
+# The ways in which a dependency of headers is found, each with stand-ins for the headers: in a folder that is given, in
+# a prefix, or in a source folder that the app names instead of a download. Another release must not be taken, nor an
+# archive with other bytes than the pinned ones. A forbidden download must be reported as such.
 #   dependencies.sh Eigen|FlatBuffers SOURCE_FOLDER OUTPUT_FOLDER GENERATOR
 set -euo pipefail
 dependency=$1 source=$2 output=$3 generator=$4
@@ -9,7 +9,7 @@ upper=${dependency^^}
 rm -rf "$output"
 mkdir -p "$output"
 
-# headers FOLDER NUMBER NUMBER NUMBER: as much of the headers as tells the release.
+# headers FOLDER NUMBER NUMBER NUMBER: writes the part of the headers that tells the release.
 headers() {
   case $dependency in
     Eigen)
@@ -32,7 +32,7 @@ headers "$output/prefix/$in_prefix" "${right[@]}"
 headers "$output/source/$in_source" "${right[@]}"
 (cd "$output/source" && cmake -E tar czf "$output/other.tar.gz" .)
 
-# expect CASE TEXT [CMAKE_OPTION...]: what CMake says of it, its line breaks aside.
+# expect CASE TEXT [CMAKE_OPTION...]: CMake must print TEXT; its line breaks do not count.
 expect() {
   local said
   said=$(cmake -S "$source/tests/toolchains/dependencies" -B "$output/build_$1" -G "$generator" -DDEPENDENCY="$dependency" \
@@ -40,7 +40,7 @@ expect() {
   [[ $said == *"$2"* ]] || { echo "$dependency, $1: expected \"$2\", CMake said: $said"; exit 1; }
   echo "$1: $2"
 }
-# A download that is tried at all fails: there is no such archive.
+# Any download that is tried fails, because there is no such archive.
 nowhere=-DSANDGLASS_${upper}_URL=$output/nowhere.tar.gz
 other_release=-DSANDGLASS_${upper}_INCLUDE=$output/wrong
 expect given "found $output/given" "-DSANDGLASS_${upper}_INCLUDE=$output/given" "$nowhere"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What looks at the archives for Android and iOS (symbols.sh members) finds each fault in an object of either system, passes one without
-# any, and fails with tools that fail or say nothing.
+# The control of `symbols.sh members`, which checks the archives for Android and iOS: it must find each fault in an
+# object of either system, pass an object without faults, and fail with tools that fail or print nothing.
 #   members_control.sh OUTPUT_FOLDER
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
@@ -21,7 +21,7 @@ expect() {
 
 nm=$(command -v llvm-nm) readobj=$(command -v llvm-readobj)
 for target in aarch64-linux-android24 arm64-apple-ios15; do
-  # make NAME: an archive of the C on standard input.
+  # make NAME: makes an archive of the C source on standard input.
   make() {
     clang --target="$target" -fno-emulated-tls -ffreestanding -O1 -x c -c - -o "$output/$target.$1.o"
     llvm-ar rc "$output/$target.$1.a" "$output/$target.$1.o"

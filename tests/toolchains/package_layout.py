@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The layout of what Android and Apple tools are given, checked against their formats' descriptions.
+"""Checks the layout of the packages for Android's and Apple's tools against the descriptions of their formats.
 
     package_layout.py aar FILE INCLUDE_FOLDER
     package_layout.py xcframework FOLDER INCLUDE_FOLDER
-    package_layout.py android|ios ARCHIVE          only that every object is for 64-bit ARM of that system's format
+    package_layout.py android|ios ARCHIVE          checks only that every object is for 64-bit ARM, in that system's format
 """
 import json
 import pathlib
@@ -22,7 +22,8 @@ def headers_below(folder):
     return {str(path.relative_to(folder)) for path in pathlib.Path(folder).rglob("*") if path.is_file()}
 
 
-# How an object for 64-bit ARM begins: ELF64 of machine 183, little endian; Mach-O of 64 bits, CPU type 12 with the bit for 64.
+# How an object for 64-bit ARM begins. ELF64: machine 183, little endian. 64-bit Mach-O: CPU type 12 with the bit for
+# 64.
 OBJECT = {"android": (b"\x7fELF\x02\x01", 18, b"\xb7\x00"), "ios": (b"\xcf\xfa\xed\xfe", 4, b"\x0c\x00\x00\x01")}
 
 

@@ -1,5 +1,5 @@
-// The stage that the sample apps share: it fills the phone scene, keeps the sand on the floor where it was poured,
-// keeps the frame's promise, and lights sand and floor from the camera's image, whatever its layout.
+// The stage that the sample apps share: it fills the scene of a phone's size, keeps the sand on the floor where it was
+// poured, keeps the budget law, and lights sand and floor from the camera's image in every layout.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ TEST(SandStage, PoursThePhonesSceneOntoTheTappedPoint) {
   const float point[3] = {1.0f, 0.7f, -2.0f};
   ASSERT_TRUE(static_cast<bool>(stage.pour(point)));
   for (int k = 0; k < 3; ++k) EXPECT_EQ(stage.origin()[k], point[k]);
-  EXPECT_GT(stage.drawn(), sample::k_grains * 3 / 4) << "the block fills most of what there is room for";
+  EXPECT_GT(stage.drawn(), sample::k_grains * 3 / 4) << "the block must fill most of the capacity";
 
   std::vector<sandglass_grain> grains(sample::k_grains);
   sandglass_frame_report report = {};
@@ -42,7 +42,7 @@ TEST(SandStage, PoursAgainElsewhere) {
   stage.frame(0.02f, 1.0f, nullptr);
   ASSERT_TRUE(static_cast<bool>(stage.pour(second)));
   EXPECT_EQ(stage.drawn(), drawn);
-  EXPECT_EQ(stage.frame(0.02f, 1.0f, nullptr).frame, 1u) << "a new scene";
+  EXPECT_EQ(stage.frame(0.02f, 1.0f, nullptr).frame, 1u) << "the scene must begin again";
 }
 
 // The shipped network in 8-byte words.
@@ -55,7 +55,7 @@ std::vector<uint64_t> network(uint64_t* bytes) {
   return words;
 }
 
-// A room that is bright on its left, as three planes; rows end in padding, as cameras' do.
+// A room that is bright on its left, as three planes. Rows end in padding, as those of cameras do.
 constexpr uint32_t k_width = 160, k_height = 120, k_row = 192;
 struct Planes {
   std::vector<uint8_t> y = std::vector<uint8_t>(k_row * k_height), u = std::vector<uint8_t>(k_row * k_height / 2),
@@ -91,7 +91,7 @@ TEST(CameraPlanes, EveryLayoutOfOneImageIsTheSameImage) {
       uv[to] = vu[to + 1] = planes.u[from];
       uv[to + 1] = vu[to] = planes.v[from];
     }
-  // What the library keeps of an image, by its hash.
+  // The hash of what the library keeps of an image.
   const auto kept = [&](const uint8_t* u, const uint8_t* v, int32_t pixel_stride, sandglass_camera_format expected) {
     const uint8_t* const of[3] = {planes.y.data(), u, v};
     const int32_t rows[3] = {k_row, k_row, k_row}, pixels[3] = {1, pixel_stride, pixel_stride};
@@ -111,7 +111,8 @@ TEST(CameraPlanes, EveryLayoutOfOneImageIsTheSameImage) {
   const uint64_t separate = kept(planes.u.data(), planes.v.data(), 1, SANDGLASS_CAMERA_I420);
   EXPECT_EQ(kept(uv.data(), uv.data() + 1, 2, SANDGLASS_CAMERA_NV12), separate);
   EXPECT_EQ(kept(vu.data() + 1, vu.data(), 2, SANDGLASS_CAMERA_NV21), separate);
-  EXPECT_NE(kept(planes.v.data(), planes.u.data(), 1, SANDGLASS_CAMERA_I420), separate) << "exchanged colours show";
+  EXPECT_NE(kept(planes.v.data(), planes.u.data(), 1, SANDGLASS_CAMERA_I420), separate)
+      << "exchanged colours must change the hash";
 }
 
 TEST(CameraPlanes, AnotherLayoutIsRefusedAndNothingIsTouched) {
@@ -131,7 +132,7 @@ TEST(SandStage, WithoutAnImageNoShadowIsSeen) {
   const float point[3] = {0, 0, 0};
   ASSERT_TRUE(static_cast<bool>(stage.pour(point)));
   const Planes planes;
-  const sandglass_camera_image image = pinhole();  // there is no network to read it
+  const sandglass_camera_image image = pinhole();  // without a network nothing reads it
   EXPECT_EQ(stage.frame(0.02f, 1.0f, nullptr, &image).light_changed, 0u);
   EXPECT_EQ(stage.shadow_strength(), 0.0f);
 }
@@ -153,7 +154,7 @@ TEST(SandStage, LightComesFromTheImageAndSandCastsItsShadowInIt) {
   int changed = -1, frame = 0;
   for (; frame < 2000 && (changed < 0 || frame < changed + 30 || stage.shadow().age > 0); ++frame) {
     image.timestamp_ns = 16'666'667u * static_cast<uint64_t>(frame);
-    // No time passes for the sand: a block that stands.
+    // No time passes for the sand, so the block stands.
     if (stage.frame(0.0f, 1.0f, nullptr, changed < 0 ? &image : nullptr).light_changed != 0) changed = frame;
     if (changed < 0) {
       EXPECT_EQ(stage.shadow_strength(), 0.0f);
@@ -181,9 +182,9 @@ TEST(SandStage, LightComesFromTheImageAndSandCastsItsShadowInIt) {
       away -= c * (at(column, 0) * light.direction[0] + at(row, 1) * light.direction[2]) / across;
     }
   ASSERT_GT(weight, 0.0);
-  EXPECT_GT(shadow.coverage[shadow.texels / 2 * (shadow.texels + 1)], 230) << "dark under the block";
-  EXPECT_EQ(shadow.coverage[0], 0) << "and not in the corner";
-  EXPECT_GT(away / weight, 0.05) << "the shadow lies on the side that is turned away from the light";
+  EXPECT_GT(shadow.coverage[shadow.texels / 2 * (shadow.texels + 1)], 230) << "the floor must be dark under the block";
+  EXPECT_EQ(shadow.coverage[0], 0) << "the corner must not be dark";
+  EXPECT_GT(away / weight, 0.05) << "the shadow must lie on the side away from the light";
 }
 
 }  // namespace

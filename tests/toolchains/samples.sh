@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Compiles what is native in a sample app, for its own target but against stand-in headers: nothing is linked or run. `java` compiles
-# the Android sample's Java in the same way, compares its native methods with those of the C++, and runs the activity through its life.
+# Compiles the native part of a sample app for its own target, against stand-in headers. Nothing is linked or run.
+# `java` compiles the Android sample's Java in the same way, compares its native methods with those of the C++, and runs
+# the activity through its life.
 #   samples.sh android|java|ios|unity SOURCE_FOLDER OUTPUT_FOLDER
 # The C++ library's headers are those of Debian's cross compiler, which clang reads for either target.
 set -euo pipefail
@@ -13,12 +14,12 @@ library=(-nostdinc++ -D_GNU_SOURCE)
 for folder in "$cross"/c++/*/ "$cross"/c++/*/aarch64-linux-gnu "$cross"; do library+=(-isystem "$folder"); done
 ours=(-I "$source/runtime/include" -I "$source/toolchains/sample" -fsyntax-only -Wall -Wextra -Werror)
 
-# files FOLDER TEXT: the files that a text is made of, each behind a line `//// PATH`.
+# files FOLDER TEXT: splits a text into its files; a line `//// PATH` begins each.
 files() {
   rm -rf "$1"
   awk -v folder="$1" '/^\/\/\/\/ / {file = folder "/" $2; dir = file; sub("/[^/]*$", "", dir); system("mkdir -p " dir); next} file {print > file}' "$2"
 }
-# optimised FILE TEXT: where the sample says that its kernels are optimised in every build.
+# optimised FILE TEXT: FILE must have TEXT, which makes every build optimise the kernels.
 optimised() {
   grep -q -- "$2" "$1" || { echo "$1 does not set $2: a debug build would run unoptimised kernels"; exit 1; }
 }
@@ -33,7 +34,7 @@ case $platform in
     files "$java/stand_ins" "$stand_ins/android.java"
     files "$java/test" "$source/tests/toolchains/android_threads.java"
     mapfile -t platform_classes < <(find "$java/stand_ins" -name '*.java')
-    # -h writes the declarations that the C++ must agree with.
+    # -h writes the declarations, which the C++ must match.
     javac -Xlint:all,-serial -Werror -d "$java/classes" -h "$java/jni" "${platform_classes[@]}" "$android"/java/org/sandglass/sample/*.java
     clang++ --target=aarch64-linux-android24 -std=c++20 "${library[@]}" -isystem "$stand_ins/sample_android" "${ours[@]}" \
       -include "$java/jni/org_sandglass_sample_Native.h" "$android/cpp/sample.cpp"

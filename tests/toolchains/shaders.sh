@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# The sample apps' shaders in the reference compiler, with stand-ins for what Filament and Unity put around them; and none with a fault.
-# Metal has no compiler here: its shadow shaders are looked for where the sample's CMakeLists takes them from.
+# The reference compiler must accept the sample apps' shaders, with stand-ins for what Filament and Unity put around
+# them, and refuse shaders with a fault. There is no compiler for Metal here: its functions are looked for in the files
+# from which the sample's CMakeLists takes them.
 #   shaders.sh SOURCE_FOLDER OUTPUT_FOLDER
 set -euo pipefail
 source=$1 output=$2
 rm -rf "$output" && mkdir -p "$output"
 
-# block FILE NAME: what stands between "NAME {" and the brace that closes it.
+# block FILE NAME: the text between "NAME {" and the brace that closes it.
 block() { awk -v name="$2" '$0 == name " {" {on = 1; next} $0 == "}" {on = 0} on' "$1"; }
 
 # parameters FILE: a Filament material's parameters, as its compiler declares them.
@@ -69,7 +70,7 @@ sed 's/_Strength;$/_Power;/' "$source/toolchains/unity/sample/Shadow.shader" >"$
 if (material "$output/fault/shadow.mat") >/dev/null; then echo "a material with a fault was accepted"; exit 1; fi
 if (unity "$output/fault/Shadow.shader") >/dev/null; then echo "a shader with a fault was accepted"; exit 1; fi
 
-# What Shaders.metal and ShadowCatcher.metal define is what the app asks for.
+# Shaders.metal and ShadowCatcher.metal must define the functions that the app asks for.
 awk '/^```metal$/ {on = 1; next} /^```$/ {on = 0} on' "$source/runtime/shadow/README.md" >"$output/ShadowCatcher.metal"
 for name in $(grep -oE '@"[a-z]+_(vertex|fragment|corner|catcher)"' "$source/toolchains/ios/sample/SandViewController.mm" | tr -d '@"'); do
   grep -qE "^(vertex|fragment) [A-Za-z0-9]+ $name\(" "$source/toolchains/ios/sample/Shaders.metal" "$output/ShadowCatcher.metal" ||

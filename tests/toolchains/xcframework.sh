@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Makes the XCFramework from the two archives that toolchains.ios and toolchains.ios-simulator built, and checks its layout.
+# Makes the XCFramework from the two archives that toolchains.ios and toolchains.ios-simulator built, and checks its
+# layout.
 #   xcframework.sh FOLDER_OF_THE_BUILDS INCLUDE_FOLDER
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

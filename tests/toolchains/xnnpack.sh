@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# Where the build finds XNNPACK, each way by a configuration of its own, without a network.
+# The ways in which the build finds XNNPACK, each with a configuration of its own and without a network.
 #   xnnpack.sh fetched|prefix|refused|installed SOURCE_FOLDER OUTPUT_FOLDER GENERATOR [CMAKE_OPTION...]
-# fetched: nothing is installed, and a stand-in lies where FetchContent would have downloaded to; its header is of the generation
-# since 2023, the adapter compiles against it and the archive asks for its functions. prefix: an app's own, beside the stand-in's
-# header. refused: nothing is there and nothing may be downloaded; without the option nothing is looked for. installed: with archives in
-# a prefix, in parts that need each other as XNNPACK's do, the installed package links in an app, by CMake and by pkg-config, finds a
-# prefix that was moved when told, and says so when it was not.
+# fetched    Nothing is installed. A stand-in lies where FetchContent would download to, with a header of the generation
+#            since 2023. The adapter compiles against it, and the archive needs its functions.
+# prefix     An app's own libraries lie in a prefix, with the stand-in's header.
+# refused    Nothing is there and nothing may be downloaded. Without the option nothing is searched.
+# installed  A prefix has several archives that need each other, as XNNPACK's do. The installed package links in an app,
+#            by CMake and by pkg-config. It finds a prefix that was moved if it is told where, and reports it if not.
 set -euo pipefail
 how=$1 source=$2 output=$3/$1 generator=$4
 shift 4
@@ -19,7 +20,7 @@ configure() {
     -DCMAKE_COMPILE_WARNING_AS_ERROR=ON "$@" >"$output/log" 2>&1
 }
 build() { cmake --build "$output/build" --target "$@" >>"$output/log" 2>&1 || { cat "$output/log"; fail "does not build"; }; }
-# What the objects of the back ends ask of XNNPACK.
+# The functions of XNNPACK that the objects of the back ends need.
 asked() { find "$output/build" -name '*xnnpack.cpp.o' -exec nm -u {} + | grep -oE 'xnn_[a-z0-9_]+' | sort -u; }
 
 pin=$(sed -nE 's/.*GIT_TAG ([0-9a-f]+)\)?.*/\1/p' "$source/toolchains/cmake/SandglassXnnpack.cmake")
@@ -63,7 +64,7 @@ case $how in
     cp "$source/tests/package/footprint/light.c" "$output/app/app.c"
     printf '%s\n' 'cmake_minimum_required(VERSION 3.25)' 'project(app)' 'find_package(sandglass CONFIG REQUIRED)' 'add_executable(app app.c)' \
       'target_link_libraries(app PRIVATE sandglass::sandglass)' 'set_target_properties(app PROPERTIES LINKER_LANGUAGE CXX)' >"$output/app/CMakeLists.txt"
-    # app FOLDER [CMAKE_OPTION...]: the consumer, of which the log is kept.
+    # app FOLDER [CMAKE_OPTION...]: builds the app and keeps the log.
     app() {
       { cmake -S "$output/app" -B "$output/$1" -G "$generator" -DCMAKE_PREFIX_PATH="$output/installed;${2-}" && cmake --build "$output/$1"; } \
         >"$output/log" 2>&1

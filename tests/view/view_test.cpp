@@ -10,14 +10,14 @@
 #include <map>
 #include <numbers>
 
-#include "models/host/block.h"
-#include "models/host/failure.h"
-#include "models/host/render.h"
+#include "models/drawing/render.h"
 #include "models/view/head_up.h"
 #include "models/view/input_script.h"
 #include "models/view/live_scene.h"
 #include "models/view/orbit.h"
 #include "models/view/surface.h"
+#include "models/work/block.h"
+#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

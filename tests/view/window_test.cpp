@@ -12,8 +12,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "models/host/image.h"
-#include "models/host/vec3.h"
+#include "models/files/image.h"
+#include "models/geometry/vec3.h"
 #include "models/view/head_up.h"
 
 #define STB_IMAGE_IMPLEMENTATION

@@ -311,7 +311,7 @@ public unsafe struct sandglass_light_estimate {
   public float contrast, confidence;
   public uint estimates;
   public float deviation;
-  public uint held_off;
+  public uint rejected;
   public fixed float sh[27];
 }
 

@@ -139,8 +139,8 @@ enum {
  *   a     = max((t - t') / (smoothing + t - t'), 1 / (n + 1)), n estimates taken in before; t - t' within 0..1 s
  *   d     turns towards m along the great circle by a times the angle between them, at most turn_limit * (t - t')
  *   other numbers move by a times their difference
- *   held off: an estimate that is more than outlier_angle from d, or differs in luminance by more than outlier_level,
- *         changes nothing, unless it agrees with the one before it, which was held off too, or three were in a row.
+ *   rejected: an estimate that is more than outlier_angle from d, or differs in luminance by more than outlier_level,
+ *         changes nothing, unless it agrees with the one before it, which was rejected too, or three were in a row.
  * Step response with the defaults and four estimates a second, for light that jumps by 90 degrees: the first estimate
  * after it changes nothing, none moves it by more than 30 degrees, it is half way with the third and 90 % of the way
  * with the sixth (1.25 s after the first), and never goes too far. A light that moves slowly is followed `smoothing`
@@ -153,10 +153,10 @@ typedef struct sandglass_light_desc {
   uint64_t asset_bytes;
   float interval;      /* seconds, 0..60: an image taken less than this after the last one used is passed over; default
                         * 0.25. Saves energy */
-  float smoothing;     /* seconds, 0..60; default 0.4; 0: every estimate is taken whole, and nothing is held off */
+  float smoothing;     /* seconds, 0..60; default 0.4; 0: every estimate is taken whole, and none is rejected */
   float turn_limit;    /* radians a second, above 0; default 2.0944 (120 degrees); only with smoothing */
-  float outlier_angle; /* radians, 0..pi; default 0.6981 (40 degrees); pi: no direction is held off */
-  float outlier_level; /* of luminance, 0..2; default 0.35; 2: no brightness is held off */
+  float outlier_angle; /* radians, 0..pi; default 0.6981 (40 degrees); pi: none is rejected for its direction */
+  float outlier_level; /* of luminance, 0..2; default 0.35; 2: none is rejected for its brightness */
   sandglass_light_backend backend; /* default: the project's own kernels */
 } sandglass_light_desc;
 
@@ -184,7 +184,7 @@ typedef struct sandglass_light_estimate {
   uint32_t struct_size;
   uint32_t valid;        /* 0: no estimate was completed yet; then the light comes from above, grey, contrast 0 */
   uint64_t timestamp_ns; /* of the image that it last changed with; changes only when the estimate changes */
-  uint64_t image_ns;     /* of the last image that was estimated, also when that was held off */
+  uint64_t image_ns;     /* of the last image that was estimated, also when that was rejected */
   float direction[3];    /* world, unit vector towards the light */
   float light[3];        /* colour c of the directional light, linear RGB, 0..1 */
   float strength;        /* 0..64: that light gives a surface facing it the irradiance pi * strength * c; see above */
@@ -193,9 +193,9 @@ typedef struct sandglass_light_estimate {
                        * (6.18): shadow = coverage * contrast (shadow.h) */
   float confidence;   /* 0..1: how far the estimates agreed lately, m the estimates: the smoothed mean of max(0, m . d),
                        * times n / (n + 1) of the n estimates so far. Below 0.5: prefer a light from above */
-  uint32_t estimates; /* completed so far, those held off included */
+  uint32_t estimates; /* completed so far, rejected ones included */
   float deviation;    /* radians from the last estimate as the network gave it to `direction` */
-  uint32_t held_off;  /* of them */
+  uint32_t rejected;  /* of `estimates`: rejected as outliers, see sandglass_light_desc */
   float sh[27];       /* radiance, real spherical harmonics L_lm of SANDGLASS_LIGHT_MODEL_WHOLE; see below */
 } sandglass_light_estimate;
 

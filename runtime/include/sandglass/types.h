@@ -125,8 +125,9 @@ SANDGLASS_API const char* sandglass_status_name(sandglass_status status);
 
 /* ------------------------------------------------------------------------------------------------ hooks */
 
-/* A clock. now_ns returns nanoseconds since any origin and should not go backward. If it does, nothing breaks: the frame
- * ends at its cap of work units, with a valid state. now_ns == NULL means "no clock": every frame runs all its work. */
+/* A clock. now_ns returns nanoseconds since any origin and should not go backward. If it does, nothing breaks: the
+ * frame ends at its cap of work units, with a valid state. now_ns == NULL means "no clock": every frame runs all its
+ * work. */
 typedef struct sandglass_clock {
   uint64_t (*now_ns)(void* user);
   void* user;
@@ -185,14 +186,15 @@ enum {
  * for any other number. */
 SANDGLASS_API const char* sandglass_isa_name(sandglass_isa isa);
 
-/* 1 if this build has kernels for `isa` and this CPU can run them, else 0. AUTOMATIC and SCALAR are always available. */
+/* 1 if this build has kernels for `isa` and this CPU can run them, else 0. AUTOMATIC and SCALAR are always
+ * available. */
 SANDGLASS_API int32_t sandglass_isa_available(sandglass_isa isa);
 
 /* ------------------------------------------------------------------------------------------------ rotations */
 
-/* The rotation by `angle` radians about `axis`, as a quaternion (x, y, z, w). The axis may have any length above 0. Seen
- * from its tip, a positive angle turns counter-clockwise. Returns 1. Where the axis is not finite or has no length, or
- * the angle is not finite, it gives the identity and returns 0. */
+/* The rotation by `angle` radians about `axis`, as a quaternion (x, y, z, w). The axis may have any length above 0.
+ * Seen from its tip, a positive angle turns counter-clockwise. Returns 1. Where the axis is not finite or has no
+ * length, or the angle is not finite, it gives the identity and returns 0. */
 SANDGLASS_API int32_t sandglass_rotation_about(const float axis[3], float angle, float rotation[4]);
 
 /* ------------------------------------------------------------------------------------------------ handles */

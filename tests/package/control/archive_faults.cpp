@@ -1,4 +1,4 @@
-// What the symbol test must catch, one fault a build.
+// Faults that the symbol test must find, one in each build.
 #include <cmath>
 #include <cstdlib>
 

@@ -1,5 +1,5 @@
-// What the one-definition-rule gate must catch: an object of one instruction set that also defines a function whose
-// name another object would share. Not part of the library.
+// A fault that the symbol test must find: an object of one instruction set that also defines a function whose name
+// another object may share. Not part of the library.
 inline float shared_with_the_rest(float x) { return x * x; }
 
 namespace avx2 {

@@ -1,4 +1,4 @@
-// The part of Unity's interface that the sample uses, for a compiler to check against.
+// The part of Unity's interface that the sample uses, so that a compiler can check the sample.
 using System;
 
 namespace AOT {

@@ -1,6 +1,6 @@
-// The part of Android's interface, and of ARCore's, that the sample's Java uses. Each line `//// FILE` begins a file of its own:
-// samples.sh puts them where javac wants them. GLSurfaceView has a thread as the real one has, which serves its queue while it is
-// paused and ends when the view is detached; views and surfaces do nothing.
+// The part of Android's and ARCore's interfaces that the sample's Java uses. Each line `//// FILE` begins a file of its
+// own; samples.sh writes the files for javac. Like the real one, GLSurfaceView has a thread that serves its queue also
+// while it is paused, and that ends when the view is detached. Views and surfaces do nothing.
 //// android/Manifest.java
 package android;
 public final class Manifest {

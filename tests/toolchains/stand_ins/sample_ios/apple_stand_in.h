@@ -1,6 +1,6 @@
 #pragma once
-// The part of UIKit, ARKit, Metal and CoreVideo that the sample uses: classes, methods and types, for a compiler to
-// check against.
+// The part of UIKit, ARKit, Metal and CoreVideo that the sample uses: classes, methods and types, so that a compiler
+// can check the sample.
 #include <simd/simd.h>
 #include <stddef.h>
 #include <stdint.h>

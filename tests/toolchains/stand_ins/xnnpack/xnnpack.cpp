@@ -1,5 +1,5 @@
-// XNNPACK's convolutions, one sum after another, and every order of calls that it would refuse, refused. Memory comes
-// from whoever initialised first.
+// XNNPACK's convolutions, computed one sum after another. Calls in an order that XNNPACK would refuse are refused.
+// Memory comes from the allocator of the first initialisation.
 #include <xnnpack.h>
 
 #include <cmath>

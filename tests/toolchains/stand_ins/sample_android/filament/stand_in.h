@@ -1,6 +1,6 @@
 #pragma once
-// The part of Filament's C++ interface that the sample uses: names, arguments and types, for a compiler to check
-// against.
+// The part of Filament's C++ interface that the sample uses: names, arguments and types, so that a compiler can check
+// the sample.
 #include <stddef.h>
 #include <stdint.h>
 

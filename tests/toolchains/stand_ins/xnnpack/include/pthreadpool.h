@@ -1,3 +1,3 @@
-/* As far as xnnpack.h needs it. */
+/* The part that xnnpack.h needs. */
 #pragma once
 typedef struct pthreadpool* pthreadpool_t;

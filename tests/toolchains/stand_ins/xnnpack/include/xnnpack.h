@@ -1,4 +1,4 @@
-/* What platform/xnnpack.cpp calls of XNNPACK, declared as its generation since 2023 has it. */
+/* The functions of XNNPACK that platform/xnnpack.cpp calls, as the generation since 2023 declares them. */
 #pragma once
 
 #include <stddef.h>

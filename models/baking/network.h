@@ -1,0 +1,62 @@
+// A shadow network in float, as it is trained (SPEC 4.2): encoded texel and light -> ReLU layers -> sigmoid.
+//
+// Encoding of a coordinate x: x, sin(2^0 pi x), cos(2^0 pi x), sin(2^1 pi x), ...; 10 frequencies for each texel
+// coordinate, 4 for each component of the light: 69 inputs. ERRATUM Table 6.1: its N_h counts the layers after the
+// first, so 128 x 2 is 69 -> 128 -> 128 -> 128 -> 1.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "models/baking/batch_math.h"
+#include "models/baking/truth.h"
+
+namespace sandglass::host {
+
+constexpr uint32_t k_texel_frequencies = 10, k_light_frequencies = 4;
+constexpr uint32_t k_texel_inputs = 1 + 2 * k_texel_frequencies;  // of one coordinate
+constexpr uint32_t k_light_inputs = 1 + 2 * k_light_frequencies;  // of one component
+constexpr uint32_t k_inputs = 2 * k_texel_inputs + 3 * k_light_inputs;
+constexpr uint32_t k_native_size = 256;  // texels a side that networks are trained for
+
+struct NetworkShape {
+  uint32_t width = 128;  // of every hidden layer
+  uint32_t layers = 2;   // hidden layers after the first
+
+  uint32_t parameters() const { return width * (k_inputs + 1) + layers * width * (width + 1) + width + 1; }
+  uint64_t macs() const { return uint64_t{width} * (k_inputs + layers * width + 1); }
+};
+
+// Weights of a layer are stored input by input (all outputs of input 0, then of input 1, ...), then the biases; layers
+// in order; the last layer has one output.
+struct FloatNetwork {
+  NetworkShape shape;
+  Floats parameters;
+
+  const float* first_weights() const { return parameters.data(); }
+  const float* first_bias() const { return parameters.data() + shape.width * k_inputs; }
+  const float* weights(uint32_t layer) const {
+    return first_bias() + shape.width + size_t{layer} * shape.width * (shape.width + 1);
+  }
+  const float* bias(uint32_t layer) const { return weights(layer) + shape.width * shape.width; }
+  const float* last_weights() const { return weights(shape.layers); }
+  const float* last_bias() const { return last_weights() + shape.width; }
+};
+
+// He's initial weights, biases 0; equal seeds give equal networks.
+FloatNetwork make_network(const NetworkShape& shape, uint64_t seed);
+
+// Writes the encoding of one coordinate with `frequencies` octaves: 1 + 2 * frequencies values. By the library's own
+// sine, so that runtime and training see the same numbers.
+void encode(double x, uint32_t frequencies, float* out);
+void encode_light(const Direction& light, float* out);
+
+// The network on `count` texels (u, v), two numbers each, of a size x size texture for one light: transparency in 0..1.
+// The hot loops are those of batch_math.h.
+void evaluate_texels(const FloatNetwork& network, const Direction& light, uint32_t size, const uint32_t* uv,
+                     uint32_t count, float* values);
+
+// All texels, row by row, spread over the pool.
+std::vector<float> evaluate(const FloatNetwork& network, const Direction& light, uint32_t size, ThreadPool& pool);
+
+}  // namespace sandglass::host

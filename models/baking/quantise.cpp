@@ -1,0 +1,100 @@
+#include "models/baking/quantise.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/baking/shadow_builders.h"
+#include "runtime/asset/file.h"
+#include "runtime/asset/shadow_asset.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr double k_bias_limit = 1 << 24;
+
+ByteLayer quantise_layer(const float* weights, const float* bias, uint32_t inputs, uint32_t outputs, double step_in,
+                         double step_out) {
+  ByteLayer layer;
+  for (uint32_t o = 0; o < outputs; ++o) {
+    float largest = 0;
+    for (uint32_t i = 0; i < inputs; ++i) largest = std::max(largest, std::fabs(weights[i * outputs + o]));
+    const float inverse = largest > 0 ? 127.0f / largest : 0;
+    for (uint32_t i = 0; i < inputs; ++i)
+      layer.weights.push_back(static_cast<int8_t>(std::nearbyint(weights[i * outputs + o] * inverse)));
+    const double unit = (largest > 0 ? static_cast<double>(largest) / 127 : 1.0) * step_in;  // of one step of the sum
+    layer.bias.push_back(static_cast<int32_t>(
+        std::nearbyint(std::clamp(static_cast<double>(bias[o]) / unit, -k_bias_limit, k_bias_limit))));
+    layer.multiplier.push_back(static_cast<float>(unit / step_out));
+  }
+  return layer;
+}
+
+}  // namespace
+
+ByteNetwork quantise(const FloatNetwork& network, const std::vector<float>& clips) {
+  const NetworkShape& shape = network.shape;
+  ByteNetwork bytes;
+  bytes.shape = shape;
+  bytes.first_weights.assign(network.first_weights(), network.first_weights() + shape.width * k_inputs);
+  bytes.first_bias.assign(network.first_bias(), network.first_bias() + shape.width);
+  bytes.first_step = clips[0] / 255.0f;
+  for (uint32_t layer = 0; layer < shape.layers; ++layer)
+    bytes.layers.push_back(quantise_layer(network.weights(layer), network.bias(layer), shape.width, shape.width,
+                                          static_cast<double>(clips[layer]) / 255,
+                                          static_cast<double>(clips[layer + 1]) / 255));
+  bytes.last = quantise_layer(network.last_weights(), network.last_bias(), shape.width, 1,
+                              static_cast<double>(clips[shape.layers]) / 255, 1.0);
+  return bytes;
+}
+
+void append_checksum(std::vector<uint8_t>* bytes) {
+  const uint64_t hash = hash_bytes(bytes->data(), bytes->size());
+  for (uint32_t i = 0; i < k_checksum_bytes; ++i) bytes->push_back(static_cast<uint8_t>(hash >> 8 * i));
+}
+
+std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file) {
+  flatbuffers::FlatBufferBuilder builder(1 << 16);
+  const auto layer_of = [&](const ByteLayer& layer) {
+    const auto weights = builder.CreateVector(layer.weights);
+    const auto bias = builder.CreateVector(layer.bias);
+    return asset::CreateLayer(builder, weights, bias, builder.CreateVector(layer.multiplier));
+  };
+  std::vector<flatbuffers::Offset<asset::Layer>> layers;
+  for (const ByteLayer& layer : file.network.layers) layers.push_back(layer_of(layer));
+  const auto last = layer_of(file.network.last);
+  const auto all_layers = builder.CreateVector(layers);
+  const auto first_weights = builder.CreateVector(file.network.first_weights);
+  const auto first_bias = builder.CreateVector(file.network.first_bias);
+  const auto name = builder.CreateString(file.name);
+  flatbuffers::Offset<flatbuffers::Vector<float>> parameters = 0;
+  if (!file.float_parameters.empty()) parameters = builder.CreateVector(file.float_parameters);
+  const StandingObject& object = file.geometry.object;
+  const asset::Box box(object.origin[0], object.origin[1], object.origin[2], object.box.half_x * object.scale,
+                       object.box.half_z * object.scale, object.box.height * object.scale, 2 * file.geometry.half_angle,
+                       file.geometry.polar_max);
+  asset::ShadowBuilder shadow(builder);
+  shadow.add_version(k_shadow_asset_version);
+  shadow.add_name(name);
+  shadow.add_box(&box);
+  shadow.add_plane_fitted(file.geometry.plane == PlaneRule::fitted);
+  shadow.add_texel_frequencies(k_texel_frequencies);
+  shadow.add_light_frequencies(k_light_frequencies);
+  shadow.add_width(static_cast<uint16_t>(file.network.shape.width));
+  shadow.add_first_weights(first_weights);
+  shadow.add_first_bias(first_bias);
+  shadow.add_first_step(file.network.first_step);
+  shadow.add_layers(all_layers);
+  shadow.add_last(last);
+  shadow.add_rmse_float(static_cast<float>(file.rmse_float));
+  shadow.add_rmse_int8(static_cast<float>(file.rmse_int8));
+  shadow.add_validated_lights(file.validated_lights);
+  shadow.add_seed(file.seed);
+  if (!file.float_parameters.empty()) shadow.add_float_parameters(parameters);
+  builder.Finish(shadow.Finish(), asset::ShadowIdentifier());
+  std::vector<uint8_t> bytes(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
+  append_checksum(&bytes);
+  return bytes;
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,79 @@
+// The truth that shadow networks are trained on and measured against: the transparency of a plane under an object in
+// the light of a soft directional source, by ray casting.
+//
+// The light is a cap of uniform radiance, `angular_diameter` wide, around a direction. The transparency of a texel is
+// its irradiance over that without the object, averaged over its area (6.18). Samples are uniform in solid angle, so
+//     nu = sum (r . y) visible / sum (r . y)
+// ERRATA (6.16, 6.17): the printed sum has a further sin(theta_s), which counts the Jacobian of (6.15) twice, and a
+// cosine at the emitter, which is 1 for a cap of the unit sphere.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "models/mesh/mesh.h"
+#include "models/work/thread_pool.h"
+#include "runtime/shadow/plane.h"
+
+namespace sandglass::host {
+
+using Direction = std::array<double, 3>;
+
+// An object brought into the frame of plane.h and to a height or width of 1, so that tiny and huge meshes are traced
+// with the same precision.
+struct StandingObject {
+  Mesh mesh;              // normalised
+  ShadowBox box;          // normalised
+  double scale = 1;       // metres of the mesh file = scale * normalised
+  double origin[3] = {};  // of the mesh file's coordinates: footprint's centre, on the plane
+};
+
+// Stands the object on the plane at its lowest point. Refused, with a Failure: coordinates that are not finite, an
+// object without extent (no shadow to learn), or one whose smaller extents are lost in the rounding of its position.
+StandingObject stand_on_plane(const Mesh& mesh, const std::string& name);
+
+struct SampleCounts {
+  uint32_t points = 2;  // per texel and axis: S_p = points^2 = 4
+  uint32_t light = 8;   // strata of the light per axis: S_l = light^2 = 64
+};
+
+class ShadowCaster {
+ public:
+  // `half_angle` of the light in radians, below 90 degrees.
+  ShadowCaster(const Mesh& mesh, double half_angle, SampleCounts counts, uint64_t seed);
+  ~ShadowCaster();
+  ShadowCaster(const ShadowCaster&) = delete;
+  ShadowCaster& operator=(const ShadowCaster&) = delete;
+
+  // `count` texels (u, v), two numbers each, of a size_x x size_y texture of `rectangle`: texel (u, v) has its centre
+  // at x = low_x + (u + 1/2) (high_x - low_x) / size_x and likewise z with v. Values are in 0..1. `stream` tells one
+  // texture's random numbers from another's; a texel's value does not depend on which others are asked for. Any number
+  // of threads may call at the same time.
+  void texels(const ShadowRectangle& rectangle, const Direction& light, uint64_t stream, uint32_t size_x,
+              uint32_t size_y, const uint32_t* uv, uint32_t count, float* values) const;
+
+  // All texels of a square texture, row by row, spread over the pool.
+  std::vector<float> texture(const ShadowRectangle& rectangle, const Direction& light, uint64_t stream, uint32_t size,
+                             ThreadPool& pool) const;
+
+ private:
+  struct Scene;
+  std::unique_ptr<Scene> scene_;
+};
+
+// task(i) for i in 0..count-1, on the pool's threads.
+template <class Task>
+void run_on(ThreadPool& pool, uint32_t count, const Task& task) {
+  const sandglass_parallel hook = pool.hook();
+  const auto call = [](void* context, uint32_t index) { (*static_cast<const Task*>(context))(index); };
+  if (hook.run != nullptr) return hook.run(hook.user, call, const_cast<Task*>(&task), count);
+  for (uint32_t i = 0; i < count; ++i) task(i);
+}
+
+// `count` directions spread evenly over the cap of polar angles 0..polar_max, by the library's ring sampler.
+std::vector<Direction> ring_directions(double polar_max, uint32_t count);
+
+}  // namespace sandglass::host

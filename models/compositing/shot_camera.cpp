@@ -1,0 +1,33 @@
+#include "models/compositing/shot_camera.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace sandglass::host {
+
+ShotCamera resting_camera(const Camera& camera) {
+  ShotCamera shot;
+  shot.eye = camera.eye;
+  shot.forward = normalised(camera.target - camera.eye);
+  shot.right = normalised(cross(shot.forward, Vec3{0, 1, 0}));
+  shot.up = cross(shot.right, shot.forward);
+  shot.focal = 0.5 / std::tan(camera.fov_deg * std::numbers::pi / 360.0);
+  return shot;
+}
+
+ShotCamera held_camera(const Camera& camera, const ShotTrack& track, double seconds, double share) {
+  constexpr double k_degree = std::numbers::pi / 180.0;
+  // Sums of two slow waves an axis whose periods share no beat within a shot: about the spectrum of a hand.
+  const auto wave = [&](double slow, double quick, double phase) {
+    return track.sway_deg * k_degree * (0.7 * std::sin(slow * seconds + phase) + 0.3 * std::sin(quick * seconds));
+  };
+  const double yaw = track.turn_deg * k_degree * (share - 0.5) + wave(1.7, 5.3, 0.4);
+  const double pitch = 0.7 * wave(2.3, 6.1, 1.9), roll = 0.5 * wave(1.3, 4.7, 3.1);
+  ShotCamera shot = resting_camera(camera);
+  const Quaternion turn =
+      multiply(rotation_by({0, yaw, 0}), multiply(rotation_by(shot.right * pitch), rotation_by(shot.forward * roll)));
+  shot.right = rotate(turn, shot.right), shot.up = rotate(turn, shot.up), shot.forward = rotate(turn, shot.forward);
+  return shot;
+}
+
+}  // namespace sandglass::host

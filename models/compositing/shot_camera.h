@@ -1,0 +1,30 @@
+// The camera of a shot: a phone in a hand. It turns slowly, and sways a little about all three axes; it does not move,
+// because a panorama knows what is seen from one place only.
+#pragma once
+
+#include "models/drawing/render.h"
+#include "models/geometry/vec3.h"
+#include "models/simulation/scene_file.h"
+
+namespace sandglass::host {
+
+struct ShotCamera {
+  Vec3 eye, right, up, forward;
+  double focal = 1.0;  // picture heights
+
+  // Towards the place (x, y) in pixels of a width x height picture; not normalised.
+  Vec3 ray(double x, double y, int width, int height) const {
+    return forward * focal + right * ((x - 0.5 * width) / height) + up * ((0.5 * height - y) / height);
+  }
+  // In the camera's axes of lighting: x right, y down, z forward.
+  Vec3 to_camera(Vec3 d) const { return {dot(d, right), -dot(d, up), dot(d, forward)}; }
+  Vec3 to_scene(Vec3 d) const { return right * d.x - up * d.y + forward * d.z; }
+};
+
+// As the scene's `camera` says.
+ShotCamera resting_camera(const Camera& camera);
+
+// At `seconds`, when `share` (0..1) of the run is over.
+ShotCamera held_camera(const Camera& camera, const ShotTrack& track, double seconds, double share);
+
+}  // namespace sandglass::host

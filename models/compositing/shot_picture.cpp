@@ -1,0 +1,348 @@
+#include "models/compositing/shot_picture.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+#include <thread>
+
+#include "models/rooms/probe_scene.h"
+#include "models/tracing/frame.h"
+#include "models/tracing/ray_caster.h"
+#include "models/tracing/sphere_caster.h"
+#include "models/work/failure.h"
+#include "runtime/core/random.h"
+
+namespace sandglass::host {
+
+#ifdef SANDGLASS_HAVE_EMBREE
+
+namespace {
+
+constexpr double k_pi = std::numbers::pi;
+constexpr double k_far = 1e3, k_lift = 2e-4;   // metres
+constexpr Vec3 k_object = {0.60, 0.44, 0.30};  // reflectance: varnished wood
+constexpr double k_open_reach = 0.5;           // metres that ambient light is looked for
+constexpr double k_contact_reach = 0.011;      // metres: a texel of the sand's shadow
+constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; beyond, nothing is cast
+constexpr double k_above = 2.0;                // metres: higher than any sand
+constexpr int k_bounces = 3;
+constexpr uint64_t k_composite_stream = 41, k_truth_stream = 42, k_floor_stream = 43;
+
+Vec3 limited(Vec3 c) { return {std::clamp(c.x, 0.0, 1.0), std::clamp(c.y, 0.0, 1.0), std::clamp(c.z, 0.0, 1.0)}; }
+
+enum class Surface { none, floor, object, grain };
+
+struct Hit {
+  Surface surface = Surface::none;
+  double distance = k_far;
+  Vec3 point, normal, reflectance;
+};
+
+// Rows of a picture, over threads.
+void each_row(int height, uint32_t threads, const std::function<void(int)>& draw) {
+  std::atomic<int> next{0};
+  const auto work = [&] {
+    for (int y; (y = next.fetch_add(1)) < height;) draw(y);
+  };
+  std::vector<std::thread> others;
+  for (uint32_t i = 1; i < threads; ++i) others.emplace_back(work);
+  work();
+  for (std::thread& other : others) other.join();
+}
+
+}  // namespace
+
+struct ShotPicture::State {
+  RayCaster object;
+  SphereCaster grains;
+  std::vector<float> centres;
+
+  State(const Mesh& mesh, std::span<const float> xyz, float radius)
+      : object(mesh), grains(xyz, radius), centres(xyz.begin(), xyz.end()) {
+    if (!object.error().empty()) throw Failure(object.error());
+  }
+
+  static void floats(Vec3 v, float (&out)[3]) {
+    out[0] = static_cast<float>(v.x), out[1] = static_cast<float>(v.y), out[2] = static_cast<float>(v.z);
+  }
+
+  Hit closest(Vec3 origin, Vec3 direction) const {
+    Hit hit;
+    if (direction.y < 0.0 && origin.y > 0.0) {
+      const double distance = -origin.y / direction.y;
+      if (distance < k_far) hit = {Surface::floor, distance, {}, {0, 1, 0}, {}};
+    }
+    float o[3], d[3];
+    floats(origin, o), floats(direction, d);
+    const RayHit on_object = object.closest(o, d, 0.0f, static_cast<float>(hit.distance));
+    if (on_object.hit) {
+      hit.surface = Surface::object, hit.distance = static_cast<double>(on_object.distance);
+      hit.normal = {on_object.normal[0], on_object.normal[1], on_object.normal[2]};
+      if (dot(hit.normal, direction) > 0.0) hit.normal = hit.normal * -1.0;
+      hit.reflectance = k_object;
+    }
+    SphereHit on_grain;
+    on_grain.distance = hit.distance;
+    if (grains.closest(origin, direction, &on_grain)) {
+      hit.surface = Surface::grain, hit.distance = on_grain.distance;
+      const float* c = centres.data() + 3 * static_cast<size_t>(on_grain.index);
+      hit.normal = normalised(origin + direction * hit.distance - Vec3{c[0], c[1], c[2]});
+      hit.reflectance = grain_colour(on_grain.index);
+    }
+    hit.point = origin + direction * hit.distance;
+    return hit;
+  }
+
+  bool object_blocks(Vec3 origin, Vec3 direction, double limit) const {
+    float o[3], d[3];
+    floats(origin, o), floats(direction, d);
+    return object.occluded(o, d, 0.0f, static_cast<float>(limit));
+  }
+  bool blocked(Vec3 origin, Vec3 direction, double limit) const {
+    return object_blocks(origin, direction, limit) || grains.occluded(origin, direction, limit);
+  }
+};
+
+namespace {
+
+Vec3 in_cap(Vec3 towards, double half_angle, double a, double b) {
+  const double cosine = 1.0 - a * (1.0 - std::cos(half_angle)), sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+  return Frame(towards).world(sine * std::cos(2.0 * k_pi * b), sine * std::sin(2.0 * k_pi * b), cosine);
+}
+
+double left_by(const std::vector<FloorShadow>& shadows, double x, double z) {
+  double share = 1.0;
+  for (const FloorShadow& shadow : shadows) share *= floor_transparency(shadow, x, z);
+  return share;
+}
+
+}  // namespace
+
+ShotPicture::ShotPicture(const Mesh& object, std::span<const float> grains, float grain_radius)
+    : state_(std::make_unique<State>(object, grains, grain_radius)) {}
+
+RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& camera, const ShotLight& light,
+                                   const ShotShadows& shadows, CastShadow cast,
+                                   const ShotPictureOptions& options) const {
+  const double half_angle = k_light_half_angle_deg * k_pi / 180.0;
+  const Vec3 opacity = shadow_opacity(light);
+  const bool textured = cast == CastShadow::textures || cast == CastShadow::no_curve;
+  const bool curve = cast != CastShadow::no_curve;
+  // The light's colours are means of what the camera shows; what the ambient one stands for says how bright both are.
+  const double shown = luminance(light.ambient);
+  const double exposure = curve && shown > 0.0 ? luminance(room.radiance(light.ambient)) / shown : 1.0;
+  RadianceMap picture(options.width, options.height);
+  const auto colour_of = [&](Vec3 direction, Random* random) {
+    const Hit hit = state_->closest(camera.eye, direction);
+    if (hit.surface == Surface::none) return room.seen(camera, direction);
+    const Vec3 start = hit.point + hit.normal * k_lift;
+    if (hit.surface == Surface::floor) {
+      double left = 1.0;
+      if (textured)
+        left = left_by(shadows.object, hit.point.x, hit.point.z) * left_by(shadows.pile, hit.point.x, hit.point.z);
+      else if (cast == CastShadow::hard && light.towards.y > 0.0 && length(hit.point) < k_catcher_reach)
+        left = state_->blocked(start, light.towards, k_far) ? 0.0 : 1.0;
+      const Vec3 seen = room.seen(camera, direction);
+      if (!curve) return seen * (1.0 - (1.0 - left) * light.contrast);
+      return room.shown(product(room.radiance(seen), Vec3{1, 1, 1} - opacity * (1.0 - left)));
+    }
+    const double facing = std::max(0.0, dot(hit.normal, light.towards));
+    double open = facing > 0.0 ? 1.0 : 0.0;
+    const auto in_light = [&] { return in_cap(light.towards, half_angle, random->uniform(), random->uniform()); };
+    if (open > 0.0 && hit.surface == Surface::object) {
+      open = state_->object_blocks(start, in_light(), k_far) ? 0.0 : 1.0;
+    } else if (open > 0.0 && textured) {
+      // Grains next to each other are finer than a texel: contact shadows, of rays that end where texels begin.
+      open = state_->grains.occluded(start, in_light(), k_contact_reach) ? 0.0 : 1.0;
+      if (light.towards.y > 0.0) {
+        const Vec3 foot = hit.point - light.towards * (hit.point.y / light.towards.y);
+        open *= left_by(shadows.object, foot.x, foot.z) * left_by(shadows.pile_surface, hit.point.x, hit.point.z);
+      }
+    } else if (open > 0.0 && cast == CastShadow::hard) {
+      open = state_->blocked(start, light.towards, k_far) ? 0.0 : 1.0;
+    }
+    // In shadow lies only what one direction stands for.
+    const double direct = facing * (1.0 - light.concentration * (1.0 - open));
+    // What hides a part of the room is lit by it, too, and gives back its share.
+    const Hit around = state_->closest(start, cosine_direction(hit.normal, random->uniform(), random->uniform()));
+    const bool hidden =
+        (around.surface == Surface::object || around.surface == Surface::grain) && around.distance < k_open_reach;
+    const Vec3 ambient = hidden ? product(light.ambient, around.reflectance) : light.ambient;
+    const Vec3 radiance = product(hit.reflectance, light.light * direct + ambient) * exposure;
+    return curve ? room.shown(radiance) : limited(radiance);
+  };
+  each_row(options.height, options.threads, [&](int y) {
+    for (int x = 0; x < options.width; ++x) {
+      Random random = random_stream(static_cast<uint64_t>(y) * 65536u + static_cast<uint64_t>(x), k_composite_stream);
+      Vec3 sum;
+      const int n = options.samples;
+      for (int s = 0; s < n * n; ++s) {
+        const double sx = x + (s % n + random.uniform()) / n, sy = y + (s / n + random.uniform()) / n;
+        sum = sum + colour_of(normalised(camera.ray(sx, sy, options.width, options.height)), &random);
+      }
+      picture.set(x, y, sum * (1.0 / (n * n)));
+    }
+  });
+  return picture;
+}
+
+RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camera,
+                               const ShotPictureOptions& options) const {
+  // What is below the horizon the floor hides, and stands for itself. The floor draws its light by the cosine, too.
+  const ViewRotation rotation(room.view);
+  RadianceMap above = room.warped, on_floor = room.warped;
+  for (int v = 0; v < above.height; ++v)
+    for (int u = 0; u < above.width; ++u) {
+      const double up = rotation.to_panorama(panorama_direction(u, v, above.width, above.height)).y;
+      above.set(u, v, up > 0.0 ? above.colour(u, v) : Vec3{});
+      on_floor.set(u, v, on_floor.colour(u, v) * std::max(up, 0.0));
+    }
+  const ProbeLight environment = ProbeLight::environment(above, rotation);
+  const ProbeLight floor_light = ProbeLight::environment(on_floor, rotation);
+  // The floor's reflectance: its radiance around the object, over the irradiance that it gets there.
+  Vec3 reflectance;
+  {
+    constexpr int k_places = 256, k_rays = 8192;
+    constexpr double k_around = 1.0;  // metres
+    Random random = random_stream(1, k_floor_stream);
+    Vec3 radiance, irradiance;
+    for (int i = 0; i < k_places; ++i) {
+      const double r = k_around * std::sqrt(random.uniform()), turn = 2.0 * k_pi * random.uniform();
+      const Vec3 to = Vec3{r * std::cos(turn), 0, r * std::sin(turn)} - camera.eye;
+      radiance = radiance + look_up(room.panorama, to) * (1.0 / k_places);
+    }
+    for (int i = 0; i < k_rays; ++i) {
+      irradiance =
+          irradiance + floor_light.sample({0, 1, 0}, random.uniform(), random.uniform()).weight * (1.0 / k_rays);
+    }
+    const auto ratio = [](double b, double e) { return e > 0.0 ? std::clamp(k_pi * b / e, 0.02, 0.9) : 0.5; };
+    reflectance = {ratio(radiance.x, irradiance.x), ratio(radiance.y, irradiance.y), ratio(radiance.z, irradiance.z)};
+  }
+  RadianceMap picture(options.width, options.height);
+  // The irradiance that one ray of the room's light brings, and (*open) what it would without anything in its way.
+  const auto direct = [&](Vec3 start, Vec3 normal, Surface surface, double a, double b, Vec3* open) {
+    const bool floor = surface == Surface::floor;
+    const ProbeLight::Sample s = (floor ? floor_light : environment).sample(normal, a, b);
+    const double cosine = floor ? 1.0 : dot(s.direction, normal);
+    if (cosine <= 0.0) return Vec3{};
+    if (open != nullptr) *open = s.weight * cosine;
+    return state_->blocked(start, s.direction, k_far) ? Vec3{} : s.weight * cosine;
+  };
+  // Radiance that arrives along a ray by way of what stands here; light that comes straight from the room is not in it.
+  const auto arriving = [&](Vec3 origin, Vec3 direction, int bounces, Random* random) {
+    Vec3 sum, throughput = {1, 1, 1};
+    for (int bounce = 0; bounce < bounces; ++bounce) {
+      const Hit hit = state_->closest(origin, direction);
+      if (hit.surface == Surface::none) break;
+      origin = hit.point + hit.normal * k_lift;
+      throughput = product(throughput, hit.surface == Surface::floor ? reflectance : hit.reflectance);
+      const double a = random->uniform(), b = random->uniform();
+      sum = sum + product(throughput, direct(origin, hit.normal, hit.surface, a, b, nullptr)) * (1.0 / k_pi);
+      direction = cosine_direction(hit.normal, random->uniform(), random->uniform());
+    }
+    return sum;
+  };
+  each_row(options.height, options.threads, [&](int y) {
+    for (int x = 0; x < options.width; ++x) {
+      Random random = random_stream(static_cast<uint64_t>(y) * 65536u + static_cast<uint64_t>(x), k_truth_stream);
+      const double shift[2] = {random.uniform(), random.uniform()};
+      Vec3 solid, background, with, without;
+      int caught = 0, behind = 0;
+      for (int i = 0; i < options.paths; ++i) {
+        // A lattice of irrational steps (powers of 1 / 1.3247, the root of x^3 = x + 1), shifted by the pixel.
+        const auto even = [&](int k) {
+          const double value = shift[k] + i * (k == 0 ? 0.7548776662466927 : 0.5698402909980532);
+          return value - std::floor(value);
+        };
+        const Vec3 direction =
+            normalised(camera.ray(x + random.uniform(), y + random.uniform(), options.width, options.height));
+        const Hit hit = state_->closest(camera.eye, direction);
+        if (hit.surface == Surface::none || (hit.surface == Surface::floor && length(hit.point) > k_catcher_reach)) {
+          background = background + look_up(room.panorama, direction), ++behind;
+          continue;
+        }
+        const Vec3 start = hit.point + hit.normal * k_lift;
+        Vec3 open;
+        const Vec3 seen = direct(start, hit.normal, hit.surface, even(0), even(1), &open);
+        const Vec3 indirect =
+            arriving(start, cosine_direction(hit.normal, random.uniform(), random.uniform()), k_bounces - 1, &random) *
+            k_pi;
+        if (hit.surface == Surface::floor) {
+          // Light that reaches the floor by way of the floor is in the panorama already.
+          with = with + seen + indirect, without = without + open;
+          background = background + look_up(room.panorama, direction), ++caught, ++behind;
+        } else {
+          solid = solid + product(hit.reflectance, seen + indirect) * (1.0 / k_pi);
+        }
+      }
+      const int n = options.paths;
+      Vec3 radiance = solid * (1.0 / n);
+      if (behind > 0) {
+        const auto ratio = [](double a, double b) { return b > 0.0 ? a / b : 1.0; };
+        const Vec3 kept = {ratio(with.x, without.x), ratio(with.y, without.y), ratio(with.z, without.z)};
+        const double share = static_cast<double>(caught) / behind;
+        radiance = radiance + product(background * (1.0 / n), kept * share + Vec3{1, 1, 1} * (1.0 - share));
+      }
+      picture.set(x, y, limited(tone_mapped(radiance, room.white)));
+    }
+  });
+  return picture;
+}
+
+double ShotPicture::grains_leave(double x, double z, Vec3 towards, double half_angle, int points) const {
+  double all = 0.0, open = 0.0;
+  const Vec3 start = {x, k_lift, z};
+  for (int i = 0; i < points * points; ++i) {
+    const Vec3 d = in_cap(towards, half_angle, (i % points + 0.5) / points, (i / points + 0.5) / points);
+    if (d.y <= 0.0) continue;
+    all += d.y;
+    if (!state_->grains.occluded(start, d, k_far)) open += d.y;
+  }
+  return all > 0.0 ? open / all : 1.0;
+}
+
+double ShotPicture::grain_lit(double x, double z, Vec3 towards, double half_angle, int points, double* facing) const {
+  const Vec3 down = {0, -1, 0}, above = {x, k_above, z};
+  SphereHit hit;
+  hit.distance = k_above;
+  *facing = 0.0;
+  if (!state_->grains.closest(above, down, &hit)) return 1.0;
+  const float* c = state_->centres.data() + 3 * static_cast<size_t>(hit.index);
+  const Vec3 point = above + down * hit.distance, normal = normalised(point - Vec3{c[0], c[1], c[2]});
+  *facing = std::max(0.0, dot(normal, towards));
+  double all = 0.0, open = 0.0;
+  for (int i = 0; i < points * points; ++i) {
+    const Vec3 d = in_cap(towards, half_angle, (i % points + 0.5) / points, (i / points + 0.5) / points);
+    const double cosine = std::max(0.0, dot(d, normal));
+    all += cosine;
+    if (cosine > 0.0 && !state_->grains.occluded(point + normal * k_lift, d, k_far)) open += cosine;
+  }
+  return all > 0.0 ? open / all : 1.0;
+}
+
+#else
+
+struct ShotPicture::State {};
+ShotPicture::ShotPicture(const Mesh&, std::span<const float>, float) {
+  throw Failure("cannot draw a shot: this build lacks Embree. Install it, configure and build again.");
+}
+RadianceMap ShotPicture::composite(const Surroundings&, const ShotCamera&, const ShotLight&, const ShotShadows&,
+                                   CastShadow, const ShotPictureOptions&) const {
+  return {};
+}
+RadianceMap ShotPicture::truth(const Surroundings&, const ShotCamera&, const ShotPictureOptions&) const { return {}; }
+double ShotPicture::grains_leave(double, double, Vec3, double, int) const { return 1.0; }
+double ShotPicture::grain_lit(double, double, Vec3, double, int, double*) const { return 1.0; }
+
+#endif
+
+ShotPicture::~ShotPicture() = default;
+
+Picture displayed_picture(const RadianceMap& linear) {
+  Picture picture(linear.width, linear.height, {0, 0, 0});
+  for (size_t i = 0; i < picture.rgb.size(); ++i) picture.rgb[i] = srgb_byte(static_cast<double>(linear.rgb[i]));
+  return picture;
+}
+
+}  // namespace sandglass::host

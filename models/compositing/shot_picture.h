@@ -1,0 +1,79 @@
+// One instant of a shot as a picture: composited as an app does, and path traced as the truth.
+//
+// Composite. Behind everything the camera's image, which for compositing is radiance: it goes through the inverse of
+// the camera's tone curve, and everything goes through the curve at the end, where it is flat a shadow or a lamp's side
+// differs less. The object and the grains take the directional light, by the cosine, and the ambient light; of the
+// floor's radiance 1 - (1 - nu) o_k is left in each colour, nu being what the textures leave of the direct light (4.3
+// of the project's SPEC) and o_k its share (shadow_opacity). Grains are darkened by the pile's own texture at their
+// place, and by the object's at the place of the floor that the light would reach through them; in both, what one
+// direction stands for (ShotLight). What stands for the graphics engine and not for this library is traced: the
+// object's shadow on itself, the contact shadows of grains on grains, and how open a point is to ambient light.
+//
+// The light's colours are means of tone mapped ones (labels.h). Both are taken to be brighter by what the inverse curve
+// says of the ambient luminance; the inverse of a mean is less than the mean of inverses, so objects stay a little
+// dark.
+//
+// Truth. Object, grains and a floor that only catches shadows and gives back light, in the light of the warped
+// panorama: where the floor is seen, the panorama's radiance is multiplied by irradiance with over irradiance without
+// what stands on it (differential rendering, Debevec 1998). The floor's reflectance for light that it gives back is
+// what explains its own radiance around the object. Tone curve: the panorama's own.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "models/compositing/shot_camera.h"
+#include "models/compositing/surroundings.h"
+#include "models/drawing/render.h"
+#include "models/mesh/mesh.h"
+#include "models/rooms/panorama.h"
+
+namespace sandglass::host {
+
+// What falls on the floor and the grains: the library's textures; nothing; an edge traced to the middle of the light;
+// or, for a camera of unknown curve, none anywhere, and the textures multiplied onto the floor as the camera shows it,
+// by the contrast in all colours alike.
+enum class CastShadow { textures, none, hard, no_curve };
+
+struct ShotShadows {
+  std::vector<FloorShadow> object, pile, pile_surface;  // none of a kind: nothing is cast
+};
+
+struct ShotPictureOptions {
+  int width = 320, height = 240;
+  int samples = 3;  // composite: per pixel and axis
+  int paths = 64;   // truth: per pixel
+  uint32_t threads = 1;
+};
+
+class ShotPicture {
+ public:
+  // `object` in the scene's frame, standing on y = 0. Needs Embree, else a Failure.
+  ShotPicture(const Mesh& object, std::span<const float> grains, float grain_radius);
+  ~ShotPicture();
+  ShotPicture(const ShotPicture&) = delete;
+  ShotPicture& operator=(const ShotPicture&) = delete;
+
+  // Linear, 0..1. Equal arguments give equal bits on any number of threads.
+  RadianceMap composite(const Surroundings& room, const ShotCamera& camera, const ShotLight& light,
+                        const ShotShadows& shadows, CastShadow cast, const ShotPictureOptions& options) const;
+  // Surroundings must have a truth.
+  RadianceMap truth(const Surroundings& room, const ShotCamera& camera, const ShotPictureOptions& options) const;
+
+  // Share of the light's irradiance of a level floor at (x, 0, z) that the grains alone leave, the light being a cap of
+  // half angle `half_angle` about `towards`: stratified rays, points^2 of them.
+  double grains_leave(double x, double z, Vec3 towards, double half_angle, int points) const;
+  // The same of the grain's own surface that is seen from above at (x, z); *facing: its cosine to `towards`, 0 where
+  // there is no grain or it faces away.
+  double grain_lit(double x, double z, Vec3 towards, double half_angle, int points, double* facing) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+Picture displayed_picture(const RadianceMap& linear);  // sRGB
+
+}  // namespace sandglass::host

@@ -1,0 +1,521 @@
+// One primary ray a sub-sample, then one ray to a point of the sun's disk and one cosine-weighted ray to the sky.
+// Random numbers are a hash of pixel and sub-sample, so pictures repeat. Colours are linear until the last line.
+#include "models/drawing/render.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <thread>
+#include <vector>
+
+#include "models/tracing/frame.h"
+#include "models/tracing/sphere_caster.h"
+#include "runtime/granular/field.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr double k_azimuth_deg = 28.0, k_elevation_deg = 20.0;  // of the automatic camera
+constexpr double k_margin = 1.18;                               // room around what the camera frames
+constexpr Vec3 k_sun = {-0.5144957554275266, 0.7717436331412899,
+                        0.3736};       // towards the light, nearly unit: from the front left
+constexpr double k_sun_radius = 0.03;  // radians; six suns, so that penumbrae show
+constexpr Vec3 k_sand = {0.56, 0.36, 0.17};
+constexpr double k_colour_spread = 0.28;    // of the grains, relative
+constexpr double k_occlusion_reach = 0.35;  // of the box's diagonal
+constexpr double k_fade_from =
+    4.0;                           // box diagonals from the target: there the floor begins to fade into the background
+constexpr double k_offset = 1e-4;  // of a sphere radius or box diagonal: lifts secondary rays off their surface
+constexpr double k_far = 1e4;      // metres
+
+// Lights, and reflectances of what is not sand.
+struct Look {
+  Vec3 sun_light, sky_light, light_tile, dark_tile, solid, horizon, zenith;
+};
+constexpr Look k_measuring = {{2.3, 2.15, 1.9},   {0.55, 0.62, 0.73}, {0.37, 0.38, 0.40}, {0.27, 0.28, 0.30},
+                              {0.16, 0.30, 0.44}, {0.80, 0.83, 0.86}, {0.42, 0.55, 0.72}};
+// Both tiles are alike: the floor has no checker.
+constexpr Look k_plain = {{3.0, 2.55, 1.95},  {0.46, 0.50, 0.56}, {0.52, 0.50, 0.46}, {0.52, 0.50, 0.46},
+                          {0.09, 0.24, 0.33}, {0.86, 0.82, 0.75}, {0.62, 0.66, 0.70}};
+
+uint32_t hash(uint32_t value) {
+  value ^= value >> 16;
+  value *= 0x7feb352du;
+  value ^= value >> 15;
+  value *= 0x846ca68bu;
+  return value ^ (value >> 16);
+}
+double unit_random(uint32_t* state) {
+  *state = hash(*state + 0x9e3779b9u);
+  return (*state >> 8) * (1.0 / 16777216.0);
+}
+
+Vec3 scaled(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+Vec3 mixed(Vec3 a, Vec3 b, double t) { return a * (1.0 - t) + b * t; }
+
+struct CameraFrame {
+  Vec3 right, up, forward;
+  double focal;  // picture heights
+  explicit CameraFrame(const Camera& camera) {
+    forward = normalised(camera.target - camera.eye);
+    right = normalised(cross(forward, Vec3{0, 1, 0}));
+    up = cross(right, forward);
+    focal = 0.5 / std::tan(camera.fov_deg * std::numbers::pi / 360.0);
+  }
+};
+
+Vec3 vec(const float* v) { return {v[0], v[1], v[2]}; }
+
+// A collider in its local frame.
+struct Solid {
+  sandglass_shape shape;
+  Vec3 position, size;
+  Quaternion rotation;
+  const sandglass_field* field;
+  bool container;
+  Vec3 to_local(Vec3 v) const { return rotate(conjugate(rotation), v); }
+};
+
+bool is_container(const sandglass_collider& collider) {
+  float low[3], high[3];
+  return collider.shape == SANDGLASS_SHAPE_FIELD && collider.field != nullptr &&
+         sandglass_field_bounds(collider.field, low, high) == SANDGLASS_SOLID_OUTSIDE;
+}
+
+struct SurfaceHit {
+  double distance = k_far;
+  Vec3 normal;
+};
+
+// Ray from outside against one solid, all in its local frame; keeps the nearer of *hit and what is found.
+bool hit_sphere(Vec3 centre, double radius, Vec3 o, Vec3 d, SurfaceHit* hit) {
+  const Vec3 to = centre - o;
+  const double along = dot(to, d), gap = radius * radius - (dot(to, to) - along * along);
+  if (gap < 0.0) return false;
+  const double distance = along - std::sqrt(gap);
+  if (distance <= 0.0 || distance >= hit->distance) return false;
+  *hit = {distance, (o + d * distance - centre) * (1.0 / radius)};
+  return true;
+}
+
+bool hit_box(Vec3 half, Vec3 o, Vec3 d, SurfaceHit* hit) {
+  const double origin[3] = {o.x, o.y, o.z}, direction[3] = {d.x, d.y, d.z}, extent[3] = {half.x, half.y, half.z};
+  double enter = 0.0, leave = hit->distance;
+  int face = -1;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (direction[axis] == 0.0) {
+      if (std::fabs(origin[axis]) > extent[axis]) return false;
+      continue;
+    }
+    const double sign = direction[axis] > 0.0 ? 1.0 : -1.0;
+    const double in = (-sign * extent[axis] - origin[axis]) / direction[axis];
+    const double out = (sign * extent[axis] - origin[axis]) / direction[axis];
+    if (in > enter) enter = in, face = axis;
+    leave = std::min(leave, out);
+  }
+  if (face < 0 || enter > leave) return false;
+  const double side = direction[face] > 0.0 ? -1.0 : 1.0;
+  *hit = {enter, {face == 0 ? side : 0.0, face == 1 ? side : 0.0, face == 2 ? side : 0.0}};
+  return true;
+}
+
+bool hit_capsule(double radius, double half, Vec3 o, Vec3 d, SurfaceHit* hit) {
+  const bool upper = hit_sphere({0, half, 0}, radius, o, d, hit), lower = hit_sphere({0, -half, 0}, radius, o, d, hit);
+  const bool found = upper || lower;
+  const double a = d.x * d.x + d.z * d.z, b = o.x * d.x + o.z * d.z, c = o.x * o.x + o.z * o.z - radius * radius;
+  const double gap = b * b - a * c;
+  if (a == 0.0 || gap < 0.0) return found;
+  const double distance = (-b - std::sqrt(gap)) / a;
+  const Vec3 at = o + d * distance;
+  if (distance <= 0.0 || distance >= hit->distance || std::fabs(at.y) > half) return found;
+  *hit = {distance, Vec3{at.x, 0, at.z} * (1.0 / radius)};
+  return true;
+}
+
+// The value alone, for marching: the library's own look-up finds the normal, too, and is made for many points at once.
+double field_value(const FieldGrid& grid, Vec3 p) {
+  const double at[3] = {p.x, p.y, p.z};
+  uint32_t cell[3];
+  float f[3];
+  for (int k = 0; k < 3; ++k) {
+    const double last = static_cast<double>(grid.counts[k] - 1);
+    const double t =
+        std::clamp((at[k] - static_cast<double>(grid.low[k])) * static_cast<double>(grid.inverse_spacing), 0.0, last);
+    cell[k] = std::min(static_cast<uint32_t>(t), grid.counts[k] - 2);
+    f[k] = static_cast<float>(t - cell[k]);
+  }
+  const size_t row = grid.counts[0], plane = row * grid.counts[1];
+  const float* v = grid.values + cell[0] + row * cell[1] + plane * cell[2];
+  const auto along = [&](const float* from) { return from[0] + f[0] * (from[1] - from[0]); };
+  const float low = along(v) + f[1] * (along(v + row) - along(v));
+  const float high = along(v + plane) + f[1] * (along(v + plane + row) - along(v + plane));
+  return static_cast<double>(low + f[2] * (high - low));
+}
+
+// Marches along the ray by the field's distances. A container is seen from outside through its front: what is hit is
+// the wall behind the free space.
+bool hit_field(const sandglass_field* field, Vec3 o, Vec3 d, SurfaceHit* hit) {
+  constexpr int k_steps = 96;
+  constexpr double k_least = 5e-4;  // of the box's diagonal
+  float low[3], high[3];
+  const bool container = sandglass_field_bounds(field, low, high) == SANDGLASS_SOLID_OUTSIDE;
+  const Vec3 middle = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
+  const Vec3 half = {0.5 * (high[0] - low[0]), 0.5 * (high[1] - low[1]), 0.5 * (high[2] - low[2])};
+  const double least = k_least * 2.0 * length(half);
+  SurfaceHit entry = *hit;
+  double t = 0.0;
+  const Vec3 from = o - middle;
+  const bool within = std::fabs(from.x) < half.x && std::fabs(from.y) < half.y && std::fabs(from.z) < half.z;
+  if (!within) {
+    if (!hit_box(half, from, d, &entry)) return false;
+    t = entry.distance + least;
+  }
+  bool free = !container;
+  for (int step = 0; step < k_steps && t < hit->distance; ++step) {
+    const Vec3 p = o + d * t, local = p - middle;
+    if (std::fabs(local.x) > half.x || std::fabs(local.y) > half.y || std::fabs(local.z) > half.z) return false;
+    const double distance = field_value(field->grid, p);
+    if (!free && distance > 2.0 * least) free = true;
+    if (free && distance < least) {
+      const float point[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+      float normal[3];
+      sandglass_field_distance(field, point, normal);
+      // Only against the normal: a ray that begins on the surface leaves it, and goes on to what lies opposite.
+      if (dot(vec(normal), d) < 0.0) {
+        *hit = {t, vec(normal)};
+        return true;
+      }
+    }
+    t += std::max(0.95 * std::fabs(distance), 2.0 * least);
+  }
+  return false;
+}
+
+bool hit_solid(const Solid& solid, Vec3 origin, Vec3 direction, SurfaceHit* hit) {
+  const Vec3 o = solid.to_local(origin - solid.position), d = solid.to_local(direction);
+  bool found = false;
+  switch (solid.shape) {
+    case SANDGLASS_SHAPE_HALF_SPACE: {
+      const double distance = d.y < 0.0 ? -o.y / d.y : -1.0;
+      found = distance > 0.0 && distance < hit->distance;
+      if (found) *hit = {distance, {0, 1, 0}};
+      break;
+    }
+    case SANDGLASS_SHAPE_SPHERE:
+      found = hit_sphere({}, solid.size.x, o, d, hit);
+      break;
+    case SANDGLASS_SHAPE_CAPSULE:
+      found = hit_capsule(solid.size.x, solid.size.y, o, d, hit);
+      break;
+    case SANDGLASS_SHAPE_BOX:
+      found = hit_box(solid.size, o, d, hit);
+      break;
+    case SANDGLASS_SHAPE_FIELD:
+      found = solid.field != nullptr && hit_field(solid.field, o, d, hit);
+      break;
+    default:
+      break;
+  }
+  if (found) hit->normal = rotate(solid.rotation, hit->normal);
+  return found;
+}
+
+// 1, 2 or 5 times a power of ten, at most `limit`.
+double round_length(double limit) {
+  const double power = std::pow(10.0, std::floor(std::log10(limit)));
+  return limit >= 5.0 * power ? 5.0 * power : limit >= 2.0 * power ? 2.0 * power : power;
+}
+
+std::string length_text(double metres) {
+  char text[32];
+  if (metres >= 1.0) std::snprintf(text, sizeof text, "%g m", metres);
+  else if (metres >= 0.01) std::snprintf(text, sizeof text, "%g cm", std::round(metres * 1e4) / 100.0);
+  else std::snprintf(text, sizeof text, "%g mm", std::round(metres * 1e5) / 100.0);
+  return text;
+}
+
+struct Tracer {
+  const SceneView& view;
+  const Look& look;
+  SphereCaster caster;
+  std::vector<Solid> solids;
+  CameraFrame frame;
+  double diagonal, tile;
+  Vec3 sun = normalised(k_sun);
+  double sun_spread = k_sun_radius;
+
+  Tracer(const SceneView& v, const Look& l)
+      : view(v),
+        look(l),
+        caster(v.spheres, v.radius),
+        frame(v.camera),
+        diagonal(std::max(1e-6, length(v.bounds.high - v.bounds.low))) {
+    const double extent = std::max(v.bounds.high.x - v.bounds.low.x, v.bounds.high.z - v.bounds.low.z);
+    if (length(v.to_light) > 0.0) sun = normalised(v.to_light);
+    if (!v.shadows.empty()) sun_spread = std::tan(v.shadows[0].half_angle);
+    tile = round_length(std::max(extent, 0.5 * diagonal) / 6.0);
+    for (const sandglass_collider& c : v.colliders) {
+      const Quaternion q = {c.rotation[0], c.rotation[1], c.rotation[2], c.rotation[3]};
+      const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+      solids.push_back({c.shape, vec(c.position), vec(c.size), norm > 0.0 ? normalised(q) : k_no_rotation, c.field,
+                        is_container(c)});
+    }
+  }
+
+  Vec3 background(Vec3 direction) const {
+    return mixed(look.horizon, look.zenith, std::clamp(direction.y * 1.6, 0.0, 1.0));
+  }
+
+  // `catcher`: the point lies on a floor, where the shadows of some solids are textures.
+  bool blocked(Vec3 origin, Vec3 direction, double limit, bool catcher = false) const {
+    if (caster.occluded(origin, direction, limit)) return true;
+    SurfaceHit hit;
+    hit.distance = limit;
+    for (const Solid& solid : solids) {
+      if (solid.shape == SANDGLASS_SHAPE_FIELD && solid.container) continue;  // glass
+      const auto is_it = [&](const FloorShadow& shadow) { return &solid == &solids[shadow.collider]; };
+      if (catcher && std::any_of(view.shadows.begin(), view.shadows.end(), is_it)) continue;
+      if (hit_solid(solid, origin, direction, &hit)) return true;
+    }
+    return false;
+  }
+
+  // Share of the direct light that the textures leave to a point of the floor.
+  double transparency(Vec3 at) const {
+    constexpr double k_same_floor = 1e-3;
+    double share = 1.0;
+    for (const FloorShadow& shadow : view.shadows)
+      if (std::fabs(at.y - shadow.position.y) <= k_same_floor) share *= floor_transparency(shadow, at.x, at.z);
+    return share;
+  }
+
+  Vec3 tile_colour(const Solid& floor, Vec3 at) const {
+    const Vec3 local = floor.to_local(at - floor.position);
+    const auto odd = [&](double value) { return static_cast<int64_t>(std::floor(value / tile)) & 1; };
+    return odd(local.x) == odd(local.z) ? look.light_tile : look.dark_tile;
+  }
+
+  Vec3 trace(Vec3 origin, Vec3 direction, uint32_t* random) const {
+    SphereHit sphere;
+    sphere.distance = k_far;
+    const bool on_sphere = caster.closest(origin, direction, &sphere);
+    SurfaceHit surface;
+    surface.distance = on_sphere ? sphere.distance : k_far;
+    const Solid* solid = nullptr;
+    for (const Solid& candidate : solids)
+      if (hit_solid(candidate, origin, direction, &surface)) solid = &candidate;
+    if (!on_sphere && solid == nullptr) return background(direction);
+
+    const Vec3 at = origin + direction * surface.distance;
+    Vec3 normal = surface.normal, albedo = look.solid;
+    double fade = 0.0;
+    if (solid == nullptr) {
+      normal = normalised(at - vec(view.spheres.data() + 3 * static_cast<size_t>(sphere.index)));
+      albedo = grain_colour(sphere.index);
+    } else if (solid->shape == SANDGLASS_SHAPE_HALF_SPACE) {
+      albedo = tile_colour(*solid, at);
+      fade = std::clamp(length(at - view.camera.target) / (k_fade_from * diagonal) - 1.0, 0.0, 1.0);
+    }
+    const Vec3 start = at + normal * (k_offset * (solid == nullptr ? 100.0 * view.radius : diagonal));
+
+    const double turn = 2.0 * std::numbers::pi * unit_random(random),
+                 spread = sun_spread * std::sqrt(unit_random(random));
+    const Vec3 to_sun = normalised(Frame(sun).world(spread * std::cos(turn), spread * std::sin(turn), 1.0));
+    const double facing = dot(normal, to_sun);
+    const bool floor = solid != nullptr && solid->shape == SANDGLASS_SHAPE_HALF_SPACE;
+    Vec3 light = {};
+    if (facing > 0.0 && !blocked(start, to_sun, k_far, floor)) light = look.sun_light * (facing / std::numbers::pi);
+    if (floor) light = light * transparency(at);
+
+    const double sky_turn = 2.0 * std::numbers::pi * unit_random(random), sine = std::sqrt(unit_random(random));
+    const Vec3 to_sky =
+        Frame(normal).world(sine * std::cos(sky_turn), sine * std::sin(sky_turn), std::sqrt(1.0 - sine * sine));
+    if (!blocked(start, to_sky, k_occlusion_reach * diagonal)) light = light + look.sky_light;
+    else light = light + look.sky_light * 0.12;  // light that comes by way of other grains
+    return mixed(scaled(albedo, light) * 1.15, background({direction.x, 0.0, direction.z}), fade);
+  }
+
+  void draw_row(int y, const RenderOptions& options, Picture* picture) const {
+    for (int x = 0; x < options.width; ++x) {
+      Vec3 sum = {};
+      uint32_t random = hash(static_cast<uint32_t>(y) * 65521u + static_cast<uint32_t>(x));
+      for (int s = 0; s < options.samples * options.samples; ++s) {
+        const double sx = x + (s % options.samples + unit_random(&random)) / options.samples;
+        const double sy = y + (s / options.samples + unit_random(&random)) / options.samples;
+        const Vec3 direction =
+            normalised(frame.forward * frame.focal + frame.right * ((sx - 0.5 * options.width) / options.height) +
+                       frame.up * ((0.5 * options.height - sy) / options.height));
+        const Vec3 colour = trace(view.camera.eye, direction, &random);
+        sum = sum + Vec3{std::min(colour.x, 1.0), std::min(colour.y, 1.0), std::min(colour.z, 1.0)};
+      }
+      sum = sum * (1.0 / (options.samples * options.samples));
+      uint8_t* pixel = picture->at(x, y);
+      pixel[0] = srgb_byte(sum.x), pixel[1] = srgb_byte(sum.y), pixel[2] = srgb_byte(sum.z);
+    }
+  }
+};
+
+constexpr Colour k_ink = {20, 24, 30};
+
+void draw_line(Picture* picture, PixelPlace a, PixelPlace b, int thickness) {
+  const int steps = static_cast<int>(std::max(std::fabs(a.x - b.x), std::fabs(a.y - b.y))) + 1;
+  for (int i = 0; i <= steps; ++i) {
+    const double t = static_cast<double>(i) / steps;
+    fill_rectangle(picture, static_cast<int>(a.x + (b.x - a.x) * t), static_cast<int>(a.y + (b.y - a.y) * t), thickness,
+                   thickness, k_ink);
+  }
+}
+
+// A ruler that stands at the left of the box from its lower to its upper end, a scale bar that holds at the depth of
+// the camera's target, and the size of a floor tile.
+void draw_scale(const SceneView& view, double tile, Picture* picture) {
+  const int w = picture->width, h = picture->height, scale = std::max(1, h / 400);
+  const CameraFrame frame(view.camera);
+  const Vec3 middle = (view.bounds.low + view.bounds.high) * 0.5;
+  const double reach = 0.5 * (std::fabs(frame.right.x) * (view.bounds.high.x - view.bounds.low.x) +
+                              std::fabs(frame.right.z) * (view.bounds.high.z - view.bounds.low.z));
+  const Vec3 foot = Vec3{middle.x, view.bounds.low.y, middle.z} - frame.right * reach;
+  const double top = view.bounds.high.y - view.bounds.low.y;
+  const auto place = [&](double height) { return project(view.camera, w, h, foot + Vec3{0, height, 0}); };
+  draw_line(picture, place(0.0), place(top), scale);
+  const double mark = round_length(std::max(top, 1e-6) / 3.0);
+  for (int i = 0; i * mark <= top * 1.0001; ++i) {
+    const PixelPlace at = place(i * mark);
+    fill_rectangle(picture, static_cast<int>(at.x) - 4 * scale, static_cast<int>(at.y), 5 * scale, scale, k_ink);
+    const std::string text = length_text(i * mark);
+    draw_text(picture, static_cast<int>(at.x) + 4 * scale, static_cast<int>(at.y) - 3 * scale, scale,
+              i == 0 ? "0" : text, k_ink);
+  }
+  const double pixels_per_metre = frame.focal * h / length(view.camera.target - view.camera.eye);
+  const double bar = round_length(w / 4.0 / pixels_per_metre);
+  const int bar_pixels = static_cast<int>(bar * pixels_per_metre), left = w - bar_pixels - 12 * scale,
+            y = h - 10 * scale;
+  for (int i = 0; i < 4; ++i)
+    fill_rectangle(picture, left + bar_pixels * i / 4, y, bar_pixels / 4, 4 * scale,
+                   i % 2 == 0 ? k_ink : Colour{245, 245, 245});
+  const std::string label = length_text(bar) + ", tile " + length_text(tile);
+  draw_text(picture, w - 11 * scale - text_width(scale, label), y - 10 * scale, scale, label, k_ink);
+}
+
+}  // namespace
+
+Vec3 grain_colour(uint32_t index) {
+  uint32_t state = index * 2u + 1u;
+  const double shade = 1.0 + k_colour_spread * (2.0 * unit_random(&state) - 1.0);
+  const double warmth = 0.10 * (2.0 * unit_random(&state) - 1.0);
+  return scaled(k_sand * shade, {1.0 + warmth, 1.0, 1.0 - warmth});
+}
+
+double floor_transparency(const FloorShadow& shadow, double px, double pz) {
+  const Vec3 local = rotate(conjugate(shadow.rotation), Vec3{px - shadow.position.x, 0.0, pz - shadow.position.z});
+  const double n = shadow.texels;
+  const double u = (local.x - shadow.low[0]) / (shadow.high[0] - shadow.low[0]) * n - 0.5;
+  const double v = (local.z - shadow.low[1]) / (shadow.high[1] - shadow.low[1]) * n - 0.5;
+  if (!(u > -1.0 && v > -1.0 && u < n && v < n)) return 1.0;
+  const auto texel = [&](double x, double y) {
+    const bool inside = x >= 0.0 && y >= 0.0 && x < n && y < n;
+    return inside ? shadow.coverage[static_cast<size_t>(y) * shadow.texels + static_cast<size_t>(x)] / 255.0 : 0.0;
+  };
+  const double x = std::floor(u), y = std::floor(v), fx = u - x, fy = v - y;
+  const double coverage = (1.0 - fy) * ((1.0 - fx) * texel(x, y) + fx * texel(x + 1.0, y)) +
+                          fy * ((1.0 - fx) * texel(x, y + 1.0) + fx * texel(x + 1.0, y + 1.0));
+  return 1.0 - coverage * shadow.opacity;
+}
+
+void Bounds::add(Vec3 p) {
+  low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+  high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+}
+
+void Bounds::add_most(std::span<const float> xyz) {
+  constexpr double k_outermost = 0.01;
+  std::vector<float> along;
+  double ends[3][2] = {};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    along.clear();
+    for (size_t i = axis; i < xyz.size(); i += 3)
+      if (std::isfinite(xyz[i])) along.push_back(xyz[i]);
+    if (along.empty()) return;
+    const ptrdiff_t last = static_cast<ptrdiff_t>(along.size()) - 1;
+    const ptrdiff_t from = static_cast<ptrdiff_t>(k_outermost * static_cast<double>(last));
+    std::nth_element(along.begin(), along.begin() + from, along.end());
+    ends[axis][0] = along[static_cast<size_t>(from)];
+    std::nth_element(along.begin(), along.begin() + (last - from), along.end());
+    ends[axis][1] = along[static_cast<size_t>(last - from)];
+  }
+  add({ends[0][0], ends[1][0], ends[2][0]});
+  add({ends[0][1], ends[1][1], ends[2][1]});
+}
+
+Camera automatic_camera(std::span<const Bounds> boxes, double aspect) {
+  constexpr double k_degree = std::numbers::pi / 180.0;
+  constexpr int k_rounds =
+      8;  // of moving the target to the middle of what is seen, then the eye to the distance that fits
+  Camera camera;
+  std::vector<Vec3> corners;
+  Bounds all;
+  for (const Bounds& box : boxes)
+    for (int corner = 0; corner < 8 && !box.empty(); ++corner) {
+      corners.push_back({corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                         corner & 4 ? box.high.z : box.low.z});
+      all.add(corners.back());
+    }
+  if (corners.empty()) {
+    camera.eye = {0.5, 0.5, 1.0};
+    return camera;
+  }
+  const double azimuth = k_azimuth_deg * k_degree, elevation = k_elevation_deg * k_degree;
+  const Vec3 towards_eye = {std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
+                            std::cos(azimuth) * std::cos(elevation)};
+  camera.target = (all.low + all.high) * 0.5;
+  camera.eye = camera.target + towards_eye;
+  const CameraFrame frame(camera);
+  const double half_height = 0.5 / frame.focal;
+  double distance = 0.0;
+  for (int round = 0; round < k_rounds; ++round) {
+    distance = 1e-3;
+    for (const Vec3& corner : corners) {
+      const Vec3 at = corner - camera.target;
+      distance = std::max({distance, dot(at, towards_eye) + std::fabs(dot(at, frame.up)) / half_height * k_margin,
+                           dot(at, towards_eye) + std::fabs(dot(at, frame.right)) / (half_height * aspect) * k_margin});
+    }
+    double left = 1e30, right = -1e30, bottom = 1e30, top = -1e30;  // slopes seen from the eye
+    for (const Vec3& corner : corners) {
+      const Vec3 at = corner - camera.target;
+      const double depth = distance - dot(at, towards_eye);
+      left = std::min(left, dot(at, frame.right) / depth), right = std::max(right, dot(at, frame.right) / depth);
+      bottom = std::min(bottom, dot(at, frame.up) / depth), top = std::max(top, dot(at, frame.up) / depth);
+    }
+    camera.target =
+        camera.target + frame.right * (0.5 * (left + right) * distance) + frame.up * (0.5 * (bottom + top) * distance);
+  }
+  camera.eye = camera.target + towards_eye * distance;
+  return camera;
+}
+
+PixelPlace project(const Camera& camera, int width, int height, Vec3 point) {
+  const CameraFrame frame(camera);
+  const Vec3 to = point - camera.eye;
+  const double depth = dot(to, frame.forward), scale = frame.focal * height / std::max(depth, 1e-9);
+  return {0.5 * width + dot(to, frame.right) * scale, 0.5 * height - dot(to, frame.up) * scale, depth};
+}
+
+Picture render(const SceneView& view, const RenderOptions& options) {
+  const Tracer tracer(view, options.plain ? k_plain : k_measuring);
+  Picture picture(options.width, options.height, {0, 0, 0});
+  std::atomic<int> next_row = 0;
+  const auto draw = [&] {
+    for (int y; (y = next_row.fetch_add(1)) < options.height;) tracer.draw_row(y, options, &picture);
+  };
+  std::vector<std::thread> others;
+  for (uint32_t i = 1; i < options.threads; ++i) others.emplace_back(draw);
+  draw();
+  for (std::thread& other : others) other.join();
+  if (options.scale) draw_scale(view, tracer.tile, &picture);
+  return picture;
+}
+
+}  // namespace sandglass::host

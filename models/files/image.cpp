@@ -1,0 +1,221 @@
+// Pixels, letters and files. PNG goes through stb_image_write; the GIF writer is the format's plain LZW.
+#include "models/files/image.h"
+
+#include <stb_image_write.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "models/files/atomic_file.h"
+#include "models/work/failure.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr int k_glyph_width = 5, k_glyph_height = 7, k_glyph_step = 6;  // font pixels
+
+struct Glyph {
+  char character;
+  uint8_t rows[k_glyph_height];  // bit 4 is the left pixel
+};
+
+constexpr Glyph k_glyphs[] = {
+    {'0', {14, 17, 19, 21, 25, 17, 14}}, {'1', {4, 12, 4, 4, 4, 4, 14}},      {'2', {14, 17, 1, 2, 4, 8, 31}},
+    {'3', {31, 2, 4, 2, 1, 17, 14}},     {'4', {2, 6, 10, 18, 31, 2, 2}},     {'5', {31, 16, 30, 1, 1, 17, 14}},
+    {'6', {6, 8, 16, 30, 17, 17, 14}},   {'7', {31, 1, 2, 4, 8, 8, 8}},       {'8', {14, 17, 17, 14, 17, 17, 14}},
+    {'9', {14, 17, 17, 15, 1, 2, 12}},   {'A', {14, 17, 17, 31, 17, 17, 17}}, {'B', {30, 17, 17, 30, 17, 17, 30}},
+    {'C', {14, 17, 16, 16, 16, 17, 14}}, {'D', {28, 18, 17, 17, 17, 18, 28}}, {'E', {31, 16, 16, 30, 16, 16, 31}},
+    {'F', {31, 16, 16, 30, 16, 16, 16}}, {'G', {14, 17, 16, 23, 17, 17, 15}}, {'H', {17, 17, 17, 31, 17, 17, 17}},
+    {'I', {14, 4, 4, 4, 4, 4, 14}},      {'J', {7, 2, 2, 2, 2, 18, 12}},      {'K', {17, 18, 20, 24, 20, 18, 17}},
+    {'L', {16, 16, 16, 16, 16, 16, 31}}, {'M', {17, 27, 21, 21, 17, 17, 17}}, {'N', {17, 17, 25, 21, 19, 17, 17}},
+    {'O', {14, 17, 17, 17, 17, 17, 14}}, {'P', {30, 17, 17, 30, 16, 16, 16}}, {'Q', {14, 17, 17, 17, 21, 18, 13}},
+    {'R', {30, 17, 17, 30, 20, 18, 17}}, {'S', {15, 16, 16, 14, 1, 1, 30}},   {'T', {31, 4, 4, 4, 4, 4, 4}},
+    {'U', {17, 17, 17, 17, 17, 17, 14}}, {'V', {17, 17, 17, 17, 17, 10, 4}},  {'W', {17, 17, 17, 21, 21, 21, 10}},
+    {'X', {17, 17, 10, 4, 10, 17, 17}},  {'Y', {17, 17, 17, 10, 4, 4, 4}},    {'Z', {31, 1, 2, 4, 8, 16, 31}},
+    {'.', {0, 0, 0, 0, 0, 12, 12}},      {',', {0, 0, 0, 0, 12, 4, 8}},       {':', {0, 12, 12, 0, 12, 12, 0}},
+    {'-', {0, 0, 0, 31, 0, 0, 0}},       {'+', {0, 4, 4, 31, 4, 4, 0}},       {'/', {0, 1, 2, 4, 8, 16, 0}},
+    {'%', {24, 25, 2, 4, 8, 19, 3}},     {'=', {0, 0, 31, 0, 31, 0, 0}},      {'(', {2, 4, 8, 8, 8, 4, 2}},
+    {')', {8, 4, 2, 2, 2, 4, 8}},        {'_', {0, 0, 0, 0, 0, 0, 31}},
+};
+
+const Glyph* find_glyph(char character) {
+  if (character >= 'a' && character <= 'z') character = static_cast<char>(character - 'a' + 'A');
+  for (const Glyph& glyph : k_glyphs)
+    if (glyph.character == character) return &glyph;
+  return nullptr;
+}
+
+void set_pixel(Picture* picture, int x, int y, Colour colour) {
+  if (x < 0 || y < 0 || x >= picture->width || y >= picture->height) return;
+  uint8_t* pixel = picture->at(x, y);
+  pixel[0] = colour.r;
+  pixel[1] = colour.g;
+  pixel[2] = colour.b;
+}
+
+}  // namespace
+
+uint8_t srgb_byte(double linear) {
+  const double v = std::clamp(linear, 0.0, 1.0);
+  const double encoded = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
+  return static_cast<uint8_t>(std::lround(encoded * 255.0));
+}
+
+int text_width(int scale, std::string_view text) { return static_cast<int>(text.size()) * k_glyph_step * scale; }
+
+void fill_rectangle(Picture* picture, int x, int y, int width, int height, Colour colour) {
+  for (int j = 0; j < height; ++j)
+    for (int i = 0; i < width; ++i) set_pixel(picture, x + i, y + j, colour);
+}
+
+void draw_text(Picture* picture, int x, int y, int scale, std::string_view text, Colour colour) {
+  for (const char character : text) {
+    if (const Glyph* glyph = find_glyph(character))
+      for (int row = 0; row < k_glyph_height; ++row)
+        for (int column = 0; column < k_glyph_width; ++column)
+          if ((glyph->rows[row] >> (k_glyph_width - 1 - column) & 1) != 0)
+            fill_rectangle(picture, x + column * scale, y + row * scale, scale, scale, colour);
+    x += k_glyph_step * scale;
+  }
+}
+
+Picture picture_grid(std::span<const Picture> pictures, int columns, int gap) {
+  if (pictures.empty()) return {};
+  const int width = pictures[0].width, height = pictures[0].height;
+  const int rows = (static_cast<int>(pictures.size()) + columns - 1) / columns;
+  Picture grid(columns * width + (columns + 1) * gap, rows * height + (rows + 1) * gap, {255, 255, 255});
+  for (int i = 0; i < static_cast<int>(pictures.size()); ++i) {
+    const int left = gap + i % columns * (width + gap), top = gap + i / columns * (height + gap);
+    for (int y = 0; y < height; ++y)
+      std::copy_n(pictures[static_cast<size_t>(i)].at(0, y), width * 3, grid.at(left, top + y));
+  }
+  return grid;
+}
+
+static void append(void* context, void* data, int size) {
+  const uint8_t* bytes = static_cast<const uint8_t*>(data);
+  static_cast<std::vector<uint8_t>*>(context)->insert(static_cast<std::vector<uint8_t>*>(context)->end(), bytes,
+                                                      bytes + size);
+}
+
+void write_png(const std::string& path, const Picture& picture) {
+  std::vector<uint8_t> file;
+  if (picture.width <= 0 || picture.height <= 0 ||
+      stbi_write_png_to_func(append, &file, picture.width, picture.height, 3, picture.rgb.data(), picture.width * 3) ==
+          0)
+    throw cannot("write", path, "the picture has no pixel", "Make it larger");
+  write_file(path, file);
+}
+
+std::vector<uint8_t> jpeg_file(const Picture& picture, int quality) {
+  std::vector<uint8_t> file;
+  if (picture.width <= 0 || picture.height <= 0 ||
+      stbi_write_jpg_to_func(append, &file, picture.width, picture.height, 3, picture.rgb.data(), quality) == 0)
+    throw cannot("encode", "JPEG", "the picture has no pixel", "Make it larger");
+  return file;
+}
+
+// ------------------------------------------------------------------------------------------------ GIF
+
+namespace {
+
+constexpr int k_levels = 6;     // a channel: 6^3 = 216 of the palette's 256 colours
+constexpr int k_code_bits = 8;  // LZW starts with one more
+constexpr int k_clear = 1 << k_code_bits, k_end = k_clear + 1, k_first_free = k_clear + 2;
+constexpr int k_code_limit = 4096;  // of the format
+constexpr int k_block_limit = 255;  // bytes of a data block, of the format
+constexpr int k_bayer[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
+
+void put16(std::vector<uint8_t>* file, int value) {
+  file->push_back(static_cast<uint8_t>(value & 255));
+  file->push_back(static_cast<uint8_t>(value >> 8));
+}
+
+std::vector<uint8_t> palette_indices(const Picture& picture) {
+  std::vector<uint8_t> indices;
+  indices.reserve(picture.rgb.size() / 3);
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      int index = 0;
+      for (int channel = 0; channel < 3; ++channel) {
+        const int scaled = picture.at(x, y)[channel] * (k_levels - 1) * 16 / 255;  // sixteenths of a level
+        index = index * k_levels + std::min((scaled + k_bayer[y & 3][x & 3]) / 16, k_levels - 1);
+      }
+      indices.push_back(static_cast<uint8_t>(index));
+    }
+  return indices;
+}
+
+void put_lzw(std::vector<uint8_t>* file, std::span<const uint8_t> indices) {
+  std::vector<uint8_t> bytes;
+  uint32_t pending = 0;
+  int pending_bits = 0, width = k_code_bits + 1, next_code = k_first_free;
+  const auto put = [&](int code) {
+    pending |= static_cast<uint32_t>(code) << pending_bits;
+    for (pending_bits += width; pending_bits >= 8; pending_bits -= 8, pending >>= 8)
+      bytes.push_back(static_cast<uint8_t>(pending & 255));
+  };
+  std::vector<int16_t> table(static_cast<size_t>(k_code_limit) * 256, -1);
+  put(k_clear);
+  int prefix = indices[0];
+  for (size_t i = 1; i < indices.size(); ++i) {
+    int16_t& known = table[static_cast<size_t>(prefix) * 256 + indices[i]];
+    if (known >= 0) {
+      prefix = known;
+      continue;
+    }
+    put(prefix);
+    if (next_code < k_code_limit) {
+      if (next_code == 1 << width) ++width;
+      known = static_cast<int16_t>(next_code++);
+    } else {
+      put(k_clear);
+      std::fill(table.begin(), table.end(), static_cast<int16_t>(-1));
+      width = k_code_bits + 1;
+      next_code = k_first_free;
+    }
+    prefix = indices[i];
+  }
+  put(prefix);
+  put(k_end);
+  if (pending_bits > 0) bytes.push_back(static_cast<uint8_t>(pending & 255));
+  file->push_back(k_code_bits);
+  for (size_t at = 0; at < bytes.size(); at += k_block_limit) {
+    const size_t count = std::min<size_t>(k_block_limit, bytes.size() - at);
+    file->push_back(static_cast<uint8_t>(count));
+    file->insert(file->end(), bytes.begin() + static_cast<ptrdiff_t>(at),
+                 bytes.begin() + static_cast<ptrdiff_t>(at + count));
+  }
+  file->push_back(0);
+}
+
+}  // namespace
+
+void write_gif(const std::string& path, std::span<const Picture> frames, int centiseconds_per_frame) {
+  if (frames.empty()) throw cannot("write", path, "the film has no picture", "Run at least one frame");
+  const int width = frames[0].width, height = frames[0].height;
+  std::vector<uint8_t> file = {'G', 'I', 'F', '8', '9', 'a'};
+  put16(&file, width);
+  put16(&file, height);
+  file.insert(file.end(), {0xF7, 0, 0});  // global palette of 256 colours
+  for (int i = 0; i < 256; ++i)
+    for (const int level : {i / 36 % k_levels, i / k_levels % k_levels, i % k_levels})
+      file.push_back(static_cast<uint8_t>(level * 255 / (k_levels - 1)));
+  file.insert(file.end(),
+              {0x21, 0xFF, 11, 'N', 'E', 'T', 'S', 'C', 'A', 'P', 'E', '2', '.', '0', 3, 1, 0, 0, 0});  // repeat
+  for (const Picture& frame : frames) {
+    file.insert(file.end(), {0x21, 0xF9, 4, 0});
+    put16(&file, centiseconds_per_frame);
+    file.insert(file.end(), {0, 0, 0x2C, 0, 0, 0, 0});
+    put16(&file, width);
+    put16(&file, height);
+    file.push_back(0);
+    put_lzw(&file, palette_indices(frame));
+  }
+  file.push_back(0x3B);
+  write_file(path, file);
+}
+
+}  // namespace sandglass::host

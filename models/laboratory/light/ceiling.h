@@ -1,0 +1,74 @@
+// The label ceiling: how well the true labels, with no network in between, light an object. No network can beat its
+// labels, so this bounds what training can reach, and it decides between the variants of labels.h and of the radiometry
+// (SPEC 3.3) before anything is trained.
+//
+// For each view the probe scene is path traced under the warped panorama, exposed by the panorama's own tone map; and
+// under a directional and an ambient light of strength 1, of which every variant's picture is a sum.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "models/compositing/image_errors.h"
+#include "models/lighting/labels.h"
+#include "models/mesh/mesh.h"
+
+namespace sandglass::host {
+
+// How strong the directional light of colour c is, as irradiance on a facing surface, beside ambient radiance a:
+//   plain            pi c
+//   contrast_scaled  pi c o / (1 - o)
+//   floor_share      as much as makes its share of the level floor's irradiance o (in luminance)
+enum class Radiometry { plain, contrast_scaled, floor_share };
+constexpr int k_radiometries = 3;
+constexpr Radiometry k_chosen_radiometry = Radiometry::floor_share;  // the ceiling's choice
+
+// Multiples of (directional light of irradiance pi, ambient light of radiance 1) that a radiometry asks for; the
+// labels' direction with y up.
+struct Strengths {
+  Vec3 directional, ambient;
+};
+Strengths strengths_of(const LightLabels& labels, Radiometry radiometry);
+
+struct CeilingVariant {
+  Range range;
+  AmbientWeight weight;
+  Radiometry radiometry;
+  Contrast contrast;  // unused by plain
+  ImageErrors mean;   // over all views
+};
+
+struct ContrastError {
+  double shadow_rmse = 0.0;  // of the floor's shadow, (1 - visibility) o against the traced one, where either is
+  double offset = 0.0;       // mean |o - best o|, the best by least squares on each view
+  double low = 1.0, high = 0.0, mean = 0.0;  // of o itself
+};
+
+struct Ceiling {
+  size_t panoramas = 0, views = 0;
+  std::vector<CeilingVariant> variants;  // best RMSE first
+  ContrastError contrasts[k_contrasts];
+  double best_contrast_rmse = 0.0;  // of the best o of each view: what one soft light can do at all
+  double lights_beyond_45 = 0.0, lights_beyond_70 = 0.0,
+         lights_below_horizon = 0.0;  // shares of views, from the zenith
+};
+
+struct CeilingOptions {
+  std::vector<std::string> panoramas;
+  Mesh object;
+  int views = 8;     // of each panorama's eight
+  int samples = 48;  // paths a pixel
+  uint64_t seed = 1;
+  uint32_t threads = 1;
+};
+
+Ceiling measure_ceiling(const CeilingOptions& options);
+
+const char* name_of(Range range);
+const char* name_of(AmbientWeight weight);
+const char* name_of(Contrast contrast);
+const char* name_of(Radiometry radiometry);
+
+}  // namespace sandglass::host

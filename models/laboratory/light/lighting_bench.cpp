@@ -1,0 +1,222 @@
+#include "models/laboratory/light/lighting_bench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "models/laboratory/machine_peak.h"
+#include "models/lighting/light_runner.h"
+#include "models/work/failure.h"
+#include "models/work/random.h"
+#include "platform/clock.h"
+#include "runtime/light/backends.h"
+#include "runtime/light/camera_image.h"
+#include "sandglass/sandglass.hpp"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr uint32_t k_repeats = 25;
+constexpr uint32_t k_width = 256, k_height = 192;
+constexpr double k_macs = 2.549e9;  // pooling before the transitions' convolutions; heads included
+
+// Of this thread: what other processes take away in between does not count.
+double seconds_now() {
+  const sandglass_clock clock = clock_thread_cpu();
+  return 1e-9 * static_cast<double>(clock.now_ns(clock.user));
+}
+
+// A wall with a lamp on it, in light that falls off: made from a formula.
+std::vector<uint8_t> wall_with_a_lamp() {
+  std::vector<uint8_t> rgb(size_t{3} * k_width * k_height);
+  for (uint32_t y = 0; y < k_height; ++y)
+    for (uint32_t x = 0; x < k_width; ++x) {
+      const double u = x - 0.7 * k_width, v = y - 0.2 * k_height, square = u * u + v * v;
+      const double grain = 0.05 * (random_unit(uint64_t{y} * k_width + x) - 0.5);
+      const double shade = 0.15 + 0.5 / (1 + square / 6000) + (square < 200 ? 1 : 0) + grain;
+      for (uint32_t c = 0; c < 3; ++c)
+        rgb[3 * (size_t{y} * k_width + x) + c] =
+            static_cast<uint8_t>(255 * std::clamp(shade * (1 - 0.12 * c), 0.0, 1.0));
+    }
+  return rgb;
+}
+
+sandglass_camera_image camera_image_of(const std::vector<uint8_t>& rgb) {
+  sandglass_camera_image image;
+  sandglass_camera_image_default(&image);
+  image.width = k_width, image.height = k_height;
+  image.planes[0] = rgb.data(), image.strides[0] = 3 * k_width;
+  image.focal_x = image.focal_y = sandglass_camera_focal(k_width, k_height, 85);
+  image.centre_x = 0.5f * (k_width - 1), image.centre_y = 0.5f * (k_height - 1);
+  return image;
+}
+
+// An app without a pose has the world's axes: x right, y up, z backward.
+LightValues values_of(const sandglass_light_estimate& e) {
+  return {e.direction[0], -e.direction[1], -e.direction[2], e.light[0],   e.light[1],
+          e.light[2],     e.ambient[0],    e.ambient[1],    e.ambient[2], e.contrast};
+}
+
+void add_part(LightingBenchRow* row, const std::string& name, double ms) {
+  for (LightingBenchRow::Part& part : row->parts)
+    if (part.name == name) {
+      part.ms += ms;
+      return;
+    }
+  row->parts.push_back({name, ms});
+}
+
+// By unit, for what belongs to each kind of operator.
+void measure_units(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
+                   sandglass_light_backend backend, std::span<const uint8_t> rgb, LightingBenchRow* row,
+                   std::vector<LightingBenchRow::Part>* layers) {
+  LightRunner runner(file, name, isa, k_width, k_height, backend);
+  LightNetwork* net = runner.network();
+  std::vector<double> best(net->units, 1e30);
+  for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
+    begin_light_network(net, rgb.data());
+    double from = seconds_now();
+    for (uint32_t unit = 0; unit < net->units; ++unit) {
+      run_light_unit(net, unit);
+      const double now = seconds_now();
+      best[unit] = std::min(best[unit], 1e3 * (now - from));
+      from = now;
+    }
+  }
+  row->longest_unit_ms = *std::max_element(best.begin(), best.end());
+  for (uint32_t first = 0; first < net->units; first = light_operator_end(*net, first)) {
+    double sum = 0;
+    for (uint32_t unit = first; unit < light_operator_end(*net, first); ++unit) sum += best[unit];
+    const std::string kind = light_unit(*net, first).name;
+    if (layers != nullptr) layers->push_back({kind, sum});
+    add_part(row, kind.substr(kind.find('.') + 1), sum);
+  }
+}
+
+struct ImageCase {
+  const char* name;
+  sandglass_camera_format format;
+  uint32_t width, height;
+};
+// What phones hand to apps, the photograph of a phone, and the widest image that is accepted, with boxes as high as are
+// read.
+constexpr ImageCase k_images[] = {{"640x480_nv12", SANDGLASS_CAMERA_NV12, 640, 480},
+                                  {"1920x1440_nv12", SANDGLASS_CAMERA_NV12, 1920, 1440},
+                                  {"4032x3024_rgba", SANDGLASS_CAMERA_RGBA, 4032, 3024},
+                                  {"16384x3072_rgb", SANDGLASS_CAMERA_RGB, SANDGLASS_CAMERA_SIDE_LIMIT, 3072}};
+
+LightingImageRow measure_image(const ImageCase& c) {
+  const bool yuv = c.format == SANDGLASS_CAMERA_NV12;
+  const uint32_t pixel = c.format == SANDGLASS_CAMERA_RGBA ? 4 : yuv ? 1 : 3, stride = pixel * c.width;
+  std::vector<uint8_t> planes(size_t{stride} * c.height * (yuv ? 3 : 2) / 2);  // of NV12 half as much for chroma
+  if (!yuv) planes.resize(size_t{stride} * c.height);
+  for (size_t i = 0; i < planes.size(); ++i) planes[i] = static_cast<uint8_t>(i * 2654435761u >> 13);
+  sandglass_camera_image image;
+  sandglass_camera_image_default(&image);
+  image.format = c.format, image.width = c.width, image.height = c.height;
+  image.planes[0] = planes.data(), image.strides[0] = stride;
+  if (yuv) image.planes[1] = planes.data() + size_t{stride} * c.height, image.strides[1] = stride;
+  image.focal_x = sandglass_camera_focal(c.width, c.width * 3 / 4, 85);
+  image.focal_y = sandglass_camera_focal(c.height * 4 / 3, c.height, 85);
+  image.centre_x = 0.5f * static_cast<float>(c.width - 1), image.centre_y = 0.5f * static_cast<float>(c.height - 1);
+  const CameraBlocks blocks = camera_blocks(image);
+  std::vector<uint8_t> rgb(size_t{3} * k_width * k_height);
+  std::vector<uint32_t> sums(k_camera_sums);
+  std::vector<double> best(blocks.count, 1e30);
+  for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
+    double from = seconds_now();
+    for (uint32_t unit = 0; unit < blocks.count; ++unit) {
+      resample_camera_block(image, camera_block(image, blocks, unit), rgb.data(), sums.data());
+      const double now = seconds_now();
+      best[unit] = std::min(best[unit], 1e3 * (now - from));
+      from = now;
+    }
+  }
+  LightingImageRow row = {c.name, 1e-6 * c.width * c.height, blocks.count, 0, 0};
+  for (const double ms : best) row.ms += ms, row.longest_unit_ms = std::max(row.longest_unit_ms, ms);
+  return row;
+}
+
+// As an app has it; false where this build lacks the back end.
+bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_light_backend choice,
+             const std::vector<std::vector<uint8_t>>& images, LightingBenchRow* row) {
+  const LightBackend* backend = nullptr;
+  if (!find_light_backend(choice, &backend, nullptr)) return false;
+  std::vector<uint64_t> aligned(file.size() / 8 + 1);
+  std::memcpy(aligned.data(), file.data(), file.size());
+  sandglass_light_desc desc = light_desc();
+  desc.asset = aligned.data(), desc.asset_bytes = file.size();
+  desc.isa = isa, desc.backend = choice;
+  desc.smoothing = desc.interval = 0;
+  Light light;
+  if (const Status status = light.create(desc); !status) throw cannot("read", name, status.reason);
+  uint64_t bytes = 0;
+  if (sandglass_light_bytes(&desc, &bytes, nullptr) != SANDGLASS_OK) return false;  // cannot be
+  row->arena_bytes = static_cast<double>(bytes + (backend == nullptr ? 0 : backend->bytes_beside()));
+  row->ms = 1e30;
+  for (const std::vector<uint8_t>& rgb : images) {
+    const sandglass_camera_image image = camera_image_of(rgb);
+    for (uint32_t repeat = 0; repeat < (&rgb == &images[0] ? k_repeats : 1); ++repeat) {
+      if (sandglass_light_set_image(light.get(), &image, nullptr, nullptr) != SANDGLASS_OK) return false;  // cannot be
+      const double begin = seconds_now();
+      sandglass_light_run(light.get(), UINT32_MAX);
+      row->ms = std::min(row->ms, 1e3 * (seconds_now() - begin));
+    }
+    sandglass_light_estimate latest = light.estimated();
+    sandglass_light_get_latest(light.get(), &latest);  // the filter holds off what contradicts the image before
+    row->estimates.push_back(values_of(latest));
+  }
+  return true;
+}
+
+}  // namespace
+
+LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
+                             const std::vector<Excerpt>& excerpts,
+                             const std::function<bool(uint32_t done, uint32_t total)>& go_on) {
+  struct Case {
+    const char* name;
+    sandglass_light_backend backend;
+  };
+  constexpr Case k_cases[] = {{"int8", SANDGLASS_LIGHT_BACKEND_OWN},
+                              {"xnnpack_f32", SANDGLASS_LIGHT_BACKEND_XNNPACK_F32},
+                              {"xnnpack_int8", SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8}};
+  constexpr uint32_t k_steps = std::size(k_cases) + 1;
+  const MachinePeak peak = measure_machine_peak();
+  LightingBench bench;
+  bench.int8_peak = peak.int8_gmac_per_s, bench.f32_peak = peak.f32_gmac_per_s;
+  const LightBackend* xnnpack = nullptr;
+  bench.has_xnnpack = find_light_backend(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
+  for (const ImageCase& c : k_images) bench.images.push_back(measure_image(c));
+  if (!go_on(1, k_steps)) return bench;
+  std::vector<std::vector<uint8_t>> images;
+  std::vector<LightValues> truth;
+  for (const Excerpt& excerpt : excerpts) images.push_back(excerpt.rgb), truth.push_back(excerpt.values);
+  if (images.empty()) images.push_back(wall_with_a_lamp());
+  for (const Case& c : k_cases) {
+    const bool own = c.backend == SANDGLASS_LIGHT_BACKEND_OWN;
+    LightingBenchRow row;
+    row.name = c.name;
+    if (!measure(file, name, isa, c.backend, images, &row)) break;
+    measure_units(file, name, isa, c.backend, images[0], &row, own ? &bench.layers : nullptr);
+    if (own) row.activations = static_cast<double>(light_activation_bytes(k_width, k_height));
+    const double fastest =
+        c.backend == SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 ? peak.f32_gmac_per_s : peak.int8_gmac_per_s;
+    row.gmac_per_s = k_macs / row.ms * 1e-6;
+    row.fraction = fastest > 0 ? row.gmac_per_s / fastest : 0;
+    bench.rows.push_back(row);
+    if (!go_on(static_cast<uint32_t>(bench.rows.size()) + 1, k_steps)) return bench;
+  }
+  if (truth.empty() && bench.rows.size() == std::size(k_cases)) truth = bench.rows[1].estimates;
+  bench.compared = !truth.empty();
+  if (bench.compared)
+    for (LightingBenchRow& row : bench.rows) {
+      const LightDifference off = median_difference(row.estimates, truth);
+      row.angle_deg = off.angle_deg, row.difference = off.other;
+    }
+  go_on(k_steps, k_steps);
+  return bench;
+}
+
+}  // namespace sandglass::host

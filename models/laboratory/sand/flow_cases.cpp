@@ -1,0 +1,411 @@
+// Frames of 20 ms without a budget. The deposit is found with the metrics' own cell grid, not the library's lists.
+#include "models/laboratory/sand/flow_cases.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "models/geometry/cell_grid.h"
+#include "models/laboratory/sand/apparatus.h"
+#include "models/simulation/metrics.h"
+#include "models/simulation/simulation.h"
+#include "models/work/failure.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr double k_frame = 0.02;  // seconds
+constexpr uint64_t k_no_budget = UINT64_MAX;
+constexpr double k_gravity = 9.81;       // m/s^2
+constexpr double k_loosest = 0.54;       // packing that decides how much is poured, at least what is needed
+constexpr double k_densest = 0.64;       // random packing
+constexpr double k_quiet = 0.03;         // of sqrt(g d): a pouring has settled
+constexpr uint32_t k_pour_frames = 300;  // at most
+constexpr double k_chain = 1.1;          // d between neighbours in the deposit
+constexpr int k_sectors = 24, k_strips = 6;
+constexpr double k_beverloo_k = 1.4;
+
+uint32_t frames_in(double seconds) { return static_cast<uint32_t>(std::lround(seconds / k_frame)); }
+
+double sphere_volume(double radius) { return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius; }
+
+void require(sandglass_status status, const char* const& reason) {
+  if (status != SANDGLASS_OK) throw cannot("run", "flow", reason != nullptr ? reason : sandglass_status_name(status));
+}
+
+// The particles that were not removed.
+std::vector<float> present(Simulation* simulation) {
+  const std::vector<float>& all = simulation->particle_positions();
+  std::vector<float> kept;
+  for (size_t i = 0; i < all.size(); i += 3)
+    if (all[i + 1] > 0.5f * SANDGLASS_REMOVED_Y) kept.insert(kept.end(), &all[i], &all[i] + 3);
+  return kept;
+}
+
+// Pours until the sand rests.
+void settle(Simulation* simulation, std::span<const sandglass_collider> colliders, double diameter,
+            const CaseStep& step) {
+  const double quiet = k_quiet * std::sqrt(k_gravity * diameter);
+  for (uint32_t frame = 0; frame < k_pour_frames; ++frame) {
+    simulation->frame(k_frame, k_no_budget, colliders);
+    step();
+    if (frame > 50 && speed_rms(simulation->particle_velocities()) < quiet) return;
+  }
+}
+
+// The share of the space between two heights and within a distance of the axis that lies inside a particle, by a
+// regular grid of probes.
+double packing_within(std::span<const float> positions, double radius, double reach, double low, double high,
+                      double centre_x = 0.0) {
+  const CellGrid grid(positions, 2.0 * radius);
+  const double spacing = 0.4 * radius;
+  uint64_t probes = 0, inside = 0;
+  for (double x = -reach; x <= reach; x += spacing)
+    for (double z = -reach; z <= reach; z += spacing) {
+      if (x * x + z * z > reach * reach) continue;
+      for (double y = low; y <= high; y += spacing) {
+        bool hit = false;
+        const Vec3 p = {x + centre_x, y, z};
+        grid.near(p, radius, [&](uint32_t i) {
+          hit = hit || length(Vec3{positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]} - p) < radius;
+        });
+        ++probes;
+        inside += hit ? 1 : 0;
+      }
+    }
+  return probes == 0 ? 0.0 : static_cast<double>(inside) / static_cast<double>(probes);
+}
+
+// Marks what a chain of neighbours joins to the particle nearest to a place on the floor.
+std::vector<bool> joined_to(std::span<const float> positions, double diameter, double x, double z) {
+  const uint32_t count = static_cast<uint32_t>(positions.size() / 3);
+  std::vector<bool> joined(count, false);
+  if (count == 0) return joined;
+  const CellGrid grid(positions, k_chain * diameter);
+  const auto at = [&](uint32_t i) { return Vec3{positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]}; };
+  uint32_t first = 0;
+  for (uint32_t i = 1; i < count; ++i)
+    if (length(at(i) - Vec3{x, 0.0, z}) < length(at(first) - Vec3{x, 0.0, z})) first = i;
+  std::vector<uint32_t> open = {first};
+  joined[first] = true;
+  while (!open.empty()) {
+    const uint32_t i = open.back();
+    open.pop_back();
+    grid.near(at(i), k_chain * diameter, [&](uint32_t j) {
+      if (joined[j] || length(at(i) - at(j)) >= k_chain * diameter) return;
+      joined[j] = true;
+      open.push_back(j);
+    });
+  }
+  return joined;
+}
+
+sandglass_collider wall(double x, double z, double normal_x, double normal_z) {
+  sandglass_collider plane = level_floor();
+  plane.position[0] = static_cast<float>(x), plane.position[2] = static_cast<float>(z);
+  // A quarter turn takes +y to the normal: about z for +-x, about x for +-z.
+  const float half = static_cast<float>(std::numbers::sqrt2 / 2.0);
+  plane.rotation[2] = static_cast<float>(-normal_x) * half;
+  plane.rotation[0] = static_cast<float>(normal_z) * half;
+  plane.rotation[3] = half;
+  return plane;
+}
+
+}  // namespace
+
+double lube_runout(double aspect) { return aspect < 1.7 ? 1.24 * aspect : 1.6 * std::sqrt(aspect); }
+double lube_planar_runout(double aspect) {
+  return aspect < 1.8 ? 1.2 * aspect : 1.9 * std::cbrt(aspect) * std::cbrt(aspect);
+}
+
+Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setting, const CaseStep& step) {
+  constexpr double k_channel_d = 10.0, k_far = 900.0;  // metres
+  const double r = desc.granular.particle_radius, d = 2.0 * r;
+  const double r0 = setting.radius_d * d, height = setting.aspect * r0;
+  const double base = setting.planar ? k_channel_d * d * r0 : std::numbers::pi * r0 * r0;
+  const double far = setting.at_far_end ? k_far : 0.0;
+  const uint32_t count = static_cast<uint32_t>(k_densest * 1.02 * base * (height + d) / sphere_volume(r));
+
+  sandglass_scene_desc full = desc;
+  full.granular.particle_capacity = count;
+  full.granular.grain_capacity = 0;
+  full.granular.collider_capacity = 5;
+  Simulation simulation(full);
+  const Shaft shaft = setting.planar ? Shaft{0.5 * r0, 0.5 * k_channel_d * d, false} : Shaft{r0, r0, true};
+  std::vector<float> points = scattered(count, shaft, 0.0, r, setting.seed);
+  double top = 0.0;
+  for (size_t i = 0; i < points.size(); i += 3) top = std::max<double>(top, points[i + 1]);
+  for (size_t i = 0; i < points.size(); i += 3)
+    points[i] += static_cast<float>(far + (setting.planar ? 0.5 * r0 : 0.0));
+  simulation.add(points, {});
+
+  // The shaft: what stays comes first, what is taken away to let the column go comes last.
+  std::vector<sandglass_collider> colliders = {level_floor()};
+  std::unique_ptr<Vessel> tube;
+  if (setting.planar) {
+    colliders.push_back(wall(0.0, 0.0, 1.0, 0.0));
+    colliders.push_back(wall(0.0, -shaft.half_z, 0.0, 1.0));
+    colliders.push_back(wall(0.0, shaft.half_z, 0.0, -1.0));
+    colliders.push_back(wall(r0, 0.0, -1.0, 0.0));
+  } else {
+    tube = std::make_unique<Vessel>(Profile{{0.0, -4.0 * d}, {r0, -4.0 * d}, {r0, top + 4.0 * d}, {0.0, top + 4.0 * d}},
+                                    r);
+    colliders.push_back(tube->collider());
+    colliders.back().position[0] = static_cast<float>(far);
+  }
+  settle(&simulation, colliders, d, step);
+
+  sandglass_collider above = {};  // a box over the column: what reaches into it is taken off
+  above.shape = SANDGLASS_SHAPE_BOX;
+  above.rotation[3] = 1.0f;
+  for (float& half : above.size) half = 10.0f;
+  above.position[0] = static_cast<float>(far);
+  above.position[1] = static_cast<float>(height - r) + 10.0f;
+  const char* reason = nullptr;
+  uint32_t removed = 0;
+  require(sandglass_granular_remove(simulation.handle(), &above, &removed, nullptr, &reason), reason);
+
+  Collapse result;
+  result.particles = count - removed;
+  if (!setting.planar)
+    result.packing = packing_within(present(&simulation), r, r0 - 2.0 * d, 2.0 * d, height - 2.0 * d, far);
+  colliders.pop_back();
+  for (uint32_t frame = 0; frame < frames_in(setting.seconds); ++frame) {
+    simulation.frame(k_frame, k_no_budget, colliders);
+    step();
+  }
+
+  std::vector<float> deposit = present(&simulation);
+  for (size_t i = 0; i < deposit.size(); i += 3) deposit[i] -= static_cast<float>(far);
+  const std::vector<bool> joined = joined_to(deposit, d, 0.0, 0.0);
+  std::array<double, k_sectors> front = {};
+  const int parts = setting.planar ? k_strips : k_sectors;
+  uint32_t members = 0;
+  for (size_t i = 0; i < joined.size(); ++i) {
+    if (!joined[i]) continue;
+    ++members;
+    const double x = deposit[3 * i], z = deposit[3 * i + 2];
+    const double share =
+        setting.planar ? z / (2.0 * shaft.half_z) + 0.5 : std::atan2(z, x) / (2.0 * std::numbers::pi) + 0.5;
+    const size_t part = static_cast<size_t>(std::clamp(static_cast<int>(share * parts), 0, parts - 1));
+    front[part] = std::max(front[part], (setting.planar ? x : std::sqrt(x * x + z * z)) + r);
+    result.height = std::max(result.height, (static_cast<double>(deposit[3 * i + 1]) + r) / r0);
+  }
+  for (int part = 0; part < parts; ++part) result.runout += front[static_cast<size_t>(part)] / parts;
+  result.runout = (result.runout - r0) / r0;
+  result.deposit = static_cast<double>(members) / std::max(1u, result.particles);
+  return result;
+}
+
+Repose repose(const sandglass_scene_desc& desc, double radius_d, double aspect, uint64_t seed, const CaseStep& step) {
+  constexpr double k_drain_seconds = 3.0;
+  const double r = desc.granular.particle_radius, d = 2.0 * r, reach = radius_d * d, height = aspect * reach;
+  const uint32_t count =
+      static_cast<uint32_t>(k_loosest * std::numbers::pi * reach * reach * height / sphere_volume(r));
+  sandglass_scene_desc full = desc;
+  full.granular.particle_capacity = count;
+  full.granular.grain_capacity = 0;
+  full.granular.collider_capacity = 2;
+  const std::vector<float> points = scattered(count, {reach, reach, true}, 0.0, r, seed);
+  double top = 0.0;
+  for (size_t i = 1; i < points.size(); i += 3) top = std::max<double>(top, points[i]);
+  const Vessel platform({{0.0, -3.0 * d}, {reach, -3.0 * d}, {reach, 0.0}, {0.0, 0.0}}, r, true);
+  const Vessel tube({{0.0, -6.0 * d}, {reach, -6.0 * d}, {reach, top + 4.0 * d}, {0.0, top + 4.0 * d}}, r);
+  const sandglass_collider colliders[2] = {platform.collider(), tube.collider()};
+  Simulation simulation(full);
+  simulation.add(points, {});
+  settle(&simulation, colliders, d, step);
+  const double packing = packing_within(simulation.particle_positions(), r, reach - 2.0 * d, 2.0 * d, 0.5 * height);
+  for (uint32_t frame = 0; frame < frames_in(k_drain_seconds); ++frame)
+    simulation.frame(k_frame, k_no_budget, {colliders, 1}), step();
+  uint32_t stay = 0;
+  for (size_t i = 1; i < 3 * static_cast<size_t>(count); i += 3) stay += simulation.particle_positions()[i] > 0.0f;
+  Repose result;
+  result.share = static_cast<double>(stay) / count;
+  const double volume = stay * sphere_volume(r) / packing;
+  result.angle_deg = std::atan(3.0 * volume / (std::numbers::pi * reach * reach * reach)) * 180.0 / std::numbers::pi;
+  return result;
+}
+
+DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSetting& setting, const CaseStep& step) {
+  constexpr double k_silo_d = 40.0, k_fill_d = 24.0, k_plate_d = 1.5, k_nozzle_d = 14.0, k_pour_speed = 1.0;
+  constexpr int k_quarters = 4;
+  const double r = desc.granular.particle_radius, d = 2.0 * r, silo = 0.5 * k_silo_d * d;
+  const uint32_t count = static_cast<uint32_t>(0.58 * std::numbers::pi * silo * silo * k_fill_d * d / sphere_volume(r));
+  sandglass_scene_desc full = desc;
+  full.granular.particle_capacity = count;
+  full.granular.grain_capacity = 0;
+  full.granular.collider_capacity = 1;
+  full.granular.emitter_capacity = full.granular.sink_capacity = 1;
+
+  const std::vector<float> points = scattered(count, {silo, silo, true}, 0.0, r, 1);
+  double top = 0.0;
+  for (size_t i = 1; i < points.size(); i += 3) top = std::max<double>(top, points[i]);
+  const double below = -8.0 * d, roof = top + 4.0 * d;
+  Simulation filled(full);
+  filled.add(points, {});
+  {
+    const Vessel closed({{0.0, 0.0}, {silo, 0.0}, {silo, roof}, {0.0, roof}}, r);
+    const sandglass_collider collider = closed.collider();
+    settle(&filled, {&collider, 1}, d, step);
+  }
+  DischargeCurve curve;
+  curve.packing = packing_within(filled.particle_positions(), r, silo - 3.0 * d, 3.0 * d, 0.6 * k_fill_d * d);
+  std::vector<unsigned char> bytes(sandglass_scene_save_bytes(filled.handle()));
+  const char* reason = nullptr;
+  uint64_t written = 0;
+  require(sandglass_scene_save(filled.handle(), bytes.data(), bytes.size(), &written, &reason), reason);
+
+  const double height = 1.6 * k_fill_d * d;
+  sandglass_emitter emitter = {};
+  emitter.position[1] = static_cast<float>(height - 2.0 * d);
+  emitter.rotation[3] = 1.0f;
+  emitter.radius = static_cast<float>(k_nozzle_d * d);
+  emitter.speed = static_cast<float>(k_pour_speed);
+  const sandglass_collider sink = level_floor(below + 4.0 * d);
+
+  double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
+  for (const double orifice_d : setting.orifices_d) {
+    const double hole = 0.5 * orifice_d * d;
+    // Half a radius between the field's nodes: the orifice's edge is what is measured here.
+    const Vessel silo_vessel({{0.0, below},
+                              {silo, below},
+                              {silo, -k_plate_d * d},
+                              {hole, -k_plate_d * d},
+                              {hole, 0.0},
+                              {silo, 0.0},
+                              {silo, height},
+                              {0.0, height}},
+                             0.5 * r);
+    const sandglass_collider collider = silo_vessel.collider();
+    Simulation simulation(full);
+    require(sandglass_scene_restore(simulation.handle(), bytes.data(), bytes.size(), &reason), reason);
+    sandglass_frame_input input;
+    sandglass_frame_input_default(&input);
+    input.time_step = static_cast<float>(k_frame);
+    input.budget_ns = k_no_budget;
+    input.colliders = &collider, input.collider_count = 1;
+    input.emitters = &emitter, input.emitter_count = 1;
+    input.sinks = &sink, input.sink_count = 1;
+    Discharge point;
+    point.orifice_d = orifice_d;
+    sandglass_frame_report report = simulation.frame(input);
+    const uint32_t settle_frames = frames_in(setting.settle_seconds);
+    for (uint32_t frame = 0; frame < settle_frames; ++frame) report = simulation.frame(input), step();
+    const uint64_t start = report.removed_particles;
+    // Beverloo's own expectation says how long it takes until enough have come out.
+    const double expected =
+        0.58 * curve.packing * std::sqrt(k_gravity) * std::pow((orifice_d - k_beverloo_k) * d, 2.5) / sphere_volume(r);
+    const uint32_t frames =
+        frames_in(std::min(setting.measure_seconds, setting.enough_particles / expected) / k_quarters);
+    std::array<double, k_quarters> rates;
+    point.head_d = 1e30;
+    for (double& rate : rates) {
+      const uint64_t before = report.removed_particles;
+      for (uint32_t frame = 0; frame < frames; ++frame) report = simulation.frame(input), step();
+      rate = static_cast<double>(report.removed_particles - before) / (frames * k_frame);
+      // The bed's height beside the wall of the silo's middle: where 12 d to 16 d from the axis the highest rest.
+      const std::vector<float> bed = present(&simulation);
+      std::vector<double> heights;
+      for (size_t i = 0; i < bed.size(); i += 3) {
+        const double at = std::hypot(static_cast<double>(bed[i]), static_cast<double>(bed[i + 2]));
+        if (at > 12.0 * d && at < 16.0 * d) heights.push_back(bed[i + 1]);
+      }
+      point.head_d = std::min(point.head_d, quantile(heights, 0.98) / d);
+    }
+    point.rate = static_cast<double>(report.removed_particles - start) / (frames * k_quarters * k_frame);
+    for (const double rate : rates) point.unsteady = std::max(point.unsteady, std::fabs(rate / point.rate - 1.0));
+    const double opening = (orifice_d - k_beverloo_k) * d;
+    point.coefficient = point.rate * sphere_volume(r) / (curve.packing * std::sqrt(k_gravity) * std::pow(opening, 2.5));
+    curve.coefficient += point.coefficient / static_cast<double>(setting.orifices_d.size());
+    const double x = std::log(opening), y = std::log(std::max(point.rate, 1e-9));
+    n += 1.0, sum_x += x, sum_y += y, sum_xx += x * x, sum_xy += x * y;
+    curve.points.push_back(point);
+  }
+  if (n >= 2.0) curve.exponent = (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
+  return curve;
+}
+
+TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const CaseStep& step) {
+  constexpr double k_tube_d = 8.0, k_settle_seconds = 2.0, k_sinking_d = 0.25;  // d a second
+  constexpr int k_looks = 150;  // instants that are averaged, a frame apart
+  const double r = desc.granular.particle_radius, d = 2.0 * r, tube = 0.5 * k_tube_d * d;
+  const double mass_per_diameter = k_loosest * std::numbers::pi * tube * tube * k_tube_d * d / sphere_volume(r);
+  TubeLoad result;
+  for (const double diameters : {1.0, 2.0, 4.0, 6.0, 8.0}) {
+    const uint32_t count = static_cast<uint32_t>(diameters * mass_per_diameter);
+    sandglass_scene_desc full = desc;
+    full.granular.particle_capacity = count;
+    full.granular.grain_capacity = 0;
+    full.granular.collider_capacity = 2;
+    full.granular.sleep_after = 0.0f;
+    if (frictionless) full.granular.static_friction = full.granular.kinetic_friction = 0.0f;
+    const std::vector<float> points = scattered(count, {tube, tube, true}, 0.0, r, 1);
+    double top = 0.0;
+    for (size_t i = 1; i < points.size(); i += 3) top = std::max<double>(top, points[i]);
+    const Vessel wall_vessel({{0.0, -4.0 * d}, {tube, -4.0 * d}, {tube, top + 4.0 * d}, {0.0, top + 4.0 * d}}, r);
+    sandglass_collider colliders[2] = {wall_vessel.collider(), level_floor()};
+    sandglass_collider& piston = colliders[1];
+    Simulation simulation(full), with_floor(full), without_floor(full);
+    simulation.add(points, {});
+    settle(&simulation, colliders, d, step);
+    // Friction of sand at rest may point either way. The floor sinks slowly, as in the experiments, so all of it points
+    // up.
+    piston.linear_velocity[1] = static_cast<float>(-k_sinking_d * d);
+    const auto sink = [&] { piston.position[1] += static_cast<float>(k_frame) * piston.linear_velocity[1]; };
+    for (uint32_t frame = 0; frame < frames_in(k_settle_seconds); ++frame)
+      sink(), simulation.frame(k_frame, k_no_budget, colliders), step();
+    double load = 0.0;
+    for (int look = 0; look < k_looks; ++look) {
+      sink();
+      // The same length of sub-step, for a contact's force is its overlap over the square of that.
+      const double substep = static_cast<double>(simulation.frame(k_frame, k_no_budget, colliders).substep);
+      step();
+      std::vector<unsigned char> bytes(sandglass_scene_save_bytes(simulation.handle()));
+      const char* reason = nullptr;
+      uint64_t written = 0;
+      require(sandglass_scene_save(simulation.handle(), bytes.data(), bytes.size(), &written, &reason), reason);
+      sandglass_collider after[2] = {colliders[0], piston};  // where the floor is at that sub-step's end
+      after[1].position[1] += static_cast<float>(substep) * piston.linear_velocity[1];
+      double speed[2] = {0.0, 0.0};
+      int which = 0;
+      for (Simulation* copy : {&with_floor, &without_floor}) {
+        require(sandglass_scene_restore(copy->handle(), bytes.data(), bytes.size(), &reason), reason);
+        const sandglass_frame_report report = copy->frame(substep, k_no_budget, {after, which == 0 ? 2u : 1u});
+        if (report.substeps != 1)
+          throw cannot("measure", "load", "the sub-step that measures it was split", "Report this");
+        for (size_t i = 1; i < copy->particle_velocities().size(); i += 3)
+          speed[which] += static_cast<double>(copy->particle_velocities()[i]);
+        ++which;
+      }
+      load += (speed[0] - speed[1]) / substep / k_gravity / k_looks;  // in weights of a particle
+    }
+    result.heights.push_back(diameters);
+    result.weights.push_back(count / mass_per_diameter);
+    result.loads.push_back(load / mass_per_diameter);
+  }
+  const size_t last = result.loads.size() - 1, half = 2;
+  result.marginal = (result.loads[last] - result.loads[half]) / (result.weights[last] - result.weights[half]);
+  // The F_inf that fits best, in weights of a diameter: a scan, for the law has one parameter.
+  double best = 1e30;
+  double& saturation = result.saturation;
+  for (double f = 0.2; f < 50.0; f *= 1.005) {
+    double squares = 0.0;
+    for (size_t i = 0; i <= last; ++i) {
+      const double miss = result.loads[i] - f * (1.0 - std::exp(-result.weights[i] / f));
+      squares += miss * miss;
+    }
+    if (squares < best) best = squares, saturation = f;
+  }
+  for (size_t i = 0; i <= last; ++i)
+    result.misfit = std::max(result.misfit,
+                             std::fabs(result.loads[i] / saturation - 1.0 + std::exp(-result.weights[i] / saturation)));
+  const double mu = frictionless ? 0.0 : desc.granular.kinetic_friction;
+  result.k = mu > 0.0 ? 1.0 / (4.0 * mu * saturation) : 0.0;
+  return result;
+}
+
+}  // namespace sandglass::host

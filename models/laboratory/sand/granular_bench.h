@@ -1,0 +1,54 @@
+// The granular benchmark: the column of 14,280 particles and 228,480 grains, timed and measured in one run, so that
+// time and error stand in one row.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "models/simulation/scene_file.h"
+#include "sandglass/sandglass.h"
+
+namespace sandglass::host {
+
+struct BenchRow {
+  double ms_per_frame = 0.0, ms_solver = 0.0,
+         ms_refine = 0.0;  // means over the frames; one thread: its CPU time, several: wall time
+  double overlap_p99 = 0.0, overlap_mean = 0.0, overlap_max = 0.0;
+  double angle_deg = 0.0;
+  uint64_t bytes = 0;  // of the scene's block
+  uint32_t particles = 0, grains = 0, frames = 0;
+};
+
+// Called after each frame; false stops the run.
+using BenchStep = std::function<bool()>;
+
+// Runs the scene without a budget, at one rung of the quality ladder. `with_grains` false leaves the grains out: same
+// particles, same errors, less time.
+BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint32_t frames, bool with_grains,
+                     const BenchStep& step, uint32_t level = SANDGLASS_LEVEL_FULL);
+
+// The default scheme with `steps` sub-steps a frame.
+SceneFile small_steps(const SceneFile& scene, uint32_t steps);
+
+// The column with about so many particles, of the same proportions, and `grains_per_particle` grains each.
+SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t grains_per_particle);
+
+// Alg. 4 as printed: `steps` equal steps a frame, `iterations` solver iterations and one stabilisation each, averaged,
+// relaxation 1.
+SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterations);
+
+// The cheapest setting of the source's scheme whose P99 is no worse than `p99`. The grid: iterations 1, 3, 7; for each
+// the fewest of k steps a frame that reach it, by bisection over 16, 24, 32, 48, 64, 96, 128, 192, 256. Cheapest by
+// steps x (iterations + 2): the stabilisation and the rest of a step count one iteration each. Deterministic: only
+// errors decide.
+struct EqualError {
+  bool found = false;
+  uint32_t steps = 0, iterations = 0;
+  double p99 = 0.0;
+};
+EqualError find_equal_error(const SceneFile& scene, double p99, sandglass_isa isa, uint32_t threads, uint32_t frames,
+                            const BenchStep& step);
+
+}  // namespace sandglass::host

@@ -1,0 +1,21 @@
+// Bullet, a rigid-body engine, on a scene of ours: what a general engine makes of the same spheres, for the granular
+// benchmark. Set up in its favour (PEERS): Bullet works badly at centimetre scale, so lengths, and gravity with them,
+// are scaled by 100; a frame is stepped in parts of at most 5 ms; its pools have room for all contacts of the scene.
+#pragma once
+
+#include <cstdint>
+
+#include "models/laboratory/sand/granular_bench.h"
+#include "models/simulation/scene_file.h"
+
+namespace sandglass::host {
+
+// Whether this build found Bullet; without it bench_bullet is a Failure that says so.
+bool bullet_available();
+
+// The particles of the scene as rigid spheres, its half-spaces as static planes, from the same start, on one thread.
+// No grains: `ms_solver` is all of the time. Colliders of other shapes, bodies with a velocity and moving colliders are
+// refused.
+BenchRow bench_bullet(SceneFile scene, uint32_t frames, const BenchStep& step);
+
+}  // namespace sandglass::host

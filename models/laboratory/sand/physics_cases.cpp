@@ -1,0 +1,295 @@
+// Frames of 20 ms without a budget: every frame runs all its work.
+#include "models/laboratory/sand/physics_cases.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/laboratory/sand/apparatus.h"
+#include "models/simulation/metrics.h"
+#include "models/simulation/scene_fill.h"
+#include "models/simulation/simulation.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr double k_frame = 0.02;              // seconds
+constexpr uint64_t k_no_budget = UINT64_MAX;  // nanoseconds
+constexpr double k_gravity = 9.81;            // m/s^2, of the default description
+
+sandglass_collider plane_with_slope(double slope) {
+  const double angle = std::atan(slope);  // downhill is towards +x
+  sandglass_collider plane = {};
+  plane.shape = SANDGLASS_SHAPE_HALF_SPACE;
+  plane.rotation[2] = static_cast<float>(-std::sin(0.5 * angle));
+  plane.rotation[3] = static_cast<float>(std::cos(0.5 * angle));
+  return plane;
+}
+
+Simulation one_particle_scene(sandglass_scene_desc desc) {
+  desc.granular.particle_capacity = 1;
+  desc.granular.grain_capacity = 0;
+  desc.granular.collider_capacity = 1;
+  return Simulation(desc);
+}
+
+uint32_t frames_in(double seconds) { return static_cast<uint32_t>(std::lround(seconds / k_frame)); }
+
+}  // namespace
+
+sandglass_scene_desc physics_desc(double mu) {
+  sandglass_scene_desc desc;
+  sandglass_scene_desc_default(&desc);
+  desc.granular.static_friction = desc.granular.kinetic_friction = static_cast<float>(mu);
+  return desc;
+}
+
+double free_fall_error(const sandglass_scene_desc& desc) {
+  Simulation simulation = one_particle_scene(desc);
+  const float start[3] = {0.0f, 0.0f, 0.0f}, velocity[3] = {0.5f, 0.0f, 0.0f};
+  simulation.add(start, velocity);
+  double x = 0.0, y = 0.0, fall_speed = 0.0, worst = 0.0;
+  for (uint32_t frame = 0; frame < frames_in(1.0); ++frame) {
+    const sandglass_frame_report report = simulation.frame(k_frame, k_no_budget, {});
+    const double n = report.substeps, dt = n > 0.0 ? static_cast<double>(static_cast<float>(k_frame)) / n : 0.0;
+    x += 0.5 * n * dt;
+    y -= n * dt * fall_speed + k_gravity * dt * dt * n * (n + 1.0) / 2.0;
+    fall_speed += n * dt * k_gravity;
+    const std::vector<float>& at = simulation.particle_positions();
+    worst = std::max({worst, std::fabs(at[0] - x), std::fabs(at[1] - y)});
+  }
+  return worst / std::max(std::fabs(y), 1e-9);
+}
+
+double sliding_distance(const sandglass_scene_desc& desc, double* substep) {
+  Simulation simulation = one_particle_scene(desc);
+  const float start[3] = {0.0f, desc.granular.particle_radius, 0.0f}, velocity[3] = {1.0f, 0.0f, 0.0f};
+  simulation.add(start, velocity);
+  const sandglass_collider floor = plane_with_slope(0.0);
+  *substep = 0.0;
+  for (uint32_t frame = 0; frame < frames_in(2.0); ++frame)
+    *substep = std::max<double>(*substep, simulation.frame(k_frame, k_no_budget, {&floor, 1}).substep);
+  return simulation.particle_positions()[0];
+}
+
+double incline_distance(const sandglass_scene_desc& desc, double slope, double seconds) {
+  Simulation simulation = one_particle_scene(desc);
+  const double angle = std::atan(slope), r = desc.granular.particle_radius;
+  const float start[3] = {static_cast<float>(r * std::sin(angle)), static_cast<float>(r * std::cos(angle)), 0.0f};
+  const float rest[3] = {0.0f, 0.0f, 0.0f};
+  simulation.add(start, rest);
+  const sandglass_collider plane = plane_with_slope(slope);
+  for (uint32_t frame = 0; frame < frames_in(seconds); ++frame) simulation.frame(k_frame, k_no_budget, {&plane, 1});
+  const std::vector<float>& at = simulation.particle_positions();
+  return (at[0] - start[0]) * std::cos(angle) - (at[1] - start[1]) * std::sin(angle);
+}
+
+double incline_truth(const sandglass_scene_desc& desc, double slope, double seconds) {
+  const double angle = std::atan(slope);
+  return 0.5 * k_gravity * (std::sin(angle) - desc.granular.kinetic_friction * std::cos(angle)) * seconds * seconds;
+}
+
+double stack_height(const sandglass_scene_desc& desc) {
+  constexpr uint32_t k_count = 20;
+  sandglass_scene_desc stack = desc;
+  stack.granular.particle_capacity = k_count;
+  stack.granular.grain_capacity = 0;
+  stack.granular.collider_capacity = 1;
+  Simulation simulation(stack);
+  const float r = desc.granular.particle_radius;
+  std::vector<float> positions, velocities(3 * k_count, 0.0f);
+  for (uint32_t i = 0; i < k_count; ++i)
+    positions.insert(positions.end(), {0.0f, r * static_cast<float>(2 * i + 1), 0.0f});
+  simulation.add(positions, velocities);
+  const sandglass_collider floor = plane_with_slope(0.0);
+  for (uint32_t frame = 0; frame < frames_in(2.0); ++frame) simulation.frame(k_frame, k_no_budget, {&floor, 1});
+  double top = 0.0;
+  const std::vector<float>& end = simulation.particle_positions();
+  for (uint32_t i = 0; i < k_count; ++i) top = std::max<double>(top, end[3 * i + 1] + r);
+  return top / (2.0 * r * k_count);
+}
+
+RestingPile resting_pile(const sandglass_scene_desc& desc) {
+  SceneFile scene;
+  scene.source = "resting pile";
+  scene.particle_radius = desc.granular.particle_radius;
+  scene.granular = desc.granular;
+  Body column;
+  column.shape = BodyShape::lattice;
+  column.counts[0] = 10, column.counts[1] = 12, column.counts[2] = 10;
+  column.jitter = 0.01;
+  column.grains = 9600;
+  column.grain_grid = true;
+  column.position.y = 1.02 * scene.particle_radius;
+  scene.bodies.push_back(column);
+  scene.colliders.emplace_back();
+  const Material material = fill_scene(&scene, {});
+  sandglass_scene_desc full = desc;
+  full.granular.particle_capacity = material.particles();
+  full.granular.grain_capacity = material.grains();
+  full.granular.collider_capacity = 1;
+  Simulation simulation(full);
+  simulation.add(material);
+
+  const double r = scene.particle_radius;
+  const sandglass_collider floor = plane_with_slope(0.0);
+  RestingPile pile = {};
+  double energy = 0.0, energy_max = 0.0, top_before = 0.0;
+  const uint32_t frames = frames_in(5.0);
+  for (uint32_t frame = 1; frame <= frames; ++frame) {
+    simulation.frame(k_frame, k_no_budget, {&floor, 1});
+    const double speed = speed_rms(simulation.particle_velocities());
+    energy = speed * speed;
+    energy_max = std::max(energy_max, energy);
+    if (frame == frames - frames_in(1.0)) top_before = measure_pile(simulation.particle_positions(), r).height;
+  }
+  const std::vector<float>& particles = simulation.particle_positions();
+  const Overlap overlap = measure_overlap(particles, r);
+  const Pile shape = measure_pile(particles, r);
+  pile.overlap_mean = overlap.mean;
+  pile.overlap_max = overlap.max;
+  pile.speed = std::sqrt(energy / (k_gravity * 2.0 * r));
+  pile.sinking = (top_before - shape.height) / (2.0 * r);
+  pile.energy_ratio = energy_max > 0.0 ? energy / energy_max : 0.0;
+  pile.angle_deg = shape.angle_deg;
+  const double grain_radius = drawn_grain_radius(r, material.particles(), material.grains());
+  pile.lowest_grain = 1e30;
+  const std::vector<float>& grains = simulation.grain_positions();
+  for (size_t i = 1; i < grains.size(); i += 3) {
+    pile.grains_below += grains[i] < -grain_radius ? 1.0 : 0.0;
+    pile.lowest_grain = std::min(pile.lowest_grain, grains[i] / grain_radius);
+  }
+  return pile;
+}
+
+namespace {
+
+// Particles on a cubic lattice, touching, `count` on a side, the lowest corner at the origin.
+std::vector<float> block(int count, double radius) {
+  std::vector<float> points;
+  for (int k = 0; k < count * count * count; ++k)
+    for (const int at : {k % count, k / count % count, k / count / count})
+      points.push_back(static_cast<float>(2.0 * radius * at));
+  return points;
+}
+
+sandglass_scene_desc weightless(sandglass_scene_desc desc, uint32_t particles, uint32_t grains) {
+  for (float& g : desc.gravity) g = 0.0f;
+  desc.granular.particle_capacity = particles;
+  desc.granular.grain_capacity = grains;
+  desc.granular.collider_capacity = 0;
+  desc.granular.sleep_after = 0.0f;
+  return desc;
+}
+
+}  // namespace
+
+Cloud free_cloud(const sandglass_scene_desc& desc) {
+  constexpr uint32_t k_side = 8, k_count = k_side * k_side * k_side;
+  constexpr double k_spacing = 3.0, k_seconds = 0.4;  // spacing in radii; speeds up to 1 m/s along each axis
+  const double r = desc.granular.particle_radius;
+  Simulation simulation(weightless(desc, k_count, 0));
+  Random random = {11};
+  std::vector<float> positions, velocities;
+  for (uint32_t i = 0; i < k_count; ++i)
+    for (const uint32_t at : {i % k_side, i / k_side % k_side, i / k_side / k_side}) {
+      positions.push_back(static_cast<float>((at + 0.2 * random.unit()) * k_spacing * r));
+      velocities.push_back(static_cast<float>(2.0 * random.unit() - 1.0));
+    }
+  simulation.add(positions, velocities);
+  uint64_t steps = 0;
+  for (uint32_t frame = 0; frame < frames_in(k_seconds); ++frame)
+    steps += simulation.frame(k_frame, k_no_budget, {}).substeps;
+  const std::vector<float>& after = simulation.particle_velocities();
+  double change[3] = {}, size = 0.0;
+  Cloud cloud;
+  for (size_t i = 0; i < after.size(); i += 3) {
+    double along = 0.0;
+    for (size_t k = 0; k < 3; ++k) {
+      const double before = velocities[i + k], now = after[i + k];
+      change[k] += now - before;
+      size += std::fabs(before);
+      along += before * now;
+    }
+    cloud.collisions += along < 0.9 * (static_cast<double>(velocities[i]) * static_cast<double>(velocities[i]) +
+                                       static_cast<double>(velocities[i + 1]) * static_cast<double>(velocities[i + 1]) +
+                                       static_cast<double>(velocities[i + 2]) * static_cast<double>(velocities[i + 2]))
+                            ? 1.0
+                            : 0.0;
+  }
+  cloud.drift = std::sqrt(change[0] * change[0] + change[1] * change[1] + change[2] * change[2]) / size;
+  cloud.drift_per_step = cloud.drift / static_cast<double>(std::max<uint64_t>(steps, 1));
+  return cloud;
+}
+
+double uniform_field_error(const sandglass_scene_desc& desc, double shear) {
+  constexpr int k_side = 10;
+  constexpr uint32_t k_grains = 2000;
+  constexpr double k_velocity[3] = {0.3, -0.2, 0.5}, k_speed = 0.61644140029689765;
+  const double r = desc.granular.particle_radius, d = 2.0 * r;
+  Simulation simulation(weightless(desc, k_side * k_side * k_side, k_grains));
+  Material material;
+  material.particle_positions = block(k_side, r * 1.01);  // apart, so that nothing but the field acts
+  Random random = {5};
+  for (uint32_t i = 0; i < k_grains; ++i)
+    for (int k = 0; k < 3; ++k)
+      material.grain_positions.push_back(static_cast<float>((2.0 + (k_side - 5.0) * random.unit()) * d));
+  const auto add_velocities = [&](const std::vector<float>& positions, std::vector<float>* velocities) {
+    for (size_t i = 0; i < positions.size(); i += 3)
+      for (const double u : k_velocity)
+        velocities->push_back(
+            static_cast<float>(u * (1.0 + shear * (static_cast<double>(positions[i + 1]) / (k_side * d) - 0.5))));
+  };
+  add_velocities(material.particle_positions, &material.particle_velocities);
+  add_velocities(material.grain_positions, &material.grain_velocities);
+  simulation.add(material);
+  for (uint32_t frame = 0; frame < frames_in(0.5); ++frame) simulation.frame(k_frame, k_no_budget, {});
+  double worst = 0.0;
+  const std::vector<float>& now = simulation.grain_velocities();
+  for (size_t i = 0; i < now.size(); i += 3) {
+    double off = 0.0;
+    for (size_t k = 0; k < 3; ++k)
+      off += (now[i + k] - material.grain_velocities[i + k]) * (now[i + k] - material.grain_velocities[i + k]);
+    worst = std::max(worst, std::sqrt(off) / k_speed);
+  }
+  return worst;
+}
+
+double threshold_jump(const sandglass_scene_desc& desc) {
+  constexpr uint32_t k_grains = 1024;
+  constexpr int k_side = 4;
+  const double r = desc.granular.particle_radius, d = 2.0 * r;
+  float low = static_cast<float>(-3.0 * d), high = static_cast<float>(1.5 * d);
+  double jump = 0.0;
+  while (std::nextafterf(low, high) < high) {
+    std::vector<float> starts;
+    for (uint32_t i = 0; i < k_grains; ++i) {
+      const float x = static_cast<float>(low + (static_cast<double>(high) - low) * i / (k_grains - 1));
+      if (starts.empty() || x > starts.back()) starts.push_back(x);
+    }
+    Simulation simulation(weightless(desc, k_side * k_side * k_side, k_grains));
+    Material material;
+    material.particle_positions = block(k_side, r * 1.01);
+    for (size_t i = 0; i < material.particle_positions.size(); i += 3)
+      material.particle_velocities.insert(material.particle_velocities.end(), {0.0f, 1.0f, 0.0f});
+    for (const float x : starts)
+      material.grain_positions.insert(material.grain_positions.end(),
+                                      {x, static_cast<float>(2.3 * r), static_cast<float>(1.9 * r)});
+    material.grain_velocities.resize(material.grain_positions.size());
+    simulation.add(material);
+    simulation.frame(desc.granular.refine_step, k_no_budget, {});
+    const std::vector<float>& end = simulation.grain_positions();
+    size_t worst = 0;
+    double largest = -1.0;
+    for (size_t i = 0; i + 1 < starts.size(); ++i) {
+      const double change = std::fabs(static_cast<double>(end[3 * i + 4]) - static_cast<double>(end[3 * i + 1]));
+      if (change > largest) largest = change, worst = i;
+    }
+    jump = largest / d;
+    if (worst + 1 >= starts.size()) break;
+    low = starts[worst], high = starts[worst + 1];
+  }
+  return jump;
+}
+
+}  // namespace sandglass::host

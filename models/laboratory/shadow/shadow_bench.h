@@ -1,0 +1,53 @@
+// What one texture costs and how wrong it is, for every way of computing it, on one thread of this machine: the
+// project's own kernels and, where XNNPACK is installed, XNNPACK on the same network and the same inputs.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "models/baking/network.h"
+#include "models/baking/training_set.h"
+#include "models/mesh/mesh.h"
+#include "sandglass/shadow.h"
+
+namespace sandglass::host {
+
+struct ShadowBenchRow {
+  std::string name;        // f32, int8, int8_adaptive, xnnpack_f32, xnnpack_int8
+  double ms = 0;           // CPU time of the thread: the median over the lights of each light's best
+  double ms_encoding = 0;  // for peers: writing the encoded inputs, from tables, and rounding them to bytes
+  double gmac_per_s = 0;   // of what it computes
+  double fraction = 0;     // of this CPU's measured peak, f32 or int8
+  double rmse = 0;         // against the float network
+  double rmse_truth = 0;   // against ray tracing
+  double p999_truth = 0;   // of the differences of single texels from ray tracing: one in a thousand is larger
+  double worst_truth = 0;  // the largest of them
+  double worst = 0;        // the largest difference of a texel from the float network
+  double evaluated = 1;    // share of the texels that the network was asked for
+};
+
+struct ShadowBench {
+  std::vector<ShadowBenchRow> rows;
+  bool has_xnnpack = false;
+};
+
+// A baked file and the mesh that it was made from.
+struct BakedShadow {
+  LightGeometry geometry;
+  FloatNetwork network;  // without parameters where the file does not carry them
+};
+
+// A Failure: the file is refused, or `mesh` is not what it was baked from.
+BakedShadow open_baked_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh);
+
+// `thresholds`: further rows int8_adaptive/N, one a threshold, in steps of coverage (sandglass_shadow_desc).
+// `file` must carry its float network; `mesh` is what it was baked from. `go_on` gets the steps done of `total`.
+ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh, sandglass_isa isa,
+                         const std::vector<uint32_t>& thresholds,
+                         const std::function<bool(uint32_t done, uint32_t total)>& go_on);
+
+}  // namespace sandglass::host

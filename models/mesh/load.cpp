@@ -1,0 +1,137 @@
+// Reading mesh files. Assimp parses; this file adds what it lets pass: files that are missing, empty or cut off in the
+// middle of a line, and elements that are no triangles.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "models/mesh/mesh.h"
+#include "models/work/failure.h"
+
+#ifdef SANDGLASS_HAVE_ASSIMP
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <assimp/Importer.hpp>
+#endif
+
+namespace sandglass::host {
+namespace {
+
+MeshResult fail(const std::string& path, const std::string& sentence) {
+  MeshResult result;
+  result.error = message("read", path, "it " + sentence);
+  return result;
+}
+
+#ifdef SANDGLASS_HAVE_ASSIMP
+
+// An OBJ that ends within a line still parses, with its last face or vertex missing: no newline, and a last line that
+// is too short.
+bool ends_within_line(const std::string& path) {
+  if (std::filesystem::path(path).extension() != ".obj") return false;
+  std::ifstream file(path, std::ios::binary);
+  file.seekg(0, std::ios::end);
+  const std::streamoff size = file.tellg(), tail = std::min<std::streamoff>(size, 4096);
+  std::string text(static_cast<size_t>(tail), '\0');
+  file.seekg(size - tail);
+  file.read(text.data(), tail);
+  if (text.empty() || text.back() == '\n') return false;
+  const size_t line_start = text.find_last_of('\n');
+  std::istringstream line(line_start == std::string::npos ? text : text.substr(line_start + 1));
+  std::string keyword, word;
+  line >> keyword;
+  int words = 0;
+  while (line >> word) ++words;
+  return (keyword == "f" || keyword == "v" || keyword == "vn") && words < 3;
+}
+
+std::string first_line(const char* text) {
+  const std::string message = text;
+  return message.substr(0, message.find('\n'));
+}
+
+// Before anything else touches the scene: Assimp's own steps trust what its readers left.
+std::string first_fault(const aiScene& scene) {
+  size_t faces = 0;
+  for (unsigned m = 0; m < scene.mNumMeshes; ++m) {
+    const aiMesh& part = *scene.mMeshes[m];
+    for (unsigned f = 0; f < part.mNumFaces; ++f)
+      for (unsigned k = 0; k < part.mFaces[f].mNumIndices; ++k)
+        if (part.mFaces[f].mIndices[k] >= part.mNumVertices)
+          return "has a face with an index beyond its vertices. Export it again.";
+    for (unsigned v = 0; v < part.mNumVertices; ++v)
+      if (!std::isfinite(part.mVertices[v].x) || !std::isfinite(part.mVertices[v].y) ||
+          !std::isfinite(part.mVertices[v].z))
+        return "has a vertex that is not finite. Repair it in a mesh editor and export it again.";
+    faces += part.mNumFaces;
+  }
+  return faces > 0 ? "" : "has no triangles. Export it as a surface of polygons.";
+}
+
+struct Placed {
+  const aiNode* node;
+  aiMatrix4x4 to_world;
+};
+
+MeshResult parse(const std::string& path) {
+  Assimp::Importer importer;
+  const aiScene* scene = importer.ReadFile(path, 0);
+  if (scene == nullptr)
+    return fail(path, "is no complete mesh (" + first_line(importer.GetErrorString()) + "). Export it again.");
+  if (const std::string fault = first_fault(*scene); !fault.empty()) return fail(path, fault);
+  scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
+  if (scene == nullptr || scene->mRootNode == nullptr)
+    return fail(path, "cannot be cut into triangles. Export it triangulated.");
+
+  std::vector<float> vertices;
+  std::vector<uint32_t> indices;
+  std::vector<Placed> waiting = {{scene->mRootNode, scene->mRootNode->mTransformation}};
+  while (!waiting.empty()) {
+    const Placed placed = waiting.back();
+    waiting.pop_back();
+    for (unsigned m = 0; m < placed.node->mNumMeshes; ++m) {
+      const aiMesh& part = *scene->mMeshes[placed.node->mMeshes[m]];
+      const uint32_t base = static_cast<uint32_t>(vertices.size() / 3);
+      for (unsigned v = 0; v < part.mNumVertices; ++v) {
+        const aiVector3D p = placed.to_world * part.mVertices[v];
+        vertices.insert(vertices.end(), {p.x, p.y, p.z});
+      }
+      for (unsigned f = 0; f < part.mNumFaces; ++f) {
+        const aiFace& face = part.mFaces[f];
+        if (face.mNumIndices != 3) continue;  // points and lines have no surface
+        for (unsigned k = 0; k < 3; ++k) indices.push_back(base + face.mIndices[k]);
+      }
+    }
+    for (unsigned c = 0; c < placed.node->mNumChildren; ++c)
+      waiting.push_back({placed.node->mChildren[c], placed.to_world * placed.node->mChildren[c]->mTransformation});
+  }
+  return clean_mesh(vertices, indices, path);
+}
+
+#endif
+
+}  // namespace
+
+MeshResult load_mesh(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return fail(path, "does not exist. Check the path.");
+  if (!std::filesystem::is_regular_file(path, ignored)) return fail(path, "is not a file. Name one mesh file.");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return fail(path, "cannot be opened. Check its permissions.");
+  if (std::filesystem::file_size(path, ignored) == 0) return fail(path, "is empty. Export it again.");
+#ifdef SANDGLASS_HAVE_ASSIMP
+  if (ends_within_line(path)) return fail(path, "ends within its last line. Copy or export it again.");
+  try {
+    return parse(path);
+  } catch (const std::exception& e) {
+    return fail(path, std::string("is no complete mesh (") + e.what() + "). Export it again.");
+  }
+#else
+  return fail(path,
+              "needs Assimp, which this build lacks. Build with Assimp, or use a generated mesh such as trefoil.");
+#endif
+}
+
+}  // namespace sandglass::host

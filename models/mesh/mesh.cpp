@@ -1,0 +1,133 @@
+// See mesh.h.
+#include "models/mesh/mesh.h"
+#include "models/work/failure.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <unordered_map>
+
+namespace sandglass::host {
+namespace {
+
+struct PositionHash {
+  size_t operator()(const std::array<float, 3>& p) const {
+    uint64_t hash = 0xcbf29ce484222325ull;
+    for (float x : p) {
+      uint32_t bits;
+      std::memcpy(&bits, &x, sizeof bits);
+      hash = (hash ^ bits) * 0x100000001b3ull;
+    }
+    return hash ^ hash >> 29;
+  }
+};
+
+struct HalfEdge {
+  uint32_t low, high;
+  bool forward;  // from low to high
+};
+
+void count_edges(const Mesh& mesh, MeshReport* report) {
+  std::vector<HalfEdge> edges;
+  edges.reserve(mesh.indices.size());
+  for (size_t t = 0; t + 2 < mesh.indices.size(); t += 3)
+    for (size_t k = 0; k < 3; ++k) {
+      const uint32_t a = mesh.indices[t + k], b = mesh.indices[t + (k + 1) % 3];
+      edges.push_back({std::min(a, b), std::max(a, b), a < b});
+    }
+  std::sort(edges.begin(), edges.end(),
+            [](const HalfEdge& x, const HalfEdge& y) { return x.low != y.low ? x.low < y.low : x.high < y.high; });
+  for (size_t i = 0, end = 0; i < edges.size(); i = end) {
+    size_t forward = 0;
+    for (end = i; end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high; ++end)
+      forward += edges[end].forward;
+    const size_t count = end - i;
+    report->boundary_edges += count == 1;
+    report->non_manifold_edges += count > 2;
+    report->inconsistent_edges += count == 2 && forward != 1;
+    report->odd_edges += count % 2;
+  }
+}
+
+bool is_flat(const Mesh& mesh, size_t first_index) {
+  std::array<double, 3> e, f;
+  for (size_t k = 0; k < 3; ++k) {
+    const double a = mesh.vertices[3 * mesh.indices[first_index] + k];
+    e[k] = mesh.vertices[3 * mesh.indices[first_index + 1] + k] - a;
+    f[k] = mesh.vertices[3 * mesh.indices[first_index + 2] + k] - a;
+  }
+  return e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0];
+}
+
+}  // namespace
+
+std::string describe_faults(const MeshReport& report) {
+  std::string text;
+  const auto add = [&](uint32_t count, const char* what) {
+    if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+  };
+  add(report.boundary_edges, "boundary edges");
+  add(report.non_manifold_edges, "edges with three or more triangles");
+  add(report.inconsistent_edges, "edges between triangles of opposite orientation");
+  add(report.degenerate_triangles, "degenerate triangles dropped");
+  return text;
+}
+
+MeshResult clean_mesh(const std::vector<float>& vertices, const std::vector<uint32_t>& indices,
+                      const std::string& name) {
+  MeshResult result;
+  const auto fail = [&](const std::string& sentence) {
+    result.mesh = {};
+    result.error = message("read", name, "it " + sentence);
+    return result;
+  };
+  if (vertices.size() < 9 || indices.size() < 3) return fail("has no triangles. Export it as a surface of polygons.");
+  const size_t vertex_count = vertices.size() / 3;
+  for (size_t i = 0; i < vertices.size(); ++i)
+    if (!std::isfinite(vertices[i]))
+      return fail("has a vertex that is not finite (vertex " + std::to_string(i / 3) +
+                  "). Repair it in a mesh editor and export it again.");
+  for (size_t i = 0; i < indices.size(); ++i)
+    if (indices[i] >= vertex_count)
+      return fail("has a triangle (" + std::to_string(i / 3) + ") with index " + std::to_string(indices[i]) +
+                  ", but only " + std::to_string(vertex_count) + " vertices. Export it again.");
+
+  std::vector<uint32_t> merged(vertex_count);
+  std::unordered_map<std::array<float, 3>, uint32_t, PositionHash> known;
+  known.reserve(vertex_count);
+  for (uint32_t v = 0; v < vertex_count; ++v) {
+    // + 0 turns -0 into 0, so that equal positions have equal bytes.
+    const std::array<float, 3> p = {vertices[3 * v] + 0.0f, vertices[3 * v + 1] + 0.0f, vertices[3 * v + 2] + 0.0f};
+    const auto [entry, is_new] = known.emplace(p, result.mesh.vertex_count());
+    merged[v] = entry->second;
+    if (is_new) result.mesh.vertices.insert(result.mesh.vertices.end(), p.begin(), p.end());
+    result.report.merged_vertices += !is_new;
+  }
+  for (size_t t = 0; t + 2 < indices.size(); t += 3) {
+    const uint32_t a = merged[indices[t]], b = merged[indices[t + 1]], c = merged[indices[t + 2]];
+    if (a == b || b == c || c == a) {
+      ++result.report.degenerate_triangles;
+      continue;
+    }
+    result.mesh.indices.insert(result.mesh.indices.end(), {a, b, c});
+    result.report.flat_triangles += is_flat(result.mesh, result.mesh.indices.size() - 3);
+  }
+  if (result.mesh.indices.empty()) return fail("has only degenerate triangles. Export it again at a larger scale.");
+  count_edges(result.mesh, &result.report);
+  return result;
+}
+
+double signed_volume(const Mesh& mesh) {
+  double sum = 0;
+  for (size_t t = 0; t + 2 < mesh.indices.size(); t += 3) {
+    std::array<std::array<double, 3>, 3> p;
+    for (size_t corner = 0; corner < 3; ++corner)
+      for (size_t k = 0; k < 3; ++k) p[corner][k] = mesh.vertices[3 * mesh.indices[t + corner] + k];
+    sum += p[0][0] * (p[1][1] * p[2][2] - p[1][2] * p[2][1]) + p[0][1] * (p[1][2] * p[2][0] - p[1][0] * p[2][2]) +
+           p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
+  }
+  return sum / 6;
+}
+
+}  // namespace sandglass::host

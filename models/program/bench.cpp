@@ -1,0 +1,102 @@
+// `sandglass bench SUITE`: times with the error of the same run in the same row.
+#include "models/program/bench.h"
+
+#include <cstdio>
+
+#include "kernels/int8.h"
+#include "models/files/atomic_file.h"
+#include "models/program/command_line.h"
+#include "models/program/commands.h"
+#include "models/simulation/simulation.h"
+#include "models/work/progress.h"
+
+namespace sandglass::host {
+
+Bench::Bench(const std::string& s, const std::string& isa_option, Kernels kernels)
+    : suite(s), isa(find_isa(isa_option)) {
+  sandglass_scene_desc desc;
+  sandglass_scene_desc_default(&desc);
+  desc.isa = isa;
+  isa_name = sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
+  const Int8Kernels* of_bytes = select_int8_kernels(isa);
+  if (kernels == Kernels::bytes && of_bytes != nullptr) isa_name = sandglass_isa_name(of_bytes->isa);
+}
+
+void Bench::keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads) {
+  keep(scene, metric, unit, value, threads, isa_name);
+}
+
+void Bench::keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads,
+                 const std::string& kernels) {
+  Measurement m;
+  m.suite = suite, m.scene = scene, m.metric = metric, m.unit = unit, m.isa = kernels, m.value = value;
+  m.threads = threads;
+  measurements.push_back(m);
+}
+
+int Bench::finish(const std::string& json) const {
+  if (!json.empty()) write_file(json, measurements_json(measurements));
+  if (!interrupted()) return k_exit_done;
+  std::puts("interrupted; what was measured is above");
+  return k_exit_interrupted;
+}
+
+SceneTable::SceneTable(Bench* bench) : bench_(bench) {
+  std::printf("%-34s %2s %9s %9s %9s %11s %10s %9s %8s\n", "case", "T", "ms/frame", "solver", "refine", "P99 (% r)",
+              "mean", "max", "angle");
+}
+
+BenchRow SceneTable::row(const std::string& name, uint32_t threads, uint32_t frames, const std::string& kernels,
+                         const std::function<BenchRow(const BenchStep&)>& run) const {
+  BenchRow result;
+  {
+    Progress progress(name + ", " + std::to_string(threads) + "T", frames);
+    uint32_t frame = 0;
+    result = run([&] {
+      progress.done(++frame);
+      return !interrupted();
+    });
+  }
+  if (interrupted()) return result;
+  std::printf("%-34s %2u %9.2f %9.2f %9.2f %11.4f %10.4f %9.4f %8.1f\n", name.c_str(), threads, result.ms_per_frame,
+              result.ms_solver, result.ms_refine, 100.0 * result.overlap_p99, 100.0 * result.overlap_mean,
+              100.0 * result.overlap_max, result.angle_deg);
+  std::fflush(stdout);
+  bench_->keep(name, "ms_per_frame", "ms", result.ms_per_frame, threads, kernels);
+  bench_->keep(name, "ms_solver", "ms", result.ms_solver, threads, kernels);
+  bench_->keep(name, "ms_refine", "ms", result.ms_refine, threads, kernels);
+  bench_->keep(name, "overlap_p99", "r", result.overlap_p99, threads, kernels);
+  bench_->keep(name, "overlap_mean", "r", result.overlap_mean, threads, kernels);
+  bench_->keep(name, "overlap_max", "r", result.overlap_max, threads, kernels);
+  bench_->keep(name, "angle_deg", "deg", result.angle_deg, threads, kernels);
+  return result;
+}
+
+BenchRow SceneTable::row(const std::string& name, const SceneFile& scene, uint32_t threads, uint32_t frames,
+                         uint32_t level) const {
+  return row(name, threads, frames, bench_->isa_name, [&](const BenchStep& step) {
+    return bench_scene(scene, bench_->isa, threads, frames, true, step, level);
+  });
+}
+
+void with_progress(const char* what, const std::function<void(const Progressed& go_on)>& measure) {
+  Progress progress(what, 1);
+  measure([&](uint32_t done, uint32_t total) {
+    progress.total(total);
+    progress.done(done);
+    return !interrupted();
+  });
+}
+
+void add_bench_command(Command& program, const std::string& group) {
+  Command& bench =
+      program.add_command("bench", "Measure the speed of this machine, with the errors of the same run", group);
+  add_bench_granular(bench);
+  add_bench_ladder(bench);
+  add_bench_growth(bench);
+  add_bench_shadow(bench);
+  add_bench_lighting(bench);
+  add_bench_machine(bench);
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,60 @@
+// What the suites of `sandglass bench` share: the rows that they keep for --json, and how progress is shown.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "models/laboratory/measurement_json.h"
+#include "models/laboratory/sand/granular_bench.h"
+#include "sandglass/sandglass.h"
+
+namespace sandglass::host {
+
+class Command;
+
+// One function a suite (bench_granular.cpp ...): adds it below `bench`.
+void add_bench_granular(Command& bench);
+void add_bench_ladder(Command& bench);
+void add_bench_growth(Command& bench);
+void add_bench_shadow(Command& bench);
+void add_bench_lighting(Command& bench);
+void add_bench_machine(Command& bench);
+
+struct Bench {
+  std::string suite;
+  sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC;
+  std::string isa_name;  // of the kernels that this picks
+  std::vector<Measurement> measurements;
+
+  // For sand the kernels are those of a scene; shadows and light have tables of their own.
+  enum class Kernels { sand, bytes };
+  Bench(const std::string& suite, const std::string& isa, Kernels kernels);
+
+  void keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads = 1);
+  void keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads,
+            const std::string& kernels);
+  // Writes what was kept to `json`, if that names a file, and returns the exit code.
+  int finish(const std::string& json) const;
+};
+
+// A table of scenes: one row a run, with its times and the errors of the same run.
+class SceneTable {
+ public:
+  explicit SceneTable(Bench* bench);  // prints the head
+
+  // Runs a case behind a progress bar, prints its row and keeps its numbers. `kernels`: what computed it.
+  BenchRow row(const std::string& name, uint32_t threads, uint32_t frames, const std::string& kernels,
+               const std::function<BenchRow(const BenchStep&)>& run) const;
+  BenchRow row(const std::string& name, const SceneFile& scene, uint32_t threads, uint32_t frames,
+               uint32_t level = 0) const;
+
+ private:
+  Bench* bench_;
+};
+
+// Shows a progress bar while `measure` runs; what is passed on to it returns false after Ctrl-C.
+using Progressed = std::function<bool(uint32_t done, uint32_t total)>;
+void with_progress(const char* what, const std::function<void(const Progressed& go_on)>& measure);
+
+}  // namespace sandglass::host

@@ -1,0 +1,119 @@
+// `sandglass bench shadow`: time and error of one shadow texture, for every way of computing it.
+#include "models/program/bench.h"
+#include "models/program/command_line.h"
+#include "models/program/commands.h"
+#ifdef SANDGLASS_HAVE_BAKE
+#include <cstdio>
+
+#include "models/files/atomic_file.h"
+#include "models/laboratory/shadow/shadow_bench.h"
+#include "models/laboratory/shadow/shadow_curves.h"
+#include "models/work/failure.h"
+#include "models/work/progress.h"
+#endif
+
+namespace sandglass::host {
+
+#ifdef SANDGLASS_HAVE_BAKE
+
+namespace {
+
+struct Options {
+  std::string json, out, isa = "automatic", mesh = "chair";
+  std::vector<std::string> assets;
+  std::vector<uint32_t> thresholds;
+};
+
+std::vector<NamedShadow> read_shadows(const Options& options) {
+  std::vector<NamedShadow> files;
+  for (const std::string& path :
+       options.assets.empty() ? std::vector{std::string(SANDGLASS_SHADOWS_DIR) + "/chair.shadow"} : options.assets) {
+    const std::string content = read_file(path, "baked shadow");
+    files.push_back({path, {content.begin(), content.end()}});
+  }
+  return files;
+}
+
+void print_and_keep(const std::vector<ShadowBenchRow>& rows, Bench* bench) {
+  std::printf("%-18s %8s %10s %8s %9s %10s %9s %10s %8s %9s %10s\n", "case", "ms", "+ encoding", "GMAC/s", "of peak",
+              "RMSE (f32)", "max (f32)", "RMSE truth", "P99.9", "max", "evaluated");
+  for (const ShadowBenchRow& r : rows) {
+    std::printf("%-18s %8.2f %10.2f %8.1f %8.1f%% %10.4f %9.3f %10.4f %8.3f %9.3f %8.1f %%\n", r.name.c_str(), r.ms,
+                r.ms + r.ms_encoding, r.gmac_per_s, 100 * r.fraction, r.rmse, r.worst, r.rmse_truth, r.p999_truth,
+                r.worst_truth, 100 * r.evaluated);
+    bench->keep(r.name, "ms", "ms", r.ms);
+    bench->keep(r.name, "ms_with_encoding", "ms", r.ms + r.ms_encoding);
+    bench->keep(r.name, "gmac_per_s", "GMAC/s", r.gmac_per_s);
+    bench->keep(r.name, "fraction_of_peak", "1", r.fraction);
+    bench->keep(r.name, "rmse", "1", r.rmse);
+    bench->keep(r.name, "worst", "1", r.worst);
+    bench->keep(r.name, "rmse_truth", "1", r.rmse_truth);
+    bench->keep(r.name, "p999_truth", "1", r.p999_truth);
+    bench->keep(r.name, "worst_truth", "1", r.worst_truth);
+    bench->keep(r.name, "evaluated", "1", r.evaluated);
+  }
+}
+
+void draw_curves(const Options& options, const std::vector<NamedShadow>& files, const Mesh& mesh, Bench* bench) {
+  make_folder(options.out);
+  std::vector<ShadowCurve> curves;
+  with_progress("measuring curves",
+                [&](const Progressed& go_on) { curves = measure_shadow_curves(files, mesh, bench->isa, go_on); });
+  if (curves.empty()) return;
+  for (const ShadowCurve& curve : curves)
+    for (const ShadowCurvePoint& point : curve.points) {
+      const std::string name = curve.name + "/" + point.name;
+      std::printf("%-24s %8.2f ms, RMSE in the world %.4f\n", name.c_str(), point.ms, point.rmse);
+      bench->keep(name, "ms", "ms", point.ms);
+      bench->keep(name, "rmse_truth", "1", point.rmse);
+    }
+  write_png(options.out + "/shadow_curves.png", draw_plot(shadow_curve_plot(curves, options.mesh)));
+  std::printf("plot           %s/shadow_curves.png\n", options.out.c_str());
+}
+
+void measure(const Options& options, Bench* bench) {
+  if (options.assets.size() > 1 && options.out.empty())
+    throw cannot("measure", options.assets[1], "shadows after the first are only drawn", "Name a folder with --out");
+  const std::vector<NamedShadow> files = read_shadows(options);
+  const Mesh mesh = named_mesh(options.mesh);
+  ShadowBench result;
+  with_progress("measuring", [&](const Progressed& go_on) {
+    result = bench_shadow(files[0].bytes, files[0].name, mesh, bench->isa, options.thresholds, go_on);
+  });
+  print_and_keep(result.rows, bench);
+  if (!interrupted() && !result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
+  if (!options.out.empty() && !interrupted()) draw_curves(options, files, mesh, bench);
+}
+
+}  // namespace
+
+#endif
+
+void add_bench_shadow(Command& bench) {
+  Command& command = bench.add_command("shadow", "Shadows: one texture by every way of computing it");
+#ifdef SANDGLASS_HAVE_BAKE
+  const auto options = std::make_shared<Options>();
+  command
+      .add("--asset FILES", options->assets,
+           "Baked shadows, separated by commas: the first is measured, --out draws all of them")
+      .separated_by(',')
+      .by_default("the shipped chair");
+  command.add("--mesh MESH", options->mesh, "The mesh that they were baked from: a file, or a generated mesh's name");
+  command.add("--thresholds LIST", options->thresholds, "More thresholds of the adaptive mode, separated by commas")
+      .separated_by(',')
+      .checked(whole_number(0, 255));
+  command.add("--out FOLDER", options->out, "Draw error against time into this folder");
+  add_isa(command, options->isa);
+  add_json(command, options->json);
+  command.runs([options] {
+    listen_for_interrupt();
+    Bench measured("shadow", options->isa, Bench::Kernels::bytes);
+    measure(*options, &measured);
+    return measured.finish(options->json);
+  });
+#else
+  command.is_left_out("this build has no ray tracer", "Install Embree and Eigen, configure and build again.");
+#endif
+}
+
+}  // namespace sandglass::host

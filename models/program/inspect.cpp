@@ -1,0 +1,183 @@
+// `sandglass inspect FILE`: what a file is, by its content: a recording, a baked shadow, a lighting network,
+// a scene, else a mesh.
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "models/files/atomic_file.h"
+#include "models/mesh/mesh.h"
+#include "models/program/command_line.h"
+#include "models/program/commands.h"
+#include "models/simulation/body_meshes.h"
+#include "models/simulation/recording.h"
+#include "models/simulation/scene_file.h"
+#include "models/simulation/scene_fill.h"
+#include "models/simulation/simulation.h"
+#include "models/simulation/standing_shadows.h"
+#include "models/work/failure.h"
+#include "runtime/asset/light_asset.h"
+#include "sandglass/light.h"
+#include "sandglass/shadow.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr char k_recording_magic[] = "SGREC";   // the first bytes of models/simulation/recording.h's format
+constexpr char k_shadow_identifier[] = "SGSH";  // bytes 4..7 of runtime/asset/shadow.fbs's
+constexpr char k_light_identifier[] = "SGLN";   // and of light.fbs's
+
+void inspect_recording(const std::string& path, const std::string&) {
+  const Recording recording = load_recording(path);
+  double seconds = 0.0;
+  size_t colliders = 0;
+  uint64_t units = 0;
+  for (const RecordedFrame& frame : recording.frames) {
+    seconds += static_cast<double>(frame.time_step);
+    colliders = std::max(colliders, frame.colliders.size());
+    for (uint32_t run = 0; run < std::min<uint32_t>(frame.plan.run_count, SANDGLASS_PLAN_RUNS); ++run)
+      units += frame.plan.runs[run].units;
+  }
+  std::printf("recording of scene '%s'\n  frames       %zu (%.3f s asked for)\n", recording.scene_name.c_str(),
+              recording.frames.size(), seconds);
+  std::printf("  work units   %llu\n  colliders    %zu at most\n", static_cast<unsigned long long>(units), colliders);
+  std::printf("  start hash   0x%016llx\n  final hash   0x%016llx\n",
+              static_cast<unsigned long long>(recording.start_hash),
+              static_cast<unsigned long long>(recording.final_hash));
+}
+
+void inspect_shadow_file(const std::string& path, const std::string& content) {
+  const AlignedBytes file(content);
+  const sandglass_shadow_info info = inspect_shadow(file, path);
+  sandglass_shadow_desc desc;
+  sandglass_shadow_desc_default(&desc);
+  desc.asset = file.data(), desc.asset_bytes = file.size();
+  uint64_t memory = 0;
+  const char* reason = nullptr;
+  if (sandglass_shadow_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
+  const auto degrees = [](float radians) { return static_cast<double>(radians) * 180 / 3.14159265358979; };
+  std::printf("baked shadow, version %u\n  network      %u neurons x (1 + %u) hidden layers, %llu MAC a texel\n",
+              info.version, info.width, info.layers, static_cast<unsigned long long>(info.macs_per_texel));
+  std::printf("  box          %g x %g x %g m, on the plane at [%g, %g, %g]\n", 2 * static_cast<double>(info.half_x),
+              static_cast<double>(info.height), 2 * static_cast<double>(info.half_z),
+              static_cast<double>(info.origin[0]), static_cast<double>(info.origin[1]),
+              static_cast<double>(info.origin[2]));
+  std::printf("  light        %.3g degrees wide, up to %.3g degrees from the zenith\n", degrees(info.angular_diameter),
+              degrees(info.polar_max));
+  std::printf("  plane        %s\n", info.plane_fitted != 0 ? "fitted to the light" : "one square for all lights");
+  std::printf("  RMSE         %.4f float, %.4f int8, over %u unseen lights\n", static_cast<double>(info.rmse_float),
+              static_cast<double>(info.rmse_int8), info.validated_lights);
+  std::printf("  float copy   %s\n  memory       %llu bytes\n", info.float_parameters > 0 ? "yes" : "no",
+              static_cast<unsigned long long>(memory));
+}
+
+void inspect_light(const std::string& path, const std::string& content) {
+  const AlignedBytes file(content);
+  LightAsset asset;
+  const char* reason = nullptr;
+  if (open_light_asset(file.data(), file.size(), &asset, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
+  sandglass_light_desc desc;
+  sandglass_light_desc_default(&desc);
+  desc.asset = file.data(), desc.asset_bytes = file.size();
+  uint64_t memory = 0;
+  if (sandglass_light_bytes(&desc, &memory, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
+  std::printf("lighting network '%s', version %u\n  trained on   %u images, calibrated on %u\n", asset.name,
+              k_light_asset_version, asset.training_images, asset.calibration_images);
+  std::printf("  int8         %.2f degrees and %.4f of a colour from float, medians\n",
+              static_cast<double>(asset.angle_deg), static_cast<double>(asset.difference));
+  std::printf("  float copy   %s\n  memory       %llu bytes\n", asset.float_parameters != nullptr ? "yes" : "no",
+              static_cast<unsigned long long>(memory));
+}
+
+void inspect_scene(const std::string& path, const std::string& mesh) {
+  SceneFile scene = load_scene(path);
+  const bool needs_mesh =
+      std::any_of(scene.bodies.begin(), scene.bodies.end(), [](const Body& b) { return b.shape == BodyShape::mesh; });
+  std::printf("scene '%s'\n  frames       %u of %g ms, budget %g ms\n  bodies       %zu, colliders %zu\n",
+              scene.name.c_str(), scene.frames, scene.frame_step * 1e3, scene.budget_ms, scene.bodies.size(),
+              scene.colliders.size());
+  uint32_t particles = 0, grains = 0;
+  if (needs_mesh && mesh.empty()) {
+    for (const Body& body : scene.bodies) particles += body.particles, grains += body.grains;
+    std::printf("  filled with  a mesh file that --mesh names; the counts below are the wanted ones\n");
+  } else {
+    const LoadedMeshes meshes(scene, mesh);
+    const Material material = fill_scene(&scene, meshes.bodies());
+    particles = material.particles(), grains = material.grains();
+  }
+  std::printf("  particles    %u of radius %g m\n  grains       %u\n  friction     %g static, %g kinetic\n", particles,
+              scene.particle_radius, grains, static_cast<double>(scene.granular.static_friction),
+              static_cast<double>(scene.granular.kinetic_friction));
+  if (scene.particle_radius == 0.0) return;
+  Simulation simulation(describe_scene(scene, particles, grains));
+  std::printf("  memory       %llu bytes\n", static_cast<unsigned long long>(simulation.bytes()));
+  std::vector<sandglass_region> regions(sandglass_scene_regions(simulation.handle(), nullptr, 0));
+  regions.resize(std::min<size_t>(regions.size(), sandglass_scene_regions(simulation.handle(), regions.data(),
+                                                                          static_cast<uint32_t>(regions.size()))));
+  for (const sandglass_region& region : regions)
+    std::printf("    %-30s %12llu\n", region.name, static_cast<unsigned long long>(region.bytes));
+}
+
+void inspect_mesh(const std::string& path, const std::string&) {
+  const MeshResult loaded = load_mesh(path);
+  if (!loaded) throw Failure(loaded.error);
+  const Mesh& mesh = loaded.mesh;
+  float low[3] = {}, high[3] = {};
+  for (size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = high[axis] = mesh.vertices[axis];
+    for (size_t i = axis; i < mesh.vertices.size(); i += 3) {
+      low[axis] = std::min(low[axis], mesh.vertices[i]);
+      high[axis] = std::max(high[axis], mesh.vertices[i]);
+    }
+  }
+  const double volume = signed_volume(mesh);
+  const std::string faults = describe_faults(loaded.report);
+  std::printf("mesh\n  vertices     %u\n  triangles    %u\n", mesh.vertex_count(), mesh.triangle_count());
+  std::printf("  bounds       [%g, %g, %g] to [%g, %g, %g]\n", static_cast<double>(low[0]), static_cast<double>(low[1]),
+              static_cast<double>(low[2]), static_cast<double>(high[0]), static_cast<double>(high[1]),
+              static_cast<double>(high[2]));
+  std::printf("  watertight   %s\n  manifold     %s\n", loaded.report.watertight() ? "yes" : "no",
+              loaded.report.manifold() ? "yes" : "no");
+  std::printf("  orientation  %s\n  volume       %g\n",
+              loaded.report.inconsistent_edges > 0 ? "inconsistent"
+              : volume >= 0.0                      ? "outward"
+                                                   : "inward",
+              volume);
+  if (!faults.empty()) std::printf("  faults       %s\n", faults.c_str());
+}
+
+// `mesh` is for scenes alone.
+void inspect(const std::string& file, const std::string& mesh) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return inspect_scene(find_scene(file), mesh);
+  const std::string content = read_file(file, "file");
+  if (content.empty()) throw cannot("inspect", file, "the file is empty", "Name another");
+  const size_t first = content.find_first_not_of(" \t\r\n");
+  const auto has_identifier = [&](const char* name) { return content.size() > 8 && content.compare(4, 4, name) == 0; };
+  void (*of_kind)(const std::string& file, const std::string& content) = inspect_mesh;
+  if (content.starts_with(k_recording_magic)) of_kind = inspect_recording;
+  else if (has_identifier(k_shadow_identifier)) of_kind = inspect_shadow_file;
+  else if (has_identifier(k_light_identifier)) of_kind = inspect_light;
+  else if (first != std::string::npos && content[first] == '{') return inspect_scene(file, mesh);
+  if (!mesh.empty()) throw cannot("use --mesh with", file, "the file is no scene", "Leave --mesh out");
+  of_kind(file, content);
+}
+
+}  // namespace
+
+void add_inspect_command(Command& program, const std::string& group) {
+  struct Options {
+    std::string file, mesh;
+  };
+  const auto options = std::make_shared<Options>();
+  Command& command = program.add_command(
+      "inspect", "Say what a file is: a recording, a shadow, a lighting network, a scene or a mesh", group);
+  command.add("FILE", options->file, "The file, or the name of a shipped scene").required();
+  command.add("--mesh FILE", options->mesh, "For a scene: mesh of its bodies of shape \"mesh\"");
+  command.runs([options] {
+    inspect(options->file, options->mesh);
+    return k_exit_done;
+  });
+}
+
+}  // namespace sandglass::host

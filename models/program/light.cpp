@@ -1,0 +1,127 @@
+// `sandglass light IMAGE... -o DIR`: the light of photographs, as numbers and as pictures.
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "models/files/atomic_file.h"
+#include "models/files/picture_file.h"
+#include "models/lighting/light_picture.h"
+#include "models/lighting/room_light.h"
+#include "models/program/command_line.h"
+#include "models/program/commands.h"
+#include "models/work/failure.h"
+#include "models/work/progress.h"
+
+namespace sandglass::host {
+
+namespace {
+
+namespace fs = std::filesystem;
+constexpr size_t k_sheet_rows = 24;  // pictures on the sheet
+
+struct Options {
+  std::vector<std::string> images;
+  std::string folder, network = SANDGLASS_LIGHTS_DIR "/room.light";
+  double fov_deg = 75.0;
+  uint32_t turn_deg = 0;
+};
+
+nlohmann::json json_of(const Options& options, const std::string& path, const sandglass_light_estimate& world) {
+  const sandglass_light_estimate e = in_camera_frame(world);
+  const auto triple = [](const float* v) { return nlohmann::json{v[0], v[1], v[2]}; };
+  nlohmann::json json;
+  json["image"] = path;
+  json["field_of_view_deg"] = options.fov_deg, json["turn_deg"] = options.turn_deg;
+  json["direction_camera"] = triple(e.direction);     // towards the light; x right, y down, z forward
+  json["direction_world"] = triple(world.direction);  // of a level camera: x right, y up, looking along -z
+  json["light"] = triple(e.light), json["ambient"] = triple(e.ambient);
+  json["contrast"] = e.contrast, json["strength"] = e.strength;
+  json["sh"] = std::vector<float>(world.sh, world.sh + 27);
+  return json;
+}
+
+// The picture turned clockwise by quarters.
+Picture turned(const Picture& picture, uint32_t degrees) {
+  Picture out = picture;
+  for (uint32_t quarter = 0; quarter < degrees / 90; ++quarter) {
+    Picture next(out.height, out.width, {0, 0, 0});
+    for (int y = 0; y < out.height; ++y)
+      for (int x = 0; x < out.width; ++x) std::copy_n(out.at(x, y), 3, next.at(out.height - 1 - y, x));
+    out = std::move(next);
+  }
+  return out;
+}
+
+// Without extensions, and different where photographs of several folders have one name.
+std::vector<std::string> outputs_of(const Options& options) {
+  std::set<std::string> names = {"sheet"};
+  std::vector<std::string> outputs;
+  for (const std::string& path : options.images) {
+    const std::string stem = fs::path(path).stem().string();
+    std::string name = stem;
+    for (int copy = 2; !names.insert(name).second; ++copy) name = stem + "_" + std::to_string(copy);
+    outputs.push_back((fs::path(options.folder) / name).string());
+  }
+  return outputs;
+}
+
+int estimate_all(const Options& options) {
+  RoomLight light(options.network);
+  // What cannot be read is said before anything is written.
+  std::vector<Picture> pictures;
+  for (const std::string& path : options.images) pictures.push_back(read_picture(path));
+  const std::string sheet_path = (fs::path(options.folder) / "sheet.png").string();
+  const std::vector<std::string> outputs = outputs_of(options);
+  for (const std::string& output : outputs)
+    keep_inputs(output + ".png", options.images), keep_inputs(output + ".json", options.images);
+  if (outputs.size() > 1) keep_inputs(sheet_path, options.images);
+  make_folder(options.folder);
+  Progress progress("estimating light", pictures.size());
+  std::vector<Picture> sheet;
+  for (size_t i = 0; i < pictures.size() && !interrupted(); ++i) {
+    sandglass_camera_image image = camera_image_of(pictures[i], options.fov_deg);
+    image.turn_deg = options.turn_deg;
+    image.pose_is_upright = 1;
+    sandglass_light_estimate world;
+    try {
+      world = light.estimate(image);
+    } catch (const Failure& failure) {
+      throw cannot("estimate the light of", options.images[i], failure.what());
+    }
+    const sandglass_light_estimate e = in_camera_frame(world);
+    const std::string name = fs::path(outputs[i]).filename().string();
+    const Picture drawn = light_picture(turned(pictures[i], options.turn_deg), e, name);
+    write_png(outputs[i] + ".png", drawn);
+    write_file(outputs[i] + ".json", json_of(options, options.images[i], world).dump(2) + "\n");
+    std::printf("%-24s towards the light %6.3f right %6.3f down %6.3f forward, contrast %.2f, light %.2f %.2f %.2f\n",
+                name.c_str(), static_cast<double>(e.direction[0]), static_cast<double>(e.direction[1]),
+                static_cast<double>(e.direction[2]), static_cast<double>(e.contrast), static_cast<double>(e.light[0]),
+                static_cast<double>(e.light[1]), static_cast<double>(e.light[2]));
+    if (sheet.size() < k_sheet_rows && (sheet.empty() || drawn.width == sheet[0].width)) sheet.push_back(drawn);
+    progress.done(i + 1);
+  }
+  if (interrupted()) return k_exit_interrupted;
+  if (sheet.size() > 1) write_png(sheet_path, picture_grid(sheet, 1, 4));
+  return 0;
+}
+
+}  // namespace
+
+void add_light_command(Command& program, const std::string& group) {
+  const auto options = std::make_shared<Options>();
+  Command& command = program.add_command("light", "Estimate the light of photographs", group);
+  command.add("IMAGES", options->images, "PNG or JPEG files").required();
+  command.add("-o,--output FOLDER", options->folder, "Write a JSON file and a picture for each image into this folder")
+      .required();
+  command.add("--fov DEGREES", options->fov_deg, "Field of view across the diagonal, degrees").checked(number(10, 170));
+  command.add("--turn DEGREES", options->turn_deg, "Clockwise turn that makes the images upright, degrees")
+      .checked(one_of({"0", "90", "180", "270"}));
+  command.add("--network FILE", options->network, "The lighting network").by_default("the shipped one");
+  command.runs([options] {
+    listen_for_interrupt();
+    return estimate_all(*options);
+  });
+}
+
+}  // namespace sandglass::host

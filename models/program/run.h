@@ -1,0 +1,80 @@
+// One run of a scene, for `sandglass run`: it starts (run_start.cpp), executes its frames (run_frames.cpp), and writes
+// what came of them (run_results.cpp).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/compositing/shot.h"
+#include "models/report/pictures.h"
+#include "models/report/report.h"
+#include "models/report/report_page.h"
+#include "models/simulation/body_meshes.h"
+#include "models/simulation/collision_fields.h"
+#include "models/simulation/pile_shadow.h"
+#include "models/simulation/recording.h"
+#include "models/simulation/scene_file.h"
+#include "models/simulation/scene_fill.h"
+#include "models/simulation/simulation.h"
+#include "models/simulation/standing_shadows.h"
+#include "models/work/thread_pool.h"
+#include "platform/virtual_clock.h"
+
+namespace sandglass::host {
+
+struct RunOptions {
+  std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, dump, out;
+  std::string panorama, photo, asset, light, network;
+  uint32_t frames = 0, threads = 1;  // frames 0: the scene's
+  double budget_ms = -1.0;           // below 0: the scene's
+  double fov_deg = 0.0;
+  bool plain = false;
+};
+
+class Run {
+ public:
+  // Loads the scene, fills it, and is ready for the first frame.
+  explicit Run(const RunOptions& options);
+
+  void execute();
+  uint64_t hash() const;  // of every active stage
+  // Writes recording, reports and pictures, as the options ask for.
+  void finish(uint64_t hash);
+  int exit_code(uint64_t hash) const;
+
+ private:
+  void load_replay();
+  void expect_start(uint64_t start_hash);
+  void replace_shadow();
+  void take_shot();
+  sandglass_scene_desc describe(const Material& material, sandglass_isa isa);
+  void begin_report();
+  void take_snapshot(uint32_t frame, std::vector<sandglass_collider> colliders);
+
+  FrameLight light_of(uint32_t frame) const;
+  sandglass_frame_report advance(uint32_t frame, std::vector<sandglass_collider>* colliders);
+
+  uint32_t drawing_threads() const;
+  PictureSet picture_set() const;
+  void describe_light(PicturePaths* paths, uint32_t threads) const;
+  std::vector<PageFigure> beside_truth(uint32_t threads) const;
+  PageContent page_content(std::vector<PageFigure> figures) const;
+
+  const RunOptions& options_;
+  SceneFile scene_;
+  VirtualClock virtual_time_;
+  TraceRecorder recorder_;
+  std::optional<CollisionFields> fields_;
+  std::optional<ThreadPool> pool_;
+  std::optional<Simulation> simulation_;
+  std::optional<StandingShadows> shadows_;
+  std::optional<PileShadow> pile_;
+  std::optional<Shot> shot_;
+  RunReport report_;
+  std::vector<Snapshot> snapshots_;
+  Recording recording_;  // --replay: what to execute; --record: what was executed
+};
+
+}  // namespace sandglass::host

@@ -1,0 +1,318 @@
+// `sandglass sample MESH --surface|--volume|--lattice --distance L -o FILE.ply`, or without a mesh
+// --disk|--sphere|--ring N: points on a mesh's surface or in its volume, or of a disk, sphere or ring, as a PLY file, a
+// picture and a spectrum. Memory is asked for once, with the size that the library names, as an app would.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "models/drawing/point_picture.h"
+#include "models/files/image.h"
+#include "models/mesh/generated.h"
+#include "models/mesh/mesh.h"
+#include "models/mesh/ply.h"
+#include "models/program/command_line.h"
+#include "models/program/command_mistakes.h"
+#include "models/program/commands.h"
+#include "models/work/block.h"
+#include "models/work/failure.h"
+#include "models/work/progress.h"
+#include "sandglass/sandglass.h"
+
+namespace sandglass::host {
+namespace {
+
+constexpr int k_picture_width = 960, k_picture_height = 960;
+constexpr double k_poisson_per_cube = 0.6;  // points per distance^3 in a volume, for the time left
+
+enum class SampleWhat { surface, volume, lattice, disk, sphere, ring };
+
+struct SampleOptions {
+  std::string mesh;  // a file, or the name of a generated mesh
+  SampleWhat what = SampleWhat::surface;
+  double distance = 0;  // metres; of disk, sphere and ring the mean spacing follows from `count`
+  uint32_t count = 0;   // points of a disk, sphere or ring of radius 1
+  std::vector<double> polar_deg = {0.0, 45.0};  // of a ring
+  uint64_t seed = 1;
+  bool geodesic = false;  // surface only
+  std::string picture, spectrum, output;
+};
+
+using Points = std::vector<float>;
+
+Block sampler_block(uint64_t bytes) { return new_block(bytes, "the sampler", "enlarge --distance"); }
+
+// What is sampled, as messages call it.
+std::string subject(const SampleOptions& options) {
+  switch (options.what) {
+    case SampleWhat::disk:
+      return "disk";
+    case SampleWhat::sphere:
+      return "sphere";
+    case SampleWhat::ring:
+      return "ring";
+    default:
+      return options.mesh;
+  }
+}
+
+// By reference: the call that gives the status sets the reason.
+void expect(sandglass_status status, const SampleOptions& options, const char* const& reason) {
+  if (status != SANDGLASS_OK) throw cannot("sample", subject(options), reason);
+}
+
+struct ProgressRelay {
+  std::string what;
+  uint64_t expected;  // used where the library does not know the total
+  std::optional<Progress> progress;
+
+  static void report(void* user, uint64_t done, uint64_t total) {
+    auto* relay = static_cast<ProgressRelay*>(user);
+    if (!relay->progress) relay->progress.emplace(relay->what, total > 0 ? total : relay->expected);
+    relay->progress->done(done);
+  }
+};
+
+sandglass_mesh view(const Mesh& mesh) {
+  return {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
+}
+
+Points sample_surface(const Mesh& mesh, const SampleOptions& options) {
+  const sandglass_mesh surface = view(mesh);
+  const float distance = static_cast<float>(options.distance);
+  const char* reason = nullptr;
+  ProgressRelay relay = {"sampling the surface", 0, {}};
+  sandglass_sample_options how;
+  sandglass_sample_options_default(&how);
+  how.seed = options.seed;
+  how.metric = options.geodesic ? SANDGLASS_METRIC_GEODESIC : SANDGLASS_METRIC_EUCLIDEAN;
+  how.progress = ProgressRelay::report;
+  how.user = &relay;
+  uint32_t capacity = 0, count = 0;
+  uint64_t bytes = 0;
+  expect(sandglass_sample_surface_capacity(&surface, distance, &how, &capacity, &reason), options, reason);
+  expect(sandglass_sample_surface_bytes(&surface, distance, &how, capacity, &bytes, &reason), options, reason);
+  const Block scratch = sampler_block(bytes);
+  Points points(3ull * capacity);
+  expect(sandglass_sample_surface(&surface, distance, &how, scratch.get(), bytes, points.data(), capacity, &count,
+                                  &reason),
+         options, reason);
+  points.resize(3ull * count);
+  return points;
+}
+
+Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOptions& options) {
+  const sandglass_mesh surface = view(mesh);
+  const float distance = static_cast<float>(options.distance);
+  const char* reason = nullptr;
+  const sandglass_inside_rule rule = report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
+  if (!report.watertight())
+    std::fprintf(stderr, "sandglass: note: \"%s\" is not watertight (%s): the winding number decides what is inside\n",
+                 options.mesh.c_str(), describe_faults(report).c_str());
+  float low[3], high[3];
+  uint64_t inside_bytes = 0;
+  expect(sandglass_mesh_bounds(&surface, low, high, &reason), options, reason);
+  expect(sandglass_mesh_inside_bytes(&surface, rule, &inside_bytes, &reason), options, reason);
+  const Block inside_block = sampler_block(inside_bytes);
+  sandglass_mesh_inside* inside = nullptr;
+  expect(sandglass_mesh_inside_create(&surface, rule, inside_block.get(), inside_bytes, &inside, &reason), options,
+         reason);
+
+  const double volume = std::fabs(signed_volume(mesh)), cube = options.distance * options.distance * options.distance;
+  const double expected = k_poisson_per_cube * volume / cube + 1;
+  ProgressRelay relay = {"sampling the volume", static_cast<uint64_t>(expected < 1e18 ? expected : 1e18), {}};
+  sandglass_sample_options how;
+  sandglass_sample_options_default(&how);
+  how.seed = options.seed;
+  how.progress = ProgressRelay::report;
+  how.user = &relay;
+
+  const bool lattice = options.what == SampleWhat::lattice;
+  uint32_t capacity = 0, count = 0;
+  uint64_t bytes = 0;
+  const sandglass_status sized = lattice ? sandglass_sample_lattice_capacity(low, high, distance, &capacity, &reason)
+                                         : sandglass_sample_volume_capacity(low, high, distance, &capacity, &reason);
+  expect(sized, options, reason);
+  const sandglass_status measured = lattice
+                                        ? sandglass_sample_lattice_bytes(low, high, distance, &bytes, &reason)
+                                        : sandglass_sample_volume_bytes(low, high, distance, capacity, &bytes, &reason);
+  expect(measured, options, reason);
+  const Block scratch = sampler_block(bytes);
+  Points points(3ull * capacity);
+  const auto sample = lattice ? sandglass_sample_lattice : sandglass_sample_volume;
+  expect(sample(low, high, distance, sandglass_mesh_inside_test, inside, &how, scratch.get(), bytes, points.data(),
+                capacity, &count, &reason),
+         options, reason);
+  points.resize(3ull * count);
+  return points;
+}
+
+bool of_a_mesh(SampleWhat what) { return what <= SampleWhat::lattice; }
+
+Points sample_shape(SampleOptions* options) {
+  constexpr double k_radians = M_PI / 180.0;
+  const char* reason = nullptr;
+  Points points(3ull * options->count);
+  sandglass_status status = SANDGLASS_OK;
+  double area = 4.0 * M_PI;
+  if (options->what == SampleWhat::disk) {
+    status = sandglass_sample_disk(1.0f, options->count, points.data(), &reason);
+    area = M_PI;
+  } else if (options->what == SampleWhat::sphere) {
+    status = sandglass_sample_sphere(1.0f, options->count, points.data(), &reason);
+  } else {
+    const double a = options->polar_deg[0] * k_radians, b = options->polar_deg[1] * k_radians;
+    status = sandglass_sample_ring(1.0f, static_cast<float>(a), static_cast<float>(b), options->count, points.data(),
+                                   &reason);
+    area = 2.0 * M_PI * (std::cos(a) - std::cos(b));
+  }
+  expect(status, *options, reason);
+  options->distance = std::sqrt(area / options->count);
+  return points;
+}
+
+// Radial mean of the power spectrum as bars; the white line is 1, the level of points that know nothing of each other.
+void write_spectrum(const std::string& path, const std::vector<float>& points, double distance, bool planar) {
+  constexpr uint32_t k_bins = 96, k_directions = 64;
+  constexpr int k_bar = 9, k_height = 480, k_margin = 40;
+  constexpr double k_highest = 3.0, k_frequencies = 3.0;  // of the axes: power, and frequency in 1/distance
+  const char* reason = nullptr;
+  std::vector<double> power(k_bins);
+  if (sandglass_sample_spectrum(points.data(), static_cast<uint32_t>(points.size() / 3),
+                                static_cast<float>(k_frequencies / distance), k_bins, k_directions, planar ? 1 : 0,
+                                power.data(), &reason) != SANDGLASS_OK)
+    throw cannot("measure the spectrum for", path, reason);
+  const Colour ink = {40, 40, 40}, bar = {194, 146, 82};
+  Picture picture(2 * k_margin + static_cast<int>(k_bins) * k_bar, 2 * k_margin + k_height, {236, 240, 243});
+  const auto height = [](double p) { return static_cast<int>(std::fmin(p, k_highest) / k_highest * k_height); };
+  for (uint32_t b = 0; b < k_bins; ++b) {
+    const int h = height(power[b]);
+    fill_rectangle(&picture, k_margin + static_cast<int>(b) * k_bar, k_margin + k_height - h, k_bar - 1, h, bar);
+  }
+  fill_rectangle(&picture, k_margin, k_margin + k_height - height(1.0), static_cast<int>(k_bins) * k_bar, 2,
+                 {255, 255, 255});
+  for (int f = 0; f <= static_cast<int>(k_frequencies); ++f) {
+    const int x = k_margin + static_cast<int>(f / k_frequencies * k_bins) * k_bar;
+    fill_rectangle(&picture, x, k_margin + k_height, 1, 8, ink);
+    draw_text(&picture, x - 4, k_margin + k_height + 14, 2, std::to_string(f), ink);
+  }
+  draw_text(&picture, k_margin, 10, 2, "POWER (WHITE LINE: 1) AGAINST FREQUENCY IN 1/DISTANCE", ink);
+  write_png(path, picture);
+}
+
+const char* name_of(SampleWhat what) {
+  constexpr const char* k_names[] = {
+      "on the surface of", "in the volume of", "of a lattice in the volume of", "of a", "of a", "of a"};
+  return k_names[static_cast<size_t>(what)];
+}
+
+void check(const SampleOptions& options) {
+  const bool mesh = of_a_mesh(options.what);
+  if (mesh && options.mesh.empty())
+    throw Failure("\"sample\" needs MESH: a mesh file, or " + list_of(mesh_names(), "or") +
+                  ". See: sandglass sample --help.");
+  if (mesh && options.distance <= 0)
+    throw Failure(
+        "\"sample\" needs \"--distance METRES\": the least distance between two points of a mesh. "
+        "See: sandglass sample --help.");
+  if (!mesh && !options.mesh.empty())
+    throw cannot("sample", options.mesh, "a disk, a sphere and a ring have radius 1 and no mesh", "Leave MESH out");
+  if (options.geodesic && options.what != SampleWhat::surface)
+    throw Failure(
+        "cannot use \"--geodesic\" of \"sample\" without \"--surface\": it measures along a surface. Add it.");
+}
+
+void write_points(const SampleOptions& options, const Points& points) {
+  const auto written = [](const std::string& error) {
+    if (!error.empty()) throw Failure(error);
+  };
+  const bool solid = options.what == SampleWhat::volume || options.what == SampleWhat::lattice;
+  written(write_points_ply(options.output, points));
+  if (!options.picture.empty()) {
+    const float radius = static_cast<float>(options.distance) * (solid ? 0.5f : 0.45f);
+    written(write_point_picture(options.picture, points, radius, k_picture_width, k_picture_height));
+  }
+  if (!options.spectrum.empty())
+    write_spectrum(options.spectrum, points, options.distance, options.what == SampleWhat::disk);
+}
+
+void sample(SampleOptions options) {
+  check(options);
+  try {
+    Points points;
+    if (of_a_mesh(options.what)) {
+      MeshResult loaded = make_named(options.mesh);
+      if (!loaded) loaded = load_mesh(options.mesh);
+      if (!loaded) throw Failure(loaded.error);
+      points = options.what == SampleWhat::surface ? sample_surface(loaded.mesh, options)
+                                                   : sample_inside(loaded.mesh, loaded.report, options);
+    } else {
+      points = sample_shape(&options);
+    }
+    write_points(options, points);
+    std::printf("%zu points %s %s, distance %g m, written to %s\n", points.size() / 3, name_of(options.what),
+                subject(options).c_str(), options.distance, options.output.c_str());
+  } catch (const std::bad_alloc&) {
+    throw cannot("sample", subject(options), "this machine has too little memory for so many points",
+                 "Enlarge --distance");
+  }
+}
+
+struct Shape {
+  const char* option;
+  SampleWhat what;
+  const char* help;
+};
+
+}  // namespace
+
+void add_sample_command(Command& program, const std::string& group) {
+  constexpr Shape k_of_a_mesh[] = {{"--surface", SampleWhat::surface, "Poisson disk samples on the surface of MESH"},
+                                   {"--volume", SampleWhat::volume, "Poisson disk samples in the volume of MESH"},
+                                   {"--lattice", SampleWhat::lattice, "Hexagonal close packing in the volume of MESH"}};
+  constexpr Shape k_of_radius_1[] = {{"--disk N", SampleWhat::disk, "This many points of the unit disk"},
+                                     {"--sphere N", SampleWhat::sphere, "This many points of the unit sphere"},
+                                     {"--ring N", SampleWhat::ring, "This many points of a ring of the unit sphere"}};
+  struct Asked {
+    SampleOptions options;
+    bool of_mesh[3] = {};
+    uint32_t counts[3] = {};
+  };
+  const auto asked = std::make_shared<Asked>();
+  SampleOptions& options = asked->options;
+  Command& command =
+      program.add_command("sample", "Fill or cover a mesh, a disk, a sphere or a ring with points", group);
+  command.add("MESH", options.mesh, "A mesh file, or " + list_of(mesh_names(), "or"));
+  std::vector<const Option*> what;
+  for (size_t i = 0; i < 3; ++i)
+    what.push_back(&command.add_flag(k_of_a_mesh[i].option, asked->of_mesh[i], k_of_a_mesh[i].help));
+  for (size_t i = 0; i < 3; ++i)
+    what.push_back(&command.add(k_of_radius_1[i].option, asked->counts[i], k_of_radius_1[i].help)
+                        .checked(whole_number(1, 1u << 26))
+                        .by_default(""));
+  command.add("--polar DEGREES", options.polar_deg, "Two polar angles that bound the ring, degrees")
+      .values(2)
+      .checked(number(0, 180));
+  command.add("--distance METRES", options.distance, "Least distance between two points on or in MESH, metres")
+      .checked(number_above_zero())
+      .by_default("");
+  command.add("--seed N", options.seed, "Equal seeds give equal points");
+  command.add_flag("--geodesic", options.geodesic, "Measure the distance along the surface");
+  command.add("--picture FILE", options.picture, "Also draw the points, .png");
+  command.add("--spectrum FILE", options.spectrum, "Also plot the power spectrum of the points, .png");
+  command.add("-o,--output FILE", options.output, "Write the points to this file, .ply").required();
+  command.runs([asked, what] {
+    size_t chosen = 0, kinds = 0;
+    for (size_t i = 0; i < what.size(); ++i)
+      if (what[i]->taken > 0) chosen = i, ++kinds;
+    if (kinds != 1)
+      throw Failure("\"sample\" needs one of --surface, --volume, --lattice, --disk, --sphere and --ring, and " +
+                    std::to_string(kinds) + " are given. See: sandglass sample --help.");
+    asked->options.what = static_cast<SampleWhat>(chosen);
+    if (!of_a_mesh(asked->options.what)) asked->options.count = asked->counts[chosen - 3];
+    sample(asked->options);
+    return k_exit_done;
+  });
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,33 @@
+// What the suites of `sandglass verify` share: claims as a table on the terminal, as CSV, as Markdown and for --json.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "models/laboratory/measurement_json.h"
+#include "models/laboratory/sand/granular_verdicts.h"
+#include "models/work/failure.h"
+
+namespace sandglass::host {
+
+class Command;
+
+// One function a suite (verify_granular.cpp ...): adds it below `verify`.
+void add_verify_granular(Command& verify);
+void add_verify_lighting(Command& verify);
+void add_verify_shot(Command& verify);
+
+void print_verdicts(const std::vector<Verdict>& rows);
+// Writes verify.csv and verify.md into the folder.
+void write_verdicts(const std::string& folder, const std::vector<Verdict>& rows);
+uint32_t count_failed(const std::vector<Verdict>& rows);
+std::vector<Measurement> measurements_of(const std::string& suite, const std::string& isa, uint32_t threads,
+                                         const std::vector<Verdict>& rows);
+
+// The folder that SANDGLASS_DATA_DIR names; empty where it names none.
+std::string data_folder();
+// The Failure of a suite that was given none: it would check nothing, and pass.
+Failure no_panoramas(const std::string& what);
+
+}  // namespace sandglass::host

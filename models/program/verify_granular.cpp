@@ -1,0 +1,91 @@
+// `sandglass verify granular`: what is claimed of sand, each claim with its truth and its limit.
+#include <algorithm>
+#include <cstdio>
+
+#include "models/files/atomic_file.h"
+#include "models/laboratory/sand/granular_plots.h"
+#include "models/laboratory/sand/physics_cases.h"
+#include "models/program/command_line.h"
+#include "models/program/command_mistakes.h"
+#include "models/program/commands.h"
+#include "models/program/verify.h"
+#include "models/simulation/simulation.h"
+#include "models/work/failure.h"
+#include "models/work/progress.h"
+
+namespace sandglass::host {
+
+namespace {
+
+struct Options {
+  std::string json, out, isa = "automatic";
+  std::vector<std::string> cases;
+  bool quick = false;
+};
+
+// A slow case that is named and left out would pass without having been checked.
+void expect_quick(const std::vector<std::string>& cases) {
+  const std::vector<std::string> quick = quick_verdict_groups();
+  for (const std::string& name : cases)
+    if (std::find(quick.begin(), quick.end(), name) == quick.end())
+      throw cannot("check", name, "it takes minutes, and --quick leaves such cases out",
+                   "Leave --quick out, or name quick cases: " + list_of(quick, "or"));
+}
+
+void write_folder(const std::string& folder, const VerdictTable& table) {
+  make_folder(folder);
+  write_verdicts(folder, table.rows);
+  std::string drawn;
+  for (const GranularPlot& plot : granular_plots(table.curves)) {
+    write_png(folder + "/" + plot.name + ".png", draw_plot(plot.plot));
+    drawn += ", " + plot.name + ".png";
+  }
+  std::printf("%s: verify.csv, verify.md%s\n", folder.c_str(), drawn.c_str());
+}
+
+std::string kernels_of(sandglass_isa isa) {
+  sandglass_scene_desc desc = physics_desc(0.6);
+  desc.isa = isa;
+  desc.granular.particle_capacity = 1;
+  return sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
+}
+
+int verify(const Options& options) {
+  if (options.quick) expect_quick(options.cases);
+  const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa)};
+  const std::string isa_name = kernels_of(choice.isa);
+  VerdictTable table;
+  {
+    Progress progress("verifying", 1);
+    table = granular_verdicts(choice, [&](uint64_t done, uint64_t total) {
+      progress.total(total);
+      progress.done(done);
+      return !interrupted();
+    });
+  }
+  print_verdicts(table.rows);
+  const uint32_t failed = count_failed(table.rows);
+  std::printf("%zu rows, %u failed\n", table.rows.size(), failed);
+  if (!options.json.empty())
+    write_file(options.json, measurements_json(measurements_of("granular", isa_name, 1, table.rows)));
+  if (!options.out.empty()) write_folder(options.out, table);
+  return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : k_exit_done;
+}
+
+}  // namespace
+
+void add_verify_granular(Command& verify_command) {
+  const auto options = std::make_shared<Options>();
+  Command& command = verify_command.add_command("granular", "Sand: friction, piles, flow, momentum, hard cases");
+  command.add("--case NAMES", options->cases, "Only these cases").checked(one_of(verdict_groups())).by_default("all");
+  command.add_flag("--quick", options->quick, "Only the cases that take seconds");
+  command.add("--out FOLDER", options->out, "Write the table and its curves into this folder");
+  add_isa(command, options->isa);
+  add_json(command, options->json);
+  command.runs([options] {
+    listen_for_interrupt();
+    return verify(*options);
+  });
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,196 @@
+// `sandglass verify lighting`: estimates of the light against labels and baselines, on panoramas of real rooms.
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <set>
+
+#include "models/compositing/light_estimate.h"
+#include "models/files/atomic_file.h"
+#include "models/files/npz.h"
+#include "models/laboratory/light/turning_camera.h"
+#include "models/laboratory/light/verify_lighting.h"
+#include "models/lighting/dataset.h"
+#include "models/lighting/light_net.h"
+#include "models/lighting/light_runner.h"
+#include "models/lighting/lit_view.h"
+#include "models/program/command_line.h"
+#include "models/program/commands.h"
+#include "models/program/verify.h"
+#include "models/simulation/simulation.h"
+#include "models/work/failure.h"
+#include "models/work/progress.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr const char* k_usual_object = "trefoil";
+
+struct Options {
+  std::string json, out, isa = "automatic", manifest, estimates, network, object = k_usual_object;
+  std::vector<std::string> panoramas;
+  int views = 8, samples = 48;
+  uint32_t threads = 1;
+};
+
+bool is_float(const std::string& network) { return network.ends_with(".npz"); }
+
+LightLabels labels_of_values(const float* direction, const float* light, const float* ambient, float contrast) {
+  const auto vector = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };
+  return {normalised(vector(direction)), vector(light), vector(ambient), contrast, true};
+}
+
+// The runtime's bytes; of exported weights (.npz) the float network, slowly.
+LightEstimator estimator_of(const std::string& network, sandglass_isa isa) {
+  if (is_float(network)) {
+    const auto net = std::make_shared<LightNet>(light_net_of(read_npz(network)));
+    return [net](const Picture& image, const std::string&) {
+      const LightValues v = light_of(*net, features_of(net->trunk, image.rgb, image.width, image.height));
+      return labels_of_values(&v[0], &v[3], &v[6], v[9]);
+    };
+  }
+  const std::string bytes = read_file(network, "lighting network");
+  const auto runner = std::make_shared<LightRunner>(
+      std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()), network, isa);
+  return [runner](const Picture& image, const std::string&) {
+    const LightOutputs o = runner->run(image.rgb);
+    return labels_of_values(o.direction, o.light, o.ambient, o.contrast);
+  };
+}
+
+// What is measured where: on the data folder the cross-validated estimates of its places, on panoramas that are named
+// the shipped network; or what the options name.
+struct LightingSources {
+  std::vector<std::string> panoramas;
+  std::string manifest, estimates, network;
+};
+
+constexpr const char* k_cross_validated = SANDGLASS_LIGHTING_DIR "/cross_validated_estimates.csv";
+
+LightingSources lighting_sources(const Options& options) {
+  LightingSources s = {options.panoramas, options.manifest, options.estimates, options.network};
+  if (options.samples == 0 && options.object != k_usual_object)
+    throw Failure("cannot use \"--object\" with \"--samples 0\", which renders nothing. Leave one of them out.");
+  const bool own = s.panoramas.empty();
+  if (own) {
+    const std::string data = data_folder();
+    if (data.empty()) throw no_panoramas("lighting");
+    s.panoramas = {data + "/hdri/indoor", data + "/hdri/studio"};
+    if (s.manifest.empty()) s.manifest = data + "/manifest.csv";
+  }
+  if (s.estimates.empty() && s.network.empty())
+    (own ? s.estimates : s.network) = own ? k_cross_validated : shipped_light_network();
+  if (options.isa != "automatic" && (s.network.empty() || is_float(s.network)))
+    throw Failure("cannot use \"--isa\" of \"verify lighting\": no network in bytes runs here. Leave it out.");
+  return s;
+}
+
+// The shipped network was fitted to all places of the cross-validation.
+std::string said_of_training(const LightingSources& sources) {
+  const std::string shipped = shipped_light_network();
+  if (sources.network.empty() || shipped.empty() || is_float(sources.network)) return "";
+  if (read_file(sources.network, "lighting network") != read_file(shipped, "lighting network")) return "";
+  const std::set<std::string> fitted = panoramas_of_estimates(read_file(k_cross_validated, "estimates"));
+  const std::vector<std::string> panoramas = find_panoramas(sources.panoramas);
+  size_t known = 0;
+  for (const std::string& path : panoramas) known += fitted.count(stem_of(path));
+  if (known == 0) return "";
+  return std::to_string(known) + " of " + std::to_string(panoramas.size()) +
+         " panoramas are of places that the network was fitted to: what it does there is no test. Of places that it "
+         "never saw `sandglass verify lighting` on the data folder has the cross-validated estimates.\n";
+}
+
+// Of the panoramas, four turns of the camera each: how much the light wanders in the world.
+void add_turns(const LightingSources& sources, std::vector<Verdict>* rows) {
+  const std::vector<std::string> paths = find_panoramas(sources.panoramas);
+  double filtered = 0, latest = 0, labels = 0, fixed = 0, turns = 0;
+  Progress progress("turning the camera", paths.size());
+  for (size_t i = 0; i < paths.size() && !interrupted(); ++i) {
+    const LitPanorama panorama(paths[i]);
+    for (int quarter = 0; quarter < 4 && !interrupted(); ++quarter, ++turns) {
+      const Turn turn = turn_camera(sources.network, panorama, 0.5 * M_PI * quarter);
+      filtered += wander_deg(turn.filtered), latest += wander_deg(turn.latest);
+      labels += wander_deg(turn.labels), fixed += wander_deg(turn.fixed);
+    }
+    progress.done(i + 1);
+  }
+  const double infinity = std::numeric_limits<double>::infinity();
+  const auto report = [&](const char* name, double sum) {
+    rows->push_back({"lighting", std::string("camera turns by 90 deg, light wanders: ") + name, "deg", 0.0, sum / turns,
+                     infinity, true, false});
+  };
+  report("labels", labels), report("network, unfiltered", latest), report("fixed to the camera", fixed);
+  report("network", filtered);
+}
+
+LightEstimator chosen_estimator(const LightingSources& sources, const Options& options) {
+  if (!sources.network.empty()) return estimator_of(sources.network, find_isa(options.isa));
+  return estimates_of_csv(read_file(sources.estimates, "estimates"), sources.estimates);
+}
+
+void write_folder(const std::string& folder, const LightingVerdicts& verdicts, const std::string& said) {
+  make_folder(folder);
+  write_file(folder + "/lighting.csv", lighting_csv(verdicts));
+  write_file(folder + "/lighting.txt", said + lighting_table(verdicts));
+  write_file(folder + "/estimates.csv", estimates_csv(verdicts));
+  write_verdicts(folder, verdicts.rows);
+  write_png(folder + "/lighting.png", picture_grid(verdicts.pictures, 8, 4));
+  std::printf("%s: lighting.csv, lighting.txt, lighting.png, verify.csv, verify.md\n", folder.c_str());
+}
+
+int verify(const Options& options) {
+  const LightingSources sources = lighting_sources(options);
+  const bool in_bytes = !sources.network.empty() && !is_float(sources.network);
+  LightingVerdictOptions lighting;
+  lighting.panoramas = sources.panoramas, lighting.manifest = sources.manifest;
+  lighting.views = options.views, lighting.samples = options.samples, lighting.threads = options.threads;
+  lighting.estimator = chosen_estimator(sources, options);
+  const std::string said = said_of_training(sources);
+  std::fputs(said.c_str(), stdout);
+  lighting.object = named_mesh(options.object);
+  LightingVerdicts verdicts = verify_lighting(lighting);
+  if (interrupted()) return k_exit_interrupted;
+  std::printf("%zu views of %zu panoramas, estimates: %s\n\n%s\n", verdicts.views.size(), verdicts.pictures.size(),
+              sources.network.empty() ? sources.estimates.c_str() : sources.network.c_str(),
+              lighting_table(verdicts).c_str());
+  if (in_bytes) add_turns(sources, &verdicts.rows);
+  if (interrupted()) return k_exit_interrupted;
+  print_verdicts(verdicts.rows);
+  if (!options.json.empty())
+    write_file(options.json, measurements_json(measurements_of("lighting", in_bytes ? "int8" : "f32", options.threads,
+                                                               verdicts.rows)));
+  if (!options.out.empty()) write_folder(options.out, verdicts, said);
+  return count_failed(verdicts.rows) > 0 ? k_exit_check_failed : k_exit_done;
+}
+
+}  // namespace
+
+void add_verify_lighting(Command& verify_command) {
+  const auto options = std::make_shared<Options>();
+  Command& command = verify_command.add_command("lighting", "Light: estimates against labels and baselines");
+  command.add("--panoramas FILES", options->panoramas, "Files that end in .hdr or .exr, or folders of them")
+      .by_default("the interiors of SANDGLASS_DATA_DIR");
+  command.add("--manifest FILE", options->manifest,
+              "CSV with the columns file, group and fold: which panoramas show the same place");
+  Option& network =
+      command
+          .add("--network FILE", options->network, "Network that estimates, run as in an app; of a file .npz in float")
+          .by_default("the shipped one for --panoramas");
+  command.add("--estimates FILE", options->estimates, "Estimates of all views, as train.py writes them")
+      .by_default("the cross-validated ones for SANDGLASS_DATA_DIR")
+      .excludes(network);
+  command.add("--object MESH", options->object, "Object that is lit: a mesh file, or the name of a generated mesh");
+  command.add("--views N", options->views, "Views of each panorama").checked(whole_number(1, 8));
+  command.add("--samples N", options->samples, "Paths a pixel; 0 renders nothing").checked(whole_number(0, 4096));
+  command.add("--out FOLDER", options->out, "Write tables and pictures into this folder");
+  add_threads(command, options->threads);
+  add_isa(command, options->isa);
+  add_json(command, options->json);
+  command.runs([options] {
+    listen_for_interrupt();
+    return verify(*options);
+  });
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,115 @@
+// `sandglass verify shot`: composites against path traced truth, and the sand's own shadow against cast rays.
+#include <algorithm>
+#include <cstdio>
+#include <utility>
+
+#include "models/compositing/light_estimate.h"
+#include "models/files/atomic_file.h"
+#include "models/laboratory/shot/verify_shot.h"
+#include "models/lighting/dataset.h"
+#include "models/program/command_line.h"
+#include "models/program/commands.h"
+#include "models/program/verify.h"
+#include "models/work/failure.h"
+#include "models/work/progress.h"
+
+namespace sandglass::host {
+
+namespace {
+
+struct Options {
+  std::string json, out, network;
+  std::vector<std::string> panoramas;
+  uint64_t seed = 0;
+  uint32_t threads = 1;
+};
+
+// The panoramas of the options, or the data folder's interiors.
+std::vector<std::string> chosen_panoramas(const Options& options) {
+  if (!options.panoramas.empty()) return find_panoramas(options.panoramas);
+  if (data_folder().empty()) throw no_panoramas("shots");
+  return find_panoramas({data_folder() + "/hdri/indoor"});
+}
+
+// The views of a study, against each ablation; returns how many comparisons are lost.
+uint32_t judge_views(const ShotStudy& study, std::vector<Measurement>* measurements) {
+  uint32_t failed = 0;
+  for (const ShotVariant ablation : {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light})
+    for (int m = 0; m < k_shot_metrics; ++m) {
+      const bool pass = study.beats(ablation, m);
+      if (!pass) std::printf("FAIL: true labels do not beat %s in %s\n", name_of(ablation), shot_metric_name(m));
+      failed += pass ? 0 : 1;
+      Measurement row;
+      row.suite = "shot", row.scene = name_of(ablation), row.metric = shot_metric_name(m), row.isa = "automatic";
+      row.value = study.mean[static_cast<int>(ablation)][m];
+      row.judgement = Measurement::Judgement{study.mean[0][m], study.mean[0][m], pass, true};
+      measurements->push_back(row);
+    }
+  return failed;
+}
+
+uint32_t judge_pile_shadow(const std::vector<PileShadowError>& lights, std::vector<Measurement>* measurements) {
+  const PileShadowError whole = whole_of(lights);
+  const bool pass = holds(whole);
+  if (!pass) std::printf("FAIL: the shadow of the sand\n");
+  const std::pair<const char*, const PileShadowError::Part*> parts[] = {
+      {"clear floor", &whole.clear}, {"floor among grains", &whole.among_grains}, {"on the sand", &whole.on_sand}};
+  for (const auto& [name, part] : parts) {
+    Measurement row;
+    row.suite = "shot", row.scene = "shadow of the sand, " + std::string(name), row.metric = "RMSE of visibility";
+    row.isa = "automatic", row.value = part->rmse;
+    row.judgement = Measurement::Judgement{0.0, part->without, pass, false};
+    measurements->push_back(row);
+  }
+  return pass ? 0 : 1;
+}
+
+int verify(const Options& options) {
+  ShotStudyOptions study;
+  study.panoramas = chosen_panoramas(options);
+  study.network = options.network.empty() ? shipped_light_network() : options.network;
+  study.folder = options.out, study.threads = options.threads, study.seed = options.seed;
+  if (options.seed > 0) study.views = study.panoramas.size();
+  if (!study.folder.empty()) make_folder(study.folder);
+  ShotStudy result;
+  {
+    Progress progress("compositing and tracing views", std::min(study.views, study.panoramas.size()));
+    result = study_shots(study, [&](size_t done) {
+      progress.done(done);
+      return !interrupted();
+    });
+  }
+  if (interrupted()) return k_exit_interrupted;
+  if (study.network.empty()) std::printf("no lighting network: without estimates\n");
+  std::vector<Measurement> measurements;
+  uint32_t failed = judge_views(result, &measurements);
+  const std::vector<PileShadowError> pile = study_pile_shadow();
+  failed += judge_pile_shadow(pile, &measurements);
+  const std::string text = shot_study_text(result) + "\n" + pile_shadow_text(pile);
+  std::fputs(text.c_str(), stdout);
+  if (!study.folder.empty()) write_file(study.folder + "/shot.md", text);
+  if (!options.json.empty()) write_file(options.json, measurements_json(measurements));
+  return failed > 0 ? k_exit_check_failed : k_exit_done;
+}
+
+}  // namespace
+
+void add_verify_shot(Command& verify_command) {
+  const auto options = std::make_shared<Options>();
+  Command& command = verify_command.add_command("shot", "Whole pictures: composites against path traced truth");
+  command.add("--panoramas FILES", options->panoramas, "Files that end in .hdr or .exr, or folders of them")
+      .by_default("the interiors of SANDGLASS_DATA_DIR");
+  command.add("--network FILE", options->network, "Network that estimates the light").by_default("the shipped one");
+  command.add("--seed N", options->seed,
+              "Where the cameras look: 0 for the study of 20 views, others in all panoramas");
+  command.add("--out FOLDER", options->out,
+              "Write the table and pictures into this folder; a later run goes on from it");
+  add_threads(command, options->threads);
+  add_json(command, options->json);
+  command.runs([options] {
+    listen_for_interrupt();
+    return verify(*options);
+  });
+}
+
+}  // namespace sandglass::host

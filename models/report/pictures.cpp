@@ -1,0 +1,220 @@
+// The contact sheet comes first, so that an interrupted run has it.
+#include "models/report/pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+
+#include "models/files/atomic_file.h"
+#include "models/files/image.h"
+#include "models/simulation/scene_file.h"
+#include "models/work/failure.h"
+#include "models/work/progress.h"
+
+namespace sandglass::host {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int k_cell_width = 640, k_cell_height = 480, k_columns = 4;
+constexpr size_t k_grain_cells = 12, k_particle_cells = 4;
+constexpr int k_gap = 6;  // pixels between cells
+constexpr int k_large_width = 1280, k_large_height = 960;
+constexpr double k_film_period = 0.04;                  // seconds; 25 pictures a second
+constexpr double k_snapshot_bytes = 768.0 * 1048576.0;  // memory for all snapshots of a run
+constexpr int k_gif_width = 320, k_gif_height = 240;
+constexpr int k_page_quality = 88, k_sheet_quality = 80;  // of JPEG
+constexpr int k_plain_samples = 3;                        // per pixel and axis
+constexpr Colour k_ink = {20, 24, 30};
+
+Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& base, bool particles, int width,
+             int height) {
+  SceneView view = base;
+  const uint32_t particle_count = static_cast<uint32_t>(snapshot.particles.size() / 3);
+  const uint32_t grain_count = static_cast<uint32_t>(snapshot.grains.size() / 3);
+  particles = particles || grain_count == 0;
+  view.spheres = particles ? snapshot.particles : snapshot.grains;
+  view.radius = particles ? static_cast<float>(set.particle_radius)
+                          : drawn_grain_radius(set.particle_radius, particle_count, grain_count);
+  view.colliders = snapshot.colliders;
+  view.shadows = snapshot.shadows;
+  view.to_light = snapshot.to_light;
+  RenderOptions options;
+  options.width = width, options.height = height, options.threads = set.threads;
+  options.plain = set.plain, options.scale = !set.plain;
+  if (set.plain) options.samples = k_plain_samples;
+  Picture picture =
+      set.painter && !particles ? set.painter(snapshot, width, height, set.threads) : render(view, options);
+  if (set.plain) return picture;
+  char label[96];
+  std::snprintf(label, sizeof label, "%s  t = %.2f s  frame %u%s", set.title.c_str(), snapshot.time, snapshot.frame,
+                particles ? "  particles" : "");
+  draw_text(&picture, 8, 8, std::max(1, height / 300), label, k_ink);
+  return picture;
+}
+
+size_t evenly(size_t index, size_t count, size_t total) {
+  return count <= 1 ? total - 1 : (index * (total - 1) + (count - 1) / 2) / (count - 1);
+}
+
+std::string frame_name(size_t index) {
+  char name[40];
+  std::snprintf(name, sizeof name, "frame_%06zu.png", index);
+  return name;
+}
+
+// A path between quotes that the shell leaves alone.
+std::string quoted(const std::string& path) {
+  std::string text = "'";
+  for (const char c : path) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+bool have_ffmpeg() { return std::system("ffmpeg -version >/dev/null 2>&1") == 0; }
+
+std::string write_film(const PictureSet& set, const std::vector<Picture>& small, const std::string& frames_folder) {
+  const double rate = 1.0 / set.seconds_per_snapshot;
+  if (have_ffmpeg()) {
+    const std::string film = (fs::path(set.folder) / "film.mp4").string(), unfinished = unfinished_name(film);
+    char command_rate[32];
+    std::snprintf(command_rate, sizeof command_rate, "%.6g", rate);
+    const std::string command = "ffmpeg -v error -y -framerate " + std::string(command_rate) + " -i " +
+                                quoted((fs::path(frames_folder) / "frame_%06d.png").string()) +
+                                " -pix_fmt yuv420p -movflags +faststart " + quoted(unfinished) +
+                                " </dev/null >/dev/null 2>&1";
+    if (std::system(command.c_str()) == 0) {
+      finish_file(film);
+      return film;
+    }
+    std::remove(unfinished.c_str());  // an ffmpeg without an H.264 encoder: the GIF remains
+  }
+  const std::string film = (fs::path(set.folder) / "film.gif").string();
+  write_gif(film, small, std::max(2, static_cast<int>(std::lround(100.0 * set.seconds_per_snapshot))));
+  return film;
+}
+
+Picture halved(const Picture& picture) {
+  Picture small(k_gif_width, k_gif_height, {0, 0, 0});
+  for (int y = 0; y < k_gif_height; ++y)
+    for (int x = 0; x < k_gif_width; ++x)
+      for (int c = 0; c < 3; ++c)
+        small.at(x, y)[c] =
+            static_cast<uint8_t>((picture.at(2 * x, 2 * y)[c] + picture.at(2 * x + 1, 2 * y)[c] +
+                                  picture.at(2 * x, 2 * y + 1)[c] + picture.at(2 * x + 1, 2 * y + 1)[c] + 2) /
+                                 4);
+  return small;
+}
+
+}  // namespace
+
+// For the report's page. `particles` is null where the sheet has none.
+static std::vector<PageFigure> page_figures(const PictureSet& set, const std::vector<Snapshot>& snapshots,
+                                            const SceneView& view, const Picture& first, const Picture& last,
+                                            const Picture* particles, const Picture& sheet) {
+  const Snapshot &begin = snapshots.front(), &end = snapshots.back();
+  const ImageFile last_file = jpeg_file(last, k_page_quality);
+  char moments[96];
+  std::snprintf(moments, sizeof moments, "The scene at %.2f s and at %.2f s.", begin.time, end.time);
+  std::vector<PageFigure> figures = {
+      {"First and last frame", moments, jpeg_file(first, k_page_quality), last_file, "first", "last", false}};
+  if (!end.shadows.empty()) {
+    Snapshot bare = end;
+    for (FloorShadow& shadow : bare.shadows) shadow.opacity = 0.0;
+    const Picture without = draw(set, bare, view, false, k_cell_width, k_cell_height);
+    figures.push_back({"The standing object's shadow", "One texture on the floor, computed within the frames' budget.",
+                       jpeg_file(without, k_page_quality), last_file, "without", "with", false});
+  }
+  if (particles != nullptr)
+    figures.push_back({"What is simulated, what is drawn",
+                       "Particles carry contacts and friction; grains are carried along by them.",
+                       jpeg_file(*particles, k_page_quality), last_file, "particles", "grains", false});
+  PageFigure all;
+  all.title = "Contact sheet";
+  all.caption = "The run from left to right and top to bottom; where there are grains, the last row shows particles.";
+  all.picture = jpeg_file(sheet, k_sheet_quality);
+  all.wide = figures.size() % 2 == 0;  // else it fills the last row of pairs
+  figures.push_back(std::move(all));
+  return figures;
+}
+
+uint32_t snapshot_step(uint32_t frames, double frame_step, uint32_t particles, uint32_t grains) {
+  const double bytes = 12.0 * (static_cast<double>(particles) + grains) * frames;
+  const double step = std::max({1.0, std::round(k_film_period / frame_step), std::ceil(bytes / k_snapshot_bytes)});
+  return static_cast<uint32_t>(step);
+}
+
+// The moments of the sheet's grains.
+static std::vector<Snapshot> moments(const std::vector<Snapshot>& snapshots) {
+  const size_t count = std::min(k_grain_cells, snapshots.size());
+  std::vector<Snapshot> few;
+  for (size_t i = 0; i < count; ++i) few.push_back(snapshots[evenly(i, count, snapshots.size())]);
+  return few;
+}
+
+PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& snapshots) {
+  PicturePaths paths;
+  if (snapshots.empty()) return paths;
+  if (!set.film && snapshots.size() > k_grain_cells) return draw_pictures(set, moments(snapshots));
+  SceneView view;
+  std::vector<Bounds> boxes;
+  for (const Snapshot& snapshot : snapshots) {
+    boxes.emplace_back().add_most(snapshot.grains.empty() ? snapshot.particles : snapshot.grains);
+    if (boxes.back().empty()) continue;
+    view.bounds.add(boxes.back().low);
+    view.bounds.add(boxes.back().high);
+  }
+  if (view.bounds.empty()) throw cannot("draw", set.title, "no particle has a finite position", "Report this");
+  view.camera = set.camera ? *set.camera : automatic_camera(boxes, static_cast<double>(k_cell_width) / k_cell_height);
+
+  const size_t total = snapshots.size();
+  Progress progress("drawing", total + k_particle_cells + 2);
+  uint64_t drawn = 0;
+  std::vector<Picture> film(total), cells;
+  const auto film_picture = [&](size_t i) -> const Picture& {
+    if (film[i].width == 0) {
+      film[i] = draw(set, snapshots[i], view, false, k_cell_width, k_cell_height);
+      progress.done(++drawn);
+    }
+    return film[i];
+  };
+  const size_t grain_cells = std::min(k_grain_cells, total), particle_cells = std::min(k_particle_cells, total);
+  for (size_t i = 0; i < grain_cells; ++i) cells.push_back(film_picture(evenly(i, grain_cells, total)));
+  if (!snapshots[0].grains.empty()) {
+    while (cells.size() % k_columns != 0) cells.emplace_back(k_cell_width, k_cell_height, Colour{255, 255, 255});
+    for (size_t i = 0; i < particle_cells; ++i) {
+      cells.push_back(draw(set, snapshots[evenly(i, particle_cells, total)], view, true, k_cell_width, k_cell_height));
+      progress.done(++drawn);
+    }
+  }
+  paths.sheet = (fs::path(set.folder) / "contact_sheet.png").string();
+  const Picture sheet = picture_grid(cells, k_columns, k_gap);
+  write_png(paths.sheet, sheet);
+  paths.last = (fs::path(set.folder) / "last_frame.png").string();
+  write_png(paths.last, draw(set, snapshots.back(), view, false, k_large_width, k_large_height));
+  progress.done(++drawn);
+  paths.figures = page_figures(set, snapshots, view, film_picture(0), film_picture(total - 1),
+                               snapshots[0].grains.empty() ? nullptr : &cells.back(), sheet);
+  progress.done(++drawn);
+
+  if (!set.film || interrupted()) return paths;
+  const std::string folder = (fs::path(set.folder) / "frames").string();
+  make_folder(folder);
+  std::error_code ignored;
+  for (size_t i = total; fs::remove(fs::path(folder) / frame_name(i), ignored); ++i) {
+  }  // of an earlier, longer run
+  std::vector<Picture> small;
+  for (size_t i = 0; i < total; ++i) {
+    if (interrupted()) return paths;
+    const Picture& picture = film_picture(i);
+    write_png((fs::path(folder) / frame_name(i)).string(), picture);
+    small.push_back(halved(picture));
+    film[i] = {};
+  }
+  paths.film = write_film(set, small, folder);
+  return paths;
+}
+
+}  // namespace sandglass::host

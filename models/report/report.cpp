@@ -1,0 +1,257 @@
+// Numbers are written by snprintf, not by streams: the same text whatever the locale of the machine.
+#include "models/report/report.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdarg>
+#include <cstdio>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "models/simulation/metrics.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr size_t k_event_limit = 4'000'000;  // unit events kept; a trace beyond that opens in no viewer
+
+uint64_t steady_ns() {
+  return static_cast<uint64_t>(
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+          .count());
+}
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void add(std::string* text, const char* format, ...) {
+  char line[512];
+  va_list arguments;
+  va_start(arguments, format);
+  const int length = std::vsnprintf(line, sizeof line, format, arguments);
+  va_end(arguments);
+  text->append(line, static_cast<size_t>(std::clamp(length, 0, static_cast<int>(sizeof line) - 1)));
+}
+
+double ms(uint64_t ns) { return static_cast<double>(ns) * 1e-6; }
+
+}  // namespace
+
+TraceRecorder::TraceRecorder() : origin_ns_(steady_ns()) {}
+uint64_t TraceRecorder::now_ns() const { return steady_ns() - origin_ns_; }
+sandglass_trace TraceRecorder::hook() { return {begin, end, this}; }
+
+void TraceRecorder::begin(void* user, const char*) {
+  TraceRecorder* recorder = static_cast<TraceRecorder*>(user);
+  recorder->open_.push_back(recorder->now_ns());
+}
+
+void TraceRecorder::end(void* user, const char* name) {
+  TraceRecorder* recorder = static_cast<TraceRecorder*>(user);
+  if (recorder->open_.empty()) return;
+  if (recorder->events.size() < k_event_limit)
+    recorder->events.push_back({name, recorder->open_.back(), recorder->now_ns()});
+  recorder->open_.pop_back();
+}
+
+const char* stage_name(sandglass_stage stage) {
+  constexpr const char* k_names[SANDGLASS_STAGE_COUNT] = {"granular", "lighting", "shadow", "refine", "output"};
+  return stage >= 0 && stage < SANDGLASS_STAGE_COUNT ? k_names[stage] : "unknown";
+}
+
+Distribution distribution(std::vector<double> values) {
+  Distribution d;
+  if (values.empty()) return d;
+  for (const double value : values) d.mean += value;
+  d.mean /= static_cast<double>(values.size());
+  d.p50 = quantile(values, 0.50);
+  d.p95 = quantile(values, 0.95);
+  d.p99 = quantile(values, 0.99);
+  d.p999 = quantile(values, 0.999);
+  d.max = quantile(values, 1.0);
+  return d;
+}
+
+Summary summarise(const std::vector<FrameRow>& frames) {
+  Summary summary;
+  std::vector<double> elapsed, wall, cpu, stages[SANDGLASS_STAGE_COUNT];
+  for (const FrameRow& row : frames) {
+    const sandglass_frame_report& r = row.report;
+    elapsed.push_back(ms(r.elapsed_ns));
+    wall.push_back(row.wall_ms);
+    cpu.push_back(row.cpu_ms);
+    for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) stages[stage].push_back(ms(r.stages[stage].elapsed_ns));
+    if (r.elapsed_ns > r.budget_ns) {
+      ++summary.misses;
+      summary.worst_overrun_ms = std::max(summary.worst_overrun_ms, ms(r.elapsed_ns - r.budget_ns));
+    }
+    const uint64_t promised = std::max(r.budget_ns, r.mandatory_ns);
+    if (r.elapsed_ns > promised && r.elapsed_ns - promised > r.last_unit_ns) ++summary.beyond_guarantee;
+    if (r.level >= summary.level_frames.size()) summary.level_frames.resize(r.level + 1, 0);
+    ++summary.level_frames[r.level];
+    summary.level_worst = std::max(summary.level_worst, r.level);
+    summary.dropped_contacts += r.dropped_contacts;
+    summary.quarantined += r.quarantined;
+    summary.ignored_colliders += r.ignored_colliders;
+    summary.clock_faults += r.clock_fault;
+  }
+  if (!frames.empty()) {
+    summary.budget_ms = ms(frames.back().report.budget_ns);
+    summary.time_debt = frames.back().report.time_debt;
+    summary.simulated_time = frames.back().report.simulated_time;
+  }
+  summary.elapsed = distribution(std::move(elapsed));
+  summary.wall = distribution(std::move(wall));
+  summary.cpu = distribution(std::move(cpu));
+  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+    summary.stages[stage] = distribution(std::move(stages[stage]));
+  return summary;
+}
+
+std::string report_csv(const RunReport& report) {
+  std::string text = "frame,level,budget_ms,elapsed_ms,mandatory_ms,last_unit_ms,longest_unit_ms,wall_ms,cpu_ms,";
+  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+    for (const char* column : {"_ms,", "_units,", "_denied,"}) text += std::string(stage_name(stage)) + column;
+  text +=
+      "simulated_s,debt_s,grain_lag_s,substep_s,substeps,list_builds,particles,grains,dropped_contacts,quarantined,"
+      "ignored_colliders,speed_max,clock_fault,pending_shadows,shadow_age,light_x,light_y,light_z,light_r,light_g,"
+      "light_b,ambient_r,ambient_g,ambient_b,contrast,confidence,light_changed,light_units_left\n";
+  for (const FrameRow& row : report.frames) {
+    const sandglass_frame_report& r = row.report;
+    add(&text, "%llu,%u,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f", static_cast<unsigned long long>(r.frame), r.level,
+        ms(r.budget_ns), ms(r.elapsed_ns), ms(r.mandatory_ns), ms(r.last_unit_ns), ms(r.longest_unit_ns), row.wall_ms,
+        row.cpu_ms);
+    for (const sandglass_stage_report& stage : r.stages)
+      add(&text, ",%.6f,%u,%u", ms(stage.elapsed_ns), stage.units, stage.denied);
+    add(&text, ",%.6f,%.6f,%.6f,%.9f,%u,%u,%u,%u,%u,%u,%u,%.6g,%u,%u,%u", r.simulated_time, r.time_debt,
+        static_cast<double>(r.grain_lag), static_cast<double>(r.substep), r.substeps, r.list_builds, r.particles,
+        r.grains, r.dropped_contacts, r.quarantined, r.ignored_colliders, static_cast<double>(r.speed_max),
+        r.clock_fault, r.pending_shadows, r.shadow_age);
+    const FrameLight& l = row.light;
+    const auto cell = [&](bool known, double value) {
+      if (known) add(&text, ",%.6f", value);
+      else text += ',';
+    };
+    for (const double value : l.towards) cell(l.known, value);
+    for (const double value : l.light) cell(l.coloured, value);
+    for (const double value : l.ambient) cell(l.coloured, value);
+    cell(l.coloured, l.contrast), cell(l.confidence >= 0.0, l.confidence);
+    add(&text, ",%u,%u\n", r.light_changed, r.light_units_left);
+  }
+  return text;
+}
+
+std::string report_trace(const RunReport& report) {
+  // Track 1 holds the frames; every stage gets its own, by the part of the unit's name before the dot.
+  std::map<std::string, int> tracks;
+  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) tracks.emplace(stage_name(stage), stage + 2);
+  const auto track_of = [&](const std::string& name) {
+    const std::string stage = name.substr(0, name.find('.'));
+    return tracks.emplace(stage, static_cast<int>(tracks.size()) + 2).first->second;
+  };
+  std::string text = "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n";
+  std::string events;
+  for (const UnitEvent& unit : report.units)
+    add(&events, ",\n{\"ph\":\"X\",\"pid\":1,\"tid\":%d,\"name\":\"%s\",\"ts\":%.3f,\"dur\":%.3f}", track_of(unit.name),
+        unit.name, static_cast<double>(unit.begin_ns) * 1e-3, static_cast<double>(unit.end_ns - unit.begin_ns) * 1e-3);
+  for (const FrameRow& row : report.frames) {
+    const sandglass_frame_report& r = row.report;
+    const double at = static_cast<double>(row.begin_ns) * 1e-3;
+    add(&events,
+        ",\n{\"ph\":\"X\",\"pid\":1,\"tid\":1,\"name\":\"frame "
+        "%llu\",\"ts\":%.3f,\"dur\":%.3f,\"args\":{\"level\":%u,\"substeps\":%u}}",
+        static_cast<unsigned long long>(r.frame), at, row.wall_ms * 1e3, r.level, r.substeps);
+    add(&events,
+        ",\n{\"ph\":\"C\",\"pid\":1,\"name\":\"time (ms)\",\"ts\":%.3f,\"args\":{\"budget\":%.6f,\"elapsed\":%.6f}}",
+        at, ms(r.budget_ns), ms(r.elapsed_ns));
+    add(&events, ",\n{\"ph\":\"C\",\"pid\":1,\"name\":\"debt (ms)\",\"ts\":%.3f,\"args\":{\"debt\":%.6f}}", at,
+        r.time_debt * 1e3);
+    add(&events, ",\n{\"ph\":\"C\",\"pid\":1,\"name\":\"level\",\"ts\":%.3f,\"args\":{\"level\":%u}}", at, r.level);
+  }
+  add(&text, "{\"ph\":\"M\",\"pid\":1,\"name\":\"process_name\",\"args\":{\"name\":\"sandglass\"}}");
+  add(&text, ",\n{\"ph\":\"M\",\"pid\":1,\"tid\":1,\"name\":\"thread_name\",\"args\":{\"name\":\"frame\"}}");
+  for (const auto& [name, track] : tracks)
+    add(&text, ",\n{\"ph\":\"M\",\"pid\":1,\"tid\":%d,\"name\":\"thread_name\",\"args\":{\"name\":\"%s\"}}", track,
+        name.c_str());
+  return text + events + "\n]}\n";
+}
+
+namespace {
+
+nlohmann::ordered_json json_of(const Distribution& d) {
+  return {{"mean", d.mean}, {"p50", d.p50}, {"p95", d.p95}, {"p99", d.p99}, {"p99.9", d.p999}, {"max", d.max}};
+}
+
+void add_row(std::string* text, const char* name, const Distribution& d) {
+  add(text, "  %-22s %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f\n", name, d.mean, d.p50, d.p95, d.p99, d.p999, d.max);
+}
+
+std::string level_text(uint32_t level) {
+  const char* name = sandglass_level_name(level);
+  return std::to_string(level) + " (" + (name != nullptr ? name : "unnamed") + ")";
+}
+
+}  // namespace
+
+std::string report_summary_json(const RunReport& report) {
+  const Summary s = summarise(report.frames);
+  nlohmann::ordered_json file;
+  file["scene"] = report.scene;
+  file["isa"] = report.isa;
+  file["clock"] = report.clock;
+  file["threads"] = report.threads;
+  file["light"] = report.light;
+  file["interrupted"] = report.interrupted;
+  file["frames"] = report.frames.size();
+  file["particles"] = report.frames.empty() ? 0 : report.frames.back().report.particles;
+  file["grains"] = report.frames.empty() ? 0 : report.frames.back().report.grains;
+  file["memory_bytes"] = report.memory_bytes;
+  file["budget_ms"] = s.budget_ms;
+  file["elapsed_ms"] = json_of(s.elapsed);
+  file["wall_ms"] = json_of(s.wall);
+  file["cpu_ms"] = json_of(s.cpu);
+  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+    file["stages_ms"][stage_name(stage)] = json_of(s.stages[stage]);
+  file["misses"] = s.misses;
+  file["worst_overrun_ms"] = s.worst_overrun_ms;
+  file["beyond_guarantee"] = s.beyond_guarantee;
+  file["clock_faults"] = s.clock_faults;
+  file["simulated_time_s"] = s.simulated_time;
+  file["time_debt_s"] = s.time_debt;
+  for (uint32_t level = 0; level < s.level_frames.size(); ++level)
+    if (s.level_frames[level] > 0) file["frames_at_level"][level_text(level)] = s.level_frames[level];
+  file["dropped_contacts"] = s.dropped_contacts;
+  file["quarantined"] = s.quarantined;
+  file["ignored_colliders"] = s.ignored_colliders;
+  return file.dump(2) + "\n";
+}
+
+std::string report_summary_text(const RunReport& report) {
+  const Summary s = summarise(report.frames);
+  const size_t count = report.frames.size();
+  std::string text;
+  add(&text, "%s: %zu frames%s, %u particles, %u grains, %s, %u thread%s, %s clock, %.1f MiB\n", report.scene.c_str(),
+      count, report.interrupted ? " (interrupted)" : "", count == 0 ? 0 : report.frames.back().report.particles,
+      count == 0 ? 0 : report.frames.back().report.grains, report.isa.c_str(), report.threads,
+      report.threads == 1 ? "" : "s", report.clock.c_str(), static_cast<double>(report.memory_bytes) / 1048576.0);
+  add(&text, "  milliseconds a frame        mean       p50       p95       p99     p99.9       max\n");
+  add_row(&text, "budget used", s.elapsed);
+  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
+    add_row(&text, (std::string("  ") + stage_name(stage)).c_str(), s.stages[stage]);
+  add_row(&text, "wall time", s.wall);
+  add_row(&text, "CPU time, one thread", s.cpu);
+  add(&text, "  budget %.3f ms: %u of %zu frames over it, worst by %.3f ms; %u beyond the guarantee\n", s.budget_ms,
+      s.misses, count, s.worst_overrun_ms, s.beyond_guarantee);
+  add(&text, "  simulated %.3f s, debt %.4f s; quality", s.simulated_time, s.time_debt);
+  for (uint32_t level = 0; level < s.level_frames.size(); ++level)
+    if (s.level_frames[level] > 0) add(&text, " %s x %u", level_text(level).c_str(), s.level_frames[level]);
+  add(&text, "\n");
+  if (s.dropped_contacts + s.quarantined + s.ignored_colliders + s.clock_faults > 0)
+    add(&text, "  dropped contacts %llu, quarantined %llu, ignored colliders %llu, clock faults %u\n",
+        static_cast<unsigned long long>(s.dropped_contacts), static_cast<unsigned long long>(s.quarantined),
+        static_cast<unsigned long long>(s.ignored_colliders), s.clock_faults);
+  return text;
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,61 @@
+// From a panorama to what a camera inside it sees, and to the panorama as it would look from where an object is put.
+// Three frames: the panorama's (y up), the rotated one (y up, +z where the camera looks), and the camera's (x right,
+// y down, z forward). A direction (x, y, z) of the rotated frame is (-x, -y, z) in the camera's: a lamp on the ceiling
+// has camera y < 0, one on the right x > 0.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "models/rooms/panorama.h"
+
+namespace sandglass::host {
+
+constexpr int k_excerpt_width = 256, k_excerpt_height = 192;
+constexpr double k_excerpt_fov_deg = 85.0;  // diagonal
+constexpr int k_excerpts = 8;               // of a panorama
+constexpr int k_warped_width = 1024, k_warped_height = 512;
+constexpr double k_unknown_depth_insertion = 0.8, k_farthest_insertion = 0.95;
+
+struct View {
+  double theta, phi;  // where the camera looks, in the panorama's frame
+  Vec3 direction() const { return direction_of_angles(theta, phi); }
+};
+
+// Azimuth uniform, polar angle normal about the horizon with a deviation of 15 degrees, cut off at 30, and no two views
+// closer than 10 degrees (5.13, ERRATUM: differences of azimuth are wrapped; ERRATUM: the source's normal distribution
+// over a closed range is not one).
+std::array<View, k_excerpts> choose_views(uint64_t seed);
+
+// R = R_y(-(phi - pi/2)) R_x(theta - pi/2): rotated frame to panorama's frame, +z to the view direction (5.9, ERRATUM:
+// the source counts the turn about y twice).
+struct ViewRotation {
+  explicit ViewRotation(View view);
+  Vec3 to_panorama(Vec3 d) const { return columns[0] * d.x + columns[1] * d.y + columns[2] * d.z; }
+  Vec3 to_rotated(Vec3 d) const { return {dot(columns[0], d), dot(columns[1], d), dot(columns[2], d)}; }
+  Vec3 columns[3];
+};
+
+constexpr Vec3 rotated_to_camera(Vec3 d) { return {-d.x, -d.y, d.z}; }
+constexpr Vec3 camera_to_rotated(Vec3 d) { return {-d.x, -d.y, d.z}; }
+
+// Focal length in pixels of an image with this diagonal field of view (2.15); the principal point is its middle.
+double focal_length(int width, int height, double diagonal_fov_deg);
+
+// What a camera sees of a panorama, bilinear (5.10 - 5.12).
+RadianceMap cut_excerpt(const RadianceMap& panorama, View view, int width = k_excerpt_width,
+                        int height = k_excerpt_height, double diagonal_fov_deg = k_excerpt_fov_deg);
+
+// How far towards the view direction an object stands, in panorama radii: 1 - d_max / 10 m over the excerpt's depths
+// (5.22), within [0, 0.95]; 0.8 for an empty depth map.
+double insertion_radius(std::span<const float> depth, int depth_width, View view);
+
+// The panorama from radius * view direction, as if everything were on the unit sphere, turned so that the view is the
+// centre (5.14 - 5.21; ERRATUM (5.17): the middle coefficient is 2 (d . x_c) / |d|^2). Each pixel is the mean of four
+// places, as what lies behind the camera shrinks.
+RadianceMap warp(const RadianceMap& panorama, View view, double radius, int width = k_warped_width,
+                 int height = k_warped_height);
+
+}  // namespace sandglass::host

@@ -1,0 +1,176 @@
+#include "models/rooms/panorama_file.h"
+
+#include <stb_image_write.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <vector>
+
+#include "models/files/atomic_file.h"
+#include "models/work/failure.h"
+
+#ifdef SANDGLASS_HAVE_OPENEXR
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfInputFile.h>
+#endif
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr int k_widest = 16384, k_narrowest = 8;  // pixels
+
+std::string extension_of(const std::string& path) {
+  const size_t dot = path.find_last_of('.');
+  std::string extension = dot == std::string::npos ? "" : path.substr(dot);
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+// Radiance's format: lines of text, an empty one, the size, then rows of four bytes a pixel, each byte's column packed
+// in runs (or, in old files, plain). Not stb_image, whose release in Debian 12 never returns from a file that was cut
+// off.
+struct HdrReader {
+  const std::string& path;
+  const std::string& bytes;
+  size_t at = 0;
+
+  [[noreturn]] void damaged(const std::string& what) const {
+    throw cannot("read", path, "it " + what, "Export it again as Radiance .hdr");
+  }
+  std::string line() {
+    const size_t end = bytes.find('\n', at);
+    if (end == std::string::npos) damaged("ends within its header");
+    std::string text = bytes.substr(at, end - at);
+    at = end + 1;
+    return text;
+  }
+  uint8_t byte() {
+    if (at >= bytes.size()) damaged("is cut off");
+    return static_cast<uint8_t>(bytes[at++]);
+  }
+  void packed_column(std::vector<uint8_t>* row, int channel, int width) {
+    for (int u = 0; u < width;) {
+      const int count = byte(), run = count > 128 ? count - 128 : 0, length = run > 0 ? run : count;
+      if (length == 0 || u + length > width) damaged("has a run that does not fit its row");
+      uint8_t value = run > 0 ? byte() : uint8_t{0};
+      for (int i = 0; i < length; ++i, ++u) {
+        if (run == 0) value = byte();
+        (*row)[static_cast<size_t>(4 * u + channel)] = value;
+      }
+    }
+  }
+  RadianceMap read() {
+    const std::string kind = line();
+    if (kind != "#?RADIANCE" && kind != "#?RGBE") damaged("is not a Radiance file");
+    for (std::string text = line(); !text.empty(); text = line())
+      if (text.rfind("FORMAT=", 0) == 0 && text != "FORMAT=32-bit_rle_rgbe") damaged("is not in RGB");
+    int width = 0, height = 0;
+    const std::string size = line();
+    if (std::sscanf(size.c_str(), "-Y %d +X %d", &height, &width) != 2 || width < 1 || height < 1 || width > k_widest ||
+        height > k_widest)
+      damaged("has an unknown size line (\"" + size.substr(0, 40) + "\")");
+    RadianceMap map(width, height);
+    std::vector<uint8_t> row(4 * static_cast<size_t>(width));
+    for (int v = 0; v < height; ++v) {
+      for (size_t i = 0; i < 4; ++i) row[i] = byte();
+      if (width >= 8 && width < 32768 && row[0] == 2 && row[1] == 2 && row[2] * 256 + row[3] == width) {
+        for (int channel = 0; channel < 4; ++channel) packed_column(&row, channel, width);
+      } else {
+        for (size_t i = 4; i < row.size(); ++i) row[i] = byte();
+      }
+      for (int u = 0; u < width; ++u) {
+        const uint8_t* p = row.data() + 4 * u;
+        const double scale = p[3] > 0 ? std::ldexp(1.0, p[3] - 136) : 0.0;
+        map.set(u, v, {p[0] * scale, p[1] * scale, p[2] * scale});
+      }
+    }
+    return map;
+  }
+};
+
+#ifdef SANDGLASS_HAVE_OPENEXR
+RadianceMap decode_exr(const std::string& path) {
+  try {
+    Imf::InputFile file(path.c_str());
+    const Imath::Box2i window = file.header().dataWindow();
+    const int64_t width = int64_t{window.max.x} - window.min.x + 1, height = int64_t{window.max.y} - window.min.y + 1;
+    if (width > k_widest || height > k_widest)
+      throw cannot("read", path, "it is wider than " + std::to_string(k_widest) + " pixels", "Scale it down");
+    for (const char* channel : {"R", "G", "B"})
+      if (file.header().channels().findChannel(channel) == nullptr)
+        throw cannot("read", path, std::string("it has no channel ") + channel, "Export it with R, G and B");
+    RadianceMap map(static_cast<int>(width), static_cast<int>(height));
+    Imf::FrameBuffer buffer;
+    const char* names[] = {"R", "G", "B"};
+    for (size_t k = 0; k < 3; ++k)
+      buffer.insert(names[k], Imf::Slice::Make(Imf::FLOAT, map.rgb.data() + k, window, 3 * sizeof(float),
+                                               3 * sizeof(float) * static_cast<size_t>(width)));
+    file.setFrameBuffer(buffer);
+    file.readPixels(window.min.y, window.max.y);
+    return map;
+  } catch (const Failure&) {
+    throw;
+  } catch (const std::exception&) {
+    throw cannot("read", path, "it is missing, or no complete OpenEXR file", "Export it again");
+  }
+}
+#else
+RadianceMap decode_exr(const std::string& path) {
+  throw cannot("read", path, "this build does not read OpenEXR", "Convert it to .hdr");
+}
+#endif
+
+void append_bytes(void* context, void* data, int size) {
+  auto* bytes = static_cast<std::vector<uint8_t>*>(context);
+  const auto* begin = static_cast<const uint8_t*>(data);
+  bytes->insert(bytes->end(), begin, begin + size);
+}
+
+std::vector<uint8_t> encode_hdr(const RadianceMap& map) {
+  std::vector<uint8_t> bytes;
+  if (stbi_write_hdr_to_func(append_bytes, &bytes, map.width, map.height, 3, map.rgb.data()) == 0)
+    throw cannot("encode", ".hdr", "the picture has no pixel", "Make it larger");
+  return bytes;
+}
+
+}  // namespace
+
+bool reads_exr() {
+#ifdef SANDGLASS_HAVE_OPENEXR
+  return true;
+#else
+  return false;
+#endif
+}
+
+RadianceMap read_panorama(const std::string& path) {
+  RadianceMap map;
+  const std::string extension = extension_of(path);
+  if (extension == ".hdr") {
+    const std::string bytes = read_file(path, "panorama");
+    map = HdrReader{path, bytes}.read();
+  } else if (extension == ".exr") map = decode_exr(path);
+  else throw cannot("read", path, "it is neither .hdr nor .exr", "Convert it to one of them");
+  if (map.width < k_narrowest || map.width != 2 * map.height)
+    throw cannot("read", path,
+                 "it has " + std::to_string(map.width) + " x " + std::to_string(map.height) +
+                     " pixels, and a panorama is twice as wide as high",
+                 "Export it as equirectangular");
+  for (float& value : map.rgb) {
+    if (!std::isfinite(value))
+      throw cannot("read", path, "it has a pixel that is not a finite number", "Repair or export it again");
+    value = std::max(value, 0.0f);  // filters that sharpen leave radiance a little below 0 beside lamps
+  }
+  if (greatest_luminance(map) <= 0.0) throw cannot("read", path, "it is black everywhere", "Expose it");
+  return map;
+}
+
+void write_hdr(const std::string& path, const RadianceMap& map) { write_file(path, encode_hdr(map)); }
+
+}  // namespace sandglass::host

@@ -1,0 +1,183 @@
+#include "models/rooms/probe_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "models/tracing/frame.h"
+#include "models/tracing/ray_caster.h"
+#include "models/work/failure.h"
+#include "runtime/core/random.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr double k_pi = std::numbers::pi;
+constexpr double k_plane_side = 200.0, k_far = 1e4, k_lift = 1e-3;                          // object heights
+constexpr double k_camera_distance = 3.4, k_camera_elevation_deg = 32.0, k_fov_deg = 40.0;  // vertical field of view
+constexpr int k_bounces = 3;
+constexpr uint64_t k_probe_stream = 31;
+
+}  // namespace
+
+ProbeLight ProbeLight::environment(const RadianceMap& map, const ViewRotation& rotation) {
+  ProbeLight light;
+  light.kind_ = Kind::environment, light.map_ = &map, light.rotation_ = rotation;
+  light.cumulative_.reserve(map.rgb.size() / 3);
+  double sum = 0.0;
+  for (int v = 0; v < map.height; ++v)
+    for (int u = 0; u < map.width; ++u)
+      light.cumulative_.push_back(sum += luminance(map.colour(u, v)) * pixel_solid_angle(v, map.width, map.height));
+  return light;
+}
+
+ProbeLight ProbeLight::directional(Vec3 towards) {
+  ProbeLight light;
+  light.kind_ = Kind::directional, light.towards_ = towards;
+  return light;
+}
+
+ProbeLight ProbeLight::ambient() { return {}; }
+
+ProbeLight::Sample ProbeLight::sample(Vec3 normal, double a, double b) const {
+  if (kind_ == Kind::ambient) {
+    const Vec3 d = cosine_direction(normal, a, b);
+    const double weight = k_pi / std::max(dot(d, normal), 1e-6);
+    return {d, {weight, weight, weight}};
+  }
+  if (kind_ == Kind::directional) {
+    const double sine = std::sin(k_light_half_angle_deg * k_pi / 180.0), least = std::sqrt(1.0 - sine * sine);
+    const double cosine = 1.0 - a * (1.0 - least), ring = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+    const Vec3 d = Frame(towards_).world(ring * std::cos(2.0 * k_pi * b), ring * std::sin(2.0 * k_pi * b), cosine);
+    // Radiance pi / (pi sine^2) gives a facing surface the irradiance pi; the density is uniform over the cap.
+    const double weight = 2.0 * k_pi * (1.0 - least) / (sine * sine);
+    return {d, {weight, weight, weight}};
+  }
+  const double total = cumulative_.back(), at = a * total;
+  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end(), at);
+  const auto index = std::min<size_t>(static_cast<size_t>(found - cumulative_.begin()), cumulative_.size() - 1);
+  const double before = index > 0 ? cumulative_[index - 1] : 0.0, share = cumulative_[index] - before;
+  const int u = static_cast<int>(index) % map_->width, v = static_cast<int>(index) / map_->width;
+  const double within = share > 0.0 ? (at - before) / share : 0.5;
+  const Vec3 d = panorama_direction(u + within - 0.5, v + b - 0.5, map_->width, map_->height);
+  const Vec3 radiance = map_->colour(u, v);
+  const double bright = luminance(radiance);
+  return {rotation_.to_panorama(d), bright > 0.0 ? radiance * (total / bright) : Vec3{}};
+}
+
+#ifdef SANDGLASS_HAVE_EMBREE
+
+struct ProbeScene::State {
+  std::unique_ptr<RayCaster> caster;
+  uint32_t plane_from;  // the plane's triangles come last
+};
+
+ProbeScene::ProbeScene(const Mesh& object) : state_(std::make_unique<State>()) {
+  Vec3 low = {1e30, 1e30, 1e30}, high = {-1e30, -1e30, -1e30};
+  for (size_t i = 0; i < object.vertices.size(); i += 3) {
+    const float* p = object.vertices.data() + i;
+    low = {std::min<double>(low.x, p[0]), std::min<double>(low.y, p[1]), std::min<double>(low.z, p[2])};
+    high = {std::max<double>(high.x, p[0]), std::max<double>(high.y, p[1]), std::max<double>(high.z, p[2])};
+  }
+  if (!(high.y > low.y)) throw Failure("cannot light the object: it has no height. Name a solid mesh with --object.");
+  const double scale = 1.0 / (high.y - low.y);
+  Mesh scene = object;
+  for (size_t i = 0; i < scene.vertices.size(); i += 3) {
+    scene.vertices[i] = static_cast<float>((object.vertices[i] - 0.5 * (low.x + high.x)) * scale);
+    scene.vertices[i + 1] = static_cast<float>((object.vertices[i + 1] - low.y) * scale);
+    scene.vertices[i + 2] = static_cast<float>((object.vertices[i + 2] - 0.5 * (low.z + high.z)) * scale);
+  }
+  state_->plane_from = static_cast<uint32_t>(scene.indices.size() / 3);
+  const auto first = static_cast<uint32_t>(scene.vertices.size() / 3);
+  const float side = static_cast<float>(k_plane_side);
+  for (const float x : {-side, side})
+    for (const float z : {-side, side}) scene.vertices.insert(scene.vertices.end(), {x, 0.0f, z});
+  for (const uint32_t corner : {0u, 1u, 3u, 0u, 3u, 2u}) scene.indices.push_back(first + corner);
+  state_->caster = std::make_unique<RayCaster>(scene);
+  if (!state_->caster->error().empty()) throw Failure(state_->caster->error());
+}
+
+ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) const {
+  const double elevation = k_camera_elevation_deg * k_pi / 180.0;
+  const Vec3 ahead = direction_of_angles(0.5 * k_pi + elevation, view.phi);
+  const Vec3 target = {0.0, 0.42, 0.0}, eye = target - ahead * k_camera_distance;
+  const Vec3 right = normalised(cross(ahead, Vec3{0, 1, 0})), up = cross(right, ahead);
+  const double focal = 0.5 * k_height / std::tan(k_fov_deg * k_pi / 360.0);
+  const auto trace = [&](Vec3 origin, Vec3 direction) {
+    const float o[3] = {static_cast<float>(origin.x), static_cast<float>(origin.y), static_cast<float>(origin.z)};
+    const float d[3] = {static_cast<float>(direction.x), static_cast<float>(direction.y),
+                        static_cast<float>(direction.z)};
+    return state_->caster->closest(o, d, 0.0f, static_cast<float>(k_far));
+  };
+  const auto blocked = [&](Vec3 origin, Vec3 direction) {
+    const float o[3] = {static_cast<float>(origin.x), static_cast<float>(origin.y), static_cast<float>(origin.z)};
+    const float d[3] = {static_cast<float>(direction.x), static_cast<float>(direction.y),
+                        static_cast<float>(direction.z)};
+    return state_->caster->occluded(o, d, 0.0f, static_cast<float>(k_far));
+  };
+  ProbeImage image = {RadianceMap(k_width, k_height), std::vector<float>(k_width * k_height, -1.0f)};
+  for (int y = 0; y < k_height; ++y)
+    for (int x = 0; x < k_width; ++x) {
+      Random random = random_stream(static_cast<uint64_t>(y * k_width + x), k_probe_stream);
+      const double shift[4] = {random.uniform(), random.uniform(), random.uniform(), random.uniform()};
+      Vec3 sum;
+      double open = 0.0, arriving = 0.0;
+      int on_plane = 0;
+      for (int i = 0; i < samples; ++i) {
+        // Lattices of irrational steps (powers of 1 / 1.3247, the root of x^3 = x + 1), shifted by the pixel.
+        constexpr double k_steps[2] = {0.7548776662466927, 0.5698402909980532};
+        const auto even = [&](int dimension) {
+          const double value = shift[dimension] + i * k_steps[dimension % 2];
+          return value - std::floor(value);
+        };
+        Vec3 origin = eye;
+        Vec3 direction = normalised(ahead * focal + right * (x + random.uniform() - 0.5 * k_width) +
+                                    up * (0.5 * k_height - y - random.uniform()));
+        Vec3 throughput = {1, 1, 1};
+        for (int bounce = 0; bounce < k_bounces; ++bounce) {
+          const RayHit hit = trace(origin, direction);
+          if (!hit.hit) break;
+          Vec3 normal = {hit.normal[0], hit.normal[1], hit.normal[2]};
+          if (dot(normal, direction) > 0.0) normal = normal * -1.0;
+          const Vec3 point = origin + direction * hit.distance + normal * k_lift;
+          const bool first = bounce == 0;
+          const ProbeLight::Sample s =
+              first ? light.sample(normal, even(0), even(1)) : light.sample(normal, random.uniform(), random.uniform());
+          const double cosine = dot(s.direction, normal);
+          throughput = throughput * k_reflectance;
+          const bool plane = hit.triangle >= state_->plane_from;
+          if (first && plane) ++on_plane;
+          if (cosine > 0.0) {
+            const bool seen = !blocked(point, s.direction);
+            if (first && plane) arriving += luminance(s.weight) * cosine;
+            if (seen) {
+              sum = sum + product(throughput, s.weight) * (cosine / k_pi);
+              if (first && plane) open += luminance(s.weight) * cosine;
+            }
+          }
+          direction = first ? cosine_direction(normal, even(2), even(3))
+                            : cosine_direction(normal, random.uniform(), random.uniform());
+          origin = point;
+        }
+      }
+      image.radiance.set(x, y, sum * (1.0 / samples));
+      if (on_plane == samples)
+        image.lit[static_cast<size_t>(y * k_width + x)] = arriving > 0.0 ? static_cast<float>(open / arriving) : 1.0f;
+    }
+  return image;
+}
+
+#else
+
+struct ProbeScene::State {};
+ProbeScene::ProbeScene(const Mesh&) {
+  throw Failure("cannot light the object: this build lacks Embree. Install it, configure and build again.");
+}
+ProbeImage ProbeScene::render(const ProbeLight&, View, int) const { return {}; }
+
+#endif
+
+ProbeScene::~ProbeScene() = default;
+
+}  // namespace sandglass::host

@@ -1,4 +1,0 @@
-// batch_math.inl for baseline.
-#define SANDGLASS_BATCH_SET batch_baseline
-#define SANDGLASS_BATCH_EIGEN Eigen_baseline
-#include "models/shadow/batch_math.inl"

@@ -1,0 +1,118 @@
+// A revolved outline is asked for its exact distance at every node; a mesh goes through the library's own builder.
+#include "models/simulation/collision_fields.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/work/failure.h"
+
+namespace sandglass::host {
+
+namespace {
+
+struct Turned {
+  const Profile& profile;
+  double sign;
+};
+
+float turned_distance(void* user, const float p[3]) {
+  const Turned& turned = *static_cast<const Turned*>(user);
+  return static_cast<float>(turned.sign * revolved_distance(turned.profile, {p[0], p[1], p[2]}));
+}
+
+void require(const SceneFile& scene, size_t index, sandglass_status status, const char* const& reason) {
+  if (status == SANDGLASS_OK) return;
+  throw cannot("make the field of collider " + std::to_string(index) + " in", scene.source,
+               reason != nullptr ? reason : sandglass_status_name(status));
+}
+
+Block field_block(uint64_t bytes) { return new_block(bytes, "a collider's field", "enlarge its \"field_spacing\""); }
+
+}  // namespace
+
+void stand_mesh(Mesh* mesh, double height, const std::string& name) {
+  std::vector<float>& vertices = mesh->vertices;
+  float low[3], high[3];
+  for (size_t axis = 0; axis < 3; ++axis) {
+    low[axis] = high[axis] = vertices[axis];
+    for (size_t v = axis; v < vertices.size(); v += 3)
+      low[axis] = std::min(low[axis], vertices[v]), high[axis] = std::max(high[axis], vertices[v]);
+  }
+  if (!(high[1] > low[1]))
+    throw cannot("stand", name, "the mesh is flat, and a collider needs a height", "Turn it: y is up");
+  const float scale = static_cast<float>(height) / (high[1] - low[1]);
+  const float middle[3] = {0.5f * (low[0] + high[0]), low[1], 0.5f * (low[2] + high[2])};
+  for (size_t v = 0; v < vertices.size(); ++v) vertices[v] = (vertices[v] - middle[v % 3]) * scale;
+}
+
+CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path) {
+  const auto is_mesh = [](const ColliderTrack& track) {
+    return track.shape == SANDGLASS_SHAPE_FIELD && track.profile.empty();
+  };
+  const bool wanted = std::any_of(scene->colliders.begin(), scene->colliders.end(), is_mesh);
+  if (!wanted && !mesh_path.empty())
+    throw cannot("use --collider-mesh with", scene->source, "the scene has no collider of shape \"mesh\"",
+                 "Leave --collider-mesh out");
+  MeshResult argument;
+  if (!mesh_path.empty()) {
+    argument = load_mesh(mesh_path);
+    if (!argument) throw Failure(argument.error);
+  }
+  const double radius = scene->particle_radius;
+  for (size_t i = 0; i < scene->colliders.size(); ++i) {
+    ColliderTrack& track = scene->colliders[i];
+    if (track.shape != SANDGLASS_SHAPE_FIELD) continue;
+    const double spacing = track.field_spacing > 0.0 ? track.field_spacing : radius;
+    const double margin = std::max(3.0 * radius, 2.0 * spacing);
+    const sandglass_solid solid = track.solid_outside ? SANDGLASS_SOLID_OUTSIDE : SANDGLASS_SOLID_INSIDE;
+    const char* reason = nullptr;
+    float low[3], high[3];
+    uint64_t bytes = 0;
+    sandglass_field* field = nullptr;
+    if (!track.profile.empty()) {
+      double r = 0.0, bottom = 1e30, top = -1e30;
+      for (const auto& point : track.profile)
+        r = std::max(r, point[0]), bottom = std::min(bottom, point[1]), top = std::max(top, point[1]);
+      for (const int axis : {0, 2})
+        low[axis] = static_cast<float>(-r - margin), high[axis] = static_cast<float>(r + margin);
+      low[1] = static_cast<float>(bottom - margin), high[1] = static_cast<float>(top + margin);
+      require(*scene, i, sandglass_field_bytes(low, high, static_cast<float>(spacing), &bytes, &reason), reason);
+      blocks_.push_back(field_block(bytes));
+      Turned turned = {track.profile, track.solid_outside ? -1.0 : 1.0};
+      require(*scene, i,
+              sandglass_field_from_function(low, high, static_cast<float>(spacing), solid, turned_distance, &turned,
+                                            blocks_.back().get(), bytes, &field, &reason),
+              reason);
+    } else {
+      if (mesh_path.empty() && track.mesh.empty())
+        throw cannot("read", scene->source, "collider " + std::to_string(i) + " is a mesh without a file",
+                     "Name it with --collider-mesh FILE");
+      const MeshResult loaded = mesh_path.empty() ? make_named(track.mesh) : argument;
+      if (!loaded) throw Failure(loaded.error);
+      Mesh standing = loaded.mesh;
+      stand_mesh(&standing, track.size.y, mesh_path);
+      sandglass_mesh view = {standing.vertices.data(), standing.vertex_count(), standing.indices.data(),
+                             standing.triangle_count()};
+      require(*scene, i, sandglass_mesh_bounds(&view, low, high, &reason), reason);
+      for (int k = 0; k < 3; ++k) low[k] -= static_cast<float>(margin), high[k] += static_cast<float>(margin);
+      const sandglass_inside_rule rule =
+          loaded.report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
+      uint64_t inside_bytes = 0;
+      require(*scene, i, sandglass_mesh_inside_bytes(&view, rule, &inside_bytes, &reason), reason);
+      const Block inside_block = field_block(inside_bytes);
+      sandglass_mesh_inside* inside = nullptr;
+      require(*scene, i, sandglass_mesh_inside_create(&view, rule, inside_block.get(), inside_bytes, &inside, &reason),
+              reason);
+      require(*scene, i, sandglass_field_bytes(low, high, static_cast<float>(spacing), &bytes, &reason), reason);
+      blocks_.push_back(field_block(bytes));
+      require(*scene, i,
+              sandglass_field_from_mesh(&view, sandglass_mesh_inside_test, inside, low, high,
+                                        static_cast<float>(spacing), static_cast<float>(2.0 * radius), solid,
+                                        blocks_.back().get(), bytes, &field, &reason),
+              reason);
+    }
+    track.field = field;
+  }
+}
+
+}  // namespace sandglass::host

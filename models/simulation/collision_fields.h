@@ -1,0 +1,27 @@
+// The signed-distance fields of a scene's revolved and mesh colliders.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "models/mesh/mesh.h"
+#include "models/simulation/scene_file.h"
+#include "models/work/block.h"
+
+namespace sandglass::host {
+
+// Scales a mesh to `height` and puts the middle of its base at the origin: how a collider of shape "mesh" stands.
+// `name` is what the Failure about a flat mesh calls it.
+void stand_mesh(Mesh* mesh, double height, const std::string& name);
+
+class CollisionFields {
+ public:
+  // Builds them and sets the tracks' fields, which stay valid as long as this object. `mesh_path`: the file of
+  // --collider-mesh, empty without. A Failure names what is missing or cannot be built.
+  CollisionFields(SceneFile* scene, const std::string& mesh_path);
+
+ private:
+  std::vector<Block> blocks_;
+};
+
+}  // namespace sandglass::host

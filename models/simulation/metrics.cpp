@@ -1,0 +1,123 @@
+// Pairs through a cell grid of edge 2r; the pile through sectors and rings.
+#include "models/simulation/metrics.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "models/geometry/cell_grid.h"
+
+namespace sandglass::host {
+
+constexpr int k_sectors = 24;
+constexpr double k_runout_share = 0.98;                 // of a sector's particles
+constexpr double k_slope_from = 0.2, k_slope_to = 0.8;  // of the run-out: leaves out the rounded top and the thin toe
+
+double quantile(std::span<double> values, double q) {
+  if (values.empty()) return 0.0;
+  const double rank = std::ceil(q * static_cast<double>(values.size())) - 1.0;
+  const size_t index = static_cast<size_t>(std::clamp(rank, 0.0, static_cast<double>(values.size() - 1)));
+  std::nth_element(values.begin(), values.begin() + static_cast<ptrdiff_t>(index), values.end());
+  return values[index];
+}
+
+Overlap measure_overlap(std::span<const float> positions, double radius) {
+  const CellGrid grid(positions, 2.0 * radius);
+  const auto point = [&](uint32_t i) { return Vec3{positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]}; };
+  std::vector<double> overlaps;
+  for (const uint32_t i : grid.order)
+    grid.near(point(i), 2.0 * radius, [&](uint32_t j) {
+      if (j <= i) return;
+      const double distance = length(point(j) - point(i));
+      if (distance < 2.0 * radius) overlaps.push_back((2.0 * radius - distance) / radius);
+    });
+  Overlap result;
+  result.pairs = overlaps.size();
+  if (overlaps.empty()) return result;
+  for (const double overlap : overlaps) {
+    result.mean += overlap;
+    result.max = std::max(result.max, overlap);
+  }
+  result.mean /= static_cast<double>(overlaps.size());
+  result.p99 = quantile(overlaps, 0.99);
+  return result;
+}
+
+void OverlapOverRun::add(const Overlap& overlap) {
+  p99_sum += overlap.p99;
+  mean_sum += overlap.mean;
+  max = std::max(max, overlap.max);
+  ++frames;
+}
+
+Pile measure_pile(std::span<const float> positions, double radius) {
+  const size_t count = positions.size() / 3;
+  Pile pile;
+  if (count == 0) return pile;
+  double axis_x = 0.0, axis_z = 0.0;
+  for (size_t i = 0; i < count; ++i) axis_x += positions[3 * i], axis_z += positions[3 * i + 2];
+  axis_x /= static_cast<double>(count), axis_z /= static_cast<double>(count);
+
+  struct Item {
+    double distance, top;
+  };
+  std::array<std::vector<Item>, k_sectors> sectors;
+  for (size_t i = 0; i < count; ++i) {
+    const double x = positions[3 * i] - axis_x, z = positions[3 * i + 2] - axis_z, top = positions[3 * i + 1] + radius;
+    const double turn = std::atan2(z, x) / (2.0 * std::numbers::pi) + 0.5;
+    const int sector = std::clamp(static_cast<int>(turn * k_sectors), 0, k_sectors - 1);
+    sectors[static_cast<size_t>(sector)].push_back({std::sqrt(x * x + z * z), top});
+    pile.height = std::max(pile.height, top);
+  }
+  int occupied = 0;
+  for (const std::vector<Item>& sector : sectors) {
+    std::vector<double> distances;
+    for (const Item& item : sector) distances.push_back(item.distance);
+    if (distances.empty()) continue;
+    pile.runout += quantile(distances, k_runout_share) + radius;
+    ++occupied;
+  }
+  pile.runout /= occupied;
+
+  const double ring_width = 2.0 * radius;
+  const int rings = static_cast<int>(pile.runout / ring_width) + 1;
+  double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
+  for (int ring = 0; ring < rings; ++ring) {
+    const double middle = (ring + 0.5) * ring_width;
+    if (middle < k_slope_from * pile.runout || middle > k_slope_to * pile.runout) continue;
+    double height_sum = 0.0;
+    int seen = 0;
+    for (const std::vector<Item>& sector : sectors) {
+      double top = -1.0;
+      for (const Item& item : sector)
+        if (static_cast<int>(item.distance / ring_width) == ring) top = std::max(top, item.top);
+      if (top >= 0.0) height_sum += top, ++seen;
+    }
+    if (seen == 0) continue;
+    const double height = height_sum / seen;
+    n += 1.0, sum_x += middle, sum_y += height, sum_xx += middle * middle, sum_xy += middle * height;
+  }
+  const double determinant = n * sum_xx - sum_x * sum_x;
+  if (n >= 3.0 && determinant > 0.0)
+    pile.angle_deg = std::atan(-(n * sum_xy - sum_x * sum_y) / determinant) * 180.0 / std::numbers::pi;
+  return pile;
+}
+
+double speed_rms(std::span<const float> velocities) {
+  double sum = 0.0;
+  for (const float v : velocities) sum += static_cast<double>(v) * static_cast<double>(v);
+  return velocities.empty() ? 0.0 : std::sqrt(sum * 3.0 / static_cast<double>(velocities.size()));
+}
+
+double fitted_exponent(std::span<const double> x, std::span<const double> y) {
+  double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
+  for (size_t i = 0; i < x.size() && i < y.size(); ++i) {
+    const double u = std::log(x[i]), v = std::log(y[i]);
+    n += 1.0, sum_x += u, sum_y += v, sum_xx += u * u, sum_xy += u * v;
+  }
+  return (n * sum_xy - sum_x * sum_y) / (n * sum_xx - sum_x * sum_x);
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,52 @@
+#include "models/simulation/pile_shadow.h"
+
+#include "models/work/failure.h"
+
+namespace sandglass::host {
+
+// A reference: the call that writes the reason is the other argument.
+static void require(sandglass_status status, const char* const& reason) {
+  if (status != SANDGLASS_OK)
+    throw cannot("make", "pile_shadow", reason != nullptr ? reason : sandglass_status_name(status));
+}
+
+PileShadow::PileShadow(const PileShadowTrack& track, sandglass_isa isa) {
+  sandglass_pile_shadow_desc desc;
+  sandglass_pile_shadow_desc_default(&desc);
+  desc.isa = isa;
+  for (size_t axis = 0; axis < 2; ++axis) {
+    desc.low[axis] = static_cast<float>(track.low[axis]);
+    desc.high[axis] = static_cast<float>(track.high[axis]);
+  }
+  desc.texels = track.texels;
+  const char* reason = nullptr;
+  require(sandglass_pile_shadow_bytes(&desc, &bytes_, &reason), reason);
+  block_ = new_block(bytes_, "the sand's shadow", "give its \"pile_shadow\" fewer texels");
+  require(sandglass_pile_shadow_create(&desc, block_.get(), bytes_, &shadow_, &reason), reason);
+}
+
+void PileShadow::set_light(Vec3 towards) {
+  const float direction[3] = {static_cast<float>(towards.x), static_cast<float>(towards.y),
+                              static_cast<float>(towards.z)};
+  const char* reason = nullptr;
+  require(sandglass_pile_shadow_set_light(shadow_, direction, &reason), reason);
+}
+
+FloorShadow PileShadow::drawn(bool on_sand) const {
+  sandglass_pile_shadow_texture texture = {};
+  texture.struct_size = sizeof texture;
+  sandglass_pile_shadow_get_texture(shadow_, &texture);
+  FloorShadow drawn;
+  drawn.collider = ~0u;
+  drawn.texels = texture.texels;
+  const uint8_t* bytes = on_sand ? texture.on_sand : texture.coverage;
+  drawn.coverage.assign(bytes, bytes + drawn.texels * drawn.texels);
+  drawn.opacity = texture.valid != 0 ? static_cast<double>(texture.opacity) : 0.0;
+  for (size_t axis = 0; axis < 2; ++axis) {
+    drawn.low[axis] = static_cast<double>(texture.low[axis]);
+    drawn.high[axis] = static_cast<double>(texture.high[axis]);
+  }
+  return drawn;
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,590 @@
+// JSON to scene, strictly: a reader that knows which keys were asked for and complains about the rest.
+#include "models/simulation/scene_file.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "models/files/atomic_file.h"
+#include "models/work/failure.h"
+#include "runtime/core/math.h"
+
+namespace sandglass::host {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr uint32_t k_count_limit = 100'000'000;  // particles, grains, frames: far above what memory holds
+constexpr uint32_t k_collider_limit = 256;       // of the public API
+constexpr uint32_t k_flow_limit = 64;            // of the public API: emitters, sinks
+constexpr double k_length_limit = SANDGLASS_COORDINATE_LIMIT;
+
+std::string number_text(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
+}
+
+// One JSON object being read. `where` is "" for the file itself, "bodies[0]." inside it.
+class Reader {
+ public:
+  Reader(const json& object, const std::string& source, const std::string& where)
+      : object_(object), source_(source), where_(where) {
+    if (!object.is_object())
+      fail(where.empty() ? "the file" : "\"" + where.substr(0, where.size() - 1) + "\"", "must be an object { }");
+  }
+
+  [[noreturn]] void fail(const std::string& what, const std::string& problem) const {
+    throw cannot("read", source_, what + " " + problem);
+  }
+  [[noreturn]] void refuse(const std::string& key, const std::string& problem) const { fail(quoted(key), problem); }
+
+  bool is_array(const std::string& key) const { return object_.contains(key) && object_[key].is_array(); }
+  bool has(const std::string& key) {
+    known_.insert(key);
+    return object_.contains(key);
+  }
+
+  double number(const std::string& key, double otherwise, double low, double high) {
+    return has(key) ? checked(key, object_[key], low, high) : otherwise;
+  }
+  uint32_t integer(const std::string& key, uint32_t otherwise, uint32_t low, uint32_t high) {
+    return has(key) ? checked_integer(key, object_[key], low, high) : otherwise;
+  }
+  float real(const std::string& key, float otherwise, double low, double high) {
+    return has(key) ? static_cast<float>(checked(key, object_[key], low, high)) : otherwise;
+  }
+
+  std::string text(const std::string& key, const std::string& otherwise) {
+    if (!has(key)) return otherwise;
+    if (!object_[key].is_string()) refuse(key, "must be a text in quotes");
+    return object_[key].get<std::string>();
+  }
+
+  // The index of the text among `choices`; `otherwise` when the key is missing and not negative.
+  int choice(const std::string& key, const std::vector<std::string>& choices, int otherwise) {
+    std::string list;
+    for (const std::string& name : choices) list += (list.empty() ? "\"" : ", \"") + name + "\"";
+    if (!has(key)) {
+      if (otherwise < 0) refuse(key, "is missing; give one of " + list);
+      return otherwise;
+    }
+    const std::string value = text(key, "");
+    const auto found = std::find(choices.begin(), choices.end(), value);
+    if (found == choices.end()) refuse(key, "is \"" + value + "\"; it must be one of " + list);
+    return static_cast<int>(found - choices.begin());
+  }
+
+  std::vector<double> numbers(const std::string& key, size_t count, double low, double high) {
+    const json& list = object_[key];
+    if (!list.is_array() || list.size() != count)
+      refuse(key, "must be a list of " + std::to_string(count) + " numbers");
+    std::vector<double> values;
+    for (size_t i = 0; i < count; ++i)
+      values.push_back(checked(key + "[" + std::to_string(i) + "]", list[i], low, high));
+    return values;
+  }
+  Profile outline(const std::string& key) {
+    const json& list = object_[key];
+    if (!list.is_array() || list.size() < 3 || list.size() > 1000)
+      refuse(key, "must be a list of 3 to 1000 points [r, y]");
+    Profile profile;
+    for (size_t i = 0; i < list.size(); ++i) {
+      const std::string at = key + "[" + std::to_string(i) + "]";
+      if (!list[i].is_array() || list[i].size() != 2) refuse(at, "must be a point [r, y]");
+      profile.push_back({checked(at + "[0]", list[i][0], 0.0, k_length_limit),
+                         checked(at + "[1]", list[i][1], -k_length_limit, k_length_limit)});
+    }
+    return profile;
+  }
+  Vec3 vector(const std::string& key, Vec3 otherwise, double low, double high) {
+    if (!has(key)) return otherwise;
+    const std::vector<double> v = numbers(key, 3, low, high);
+    return {v[0], v[1], v[2]};
+  }
+
+  Quaternion rotation(const std::string& key) {
+    if (!has(key)) return k_no_rotation;
+    if (object_[key].is_array()) {
+      const std::vector<double> v = numbers(key, 4, -1e6, 1e6);
+      if (v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3] < 1e-12)
+        refuse(key, "is a quaternion of length 0; use [0, 0, 0, 1]");
+      return normalised(Quaternion{v[0], v[1], v[2], v[3]});
+    }
+    Reader turn = child(key);
+    const Vec3 axis = turn.vector("axis", {0, 1, 0}, -1e6, 1e6);
+    if (length(axis) < 1e-6) turn.refuse("axis", "has length 0; give a direction");
+    constexpr double k_radians_per_degree = 0.017453292519943295;
+    const double radians = turn.number("degrees", 0.0, -360.0, 360.0) * k_radians_per_degree;
+    turn.finish();
+    return rotation_by(normalised(axis) * radians);
+  }
+
+  Reader child(const std::string& key) const { return Reader(object_[key], source_, where_ + key + "."); }
+
+  template <class Read>
+  void each(const std::string& key, size_t limit, Read read) {
+    if (!has(key)) return;
+    const json& list = object_[key];
+    if (!list.is_array()) refuse(key, "must be a list [ ]");
+    if (list.size() > limit)
+      refuse(key, "has " + std::to_string(list.size()) + " entries; at most " + std::to_string(limit) + " are taken");
+    for (size_t i = 0; i < list.size(); ++i) {
+      Reader entry(list[i], source_, where_ + key + "[" + std::to_string(i) + "].");
+      read(entry);
+      entry.finish();
+    }
+  }
+
+  // Refuses the first key that nobody asked for.
+  void finish() const {
+    for (const auto& [key, value] : object_.items())
+      if (!known_.contains(key)) {
+        std::string list;
+        for (const std::string& name : known_) list += (list.empty() ? "" : ", ") + name;
+        refuse(key, "is not a known key; known here are " + list);
+      }
+  }
+
+  std::string quoted(const std::string& key) const { return "\"" + where_ + key + "\""; }
+
+ private:
+  double checked(const std::string& key, const json& value, double low, double high) const {
+    if (!value.is_number()) refuse(key, "must be a number");
+    const double number = value.get<double>();
+    if (!std::isfinite(number)) refuse(key, "is not a finite number");
+    if (number < low || number > high)
+      refuse(key,
+             "is " + number_text(number) + "; it must lie between " + number_text(low) + " and " + number_text(high));
+    return number;
+  }
+  uint32_t checked_integer(const std::string& key, const json& value, uint32_t low, uint32_t high) const {
+    const double number = checked(key, value, low, high);
+    if (number != std::floor(number)) refuse(key, "is " + number_text(number) + "; it must be a whole number");
+    return static_cast<uint32_t>(number);
+  }
+
+  const json& object_;
+  const std::string& source_;
+  std::string where_;
+  std::set<std::string> known_;
+};
+
+void read_solver(Reader reader, sandglass_granular_desc* granular) {
+  granular->reference.scheme = reader.choice("scheme", {"small_step", "averaged"}, granular->reference.scheme);
+  granular->reference.solver_iterations = reader.integer("iterations", granular->reference.solver_iterations, 1, 64);
+  granular->reference.stabilisation_iterations =
+      reader.integer("stabilisation", granular->reference.stabilisation_iterations, 0, 8);
+  const double relaxation_limit = granular->reference.scheme == SANDGLASS_SCHEME_AVERAGED ? 2.0 : 0.45;
+  if (granular->reference.scheme == SANDGLASS_SCHEME_AVERAGED) granular->reference.relaxation = 1.0f;
+  granular->reference.relaxation = reader.real("relaxation", granular->reference.relaxation, 1e-3, relaxation_limit);
+  granular->substep_max = reader.real("substep_max", granular->substep_max, 0.0, 0.1);
+  granular->substep_min = reader.real("substep_min", granular->substep_min, 0.0, 0.1);
+  granular->height_weighting = reader.real("height_weighting", granular->height_weighting, 0.0, 1.5);
+  granular->courant = reader.real("courant", granular->courant, 1e-3, 1.0);
+  granular->list_skin = reader.real("list_skin", granular->list_skin, 0.1, 1.0);
+  granular->reference.blend = reader.choice("blend", {"continuous", "source"}, granular->reference.blend);
+  granular->refine_step = reader.real("refine_step", granular->refine_step, 1e-4, 0.1);
+  reader.finish();
+}
+
+Profile read_profile(Reader& reader) {
+  if (!reader.has("profile")) reader.refuse("profile", "is missing; give a closed outline [[r, y], ...]");
+  return reader.outline("profile");
+}
+
+Body read_body(Reader& reader) {
+  Body body;
+  const std::vector<std::string> shapes = {"trefoil", "mesh", "box", "sphere", "lattice", "revolved"};
+  body.shape = static_cast<BodyShape>(reader.choice("shape", shapes, -1));
+  const bool lattice = body.shape == BodyShape::lattice;
+  const std::string shape = "a body of shape \"" + shapes[static_cast<size_t>(body.shape)] + "\"";
+  if (body.shape == BodyShape::box) body.size = reader.vector("size", {}, 1e-4, k_length_limit);
+  else body.size.y = reader.number("size", 0.0, 1e-4, k_length_limit);
+  if (body.shape == BodyShape::revolved) {
+    if (body.size.y > 0.0) reader.refuse("size", "does not apply to " + shape + "; its outline has a size");
+    body.profile = read_profile(reader);
+    double low = 1e30, high = -1e30;
+    for (const auto& point : body.profile) low = std::min(low, point[1]), high = std::max(high, point[1]);
+    body.size.y = high - low;
+    if (!(body.size.y > 0.0)) reader.refuse("profile", "is flat; an outline has a height");
+  }
+  if (lattice && body.size.y > 0.0)
+    reader.refuse("size", "does not apply to " + shape + "; its size follows from \"counts\" and \"spacing\"");
+  if (reader.has("counts")) {
+    if (!lattice) reader.refuse("counts", "does not apply to " + shape);
+    const std::vector<double> counts = reader.numbers("counts", 3, 1, 10000);
+    for (size_t i = 0; i < 3; ++i) {
+      if (counts[i] != std::floor(counts[i])) reader.refuse("counts", "must be three whole numbers");
+      body.counts[i] = static_cast<uint32_t>(counts[i]);
+    }
+    if (counts[0] * counts[1] * counts[2] > k_count_limit)
+      reader.refuse("counts", "asks for more than 100 million sites");
+  } else if (lattice) {
+    reader.refuse("counts", "is missing; a lattice block needs [x, y, z]");
+  }
+  body.spacing = reader.number("spacing", body.spacing, 2.0, 10.0);
+  body.jitter = reader.number("jitter", 0.0, 0.0, 0.5);
+  body.particles = reader.integer("particles", 0, 1, k_count_limit);
+  if (lattice && body.particles > 0)
+    reader.refuse("particles", "does not apply to " + shape + "; \"counts\" says how many");
+  if (body.shape == BodyShape::box && body.size.x == 0.0 && body.particles == 0)
+    reader.fail(shape, "needs \"size\" [x, y, z] or \"particles\"");
+  if (!lattice && body.size.y == 0.0 && body.particles == 0) reader.fail(shape, "needs \"size\" or \"particles\"");
+  body.grains = reader.integer("grains", 0, 0, k_count_limit);
+  body.grain_distance = reader.number("grain_distance", 0.0, 1e-5, k_length_limit);
+  if (body.grains > 0 && body.grain_distance > 0.0)
+    reader.refuse("grain_distance", "and \"grains\" are both given; give one of the two");
+  body.grain_grid = reader.choice("grain_fill", {"poisson", "grid"}, lattice ? 1 : 0) == 1;
+  if (lattice && !body.grain_grid) reader.refuse("grain_fill", "must be \"grid\" for " + shape);
+  if (lattice && body.grain_distance > 0.0)
+    reader.refuse("grain_distance", "does not apply to " + shape + "; give \"grains\"");
+  body.position = reader.vector("position", {}, -k_length_limit, k_length_limit);
+  body.velocity = reader.vector("velocity", {}, -1000.0, 1000.0);
+  body.rotation = reader.rotation("rotation");
+  body.rigid = reader.number("rigid", 0.0, 1e-3, 1e3);
+  body.spin = reader.vector("angular_velocity", {}, -1000.0, 1000.0);
+  if (body.rigid > 0.0 && (body.grains > 0 || body.grain_distance > 0.0))
+    reader.refuse("grains", "do not apply to a rigid body; leave them out");
+  if (body.rigid == 0.0 && length(body.spin) > 0.0)
+    reader.refuse("angular_velocity", "applies to rigid bodies only; sand takes \"velocity\"");
+  return body;
+}
+
+ColliderTrack read_collider(Reader& reader) {
+  ColliderTrack track;
+  const int shape = reader.choice("shape", {"half_space", "sphere", "capsule", "box", "revolved", "mesh"}, -1);
+  constexpr int k_revolved = 4, k_mesh = 5;
+  track.shape = shape < k_revolved ? shape : SANDGLASS_SHAPE_FIELD;
+  track.position = reader.vector("position", {}, -k_length_limit, k_length_limit);
+  track.rotation = reader.rotation("rotation");
+  const bool sized = reader.has("size"), sizeless = track.shape == SANDGLASS_SHAPE_HALF_SPACE || shape == k_revolved;
+  if (sized == sizeless) reader.refuse("size", sized ? "does not apply to this shape" : "is missing");
+  if (shape >= k_revolved) {
+    track.solid_outside = reader.choice("solid", {"inside", "outside"}, 0) == 1;
+    track.field_spacing = reader.number("field_spacing", 0.0, 1e-4, 10.0);
+    if (shape == k_revolved) track.profile = read_profile(reader);
+    if (shape == k_mesh) track.size.y = reader.number("size", 0.0, 1e-4, k_length_limit);
+    if (shape == k_mesh && reader.has("mesh"))
+      track.mesh = mesh_names()[static_cast<size_t>(reader.choice("mesh", mesh_names(), -1))];
+    if (shape == k_mesh) track.shadow = reader.text("shadow", "");
+    const Quaternion& q = track.rotation;
+    if (!track.shadow.empty() && std::fabs(q[0]) + std::fabs(q[2]) > 1e-6)
+      reader.refuse("shadow", "needs an object that stands upright; turn it about y only");
+  }
+  if (track.shape == SANDGLASS_SHAPE_SPHERE) track.size.x = reader.number("size", 0.0, 1e-4, k_length_limit);
+  if (track.shape == SANDGLASS_SHAPE_CAPSULE) {
+    const std::vector<double> size = reader.numbers("size", 2, 1e-4, k_length_limit);
+    track.size = {size[0], size[1], 0.0};
+  }
+  if (track.shape == SANDGLASS_SHAPE_BOX) track.size = reader.vector("size", {}, 1e-4, k_length_limit);
+  reader.each("motion", 10000, [&](Reader& entry) {
+    MotionSegment segment;
+    segment.start = entry.number("start", 0.0, 0.0, 1e6);
+    segment.end = entry.number("end", 1e6, 0.0, 1e6);
+    if (segment.end < segment.start) entry.refuse("end", "lies before \"start\"");
+    segment.linear_velocity = entry.vector("linear_velocity", {}, -100.0, 100.0);
+    segment.angular_velocity = entry.vector("angular_velocity", {}, -100.0, 100.0);
+    track.motion.push_back(segment);
+  });
+  return track;
+}
+
+void read_light(Reader reader, std::optional<LightTrack>* light) {
+  LightTrack read;
+  const auto angles = [&](const char* key, double least, double most, double(&out)[2]) {
+    if (!reader.has(key)) return;
+    if (!reader.is_array(key)) {
+      out[0] = out[1] = reader.number(key, 0, least, most);
+      return;
+    }
+    const std::vector<double> ends = reader.numbers(key, 2, least, most);
+    out[0] = ends[0], out[1] = ends[1];
+  };
+  angles("polar", 0.0, 180.0, read.polar_deg);
+  angles("azimuth", -3600.0, 3600.0, read.azimuth_deg);
+  reader.finish();
+  *light = read;
+}
+
+ShotTrack read_shot(Reader reader) {
+  ShotTrack shot;
+  shot.turn_deg = reader.number("turn", 0.0, -360.0, 360.0);
+  shot.sway_deg = reader.number("sway", 0.0, 0.0, 10.0);
+  shot.room = reader.integer("room", 1, 0, ~0u);
+  shot.azimuth_deg = reader.number("azimuth", 90.0, -360.0, 360.0);
+  reader.finish();
+  return shot;
+}
+
+PileShadowTrack read_pile_shadow(Reader reader) {
+  PileShadowTrack track;
+  for (const char* key : {"low", "high"})
+    if (!reader.has(key))
+      reader.refuse(key, "is missing; give the corner [x, z] of the floor that the shadow may reach");
+  const std::vector<double> low = reader.numbers("low", 2, -k_length_limit, k_length_limit);
+  const std::vector<double> high = reader.numbers("high", 2, -k_length_limit, k_length_limit);
+  for (size_t axis = 0; axis < 2; ++axis) {
+    track.low[axis] = low[axis], track.high[axis] = high[axis];
+    if (!(high[axis] > low[axis])) reader.refuse("high", "is not above \"low\" in both coordinates");
+  }
+  track.texels = reader.integer("texels", track.texels, 32, 256);
+  if (track.texels % 32 != 0) reader.refuse("texels", "must be a multiple of 32");
+  reader.finish();
+  return track;
+}
+
+EmitterTrack read_emitter(Reader& reader) {
+  EmitterTrack track;
+  const Vec3 position = reader.vector("position", {}, -k_length_limit, k_length_limit);
+  const Quaternion rotation = reader.rotation("rotation");
+  track.emitter.position[0] = static_cast<float>(position.x);
+  track.emitter.position[1] = static_cast<float>(position.y);
+  track.emitter.position[2] = static_cast<float>(position.z);
+  for (size_t i = 0; i < 4; ++i) track.emitter.rotation[i] = static_cast<float>(rotation[i]);
+  if (!reader.has("radius")) reader.refuse("radius", "is missing; give the nozzle's radius in metres");
+  track.emitter.radius = reader.real("radius", 0.0f, 1e-4, 100.0);
+  track.emitter.speed = reader.real("speed", 0.5f, 1e-3, 100.0);
+  track.emitter.grains_per_particle = reader.integer("grains_per_particle", 0, 0, 64);
+  track.start = reader.number("start", 0.0, 0.0, 1e6);
+  track.end = reader.number("end", 1e6, 0.0, 1e6);
+  if (track.end < track.start) reader.refuse("end", "lies before \"start\"");
+  return track;
+}
+
+void read_camera(Reader reader, std::optional<Camera>* camera) {
+  Camera read;
+  read.eye = reader.vector("eye", {0.5, 0.5, 1.0}, -10.0 * k_length_limit, 10.0 * k_length_limit);
+  read.target = reader.vector("target", {}, -k_length_limit, k_length_limit);
+  read.fov_deg = reader.number("fov_deg", read.fov_deg, 1.0, 120.0);
+  const Vec3 line = read.target - read.eye;
+  if (std::sqrt(line.x * line.x + line.z * line.z) < 1e-3 * length(line) || length(line) == 0.0)
+    reader.refuse("target", "lies straight above or below \"eye\", or in it; move one of the two");
+  reader.finish();
+  *camera = read;
+}
+
+}  // namespace
+
+SceneFile parse_scene(const std::string& text, const std::string& source) {
+  json file;
+  try {
+    file = json::parse(text);
+  } catch (const json::parse_error& error) {
+    size_t line = 1;
+    for (size_t i = 0; i + 1 < error.byte && i < text.size(); ++i) line += text[i] == '\n';
+    throw cannot("read", source, "line " + std::to_string(line) + " is not valid JSON", "Correct it");
+  } catch (const json::exception&) {
+    throw cannot("read", source, "it has a number that no double can hold", "Correct it");
+  }
+  SceneFile scene;
+  scene.source = source;
+  sandglass_scene_desc defaults;
+  sandglass_scene_desc_default(&defaults);
+  scene.granular = defaults.granular;
+
+  Reader reader(file, source, "");
+  scene.name = reader.text("name", fs::path(source).stem().string());
+  scene.frames = reader.integer("frames", scene.frames, 1, k_count_limit);
+  scene.frame_step = reader.number("frame_step", scene.frame_step, 1e-4, 0.1);
+  scene.budget_ms = reader.number("budget_ms", scene.budget_ms, 0.0, 1e6);
+  scene.seed = reader.integer("seed", 1, 0, ~0u);
+  scene.particle_radius = reader.number("particle_radius", 0.0, 1e-4, 10.0);
+  const Vec3 gravity = reader.vector("gravity", {0.0, -9.81, 0.0}, -1000.0, 1000.0);
+  scene.gravity[0] = static_cast<float>(gravity.x);
+  scene.gravity[1] = static_cast<float>(gravity.y);
+  scene.gravity[2] = static_cast<float>(gravity.z);
+  if (reader.has("friction")) {
+    Reader friction = reader.child("friction");
+    scene.granular.static_friction = friction.real("static", scene.granular.static_friction, 0.0, 100.0);
+    scene.granular.kinetic_friction = friction.real("kinetic", scene.granular.kinetic_friction, 0.0, 100.0);
+    friction.finish();
+  }
+  if (reader.has("solver")) read_solver(reader.child("solver"), &scene.granular);
+  scene.granular.particle_capacity = reader.integer("particle_capacity", 0, 1, k_count_limit);
+  scene.granular.grain_capacity = reader.integer("grain_capacity", 0, 1, k_count_limit);
+  scene.granular.collider_capacity = reader.integer("collider_capacity", 0, 1, k_collider_limit);
+  reader.each("bodies", 1000, [&](Reader& entry) { scene.bodies.push_back(read_body(entry)); });
+  reader.each("colliders", k_collider_limit, [&](Reader& entry) { scene.colliders.push_back(read_collider(entry)); });
+  if (reader.has("light")) read_light(reader.child("light"), &scene.light);
+  if (reader.has("shot")) scene.shot = read_shot(reader.child("shot"));
+  if (reader.has("pile_shadow")) scene.pile_shadow = read_pile_shadow(reader.child("pile_shadow"));
+  reader.each("emitters", k_flow_limit, [&](Reader& entry) { scene.emitters.push_back(read_emitter(entry)); });
+  reader.each("sinks", k_flow_limit, [&](Reader& entry) {
+    scene.sinks.push_back(read_collider(entry));
+    if (scene.sinks.back().shape == SANDGLASS_SHAPE_FIELD || !scene.sinks.back().motion.empty())
+      entry.refuse("shape", "must be a resting half_space, sphere, capsule or box in a sink");
+  });
+  if (reader.has("camera")) read_camera(reader.child("camera"), &scene.camera);
+  reader.finish();
+  const bool shaded = std::any_of(scene.colliders.begin(), scene.colliders.end(),
+                                  [](const ColliderTrack& track) { return !track.shadow.empty(); });
+  if ((shaded || scene.pile_shadow) && !scene.light && !scene.shot)
+    reader.refuse("light", "is missing, but something casts a shadow; give it");
+  if (scene.shot && scene.light)
+    reader.refuse("light", "and \"shot\" are both given; the light of a shot is its room's");
+  if (scene.shot && !scene.camera) reader.refuse("camera", "is missing; a shot is seen by one");
+  if (scene.bodies.empty() && scene.emitters.empty())
+    reader.refuse("bodies", "is missing or empty; name at least one body to fill with sand, or an emitter");
+  const bool pours_grains = std::any_of(scene.emitters.begin(), scene.emitters.end(), [](const EmitterTrack& track) {
+    return track.emitter.grains_per_particle > 0;
+  });
+  if (!scene.emitters.empty() && scene.granular.particle_capacity == 0)
+    reader.refuse("particle_capacity", "is missing; say how many particles the emitters may fill the scene with");
+  if (pours_grains && scene.granular.grain_capacity == 0)
+    reader.refuse("grain_capacity", "is missing; say how many grains the emitters may fill the scene with");
+  const bool radius_follows = std::any_of(scene.bodies.begin(), scene.bodies.end(),
+                                          [](const Body& body) { return body.size.y > 0.0 && body.particles > 0; });
+  if (scene.particle_radius == 0.0 && !radius_follows)
+    reader.refuse("particle_radius", "is missing; give it in metres, or give one body both \"size\" and \"particles\"");
+  if (scene.particle_radius > 0.0 && radius_follows)
+    reader.refuse("particle_radius",
+                  "and a body with both \"size\" and \"particles\" contradict each other; leave one of the three out");
+  return scene;
+}
+
+Vec3 LightTrack::towards(double share) const {
+  const auto turns = [&](const double(&ends)[2]) { return (ends[0] + (ends[1] - ends[0]) * share) / 360.0; };
+  const SinCos polar = sin_cos_turns(turns(polar_deg)), azimuth = sin_cos_turns(turns(azimuth_deg));
+  return {polar.sin * azimuth.cos, polar.cos, polar.sin * azimuth.sin};
+}
+
+namespace {
+
+std::vector<fs::path> scene_folders() {
+  std::vector<fs::path> folders;
+#ifdef SANDGLASS_SCENES_DIR
+  folders.emplace_back(SANDGLASS_SCENES_DIR);
+#endif
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (!error) folders.push_back(program.parent_path() / ".." / "share" / "sandglass" / "scenes");
+  return folders;
+}
+
+}  // namespace
+
+std::string find_scene(const std::string& name_or_path) {
+  std::error_code error;
+  if (fs::is_regular_file(name_or_path, error)) return name_or_path;
+  std::set<std::string> names;
+  for (const fs::path& folder : scene_folders()) {
+    if (fs::is_regular_file(folder / (name_or_path + ".json"), error))
+      return (folder / (name_or_path + ".json")).string();
+    for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+      if (entry->path().extension() == ".json") names.insert(entry->path().stem().string());
+  }
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  throw cannot("find", name_or_path, "no file and no shipped scene has this name",
+               list.empty() ? "Name a scene file" : "Name a scene file, or one of " + list);
+}
+
+SceneFile load_scene(const std::string& name_or_path) {
+  const std::string path = find_scene(name_or_path);
+  return parse_scene(read_file(path, "scene"), path);
+}
+
+double revolved_distance(const Profile& profile, Vec3 point) {
+  const double r = std::sqrt(point.x * point.x + point.z * point.z), y = point.y;
+  double nearest2 = 1e300;
+  bool inside = false;
+  for (size_t i = 0; i < profile.size(); ++i) {
+    const auto& a = profile[i];
+    const auto& b = profile[(i + 1) % profile.size()];
+    const double dr = b[0] - a[0], dy = b[1] - a[1], length2 = dr * dr + dy * dy;
+    // Lines on the axis are no surface: they close the outline only.
+    if (length2 > 0.0 && (a[0] > 0.0 || b[0] > 0.0)) {
+      const double t = std::clamp(((r - a[0]) * dr + (y - a[1]) * dy) / length2, 0.0, 1.0);
+      const double er = r - (a[0] + t * dr), ey = y - (a[1] + t * dy);
+      nearest2 = std::min(nearest2, er * er + ey * ey);
+    }
+    if ((a[1] > y) != (b[1] > y) && r < a[0] + dr * (y - a[1]) / dy) inside = !inside;
+  }
+  return (inside ? -1.0 : 1.0) * std::sqrt(nearest2);
+}
+
+sandglass_collider collider_over_frame(const ColliderTrack& track, double time, double frame_step) {
+  const double end = time + frame_step, middle = time + 0.5 * frame_step;
+  Vec3 position = track.position, linear, angular;
+  Quaternion rotation = track.rotation;
+  for (const MotionSegment& segment : track.motion) {
+    if (end > segment.start) {
+      const double moved = std::min(end, segment.end) - segment.start;
+      position = position + segment.linear_velocity * moved;
+      rotation = normalised(multiply(rotation_by(segment.angular_velocity * moved), rotation));
+    }
+    if (middle >= segment.start && middle < segment.end) {
+      linear = linear + segment.linear_velocity;
+      angular = angular + segment.angular_velocity;
+    }
+  }
+  sandglass_collider collider = {};
+  collider.shape = track.shape;
+  collider.field = track.field;
+  const auto store = [](float* to, Vec3 from) {
+    to[0] = static_cast<float>(from.x), to[1] = static_cast<float>(from.y), to[2] = static_cast<float>(from.z);
+  };
+  store(collider.position, position);
+  store(collider.size, track.size);
+  store(collider.linear_velocity, linear);
+  store(collider.angular_velocity, angular);
+  for (size_t i = 0; i < 4; ++i) collider.rotation[i] = static_cast<float>(rotation[i]);
+  return collider;
+}
+
+Flow flow_over_frame(const SceneFile& scene, double time) {
+  Flow flow;
+  for (const EmitterTrack& track : scene.emitters)
+    if (time >= track.start && time < track.end) flow.emitters.push_back(track.emitter);
+  for (const ColliderTrack& track : scene.sinks)
+    flow.sinks.push_back(collider_over_frame(track, time, scene.frame_step));
+  return flow;
+}
+
+float drawn_grain_radius(double particle_radius, uint32_t particles, uint32_t grains) {
+  constexpr double k_fill =
+      0.9;  // a little less than the particles' own volume: grains also fill the pores between them
+  constexpr int k_newton_steps =
+      200;  // from 1 down to every cube root that counts of up to 1e8 can have; libm's cbrt differs between machines
+  if (grains <= particles) return static_cast<float>(particle_radius);
+  const double ratio = static_cast<double>(particles) / grains;
+  double root = 1.0;
+  for (int i = 0; i < k_newton_steps; ++i) root = (2.0 * root + ratio / (root * root)) / 3.0;
+  return static_cast<float>(k_fill * particle_radius * root);
+}
+
+sandglass_scene_desc describe_scene(const SceneFile& scene, uint32_t particles, uint32_t grains) {
+  sandglass_scene_desc desc;
+  sandglass_scene_desc_default(&desc);
+  std::copy_n(scene.gravity, 3, desc.gravity);
+  desc.granular = scene.granular;
+  desc.granular.particle_radius = static_cast<float>(scene.particle_radius);
+  desc.granular.emitter_capacity = static_cast<uint32_t>(scene.emitters.size());
+  desc.granular.sink_capacity = static_cast<uint32_t>(scene.sinks.size());
+  // Grains rest on the floor as they are drawn.
+  uint32_t standing_for = particles, drawn = grains;
+  for (const EmitterTrack& track : scene.emitters) ++standing_for, drawn += track.emitter.grains_per_particle;
+  if (drawn > 0) desc.granular.grain_radius = drawn_grain_radius(scene.particle_radius, standing_for, drawn);
+  const auto fit = [&](uint32_t* capacity, uint32_t need, const char* key) {
+    if (*capacity == 0) *capacity = need;
+    if (*capacity < need)
+      throw cannot("use", scene.source,
+                   "\"" + std::string(key) + "\" is " + std::to_string(*capacity) + ", and the scene holds " +
+                       std::to_string(need),
+                   "Raise it or leave it out");
+  };
+  fit(&desc.granular.particle_capacity, particles, "particle_capacity");
+  fit(&desc.granular.grain_capacity, grains, "grain_capacity");
+  fit(&desc.granular.collider_capacity, static_cast<uint32_t>(scene.colliders.size()), "collider_capacity");
+  return desc;
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,409 @@
+// Every body is sampled in its unit frame: height 1, base at y = 0, middle of the base at the origin. A wanted number
+// of points is then one search, for the distance in units of the height; scale, rotation and position come last.
+#include "models/simulation/scene_fill.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "models/work/block.h"
+#include "models/work/failure.h"
+#include "models/work/random.h"
+
+namespace sandglass::host {
+
+namespace {
+
+constexpr int k_search_steps = 24;
+constexpr double k_count_tolerance = 0.01;  // of the wanted number: what a scene file is promised
+constexpr double k_search_enough = 0.002;   // the lattice search ends here; it is cheap
+constexpr double k_poisson_density = 0.7;   // points per distance^3, as the sampler's documentation says
+constexpr double k_root2 = 1.4142135623730951, k_root3 = 1.7320508075688772, k_layer = 0.816496580927726;  // sqrt(2/3)
+
+// Newton's iteration: libm's cbrt differs between machines in the last bit.
+double cube_root(double value) {
+  double root = value > 1.0 ? value : 1.0;
+  for (int i = 0; i < 200; ++i) {
+    const double next = (2.0 * root + value / (root * root)) / 3.0;
+    if (next >= root) break;
+    root = next;
+  }
+  return root;
+}
+
+Block sampler_block(uint64_t bytes) {
+  return new_block(bytes, "filling the body", "simulate fewer particles or grains");
+}
+
+using Points = std::vector<float>;
+
+struct UnitBody {
+  float low[3], high[3];
+  sandglass_inside inside = nullptr;
+  void* user = nullptr;
+  std::string label;  // "body 0 of x.json"
+  Profile profile;    // of a revolved body, in the unit frame
+  // Owned by mesh bodies.
+  std::vector<float> vertices;
+  Block inside_block;
+
+  void require(sandglass_status status, const char* const& reason) const {
+    if (status != SANDGLASS_OK) throw cannot("fill", label, reason != nullptr ? reason : sandglass_status_name(status));
+  }
+};
+
+int inside_box(void*, const float*) { return 1; }  // the samplers stay within the bounds
+int inside_ball(void*, const float p[3]) {
+  const float x = p[0], y = p[1] - 0.5f, z = p[2];
+  return x * x + y * y + z * z <= 0.25f;
+}
+
+int inside_revolved(void* user, const float p[3]) {
+  return revolved_distance(static_cast<const UnitBody*>(user)->profile, {p[0], p[1], p[2]}) < 0.0 ? 1 : 0;
+}
+
+void make_revolved_body(const Body& source, UnitBody* body) {
+  double bottom = 1e30, reach = 0.0;
+  for (const auto& point : source.profile) bottom = std::min(bottom, point[1]), reach = std::max(reach, point[0]);
+  const double scale = 1.0 / source.size.y;
+  for (const auto& point : source.profile) body->profile.push_back({point[0] * scale, (point[1] - bottom) * scale});
+  const float wide = static_cast<float>(reach * scale);
+  body->low[0] = body->low[2] = -wide, body->high[0] = body->high[2] = wide;
+  body->low[1] = 0.0f, body->high[1] = 1.0f;
+  body->inside = inside_revolved;
+}
+
+void make_mesh_body(const BodyMesh& source, UnitBody* body) {
+  const char* reason = nullptr;
+  float low[3], high[3];
+  body->require(sandglass_mesh_bounds(&source.mesh, low, high, &reason), reason);
+  const double height = static_cast<double>(high[1]) - low[1];
+  if (!(height > 0.0)) throw cannot("fill", body->label, "its mesh has no height", "Turn it: y is up");
+  const double middle[3] = {0.5 * (static_cast<double>(low[0]) + high[0]), low[1],
+                            0.5 * (static_cast<double>(low[2]) + high[2])};
+  body->vertices.resize(3 * static_cast<size_t>(source.mesh.vertex_count));
+  for (size_t i = 0; i < body->vertices.size(); ++i)
+    body->vertices[i] = static_cast<float>((source.mesh.vertices[i] - middle[i % 3]) / height);
+  sandglass_mesh unit = source.mesh;
+  unit.vertices = body->vertices.data();
+  body->require(sandglass_mesh_bounds(&unit, body->low, body->high, &reason), reason);
+  uint64_t bytes = 0;
+  body->require(sandglass_mesh_inside_bytes(&unit, source.rule, &bytes, &reason), reason);
+  body->inside_block = sampler_block(bytes);
+  sandglass_mesh_inside* inside = nullptr;
+  body->require(sandglass_mesh_inside_create(&unit, source.rule, body->inside_block.get(), bytes, &inside, &reason),
+                reason);
+  body->inside = sandglass_mesh_inside_test;
+  body->user = inside;
+}
+
+UnitBody make_unit_body(const Body& body, const BodyMeshes& meshes, const std::string& label) {
+  UnitBody unit;
+  unit.label = label;
+  if (body.shape == BodyShape::trefoil || body.shape == BodyShape::mesh) {
+    const std::optional<BodyMesh>& mesh = body.shape == BodyShape::mesh ? meshes.argument : meshes.trefoil;
+    if (!mesh) throw cannot("fill", label, "it is a mesh without a file", "Name it with --mesh FILE");
+    make_mesh_body(*mesh, &unit);
+    return unit;
+  }
+  if (body.shape == BodyShape::revolved) {
+    make_revolved_body(body, &unit);
+    return unit;
+  }
+  const bool sized = body.shape == BodyShape::box && body.size.y > 0.0;
+  const double wide = sized ? body.size.x / body.size.y : 1.0, deep = sized ? body.size.z / body.size.y : 1.0;
+  unit.low[0] = static_cast<float>(-0.5 * wide), unit.high[0] = static_cast<float>(0.5 * wide);
+  unit.low[1] = 0.0f, unit.high[1] = 1.0f;
+  unit.low[2] = static_cast<float>(-0.5 * deep), unit.high[2] = static_cast<float>(0.5 * deep);
+  unit.inside = body.shape == BodyShape::box ? inside_box : inside_ball;
+  return unit;
+}
+
+Points lattice_points(const UnitBody& body, double distance) {
+  const char* reason = nullptr;
+  const float step = static_cast<float>(distance);
+  uint32_t capacity = 0, count = 0;
+  uint64_t bytes = 0;
+  body.require(sandglass_sample_lattice_capacity(body.low, body.high, step, &capacity, &reason), reason);
+  body.require(sandglass_sample_lattice_bytes(body.low, body.high, step, &bytes, &reason), reason);
+  Points points(3 * static_cast<size_t>(capacity) + 3);
+  const Block scratch = sampler_block(bytes);
+  body.require(sandglass_sample_lattice(body.low, body.high, step, body.inside, body.user, nullptr, scratch.get(),
+                                        bytes, points.data(), capacity, &count, &reason),
+               reason);
+  points.resize(3 * static_cast<size_t>(count));
+  return points;
+}
+
+Points poisson_points(const UnitBody& body, double distance, uint64_t seed) {
+  const char* reason = nullptr;
+  const float step = static_cast<float>(distance);
+  uint32_t capacity = 0, count = 0;
+  uint64_t bytes = 0;
+  body.require(sandglass_sample_volume_capacity(body.low, body.high, step, &capacity, &reason), reason);
+  body.require(sandglass_sample_volume_bytes(body.low, body.high, step, capacity, &bytes, &reason), reason);
+  Points points(3 * static_cast<size_t>(capacity) + 3);
+  const Block scratch = sampler_block(bytes);
+  sandglass_sample_options options;
+  sandglass_sample_options_default(&options);
+  options.seed = seed;
+  body.require(sandglass_sample_volume(body.low, body.high, step, body.inside, body.user, &options, scratch.get(),
+                                       bytes, points.data(), capacity, &count, &reason),
+               reason);
+  points.resize(3 * static_cast<size_t>(count));
+  return points;
+}
+
+// One random point in each cubic cell of edge `distance`, kept where it lies inside.
+Points grid_points(const UnitBody& body, double distance, uint64_t seed) {
+  Random random = {seed};
+  int64_t cells[3];
+  for (int axis = 0; axis < 3; ++axis)
+    cells[axis] = static_cast<int64_t>((static_cast<double>(body.high[axis]) - body.low[axis]) / distance) + 1;
+  Points points;
+  for (int64_t k = 0; k < cells[1]; ++k)
+    for (int64_t j = 0; j < cells[2]; ++j)
+      for (int64_t i = 0; i < cells[0]; ++i) {
+        const int64_t at[3] = {i, k, j};
+        float p[3];
+        bool within = true;
+        for (int axis = 0; axis < 3; ++axis) {
+          p[axis] = static_cast<float>(body.low[axis] + (static_cast<double>(at[axis]) + random.unit()) * distance);
+          within = within && p[axis] <= body.high[axis];
+        }
+        if (within && body.inside(body.user, p) != 0) points.insert(points.end(), p, p + 3);
+      }
+  return points;
+}
+
+// The distance at which `sample` finds the wanted number of points, within k_count_tolerance, and those points.
+Points sample_wanted(const UnitBody& body, uint32_t wanted, double enough, double* distance, const char* what,
+                     const std::function<Points(double)>& sample) {
+  Points best;
+  double best_error = 1e30, best_distance = *distance, tried = *distance;
+  for (int step = 0; step < k_search_steps && best_error > enough; ++step) {
+    Points points = sample(tried);
+    const double count = static_cast<double>(points.size() / 3);
+    const double error = std::fabs(count - wanted) / wanted;
+    if (error < best_error) {
+      best_error = error;
+      best_distance = tried;
+      best = std::move(points);
+    }
+    tried *= count == 0.0 ? 0.5 : cube_root(std::clamp(count / wanted, 0.05, 20.0));
+  }
+  if (best_error > k_count_tolerance)
+    throw cannot("fill", body.label,
+                 "it cannot hold " + std::to_string(wanted) + " " + what + " to 1 %; the nearest number is " +
+                     std::to_string(best.size() / 3),
+                 "Ask for that, or give its size instead");
+  *distance = best_distance;
+  return best;
+}
+
+double box_volume(const UnitBody& body) {
+  double volume = 1.0;
+  for (int axis = 0; axis < 3; ++axis) volume *= static_cast<double>(body.high[axis]) - body.low[axis];
+  return volume;
+}
+
+Points unit_grains(const Body& body, const UnitBody& unit, double volume, double scale, uint64_t seed) {
+  const auto sample = [&](double distance) {
+    return body.grain_grid ? grid_points(unit, distance, seed) : poisson_points(unit, distance, seed);
+  };
+  if (body.grain_distance > 0.0) return sample(body.grain_distance / scale);
+  if (body.grains == 0) return {};
+  double distance = cube_root(volume * (body.grain_grid ? 1.0 : k_poisson_density) / body.grains);
+  return sample_wanted(unit, body.grains, k_count_tolerance, &distance, "grains", sample);
+}
+
+// ------------------------------------------------------------------------------------------------ lattice blocks
+
+// Hexagonal close packing of counts[0] x counts[2] sites a layer, counts[1] layers; (3.33), the middle of the lowest
+// layer's box at the origin, the lowest centres at y = 0.
+std::vector<Vec3> block_sites(const Body& body, double distance) {
+  std::vector<Vec3> sites;
+  const Vec3 middle = {0.5 * distance * (body.counts[0] - 0.5), 0.0,
+                       0.25 * k_root3 * distance * (body.counts[2] - 2.0 / 3.0)};
+  for (uint32_t k = 0; k < body.counts[1]; ++k)
+    for (uint32_t j = 0; j < body.counts[2]; ++j)
+      for (uint32_t i = 0; i < body.counts[0]; ++i)
+        sites.push_back(Vec3{0.5 * distance * (2 * i + (j + k) % 2), k * k_layer * distance,
+                             0.5 * k_root3 * distance * (j + (k % 2) / 3.0)} -
+                        middle);
+  return sites;
+}
+
+// The split of a number near `wanted` (itself, if it splits well) into cells along the axes of a box such that cells
+// are nearly cubic.
+void split_box(uint32_t wanted, const double extent[3], uint64_t cells[3]) {
+  constexpr double k_good_ratio = 1.5;  // longest to shortest edge of a cell
+  double best_score = 1e30;
+  const uint32_t slack = static_cast<uint32_t>(wanted * k_count_tolerance);
+  for (uint32_t off = 0; off <= slack && best_score > k_good_ratio; ++off) {
+    const uint64_t total = wanted + off;
+    for (uint64_t a = 1; a <= total; ++a) {
+      if (a > 100000) break;
+      if (total % a != 0) continue;
+      const uint64_t rest = total / a;
+      for (uint64_t b = 1; b * b <= rest; ++b) {
+        if (rest % b != 0) continue;
+        for (const uint64_t second : {b, rest / b}) {
+          const uint64_t split[3] = {a, second, rest / second};
+          double shortest = 1e30, longest = 0.0;
+          for (int axis = 0; axis < 3; ++axis) {
+            const double edge = extent[axis] / static_cast<double>(split[axis]);
+            shortest = std::min(shortest, edge), longest = std::max(longest, edge);
+          }
+          if (longest / shortest < best_score) {
+            best_score = longest / shortest;
+            std::copy_n(split, 3, cells);
+          }
+        }
+      }
+    }
+  }
+}
+
+std::vector<Vec3> block_grains(const Body& body, const std::vector<Vec3>& sites, double distance, Random* random) {
+  if (body.grains == 0) return {};
+  Vec3 low = sites[0], high = sites[0];
+  for (const Vec3& site : sites) {
+    low = {std::min(low.x, site.x), std::min(low.y, site.y), std::min(low.z, site.z)};
+    high = {std::max(high.x, site.x), std::max(high.y, site.y), std::max(high.z, site.z)};
+  }
+  const Vec3 half = {0.5 * distance, 0.5 * distance, 0.5 * distance};
+  low = low - half, high = high + half;
+  const double extent[3] = {high.x - low.x, high.y - low.y, high.z - low.z};
+  uint64_t cells[3] = {1, 1, 1};
+  split_box(body.grains, extent, cells);
+  std::vector<Vec3> grains;
+  for (uint64_t k = 0; k < cells[1]; ++k)
+    for (uint64_t j = 0; j < cells[2]; ++j)
+      for (uint64_t i = 0; i < cells[0]; ++i) {
+        const double u = (static_cast<double>(i) + random->unit()) / static_cast<double>(cells[0]);
+        const double v = (static_cast<double>(k) + random->unit()) / static_cast<double>(cells[1]);
+        const double w = (static_cast<double>(j) + random->unit()) / static_cast<double>(cells[2]);
+        grains.push_back({low.x + u * extent[0], low.y + v * extent[1], low.z + w * extent[2]});
+      }
+  return grains;
+}
+
+// ------------------------------------------------------------------------------------------------ placing
+
+std::vector<Vec3> scaled(const Points& unit, double scale) {
+  std::vector<Vec3> points;
+  points.reserve(unit.size() / 3);
+  for (size_t i = 0; i < unit.size(); i += 3) points.push_back(Vec3{unit[i], unit[i + 1], unit[i + 2]} * scale);
+  return points;
+}
+
+void append(const std::vector<Vec3>& points, Vec3 velocity, std::vector<float>* positions,
+            std::vector<float>* velocities) {
+  for (const Vec3& p : points) {
+    for (const double value : {p.x, p.y, p.z}) positions->push_back(static_cast<float>(value));
+    for (const double value : {velocity.x, velocity.y, velocity.z}) velocities->push_back(static_cast<float>(value));
+  }
+}
+
+struct Filled {
+  std::vector<Vec3> particles, grains;  // before rotation and position
+  double lowest = 0.0;                  // of the rotated body, to be moved to the height of its position
+};
+
+// Lowest point of the body after rotation. A lattice block turns about the middle of its lowest layer and keeps its
+// height.
+double lowest_after(const Body& body, const UnitBody& unit, double scale) {
+  double lowest = 1e30;
+  const auto take = [&](Vec3 p) { lowest = std::min(lowest, rotate(body.rotation, p * scale).y); };
+  for (size_t i = 0; i < unit.vertices.size(); i += 3)
+    take({unit.vertices[i], unit.vertices[i + 1], unit.vertices[i + 2]});
+  for (const auto& point : unit.profile)
+    for (const Vec3 corner :
+         {Vec3{point[0], point[1], 0}, {-point[0], point[1], 0}, {0, point[1], point[0]}, {0, point[1], -point[0]}})
+      take(corner);
+  if (body.shape == BodyShape::sphere) lowest = rotate(body.rotation, Vec3{0.0, 0.5 * scale, 0.0}).y - 0.5 * scale;
+  if (body.shape == BodyShape::box)
+    for (int corner = 0; corner < 8; ++corner)
+      take({corner & 1 ? unit.high[0] : unit.low[0], corner & 2 ? unit.high[1] : unit.low[1],
+            corner & 4 ? unit.high[2] : unit.low[2]});
+  return lowest;
+}
+
+Filled fill_body(const Body& body, const UnitBody& unit, double* particle_radius, uint64_t seed) {
+  Filled filled;
+  double unit_distance = 0.0, scale = body.size.y;
+  Points sites;
+  if (body.particles > 0) {
+    unit_distance = cube_root(k_root2 * 0.5 * box_volume(unit) / body.particles);
+    sites = sample_wanted(unit, body.particles, k_search_enough, &unit_distance, "particles",
+                          [&](double distance) { return lattice_points(unit, distance); });
+    if (scale > 0.0) *particle_radius = unit_distance * scale / body.spacing;
+    else scale = body.spacing * *particle_radius / unit_distance;
+  } else {
+    unit_distance = body.spacing * *particle_radius / scale;
+    sites = lattice_points(unit, unit_distance);
+  }
+  if (sites.empty())
+    throw cannot("fill", unit.label, "it is too small for a single particle",
+                 "Make it larger or the particles smaller");
+  const double volume = static_cast<double>(sites.size() / 3) * unit_distance * unit_distance * unit_distance / k_root2;
+  filled.particles = scaled(sites, scale);
+  filled.grains = scaled(unit_grains(body, unit, volume, scale, seed), scale);
+  filled.lowest = lowest_after(body, unit, scale);
+  return filled;
+}
+
+}  // namespace
+
+Material fill_scene(SceneFile* scene, const BodyMeshes& meshes) {
+  Material material;
+  // A body that fixes the radius comes first; the order in the scene stays that of the file.
+  std::vector<Filled> filled(scene->bodies.size());
+  for (const bool fixes_radius : {true, false})
+    for (size_t i = 0; i < scene->bodies.size(); ++i) {
+      const Body& body = scene->bodies[i];
+      if ((body.size.y > 0.0 && body.particles > 0) != fixes_radius) continue;
+      const std::string label = "body " + std::to_string(i) + " of " + scene->source;
+      if (fixes_radius && scene->particle_radius > 0.0)
+        throw cannot("fill", label, "another body fixes the particle radius already",
+                     "Leave out its \"size\" or its \"particles\"");
+      const uint64_t seed = scene->seed + (i << 32);
+      if (body.shape == BodyShape::lattice) {
+        const double distance = body.spacing * scene->particle_radius;
+        Random random = {~seed};
+        filled[i].particles = block_sites(body, distance);
+        filled[i].grains = block_grains(body, filled[i].particles, distance, &random);
+      } else {
+        UnitBody unit = make_unit_body(body, meshes, label);
+        if (body.shape == BodyShape::revolved) unit.user = &unit;
+        filled[i] = fill_body(body, unit, &scene->particle_radius, seed);
+      }
+      Random random = {seed};
+      const double jitter = body.jitter * scene->particle_radius;
+      if (jitter > 0.0)
+        for (Vec3& p : filled[i].particles)
+          for (double* coordinate : {&p.x, &p.y, &p.z}) *coordinate += jitter * (2.0 * random.unit() - 1.0);
+      const Vec3 offset = body.position - Vec3{0.0, filled[i].lowest, 0.0};
+      for (std::vector<Vec3>* points : {&filled[i].particles, &filled[i].grains})
+        for (Vec3& p : *points) p = rotate(body.rotation, p) + offset;
+    }
+  for (size_t i = 0; i < filled.size(); ++i) {
+    if (scene->bodies[i].rigid > 0.0) {
+      RigidSample rigid;
+      rigid.density = scene->bodies[i].rigid;
+      rigid.velocity = scene->bodies[i].velocity, rigid.spin = scene->bodies[i].spin;
+      std::vector<float> unused;
+      append(filled[i].particles, {}, &rigid.positions, &unused);
+      material.rigid.push_back(std::move(rigid));
+      continue;
+    }
+    append(filled[i].particles, scene->bodies[i].velocity, &material.particle_positions, &material.particle_velocities);
+    append(filled[i].grains, scene->bodies[i].velocity, &material.grain_positions, &material.grain_velocities);
+  }
+  return material;
+}
+
+}  // namespace sandglass::host

@@ -1,0 +1,174 @@
+// Thin: every rule is the library's.
+#include "models/simulation/simulation.h"
+
+#include <string>
+
+#include "models/work/failure.h"
+
+namespace sandglass::host {
+
+// By reference: the call that sets it is an argument too, and arguments are evaluated in any order.
+static void require(sandglass_status status, const char* const& reason) {
+  if (status == SANDGLASS_OK) return;
+  throw cannot("create", "scene", reason != nullptr ? reason : sandglass_status_name(status));
+}
+
+Simulation::Simulation(const sandglass_scene_desc& desc) {
+  const char* reason = nullptr;
+  require(sandglass_scene_bytes(&desc, &bytes_, &reason), reason);
+  block_ = new_block(bytes_, "the scene", "make the scene smaller");
+  require(sandglass_scene_create(&desc, block_.get(), bytes_, &scene_, &reason), reason);
+  output_.reserve(desc.granular.grain_capacity);  // no frame allocates
+}
+
+void Simulation::add(const Material& material) {
+  const char* reason = nullptr;
+  require(sandglass_granular_add(scene_, material.particle_positions.data(), material.particle_velocities.data(),
+                                 material.particles(), material.grain_positions.data(),
+                                 material.grain_velocities.data(), material.grains(), &reason),
+          reason);
+  for (const RigidSample& sample : material.rigid) {
+    sandglass_body body;
+    sandglass_body_default(&body);
+    body.particle_positions = sample.positions.data();
+    body.particle_count = static_cast<uint32_t>(sample.positions.size() / 3);
+    body.density_ratio = static_cast<float>(sample.density);
+    const double velocity[3] = {sample.velocity.x, sample.velocity.y, sample.velocity.z};
+    const double spin[3] = {sample.spin.x, sample.spin.y, sample.spin.z};
+    for (int k = 0; k < 3; ++k)
+      body.linear_velocity[k] = static_cast<float>(velocity[k]), body.angular_velocity[k] = static_cast<float>(spin[k]);
+    require(sandglass_granular_add_body(scene_, &body, nullptr, &reason), reason);
+  }
+  particles_ += material.particles() + material.rigid_particles();
+  grains_ += material.grains();
+  output_.resize(grains_);
+}
+
+void Simulation::restart(const Material& material) {
+  particles_ = grains_ = 0;
+  add(material);
+}
+
+void Simulation::add(std::span<const float> particles, std::span<const float> velocities) {
+  Material material;
+  material.particle_positions.assign(particles.begin(), particles.end());
+  material.particle_velocities.assign(velocities.begin(), velocities.end());
+  material.particle_velocities.resize(particles.size());
+  add(material);
+}
+
+sandglass_frame_report Simulation::frame(double time_step, uint64_t budget_ns,
+                                         std::span<const sandglass_collider> colliders, const sandglass_plan* plan,
+                                         std::span<sandglass_shadow* const> shadows) {
+  sandglass_frame_input input;
+  sandglass_frame_input_default(&input);
+  input.time_step = static_cast<float>(time_step);
+  input.budget_ns = budget_ns;
+  input.colliders = colliders.data();
+  input.collider_count = static_cast<uint32_t>(colliders.size());
+  input.plan = plan;
+  input.emitters = flow_.emitters.data();
+  input.emitter_count = static_cast<uint32_t>(flow_.emitters.size());
+  input.sinks = flow_.sinks.data();
+  input.sink_count = static_cast<uint32_t>(flow_.sinks.size());
+  input.shadows = shadows.data();
+  input.shadow_count = static_cast<uint32_t>(shadows.size());
+  input.pile_shadow = pile_shadow_;
+  input.light = light_, input.camera = image_;
+  return frame(input);
+}
+
+sandglass_frame_report Simulation::frame(sandglass_frame_input input) {
+  if (grains_ > 0) {
+    input.grains = output_.data();
+    input.grain_stride = sizeof(sandglass_grain);
+    input.grain_capacity = grains_;
+  }
+  sandglass_frame_report report = {};
+  report.struct_size = sizeof report;
+  const char* reason = nullptr;
+  require(sandglass_scene_frame(scene_, &input, &report, &reason), reason);
+  particles_ = report.particle_numbers, grains_ = report.grain_numbers;
+  output_.resize(grains_);
+  return report;
+}
+
+const std::vector<float>& Simulation::particle_positions() {
+  positions_.resize(3 * static_cast<size_t>(particles_));
+  sandglass_granular_particles(scene_, positions_.data(), nullptr);
+  return positions_;
+}
+const std::vector<float>& Simulation::particle_velocities() {
+  velocities_.resize(3 * static_cast<size_t>(particles_));
+  sandglass_granular_particles(scene_, nullptr, velocities_.data());
+  return velocities_;
+}
+const std::vector<float>& Simulation::grain_positions() {
+  grain_positions_.resize(3 * static_cast<size_t>(grains_));
+  sandglass_granular_grains(scene_, grain_positions_.data(), nullptr);
+  return grain_positions_;
+}
+const std::vector<float>& Simulation::grain_velocities() {
+  grain_velocities_.resize(3 * static_cast<size_t>(grains_));
+  sandglass_granular_grains(scene_, nullptr, grain_velocities_.data());
+  return grain_velocities_;
+}
+
+sandglass_scene_desc describe_filled(const SceneFile& scene, const Material& material) {
+  sandglass_scene_desc desc =
+      describe_scene(scene, material.particles() + material.rigid_particles(), material.grains());
+  desc.granular.body_capacity = static_cast<uint32_t>(material.rigid.size());
+  desc.granular.body_particle_capacity = material.rigid_particles();
+  desc.granular.collider_capacity += static_cast<uint32_t>(material.rigid.size());
+  return desc;
+}
+
+std::vector<sandglass_collider> colliders_over_frame(const SceneFile& scene, uint32_t frame) {
+  std::vector<sandglass_collider> colliders;
+  for (const ColliderTrack& track : scene.colliders)
+    colliders.push_back(collider_over_frame(track, frame * scene.frame_step, scene.frame_step));
+  return colliders;
+}
+
+void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state, double ahead,
+                      std::vector<sandglass_collider>* colliders) {
+  uint32_t index = 0;
+  for (const Body& body : scene.bodies) {
+    if (body.rigid == 0.0) continue;
+    const sandglass_body_pose pose = sandglass_granular_body_pose(state, index++);
+    if (body.shape != BodyShape::box && body.shape != BodyShape::sphere) continue;
+    sandglass_collider shape = {};
+    shape.shape = body.shape == BodyShape::box ? SANDGLASS_SHAPE_BOX : SANDGLASS_SHAPE_SPHERE;
+    shape.grains_only = 1;
+    const double half[3] = {0.5 * body.size.x, 0.5 * body.size.y, 0.5 * body.size.z};
+    for (int k = 0; k < 3; ++k) {
+      shape.position[k] = pose.position[k] + static_cast<float>(ahead) * pose.linear_velocity[k];
+      shape.size[k] = static_cast<float>(body.shape == BodyShape::box ? half[k] : half[1]);
+      shape.linear_velocity[k] = pose.linear_velocity[k];
+      shape.angular_velocity[k] = pose.angular_velocity[k];
+    }
+    const Quaternion turned = normalised(multiply(
+        rotation_by(Vec3{pose.angular_velocity[0], pose.angular_velocity[1], pose.angular_velocity[2]} * ahead),
+        multiply(Quaternion{pose.rotation[0], pose.rotation[1], pose.rotation[2], pose.rotation[3]}, body.rotation)));
+    for (size_t k = 0; k < 4; ++k) shape.rotation[k] = static_cast<float>(turned[k]);
+    colliders->push_back(shape);
+  }
+}
+
+sandglass_isa find_isa(const std::string& name) {
+  constexpr sandglass_isa k_isa_limit = 16;  // above every number that sandglass_isa_name knows
+  std::string available;
+  sandglass_isa found = -1;
+  for (sandglass_isa isa = 0; isa < k_isa_limit; ++isa) {
+    const char* isa_name = sandglass_isa_name(isa);
+    if (isa_name == nullptr) continue;
+    if (sandglass_isa_available(isa) != 0) available += (available.empty() ? "" : ", ") + std::string(isa_name);
+    if (name == isa_name) found = isa;
+  }
+  if (found >= 0 && sandglass_isa_available(found) != 0) return found;
+  if (found >= 0)
+    throw cannot("use", name, "this CPU, or this build, lacks the instruction set", "Take one of " + available);
+  throw cannot("use", name, "no instruction set has this name", "Take one of " + available);
+}
+
+}  // namespace sandglass::host

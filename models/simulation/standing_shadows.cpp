@@ -1,0 +1,105 @@
+#include "models/simulation/standing_shadows.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <new>
+
+#include "models/work/failure.h"
+
+namespace sandglass::host {
+
+namespace fs = std::filesystem;
+
+std::string find_shadow(const std::string& name_or_path) {
+  std::error_code error;
+  if (fs::is_regular_file(name_or_path, error)) return name_or_path;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path folders[] = {SANDGLASS_SHADOWS_DIR, program.parent_path() / ".." / "share" / "sandglass" / "shadows"};
+  for (const fs::path& folder : folders)
+    if (fs::is_regular_file(folder / (name_or_path + ".shadow"), error))
+      return (folder / (name_or_path + ".shadow")).string();
+  throw cannot("read", name_or_path, "no file and no shipped shadow has this name", "Bake it with sandglass bake");
+}
+
+sandglass_shadow_info inspect_shadow(const AlignedBytes& file, const std::string& path) {
+  sandglass_shadow_info info = {};
+  info.struct_size = sizeof info;
+  const char* reason = nullptr;
+  if (sandglass_shadow_inspect(file.data(), file.size(), &info, &reason) != SANDGLASS_OK)
+    throw cannot("read", path, reason);
+  return info;
+}
+
+StandingShadows::StandingShadows(const SceneFile& scene, sandglass_isa isa) {
+  for (uint32_t i = 0; i < scene.colliders.size(); ++i) {
+    const ColliderTrack& track = scene.colliders[i];
+    if (track.shadow.empty()) continue;
+    const std::string path = find_shadow(track.shadow);
+    const AlignedBytes file = read_aligned(path, "baked shadow");
+    sandglass_shadow_desc desc;
+    sandglass_shadow_desc_default(&desc);
+    desc.isa = isa, desc.asset = file.data(), desc.asset_bytes = file.size();
+    Object object = {i, track.size.y, inspect_shadow(file, path), nullptr};
+    uint64_t bytes = 0;
+    const char* reason = nullptr;
+    if (sandglass_shadow_bytes(&desc, &bytes, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
+    object.block = ::operator new(bytes, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
+    objects_.push_back(object);
+    handles_.push_back(nullptr);
+    if (sandglass_shadow_create(&desc, object.block, bytes, &handles_.back(), &reason) != SANDGLASS_OK)
+      throw cannot("read", path, reason);
+  }
+}
+
+StandingShadows::~StandingShadows() {
+  for (const Object& object : objects_) ::operator delete(object.block, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
+}
+
+void StandingShadows::set_light(const SceneFile& scene, uint32_t frame, Vec3 towards) {
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    const sandglass_collider now =
+        collider_over_frame(scene.colliders[objects_[i].collider], frame * scene.frame_step, scene.frame_step);
+    const Quaternion rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
+    const Vec3 light = rotate(conjugate(rotation), towards);
+    const float direction[3] = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z)};
+    const char* reason = nullptr;
+    if (sandglass_shadow_set_light(handles_[i], 0, direction, 1.0f, &reason) != SANDGLASS_OK)
+      throw cannot("turn", "light", reason);
+  }
+}
+
+uint64_t StandingShadows::hash() const {
+  uint64_t sum = 0;
+  for (const sandglass_shadow* shadow : handles_) sum += sandglass_shadow_hash(shadow);
+  return sum;
+}
+
+std::vector<FloorShadow> StandingShadows::drawn(std::span<const sandglass_collider> colliders) const {
+  std::vector<FloorShadow> all;
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    const Object& object = objects_[i];
+    sandglass_shadow_texture texture = {};
+    texture.struct_size = sizeof texture;
+    sandglass_shadow_get_texture(handles_[i], 0, &texture);
+    if (object.collider >= colliders.size()) continue;
+    const sandglass_collider& now = colliders[object.collider];
+    FloorShadow shadow;
+    shadow.collider = object.collider;
+    shadow.texels = SANDGLASS_SHADOW_TEXELS;
+    shadow.coverage.assign(texture.coverage, texture.coverage + shadow.texels * shadow.texels);
+    shadow.opacity = texture.valid != 0 ? static_cast<double>(texture.opacity) : 0.0;
+    shadow.half_angle = 0.5 * static_cast<double>(object.info.angular_diameter);
+    shadow.position = {now.position[0], now.position[1], now.position[2]};
+    shadow.rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
+    const double scale = object.size / static_cast<double>(object.info.height);
+    for (size_t axis = 0; axis < 2; ++axis) {
+      const double origin = static_cast<double>(object.info.origin[2 * axis]);
+      shadow.low[axis] = (static_cast<double>(texture.low[axis]) - origin) * scale;
+      shadow.high[axis] = (static_cast<double>(texture.high[axis]) - origin) * scale;
+    }
+    all.push_back(std::move(shadow));
+  }
+  return all;
+}
+
+}  // namespace sandglass::host

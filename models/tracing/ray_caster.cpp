@@ -1,0 +1,160 @@
+// See ray_caster.h.
+#include "models/tracing/ray_caster.h"
+#include "models/work/failure.h"
+
+#ifdef SANDGLASS_HAVE_EMBREE
+
+#include <embree3/rtcore.h>
+
+#include <cmath>
+#include <cstring>
+
+namespace sandglass::host {
+namespace {
+
+constexpr float k_edge_margin = 1e-4f;  // barycentric: closer to an edge than this, a hit is doubtful
+constexpr float k_grazing = 1e-3f;      // sine of the angle between ray and face below which a hit is doubtful
+constexpr int k_directions = 9;
+
+// In no direction that meshes favour, and not coplanar: turned by the golden angle, stepped in height.
+void test_direction(int index, float direction[3]) {
+  const double y = 1 - (2 * index + 1.37) / k_directions, ring = std::sqrt(1 - y * y),
+               azimuth = 0.7 + 2.399963229728653 * index;
+  direction[0] = static_cast<float>(ring * std::cos(azimuth));
+  direction[1] = static_cast<float>(y);
+  direction[2] = static_cast<float>(ring * std::sin(azimuth));
+}
+
+struct CountContext {
+  RTCIntersectContext context;  // first: Embree hands back a pointer to it
+  int crossings;
+  bool doubtful;
+};
+
+// Counts a hit and rejects it, so that the ray goes on to the end.
+void count_crossing(const RTCFilterFunctionNArguments* arguments) {
+  auto* count = reinterpret_cast<CountContext*>(arguments->context);
+  if (arguments->valid[0] == 0) return;
+  arguments->valid[0] = 0;
+  const float u = RTCHitN_u(arguments->hit, arguments->N, 0), v = RTCHitN_v(arguments->hit, arguments->N, 0);
+  float dot = 0, normal_squared = 0;
+  const float normal[3] = {RTCHitN_Ng_x(arguments->hit, arguments->N, 0), RTCHitN_Ng_y(arguments->hit, arguments->N, 0),
+                           RTCHitN_Ng_z(arguments->hit, arguments->N, 0)};
+  const float direction[3] = {RTCRayN_dir_x(arguments->ray, arguments->N, 0),
+                              RTCRayN_dir_y(arguments->ray, arguments->N, 0),
+                              RTCRayN_dir_z(arguments->ray, arguments->N, 0)};
+  for (int k = 0; k < 3; ++k) {
+    dot += normal[k] * direction[k];
+    normal_squared += normal[k] * normal[k];
+  }
+  ++count->crossings;
+  const bool at_edge = !(u > k_edge_margin && v > k_edge_margin && 1 - u - v > k_edge_margin);
+  count->doubtful = count->doubtful || at_edge || !(std::fabs(dot) > k_grazing * std::sqrt(normal_squared));
+}
+
+RTCRay make_ray(const float origin[3], const float direction[3], float nearest, float farthest) {
+  RTCRay ray;
+  std::memset(&ray, 0, sizeof ray);
+  ray.org_x = origin[0];
+  ray.org_y = origin[1];
+  ray.org_z = origin[2];
+  ray.dir_x = direction[0];
+  ray.dir_y = direction[1];
+  ray.dir_z = direction[2];
+  ray.tnear = nearest;
+  ray.tfar = farthest;
+  ray.mask = 0xFFFFFFFFu;
+  return ray;
+}
+
+}  // namespace
+
+struct RayCaster::Scene {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  std::string error;
+};
+
+RayCaster::RayCaster(const Mesh& mesh) : scene_(std::make_unique<Scene>()) {
+  scene_->device = rtcNewDevice("threads=1");
+  if (scene_->device == nullptr) {
+    scene_->error = message("trace", "mesh", "Embree does not start on this machine", "Reinstall it");
+    return;
+  }
+  RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  void* vertices =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertex_count());
+  void* indices =
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangle_count());
+  if (vertices == nullptr || indices == nullptr) {
+    rtcReleaseGeometry(geometry);
+    scene_->error = message("trace", "mesh", "this machine has too little memory for it", "Simplify the mesh");
+    return;
+  }
+  std::memcpy(vertices, mesh.vertices.data(), 4 * mesh.vertices.size());
+  std::memcpy(indices, mesh.indices.data(), 4 * mesh.indices.size());
+  rtcCommitGeometry(geometry);
+  scene_->scene = rtcNewScene(scene_->device);
+  // ROBUST leaves no gaps between triangles; medium quality splits no triangle, so each is reported once.
+  rtcSetSceneFlags(scene_->scene,
+                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  rtcSetSceneBuildQuality(scene_->scene, RTC_BUILD_QUALITY_MEDIUM);
+  rtcAttachGeometry(scene_->scene, geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene_->scene);
+}
+
+RayCaster::~RayCaster() {
+  if (scene_->scene != nullptr) rtcReleaseScene(scene_->scene);
+  if (scene_->device != nullptr) rtcReleaseDevice(scene_->device);
+}
+
+const std::string& RayCaster::error() const { return scene_->error; }
+
+bool RayCaster::occluded(const float origin[3], const float direction[3], float nearest, float farthest) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRay ray = make_ray(origin, direction, nearest, farthest);
+  rtcOccluded1(scene_->scene, &context, &ray);
+  return ray.tfar < 0;
+}
+
+RayHit RayCaster::closest(const float origin[3], const float direction[3], float nearest, float farthest) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query;
+  query.ray = make_ray(origin, direction, nearest, farthest);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(scene_->scene, &context, &query);
+  RayHit result = {query.hit.geomID != RTC_INVALID_GEOMETRY_ID, query.ray.tfar, {0, 0, 0}, query.hit.primID};
+  if (!result.hit) return result;
+  const float n[3] = {query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z};
+  const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  for (int k = 0; k < 3; ++k) result.normal[k] = length > 0 ? n[k] / length : 0;
+  return result;
+}
+
+bool RayCaster::inside(const float point[3]) const {
+  int votes[2] = {0, 0}, doubtful_votes[2] = {0, 0};
+  for (int index = 0; index < k_directions && votes[0] < 2 && votes[1] < 2; ++index) {
+    float direction[3];
+    test_direction(index, direction);
+    CountContext count = {};
+    rtcInitIntersectContext(&count.context);
+    count.context.filter = count_crossing;
+    RTCRay ray = make_ray(point, direction, 0, INFINITY);
+    rtcOccluded1(scene_->scene, &count.context, &ray);
+    int* tally = count.doubtful ? doubtful_votes : votes;
+    ++tally[count.crossings & 1];
+  }
+  if (votes[0] != votes[1]) return votes[1] > votes[0];
+  return doubtful_votes[1] > doubtful_votes[0];
+}
+
+int RayCaster::inside_test(void* user, const float point[3]) {
+  return static_cast<const RayCaster*>(user)->inside(point) ? 1 : 0;
+}
+
+}  // namespace sandglass::host
+
+#endif

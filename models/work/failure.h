@@ -1,0 +1,47 @@
+// How the host side reports that it cannot go on: one message that says what it cannot do, with which file or part, why,
+// and what to do about it. The program prints it and exits with code 2.
+#pragma once
+
+#include <algorithm>
+#include <cctype>
+#include <stdexcept>
+#include <string>
+
+namespace sandglass::host {
+
+struct Failure : std::runtime_error {
+  explicit Failure(const std::string& message) : std::runtime_error(message) {}
+};
+
+// cannot read "x.obj": the file ends in a face (line 12). Export it again.
+inline std::string message(const std::string& verb, const std::string& which, const std::string& why,
+                           const std::string& remedy) {
+  return "cannot " + verb + " \"" + which + "\": " + why + ". " + remedy + ".";
+}
+
+// A reason that is written "why: what to do" or "why; what to do", as the library does, ends a message as "why. What to
+// do." One that ends in a full stop is taken as it is.
+inline std::string message(const std::string& verb, const std::string& which, std::string reason) {
+  const size_t end = std::max(reason.rfind(": ") + 1, reason.rfind("; ") + 1);  // 0: neither
+  if (!reason.ends_with('.')) {
+    if (end > 0 && end + 1 < reason.size()) {
+      reason[end - 1] = '.';
+      reason[end + 1] = static_cast<char>(std::toupper(static_cast<unsigned char>(reason[end + 1])));
+    }
+    reason += '.';
+  }
+  return "cannot " + verb + " \"" + which + "\": " + reason;
+}
+
+inline Failure cannot(const std::string& verb, const std::string& which, const std::string& why,
+                      const std::string& remedy) {
+  return Failure(message(verb, which, why, remedy));
+}
+inline Failure cannot(const std::string& verb, const std::string& which, const std::string& reason) {
+  return Failure(message(verb, which, reason));
+}
+inline Failure cannot(const std::string& verb, const std::string& which, const char* reason) {
+  return Failure(message(verb, which, reason == nullptr ? "the library gives no reason" : reason));
+}
+
+}  // namespace sandglass::host

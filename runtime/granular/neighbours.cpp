@@ -1,0 +1,152 @@
+#include "runtime/granular/neighbours.h"
+
+#include "runtime/granular/granular.h"
+#include "runtime/granular/ladder.h"
+
+namespace sandglass {
+
+namespace {
+
+// Pairs that were closer than this when the lists were built come first in them, in radii: contacts, and those of the
+// next few sub-steps.
+constexpr float k_near_radii = 2.1f;
+
+// A bound on how far a particle strays from the common motion in a sub-step: half the diagonal of the box that holds all
+// displacements. Where something stands still, there is no common motion, and the box is made to hold its place too.
+float spread_of(const Granular& g, const ContactExtent& e) {
+  float sum = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    float half = 0.5f * (e.displacement_high[k] - e.displacement_low[k]);
+    if (g.boundary.count != 0 || g.sleep.awake_count < g.particles.count) {
+      const float a = __builtin_fabsf(e.displacement_low[k]), b = __builtin_fabsf(e.displacement_high[k]);
+      half = a > b ? a : b;
+    }
+    sum += half * half;
+  }
+  return __builtin_sqrtf(sum);
+}
+
+ListArgs list_args(const Granular& g) {
+  const Neighbours& n = g.neighbours;
+  const float reach = neighbours_reach(g);
+  ListArgs args = {};
+  args.grid = n.sort.grid;
+  args.boundary_grid = g.boundary.sort.grid;
+  for (int k = 0; k < 3; ++k) args.positions[k] = n.positions[k], args.boundary_positions[k] = g.boundary.positions[k];
+  args.boundary_count = g.boundary.count;
+  args.boundary_first = g.particles.rows;
+  args.inert = g.particles.inert;
+  args.reach_squared = reach * reach;
+  const float near = k_near_radii * g.desc.particle_radius;
+  args.near_squared = near * near;
+  args.lists = n.lists;
+  args.counts = n.counts;
+  return args;
+}
+
+// Lists for the groups that hold an awake particle.
+struct ListTask {
+  Granular* g;
+  ListArgs args;
+  uint32_t dropped[8], awake[8];
+
+  void run(uint32_t piece, uint32_t begin, uint32_t end) {
+    uint32_t from = begin, lost = 0, lanes = 0;
+    for (uint32_t i = begin; i < end; i += k_lane_group) {
+      if (!sleep_sort_group(g, i / k_lane_group, &lanes)) continue;
+      if (from < i) g->kernels->neighbour_lists(&args, from, i, &lost), dropped[piece] += lost;
+      from = i + k_lane_group;
+    }
+    if (from < end) g->kernels->neighbour_lists(&args, from, end, &lost), dropped[piece] += lost;
+    awake[piece] = lanes;
+  }
+};
+
+}  // namespace
+
+void neighbours_layout(Neighbours* n, uint32_t rows, Layout* layout) {
+  const char* const axes[3] = {"granular.sorted_x", "granular.sorted_y", "granular.sorted_z"};
+  for (int k = 0; k < 3; ++k) n->positions[k] = layout_region<float>(layout, axes[k], rows + k_array_slack);
+  n->lists = layout_region<uint32_t>(layout, "granular.lists", static_cast<uint64_t>(rows) * k_list_slots);
+  n->counts = layout_region<uint8_t>(layout, "granular.list_counts", rows);
+  cell_sort_layout(&n->sort, layout, "granular.cells", "granular.cell_keys", rows, 4ull * rows);
+}
+
+void neighbours_reset(Neighbours* n, float substep) {
+  neighbours_forget(n, substep);
+  n->builds_per_substep = 0.25f;
+}
+
+void neighbours_forget(Neighbours* n, float substep) {
+  n->valid = false;
+  n->slack = n->last_spread = 0.0f;
+  n->last_substep = substep;
+}
+
+float neighbours_reach(const Granular& g) { return (2.0f + g.desc.list_skin) * g.desc.particle_radius; }
+
+bool neighbours_stale(const Granular& g, uint32_t level, float substep) {
+  const Neighbours& n = g.neighbours;
+  // The pass looks ahead by one sub-step of about the last one's motion.
+  const float extra = (k_ladder[level].list_reuse - 1.0f) * g.desc.list_skin * g.desc.particle_radius;
+  return !n.valid || 2.0f * n.last_spread * (substep / n.last_substep) > n.slack + extra;
+}
+
+void neighbours_begin_sort(Granular* g) {
+  cell_sort_begin(&g->neighbours.sort, neighbours_reach(*g), g->particles.low, g->particles.high, 2);
+}
+
+bool neighbours_run_sort(Granular* g) {
+  Neighbours& n = g->neighbours;
+  Particles& p = g->particles;
+  const SortTarget target = {as_records(p.records[1]), {n.positions[0], n.positions[1], n.positions[2]}, false};
+  cell_sort_run(&n.sort, *g->kernels, as_records(p.records[0]), p.count, g->unit, target);
+  if (n.sort.phase != k_sort_done) return false;
+  particles_swap(&p);
+  return true;
+}
+
+bool neighbours_run_lists(Granular* g) {
+  ListTask task = {g, list_args(*g), {}, {}};
+  const uint32_t count = g->particles.count, cursor = g->substep.cursor;
+  if (cursor == 0) g->sleep.awake_count = 0;
+  const uint32_t end = count - cursor < g->unit ? count : cursor + g->unit;
+  granular_split(*g, cursor, end, &task);
+  for (const uint32_t dropped : task.dropped) g->counts.dropped_contacts += dropped;
+  for (const uint32_t awake : task.awake) g->sleep.awake_count += awake;
+  g->substep.cursor = end;
+  if (end < count) return false;
+  g->neighbours.valid = true;
+  g->neighbours.slack = g->desc.list_skin * g->desc.particle_radius;
+  ++g->counts.list_builds;
+  g->sleep.waking_count = 0;
+  sleep_collect_groups(g);
+  return true;
+}
+
+uint32_t neighbours_build(Granular* g, uint32_t begin, uint32_t end) {
+  const ListArgs args = list_args(*g);
+  uint32_t dropped = 0;
+  g->kernels->neighbour_lists(&args, begin, end, &dropped);
+  return dropped;
+}
+
+void neighbours_wear(Granular* g) {
+  Neighbours& n = g->neighbours;
+  n.last_spread = spread_of(*g, g->substep.extent);
+  n.last_substep = g->substep.length;
+  n.slack -= 2.0f * n.last_spread;
+}
+
+void neighbours_learn(Neighbours* n, uint32_t builds, uint32_t substeps) {
+  if (substeps == 0) return;
+  const float fresh = static_cast<float>(builds) / static_cast<float>(substeps);
+  n->builds_per_substep += 0.25f * (fresh - n->builds_per_substep);
+}
+
+void neighbours_clear_row(Neighbours* n, uint32_t row, uint32_t inert) {
+  n->counts[row] = 0;
+  for (uint32_t s = 0; s < k_list_slots; ++s) n->lists[static_cast<uint64_t>(row) * k_list_slots + s] = inert;
+}
+
+}  // namespace sandglass

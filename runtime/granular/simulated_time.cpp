@@ -1,0 +1,110 @@
+#include "runtime/granular/simulated_time.h"
+
+#include "runtime/granular/granular.h"
+#include "runtime/granular/ladder.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr float k_longest_step = 0.1f;    // seconds; a frame asks for no more
+constexpr double k_frames_made_up = 2.0;  // an older debt becomes slow motion
+
+// Rounded up; but a hair above a whole number is that number: 20 ms in steps of 20/64 ms are 64.
+uint32_t whole_parts(double count) {
+  const uint32_t whole = static_cast<uint32_t>(count);
+  return count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
+}
+
+}  // namespace
+
+void time_reset(SimulatedTime* t) {
+  t->frame_step = 0.0f;
+  t->debt = t->interval_debt = t->slipped = t->simulated = t->grain_lag = 0.0;
+}
+
+void time_take(Granular* g, float asked) {
+  SimulatedTime& t = g->time;
+  const float step = asked > 0.0f ? (asked < k_longest_step ? asked : k_longest_step) : 0.0f;  // NaN: 0
+  const double most = k_frames_made_up * static_cast<double>(step);
+  t.frame_step = step;
+  t.debt += static_cast<double>(step);
+  if (g->substep.interval_left == 0) {
+    if (step > 0.0f && t.debt > most) t.slipped += t.debt - most, t.debt = most;
+    return;
+  }
+  // An interval under way is never cut short.
+  t.interval_debt += static_cast<double>(step);
+  if (step > 0.0f && t.interval_debt > most) {
+    t.slipped += t.interval_debt - most;
+    t.debt -= t.interval_debt - most;
+    t.interval_debt = most;
+  }
+}
+
+void time_pay(Granular* g) {
+  SimulatedTime& t = g->time;
+  const double paid = static_cast<double>(g->substep.length);
+  t.simulated += paid;
+  if (g->grains.count != 0) t.grain_lag += paid;
+  t.debt -= paid;
+  if (g->substep.interval_left != 0) return;
+  // The rounding of the parts does not add up: at the end of an interval the debt is what it was meant to be.
+  t.simulated += t.debt - t.interval_debt;
+  t.debt = t.interval_debt;
+  if (t.debt < k_time_resolution) t.debt = 0.0;
+}
+
+void time_skip(Granular* g) {
+  SimulatedTime& t = g->time;
+  t.simulated += t.debt;
+  if (g->grains.count != 0) {
+    // Around sleepers grains only come to rest: what they cannot follow now they need not.
+    const double limit = time_lag_limit(*g);
+    t.grain_lag += t.debt;
+    if (t.grain_lag > limit) t.grain_lag = limit;
+  }
+  t.debt = t.interval_debt = 0.0;
+}
+
+double time_interval(const Granular& g, uint32_t level) {
+  const double longest = k_ladder[level].refine_often && g.desc.grain_capacity != 0
+                             ? static_cast<double>(g.desc.refine_step)
+                             : static_cast<double>(g.time.frame_step);
+  const double count = g.time.debt / (longest > k_time_resolution ? longest : g.time.debt);
+  return g.time.debt / static_cast<double>(whole_parts(count));
+}
+
+uint32_t time_substeps(const Granular& g, double interval, uint32_t level) {
+  float limit = level_substep(k_ladder[level], g.desc.reference.solver_iterations, g.substep.longest);
+  if (g.particles.speed_max > 0.0f) {
+    const float courant = g.desc.courant * g.desc.particle_radius / g.particles.speed_max;
+    limit = courant < limit ? courant : limit;
+    limit = limit < g.substep.shortest ? g.substep.shortest : limit;
+  }
+  return whole_parts(interval / static_cast<double>(limit));
+}
+
+SubstepPlan time_plan_substep(const Granular& g, uint32_t level) {
+  SubstepPlan plan = {0.0, g.substep.interval_left, g.substep.length, false};
+  if (plan.count == 0) {
+    plan.interval = time_interval(g, level);
+    plan.count = time_substeps(g, plan.interval, level);
+    plan.substep = static_cast<float>(plan.interval / plan.count);
+  }
+  plan.stale = neighbours_stale(g, level, plan.substep);
+  return plan;
+}
+
+double time_lag_limit(const Granular& g) {
+  const float frame = g.time.frame_step > g.desc.refine_step ? g.time.frame_step : g.desc.refine_step;
+  const double under_way = g.sweep.phase == SweepPhase::idle ? 0.0 : g.sweep.time;
+  return under_way + k_sweep_steps_max * static_cast<double>(frame);
+}
+
+bool time_grains_behind(const Granular& g) {
+  if (g.grains.count == 0 || g.particles.count == 0) return false;  // without particles there is nothing to follow
+  return g.time.grain_lag >= time_lag_limit(g) - k_time_resolution;
+}
+
+}  // namespace sandglass

@@ -1,0 +1,250 @@
+#include "runtime/granular/sleep.h"
+
+#include "runtime/granular/granular.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr float k_rest_radii = 0.1f;        // moving further than this is moving on
+constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d)
+// Jammed particles, under a heavy body say, tremble faster than the wake speed, but stay within a hundredth of a radius.
+constexpr float k_stir_radii = 0.05f;
+
+Particle* particle_at(const Granular& g, uint32_t i) { return &g.particles.records[0][i]; }
+
+void drop_anchor(Anchor* anchor, const float position[3]) {
+  for (int k = 0; k < 3; ++k) anchor->position[k] = position[k];
+  anchor->quiet = 0;
+}
+
+// Squared distance from where the particle last moved on or woke.
+float moved2(const Granular& g, const Particle& p) {
+  const float* anchor = g.sleep.anchors[number_of(p)].position;
+  float sum = 0.0f;
+  for (int k = 0; k < 3; ++k) sum += (p.position[k] - anchor[k]) * (p.position[k] - anchor[k]);
+  return sum;
+}
+
+// Particle i, whose state is awake already, counts as awake from now on.
+void begin_waking_one(Granular* g, uint32_t i) {
+  const Particle& p = *particle_at(*g, i);
+  drop_anchor(&g->sleep.anchors[number_of(p)], p.position);
+  ++g->sleep.awake_count;
+  GroupState& state = g->sleep.group_states[i / k_lane_group];
+  if (state != GroupState::asleep) return;
+  state = GroupState::waking;
+  ++g->sleep.waking_count;
+}
+
+// And so does the rest of its body.
+void begin_waking(Granular* g, uint32_t i) {
+  begin_waking_one(g, i);
+  const Particle& woken = *particle_at(*g, i);
+  if (!in_body(woken)) return;
+  const RigidBody& body = g->bodies.all[body_of(woken) - 1];
+  for (uint32_t slot = body.first; slot < body.first + body.count; ++slot) {
+    Particle* p = particle_at(*g, g->bodies.rows[slot]);
+    if (!is_asleep(*p)) continue;
+    wake(p);
+    begin_waking_one(g, g->bodies.rows[slot]);
+  }
+}
+
+void wake_if_asleep(Granular* g, uint32_t i) {
+  Particle* p = particle_at(*g, i);
+  if (!is_asleep(*p)) return;
+  wake(p);
+  begin_waking(g, i);
+}
+
+void wake_neighbours(Granular* g, uint32_t i) {
+  const uint32_t* row = g->neighbours.lists + static_cast<uint64_t>(i) * k_list_slots;
+  for (uint32_t s = 0; s < g->neighbours.counts[i]; ++s) {
+    if (row[s] < g->particles.count) wake_if_asleep(g, row[s]);
+  }
+}
+
+// A group in which all sleep leaves the passes, which swap the arrays: every array must hold it.
+void leave_if_asleep(Granular* g, uint32_t group) {
+  for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i)
+    if (is_awake(*particle_at(*g, i))) return;
+  g->sleep.group_states[group] = GroupState::asleep;
+  particles_copy_to_all(&g->particles, group * k_lane_group, k_lane_group);
+}
+
+void fall_asleep(Granular* g, uint32_t i) {
+  Particle* p = particle_at(*g, i);
+  put_to_sleep(p);
+  g->sleep.anchors[number_of(*p)].quiet = k_asleep;
+  --g->sleep.awake_count;
+}
+
+}  // namespace
+
+void sleep_layout(Sleep* s, const sandglass_granular_desc& d, uint32_t rows, Layout* layout) {
+  const uint64_t groups = rows / k_lane_group + 1;
+  s->active_groups = layout_region<uint32_t>(layout, "granular.active_groups", groups);
+  s->group_states = layout_region<GroupState>(layout, "granular.group_states", groups);
+  s->touched = layout_region<uint8_t>(layout, "granular.touched", groups);
+  s->anchors = layout_region<Anchor>(layout, "granular.rest", d.particle_capacity);
+}
+
+void sleep_reset(Sleep* s) {
+  s->active_count = s->awake_count = s->waking_count = 0;
+  s->next_check = 0.0;
+}
+
+void sleep_add(Sleep* s, uint32_t number, const float position[3]) {
+  drop_anchor(&s->anchors[number], position);
+  ++s->awake_count;
+}
+
+void sleep_wake_all(Granular* g) {
+  substep_abandon(g);
+  for (uint32_t i = 0; i < g->particles.count; ++i) wake_if_asleep(g, i);
+  g->neighbours.valid = false;
+}
+
+void sleep_put_one(Granular* g, uint32_t index) {
+  fall_asleep(g, index);
+  leave_if_asleep(g, index / k_lane_group);
+}
+
+bool sleep_sort_group(Granular* g, uint32_t group, uint32_t* awake_count) {
+  const uint32_t first = group * k_lane_group;
+  uint32_t lanes = 0;
+  for (uint32_t i = first; i < first + k_lane_group; ++i) {
+    const Particle& p = *particle_at(*g, i);
+    lanes += is_awake(p) ? 1u : 0u;
+    if (g->bodies.count != 0 && in_body(p) && !is_inert(p)) bodies_note_row(g, i);
+  }
+  *awake_count += lanes;
+  g->sleep.group_states[group] = lanes != 0 ? GroupState::active : GroupState::asleep;
+  if (lanes != 0) return false;
+  particles_copy_to_all(&g->particles, first, k_lane_group);
+  return true;
+}
+
+void sleep_collect_groups(Granular* g) {
+  Sleep& s = g->sleep;
+  const uint32_t groups = (g->particles.count + k_lane_group - 1) / k_lane_group;
+  s.active_count = 0;
+  for (uint32_t group = 0; group < groups; ++group) {
+    s.touched[group] = 0;
+    if (s.group_states[group] == GroupState::active) s.active_groups[s.active_count++] = group;
+  }
+}
+
+uint32_t sleep_active_items(const Granular& g) { return g.sleep.active_count * k_lane_group; }
+
+void sleep_skip_time(Granular* g) {
+  const bool asleep = g->sleep.awake_count == 0 && (g->neighbours.valid || g->particles.count == 0);
+  if (!asleep || g->flow.emitter_count != 0 || !substep_idle(*g)) return;
+  time_skip(g);
+  g->substep.interval_left = 0;
+  g->particles.speed_max = g->neighbours.last_spread = 0.0f;
+  grain_sleep_skip_time(g);
+}
+
+// ---- touch: near colliders that moved
+
+bool sleep_run_touch(Granular* g) {
+  uint32_t& cursor = g->substep.cursor;
+  const uint32_t count = g->particles.count, end = count - cursor < g->unit ? count : cursor + g->unit;
+  const MovedColliders& moved = g->colliders.solid.moved;
+  const WakeArgs args = {as_sleepers(g->particles.records[0]), count, moved.frames, moved.margins, moved.count};
+  uint32_t woken = 0;
+  g->kernels->wake_near(&args, cursor, end, &woken);
+  for (uint32_t i = cursor; woken != 0 && i < end; ++i) {
+    const Particle& p = *particle_at(*g, i);
+    if (is_awake(p) && g->sleep.anchors[number_of(p)].quiet == k_asleep) begin_waking(g, i);
+  }
+  cursor = end;
+  if (end < count) return false;
+  watch_remember(&g->colliders.solid, g->colliders.given, g->colliders.solid_count);
+  return true;
+}
+
+// ---- wake: what fast particles ran into
+
+float granular_speed_scale(const Granular& g) {
+  const float pull = g.gravity_length > 0.1f ? g.gravity_length : 9.81f;
+  return __builtin_sqrtf(pull * 2.0f * g.desc.particle_radius);
+}
+
+float sleep_wake_speed(const Granular& g) { return k_wake_speed_units * granular_speed_scale(g); }
+
+bool sleep_run_wake(Granular* g) {
+  Sleep& s = g->sleep;
+  uint32_t& cursor = g->substep.cursor;
+  const float speed = sleep_wake_speed(*g), speed2 = speed * speed;
+  const float stir = k_stir_radii * g->desc.particle_radius, stir2 = stir * stir;
+  uint32_t done = 0;
+  for (; cursor < s.active_count && done < g->unit; ++cursor) {
+    const uint32_t group = s.active_groups[cursor];
+    if (s.touched[group] == 0) continue;
+    s.touched[group] = 0;
+    done += k_lane_group;
+    for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
+      const Particle& p = *particle_at(*g, i);
+      const float* v = p.velocity;
+      if (!is_awake(p) || !(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] > speed2)) continue;
+      if (moved2(*g, p) > stir2) wake_neighbours(g, i);
+    }
+  }
+  return cursor >= s.active_count;
+}
+
+// ---- sleep: who has stayed near its anchor, and who has moved on
+
+bool sleep_run_sleep(Granular* g) {
+  uint32_t& cursor = g->substep.cursor;
+  const float limit = k_rest_radii * g->desc.particle_radius, limit2 = limit * limit;
+  const uint32_t patience = static_cast<uint32_t>(g->desc.sleep_after * static_cast<float>(1.0 / k_sleep_period));
+  const uint32_t items = sleep_active_items(*g);
+  const uint32_t end = items - cursor < g->unit ? items : cursor + g->unit;
+  for (uint32_t at = cursor; at < end; at += k_lane_group) {
+    const uint32_t group = g->sleep.active_groups[at / k_lane_group];
+    for (uint32_t i = group * k_lane_group; i < (group + 1) * k_lane_group; ++i) {
+      const Particle& p = *particle_at(*g, i);
+      if (!is_awake(p)) continue;
+      Anchor& anchor = g->sleep.anchors[number_of(p)];
+      if (moved2(*g, p) > limit2) {
+        drop_anchor(&anchor, p.position);
+        wake_neighbours(g, i);
+      } else if (++anchor.quiet >= patience && !in_body(p)) {
+        fall_asleep(g, i);
+      }
+    }
+    leave_if_asleep(g, group);
+  }
+  cursor = end;
+  if (end < items) return false;
+  bodies_put_to_sleep(g, patience);
+  sleep_collect_groups(g);
+  return true;
+}
+
+// ---- wake_lists: lists for the groups that woke
+
+bool sleep_run_wake_lists(Granular* g) {
+  Sleep& s = g->sleep;
+  uint32_t& cursor = g->substep.cursor;
+  const uint32_t count = g->particles.count;
+  uint32_t done = 0;
+  for (; cursor < count && s.waking_count != 0 && done < g->unit; cursor += k_lane_group) {
+    GroupState& state = s.group_states[cursor / k_lane_group];
+    if (state != GroupState::waking) continue;
+    const uint32_t left = count - cursor;
+    g->counts.dropped_contacts += neighbours_build(g, cursor, cursor + (left < k_lane_group ? left : k_lane_group));
+    state = GroupState::active;
+    --s.waking_count;
+    done += k_lane_group;
+  }
+  if (s.waking_count != 0) return false;
+  sleep_collect_groups(g);
+  return true;
+}
+
+}  // namespace sandglass

@@ -1,0 +1,289 @@
+// With the small-step scheme a sub-step is no more than one solve pass: prediction, contacts, friction, colliders and
+// integration in one. Passes run over the record groups that hold an awake particle (sleep.h).
+#include "runtime/granular/substep.h"
+
+#include "runtime/granular/granular.h"
+#include "runtime/granular/ladder.h"
+
+namespace sandglass {
+
+namespace {
+
+// 2^32 over the golden ratio: every stretch of the sequence averages to nothing.
+constexpr uint32_t k_dither_stride = 2654435769u;
+
+constexpr uint32_t bit(SubstepPhase phase) { return 1u << static_cast<uint32_t>(phase); }
+
+// ---- what follows what
+
+SubstepPhase first_pass(const Granular& g) {
+  return g.desc.reference.stabilisation_iterations != 0 ? SubstepPhase::stabilise : SubstepPhase::solve;
+}
+
+// At full quality each interval is refined before the next; below it time slows rather than leave grains behind.
+bool waits_for_grains(const Granular& g, uint32_t level) {
+  if (g.grains.count == 0 || g.particles.count == 0 || g.substep.interval_left != 0) return false;
+  return k_ladder[level].refine_often ? g.time.grain_lag > k_time_resolution : time_grains_behind(g);
+}
+
+// The phase whose unit comes next; idle: none.
+SubstepPhase upcoming(const Granular& g, uint32_t level) {
+  const Substep& s = g.substep;
+  if (s.phase != SubstepPhase::idle) return s.phase;
+  if ((s.due & bit(SubstepPhase::touch)) != 0) return SubstepPhase::touch;
+  if (s.interval_left == 0 && (g.time.debt < k_time_resolution || waits_for_grains(g, level)))
+    return SubstepPhase::idle;
+  return time_plan_substep(g, level).stale ? SubstepPhase::sort : first_pass(g);
+}
+
+// What runs after a complete sub-step: the first phase that is due.
+SubstepPhase first_due(const Granular& g) {
+  constexpr SubstepPhase k_phases[] = {SubstepPhase::touch, SubstepPhase::wake, SubstepPhase::sleep,
+                                       SubstepPhase::drain};
+  for (const SubstepPhase phase : k_phases) {
+    if ((g.substep.due & bit(phase)) != 0) return phase;
+  }
+  return g.sleep.waking_count != 0 && g.neighbours.valid ? SubstepPhase::wake_lists : SubstepPhase::idle;
+}
+
+void complete(Granular* g);
+
+// The phase that follows `done`, whose last unit has run.
+SubstepPhase after(Granular* g, SubstepPhase done) {
+  Substep& s = g->substep;
+  switch (done) {
+    case SubstepPhase::idle:
+      return SubstepPhase::idle;
+    case SubstepPhase::sort:
+      return SubstepPhase::lists;
+    case SubstepPhase::lists:
+      contacts_begin(g);
+      return first_pass(*g);
+    case SubstepPhase::stabilise:
+      if (++s.pass < g->desc.reference.stabilisation_iterations) return SubstepPhase::stabilise;
+      s.pass = 0;
+      return SubstepPhase::solve;
+    case SubstepPhase::solve:
+      if (++s.pass < s.iterations) return SubstepPhase::solve;
+      s.pass = 0;
+      if (bodies_begin(g)) return SubstepPhase::bodies;
+      complete(g);
+      return first_due(*g);
+    case SubstepPhase::bodies:
+      complete(g);
+      return first_due(*g);
+    case SubstepPhase::touch:
+    case SubstepPhase::wake:
+    case SubstepPhase::sleep:
+    case SubstepPhase::drain:
+      s.due &= ~bit(done);
+      return first_due(*g);
+    case SubstepPhase::wake_lists:
+      return first_due(*g);
+  }
+  return SubstepPhase::idle;
+}
+
+void enter(Granular* g, SubstepPhase phase) {
+  g->substep.phase = phase;
+  g->substep.cursor = 0;
+  if (phase == SubstepPhase::idle) sleep_skip_time(g);
+}
+
+// ---- a sub-step's begin and end
+
+void begin(Granular* g, uint32_t level) {
+  Substep& s = g->substep;
+  if (s.interval_left == 0 && g->flow.emitter_count != 0) flow_emit(g, time_interval(*g, level));
+  const SubstepPlan plan = time_plan_substep(*g, level);
+  if (s.interval_left == 0) g->time.interval_debt = g->time.debt - plan.interval;
+  s.interval_left = plan.count;
+  s.length = plan.substep;
+  s.iterations = level_iterations(k_ladder[level], g->desc.reference.solver_iterations);
+  // Seconds between the end of this sub-step and the end of the frame, where the colliders' poses are given.
+  const double before_end = g->time.debt - static_cast<double>(s.length);
+  colliders_pose(g->colliders.given, g->colliders.solid_count, before_end > 0.0 ? static_cast<float>(before_end) : 0.0f,
+                 g->colliders.substep_frames);
+  if (plan.stale) {
+    neighbours_begin_sort(g);
+    return enter(g, SubstepPhase::sort);
+  }
+  contacts_begin(g);
+  enter(g, first_pass(*g));
+}
+
+// The last pass has written records[1], and the bodies have corrected it: that is the state now.
+void complete(Granular* g) {
+  Substep& s = g->substep;
+  Particles& p = g->particles;
+  particles_swap(&p);
+  g->counts.quarantined += s.extent.quarantined;
+  p.speed_max = __builtin_sqrtf(s.extent.speed_squared);
+  const bool all = g->sleep.awake_count == p.count;  // sleepers hold the bounds where they were
+  for (int k = 0; k < 3; ++k) {
+    if (s.extent.low[k] > s.extent.high[k]) continue;
+    if (all || s.extent.low[k] < p.low[k]) p.low[k] = s.extent.low[k];
+    if (all || s.extent.high[k] > p.high[k]) p.high[k] = s.extent.high[k];
+  }
+  neighbours_wear(g);
+  --s.interval_left;
+  ++g->counts.substeps;
+  s.dither += k_dither_stride;
+  time_pay(g);
+  substep_set_due(g, SubstepPhase::wake, s.extent.touched != 0);
+  if (g->time.simulated < g->sleep.next_check - k_time_resolution) return;
+  substep_set_due(g, SubstepPhase::sleep, g->desc.sleep_after > 0.0f);
+  substep_set_due(g, SubstepPhase::drain, g->flow.sink_count != 0);
+  g->sleep.next_check = g->time.simulated + k_sleep_period;
+}
+
+// ---- the stage
+
+struct PhaseUnit {
+  uint32_t kind;
+  const char* name;
+};
+
+// One a phase.
+constexpr PhaseUnit k_units[] = {
+    {k_unit_kind_none, ""},
+    {k_unit_particle_sort, "granular.sort"},
+    {k_unit_lists, "granular.lists"},
+    {k_unit_stabilise, "granular.stabilise"},
+    {k_unit_solve, "granular.solve"},
+    {k_unit_bodies, "granular.bodies"},
+    {k_unit_touch, "granular.touch"},
+    {k_unit_wake, "granular.wake"},
+    {k_unit_sleep, "granular.rest"},
+    {k_unit_drain, "granular.drain"},
+    {k_unit_lists, "granular.wake_lists"},
+};
+static_assert(sizeof k_units / sizeof k_units[0] == static_cast<uint32_t>(SubstepPhase::wake_lists) + 1);
+
+// Items that the phase has left; of the sort and of the bodies, those of the next unit.
+uint32_t items_left(const Granular& g, SubstepPhase phase) {
+  const bool begun = g.substep.phase == phase;
+  const uint32_t cursor = begun ? g.substep.cursor : 0;
+  switch (phase) {
+    case SubstepPhase::sort:
+      return begun ? cell_sort_items(g.neighbours.sort, g.particles.count, g.unit) : g.particles.count;
+    case SubstepPhase::bodies:
+      return bodies_items(g);
+    case SubstepPhase::lists:
+    case SubstepPhase::touch:
+      return g.particles.count - cursor;
+    case SubstepPhase::wake:
+      return sleep_active_items(g);
+    case SubstepPhase::wake_lists:
+      return g.sleep.waking_count * k_lane_group;
+    default:
+      return sleep_active_items(g) - cursor;
+  }
+}
+
+bool next(const void* state, uint32_t level, WorkUnit* unit) {
+  const Granular& g = *static_cast<const Granular*>(state);
+  if (g.particles.count == 0 && g.flow.emitter_count == 0) return false;
+  // A snapshot under way reads the state in several units and must find it unchanged.
+  if (g.sweep.phase == SweepPhase::snapshot) return false;
+  const SubstepPhase phase = upcoming(g, level);
+  if (phase == SubstepPhase::idle) return false;
+  const PhaseUnit& next = k_units[static_cast<uint32_t>(phase)];
+  const uint32_t left = items_left(g, phase);
+  unit->kind = next.kind, unit->name = next.name;
+  unit->items = left < g.unit || (phase == SubstepPhase::sort && g.substep.phase == phase) ? left : g.unit;
+  return true;
+}
+
+// Runs the phase's next unit. True once its last one has run.
+bool run_unit(Granular* g, SubstepPhase phase) {
+  switch (phase) {
+    case SubstepPhase::idle:
+      return true;
+    case SubstepPhase::sort:
+      return neighbours_run_sort(g);
+    case SubstepPhase::lists:
+      return neighbours_run_lists(g);
+    case SubstepPhase::stabilise:
+    case SubstepPhase::solve:
+      return contacts_run(g);
+    case SubstepPhase::bodies:
+      return bodies_run(g);
+    case SubstepPhase::touch:
+      return sleep_run_touch(g);
+    case SubstepPhase::wake:
+      return sleep_run_wake(g);
+    case SubstepPhase::sleep:
+      return sleep_run_sleep(g);
+    case SubstepPhase::drain:
+      return flow_run_drain(g);
+    case SubstepPhase::wake_lists:
+      return sleep_run_wake_lists(g);
+  }
+  return true;
+}
+
+void run(void* state, uint32_t level) {
+  Granular* g = static_cast<Granular*>(state);
+  output_restart(&g->output);  // emitters and sinks change what was written
+  if (g->substep.phase == SubstepPhase::idle) {
+    if ((g->substep.due & bit(SubstepPhase::touch)) != 0) enter(g, SubstepPhase::touch);
+    else begin(g, level);
+  }
+  const SubstepPhase phase = g->substep.phase;
+  if (run_unit(g, phase)) enter(g, after(g, phase));
+}
+
+uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
+  const Granular& g = *static_cast<const Granular*>(state);
+  if (g.particles.count == 0 || g.time.debt < k_time_resolution) return 0;
+  const uint64_t substeps = time_substeps(g, g.time.debt, level), count = g.particles.count;
+  const uint64_t active = g.neighbours.valid ? sleep_active_items(g) : count;
+  const uint64_t builds = static_cast<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps)) + 1;
+  uint32_t n = 0;
+  entries[n++] = {k_unit_particle_sort, builds * 2 * count};
+  entries[n++] = {k_unit_lists, builds * active};
+  if (g.desc.reference.stabilisation_iterations != 0)
+    entries[n++] = {k_unit_stabilise, substeps * g.desc.reference.stabilisation_iterations * active};
+  if (g.bodies.count != 0) entries[n++] = {k_unit_bodies, substeps * 2 * g.bodies.particle_count};
+  entries[n++] = {k_unit_solve,
+                  substeps * level_iterations(k_ladder[level], g.desc.reference.solver_iterations) * active};
+  return n;
+}
+
+}  // namespace
+
+void substep_reset(Substep* s) {
+  substep_forget(s);
+  s->dither = 0;
+}
+
+void substep_forget(Substep* s) {
+  s->phase = SubstepPhase::idle;
+  s->due = s->cursor = s->pass = s->interval_left = 0;
+  s->length = s->longest;
+}
+
+bool substep_idle(const Granular& g) { return g.substep.phase == SubstepPhase::idle && g.substep.due == 0; }
+
+void substep_set_due(Granular* g, SubstepPhase phase, bool due) {
+  if (due) g->substep.due |= bit(phase);
+  else g->substep.due &= ~bit(phase);
+}
+
+void substep_abandon(Granular* g) {
+  Substep& s = g->substep;
+  while (s.phase == SubstepPhase::bodies) {
+    if (bodies_run(g)) enter(g, after(g, s.phase));
+  }
+  if (s.phase == SubstepPhase::sort || s.phase == SubstepPhase::lists) {
+    g->neighbours.valid = false;  // the records may have moved already
+    bodies_find_rows(g);
+  }
+  s.phase = SubstepPhase::idle;
+  s.due &= bit(SubstepPhase::touch);
+}
+
+Stage granular_particle_stage(Granular* granular) { return {granular, next, run, forecast, k_granular_kinds, 1, 0.6f}; }
+
+}  // namespace sandglass

@@ -1,0 +1,303 @@
+#include "runtime/granular/sweep.h"
+
+#include "runtime/granular/granular.h"
+#include "runtime/granular/ladder.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr float k_support_radii = 3.0f;       // h = 3r
+constexpr float k_grain_cell_radii = 2.0f;    // a vector of grains is then about one cell
+constexpr float k_sweeps_per_sort = 4.0f;     // grains move a fraction of a cell between sorts
+constexpr float k_sort_next = 1e9f;           // sweeps since the last sort, where the next sweep must sort
+constexpr float k_still_speed_units = 0.25f;  // of sqrt(g d): between sleepers grains creep on, slower than that
+
+// ---- what follows what
+
+bool sweep_wanted(const Granular& g, uint32_t level) {
+  if (g.grains.count == 0 || g.particles.count == 0 || g.time.grain_lag < k_time_resolution) return false;
+  return !k_ladder[level].refine_often || g.substep.interval_left == 0;
+}
+
+void begin(Granular* g, uint32_t level);
+void begin_sort(Granular* g);
+void complete(Granular* g);
+
+// Decides which groups are refined: by looking at the cells around still ones, where there are any.
+SweepPhase decide(Granular* g) {
+  g->grain_sleep.marked = g->grain_sleep.still_groups != 0;
+  if (g->grain_sleep.marked) return SweepPhase::mark;
+  grain_sleep_begin_triage(g);
+  return SweepPhase::triage;
+}
+
+// The phase that follows `done`, whose last unit has run.
+SweepPhase after(Granular* g, SweepPhase done) {
+  switch (done) {
+    case SweepPhase::idle:
+      return SweepPhase::idle;
+    case SweepPhase::snapshot:
+      if (g->sweep.sweeps_since_sort < k_sweeps_per_sort) return decide(g);
+      begin_sort(g);
+      return SweepPhase::sort;
+    case SweepPhase::sort:
+      return decide(g);
+    case SweepPhase::mark:
+      return SweepPhase::spread_x;
+    case SweepPhase::spread_x:
+      return SweepPhase::spread_y;
+    case SweepPhase::spread_y:
+      return SweepPhase::spread_z;
+    case SweepPhase::spread_z:
+      grain_sleep_begin_triage(g);
+      return SweepPhase::triage;
+    case SweepPhase::triage:
+      return SweepPhase::refine;
+    case SweepPhase::refine:
+      complete(g);
+      return g->flow.sink_count != 0 ? SweepPhase::drain : SweepPhase::idle;
+    case SweepPhase::drain:
+      return SweepPhase::idle;
+  }
+  return SweepPhase::idle;
+}
+
+void enter(Granular* g, SweepPhase phase) {
+  g->sweep.phase = phase;
+  g->sweep.cursor = 0;
+}
+
+// ---- the phases
+
+void begin(Granular* g, uint32_t level) {
+  // Full quality steps by refine_step; below it one step covers a frame.
+  SimulatedTime& t = g->time;
+  const float longest =
+      k_ladder[level].refine_often || t.frame_step < g->desc.refine_step ? g->desc.refine_step : t.frame_step;
+  const double count = t.grain_lag / static_cast<double>(longest);
+  const uint32_t whole = static_cast<uint32_t>(count);
+  uint32_t steps = count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
+  if (steps > k_sweep_steps_max) steps = k_sweep_steps_max;
+  g->sweep.time = t.grain_lag;
+  g->sweep.steps = steps;
+  g->sweep.step = static_cast<float>(t.grain_lag / steps);
+  cell_sort_begin(&g->grains.snapshot.sort, k_support_radii * g->desc.particle_radius, g->particles.low,
+                  g->particles.high, 3);
+  colliders_pose(g->colliders.given, g->colliders.count, static_cast<float>(t.debt), g->colliders.sweep_frames);
+}
+
+bool run_snapshot(Granular* g) {
+  Snapshot& s = g->grains.snapshot;
+  const SortTarget target = {as_records(s.particles), {s.positions[0], s.positions[1], s.positions[2]}, true};
+  cell_sort_run(&s.sort, *g->kernels, as_records(g->particles.records[0]), g->particles.count, g->unit, target);
+  return s.sort.phase == k_sort_done;
+}
+
+void begin_sort(Granular* g) {
+  g->sweep.sweeps_since_sort = 0.0f;
+  cell_sort_begin(&g->grains.sort, k_grain_cell_radii * g->desc.particle_radius, g->particles.low, g->particles.high,
+                  2);
+}
+
+bool run_sort(Granular* g) {
+  Grains& grains = g->grains;
+  const SortTarget target = {as_records(grains.records[1]), {nullptr, nullptr, nullptr}, false};
+  cell_sort_run(&grains.sort, *g->kernels, as_records(grains.records[0]), grains.count, g->unit, target);
+  if (grains.sort.phase != k_sort_done) return false;
+  Grain* sorted = grains.records[1];
+  grains.records[1] = grains.records[0];
+  grains.records[0] = sorted;
+  g->grain_sleep.groups_changed = true;
+  return true;
+}
+
+struct RefineTask {
+  const Kernels* kernels;
+  RefineArgs args;
+  RefineExtent extents[8];
+  void run(uint32_t piece, uint32_t begin, uint32_t end) { kernels->refine_grains(&args, begin, end, &extents[piece]); }
+};
+
+uint32_t refine_items(const Granular& g) { return g.grain_sleep.group_count * k_lane_group; }
+
+bool run_refine(Granular* g) {
+  const Snapshot& snapshot = g->grains.snapshot;
+  RefineTask task = {};
+  task.kernels = g->kernels;
+  RefineArgs& a = task.args;
+  a.grid = snapshot.sort.grid;
+  a.snapshot = snapshot.particles;
+  for (int k = 0; k < 3; ++k) a.positions[k] = snapshot.positions[k], a.gravity[k] = g->gravity[k];
+  a.grains = g->grains.records[0];
+  a.grain_count = g->grains.count;
+  a.groups = g->grain_sleep.groups;
+  a.still = g->grain_sleep.still;
+  a.still_distance = k_still_speed_units * granular_speed_scale(*g) * static_cast<float>(g->sweep.time);
+  a.still_sweeps = k_patience_sweeps;
+  a.support = k_support_radii * g->desc.particle_radius;
+  a.step = g->sweep.step;
+  a.steps = g->sweep.steps;
+  a.source_rule = g->desc.reference.blend == SANDGLASS_BLEND_SOURCE ? 1 : 0;
+  a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
+  a.colliders = g->colliders.sweep_frames;
+  a.collider_count = g->colliders.count;
+  a.grain_radius = g->desc.grain_radius;
+  a.friction = g->desc.kinetic_friction;
+  uint32_t& cursor = g->sweep.cursor;
+  const uint32_t items = refine_items(*g);
+  const uint32_t end = items - cursor < g->unit ? items : cursor + g->unit;
+  granular_split(*g, cursor, end, &task);
+  for (const RefineExtent& e : task.extents) g->counts.quarantined += e.quarantined;
+  cursor = end;
+  return end >= items;
+}
+
+// All groups that were listed have followed.
+void complete(Granular* g) {
+  const uint32_t items = refine_items(*g);
+  g->time.grain_lag -= g->sweep.time;
+  if (g->time.grain_lag < k_time_resolution) g->time.grain_lag = 0.0;
+  g->sweep.sweeps_since_sort += static_cast<float>(items) / static_cast<float>(g->grains.count);
+  g->grain_sleep.all_asleep = items == 0 && g->sleep.awake_count == 0;
+}
+
+// ---- the stage
+
+bool next(const void* state, uint32_t level, WorkUnit* unit) {
+  const Granular& g = *static_cast<const Granular*>(state);
+  const uint32_t left = refine_items(g) - g.sweep.cursor;
+  unit->items = left < g.unit ? left : g.unit;
+  switch (g.sweep.phase) {
+    case SweepPhase::idle:
+      if (!sweep_wanted(g, level)) return false;
+      unit->kind = k_unit_snapshot, unit->name = "refine.snapshot";
+      unit->items = g.particles.count < g.unit ? g.particles.count : g.unit;
+      return true;
+    case SweepPhase::snapshot:
+      unit->kind = k_unit_snapshot, unit->name = "refine.snapshot";
+      unit->items = cell_sort_items(g.grains.snapshot.sort, g.particles.count, g.unit);
+      return true;
+    case SweepPhase::sort:
+      unit->kind = k_unit_grain_sort, unit->name = "refine.sort";
+      unit->items = cell_sort_items(g.grains.sort, g.grains.count, g.unit);
+      return true;
+    case SweepPhase::mark:
+    case SweepPhase::spread_x:
+    case SweepPhase::spread_y:
+    case SweepPhase::spread_z:
+    case SweepPhase::triage:
+      unit->kind = k_unit_triage, unit->name = "refine.triage";
+      unit->items = grain_sleep_items(g);
+      return true;
+    case SweepPhase::refine:
+      unit->kind = k_unit_refine, unit->name = "refine.grains";
+      if (left == 0) unit->items = 1;  // all sleep: the sweep ends
+      return true;
+    case SweepPhase::drain:
+      unit->kind = k_unit_drain, unit->name = "refine.drain";
+      return true;
+  }
+  return false;
+}
+
+// Runs the phase's next unit. True once its last one has run.
+bool run_unit(Granular* g, SweepPhase phase) {
+  switch (phase) {
+    case SweepPhase::idle:
+      return true;
+    case SweepPhase::snapshot:
+      return run_snapshot(g);
+    case SweepPhase::sort:
+      return run_sort(g);
+    case SweepPhase::mark:
+    case SweepPhase::spread_x:
+    case SweepPhase::spread_y:
+    case SweepPhase::spread_z:
+      return grain_sleep_run_mark(g);
+    case SweepPhase::triage:
+      return grain_sleep_run_triage(g);
+    case SweepPhase::refine:
+      return run_refine(g);
+    case SweepPhase::drain:
+      return flow_run_grain_drain(g);
+  }
+  return true;
+}
+
+void run(void* state, uint32_t level) {
+  Granular* g = static_cast<Granular*>(state);
+  output_restart(&g->output);
+  if (g->sweep.phase == SweepPhase::idle) {
+    begin(g, level);
+    enter(g, SweepPhase::snapshot);
+  }
+  const SweepPhase phase = g->sweep.phase;
+  if (run_unit(g, phase)) enter(g, after(g, phase));
+}
+
+uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
+  const Granular& g = *static_cast<const Granular*>(state);
+  const SimulatedTime& t = g.time;
+  if (g.grains.count == 0) return 0;
+  uint64_t sweeps = 0;
+  if (t.debt >= k_time_resolution || t.grain_lag >= k_time_resolution) {
+    sweeps = k_ladder[level].refine_often
+                 ? static_cast<uint64_t>((t.debt + t.grain_lag) / static_cast<double>(g.desc.refine_step)) + 1
+                 : 1;
+  }
+  if (sweeps == 0) return 0;
+  entries[0] = {k_unit_snapshot, sweeps * 2 * g.particles.count};
+  const uint64_t refined = g.grain_sleep.still_groups == 0 ? g.grains.count : refine_items(g);
+  entries[1] = {k_unit_grain_sort, sweeps * 2 * refined / static_cast<uint64_t>(k_sweeps_per_sort)};
+  entries[2] = {k_unit_refine, sweeps * refined};
+  return 3;
+}
+
+}  // namespace
+
+void sweep_reset(Sweep* s) {
+  sweep_forget(s);
+  s->phase = SweepPhase::idle;
+  s->step = 0.0f;
+  s->time = 0.0;
+}
+
+void sweep_forget(Sweep* s) {
+  s->cursor = 0;
+  s->sweeps_since_sort = k_sort_next;
+}
+
+void sweep_finish(Granular* g) {
+  while (g->sweep.phase != SweepPhase::idle) run(g, 0);
+}
+
+bool sweep_takes_grains(const Granular& g) {
+  return g.sweep.phase == SweepPhase::idle || g.sweep.phase == SweepPhase::refine || g.sweep.phase == SweepPhase::drain;
+}
+
+void sweep_particles_added(Granular* g) {
+  if (g->sweep.phase == SweepPhase::snapshot) g->sweep.phase = SweepPhase::idle;
+}
+
+void sweep_grains_added(Granular* g, uint32_t count) {
+  if (!sweep_takes_grains(*g)) g->sweep.phase = SweepPhase::idle;
+  for (uint32_t group = (g->grains.count - count) / k_lane_group; group * k_lane_group < g->grains.count; ++group)
+    g->grain_sleep.still[group] = 0;
+  g->sweep.sweeps_since_sort = k_sort_next;
+  g->grain_sleep.all_asleep = false;
+}
+
+void sweep_grains_removed(Granular* g) {
+  g->grain_sleep.groups_changed = true;
+  g->sweep.phase = SweepPhase::idle;
+  g->grain_sleep.all_asleep = false;
+}
+
+// A unit of grains becomes mandatory when the particles wait for them: whatever the budget, one of the two goes on.
+Stage granular_grain_stage(Granular* granular) {
+  const bool awaited = time_grains_behind(*granular) || granular->sweep.phase == SweepPhase::snapshot;
+  return {granular, next, run, forecast, k_granular_kinds, awaited ? 1u : 0u, 1.0f};
+}
+
+}  // namespace sandglass

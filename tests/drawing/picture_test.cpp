@@ -1,0 +1,245 @@
+// Pictures are the right way up, shadows fall away from the sun and touch what casts them, files decode.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <limits>
+#include <memory>
+
+#include "models/drawing/render.h"
+#include "models/files/image.h"
+#include "models/report/pictures.h"
+#include "models/tracing/sphere_caster.h"
+#include "models/work/failure.h"
+
+namespace sandglass::host {
+namespace {
+
+constexpr int k_width = 160, k_height = 120;
+
+struct Stage {
+  std::vector<float> ball = {0.0f, 0.1f, 0.0f};
+  sandglass_collider floor = {};
+  SceneView view;
+  Stage() {
+    floor.shape = SANDGLASS_SHAPE_HALF_SPACE;
+    floor.rotation[3] = 1.0f;
+    view.spheres = ball;
+    view.radius = 0.1f;
+    view.colliders = {&floor, 1};
+    view.bounds.add({-0.2, 0.0, -0.2});
+    view.bounds.add({0.2, 0.2, 0.2});
+    view.camera.eye = {0.0, 0.5, 1.2};
+    view.camera.target = {0.0, 0.1, 0.0};
+  }
+  Picture draw(bool scale = false) const {
+    RenderOptions options;
+    options.width = k_width, options.height = k_height, options.samples = 3, options.threads = 2, options.scale = scale;
+    return render(view, options);
+  }
+  // Mean of the three channels in the 3x3 pixels about a point of the world.
+  double brightness(const Picture& picture, Vec3 point) const {
+    const PixelPlace at = project(view.camera, k_width, k_height, point);
+    double sum = 0.0;
+    for (int y = -1; y <= 1; ++y)
+      for (int x = -1; x <= 1; ++x) {
+        const uint8_t* pixel = picture.at(static_cast<int>(at.x) + x, static_cast<int>(at.y) + y);
+        sum += pixel[0] + pixel[1] + pixel[2];
+      }
+    return sum / 27.0;
+  }
+};
+
+TEST(Render, IsNotUpsideDown) {
+  const Stage stage;
+  const PixelPlace top = project(stage.view.camera, k_width, k_height, {0.0, 0.2, 0.0});
+  const PixelPlace foot = project(stage.view.camera, k_width, k_height, {0.0, 0.0, 0.0});
+  const PixelPlace right = project(stage.view.camera, k_width, k_height, {0.1, 0.1, 0.0});
+  EXPECT_LT(top.y, foot.y);
+  EXPECT_GT(right.x, foot.x);
+  // Sand is redder than the grey floor: the ball is where it should be, lit from above.
+  const Picture picture = stage.draw();
+  const PixelPlace middle = project(stage.view.camera, k_width, k_height, {0.0, 0.1, 0.0});
+  const uint8_t* ball = picture.at(static_cast<int>(middle.x), static_cast<int>(middle.y));
+  EXPECT_GT(ball[0], ball[2] + 30);
+  EXPECT_GT(stage.brightness(picture, {-0.03, 0.18, 0.03}), stage.brightness(picture, {0.06, 0.03, 0.08}) + 20.0);
+}
+
+TEST(Render, TheShadowFallsAwayFromTheSunAndBeginsAtTheFoot) {
+  const Stage stage;
+  const Picture picture = stage.draw();
+  // The sun stands to the left and in front: the shadow lies to the right and behind.
+  const double shadow = stage.brightness(picture, {0.13, 0.0, -0.05}),
+               lit = stage.brightness(picture, {-0.30, 0.0, 0.05});
+  EXPECT_LT(shadow, 0.8 * lit);
+  EXPECT_LT(stage.brightness(picture, {0.07, 0.0, 0.02}), 0.8 * lit);  // contact: no gap of light under the ball's side
+}
+
+TEST(Render, WithoutTheBallThereIsNoShadow) {
+  Stage stage;
+  const Picture with = stage.draw();
+  stage.view.spheres = {};
+  const Picture without = stage.draw();
+  EXPECT_LT(stage.brightness(with, {0.13, 0.0, -0.05}), stage.brightness(without, {0.13, 0.0, -0.05}) - 15.0);
+}
+
+TEST(Render, RepeatsToTheByteOnAnyNumberOfThreads) {
+  const Stage stage;
+  RenderOptions one, three;
+  one.width = three.width = 64, one.height = three.height = 48;
+  one.threads = 1, three.threads = 3;
+  EXPECT_EQ(render(stage.view, one).rgb, render(stage.view, three).rgb);
+}
+
+TEST(Render, DrawsEveryColliderWhereItIs) {
+  for (const sandglass_shape shape : {SANDGLASS_SHAPE_SPHERE, SANDGLASS_SHAPE_CAPSULE, SANDGLASS_SHAPE_BOX}) {
+    Stage stage;
+    stage.view.spheres = {};
+    sandglass_collider colliders[2] = {stage.floor, {}};
+    colliders[1].shape = shape;
+    colliders[1].position[1] = 0.1f;
+    colliders[1].rotation[3] = 1.0f;
+    colliders[1].size[0] = 0.1f, colliders[1].size[1] = 0.05f, colliders[1].size[2] = 0.1f;
+    stage.view.colliders = colliders;
+    const Picture picture = stage.draw();
+    const PixelPlace at = project(stage.view.camera, k_width, k_height, {0.0, 0.1, 0.0});
+    const uint8_t* pixel = picture.at(static_cast<int>(at.x), static_cast<int>(at.y));
+    EXPECT_GT(pixel[2], pixel[0] + 20) << shape;  // colliders are blue
+  }
+}
+
+// A tube with a bottom, open at the top: outlines as in the half plane (r, y).
+float tube_distance(void*, const float p[3]) {
+  const double r = std::hypot(p[0], p[2]), y = p[1];
+  const auto rectangle = [&](double low_r, double high_r, double low_y, double high_y) {
+    const double out_r = std::max(low_r - r, r - high_r), out_y = std::max(low_y - y, y - high_y);
+    return std::hypot(std::max(out_r, 0.0), std::max(out_y, 0.0)) + std::min(std::max(out_r, out_y), 0.0);
+  };
+  return static_cast<float>(std::min(rectangle(0.06, 0.10, -0.2, 0.2), rectangle(-1.0, 0.10, -0.2, -0.16)));
+}
+
+// Of the sky, the bottom of the tube sees (r/depth)^2 = 3 %, and 12 % of the rest reach it by the renderer's own rule;
+// the rim sees all of it, and the sun. Rays that begin on a wall must find the wall opposite.
+TEST(Render, TheBottomOfAHollowFieldIsDark) {
+  const float low[3] = {-0.14f, -0.24f, -0.14f}, high[3] = {0.14f, 0.24f, 0.14f};
+  const char* reason = nullptr;
+  uint64_t bytes = 0;
+  ASSERT_EQ(sandglass_field_bytes(low, high, 0.01f, &bytes, &reason), SANDGLASS_OK);
+  const std::unique_ptr<void, void (*)(void*)> block(
+      std::aligned_alloc(SANDGLASS_BLOCK_ALIGNMENT, (bytes + 63) / 64 * 64), std::free);
+  sandglass_field* field = nullptr;
+  ASSERT_EQ(sandglass_field_from_function(low, high, 0.01f, SANDGLASS_SOLID_INSIDE, tube_distance, nullptr, block.get(),
+                                          bytes, &field, &reason),
+            SANDGLASS_OK);
+  Stage stage;
+  stage.view.spheres = {};
+  sandglass_collider tube = {};
+  tube.shape = SANDGLASS_SHAPE_FIELD;
+  tube.rotation[3] = 1.0f;
+  tube.field = field;
+  stage.view.colliders = {&tube, 1};
+  stage.view.camera.eye = {0.0, 1.2, 0.02};
+  stage.view.camera.target = {0.0, 0.0, 0.0};
+  const Picture picture = stage.draw();
+  const auto linear = [&](Vec3 point) { return std::pow(stage.brightness(picture, point) / 255.0, 2.2); };
+  EXPECT_LT(linear({0.0, -0.16, 0.0}), (0.12 + 0.88 * 0.03) * linear({-0.08, 0.2, 0.0}));
+}
+
+TEST(Render, SurvivesNoSphereAndSpheresThatAreNotFinite) {
+  Stage stage;
+  stage.ball = {NAN, 0.0f, 0.0f, 0.0f, 0.1f, 0.0f, INFINITY, 0.0f, 0.0f};
+  stage.view.spheres = stage.ball;
+  EXPECT_EQ(stage.draw(true).rgb.size(), static_cast<size_t>(k_width * k_height * 3));
+  stage.view.spheres = {};
+  EXPECT_EQ(stage.draw(true).rgb.size(), static_cast<size_t>(k_width * k_height * 3));
+}
+
+TEST(SphereCaster, HitsTheNearerSphereAtTheAnalyticDistance) {
+  const std::vector<float> two = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, -3.0f};
+  const SphereCaster caster(two, 0.5f);
+  SphereHit hit;
+  hit.distance = 100.0;
+  ASSERT_TRUE(caster.closest({0.3, 0.0, 5.0}, {0.0, 0.0, -1.0}, &hit));
+  EXPECT_EQ(hit.index, 0u);
+  EXPECT_NEAR(hit.distance, 4.6, 1e-4);
+  EXPECT_FALSE(caster.occluded({0.6, 0.0, 5.0}, {0.0, 0.0, -1.0}, 100.0));
+  EXPECT_TRUE(caster.occluded({0.3, 0.0, 5.0}, {0.0, 0.0, -1.0}, 100.0));
+  EXPECT_FALSE(caster.occluded({0.3, 0.0, 5.0}, {0.0, 0.0, -1.0}, 4.0));
+}
+
+TEST(AutomaticCamera, FramesEveryBox) {
+  Bounds boxes[2];
+  boxes[0].add({-0.1, 0.5, -0.1}), boxes[0].add({0.1, 0.9, 0.1});
+  boxes[1].add({-0.8, 0.0, -0.5}), boxes[1].add({0.6, 0.1, 0.7});
+  const Camera camera = automatic_camera(boxes, 4.0 / 3.0);
+  double widest = 0.0;
+  for (const Bounds& box : boxes)
+    for (int corner = 0; corner < 8; ++corner) {
+      const PixelPlace at = project(camera, 400, 300,
+                                    {corner & 1 ? box.high.x : box.low.x, corner & 2 ? box.high.y : box.low.y,
+                                     corner & 4 ? box.high.z : box.low.z});
+      EXPECT_GT(at.depth, 0.0);
+      EXPECT_TRUE(at.x >= 0.0 && at.x <= 400.0) << at.x;
+      EXPECT_TRUE(at.y >= 0.0 && at.y <= 300.0) << at.y;
+      widest = std::max({widest, std::fabs(at.x - 200.0) / 200.0, std::fabs(at.y - 150.0) / 150.0});
+    }
+  EXPECT_GT(widest, 0.7);
+}
+
+// Of 111 snapshots the sheet shows every tenth. Where sand is in one of these alone, the drawing begins; where it is in
+// all others alone, there is nothing to draw.
+TEST(Pictures, WithoutAFilmNothingButTheMomentsOfTheSheetIsLookedAt) {
+  struct Stopped {};
+  std::vector<uint32_t> painted;
+  const auto draw = [&](const std::function<bool(uint32_t frame)>& has_sand) {
+    std::vector<Snapshot> snapshots(111);
+    for (uint32_t frame = 0; frame <= 110; ++frame) {
+      snapshots[frame].frame = frame;
+      snapshots[frame].grains.assign(3, has_sand(frame) ? 0.1f : std::numeric_limits<float>::quiet_NaN());
+    }
+    painted.clear();
+    PictureSet set;
+    set.film = false;
+    set.painter = [&](const Snapshot& snapshot, int width, int height, uint32_t) {
+      painted.push_back(snapshot.frame);
+      if (painted.size() == 12) throw Stopped{};
+      return Picture(width, height, {90, 90, 90});
+    };
+    draw_pictures(set, snapshots);
+  };
+  for (uint32_t moment = 0; moment <= 110; moment += 10) {
+    EXPECT_THROW(draw([&](uint32_t frame) { return frame == moment; }), Stopped);
+    EXPECT_EQ(painted, (std::vector<uint32_t>{0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110}));
+  }
+  EXPECT_THROW(draw([](uint32_t frame) { return frame % 10 != 0; }), Failure);
+}
+
+TEST(Image, TextIsDrawnAndClipped) {
+  Picture picture(20, 12, {255, 255, 255});
+  draw_text(&picture, 1, 1, 1, "1", {0, 0, 0});
+  EXPECT_EQ(picture.at(3, 1)[0], 0);  // the stroke of the one
+  EXPECT_EQ(picture.at(1, 1)[0], 255);
+  draw_text(&picture, 15, 8, 3, "8W%", {0, 0, 0});  // mostly outside: nothing but clipping to check
+}
+
+TEST(Image, GridKeepsOrder) {
+  const Picture pictures[] = {Picture(4, 3, {1, 1, 1}), Picture(4, 3, {2, 2, 2}), Picture(4, 3, {3, 3, 3})};
+  const Picture grid = picture_grid(pictures, 2, 1);
+  EXPECT_EQ(grid.width, 11);
+  EXPECT_EQ(grid.height, 9);
+  EXPECT_EQ(grid.at(1, 1)[0], 1);
+  EXPECT_EQ(grid.at(6, 1)[0], 2);
+  EXPECT_EQ(grid.at(1, 5)[0], 3);
+  EXPECT_EQ(grid.at(6, 5)[0], 255);
+}
+
+TEST(Image, SrgbEndsAndMiddle) {
+  EXPECT_EQ(srgb_byte(-1.0), 0);
+  EXPECT_EQ(srgb_byte(1.5), 255);
+  EXPECT_EQ(srgb_byte(0.2140411), 127);
+}
+
+}  // namespace
+}  // namespace sandglass::host

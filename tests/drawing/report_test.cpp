@@ -1,0 +1,199 @@
+// What is written can be read back, and says what the frames did.
+#include "models/report/report.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "models/laboratory/measurement_json.h"
+#include "models/report/report_page.h"
+#include "models/work/failure.h"
+
+namespace sandglass::host {
+namespace {
+
+// 100 frames within a budget of 4 ms, each 0.04 ms longer than the one before, then one of 6 ms.
+RunReport example() {
+  RunReport run;
+  run.scene = "example", run.isa = "scalar", run.clock = "real";
+  for (uint64_t i = 1; i <= 101; ++i) {
+    FrameRow row = {};
+    row.report.frame = i;
+    row.report.budget_ns = 4'000'000;
+    row.report.elapsed_ns = i == 101 ? 6'000'000 : i * 40'000;
+    row.report.last_unit_ns = 50'000;
+    row.report.level = i > 50 ? 1 : 0;
+    row.report.stages[SANDGLASS_STAGE_GRANULAR] = {10, 0, row.report.elapsed_ns / 2};
+    row.report.time_debt = 0.001 * static_cast<double>(i);
+    row.report.particles = 7;
+    row.begin_ns = i * 20'000'000;
+    row.wall_ms = 5.0, row.cpu_ms = 4.0;
+    if (i > 60)
+      row.light = {true, {0.6, 0.8, 0.0}, i > 70, {1.5, 1.25, 1.0}, {0.25, 0.5, 0.75}, 0.625, i > 80 ? 0.875 : -1.0};
+    row.report.light_changed = i == 81;
+    run.frames.push_back(row);
+    run.units.push_back({"granular.solve", row.begin_ns, row.begin_ns + 1000});
+    run.units.push_back({"shadow.tile", row.begin_ns + 2000, row.begin_ns + 2500});
+  }
+  return run;
+}
+
+TEST(Report, SummaryCountsMissesAndPercentiles) {
+  const Summary s = summarise(example().frames);
+  EXPECT_EQ(s.misses, 1u);
+  EXPECT_DOUBLE_EQ(s.worst_overrun_ms, 2.0);
+  EXPECT_EQ(s.beyond_guarantee, 1u);  // 6 ms is more than 4 ms and one unit of 0.05 ms
+  EXPECT_DOUBLE_EQ(s.elapsed.p50, 51 * 0.04);
+  EXPECT_DOUBLE_EQ(s.elapsed.p99, 4.0);
+  EXPECT_DOUBLE_EQ(s.elapsed.max, 6.0);
+  EXPECT_DOUBLE_EQ(s.stages[SANDGLASS_STAGE_GRANULAR].max, 3.0);
+  EXPECT_DOUBLE_EQ(s.time_debt, 0.101);
+  EXPECT_EQ(s.level_frames, (std::vector<uint32_t>{50, 51}));
+}
+
+TEST(Report, SummaryOfNoFrameIsEmpty) {
+  EXPECT_EQ(summarise({}).misses, 0u);
+  EXPECT_FALSE(report_summary_text(RunReport{}).empty());
+  EXPECT_EQ(nlohmann::json::parse(report_summary_json(RunReport{}))["frames"], 0);
+}
+
+TEST(Report, CsvHasOneRowAFrameAndAsManyFieldsAsItsHeader) {
+  std::istringstream csv(report_csv(example()));
+  std::string header, line;
+  std::getline(csv, header);
+  size_t rows = 0;
+  for (; std::getline(csv, line); ++rows) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ','));
+    EXPECT_EQ(std::strtoull(line.c_str(), nullptr, 10), rows + 1);
+  }
+  EXPECT_EQ(rows, 101u);
+  EXPECT_EQ(header.substr(0, 40), "frame,level,budget_ms,elapsed_ms,mandato");
+  EXPECT_NE(line, header);
+}
+
+TEST(Report, CsvSaysOfTheLightWhatIsKnown) {
+  std::istringstream csv(report_csv(example()));
+  std::string line;
+  const auto ends = [&](const std::string& with) {
+    return line.size() >= with.size() && line.substr(line.size() - with.size()) == with;
+  };
+  std::getline(csv, line);
+  EXPECT_TRUE(
+      ends(",shadow_age,light_x,light_y,light_z,light_r,light_g,light_b,ambient_r,ambient_g,ambient_b,contrast,"
+           "confidence,light_changed,light_units_left"));
+  const std::string direction = ",0.600000,0.800000,0.000000",
+                    colours = ",1.500000,1.250000,1.000000,0.250000,0.500000,0.750000,0.625000";
+  for (int frame = 1; std::getline(csv, line); ++frame)
+    EXPECT_TRUE(ends(frame <= 60   ? ",0,,,,,,,,,,,,0,0"
+                     : frame <= 70 ? direction + ",,,,,,,,,0,0"
+                     : frame <= 80 ? direction + colours + ",,0,0"
+                                   : direction + colours + ",0.875000," + (frame == 81 ? "1" : "0") + ",0"))
+        << line;
+}
+
+TEST(Report, TraceIsChromeTraceJsonWithOneTrackAStage) {
+  const nlohmann::json trace = nlohmann::json::parse(report_trace(example()));
+  std::map<std::string, int> tracks;
+  size_t complete = 0, counters = 0;
+  for (const nlohmann::json& event : trace.at("traceEvents")) {
+    const std::string phase = event.at("ph");
+    if (phase == "M" && event.at("name") == "thread_name") tracks[event.at("args").at("name")] = event.at("tid");
+    complete += phase == "X";
+    counters += phase == "C";
+    if (phase != "X") continue;
+    EXPECT_GT(event.at("dur").get<double>(), 0.0);
+    EXPECT_EQ(event.at("tid") == 2 + SANDGLASS_STAGE_SHADOW, event.at("name") == "shadow.tile");
+  }
+  EXPECT_EQ(tracks, (std::map<std::string, int>{
+                        {"frame", 1}, {"granular", 2}, {"lighting", 3}, {"shadow", 4}, {"refine", 5}, {"output", 6}}));
+  EXPECT_EQ(complete, 3u * 101u);
+  EXPECT_EQ(counters, 3u * 101u);
+}
+
+TEST(Report, TheRecorderPairsNestedUnits) {
+  TraceRecorder recorder;
+  const sandglass_trace hook = recorder.hook();
+  hook.end(hook.user, "stray");
+  hook.begin(hook.user, "outer");
+  hook.begin(hook.user, "inner");
+  hook.end(hook.user, "inner");
+  hook.end(hook.user, "outer");
+  ASSERT_EQ(recorder.events.size(), 2u);
+  EXPECT_STREQ(recorder.events[0].name, "inner");
+  EXPECT_LE(recorder.events[1].begin_ns, recorder.events[0].begin_ns);
+  EXPECT_GE(recorder.events[1].end_ns, recorder.events[0].end_ns);
+}
+
+TEST(ReportPage, Base64IsThatOfRfc4648) {
+  const auto encoded = [](const std::string& text) { return base64({text.begin(), text.end()}); };
+  EXPECT_EQ(encoded(""), "");
+  EXPECT_EQ(encoded("f"), "Zg==");
+  EXPECT_EQ(encoded("fo"), "Zm8=");
+  EXPECT_EQ(encoded("foo"), "Zm9v");
+  EXPECT_EQ(encoded("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(encoded("\xff\xfe\xfd"), "//79");
+}
+
+TEST(ReportPage, CarriesTheRowsOfTheCsvAndEveryRung) {
+  const RunReport run = example();
+  const std::string page = report_page(run, {}), opening = "id=\"data\">";
+  const size_t from = page.find(opening) + opening.size();
+  const nlohmann::json data = nlohmann::json::parse(page.substr(from, page.find("</script>", from) - from));
+  std::istringstream csv(report_csv(run));
+  std::string line, cell;
+  std::getline(csv, line);
+  std::string columns;
+  for (const auto& name : data.at("columns")) columns += (columns.empty() ? "" : ",") + name.get<std::string>();
+  EXPECT_EQ(columns, line);
+  for (const auto& row : data.at("rows")) {
+    ASSERT_TRUE(std::getline(csv, line));
+    std::istringstream cells(line);
+    for (const auto& value : row) {
+      std::getline(cells, cell, ',');
+      if (value.is_null()) EXPECT_EQ(cell, "");
+      else EXPECT_EQ(value.get<double>(), std::strtod(cell.c_str(), nullptr));
+    }
+    EXPECT_FALSE(std::getline(cells, cell, ','));
+  }
+  EXPECT_FALSE(std::getline(csv, line));
+  ASSERT_EQ(data.at("ladder").size(), static_cast<size_t>(SANDGLASS_LEVEL_COUNT));
+  EXPECT_EQ(data.at("ladder")[3].at("name"), sandglass_level_name(3));
+}
+
+TEST(ReportPage, TextStaysTextAndWhatIsNoPictureIsRefused) {
+  RunReport run;
+  run.scene = "</script><b>&";
+  const std::string page = report_page(run, {});
+  EXPECT_NE(page.find("<title>&lt;/script&gt;&lt;b&gt;&amp;"), std::string::npos);
+  EXPECT_EQ(page.find("</script><b>"), std::string::npos);
+  PageContent content;
+  content.figures.push_back({"a text", "", {'t', 'e', 'x', 't'}, {}, "", "", false});
+  EXPECT_THROW(report_page(run, content), Failure);
+}
+
+TEST(Measurements, AreFlatObjectsAsScriptsExpectThem) {
+  Measurement time, claim;
+  time.suite = "granular", time.scene = "column14k/default", time.metric = "ms_per_frame", time.unit = "ms",
+  time.isa = "avx2";
+  time.value = 24.5, time.threads = 2;
+  claim = time;
+  claim.judgement = Measurement::Judgement{1.0, 0.5, true, true};
+  const nlohmann::json list = nlohmann::json::parse(measurements_json({time, claim}));
+  ASSERT_EQ(list.size(), 2u);
+  EXPECT_EQ(list[0], (nlohmann::json{{"suite", "granular"},
+                                     {"case", "column14k/default"},
+                                     {"metric", "ms_per_frame"},
+                                     {"value", 24.5},
+                                     {"unit", "ms"},
+                                     {"isa", "avx2"},
+                                     {"threads", 2}}));
+  EXPECT_EQ(list[1]["control"], true);
+  EXPECT_EQ(list[1]["limit"], 0.5);
+}
+
+}  // namespace
+}  // namespace sandglass::host

@@ -1,0 +1,144 @@
+// The cases of `verify granular` that take moments, each with its negative control; the apparatus they stand on; and
+// the curves they are drawn as.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "models/drawing/plot.h"
+#include "models/laboratory/sand/apparatus.h"
+#include "models/laboratory/sand/flow_cases.h"
+#include "models/laboratory/sand/granular_plots.h"
+#include "models/laboratory/sand/granular_verdicts.h"
+#include "models/laboratory/sand/hard_cases.h"
+#include "models/laboratory/sand/physics_cases.h"
+#include "models/simulation/metrics.h"
+
+namespace sandglass::host {
+namespace {
+
+sandglass_scene_desc defaults() {
+  sandglass_scene_desc desc;
+  sandglass_scene_desc_default(&desc);
+  return desc;
+}
+
+TEST(Truth, AFreeCloudKeepsItsMomentumAndAveragingDoesNot) {
+  const Cloud cloud = free_cloud(defaults());
+  EXPECT_LT(cloud.drift, 1e-6) << "rounding of 512 floats over 1300 sub-steps";
+  EXPECT_GT(cloud.collisions, 256);
+  sandglass_scene_desc averaged = defaults();
+  averaged.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;
+  averaged.granular.reference.relaxation = 1.0f;
+  EXPECT_GT(free_cloud(averaged).drift, 1e-4);
+}
+
+TEST(Truth, GrainsReproduceAUniformFieldAndNotASheared) {
+  EXPECT_LT(uniform_field_error(defaults(), 0.0), 1e-5);
+  EXPECT_GT(uniform_field_error(defaults(), 0.5), 1e-3);
+}
+
+TEST(Truth, NoGrainJumpsAtTheThresholdAndTheSourcesDo) {
+  EXPECT_LT(threshold_jump(defaults()), 0.001);
+  sandglass_scene_desc source = defaults();
+  source.granular.reference.blend = SANDGLASS_BLEND_SOURCE;
+  // The printed rule jumps by 1 - W(r) = 0.298 of the particles' 1 m/s for 8 ms, in d = 2 cm.
+  EXPECT_NEAR(threshold_jump(source), 0.298 * 0.008 / 0.02, 0.002);
+}
+
+TEST(HardCase, RotationsAreTheBestAtEveryScale) {
+  for (const double scale : {1.0, 1e12, 1e-12}) EXPECT_LT(rotation_gap(scale), 1e-9) << scale;
+}
+
+TEST(HardCase, WhatIsWrongIsRefused) {
+  const Refusals result = refusals(defaults());
+  EXPECT_EQ(result.refused, result.attempts);
+}
+
+TEST(HardCase, DegenerateBodiesStayRigid) { EXPECT_LT(degenerate_body_softness(defaults()), 1e-3); }
+
+TEST(Scattered, NoneOverlapAndAllAreInside) {
+  constexpr double k_radius = 0.01, k_shaft = 0.1;
+  for (const bool round : {true, false}) {
+    const std::vector<float> points = scattered(500, {k_shaft, 0.05, round}, 0.2, k_radius, 3);
+    ASSERT_EQ(points.size(), 1500u);
+    for (size_t i = 0; i < points.size(); i += 3) {
+      const double x = points[i], y = points[i + 1], z = points[i + 2];
+      EXPECT_GE(y, 0.2 + k_radius);
+      if (round) EXPECT_LE(std::sqrt(x * x + z * z), k_shaft - k_radius);
+      else EXPECT_TRUE(std::fabs(x) <= k_shaft - k_radius && std::fabs(z) <= 0.05 - k_radius);
+      for (size_t j = 0; j < i; j += 3)
+        ASSERT_GE(std::hypot(x - static_cast<double>(points[j]), y - static_cast<double>(points[j + 1]),
+                             z - static_cast<double>(points[j + 2])),
+                  2.0 * k_radius);
+    }
+  }
+  EXPECT_EQ(scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 9), scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 9));
+  EXPECT_NE(scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 9), scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 8));
+}
+
+TEST(Laws, AreThoseThatWerePublished) {
+  EXPECT_NEAR(lube_runout(1.0), 1.24, 1e-12);
+  EXPECT_NEAR(lube_runout(4.0), 3.2, 1e-12);
+  EXPECT_NEAR(lube_planar_runout(8.0), 1.9 * 4.0, 1e-12);
+  const std::vector<double> x = {5.0, 6.0, 7.0, 10.0};
+  std::vector<double> y;
+  for (const double v : x) y.push_back(3.0 * std::pow(v, 2.5));
+  EXPECT_NEAR(fitted_exponent(x, y), 2.5, 1e-12);
+}
+
+TEST(Plot, TicksAreRoundAndInside) {
+  EXPECT_EQ(plot_ticks({"", 0.0, 70.0, false}), (std::vector<double>{0, 10, 20, 30, 40, 50, 60, 70}));
+  EXPECT_FALSE(std::signbit(plot_ticks({"", 0.0, 9.0, false})[0])) << "labelled 0, not -0";
+  EXPECT_EQ(plot_ticks({"", 0.4, 5.0, true}), (std::vector<double>{0.5, 1, 2, 3, 5}));
+  EXPECT_EQ(plot_ticks({"", 1.0, 1000.0, true}), (std::vector<double>{1, 10, 100, 1000}));
+}
+
+// Where pixels of exactly this colour are: their mean.
+struct Spot {
+  double x = 0.0, y = 0.0;
+  int count = 0;
+};
+Spot spot(const Picture& picture, Colour colour) {
+  Spot s;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const uint8_t* p = picture.at(x, y);
+      if (p[0] != colour.r || p[1] != colour.g || p[2] != colour.b) continue;
+      s.x += x, s.y += y, ++s.count;
+    }
+  if (s.count > 0) s.x /= s.count, s.y /= s.count;
+  return s;
+}
+
+TEST(Plot, MarksLieWhereTheirNumbersAre) {
+  const auto one = [](double x, double y, bool logarithmic) {
+    Plot plot;
+    plot.x = {"x", 1.0, 100.0, logarithmic};
+    plot.y = {"y", 1.0, 100.0, logarithmic};
+    PlotSeries series;
+    series.x = {x}, series.y = {y}, series.colour = {255, 0, 0};
+    plot.series = {series};
+    return spot(draw_plot(plot), {255, 0, 0});
+  };
+  const Spot low = one(1.0, 1.0, false), high = one(100.0, 100.0, false), middle = one(50.5, 50.5, false);
+  EXPECT_NEAR(middle.x, (low.x + high.x) / 2.0, 3.0) << "half of the end marks is clipped";
+  EXPECT_NEAR(middle.y, (low.y + high.y) / 2.0, 3.0);
+  EXPECT_LT(high.y, low.y) << "up is up";
+  const Spot decade = one(10.0, 10.0, true);
+  EXPECT_NEAR(decade.x, middle.x, 1.0) << "the middle of two decades";
+  EXPECT_EQ(one(1000.0, 10.0, true).count, 0) << "beyond the frame nothing is drawn";
+  EXPECT_EQ(one(std::numeric_limits<double>::quiet_NaN(), 10.0, false).count, 0);
+}
+
+TEST(Plot, OnlyCurvesWithPointsAreDrawn) {
+  EXPECT_TRUE(granular_plots({}).empty());
+  GranularCurves curves;
+  curves.frictions = {0.1, 0.2}, curves.repose_deg = {10.0, 20.0};
+  const std::vector<GranularPlot> plots = granular_plots(curves);
+  ASSERT_EQ(plots.size(), 1u);
+  EXPECT_EQ(plots[0].name, "repose");
+}
+
+}  // namespace
+}  // namespace sandglass::host

@@ -1,0 +1,772 @@
+// The program as a script meets it: exit code 0, 1 or 2, one sentence on stderr, the hash on the last line.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "models/files/image.h"
+#include "models/files/npy.h"
+#include "models/lighting/light_file.h"
+#include "models/mesh/generated.h"
+#include "models/mesh/ply.h"
+#include "models/rooms/panorama_file.h"
+#include "sandglass/sandglass.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+class Cli : public ::testing::Test {
+ protected:
+  fs::path folder;
+  void SetUp() override {
+    folder = fs::path(::testing::TempDir()) / ("sandglass_cli_" + std::to_string(::getpid()) + "_" +
+                                               ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder);
+    ::unsetenv("SANDGLASS_DATA_DIR");  // a test that wants a data folder makes one
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  std::string path(const std::string& name) const { return (folder / name).string(); }
+  std::string write(const std::string& name, const std::string& content) const {
+    std::ofstream(path(name), std::ios::binary) << content;
+    return path(name);
+  }
+  static std::string read(const std::string& file) {
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    return text.str();
+  }
+  Outcome run(const std::string& arguments) const {
+    const std::string command = std::string(SANDGLASS_EMULATOR) + " '" + SANDGLASS_PROGRAM + "' " + arguments + " >'" +
+                                path("stdout") + "' 2>'" + path("stderr") + "'";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(path("stdout")), read(path("stderr"))};
+  }
+  // Exit code 2 and one line on stderr: "sandglass: ", then `named` somewhere in it, then a full stop.
+  void expect_refused(const std::string& arguments, const std::string& named) const {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.out << outcome.err;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_TRUE(outcome.err.starts_with("sandglass: ") && outcome.err.ends_with(".\n")) << outcome.err;
+    EXPECT_NE(outcome.err.find(named), std::string::npos) << outcome.err;
+    EXPECT_EQ(outcome.out.find("hash"), std::string::npos);
+  }
+  // The whole message, up to where it says where to read on.
+  void expect_usage(const std::string& arguments, const std::string& message, const std::string& see) const {
+    expect_refused(arguments, "sandglass: " + message + " See: sandglass " + see + "--help.\n");
+  }
+  std::string tiny_scene(const std::string& more = "") const {
+    return write(
+        "tiny.json",
+        R"({"frames": 3, "particle_radius": 0.01, )" + more +
+            R"("bodies": [{"shape": "box", "size": [0.06, 0.08, 0.06], "grains": 200, "position": [0, 0.02, 0]}],
+                                  "colliders": [{"shape": "half_space"}]})");
+  }
+  std::string mesh_scene() const {
+    return write("mesh.json", R"({"frames": 2, "particle_radius": 0.01, "bodies": [{"shape": "mesh", "size": 0.1}]})");
+  }
+};
+
+bool have_assimp() {
+#ifdef SANDGLASS_HAVE_ASSIMP
+  return true;
+#else
+  return false;
+#endif
+}
+
+bool have_embree() {  // which rooms are traced by
+#ifdef SANDGLASS_HAVE_EMBREE
+  return true;
+#else
+  return false;
+#endif
+}
+
+bool have_bake() {  // Embree traces, Eigen trains
+#ifdef SANDGLASS_HAVE_BAKE
+  return true;
+#else
+  return false;
+#endif
+}
+
+constexpr const char* k_cube =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+    "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
+
+TEST_F(Cli, NoArgumentGivesShortHelp) {
+  const Outcome outcome = run("");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_NE(outcome.out.find("run"), std::string::npos);
+  EXPECT_LT(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 25);
+}
+
+TEST_F(Cli, RunEndsWithTheHashAndRepeatsOnVirtualClock) {
+  const std::string command = "run '" + tiny_scene() + "' --clock virtual";
+  const Outcome first = run(command), second = run(command + " --isa scalar --threads 2");
+  ASSERT_EQ(first.code, 0) << first.err;
+  const auto last_line = [](const std::string& text) { return text.substr(text.rfind('\n', text.size() - 2) + 1); };
+  const std::string hash = last_line(first.out);
+  EXPECT_EQ(hash.substr(0, 7), "hash 0x");
+  EXPECT_EQ(hash.size(), 7u + 16u + 1u);
+  EXPECT_EQ(last_line(second.out), hash);
+}
+
+TEST_F(Cli, ARecordedRunReplaysToTheSameHash) {
+  const Outcome recorded = run("run '" + tiny_scene() + "' --record '" + path("r.sgrec") + "'");
+  ASSERT_EQ(recorded.code, 0) << recorded.err;
+  const Outcome replayed = run("run '" + path("tiny.json") + "' --isa scalar --replay '" + path("r.sgrec") + "'");
+  EXPECT_EQ(replayed.code, 0) << replayed.err;
+  EXPECT_EQ(recorded.out.substr(recorded.out.find("hash")), replayed.out.substr(replayed.out.find("hash")));
+  const Outcome inspected = run("inspect '" + path("r.sgrec") + "'");
+  EXPECT_EQ(inspected.code, 0);
+  EXPECT_NE(inspected.out.find("frames       3"), std::string::npos) << inspected.out;
+  expect_refused("run demo --replay '" + path("r.sgrec") + "'", "r.sgrec");
+}
+
+TEST_F(Cli, DumpWritesBothStagesOfEveryFrame) {
+  const Outcome outcome = run("run '" + tiny_scene() + "' --dump '" + path("dump") + "'");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* item : {"particles", "grains"})
+    for (const char* what : {"position", "velocity", "radius"}) {
+      const sandglass::host::NpyArray array =
+          sandglass::host::read_npy(path("dump") + "/" + item + "_000003_" + what + ".npy");
+      EXPECT_EQ(array.shape.size(), std::string(what) == "radius" ? 1u : 2u);
+      EXPECT_GT(array.values.size(), 0u);
+    }
+}
+
+TEST_F(Cli, OutWritesReportsAndPictures) {
+  const Outcome outcome = run("run '" + tiny_scene() + "' --out '" + path("out") + "'");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  for (const char* file : {"contact_sheet.png", "last_frame.png", "frames/frame_000000.png", "trace.json", "report.csv",
+                           "summary.json", "summary.txt", "report.html"})
+    EXPECT_GT(fs::file_size(folder / "out" / file), 100u) << file;
+  EXPECT_TRUE(fs::exists(folder / "out" / "film.mp4") || fs::exists(folder / "out" / "film.gif"));
+  // What the scene leaves out took no unit and no time, and there is nothing to say of it.
+  std::istringstream csv(read(path("out/report.csv")));
+  std::vector<std::string> names, cells;
+  std::string line, cell;
+  const auto split = [&](std::vector<std::string>* into) {
+    into->clear();
+    for (std::istringstream text(line); std::getline(text, cell, ',');) into->push_back(cell);
+  };
+  std::getline(csv, line), split(&names);
+  int rows = 0;
+  for (; std::getline(csv, line); ++rows) {
+    split(&cells);
+    ASSERT_EQ(cells.size(), names.size());
+    for (size_t i = 0; i < names.size(); ++i) {
+      if (names[i].rfind("lighting_", 0) == 0 || names[i].rfind("shadow_", 0) == 0) {
+        EXPECT_EQ(std::strtod(cells[i].c_str(), nullptr), 0.0) << names[i];
+      }
+      if (names[i] == "light_x" || names[i] == "contrast") {
+        EXPECT_EQ(cells[i], "");
+      }
+    }
+  }
+  EXPECT_EQ(rows, 3);
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder / "out"))
+    EXPECT_EQ(entry.path().string().find("unfinished"), std::string::npos) << entry.path();
+}
+
+// What the library has is run, and gives the same hash; what it lacks is refused by name.
+TEST_F(Cli, EveryInstructionSetRunsOrIsSaidToBeMissing) {
+  const std::string command = "run '" + tiny_scene() + "' --clock virtual --isa ";
+  std::set<std::string> hashes;
+  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_NEON_I8MM; ++isa) {
+    const std::string name = sandglass_isa_name(isa);
+    if (sandglass_isa_available(isa) == 0) {
+      expect_refused(command + name, "cannot use \"" + name + "\": this CPU, or this build, lacks the instruction set");
+      continue;
+    }
+    const Outcome outcome = run(command + name);
+    EXPECT_EQ(outcome.code, 0) << name << "\n" << outcome.err;
+    hashes.insert(outcome.out.substr(outcome.out.find("hash")));
+  }
+  EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST_F(Cli, TellsItsVersion) {
+  const Outcome outcome = run("--version");
+  EXPECT_EQ(outcome.code, 0);
+  EXPECT_EQ(outcome.out, "sandglass " + std::to_string(SANDGLASS_VERSION_MAJOR) + "." +
+                             std::to_string(SANDGLASS_VERSION_MINOR) + "." + std::to_string(SANDGLASS_VERSION_PATCH) +
+                             "\n");
+}
+
+// Every command that the program's help lists has a help of its own, and every suite.
+TEST_F(Cli, EveryCommandAndSuiteHasHelp) {
+  const auto listed = [](const std::string& help) {
+    std::vector<std::string> names;
+    std::istringstream lines(help);
+    for (std::string line, name; std::getline(lines, line);)
+      if (line.starts_with("  ") && std::istringstream(line) >> name) names.push_back(name);
+    return names;
+  };
+  const std::vector<std::string> commands = listed(run("--help").out);
+  EXPECT_EQ(commands.size(), 13u);
+  for (const std::string& command : commands) {
+    const Outcome help = run(command + " --help");
+    EXPECT_EQ(help.code, 0) << command;
+    EXPECT_NE(help.out.find("Usage: sandglass " + command), std::string::npos) << help.out;
+    if (help.out.find("SUITE") == std::string::npos) continue;
+    for (const std::string& suite : listed(help.out)) {
+      const Outcome of_suite = run(command + " " + suite + " --help");
+      EXPECT_NE(of_suite.out.find("Usage: sandglass " + command + " " + suite + " [OPTIONS]"), std::string::npos)
+          << of_suite.out << of_suite.err;
+    }
+  }
+}
+
+TEST_F(Cli, ASuitesHelpShowsItsOptionsAlone) {
+  const auto options_of = [&](const std::string& suite) {
+    std::set<std::string> names;
+    std::istringstream words(run(suite + " --help").out);
+    for (std::string word; words >> word;)
+      if (word.starts_with("--")) names.insert(word);
+    return names;
+  };
+  using Names = std::set<std::string>;
+  EXPECT_EQ(options_of("bench granular"), (Names{"--threads", "--frames", "--peers", "--isa", "--json", "--help"}));
+  EXPECT_EQ(options_of("bench machine"), (Names{"--json", "--help"}));
+  EXPECT_EQ(options_of("bench growth"), (Names{"--threads", "--isa", "--json", "--help"}));
+  EXPECT_EQ(options_of("verify shot"),
+            (Names{"--panoramas", "--network", "--seed", "--out", "--threads", "--json", "--help"}));
+}
+
+// A mistyped word is named, the first in the order typed, with the nearest right one.
+TEST_F(Cli, NamesTheFirstWrongWordAndTheNearestRightOne) {
+  struct Case {
+    const char *arguments, *message, *see;
+  };
+  const Case cases[] = {
+      {"bnech granular", R"(unknown command "bnech". Did you mean "bench"?)", ""},
+      {"fly --treads 2", R"(unknown command "fly".)", ""},
+      {"--verison", R"(unknown option "--verison". Did you mean "--version"?)", ""},
+      {"bench granlar --treads 1", R"(unknown suite "granlar" of "bench". Did you mean "granular"?)", "bench "},
+      {"bench granular --treads 1,2", R"(unknown option "--treads" of "bench granular". Did you mean "--threads"?)",
+       "bench granular "},
+      {"bench granular --treads 1 --frame 0",
+       R"(unknown option "--treads" of "bench granular". Did you mean "--threads"?)", "bench granular "},
+      {"bench granular --frames 0 --treads 1",
+       R"(cannot take "0" as "--frames" of "bench granular": it is not a whole number from 1 to 10000.)",
+       "bench granular "},
+      {"run demo --thread 2", R"(unknown option "--thread" of "run". Did you mean "--threads"?)", "run "},
+      {"run demo --xyzzy", R"(unknown option "--xyzzy" of "run".)", "run "},
+      {"run demo -x", R"(unknown option "-x" of "run".)", "run "},
+      {"run demo chair", R"(unknown argument "chair" of "run". Leave it out.)", "run "},
+      {"quantise --images 3", R"(unknown command "quantise". Did you mean "quantise-light"?)", ""},
+      {"verify", R"("verify" needs a suite: granular, lighting or shot.)", "verify "},
+      {"run", R"("run" needs SCENE: scene file, or the name of a shipped scene.)", "run "},
+      {"dataset x", R"("dataset" needs "--output FOLDER": write images, manifest.csv and sheet.png into this folder.)",
+       "dataset "},
+      {"run demo --frames", R"("--frames" of "run" needs a value: write "--frames N".)", "run "},
+      {"run demo --out --plain", R"("--out" of "run" needs a value: write "--out FOLDER".)", "run "},
+      {"run demo --plain=3", R"("--plain" of "run" takes no value: write it alone.)", "run "},
+      {"run demo --frames 2 --frames 3", R"("--frames" of "run" is given twice. Give it once.)", "run "},
+      {"run demo --clock reel",
+       R"(cannot take "reel" as "--clock" of "run": it is not real or virtual. Did you mean "real"?)", "run "},
+      {"run demo --isa quantum",
+       R"(cannot take "quantum" as "--isa" of "run": it is not automatic, scalar, neon, avx2, avx512, neon_dotprod or neon_i8mm.)",
+       "run "},
+      {"run demo --budget-ms nan",
+       R"(cannot take "nan" as "--budget-ms" of "run": it is not a number from 0 to 1000000.)", "run "},
+      {"run demo --threads 1.5",
+       R"(cannot take "1.5" as "--threads" of "run": it is not a whole number from 1 to 256.)", "run "},
+      {"run demo --record a --replay b", R"(cannot use "--record" and "--replay" of "run" together. Leave one out.)",
+       "run "},
+      {"run shot --fov 70", R"(cannot use "--fov" of "run" without "--photo". Add it, or leave both out.)", "run "},
+      {"bench --json f granular",
+       R"(unknown option "--json" of "bench": it belongs to "bench granular", )"
+       R"("bench ladder", "bench growth", "bench shadow", "bench lighting" and "bench machine". )"
+       R"(Leave it out.)",
+       "bench "},
+  };
+  for (const Case& c : cases) expect_usage(c.arguments, c.message, c.see);
+}
+
+TEST_F(Cli, TakesOptionsInEveryUsualForm) {
+  const std::string scene = "'" + tiny_scene() + "'", dump = "'" + path("dump") + "'";
+  for (const std::string& form :
+       {"run " + scene + " --frames 2 --clock virtual", "run --clock=virtual --frames=2 " + scene,
+        "run --frames 2 --clock virtual -- " + scene}) {
+    const Outcome outcome = run(form);
+    EXPECT_EQ(outcome.code, 0) << form << outcome.err;
+    EXPECT_NE(outcome.out.find("hash 0x"), std::string::npos) << form;
+  }
+  for (const char* form : {"-o", "-o ", "--output=", "--output "}) {
+    EXPECT_EQ(run("sample --disk 10 " + (form + path("disk.ply"))).code, 0) << form;
+    EXPECT_TRUE(fs::remove(path("disk.ply"))) << form;
+  }
+}
+
+// An option of another suite is refused: if it were ignored, the answer would be to another question.
+TEST_F(Cli, RefusesOptionsOfOtherSuites) {
+  const std::map<std::string, std::string> unused = {
+      {"bench granular", "asset mesh thresholds out"},
+      {"bench ladder", "asset mesh thresholds peers"},
+      {"bench growth", "asset mesh thresholds out frames peers"},
+      {"bench shadow", "frames peers threads"},
+      {"bench lighting", "mesh thresholds out frames peers threads"},
+      {"bench machine", "asset mesh thresholds out frames peers threads isa"},
+      {"verify granular", "panoramas manifest estimates network object views samples seed threads"},
+      {"verify lighting", "case quick seed"},
+      {"verify shot", "case quick isa manifest estimates object views samples"}};
+  for (const auto& [suite, options] : unused) {
+    std::istringstream words(options);
+    for (std::string option; words >> option;)
+      expect_refused(suite + " --" + option + " 3",
+                     "unknown option \"--" + option + "\" of \"" + suite + "\": it belongs to ");
+  }
+  expect_refused("bench lighting --asset a --asset b", "given twice");
+  if (have_bake()) expect_refused("bench shadow --asset a,b", "--out");
+  expect_refused("verify lighting --samples 0 --object torus", "--object");
+  expect_refused("verify lighting --isa scalar --panoramas p --estimates e.csv", "--isa");
+  expect_refused("verify lighting --isa scalar --panoramas p --network n.npz", "--isa");
+  expect_refused("inspect '" + write("cube.obj", k_cube) + "' --mesh x", "--mesh");
+  expect_refused("run demo --network x.light", "--network");
+}
+
+// A verification that checks nothing is no success.
+TEST_F(Cli, AVerificationThatWouldCheckNothingIsRefused) {
+  for (const char* slow : {"column", "janssen", "repose", "beverloo", "rest column"})
+    expect_refused(
+        "verify granular --quick --case " + std::string(slow),
+        "it takes minutes, and --quick leaves such cases out. Leave --quick out, or name quick cases: particle, "
+        "rest, momentum, refinement, hard or far.");
+  for (const char* suite : {"verify shot", "verify lighting --samples 0"})
+    expect_refused(suite, "no panoramas are named. Name .hdr or .exr files");
+  fs::create_directories(folder / "none");
+  expect_refused("verify shot --panoramas '" + path("none") + "'", "no .hdr or .exr");
+}
+
+// Options that are numbers, of every command, each refused by its name before anything is read, made or computed.
+TEST_F(Cli, RefusesNumbersThatAreNone) {
+  const std::string out = " -o '" + path("out") + "' ";
+  const std::pair<const char*, std::string> commands[] = {
+      {"--angle", "bake chair" + out},
+      {"--max-polar", "bake chair" + out},
+      {"--rate", "bake chair" + out},
+      {"--size", "bake chair" + out},
+      {"--seed", "bake chair" + out},
+      {"--threads", "bench granular"},
+      {"--thresholds", "bench shadow"},
+      {"--rows", "ceiling a.hdr"},
+      {"--tiles", "dataset a.hdr" + out},
+      {"--seed", "dataset a.hdr" + out},
+      {"--fov", "light a.png" + out},
+      {"--turn", "light a.png" + out},
+      {"--images", "quantise-light a.npz --calibrate a" + out},
+      {"--samples", "room" + out},
+      {"--seed", "room" + out},
+      {"--budget-ms", "run demo"},
+      {"--frames", "run demo"},
+      {"--fov", "run shot --photo a.png"},
+      {"--distance", "sample box --surface" + out},
+      {"--views", "verify lighting"},
+      {"--seed", "verify lighting"},
+      {"--threads", "verify shot"},
+  };
+  for (const auto& [option, command] : commands)
+    for (const char* value : {"nan", "-1"}) expect_refused(command + " " + option + " " + value, option + 2);
+  // 2^32 + 8, 8 - 2^32 and 2^32 + 128 are sizes when they are cut to 32 bits; 0x14 is 20 to a parser that guesses.
+  for (const char* size : {"4294967304x1", "-4294967288x1", "8x4294967297", "4294967424x2", "8x1 ", " 8x1", "8x+1",
+                           "0x8x1", "99999999999999999999999x1", "8x", "x1", "8", "8x1x1"})
+    expect_refused("bake chair" + out + "--size '" + size + "'", "size");
+  for (const char* angle : {"0x14", "+20", " 20", "20 deg", "20rad", "1e999", "inf", "deg", ""})
+    expect_refused("bake chair" + out + "--angle '" + angle + "'", "angle");
+  expect_refused("room --seed 18446744073709551616" + out, "--seed");
+  expect_refused("light a.png --fov 1e999" + out, "--fov");
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+// Places where a bake could not write are refused before its minutes of work, and stay as they are.
+TEST_F(Cli, ABakeIsRefusedBeforeItsWorkWhereItCouldNotWrite) {
+  if (!have_bake()) GTEST_SKIP() << "this build bakes no shadows: Embree or Eigen is missing";
+  fs::create_directories(path("folder"));
+  const std::string kept = write("kept.png", "an older picture"), out = " -o '" + path("out") + "' ";
+  const std::string nowhere = path("nowhere/x"), bake = "bake chair --textures 3000 --steps 100000000 ";
+  expect_refused(bake + "-o '" + path("folder") + "'", "folder");
+  expect_refused(bake + "-o ''", "name");
+  expect_refused(bake + "-o '" + nowhere + "'", "nowhere");
+  expect_refused(bake + "-o '" + path("kept.png/x") + "'", "kept.png/x");
+  expect_refused(bake + "-o '" + path(std::string(240, 'n')) + "'", "nnn");  // no room for ".checkpoint" either
+  expect_refused(bake + out + "--picture '" + kept + "' --json '" + nowhere + "'", "nowhere");
+  expect_refused(bake + out + "--picture '" + nowhere + ".png'", "nowhere");
+  expect_refused(bake + out + "--json /dev/null", "/dev/null");
+  EXPECT_EQ(read(kept), "an older picture");
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(name == "folder" || name == "kept.png" || name == "stdout" || name == "stderr") << name;
+  }
+}
+
+// What `bake` prints and writes of the smallest network, and what `inspect` says of it.
+TEST_F(Cli, BakesAndInspectsAShadow) {
+  if (!have_bake()) GTEST_SKIP() << "this build bakes no shadows: Embree or Eigen is missing";
+  const std::string options =
+      " --size 8x1 --textures 1 --steps 20 --quantised-steps 5 --validation-lights 4 --threads 2 ";
+  const Outcome baked = run("bake chair -o '" + path("x.shadow") + "' --json '" + path("x.json") + "'" + options);
+  ASSERT_EQ(baked.code, 0) << baked.err;
+  EXPECT_NE(baked.out.find("4 unseen lights"), std::string::npos) << baked.out;
+  EXPECT_NE(baked.out.find("SSIM and block: of 4 whole textures"), std::string::npos) << baked.out;
+  EXPECT_NE(read(path("x.json")).find("whole_textures"), std::string::npos);
+  EXPECT_TRUE(fs::exists(path("x.shadow.png")));
+  const Outcome told = run("inspect '" + path("x.shadow") + "'");
+  ASSERT_EQ(told.code, 0) << told.err;
+  for (const char* line : {"baked shadow, version 1", "8 neurons x (1 + 1) hidden layers, 72 MAC a texel",
+                           "20 degrees wide, up to 70 degrees from the zenith", "fitted to the light",
+                           "over 4 unseen lights", "float copy   no"})
+    EXPECT_NE(told.out.find(line), std::string::npos) << line << "\n" << told.out;
+  write("cut.shadow", read(path("x.shadow")).substr(0, 1000));
+  expect_refused("inspect '" + path("cut.shadow") + "'", "cut.shadow");
+}
+
+TEST_F(Cli, VerifiesAChosenCaseAndWritesItsTable) {
+  const Outcome outcome = run("verify granular --case refinement --out '" + path("out") + "'");
+  EXPECT_EQ(outcome.code, 0) << outcome.out << outcome.err;
+  EXPECT_NE(outcome.out.find("4 rows, 0 failed"), std::string::npos) << outcome.out;
+  const std::string csv = read(path("out/verify.csv")), markdown = read(path("out/verify.md"));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
+  EXPECT_NE(csv.find("refinement,\"uniform field reproduced\""), std::string::npos);
+  EXPECT_NE(markdown.find("fails, as it must"), std::string::npos);
+  EXPECT_FALSE(fs::exists(path("out/runout.png"))) << "no curve without its case";
+}
+
+// A room that the program makes up, a photograph of it, and the program's own chair as somebody else's mesh.
+TEST_F(Cli, RunsShotsOfFiles) {
+  if (*SANDGLASS_EMULATOR != '\0')
+    GTEST_SKIP() << "fills 25,000 grains three times; nothing of it is the instruction set's";
+  if (!have_embree()) GTEST_SKIP() << "needs a room, and this build has no Embree to trace one";
+  const std::string files = "-o '" + path("room.hdr") + "' --picture '" + path("room.png") + "'";
+  ASSERT_EQ(run("room --seed 3 --width 64 --samples 1 " + files).code, 0);
+  const auto light_of = [&](const std::string& arguments) {
+    const Outcome outcome = run("run shot --frames 2 --clock virtual " + arguments);
+    EXPECT_EQ(outcome.code, 0) << arguments << "\n" << outcome.err;
+    EXPECT_NE(outcome.out.find("hash 0x"), std::string::npos) << outcome.out;
+    return outcome.out;
+  };
+  const std::string panorama = light_of("--panorama '" + path("room.hdr") + "' --light labels");
+  const std::string photo = light_of("--photo '" + path("room.png") + "' --fov 70 --light arbitrary");
+  EXPECT_NE(panorama.substr(panorama.find("hash")), photo.substr(photo.find("hash")))
+      << "another light, another shadow";
+  // The frame's time is the library's: the made-up camera's image, some 9 ms, is not in it. Around the units are only
+  // colliders and lights.
+  const Outcome timed = run("run shot --frames 4 --light estimate --panorama '" + path("room.hdr") + "'");
+  const auto mean_of = [&](const std::string& row) {
+    const size_t at = timed.out.find(row);
+    return at == std::string::npos ? -1.0 : std::strtod(timed.out.c_str() + at + row.size(), nullptr);
+  };
+  EXPECT_GT(mean_of("  budget used"), 0.0) << timed.out << timed.err;
+  EXPECT_LT(mean_of("  CPU time, one thread"), mean_of("  budget used") + 3.0);
+  if (!have_assimp()) return;
+  const sandglass::host::MeshResult chair = sandglass::host::make_named("chair");
+  ASSERT_EQ(sandglass::host::write_mesh_obj(path("mine.obj"), chair.mesh), "");
+  light_of("--panorama '" + path("room.hdr") + "' --light labels --object '" + path("mine.obj") + "' --asset chair");
+}
+
+TEST_F(Cli, RefusesBadShots) {
+  if (!have_embree()) GTEST_SKIP() << "needs a room, and this build has no Embree to trace one";
+  ASSERT_EQ(
+      run("room --seed 3 --width 64 --samples 1 -o '" + path("room.hdr") + "' --picture '" + path("room.png") + "'")
+          .code,
+      0);
+  const std::string room = "'" + path("room.hdr") + "'", photo = "'" + path("room.png") + "'";
+  const std::string cube = "'" + write("cube.obj", k_cube) + "'";
+  expect_refused("run shot --panorama '" + path("missing.hdr") + "'", "missing.hdr");
+  expect_refused("run shot --panorama " + photo, "neither .hdr nor .exr");
+  expect_refused("run shot --panorama '" + write("cut.hdr", read(path("room.hdr")).substr(0, 600)) + "'", "cut.hdr");
+  expect_refused("run shot --photo '" + path("missing.png") + "' --fov 70", "missing.png");
+  expect_refused("run shot --photo " + room + " --fov 70", "PNG or JPEG");
+  expect_refused("run shot --photo " + photo, "--fov");
+  expect_refused("run shot --photo " + photo + " --fov 0", "--fov");
+  expect_refused("run shot --photo " + photo + " --fov 179", "--fov");
+  expect_refused("run shot --photo " + photo + " --fov nan", "--fov");
+  expect_refused("run shot --photo " + photo + " --fov wide", "--fov");
+  expect_refused("run shot --fov 70", "--photo");
+  expect_refused("run shot --photo " + photo + " --fov 70 --panorama " + room, "together");
+  expect_refused("run shot --photo " + photo + " --fov 70 --light labels", "labels");
+  expect_refused("run shot --light moon", "moon");
+  expect_refused("run shot --network '" + path("missing.light") + "'", "missing.light");
+  expect_refused("run shot --network " + room, "room.hdr\": ");
+  expect_refused("run shot --light labels --network '" + path("missing.light") + "'", "--network");
+  expect_refused("run shot --light arbitrary --network " + room, "--network");
+  expect_refused("run demo --photo " + photo + " --fov 70", "no shot");
+  expect_refused("run demo --asset chair", "--asset");
+  expect_refused("run shot --asset '" + path("missing.shadow") + "'", "missing.shadow");
+  expect_refused("run shot --asset " + room, "room.hdr\": ");
+  if (!have_assimp()) return;
+  expect_refused("run shot --object " + cube, "--asset");
+  expect_refused("run shot --object '" + path("missing.obj") + "' --asset chair", "missing.obj");
+  expect_refused("run shot --object " + cube + " --asset chair", "another object");
+}
+
+TEST_F(Cli, RefusesBadScenes) {
+  expect_refused("run nowhere", "nowhere");
+  expect_refused("run '" + write("empty.json", "") + "'", "empty.json");
+  expect_refused("run '" + write("cut.json", "{\"frames\": 3, \"bod") + "'", "cut.json");
+  expect_refused("run '" + tiny_scene("\"grvity\": [0, 0, 0], ") + "'", "\"grvity\"");
+  expect_refused("run '" + tiny_scene("\"particle_capacity\": 5, ") + "'", "\"particle_capacity\"");
+  expect_refused("run '" + tiny_scene("\"grain_capacity\": 5, ") + "'", "\"grain_capacity\"");
+  expect_refused("run '" + path("") + "'", "");
+  expect_refused("run demo --mesh '" + write("cube.obj", k_cube) + "'", "--mesh");
+  expect_refused("run '" + mesh_scene() + "'", "--mesh");
+}
+
+TEST_F(Cli, RefusesBadMeshes) {
+  const std::string command = "run '" + mesh_scene() + "' --mesh ";
+  if (!have_assimp()) {
+    expect_refused(command + "'" + write("cube.obj", k_cube) + "'", "Assimp");
+    return;
+  }
+  EXPECT_EQ(run(command + "'" + write("cube.obj", k_cube) + "'").code, 0);
+  const std::string cube = k_cube;
+  expect_refused(command + "'" + path("missing.obj") + "'", "missing.obj");
+  expect_refused(command + "'" + write("empty.obj", "") + "'", "empty.obj");
+  expect_refused(command + "'" + write("vertices.obj", cube.substr(0, cube.find('f'))) + "'", "vertices.obj");
+  expect_refused(command + "'" + write("nan.obj", "v nan 0 0\n" + cube.substr(cube.find('\n') + 1)) + "'", "nan.obj");
+  expect_refused(command + "'" + write("fin.obj", cube + "v 3 0 0\nf 1 2 9\n") + "'", "manifold");
+  expect_refused(command + "'" + write("range.obj", cube + "f 1 2 99\n") + "'", "range.obj");
+}
+
+TEST_F(Cli, RunsAndRefusesCollidersOfMeshes) {
+  const auto scene = [&](const std::string& collider) {
+    return "run '" + write("solid.json", R"({"frames": 2, "particle_radius": 0.01,
+        "bodies": [{"shape": "box", "size": [0.06, 0.08, 0.06], "position": [0, 0.3, 0]}],
+        "colliders": [)" + collider + "]}") +
+           "'";
+  };
+  for (const char* mesh : {"trefoil", "torus", "box", "sphere", "hourglass", "bucket", "silo"}) {
+    const Outcome outcome = run(scene(R"({"shape": "mesh", "size": 0.2, "mesh": ")" + std::string(mesh) + R"("})"));
+    EXPECT_EQ(outcome.code, 0) << mesh << ": " << outcome.err;
+  }
+  expect_refused(scene(R"({"shape": "mesh", "size": 0.2, "mesh": "teapot"})"), "teapot");
+  expect_refused(scene(R"({"shape": "mesh", "size": 0.2})"), "--collider-mesh");
+  expect_refused(scene(R"({"shape": "mesh", "mesh": "torus"})"), "size");
+  expect_refused(scene(R"({"shape": "mesh", "size": 0.2, "mesh": "torus", "solid": "both"})"), "solid");
+  const std::string bucket = R"({"shape": "mesh", "size": 0.2, "mesh": "bucket", "field_spacing": )";
+  expect_refused(scene(bucket + "0.5}"), "spacing");
+  expect_refused(scene(bucket + "0.0002}"), "enlarge the spacing");
+  const std::string torus = scene(R"({"shape": "mesh", "size": 0.2, "mesh": "torus"})");
+  expect_refused(torus + " --collider-mesh '" + path("missing.obj") + "'", "missing.obj");
+  expect_refused("run '" + tiny_scene() + "' --collider-mesh '" + write("cube.obj", k_cube) + "'", "--collider-mesh");
+  if (!have_assimp()) return;
+  EXPECT_EQ(run(torus + " --collider-mesh '" + path("cube.obj") + "'").code, 0) << "the file goes before the name";
+}
+
+TEST_F(Cli, InspectTellsScenesAndMeshesApart) {
+  const Outcome scene = run("inspect '" + tiny_scene() + "'");
+  EXPECT_EQ(scene.code, 0) << scene.err;
+  EXPECT_NE(scene.out.find("memory"), std::string::npos);
+  expect_refused("inspect '" + write("empty", "") + "'", "empty");
+  expect_refused("inspect '" + path("missing") + "'", "missing");
+  const std::vector<uint8_t> bytes = sandglass::host::light_file_bytes(sandglass::host::random_light_file(3));
+  const Outcome light = run("inspect '" + write("n.light", std::string(bytes.begin(), bytes.end())) + "'");
+  EXPECT_EQ(light.code, 0) << light.err;
+  EXPECT_NE(light.out.find("lighting network 'random'"), std::string::npos) << light.out;
+  expect_refused("inspect '" + write("cut.light", std::string(bytes.begin(), bytes.end() - 9)) + "'", "cut off");
+  if (!have_assimp()) return;
+  const Outcome mesh = run("inspect '" + write("cube.obj", k_cube) + "'");
+  EXPECT_EQ(mesh.code, 0) << mesh.err;
+  EXPECT_NE(mesh.out.find("watertight   yes"), std::string::npos) << mesh.out;
+  EXPECT_NE(mesh.out.find("orientation  outward"), std::string::npos) << mesh.out;
+}
+
+TEST_F(Cli, CtrlCFinishesCleanlyWithExitCode130) {
+  const std::string command = "run '" + tiny_scene() + "' --frames 100000000 --out '" + path("out") + "'";
+  const std::string emulator = SANDGLASS_EMULATOR, seconds = emulator.empty() ? "0.5 " : "2 ";
+  const std::string shell = "timeout --foreground --preserve-status -s INT " + seconds + emulator + " '" +
+                            SANDGLASS_PROGRAM + "' " + command + " >'" + path("stdout") + "' 2>'" + path("stderr") +
+                            "'";
+  const int status = std::system(shell.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_NE(read(path("stdout")).find("interrupted after"), std::string::npos) << read(path("stdout"));
+  const std::string said = read(path("stderr"));  // when the key is pressed, before anything is written
+  EXPECT_NE(said.find("sandglass: interrupted; reports and sheet of "), std::string::npos) << said;
+  EXPECT_TRUE(fs::exists(folder / "out" / "report.csv"));
+  EXPECT_TRUE(fs::exists(folder / "out" / "contact_sheet.png"));
+}
+
+TEST_F(Cli, SamplesShapesWithExactlyThePointsAskedFor) {
+  const Outcome ring = run("sample --ring 301 --polar 0 70 --picture " + path("ring.png") + " --spectrum " +
+                           path("spectrum.png") + " -o " + path("ring.ply"));
+  EXPECT_EQ(ring.code, 0) << ring.err;
+  EXPECT_EQ(ring.out.rfind("301 points of a ring", 0), 0u) << ring.out;
+  EXPECT_EQ(read(path("ring.png")).substr(1, 3), "PNG");
+  EXPECT_EQ(read(path("spectrum.png")).substr(1, 3), "PNG");
+  expect_refused("sample --ring 10 --polar 50 20 -o " + path("x.ply"), "theta_a < theta_b");
+  expect_refused("sample --ring 10 --polar nan 20 -o " + path("x.ply"), "--polar");
+  expect_refused("sample --ring 10 --polar 0 181 -o " + path("x.ply"), "--polar");
+  expect_refused("sample trefoil --surface --distance nan -o " + path("x.ply"), "--distance");
+  expect_refused("sample trefoil --disk 10 -o " + path("x.ply"), "Leave MESH out");
+  expect_refused("sample --surface --distance 1 -o " + path("x.ply"), "needs MESH");
+  EXPECT_FALSE(fs::exists(path("x.ply")));
+}
+
+TEST_F(Cli, RoomsAndPanoramasBadInputIsOneSentence) {
+  expect_refused("room -o " + path("room.png"), ".hdr");
+  expect_refused("room --width 33 -o " + path("room.hdr"), "--width");
+  expect_refused("room --samples 0 -o " + path("room.hdr"), "--samples");
+  EXPECT_FALSE(fs::exists(path("room.hdr")));
+  expect_refused("dataset " + path("nowhere") + " -o " + path("out"), "nowhere");
+  EXPECT_FALSE(fs::exists(path("out")));
+  expect_refused("dataset " + write("text.hdr", "not a panorama\n") + " -o " + path("out"), "not a Radiance");
+  fs::create_directories(folder / "none");
+  expect_refused("dataset '" + path("none") + "' -o " + path("out"), "no .hdr or .exr");
+  EXPECT_FALSE(fs::exists(path("out"))) << "refused before anything is made";
+}
+
+TEST_F(Cli, PanoramasAreToldApartByTheirNames) {
+  const auto panorama = [&](const std::string& name, double blue) {
+    sandglass::host::RadianceMap map(64, 32);
+    for (int v = 0; v < 32; ++v)
+      for (int u = 0; u < 64; ++u) map.set(u, v, {0.3, 0.4, u == 20 && v == 5 ? 90.0 : blue});
+    fs::create_directories((folder / name).parent_path());
+    sandglass::host::write_hdr(path(name), map);
+    return path(name);
+  };
+  const std::string one = panorama("x/room.hdr", 0.2), same = panorama("y/room.hdr", 0.5);
+  const std::string two = panorama("x/hall.hdr", 0.3), out = " -o " + path("out");
+  for (const char* command : {"dataset ", "verify lighting --samples 0 --panoramas "}) {
+    const std::string to = command == std::string("dataset ") ? out : "";
+    const std::string all = command + path("x") + to + " --manifest ";
+    expect_refused(command + path("x") + " " + path("y") + to, "\"" + same + "\": \"" + one + "\" has the same name");
+    expect_refused(all + "'" + write("empty.csv", "") + "'", "empty.csv");
+    expect_refused(all + "'" + write("blank.csv", "\n\n") + "'", "blank.csv");
+    expect_refused(all + "'" + write("one.csv", "file,group,fold\nroom.hdr,a,1\n") + "'", "\"hall.hdr\"");
+    expect_refused(all + "'" + write("typo.csv", "file,group,fold\nroom.hdr,a,1\nhal.hdr,b,2\n") + "'", "\"hall.hdr\"");
+  }
+  const std::string cut = write("x/late.hdr", read(one).substr(0, 300));
+  expect_refused("dataset " + path("x") + out, "late.hdr");
+  fs::remove(cut);
+  EXPECT_FALSE(fs::exists(path("out"))) << "refused before anything is made";
+  const std::string good = write("x/manifest.csv", "file,group,fold\nroom.hdr,a,1\nhall.hdr,b,2\n");
+  expect_refused("dataset " + path("x") + " --manifest " + good + " -o " + path("x"), "manifest.csv");
+  EXPECT_EQ(run("dataset " + path("x") + " --manifest " + good + out).code, 0);
+  const std::string made = read(path("out/manifest.csv"));
+  EXPECT_NE(made.find("hall.hdr,b,2"), std::string::npos) << made;
+  EXPECT_NE(made.find("room.hdr,a,1"), std::string::npos) << made;
+}
+
+// An earlier data set in the same folder leaves images that the manifest does not name.
+TEST_F(Cli, QuantisesByTheManifest) {
+  fs::create_directories(folder / "set" / "images");
+  const sandglass::host::Picture excerpt(256, 192, {90, 120, 40});
+  for (const char* name : {"a_0", "a_1", "b_0", "b_1"})
+    sandglass::host::write_png(path("set/images/" + std::string(name) + ".png"), excerpt);
+  const std::string command = "quantise-light none.npz --calibrate " + path("set") + " -o " + path("x.light");
+  expect_refused(command, "manifest.csv");
+  write("set/manifest.csv", "image,panorama\nimages/a_0.png,a.hdr\nimages/a_1.png,a.hdr\n");
+  expect_refused(command, "fewer than 4");
+  write("set/manifest.csv", "image\nimages/a_0.png\nimages/a_1.png\nimages/b_0.png\nimages/b_1.png\n");
+  expect_refused(command, "none.npz");
+}
+
+// Without arguments: the data folder's interiors and studios, by place, against the cross-validated estimates.
+TEST_F(Cli, VerifiesLightingOnTheDataFolder) {
+  const auto panorama = [&](const std::string& name, int lamp) {
+    sandglass::host::RadianceMap map(64, 32);
+    for (int v = 0; v < 32; ++v)
+      for (int u = 0; u < 64; ++u) map.set(u, v, {0.3, 0.4, u == lamp && v == 5 ? 90.0 : 0.2});
+    fs::create_directories((folder / name).parent_path());
+    sandglass::host::write_hdr(path(name), map);
+  };
+  panorama("hdri/indoor/vestibule_1k.hdr", 20), panorama("hdri/studio/studio_small_05_1k.hdr", 40);
+  write("manifest.csv", "file,group,fold\nvestibule_1k.hdr,a,1\nstudio_small_05_1k.hdr,b,2\n");
+  ::setenv("SANDGLASS_DATA_DIR", folder.c_str(), 1);
+  const Outcome whole = run("verify lighting --samples 0");
+  ::unsetenv("SANDGLASS_DATA_DIR");
+  EXPECT_LE(whole.code, 1) << whole.err;  // made-up panoramas under real names prove nothing
+  EXPECT_NE(whole.out.find("16 views of 2 panoramas"), std::string::npos) << whole.out;
+  EXPECT_NE(whole.out.find("cross_validated_estimates.csv"), std::string::npos) << whole.out;
+  EXPECT_NE(whole.out.find("direction against mean light, 97.5 %"), std::string::npos) << whole.out;
+  const std::string row = whole.out.substr(whole.out.find("\nestimate"));
+  EXPECT_NE(row.substr(0, row.find('\n', 1)).find("-        -        -        -        -"), std::string::npos) << row;
+  // Of panoramas that are named: the shipped network, and at once a word where it was fitted to them. The manifest ends
+  // it there, before the network has run some hundred times.
+  panorama("named/vestibule_1k.hdr", 20), panorama("named/elsewhere.hdr", 40);
+  const std::string manifest = " --manifest " + write("other.csv", "file,group,fold\nother.hdr,a,1\n");
+  const Outcome known = run("verify lighting --samples 0 --panoramas " + path("named") + manifest);
+  EXPECT_EQ(known.code, 2) << known.err;
+  EXPECT_EQ(known.out.find("1 of 2 panoramas are of places that the network was fitted to"), 0u) << known.out;
+  fs::remove(path("named/vestibule_1k.hdr"));
+  EXPECT_EQ(run("verify lighting --samples 0 --panoramas " + path("named") + manifest).out, "");
+}
+
+// A network of random numbers knows nothing about light, but its answers are written like any other's.
+TEST_F(Cli, LightWritesNumbersAndPicturesForEveryPhotograph) {
+  const std::vector<uint8_t> bytes = sandglass::host::light_file_bytes(sandglass::host::random_light_file(3));
+  const std::string network = write("random.light", std::string(bytes.begin(), bytes.end()));
+  sandglass::host::Picture picture(120, 90, {90, 120, 40});
+  for (int y = 20; y < 60; ++y) picture.at(y, y)[0] = 255;
+  for (const char* name : {"one.png", "two.png"}) sandglass::host::write_png(path(name), picture);
+  const std::string images = path("one.png") + " " + path("two.png") + " " + path("two.png");
+  const Outcome done = run("light " + images + " --fov 60 --turn 90 --network " + network + " -o " + path("out"));
+  EXPECT_EQ(done.code, 0) << done.err;
+  EXPECT_EQ(std::count(done.out.begin(), done.out.end(), '\n'), 3);
+  for (const char* name : {"one", "two", "two_2", "sheet"})
+    EXPECT_EQ(read((folder / "out" / (std::string(name) + ".png")).string()).substr(1, 3), "PNG") << name;
+  const std::string json = read((folder / "out" / "two_2.json").string());
+  for (const char* key : {"direction_camera", "direction_world", "light", "ambient", "contrast", "strength", "sh"})
+    EXPECT_NE(json.find(key), std::string::npos) << key;
+  EXPECT_EQ(json, read((folder / "out" / "two.json").string()));  // the same photograph
+}
+
+TEST_F(Cli, LightDestroysNoPhotograph) {
+  const std::vector<uint8_t> bytes = sandglass::host::light_file_bytes(sandglass::host::random_light_file(3));
+  const std::string network = " --network " + write("random.light", std::string(bytes.begin(), bytes.end()));
+  for (const char* name : {"one.png", "sheet.png"})
+    sandglass::host::write_png(path(name), sandglass::host::Picture(64, 48, {90, 120, 40}));
+  const std::string one = read(path("one.png")), sheet = read(path("sheet.png"));
+  expect_refused("light " + path("one.png") + network + " -o " + folder.string(), "one.png");
+  expect_refused("light " + path("one.png") + network + " -o " + path("out/.."), "one.png");
+  fs::create_directories(folder / "elsewhere");
+  fs::copy(path("one.png"), path("elsewhere/two.png"));
+  const std::string both = path("sheet.png") + " " + path("elsewhere/two.png");
+  expect_refused("light " + both + network + " -o " + folder.string(), "sheet.png");
+  EXPECT_EQ(read(path("one.png")), one);
+  EXPECT_EQ(read(path("sheet.png")), sheet);
+  EXPECT_FALSE(fs::exists(path("out"))) << "refused before anything is made";
+  // A photograph of that name and the sheet of all are two files.
+  EXPECT_EQ(run("light " + both + network + " -o " + path("out")).code, 0);
+  EXPECT_TRUE(fs::exists(path("out/sheet_2.png")));
+  EXPECT_NE(read(path("out/sheet_2.png")), read(path("out/sheet.png")));
+}
+
+TEST_F(Cli, LightsBadInputIsOneSentence) {
+  const std::vector<uint8_t> bytes = sandglass::host::light_file_bytes(sandglass::host::random_light_file(3));
+  const std::string good = write("good.light", std::string(bytes.begin(), bytes.end()));
+  const std::string cut = write("cut.light", std::string(bytes.begin(), bytes.end() - 9));
+  sandglass::host::write_png(path("fine.png"), sandglass::host::Picture(64, 48, {9, 9, 9}));
+  sandglass::host::write_png(path("dot.png"), sandglass::host::Picture(1, 1, {9, 9, 9}));
+  const std::string text = write("text.png", "not a picture"), out = " -o " + path("out");
+  expect_refused("light " + path("fine.png") + out + " --network " + path("nowhere"), "nowhere");
+  expect_refused("light " + path("fine.png") + out + " --network " + cut, "cut off");
+  expect_refused("light " + path("fine.png") + out + " --network " + text, "not a lighting network");
+  expect_refused("light " + path("gone.png") + out + " --network " + good, "gone.png");
+  expect_refused("light " + text + out + " --network " + good, "text.png");
+  expect_refused("light " + path("fine.png") + out + " --fov 200 --network " + good, "--fov");
+  expect_refused("light " + path("fine.png") + out + " --fov nan --network " + good, "--fov");
+  expect_refused("light " + path("fine.png") + out + " --turn 45 --network " + good, "--turn");
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  expect_refused("light " + path("dot.png") + out + " --network " + good, "dot.png");
+}
+
+}  // namespace

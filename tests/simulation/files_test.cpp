@@ -1,0 +1,137 @@
+// Files are complete or not there; arrays come back as they were written; progress says how long it will take.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+
+#include "models/files/atomic_file.h"
+#include "models/files/npy.h"
+#include "models/work/failure.h"
+#include "models/work/progress.h"
+
+namespace sandglass::host {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+struct Folder {
+  fs::path path;
+  Folder() : path(fs::path(::testing::TempDir()) / ("sandglass_host_" + std::to_string(::getpid()))) {
+    fs::create_directories(path);
+  }
+  ~Folder() { fs::remove_all(path); }
+  std::string file(const char* name) const { return (path / name).string(); }
+};
+
+TEST(Npy, RoundTrip) {
+  const Folder folder;
+  const std::vector<float> values = {1.0f, -2.5f, 3e-38f, 4.0f, 5.0f, 6e20f};
+  write_npy(folder.file("a.npy"), values, 2, 3);
+  const NpyArray table = read_npy(folder.file("a.npy"));
+  EXPECT_EQ(table.shape, (std::vector<uint64_t>{2, 3}));
+  EXPECT_EQ(table.values, values);
+  write_npy(folder.file("b.npy"), values, 6, 1);
+  EXPECT_EQ(read_npy(folder.file("b.npy")).shape, (std::vector<uint64_t>{6}));
+  write_npy(folder.file("c.npy"), {}, 0, 3);
+  EXPECT_EQ(read_npy(folder.file("c.npy")).shape, (std::vector<uint64_t>{0, 3}));
+}
+
+TEST(Npy, DataStartAtAMultipleOf64) {
+  const Folder folder;
+  write_npy(folder.file("a.npy"), std::vector<float>(3), 1, 3);
+  EXPECT_EQ((fs::file_size(folder.file("a.npy")) - 12) % 64, 0u);
+}
+
+TEST(Npy, RefusesATruncatedFile) {
+  const Folder folder;
+  write_npy(folder.file("a.npy"), std::vector<float>(30), 10, 3);
+  const std::string whole = read_file(folder.file("a.npy"), "array");
+  for (const size_t length : {size_t{0}, size_t{5}, size_t{9}, size_t{40}, whole.size() - 1}) {
+    write_file(folder.file("b.npy"), whole.substr(0, length));
+    EXPECT_THROW(read_npy(folder.file("b.npy")), Failure) << length;
+  }
+}
+
+TEST(AtomicFile, LeavesNothingButTheFile) {
+  const Folder folder;
+  write_file(folder.file("a.txt"), std::string_view("content"));
+  EXPECT_EQ(read_file(folder.file("a.txt"), "text"), "content");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()), 1);
+  EXPECT_THROW(write_file(folder.file("missing/a.txt"), std::string_view("x")), Failure);
+  EXPECT_THROW(read_file(folder.file("b.txt"), "text"), Failure);
+}
+
+// The second Ctrl-C comes in the middle of a file: its temporary name is a pipe, which takes no more than its buffer.
+TEST(AtomicFile, ASecondCtrlCLeavesNothingHalfWritten) {
+#ifdef __SANITIZE_THREAD__
+  GTEST_SKIP() << "the thread sanitizer keeps a signal back while a call of write waits";
+#endif
+  const Folder folder;
+  const std::string path = folder.file("a.txt");
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    listen_for_interrupt();
+    std::raise(SIGINT);
+    if (!interrupted() || mkfifo(unfinished_name(path).c_str(), 0600) != 0) _exit(3);
+    write_file(path, std::string(1 << 24, 'x'));
+    _exit(4);
+  }
+  fs::path pipe;
+  while (pipe.empty() && waitpid(child, nullptr, WNOHANG) == 0)
+    for (const auto& entry : fs::directory_iterator(folder.path)) pipe = entry.path();
+  const int reader = open(pipe.c_str(), O_RDONLY);  // returns when the other end is open
+  ASSERT_GE(reader, 0);
+  char byte = 0;
+  ASSERT_EQ(::read(reader, &byte, 1), 1);  // it is writing
+  kill(child, SIGINT);
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  close(reader);
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) << status;
+  EXPECT_TRUE(fs::is_empty(folder.path)) << pipe;
+}
+
+TEST(Progress, SaysHowLongItWillTake) {
+  EXPECT_EQ(progress_line("working", 25, 100, 5.0), "working 25/100 (25 %), 15 s left");
+  EXPECT_EQ(progress_line("working", 0, 100, 5.0), "working 0/100 (0 %)");
+  EXPECT_EQ(progress_line("working", 100, 100, 5.0), "working 100/100 (100 %)");
+  // Resumed at 60: 5 s for 10, so 15 s for the 30 that are left.
+  EXPECT_EQ(progress_line("working", 70, 100, 5.0, 60), "working 70/100 (70 %), 15 s left");
+  EXPECT_EQ(progress_line("working", 60, 100, 5.0, 60), "working 60/100 (60 %)");
+}
+
+TEST(Progress, IsSilentForTwoSecondsAndThenWritesPlainLinesNowAndThen) {
+  std::FILE* file = std::tmpfile();
+  ASSERT_NE(file, nullptr);
+  {
+    Progress progress("working", 100, file);
+    const auto now = std::chrono::steady_clock::now();
+    progress.done_at(1, now + 500ms);
+    progress.done_at(5, now + 1900ms);
+    EXPECT_EQ(std::ftell(file), 0);
+    progress.done_at(10, now + 3s);
+    progress.done_at(11, now + 4s);
+    progress.done_at(50, now + 10s);
+  }
+  std::rewind(file);
+  char text[400] = {};
+  const size_t length = std::fread(text, 1, sizeof text - 1, file);
+  std::fclose(file);
+  const std::string written(text, length);
+  EXPECT_EQ(std::count(written.begin(), written.end(), '\n'), 2);
+  EXPECT_NE(written.find("working 10/100"), std::string::npos) << written;
+  EXPECT_NE(written.find("working 50/100"), std::string::npos) << written;
+  EXPECT_EQ(written.find('\r'), std::string::npos);
+}
+
+}  // namespace
+}  // namespace sandglass::host

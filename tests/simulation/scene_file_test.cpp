@@ -1,0 +1,232 @@
+// A scene file is taken whole or refused with one sentence that names what is wrong.
+#include "models/simulation/scene_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "models/simulation/body_meshes.h"
+#include "models/simulation/metrics.h"
+#include "models/simulation/scene_fill.h"
+#include "models/work/failure.h"
+
+namespace sandglass::host {
+namespace {
+
+constexpr const char* k_good = R"({
+  "name": "good", "particle_radius": 0.01,
+  "bodies": [{"shape": "box", "size": [0.1, 0.2, 0.1], "position": [0, 0.02, 0]}],
+  "colliders": [{"shape": "half_space"}]
+})";
+
+std::string refusal(const std::string& text) {
+  try {
+    parse_scene(text, "test.json");
+  } catch (const Failure& failure) {
+    return failure.what();
+  }
+  return "";
+}
+
+// k_good with its first `from` replaced.
+std::string changed(const std::string& from, const std::string& to) {
+  std::string text = k_good;
+  text.replace(text.find(from), from.size(), to);
+  return text;
+}
+
+TEST(SceneFile, ReadsWhatItIsGiven) {
+  const SceneFile scene =
+      parse_scene(changed("\"name\"", R"("frames": 7, "budget_ms": 2.5, "friction": {"static": 0.3, "kinetic": 0.2},
+    "solver": {"scheme": "averaged", "iterations": 7, "relaxation": 1.5, "blend": "source"}, "name")"),
+                  "test.json");
+  EXPECT_EQ(scene.frames, 7u);
+  EXPECT_EQ(scene.budget_ms, 2.5);
+  EXPECT_EQ(scene.granular.static_friction, 0.3f);
+  EXPECT_EQ(scene.granular.kinetic_friction, 0.2f);
+  EXPECT_EQ(scene.granular.reference.scheme, SANDGLASS_SCHEME_AVERAGED);
+  EXPECT_EQ(scene.granular.reference.solver_iterations, 7u);
+  EXPECT_EQ(scene.granular.reference.relaxation, 1.5f);
+  EXPECT_EQ(scene.granular.reference.blend, SANDGLASS_BLEND_SOURCE);
+  EXPECT_EQ(scene.bodies.at(0).size.y, 0.2);
+  EXPECT_EQ(scene.colliders.at(0).shape, SANDGLASS_SHAPE_HALF_SPACE);
+}
+
+struct Refusal {
+  const char* from;
+  const char* to;
+  const char* named;  // what the sentence must contain
+};
+
+class Refused : public ::testing::TestWithParam<Refusal> {};
+
+TEST_P(Refused, InOneSentenceThatNamesIt) {
+  const std::string sentence = refusal(changed(GetParam().from, GetParam().to));
+  EXPECT_NE(sentence.find("test.json"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find(GetParam().named), std::string::npos) << sentence;
+  EXPECT_EQ(sentence.find('\n'), std::string::npos) << sentence;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Keys, Refused,
+    ::testing::Values(
+        Refusal{"\"name\"", "\"nmae\"", "\"nmae\""},
+        Refusal{"\"size\"", "\"sizes\": 1, \"size\"", "\"bodies[0].sizes\""},
+        Refusal{"\"half_space\"", "\"halfspace\"", "\"colliders[0].shape\""},
+        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"sphere\"}", "\"colliders[0].size\""},
+        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"half_space\", \"size\": 1}", "\"colliders[0].size\""},
+        Refusal{"\"half_space\"", "\"revolved\"", "\"colliders[0].profile\""},
+        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"revolved\", \"profile\": [[0, 0], [1, 0], [-1, 1]]}",
+                "profile[2][0]"},
+        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"mesh\"}", "\"colliders[0].size\""},
+        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"mesh\", \"size\": 1, \"solid\": \"both\"}",
+                "\"colliders[0].solid\""},
+        Refusal{"\"box\", \"size\": [0.1, 0.2, 0.1]", "\"revolved\", \"profile\": [[0, 0], [1, 0], [2, 0]]",
+                "\"bodies[0].profile\""},
+        Refusal{"\"position\"", "\"rigid\": 2, \"grains\": 10, \"position\"", "\"bodies[0].grains\""},
+        Refusal{"\"position\"", "\"angular_velocity\": [1, 0, 0], \"position\"", "\"bodies[0].angular_velocity\""},
+        Refusal{"{\"shape\": \"half_space\"}", "7", "\"colliders[0]\""},
+        Refusal{"\"name\"", "\"emitters\": [{\"radius\": 0.05}], \"name\"", "\"particle_capacity\""},
+        Refusal{"\"name\"", "\"particle_capacity\": 10, \"emitters\": [{}], \"name\"", "\"emitters[0].radius\""},
+        Refusal{"\"name\"",
+                "\"particle_capacity\": 10, \"emitters\": [{\"radius\": 1, \"grains_per_particle\": 8}], \"name\"",
+                "\"grain_capacity\""},
+        Refusal{"\"name\"", "\"sinks\": [{\"shape\": \"mesh\", \"size\": 1}], \"name\"", "\"sinks[0].shape\""},
+        Refusal{"\"name\"", "\"frames\": 0, \"name\"", "\"frames\""},
+        Refusal{"\"name\"", "\"frames\": 1.5, \"name\"", "\"frames\""},
+        Refusal{"\"name\"", "\"frames\": \"ten\", \"name\"", "\"frames\""},
+        Refusal{"\"name\"", "\"frame_step\": 0.2, \"name\"", "\"frame_step\""},
+        Refusal{"\"name\"", "\"budget_ms\": -1, \"name\"", "\"budget_ms\""},
+        Refusal{"\"name\"", "\"gravity\": [0, -9.81], \"name\"", "\"gravity\""},
+        Refusal{"\"name\"", "\"gravity\": [0, -1e9, 0], \"name\"", "\"gravity[1]\""},
+        Refusal{"\"name\"", "\"budget_ms\": 1e999, \"name\"", "number"},
+        Refusal{"\"name\"", "\"friction\": {\"static\": -0.1}, \"name\"", "\"friction.static\""},
+        Refusal{"\"name\"", "\"friction\": {\"dynamic\": 0.1}, \"name\"", "\"friction.dynamic\""},
+        Refusal{"\"name\"", "\"solver\": {\"relaxation\": 0.5}, \"name\"", "\"solver.relaxation\""},
+        Refusal{"\"name\"", "\"solver\": {\"scheme\": \"fast\"}, \"name\"", "\"solver.scheme\""},
+        Refusal{"\"name\"", "\"solver\": [], \"name\"", "\"solver\""}, Refusal{"0.01", "0", "\"particle_radius\""},
+        Refusal{"0.01", "null", "\"particle_radius\""},
+        Refusal{"\"particle_radius\": 0.01,", "", "\"particle_radius\""},
+        Refusal{"\"box\"", "\"lattice\"", "\"bodies[0].size\""}, Refusal{"\"box\"", "\"cube\"", "\"bodies[0].shape\""},
+        Refusal{"\"size\": [0.1, 0.2, 0.1]", "\"grains\": 5", "\"size\""},
+        Refusal{"\"position\"", "\"spacing\": 1.5, \"position\"", "\"bodies[0].spacing\""},
+        Refusal{"\"position\"", "\"rotation\": [0, 0, 0, 0], \"position\"", "\"bodies[0].rotation\""},
+        Refusal{"\"position\"", "\"grains\": 10, \"grain_distance\": 0.1, \"position\"",
+                "\"bodies[0].grain_distance\""},
+        Refusal{"{\"shape\": \"half_space\"}", R"({"shape": "half_space", "motion": [{"start": 2, "end": 1}]})",
+                "\"colliders[0].motion[0].end\""},
+        Refusal{"\"name\"", "\"camera\": {\"eye\": [0, 1, 0], \"target\": [0, 0, 0]}, \"name\"", "\"camera.target\""},
+        Refusal{"\"bodies\": [{", "\"bodies\": [], \"x\": [{", "\"x\""}, Refusal{"\"good\",", "\"good\"", "line 2"}));
+
+TEST(SceneFile, RefusesWhatIsNoObject) {
+  EXPECT_NE(refusal(""), "");
+  EXPECT_NE(refusal("[1, 2]"), "");
+  EXPECT_NE(refusal("{\"name\": \"a\"}").find("\"bodies\""), std::string::npos);
+}
+
+TEST(SceneFile, RefusesACapacityBelowTheNeed) {
+  const SceneFile scene = parse_scene(changed("\"name\"", "\"particle_capacity\": 10, \"name\""), "test.json");
+  EXPECT_THROW(describe_scene(scene, 11, 0), Failure);
+  EXPECT_EQ(describe_scene(scene, 10, 0).granular.particle_capacity, 10u);
+}
+
+TEST(SceneFile, AnEmitterPoursFromItsStartToItsEnd) {
+  const SceneFile scene = parse_scene(
+      changed("\"name\"",
+              R"("particle_capacity": 9, "emitters": [{"radius": 0.05, "speed": 2, "start": 0.1, "end": 0.3}],
+    "sinks": [{"shape": "half_space", "position": [0, -1, 0]}], "name")"),
+      "test.json");
+  EXPECT_TRUE(flow_over_frame(scene, 0.08).emitters.empty());
+  ASSERT_EQ(flow_over_frame(scene, 0.2).emitters.size(), 1u);
+  EXPECT_EQ(flow_over_frame(scene, 0.2).emitters[0].speed, 2.0f);
+  EXPECT_TRUE(flow_over_frame(scene, 0.3).emitters.empty());
+  ASSERT_EQ(flow_over_frame(scene, 0.0).sinks.size(), 1u);
+  EXPECT_EQ(flow_over_frame(scene, 0.0).sinks[0].position[1], -1.0f);
+  EXPECT_EQ(describe_scene(scene, 0, 0).granular.emitter_capacity, 1u);
+}
+
+TEST(SceneFile, ACollidersMotionIsTheSumOfItsSegments) {
+  ColliderTrack track;
+  track.motion.push_back({0.1, 0.3, {1.0, 0.0, 0.0}, {0.0, std::acos(-1.0) * 2.5, 0.0}});
+  const sandglass_collider before = collider_over_frame(track, 0.0, 0.1), during = collider_over_frame(track, 0.1, 0.1),
+                           after = collider_over_frame(track, 0.5, 0.1);
+  EXPECT_EQ(before.position[0], 0.0f);
+  EXPECT_EQ(before.linear_velocity[0], 0.0f);
+  EXPECT_FLOAT_EQ(during.position[0], 0.1f);
+  EXPECT_EQ(during.linear_velocity[0], 1.0f);
+  EXPECT_FLOAT_EQ(after.position[0], 0.2f);
+  EXPECT_EQ(after.linear_velocity[0], 0.0f);
+  EXPECT_NEAR(after.rotation[1], std::sqrt(0.5), 1e-6);  // a quarter of a turn about y
+  EXPECT_NEAR(after.rotation[3], std::sqrt(0.5), 1e-6);
+}
+
+TEST(SceneFill, MeetsTheWantedNumbersAndKeepsParticlesApart) {
+  SceneFile scene = parse_scene(
+      R"({"particle_radius": 0.01,
+          "bodies": [{"shape": "trefoil", "particles": 800, "grains": 5000, "position": [0, 0.1, 0]}]})",
+      "test.json");
+  const LoadedMeshes meshes(scene, "");
+  const Material material = fill_scene(&scene, meshes.bodies());
+  EXPECT_NEAR(material.particles(), 800.0, 8.0);
+  EXPECT_NEAR(material.grains(), 5000.0, 50.0);
+  EXPECT_EQ(measure_overlap(material.particle_positions, 0.01).pairs, 0u);
+}
+
+TEST(SceneFill, ABodyOfGivenSizeAndNumberSetsTheRadius) {
+  SceneFile scene = parse_scene(R"({"bodies": [{"shape": "sphere", "size": 0.5, "particles": 1000}]})", "test.json");
+  const Material material = fill_scene(&scene, {});
+  EXPECT_NEAR(material.particles(), 1000.0, 10.0);
+  EXPECT_NEAR(scene.particle_radius, 0.5 * std::cbrt(0.74 / 1000.0) / 2.0, 0.002);
+}
+
+TEST(SceneFill, TheColumnOfTheBenchmarkIsThatOfThePeers) {
+  SceneFile scene = load_scene("column14k");
+  const Material material = fill_scene(&scene, {});
+  ASSERT_EQ(material.particles(), 14280u);
+  EXPECT_EQ(material.grains(), 228480u);
+  double lowest = 1e9;
+  for (size_t i = 1; i < material.particle_positions.size(); i += 3)
+    lowest = std::min<double>(lowest, material.particle_positions[i]);
+  EXPECT_NEAR(lowest, 0.0102, 1.01e-4);  // 1.02 r, jittered by at most 1 % r
+  // Neighbours 2.02 r apart, each coordinate jittered by up to 1 % r: closer by at most 2 sqrt(3) %.
+  EXPECT_LT(measure_overlap(material.particle_positions, 0.01).max, 0.0147);
+}
+
+TEST(SceneFill, IsTheSameToTheBitEveryTime) {
+  const auto fill = [] {
+    SceneFile scene = parse_scene(
+        R"({"particle_radius": 0.02, "bodies": [{"shape": "trefoil", "size": 0.6, "grains": 2000, "jitter": 0.01,
+            "rotation": {"axis": [1, 2, 3], "degrees": 40}}]})",
+        "test.json");
+    const LoadedMeshes meshes(scene, "");
+    return fill_scene(&scene, meshes.bodies());
+  };
+  const Material first = fill(), second = fill();
+  EXPECT_EQ(first.particle_positions, second.particle_positions);
+  EXPECT_EQ(first.grain_positions, second.grain_positions);
+}
+
+TEST(SceneFill, RefusesAMeshBodyWithoutAMesh) {
+  SceneFile scene = parse_scene(R"({"particle_radius": 0.01, "bodies": [{"shape": "mesh", "size": 1}]})", "test.json");
+  EXPECT_THROW(fill_scene(&scene, {}), Failure);
+}
+
+TEST(SceneFill, RefusesABodySmallerThanAParticle) {
+  SceneFile scene =
+      parse_scene(R"({"particle_radius": 5, "bodies": [{"shape": "sphere", "size": 0.001}]})", "test.json");
+  EXPECT_THROW(fill_scene(&scene, {}), Failure);
+}
+
+// A cylinder of radius 1 and height 2, turned from its outline; the side on the axis is no surface.
+TEST(Revolved, DistanceOfACylinder) {
+  const Profile outline = {{0, 0}, {1, 0}, {1, 2}, {0, 2}};
+  EXPECT_DOUBLE_EQ(revolved_distance(outline, {0, 1, 0}), -1.0);
+  EXPECT_DOUBLE_EQ(revolved_distance(outline, {0.3, 1.9, 0.4}), -(2.0 - 1.9));
+  EXPECT_NEAR(revolved_distance(outline, {3, 1, 4}), 4.0, 1e-12);
+  EXPECT_NEAR(revolved_distance(outline, {0, 5, 0}), 3.0, 1e-12);
+  EXPECT_NEAR(revolved_distance(outline, {4, 6, 0}), 5.0, 1e-12);  // from the edge: 3, 4
+}
+
+}  // namespace
+}  // namespace sandglass::host
