@@ -154,10 +154,10 @@ inline sandglass_body body() {
   return body;
 }
 
+// A rotation as a quaternion (x, y, z, w).
+using Rotation = std::array<float, 4>;
 // The rotation by `angle` radians about the axis (x, y, z), of any length above 0. An axis without length gives the
 // identity.
-using Rotation = std::array<float, 4>;
-// The rotation by `angle` radians about the axis (x, y, z), of any length above 0; the identity for an axis without one.
 inline Rotation rotation_about(float x, float y, float z, float angle) {
   const float axis[3] = {x, y, z};
   Rotation rotation{};
