@@ -80,11 +80,11 @@ extern "C" {
 
 /* ------------------------------------------------------------------------------------------------ version */
 
-/* A new one may change everything. */
+/* From 1.0 on, only a new one may break an app. */
 #define SANDGLASS_VERSION_MAJOR 0
-/* Before 1.0, a new one may change the API. */
+/* Before 1.0, a new one may break an app. */
 #define SANDGLASS_VERSION_MINOR 1
-/* A new one changes neither API nor ABI. */
+/* A new one changes no header but this line. */
 #define SANDGLASS_VERSION_PATCH 0
 
 /* One number for the three: 1,000,000 major + 1,000 minor + patch. */
