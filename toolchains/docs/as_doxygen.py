@@ -19,7 +19,7 @@ import sys
 # A comment, or a string, in which no comment begins.
 TOKEN = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 RULER = re.compile(r"(?:/\*|//) ?-{8,}([^-*]*)")
-SPECIAL = re.compile(r"[\\@<>#~]|(?<!\w)[*%](?=\w)")
+SPECIAL = re.compile(r"[\\@<>#~]|(?<!\w)[*%](?=\w)(?!\w[\w ]*\*)")
 
 SIZE = re.compile(r"^  uint32_t struct_size;$", re.MULTILINE)
 SIZE_COMMENT = r"\g<0> /**< The size of this struct in bytes: types.h says who sets it. */"
