@@ -1,4 +1,4 @@
-// What must not break a scene (ACCURACY 2): degenerate input, degenerate states, capacities, damaged memory.
+// What must not break a scene: degenerate input, degenerate states, capacities, damaged memory.
 #include <gtest/gtest.h>
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
 #include <fenv.h>
@@ -177,8 +177,8 @@ TEST(HardCase, EmptyOneFullAndOneTooMany) {
             SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
-// Spheres on spheres, touching, when gravity begins (ACCURACY 2): without a limit on what height weighting lifts, the
-// hundred rose to twice their height before they stood.
+// Spheres on spheres, touching, when gravity begins. Without a limit on what height weighting lifts, a hundred of them
+// rose to twice their height before they stood.
 TEST(HardCase, StacksStandAndDoNotJump) {
   struct {
     uint32_t count;

@@ -1,4 +1,4 @@
-// Physics of the particles against closed forms (ACCURACY 1): one particle where a formula exists, small piles for
+// Physics of the particles against closed forms: one particle where a formula exists, small piles for
 // invariants.
 #include <gtest/gtest.h>
 

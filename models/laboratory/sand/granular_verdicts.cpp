@@ -49,7 +49,7 @@ struct Table {
     desc.isa = isa;
     return desc;
   }
-  // One long step a frame and one averaged iteration: the solver that DESIGN warns of.
+  // One long step a frame and one averaged iteration: a solver that is too coarse.
   sandglass_scene_desc coarse() const {
     sandglass_scene_desc desc = defaults();
     desc.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;

@@ -1,11 +1,11 @@
-// Thin C++ owner types over the C API: the same functions, with memory owned, pointers and counts joined, and status and
-// reason in one value. Header-only, C++17, no exceptions, no RTTI.
+// Thin C++ owner types over the C API: the same functions, with memory owned, pointers and counts joined, and status
+// and reason in one value. Header-only, C++17, no exceptions, no RTTI.
 //
 // Everything that the C headers promise holds here. Memory is allocated by the create and from_* functions, by the
-// sample_* functions, by save and by box_body, and by nothing else; none of them is called in a frame. Structs are those
-// of the C API (sandglass_scene_desc, ...). Each owner type gives its C handle by get(), for every function that has no
-// short form here. An owner type that nothing was created in yet is empty: its functions then follow the C API's rule
-// for NULL.
+// sample_* functions, by save and by box_body, and by nothing else; none of them is called in a frame. Structs are
+// those of the C API (sandglass_scene_desc, ...). Each owner type gives its C handle by get(), for every function that
+// has no short form here. An owner type that nothing was created in yet is empty: its functions then follow the rule of
+// the C API for NULL.
 //
 //   sandglass_scene_desc desc = sandglass::scene_desc();
 //   desc.granular.particle_capacity = 1000;
@@ -49,7 +49,7 @@ struct [[nodiscard]] Status {
   const char* name() const { return sandglass_status_name(code); }
 };
 
-// A view of points or vectors, three floats each, in memory that the caller keeps for the duration of the call. Made
+// A view of points or vectors, three floats each, in memory that the app keeps for the duration of the call. Made
 // from a pointer and a number of points, or from any contiguous container of floats (a trailing incomplete point is
 // left out).
 struct Points {
@@ -80,7 +80,7 @@ inline Status check_version() {
   return {SANDGLASS_ERROR_UNSUPPORTED, "the linked library is of another version than the headers: build with its own"};
 }
 
-// What is made in a block: the block, empty when the caller lent it, and the handle into it. The handle stays valid
+// What is made in a block: the block, empty when the app lent it, and the handle into it. The handle stays valid
 // when its owner is moved, because the block does not move.
 template <class Handle>
 struct Owned {
@@ -135,7 +135,8 @@ inline sandglass_body body() {
   return body;
 }
 
-// The rotation by `angle` radians about the axis (x, y, z), of any length above 0; the identity for an axis without one.
+// The rotation by `angle` radians about the axis (x, y, z), of any length above 0. An axis without length gives the
+// identity.
 using Rotation = std::array<float, 4>;
 inline Rotation rotation_about(float x, float y, float z, float angle) {
   const float axis[3] = {x, y, z};
@@ -201,7 +202,7 @@ inline Status box_body(const std::array<float, 3>& half_extents, float particle_
   return status;
 }
 
-// A scene and, unless the caller lends it, the block it lives in. Movable, not copyable.
+// A scene and, unless the app lends it, the block it lives in. Movable, not copyable.
 class Scene {
  public:
   // The bytes that a scene of this description needs; 0 when the description is not valid (create says why).
@@ -222,7 +223,7 @@ class Scene {
     });
   }
 
-  // Makes the scene in a block of the caller's, aligned to SANDGLASS_BLOCK_ALIGNMENT, which must outlive it.
+  // Makes the scene in a block of the app, aligned to SANDGLASS_BLOCK_ALIGNMENT, which must outlive it.
   Status create_in(const sandglass_scene_desc& desc, void* block, uint64_t bytes) {
     Status status = check_version();
     if (!status) return status;
@@ -326,7 +327,7 @@ inline sandglass_camera_image camera_image() {
   return image;
 }
 
-// The light of a room and the block it lives in. Movable, not copyable. The network's file stays the caller's, and must
+// The light of a room and the block it lives in. Movable, not copyable. The network's file belongs to the app, and must
 // outlive it.
 class Light {
  public:

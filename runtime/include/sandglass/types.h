@@ -29,7 +29,7 @@
  *
  * Structs are of three kinds:
  *   - Structs that begin with `struct_size` may grow, at their end only. The `_default` function of the struct sets
- *     struct_size. Where there is no such function, the caller sets it to sizeof the struct before every call.
+ *     struct_size. Where there is no such function, the app sets it to sizeof the struct before every call.
  *       - A struct that the library reads must have the size that the library knows, or it is refused.
  *       - In a struct that the library fills (a report, an estimate, a texture, an info), no byte beyond struct_size is
  *         written, and struct_size then says how many were. A struct_size below 8 counts as not set: a function with a
