@@ -202,7 +202,7 @@ void flow_take(Granular* g, const sandglass_frame_input& input) {
   for (uint32_t e = 0; e < input.emitter_count; ++e) {
     if (input.emitters == nullptr || g->flow.emitter_count == g->desc.emitter_capacity ||
         !accept(*g, input.emitters[e], &g->flow.emitters[g->flow.emitter_count])) {
-      ++g->counts.ignored_colliders;
+      ++g->counts.ignored_emitters;
     } else {
       ++g->flow.emitter_count;
     }
@@ -214,7 +214,7 @@ void flow_take(Granular* g, const sandglass_frame_input& input) {
     sandglass_collider accepted;
     if (input.sinks == nullptr || g->flow.sink_count == g->desc.sink_capacity ||
         !collider_accept(input.sinks[s], &accepted)) {
-      ++g->counts.ignored_colliders;
+      ++g->counts.ignored_sinks;
     } else {
       colliders_pose(&accepted, 1, 0.0f, &g->flow.sinks[g->flow.sink_count++]);
     }

@@ -47,9 +47,10 @@ enum : uint32_t {
 // Of the frame under way.
 struct FrameCounts {
   uint32_t substeps, list_builds;
-  uint32_t dropped_contacts;   // neighbours for which a list had no room
-  uint32_t quarantined;        // particles and grains that were not finite or out of bounds
-  uint32_t ignored_colliders;  // colliders, emitters and sinks that were refused
+  uint32_t dropped_contacts;  // neighbours for which a list had no room
+  uint32_t quarantined;       // particles and grains that were not finite or out of bounds
+  // What the frame was given and could not use.
+  uint32_t ignored_colliders, ignored_emitters, ignored_sinks;
 };
 
 struct Granular {

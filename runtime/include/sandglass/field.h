@@ -23,6 +23,7 @@ extern "C" {
 typedef int32_t sandglass_solid;
 enum { SANDGLASS_SOLID_INSIDE = 0, SANDGLASS_SOLID_OUTSIDE = 1 };
 
+/* A field, in a block of the app. */
 typedef struct sandglass_field sandglass_field;
 
 /* The number of bytes of a field over the box bounds_min..bounds_max (metres), with nodes `spacing` metres apart. The

@@ -44,8 +44,9 @@ extern "C" {
 
 /* ------------------------------------------------------------------------------------------------ camera image */
 
-/* What the network sees, pixels. */
+/* The width of what the network sees, pixels. */
 #define SANDGLASS_LIGHT_WIDTH 256
+/* The height of what the network sees, pixels. */
 #define SANDGLASS_LIGHT_HEIGHT 192
 /* The longest side of a camera image, pixels. */
 #define SANDGLASS_CAMERA_SIDE_LIMIT 16384
@@ -88,6 +89,7 @@ enum {
  * far. */
 typedef struct sandglass_camera_image {
   uint32_t struct_size;
+  /* How its pixels are stored. */
   sandglass_camera_format format;
   /* For NV12, NV21 and I420. */
   sandglass_yuv_range range;
@@ -177,9 +179,11 @@ enum {
  * followed `smoothing` seconds behind. */
 typedef struct sandglass_light_desc {
   uint32_t struct_size;
+  /* Which kernels to use. Default: AUTOMATIC. */
   sandglass_isa isa;
   /* The file of a network, aligned to 8 bytes. It must stay unchanged as long as the light is used. */
   const void* asset;
+  /* The size of the file. */
   uint64_t asset_bytes;
   /* Seconds, 0..60: an image taken less than this after the last one that was used is passed over, to save energy.
    * Default: 0.25. */
@@ -202,6 +206,7 @@ SANDGLASS_API void sandglass_light_desc_default(sandglass_light_desc* desc);
 /* What the file of a network says of itself. */
 typedef struct sandglass_light_info {
   uint32_t struct_size;
+  /* Images that the network was trained with. */
   uint32_t training_images;
   /* Images that the rounding to bytes was calibrated with. */
   uint32_t calibration_images;

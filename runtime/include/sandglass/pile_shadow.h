@@ -33,8 +33,10 @@
 extern "C" {
 #endif
 
+/* What a shadow of sand is: set once, at create. */
 typedef struct sandglass_pile_shadow_desc {
   uint32_t struct_size;
+  /* Which kernels to use. Default: AUTOMATIC. */
   sandglass_isa isa;
   /* x and z of the corners of a rectangle of the floor, world, metres: sand within it casts the shadow, and the texture
    * covers it. */

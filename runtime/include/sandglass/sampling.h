@@ -63,9 +63,13 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_sample_ring(float r
  * coordinates finite and within SANDGLASS_COORDINATE_LIMIT. It fails with INVALID_ARGUMENT and names the first
  * fault. */
 typedef struct sandglass_mesh {
+  /* 3 floats each, metres. */
   const float* vertices;
+  /* How many vertices there are. */
   uint32_t vertex_count;
+  /* 3 for each triangle. */
   const uint32_t* indices;
+  /* How many triangles there are. */
   uint32_t triangle_count;
 } sandglass_mesh;
 
@@ -109,6 +113,7 @@ typedef int (*sandglass_inside)(void* user, const float point[3]);
 typedef int32_t sandglass_inside_rule;
 enum { SANDGLASS_INSIDE_PARITY = 0, SANDGLASS_INSIDE_WINDING = 1 };
 
+/* A mesh that was prepared for many inside tests, in a block of the app. */
 typedef struct sandglass_mesh_inside sandglass_mesh_inside;
 
 /* The exact number of bytes that sandglass_mesh_inside_create needs, in proportion to the number of triangles. Fails
@@ -142,6 +147,7 @@ SANDGLASS_API int sandglass_mesh_inside_test(void* inside, const float point[3])
 typedef int32_t sandglass_metric;
 enum { SANDGLASS_METRIC_EUCLIDEAN = 0, SANDGLASS_METRIC_GEODESIC = 1 };
 
+/* What surface and volume sampling may be told besides. */
 typedef struct sandglass_sample_options {
   uint32_t struct_size;
   /* N_t of Alg. 1 and 2, 1..1000. Default: 30; the dissertation gives no value. */

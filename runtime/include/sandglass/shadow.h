@@ -46,12 +46,16 @@ extern "C" {
 typedef int32_t sandglass_shadow_mode;
 enum { SANDGLASS_SHADOW_ADAPTIVE = 0, SANDGLASS_SHADOW_FULL = 1 };
 
+/* What the shadows of an object are: set once, at create. */
 typedef struct sandglass_shadow_desc {
   uint32_t struct_size;
+  /* Which kernels to use. Default: AUTOMATIC. */
   sandglass_isa isa;
   /* A baked file, aligned to 8 bytes. It is needed until create returns. */
   const void* asset;
+  /* The size of the file. */
   uint64_t asset_bytes;
+  /* Which texels the network is asked for. Default: ADAPTIVE. */
   sandglass_shadow_mode mode;
   /* Steps of 1/255 of coverage, 0..255. The default, 48 (0.19), adds less than 0.002 of error. */
   uint32_t threshold;
@@ -73,6 +77,7 @@ typedef struct sandglass_shadow_info {
   float origin[3];
   /* Half the edges of the bounding box along x and z, and its height, metres. */
   float half_x, half_z;
+  /* The height of the bounding box, metres. */
   float height;
   /* Of the light that was baked, radians. */
   float angular_diameter;
