@@ -18,8 +18,7 @@ constexpr float k_coordinate_bound = 2.0f * SANDGLASS_COORDINATE_LIMIT;  // metr
 constexpr uint32_t k_list_slots = 32;
 
 // A grid of cubic cells that covers all space by wrapping round: the cell with integer coordinates c is stored at c mod
-// 2^bits per axis. No bounds are needed and none can be left; distant cells that share storage cost distance tests, not
-// errors.
+// 2^bits per axis. So nothing can leave the grid. Distant cells that share storage cost distance tests, not errors.
 struct Grid {
   float inverse_cell;      // 1 / edge
   uint32_t bits[3];        // log2 of the number of cells per axis, >= 2 (neighbours of a cell stay distinct)
@@ -30,8 +29,8 @@ struct GridCellsArgs {
   Grid grid;
   const Record* records;
   uint32_t* keys;  // storage index of each record's cell
-  // For an order that only has to keep neighbours together, not to be looked up: cells count from `first`, and every
-  // other row and plane runs backward, so that the end of one lies beside the beginning of the next.
+  // 1: for an order that keeps neighbours together and in which no cell is looked up. Cells count from `first`, and
+  // every other row and plane runs backward, so that the end of one lies beside the beginning of the next.
   int32_t serpentine;
   int32_t first[3];
 };
@@ -45,12 +44,12 @@ struct ListArgs {
   uint32_t boundary_first;  // record index of the first boundary particle
   uint32_t inert;           // record index of an inert record far away: pads every row
   float reach_squared;
-  float near_squared;  // what is closer comes first in a row
-  uint32_t* lists;     // k_list_slots record indices a particle
-  uint8_t* counts;     // used slots a particle
+  float near_squared;  // neighbours closer than this come first in a row
+  uint32_t* lists;     // k_list_slots record indices for each particle
+  uint8_t* counts;     // used slots of each particle
 };
 
-// A regular grid of signed distances, x fastest, in the collider's own axes; above 0 is free. Beyond the grid all is
+// A regular grid of signed distances, x fastest, in the collider's own axes. Above 0 is free. Beyond the grid all is
 // free (outward 1) or all is solid (outward -1).
 struct FieldGrid {
   const float* values;
@@ -80,15 +79,15 @@ struct ContactArgs {
   const uint32_t* groups;
   const uint32_t* lists;
   const uint8_t* counts;
-  uint32_t particle_count;  // lanes beyond it are inert
+  uint32_t particle_count;  // lanes from here on are padding
   float diameter;
   float static_friction, kinetic_friction;
   float relaxation;                   // omega
   int32_t averaged;                   // 1: (4.37), the sum is scaled by min(1, omega/n); 0: by omega
   float weight_linear, weight_cubic;  // height weighting: share = 1/2 + linear*c + cubic*c^3, c = n . up
-  float lift_max;                     // metres; what height weighting may lift a particle by
+  float lift_max;                     // metres; height weighting lifts a particle by no more in this pass
   float inverse_relaxation;           // 1 / omega
-  float separation_max;               // metres; a contact separates by no more than its approach and this in one pass
+  float separation_max;               // metres; a pass separates a contact by its approach and no more than this
   float up[3];
   float scale;  // displacement = scale * u + gravity * w: (time step, g dt^2) in the first pass, (1, 0) later
   float gravity[3];
@@ -98,17 +97,18 @@ struct ContactArgs {
   const ColliderFrame* colliders;
   uint32_t collider_count;
   float radius;
-  int32_t bodies;           // 1: masses may differ, and particles of one body ignore each other
-  float wake_displacement;  // metres; who moves further in this sub-step and touches a sleeper marks its own group
-  uint8_t* touched;         // one a record group
+  int32_t bodies;  // 1: masses may differ, and particles of one body ignore each other
+  // Metres. A particle that moves further in this sub-step and touches a sleeper marks its own group.
+  float wake_displacement;
+  uint8_t* touched;  // one for each group: 1 where it is marked
 };
 
-// What a range of the last pass saw: exact extrema, so they combine in any order.
+// What a range of the last pass saw. Extrema are exact, so they combine in any order.
 struct ContactExtent {
   float speed_squared;
   float low[3], high[3];                            // positions
   float displacement_low[3], displacement_high[3];  // of this sub-step
-  uint32_t quarantined;                             // lanes found not finite and put to rest
+  uint32_t quarantined;                             // lanes not finite or out of bounds, which were put to rest
   uint32_t touched;                                 // 1: some group was marked
 };
 
@@ -134,7 +134,7 @@ struct InsideArgs {
   uint32_t record_count;
   const ColliderFrame* shapes;
   uint32_t shape_count;
-  uint8_t* inside;  // one a record of the range: 1 or 0
+  uint8_t* inside;  // 1 or 0 for each record of the range
 };
 
 struct RefineArgs {
@@ -144,7 +144,7 @@ struct RefineArgs {
   Grain* grains;
   uint32_t grain_count;
   const uint32_t* groups;  // the range is of items: item i is lane i % 16 of grain group groups[i / 16]
-  uint8_t* still;          // one a group: 1 once every grain of it has kept still for still_sweeps
+  uint8_t* still;          // one for each group: 1 once every grain of it has kept still for still_sweeps
   float still_distance;    // metres that a still grain may move in a sweep, per axis
   float still_sweeps;
   float support;   // h = 3r
@@ -163,32 +163,32 @@ struct RefineExtent {
   uint32_t quarantined;
 };
 
-// One azimuth of a soft light: its elevations as sin^2, its share of the horizon, the slopes of its lower edge and of
-// what is as good as its upper one, and the steps that are walked along it.
+// One azimuth of a soft light.
 struct PileAzimuth {
-  float low, high, weight;
-  float foot, cap;
-  uint32_t first_step, last_step;
+  float low, high;                 // its elevations, as sin^2
+  float weight;                    // its share of the horizon
+  float foot, cap;                 // the slopes of its lower edge, and of what is as good as its upper edge
+  uint32_t first_step, last_step;  // that are walked along it; last_step is one past the end
 };
 struct PileStep {
   int32_t columns, rows;   // from the receiver
   float inverse_distance;  // 1 / metres
 };
 
-// The range is of texels of one row. Columns of sand are texels too: heights over the floor, tops of empty ones far
-// below and bottoms far above everything; k_lane_group of those stand before and after every row. A column's fill is
-// the share of its texel that sand covers.
+// The range is of texels of one row. Every texel has a column of sand: its top and bottom as heights over the floor,
+// and its fill, the share of the texel that sand covers. An empty column has its top far below and its bottom far above
+// everything. k_lane_group empty columns stand before and after every row.
 struct PileLightArgs {
   const float *tops, *bottoms, *fills;  // row 0, column 0
   uint32_t pitch;                       // floats from row to row
   int32_t row;
   int32_t sand_rows[2], sand_columns[2];  // first and last with sand
-  const float* receivers;                 // heights of this row's
+  const float* receivers;                 // heights of this row's surface over the floor
   const PileAzimuth* azimuths;
   uint32_t azimuth_count;
   const PileStep* steps;
   float inverse_total;  // 1 / sum of weight * (high - low)
-  float* shares;        // of the light that is left, 0..1
+  float* shares;        // of the light that reaches each texel, 0..1
 };
 
 #define SANDGLASS_KERNEL(name, Args, Result) \

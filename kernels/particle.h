@@ -2,7 +2,7 @@
 // loads a record as 8 lanes. The enumerators below name the lanes.
 //
 // A particle is in one of three states. Its field `mobility` holds the state and the inverse mass together:
-//   above 0   awake: it moves, and this is its inverse mass, in sand particles
+//   above 0   awake: it moves, and this is its inverse mass; a sand particle's is 1
 //   0         fixed: it never moves and has infinite mass (boundary and padding)
 //   below 0   asleep: it stands still until something wakes it; its inverse mass is minus this
 // A contact pass asks for the state of every neighbour, so the state has no field of its own. Everything but the
@@ -18,8 +18,8 @@ constexpr uint32_t k_record_floats = 8;
 constexpr uint32_t k_number_mask = 0x00ffffff;
 constexpr uint32_t k_body_shift = 24;
 constexpr uint32_t k_inert_identity = ~0u;
-// Metres. An inert particle lies at this distance along every axis. It pads vectors and neighbour rows; nothing touches
-// it.
+// Metres. An inert particle has this coordinate along every axis. It pads vectors and neighbour rows, and nothing
+// touches it.
 constexpr float k_inert_position = 1e6f;
 
 struct alignas(32) Particle {
@@ -27,28 +27,30 @@ struct alignas(32) Particle {
   float mobility;     // state and inverse mass, see above
   // Between sub-steps the velocity in m/s; between the passes of one sub-step its displacement so far, in metres.
   float velocity[3];
-  uint32_t identity;  // the particle's number; above k_number_mask the number of its rigid body, 0 for sand
+  // The number by which the app knows it; in the bits above k_number_mask the number of its rigid body, 0 for sand.
+  uint32_t identity;
 };
 
 struct alignas(32) Grain {
   float position[3];   // metres
-  uint32_t number;     // the order in which the app added it
+  uint32_t number;     // by which the app knows it
   float velocity[3];   // m/s
   float still_sweeps;  // sweeps in a row in which it kept still
 };
 
-// What a kernel takes that only reads positions: a particle or a grain.
+// What kernels take that only read positions: a particle or a grain.
 struct alignas(32) [[gnu::may_alias]] Record {
   float position[3];
   float others[5];
 };
 
-// What a kernel takes that wakes: a particle, or a sphere around a group of grains.
+// What the kernel takes that wakes sleepers: a particle, or a sphere around a group of grains.
 struct alignas(32) [[gnu::may_alias]] Sleeper {
   float position[3];
-  float mobility;      // as a particle's
-  float radius;        // metres; 0 for a particle, since what sleeps has no velocity
-  float untouched[3];  // kernels leave it as it is
+  float mobility;  // as a particle's
+  float radius;    // metres; 0 for a particle, since what sleeps has no velocity
+  float before;    // of a sphere: `mobility` before the kernel ran
+  float unused[2];
 };
 
 // Where a collider's surface is asked for.
@@ -56,7 +58,7 @@ struct alignas(32) [[gnu::may_alias]] SurfacePoint {
   float position[3];
   float distance;   // metres; written by the kernel
   float normal[3];  // written by the kernel
-  float untouched;
+  float unused;
 };
 
 // The lanes of a record.
@@ -103,7 +105,7 @@ inline bool is_awake(const Particle& p) { return p.mobility > 0.0f; }
 inline bool is_asleep(const Particle& p) { return p.mobility < 0.0f; }
 inline bool is_fixed(const Particle& p) { return p.mobility == 0.0f; }
 
-// In sand particles; 0: infinite mass.
+// 1 for a sand particle, 0 for infinite mass.
 inline float inverse_mass(const Particle& p) { return __builtin_fabsf(p.mobility); }
 
 // An awake particle falls asleep: it stops.
@@ -117,7 +119,8 @@ inline void wake(Particle* p) { p->mobility = -p->mobility; }
 
 // Sleepers of the other kind: spheres.
 inline bool is_awake(const Sleeper& s) { return s.mobility > 0.0f; }
-inline void set_asleep(Sleeper* s, bool asleep) { s->mobility = asleep ? -1.0f : 1.0f; }
+inline void set_asleep(Sleeper* s, bool asleep) { s->mobility = s->before = asleep ? -1.0f : 1.0f; }
+inline bool was_woken(const Sleeper& s) { return s.mobility > 0.0f && s.before < 0.0f; }
 
 // ---- the identity of a particle
 

@@ -1,8 +1,9 @@
-// A shadow network in float, as it is trained (SPEC 4.2): encoded texel and light -> ReLU layers -> sigmoid.
+// A shadow network in float, as it is trained: encoded texel and light -> ReLU layers -> sigmoid (section 6.5 of the
+// dissertation).
 //
-// Encoding of a coordinate x: x, sin(2^0 pi x), cos(2^0 pi x), sin(2^1 pi x), ...; 10 frequencies for each texel
-// coordinate, 4 for each component of the light: 69 inputs. ERRATUM Table 6.1: its N_h counts the layers after the
-// first, so 128 x 2 is 69 -> 128 -> 128 -> 128 -> 1.
+// A coordinate x is encoded as x, sin(2^0 pi x), cos(2^0 pi x), sin(2^1 pi x), ...: 10 frequencies for each texel
+// coordinate and 4 for each component of the light give 69 inputs. The dissertation's Table 6.1 counts the layers after
+// the first (see the corrections in runtime/README.md), so its 128 x 2 is 69 -> 128 -> 128 -> 128 -> 1.
 #pragma once
 
 #include <cstdint>

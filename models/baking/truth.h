@@ -4,8 +4,8 @@
 // The light is a cap of uniform radiance, `angular_diameter` wide, around a direction. The transparency of a texel is
 // its irradiance over that without the object, averaged over its area (6.18). Samples are uniform in solid angle, so
 //     nu = sum (r . y) visible / sum (r . y)
-// ERRATA (6.16, 6.17): the printed sum has a further sin(theta_s), which counts the Jacobian of (6.15) twice, and a
-// cosine at the emitter, which is 1 for a cap of the unit sphere.
+// This corrects (6.16) and (6.17) of the dissertation. The printed sum has another factor sin(theta_s), which counts
+// the Jacobian of (6.15) twice, and a cosine at the emitter, which is 1 for a cap of the unit sphere.
 #pragma once
 
 #include <array>

@@ -1,13 +1,16 @@
 // One instant of a shot as a picture: composited as an app does, and path traced as the truth.
 //
-// Composite. Behind everything the camera's image, which for compositing is radiance: it goes through the inverse of
-// the camera's tone curve, and everything goes through the curve at the end, where it is flat a shadow or a lamp's side
-// differs less. The object and the grains take the directional light, by the cosine, and the ambient light; of the
-// floor's radiance 1 - (1 - nu) o_k is left in each colour, nu being what the textures leave of the direct light (4.3
-// of the project's SPEC) and o_k its share (shadow_opacity). Grains are darkened by the pile's own texture at their
-// place, and by the object's at the place of the floor that the light would reach through them; in both, what one
-// direction stands for (ShotLight). What stands for the graphics engine and not for this library is traced: the
-// object's shadow on itself, the contact shadows of grains on grains, and how open a point is to ambient light.
+// Composite. The background is the camera's image. Compositing needs radiance, so the image goes through the inverse of
+// the camera's tone curve, and everything goes through the curve at the end. Where the curve is flat, a shadow or a
+// lamp makes less difference.
+//
+// The object and the grains take the directional light, by the cosine, and the ambient light. The floor keeps 1 - (1 -
+// nu) o_k of its radiance in each colour: nu is the share of the direct light that the textures leave, o_k the direct
+// light's share of all light (shadow_opacity). Grains are darkened by the pile's own texture at their place, and by the
+// object's texture at the place of the floor that the light would reach through them; both times only in the part of
+// the light that one direction stands for (ShotLight). What a graphics engine would do, and not this library, is
+// traced: the object's shadow on itself, the contact shadows of grains on grains, and how open a point is to ambient
+// light.
 //
 // The light's colours are means of tone mapped ones (labels.h). Both are taken to be brighter by what the inverse curve
 // says of the ambient luminance; the inverse of a mean is less than the mean of inverses, so objects stay a little

@@ -13,13 +13,13 @@
 
 namespace sandglass::host {
 
-// Light as an app has it: from one direction and from everywhere, in the scene's frame, linear; `light` gives a facing
-// surface the irradiance pi * light, `ambient` is radiance (SPEC 3.3).
+// Light as an app has it: from one direction and from everywhere, in the scene's frame, linear. `light` gives a surface
+// that faces it the irradiance pi * light. `ambient` is radiance.
 struct ShotLight {
   Vec3 towards = {0, 1, 0};
   Vec3 light, ambient;
   double contrast = 0.0;
-  double concentration = 1.0;  // the share of `light` that one direction stands for: more is in no one thing's shadow
+  double concentration = 1.0;  // the share of `light` that one direction stands for; no single shadow removes more
   double confidence = -1.0;    // of an estimate; below 0: it is none
 };
 

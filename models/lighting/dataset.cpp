@@ -24,7 +24,7 @@ constexpr int k_folds = 5;
 constexpr int k_small_width = 128, k_small_height = 64;  // panoramas under an excerpt on the sheet
 constexpr Colour k_white = {255, 255, 255};
 
-// Comma-separated fields; quotes keep commas.
+// Splits a line at its commas, except those within quotes.
 std::vector<std::string> fields_of(const std::string& line) {
   std::vector<std::string> fields(1);
   bool quoted = false;
@@ -176,14 +176,15 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
   }
   if (!options.manifest.empty()) keep_inputs(options.folder + "/manifest.csv", {options.manifest});
   std::vector<std::vector<Excerpt>> results(panoramas.size());
-  // Tiles of the sheet: evenly over all excerpts.
+  // The tiles of the sheet are spread evenly over all excerpts.
   const size_t excerpts = panoramas.size() * k_excerpts, tiles = std::min<size_t>(options.tiles, excerpts);
   std::vector<std::vector<bool>> with_tile(panoramas.size(), std::vector<bool>(k_excerpts));
   for (size_t i = 0; i < tiles; ++i) {
     const size_t at = i * excerpts / tiles;
     with_tile[at / k_excerpts][at % k_excerpts] = true;
   }
-  // What cannot be read is said before anything is written. That they are read twice costs a hundredth of the cutting.
+  // A panorama that cannot be read is reported before anything is written. Reading them twice costs a hundredth of the
+  // time of cutting.
   for_all(panoramas.size(), options.threads, "reading panoramas", [&](size_t i) { LitPanorama{panoramas[i]}; });
   if (interrupted()) return {};
   make_folder(options.folder + "/images");

@@ -9,7 +9,7 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr float k_epsilon = 1.001e-5f;  // of the pretrained batch normalisations
+constexpr float k_epsilon = 1.001e-5f;  // the epsilon of the pretrained batch normalisations
 constexpr float k_mean[3] = {0.485f, 0.456f, 0.406f}, k_deviation[3] = {0.229f, 0.224f, 0.225f};
 
 const NpyArray& find(const std::map<std::string, NpyArray>& arrays, const std::string& name,
@@ -43,7 +43,7 @@ Convolution convolution_of(const std::map<std::string, NpyArray>& arrays, const 
           find(arrays, name, {n, n, static_cast<uint64_t>(inputs), static_cast<uint64_t>(outputs)}).values};
 }
 
-// Pixels by rows, `stride` channels each, of which the first `channels` are in use.
+// Pixels by rows. Each has `stride` channels, of which the first `channels` are in use.
 struct Activations {
   int width, height, channels, stride;
   std::vector<float> values;
@@ -67,18 +67,18 @@ void rectified(const ChannelAffine& affine, const float* in, float* out, int cha
   }
 }
 
-// Adds one pixel's inputs times one place of the kernel.
+// Adds the products of one pixel's inputs and one place of the kernel.
 void accumulate(const Convolution& conv, int row, int column, const float* in, float* out) {
   const float* weights = conv.weights.data() + static_cast<size_t>((row * conv.size + column) * conv.inputs) *
                                                    static_cast<size_t>(conv.outputs);
   for (int k = 0; k < conv.inputs; ++k, weights += conv.outputs) {
     const float value = in[k];
-    if (value == 0.0f) continue;  // half of them, after a rectifier
+    if (value == 0.0f) continue;  // half of all values behind a rectifier
     for (int n = 0; n < conv.outputs; ++n) out[n] += value * weights[n];
   }
 }
 
-// Zero padding of size / 2, written to channels from `to` on.
+// Convolves with a zero padding of size / 2 and writes the channels from `to` on.
 void convolve(const Convolution& conv, const Activations& in, int step, Activations* out, int to) {
   const int pad = conv.size / 2;
   for (int y = 0; y < out->height; ++y)
@@ -108,7 +108,8 @@ Activations stem(const DenseNet& net, std::span<const uint8_t> rgb, int width, i
   for (int y = 0; y < pooled.height; ++y)
     for (int x = 0; x < pooled.width; ++x)
       for (int row = -1; row <= 1; ++row)
-        for (int column = -1; column <= 1; ++column) {  // the padding's zeros never win: everything is rectified
+        // The padding's zeros never win, because all values are rectified.
+        for (int column = -1; column <= 1; ++column) {
           const int u = 2 * x + column, v = 2 * y + row;
           if (u < 0 || v < 0 || u >= convolved.width || v >= convolved.height) continue;
           for (int c = 0; c < k_stem_channels; ++c)

@@ -1,9 +1,9 @@
-// DenseNet-121's feature extractor in plain float, read from the pretrained weights: the reference that the runtime's
-// back ends and the training are held against, written for clearness.
+// DenseNet-121's feature extractor in plain float, read from the pretrained weights. The runtime's back ends and the
+// training are compared with it. It is written to be clear, not fast.
 //
-// Two things are as the runtime has them. A dense block works in place: its pixels have room for all channels that the
-// block will end with, and every layer writes its 32 behind those it reads. A transition pools before its 1x1
-// convolution: both are linear, so the order does not matter, and a quarter of the multiplications is left.
+// Two things are done as in the runtime. A dense block works in place: its pixels have room for all channels that the
+// block ends with, and every layer writes its 32 behind those it reads. A transition pools before its 1x1 convolution:
+// both are linear, so the order does not matter, and only a quarter of the multiplications is left.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ namespace sandglass::host {
 constexpr int k_dense_layers[4] = {6, 12, 24, 16};
 constexpr int k_growth = 32, k_bottleneck = 128, k_stem_channels = 64, k_features = 1024;
 
-// Multiplication and addition per channel: a batch normalisation with its statistics worked in.
+// A multiplication and an addition per channel: a batch normalisation together with its statistics.
 struct ChannelAffine {
   std::vector<float> scale, shift;
 };
@@ -45,16 +45,18 @@ struct DenseNet {
   Convolution stem;
   ChannelAffine stem_affine, last;
   DenseBlock blocks[4];
-  std::vector<float> classifier, classifier_bias;  // 1024 x 1000; empty where the file has none
+  std::vector<float> classifier, classifier_bias;  // 1024 x 1000; empty if the file has none
 };
 
-// From arrays named as in the data folder's README; a Failure names what is missing or of another shape.
+// Reads arrays that are named as in the data folder's README. Throws a Failure that names what is missing or has
+// another shape.
 DenseNet densenet_of(const std::map<std::string, NpyArray>& arrays);
 
-// What passes through the network, pixel by pixel: for measuring ranges before activations become bytes.
+// The places in the network whose values are observed pixel by pixel, to measure ranges before activations become
+// bytes.
 enum class Activation {
   stem,              // rectified, before the pool
-  narrow_input,      // rectified, by layer of all 58; of one layer after another
+  narrow_input,      // rectified, by layer, one of 58 after another
   bottleneck,        // rectified, by layer
   growth,            // the 32 channels that a layer adds, by layer
   transition_input,  // rectified, before the average, by block
@@ -63,14 +65,14 @@ enum class Activation {
 };
 using ActivationObserver = std::function<void(Activation, int index, const float* values, int channels)>;
 
-// 1024 features of an sRGB image (width and height multiples of 32): batch normalised, rectified, averaged.
+// The 1024 features of an sRGB image (width and height are multiples of 32): batch normalised, rectified, averaged.
 std::vector<float> features_of(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height,
                                const ActivationObserver& observer = {});
 
 // ImageNet's 1000 probabilities.
 std::vector<float> probabilities_of(const DenseNet& net, std::span<const float> features);
 
-// Multiplications of one pass, pooling before the transitions' convolutions.
+// The multiplications of one pass, with pooling before the transitions' convolutions.
 uint64_t multiplications_of(const DenseNet& net, int width, int height);
 
 }  // namespace sandglass::host

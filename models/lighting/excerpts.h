@@ -1,5 +1,5 @@
-// Images of which it is known what the shipped network's float original says (PyTorch, float_network.py): 56 excerpts
-// of seven made-up rooms, that neither trained nor calibrated it.
+// 56 images with the outputs of the shipped network's float original (PyTorch, float_network.py): excerpts of seven
+// made-up rooms, on which the network was neither trained nor calibrated.
 #pragma once
 
 #include <cstddef>
@@ -14,11 +14,11 @@ namespace sandglass::host {
 struct Excerpt {
   std::string name;
   std::vector<uint8_t> rgb;  // 256 x 192
-  LightValues values;        // PyTorch's
+  LightValues values;        // PyTorch's output
 };
 
-// Of `folder`/estimates.csv every `step`th. A Failure where the folder is another, or the pixels are not those that
-// PyTorch saw: decoders of JPEG differ.
+// Reads every `step`th line of `folder`/estimates.csv. Throws a Failure if it is another folder, or if the pixels are
+// not those that PyTorch saw, because decoders of JPEG differ.
 std::vector<Excerpt> read_excerpts(const std::string& folder, size_t step = 1);
 
 }  // namespace sandglass::host

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""The float network behind models/lights/room.light, from what is in this repository, and what it says of the excerpts.
+"""Rebuilds the float network from which models/lights/room.light was made, and computes its estimates for the excerpts.
 
-Its trunk is the pretrained DenseNet-121 with lanes (train.py --initial --lanes); its heads lie in excerpts/heads.npz: of the 512 latent units
-160 carry the ten ridge regressions, 16 each alike, and the others, as PyTorch 1.13 draws them from seed 1, have no effect. Every array is
-bit for bit the one of which `sandglass quantise-light` made the shipped bytes (calibrated as MODEL_CARD.md says it makes the same file
-of them again).
+Its trunk is the pretrained DenseNet-121 with lanes (train.py --initial --lanes). Its heads are in excerpts/heads.npz: 160 of the
+512 latent units carry the ten ridge regressions, 16 equal copies of each. The others, as PyTorch 1.13 draws them from seed 1,
+have no effect. Every array equals, bit for bit, the one from which `sandglass quantise-light` made the shipped bytes. With the
+calibration that MODEL_CARD.md describes, it makes the same file again.
 
   float_network.py weights PRETRAINED.npz WEIGHTS.npz   puts both together, as train.py exports a network; PRETRAINED is the data
                                                         folder's densenet121_imagenet_keras_fp32.npz

@@ -20,7 +20,7 @@ using Inputs = std::vector<Input>;
 
 // max(0, scale x + shift)
 Input rectified(double scale, double shift) {
-  // Where it passes zero beyond every x, the shift alone decides.
+  // If it crosses zero beyond every x, the shift alone decides.
   if (std::fabs(shift) >= k_limit * std::fabs(scale)) return shift > 0 ? Input{scale, shift} : Input{0};
   const double zero = -shift / scale;
   return scale > 0 ? Input{scale, shift, zero, k_limit} : Input{scale, shift, -k_limit, zero};
@@ -42,7 +42,7 @@ struct Parameters {
     for (const Input& input : inputs) add(input.low);
     for (const Input& input : inputs) add(input.high);
   }
-  // `affine`, where given, follows the convolution.
+  // `affine`, if given, follows the convolution.
   void add_convolution(const Convolution& c, const Inputs& inputs, const ChannelAffine* affine) {
     const size_t places = c.weights.size() / static_cast<size_t>(c.outputs), count = static_cast<size_t>(c.outputs);
     std::vector<double> bias;

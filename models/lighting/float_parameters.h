@@ -1,5 +1,5 @@
-// The float network as a lighting file carries it beside the bytes (runtime/asset/light.fbs): nothing rounded but to
-// float, nothing calibrated.
+// The float network in the form in which a lighting file has it beside the bytes (runtime/asset/light.fbs): rounded
+// only to float, and not calibrated.
 #pragma once
 
 #include <vector>

@@ -73,7 +73,7 @@ LabelVariants label_variants(const RadianceMap& panorama, Vec3 up, double white)
   for (int range = 0; range < k_ranges; ++range) {
     labels.light[range] = light.mean(static_cast<Range>(range));
     for (int weight = 0; weight < k_ambient_weights; ++weight) {
-      // Nothing but light from everywhere, or from nowhere in particular, is ambient.
+      // If the highlight is the whole panorama and has no direction, it counts as ambient light.
       const bool empty = ambient[weight].weight <= 0.0 && !labels.has_direction;
       labels.ambient[range][weight] = (empty ? light : ambient[weight]).mean(static_cast<Range>(range));
     }

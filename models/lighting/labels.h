@@ -1,7 +1,7 @@
-// The light of a warped panorama in ten numbers: direction towards the light, its colour, the colour of the rest, and
-// the contrast (5.1). The highlight is what is at least 5 % as bright as the brightest pixel; everything else is
-// ambient. All sums are weighted by solid angle (5.23). Where the source is silent or wrong there are variants, and the
-// label ceiling (ceiling.h) decides between them; `labels_of` is the decision.
+// The light of a warped panorama in ten numbers (5.1): the direction towards the light, its colour, the colour of the
+// rest, and the contrast. The highlight is all that is at least 5 % as bright as the brightest pixel; the rest is
+// ambient. All sums are weighted by solid angle (5.23). Where the dissertation is silent or wrong there are variants.
+// The label ceiling (ceiling.h) decides between them; `labels_of` is the decision.
 #pragma once
 
 #include "models/rooms/panorama.h"
@@ -10,22 +10,24 @@ namespace sandglass::host {
 
 constexpr double k_highlight_share = 0.05;  // of the greatest luminance
 
-// How a mean of tone-mapped colours gets into [0, 1]: scaling by a ratio of luminances (5.4) leaves channels above 1.
+// How a mean of tone-mapped colours is brought into [0, 1]. Scaling by a ratio of luminances (5.4) leaves channels
+// above 1.
 enum class Range { none, pixels, mean, mean_keeping_hue };
-// What the ambient colour's mean is weighted by ("the same weighting", says the source).
+// The weights of the ambient colour's mean. The dissertation says only "the same weighting".
 enum class AmbientWeight { luminance, solid_angle };
-// printed: (5.24) as it stands. factor_above: ERRATUM (5.24), the factor 0.05 on the numerator. irradiance: the share
-// of the highlight in the irradiance of the level floor under the object, which is what the opacity of its umbra is.
+// printed: (5.24) as it is printed, which gives almost no contrast. factor_above: (5.24) with the factor 0.05 in the
+// numerator. irradiance: the highlight's share of the irradiance of the level floor under the object, which is the
+// opacity of the umbra. See the corrections in runtime/README.md.
 enum class Contrast { printed, factor_above, irradiance };
 constexpr int k_ranges = 4, k_ambient_weights = 2, k_contrasts = 3;
 
 struct LightLabels {
-  Vec3 direction;       // towards the light, in the frame asked for; up where there is none
+  Vec3 direction;       // towards the light, in the frame that was asked for; up if there is none
   Vec3 light, ambient;  // linear, tone mapped
   double contrast;
   bool has_direction;
-  // Length of the highlight's mean direction, 0..1: of light from one lamp nearly 1, of lamps all around 0. The share
-  // of the highlight that its one direction stands for; the rest of it comes from elsewhere and cancels out.
+  // The length of the highlight's mean direction: nearly 1 for light from one lamp, 0 for lamps all around. It is the
+  // share of the highlight that its one direction stands for. The rest comes from other directions that cancel out.
   double concentration = 1.0;
 };
 
@@ -38,15 +40,15 @@ struct LabelVariants {
   LightLabels chosen(Range range, AmbientWeight weight, Contrast which) const;
 };
 
-// `up`: the world's up in the panorama's frame, the normal of the floor. `white`: luminance that is tone mapped to 1,
-// the greatest of the panorama before it was warped, so that image and labels share one exposure.
+// `up` is the world's up in the panorama's frame, the normal of the floor. `white` is the luminance that is tone mapped
+// to 1: the greatest of the panorama before it was warped, so that image and labels share one exposure.
 LabelVariants label_variants(const RadianceMap& panorama, Vec3 up, double white);
 
 // The variant that the label ceiling chose.
 LightLabels labels_of(const RadianceMap& panorama, Vec3 up, double white);
 
-// A spherical Gaussian of the light's colour about its direction, sharpness 2 pi, with the ambient colour blended over
-// it (5.27 - 5.29): the parameters as a panorama for the eye.
+// The parameters as a panorama for the eye (5.27 - 5.29): a spherical Gaussian of the light's colour about its
+// direction, with sharpness 2 pi and the ambient colour blended over it.
 RadianceMap environment_of(const LightLabels& labels, int width, int height);
 
 }  // namespace sandglass::host

@@ -1,5 +1,5 @@
-"""What training reads: manifests made by `sandglass dataset`, their images, augmented with their labels, and what is kept on disk of the
-layers that do not learn."""
+"""What training reads: the manifests made by `sandglass dataset`, their images, augmented together with their labels, and the
+outputs of layers that do not learn, which are kept on disk."""
 import csv
 import hashlib
 import io
@@ -15,7 +15,7 @@ from PIL import Image
 WIDTH, HEIGHT = 256, 192
 LABELS = ("direction_x", "direction_y", "direction_z", "light_r", "light_g", "light_b", "ambient_r", "ambient_g", "ambient_b",
           "contrast")
-GROUPS = (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 10))  # of the labels: direction, light, ambient, contrast
+GROUPS = (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 10))  # columns of the labels: direction, light, ambient, contrast
 
 
 def fail(sentence):
@@ -23,14 +23,14 @@ def fail(sentence):
 
 
 def save(path, write):
-    """Never a half-written file."""
+    """Writes a file that is never seen half-written."""
     write(path + ".unfinished")
     os.replace(path + ".unfinished", path)
 
 
 class Rows:
-    """The lines of the manifests, and their labels as arrays. Folders of `tested` are tested on, by fold; those of
-    `views` (more views of the same places) and `extra` (made-up rooms, outdoors) only train."""
+    """The lines of the manifests, and their labels as arrays. Folders in `tested` are used for tests, by fold. Those in
+    `views` (more views of the same places) and `extra` (made-up rooms, outdoors) are for training only."""
 
     excluded = ()  # places that never train
 
@@ -67,7 +67,7 @@ class Rows:
         return text.hexdigest()[:16]
 
     def split(self, test_fold):
-        """Indices to train and to test on; None tests on nothing."""
+        """The indices to train on and to test on. With None there are none to test on."""
         test = (self.fold == test_fold) & (self.kind == 0) if test_fold is not None else np.zeros(len(self.fold), bool)
         held_out = {self.location[i] for i in np.flatnonzero(test)}
         held_out.update(self.excluded)
@@ -102,7 +102,7 @@ def augmented(rgb, random):
     """Exposure, white balance, noise, JPEG, field of view with the border filled."""
     gain = gain_of(random)
     x = rgb.astype(np.float32) / 255.0
-    if random.random() < 0.5:  # a narrower camera, re-projected: what it does not see is the edge's colour
+    if random.random() < 0.5:  # a narrower camera, re-projected: outside its view is the edge's colour
         scale = random.uniform(0.6, 1.0)
         u = np.clip(np.rint(np.clip((np.arange(WIDTH) - 127.5), -127.5 * scale, 127.5 * scale) + 127.5), 0, WIDTH - 1)
         v = np.clip(np.rint(np.clip((np.arange(HEIGHT) - 95.5), -95.5 * scale, 95.5 * scale) + 95.5), 0, HEIGHT - 1)
@@ -119,8 +119,8 @@ def augmented(rgb, random):
 
 
 def prepared(rows, index, copy, seed):
-    """Copy 0 is the image, copy 1 its mirror image, further ones augmented, every other mirrored. A function of its
-    arguments alone."""
+    """Copy 0 is the image, copy 1 its mirror image. Further copies are augmented, and every other one is mirrored. Depends on
+    the arguments alone."""
     rgb = read_image(rows.image[index])
     if copy >= 2:
         rgb = augmented(rgb, np.random.default_rng([seed, rows.number[index], copy]))
@@ -128,7 +128,7 @@ def prepared(rows, index, copy, seed):
 
 
 def label_of(rows, index, copy, seed):
-    """The labels of that copy: a mirror image has the mirrored direction, and gains colour the light like the image."""
+    """The labels of that copy: a mirror image has the mirrored direction, and gains change the light's colour as they change the image."""
     label = rows.labels[index].copy()
     if copy >= 2:
         gain = gain_of(np.random.default_rng([seed, rows.number[index], copy]))
@@ -146,7 +146,7 @@ def to_tensor(rgb, device):
 
 
 def images_hash(paths):
-    """Of the images' bytes, in their order: whatever a folder is called, other images are other trunks."""
+    """A hash of the images' bytes in their order, so that other images never get these trunks, whatever a folder is called."""
     whole = hashlib.sha256()
     for path in paths:
         whole.update(hashlib.sha256(read_bytes(path)).digest())
@@ -154,8 +154,8 @@ def images_hash(paths):
 
 
 def cached_trunks(net, rows, arguments, device):
-    """Half-precision trunks of every row and copy, one file for each folder and copy; what is there of the same images is
-    not computed again. Returns a function from (row, copy) to a trunk."""
+    """Computes the trunks of every row and copy in half precision, one file for each folder and copy. Files of the same images
+    are used again. Returns a function from (row, copy) to a trunk."""
     net.eval()
     files, trunk = {}, hashlib.sha256()
     for part in (net.stem, net.stem_norm, net.blocks[:3], net.transitions):
@@ -196,7 +196,7 @@ def cached_trunks(net, rows, arguments, device):
 
 
 def read_features(net, rows, arguments, paths):
-    """Features made elsewhere in the place of trunks: a file for each folder, copy behind copy."""
+    """Features that were made elsewhere, in place of trunks: a file for each folder, with one copy behind another."""
     folders = list(dict.fromkeys(rows.folder))
     if len(paths) != len(folders):
         fail(f"{len(paths)} files of features for {len(folders)} folders; name one for each, in their order")

@@ -67,7 +67,7 @@ std::vector<uint8_t> light_file_bytes(const LightFile& file) {
 }
 
 LightFile random_light_file(uint64_t seed) {
-  // Inputs are taken for bytes around `centre`; outputs come to lie around `target`, spread over all bytes.
+  // Inputs are assumed to be bytes around `centre`. Outputs then lie around `target`, spread over all bytes.
   constexpr double k_spread_of_weights = 73;  // standard deviation of uniform -127..127
   constexpr double k_spread_of_inputs = 50, k_spread_of_outputs = 55;
   uint64_t state = seed;

@@ -1,4 +1,4 @@
-// The lighting network's file, in memory: what quantisation fills, and what becomes the bytes of asset/light.fbs.
+// The lighting network's file in memory. Quantisation fills it, and it becomes the bytes of asset/light.fbs.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ struct ByteConvolution {
   std::vector<int8_t> weights;  // output, row, column, input
   std::vector<int32_t> bias;
   std::vector<float> multiplier;
-  std::vector<uint8_t> low, high;  // of the inputs; empty where they are not clamped
+  std::vector<uint8_t> low, high;  // clamps of the inputs; empty if they are not clamped
 };
 
 struct LightFile {
@@ -27,13 +27,13 @@ struct LightFile {
   uint64_t data_hash = 0, seed = 0;
   uint32_t training_images = 0, calibration_images = 0;
   float angle_deg = 0, difference = 0;
-  std::vector<float> float_parameters;  // empty: left out
+  std::vector<float> float_parameters;  // if empty, the file has none
 };
 
-// FlatBuffer and checksum: a file for open_light_asset.
+// The FlatBuffer with its checksum: a file for open_light_asset.
 std::vector<uint8_t> light_file_bytes(const LightFile& file);
 
-// A valid network of random weights, by the seed: for tests. Its outputs vary with the image.
+// A valid network with random weights from the seed, for tests. Its outputs depend on the image.
 LightFile random_light_file(uint64_t seed);
 
 }  // namespace sandglass::host

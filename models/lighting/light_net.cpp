@@ -11,7 +11,7 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr float k_epsilon = 1e-5f;  // of the batch normalisation behind the latent layer
+constexpr float k_epsilon = 1e-5f;  // the epsilon of the batch normalisation behind the latent layer
 
 const std::vector<float>& find(const std::map<std::string, NpyArray>& arrays, const std::string& name,
                                const std::vector<uint64_t>& shape) {
@@ -26,7 +26,7 @@ const std::vector<float>& find(const std::map<std::string, NpyArray>& arrays, co
   return found->second.values;
 }
 
-// One number, or `otherwise` where the file has none.
+// One number, or `otherwise` if the file has none.
 double number(const std::map<std::string, NpyArray>& arrays, const std::string& name, double otherwise) {
   const auto found = arrays.find(name);
   return found == arrays.end() || found->second.values.empty() ? otherwise

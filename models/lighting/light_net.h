@@ -1,5 +1,5 @@
-// The lighting network in float: DenseNet-121's trunk and the heads behind it, as trained. What the runtime's bytes are
-// made from and held against. The names of the arrays are in quantise.h.
+// The lighting network in float, as trained: DenseNet-121's trunk and the heads behind it. The runtime's bytes are made
+// from it and compared with it. The names of the arrays are in quantise.h.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ constexpr int k_latent = 512, k_heads = 10;
 
 struct LightNet {
   DenseNet trunk;
-  std::vector<float> latent, latent_bias;  // 1024 x 512 and 512, batch normalisation worked in
+  std::vector<float> latent, latent_bias;  // 1024 x 512 and 512, with the batch normalisation included
   std::vector<float> heads, heads_bias;    // 512 x 10 and 10: direction, light, ambient, contrast
   uint64_t data_hash = 0, seed = 0;
   uint32_t training_images = 0;
@@ -25,12 +25,12 @@ struct LightNet {
 
 LightNet light_net_of(const std::map<std::string, NpyArray>& arrays);
 
-// Unit direction in the camera's frame, light, ambient, contrast.
+// The unit direction in the camera's frame, light, ambient, contrast.
 using LightValues = std::array<float, k_heads>;
 LightValues light_of(const LightNet& net, std::span<const float> features);
 
-// Medians over images, a[i] beside b[i]: of the angle between the directions, and of the greatest difference of the
-// colours' channels and the contrast.
+// Medians over images, with a[i] compared to b[i]: of the angle between the directions, and of the greatest difference
+// among the colours' channels and the contrast.
 struct LightDifference {
   double angle_deg, other;
 };

@@ -22,11 +22,11 @@ MEAN, DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 NORM_NAMES = (("weight", "gamma"), ("bias", "beta"), ("running_mean", "moving_mean"), ("running_var", "moving_variance"))
 COPIES_OF_START, SHIFT_OF_START = 16, 3.0
 LANES = tuple((channel, threshold) for threshold in (0.0, 0.5, 0.75, 0.9) for channel in range(3))  # brightness in sRGB
-LAYOUT_LAYERS = 4  # moves by as many of the last map's 6 rows and of its 8 columns
+LAYOUT_LAYERS = 4  # shifts by so many of the last map's 6 rows and 8 columns
 
 
 def expected(norm, at):
-    """Mean and deviation of the channels `at` behind a batch normalisation and ReLU, were they distributed normally."""
+    """The mean and deviation of the channels `at` behind a batch normalisation and ReLU, if they are distributed normally."""
     shift, spread = norm.bias[at].double(), norm.weight[at].double().abs() + 1e-9
     below = 0.5 * (1 + torch.erf(shift / spread / 2 ** 0.5))
     density = spread * torch.exp(-0.5 * (shift / spread) ** 2) / math.sqrt(2 * math.pi)
@@ -35,7 +35,7 @@ def expected(norm, at):
 
 
 def pass_through(norm, at):
-    """A batch normalisation that leaves the channels `at` as they are; they are not negative, nor does the ReLU change them."""
+    """A batch normalisation that leaves the channels `at` as they are. They are not negative, so the ReLU does not change them."""
     norm.weight[at], norm.bias[at], norm.running_mean[at], norm.running_var[at] = 1.0, 0.0, 0.0, 1.0 - EPSILON
 
 
@@ -53,7 +53,7 @@ class DenseLayer(nn.Module):
 
 
 class Transition(nn.Module):
-    """Pools before the 1x1 convolution: both are linear, and a quarter of the multiplications is left."""
+    """Pools before the 1x1 convolution. Both are linear, so only a quarter of the multiplications is left."""
 
     def __init__(self, channels):
         super().__init__()
@@ -79,9 +79,9 @@ class LightNet(nn.Module):
         self.blocks, self.transitions = nn.ModuleList(blocks), nn.ModuleList(transitions)
         self.last = nn.BatchNorm2d(channels, eps=EPSILON)
         self.latent = nn.Sequential(nn.Linear(channels, 512), nn.BatchNorm1d(512), nn.ELU())
-        self.dropout = 0.0  # of the 512, in training
-        self.lanes = None  # which of the features are lanes', where there are lanes
-        self.learned = LAYERS[3]  # layers of the last block behind the trunk that is kept on disk
+        self.dropout = 0.0  # share of the 512 units, in training
+        self.lanes = None  # which features belong to lanes, if there are lanes
+        self.learned = LAYERS[3]  # how many layers of the last block are not in the trunk that is kept on disk
         self.heads = nn.ModuleDict({k: nn.Linear(512, n) for k, n in
                                     (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))})
 
@@ -94,7 +94,7 @@ class LightNet(nn.Module):
         return layers + [(transition.before, transition.narrow, [norm for norm, *_ in self.readers(stage + 1)])]
 
     def free(self, readers, at):
-        """Of the channels `at` nothing is read but their means, and they pass all normalisations."""
+        """Of the channels `at` only the means are read, and all normalisations leave them as they are."""
         for before, narrow, behind in readers:
             if narrow is not None:
                 constant = (narrow.weight[:, at, 0, 0].double() @ expected(before, at)[0]).float()
@@ -138,7 +138,7 @@ class LightNet(nn.Module):
         self.lanes = np.isin(np.arange(self.last.num_features), torch.cat([places[3]] + made).numpy())
 
     def trunk(self, rgb):
-        """sRGB 0..1 to what the last dense block reads, 512 x 6 x 8."""
+        """From sRGB 0..1 to the input of the last dense block, 512 x 6 x 8."""
         mean, deviation = (torch.tensor(t, device=rgb.device).view(1, 3, 1, 1) for t in (MEAN, DEVIATION))
         x = F.relu(self.stem_norm(self.stem((rgb - mean) / deviation)))
         x = F.max_pool2d(x, 3, 2, 1)
@@ -160,7 +160,7 @@ class LightNet(nn.Module):
                 "ambient": torch.sigmoid(out["ambient"]), "contrast": torch.sigmoid(out["contrast"])}
 
     def trusts(self):
-        """What may be chosen: factors of the standardised features."""
+        """The factors of the standardised features that may be chosen."""
         return [1.0] if self.lanes is None else [np.where(self.lanes, 1.0, trust) for trust in TRUSTS]
 
     def start_at(self, features, labels, weights, ridges, chosen_trusts=(0,) * len(GROUPS)):

@@ -31,7 +31,7 @@ void draw_line(Picture* picture, double x0, double y0, double x1, double y1, Col
 
 Vec3 vector_of(const float* v) { return {v[0], v[1], v[2]}; }
 
-// Area that two caps of angular radii a and b at separation s share, over that of the first (ACCURACY, section 3).
+// The area that two caps of angular radii a and b at separation s share, divided by the area of the first.
 double shared_part(double a, double b, double s) {
   if (s >= a + b) return 0.0;
   if (s <= std::fabs(a - b)) return a <= b ? 1.0 : b * b / (a * a);

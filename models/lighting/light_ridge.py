@@ -1,11 +1,12 @@
-"""Weighted ridge regressions of the labels on features: what the heads of the lighting network start from and, with few places, end as."""
+"""Weighted ridge regressions of the labels on features. The heads of the lighting network start from them and, with few places,
+end as them."""
 import numpy as np
 
 from light_data import GROUPS
 
-TRUSTS = (0.03, 0.1, 0.3, 1.0)  # to choose from, of what is no lane's beside what is
-RIDGES = tuple(10.0 ** (k / 2) for k in range(-6, 5))  # to choose from, of the standardised features
-USUAL_RIDGES = (2.0, 4.0, 0.1, 2.0)  # of the groups, where there are no two folds to choose by
+TRUSTS = (0.03, 0.1, 0.3, 1.0)  # to choose from: the trust in other features, where a lane's has 1
+RIDGES = tuple(10.0 ** (k / 2) for k in range(-6, 5))  # to choose from, for standardised features
+USUAL_RIDGES = (2.0, 4.0, 0.1, 2.0)  # for the groups of labels, if there are not two folds to choose by
 LEAST_DEVIATION = 0.25
 
 
@@ -14,35 +15,35 @@ def angles_deg(a, b):
 
 
 class Regression:
-    """Weighted ridge regressions of the labels on features, all in float64, for every ridge at the price of one."""
+    """Weighted ridge regressions of the labels on features, in float64. All ridges together cost as much as one."""
 
     def __init__(self, features, labels, weights, trust=1.0):
         targets = labels.copy()
-        targets[:, :3] *= 0.5  # where tanh is almost the identity; the length does not matter
+        targets[:, :3] *= 0.5  # there tanh is almost the identity, and the length does not matter
         targets[:, 3:] = np.log(targets[:, 3:].clip(0.02, 0.98) / (1 - targets[:, 3:].clip(0.02, 0.98)))
         weights = (weights / weights.sum())[:, None]
         self.mean, self.answer = (weights * features).sum(0), (weights * targets).sum(0)
         centred = features - self.mean
         deviation = np.sqrt((weights * centred ** 2).sum(0))
-        self.deviation = np.maximum(deviation, LEAST_DEVIATION * np.median(deviation)) / trust  # bytes do not keep what hardly varies
+        self.deviation = np.maximum(deviation, LEAST_DEVIATION * np.median(deviation)) / trust  # bytes lose what hardly varies
         centred = centred / self.deviation
         self.values, self.vectors = np.linalg.eigh((weights * centred).T @ centred)
         self.products = self.vectors.T @ ((weights * centred).T @ (targets - self.answer))
 
     def slopes(self, ridges):
-        """Of the features as they are, by columns; one ridge for each group of labels."""
+        """The slopes for the features as they are, by columns, with one ridge for each group of labels."""
         each = np.concatenate([np.full(g.stop - g.start, r) for g, r in zip(GROUPS, ridges)])
         return self.vectors @ (self.products / (self.values.clip(0)[:, None] + each)) / self.deviation[:, None]
 
     def errors(self, ridges, features, labels):
-        """Of each group: the mean angle, then mean absolute differences."""
+        """The errors of each group of labels: the mean angle, then mean absolute differences."""
         out = self.answer + (features - self.mean) @ self.slopes(ridges)
         out = np.concatenate([np.tanh(out[:, :3]), 1 / (1 + np.exp(-out[:, 3:]))], 1)
         return [angles_deg(out[:, :3], labels[:, :3]).mean()] + [np.abs(out[:, g] - labels[:, g]).mean() for g in GROUPS[1:]]
 
 
 def ridge_errors(features, labels, weights, folds, judged, trust=1.0):
-    """Of each ridge and group, the mean error of the `judged` rows of each fold, fitted on the other folds; None of one fold."""
+    """For each ridge and group, the mean error of the `judged` rows of each fold, fitted on the other folds. None for one fold."""
     kinds = np.unique(folds[judged])
     if len(kinds) < 2:
         return None

@@ -1,5 +1,5 @@
-// A panorama ready for cutting, and a view of it as the data set and the evaluation both use it: the camera's image,
-// the panorama as seen from where an object would be put, and the labels of its light in the camera's frame.
+// A panorama that is ready for cutting, and a view of it as the data set and the evaluation use it: the camera's image,
+// the panorama as seen from the place where an object would be put, and the labels of its light in the camera's frame.
 #pragma once
 
 #include <array>
@@ -22,10 +22,10 @@ struct LitView {
 
 class LitPanorama {
  public:
-  // Reads the panorama, and the depth map NAME_depth.npy beside it where there is one.
+  // Reads the panorama, and the depth map NAME_depth.npy beside it if there is one.
   explicit LitPanorama(const std::string& path);
   LitView cut(View view) const;
-  Picture image(View view) const;  // of it alone
+  Picture image(View view) const;  // the camera's image alone
   double white() const { return white_; }
 
  private:
@@ -39,7 +39,7 @@ std::string stem_of(const std::string& path);
 
 uint64_t hash_of_name(const std::string& name, uint64_t seed);
 
-// The eight views of the data set; a function of the panorama's name and the seed.
+// The eight views of the data set, a function of the panorama's name and the seed.
 std::array<View, k_excerpts> views_of(const std::string& path, uint64_t seed);
 
 // Linear 0..1 to an sRGB picture.

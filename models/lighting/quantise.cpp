@@ -12,9 +12,9 @@ namespace {
 
 constexpr double k_mean[3] = {0.485, 0.456, 0.406}, k_deviation[3] = {0.229, 0.224, 0.225};
 constexpr double k_bias_limit = 1 << 28;
-constexpr double k_margin = 0.1;              // of a range, beyond what was seen
+constexpr double k_margin = 0.1;              // share of a range that is added beyond the observed values
 constexpr uint64_t k_samples_an_image = 128;  // of products
-constexpr double k_ridge = 0.5;               // of a byte's variance; its rounding alone has 1/12
+constexpr double k_ridge = 0.5;               // added to a byte's variance; its rounding alone has 1/12
 
 void note(ChannelRanges* ranges, const float* values, int channels) {
   ranges->resize(static_cast<size_t>(channels));
@@ -29,7 +29,7 @@ void note(ChannelRanges* ranges, const float* values, int channels) {
   }
 }
 
-// Bytes of a channel: x = step * (byte - zero).
+// How the bytes of a channel stand for values: x = step * (byte - zero).
 struct Grid {
   double step = 1, zero = 0;
 };
@@ -48,7 +48,7 @@ std::vector<Grid> grids_of(const ChannelRanges& ranges, bool rectified) {
   return grids;
 }
 
-// How one input of a convolution enters: slope * (clamped byte - origin), and what is known of that byte.
+// How one input enters a convolution, slope * (clamped byte - origin), and what is known of that byte.
 struct Input {
   double slope = 1, origin = 0;
   double constant = 0;  // added to slope * (...)
@@ -56,13 +56,13 @@ struct Input {
   uint8_t low = 0, high = 255;
 };
 
-// max(0, scale x + shift) on bytes of `grid`; `seen` are its values.
+// max(0, scale x + shift) on bytes of `grid`; `seen` are the values that were observed.
 Input rectified_input(const Grid& grid, double scale, double shift, const ChannelRange& seen) {
   Input input;
   const double slope = scale * grid.step;
   const double count = std::max<double>(1, static_cast<double>(seen.count));
   const double mean = seen.sum / count, variance = std::max(0.0, seen.squares / count - mean * mean);
-  const double threshold = grid.zero - shift / slope;  // the byte at which it passes zero
+  const double threshold = grid.zero - shift / slope;  // the byte at which it crosses zero
   const bool never = slope > 0 ? threshold >= 255 : threshold <= 0;
   if (!(std::fabs(slope) > 1e-12) || !std::isfinite(threshold) || never) {
     input.slope = 0, input.constant = std::fabs(slope) > 1e-12 && never ? 0 : mean;
@@ -74,7 +74,7 @@ Input rectified_input(const Grid& grid, double scale, double shift, const Channe
   else input.high = static_cast<uint8_t>(rounded);
   const bool cuts = threshold > 0 && threshold < 255;
   const double off = cuts ? static_cast<double>(seen.zeros) / count : 0;
-  // Below the threshold stands its rounding error instead of zero, which on the mean is a constant.
+  // Below the threshold the result is the threshold's rounding error instead of zero, which on average is a constant.
   input.constant = -off * slope * (rounded - threshold);
   input.mean = std::clamp(threshold + (mean - input.constant) / slope, 0.0, 255.0);
   input.variance = variance / (slope * slope);
@@ -90,7 +90,7 @@ std::vector<Input> rectified_inputs(const std::vector<Grid>& grids, const Channe
   return inputs;
 }
 
-// Bytes that stand for themselves times a step, zero at zero.
+// Bytes that stand for their own value times a step, with zero at zero.
 std::vector<Input> plain_inputs(const std::vector<Grid>& grids, const ChannelRanges& seen) {
   std::vector<Input> inputs;
   for (size_t c = 0; c < seen.size(); ++c) {
@@ -110,7 +110,7 @@ struct ByteRow {
   double scale = 1, bias = 0;  // output = scale * (sum of weight * byte) + bias
 };
 
-// `weights`: of the inputs' values, `places` times all inputs; `constant`: added.
+// `weights` are those of the inputs' values, `places` times all inputs. `constant` is added.
 ByteRow byte_row(const std::vector<double>& weights, double constant, const std::vector<Input>& inputs,
                  const std::vector<float>& factor) {
   std::vector<double> of_bytes(weights.size());
@@ -141,7 +141,7 @@ ByteRow byte_row(const std::vector<double>& weights, double constant, const std:
   return row;
 }
 
-// `affine`, where given, follows the convolution.
+// `affine`, if given, follows the convolution.
 ByteConvolution byte_convolution(const Convolution& c, const ChannelAffine* affine, const std::vector<Input>& inputs,
                                  const std::vector<Grid>& outputs, bool clamped,
                                  const InputProducts* products = nullptr) {
@@ -158,7 +158,7 @@ ByteConvolution byte_convolution(const Convolution& c, const ChannelAffine* affi
     std::vector<double> weights(places);
     for (size_t k = 0; k < places; ++k) weights[k] = scale * static_cast<double>(c.weights[k * count + o]);
     ByteRow row = byte_row(weights, affine == nullptr ? 0 : static_cast<double>(affine->shift[o]), inputs, factor);
-    // A bias of at most 2^28 steps: an output that hardly depends on its inputs has coarser ones.
+    // The bias is at most 2^28 steps: an output that hardly depends on its inputs gets coarser steps.
     const double bias = row.bias + outputs[o].step * outputs[o].zero;
     row.scale = std::max(row.scale, std::fabs(bias) / k_bias_limit);
     bytes.weights.insert(bytes.weights.end(), row.weights.begin(), row.weights.end());
@@ -216,14 +216,14 @@ std::vector<float> observe(const DenseNet& net, std::span<const uint8_t> rgb, in
     return static_cast<uint64_t>((width >> (2 + block)) * (height >> (2 + block)));
   };
   const auto block_of = [](int layer) { return layer < 6 ? 0 : layer < 18 ? 1 : layer < 42 ? 2 : 3; };
-  // Of so many pixels every so manieth counts; which ones differs from image to image.
+  // Only a share of the pixels counts, at equal distances. Which ones differs from image to image.
   const auto chosen = [&](uint64_t pixel, uint64_t pixels) {
     const uint64_t every = std::max<uint64_t>(1, pixels / k_samples_an_image);
     return ranges->products && (pixel + 7 * ranges->images) % every == 0;
   };
   uint64_t narrow_pixel = 0, transition_pixel = 0;
   std::vector<float> bottleneck, quarters, window(size_t{9} * k_bottleneck);
-  // The bottleneck's pixels have all come when the first of the growth's does.
+  // All pixels of the bottleneck are observed before the first one of the growth.
   const auto take_windows = [&](int layer) {
     const int columns = width >> (2 + block_of(layer)), rows = height >> (2 + block_of(layer));
     for (int y = 0; y < rows; ++y)

@@ -1,4 +1,4 @@
-// The runtime's light on a workstation: one whole estimate an image, through the library's own functions.
+// The runtime's light on a workstation: a whole estimate for each image, by the library's own functions.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@ struct FollowedLight {
 
 class RoomLight {
  public:
-  // The network's file by its path; without `filter`, every estimate is taken whole. A Failure names the file.
+  // Opens the network's file. Without `filter` every estimate is taken whole. A Failure names the file.
   explicit RoomLight(const std::string& path, bool filter = false);
 
-  // World frame: that of `orientation`, a level camera looking along -z where it is the identity.
+  // The world's frame is that of `orientation`: with the identity, a level camera that looks along -z.
   sandglass_light_estimate estimate(const sandglass_camera_image& image);
-  // The next image of a camera that was here before; its timestamp and pose count.
+  // The next image of the same camera; its timestamp and pose are used.
   FollowedLight follow(const sandglass_camera_image& image);
 
  private:
@@ -32,10 +32,11 @@ class RoomLight {
   sandglass_light* light_ = nullptr;
 };
 
-// The picture as a camera's image; its bytes stay the picture's. `diagonal_deg`: field of view across the diagonal.
+// The picture as a camera's image, which refers to the picture's bytes. `diagonal_deg` is the field of view across the
+// diagonal.
 sandglass_camera_image camera_image_of(const Picture& picture, double diagonal_deg);
 
-// The estimate with its direction in the camera's frame (x right, y down, z forward) of an image without a pose.
+// The estimate of an image without a pose, with its direction in the camera's frame (x right, y down, z forward).
 sandglass_light_estimate in_camera_frame(sandglass_light_estimate estimate);
 
 }  // namespace sandglass::host

@@ -1,28 +1,31 @@
 #!/usr/bin/env python3
-"""Trains the lighting network (SPEC 3.2) on data sets made by `sandglass dataset`.
+"""Trains the lighting network on data sets made by `sandglass dataset`.
 
-DenseNet-121 (pretrained, or as initialised), a layer of 512 with batch normalisation and ELU, and four heads: direction
-(tanh, normalised), light colour, ambient colour (sigmoid), contrast (sigmoid). Loss (5.26): mean squares weighted 5, 2, 2, 1.
+The network is DenseNet-121 (pretrained, or as initialised), a layer of 512 with batch normalisation and ELU, and four heads:
+direction (tanh, normalised), light colour and ambient colour (sigmoid), contrast (sigmoid). The loss, (5.26) of the
+dissertation, is the mean squares with weights 5, 2, 2, 1.
 
-Folds follow locations: a location of the test fold never trains, and rows of fold -1 only ever train. Two ways to train:
-  --layers last   everything up to the third transition is computed once, for each image, its mirror image and a few
-                  augmented copies of both, and kept on disk; the last layers of the last dense block (--learn) and the heads learn. For a CPU.
-  --layers all    every layer learns, with fresh augmentation of every image in every epoch. For a GPU.
-Statistics of the pretrained batch normalisations stay as they are (--free-norm: they follow the data), their factors
-learn. What is kept at the end is the mean of the weights over the last quarter of the epochs.
+Folds follow locations: a location of the test fold never trains, and rows of fold -1 are for training only. There are two ways
+to train:
+  --layers last   For a CPU. Everything up to the third transition is computed once, for each image, its mirror image and a
+                  few augmented copies of both, and kept on disk. The last layers of the last dense block (--learn) and the
+                  heads learn.
+  --layers all    For a GPU. Every layer learns, with a new augmentation of every image in every epoch.
+The statistics of the pretrained batch normalisations stay as they are (with --free-norm they follow the data); their factors
+learn. The result is the mean of the weights over the last quarter of the epochs.
 
-Checkpoints are written after every epoch, under a temporary name and then renamed; --resume goes on from the last one and
-gives what an uninterrupted run gives. Images are 256 x 192 sRGB; directions are in the camera's frame (x right, y down).
+A checkpoint is written after every epoch, under a temporary name that is then changed. --resume goes on from the last one and
+gives the same as an uninterrupted run. Images are 256 x 192 sRGB. Directions are in the camera's frame (x right, y down).
 
-Of a network whose heads are ridge regressions nothing needs more than its features. With --features they are those of the
-runtime, in bytes (`sandglass light-features`), so that the heads know the rounding; how strong the ridges are is chosen
-within the folds that train. So is, with --or-features, whose features they are: each test fold is estimated from the set that was
-best for the direction when the other folds were estimated from one another.
+If the heads are ridge regressions, training needs only the network's features. With --features they are the runtime's features
+in bytes (`sandglass light-features`), so that the heads take the rounding into account. The strength of the ridges is chosen
+within the training folds. With --or-features, so is the set of features: each test fold is estimated from the set that was best
+for the direction when the other folds were estimated from one another.
 
-ImageNet's features have forgotten how bright which part of an image is, which tells most of where light comes from. --lanes keeps
-that: the channels of the pretrained network that are used least, LANES at each of its four widths, carry brightness above
-thresholds past its layers, and the last LAYOUT_LAYERS layers move it about, so that the averages over all pixels are also
-those over parts. All else stays pretrained; how far its features are trusted is chosen, with the ridges, within the folds.
+ImageNet's features do not tell how bright each part of an image is, which tells most about where light comes from. --lanes keeps
+that. The channels of the pretrained network that are used least, LANES at each of its four widths, carry brightness above
+thresholds past its layers. The last LAYOUT_LAYERS layers shift it, so that averages over all pixels are also averages over parts.
+Everything else stays pretrained. How far its features are trusted is chosen within the training folds, together with the ridges.
 
 --export FILE writes the float weights (light_network.py), data_hash (16 hexadecimal digits of the manifests' SHA-256), seed
 and training_images.
@@ -46,11 +49,11 @@ from light_network import LAYERS, LightNet
 from light_ridge import TRUSTS, USUAL_RIDGES, angles_deg, best_ridges, ridge_errors
 
 LOSS_WEIGHTS = {"direction": 5.0, "light": 2.0, "ambient": 2.0, "contrast": 1.0}  # (5.26)
-EXTRA_WEIGHT = 0.5  # of made-up rooms, captured ones together counting 1
+EXTRA_WEIGHT = 0.5  # weight of made-up rooms; captured ones together have 1
 
 
 def packed(inputs):
-    """In the order that convolutions like; features are not pixels."""
+    """In the memory order that convolutions prefer. Features are not pixels and stay as they are."""
     return inputs.contiguous(memory_format=torch.channels_last) if inputs.dim() == 4 else inputs
 
 
@@ -68,8 +71,8 @@ def measures(estimate, truth):
 
 
 def start_rows(arguments, rows, train_rows, net, trunk_of, device):
-    """What heads start from: features and labels of every copy of the images to train on, weights (captured ones count 1
-    together, others EXTRA_WEIGHT), and the errors of ridges within these folds."""
+    """What the heads start from: features and labels of every copy of the training images, their weights (captured ones have 1
+    together, others EXTRA_WEIGHT), and the errors of the ridges within these folds."""
     last = arguments.layers == "last"
     pairs = [(i, c) for c in range(arguments.copies if last else 2) for i in train_rows]
     net.eval()
@@ -93,8 +96,8 @@ def start_rows(arguments, rows, train_rows, net, trunk_of, device):
 
 
 def start_heads(arguments, rows, train_rows, net, sources, device):
-    """Of several sources of features, from the one whose direction is best within the folds that train. Which one that is, its
-    ridges and trusts, and the least errors of each source within these folds."""
+    """Starts from the one of several sources of features whose direction is best within the training folds. Returns which one
+    that is, its ridges and trusts, and the least errors of each source within these folds."""
     starts = [start_rows(arguments, rows, train_rows, net, source, device) for source in sources]
     if len(sources) > 1 and starts[0][-1] is None:
         fail("--or-features chooses by the folds that train, and there are fewer than two; name more places")
@@ -112,8 +115,8 @@ def start_heads(arguments, rows, train_rows, net, sources, device):
 
 
 def batches_of(rows, train_rows, epoch, arguments):
-    """(row, copy) pairs of one epoch by batches: captured places `repeat` times, and a share of all else."""
-    random = np.random.default_rng([arguments.seed, epoch])  # of the epoch: a resumed run draws what an unbroken one draws
+    """The (row, copy) pairs of one epoch in batches: captured places `repeat` times, and a share of everything else."""
+    random = np.random.default_rng([arguments.seed, epoch])  # by epoch, so that a resumed run draws the same as an unbroken one
     extra = rows.kind[train_rows] == 2
     drawn = random.permutation(train_rows[extra])[:round(arguments.share * extra.sum())]
     order = random.permutation(np.concatenate([drawn] + [train_rows[~extra]] * arguments.repeat))
@@ -166,7 +169,7 @@ def write_initial(arguments):
 
 
 def layout_of(rgb):
-    """Logarithms of the mean linear colours of 4 x 3 parts of an image."""
+    """The logarithms of the mean linear colours of 4 x 3 parts of an image."""
     x = rgb.astype(np.float32) / 255.0
     linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
     parts = linear.reshape(3, HEIGHT // 3, 4, WIDTH // 4, 3).mean((1, 3))
@@ -174,8 +177,8 @@ def layout_of(rgb):
 
 
 def train_layout(arguments):
-    """Pooling forgets where things are, and light labels of few places do not teach it; images do: the last layers learn
-    to tell, from the pooled features alone, the colours of 4 x 3 parts of the image. No labels are used."""
+    """Pooling loses where things are, and the labels of few places cannot teach it. Images can: the last layers learn to
+    tell the colours of 4 x 3 parts of the image from the pooled features alone. No labels are used."""
     torch.set_num_threads(arguments.threads), torch.manual_seed(arguments.seed)
     device = torch.device("cuda" if torch.cuda.is_available() and not arguments.cpu else "cpu")
     rows = Rows((), (), arguments.train_only)
@@ -227,7 +230,7 @@ def train_fold(arguments, fold, rows, net, has_heads, sources, device):
     optimiser = torch.optim.AdamW([{"params": net.heads_of().parameters(), "lr": arguments.rate},
                                    {"params": extractor, "lr": arguments.rate * arguments.extractor_rate}],
                                   weight_decay=arguments.decay)
-    halving = torch.optim.lr_scheduler.StepLR(optimiser, max(1, arguments.epochs // 4), 0.5)  # 15 of the source's 60
+    halving = torch.optim.lr_scheduler.StepLR(optimiser, max(1, arguments.epochs // 4), 0.5)  # the dissertation: every 15 of 60 epochs
     name = "all" if fold is None else f"fold_{fold}"
     checkpoint = os.path.join(arguments.output, name + ".checkpoint")
     log, first, sums = [], 0, None
@@ -237,11 +240,11 @@ def train_fold(arguments, fold, rows, net, has_heads, sources, device):
             net.load_state_dict(state["net"]), optimiser.load_state_dict(state["optimiser"])
             halving.load_state_dict(state["halving"])
             log, first, sums = state["log"], state["epoch"], state["sums"]
-        except Exception:  # of bytes that are anything, torch.load raises anything
+        except Exception:  # torch.load may raise anything on damaged bytes
             fail(f"the checkpoint '{checkpoint}' is damaged or of another training; remove it to begin anew")
 
     def inputs_of(items, epoch):
-        """Tensors and labels of (row, copy) pairs."""
+        """The tensors and labels of (row, copy) pairs."""
         seed = arguments.seed if last else arguments.seed + epoch
         labels = torch.from_numpy(np.stack([label_of(rows, i, c, seed) for i, c in items])).to(device)
         if last:
@@ -315,7 +318,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def number(kind, low, high=math.inf, above=False):
-    """The type of an option: a number from `low` on, or above it, up to `high`."""
+    """The type of an option: a number from `low` on (or above `low`) up to `high`."""
     def read(text):
         value = kind(text)
         if not (low < value if above else low <= value) or not value <= high or not math.isfinite(value):
@@ -327,7 +330,7 @@ def number(kind, low, high=math.inf, above=False):
 
 
 def check_import(weights, reference):
-    """The pretrained network against the reference outputs beside it: exit code 1 if a feature is off by over 1e-3."""
+    """Compares the pretrained network with the reference outputs beside it. Exit code 1 if a feature differs by over 1e-3."""
     net = LightNet()
     net.load(weights)
     net.eval()

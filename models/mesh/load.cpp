@@ -122,15 +122,16 @@ MeshResult load_mesh(const std::string& path) {
   if (!file) return fail(path, "cannot be opened. Check its permissions.");
   if (std::filesystem::file_size(path, ignored) == 0) return fail(path, "is empty. Export it again.");
 #ifdef SANDGLASS_HAVE_ASSIMP
-  if (ends_within_line(path)) return fail(path, "ends within its last line. Copy or export it again.");
+  if (ends_within_line(path)) return fail(path, "is cut off in its last line. Copy or export it again.");
   try {
     return parse(path);
   } catch (const std::exception& e) {
     return fail(path, std::string("is no complete mesh (") + e.what() + "). Export it again.");
   }
 #else
-  return fail(path,
-              "needs Assimp, which this build lacks. Build with Assimp, or use a generated mesh such as trefoil.");
+  return fail(
+      path,
+      "is a file, and this build has no mesh reader. Build with Assimp, or use a generated mesh such as trefoil.");
 #endif
 }
 

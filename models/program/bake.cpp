@@ -128,7 +128,7 @@ int bake_and_report(Options& options) {
   read_degrees(options.angle, &s.angular_diameter);
   read_degrees(options.polar, &s.polar_max);
   s.plane = options.plane == "fixed" ? PlaneRule::fixed : PlaneRule::fitted;
-  const Mesh mesh = named_mesh(options.mesh);
+  const Mesh mesh = named_mesh(options.mesh).mesh;
   require_writable(options.output);
   require_writable(options.output + ".checkpoint");
   if (options.picture.empty()) options.picture = options.output + ".png";

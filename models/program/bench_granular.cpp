@@ -83,9 +83,7 @@ void measure(const Options& options, Bench* bench) {
 void add_bench_granular(Command& bench) {
   const auto options = std::make_shared<Options>();
   Command& command = bench.add_command("granular", "Sand: a collapsing column, against the source's scheme");
-  command.add("--threads LIST", options->threads, "Thread counts, separated by commas")
-      .separated_by(',')
-      .checked(whole_number(1, 256));
+  add_thread_counts(command, options->threads);
   command.add("--frames N", options->frames, "Frames of a case; errors compare at 100 only")
       .checked(whole_number(1, 10000));
   command.add_flag("--peers", options->peers, "Also run other engines on the same scene, 5 frames each");

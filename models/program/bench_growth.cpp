@@ -71,9 +71,7 @@ void measure(uint32_t threads, Bench* bench) {
 void add_bench_growth(Command& bench) {
   const auto options = std::make_shared<Options>();
   Command& command = bench.add_command("growth", "Sand: how time and memory grow with the scene");
-  command.add("--threads LIST", options->threads, "Thread counts, separated by commas")
-      .separated_by(',')
-      .checked(whole_number(1, 256));
+  add_thread_counts(command, options->threads);
   add_isa(command, options->isa);
   add_json(command, options->json);
   command.runs([options] {

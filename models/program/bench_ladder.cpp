@@ -82,9 +82,7 @@ void draw(const Curves& curves, const std::string& folder) {
 void add_bench_ladder(Command& bench) {
   const auto options = std::make_shared<Options>();
   Command& command = bench.add_command("ladder", "The quality ladder: error and time of every level");
-  command.add("--threads LIST", options->threads, "Thread counts, separated by commas")
-      .separated_by(',')
-      .checked(whole_number(1, 256));
+  add_thread_counts(command, options->threads);
   command.add("--frames N", options->frames, "Frames of a case; errors compare at 100 only")
       .checked(whole_number(1, 10000));
   command.add("--out FOLDER", options->out, "Draw error against time into this folder, of the last thread count");

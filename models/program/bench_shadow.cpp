@@ -75,7 +75,7 @@ void measure(const Options& options, Bench* bench) {
   if (options.assets.size() > 1 && options.out.empty())
     throw cannot("measure", options.assets[1], "shadows after the first are only drawn", "Name a folder with --out");
   const std::vector<NamedShadow> files = read_shadows(options);
-  const Mesh mesh = named_mesh(options.mesh);
+  const Mesh mesh = named_mesh(options.mesh).mesh;
   ShadowBench result;
   with_progress("measuring", [&](const Progressed& go_on) {
     result = bench_shadow(files[0].bytes, files[0].name, mesh, bench->isa, options.thresholds, go_on);

@@ -52,7 +52,7 @@ void add_ceiling_command(Command& program, const std::string& group) {
   add_threads(command, ceiling.threads);
   command.runs([options] {
     listen_for_interrupt();
-    options->ceiling.object = named_mesh(options->object);
+    options->ceiling.object = named_mesh(options->object).mesh;
     const Ceiling measured = measure_ceiling(options->ceiling);
     if (interrupted()) return k_exit_interrupted;
     print(measured, options->rows);

@@ -1,7 +1,9 @@
 // The commands of the program. Each function adds one with its options; what the command returns is the exit code.
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "models/mesh/mesh.h"
 
@@ -29,10 +31,11 @@ void add_verify_command(Command& program, const std::string& group);
 
 // Options that several commands have, in the same words.
 Option& add_threads(Command& command, uint32_t& threads);
+Option& add_thread_counts(Command& command, std::vector<uint32_t>& threads);
 Option& add_isa(Command& command, std::string& isa);
 Option& add_json(Command& command, std::string& file);
 
 // The mesh that a command line names: a generated one (models/mesh/generated.h), or a file.
-Mesh named_mesh(const std::string& name_or_file);
+MeshResult named_mesh(const std::string& name_or_file);
 
 }  // namespace sandglass::host

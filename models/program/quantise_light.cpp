@@ -19,7 +19,9 @@ namespace sandglass::host {
 namespace {
 
 constexpr int k_width = 256, k_height = 192;
-constexpr double k_angle_limit_deg = 1, k_difference_limit = 0.01;  // of the medians
+// How far the bytes may be from the float network, in medians over images: degrees of the direction, and colours or
+// contrast.
+constexpr double k_angle_limit_deg = 1, k_difference_limit = 0.01;
 
 struct Options {
   std::string weights, output, name = "lighting";

@@ -217,6 +217,8 @@ void check(const SampleOptions& options) {
         "See: sandglass sample --help.");
   if (!mesh && !options.mesh.empty())
     throw cannot("sample", options.mesh, "a disk, a sphere and a ring have radius 1 and no mesh", "Leave MESH out");
+  if (options.what == SampleWhat::ring && options.polar_deg[0] >= options.polar_deg[1])
+    throw Failure("cannot use \"--polar\" of \"sample\": the first angle is not below the second. Swap them.");
   if (options.geodesic && options.what != SampleWhat::surface)
     throw Failure(
         "cannot use \"--geodesic\" of \"sample\" without \"--surface\": it measures along a surface. Add it.");
@@ -241,9 +243,7 @@ void sample(SampleOptions options) {
   try {
     Points points;
     if (of_a_mesh(options.what)) {
-      MeshResult loaded = make_named(options.mesh);
-      if (!loaded) loaded = load_mesh(options.mesh);
-      if (!loaded) throw Failure(loaded.error);
+      const MeshResult loaded = named_mesh(options.mesh);
       points = options.what == SampleWhat::surface ? sample_surface(loaded.mesh, options)
                                                    : sample_inside(loaded.mesh, loaded.report, options);
     } else {

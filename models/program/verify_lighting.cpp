@@ -148,7 +148,7 @@ int verify(const Options& options) {
   lighting.estimator = chosen_estimator(sources, options);
   const std::string said = said_of_training(sources);
   std::fputs(said.c_str(), stdout);
-  lighting.object = named_mesh(options.object);
+  lighting.object = named_mesh(options.object).mesh;
   LightingVerdicts verdicts = verify_lighting(lighting);
   if (interrupted()) return k_exit_interrupted;
   std::printf("%zu views of %zu panoramas, estimates: %s\n\n%s\n", verdicts.views.size(), verdicts.pictures.size(),

@@ -1,7 +1,8 @@
-// From a panorama to what a camera inside it sees, and to the panorama as it would look from where an object is put.
-// Three frames: the panorama's (y up), the rotated one (y up, +z where the camera looks), and the camera's (x right,
-// y down, z forward). A direction (x, y, z) of the rotated frame is (-x, -y, z) in the camera's: a lamp on the ceiling
-// has camera y < 0, one on the right x > 0.
+// What a camera inside a panorama sees, and the panorama as it looks from the place where an object is put. There are
+// three frames: the panorama's (y up), the rotated one (y up, +z where the camera looks), and the camera's (x right, y
+// down, z forward). A direction (x, y, z) of the rotated frame is (-x, -y, z) in the camera's: a lamp on the ceiling
+// has camera y < 0, one on the right x > 0. Equation numbers are the dissertation's; runtime/README.md lists the
+// corrections.
 #pragma once
 
 #include <array>
@@ -24,13 +25,13 @@ struct View {
   Vec3 direction() const { return direction_of_angles(theta, phi); }
 };
 
-// Azimuth uniform, polar angle normal about the horizon with a deviation of 15 degrees, cut off at 30, and no two views
-// closer than 10 degrees (5.13, ERRATUM: differences of azimuth are wrapped; ERRATUM: the source's normal distribution
-// over a closed range is not one).
+// The azimuth is uniform. The polar angle is normal about the horizon with a deviation of 15 degrees, cut off at 30: a
+// closed range needs a cut, which (5.13) does not name. No two views are closer than 10 degrees, with differences of
+// azimuth wrapped (correction to 5.13).
 std::array<View, k_excerpts> choose_views(uint64_t seed);
 
-// R = R_y(-(phi - pi/2)) R_x(theta - pi/2): rotated frame to panorama's frame, +z to the view direction (5.9, ERRATUM:
-// the source counts the turn about y twice).
+// R = R_y(-(phi - pi/2)) R_x(theta - pi/2) takes the rotated frame to the panorama's frame, and +z to the view
+// direction. It corrects (5.9), which counts the turn about y twice.
 struct ViewRotation {
   explicit ViewRotation(View view);
   Vec3 to_panorama(Vec3 d) const { return columns[0] * d.x + columns[1] * d.y + columns[2] * d.z; }
@@ -41,20 +42,20 @@ struct ViewRotation {
 constexpr Vec3 rotated_to_camera(Vec3 d) { return {-d.x, -d.y, d.z}; }
 constexpr Vec3 camera_to_rotated(Vec3 d) { return {-d.x, -d.y, d.z}; }
 
-// Focal length in pixels of an image with this diagonal field of view (2.15); the principal point is its middle.
+// The focal length in pixels of an image with this diagonal field of view (2.15). The principal point is its middle.
 double focal_length(int width, int height, double diagonal_fov_deg);
 
-// What a camera sees of a panorama, bilinear (5.10 - 5.12).
+// What a camera sees of a panorama, interpolated bilinearly (5.10 - 5.12).
 RadianceMap cut_excerpt(const RadianceMap& panorama, View view, int width = k_excerpt_width,
                         int height = k_excerpt_height, double diagonal_fov_deg = k_excerpt_fov_deg);
 
-// How far towards the view direction an object stands, in panorama radii: 1 - d_max / 10 m over the excerpt's depths
-// (5.22), within [0, 0.95]; 0.8 for an empty depth map.
+// How far an object stands in the view direction, in panorama radii: 1 - d_max / 10 m over the excerpt's depths (5.22),
+// clamped to [0, 0.95]; 0.8 for an empty depth map.
 double insertion_radius(std::span<const float> depth, int depth_width, View view);
 
-// The panorama from radius * view direction, as if everything were on the unit sphere, turned so that the view is the
-// centre (5.14 - 5.21; ERRATUM (5.17): the middle coefficient is 2 (d . x_c) / |d|^2). Each pixel is the mean of four
-// places, as what lies behind the camera shrinks.
+// The panorama as seen from radius * view direction, as if everything were on the unit sphere, turned so that the view
+// is the centre (5.14 - 5.21, where the middle coefficient of (5.17) must be 2 (d . x_c) / |d|^2). Each pixel is the
+// mean of four places, because the part behind the camera shrinks.
 RadianceMap warp(const RadianceMap& panorama, View view, double radius, int width = k_warped_width,
                  int height = k_warped_height);
 

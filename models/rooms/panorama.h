@@ -1,7 +1,8 @@
-// Equirectangular panoramas of linear radiance, and the one convention that all of lighting rests on: pixel (u, v) of a
-// w x h panorama looks along polar angle theta = pi (v + 1/2) / h from +y and azimuth phi = 2 pi (u + 1/2) / w - pi /
-// 2, so its centre looks along +z and what lies right of the centre has negative x (5.5, 5.6, half-pixel centres
-// added).
+// Equirectangular panoramas of linear radiance, and the one convention on which all of lighting rests. Pixel (u, v) of
+// a w x h panorama looks along
+//   theta = pi (v + 1/2) / h            the polar angle from +y
+//   phi = 2 pi (u + 1/2) / w - pi / 2   the azimuth
+// so its centre looks along +z, and places right of the centre have negative x (5.5 and 5.6 with half-pixel centres).
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,8 @@
 
 namespace sandglass::host {
 
-// Three floats a pixel, row by row from the top. Panoramas are twice as wide as high; excerpts and renders are not.
+// Three floats for each pixel, row by row from the top. Panoramas are twice as wide as high; excerpts and renders are
+// not.
 struct RadianceMap {
   int width = 0, height = 0;
   std::vector<float> rgb;
@@ -40,7 +42,7 @@ constexpr Vec3 product(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z
 
 Vec3 direction_of_angles(double theta, double phi);
 
-// The direction of a place in pixels (an integer is a pixel's centre), and back (5.5, 5.6).
+// The direction of a place in pixels (an integer is a pixel's centre), and its inverse (5.5, 5.6).
 Vec3 panorama_direction(double u, double v, int width, int height);
 struct PanoramaPlace {
   double u, v;
@@ -55,20 +57,20 @@ Vec3 look_up(const RadianceMap& panorama, Vec3 direction);
 
 double greatest_luminance(const RadianceMap& map);
 
-// Extended Reinhard (5.3): luminance to 0..1, `white` (the greatest luminance of the panorama) to 1.
+// Extended Reinhard tone mapping (5.3): maps luminance to 0..1, and `white` (the greatest of the panorama) to 1.
 double tone_mapped_luminance(double radiance, double white);
 // A colour scaled by the ratio of luminances (5.4): its channels can exceed 1.
 Vec3 tone_mapped(Vec3 radiance, double white);
 
-// Stitched panoramas are black where the tripod stood: each black pixel of the lower half takes the value of the last
-// pixel above it that is not.
+// Stitched panoramas are black where the tripod stood. Each black pixel of the lower half takes the value of the last
+// pixel above it that is not black.
 void fill_tripod(RadianceMap* panorama);
 
-// Back, for luminances below 1 (or `white`'s own) and the colours of such.
+// The inverse, for luminances below 1 (or that of `white`) and for colours of such luminance.
 double radiance_of_luminance(double shown, double white);
 Vec3 radiance_of(Vec3 shown, double white);
 
-// For the eye: tone mapped by its own greatest luminance, channels clamped to 1, sRGB.
+// A picture for the eye: tone mapped with `white`, channels clamped to 1, sRGB.
 Picture tone_mapped_picture(const RadianceMap& map, double white);
 
 }  // namespace sandglass::host

@@ -1,5 +1,5 @@
-// Panoramas as files: Radiance .hdr and, where OpenEXR was found, .exr. What is read is checked: twice as
-// wide as high, finite, not all black; negative radiance becomes 0.
+// Panoramas as files: Radiance .hdr and, where OpenEXR was found, .exr. A panorama must be twice as wide as high,
+// finite and not all black. Negative radiance becomes 0.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace sandglass::host {
 // A Failure names the file and what is wrong with it.
 RadianceMap read_panorama(const std::string& path);
 
-// Radiance .hdr with run lengths: 8 bits of mantissa a channel, one shared exponent.
+// Writes Radiance .hdr with run lengths: 8 bits of mantissa for each channel and one shared exponent.
 void write_hdr(const std::string& path, const RadianceMap& map);
 
 bool reads_exr();

@@ -1,6 +1,6 @@
-// The experiment of the source's evaluation: an object on a plane, lit by an environment, path traced (diffuse, grey).
-// Light is linear, so the parametric light of any colour is a sum of two pictures: one of the directional light and one
-// of the ambient light, each of strength 1.
+// The experiment of the dissertation's evaluation: a grey, diffuse object on a plane, lit by an environment and path
+// traced. Light is linear, so the picture under any estimated light is a sum of two pictures: one under the directional
+// light and one under the ambient light, each of strength 1.
 #pragma once
 
 #include <cstdint>
@@ -13,12 +13,12 @@
 
 namespace sandglass::host {
 
-constexpr double k_light_half_angle_deg = 10.0;  // of the soft directional light
+constexpr double k_light_half_angle_deg = 10.0;  // half angle of the soft directional light
 
 // Light from infinity, in the frame of the scene (y up).
 class ProbeLight {
  public:
-  // A warped panorama, in the frame that `rotation` takes to the scene's.
+  // A warped panorama, in the frame that `rotation` turns into the scene's.
   static ProbeLight environment(const RadianceMap& map, const ViewRotation& rotation);
   // A cap of 20 degrees that gives a facing surface the irradiance pi.
   static ProbeLight directional(Vec3 towards);
@@ -26,7 +26,7 @@ class ProbeLight {
 
   struct Sample {
     Vec3 direction;
-    Vec3 weight;  // radiance over density
+    Vec3 weight;  // radiance divided by the density of samples
   };
   Sample sample(Vec3 normal, double a, double b) const;
 
@@ -35,23 +35,24 @@ class ProbeLight {
   Vec3 towards_;
   const RadianceMap* map_ = nullptr;
   ViewRotation rotation_{{0.0, 0.0}};
-  std::vector<double> cumulative_;  // over pixels: luminance times solid angle
+  std::vector<double> cumulative_;  // sums over pixels of luminance times solid angle
 };
 
 struct ProbeImage {
   RadianceMap radiance;
-  std::vector<float> lit;  // on the plane: irradiance over that without the object; -1 on the object
+  std::vector<float> lit;  // on the plane, irradiance over that without the object; on the object -1
 };
 
 class ProbeScene {
  public:
-  // The object is scaled to height 1 and put on the plane y = 0. Needs Embree, else a Failure.
+  // The object is scaled to height 1 and put on the plane y = 0. Throws a Failure without Embree.
   explicit ProbeScene(const Mesh& object);
   ~ProbeScene();
   ProbeScene(const ProbeScene&) = delete;
   ProbeScene& operator=(const ProbeScene&) = delete;
 
-  // Seen from the azimuth of `view`, from above. Equal arguments give equal bits; any number of threads may call.
+  // The picture from above, from the azimuth of `view`. Equal arguments give equal bits. Any number of threads may call
+  // it.
   ProbeImage render(const ProbeLight& light, View view, int samples) const;
 
   static constexpr int k_width = 96, k_height = 72;

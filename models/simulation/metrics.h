@@ -14,7 +14,7 @@ struct Overlap {
 };
 Overlap measure_overlap(std::span<const float> positions, double radius);
 
-// Over a run, as PEERS defines it: P99 and mean are averages of the frames' values, max is over the run.
+// The overlap over a run: P99 and mean are averages of the frames' values, max is the largest of the run.
 struct OverlapOverRun {
   double p99_sum = 0.0, mean_sum = 0.0, max = 0.0;
   uint64_t frames = 0;

@@ -2,8 +2,8 @@
 // out for the next call for a while before they sleep, and a call never waits for a worker that has not begun: the
 // caller does what is left.
 //
-// Why not pthreadpool, which DESIGN names: it hands every worker a share and waits for all of them. With four threads
-// on four cores that other programs use too, a 50 ms frame then took six seconds; here it takes 50 ms.
+// pthreadpool would not do: it hands every worker a share and waits for all of them. With four threads on four cores
+// that other programs use too, a 50 ms frame then took six seconds; here it takes 50 ms.
 #include "models/work/thread_pool.h"
 
 #include <atomic>

@@ -1,11 +1,11 @@
-// Three gates, as for shadows: the hash finds what was damaged on the way, FlatBuffers' verifier that every offset
-// stays inside, and the checks below that every number is one that the kernels may be run on.
+// Three checks, as for shadows. The hash finds damage. FlatBuffers' verifier makes sure that every offset stays inside.
+// The checks below make sure that the kernels can run on every number.
 #include "runtime/asset/light_asset.h"
 
 #include "runtime/asset/file.h"
 #include "runtime/core/finite.h"
 
-// The verifier's assertions are about the calling code, and asserting would bring stdio.
+// The verifier asserts things about the calling code only, and assert would bring in stdio.
 #define FLATBUFFERS_ASSERT(condition) ((condition) ? (void)0 : __builtin_trap())
 #include "runtime/asset/light_generated.h"
 
@@ -15,8 +15,8 @@ namespace {
 constexpr int32_t k_bias_limit = 1 << 29;  // products add up to less than 2^26: sums stay below 2^31
 constexpr float k_multiplier_limit = 1e6f;
 constexpr float k_number_limit = 1e9f;
-// Tables that the verifier follows: the root, stem, blocks, and in them layers and transitions, each with its
-// convolutions.
+// Most tables that the verifier follows: the root, the stem, the blocks, and in them layers and transitions, each with
+// its convolutions.
 constexpr uint32_t k_tables_limit = 2 + k_dense_blocks + 4 * k_dense_layer_count + 2 * k_transition_count;
 
 constexpr AssetRefusals k_refusals = {
@@ -24,7 +24,7 @@ constexpr AssetRefusals k_refusals = {
     "the file is not a lighting network: name one that `sandglass quantise-light` wrote",
     "the lighting file is damaged or cut off (its checksum differs): copy it again"};
 
-// `count` finite numbers in -limit..limit, or null.
+// The numbers, if there are `count` and all lie in -limit..limit; else null.
 const float* numbers(const flatbuffers::Vector<float>* values, uint32_t count, float limit) {
   if (values == nullptr || values->size() != count) return nullptr;
   return all_within(values->data(), count, -limit, limit) ? values->data() : nullptr;

@@ -1,5 +1,5 @@
 // A lighting network's file as the runtime sees it: checked from the first byte to the last, then pointers into the
-// caller's bytes. The one file that knows FlatBuffers is light_asset.cpp.
+// app's bytes. Only light_asset.cpp knows FlatBuffers.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ struct LightAsset {
   const float* float_parameters;  // null: the file has none; see light.fbs
 };
 
-// Channels that the first layer of a block reads, and that its last one leaves.
+// Channels that the first layer of a block reads, and channels that its last layer leaves.
 constexpr uint32_t light_channels_before(uint32_t block) {
   uint32_t channels = k_light_stem;
   for (uint32_t b = 0; b < block; ++b) channels = (channels + k_light_growth * k_block_layers[b]) / 2;
@@ -50,7 +50,8 @@ constexpr uint32_t light_channels_after(uint32_t block) {
   return light_channels_before(block) + k_light_growth * k_block_layers[block];
 }
 
-// Of the network in float: clamps, weights, biases; what light.fbs has before and behind them.
+// How many numbers the network has in float: clamps, weights and biases, and what light.fbs lists before and after
+// them.
 constexpr uint32_t light_float_parameters() {
   uint32_t count = 3 + (3 * k_stem_size * k_stem_size + 1) * k_light_stem;
   for (uint32_t b = 0; b < k_dense_blocks; ++b) {
@@ -62,10 +63,10 @@ constexpr uint32_t light_float_parameters() {
   return count + 4 * k_light_features + (k_light_features + 1) * k_light_latent;
 }
 constexpr uint32_t k_light_float_parameters = light_float_parameters();
-constexpr float k_light_float_limit = 1e9f;  // of each; a clamp that goes so far is none
+constexpr float k_light_float_limit = 1e9f;  // greatest size of each number; a clamp at the limit does not clamp
 
-// `bytes` aligned to 8. Refused with one sentence: anything that is not a whole, undamaged file of this version with
-// numbers that the kernels can run on blindly.
+// `bytes` is aligned to 8. Refuses, with one sentence, everything but a whole, undamaged file of this version whose
+// numbers the kernels can run on blindly.
 sandglass_status open_light_asset(const void* bytes, uint64_t count, LightAsset* asset, const char** reason);
 
 }  // namespace sandglass

@@ -1,11 +1,11 @@
-// Three gates: the hash finds what was damaged on the way, FlatBuffers' verifier that every offset stays inside, and
-// the checks below that every number is one that the kernels may be run on.
+// Three checks. The hash finds damage. FlatBuffers' verifier makes sure that every offset stays inside. The checks
+// below make sure that the kernels can run on every number.
 #include "runtime/asset/shadow_asset.h"
 
 #include "runtime/asset/file.h"
 #include "runtime/core/finite.h"
 
-// The verifier's assertions are about the calling code, and asserting would bring stdio.
+// The verifier asserts things about the calling code only, and assert would bring in stdio.
 #define FLATBUFFERS_ASSERT(condition) ((condition) ? (void)0 : __builtin_trap())
 #include "runtime/asset/shadow_generated.h"
 
@@ -15,7 +15,7 @@ namespace {
 constexpr float k_weight_limit = 1e6f;     // of the first layer
 constexpr int32_t k_bias_limit = 1 << 24;  // sums then stay below 2^25
 constexpr double k_horizon = 1.5533430;    // 89 degrees: polar_max plus half the light
-constexpr uint32_t k_tables_limit = 16;    // tables that the verifier follows: root, last and the layers
+constexpr uint32_t k_tables_limit = 16;    // most tables that the verifier follows: the root, `last`, the layers
 
 constexpr AssetRefusals k_refusals = {
     "asset is NULL: pass the bytes of a file that `sandglass bake` wrote",

@@ -1,5 +1,5 @@
-// A baked shadow file as the runtime sees it: checked from the first byte to the last, then pointers into the caller's
-// bytes. The one file that knows FlatBuffers is shadow_asset.cpp.
+// A baked shadow file as the runtime sees it: checked from the first byte to the last, then pointers into the app's
+// bytes. Only shadow_asset.cpp knows FlatBuffers.
 #pragma once
 
 #include <cstdint>
@@ -43,8 +43,8 @@ struct ShadowAsset {
   uint32_t inputs() const { return 2 * texel_inputs() + 3 * light_inputs(); }
 };
 
-// `bytes` aligned to 8. Refused with one sentence: anything that is not a whole, undamaged file of this version with
-// numbers that the kernels can run on blindly.
+// `bytes` is aligned to 8. Refuses, with one sentence, everything but a whole, undamaged file of this version whose
+// numbers the kernels can run on blindly.
 sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsset* asset, const char** reason);
 
 }  // namespace sandglass

@@ -9,21 +9,16 @@
 
 #include "platform/check.h"
 #include "platform/trace.h"
+#include "runtime/core/predictor.h"
 
 namespace sandglass {
 namespace {
-
-constexpr uint64_t k_time_max = ~static_cast<uint64_t>(0);
-constexpr uint64_t k_picoseconds_per_nanosecond = 1000;
-constexpr uint32_t k_history = sizeof(Governor::Kind::recent) / sizeof(uint64_t);
 
 // A unit is meant to take 50 us. A second means a suspended machine, a debugger or a broken clock. A step backward,
 // modulo 2^64, is longer than that too.
 constexpr uint64_t k_jump_ns = 1000000000;
 // A quarter is added to every prediction: it covers jitter of 20 % that a quantile of 16 observations may have missed.
 constexpr uint64_t k_margin_divisor = 4;
-// With fewer observations than this there is no "usual" to measure an outlier by.
-constexpr uint32_t k_censor_from = 4;
 // A unit of unknown cost that the clock did not see counts for this part of the budget: 62 us of 4 ms.
 constexpr uint64_t k_unit_cap = 64;
 // A clock that does not move for this many units in a row is not coarse but frozen.
@@ -31,17 +26,10 @@ constexpr uint32_t k_frozen_units = 8;
 // Most optional units of a frame. At 60 ns each, less than reading a clock takes, they fill 4 ms. A clock that shows
 // room for more does not follow the work.
 constexpr uint32_t k_optional_units_max = 65536;
-// An estimate that no unit has checked for about a second is halved. Otherwise a kind that only a better level runs
-// could keep that level away for ever.
-constexpr uint32_t k_idle_frames_per_halving = 64;
 // A level better than the last frame's must leave this part of the budget free.
 constexpr uint64_t k_hysteresis_divisor = 8;
 // Shares are in units of 1/1024, to stay in integers.
 constexpr uint32_t k_share_one = 1024;
-
-uint64_t add(uint64_t a, uint64_t b) { return a > k_time_max - b ? k_time_max : a + b; }
-
-uint64_t multiply(uint64_t a, uint64_t b) { return b != 0 && a > k_time_max / b ? k_time_max : a * b; }
 
 uint64_t with_margin(uint64_t ns) { return add(ns, ns / k_margin_divisor); }
 
@@ -72,50 +60,7 @@ uint64_t share_of(uint64_t time, float share) {
   return time / k_share_one * parts + time % k_share_one * parts / k_share_one;
 }
 
-// ---------------------------------------------------------------------------------------------------- predictor
-
-// The largest recent cost after the largest `dropped` of 16 are left out; of fewer costs, proportionally fewer.
-uint64_t quantile(const Governor::Kind& kind, uint32_t dropped) {
-  const uint32_t leave_out = dropped * kind.count / k_history;
-  uint64_t bound = k_time_max;
-  uint32_t left_out = 0;
-  for (;;) {
-    uint64_t largest = 0;
-    uint32_t equals = 0;
-    for (uint32_t i = 0; i < kind.count; ++i) {
-      const uint64_t cost = kind.recent[i];
-      if (cost >= bound && bound != k_time_max) continue;
-      if (cost > largest) largest = cost, equals = 0;
-      equals += cost == largest;
-    }
-    left_out += equals;
-    if (left_out > leave_out) return largest;
-    bound = largest;
-  }
-}
-
-void observe(Governor* governor, const WorkUnit& unit, uint64_t ns) {
-  if (unit.kind >= k_unit_kinds) return;
-  Governor::Kind* kind = &governor->kinds[unit.kind];
-  const PredictorPolicy& policy = governor->policy;
-  uint64_t cost = ns * k_picoseconds_per_nanosecond / (unit.items == 0 ? 1 : unit.items);
-  if (cost == 0) cost = 1;
-  if (policy.censor != 0 && kind->count >= k_censor_from && cost / policy.censor >= kind->estimate) {
-    cost = multiply(kind->estimate, policy.censor);
-  }
-  // A kind that was denied got its chance and was far cheaper than remembered: what is remembered no longer holds.
-  if (policy.probe_frames != 0 && kind->frames_denied > 0 && cost < kind->estimate / 2) kind->count = kind->cursor = 0;
-
-  const bool full = kind->count == k_history;
-  const uint64_t replaced = kind->recent[kind->cursor];
-  kind->recent[kind->cursor] = cost;
-  kind->cursor = (kind->cursor + 1) % k_history;
-  if (!full) ++kind->count;
-  // Where the old cost and the new one lie on the same side of the estimate, the estimate stays. Most units are so.
-  const bool unmoved = (replaced < kind->estimate && cost <= kind->estimate) || replaced == cost ||
-                       (replaced > kind->estimate && cost >= kind->estimate);
-  if (!full || !unmoved) kind->estimate = quantile(*kind, policy.dropped);
-}
+// ---------------------------------------------------------------------------------------------------- forecasts
 
 // Predicted cost of all that the stage would like to do, and whether the cost of some of it is unknown. Work that it
 // may spread over frames counts for no more than it will get.
@@ -179,7 +124,8 @@ uint64_t account(Frame* frame, const WorkUnit& unit) {
     return 0;
   }
   // A coarse clock shows the time of many units at once: each is given an equal part.
-  if (frame->timed) observe(frame->governor, unit, difference / (static_cast<uint64_t>(frame->unseen_units) + 1));
+  if (frame->timed)
+    predictor_observe(frame->governor, unit, difference / (static_cast<uint64_t>(frame->unseen_units) + 1));
   frame->unseen = 0;
   frame->unseen_units = 0;
   frame->elapsed += difference;
@@ -427,17 +373,6 @@ uint32_t stage_forecast(const Stage& stage, uint32_t level, Forecast* entries) {
 uint64_t governor_target(uint64_t budget_ns, float headroom) {
   const bool is_number = headroom == headroom;
   return is_number ? share_of(budget_ns, headroom) : budget_ns;
-}
-
-uint64_t governor_predict(const Governor* governor, uint32_t kind, uint64_t items) {
-  if (kind >= k_unit_kinds) return 0;
-  const Governor::Kind& known = governor->kinds[kind];
-  const uint32_t halvings = known.frames_idle / k_idle_frames_per_halving;
-  const uint64_t cost = halvings < 64 ? known.estimate >> halvings : 0;
-  if (cost == 0 || items == 0) return 0;
-  const uint64_t ns = add(multiply(cost / k_picoseconds_per_nanosecond, items),
-                          multiply(cost % k_picoseconds_per_nanosecond, items) / k_picoseconds_per_nanosecond);
-  return ns != 0 ? ns : 1;
 }
 
 bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_count, uint64_t budget_ns,

@@ -1,5 +1,7 @@
 #include "runtime/granular/bodies.h"
 
+#include "runtime/core/finite.h"
+#include "runtime/core/refuse.h"
 #include "runtime/granular/granular.h"
 #include "runtime/granular/rotation.h"
 
@@ -38,10 +40,9 @@ bool awake(const Granular& g, const RigidBody& body) {
   return is_awake(g.particles.records[0][g.bodies.rows[body.first]]);
 }
 
-bool finite(double a) { return a - a == 0.0; }
-
-// w with (tr(S) - S) w = l, for the spread S = sum of r r^T. A straight body has no inertia about its own axis: a trace
-// of it on the diagonal keeps the equation solvable, and no spin comes out there, because none went in.
+// The w with (tr(S) - S) w = l, for the spread S = sum of r r^T. A straight body has no inertia about its own axis. A
+// billionth more of the trace on the diagonal keeps the equation solvable, and no spin comes out about that axis,
+// because none went in.
 void angular_velocity(const double spread[9], const double l[3], double w[3]) {
   const double trace = spread[0] + spread[4] + spread[8];
   double m[9];
@@ -84,12 +85,12 @@ void match(Granular* g, RigidBody* body) {
   bool sound = true;
   for (int k = 0; k < 3; ++k) {
     m.shift[k] /= n, m.stabilised[k] /= n;
-    sound = sound && finite(m.shift[k]) && finite(m.spin[k]) &&
+    sound = sound && is_finite(m.shift[k]) && is_finite(m.spin[k]) &&
             __builtin_fabs(body->center[k] + m.shift[k]) < 0.5 * static_cast<double>(k_coordinate_bound);
   }
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) m.a[3 * i + j] -= m.shift[i] * m.offset[j], sound = sound && finite(m.a[3 * i + j]);
-  if (!sound) {  // it rests where it was
+    for (int j = 0; j < 3; ++j) m.a[3 * i + j] -= m.shift[i] * m.offset[j], sound = sound && is_finite(m.a[3 * i + j]);
+  if (!sound) {  // the body stays where it was, at rest
     g->counts.quarantined += body->count;
     for (int k = 0; k < 3; ++k) m.shift[k] = m.stabilised[k] = m.spin[k] = 0.0;
   }
@@ -119,7 +120,7 @@ void accumulate(Granular* g, uint32_t slot) {
   double moved[3], carried[3];
   for (int k = 0; k < 3; ++k) {
     const double displacement = static_cast<double>(next.velocity[k]) * dt;
-    double stabilised = 0.0;  // what the stabilisation moved the start position by: position, not velocity
+    double stabilised = 0.0;  // the stabilisation moved the start position by this: it changes no velocity
     if (g->desc.reference.stabilisation_iterations != 0)
       stabilised = static_cast<double>(next.position[k]) - static_cast<double>(now.position[k]) - displacement;
     carried[k] = displacement;
@@ -239,35 +240,28 @@ void bodies_put_to_sleep(Granular* g, uint32_t patience) {
 }
 
 sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint32_t* index, const char** reason) {
-  const auto fail = [reason](sandglass_status status, const char* sentence) {
-    if (reason != nullptr) *reason = sentence;
-    return status;
-  };
   if (desc == nullptr)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add_body: body is NULL: pass a body filled by sandglass_body_default.");
+    return refuse(reason, "sandglass_granular_add_body: body is NULL: pass a body filled by sandglass_body_default.");
   if (desc->struct_size != sizeof *desc)
-    return fail(
-        SANDGLASS_ERROR_INVALID_ARGUMENT,
+    return refuse(
+        reason,
         "sandglass_granular_add_body: body.struct_size is not this library's: fill it with sandglass_body_default.");
   if (desc->particle_count == 0)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add_body: body.particle_count is 0: a body needs at least one particle.");
+    return refuse(reason, "sandglass_granular_add_body: body.particle_count is 0: a body needs at least one particle.");
   if (desc->particle_positions == nullptr)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_add_body: body.particle_positions is NULL: pass 3 floats for each particle.");
+    return refuse(reason,
+                  "sandglass_granular_add_body: body.particle_positions is NULL: pass 3 floats for each particle.");
   if (!(desc->density_ratio >= 1e-3f && desc->density_ratio <= 1e3f))
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_granular_add_body: density_ratio must be 0.001 to 1000.");
+    return refuse(reason, "sandglass_granular_add_body: density_ratio must be 0.001 to 1000.");
   for (int k = 0; k < 3; ++k) {
     if (!(__builtin_fabsf(desc->linear_velocity[k]) <= 1e4f && __builtin_fabsf(desc->angular_velocity[k]) <= 1e4f))
-      return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "sandglass_granular_add_body: a velocity is not finite or above 10000 m/s or rad/s.");
+      return refuse(reason, "sandglass_granular_add_body: a velocity is not finite or above 10000 m/s or rad/s.");
   }
   if (g->bodies.count == g->desc.body_capacity ||
       desc->particle_count > g->desc.body_particle_capacity - g->bodies.particle_count)
-    return fail(SANDGLASS_ERROR_CAPACITY,
-                "sandglass_granular_add_body: more bodies or body particles than granular.body_capacity and "
-                "body_particle_capacity have room for: raise them.");
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "sandglass_granular_add_body: more bodies or body particles than granular.body_capacity and "
+                  "body_particle_capacity have room for: raise them.");
   const uint32_t first_record = g->particles.count;
   const sandglass_status added =
       granular_add(g, desc->particle_positions, nullptr, desc->particle_count, nullptr, nullptr, 0, reason);

@@ -1,6 +1,6 @@
-// Rigid bodies by shape matching (4.28-4.36). The particles of a body take part in the contact pass like sand, each with
-// its own inverse mass. After it, the rigid motion that fits their displacements best replaces them. So contacts push
-// bodies and bodies push sand, and linear momentum is what the particles' was.
+// Rigid bodies by shape matching (4.28-4.36). The particles of a body take part in the contact pass like sand, each
+// with its own inverse mass. After it, the rigid motion that fits their displacements best replaces them. So contacts
+// push bodies and bodies push sand, and linear momentum is what the particles' was.
 //
 // A body carries its pose (centre in double, rotation). What is matched is the displacement of the sub-step: small
 // quantities, never differences of stored positions (correction of Alg. 4). Positions then follow from the pose, so a

@@ -1,6 +1,8 @@
 // A box as a rigid body: particles on a lattice whose outermost spheres touch the box's faces from inside, and the
 // collider that is the box itself. The lattice is not that of packed sand, so the body's density makes up for it.
+#include "runtime/core/finite.h"
 #include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass {
@@ -9,13 +11,6 @@ namespace {
 
 constexpr uint32_t k_box_particles_most = 1u << 20;
 constexpr double k_packed_volume = 5.65685424949238;  // of a particle in a hexagonal close packing: 4 sqrt(2) r^3
-
-sandglass_status refuse(const char** reason, const char* sentence) {
-  if (reason != nullptr) *reason = sentence;
-  return SANDGLASS_ERROR_INVALID_ARGUMENT;
-}
-
-bool finite(float x) { return x - x == 0.0f; }
 
 // Particles along each axis, so many that neighbours are at most two radii apart; or a sentence.
 const char* lattice_of(const float half_extents[3], float radius, uint32_t counts[3]) {
@@ -62,8 +57,7 @@ sandglass_status sandglass_body_box_count(const float half_extents[3], float par
   if (const char* wrong = lattice_of(half_extents, particle_radius, counts)) return refuse(reason, wrong);
   if (count == nullptr) return refuse(reason, "count is NULL: pass where to store the number of particles.");
   *count = counts[0] * counts[1] * counts[2];
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 sandglass_status sandglass_body_box(const float half_extents[3], float particle_radius, const float position[3],
@@ -77,13 +71,12 @@ sandglass_status sandglass_body_box(const float half_extents[3], float particle_
   Axes axes;
   if (!axes_of(rotation, &axes))
     return refuse(reason, "rotation is not finite or has no length: pass a quaternion (x, y, z, w), or NULL.");
-  if (!(finite(position[0]) && finite(position[1]) && finite(position[2]) && finite(density)))
+  if (!all_finite(position, 3) || !is_finite(density))
     return refuse(reason, "position or density is not finite: check where they come from.");
   const uint32_t all = counts[0] * counts[1] * counts[2];
-  if (capacity < all) {
-    if (reason != nullptr) *reason = "capacity is less than the box has particles: ask sandglass_body_box_count.";
-    return SANDGLASS_ERROR_CAPACITY;
-  }
+  if (capacity < all)
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "capacity is less than the box has particles: ask sandglass_body_box_count.");
   double first[3], step[3], volume = 1.0;
   const double radius = static_cast<double>(particle_radius);
   for (int k = 0; k < 3; ++k) {
@@ -104,8 +97,7 @@ sandglass_status sandglass_body_box(const float half_extents[3], float particle_
   body->particle_count = all;
   body->density_ratio =
       static_cast<float>(static_cast<double>(density) * volume / (all * k_packed_volume * radius * radius * radius));
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 void sandglass_body_box_collider(const sandglass_body_pose* pose, const float half_extents[3], const float rotation[4],

@@ -4,10 +4,10 @@ namespace sandglass {
 
 namespace {
 
-// Clearing and summing a cell costs a tenth of moving a record.
+// As many cells are cleared or summed for what moving one record costs.
 constexpr uint32_t k_cells_per_item = 8;
 
-// What a unit costs besides its items, in items: keeps the last, short unit of a phase from looking expensive.
+// What a unit costs besides its items, in items. Without it the last, short unit of a phase would look expensive.
 constexpr uint32_t k_unit_overhead = 64;
 
 uint32_t power_of_two(uint64_t at_least) {
@@ -83,7 +83,7 @@ void cell_sort_run(CellSort* sort, const Kernels& kernels, const Record* records
           sort->grid, records, sort->keys, sort->serpentine ? 1 : 0, {sort->first[0], sort->first[1], sort->first[2]}};
       uint32_t unused = 0;
       kernels.grid_cells(&args, first, last, &unused);
-      // Counted two places on: the sums then stand one place on, and scattering moves them into place.
+      // Counts stand two places on, so the sums stand one place on, and scattering moves them into place.
       for (uint32_t i = first; i < last; ++i) ++starts[sort->keys[i] + 2];
       break;
     }

@@ -1,5 +1,5 @@
-// A counting sort of records by grid cell, cut into work units: clear, count, sum, scatter. Stable, so the order never
-// depends on how it was cut. Between units the source records are untouched; the result is complete after the last.
+// A counting sort of records by grid cell, cut into work units: clear, count, sum, scatter. It is stable, so the order
+// never depends on how it was cut. The source records are only read; the result is complete after the last unit.
 #pragma once
 
 #include "kernels/kernels.h"
@@ -25,19 +25,19 @@ struct CellSort {
 
 enum : uint32_t { k_sort_clear, k_sort_count, k_sort_prefix, k_sort_scatter, k_sort_done };
 
-// The sorted copy: records, and optionally positions as one array an axis.
+// Where the sorted copy goes: records, and where wanted their positions, one array for each axis.
 struct SortTarget {
   Record* records;
   float* positions[3];  // null: not wanted
-  bool sand_only;       // particles of rigid bodies get a position far from everything
+  bool sand_only;       // the records are particles; those of bodies get a position far from everything
 };
 
 // Regions for sorting up to `records` records into about `cells` cells.
 void cell_sort_layout(CellSort* sort, Layout* layout, const char* starts_name, const char* keys_name, uint64_t records,
                       uint64_t cells);
 
-// Chooses the grid: cells of edge `cell`, as many per axis as the bounds need and cells_max and `bits_min` allow; then
-// starts the sort.
+// Chooses the grid and starts the sort. Cells have the edge `cell`. Along each axis there are as many as the bounds
+// need, at least 2^bits_min, and at most cells_max in all.
 void cell_sort_begin(CellSort* sort, float cell, const float low[3], const float high[3], uint32_t bits_min);
 
 // Cost of the next unit in records: at most `unit` of them, and a fixed share for the unit itself.

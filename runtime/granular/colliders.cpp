@@ -1,22 +1,14 @@
-// Rotations by angular velocity use the first-order quaternion step, renormalised: no sine or cosine in a hashed path,
-// and an error of (angle^3)/12, 7e-4 rad for a turn of 0.2 rad within one frame.
+// Rotations by angular velocity use the first-order quaternion step, renormalised. So there is no sine or cosine in a
+// hashed path. The error is angle^3 / 12: 7e-4 rad for a turn of 0.2 rad within one frame.
 #include "runtime/granular/colliders.h"
 
+#include "runtime/core/finite.h"
 #include "runtime/granular/field.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
 
 namespace {
-
-bool finite(float a) { return a - a == 0.0f; }
-
-bool finite(const float* a, uint32_t n) {
-  for (uint32_t i = 0; i < n; ++i) {
-    if (!finite(a[i])) return false;
-  }
-  return true;
-}
 
 bool normalise(float q[4]) {
   const float length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -132,8 +124,8 @@ bool watch_changed(const ColliderWatch& watch, const sandglass_collider* now, ui
 
 bool collider_accept(const sandglass_collider& collider, sandglass_collider* accepted) {
   if (collider.shape < SANDGLASS_SHAPE_HALF_SPACE || collider.shape > SANDGLASS_SHAPE_FIELD) return false;
-  if (!finite(collider.position, 3) || !finite(collider.rotation, 4) || !finite(collider.linear_velocity, 3) ||
-      !finite(collider.angular_velocity, 3)) {
+  if (!all_finite(collider.position, 3) || !all_finite(collider.rotation, 4) ||
+      !all_finite(collider.linear_velocity, 3) || !all_finite(collider.angular_velocity, 3)) {
     return false;
   }
   for (int k = 0; k < 3; ++k) {
@@ -153,7 +145,7 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
     if (!(collider.size[k] > 0.0f && collider.size[k] <= k_coordinate_bound)) return false;
   }
   *accepted = collider;
-  if (field) {  // how far its points are from its origin: what turning moves them by
+  if (field) {  // as far as its points are from its origin: turning moves them by that
     float low[3], high[3];
     sandglass_field_bounds(collider.field, low, high);
     for (int k = 0; k < 3; ++k) accepted->size[k] = high[k] > -low[k] ? high[k] : -low[k];

@@ -1,6 +1,6 @@
-// Signed distances on a grid. From a mesh: every triangle writes its exact distance to the nodes within the band; from
-// there distances spread node by node (two sweeps over the 26 neighbours), never below the truth and at most 13 % above
-// it; an inside test gives the sign. No memory but the field's own.
+// Signed distances on a grid. From a mesh: every triangle writes its exact distance to the nodes within the band. From
+// there distances spread node by node, in two passes over the 26 neighbours; they are never below the truth and at most
+// 13 % above it. An inside test gives the sign. There is no memory but the field's own.
 #include "runtime/granular/field.h"
 
 #include "runtime/core/refuse.h"
@@ -15,7 +15,7 @@ constexpr uint64_t k_header =
     (sizeof(sandglass_field) + SANDGLASS_BLOCK_ALIGNMENT - 1) / SANDGLASS_BLOCK_ALIGNMENT * SANDGLASS_BLOCK_ALIGNMENT;
 constexpr float k_far = 1e30f;
 
-// Node counts of the box, or a sentence.
+// Counts the nodes of the box. Null, or a sentence that says what is wrong.
 const char* measure(const float low[3], const float high[3], float spacing, uint32_t counts[3]) {
   if (low == nullptr || high == nullptr)
     return "sandglass_field: bounds_min or bounds_max is NULL: pass the corners of the box.";
@@ -68,11 +68,11 @@ sandglass_status begin(const float low[3], const float high[3], float spacing, s
   return SANDGLASS_OK;
 }
 
-// The header, once the values are there: finds the border and refuses a surface that leaves the box.
+// Writes the header once the values are there. Finds the border and refuses a surface that leaves the box.
 sandglass_status finish(const Nodes& n, sandglass_solid solid, void* block, sandglass_field** field,
                         const char** reason) {
   const bool inside = solid == SANDGLASS_SOLID_INSIDE;
-  bool two_sided = false;  // some node lies on the other side of the surface than the faces
+  bool two_sided = false;  // some node and the faces lie on different sides of the surface
   float border = inside ? k_far : -k_far;
   for (uint32_t k = 0; k < n.counts[2]; ++k) {
     for (uint32_t j = 0; j < n.counts[1]; ++j) {
@@ -124,7 +124,7 @@ float segment_distance2(Vector p, Vector a, Vector b) {
   return dot(d, d);
 }
 
-// Squared distance from a triangle: to its plane where the foot lies inside, else to the nearest edge.
+// Squared distance from a triangle: to its plane where the foot point lies inside it, else to its nearest edge.
 float triangle_distance2(Vector p, Vector a, Vector b, Vector c) {
   const Vector ab = b - a, ac = c - a, ap = p - a;
   const float d00 = dot(ab, ab), d01 = dot(ab, ac), d11 = dot(ac, ac), d20 = dot(ap, ab), d21 = dot(ap, ac);
@@ -139,7 +139,7 @@ float triangle_distance2(Vector p, Vector a, Vector b, Vector c) {
   return e < e2 ? e : e2;
 }
 
-// First and last node of an axis within low..high.
+// The first and last node of an axis within low..high.
 bool node_range(const Nodes& n, int axis, float low, float high, uint32_t range[2]) {
   const float from = (low - n.low[axis]) / n.spacing, to = (high - n.low[axis]) / n.spacing;
   const float last = static_cast<float>(n.counts[axis] - 1);
@@ -237,7 +237,7 @@ sandglass_status sandglass_field_from_mesh(const sandglass_mesh* mesh, sandglass
                                            sandglass_field** field, const char** reason) {
   Nodes n = {};
   float low[3], high[3];
-  sandglass_status status = sandglass_mesh_bounds(mesh, low, high, reason);  // checks the mesh, too
+  sandglass_status status = sandglass_mesh_bounds(mesh, low, high, reason);  // checks the mesh too
   if (status != SANDGLASS_OK) return status;
   status = begin(bounds_min, bounds_max, spacing, solid, block, bytes, field, &n, reason);
   if (status != SANDGLASS_OK) return status;
@@ -254,7 +254,7 @@ sandglass_status sandglass_field_from_mesh(const sandglass_mesh* mesh, sandglass
     for (int v = 0; v < 3; ++v) corners[v] = mesh->vertices + 3ull * mesh->indices[3ull * t + v];
     write_triangle(n, corners, reach);
   }
-  // What a triangle's box reached beyond the band need not be the nearest triangle: it is left to the sweeps.
+  // Beyond the band the triangles that reached a node need not be the nearest: those nodes are left to the passes.
   for (uint64_t i = 0; i < count; ++i) {
     const float distance = n.values[i] < k_far ? __builtin_sqrtf(n.values[i]) : k_far;
     n.values[i] = distance <= reach ? distance : k_far;

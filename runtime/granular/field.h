@@ -1,4 +1,4 @@
-// What stands at the start of a field's block; the values follow, x fastest.
+// What stands at the start of a field's block. The values follow, x fastest.
 #pragma once
 
 #include "kernels/kernels.h"

@@ -1,5 +1,8 @@
 #include "runtime/granular/flow.h"
 
+#include "runtime/core/finite.h"
+#include "runtime/core/random.h"
+#include "runtime/core/refuse.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -9,29 +12,19 @@ namespace {
 constexpr float k_spacing_radii = 2.02f;  // of the poured lattice
 constexpr float k_row = 0.8660254f;       // sqrt(3)/2
 constexpr float k_layer = 0.81649658f;    // sqrt(2/3)
-constexpr float k_jitter_radii = 0.02f;   // of every coordinate: perfect layers would stack
+constexpr float k_jitter_radii = 0.02f;   // added to every coordinate: perfect layers would stack
 constexpr uint32_t k_batch = 64;          // sites added at once, from the stack
 
-bool finite(const float* a, uint32_t n) {
-  bool all = true;
-  for (uint32_t i = 0; i < n; ++i) all = all && a[i] - a[i] == 0.0f;
-  return all;
-}
+// The next number of the sequence that an emitter's jitter is drawn from.
+uint64_t next_seed(uint64_t seed) { return mix_bits(seed + k_random_step); }
 
-uint64_t mix(uint64_t z) {  // splitmix64
-  z += 0x9e3779b97f4a7c15u;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
-
-// -1..1
+// From -1 to 1.
 float symmetric(uint64_t bits) { return static_cast<float>(static_cast<int32_t>(bits >> 40) - (1 << 23)) * 0x1p-23f; }
 
 bool accept(const Granular& g, const sandglass_emitter& emitter, sandglass_emitter* accepted) {
   const float r = g.desc.particle_radius;
   const float* q = emitter.rotation;
-  if (!finite(emitter.position, 3) || !finite(q, 4)) return false;
+  if (!all_finite(emitter.position, 3) || !all_finite(q, 4)) return false;
   for (const float p : emitter.position) {
     if (!(__builtin_fabsf(p) <= SANDGLASS_COORDINATE_LIMIT)) return false;
   }
@@ -82,7 +75,7 @@ struct Batch {
 };
 
 void flush(Granular* g, Batch* batch, bool grains) {
-  // Room was checked for the whole layer; what still fails here is a nozzle beyond the coordinate limit.
+  // Room was checked for the whole layer. What can still fail is a site beyond the coordinate limit.
   const uint32_t particles = grains ? 0 : batch->count, fine = grains ? batch->count : 0;
   const sandglass_status status = granular_add(g, batch->positions, batch->velocities, particles, batch->positions,
                                                batch->velocities, fine, nullptr);
@@ -115,18 +108,18 @@ void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_
   for (int k = 0; k < 3; ++k) velocity[k] = -e.speed * nozzle.axes[1][k];
   Batch particles, fine;
   particles.count = fine.count = 0;
-  uint64_t seed = mix((static_cast<uint64_t>(index) << 32) | layer);
+  uint64_t seed = next_seed((static_cast<uint64_t>(index) << 32) | layer);
   for_sites(e, r, layer, [&](float x, float z) {
     float at[3];
     for (int k = 0; k < 3; ++k) {
-      seed = mix(seed);
+      seed = next_seed(seed);
       at[k] = e.position[k] + x * nozzle.axes[0][k] - gone * nozzle.axes[1][k] + z * nozzle.axes[2][k] +
               k_jitter_radii * r * symmetric(seed);
     }
     put_site(g, &particles, false, at, velocity);
     for (uint32_t grain = 0; grain < e.grains_per_particle;) {
       float offset[3], length2 = 0.0f;
-      for (float& o : offset) seed = mix(seed), o = symmetric(seed), length2 += o * o;
+      for (float& o : offset) seed = next_seed(seed), o = symmetric(seed), length2 += o * o;
       if (length2 > 1.0f) continue;  // uniform within the ball
       for (int k = 0; k < 3; ++k) offset[k] = at[k] + r * offset[k];
       put_site(g, &fine, true, offset, velocity);
@@ -155,8 +148,8 @@ void remove_grain(Granular* g, uint32_t i) {
   *gap = g->grains.records[0][last];
 }
 
-// Removes what lies inside the shapes from the group that begins at `first`, from its end, so that what moves into a
-// gap comes from beyond. Returns how many.
+// Removes what lies inside the shapes from the group that begins at `first`. Goes through it from its end, so what
+// moves into a gap comes from behind the group. Returns how many were removed.
 template <class Remove>
 uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* count, uint32_t first,
                      const ColliderFrame* shapes, uint32_t shape_count, const Remove& remove) {
@@ -171,7 +164,7 @@ uint32_t drain_group(const Granular& g, const Record* records, const uint32_t* c
   return removed;
 }
 
-// Sleeping groups' records may have moved; which groups sleep is found out by the next list build.
+// Particles of sleeping groups may have moved to others. The next list build finds out which groups sleep.
 void after_removal(Granular* g) {
   g->neighbours.valid = false;
   substep_set_due(g, SubstepPhase::wake, false);
@@ -195,7 +188,7 @@ void flow_reset(Flow* f, const sandglass_granular_desc& d) {
   for (uint32_t e = 0; e < d.emitter_capacity; ++e) f->emitter_states[e] = {};
 }
 
-// Live and free numbers together are 0, 1, 2, ...: without free ones the next is the count.
+// Numbers in use and free ones together are 0, 1, 2, ...; without free ones the next is the count.
 uint32_t flow_take_particle_number(Flow* f, uint32_t count) {
   return f->free_particle_count != 0 ? f->free_particles[--f->free_particle_count] : count;
 }
@@ -209,7 +202,7 @@ void flow_take(Granular* g, const sandglass_frame_input& input) {
   for (uint32_t e = 0; e < input.emitter_count; ++e) {
     if (input.emitters == nullptr || g->flow.emitter_count == g->desc.emitter_capacity ||
         !accept(*g, input.emitters[e], &g->flow.emitters[g->flow.emitter_count])) {
-      ++g->counts.ignored_colliders;
+      ++g->counts.ignored_emitters;
     } else {
       ++g->flow.emitter_count;
     }
@@ -221,7 +214,7 @@ void flow_take(Granular* g, const sandglass_frame_input& input) {
     sandglass_collider accepted;
     if (input.sinks == nullptr || g->flow.sink_count == g->desc.sink_capacity ||
         !collider_accept(input.sinks[s], &accepted)) {
-      ++g->counts.ignored_colliders;
+      ++g->counts.ignored_sinks;
     } else {
       colliders_pose(&accepted, 1, 0.0f, &g->flow.sinks[g->flow.sink_count++]);
     }
@@ -247,7 +240,7 @@ bool flow_run_drain(Granular* g) {
   const uint32_t items = sleep_active_items(*g);
   const uint32_t end = items - g->substep.cursor < g->unit ? items : g->substep.cursor + g->unit;
   uint32_t removed = 0;
-  // From the last group to the first: the record that fills a gap has been looked at.
+  // From the last group to the first, so the particle that fills a gap has been looked at.
   for (uint32_t at = g->substep.cursor; at < end; at += k_lane_group) {
     const uint32_t first = g->sleep.active_groups[g->sleep.active_count - 1 - at / k_lane_group] * k_lane_group;
     if (first >= g->particles.count) continue;
@@ -287,17 +280,12 @@ bool flow_run_grain_drain(Granular* g) {
 sandglass_status granular_remove(Granular* g, const sandglass_collider* region, uint32_t* particles, uint32_t* grains,
                                  const char** reason) {
   sandglass_collider accepted;
-  const char* wrong = nullptr;
-  if (region == nullptr) {
-    wrong = "sandglass_granular_remove: region is NULL: pass the shape to empty.";
-  } else if (!collider_accept(*region, &accepted)) {
-    wrong =
+  if (region == nullptr) return refuse(reason, "sandglass_granular_remove: region is NULL: pass the shape to empty.");
+  if (!collider_accept(*region, &accepted)) {
+    return refuse(
+        reason,
         "sandglass_granular_remove: region is not a usable shape: its numbers must be finite, its position within "
-        "the coordinate limit, its sizes above 0, its rotation not zero, and its field made by this library.";
-  }
-  if (wrong != nullptr) {
-    if (reason != nullptr) *reason = wrong;
-    return SANDGLASS_ERROR_INVALID_ARGUMENT;
+        "the coordinate limit, its sizes above 0, its rotation not zero, and its field made by this library.");
   }
   ColliderFrame shape;
   colliders_pose(&accepted, 1, 0.0f, &shape);
@@ -324,8 +312,7 @@ sandglass_status granular_remove(Granular* g, const sandglass_collider* region, 
   g->flow.counts.removed_grains += removed_grains;
   if (particles != nullptr) *particles = removed;
   if (grains != nullptr) *grains = removed_grains;
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 }  // namespace sandglass

@@ -1,8 +1,9 @@
 // Coming and going: emitters pour particles and grains into the scene, sinks and the app take them out.
 //
 // Removing moves the last record into the gap, so the order of the others stays. Emitting happens between intervals of
-// simulated time, never in the middle of a sub-step, and only while a sweep of the grains neither takes its snapshot nor
-// sorts nor chooses what to refine. What cannot come in time comes later, as far from the nozzle as it would be by then.
+// simulated time, never in the middle of a sub-step, and only while a sweep of the grains neither takes its snapshot
+// nor sorts nor chooses what to refine. What cannot come in time comes later, as far from the nozzle as it would be by
+// then.
 //
 // Numbers of removed items are used again, the last removed first.
 #pragma once

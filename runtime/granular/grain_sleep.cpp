@@ -7,11 +7,11 @@ namespace sandglass {
 namespace {
 
 constexpr float k_scattered_cells = 3.0f;  // a group wider than this is not looked up cell by cell
-constexpr uint32_t k_cells_per_item = 8;   // a cell costs that much less than a grain's share of triage
+constexpr uint32_t k_cells_per_item = 8;   // as many cells cost what one group costs in triage
 
 uint32_t groups_of(const Granular& g) { return (g.grains.count + k_lane_group - 1) / k_lane_group; }
 
-// From the snapshot, not from the particles: those may have gone on.
+// Marks the cells that hold an awake particle. Reads the snapshot, because the particles may have gone on.
 void mark_awake(Granular* g, uint32_t begin, uint32_t end) {
   const uint32_t* starts = g->grains.snapshot.sort.starts;
   for (uint32_t c = begin; c < end; ++c) {
@@ -55,7 +55,7 @@ int32_t floor_cell(float scaled) {
 
 bool near_awake_particle(const Granular& g, const Sleeper& tile) {
   const Grid& grid = g.grains.snapshot.sort.grid;
-  // Grains of distant cells that share storage: they rest when everything does.
+  // Grains of distant cells that share storage sleep only when all particles do.
   if (tile.radius * grid.inverse_cell > k_scattered_cells) return g.sleep.awake_count != 0;
   int32_t first[3], last[3];
   for (int k = 0; k < 3; ++k) {
@@ -84,7 +84,7 @@ bool keeps_still(const Granular& g, uint32_t group) {
   return still;
 }
 
-// The collider that came near the group: which of its grains are really near? Those have to find their rest anew.
+// A collider came near the sphere of the group: wakes those of its grains that it really came near. False: none.
 bool wake_grains(Granular* g, uint32_t group) {
   alignas(SANDGLASS_BLOCK_ALIGNMENT) Sleeper points[k_lane_group] = {};
   Grain* grains = g->grains.records[0] + static_cast<uint64_t>(group) * k_lane_group;
@@ -177,13 +177,11 @@ bool grain_sleep_run_triage(Granular* g) {
   for (uint32_t group = begin; group < end; ++group) {
     Sleeper* tile = &g->grain_sleep.tiles[group];
     set_asleep(tile, false);
-    tile->untouched[0] = tile->mobility;
     if (g->grain_sleep.groups_changed) g->grain_sleep.still[group] = keeps_still(*g, group) ? 1 : 0;
     if (g->grain_sleep.still[group] == 0) continue;
     make_tile(g, group);
     ++g->grain_sleep.still_groups;
     if (g->grain_sleep.marked && !near_awake_particle(*g, *tile)) set_asleep(tile, true);
-    tile->untouched[0] = tile->mobility;
   }
   if (g->colliders.all.moved.count != 0) {
     const WakeArgs args = {g->grain_sleep.tiles, end, g->colliders.all.moved.frames, g->colliders.all.moved.margins,
@@ -194,7 +192,7 @@ bool grain_sleep_run_triage(Granular* g) {
   for (uint32_t group = begin; group < end; ++group) {
     const Sleeper& tile = g->grain_sleep.tiles[group];
     if (!is_awake(tile)) continue;
-    if (tile.untouched[0] < 0.0f && !wake_grains(g, group)) continue;
+    if (was_woken(tile) && !wake_grains(g, group)) continue;
     g->grain_sleep.groups[g->grain_sleep.group_count++] = group;
   }
   g->sweep.cursor = end;

@@ -1,6 +1,9 @@
 // Checks, layout and reset of the parts, the beginning of a frame, and the material that the app adds.
 #include "runtime/granular/granular.h"
 
+#include "runtime/core/finite.h"
+#include "runtime/core/refuse.h"
+
 namespace sandglass {
 
 namespace {
@@ -13,24 +16,17 @@ constexpr float k_substep_units = 0.00871f;
 
 constexpr float k_at_rest[3] = {0.0f, 0.0f, 0.0f};
 
-bool all_within(const float* values, uint32_t count, float limit) {
-  for (uint64_t i = 0; i < static_cast<uint64_t>(count) * 3; ++i) {
-    if (!(__builtin_fabsf(values[i]) <= limit)) return false;  // NaN fails too
-  }
-  return true;
-}
-
-sandglass_status fail(sandglass_status status, const char* sentence, const char** reason) {
-  if (reason != nullptr) *reason = sentence;
-  return status;
-}
-
 constexpr float k_speed_limit = 1e4f;  // m/s that material may be added with
+
+// The coordinates of `count` positions or velocities.
+bool items_within(const float* values, uint32_t count, float limit) {
+  return all_within(values, 3ull * count, -limit, limit);
+}
 
 }  // namespace
 
 const char* granular_refuse(const sandglass_granular_desc& d) {
-  const auto outside = [](float value, float low, float high) { return !(value >= low && value <= high); };
+  const auto outside = [](float value, float low, float high) { return !within(value, low, high); };
   if (d.particle_capacity == 0) {
     return d.grain_capacity != 0 || d.boundary_capacity != 0
                ? "granular.grain_capacity or boundary_capacity is set but particle_capacity is 0: give particles room, "
@@ -125,6 +121,20 @@ void granular_reset(Granular* g) {
   particles_seal(g);
 }
 
+void granular_settle(Granular* g) {
+  if (g->desc.particle_capacity == 0) return;
+  sweep_finish(g);
+  substep_abandon(g);
+  substep_forget(&g->substep);
+  neighbours_forget(&g->neighbours, g->substep.longest);
+  g->time.interval_debt = 0.0;
+  g->sleep.waking_count = 0;
+  sweep_forget(&g->sweep);
+  grain_sleep_forget(&g->grain_sleep);
+  g->colliders.adopts = true;
+  particles_seal(g);
+}
+
 void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   neighbours_learn(&g->neighbours, g->counts.list_builds, g->counts.substeps);
   g->counts = {};
@@ -158,28 +168,25 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
                               uint32_t particle_count, const float* grains, const float* grain_velocities,
                               uint32_t grain_count, const char** reason) {
   if ((particle_count != 0 && particles == nullptr) || (grain_count != 0 && grains == nullptr)) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "particle_positions or grain_positions is NULL but its count is above 0: pass 3 floats for each item.",
-                reason);
+    return refuse(
+        reason, "particle_positions or grain_positions is NULL but its count is above 0: pass 3 floats for each item.");
   }
   if (particle_count > g->desc.particle_capacity - g->particles.count) {
-    return fail(SANDGLASS_ERROR_CAPACITY, "more particles than granular.particle_capacity has room for: raise it.",
-                reason);
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "more particles than granular.particle_capacity has room for: raise it.");
   }
   if (grain_count > g->desc.grain_capacity - g->grains.count) {
-    return fail(SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.", reason);
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY, "more grains than granular.grain_capacity has room for: raise it.");
   }
-  if (!all_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
-      !all_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "a position is not finite or more than 1000 m from the scene origin: move the "
-                "origin nearer.",
-                reason);
+  if (!items_within(particles, particle_count, SANDGLASS_COORDINATE_LIMIT) ||
+      !items_within(grains, grain_count, SANDGLASS_COORDINATE_LIMIT)) {
+    return refuse(reason,
+                  "a position is not finite or more than 1000 m from the scene origin: move the "
+                  "origin nearer.");
   }
-  if ((particle_velocities != nullptr && !all_within(particle_velocities, particle_count, k_speed_limit)) ||
-      (grain_velocities != nullptr && !all_within(grain_velocities, grain_count, k_speed_limit))) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "a velocity is not finite or above 10000 m/s: check where it comes from.", reason);
+  if ((particle_velocities != nullptr && !items_within(particle_velocities, particle_count, k_speed_limit)) ||
+      (grain_velocities != nullptr && !items_within(grain_velocities, grain_count, k_speed_limit))) {
+    return refuse(reason, "a velocity is not finite or above 10000 m/s: check where it comes from.");
   }
   if (particle_count != 0) {
     substep_abandon(g);
@@ -194,32 +201,29 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
       add_grain(g, grains + 3 * i, grain_velocities == nullptr ? k_at_rest : grain_velocities + 3 * i);
     sweep_grains_added(g, grain_count);
   }
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
   if (count > g->desc.boundary_capacity) {
-    return fail(SANDGLASS_ERROR_CAPACITY,
-                "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.", reason);
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.");
   }
   if (count != 0 && positions == nullptr) {
-    return fail(
-        SANDGLASS_ERROR_INVALID_ARGUMENT,
-        "sandglass_granular_set_boundary: positions is NULL but count is above 0: pass 3 floats for each sample.",
-        reason);
+    return refuse(
+        reason,
+        "sandglass_granular_set_boundary: positions is NULL but count is above 0: pass 3 floats for each sample.");
   }
-  if (!all_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin: "
-                "move the origin nearer.",
-                reason);
+  if (!items_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
+    return refuse(
+        reason,
+        "sandglass_granular_set_boundary: a position is not finite or more than 1000 m from the scene origin: "
+        "move the origin nearer.");
   }
   sleep_wake_all(g);
   for (uint32_t i = 0; i < count; ++i) boundary_particles(*g)[i] = fixed_particle(positions + 3ull * i, i);
   boundary_sort(g, count);
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 }  // namespace sandglass

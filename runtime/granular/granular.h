@@ -5,8 +5,8 @@
 //   output      grains into the app's buffer                               output.h    mandatory, at the end of a frame
 //
 // Each of the three is a stage: a sequence of work units, after each of which a frame may end. A part lays out its own
-// memory, resets itself, and lives in the header and source that are named after it. A function that needs several parts
-// takes the whole Granular.
+// memory, resets itself, and lives in the header and source that are named after it. A function that needs several
+// parts takes the whole Granular.
 #pragma once
 
 #include "runtime/granular/bodies.h"
@@ -47,9 +47,10 @@ enum : uint32_t {
 // Of the frame under way.
 struct FrameCounts {
   uint32_t substeps, list_builds;
-  uint32_t dropped_contacts;   // neighbours for which a list had no room
-  uint32_t quarantined;        // particles and grains that were not finite or out of bounds
-  uint32_t ignored_colliders;  // colliders, emitters and sinks that were refused
+  uint32_t dropped_contacts;  // neighbours for which a list had no room
+  uint32_t quarantined;       // particles and grains that were not finite or out of bounds
+  // What the frame was given and could not use.
+  uint32_t ignored_colliders, ignored_emitters, ignored_sinks;
 };
 
 struct Granular {
@@ -99,10 +100,14 @@ sandglass_status granular_add(Granular* granular, const float* particles, const 
                               uint32_t grain_count, const char** reason);
 sandglass_status granular_set_boundary(Granular* granular, const float* positions, uint32_t count, const char** reason);
 
+// Between frames: the grains' sweep is finished, the sub-step under way is abandoned or ended, and lists and orders
+// that can be found again are forgotten. Nothing is remembered then that a restored scene would not know.
+void granular_settle(Granular* granular);
+
 // Takes a frame's input: colliders, emitters, sinks and time.
 void granular_begin_frame(Granular* granular, const sandglass_frame_input* input);
 
-// Saving, restoring and moving (live.cpp).
+// Saving and restoring (save.cpp); moving (move.cpp).
 uint64_t granular_save_bytes(const Granular& granular);
 sandglass_status granular_save(Granular* granular, void* data, uint64_t bytes, uint64_t* written, const char** reason);
 sandglass_status granular_restore(Granular* granular, const void* data, uint64_t bytes, const char** reason);

@@ -11,8 +11,9 @@ namespace {
 // next few sub-steps.
 constexpr float k_near_radii = 2.1f;
 
-// A bound on how far a particle strays from the common motion in a sub-step: half the diagonal of the box that holds all
-// displacements. Where something stands still, there is no common motion, and the box is made to hold its place too.
+// A bound on how far a particle strays from the common motion in a sub-step: half the diagonal of the box that holds
+// all displacements. Where something stands still, there is no common motion, and the box is made to hold its place
+// too.
 float spread_of(const Granular& g, const ContactExtent& e) {
   float sum = 0.0f;
   for (int k = 0; k < 3; ++k) {

@@ -1,6 +1,6 @@
 // The quaternion of the best rotation is the eigenvector of the largest eigenvalue of a symmetric 4x4 matrix (Horn
-// 1987). Unlike a polar decomposition it is a proper rotation for every input, and unlike the iterative extraction from
-// a warm start it has no half turn where it stalls. Jacobi's method finds all four eigenvectors with + - * / and sqrt
+// 1987). Other than a polar decomposition it is a proper rotation for every input. Other than an iteration from the
+// last rotation it does not stall at a half turn. Jacobi's method finds all four eigenvectors with + - * / and sqrt
 // alone.
 #include "runtime/granular/rotation.h"
 
@@ -8,7 +8,7 @@ namespace sandglass {
 
 namespace {
 
-constexpr int k_sweeps = 12;           // Jacobi converges quadratically; 6 are enough for doubles
+constexpr int k_rounds = 12;           // Jacobi's method converges quadratically: 6 are enough for doubles
 constexpr double k_degenerate = 1e-9;  // eigenvalues closer than this, relative to the largest entry, are equal
 constexpr double k_unrelated = 1e-12;  // squared length of a projection that is only rounding
 
@@ -40,7 +40,7 @@ void nearest_rotation(const double a[9], const double near[4], double q[4]) {
   double scale = 0.0;
   for (int i = 0; i < 9; ++i) {
     const double size = a[i] < 0.0 ? -a[i] : a[i];
-    if (!(size < 1e300)) return;  // not a number or beyond reason: stay
+    if (!(size < 1e300)) return;  // not finite, or so large that squares overflow
     scale = size > scale ? size : scale;
   }
   if (!(scale > 1e-300)) return;
@@ -53,7 +53,7 @@ void nearest_rotation(const double a[9], const double near[4], double q[4]) {
                     {s[2][0] - s[0][2], s[0][1] + s[1][0], -s[0][0] + s[1][1] - s[2][2], s[1][2] + s[2][1]},
                     {s[0][1] - s[1][0], s[2][0] + s[0][2], s[1][2] + s[2][1], -s[0][0] - s[1][1] + s[2][2]}};
   double v[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
-  for (int sweep = 0; sweep < k_sweeps; ++sweep) {
+  for (int round = 0; round < k_rounds; ++round) {
     double off = 0.0;
     for (int p = 0; p < 3; ++p)
       for (int r = p + 1; r < 4; ++r) off += m[p][r] * m[p][r];

@@ -8,7 +8,8 @@ namespace {
 
 constexpr float k_rest_radii = 0.1f;        // moving further than this is moving on
 constexpr float k_wake_speed_units = 0.1f;  // of sqrt(g d)
-// Jammed particles, under a heavy body say, tremble faster than the wake speed, but stay within a hundredth of a radius.
+// Jammed particles, under a heavy body say, tremble faster than the wake speed, but stay within a hundredth of a
+// radius.
 constexpr float k_stir_radii = 0.05f;
 
 Particle* particle_at(const Granular& g, uint32_t i) { return &g.particles.records[0][i]; }

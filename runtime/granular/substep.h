@@ -1,8 +1,8 @@
 // The particles' stage: simulated time in equal sub-steps, each a sequence of phases, each phase a sequence of units.
 // One machine says which phase follows which (substep.cpp).
 //
-// A frame may end between any two units. records[0] of the particles then holds the last complete sub-step, so the scene
-// is valid.
+// A frame may end between any two units. records[0] of the particles then holds the last complete sub-step, so the
+// scene is valid.
 #pragma once
 
 #include "kernels/kernels.h"

@@ -1,4 +1,4 @@
-// The C API around a Light, and its units.
+// The C API around a Light: checks, layout, and what an estimate looks like from outside. Its units are in stage.cpp.
 #include "runtime/light/light.h"
 
 #include <cstring>
@@ -16,7 +16,6 @@ namespace sandglass {
 namespace {
 
 constexpr uint64_t k_rgb_bytes = 3 * k_light_width * k_light_height;
-constexpr float k_light_share = 0.2f;  // of the optional time, while a later stage has work
 
 struct Checked {
   LightAsset asset;
@@ -68,149 +67,6 @@ __attribute__((noinline)) uint64_t size_of_light(const LightBackend* backend) {
   return layout.size;
 }
 
-// ---------------------------------------------------------------------------------------------------- units
-
-bool due(const Light& light, uint64_t time_ns) {
-  if (time_ns == 0 || light.estimates == 0 || time_ns < light.taken_ns) return true;  // no clock, or one that restarted
-  return time_ns != light.taken_ns && time_ns - light.taken_ns >= light.interval_ns;
-}
-
-// Takes an image that has passed sandglass_camera_check, if one is due. Returns whether it did.
-bool take_image(Light* light, const sandglass_camera_image& image) {
-  if (light->phase != LightPhase::idle || !due(*light, image.timestamp_ns)) return false;
-  light->phase = LightPhase::image;
-  light->cursor = 0;
-  light->image = with_turn(image);
-  light->blocks = camera_blocks(light->image);
-  light->image_frame = light->frame;
-  return true;
-}
-
-uint32_t image_units_left(const Light& light) { return light.blocks.count - light.cursor; }
-
-void drop_image(Light* light) {
-  for (const uint8_t*& plane : light->image.planes) plane = nullptr;
-}
-
-void run_image(Light* light) {
-  const CameraBlock block = camera_block(light->image, light->blocks, light->cursor);
-  resample_camera_block(light->image, block, light->rgb, light->sums);
-  if (++light->cursor < light->blocks.count) return;
-  drop_image(light);
-  light->taken_ns = light->image.timestamp_ns;
-  light->phase = LightPhase::network;
-  light->cursor = 0;
-  begin_light_network(light->network, light->rgb);
-}
-
-void finish(Light* light) {
-  LightOutputs out;
-  finish_light_network(*light->network, &out);
-  double camera[3];
-  for (int i = 0; i < 3; ++i) {
-    camera[i] = static_cast<double>(out.direction[i]);
-    light->latest.levels[k_sample_light + i] = static_cast<double>(out.light[i]);
-    light->latest.levels[k_sample_ambient + i] = static_cast<double>(out.ambient[i]);
-  }
-  light->latest.levels[k_sample_contrast] = static_cast<double>(out.contrast);
-  camera_to_world(light->image, camera, light->latest.direction);
-  light->latest_ns = light->image.timestamp_ns;
-  light->estimate_frame = light->image_frame;
-  ++light->estimates;
-  if (light_filter_take(&light->filter, light->latest, light->latest_ns)) {
-    light->changed_ns = light->latest_ns;
-    light->changed = true;
-  }
-  light->phase = LightPhase::idle;
-}
-
-bool next_unit(const sandglass_light* owner, WorkUnit* unit) {
-  const Light& light = owner->light;
-  if (light.phase == LightPhase::idle) return false;
-  if (light.phase == LightPhase::image) {
-    *unit = {k_light_stage_image, static_cast<uint32_t>(light.blocks.bytes / 256 + 1), "light.image"};
-    return true;
-  }
-  *unit = light_unit(*light.network, light.cursor);
-  unit->kind += k_light_stage_network;
-  return true;
-}
-
-void run_unit(sandglass_light* owner) {
-  Light* light = &owner->light;
-  if (light->phase == LightPhase::image) return run_image(light);
-  run_light_unit(light->network, light->cursor);
-  if (++light->cursor == light->network->units) finish(light);
-}
-
-// ---------------------------------------------------------------------------------------------------- in a frame
-
-bool next(const void* state, uint32_t, WorkUnit* unit) {
-  return next_unit(static_cast<const sandglass_light*>(state), unit);
-}
-
-void run(void* state, uint32_t) { run_unit(static_cast<sandglass_light*>(state)); }
-
-// The image counts whole: it must be resampled in this frame. The network may take several frames. Its units are all
-// forecast as the next one, which is close enough: the stage's share bounds what they get.
-uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
-  const sandglass_light* owner = static_cast<const sandglass_light*>(state);
-  const Light& light = owner->light;
-  WorkUnit unit;
-  if (!next_unit(owner, &unit)) return 0;
-  uint32_t count = 0;
-  if (light.phase == LightPhase::image) {
-    entries[count++] = {unit.kind, uint64_t{unit.items} * image_units_left(light)};
-    unit = light_unit(*light.network, 0);
-    unit.kind += k_light_stage_network;
-  }
-  const uint32_t done = light.phase == LightPhase::image ? 0 : light.cursor;
-  entries[count++] = {unit.kind, uint64_t{unit.items} * (light.network->units - done), true};
-  return count;
-}
-
-Stage begin_frame(sandglass_light* owner, const sandglass_camera_image* image, const char** refused) {
-  Light* light = &owner->light;
-  ++light->frame;
-  light->changed = false;
-  bool taken = false;
-  if (image != nullptr) {
-    const char* reason = nullptr;
-    if (check_camera_image(image, &reason) != SANDGLASS_OK) *refused = reason;
-    else taken = take_image(light, *image);
-  }
-  const uint32_t mandatory = taken ? 1 + image_units_left(*light) : 1;
-  return {owner, next, run, forecast, k_light_stage_kinds, mandatory, k_light_share};
-}
-
-void end_frame(sandglass_light* owner, sandglass_frame_report* report) {
-  Light* light = &owner->light;
-  if (light->phase == LightPhase::image) {
-    drop_image(light);
-    light->phase = LightPhase::idle;
-  }
-  report->light_valid = light->filter.accepted != 0 ? 1 : 0;
-  report->light_changed = light->changed ? 1 : 0;
-  report->light_age = light->estimates != 0 ? static_cast<uint32_t>(light->frame - light->estimate_frame) : 0;
-  report->light_units_left = sandglass_light_units_left(owner);
-}
-
-constexpr LightFunctions k_light_functions = {begin_frame, end_frame};
-
-// ---------------------------------------------------------------------------------------------------- description
-
-void reset(Light* light) {
-  light_filter_reset(&light->filter);
-  drop_image(light);
-  light->phase = LightPhase::idle;
-  light->cursor = 0;
-  light->latest = light->filter.state;
-  light->latest_ns = light->changed_ns = light->taken_ns = 0;
-  light->estimates = 0;
-  light->frame = light->image_frame = light->estimate_frame = 0;
-  light->changed = false;
-}
-
 // False: the back end cannot be had.
 __attribute__((noinline)) bool build(const Checked& checked, const sandglass_light_desc& desc, void* block,
                                      sandglass_light** light, const char** reason) {
@@ -231,7 +87,7 @@ __attribute__((noinline)) bool build(const Checked& checked, const sandglass_lig
   l->interval_ns = static_cast<uint64_t>(interval * 1e9);
   l->filter.law = {static_cast<double>(desc.smoothing), interval, static_cast<double>(desc.turn_limit),
                    static_cast<double>(desc.outlier_angle), static_cast<double>(desc.outlier_level)};
-  reset(l);
+  light_reset(l);
   *light = owner;
   return true;
 }
@@ -263,13 +119,13 @@ void describe(const Light& light, const LightSample& sample, uint64_t timestamp_
 }
 
 __attribute__((noinline)) void resample_now(Light* light) {
-  while (light->phase == LightPhase::image) run_image(light);
+  while (light->phase == LightPhase::image) light_run_image(light);
 }
 
 __attribute__((noinline)) uint32_t run_units(sandglass_light* light, uint32_t units) {
   WorkUnit unit;
   uint32_t done = 0;
-  while (done < units && next_unit(light, &unit)) run_unit(light), ++done;
+  while (done < units && light_next_unit(light, &unit)) light_run_unit(light), ++done;
   return done;
 }
 
@@ -350,7 +206,7 @@ void sandglass_light_release(sandglass_light* light) {
 }
 
 void sandglass_light_reset(sandglass_light* light) {
-  if (light != nullptr) reset(&light->light);
+  if (light != nullptr) light_reset(&light->light);
 }
 
 sandglass_status sandglass_light_turn(sandglass_light* light, const float rotation[4], const char** reason) {
@@ -376,7 +232,7 @@ sandglass_status sandglass_light_set_image(sandglass_light* light, const sandgla
   const sandglass_status status = check_camera_image(image, reason);
   if (status != SANDGLASS_OK) return status;
   const FloatingPointControl saved = floating_point_enter();
-  const bool took = take_image(&light->light, *image);
+  const bool took = light_take_image(&light->light, *image);
   if (took) resample_now(&light->light);
   floating_point_restore(saved);
   if (taken != nullptr) *taken = took ? 1 : 0;
@@ -395,7 +251,7 @@ uint32_t sandglass_light_units_left(const sandglass_light* light) {
   if (light == nullptr) return 0;
   const Light& l = light->light;
   if (l.phase == LightPhase::idle) return 0;
-  return l.phase == LightPhase::network ? l.network->units - l.cursor : image_units_left(l) + l.network->units;
+  return l.phase == LightPhase::network ? l.network->units - l.cursor : light_image_units_left(l) + l.network->units;
 }
 
 void sandglass_light_get(const sandglass_light* light, sandglass_light_estimate* estimate) {

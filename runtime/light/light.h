@@ -42,6 +42,20 @@ struct Light {
   bool changed;             // the filtered light changed in this frame
 };
 
+// Forgets every estimate and the image under way.
+void light_reset(Light* light);
+
+// Takes an image that has passed sandglass_camera_check, if one is due. Returns whether it did.
+bool light_take_image(Light* light, const sandglass_camera_image& image);
+
+// The image under way: its next unit, and how many are left.
+void light_run_image(Light* light);
+uint32_t light_image_units_left(const Light& light);
+
+// The next unit of the estimate under way, if there is one, and what runs it.
+bool light_next_unit(const sandglass_light* light, WorkUnit* unit);
+void light_run_unit(sandglass_light* light);
+
 // Creation leaves this table in every light, and the scene calls through it. So the linker drops the light from an app
 // that never creates one.
 struct LightFunctions {
@@ -49,6 +63,7 @@ struct LightFunctions {
   Stage (*begin_frame)(sandglass_light* light, const sandglass_camera_image* image, const char** refused);
   void (*end_frame)(sandglass_light* light, sandglass_frame_report* report);
 };
+extern const LightFunctions k_light_functions;
 
 }  // namespace sandglass
 

@@ -1,4 +1,4 @@
-// See arguments.h. Also the mesh measures (bounds, area) that need no more than checked arguments.
+// See arguments.h. The bounds and the area of a mesh are here too: they need no more than checked arguments.
 #include "runtime/sampling/arguments.h"
 
 #include "runtime/core/math.h"

@@ -1,7 +1,7 @@
-// The candidate grid of Alg. 1: candidates grouped by cell of edge l, cells found by hashing, so memory follows the
-// candidates and not the bounding box. Within a bucket the live candidates come first; one that dies (it became a
-// sample, or came too close to one) is swapped behind them and never moves again, so a sample is named by its record's
-// index for good.
+// The candidate grid of Alg. 1. Candidates are grouped by cells of edge l, and cells are found by hashing: memory
+// follows the number of candidates, not the bounding box. Within a bucket the live candidates come first. One that
+// dies, because it became a sample or lies too close to one, is swapped behind them and never moves again. So the index
+// of a sample's record stays its name.
 #pragma once
 
 #include <cstdint>
@@ -20,8 +20,7 @@ struct CandidateGrid {
   Candidate* records;
 };
 
-// Cells are a hair wider than l, so that rounding cannot put two points closer than l into cells that are no
-// neighbours.
+// Cells are slightly wider than l. So rounding cannot put two points closer than l into cells that are not neighbours.
 inline double cells_per_metre(float distance) { return (1 - 0x1p-30) / static_cast<double>(distance); }
 
 inline void cell_of(const CandidateGrid& grid, const float position[3], int64_t cell[3]) {
@@ -41,7 +40,7 @@ inline uint32_t bucket_of(const CandidateGrid& grid, const float position[3]) {
   return bucket_of(grid, cell[0], cell[1], cell[2]);
 }
 
-// The buckets of a point's cell and its 26 neighbours, each once although cells may share one.
+// The buckets of a point's cell and its 26 neighbours. Cells may share a bucket; each is listed once.
 inline uint32_t neighbour_buckets(const CandidateGrid& grid, const float position[3], uint32_t buckets[27]) {
   int64_t cell[3];
   cell_of(grid, position, cell);
@@ -55,7 +54,7 @@ inline uint32_t neighbour_buckets(const CandidateGrid& grid, const float positio
   return count;
 }
 
-// Takes a live candidate out; returns where its record now lies.
+// Retires a live candidate and returns where its record now lies.
 inline uint32_t retire(const CandidateGrid& grid, uint32_t bucket, uint32_t record) {
   const uint32_t last = --grid.live[bucket];
   const Candidate candidate = grid.records[record];

@@ -37,7 +37,7 @@ CandidateStream candidate_stream(const sandglass_mesh& mesh, const double* runni
 
 Candidate draw_candidate(CandidateStream* stream) {
   const sandglass_mesh& mesh = *stream->mesh;
-  // The first triangle whose running sum exceeds the drawn area: one without area is never drawn.
+  // The first triangle whose running sum exceeds the drawn area. So a triangle without area is never drawn.
   const double target = stream->random.uniform() * stream->area;
   uint32_t low = 0, high = mesh.triangle_count - 1;
   while (low < high) {

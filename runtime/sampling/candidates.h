@@ -1,5 +1,5 @@
 // Candidates of Alg. 1: random points spread evenly over the triangles, (3.15)-(3.21). A stream can be drawn twice with
-// the same result, so the candidate grid is filled in two passes (count, place) without a copy of the set.
+// the same result. So the candidate grid is filled in two passes, count and place, without a copy of the points.
 #pragma once
 
 #include "runtime/sampling/streams.h"
@@ -12,8 +12,8 @@ struct Candidate {
   uint32_t triangle;
 };
 
-// The area of the mesh; with `running` not null also the running sum, one entry a triangle, by which triangles are
-// chosen.
+// The area of the mesh. Where `running` is not null it gets the running sum, one entry a triangle, by which triangles
+// are chosen.
 double sum_areas(const sandglass_mesh& mesh, double* running);
 
 struct CandidateStream {
@@ -26,7 +26,7 @@ struct CandidateStream {
 CandidateStream candidate_stream(const sandglass_mesh& mesh, const double* running, double area, uint64_t seed);
 Candidate draw_candidate(CandidateStream* stream);
 
-// max(tries, tries*A/(pi l^2)): at least as many as one disk needs, for objects smaller than a disk.
+// max(tries, tries*A/(pi l^2)). An object smaller than a disk gets as many candidates as one disk.
 double candidate_count(double area, float distance, uint32_t tries);
 
 }  // namespace sandglass

@@ -26,7 +26,7 @@ Vector to_vector(const float p[3]) {
 
 Vector place_of(const Geodesic& g, uint32_t vertex) { return to_vector(vertex_position(g.surface, vertex)); }
 
-// A half-edge as the x axis of a plane in which its triangle lies above.
+// A half-edge as the x axis of the plane of its triangle, which lies above it.
 struct Frame {
   Vector origin, direction;
   double length;
@@ -91,7 +91,7 @@ uint32_t heap_take(Geodesic* g) {
   return top;
 }
 
-// A path of length d to a vertex was found.
+// Takes note of a path of length d to a vertex.
 void offer(Geodesic* g, uint32_t vertex, double d, bool queue) {
   if (!(d < g->distance[vertex]) || !(d < g->radius)) return;
   if (g->distance[vertex] == k_far) g->touched[g->touched_count++] = vertex;
@@ -101,9 +101,9 @@ void offer(Geodesic* g, uint32_t vertex, double d, bool queue) {
 
 // ---------------------------------------------------------------- windows
 
-// A window enters every other triangle at the half-edge h; x, y: the source seen from h's own triangle. Dropped are
-// windows out of reach and those whose far end is reached sooner along the edge from one of its vertices: then every
-// point of it is.
+// A window enters every other triangle at the half-edge h. (x, y) is the source as seen from h's own triangle. Dropped
+// are windows out of reach, and windows whose far end is reached sooner from one of the edge's vertices along the edge:
+// then every point of the window is.
 void cross_edge(Geodesic* g, uint32_t h, const Frame& frame, double from, double to, Planar source, double sigma,
                 uint32_t depth) {
   if (!(to > from) || depth > g->surface.mesh->triangle_count) return;
@@ -125,8 +125,8 @@ void cross_edge(Geodesic* g, uint32_t h, const Frame& frame, double from, double
   }
 }
 
-// Through the window to a point beyond it: straight where that passes, else around the window's end (a real path, only
-// longer).
+// The length of the path through the window to a point beyond it: straight where the window lets it pass, else around
+// the window's end, which is a real path too but longer.
 double path_through(const Window& w, Planar point) {
   const double height = w.y + point.y;
   const double straight = height > 0 ? w.x + (point.x - w.x) * (w.y / height) : clamp(point.x, w.from, w.to);
@@ -154,9 +154,9 @@ void cross_triangle(Geodesic* g, const Window& w, bool queue) {
   const Planar c = unfold(frame, place_of(*g, apex));
   offer(g, apex, path_through(w, c), queue);
 
-  // Where the line from the source to the apex passes the edge, the window splits in two.
+  // The line from the source to the apex splits the window in two where it crosses the edge.
   const double height = w.y + c.y, split = height > 0 ? w.x + (c.x - w.x) * (w.y / height) : c.x;
-  // A source on the edge's own line lights either everything or nothing but that line.
+  // A source on the edge's own line sees either the whole triangle or only that line.
   const bool on_edge = !(w.y > 1e-12 * frame.length), sees_all = on_edge && w.x >= w.from && w.x <= w.to;
   if (on_edge && !sees_all) return;
 
@@ -188,7 +188,8 @@ void drain_windows(Geodesic* g, bool queue) {
   }
 }
 
-// Everything in the triangle is seen directly from `source`, a point of it; so is what lies behind the edge h.
+// `source`, a point of the triangle, sees everything in the triangle directly, and through the edge h what lies behind
+// it.
 void light_triangle(Geodesic* g, Vector source, double sigma, uint32_t triangle) {
   for (uint32_t i = g->near_head[triangle]; i != k_no_index; i = g->near.next[i]) {
     const double d = sigma + length(to_vector(g->records[g->near.record[i]].position) - source);
@@ -209,8 +210,8 @@ void relax_ends(Geodesic* g, uint32_t v, uint32_t h) {
   for (uint32_t end : ends) offer(g, end, g->distance[v] + length(place_of(*g, end) - place_of(*g, v)), true);
 }
 
-// Dijkstra along the edges: upper bounds of the vertices' distances, by which most useless windows are dropped at
-// birth.
+// Dijkstra along the edges. It gives upper bounds of the vertices' distances, by which most useless windows are dropped
+// at once.
 void bound_vertices(Geodesic* g) {
   while (g->heap_count > 0) {
     const uint32_t v = heap_take(g);
@@ -219,7 +220,7 @@ void bound_vertices(Geodesic* g) {
   }
 }
 
-// A vertex taken from the heap has its final distance: what is found later is further away.
+// A vertex that is taken from the heap has its final distance: all that is found later is further away.
 void turn_at_vertices(Geodesic* g) {
   for (uint32_t i = 0; i < g->touched_count; ++i) g->heap_place[g->touched[i]] = k_no_index;
   for (uint32_t i = 0; i < g->touched_count; ++i) heap_insert_or_rise(g, g->touched[i]);
@@ -251,8 +252,8 @@ Geodesic lay_out_geodesic(Layout* layout, const sandglass_mesh* mesh, uint64_t c
   g.heap = layout_region<uint32_t>(layout, "sampling.geodesic.heap", vertices);
   g.heap_place = layout_region<uint32_t>(layout, "sampling.geodesic.heap_place", vertices);
   g.touched = layout_region<uint32_t>(layout, "sampling.geodesic.touched", vertices);
-  // A depth-first walk in which every step removes one window and adds two is never higher than its depth and two more;
-  // a shortest path crosses a triangle once. The second share is for edges with three and more triangles.
+  // In a depth-first walk every step removes one window and adds two, so the stack never exceeds the depth plus two. A
+  // shortest path crosses a triangle once. The second term is for edges with three or more triangles.
   g.stack_capacity = 2 * triangles + 64;
   g.stack = layout_region<Window>(layout, "sampling.geodesic.stack", g.stack_capacity);
   return g;

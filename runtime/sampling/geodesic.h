@@ -1,15 +1,15 @@
 // Exact shortest-path distances (3.14) along a triangle mesh, from one point to the candidates within a radius of it.
 //
-// A shortest path is straight once the triangles it crosses are unfolded into a plane, except where it turns at a
-// vertex. So light is sent from the source across edges: a window is a stretch of an edge, the source's unfolded place
-// behind it and the length of the path before that source. A window that crosses a triangle reaches candidates in it,
-// its far vertex, and windows on its two far edges. Vertices where paths turn become sources in their own right,
-// nearest first, so each is a source once. (Mitchell, Mount, Papadimitriou 1987, in the form of Chen and Han; windows
-// that a vertex dominates are dropped after Xin and Wang 2009.)
+// A shortest path is straight once the triangles that it crosses are unfolded into a plane, except where it turns at a
+// vertex. So the search sends windows across edges. A window is a stretch of an edge, the unfolded place of the source
+// behind it, and the length of the path before that source. A window that crosses a triangle reaches the candidates in
+// it, its far vertex, and windows on its two far edges. Vertices where paths turn become sources too, nearest first, so
+// each is a source once. (Mitchell, Mount, Papadimitriou 1987, in the form of Chen and Han; windows that a vertex
+// dominates are dropped after Xin and Wang 2009.)
 //
-// Every length found is that of a real path, so a distance is never too small. It is never too large on manifold
-// meshes: the stack of windows holds one for each triangle that a shortest path can cross. It refuses nothing;
-// arguments were checked.
+// Every length found is that of a real path, so a distance is never too small. On manifold meshes it is never too large
+// either: the stack of windows has room for every triangle that a shortest path can cross. Nothing is refused here;
+// the arguments were checked before.
 #pragma once
 
 #include "runtime/sampling/candidates.h"
@@ -25,7 +25,7 @@ struct Window {
   uint32_t depth;      // triangles crossed
 };
 
-// The candidates of interest, in one list a triangle.
+// The candidates that are asked for, in one list a triangle.
 struct NearSet {
   uint32_t count;
   uint32_t* record;
@@ -54,7 +54,7 @@ void build_geodesic(Geodesic* g, const Candidate* records);
 
 void begin_near(Geodesic* g);
 void add_near(Geodesic* g, uint32_t record);
-// Fills near.distance; k_far or at least `radius` where no path shorter than that was found.
+// Fills near.distance. Where no path shorter than `radius` was found it is k_far, or at least `radius`.
 void measure_near(Geodesic* g, const float source[3], uint32_t triangle, double radius);
 
 }  // namespace sandglass

@@ -38,7 +38,7 @@ void list_corners(const GeodesicMesh& g) {
   for (uint32_t v = 0; v <= g.mesh->vertex_count; ++v) g.corner_first[v] = 0;
   for (uint32_t h = 0; h < half_edges; ++h) ++g.corner_first[start_of(g, h) + 1];
   for (uint32_t v = 0; v < g.mesh->vertex_count; ++v) g.corner_first[v + 1] += g.corner_first[v];
-  // Filling moves each start to its end, which is the next one's start: shifted back afterwards.
+  // Filling moved each start to its end, which is the start of the next vertex: shift them back.
   for (uint32_t h = 0; h < half_edges; ++h) g.corners[g.corner_first[start_of(g, h)]++] = h;
   for (uint32_t v = g.mesh->vertex_count; v > 0; --v) g.corner_first[v] = g.corner_first[v - 1];
   g.corner_first[0] = 0;
@@ -60,8 +60,7 @@ double corner_angle(const GeodesicMesh& g, uint32_t h) {
 
 bool two_sided(const GeodesicMesh& g, uint32_t h) { return g.mate[h] != h && g.mate[g.mate[h]] == h; }
 
-// Shortest paths turn only where there is more than a full angle around a vertex, or at a boundary, or where sheets
-// meet.
+// Shortest paths turn only at vertices with more than a full angle around them, at boundaries, and where sheets meet.
 void mark_bends(const GeodesicMesh& g) {
   for (uint32_t v = 0; v < g.mesh->vertex_count; ++v) {
     double angle = 0;

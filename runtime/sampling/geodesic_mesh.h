@@ -1,5 +1,5 @@
-// Who is whose neighbour on a triangle mesh, for paths along the surface. Half-edge h = 3t + k runs from corner k of
-// triangle t to its next corner; half-edges on one edge form a ring, in any number and direction, so meshes need not be
+// The neighbours on a triangle mesh, for paths along the surface. Half-edge h = 3t + k runs from corner k of triangle t
+// to its next corner. The half-edges on one edge form a ring, in any number and direction, so a mesh need not be
 // manifold.
 #pragma once
 

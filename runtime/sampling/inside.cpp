@@ -1,4 +1,4 @@
-// The opaque inside test of the public API: one of two prepared forms, at the head of the caller's block.
+// The inside test of the public API: one of two prepared forms. Its handle stands at the head of the app's block.
 #include "runtime/sampling/inside.h"
 
 #include "runtime/sampling/arguments.h"

@@ -6,7 +6,8 @@
 
 namespace sandglass {
 
-// Parity: triangles in integer coordinates, listed by the column of the grid across the ray axis that they overlap.
+// Parity: triangles in integer coordinates. A grid across the ray's axis lists for each column the triangles that
+// overlap it.
 struct Parity {
   float bounds_min[3], bounds_max[3];
   double origin[3], steps_per_metre;
@@ -27,8 +28,8 @@ struct WindingNode {
   double area;
 };
 
-// Winding: triangles in Morton order, eight a leaf, under a complete binary tree without pointers (children of n: 2n,
-// 2n + 1).
+// Winding: triangles in Morton order, eight in a leaf, under a complete binary tree without pointers: the children of
+// node n are 2n and 2n + 1.
 struct Winding {
   uint32_t triangle_count;
   uint32_t leaf_count;  // a power of two
@@ -47,7 +48,7 @@ void lay_out_winding(Layout* layout, Winding* winding);
 void build_winding(const sandglass_mesh& mesh, const float bounds_min[3], const float bounds_max[3], Winding* winding);
 double winding_number(const Winding& winding, const float point[3]);
 
-// The solid angle of a triangle (9 floats) as seen from a point, signed; ERRATUM (3.27).
+// The signed solid angle of a triangle (9 floats) as seen from a point: (3.27), corrected; see sandglass/sampling.h.
 double solid_angle(const float triangle[9], const double point[3]);
 
 }  // namespace sandglass

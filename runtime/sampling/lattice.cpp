@@ -1,5 +1,5 @@
-// Hexagonal close packing in a volume: Alg. 3. One pass asks `inside` once a site and notes the answer in a bit; the
-// number is then known before the first point is written.
+// Hexagonal close packing in a volume: Alg. 3. One pass asks `inside` once for each site and notes the answer in a bit.
+// So the number of points is known before the first one is written.
 #include "runtime/core/layout.h"
 #include "runtime/core/math.h"
 #include "runtime/sampling/arguments.h"
@@ -16,8 +16,8 @@ struct Lattice {
   uint64_t total;
 };
 
-// Alg. 3, lines 1-3. One more site along each axis than the source's ceiling where the extent is a whole number of
-// spacings: the last layer then lies on the box's far face, which belongs to the box.
+// Alg. 3, lines 1-3. Where the extent is a whole number of spacings there is one more site than the ceiling of the
+// dissertation gives: the last layer lies on the far face of the box, which belongs to the box.
 sandglass_status measure(const float bounds_min[3], const float bounds_max[3], float distance, Lattice* lattice,
                          const char** reason) {
   if (const sandglass_status status = check_box(bounds_min, bounds_max, reason)) return status;
@@ -42,7 +42,7 @@ uint64_t* lay_out(Layout* layout, const Lattice& lattice) {
   return layout_region<uint64_t>(layout, "sampling.lattice.bits", (lattice.total + 63) / 64);
 }
 
-// (3.33) from the bounding box minimum. False if the shifts carry the site out of the box.
+// The place of a site, (3.33), from the minimum of the box. False where the shifts carry the site out of the box.
 bool place_site(const Lattice& lattice, uint64_t index, float point[3]) {
   const uint32_t i = static_cast<uint32_t>(index % lattice.sites[0]);
   const uint32_t k = static_cast<uint32_t>(index / lattice.sites[0] % lattice.sites[2]);

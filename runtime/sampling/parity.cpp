@@ -1,11 +1,11 @@
 // Inside by parity of ray crossings, in exact arithmetic.
 //
-// A ray along an axis hits a triangle if the point's projection lies in the triangle's. That is decided edge by edge:
-// an edge counts if its ends lie on different sides of the point in v (one of them inclusive), and the point lies
+// A ray along an axis hits a triangle if the point's projection lies in that of the triangle. That is decided edge by
+// edge. An edge counts if its ends lie on different sides of the point in v, one of them inclusive, and the point lies
 // strictly on its lower-u side. The outcome depends on the edge and the point alone, so the two triangles at an edge
-// agree, and of a closed mesh the ray hits an even number whatever it passes through: vertices and edges need no case
-// of their own. Floating-point signs would spoil this; with coordinates rounded to 26 bits the products fit 64-bit
-// integers.
+// agree. A whole line through a closed mesh then hits an even number of triangles, whatever it passes through: vertices
+// and edges need no case of their own. Rounded signs would spoil this. With coordinates rounded to 26 bits the products
+// fit 64-bit integers.
 #include "runtime/core/math.h"
 #include "runtime/sampling/inside.h"
 
@@ -72,7 +72,7 @@ bool covers(const int32_t t[9], int64_t u, int64_t v) {
 }
 
 // Whether a triangle that covers (u, v) passes strictly above w: the sign of det[b-a, c-a, p-a] against that of the
-// projected area. The minors have 55 bits and the factors 28, so each minor is split and the three products are added
+// projected area. The minors have 55 bits and the factors 28. So each minor is split, and the three products are added
 // in two parts.
 bool passes_above(const int32_t t[9], int64_t u, int64_t v, int64_t w) {
   if (w >= greatest(t[2], t[5], t[8])) return false;
@@ -96,8 +96,8 @@ bool passes_above(const int32_t t[9], int64_t u, int64_t v, int64_t w) {
 
 }  // namespace
 
-// Columns as narrow as 4 a triangle allow, but not so narrow that large triangles fill the lists: at most 16 entries a
-// triangle.
+// The finest grid with at most 4 columns for each triangle, whose lists have at most 16 entries for each triangle. Small
+// meshes may have 64 more of each.
 Parity measure_parity(const sandglass_mesh& mesh, const float bounds_min[3], const float bounds_max[3]) {
   Parity p = {};
   double extent[3];

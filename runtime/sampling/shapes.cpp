@@ -1,19 +1,19 @@
 // Disk, sphere and ring: points on a Fermat spiral, turned by the golden angle from one to the next.
 //
-// With s = (i - 1/2)/N the sphere's (3.8), cos theta = (N+1-2i)/N, reads cos theta = 1 - 2s, sin(theta/2)^2 = s: no
-// arccos is needed, nothing cancels near the poles, and the ring's index range (3.10) becomes sin^2(theta_a/2) <= s <=
-// sin^2(theta_b/2).
+// With s = (i - 1/2)/N the sphere's (3.8), cos theta = (N+1-2i)/N, reads cos theta = 1 - 2s, or sin(theta/2)^2 = s. So
+// no arccos is needed, nothing cancels near the poles, and the ring's range of indices (3.10) becomes sin^2(theta_a/2)
+// <= s <= sin^2(theta_b/2).
 #include "runtime/core/math.h"
 #include "runtime/sampling/arguments.h"
 
 namespace sandglass {
 namespace {
 
-// Phi = 2 pi (1 - 1/golden ratio) (3.2) as a fraction of a turn times 2^64: multiplication modulo 2^64 drops whole
-// turns exactly, so the azimuth of the billionth point is as good as that of the first.
+// Phi = 2 pi (1 - 1/golden ratio), (3.2), as a fraction of a turn times 2^64. Multiplication modulo 2^64 drops whole
+// turns exactly, so the azimuth of the billionth point is as exact as that of the first.
 constexpr uint64_t k_golden_turn = 0x61C8864680B583EAull;
 
-// Points of a whole sphere: below it, index times sine keeps eleven bits behind the binary point.
+// Most points of a whole sphere. Below this, index times sine keeps eleven bits behind the binary point.
 constexpr double k_sphere_limit = 0x1p40;
 
 double golden_turns(uint64_t i) { return static_cast<double>((i * k_golden_turn) >> 11) * 0x1p-53; }
@@ -45,14 +45,14 @@ struct IndexRange {
   int64_t first, last;
 };
 
-// (3.10): the points i of a sphere of `sphere_count` that lie in the ring.
+// The points i of a sphere of `sphere_count` points that lie in the ring, (3.10).
 IndexRange ring_indices(int64_t sphere_count, double low, double high) {
   const double n = static_cast<double>(sphere_count);
   return {ceiling_index(n * low + 0.5), floor_index(n * high + 0.5)};
 }
 
-// From N to N+1 both ends of the range move by 0 or 1, so the kept count changes by at most 1 and takes every value
-// from 0 up: a sphere that keeps exactly `wanted` exists, within two points' worth of (3.11).
+// From N to N+1 both ends of the range move by 0 or 1. So the number of points kept changes by at most 1, and it takes
+// every value from 0 up: a sphere that keeps exactly `wanted` points exists, within two points' worth of (3.11).
 int64_t ring_sphere_count(uint32_t wanted, double low, double high) {
   const int64_t start = ceiling_index(static_cast<double>(wanted) / (high - low));
   for (int64_t step = 0;; step = step > 0 ? -step : 1 - step) {  // 0, 1, -1, 2, -2, ...

@@ -1,12 +1,12 @@
-// Power spectrum of a point set (3.1), by direct summation: exact at any frequency, and for the sizes that one looks at
-// fast enough.
+// Power spectrum of a set of points, (3.1), by direct summation: exact at any frequency, and fast enough for the sizes
+// that tests and tools look at.
 #include "runtime/core/math.h"
 #include "runtime/sampling/arguments.h"
 
 namespace sandglass {
 namespace {
 
-constexpr double k_cycle_limit = 1e9;  // beyond, a double leaves too few digits for the phase
+constexpr double k_cycle_limit = 1e9;  // beyond this a double has too few digits left for the phase
 
 double power_at(const float* points, uint32_t count, const double frequency[3]) {
   double real = 0, imaginary = 0;
@@ -20,7 +20,7 @@ double power_at(const float* points, uint32_t count, const double frequency[3]) 
   return (real * real + imaginary * imaginary) / count;
 }
 
-// |v . x| is at most |v| |x|; refused also where a point is not finite.
+// Refuses frequencies that are too high for these points, by |v . x| <= |v| |x|, and points that are not finite.
 sandglass_status check_points(const float* points, uint32_t count, double frequency, const char** reason) {
   if (points == nullptr || count == 0) return refuse(reason, "points is NULL or count is 0: a spectrum needs points");
   for (uint64_t i = 0; i < count; ++i) {
@@ -65,8 +65,7 @@ sandglass_status sandglass_sample_spectrum(const float* points, uint32_t count, 
     const double magnitude = (b + 0.5) / bins * highest;
     double sum = 0;
     for (uint32_t n = 0; n < directions; ++n) {
-      // The spectrum of real points is symmetric: half a circle, or half a sphere in the manner of (3.8), holds all of
-      // it.
+      // The spectrum is symmetric: half a circle, or half a sphere in the manner of (3.8), holds all of it.
       const double height = planar != 0 ? 0 : (n + 0.5) / directions, ring = square_root(1 - height * height);
       const SinCos azimuth = sin_cos_turns(planar != 0 ? 0.5 * (n + 0.5) / directions : 0.38196601125010515 * n);
       const double v[3] = {magnitude * ring * azimuth.cos, magnitude * height, magnitude * ring * azimuth.sin};

@@ -1,10 +1,10 @@
 // Poisson-disk sampling of a surface: Alg. 1.
 //
-// The source asks of each candidate whether a sample conflicts, with a second grid that holds the samples. Here a new
-// sample retires the candidates that are closer than l to it, once and for good. The live candidates are then exactly
-// those without conflict, which gives the same decisions with one grid, makes the work linear (a candidate dies once),
-// makes the result maximal when no candidate is left, and needs the distances from a sample rather than between pairs,
-// which is what a geodesic search gives.
+// The dissertation asks for each candidate whether a sample conflicts with it, by a second grid that holds the samples.
+// Here a new sample retires all candidates closer than l, for good. The live candidates are then exactly those without
+// conflict. That gives the same decisions with one grid. The work is linear, since a candidate dies once. The result is
+// maximal once no candidate is left. And it needs distances from one sample, not between pairs: that is what a geodesic
+// search gives.
 #include "runtime/core/layout.h"
 #include "runtime/sampling/arguments.h"
 #include "runtime/sampling/candidate_grid.h"
@@ -53,7 +53,7 @@ sandglass_status measure(const sandglass_mesh* mesh, float distance, const sandg
       return refuse(reason, "distance is too small: more than 2^20 of it along the bounding box; enlarge it");
   }
   need->candidates = static_cast<uint32_t>(candidates);
-  // With 30 tries a cell that the surface crosses holds about ten candidates.
+  // With 30 tries, a cell that the surface crosses holds about ten candidates.
   need->bucket_bits = 1;
   while ((1ull << need->bucket_bits) < need->candidates / 8) ++need->bucket_bits;
   return accept(reason);
@@ -130,7 +130,7 @@ uint32_t retire_geodesic(SurfaceRun* run, const Candidate& sample, const uint32_
       if (distance_squared(grid.records[i].position, sample.position) < run->distance_squared) add_near(geodesic, i);
   const double distance = static_cast<double>(run->need.distance);
   measure_near(geodesic, sample.position, sample.triangle, distance);
-  // Backwards: what is swapped into a retired place comes from further back, where all has been decided.
+  // Backwards: what is swapped into a retired place comes from further back, where all is decided.
   uint32_t retired = 0;
   for (uint32_t i = geodesic->near.count; i-- > 0;) {
     if (!(geodesic->near.distance[i] < distance)) continue;
@@ -141,7 +141,7 @@ uint32_t retire_geodesic(SurfaceRun* run, const Candidate& sample, const uint32_
   return retired;
 }
 
-// Makes a live candidate a sample; false if there is no room for it.
+// Makes a live candidate a sample. False: there is no room for it.
 bool take_sample(SurfaceRun* run, uint32_t bucket, uint32_t record) {
   if (run->sample_count == run->need.capacity) return false;
   SurfaceMemory& memory = run->memory;
@@ -159,8 +159,8 @@ bool take_sample(SurfaceRun* run, uint32_t bucket, uint32_t record) {
   return true;
 }
 
-// Alg. 1, lines 6-19. The walk over the neighbouring cells starts at a random one, lest growth prefer a direction; as
-// in [B07] a new sample lies within 2l of the active one.
+// Alg. 1, lines 6-19. The walk over the neighbouring cells starts at a random one, so that growth prefers no direction.
+// As in Bridson 2007 a new sample lies within 2l of the active one.
 bool grow(SurfaceRun* run) {
   const CandidateGrid& grid = run->memory.grid;
   while (run->active_count > 0) {

@@ -1,8 +1,9 @@
 // Poisson-disk sampling of a volume: Alg. 2, on a dense grid with cell edge l in which each cell chains its samples.
 //
-// Growth from the first seed fills the part that the seed lies in. The walk over the cells then gives every other part
-// its seed: a probe that lies inside and conflicts with nothing. A try is tested for conflicts before it is tested for
-// being inside, because the grid is cheap and the inside test may be a ray tracer; the outcome is the same.
+// Growth from the first seed fills the part of the volume that the seed lies in. The walk over the cells then gives
+// every other part its seed: a probe that lies inside and conflicts with nothing. A try is tested for conflicts first
+// and for being inside second, because the grid is cheap and the inside test may be a ray tracer. The outcome is the
+// same.
 #include "runtime/sampling/volume.h"
 
 #include "runtime/core/layout.h"
@@ -12,7 +13,7 @@ namespace sandglass {
 namespace {
 
 constexpr uint32_t k_none = 0xFFFFFFFFu;
-constexpr uint32_t k_lone_probes = 1000;  // where no cell's probe lies inside
+constexpr uint32_t k_lone_probes = 1000;  // more probes, where that of no cell lies inside
 constexpr uint32_t k_progress_interval = 1024;
 
 struct VolumeMemory {
@@ -32,8 +33,8 @@ VolumeMemory lay_out(Layout* layout, const CellGrid& grid, uint32_t capacity) {
   return memory;
 }
 
-// The densest packing of spheres fills pi/sqrt(18) of space, and spheres of diameter l around centres in the box stay
-// within l/2 of it: at most sqrt(2) * product of (extent/l + 1) of them.
+// An upper bound of the samples. The densest packing of spheres fills pi/sqrt(18) of space, and spheres of diameter l
+// around centres in the box stay within l/2 of it: so there are at most sqrt(2) * product of (extent/l + 1).
 double packing_bound(const CellGrid& grid) {
   double bound = square_root(2.0);
   for (int k = 0; k < 3; ++k) bound *= (grid.far[k] - grid.origin[k]) / grid.edge + 1;
@@ -67,7 +68,7 @@ uint64_t cell_index(const CellGrid& grid, uint32_t x, uint32_t y, uint32_t z) {
 bool conflicts(const VolumeRun& run, const float point[3]) {
   uint32_t low[3], high[3];
   for (int k = 0; k < 3; ++k) {
-    // From the coordinates one distance away rather than by cell +- 1: right whatever the division rounds to.
+    // From the coordinates one distance away, not by cell +- 1: right whatever the division rounds to.
     const double x = static_cast<double>(point[k]), reach = run.distance * (1 + 0x1p-30);
     low[k] = cell_along(run.grid, k, x - reach);
     high[k] = cell_along(run.grid, k, x + reach);

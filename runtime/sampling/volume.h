@@ -1,5 +1,5 @@
-// Where Alg. 2 puts its random points: tries in the shell around a sample, and probes, one a cell, from which growth
-// starts again. Apart from the sampler so that tests can hold their distributions against theory.
+// The random points of Alg. 2: tries in the shell around a sample, and probes, one in each cell, from which growth
+// starts again. They stand apart from the sampler so that tests can compare their distributions with theory.
 #pragma once
 
 #include "runtime/core/math.h"
@@ -11,8 +11,9 @@ struct Offset {
   double x, y, z;
 };
 
-// Uniform in the shell l..2l. ERRATUM (3.29): the volume within r grows as r^3 - l^3 = 7 l^3 rho, so r = l cuberoot(1 +
-// 7 rho); (3.30) without its arccos: cos(theta) = 2 rho - 1; (3.31).
+// A point spread evenly in the shell l..2l. Its radius corrects (3.29): the volume within r grows as
+// r^3 - l^3 = 7 l^3 rho, so r = l cuberoot(1 + 7 rho). (3.30) is used without its arccos: cos(theta) = 2 rho - 1.
+// (3.31) is as printed.
 inline Offset draw_in_shell(Random* random, double distance) {
   const double r = distance * cube_root(1 + 7 * random->uniform());
   const double cosine = 2 * random->uniform() - 1, sine = square_root(1 - cosine * cosine);
@@ -26,7 +27,7 @@ struct CellGrid {
   uint32_t cells[3];
 };
 
-// (3.25), (3.26); the far face belongs to the last cell.
+// The cell of a point, (3.25), (3.26). The far face of the box belongs to the last cell.
 inline uint32_t cell_along(const CellGrid& grid, int axis, double x) {
   const int64_t i = floor_index((x - grid.origin[axis]) / grid.edge);
   return i < 0 ? 0 : i < grid.cells[axis] ? static_cast<uint32_t>(i) : grid.cells[axis] - 1;

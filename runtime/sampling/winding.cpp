@@ -1,8 +1,9 @@
 // Generalised winding number (3.27, 3.28), for one point exactly or for many through a tree.
 //
-// From afar a cluster of triangles looks like a dipole: the sum of area * normal at the cluster's centre. The first
-// moment about the centre corrects most of the rest (Barill et al. 2018, first order of their expansion). A cluster
-// counts as far beyond k_far times its radius; nearer ones are opened, triangles in the end taken exactly.
+// From afar a cluster of triangles looks like a dipole: the sum of area * normal at the centre of the cluster. The
+// first moment about the centre corrects most of the rest (Barill et al. 2018, the first order of their expansion). A
+// cluster counts as far beyond k_far times its radius. Nearer ones are opened, and in the end triangles are taken
+// exactly.
 #include "runtime/core/math.h"
 #include "runtime/sampling/arguments.h"
 #include "runtime/sampling/inside.h"
@@ -12,9 +13,9 @@ namespace {
 
 constexpr uint32_t k_leaf_triangles = 8;
 constexpr double k_far = 2.5;
-constexpr uint32_t k_stack_size = 64;  // the tree has at most 25 levels, each leaves one node waiting
+constexpr uint32_t k_stack_size = 64;  // the tree has at most 25 levels, and each leaves one node waiting
 
-uint64_t spread_bits(uint64_t x) {  // 10 bits, two zeros between each
+uint64_t spread_bits(uint64_t x) {  // 10 bits, with two zeros between neighbours
   x = (x | x << 16) & 0x030000FF;
   x = (x | x << 8) & 0x0300F00F;
   x = (x | x << 4) & 0x030C30C3;
@@ -78,7 +79,7 @@ double separation(const double a[3], const double b[3]) {
   return square_root(sum);
 }
 
-// Centres are weighted by area, plus a trace so that parts without area have one too.
+// Centres are weighted by area. A trace is added, so that parts without area have a centre too.
 constexpr double k_trace = 1e-300;
 
 WindingNode make_leaf(const Winding& w, uint32_t leaf) {
@@ -113,7 +114,7 @@ WindingNode make_leaf(const Winding& w, uint32_t leaf) {
 }
 
 WindingNode join(const WindingNode& a, const WindingNode& b) {
-  if (b.radius < 0) return a;  // leaves fill from the left, so an empty side is the right one
+  if (b.radius < 0) return a;  // leaves fill from the left, so only the right side may be empty
   WindingNode node = {};
   node.area = a.area + b.area;
   const double share_a = (a.area + k_trace) / (node.area + 2 * k_trace);
@@ -130,8 +131,8 @@ WindingNode join(const WindingNode& a, const WindingNode& b) {
   return node;
 }
 
-// The sum over the cluster of dipole . d/|d|^3 to first order in the distance from the centre; d from the point to the
-// centre.
+// The sum over the cluster of dipole . d/|d|^3, to first order in the distance from the centre. d runs from the point
+// to the centre.
 double far_solid_angle(const WindingNode& node, const double d[3], double squared) {
   double along = 0, trace = 0, bilinear = 0;
   for (int i = 0; i < 3; ++i) {

@@ -20,7 +20,7 @@ void report_scene(const sandglass_scene& scene, sandglass_frame_report* report) 
   report->awake_grains = awake_grains < g.grains.count ? awake_grains : g.grains.count;
   report->dropped_contacts = g.counts.dropped_contacts;
   report->quarantined = g.counts.quarantined;
-  report->ignored_colliders = g.counts.ignored_colliders;
+  report->ignored_colliders = g.counts.ignored_colliders + g.counts.ignored_emitters + g.counts.ignored_sinks;
   report->particle_numbers = g.particles.count + g.flow.free_particle_count;
   report->grain_numbers = g.grains.count + g.flow.free_grain_count;
   report->emitted_particles = g.flow.counts.emitted_particles;
@@ -41,10 +41,14 @@ void log_frame(const sandglass_scene& scene) {
     log.write(log.user,
               "granular: a particle or grain left the coordinate range or was not finite; it was put to rest.");
   if (g.counts.ignored_colliders != 0)
-    log.write(
-        log.user,
-        "granular: a collider, emitter or sink was left out: it is not finite, has no size, or is beyond the capacity "
-        "for its kind. Check what the frame input holds.");
+    log.write(log.user,
+              "granular: a collider was left out: a number of it is out of range, or it is beyond collider_capacity.");
+  if (g.counts.ignored_emitters != 0)
+    log.write(log.user,
+              "granular: an emitter was left out: a number of it is out of range, or it is beyond emitter_capacity.");
+  if (g.counts.ignored_sinks != 0)
+    log.write(log.user,
+              "granular: a sink was left out: a number of it is out of range, or it is beyond sink_capacity.");
 }
 
 }  // namespace sandglass

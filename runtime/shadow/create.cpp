@@ -1,4 +1,4 @@
-// The C API around a Shadow: checks, layout, tables, and what the texture looks like from outside.
+// The C API around a Shadow: checks, layout, and what the texture looks like from outside.
 #include <cstring>
 
 #include "platform/floating_point.h"
@@ -9,15 +9,11 @@
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
 #include "runtime/shadow/light_direction.h"
+#include "runtime/shadow/pack.h"
 #include "runtime/shadow/shadow.h"
 
 namespace sandglass {
 namespace {
-
-constexpr uint32_t k_shift_limit = 6;  // steps finer than 1/64 of a byte's change nothing
-constexpr double k_table_limit = 32000;
-
-uint32_t padded(uint32_t width) { return (width + k_channel_group - 1) / k_channel_group * k_channel_group; }
 
 sandglass_status check(const sandglass_shadow_desc* desc, ShadowAsset* asset, const Int8Kernels** kernels,
                        const char** reason) {
@@ -38,18 +34,9 @@ sandglass_status check(const sandglass_shadow_desc* desc, ShadowAsset* asset, co
   return open_shadow_asset(desc->asset, desc->asset_bytes, asset, reason);
 }
 
-struct Packed {
-  int8_t* weights[k_shadow_layers_limit];
-  int32_t* bias[k_shadow_layers_limit];
-  float* multiplier[k_shadow_layers_limit];
-  int8_t* last_weights;
-  uint8_t* coverage;
-  float *light_weights, *first_bias;
-};
-
 // The one walk: counts the bytes, or hands out the regions.
-sandglass_shadow* lay_out(const ShadowAsset& asset, uint32_t light_count, Layout* layout, Packed* packed) {
-  const uint64_t width = padded(asset.width);
+sandglass_shadow* lay_out(const ShadowAsset& asset, uint32_t light_count, Layout* layout, PackedShadow* packed) {
+  const uint64_t width = shadow_padded_width(asset.width);
   sandglass_shadow* owner = layout_region<sandglass_shadow>(layout, "shadow.state", 1);
   Shadow nowhere = {};
   Shadow* s = owner == nullptr ? &nowhere : &owner->shadow;
@@ -86,107 +73,6 @@ sandglass_shadow* lay_out(const ShadowAsset& asset, uint32_t light_count, Layout
   return owner;
 }
 
-// One row of a table, in double and in units of activation: the encoded texel coordinate times its weights.
-void table_row(const float* weights, uint32_t width, uint32_t frequencies, uint32_t index, double* sums) {
-  const double x = texel_centre(index, k_shadow_size);
-  for (uint32_t c = 0; c < width; ++c) sums[c] = x * static_cast<double>(weights[c]);
-  double turns = 0.5 * x;
-  for (uint32_t k = 0; k < frequencies; ++k, turns *= 2) {
-    const SinCos wave = sin_cos_turns(turns);
-    const float *sine = weights + (1 + 2 * k) * width, *cosine = sine + width;
-    for (uint32_t c = 0; c < width; ++c)
-      sums[c] += wave.sin * static_cast<double>(sine[c]) + wave.cos * static_cast<double>(cosine[c]);
-  }
-}
-
-int16_t table_entry(double x) {
-  x = x < -32767 ? -32767 : x > 32767 ? 32767 : x;
-  return static_cast<int16_t>(floor_index(x + 0.5));
-}
-
-// The finest shift at which the table entries of every channel fit 16 bits, whatever the texel and the light. Out of
-// line, so that its arrays do not lie on the stack beside those of fill_tables.
-__attribute__((noinline)) uint32_t choose_shift(const ShadowAsset& asset) {
-  double sums[k_shadow_width_limit], column_most[k_shadow_width_limit] = {}, row_most[k_shadow_width_limit] = {};
-  const uint32_t width = asset.width;
-  const float* row_weights = asset.first_weights + asset.texel_inputs() * width;
-  for (uint32_t i = 0; i < k_table_rows; ++i) {
-    table_row(asset.first_weights, width, asset.texel_frequencies, i, sums);
-    for (uint32_t c = 0; c < width; ++c)
-      column_most[c] = absolute(sums[c]) > column_most[c] ? absolute(sums[c]) : column_most[c];
-    table_row(row_weights, width, asset.texel_frequencies, i, sums);
-    for (uint32_t c = 0; c < width; ++c)
-      row_most[c] = absolute(sums[c]) > row_most[c] ? absolute(sums[c]) : row_most[c];
-  }
-  const float* light_weights = row_weights + asset.texel_inputs() * width;
-  double most = 0;
-  for (uint32_t c = 0; c < width; ++c) {
-    double sum = column_most[c] + row_most[c] + absolute(static_cast<double>(asset.first_bias[c]));
-    for (uint32_t i = 0; i < 3 * asset.light_inputs(); ++i)
-      sum += absolute(static_cast<double>(light_weights[i * width + c]));
-    most = sum > most ? sum : most;
-  }
-  uint32_t shift = k_shift_limit;
-  while (shift > 0 && most * static_cast<double>(1u << shift) > k_table_limit * static_cast<double>(asset.first_step))
-    --shift;
-  return shift;
-}
-
-__attribute__((noinline)) void fill_tables(const ShadowAsset& asset, Shadow* s, const Packed& packed) {
-  const uint32_t own = asset.width, width = s->network.width;
-  s->table_scale = static_cast<double>(1u << s->network.shift) / static_cast<double>(asset.first_step);
-  double sums[k_shadow_width_limit];
-  for (uint32_t part = 0; part < 2; ++part) {
-    int16_t* table = part == 0 ? s->columns : s->row_base;
-    const float* weights = asset.first_weights + part * asset.texel_inputs() * own;
-    for (uint32_t i = 0; i < k_table_rows; ++i) {
-      table_row(weights, own, asset.texel_frequencies, i, sums);
-      for (uint32_t c = 0; c < width; ++c)
-        table[i * width + c] = c < own ? table_entry(sums[c] * s->table_scale) : int16_t{0};
-    }
-  }
-  const float* light = asset.first_weights + 2 * asset.texel_inputs() * own;
-  for (uint32_t i = 0; i < 3 * asset.light_inputs(); ++i)
-    for (uint32_t c = 0; c < width; ++c) packed.light_weights[i * width + c] = c < own ? light[i * own + c] : 0.0f;
-  for (uint32_t c = 0; c < width; ++c) packed.first_bias[c] = c < own ? asset.first_bias[c] : 0.0f;
-}
-
-// Packs the weights for this CPU. Each row first grows to the padded width; the memory of `rows`, which is free until
-// the first texture, serves as scratch.
-void pack_layers(const ShadowAsset& asset, Shadow* s, const Packed& packed) {
-  const uint32_t own = asset.width, width = s->network.width;
-  static_assert(k_table_rows * sizeof(int16_t) > k_shadow_width_limit + sizeof(int32_t));
-  int8_t* grown = reinterpret_cast<int8_t*>(s->rows);
-  int32_t* grown_bias = reinterpret_cast<int32_t*>(grown + width * width);
-  for (uint32_t i = 0; i < asset.layers; ++i) {
-    memset(grown, 0, width * width);
-    memset(grown_bias, 0, width * sizeof *grown_bias);
-    for (uint32_t c = 0; c < width; ++c) packed.multiplier[i][c] = 0;
-    for (uint32_t c = 0; c < own; ++c) {
-      memcpy(grown + c * width, asset.layer[i].weights + c * own, own);
-      grown_bias[c] = asset.layer[i].bias[c];
-      packed.multiplier[i][c] = asset.layer[i].multiplier[c];
-    }
-    s->kernels->pack_layer(grown, grown_bias, width, width, packed.weights[i], packed.bias[i]);
-    s->network.layer[i] = {packed.weights[i], packed.bias[i], packed.multiplier[i]};
-  }
-  memset(packed.last_weights, 0, width);
-  memcpy(packed.last_weights, asset.last.weights, own);
-}
-
-// Coverage is 1 - sigmoid(x) = 1/(1 + e^x) at x = (i - half)/256. The powers of e^(1/256) come from repeated
-// multiplication, from the middle outward; each is correct to 1e-12.
-void fill_coverage(uint8_t* coverage) {
-  constexpr double k_factor = 1.0039138893383475;  // e^(1/256)
-  constexpr uint32_t k_half = k_coverage_steps / 2;
-  double power = 1;
-  for (uint32_t i = 0; i <= k_half; ++i, power *= k_factor) {
-    const double share = 1 / (1 + power);
-    if (i < k_half) coverage[k_half + i] = static_cast<uint8_t>(255 * share + 0.5);
-    coverage[k_half - i] = static_cast<uint8_t>(255 * (1 - share) + 0.5);
-  }
-}
-
 void describe(const ShadowAsset& asset, const sandglass_shadow_desc& desc, Shadow* s) {
   for (uint32_t axis = 0; axis < 3; ++axis) s->origin[axis] = asset.origin[axis];
   s->box = asset.box;
@@ -208,7 +94,7 @@ void describe(const ShadowAsset& asset, const sandglass_shadow_desc& desc, Shado
 __attribute__((noinline)) sandglass_status size_of(const ShadowAsset& asset, const sandglass_shadow_desc& desc,
                                                    uint64_t* bytes, const char** reason) {
   Layout layout;
-  Packed packed;
+  PackedShadow packed;
   lay_out(asset, desc.light_count, &layout, &packed);
   *bytes = layout.size;
   return accept(reason);
@@ -218,14 +104,14 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
                                      const Int8Kernels* kernels, void* block, sandglass_shadow** shadow) {
   Layout layout;
   layout.base = static_cast<uint8_t*>(block);
-  Packed packed;
+  PackedShadow packed;
   sandglass_shadow* owner = lay_out(asset, desc.light_count, &layout, &packed);
   owner->functions = &k_shadow_functions;
   Shadow* s = &owner->shadow;
   s->kernels = kernels;
   s->light_count = desc.light_count;
   describe(asset, desc, s);
-  s->network.width = padded(asset.width);
+  s->network.width = shadow_padded_width(asset.width);
   s->network.layers = asset.layers;
   s->network.columns = s->columns, s->network.rows = s->rows;
   s->network.last_weights = packed.last_weights;
@@ -233,10 +119,7 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   s->network.last_multiplier = asset.last.multiplier[0] * k_coverage_scale;
   s->network.coverage = packed.coverage;
   s->light_weights = packed.light_weights, s->first_bias = packed.first_bias;
-  s->network.shift = choose_shift(asset);
-  fill_tables(asset, s, packed);
-  pack_layers(asset, s, packed);
-  fill_coverage(packed.coverage);
+  pack_shadow_network(asset, packed, s);
   const uint64_t blocks = k_unit_macs / (k_texel_block * asset.layers * s->network.width * s->network.width);
   s->unit_texels = k_texel_block * static_cast<uint32_t>(blocks < 1 ? 1 : blocks > 6 ? 6 : blocks);
   memset(s->back.coverage, 0, k_shadow_size * k_shadow_size);

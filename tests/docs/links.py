@@ -6,9 +6,9 @@
 Checked in every .md file:
   [text](path#heading)   the file or folder exists, and the heading in it
   `path/of/file`         exists, from the top folder, from the document's or from one above it; a file's name alone: somewhere in the tree
-And README.md has at most N lines (200), its pictures at most 2 MB, and its C++ block is the file that the line above it links to.
+And README.md has at most N lines (200), its pictures at most 2 MB, and its C++ block is the file that the paragraph above it links to.
 
-Fenced blocks are no prose and are left out; so are names with a placeholder (capitals alone, ..., <, *, $).
+In commands and fenced blocks only paths from the top folder are looked at. Names with a placeholder (capitals alone, ..., <, *, $) are left out.
 """
 import pathlib
 import re
@@ -17,6 +17,7 @@ import sys
 SOURCES = {".c", ".cc", ".cpp", ".cs", ".h", ".hpp", ".inl", ".java", ".md", ".mm", ".py", ".sh"}
 MADE = ("build/", "out/", "Assets/", "app/")  # what commands and other programs write
 LEFT_OUT = {".git", "build", "out", "control", "node_modules"}
+TOP_FOLDERS = ("platform", "kernels", "runtime", "models", "tests", "toolchains")
 PICTURE_BYTES = 2_000_000
 
 
@@ -28,6 +29,11 @@ def documents(root):
 
 def prose(text):
     return re.sub(r"^```.*?^```", lambda block: "\n" * block.group().count("\n"), text, flags=re.MULTILINE | re.DOTALL)
+
+
+def commands(text):
+    """Fenced blocks, and what in backticks has more than one word."""
+    return "\n".join(re.findall(r"^```.*?^```", text, re.MULTILINE | re.DOTALL) + re.findall(r"`([^`\n]* [^`\n]*)`", prose(text)))
 
 
 def headings(text):
@@ -76,9 +82,12 @@ def check_readme(root, most_lines):
     for picture in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", text):
         if (root / picture).is_file() and (root / picture).stat().st_size > PICTURE_BYTES:
             yield f"README.md: {picture} is larger than {PICTURE_BYTES} bytes"
-    for link, code in re.findall(r"\]\((models/[^)]+\.cpp)\)[^\n]*\n\n```cpp\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
-        if (root / link).is_file() and (root / link).read_text(encoding="utf-8") != code:
-            yield f"README.md: the code is not that of {link}"
+    for paragraph, code in re.findall(r"((?:^[^\n]+\n)+)\n```cpp\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        links = re.findall(r"\]\(([^)]+\.cpp)\)", paragraph)
+        if not links:
+            yield "README.md: the paragraph above the code links to no file that it is of"
+        elif (root / links[-1]).is_file() and (root / links[-1]).read_text(encoding="utf-8") != code:
+            yield f"README.md: the code is not that of {links[-1]}"
 
 
 def main():
@@ -88,6 +97,9 @@ def main():
     faults, links, paths, checked = [], 0, 0, 0
     for document in documents(root):
         checked += 1
+        for path in re.findall(r"(?<![\w/.-])(?:%s)/[\w./-]*\w" % "|".join(TOP_FOLDERS), commands(document.read_text(encoding="utf-8"))):
+            if not (root / path).exists() and not (document.parent / path).exists():
+                faults.append(f"{document.relative_to(root)}: no such path in a command: {path}")
         for number, line in enumerate(prose(document.read_text(encoding="utf-8")).split("\n"), 1):
             where = f"{document.relative_to(root)}:{number}: "
             for target in re.findall(r"\]\(([^)\s]+)\)", line):

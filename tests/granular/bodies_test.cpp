@@ -189,9 +189,9 @@ TEST(Bodies, CoincidentParticlesAreAPoint) {
 
 struct OnSand {
   double height;   // of the cube's centre, after three seconds
-  double highest;  // particle of any frame
+  double highest;  // height that any particle reached in any frame
   double speed;    // of the fastest particle at the end
-  double overlap;  // largest at the end, in radii, bodies with themselves apart
+  double overlap;  // largest at the end, in radii; not between particles of one body
   double softness;
 };
 

@@ -104,7 +104,7 @@ TEST(Field, RefusesWhatMakesNoSense) {
   EXPECT_EQ(make(low, high, 0.01f, 0, ball_distance, memory, bytes), SANDGLASS_ERROR_INVALID_ARGUMENT)
       << "leaves the box";
   EXPECT_NE(reason, nullptr);
-  // A collider without a field, or with one that is none, is left out.
+  // A collider without a field, or with a pointer to something else, is left out.
   GranularScene scene(description(1));
   scene.add({0.0f, 1.0f, 0.0f});
   sandglass_collider nothing = {};

@@ -177,7 +177,7 @@ TEST(Remove, TakesWhatIsInsideAndWakesTheRest) {
   uint32_t gone = 0;
   for (size_t i = 1; i < after.size(); i += 3) gone += after[i] == SANDGLASS_REMOVED_Y ? 1 : 0;
   EXPECT_EQ(gone, removed);
-  // Their numbers are taken over.
+  // New ones take over their numbers.
   scene.add(std::vector<float>(3ull * removed, 0.5f));
   scene.particle_count = 1200;
   EXPECT_EQ(scene.frame(k_frame).particle_numbers, 1200u);

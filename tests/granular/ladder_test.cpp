@@ -1,5 +1,5 @@
-// The quality ladder: the governor goes down it one rung after another as the budget shrinks, every rung is stable, and
-// the table that is shipped says what a run of the column measures.
+// The quality ladder: the governor goes down it level by level as the budget shrinks, every level is stable, and the
+// table that ships says what a run of the column measures.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -49,11 +49,11 @@ struct Counted {
   sandglass_frame_report settled;
 };
 
-// A rung whose cost fits with a quarter to spare is good enough; one whose cost does not fit is never chosen for long.
-// Between the two, forecasts decide: they hold a list build that a pile at rest does not need.
-TEST(Ladder, EachRungHasItsBudget) {
+// A level whose cost fits with a quarter to spare is good enough. One whose cost does not fit is never chosen for long.
+// Between the two, forecasts decide: they count a list build that a pile at rest does not need.
+TEST(Ladder, EachLevelHasItsBudget) {
   if (SANDGLASS_EMULATED != 0)
-    GTEST_SKIP() << "minutes under emulation; which rung is chosen does not depend on the CPU";
+    GTEST_SKIP() << "minutes under emulation; which level is chosen does not depend on the CPU";
   double cost[SANDGLASS_LEVEL_COUNT] = {};
   for (uint32_t level = 0; level < SANDGLASS_LEVEL_SLOW_MOTION; ++level) {
     const Counted counted(level);
@@ -81,7 +81,7 @@ TEST(Ladder, EachRungHasItsBudget) {
         EXPECT_GT(worst, level) << budget;
       }
     }
-    // Above the last rung nothing slips: what is owed stays below two frames.
+    // Before the last level nothing slips: the time debt stays below two frames.
     if (budget > 1.25 * cost[SANDGLASS_LEVEL_COARSER]) {
       EXPECT_LE(report.time_debt, 2.0 * static_cast<double>(k_frame));
     }
@@ -91,7 +91,7 @@ TEST(Ladder, EachRungHasItsBudget) {
     if (level == SANDGLASS_LEVEL_KEEP_LISTS) continue;  // a pile at rest builds none
     EXPECT_TRUE(reached[level]) << sandglass_level_name(level);
   }
-  EXPECT_GT(debt, 2.0 * static_cast<double>(k_frame)) << "at the lowest rung there is slow motion";
+  EXPECT_GT(debt, 2.0 * static_cast<double>(k_frame)) << "at the last level there is slow motion";
 }
 
 double mean_distance_to_particles(const std::vector<sandglass_grain>& grains, const std::vector<float>& particles) {
@@ -108,9 +108,9 @@ double mean_distance_to_particles(const std::vector<sandglass_grain>& grains, co
   return sum / static_cast<double>(grains.size());
 }
 
-// Grains follow particles that were where they are a few frames ago at most: when they cannot, time slows for both. A
-// sweep covers four frames, and four more pass while it is under way, each by at most one interval too many. They lie
-// within a diameter of them in the end.
+// Grains lag a few frames behind the particles at most; where they cannot follow, time slows for both. A sweep covers
+// four frames, and four more pass while it is under way, each by at most one interval too many. In the end the grains
+// lie within a diameter of the particles.
 TEST(Ladder, GrainsAreNeverLeftBehind) {
   constexpr double k_simulated = 0.4;  // seconds: a fall of 10 cm takes 0.14, the block then spreads
   for (const uint64_t budget : {~uint64_t{0} >> 1, uint64_t{1'000'000}, uint64_t{300'000}, uint64_t{0}}) {

@@ -1,4 +1,4 @@
-// The law on a real clock and a shared machine (ACCURACY 6): thread CPU time of a frame stays within budget + one unit.
+// The promise on a real clock and a shared machine: thread CPU time of a frame stays within budget + one unit.
 // Wall time is the machine's business: other processes may take the processor away, and it is not asserted.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// One million frames of a small hourglass that is turned over every ten seconds (ACCURACY 7): no drift, no NaN, no
+// One million frames of a small hourglass that is turned over every ten seconds: no drift, no NaN, no
 // memory, the same bits again after every checkpoint.
 //
 // Every 10,000 frames the scene is saved. A second scene, restored from the bytes, then runs beside the first for a
@@ -207,7 +207,7 @@ TEST(Soak, MillionFramesOfASmallHourglass) {
     if ((frame + 1) % k_cycle == 0) {
       const double height = run.mean_height();
       ASSERT_LT(height, k_height / 4) << "it has not run through, frame " << frame;
-      ASSERT_TRUE(checkpoint.head.heights.add(height)) << "the height of the heap drifts, frame " << frame;
+      ASSERT_TRUE(checkpoint.head.heights.add(height)) << "the height of the pile drifts, frame " << frame;
     }
     if ((frame + 1) % k_checkpoint == 0) {
       checkpoint.head.frame = frame + 1;
@@ -226,7 +226,7 @@ TEST(Soak, MillionFramesOfASmallHourglass) {
   RecordProperty("hash", std::to_string(run.scene.hash()));
   RecordProperty("asleep_frames", std::to_string(slept));
   const Heights& heights = checkpoint.head.heights;
-  std::printf("mean height of the heap %.4f m, from cycle to cycle +-%.4f m\n", heights.first_mean,
+  std::printf("mean height of the pile %.4f m, from cycle to cycle +-%.4f m\n", heights.first_mean,
               std::sqrt(heights.first_variance));
   std::printf("%llu frames, hash 0x%016llx, everything asleep in %llu of the frames of this run\n",
               static_cast<unsigned long long>(frames), static_cast<unsigned long long>(run.scene.hash()),

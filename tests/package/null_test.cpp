@@ -5,6 +5,7 @@
 // The names of the arguments come from the headers, which also say whether the table is complete.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -425,6 +426,25 @@ TEST_F(Nulls, PointersWithinStructsFollowTheRule) {
   sandglass_frame_report report = sandglass::frame_report();
   EXPECT_EQ(sandglass_scene_frame(scene.get(), &input, &report, &reason), SANDGLASS_OK);
   EXPECT_EQ(report.ignored_colliders, 2u + 3u + 4u);
+}
+
+// What is left out is logged as what it is.
+TEST_F(Nulls, TheLogNamesTheKindThatWasLeftOut) {
+  std::vector<std::string> said;
+  const auto write = [](void* user, const char* sentence) {
+    static_cast<std::vector<std::string>*>(user)->push_back(sentence);
+  };
+  desc.log = {write, &said};
+  ASSERT_TRUE(scene.create(desc));
+  const char* const kinds[3] = {"a collider", "an emitter", "a sink"};
+  for (int kind = 0; kind < 3; ++kind) {
+    sandglass_frame_input input = sandglass::frame_input();
+    *std::array{&input.collider_count, &input.emitter_count, &input.sink_count}[static_cast<size_t>(kind)] = 1;
+    said.clear();
+    EXPECT_TRUE(scene.frame(input));
+    ASSERT_EQ(said.size(), 1u);
+    EXPECT_NE(said[0].find(kinds[kind]), std::string::npos) << said[0];
+  }
 }
 
 // A far move leaves the coordinate limit; its translation is finite, and the reason must not say otherwise.

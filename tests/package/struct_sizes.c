@@ -1,6 +1,6 @@
 /* The public headers in C99. They compile, `struct_size` is the first field of every struct that has one, enumerations
- * have four bytes, and structs that are passed in arrays have no hidden padding. The C++ tests compare the other sizes
- * with these. */
+ * have four bytes, and the structs that types.h calls frozen have no hidden padding. The C++ tests compare the other
+ * sizes with these. */
 #include "sandglass/light.h"
 #include "sandglass/sandglass.h"
 #include "sandglass/shadow.h"
@@ -13,6 +13,15 @@ CLAIM(shape, sizeof(sandglass_shape) == 4);
 CLAIM(stage, sizeof(sandglass_stage) == 4);
 CLAIM(scheme, sizeof(sandglass_scheme) == 4);
 CLAIM(blend, sizeof(sandglass_blend) == 4);
+CLAIM(body_pose, sizeof(sandglass_body_pose) == 4 * (3 + 4 + 3 + 3));
+CLAIM(emitter, sizeof(sandglass_emitter) == 4 * (3 + 4 + 1 + 1 + 1));
+CLAIM(reference_scheme, sizeof(sandglass_reference_scheme) == 4 * 5);
+CLAIM(mesh, sizeof(sandglass_mesh) == 4 * sizeof(void*));
+CLAIM(region, sizeof(sandglass_region) == (sizeof(void*) + 7) / 8 * 8 + 16);
+CLAIM(clock, sizeof(sandglass_clock) == 2 * sizeof(void*));
+CLAIM(parallel, sizeof(sandglass_parallel) == 2 * sizeof(void*));
+CLAIM(trace, sizeof(sandglass_trace) == 3 * sizeof(void*));
+CLAIM(log, sizeof(sandglass_log) == 2 * sizeof(void*));
 CLAIM(grain, sizeof(sandglass_grain) == 4 * 4);
 CLAIM(collider, sizeof(sandglass_collider) == 4 + 4 * (3 + 4 + 3 + 3 + 3) + 4 + sizeof(void*));
 CLAIM(plan_run, sizeof(sandglass_plan_run) == 8);

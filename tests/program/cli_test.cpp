@@ -611,9 +611,10 @@ TEST_F(Cli, SamplesShapesWithExactlyThePointsAskedFor) {
   EXPECT_EQ(ring.out.rfind("301 points of a ring", 0), 0u) << ring.out;
   EXPECT_EQ(read(path("ring.png")).substr(1, 3), "PNG");
   EXPECT_EQ(read(path("spectrum.png")).substr(1, 3), "PNG");
-  expect_refused("sample --ring 10 --polar 50 20 -o " + path("x.ply"), "theta_a < theta_b");
+  expect_refused("sample --ring 10 --polar 50 20 -o " + path("x.ply"), "the first angle is not below the second");
   expect_refused("sample --ring 10 --polar nan 20 -o " + path("x.ply"), "--polar");
   expect_refused("sample --ring 10 --polar 0 181 -o " + path("x.ply"), "--polar");
+  expect_refused("sample teapot --surface --distance 1 -o " + path("x.ply"), "Name a mesh file, or trefoil, ");
   expect_refused("sample trefoil --surface --distance nan -o " + path("x.ply"), "--distance");
   expect_refused("sample trefoil --disk 10 -o " + path("x.ply"), "Leave MESH out");
   expect_refused("sample --surface --distance 1 -o " + path("x.ply"), "needs MESH");

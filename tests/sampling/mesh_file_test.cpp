@@ -39,7 +39,7 @@ const char k_vertices[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
 
 TEST(MeshFile, bad_ones_give_one_sentence) {
   expect_sentence(write("garbage.obj", "\x7f\x01\x02\x03 this is no mesh"), "");
-  expect_sentence(write("garbage.xyz123", "no format at all"), "cannot be read as a mesh");
+  expect_sentence(write("garbage.xyz123", "no format at all"), "no complete mesh");
   expect_sentence(write("no_faces.obj", k_vertices), "");
   expect_sentence(write("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"), "not finite");
   expect_sentence(write("infinite.obj", "v 0 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n"), "not finite");

@@ -235,7 +235,7 @@ TEST(Ply, holds_exactly_the_points) {
 
 TEST(Ply, failure_is_a_sentence_and_leaves_what_was_there) {
   const Folder folder;
-  EXPECT_NE(host::write_points_ply(folder / "no/such/folder/points.ply", {1, 2, 3}).find("cannot be written"),
+  EXPECT_NE(host::write_points_ply(folder / "no/such/folder/points.ply", {1, 2, 3}).find("cannot write"),
             std::string::npos);
   std::filesystem::create_directories(folder / "taken");
   EXPECT_NE(host::write_points_ply(folder / "taken", {1, 2, 3}), "");  // a folder has that name, so renaming fails

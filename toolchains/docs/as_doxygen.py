@@ -6,25 +6,29 @@ its number, so that Doxygen's messages name the right line:
   a comment that begins a line     documents the declaration below it; also further functions that follow without a blank line
   a comment behind code            documents that field or constant; all fields, where the line has several
   the first comment of a file      documents the file
+  the name of a function           becomes a link
   /* ---- title ---- */            heads a section of the page
   a field struct_size              is the same in every struct, and needs no comment
 A comment is prose. What Doxygen would take for a command or a tag is escaped, but not in `backticks`, which show code. Lines that are
 indented by four or more, behind a blank line, are shown as they stand.
 """
+import pathlib
 import re
 import sys
 
 # A comment, or a string, in which no comment begins.
 TOKEN = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 RULER = re.compile(r"(?:/\*|//) ?-{8,}([^-*]*)")
-SPECIAL = re.compile(r"[\\@<>#~]|(?<!\w)[*%](?=\w)")
+SPECIAL = re.compile(r"[\\@<>#~]|(?<!\w)[*%](?=\w)(?!\w[\w ]*\*)")
 
 SIZE = re.compile(r"^  uint32_t struct_size;$", re.MULTILINE)
-SIZE_COMMENT = r"\g<0> /**< The size of this struct in bytes: see \"Sizes\" in sandglass.h. */"
+SIZE_COMMENT = r"\g<0> /**< The size of this struct in bytes: types.h says who sets it. */"
 
 
 class Prose:
-    """Escapes comment lines one after the other; it knows whether it is in an indented block."""
+    """Escapes comment lines one after the other; it knows whether it is in an indented block. Functions are named with ()."""
+
+    functions = set()
 
     def __init__(self):
         self.after_blank = self.as_it_stands = False
@@ -39,8 +43,11 @@ class Prose:
         if self.as_it_stands:
             return text
         parts = content.split("`")
-        parts[::2] = [SPECIAL.sub(r"\\\g<0>", part) for part in parts[::2]]
+        parts[::2] = [SPECIAL.sub(r"\\\g<0>", self.linked(part)) for part in parts[::2]]
         return start + "`".join(parts)
+
+    def linked(self, part):
+        return re.sub(r"\bsandglass_\w+\b(?!\()", lambda name: name.group() + "()" * (name.group() in self.functions), part)
 
 
 def begins_line(text, start):
@@ -108,6 +115,8 @@ def shared(text):
 
 
 def main():
+    for header in pathlib.Path(sys.argv[1]).parent.glob("*.h"):
+        Prose.functions.update(re.findall(r"\b(sandglass_\w+)\(", TOKEN.sub("", header.read_text(encoding="utf-8"))))
     with open(sys.argv[1], encoding="utf-8") as file:
         sys.stdout.write(shared(marked(file.read())))
 

@@ -1,9 +1,9 @@
-// The label ceiling: how well the true labels, with no network in between, light an object. No network can beat its
-// labels, so this bounds what training can reach, and it decides between the variants of labels.h and of the radiometry
-// (SPEC 3.3) before anything is trained.
+// The label ceiling: how well the true labels light an object, without a network. No network can beat its labels, so
+// the ceiling bounds what training can reach. It decides between the variants of labels.h, and between the rules that
+// turn labels into radiance, before anything is trained.
 //
-// For each view the probe scene is path traced under the warped panorama, exposed by the panorama's own tone map; and
-// under a directional and an ambient light of strength 1, of which every variant's picture is a sum.
+// For each view the probe scene is path traced under the warped panorama, exposed by the panorama's own tone map. It is
+// also traced under a directional and an ambient light of strength 1; every variant's picture is a sum of these two.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
-// The evaluation of lighting (SPEC 3.3): for views of panoramas, the light that an estimator gives against the labels,
-// and an object on a plane that is path traced under the warped panorama and under the estimate; beside it the labels
-// themselves (no network can beat them) and three estimators that learn nothing or look at nothing:
+// The evaluation of lighting. For views of panoramas, an estimator's light is compared with the labels, and an object
+// on a plane is path traced under the warped panorama and under the estimate. The same is done for the labels
+// themselves (no network can beat them) and for three estimators that learn nothing or look at nothing:
 //   mean light   the mean of the labels of all panoramas of other folds and places
 //   brightest    the brightest visible region: its mean direction and colour, the rest's mean colour as ambient
 //   grey world   the image's mean colour; the light straight above the camera

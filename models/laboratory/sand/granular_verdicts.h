@@ -1,6 +1,6 @@
-// The accuracy claims of granular material as a table (ACCURACY 1 and 2): what is true, what was measured, how far
-// apart they may be; negative controls, wrong settings that must fail, among them. One parameter set for all of it: the
-// library's defaults. Where a hard case needs a finer rung, its row names it.
+// The accuracy claims of granular material as a table: what is true, what was measured, and how far apart they may be.
+// Some rows are negative controls: wrong settings that must fail. All rows use one parameter set, the library's
+// defaults. Where a hard case needs finer settings, its row names them.
 #pragma once
 
 #include <functional>

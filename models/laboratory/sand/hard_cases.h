@@ -1,5 +1,5 @@
-// What must not break a scene (ACCURACY 2), each one function from a description to a measured number. The tests assert
-// the same claims one by one; here they are rows beside the truths.
+// What must not break a scene. Each case is a function from a description to a measured number. The tests assert the
+// same claims one by one; here they are rows beside the truths.
 #pragma once
 
 #include "sandglass/sandglass.h"

@@ -1,6 +1,7 @@
 // Bullet, a rigid-body engine, on a scene of ours: what a general engine makes of the same spheres, for the granular
-// benchmark. Set up in its favour (PEERS): Bullet works badly at centimetre scale, so lengths, and gravity with them,
-// are scaled by 100; a frame is stepped in parts of at most 5 ms; its pools have room for all contacts of the scene.
+// benchmark. It is set up in Bullet's favour. Bullet works badly at centimetre scale, so lengths, and gravity with
+// them, are scaled by 100. A frame is stepped in parts of at most 5 ms. Its pools have room for all contacts of the
+// scene.
 #pragma once
 
 #include <cstdint>

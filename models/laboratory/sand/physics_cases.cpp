@@ -89,26 +89,6 @@ double incline_truth(const sandglass_scene_desc& desc, double slope, double seco
   return 0.5 * k_gravity * (std::sin(angle) - desc.granular.kinetic_friction * std::cos(angle)) * seconds * seconds;
 }
 
-double stack_height(const sandglass_scene_desc& desc) {
-  constexpr uint32_t k_count = 20;
-  sandglass_scene_desc stack = desc;
-  stack.granular.particle_capacity = k_count;
-  stack.granular.grain_capacity = 0;
-  stack.granular.collider_capacity = 1;
-  Simulation simulation(stack);
-  const float r = desc.granular.particle_radius;
-  std::vector<float> positions, velocities(3 * k_count, 0.0f);
-  for (uint32_t i = 0; i < k_count; ++i)
-    positions.insert(positions.end(), {0.0f, r * static_cast<float>(2 * i + 1), 0.0f});
-  simulation.add(positions, velocities);
-  const sandglass_collider floor = plane_with_slope(0.0);
-  for (uint32_t frame = 0; frame < frames_in(2.0); ++frame) simulation.frame(k_frame, k_no_budget, {&floor, 1});
-  double top = 0.0;
-  const std::vector<float>& end = simulation.particle_positions();
-  for (uint32_t i = 0; i < k_count; ++i) top = std::max<double>(top, end[3 * i + 1] + r);
-  return top / (2.0 * r * k_count);
-}
-
 RestingPile resting_pile(const sandglass_scene_desc& desc) {
   SceneFile scene;
   scene.source = "resting pile";

@@ -23,9 +23,6 @@ double incline_distance(const sandglass_scene_desc& desc, double slope, double s
 // Truth while it slides: g (sin - mu cos) t^2/2.
 double incline_truth(const sandglass_scene_desc& desc, double slope, double seconds);
 
-// Twenty particles exactly on top of each other, after two seconds: height over 20 d.
-double stack_height(const sandglass_scene_desc& desc);
-
 // A column of 1200 particles and 9600 grains that collapses and is then left alone: five seconds.
 struct RestingPile {
   double overlap_mean, overlap_max;  // of the last instant

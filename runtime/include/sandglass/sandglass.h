@@ -125,6 +125,7 @@ typedef struct sandglass_granular_desc {
   /* Seconds, 0.0001..0.1: the longest step of the grains, Delta t_hr. Default: 0.008, as in the dissertation. */
   float refine_step;
 
+  /* The scheme that results are compared with. Apps leave it alone. */
   sandglass_reference_scheme reference;
 } sandglass_granular_desc;
 
@@ -178,6 +179,7 @@ SANDGLASS_API const char* sandglass_level_name(uint32_t level);
 /* What a scene is: set once, at create. */
 typedef struct sandglass_scene_desc {
   uint32_t struct_size;
+  /* Which kernels to use. Default: AUTOMATIC. */
   sandglass_isa isa;
   /* Particles (or grains) in a work unit, 16..65536, a multiple of 16. The default, 1024, is about 50 microseconds on a
    * phone core. With a pool of T threads, T times that keeps the pool busy. */
@@ -187,10 +189,15 @@ typedef struct sandglass_scene_desc {
   uint32_t finest_level;
   /* m/s^2, in any direction, at most 1000. With length 0, height weighting has no effect. Default: (0, -9.81, 0). */
   float gravity[3];
+  /* The only clock that the scene reads. Default: none. */
   sandglass_clock clock;
+  /* The worker pool of the app. Default: none. */
   sandglass_parallel parallel;
+  /* Default: none. */
   sandglass_trace trace;
+  /* Default: none. */
   sandglass_log log;
+  /* The sand and the rigid bodies. */
   sandglass_granular_desc granular;
 } sandglass_scene_desc;
 
@@ -199,6 +206,7 @@ typedef struct sandglass_scene_desc {
  * and whatever differs. */
 SANDGLASS_API void sandglass_scene_desc_default(sandglass_scene_desc* desc);
 
+/* A scene, in a block of the app. */
 typedef struct sandglass_scene sandglass_scene;
 
 /* The exact number of bytes that a scene of this description needs, in *bytes. The function that lays the scene out
@@ -256,6 +264,7 @@ typedef struct sandglass_region {
   const char* name;
   /* From the start of the block, bytes. */
   uint64_t offset;
+  /* Its length. */
   uint64_t bytes;
 } sandglass_region;
 
@@ -279,10 +288,11 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_add(
     sandglass_scene* scene, const float* particle_positions, const float* particle_velocities, uint32_t particle_count,
     const float* grain_positions, const float* grain_velocities, uint32_t grain_count, const char** reason);
 
+struct sandglass_collider;
+
 /* Removes the sand whose centres lie inside a shape; its velocities mean nothing. *particles and *grains receive the
  * counts; both are optional. Rigid bodies stay. What is left wakes up. Fails with INVALID_ARGUMENT: the shape is not
  * usable. */
-struct sandglass_collider;
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_remove(sandglass_scene* scene,
                                                                              const struct sandglass_collider* region,
                                                                              uint32_t* particles, uint32_t* grains,
@@ -296,6 +306,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_remove(san
  * out of it. */
 typedef struct sandglass_body {
   uint32_t struct_size;
+  /* How many particles the body has. */
   uint32_t particle_count;
   /* 3 floats each, world, metres, within SANDGLASS_COORDINATE_LIMIT. Needed until the body is added. */
   const float* particle_positions;
@@ -381,6 +392,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_granular_set_fricti
 /* The camera's image that the light is estimated from (light.h). */
 struct sandglass_camera_image;
 
+/* The shape of a collider. */
 typedef int32_t sandglass_shape;
 enum {
   /* Solid below the plane through `position` whose normal is local +y. */
@@ -400,6 +412,7 @@ enum {
  * merely displaces it. A collider that jumps into sand pushes it out no faster than (4.45) allows. Friction is the
  * material's. */
 typedef struct sandglass_collider {
+  /* What `size` means. */
   sandglass_shape shape;
   /* World, metres. */
   float position[3];
@@ -440,11 +453,14 @@ enum {
   SANDGLASS_STAGE_COUNT = 5
 };
 
-/* Consecutive work units of one stage. */
+/* The most runs that a plan has. */
 enum { SANDGLASS_PLAN_RUNS = 48 };
+
+/* Consecutive work units of one stage. */
 typedef struct sandglass_plan_run {
   /* A sandglass_stage. */
   uint32_t stage;
+  /* How many. */
   uint32_t units;
 } sandglass_plan_run;
 
@@ -454,7 +470,9 @@ typedef struct sandglass_plan {
   uint32_t struct_size;
   /* The quality level. */
   uint32_t level;
+  /* How many of `runs` are used. */
   uint32_t run_count;
+  /* In the order in which they ran. */
   sandglass_plan_run runs[SANDGLASS_PLAN_RUNS];
 } sandglass_plan;
 
@@ -489,7 +507,9 @@ typedef struct sandglass_frame_input {
   float thermal_headroom;
   /* Colliders that are not usable or beyond collider_capacity are left out, and reported. */
   const sandglass_collider* colliders;
+  /* How many colliders there are. */
   uint32_t collider_count;
+  /* How many emitters there are. */
   uint32_t emitter_count;
   /* Emitters that are not usable or beyond emitter_capacity are left out, and reported. */
   const sandglass_emitter* emitters;
@@ -497,6 +517,7 @@ typedef struct sandglass_frame_input {
    * mean nothing. Sand that is asleep and rigid bodies stay. Sinks that are not usable or beyond sink_capacity are left
    * out, and reported. */
   const sandglass_collider* sinks;
+  /* How many sinks there are. */
   uint32_t sink_count;
   /* Seconds, 0..0.1: grains are written where they were so long before the time of the state, for displays faster than
    * the simulation. 0: the newest. */
@@ -510,6 +531,7 @@ typedef struct sandglass_frame_input {
   /* The shadows to bring up to date (shadow.h). One work unit a frame runs whatever the budget, more as it admits. Pass
    * all objects whose shadows are seen. None may be NULL. */
   struct sandglass_shadow* const* shadows;
+  /* How many shadows there are. */
   uint32_t shadow_count;
   /* NULL, or the shadow of the sand (pile_shadow.h): of its grains where it has any, else of its particles. It and the
    * shadows of objects are brought up to date in turns. */
@@ -544,6 +566,7 @@ typedef struct sandglass_frame_report {
   uint32_t level;
   /* Frames since create or reset, this one included. */
   uint64_t frame;
+  /* The budget that the frame was given. */
   uint64_t budget_ns;
   /* budget_ns times thermal_headroom: the target duration of a performance hint session. */
   uint64_t target_ns;
@@ -553,9 +576,11 @@ typedef struct sandglass_frame_report {
   uint64_t mandatory_ns;
   /* The last work unit, plus what output took beyond its own prediction; see sandglass_scene_frame. */
   uint64_t last_unit_ns;
+  /* The longest work unit of the frame. */
   uint64_t longest_unit_ns;
   /* 1: the clock went backward, stood still or jumped, and the frame ended at its cap of work units. */
   uint32_t clock_fault;
+  /* What each sandglass_stage did. */
   sandglass_stage_report stages[SANDGLASS_STAGE_COUNT];
   /* Seconds simulated since create or reset. */
   double simulated_time;
@@ -569,9 +594,11 @@ typedef struct sandglass_frame_report {
   uint32_t substeps;
   /* Neighbour lists that were built in this frame. */
   uint32_t list_builds;
+  /* Particles in the scene. */
   uint32_t particles;
   /* Particles that are not asleep. */
   uint32_t awake;
+  /* Grains in the scene. */
   uint32_t grains;
   /* Grains of the last pass over the grains that were not asleep, in whole groups of 16. */
   uint32_t awake_grains;

@@ -1,11 +1,11 @@
-// Thin C++ owner types over the C API: the same functions, with memory owned, pointers and counts joined, and status and
-// reason in one value. Header-only, C++17, no exceptions, no RTTI.
+// Thin C++ owner types over the C API: the same functions, with memory owned, pointers and counts joined, and status
+// and reason in one value. Header-only, C++17, no exceptions, no RTTI.
 //
 // Everything that the C headers promise holds here. Memory is allocated by the create and from_* functions, by the
-// sample_* functions, by save and by box_body, and by nothing else; none of them is called in a frame. Structs are those
-// of the C API (sandglass_scene_desc, ...). Each owner type gives its C handle by get(), for every function that has no
-// short form here. An owner type that nothing was created in yet is empty: its functions then follow the C API's rule
-// for NULL.
+// sample_* functions, by save and by box_body, and by nothing else; none of them is called in a frame. Structs are
+// those of the C API (sandglass_scene_desc, ...). Each owner type gives its C handle by get(), for every function that
+// has no short form here. An owner type that nothing was created in yet is empty: its functions then follow the rule of
+// the C API for NULL.
 //
 //   sandglass_scene_desc desc = sandglass::scene_desc();
 //   desc.granular.particle_capacity = 1000;
@@ -43,33 +43,46 @@ inline namespace cpp {
 
 // A status code and its sentence. True when the call succeeded; `reason` is then null.
 struct [[nodiscard]] Status {
+  // SANDGLASS_OK, or what went wrong.
   sandglass_status code = SANDGLASS_OK;
+  // A static sentence; null after success.
   const char* reason = nullptr;
+  // True when the call succeeded.
   explicit operator bool() const { return code == SANDGLASS_OK; }
+  // See sandglass_status_name.
   const char* name() const { return sandglass_status_name(code); }
 };
 
-// A view of points or vectors, three floats each, in memory that the caller keeps for the duration of the call. Made
+// A view of points or vectors, three floats each, in memory that the app keeps for the duration of the call. Made
 // from a pointer and a number of points, or from any contiguous container of floats (a trailing incomplete point is
 // left out).
 struct Points {
+  // x0 y0 z0 x1 ...
   const float* xyz = nullptr;
+  // How many points there are.
   uint32_t count = 0;
+  // No points.
   Points() = default;
+  // `points` of them, from `first` on.
   Points(const float* first, uint32_t points) : xyz(first), count(points) {}
+  // All of a container.
   template <class Container, class = decltype(static_cast<const float*>(std::declval<const Container&>().data()))>
   Points(const Container& floats) : xyz(floats.data()), count(static_cast<uint32_t>(floats.size() / 3)) {}
 };
 
 // A block aligned as the library wants it; empty when the heap has none.
 struct ReleaseBlock {
+  // Frees the block.
   void operator()(std::byte* block) const { ::operator delete (block, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT}); }
 };
+// A block that frees itself.
 using Block = std::unique_ptr<std::byte[], ReleaseBlock>;
+// A block of this size, or an empty one.
 inline Block allocate_block(uint64_t bytes) {
   return Block(static_cast<std::byte*>(
       ::operator new (static_cast<std::size_t>(bytes), std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT}, std::nothrow)));
 }
+// What is returned for an empty one.
 inline Status no_memory() {
   return {SANDGLASS_ERROR_MEMORY_TOO_SMALL, "the heap has no block of the size that is needed"};
 }
@@ -80,15 +93,20 @@ inline Status check_version() {
   return {SANDGLASS_ERROR_UNSUPPORTED, "the linked library is of another version than the headers: build with its own"};
 }
 
-// What is made in a block: the block, empty when the caller lent it, and the handle into it. The handle stays valid
+// What is made in a block: the block, empty when the app lent it, and the handle into it. The handle stays valid
 // when its owner is moved, because the block does not move.
 template <class Handle>
 struct Owned {
+  // Empty when the caller lent it.
   Block block;
+  // Null when nothing was made yet.
   Handle* handle = nullptr;
 
+  // Nothing yet.
   Owned() = default;
+  // Takes both over.
   Owned(Owned&& other) noexcept : block(std::move(other.block)), handle(std::exchange(other.handle, nullptr)) {}
+  // Takes both over.
   Owned& operator=(Owned&& other) noexcept {
     block = std::move(other.block);
     handle = std::exchange(other.handle, nullptr);
@@ -129,14 +147,17 @@ inline sandglass_frame_report frame_report() {
   return report;
 }
 
+// A body with its defaults and struct_size filled in.
 inline sandglass_body body() {
   sandglass_body body;
   sandglass_body_default(&body);
   return body;
 }
 
-// The rotation by `angle` radians about the axis (x, y, z), of any length above 0; the identity for an axis without one.
+// A rotation as a quaternion (x, y, z, w).
 using Rotation = std::array<float, 4>;
+// The rotation by `angle` radians about the axis (x, y, z), of any length above 0. An axis without length gives the
+// identity.
 inline Rotation rotation_about(float x, float y, float z, float angle) {
   const float axis[3] = {x, y, z};
   Rotation rotation{};
@@ -172,8 +193,11 @@ inline sandglass_collider box(float x, float y, float z, float half_x, float hal
 
 // A box as a rigid body, by sandglass_body_box: its particles, what Scene::add_body takes, and the box's collider.
 struct BoxBody {
+  // Three floats each, metres.
   std::vector<float> particles;
+  // What Scene::add_body takes.
   sandglass_body body{};
+  // That it was made with, metres.
   std::array<float, 3> half_extents{};
   Rotation rotation{0.0f, 0.0f, 0.0f, 1.0f};  // that it was made with
 
@@ -201,7 +225,7 @@ inline Status box_body(const std::array<float, 3>& half_extents, float particle_
   return status;
 }
 
-// A scene and, unless the caller lends it, the block it lives in. Movable, not copyable.
+// A scene and, unless the app lends it, the block it lives in. Movable, not copyable.
 class Scene {
  public:
   // The bytes that a scene of this description needs; 0 when the description is not valid (create says why).
@@ -222,7 +246,7 @@ class Scene {
     });
   }
 
-  // Makes the scene in a block of the caller's, aligned to SANDGLASS_BLOCK_ALIGNMENT, which must outlive it.
+  // Makes the scene in a block of the app, aligned to SANDGLASS_BLOCK_ALIGNMENT, which must outlive it.
   Status create_in(const sandglass_scene_desc& desc, void* block, uint64_t bytes) {
     Status status = check_version();
     if (!status) return status;
@@ -234,6 +258,7 @@ class Scene {
     return status;
   }
 #if defined(__cpp_lib_span)
+  // The same, in a span.
   Status create_in(const sandglass_scene_desc& desc, std::span<std::byte> block) {
     return create_in(desc, block.data(), block.size());
   }
@@ -241,6 +266,7 @@ class Scene {
 
   // True once create has succeeded.
   explicit operator bool() const { return get() != nullptr; }
+  // The handle, for functions of sandglass.h that are not members here.
   sandglass_scene* get() const { return owned_.handle; }
 
   // Adds particles and grains at rest. For moving ones: sandglass_granular_add(get(), ...).
@@ -262,12 +288,15 @@ class Scene {
     status.code = sandglass_granular_add_body(get(), &body, index, &status.reason);
     return status;
   }
+  // See sandglass_granular_body_pose.
   sandglass_body_pose body_pose(uint32_t index) const { return sandglass_granular_body_pose(get(), index); }
+  // See sandglass_granular_set_boundary.
   Status set_boundary(Points samples) {
     Status status;
     status.code = sandglass_granular_set_boundary(get(), samples.xyz, samples.count, &status.reason);
     return status;
   }
+  // See sandglass_granular_set_friction.
   Status set_friction(float static_friction, float kinetic_friction) {
     Status status;
     status.code = sandglass_granular_set_friction(get(), static_friction, kinetic_friction, &status.reason);
@@ -297,15 +326,20 @@ class Scene {
     data->resize(static_cast<std::size_t>(written));
     return status;
   }
+  // See sandglass_scene_restore.
   Status restore(const void* data, uint64_t bytes) {
     Status status;
     status.code = sandglass_scene_restore(get(), data, bytes, &status.reason);
     return status;
   }
+  // The same, from what save wrote.
   Status restore(const std::vector<std::byte>& data) { return restore(data.data(), data.size()); }
 
+  // See sandglass_scene_reset.
   void reset() { sandglass_scene_reset(get()); }
+  // See sandglass_scene_isa.
   sandglass_isa isa() const { return sandglass_scene_isa(get()); }
+  // See sandglass_scene_hash.
   uint64_t hash() const { return sandglass_scene_hash(get()); }
 
  private:
@@ -326,13 +360,17 @@ inline sandglass_camera_image camera_image() {
   return image;
 }
 
-// The light of a room and the block it lives in. Movable, not copyable. The network's file stays the caller's, and must
+// The light of a room and the block it lives in. Movable, not copyable. The network's file belongs to the app, and must
 // outlive it.
 class Light {
  public:
+  // No light yet: create makes it.
   Light() = default;
+  // Takes the light and its block over.
   Light(Light&&) noexcept = default;
+  // Gives back what sandglass_light_release names.
   ~Light() { sandglass_light_release(get()); }
+  // Takes the light and its block over; the one that was here is released.
   Light& operator=(Light&& other) noexcept {
     if (this == &other) return *this;
     sandglass_light_release(get());
@@ -357,6 +395,7 @@ class Light {
     return status;
   }
 
+  // True once create has succeeded.
   explicit operator bool() const { return get() != nullptr; }
   // For sandglass_frame_input::light, too.
   sandglass_light* get() const { return owned_.handle; }
@@ -368,17 +407,20 @@ class Light {
     if (status) sandglass_light_run(get(), UINT32_MAX);
     return status;
   }
+  // See sandglass_light_get.
   sandglass_light_estimate estimated() const {
     sandglass_light_estimate now{};
     now.struct_size = sizeof now;
     sandglass_light_get(get(), &now);
     return now;
   }
+  // See sandglass_light_turn.
   Status turn(const Rotation& rotation) {
     Status status;
     status.code = sandglass_light_turn(get(), rotation.data(), &status.reason);
     return status;
   }
+  // See sandglass_light_reset.
   void reset() { sandglass_light_reset(get()); }
 
  private:
@@ -414,6 +456,7 @@ class Shadow {
     });
   }
 
+  // True once create has succeeded.
   explicit operator bool() const { return get() != nullptr; }
   // For the array that sandglass_frame_input::shadows points to, too.
   sandglass_shadow* get() const { return owned_.handle; }
@@ -429,12 +472,14 @@ class Shadow {
     sandglass_shadow* const one = get();
     return sandglass_shadow_run(&one, 1, units);
   }
+  // See sandglass_shadow_get_texture.
   sandglass_shadow_texture texture(uint32_t light = 0) const {
     sandglass_shadow_texture now{};
     now.struct_size = sizeof now;
     sandglass_shadow_get_texture(get(), light, &now);
     return now;
   }
+  // See sandglass_shadow_hash.
   uint64_t hash() const { return sandglass_shadow_hash(get()); }
 
  private:
@@ -464,26 +509,31 @@ class PileShadow {
     });
   }
 
+  // True once create has succeeded.
   explicit operator bool() const { return get() != nullptr; }
   // For sandglass_frame_input::pile_shadow, too.
   sandglass_pile_shadow* get() const { return owned_.handle; }
 
+  // See sandglass_pile_shadow_set_light.
   Status set_light(const std::array<float, 3>& direction) {
     Status status;
     status.code = sandglass_pile_shadow_set_light(get(), direction.data(), &status.reason);
     return status;
   }
+  // See sandglass_pile_shadow_refresh.
   void refresh() { sandglass_pile_shadow_refresh(get()); }
   // Without a scene: see sandglass_pile_shadow_run.
   uint32_t run(Points spheres, float radius, uint32_t units = UINT32_MAX) {
     return sandglass_pile_shadow_run(get(), spheres.xyz, spheres.count, radius, units);
   }
+  // See sandglass_pile_shadow_get_texture.
   sandglass_pile_shadow_texture texture() const {
     sandglass_pile_shadow_texture now{};
     now.struct_size = sizeof now;
     sandglass_pile_shadow_get_texture(get(), &now);
     return now;
   }
+  // See sandglass_pile_shadow_hash.
   uint64_t hash() const { return sandglass_pile_shadow_hash(get()); }
 
  private:
@@ -493,8 +543,11 @@ class PileShadow {
 // ----------------------------------------------------------------------------------------------------------------
 // sampling
 
+// A box along the axes, metres.
 struct Box {
+  // The corner with the smallest coordinates.
   float min[3];
+  // The corner with the largest.
   float max[3];
 };
 
@@ -576,6 +629,7 @@ inline Status sample_surface(const sandglass_mesh& mesh, float distance, std::ve
 // Give the samplers a reference: [&](const float* p) { return inside(p); }.
 class MeshInside {
  public:
+  // Allocates the block, once and for all. Fails like sandglass_mesh_inside_create, or with MEMORY_TOO_SMALL.
   Status create(const sandglass_mesh& mesh, sandglass_inside_rule rule = SANDGLASS_INSIDE_PARITY) {
     Status status;
     uint64_t need = 0;
@@ -586,8 +640,11 @@ class MeshInside {
     });
   }
 
+  // True once create has succeeded.
   explicit operator bool() const { return get() != nullptr; }
+  // The handle.
   sandglass_mesh_inside* get() const { return owned_.handle; }
+  // See sandglass_mesh_inside_test.
   bool operator()(const float point[3]) const { return sandglass_mesh_inside_test(get(), point) != 0; }
 
  private:
@@ -616,8 +673,11 @@ class Field {
     });
   }
 
+  // True once one of the two above has succeeded.
   explicit operator bool() const { return get() != nullptr; }
+  // The handle: sandglass_collider::field.
   sandglass_field* get() const { return owned_.handle; }
+  // See sandglass_field_distance.
   float distance(const float point[3]) const { return sandglass_field_distance(get(), point, nullptr); }
 
  private:

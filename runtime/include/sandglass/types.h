@@ -29,7 +29,7 @@
  *
  * Structs are of three kinds:
  *   - Structs that begin with `struct_size` may grow, at their end only. The `_default` function of the struct sets
- *     struct_size. Where there is no such function, the caller sets it to sizeof the struct before every call.
+ *     struct_size. Where there is no such function, the app sets it to sizeof the struct before every call.
  *       - A struct that the library reads must have the size that the library knows, or it is refused.
  *       - In a struct that the library fills (a report, an estimate, a texture, an info), no byte beyond struct_size is
  *         written, and struct_size then says how many were. A struct_size below 8 counts as not set: a function with a
@@ -80,8 +80,11 @@ extern "C" {
 
 /* ------------------------------------------------------------------------------------------------ version */
 
+/* From 1.0 on, only a new one may break an app. */
 #define SANDGLASS_VERSION_MAJOR 0
+/* Before 1.0, a new one may break an app. */
 #define SANDGLASS_VERSION_MINOR 1
+/* A new one changes no header but this line. */
 #define SANDGLASS_VERSION_PATCH 0
 
 /* One number for the three: 1,000,000 major + 1,000 minor + patch. */
@@ -100,8 +103,10 @@ SANDGLASS_API uint32_t sandglass_version(void);
 
 /* ------------------------------------------------------------------------------------------------ status */
 
+/* What a function that can fail returns. */
 typedef int32_t sandglass_status;
 enum {
+  /* The call did what it was asked for. */
   SANDGLASS_OK = 0,
   /* An argument or a field is out of range or not finite, or a pointer is NULL. */
   SANDGLASS_ERROR_INVALID_ARGUMENT = 1,
@@ -129,7 +134,9 @@ SANDGLASS_API const char* sandglass_status_name(sandglass_status status);
  * frame ends at its cap of work units, with a valid state. now_ns == NULL means "no clock": every frame runs all its
  * work. */
 typedef struct sandglass_clock {
+  /* Nanoseconds since any origin. */
   uint64_t (*now_ns)(void* user);
+  /* Handed to now_ns. */
   void* user;
 } sandglass_clock;
 
@@ -140,15 +147,20 @@ SANDGLASS_API sandglass_clock sandglass_clock_system(void);
  * in any order, and return when all calls have returned. Results do not depend on it. run == NULL: the calling thread
  * does everything. */
 typedef struct sandglass_parallel {
+  /* Calls task(context, index) for each index in 0..count-1. */
   void (*run)(void* user, void (*task)(void* context, uint32_t index), void* context, uint32_t count);
+  /* Handed to run. */
   void* user;
 } sandglass_parallel;
 
 /* A profiling hook. `begin` and `end` bracket every work unit; `name` is a static string such as "granular.solve".
  * Either may be NULL. They are called on the thread that called sandglass_scene_frame. */
 typedef struct sandglass_trace {
+  /* Called before a work unit. */
   void (*begin)(void* user, const char* name);
+  /* Called after it. */
   void (*end)(void* user, const char* name);
+  /* Handed to both. */
   void* user;
 } sandglass_trace;
 
@@ -160,7 +172,9 @@ SANDGLASS_API sandglass_trace sandglass_trace_system(void);
 /* A log hook. It receives static sentences about what an app developer should know: a capacity was reached, a particle
  * was quarantined. `write` may be NULL. It is called at most once per kind of event and frame. */
 typedef struct sandglass_log {
+  /* Receives the sentence, which is static. */
   void (*write)(void* user, const char* sentence);
+  /* Handed to write. */
   void* user;
 } sandglass_log;
 
@@ -202,7 +216,9 @@ SANDGLASS_API int32_t sandglass_rotation_about(const float axis[3], float angle,
 /* Objects that an app creates in blocks of its own and hands to sandglass_scene_frame: the shadows of one object
  * (shadow.h), the shadow that the sand casts (pile_shadow.h), the light of the room (light.h). */
 typedef struct sandglass_shadow sandglass_shadow;
+/* The shadow that the sand casts (pile_shadow.h). */
 typedef struct sandglass_pile_shadow sandglass_pile_shadow;
+/* The light of the room (light.h). */
 typedef struct sandglass_light sandglass_light;
 
 #ifdef __cplusplus

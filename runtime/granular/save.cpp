@@ -1,8 +1,10 @@
-// A scene that lives on: moved rigidly, saved to bytes, restored from them.
+// A scene as bytes, and back.
 //
-// Moving and saving first settle the scene: the grains' sweep is finished, the sub-step under way is abandoned or ended,
-// lists and orders that can be found again are forgotten. Restoring ends in the same state. So a scene that was saved
-// goes on exactly as the one restored from the bytes, to the bit, whatever it was in the middle of.
+// Saving first settles the scene, and restoring ends in the same state. So a scene that was saved goes on exactly as
+// the one restored from the bytes, to the bit, whatever it was in the middle of.
+#include "runtime/core/finite.h"
+#include "runtime/core/hash.h"
+#include "runtime/core/refuse.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -11,10 +13,6 @@ namespace {
 
 constexpr uint32_t k_magic = 0x73676473;  // "sgds"
 constexpr uint32_t k_version = 2;
-
-constexpr char k_moved_too_far[] =
-    "sandglass_scene_move: the move would leave the coordinate limit, 1000 m from the scene origin; nothing "
-    "was moved.";
 
 struct Header {
   uint32_t magic, version;
@@ -58,12 +56,6 @@ void take_scalars(Granular* g, const Scalars& s) {
   g->substep.dither = s.dither;
 }
 
-uint64_t fnv(const uint8_t* bytes, uint64_t count) {
-  uint64_t hash = 14695981039346656037ull;
-  for (uint64_t i = 0; i < count; ++i) hash = (hash ^ bytes[i]) * 1099511628211ull;
-  return hash;
-}
-
 Header header_of(const Granular& g) {
   Header h = {};
   h.magic = k_magic, h.version = k_version;
@@ -99,29 +91,12 @@ uint64_t size_of(Granular* g, const Header& h) {
   return bytes;
 }
 
-// Settled: nothing is under way, and nothing is remembered that a restored scene would not know.
-void settle(Granular* g) {
-  if (g->desc.particle_capacity == 0) return;
-  sweep_finish(g);
-  substep_abandon(g);
-  substep_forget(&g->substep);
-  neighbours_forget(&g->neighbours, g->substep.longest);
-  g->time.interval_debt = 0.0;
-  g->sleep.waking_count = 0;
-  sweep_forget(&g->sweep);
-  grain_sleep_forget(&g->grain_sleep);
-  g->colliders.adopts = true;
-  particles_seal(g);
-}
-
-bool finite(float a) { return a - a == 0.0f; }
-bool finite(double a) { return a - a == 0.0; }
-
 template <class Item>
 bool sound_motion(const Item* items, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) {
     for (int k = 0; k < 3; ++k) {
-      if (!(__builtin_fabsf(items[i].position[k]) <= k_coordinate_bound) || !finite(items[i].velocity[k])) return false;
+      if (!(__builtin_fabsf(items[i].position[k]) <= k_coordinate_bound) || !is_finite(items[i].velocity[k]))
+        return false;
     }
   }
   return true;
@@ -145,13 +120,14 @@ bool sound_numbers(const Item* items, uint32_t count, const uint32_t* free, uint
 bool sound(Granular* g, const Header& h, const Scalars& s) {
   const double times[] = {s.debt, s.slipped, s.simulated, s.grain_lag, s.next_check};
   for (const double t : times) {
-    if (!finite(t)) return false;
+    if (!is_finite(t)) return false;
   }
   for (int k = 0; k < 3; ++k) {
-    if (!finite(s.low[k]) || !finite(s.high[k])) return false;
+    if (!is_finite(s.low[k]) || !is_finite(s.high[k])) return false;
   }
   if (!(s.debt >= 0.0 && s.debt <= 1.0 && s.slipped >= 0.0 && s.grain_lag >= 0.0 && s.grain_lag <= 1e5)) return false;
-  if (!finite(s.speed_max) || !(s.frame_step >= 0.0f && s.frame_step <= 1.0f) || !finite(s.densest_body)) return false;
+  if (!is_finite(s.speed_max) || !(s.frame_step >= 0.0f && s.frame_step <= 1.0f) || !is_finite(s.densest_body))
+    return false;
   if (!(s.builds_per_substep >= 0.0f && s.builds_per_substep <= 1.0f)) return false;
   if (!sound_motion(g->particles.records[0], h.particles) || !sound_motion(g->grains.records[0], h.grains))
     return false;
@@ -182,7 +158,7 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
       if (body_of(p) != b + 1 || number_of(p) != g->bodies.numbers[slot]) return false;
       if (g->sleep.anchors[number_of(p)].body_slot != slot) return false;
       for (int k = 0; k < 3; ++k) {
-        if (!finite(g->bodies.rest_shape[3ull * slot + k])) return false;
+        if (!is_finite(g->bodies.rest_shape[3ull * slot + k])) return false;
       }
     }
   }
@@ -196,47 +172,6 @@ bool sound(Granular* g, const Header& h, const Scalars& s) {
   return awake == s.awake && in_bodies == h.body_particles;
 }
 
-sandglass_status fail(sandglass_status status, const char* sentence, const char** reason) {
-  if (reason != nullptr) *reason = sentence;
-  return status;
-}
-
-struct Motion {
-  float axes[3][3];  // images of x, y, z
-  float shift[3];
-  double rotation[4];
-
-  void turn(float v[3]) const {
-    const float x = v[0], y = v[1], z = v[2];
-    for (int k = 0; k < 3; ++k) v[k] = x * axes[0][k] + y * axes[1][k] + z * axes[2][k];
-  }
-  void move(float p[3]) const {
-    turn(p);
-    for (int k = 0; k < 3; ++k) p[k] += shift[k];
-  }
-};
-
-template <class Item>
-bool stays_within(const Motion& motion, const Item* items, uint32_t count) {
-  for (uint32_t i = 0; i < count; ++i) {
-    const float* at = items[i].position;
-    float p[3] = {at[0], at[1], at[2]};
-    motion.move(p);
-    for (const float c : p) {
-      if (!(__builtin_fabsf(c) <= SANDGLASS_COORDINATE_LIMIT)) return false;
-    }
-  }
-  return true;
-}
-
-template <class Item>
-void move_items(const Motion& motion, Item* items, uint32_t count) {
-  for (uint32_t i = 0; i < count; ++i) {
-    motion.move(items[i].position);
-    motion.turn(items[i].velocity);
-  }
-}
-
 }  // namespace
 
 uint64_t granular_save_bytes(const Granular& granular) {
@@ -246,62 +181,54 @@ uint64_t granular_save_bytes(const Granular& granular) {
 
 sandglass_status granular_save(Granular* g, void* data, uint64_t bytes, uint64_t* written, const char** reason) {
   if (data == nullptr || written == nullptr)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_save: data or written is NULL: pass the memory and where to store its length.",
-                reason);
-  settle(g);
+    return refuse(reason,
+                  "sandglass_scene_save: data or written is NULL: pass the memory and where to store its length.");
+  granular_settle(g);
   Header h = header_of(*g);
   h.bytes = size_of(g, h);
   if (bytes < h.bytes)
-    return fail(SANDGLASS_ERROR_MEMORY_TOO_SMALL,
-                "sandglass_scene_save: bytes is less than the scene needs: ask sandglass_scene_save_bytes.", reason);
+    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
+                  "sandglass_scene_save: bytes is less than the scene needs: ask sandglass_scene_save_bytes.");
   Scalars s = scalars_of(*g);
   uint8_t* to = static_cast<uint8_t*>(data) + sizeof h;
   for_arrays(g, h, &s, [&to](const void* from, uint64_t count) {
     if (to != nullptr && from != nullptr) __builtin_memcpy(to, from, count);
     to += count;
   });
-  h.checksum = fnv(static_cast<const uint8_t*>(data) + sizeof h, h.bytes - sizeof h);
+  h.checksum = hash_bytes(static_cast<const uint8_t*>(data) + sizeof h, h.bytes - sizeof h);
   __builtin_memcpy(data, &h, sizeof h);
   *written = h.bytes;
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes, const char** reason) {
   Header h;
   if (data == nullptr)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_restore: data is NULL: pass the bytes that sandglass_scene_save wrote.", reason);
+    return refuse(reason, "sandglass_scene_restore: data is NULL: pass the bytes that sandglass_scene_save wrote.");
   if (bytes < sizeof h)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_restore: the data is shorter than any saved scene: it was cut.", reason);
+    return refuse(reason, "sandglass_scene_restore: the data is shorter than any saved scene: it was cut.");
   __builtin_memcpy(&h, data, sizeof h);
   if (h.magic != k_magic)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_restore: the data is no saved scene: pass the bytes that sandglass_scene_save wrote.",
-                reason);
+    return refuse(
+        reason, "sandglass_scene_restore: the data is no saved scene: pass the bytes that sandglass_scene_save wrote.");
   if (h.version != k_version)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_restore: the data has the format of another version of the library: save again with "
-                "this one.",
-                reason);
+    return refuse(reason,
+                  "sandglass_scene_restore: the data has the format of another version of the library: save again with "
+                  "this one.");
   const sandglass_granular_desc& d = g->desc;
   if (h.bytes != bytes || h.reserved != 0 ||
-      fnv(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_scene_restore: the data is cut or damaged.", reason);
+      hash_bytes(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
+    return refuse(reason, "sandglass_scene_restore: the data is cut or damaged.");
   if (h.particle_radius != d.particle_radius)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_restore: saved with another granular.particle_radius.", reason);
+    return refuse(reason, "sandglass_scene_restore: saved with another granular.particle_radius.");
   if (static_cast<uint64_t>(h.particles) + h.free_particles > d.particle_capacity ||
       static_cast<uint64_t>(h.grains) + h.free_grains > d.grain_capacity || h.boundary > d.boundary_capacity ||
       h.bodies > d.body_capacity || h.body_particles > d.body_particle_capacity || h.emitters > d.emitter_capacity) {
-    return fail(SANDGLASS_ERROR_CAPACITY,
-                "sandglass_scene_restore: the saved scene holds more than this one has room for: raise its capacities.",
-                reason);
+    return refuse(
+        reason, SANDGLASS_ERROR_CAPACITY,
+        "sandglass_scene_restore: the saved scene holds more than this one has room for: raise its capacities.");
   }
-  if (size_of(g, h) != bytes)
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, "sandglass_scene_restore: the data is cut or damaged.", reason);
+  if (size_of(g, h) != bytes) return refuse(reason, "sandglass_scene_restore: the data is cut or damaged.");
   granular_reset(g);
   if (d.particle_capacity != 0) {
     Scalars s = {};
@@ -312,56 +239,16 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
     });
     if (!sound(g, h, s)) {
       granular_reset(g);
-      return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                  "sandglass_scene_restore: the data contradicts itself; the scene was reset.", reason);
+      return refuse(reason, "sandglass_scene_restore: the data contradicts itself; the scene was reset.");
     }
     g->particles.count = h.particles, g->flow.free_particle_count = h.free_particles;
     g->grains.count = h.grains, g->flow.free_grain_count = h.free_grains;
     g->bodies.count = h.bodies, g->bodies.particle_count = h.body_particles;
     take_scalars(g, s);
     boundary_sort(g, h.boundary);
-    settle(g);
+    granular_settle(g);
   }
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
-}
-
-sandglass_status granular_move(Granular* g, const float rotation[4], const float translation[3], const char** reason) {
-  sandglass_collider frame = {}, accepted;
-  frame.rotation[3] = 1.0f;
-  for (int k = 0; rotation != nullptr && k < 4; ++k) frame.rotation[k] = rotation[k];
-  for (int k = 0; translation != nullptr && k < 3; ++k) {
-    frame.position[k] = translation[k];
-    if (finite(translation[k]) && __builtin_fabsf(translation[k]) > k_coordinate_bound)
-      return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, k_moved_too_far, reason);
-  }
-  if (!collider_accept(frame, &accepted))
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT,
-                "sandglass_scene_move: rotation or translation is not finite, or the rotation has no length.", reason);
-  if (g->desc.particle_capacity == 0) return fail(SANDGLASS_OK, nullptr, reason);
-  ColliderFrame posed;
-  colliders_pose(&accepted, 1, 0.0f, &posed);
-  Motion motion;
-  __builtin_memcpy(motion.axes, posed.axes, sizeof motion.axes);
-  for (int k = 0; k < 3; ++k) motion.shift[k] = accepted.position[k];
-  for (int k = 0; k < 4; ++k) motion.rotation[k] = static_cast<double>(accepted.rotation[k]);
-  Particle* boundary = boundary_particles(*g);
-  if (!stays_within(motion, g->particles.records[0], g->particles.count) ||
-      !stays_within(motion, g->grains.records[0], g->grains.count) ||
-      !stays_within(motion, boundary, g->boundary.count)) {
-    return fail(SANDGLASS_ERROR_INVALID_ARGUMENT, k_moved_too_far, reason);
-  }
-  settle(g);
-  move_items(motion, g->particles.records[0], g->particles.count);
-  if (g->grains.count != 0) move_items(motion, g->grains.records[0], g->grains.count);
-  for (uint32_t i = 0; i < g->particles.count + g->flow.free_particle_count; ++i)
-    motion.move(g->sleep.anchors[i].position);
-  for (uint32_t b = 0; b < g->bodies.count; ++b) bodies_move(&g->bodies, b, motion.rotation, motion.shift);
-  particles_find_bounds(&g->particles);
-  move_items(motion, boundary, g->boundary.count);
-  boundary_sort(g, g->boundary.count);
-  if (reason != nullptr) *reason = nullptr;
-  return SANDGLASS_OK;
+  return accept(reason);
 }
 
 }  // namespace sandglass

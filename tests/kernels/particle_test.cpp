@@ -1,0 +1,55 @@
+// The states of a particle are told apart, and none of them loses its mass or its number.
+#include "kernels/particle.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace {
+
+using namespace sandglass;
+
+constexpr float k_position[3] = {0.1f, 0.2f, 0.3f}, k_velocity[3] = {1.0f, -2.0f, 3.0f};
+
+TEST(Particle, SleepsAndWakesWithItsMassAndItsNumberButAtRest) {
+  Particle p = moving_particle(k_position, k_velocity, 7);
+  join_body(&p, 255, 0.25f);
+  put_to_sleep(&p);
+  EXPECT_TRUE(is_asleep(p) && !is_awake(p) && !is_fixed(p));
+  EXPECT_EQ(inverse_mass(p), 0.25f);
+  wake(&p);
+  EXPECT_TRUE(is_awake(p) && !is_asleep(p) && !is_fixed(p));
+  EXPECT_EQ(inverse_mass(p), 0.25f);
+  EXPECT_EQ(p.velocity[1], 0.0f);
+  EXPECT_EQ(number_of(p), 7u);
+  EXPECT_EQ(body_of(p), 255u);
+}
+
+TEST(Particle, OfTheBoundaryIsFixedWhateverItsNumber) {
+  const Particle p = fixed_particle(k_position, k_number_mask);
+  EXPECT_TRUE(is_fixed(p) && !is_awake(p) && !is_asleep(p));
+  EXPECT_FALSE(in_body(p));
+  EXPECT_FALSE(is_inert(p));
+}
+
+TEST(Particle, ThatPadsIsFixedAndNoOneElses) {
+  const Particle p = inert_particle();
+  EXPECT_TRUE(is_fixed(p) && is_inert(p));
+  EXPECT_FALSE(is_inert(moving_particle(k_position, k_velocity, k_number_mask)));
+}
+
+// What the kernels rely on: a record is 8 floats in this order.
+TEST(Particle, AndGrainAreEightLanes) {
+  const Particle p = moving_particle(k_position, k_velocity, 7);
+  const Grain g = moving_grain(k_position, k_velocity, 7);
+  float lanes[2][k_record_floats];
+  std::memcpy(lanes[0], &p, sizeof p), std::memcpy(lanes[1], &g, sizeof g);
+  for (const float(&record)[k_record_floats] : lanes) {
+    EXPECT_EQ(record[k_y], k_position[1]);
+    EXPECT_EQ(record[k_vz], k_velocity[2]);
+  }
+  EXPECT_EQ(lanes[0][k_mobility], 1.0f);
+  EXPECT_EQ(lanes[1][k_still_sweeps], 0.0f);
+}
+
+}  // namespace
