@@ -97,7 +97,7 @@ std::string sentence_of(const std::function<void()>& work) {
 TEST(LightNetImport, WhatIsMissingOrNotANetworkIsNamed) {
   EXPECT_NE(sentence_of([] { light_net_of({}); }).find("conv1/conv/kernel"), std::string::npos);
   const std::vector<uint8_t> rubbish(1000, 7);
-  EXPECT_NE(sentence_of([&] { LightRunner(rubbish, "rubbish.light"); }).find("'rubbish.light': the file is not"),
+  EXPECT_NE(sentence_of([&] { LightRunner(rubbish, "rubbish.light"); }).find("\"rubbish.light\": the file is not"),
             std::string::npos);
   EXPECT_NE(sentence_of([] { read_picture("no/such/picture.png"); }).find("no/such/picture.png"), std::string::npos);
 }
