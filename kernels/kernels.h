@@ -20,8 +20,10 @@ constexpr uint32_t k_list_slots = 32;
 // A grid of cubic cells that covers all space by wrapping round: the cell with integer coordinates c is stored at c mod
 // 2^bits per axis. So nothing can leave the grid. Distant cells that share storage cost distance tests, not errors.
 struct Grid {
-  float inverse_cell;      // 1 / edge
-  uint32_t bits[3];        // log2 of the number of cells per axis, >= 2 (neighbours of a cell stay distinct)
+  float inverse_cell;  // 1 / edge
+  // log2 of the number of cells per axis. At least 2, so that a cell's neighbours stay distinct. At least 3 for
+  // refine_grains, which visits more than four cells along an axis.
+  uint32_t bits[3];
   const uint32_t* starts;  // first item of each cell in sorted order, one past the end at last
 };
 

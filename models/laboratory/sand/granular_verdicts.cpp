@@ -76,6 +76,12 @@ void one_particle(Table& t) {
   t.claim("sliding_block", "m", slide, x, 1.05 * 1.0 * substep / 2.0);
   const double wrong = sliding_distance(slippery, &substep);
   t.control("sliding_block mu=0.1", "m", slide, wrong, 1.05 * 1.0 * substep / 2.0);
+  for (const double mu : {0.1, 0.3, 0.5}) {
+    const double stop = sliding_distance(t.with_friction(mu), &substep);
+    char name[40];
+    std::snprintf(name, sizeof name, "sliding_block at mu=%g", mu);
+    t.claim(name, "m", 1.0 / (2.0 * mu * k_gravity), stop, 1.05 * 1.0 * substep / 2.0);
+  }
   t.claim("incline 0.99 mu rests", "d", 0.0, incline_distance(desc, 0.99 * k_mu, 5.0) / d, 0.01);
   t.control("incline 0.99 mu, mu=0.1", "d", 0.0, incline_distance(slippery, 0.99 * k_mu, 1.0) / d, 0.01);
   for (const double factor : {1.05, 1.5}) {
@@ -86,13 +92,16 @@ void one_particle(Table& t) {
 }
 
 void rest(Table& t) {
-  const RestingPile pile = resting_pile(t.defaults());
-  t.claim("overlap at rest, mean", "r", 0.0, pile.overlap_mean, 0.01);
-  t.claim("overlap at rest, max", "r", 0.0, pile.overlap_max, 0.10);
-  t.claim("speed at rest", "sqrt(g d)", 0.0, pile.speed, 0.005);
-  t.claim("sinking at rest", "d/s", 0.0, pile.sinking, 0.01);
-  t.claim("kinetic energy left", "of max", 0.0, pile.energy_ratio, 0.001);
-  t.claim("grains under the floor", "grains", 0.0, pile.grains_below, 0.0);
+  for (const bool rough : {false, true}) {
+    const RestingPile pile = resting_pile(rough ? t.with_friction(k_rough_mu) : t.defaults());
+    const std::string of = rough ? ", rough sand" : "";
+    t.claim("overlap at rest, mean" + of, "r", 0.0, pile.overlap_mean, 0.01);
+    t.claim("overlap at rest, max" + of, "r", 0.0, pile.overlap_max, 0.10);
+    t.claim("speed at rest" + of, "sqrt(g d)", 0.0, pile.speed, 0.005);
+    t.claim("sinking at rest" + of, "d/s", 0.0, pile.sinking, 0.01);
+    t.claim("kinetic energy left" + of, "of max", 0.0, pile.energy_ratio, 0.001);
+    t.claim("grains under the floor" + of, "grains", 0.0, pile.grains_below, 0.0);
+  }
   t.control("overlap at rest, coarse", "r", 0.0, resting_pile(t.coarse()).overlap_mean, 0.01);
 }
 
@@ -213,7 +222,7 @@ void angles(Table& t) {
     double angle = 0.0;
     for (uint64_t seed = 1; seed <= k_seeds; ++seed)
       angle += repose(t.with_friction(mu), k_radius_d, k_aspect, seed, t.step).angle_deg / k_seeds;
-    char name[32];
+    char name[40];
     std::snprintf(name, sizeof name, "repose mu=%.1f", mu);
     t.report(name, "deg", std::atan(mu) * 57.29577951308232, angle);
     if (tenth > 1) least_rise = std::min(least_rise, angle - before);
@@ -240,7 +249,7 @@ void hard(Table& t) {
   t.claim("stack of 100", "height", 0.98, hundred.height, 0.03);
   t.claim("stack of 100: highest", "height", 1.0, hundred.highest, 0.01);
   t.claim("projectile at 40 m/s", "r deep", 0.0, projectile_depth(desc), 0.01);
-  for (const double k : {0.0, 0.6, 1.5}) {
+  for (const double k : {0.0, 0.3, 0.6, 0.9, 1.5}) {
     char name[40];
     std::snprintf(name, sizeof name, "height weighting k=%g", k);
     t.claim(name, "m/s", 0.0, weighting_speed(desc, k), 1.0);

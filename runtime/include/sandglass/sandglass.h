@@ -665,7 +665,8 @@ SANDGLASS_API void sandglass_granular_particles(const sandglass_scene* scene, fl
 SANDGLASS_API void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities);
 
 /* A 64-bit hash of the sand: the sum over all particles and grains of FNV-1a over (kind, number, position, velocity).
- * It is equal on every instruction set, compiler and thread count. */
+ * For a particle of a rigid body the second value holds the number of the particle and that of the body.
+ * The hash is equal on every instruction set, compiler and thread count. */
 SANDGLASS_API uint64_t sandglass_scene_hash(const sandglass_scene* scene);
 
 #ifdef __cplusplus
