@@ -26,7 +26,7 @@ struct FunctionField {
     uint64_t bytes = 0;
     for (int k = 0; k < 3; ++k) low[k] = -reach[k], high[k] = reach[k];
     EXPECT_EQ(sandglass_field_bytes(low, high, spacing, &bytes, &reason), SANDGLASS_OK) << reason;
-    block.reset(std::aligned_alloc(SANDGLASS_BLOCK_ALIGNMENT, (bytes + 63) / 64 * 64));
+    block = sandglass::cpp::allocate_block(bytes);
     EXPECT_EQ(
         sandglass_field_from_function(low, high, spacing, solid, ask, &distance, block.get(), bytes, &field, &reason),
         SANDGLASS_OK)
@@ -39,11 +39,8 @@ struct FunctionField {
     c.field = field;
     return c;
   }
-  struct Free {
-    void operator()(void* memory) const { std::free(memory); }
-  };
   float low[3], high[3];
-  std::unique_ptr<void, Free> block;
+  sandglass::cpp::Block block;
   sandglass_field* field = nullptr;
 };
 
@@ -159,8 +156,7 @@ TEST(FieldBounds, AWallThatNoNodeMeetsIsRefused) {
   uint64_t bytes = 0;
   const char* reason = nullptr;
   ASSERT_EQ(sandglass_field_bytes(low, high, 0.01f, &bytes, &reason), SANDGLASS_OK);
-  const std::unique_ptr<void, FunctionField::Free> block(
-      std::aligned_alloc(SANDGLASS_BLOCK_ALIGNMENT, (bytes + 63) / 64 * 64));
+  const sandglass::cpp::Block block = sandglass::cpp::allocate_block(bytes);
   sandglass_field* field = nullptr;
   for (const double sign : {1.0, -1.0}) {
     const sandglass_solid solid = sign > 0 ? SANDGLASS_SOLID_INSIDE : SANDGLASS_SOLID_OUTSIDE;
@@ -226,12 +222,7 @@ Leak shoot(const FunctionField& lid, float speed, uint32_t frames) {
     }
   }
   GranularScene scene(description(64, 64));
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_granular_add(scene.scene, particles.data(), velocities.data(), 64, grains.data(),
-                                   velocities.data(), 64, &reason),
-            SANDGLASS_OK);
-  scene.particle_count = 64;
-  scene.grains.resize(64);
+  scene.add(particles, velocities, grains, velocities);
   scene.colliders.push_back(lid.collider());
   for (uint32_t frame = 0; frame < frames; ++frame) scene.frame(0.02f);
   Leak leak;
@@ -276,12 +267,7 @@ TEST(FieldBounds, NothingPassesAContainersWallAtAnySpeed) {
       velocities.insert(velocities.end(), {0.3f * speed, -speed, 0.7f * speed});
     }
     GranularScene scene(description(64, 64));
-    const char* reason = nullptr;
-    ASSERT_EQ(sandglass_granular_add(scene.scene, grains.data(), velocities.data(), 64, grains.data(),
-                                     velocities.data(), 64, &reason),
-              SANDGLASS_OK);
-    scene.particle_count = 64;
-    scene.grains.resize(64);
+    scene.add(grains, velocities, grains, velocities);
     scene.colliders.push_back(wall.collider());
     for (int frame = 0; frame < 100; ++frame) {
       scene.frame(0.02f);

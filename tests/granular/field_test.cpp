@@ -1,4 +1,4 @@
-// Signed-distance fields: distances against closed forms, what is refused, and sand in an hourglass.
+// Signed-distance fields: distances against closed forms, and what is refused.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,14 +15,6 @@ namespace {
 using sandglass::host::make_icosphere;
 using sandglass::host::make_torus;
 using sandglass::host::Mesh;
-
-struct Aligned {
-  explicit Aligned(uint64_t bytes) : data(std::aligned_alloc(SANDGLASS_BLOCK_ALIGNMENT, (bytes + 127) / 64 * 64)) {}
-  ~Aligned() { std::free(data); }
-  Aligned(const Aligned&) = delete;
-  Aligned& operator=(const Aligned&) = delete;
-  void* data;
-};
 
 double length(const float* p) { return std::hypot(p[0], p[1], p[2]); }
 
@@ -83,15 +75,16 @@ TEST(Field, RefusesWhatMakesNoSense) {
   const char* reason = nullptr;
   sandglass_field* field = nullptr;
   ASSERT_EQ(sandglass_field_bytes(low, high, 0.01f, &bytes, &reason), SANDGLASS_OK);
-  Aligned block(bytes + 64);
-  uint8_t* memory = static_cast<uint8_t*>(block.data);
+  const sandglass::cpp::Block block = sandglass::cpp::allocate_block(bytes + 64);
+  std::byte* memory = block.get();
   const auto make = [&](const float* l, const float* h, float spacing, sandglass_solid solid, sandglass_distance f,
                         void* at, uint64_t size) {
     return sandglass_field_from_function(l, h, spacing, solid, f, &radius, at, size, &field, &reason);
   };
   std::memset(memory, 0xa5, bytes + 64);
   EXPECT_EQ(make(low, high, 0.01f, 0, ball_distance, memory, bytes), SANDGLASS_OK);
-  for (int i = 0; i < 64; ++i) EXPECT_EQ(memory[bytes + static_cast<uint64_t>(i)], 0xa5) << "beyond the block";
+  for (int i = 0; i < 64; ++i)
+    EXPECT_EQ(memory[bytes + static_cast<uint64_t>(i)], std::byte{0xa5}) << "beyond the block";
   EXPECT_EQ(make(low, high, 0.01f, 0, ball_distance, memory, bytes - 1), SANDGLASS_ERROR_MEMORY_TOO_SMALL);
   EXPECT_EQ(make(low, high, 0.01f, 0, ball_distance, memory + 4, bytes), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
   EXPECT_EQ(make(low, high, 0.01f, 0, no_distance, memory, bytes), SANDGLASS_ERROR_INVALID_ARGUMENT);
@@ -112,60 +105,6 @@ TEST(Field, RefusesWhatMakesNoSense) {
   nothing.rotation[3] = 1.0f;
   scene.colliders.push_back(nothing);
   EXPECT_EQ(scene.frame(0.02f).ignored_colliders, 1u);
-}
-
-// The inner wall of an hourglass: two cones that meet in a neck, closed at both ends.
-constexpr double k_neck = 0.08, k_wide = 0.16, k_half = 0.22;  // metres: radii, and half the height
-double wall_radius(double y) { return k_neck + (k_wide - k_neck) * std::fabs(y) / k_half; }
-float hourglass_distance(void*, const float p[3]) {
-  const double r = std::hypot(p[0], p[2]), slope = (k_wide - k_neck) / k_half;
-  const double side = (wall_radius(static_cast<double>(p[1])) - r) / std::sqrt(1 + slope * slope);
-  return static_cast<float>(std::min(side, k_half - std::fabs(static_cast<double>(p[1]))));
-}
-
-TEST(Field, NothingLeaksFromAnHourglassAndItDrains) {
-  const float low[3] = {-0.2f, -0.26f, -0.2f}, high[3] = {0.2f, 0.26f, 0.2f};
-  uint64_t bytes = 0;
-  const char* reason = nullptr;
-  sandglass_field* field = nullptr;
-  ASSERT_EQ(sandglass_field_bytes(low, high, 0.01f, &bytes, &reason), SANDGLASS_OK);
-  Aligned block(bytes);
-  ASSERT_EQ(sandglass_field_from_function(low, high, 0.01f, SANDGLASS_SOLID_OUTSIDE, hourglass_distance, nullptr,
-                                          block.data, bytes, &field, &reason),
-            SANDGLASS_OK)
-      << reason;
-  std::vector<float> particles, grains;
-  for (const float& y : {0.07f, 0.092f, 0.114f, 0.136f, 0.158f, 0.18f}) {
-    for (int j = -6; j <= 6; ++j) {
-      for (int i = -6; i <= 6; ++i) {
-        const float p[3] = {0.0205f * static_cast<float>(i), y, 0.0205f * static_cast<float>(j)};
-        if (hourglass_distance(nullptr, p) < 0.012f) continue;
-        particles.insert(particles.end(), p, p + 3);
-        for (int g = 0; g < 8; ++g)
-          for (int k = 0; k < 3; ++k) grains.push_back(p[k] + ((g >> k & 1) != 0 ? 0.005f : -0.005f));
-      }
-    }
-  }
-  GranularScene scene(
-      description(static_cast<uint32_t>(particles.size() / 3), static_cast<uint32_t>(grains.size() / 3)));
-  scene.add(particles, {}, grains);
-  sandglass_collider glass = {};
-  glass.shape = SANDGLASS_SHAPE_FIELD;
-  glass.field = field;
-  glass.rotation[3] = 1.0f;
-  scene.colliders.push_back(glass);
-  for (int frame = 0; frame < 200; ++frame) {
-    scene.frame(0.02f);
-    const std::vector<float> p = scene.positions();
-    for (size_t i = 0; i < p.size(); i += 3)
-      ASSERT_GE(hourglass_distance(nullptr, &p[i]), 0.01f - 0.0025f) << "a particle, h^2/8R at the neck's edge apart";
-    for (const sandglass_grain& g : scene.grains)
-      ASSERT_GE(hourglass_distance(nullptr, g.position), 0.0f) << "a grain, frame " << frame;
-  }
-  uint32_t below = 0;
-  const std::vector<float> p = scene.positions();
-  for (size_t i = 1; i < p.size(); i += 3) below += p[i] < 0.0f ? 1 : 0;
-  EXPECT_GT(below, 9 * p.size() / 3 / 10) << "of " << p.size() / 3 << " particles have passed the neck";
 }
 
 }  // namespace

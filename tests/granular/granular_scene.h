@@ -1,31 +1,39 @@
-// A small granular scene for tests: owns its block, its colliders and its grain buffer, and steps by whole frames.
+// A small granular scene for tests: owns its block, its colliders and its grain buffer, and steps by whole frames. A
+// call that the library refuses throws the library's reason.
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <functional>
+#include <initializer_list>
 #include <vector>
 
-#include "sandglass/sandglass.h"
+#include "sandglass/sandglass.hpp"
 
 struct GranularScene {
   explicit GranularScene(const sandglass_scene_desc& desc);
 
   void add(const std::vector<float>& particles, const std::vector<float>& velocities = {},
-           const std::vector<float>& grains = {});
+           const std::vector<float>& grains = {}, const std::vector<float>& grain_velocities = {});
+  // Returns the body's number.
+  uint32_t add_body(const std::vector<float>& points, float density = 1.0f,
+                    std::initializer_list<float> velocity = {0, 0, 0}, std::initializer_list<float> spin = {0, 0, 0});
   void add_floor(float height = 0.0f);
 
-  // One frame; the budget is unlimited unless said otherwise.
-  sandglass_frame_report frame(float time_step, uint64_t budget_ns = ~0ull >> 1, const sandglass_plan* plan = nullptr);
+  // The colliders and grains of this scene, with a budget that is unlimited unless said otherwise.
+  sandglass_frame_input input(float time_step, uint64_t budget_ns = ~0ull >> 1, const sandglass_plan* plan = nullptr);
+  sandglass_frame_report run(const sandglass_frame_input& input);
+  sandglass_frame_report frame(float time_step, uint64_t budget_ns = ~0ull >> 1, const sandglass_plan* plan = nullptr) {
+    return run(input(time_step, budget_ns, plan));
+  }
 
   std::vector<float> positions() const;
   std::vector<float> velocities() const;
   uint64_t hash() const { return sandglass_scene_hash(scene); }
 
-  struct Free {
-    void operator()(void* memory) const;
-  };
-  std::unique_ptr<void, Free> block;
-  uint64_t bytes = 0;
+  std::vector<uint8_t> save() const;
+  sandglass_status restore(const std::vector<uint8_t>& bytes, const char** reason = nullptr);
+
+  sandglass::cpp::Block block;
   sandglass_scene* scene = nullptr;
   std::vector<sandglass_collider> colliders;
   std::vector<sandglass_grain> grains;
@@ -36,7 +44,20 @@ struct GranularScene {
 sandglass_scene_desc description(uint32_t particles, uint32_t grains = 0, uint32_t boundary = 0);
 
 sandglass_collider half_space(float height);
+sandglass_collider sphere(float radius, float x = 0.0f, float y = 0.0f, float z = 0.0f);
 
 // A block of a cubic lattice standing on y = r: x * y * z particles at the given spacing, every other layer shifted by
 // a quarter of it so that columns do not balance on their tips.
 std::vector<float> lattice(uint32_t x, uint32_t y, uint32_t z, float spacing, float radius);
+// Eight grains a particle, at the corners of a cube about it, `offset` from its centre along each axis.
+std::vector<float> grains_about(const std::vector<float>& particles, float offset);
+// The particles `count` times, each time shifted by `offset` along every axis.
+std::vector<float> copies(const std::vector<float>& particles, int count, float offset);
+
+// Distance between the points i and j.
+double distance(const std::vector<float>& a, size_t i, const std::vector<float>& b, size_t j);
+
+// Runs a scene on every instruction set that this machine has, with work units of each size. All runs must end in the
+// same hash.
+void expect_one_hash(std::initializer_list<uint32_t> unit_items,
+                     const std::function<uint64_t(sandglass_isa isa, uint32_t unit_items)>& run);

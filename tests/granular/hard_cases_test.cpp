@@ -72,8 +72,7 @@ TEST(HardCase, ADamagedParticleIsQuarantinedWithinOneFrame) {
       if (std::strcmp(regions[i].name, "granular.particles") != 0 &&
           std::strcmp(regions[i].name, "granular.particles_next") != 0)
         continue;
-      auto* particles =
-          reinterpret_cast<sandglass::Particle*>(static_cast<char*>(scene.block.get()) + regions[i].offset);
+      auto* particles = reinterpret_cast<sandglass::Particle*>(scene.block.get() + regions[i].offset);
       particles[100].position[1] = damage;  // in whichever buffer holds the state
       found = true;
     }

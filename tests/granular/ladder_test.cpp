@@ -18,15 +18,6 @@ struct UnitClock {
   static void end(void* user, const char*) { static_cast<UnitClock*>(user)->now += 20000; }
 };
 
-std::vector<float> grains_of(const std::vector<float>& particles) {
-  std::vector<float> grains;
-  for (size_t i = 0; i < particles.size(); i += 3) {
-    for (int g = 0; g < 8; ++g)
-      for (size_t k = 0; k < 3; ++k) grains.push_back(particles[i + k] + ((g >> k & 1) != 0 ? 0.004f : -0.004f));
-  }
-  return grains;
-}
-
 // A block that collapses and lies there awake, on a clock that counts units.
 struct Counted {
   explicit Counted(uint32_t finest)
@@ -40,7 +31,7 @@ struct Counted {
           return desc;
         }()) {
     const std::vector<float> block = lattice(10, 10, 10, 0.0205f, k_radius);
-    scene.add(block, {}, grains_of(block));
+    scene.add(block, {}, grains_about(block, 0.004f));
     scene.add_floor();
     for (int frame = 0; frame < 60; ++frame) settled = scene.frame(k_frame);
   }
@@ -122,7 +113,7 @@ TEST(Ladder, GrainsAreNeverLeftBehind) {
     GranularScene scene(desc);
     std::vector<float> block = lattice(6, 6, 6, 0.0205f, k_radius);
     for (size_t i = 1; i < block.size(); i += 3) block[i] += 0.1f;
-    scene.add(block, {}, grains_of(block));
+    scene.add(block, {}, grains_about(block, 0.004f));
     scene.add_floor();
     sandglass_frame_report report = {};
     for (int frame = 0; report.simulated_time < k_simulated && frame < 3000; ++frame) {
@@ -139,7 +130,7 @@ TEST(Ladder, GrainsAreNeverLeftBehind) {
   }
 }
 
-TEST(Ladder, WithoutAClockTheFinestRungRuns) {
+TEST(Ladder, WithoutAClockTheFinestLevelRuns) {
   const std::vector<float> block = lattice(6, 6, 6, 0.0205f, k_radius);
   uint32_t substeps[SANDGLASS_LEVEL_COUNT] = {}, lists[SANDGLASS_LEVEL_COUNT] = {};
   for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level) {
@@ -181,19 +172,16 @@ TEST(Ladder, TheAveragedSchemeIteratesLess) {
     for (int frame = 0; frame < 30; ++frame) {
       ASSERT_EQ(scene.frame(k_frame).substeps, 16u);
       const std::vector<float> p = scene.positions();
-      for (size_t i = 0; i < p.size(); i += 3) {
-        for (size_t j = 0; j < i; j += 3) {
-          const double d = std::hypot(p[i] - p[j], p[i + 1] - p[j + 1], p[i + 2] - p[j + 2]);
-          overlap[level != 0] += std::max(0.0, 2 * static_cast<double>(k_radius) - d);
-        }
-      }
+      for (size_t i = 0; i < scene.particle_count; ++i)
+        for (size_t j = 0; j < i; ++j)
+          overlap[level != 0] += std::max(0.0, 2 * static_cast<double>(k_radius) - distance(p, i, p, j));
     }
   }
   EXPECT_GT(overlap[1], overlap[0]);
 }
 
 // The hard cases where long steps would show first: a tower, and a block that hits the floor at 3 m/s.
-TEST(Ladder, EveryRungIsStable) {
+TEST(Ladder, EveryLevelIsStable) {
   for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level) {
     sandglass_scene_desc desc = description(20);
     desc.finest_level = level;

@@ -35,24 +35,20 @@ double outline_distance(const Profile& profile, const float* p, const Within& wi
 
 // Sand on a loose lattice wherever `room` has it, eight grains a particle.
 template <class Room>
-void fill(const float low[3], const float high[3], const Room& room, std::vector<float>* particles,
-          std::vector<float>* grains) {
+GranularScene filled(const float low[3], const float high[3], const Room& room) {
   constexpr float k_step = 2.1f * k_radius;
-  for (float y = low[1]; y <= high[1]; y += k_step) {
-    for (float z = low[2]; z <= high[2]; z += k_step) {
+  std::vector<float> particles;
+  for (float y = low[1]; y <= high[1]; y += k_step)
+    for (float z = low[2]; z <= high[2]; z += k_step)
       for (float x = low[0]; x <= high[0]; x += k_step) {
         const float p[3] = {x, y, z};
-        if (!room(p)) continue;
-        particles->insert(particles->end(), p, p + 3);
-        for (int g = 0; g < 8; ++g)
-          for (int k = 0; k < 3; ++k) grains->push_back(p[k] + ((g >> k & 1) != 0 ? 0.004f : -0.004f));
+        if (room(p)) particles.insert(particles.end(), p, p + 3);
       }
-    }
-  }
-}
-
-sandglass_scene_desc room_for(const std::vector<float>& particles, const std::vector<float>& grains) {
-  return description(static_cast<uint32_t>(particles.size() / 3), static_cast<uint32_t>(grains.size() / 3));
+  const std::vector<float> grains = grains_about(particles, 0.004f);
+  GranularScene scene(
+      description(static_cast<uint32_t>(particles.size() / 3), static_cast<uint32_t>(grains.size() / 3)));
+  scene.add(particles, {}, grains);
+  return scene;
 }
 
 TEST(MeshCollider, HourglassKeepsItsSandAndDrains) {
@@ -66,14 +62,10 @@ TEST(MeshCollider, HourglassKeepsItsSandAndDrains) {
                             [](double r, double y) { return r < hourglass_radius(k_height, k_bulb, k_neck, y); });
   };
   const float low[3] = {-0.126f, 0.30f, -0.126f}, high[3] = {0.126f, 0.43f, 0.126f};
-  std::vector<float> particles, grains;
-  fill(
-      low, high, [&](const float* p) { return wall(p) > 0.012; }, &particles, &grains);
-  const size_t count = particles.size() / 3;
+  GranularScene scene = filled(low, high, [&](const float* p) { return wall(p) > 0.012; });
+  const size_t count = scene.particle_count;
   ASSERT_GE(count, 300u);
   ASSERT_LE(count, 500u);
-  GranularScene scene(room_for(particles, grains));
-  scene.add(particles, {}, grains);
   scene.colliders.push_back(glass.collider);
   double nearest = 1.0, nearest_grain = 1.0;
   for (int frame = 0; frame < 250; ++frame) {
@@ -102,12 +94,8 @@ TEST(MeshCollider, BucketLiftsItsSandAndTipsItOut) {
   constexpr double k_pi = 3.14159265358979323846;
   const MeshCollider bucket(make_revolved(sandglass::host::bucket_profile(0.2, 0.1, 0.13, 0.03), 64),
                             SANDGLASS_SOLID_INSIDE, k_spacing);
-  std::vector<float> particles, grains;
   const float low[3] = {-0.06f, 0.045f, -0.06f}, high[3] = {0.06f, 0.13f, 0.06f};
-  fill(
-      low, high, [](const float* p) { return std::hypot(p[0], p[2]) < 0.056f; }, &particles, &grains);
-  GranularScene scene(room_for(particles, grains));
-  scene.add(particles, {}, grains);
+  GranularScene scene = filled(low, high, [](const float* p) { return std::hypot(p[0], p[2]) < 0.056f; });
   scene.add_floor();
   scene.colliders.push_back(bucket.collider);
   const auto within = [&](float from, float to) {
@@ -128,7 +116,7 @@ TEST(MeshCollider, BucketLiftsItsSandAndTipsItOut) {
       for (const sandglass_grain& g : scene.grains) ASSERT_GT(g.position[1], -k_radius) << "under the floor";
     }
   };
-  const size_t count = particles.size() / 3;
+  const size_t count = scene.particle_count;
   run(25, 0.0, 0.0);
   run(50, 0.3, 0.0);
   run(25, 0.0, 0.0);
@@ -146,12 +134,8 @@ TEST(MeshCollider, SiloPoursThroughItsOutletAndNowhereElse) {
   MeshCollider silo(make_revolved(sandglass::host::silo_profile(0.35, k_inner, 0.1, k_outlet, k_wall), 96),
                     SANDGLASS_SOLID_INSIDE, k_spacing);
   silo.collider.position[1] = 0.3f;
-  std::vector<float> particles, grains;
   const float low[3] = {-0.12f, 0.43f, -0.12f}, high[3] = {0.12f, 0.56f, 0.12f};
-  fill(
-      low, high, [](const float* p) { return std::hypot(p[0], p[2]) < 0.115f; }, &particles, &grains);
-  GranularScene scene(room_for(particles, grains));
-  scene.add(particles, {}, grains);
+  GranularScene scene = filled(low, high, [](const float* p) { return std::hypot(p[0], p[2]) < 0.115f; });
   scene.add_floor();
   scene.colliders.push_back(silo.collider);
   std::vector<float> before = scene.positions();

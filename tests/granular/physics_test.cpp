@@ -14,13 +14,8 @@ TEST(Physics, AMovingColliderPushesSandAndAStillOneDoesNot) {
   for (const float speed : {0.0f, 0.2f}) {
     GranularScene scene(description(768));
     scene.add_floor();
-    sandglass_collider hand = {};
-    hand.shape = SANDGLASS_SHAPE_SPHERE;
-    hand.rotation[3] = 1.0f;
-    hand.size[0] = 0.04f;
-    hand.position[0] = -0.06f, hand.position[1] = 0.05f, hand.position[2] = 0.08f;
-    hand.linear_velocity[0] = speed;
-    scene.colliders.push_back(hand);
+    scene.colliders.push_back(sphere(0.04f, -0.06f, 0.05f, 0.08f));
+    scene.colliders.back().linear_velocity[0] = speed;
     scene.add(lattice(8, 6, 8, 0.0204f, 0.0102f));
     for (int frame = 0; frame < 50; ++frame) {
       scene.colliders[1].position[0] += speed * k_frame;

@@ -34,11 +34,7 @@ FramesAndControl run(uint64_t budget_ns, uint32_t frames, uint32_t hogs) {
   GranularScene scene(desc);
   scene.add_floor();
   const std::vector<float> particles = lattice(17, 42, 20, 0.0202f, 0.0102f);
-  std::vector<float> grains;
-  for (int copy = 0; copy < 4; ++copy) {
-    for (const float x : particles) grains.push_back(x + 0.002f * static_cast<float>(copy));
-  }
-  scene.add(particles, {}, grains);
+  scene.add(particles, {}, copies(particles, 4, 0.002f));
   FramesAndControl result;
   double debt = 0.0;
   for (int frame = 0; frame < static_cast<int>(frames); ++frame) {

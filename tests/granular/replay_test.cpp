@@ -14,12 +14,8 @@ constexpr uint32_t k_particles = 600, k_grains = 2400;
 
 void fill(GranularScene* scene) {
   scene->add_floor();
-  std::vector<float> grains;
   const std::vector<float> particles = lattice(10, 6, 10, 0.0203f, 0.05f);
-  for (int copy = 0; copy < 4; ++copy) {
-    for (size_t i = 0; i < particles.size(); ++i) grains.push_back(particles[i] + 0.003f * static_cast<float>(copy));
-  }
-  scene->add(particles, {}, grains);
+  scene->add(particles, {}, copies(particles, 4, 0.003f));
 }
 
 uint64_t run(const sandglass_scene_desc& desc, int frames) {

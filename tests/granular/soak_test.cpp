@@ -64,11 +64,10 @@ struct Hourglass {
           const float p[3] = {x, y, z};
           if (beyond_wall(wall.collider, p) > -0.025) continue;
           particles.insert(particles.end(), p, p + 3);
-          for (uint32_t g = 0; g < k_grains_per_particle; ++g)
-            for (int k = 0; k < 3; ++k) grains.push_back(p[k] + ((g >> k & 1) != 0 ? 0.004f : -0.004f));
         }
       }
     }
+    grains = grains_about(particles, 0.004f);
   }
   uint32_t count() const { return static_cast<uint32_t>(particles.size() / 3); }
 
@@ -86,18 +85,7 @@ struct Twin {
     turn(number, &scene.colliders[0]);
     return scene.frame(k_frame);
   }
-  std::vector<uint8_t> save() {
-    std::vector<uint8_t> bytes(sandglass_scene_save_bytes(scene.scene));
-    uint64_t written = 0;
-    const char* reason = nullptr;
-    EXPECT_EQ(sandglass_scene_save(scene.scene, bytes.data(), bytes.size(), &written, &reason), SANDGLASS_OK) << reason;
-    bytes.resize(written);
-    return bytes;
-  }
-  bool restore(const std::vector<uint8_t>& bytes) {
-    const char* reason = nullptr;
-    return sandglass_scene_restore(scene.scene, bytes.data(), bytes.size(), &reason) == SANDGLASS_OK;
-  }
+  bool restore(const std::vector<uint8_t>& bytes) { return scene.restore(bytes) == SANDGLASS_OK; }
   double mean_height() const {
     double sum = 0.0;
     const std::vector<float> p = scene.positions();
@@ -211,7 +199,7 @@ TEST(Soak, MillionFramesOfASmallHourglass) {
     }
     if ((frame + 1) % k_checkpoint == 0) {
       checkpoint.head.frame = frame + 1;
-      checkpoint.scene = run.save();
+      checkpoint.scene = run.scene.save();
       ASSERT_TRUE(again.restore(checkpoint.scene));
       ASSERT_EQ(again.scene.hash(), run.scene.hash());
       compare_until = frame + 1 + k_cycle;
