@@ -10,11 +10,7 @@
 
 #include "kernels/kernels.h"
 #include "runtime/granular/cell_sort.h"
-
-extern "C" {
-__attribute__((noinline)) void counting_begins() { __asm__ volatile(""); }
-__attribute__((noinline)) void counting_ends() { __asm__ volatile(""); }
-}
+#include "tests/bench/counting.h"
 
 namespace {
 
@@ -30,15 +26,6 @@ void begin() {
 void end() {
   if (!g_all) counting_ends();
 }
-
-// Random numbers from 0 to 1, the same on every machine.
-struct Random {
-  uint32_t state = 1;
-  float operator()() {
-    state = state * 1664525u + 1013904223u;
-    return static_cast<float>(state >> 8) / 16777216.0f;
-  }
-};
 
 // Aligned like the scene's block: two particles or grains in a cache line.
 template <class Item>
@@ -56,7 +43,7 @@ struct Records {
 // particle.
 struct Pile {
   Pile() : records(k_items + k_slack), lists(k_items * k_list_slots, k_items), counts(k_items) {
-    Random random;
+    CountingRandom random;
     for (uint32_t i = 0; i < k_items + k_slack; ++i) {
       if (i >= k_items) {
         records[i] = inert_particle();
@@ -231,7 +218,7 @@ void refine(const Kernels& kernels, const ColliderFrame& beside) {
   Pile pile;
   Sorted snapshot(&pile, kernels, 3 * k_radius, 3);
   Records<Grain> grains(k_items + k_slack);
-  Random random = {7};
+  CountingRandom random = {7};
   for (uint32_t i = 0; i < k_items; ++i)
     for (int k = 0; k < 3; ++k) grains[i].position[k] = Pile::side * random();
   std::vector<uint8_t> still_groups(pile.groups.size());
@@ -260,7 +247,7 @@ void work_refine_grains_beside_a_field(const Kernels& kernels) {
 // One row of columns, half of them empty, along eight azimuths of eight steps each.
 void work_pile_light(const Kernels& kernels) {
   constexpr uint32_t rows = 17, pitch = k_items + k_lane_group, azimuth_count = 8, steps_each = 8;
-  Random random;
+  CountingRandom random;
   std::vector<float> tops(rows * pitch + 2 * k_lane_group, -1e30f), bottoms(tops.size(), 1e30f), fills(tops.size());
   for (uint32_t i = 0; i < tops.size(); ++i)
     if (i % pitch >= k_lane_group && random() < 0.5f) tops[i] = 0.1f * random(), bottoms[i] = 0.0f, fills[i] = random();

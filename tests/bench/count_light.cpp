@@ -7,11 +7,7 @@
 
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
-
-extern "C" {
-__attribute__((noinline)) void counting_begins() { __asm__ volatile(""); }
-__attribute__((noinline)) void counting_ends() { __asm__ volatile(""); }
-}
+#include "tests/bench/counting.h"
 
 int main(int argument_count, char** arguments) {
   const auto argument = [&](int at, int otherwise) {

@@ -9,11 +9,7 @@
 
 #include "sandglass/pile_shadow.h"
 #include "sandglass/sandglass.hpp"
-
-extern "C" {
-__attribute__((noinline)) void counting_begins() { __asm__ volatile(""); }
-__attribute__((noinline)) void counting_ends() { __asm__ volatile(""); }
-}
+#include "tests/bench/counting.h"
 
 int main(int argument_count, char** arguments) {
   constexpr uint32_t k_grains = 24000, k_lights = 3;
@@ -23,11 +19,7 @@ int main(int argument_count, char** arguments) {
   desc.isa = argument_count > 1 ? std::atoi(arguments[1]) : SANDGLASS_ISA_AUTOMATIC;
   // A cone that is filled evenly: x and z lie over its foot, y below its surface.
   std::vector<float> grains;
-  uint32_t state = 1;
-  const auto unit = [&state] {
-    state = state * 1664525u + 1013904223u;
-    return static_cast<float>(state >> 8) / 16777216.0f;
-  };
+  CountingRandom unit;
   while (grains.size() < 3 * k_grains) {
     const float x = k_foot * (2 * unit() - 1), z = k_foot * (2 * unit() - 1), y = k_height * unit();
     const float left = 1 - y / k_height;

@@ -8,11 +8,7 @@
 
 #include "sandglass/sandglass.hpp"
 #include "sandglass/shadow.h"
-
-extern "C" {
-__attribute__((noinline)) void counting_begins() { __asm__ volatile(""); }
-__attribute__((noinline)) void counting_ends() { __asm__ volatile(""); }
-}
+#include "tests/bench/counting.h"
 
 int main(int argument_count, char** arguments) {
   std::FILE* file = argument_count > 1 ? std::fopen(arguments[1], "rb") : nullptr;

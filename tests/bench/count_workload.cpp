@@ -7,11 +7,7 @@
 #include <vector>
 
 #include "sandglass/sandglass.hpp"
-
-extern "C" {
-__attribute__((noinline)) void counting_begins() { __asm__ volatile(""); }
-__attribute__((noinline)) void counting_ends() { __asm__ volatile(""); }
-}
+#include "tests/bench/counting.h"
 
 namespace {
 
@@ -36,14 +32,11 @@ int main(int argument_count, char** arguments) {
   if (!status) return fail(status);
   // Grains on a lattice of their own, about sixteen for each particle, each shifted by a fraction of its cell.
   const float edge = 0.0068f;
-  uint32_t random = 1;
+  CountingRandom random;
   for (float y = r; y < 0.21f; y += edge) {
     for (float z = -0.1f; z < 0.1f; z += edge) {
       for (float x = -0.1f; x < 0.1f; x += edge) {
-        for (const float at : {x, y, z}) {
-          random = random * 1664525u + 1013904223u;
-          grains.push_back(at + 0.5f * edge * static_cast<float>(random >> 8) / 16777216.0f);
-        }
+        for (const float at : {x, y, z}) grains.push_back(at + 0.5f * edge * random());
       }
     }
   }

@@ -1,0 +1,19 @@
+// What the counted workloads share. Each program includes this file once.
+#pragma once
+
+#include <cstdint>
+
+// The marks between which count_plugin counts.
+extern "C" {
+__attribute__((noinline)) void counting_begins() { __asm__ volatile(""); }
+__attribute__((noinline)) void counting_ends() { __asm__ volatile(""); }
+}
+
+// Random numbers from 0 to 1, the same on every machine.
+struct CountingRandom {
+  uint32_t state = 1;
+  float operator()() {
+    state = state * 1664525u + 1013904223u;
+    return static_cast<float>(state >> 8) / 16777216.0f;
+  }
+};
