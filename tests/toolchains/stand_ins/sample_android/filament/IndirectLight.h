@@ -1,2 +1,0 @@
-#pragma once
-#include <filament/stand_in.h>

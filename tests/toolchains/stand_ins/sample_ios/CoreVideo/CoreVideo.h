@@ -1,2 +1,0 @@
-#pragma once
-#include "apple_stand_in.h"
