@@ -8,39 +8,11 @@
 #include <vector>
 
 #include "sandglass/sandglass.h"
+#include "tests/guarded_block.h"
 
 namespace {
 
-constexpr size_t k_guard = 4096;  // bytes watched on either side of the block
-
-// A pattern without period, which a stray write cannot match everywhere.
-uint8_t poison(size_t i) {
-  uint32_t x = static_cast<uint32_t>(i) * 2654435761u;
-  return static_cast<uint8_t>((x ^ (x >> 15)) * 2246822519u >> 24);
-}
-
-// Poisoned memory around an aligned block of `bytes` bytes.
-class GuardedBlock {
- public:
-  explicit GuardedBlock(uint64_t bytes) : bytes_(bytes), memory_(bytes + 2 * k_guard + SANDGLASS_BLOCK_ALIGNMENT) {
-    for (size_t i = 0; i < memory_.size(); ++i) memory_[i] = poison(i);
-    const size_t past = reinterpret_cast<uintptr_t>(memory_.data() + k_guard) % SANDGLASS_BLOCK_ALIGNMENT;
-    first_ = k_guard + (SANDGLASS_BLOCK_ALIGNMENT - past) % SANDGLASS_BLOCK_ALIGNMENT;
-  }
-  uint8_t* block() { return memory_.data() + first_; }
-  bool untouched() const { return intact(0, memory_.size()); }
-  bool guards_intact() const { return intact(0, first_) && intact(first_ + bytes_, memory_.size()); }
-
- private:
-  bool intact(size_t begin, size_t end) const {
-    for (size_t i = begin; i < end; ++i)
-      if (memory_[i] != poison(i)) return false;
-    return true;
-  }
-  uint64_t bytes_;
-  std::vector<uint8_t> memory_;
-  size_t first_ = 0;
-};
+using sandglass::test::GuardedBlock;
 
 sandglass_scene_desc small_scene() {
   sandglass_scene_desc desc;
@@ -63,11 +35,11 @@ TEST(BlockSizes, EverySizeBelowTheNeedIsRefusedAndNothingIsTouched) {
   const sandglass_scene_desc desc = small_scene();
   const uint64_t bytes = need(desc);
   GuardedBlock memory(bytes);
-  sandglass_scene* const unset = reinterpret_cast<sandglass_scene*>(memory.block() + 1);
+  sandglass_scene* const unset = reinterpret_cast<sandglass_scene*>(memory.data() + 1);
   for (uint64_t size = 0; size < bytes; ++size) {
     sandglass_scene* scene = unset;
     const char* reason = nullptr;
-    ASSERT_EQ(sandglass_scene_create(&desc, memory.block(), size, &scene, &reason), SANDGLASS_ERROR_MEMORY_TOO_SMALL)
+    ASSERT_EQ(sandglass_scene_create(&desc, memory.data(), size, &scene, &reason), SANDGLASS_ERROR_MEMORY_TOO_SMALL)
         << size;
     ASSERT_NE(reason, nullptr);
     ASSERT_EQ(scene, unset) << "a function that fails has changed nothing";
@@ -85,7 +57,7 @@ TEST(BlockSizes, AtTheNeedItSucceedsAndStaysInside) {
   GuardedBlock memory(bytes);
   sandglass_scene* scene = nullptr;
   const char* reason = nullptr;
-  ASSERT_EQ(sandglass_scene_create(&desc, memory.block(), bytes, &scene, &reason), SANDGLASS_OK) << reason;
+  ASSERT_EQ(sandglass_scene_create(&desc, memory.data(), bytes, &scene, &reason), SANDGLASS_OK) << reason;
   ASSERT_TRUE(memory.guards_intact()) << "creation wrote outside the block";
 
   std::vector<float> particles, grains, boundary;
@@ -110,7 +82,7 @@ TEST(BlockSizes, AtTheNeedItSucceedsAndStaysInside) {
   input.time_step = 1.0f / 60.0f;
   input.colliders = colliders;
   input.collider_count = 2;
-  input.grains = output.block();
+  input.grains = output.data();
   input.grain_stride = sizeof(sandglass_grain);
   input.grain_capacity = 54;
   for (int frame = 0; frame < 120; ++frame)
@@ -125,7 +97,7 @@ TEST(BlockSizes, RegionsLieInTheBlockInOrderAndAligned) {
   const uint64_t bytes = need(desc);
   GuardedBlock memory(bytes);
   sandglass_scene* scene = nullptr;
-  ASSERT_EQ(sandglass_scene_create(&desc, memory.block(), bytes, &scene, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_scene_create(&desc, memory.data(), bytes, &scene, nullptr), SANDGLASS_OK);
   std::vector<sandglass_region> regions(sandglass_scene_regions(scene, nullptr, 0));
   ASSERT_FALSE(regions.empty());
   ASSERT_EQ(sandglass_scene_regions(scene, regions.data(), static_cast<uint32_t>(regions.size())), regions.size());
@@ -145,7 +117,7 @@ TEST(BlockSizes, MisalignedBlockIsRefusedAndUntouched) {
   GuardedBlock memory(bytes + SANDGLASS_BLOCK_ALIGNMENT);
   for (size_t offset = 1; offset < SANDGLASS_BLOCK_ALIGNMENT; ++offset) {
     sandglass_scene* scene = nullptr;
-    EXPECT_EQ(sandglass_scene_create(&desc, memory.block() + offset, bytes, &scene, nullptr),
+    EXPECT_EQ(sandglass_scene_create(&desc, memory.data() + offset, bytes, &scene, nullptr),
               SANDGLASS_ERROR_MEMORY_ALIGNMENT)
         << offset;
   }

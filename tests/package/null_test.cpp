@@ -60,12 +60,15 @@ std::map<std::string, Declared> declared_functions() {
 
 // ------------------------------------------------------------------------------------------------ the table
 
+// A function with its name.
+#define NAMED(function) #function, function
+
 // What a function is given: everything it needs, so that only the NULL is wrong.
 class Nulls : public ::testing::Test {
  protected:
   // A function that returns a status. `optional`: its arguments that may be NULL, apart from `reason`.
   template <class... P, class... A>
-  void refuses(const char* name, const std::set<std::string>& optional, sandglass_status (*call)(P...),
+  void refuses(const char* name, sandglass_status (*call)(P...), const std::set<std::string>& optional,
                A... arguments) {
     each_null(name, call, std::tuple<P...>(arguments...), [&](const std::string& argument, auto values) {
       const char* said = nullptr;
@@ -83,7 +86,7 @@ class Nulls : public ::testing::Test {
 
   // A function that returns a value, or nothing: then `neutral` is not looked at.
   template <class R, class... P, class... A>
-  void returns(const char* name, R neutral, const std::set<std::string>& optional, R (*call)(P...), A... arguments) {
+  void returns(const char* name, R (*call)(P...), R neutral, const std::set<std::string>& optional, A... arguments) {
     each_null(name, call, std::tuple<P...>(arguments...), [&](const std::string& argument, auto values) {
       const R value = std::apply(call, values);
       if (optional.count(argument) == 0) {
@@ -163,52 +166,50 @@ class Nulls : public ::testing::Test {
 void Nulls::scenes() {
   sandglass_scene* const s = scene.get();
   sandglass_scene* made = nullptr;
-  refuses("sandglass_scene_bytes", {}, sandglass_scene_bytes, &desc, &need, &reason);
-  refuses("sandglass_scene_create", {}, sandglass_scene_create, &desc, spare.get(), bytes, &made, &reason);
-  does_nothing("sandglass_scene_desc_default", sandglass_scene_desc_default, &desc);
-  does_nothing("sandglass_scene_reset", sandglass_scene_reset, s);
-  refuses("sandglass_scene_move", {"rotation", "translation"}, sandglass_scene_move, s, point, low, &reason);
+  refuses(NAMED(sandglass_scene_bytes), {}, &desc, &need, &reason);
+  refuses(NAMED(sandglass_scene_create), {}, &desc, spare.get(), bytes, &made, &reason);
+  does_nothing(NAMED(sandglass_scene_desc_default), &desc);
+  does_nothing(NAMED(sandglass_scene_reset), s);
+  refuses(NAMED(sandglass_scene_move), {"rotation", "translation"}, s, point, low, &reason);
   std::vector<uint8_t> saved(1 << 20);
   uint64_t written = 0;
-  returns("sandglass_scene_save_bytes", uint64_t{0}, {}, sandglass_scene_save_bytes, s);
-  refuses("sandglass_scene_save", {}, sandglass_scene_save, s, saved.data(), uint64_t{saved.size()}, &written, &reason);
-  refuses("sandglass_scene_restore", {}, sandglass_scene_restore, s, saved.data(), written, &reason);
+  returns(NAMED(sandglass_scene_save_bytes), uint64_t{0}, {}, s);
+  refuses(NAMED(sandglass_scene_save), {}, s, saved.data(), uint64_t{saved.size()}, &written, &reason);
+  refuses(NAMED(sandglass_scene_restore), {}, s, saved.data(), written, &reason);
   sandglass_region region;
-  returns("sandglass_scene_regions", 0u, {"regions"}, sandglass_scene_regions, s, &region, 1u);
-  returns("sandglass_scene_isa", sandglass_isa{SANDGLASS_ISA_AUTOMATIC}, {}, sandglass_scene_isa, s);
-  returns("sandglass_scene_hash", uint64_t{0}, {}, sandglass_scene_hash, s);
-  refuses("sandglass_granular_add", {"particle_velocities", "grain_velocities"}, sandglass_granular_add, s, point, low,
-          1u, point, low, 1u, &reason);
-  const sandglass_collider ball = sandglass::sphere(5.0f, 5.0f, 5.0f, 0.1f);
-  refuses("sandglass_granular_remove", {"particles", "grains"}, sandglass_granular_remove, s, &ball, &count, &other,
+  returns(NAMED(sandglass_scene_regions), 0u, {"regions"}, s, &region, 1u);
+  returns(NAMED(sandglass_scene_isa), sandglass_isa{SANDGLASS_ISA_AUTOMATIC}, {}, s);
+  returns(NAMED(sandglass_scene_hash), uint64_t{0}, {}, s);
+  refuses(NAMED(sandglass_granular_add), {"particle_velocities", "grain_velocities"}, s, point, low, 1u, point, low, 1u,
           &reason);
+  const sandglass_collider ball = sandglass::sphere(5.0f, 5.0f, 5.0f, 0.1f);
+  refuses(NAMED(sandglass_granular_remove), {"particles", "grains"}, s, &ball, &count, &other, &reason);
   sandglass_body body;
   sandglass_body_default(&body);
   body.particle_positions = point, body.particle_count = 1;
-  refuses("sandglass_granular_add_body", {"index"}, sandglass_granular_add_body, s, &body, &count, &reason);
-  does_nothing("sandglass_body_default", sandglass_body_default, &body);
+  refuses(NAMED(sandglass_granular_add_body), {"index"}, s, &body, &count, &reason);
+  does_nothing(NAMED(sandglass_body_default), &body);
   const float half[3] = {0.02f, 0.02f, 0.02f};
   float points[64 * 3];
-  refuses("sandglass_body_box_count", {}, sandglass_body_box_count, half, 0.01f, &count, &reason);
-  refuses("sandglass_body_box", {"rotation"}, sandglass_body_box, half, 0.01f, low, point, 1.0f, points, 64u, &body,
-          &reason);
+  refuses(NAMED(sandglass_body_box_count), {}, half, 0.01f, &count, &reason);
+  refuses(NAMED(sandglass_body_box), {"rotation"}, half, 0.01f, low, point, 1.0f, points, 64u, &body, &reason);
   sandglass_body_pose pose = sandglass_granular_body_pose(s, 0);
   sandglass_collider collider = {};
-  does_nothing("sandglass_body_box_collider", sandglass_body_box_collider, &pose, half, point, &collider);
-  returns("sandglass_rotation_about", int32_t{0}, {}, sandglass_rotation_about, low, 1.0f, points);
+  does_nothing(NAMED(sandglass_body_box_collider), &pose, half, point, &collider);
+  returns(NAMED(sandglass_rotation_about), int32_t{0}, {}, low, 1.0f, points);
   covered_.insert("sandglass_granular_body_pose"), ++cases_;
   pose = sandglass_granular_body_pose(nullptr, 0);
   EXPECT_EQ(pose.rotation[3], 1.0f);
   EXPECT_EQ(pose.position[1], 0.0f);
-  refuses("sandglass_granular_set_boundary", {}, sandglass_granular_set_boundary, s, low, 1u, &reason);
-  refuses("sandglass_granular_set_friction", {}, sandglass_granular_set_friction, s, 0.2f, 0.2f, &reason);
+  refuses(NAMED(sandglass_granular_set_boundary), {}, s, low, 1u, &reason);
+  refuses(NAMED(sandglass_granular_set_friction), {}, s, 0.2f, 0.2f, &reason);
   sandglass_frame_input input = sandglass::frame_input();
   sandglass_frame_report report = sandglass::frame_report();
-  does_nothing("sandglass_frame_input_default", sandglass_frame_input_default, &input);
+  does_nothing(NAMED(sandglass_frame_input_default), &input);
   input.time_step = 0.01f;
-  refuses("sandglass_scene_frame", {"report"}, sandglass_scene_frame, s, &input, &report, &reason);
-  does_nothing("sandglass_granular_particles", sandglass_granular_particles, s, points, points);
-  does_nothing("sandglass_granular_grains", sandglass_granular_grains, s, points, points);
+  refuses(NAMED(sandglass_scene_frame), {"report"}, s, &input, &report, &reason);
+  does_nothing(NAMED(sandglass_granular_particles), s, points, points);
+  does_nothing(NAMED(sandglass_granular_grains), s, points, points);
 }
 
 constexpr float k_vertices[] = {0, -0.05f, 0, 0.05f, 0, 0, 0, 0, 0.05f, 0, 0.05f, 0};
@@ -221,59 +222,55 @@ float from_plane(void*, const float p[3]) { return std::sqrt(p[0] * p[0] + p[1] 
 void Nulls::sampling() {
   std::vector<float> points(3 * 4096);
   sandglass_sample_options options;
-  does_nothing("sandglass_sample_options_default", sandglass_sample_options_default, &options);
+  does_nothing(NAMED(sandglass_sample_options_default), &options);
   sandglass_sample_options_default(&options);
-  refuses("sandglass_sample_disk", {}, sandglass_sample_disk, 1.0f, 8u, points.data(), &reason);
-  refuses("sandglass_sample_sphere", {}, sandglass_sample_sphere, 1.0f, 8u, points.data(), &reason);
-  refuses("sandglass_sample_ring", {}, sandglass_sample_ring, 1.0f, 0.5f, 1.0f, 8u, points.data(), &reason);
-  refuses("sandglass_mesh_bounds", {}, sandglass_mesh_bounds, &k_mesh, low, high, &reason);
+  refuses(NAMED(sandglass_sample_disk), {}, 1.0f, 8u, points.data(), &reason);
+  refuses(NAMED(sandglass_sample_sphere), {}, 1.0f, 8u, points.data(), &reason);
+  refuses(NAMED(sandglass_sample_ring), {}, 1.0f, 0.5f, 1.0f, 8u, points.data(), &reason);
+  refuses(NAMED(sandglass_mesh_bounds), {}, &k_mesh, low, high, &reason);
   double number = 0.0;
-  refuses("sandglass_mesh_area", {}, sandglass_mesh_area, &k_mesh, &number, &reason);
-  refuses("sandglass_mesh_winding_number", {}, sandglass_mesh_winding_number, &k_mesh, point, &number, &reason);
+  refuses(NAMED(sandglass_mesh_area), {}, &k_mesh, &number, &reason);
+  refuses(NAMED(sandglass_mesh_winding_number), {}, &k_mesh, point, &number, &reason);
   const sandglass_inside_rule rule = SANDGLASS_INSIDE_WINDING;
-  refuses("sandglass_mesh_inside_bytes", {}, sandglass_mesh_inside_bytes, &k_mesh, rule, &need, &reason);
+  refuses(NAMED(sandglass_mesh_inside_bytes), {}, &k_mesh, rule, &need, &reason);
   const sandglass::Block block = sandglass::allocate_block(1 << 20);
   sandglass_mesh_inside* inside = nullptr;
-  refuses("sandglass_mesh_inside_create", {}, sandglass_mesh_inside_create, &k_mesh, rule, block.get(),
-          uint64_t{1 << 20}, &inside, &reason);
-  returns("sandglass_mesh_inside_test", 0, {}, sandglass_mesh_inside_test, inside, point);
+  refuses(NAMED(sandglass_mesh_inside_create), {}, &k_mesh, rule, block.get(), uint64_t{1 << 20}, &inside, &reason);
+  returns(NAMED(sandglass_mesh_inside_test), 0, {}, inside, point);
 
   for (int k = 0; k < 3; ++k) low[k] = -0.1f, high[k] = 0.1f;
   const float d = 0.02f;
   const sandglass::Block scratch = sandglass::allocate_block(1 << 22);
-  refuses("sandglass_sample_surface_capacity", {"options"}, sandglass_sample_surface_capacity, &k_mesh, d, &options,
-          &count, &reason);
-  refuses("sandglass_sample_surface_bytes", {"options"}, sandglass_sample_surface_bytes, &k_mesh, d, &options, 4096u,
-          &need, &reason);
-  refuses("sandglass_sample_surface", {"options"}, sandglass_sample_surface, &k_mesh, d, &options, scratch.get(),
-          uint64_t{1 << 22}, points.data(), 4096u, &count, &reason);
-  refuses("sandglass_sample_volume_capacity", {}, sandglass_sample_volume_capacity, low, high, d, &count, &reason);
-  refuses("sandglass_sample_volume_bytes", {}, sandglass_sample_volume_bytes, low, high, d, 4096u, &need, &reason);
-  refuses("sandglass_sample_volume", {"inside_user", "options"}, sandglass_sample_volume, low, high, d, in_ball,
-          points.data(), &options, scratch.get(), uint64_t{1 << 22}, points.data(), 4096u, &count, &reason);
-  refuses("sandglass_sample_lattice_capacity", {}, sandglass_sample_lattice_capacity, low, high, d, &count, &reason);
-  refuses("sandglass_sample_lattice_bytes", {}, sandglass_sample_lattice_bytes, low, high, d, &need, &reason);
-  refuses("sandglass_sample_lattice", {"inside_user", "options"}, sandglass_sample_lattice, low, high, d, in_ball,
-          points.data(), &options, scratch.get(), uint64_t{1 << 22}, points.data(), 4096u, &count, &reason);
-  refuses("sandglass_sample_power", {}, sandglass_sample_power, points.data(), 8u, point, &number, &reason);
-  refuses("sandglass_sample_spectrum", {}, sandglass_sample_spectrum, points.data(), 8u, 10.0f, 1u, 8u, 0, &number,
-          &reason);
+  refuses(NAMED(sandglass_sample_surface_capacity), {"options"}, &k_mesh, d, &options, &count, &reason);
+  refuses(NAMED(sandglass_sample_surface_bytes), {"options"}, &k_mesh, d, &options, 4096u, &need, &reason);
+  refuses(NAMED(sandglass_sample_surface), {"options"}, &k_mesh, d, &options, scratch.get(), uint64_t{1 << 22},
+          points.data(), 4096u, &count, &reason);
+  refuses(NAMED(sandglass_sample_volume_capacity), {}, low, high, d, &count, &reason);
+  refuses(NAMED(sandglass_sample_volume_bytes), {}, low, high, d, 4096u, &need, &reason);
+  refuses(NAMED(sandglass_sample_volume), {"inside_user", "options"}, low, high, d, in_ball, points.data(), &options,
+          scratch.get(), uint64_t{1 << 22}, points.data(), 4096u, &count, &reason);
+  refuses(NAMED(sandglass_sample_lattice_capacity), {}, low, high, d, &count, &reason);
+  refuses(NAMED(sandglass_sample_lattice_bytes), {}, low, high, d, &need, &reason);
+  refuses(NAMED(sandglass_sample_lattice), {"inside_user", "options"}, low, high, d, in_ball, points.data(), &options,
+          scratch.get(), uint64_t{1 << 22}, points.data(), 4096u, &count, &reason);
+  refuses(NAMED(sandglass_sample_power), {}, points.data(), 8u, point, &number, &reason);
+  refuses(NAMED(sandglass_sample_spectrum), {}, points.data(), 8u, 10.0f, 1u, 8u, 0, &number, &reason);
 }
 
 void Nulls::fields() {
   for (int k = 0; k < 3; ++k) low[k] = -0.1f, high[k] = 0.1f;
   const sandglass_solid solid = SANDGLASS_SOLID_INSIDE;
-  refuses("sandglass_field_bytes", {}, sandglass_field_bytes, low, high, 0.01f, &need, &reason);
+  refuses(NAMED(sandglass_field_bytes), {}, low, high, 0.01f, &need, &reason);
   const uint64_t room = 1 << 20;
   const sandglass::Block block = sandglass::allocate_block(room);
   sandglass_field* field = nullptr;
-  refuses("sandglass_field_from_mesh", {"inside_user"}, sandglass_field_from_mesh, &k_mesh, in_ball, point, low, high,
-          0.01f, 0.05f, solid, block.get(), room, &field, &reason);
-  refuses("sandglass_field_from_function", {"user"}, sandglass_field_from_function, low, high, 0.01f, solid, from_plane,
-          point, block.get(), room, &field, &reason);
+  refuses(NAMED(sandglass_field_from_mesh), {"inside_user"}, &k_mesh, in_ball, point, low, high, 0.01f, 0.05f, solid,
+          block.get(), room, &field, &reason);
+  refuses(NAMED(sandglass_field_from_function), {"user"}, low, high, 0.01f, solid, from_plane, point, block.get(), room,
+          &field, &reason);
   float normal[3];
-  returns("sandglass_field_distance", 0.0f, {"normal"}, sandglass_field_distance, field, point, normal);
-  returns("sandglass_field_bounds", solid, {"bounds_min", "bounds_max"}, sandglass_field_bounds, field, low, high);
+  returns(NAMED(sandglass_field_distance), 0.0f, {"normal"}, field, point, normal);
+  returns(NAMED(sandglass_field_bounds), solid, {"bounds_min", "bounds_max"}, field, low, high);
 }
 
 void Nulls::lights() {
@@ -283,45 +280,45 @@ void Nulls::lights() {
   desc_of.asset = file.data(), desc_of.asset_bytes = file_bytes;
   sandglass_light_info info = {};
   info.struct_size = sizeof info;
-  refuses("sandglass_light_inspect", {}, sandglass_light_inspect, file.data(), file_bytes, &info, &reason);
-  refuses("sandglass_light_bytes", {}, sandglass_light_bytes, &desc_of, &need, &reason);
+  refuses(NAMED(sandglass_light_inspect), {}, file.data(), file_bytes, &info, &reason);
+  refuses(NAMED(sandglass_light_bytes), {}, &desc_of, &need, &reason);
   ASSERT_EQ(sandglass_light_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
   const sandglass::Block block = sandglass::allocate_block(need);
   sandglass_light* light = nullptr;
-  refuses("sandglass_light_create", {}, sandglass_light_create, &desc_of, block.get(), need, &light, &reason);
-  does_nothing("sandglass_light_desc_default", sandglass_light_desc_default, &desc_of);
+  refuses(NAMED(sandglass_light_create), {}, &desc_of, block.get(), need, &light, &reason);
+  does_nothing(NAMED(sandglass_light_desc_default), &desc_of);
   ASSERT_NE(light, nullptr);
-  does_nothing("sandglass_light_reset", sandglass_light_reset, light);
-  refuses("sandglass_light_turn", {}, sandglass_light_turn, light, point, &reason);
+  does_nothing(NAMED(sandglass_light_reset), light);
+  refuses(NAMED(sandglass_light_turn), {}, light, point, &reason);
   std::vector<uint8_t> pixels(3 * 64 * 48, 100);
   sandglass_camera_image image = sandglass::camera_image();
   image.width = 64, image.height = 48, image.planes[0] = pixels.data(), image.strides[0] = 3 * 64;
   image.focal_x = image.focal_y = 60.0f;
-  refuses("sandglass_camera_check", {}, sandglass_camera_check, &image, &reason);
-  refuses("sandglass_light_set_image", {"taken"}, sandglass_light_set_image, light, &image, &count, &reason);
-  does_nothing("sandglass_camera_image_default", sandglass_camera_image_default, &image);
+  refuses(NAMED(sandglass_camera_check), {}, &image, &reason);
+  refuses(NAMED(sandglass_light_set_image), {"taken"}, light, &image, &count, &reason);
+  does_nothing(NAMED(sandglass_camera_image_default), &image);
   float sh[27];
   const float matrix[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-  returns("sandglass_camera_orientation", int32_t{0}, {}, sandglass_camera_orientation, matrix, sh);
-  returns("sandglass_light_run", 0u, {}, sandglass_light_run, light, 1u);
-  returns("sandglass_light_units_left", 0u, {}, sandglass_light_units_left, light);
+  returns(NAMED(sandglass_camera_orientation), int32_t{0}, {}, matrix, sh);
+  returns(NAMED(sandglass_light_run), 0u, {}, light, 1u);
+  returns(NAMED(sandglass_light_units_left), 0u, {}, light);
   sandglass_light_estimate estimate = {};
   estimate.struct_size = sizeof estimate;
-  does_nothing("sandglass_light_get_latest", sandglass_light_get_latest, light, &estimate);
-  does_nothing("sandglass_light_get", sandglass_light_get, light, &estimate);
+  does_nothing(NAMED(sandglass_light_get_latest), light, &estimate);
+  does_nothing(NAMED(sandglass_light_get), light, &estimate);
   sandglass_light_get(light, &estimate);
-  returns("sandglass_light_hash", uint64_t{0}, {}, sandglass_light_hash, light);
-  returns("sandglass_light_isa", sandglass_isa{SANDGLASS_ISA_AUTOMATIC}, {}, sandglass_light_isa, light);
+  returns(NAMED(sandglass_light_hash), uint64_t{0}, {}, light);
+  returns(NAMED(sandglass_light_isa), sandglass_isa{SANDGLASS_ISA_AUTOMATIC}, {}, light);
   const sandglass_light_model model = SANDGLASS_LIGHT_MODEL_WHOLE;
-  refuses("sandglass_light_harmonics", {}, sandglass_light_harmonics, &estimate, model, sh, &reason);
+  refuses(NAMED(sandglass_light_harmonics), {}, &estimate, model, sh, &reason);
   sandglass_light_filament filament = {};
   sandglass_light_arkit arkit = {};
   sandglass_light_unity unity = {};
   filament.struct_size = sizeof filament, arkit.struct_size = sizeof arkit, unity.struct_size = sizeof unity;
-  refuses("sandglass_light_to_filament", {}, sandglass_light_to_filament, &estimate, model, 30.0f, &filament, &reason);
-  refuses("sandglass_light_to_arkit", {}, sandglass_light_to_arkit, &estimate, model, &arkit, &reason);
-  refuses("sandglass_light_to_unity", {}, sandglass_light_to_unity, &estimate, model, &unity, &reason);
-  does_nothing("sandglass_light_release", sandglass_light_release, light);
+  refuses(NAMED(sandglass_light_to_filament), {}, &estimate, model, 30.0f, &filament, &reason);
+  refuses(NAMED(sandglass_light_to_arkit), {}, &estimate, model, &arkit, &reason);
+  refuses(NAMED(sandglass_light_to_unity), {}, &estimate, model, &unity, &reason);
+  does_nothing(NAMED(sandglass_light_release), light);
   sandglass_light_release(light);
 }
 
@@ -333,47 +330,46 @@ void Nulls::shadows() {
   desc_of.asset = file.data(), desc_of.asset_bytes = file_bytes;
   sandglass_shadow_info info = {};
   info.struct_size = sizeof info;
-  refuses("sandglass_shadow_inspect", {}, sandglass_shadow_inspect, file.data(), file_bytes, &info, &reason);
-  refuses("sandglass_shadow_bytes", {}, sandglass_shadow_bytes, &desc_of, &need, &reason);
+  refuses(NAMED(sandglass_shadow_inspect), {}, file.data(), file_bytes, &info, &reason);
+  refuses(NAMED(sandglass_shadow_bytes), {}, &desc_of, &need, &reason);
   ASSERT_EQ(sandglass_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
   const sandglass::Block block = sandglass::allocate_block(need);
   sandglass_shadow* shadow = nullptr;
-  refuses("sandglass_shadow_create", {}, sandglass_shadow_create, &desc_of, block.get(), need, &shadow, &reason);
-  does_nothing("sandglass_shadow_desc_default", sandglass_shadow_desc_default, &desc_of);
+  refuses(NAMED(sandglass_shadow_create), {}, &desc_of, block.get(), need, &shadow, &reason);
+  does_nothing(NAMED(sandglass_shadow_desc_default), &desc_of);
   ASSERT_NE(shadow, nullptr);
-  refuses("sandglass_shadow_set_light", {}, sandglass_shadow_set_light, shadow, 0u, point, 1.0f, &reason);
-  returns("sandglass_shadow_run", 0u, {}, sandglass_shadow_run, &shadow, 1u, 1u);
+  refuses(NAMED(sandglass_shadow_set_light), {}, shadow, 0u, point, 1.0f, &reason);
+  returns(NAMED(sandglass_shadow_run), 0u, {}, &shadow, 1u, 1u);
   sandglass_shadow* const with_null[] = {shadow, nullptr};
   EXPECT_EQ(sandglass_shadow_run(with_null, 2, 1), 0u);
-  returns("sandglass_shadow_units_left", 0u, {}, sandglass_shadow_units_left, shadow);
+  returns(NAMED(sandglass_shadow_units_left), 0u, {}, shadow);
   sandglass_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
-  does_nothing("sandglass_shadow_get_texture", sandglass_shadow_get_texture, shadow, 0u, &texture);
+  does_nothing(NAMED(sandglass_shadow_get_texture), shadow, 0u, &texture);
   std::vector<uint8_t> coverage(256 * 256);
-  refuses("sandglass_shadow_resample", {}, sandglass_shadow_resample, shadow, 0u, 128u, coverage.data(), &reason);
-  refuses("sandglass_shadow_combine", {}, sandglass_shadow_combine, shadow, 64u, coverage.data(), low, high, &reason);
-  returns("sandglass_shadow_hash", uint64_t{0}, {}, sandglass_shadow_hash, shadow);
-  returns("sandglass_shadow_isa", sandglass_isa{SANDGLASS_ISA_AUTOMATIC}, {}, sandglass_shadow_isa, shadow);
+  refuses(NAMED(sandglass_shadow_resample), {}, shadow, 0u, 128u, coverage.data(), &reason);
+  refuses(NAMED(sandglass_shadow_combine), {}, shadow, 64u, coverage.data(), low, high, &reason);
+  returns(NAMED(sandglass_shadow_hash), uint64_t{0}, {}, shadow);
+  returns(NAMED(sandglass_shadow_isa), sandglass_isa{SANDGLASS_ISA_AUTOMATIC}, {}, shadow);
 }
 
 void Nulls::pile_shadows() {
   sandglass_pile_shadow_desc desc_of;
   sandglass_pile_shadow_desc_default(&desc_of);
-  refuses("sandglass_pile_shadow_bytes", {}, sandglass_pile_shadow_bytes, &desc_of, &need, &reason);
+  refuses(NAMED(sandglass_pile_shadow_bytes), {}, &desc_of, &need, &reason);
   ASSERT_EQ(sandglass_pile_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
   const sandglass::Block block = sandglass::allocate_block(need);
   sandglass_pile_shadow* shadow = nullptr;
-  refuses("sandglass_pile_shadow_create", {}, sandglass_pile_shadow_create, &desc_of, block.get(), need, &shadow,
-          &reason);
-  does_nothing("sandglass_pile_shadow_desc_default", sandglass_pile_shadow_desc_default, &desc_of);
+  refuses(NAMED(sandglass_pile_shadow_create), {}, &desc_of, block.get(), need, &shadow, &reason);
+  does_nothing(NAMED(sandglass_pile_shadow_desc_default), &desc_of);
   ASSERT_NE(shadow, nullptr);
-  refuses("sandglass_pile_shadow_set_light", {}, sandglass_pile_shadow_set_light, shadow, point, &reason);
-  does_nothing("sandglass_pile_shadow_refresh", sandglass_pile_shadow_refresh, shadow);
-  returns("sandglass_pile_shadow_run", 0u, {}, sandglass_pile_shadow_run, shadow, point, 1u, 0.01f, 1u);
+  refuses(NAMED(sandglass_pile_shadow_set_light), {}, shadow, point, &reason);
+  does_nothing(NAMED(sandglass_pile_shadow_refresh), shadow);
+  returns(NAMED(sandglass_pile_shadow_run), 0u, {}, shadow, point, 1u, 0.01f, 1u);
   sandglass_pile_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
-  does_nothing("sandglass_pile_shadow_get_texture", sandglass_pile_shadow_get_texture, shadow, &texture);
-  returns("sandglass_pile_shadow_hash", uint64_t{0}, {}, sandglass_pile_shadow_hash, shadow);
+  does_nothing(NAMED(sandglass_pile_shadow_get_texture), shadow, &texture);
+  returns(NAMED(sandglass_pile_shadow_hash), uint64_t{0}, {}, shadow);
 }
 
 TEST_F(Nulls, EveryFunctionRefusesOrIgnoresEachOfItsPointers) {

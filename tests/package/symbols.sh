@@ -14,9 +14,11 @@
 # archive. WITH_XNNPACK=1: the archive was configured to ask for XNNPACK.
 set -euo pipefail
 
-# memory : the four functions that compilers emit on their own, and the string functions that FlatBuffers' verifier
-# needs platform : clock, CPU features, profiler exact : libm functions that IEEE 754 defines to the bit; transcendental
-# ones differ between C libraries compiler : stack protector, position-independent code, out-of-line arithmetic
+# The lines of the list:
+# memory     the four functions that compilers emit on their own, and the string functions that FlatBuffers' verifier needs
+# platform   clock, CPU features, profiler; the second line is Apple's
+# exact      libm functions that IEEE 754 defines to the bit; transcendental ones differ between C libraries
+# compiler   stack protector, position-independent code, out-of-line arithmetic
 readonly allowed='^(mem(cpy|move|set|cmp)|str(len|cmp|ncmp)'\
 '|clock_gettime|getauxval|ATrace_(begin|end)Section|abort'\
 '|clock_gettime_nsec_np|sysctlbyname|os_log_create|(stand_in)?_os_signpost[a-z_]*|__dso_handle'\

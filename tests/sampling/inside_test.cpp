@@ -55,10 +55,8 @@ void expect_torus(const InsideTest& inside, const char* name) {
   EXPECT_LT(in_band, 400);  // the band is thin, so nearly all points are tested
 }
 
-TEST(Inside, parity_agrees_with_the_analytic_torus) {
+TEST(Inside, both_rules_agree_with_the_analytic_torus) {
   expect_torus(InsideTest(test_torus(), SANDGLASS_INSIDE_PARITY), "parity");
-}
-TEST(Inside, winding_agrees_with_the_analytic_torus) {
   expect_torus(InsideTest(test_torus(), SANDGLASS_INSIDE_WINDING), "winding");
 }
 
@@ -173,7 +171,8 @@ TEST(Inside, tree_stays_within_its_error) {  // 0.04, as the header says
 }
 
 TEST(Inside, winding_number_is_a_fraction_where_the_mesh_is_open) {
-  // Seen from the centre, the lower half of a sphere fills half of all directions. This tests the corrected (3.27).
+  // Seen from the centre, the lower half of a sphere fills half of all directions. This tests (3.27) of the
+  // dissertation, corrected.
   host::Mesh half = host::make_icosphere(1, 3);
   std::vector<uint32_t> kept;
   for (size_t t = 0; t < half.indices.size(); t += 3)

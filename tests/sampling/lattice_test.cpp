@@ -9,8 +9,6 @@
 namespace sandglass::test {
 namespace {
 
-int everywhere(void*, const float*) { return 1; }
-
 TEST(Lattice, has_twelve_neighbours_at_exactly_the_distance) {
   const float low[3] = {-3.1f, 2.2f, 10.3f}, high[3] = {-2.1f, 3.2f, 11.3f}, distance = 0.083f;
   const Points sites = sample_lattice(low, high, distance, everywhere, nullptr);

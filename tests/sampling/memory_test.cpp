@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "models/mesh/generated.h"
@@ -15,14 +16,19 @@ const float k_low[3] = {0, 0, 0}, k_high[3] = {1, 1, 1};
 constexpr float k_distance = 0.1f;
 constexpr float k_mark = -77.0f;
 
-int everywhere(void*, const float*) { return 1; }
-
-// One run of a sampler with given memory and capacity.
+// A sampler with its memory.
 struct Run {
   const char* name;
-  uint64_t (*bytes)(uint32_t capacity);
-  sandglass_status (*sample)(void* scratch, uint64_t bytes, float* points, uint32_t capacity, uint32_t* count,
-                             const char** reason);
+  std::function<sandglass_status(uint32_t capacity, uint64_t* bytes, const char** reason)> ask_bytes;
+  std::function<sandglass_status(void* scratch, uint64_t bytes, float* points, uint32_t capacity, uint32_t* count,
+                                 const char** reason)>
+      sample;
+
+  uint64_t bytes(uint32_t capacity) const {
+    uint64_t need = 0;
+    EXPECT_EQ(ask_bytes(capacity, &need, nullptr), SANDGLASS_OK);
+    return need;
+  }
 };
 
 const host::Mesh& ball() {
@@ -30,47 +36,27 @@ const host::Mesh& ball() {
   return mesh;
 }
 
-template <sandglass_metric metric>
-uint64_t surface_bytes(uint32_t capacity) {
+Run surface_run(const char* name, sandglass_metric metric) {
   sandglass_sample_options options = options_with_seed(1);
   options.metric = metric;
   const sandglass_mesh mesh = view(ball());
-  uint64_t bytes = 0;
-  EXPECT_EQ(sandglass_sample_surface_bytes(&mesh, k_distance, &options, capacity, &bytes, nullptr), SANDGLASS_OK);
-  return bytes;
+  return {name, [=](auto... out) { return sandglass_sample_surface_bytes(&mesh, k_distance, &options, out...); },
+          [=](auto... out) { return sandglass_sample_surface(&mesh, k_distance, &options, out...); }};
 }
 
-template <sandglass_metric metric>
-sandglass_status surface_run(void* scratch, uint64_t bytes, float* points, uint32_t capacity, uint32_t* count,
-                             const char** reason) {
-  sandglass_sample_options options = options_with_seed(1);
-  options.metric = metric;
-  const sandglass_mesh mesh = view(ball());
-  return sandglass_sample_surface(&mesh, k_distance, &options, scratch, bytes, points, capacity, count, reason);
+Run volume_run() {
+  return {"volume", [](auto... out) { return sandglass_sample_volume_bytes(k_low, k_high, k_distance, out...); },
+          [](auto... out) {
+            return sandglass_sample_volume(k_low, k_high, k_distance, everywhere, nullptr, nullptr, out...);
+          }};
 }
 
-uint64_t volume_bytes(uint32_t capacity) {
-  uint64_t bytes = 0;
-  EXPECT_EQ(sandglass_sample_volume_bytes(k_low, k_high, k_distance, capacity, &bytes, nullptr), SANDGLASS_OK);
-  return bytes;
-}
-
-sandglass_status volume_run(void* scratch, uint64_t bytes, float* points, uint32_t capacity, uint32_t* count,
-                            const char** reason) {
-  return sandglass_sample_volume(k_low, k_high, k_distance, everywhere, nullptr, nullptr, scratch, bytes, points,
-                                 capacity, count, reason);
-}
-
-uint64_t lattice_bytes(uint32_t) {
-  uint64_t bytes = 0;
-  EXPECT_EQ(sandglass_sample_lattice_bytes(k_low, k_high, k_distance, &bytes, nullptr), SANDGLASS_OK);
-  return bytes;
-}
-
-sandglass_status lattice_run(void* scratch, uint64_t bytes, float* points, uint32_t capacity, uint32_t* count,
-                             const char** reason) {
-  return sandglass_sample_lattice(k_low, k_high, k_distance, everywhere, nullptr, nullptr, scratch, bytes, points,
-                                  capacity, count, reason);
+Run lattice_run() {
+  return {"lattice",
+          [](uint32_t, auto... out) { return sandglass_sample_lattice_bytes(k_low, k_high, k_distance, out...); },
+          [](auto... out) {
+            return sandglass_sample_lattice(k_low, k_high, k_distance, everywhere, nullptr, nullptr, out...);
+          }};
 }
 
 class Memory : public testing::TestWithParam<Run> {};
@@ -148,12 +134,11 @@ TEST_P(Memory, exactly_enough_capacity_works_and_one_less_does_not) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Samplers, Memory,
-    testing::Values(Run{"surface", surface_bytes<SANDGLASS_METRIC_EUCLIDEAN>, surface_run<SANDGLASS_METRIC_EUCLIDEAN>},
-                    Run{"geodesic", surface_bytes<SANDGLASS_METRIC_GEODESIC>, surface_run<SANDGLASS_METRIC_GEODESIC>},
-                    Run{"volume", volume_bytes, volume_run}, Run{"lattice", lattice_bytes, lattice_run}),
-    [](const auto& instance) { return std::string(instance.param.name); });
+INSTANTIATE_TEST_SUITE_P(Samplers, Memory,
+                         testing::Values(surface_run("surface", SANDGLASS_METRIC_EUCLIDEAN),
+                                         surface_run("geodesic", SANDGLASS_METRIC_GEODESIC), volume_run(),
+                                         lattice_run()),
+                         [](const auto& instance) { return std::string(instance.param.name); });
 
 TEST(InsideMemory, needs_exactly_the_named_bytes) {
   const sandglass_mesh mesh = view(ball());

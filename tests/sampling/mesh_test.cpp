@@ -67,6 +67,15 @@ TEST(Generated, are_closed_and_oriented_outwards) {
   EXPECT_EQ(euler_characteristic(host::make_named("silo").mesh), 0) << "a funnel is a ring";
 }
 
+// A point of the trefoil's axis.
+std::array<double, 3> knot(double t) {
+  return {(std::sin(t) + 2 * std::sin(2 * t)) / 30, (std::cos(t) - 2 * std::cos(2 * t)) / 30, -std::sin(3 * t) / 30};
+}
+
+double apart(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+  return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+}
+
 TEST(Generated, have_the_volumes_of_their_shapes) {
   const float size[3] = {1, 2, 3};
   EXPECT_NEAR(host::signed_volume(host::make_box(size)), 6, 1e-6);
@@ -76,15 +85,8 @@ TEST(Generated, have_the_volumes_of_their_shapes) {
   EXPECT_NEAR(host::signed_volume(host::make_icosphere(1, 5)) / (4 * k_pi / 3), 1, 0.002);
   // Pappus: the tube's cross-section times the knot's length, here summed in double.
   double length = 0;
-  const auto knot = [](double t) {
-    return std::array{(std::sin(t) + 2 * std::sin(2 * t)) / 30, (std::cos(t) - 2 * std::cos(2 * t)) / 30,
-                      -std::sin(3 * t) / 30};
-  };
   const int steps = 20000;
-  for (int i = 0; i < steps; ++i) {
-    const auto a = knot(2 * k_pi * i / steps), b = knot(2 * k_pi * (i + 1) / steps);
-    length += std::sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
-  }
+  for (int i = 0; i < steps; ++i) length += apart(knot(2 * k_pi * i / steps), knot(2 * k_pi * (i + 1) / steps));
   EXPECT_NEAR(host::signed_volume(host::make_trefoil()) / (length * k_pi * 0.018 * 0.018), 1,
               std::pow(2 * k_pi / 32, 2) / 3);
 }
@@ -137,17 +139,10 @@ TEST(Generated, hourglass_outline_lies_on_its_radius_and_mirrors) {
 
 TEST(Generated, trefoil_does_not_cross_itself) {
   // Strands further along the knot than a half circle of the tube stay more than a tube's diameter apart, axis to axis.
-  const auto knot = [](double t) {
-    return std::array{(std::sin(t) + 2 * std::sin(2 * t)) / 30, (std::cos(t) - 2 * std::cos(2 * t)) / 30,
-                      -std::sin(3 * t) / 30};
-  };
   double least = 1;
   for (int i = 0; i < 1000; ++i)
-    for (int j = i + 125; j < i + 875; ++j) {
-      const auto a = knot(2 * k_pi * i / 1000), b = knot(2 * k_pi * j / 1000);
-      least = std::min(least, std::sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) +
-                                        (a[2] - b[2]) * (a[2] - b[2])));
-    }
+    for (int j = i + 125; j < i + 875; ++j)
+      least = std::min(least, apart(knot(2 * k_pi * i / 1000), knot(2 * k_pi * j / 1000)));
   EXPECT_GT(least, 2 * 0.018);
 }
 

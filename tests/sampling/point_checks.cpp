@@ -5,17 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
+#include <set>
 
 namespace sandglass::test {
-namespace {
-
-constexpr size_t k_guard = 64;
-constexpr uint8_t k_guard_byte = 0xA5;
-
-}  // namespace
-
 sandglass_mesh view(const host::Mesh& mesh) {
   return {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
 }
@@ -36,22 +29,11 @@ host::Mesh moved(host::Mesh mesh, float x, float y, float z) {
   return mesh;
 }
 
-GuardedBlock::GuardedBlock(uint64_t bytes) : bytes_(bytes), memory_(bytes + 3 * k_guard, k_guard_byte) {
-  const auto address = reinterpret_cast<uintptr_t>(memory_.data()) + k_guard;
-  const size_t gap = (SANDGLASS_BLOCK_ALIGNMENT - address % SANDGLASS_BLOCK_ALIGNMENT) % SANDGLASS_BLOCK_ALIGNMENT;
-  start_ = k_guard + gap;
-}
-
-void* GuardedBlock::data() { return memory_.data() + start_; }
-
-bool GuardedBlock::guards_intact() const {
-  const auto is_guard = [](uint8_t byte) { return byte == k_guard_byte; };
-  return std::all_of(memory_.begin(), memory_.begin() + static_cast<std::ptrdiff_t>(start_), is_guard) &&
-         std::all_of(memory_.begin() + static_cast<std::ptrdiff_t>(start_ + bytes_), memory_.end(), is_guard);
-}
-
-bool GuardedBlock::untouched() const {
-  return std::all_of(memory_.begin(), memory_.end(), [](uint8_t byte) { return byte == k_guard_byte; });
+host::Mesh unit_square() {
+  host::Mesh square;
+  square.vertices = {0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1};
+  square.indices = {0, 2, 1, 0, 3, 2};
+  return square;
 }
 
 sandglass_sample_options options_with_seed(uint64_t seed) {
@@ -61,59 +43,48 @@ sandglass_sample_options options_with_seed(uint64_t seed) {
   return options;
 }
 
-Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_options& options) {
-  const sandglass_mesh surface = view(mesh);
+int everywhere(void*, const float*) { return 1; }
+
+namespace {
+
+// The capacity that is asked for, scratch memory of that capacity's size, then the samples.
+template <class Capacity, class Bytes, class Sample>
+Points sampled(const Capacity& ask_capacity, const Bytes& ask_bytes, const Sample& sample) {
   uint32_t capacity = 0, count = 0;
   uint64_t bytes = 0;
   const char* reason = nullptr;
-  EXPECT_EQ(sandglass_sample_surface_capacity(&surface, distance, &options, &capacity, &reason), SANDGLASS_OK)
-      << reason;
-  EXPECT_EQ(sandglass_sample_surface_bytes(&surface, distance, &options, capacity, &bytes, &reason), SANDGLASS_OK)
-      << reason;
+  EXPECT_EQ(ask_capacity(&capacity, &reason), SANDGLASS_OK) << reason;
+  EXPECT_EQ(ask_bytes(capacity, &bytes, &reason), SANDGLASS_OK) << reason;
   GuardedBlock scratch(bytes);
   Points points(3ull * capacity);
-  EXPECT_EQ(sandglass_sample_surface(&surface, distance, &options, scratch.data(), bytes, points.data(), capacity,
-                                     &count, &reason),
-            SANDGLASS_OK)
-      << reason;
+  EXPECT_EQ(sample(scratch.data(), bytes, points.data(), capacity, &count, &reason), SANDGLASS_OK) << reason;
   EXPECT_TRUE(scratch.guards_intact());
   points.resize(3ull * count);
   return points;
+}
+
+}  // namespace
+
+Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_options& options) {
+  const sandglass_mesh surface = view(mesh);
+  return sampled([&](auto... out) { return sandglass_sample_surface_capacity(&surface, distance, &options, out...); },
+                 [&](auto... out) { return sandglass_sample_surface_bytes(&surface, distance, &options, out...); },
+                 [&](auto... out) { return sandglass_sample_surface(&surface, distance, &options, out...); });
 }
 
 Points sample_volume(const float low[3], const float high[3], float distance, sandglass_inside inside, void* user,
                      const sandglass_sample_options& options) {
-  uint32_t capacity = 0, count = 0;
-  uint64_t bytes = 0;
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_sample_volume_capacity(low, high, distance, &capacity, &reason), SANDGLASS_OK) << reason;
-  EXPECT_EQ(sandglass_sample_volume_bytes(low, high, distance, capacity, &bytes, &reason), SANDGLASS_OK) << reason;
-  GuardedBlock scratch(bytes);
-  Points points(3ull * capacity);
-  EXPECT_EQ(sandglass_sample_volume(low, high, distance, inside, user, &options, scratch.data(), bytes, points.data(),
-                                    capacity, &count, &reason),
-            SANDGLASS_OK)
-      << reason;
-  EXPECT_TRUE(scratch.guards_intact());
-  points.resize(3ull * count);
-  return points;
+  return sampled(
+      [&](auto... out) { return sandglass_sample_volume_capacity(low, high, distance, out...); },
+      [&](auto... out) { return sandglass_sample_volume_bytes(low, high, distance, out...); },
+      [&](auto... out) { return sandglass_sample_volume(low, high, distance, inside, user, &options, out...); });
 }
 
 Points sample_lattice(const float low[3], const float high[3], float distance, sandglass_inside inside, void* user) {
-  uint32_t capacity = 0, count = 0;
-  uint64_t bytes = 0;
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_sample_lattice_capacity(low, high, distance, &capacity, &reason), SANDGLASS_OK) << reason;
-  EXPECT_EQ(sandglass_sample_lattice_bytes(low, high, distance, &bytes, &reason), SANDGLASS_OK) << reason;
-  GuardedBlock scratch(bytes);
-  Points points(3ull * capacity);
-  EXPECT_EQ(sandglass_sample_lattice(low, high, distance, inside, user, nullptr, scratch.data(), bytes, points.data(),
-                                     capacity, &count, &reason),
-            SANDGLASS_OK)
-      << reason;
-  EXPECT_TRUE(scratch.guards_intact());
-  points.resize(3ull * count);
-  return points;
+  return sampled(
+      [&](auto... out) { return sandglass_sample_lattice_capacity(low, high, distance, out...); },
+      [&](uint32_t, auto... out) { return sandglass_sample_lattice_bytes(low, high, distance, out...); },
+      [&](auto... out) { return sandglass_sample_lattice(low, high, distance, inside, user, nullptr, out...); });
 }
 
 namespace {
@@ -157,25 +128,27 @@ size_t PointLookup::bucket(int64_t x, int64_t y, int64_t z) const {
   return static_cast<uint64_t>(x * 73856093 ^ y * 19349663 ^ z * 83492791) % buckets_.size();
 }
 
-double PointLookup::nearest(const float place[3]) const {
-  double nearest = std::numeric_limits<double>::infinity();
+template <class Visit>
+void PointLookup::visit_near(const float place[3], const Visit& visit) const {
   int64_t cell[3];
   for (int k = 0; k < 3; ++k) cell[k] = std::llround(std::floor(place[k] / edge_));
   for (int n = 0; n < 27; ++n)
     for (uint32_t i : buckets_[bucket(cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1)])
-      nearest = std::min(nearest, distance_between(&points_[3 * i], place));
+      visit(i, distance_between(&points_[3 * i], place));
+}
+
+double PointLookup::nearest(const float place[3]) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  visit_near(place, [&](uint32_t, double distance) { nearest = std::min(nearest, distance); });
   return nearest;
 }
 
 int PointLookup::count_within(const float place[3], double reach) const {
-  std::vector<uint32_t> found;
-  int64_t cell[3];
-  for (int k = 0; k < 3; ++k) cell[k] = std::llround(std::floor(place[k] / edge_));
-  for (int n = 0; n < 27; ++n)
-    for (uint32_t i : buckets_[bucket(cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1)])
-      if (distance_between(&points_[3 * i], place) <= reach) found.push_back(i);
-  std::sort(found.begin(), found.end());
-  return static_cast<int>(std::unique(found.begin(), found.end()) - found.begin());
+  std::set<uint32_t> found;  // two cells may share a bucket
+  visit_near(place, [&](uint32_t i, double distance) {
+    if (distance <= reach) found.insert(i);
+  });
+  return static_cast<int>(found.size());
 }
 
 double least_distance(const Points& points, double expected) {
@@ -188,15 +161,6 @@ double least_distance(const Points& points, double expected) {
       if (j != i) least = std::min(least, distance_between(&points[i], &points[j]));
   }
   return least;
-}
-
-uint64_t fnv1a(const Points& points, uint64_t hash) {
-  for (float value : points) {
-    uint32_t bits;
-    std::memcpy(&bits, &value, sizeof bits);
-    for (int shift = 0; shift < 32; shift += 8) hash = (hash ^ (bits >> shift & 255)) * 0x100000001b3ull;
-  }
-  return hash;
 }
 
 double uniformity_gap(std::vector<double> values) {

@@ -9,6 +9,7 @@
 
 #include "models/mesh/mesh.h"
 #include "sandglass/sandglass.h"
+#include "tests/guarded_block.h"
 
 namespace sandglass::test {
 
@@ -16,24 +17,13 @@ using Points = std::vector<float>;  // x, y, z of each point
 
 sandglass_mesh view(const host::Mesh& mesh);
 host::Mesh joined(const host::Mesh& a, const host::Mesh& b);
+host::Mesh unit_square();  // in the plane y = 0
 host::Mesh moved(host::Mesh mesh, float x, float y, float z);
 
-// A block of exactly `bytes`, aligned for the library, with guard bytes before and behind.
-class GuardedBlock {
- public:
-  explicit GuardedBlock(uint64_t bytes);
-  void* data();
-  uint64_t bytes() const { return bytes_; }
-  bool guards_intact() const;
-  bool untouched() const;  // guards and contents are as at the start
-
- private:
-  uint64_t bytes_;
-  size_t start_;
-  std::vector<uint8_t> memory_;
-};
-
 sandglass_sample_options options_with_seed(uint64_t seed);
+
+// The inside test of a shape that fills space.
+int everywhere(void* user, const float point[3]);
 
 // Each runs with memory and capacity as the library asks, and fails the test on any error.
 Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_options& options);
@@ -64,12 +54,13 @@ class PointLookup {
 
  private:
   size_t bucket(int64_t x, int64_t y, int64_t z) const;
+  // Calls visit(index, distance) for each point in the 27 cells about a place.
+  template <class Visit>
+  void visit_near(const float place[3], const Visit& visit) const;
   const Points& points_;
   double edge_;
   std::vector<std::vector<uint32_t>> buckets_;
 };
-
-uint64_t fnv1a(const Points& points, uint64_t hash = 0xcbf29ce484222325ull);
 
 // Largest gap between the empirical distribution of values in 0..1 and the uniform one (Kolmogorov and Smirnov).
 double uniformity_gap(std::vector<double> values);

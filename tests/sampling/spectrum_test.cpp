@@ -64,13 +64,6 @@ double low_frequency_power(const Points& points, int32_t planar) {
   return sum / bins;
 }
 
-host::Mesh unit_square() {
-  host::Mesh square;
-  square.vertices = {0, 0, 0, 1, 0, 0, 1, 0, 1, 0, 0, 1};
-  square.indices = {0, 2, 1, 0, 3, 2};
-  return square;
-}
-
 constexpr double k_blue_limit = 0.3;  // white noise has 1
 
 TEST(Spectrum, surface_samples_are_blue_noise) {
@@ -105,7 +98,6 @@ double low_frequency_power_of_cube(const Points& points, double edge) {
 constexpr double k_edge = 0.4;
 
 TEST(Spectrum, volume_samples_are_blue_noise) {
-  const auto everywhere = [](void*, const float*) { return 1; };
   const float low[3] = {0, 0, 0}, high[3] = {0.4f, 0.4f, 0.4f};
   const Points points =
       sample_volume(low, high, static_cast<float>(k_distance), everywhere, nullptr, options_with_seed(1));
@@ -122,7 +114,7 @@ TEST(Spectrum, white_noise_is_not_blue) {  // negative control: an expected powe
   EXPECT_NEAR(low_frequency_power_of_cube(deep, k_edge), 1, 0.15);
 }
 
-TEST(Spectrum, refuses_what_has_none) {
+TEST(Spectrum, refuses_what_has_no_spectrum) {
   Points points = {0, 0, 0, std::nanf(""), 0, 0};
   double power[2] = {-1, -1};
   const float frequency[3] = {1, 0, 0}, infinite[3] = {INFINITY, 0, 0};

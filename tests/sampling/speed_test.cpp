@@ -51,7 +51,6 @@ TEST(Speed, surface_is_linear) {
 }
 
 TEST(Speed, volume_is_linear) {
-  const auto everywhere = [](void*, const float*) { return 1; };
   const float low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
   expect_linear(
       "volume",

@@ -32,8 +32,8 @@ optimised() {
   grep -q -- "$2" "$1" || { echo "$1 does not set $2: a debug build would run unoptimised kernels"; exit 1; }
 }
 
-android_headers=(-isystem "$stand_ins/sample_android" -isystem "$output/headers_$platform")
-forward "$output/headers_$platform" filament/stand_in.h math/{mat4,vec3,vec4}.h utils/{Entity,EntityManager}.h \
+android_headers=(-isystem "$stand_ins/sample_android" -isystem "$output/headers")
+forward "$output/headers" filament/stand_in.h math/{mat4,vec3,vec4}.h utils/{Entity,EntityManager}.h \
   filament/{Camera,ColorGrading,Engine,IndexBuffer,IndirectLight,LightManager,Material,MaterialInstance,RenderableManager,Renderer}.h \
   filament/{Scene,SwapChain,Texture,TextureSampler,ToneMapper,TransformManager,VertexBuffer,View,Viewport}.h
 
@@ -57,9 +57,9 @@ case $platform in
     timeout 60 java -cp "$java/run:$java/classes" -XX:TieredStopAtLevel=1 org.sandglass.sample.Lives ;;
   ios)
     optimised "$sample/CMakeLists.txt" "XCODE_SCHEME_LAUNCH_CONFIGURATION Release"
-    forward "$output/headers_$platform" apple_stand_in.h {ARKit/ARKit,CoreVideo/CoreVideo,Metal/Metal,MetalKit/MetalKit,UIKit/UIKit}.h
+    forward "$output/headers" apple_stand_in.h {ARKit/ARKit,CoreVideo/CoreVideo,Metal/Metal,MetalKit/MetalKit,UIKit/UIKit}.h
     apple=(--target=arm64-apple-ios15 -fobjc-arc -fblocks -U__nonnull -Wno-objc-root-class
-      -isystem "$stand_ins/sample_ios" -isystem "$output/headers_$platform")
+      -isystem "$stand_ins/sample_ios" -isystem "$output/headers")
     clang++ "${apple[@]}" -std=c++20 "${library[@]}" "${ours[@]}" -I "$sample" "$sample/SandViewController.mm"
     clang "${apple[@]}" -std=c11 -isystem "$cross" "${ours[@]}" -I "$sample" "$sample/main.m" ;;
   unity)
