@@ -14,13 +14,12 @@
 #include <vector>
 
 #include "fake_scene.h"
-#include "frame_count.h"
+#include "runtime/core/hash.h"
 
 namespace sandglass::governor_test {
 namespace {
 
 constexpr uint32_t k_recovery_frames = 16;
-constexpr uint32_t k_levels = 3;
 
 // The fewest units that each stage gets in a frame of a steady run, on an undisturbed machine of the given speed.
 struct Baseline {
@@ -29,16 +28,12 @@ struct Baseline {
 };
 
 Baseline measure_baseline(uint64_t scale_percent) {
-  FakeScene scene;
-  scene.scale_percent = scale_percent;
-  Governor governor;
-  governor_init(&governor, fake_clock(&scene), {}, k_levels);
-  const FakeStages stages = fake_stages(&scene);
+  FakeRun run;
+  const FakeScene& scene = run.scene;
+  run.scene.scale_percent = scale_percent;
   Baseline baseline = {{~0ull, ~0ull}, ~0ull};
-  sandglass_frame_report report = {};
   for (uint32_t frame = 0; frame < 200; ++frame) {
-    fake_begin_frame(&scene);
-    governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report);
+    run.frame();
     if (frame < k_recovery_frames) continue;
     for (uint32_t i = 0; i < 2; ++i) baseline.fewest[i] = std::min(baseline.fewest[i], scene.stage_units[i]);
     baseline.total = std::min(baseline.total, scene.stage_units[0] + scene.stage_units[1]);
@@ -56,7 +51,6 @@ struct Outcome {
   uint64_t excess_frames = 0;   // the output stage took longer than its reserve
   uint64_t below_baseline = 0;  // frames, more than 16 after a disturbance
   uint64_t faults = 0;
-  uint64_t faults_missed = 0;  // frames whose clock lied and that did not report it
   uint64_t false_faults = 0;
   uint64_t least_used_ns = ~0ull;   // the least time of an undisturbed frame; without the first, which knows no costs
   uint64_t under_used = 0;          // undisturbed frames that used less than 90 % of the budget
@@ -72,13 +66,14 @@ struct Case {
   uint64_t (*show)(FakeScene* scene) = nullptr;
   void* user = nullptr;
   bool clock_lies = false;
+  bool jitters = false;  // undisturbed costs vary, too, so that no baseline holds
   PredictorPolicy policy = k_predictor_policy;
 };
 
 uint64_t hash_plan(uint64_t hash, const sandglass_plan& plan) {
-  const auto mix = [&hash](uint64_t value) { hash = (hash ^ value) * 0x100000001b3u; };
-  mix(plan.level);
-  for (uint32_t i = 0; i < plan.run_count; ++i) mix(plan.runs[i].stage * 65536ull + plan.runs[i].units);
+  hash = hash_with(hash, plan.level);
+  for (uint32_t i = 0; i < plan.run_count; ++i)
+    hash = hash_with(hash, plan.runs[i].stage * 65536ull + plan.runs[i].units);
   return hash;
 }
 
@@ -93,15 +88,14 @@ const Baseline& baseline_at(uint64_t scale_percent) {
 }
 
 Outcome run_case(const Case& which) {
-  FakeScene scene;
+  FakeRun run;
+  FakeScene& scene = run.scene;
+  const Governor& governor = run.governor;
+  const sandglass_frame_report& report = run.report;
   scene.cost = which.cost;
   scene.show = which.show;
   scene.user = which.user;
-  Governor governor;
-  governor_init(&governor, fake_clock(&scene), {}, k_levels);
-  governor.policy = which.policy;
-  const FakeStages stages = fake_stages(&scene);
-  sandglass_frame_report report = {};
+  run.governor.policy = which.policy;
   Outcome outcome;
   outcome.frames = which.frames;
   uint64_t since_disturbance = 0;
@@ -109,7 +103,7 @@ Outcome run_case(const Case& which) {
   for (uint64_t frame = 0; frame < which.frames; ++frame) {
     fake_begin_frame(&scene);
     if (which.prepare != nullptr) which.prepare(&scene, frame);
-    governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report);
+    governor_frame(&run.governor, run.stages.stages, 3, k_budget_ns, nullptr, &run.report);
 
     const uint64_t bound = std::max(report.budget_ns, report.mandatory_ns);
     const uint64_t one_unit = report.last_unit_ns - governor.closing_excess_ns;
@@ -163,21 +157,28 @@ Outcome run_case(const Case& which) {
   return outcome;
 }
 
-void expect_law(const Outcome& outcome) {
+// Runs a case, which must keep the law, recover from each disturbance, and report no fault of a clock that is right.
+Outcome run_lawful(const Case& which) {
+  const Outcome outcome = run_case(which);
   EXPECT_EQ(outcome.law_broken, 0u);
   EXPECT_EQ(outcome.law_broken_strict, 0u);
   EXPECT_EQ(outcome.true_law_broken, 0u);
   EXPECT_EQ(outcome.ledger_differs, 0u);
+  if (!which.jitters) {
+    EXPECT_EQ(outcome.below_baseline, 0u);
+  }
+  EXPECT_EQ(outcome.false_faults, 0u);
+  if (!which.clock_lies) {
+    EXPECT_EQ(outcome.faults, 0u);
+  }
+  return outcome;
 }
 
 TEST(Budget, ConstantCostNeverOverrunsAndFillsTheBudget) {
-  const Outcome outcome = run_case({});
-  expect_law(outcome);
+  const Outcome outcome = run_lawful({});
   EXPECT_EQ(outcome.over_budget, 0u);
   EXPECT_EQ(outcome.excess_frames, 0u);
-  EXPECT_EQ(outcome.faults, 0u);
   EXPECT_GE(outcome.least_used_ns * 10, k_budget_ns * 9);
-  EXPECT_EQ(outcome.below_baseline, 0u);
 }
 
 TEST(Budget, OnePercentOfUnitsTenTimesAsLong) {
@@ -187,10 +188,7 @@ TEST(Budget, OnePercentOfUnitsTenTimesAsLong) {
     scene->disturbed = true;
     return undisturbed * 10;
   };
-  const Outcome outcome = run_case(which);
-  expect_law(outcome);
-  EXPECT_EQ(outcome.false_faults, 0u);
-  EXPECT_EQ(outcome.below_baseline, 0u);
+  const Outcome outcome = run_lawful(which);
   // An outlier does not make later frames use less of their budget: three of one kind among 16 units are rare, and soon
   // forgotten.
   EXPECT_LE(outcome.under_used * 200, outcome.frames);
@@ -216,11 +214,8 @@ TEST(Budget, OneUnitAThousandTimesAsLong) {
   which.prepare = prepare_preemption;
   which.cost = preempt_one;
   which.user = &pending;
-  const Outcome outcome = run_case(which);
-  expect_law(outcome);
-  EXPECT_EQ(outcome.below_baseline, 0u);
+  const Outcome outcome = run_lawful(which);
   EXPECT_LE(outcome.over_budget, outcome.frames / 97 + 1);  // the preempted frames and no others
-  EXPECT_EQ(outcome.faults, 0u);
 }
 
 TEST(Budget, StepToAThirdOfTheSpeedAndBack) {
@@ -229,12 +224,9 @@ TEST(Budget, StepToAThirdOfTheSpeedAndBack) {
     scene->scale_percent = frame / 100 % 2 == 1 ? 300 : 100;
     scene->disturbed = scene->unforeseeable = frame % 100 == 0;
   };
-  const Outcome outcome = run_case(which);
-  expect_law(outcome);
-  EXPECT_EQ(outcome.below_baseline, 0u);
+  const Outcome outcome = run_lawful(which);
   // Only the first frame after a step down in speed may be late, because nothing could predict it.
   EXPECT_LE(outcome.over_budget, outcome.frames / 200 + 1);
-  EXPECT_EQ(outcome.faults, 0u);
 }
 
 TEST(Budget, RampToAThirdOfTheSpeedAndBack) {
@@ -243,23 +235,19 @@ TEST(Budget, RampToAThirdOfTheSpeedAndBack) {
     const uint64_t phase = frame % 2000;
     scene->scale_percent = 100 + (phase < 1000 ? phase : 2000 - phase) / 5;
   };
-  const Outcome outcome = run_case(which);
-  expect_law(outcome);
-  EXPECT_EQ(outcome.below_baseline, 0u);
+  const Outcome outcome = run_lawful(which);
   EXPECT_EQ(outcome.over_budget, 0u);
-  EXPECT_EQ(outcome.faults, 0u);
 }
 
 TEST(Budget, JitterOfTwentyPercent) {
   Case which;
+  which.jitters = true;
   which.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
     return undisturbed * (80000 + scene->random.below(40001)) / 100000;
   };
-  const Outcome outcome = run_case(which);
-  expect_law(outcome);
+  const Outcome outcome = run_lawful(which);
   EXPECT_LE(outcome.over_budget * 1000, outcome.frames);
   EXPECT_EQ(outcome.under_used, 0u);
-  EXPECT_EQ(outcome.faults, 0u);
 }
 
 // The clock is disturbed in 20 of every 200 frames.
@@ -267,86 +255,73 @@ bool clock_is_disturbed(uint64_t frame) { return frame % 200 >= 180; }
 
 struct LyingClock {
   bool active = false;
-  uint64_t offset = 0;  // added to true time from then on
-  uint64_t frozen_at = 0;
+  uint64_t offset = 0;     // added to true time from then on
+  uint64_t frozen_at = 0;  // of a clock that freezes
+  uint64_t kind = 0;       // of disturbance
 };
+
+LyingClock* lying_clock(FakeScene* scene) { return static_cast<LyingClock*>(scene->user); }
+
+void disturb_clock(FakeScene* scene, uint64_t frame) {
+  lying_clock(scene)->active = scene->disturbed = scene->unforeseeable = clock_is_disturbed(frame);
+  lying_clock(scene)->kind = frame / 200 % 3;
+}
+
+Case lying_case(LyingClock* clock, uint64_t (*show)(FakeScene*)) {
+  Case which;
+  which.user = clock;
+  which.clock_lies = true;
+  which.prepare = disturb_clock;
+  which.show = show;
+  return which;
+}
 
 TEST(Budget, ClockRunsBackward) {
   LyingClock clock;
-  Case which;
-  which.user = &clock;
-  which.clock_lies = true;
   // Three kinds of disturbance in turn: always backward; one step back among the frame's first units; backward at one
   // reading in four.
-  which.prepare = [](FakeScene* scene, uint64_t frame) {
-    LyingClock* lying = static_cast<LyingClock*>(scene->user);
-    lying->active = scene->disturbed = scene->unforeseeable = clock_is_disturbed(frame);
-    lying->frozen_at = frame / 200 % 3;
-  };
-  which.show = [](FakeScene* scene) {
-    LyingClock* lying = static_cast<LyingClock*>(scene->user);
+  const Outcome outcome = run_lawful(lying_case(&clock, [](FakeScene* scene) {
+    LyingClock* lying = lying_clock(scene);
     if (lying->active) {
-      const uint64_t units = scene->stage_units[0];
-      if (lying->frozen_at == 0) lying->offset -= 1000000;
-      if (lying->frozen_at == 1 && units == 3) lying->offset -= 1000000000000;
-      if (lying->frozen_at == 2 && scene->random.below(4) == 0) lying->offset -= 5000000;
+      if (lying->kind == 0) lying->offset -= 1000000;
+      if (lying->kind == 1 && scene->stage_units[0] == 3) lying->offset -= 1000000000000;
+      if (lying->kind == 2 && scene->random.below(4) == 0) lying->offset -= 5000000;
     }
     return scene->true_ns + lying->offset;
-  };
-  const Outcome outcome = run_case(which);
-  expect_law(outcome);
-  EXPECT_EQ(outcome.false_faults, 0u);
-  EXPECT_GE(outcome.faults * 100,
-            outcome.frames * 9);  // 10 % of frames, less those of kind three that saw no backward step
-  EXPECT_EQ(outcome.below_baseline, 0u);
+  }));
+  // A tenth of the frames, less those of the third kind that saw no backward step.
+  EXPECT_GE(outcome.faults * 100, outcome.frames * 9);
 }
 
 TEST(Budget, ClockFreezes) {
   LyingClock clock;
-  Case which;
-  which.user = &clock;
-  which.clock_lies = true;
-  which.prepare = [](FakeScene* scene, uint64_t frame) {
-    LyingClock* lying = static_cast<LyingClock*>(scene->user);
-    const bool active = clock_is_disturbed(frame);
-    if (active && !lying->active) lying->frozen_at = scene->true_ns + lying->offset;
-    if (!active && lying->active) lying->offset = lying->frozen_at - scene->true_ns;  // goes on from where it stood
-    lying->active = scene->disturbed = scene->unforeseeable = active;
-  };
-  which.show = [](FakeScene* scene) {
-    const LyingClock* lying = static_cast<const LyingClock*>(scene->user);
+  Case which = lying_case(&clock, [](FakeScene* scene) {
+    const LyingClock* lying = lying_clock(scene);
     return lying->active ? lying->frozen_at : scene->true_ns + lying->offset;
+  });
+  which.prepare = [](FakeScene* scene, uint64_t frame) {
+    LyingClock* lying = lying_clock(scene);
+    const bool was_active = lying->active;
+    disturb_clock(scene, frame);
+    if (lying->active && !was_active) lying->frozen_at = scene->true_ns + lying->offset;
+    if (!lying->active && was_active) lying->offset = lying->frozen_at - scene->true_ns;  // goes on from where it stood
   };
-  const Outcome outcome = run_case(which);
-  expect_law(outcome);
-  EXPECT_EQ(outcome.false_faults, 0u);
+  const Outcome outcome = run_lawful(which);
   EXPECT_EQ(outcome.faults, outcome.frames / 10);
-  EXPECT_EQ(outcome.below_baseline, 0u);
 }
 
 TEST(Budget, ClockJumps) {
   LyingClock clock;
-  Case which;
-  which.user = &clock;
-  which.prepare = [](FakeScene* scene, uint64_t frame) {
-    LyingClock* lying = static_cast<LyingClock*>(scene->user);
-    lying->active = scene->disturbed = scene->unforeseeable = clock_is_disturbed(frame);
-  };
   // Jumps forward and backward at one reading in ten, by any size from a microsecond to 2^63 ns.
-  which.show = [](FakeScene* scene) {
-    LyingClock* lying = static_cast<LyingClock*>(scene->user);
+  const Outcome outcome = run_lawful(lying_case(&clock, [](FakeScene* scene) {
+    LyingClock* lying = lying_clock(scene);
     if (lying->active && scene->random.below(10) == 0) {
       const uint64_t size = 1ull << (10 + scene->random.below(54));
       lying->offset += scene->random.below(2) == 0 ? size : 0 - size;
     }
     return scene->true_ns + lying->offset;
-  };
-  which.clock_lies = true;
-  const Outcome outcome = run_case(which);
-  expect_law(outcome);
-  EXPECT_EQ(outcome.false_faults, 0u);
+  }));
   EXPECT_GT(outcome.faults * 100, outcome.frames * 5);
-  EXPECT_EQ(outcome.below_baseline, 0u);
 }
 
 TEST(Budget, AMaximumOfRecentCostsStarvesAStageForEver) {

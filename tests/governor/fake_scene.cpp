@@ -1,6 +1,8 @@
 // See fake_scene.h.
 #include "fake_scene.h"
 
+#include "runtime/core/hash.h"
+
 namespace sandglass::governor_test {
 namespace {
 
@@ -18,7 +20,7 @@ void run_kind(FakeScene* scene, uint32_t stage, Kind kind) {
     scene->closing_ns += cost;
     scene->output_disturbed |= cost > undisturbed;
   }
-  scene->order_hash = (scene->order_hash ^ kind) * 0x100000001b3u;
+  scene->order_hash = hash_with(scene->order_hash, kind);
 }
 
 FakeScene* scene_of(void* state) { return static_cast<FakeScene*>(state); }
@@ -98,6 +100,11 @@ FakeStages fake_stages(FakeScene* scene, uint32_t mandatory) {
   return {{{scene, granular_next, granular_run, granular_forecast, k_kind_count, mandatory, 0.6f},
            {scene, refine_next, refine_run, refine_forecast, k_kind_count, 0, 1.0f},
            {scene, output_next, output_run, output_forecast, k_kind_count, k_all_units, 1.0f}}};
+}
+
+bool FakeRun::frame(uint64_t budget_ns, const sandglass_plan* plan) {
+  fake_begin_frame(&scene);
+  return governor_frame(&governor, stages.stages, 3, budget_ns, plan, &report);
 }
 
 }  // namespace sandglass::governor_test

@@ -8,23 +8,19 @@
 #include <cstdint>
 
 #include "runtime/core/governor.h"
+#include "runtime/core/random.h"
 
 namespace sandglass::governor_test {
 
-// A small generator with the same numbers everywhere (splitmix64).
-struct Random {
-  uint64_t state;
-  uint64_t next() {
-    uint64_t z = (state += 0x9e3779b97f4a7c15u);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
+// The library's random numbers, with bounds of 64 bits.
+struct Random : sandglass::Random {
   uint64_t below(uint64_t bound) { return next() % bound; }
 };
 
 enum Kind : uint32_t { k_predict, k_neighbours, k_solve, k_finish, k_refine, k_output, k_kind_count };
 
+// How many frames a budget case runs. Each case prints how many it ran.
+constexpr uint64_t k_case_frames = SANDGLASS_GOVERNOR_FRAMES;
 constexpr uint64_t k_budget_ns = 4000000;
 // Undisturbed cost of a unit, nanoseconds, and its items.
 constexpr uint64_t k_cost_ns[k_kind_count] = {60000, 140000, 90000, 50000, 100000, 70000};
@@ -41,7 +37,7 @@ struct FakeScene {
   // Returns what the clock shows when true time is `true_ns`. Null: the truth.
   uint64_t (*show)(FakeScene* scene) = nullptr;
   void* user = nullptr;
-  Random random{1};
+  Random random{{1}};
 
   uint64_t true_ns = 0;
   uint64_t scale_percent = 100;  // factor of every cost: the machine's speed
@@ -70,5 +66,22 @@ struct FakeStages {
   Stage stages[3];
 };
 FakeStages fake_stages(FakeScene* scene, uint32_t mandatory = 4);
+
+// A fake scene under a governor of its own.
+struct FakeRun {
+  explicit FakeRun(bool with_clock = true) {
+    governor_init(&governor, with_clock ? fake_clock(&scene) : sandglass_clock{}, {}, 3);
+  }
+  FakeRun(const FakeRun&) = delete;
+  FakeRun& operator=(const FakeRun&) = delete;
+
+  // One frame: its report is in `report`. False if the plan does not fit.
+  bool frame(uint64_t budget_ns = k_budget_ns, const sandglass_plan* plan = nullptr);
+
+  FakeScene scene;
+  Governor governor;
+  FakeStages stages = fake_stages(&scene);
+  sandglass_frame_report report = {};
+};
 
 }  // namespace sandglass::governor_test

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "fake_scene.h"
-#include "frame_count.h"
 
 namespace sandglass::governor_test {
 namespace {
@@ -26,7 +25,7 @@ struct RandomStage {
 
 struct RandomScene {
   uint64_t now_ns = 0;
-  Random random{0};
+  Random random{{0}};
   uint64_t run_ns[3] = {};
   std::vector<uint8_t> order;
   RandomStage stages[3];
@@ -143,27 +142,18 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
 
 // The clock may do anything: frames still end, the output is written, and memory stays valid.
 TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
-  FakeScene scene;
-  scene.show = [](FakeScene* self) { return self->random.next() >> self->random.below(64); };
-  Governor governor;
-  governor_init(&governor, fake_clock(&scene), {}, 3);
-  const FakeStages stages = fake_stages(&scene);
-  const uint64_t frames = k_case_frames / 10;
-  for (uint64_t frame = 0; frame < frames; ++frame) {
-    sandglass_frame_report report = {};
-    fake_begin_frame(&scene);
-    governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report);
-    ASSERT_EQ(scene.outputs_this_frame, k_output_units);
+  FakeRun run;
+  const sandglass_frame_report& report = run.report;
+  run.scene.show = [](FakeScene* self) { return self->random.next() >> self->random.below(64); };
+  for (uint64_t frame = 0; frame < k_case_frames / 10; ++frame) {
+    run.frame();
+    ASSERT_EQ(run.scene.outputs_this_frame, k_output_units);
     ASSERT_GE(report.stages[0].units, 4u);
     ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
   }
   // The clock is right again: 16 frames later the scene fills its budget again.
-  scene.show = nullptr;
-  sandglass_frame_report report = {};
-  for (uint32_t frame = 0; frame < 17; ++frame) {
-    fake_begin_frame(&scene);
-    governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report);
-  }
+  run.scene.show = nullptr;
+  for (uint32_t frame = 0; frame < 17; ++frame) run.frame();
   EXPECT_GE(report.elapsed_ns * 10, k_budget_ns * 9);
   EXPECT_LE(report.elapsed_ns, k_budget_ns);
   EXPECT_GT(report.stages[k_refinement].units, 0u);
@@ -172,36 +162,26 @@ TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
 // A clock that is frozen from the first reading, before any cost is known: each frame ends at the cap of 64 optional
 // units.
 TEST(LawProperty, AClockThatNeverRanEndsFramesAtTheUnitCap) {
-  FakeScene scene;
-  scene.show = [](FakeScene*) { return uint64_t{42}; };
-  Governor governor;
-  governor_init(&governor, fake_clock(&scene), {}, 3);
-  const FakeStages stages = fake_stages(&scene);
+  FakeRun run;
+  run.scene.show = [](FakeScene*) { return uint64_t{42}; };
   for (uint32_t frame = 0; frame < 1000; ++frame) {
-    sandglass_frame_report report = {};
-    fake_begin_frame(&scene);
-    governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report);
-    ASSERT_LE(report.stages[0].units + report.stages[1].units, 64u + 4u);
-    ASSERT_GT(report.stages[1].units, 0u);
-    ASSERT_EQ(report.stages[2].units, k_output_units);
-    ASSERT_EQ(report.clock_fault, 1u);
+    run.frame();
+    ASSERT_LE(run.report.stages[0].units + run.report.stages[1].units, 64u + 4u);
+    ASSERT_GT(run.report.stages[1].units, 0u);
+    ASSERT_EQ(run.report.stages[2].units, k_output_units);
+    ASSERT_EQ(run.report.clock_fault, 1u);
   }
 }
 
 // A clock that moves by one nanosecond a reading would admit four million units. The frame ends at 65,536.
 TEST(LawProperty, AClockThatCrawlsEndsFramesAtTheUnitLimit) {
-  FakeScene scene;
-  scene.show = [](FakeScene* self) { return self->readings; };
-  Governor governor;
-  governor_init(&governor, fake_clock(&scene), {}, 3);
-  const FakeStages stages = fake_stages(&scene);
-  sandglass_frame_report report = {};
+  FakeRun run;
+  run.scene.show = [](FakeScene* self) { return self->readings; };
   for (uint32_t frame = 0; frame < 3; ++frame) {
-    fake_begin_frame(&scene);
-    governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report);
-    EXPECT_LE(report.stages[0].units + report.stages[1].units, 65536u + 4u);
+    run.frame();
+    EXPECT_LE(run.report.stages[0].units + run.report.stages[1].units, 65536u + 4u);
   }
-  EXPECT_EQ(report.clock_fault, 1u);
+  EXPECT_EQ(run.report.clock_fault, 1u);
 }
 
 }  // namespace

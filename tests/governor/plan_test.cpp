@@ -170,50 +170,29 @@ TEST(Plan, WhenThePlanIsFullOptionalWorkEndsAndTheOutputIsStillWritten) {
   EXPECT_EQ(lists.report.plan.runs[SANDGLASS_PLAN_RUNS - 1].stage, k_closing);
   EXPECT_EQ(lists.output.done, 3u);
   EXPECT_EQ(lists.report.stages[0].denied, 1u);
-}
-
-TEST(Plan, AFullPlanCanBeReplayed) {
-  Lists lists;
-  lists.offer(100, 100, 3);
-  lists.second.ahead = &lists.first.done;
-  lists.frame(1000 * k_list_unit_ns, 0, 0.0f);
-  const std::string log = lists.log;
-  const sandglass_plan plan = lists.report.plan;
-  Lists again(false);
+  Lists again(false);  // a full plan can be replayed
   again.offer(100, 100, 3);
   again.second.ahead = &again.first.done;
-  EXPECT_TRUE(again.frame(0, 0, 0.0f, &plan));
-  EXPECT_EQ(again.log, log);
+  EXPECT_TRUE(again.frame(0, 0, 0.0f, &lists.report.plan));
+  EXPECT_EQ(again.log, lists.log);
 }
 
 TEST(Plan, ReplayExecutesExactlyThePlanWhateverTheClock) {
-  FakeScene recorded;
-  recorded.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
+  FakeRun recorded;
+  recorded.scene.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
     return undisturbed * (50 + scene->random.below(200)) / 100;
   };
-  Governor governor;
-  governor_init(&governor, fake_clock(&recorded), {}, 3);
-  const FakeStages stages = fake_stages(&recorded);
-
-  FakeScene replayed[2];  // one with a clock of its own that shows other times, one without a clock
-  Governor replaying[2];
-  governor_init(&replaying[0], fake_clock(&replayed[0]), {}, 3);
-  governor_init(&replaying[1], {}, {}, 3);
-  const FakeStages replay_stages[2] = {fake_stages(&replayed[0]), fake_stages(&replayed[1])};
-
+  FakeRun other_clock, no_clock(false);
   for (uint32_t frame = 0; frame < 500; ++frame) {
-    sandglass_frame_report report = {};
-    sandglass_frame_report replay_report = {};
-    fake_begin_frame(&recorded);
-    ASSERT_TRUE(governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report));
-    for (uint32_t i = 0; i < 2; ++i) {
-      fake_begin_frame(&replayed[i]);
-      ASSERT_TRUE(governor_frame(&replaying[i], replay_stages[i].stages, 3, 1, &report.plan, &replay_report));
-      ASSERT_EQ(replayed[i].order_hash, recorded.order_hash);
-      ASSERT_EQ(std::memcmp(&replay_report.plan, &report.plan, sizeof(report.plan)), 0);
-      ASSERT_EQ(replay_report.level, report.level);
-      ASSERT_EQ(replay_report.elapsed_ns, i == 0 ? replayed[0].true_ns - replayed[0].frame_start_ns : 0);
+    ASSERT_TRUE(recorded.frame());
+    for (FakeRun* replayed : {&other_clock, &no_clock}) {
+      ASSERT_TRUE(replayed->frame(1, &recorded.report.plan));
+      ASSERT_EQ(replayed->scene.order_hash, recorded.scene.order_hash);
+      ASSERT_EQ(std::memcmp(&replayed->report.plan, &recorded.report.plan, sizeof(sandglass_plan)), 0);
+      ASSERT_EQ(replayed->report.level, recorded.report.level);
     }
+    ASSERT_EQ(other_clock.report.elapsed_ns, other_clock.scene.true_ns - other_clock.scene.frame_start_ns);
+    ASSERT_EQ(no_clock.report.elapsed_ns, 0u);
   }
 }
 
@@ -251,17 +230,10 @@ TEST(Plan, AReplayThatDoesNotFitStopsBeforeTheUnitThatIsNotOffered) {
 }
 
 TEST(Plan, TheBestQualityLevelThatFitsIsTakenAndDoesNotFlicker) {
-  FakeScene scene;
-  Governor governor;
-  governor_init(&governor, fake_clock(&scene), {}, 3);
-  const FakeStages stages = fake_stages(&scene);
-  sandglass_frame_report report = {};
+  FakeRun run;
   const auto level_at = [&](uint64_t budget) {
-    for (uint32_t i = 0; i < 4; ++i) {
-      fake_begin_frame(&scene);
-      governor_frame(&governor, stages.stages, 3, budget, nullptr, &report);
-    }
-    return report.level;
+    for (uint32_t i = 0; i < 4; ++i) run.frame(budget);
+    return run.report.level;
   };
   // The forecast of the fake stages: cycles of 790 us, refinement units of 100 us, three output units of 70 us.
   const uint64_t full = 8 * 790000 + 16 * 100000 + 210000;
@@ -352,12 +324,7 @@ TEST(Plan, AnOverestimateIsCappedFadesWhileDeniedAndIsProbedWithinEightFrames) {
   EXPECT_EQ(frames_until_tried(60, &capped), 1u);  // no unit is predicted to need more than half the budget
   EXPECT_EQ(frames_until_tried(30, &faded), 5u);   // half the budget, less an eighth of that for each of four denials
   EXPECT_EQ(frames_until_tried(3, &probed), 8u);   // fits by no estimate, so only a probe runs it
-}
-
-TEST(Plan, OneProbeCorrectsTheMemory) {
-  Lists lists;
-  frames_until_tried(3, &lists);
-  EXPECT_EQ(governor_predict(&lists.governor, 1, 10), k_list_unit_ns);
+  EXPECT_EQ(governor_predict(&probed.governor, 1, 10), k_list_unit_ns) << "one probe corrects the memory";
 }
 
 TEST(Plan, EveryUnitIsBracketedByTheTraceHooks) {

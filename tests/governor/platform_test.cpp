@@ -12,7 +12,6 @@
 #include "platform/clock.h"
 #include "platform/cpu_features.h"
 #include "platform/floating_point.h"
-#include "platform/trace.h"
 #include "platform/virtual_clock.h"
 
 namespace sandglass {
@@ -139,21 +138,6 @@ TEST(FloatingPoint, TrapEnablesAreTheCallersOwn) {
   const FloatingPointControl inside = floating_point_control();
   floating_point_restore(original);
   EXPECT_EQ(inside, original & ~k_floating_point_inexact_modes);
-}
-
-TEST(Hooks, AbsentOnesAreSkippedAndPresentOnesGetTheirNames) {
-  trace_begin({}, "x");
-  trace_end({}, "x");
-  log_write({}, "x");
-  std::string seen;
-  const sandglass_log log = {[](void* user, const char* sentence) { *static_cast<std::string*>(user) += sentence; },
-                             &seen};
-  log_write(log, "A sentence.");
-  const auto note = [](void* user, const char* name) { *static_cast<std::string*>(user) += name; };
-  const sandglass_trace trace = {note, note, &seen};
-  trace_begin(trace, "a");
-  trace_end(trace, "a");
-  EXPECT_EQ(seen, "A sentence.aa");
 }
 
 TEST(CheckDeathTest, MisuseTraps) {

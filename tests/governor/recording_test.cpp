@@ -13,6 +13,7 @@
 
 #include "fake_scene.h"
 #include "models/work/failure.h"
+#include "runtime/core/hash.h"
 
 namespace sandglass::host {
 namespace {
@@ -148,15 +149,10 @@ TEST(Recording, RecordsCannotBeDroppedDoubledSwappedOrAppended) {
 }
 
 // A forger may repair the checksums. Then only lengths, counts and kinds can be checked.
-uint64_t fnv(uint64_t sum, const uint8_t* data, size_t bytes) {
-  for (size_t i = 0; i < bytes; ++i) sum = (sum ^ data[i]) * 0x100000001b3u;
-  return sum;
-}
-
 void repair_checksums(std::vector<uint8_t>* bytes, const std::vector<size_t>& starts) {
-  uint64_t sum = fnv(0xcbf29ce484222325u, bytes->data(), 12);
+  uint64_t sum = hash_bytes(bytes->data(), 12);
   for (size_t i = 0; i + 1 < starts.size(); ++i) {
-    sum = fnv(sum, bytes->data() + starts[i], starts[i + 1] - 8 - starts[i]);
+    sum = hash_bytes(bytes->data() + starts[i], starts[i + 1] - 8 - starts[i], sum);
     for (size_t b = 0; b < 8; ++b) (*bytes)[starts[i + 1] - 8 + b] = static_cast<uint8_t>(sum >> (8 * b));
   }
 }
@@ -212,37 +208,25 @@ TEST(Recording, GoesThroughAFileAndLeavesNothingElseBehind) {
 // replayed without a clock, a run ends the same.
 TEST(Recording, AReadRecordingReplaysToTheSameEnd) {
   using namespace governor_test;
-  FakeScene recorded;
-  recorded.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
+  FakeRun recorded, replayed(false);
+  recorded.scene.cost = [](FakeScene* scene, Kind, uint64_t undisturbed) {
     return undisturbed * (50 + scene->random.below(200)) / 100;
   };
-  Governor governor;
-  governor_init(&governor, fake_clock(&recorded), {}, 3);
-  FakeStages stages = fake_stages(&recorded);
   Recording recording;
   for (uint32_t f = 0; f < 50; ++f) {
-    sandglass_frame_report report = {};
-    fake_begin_frame(&recorded);
-    governor_frame(&governor, stages.stages, 3, k_budget_ns, nullptr, &report);
+    recorded.frame();
     RecordedFrame frame;
     frame.budget_ns = k_budget_ns;
-    frame.plan = report.plan;
+    frame.plan = recorded.report.plan;
     recording.frames.push_back(frame);
   }
-  recording.final_hash = recorded.order_hash;
+  recording.final_hash = recorded.scene.order_hash;
 
   Recording back;
   std::string error;
   ASSERT_TRUE(decodes(encode_recording(recording), &back, &error)) << error;
-  FakeScene replayed;
-  governor_init(&governor, {}, {}, 3);
-  stages = fake_stages(&replayed);
-  for (const RecordedFrame& frame : back.frames) {
-    sandglass_frame_report report = {};
-    fake_begin_frame(&replayed);
-    ASSERT_TRUE(governor_frame(&governor, stages.stages, 3, frame.budget_ns, &frame.plan, &report));
-  }
-  EXPECT_EQ(replayed.order_hash, back.final_hash);
+  for (const RecordedFrame& frame : back.frames) ASSERT_TRUE(replayed.frame(frame.budget_ns, &frame.plan));
+  EXPECT_EQ(replayed.scene.order_hash, back.final_hash);
 }
 
 }  // namespace

@@ -14,7 +14,6 @@
 namespace sandglass::governor_test {
 namespace {
 
-constexpr uint32_t k_levels = 3;
 constexpr uint32_t k_settled = 16;  // frames after which costs are known (budget_test.cpp)
 
 struct Steady {
@@ -23,20 +22,15 @@ struct Steady {
 };
 
 Steady run_steady(float headroom) {
-  FakeScene scene;
-  Governor governor;
-  governor_init(&governor, fake_clock(&scene), {}, k_levels);
-  const FakeStages stages = fake_stages(&scene);
+  FakeRun run;
   const uint64_t target = governor_target(k_budget_ns, headroom);
-  sandglass_frame_report report = {};
   Steady steady;
   for (uint32_t frame = 0; frame < 10 * k_settled; ++frame) {
-    fake_begin_frame(&scene);
-    governor_frame(&governor, stages.stages, 3, target, nullptr, &report);
+    run.frame(target);
     if (frame < k_settled) continue;
-    EXPECT_LE(report.elapsed_ns, target) << "constant cost must never overrun";
-    steady.optional_ns += report.elapsed_ns - report.mandatory_ns;
-    steady.units += scene.stage_units[0] + scene.stage_units[1];
+    EXPECT_LE(run.report.elapsed_ns, target) << "constant cost must never overrun";
+    steady.optional_ns += run.report.elapsed_ns - run.report.mandatory_ns;
+    steady.units += run.scene.stage_units[0] + run.scene.stage_units[1];
   }
   return steady;
 }
@@ -84,27 +78,13 @@ const Warming& warming() {
     GranularScene scene(desc);
     scene.add_floor();
     const std::vector<float> particles = lattice(8, 8, 8, 0.0202f, 0.0102f);
-    std::vector<float> grains;
-    for (int copy = 0; copy < 4; ++copy)
-      for (const float x : particles) grains.push_back(x + 0.002f * static_cast<float>(copy));
-    scene.add(particles, {}, grains);
+    scene.add(particles, {}, copies(particles, 4, 0.002f));
     for (int frame = 0; frame < 400; ++frame) {
       const float cooling = std::abs(static_cast<float>(frame) - 200.0f) / 100.0f;  // 2 .. 0 .. 2
       w.headroom.push_back(std::clamp(cooling, 0.2f, 1.0f));
-      sandglass_frame_input input;
-      sandglass_frame_input_default(&input);
-      input.time_step = 0.02f;
-      input.budget_ns = k_warm_budget_ns;
+      sandglass_frame_input input = scene.input(0.02f, k_warm_budget_ns);
       input.thermal_headroom = w.headroom.back();
-      input.colliders = scene.colliders.data();
-      input.collider_count = 1;
-      input.grains = scene.grains.data();
-      input.grain_capacity = static_cast<uint32_t>(scene.grains.size());
-      sandglass_frame_report report;
-      report.struct_size = sizeof report;
-      const char* reason = nullptr;
-      EXPECT_EQ(sandglass_scene_frame(scene.scene, &input, &report, &reason), SANDGLASS_OK) << reason;
-      w.reports.push_back(report);
+      w.reports.push_back(scene.run(input));
     }
     return w;
   }();
