@@ -326,7 +326,7 @@ struct Tracer {
         if (!hit.found || luminance(radiance) > 0.0) return sum;
       }
       const Vec3 point = origin + direction * hit.distance, p = point + hit.normal * k_lift;
-      const Material& material = room.materials[room.triangles[hit.triangle].material];
+      const RoomMaterial& material = room.materials[room.triangles[hit.triangle].material];
       const Vec3 colour = reflectance(material, point, hit.normal);
       if (material.coat > 0.0 && seen_directly && mirrors < 3) {
         const double facing = -dot(direction, hit.normal);

@@ -1,0 +1,82 @@
+#include "models/program/option_values.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+
+#include "models/program/nearest_name.h"
+#include "models/work/failure.h"
+#include "sandglass/sandglass.h"
+
+namespace sandglass::host {
+
+CLI::Validator value_that(std::function<bool(const std::string&)> holds, const std::string& range,
+                          const std::string& wanted) {
+  return CLI::Validator(
+      [=](std::string& text) { return holds(text) ? std::string() : in_quotes(text) + " is not " + wanted + "."; },
+      range);
+}
+
+// CLI11 itself reads -1 as 2^64 - 1 and 010 as 8.
+CLI::Validator whole_number(uint64_t low, uint64_t high) {
+  const bool open = high == std::numeric_limits<uint64_t>::max();
+  const std::string range = std::to_string(low) + " to " + (open ? "2^64 - 1" : std::to_string(high));
+  const auto holds = [=](const std::string& text) {
+    uint64_t value = 0;
+    return CLI::detail::lexical_cast(text, value) && std::to_string(value) == text && value >= low && value <= high;
+  };
+  return value_that(holds, open ? "" : range, "a whole number from " + range);
+}
+
+// CLI::Range compares so that NaN is in every range.
+CLI::Validator number(double low, double high) {
+  char range[64];
+  std::snprintf(range, sizeof range, "%.9g to %.9g", low, high);
+  const auto holds = [=](const std::string& text) {
+    double value = 0.0;
+    return CLI::detail::lexical_cast(text, value) && value >= low && value <= high;
+  };
+  return value_that(holds, range, std::string("a number from ") + range);
+}
+
+CLI::Validator one_of(const std::vector<std::string>& names) {
+  const std::string all = list_of(names, "or");
+  return CLI::Validator(
+      [=](std::string& text) {
+        if (std::find(names.begin(), names.end(), text) != names.end()) return std::string();
+        return in_quotes(text) + " is not " + all + "." + suggestion(text, names);
+      },
+      all);
+}
+
+CLI::Option* add_threads(CLI::App* command, uint32_t& threads) {
+  constexpr uint64_t k_most = 256;
+  return command->add_option("--threads", threads, "Threads; the result does not depend on them")
+      ->type_name("N")
+      ->check(whole_number(1, k_most));
+}
+
+CLI::Option* add_isa(CLI::App* command, std::string& isa) {
+  std::vector<std::string> names;
+  for (sandglass_isa i = SANDGLASS_ISA_AUTOMATIC; i <= SANDGLASS_ISA_NEON_I8MM; ++i)
+    if (const char* name = sandglass_isa_name(i); name != nullptr) names.emplace_back(name);
+  return command->add_option("--isa", isa, "Instruction set of the kernels")->type_name("NAME")->check(one_of(names));
+}
+
+CLI::Option* add_json(CLI::App* command, std::string& file) {
+  return command->add_option("--json", file, "Write the measurements to this file, as JSON")->type_name("FILE");
+}
+
+CLI::Option* add_seed(CLI::App* command, uint64_t& seed, const std::string& help) {
+  return command->add_option("--seed", seed, help)
+      ->type_name("N")
+      ->check(whole_number(0, std::numeric_limits<uint64_t>::max()));
+}
+
+void leave_out(CLI::App* command, const std::string& why, const std::string& remedy) {
+  command->description(command->get_description() + " (not in this build)")->allow_extras();
+  const std::string name = command->get_name();
+  command->callback([=] { throw Failure("cannot run \"" + name + "\": " + why + ". " + remedy); });
+}
+
+}  // namespace sandglass::host
