@@ -36,7 +36,9 @@ class Formatter : public CLI::Formatter {
   }
 
   std::string make_option_desc(const CLI::Option* option) const override {
-    const std::string type = option->get_type_name(), standard = option->get_default_str();
+    const std::string type = option->get_type_name();
+    std::string standard = option->get_default_str();
+    if (standard.starts_with('[')) standard = standard.substr(1, standard.size() - 2);  // of several values
     std::string notes = type.find(':') == std::string::npos ? "" : type.substr(type.find(':') + 1);
     const auto note = [&](const std::string& text) { notes += (notes.empty() ? "" : "; ") + text; };
     if (option->get_required() && !option->get_positional()) note("required");

@@ -66,27 +66,35 @@ std::string mistake_of_option(const CLI::App& at, const Names& words, size_t* ne
   return which + " needs a value: write " + in_quotes(option->get_name() + " " + type.substr(0, type.find(':'))) + ".";
 }
 
+// How many the command takes.
+int arguments_of(const CLI::App& at) {
+  int most = 0;
+  for (const CLI::Option* argument : at.get_options([](const CLI::Option* o) { return o->get_positional(); }))
+    most += argument->get_items_expected_max();
+  return most;
+}
+
 // The first mistake in the names of commands and options; empty where there is none. Cuts off the words behind it, and
 // those behind --help. The values, and what must and must not stand together, are left to CLI11.
 std::string first_mistake(const CLI::App*& at, Names* words) {
   std::set<const CLI::Option*> given;
   std::string mistake;
+  int arguments = 0;
   for (size_t next = 0; next < words->size();) {
     const std::string word = (*words)[next++];
     const std::vector<const CLI::App*> below = at->get_subcommands({});
+    const auto found = std::find_if(below.begin(), below.end(), [&](auto* app) { return app->get_name() == word; });
     if (at->get_allow_extras() || word == "--") return "";
-    if (is_option(word)) {
-      mistake = mistake_of_option(*at, *words, &next, &given);
-    } else if (!below.empty()) {
-      const auto found = std::find_if(below.begin(), below.end(), [&](auto* app) { return app->get_name() == word; });
-      if (found != below.end()) at = *found;
-      else
-        mistake = std::string("unknown ") + (at->get_parent() == nullptr ? "command " : "suite ") + in_quotes(word) +
-                  of(*at) + "." + suggestion(word, names_below(*at));
-    }
-    const bool is_help = word == "-h" || word == "--help";
-    if (is_help || !mistake.empty()) words->resize(next);
-    if (is_help || !mistake.empty()) return mistake;
+    if (is_option(word)) mistake = mistake_of_option(*at, *words, &next, &given);
+    else if (found != below.end()) at = *found;
+    else if (!below.empty())
+      mistake = (at->get_parent() == nullptr ? "unknown command " : "unknown suite ") + in_quotes(word) + of(*at) +
+                "." + suggestion(word, names_below(*at));
+    else if (++arguments > arguments_of(*at))
+      mistake = "unknown argument " + in_quotes(word) + of(*at) + ". Leave it out.";
+    if (mistake.empty() && word != "-h" && word != "--help") continue;
+    words->resize(next);
+    return mistake;
   }
   if (at->get_require_subcommand_min() == 0) return "";
   return in_quotes(path(*at)) + " needs a suite: " + list_of(names_below(*at), "or") + ".";

@@ -199,8 +199,7 @@ void add_sample(CLI::App* command, int* exit_code) {
   command->add_option("--polar", o.polar_deg, "Two polar angles that bound the ring, degrees")
       ->type_name("DEGREES")
       ->expected(2)
-      ->check(number(0, 180))
-      ->default_str("0,45");
+      ->check(number(0, 180));
   const auto above_zero = [](const std::string& text) {
     double value = 0.0;
     return CLI::detail::lexical_cast(text, value) && value > 0.0 && std::isfinite(value);
@@ -233,7 +232,7 @@ void add_dataset(CLI::App* command, int* exit_code) {
   add_text(command, "--manifest", o.manifest, "FILE",
            "CSV with the columns file, group and fold: which panoramas show the same place");
   add_seed(command, o.seed, "Equal seeds give equal views");
-  add_count(command, "--tiles", o.tiles, 0, UINT32_MAX, "Images on the contact sheet");
+  add_count(command, "--tiles", o.tiles, 0, UINT64_MAX, "Images on the contact sheet");
   add_threads(command, o.threads);
 }
 
@@ -268,7 +267,7 @@ void add_ceiling(CLI::App* command, int* exit_code) {
   add_text(command, "--object", o.object, "MESH", "Object that is lit: a mesh file, or the name of a generated mesh");
   add_count(command, "--views", o.ceiling.views, 1, 8, "Views of each panorama");
   add_count(command, "--samples", o.ceiling.samples, 1, 4096, "Paths a pixel");
-  add_count(command, "--rows", o.rows, 0, UINT32_MAX, "Rows of the table, best first");
+  add_count(command, "--rows", o.rows, 0, UINT64_MAX, "Rows of the table, best first");
   add_threads(command, o.ceiling.threads);
 }
 

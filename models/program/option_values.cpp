@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <limits>
 
 #include "models/program/nearest_name.h"
 #include "models/work/failure.h"
@@ -19,7 +18,7 @@ CLI::Validator value_that(std::function<bool(const std::string&)> holds, const s
 
 // CLI11 itself reads -1 as 2^64 - 1 and 010 as 8.
 CLI::Validator whole_number(uint64_t low, uint64_t high) {
-  const bool open = high == std::numeric_limits<uint64_t>::max();
+  const bool open = high == UINT64_MAX;
   const std::string range = std::to_string(low) + " to " + (open ? "2^64 - 1" : std::to_string(high));
   const auto holds = [=](const std::string& text) {
     uint64_t value = 0;
@@ -68,9 +67,7 @@ CLI::Option* add_json(CLI::App* command, std::string& file) {
 }
 
 CLI::Option* add_seed(CLI::App* command, uint64_t& seed, const std::string& help) {
-  return command->add_option("--seed", seed, help)
-      ->type_name("N")
-      ->check(whole_number(0, std::numeric_limits<uint64_t>::max()));
+  return command->add_option("--seed", seed, help)->type_name("N")->check(whole_number(0, UINT64_MAX));
 }
 
 void leave_out(CLI::App* command, const std::string& why, const std::string& remedy) {

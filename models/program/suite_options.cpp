@@ -13,8 +13,7 @@ CLI::Option* add_thread_counts(CLI::App* suite, BenchOptions& o) {
   return suite->add_option("--threads", o.threads, "Thread counts, separated by commas")
       ->type_name("LIST")
       ->delimiter(',')
-      ->check(whole_number(1, 256))
-      ->default_str("1");
+      ->check(whole_number(1, 256));
 }
 
 void add_frames(CLI::App* suite, BenchOptions& o) {
@@ -38,7 +37,6 @@ void add_bench_shadow(CLI::App* suite, int* exit_code) {
       ->add_option("--asset", o.assets,
                    "Baked shadows, separated by commas: the first is measured, --out draws all of them")
       ->type_name("FILES")
-      ->expected(1)
       ->delimiter(',')
       ->default_str("the shipped chair");
   suite->add_option("--mesh", o.mesh, "The mesh that they were baked from: a file, or a generated mesh's name")
@@ -46,8 +44,7 @@ void add_bench_shadow(CLI::App* suite, int* exit_code) {
   suite->add_option("--thresholds", o.thresholds, "More thresholds of the adaptive mode, separated by commas")
       ->type_name("LIST")
       ->delimiter(',')
-      ->check(whole_number(0, 255))
-      ->default_str("");
+      ->check(whole_number(0, 255));
   add_out(suite, o.out, "Draw error against time into this folder");
   add_isa(suite, o.isa);
   add_json(suite, o.json);
