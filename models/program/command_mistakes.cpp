@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
 #include <set>
 
 #include "models/program/nearest_name.h"
@@ -14,13 +13,12 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-// "bench granular"
+// "bench granular "
 std::string path(const CLI::App& at) {
-  if (at.get_parent() == nullptr) return "";
-  const std::string above = path(*at.get_parent());
-  return above.empty() ? at.get_name() : above + " " + at.get_name();
+  return at.get_parent() == nullptr ? "" : path(*at.get_parent()) + at.get_name() + " ";
 }
-std::string of(const CLI::App& at) { return at.get_parent() == nullptr ? "" : " of " + in_quotes(path(at)); }
+std::string named(const CLI::App& at) { return in_quotes(path(at).substr(0, path(at).size() - 1)); }
+std::string of(const CLI::App& at) { return at.get_parent() == nullptr ? "" : " of " + named(at); }
 
 Names names_below(const CLI::App& at) {
   Names names;
@@ -34,7 +32,7 @@ std::string unknown_option(const CLI::App& at, const std::string& name) {
   if (above != nullptr && above->get_parent() == nullptr) above = &at;
   if (above != nullptr)
     for (const CLI::App* suite : above->get_subcommands({}))
-      if (suite->get_option_no_throw(name) != nullptr) suites.push_back(in_quotes(path(*suite)));
+      if (suite->get_option_no_throw(name) != nullptr) suites.push_back(named(*suite));
   const std::string what = "unknown option " + in_quotes(name) + of(at);
   if (!suites.empty()) return what + ": it belongs to " + list_of(suites, "and") + ". Leave it out.";
   for (const CLI::Option* option : at.get_options({}))
@@ -44,7 +42,7 @@ std::string unknown_option(const CLI::App& at, const std::string& name) {
 
 // A minus before a digit begins a number.
 bool is_option(const std::string& word) {
-  return word.size() > 1 && word[0] == '-' && std::isdigit(static_cast<unsigned char>(word[1])) == 0;
+  return word.size() > 1 && word[0] == '-' && (word[1] < '0' || word[1] > '9');
 }
 
 // What is wrong with the option, the word before `next`. Moves `next` behind its values.
@@ -66,38 +64,31 @@ std::string mistake_of_option(const CLI::App& at, const Names& words, size_t* ne
   return which + " needs a value: write " + in_quotes(option->get_name() + " " + type.substr(0, type.find(':'))) + ".";
 }
 
-// How many the command takes.
-int arguments_of(const CLI::App& at) {
-  int most = 0;
-  for (const CLI::Option* argument : at.get_options([](const CLI::Option* o) { return o->get_positional(); }))
-    most += argument->get_items_expected_max();
-  return most;
-}
-
 // The first mistake in the names of commands and options; empty where there is none. Cuts off the words behind it, and
 // those behind --help. The values, and what must and must not stand together, are left to CLI11.
 std::string first_mistake(const CLI::App*& at, Names* words) {
   std::set<const CLI::Option*> given;
   std::string mistake;
-  int arguments = 0;
+  int arguments = 0;  // left to give
   for (size_t next = 0; next < words->size();) {
     const std::string word = (*words)[next++];
     const std::vector<const CLI::App*> below = at->get_subcommands({});
     const auto found = std::find_if(below.begin(), below.end(), [&](auto* app) { return app->get_name() == word; });
     if (at->get_allow_extras() || word == "--") return "";
     if (is_option(word)) mistake = mistake_of_option(*at, *words, &next, &given);
-    else if (found != below.end()) at = *found;
+    else if (found != below.end())
+      for (const CLI::Option* option : (at = *found)->get_options({}))
+        arguments += option->get_positional() ? option->get_items_expected_max() : 0;
     else if (!below.empty())
       mistake = (at->get_parent() == nullptr ? "unknown command " : "unknown suite ") + in_quotes(word) + of(*at) +
                 "." + suggestion(word, names_below(*at));
-    else if (++arguments > arguments_of(*at))
-      mistake = "unknown argument " + in_quotes(word) + of(*at) + ". Leave it out.";
+    else if (--arguments < 0) mistake = "unknown argument " + in_quotes(word) + of(*at) + ". Leave it out.";
     if (mistake.empty() && word != "-h" && word != "--help") continue;
     words->resize(next);
     return mistake;
   }
   if (at->get_require_subcommand_min() == 0) return "";
-  return in_quotes(path(*at)) + " needs a suite: " + list_of(names_below(*at), "or") + ".";
+  return named(*at) + " needs a suite: " + list_of(names_below(*at), "or") + ".";
 }
 
 }  // namespace
@@ -106,7 +97,7 @@ void parse_command_line(CLI::App& program, int argc, char** argv) {
   Names words(argv + 1, argv + argc);
   const CLI::App* at = &program;
   const std::string mistake = first_mistake(at, &words);
-  const std::string see = " See: sandglass " + path(*at) + (at->get_parent() == nullptr ? "" : " ") + "--help.";
+  const std::string see = " See: sandglass " + path(*at) + "--help.";
   std::reverse(words.begin(), words.end());  // as CLI11 expects them
   try {
     program.parse(std::move(words));
@@ -117,8 +108,7 @@ void parse_command_line(CLI::App& program, int argc, char** argv) {
     const size_t colon = text.find(": ");
     throw Failure("cannot use " + in_quotes(text.substr(0, colon)) + of(*at) + text.substr(colon) + see);
   } catch (const CLI::ParseError& error) {
-    throw Failure((mistake.empty() ? "cannot start " + in_quotes(path(*at)) + ": " + error.what() + "." : mistake) +
-                  see);
+    throw Failure((mistake.empty() ? "cannot start " + named(*at) + ": " + error.what() + "." : mistake) + see);
   }
 }
 

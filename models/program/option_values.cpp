@@ -50,8 +50,7 @@ CLI::Validator one_of(const std::vector<std::string>& names) {
 
 CLI::Option* add_threads(CLI::App* command, uint32_t& threads) {
   constexpr uint64_t k_most = 256;
-  return command->add_option("--threads", threads, "Threads; the result does not depend on them")
-      ->type_name("N")
+  return add_option(command, "--threads", threads, "N", "Threads; the result does not depend on them")
       ->check(whole_number(1, k_most));
 }
 
@@ -59,20 +58,21 @@ CLI::Option* add_isa(CLI::App* command, std::string& isa) {
   std::vector<std::string> names;
   for (sandglass_isa i = SANDGLASS_ISA_AUTOMATIC; i <= SANDGLASS_ISA_NEON_I8MM; ++i)
     if (const char* name = sandglass_isa_name(i); name != nullptr) names.emplace_back(name);
-  return command->add_option("--isa", isa, "Instruction set of the kernels")->type_name("NAME")->check(one_of(names));
+  return add_option(command, "--isa", isa, "NAME", "Instruction set of the kernels")->check(one_of(names));
 }
 
 CLI::Option* add_json(CLI::App* command, std::string& file) {
-  return command->add_option("--json", file, "Write the measurements to this file, as JSON")->type_name("FILE");
+  return add_option(command, "--json", file, "FILE", "Write the measurements to this file, as JSON");
 }
 
-CLI::Option* add_seed(CLI::App* command, uint64_t& seed, const std::string& help) {
+CLI::Option* add_seed(CLI::App* command, uint64_t& seed, const char* help) {
   return command->add_option("--seed", seed, help)->type_name("N")->check(whole_number(0, UINT64_MAX));
 }
 
 void leave_out(CLI::App* command, const std::string& why, const std::string& remedy) {
   command->description(command->get_description() + " (not in this build)")->allow_extras();
-  const std::string name = command->get_name();
+  const CLI::App* above = command->get_parent();
+  const std::string name = (above->get_parent() == nullptr ? "" : above->get_name() + " ") + command->get_name();
   command->callback([=] { throw Failure("cannot run \"" + name + "\": " + why + ". " + remedy); });
 }
 

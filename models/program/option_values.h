@@ -16,10 +16,15 @@ CLI::Validator whole_number(uint64_t low, uint64_t high);
 CLI::Validator number(double low, double high);
 CLI::Validator one_of(const std::vector<std::string>& names);
 
+// `type` is what stands for the value in the help.
+template <class Value>
+CLI::Option* add_option(CLI::App* command, const char* name, Value& value, const char* type, const char* help) {
+  return command->add_option(name, value, help)->type_name(type);
+}
 CLI::Option* add_threads(CLI::App* command, uint32_t& threads);
 CLI::Option* add_isa(CLI::App* command, std::string& isa);
 CLI::Option* add_json(CLI::App* command, std::string& file);
-CLI::Option* add_seed(CLI::App* command, uint64_t& seed, const std::string& help);
+CLI::Option* add_seed(CLI::App* command, uint64_t& seed, const char* help);
 
 // `function` runs when the command does, and gives the program's exit code. The options that it returns live as long as
 // the command.

@@ -10,20 +10,14 @@ namespace {
 constexpr const char* k_shipped = "the shipped one";
 
 CLI::Option* add_thread_counts(CLI::App* suite, BenchOptions& o) {
-  return suite->add_option("--threads", o.threads, "Thread counts, separated by commas")
-      ->type_name("LIST")
+  return add_option(suite, "--threads", o.threads, "LIST", "Thread counts, separated by commas")
       ->delimiter(',')
       ->check(whole_number(1, 256));
 }
 
 void add_frames(CLI::App* suite, BenchOptions& o) {
-  suite->add_option("--frames", o.frames, "Frames of a case; errors compare at 100 only")
-      ->type_name("N")
+  add_option(suite, "--frames", o.frames, "N", "Frames of a case; errors compare at 100 only")
       ->check(whole_number(1, 10000));
-}
-
-CLI::Option* add_out(CLI::App* suite, std::string& folder, const char* help) {
-  return suite->add_option("--out", folder, help)->type_name("FOLDER");
 }
 
 CLI::App* add_suite(CLI::App* above, const char* name, const char* help) {
@@ -33,19 +27,15 @@ CLI::App* add_suite(CLI::App* above, const char* name, const char* help) {
 void add_bench_shadow(CLI::App* suite, int* exit_code) {
 #ifdef SANDGLASS_HAVE_BAKE
   BenchOptions& o = options_of(suite, exit_code, bench_shadow_command);
-  suite
-      ->add_option("--asset", o.assets,
-                   "Baked shadows, separated by commas: the first is measured, --out draws all of them")
-      ->type_name("FILES")
+  add_option(suite, "--asset", o.assets, "FILES",
+             "Baked shadows, separated by commas: the first is measured, --out draws all of them")
       ->delimiter(',')
       ->default_str("the shipped chair");
-  suite->add_option("--mesh", o.mesh, "The mesh that they were baked from: a file, or a generated mesh's name")
-      ->type_name("MESH");
-  suite->add_option("--thresholds", o.thresholds, "More thresholds of the adaptive mode, separated by commas")
-      ->type_name("LIST")
+  add_option(suite, "--mesh", o.mesh, "MESH", "The mesh that they were baked from: a file, or a generated mesh's name");
+  add_option(suite, "--thresholds", o.thresholds, "LIST", "More thresholds of the adaptive mode, separated by commas")
       ->delimiter(',')
       ->check(whole_number(0, 255));
-  add_out(suite, o.out, "Draw error against time into this folder");
+  add_option(suite, "--out", o.out, "FOLDER", "Draw error against time into this folder");
   add_isa(suite, o.isa);
   add_json(suite, o.json);
 #else
@@ -55,30 +45,23 @@ void add_bench_shadow(CLI::App* suite, int* exit_code) {
 }
 
 void add_verify_lighting(CLI::App* suite, VerifyOptions& o) {
-  suite
-      ->add_option("--manifest", o.manifest,
-                   "CSV with the columns file, group and fold: which panoramas show the same place")
-      ->type_name("FILE");
+  add_option(suite, "--manifest", o.manifest, "FILE",
+             "CSV with the columns file, group and fold: which panoramas show the same place");
   CLI::Option* network =
       suite->add_option("--network", o.network, "Network that estimates, run as in an app; of a file .npz in float");
   network->type_name("FILE")->default_str("the shipped one for --panoramas");
-  suite->add_option("--estimates", o.estimates, "Estimates of all views, as train.py writes them")
-      ->type_name("FILE")
+  add_option(suite, "--estimates", o.estimates, "FILE", "Estimates of all views, as train.py writes them")
       ->default_str("the cross-validated ones for SANDGLASS_DATA_DIR")
       ->excludes(network);
-  suite->add_option("--object", o.object, "Object that is lit: a mesh file, or the name of a generated mesh")
-      ->type_name("MESH");
-  suite->add_option("--views", o.views, "Views of each panorama")->type_name("N")->check(whole_number(1, 8));
-  suite->add_option("--samples", o.samples, "Paths a pixel; 0 renders nothing")
-      ->type_name("N")
-      ->check(whole_number(0, 4096));
-  add_out(suite, o.out, "Write tables and pictures into this folder");
+  add_option(suite, "--object", o.object, "MESH", "Object that is lit: a mesh file, or the name of a generated mesh");
+  add_option(suite, "--views", o.views, "N", "Views of each panorama")->check(whole_number(1, 8));
+  add_option(suite, "--samples", o.samples, "N", "Paths a pixel; 0 renders nothing")->check(whole_number(0, 4096));
+  add_option(suite, "--out", o.out, "FOLDER", "Write tables and pictures into this folder");
   add_isa(suite, o.isa);
 }
 
 void add_panoramas(CLI::App* suite, VerifyOptions& o) {
-  suite->add_option("--panoramas", o.panoramas, "Files that end in .hdr or .exr, or folders of them")
-      ->type_name("FILES")
+  add_option(suite, "--panoramas", o.panoramas, "FILES", "Files that end in .hdr or .exr, or folders of them")
       ->default_str("the interiors of SANDGLASS_DATA_DIR");
 }
 
@@ -98,7 +81,8 @@ void add_bench(CLI::App* bench, int* exit_code) {
   BenchOptions& of_ladder = options_of(ladder, exit_code, bench_ladder_command);
   add_thread_counts(ladder, of_ladder);
   add_frames(ladder, of_ladder);
-  add_out(ladder, of_ladder.out, "Draw error against time into this folder, of the last thread count");
+  add_option(ladder, "--out", of_ladder.out, "FOLDER",
+             "Draw error against time into this folder, of the last thread count");
   add_isa(ladder, of_ladder.isa);
   add_json(ladder, of_ladder.json);
 
@@ -112,7 +96,7 @@ void add_bench(CLI::App* bench, int* exit_code) {
 
   CLI::App* lighting = add_suite(bench, "lighting", "The lighting network: one estimate by every back end");
   BenchOptions& of_lighting = options_of(lighting, exit_code, bench_lighting_command);
-  lighting->add_option("--asset", of_lighting.network, "The network")->type_name("FILE")->default_str(k_shipped);
+  add_option(lighting, "--asset", of_lighting.network, "FILE", "The network")->default_str(k_shipped);
   add_isa(lighting, of_lighting.isa);
   add_json(lighting, of_lighting.json);
 
@@ -124,12 +108,11 @@ void add_verify(CLI::App* verify, int* exit_code) {
   verify->require_subcommand(1);
   CLI::App* granular = add_suite(verify, "granular", "Sand: friction, piles, flow, momentum, hard cases");
   VerifyOptions& of_sand = options_of(granular, exit_code, verify_granular_command);
-  granular->add_option("--case", of_sand.cases, "Only these cases")
-      ->type_name("NAMES")
+  add_option(granular, "--case", of_sand.cases, "NAMES", "Only these cases")
       ->check(one_of(verdict_groups()))
       ->default_str("all");
   granular->add_flag("--quick", of_sand.quick, "Only the cases that take seconds");
-  add_out(granular, of_sand.out, "Write the table and its curves into this folder");
+  add_option(granular, "--out", of_sand.out, "FOLDER", "Write the table and its curves into this folder");
   add_isa(granular, of_sand.isa);
   add_json(granular, of_sand.json);
 
@@ -143,11 +126,10 @@ void add_verify(CLI::App* verify, int* exit_code) {
   CLI::App* shot = add_suite(verify, "shot", "Whole pictures: composites against path traced truth");
   VerifyOptions& of_shot = options_of(shot, exit_code, verify_shot_command);
   add_panoramas(shot, of_shot);
-  shot->add_option("--network", of_shot.network, "Network that estimates the light")
-      ->type_name("FILE")
-      ->default_str(k_shipped);
+  add_option(shot, "--network", of_shot.network, "FILE", "Network that estimates the light")->default_str(k_shipped);
   add_seed(shot, of_shot.seed, "Where the cameras look: 0 for the study of 20 views, others in all panoramas");
-  add_out(shot, of_shot.out, "Write the table and pictures into this folder; a later run goes on from it");
+  add_option(shot, "--out", of_shot.out, "FOLDER",
+             "Write the table and pictures into this folder; a later run goes on from it");
   add_threads(shot, of_shot.threads);
   add_json(shot, of_shot.json);
 }
