@@ -79,7 +79,7 @@ void evaluate_texels(const FloatNetwork& network, const Direction& light, uint32
 std::vector<float> evaluate(const FloatNetwork& network, const Direction& light, uint32_t size, ThreadPool& pool) {
   constexpr uint32_t k_rows = 32;
   std::vector<float> values(size_t{size} * size);
-  run_on(pool, (size + k_rows - 1) / k_rows, [&](uint32_t band) {
+  pool.run((size + k_rows - 1) / k_rows, [&](uint32_t band) {
     const uint32_t begin = band * k_rows, end = std::min(size, begin + k_rows);
     std::vector<uint32_t> uv;
     for (uint32_t v = begin; v < end; ++v)

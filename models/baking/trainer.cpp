@@ -128,7 +128,7 @@ void Trainer::step(TrainingState* state) {
     w.parameters = w.rounded.data();
     w.clips = state->clips.data();
   }
-  run_on(pool_, k_lanes, [&](uint32_t lane) { w.run_lane(lane); });
+  pool_.run(k_lanes, [&](uint32_t lane) { w.run_lane(lane); });
 
   const uint32_t first = quantised ? plan_.float_steps : 0;
   const uint32_t count = quantised ? plan_.quantised_steps : plan_.float_steps;
@@ -152,7 +152,7 @@ void Trainer::step(TrainingState* state) {
                          state->network.parameters.data(),
                          state->mean.data(),
                          state->variance.data()};
-  run_on(pool_, k_lanes, [&](uint32_t lane) {
+  pool_.run(k_lanes, [&](uint32_t lane) {
     const uint32_t all = w.shape.parameters();
     batch_math().adam(adam, all * lane / k_lanes, all * (lane + 1) / k_lanes);
   });

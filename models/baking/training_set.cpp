@@ -31,7 +31,7 @@ bool trace_training_set(const LightGeometry& geometry, const ShadowCaster& caste
   std::vector<float> values(size_t{k_group} * count);
   for (uint32_t done = static_cast<uint32_t>(set->values.size() / count); done < lights;) {
     const uint32_t group = std::min(k_group, lights - done);
-    run_on(pool, group * parts, [&](uint32_t task) {
+    pool.run(group * parts, [&](uint32_t task) {
       const uint32_t light = done + task / parts, begin = task % parts * k_part, end = std::min(count, begin + k_part);
       std::vector<uint32_t> uv;
       for (uint32_t i = begin; i < end; ++i) {

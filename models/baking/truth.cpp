@@ -8,12 +8,11 @@
 // and sectors, this takes the noise of the armadillo's textures from 0.0081 to 0.0056 (RMSE), for the same rays.
 #include "models/baking/truth.h"
 
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "models/tracing/embree_scene.h"
 #include "models/work/failure.h"
 #include "models/work/random.h"
 #include "sandglass/sampling.h"
@@ -68,8 +67,10 @@ StandingObject stand_on_plane(const Mesh& mesh, const std::string& name) {
 }
 
 struct ShadowCaster::Scene {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
+  explicit Scene(const Mesh& mesh)
+      : object(EmbreeScene::triangles(mesh.vertices, mesh.indices, RTC_BUILD_QUALITY_HIGH)) {}
+
+  EmbreeScene object;
   uint64_t seed = 0;
   SampleCounts counts;
   uint32_t light_count = 0;  // of one point, a multiple of the packet
@@ -79,31 +80,13 @@ struct ShadowCaster::Scene {
 };
 
 ShadowCaster::ShadowCaster(const Mesh& mesh, double half_angle, SampleCounts counts, uint64_t seed)
-    : scene_(std::make_unique<Scene>()) {
+    : scene_(std::make_unique<Scene>(mesh)) {
   Scene& s = *scene_;
   s.seed = seed, s.counts = counts, s.light_count = counts.light * counts.light;
   s.set_count = s.light_count * counts.points * counts.points;
   if (counts.light % 4 != 0 || counts.points == 0)
     throw Failure(
         "cannot trace: strata of the light come in multiples of 4 per axis, and one point a texel. Report this.");
-  s.device = rtcNewDevice("threads=1");
-  if (s.device == nullptr) throw Failure("cannot trace: Embree does not start on this machine. Reinstall it.");
-  RTCGeometry geometry = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  void* vertices =
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertex_count());
-  void* indices =
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangle_count());
-  if (vertices == nullptr || indices == nullptr)
-    throw Failure("cannot trace: this machine has too little memory for the mesh. Simplify it.");
-  std::memcpy(vertices, mesh.vertices.data(), 4 * mesh.vertices.size());
-  std::memcpy(indices, mesh.indices.data(), 4 * mesh.indices.size());
-  rtcCommitGeometry(geometry);
-  s.scene = rtcNewScene(s.device);
-  rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);  // no gaps between triangles
-  rtcSetSceneBuildQuality(s.scene, RTC_BUILD_QUALITY_HIGH);
-  rtcAttachGeometry(s.scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(s.scene);
 
   // Uniform in solid angle: the cosine is uniform between that of the rim and 1. 1 - cos = 2 sin^2(half the angle)
   // keeps the digits of small lights.
@@ -139,10 +122,7 @@ ShadowCaster::ShadowCaster(const Mesh& mesh, double half_angle, SampleCounts cou
     }
 }
 
-ShadowCaster::~ShadowCaster() {
-  if (scene_->scene != nullptr) rtcReleaseScene(scene_->scene);
-  if (scene_->device != nullptr) rtcReleaseDevice(scene_->device);
-}
+ShadowCaster::~ShadowCaster() = default;
 
 void ShadowCaster::texels(const ShadowRectangle& rectangle, const Direction& light, uint64_t stream, uint32_t size_x,
                           uint32_t size_y, const uint32_t* uv, uint32_t count, float* values) const {
@@ -196,7 +176,7 @@ void ShadowCaster::texels(const ShadowRectangle& rectangle, const Direction& lig
           rays.tnear[i] = k_nearest;
           rays.tfar[i] = INFINITY;
         }
-        rtcOccluded16(valid, s.scene, &context, &rays);
+        rtcOccluded16(valid, s.object.handle(), &context, &rays);
         for (uint32_t i = 0; i < k_packet; ++i) {
           const float weight = valid[i] != 0 ? dy[from + i] : 0.0f;
           all += weight;
@@ -219,7 +199,7 @@ std::vector<float> ShadowCaster::texture(const ShadowRectangle& rectangle, const
       for (uint32_t u = 0; u < size; ++u) uv.insert(uv.end(), {u, v});
     texels(rectangle, light, stream, size, size, uv.data(), (end - begin) * size, &values[size_t{begin} * size]);
   };
-  run_on(pool, (size + k_rows - 1) / k_rows, band);
+  pool.run((size + k_rows - 1) / k_rows, band);
   return values;
 }
 

@@ -64,15 +64,6 @@ class ShadowCaster {
   std::unique_ptr<Scene> scene_;
 };
 
-// task(i) for i in 0..count-1, on the pool's threads.
-template <class Task>
-void run_on(ThreadPool& pool, uint32_t count, const Task& task) {
-  const sandglass_parallel hook = pool.hook();
-  const auto call = [](void* context, uint32_t index) { (*static_cast<const Task*>(context))(index); };
-  if (hook.run != nullptr) return hook.run(hook.user, call, const_cast<Task*>(&task), count);
-  for (uint32_t i = 0; i < count; ++i) task(i);
-}
-
 // `count` directions spread evenly over the cap of polar angles 0..polar_max, by the library's ring sampler.
 std::vector<Direction> ring_directions(double polar_max, uint32_t count);
 

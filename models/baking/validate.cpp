@@ -130,7 +130,7 @@ bool validate(const LightGeometry& geometry, const ShadowCaster& caster, const F
   std::vector<LightError> errors(lights);
   for (uint32_t begin = 0; begin < lights;) {
     const uint32_t end = std::min(lights, begin + 8 * k_task);
-    run_on(pool, (end - begin + k_task - 1) / k_task, [&](uint32_t task) {
+    pool.run((end - begin + k_task - 1) / k_task, [&](uint32_t task) {
       ShadowRunner full(file, "baked", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL);
       ShadowRunner adaptive(file, "baked", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE);
       for (uint32_t i = begin + task * k_task; i < std::min(end, begin + (task + 1) * k_task); ++i)

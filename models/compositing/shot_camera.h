@@ -2,7 +2,7 @@
 // because a panorama knows what is seen from one place only.
 #pragma once
 
-#include "models/drawing/render.h"
+#include "models/geometry/camera.h"
 #include "models/geometry/vec3.h"
 #include "models/simulation/scene_file.h"
 

@@ -1,16 +1,15 @@
 #include "models/compositing/shot_picture.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numbers>
-#include <thread>
 
 #include "models/rooms/probe_scene.h"
-#include "models/tracing/frame.h"
+#include "models/tracing/directions.h"
 #include "models/tracing/ray_caster.h"
 #include "models/tracing/sphere_caster.h"
 #include "models/work/failure.h"
+#include "models/work/thread_pool.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {
@@ -39,18 +38,6 @@ struct Hit {
   Vec3 point, normal, reflectance;
 };
 
-// Rows of a picture, over threads.
-void each_row(int height, uint32_t threads, const std::function<void(int)>& draw) {
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    for (int y; (y = next.fetch_add(1)) < height;) draw(y);
-  };
-  std::vector<std::thread> others;
-  for (uint32_t i = 1; i < threads; ++i) others.emplace_back(work);
-  work();
-  for (std::thread& other : others) other.join();
-}
-
 }  // namespace
 
 struct ShotPicture::State {
@@ -59,13 +46,7 @@ struct ShotPicture::State {
   std::vector<float> centres;
 
   State(const Mesh& mesh, std::span<const float> xyz, float radius)
-      : object(mesh), grains(xyz, radius), centres(xyz.begin(), xyz.end()) {
-    if (!object.error().empty()) throw Failure(object.error());
-  }
-
-  static void floats(Vec3 v, float (&out)[3]) {
-    out[0] = static_cast<float>(v.x), out[1] = static_cast<float>(v.y), out[2] = static_cast<float>(v.z);
-  }
+      : object(mesh), grains(xyz, radius), centres(xyz.begin(), xyz.end()) {}
 
   Hit closest(Vec3 origin, Vec3 direction) const {
     Hit hit;
@@ -73,9 +54,7 @@ struct ShotPicture::State {
       const double distance = -origin.y / direction.y;
       if (distance < k_far) hit = {Surface::floor, distance, {}, {0, 1, 0}, {}};
     }
-    float o[3], d[3];
-    floats(origin, o), floats(direction, d);
-    const RayHit on_object = object.closest(o, d, 0.0f, static_cast<float>(hit.distance));
+    const RayHit on_object = object.closest(origin, direction, hit.distance);
     if (on_object.hit) {
       hit.surface = Surface::object, hit.distance = static_cast<double>(on_object.distance);
       hit.normal = {on_object.normal[0], on_object.normal[1], on_object.normal[2]};
@@ -94,22 +73,12 @@ struct ShotPicture::State {
     return hit;
   }
 
-  bool object_blocks(Vec3 origin, Vec3 direction, double limit) const {
-    float o[3], d[3];
-    floats(origin, o), floats(direction, d);
-    return object.occluded(o, d, 0.0f, static_cast<float>(limit));
-  }
   bool blocked(Vec3 origin, Vec3 direction, double limit) const {
-    return object_blocks(origin, direction, limit) || grains.occluded(origin, direction, limit);
+    return object.occluded(origin, direction, limit) || grains.occluded(origin, direction, limit);
   }
 };
 
 namespace {
-
-Vec3 in_cap(Vec3 towards, double half_angle, double a, double b) {
-  const double cosine = 1.0 - a * (1.0 - std::cos(half_angle)), sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
-  return Frame(towards).world(sine * std::cos(2.0 * k_pi * b), sine * std::sin(2.0 * k_pi * b), cosine);
-}
 
 double left_by(const std::vector<FloorShadow>& shadows, double x, double z) {
   double share = 1.0;
@@ -149,9 +118,11 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     }
     const double facing = std::max(0.0, dot(hit.normal, light.towards));
     double open = facing > 0.0 ? 1.0 : 0.0;
-    const auto in_light = [&] { return in_cap(light.towards, half_angle, random->uniform(), random->uniform()); };
+    const auto in_light = [&] {
+      return cap_direction(light.towards, std::cos(half_angle), random->uniform(), random->uniform());
+    };
     if (open > 0.0 && hit.surface == Surface::object) {
-      open = state_->object_blocks(start, in_light(), k_far) ? 0.0 : 1.0;
+      open = state_->object.occluded(start, in_light(), k_far) ? 0.0 : 1.0;
     } else if (open > 0.0 && textured) {
       // Grains next to each other are finer than a texel: contact shadows, of rays that end where texels begin.
       open = state_->grains.occluded(start, in_light(), k_contact_reach) ? 0.0 : 1.0;
@@ -172,7 +143,8 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     const Vec3 radiance = product(hit.reflectance, light.light * direct + ambient) * exposure;
     return curve ? room.shown(radiance) : limited(radiance);
   };
-  each_row(options.height, options.threads, [&](int y) {
+  ThreadPool(options.threads).run(static_cast<uint32_t>(options.height), [&](uint32_t row) {
+    const int y = static_cast<int>(row);
     for (int x = 0; x < options.width; ++x) {
       Random random = random_stream(static_cast<uint64_t>(y) * 65536u + static_cast<uint64_t>(x), k_composite_stream);
       Vec3 sum;
@@ -243,18 +215,15 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
     }
     return sum;
   };
-  each_row(options.height, options.threads, [&](int y) {
+  ThreadPool(options.threads).run(static_cast<uint32_t>(options.height), [&](uint32_t row) {
+    const int y = static_cast<int>(row);
     for (int x = 0; x < options.width; ++x) {
       Random random = random_stream(static_cast<uint64_t>(y) * 65536u + static_cast<uint64_t>(x), k_truth_stream);
       const double shift[2] = {random.uniform(), random.uniform()};
       Vec3 solid, background, with, without;
       int caught = 0, behind = 0;
       for (int i = 0; i < options.paths; ++i) {
-        // A lattice of irrational steps (powers of 1 / 1.3247, the root of x^3 = x + 1), shifted by the pixel.
-        const auto even = [&](int k) {
-          const double value = shift[k] + i * (k == 0 ? 0.7548776662466927 : 0.5698402909980532);
-          return value - std::floor(value);
-        };
+        const auto even = [&](int k) { return lattice_point(shift[k], i, k_plane_steps[k]); };
         const Vec3 direction =
             normalised(camera.ray(x + random.uniform(), y + random.uniform(), options.width, options.height));
         const Hit hit = state_->closest(camera.eye, direction);
@@ -294,7 +263,8 @@ double ShotPicture::grains_leave(double x, double z, Vec3 towards, double half_a
   double all = 0.0, open = 0.0;
   const Vec3 start = {x, k_lift, z};
   for (int i = 0; i < points * points; ++i) {
-    const Vec3 d = in_cap(towards, half_angle, (i % points + 0.5) / points, (i / points + 0.5) / points);
+    const Vec3 d =
+        cap_direction(towards, std::cos(half_angle), (i % points + 0.5) / points, (i / points + 0.5) / points);
     if (d.y <= 0.0) continue;
     all += d.y;
     if (!state_->grains.occluded(start, d, k_far)) open += d.y;
@@ -313,7 +283,8 @@ double ShotPicture::grain_lit(double x, double z, Vec3 towards, double half_angl
   *facing = std::max(0.0, dot(normal, towards));
   double all = 0.0, open = 0.0;
   for (int i = 0; i < points * points; ++i) {
-    const Vec3 d = in_cap(towards, half_angle, (i % points + 0.5) / points, (i / points + 0.5) / points);
+    const Vec3 d =
+        cap_direction(towards, std::cos(half_angle), (i % points + 0.5) / points, (i / points + 0.5) / points);
     const double cosine = std::max(0.0, dot(d, normal));
     all += cosine;
     if (cosine > 0.0 && !state_->grains.occluded(point + normal * k_lift, d, k_far)) open += cosine;

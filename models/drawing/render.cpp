@@ -3,15 +3,14 @@
 #include "models/drawing/render.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
-#include <thread>
 #include <vector>
 
-#include "models/tracing/frame.h"
+#include "models/tracing/directions.h"
 #include "models/tracing/sphere_caster.h"
+#include "models/work/thread_pool.h"
 #include "runtime/granular/field.h"
 
 namespace sandglass::host {
@@ -409,22 +408,6 @@ Vec3 grain_colour(uint32_t index) {
   return scaled(k_sand * shade, {1.0 + warmth, 1.0, 1.0 - warmth});
 }
 
-double floor_transparency(const FloorShadow& shadow, double px, double pz) {
-  const Vec3 local = rotate(conjugate(shadow.rotation), Vec3{px - shadow.position.x, 0.0, pz - shadow.position.z});
-  const double n = shadow.texels;
-  const double u = (local.x - shadow.low[0]) / (shadow.high[0] - shadow.low[0]) * n - 0.5;
-  const double v = (local.z - shadow.low[1]) / (shadow.high[1] - shadow.low[1]) * n - 0.5;
-  if (!(u > -1.0 && v > -1.0 && u < n && v < n)) return 1.0;
-  const auto texel = [&](double x, double y) {
-    const bool inside = x >= 0.0 && y >= 0.0 && x < n && y < n;
-    return inside ? shadow.coverage[static_cast<size_t>(y) * shadow.texels + static_cast<size_t>(x)] / 255.0 : 0.0;
-  };
-  const double x = std::floor(u), y = std::floor(v), fx = u - x, fy = v - y;
-  const double coverage = (1.0 - fy) * ((1.0 - fx) * texel(x, y) + fx * texel(x + 1.0, y)) +
-                          fy * ((1.0 - fx) * texel(x, y + 1.0) + fx * texel(x + 1.0, y + 1.0));
-  return 1.0 - coverage * shadow.opacity;
-}
-
 void Bounds::add(Vec3 p) {
   low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
   high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
@@ -506,14 +489,9 @@ PixelPlace project(const Camera& camera, int width, int height, Vec3 point) {
 Picture render(const SceneView& view, const RenderOptions& options) {
   const Tracer tracer(view, options.plain ? k_plain : k_measuring);
   Picture picture(options.width, options.height, {0, 0, 0});
-  std::atomic<int> next_row = 0;
-  const auto draw = [&] {
-    for (int y; (y = next_row.fetch_add(1)) < options.height;) tracer.draw_row(y, options, &picture);
-  };
-  std::vector<std::thread> others;
-  for (uint32_t i = 1; i < options.threads; ++i) others.emplace_back(draw);
-  draw();
-  for (std::thread& other : others) other.join();
+  ThreadPool(options.threads).run(static_cast<uint32_t>(options.height), [&](uint32_t row) {
+    tracer.draw_row(static_cast<int>(row), options, &picture);
+  });
   if (options.scale) draw_scale(view, tracer.tile, &picture);
   return picture;
 }

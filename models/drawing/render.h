@@ -9,15 +9,12 @@
 #include <vector>
 
 #include "models/files/image.h"
+#include "models/geometry/camera.h"
 #include "models/geometry/vec3.h"
+#include "models/simulation/floor_shadow.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {
-
-struct Camera {
-  Vec3 eye, target;
-  double fov_deg = 32.0;  // vertical
-};
 
 struct Bounds {
   Vec3 low = {1e30, 1e30, 1e30}, high = {-1e30, -1e30, -1e30};
@@ -30,22 +27,6 @@ struct Bounds {
 // Looks down at the boxes (one an instant of the run, say) from the front right, so that all of them just fit into the
 // picture.
 Camera automatic_camera(std::span<const Bounds> boxes, double aspect);
-
-// A shadow texture on a floor, as an app composites it: the floor's direct light is multiplied by 1 - coverage *
-// opacity, in linear space.
-struct FloorShadow {
-  uint32_t collider = 0;  // that casts it: it does not also shade the floor by ray tracing
-  uint32_t texels = 0;
-  std::vector<uint8_t> coverage;       // row by row along local z
-  double low[2] = {}, high[2] = {};    // the rectangle, local x and z, metres
-  double opacity = 1, half_angle = 0;  // of the light, radians
-  Vec3 position;                       // of the object; its floor is at this height
-  Quaternion rotation = k_no_rotation;
-};
-
-// Share of the direct light that one texture leaves to a point of its floor, or of any height for which it was made:
-// bilinear, as a GPU samples; 1 beyond its rectangle.
-double floor_transparency(const FloorShadow& shadow, double x, double z);
 
 Vec3 grain_colour(uint32_t index);  // reflectance of a grain of dry sand, by number
 

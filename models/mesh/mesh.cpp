@@ -1,6 +1,5 @@
 // See mesh.h.
 #include "models/mesh/mesh.h"
-#include "models/work/failure.h"
 
 #include <algorithm>
 #include <array>
@@ -8,16 +7,19 @@
 #include <cstring>
 #include <unordered_map>
 
+#include "models/work/failure.h"
+#include "runtime/core/hash.h"
+
 namespace sandglass::host {
 namespace {
 
 struct PositionHash {
   size_t operator()(const std::array<float, 3>& p) const {
-    uint64_t hash = 0xcbf29ce484222325ull;
+    uint64_t hash = k_hash_basis;
     for (float x : p) {
       uint32_t bits;
       std::memcpy(&bits, &x, sizeof bits);
-      hash = (hash ^ bits) * 0x100000001b3ull;
+      hash = hash_with(hash, bits);
     }
     return hash ^ hash >> 29;
   }

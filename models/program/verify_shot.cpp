@@ -60,7 +60,7 @@ int verify(const VerifyOptions& options) {
   ShotStudyOptions study;
   study.panoramas = chosen_panoramas(options);
   study.network = options.network.empty() ? shipped_light_network() : options.network;
-  study.folder = options.out, study.threads = options.threads, study.seed = options.seed;
+  study.folder = options.out, study.picture.threads = options.threads, study.seed = options.seed;
   if (options.seed > 0) study.views = study.panoramas.size();
   if (!study.folder.empty()) make_folder(study.folder);
   ShotStudy result;

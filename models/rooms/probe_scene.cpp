@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "models/tracing/frame.h"
+#include "models/tracing/directions.h"
 #include "models/tracing/ray_caster.h"
 #include "models/work/failure.h"
 #include "runtime/core/random.h"
@@ -48,8 +48,7 @@ ProbeLight::Sample ProbeLight::sample(Vec3 normal, double a, double b) const {
   }
   if (kind_ == Kind::directional) {
     const double sine = std::sin(k_light_half_angle_deg * k_pi / 180.0), least = std::sqrt(1.0 - sine * sine);
-    const double cosine = 1.0 - a * (1.0 - least), ring = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
-    const Vec3 d = Frame(towards_).world(ring * std::cos(2.0 * k_pi * b), ring * std::sin(2.0 * k_pi * b), cosine);
+    const Vec3 d = cap_direction(towards_, least, a, b);
     // Radiance pi / (pi sine^2) gives a facing surface the irradiance pi; the density is uniform over the cap.
     const double weight = 2.0 * k_pi * (1.0 - least) / (sine * sine);
     return {d, {weight, weight, weight}};
@@ -95,7 +94,6 @@ ProbeScene::ProbeScene(const Mesh& object) : state_(std::make_unique<State>()) {
     for (const float z : {-side, side}) scene.vertices.insert(scene.vertices.end(), {x, 0.0f, z});
   for (const uint32_t corner : {0u, 1u, 3u, 0u, 3u, 2u}) scene.indices.push_back(first + corner);
   state_->caster = std::make_unique<RayCaster>(scene);
-  if (!state_->caster->error().empty()) throw Failure(state_->caster->error());
 }
 
 ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) const {
@@ -104,18 +102,6 @@ ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) c
   const Vec3 target = {0.0, 0.42, 0.0}, eye = target - ahead * k_camera_distance;
   const Vec3 right = normalised(cross(ahead, Vec3{0, 1, 0})), up = cross(right, ahead);
   const double focal = 0.5 * k_height / std::tan(k_fov_deg * k_pi / 360.0);
-  const auto trace = [&](Vec3 origin, Vec3 direction) {
-    const float o[3] = {static_cast<float>(origin.x), static_cast<float>(origin.y), static_cast<float>(origin.z)};
-    const float d[3] = {static_cast<float>(direction.x), static_cast<float>(direction.y),
-                        static_cast<float>(direction.z)};
-    return state_->caster->closest(o, d, 0.0f, static_cast<float>(k_far));
-  };
-  const auto blocked = [&](Vec3 origin, Vec3 direction) {
-    const float o[3] = {static_cast<float>(origin.x), static_cast<float>(origin.y), static_cast<float>(origin.z)};
-    const float d[3] = {static_cast<float>(direction.x), static_cast<float>(direction.y),
-                        static_cast<float>(direction.z)};
-    return state_->caster->occluded(o, d, 0.0f, static_cast<float>(k_far));
-  };
   ProbeImage image = {RadianceMap(k_width, k_height), std::vector<float>(k_width * k_height, -1.0f)};
   for (int y = 0; y < k_height; ++y)
     for (int x = 0; x < k_width; ++x) {
@@ -125,18 +111,13 @@ ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) c
       double open = 0.0, arriving = 0.0;
       int on_plane = 0;
       for (int i = 0; i < samples; ++i) {
-        // Lattices of irrational steps (powers of 1 / 1.3247, the root of x^3 = x + 1), shifted by the pixel.
-        constexpr double k_steps[2] = {0.7548776662466927, 0.5698402909980532};
-        const auto even = [&](int dimension) {
-          const double value = shift[dimension] + i * k_steps[dimension % 2];
-          return value - std::floor(value);
-        };
+        const auto even = [&](int k) { return lattice_point(shift[k], i, k_plane_steps[k % 2]); };
         Vec3 origin = eye;
         Vec3 direction = normalised(ahead * focal + right * (x + random.uniform() - 0.5 * k_width) +
                                     up * (0.5 * k_height - y - random.uniform()));
         Vec3 throughput = {1, 1, 1};
         for (int bounce = 0; bounce < k_bounces; ++bounce) {
-          const RayHit hit = trace(origin, direction);
+          const RayHit hit = state_->caster->closest(origin, direction, k_far);
           if (!hit.hit) break;
           Vec3 normal = {hit.normal[0], hit.normal[1], hit.normal[2]};
           if (dot(normal, direction) > 0.0) normal = normal * -1.0;
@@ -149,7 +130,7 @@ ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) c
           const bool plane = hit.triangle >= state_->plane_from;
           if (first && plane) ++on_plane;
           if (cosine > 0.0) {
-            const bool seen = !blocked(point, s.direction);
+            const bool seen = !state_->caster->occluded(point, s.direction, k_far);
             if (first && plane) arriving += luminance(s.weight) * cosine;
             if (seen) {
               sum = sum + product(throughput, s.weight) * (cosine / k_pi);

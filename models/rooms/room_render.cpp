@@ -1,19 +1,15 @@
 #include "models/rooms/room_render.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numbers>
-#include <thread>
 
-#include "models/tracing/frame.h"
+#include "models/tracing/directions.h"
+#include "models/tracing/embree_scene.h"
 #include "models/work/failure.h"
 #include "models/work/progress.h"
+#include "models/work/thread_pool.h"
 #include "runtime/core/random.h"
-
-#ifdef SANDGLASS_HAVE_EMBREE
-#include <embree3/rtcore.h>
-#endif
 
 namespace sandglass::host {
 
@@ -64,6 +60,7 @@ namespace {
 
 constexpr double k_pi = std::numbers::pi;
 constexpr double k_lift = 1e-4;    // metres: keeps rays off the surface they leave
+constexpr double k_far = 1e5;      // metres
 constexpr int k_bounces = 7;       // diffuse ones; in a white room they carry 80 % of a bounce each
 constexpr int k_sure_bounces = 1;  // before paths end by chance
 constexpr int k_pilot_paths = 4096;
@@ -73,44 +70,10 @@ constexpr double k_spark_limit = 25.0;
 constexpr double k_facing_floor =
     0.15;  // cosine that a lamp's chance is computed with at least: it may have a near corner
 
-struct Scene {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-
-  explicit Scene(const Room& room) {
-    device = rtcNewDevice("threads=1");
-    if (device == nullptr) throw Failure("cannot trace a room: Embree does not start on this machine. Reinstall it.");
-    scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                 3 * sizeof(float), room.vertices.size() / 3));
-    auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                   3 * sizeof(uint32_t), room.triangles.size()));
-    std::copy(room.vertices.begin(), room.vertices.end(), vertices);
-    for (const RoomTriangle& t : room.triangles) indices = std::copy_n(t.corners, 3, indices);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
-  }
-  ~Scene() {
-    rtcReleaseScene(scene);
-    rtcReleaseDevice(device);
-  }
-  Scene(const Scene&) = delete;
-  Scene& operator=(const Scene&) = delete;
-};
-
-RTCRay make_ray(Vec3 origin, Vec3 direction, double limit) {
-  RTCRay ray = {};
-  ray.org_x = static_cast<float>(origin.x), ray.org_y = static_cast<float>(origin.y);
-  ray.org_z = static_cast<float>(origin.z);
-  ray.dir_x = static_cast<float>(direction.x), ray.dir_y = static_cast<float>(direction.y);
-  ray.dir_z = static_cast<float>(direction.z);
-  ray.tfar = static_cast<float>(limit);
-  ray.mask = ~0u;
-  return ray;
+EmbreeScene scene_of(const Room& room) {
+  std::vector<uint32_t> indices;
+  for (const RoomTriangle& t : room.triangles) indices.insert(indices.end(), t.corners, t.corners + 3);
+  return EmbreeScene::triangles(room.vertices, indices);
 }
 
 struct Hit {
@@ -128,43 +91,31 @@ struct Samples {
   Samples(uint64_t seed, uint64_t pixel) : random(random_stream(seed, pixel)) {
     for (double& s : shift) s = random.uniform();
   }
-  static double fraction(double x) { return x - std::floor(x); }
   double even(int index, int dimension) const {
-    // Powers of 1/(the root of x^(d+1) = x + 1), d = 2 for the pixel, 3 for the light, 2 for the bounce.
-    constexpr double k_steps[7] = {0.7548776662466927, 0.5698402909980532, 0.8191725133961645, 0.6710436067037893,
-                                   0.5497004779019703, 0.7548776662466927, 0.5698402909980532};
-    return fraction(shift[dimension] + index * k_steps[dimension]);
+    // Two dimensions for the pixel, three for the light, two for the bounce.
+    constexpr double k_steps[7] = {k_plane_steps[0], k_plane_steps[1], k_space_steps[0], k_space_steps[1],
+                                   k_space_steps[2], k_plane_steps[0], k_plane_steps[1]};
+    return lattice_point(shift[dimension], index, k_steps[dimension]);
   }
 };
 
 struct Tracer {
   const Room& room;
-  Scene scene;
+  EmbreeScene scene;
   bool sun;
   uint64_t seed;
 
   explicit Tracer(const Room& r)
-      : room(r), scene(r), sun(luminance(r.sky.sun_radiance) > 0.0), seed(r.sky.skyline_seed) {}
+      : room(r), scene(scene_of(r)), sun(luminance(r.sky.sun_radiance) > 0.0), seed(r.sky.skyline_seed) {}
 
   Hit closest(Vec3 origin, Vec3 direction) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit query = {};
-    query.ray = make_ray(origin, direction, 1e5);
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene.scene, &context, &query);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {false, 0.0, {}, false, 0};
-    const Vec3 normal = normalised(Vec3{query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z});
+    const EmbreeHit hit = scene.closest(origin, direction, k_far);
+    if (!hit.found) return {false, 0.0, {}, false, 0};
+    const Vec3 normal = normalised(Vec3{hit.normal[0], hit.normal[1], hit.normal[2]});
     const bool front = dot(normal, direction) < 0.0;
-    return {true, query.ray.tfar, front ? normal : normal * -1.0, front, query.hit.primID};
+    return {true, static_cast<double>(hit.distance), front ? normal : normal * -1.0, front, hit.primitive};
   }
-  bool occluded(Vec3 origin, Vec3 direction, double limit) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRay ray = make_ray(origin, direction, limit);
-    rtcOccluded1(scene.scene, &context, &ray);
-    return ray.tfar < 0.0f;
-  }
+  bool occluded(Vec3 origin, Vec3 direction, double limit) const { return scene.occluded(origin, direction, limit); }
 
   // The window that a ray out of the room passes through; -1: none, it leaves between two triangles.
   int window_of(Vec3 origin, Vec3 direction) const {
@@ -243,7 +194,7 @@ struct Tracer {
     }
     const Vec3 to = e.corner + e.edge_a * a + e.edge_b * b - p;
     const double d = length(to);
-    return {to * (1.0 / d), e.kind == Emitter::Kind::window ? 1e5 : d * (1.0 - 1e-4)};
+    return {to * (1.0 / d), e.kind == Emitter::Kind::window ? k_far : d * (1.0 - 1e-4)};
   }
 
   // Light that reaches p, of normal n, straight from one emitter and the sun: the integral of radiance times cosine.
@@ -265,11 +216,10 @@ struct Tracer {
     }
     if (sun) {
       const Vec3 s = room.sky.sun_direction;
-      const double a2 = random->uniform(), angle = 2.0 * k_pi * random->uniform();
-      const double cosine = 1.0 - a2 * (1.0 - k_sun_cosine), sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
-      const Vec3 to = Frame(s).world(sine * std::cos(angle), sine * std::sin(angle), cosine);
+      const double c = random->uniform(), d = random->uniform();
+      const Vec3 to = cap_direction(s, k_sun_cosine, c, d);
       const double facing = dot(to, n);
-      if (facing > 0.0 && window_of(p, to) >= 0 && !occluded(p, to, 1e5))
+      if (facing > 0.0 && window_of(p, to) >= 0 && !occluded(p, to, k_far))
         sum = sum + room.sky.sun_radiance * (facing * 2.0 * k_pi * (1.0 - k_sun_cosine));
     }
     return sum;
@@ -380,7 +330,7 @@ struct Tracer {
 
   double depth(Vec3 direction) const {
     const Hit hit = closest(room.eye, direction);
-    double distance = hit.found ? hit.distance : 1e5;
+    double distance = hit.found ? hit.distance : k_far;
     if (const int window = window_of(room.eye, direction); window >= 0) {
       const Emitter& e = room.emitters[static_cast<size_t>(window)];
       const Vec3 normal = cross(e.edge_a, e.edge_b);
@@ -398,28 +348,24 @@ RoomPanorama trace_room(const Room& room, const RoomRenderOptions& options) {
   RoomPanorama result = {RadianceMap(width, height),
                          std::vector<float>(static_cast<size_t>(width) * static_cast<size_t>(height))};
   const double limit = k_spark_limit * tracer.mean_of_later_light();
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    std::vector<double> weights;
-    for (int v; (v = next.fetch_add(1)) < height && !interrupted();)
-      for (int u = 0; u < width; ++u) {
-        const auto pixel = static_cast<uint64_t>(v) * static_cast<uint64_t>(width) + static_cast<uint64_t>(u);
-        Samples samples(tracer.seed, pixel);
-        Vec3 sum;
-        for (int i = 0; i < options.samples; ++i) {
-          const double du = samples.even(i, 0) - 0.5, dv = samples.even(i, 1) - 0.5;
-          const Vec3 direction = panorama_direction(u + du, v + dv, width, height);
-          sum = sum + tracer.path(room.eye, direction, &samples, i, limit, &weights).sum();
-        }
-        result.radiance.set(u, v, sum * (1.0 / options.samples));
-        result.depth[pixel] = static_cast<float>(tracer.depth(panorama_direction(u, v, width, height)));
-      }
-  };
-  std::vector<std::thread> workers;
-  for (uint32_t i = 1; i < options.threads; ++i) workers.emplace_back(work);
   Progress progress("tracing rows", static_cast<uint64_t>(height));
-  work();
-  for (std::thread& worker : workers) worker.join();
+  ThreadPool(options.threads).run(static_cast<uint32_t>(height), [&](uint32_t row) {
+    if (interrupted()) return;
+    const int v = static_cast<int>(row);
+    std::vector<double> weights;
+    for (int u = 0; u < width; ++u) {
+      const uint64_t pixel = uint64_t{row} * static_cast<uint64_t>(width) + static_cast<uint64_t>(u);
+      Samples samples(tracer.seed, pixel);
+      Vec3 sum;
+      for (int i = 0; i < options.samples; ++i) {
+        const double du = samples.even(i, 0) - 0.5, dv = samples.even(i, 1) - 0.5;
+        const Vec3 direction = panorama_direction(u + du, v + dv, width, height);
+        sum = sum + tracer.path(room.eye, direction, &samples, i, limit, &weights).sum();
+      }
+      result.radiance.set(u, v, sum * (1.0 / options.samples));
+      result.depth[pixel] = static_cast<float>(tracer.depth(panorama_direction(u, v, width, height)));
+    }
+  });
   if (!interrupted()) progress.done(static_cast<uint64_t>(height));
   return result;
 }

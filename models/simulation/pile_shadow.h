@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "models/drawing/render.h"
+#include "models/simulation/floor_shadow.h"
 #include "models/simulation/scene_file.h"
 #include "models/work/block.h"
 #include "sandglass/pile_shadow.h"

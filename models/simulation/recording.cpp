@@ -8,6 +8,7 @@
 
 #include "models/files/atomic_file.h"
 #include "models/work/failure.h"
+#include "runtime/core/hash.h"
 
 namespace sandglass::host {
 namespace {
@@ -20,16 +21,8 @@ constexpr uint32_t k_oldest_version = 2;  // still read
 constexpr size_t k_prologue_bytes = sizeof(k_magic) + sizeof(uint32_t);
 constexpr size_t k_record_head_bytes = 2 * sizeof(uint32_t);
 constexpr size_t k_checksum_bytes = sizeof(uint64_t);
-constexpr uint64_t k_fnv_offset = 0xcbf29ce484222325u;
-constexpr uint64_t k_fnv_prime = 0x100000001b3u;
 
 enum RecordKind : uint32_t { k_record_header = 1, k_record_frame = 2, k_record_trailer = 3 };
-
-// FNV-1a multiplies by an odd number after each byte, so any one changed byte changes the sum.
-uint64_t checksum(uint64_t sum, const uint8_t* data, size_t bytes) {
-  for (size_t i = 0; i < bytes; ++i) sum = (sum ^ data[i]) * k_fnv_prime;
-  return sum;
-}
 
 // ---------------------------------------------------------------------------------------------------- writing
 
@@ -55,7 +48,7 @@ void put_record(std::vector<uint8_t>* out, uint64_t* sum, RecordKind kind, const
   const size_t start = out->size();
   put_u32(out, kind);
   put_bytes(out, payload.data(), payload.size());
-  *sum = checksum(*sum, out->data() + start, out->size() - start);
+  *sum = hash_bytes(out->data() + start, out->size() - start, *sum);
   put_u64(out, *sum);
 }
 
@@ -186,7 +179,7 @@ std::string in_record(size_t index) { return " in record " + std::to_string(inde
 std::vector<uint8_t> encode_recording(const Recording& recording) {
   std::vector<uint8_t> out(k_magic, k_magic + sizeof(k_magic));
   put_u32(&out, k_version);
-  uint64_t sum = checksum(k_fnv_offset, out.data(), out.size());
+  uint64_t sum = hash_bytes(out.data(), out.size());
   put_record(&out, &sum, k_record_header, header_payload(recording));
   for (const RecordedFrame& frame : recording.frames) put_record(&out, &sum, k_record_frame, frame_payload(frame));
   std::vector<uint8_t> trailer;
@@ -208,7 +201,7 @@ bool decode_recording(const uint8_t* data, size_t bytes, Recording* recording, s
                            std::to_string(k_oldest_version) + " to " + std::to_string(k_version) +
                            ". Replay it with the program that recorded it.");
   }
-  uint64_t sum = checksum(k_fnv_offset, data, k_prologue_bytes);
+  uint64_t sum = hash_bytes(data, k_prologue_bytes);
   Recording result;
   for (size_t index = 0;; ++index) {
     const uint8_t* start = file.at;
@@ -217,7 +210,7 @@ bool decode_recording(const uint8_t* data, size_t bytes, Recording* recording, s
     if (file.short_of_bytes || file.left < k_checksum_bytes) {
       return fail(error, "ends" + in_record(index));
     }
-    sum = checksum(sum, start, k_record_head_bytes + payload_bytes);
+    sum = hash_bytes(start, k_record_head_bytes + payload_bytes, sum);
     if (file.u64() != sum) return fail(error, "was damaged: the checksum is wrong" + in_record(index));
 
     const bool first = index == 0;

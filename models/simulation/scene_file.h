@@ -52,7 +52,7 @@
 #include <string>
 #include <vector>
 
-#include "models/drawing/render.h"
+#include "models/geometry/camera.h"
 #include "models/geometry/vec3.h"
 #include "models/mesh/generated.h"
 #include "sandglass/sandglass.h"

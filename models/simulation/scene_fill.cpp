@@ -170,7 +170,7 @@ Points grid_points(const UnitBody& body, double distance, uint64_t seed) {
         float p[3];
         bool within = true;
         for (int axis = 0; axis < 3; ++axis) {
-          p[axis] = static_cast<float>(body.low[axis] + (static_cast<double>(at[axis]) + random.unit()) * distance);
+          p[axis] = static_cast<float>(body.low[axis] + (static_cast<double>(at[axis]) + random.uniform()) * distance);
           within = within && p[axis] <= body.high[axis];
         }
         if (within && body.inside(body.user, p) != 0) points.insert(points.end(), p, p + 3);
@@ -283,9 +283,9 @@ std::vector<Vec3> block_grains(const Body& body, const std::vector<Vec3>& sites,
   for (uint64_t k = 0; k < cells[1]; ++k)
     for (uint64_t j = 0; j < cells[2]; ++j)
       for (uint64_t i = 0; i < cells[0]; ++i) {
-        const double u = (static_cast<double>(i) + random->unit()) / static_cast<double>(cells[0]);
-        const double v = (static_cast<double>(k) + random->unit()) / static_cast<double>(cells[1]);
-        const double w = (static_cast<double>(j) + random->unit()) / static_cast<double>(cells[2]);
+        const double u = (static_cast<double>(i) + random->uniform()) / static_cast<double>(cells[0]);
+        const double v = (static_cast<double>(k) + random->uniform()) / static_cast<double>(cells[1]);
+        const double w = (static_cast<double>(j) + random->uniform()) / static_cast<double>(cells[2]);
         grains.push_back({low.x + u * extent[0], low.y + v * extent[1], low.z + w * extent[2]});
       }
   return grains;
@@ -385,7 +385,7 @@ Material fill_scene(SceneFile* scene, const BodyMeshes& meshes) {
       const double jitter = body.jitter * scene->particle_radius;
       if (jitter > 0.0)
         for (Vec3& p : filled[i].particles)
-          for (double* coordinate : {&p.x, &p.y, &p.z}) *coordinate += jitter * (2.0 * random.unit() - 1.0);
+          for (double* coordinate : {&p.x, &p.y, &p.z}) *coordinate += jitter * (2.0 * random.uniform() - 1.0);
       const Vec3 offset = body.position - Vec3{0.0, filled[i].lowest, 0.0};
       for (std::vector<Vec3>* points : {&filled[i].particles, &filled[i].grains})
         for (Vec3& p : *points) p = rotate(body.rotation, p) + offset;

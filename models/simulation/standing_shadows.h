@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "models/drawing/render.h"
 #include "models/files/aligned_bytes.h"
+#include "models/simulation/floor_shadow.h"
 #include "models/simulation/scene_file.h"
 #include "sandglass/shadow.h"
 

@@ -4,10 +4,7 @@
 
 #ifdef SANDGLASS_HAVE_EMBREE
 
-#include <embree3/rtcore.h>
-
 #include <cmath>
-#include <cstring>
 
 namespace sandglass::host {
 namespace {
@@ -52,86 +49,31 @@ void count_crossing(const RTCFilterFunctionNArguments* arguments) {
   count->doubtful = count->doubtful || at_edge || !(std::fabs(dot) > k_grazing * std::sqrt(normal_squared));
 }
 
-RTCRay make_ray(const float origin[3], const float direction[3], float nearest, float farthest) {
-  RTCRay ray;
-  std::memset(&ray, 0, sizeof ray);
-  ray.org_x = origin[0];
-  ray.org_y = origin[1];
-  ray.org_z = origin[2];
-  ray.dir_x = direction[0];
-  ray.dir_y = direction[1];
-  ray.dir_z = direction[2];
-  ray.tnear = nearest;
-  ray.tfar = farthest;
-  ray.mask = 0xFFFFFFFFu;
-  return ray;
+}  // namespace
+
+// A scene of medium quality splits no triangle, so that each is reported to the filter once.
+RayCaster::RayCaster(const Mesh& mesh)
+    : scene_(EmbreeScene::triangles(mesh.vertices, mesh.indices, RTC_BUILD_QUALITY_MEDIUM,
+                                    RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION)) {}
+
+namespace {
+
+RayHit with_unit_normal(const EmbreeHit& hit, float farthest) {
+  RayHit result = {hit.found, hit.found ? hit.distance : farthest, {0, 0, 0}, hit.primitive};
+  const float* n = hit.normal;
+  const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  for (int k = 0; k < 3; ++k) result.normal[k] = length > 0 ? n[k] / length : 0;
+  return result;
 }
 
 }  // namespace
 
-struct RayCaster::Scene {
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-  std::string error;
-};
-
-RayCaster::RayCaster(const Mesh& mesh) : scene_(std::make_unique<Scene>()) {
-  scene_->device = rtcNewDevice("threads=1");
-  if (scene_->device == nullptr) {
-    scene_->error = message("trace", "mesh", "Embree does not start on this machine", "Reinstall it");
-    return;
-  }
-  RTCGeometry geometry = rtcNewGeometry(scene_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  void* vertices =
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 12, mesh.vertex_count());
-  void* indices =
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, mesh.triangle_count());
-  if (vertices == nullptr || indices == nullptr) {
-    rtcReleaseGeometry(geometry);
-    scene_->error = message("trace", "mesh", "this machine has too little memory for it", "Simplify the mesh");
-    return;
-  }
-  std::memcpy(vertices, mesh.vertices.data(), 4 * mesh.vertices.size());
-  std::memcpy(indices, mesh.indices.data(), 4 * mesh.indices.size());
-  rtcCommitGeometry(geometry);
-  scene_->scene = rtcNewScene(scene_->device);
-  // ROBUST leaves no gaps between triangles; medium quality splits no triangle, so each is reported once.
-  rtcSetSceneFlags(scene_->scene,
-                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
-  rtcSetSceneBuildQuality(scene_->scene, RTC_BUILD_QUALITY_MEDIUM);
-  rtcAttachGeometry(scene_->scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene_->scene);
-}
-
-RayCaster::~RayCaster() {
-  if (scene_->scene != nullptr) rtcReleaseScene(scene_->scene);
-  if (scene_->device != nullptr) rtcReleaseDevice(scene_->device);
-}
-
-const std::string& RayCaster::error() const { return scene_->error; }
-
-bool RayCaster::occluded(const float origin[3], const float direction[3], float nearest, float farthest) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRay ray = make_ray(origin, direction, nearest, farthest);
-  rtcOccluded1(scene_->scene, &context, &ray);
-  return ray.tfar < 0;
-}
-
 RayHit RayCaster::closest(const float origin[3], const float direction[3], float nearest, float farthest) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRayHit query;
-  query.ray = make_ray(origin, direction, nearest, farthest);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene_->scene, &context, &query);
-  RayHit result = {query.hit.geomID != RTC_INVALID_GEOMETRY_ID, query.ray.tfar, {0, 0, 0}, query.hit.primID};
-  if (!result.hit) return result;
-  const float n[3] = {query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z};
-  const float length = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-  for (int k = 0; k < 3; ++k) result.normal[k] = length > 0 ? n[k] / length : 0;
-  return result;
+  return with_unit_normal(scene_.closest(origin, direction, nearest, farthest), farthest);
+}
+
+RayHit RayCaster::closest(Vec3 origin, Vec3 direction, double limit) const {
+  return with_unit_normal(scene_.closest(origin, direction, limit), static_cast<float>(limit));
 }
 
 bool RayCaster::inside(const float point[3]) const {
@@ -142,8 +84,8 @@ bool RayCaster::inside(const float point[3]) const {
     CountContext count = {};
     rtcInitIntersectContext(&count.context);
     count.context.filter = count_crossing;
-    RTCRay ray = make_ray(point, direction, 0, INFINITY);
-    rtcOccluded1(scene_->scene, &count.context, &ray);
+    RTCRay ray = embree_ray(point, direction, 0, INFINITY);
+    rtcOccluded1(scene_.handle(), &count.context, &ray);
     int* tally = count.doubtful ? doubtful_votes : votes;
     ++tally[count.crossings & 1];
   }

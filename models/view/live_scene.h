@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "models/drawing/render.h"
 #include "models/simulation/body_meshes.h"
 #include "models/simulation/collision_fields.h"
 #include "models/simulation/pile_shadow.h"

@@ -1,7 +1,7 @@
 // A camera that turns about a point, and the ray under the cursor.
 #pragma once
 
-#include "models/drawing/render.h"
+#include "models/geometry/camera.h"
 #include "models/geometry/vec3.h"
 
 namespace sandglass::host {

@@ -88,6 +88,12 @@ ThreadPool::~ThreadPool() {
   for (std::thread& worker : state_->workers) worker.join();
 }
 
+void ThreadPool::run(uint32_t count, const std::function<void(uint32_t)>& task) {
+  using Task = std::function<void(uint32_t)>;
+  const auto call = [](void* context, uint32_t index) { (*static_cast<const Task*>(context))(index); };
+  State::run(state_.get(), call, const_cast<Task*>(&task), count);
+}
+
 sandglass_parallel ThreadPool::hook() {
   if (state_->workers.empty()) return {nullptr, nullptr};
   return {State::run, state_.get()};

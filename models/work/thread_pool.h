@@ -1,7 +1,8 @@
-// The worker pool that the program hands to the library.
+// Threads: the one pool that everything parallel in models/ runs on, and that the program hands to the library.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "sandglass/sandglass.h"
@@ -14,6 +15,9 @@ class ThreadPool {
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
+
+  // task(0) to task(count - 1) in any order; returns when all are done. A task must not throw.
+  void run(uint32_t count, const std::function<void(uint32_t)>& task);
 
   sandglass_parallel hook();  // run == NULL for one thread; valid as long as the pool lives
 

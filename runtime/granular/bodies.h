@@ -3,7 +3,7 @@
 // push bodies and bodies push sand, and linear momentum is what the particles' was.
 //
 // A body carries its pose (centre in double, rotation). What is matched is the displacement of the sub-step: small
-// quantities, never differences of stored positions (correction of Alg. 4). Positions then follow from the pose, so a
+// quantities, never differences of stored positions (correction to Alg. 4). Positions then follow from the pose, so a
 // body stays rigid to the rounding of a float however often it moves.
 //
 // A body sleeps and wakes as a whole.

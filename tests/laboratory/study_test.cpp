@@ -189,7 +189,7 @@ TEST(ShotStudy, FilesAreReadBeforeAnythingIsMeasured) {
   write_hdr(folder / "whole.hdr", map), write_hdr(folder / "half.hdr", map);
   fs::resize_file(folder / "half.hdr", fs::file_size(folder / "half.hdr") / 2);
   ShotStudyOptions options;
-  options.folder = folder / "out", options.width = 16, options.height = 12, options.paths = 1;
+  options.folder = folder / "out", options.picture = {16, 12, 1, 1, 1};
   fs::create_directories(options.folder);
   options.panoramas = {folder / "whole.hdr", folder / "half.hdr"};
   EXPECT_NE(refusal(options).find("half.hdr"), std::string::npos) << refusal(options);

@@ -22,8 +22,10 @@ namespace sandglass::tests {
 // nearly so, which makes the channels constant.
 inline host::LightNet random_light_net(uint64_t seed) {
   constexpr double k_maps = 300;  // size of values in maps and bottlenecks; behind a normalisation it is 1
-  host::Random random = {seed};
-  const auto uniform = [&](double from, double to) { return static_cast<float>(from + (to - from) * random.unit()); };
+  Random random = {seed};
+  const auto uniform = [&](double from, double to) {
+    return static_cast<float>(from + (to - from) * random.uniform());
+  };
   const auto numbers = [&](int count, double most) {
     std::vector<float> values;
     for (int i = 0; i < count; ++i) values.push_back(uniform(-most, most));
@@ -32,7 +34,7 @@ inline host::LightNet random_light_net(uint64_t seed) {
   const auto affine = [&](int channels, double from, double to) {
     host::ChannelAffine a = {{}, numbers(channels, 0.5 * to)};
     for (int c = 0; c < channels; ++c) {
-      const double kind = random.unit();
+      const double kind = random.uniform();
       const float scale = uniform(0.5 * to / from, 1.5 * to / from);
       a.scale.push_back(kind < 0.02 ? 0.0f : kind < 0.04 ? 1e-20f : kind < 0.4 ? -scale : scale);
     }

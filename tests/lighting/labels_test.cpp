@@ -304,7 +304,7 @@ TEST_F(DatasetFiles, BadInputIsOneSentence) {
   write_file(options.manifest, std::string_view("name,place\na.hdr,kitchen\n"));
   EXPECT_NE(refusal(options).find("columns file, group and fold"), std::string::npos);
   write_file(options.manifest, std::string_view("file,group,fold\na.hdr,kitchen,many\n"));
-  EXPECT_NE(refusal(options).find("'many'"), std::string::npos);
+  EXPECT_NE(refusal(options).find("\"many\""), std::string::npos);
   options.manifest.clear();
   write_npy(folder + "/in/a_depth.npy", std::vector<float>(9, 1.0f), 3, 3);
   EXPECT_NE(refusal(options).find("a_depth.npy"), std::string::npos);

@@ -25,7 +25,7 @@ struct Inputs {
   explicit Inputs(double shared) {
     Random random = {5};
     const auto normal = [&] {
-      return std::sqrt(-2 * std::log(1 - random.unit())) * std::cos(2 * M_PI * random.unit());
+      return std::sqrt(-2 * std::log(1 - random.uniform())) * std::cos(2 * M_PI * random.uniform());
     };
     for (size_t s = 0; s < k_samples; ++s) {
       const double common = normal();
@@ -53,7 +53,7 @@ struct Inputs {
 std::vector<double> random_weights(uint64_t seed) {
   Random random = {seed};
   std::vector<double> weights;
-  for (size_t i = 0; i < k_inputs; ++i) weights.push_back(40 * random.unit() - 20);
+  for (size_t i = 0; i < k_inputs; ++i) weights.push_back(40 * random.uniform() - 20);
   return weights;
 }
 
@@ -97,7 +97,7 @@ std::string sentence_of(const std::function<void()>& work) {
 TEST(LightNetImport, WhatIsMissingOrNotANetworkIsNamed) {
   EXPECT_NE(sentence_of([] { light_net_of({}); }).find("conv1/conv/kernel"), std::string::npos);
   const std::vector<uint8_t> rubbish(1000, 7);
-  EXPECT_NE(sentence_of([&] { LightRunner(rubbish, "rubbish.light"); }).find("'rubbish.light': the file is not"),
+  EXPECT_NE(sentence_of([&] { LightRunner(rubbish, "rubbish.light"); }).find("\"rubbish.light\": the file is not"),
             std::string::npos);
   EXPECT_NE(sentence_of([] { read_picture("no/such/picture.png"); }).find("no/such/picture.png"), std::string::npos);
 }

@@ -93,7 +93,7 @@ TEST(Estimates, TableIsReadAndWhatIsNoTableIsRefused) {
   const std::string two = std::string(k_header) + "a_0.png,0,-2,0\na_1.png,0,-2,0\nb_c_0.png,1,0,0\n";
   EXPECT_EQ(panoramas_of_estimates(two), (std::set<std::string>{"a", "b_c"}));
   EXPECT_TRUE(panoramas_of_estimates(k_header).empty());
-  EXPECT_NE(refusal("a_0.png,0,-2,0,.1,.2,.3,.4,.5,.6,.7\n").find("do not begin"), std::string::npos);
+  EXPECT_NE(refusal("a_0.png,0,-2,0,.1,.2,.3,.4,.5,.6,.7\n").find("it does not begin"), std::string::npos);
   for (const char* row : {"a", "a,1,0,0,1,1,1,1,1,1", "a,0,0,0,1,1,1,1,1,1,1", "a,1,0,0,1,1,nan,1,1,1,1",
                           "a,1,0,0,1,1,1,1,1,1,1,1", "a,1,0,0,1,x,1,1,1,1,1"})
     EXPECT_NE(refusal(std::string(k_header) + row).find("line 2"), std::string::npos) << row;

@@ -79,8 +79,8 @@ std::vector<float> scattered(uint32_t count, const Shaft& shaft, double bottom, 
   };
   Random random = {seed};
   while (points.size() / 3 < count) {
-    const double x = reach_x * (2.0 * random.unit() - 1.0), z = reach_z * (2.0 * random.unit() - 1.0);
-    const double y = bottom + gap + height * random.unit();
+    const double x = reach_x * (2.0 * random.uniform() - 1.0), z = reach_z * (2.0 * random.uniform() - 1.0);
+    const double y = bottom + gap + height * random.uniform();
     if (shaft.round && x * x + z * z > reach_x * reach_x) continue;
     bool taken = false;
     for (int i = 0; i < 27 && !taken; ++i) {

@@ -273,7 +273,7 @@ double rotation_gap(double scale) {
       // A = Q U diag(factor) U^T: the best rotation is Q, and the trace reached is the sum of the factors (the one
       // that may be negative is the smallest in size).
       const auto any = [&] {
-        return rotation_by(Vec3{random.unit() - 0.5, random.unit() - 0.5, random.unit() - 0.5} * 6.0);
+        return rotation_by(Vec3{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5} * 6.0);
       };
       const Quaternion q = trial == 0 ? Quaternion{0.0, 1.0, 0.0, 0.0} : any(), u = any();
       double a[9] = {};

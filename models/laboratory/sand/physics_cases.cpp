@@ -173,8 +173,8 @@ Cloud free_cloud(const sandglass_scene_desc& desc) {
   std::vector<float> positions, velocities;
   for (uint32_t i = 0; i < k_count; ++i)
     for (const uint32_t at : {i % k_side, i / k_side % k_side, i / k_side / k_side}) {
-      positions.push_back(static_cast<float>((at + 0.2 * random.unit()) * k_spacing * r));
-      velocities.push_back(static_cast<float>(2.0 * random.unit() - 1.0));
+      positions.push_back(static_cast<float>((at + 0.2 * random.uniform()) * k_spacing * r));
+      velocities.push_back(static_cast<float>(2.0 * random.uniform() - 1.0));
     }
   simulation.add(positions, velocities);
   uint64_t steps = 0;
@@ -213,7 +213,7 @@ double uniform_field_error(const sandglass_scene_desc& desc, double shear) {
   Random random = {5};
   for (uint32_t i = 0; i < k_grains; ++i)
     for (int k = 0; k < 3; ++k)
-      material.grain_positions.push_back(static_cast<float>((2.0 + (k_side - 5.0) * random.unit()) * d));
+      material.grain_positions.push_back(static_cast<float>((2.0 + (k_side - 5.0) * random.uniform()) * d));
   const auto add_velocities = [&](const std::vector<float>& positions, std::vector<float>* velocities) {
     for (size_t i = 0; i < positions.size(); i += 3)
       for (const double u : k_velocity)

@@ -18,10 +18,10 @@ struct ShotStudyOptions {
   std::vector<std::string> panoramas;  // files; the first `views` are taken
   size_t views = 20;
   uint64_t seed = 0;  // where the cameras look: 0 is the study, others are there to check what was learnt from it
-  int width = 160, height = 120, paths = 1024;
+  // Eight points of a composite's pixel and axis: its own noise counts as little as the truth's.
+  ShotPictureOptions picture = {160, 120, 8, 1024, 1};
   std::string network;  // a lighting network's file; empty: without estimate
   std::string folder;   // keeps finished views, so that a run goes on where it ended, and gets pictures; may be empty
-  uint32_t threads = 1;
 };
 
 // `progress`: views done; returns false to stop. Network and panoramas are read before anything is measured: a Failure

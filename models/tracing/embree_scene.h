@@ -1,0 +1,55 @@
+// Triangles and spheres that rays are traced against, by Embree: the one place that knows Embree. RayCaster,
+// SphereCaster, the rooms' path tracer and the truth of baked shadows stand on it. Without Embree only SphereCaster
+// exists (sphere_caster_grid.cpp).
+#pragma once
+
+#ifdef SANDGLASS_HAVE_EMBREE
+
+#include <embree3/rtcore.h>
+
+#include <cstdint>
+#include <span>
+
+#include "models/geometry/vec3.h"
+
+namespace sandglass::host {
+
+struct EmbreeHit {
+  bool found = false;
+  float distance = 0.0f;  // in lengths of the direction
+  float normal[3] = {};   // of the triangle as it is wound; its length is twice the triangle's area
+  uint32_t primitive = 0;
+};
+
+// Any number of threads may trace at the same time. Every constructor throws a Failure where Embree does not start.
+class EmbreeScene {
+ public:
+  // 3 floats a vertex, 3 indices a triangle. Robust: no ray slips through between two triangles. `flags`: more of
+  // Embree's scene flags.
+  static EmbreeScene triangles(std::span<const float> vertices, std::span<const uint32_t> indices,
+                               RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM, int flags = 0);
+  // 4 floats a sphere: centre and radius. May be empty.
+  static EmbreeScene spheres(std::span<const float> spheres);
+
+  EmbreeScene(EmbreeScene&& other) noexcept;
+  ~EmbreeScene();
+  EmbreeScene& operator=(EmbreeScene&&) = delete;
+
+  EmbreeHit closest(const float origin[3], const float direction[3], float nearest, float farthest) const;
+  bool occluded(const float origin[3], const float direction[3], float nearest, float farthest) const;
+  EmbreeHit closest(Vec3 origin, Vec3 direction, double limit) const;
+  bool occluded(Vec3 origin, Vec3 direction, double limit) const;
+
+  RTCScene handle() const { return scene_; }  // for packets of rays and filters
+
+ private:
+  explicit EmbreeScene(const char* device);
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+};
+
+RTCRay embree_ray(const float origin[3], const float direction[3], float nearest, float farthest);
+
+}  // namespace sandglass::host
+
+#endif
