@@ -68,10 +68,6 @@ void colliders_take(Granular* g, const sandglass_frame_input& input) {
   for (int pass = 0; pass < 2; ++pass) {
     const bool grains_only = pass == 1;
     for (uint32_t i = 0; i < input.collider_count; ++i) {
-      if (input.colliders == nullptr) {
-        g->counts.ignored_colliders += grains_only ? 0 : 1;
-        continue;
-      }
       if ((input.colliders[i].grains_only != 0) != grains_only) continue;
       if (c.count == g->desc.collider_capacity || !collider_accept(input.colliders[i], &c.given[c.count])) {
         ++g->counts.ignored_colliders;

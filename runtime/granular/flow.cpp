@@ -74,6 +74,11 @@ struct Batch {
   uint32_t count;
 };
 
+void deny(Granular* g, uint32_t particles) {
+  g->flow.counts.denied_particles += particles;
+  g->counts.denied_particles += particles;
+}
+
 void flush(Granular* g, Batch* batch, bool grains) {
   // Room was checked for the whole layer. What can still fail is a site beyond the coordinate limit.
   const uint32_t particles = grains ? 0 : batch->count, fine = grains ? batch->count : 0;
@@ -81,7 +86,7 @@ void flush(Granular* g, Batch* batch, bool grains) {
                                                batch->velocities, fine, nullptr);
   batch->count = 0;
   if (status != SANDGLASS_OK) {
-    g->flow.counts.denied_particles += particles;
+    deny(g, particles);
     return;
   }
   g->flow.counts.emitted_particles += particles;
@@ -100,7 +105,7 @@ void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_
   for_sites(e, r, layer, [&](float, float) { ++sites; });
   const uint64_t grains = static_cast<uint64_t>(sites) * e.grains_per_particle;
   if (sites > g->desc.particle_capacity - g->particles.count || grains > g->desc.grain_capacity - g->grains.count) {
-    g->flow.counts.denied_particles += sites;
+    deny(g, sites);
     return;
   }
   const Nozzle nozzle = nozzle_of(e);
@@ -200,7 +205,7 @@ uint32_t flow_take_grain_number(Flow* f, uint32_t count) {
 void flow_take(Granular* g, const sandglass_frame_input& input) {
   g->flow.emitter_count = 0;
   for (uint32_t e = 0; e < input.emitter_count; ++e) {
-    if (input.emitters == nullptr || g->flow.emitter_count == g->desc.emitter_capacity ||
+    if (g->flow.emitter_count == g->desc.emitter_capacity ||
         !accept(*g, input.emitters[e], &g->flow.emitters[g->flow.emitter_count])) {
       ++g->counts.ignored_emitters;
     } else {
@@ -212,8 +217,7 @@ void flow_take(Granular* g, const sandglass_frame_input& input) {
   g->flow.sink_count = 0;
   for (uint32_t s = 0; s < input.sink_count; ++s) {
     sandglass_collider accepted;
-    if (input.sinks == nullptr || g->flow.sink_count == g->desc.sink_capacity ||
-        !collider_accept(input.sinks[s], &accepted)) {
+    if (g->flow.sink_count == g->desc.sink_capacity || !collider_accept(input.sinks[s], &accepted)) {
       ++g->counts.ignored_sinks;
     } else {
       colliders_pose(&accepted, 1, 0.0f, &g->flow.sinks[g->flow.sink_count++]);

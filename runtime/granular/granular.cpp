@@ -205,14 +205,14 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
 }
 
 sandglass_status granular_set_boundary(Granular* g, const float* positions, uint32_t count, const char** reason) {
-  if (count > g->desc.boundary_capacity) {
-    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
-                  "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.");
-  }
   if (count != 0 && positions == nullptr) {
     return refuse(
         reason,
         "sandglass_granular_set_boundary: positions is NULL but count is above 0: pass 3 floats for each sample.");
+  }
+  if (count > g->desc.boundary_capacity) {
+    return refuse(reason, SANDGLASS_ERROR_CAPACITY,
+                  "sandglass_granular_set_boundary: more particles than granular.boundary_capacity: raise it.");
   }
   if (!items_within(positions, count, SANDGLASS_COORDINATE_LIMIT)) {
     return refuse(

@@ -218,9 +218,12 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
   const sandglass_granular_desc& d = g->desc;
   if (h.bytes != bytes || h.reserved != 0 ||
       hash_bytes(static_cast<const uint8_t*>(data) + sizeof h, bytes - sizeof h) != h.checksum)
-    return refuse(reason, "sandglass_scene_restore: the data is cut or damaged.");
+    return refuse(reason,
+                  "sandglass_scene_restore: the bytes are cut or damaged: pass all that sandglass_scene_save wrote.");
   if (h.particle_radius != d.particle_radius)
-    return refuse(reason, "sandglass_scene_restore: saved with another granular.particle_radius.");
+    return refuse(
+        reason,
+        "sandglass_scene_restore: the scene was saved with another granular.particle_radius: create it with that one.");
   if (static_cast<uint64_t>(h.particles) + h.free_particles > d.particle_capacity ||
       static_cast<uint64_t>(h.grains) + h.free_grains > d.grain_capacity || h.boundary > d.boundary_capacity ||
       h.bodies > d.body_capacity || h.body_particles > d.body_particle_capacity || h.emitters > d.emitter_capacity) {
@@ -228,7 +231,9 @@ sandglass_status granular_restore(Granular* g, const void* data, uint64_t bytes,
         reason, SANDGLASS_ERROR_CAPACITY,
         "sandglass_scene_restore: the saved scene holds more than this one has room for: raise its capacities.");
   }
-  if (size_of(g, h) != bytes) return refuse(reason, "sandglass_scene_restore: the data is cut or damaged.");
+  if (size_of(g, h) != bytes)
+    return refuse(reason,
+                  "sandglass_scene_restore: the bytes are cut or damaged: pass all that sandglass_scene_save wrote.");
   granular_reset(g);
   if (d.particle_capacity != 0) {
     Scalars s = {};

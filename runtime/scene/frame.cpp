@@ -27,6 +27,12 @@ sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input
   if (input->grains != nullptr && (input->grain_stride < sizeof(sandglass_grain) || input->grain_stride % 4 != 0)) {
     return refuse(reason, "input.grain_stride must be a multiple of 4 and at least sizeof(sandglass_grain).");
   }
+  if (input->collider_count != 0 && input->colliders == nullptr)
+    return refuse(reason, "input.colliders is NULL but collider_count is above 0: pass the colliders, or set it to 0.");
+  if (input->emitter_count != 0 && input->emitters == nullptr)
+    return refuse(reason, "input.emitters is NULL but emitter_count is above 0: pass the emitters, or set it to 0.");
+  if (input->sink_count != 0 && input->sinks == nullptr)
+    return refuse(reason, "input.sinks is NULL but sink_count is above 0: pass the sinks, or set it to 0.");
   for (uint32_t i = 0; i < input->shadow_count; ++i)
     if (input->shadows == nullptr || input->shadows[i] == nullptr)
       return refuse(reason,
@@ -100,5 +106,6 @@ sandglass_status sandglass_scene_frame(sandglass_scene* scene, const sandglass_f
   log_frame(*scene);
   return ran ? accept(reason)
              : refuse(reason, SANDGLASS_ERROR_REPLAY,
-                      "input.plan does not fit this scene's state: replay from the state it was recorded in.");
+                      "input.plan asks for a work unit that this state does not offer: replay from the state it was "
+                      "recorded in, that of the shadows and the light in the input included.");
 }

@@ -49,6 +49,10 @@ void log_frame(const sandglass_scene& scene) {
   if (g.counts.ignored_sinks != 0)
     log.write(log.user,
               "granular: a sink was left out: a number of it is out of range, or it is beyond sink_capacity.");
+  if (g.counts.denied_particles != 0)
+    log.write(
+        log.user,
+        "granular: an emitter poured less than it should: raise particle_capacity or grain_capacity, or pass a sink.");
 }
 
 }  // namespace sandglass

@@ -26,7 +26,7 @@ sandglass_status check(const sandglass_shadow_desc* desc, ShadowAsset* asset, co
   if (!(desc->light_tolerance >= 0 && desc->light_tolerance <= 1))
     return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
   if (desc->light_count == 0 || desc->light_count > SANDGLASS_SHADOW_LIGHTS)
-    return refuse(reason, "desc.light_count is not in 1..8");
+    return refuse(reason, "desc.light_count is not in 1..8: set it to the number of lights");
   *kernels = select_shadow_kernels(desc->isa);
   if (*kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
@@ -239,7 +239,7 @@ sandglass_status sandglass_shadow_set_light(sandglass_shadow* shadow, uint32_t l
   if (shadow == nullptr || direction == nullptr)
     return refuse(reason, "shadow or direction is NULL: pass the shadow and 3 floats");
   if (light >= shadow->shadow.light_count)
-    return refuse(reason, "light is not below the light_count of the description");
+    return refuse(reason, "light is not below the light_count of the description: count from 0");
   const FloatingPointControl saved = floating_point_enter();
   const sandglass_status status = take_light(&shadow->shadow, light, direction, irradiance, reason);
   floating_point_restore(saved);

@@ -88,7 +88,7 @@ sandglass_status sandglass_shadow_resample(const sandglass_shadow* shadow, uint3
     return refuse(reason, "shadow or coverage is NULL: pass the shadow and room for size * size bytes");
   if (size != 128 && size != 256 && size != 512) return refuse(reason, "size is not 128, 256 or 512");
   if (light >= shadow->shadow.light_count)
-    return refuse(reason, "light is not below the light_count of the description");
+    return refuse(reason, "light is not below the light_count of the description: count from 0");
   const uint8_t* in = shadow->shadow.lights[light].front.coverage;
   if (size == n) memcpy(out, in, n * n);
   if (size == 128)

@@ -19,6 +19,7 @@ struct Flow {
           desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
           desc.isa = isa;
           desc.unit_items = unit;
+          desc.log = {[](void* user, const char* sentence) { *static_cast<const char**>(user) = sentence; }, &said};
           return desc;
         }()) {
     emitter.position[1] = 0.5f;
@@ -50,6 +51,7 @@ struct Flow {
     return report;
   }
 
+  const char* said = nullptr;  // the last sentence of the log
   GranularScene scene;
   sandglass_emitter emitter = {};
   sandglass_collider sink = {};
@@ -121,6 +123,9 @@ TEST(Emitter, WithoutRoomALayerIsLeftOutAndCounted) {
   flow.scene.add_floor();
   sandglass_frame_report report = {};
   for (int frame = 0; frame < 60; ++frame) report = flow.frame();
+  EXPECT_STREQ(flow.said,
+               "granular: an emitter poured less than it should: raise particle_capacity or grain_capacity, "
+               "or pass a sink.");
   EXPECT_LE(report.particles, 100u);
   EXPECT_GT(report.particles, 80u);
   EXPECT_GT(report.denied_particles, 100u);

@@ -241,16 +241,22 @@ SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
 /* Saves the scene to `data`, for an app that goes to the background. *written is the number of bytes.
  *
  * The bytes hold the material and the time. They do not hold the description, colliders, hooks, or the costs that the
- * governor measured. They are the same on every instruction set, in little-endian order. The scene itself finishes the
- * step of its grains that is under way, and drops an unfinished sub-step. Given the same input and the same executed
- * plans, it and the scene restored from the bytes then stay equal to the bit. Without a clock every frame runs all its
- * work, so the plans are the same. Fails with INVALID_ARGUMENT, and MEMORY_TOO_SMALL: `bytes` is less than
- * sandglass_scene_save_bytes. */
+ * governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of their own, and are not
+ * saved. The bytes are the same on every instruction set, in little-endian order. The scene itself finishes the step of
+ * its grains that is under way, and drops an unfinished sub-step.
+ *
+ * The scene and one of the same description that is restored from the bytes then stay equal to the bit, given the same
+ * input and the same executed plans. Without a clock every frame runs all its work, so the plans are the same. A plan
+ * counts the work units of shadows and lights too: to repeat one in a restored scene, record it in frames without them,
+ * or create them anew at both places.
+ *
+ * Fails with INVALID_ARGUMENT, and MEMORY_TOO_SMALL: `bytes` is less than sandglass_scene_save_bytes. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_save(sandglass_scene* scene, void* data,
                                                                         uint64_t bytes, uint64_t* written,
                                                                         const char** reason);
 
-/* Restores a scene from saved bytes. Its description must have the same particle_radius and enough capacity.
+/* Restores a scene from saved bytes. Its description must have the same particle_radius and enough capacity. With other
+ * capacities of particles or grains the scene runs on, but not to the same bits: particles are then sorted otherwise.
  *
  * The bytes need not be trusted: they are checked. Fails with INVALID_ARGUMENT (the bytes are damaged, or from another
  * version of the format) and CAPACITY (there is not enough room). The scene is then as it was. There is one exception:
@@ -367,7 +373,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_body_box(const floa
                                                                       sandglass_body* body, const char** reason);
 
 /* The collider of a box body at a pose: pass it in frame_input.colliders to keep grains out of the box. Its position
- * and rotation are also where the mesh of the box is drawn. `rotation` is the one that the box was made with; NULL: it
+ * and rotation are also where the mesh of the box is drawn. The pose is that before the frame, and the collider has the
+ * body's velocities, so grains meet the box where it was one frame ago. `rotation` is the one that the box was made with; NULL: it
  * was not turned. */
 SANDGLASS_API void sandglass_body_box_collider(const sandglass_body_pose* pose, const float half_extents[3],
                                                const float rotation[4], struct sandglass_collider* collider);
@@ -465,7 +472,8 @@ typedef struct sandglass_plan_run {
 } sandglass_plan_run;
 
 /* The executed plan: what a frame did, in order. Given back to sandglass_scene_frame with the same input on the same
- * state, it reproduces the frame to the bit, on any instruction set and with any pool. */
+ * state, it reproduces the frame to the bit, on any instruction set and with any pool. The state includes that of the
+ * shadows and the light in the input, whose work units are part of the plan. All of it then counts as mandatory. */
 typedef struct sandglass_plan {
   uint32_t struct_size;
   /* The quality level. */
@@ -477,8 +485,9 @@ typedef struct sandglass_plan {
 } sandglass_plan;
 
 /* A nozzle that pours sand for as long as it is passed to frames. It pours layers of a hexagonal lattice with the
- * density of packed sand, one whenever the layer before has gone far enough. A layer for which there is no room is left
- * out and counted. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever. Keep
+ * density of packed sand, one whenever the layer before has gone far enough: about 0.5 R^2 speed / r^3 particles a
+ * second, with R the nozzle's radius and r that of a particle. A layer for which there is no room is left out, counted and
+ * logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever. Keep
  * the space before the nozzle free. */
 typedef struct sandglass_emitter {
   /* Of the nozzle's centre, world, metres. */
@@ -522,7 +531,8 @@ typedef struct sandglass_frame_input {
   /* Seconds, 0..0.1: grains are written where they were so long before the time of the state, for displays faster than
    * the simulation. 0: the newest. */
   float output_lag;
-  /* Receives one sandglass_grain for each grain, in the order of their numbers. NULL: none wanted. */
+  /* Receives one sandglass_grain for each number that a grain has or had: report.grain_numbers of them, but no more than
+   * grain_capacity. Draw those whose speed is not below 0. NULL: none wanted. */
   void* grains;
   /* Bytes from one item to the next: a multiple of 4, at least sizeof(sandglass_grain), which is the default. */
   uint32_t grain_stride;
@@ -584,7 +594,8 @@ typedef struct sandglass_frame_report {
   sandglass_stage_report stages[SANDGLASS_STAGE_COUNT];
   /* Seconds simulated since create or reset. */
   double simulated_time;
-  /* Seconds that were asked for since then and not simulated. 0: no slow motion. */
+  /* Seconds that were asked for since then and not simulated. Later frames make up two frames' worth; what is beyond
+   * that is given up and stays in this sum. 0: no slow motion. */
   double time_debt;
   /* Seconds by which the oldest grain is behind the particles. Never ten frames: simulated time slows before. */
   float grain_lag;
@@ -644,7 +655,8 @@ typedef struct sandglass_frame_report {
  *
  * `report` is optional. The frame does not fail for lack of time: it degrades, along the quality ladder, and the report
  * says so. So its status need not be looked at once an app works. It fails with INVALID_ARGUMENT: NULL, a wrong or
- * unset struct_size, a grain_stride that is not usable, or NULL among the shadows; nothing was changed. It fails with
+ * unset struct_size, a grain_stride that is not usable, an array that is NULL while its count is above 0, or NULL among
+ * the shadows; nothing was changed. It fails with
  * REPLAY: input->plan is malformed, and nothing was changed; or the plan asks for a work unit that this state does not
  * offer. Then the frame ended there: the scene is valid, but it is not the recorded one. Reset it.
  *

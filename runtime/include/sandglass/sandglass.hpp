@@ -191,6 +191,15 @@ inline sandglass_collider box(float x, float y, float z, float half_x, float hal
   return c;
 }
 
+// A nozzle that pours straight down. Metres, m/s.
+inline sandglass_emitter emitter(float x, float y, float z, float radius, float speed, uint32_t grains_per_particle) {
+  sandglass_emitter e{};
+  e.position[0] = x, e.position[1] = y, e.position[2] = z;
+  e.rotation[3] = 1.0f;
+  e.radius = radius, e.speed = speed, e.grains_per_particle = grains_per_particle;
+  return e;
+}
+
 // A box as a rigid body, by sandglass_body_box: its particles, what Scene::add_body takes, and the box's collider.
 struct BoxBody {
   // Three floats each, metres.

@@ -75,7 +75,7 @@ typedef struct sandglass_shadow_info {
   uint32_t version;
   /* The centre of the footprint on the receiving plane, in the coordinates of the mesh, metres. */
   float origin[3];
-  /* Half the edges of the bounding box along x and z, and its height, metres. */
+  /* Half the edges of the bounding box along x and z, metres. */
   float half_x, half_z;
   /* The height of the bounding box, metres. */
   float height;
@@ -89,8 +89,8 @@ typedef struct sandglass_shadow_info {
   uint32_t width, layers;
   /* Multiplications of the hidden layers for a texel; the first layer is separated into tables. */
   uint64_t macs_per_texel;
-  /* Mean errors of coverage against ray tracing, over lights that were not trained on: of the network in float and in
-   * bytes. */
+  /* Root mean square errors of coverage against ray tracing, over lights that were not trained on: of the network in
+   * float and in bytes. */
   float rmse_float, rmse_int8;
   /* How many lights these errors are over. */
   uint32_t validated_lights;
