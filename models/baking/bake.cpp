@@ -1,3 +1,4 @@
+// See bake.h.
 #include "models/baking/bake.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// See picture_file.h.
 #include "models/files/picture_file.h"
 
 #include <cstdlib>

@@ -25,10 +25,6 @@ void attach(RTCScene scene, RTCGeometry geometry) {
   rtcReleaseGeometry(geometry);
 }
 
-void to_floats(Vec3 v, float (&out)[3]) {
-  out[0] = static_cast<float>(v.x), out[1] = static_cast<float>(v.y), out[2] = static_cast<float>(v.z);
-}
-
 }  // namespace
 
 EmbreeScene::EmbreeScene(const char* device) : device_(rtcNewDevice(device)) {

@@ -1,3 +1,4 @@
+// See input_script.h.
 #include "models/view/input_script.h"
 
 #include <algorithm>
