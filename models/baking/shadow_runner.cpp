@@ -3,7 +3,7 @@
 #include <new>
 
 #include "models/files/aligned_bytes.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

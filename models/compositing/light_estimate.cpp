@@ -3,8 +3,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "models/files/failure.h"
 #include "models/files/image.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

@@ -5,11 +5,11 @@
 #include <cstdio>
 
 #include "models/compositing/perceived_errors.h"
+#include "models/files/failure.h"
 #include "models/rooms/panorama_file.h"
 #include "models/simulation/collision_fields.h"
 #include "models/simulation/pile_shadow.h"
 #include "models/simulation/standing_shadows.h"
-#include "models/work/failure.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/shadow.h"
 

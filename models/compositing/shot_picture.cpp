@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/files/failure.h"
 #include "models/rooms/probe_scene.h"
 #include "models/tracing/directions.h"
 #include "models/tracing/ray_caster.h"
 #include "models/tracing/sphere_caster.h"
-#include "models/work/failure.h"
 #include "models/work/thread_pool.h"
 #include "runtime/core/random.h"
 

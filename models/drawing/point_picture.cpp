@@ -1,7 +1,7 @@
 // See point_picture.h. Each ball is drawn as a disc of pixels with the depth and the normal of a sphere; a depth buffer
 // sorts them. Rendered at twice the size and averaged down for smooth rims.
 #include "models/drawing/point_picture.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 #include <stb_image_write.h>
 

@@ -1,6 +1,6 @@
 #include "models/lighting/light_runner.h"
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "runtime/light/backends.h"
 
 namespace sandglass::host {

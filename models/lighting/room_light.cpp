@@ -1,6 +1,6 @@
 #include "models/lighting/room_light.h"
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 
@@ -24,8 +24,7 @@ sandglass_light_estimate RoomLight::estimate(const sandglass_camera_image& image
 
 FollowedLight RoomLight::follow(const sandglass_camera_image& image) {
   const char* reason = nullptr;
-  if (sandglass_light_set_image(light_, &image, nullptr, &reason) != SANDGLASS_OK)
-    throw Failure(reason);
+  if (sandglass_light_set_image(light_, &image, nullptr, &reason) != SANDGLASS_OK) throw Failure(reason);
   while (sandglass_light_run(light_, 1000) != 0) {
   }
   FollowedLight followed = {};

@@ -1,6 +1,6 @@
 // See ply.h.
 #include "models/mesh/ply.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 #include <cstdio>
 #include <cstring>

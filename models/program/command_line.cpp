@@ -9,9 +9,9 @@
 #include <limits>
 #include <type_traits>
 
+#include "models/files/failure.h"
 #include "models/program/command_help.h"
 #include "models/program/command_mistakes.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "models/files/failure.h"
 #include "models/program/command_line.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/mesh/mesh.h"
 #include "models/program/command_line.h"
 #include "models/program/commands.h"
@@ -14,7 +15,6 @@
 #include "models/simulation/scene_fill.h"
 #include "models/simulation/simulation.h"
 #include "models/simulation/standing_shadows.h"
-#include "models/work/failure.h"
 #include "runtime/asset/light_asset.h"
 #include "sandglass/light.h"
 #include "sandglass/shadow.h"

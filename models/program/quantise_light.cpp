@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/picture_file.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/float_parameters.h"
@@ -11,7 +12,6 @@
 #include "models/lighting/quantise.h"
 #include "models/program/command_line.h"
 #include "models/program/commands.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

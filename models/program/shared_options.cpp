@@ -1,11 +1,11 @@
 // What several commands have in common on the command line.
 #include <filesystem>
 
+#include "models/files/failure.h"
 #include "models/mesh/generated.h"
 #include "models/program/command_line.h"
 #include "models/program/command_mistakes.h"
 #include "models/program/commands.h"
-#include "models/work/failure.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/laboratory/sand/granular_plots.h"
 #include "models/laboratory/sand/physics_cases.h"
 #include "models/program/command_line.h"
@@ -10,7 +11,6 @@
 #include "models/program/commands.h"
 #include "models/program/verify.h"
 #include "models/simulation/simulation.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/files/failure.h"
 #include "models/tracing/directions.h"
 #include "models/tracing/embree_scene.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 #include "models/work/thread_pool.h"
 #include "runtime/core/random.h"

@@ -1,6 +1,6 @@
 #include "models/simulation/pile_shadow.h"
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

@@ -8,8 +8,8 @@
 #include <memory>
 #include <string>
 
+#include "models/files/failure.h"
 #include "models/work/block.h"
-#include "models/work/failure.h"
 #include "models/work/random.h"
 
 namespace sandglass::host {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <new>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

@@ -14,6 +14,7 @@
 #include "models/compositing/shot_camera.h"
 #include "models/compositing/shot_picture.h"
 #include "models/compositing/surroundings.h"
+#include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/lighting/room_light.h"
 #include "models/mesh/generated.h"
@@ -22,7 +23,6 @@
 #include "models/simulation/simulation.h"
 #include "models/simulation/standing_shadows.h"
 #include "models/tracing/ray_caster.h"
-#include "models/work/failure.h"
 
 namespace {
 

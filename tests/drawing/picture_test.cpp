@@ -9,10 +9,10 @@
 #include <memory>
 
 #include "models/drawing/render.h"
+#include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/report/pictures.h"
 #include "models/tracing/sphere_caster.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

@@ -8,10 +8,10 @@
 #include <fstream>
 #include <limits>
 
+#include "models/files/failure.h"
 #include "models/laboratory/shot/shot_study.h"
 #include "models/laboratory/shot/verify_shot.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/failure.h"
 
 namespace {
 

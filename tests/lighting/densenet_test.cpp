@@ -10,7 +10,7 @@
 #include <filesystem>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 namespace {

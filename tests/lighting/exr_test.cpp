@@ -5,8 +5,8 @@
 
 #include <filesystem>
 
+#include "models/files/failure.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

@@ -8,11 +8,11 @@
 #include <numbers>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/npy.h"
 #include "models/lighting/dataset.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

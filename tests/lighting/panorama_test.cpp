@@ -9,8 +9,8 @@
 #include <numbers>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

@@ -7,10 +7,10 @@
 #include <functional>
 #include <string>
 
+#include "models/files/failure.h"
 #include "models/files/picture_file.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/rounding.h"
-#include "models/work/failure.h"
 #include "models/work/random.h"
 
 namespace sandglass::host {

@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <numbers>
 
+#include "models/files/failure.h"
 #include "models/lighting/lit_view.h"
 #include "models/mesh/generated.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/failure.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {

@@ -9,9 +9,9 @@
 #include <memory>
 #include <string>
 
+#include "models/files/failure.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
-#include "models/work/failure.h"
 #include "models/work/random.h"
 #include "platform/xnnpack.h"
 #include "tests/lighting/byte_network.h"

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstring>
 
+#include "models/files/failure.h"
 #include "models/laboratory/machine_peak.h"
 #include "models/lighting/light_runner.h"
-#include "models/work/failure.h"
 #include "models/work/random.h"
 #include "platform/clock.h"
 #include "runtime/light/backends.h"

@@ -9,13 +9,13 @@
 #include <numbers>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/laboratory/light/ceiling.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/lit_view.h"
 #include "models/rooms/probe_scene.h"
 #include "models/simulation/metrics.h"
-#include "models/work/failure.h"
 #include "models/work/for_all.h"
 #include "models/work/progress.h"
 #include "runtime/core/random.h"

@@ -7,11 +7,11 @@
 #include <memory>
 #include <numbers>
 
+#include "models/files/failure.h"
 #include "models/geometry/cell_grid.h"
 #include "models/laboratory/sand/apparatus.h"
 #include "models/simulation/metrics.h"
 #include "models/simulation/simulation.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <limits>
 
+#include "models/files/failure.h"
 #include "models/laboratory/sand/hard_cases.h"
 #include "models/laboratory/sand/physics_cases.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

@@ -7,11 +7,11 @@
 #include <numbers>
 #include <vector>
 
+#include "models/files/failure.h"
 #include "models/geometry/vec3.h"
 #include "models/laboratory/sand/apparatus.h"
 #include "models/simulation/metrics.h"
 #include "models/simulation/simulation.h"
-#include "models/work/failure.h"
 #include "runtime/granular/rotation.h"
 
 namespace sandglass::host {

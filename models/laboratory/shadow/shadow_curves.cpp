@@ -6,8 +6,8 @@
 
 #include "models/baking/shadow_runner.h"
 #include "models/baking/training_set.h"
+#include "models/files/failure.h"
 #include "models/laboratory/shadow/shadow_bench.h"
-#include "models/work/failure.h"
 #include "platform/clock.h"
 
 namespace sandglass::host {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "platform/xnnpack_create.h"
 
 namespace sandglass::host {
