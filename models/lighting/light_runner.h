@@ -26,12 +26,10 @@ class LightRunner {
   std::vector<float> features() const;
   LightNetwork* network() { return network_; }
   const LightAsset& asset() const { return network_->asset; }
-  uint64_t block_bytes() const { return block_bytes_; }
 
  private:
   AlignedBytes file_;
   Block block_;
-  uint64_t block_bytes_ = 0;
   LightNetwork* network_;
 };
 

@@ -426,8 +426,8 @@ TEST(ShotComposite, GrainsShadeTheirNeighboursInEveryLight) {
   light.light = {1, 1, 1}, light.towards = {1, 0, 0};
   const auto lit = [&](std::span<const float> of) {
     const RadianceMap map = ShotPicture(cube(), of, 0.005f).composite(room, rest, light, {}, CastShadow::textures, o);
-    return mean_of(map, 18, 18, 20,
-                   22);  // the left grain where it meets the other: hardly a ray of 20 degrees passes
+    // The left grain where it meets the other: hardly a ray of 20 degrees passes.
+    return mean_of(map, 18, 18, 20, 22);
   };
   const double alone = lit(std::span(grains, 3));
   EXPECT_GT(alone, 0.1);
