@@ -78,7 +78,7 @@ class Shot {
   Snapshot relit(const Snapshot& snapshot, Vec3 towards) const;
 
  private:
-  std::unique_ptr<ShotPicture> picture_of(const Snapshot& snapshot) const;
+  std::unique_ptr<ShotPicture> drawing_of(const Snapshot& snapshot) const;
   float drawn_radius(const Snapshot& snapshot) const;  // of a grain
 
   SceneFile scene_;

@@ -310,10 +310,4 @@ double ShotPicture::grain_lit(double, double, Vec3, double, int, double*) const 
 
 ShotPicture::~ShotPicture() = default;
 
-Picture displayed_picture(const RadianceMap& linear) {
-  Picture picture(linear.width, linear.height, {0, 0, 0});
-  for (size_t i = 0; i < picture.rgb.size(); ++i) picture.rgb[i] = srgb_byte(static_cast<double>(linear.rgb[i]));
-  return picture;
-}
-
 }  // namespace sandglass::host

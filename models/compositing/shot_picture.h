@@ -77,6 +77,4 @@ class ShotPicture {
   std::unique_ptr<State> state_;
 };
 
-Picture displayed_picture(const RadianceMap& linear);  // sRGB
-
 }  // namespace sandglass::host

@@ -26,10 +26,7 @@ Vec3 limited(Vec3 c) { return {std::min(c.x, 1.0), std::min(c.y, 1.0), std::min(
 
 RadianceMap linear_photo(const Picture& picture) {
   RadianceMap photo(picture.width, picture.height);
-  for (size_t i = 0; i < photo.rgb.size(); ++i) {
-    const double v = picture.rgb[i] / 255.0;
-    photo.rgb[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-  }
+  for (size_t i = 0; i < photo.rgb.size(); ++i) photo.rgb[i] = static_cast<float>(linear_of(picture.rgb[i]));
   return photo;
 }
 

@@ -63,6 +63,11 @@ uint8_t srgb_byte(double linear) {
   return static_cast<uint8_t>(std::lround(encoded * 255.0));
 }
 
+double linear_of(uint8_t srgb) {
+  const double x = srgb / 255.0;
+  return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
+}
+
 int text_width(int scale, std::string_view text) { return static_cast<int>(text.size()) * k_glyph_step * scale; }
 
 void fill_rectangle(Picture* picture, int x, int y, int width, int height, Colour colour) {

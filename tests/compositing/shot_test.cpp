@@ -1,11 +1,8 @@
 // The shot's pictures against closed forms: where things appear, what an even room must give, on which side shadows
 // fall and how dark they are. A shadow stays where it is while the camera turns.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <span>
@@ -23,22 +20,14 @@
 #include "models/simulation/simulation.h"
 #include "models/simulation/standing_shadows.h"
 #include "models/tracing/ray_caster.h"
+#include "tests/temporary_folder.h"
 
 namespace {
 
 using namespace sandglass::host;
-
-namespace fs = std::filesystem;
+using Folder = sandglass::tests::TemporaryFolder;
 
 constexpr double k_pi = std::numbers::pi;
-
-struct Folder {
-  fs::path path = fs::path(::testing::TempDir()) / ("sandglass_shot_" + std::to_string(::getpid()) + "_" +
-                                                    ::testing::UnitTest::GetInstance()->current_test_info()->name());
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-  std::string operator/(const char* name) const { return (path / name).string(); }
-};
 
 Camera camera() {
   Camera c;
