@@ -30,7 +30,7 @@ RadianceMap linear_photo(const Picture& picture) {
   return photo;
 }
 
-// Bilinear; the border goes on outwards.
+// Interpolated bilinearly. Outside, the border's colour continues.
 Vec3 photo_at(const RadianceMap& photo, double x, double y) {
   const double u = std::clamp(x - 0.5, 0.0, photo.width - 1.0), v = std::clamp(y - 0.5, 0.0, photo.height - 1.0);
   const int u0 = static_cast<int>(u), v0 = static_cast<int>(v);

@@ -14,7 +14,7 @@ namespace sandglass::host {
 
 class LightRunner {
  public:
-  // `file` is as light_file_bytes makes it; for anything else a Failure names it. Sides are 32 to 256, in steps of 32.
+  // `file` is as light_file_bytes makes it; a Failure names anything else. Sides are 32 to 256, in steps of 32.
   LightRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC,
               uint32_t width = 256, uint32_t height = 192,
               sandglass_light_backend backend = SANDGLASS_LIGHT_BACKEND_OWN);

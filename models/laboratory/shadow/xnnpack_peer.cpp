@@ -31,7 +31,7 @@ std::vector<float> by_output(const float* weights, uint32_t inputs, uint32_t out
 }
 
 #ifdef SANDGLASS_XNNPACK_RESHAPES
-// Later versions take a table too, before the rounding that is not there of floats.
+// Later versions also take a table, before the quantisation of the input, which floats do not have.
 template <class... Parameters>
 void create_convert(xnn_status (*function)(Parameters...), const xnn_quantization_params& bytes, xnn_operator_t* op) {
   if constexpr (sizeof...(Parameters) == 8)
@@ -52,7 +52,8 @@ struct XnnpackPeer::State {
   uint32_t rows = 0;    // that the operators were last shaped for
   float last_step = 0;  // of the int8 output
 
-  // Since 2023 the rows go to a call of their own, made when they change; until then to the one that names the buffers.
+  // Since 2023 a call of its own sets the number of rows, whenever it changes. Before, the call that names the buffers
+  // did.
   template <class Reshape>
   void shape([[maybe_unused]] Reshape reshape, uint32_t count) {
     if (count == rows) return;

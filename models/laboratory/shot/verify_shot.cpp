@@ -49,7 +49,8 @@ std::string key_of(const ShotStudyOptions& o) {
          std::to_string(network);
 }
 
-// The views that are asked for, none of them done: what is wrong with a file is said now, not after minutes.
+// The views that are asked for, none of them done. Every file is read, so that a bad one is named now, not after
+// minutes.
 std::vector<ShotView> planned_views(const ShotStudyOptions& options) {
   if (!options.network.empty()) LightEstimate(options.network, SANDGLASS_ISA_AUTOMATIC);
   std::vector<ShotView> views(std::min(options.views, options.panoramas.size()));
