@@ -113,13 +113,13 @@ Json columns_json(const std::string& csv) {
 
 Json ladder_json() {
   Json ladder = Json::array();
-  for (uint32_t level = 0; const sandglass_level* rung = sandglass_level_describe(level); ++level)
-    ladder.push_back({{"name", rung->name},
-                      {"cost_solver", rung->cost_solver},
-                      {"cost_refine", rung->cost_refine},
-                      {"overlap_p99", rung->overlap_p99},
-                      {"overlap_mean", rung->overlap_mean},
-                      {"angle_degrees", rung->angle_degrees}});
+  for (uint32_t level = 0; const sandglass_level* described = sandglass_level_describe(level); ++level)
+    ladder.push_back({{"name", described->name},
+                      {"cost_solver", described->cost_solver},
+                      {"cost_refine", described->cost_refine},
+                      {"overlap_p99", described->overlap_p99},
+                      {"overlap_mean", described->overlap_mean},
+                      {"angle_degrees", described->angle_degrees}});
   return ladder;
 }
 

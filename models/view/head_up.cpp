@@ -68,13 +68,13 @@ Picture head_up_panel(const HeadUp& state) {
   }
 
   line = 4;
-  const sandglass_level* rung = sandglass_level_describe(r.level);
-  std::snprintf(text, sizeof text, "quality %u: %s", r.level, rung != nullptr ? rung->name : "");
+  const sandglass_level* described = sandglass_level_describe(r.level);
+  std::snprintf(text, sizeof text, "quality %u: %s", r.level, described != nullptr ? described->name : "");
   write(r.level == SANDGLASS_LEVEL_SLOW_MOTION ? k_bad : k_ink);
   std::snprintf(text, sizeof text, "overlap p99 %.2f %% of r",
-                rung != nullptr ? 100.0 * static_cast<double>(rung->overlap_p99) : 0.0);
+                described != nullptr ? 100.0 * static_cast<double>(described->overlap_p99) : 0.0);
   write(k_ink);
-  std::snprintf(text, sizeof text, "owed %.0f ms  shadows %u", 1e3 * r.time_debt, r.pending_shadows);
+  std::snprintf(text, sizeof text, "time debt %.0f ms  shadows %u", 1e3 * r.time_debt, r.pending_shadows);
   write(r.time_debt > 0.001 ? k_bad : k_ink);
   std::snprintf(text, sizeof text, "%u particles %u grains  light %.0f/%.0f  %.0f fps", r.particles, r.grains,
                 state.polar_deg, state.azimuth_deg, state.frames_per_second);

@@ -69,9 +69,9 @@ def check_other_charts(browser, rows):
         [+r.dataset.level, +r.dataset.from, +r.dataset.to])""")
     levels = [level for level, begin, end in runs for _ in range(begin, end + 1)]
     check(levels == [int(row["level"]) for row in rows], f"quality is drawn as {runs}")
-    rungs = browser.ask("data.ladder.length")
-    check(browser.ask("document.querySelectorAll('#ladder-table tbody tr').length") == rungs and rungs >= 2, "a rung is missing")
-    check(browser.ask("document.querySelectorAll('#ladder circle').length") >= 2 * (rungs - 1), "the ladder's curve is incomplete")
+    levels = browser.ask("data.ladder.length")
+    check(browser.ask("document.querySelectorAll('#ladder-table tbody tr').length") == levels and levels >= 2, "a quality level is missing")
+    check(browser.ask("document.querySelectorAll('#ladder circle').length") >= 2 * (levels - 1), "the ladder's curve is incomplete")
     lit = [row for row in rows if row["light_x"]]
     check(browser.ask("document.querySelectorAll('#light rect').length") == 2 * len(lit), "the light has no colours")
     text = browser.ask("document.body.innerText")
