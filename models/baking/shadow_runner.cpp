@@ -2,7 +2,7 @@
 #include "models/baking/shadow_runner.h"
 
 #include "models/files/aligned_bytes.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

@@ -12,8 +12,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "models/files/failure.h"
 #include "models/tracing/embree_scene.h"
-#include "models/work/failure.h"
 #include "models/work/random.h"
 #include "sandglass/sampling.h"
 

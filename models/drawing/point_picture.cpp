@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "models/drawing/render.h"
+#include "models/files/failure.h"
 #include "models/files/image.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

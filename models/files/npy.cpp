@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

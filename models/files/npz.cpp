@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

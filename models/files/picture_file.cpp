@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG

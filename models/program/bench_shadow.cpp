@@ -2,11 +2,11 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/laboratory/shadow/shadow_bench.h"
 #include "models/laboratory/shadow/shadow_curves.h"
 #include "models/program/bench.h"
 #include "models/program/commands.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <set>
 
+#include "models/files/failure.h"
 #include "models/program/nearest_name.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/mesh/mesh.h"
 #include "models/program/commands.h"
 #include "models/simulation/body_meshes.h"
@@ -13,7 +14,6 @@
 #include "models/simulation/scene_fill.h"
 #include "models/simulation/simulation.h"
 #include "models/simulation/standing_shadows.h"
-#include "models/work/failure.h"
 #include "runtime/asset/light_asset.h"
 #include "sandglass/light.h"
 #include "sandglass/shadow.h"

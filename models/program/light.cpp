@@ -5,11 +5,11 @@
 #include <set>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/picture_file.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/room_light.h"
 #include "models/program/commands.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

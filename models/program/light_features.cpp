@@ -4,12 +4,12 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/npy.h"
 #include "models/files/picture_file.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/light_runner.h"
 #include "models/program/commands.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

@@ -1,10 +1,10 @@
 // The mesh that a command line names.
 #include <filesystem>
 
+#include "models/files/failure.h"
 #include "models/mesh/generated.h"
 #include "models/program/commands.h"
 #include "models/program/nearest_name.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

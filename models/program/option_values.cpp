@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "models/files/failure.h"
 #include "models/program/nearest_name.h"
-#include "models/work/failure.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {

@@ -1,11 +1,11 @@
 // `sandglass room --seed S -o room.hdr`: one procedural room as a panorama, its depth, and a picture for the eye.
 #include <cstdio>
 
+#include "models/files/failure.h"
 #include "models/files/npy.h"
 #include "models/program/commands.h"
 #include "models/rooms/panorama_file.h"
 #include "models/rooms/room_render.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

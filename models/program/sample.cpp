@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "models/drawing/point_picture.h"
+#include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/mesh/generated.h"
 #include "models/mesh/mesh.h"
@@ -14,7 +15,6 @@
 #include "models/program/commands.h"
 #include "models/program/nearest_name.h"
 #include "models/work/block.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 #include "sandglass/sandglass.h"
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "models/files/failure.h"
 #include "models/laboratory/measurement_json.h"
 #include "models/laboratory/sand/granular_verdicts.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

@@ -3,13 +3,13 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/laboratory/sand/granular_plots.h"
 #include "models/laboratory/sand/physics_cases.h"
 #include "models/program/commands.h"
 #include "models/program/nearest_name.h"
 #include "models/program/verify.h"
 #include "models/simulation/simulation.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

@@ -7,6 +7,7 @@
 
 #include "models/compositing/light_estimate.h"
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/npz.h"
 #include "models/laboratory/light/turning_camera.h"
 #include "models/laboratory/light/verify_lighting.h"
@@ -17,7 +18,6 @@
 #include "models/program/commands.h"
 #include "models/program/verify.h"
 #include "models/simulation/simulation.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

@@ -5,11 +5,11 @@
 
 #include "models/compositing/light_estimate.h"
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/laboratory/shot/verify_shot.h"
 #include "models/lighting/dataset.h"
 #include "models/program/commands.h"
 #include "models/program/verify.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

@@ -1,7 +1,7 @@
 // See pile_shadow.h.
 #include "models/simulation/pile_shadow.h"
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

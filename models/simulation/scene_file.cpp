@@ -11,7 +11,7 @@
 #include <set>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "runtime/core/math.h"
 
 namespace sandglass::host {

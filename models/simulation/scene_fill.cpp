@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "models/work/random.h"
 #include "sandglass/sandglass.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <utility>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

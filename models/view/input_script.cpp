@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

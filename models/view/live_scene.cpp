@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

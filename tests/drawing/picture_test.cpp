@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "models/drawing/render.h"
+#include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/report/pictures.h"
 #include "models/tracing/sphere_caster.h"
-#include "models/work/failure.h"
 #include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {

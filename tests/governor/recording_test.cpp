@@ -12,7 +12,7 @@
 #include <memory>
 
 #include "fake_scene.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstring>
 
+#include "models/files/failure.h"
 #include "models/simulation/body_meshes.h"
 #include "models/simulation/metrics.h"
 #include "models/simulation/scene_fill.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

@@ -11,12 +11,12 @@
 #include <numbers>
 
 #include "models/drawing/render.h"
+#include "models/files/failure.h"
 #include "models/view/head_up.h"
 #include "models/view/input_script.h"
 #include "models/view/live_scene.h"
 #include "models/view/orbit.h"
 #include "models/view/surface.h"
-#include "models/work/failure.h"
 #include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {
