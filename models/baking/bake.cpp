@@ -1,3 +1,4 @@
+// See bake.h.
 #include "models/baking/bake.h"
 
 #include <algorithm>
@@ -11,7 +12,7 @@
 #include "models/baking/quantise.h"
 #include "models/baking/shadow_runner.h"
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "models/work/progress.h"
 #include "models/work/random.h"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "runtime/asset/shadow_asset.h"
 #include "runtime/core/hash.h"
 

@@ -1,3 +1,4 @@
+// See network.h.
 #include "models/baking/network.h"
 
 #include <algorithm>
@@ -77,16 +78,9 @@ void evaluate_texels(const FloatNetwork& network, const Direction& light, uint32
 }
 
 std::vector<float> evaluate(const FloatNetwork& network, const Direction& light, uint32_t size, ThreadPool& pool) {
-  constexpr uint32_t k_rows = 32;
-  std::vector<float> values(size_t{size} * size);
-  pool.run((size + k_rows - 1) / k_rows, [&](uint32_t band) {
-    const uint32_t begin = band * k_rows, end = std::min(size, begin + k_rows);
-    std::vector<uint32_t> uv;
-    for (uint32_t v = begin; v < end; ++v)
-      for (uint32_t u = 0; u < size; ++u) uv.insert(uv.end(), {u, v});
-    evaluate_texels(network, light, size, uv.data(), (end - begin) * size, &values[size_t{begin} * size]);
+  return whole_texture(size, pool, [&](const uint32_t* uv, uint32_t count, float* values) {
+    evaluate_texels(network, light, size, uv, count, values);
   });
-  return values;
 }
 
 }  // namespace sandglass::host

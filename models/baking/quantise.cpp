@@ -1,3 +1,4 @@
+// See quantise.h.
 #include "models/baking/quantise.h"
 
 #include <algorithm>

@@ -2,12 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <string>
 
 #include "models/baking/truth.h"
-#include "sandglass/shadow.h"
+#include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {
 
@@ -17,17 +16,13 @@ class ShadowRunner {
   // below 0: the library's default.
   ShadowRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_shadow_mode mode,
                int32_t threshold = -1);
-  ~ShadowRunner();
-  ShadowRunner(const ShadowRunner&) = delete;
-  ShadowRunner& operator=(const ShadowRunner&) = delete;
 
   // Computes the texture of `light` to its end; the view of the runtime's own memory.
   sandglass_shadow_texture texture(const Direction& light);
-  sandglass_shadow* handle() const { return shadow_; }
+  sandglass_shadow* handle() const { return shadow_.get(); }
 
  private:
-  void* block_ = nullptr;
-  sandglass_shadow* shadow_ = nullptr;
+  cpp::Shadow shadow_;
 };
 
 }  // namespace sandglass::host

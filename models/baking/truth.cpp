@@ -12,8 +12,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "models/files/failure.h"
 #include "models/tracing/embree_scene.h"
-#include "models/work/failure.h"
 #include "models/work/random.h"
 #include "sandglass/sampling.h"
 
@@ -188,19 +188,25 @@ void ShadowCaster::texels(const ShadowRectangle& rectangle, const Direction& lig
   }
 }
 
-std::vector<float> ShadowCaster::texture(const ShadowRectangle& rectangle, const Direction& light, uint64_t stream,
-                                         uint32_t size, ThreadPool& pool) const {
+std::vector<float> whole_texture(uint32_t size, ThreadPool& pool,
+                                 const std::function<void(const uint32_t*, uint32_t, float*)>& fill) {
   constexpr uint32_t k_rows = 16;
   std::vector<float> values(size_t{size} * size);
-  const auto band = [&](uint32_t index) {
-    const uint32_t begin = index * k_rows, end = std::min(size, begin + k_rows);
+  pool.run((size + k_rows - 1) / k_rows, [&](uint32_t band) {
+    const uint32_t begin = band * k_rows, end = std::min(size, begin + k_rows);
     std::vector<uint32_t> uv;
     for (uint32_t v = begin; v < end; ++v)
       for (uint32_t u = 0; u < size; ++u) uv.insert(uv.end(), {u, v});
-    texels(rectangle, light, stream, size, size, uv.data(), (end - begin) * size, &values[size_t{begin} * size]);
-  };
-  pool.run((size + k_rows - 1) / k_rows, band);
+    fill(uv.data(), (end - begin) * size, &values[size_t{begin} * size]);
+  });
   return values;
+}
+
+std::vector<float> ShadowCaster::texture(const ShadowRectangle& rectangle, const Direction& light, uint64_t stream,
+                                         uint32_t size, ThreadPool& pool) const {
+  return whole_texture(size, pool, [&](const uint32_t* uv, uint32_t count, float* values) {
+    texels(rectangle, light, stream, size, size, uv, count, values);
+  });
 }
 
 std::vector<Direction> ring_directions(double polar_max, uint32_t count) {

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -63,6 +64,11 @@ class ShadowCaster {
   struct Scene;
   std::unique_ptr<Scene> scene_;
 };
+
+// All texels (u, v) of a square texture, row by row, in bands of rows that are spread over the pool:
+// fill(uv, count, values) for each band.
+std::vector<float> whole_texture(uint32_t size, ThreadPool& pool,
+                                 const std::function<void(const uint32_t* uv, uint32_t count, float* values)>& fill);
 
 // `count` directions spread evenly over the cap of polar angles 0..polar_max, by the library's ring sampler.
 std::vector<Direction> ring_directions(double polar_max, uint32_t count);

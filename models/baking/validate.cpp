@@ -1,3 +1,4 @@
+// See validate.h.
 #include "models/baking/validate.h"
 
 #include <algorithm>
@@ -14,8 +15,8 @@ constexpr uint32_t k_size = k_native_size, k_stride = 4, k_whole = 16, k_block =
 constexpr uint32_t k_task = 5;                          // lights that share one runner
 constexpr uint64_t k_first_stream = uint64_t{1} << 32;  // random numbers that no training light has
 
-// Rings of two sizes can have a direction in common; no turn of one by half a golden angle has: the azimuths of its
-// spiral are whole golden angles.
+// Two rings of different sizes can have a direction in common. A ring turned by half a golden angle has none in common
+// with either: the azimuths of an unturned one are whole golden angles.
 constexpr double k_turn = 0.5 * 2.399963229728653;
 
 // Sums for one light.

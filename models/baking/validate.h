@@ -1,4 +1,4 @@
-// A baked shadow against ray tracing, over lights that it was not trained on (Fig. 6.8).
+// A baked shadow against ray tracing, over lights that it was not trained on (Fig. 6.8 of the dissertation).
 #pragma once
 
 #include <cstdint>

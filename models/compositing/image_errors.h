@@ -1,4 +1,4 @@
-// How far a picture is from its truth: the source's four measures and the literature's scale-invariant one.
+// How far a picture is from its truth: the dissertation's four measures and the literature's scale-invariant one.
 #pragma once
 
 #include "models/rooms/panorama.h"

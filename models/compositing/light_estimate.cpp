@@ -3,8 +3,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "models/files/failure.h"
 #include "models/files/image.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 
@@ -16,23 +16,7 @@ namespace {
 constexpr int k_width = SANDGLASS_LIGHT_WIDTH, k_height = SANDGLASS_LIGHT_HEIGHT;
 constexpr double k_focal = 174.60936017108344;  // pixels: 85 degrees across the diagonal
 
-// A reference: the call that writes the reason is another argument.
-void require(sandglass_status status, const std::string& what, const char* const& reason) {
-  if (status != SANDGLASS_OK) throw cannot("read", what, reason != nullptr ? reason : sandglass_status_name(status));
-}
-
 }  // namespace
-
-LightEstimate::LightEstimate(const std::string& file, sandglass_isa isa)
-    : file_(read_aligned(file, "lighting network")) {
-  sandglass_light_desc desc;
-  sandglass_light_desc_default(&desc);
-  desc.isa = isa, desc.asset = file_.data(), desc.asset_bytes = file_.size();
-  const char* reason = nullptr;
-  require(sandglass_light_bytes(&desc, &bytes_, &reason), file, reason);
-  block_ = new_block(bytes_, "the lighting network", "close other programs");
-  require(sandglass_light_create(&desc, block_.get(), bytes_, &light_, &reason), file, reason);
-}
 
 const sandglass_camera_image* LightEstimate::take(const Surroundings& room, const ShotCamera& camera,
                                                   uint64_t time_ns) {
@@ -56,47 +40,20 @@ const sandglass_camera_image* LightEstimate::take(const Surroundings& room, cons
   image_.focal_x = image_.focal_y = static_cast<float>(focal);
   image_.centre_x = static_cast<float>(0.5 * (width - 1)), image_.centre_y = static_cast<float>(0.5 * (height - 1));
   // Columns of a camera that looks along -z with y up.
-  const Vec3 r = camera.right, u = camera.up, b = camera.forward * -1.0;
-  const float matrix[16] = {static_cast<float>(r.x),
-                            static_cast<float>(r.y),
-                            static_cast<float>(r.z),
-                            0,
-                            static_cast<float>(u.x),
-                            static_cast<float>(u.y),
-                            static_cast<float>(u.z),
-                            0,
-                            static_cast<float>(b.x),
-                            static_cast<float>(b.y),
-                            static_cast<float>(b.z),
-                            0,
-                            0,
-                            0,
-                            0,
-                            1};
+  float matrix[16] = {};
+  const Vec3 axes[4] = {camera.right, camera.up, camera.forward * -1.0, {}};
+  for (int i = 0; i < 4; ++i) {
+    matrix[4 * i] = static_cast<float>(axes[i].x), matrix[4 * i + 1] = static_cast<float>(axes[i].y);
+    matrix[4 * i + 2] = static_cast<float>(axes[i].z), matrix[4 * i + 3] = i == 3 ? 1.0f : 0.0f;
+  }
   if (sandglass_camera_orientation(matrix, image_.orientation) == 0)
     throw cannot("read", "camera", "its pose is no rotation", "Correct \"eye\" and \"target\"");
   image_.timestamp_ns = time_ns;
   return &image_;
 }
 
-void LightEstimate::finish() {
-  const char* reason = nullptr;
-  require(sandglass_light_set_image(light_, &image_, nullptr, &reason), "camera image", reason);
-  while (sandglass_light_run(light_, 1000) != 0) {
-  }
-}
-
-bool LightEstimate::valid() const {
-  sandglass_light_estimate e = {};
-  e.struct_size = sizeof e;
-  sandglass_light_get(light_, &e);
-  return e.valid != 0;
-}
-
 ShotLight LightEstimate::light() const {
-  sandglass_light_estimate e = {};
-  e.struct_size = sizeof e;
-  sandglass_light_get(light_, &e);
+  const sandglass_light_estimate e = light_.now().filtered;
   const auto vector = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };
   return {vector(e.direction),
           vector(e.light) * static_cast<double>(e.strength),

@@ -1,13 +1,14 @@
 // How different two pictures look: structural similarity of what is displayed (Wang et al. 2004), and FLIP (Andersson
-// et al. 2020), the difference that an observer sees who flips between them. Pictures of equal size, linear BT.709
-// values in 0..1; what lies outside is clamped, as a display does.
+// et al. 2020), the difference that an observer sees when flipping between them. Pictures have equal size and linear
+// BT.709 values in 0..1; values outside are clamped, as on a display.
 #pragma once
 
 #include "models/rooms/panorama.h"
 
 namespace sandglass::host {
 
-// Of the sRGB-encoded luma, Gaussian window of deviation 1.5 pixels, mean over the picture; 1: no difference.
+// Of the sRGB-encoded luma, with a Gaussian window of deviation 1.5 pixels; the mean over the picture. 1: no
+// difference.
 double structural_similarity(const RadianceMap& truth, const RadianceMap& picture);
 
 // An observer 0.7 m from a 0.7 m wide display of 3840 pixels, as the paper takes.

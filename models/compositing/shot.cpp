@@ -5,11 +5,12 @@
 #include <cstdio>
 
 #include "models/compositing/perceived_errors.h"
+#include "models/files/failure.h"
+#include "models/lighting/lit_view.h"
 #include "models/rooms/panorama_file.h"
 #include "models/simulation/collision_fields.h"
 #include "models/simulation/pile_shadow.h"
 #include "models/simulation/standing_shadows.h"
-#include "models/work/failure.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/shadow.h"
 
@@ -167,23 +168,23 @@ float Shot::drawn_radius(const Snapshot& snapshot) const {
                             static_cast<uint32_t>(snapshot.grains.size() / 3));
 }
 
-std::unique_ptr<ShotPicture> Shot::picture_of(const Snapshot& snapshot) const {
+std::unique_ptr<ShotPicture> Shot::drawing_of(const Snapshot& snapshot) const {
   return std::make_unique<ShotPicture>(object_, snapshot.grains, drawn_radius(snapshot));
 }
 
 RadianceMap Shot::composite(const Snapshot& snapshot, CastShadow cast, const ShotPictureOptions& options) const {
-  return picture_of(snapshot)->composite(surroundings_, camera(snapshot.frame), light(snapshot.frame),
+  return drawing_of(snapshot)->composite(surroundings_, camera(snapshot.frame), light(snapshot.frame),
                                          {snapshot.shadows, snapshot.pile, snapshot.pile_surface}, cast, options);
 }
 
 RadianceMap Shot::truth(const Snapshot& snapshot, const ShotPictureOptions& options) const {
-  return picture_of(snapshot)->truth(surroundings_, camera(snapshot.frame), options);
+  return drawing_of(snapshot)->truth(surroundings_, camera(snapshot.frame), options);
 }
 
 Picture Shot::paint(const Snapshot& snapshot, int width, int height, uint32_t threads) const {
   ShotPictureOptions options;
   options.width = width, options.height = height, options.threads = threads;
-  return displayed_picture(composite(snapshot, CastShadow::textures, options));
+  return picture_of(composite(snapshot, CastShadow::textures, options));
 }
 
 Snapshot Shot::relit(const Snapshot& snapshot, Vec3 towards) const {
@@ -204,13 +205,13 @@ Snapshot Shot::relit(const Snapshot& snapshot, Vec3 towards) const {
 
 RadianceMap Shot::traced(const Snapshot& snapshot, const std::string& folder, uint32_t threads) const {
   RadianceMap real = truth(snapshot, compared(threads));
-  write_png(folder + "/truth.png", displayed_picture(real));
+  write_png(folder + "/truth.png", picture_of(real));
   return real;
 }
 
 ShotErrors Shot::compare(const Snapshot& snapshot, const ShotLight& light, const RadianceMap& real,
                          const std::string& folder, const std::string& name, uint32_t threads) const {
-  const RadianceMap picture = picture_of(snapshot)->composite(surroundings_, camera(snapshot.frame), light,
+  const RadianceMap picture = drawing_of(snapshot)->composite(surroundings_, camera(snapshot.frame), light,
                                                               {snapshot.shadows, snapshot.pile, snapshot.pile_surface},
                                                               CastShadow::textures, compared(threads));
   RadianceMap difference(picture.width, picture.height), seen(picture.width, picture.height);
@@ -218,10 +219,9 @@ ShotErrors Shot::compare(const Snapshot& snapshot, const ShotLight& light, const
   for (size_t i = 0; i < picture.rgb.size(); ++i) difference.rgb[i] = 4.0f * std::fabs(picture.rgb[i] - real.rgb[i]);
   for (size_t i = 0; i < flips.size(); ++i)
     for (size_t c = 0; c < 3; ++c) seen.rgb[3 * i + c] = static_cast<float>(flips[i]);
-  const Picture cells[] = {
-      labelled(displayed_picture(picture), "composite"), labelled(displayed_picture(real), "path traced"),
-      labelled(displayed_picture(difference), "difference x 4"), labelled(displayed_picture(seen), "FLIP")};
-  write_png(folder + "/composite" + name + ".png", displayed_picture(picture));
+  const Picture cells[] = {labelled(picture_of(picture), "composite"), labelled(picture_of(real), "path traced"),
+                           labelled(picture_of(difference), "difference x 4"), labelled(picture_of(seen), "FLIP")};
+  write_png(folder + "/composite" + name + ".png", picture_of(picture));
   write_png(folder + "/beside_truth" + name + ".png", picture_grid(cells, 2, 4));
   return shot_errors(real, picture);
 }

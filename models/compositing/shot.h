@@ -1,5 +1,5 @@
-// A scene that is seen by a hand-held camera in a room and lit as that room is: what `sandglass run` needs beside an
-// ordinary scene. The light comes from one of three sources, which report and pictures name.
+// A scene seen by a hand-held camera in a room, and lit as that room is. The light comes from one of three sources,
+// which report and pictures name.
 #pragma once
 
 #include <memory>
@@ -18,7 +18,7 @@
 namespace sandglass::host {
 
 // labels: of the panorama, what a perfect network would say. estimate: the library's, from the camera's image.
-// arbitrary: what an app takes that knows nothing of the room.
+// arbitrary: the light of an app that knows nothing of the room.
 enum class LightSource { labels, estimate, arbitrary };
 const char* name_of(LightSource source);
 
@@ -41,8 +41,8 @@ struct ShotErrors {
 ShotErrors shot_errors(const RadianceMap& truth, const RadianceMap& picture);
 std::string shot_errors_text(const ShotErrors& errors);
 
-// The mesh of the scene's first standing object, in the scene's frame. `file`: instead of the one it names. A Failure
-// if its shadow was baked of another shape.
+// The mesh of the scene's first standing object, in the scene's frame. If `file` is not empty, it replaces the mesh
+// that the scene names. A Failure says that the shadow was baked from another shape.
 Mesh standing_object(const SceneFile& scene, const std::string& file);
 
 class Shot {
@@ -52,10 +52,10 @@ class Shot {
   LightSource source() const { return source_; }
   const Surroundings& surroundings() const { return surroundings_; }
   ShotCamera camera(uint32_t frame) const;
-  // Before the frame of that number: what it is lit by, from then on what light() says of it.
+  // Call before each frame: decides what it is lit by. light() returns that from then on.
   void begin(uint32_t frame);
   ShotLight light(uint32_t frame) const;
-  // For the frame: null unless the light is estimated.
+  // The handle for the frame; null unless the light is estimated.
   sandglass_light* estimator() const { return estimate_ ? estimate_->handle() : nullptr; }
   const sandglass_camera_image* image() const { return image_; }
   const ShotLight& labels() const { return labels_; }  // of the panorama; up and black without one
@@ -78,7 +78,7 @@ class Shot {
   Snapshot relit(const Snapshot& snapshot, Vec3 towards) const;
 
  private:
-  std::unique_ptr<ShotPicture> picture_of(const Snapshot& snapshot) const;
+  std::unique_ptr<ShotPicture> drawing_of(const Snapshot& snapshot) const;
   float drawn_radius(const Snapshot& snapshot) const;  // of a grain
 
   SceneFile scene_;

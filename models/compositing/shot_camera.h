@@ -1,5 +1,5 @@
-// The camera of a shot: a phone in a hand. It turns slowly, and sways a little about all three axes; it does not move,
-// because a panorama knows what is seen from one place only.
+// The camera of a shot: a phone in a hand. It turns slowly and sways a little about all three axes. It does not move,
+// because a panorama is what is seen from one place.
 #pragma once
 
 #include "models/geometry/camera.h"
@@ -21,10 +21,10 @@ struct ShotCamera {
   Vec3 to_scene(Vec3 d) const { return right * d.x - up * d.y + forward * d.z; }
 };
 
-// As the scene's `camera` says.
+// The camera of the scene, at rest.
 ShotCamera resting_camera(const Camera& camera);
 
-// At `seconds`, when `share` (0..1) of the run is over.
+// The camera at `seconds`, when `share` (0..1) of the run is over.
 ShotCamera held_camera(const Camera& camera, const ShotTrack& track, double seconds, double share);
 
 }  // namespace sandglass::host

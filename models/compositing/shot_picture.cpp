@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/files/failure.h"
 #include "models/rooms/probe_scene.h"
 #include "models/tracing/directions.h"
 #include "models/tracing/ray_caster.h"
 #include "models/tracing/sphere_caster.h"
-#include "models/work/failure.h"
 #include "models/work/thread_pool.h"
 #include "runtime/core/random.h"
 
@@ -309,11 +309,5 @@ double ShotPicture::grain_lit(double, double, Vec3, double, int, double*) const 
 #endif
 
 ShotPicture::~ShotPicture() = default;
-
-Picture displayed_picture(const RadianceMap& linear) {
-  Picture picture(linear.width, linear.height, {0, 0, 0});
-  for (size_t i = 0; i < picture.rgb.size(); ++i) picture.rgb[i] = srgb_byte(static_cast<double>(linear.rgb[i]));
-  return picture;
-}
 
 }  // namespace sandglass::host

@@ -4,22 +4,21 @@
 // the camera's tone curve, and everything goes through the curve at the end. Where the curve is flat, a shadow or a
 // lamp makes less difference.
 //
-// The object and the grains take the directional light, by the cosine, and the ambient light. The floor keeps 1 - (1 -
-// nu) o_k of its radiance in each colour: nu is the share of the direct light that the textures leave, o_k the direct
-// light's share of all light (shadow_opacity). Grains are darkened by the pile's own texture at their place, and by the
-// object's texture at the place of the floor that the light would reach through them; both times only in the part of
-// the light that one direction stands for (ShotLight). What a graphics engine would do, and not this library, is
-// traced: the object's shadow on itself, the contact shadows of grains on grains, and how open a point is to ambient
-// light.
+// The object and the grains take the directional light, by the cosine, and the ambient light. The floor keeps
+// 1 - (1 - nu) o_k of its radiance in each colour: nu is the share of the direct light that the textures leave, o_k the
+// direct light's share of all light (shadow_opacity). Grains are darkened by the pile's own texture at their place, and
+// by the object's texture where the light through them would meet the floor. Both darken only the part of the light
+// that one direction stands for (ShotLight). What a graphics engine would add is traced: the object's shadow on itself,
+// the contact shadows of grains on grains, and how open a point is to ambient light.
 //
-// The light's colours are means of tone mapped ones (labels.h). Both are taken to be brighter by what the inverse curve
-// says of the ambient luminance; the inverse of a mean is less than the mean of inverses, so objects stay a little
+// The light's colours are means of tone mapped ones (labels.h). Both are made brighter by the factor that the inverse
+// curve gives the ambient luminance. The inverse of a mean is less than the mean of inverses, so objects stay a little
 // dark.
 //
-// Truth. Object, grains and a floor that only catches shadows and gives back light, in the light of the warped
-// panorama: where the floor is seen, the panorama's radiance is multiplied by irradiance with over irradiance without
-// what stands on it (differential rendering, Debevec 1998). The floor's reflectance for light that it gives back is
-// what explains its own radiance around the object. Tone curve: the panorama's own.
+// Truth. Object and grains stand in the light of the warped panorama, on a floor that only catches shadows and reflects
+// light. Where the floor is seen, the panorama's radiance is multiplied by the irradiance with what stands on it and
+// divided by that without (differential rendering, Debevec 1998). The floor's reflectance is that which explains its
+// own radiance around the object. The tone curve is the panorama's.
 #pragma once
 
 #include <functional>
@@ -35,9 +34,9 @@
 
 namespace sandglass::host {
 
-// What falls on the floor and the grains: the library's textures; nothing; an edge traced to the middle of the light;
-// or, for a camera of unknown curve, none anywhere, and the textures multiplied onto the floor as the camera shows it,
-// by the contrast in all colours alike.
+// What falls on the floor and the grains. textures: the library's. none: nothing. hard: an edge, traced to the middle
+// of the light. no_curve: the textures without any tone curve, multiplied onto the floor as the camera shows it, by the
+// contrast in all colours alike.
 enum class CastShadow { textures, none, hard, no_curve };
 
 struct ShotShadows {
@@ -65,10 +64,10 @@ class ShotPicture {
   // Surroundings must have a truth.
   RadianceMap truth(const Surroundings& room, const ShotCamera& camera, const ShotPictureOptions& options) const;
 
-  // Share of the light's irradiance of a level floor at (x, 0, z) that the grains alone leave, the light being a cap of
-  // half angle `half_angle` about `towards`: stratified rays, points^2 of them.
+  // The share of a level floor's irradiance at (x, 0, z) that the grains alone leave. The light is a cap of half angle
+  // `half_angle` about `towards`; points^2 stratified rays.
   double grains_leave(double x, double z, Vec3 towards, double half_angle, int points) const;
-  // The same of the grain's own surface that is seen from above at (x, z); *facing: its cosine to `towards`, 0 where
+  // The same for the surface of the grain that is seen from above at (x, z). *facing: its cosine to `towards`; 0 if
   // there is no grain or it faces away.
   double grain_lit(double x, double z, Vec3 towards, double half_angle, int points, double* facing) const;
 
@@ -76,7 +75,5 @@ class ShotPicture {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-Picture displayed_picture(const RadianceMap& linear);  // sRGB
 
 }  // namespace sandglass::host

@@ -26,14 +26,11 @@ Vec3 limited(Vec3 c) { return {std::min(c.x, 1.0), std::min(c.y, 1.0), std::min(
 
 RadianceMap linear_photo(const Picture& picture) {
   RadianceMap photo(picture.width, picture.height);
-  for (size_t i = 0; i < photo.rgb.size(); ++i) {
-    const double v = picture.rgb[i] / 255.0;
-    photo.rgb[i] = static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4));
-  }
+  for (size_t i = 0; i < photo.rgb.size(); ++i) photo.rgb[i] = static_cast<float>(linear_of(picture.rgb[i]));
   return photo;
 }
 
-// Bilinear; the border goes on outwards.
+// Interpolated bilinearly. Outside, the border's colour continues.
 Vec3 photo_at(const RadianceMap& photo, double x, double y) {
   const double u = std::clamp(x - 0.5, 0.0, photo.width - 1.0), v = std::clamp(y - 0.5, 0.0, photo.height - 1.0);
   const int u0 = static_cast<int>(u), v0 = static_cast<int>(v);

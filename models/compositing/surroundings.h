@@ -1,5 +1,5 @@
-// What stands behind a shot: a panorama of radiance, of which a camera sees excerpts, or a photograph, which it sees as
-// it is. The scene's frame is the panorama's own, turned about y so that the scene's camera looks where it should; its
+// What stands behind a shot: a panorama, of which the camera sees excerpts, or a photograph, which it sees as it is.
+// The scene's frame is the panorama's, turned about y so that the scene's camera looks where it should. The camera's
 // eye is where the panorama was taken.
 #pragma once
 
@@ -20,7 +20,7 @@ struct ShotLight {
   Vec3 light, ambient;
   double contrast = 0.0;
   double concentration = 1.0;  // the share of `light` that one direction stands for; no single shadow removes more
-  double confidence = -1.0;    // of an estimate; below 0: it is none
+  double confidence = -1.0;    // of an estimate; below 0 if the light is not estimated
 };
 
 struct Surroundings {
@@ -36,36 +36,36 @@ struct Surroundings {
   // What the camera shows in a direction: linear, 0..1, as its tone curve leaves it.
   Vec3 seen(const ShotCamera& camera, Vec3 direction) const;
 
-  // Between what the camera shows and the radiance that it stands for, through the camera's tone curve. Of a photograph
-  // none is known but sRGB's: its values count as radiance.
+  // The radiance for what the camera shows, and back, through the camera's tone curve. A photograph's curve is not
+  // known: its linear values count as radiance.
   Vec3 radiance(Vec3 shown) const { return has_truth() ? radiance_of(shown, white) : shown; }
   Vec3 shown(Vec3 radiance) const;
 };
 
-// Of what a level floor receives, the share by which what stands in the light's way can darken each colour. Its
-// luminance is the contrast; a colour has more of it, the more of that colour is the light's and not the surroundings':
+// The share of each colour of a level floor that an object in the light's way can remove. Over all colours it is the
+// contrast. It is greater for colours that come from the light more than from the surroundings:
 //   o_k = o c_k / Y(c) / (o c_k / Y(c) + (1 - o) a_k / Y(a))
 Vec3 shadow_opacity(const ShotLight& light);
 
-// The panorama of a file. `camera` and `azimuth_deg`: at rest the camera looks there. `standing`: where the object
-// stands; the light is that of this place.
+// Surroundings of a panorama. At rest `camera` looks along `azimuth_deg`. The light is that of the place `standing`,
+// where the object stands.
 Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name, const Camera& camera,
                                    double azimuth_deg, Vec3 standing, double insertion);
 
-// A room of the project's own; `folder` keeps its panorama between runs, empty: it is traced each time.
+// A made-up room. Its panorama is kept in `folder` between runs; if `folder` is empty, it is traced each time.
 Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_t threads, const Camera& camera,
                                double azimuth_deg, Vec3 standing);
 
-// A photograph with this diagonal field of view, and the camera that took it: eye and direction are the scene's. Its
-// pictures, of 4 : 3, show as much as fits of a photograph of another shape.
+// A photograph with this diagonal field of view. *camera keeps its eye and direction and gets the photograph's field of
+// view. Pictures are 4 : 3 and show what fits of a photograph of another shape.
 Surroundings photo_surroundings(const std::string& path, double diagonal_fov_deg, Camera* camera);
 
-// The labels of the panorama at the place of the object: what a perfect network would say. One thing more, which a
-// network is not asked: a shadow from one direction takes only that part of the highlight which comes from there, so
-// that the contrast is the label's times the highlight's concentration (labels.h).
+// The labels of the panorama at the place of the object: what a perfect network would say. The contrast is the label's
+// times the highlight's concentration (labels.h): a shadow from one direction removes only the part of the highlight
+// that comes from there.
 ShotLight labelled_light(const Surroundings& surroundings);
 
-// What an app lights with that knows nothing of the room: white, from the upper left behind the camera.
+// The light of an app that knows nothing of the room: white, from the upper left behind the camera.
 ShotLight arbitrary_light(const ShotCamera& camera);
 
 }  // namespace sandglass::host

@@ -19,14 +19,13 @@ namespace {
 
 constexpr double k_azimuth_deg = 28.0, k_elevation_deg = 20.0;  // of the automatic camera
 constexpr double k_margin = 1.18;                               // room around what the camera frames
-constexpr Vec3 k_sun = {-0.5144957554275266, 0.7717436331412899,
-                        0.3736};       // towards the light, nearly unit: from the front left
+// Towards the light, nearly unit: from the front left.
+constexpr Vec3 k_sun = {-0.5144957554275266, 0.7717436331412899, 0.3736};
 constexpr double k_sun_radius = 0.03;  // radians; six suns, so that penumbrae show
 constexpr Vec3 k_sand = {0.56, 0.36, 0.17};
 constexpr double k_colour_spread = 0.28;    // of the grains, relative
 constexpr double k_occlusion_reach = 0.35;  // of the box's diagonal
-constexpr double k_fade_from =
-    4.0;                           // box diagonals from the target: there the floor begins to fade into the background
+constexpr double k_fade_from = 4.0;  // box diagonals from the target: there the floor begins to fade
 constexpr double k_offset = 1e-4;  // of a sphere radius or box diagonal: lifts secondary rays off their surface
 constexpr double k_far = 1e4;      // metres
 
@@ -65,8 +64,6 @@ struct CameraFrame {
     focal = 0.5 / std::tan(camera.fov_deg * std::numbers::pi / 360.0);
   }
 };
-
-Vec3 vec(const float* v) { return {v[0], v[1], v[2]}; }
 
 // A collider in its local frame.
 struct Solid {
@@ -179,12 +176,12 @@ bool hit_field(const sandglass_field* field, Vec3 o, Vec3 d, SurfaceHit* hit) {
     const double distance = field_value(field->grid, p);
     if (!free && distance > 2.0 * least) free = true;
     if (free && distance < least) {
-      const float point[3] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-      float normal[3];
+      float point[3], normal[3];
+      to_floats(p, point);
       sandglass_field_distance(field, point, normal);
       // Only against the normal: a ray that begins on the surface leaves it, and goes on to what lies opposite.
-      if (dot(vec(normal), d) < 0.0) {
-        *hit = {t, vec(normal)};
+      if (dot(from_floats(normal), d) < 0.0) {
+        *hit = {t, from_floats(normal)};
         return true;
       }
     }
@@ -259,8 +256,8 @@ struct Tracer {
     for (const sandglass_collider& c : v.colliders) {
       const Quaternion q = {c.rotation[0], c.rotation[1], c.rotation[2], c.rotation[3]};
       const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-      solids.push_back({c.shape, vec(c.position), vec(c.size), norm > 0.0 ? normalised(q) : k_no_rotation, c.field,
-                        is_container(c)});
+      solids.push_back({c.shape, from_floats(c.position), from_floats(c.size),
+                        norm > 0.0 ? normalised(q) : k_no_rotation, c.field, is_container(c)});
     }
   }
 
@@ -312,7 +309,7 @@ struct Tracer {
     Vec3 normal = surface.normal, albedo = look.solid;
     double fade = 0.0;
     if (solid == nullptr) {
-      normal = normalised(at - vec(view.spheres.data() + 3 * static_cast<size_t>(sphere.index)));
+      normal = normalised(at - from_floats(view.spheres.data() + 3 * static_cast<size_t>(sphere.index)));
       albedo = grain_colour(sphere.index);
     } else if (solid->shape == SANDGLASS_SHAPE_HALF_SPACE) {
       albedo = tile_colour(*solid, at);
@@ -435,8 +432,8 @@ void Bounds::add_most(std::span<const float> xyz) {
 
 Camera automatic_camera(std::span<const Bounds> boxes, double aspect) {
   constexpr double k_degree = std::numbers::pi / 180.0;
-  constexpr int k_rounds =
-      8;  // of moving the target to the middle of what is seen, then the eye to the distance that fits
+  // Each moves the target to the middle of what is seen, then the eye to the distance that fits.
+  constexpr int k_rounds = 8;
   Camera camera;
   std::vector<Vec3> corners;
   Bounds all;

@@ -1,3 +1,4 @@
+// See made_up_phone.h.
 #include "models/examples/made_up_phone.h"
 
 #include <algorithm>

@@ -12,17 +12,17 @@
 
 class MadeUpPhone {
  public:
-  // A file of the app's, in 8-byte words, as the library wants it aligned; without bytes where it cannot be read.
+  // A file of the app, in 8-byte words, as the library wants it aligned. It has no bytes where it cannot be read.
   struct Asset {
     std::vector<uint64_t> words;
     uint64_t bytes;
   };
   static Asset asset(const std::string& path);
 
-  // Of a camera of 30 images a second, before a display of 60: null every other time. Valid until the next call.
+  // The camera gives 30 images a second, the display shows 60: null every other time. Valid until the next call.
   const sandglass_camera_image* next_image();
-  // Over the image, in linear values: the shadow on the floor, of an object that is turned about y by `turn` radians,
-  // each colour as far as the light has its part in it; then the grains.
+  // Draws over the image, in linear values: first the shadow on the floor of an object that is turned about y by `turn`
+  // radians, in each colour by the light's share of it; then the grains.
   void draw(const sandglass_light_estimate& light, const sandglass_shadow_texture& shadow, float turn,
             const std::vector<sandglass_grain>& grains, float particle_radius);
   bool save(const std::string& path) const;  // PPM

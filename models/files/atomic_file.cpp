@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 
@@ -61,6 +61,11 @@ uint8_t srgb_byte(double linear) {
   const double v = std::clamp(linear, 0.0, 1.0);
   const double encoded = v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055;
   return static_cast<uint8_t>(std::lround(encoded * 255.0));
+}
+
+double linear_of(uint8_t srgb) {
+  const double x = srgb / 255.0;
+  return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
 }
 
 int text_width(int scale, std::string_view text) { return static_cast<int>(text.size()) * k_glyph_step * scale; }

@@ -28,6 +28,8 @@ struct Picture {
 
 // Linear 0..1 to an sRGB byte; values outside are clamped.
 uint8_t srgb_byte(double linear);
+// Linear 0..1 of an sRGB byte.
+double linear_of(uint8_t srgb);
 
 // Draws with the upper left corner at (x, y), `scale` pixels a font pixel; parts outside the picture are left out.
 void draw_text(Picture* picture, int x, int y, int scale, std::string_view text, Colour colour);

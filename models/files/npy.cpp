@@ -6,7 +6,7 @@
 #include <cstring>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 
@@ -16,6 +16,7 @@ static_assert(std::endian::native == std::endian::little,
 constexpr char k_magic[8] = {'\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0};
 constexpr size_t k_preamble = sizeof k_magic + 2;  // bytes before the dictionary: magic, version, length
 constexpr size_t k_alignment = 64;                 // of the data, by the format's definition
+constexpr uint64_t k_value_limit = 1ull << 28;     // of an array: a gigabyte
 
 void write_npy(const std::string& path, std::span<const float> values, uint64_t rows, uint64_t columns) {
   if (values.size() != rows * columns)
@@ -33,37 +34,52 @@ void write_npy(const std::string& path, std::span<const float> values, uint64_t 
   write_file(path, file);
 }
 
-NpyArray read_npy(const std::string& path) {
-  const std::string file = read_file(path, "array");
-  const Failure refused("'" + path + "' is not an .npy file of version 1.0 with 32-bit floats in C order");
-  if (file.size() < k_preamble || std::memcmp(file.data(), k_magic, sizeof k_magic) != 0) throw refused;
-  const size_t length = static_cast<uint8_t>(file[8]) + 256u * static_cast<uint8_t>(file[9]);
-  if (file.size() < k_preamble + length) throw refused;
-  const std::string header = file.substr(k_preamble, length);
-  const size_t open = header.find("'shape': (");
-  if (header.find("'<f4'") == std::string::npos || header.find("'fortran_order': False") == std::string::npos ||
-      open == std::string::npos)
-    throw refused;
+// The value of a key of the header, a Python dictionary: what follows the key's colon.
+static std::string header_value(const std::string& header, const std::string& key) {
+  const size_t at = header.find("'" + key + "'");
+  const size_t colon = at == std::string::npos ? at : header.find(':', at);
+  const size_t value = colon == std::string::npos ? colon : header.find_first_not_of(' ', colon + 1);
+  return value == std::string::npos ? "" : header.substr(value);
+}
+
+NpyArray parse_npy(std::string_view bytes, bool octets_too, const std::function<void(const std::string&)>& refuse) {
+  if (bytes.size() < k_preamble || bytes.substr(0, sizeof k_magic) != std::string_view(k_magic, sizeof k_magic))
+    refuse("is not in .npy format 1.0");
+  const size_t header_bytes = static_cast<uint8_t>(bytes[8]) + 256u * static_cast<uint8_t>(bytes[9]);
+  if (header_bytes + k_preamble > bytes.size()) refuse("is cut off");
+  const std::string header(bytes.substr(k_preamble, header_bytes)), type = header_value(header, "descr").substr(0, 5);
+  const bool floats = type == "'<f4'";
+  if (!floats && !(octets_too && type == "'|u1'"))
+    refuse(octets_too ? "is neither of 32-bit floats nor of bytes" : "is not of 32-bit floats");
+  if (header_value(header, "fortran_order").rfind("False", 0) != 0) refuse("is not in C order");
   NpyArray array;
-  uint64_t count = 1, number = 0;
-  bool digits = false;
-  for (size_t i = open + 10; i < header.size(); ++i) {
-    const char c = header[i];
-    if (c >= '0' && c <= '9') {
-      number = number * 10 + static_cast<uint64_t>(c - '0');
-      digits = true;
-    } else if (digits) {
-      array.shape.push_back(number);
-      count *= number;
-      number = 0;
-      digits = false;
+  uint64_t count = 1;
+  const std::string shape = header_value(header, "shape");
+  for (size_t i = 1; i < shape.size() && shape[i] != ')';) {
+    if (shape[i] < '0' || shape[i] > '9') {
+      ++i;
+      continue;
     }
-    if (c == ')') break;
+    uint64_t extent = 0;
+    for (; i < shape.size() && shape[i] >= '0' && shape[i] <= '9' && extent <= k_value_limit; ++i)
+      extent = 10 * extent + static_cast<uint64_t>(shape[i] - '0');
+    array.shape.push_back(extent);
+    count *= extent;
+    if (extent > k_value_limit || count > k_value_limit) refuse("is larger than 2^28 values");
   }
-  if (file.size() != k_preamble + length + count * sizeof(float)) throw refused;
+  const std::string_view data = bytes.substr(k_preamble + header_bytes);
+  if (count * (floats ? 4 : 1) != data.size()) refuse("has another size than its shape says");
   array.values.resize(count);
-  if (count > 0) std::memcpy(array.values.data(), file.data() + k_preamble + length, count * sizeof(float));
+  if (!floats)
+    for (size_t i = 0; i < count; ++i) array.values[i] = static_cast<float>(static_cast<uint8_t>(data[i]));
+  else if (count > 0) std::memcpy(array.values.data(), data.data(), 4 * count);
   return array;
+}
+
+NpyArray read_npy(const std::string& path) {
+  return parse_npy(read_file(path, "array"), false, [&](const std::string& what) {
+    throw cannot("read", path, "it " + what, "Save it with numpy.save as 32-bit floats");
+  });
 }
 
 }  // namespace sandglass::host

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sandglass::host {
@@ -18,5 +20,9 @@ struct NpyArray {
 
 // Reads what write_npy writes; a Failure for anything else.
 NpyArray read_npy(const std::string& path);
+
+// An array from the bytes of an .npy file, which may be damaged. `refuse` gets what is wrong ("is cut off") and throws.
+// `octets_too`: an array of bytes is taken as well.
+NpyArray parse_npy(std::string_view bytes, bool octets_too, const std::function<void(const std::string&)>& refuse);
 
 }  // namespace sandglass::host

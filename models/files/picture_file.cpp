@@ -1,9 +1,10 @@
+// See picture_file.h.
 #include "models/files/picture_file.h"
 
 #include <cstdlib>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG

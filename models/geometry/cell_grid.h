@@ -1,5 +1,5 @@
-// Points sorted into cubic cells, in double: finds all points near a place for the metrics and for the ray caster that
-// serves where Embree is missing. Independent of the library's own neighbour search, which it helps to judge.
+// Points sorted into cubic cells, in double: finds all points near a place, for the metrics and the laboratory. It is
+// independent of the library's own neighbour search, which it helps to judge.
 #pragma once
 
 #include <cmath>

@@ -19,6 +19,12 @@ constexpr Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x 
 inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
 inline Vec3 normalised(Vec3 a) { return a * (1.0 / length(a)); }
 
+// From and to the three floats of the public API.
+inline Vec3 from_floats(const float* v) { return {v[0], v[1], v[2]}; }
+inline void to_floats(Vec3 v, float* out) {
+  out[0] = static_cast<float>(v.x), out[1] = static_cast<float>(v.y), out[2] = static_cast<float>(v.z);
+}
+
 using Quaternion = std::array<double, 4>;
 constexpr Quaternion k_no_rotation = {0.0, 0.0, 0.0, 1.0};
 

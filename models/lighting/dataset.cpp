@@ -7,10 +7,10 @@
 #include <map>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/lit_view.h"
-#include "models/work/failure.h"
 #include "models/work/for_all.h"
 #include "models/work/progress.h"
 

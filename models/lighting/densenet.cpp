@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

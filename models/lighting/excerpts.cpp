@@ -3,8 +3,8 @@
 #include <sstream>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/picture_file.h"
-#include "models/work/failure.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {

@@ -97,17 +97,17 @@ LightLabels labels_of(const RadianceMap& panorama, Vec3 up, double white) {
       .chosen(Range::mean_keeping_hue, AmbientWeight::solid_angle, Contrast::irradiance);
 }
 
+Vec3 environment_at(const LightLabels& labels, Vec3 direction) {
+  const Vec3 a = labels.ambient, c = labels.light;
+  const double lobe = std::exp(k_gaussian_sharpness * (dot(labels.direction, direction) - 1.0));
+  return {1.0 - (1.0 - lobe * c.x) * (1.0 - a.x), 1.0 - (1.0 - lobe * c.y) * (1.0 - a.y),
+          1.0 - (1.0 - lobe * c.z) * (1.0 - a.z)};
+}
+
 RadianceMap environment_of(const LightLabels& labels, int width, int height) {
   RadianceMap map(width, height);
-  const Vec3 a = labels.ambient, c = labels.light;
   for (int v = 0; v < height; ++v)
-    for (int u = 0; u < width; ++u) {
-      const double cosine = dot(labels.direction, panorama_direction(u, v, width, height));
-      const double lobe = std::exp(k_gaussian_sharpness * (cosine - 1.0));
-      map.set(u, v,
-              {1.0 - (1.0 - lobe * c.x) * (1.0 - a.x), 1.0 - (1.0 - lobe * c.y) * (1.0 - a.y),
-               1.0 - (1.0 - lobe * c.z) * (1.0 - a.z)});
-    }
+    for (int u = 0; u < width; ++u) map.set(u, v, environment_at(labels, panorama_direction(u, v, width, height)));
   return map;
 }
 

@@ -1,10 +1,12 @@
 #include "models/lighting/light_file.h"
 
 #include <cmath>
+#include <initializer_list>
 
-#include "models/lighting/light_builders.h"
+#include "flatbuffers/flatbuffers.h"
 #include "runtime/asset/file.h"
 #include "runtime/asset/light_asset.h"
+#include "runtime/asset/light_generated.h"
 
 namespace sandglass::host {
 
@@ -12,16 +14,37 @@ namespace {
 
 using Builder = flatbuffers::FlatBufferBuilder;
 
-flatbuffers::Offset<asset::Convolution> add(Builder& builder, const ByteConvolution& c) {
-  const auto weights = builder.CreateVector(c.weights);
-  const auto bias = builder.CreateVector(c.bias);
-  return asset::CreateConvolution(builder, weights, bias, builder.CreateVector(c.multiplier));
+// One reference of a table to what was written before it; 0 is a reference to nothing, which takes no space.
+struct Reference {
+  flatbuffers::voffset_t field;
+  flatbuffers::uoffset_t to;
+};
+
+void add_references(Builder& builder, std::initializer_list<Reference> references) {
+  for (const Reference& r : references) builder.AddOffset(r.field, flatbuffers::Offset<void>(r.to));
 }
 
-flatbuffers::Offset<asset::ClampedConvolution> add_clamped(Builder& builder, const ByteConvolution& c) {
+flatbuffers::uoffset_t add_table(Builder& builder, std::initializer_list<Reference> references) {
+  const flatbuffers::uoffset_t start = builder.StartTable();
+  add_references(builder, references);
+  return builder.EndTable(start);
+}
+
+flatbuffers::uoffset_t add(Builder& builder, const ByteConvolution& c) {
+  using Table = asset::Convolution;
+  const auto weights = builder.CreateVector(c.weights);
+  const auto bias = builder.CreateVector(c.bias);
+  const auto multiplier = builder.CreateVector(c.multiplier);
+  return add_table(builder,
+                   {{Table::VT_MULTIPLIER, multiplier.o}, {Table::VT_BIAS, bias.o}, {Table::VT_WEIGHTS, weights.o}});
+}
+
+flatbuffers::uoffset_t add_clamped(Builder& builder, const ByteConvolution& c) {
+  using Table = asset::ClampedConvolution;
   const auto low = builder.CreateVector(c.low);
   const auto high = builder.CreateVector(c.high);
-  return asset::CreateClampedConvolution(builder, low, high, add(builder, c));
+  const auto convolution = add(builder, c);
+  return add_table(builder, {{Table::VT_CONVOLUTION, convolution}, {Table::VT_HIGH, high.o}, {Table::VT_LOW, low.o}});
 }
 
 }  // namespace
@@ -34,12 +57,15 @@ std::vector<uint8_t> light_file_bytes(const LightFile& file) {
     std::vector<flatbuffers::Offset<asset::DenseLayer>> layers;
     for (uint32_t i = 0; i < k_block_layers[b]; ++i, ++layer) {
       const auto narrow = add_clamped(builder, file.narrow.at(layer));
-      layers.push_back(asset::CreateDenseLayer(builder, narrow, add(builder, file.wide.at(layer))));
+      const auto wide = add(builder, file.wide.at(layer));
+      layers.emplace_back(
+          add_table(builder, {{asset::DenseLayer::VT_WIDE, wide}, {asset::DenseLayer::VT_NARROW, narrow}}));
     }
     const auto all = builder.CreateVector(layers);
-    flatbuffers::Offset<asset::ClampedConvolution> transition = 0;
+    flatbuffers::uoffset_t transition = 0;
     if (b < k_transition_count) transition = add_clamped(builder, file.transition.at(b));
-    blocks.push_back(asset::CreateBlock(builder, all, transition));
+    blocks.emplace_back(
+        add_table(builder, {{asset::Block::VT_TRANSITION, transition}, {asset::Block::VT_LAYERS, all.o}}));
   }
   const auto all_blocks = builder.CreateVector(blocks);
   const auto stem = add(builder, file.stem);
@@ -55,11 +81,31 @@ std::vector<uint8_t> light_file_bytes(const LightFile& file) {
   const auto heads_bias = builder.CreateVector(file.heads_bias);
   flatbuffers::Offset<flatbuffers::Vector<float>> float_parameters = 0;
   if (!file.float_parameters.empty()) float_parameters = builder.CreateVector(file.float_parameters);
-  builder.Finish(asset::CreateLight(builder, k_light_asset_version, name, border, stem, all_blocks, last_low, last_high,
-                                    feature_scale, feature_shift, latent_weights, latent_scale, latent_bias,
-                                    heads_weights, heads_bias, file.data_hash, file.seed, file.training_images,
-                                    file.calibration_images, file.angle_deg, file.difference, float_parameters),
-                 asset::LightIdentifier());
+  // The largest numbers first, so that none needs a gap before it.
+  using Table = asset::Light;
+  const flatbuffers::uoffset_t start = builder.StartTable();
+  builder.AddElement<uint64_t>(Table::VT_SEED, file.seed, 0);
+  builder.AddElement<uint64_t>(Table::VT_DATA_HASH, file.data_hash, 0);
+  builder.AddOffset(Table::VT_FLOAT_PARAMETERS, float_parameters);
+  builder.AddElement<float>(Table::VT_DIFFERENCE, file.difference, 0.0f);
+  builder.AddElement<float>(Table::VT_ANGLE_DEG, file.angle_deg, 0.0f);
+  builder.AddElement<uint32_t>(Table::VT_CALIBRATION_IMAGES, file.calibration_images, 0);
+  builder.AddElement<uint32_t>(Table::VT_TRAINING_IMAGES, file.training_images, 0);
+  add_references(builder, {{Table::VT_HEADS_BIAS, heads_bias.o},
+                           {Table::VT_HEADS_WEIGHTS, heads_weights.o},
+                           {Table::VT_LATENT_BIAS, latent_bias.o},
+                           {Table::VT_LATENT_SCALE, latent_scale.o},
+                           {Table::VT_LATENT_WEIGHTS, latent_weights.o},
+                           {Table::VT_FEATURE_SHIFT, feature_shift.o},
+                           {Table::VT_FEATURE_SCALE, feature_scale.o},
+                           {Table::VT_LAST_HIGH, last_high.o},
+                           {Table::VT_LAST_LOW, last_low.o},
+                           {Table::VT_BLOCKS, all_blocks.o},
+                           {Table::VT_STEM, stem},
+                           {Table::VT_BORDER, border.o},
+                           {Table::VT_NAME, name.o}});
+  builder.AddElement<uint16_t>(Table::VT_VERSION, k_light_asset_version, 0);
+  builder.Finish(flatbuffers::Offset<Table>(builder.EndTable(start)), asset::LightIdentifier());
   std::vector<uint8_t> bytes(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   const uint64_t hash = hash_bytes(bytes.data(), bytes.size());
   for (uint32_t i = 0; i < k_checksum_bytes; ++i) bytes.push_back(static_cast<uint8_t>(hash >> 8 * i));

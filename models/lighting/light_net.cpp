@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/files/failure.h"
 #include "models/simulation/metrics.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

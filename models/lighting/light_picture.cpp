@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "models/lighting/labels.h"
+#include "models/lighting/lit_view.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/probe_scene.h"
 
@@ -52,14 +53,8 @@ const Ball k_balls[2] = {{{-1.15, k_floor - 1.0, 6.0}, false}, {{1.15, k_floor -
 
 struct Scene {
   Vec3 light, colour, ambient;  // direction; strength x colour
-  LightLabels labels;           // in the environment map's frame
+  LightLabels labels;           // of the same light, for the environment map
 
-  Vec3 environment(Vec3 from) const {
-    const double lobe = std::exp(2.0 * std::numbers::pi * (dot(light, from) - 1.0));
-    const Vec3 c = labels.light, a = labels.ambient;
-    return {1.0 - (1.0 - lobe * c.x) * (1.0 - a.x), 1.0 - (1.0 - lobe * c.y) * (1.0 - a.y),
-            1.0 - (1.0 - lobe * c.z) * (1.0 - a.z)};
-  }
   // Share of the light that reaches a point past the balls.
   double visible(Vec3 point, const Ball* but) const {
     double share = 1.0;
@@ -98,7 +93,7 @@ struct Scene {
     double nearest = along.y > 1e-9 ? (k_floor - from.y) / along.y : 1e9;
     for (const Ball& b : k_balls)
       if (const std::optional<double> t = hit(b, from, along); t && *t < nearest) nearest = *t, ball = &b;
-    if (nearest > 1e8) return environment(along);
+    if (nearest > 1e8) return environment_at(labels, along);
     const Vec3 point = from + along * nearest;
     if (ball == nullptr) return floor_colour(point);
     const Vec3 normal = normalised(point - ball->centre);
@@ -113,7 +108,7 @@ Scene scene_of(const sandglass_light_estimate& e) {
   scene.light = normalised(vector_of(e.direction));
   scene.colour = vector_of(e.light) * e.strength;
   scene.ambient = vector_of(e.ambient);
-  scene.labels.light = vector_of(e.light), scene.labels.ambient = scene.ambient;
+  scene.labels = {scene.light, vector_of(e.light), scene.ambient, 0.0, true};
   return scene;
 }
 
@@ -178,9 +173,7 @@ Picture environment_picture(const sandglass_light_estimate& estimate, int width,
   LightLabels labels = {};
   labels.direction = camera_to_rotated(vector_of(estimate.direction));
   labels.light = vector_of(estimate.light), labels.ambient = vector_of(estimate.ambient);
-  const RadianceMap map = environment_of(labels, width, height);
-  Picture picture(width, height, k_black);
-  for (size_t i = 0; i < map.rgb.size(); ++i) picture.rgb[i] = srgb_byte(map.rgb[i]);
+  Picture picture = picture_of(environment_of(labels, width, height));
   const PanoramaPlace place = panorama_place(labels.direction, width, height);
   const int x = static_cast<int>(std::lround(place.u)), y = static_cast<int>(std::lround(place.v));
   fill_rectangle(&picture, x - 5, y, 11, 1, k_black), fill_rectangle(&picture, x, y - 5, 1, 11, k_black);

@@ -1,6 +1,6 @@
 #include "models/lighting/light_runner.h"
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "runtime/light/backends.h"
 
 namespace sandglass::host {
@@ -18,7 +18,6 @@ LightRunner::LightRunner(std::span<const uint8_t> file, const std::string& name,
   if (!find_light_backend(choice, &backend, &reason)) throw cannot("run", name, reason);
   Layout size, layout;
   layout_light_network(width, height, &size, backend);
-  block_bytes_ = size.size;
   block_ = new_block(size.size, "the lighting network", "close other programs");
   layout.base = static_cast<uint8_t*>(block_.get());
   network_ = create_light_network(asset, kernels, backend, width, height,

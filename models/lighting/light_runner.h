@@ -14,7 +14,7 @@ namespace sandglass::host {
 
 class LightRunner {
  public:
-  // `file` is as light_file_bytes makes it; for anything else a Failure names it. Sides are 32 to 256, in steps of 32.
+  // `file` is as light_file_bytes makes it; a Failure names anything else. Sides are 32 to 256, in steps of 32.
   LightRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC,
               uint32_t width = 256, uint32_t height = 192,
               sandglass_light_backend backend = SANDGLASS_LIGHT_BACKEND_OWN);
@@ -26,12 +26,10 @@ class LightRunner {
   std::vector<float> features() const;
   LightNetwork* network() { return network_; }
   const LightAsset& asset() const { return network_->asset; }
-  uint64_t block_bytes() const { return block_bytes_; }
 
  private:
   AlignedBytes file_;
   Block block_;
-  uint64_t block_bytes_ = 0;
   LightNetwork* network_;
 };
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "models/files/failure.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/failure.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {

@@ -1,13 +1,14 @@
 #include "models/lighting/room_light.h"
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 
-RoomLight::RoomLight(const std::string& path, bool filter) : file_(read_aligned(path, "lighting network")) {
+RoomLight::RoomLight(const std::string& path, bool filter, sandglass_isa isa)
+    : file_(read_aligned(path, "lighting network")) {
   sandglass_light_desc desc;
   sandglass_light_desc_default(&desc);
-  desc.asset = file_.data(), desc.asset_bytes = file_.size();
+  desc.isa = isa, desc.asset = file_.data(), desc.asset_bytes = file_.size();
   if (!filter) desc.interval = desc.smoothing = 0.0f;
   const char* reason = nullptr;
   uint64_t need = 0;
@@ -25,14 +26,18 @@ sandglass_light_estimate RoomLight::estimate(const sandglass_camera_image& image
 FollowedLight RoomLight::follow(const sandglass_camera_image& image) {
   const char* reason = nullptr;
   if (sandglass_light_set_image(light_, &image, nullptr, &reason) != SANDGLASS_OK)
-    throw Failure(reason);
+    throw cannot("read", "camera image", reason);
   while (sandglass_light_run(light_, 1000) != 0) {
   }
-  FollowedLight followed = {};
-  followed.filtered.struct_size = followed.latest.struct_size = sizeof(sandglass_light_estimate);
-  sandglass_light_get(light_, &followed.filtered);
-  sandglass_light_get_latest(light_, &followed.latest);
-  return followed;
+  return now();
+}
+
+FollowedLight RoomLight::now() const {
+  FollowedLight light = {};
+  light.filtered.struct_size = light.latest.struct_size = sizeof(sandglass_light_estimate);
+  sandglass_light_get(light_, &light.filtered);
+  sandglass_light_get_latest(light_, &light.latest);
+  return light;
 }
 
 sandglass_camera_image camera_image_of(const Picture& picture, double diagonal_deg) {

@@ -19,12 +19,15 @@ struct FollowedLight {
 class RoomLight {
  public:
   // Opens the network's file. Without `filter` every estimate is taken whole. A Failure names the file.
-  explicit RoomLight(const std::string& path, bool filter = false);
+  explicit RoomLight(const std::string& path, bool filter = false, sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC);
 
   // The world's frame is that of `orientation`: with the identity, a level camera that looks along -z.
   sandglass_light_estimate estimate(const sandglass_camera_image& image);
   // The next image of the same camera; its timestamp and pose are used.
   FollowedLight follow(const sandglass_camera_image& image);
+  // The light and the newest estimate, of the images so far.
+  FollowedLight now() const;
+  sandglass_light* handle() const { return light_; }
 
  private:
   AlignedBytes file_;

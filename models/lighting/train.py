@@ -39,12 +39,10 @@ import zipfile
 
 import numpy as np
 import torch
-import torch.nn as nn
 import torch.nn.functional as F
 
 sys.dont_write_bytecode = True
-from light_data import (GROUPS, HEIGHT, LABELS, WIDTH, Rows, cached_trunks, fail, label_of, prepared, read_features, save,
-                        to_tensor)
+from light_data import (GROUPS, LABELS, Rows, cached_trunks, fail, label_of, prepared, read_features, save, to_tensor)
 from light_network import LAYERS, LightNet
 from light_ridge import TRUSTS, USUAL_RIDGES, angles_deg, best_ridges, ridge_errors
 
@@ -166,53 +164,6 @@ def write_initial(arguments):
         with open(path, "wb") as file:
             np.savez(file, **arrays, seed=np.array([arguments.seed], np.float32))
     save(arguments.export, write)
-
-
-def layout_of(rgb):
-    """The logarithms of the mean linear colours of 4 x 3 parts of an image."""
-    x = rgb.astype(np.float32) / 255.0
-    linear = np.where(x <= 0.04045, x / 12.92, ((x + 0.055) / 1.055) ** 2.4)
-    parts = linear.reshape(3, HEIGHT // 3, 4, WIDTH // 4, 3).mean((1, 3))
-    return np.log(parts + 0.02).reshape(-1)
-
-
-def train_layout(arguments):
-    """Pooling loses where things are, and the labels of few places cannot teach it. Images can: the last layers learn to
-    tell the colours of 4 x 3 parts of the image from the pooled features alone. No labels are used."""
-    torch.set_num_threads(arguments.threads), torch.manual_seed(arguments.seed)
-    device = torch.device("cuda" if torch.cuda.is_available() and not arguments.cpu else "cpu")
-    rows = Rows((), (), arguments.train_only)
-    net = LightNet()
-    net.learned = arguments.learn
-    net.load(arguments.weights)
-    net.to(device, memory_format=torch.channels_last)
-    trunk_of = cached_trunks(net, rows, arguments, device)
-    pairs = [(i, c) for i in range(len(rows.image)) for c in range(arguments.copies)]
-    layouts = torch.from_numpy(np.stack([layout_of(prepared(rows, i, c, arguments.seed)) for i, c in pairs])).to(device)
-    layouts = (layouts - layouts.mean(0)) / layouts.std(0)
-    read = nn.Sequential(nn.BatchNorm1d(1024, affine=False), nn.Linear(1024, layouts.shape[1])).to(device)
-    extractor = list(net.blocks[3][LAYERS[3] - net.learned:].parameters()) + list(net.last.parameters())
-    optimiser = torch.optim.AdamW([{"params": read.parameters(), "lr": arguments.rate},
-                                   {"params": extractor, "lr": arguments.rate * arguments.extractor_rate}],
-                                  weight_decay=arguments.decay)
-    halving = torch.optim.lr_scheduler.StepLR(optimiser, max(1, arguments.epochs // 4), 0.5)
-    for epoch in range(arguments.epochs):
-        random = np.random.default_rng([arguments.seed, epoch])
-        net.train_with(True), read.train()
-        order, total = random.permutation(len(pairs)), 0.0
-        for at in range(0, len(order) - 1, arguments.batch):
-            chosen = order[at:at + arguments.batch]
-            inputs = torch.from_numpy(np.stack([trunk_of(*pairs[i]) for i in chosen]).astype(np.float32)).to(device)
-            loss = F.mse_loss(read(net.features(inputs.contiguous(memory_format=torch.channels_last))), layouts[chosen])
-            optimiser.zero_grad(), loss.backward(), optimiser.step()
-            total += float(loss.detach()) * len(chosen)
-        halving.step()
-        print(json.dumps({"epoch": epoch + 1, "unexplained": total / len(order)}), flush=True)
-        arrays = {k: v for k, v in net.exported().items() if k.split("/")[0] not in ("latent", *LOSS_WEIGHTS)}
-        def write(path):
-            with open(path, "wb") as file:
-                np.savez(file, **arrays)
-        save(arguments.export, write)
 
 
 def train_fold(arguments, fold, rows, net, has_heads, sources, device):
@@ -364,7 +315,6 @@ def main():
                         help="another such set, of another trunk: for each test fold the other folds choose; may be repeated")
     parser.add_argument("--initial", action="store_true", help="only write the weights that training starts from")
     parser.add_argument("--lanes", action="store_true", help="with --initial: channels that carry brightness past the pretrained layers")
-    parser.add_argument("--layout", action="store_true", help="only teach the last layers where things are in images")
     parser.add_argument("--test-fold", type=number(int, 0), nargs="+", default=[1], help="one run for each")
     parser.add_argument("--all", action="store_true", help="train on every fold and test on none: for the shipped weights")
     parser.add_argument("--layers", choices=("last", "all"), default="last")
@@ -400,17 +350,12 @@ def main():
         fail("--features fits only the heads; give --epochs 0 and --layers last")
     if arguments.or_features and (not arguments.features or arguments.export):
         fail("--or-features only tests a choice, beside --features; leave out --export, or name what was chosen with --features")
-    if not arguments.dataset and not ((arguments.all or arguments.layout) and arguments.train_only):
+    if not arguments.dataset and not (arguments.all and arguments.train_only):
         fail("no data set is named; make one with `sandglass dataset`")
     try:
         os.makedirs(arguments.output, exist_ok=True)
     except OSError:
         fail(f"the folder '{arguments.output}' cannot be made; name another with -o")
-    if arguments.layout:
-        if not (arguments.train_only and arguments.export and arguments.weights):
-            fail("--layout learns from the images of --train-only and --weights for --export; name all three")
-        train_layout(arguments)
-        return 0
     train(arguments)
     return 0
 

@@ -1,6 +1,6 @@
 // See generated.h.
 #include "models/mesh/generated.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 #include <array>
 #include <map>

@@ -1,6 +1,6 @@
 // Meshes made by formula: closed, consistently oriented outwards, and the same to the bit on every machine (no libm),
-// so that golden hashes may rest on them. Sizes in metres. All are centred at the origin, except for the surfaces of
-// revolution, which stand on it.
+// so that golden hashes may rest on them. Sizes in metres. All are centred at the origin, except for the chair and the
+// surfaces of revolution, which stand on y = 0.
 #pragma once
 
 #include <array>
@@ -28,8 +28,7 @@ Mesh make_box(const float size[3]);
 // An icosahedron, each triangle split into four `subdivisions` times, on the sphere of `radius`.
 Mesh make_icosphere(float radius, uint32_t subdivisions);
 
-// A chair: seat, four legs, two posts with three slats and a top rail, as separate closed boxes. Its feet stand on y =
-// 0, unlike the others it is not centred.
+// A chair of separate closed boxes: seat, four legs, two posts with three slats and a top rail, three stretchers.
 Mesh make_chair();
 
 // A closed outline in the half plane (r, y), r >= 0, counter-clockwise with r to the right and y up.

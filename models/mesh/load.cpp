@@ -6,8 +6,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "models/files/failure.h"
 #include "models/mesh/mesh.h"
-#include "models/work/failure.h"
 
 #ifdef SANDGLASS_HAVE_ASSIMP
 #include <assimp/postprocess.h>

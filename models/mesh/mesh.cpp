@@ -7,7 +7,7 @@
 #include <cstring>
 #include <unordered_map>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {

@@ -1,7 +1,5 @@
 // Triangle meshes on a workstation, as plain arrays: what they are made of, how they are cleaned, what is known of
-// them.
-//
-// Errors are sentences (what, where, what to do), never exceptions.
+// them. Errors are sentences in the result, not exceptions.
 #pragma once
 
 #include <cstdint>

@@ -1,11 +1,11 @@
 // See ply.h.
 #include "models/mesh/ply.h"
-#include "models/work/failure.h"
 
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
+
+#include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 namespace {
@@ -30,25 +30,16 @@ std::string ply_header(size_t vertices, size_t triangles) {
   return header + "end_header\n";
 }
 
-}  // namespace
-
 std::string write_whole_file(const std::string& path, const std::string& bytes) {
-  const std::string partial = path + ".partial";
-  std::error_code error;
-  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  if (!file) return message("write", path, "its folder is missing or may not be written to", "Check the folder");
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  if (!file) {
-    std::filesystem::remove(partial, error);
-    return message("write", path, "the disk takes no more of it", "Check its free space");
+  try {
+    write_file(path, bytes);
+    return "";
+  } catch (const Failure& failure) {
+    return failure.what();
   }
-  std::filesystem::rename(partial, path, error);
-  if (!error) return "";
-  std::error_code ignored;
-  std::filesystem::remove(partial, ignored);
-  return message("write", path, error.message(), "Choose another name");
 }
+
+}  // namespace
 
 std::string write_points_ply(const std::string& path, const std::vector<float>& points) {
   std::string bytes = ply_header(points.size() / 3, 0);

@@ -1,5 +1,5 @@
-// Writing points and meshes. A file appears under its name only when it is complete: it is written beside it under
-// another name, flushed, and renamed. Each function returns an empty string, or one sentence on what went wrong.
+// Writing points and meshes, whole or not at all. Each function returns an empty string, or one sentence on what went
+// wrong.
 #pragma once
 
 #include <string>
@@ -15,8 +15,5 @@ std::string write_points_ply(const std::string& path, const std::vector<float>& 
 std::string write_mesh_ply(const std::string& path, const Mesh& mesh);
 // Wavefront OBJ; nine significant digits, which give every float back exactly.
 std::string write_mesh_obj(const std::string& path, const Mesh& mesh);
-
-// `bytes` under `path`, whole or not at all; what the functions above and the picture writer end with.
-std::string write_whole_file(const std::string& path, const std::string& bytes);
 
 }  // namespace sandglass::host

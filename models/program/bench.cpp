@@ -5,7 +5,6 @@
 
 #include "kernels/int8.h"
 #include "models/files/atomic_file.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/simulation/simulation.h"
 #include "models/work/progress.h"
@@ -86,17 +85,6 @@ void with_progress(const char* what, const std::function<void(const Progressed& 
     progress.done(done);
     return !interrupted();
   });
-}
-
-void add_bench_command(Command& program, const std::string& group) {
-  Command& bench =
-      program.add_command("bench", "Measure the speed of this machine, with the errors of the same run", group);
-  add_bench_granular(bench);
-  add_bench_ladder(bench);
-  add_bench_growth(bench);
-  add_bench_shadow(bench);
-  add_bench_lighting(bench);
-  add_bench_machine(bench);
 }
 
 }  // namespace sandglass::host

@@ -11,15 +11,22 @@
 
 namespace sandglass::host {
 
-class Command;
+// Of all suites; suite_options.cpp says which takes what.
+struct BenchOptions {
+  std::string json, out, isa = "automatic", mesh = "chair", network;
+  std::vector<std::string> assets;
+  uint32_t frames = 100;
+  bool peers = false;
+  std::vector<uint32_t> threads = {1}, thresholds;
+};
 
-// One function a suite (bench_granular.cpp ...): adds it below `bench`.
-void add_bench_granular(Command& bench);
-void add_bench_ladder(Command& bench);
-void add_bench_growth(Command& bench);
-void add_bench_shadow(Command& bench);
-void add_bench_lighting(Command& bench);
-void add_bench_machine(Command& bench);
+// One function a suite (bench_granular.cpp ...); each returns the exit code.
+int bench_granular_command(const BenchOptions& options);
+int bench_ladder_command(const BenchOptions& options);
+int bench_growth_command(const BenchOptions& options);
+int bench_shadow_command(const BenchOptions& options);
+int bench_lighting_command(const BenchOptions& options);
+int bench_machine_command(const BenchOptions& options);
 
 struct Bench {
   std::string suite;

@@ -6,7 +6,6 @@
 
 #include "models/laboratory/sand/peer_bullet.h"
 #include "models/program/bench.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/work/progress.h"
 
@@ -16,13 +15,6 @@ namespace {
 
 constexpr uint32_t k_peer_frames = 5;     // other engines take seconds a frame
 constexpr uint32_t k_search_threads = 4;  // the search needs errors only, and they do not depend on threads
-
-struct Options {
-  std::string json, isa = "automatic";
-  uint32_t frames = 100;
-  bool peers = false;
-  std::vector<uint32_t> threads = {1};
-};
 
 // Other engines, and ours over as many frames, in which the column still stands.
 void run_peers(const SceneTable& table, const SceneFile& column, const Bench& bench) {
@@ -48,7 +40,7 @@ EqualError search_equal_error(const SceneFile& column, double p99, sandglass_isa
   });
 }
 
-void measure(const Options& options, Bench* bench) {
+void measure(const BenchOptions& options, Bench* bench) {
   constexpr uint32_t k_source_steps = 16, k_source_iterations = 7;  // Alg. 4 as the source runs it
   const SceneFile column = load_scene("column14k");
   const SceneTable table(bench);
@@ -80,21 +72,11 @@ void measure(const Options& options, Bench* bench) {
 
 }  // namespace
 
-void add_bench_granular(Command& bench) {
-  const auto options = std::make_shared<Options>();
-  Command& command = bench.add_command("granular", "Sand: a collapsing column, against the source's scheme");
-  add_thread_counts(command, options->threads);
-  command.add("--frames N", options->frames, "Frames of a case; errors compare at 100 only")
-      .checked(whole_number(1, 10000));
-  command.add_flag("--peers", options->peers, "Also run other engines on the same scene, 5 frames each");
-  add_isa(command, options->isa);
-  add_json(command, options->json);
-  command.runs([options] {
-    listen_for_interrupt();
-    Bench measured("granular", options->isa, Bench::Kernels::sand);
-    measure(*options, &measured);
-    return measured.finish(options->json);
-  });
+int bench_granular_command(const BenchOptions& options) {
+  listen_for_interrupt();
+  Bench measured("granular", options.isa, Bench::Kernels::sand);
+  measure(options, &measured);
+  return measured.finish(options.json);
 }
 
 }  // namespace sandglass::host

@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include "models/program/bench.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/simulation/metrics.h"
 #include "models/work/progress.h"
@@ -13,11 +12,6 @@ namespace sandglass::host {
 namespace {
 
 constexpr uint32_t k_frames = 50;
-
-struct Options {
-  std::string json, isa = "automatic";
-  std::vector<uint32_t> threads = {1};
-};
 
 // One value a size of the scene.
 struct Growth {
@@ -68,21 +62,14 @@ void measure(uint32_t threads, Bench* bench) {
 
 }  // namespace
 
-void add_bench_growth(Command& bench) {
-  const auto options = std::make_shared<Options>();
-  Command& command = bench.add_command("growth", "Sand: how time and memory grow with the scene");
-  add_thread_counts(command, options->threads);
-  add_isa(command, options->isa);
-  add_json(command, options->json);
-  command.runs([options] {
-    listen_for_interrupt();
-    Bench measured("growth", options->isa, Bench::Kernels::sand);
-    std::printf("%9s %9s %2s %12s %14s %11s %13s %10s\n", "particles", "grains", "T", "solver, ms", "ns a particle",
-                "refine, ms", "ns a grain", "bytes/item");
-    for (const uint32_t threads : options->threads)
-      if (!interrupted()) measure(threads, &measured);
-    return measured.finish(options->json);
-  });
+int bench_growth_command(const BenchOptions& options) {
+  listen_for_interrupt();
+  Bench measured("growth", options.isa, Bench::Kernels::sand);
+  std::printf("%9s %9s %2s %12s %14s %11s %13s %10s\n", "particles", "grains", "T", "solver, ms", "ns a particle",
+              "refine, ms", "ns a grain", "bytes/item");
+  for (const uint32_t threads : options.threads)
+    if (!interrupted()) measure(threads, &measured);
+  return measured.finish(options.json);
 }
 
 }  // namespace sandglass::host

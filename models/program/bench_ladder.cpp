@@ -5,19 +5,12 @@
 #include "models/drawing/plot.h"
 #include "models/files/atomic_file.h"
 #include "models/program/bench.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
 
 namespace {
-
-struct Options {
-  std::string json, out, isa = "automatic";
-  uint32_t frames = 100;
-  std::vector<uint32_t> threads = {1};
-};
 
 // One series of the plane.
 struct Curve {
@@ -79,26 +72,16 @@ void draw(const Curves& curves, const std::string& folder) {
 
 }  // namespace
 
-void add_bench_ladder(Command& bench) {
-  const auto options = std::make_shared<Options>();
-  Command& command = bench.add_command("ladder", "The quality ladder: error and time of every level");
-  add_thread_counts(command, options->threads);
-  command.add("--frames N", options->frames, "Frames of a case; errors compare at 100 only")
-      .checked(whole_number(1, 10000));
-  command.add("--out FOLDER", options->out, "Draw error against time into this folder, of the last thread count");
-  add_isa(command, options->isa);
-  add_json(command, options->json);
-  command.runs([options] {
-    listen_for_interrupt();
-    Bench measured("ladder", options->isa, Bench::Kernels::sand);
-    const SceneFile column = load_scene("column14k");
-    const SceneTable table(&measured);
-    Curves curves;
-    for (const uint32_t threads : options->threads)
-      if (!interrupted()) curves = measure(table, column, threads, options->frames);
-    if (!options->out.empty() && !interrupted()) draw(curves, options->out);
-    return measured.finish(options->json);
-  });
+int bench_ladder_command(const BenchOptions& options) {
+  listen_for_interrupt();
+  Bench measured("ladder", options.isa, Bench::Kernels::sand);
+  const SceneFile column = load_scene("column14k");
+  const SceneTable table(&measured);
+  Curves curves;
+  for (const uint32_t threads : options.threads)
+    if (!interrupted()) curves = measure(table, column, threads, options.frames);
+  if (!options.out.empty() && !interrupted()) draw(curves, options.out);
+  return measured.finish(options.json);
 }
 
 }  // namespace sandglass::host

@@ -5,17 +5,12 @@
 #include "models/laboratory/light/lighting_bench.h"
 #include "models/lighting/excerpts.h"
 #include "models/program/bench.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
 
 namespace {
-
-struct Options {
-  std::string json, asset, isa = "automatic";
-};
 
 void print_and_keep(const LightingBench& result, Bench* bench) {
   std::printf("%-13s %8s %8s %9s %11s %13s %17s %10s\n", "case", "ms", "GMAC/s", "of peak", "arena, MiB", "activations",
@@ -68,9 +63,9 @@ void print_operators(const LightingBench& result) {
   std::puts("");
 }
 
-void measure(const Options& options, Bench* bench) {
-  const bool shipped = options.asset.empty();
-  const std::string asset = shipped ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.asset;
+void measure(const BenchOptions& options, Bench* bench) {
+  const bool shipped = options.network.empty();
+  const std::string asset = shipped ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.network;
   const std::string content = read_file(asset, "lighting network");
   std::vector<Excerpt> excerpts;
   if (shipped) excerpts = read_excerpts(SANDGLASS_LIGHTING_DIR "/excerpts");
@@ -90,18 +85,11 @@ void measure(const Options& options, Bench* bench) {
 
 }  // namespace
 
-void add_bench_lighting(Command& bench) {
-  const auto options = std::make_shared<Options>();
-  Command& command = bench.add_command("lighting", "The lighting network: one estimate by every back end");
-  command.add("--asset FILE", options->asset, "The network").by_default("the shipped one");
-  add_isa(command, options->isa);
-  add_json(command, options->json);
-  command.runs([options] {
-    listen_for_interrupt();
-    Bench measured("lighting", options->isa, Bench::Kernels::bytes);
-    measure(*options, &measured);
-    return measured.finish(options->json);
-  });
+int bench_lighting_command(const BenchOptions& options) {
+  listen_for_interrupt();
+  Bench measured("lighting", options.isa, Bench::Kernels::bytes);
+  measure(options, &measured);
+  return measured.finish(options.json);
 }
 
 }  // namespace sandglass::host

@@ -3,27 +3,21 @@
 
 #include "models/laboratory/machine_peak.h"
 #include "models/program/bench.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
 
-void add_bench_machine(Command& bench) {
-  const auto json = std::make_shared<std::string>();
-  Command& command = bench.add_command("machine", "This machine: peak arithmetic and memory speed of one thread");
-  add_json(command, *json);
-  command.runs([json] {
-    listen_for_interrupt();
-    Bench measured("machine", "automatic", Bench::Kernels::sand);
-    const MachinePeak peak = measure_machine_peak();
-    std::printf("peak, one thread: %.2f GMAC/s (f32), %.2f GMAC/s (int8), %.2f GB/s read\n", peak.f32_gmac_per_s,
-                peak.int8_gmac_per_s, peak.read_gb_per_s);
-    measured.keep("peak", "f32_gmac_per_s", "GMAC/s", peak.f32_gmac_per_s);
-    measured.keep("peak", "int8_gmac_per_s", "GMAC/s", peak.int8_gmac_per_s);
-    measured.keep("peak", "read_gb_per_s", "GB/s", peak.read_gb_per_s);
-    return measured.finish(*json);
-  });
+int bench_machine_command(const BenchOptions& options) {
+  listen_for_interrupt();
+  Bench measured("machine", "automatic", Bench::Kernels::sand);
+  const MachinePeak peak = measure_machine_peak();
+  std::printf("peak, one thread: %.2f GMAC/s (f32), %.2f GMAC/s (int8), %.2f GB/s read\n", peak.f32_gmac_per_s,
+              peak.int8_gmac_per_s, peak.read_gb_per_s);
+  measured.keep("peak", "f32_gmac_per_s", "GMAC/s", peak.f32_gmac_per_s);
+  measured.keep("peak", "int8_gmac_per_s", "GMAC/s", peak.int8_gmac_per_s);
+  measured.keep("peak", "read_gb_per_s", "GB/s", peak.read_gb_per_s);
+  return measured.finish(options.json);
 }
 
 }  // namespace sandglass::host

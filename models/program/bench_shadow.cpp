@@ -1,30 +1,19 @@
 // `sandglass bench shadow`: time and error of one shadow texture, for every way of computing it.
-#include "models/program/bench.h"
-#include "models/program/command_line.h"
-#include "models/program/commands.h"
-#ifdef SANDGLASS_HAVE_BAKE
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/laboratory/shadow/shadow_bench.h"
 #include "models/laboratory/shadow/shadow_curves.h"
-#include "models/work/failure.h"
+#include "models/program/bench.h"
+#include "models/program/commands.h"
 #include "models/work/progress.h"
-#endif
 
 namespace sandglass::host {
 
-#ifdef SANDGLASS_HAVE_BAKE
-
 namespace {
 
-struct Options {
-  std::string json, out, isa = "automatic", mesh = "chair";
-  std::vector<std::string> assets;
-  std::vector<uint32_t> thresholds;
-};
-
-std::vector<NamedShadow> read_shadows(const Options& options) {
+std::vector<NamedShadow> read_shadows(const BenchOptions& options) {
   std::vector<NamedShadow> files;
   for (const std::string& path :
        options.assets.empty() ? std::vector{std::string(SANDGLASS_SHADOWS_DIR) + "/chair.shadow"} : options.assets) {
@@ -54,7 +43,7 @@ void print_and_keep(const std::vector<ShadowBenchRow>& rows, Bench* bench) {
   }
 }
 
-void draw_curves(const Options& options, const std::vector<NamedShadow>& files, const Mesh& mesh, Bench* bench) {
+void draw_curves(const BenchOptions& options, const std::vector<NamedShadow>& files, const Mesh& mesh, Bench* bench) {
   make_folder(options.out);
   std::vector<ShadowCurve> curves;
   with_progress("measuring curves",
@@ -71,7 +60,7 @@ void draw_curves(const Options& options, const std::vector<NamedShadow>& files, 
   std::printf("plot           %s/shadow_curves.png\n", options.out.c_str());
 }
 
-void measure(const Options& options, Bench* bench) {
+void measure(const BenchOptions& options, Bench* bench) {
   if (options.assets.size() > 1 && options.out.empty())
     throw cannot("measure", options.assets[1], "shadows after the first are only drawn", "Name a folder with --out");
   const std::vector<NamedShadow> files = read_shadows(options);
@@ -87,33 +76,11 @@ void measure(const Options& options, Bench* bench) {
 
 }  // namespace
 
-#endif
-
-void add_bench_shadow(Command& bench) {
-  Command& command = bench.add_command("shadow", "Shadows: one texture by every way of computing it");
-#ifdef SANDGLASS_HAVE_BAKE
-  const auto options = std::make_shared<Options>();
-  command
-      .add("--asset FILES", options->assets,
-           "Baked shadows, separated by commas: the first is measured, --out draws all of them")
-      .separated_by(',')
-      .by_default("the shipped chair");
-  command.add("--mesh MESH", options->mesh, "The mesh that they were baked from: a file, or a generated mesh's name");
-  command.add("--thresholds LIST", options->thresholds, "More thresholds of the adaptive mode, separated by commas")
-      .separated_by(',')
-      .checked(whole_number(0, 255));
-  command.add("--out FOLDER", options->out, "Draw error against time into this folder");
-  add_isa(command, options->isa);
-  add_json(command, options->json);
-  command.runs([options] {
-    listen_for_interrupt();
-    Bench measured("shadow", options->isa, Bench::Kernels::bytes);
-    measure(*options, &measured);
-    return measured.finish(options->json);
-  });
-#else
-  command.is_left_out("this build has no ray tracer", "Install Embree and Eigen, configure and build again.");
-#endif
+int bench_shadow_command(const BenchOptions& options) {
+  listen_for_interrupt();
+  Bench measured("shadow", options.isa, Bench::Kernels::bytes);
+  measure(options, &measured);
+  return measured.finish(options.json);
 }
 
 }  // namespace sandglass::host

@@ -2,7 +2,6 @@
 #include <cstdio>
 
 #include "models/laboratory/light/ceiling.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/work/progress.h"
 
@@ -35,29 +34,14 @@ void print(const Ceiling& ceiling, size_t rows) {
 
 }  // namespace
 
-void add_ceiling_command(Command& program, const std::string& group) {
-  struct Options {
-    CeilingOptions ceiling;
-    std::string object = "trefoil";
-    uint32_t rows = 100;
-  };
-  const auto options = std::make_shared<Options>();
-  CeilingOptions& ceiling = options->ceiling;
-  Command& command = program.add_command("ceiling", "Measure how well the true light labels light an object", group);
-  command.add("PANORAMAS", ceiling.panoramas, "Files that end in .hdr or .exr, or folders of them").required();
-  command.add("--object MESH", options->object, "Object that is lit: a mesh file, or the name of a generated mesh");
-  command.add("--views N", ceiling.views, "Views of each panorama").checked(whole_number(1, 8));
-  command.add("--samples N", ceiling.samples, "Paths a pixel").checked(whole_number(1, 4096));
-  command.add("--rows N", options->rows, "Rows of the table, best first");
-  add_threads(command, ceiling.threads);
-  command.runs([options] {
-    listen_for_interrupt();
-    options->ceiling.object = named_mesh(options->object).mesh;
-    const Ceiling measured = measure_ceiling(options->ceiling);
-    if (interrupted()) return k_exit_interrupted;
-    print(measured, options->rows);
-    return k_exit_done;
-  });
+int ceiling_command(const CeilingCommandOptions& options) {
+  listen_for_interrupt();
+  CeilingOptions ceiling = options.ceiling;
+  ceiling.object = named_mesh(options.object).mesh;
+  const Ceiling measured = measure_ceiling(ceiling);
+  if (interrupted()) return k_exit_interrupted;
+  print(measured, options.rows);
+  return k_exit_done;
 }
 
 }  // namespace sandglass::host

@@ -1,108 +1,75 @@
 #include "models/program/command_help.h"
 
-#include <algorithm>
+#include <CLI/CLI.hpp>
 
 namespace sandglass::host {
 
 namespace {
 
-constexpr size_t k_line = 110, k_widest_word = 24;
+constexpr size_t k_text_width = 82;  // of a line's right column
 
-struct Row {
-  std::string word, text;
+// Breaks between words.
+std::string in_lines(const std::string& text) {
+  std::string lines;
+  size_t length = 0;
+  for (const std::string& word : CLI::detail::split(text, ' ')) {
+    if (length > 0 && length + 1 + word.size() > k_text_width) lines += '\n', length = 0;
+    else if (length > 0) lines += ' ', ++length;
+    lines += word, length += word.size();
+  }
+  return lines;
+}
+
+class Formatter : public CLI::Formatter {
+ public:
+  // What the words below a command are called.
+  Formatter(const std::string& below, size_t width) {
+    label("SUBCOMMAND", below);
+    label("Positionals", "Arguments");
+    column_width(width);
+  }
+
+  // An option's type is "N:1 to 256", its unit and what it must be.
+  std::string make_option_opts(const CLI::Option* option) const override {
+    const std::string type = option->get_type_name();
+    return option->get_positional() || option->get_type_size() == 0 ? "" : " " + type.substr(0, type.find(':'));
+  }
+
+  std::string make_option_desc(const CLI::Option* option) const override {
+    const std::string type = option->get_type_name();
+    std::string standard = option->get_default_str();
+    if (standard.starts_with('[')) standard = standard.substr(1, standard.size() - 2);  // of several values
+    std::string notes = type.find(':') == std::string::npos ? "" : type.substr(type.find(':') + 1);
+    const auto note = [&](const std::string& text) { notes += (notes.empty() ? "" : "; ") + text; };
+    if (option->get_required() && !option->get_positional()) note("required");
+    if (!standard.empty() && !option->get_positional()) note("default: " + standard);
+    return in_lines(option->get_description() + (notes.empty() ? "" : " (" + notes + ")"));
+  }
+
+  std::string make_subcommands(const CLI::App* app, CLI::AppFormatMode mode) const override {
+    return CLI::detail::find_and_replace(CLI::Formatter::make_subcommands(app, mode), "\n\n", "\n");
+  }
 };
-
-// The rows below each other, their texts in one column; what is too long is broken between words.
-std::string table(const std::vector<Row>& rows) {
-  size_t column = 0;
-  for (const Row& row : rows) column = std::max(column, std::min(row.word.size(), k_widest_word) + 4);
-  std::string all;
-  for (const Row& row : rows) {
-    std::string line = "  " + row.word;
-    if (line.size() + 2 > column) all += line + "\n", line.clear();
-    line.resize(column, ' ');
-    for (size_t at = 0; at < row.text.size();) {
-      const size_t end = std::min(row.text.find(' ', at), row.text.size());
-      const bool first = line.size() == column;
-      if (!first && line.size() + 1 + end - at > k_line) {
-        all += line + "\n";
-        line.assign(column, ' ');
-      } else if (!first) {
-        line += ' ';
-      }
-      line += row.text.substr(at, end - at);
-      at = end + 1;
-    }
-    all += line + "\n";
-  }
-  return all;
-}
-
-Row row_of(const Option& option) {
-  Row row = {"", option.help};
-  for (const std::string& name : option.names) row.word += (row.word.empty() ? "" : ", ") + name;
-  if (!option.value_word.empty()) row.word += " " + option.value_word;
-  std::string notes = option.check.range;
-  const auto note = [&](const std::string& text) { notes += (notes.empty() ? "" : "; ") + text; };
-  if (option.is_required && !option.is_argument()) note("required");
-  if (!option.default_text.empty()) note("default: " + option.default_text);
-  if (!notes.empty()) row.text += " (" + notes + ")";
-  return row;
-}
-
-std::string usage(const Command& command) {
-  std::string line = "Usage: sandglass";
-  if (command.parent() != nullptr) line += " " + command.path();
-  if (!command.commands().empty()) return line + (command.parent() == nullptr ? " COMMAND" : " SUITE") + " [OPTIONS]\n";
-  for (const auto& option : command.options()) {
-    if (option->is_argument()) line += option->is_required ? " " + option->name() : " [" + option->name() + "]";
-    else if (option->is_required) line += " " + option->name() + " " + option->value_word;
-  }
-  return line + " [OPTIONS]\n";
-}
-
-std::string commands_by_group(const Command& command) {
-  std::vector<Row> rows;
-  size_t widest = 0;
-  for (const auto& below : command.commands()) widest = std::max(widest, below->name().size());
-  std::string text, group;
-  const auto flush = [&] {
-    if (rows.empty()) return;
-    text += (group.empty() ? "Suites" : group) + ":\n" + table(rows);
-    rows.clear();
-  };
-  for (const auto& below : command.commands()) {
-    if (below->group() != group) flush();
-    group = below->group();
-    std::string name = below->name();
-    name.resize(widest, ' ');
-    rows.push_back({name, below->help()});
-  }
-  flush();
-  return text;
-}
 
 }  // namespace
 
-std::string help_of(const Command& command) {
-  std::string text = command.help() + "\n" + usage(command);
-  if (!command.commands().empty()) {
-    text += "\n" + commands_by_group(command);
-    const std::string one = command.parent() == nullptr ? "COMMAND" : command.path() + " SUITE";
-    text += "\nThe options of each: sandglass " + one + " --help\n";
+void format_help(CLI::App& program) {
+  program.formatter(std::make_shared<Formatter>("COMMAND", 18));
+  program.get_help_ptr()->group("");
+  program.get_option("--version")->group("");
+  program.footer(
+      "The options of each: sandglass COMMAND --help\n"
+      "Version: sandglass --version. Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 130 interrupted.\n"
+      "Begin with: sandglass run demo --out out");
+  for (CLI::App* command : program.get_subcommands({})) {
+    const bool has_suites = !command->get_subcommands({}).empty();
+    command->formatter(std::make_shared<Formatter>("SUITE", has_suites ? 12 : 28));
+    command->footer("");
+    for (CLI::App* suite : command->get_subcommands({})) suite->formatter(std::make_shared<Formatter>("", 28));
+    if (!has_suites) continue;
+    command->get_help_ptr()->group("");
+    command->footer("The options of each: sandglass " + command->get_name() + " SUITE --help");
   }
-  std::vector<Row> arguments, options;
-  for (const auto& option : command.options()) (option->is_argument() ? arguments : options).push_back(row_of(*option));
-  if (!arguments.empty()) text += "\nArguments:\n" + table(arguments);
-  if (command.commands().empty()) {
-    options.push_back({"-h, --help", "Print this help"});
-    text += "\nOptions:\n" + table(options);
-  }
-  if (command.parent() == nullptr)
-    text +=
-        "Version: sandglass --version. Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 130 interrupted.\n"
-        "Begin with: sandglass run demo --out out\n";
-  return text;
 }
 
 }  // namespace sandglass::host

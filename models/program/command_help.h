@@ -1,12 +1,13 @@
-// The help of a command as text: one line a command, and for each option its unit, range and default.
+// How CLI11 prints the help: of each option its unit, range and default; of the program and of `bench` and `verify`
+// what stands below them.
 #pragma once
 
-#include <string>
-
-#include "models/program/command_line.h"
+namespace CLI {
+class App;
+}
 
 namespace sandglass::host {
 
-std::string help_of(const Command& command);
+void format_help(CLI::App& program);
 
 }  // namespace sandglass::host

@@ -1,143 +1,114 @@
 #include "models/program/command_mistakes.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cctype>
+#include <set>
+
+#include "models/files/failure.h"
+#include "models/program/nearest_name.h"
 
 namespace sandglass::host {
 
 namespace {
 
-std::string quoted(const std::string& text) { return '"' + text + '"'; }
+using Names = std::vector<std::string>;
 
-// " See: sandglass bench granular --help."
-std::string see(const Command& at) {
-  return " See: sandglass " + (at.parent() == nullptr ? "" : at.path() + " ") + "--help.";
+// "bench granular "
+std::string path(const CLI::App& at) {
+  return at.get_parent() == nullptr ? "" : path(*at.get_parent()) + at.get_name() + " ";
 }
+std::string named(const CLI::App& at) { return in_quotes(path(at).substr(0, path(at).size() - 1)); }
+std::string of(const CLI::App& at) { return at.get_parent() == nullptr ? "" : " of " + named(at); }
 
-std::string suggestion(const std::string& word, const std::vector<std::string>& names) {
-  const std::string nearest = nearest_name(word, names);
-  return nearest.empty() ? "" : " Did you mean " + quoted(nearest) + "?";
-}
-
-std::string of(const Command& at) { return at.parent() == nullptr ? "" : " of " + quoted(at.path()); }
-
-// Below the program stand commands, below a command its suites.
-const char* kind_below(const Command& at) { return at.parent() == nullptr ? "command" : "suite"; }
-
-std::vector<std::string> names_below(const Command& at) {
-  std::vector<std::string> names;
-  for (const auto& command : at.commands()) names.push_back(command->name());
+Names names_below(const CLI::App& at) {
+  Names names;
+  for (const CLI::App* below : at.get_subcommands({})) names.push_back(below->get_name());
   return names;
 }
 
-// Letters that are wrong, missing, too many or swapped with their neighbour.
-size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::vector<size_t>> d(a.size() + 1, std::vector<size_t>(b.size() + 1));
-  for (size_t i = 0; i <= a.size(); ++i)
-    for (size_t j = 0; j <= b.size(); ++j) {
-      if (i == 0 || j == 0) {
-        d[i][j] = i + j;
-        continue;
-      }
-      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1)});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
-    }
-  return d[a.size()][b.size()];
+std::string unknown_option(const CLI::App& at, const std::string& name) {
+  Names suites, names;
+  const CLI::App* above = at.get_parent();
+  if (above != nullptr && above->get_parent() == nullptr) above = &at;
+  if (above != nullptr)
+    for (const CLI::App* suite : above->get_subcommands({}))
+      if (suite->get_option_no_throw(name) != nullptr) suites.push_back(named(*suite));
+  const std::string what = "unknown option " + in_quotes(name) + of(at);
+  if (!suites.empty()) return what + ": it belongs to " + list_of(suites, "and") + ". Leave it out.";
+  for (const CLI::Option* option : at.get_options({}))
+    for (const std::string& each : option->get_lnames()) names.push_back("--" + each);
+  return what + "." + suggestion(name, names);
 }
 
-// The suites beside `at` and below it that have the option.
-std::vector<std::string> suites_with(const Command& at, const std::string& option) {
-  std::vector<std::string> suites;
-  const bool is_suite = at.parent() != nullptr && at.parent()->parent() != nullptr;
-  for (const Command* above : {&at, is_suite ? at.parent() : nullptr})
-    for (size_t i = 0; above != nullptr && above->parent() != nullptr && i < above->commands().size(); ++i)
-      if (above->commands()[i]->find_option(option) != nullptr) suites.push_back(quoted(above->commands()[i]->path()));
-  return suites;
+// A minus before a digit begins a number.
+bool is_option(const std::string& word) {
+  return word.size() > 1 && word[0] == '-' && (word[1] < '0' || word[1] > '9');
 }
 
-// "--output FILE", or the word of an argument.
-std::string written(const Option& option) {
-  return option.is_argument() ? option.name() : quoted(option.name() + " " + option.value_word);
+// What is wrong with the option, the word before `next`. Moves `next` behind its values.
+std::string mistake_of_option(const CLI::App& at, const Names& words, size_t* next,
+                              std::set<const CLI::Option*>* given) {
+  const std::string& word = words[*next - 1];
+  const bool is_long = word.starts_with("--");
+  const std::string name = is_long ? word.substr(0, word.find('=')) : word.substr(0, 2);
+  const CLI::Option* option = at.get_option_no_throw(name);
+  if (option == nullptr) return unknown_option(at, is_long ? name : word);
+  const std::string which = in_quotes(option->get_name()) + of(at);
+  const int least = option->get_items_expected_min(), most = option->get_items_expected_max();
+  if (most == 0) return word.size() > name.size() ? which + " takes no value: write it alone." : "";
+  if (!given->insert(option).second && most == 1) return which + " is given twice. Give it once.";
+  int values = word.size() > name.size() ? 1 : 0;
+  while (values < most && *next < words.size() && !is_option(words[*next])) ++values, ++*next;
+  if (values >= least) return "";
+  const std::string type = option->get_type_name();
+  return which + " needs a value: write " + in_quotes(option->get_name() + " " + type.substr(0, type.find(':'))) + ".";
+}
+
+// The first mistake in the names of commands and options; empty where there is none. Cuts off the words behind it, and
+// those behind --help. The values, and what must and must not stand together, are left to CLI11.
+std::string first_mistake(const CLI::App*& at, Names* words) {
+  std::set<const CLI::Option*> given;
+  std::string mistake;
+  int arguments = 0;  // left to give
+  for (size_t next = 0; next < words->size();) {
+    const std::string word = (*words)[next++];
+    const std::vector<const CLI::App*> below = at->get_subcommands({});
+    const auto found = std::find_if(below.begin(), below.end(), [&](auto* app) { return app->get_name() == word; });
+    if (at->get_allow_extras() || word == "--") return "";
+    if (is_option(word)) mistake = mistake_of_option(*at, *words, &next, &given);
+    else if (found != below.end())
+      for (const CLI::Option* option : (at = *found)->get_options({}))
+        arguments += option->get_positional() ? option->get_items_expected_max() : 0;
+    else if (!below.empty())
+      mistake = (at->get_parent() == nullptr ? "unknown command " : "unknown suite ") + in_quotes(word) + of(*at) +
+                "." + suggestion(word, names_below(*at));
+    else if (--arguments < 0) mistake = "unknown argument " + in_quotes(word) + of(*at) + ". Leave it out.";
+    if (mistake.empty() && word != "-h" && word != "--help") continue;
+    words->resize(next);
+    return mistake;
+  }
+  if (at->get_require_subcommand_min() == 0) return "";
+  return named(*at) + " needs a suite: " + list_of(names_below(*at), "or") + ".";
 }
 
 }  // namespace
 
-std::string nearest_name(const std::string& word, const std::vector<std::string>& names) {
-  constexpr size_t k_prefix = 3;  // letters that tell names apart
-  std::string nearest;
-  size_t least = 2 + word.size() / 4;  // one more than may be wrong
-  for (const std::string& name : names) {
-    const bool begins = name.starts_with(word) && word.size() >= k_prefix + name.find_first_not_of('-');
-    const size_t wrong = begins ? 1 : distance(word, name);
-    if (wrong < least) least = wrong, nearest = name;
-  }
-  return nearest;
-}
-
-std::string list_of(const std::vector<std::string>& names, const std::string& last) {
-  std::string list;
-  for (size_t i = 0; i < names.size(); ++i)
-    list += (i == 0 ? "" : i + 1 < names.size() ? ", " : " " + last + " ") + names[i];
-  return list;
-}
-
-Failure unknown_command(const Command& at, const std::string& word) {
-  return Failure(std::string("unknown ") + kind_below(at) + " " + quoted(word) + of(at) + "." +
-                 suggestion(word, names_below(at)) + see(at));
-}
-
-Failure unknown_option(const Command& at, const std::string& word) {
-  const std::string what = "unknown option " + quoted(word) + of(at);
-  const std::vector<std::string> suites = suites_with(at, word);
-  if (!suites.empty()) return Failure(what + ": it belongs to " + list_of(suites, "and") + ". Leave it out." + see(at));
-  std::vector<std::string> names = {"--help"};
-  if (at.parent() == nullptr) names.emplace_back("--version");
-  for (const auto& option : at.options())
-    if (!option->is_argument()) names.insert(names.end(), option->names.begin(), option->names.end());
-  return Failure(what + "." + suggestion(word, names) + see(at));
-}
-
-Failure unknown_argument(const Command& at, const std::string& word) {
-  return Failure("unknown argument " + quoted(word) + of(at) + ". Leave it out." + see(at));
-}
-
-Failure wrong_value(const Command& at, const Option& option, const std::string& value) {
-  return Failure("cannot take " + quoted(value) + " as " + quoted(option.name()) + of(at) + ": it is not " +
-                 option.check.wanted + "." + suggestion(value, option.check.names) + see(at));
-}
-
-Failure value_missing(const Command& at, const Option& option) {
-  return Failure(quoted(option.name()) + of(at) + " needs a value: write " + written(option) + "." + see(at));
-}
-
-Failure no_value_wanted(const Command& at, const Option& option) {
-  return Failure(quoted(option.name()) + of(at) + " takes no value: write it alone." + see(at));
-}
-
-Failure given_twice(const Command& at, const Option& option) {
-  return Failure(quoted(option.name()) + of(at) + " is given twice. Give it once." + see(at));
-}
-
-void expect_complete(const Command& chosen) {
-  if (!chosen.commands().empty())
-    throw Failure(quoted(chosen.path()) + " needs a " + kind_below(chosen) + ": " + list_of(names_below(chosen), "or") +
-                  "." + see(chosen));
-  for (const auto& option : chosen.options()) {
-    if (option->is_required && option->taken == 0) {
-      std::string help = option->help;
-      help[0] = static_cast<char>(std::tolower(static_cast<unsigned char>(help[0])));
-      throw Failure(quoted(chosen.path()) + " needs " + written(*option) + ": " + help + "." + see(chosen));
-    }
-    if (option->taken == 0) continue;
-    for (const Option* other : option->excluded)
-      if (other->taken > 0)
-        throw Failure("cannot use " + quoted(option->name()) + " and " + quoted(other->name()) + of(chosen) +
-                      " together. Leave one out." + see(chosen));
-    for (const Option* other : option->needed)
-      if (other->taken == 0)
-        throw Failure("cannot use " + quoted(option->name()) + of(chosen) + " without " + quoted(other->name()) +
-                      ". Add it, or leave both out." + see(chosen));
+void parse_command_line(CLI::App& program, int argc, char** argv) {
+  Names words(argv + 1, argv + argc);
+  const CLI::App* at = &program;
+  const std::string mistake = first_mistake(at, &words);
+  const std::string see = " See: sandglass " + path(*at) + "--help.";
+  std::reverse(words.begin(), words.end());  // as CLI11 expects them
+  try {
+    program.parse(std::move(words));
+  } catch (const CLI::Success&) {
+    throw;
+  } catch (const CLI::ValidationError& error) {  // "--frames: why"
+    const std::string text = error.what();
+    const size_t colon = text.find(": ");
+    throw Failure("cannot use " + in_quotes(text.substr(0, colon)) + of(*at) + text.substr(colon) + see);
+  } catch (const CLI::ParseError& error) {
+    throw Failure((mistake.empty() ? "cannot start " + named(*at) + ": " + error.what() + "." : mistake) + see);
   }
 }
 

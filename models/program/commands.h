@@ -1,39 +1,108 @@
-// The commands of the program. Each function adds one with its options; what the command returns is the exit code.
+// The commands of the program: the options of each, and what it does with them. Each function returns the exit code.
+// command_options.cpp declares the options for the command line.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "models/laboratory/light/ceiling.h"
+#include "models/lighting/dataset.h"
 #include "models/mesh/mesh.h"
+#ifdef SANDGLASS_HAVE_BAKE
+#include "models/baking/bake.h"
+#endif
+#ifdef SANDGLASS_HAVE_VIEW
+#include "models/view/window.h"
+#endif
 
 namespace sandglass::host {
-
-class Command;
-struct Option;
 
 // Bad input, a Failure, is the program's exit code 2.
 constexpr int k_exit_done = 0, k_exit_check_failed = 1, k_exit_bad_input = 2, k_exit_interrupted = 130;
 
-void add_run_command(Command& program, const std::string& group);
-void add_view_command(Command& program, const std::string& group);
-void add_inspect_command(Command& program, const std::string& group);
-void add_light_command(Command& program, const std::string& group);
-void add_bake_command(Command& program, const std::string& group);
-void add_sample_command(Command& program, const std::string& group);
-void add_room_command(Command& program, const std::string& group);
-void add_dataset_command(Command& program, const std::string& group);
-void add_light_features_command(Command& program, const std::string& group);
-void add_quantise_light_command(Command& program, const std::string& group);
-void add_ceiling_command(Command& program, const std::string& group);
-void add_bench_command(Command& program, const std::string& group);
-void add_verify_command(Command& program, const std::string& group);
+struct RunOptions {
+  std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, dump, out;
+  std::string panorama, photo, asset, light, network;
+  uint32_t frames = 0, threads = 1;  // frames 0: the scene's
+  double budget_ms = -1.0;           // below 0: the scene's
+  double fov_deg = 0.0;
+  bool plain = false;
+};
+int run_command(const RunOptions& options);
 
-// Options that several commands have, in the same words.
-Option& add_threads(Command& command, uint32_t& threads);
-Option& add_thread_counts(Command& command, std::vector<uint32_t>& threads);
-Option& add_isa(Command& command, std::string& isa);
-Option& add_json(Command& command, std::string& file);
+struct LightOptions {
+  std::vector<std::string> images;
+  std::string folder, network = SANDGLASS_LIGHTS_DIR "/room.light";
+  double fov_deg = 75.0;
+  uint32_t turn_deg = 0;
+};
+int light_command(const LightOptions& options);
+
+struct InspectOptions {
+  std::string file, mesh;
+};
+int inspect_command(const InspectOptions& options);
+
+enum class SampleWhat { surface, volume, lattice, disk, sphere, ring };
+struct SampleOptions {
+  std::string mesh;  // a file, or the name of a generated mesh
+  SampleWhat what = SampleWhat::surface;
+  uint32_t kinds = 0;   // how many of them the command line names
+  double distance = 0;  // metres; of disk, sphere and ring the mean spacing follows from `count`
+  uint32_t count = 0;   // points of a disk, sphere or ring of radius 1
+  std::vector<double> polar_deg = {0.0, 45.0};  // of a ring
+  uint64_t seed = 1;
+  bool geodesic = false;  // surface only
+  std::string picture, spectrum, output;
+};
+int sample_command(const SampleOptions& options);
+
+struct RoomOptions {
+  std::string output, picture;
+  uint64_t seed = 1;
+  int width = 512, samples = 64;  // of the panorama, and paths a pixel
+  uint32_t threads = 1;
+};
+int room_command(const RoomOptions& options);
+
+int dataset_command(const DatasetOptions& options);
+
+struct LightFeaturesOptions {
+  std::string network, folder, output;
+  bool mirror = false;
+};
+int light_features_command(const LightFeaturesOptions& options);
+
+struct QuantiseLightOptions {
+  std::string weights, output, name = "lighting";
+  std::vector<std::string> folders, measured;
+  uint32_t images = 96;
+  bool keep_float = false;
+};
+int quantise_light_command(const QuantiseLightOptions& options);
+
+struct CeilingCommandOptions {
+  CeilingOptions ceiling;
+  std::string object = "trefoil";
+  uint32_t rows = 100;
+};
+int ceiling_command(const CeilingCommandOptions& options);
+
+#ifdef SANDGLASS_HAVE_BAKE
+struct BakeOptions {
+  std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", plane = "fitted", picture, json;
+  BakeSettings settings;
+  bool resume = false, no_picture = false;
+};
+int bake_command(const BakeOptions& options);
+bool read_degrees(const std::string& text, double* value);      // "20" or "20deg"
+bool read_shape(const std::string& text, NetworkShape* shape);  // "128x2"
+#endif
+
+#ifdef SANDGLASS_HAVE_VIEW
+int view_command(const ViewOptions& options);
+#endif
 
 // The mesh that a command line names: a generated one (models/mesh/generated.h), or a file.
 MeshResult named_mesh(const std::string& name_or_file);

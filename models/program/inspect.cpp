@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/mesh/mesh.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/simulation/body_meshes.h"
 #include "models/simulation/recording.h"
@@ -14,7 +14,6 @@
 #include "models/simulation/scene_fill.h"
 #include "models/simulation/simulation.h"
 #include "models/simulation/standing_shadows.h"
-#include "models/work/failure.h"
 #include "runtime/asset/light_asset.h"
 #include "sandglass/light.h"
 #include "sandglass/shadow.h"
@@ -165,19 +164,9 @@ void inspect(const std::string& file, const std::string& mesh) {
 
 }  // namespace
 
-void add_inspect_command(Command& program, const std::string& group) {
-  struct Options {
-    std::string file, mesh;
-  };
-  const auto options = std::make_shared<Options>();
-  Command& command = program.add_command(
-      "inspect", "Say what a file is: a recording, a shadow, a lighting network, a scene or a mesh", group);
-  command.add("FILE", options->file, "The file, or the name of a shipped scene").required();
-  command.add("--mesh FILE", options->mesh, "For a scene: mesh of its bodies of shape \"mesh\"");
-  command.runs([options] {
-    inspect(options->file, options->mesh);
-    return k_exit_done;
-  });
+int inspect_command(const InspectOptions& options) {
+  inspect(options.file, options.mesh);
+  return k_exit_done;
 }
 
 }  // namespace sandglass::host

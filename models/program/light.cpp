@@ -5,12 +5,11 @@
 #include <set>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/picture_file.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/room_light.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
@@ -20,14 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr size_t k_sheet_rows = 24;  // pictures on the sheet
 
-struct Options {
-  std::vector<std::string> images;
-  std::string folder, network = SANDGLASS_LIGHTS_DIR "/room.light";
-  double fov_deg = 75.0;
-  uint32_t turn_deg = 0;
-};
-
-nlohmann::json json_of(const Options& options, const std::string& path, const sandglass_light_estimate& world) {
+nlohmann::json json_of(const LightOptions& options, const std::string& path, const sandglass_light_estimate& world) {
   const sandglass_light_estimate e = in_camera_frame(world);
   const auto triple = [](const float* v) { return nlohmann::json{v[0], v[1], v[2]}; };
   nlohmann::json json;
@@ -54,7 +46,7 @@ Picture turned(const Picture& picture, uint32_t degrees) {
 }
 
 // Without extensions, and different where photographs of several folders have one name.
-std::vector<std::string> outputs_of(const Options& options) {
+std::vector<std::string> outputs_of(const LightOptions& options) {
   std::set<std::string> names = {"sheet"};
   std::vector<std::string> outputs;
   for (const std::string& path : options.images) {
@@ -66,7 +58,7 @@ std::vector<std::string> outputs_of(const Options& options) {
   return outputs;
 }
 
-int estimate_all(const Options& options) {
+int estimate_all(const LightOptions& options) {
   RoomLight light(options.network);
   // What cannot be read is said before anything is written.
   std::vector<Picture> pictures;
@@ -108,20 +100,9 @@ int estimate_all(const Options& options) {
 
 }  // namespace
 
-void add_light_command(Command& program, const std::string& group) {
-  const auto options = std::make_shared<Options>();
-  Command& command = program.add_command("light", "Estimate the light of photographs", group);
-  command.add("IMAGES", options->images, "PNG or JPEG files").required();
-  command.add("-o,--output FOLDER", options->folder, "Write a JSON file and a picture for each image into this folder")
-      .required();
-  command.add("--fov DEGREES", options->fov_deg, "Field of view across the diagonal, degrees").checked(number(10, 170));
-  command.add("--turn DEGREES", options->turn_deg, "Clockwise turn that makes the images upright, degrees")
-      .checked(one_of({"0", "90", "180", "270"}));
-  command.add("--network FILE", options->network, "The lighting network").by_default("the shipped one");
-  command.runs([options] {
-    listen_for_interrupt();
-    return estimate_all(*options);
-  });
+int light_command(const LightOptions& options) {
+  listen_for_interrupt();
+  return estimate_all(options);
 }
 
 }  // namespace sandglass::host

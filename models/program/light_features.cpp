@@ -4,23 +4,17 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/npy.h"
 #include "models/files/picture_file.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/light_runner.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
 
 namespace {
-
-struct Options {
-  std::string network, folder, output;
-  bool mirror = false;
-};
 
 Picture mirrored(const Picture& picture) {
   Picture out = picture;
@@ -29,7 +23,7 @@ Picture mirrored(const Picture& picture) {
   return out;
 }
 
-int write_features(const Options& options) {
+int write_features(const LightFeaturesOptions& options) {
   const std::string bytes = read_file(options.network, "lighting network");
   LightRunner runner({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, options.network);
   const std::vector<std::string> images = images_of_dataset(options.folder);
@@ -53,17 +47,9 @@ int write_features(const Options& options) {
 
 }  // namespace
 
-void add_light_features_command(Command& program, const std::string& group) {
-  const auto options = std::make_shared<Options>();
-  Command& command = program.add_command("light-features", "Write what the lighting network's heads see", group);
-  command.add("NETWORK", options->network, "File of the lighting network").required();
-  command.add("DATASET", options->folder, "Folder that `sandglass dataset` made").required();
-  command.add("-o,--output FILE", options->output, "Write one row an image to this file, .npy").required();
-  command.add_flag("--mirror", options->mirror, "Add the rows of the mirrored images behind them");
-  command.runs([options] {
-    listen_for_interrupt();
-    return write_features(*options);
-  });
+int light_features_command(const LightFeaturesOptions& options) {
+  listen_for_interrupt();
+  return write_features(options);
 }
 
 }  // namespace sandglass::host

@@ -4,14 +4,13 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/picture_file.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/float_parameters.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/quantise.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
@@ -22,13 +21,6 @@ constexpr int k_width = 256, k_height = 192;
 // How far the bytes may be from the float network, in medians over images: degrees of the direction, and colours or
 // contrast.
 constexpr double k_angle_limit_deg = 1, k_difference_limit = 0.01;
-
-struct Options {
-  std::string weights, output, name = "lighting";
-  std::vector<std::string> folders, measured;
-  uint32_t images = 96;
-  bool keep_float = false;
-};
 
 // By the manifests: what an earlier data set left in a folder is not of this one.
 std::vector<std::string> pictures_in(const std::vector<std::string>& folders) {
@@ -71,7 +63,7 @@ void compare(const LightValues& truth, const LightOutputs& bytes, Differences* t
   to->others.push_back(std::max(greatest, static_cast<double>(std::fabs(truth[9] - bytes.contrast))));
 }
 
-int run(const Options& options) {
+int run(const QuantiseLightOptions& options) {
   const std::vector<std::string> paths = pictures_in(options.folders);
   std::vector<std::string> to_calibrate, to_measure;
   if (options.measured.empty()) {  // every other one of those chosen
@@ -134,25 +126,9 @@ int run(const Options& options) {
 
 }  // namespace
 
-void add_quantise_light_command(Command& program, const std::string& group) {
-  const auto options = std::make_shared<Options>();
-  Command& command = program.add_command("quantise-light", "Turn the trained lighting network into bytes", group);
-  command.add("WEIGHTS", options->weights, "The trained network, as train.py exports it, .npz").required();
-  command
-      .add("--calibrate FOLDERS", options->folders,
-           "Folders that `sandglass dataset` made; without --measure half of their images measure the error")
-      .required();
-  command.add("--measure FOLDERS", options->measured, "Folders of other places, whose images measure the error");
-  command.add("-o,--output FILE", options->output, "Write the network to this file").required();
-  command.add("--name NAME", options->name, "Name of the network, kept in the file");
-  command.add("--images N", options->images, "Images that calibrate, and as many that measure")
-      .checked(whole_number(2, 10000));
-  command.add_flag("--keep-float", options->keep_float,
-                   "Keep the float network in the file, 30 MB more, for XNNPACK in float");
-  command.runs([options] {
-    listen_for_interrupt();
-    return run(*options);
-  });
+int quantise_light_command(const QuantiseLightOptions& options) {
+  listen_for_interrupt();
+  return run(options);
 }
 
 }  // namespace sandglass::host

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "models/compositing/shot.h"
+#include "models/program/commands.h"
 #include "models/report/pictures.h"
 #include "models/report/report.h"
 #include "models/report/report_page.h"
@@ -23,15 +24,6 @@
 #include "platform/virtual_clock.h"
 
 namespace sandglass::host {
-
-struct RunOptions {
-  std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, dump, out;
-  std::string panorama, photo, asset, light, network;
-  uint32_t frames = 0, threads = 1;  // frames 0: the scene's
-  double budget_ms = -1.0;           // below 0: the scene's
-  double fov_deg = 0.0;
-  bool plain = false;
-};
 
 class Run {
  public:

@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/program/run.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

@@ -7,15 +7,14 @@
 #include <optional>
 
 #include "models/drawing/point_picture.h"
+#include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/mesh/generated.h"
 #include "models/mesh/mesh.h"
 #include "models/mesh/ply.h"
-#include "models/program/command_line.h"
-#include "models/program/command_mistakes.h"
 #include "models/program/commands.h"
+#include "models/program/nearest_name.h"
 #include "models/work/block.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 #include "sandglass/sandglass.h"
 
@@ -24,19 +23,6 @@ namespace {
 
 constexpr int k_picture_width = 960, k_picture_height = 960;
 constexpr double k_poisson_per_cube = 0.6;  // points per distance^3 in a volume, for the time left
-
-enum class SampleWhat { surface, volume, lattice, disk, sphere, ring };
-
-struct SampleOptions {
-  std::string mesh;  // a file, or the name of a generated mesh
-  SampleWhat what = SampleWhat::surface;
-  double distance = 0;  // metres; of disk, sphere and ring the mean spacing follows from `count`
-  uint32_t count = 0;   // points of a disk, sphere or ring of radius 1
-  std::vector<double> polar_deg = {0.0, 45.0};  // of a ring
-  uint64_t seed = 1;
-  bool geodesic = false;  // surface only
-  std::string picture, spectrum, output;
-};
 
 using Points = std::vector<float>;
 
@@ -207,6 +193,9 @@ const char* name_of(SampleWhat what) {
 }
 
 void check(const SampleOptions& options) {
+  if (options.kinds != 1)
+    throw Failure("\"sample\" needs one of --surface, --volume, --lattice, --disk, --sphere and --ring, and " +
+                  std::to_string(options.kinds) + " are given. See: sandglass sample --help.");
   const bool mesh = of_a_mesh(options.what);
   if (mesh && options.mesh.empty())
     throw Failure("\"sample\" needs MESH: a mesh file, or " + list_of(mesh_names(), "or") +
@@ -238,7 +227,10 @@ void write_points(const SampleOptions& options, const Points& points) {
     write_spectrum(options.spectrum, points, options.distance, options.what == SampleWhat::disk);
 }
 
-void sample(SampleOptions options) {
+}  // namespace
+
+int sample_command(const SampleOptions& given) {
+  SampleOptions options = given;
   check(options);
   try {
     Points points;
@@ -256,63 +248,7 @@ void sample(SampleOptions options) {
     throw cannot("sample", subject(options), "this machine has too little memory for so many points",
                  "Enlarge --distance");
   }
-}
-
-struct Shape {
-  const char* option;
-  SampleWhat what;
-  const char* help;
-};
-
-}  // namespace
-
-void add_sample_command(Command& program, const std::string& group) {
-  constexpr Shape k_of_a_mesh[] = {{"--surface", SampleWhat::surface, "Poisson disk samples on the surface of MESH"},
-                                   {"--volume", SampleWhat::volume, "Poisson disk samples in the volume of MESH"},
-                                   {"--lattice", SampleWhat::lattice, "Hexagonal close packing in the volume of MESH"}};
-  constexpr Shape k_of_radius_1[] = {{"--disk N", SampleWhat::disk, "This many points of the unit disk"},
-                                     {"--sphere N", SampleWhat::sphere, "This many points of the unit sphere"},
-                                     {"--ring N", SampleWhat::ring, "This many points of a ring of the unit sphere"}};
-  struct Asked {
-    SampleOptions options;
-    bool of_mesh[3] = {};
-    uint32_t counts[3] = {};
-  };
-  const auto asked = std::make_shared<Asked>();
-  SampleOptions& options = asked->options;
-  Command& command =
-      program.add_command("sample", "Fill or cover a mesh, a disk, a sphere or a ring with points", group);
-  command.add("MESH", options.mesh, "A mesh file, or " + list_of(mesh_names(), "or"));
-  std::vector<const Option*> what;
-  for (size_t i = 0; i < 3; ++i)
-    what.push_back(&command.add_flag(k_of_a_mesh[i].option, asked->of_mesh[i], k_of_a_mesh[i].help));
-  for (size_t i = 0; i < 3; ++i)
-    what.push_back(&command.add(k_of_radius_1[i].option, asked->counts[i], k_of_radius_1[i].help)
-                        .checked(whole_number(1, 1u << 26))
-                        .by_default(""));
-  command.add("--polar DEGREES", options.polar_deg, "Two polar angles that bound the ring, degrees")
-      .values(2)
-      .checked(number(0, 180));
-  command.add("--distance METRES", options.distance, "Least distance between two points on or in MESH, metres")
-      .checked(number_above_zero())
-      .by_default("");
-  command.add("--seed N", options.seed, "Equal seeds give equal points");
-  command.add_flag("--geodesic", options.geodesic, "Measure the distance along the surface");
-  command.add("--picture FILE", options.picture, "Also draw the points, .png");
-  command.add("--spectrum FILE", options.spectrum, "Also plot the power spectrum of the points, .png");
-  command.add("-o,--output FILE", options.output, "Write the points to this file, .ply").required();
-  command.runs([asked, what] {
-    size_t chosen = 0, kinds = 0;
-    for (size_t i = 0; i < what.size(); ++i)
-      if (what[i]->taken > 0) chosen = i, ++kinds;
-    if (kinds != 1)
-      throw Failure("\"sample\" needs one of --surface, --volume, --lattice, --disk, --sphere and --ring, and " +
-                    std::to_string(kinds) + " are given. See: sandglass sample --help.");
-    asked->options.what = static_cast<SampleWhat>(chosen);
-    if (!of_a_mesh(asked->options.what)) asked->options.count = asked->counts[chosen - 3];
-    sample(asked->options);
-    return k_exit_done;
-  });
+  return k_exit_done;
 }
 
 }  // namespace sandglass::host

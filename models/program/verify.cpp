@@ -6,7 +6,6 @@
 #include <cstdlib>
 
 #include "models/files/atomic_file.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
 
 namespace sandglass::host {
@@ -83,13 +82,6 @@ Failure no_panoramas(const std::string& what) {
   return Failure("cannot check " + what +
                  ": no panoramas are named. Name .hdr or .exr files, or folders of them, with " +
                  "--panoramas, or the data folder in SANDGLASS_DATA_DIR.");
-}
-
-void add_verify_command(Command& program, const std::string& group) {
-  Command& verify = program.add_command("verify", "Check every claim of accuracy; exit code 1 if one fails", group);
-  add_verify_granular(verify);
-  add_verify_lighting(verify);
-  add_verify_shot(verify);
 }
 
 }  // namespace sandglass::host

@@ -5,18 +5,26 @@
 #include <string>
 #include <vector>
 
+#include "models/files/failure.h"
 #include "models/laboratory/measurement_json.h"
 #include "models/laboratory/sand/granular_verdicts.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 
-class Command;
+// Of all suites; suite_options.cpp says which takes what.
+struct VerifyOptions {
+  std::string json, out, isa = "automatic", manifest, estimates, network, object = "trefoil";
+  std::vector<std::string> cases, panoramas;
+  bool quick = false;
+  int views = 8, samples = 48;
+  uint64_t seed = 0;
+  uint32_t threads = 1;
+};
 
-// One function a suite (verify_granular.cpp ...): adds it below `verify`.
-void add_verify_granular(Command& verify);
-void add_verify_lighting(Command& verify);
-void add_verify_shot(Command& verify);
+// One function a suite (verify_granular.cpp ...); each returns the exit code.
+int verify_granular_command(const VerifyOptions& options);
+int verify_lighting_command(const VerifyOptions& options);
+int verify_shot_command(const VerifyOptions& options);
 
 void print_verdicts(const std::vector<Verdict>& rows);
 // Writes verify.csv and verify.md into the folder.

@@ -3,25 +3,18 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/laboratory/sand/granular_plots.h"
 #include "models/laboratory/sand/physics_cases.h"
-#include "models/program/command_line.h"
-#include "models/program/command_mistakes.h"
 #include "models/program/commands.h"
+#include "models/program/nearest_name.h"
 #include "models/program/verify.h"
 #include "models/simulation/simulation.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
 
 namespace {
-
-struct Options {
-  std::string json, out, isa = "automatic";
-  std::vector<std::string> cases;
-  bool quick = false;
-};
 
 // A slow case that is named and left out would pass without having been checked.
 void expect_quick(const std::vector<std::string>& cases) {
@@ -50,7 +43,7 @@ std::string kernels_of(sandglass_isa isa) {
   return sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
 }
 
-int verify(const Options& options) {
+int verify(const VerifyOptions& options) {
   if (options.quick) expect_quick(options.cases);
   const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa)};
   const std::string isa_name = kernels_of(choice.isa);
@@ -74,18 +67,9 @@ int verify(const Options& options) {
 
 }  // namespace
 
-void add_verify_granular(Command& verify_command) {
-  const auto options = std::make_shared<Options>();
-  Command& command = verify_command.add_command("granular", "Sand: friction, piles, flow, momentum, hard cases");
-  command.add("--case NAMES", options->cases, "Only these cases").checked(one_of(verdict_groups())).by_default("all");
-  command.add_flag("--quick", options->quick, "Only the cases that take seconds");
-  command.add("--out FOLDER", options->out, "Write the table and its curves into this folder");
-  add_isa(command, options->isa);
-  add_json(command, options->json);
-  command.runs([options] {
-    listen_for_interrupt();
-    return verify(*options);
-  });
+int verify_granular_command(const VerifyOptions& options) {
+  listen_for_interrupt();
+  return verify(options);
 }
 
 }  // namespace sandglass::host

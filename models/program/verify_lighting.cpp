@@ -7,6 +7,7 @@
 
 #include "models/compositing/light_estimate.h"
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/npz.h"
 #include "models/laboratory/light/turning_camera.h"
 #include "models/laboratory/light/verify_lighting.h"
@@ -14,11 +15,9 @@
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/lit_view.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/program/verify.h"
 #include "models/simulation/simulation.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
@@ -26,13 +25,6 @@ namespace sandglass::host {
 namespace {
 
 constexpr const char* k_usual_object = "trefoil";
-
-struct Options {
-  std::string json, out, isa = "automatic", manifest, estimates, network, object = k_usual_object;
-  std::vector<std::string> panoramas;
-  int views = 8, samples = 48;
-  uint32_t threads = 1;
-};
 
 bool is_float(const std::string& network) { return network.ends_with(".npz"); }
 
@@ -68,7 +60,7 @@ struct LightingSources {
 
 constexpr const char* k_cross_validated = SANDGLASS_LIGHTING_DIR "/cross_validated_estimates.csv";
 
-LightingSources lighting_sources(const Options& options) {
+LightingSources lighting_sources(const VerifyOptions& options) {
   LightingSources s = {options.panoramas, options.manifest, options.estimates, options.network};
   if (options.samples == 0 && options.object != k_usual_object)
     throw Failure("cannot use \"--object\" with \"--samples 0\", which renders nothing. Leave one of them out.");
@@ -124,7 +116,7 @@ void add_turns(const LightingSources& sources, std::vector<Verdict>* rows) {
   report("network", filtered);
 }
 
-LightEstimator chosen_estimator(const LightingSources& sources, const Options& options) {
+LightEstimator chosen_estimator(const LightingSources& sources, const VerifyOptions& options) {
   if (!sources.network.empty()) return estimator_of(sources.network, find_isa(options.isa));
   return estimates_of_csv(read_file(sources.estimates, "estimates"), sources.estimates);
 }
@@ -139,7 +131,7 @@ void write_folder(const std::string& folder, const LightingVerdicts& verdicts, c
   std::printf("%s: lighting.csv, lighting.txt, lighting.png, verify.csv, verify.md\n", folder.c_str());
 }
 
-int verify(const Options& options) {
+int verify(const VerifyOptions& options) {
   const LightingSources sources = lighting_sources(options);
   const bool in_bytes = !sources.network.empty() && !is_float(sources.network);
   LightingVerdictOptions lighting;
@@ -166,31 +158,9 @@ int verify(const Options& options) {
 
 }  // namespace
 
-void add_verify_lighting(Command& verify_command) {
-  const auto options = std::make_shared<Options>();
-  Command& command = verify_command.add_command("lighting", "Light: estimates against labels and baselines");
-  command.add("--panoramas FILES", options->panoramas, "Files that end in .hdr or .exr, or folders of them")
-      .by_default("the interiors of SANDGLASS_DATA_DIR");
-  command.add("--manifest FILE", options->manifest,
-              "CSV with the columns file, group and fold: which panoramas show the same place");
-  Option& network =
-      command
-          .add("--network FILE", options->network, "Network that estimates, run as in an app; of a file .npz in float")
-          .by_default("the shipped one for --panoramas");
-  command.add("--estimates FILE", options->estimates, "Estimates of all views, as train.py writes them")
-      .by_default("the cross-validated ones for SANDGLASS_DATA_DIR")
-      .excludes(network);
-  command.add("--object MESH", options->object, "Object that is lit: a mesh file, or the name of a generated mesh");
-  command.add("--views N", options->views, "Views of each panorama").checked(whole_number(1, 8));
-  command.add("--samples N", options->samples, "Paths a pixel; 0 renders nothing").checked(whole_number(0, 4096));
-  command.add("--out FOLDER", options->out, "Write tables and pictures into this folder");
-  add_threads(command, options->threads);
-  add_isa(command, options->isa);
-  add_json(command, options->json);
-  command.runs([options] {
-    listen_for_interrupt();
-    return verify(*options);
-  });
+int verify_lighting_command(const VerifyOptions& options) {
+  listen_for_interrupt();
+  return verify(options);
 }
 
 }  // namespace sandglass::host

@@ -5,27 +5,19 @@
 
 #include "models/compositing/light_estimate.h"
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/laboratory/shot/verify_shot.h"
 #include "models/lighting/dataset.h"
-#include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/program/verify.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
 
 namespace {
 
-struct Options {
-  std::string json, out, network;
-  std::vector<std::string> panoramas;
-  uint64_t seed = 0;
-  uint32_t threads = 1;
-};
-
 // The panoramas of the options, or the data folder's interiors.
-std::vector<std::string> chosen_panoramas(const Options& options) {
+std::vector<std::string> chosen_panoramas(const VerifyOptions& options) {
   if (!options.panoramas.empty()) return find_panoramas(options.panoramas);
   if (data_folder().empty()) throw no_panoramas("shots");
   return find_panoramas({data_folder() + "/hdri/indoor"});
@@ -64,7 +56,7 @@ uint32_t judge_pile_shadow(const std::vector<PileShadowError>& lights, std::vect
   return pass ? 0 : 1;
 }
 
-int verify(const Options& options) {
+int verify(const VerifyOptions& options) {
   ShotStudyOptions study;
   study.panoramas = chosen_panoramas(options);
   study.network = options.network.empty() ? shipped_light_network() : options.network;
@@ -94,22 +86,9 @@ int verify(const Options& options) {
 
 }  // namespace
 
-void add_verify_shot(Command& verify_command) {
-  const auto options = std::make_shared<Options>();
-  Command& command = verify_command.add_command("shot", "Whole pictures: composites against path traced truth");
-  command.add("--panoramas FILES", options->panoramas, "Files that end in .hdr or .exr, or folders of them")
-      .by_default("the interiors of SANDGLASS_DATA_DIR");
-  command.add("--network FILE", options->network, "Network that estimates the light").by_default("the shipped one");
-  command.add("--seed N", options->seed,
-              "Where the cameras look: 0 for the study of 20 views, others in all panoramas");
-  command.add("--out FOLDER", options->out,
-              "Write the table and pictures into this folder; a later run goes on from it");
-  add_threads(command, options->threads);
-  add_json(command, options->json);
-  command.runs([options] {
-    listen_for_interrupt();
-    return verify(*options);
-  });
+int verify_shot_command(const VerifyOptions& options) {
+  listen_for_interrupt();
+  return verify(options);
 }
 
 }  // namespace sandglass::host

@@ -8,9 +8,9 @@
 #include <filesystem>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/simulation/scene_file.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

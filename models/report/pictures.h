@@ -34,7 +34,7 @@ struct PictureSet {
   std::optional<Camera> camera;
   uint32_t threads = 4;
   bool plain = false;  // without label, ruler and checker
-  bool film = true;    // else nothing but the moments of the sheet is looked at, however many snapshots there are
+  bool film = true;    // without a film, only the moments of the sheet are looked at
   // Draws the grains of a snapshot instead of the renderer of render.h, if it is set.
   std::function<Picture(const Snapshot& snapshot, int width, int height, uint32_t threads)> painter;
 };
@@ -44,7 +44,7 @@ struct PicturePaths {
   std::vector<PageFigure> figures;  // first and last frame, grains and particles, with and without shadow; the sheet
 };
 
-// Draws everything into set.folder. Ctrl-C ends the drawing after the picture that is being made; what is there is
+// Draws everything into set.folder. Ctrl-C ends the drawing after the picture that is being made. What is there then is
 // complete.
 PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& snapshots);
 

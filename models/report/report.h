@@ -78,7 +78,7 @@ struct Summary {
 };
 Summary summarise(const std::vector<FrameRow>& frames);
 
-const char* stage_name(sandglass_stage stage);  // "granular", "refine", "output"
+const char* stage_name(sandglass_stage stage);  // "granular", "lighting", "shadow", "refine", "output"
 
 // One row a frame. Times in milliseconds end with _ms, in simulated seconds with _s; counts have no unit. light_x, _y
 // and _z point towards the light in the world; light_r, _g, _b, ambient_r, _g, _b, contrast and confidence are as in

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <thread>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

@@ -44,7 +44,7 @@ struct PageContent {
   std::string title;  // empty: the scene's name
   std::vector<PageFigure> figures;
   std::vector<PageTable> tables;
-  std::vector<LightSeries> light;  // beside that of the report's rows: what it should be, say
+  std::vector<LightSeries> light;  // drawn beside that of the report's rows: what it should be, for example
 };
 
 // A Failure for a figure that is neither PNG nor JPEG.

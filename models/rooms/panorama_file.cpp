@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 #ifdef SANDGLASS_HAVE_OPENEXR
 #include <ImfChannelList.h>

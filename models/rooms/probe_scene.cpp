@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/files/failure.h"
 #include "models/tracing/directions.h"
 #include "models/tracing/ray_caster.h"
-#include "models/work/failure.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {

@@ -1,6 +1,6 @@
-// The experiment of the dissertation's evaluation: a grey, diffuse object on a plane, lit by an environment and path
-// traced. Light is linear, so the picture under any estimated light is a sum of two pictures: one under the directional
-// light and one under the ambient light, each of strength 1.
+// The scene of the dissertation's evaluation: a grey, diffuse object on a plane, lit by an environment and path traced.
+// Light is linear, so the picture under any estimated light is a sum of two: one under the directional light and one
+// under the ambient light, each of strength 1.
 #pragma once
 
 #include <cstdint>
@@ -40,7 +40,7 @@ class ProbeLight {
 
 struct ProbeImage {
   RadianceMap radiance;
-  std::vector<float> lit;  // on the plane, irradiance over that without the object; on the object -1
+  std::vector<float> lit;  // on the plane: irradiance, divided by that without the object; on the object: -1
 };
 
 class ProbeScene {

@@ -111,8 +111,8 @@ Sky choose_sky(RoomBuilder* b, bool day) {
   return sky;
 }
 
-Material wall_material(RoomBuilder* b) {
-  Material m;
+RoomMaterial wall_material(RoomBuilder* b) {
+  RoomMaterial m;
   const bool white = b->chance(0.55);
   m.colour = colour_of_hue(b->between(0.0, 1.0), white ? b->between(0.0, 0.12) : b->between(0.1, 0.6),
                            white ? b->between(0.5, 0.85) : b->between(0.1, 0.7));
@@ -125,8 +125,8 @@ Material wall_material(RoomBuilder* b) {
   return m;
 }
 
-Material floor_material(RoomBuilder* b) {
-  Material m;
+RoomMaterial floor_material(RoomBuilder* b) {
+  RoomMaterial m;
   const int kind = b->pick(5);
   const Vec3 wood = colour_of_hue(b->between(0.05, 0.11), b->between(0.35, 0.75), b->log_between(0.06, 0.4));
   const Vec3 grey = colour_of_hue(b->between(0.0, 1.0), b->between(0.0, 0.2), b->between(0.15, 0.6));
@@ -145,15 +145,15 @@ void build_shell(RoomBuilder* b, bool day) {
   Room& room = b->room;
   const Vec3 s = room.size;
   const int floor = b->material(floor_material(b));
-  Material white;
+  RoomMaterial white;
   white.colour = colour_of_hue(b->between(0.0, 1.0), b->between(0.0, 0.1), b->between(0.55, 0.88));
   if (b->chance(0.15)) white = wall_material(b);
   if (b->chance(0.15)) white.pattern = Pattern::tiles, white.scale = 0.6, white.second = white.colour * 0.8;
   const int ceiling = b->material(white);
   b->quad({0, 0, 0}, {0, 0, s.z}, {s.x, 0, 0}, floor);
   b->quad({0, s.y, 0}, {s.x, 0, 0}, {0, 0, s.z}, ceiling);
-  const Material paint = wall_material(b), accent = wall_material(b);
-  Material trim;
+  const RoomMaterial paint = wall_material(b), accent = wall_material(b);
+  RoomMaterial trim;
   trim.colour = b->chance(0.6) ? Vec3{0.75, 0.74, 0.71} : colour_of_hue(0.08, 0.6, b->between(0.05, 0.3));
   const int frame = b->material(trim), skirting = b->chance(0.6) ? frame : -1;
   const bool blinds = b->chance(0.15), large = b->chance(0.25);

@@ -1,7 +1,7 @@
-// Procedural indoor rooms: the training bulk of the lighting network and the light of the demos, our own and free of
-// anybody's rights. A seed decides everything: size, openings and the sky behind them, surfaces and their colours,
-// furniture, clutter, and which lamps there are and burn. Units are metres and candela per square metre; y is up, the
-// floor is y = 0. What is built here is triangles with materials, and emitters that a path tracer can aim at.
+// Procedural indoor rooms. They train the lighting network and light the demos; nobody else has rights in them. A seed
+// decides everything: size, openings and the sky behind them, surfaces and their colours, furniture, clutter, and which
+// lamps there are and which are on. Units are metres and candela per square metre; y is up, the floor is y = 0. A room
+// is triangles with materials, and emitters that a path tracer can aim at.
 #pragma once
 
 #include <cstdint>
@@ -13,9 +13,9 @@ namespace sandglass::host {
 
 enum class Pattern { plain, checker, tiles, planks, stripes, bricks, blotches, mosaic };
 
-// Diffuse, with an optional mirror-like coat (a fraction `coat` at normal incidence, blurred by `coat_blur`, the radius
-// of the disk about the reflected unit direction).
-struct Material {
+// Diffuse, with an optional mirror-like coat. The coat reflects the fraction `coat` at normal incidence. `coat_blur` is
+// the radius of the disk about the reflected unit direction.
+struct RoomMaterial {
   Vec3 colour = {0.7, 0.7, 0.7}, second = {0.7, 0.7, 0.7};  // reflectances; the second of the pattern
   Pattern pattern = Pattern::plain;
   double scale = 1.0;  // of the pattern, metres
@@ -45,7 +45,7 @@ constexpr double k_sun_cosine = 0.99998917;  // of the sun's angular radius, 0.2
 Vec3 sky_radiance(const Sky& sky, Vec3 direction);  // without the sun
 
 // The reflectance of a material at a point of a surface with that normal.
-Vec3 reflectance(const Material& material, Vec3 point, Vec3 normal);
+Vec3 reflectance(const RoomMaterial& material, Vec3 point, Vec3 normal);
 
 struct RoomTriangle {
   uint32_t corners[3];
@@ -56,7 +56,7 @@ struct RoomTriangle {
 struct Room {
   std::vector<float> vertices;  // three floats each
   std::vector<RoomTriangle> triangles;
-  std::vector<Material> materials;
+  std::vector<RoomMaterial> materials;
   std::vector<Emitter> emitters;
   Sky sky;
   Vec3 size;         // along x, y, z; the floor's corners are (0, 0, 0) and (size.x, 0, size.z)

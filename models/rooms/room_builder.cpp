@@ -21,7 +21,7 @@ constexpr int k_shade_sides = 8;
 
 double RoomBuilder::log_between(double low, double high) { return low * std::pow(high / low, random.uniform()); }
 
-int RoomBuilder::material(const Material& m) {
+int RoomBuilder::material(const RoomMaterial& m) {
   room.materials.push_back(m);
   return static_cast<int>(room.materials.size()) - 1;
 }

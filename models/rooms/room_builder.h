@@ -22,7 +22,7 @@ struct RoomBuilder {
   bool chance(double probability) { return random.uniform() < probability; }
   int pick(int count) { return static_cast<int>(random.below(static_cast<uint32_t>(count))); }
 
-  int material(const Material& m);
+  int material(const RoomMaterial& m);
   // A corner and two edges; visible from both sides, an emitter shines to the side of cross(a, b).
   void quad(Vec3 corner, Vec3 a, Vec3 b, int material, int emitter = -1);
   int quad_emitter(Vec3 corner, Vec3 a, Vec3 b, Vec3 radiance);  // and its two triangles

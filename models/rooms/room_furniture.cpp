@@ -13,8 +13,8 @@ namespace {
 
 constexpr double k_quarter = 0.5 * std::numbers::pi;
 
-Material wood(RoomBuilder* b) {
-  Material m;
+RoomMaterial wood(RoomBuilder* b) {
+  RoomMaterial m;
   m.colour = colour_of_hue(b->between(0.05, 0.11), b->between(0.3, 0.75), b->log_between(0.05, 0.45));
   m.second = m.colour * 0.6;
   m.pattern = Pattern::planks, m.scale = b->between(0.1, 0.4);
@@ -22,8 +22,8 @@ Material wood(RoomBuilder* b) {
   return m;
 }
 
-Material fabric(RoomBuilder* b) {
-  Material m;
+RoomMaterial fabric(RoomBuilder* b) {
+  RoomMaterial m;
   m.colour = colour_of_hue(b->between(0.0, 1.0), b->between(0.0, 0.7), b->log_between(0.04, 0.6));
   m.second = m.colour * b->between(0.5, 0.9);
   constexpr Pattern k_patterns[] = {Pattern::plain, Pattern::blotches, Pattern::stripes, Pattern::checker};
@@ -31,8 +31,8 @@ Material fabric(RoomBuilder* b) {
   return m;
 }
 
-Material lacquer(RoomBuilder* b) {
-  Material m;
+RoomMaterial lacquer(RoomBuilder* b) {
+  RoomMaterial m;
   m.colour =
       colour_of_hue(b->between(0.0, 1.0), b->chance(0.5) ? 0.08 : b->between(0.2, 0.8), b->log_between(0.03, 0.8));
   m.coat = 0.04, m.coat_blur = b->log_between(0.02, 0.3);
@@ -184,7 +184,7 @@ void plant(RoomBuilder* b) {
   const double tall = b->between(0.5, 1.9);
   if (!b->place(0.5, 0.5, &at)) return;
   b->cylinder(at, b->between(0.1, 0.2), b->between(0.15, 0.4), 10, b->material(lacquer(b)));
-  Material leaf;
+  RoomMaterial leaf;
   leaf.colour = colour_of_hue(b->between(0.22, 0.38), b->between(0.5, 0.8), b->log_between(0.03, 0.2));
   const int green = b->material(leaf);
   for (int i = 0; i < 60; ++i) {
@@ -203,7 +203,7 @@ void boxes(RoomBuilder* b) {
   double y = 0.0;
   for (int i = 0; i < 1 + b->pick(3); ++i) {
     const double tall = b->between(0.15, 0.6);
-    Material m = fabric(b);
+    RoomMaterial m = fabric(b);
     if (b->chance(0.5)) m.colour = {0.42, 0.28, 0.16}, m.pattern = Pattern::plain;
     b->box(at + Vec3{0, y, 0}, {side * b->between(0.6, 1.0), tall, side * b->between(0.6, 1.0)}, b->between(0.0, 0.5),
            b->material(m));
@@ -214,7 +214,7 @@ void boxes(RoomBuilder* b) {
 void rug(RoomBuilder* b) {
   const Vec3 s = b->room.size;
   const double wide = b->between(0.4, 0.7) * s.x, deep = b->between(0.4, 0.7) * s.z;
-  Material m = fabric(b);
+  RoomMaterial m = fabric(b);
   if (b->chance(0.4)) m.pattern = Pattern::mosaic, m.scale = b->between(0.05, 0.3);
   b->quad({b->between(0.0, s.x - wide), 0.008, b->between(0.0, s.z - deep)}, {0, 0, deep}, {wide, 0, 0},
           b->material(m));
@@ -222,7 +222,7 @@ void rug(RoomBuilder* b) {
 
 // Pictures, mirrors without their reflection, notice boards and doors: thin boxes on a wall. They may cover a window's
 // edge, as such things do.
-void hang(RoomBuilder* b, double wide, double tall, double low, const Material& face, bool framed) {
+void hang(RoomBuilder* b, double wide, double tall, double low, const RoomMaterial& face, bool framed) {
   const Vec3 s = b->room.size;
   const int side = b->pick(4), skin = b->material(face), frame = b->material(wood(b));
   const bool along_x = side % 2 == 0;
@@ -254,7 +254,7 @@ void furnish(RoomBuilder* b) {
   hang(b, 0.9, 2.05, 0.0, b->chance(0.5) ? wood(b) : lacquer(b), true);
   const int pictures = b->pick(6);
   for (int i = 0; i < pictures; ++i) {
-    Material art;
+    RoomMaterial art;
     art.colour = colour_of_hue(b->between(0.0, 1.0), b->between(0.0, 0.8), b->log_between(0.05, 0.7));
     art.second = colour_of_hue(b->between(0.0, 1.0), b->between(0.0, 0.8), b->log_between(0.05, 0.7));
     art.pattern = b->chance(0.5) ? Pattern::mosaic : Pattern::blotches, art.scale = b->between(0.05, 0.4);

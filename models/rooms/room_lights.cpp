@@ -151,7 +151,7 @@ struct Lamps {
 }  // namespace
 
 void light(RoomBuilder* b, bool daylight) {
-  Material metal;
+  RoomMaterial metal;
   metal.colour = colour_of_hue(b->between(0.0, 1.0), 0.1, b->chance(0.5) ? 0.7 : 0.08);
   Lamps lamps = {b, colour_of_temperature(b->log_between(2400.0, 6800.0)), b->material(metal), {}};
   const bool dark_ceiling = daylight && b->chance(0.6);  // by day most ceiling lights are off, but they are there

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/files/failure.h"
 #include "models/tracing/directions.h"
 #include "models/tracing/embree_scene.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 #include "models/work/thread_pool.h"
 #include "runtime/core/random.h"
@@ -67,8 +67,8 @@ constexpr int k_pilot_paths = 4096;
 // What one bounce may add to a path after the first, in means of what all of them add. The walls right beside a lamp
 // are as bright as a small lamp, and only chance finds them: unlimited, they are sparks all over the picture.
 constexpr double k_spark_limit = 25.0;
-constexpr double k_facing_floor =
-    0.15;  // cosine that a lamp's chance is computed with at least: it may have a near corner
+// The least cosine with which a lamp's chance is computed: one of its corners may be near.
+constexpr double k_facing_floor = 0.15;
 
 EmbreeScene scene_of(const Room& room) {
   std::vector<uint32_t> indices;
@@ -276,7 +276,7 @@ struct Tracer {
         if (!hit.found || luminance(radiance) > 0.0) return sum;
       }
       const Vec3 point = origin + direction * hit.distance, p = point + hit.normal * k_lift;
-      const Material& material = room.materials[room.triangles[hit.triangle].material];
+      const RoomMaterial& material = room.materials[room.triangles[hit.triangle].material];
       const Vec3 colour = reflectance(material, point, hit.normal);
       if (material.coat > 0.0 && seen_directly && mirrors < 3) {
         const double facing = -dot(direction, hit.normal);

@@ -69,7 +69,7 @@ double second_share(Pattern pattern, double x, double y) {
 
 }  // namespace
 
-Vec3 reflectance(const Material& material, Vec3 p, Vec3 n) {
+Vec3 reflectance(const RoomMaterial& material, Vec3 p, Vec3 n) {
   if (material.pattern == Pattern::plain) return material.colour;
   const double ax = std::fabs(n.x), ay = std::fabs(n.y), az = std::fabs(n.z);
   const bool level = ay >= ax && ay >= az;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
+#include "models/files/failure.h"
 #include "models/mesh/generated.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

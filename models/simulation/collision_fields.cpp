@@ -4,29 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 
 namespace {
 
-struct Turned {
-  const Profile& profile;
-  double sign;
-};
-
-float turned_distance(void* user, const float p[3]) {
-  const Turned& turned = *static_cast<const Turned*>(user);
-  return static_cast<float>(turned.sign * revolved_distance(turned.profile, {p[0], p[1], p[2]}));
-}
-
-void require(const SceneFile& scene, size_t index, sandglass_status status, const char* const& reason) {
-  if (status == SANDGLASS_OK) return;
+void require(const SceneFile& scene, size_t index, const cpp::Status& status) {
+  if (status) return;
   throw cannot("make the field of collider " + std::to_string(index) + " in", scene.source,
-               reason != nullptr ? reason : sandglass_status_name(status));
+               status.reason != nullptr ? status.reason : status.name());
 }
-
-Block field_block(uint64_t bytes) { return new_block(bytes, "a collider's field", "enlarge its \"field_spacing\""); }
 
 }  // namespace
 
@@ -65,24 +53,19 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
     const double spacing = track.field_spacing > 0.0 ? track.field_spacing : radius;
     const double margin = std::max(3.0 * radius, 2.0 * spacing);
     const sandglass_solid solid = track.solid_outside ? SANDGLASS_SOLID_OUTSIDE : SANDGLASS_SOLID_INSIDE;
-    const char* reason = nullptr;
-    float low[3], high[3];
-    uint64_t bytes = 0;
-    sandglass_field* field = nullptr;
+    const float step = static_cast<float>(spacing), beyond = static_cast<float>(margin);
+    cpp::Box box;
+    cpp::Field& field = fields_.emplace_back();
     if (!track.profile.empty()) {
       double r = 0.0, bottom = 1e30, top = -1e30;
       for (const auto& point : track.profile)
         r = std::max(r, point[0]), bottom = std::min(bottom, point[1]), top = std::max(top, point[1]);
-      for (const int axis : {0, 2})
-        low[axis] = static_cast<float>(-r - margin), high[axis] = static_cast<float>(r + margin);
-      low[1] = static_cast<float>(bottom - margin), high[1] = static_cast<float>(top + margin);
-      require(*scene, i, sandglass_field_bytes(low, high, static_cast<float>(spacing), &bytes, &reason), reason);
-      blocks_.push_back(field_block(bytes));
-      Turned turned = {track.profile, track.solid_outside ? -1.0 : 1.0};
-      require(*scene, i,
-              sandglass_field_from_function(low, high, static_cast<float>(spacing), solid, turned_distance, &turned,
-                                            blocks_.back().get(), bytes, &field, &reason),
-              reason);
+      to_floats({-r - margin, bottom - margin, -r - margin}, box.min);
+      to_floats({r + margin, top + margin, r + margin}, box.max);
+      const double sign = track.solid_outside ? -1.0 : 1.0;
+      require(*scene, i, field.from_function(box, step, solid, [&](const float* p) {
+        return static_cast<float>(sign * revolved_distance(track.profile, from_floats(p)));
+      }));
     } else {
       if (mesh_path.empty() && track.mesh.empty())
         throw cannot("read", scene->source, "collider " + std::to_string(i) + " is a mesh without a file",
@@ -91,27 +74,18 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
       if (!loaded) throw Failure(loaded.error);
       Mesh standing = loaded.mesh;
       stand_mesh(&standing, track.size.y, mesh_path);
-      sandglass_mesh view = {standing.vertices.data(), standing.vertex_count(), standing.indices.data(),
-                             standing.triangle_count()};
-      require(*scene, i, sandglass_mesh_bounds(&view, low, high, &reason), reason);
-      for (int k = 0; k < 3; ++k) low[k] -= static_cast<float>(margin), high[k] += static_cast<float>(margin);
-      const sandglass_inside_rule rule =
-          loaded.report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
-      uint64_t inside_bytes = 0;
-      require(*scene, i, sandglass_mesh_inside_bytes(&view, rule, &inside_bytes, &reason), reason);
-      const Block inside_block = field_block(inside_bytes);
-      sandglass_mesh_inside* inside = nullptr;
-      require(*scene, i, sandglass_mesh_inside_create(&view, rule, inside_block.get(), inside_bytes, &inside, &reason),
-              reason);
-      require(*scene, i, sandglass_field_bytes(low, high, static_cast<float>(spacing), &bytes, &reason), reason);
-      blocks_.push_back(field_block(bytes));
+      const sandglass_mesh view = {standing.vertices.data(), standing.vertex_count(), standing.indices.data(),
+                                   standing.triangle_count()};
+      cpp::Status bounds;
+      bounds.code = sandglass_mesh_bounds(&view, box.min, box.max, &bounds.reason);
+      require(*scene, i, bounds);
+      for (int k = 0; k < 3; ++k) box.min[k] -= beyond, box.max[k] += beyond;
+      cpp::MeshInside inside;
       require(*scene, i,
-              sandglass_field_from_mesh(&view, sandglass_mesh_inside_test, inside, low, high,
-                                        static_cast<float>(spacing), static_cast<float>(2.0 * radius), solid,
-                                        blocks_.back().get(), bytes, &field, &reason),
-              reason);
+              inside.create(view, loaded.report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING));
+      require(*scene, i, field.from_mesh(view, inside, box, step, static_cast<float>(2.0 * radius), solid));
     }
-    track.field = field;
+    track.field = field.get();
   }
 }
 

@@ -6,7 +6,7 @@
 
 #include "models/mesh/mesh.h"
 #include "models/simulation/scene_file.h"
-#include "models/work/block.h"
+#include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {
 
@@ -21,7 +21,7 @@ class CollisionFields {
   CollisionFields(SceneFile* scene, const std::string& mesh_path);
 
  private:
-  std::vector<Block> blocks_;
+  std::vector<cpp::Field> fields_;
 };
 
 }  // namespace sandglass::host

@@ -1,3 +1,4 @@
+// See floor_shadow.h.
 #include "models/simulation/floor_shadow.h"
 
 #include <cmath>

@@ -11,7 +11,7 @@ namespace sandglass::host {
 // A shadow texture on a floor, as an app composites it: the floor's direct light is multiplied by 1 - coverage *
 // opacity, in linear space.
 struct FloorShadow {
-  uint32_t collider = 0;  // that casts it: it does not also shade the floor by ray tracing
+  uint32_t collider = 0;  // the caster's number; the renderer leaves it out where it traces the floor's shadows
   uint32_t texels = 0;
   std::vector<uint8_t> coverage;       // row by row along local z
   double low[2] = {}, high[2] = {};    // the rectangle, local x and z, metres

@@ -1,10 +1,11 @@
+// See pile_shadow.h.
 #include "models/simulation/pile_shadow.h"
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 
-// A reference: the call that writes the reason is the other argument.
+// By reference: the call that sets it is an argument too, and arguments are evaluated in any order.
 static void require(sandglass_status status, const char* const& reason) {
   if (status != SANDGLASS_OK)
     throw cannot("make", "pile_shadow", reason != nullptr ? reason : sandglass_status_name(status));
@@ -26,8 +27,8 @@ PileShadow::PileShadow(const PileShadowTrack& track, sandglass_isa isa) {
 }
 
 void PileShadow::set_light(Vec3 towards) {
-  const float direction[3] = {static_cast<float>(towards.x), static_cast<float>(towards.y),
-                              static_cast<float>(towards.z)};
+  float direction[3];
+  to_floats(towards, direction);
   const char* reason = nullptr;
   require(sandglass_pile_shadow_set_light(shadow_, direction, &reason), reason);
 }

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {

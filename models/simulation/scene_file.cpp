@@ -11,7 +11,7 @@
 #include <set>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "runtime/core/math.h"
 
 namespace sandglass::host {
@@ -297,8 +297,8 @@ ColliderTrack read_collider(Reader& reader) {
   return track;
 }
 
-void read_light(Reader reader, std::optional<LightTrack>* light) {
-  LightTrack read;
+LightTrack read_light(Reader reader) {
+  LightTrack light;
   const auto angles = [&](const char* key, double least, double most, double(&out)[2]) {
     if (!reader.has(key)) return;
     if (!reader.is_array(key)) {
@@ -308,10 +308,10 @@ void read_light(Reader reader, std::optional<LightTrack>* light) {
     const std::vector<double> ends = reader.numbers(key, 2, least, most);
     out[0] = ends[0], out[1] = ends[1];
   };
-  angles("polar", 0.0, 180.0, read.polar_deg);
-  angles("azimuth", -3600.0, 3600.0, read.azimuth_deg);
+  angles("polar", 0.0, 180.0, light.polar_deg);
+  angles("azimuth", -3600.0, 3600.0, light.azimuth_deg);
   reader.finish();
-  *light = read;
+  return light;
 }
 
 ShotTrack read_shot(Reader reader) {
@@ -343,11 +343,8 @@ PileShadowTrack read_pile_shadow(Reader reader) {
 
 EmitterTrack read_emitter(Reader& reader) {
   EmitterTrack track;
-  const Vec3 position = reader.vector("position", {}, -k_length_limit, k_length_limit);
+  to_floats(reader.vector("position", {}, -k_length_limit, k_length_limit), track.emitter.position);
   const Quaternion rotation = reader.rotation("rotation");
-  track.emitter.position[0] = static_cast<float>(position.x);
-  track.emitter.position[1] = static_cast<float>(position.y);
-  track.emitter.position[2] = static_cast<float>(position.z);
   for (size_t i = 0; i < 4; ++i) track.emitter.rotation[i] = static_cast<float>(rotation[i]);
   if (!reader.has("radius")) reader.refuse("radius", "is missing; give the nozzle's radius in metres");
   track.emitter.radius = reader.real("radius", 0.0f, 1e-4, 100.0);
@@ -359,16 +356,16 @@ EmitterTrack read_emitter(Reader& reader) {
   return track;
 }
 
-void read_camera(Reader reader, std::optional<Camera>* camera) {
-  Camera read;
-  read.eye = reader.vector("eye", {0.5, 0.5, 1.0}, -10.0 * k_length_limit, 10.0 * k_length_limit);
-  read.target = reader.vector("target", {}, -k_length_limit, k_length_limit);
-  read.fov_deg = reader.number("fov_deg", read.fov_deg, 1.0, 120.0);
-  const Vec3 line = read.target - read.eye;
+Camera read_camera(Reader reader) {
+  Camera camera;
+  camera.eye = reader.vector("eye", {0.5, 0.5, 1.0}, -10.0 * k_length_limit, 10.0 * k_length_limit);
+  camera.target = reader.vector("target", {}, -k_length_limit, k_length_limit);
+  camera.fov_deg = reader.number("fov_deg", camera.fov_deg, 1.0, 120.0);
+  const Vec3 line = camera.target - camera.eye;
   if (std::sqrt(line.x * line.x + line.z * line.z) < 1e-3 * length(line) || length(line) == 0.0)
     reader.refuse("target", "lies straight above or below \"eye\", or in it; move one of the two");
   reader.finish();
-  *camera = read;
+  return camera;
 }
 
 }  // namespace
@@ -397,10 +394,7 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   scene.budget_ms = reader.number("budget_ms", scene.budget_ms, 0.0, 1e6);
   scene.seed = reader.integer("seed", 1, 0, ~0u);
   scene.particle_radius = reader.number("particle_radius", 0.0, 1e-4, 10.0);
-  const Vec3 gravity = reader.vector("gravity", {0.0, -9.81, 0.0}, -1000.0, 1000.0);
-  scene.gravity[0] = static_cast<float>(gravity.x);
-  scene.gravity[1] = static_cast<float>(gravity.y);
-  scene.gravity[2] = static_cast<float>(gravity.z);
+  to_floats(reader.vector("gravity", {0.0, -9.81, 0.0}, -1000.0, 1000.0), scene.gravity);
   if (reader.has("friction")) {
     Reader friction = reader.child("friction");
     scene.granular.static_friction = friction.real("static", scene.granular.static_friction, 0.0, 100.0);
@@ -413,7 +407,7 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
   scene.granular.collider_capacity = reader.integer("collider_capacity", 0, 1, k_collider_limit);
   reader.each("bodies", 1000, [&](Reader& entry) { scene.bodies.push_back(read_body(entry)); });
   reader.each("colliders", k_collider_limit, [&](Reader& entry) { scene.colliders.push_back(read_collider(entry)); });
-  if (reader.has("light")) read_light(reader.child("light"), &scene.light);
+  if (reader.has("light")) scene.light = read_light(reader.child("light"));
   if (reader.has("shot")) scene.shot = read_shot(reader.child("shot"));
   if (reader.has("pile_shadow")) scene.pile_shadow = read_pile_shadow(reader.child("pile_shadow"));
   reader.each("emitters", k_flow_limit, [&](Reader& entry) { scene.emitters.push_back(read_emitter(entry)); });
@@ -422,7 +416,7 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
     if (scene.sinks.back().shape == SANDGLASS_SHAPE_FIELD || !scene.sinks.back().motion.empty())
       entry.refuse("shape", "must be a resting half_space, sphere, capsule or box in a sink");
   });
-  if (reader.has("camera")) read_camera(reader.child("camera"), &scene.camera);
+  if (reader.has("camera")) scene.camera = read_camera(reader.child("camera"));
   reader.finish();
   const bool shaded = std::any_of(scene.colliders.begin(), scene.colliders.end(),
                                   [](const ColliderTrack& track) { return !track.shadow.empty(); });
@@ -529,13 +523,10 @@ sandglass_collider collider_over_frame(const ColliderTrack& track, double time, 
   sandglass_collider collider = {};
   collider.shape = track.shape;
   collider.field = track.field;
-  const auto store = [](float* to, Vec3 from) {
-    to[0] = static_cast<float>(from.x), to[1] = static_cast<float>(from.y), to[2] = static_cast<float>(from.z);
-  };
-  store(collider.position, position);
-  store(collider.size, track.size);
-  store(collider.linear_velocity, linear);
-  store(collider.angular_velocity, angular);
+  to_floats(position, collider.position);
+  to_floats(track.size, collider.size);
+  to_floats(linear, collider.linear_velocity);
+  to_floats(angular, collider.angular_velocity);
   for (size_t i = 0; i < 4; ++i) collider.rotation[i] = static_cast<float>(rotation[i]);
   return collider;
 }
@@ -550,10 +541,10 @@ Flow flow_over_frame(const SceneFile& scene, double time) {
 }
 
 float drawn_grain_radius(double particle_radius, uint32_t particles, uint32_t grains) {
-  constexpr double k_fill =
-      0.9;  // a little less than the particles' own volume: grains also fill the pores between them
-  constexpr int k_newton_steps =
-      200;  // from 1 down to every cube root that counts of up to 1e8 can have; libm's cbrt differs between machines
+  // A little less than the particles' own volume: grains also fill the pores between them.
+  constexpr double k_fill = 0.9;
+  // Enough from 1 down to the cube root of 1e-8. libm's cbrt is not used: it differs between machines.
+  constexpr int k_newton_steps = 200;
   if (grains <= particles) return static_cast<float>(particle_radius);
   const double ratio = static_cast<double>(particles) / grains;
   double root = 1.0;

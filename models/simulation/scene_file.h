@@ -1,49 +1,6 @@
 // A scene as a JSON file: what is filled with sand, what it falls on, how it is solved, how long it runs. Every key is
-// known or refused by name, every number is finite and in range; numbers are read as double and used as float.
-// models/scenes holds the shipped scenes. Lengths are metres, times seconds, angles degrees (only here: for people),
-// velocities metres a second.
-//
-//   name, frames, frame_step, budget_ms, gravity [x,y,z], seed
-//   particle_radius       may be left out when one body gives both `size` and `particles`: then it follows from them
-//   friction              {static, kinetic}
-//   solver                {scheme "small_step"|"averaged", iterations, stabilisation, relaxation, substep_max,
-//   substep_min,
-//                          height_weighting, courant, list_skin, blend "continuous"|"source", refine_step}
-//   particle_capacity, grain_capacity, collider_capacity   default: what the scene holds
-//   bodies                [{shape, size, counts, spacing, jitter, particles, grains, grain_distance, grain_fill,
-//   position, rotation,
-//                           velocity}]
-//     shape               "trefoil" (generated) | "mesh" (the file of --mesh) | "box" | "sphere" | "lattice" (a block
-//     of `counts`) | "revolved" (`profile`: a closed outline [[r, y], ...] turned about the y axis; its height is its
-//     size) size                height of trefoil, mesh, sphere; [x,y,z] of a box; left out: follows from
-//     `particles` counts              [x,y,z] sites of a lattice block, y up spacing             of the HCP lattice, in
-//     particle radii; default 2.02. jitter: of every coordinate, in radii; default 0 particles, grains   wanted
-//     numbers, met within 1 %; a lattice block meets `grains` exactly grain_fill          "poisson" (default) | "grid"
-//     (jittered, one grain a cell; lattice blocks always take it) position            of the middle of the body's base
-//     (a lattice block: of its lowest centres) rotation            [x,y,z,w] or {axis [x,y,z], degrees}
-//     rigid               density relative to sand: the body keeps its shape instead of being sand; has no grains
-//   colliders             [{shape "half_space"|"sphere"|"capsule"|"box"|"revolved"|"mesh", position, rotation, size,
-//                           motion}]
-//     revolved, mesh      signed-distance fields: profile as above, or the file of --collider-mesh scaled to height
-//                         `size` with the middle of its base at the origin; solid "inside" (default) | "outside" (sand
-//                         is kept in); field_spacing in metres, default the particle radius
-//     mesh                of a mesh: the generated one (generated.h) that is taken where --collider-mesh names no file
-//     size                sphere: radius; capsule: [radius, half length]; box: half extents [x,y,z]
-//     motion              [{start, end, linear_velocity, angular_velocity}]: velocities from `start` to `end`, world
-//     axes
-//     shadow              of a mesh that stands upright: its baked shadow, a file or the name of one in models/shadows
-//   light                 {polar, azimuth}: degrees from the zenith, and about it from x towards z; [from, to] over the
-//                         run, or one number. Needed where a collider has a shadow
-//   shot                  {turn, sway, room, azimuth}: the scene is seen by a hand-held camera in a room, and lit as
-//   that
-//                         room is (models/shot). Degrees that the camera turns over the run, and sways; the seed of the
-//                         room where no panorama is named; where in it the camera looks, degrees. Needs `camera`, whose
-//                         eye is where the panorama was taken
-//   pile_shadow           {low [x,z], high [x,z], texels}: the sand casts a shadow on the floor y = 0 in this rectangle
-//   emitters              [{position, rotation, radius, speed, grains_per_particle, start, end}]: sand leaves along the
-//                         nozzle's -y from `start` to `end`; needs particle_capacity and, with grains, grain_capacity
-//   sinks                 [{shape "half_space"|"sphere"|"capsule"|"box", position, rotation, size}]: what removes sand
-//   camera                {eye, target, fov_deg}; left out: follows from what is seen
+// known or refused by name, every number is finite and in range. Numbers are read as double and used as float.
+// models/README.md lists the keys; models/scenes holds the scenes that ship.
 #pragma once
 
 #include <array>
@@ -90,7 +47,7 @@ struct ColliderTrack {
   Quaternion rotation = k_no_rotation;
   std::vector<MotionSegment> motion;
   Profile profile;     // of a revolved one; a mesh has none
-  std::string mesh;    // of a mesh: the generated one that stands in where --collider-mesh names no file; may be empty
+  std::string mesh;    // of a mesh: the generated one that is taken where --collider-mesh names no file; may be empty
   std::string shadow;  // of a mesh: file or name of its baked shadow; empty: none
   bool solid_outside = false;
   double field_spacing = 0.0;              // 0: the particle radius
@@ -99,8 +56,8 @@ struct ColliderTrack {
 
 // A light that turns evenly over the run.
 struct LightTrack {
-  double polar_deg[2] = {45, 45}, azimuth_deg[2] = {0, 0};  // at its begin and end
-  Vec3 towards(double share) const;                         // of the run that is over, 0..1
+  double polar_deg[2] = {45, 45}, azimuth_deg[2] = {0, 0};  // at the run's start and end
+  Vec3 towards(double share) const;                         // `share` of the run is over, 0..1
 };
 
 struct ShotTrack {
@@ -131,8 +88,8 @@ struct SceneFile {
   double particle_radius = 0.0;  // 0: follows from a body
   float gravity[3] = {0.0f, -9.81f, 0.0f};
   uint64_t seed = 1;
-  sandglass_granular_desc granular =
-      {};  // defaults, with the file's values over them; capacities 0 where the file gives none
+  // The library's defaults with the file's values over them; a capacity that the file does not give is 0.
+  sandglass_granular_desc granular = {};
   std::vector<Body> bodies;
   std::vector<ColliderTrack> colliders, sinks;
   std::vector<EmitterTrack> emitters;
@@ -156,8 +113,8 @@ sandglass_collider collider_over_frame(const ColliderTrack& track, double time, 
 // What pours during the frame that begins at `time`, and all sinks.
 Flow flow_over_frame(const SceneFile& scene, double time);
 
-// Radius at which grains are drawn: together they have about the volume of the particles; never larger than one of
-// those.
+// Radius at which grains are drawn: together they have about the volume of the particles. Never larger than that of a
+// particle.
 float drawn_grain_radius(double particle_radius, uint32_t particles, uint32_t grains);
 
 // The description of the scene that holds `particles` and `grains`; a Failure where the file's own capacities are

@@ -8,9 +8,9 @@
 #include <memory>
 #include <string>
 
-#include "models/work/block.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "models/work/random.h"
+#include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {
 
@@ -33,36 +33,20 @@ double cube_root(double value) {
   return root;
 }
 
-Block sampler_block(uint64_t bytes) {
-  return new_block(bytes, "filling the body", "simulate fewer particles or grains");
-}
-
 using Points = std::vector<float>;
 
 struct UnitBody {
-  float low[3], high[3];
-  sandglass_inside inside = nullptr;
-  void* user = nullptr;
-  std::string label;  // "body 0 of x.json"
-  Profile profile;    // of a revolved body, in the unit frame
-  // Owned by mesh bodies.
-  std::vector<float> vertices;
-  Block inside_block;
+  cpp::Box box;
+  std::function<bool(const float*)> inside;
+  std::string label;            // "body 0 of x.json"
+  Profile profile;              // of a revolved body, in the unit frame
+  std::vector<float> vertices;  // of a mesh body
+  cpp::MeshInside mesh;
 
-  void require(sandglass_status status, const char* const& reason) const {
-    if (status != SANDGLASS_OK) throw cannot("fill", label, reason != nullptr ? reason : sandglass_status_name(status));
+  void require(const cpp::Status& status) const {
+    if (!status) throw cannot("fill", label, status.reason != nullptr ? status.reason : status.name());
   }
 };
-
-int inside_box(void*, const float*) { return 1; }  // the samplers stay within the bounds
-int inside_ball(void*, const float p[3]) {
-  const float x = p[0], y = p[1] - 0.5f, z = p[2];
-  return x * x + y * y + z * z <= 0.25f;
-}
-
-int inside_revolved(void* user, const float p[3]) {
-  return revolved_distance(static_cast<const UnitBody*>(user)->profile, {p[0], p[1], p[2]}) < 0.0 ? 1 : 0;
-}
 
 void make_revolved_body(const Body& source, UnitBody* body) {
   double bottom = 1e30, reach = 0.0;
@@ -70,15 +54,20 @@ void make_revolved_body(const Body& source, UnitBody* body) {
   const double scale = 1.0 / source.size.y;
   for (const auto& point : source.profile) body->profile.push_back({point[0] * scale, (point[1] - bottom) * scale});
   const float wide = static_cast<float>(reach * scale);
-  body->low[0] = body->low[2] = -wide, body->high[0] = body->high[2] = wide;
-  body->low[1] = 0.0f, body->high[1] = 1.0f;
-  body->inside = inside_revolved;
+  body->box = {{-wide, 0.0f, -wide}, {wide, 1.0f, wide}};
+  body->inside = [profile = body->profile](const float* p) { return revolved_distance(profile, from_floats(p)) < 0.0; };
+}
+
+cpp::Box bounds_of(const UnitBody& body, const sandglass_mesh& mesh) {
+  cpp::Box box;
+  cpp::Status status;
+  status.code = sandglass_mesh_bounds(&mesh, box.min, box.max, &status.reason);
+  body.require(status);
+  return box;
 }
 
 void make_mesh_body(const BodyMesh& source, UnitBody* body) {
-  const char* reason = nullptr;
-  float low[3], high[3];
-  body->require(sandglass_mesh_bounds(&source.mesh, low, high, &reason), reason);
+  const auto [low, high] = bounds_of(*body, source.mesh);
   const double height = static_cast<double>(high[1]) - low[1];
   if (!(height > 0.0)) throw cannot("fill", body->label, "its mesh has no height", "Turn it: y is up");
   const double middle[3] = {0.5 * (static_cast<double>(low[0]) + high[0]), low[1],
@@ -88,15 +77,9 @@ void make_mesh_body(const BodyMesh& source, UnitBody* body) {
     body->vertices[i] = static_cast<float>((source.mesh.vertices[i] - middle[i % 3]) / height);
   sandglass_mesh unit = source.mesh;
   unit.vertices = body->vertices.data();
-  body->require(sandglass_mesh_bounds(&unit, body->low, body->high, &reason), reason);
-  uint64_t bytes = 0;
-  body->require(sandglass_mesh_inside_bytes(&unit, source.rule, &bytes, &reason), reason);
-  body->inside_block = sampler_block(bytes);
-  sandglass_mesh_inside* inside = nullptr;
-  body->require(sandglass_mesh_inside_create(&unit, source.rule, body->inside_block.get(), bytes, &inside, &reason),
-                reason);
-  body->inside = sandglass_mesh_inside_test;
-  body->user = inside;
+  body->box = bounds_of(*body, unit);
+  body->require(body->mesh.create(unit, source.rule));
+  body->inside = [mesh = body->mesh.get()](const float* p) { return sandglass_mesh_inside_test(mesh, p) != 0; };
 }
 
 UnitBody make_unit_body(const Body& body, const BodyMeshes& meshes, const std::string& label) {
@@ -114,45 +97,29 @@ UnitBody make_unit_body(const Body& body, const BodyMeshes& meshes, const std::s
   }
   const bool sized = body.shape == BodyShape::box && body.size.y > 0.0;
   const double wide = sized ? body.size.x / body.size.y : 1.0, deep = sized ? body.size.z / body.size.y : 1.0;
-  unit.low[0] = static_cast<float>(-0.5 * wide), unit.high[0] = static_cast<float>(0.5 * wide);
-  unit.low[1] = 0.0f, unit.high[1] = 1.0f;
-  unit.low[2] = static_cast<float>(-0.5 * deep), unit.high[2] = static_cast<float>(0.5 * deep);
-  unit.inside = body.shape == BodyShape::box ? inside_box : inside_ball;
+  to_floats({-0.5 * wide, 0.0, -0.5 * deep}, unit.box.min);
+  to_floats({0.5 * wide, 1.0, 0.5 * deep}, unit.box.max);
+  if (body.shape == BodyShape::box) unit.inside = [](const float*) { return true; };  // samplers stay within the bounds
+  else
+    unit.inside = [](const float* p) {
+      const float x = p[0], y = p[1] - 0.5f, z = p[2];
+      return x * x + y * y + z * z <= 0.25f;
+    };
   return unit;
 }
 
 Points lattice_points(const UnitBody& body, double distance) {
-  const char* reason = nullptr;
-  const float step = static_cast<float>(distance);
-  uint32_t capacity = 0, count = 0;
-  uint64_t bytes = 0;
-  body.require(sandglass_sample_lattice_capacity(body.low, body.high, step, &capacity, &reason), reason);
-  body.require(sandglass_sample_lattice_bytes(body.low, body.high, step, &bytes, &reason), reason);
-  Points points(3 * static_cast<size_t>(capacity) + 3);
-  const Block scratch = sampler_block(bytes);
-  body.require(sandglass_sample_lattice(body.low, body.high, step, body.inside, body.user, nullptr, scratch.get(),
-                                        bytes, points.data(), capacity, &count, &reason),
-               reason);
-  points.resize(3 * static_cast<size_t>(count));
+  Points points;
+  body.require(cpp::sample_lattice(body.box, static_cast<float>(distance), std::ref(body.inside), &points));
   return points;
 }
 
 Points poisson_points(const UnitBody& body, double distance, uint64_t seed) {
-  const char* reason = nullptr;
-  const float step = static_cast<float>(distance);
-  uint32_t capacity = 0, count = 0;
-  uint64_t bytes = 0;
-  body.require(sandglass_sample_volume_capacity(body.low, body.high, step, &capacity, &reason), reason);
-  body.require(sandglass_sample_volume_bytes(body.low, body.high, step, capacity, &bytes, &reason), reason);
-  Points points(3 * static_cast<size_t>(capacity) + 3);
-  const Block scratch = sampler_block(bytes);
+  Points points;
   sandglass_sample_options options;
   sandglass_sample_options_default(&options);
   options.seed = seed;
-  body.require(sandglass_sample_volume(body.low, body.high, step, body.inside, body.user, &options, scratch.get(),
-                                       bytes, points.data(), capacity, &count, &reason),
-               reason);
-  points.resize(3 * static_cast<size_t>(count));
+  body.require(cpp::sample_volume(body.box, static_cast<float>(distance), std::ref(body.inside), &points, &options));
   return points;
 }
 
@@ -161,7 +128,7 @@ Points grid_points(const UnitBody& body, double distance, uint64_t seed) {
   Random random = {seed};
   int64_t cells[3];
   for (int axis = 0; axis < 3; ++axis)
-    cells[axis] = static_cast<int64_t>((static_cast<double>(body.high[axis]) - body.low[axis]) / distance) + 1;
+    cells[axis] = static_cast<int64_t>((static_cast<double>(body.box.max[axis]) - body.box.min[axis]) / distance) + 1;
   Points points;
   for (int64_t k = 0; k < cells[1]; ++k)
     for (int64_t j = 0; j < cells[2]; ++j)
@@ -170,10 +137,11 @@ Points grid_points(const UnitBody& body, double distance, uint64_t seed) {
         float p[3];
         bool within = true;
         for (int axis = 0; axis < 3; ++axis) {
-          p[axis] = static_cast<float>(body.low[axis] + (static_cast<double>(at[axis]) + random.uniform()) * distance);
-          within = within && p[axis] <= body.high[axis];
+          p[axis] =
+              static_cast<float>(body.box.min[axis] + (static_cast<double>(at[axis]) + random.uniform()) * distance);
+          within = within && p[axis] <= body.box.max[axis];
         }
-        if (within && body.inside(body.user, p) != 0) points.insert(points.end(), p, p + 3);
+        if (within && body.inside(p)) points.insert(points.end(), p, p + 3);
       }
   return points;
 }
@@ -205,7 +173,7 @@ Points sample_wanted(const UnitBody& body, uint32_t wanted, double enough, doubl
 
 double box_volume(const UnitBody& body) {
   double volume = 1.0;
-  for (int axis = 0; axis < 3; ++axis) volume *= static_cast<double>(body.high[axis]) - body.low[axis];
+  for (int axis = 0; axis < 3; ++axis) volume *= static_cast<double>(body.box.max[axis]) - body.box.min[axis];
   return volume;
 }
 
@@ -327,8 +295,8 @@ double lowest_after(const Body& body, const UnitBody& unit, double scale) {
   if (body.shape == BodyShape::sphere) lowest = rotate(body.rotation, Vec3{0.0, 0.5 * scale, 0.0}).y - 0.5 * scale;
   if (body.shape == BodyShape::box)
     for (int corner = 0; corner < 8; ++corner)
-      take({corner & 1 ? unit.high[0] : unit.low[0], corner & 2 ? unit.high[1] : unit.low[1],
-            corner & 4 ? unit.high[2] : unit.low[2]});
+      take({corner & 1 ? unit.box.max[0] : unit.box.min[0], corner & 2 ? unit.box.max[1] : unit.box.min[1],
+            corner & 4 ? unit.box.max[2] : unit.box.min[2]});
   return lowest;
 }
 
@@ -377,9 +345,7 @@ Material fill_scene(SceneFile* scene, const BodyMeshes& meshes) {
         filled[i].particles = block_sites(body, distance);
         filled[i].grains = block_grains(body, filled[i].particles, distance, &random);
       } else {
-        UnitBody unit = make_unit_body(body, meshes, label);
-        if (body.shape == BodyShape::revolved) unit.user = &unit;
-        filled[i] = fill_body(body, unit, &scene->particle_radius, seed);
+        filled[i] = fill_body(body, make_unit_body(body, meshes, label), &scene->particle_radius, seed);
       }
       Random random = {seed};
       const double jitter = body.jitter * scene->particle_radius;

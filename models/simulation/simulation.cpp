@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 
@@ -33,10 +33,8 @@ void Simulation::add(const Material& material) {
     body.particle_positions = sample.positions.data();
     body.particle_count = static_cast<uint32_t>(sample.positions.size() / 3);
     body.density_ratio = static_cast<float>(sample.density);
-    const double velocity[3] = {sample.velocity.x, sample.velocity.y, sample.velocity.z};
-    const double spin[3] = {sample.spin.x, sample.spin.y, sample.spin.z};
-    for (int k = 0; k < 3; ++k)
-      body.linear_velocity[k] = static_cast<float>(velocity[k]), body.angular_velocity[k] = static_cast<float>(spin[k]);
+    to_floats(sample.velocity, body.linear_velocity);
+    to_floats(sample.spin, body.angular_velocity);
     require(sandglass_granular_add_body(scene_, &body, nullptr, &reason), reason);
   }
   particles_ += material.particles() + material.rigid_particles();
@@ -148,7 +146,7 @@ void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state, doub
       shape.angular_velocity[k] = pose.angular_velocity[k];
     }
     const Quaternion turned = normalised(multiply(
-        rotation_by(Vec3{pose.angular_velocity[0], pose.angular_velocity[1], pose.angular_velocity[2]} * ahead),
+        rotation_by(from_floats(pose.angular_velocity) * ahead),
         multiply(Quaternion{pose.rotation[0], pose.rotation[1], pose.rotation[2], pose.rotation[3]}, body.rotation)));
     for (size_t k = 0; k < 4; ++k) shape.rotation[k] = static_cast<float>(turned[k]);
     colliders->push_back(shape);

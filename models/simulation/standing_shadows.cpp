@@ -1,10 +1,10 @@
+// See standing_shadows.h.
 #include "models/simulation/standing_shadows.h"
 
 #include <algorithm>
 #include <filesystem>
-#include <new>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 
@@ -23,10 +23,8 @@ std::string find_shadow(const std::string& name_or_path) {
 
 sandglass_shadow_info inspect_shadow(const AlignedBytes& file, const std::string& path) {
   sandglass_shadow_info info = {};
-  info.struct_size = sizeof info;
-  const char* reason = nullptr;
-  if (sandglass_shadow_inspect(file.data(), file.size(), &info, &reason) != SANDGLASS_OK)
-    throw cannot("read", path, reason);
+  const cpp::Status status = cpp::inspect_shadow(file.data(), file.size(), &info);
+  if (!status) throw cannot("read", path, status.reason);
   return info;
 }
 
@@ -39,20 +37,11 @@ StandingShadows::StandingShadows(const SceneFile& scene, sandglass_isa isa) {
     sandglass_shadow_desc desc;
     sandglass_shadow_desc_default(&desc);
     desc.isa = isa, desc.asset = file.data(), desc.asset_bytes = file.size();
-    Object object = {i, track.size.y, inspect_shadow(file, path), nullptr};
-    uint64_t bytes = 0;
-    const char* reason = nullptr;
-    if (sandglass_shadow_bytes(&desc, &bytes, &reason) != SANDGLASS_OK) throw cannot("read", path, reason);
-    object.block = ::operator new(bytes, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
-    objects_.push_back(object);
-    handles_.push_back(nullptr);
-    if (sandglass_shadow_create(&desc, object.block, bytes, &handles_.back(), &reason) != SANDGLASS_OK)
-      throw cannot("read", path, reason);
+    Object object = {i, track.size.y, inspect_shadow(file, path), {}};
+    if (const cpp::Status made = object.shadow.create(desc); !made) throw cannot("read", path, made.reason);
+    handles_.push_back(object.shadow.get());
+    objects_.push_back(std::move(object));
   }
-}
-
-StandingShadows::~StandingShadows() {
-  for (const Object& object : objects_) ::operator delete(object.block, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT));
 }
 
 void StandingShadows::set_light(const SceneFile& scene, uint32_t frame, Vec3 towards) {
@@ -60,8 +49,8 @@ void StandingShadows::set_light(const SceneFile& scene, uint32_t frame, Vec3 tow
     const sandglass_collider now =
         collider_over_frame(scene.colliders[objects_[i].collider], frame * scene.frame_step, scene.frame_step);
     const Quaternion rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
-    const Vec3 light = rotate(conjugate(rotation), towards);
-    const float direction[3] = {static_cast<float>(light.x), static_cast<float>(light.y), static_cast<float>(light.z)};
+    float direction[3];
+    to_floats(rotate(conjugate(rotation), towards), direction);
     const char* reason = nullptr;
     if (sandglass_shadow_set_light(handles_[i], 0, direction, 1.0f, &reason) != SANDGLASS_OK)
       throw cannot("turn", "light", reason);
@@ -76,12 +65,9 @@ uint64_t StandingShadows::hash() const {
 
 std::vector<FloorShadow> StandingShadows::drawn(std::span<const sandglass_collider> colliders) const {
   std::vector<FloorShadow> all;
-  for (size_t i = 0; i < objects_.size(); ++i) {
-    const Object& object = objects_[i];
-    sandglass_shadow_texture texture = {};
-    texture.struct_size = sizeof texture;
-    sandglass_shadow_get_texture(handles_[i], 0, &texture);
+  for (const Object& object : objects_) {
     if (object.collider >= colliders.size()) continue;
+    const sandglass_shadow_texture texture = object.shadow.texture();
     const sandglass_collider& now = colliders[object.collider];
     FloorShadow shadow;
     shadow.collider = object.collider;
@@ -89,7 +75,7 @@ std::vector<FloorShadow> StandingShadows::drawn(std::span<const sandglass_collid
     shadow.coverage.assign(texture.coverage, texture.coverage + shadow.texels * shadow.texels);
     shadow.opacity = texture.valid != 0 ? static_cast<double>(texture.opacity) : 0.0;
     shadow.half_angle = 0.5 * static_cast<double>(object.info.angular_diameter);
-    shadow.position = {now.position[0], now.position[1], now.position[2]};
+    shadow.position = from_floats(now.position);
     shadow.rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
     const double scale = object.size / static_cast<double>(object.info.height);
     for (size_t axis = 0; axis < 2; ++axis) {

@@ -9,7 +9,7 @@
 #include "models/files/aligned_bytes.h"
 #include "models/simulation/floor_shadow.h"
 #include "models/simulation/scene_file.h"
-#include "sandglass/shadow.h"
+#include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {
 
@@ -17,9 +17,6 @@ class StandingShadows {
  public:
   // Of the colliders that have one. A Failure names what cannot be read.
   StandingShadows(const SceneFile& scene, sandglass_isa isa);
-  ~StandingShadows();
-  StandingShadows(const StandingShadows&) = delete;
-  StandingShadows& operator=(const StandingShadows&) = delete;
 
   // The light of the frame, turned into every object's frame.
   void set_light(const SceneFile& scene, uint32_t frame, Vec3 towards);  // of any length above 0
@@ -34,7 +31,7 @@ class StandingShadows {
     uint32_t collider;
     double size;  // of the standing object, metres
     sandglass_shadow_info info;
-    void* block;
+    cpp::Shadow shadow;
   };
   std::vector<Object> objects_;
   std::vector<sandglass_shadow*> handles_;

@@ -3,7 +3,7 @@
 #include <cstring>
 #include <utility>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 
@@ -23,10 +23,6 @@ void attach(RTCScene scene, RTCGeometry geometry) {
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
-}
-
-void to_floats(Vec3 v, float (&out)[3]) {
-  out[0] = static_cast<float>(v.x), out[1] = static_cast<float>(v.y), out[2] = static_cast<float>(v.z);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // See ray_caster.h.
 #include "models/tracing/ray_caster.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 #ifdef SANDGLASS_HAVE_EMBREE
 

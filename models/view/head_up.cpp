@@ -1,3 +1,4 @@
+// See head_up.h.
 #include "models/view/head_up.h"
 
 #include <algorithm>

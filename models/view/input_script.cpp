@@ -1,3 +1,4 @@
+// See input_script.h.
 #include "models/view/input_script.h"
 
 #include <algorithm>
@@ -5,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

@@ -1,10 +1,11 @@
+// See live_scene.h.
 #include "models/view/live_scene.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 
@@ -15,7 +16,7 @@ constexpr uint32_t k_grains_per_particle = 16;  // where the scene has no grains
 constexpr double k_nozzle_radii = 4.0;          // particle radii
 constexpr double k_pour_speed = 0.6;      // m/s, at a particle radius of 1 cm; grows with its root, as falling does
 constexpr double k_push_radii = 5.0;      // particle radii
-constexpr double k_push_speed = 1.0;      // m/s, of the sphere at most: a jumping cursor is no blow
+constexpr double k_push_speed = 1.0;      // m/s, the sphere's at most, so that a jumping cursor is no blow
 constexpr uint32_t k_frames_at_once = 2;  // after a pause the scene does not run to catch up
 constexpr double k_sun_polar = 40, k_sun_azimuth = 144;  // where the scene has no light: the renderer's sun, degrees
 
@@ -56,12 +57,11 @@ LiveScene::LiveScene(const LiveOptions& options) : scene_(load_scene(options.sce
   bounds_.add_most(material_.grains() > 0 ? material_.grain_positions : material_.particle_positions);
   floor_ = 1e30;
   for (const sandglass_collider& c : colliders_over_frame(scene_, 0)) {
-    const Vec3 at = {c.position[0], c.position[1], c.position[2]};
+    const Vec3 at = from_floats(c.position);
     if (c.shape == SANDGLASS_SHAPE_HALF_SPACE) floor_ = std::min(floor_, at.y);
     else bounds_.add(at);
   }
-  for (const EmitterTrack& track : scene_.emitters)
-    bounds_.add({track.emitter.position[0], track.emitter.position[1], track.emitter.position[2]});
+  for (const EmitterTrack& track : scene_.emitters) bounds_.add(from_floats(track.emitter.position));
   if (floor_ > 1e29) floor_ = bounds_.empty() ? 0.0 : bounds_.low.y;
   if (bounds_.empty()) bounds_.add({0, floor_, 0});
   bounds_.add({bounds_.low.x, floor_, bounds_.low.z});
@@ -106,9 +106,8 @@ void LiveScene::frame(double time_step, double lag) {
     } else if (pushed_before_) {
       at = *pushed_before_;
     }
-    const double position[3] = {at.x, at.y, at.z}, moves[3] = {velocity.x, velocity.y, velocity.z};
-    for (int k = 0; k < 3; ++k)
-      sphere.position[k] = static_cast<float>(position[k]), sphere.linear_velocity[k] = static_cast<float>(moves[k]);
+    to_floats(at, sphere.position);
+    to_floats(velocity, sphere.linear_velocity);
     colliders_.push_back(sphere);
     pushed_before_ = at;
   } else {
@@ -118,8 +117,7 @@ void LiveScene::frame(double time_step, double lag) {
   Flow flow = flow_over_frame(scene_, frame_ * scene_.frame_step);
   if (pour_) {
     sandglass_emitter nozzle = {};
-    const double place[3] = {pour_->x, pour_->y, pour_->z};
-    for (int k = 0; k < 3; ++k) nozzle.position[k] = static_cast<float>(place[k]);
+    to_floats(*pour_, nozzle.position);
     nozzle.rotation[3] = 1.0f;
     nozzle.radius = static_cast<float>(k_nozzle_radii * r);
     nozzle.speed = static_cast<float>(k_pour_speed * std::sqrt(r / 0.01));

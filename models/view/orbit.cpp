@@ -1,3 +1,4 @@
+// See orbit.h.
 #include "models/view/orbit.h"
 
 #include <algorithm>

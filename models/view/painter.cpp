@@ -13,8 +13,8 @@
 #include <numbers>
 #include <string>
 
+#include "models/files/failure.h"
 #include "models/view/surface.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 

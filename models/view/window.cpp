@@ -7,11 +7,11 @@
 #include <memory>
 #include <set>
 
+#include "models/files/failure.h"
 #include "models/view/head_up.h"
 #include "models/view/input_script.h"
 #include "models/view/orbit.h"
 #include "models/view/painter.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

@@ -6,7 +6,7 @@
 #include <new>
 #include <string>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {

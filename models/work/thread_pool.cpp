@@ -14,8 +14,8 @@
 
 namespace sandglass::host {
 
-constexpr int k_looks =
-    4000;  // at the generation counter before a worker sleeps: about as long as a frame's serial parts
+// Looks at the generation counter before a worker sleeps: about as long as a frame's serial parts.
+constexpr int k_looks = 4000;
 constexpr int k_busy_looks = 64;  // of every 128 are made without offering the core to others
 
 // `generation` is odd while a call is open. A worker takes part only if it registers in `inside` and still sees the

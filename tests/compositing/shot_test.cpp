@@ -1,11 +1,8 @@
 // The shot's pictures against closed forms: where things appear, what an even room must give, on which side shadows
 // fall and how dark they are. A shadow stays where it is while the camera turns.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <span>
@@ -14,6 +11,7 @@
 #include "models/compositing/shot_camera.h"
 #include "models/compositing/shot_picture.h"
 #include "models/compositing/surroundings.h"
+#include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/lighting/room_light.h"
 #include "models/mesh/generated.h"
@@ -22,23 +20,14 @@
 #include "models/simulation/simulation.h"
 #include "models/simulation/standing_shadows.h"
 #include "models/tracing/ray_caster.h"
-#include "models/work/failure.h"
+#include "tests/temporary_folder.h"
 
 namespace {
 
 using namespace sandglass::host;
-
-namespace fs = std::filesystem;
+using Folder = sandglass::tests::TemporaryFolder;
 
 constexpr double k_pi = std::numbers::pi;
-
-struct Folder {
-  fs::path path = fs::path(::testing::TempDir()) / ("sandglass_shot_" + std::to_string(::getpid()) + "_" +
-                                                    ::testing::UnitTest::GetInstance()->current_test_info()->name());
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-  std::string operator/(const char* name) const { return (path / name).string(); }
-};
 
 Camera camera() {
   Camera c;
@@ -426,8 +415,8 @@ TEST(ShotComposite, GrainsShadeTheirNeighboursInEveryLight) {
   light.light = {1, 1, 1}, light.towards = {1, 0, 0};
   const auto lit = [&](std::span<const float> of) {
     const RadianceMap map = ShotPicture(cube(), of, 0.005f).composite(room, rest, light, {}, CastShadow::textures, o);
-    return mean_of(map, 18, 18, 20,
-                   22);  // the left grain where it meets the other: hardly a ray of 20 degrees passes
+    // The left grain where it meets the other: hardly a ray of 20 degrees passes.
+    return mean_of(map, 18, 18, 20, 22);
   };
   const double alone = lit(std::span(grains, 3));
   EXPECT_GT(alone, 0.1);

@@ -3,16 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <limits>
-#include <memory>
 
 #include "models/drawing/render.h"
+#include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/report/pictures.h"
 #include "models/tracing/sphere_caster.h"
-#include "models/work/failure.h"
+#include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {
 namespace {
@@ -21,11 +20,9 @@ constexpr int k_width = 160, k_height = 120;
 
 struct Stage {
   std::vector<float> ball = {0.0f, 0.1f, 0.0f};
-  sandglass_collider floor = {};
+  sandglass_collider floor = cpp::floor_at(0);
   SceneView view;
   Stage() {
-    floor.shape = SANDGLASS_SHAPE_HALF_SPACE;
-    floor.rotation[3] = 1.0f;
     view.spheres = ball;
     view.radius = 0.1f;
     view.colliders = {&floor, 1};
@@ -38,6 +35,10 @@ struct Stage {
     RenderOptions options;
     options.width = k_width, options.height = k_height, options.samples = 3, options.threads = 2, options.scale = scale;
     return render(view, options);
+  }
+  const uint8_t* pixel(const Picture& picture, Vec3 point) const {
+    const PixelPlace at = project(view.camera, k_width, k_height, point);
+    return picture.at(static_cast<int>(at.x), static_cast<int>(at.y));
   }
   // Mean of the three channels in the 3x3 pixels about a point of the world.
   double brightness(const Picture& picture, Vec3 point) const {
@@ -61,8 +62,7 @@ TEST(Render, IsNotUpsideDown) {
   EXPECT_GT(right.x, foot.x);
   // Sand is redder than the grey floor: the ball is where it should be, lit from above.
   const Picture picture = stage.draw();
-  const PixelPlace middle = project(stage.view.camera, k_width, k_height, {0.0, 0.1, 0.0});
-  const uint8_t* ball = picture.at(static_cast<int>(middle.x), static_cast<int>(middle.y));
+  const uint8_t* ball = stage.pixel(picture, {0.0, 0.1, 0.0});
   EXPECT_GT(ball[0], ball[2] + 30);
   EXPECT_GT(stage.brightness(picture, {-0.03, 0.18, 0.03}), stage.brightness(picture, {0.06, 0.03, 0.08}) + 20.0);
 }
@@ -97,21 +97,17 @@ TEST(Render, DrawsEveryColliderWhereItIs) {
   for (const sandglass_shape shape : {SANDGLASS_SHAPE_SPHERE, SANDGLASS_SHAPE_CAPSULE, SANDGLASS_SHAPE_BOX}) {
     Stage stage;
     stage.view.spheres = {};
-    sandglass_collider colliders[2] = {stage.floor, {}};
-    colliders[1].shape = shape;
-    colliders[1].position[1] = 0.1f;
-    colliders[1].rotation[3] = 1.0f;
+    sandglass_collider colliders[2] = {stage.floor, cpp::collider(shape, 0, 0.1f, 0)};
     colliders[1].size[0] = 0.1f, colliders[1].size[1] = 0.05f, colliders[1].size[2] = 0.1f;
     stage.view.colliders = colliders;
     const Picture picture = stage.draw();
-    const PixelPlace at = project(stage.view.camera, k_width, k_height, {0.0, 0.1, 0.0});
-    const uint8_t* pixel = picture.at(static_cast<int>(at.x), static_cast<int>(at.y));
+    const uint8_t* pixel = stage.pixel(picture, {0.0, 0.1, 0.0});
     EXPECT_GT(pixel[2], pixel[0] + 20) << shape;  // colliders are blue
   }
 }
 
 // A tube with a bottom, open at the top: outlines as in the half plane (r, y).
-float tube_distance(void*, const float p[3]) {
+float tube_distance(const float p[3]) {
   const double r = std::hypot(p[0], p[2]), y = p[1];
   const auto rectangle = [&](double low_r, double high_r, double low_y, double high_y) {
     const double out_r = std::max(low_r - r, r - high_r), out_y = std::max(low_y - y, y - high_y);
@@ -123,22 +119,12 @@ float tube_distance(void*, const float p[3]) {
 // Of the sky, the bottom of the tube sees (r/depth)^2 = 3 %, and 12 % of the rest reach it by the renderer's own rule;
 // the rim sees all of it, and the sun. Rays that begin on a wall must find the wall opposite.
 TEST(Render, TheBottomOfAHollowFieldIsDark) {
-  const float low[3] = {-0.14f, -0.24f, -0.14f}, high[3] = {0.14f, 0.24f, 0.14f};
-  const char* reason = nullptr;
-  uint64_t bytes = 0;
-  ASSERT_EQ(sandglass_field_bytes(low, high, 0.01f, &bytes, &reason), SANDGLASS_OK);
-  const std::unique_ptr<void, void (*)(void*)> block(
-      std::aligned_alloc(SANDGLASS_BLOCK_ALIGNMENT, (bytes + 63) / 64 * 64), std::free);
-  sandglass_field* field = nullptr;
-  ASSERT_EQ(sandglass_field_from_function(low, high, 0.01f, SANDGLASS_SOLID_INSIDE, tube_distance, nullptr, block.get(),
-                                          bytes, &field, &reason),
-            SANDGLASS_OK);
+  cpp::Field field;
+  ASSERT_TRUE(field.from_function({{-0.14f, -0.24f, -0.14f}, {0.14f, 0.24f, 0.14f}}, 0.01f, SANDGLASS_SOLID_INSIDE,
+                                  [](const float* p) { return tube_distance(p); }));
   Stage stage;
   stage.view.spheres = {};
-  sandglass_collider tube = {};
-  tube.shape = SANDGLASS_SHAPE_FIELD;
-  tube.rotation[3] = 1.0f;
-  tube.field = field;
+  const sandglass_collider tube = cpp::field_at(field, 0, 0, 0);
   stage.view.colliders = {&tube, 1};
   stage.view.camera.eye = {0.0, 1.2, 0.02};
   stage.view.camera.target = {0.0, 0.0, 0.0};

@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "models/files/failure.h"
 #include "models/laboratory/measurement_json.h"
 #include "models/report/report_page.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {

@@ -12,7 +12,7 @@
 #include <memory>
 
 #include "fake_scene.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {

@@ -40,7 +40,8 @@ double softness(const std::vector<float>& rest, const std::vector<float>& now, s
   return most / static_cast<double>(k_radius);
 }
 
-// A body at float coordinates of a few tenths of a metre: positions round by 3e-8 m, two of them by 6e-6 r.
+// Limit of the softness, in radii. Float coordinates of a few tenths of a metre are rounded by 3e-8 m, the distance of
+// two of them by 6e-6 r.
 constexpr double k_rigid = 2e-5;
 
 TEST(Bodies, ASpinningCubeFliesStraightAndTurnsEvenly) {
@@ -220,8 +221,8 @@ TEST(Bodies, LightOnesLieOnTopHeavyOnesSinkIn) {
   }
 }
 
-// Mass ratio 1:1000: sand between the cube and the floor is squeezed. 1024 sub-steps a frame keep it apart; the default
-// lets the cube swallow some, and throws none of it.
+// Mass ratio 1:1000: the cube squeezes the sand between it and the floor. 1024 sub-steps a frame keep the particles
+// apart. With the default some of them end inside the cube, but none is thrown.
 TEST(HardCase, AThousandTimesHeavierThanSand) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "minutes under emulation; the kernels are compared there to the bit";
   const OnSand fine = cube_on_sand(1000.0f, 1024);

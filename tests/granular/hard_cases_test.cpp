@@ -108,8 +108,8 @@ TEST(HardCase, EmptyOneFullAndOneTooMany) {
             SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
-// g++ only: clang assumes that nobody looks at the flags and computes both sides of a selection, so its builds may trap
-// on a value that is never used.
+// g++ only: clang assumes that the floating-point flags are not read, and computes both sides of a selection. So its
+// builds may trap on a value that is never used.
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
 TEST(HardCase, NoInvalidOperationAndNoDivisionByZero) {
   for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512}) {

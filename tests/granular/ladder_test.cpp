@@ -89,12 +89,11 @@ double mean_distance_to_particles(const std::vector<sandglass_grain>& grains, co
   double sum = 0.0;
   for (const sandglass_grain& grain : grains) {
     double nearest = 1e9;
-    for (size_t i = 0; i < particles.size(); i += 3) {
-      double square = 0.0;
-      for (size_t k = 0; k < 3; ++k) square += std::pow(static_cast<double>(grain.position[k] - particles[i + k]), 2);
-      nearest = std::min(nearest, square);
-    }
-    sum += std::sqrt(nearest);
+    for (size_t i = 0; i < particles.size(); i += 3)
+      nearest =
+          std::min<double>(nearest, std::hypot(grain.position[0] - particles[i], grain.position[1] - particles[i + 1],
+                                               grain.position[2] - particles[i + 2]));
+    sum += nearest;
   }
   return sum / static_cast<double>(grains.size());
 }

@@ -18,8 +18,8 @@ namespace {
 using sandglass::test::FramesAndControl;
 using sandglass::test::thread_cpu_ns;
 
-// 14K particles with grains: more than the budget holds, so every frame is full. Asserts the law frame by frame on the
-// scene's clock; what is said of CPU time is returned.
+// 14,280 particles with grains. That is more than the budget allows, so every frame is full. Each frame must keep the
+// law on the scene's clock. What it took in CPU time is returned.
 FramesAndControl run(uint64_t budget_ns, uint32_t frames, uint32_t hogs) {
   std::atomic<bool> stop{false};
   std::vector<std::thread> load;
@@ -42,9 +42,9 @@ FramesAndControl run(uint64_t budget_ns, uint32_t frames, uint32_t hogs) {
     const sandglass_frame_report report = scene.frame(0.02f, budget_ns);
     const uint64_t spent = thread_cpu_ns() - before;
     EXPECT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
-    // A unit of the real machine: the longest seen in the frame, and 100 us, two units of the target size, for the call
-    // around the units and for what interrupts charge to the thread.
-    // The last unit counts in the time by which writing the grains outran its own prediction (sandglass_scene_frame).
+    // A unit of the real machine is the longest of the frame, and 100 us more. These are for the call around the units
+    // and for interrupts that are charged to the thread. The last unit includes the time by which writing the grains
+    // took longer than predicted (sandglass_scene_frame).
     const uint64_t allowed = budget_ns + std::max(report.longest_unit_ns, report.last_unit_ns) + 100'000;
     result.over_ns.push_back(spent > allowed ? spent - allowed : 0);
     debt = report.time_debt;

@@ -44,7 +44,7 @@ TEST(Determinism, EveryInstructionSetGivesTheSameBits) {
   }
 }
 
-TEST(Determinism, AnInstructionSetThatIsNotHereIsUnsupportedAndANumberThatIsNoneInvalid) {
+TEST(Determinism, AMissingInstructionSetIsUnsupportedAndAnUnknownNumberInvalid) {
   sandglass_scene_desc desc = description(k_particles, k_grains);
   const char* reason = nullptr;
   uint64_t bytes = 0;

@@ -1,5 +1,5 @@
-// The nearest rotation where a matrix does not determine it: the start decides. That it is the best one elsewhere, at
-// every scale, mirrored and by a half turn, is asserted on matrices of known factors (tests/laboratory/verify_test.cpp).
+// The nearest rotation where the matrix does not determine it: the start decides. That it is the best one elsewhere, at
+// every scale, mirrored and by a half turn, tests/laboratory/verify_test.cpp asserts, on matrices of known factors.
 #include "runtime/granular/rotation.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ Matrix product(const Matrix& a, const Matrix& b) {
   return c;
 }
 
-TEST(Rotation, WhatABodyCannotTellComesFromTheStart) {
+TEST(Rotation, WhatTheMatrixLeavesOpenComesFromTheStart) {
   const double c = std::cos(0.2), s = std::sin(0.2);
   const Quaternion near = {s, 0, 0, c};  // 0.4 rad about x
   Quaternion q = {};
@@ -46,7 +46,7 @@ TEST(Rotation, WhatABodyCannotTellComesFromTheStart) {
   EXPECT_NEAR(std::fabs(q[0] * near[0] + q[3] * near[3]), 1.0, 1e-9);
 }
 
-TEST(Rotation, OfWhatIsNoNumberIsTheStart) {
+TEST(Rotation, OfAMatrixThatIsNotFiniteIsTheStart) {
   const Quaternion near = {0, 0.6, 0, 0.8};
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
     const Matrix a = {1, 0, 0, 0, bad, 0, 0, 0, 1};

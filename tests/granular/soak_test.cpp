@@ -28,14 +28,14 @@ constexpr float k_radius = 0.01f, k_frame = 0.02f;
 constexpr uint64_t k_cycle = 500, k_turning = 50, k_checkpoint = 10000;
 constexpr uint32_t k_grains_per_particle = 8;
 
-// About its centre by half a turn in the first second of every cycle, at the speed (1 - cos): it starts and ends at
-// rest. From the frame's number alone, so that nothing adds up over a million frames.
+// Turns the glass about its centre, by half a turn in the first second of every cycle. Its speed follows (1 - cos), so
+// it starts and ends at rest. The pose depends on the frame's number alone, so no error grows over a million frames.
 void turn(uint64_t frame, sandglass_collider* glass) {
   const uint64_t done = (frame + 1) / k_cycle;
   const double t = std::min(1.0, static_cast<double>((frame + 1) % k_cycle) / static_cast<double>(k_turning));
   const double angle = k_pi * (static_cast<double>(done % 2) + t - std::sin(2 * k_pi * t) / (2 * k_pi));
   const double speed = k_pi * (1 - std::cos(2 * k_pi * t)) / (static_cast<double>(k_frame) * k_turning);
-  // The glass stands on its own origin: that moves round the centre, at height H/2.
+  // The origin of the glass is at its foot. It moves on a circle about the centre, which is at height H/2.
   const double lever = -k_height / 2, x = -lever * std::sin(angle), y = lever * std::cos(angle);
   glass->position[0] = static_cast<float>(x), glass->position[1] = static_cast<float>(k_height / 2 + y);
   glass->rotation[2] = static_cast<float>(std::sin(angle / 2));
@@ -44,7 +44,7 @@ void turn(uint64_t frame, sandglass_collider* glass) {
   glass->angular_velocity[2] = static_cast<float>(speed);
 }
 
-// How far a point is from the axis of the glass less how far the wall is at that height; its own frame.
+// The point's distance from the axis of the glass, less the wall's at that height, in the frame of the glass.
 double beyond_wall(const sandglass_collider& glass, const float* p) {
   const double s = static_cast<double>(glass.rotation[2]), c = static_cast<double>(glass.rotation[3]);
   const double sine = 2 * s * c, cosine = c * c - s * s;

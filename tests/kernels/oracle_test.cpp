@@ -183,8 +183,7 @@ void check_neighbour_lists(uint32_t n) {
       std::sort(found.begin(), found.end());
       std::vector<uint32_t> expected;
       for (uint32_t j = 0; j < n; ++j) {
-        // Pairs within rounding of the reach may be either way; none is that close here, or the seed would have to
-        // change.
+        // A pair whose distance is the reach, to within rounding, may count or not. With this seed there is none.
         const double d = distance(moving.records[i], moving.records[j]),
                      b = distance(moving.records[i], fixed.records[j]);
         ASSERT_GT(std::min(std::fabs(d - 0.024), std::fabs(b - 0.024)), 1e-8);
@@ -212,8 +211,8 @@ void mix(Cluster* c) {
 constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_lift = 2e-5,
                  k_wake = 1e-4, k_separation = 4e-4;
 
-// One pass for particle i: (4.14-4.27) with the small-step factor, then the floor y = -0.004. *runs_into_sleeper: it
-// touches one.
+// One pass for particle i: (4.14-4.27) of the dissertation with the small-step factor, then the floor y = -0.004.
+// *runs_into_sleeper tells whether it touches a sleeper.
 Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_sleeper) {
   const Vector g = {0, -9.81 * k_step * k_step, 0};
   const auto weight = [&](uint32_t j) { return static_cast<double>(inverse_mass(c.records[j])); };
@@ -239,7 +238,7 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
         solve ? std::max(d - 0.02, std::min(0.0, dot(relative, n) - k_separation) / k_omega) : d - 0.02;
     ++contacts;
     // The lower of two equal particles takes 1/2 + asymmetry, times its share by mass: m = m exp(-k h), the correction to
-    // (4.38).
+    // (4.38) of the dissertation.
     const double asymmetry = -z / 4 + z * z * z / 48;
     const double share = fixed ? 1.0 : weight(i) / (weight(i) + weight(j));
     const double a = weight(i) * (0.5 + asymmetry), b = weight(j) * (0.5 - asymmetry);

@@ -1,5 +1,5 @@
-// The errors that the quality ladder ships with are those of the column: measured again here, at every rung. (Costs are
-// not: they are this machine's.)
+// The errors that the quality ladder ships with are those of the column: measured again here, at every quality
+// level. (Costs are not: they are this machine's.)
 #include <gtest/gtest.h>
 
 #include "models/laboratory/sand/granular_bench.h"
@@ -19,7 +19,7 @@ TEST(LadderTable, IsWhatTheColumnMeasures) {
     EXPECT_NEAR(row.overlap_p99, static_cast<double>(told.overlap_p99), 0.1 * row.overlap_p99) << told.name;
     EXPECT_NEAR(row.overlap_mean, static_cast<double>(told.overlap_mean), 0.1 * row.overlap_mean) << told.name;
     EXPECT_NEAR(row.angle_deg, static_cast<double>(told.angle_degrees), 2.5) << told.name;
-    EXPECT_GT(row.overlap_p99, 0.9 * before) << "a rung is no better than the one above it";
+    EXPECT_GT(row.overlap_p99, 0.9 * before) << "a quality level must be no better than the one above it";
     before = row.overlap_p99;
   }
   EXPECT_EQ(sandglass_level_describe(SANDGLASS_LEVEL_COUNT), nullptr);

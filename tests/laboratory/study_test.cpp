@@ -1,17 +1,16 @@
 // A study of shots: what it concludes from its rows (made up here), what it remembers of an earlier run, and that it
 // reads its files before it begins.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 
 #include "models/laboratory/shot/shot_study.h"
 #include "models/laboratory/shot/verify_shot.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/failure.h"
+#include "tests/refusal.h"
+#include "tests/temporary_folder.h"
 
 namespace {
 
@@ -166,24 +165,12 @@ TEST(PileShadowStudy, TheWholeIsTheRootMeanSquareOverTexels) {
   EXPECT_EQ(whole.on_sand.texels, 0);
 }
 
-struct Folder {
-  fs::path path = fs::path(::testing::TempDir()) / ("sandglass_study_" + std::to_string(::getpid()));
-  Folder() { fs::create_directories(path); }
-  ~Folder() { fs::remove_all(path); }
-  std::string operator/(const char* name) const { return (path / name).string(); }
-};
-
 std::string refusal(const ShotStudyOptions& options) {
-  try {
-    study_shots(options, [](size_t) { return true; });
-  } catch (const Failure& failure) {
-    return failure.what();
-  }
-  return "";
+  return sandglass::tests::refusal_of([&] { study_shots(options, [](size_t) { return true; }); });
 }
 
 TEST(ShotStudy, FilesAreReadBeforeAnythingIsMeasured) {
-  const Folder folder;
+  const sandglass::tests::TemporaryFolder folder;
   RadianceMap map(64, 32);
   std::fill(map.rgb.begin(), map.rgb.end(), 0.5f);
   write_hdr(folder / "whole.hdr", map), write_hdr(folder / "half.hdr", map);

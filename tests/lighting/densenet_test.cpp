@@ -10,7 +10,9 @@
 #include <filesystem>
 
 #include "models/files/atomic_file.h"
-#include "models/work/failure.h"
+#include "models/files/failure.h"
+#include "tests/refusal.h"
+#include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
@@ -51,12 +53,8 @@ std::string small_npz() {
 
 class Npz : public ::testing::Test {
  protected:
-  std::string path;
-  void SetUp() override {
-    path =
-        ::testing::TempDir() + "sandglass_" + ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".npz";
-  }
-  void TearDown() override { std::filesystem::remove(path); }
+  tests::TemporaryFolder folder;
+  const std::string path = folder / "small.npz";
 };
 
 TEST_F(Npz, FloatsAndBytes) {
@@ -92,12 +90,8 @@ TEST_F(Npz, EveryFlippedByteIsRefusedOrRead) {
 
 TEST_F(Npz, OtherWeightsAreRefusedByName) {
   write_file(path, small_npz());
-  try {
-    densenet_of(read_npz(path));
-    FAIL();
-  } catch (const Failure& failure) {
-    EXPECT_NE(std::string(failure.what()).find("conv1/conv/kernel"), std::string::npos) << failure.what();
-  }
+  const std::string said = tests::refusal_of([&] { densenet_of(read_npz(path)); });
+  EXPECT_NE(said.find("conv1/conv/kernel"), std::string::npos) << said;
 }
 
 TEST(DenseNetImport, ReproducesTheReferenceOutputs) {

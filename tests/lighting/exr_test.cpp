@@ -5,8 +5,9 @@
 
 #include <filesystem>
 
+#include "models/files/failure.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/failure.h"
+#include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
@@ -25,7 +26,8 @@ void write_exr(const std::string& path, int width, int height, Imf::Compression 
 }
 
 TEST(Exr, HalfFloatsAreReadExactly) {
-  const std::string path = ::testing::TempDir() + "sandglass_panorama.exr";
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "panorama.exr";
   for (const Imf::Compression compression : {Imf::NO_COMPRESSION, Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION}) {
     write_exr(path, 32, 16, compression, Imf::WRITE_RGBA);
     const RadianceMap map = read_panorama(path);
@@ -38,18 +40,17 @@ TEST(Exr, HalfFloatsAreReadExactly) {
         EXPECT_EQ(map.colour(u, v).z, 4096.0);
       }
   }
-  std::filesystem::remove(path);
 }
 
 TEST(Exr, WithoutColourOrOfAnotherShapeIsRefused) {
-  const std::string path = ::testing::TempDir() + "sandglass_odd.exr";
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "odd.exr";
   write_exr(path, 32, 16, Imf::ZIP_COMPRESSION, Imf::WRITE_Y);
   EXPECT_THROW(read_panorama(path), Failure);
   write_exr(path, 32, 32, Imf::ZIP_COMPRESSION, Imf::WRITE_RGB);
   EXPECT_THROW(read_panorama(path), Failure);
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
   EXPECT_THROW(read_panorama(path), Failure);
-  std::filesystem::remove(path);
 }
 
 }  // namespace

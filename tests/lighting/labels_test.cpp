@@ -12,7 +12,8 @@
 #include "models/lighting/dataset.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/failure.h"
+#include "tests/refusal.h"
+#include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
@@ -245,70 +246,56 @@ TEST(Depth, InsertionRadius) {
   EXPECT_EQ(insertion_radius(std::vector<float>(64 * 32, 0.1f), 64, ahead), 0.95);
 }
 
-class DatasetFiles : public ::testing::Test {
- protected:
-  std::string folder;
-  void SetUp() override {
-    folder =
-        ::testing::TempDir() + "sandglass_dataset_" + ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::filesystem::create_directories(folder + "/in");
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
-};
-
-TEST_F(DatasetFiles, EveryExcerptHasItsLineAndItsPicture) {
+TEST(DatasetFiles, EveryExcerptHasItsLineAndItsPicture) {
   if (SANDGLASS_EMULATED)
     GTEST_SKIP() << "it takes a minute under emulation, and nothing here depends on the instruction set";
-  write_hdr(folder + "/in/a.hdr", gaussian_on_constant(normalised(Vec3{1, 1, 0}), 100.0, 10.0, 0.2));
-  write_hdr(folder + "/in/b.hdr", gaussian_on_constant(normalised(Vec3{0, 1, 1}), 100.0, 10.0, 0.2));
-  write_file(folder + "/groups.csv",
+  const tests::TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "in");
+  write_hdr(folder / "in/a.hdr", gaussian_on_constant(normalised(Vec3{1, 1, 0}), 100.0, 10.0, 0.2));
+  write_hdr(folder / "in/b.hdr", gaussian_on_constant(normalised(Vec3{0, 1, 1}), 100.0, 10.0, 0.2));
+  write_file(folder / "groups.csv",
              std::string_view("file,group,fold,notes\nx/a.hdr,kitchen,3,\"lamp, on\"\nb.hdr,hall,,\n"));
   DatasetOptions options;
-  options.panoramas = {folder + "/in"};
-  options.manifest = folder + "/groups.csv";
-  options.folder = folder + "/out";
+  options.panoramas = {folder / "in"};
+  options.manifest = folder / "groups.csv";
+  options.folder = folder / "out";
   const DatasetSummary made = make_dataset(options);
   EXPECT_EQ(made.panoramas, 2u);
   EXPECT_EQ(made.excerpts, 16u);
   EXPECT_EQ(made.without_direction, 0u);
-  const std::string manifest = read_file(folder + "/out/manifest.csv", "manifest");
+  const std::string manifest = read_file(folder / "out/manifest.csv", "manifest");
   EXPECT_EQ(std::count(manifest.begin(), manifest.end(), '\n'), 17);
   EXPECT_NE(manifest.find("\nimages/a_0.png,a.hdr,kitchen,3,"), std::string::npos);
   EXPECT_NE(manifest.find("\nimages/b_7.png,b.hdr,hall,-1,"), std::string::npos);
   for (const char* name : {"a_0", "a_7", "b_3"})
-    EXPECT_TRUE(std::filesystem::exists(folder + "/out/images/" + name + ".png"));
-  EXPECT_TRUE(std::filesystem::exists(folder + "/out/sheet.png"));
+    EXPECT_TRUE(std::filesystem::exists(folder / ("out/images/" + std::string(name) + ".png")));
+  EXPECT_TRUE(std::filesystem::exists(folder / "out/sheet.png"));
   options.threads = 3;
-  options.panoramas = {folder + "/in/a.hdr"};
-  options.folder = folder + "/again";
+  options.panoramas = {folder / "in/a.hdr"};
+  options.folder = folder / "again";
   make_dataset(options);
-  const std::string again = read_file(folder + "/again/manifest.csv", "manifest");
+  const std::string again = read_file(folder / "again/manifest.csv", "manifest");
   EXPECT_EQ(manifest.substr(0, again.size()), again);
 }
 
-TEST_F(DatasetFiles, BadInputIsOneSentence) {
-  const auto refusal = [&](const DatasetOptions& options) -> std::string {
-    try {
-      make_dataset(options);
-    } catch (const Failure& failure) {
-      return failure.what();
-    }
-    return "";
-  };
+TEST(DatasetFiles, BadInputIsOneSentence) {
+  const tests::TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "in");
+  const auto refusal = [](const DatasetOptions& options) { return tests::refusal_of([&] { make_dataset(options); }); };
   DatasetOptions options;
-  options.folder = folder + "/out";
-  options.panoramas = {folder + "/in"};
+  options.folder = folder / "out";
+  options.panoramas = {folder / "in"};
   EXPECT_NE(refusal(options).find("no .hdr or .exr"), std::string::npos);
-  write_hdr(folder + "/in/a.hdr", gaussian_on_constant({0, 1, 0}, 100.0, 10.0, 0.2));
-  options.manifest = folder + "/groups.csv";
+  write_hdr(folder / "in/a.hdr", gaussian_on_constant({0, 1, 0}, 100.0, 10.0, 0.2));
+  options.manifest = folder / "groups.csv";
   write_file(options.manifest, std::string_view("name,place\na.hdr,kitchen\n"));
   EXPECT_NE(refusal(options).find("columns file, group and fold"), std::string::npos);
   write_file(options.manifest, std::string_view("file,group,fold\na.hdr,kitchen,many\n"));
   EXPECT_NE(refusal(options).find("\"many\""), std::string::npos);
   options.manifest.clear();
-  write_npy(folder + "/in/a_depth.npy", std::vector<float>(9, 1.0f), 3, 3);
+  write_npy(folder / "in/a_depth.npy", std::vector<float>(9, 1.0f), 3, 3);
   EXPECT_NE(refusal(options).find("a_depth.npy"), std::string::npos);
-  EXPECT_FALSE(std::filesystem::exists(folder + "/out/manifest.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/manifest.csv"));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kernels/int8.h"
-#include "tests/lighting/byte_network.h"
+#include "tests/lighting/network_checks.h"
 
 namespace {
 
@@ -15,7 +15,7 @@ using namespace sandglass::tests;
 
 constexpr uint8_t k_untouched = 0xEE;
 
-struct Random {
+struct Congruential {
   uint64_t state;
   int64_t next(int64_t low, int64_t high) {
     state = state * 6364136223846793005ull + 1442695040888963407ull;
@@ -33,16 +33,7 @@ struct Aligned {
   T* data() { return reinterpret_cast<T*>(lines.data()); }
 };
 
-std::vector<sandglass_isa> sets() {
-  std::vector<sandglass_isa> available;
-  constexpr sandglass_isa k_all[] = {SANDGLASS_ISA_SCALAR,    SANDGLASS_ISA_NEON, SANDGLASS_ISA_NEON_DOTPROD,
-                                     SANDGLASS_ISA_NEON_I8MM, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512};
-  for (const sandglass_isa isa : k_all)
-    if (select_int8_kernels(isa) != nullptr) available.push_back(isa);
-  return available;
-}
-
-host::ByteConvolution random_convolution(Random* random, uint32_t inputs, uint32_t places, uint32_t outputs,
+host::ByteConvolution random_convolution(Congruential* random, uint32_t inputs, uint32_t places, uint32_t outputs,
                                          bool extreme) {
   host::ByteConvolution c;
   for (uint32_t i = 0; i < outputs * places * inputs; ++i)
@@ -59,7 +50,7 @@ host::ByteConvolution random_convolution(Random* random, uint32_t inputs, uint32
   return c;
 }
 
-ByteMap random_map(Random* random, int width, int height, int channels, bool extreme) {
+ByteMap random_map(Congruential* random, int width, int height, int channels, bool extreme) {
   ByteMap map(width, height, channels);
   for (uint8_t& b : map.values) b = static_cast<uint8_t>(extreme ? 255 * random->next(0, 3) / 3 : random->next(0, 255));
   return map;
@@ -84,7 +75,7 @@ struct Shape {
 };
 
 TEST(LightKernels, NarrowAndTransitionEqualTheOracleForEveryCountOfPixels) {
-  Random random = {1};
+  Congruential random = {1};
   for (const Shape& s : {Shape{64, 128, false}, Shape{96, 32, true}, Shape{992, 64, false}, Shape{1024, 32, true}}) {
     constexpr int k_most = 19;
     const host::ByteConvolution c = random_convolution(&random, s.inputs, 1, s.outputs, s.extreme);
@@ -93,7 +84,7 @@ TEST(LightKernels, NarrowAndTransitionEqualTheOracleForEveryCountOfPixels) {
     const ByteMap expected_narrow = convolved(c, limited, 1, 1, nullptr);
     const ByteMap expected_transition = convolved(c, averaged(limited), 1, 1, nullptr);
     const uint32_t stride = s.outputs + 64;  // as in a dense block, where the next channels belong to another layer
-    for (const sandglass_isa isa : sets()) {
+    for (const sandglass_isa isa : int8_sets()) {
       const Int8Kernels& table = *select_int8_kernels(isa);
       Packed packed(table, c, s.inputs, s.inputs);
       for (uint32_t count = 1; count <= k_most; ++count)
@@ -116,7 +107,7 @@ TEST(LightKernels, NarrowAndTransitionEqualTheOracleForEveryCountOfPixels) {
 }
 
 TEST(LightKernels, WideEqualsTheOracleForEveryCountOfPixels) {
-  Random random = {2};
+  Congruential random = {2};
   for (const Shape& s : {Shape{32, 32, false}, Shape{128, 32, true}, Shape{128, 64, false}})
     for (int width = 1; width <= 17; width += width < 9 ? 1 : 4) {
       const host::ByteConvolution c = random_convolution(&random, s.inputs, 9, s.outputs, s.extreme);
@@ -130,7 +121,7 @@ TEST(LightKernels, WideEqualsTheOracleForEveryCountOfPixels) {
           bordered.at(0, y, i) = bordered.at(width + 1, y, i) = 0;
           for (int x = 0; x < width; ++x) bordered.at(x + 1, y, i) = in.at(x, y, i);
         }
-      for (const sandglass_isa isa : sets()) {
+      for (const sandglass_isa isa : int8_sets()) {
         const Int8Kernels& table = *select_int8_kernels(isa);
         Packed packed(table, c, s.inputs, 9 * s.inputs);
         Aligned<uint8_t> out(size_t{18} * s.outputs);
@@ -149,7 +140,7 @@ TEST(LightKernels, WideEqualsTheOracleForEveryCountOfPixels) {
 }
 
 TEST(LightKernels, StemAndPoolEqualTheOracle) {
-  Random random = {3};
+  Congruential random = {3};
   const uint8_t border[3] = {124, 116, 104};
   for (const int width : {32, 56, 256}) {
     constexpr int k_height = 16;
@@ -163,7 +154,7 @@ TEST(LightKernels, StemAndPoolEqualTheOracle) {
       grown.weights.insert(grown.weights.end(), k_stem_bytes - 147, 0);
     }
     const auto columns = static_cast<uint32_t>(width);
-    for (const sandglass_isa isa : sets()) {
+    for (const sandglass_isa isa : int8_sets()) {
       const Int8Kernels& table = *select_int8_kernels(isa);
       Packed packed(table, grown, k_stem_bytes, k_stem_bytes);
       Aligned<uint8_t> out(expected.values.size()), pool(expected_pool.values.size());
@@ -181,7 +172,7 @@ TEST(LightKernels, StemAndPoolEqualTheOracle) {
 }
 
 TEST(LightKernels, DotEqualsTheOracle) {
-  Random random = {4};
+  Congruential random = {4};
   for (const uint32_t count : {32u, 96u, 1024u}) {
     Aligned<uint8_t> bytes(count);
     Aligned<int8_t> weights(count);
@@ -191,7 +182,7 @@ TEST(LightKernels, DotEqualsTheOracle) {
       weights.data()[i] = static_cast<int8_t>(count == 1024 ? 127 : random.next(-127, 127));
       expected += int64_t{bytes.data()[i]} * weights.data()[i];
     }
-    for (const sandglass_isa isa : sets())
+    for (const sandglass_isa isa : int8_sets())
       EXPECT_EQ(select_int8_kernels(isa)->dot(bytes.data(), weights.data(), count), expected) << isa;
   }
 }

@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <numbers>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/failure.h"
+#include "tests/refusal.h"
+#include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
@@ -78,21 +78,17 @@ TEST(Tripod, BlackPixelsTakeTheLastAbove) {
 
 class PanoramaFiles : public ::testing::Test {
  protected:
-  std::string folder;
-  void SetUp() override {
-    folder =
-        ::testing::TempDir() + "sandglass_panorama_" + ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::filesystem::create_directories(folder);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder); }
-  std::string path(const std::string& name) const { return folder + "/" + name; }
+  tests::TemporaryFolder folder;
+  std::string path(const std::string& name) const { return folder / name; }
   static std::string refusal(const std::string& file) {
-    try {
-      read_panorama(file);
-    } catch (const Failure& failure) {
-      return failure.what();
-    }
-    return "";
+    return tests::refusal_of([&] { read_panorama(file); });
+  }
+  // The bytes of a small panorama's file.
+  std::string whole() const {
+    RadianceMap map(16, 8);
+    for (size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = 0.1f + static_cast<float>(i % 7);
+    write_hdr(path("whole.hdr"), map);
+    return read_file(path("whole.hdr"), "panorama");
   }
 };
 
@@ -125,10 +121,7 @@ TEST_F(PanoramaFiles, WhatIsNoPanoramaIsRefusedWithASentence) {
 }
 
 TEST_F(PanoramaFiles, EveryTruncationIsRefused) {
-  RadianceMap map(16, 8);
-  for (size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = 0.1f + static_cast<float>(i % 7);
-  write_hdr(path("whole.hdr"), map);
-  const std::string bytes = read_file(path("whole.hdr"), "panorama");
+  const std::string bytes = whole();
   for (size_t n = 0; n < bytes.size(); ++n) {
     write_file(path("cut.hdr"), std::string_view(bytes).substr(0, n));
     EXPECT_NE(refusal(path("cut.hdr")).find("cut.hdr"), std::string::npos) << n << " bytes";
@@ -136,10 +129,7 @@ TEST_F(PanoramaFiles, EveryTruncationIsRefused) {
 }
 
 TEST_F(PanoramaFiles, EveryFlippedByteIsRefusedOrRead) {
-  RadianceMap map(16, 8);
-  for (size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = 0.1f + static_cast<float>(i % 7);
-  write_hdr(path("whole.hdr"), map);
-  const std::string bytes = read_file(path("whole.hdr"), "panorama");
+  const std::string bytes = whole();
   for (size_t n = 0; n < bytes.size(); ++n)
     for (const int bit : {1, 128}) {
       std::string flipped = bytes;

@@ -5,12 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 
 #include "models/laboratory/light/ceiling.h"
 #include "models/mesh/generated.h"
 #include "models/rooms/panorama_file.h"
+#include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
@@ -109,7 +109,8 @@ TEST(ImageErrors, ScalingThePictureLeavesTheScaleInvariantOne) {
 
 // A room with a soft lamp in even light.
 TEST(Ceiling, OneLampInAnEvenRoom) {
-  const std::string path = ::testing::TempDir() + "sandglass_ceiling.hdr";
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "lamp.hdr";
   RadianceMap map(512, 256);
   const Vec3 lamp = normalised(Vec3{0.2, 0.9, 0.3});
   for (int v = 0; v < 256; ++v)
@@ -132,7 +133,6 @@ TEST(Ceiling, OneLampInAnEvenRoom) {
   EXPECT_LE(ceiling.best_contrast_rmse, physical.shadow_rmse);
   options.threads = 2;
   EXPECT_EQ(measure_ceiling(options).variants.front().mean.rmse, ceiling.variants.front().mean.rmse);
-  std::filesystem::remove(path);
 }
 
 }  // namespace

@@ -4,14 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <string>
 
 #include "models/files/picture_file.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/rounding.h"
-#include "models/work/failure.h"
 #include "models/work/random.h"
+#include "tests/refusal.h"
 
 namespace sandglass::host {
 namespace {
@@ -85,21 +84,14 @@ TEST(Rounding, IndependentInputsAreRoundedToNearest) {
   EXPECT_EQ(rounded(weights, 1, triangular_factor(products, {1}, 0.5)), rounded(weights, 1, {}));
 }
 
-std::string sentence_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Failure& failure) {
-    return failure.what();
-  }
-  return "";
-}
-
 TEST(LightNetImport, WhatIsMissingOrNotANetworkIsNamed) {
-  EXPECT_NE(sentence_of([] { light_net_of({}); }).find("conv1/conv/kernel"), std::string::npos);
+  EXPECT_NE(tests::refusal_of([] { light_net_of({}); }).find("conv1/conv/kernel"), std::string::npos);
   const std::vector<uint8_t> rubbish(1000, 7);
-  EXPECT_NE(sentence_of([&] { LightRunner(rubbish, "rubbish.light"); }).find("\"rubbish.light\": the file is not"),
+  EXPECT_NE(
+      tests::refusal_of([&] { LightRunner(rubbish, "rubbish.light"); }).find("\"rubbish.light\": the file is not"),
+      std::string::npos);
+  EXPECT_NE(tests::refusal_of([] { read_picture("no/such/picture.png"); }).find("no/such/picture.png"),
             std::string::npos);
-  EXPECT_NE(sentence_of([] { read_picture("no/such/picture.png"); }).find("no/such/picture.png"), std::string::npos);
 }
 
 }  // namespace

@@ -4,10 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "models/rooms/panorama_file.h"
+#include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
@@ -18,12 +18,12 @@ constexpr double k_pi = std::numbers::pi;
 // turns with the camera, exactly as the pose does.
 TEST(TurningCamera, InAnEvenPanoramaTheLightTurnsWithThePose) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "it takes minutes under emulation";
-  const std::string path = ::testing::TempDir() + "sandglass_even.hdr";
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "even.hdr";
   RadianceMap map(64, 32);
   for (float& value : map.rgb) value = 0.5f;
   write_hdr(path, map);
   const Turn turn = turn_camera(SANDGLASS_LIGHTS_DIR "/room.light", LitPanorama(path), 0.3);
-  std::remove(path.c_str());
   ASSERT_EQ(turn.latest.size(), 31u);
   const Vec3 first = turn.latest.front();
   for (size_t i = 0; i < turn.latest.size(); ++i) {

@@ -6,27 +6,21 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 
+#include "models/files/failure.h"
 #include "models/lighting/lit_view.h"
 #include "models/mesh/generated.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/failure.h"
 #include "runtime/core/random.h"
+#include "tests/refusal.h"
+#include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
 
-namespace fs = std::filesystem;
-
 std::string refusal(const std::string& csv) {
-  try {
-    estimates_of_csv(csv, "made up");
-  } catch (const Failure& failure) {
-    return failure.what();
-  }
-  return "";
+  return tests::refusal_of([&] { estimates_of_csv(csv, "made up"); });
 }
 
 constexpr const char* k_header =
@@ -106,9 +100,6 @@ class Verify : public ::testing::Test {
   void SetUp() override {
     if (SANDGLASS_EMULATED)
       GTEST_SKIP() << "it takes a minute under emulation, and nothing in it depends on the machine";
-    folder_ =
-        ::testing::TempDir() + "sandglass_verify_" + ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::create_directories(folder_);
     for (int i = 0; i < 6; ++i) {
       const Vec3 lamp = direction_of_angles(0.9, i * std::numbers::pi / 3.0);
       RadianceMap map(128, 64);
@@ -118,20 +109,17 @@ class Verify : public ::testing::Test {
           const double light = 50.0 * std::exp(60.0 * (near - 1.0));
           map.set(u, v, {0.3 + light, 0.3 + 0.9 * light, 0.2 + 0.7 * light});
         }
-      write_hdr(folder_ + "/place_" + std::to_string(i) + ".hdr", map);
+      write_hdr(folder_ / ("place_" + std::to_string(i) + ".hdr"), map);
     }
-    options_.panoramas = {folder_};
+    options_.panoramas = {folder_.path.string()};
     options_.views = 3, options_.samples = 0, options_.threads = 2;
-  }
-  void TearDown() override {
-    if (!folder_.empty()) fs::remove_all(folder_);
   }
 
   // The labels themselves, in place of a network's estimates.
   LightEstimator labels(double side) const {
     return [this, side](const Picture&, const std::string& name) {
       const size_t cut = name.find_last_of('_');
-      const std::string path = folder_ + "/" + name.substr(0, cut) + ".hdr";
+      const std::string path = folder_ / (name.substr(0, cut) + ".hdr");
       const View view = views_of(path, options_.seed)[static_cast<size_t>(name.back() - '0')];
       LightLabels made = LitPanorama(path).cut(view).labels;
       made.direction.x *= side;
@@ -144,7 +132,7 @@ class Verify : public ::testing::Test {
     throw Failure("no row '" + name + "'");
   }
 
-  std::string folder_;
+  tests::TemporaryFolder folder_;
   LightingVerdictOptions options_;
 };
 
@@ -175,7 +163,7 @@ TEST_F(Verify, WithoutAnEstimatorThereAreNoClaims) {
 }
 
 TEST_F(Verify, OnePlaceHasNoMeanLight) {
-  options_.panoramas = {folder_ + "/place_2.hdr"};
+  options_.panoramas = {folder_ / "place_2.hdr"};
   EXPECT_EQ(lighting_table(verify_lighting(options_)).find("mean light"), std::string::npos);
 }
 

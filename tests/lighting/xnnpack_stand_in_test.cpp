@@ -3,19 +3,16 @@
 // from the region and is given back. What is not possible is refused with a sentence.
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <cstring>
 #include <map>
 #include <memory>
 #include <string>
 
 #include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
-#include "models/work/failure.h"
-#include "models/work/random.h"
 #include "platform/xnnpack.h"
-#include "tests/lighting/byte_network.h"
 #include "tests/lighting/float_network.h"
+#include "tests/lighting/network_checks.h"
+#include "tests/refusal.h"
 #include "tests/toolchains/stand_ins/xnnpack/calls.h"
 
 namespace sandglass::host {
@@ -24,11 +21,7 @@ namespace {
 using xnnpack_stand_in::Call;
 constexpr int k_width = 32, k_height = 64;
 
-std::vector<uint8_t> noise() {
-  std::vector<uint8_t> rgb(size_t{3} * k_width * k_height);
-  for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = static_cast<uint8_t>(256 * random_unit(i));
-  return rgb;
-}
+std::vector<uint8_t> noise() { return tests::noise(k_width, k_height); }
 
 const std::vector<uint8_t>& file() {
   static const std::vector<uint8_t> bytes = light_file_bytes(random_light_file(7));
@@ -71,20 +64,8 @@ TEST(XnnpackStandIn, OperatorsAreCreatedReshapedSetUpAndRunInThisOrder) {
 }
 
 TEST(XnnpackStandIn, InFloatIsTheFileWithoutRounding) {
-  const std::vector<float> features = features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
-  const LightFile random = random_light_file(7);
-  const tests::Map<double> map = tests::last_map<double>(random, noise(), k_width, k_height);
-  double worst = 0;
-  for (int c = 0; c < map.channels; ++c) {
-    double sum = 0;
-    for (int y = 0; y < map.height; ++y)
-      for (int x = 0; x < map.width; ++x) sum += map.at(x, y, c);
-    const auto i = static_cast<size_t>(c);
-    const double scale = static_cast<double>(random.feature_scale[i]);
-    const double truth = scale * (sum / (map.width * map.height)) + static_cast<double>(random.feature_shift[i]);
-    worst = std::max(worst, std::fabs(static_cast<double>(features[i]) - truth) / (255 * std::fabs(scale)));
-  }
-  EXPECT_LE(worst, 1e-3);
+  tests::expect_unrounded(random_light_file(7), features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32), noise(), k_width,
+                          k_height);
 }
 
 TEST(XnnpackStandIn, InFloatIsTheFloatNetworkOfAFileThatHasIt) {
@@ -104,12 +85,8 @@ TEST(XnnpackStandIn, ItsRegionBoundsWhatItTakes) {
   another();
   const uint64_t used = xnnpack_region_used();
   EXPECT_GT(2 * used, k_xnnpack_region_bytes);  // there is no room for a second
-  try {
-    another();
-    FAIL() << "more than the region holds";
-  } catch (const Failure& failure) {
-    EXPECT_NE(std::string(failure.what()).find("full"), std::string::npos) << failure.what();
-  }
+  const std::string full = tests::refusal_of(another);
+  EXPECT_NE(full.find("full"), std::string::npos) << full << ": more than the region holds";
   EXPECT_EQ(xnnpack_region_used(), used);
   lights.clear();
   EXPECT_EQ(xnnpack_region_used(), 0u);
@@ -120,12 +97,8 @@ TEST(XnnpackStandIn, ItsRegionBoundsWhatItTakes) {
 TEST(XnnpackStandIn, WhatItDoesNotHaveIsRefused) {
   xnnpack_stand_in::g_create_failures = 1;  // the probe
   for (int i = 0; i < 2; ++i) {
-    try {
-      features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
-      FAIL();
-    } catch (const Failure& failure) {
-      EXPECT_NE(std::string(failure.what()).find("does not have the operators"), std::string::npos) << failure.what();
-    }
+    const std::string said = tests::refusal_of([] { features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32); });
+    EXPECT_NE(said.find("does not have the operators"), std::string::npos) << said;
     EXPECT_EQ(xnnpack_region_used(), 0u);
     xnnpack_stand_in::g_create_failures = 1;
   }
@@ -134,12 +107,8 @@ TEST(XnnpackStandIn, WhatItDoesNotHaveIsRefused) {
 
 TEST(XnnpackStandIn, AnAppThatWasFirstIsToldSo) {
   xnnpack_stand_in::g_app_was_first = true;
-  try {
-    features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8);
-    FAIL() << "memory without a bound";
-  } catch (const Failure& failure) {
-    EXPECT_NE(std::string(failure.what()).find("initialised XNNPACK first"), std::string::npos) << failure.what();
-  }
+  const std::string said = tests::refusal_of([] { features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8); });
+  EXPECT_NE(said.find("initialised XNNPACK first"), std::string::npos) << said << ": memory without a bound";
   xnnpack_stand_in::g_app_was_first = false;
   EXPECT_EQ(features_of(SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8).size(), size_t{k_light_features});
 }

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <vector>
@@ -22,9 +21,9 @@
 #include "platform/xnnpack.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/counting_allocator.h"
-#include "tests/lighting/byte_network.h"
 #include "tests/lighting/float_network.h"
 #include "tests/lighting/light_fixture.h"
+#include "tests/lighting/network_checks.h"
 #include "tests/lighting/reference_classifier.h"
 
 namespace sandglass::host {
@@ -32,11 +31,7 @@ namespace {
 
 constexpr int k_width = 64, k_height = 32;
 
-std::vector<uint8_t> noise(int width, int height) {
-  std::vector<uint8_t> rgb(static_cast<size_t>(3 * width * height));
-  for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = static_cast<uint8_t>(256 * random_unit(i));
-  return rgb;
-}
+using tests::noise;
 
 TEST(Xnnpack, InFloatIsTheFileWithoutRounding) {
   const LightFile file = random_light_file(7);
@@ -44,25 +39,7 @@ TEST(Xnnpack, InFloatIsTheFileWithoutRounding) {
   LightRunner runner(light_file_bytes(file), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height,
                      SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
   runner.run(rgb);
-  const std::vector<float> features = runner.features();
-
-  const tests::Map<double> map = tests::last_map<double>(file, rgb, k_width, k_height);
-  const int pixels = map.width * map.height;
-  double worst = 0, size = 0;
-  for (int c = 0; c < map.channels; ++c) {
-    double sum = 0;
-    for (int y = 0; y < map.height; ++y)
-      for (int x = 0; x < map.width; ++x) sum += map.at(x, y, c);
-    const auto i = static_cast<size_t>(c);
-    const double scale = static_cast<double>(file.feature_scale[i]);
-    const double truth = scale * (sum / pixels) + static_cast<double>(file.feature_shift[i]);
-    // In units of a byte's range. The limit is 1e-3, as for the project's float network against PyTorch.
-    worst = std::max(worst, std::fabs(static_cast<double>(features[i]) - truth) / (255 * std::fabs(scale)));
-    size = std::max(size, sum / pixels);
-  }
-  EXPECT_LE(worst, 1e-3);
-  EXPECT_GT(size, 16.0) << "the features must not all be small";
-  std::printf("greatest difference of 1024 features: %.2g of their range\n", worst);
+  tests::expect_unrounded(file, runner.features(), rgb, k_width, k_height);
 }
 
 TEST(Xnnpack, InFloatIsTheFloatNetworkOfAFileThatHasIt) {
@@ -140,20 +117,11 @@ TEST(Xnnpack, AnInterruptedBenchKnowsWhatTheBuildHas) {
 }
 
 TEST(Xnnpack, UnitsAreAsSmallAsTheOwnAndMayRunInAnyOrder) {
-  const std::vector<uint8_t> rgb = noise(256, 192), grey(rgb.size(), 90);
   LightRunner runner(light_file_bytes(random_light_file(7)), "random", SANDGLASS_ISA_AUTOMATIC, 256, 192,
                      SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
-  LightNetwork* net = runner.network();
-  for (uint32_t unit = 0; unit < net->units; ++unit) EXPECT_LE(light_unit(*net, unit).items, k_light_unit_macs / 1000);
-  if (SANDGLASS_EMULATED) return;
-  const LightOutputs expected = runner.run(rgb);
-  runner.run(grey);  // fills the memory with other values
-  begin_light_network(net, rgb.data());
-  for (uint32_t first = 0; first < net->units; first = light_operator_end(*net, first))
-    for (uint32_t unit = light_operator_end(*net, first); unit-- > first;) run_light_unit(net, unit);
-  LightOutputs outputs;
-  finish_light_network(*net, &outputs);
-  EXPECT_EQ(std::memcmp(&outputs, &expected, sizeof outputs), 0);
+  const LightNetwork& net = *runner.network();
+  for (uint32_t unit = 0; unit < net.units; ++unit) EXPECT_LE(light_unit(net, unit).items, k_light_unit_macs / 1000);
+  if (!SANDGLASS_EMULATED) tests::expect_any_order(&runner, noise(256, 192));
 }
 
 // The classifier in bytes, computed in float, is as close to its float original as the rounding of the weights allows.

@@ -8,7 +8,7 @@
 #include "models/files/aligned_bytes.h"
 #include "models/lighting/light_file.h"
 #include "sandglass/light.h"
-#include "sandglass/sandglass.h"
+#include "sandglass/sandglass.hpp"
 #include "tests/counting_allocator.h"
 
 namespace {
@@ -43,9 +43,7 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
   desc.granular.collider_capacity = 4;
   uint64_t bytes = 0;
   ASSERT_EQ(sandglass_scene_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
-  std::vector<uint8_t> memory(bytes + SANDGLASS_BLOCK_ALIGNMENT);
-  uint8_t* const block = memory.data() + (SANDGLASS_BLOCK_ALIGNMENT -
-                                          reinterpret_cast<uintptr_t>(memory.data()) % SANDGLASS_BLOCK_ALIGNMENT);
+  const sandglass::cpp::Block block = sandglass::cpp::allocate_block(bytes);
 
   std::vector<float> particles, grains, boundary;
   for (uint32_t i = 0; i < k_particles; ++i)
@@ -78,7 +76,7 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
   // From creation on there is only the block, and no call to get it.
   sandglass::host::start_counting_allocations();
   sandglass_scene* scene = nullptr;
-  bool fine = sandglass_scene_create(&desc, block, bytes, &scene, nullptr) == SANDGLASS_OK;
+  bool fine = sandglass_scene_create(&desc, block.get(), bytes, &scene, nullptr) == SANDGLASS_OK;
   for (uint32_t frame = 0; fine && frame < 10000; ++frame) {
     // Every 500 frames the sand starts again from the air, so that most frames have something to do.
     if (frame % 500 == 0) {
@@ -111,11 +109,8 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   uint64_t need = 0, scene_need = 0;
   ASSERT_EQ(sandglass_light_bytes(&desc, &need, nullptr), SANDGLASS_OK);
   ASSERT_EQ(sandglass_scene_bytes(&scene_desc, &scene_need, nullptr), SANDGLASS_OK);
-  std::vector<uint8_t> memory(need + scene_need + 3 * SANDGLASS_BLOCK_ALIGNMENT);
-  const auto aligned = [](uint8_t* p) {
-    return p + (SANDGLASS_BLOCK_ALIGNMENT - reinterpret_cast<uintptr_t>(p) % SANDGLASS_BLOCK_ALIGNMENT);
-  };
-  uint8_t *const block = aligned(memory.data()), *const scene_block = aligned(block + need);
+  const sandglass::cpp::Block block = sandglass::cpp::allocate_block(need),
+                              scene_block = sandglass::cpp::allocate_block(scene_need);
   std::vector<uint8_t> pixels(640 * 480 * 3 / 2, 77);
   sandglass_camera_image image;
   sandglass_camera_image_default(&image);
@@ -128,8 +123,8 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
   sandglass::host::start_counting_allocations();
   sandglass_light* light = nullptr;
   sandglass_scene* scene = nullptr;
-  bool fine = sandglass_light_create(&desc, block, need, &light, nullptr) == SANDGLASS_OK &&
-              sandglass_scene_create(&scene_desc, scene_block, scene_need, &scene, nullptr) == SANDGLASS_OK;
+  bool fine = sandglass_light_create(&desc, block.get(), need, &light, nullptr) == SANDGLASS_OK &&
+              sandglass_scene_create(&scene_desc, scene_block.get(), scene_need, &scene, nullptr) == SANDGLASS_OK;
   sandglass_frame_input input;
   sandglass_frame_input_default(&input);
   input.light = light, input.camera = &image;

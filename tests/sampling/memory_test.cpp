@@ -15,6 +15,7 @@ namespace {
 const float k_low[3] = {0, 0, 0}, k_high[3] = {1, 1, 1};
 constexpr float k_distance = 0.1f;
 constexpr float k_mark = -77.0f;
+constexpr sandglass_status k_invalid = SANDGLASS_ERROR_INVALID_ARGUMENT;
 
 // A sampler with its memory.
 struct Run {
@@ -188,22 +189,17 @@ TEST(Arguments, bad_meshes_are_refused_everywhere) {
     uint64_t bytes = 0;
     uint32_t capacity = 0;
     const char* reason = nullptr;
-    EXPECT_EQ(sandglass_mesh_bounds(mesh, low, high, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT) << i;
+    EXPECT_EQ(sandglass_mesh_bounds(mesh, low, high, &reason), k_invalid) << i;
     EXPECT_NE(reason, nullptr);
-    EXPECT_EQ(sandglass_mesh_area(mesh, &number, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT) << i;
-    EXPECT_EQ(sandglass_mesh_winding_number(mesh, place, &number, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT) << i;
-    EXPECT_EQ(sandglass_mesh_inside_bytes(mesh, SANDGLASS_INSIDE_PARITY, &bytes, nullptr),
-              SANDGLASS_ERROR_INVALID_ARGUMENT)
-        << i;
-    EXPECT_EQ(sandglass_sample_surface_capacity(mesh, 0.1f, nullptr, &capacity, nullptr),
-              SANDGLASS_ERROR_INVALID_ARGUMENT)
-        << i;
+    EXPECT_EQ(sandglass_mesh_area(mesh, &number, nullptr), k_invalid) << i;
+    EXPECT_EQ(sandglass_mesh_winding_number(mesh, place, &number, nullptr), k_invalid) << i;
+    EXPECT_EQ(sandglass_mesh_inside_bytes(mesh, SANDGLASS_INSIDE_PARITY, &bytes, nullptr), k_invalid) << i;
+    EXPECT_EQ(sandglass_sample_surface_capacity(mesh, 0.1f, nullptr, &capacity, nullptr), k_invalid) << i;
   }
   const std::vector<uint32_t> line = {0, 1, 1};
   const sandglass_mesh flat = {vertices.data(), 3, line.data(), 1};
   uint32_t capacity = 0;
-  EXPECT_EQ(sandglass_sample_surface_capacity(&flat, 0.1f, nullptr, &capacity, nullptr),
-            SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_sample_surface_capacity(&flat, 0.1f, nullptr, &capacity, nullptr), k_invalid);
 }
 
 TEST(Arguments, bad_distances_boxes_and_options_are_refused) {
@@ -213,23 +209,15 @@ TEST(Arguments, bad_distances_boxes_and_options_are_refused) {
   uint64_t bytes = 0;
   for (float distance : {nan, infinity, 0.0f, -1.0f, 1e-9f, 1e-38f}) {
     const char* reason = nullptr;
-    EXPECT_EQ(sandglass_sample_surface_capacity(&mesh, distance, nullptr, &capacity, &reason),
-              SANDGLASS_ERROR_INVALID_ARGUMENT)
-        << distance;
+    EXPECT_EQ(sandglass_sample_surface_capacity(&mesh, distance, nullptr, &capacity, &reason), k_invalid) << distance;
     EXPECT_NE(reason, nullptr);
-    EXPECT_EQ(sandglass_sample_volume_capacity(k_low, k_high, distance, &capacity, &reason),
-              SANDGLASS_ERROR_INVALID_ARGUMENT)
-        << distance;
-    EXPECT_EQ(sandglass_sample_lattice_bytes(k_low, k_high, distance, &bytes, &reason),
-              SANDGLASS_ERROR_INVALID_ARGUMENT)
-        << distance;
+    EXPECT_EQ(sandglass_sample_volume_capacity(k_low, k_high, distance, &capacity, &reason), k_invalid) << distance;
+    EXPECT_EQ(sandglass_sample_lattice_bytes(k_low, k_high, distance, &bytes, &reason), k_invalid) << distance;
   }
   const float boxes[4][3] = {{nan, 1, 1}, {1, infinity, 1}, {1, 1, -1}, {1, 1001, 1}};
   for (const auto& high : boxes) {
-    EXPECT_EQ(sandglass_sample_volume_capacity(k_low, high, 0.1f, &capacity, nullptr),
-              SANDGLASS_ERROR_INVALID_ARGUMENT);
-    EXPECT_EQ(sandglass_sample_lattice_capacity(k_low, high, 0.1f, &capacity, nullptr),
-              SANDGLASS_ERROR_INVALID_ARGUMENT);
+    EXPECT_EQ(sandglass_sample_volume_capacity(k_low, high, 0.1f, &capacity, nullptr), k_invalid);
+    EXPECT_EQ(sandglass_sample_lattice_capacity(k_low, high, 0.1f, &capacity, nullptr), k_invalid);
   }
   for (int field = 0; field < 4; ++field) {
     sandglass_sample_options options = options_with_seed(1);
@@ -237,9 +225,7 @@ TEST(Arguments, bad_distances_boxes_and_options_are_refused) {
     if (field == 1) options.tries = 0;
     if (field == 2) options.tries = 1001;
     if (field == 3) options.metric = 2;
-    EXPECT_EQ(sandglass_sample_surface_capacity(&mesh, 0.1f, &options, &capacity, nullptr),
-              SANDGLASS_ERROR_INVALID_ARGUMENT)
-        << field;
+    EXPECT_EQ(sandglass_sample_surface_capacity(&mesh, 0.1f, &options, &capacity, nullptr), k_invalid) << field;
   }
 }
 

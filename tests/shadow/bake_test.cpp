@@ -9,8 +9,8 @@
 
 #include "models/baking/checkpoint.h"
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/mesh/generated.h"
-#include "models/work/failure.h"
 #include "sandglass/shadow.h"
 
 namespace {

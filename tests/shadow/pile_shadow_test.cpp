@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -22,6 +23,11 @@ constexpr float k_grain = 0.0035f;  // radius of grains; a texel is larger
 
 struct Light {
   double polar_deg, azimuth_deg;
+  std::array<float, 3> floats() const {
+    double d[3];
+    vector(d);
+    return {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
+  }
   void vector(double (&d)[3]) const {
     d[0] = std::sin(polar_deg * k_degree) * std::cos(azimuth_deg * k_degree);
     d[1] = std::cos(polar_deg * k_degree);
@@ -29,36 +35,17 @@ struct Light {
   }
 };
 
-// Owns the block.
-struct Shadow {
-  explicit Shadow(sandglass_pile_shadow_desc desc) {
-    const char* reason = nullptr;
-    uint64_t bytes = 0;
-    EXPECT_EQ(sandglass_pile_shadow_bytes(&desc, &bytes, &reason), SANDGLASS_OK) << reason;
-    block.resize(bytes + 64);
-    auto* at = block.data() + (64 - reinterpret_cast<uintptr_t>(block.data()) % 64) % 64;
-    EXPECT_EQ(sandglass_pile_shadow_create(&desc, at, bytes, &handle, &reason), SANDGLASS_OK) << reason;
-  }
-  void light(const Light& light) const {
-    double d[3];
-    light.vector(d);
-    const float direction[3] = {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
-    EXPECT_EQ(sandglass_pile_shadow_set_light(handle, direction, nullptr), SANDGLASS_OK);
-  }
-  sandglass_pile_shadow_texture texture() const {
-    sandglass_pile_shadow_texture t = {};
-    t.struct_size = sizeof t;
-    sandglass_pile_shadow_get_texture(handle, &t);
-    return t;
-  }
-  std::vector<uint8_t> block;
-  sandglass_pile_shadow* handle = nullptr;
-};
-
 sandglass_pile_shadow_desc description() {
   sandglass_pile_shadow_desc desc;
   sandglass_pile_shadow_desc_default(&desc);
   return desc;
+}
+
+sandglass::PileShadow lit(const Light& light, const sandglass_pile_shadow_desc& desc = description()) {
+  sandglass::PileShadow shadow;
+  EXPECT_TRUE(shadow.create(desc));
+  EXPECT_TRUE(shadow.set_light(light.floats()));
+  return shadow;
 }
 
 // A hexagonal lattice of spheres where `inside` holds.
@@ -120,11 +107,8 @@ struct Error {
 Error error_of(const std::vector<float>& spheres, const Light& light, uint32_t texels) {
   sandglass_pile_shadow_desc desc = description();
   desc.texels = texels;
-  const Shadow shadow(desc);
-  shadow.light(light);
-  while (sandglass_pile_shadow_run(shadow.handle, spheres.data(), static_cast<uint32_t>(spheres.size() / 3), k_radius,
-                                   1000) != 0) {
-  }
+  sandglass::PileShadow shadow = lit(light, desc);
+  shadow.run(spheres, k_radius);
   const sandglass_pile_shadow_texture t = shadow.texture();
   EXPECT_EQ(t.valid, 1u);
   Error error;
@@ -170,9 +154,8 @@ TEST(PileShadow, OfSandInTheAirStandsOffFromItsFoot) {
   const Light light = {45, 0};  // light from +x: the shadow's centre is 0.2 m on the other side
   expect_truth("ball", ball, light, 0.0515);
   expect_truth("ball", ball, {4, 70}, 0.063);
-  const Shadow shadow(description());
-  shadow.light(light);
-  sandglass_pile_shadow_run(shadow.handle, ball.data(), static_cast<uint32_t>(ball.size() / 3), k_radius, 100000);
+  sandglass::PileShadow shadow = lit(light);
+  shadow.run(ball, k_radius);
   const sandglass_pile_shadow_texture t = shadow.texture();
   const auto at = [&](double x, double z) {
     return t.coverage[static_cast<size_t>((z + 0.5) * 128) * 128 + static_cast<size_t>((x + 0.5) * 128)];
@@ -194,9 +177,8 @@ TEST(PileShadow, OfScatteredGrainsIsNotThatOfFullTexels) {
   }
   for (const double polar : {20.0, 45.0, 65.0}) {
     const Light light = {polar, 200};
-    const Shadow shadow(description());
-    shadow.light(light);
-    sandglass_pile_shadow_run(shadow.handle, grains.data(), static_cast<uint32_t>(grains.size() / 3), k_grain, 1000);
+    sandglass::PileShadow shadow = lit(light);
+    shadow.run(grains, k_grain);
     const sandglass_pile_shadow_texture t = shadow.texture();
     double truth = 0, shown = 0, points = 0;
     for (int i = 0; i < 600; ++i) {
@@ -224,12 +206,10 @@ TEST(PileShadow, OneHashForAllKernelsAndAllDivisions) {
     for (const uint32_t units : {1u, 7u, 100000u}) {
       sandglass_pile_shadow_desc desc = description();
       desc.isa = isa;
-      const Shadow shadow(desc);
-      shadow.light({55, 130});
-      while (sandglass_pile_shadow_run(shadow.handle, sand.data(), static_cast<uint32_t>(sand.size() / 3), k_radius,
-                                       units) != 0) {
+      sandglass::PileShadow shadow = lit({55, 130}, desc);
+      while (shadow.run(sand, k_radius, units) != 0) {
       }
-      const uint64_t hash = sandglass_pile_shadow_hash(shadow.handle);
+      const uint64_t hash = shadow.hash();
       if (first == 0) first = hash;
       EXPECT_EQ(hash, first) << sandglass_isa_name(isa) << ", " << units << " units at a time";
     }
@@ -286,11 +266,10 @@ TEST(PileShadow, RefusesWithASentence) {
 }
 
 TEST(PileShadow, FillsNoByteBeyondTheCallersTexture) {
-  const Shadow shadow(description());
-  shadow.light({40, 90});
+  sandglass::PileShadow shadow = lit({40, 90});
   sandglass::tests::expect_filled_within_its_size<sandglass_pile_shadow_texture>(
       [&](sandglass_pile_shadow_texture* texture) {
-        sandglass_pile_shadow_get_texture(shadow.handle, texture);
+        sandglass_pile_shadow_get_texture(shadow.get(), texture);
         return true;
       },
       false);
@@ -303,9 +282,8 @@ TEST(PileShadow, FollowsTheSandOfAScene) {
   const auto count = static_cast<uint32_t>(sand.size() / 3);
   desc.granular.particle_capacity = count, desc.granular.collider_capacity = 1;
   const uint64_t bytes = sandglass::Scene::bytes(desc);
-  const Shadow shadow(description());
+  sandglass::PileShadow shadow = lit({40, 90});
   EXPECT_EQ(sandglass::Scene::bytes(desc), bytes) << "the shadow must not make the scene larger";
-  shadow.light({40, 90});
   sandglass::Scene scene;
   ASSERT_TRUE(scene.create(desc));
   ASSERT_TRUE(scene.add(sand));
@@ -313,7 +291,7 @@ TEST(PileShadow, FollowsTheSandOfAScene) {
   sandglass_frame_input input = sandglass::frame_input();
   input.time_step = 1.0f / 60.0f, input.budget_ns = UINT64_MAX;
   input.colliders = &floor, input.collider_count = 1;
-  input.pile_shadow = shadow.handle;
+  input.pile_shadow = shadow.get();
   sandglass_frame_report report = sandglass::frame_report();
   uint32_t worked = 0, rested = 0;
   for (int frame = 0; frame < 600; ++frame) {
@@ -330,13 +308,11 @@ TEST(PileShadow, FollowsTheSandOfAScene) {
   // The texture that the frames made is the one that the positions give.
   std::vector<float> positions(sand.size());
   sandglass_granular_particles(scene.get(), positions.data(), nullptr);
-  const Shadow again(description());
-  again.light({40, 90});
-  while (sandglass_pile_shadow_run(again.handle, positions.data(), count, k_radius, 1000) != 0) {
-  }
-  EXPECT_EQ(sandglass_pile_shadow_hash(again.handle), sandglass_pile_shadow_hash(shadow.handle));
+  sandglass::PileShadow again = lit({40, 90});
+  again.run(positions, k_radius);
+  EXPECT_EQ(again.hash(), shadow.hash());
   // The shadow follows a light that turns.
-  shadow.light({40, 120});
+  EXPECT_TRUE(shadow.set_light(Light{40, 120}.floats()));
   ASSERT_TRUE(scene.frame(input, &report));
   EXPECT_GT(report.stages[SANDGLASS_STAGE_SHADOW].units, 0u);
 }

@@ -28,8 +28,7 @@ uint64_t hash(const std::vector<uint8_t>& bytes) { return hash_bytes(bytes.data(
 
 std::vector<uint8_t> texture_of(const AssetFile& file, sandglass_isa isa, sandglass_shadow_mode mode) {
   LiveShadow shadow(describe(file, isa, mode));
-  shadow.light(0.5f, 1, 0.25f);
-  shadow.finish();
+  shadow.shade(0.5f, 1, 0.25f);
   EXPECT_TRUE(shadow.block.guards_intact());
   return shadow.coverage();
 }
@@ -56,8 +55,7 @@ TEST(Shadow, AdaptiveEqualsFullWhereItAsksTheNetwork) {
   const AssetFile file = make_shadow_file(k_network);
   const std::vector<uint8_t> full = texture_of(file, SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL);
   LiveShadow shadow(describe(file));
-  shadow.light(0.5f, 1, 0.25f);
-  shadow.finish();
+  shadow.shade(0.5f, 1, 0.25f);
   const std::vector<uint8_t> adaptive = shadow.coverage();
   // Every corner of the coarse grid has the network's value. At least as many texels agree as the network was asked
   // for.
@@ -79,8 +77,7 @@ TEST(Shadow, CellsThatAreNotRefinedAreInterpolated) {
   sandglass_shadow_desc desc = describe(file);
   desc.threshold = 255;
   LiveShadow shadow(desc);
-  shadow.light(0.5f, 1, 0.25f);
-  shadow.finish();
+  shadow.shade(0.5f, 1, 0.25f);
   EXPECT_EQ(shadow.texture().evaluated, 65u * 65u);
   const std::vector<uint8_t> t = shadow.coverage();
   for (uint32_t v = 0; v + 4 < k_size; ++v)
@@ -98,8 +95,7 @@ TEST(Shadow, OneUnitAFrameGivesTheSameTextureLater) {
   for (const sandglass_shadow_mode mode : {SANDGLASS_SHADOW_FULL, SANDGLASS_SHADOW_ADAPTIVE}) {
     const std::vector<uint8_t> expected = texture_of(file, SANDGLASS_ISA_AUTOMATIC, mode);
     LiveShadow shadow(describe(file, SANDGLASS_ISA_AUTOMATIC, mode));
-    shadow.light(-1, 1, 0);
-    shadow.finish();
+    shadow.shade(-1, 1, 0);
     const std::vector<uint8_t> before = shadow.coverage();
     shadow.light(0.5f, 1, 0.25f);
     uint32_t frames = 0;
@@ -144,8 +140,7 @@ TEST(Shadow, NothingIsComputedForALightThatHardlyMoved) {
   sandglass_shadow_desc desc = describe(file);
   desc.light_tolerance = 0.05f;
   LiveShadow shadow(desc);
-  shadow.light(0, 1, 0);
-  shadow.finish();
+  shadow.shade(0, 1, 0);
   shadow.light(std::sin(0.04f), std::cos(0.04f), 0);
   EXPECT_EQ(sandglass_shadow_run(&shadow.shadow, 1, 1), 0u);
   shadow.light(std::sin(0.06f), std::cos(0.06f), 0);
@@ -155,8 +150,7 @@ TEST(Shadow, NothingIsComputedForALightThatHardlyMoved) {
 TEST(Shadow, LightsBeyondTheBakedOnesFadeOut) {
   LiveShadow shadow(describe(make_shadow_file(k_network)));
   const auto at = [&](float polar) {
-    shadow.light(std::sin(polar * k_degree), std::cos(polar * k_degree), 0);
-    shadow.finish();
+    shadow.shade(std::sin(polar * k_degree), std::cos(polar * k_degree), 0);
     return shadow.texture();
   };
   EXPECT_EQ(at(0).opacity, 1);
@@ -202,8 +196,7 @@ TEST(Shadow, NothingJumpsAtTheLimit) {
   const AssetFile file = make_shadow_file(k_network);
   LiveShadow shadow(describe(file, SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL));
   const auto at = [&](float polar) {
-    shadow.light(std::sin(polar * k_degree), std::cos(polar * k_degree), 0);
-    shadow.finish();
+    shadow.shade(std::sin(polar * k_degree), std::cos(polar * k_degree), 0);
     return shadow.coverage();
   };
   const std::vector<uint8_t> limit = at(70);
@@ -236,8 +229,7 @@ TEST(Shadow, LengthOfTheLightDoesNotMatter) {
   const std::vector<uint8_t> expected = texture_of(file, SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE);
   for (const float scale : {0x1p-140f, 0x1p100f}) {
     LiveShadow shadow(describe(file));
-    shadow.light(0.5f * scale, scale, 0.25f * scale);
-    shadow.finish();
+    shadow.shade(0.5f * scale, scale, 0.25f * scale);
     EXPECT_EQ(shadow.coverage(), expected);
   }
 }
@@ -281,8 +273,7 @@ TEST(Shadow, EveryBlockThatIsTooSmallIsRefusedUntouched) {
 TEST(Shadow, FillsNoByteBeyondTheCallersStructs) {
   const AssetFile file = make_shadow_file(k_network);
   LiveShadow shadow(describe(file));
-  shadow.light(0.5f, 1, 0.25f);
-  shadow.finish();
+  shadow.shade(0.5f, 1, 0.25f);
   for (const uint32_t light : {0u, 1u})  // the second light does not exist
     expect_filled_within_its_size<sandglass_shadow_texture>(
         [&](sandglass_shadow_texture* texture) {
@@ -300,8 +291,7 @@ TEST(Shadow, FillsNoByteBeyondTheCallersStructs) {
 // Each texel is the mean of the 2 x 2 that it covers, or a bilinear interpolation at its centre; both in double.
 TEST(Shadow, ResamplingIsTheMeanOrBilinear) {
   LiveShadow shadow(describe(make_shadow_file(k_network)));
-  shadow.light(0.5f, 1, 0.25f);
-  shadow.finish();
+  shadow.shade(0.5f, 1, 0.25f);
   const std::vector<uint8_t> native = shadow.coverage();
   const auto texel = [&](double x, double y) {  // clamped to the edge
     const auto u = static_cast<uint32_t>(std::clamp(x, 0.0, k_size - 1.0));

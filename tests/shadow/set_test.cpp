@@ -7,6 +7,7 @@
 
 #include "platform/virtual_clock.h"
 #include "runtime/shadow/shadow.h"
+#include "sandglass/sandglass.hpp"
 #include "tests/shadow/shadow_fixture.h"
 
 namespace {
@@ -29,11 +30,6 @@ void set_light(LiveShadow& shadow, uint32_t light, float x, float z, float irrad
   ASSERT_EQ(sandglass_shadow_set_light(shadow.shadow, light, direction, irradiance, nullptr), SANDGLASS_OK);
 }
 
-std::vector<uint8_t> texels(const LiveShadow& shadow, uint32_t light) {
-  const uint8_t* c = shadow.texture(light).coverage;
-  return {c, c + k_size * k_size};
-}
-
 TEST(ShadowSet, EveryLightHasTheTextureThatItWouldHaveAlone) {
   const AssetFile file = make_shadow_file(k_network);
   LiveShadow all(describe_lights(file, 3));
@@ -41,9 +37,8 @@ TEST(ShadowSet, EveryLightHasTheTextureThatItWouldHaveAlone) {
   all.finish();
   for (uint32_t l = 0; l < 3; ++l) {
     LiveShadow alone(describe(file));
-    alone.light(0.3f * static_cast<float>(l), 1, -0.4f);
-    alone.finish();
-    EXPECT_EQ(texels(all, l), alone.coverage()) << l;
+    alone.shade(0.3f * static_cast<float>(l), 1, -0.4f);
+    EXPECT_EQ(all.coverage(l), alone.coverage()) << l;
     EXPECT_EQ(all.texture(l).age, 0u);
   }
   EXPECT_EQ(all.texture(3).valid, 0u);
@@ -214,7 +209,7 @@ TEST(ShadowSet, CombinedLightsAreWeightedByTheirIrradiance) {
 TEST(ShadowSet, ALightWithoutATextureYetIsCombinedAsUnshaded) {
   const AssetFile file = make_shadow_file(k_network);
   LiveShadow one(describe(file)), two(describe_lights(file, 2));
-  one.light(0.5f, 1, 0.1f), one.finish();
+  one.shade(0.5f, 1, 0.1f);
   set_light(two, 0, 0.5f, 0.1f, 1), two.finish();
   set_light(two, 1, -0.6f, 0.4f, 9);
   ASSERT_EQ(two.texture(1).valid, 0u);
@@ -238,48 +233,32 @@ TEST(ShadowSet, ALightWithoutATextureYetIsCombinedAsUnshaded) {
 // ------------------------------------------------------------------------------------------------------- in the frame
 
 struct SandScene {
-  explicit SandScene(sandglass_clock clock) : block(size(clock)) {
-    const sandglass_scene_desc desc = describe_scene(clock);
-    EXPECT_EQ(sandglass_scene_create(&desc, block.data(), size(clock), &scene, nullptr), SANDGLASS_OK);
+  explicit SandScene(sandglass_clock clock) {
+    sandglass_scene_desc desc = cpp::scene_desc();
+    desc.clock = clock;
+    desc.unit_items = 64;
+    desc.granular.particle_capacity = desc.granular.grain_capacity = 600;
+    EXPECT_TRUE(scene.create(desc));
     std::vector<float> particles, grains;
     for (int i = 0; i < 600; ++i)
       for (const float x : {0.0205f * static_cast<float>(i % 10), 0.02f + 0.0205f * static_cast<float>(i / 100),
                             0.0205f * static_cast<float>(i / 10 % 10)})
         particles.push_back(x), grains.push_back(x + 0.004f);
-    EXPECT_EQ(sandglass_granular_add(scene, particles.data(), nullptr, 600, grains.data(), nullptr, 600, nullptr),
-              SANDGLASS_OK);
-  }
-  static sandglass_scene_desc describe_scene(sandglass_clock clock) {
-    sandglass_scene_desc desc;
-    sandglass_scene_desc_default(&desc);
-    desc.clock = clock;
-    desc.unit_items = 64;
-    desc.granular.particle_capacity = desc.granular.grain_capacity = 600;
-    return desc;
-  }
-  static uint64_t size(sandglass_clock clock) {
-    const sandglass_scene_desc desc = describe_scene(clock);
-    uint64_t bytes = 0;
-    EXPECT_EQ(sandglass_scene_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
-    return bytes;
+    EXPECT_TRUE(scene.add(particles, grains));
   }
   sandglass_frame_report frame(std::vector<sandglass_shadow*> shadows, uint64_t budget_ns,
                                const sandglass_plan* plan = nullptr) {
-    sandglass_collider floor = {};
-    floor.rotation[3] = 1;
-    sandglass_frame_input input;
-    sandglass_frame_input_default(&input);
+    const sandglass_collider floor = cpp::floor_at(0);
+    sandglass_frame_input input = cpp::frame_input();
     input.time_step = 0.02f, input.budget_ns = budget_ns, input.plan = plan;
     input.colliders = &floor, input.collider_count = 1;
     input.shadows = shadows.data(), input.shadow_count = static_cast<uint32_t>(shadows.size());
     sandglass_frame_report report = {};
-    report.struct_size = sizeof report;
-    status = sandglass_scene_frame(scene, &input, &report, nullptr);
+    status = scene.frame(input, &report).code;
     return report;
   }
 
-  Block block;
-  sandglass_scene* scene = nullptr;
+  cpp::Scene scene;
   sandglass_status status = SANDGLASS_OK;
 };
 
@@ -287,7 +266,7 @@ struct SandScene {
 TEST(ShadowFrame, ABudgetOfNothingStillBringsTheTexture) {
   const AssetFile file = make_shadow_file(k_network);
   LiveShadow expected(describe(file)), shadow(describe(file));
-  expected.light(0.5f, 1, 0.2f), expected.finish();
+  expected.shade(0.5f, 1, 0.2f);
   VirtualClock time;
   time.step_ns = 1000;
   SandScene sand(virtual_clock(&time));
@@ -329,7 +308,7 @@ TEST(ShadowFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
     arrived += a.texture(0).age == 0;
     again.frame({a2.shadow, b2.shadow}, 4'000'000, &report.plan);
     ASSERT_EQ(again.status, SANDGLASS_OK) << f;
-    ASSERT_EQ(sandglass_scene_hash(again.scene), sandglass_scene_hash(sand.scene)) << f;
+    ASSERT_EQ(again.scene.hash(), sand.scene.hash()) << f;
     ASSERT_EQ(sandglass_shadow_hash(a2.shadow), sandglass_shadow_hash(a.shadow)) << f;
     ASSERT_EQ(sandglass_shadow_hash(b2.shadow), sandglass_shadow_hash(b.shadow)) << f;
   }

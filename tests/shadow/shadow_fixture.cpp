@@ -1,3 +1,4 @@
+// See shadow_fixture.h. Golden hashes rest on these random numbers.
 #include "tests/shadow/shadow_fixture.h"
 
 #include <gtest/gtest.h>
@@ -155,8 +156,8 @@ sandglass_shadow_texture LiveShadow::texture(uint32_t light) const {
   sandglass_shadow_get_texture(shadow, light, &texture);
   return texture;
 }
-std::vector<uint8_t> LiveShadow::coverage() const {
-  const uint8_t* c = texture().coverage;
+std::vector<uint8_t> LiveShadow::coverage(uint32_t light) const {
+  const uint8_t* c = texture(light).coverage;
   return {c, c + SANDGLASS_SHADOW_TEXELS * SANDGLASS_SHADOW_TEXELS};
 }
 

@@ -58,8 +58,9 @@ struct LiveShadow {
   explicit LiveShadow(const sandglass_shadow_desc& desc);
   void light(float x, float y, float z);
   void finish();
+  void shade(float x, float y, float z) { light(x, y, z), finish(); }  // the whole texture of this light
   sandglass_shadow_texture texture(uint32_t light = 0) const;
-  std::vector<uint8_t> coverage() const;
+  std::vector<uint8_t> coverage(uint32_t light = 0) const;
 
   Block block;
   sandglass_shadow* shadow = nullptr;

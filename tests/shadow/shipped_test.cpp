@@ -88,22 +88,18 @@ TEST(ShippedChair, TwoLightsAddUpAsRayTracingSays) {
   sandglass_shadow_desc desc;
   sandglass_shadow_desc_default(&desc);
   desc.asset = chair.aligned.data(), desc.asset_bytes = chair.bytes.size(), desc.light_count = 2;
-  uint64_t bytes = 0;
-  ASSERT_EQ(sandglass_shadow_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
-  void* block = ::operator new (bytes, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT});
-  sandglass_shadow* shadow = nullptr;
-  ASSERT_EQ(sandglass_shadow_create(&desc, block, bytes, &shadow, nullptr), SANDGLASS_OK);
+  cpp::Shadow shadow;
+  ASSERT_TRUE(shadow.create(desc));
   for (uint32_t l = 0; l < 2; ++l) {
-    const float d[3] = {static_cast<float>(lights[l][0]), static_cast<float>(lights[l][1]),
-                        static_cast<float>(lights[l][2])};
-    ASSERT_EQ(sandglass_shadow_set_light(shadow, l, d, static_cast<float>(irradiance[l]), nullptr), SANDGLASS_OK);
+    const std::array<float, 3> d = {static_cast<float>(lights[l][0]), static_cast<float>(lights[l][1]),
+                                    static_cast<float>(lights[l][2])};
+    ASSERT_TRUE(shadow.set_light(d, static_cast<float>(irradiance[l]), l));
   }
-  while (sandglass_shadow_run(&shadow, 1, 1000) > 0) {
-  }
+  shadow.run();
   constexpr uint32_t k_out = 96;
   std::vector<uint8_t> combined(k_out * k_out);
   float low[2], high[2];
-  ASSERT_EQ(sandglass_shadow_combine(shadow, k_out, combined.data(), low, high, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_shadow_combine(shadow.get(), k_out, combined.data(), low, high, nullptr), SANDGLASS_OK);
 
   const StandingObject& object = chair.geometry.object;
   const ShadowRectangle rectangle = {(static_cast<double>(low[0]) - object.origin[0]) / object.scale,
@@ -126,7 +122,6 @@ TEST(ShippedChair, TwoLightsAddUpAsRayTracingSays) {
     squares += std::pow(1 - combined[i] / 255.0 - truth, 2);
     dark += 1 - truth;
   }
-  ::operator delete (block, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT});
   EXPECT_LE(std::sqrt(squares / static_cast<double>(combined.size())), 0.02);
   EXPECT_GT(dark / static_cast<double>(combined.size()), 0.05);  // enough shadow for an error to show
 }

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
+#include "models/files/failure.h"
 #include "models/mesh/generated.h"
-#include "models/work/failure.h"
 
 namespace {
 

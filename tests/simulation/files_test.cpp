@@ -12,8 +12,8 @@
 #include <filesystem>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/files/npy.h"
-#include "models/work/failure.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <cstring>
 
+#include "models/files/failure.h"
 #include "models/simulation/body_meshes.h"
 #include "models/simulation/metrics.h"
 #include "models/simulation/scene_fill.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 namespace {
@@ -53,11 +53,15 @@ TEST(SceneFile, ReadsWhatItIsGiven) {
   EXPECT_EQ(scene.colliders.at(0).shape, SANDGLASS_SHAPE_HALF_SPACE);
 }
 
+// k_good with `from` replaced by `to` must be refused in a sentence that contains `named`.
 struct Refusal {
-  const char* from;
-  const char* to;
-  const char* named;  // what the sentence must contain
+  std::string from, to, named;
 };
+Refusal in_scene(const std::string& added, const char* named) { return {"\"name\"", added + ", \"name\"", named}; }
+Refusal in_body(const std::string& added, const char* named) {
+  return {"\"position\"", added + ", \"position\"", named};
+}
+Refusal collider(const char* instead, const char* named) { return {R"({"shape": "half_space"})", instead, named}; }
 
 class Refused : public ::testing::TestWithParam<Refusal> {};
 
@@ -71,53 +75,44 @@ TEST_P(Refused, InOneSentenceThatNamesIt) {
 INSTANTIATE_TEST_SUITE_P(
     Keys, Refused,
     ::testing::Values(
-        Refusal{"\"name\"", "\"nmae\"", "\"nmae\""},
-        Refusal{"\"size\"", "\"sizes\": 1, \"size\"", "\"bodies[0].sizes\""},
-        Refusal{"\"half_space\"", "\"halfspace\"", "\"colliders[0].shape\""},
-        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"sphere\"}", "\"colliders[0].size\""},
-        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"half_space\", \"size\": 1}", "\"colliders[0].size\""},
-        Refusal{"\"half_space\"", "\"revolved\"", "\"colliders[0].profile\""},
-        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"revolved\", \"profile\": [[0, 0], [1, 0], [-1, 1]]}",
-                "profile[2][0]"},
-        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"mesh\"}", "\"colliders[0].size\""},
-        Refusal{"{\"shape\": \"half_space\"}", "{\"shape\": \"mesh\", \"size\": 1, \"solid\": \"both\"}",
-                "\"colliders[0].solid\""},
-        Refusal{"\"box\", \"size\": [0.1, 0.2, 0.1]", "\"revolved\", \"profile\": [[0, 0], [1, 0], [2, 0]]",
-                "\"bodies[0].profile\""},
-        Refusal{"\"position\"", "\"rigid\": 2, \"grains\": 10, \"position\"", "\"bodies[0].grains\""},
-        Refusal{"\"position\"", "\"angular_velocity\": [1, 0, 0], \"position\"", "\"bodies[0].angular_velocity\""},
-        Refusal{"{\"shape\": \"half_space\"}", "7", "\"colliders[0]\""},
-        Refusal{"\"name\"", "\"emitters\": [{\"radius\": 0.05}], \"name\"", "\"particle_capacity\""},
-        Refusal{"\"name\"", "\"particle_capacity\": 10, \"emitters\": [{}], \"name\"", "\"emitters[0].radius\""},
-        Refusal{"\"name\"",
-                "\"particle_capacity\": 10, \"emitters\": [{\"radius\": 1, \"grains_per_particle\": 8}], \"name\"",
-                "\"grain_capacity\""},
-        Refusal{"\"name\"", "\"sinks\": [{\"shape\": \"mesh\", \"size\": 1}], \"name\"", "\"sinks[0].shape\""},
-        Refusal{"\"name\"", "\"frames\": 0, \"name\"", "\"frames\""},
-        Refusal{"\"name\"", "\"frames\": 1.5, \"name\"", "\"frames\""},
-        Refusal{"\"name\"", "\"frames\": \"ten\", \"name\"", "\"frames\""},
-        Refusal{"\"name\"", "\"frame_step\": 0.2, \"name\"", "\"frame_step\""},
-        Refusal{"\"name\"", "\"budget_ms\": -1, \"name\"", "\"budget_ms\""},
-        Refusal{"\"name\"", "\"gravity\": [0, -9.81], \"name\"", "\"gravity\""},
-        Refusal{"\"name\"", "\"gravity\": [0, -1e9, 0], \"name\"", "\"gravity[1]\""},
-        Refusal{"\"name\"", "\"budget_ms\": 1e999, \"name\"", "number"},
-        Refusal{"\"name\"", "\"friction\": {\"static\": -0.1}, \"name\"", "\"friction.static\""},
-        Refusal{"\"name\"", "\"friction\": {\"dynamic\": 0.1}, \"name\"", "\"friction.dynamic\""},
-        Refusal{"\"name\"", "\"solver\": {\"relaxation\": 0.5}, \"name\"", "\"solver.relaxation\""},
-        Refusal{"\"name\"", "\"solver\": {\"scheme\": \"fast\"}, \"name\"", "\"solver.scheme\""},
-        Refusal{"\"name\"", "\"solver\": [], \"name\"", "\"solver\""}, Refusal{"0.01", "0", "\"particle_radius\""},
-        Refusal{"0.01", "null", "\"particle_radius\""},
-        Refusal{"\"particle_radius\": 0.01,", "", "\"particle_radius\""},
-        Refusal{"\"box\"", "\"lattice\"", "\"bodies[0].size\""}, Refusal{"\"box\"", "\"cube\"", "\"bodies[0].shape\""},
-        Refusal{"\"size\": [0.1, 0.2, 0.1]", "\"grains\": 5", "\"size\""},
-        Refusal{"\"position\"", "\"spacing\": 1.5, \"position\"", "\"bodies[0].spacing\""},
-        Refusal{"\"position\"", "\"rotation\": [0, 0, 0, 0], \"position\"", "\"bodies[0].rotation\""},
-        Refusal{"\"position\"", "\"grains\": 10, \"grain_distance\": 0.1, \"position\"",
-                "\"bodies[0].grain_distance\""},
-        Refusal{"{\"shape\": \"half_space\"}", R"({"shape": "half_space", "motion": [{"start": 2, "end": 1}]})",
-                "\"colliders[0].motion[0].end\""},
-        Refusal{"\"name\"", "\"camera\": {\"eye\": [0, 1, 0], \"target\": [0, 0, 0]}, \"name\"", "\"camera.target\""},
-        Refusal{"\"bodies\": [{", "\"bodies\": [], \"x\": [{", "\"x\""}, Refusal{"\"good\",", "\"good\"", "line 2"}));
+        Refusal{R"("name")", R"("nmae")", R"("nmae")"},
+        Refusal{R"("size")", R"("sizes": 1, "size")", R"("bodies[0].sizes")"},
+        Refusal{R"("half_space")", R"("halfspace")", R"("colliders[0].shape")"},
+        collider(R"({"shape": "sphere"})", R"("colliders[0].size")"),
+        collider(R"({"shape": "half_space", "size": 1})", R"("colliders[0].size")"),
+        Refusal{R"("half_space")", R"("revolved")", R"("colliders[0].profile")"},
+        collider(R"({"shape": "revolved", "profile": [[0, 0], [1, 0], [-1, 1]]})", "profile[2][0]"),
+        collider(R"({"shape": "mesh"})", R"("colliders[0].size")"),
+        collider(R"({"shape": "mesh", "size": 1, "solid": "both"})", R"("colliders[0].solid")"),
+        Refusal{R"("box", "size": [0.1, 0.2, 0.1])", R"("revolved", "profile": [[0, 0], [1, 0], [2, 0]])",
+                R"("bodies[0].profile")"},
+        in_body(R"("rigid": 2, "grains": 10)", R"("bodies[0].grains")"),
+        in_body(R"("angular_velocity": [1, 0, 0])", R"("bodies[0].angular_velocity")"),
+        collider("7", R"("colliders[0]")"), in_scene(R"("emitters": [{"radius": 0.05}])", R"("particle_capacity")"),
+        in_scene(R"("particle_capacity": 10, "emitters": [{}])", R"("emitters[0].radius")"),
+        in_scene(R"("particle_capacity": 10, "emitters": [{"radius": 1, "grains_per_particle": 8}])",
+                 R"("grain_capacity")"),
+        in_scene(R"("sinks": [{"shape": "mesh", "size": 1}])", R"("sinks[0].shape")"),
+        in_scene(R"("frames": 0)", R"("frames")"), in_scene(R"("frames": 1.5)", R"("frames")"),
+        in_scene(R"("frames": "ten")", R"("frames")"), in_scene(R"("frame_step": 0.2)", R"("frame_step")"),
+        in_scene(R"("budget_ms": -1)", R"("budget_ms")"), in_scene(R"("gravity": [0, -9.81])", R"("gravity")"),
+        in_scene(R"("gravity": [0, -1e9, 0])", R"("gravity[1]")"), in_scene(R"("budget_ms": 1e999)", "number"),
+        in_scene(R"("friction": {"static": -0.1})", R"("friction.static")"),
+        in_scene(R"("friction": {"dynamic": 0.1})", R"("friction.dynamic")"),
+        in_scene(R"("solver": {"relaxation": 0.5})", R"("solver.relaxation")"),
+        in_scene(R"("solver": {"scheme": "fast"})", R"("solver.scheme")"), in_scene(R"("solver": [])", R"("solver")"),
+        Refusal{"0.01", "0", R"("particle_radius")"}, Refusal{"0.01", "null", R"("particle_radius")"},
+        Refusal{R"("particle_radius": 0.01,)", "", R"("particle_radius")"},
+        Refusal{R"("box")", R"("lattice")", R"("bodies[0].size")"},
+        Refusal{R"("box")", R"("cube")", R"("bodies[0].shape")"},
+        Refusal{R"("size": [0.1, 0.2, 0.1])", R"("grains": 5)", R"("size")"},
+        in_body(R"("spacing": 1.5)", R"("bodies[0].spacing")"),
+        in_body(R"("rotation": [0, 0, 0, 0])", R"("bodies[0].rotation")"),
+        in_body(R"("grains": 10, "grain_distance": 0.1)", R"("bodies[0].grain_distance")"),
+        collider(R"({"shape": "half_space", "motion": [{"start": 2, "end": 1}]})", R"("colliders[0].motion[0].end")"),
+        in_scene(R"("camera": {"eye": [0, 1, 0], "target": [0, 0, 0]})", R"("camera.target")"),
+        Refusal{R"("bodies": [{)", R"("bodies": [], "x": [{)", R"("x")"},
+        Refusal{R"("good",)", R"("good")", "line 2"}));
 
 TEST(SceneFile, RefusesWhatIsNoObject) {
   EXPECT_NE(refusal(""), "");

@@ -11,13 +11,13 @@
 #include <numbers>
 
 #include "models/drawing/render.h"
+#include "models/files/failure.h"
 #include "models/view/head_up.h"
 #include "models/view/input_script.h"
 #include "models/view/live_scene.h"
 #include "models/view/orbit.h"
 #include "models/view/surface.h"
-#include "models/work/block.h"
-#include "models/work/failure.h"
+#include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {
 namespace {
@@ -93,8 +93,7 @@ double enclosed(const Surface& surface) {
 }
 
 sandglass_collider solid(sandglass_shape shape, float x, float y, float z) {
-  sandglass_collider c = {};
-  c.shape = shape, c.rotation[3] = 1.0f;
+  sandglass_collider c = cpp::collider(shape, 0, 0, 0);
   c.size[0] = x, c.size[1] = y, c.size[2] = z;
   return c;
 }
@@ -111,36 +110,25 @@ TEST(Surface, FormulasEncloseTheirVolumes) {
 }
 
 TEST(Surface, AFieldBecomesItsZeroLevelSeenFromTheFreeSide) {
-  struct Ball {
-    float radius, sign;
-    static float distance(void* user, const float p[3]) {
-      const Ball& ball = *static_cast<const Ball*>(user);
-      return ball.sign * (std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - ball.radius);
-    }
-  };
-  const float low[3] = {-0.15f, -0.15f, -0.15f}, high[3] = {0.15f, 0.15f, 0.15f}, spacing = 0.01f;
+  constexpr float k_spacing = 0.01f;
   for (const sandglass_solid side : {SANDGLASS_SOLID_INSIDE, SANDGLASS_SOLID_OUTSIDE}) {
-    Ball ball = {0.1f, side == SANDGLASS_SOLID_INSIDE ? 1.0f : -1.0f};
-    uint64_t bytes = 0;
-    ASSERT_EQ(sandglass_field_bytes(low, high, spacing, &bytes, nullptr), SANDGLASS_OK);
-    const Block block = new_block(bytes, "the field", "make it smaller");
-    sandglass_collider c = solid(SANDGLASS_SHAPE_FIELD, 1, 1, 1);
-    sandglass_field* field = nullptr;
-    ASSERT_EQ(sandglass_field_from_function(low, high, spacing, side, Ball::distance, &ball, block.get(), bytes, &field,
-                                            nullptr),
-              SANDGLASS_OK);
-    c.field = field;
+    const float sign = side == SANDGLASS_SOLID_INSIDE ? 1.0f : -1.0f;
+    cpp::Field field;
+    ASSERT_TRUE(field.from_function(
+        {{-0.15f, -0.15f, -0.15f}, {0.15f, 0.15f, 0.15f}}, k_spacing, side,
+        [&](const float* p) { return sign * (std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - 0.1f); }));
+    const sandglass_collider c = cpp::field_at(field, 0, 0, 0);
     const Surface surface = collider_surface(c);
     ASSERT_GT(surface.vertex_count(), 500u);
     // The mean of crossings on a sphere of radius R lies inside it by about h^2 / (4 R), with h the spacing.
     for (uint32_t i = 0; i < surface.vertex_count(); ++i) {
       const float* v = &surface.vertices[6 * i];
       const float r = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-      EXPECT_NEAR(r, 0.1f, spacing * spacing / 0.1f);
-      EXPECT_GT(ball.sign * (v[0] * v[3] + v[1] * v[4] + v[2] * v[5]), 0.95f * r);
+      EXPECT_NEAR(r, 0.1f, k_spacing * k_spacing / 0.1f);
+      EXPECT_GT(sign * (v[0] * v[3] + v[1] * v[4] + v[2] * v[5]), 0.95f * r);
     }
     const double truth = 4.0 / 3.0 * std::numbers::pi * 1e-3;
-    EXPECT_NEAR(static_cast<double>(ball.sign) * enclosed(surface), truth, 0.03 * truth);
+    EXPECT_NEAR(static_cast<double>(sign) * enclosed(surface), truth, 0.03 * truth);
   }
 }
 
@@ -342,13 +330,8 @@ TEST(LiveShot, TheSandsShadowIsMadeInTheFrame) {
     moved = by.x * light.x + by.z * light.z;
   }
   EXPECT_GT(moved, texel) << "the shadow must move by more than a texel, to where the light was";
-  EXPECT_FALSE(LiveScene([] {
-                 LiveOptions o;
-                 o.scene = "demo", o.budget_ms = k_all_the_work;
-                 return o;
-               }())
-                   .pile(false))
-      << "this scene has no such shadow";
+  options.scene = "demo";
+  EXPECT_FALSE(LiveScene(options).pile(false)) << "this scene has no such shadow";
 }
 
 }  // namespace

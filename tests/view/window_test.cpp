@@ -12,21 +12,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "models/files/image.h"
+#include "models/files/picture_file.h"
 #include "models/geometry/vec3.h"
 #include "models/view/head_up.h"
-
-#define STB_IMAGE_IMPLEMENTATION
-#define STBI_ONLY_PNG
-#define STB_IMAGE_STATIC
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-function"
-#endif
-#include <stb_image.h>
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
-#endif
 
 namespace sandglass::host {
 namespace {
@@ -79,14 +67,9 @@ class Window : public ::testing::Test {
         show("--frames " + std::to_string(frames) + " --screenshot '" + file + "' --script '" + script + "'");
     if (code == k_skipped) return {};
     EXPECT_EQ(code, 0) << said;
-    int width = 0, height = 0, channels = 0;
-    stbi_uc* pixels = stbi_load(file.c_str(), &width, &height, &channels, 3);
-    EXPECT_NE(pixels, nullptr);
-    Picture picture(width, height, {0, 0, 0});
-    if (pixels != nullptr) std::copy_n(pixels, picture.rgb.size(), picture.rgb.begin());
-    stbi_image_free(pixels);
-    EXPECT_EQ(width, k_width);
-    EXPECT_EQ(height, k_height);
+    const Picture picture = read_picture(file);
+    EXPECT_EQ(picture.width, k_width);
+    EXPECT_EQ(picture.height, k_height);
     return picture;
   }
 };

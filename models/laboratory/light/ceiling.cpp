@@ -16,10 +16,9 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_most_contrast = 0.95;  // o / (1 - o) has no bound
-constexpr double k_least_elevation =
-    0.1;                               // sine of: a grazing light cannot make up any share of the floor's irradiance
-constexpr double k_unshadowed = 0.98;  // visibility from which a floor pixel counts as lit
+constexpr double k_most_contrast = 0.95;   // o / (1 - o) has no bound
+constexpr double k_least_elevation = 0.1;  // sine: a grazing light cannot make up every share of the floor's irradiance
+constexpr double k_unshadowed = 0.98;      // visibility from which a floor pixel counts as lit
 constexpr double k_pi = std::numbers::pi;
 
 std::vector<CeilingVariant> all_variants() {

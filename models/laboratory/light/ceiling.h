@@ -1,6 +1,6 @@
-// The label ceiling: how well the true labels light an object, without a network. No network can beat its labels, so
-// the ceiling bounds what training can reach. It decides between the variants of labels.h, and between the rules that
-// turn labels into radiance, before anything is trained.
+// The label ceiling: how well the true labels light an object. No network can beat its labels, so the ceiling bounds
+// what training can reach. It decides, before anything is trained, between the variants of labels.h and between the
+// rules that turn labels into radiance.
 //
 // For each view the probe scene is path traced under the warped panorama, exposed by the panorama's own tone map. It is
 // also traced under a directional and an ambient light of strength 1; every variant's picture is a sum of these two.
@@ -41,18 +41,19 @@ struct CeilingVariant {
 };
 
 struct ContrastError {
-  double shadow_rmse = 0.0;  // of the floor's shadow, (1 - visibility) o against the traced one, where either is
-  double offset = 0.0;       // mean |o - best o|, the best by least squares on each view
-  double low = 1.0, high = 0.0, mean = 0.0;  // of o itself
+  double shadow_rmse =
+      0.0;              // of the floor's shadow (1 - visibility) o against the traced one, where either is in shadow
+  double offset = 0.0;  // mean of |o - best o|; the best is found by least squares on each view
+  double low = 1.0, high = 0.0, mean = 0.0;  // of o
 };
 
 struct Ceiling {
   size_t panoramas = 0, views = 0;
   std::vector<CeilingVariant> variants;  // best RMSE first
   ContrastError contrasts[k_contrasts];
-  double best_contrast_rmse = 0.0;  // of the best o of each view: what one soft light can do at all
-  double lights_beyond_45 = 0.0, lights_beyond_70 = 0.0,
-         lights_below_horizon = 0.0;  // shares of views, from the zenith
+  double best_contrast_rmse = 0.0;  // with the best o of each view: the least error that one soft light can have
+  // Shares of the views whose light is more than 45, 70 and 90 degrees from the zenith.
+  double lights_beyond_45 = 0.0, lights_beyond_70 = 0.0, lights_below_horizon = 0.0;
 };
 
 struct CeilingOptions {

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "models/files/failure.h"
+#include "models/laboratory/cpu_time.h"
 #include "models/laboratory/machine_peak.h"
 #include "models/lighting/light_runner.h"
-#include "models/work/failure.h"
 #include "models/work/random.h"
-#include "platform/clock.h"
 #include "runtime/light/backends.h"
 #include "runtime/light/camera_image.h"
 #include "sandglass/sandglass.hpp"
@@ -20,12 +20,6 @@ namespace {
 constexpr uint32_t k_repeats = 25;
 constexpr uint32_t k_width = 256, k_height = 192;
 constexpr double k_macs = 2.549e9;  // pooling before the transitions' convolutions; heads included
-
-// Of this thread: what other processes take away in between does not count.
-double seconds_now() {
-  const sandglass_clock clock = clock_thread_cpu();
-  return 1e-9 * static_cast<double>(clock.now_ns(clock.user));
-}
 
 // A wall with a lamp on it, in light that falls off: made from a formula.
 std::vector<uint8_t> wall_with_a_lamp() {
@@ -76,11 +70,11 @@ void measure_units(std::span<const uint8_t> file, const std::string& name, sandg
   std::vector<double> best(net->units, 1e30);
   for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
     begin_light_network(net, rgb.data());
-    double from = seconds_now();
+    double from = cpu_ms_now();
     for (uint32_t unit = 0; unit < net->units; ++unit) {
       run_light_unit(net, unit);
-      const double now = seconds_now();
-      best[unit] = std::min(best[unit], 1e3 * (now - from));
+      const double now = cpu_ms_now();
+      best[unit] = std::min(best[unit], now - from);
       from = now;
     }
   }
@@ -125,11 +119,11 @@ LightingImageRow measure_image(const ImageCase& c) {
   std::vector<uint32_t> sums(k_camera_sums);
   std::vector<double> best(blocks.count, 1e30);
   for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
-    double from = seconds_now();
+    double from = cpu_ms_now();
     for (uint32_t unit = 0; unit < blocks.count; ++unit) {
       resample_camera_block(image, camera_block(image, blocks, unit), rgb.data(), sums.data());
-      const double now = seconds_now();
-      best[unit] = std::min(best[unit], 1e3 * (now - from));
+      const double now = cpu_ms_now();
+      best[unit] = std::min(best[unit], now - from);
       from = now;
     }
   }
@@ -159,12 +153,12 @@ bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_i
     const sandglass_camera_image image = camera_image_of(rgb);
     for (uint32_t repeat = 0; repeat < (&rgb == &images[0] ? k_repeats : 1); ++repeat) {
       if (sandglass_light_set_image(light.get(), &image, nullptr, nullptr) != SANDGLASS_OK) return false;  // cannot be
-      const double begin = seconds_now();
+      const double begin = cpu_ms_now();
       sandglass_light_run(light.get(), UINT32_MAX);
-      row->ms = std::min(row->ms, 1e3 * (seconds_now() - begin));
+      row->ms = std::min(row->ms, cpu_ms_now() - begin);
     }
     sandglass_light_estimate latest = light.estimated();
-    sandglass_light_get_latest(light.get(), &latest);  // the filter holds off what contradicts the image before
+    sandglass_light_get_latest(light.get(), &latest);  // the filter rejects what contradicts the image before
     row->estimates.push_back(values_of(latest));
   }
   return true;

@@ -1,6 +1,6 @@
-// What one estimate of the lighting network costs and how true it is by every back end that this build has, on one
-// thread of this machine, through the API that an app calls: the project's own kernels and, where it is installed,
-// XNNPACK, on the same file and the same image.
+// What one estimate of the lighting network costs and how exact it is, for every back end of this build: the library's
+// own kernels and, if it is installed, XNNPACK. All run the same file on the same images, on one thread, through the
+// API that an app calls.
 #pragma once
 
 #include <cstdint>
@@ -16,13 +16,13 @@ namespace sandglass::host {
 
 struct LightingBenchRow {
   std::string name;            // int8, xnnpack_f32, xnnpack_int8
-  double ms = 0;               // of this thread's CPU time, the best of some repeats: the machine may be shared
-  double gmac_per_s = 0;       // of the network's 2.549 G, whatever padding is computed besides
+  double ms = 0;               // CPU time of the thread, the best of some repeats: the machine may be shared
+  double gmac_per_s = 0;       // of the network's 2.549 G multiplications; padding does not count
   double fraction = 0;         // of this CPU's measured peak, f32 or int8
   double arena_bytes = 0;      // weights and activations: the block, and what XNNPACK holds of its region
-  double activations = 0;      // of them; own kernels only
-  double longest_unit_ms = 0;  // the largest of the units' best times
-  // Against the float network, medians over the images; 0 where it is not known what that says.
+  double activations = 0;      // bytes of activations; own kernels only
+  double longest_unit_ms = 0;  // the largest of the work units' best times
+  // Against the float network, medians over the images; 0 if the float network's estimates are not known.
   double angle_deg = 0;                // of the direction
   double difference = 0;               // the greatest of colours and contrast
   std::vector<LightValues> estimates;  // of each image
@@ -33,7 +33,7 @@ struct LightingBenchRow {
   std::vector<Part> parts;  // by kind of operator
 };
 
-// Resampling a camera's image to what the network sees, which is mandatory in the frame that brings the image.
+// Resampling a camera's image to what the network sees. It is mandatory in the frame that brings the image.
 struct LightingImageRow {
   std::string name;       // 640x480_nv12 ...
   double megapixels = 0;  // of the camera's image
@@ -51,10 +51,10 @@ struct LightingBench {
   bool compared = false;                       // to float, and not interrupted
 };
 
-// `file`: the bytes of a lighting network's file. `excerpts`: images, and what the file's float network says of them;
-// the first is timed. None: a wall with a lamp on it, made from a formula, and truth is what xnnpack_f32 says, which is
-// the float network where the file carries it, else the file's weights without further rounding. `go_on` gets the steps
-// done of `total`.
+// `file`: the bytes of a lighting network's file. `excerpts`: images with the estimates of the file's float network;
+// the first one is timed. Without excerpts the image is a wall with a lamp, made from a formula, and the truth is the
+// estimate of xnnpack_f32: the float network if the file has it, else the file's weights without further rounding.
+// `go_on` gets the steps done of `total`.
 LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
                              const std::vector<Excerpt>& excerpts,
                              const std::function<bool(uint32_t done, uint32_t total)>& go_on);

@@ -1,6 +1,7 @@
 #include "models/laboratory/light/verify_lighting.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -9,13 +10,13 @@
 #include <numbers>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/laboratory/light/ceiling.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/lit_view.h"
 #include "models/rooms/probe_scene.h"
 #include "models/simulation/metrics.h"
-#include "models/work/failure.h"
 #include "models/work/for_all.h"
 #include "models/work/progress.h"
 #include "runtime/core/random.h"
@@ -34,11 +35,6 @@ constexpr Colour k_colours[k_light_sources] = {
 
 constexpr const char* k_estimates_header =
     "image,direction_x,direction_y,direction_z,light_r,light_g,light_b,ambient_r,ambient_g,ambient_b,contrast";
-
-double linear_of(uint8_t byte) {
-  const double x = byte / 255.0;
-  return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4);
-}
 
 Vec3 pixel_of(const Picture& image, int x, int y) {
   const uint8_t* p = image.at(x, y);
@@ -346,6 +342,26 @@ LightingVerdicts verify_lighting(const LightingVerdictOptions& options) {
   return verdicts;
 }
 
+namespace {
+
+// The columns of both tables: the four errors of the light, then the five of the image.
+constexpr size_t k_errors = 9;
+
+void add_errors(const LightErrors& e, double share, std::array<double, k_errors>* sums) {
+  const std::array<double, k_errors> values = {e.angle_deg,
+                                               e.light,
+                                               e.ambient,
+                                               e.contrast,
+                                               e.image.rmse,
+                                               e.image.relative,
+                                               e.image.scale_invariant,
+                                               e.image.logarithmic,
+                                               e.image.angle_deg};
+  for (size_t i = 0; i < k_errors; ++i) (*sums)[i] += share * values[i];
+}
+
+}  // namespace
+
 std::string lighting_table(const LightingVerdicts& verdicts) {
   char line[256];
   std::snprintf(line, sizeof line, "%-11s %7s %7s %7s %7s %7s %8s %8s %8s %8s %8s %8s\n", "light", "mean", "median",
@@ -354,22 +370,17 @@ std::string lighting_table(const LightingVerdicts& verdicts) {
   for (size_t s = 0; s < k_light_sources; ++s) {
     if (!verdicts.has[s]) continue;
     std::vector<double> angles;
-    LightErrors m;
+    std::array<double, k_errors> m = {};
     const double share = 1.0 / static_cast<double>(verdicts.views.size());
     for (const LightView& view : verdicts.views) {
-      const LightErrors& e = view.errors[s];
-      angles.push_back(e.angle_deg);
-      m.angle_deg += share * e.angle_deg, m.light += share * e.light, m.ambient += share * e.ambient;
-      m.contrast += share * e.contrast, m.image.rmse += share * e.image.rmse;
-      m.image.relative += share * e.image.relative, m.image.scale_invariant += share * e.image.scale_invariant;
-      m.image.logarithmic += share * e.image.logarithmic, m.image.angle_deg += share * e.image.angle_deg;
+      angles.push_back(view.errors[s].angle_deg);
+      add_errors(view.errors[s], share, &m);
     }
     const double median = quantile(angles, 0.5), most = quantile(angles, 0.9);
     std::snprintf(line, sizeof line, "%-11s %7.2f %7.2f %7.2f %7.4f %7.4f %8.4f", name_of(static_cast<Contender>(s)),
-                  m.angle_deg, median, most, m.light, m.ambient, m.contrast);
+                  m[0], median, most, m[1], m[2], m[3]);
     text += line;
-    std::snprintf(line, sizeof line, " %8.4f %8.4f %8.4f %8.4f %8.3f\n", m.image.rmse, m.image.relative,
-                  m.image.scale_invariant, m.image.logarithmic, m.image.angle_deg);
+    std::snprintf(line, sizeof line, " %8.4f %8.4f %8.4f %8.4f %8.3f\n", m[4], m[5], m[6], m[7], m[8]);
     text += verdicts.rendered ? line : "        -        -        -        -        -\n";
   }
   return text;
@@ -383,23 +394,11 @@ std::string lighting_csv(const LightingVerdicts& verdicts) {
     const double share = 1.0 / static_cast<double>(end - first);
     for (size_t s = 0; s < k_light_sources; ++s) {
       if (!verdicts.has[s]) continue;
-      double sums[9] = {};
-      for (size_t i = first; i < end; ++i) {
-        const LightErrors& e = verdicts.views[i].errors[s];
-        const double values[9] = {e.angle_deg,
-                                  e.light,
-                                  e.ambient,
-                                  e.contrast,
-                                  e.image.rmse,
-                                  e.image.relative,
-                                  e.image.scale_invariant,
-                                  e.image.logarithmic,
-                                  e.image.angle_deg};
-        for (size_t q = 0; q < 9; ++q) sums[q] += share * values[q];
-      }
+      std::array<double, k_errors> sums = {};
+      for (size_t i = first; i < end; ++i) add_errors(verdicts.views[i].errors[s], share, &sums);
       text += verdicts.views[first].panorama + "," + verdicts.views[first].location + "," +
               name_of(static_cast<Contender>(s)) + "," + std::to_string(end - first);
-      for (size_t q = 0; q < 9; ++q) {
+      for (size_t q = 0; q < k_errors; ++q) {
         char number[32];
         std::snprintf(number, sizeof number, ",%.5g", sums[q]);
         text += q < 4 || verdicts.rendered ? number : ",";

@@ -28,13 +28,13 @@ namespace sandglass::host {
 // image, without .png. Called from one thread.
 using LightEstimator = std::function<LightLabels(const Picture& image, const std::string& name)>;
 
-// A table of estimates as train.py writes it: image, direction_x .. contrast. A Failure for a table that is not one.
+// A table of estimates as train.py writes it: image, direction_x .. contrast. Anything else is refused with a Failure.
 LightEstimator estimates_of_csv(const std::string& text, const std::string& path);
 
-// Of which panoramas ("room_7" of "room_7_0.png") that table has estimates.
+// The panoramas in that table: "room_7" for the image "room_7_0.png".
 std::set<std::string> panoramas_of_estimates(const std::string& text);
 
-// Estimates that need no training: of the image alone, the contrast given.
+// Estimates that need no training: from the image alone, with a given contrast.
 LightLabels brightest_region(const Picture& image, double contrast);
 LightLabels grey_world(const Picture& image, double contrast);
 
@@ -49,11 +49,11 @@ const char* name_of(Contender source);
 
 struct LightView {
   std::string name, panorama, location;
-  LightLabels estimate;  // where there is one
+  LightLabels estimate;  // if there is one
   LightErrors errors[k_light_sources];
 };
 
-// Of a difference (estimate - baseline), the mean over places and its 95 % interval; below 0 the estimate is better.
+// The mean of a difference (estimate - baseline) over places, and its 95 % interval. Below 0 the estimate is better.
 struct PairedDifference {
   double mean = 0.0, low = 0.0, high = 0.0;
 };
@@ -63,7 +63,7 @@ PairedDifference paired_bootstrap(const std::vector<std::pair<std::string, doubl
 struct LightingVerdicts {
   std::vector<LightView> views;
   bool has_estimate = false, has[k_light_sources] = {};  // the mean light needs other places
-  bool rendered = false;                                 // else no view has image errors
+  bool rendered = false;                                 // if not, no view has image errors
   std::vector<Verdict> rows;                             // claims: pass or not
   std::vector<Picture> pictures;  // one view of each panorama: image with arrows; truth, labels, estimate, baselines
 };

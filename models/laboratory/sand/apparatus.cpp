@@ -7,7 +7,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 namespace sandglass::host {
 

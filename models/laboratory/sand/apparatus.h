@@ -1,7 +1,8 @@
-// What an experiment with sand is made of besides sand: vessels turned about the y axis, and random starts that no
-// lattice biases.
+// What an experiment with sand is made of besides sand: frames, vessels turned about the y axis, and random starts that
+// no lattice biases.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -12,6 +13,12 @@
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {
+
+// Experiments run in frames of 20 ms without a budget: every frame does all its work.
+constexpr double k_frame = 0.02;              // seconds
+constexpr uint64_t k_no_budget = UINT64_MAX;  // nanoseconds
+constexpr double k_gravity = 9.81;            // m/s^2, of the default description
+inline uint32_t frames_in(double seconds) { return static_cast<uint32_t>(std::lround(seconds / k_frame)); }
 
 // A vessel: sand stays inside the outline [[r, y], ...], closed, turned about the y axis; or, `solid_inside`, outside
 // it. `spacing`: between the nodes of its field, metres.

@@ -7,19 +7,16 @@
 #include <memory>
 #include <numbers>
 
+#include "models/files/failure.h"
 #include "models/geometry/cell_grid.h"
 #include "models/laboratory/sand/apparatus.h"
 #include "models/simulation/metrics.h"
 #include "models/simulation/simulation.h"
-#include "models/work/failure.h"
 
 namespace sandglass::host {
 
 namespace {
 
-constexpr double k_frame = 0.02;  // seconds
-constexpr uint64_t k_no_budget = UINT64_MAX;
-constexpr double k_gravity = 9.81;       // m/s^2
 constexpr double k_loosest = 0.54;       // packing that decides how much is poured, at least what is needed
 constexpr double k_densest = 0.64;       // random packing
 constexpr double k_quiet = 0.03;         // of sqrt(g d): a pouring has settled
@@ -27,8 +24,6 @@ constexpr uint32_t k_pour_frames = 300;  // at most
 constexpr double k_chain = 1.1;          // d between neighbours in the deposit
 constexpr int k_sectors = 24, k_strips = 6;
 constexpr double k_beverloo_k = 1.4;
-
-uint32_t frames_in(double seconds) { return static_cast<uint32_t>(std::lround(seconds / k_frame)); }
 
 double sphere_volume(double radius) { return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius; }
 

@@ -1,7 +1,7 @@
 // Sand in bulk, with laws from the laboratory as the truth: collapsing columns, draining silos, loaded tubes, piles.
-// Every function takes the description's solver settings, friction and radius as they are and sets the capacities
-// itself. d is the diameter of a particle; sand always starts as a random pouring, never as a lattice, which would
-// collapse along its own axes. `step` is called after every frame; an exception that it throws ends the case.
+// Every function takes solver settings, friction and radius from the description and sets the capacities itself. d is
+// the diameter of a particle. Sand always starts as a random pouring: a lattice would collapse along its own axes.
+// `step` is called after every frame; an exception that it throws ends the case.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace sandglass::host {
 
 using CaseStep = std::function<void()>;
 
-// A column let go on a floor, a = height over radius (over length, when planar), and the deposit it leaves.
+// A column is let go on a floor and leaves a deposit. a = height over radius (over length if planar).
 //
 // Run-out (R - R0)/R0. The deposit is the particles that a chain of neighbours less than 1.1 d apart joins to its
 // middle, so single ones that slide ahead do not count. R is the mean, over 24 sectors about the axis, of the distance
@@ -37,9 +37,9 @@ Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setti
 double lube_runout(double aspect);         // Lube et al. 2004: 1.24 a, above 1.7 1.6 sqrt(a)
 double lube_planar_runout(double aspect);  // Lube et al. 2005: 1.2 a, above 1.8 1.9 a^(2/3)
 
-// The angle of repose by draining: a column stands on a round platform of its own radius; its tube is taken away, what
-// cannot stay falls off the rim, and what stays is a heap whose toe is the rim. The angle is that of the cone of the
-// heap's volume on the platform: no line has to be laid through a surface of a few particles.
+// The angle of repose by draining. A column stands on a round platform of its own radius. Its tube is taken away; what
+// cannot stay falls off the rim, and what stays is a pile whose toe is the rim. The angle is that of a cone of the
+// pile's volume on the platform, so no line has to be fitted to a surface of a few particles.
 struct Repose {
   double angle_deg = 0.0;
   double share = 0.0;  // of the column that stays
@@ -57,8 +57,8 @@ struct Discharge {
 struct DischargeSetting {
   std::vector<double> orifices_d;
   double settle_seconds = 2.0;  // the filled bed is denser than a flowing one
-  // Until so many have come out, at most so long: a quarter of them, counted as if at random, errs by 1.3 %; near the
-  // width at which sand arches, it comes in gusts, and by more.
+  // The measurement ends when so many particles have come out, or after so many seconds. The count of a quarter of them
+  // has an error of 1.3 % if they come at random. Near the width at which sand arches they come in gusts: more.
   double enough_particles = 24000.0, measure_seconds = 80.0;
 };
 struct DischargeCurve {
@@ -69,15 +69,15 @@ struct DischargeCurve {
 };
 DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSetting& setting, const CaseStep& step);
 
-// A tube 8 d wide, filled to several heights; how much of the weight its bottom carries. The load is what the floor
-// does to the sand in one sub-step, m dv/dt: two copies of the scene, restored from the same bytes, take that sub-step
-// with and without the floor. Janssen: F = F_inf (1 - exp(-M g/F_inf)), F_inf = M_D g/(4 mu K) with the mass M_D of one
-// tube diameter of height.
+// How much of the sand's weight the bottom of a tube carries. The tube is 8 d wide and filled to several heights. The
+// load is what the floor does to the sand in one sub-step, m dv/dt: two copies of the scene, restored from the same
+// bytes, take that sub-step with and without the floor. Janssen's law: F = F_inf (1 - exp(-M g/F_inf)) with
+// F_inf = M_D g/(4 mu K), where M_D is the mass of one tube diameter of height.
 struct TubeLoad {
   std::vector<double> heights;   // in tube diameters
   std::vector<double> weights;   // M g, in weights of one tube diameter of sand
   std::vector<double> loads;     // on the bottom, likewise
-  double marginal = 0.0;         // (load of the fullest - load of the half full) / (difference of their weights)
+  double marginal = 0.0;         // (load of the fullest - load of the middle filling) / (difference of their weights)
   double saturation = 0.0;       // F_inf of the best fit, in weights of one tube diameter of sand
   double k = 0.0, misfit = 0.0;  // its K; largest |load - Janssen|/F_inf
 };

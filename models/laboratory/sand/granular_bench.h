@@ -13,8 +13,8 @@
 namespace sandglass::host {
 
 struct BenchRow {
-  double ms_per_frame = 0.0, ms_solver = 0.0,
-         ms_refine = 0.0;  // means over the frames; one thread: its CPU time, several: wall time
+  // Means over the frames: CPU time of one thread, wall time of several.
+  double ms_per_frame = 0.0, ms_solver = 0.0, ms_refine = 0.0;
   double overlap_p99 = 0.0, overlap_mean = 0.0, overlap_max = 0.0;
   double angle_deg = 0.0;
   uint64_t bytes = 0;  // of the scene's block
@@ -24,8 +24,8 @@ struct BenchRow {
 // Called after each frame; false stops the run.
 using BenchStep = std::function<bool()>;
 
-// Runs the scene without a budget, at one quality level. `with_grains` false leaves the grains out: same
-// particles, same errors, less time.
+// Runs the scene without a budget, at one quality level. `with_grains` false leaves the grains out: same particles, same
+// errors, less time.
 BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint32_t frames, bool with_grains,
                      const BenchStep& step, uint32_t level = SANDGLASS_LEVEL_FULL);
 
@@ -39,10 +39,10 @@ SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t gr
 // relaxation 1.
 SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterations);
 
-// The cheapest setting of the source's scheme whose P99 is no worse than `p99`. The grid: iterations 1, 3, 7; for each
-// the fewest of k steps a frame that reach it, by bisection over 16, 24, 32, 48, 64, 96, 128, 192, 256. Cheapest by
-// steps x (iterations + 2): the stabilisation and the rest of a step count one iteration each. Deterministic: only
-// errors decide.
+// The cheapest setting of the source's scheme whose P99 is no worse than `p99`. For each of
+// 1, 2, 4 and 7 iterations the fewest steps a frame that reach it are found by bisection, from 16 to 256. The cost is
+// steps x (iterations + 2): the stabilisation and the rest of a step count one iteration each. Only errors decide, so
+// the result is the same on every machine.
 struct EqualError {
   bool found = false;
   uint32_t steps = 0, iterations = 0;

@@ -7,19 +7,16 @@
 #include <numbers>
 #include <vector>
 
+#include "models/files/failure.h"
 #include "models/geometry/vec3.h"
 #include "models/laboratory/sand/apparatus.h"
 #include "models/simulation/metrics.h"
 #include "models/simulation/simulation.h"
-#include "models/work/failure.h"
 #include "runtime/granular/rotation.h"
 
 namespace sandglass::host {
 
 namespace {
-
-constexpr double k_frame = 0.02;  // seconds
-constexpr uint64_t k_no_budget = UINT64_MAX;
 
 sandglass_scene_desc with_room(sandglass_scene_desc desc, uint32_t particles) {
   desc.granular.particle_capacity = particles;
@@ -211,21 +208,12 @@ Refusals refusals(const sandglass_scene_desc& desc) {
   return result;
 }
 
-double strange_step_time(const sandglass_scene_desc& desc) {
+double simulated_time(const sandglass_scene_desc& desc, std::span<const double> time_steps) {
   Simulation simulation(with_room(desc, 384));
   simulation.add(bed(desc.granular.particle_radius), {});
   const sandglass_collider floor = level_floor();
   double time = 0.0;
-  for (const double step : {0.0, -1.0, std::nan(""), -std::numeric_limits<double>::infinity()})
-    time = simulation.frame(step, k_no_budget, {&floor, 1}).simulated_time;
-  return sound(simulation.particle_positions(), time);
-}
-
-double huge_step_time(const sandglass_scene_desc& desc) {
-  Simulation simulation(with_room(desc, 384));
-  simulation.add(bed(desc.granular.particle_radius), {});
-  const sandglass_collider floor = level_floor();
-  const double time = simulation.frame(1e9, k_no_budget, {&floor, 1}).simulated_time;
+  for (const double step : time_steps) time = simulation.frame(step, k_no_budget, {&floor, 1}).simulated_time;
   return sound(simulation.particle_positions(), time);
 }
 

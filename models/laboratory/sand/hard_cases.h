@@ -1,6 +1,7 @@
-// What must not break a scene. Each case is a function from a description to a measured number. The tests assert the
-// same claims one by one; here they are rows beside the truths.
+// What must not break a scene. Each case is a function from a description to a measured number.
 #pragma once
+
+#include <span>
 
 #include "sandglass/sandglass.h"
 
@@ -44,10 +45,8 @@ struct Refusals {
 };
 Refusals refusals(const sandglass_scene_desc& desc);
 
-// Seconds simulated in frames whose time step is 0, negative, not a number, infinite.
-double strange_step_time(const sandglass_scene_desc& desc);
-// and in one whose time step is 1e9 s.
-double huge_step_time(const sandglass_scene_desc& desc);
+// Seconds simulated in frames of these time steps, which no clock measures: 0, negative, not a number, infinite, 1e9 s.
+double simulated_time(const sandglass_scene_desc& desc, std::span<const double> time_steps);
 
 // Bodies that are a point, a pair, a line, a plane, dropped on the floor: largest deviation from rigid, in r.
 double degenerate_body_softness(const sandglass_scene_desc& desc);

@@ -2,7 +2,7 @@
 // times.
 #include "models/laboratory/sand/peer_bullet.h"
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 
 #if defined(SANDGLASS_HAVE_BULLET)
 

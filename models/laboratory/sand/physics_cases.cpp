@@ -13,10 +13,6 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_frame = 0.02;              // seconds
-constexpr uint64_t k_no_budget = UINT64_MAX;  // nanoseconds
-constexpr double k_gravity = 9.81;            // m/s^2, of the default description
-
 sandglass_collider plane_with_slope(double slope) {
   const double angle = std::atan(slope);  // downhill is towards +x
   sandglass_collider plane = {};
@@ -32,8 +28,6 @@ Simulation one_particle_scene(sandglass_scene_desc desc) {
   desc.granular.collider_capacity = 1;
   return Simulation(desc);
 }
-
-uint32_t frames_in(double seconds) { return static_cast<uint32_t>(std::lround(seconds / k_frame)); }
 
 }  // namespace
 
@@ -125,20 +119,14 @@ RestingPile resting_pile(const sandglass_scene_desc& desc) {
   }
   const std::vector<float>& particles = simulation.particle_positions();
   const Overlap overlap = measure_overlap(particles, r);
-  const Pile shape = measure_pile(particles, r);
   pile.overlap_mean = overlap.mean;
   pile.overlap_max = overlap.max;
   pile.speed = std::sqrt(energy / (k_gravity * 2.0 * r));
-  pile.sinking = (top_before - shape.height) / (2.0 * r);
+  pile.sinking = (top_before - measure_pile(particles, r).height) / (2.0 * r);
   pile.energy_ratio = energy_max > 0.0 ? energy / energy_max : 0.0;
-  pile.angle_deg = shape.angle_deg;
   const double grain_radius = drawn_grain_radius(r, material.particles(), material.grains());
-  pile.lowest_grain = 1e30;
   const std::vector<float>& grains = simulation.grain_positions();
-  for (size_t i = 1; i < grains.size(); i += 3) {
-    pile.grains_below += grains[i] < -grain_radius ? 1.0 : 0.0;
-    pile.lowest_grain = std::min(pile.lowest_grain, grains[i] / grain_radius);
-  }
+  for (size_t i = 1; i < grains.size(); i += 3) pile.grains_below += grains[i] < -grain_radius ? 1.0 : 0.0;
   return pile;
 }
 

@@ -1,6 +1,6 @@
-// Scenes with a known outcome, each one function from a description to a measured number: what `sandglass verify
-// granular` tabulates and the tests assert. Every function takes the description's solver settings, friction and radius
-// as they are and sets the capacities itself.
+// Scenes with a known outcome. Each is one function from a description to a measured number. `sandglass verify
+// granular` makes a table of them, and the tests assert that table. Every function takes solver settings, friction and
+// radius from the description and sets the capacities itself.
 #pragma once
 
 #include "sandglass/sandglass.h"
@@ -10,12 +10,12 @@ namespace sandglass::host {
 // The defaults, with both friction coefficients mu.
 sandglass_scene_desc physics_desc(double mu);
 
-// One particle thrown sideways, no floor: largest deviation from symplectic Euler's closed form for the sub-steps that
-// were reported, x = v t, y = -g dt^2 N(N+1)/2, relative to the distance fallen in one second.
+// One particle is thrown sideways; there is no floor. The largest deviation from symplectic Euler's closed form for the
+// reported sub-steps, x = v t, y = -g dt^2 N(N+1)/2, relative to the distance fallen in one second.
 double free_fall_error(const sandglass_scene_desc& desc);
 
-// One particle on a plane, v0 = 1 m/s: the distance it slides in metres; *substep the step length. Truth: v0^2/(2 mu
-// g).
+// One particle on a plane, v0 = 1 m/s: the distance that it slides, in metres. *substep: the longest sub-step, seconds.
+// Truth: v0^2/(2 mu g).
 double sliding_distance(const sandglass_scene_desc& desc, double* substep);
 
 // One particle at rest on an incline whose tangent is `slope`: metres moved downhill after `seconds`.
@@ -30,8 +30,6 @@ struct RestingPile {
   double sinking;                    // of the top over the last second, in d
   double energy_ratio;               // kinetic energy at the end over its maximum
   double grains_below;               // grains below the floor by more than their radius
-  double lowest_grain;               // height of the lowest grain in drawn radii
-  double angle_deg;
 };
 RestingPile resting_pile(const sandglass_scene_desc& desc);
 

@@ -7,11 +7,11 @@
 #include "models/baking/shadow_runner.h"
 #include "models/baking/trainer.h"
 #include "models/files/aligned_bytes.h"
+#include "models/files/failure.h"
+#include "models/laboratory/cpu_time.h"
 #include "models/laboratory/machine_peak.h"
 #include "models/laboratory/shadow/xnnpack_peer.h"
-#include "models/work/failure.h"
 #include "models/work/random.h"
-#include "platform/clock.h"
 #include "runtime/asset/shadow_asset.h"
 
 namespace sandglass::host {
@@ -24,18 +24,12 @@ constexpr uint32_t k_repeats = 7;  // of each light; the best counts, because th
 constexpr uint64_t k_stream = uint64_t{3} << 40;
 constexpr double k_beyond = 1e-3;  // activations that the peer's int8 clips
 
-// CPU time of the calling thread: what other programs on the machine take does not count.
-double seconds_now() {
-  const sandglass_clock clock = clock_thread_cpu();
-  return 1e-9 * static_cast<double>(clock.now_ns(clock.user));
-}
-
 double best_ms(const std::function<void()>& work) {
   double best = 1e30;
   for (uint32_t i = 0; i < k_repeats; ++i) {
-    const double from = seconds_now();
+    const double from = cpu_ms_now();
     work();
-    best = std::min(best, 1e3 * (seconds_now() - from));
+    best = std::min(best, cpu_ms_now() - from);
   }
   return best;
 }
@@ -176,9 +170,9 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
       sandglass_shadow_texture texture = {};
       for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
         runner->texture(other);
-        const double from = seconds_now();
+        const double from = cpu_ms_now();
         texture = runner->texture(light);
-        best = std::min(best, 1e3 * (seconds_now() - from));
+        best = std::min(best, cpu_ms_now() - from);
       }
       samples->ms.push_back(best);
       samples->macs += separated_macs * texture.evaluated;

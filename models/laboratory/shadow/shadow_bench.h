@@ -18,8 +18,8 @@ namespace sandglass::host {
 
 struct ShadowBenchRow {
   std::string name;        // f32, int8, int8_adaptive, xnnpack_f32, xnnpack_int8
-  double ms = 0;           // CPU time of the thread: the median over the lights of each light's best
-  double ms_encoding = 0;  // for peers: writing the encoded inputs, from tables, and rounding them to bytes
+  double ms = 0;           // CPU time of the thread: each light's best of some repeats, the median over the lights
+  double ms_encoding = 0;  // for peers: writing the encoded inputs from tables, and rounding them to bytes
   double gmac_per_s = 0;   // of what it computes
   double fraction = 0;     // of this CPU's measured peak, f32 or int8
   double rmse = 0;         // against the float network
@@ -41,11 +41,11 @@ struct BakedShadow {
   FloatNetwork network;  // without parameters where the file does not carry them
 };
 
-// A Failure: the file is refused, or `mesh` is not what it was baked from.
+// A Failure says that the file is damaged, or that it was baked from another mesh.
 BakedShadow open_baked_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh);
 
-// `thresholds`: further rows int8_adaptive/N, one a threshold, in steps of coverage (sandglass_shadow_desc).
-// `file` must carry its float network; `mesh` is what it was baked from. `go_on` gets the steps done of `total`.
+// `file` must contain its float network; `mesh` is what it was baked from. Each of `thresholds`, in steps of coverage
+// (sandglass_shadow_desc), adds a row int8_adaptive/N. `go_on` gets the steps done of `total`.
 ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name, const Mesh& mesh, sandglass_isa isa,
                          const std::vector<uint32_t>& thresholds,
                          const std::function<bool(uint32_t done, uint32_t total)>& go_on);

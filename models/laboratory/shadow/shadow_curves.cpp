@@ -6,9 +6,9 @@
 
 #include "models/baking/shadow_runner.h"
 #include "models/baking/training_set.h"
+#include "models/files/failure.h"
+#include "models/laboratory/cpu_time.h"
 #include "models/laboratory/shadow/shadow_bench.h"
-#include "models/work/failure.h"
-#include "platform/clock.h"
 
 namespace sandglass::host {
 
@@ -19,12 +19,6 @@ constexpr uint32_t k_lights = 12, k_repeats = 5;  // of each light; the best cou
 constexpr uint64_t k_stream = uint64_t{5} << 40;
 constexpr uint32_t k_thresholds[] = {0, 5, 12, 24, 48, 64, 96, 128, 192};
 constexpr uint32_t k_texture_sizes[] = {128, 256, 512};
-
-// CPU time of the calling thread: what other programs on the machine take does not count.
-double seconds_now() {
-  const sandglass_clock clock = clock_thread_cpu();
-  return 1e-9 * static_cast<double>(clock.now_ns(clock.user));
-}
 
 // Coverage bytes (or floats) over a rectangle, read as a GPU reads a texture that is clamped to its edge.
 template <class Value>
@@ -113,13 +107,13 @@ std::vector<ShadowCurve> measure_shadow_curves(const std::vector<NamedShadow>& f
       std::vector<uint8_t> resampled(size_t{size} * size);
       for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
         runner->texture(other);
-        const double from = seconds_now();
+        const double from = cpu_ms_now();
         texture = runner->texture(light);
         const char* reason = nullptr;
         if (size != k_size &&
             sandglass_shadow_resample(runner->handle(), 0, size, resampled.data(), &reason) != SANDGLASS_OK)
           throw cannot("turn", "light", reason);
-        best = std::min(best, 1e3 * (seconds_now() - from));
+        best = std::min(best, cpu_ms_now() - from);
       }
       sum->ms.push_back(best);
       sum->rmse +=
@@ -131,9 +125,9 @@ std::vector<ShadowCurve> measure_shadow_curves(const std::vector<NamedShadow>& f
       measure(full[f].get(), baked[f].geometry, &of_full[f], k_size);
       measure(adaptive[f].get(), baked[f].geometry, &of_adaptive[f], k_size);
       if (baked[f].network.parameters.empty()) continue;
-      const double from = seconds_now();
+      const double from = cpu_ms_now();
       std::vector<float> coverage = evaluate(baked[f].network, light, k_size, pool);
-      of_float[f].ms.push_back(1e3 * (seconds_now() - from));
+      of_float[f].ms.push_back(cpu_ms_now() - from);
       for (float& c : coverage) c = 1 - c;
       of_float[f].rmse += world.rmse(coverage.data(), k_size, baked[f].geometry.rectangle(light), 1);
     }

@@ -1,9 +1,9 @@
-// Error against time, of bakes of one object: the threshold of the adaptive mode, the size of the network, bytes beside
-// float, the size of the texture, the plane that follows the light beside the fixed one.
+// Error against time for bakes of one object. The curves vary the threshold of the adaptive mode, the size of the
+// network, bytes or float, the size of the texture, and the plane: one that follows the light, or a fixed one.
 //
-// Planes and texture sizes are compared in the world: truth is traced at the texel centres of the rectangle that is
-// fitted to the light, a texture is read there by linear interpolation, as a GPU does, and is lit outside its own
-// rectangle. Textures of a light all have 256 x 256 texels unless they are resampled.
+// Planes and texture sizes are compared in the world. The truth is traced at the texel centres of the rectangle that is
+// fitted to the light. A texture is read there by linear interpolation, as a GPU does; outside its own rectangle it is
+// lit. Textures have 256 x 256 texels unless they are resampled.
 #pragma once
 
 #include <cstdint>
@@ -35,8 +35,8 @@ struct NamedShadow {
   std::vector<uint8_t> bytes;
 };
 
-// `files`: bakes of `mesh`; the first is the one whose thresholds and texture sizes are measured. Lights are those that
-// all of them were baked for. `go_on` gets the steps done of `total`; after false the result is empty.
+// `files`: bakes of `mesh`. Thresholds and texture sizes are measured on the first. The lights are those for which all
+// were baked. `go_on` gets the steps done of `total`; if it returns false, the result is empty.
 std::vector<ShadowCurve> measure_shadow_curves(const std::vector<NamedShadow>& files, const Mesh& mesh,
                                                sandglass_isa isa,
                                                const std::function<bool(uint32_t done, uint32_t total)>& go_on);

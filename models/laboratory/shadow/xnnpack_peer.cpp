@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "models/work/failure.h"
+#include "models/files/failure.h"
 #include "platform/xnnpack_create.h"
 
 namespace sandglass::host {
@@ -31,7 +31,7 @@ std::vector<float> by_output(const float* weights, uint32_t inputs, uint32_t out
 }
 
 #ifdef SANDGLASS_XNNPACK_RESHAPES
-// Later versions take a table too, before the rounding that is not there of floats.
+// Later versions also take a table, before the quantisation of the input, which floats do not have.
 template <class... Parameters>
 void create_convert(xnn_status (*function)(Parameters...), const xnn_quantization_params& bytes, xnn_operator_t* op) {
   if constexpr (sizeof...(Parameters) == 8)
@@ -52,7 +52,8 @@ struct XnnpackPeer::State {
   uint32_t rows = 0;    // that the operators were last shaped for
   float last_step = 0;  // of the int8 output
 
-  // Since 2023 the rows go to a call of their own, made when they change; until then to the one that names the buffers.
+  // Since 2023 a call of its own sets the number of rows, whenever it changes. Before, the call that names the buffers
+  // did.
   template <class Reshape>
   void shape([[maybe_unused]] Reshape reshape, uint32_t count) {
     if (count == rows) return;
@@ -69,6 +70,16 @@ struct XnnpackPeer::State {
     check(setup(op, rows, in, out, nullptr));
 #endif
     check(xnn_run_operator(op, nullptr));
+  }
+  // All operators on a block of rows; between them two arrays take turns.
+  template <class Setup, class Value>
+  void run_all(Setup setup, const Value* in, Value* out, Value* other, Value* last) const {
+    for (const xnn_operator_t op : operators) {
+      if (op == operators.back()) out = last;
+      run(setup, op, in, out);
+      in = out;
+      std::swap(out, other);
+    }
   }
 };
 
@@ -138,14 +149,8 @@ void XnnpackPeer::run(const float* input, uint32_t texels, float* output) {
   for (uint32_t first = 0; first < texels; first += k_rows) {
     const uint32_t rows = std::min(k_rows, texels - first);
     s.shape(SANDGLASS_RESHAPE(f32), rows);
-    const float* in = input + size_t{first} * k_inputs;
-    float *out = s.a.data(), *other = s.b.data();
-    for (size_t i = 0; i < s.operators.size(); ++i) {
-      if (i + 1 == s.operators.size()) out = output + first;
-      s.run(&xnn_setup_fully_connected_nc_f32, s.operators[i], in, out);
-      in = out;
-      std::swap(out, other);
-    }
+    s.run_all(&xnn_setup_fully_connected_nc_f32, input + size_t{first} * k_inputs, s.a.data(), s.b.data(),
+              output + first);
   }
   for (uint32_t i = 0; i < texels; ++i) output[i] = 1 / (1 + std::exp(-output[i]));
 }
@@ -168,14 +173,8 @@ void XnnpackPeer::run_bytes(const int8_t* input, uint32_t texels, float* output)
   for (uint32_t first = 0; first < texels; first += k_rows) {
     const uint32_t rows = std::min(k_rows, texels - first);
     s.shape(SANDGLASS_RESHAPE(qs8), rows);
-    const int8_t* in = input + size_t{first} * k_inputs;
-    int8_t *out = s.ba.data(), *other = s.bb.data();
-    for (size_t i = 0; i < s.operators.size(); ++i) {
-      if (i + 1 == s.operators.size()) out = last.data();
-      s.run(&xnn_setup_fully_connected_nc_qs8, s.operators[i], in, out);
-      in = out;
-      std::swap(out, other);
-    }
+    s.run_all(&xnn_setup_fully_connected_nc_qs8, input + size_t{first} * k_inputs, s.ba.data(), s.bb.data(),
+              last.data());
     for (uint32_t i = 0; i < rows; ++i) output[first + i] = sigmoid[last[i] + 128];
   }
 }

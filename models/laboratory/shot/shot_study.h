@@ -1,5 +1,5 @@
-// What a study of shots says: rows of errors that somebody measured (verify_shot.h), their means, what beats what, and
-// how sure that is; as a table, and as lines that a later run goes on from. Numbers only: nothing here makes a picture.
+// What a study of shots concludes. It takes rows of errors that verify_shot.h measured. It gives their means, says what
+// beats what and how sure that is, as a table and as lines from which a later run goes on. It makes no picture.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,16 @@
 
 namespace sandglass::host {
 
-// no_curve: true labels without the camera's tone curve, the shadow multiplied onto what the camera shows, in all
-// colours alike. It is beside the ablations, for what the curve does, and nothing is promised against it.
+// no_curve: true labels without the camera's tone curve; the shadow is multiplied onto what the camera shows, in all
+// colours alike. It shows what the curve does. Nothing is promised against it.
 enum class ShotVariant { labels, no_shadow, hard_shadow, arbitrary_light, no_curve, estimate };
 constexpr int k_shot_variants = 6, k_shot_metrics = 7;
 const char* name_of(ShotVariant variant);
 const char* shot_metric_name(int metric);  // "RMSE", ..., the last two "1 - SSIM" and "FLIP": all are 0 at best
 
 struct ShotView {
-  std::string panorama;        // its name, for the reader
-  uint64_t panorama_hash = 0;  // of the file's bytes: a name may be another's too
+  std::string panorama;        // the file's name, for the reader
+  uint64_t panorama_hash = 0;  // hash of the file's bytes: two files may have one name
   double azimuth_deg = 0.0;    // where the camera looks
   bool done = false, has_estimate = false;
   double errors[k_shot_variants][k_shot_metrics] = {};
@@ -28,8 +28,8 @@ struct ShotStudy {
   std::vector<ShotView> views;
   bool has_estimate = false;
   double mean[k_shot_variants][k_shot_metrics] = {};  // of the views that are done
-  // labels (first) or estimate (second) against another variant: mean of the paired differences, and half of its 95 %
-  // interval over views (Student's; a bootstrap would say the same of 20). Of one view it has no end.
+  // A variant against a worse one: the mean of the paired differences, and half of its 95 % interval over views (by
+  // Student's distribution). With one view the interval is infinite.
   struct Paired {
     double mean, half;
   };
@@ -41,38 +41,38 @@ struct ShotStudy {
 };
 void take_means(ShotStudy* study);
 
-// Of Student's distribution: within this many standard errors of the mean lie 95 %.
+// 95 % of Student's distribution lie within this many standard errors of the mean.
 double student_95(int degrees_of_freedom);
 
-// One line a view, and back; false: that is none.
+// A view as a line of text, and back. Returns false if the line is not of a view.
 std::string line_of(const ShotView& view);
 bool read_line(const std::string& line, ShotView* view);
 
-// Takes over the rows of an earlier run that are of the same bytes and look the same way; `views` name theirs. `text`
-// begins with the line `key`, or is another study's, of which nothing is taken.
+// Takes over the rows of an earlier run, for those of `views` with the same bytes and the same azimuth. If `text` does
+// not begin with the line `key`, it is of another study, and nothing is taken.
 void remember(const std::string& text, const std::string& key, std::vector<ShotView>* views);
 
 std::string shot_study_text(const ShotStudy& study);  // Markdown
 
-// The sand's own shadow in one light, against rays cast at the very grains that are drawn: means over texels of what
-// can be seen of them (6.18), on the floor where either is in shadow. Apart: texels in which grains lie, of which a
-// texture can say no more than one thing; and the grains' own surface as it is seen from above, by its cosine to the
-// light.
+// The sand's own shadow in one light, against rays cast at the grains that are drawn. The values are means over texels
+// in which either is in shadow. Three parts are kept apart: clear floor; texels in which grains lie, for which a
+// texture has only one value; and the grains' own surface as seen from above, weighted by its cosine to the light.
 struct PileShadowError {
   double polar_deg, azimuth_deg;
   struct Part {
-    double rmse = 0.0, without = 0.0, bias = 0.0;  // of visibility; without: of no shadow of the sand
-    double particles = 0.0,
-           mirrored = 0.0;  // rmse of controls: made of the particles; of the light from the other side
+    // Errors of visibility. `without`: the RMSE if the sand casts no shadow.
+    double rmse = 0.0, without = 0.0, bias = 0.0;
+    // RMSE of the controls: a shadow made of the particles, and the shadow of the light from the other side.
+    double particles = 0.0, mirrored = 0.0;
     int texels = 0;
   } clear, among_grains, on_sand;
 };
 PileShadowError whole_of(const std::vector<PileShadowError>& lights);  // over all texels of all lights
 
-// What the shadow has to be good for: on the floor it takes away two thirds or more of the error that leaving it out
-// makes, with no more than a twentieth of the light too much or too little, and is nearer than the particles' own
-// shadow; on the sand, where the shadows between neighbours are not its part, a quarter. Everywhere it is nearer than
-// that of the light from the other side.
+// Whether the shadow is good enough. On the floor it must remove at least two thirds of the error that leaving it out
+// makes, have a bias of at most a twentieth of the light, and beat the shadow made of the particles. On the sand it
+// must remove a quarter: shadows between neighbours are not its part. Everywhere it must beat the shadow of the light
+// from the other side.
 bool holds(const PileShadowError& whole);
 std::string pile_shadow_text(const std::vector<PileShadowError>& lights);
 

@@ -7,6 +7,7 @@
 #include "models/compositing/light_estimate.h"
 #include "models/files/atomic_file.h"
 #include "models/laboratory/shot/shot_stage.h"
+#include "models/lighting/lit_view.h"
 #include "models/rooms/panorama_file.h"
 #include "runtime/core/hash.h"
 #include "runtime/core/random.h"
@@ -20,13 +21,9 @@ namespace {
 constexpr uint64_t k_azimuth_stream = 61;
 
 void put(const ShotErrors& e, double (&row)[k_shot_metrics]) {
-  const double values[k_shot_metrics] = {e.image.rmse,
-                                         e.image.relative,
-                                         e.image.scale_invariant,
-                                         e.image.logarithmic,
-                                         e.image.angle_deg,
-                                         1.0 - e.similarity,
-                                         e.flip};
+  const ImageErrors& i = e.image;
+  const double values[k_shot_metrics] = {
+      i.rmse, i.relative, i.scale_invariant, i.logarithmic, i.angle_deg, 1.0 - e.similarity, e.flip};
   std::copy_n(values, k_shot_metrics, row);
 }
 
@@ -52,7 +49,8 @@ std::string key_of(const ShotStudyOptions& o) {
          std::to_string(network);
 }
 
-// The views that are asked for, none of them done: what is wrong with a file is said now, not after minutes.
+// The views that are asked for, none of them done. Every file is read, so that a bad one is named now, not after
+// minutes.
 std::vector<ShotView> planned_views(const ShotStudyOptions& options) {
   if (!options.network.empty()) LightEstimate(options.network, SANDGLASS_ISA_AUTOMATIC);
   std::vector<ShotView> views(std::min(options.views, options.panoramas.size()));
@@ -75,12 +73,12 @@ void measure_view(const Study& study, size_t index, ShotView* view) {
   const ShotCamera camera = resting_camera(resting);
   const RadianceMap truth = study.picture.truth(room, camera, options.picture);
   const ShotLight labels = labelled_light(room), arbitrary = arbitrary_light(camera);
-  std::vector<Picture> cells = {displayed_picture(truth)};
+  std::vector<Picture> cells = {picture_of(truth)};
   const auto measure = [&](ShotVariant variant, const ShotLight& light, CastShadow cast) {
     const RadianceMap made =
         study.picture.composite(room, camera, light, study.stage.shadows_for(light.towards), cast, options.picture);
     put(shot_errors(truth, made), view->errors[static_cast<int>(variant)]);
-    cells.push_back(displayed_picture(made));
+    cells.push_back(picture_of(made));
   };
   measure(ShotVariant::labels, labels, CastShadow::textures);
   measure(ShotVariant::no_shadow, labels, CastShadow::none);
