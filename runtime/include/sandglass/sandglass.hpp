@@ -663,13 +663,13 @@ class MeshInside {
 // A signed-distance field and its block: what a collider of SANDGLASS_SHAPE_FIELD points to. Movable, not copyable.
 class Field {
  public:
-  // `distance` is anything that can be called with a const float[3] and gives the distance from the surface. Fails like
+  // `distance_of` is anything that can be called with a const float[3] and gives the distance from the surface. Fails like
   // sandglass_field_from_function, or with MEMORY_TOO_SMALL when the heap has no such block.
   template <class Distance>
-  Status from_function(const Box& box, float spacing, sandglass_solid solid, Distance distance) {
+  Status from_function(const Box& box, float spacing, sandglass_solid solid, Distance distance_of) {
     return create(box, spacing, [&](void* block, uint64_t bytes, sandglass_field** field, const char** reason) {
-      return sandglass_field_from_function(box.min, box.max, spacing, solid, call_distance<Distance>, &distance, block,
-                                           bytes, field, reason);
+      return sandglass_field_from_function(box.min, box.max, spacing, solid, call_distance<Distance>, &distance_of,
+                                           block, bytes, field, reason);
     });
   }
   // From a mesh and the inside test that was prepared from it. Fails like sandglass_field_from_mesh, or with
