@@ -25,7 +25,7 @@ constexpr double k_sun_radius = 0.03;  // radians; six suns, so that penumbrae s
 constexpr Vec3 k_sand = {0.56, 0.36, 0.17};
 constexpr double k_colour_spread = 0.28;    // of the grains, relative
 constexpr double k_occlusion_reach = 0.35;  // of the box's diagonal
-constexpr double k_fade_from = 4.0;  // box diagonals from the target: there the floor begins to fade
+constexpr double k_fade_from = 4.0;         // box diagonals from the target: there the floor begins to fade
 constexpr double k_offset = 1e-4;  // of a sphere radius or box diagonal: lifts secondary rays off their surface
 constexpr double k_far = 1e4;      // metres
 

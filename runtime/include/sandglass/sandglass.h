@@ -241,9 +241,9 @@ SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
 /* Saves the scene to `data`, for an app that goes to the background. *written is the number of bytes.
  *
  * The bytes hold the material and the time. They do not hold the description, colliders, hooks, or the costs that the
- * governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of their own, and are not
- * saved. The bytes are the same on every instruction set, in little-endian order. The scene itself finishes the step of
- * its grains that is under way, and drops an unfinished sub-step.
+ * governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of their own, and are
+ * not saved. The bytes are the same on every instruction set, in little-endian order. The scene itself finishes the
+ * step of its grains that is under way, and drops an unfinished sub-step.
  *
  * The scene and one of the same description that is restored from the bytes then stay equal to the bit, given the same
  * input and the same executed plans. Without a clock every frame runs all its work, so the plans are the same. A plan
@@ -374,8 +374,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_body_box(const floa
 
 /* The collider of a box body at a pose: pass it in frame_input.colliders to keep grains out of the box. Its position
  * and rotation are also where the mesh of the box is drawn. The pose is that before the frame, and the collider has the
- * body's velocities, so grains meet the box where it was one frame ago. `rotation` is the one that the box was made with; NULL: it
- * was not turned. */
+ * body's velocities, so grains meet the box where it was one frame ago. `rotation` is the one that the box was made
+ * with; NULL: it was not turned. */
 SANDGLASS_API void sandglass_body_box_collider(const sandglass_body_pose* pose, const float half_extents[3],
                                                const float rotation[4], struct sandglass_collider* collider);
 
@@ -486,9 +486,9 @@ typedef struct sandglass_plan {
 
 /* A nozzle that pours sand for as long as it is passed to frames. It pours layers of a hexagonal lattice with the
  * density of packed sand, one whenever the layer before has gone far enough: about 0.5 R^2 speed / r^3 particles a
- * second, with R the nozzle's radius and r that of a particle. A layer for which there is no room is left out, counted and
- * logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever. Keep
- * the space before the nozzle free. */
+ * second, with R the nozzle's radius and r that of a particle. A layer for which there is no room is left out, counted
+ * and logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever. Keep the
+ * space before the nozzle free. */
 typedef struct sandglass_emitter {
   /* Of the nozzle's centre, world, metres. */
   float position[3];
@@ -531,8 +531,8 @@ typedef struct sandglass_frame_input {
   /* Seconds, 0..0.1: grains are written where they were so long before the time of the state, for displays faster than
    * the simulation. 0: the newest. */
   float output_lag;
-  /* Receives one sandglass_grain for each number that a grain has or had: report.grain_numbers of them, but no more than
-   * grain_capacity. Draw those whose speed is not below 0. NULL: none wanted. */
+  /* Receives one sandglass_grain for each number that a grain has or had: report.grain_numbers of them, but no more
+   * than grain_capacity. Draw those whose speed is not below 0. NULL: none wanted. */
   void* grains;
   /* Bytes from one item to the next: a multiple of 4, at least sizeof(sandglass_grain), which is the default. */
   uint32_t grain_stride;

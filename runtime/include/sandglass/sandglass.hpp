@@ -663,8 +663,8 @@ class MeshInside {
 // A signed-distance field and its block: what a collider of SANDGLASS_SHAPE_FIELD points to. Movable, not copyable.
 class Field {
  public:
-  // `distance_of` is anything that can be called with a const float[3] and gives the distance from the surface. Fails like
-  // sandglass_field_from_function, or with MEMORY_TOO_SMALL when the heap has no such block.
+  // `distance_of` is anything that can be called with a const float[3] and gives the distance from the surface. Fails
+  // like sandglass_field_from_function, or with MEMORY_TOO_SMALL when the heap has no such block.
   template <class Distance>
   Status from_function(const Box& box, float spacing, sandglass_solid solid, Distance distance_of) {
     return create(box, spacing, [&](void* block, uint64_t bytes, sandglass_field** field, const char** reason) {
