@@ -1,5 +1,5 @@
-// `sandglass bench granular`: the column of 14,280 particles and 228,480 grains by the default scheme, by the source's,
-// and by the source's at equal error.
+// `sandglass bench granular`: the column of 14,280 particles and 228,480 grains by the default scheme, by the dissertation's,
+// and by the dissertation's at equal error.
 #include <algorithm>
 #include <cstdio>
 #include <thread>
@@ -41,7 +41,7 @@ EqualError search_equal_error(const SceneFile& column, double p99, sandglass_isa
 }
 
 void measure(const BenchOptions& options, Bench* bench) {
-  constexpr uint32_t k_source_steps = 16, k_source_iterations = 7;  // Alg. 4 as the source runs it
+  constexpr uint32_t k_source_steps = 16, k_source_iterations = 7;  // Alg. 4 as the dissertation runs it
   const SceneFile column = load_scene("column14k");
   const SceneTable table(bench);
   BenchRow standard;
@@ -56,7 +56,7 @@ void measure(const BenchOptions& options, Bench* bench) {
   if (interrupted()) return;
   if (!equal.found) {
     std::printf(
-        "column14k/source_equal_error: no setting of the source's scheme up to 256 steps x 7 iterations reaches a P99 "
+        "column14k/source_equal_error: no setting of the dissertation's scheme up to 256 steps x 7 iterations reaches a P99 "
         "of "
         "%.4f %% r\n",
         100.0 * standard.overlap_p99);

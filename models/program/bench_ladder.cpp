@@ -1,5 +1,5 @@
 // `sandglass bench ladder`: the error-time plane. Every level of the quality ladder, the default scheme with other
-// sub-steps, and the source's scheme.
+// sub-steps, and the dissertation's scheme.
 #include <cstdio>
 
 #include "models/drawing/plot.h"

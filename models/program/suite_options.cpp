@@ -69,7 +69,7 @@ void add_panoramas(CLI::App* suite, VerifyOptions& o) {
 
 void add_bench(CLI::App* bench, int* exit_code) {
   bench->require_subcommand(1);
-  CLI::App* granular = add_suite(bench, "granular", "Sand: a collapsing column, against the source's scheme");
+  CLI::App* granular = add_suite(bench, "granular", "Sand: a collapsing column, against the dissertation's scheme");
   BenchOptions& of_sand = options_of(granular, exit_code, bench_granular_command);
   add_thread_counts(granular, of_sand);
   add_frames(granular, of_sand);

@@ -1,5 +1,5 @@
 // What the viewer writes over the scene: the budget bar of the last frame by stage, quality with its error, the time
-// owed, and what the keys do; as pictures that the window lays over its own.
+// debt, and what the keys do; as pictures that the window lays over its own.
 #pragma once
 
 #include "models/files/image.h"

@@ -39,7 +39,7 @@ SceneFile scaled_column(const SceneFile& column, uint32_t particles, uint32_t gr
 // relaxation 1.
 SceneFile source_scheme(const SceneFile& scene, uint32_t steps, uint32_t iterations);
 
-// The cheapest setting of the source's scheme whose P99 is no worse than `p99`. For each of
+// The cheapest setting of the dissertation's scheme whose P99 is no worse than `p99`. For each of
 // 1, 2, 4 and 7 iterations the fewest steps a frame that reach it are found by bisection, from 16 to 256. The cost is
 // steps x (iterations + 2): the stabilisation and the rest of a step count one iteration each. Only errors decide, so
 // the result is the same on every machine.
