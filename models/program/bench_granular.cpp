@@ -1,5 +1,5 @@
-// `sandglass bench granular`: the column of 14,280 particles and 228,480 grains by the default scheme, by the dissertation's,
-// and by the dissertation's at equal error.
+// `sandglass bench granular`: the column of 14,280 particles and 228,480 grains by the default scheme, by the
+// dissertation's, and by the dissertation's at equal error.
 #include <algorithm>
 #include <cstdio>
 #include <thread>
@@ -56,9 +56,9 @@ void measure(const BenchOptions& options, Bench* bench) {
   if (interrupted()) return;
   if (!equal.found) {
     std::printf(
-        "column14k/source_equal_error: no setting of the dissertation's scheme up to 256 steps x 7 iterations reaches a P99 "
-        "of "
-        "%.4f %% r\n",
+        "column14k/source_equal_error: no setting of the dissertation's scheme up to 256 steps x 7 iterations reaches "
+        "a "
+        "P99 of %.4f %% r\n",
         100.0 * standard.overlap_p99);
     return;
   }
