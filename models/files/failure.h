@@ -1,5 +1,5 @@
-// How the host side reports that it cannot go on: one message that says what it cannot do, with which file or part, why,
-// and what to do about it. The program prints it and exits with code 2.
+// How the host side reports that it cannot go on: one message that says what it cannot do, with which file or part,
+// why, and what to do about it. The program prints it and exits with code 2.
 #pragma once
 
 #include <algorithm>

@@ -57,8 +57,7 @@ void measure(const BenchOptions& options, Bench* bench) {
   if (!equal.found) {
     std::printf(
         "column14k/source_equal_error: no setting of the dissertation's scheme up to 256 steps x 7 iterations reaches "
-        "a "
-        "P99 of %.4f %% r\n",
+        "a P99 of %.4f %% r\n",
         100.0 * standard.overlap_p99);
     return;
   }

@@ -96,8 +96,8 @@ bool passes_above(const int32_t t[9], int64_t u, int64_t v, int64_t w) {
 
 }  // namespace
 
-// The finest grid with at most 4 columns for each triangle, whose lists have at most 16 entries for each triangle. Small
-// meshes may have 64 more of each.
+// The finest grid with at most 4 columns for each triangle, whose lists have at most 16 entries for each triangle.
+// Small meshes may have 64 more of each.
 Parity measure_parity(const sandglass_mesh& mesh, const float bounds_min[3], const float bounds_max[3]) {
   Parity p = {};
   double extent[3];

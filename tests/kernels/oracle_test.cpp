@@ -237,8 +237,8 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
     const double overlap =
         solve ? std::max(d - 0.02, std::min(0.0, dot(relative, n) - k_separation) / k_omega) : d - 0.02;
     ++contacts;
-    // The lower of two equal particles takes 1/2 + asymmetry, times its share by mass: m = m exp(-k h), the correction to
-    // (4.38) of the dissertation.
+    // The lower of two equal particles takes 1/2 + asymmetry, times its share by mass: m = m exp(-k h), the correction
+    // to (4.38) of the dissertation.
     const double asymmetry = -z / 4 + z * z * z / 48;
     const double share = fixed ? 1.0 : weight(i) / (weight(i) + weight(j));
     const double a = weight(i) * (0.5 + asymmetry), b = weight(j) * (0.5 - asymmetry);

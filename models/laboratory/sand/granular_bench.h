@@ -24,8 +24,8 @@ struct BenchRow {
 // Called after each frame; false stops the run.
 using BenchStep = std::function<bool()>;
 
-// Runs the scene without a budget, at one quality level. `with_grains` false leaves the grains out: same particles, same
-// errors, less time.
+// Runs the scene without a budget, at one quality level. `with_grains` false leaves the grains out: same particles,
+// same errors, less time.
 BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint32_t frames, bool with_grains,
                      const BenchStep& step, uint32_t level = SANDGLASS_LEVEL_FULL);
 
