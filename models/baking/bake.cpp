@@ -21,23 +21,25 @@ namespace sandglass::host {
 namespace {
 
 constexpr double k_degree = k_pi / 180;
-constexpr uint32_t k_stride = 4;  // one texel of each cell of 4 x 4, 16 times the lights
+// Training takes one texel of each cell of 4 x 4, and 16 times as many lights.
+constexpr uint32_t k_stride = 4;
 constexpr double k_checkpoint_period_s = 60.0;
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-double cpu_seconds_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }  // of all threads
+// CPU time of all threads.
+double cpu_seconds_now() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-// A stage's time, while it lasts.
+// Measures a stage: writes its time when it goes out of scope.
 struct StageClock {
   BakeReport::Stage* stage;
   double start = seconds_now(), cpu_start = cpu_seconds_now();
   ~StageClock() { *stage = {seconds_now() - start, cpu_seconds_now() - cpu_start}; }
 };
 
-// Everything that traced values and training depend on.
+// A hash of everything that the traced values and the training depend on.
 uint64_t key_of(const Mesh& mesh, const BakeSettings& s) {
   uint64_t key = 1;
   const auto add = [&](uint64_t x) { key = random_mix(key ^ x); };

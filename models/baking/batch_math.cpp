@@ -1,4 +1,4 @@
-// Picks the instruction set.
+// Picks the fastest instruction set that this CPU has.
 #include "models/baking/batch_math.h"
 
 namespace sandglass::host {

@@ -1,5 +1,5 @@
-// See batch_math.h. Included once per instruction set with SANDGLASS_BATCH_SET defined; Eigen is given a name of its
-// own per set, so that the linker cannot merge two sets' instances of one template.
+// See batch_math.h. This file is included once per instruction set, with SANDGLASS_BATCH_SET defined. Each set renames
+// Eigen's namespace, so that the linker cannot merge two sets' instances of one template.
 #include <cmath>
 #define Eigen SANDGLASS_BATCH_EIGEN
 #if defined(__GNUC__) && !defined(__clang__)
@@ -22,7 +22,7 @@ using Column = Eigen::Map<const Eigen::VectorXf>;
 
 static float sigmoid(float x) { return 1.0f / (1.0f + std::exp(-x)); }
 
-// Layer l's activations, width x samples, as the next layer sees them: after ReLU and, where asked for, rounding.
+// Turns a layer's sums (width x samples) into what the next layer sees: applies ReLU and, with a clip, rounding.
 static void activate(float* values, uint64_t count, const float* clip) {
   if (clip == nullptr) {
     for (uint64_t i = 0; i < count; ++i) values[i] = values[i] > 0 ? values[i] : 0;
@@ -68,7 +68,7 @@ static double gradient(const Batch& b, const float* target, const float* weight,
   for (uint32_t s = 0; s < b.samples; ++s) {
     const float error = output[s] - target[s];
     loss += static_cast<double>(weight[s] * error * error);
-    output[s] = 2.0f * weight[s] * error * output[s] * (1.0f - output[s]);  // by the output's argument
+    output[s] = 2.0f * weight[s] * error * output[s] * (1.0f - output[s]);  // derivative by the sigmoid's argument
   }
   uint64_t at = uint64_t{w} * (b.inputs + 1) + uint64_t{b.layers} * w * (w + 1);
   const float* top = b.scratch + b.layers * count;

@@ -1,4 +1,5 @@
-// Magic, key, step and loss, then arrays behind their lengths, then the FNV-1a hash of all of it.
+// The file holds a magic number, the key, the step and the loss. Then come the arrays, each after its length. The
+// FNV-1a hash of everything before ends the file.
 #include "models/baking/checkpoint.h"
 
 #include <cstring>

@@ -1,5 +1,5 @@
-// What an interrupted bake needs to go on: the traced values and the state of training, under a key of everything that
-// they depend on.
+// What an interrupted bake needs to go on: the traced values and the state of training. A key in the file is a hash of
+// everything that they depend on.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@ namespace sandglass::host {
 
 void save_checkpoint(const std::string& path, uint64_t key, const TrainingSet& set, const TrainingState& state);
 
-// False: there is none. A Failure: it is damaged, or of another mesh or other settings.
+// Returns false when there is no checkpoint. Throws a Failure when it is damaged or belongs to another mesh or other
+// settings.
 bool load_checkpoint(const std::string& path, uint64_t key, TrainingSet* set, TrainingState* state);
 
 }  // namespace sandglass::host

@@ -15,13 +15,13 @@ FloatNetwork make_network(const NetworkShape& shape, uint64_t seed) {
   uint64_t counter = 0;
   const auto fill = [&](const float* from, uint32_t inputs, uint32_t outputs) {
     float* weights = network.parameters.data() + (from - network.parameters.data());
-    const double spread = std::sqrt(6.0 / inputs);  // uniform with He's variance 2/inputs
+    const double spread = std::sqrt(6.0 / inputs);  // a uniform distribution with He's variance 2/inputs
     for (uint32_t i = 0; i < inputs * outputs; ++i)
       weights[i] = static_cast<float>(spread * (2 * random_unit(random_mix(seed) + counter++) - 1));
   };
   fill(network.first_weights(), k_inputs, shape.width);
-  // Octave k of the encoding starts 2^-k as strong, so that a network starts smooth and every octave contributes the
-  // same slope; noise of the high ones would otherwise have to be unlearnt.
+  // The weights of octave k start scaled by 2^-k. So a network starts smooth, and every octave contributes the same
+  // slope. Otherwise training would first have to remove the noise of the high octaves.
   uint32_t input = 0;
   const auto damp = [&](uint32_t frequencies) {
     for (uint32_t i = 0; i < 1 + 2 * frequencies; ++i, ++input)

@@ -23,7 +23,8 @@ ByteLayer quantise_layer(const float* weights, const float* bias, uint32_t input
     const float inverse = largest > 0 ? 127.0f / largest : 0;
     for (uint32_t i = 0; i < inputs; ++i)
       layer.weights.push_back(static_cast<int8_t>(std::nearbyint(weights[i * outputs + o] * inverse)));
-    const double unit = (largest > 0 ? static_cast<double>(largest) / 127 : 1.0) * step_in;  // of one step of the sum
+    const double unit =
+        (largest > 0 ? static_cast<double>(largest) / 127 : 1.0) * step_in;  // the value of one step of the integer sum
     layer.bias.push_back(static_cast<int32_t>(
         std::nearbyint(std::clamp(static_cast<double>(bias[o]) / unit, -k_bias_limit, k_bias_limit))));
     layer.multiplier.push_back(static_cast<float>(unit / step_out));

@@ -1,4 +1,4 @@
-// From a trained network to the file that the runtime reads.
+// Turns a trained network into the file that the runtime reads: rounds it to bytes and writes the FlatBuffer.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace sandglass::host {
 
-// A layer of bytes: byte out = round((sum of weight * byte in + bias) * multiplier).
+// A layer in bytes: byte out = round((sum of weight * byte in + bias) * multiplier).
 struct ByteLayer {
   std::vector<int8_t> weights;  // all inputs of output 0 first
   std::vector<int32_t> bias;
@@ -18,13 +18,15 @@ struct ByteLayer {
 
 struct ByteNetwork {
   NetworkShape shape;
-  std::vector<float> first_weights, first_bias;  // the first layer stays in float: it becomes tables of 16 bits
+  // The first layer stays in float here. The runtime turns it into tables of 16 bits.
+  std::vector<float> first_weights, first_bias;
   float first_step = 1;
   std::vector<ByteLayer> layers;
   ByteLayer last;
 };
 
-// Weights: 255 steps per output, its largest magnitude is 127. Activations: 255 steps from 0 to the layer's clip.
+// Weights become -127..127; the largest magnitude of each output becomes 127. Activations become 0..255, from 0 to the
+// layer's clip.
 ByteNetwork quantise(const FloatNetwork& network, const std::vector<float>& clips);
 
 struct ShadowFile {
@@ -34,13 +36,13 @@ struct ShadowFile {
   double rmse_float = 0, rmse_int8 = 0;
   uint32_t validated_lights = 0;
   uint64_t seed = 0;
-  std::vector<float> float_parameters;  // empty: left out
+  std::vector<float> float_parameters;  // empty: the file holds none
 };
 
-// The bytes of the file: FlatBuffer and checksum.
+// The bytes of the file: a FlatBuffer, then its checksum.
 std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file);
 
-// Puts the checksum behind a FlatBuffer's bytes.
+// Appends the checksum to a FlatBuffer's bytes.
 void append_checksum(std::vector<uint8_t>* bytes);
 
 }  // namespace sandglass::host

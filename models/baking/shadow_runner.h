@@ -1,4 +1,4 @@
-// The runtime's shadow on a workstation: owns the block and runs whole textures.
+// Runs the library's shadow on a workstation: owns its memory and computes whole textures at once.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@ namespace sandglass::host {
 
 class ShadowRunner {
  public:
-  // A Failure with the library's sentence where it refuses; `name` is what the sentence calls the file. `threshold`
-  // below 0: the library's default.
+  // Throws a Failure with the library's sentence when the library refuses the file. `name` is what the sentence calls
+  // the file. A `threshold` below 0 means the library's default.
   ShadowRunner(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_shadow_mode mode,
                int32_t threshold = -1);
 
-  // Computes the texture of `light` to its end; the view of the runtime's own memory.
+  // Computes the whole texture of `light`. The result points into the shadow's own memory.
   sandglass_shadow_texture texture(const Direction& light);
   sandglass_shadow* handle() const { return shadow_.get(); }
 

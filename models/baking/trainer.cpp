@@ -1,3 +1,4 @@
+// See trainer.h.
 #include "models/baking/trainer.h"
 
 #include <algorithm>
@@ -11,19 +12,20 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr uint32_t k_lanes = 8;    // of a batch: what threads share; fixed, so that sums are
-constexpr uint32_t k_chunk = 256;  // samples whose activations stay in the second cache
+// A batch is split into lanes, which the threads share. Their number is fixed, so that the order of every sum is fixed.
+constexpr uint32_t k_lanes = 8;
+constexpr uint32_t k_chunk = 256;  // the activations of this many samples fit into the second-level cache
 constexpr float k_mean_decay = 0.9f, k_variance_decay = 0.99f, k_epsilon = 1e-8f;
-constexpr double k_beyond = 1e-3;       // share of activations that is clipped
-constexpr uint32_t k_probe = 16384;     // samples that the clips are measured on, whole chunks
-constexpr double k_loss_decay = 0.998;  // of the running mean that is shown
+constexpr double k_beyond = 1e-3;       // the share of activations that is clipped
+constexpr uint32_t k_probe = 16384;     // the clips are measured on this many samples, a multiple of k_chunk
+constexpr double k_loss_decay = 0.998;  // decay of the running mean of the loss
 
 }  // namespace
 
 struct Trainer::Work {
-  std::vector<float> positions;    // encoded texel coordinates, one row an index
+  std::vector<float> positions;    // encoded texel coordinates, one row per index
   std::vector<float> lights;       // encoded lights
-  uint32_t step = 0, samples = 0;  // of one lane
+  uint32_t step = 0, samples = 0;  // samples of one lane
   const float* parameters = nullptr;
   const float* clips = nullptr;
   NetworkShape shape;
@@ -51,8 +53,8 @@ Trainer::Trainer(const TrainingSet& set, const TrainingPlan& plan, ThreadPool& p
 
 Trainer::~Trainer() = default;
 
-// Sample `first + i` of a step: which texel, by its own random number. Texels lie all over memory: where each is comes
-// first, then all are asked for at once.
+// Draws the samples first..first + count - 1 of a step. Each sample picks its texel by its own random number. Texels
+// lie all over memory, so the indices come first and all of them are prefetched together.
 void Trainer::Work::draw(uint32_t step_number, uint32_t first, uint32_t count, float* in, float* nu,
                          float* share) const {
   const TrainingSet& set = trainer->set_;
@@ -203,7 +205,7 @@ std::vector<float> activation_clips(const FloatNetwork& network, const Floats& i
                               scratch.begin() + static_cast<long>((layer + 1) * count));
     const size_t rank = count - 1 - static_cast<size_t>(beyond * static_cast<double>(count));
     std::nth_element(values.begin(), values.begin() + static_cast<long>(rank), values.end());
-    clips.push_back(std::max(values[rank], 1e-6f));  // a layer that is always 0
+    clips.push_back(std::max(values[rank], 1e-6f));  // at least a little, for a layer that is always 0
   }
   return clips;
 }

@@ -1,9 +1,10 @@
-// Adam on mini-batches, deterministic for a seed on any number of threads: a batch is split into a fixed number of
-// lanes, each lane adds up its samples in order, and the lanes are added up in order.
+// Trains a shadow network with Adam on mini-batches. The result depends on the seed and not on the number of threads: a
+// batch is split into a fixed number of lanes, each lane adds up its samples in order, and the lanes are added up in
+// order.
 //
-// Samples are denser where the penumbra is: one half is drawn evenly from all texels, the other from the penumbra.
-// Each counts with the inverse of the density that it was drawn with, so the expected loss is that of all texels
-// equally, the mean squared error (6.21); only its noise is smaller.
+// Samples are denser in the penumbra: half of them are drawn evenly from all texels, the other half from the penumbra.
+// A sample's weight is the inverse of the density that it was drawn with. So the expected loss is still the mean
+// squared error over all texels, (6.21) of the dissertation. Only its noise is smaller.
 #pragma once
 
 #include <cstdint>
@@ -15,22 +16,26 @@
 namespace sandglass::host {
 
 struct TrainingPlan {
-  uint32_t float_steps = 0;      // learning rate: half a cosine from `rate` to `rate_end`
-  uint32_t quantised_steps = 0;  // after them: with rounded weights and activations, from rate_quantised downward
+  // The learning rate follows half a cosine from `rate` to `rate_end`.
+  uint32_t float_steps = 0;
+  // These steps follow. They use rounded weights and activations. Their rate falls from `rate_quantised` to `rate_end`.
+  uint32_t quantised_steps = 0;
   uint32_t batch = 8192;
   double rate = 3e-3, rate_end = 1e-5, rate_quantised = 2e-4;
   double penumbra_share = 0.5;
   uint64_t seed = 1;
 };
 
-// All that has to be kept to go on.
+// Everything that a resumed training needs.
 struct TrainingState {
   uint32_t step = 0;
-  FloatNetwork network;        // what is being trained
-  Floats mean, variance;       // Adam's
-  FloatNetwork float_network;  // as it was when the float steps ended; empty before
-  std::vector<float> clips;    // largest activations for quantisation, one a ReLU layer; empty before
-  double loss = 0;             // running mean
+  FloatNetwork network;   // the network in training
+  Floats mean, variance;  // Adam's running averages
+  // A copy of the network from the moment when the float steps ended; empty before.
+  FloatNetwork float_network;
+  // The largest activation of each ReLU layer, for quantisation; empty until the float steps end.
+  std::vector<float> clips;
+  double loss = 0;  // running mean
 };
 
 class Trainer {
@@ -55,11 +60,11 @@ class Trainer {
 
 TrainingState start_training(const NetworkShape& shape, uint64_t seed);
 
-// Weights rounded to 255 steps per output, as the runtime stores them: scale of an output = largest magnitude / 127.
-// The first layer stays as it is (the runtime keeps it as tables of 16 bits).
+// Rounds the weights to 255 steps per output, as the runtime stores them. The step of an output is its largest
+// magnitude / 127. The first layer stays as it is, since the runtime keeps it as tables of 16 bits.
 void round_weights(const FloatNetwork& network, float* rounded);
 
-// The largest activation of each ReLU layer, apart from a share of `beyond` that is clipped.
+// A bound for the activations of each ReLU layer. The share `beyond` of the activations lies above it and is clipped.
 std::vector<float> activation_clips(const FloatNetwork& network, const Floats& input, uint32_t samples, double beyond);
 
 }  // namespace sandglass::host

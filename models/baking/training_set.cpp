@@ -1,3 +1,4 @@
+// See training_set.h.
 #include "models/baking/training_set.h"
 
 #include <algorithm>
@@ -8,7 +9,7 @@
 namespace sandglass::host {
 
 namespace {
-constexpr uint16_t k_dark = 655, k_lit = 65535 - 655;  // 1 % of transparency
+constexpr uint16_t k_dark = 655, k_lit = 65535 - 655;  // 1 % away from dark and from lit
 }
 
 ShadowRectangle LightGeometry::rectangle(const Direction& light) const {
@@ -25,7 +26,7 @@ TrainingSet::Texel TrainingSet::texel(uint64_t index) const {
 bool trace_training_set(const LightGeometry& geometry, const ShadowCaster& caster, ThreadPool& pool,
                         const std::function<bool(uint32_t)>& go_on, TrainingSet* set) {
   const uint32_t count = set->cells() * set->cells(), lights = static_cast<uint32_t>(set->lights.size());
-  constexpr uint32_t k_group = 8;   // lights at a time: threads wait for each other once a group
+  constexpr uint32_t k_group = 8;   // lights at a time; threads wait for each other once per group
   constexpr uint32_t k_part = 512;  // texels that a thread takes at a time
   const uint32_t parts = (count + k_part - 1) / k_part;
   std::vector<float> values(size_t{k_group} * count);

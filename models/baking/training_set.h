@@ -1,8 +1,9 @@
-// The pairs that a network learns from: texels of textures for a set of lights, each in the rectangle of its own light.
+// The pairs that a network learns from: texels and their transparency, for a set of lights. Each light's texture covers
+// the rectangle of that light.
 //
-// The source takes every texel of 301 textures (6.19). The same number of rays teaches more when it is spread over more
-// lights: of each cell of stride x stride texels one is traced, another one for every light, and there are stride^2
-// times as many lights. (Measured on the armadillo, README: the error over unseen lights falls by a third.)
+// The dissertation takes every texel of 301 textures (6.19). The same number of rays teaches more when it is spread
+// over more lights. So one texel of each cell of stride x stride is traced, chosen anew for every light, and there are
+// stride^2 times as many lights. On the armadillo the error over unseen lights falls by a third.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +14,7 @@
 
 namespace sandglass::host {
 
-// What a light's texture is about.
+// What decides where a light's texture lies: the object, the rule for the plane, and the light's size and range.
 struct LightGeometry {
   StandingObject object;
   PlaneRule plane = PlaneRule::fitted;
@@ -26,9 +27,10 @@ struct TrainingSet {
   uint32_t size = 0;    // texels a side
   uint32_t stride = 1;  // divides size
   std::vector<Direction> lights;
-  std::vector<uint16_t> values;    // transparency times 65535: light by light, cell by cell
-  std::vector<uint32_t> penumbra;  // indices of values that are neither lit nor dark, or next to such a one
-  std::vector<bool> in_penumbra;   // one a value: whether its index is among them
+  std::vector<uint16_t> values;  // transparency times 65535: light by light, cell by cell
+  // Indices of the values in the penumbra or at its edge: neither lit nor dark, or beside a value of another class.
+  std::vector<uint32_t> penumbra;
+  std::vector<bool> in_penumbra;  // one entry per value: whether `penumbra` holds its index
 
   struct Texel {
     uint32_t light, u, v;
@@ -38,8 +40,8 @@ struct TrainingSet {
   double transparency(uint64_t index) const { return values[index] * (1.0 / 65535); }
 };
 
-// Traces lights in order, beginning behind those that `set` holds; `go_on` is asked every few with the number done.
-// False: interrupted, with whole lights.
+// Traces the lights in order, beginning after those that `set` already holds. After every few lights it calls `go_on`
+// with the number done. When `go_on` returns false, it stops and returns false; `set` then holds whole lights only.
 bool trace_training_set(const LightGeometry& geometry, const ShadowCaster& caster, ThreadPool& pool,
                         const std::function<bool(uint32_t)>& go_on, TrainingSet* set);
 

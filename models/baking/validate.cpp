@@ -12,14 +12,14 @@ namespace sandglass::host {
 namespace {
 
 constexpr uint32_t k_size = k_native_size, k_stride = 4, k_whole = 16, k_block = 16;
-constexpr uint32_t k_task = 5;                          // lights that share one runner
-constexpr uint64_t k_first_stream = uint64_t{1} << 32;  // random numbers that no training light has
+constexpr uint32_t k_task = 5;                          // this many lights share one runner
+constexpr uint64_t k_first_stream = uint64_t{1} << 32;  // no training light has these random numbers
 
-// Two rings of different sizes can have a direction in common. A ring turned by half a golden angle has none in common
-// with either: the azimuths of an unturned one are whole golden angles.
+// Two rings of different sizes can have a direction in common. The azimuths of an unturned ring are whole golden
+// angles. So a ring that is turned by half a golden angle has no direction in common with it.
 constexpr double k_turn = 0.5 * 2.399963229728653;
 
-// Sums for one light.
+// The errors of one light.
 struct LightError {
   double against_truth[3] = {};  // float, int8, adaptive: mean squared error
   double int8_to_float = 0, adaptive_to_float = 0, evaluated = 0;
