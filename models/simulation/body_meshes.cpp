@@ -1,5 +1,5 @@
-// A closed surface is filled by ray parity, an open one by winding number. Where three or more triangles meet in an
-// edge and their number is odd, neither says what is inside.
+// A closed surface is filled by ray parity, an open one by winding number. A surface that is not closed and has edges
+// of three or more triangles is refused: neither rule says what is inside it.
 #include "models/simulation/body_meshes.h"
 
 #include <algorithm>

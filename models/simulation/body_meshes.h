@@ -1,5 +1,5 @@
-// The triangle meshes that a scene's bodies stand for: the generated trefoil knot, and the file of --mesh, read and
-// judged.
+// The triangle meshes of a scene's bodies: the generated trefoil knot, and the file that --mesh names. The file is
+// read, and meshes without an inside are refused.
 #pragma once
 
 #include <string>
@@ -11,14 +11,15 @@ namespace sandglass::host {
 
 class LoadedMeshes {
  public:
-  // A Failure for a mesh that cannot be read, for one whose inside is not defined, and for --mesh where no body asks
-  // for it.
+  // Throws a Failure for a mesh that cannot be read, for a mesh without a defined inside, and for --mesh when no body
+  // asks for it.
   LoadedMeshes(const SceneFile& scene, const std::string& mesh_path);
   LoadedMeshes(const LoadedMeshes&) = delete;
   LoadedMeshes& operator=(const LoadedMeshes&) = delete;
 
   const BodyMeshes& bodies() const { return bodies_; }
-  const std::string& note() const { return note_; }  // about a mesh that is usable but not sound; else empty
+  // A sentence about a mesh that is usable but open; otherwise empty.
+  const std::string& note() const { return note_; }
 
  private:
   Mesh trefoil_, argument_;

@@ -1,4 +1,5 @@
-// A revolved outline is asked for its exact distance at every node; a mesh goes through the library's own builder.
+// The field of a revolved outline samples its exact distance at every node. The field of a mesh comes from the
+// library's own builder.
 #include "models/simulation/collision_fields.h"
 
 #include <algorithm>

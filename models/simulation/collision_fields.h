@@ -1,4 +1,4 @@
-// The signed-distance fields of a scene's revolved and mesh colliders.
+// Builds the signed-distance fields of a scene's revolved and mesh colliders.
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 
 namespace sandglass::host {
 
-// Scales a mesh to `height` and puts the middle of its base at the origin: how a collider of shape "mesh" stands.
+// Scales a mesh to `height` and puts the middle of its base at the origin. A collider of shape "mesh" stands like this.
 // `name` is what the Failure about a flat mesh calls it.
 void stand_mesh(Mesh* mesh, double height, const std::string& name);
 
 class CollisionFields {
  public:
-  // Builds them and sets the tracks' fields, which stay valid as long as this object. `mesh_path`: the file of
-  // --collider-mesh, empty without. A Failure names what is missing or cannot be built.
+  // Builds the fields and sets them in the scene's collider tracks. They stay valid as long as this object.
+  // `mesh_path` is the file of --collider-mesh, or empty. A Failure names what is missing or cannot be built.
   CollisionFields(SceneFile* scene, const std::string& mesh_path);
 
  private:

@@ -1,4 +1,4 @@
-// Pairs through a cell grid of edge 2r; the pile through sectors and rings.
+// Touching pairs are found with a cell grid of edge 2r. The pile is measured in sectors and rings.
 #include "models/simulation/metrics.h"
 
 #include <algorithm>
@@ -12,8 +12,9 @@
 namespace sandglass::host {
 
 constexpr int k_sectors = 24;
-constexpr double k_runout_share = 0.98;                 // of a sector's particles
-constexpr double k_slope_from = 0.2, k_slope_to = 0.8;  // of the run-out: leaves out the rounded top and the thin toe
+constexpr double k_runout_share = 0.98;  // of a sector's particles
+// Shares of the run-out. They leave out the rounded top and the thin toe.
+constexpr double k_slope_from = 0.2, k_slope_to = 0.8;
 
 double quantile(std::span<double> values, double q) {
   if (values.empty()) return 0.0;

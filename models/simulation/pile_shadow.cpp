@@ -5,7 +5,8 @@
 
 namespace sandglass::host {
 
-// By reference: the call that sets it is an argument too, and arguments are evaluated in any order.
+// `reason` is a reference because the call that sets it is an argument too, and C++ may evaluate arguments in any
+// order.
 static void require(sandglass_status status, const char* const& reason) {
   if (status != SANDGLASS_OK)
     throw cannot("make", "pile_shadow", reason != nullptr ? reason : sandglass_status_name(status));

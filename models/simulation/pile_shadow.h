@@ -1,5 +1,5 @@
-// The shadow of a scene's sand: made from its description, turned with the light, handed to the frame, and copied for
-// the pictures.
+// The shadow of a scene's sand. It is made from its description in the scene file, turned with the light, handed to the
+// frame, and copied for the pictures.
 #pragma once
 
 #include <vector>
@@ -13,13 +13,14 @@ namespace sandglass::host {
 
 class PileShadow {
  public:
-  PileShadow(const PileShadowTrack& track, sandglass_isa isa);  // a Failure with the library's own sentence
+  // Throws a Failure with the library's own sentence.
+  PileShadow(const PileShadowTrack& track, sandglass_isa isa);
 
   void set_light(Vec3 towards);
   sandglass_pile_shadow* handle() const { return shadow_; }
   uint64_t bytes() const { return bytes_; }
 
-  // As it is now. `on_sand`: what falls on the sand itself.
+  // A copy of the current texture. With `on_sand` it is the shadow on the sand itself, else that on the floor.
   FloorShadow drawn(bool on_sand) const;
 
  private:

@@ -1,5 +1,5 @@
-// See recording.h. Numbers are put together byte by byte, so the file does not depend on this machine's byte order or
-// padding.
+// See recording.h. Numbers are written and read byte by byte, so the file does not depend on this machine's byte order
+// or padding.
 #include "models/simulation/recording.h"
 
 #include <algorithm>
@@ -13,10 +13,12 @@
 namespace sandglass::host {
 namespace {
 
-constexpr uint32_t k_grains_only = 0x100;  // beside the shape of a collider
+constexpr uint32_t k_grains_only = 0x100;  // a flag in the number of a collider's shape
 
-constexpr uint8_t k_magic[8] = {'S', 'G', 'R', 'E', 'C', '\r', '\n', 0x1a};  // line ends show a transfer in text mode
-constexpr uint32_t k_version = 3;         // 2: the stage of shadows; 3: that of light
+// The line ends in it reveal a transfer in text mode.
+constexpr uint8_t k_magic[8] = {'S', 'G', 'R', 'E', 'C', '\r', '\n', 0x1a};
+// Version 2 has the stage of shadows, version 3 also the stage of light.
+constexpr uint32_t k_version = 3;
 constexpr uint32_t k_oldest_version = 2;  // still read
 constexpr size_t k_prologue_bytes = sizeof(k_magic) + sizeof(uint32_t);
 constexpr size_t k_record_head_bytes = 2 * sizeof(uint32_t);
@@ -85,7 +87,7 @@ std::vector<uint8_t> frame_payload(const RecordedFrame& frame) {
 
 // ---------------------------------------------------------------------------------------------------- reading
 
-// Takes bytes off the front; once something is missing, everything that follows is 0 and `short_of_bytes` stays set.
+// Takes bytes off the front. Once bytes are missing, every further value is 0 and `short_of_bytes` stays true.
 struct Reader {
   const uint8_t* at;
   size_t left;
@@ -110,7 +112,7 @@ struct Reader {
   void floats(float* values, size_t count) {
     for (size_t i = 0; i < count; ++i) values[i] = std::bit_cast<float>(u32());
   }
-  // A length and as many bytes.
+  // Reads a length and that many bytes.
   std::pair<const uint8_t*, size_t> bytes() {
     const uint32_t count = u32();
     if (count > left) {
@@ -158,7 +160,7 @@ bool parse_frame(Reader payload, uint32_t version, RecordedFrame* frame) {
   if (frame->plan.run_count > SANDGLASS_PLAN_RUNS) return false;
   for (uint32_t i = 0; i < frame->plan.run_count; ++i) {
     frame->plan.runs[i].stage = payload.u32();
-    // What was numbered before light came between sand and shadows.
+    // In version 2 there was no stage of light between sand and shadows, so later stages had a smaller number.
     if (version < 3 && frame->plan.runs[i].stage >= SANDGLASS_STAGE_LIGHTING) ++frame->plan.runs[i].stage;
     frame->plan.runs[i].units = payload.u32();
     if (frame->plan.runs[i].stage >= SANDGLASS_STAGE_COUNT) return false;
@@ -166,7 +168,7 @@ bool parse_frame(Reader payload, uint32_t version, RecordedFrame* frame) {
   return !payload.short_of_bytes && payload.left == 0;
 }
 
-// Errors complete the sentence "it ...".
+// An error text completes the sentence "it ...".
 bool fail(std::string* error, std::string rest) {
   *error = std::move(rest);
   return false;

@@ -1,4 +1,4 @@
-// JSON to scene, strictly: a reader that knows which keys were asked for and complains about the rest.
+// Reads JSON strictly: the reader remembers which keys were asked for, and refuses every other key.
 #include "models/simulation/scene_file.h"
 
 #include <unistd.h>
@@ -22,8 +22,8 @@ using nlohmann::json;
 namespace {
 
 constexpr uint32_t k_count_limit = 100'000'000;  // particles, grains, frames: far above what memory holds
-constexpr uint32_t k_collider_limit = 256;       // of the public API
-constexpr uint32_t k_flow_limit = 64;            // of the public API: emitters, sinks
+constexpr uint32_t k_collider_limit = 256;       // the limit of the public API
+constexpr uint32_t k_flow_limit = 64;            // the limit of the public API for emitters and for sinks
 constexpr double k_length_limit = SANDGLASS_COORDINATE_LIMIT;
 
 std::string number_text(double value) {
@@ -32,7 +32,7 @@ std::string number_text(double value) {
   return text;
 }
 
-// One JSON object being read. `where` is "" for the file itself, "bodies[0]." inside it.
+// Reads one JSON object. `where` is "" for the file itself, "bodies[0]." for a body in it.
 class Reader {
  public:
   Reader(const json& object, const std::string& source, const std::string& where)
@@ -68,7 +68,7 @@ class Reader {
     return object_[key].get<std::string>();
   }
 
-  // The index of the text among `choices`; `otherwise` when the key is missing and not negative.
+  // The index of the key's text among `choices`. A missing key gives `otherwise`, or is refused when that is negative.
   int choice(const std::string& key, const std::vector<std::string>& choices, int otherwise) {
     std::string list;
     for (const std::string& name : choices) list += (list.empty() ? "\"" : ", \"") + name + "\"";
@@ -494,7 +494,7 @@ double revolved_distance(const Profile& profile, Vec3 point) {
     const auto& a = profile[i];
     const auto& b = profile[(i + 1) % profile.size()];
     const double dr = b[0] - a[0], dy = b[1] - a[1], length2 = dr * dr + dy * dy;
-    // Lines on the axis are no surface: they close the outline only.
+    // A line on the axis only closes the outline; it makes no surface.
     if (length2 > 0.0 && (a[0] > 0.0 || b[0] > 0.0)) {
       const double t = std::clamp(((r - a[0]) * dr + (y - a[1]) * dy) / length2, 0.0, 1.0);
       const double er = r - (a[0] + t * dr), ey = y - (a[1] + t * dy);
@@ -541,9 +541,10 @@ Flow flow_over_frame(const SceneFile& scene, double time) {
 }
 
 float drawn_grain_radius(double particle_radius, uint32_t particles, uint32_t grains) {
-  // A little less than the particles' own volume: grains also fill the pores between them.
+  // A factor on the radius, so that grains have less than the particles' own volume: they also lie in the pores between
+  // particles.
   constexpr double k_fill = 0.9;
-  // Enough from 1 down to the cube root of 1e-8. libm's cbrt is not used: it differs between machines.
+  // Enough steps from 1 down to the cube root of 1e-8. libm's cbrt is not used, because it differs between machines.
   constexpr int k_newton_steps = 200;
   if (grains <= particles) return static_cast<float>(particle_radius);
   const double ratio = static_cast<double>(particles) / grains;
@@ -560,7 +561,7 @@ sandglass_scene_desc describe_scene(const SceneFile& scene, uint32_t particles, 
   desc.granular.particle_radius = static_cast<float>(scene.particle_radius);
   desc.granular.emitter_capacity = static_cast<uint32_t>(scene.emitters.size());
   desc.granular.sink_capacity = static_cast<uint32_t>(scene.sinks.size());
-  // Grains rest on the floor as they are drawn.
+  // Grains lie on the floor with the radius that they are drawn with.
   uint32_t standing_for = particles, drawn = grains;
   for (const EmitterTrack& track : scene.emitters) ++standing_for, drawn += track.emitter.grains_per_particle;
   if (drawn > 0) desc.granular.grain_radius = drawn_grain_radius(scene.particle_radius, standing_for, drawn);

@@ -1,5 +1,6 @@
-// Every body is sampled in its unit frame: height 1, base at y = 0, middle of the base at the origin. A wanted number
-// of points is then one search, for the distance in units of the height; scale, rotation and position come last.
+// Every body but a lattice block is sampled in its unit frame: height 1, base at y = 0, middle of the base at the
+// origin. To get a wanted number of points, one search finds the distance in units of the height. Scale, rotation and
+// position come last.
 #include "models/simulation/scene_fill.h"
 
 #include <algorithm>
@@ -17,12 +18,12 @@ namespace sandglass::host {
 namespace {
 
 constexpr int k_search_steps = 24;
-constexpr double k_count_tolerance = 0.01;  // of the wanted number: what a scene file is promised
-constexpr double k_search_enough = 0.002;   // the lattice search ends here; it is cheap
+constexpr double k_count_tolerance = 0.01;  // of the wanted number; a scene file is promised this
+constexpr double k_search_enough = 0.002;   // the lattice search is cheap, so it goes on to this
 constexpr double k_poisson_density = 0.7;   // points per distance^3, as the sampler's documentation says
 constexpr double k_root2 = 1.4142135623730951, k_root3 = 1.7320508075688772, k_layer = 0.816496580927726;  // sqrt(2/3)
 
-// Newton's iteration: libm's cbrt differs between machines in the last bit.
+// Newton's iteration, because libm's cbrt differs between machines in the last bit.
 double cube_root(double value) {
   double root = value > 1.0 ? value : 1.0;
   for (int i = 0; i < 200; ++i) {
@@ -123,7 +124,7 @@ Points poisson_points(const UnitBody& body, double distance, uint64_t seed) {
   return points;
 }
 
-// One random point in each cubic cell of edge `distance`, kept where it lies inside.
+// One random point in each cubic cell of edge `distance`. Points outside the body are left out.
 Points grid_points(const UnitBody& body, double distance, uint64_t seed) {
   Random random = {seed};
   int64_t cells[3];
@@ -146,7 +147,8 @@ Points grid_points(const UnitBody& body, double distance, uint64_t seed) {
   return points;
 }
 
-// The distance at which `sample` finds the wanted number of points, within k_count_tolerance, and those points.
+// Searches for the distance at which `sample` gives the wanted number of points, within k_count_tolerance. Returns
+// those points. The search ends early when the relative error is at most `enough`.
 Points sample_wanted(const UnitBody& body, uint32_t wanted, double enough, double* distance, const char* what,
                      const std::function<Points(double)>& sample) {
   Points best;
@@ -189,8 +191,8 @@ Points unit_grains(const Body& body, const UnitBody& unit, double volume, double
 
 // ------------------------------------------------------------------------------------------------ lattice blocks
 
-// Hexagonal close packing of counts[0] x counts[2] sites a layer, counts[1] layers; (3.33), the middle of the lowest
-// layer's box at the origin, the lowest centres at y = 0.
+// Hexagonal close packing, (3.33) of the dissertation: counts[1] layers of counts[0] x counts[2] sites. The middle of
+// the lowest layer's box is at the origin. The lowest centres are at y = 0.
 std::vector<Vec3> block_sites(const Body& body, double distance) {
   std::vector<Vec3> sites;
   const Vec3 middle = {0.5 * distance * (body.counts[0] - 0.5), 0.0,
@@ -204,8 +206,8 @@ std::vector<Vec3> block_sites(const Body& body, double distance) {
   return sites;
 }
 
-// The split of a number near `wanted` (itself, if it splits well) into cells along the axes of a box such that cells
-// are nearly cubic.
+// Splits a box into nearly cubic cells. Their number is `wanted`, or slightly above when that does not split well. Sets
+// the number of cells along each axis.
 void split_box(uint32_t wanted, const double extent[3], uint64_t cells[3]) {
   constexpr double k_good_ratio = 1.5;  // longest to shortest edge of a cell
   double best_score = 1e30;
@@ -278,11 +280,11 @@ void append(const std::vector<Vec3>& points, Vec3 velocity, std::vector<float>* 
 
 struct Filled {
   std::vector<Vec3> particles, grains;  // before rotation and position
-  double lowest = 0.0;                  // of the rotated body, to be moved to the height of its position
+  double lowest = 0.0;                  // of the rotated body; it moves to the height of the body's position
 };
 
-// Lowest point of the body after rotation. A lattice block turns about the middle of its lowest layer and keeps its
-// height.
+// The lowest point of the body after rotation. (A lattice block does not come here: it turns about the middle of its
+// lowest layer, and this point goes to the body's position.)
 double lowest_after(const Body& body, const UnitBody& unit, double scale) {
   double lowest = 1e30;
   const auto take = [&](Vec3 p) { lowest = std::min(lowest, rotate(body.rotation, p * scale).y); };
@@ -328,7 +330,7 @@ Filled fill_body(const Body& body, const UnitBody& unit, double* particle_radius
 
 Material fill_scene(SceneFile* scene, const BodyMeshes& meshes) {
   Material material;
-  // A body that fixes the radius comes first; the order in the scene stays that of the file.
+  // A body that fixes the particle radius is filled first. The order in the scene stays that of the file.
   std::vector<Filled> filled(scene->bodies.size());
   for (const bool fixes_radius : {true, false})
     for (size_t i = 0; i < scene->bodies.size(); ++i) {

@@ -1,4 +1,4 @@
-// Thin: every rule is the library's.
+// A thin layer: every rule is in the library.
 #include "models/simulation/simulation.h"
 
 #include <string>
@@ -7,7 +7,8 @@
 
 namespace sandglass::host {
 
-// By reference: the call that sets it is an argument too, and arguments are evaluated in any order.
+// `reason` is a reference because the call that sets it is an argument too, and C++ may evaluate arguments in any
+// order.
 static void require(sandglass_status status, const char* const& reason) {
   if (status == SANDGLASS_OK) return;
   throw cannot("create", "scene", reason != nullptr ? reason : sandglass_status_name(status));
@@ -18,7 +19,7 @@ Simulation::Simulation(const sandglass_scene_desc& desc) {
   require(sandglass_scene_bytes(&desc, &bytes_, &reason), reason);
   block_ = new_block(bytes_, "the scene", "make the scene smaller");
   require(sandglass_scene_create(&desc, block_.get(), bytes_, &scene_, &reason), reason);
-  output_.reserve(desc.granular.grain_capacity);  // no frame allocates
+  output_.reserve(desc.granular.grain_capacity);  // so that no frame allocates
 }
 
 void Simulation::add(const Material& material) {

@@ -1,5 +1,5 @@
-// One scene of the library with the block it lives in, and its state as arrays: what run, bench, verify and the tests
-// drive.
+// One scene of the library with the memory it lives in, and its state as arrays. The commands run, bench and verify and
+// the tests drive it.
 #pragma once
 
 #include <cstdint>
@@ -15,33 +15,35 @@ namespace sandglass::host {
 
 class Simulation {
  public:
-  explicit Simulation(const sandglass_scene_desc& desc);  // a Failure with the library's own sentence
+  // Throws a Failure with the library's own sentence.
+  explicit Simulation(const sandglass_scene_desc& desc);
 
   void add(const Material& material);
   void add(std::span<const float> particles, std::span<const float> velocities);
 
-  // budget_ns UINT64_MAX: all the work. `plan`: a recorded plan to execute.
+  // Runs one frame. With a `budget_ns` of UINT64_MAX it does all the work. `plan` is a recorded plan to execute, or
+  // null.
   sandglass_frame_report frame(double time_step, uint64_t budget_ns, std::span<const sandglass_collider> colliders,
                                const sandglass_plan* plan = nullptr, std::span<sandglass_shadow* const> shadows = {});
-  // The frame that the input describes, but for where grains are written.
+  // Runs the frame that the input describes. Only the place where grains are written is set here.
   sandglass_frame_report frame(sandglass_frame_input input);
 
-  // What pours and what swallows from the next frame on.
+  // Sets the emitters and sinks from the next frame on.
   void flow(Flow flow) { flow_ = std::move(flow); }
 
-  // The sand's own shadow from the next frame on; null: none.
+  // Sets the sand's own shadow from the next frame on; null: none.
   void cast(sandglass_pile_shadow* shadow) { pile_shadow_ = shadow; }
 
-  // The light to estimate, and the image for the next frame; null: none.
+  // Sets the light to estimate and the image, from the next frame on; null: none.
   void see(sandglass_light* light, const sandglass_camera_image* image) { light_ = light, image_ = image; }
 
-  // After sandglass_scene_reset: filled as at the start.
+  // Fills the scene as at the start. The scene must have been reset with sandglass_scene_reset.
   void restart(const Material& material);
 
-  // As the last frame wrote them, at the instant that its output_lag asked for.
+  // The grains as the last frame wrote them, at the instant that its output_lag asked for.
   std::span<const sandglass_grain> output() const { return output_; }
 
-  // Refreshed by each call; 3 floats an item, as many items as were added or emitted.
+  // Each call refreshes its array. It holds 3 floats per item, for all items that were added or emitted.
   const std::vector<float>& particle_positions();
   const std::vector<float>& particle_velocities();
   const std::vector<float>& grain_positions();
@@ -60,20 +62,21 @@ class Simulation {
   const sandglass_camera_image* image_ = nullptr;
   uint32_t particles_ = 0, grains_ = 0;
   std::vector<float> positions_, velocities_, grain_positions_, grain_velocities_;
-  std::vector<sandglass_grain> output_;  // stands for the app's buffer
+  std::vector<sandglass_grain> output_;  // the buffer that an app would give
 };
 
-// The description of the scene filled with this material: rigid bodies and their colliders included.
+// The description of the scene that holds this material, with room for the rigid bodies and their colliders.
 sandglass_scene_desc describe_filled(const SceneFile& scene, const Material& material);
 
+// The scene file's colliders over the given frame.
 std::vector<sandglass_collider> colliders_over_frame(const SceneFile& scene, uint32_t frame);
 
-// Appends the shapes of the scene's rigid boxes and spheres where they will be `ahead` seconds from now, at the end of
-// the coming frame: they keep grains out and are drawn.
+// Appends the shapes of the scene's rigid boxes and spheres as colliders. They stand where they will be in `ahead`
+// seconds, at the end of the coming frame. They keep grains out and are drawn.
 void add_rigid_shapes(const SceneFile& scene, const sandglass_scene* state, double ahead,
                       std::vector<sandglass_collider>* colliders);
 
-// The instruction set of that name, or a Failure: the name is unknown, this build lacks it, or this CPU does.
+// The instruction set of that name. Throws a Failure when the name is unknown, or when this build or this CPU lacks it.
 sandglass_isa find_isa(const std::string& name);
 
 }  // namespace sandglass::host
