@@ -1,4 +1,5 @@
-// Every pixel near a line or a mark is covered by how far it is from it: one pixel of transition, no supersampling.
+// Smooth edges without supersampling: the distance of a pixel from a line or a mark decides how much it is covered. The
+// transition is one pixel wide.
 #include "models/drawing/plot.h"
 
 #include <algorithm>
@@ -13,13 +14,13 @@ namespace {
 constexpr int k_width = 900, k_height = 620;
 constexpr int k_left = 110, k_right = 30, k_top = 60, k_bottom = 84;  // margins
 constexpr Colour k_ink = {40, 40, 44}, k_grid = {226, 226, 230}, k_paper = {255, 255, 255};
-constexpr int k_text = 2;  // pixels a font pixel
+constexpr int k_text = 2;  // pixels per font pixel
 constexpr int k_letter = 7 * k_text;
-constexpr double k_line = 1.5, k_mark = 5.5, k_dash = 9.0;  // pixels: half width, radius, length of a dash
+constexpr double k_line = 1.5, k_mark = 5.5, k_dash = 9.0;  // in pixels: half width, radius, length of a dash
 
 struct Canvas {
   Picture picture{k_width, k_height, k_paper};
-  bool clipped = false;  // to the frame
+  bool clipped = false;  // draws only inside the frame
 
   void cover(int x, int y, double share, Colour colour) {
     if (share <= 0.0 || x < 0 || y < 0 || x >= k_width || y >= k_height) return;
@@ -40,7 +41,7 @@ struct Canvas {
         cover(x, y, 0.5 - distance(x + 0.5, y + 0.5), colour);
   }
 
-  // `along`: length of the line before this piece, so that dashes go on round corners.
+  // `along` is the length of the line before this piece. It lets dashes go on around corners.
   void line(double x0, double y0, double x1, double y1, double half, Colour colour, bool dashed, double along) {
     const double dx = x1 - x0, dy = y1 - y0, run = std::hypot(dx, dy);
     if (!(run > 0.0) || !std::isfinite(run)) return;
@@ -81,7 +82,7 @@ std::string tick_label(double value) {
   return text;
 }
 
-// Turned by a quarter, so that it reads upward.
+// Draws the text turned by a quarter, so that it reads upward.
 void draw_upward(Picture* picture, int x, int middle, const std::string& text) {
   const int length = text_width(k_text, text);
   Picture flat(std::max(length, 1), k_letter, k_paper);

@@ -1,5 +1,5 @@
-// A measured curve beside its law: points and lines in a frame with ticks, labels and a legend, linear or logarithmic
-// axes, drawn with smooth edges. Needs nothing but the picture writer.
+// Draws a measured curve beside its law: points and lines in a frame with ticks, labels and a legend. Axes are linear
+// or logarithmic, and edges are smooth. It needs only the picture writer.
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ struct PlotAxis {
 
 struct PlotSeries {
   enum class Mark { none, disk, ring, square };
-  std::string name;  // in the legend; empty: not listed
+  std::string name;  // in the legend; empty: the legend leaves it out
   std::vector<double> x, y;
   Colour colour = {0, 0, 0};
   Mark mark = Mark::disk;
@@ -34,8 +34,9 @@ struct Plot {
 
 Picture draw_plot(const Plot& plot);
 
-// Where an axis has its labelled ticks: multiples of 1, 2 or 5 times a power of ten, at most eight; on a logarithmic
-// axis of less than two decades 1, 2, 3, 5 in each, else the decades. Within the range.
+// The labelled ticks of an axis, all within its range. On a linear axis they are multiples of 1, 2 or 5 times a power
+// of ten, with at most eight steps. On a logarithmic axis of less than two decades they are 1, 2, 3 and 5 times the
+// powers of ten, on a longer one the powers of ten.
 std::vector<double> plot_ticks(const PlotAxis& axis);
 
 }  // namespace sandglass::host

@@ -1,5 +1,5 @@
-// See point_picture.h. Each ball is drawn as a disc of pixels with the depth and the normal of a sphere; a depth buffer
-// sorts them. Rendered at twice the size and averaged down for smooth rims.
+// See point_picture.h. Each ball is drawn as a disc of pixels with the depth and the normal of a sphere. A depth buffer
+// keeps the nearest. The picture is drawn at twice the size and averaged down for smooth rims.
 #include "models/drawing/point_picture.h"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace sandglass::host {
 namespace {
 
 constexpr int k_oversampling = 2;
-constexpr double k_focal = 2.6;            // of half the picture's smaller side
+constexpr double k_focal = 2.6;            // in halves of the picture's smaller side
 constexpr Vec3 k_view = {0.45, 0.4, 0.8};  // from the object towards the camera
 constexpr Vec3 k_light = {0.35, 0.85, 0.4};
 constexpr Vec3 k_sand = {0.80, 0.62, 0.38}, k_background = {0.93, 0.94, 0.95};
@@ -24,7 +24,7 @@ struct Canvas {
   std::vector<Vec3> colour;
 };
 
-// x right, y up, z towards the camera, in camera space.
+// `centre` and `light` are in camera space: x right, y up, z towards the camera.
 void draw_ball(Canvas* canvas, const Vec3& centre, double radius, const Vec3& light) {
   const double scale = k_focal * 0.5 * std::min(canvas->width, canvas->height) / -centre.z;
   const double px = 0.5 * canvas->width + centre.x * scale, py = 0.5 * canvas->height - centre.y * scale;
@@ -47,7 +47,7 @@ void draw_ball(Canvas* canvas, const Vec3& centre, double radius, const Vec3& li
     }
 }
 
-// Depth differences to the surroundings darken what lies behind a rim: separates near from far.
+// Darkens a pixel whose surroundings are nearer to the camera. It separates near balls from far ones.
 void darken_behind_rims(Canvas* canvas, double ball_radius) {
   const std::vector<Vec3> source = canvas->colour;
   for (int y = 0; y < canvas->height; ++y)

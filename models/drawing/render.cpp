@@ -1,5 +1,6 @@
-// One primary ray a sub-sample, then one ray to a point of the sun's disk and one cosine-weighted ray to the sky.
-// Random numbers are a hash of pixel and sub-sample, so pictures repeat. Colours are linear until the last line.
+// Each sub-sample has one primary ray. From its hit go one ray to a point of the sun's disk and one cosine-weighted ray
+// to the sky. Random numbers start from a hash of the pixel, so pictures repeat. Colours are linear until the last line
+// of a pixel.
 #include "models/drawing/render.h"
 
 #include <algorithm>
@@ -17,25 +18,26 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_azimuth_deg = 28.0, k_elevation_deg = 20.0;  // of the automatic camera
+constexpr double k_azimuth_deg = 28.0, k_elevation_deg = 20.0;  // where the automatic camera stands
 constexpr double k_margin = 1.18;                               // room around what the camera frames
-// Towards the light, nearly unit: from the front left.
+// Points towards the light at the front left; its length is nearly 1.
 constexpr Vec3 k_sun = {-0.5144957554275266, 0.7717436331412899, 0.3736};
-constexpr double k_sun_radius = 0.03;  // radians; six suns, so that penumbrae show
+constexpr double k_sun_radius = 0.03;  // radians; about six times the real sun's, so that penumbrae show
 constexpr Vec3 k_sand = {0.56, 0.36, 0.17};
-constexpr double k_colour_spread = 0.28;    // of the grains, relative
+constexpr double k_colour_spread = 0.28;    // relative, between grains
 constexpr double k_occlusion_reach = 0.35;  // of the box's diagonal
-constexpr double k_fade_from = 4.0;         // box diagonals from the target: there the floor begins to fade
-constexpr double k_offset = 1e-4;  // of a sphere radius or box diagonal: lifts secondary rays off their surface
-constexpr double k_far = 1e4;      // metres
+constexpr double k_fade_from = 4.0;         // the floor begins to fade this many box diagonals from the target
+// Lifts secondary rays off their surface: a share of 100 sphere radii on a sphere, of the box's diagonal elsewhere.
+constexpr double k_offset = 1e-4;
+constexpr double k_far = 1e4;  // metres
 
-// Lights, and reflectances of what is not sand.
+// The lights, and the reflectances of everything that is not sand.
 struct Look {
   Vec3 sun_light, sky_light, light_tile, dark_tile, solid, horizon, zenith;
 };
 constexpr Look k_measuring = {{2.3, 2.15, 1.9},   {0.55, 0.62, 0.73}, {0.37, 0.38, 0.40}, {0.27, 0.28, 0.30},
                               {0.16, 0.30, 0.44}, {0.80, 0.83, 0.86}, {0.42, 0.55, 0.72}};
-// Both tiles are alike: the floor has no checker.
+// Both tiles have the same colour, so the floor has no checker.
 constexpr Look k_plain = {{3.0, 2.55, 1.95},  {0.46, 0.50, 0.56}, {0.52, 0.50, 0.46}, {0.52, 0.50, 0.46},
                           {0.09, 0.24, 0.33}, {0.86, 0.82, 0.75}, {0.62, 0.66, 0.70}};
 
@@ -56,7 +58,7 @@ Vec3 mixed(Vec3 a, Vec3 b, double t) { return a * (1.0 - t) + b * t; }
 
 struct CameraFrame {
   Vec3 right, up, forward;
-  double focal;  // picture heights
+  double focal;  // in picture heights
   explicit CameraFrame(const Camera& camera) {
     forward = normalised(camera.target - camera.eye);
     right = normalised(cross(forward, Vec3{0, 1, 0}));
@@ -65,7 +67,7 @@ struct CameraFrame {
   }
 };
 
-// A collider in its local frame.
+// A collider, with the turn from the world to its local frame.
 struct Solid {
   sandglass_shape shape;
   Vec3 position, size;
@@ -86,7 +88,8 @@ struct SurfaceHit {
   Vec3 normal;
 };
 
-// Ray from outside against one solid, all in its local frame; keeps the nearer of *hit and what is found.
+// The hit_ functions find where a ray from outside meets a solid, in the solid's local frame. They change *hit only for
+// a nearer hit, and then return true.
 bool hit_sphere(Vec3 centre, double radius, Vec3 o, Vec3 d, SurfaceHit* hit) {
   const Vec3 to = centre - o;
   const double along = dot(to, d), gap = radius * radius - (dot(to, to) - along * along);
@@ -131,7 +134,8 @@ bool hit_capsule(double radius, double half, Vec3 o, Vec3 d, SurfaceHit* hit) {
   return true;
 }
 
-// The value alone, for marching: the library's own look-up finds the normal, too, and is made for many points at once.
+// The field's value alone, for marching. The library's own look-up also finds the normal and is made for many points at
+// once.
 double field_value(const FieldGrid& grid, Vec3 p) {
   const double at[3] = {p.x, p.y, p.z};
   uint32_t cell[3];
@@ -151,11 +155,11 @@ double field_value(const FieldGrid& grid, Vec3 p) {
   return static_cast<double>(low + f[2] * (high - low));
 }
 
-// Marches along the ray by the field's distances. A container is seen from outside through its front: what is hit is
-// the wall behind the free space.
+// Marches along the ray by the field's distances. A container is seen from outside through its front: the ray hits the
+// wall behind the free space.
 bool hit_field(const sandglass_field* field, Vec3 o, Vec3 d, SurfaceHit* hit) {
   constexpr int k_steps = 96;
-  constexpr double k_least = 5e-4;  // of the box's diagonal
+  constexpr double k_least = 5e-4;  // in diagonals of the box
   float low[3], high[3];
   const bool container = sandglass_field_bounds(field, low, high) == SANDGLASS_SOLID_OUTSIDE;
   const Vec3 middle = {0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1]), 0.5 * (low[2] + high[2])};
@@ -179,7 +183,8 @@ bool hit_field(const sandglass_field* field, Vec3 o, Vec3 d, SurfaceHit* hit) {
       float point[3], normal[3];
       to_floats(p, point);
       sandglass_field_distance(field, point, normal);
-      // Only against the normal: a ray that begins on the surface leaves it, and goes on to what lies opposite.
+      // A hit counts only against the normal. So a ray that begins on the surface leaves it and goes on to the far
+      // side.
       if (dot(from_floats(normal), d) < 0.0) {
         *hit = {t, from_floats(normal)};
         return true;
@@ -219,7 +224,7 @@ bool hit_solid(const Solid& solid, Vec3 origin, Vec3 direction, SurfaceHit* hit)
   return found;
 }
 
-// 1, 2 or 5 times a power of ten, at most `limit`.
+// The largest of 1, 2 or 5 times a power of ten that is at most `limit`.
 double round_length(double limit) {
   const double power = std::pow(10.0, std::floor(std::log10(limit)));
   return limit >= 5.0 * power ? 5.0 * power : limit >= 2.0 * power ? 2.0 * power : power;
@@ -265,7 +270,8 @@ struct Tracer {
     return mixed(look.horizon, look.zenith, std::clamp(direction.y * 1.6, 0.0, 1.0));
   }
 
-  // `catcher`: the point lies on a floor, where the shadows of some solids are textures.
+  // With `catcher` the point lies on a floor. There the shadows of some solids are textures, so these solids do not
+  // count.
   bool blocked(Vec3 origin, Vec3 direction, double limit, bool catcher = false) const {
     if (caster.occluded(origin, direction, limit)) return true;
     SurfaceHit hit;
@@ -279,7 +285,7 @@ struct Tracer {
     return false;
   }
 
-  // Share of the direct light that the textures leave to a point of the floor.
+  // The share of the direct light that the textures leave at a point of the floor.
   double transparency(Vec3 at) const {
     constexpr double k_same_floor = 1e-3;
     double share = 1.0;
@@ -330,7 +336,7 @@ struct Tracer {
     const Vec3 to_sky =
         Frame(normal).world(sine * std::cos(sky_turn), sine * std::sin(sky_turn), std::sqrt(1.0 - sine * sine));
     if (!blocked(start, to_sky, k_occlusion_reach * diagonal)) light = light + look.sky_light;
-    else light = light + look.sky_light * 0.12;  // light that comes by way of other grains
+    else light = light + look.sky_light * 0.12;  // light that other grains reflect
     return mixed(scaled(albedo, light) * 1.15, background({direction.x, 0.0, direction.z}), fade);
   }
 
@@ -365,8 +371,8 @@ void draw_line(Picture* picture, PixelPlace a, PixelPlace b, int thickness) {
   }
 }
 
-// A ruler that stands at the left of the box from its lower to its upper end, a scale bar that holds at the depth of
-// the camera's target, and the size of a floor tile.
+// Draws a ruler at the left of the box, from its lower to its upper end; a scale bar, which is right at the depth of
+// the camera's target; and the size of a floor tile.
 void draw_scale(const SceneView& view, double tile, Picture* picture) {
   const int w = picture->width, h = picture->height, scale = std::max(1, h / 400);
   const CameraFrame frame(view.camera);
@@ -432,7 +438,7 @@ void Bounds::add_most(std::span<const float> xyz) {
 
 Camera automatic_camera(std::span<const Bounds> boxes, double aspect) {
   constexpr double k_degree = std::numbers::pi / 180.0;
-  // Each moves the target to the middle of what is seen, then the eye to the distance that fits.
+  // Each round moves the eye to the distance that fits, then the target to the middle of what is seen.
   constexpr int k_rounds = 8;
   Camera camera;
   std::vector<Vec3> corners;

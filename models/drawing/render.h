@@ -1,6 +1,6 @@
-// A small ray tracer, good enough to judge a pile of sand by eye: shaded grains whose colour varies, floor with a
-// checker, analytic colliders, soft sun shadow, ambient occlusion, a ruler and a scale bar. The same input gives the
-// same picture.
+// A small ray tracer, good enough to judge a pile of sand by eye: shaded grains of varying colour, a floor with a
+// checker, colliders, soft sun shadows, ambient occlusion, a ruler and a scale bar. The same input gives the same
+// picture.
 #pragma once
 
 #include <cstdint>
@@ -20,37 +20,39 @@ struct Bounds {
   Vec3 low = {1e30, 1e30, 1e30}, high = {-1e30, -1e30, -1e30};
   bool empty() const { return low.x > high.x; }
   void add(Vec3 p);
-  // All but the outermost 1 % of the points on either side of each axis: strays would shrink the picture.
+  // Adds all points except the outermost 1 % on either side of each axis. Stray points would shrink the picture.
   void add_most(std::span<const float> xyz);
 };
 
-// Looks down at the boxes (one an instant of the run, say) from the front right, so that all of them just fit into the
-// picture.
+// A camera that looks down at the boxes from the front right and is near enough that all of them fit into the picture
+// with a margin. There is, for example, one box per instant of a run.
 Camera automatic_camera(std::span<const Bounds> boxes, double aspect);
 
-Vec3 grain_colour(uint32_t index);  // reflectance of a grain of dry sand, by number
+// The reflectance of a grain of dry sand; it depends on the grain's number.
+Vec3 grain_colour(uint32_t index);
 
 struct SceneView {
   std::span<const float> spheres;  // 3 floats each
-  float radius = 0.01f;            // metres, as drawn
+  float radius = 0.01f;            // of a drawn sphere, metres
   std::span<const sandglass_collider> colliders;
   Camera camera;
   std::span<const FloorShadow> shadows;
-  Vec3 to_light;  // of length 0: the renderer's own sun
-  Bounds bounds;  // of what is looked at: sizes the checker, the ruler and the reach of the occlusion
+  Vec3 to_light;  // length 0: the renderer's own sun
+  // Around what the camera looks at. It sets the size of the checker and the ruler, and the reach of the occlusion.
+  Bounds bounds;
 };
 
 struct RenderOptions {
   int width = 960, height = 720;
   int samples = 2;  // per pixel and axis
   uint32_t threads = 4;
-  bool scale = true;   // ruler, scale bar and the size of the checker in words
+  bool scale = true;   // draws the ruler, the scale bar and the size of a floor tile
   bool plain = false;  // warm colours and a floor without checker: a picture to look at, not to measure in
 };
 
 Picture render(const SceneView& view, const RenderOptions& options);
 
-// Where a point appears, in pixels from the upper left corner; depth <= 0 when it is behind the camera.
+// Where a point appears, in pixels from the upper left corner. The depth is not above 0 when it is behind the camera.
 struct PixelPlace {
   double x, y, depth;
 };

@@ -1,4 +1,4 @@
-// The contact sheet comes first, so that an interrupted run has it.
+// The contact sheet comes first, so that an interrupted run has one.
 #include "models/report/pictures.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ constexpr int k_large_width = 1280, k_large_height = 960;
 constexpr double k_film_period = 0.04;                  // seconds; 25 pictures a second
 constexpr double k_snapshot_bytes = 768.0 * 1048576.0;  // memory for all snapshots of a run
 constexpr int k_gif_width = 320, k_gif_height = 240;
-constexpr int k_page_quality = 88, k_sheet_quality = 80;  // of JPEG
+constexpr int k_page_quality = 88, k_sheet_quality = 80;  // JPEG quality
 constexpr int k_plain_samples = 3;                        // per pixel and axis
 constexpr Colour k_ink = {20, 24, 30};
 
@@ -66,7 +66,7 @@ std::string frame_name(size_t index) {
   return name;
 }
 
-// A path between quotes that the shell leaves alone.
+// The path in quotes, so that the shell does not change it.
 std::string quoted(const std::string& path) {
   std::string text = "'";
   for (const char c : path) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -89,7 +89,7 @@ std::string write_film(const PictureSet& set, const std::vector<Picture>& small,
       finish_file(film);
       return film;
     }
-    std::remove(unfinished.c_str());  // an ffmpeg without an H.264 encoder: the GIF remains
+    std::remove(unfinished.c_str());  // this ffmpeg may have no H.264 encoder; the GIF remains
   }
   const std::string film = (fs::path(set.folder) / "film.gif").string();
   write_gif(film, small, std::max(2, static_cast<int>(std::lround(100.0 * set.seconds_per_snapshot))));
@@ -110,7 +110,7 @@ Picture halved(const Picture& picture) {
 
 }  // namespace
 
-// For the report's page. `particles` is null where the sheet has none.
+// The figures of the report's page. `particles` is null when the sheet has none.
 static std::vector<PageFigure> page_figures(const PictureSet& set, const std::vector<Snapshot>& snapshots,
                                             const SceneView& view, const Picture& first, const Picture& last,
                                             const Picture* particles, const Picture& sheet) {
@@ -135,7 +135,7 @@ static std::vector<PageFigure> page_figures(const PictureSet& set, const std::ve
   all.title = "Contact sheet";
   all.caption = "The run from left to right and top to bottom; where there are grains, the last row shows particles.";
   all.picture = jpeg_file(sheet, k_sheet_quality);
-  all.wide = figures.size() % 2 == 0;  // else it fills the last row of pairs
+  all.wide = figures.size() % 2 == 0;  // with an odd number it fills the last row of pairs
   figures.push_back(std::move(all));
   return figures;
 }
@@ -146,7 +146,7 @@ uint32_t snapshot_step(uint32_t frames, double frame_step, uint32_t particles, u
   return static_cast<uint32_t>(step);
 }
 
-// The moments of the sheet's grains.
+// The snapshots that the sheet shows.
 static std::vector<Snapshot> moments(const std::vector<Snapshot>& snapshots) {
   const size_t count = std::min(k_grain_cells, snapshots.size());
   std::vector<Snapshot> few;
@@ -204,7 +204,7 @@ PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& s
   make_folder(folder);
   std::error_code ignored;
   for (size_t i = total; fs::remove(fs::path(folder) / frame_name(i), ignored); ++i) {
-  }  // of an earlier, longer run
+  }  // removes the frames of an earlier, longer run
   std::vector<Picture> small;
   for (size_t i = 0; i < total; ++i) {
     if (interrupted()) return paths;

@@ -1,6 +1,6 @@
-// Pictures of a run: a contact sheet (twelve moments of the grains, four of the particles under them), the last frame
-// large, pairs for the report's page, the film's frames as PNG, and the film as MP4 by the ffmpeg program or as GIF
-// without it. One fixed camera for the whole run.
+// Pictures of a run: a contact sheet (twelve moments of the grains, below them four of the particles), a large picture
+// of the last frame, pairs for the report's page, the film's frames as PNG, and the film. The film is an MP4 made by
+// the program ffmpeg, or a GIF without it. One fixed camera serves the whole run.
 #pragma once
 
 #include <cstdint>
@@ -22,10 +22,10 @@ struct Snapshot {
   std::vector<sandglass_collider> colliders;
   std::vector<FloorShadow> shadows;
   std::vector<FloorShadow> pile, pile_surface;  // the sand's own shadow: on the floor, and on itself
-  Vec3 to_light;                                // of length 0: none in the scene
+  Vec3 to_light;                                // length 0: the scene has no light
 };
 
-// Every how many frames a snapshot is due, so that a run's snapshots play smoothly and fit into memory.
+// The number of frames from one snapshot to the next, so that the snapshots play smoothly and fit into memory.
 uint32_t snapshot_step(uint32_t frames, double frame_step, uint32_t particles, uint32_t grains);
 
 struct PictureSet {
@@ -34,18 +34,19 @@ struct PictureSet {
   std::optional<Camera> camera;
   uint32_t threads = 4;
   bool plain = false;  // without label, ruler and checker
-  bool film = true;    // without a film, only the moments of the sheet are looked at
-  // Draws the grains of a snapshot instead of the renderer of render.h, if it is set.
+  bool film = true;    // without a film, only the sheet's moments are drawn
+  // If set, this function draws the pictures of grains instead of render.h.
   std::function<Picture(const Snapshot& snapshot, int width, int height, uint32_t threads)> painter;
 };
 
 struct PicturePaths {
-  std::string sheet, last, film;    // film empty without, and when interrupted
-  std::vector<PageFigure> figures;  // first and last frame, grains and particles, with and without shadow; the sheet
+  std::string sheet, last, film;  // film: empty without a film and after Ctrl-C
+  // First and last frame, without and with shadow, particles and grains; the sheet.
+  std::vector<PageFigure> figures;
 };
 
-// Draws everything into set.folder. Ctrl-C ends the drawing after the picture that is being made. What is there then is
-// complete.
+// Draws everything into set.folder. After the sheet and the last frame, Ctrl-C ends the drawing after the current
+// picture. Every file that is there is complete.
 PicturePaths draw_pictures(const PictureSet& set, const std::vector<Snapshot>& snapshots);
 
 }  // namespace sandglass::host

@@ -1,4 +1,4 @@
-// Numbers are written by snprintf, not by streams: the same text whatever the locale of the machine.
+// Numbers are written by snprintf, not by streams, so that a stream's locale does not change the text.
 #include "models/report/report.h"
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr size_t k_event_limit = 4'000'000;  // unit events kept; a trace beyond that opens in no viewer
+constexpr size_t k_event_limit = 4'000'000;  // work units kept; no viewer opens a longer trace
 
 uint64_t steady_ns() {
   return static_cast<uint64_t>(
@@ -143,7 +143,8 @@ std::string report_csv(const RunReport& report) {
 }
 
 std::string report_trace(const RunReport& report) {
-  // Track 1 holds the frames; every stage gets its own, by the part of the unit's name before the dot.
+  // Track 1 holds the frames. Every stage has its own track: the part of a work unit's name before the dot is the
+  // stage.
   std::map<std::string, int> tracks;
   for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage) tracks.emplace(stage_name(stage), stage + 2);
   const auto track_of = [&](const std::string& name) {

@@ -1,4 +1,4 @@
-// Text is escaped here, once; everything else is the template's.
+// Fills the template of the page. Text is escaped here, once; everything else is in the template.
 #include "models/report/report_page.h"
 
 #include <algorithm>
@@ -86,7 +86,7 @@ std::string table_html(const PageTable& table) {
   return html + "</tbody></table></div></section>\n";
 }
 
-// The numbers as they stand in the CSV; what JSON has no word for (nan, inf) becomes null.
+// The numbers as they are in the CSV. Empty cells and what JSON cannot express (nan, inf) become null.
 std::string rows_json(const std::string& csv) {
   std::string json = "[";
   for (size_t line = csv.find('\n') + 1; line < csv.size(); line = csv.find('\n', line) + 1) {
@@ -141,7 +141,7 @@ Json light_json(const std::vector<LightSeries>& light) {
   return all;
 }
 
-// Inside a script element, "</script" and "<!--" would end or change it.
+// Escapes every "<": inside a script element, "</script" and "<!--" would end or change it.
 std::string for_script(std::string json) {
   for (size_t at = 0; (at = json.find('<', at)) != std::string::npos; at += 6) json.replace(at, 1, "\\u003c");
   return json;
@@ -253,7 +253,7 @@ std::string report_page(const RunReport& report, const PageContent& content) {
       return rest.substr(0, p.first.size()) == p.first && rest.substr(p.first.size(), 1) == "@";
     });
     if (part == std::end(parts)) {
-      page += '@';  // of a style sheet's rule
+      page += '@';  // it belongs to a rule of the style sheet
       continue;
     }
     page += part->second;

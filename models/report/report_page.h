@@ -1,6 +1,6 @@
-// The report of a run as a page: one HTML file that needs no network, with the pictures in it, the frames' times
-// against the budget, quality, the ladder and the light as charts, and the numbers behind them as JSON. The charts are
-// drawn by the page's own script (report_page.html) from the rows of report.csv, so the two cannot differ.
+// The report of a run as a page: one HTML file that needs no network. It holds the pictures, charts of the frames'
+// times against the budget, of quality, of the quality ladder and of the light, and the numbers behind them as JSON.
+// The page's own script (report_page.html) draws the charts from the rows of report.csv, so the two cannot differ.
 #pragma once
 
 #include <array>
@@ -26,17 +26,18 @@ struct PageFigure {
 
 struct PageTable {
   std::string title, caption;
-  std::vector<std::string> head;  // empty: a list of facts, of two columns
+  std::vector<std::string> head;  // empty: a list of facts in two columns
   std::vector<std::vector<std::string>> rows;
 };
 
 struct LightSample {
-  double time = 0.0;                                                // seconds
-  std::array<double, 3> direction = {};                             // towards the light, world; any length above 0
-  std::array<double, 3> colour = {-1, 0, 0}, ambient = {-1, 0, 0};  // linear RGB, 0..1; first below 0: not known
+  double time = 0.0;                     // seconds
+  std::array<double, 3> direction = {};  // towards the light, world; any length above 0
+  std::array<double, 3> colour = {-1, 0, 0},
+                        ambient = {-1, 0, 0};  // linear RGB, 0..1; a first value below 0: not known
 };
 struct LightSeries {
-  std::string name;  // "labels"
+  std::string name;  // for example "labels"
   std::vector<LightSample> samples;
 };
 
@@ -44,13 +45,13 @@ struct PageContent {
   std::string title;  // empty: the scene's name
   std::vector<PageFigure> figures;
   std::vector<PageTable> tables;
-  std::vector<LightSeries> light;  // drawn beside that of the report's rows: what it should be, for example
+  std::vector<LightSeries> light;  // drawn beside the light of the report's rows, for example the true light
 };
 
-// A Failure for a figure that is neither PNG nor JPEG.
+// The text of the page. Throws a Failure for a figure that is neither PNG nor JPEG.
 std::string report_page(const RunReport& report, const PageContent& content);
 
-// What this machine is: rows for a table of facts.
+// Facts about this machine and the compiler, as rows for a table.
 std::vector<std::vector<std::string>> machine_facts();
 
 std::string base64(const std::vector<uint8_t>& bytes);

@@ -1,4 +1,5 @@
-// Directions and numbers that paths are sampled with: about a normal, within a cap, evenly over a pixel's samples.
+// Directions and numbers for sampling light paths: directions about a normal or within a cap, and numbers that are
+// spread evenly over a pixel's samples.
 #pragma once
 
 #include <algorithm>
@@ -19,21 +20,22 @@ struct Frame {
   Vec3 world(double a, double b, double c) const { return u * a + v * b + w * c; }
 };
 
-// A direction about the normal with density cosine / pi, from two numbers in 0..1.
+// A direction about the normal with the density cosine / pi. a and b are random numbers in 0..1.
 inline Vec3 cosine_direction(Vec3 normal, double a, double b) {
   const double r = std::sqrt(a), angle = 2.0 * std::numbers::pi * b;
   return Frame(normal).world(r * std::cos(angle), r * std::sin(angle), std::sqrt(std::max(0.0, 1.0 - a)));
 }
 
-// A direction of the cap about `middle` whose rim has the cosine `least`, uniform in solid angle.
+// A direction in the cap about `middle`, uniform in solid angle. `least` is the cosine of the cap's rim; a and b are
+// random numbers in 0..1.
 inline Vec3 cap_direction(Vec3 middle, double least, double a, double b) {
   const double cosine = 1.0 - a * (1.0 - least), sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
   const double angle = 2.0 * std::numbers::pi * b;
   return Frame(middle).world(sine * std::cos(angle), sine * std::sin(angle), cosine);
 }
 
-// Evenly spread numbers in 0..1: the index-th step of a lattice, from a start of one's own. The steps of d dimensions
-// are the powers of 1 / x, where x is the root of x^(d + 1) = x + 1.
+// Evenly spread numbers in 0..1: the index-th step of a lattice that begins at `start`. The steps for d dimensions are
+// powers of 1 / x, where x is the root of x^(d + 1) = x + 1.
 constexpr double k_plane_steps[2] = {0.7548776662466927, 0.5698402909980532};
 constexpr double k_space_steps[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
 inline double lattice_point(double start, int index, double step) {

@@ -1,3 +1,4 @@
+// See embree_scene.h.
 #include "models/tracing/embree_scene.h"
 
 #include <cstring>
@@ -56,7 +57,7 @@ EmbreeScene EmbreeScene::triangles(std::span<const float> vertices, std::span<co
 }
 
 EmbreeScene EmbreeScene::spheres(std::span<const float> spheres) {
-  EmbreeScene made(nullptr);  // a pile's tree is built once a picture, on all cores
+  EmbreeScene made(nullptr);  // the tree of a pile is built once per picture, on all cores
   if (!spheres.empty()) {
     RTCGeometry geometry = rtcNewGeometry(made.device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
     std::memcpy(new_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4, 16, spheres.size() / 4), spheres.data(),

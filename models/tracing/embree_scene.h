@@ -1,6 +1,5 @@
-// Triangles and spheres that rays are traced against, by Embree: the one place that knows Embree. RayCaster,
-// SphereCaster, the rooms' path tracer and the truth of baked shadows stand on it. Without Embree only SphereCaster
-// exists (sphere_caster_grid.cpp).
+// A scene of triangles or spheres that Embree traces rays against. RayCaster, SphereCaster, the rooms' path tracer and
+// the truth of baked shadows are built on it. Without Embree only SphereCaster exists (sphere_caster_grid.cpp).
 #pragma once
 
 #ifdef SANDGLASS_HAVE_EMBREE
@@ -17,18 +16,20 @@ namespace sandglass::host {
 struct EmbreeHit {
   bool found = false;
   float distance = 0.0f;  // in lengths of the direction
-  float normal[3] = {};   // of the triangle as it is wound; its length is twice the triangle's area
+  // Of a triangle: by the order of its corners; its length is twice the triangle's area.
+  float normal[3] = {};
   uint32_t primitive = 0;
 };
 
-// Any number of threads may trace at the same time. Every constructor throws a Failure where Embree does not start.
+// Any number of threads may trace at the same time. triangles() and spheres() throw a Failure when Embree does not
+// start or when memory is too small.
 class EmbreeScene {
  public:
-  // 3 floats a vertex, 3 indices a triangle. Robust: no ray slips through between two triangles. `flags`: more of
-  // Embree's scene flags.
+  // 3 floats per vertex, 3 indices per triangle. The scene is robust: no ray slips through between two triangles.
+  // `flags` adds more of Embree's scene flags.
   static EmbreeScene triangles(std::span<const float> vertices, std::span<const uint32_t> indices,
                                RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM, int flags = 0);
-  // 4 floats a sphere: centre and radius. May be empty.
+  // 4 floats per sphere: centre and radius. May be empty.
   static EmbreeScene spheres(std::span<const float> spheres);
 
   EmbreeScene(EmbreeScene&& other) noexcept;

@@ -9,11 +9,12 @@
 namespace sandglass::host {
 namespace {
 
-constexpr float k_edge_margin = 1e-4f;  // barycentric: closer to an edge than this, a hit is doubtful
-constexpr float k_grazing = 1e-3f;      // sine of the angle between ray and face below which a hit is doubtful
+constexpr float k_edge_margin = 1e-4f;  // a hit is doubtful with a barycentric coordinate below this
+constexpr float k_grazing = 1e-3f;      // a hit is doubtful when the sine of ray and face is below this
 constexpr int k_directions = 9;
 
-// In no direction that meshes favour, and not coplanar: turned by the golden angle, stepped in height.
+// Directions that meshes do not favour and that do not lie in one plane. They turn by the golden angle and step in
+// height.
 void test_direction(int index, float direction[3]) {
   const double y = 1 - (2 * index + 1.37) / k_directions, ring = std::sqrt(1 - y * y),
                azimuth = 0.7 + 2.399963229728653 * index;
@@ -23,7 +24,7 @@ void test_direction(int index, float direction[3]) {
 }
 
 struct CountContext {
-  RTCIntersectContext context;  // first: Embree hands back a pointer to it
+  RTCIntersectContext context;  // the first member, because Embree hands back a pointer to it
   int crossings;
   bool doubtful;
 };
@@ -51,7 +52,7 @@ void count_crossing(const RTCFilterFunctionNArguments* arguments) {
 
 }  // namespace
 
-// A scene of medium quality splits no triangle, so that each is reported to the filter once.
+// A scene of medium quality splits no triangle, so the filter sees each triangle once.
 RayCaster::RayCaster(const Mesh& mesh)
     : scene_(EmbreeScene::triangles(mesh.vertices, mesh.indices, RTC_BUILD_QUALITY_MEDIUM,
                                     RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION)) {}

@@ -1,5 +1,5 @@
-// Rays against many equal spheres: Embree's sphere points where Embree is found, else a grid walk of our own that gives
-// the same pictures more slowly (the emulated ARM build, say).
+// Traces rays against many equal spheres. It uses Embree's sphere points when Embree is found. Otherwise, as in the
+// emulated ARM build, it walks a grid of our own, which gives the same pictures more slowly.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 namespace sandglass::host {
 
 struct SphereHit {
-  double distance = 0.0;  // along the unit direction
+  double distance = 0.0;  // along the ray; its direction has length 1
   uint32_t index = 0;     // of the sphere
 };
 
@@ -22,8 +22,8 @@ class SphereCaster {
   SphereCaster(const SphereCaster&) = delete;
   SphereCaster& operator=(const SphereCaster&) = delete;
 
-  // First sphere on the ray within hit->distance (set it to the limit before); false and *hit untouched if there is
-  // none.
+  // Finds the first sphere on the ray within hit->distance, which must hold the limit. Returns false and leaves *hit as
+  // it was when there is none.
   bool closest(Vec3 origin, Vec3 direction, SphereHit* hit) const;
   bool occluded(Vec3 origin, Vec3 direction, double limit) const;
 

@@ -1,4 +1,4 @@
-// The caster over Embree 3's sphere point geometry.
+// The sphere caster with Embree: it uses Embree 3's sphere point geometry.
 #include <cmath>
 #include <vector>
 

@@ -1,4 +1,5 @@
-// The caster without Embree: every sphere is listed in each cell that its box touches; a ray walks the cells in order.
+// The sphere caster without Embree. Every sphere is listed in each cell that its box touches. A ray walks the cells in
+// order.
 #include <algorithm>
 #include <array>
 #include <cmath>
