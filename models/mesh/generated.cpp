@@ -25,7 +25,8 @@ void add_vertex(Mesh* mesh, const Vector& p) {
   for (double x : p) mesh->vertices.push_back(static_cast<float>(x));
 }
 
-// Quads of a closed strip of closed rings, each split along the same diagonal. u runs along, v around, u x v outwards.
+// The quads of a closed strip of closed rings, each split along the same diagonal. u runs along the strip, v around it;
+// u x v points outwards.
 void add_tube_triangles(Mesh* mesh, uint32_t along, uint32_t around) {
   for (uint32_t i = 0; i < along; ++i)
     for (uint32_t j = 0; j < around; ++j) {
@@ -46,7 +47,7 @@ Mesh make_trefoil(float size, float tube, uint32_t along, uint32_t around) {
     const Vector centre = {(one.sin + 2 * two.sin) * scale, (one.cos - 2 * two.cos) * scale, -three.sin * scale};
     const Vector first = {one.cos + 4 * two.cos, -one.sin + 4 * two.sin, -3 * three.cos};
     const Vector second = {-one.sin - 8 * two.sin, -one.cos + 8 * two.cos, 9 * three.sin};
-    // Frenet's frame: the knot has curvature everywhere, so it exists and closes.
+    // Frenet's frame. The knot has curvature everywhere, so the frame exists and closes.
     const Vector tangent = normalised(first), binormal = normalised(cross(first, second)),
                  normal = cross(binormal, tangent);
     for (uint32_t j = 0; j < around; ++j) {
@@ -134,7 +135,7 @@ Mesh make_icosphere(float radius, uint32_t subdivisions) {
 Mesh make_revolved(const Profile& profile, uint32_t around) {
   Mesh mesh;
   const uint32_t corners = static_cast<uint32_t>(profile.size());
-  std::vector<uint32_t> first;  // vertex of each corner: one on the axis, else a ring
+  std::vector<uint32_t> first;  // first vertex of each corner: one vertex on the axis, else a ring
   for (const auto& [r, y] : profile) {
     first.push_back(mesh.vertex_count());
     for (uint32_t j = 0; j < (r > 0.0 ? around : 1); ++j) {
@@ -158,7 +159,7 @@ Mesh make_revolved(const Profile& profile, uint32_t around) {
 }
 
 Mesh make_chair() {
-  // Low and high corners, metres.
+  // Low and high corners in metres.
   constexpr float k_boxes[][6] = {
       {-0.22f, 0.43f, -0.22f, 0.22f, 0.46f, 0.22f},    // seat
       {-0.21f, 0.00f, 0.17f, -0.17f, 0.43f, 0.21f},    // front legs
@@ -189,7 +190,7 @@ Mesh make_chair() {
 
 namespace {
 
-// Of half the height: where the bulb begins to close; of the bulb's radius: where its flat end begins.
+// The bulb begins to close at this share of half the height. Its flat end has this share of the bulb's radius.
 constexpr double k_bulb_closes = 0.75, k_flat_end = 0.6;
 
 }  // namespace

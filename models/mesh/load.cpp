@@ -1,5 +1,5 @@
-// Reading mesh files. Assimp parses; this file adds what it lets pass: files that are missing, empty or cut off in the
-// middle of a line, and elements that are no triangles.
+// Reads mesh files. Assimp parses them. This file also refuses what Assimp lets pass: files that are missing, empty or
+// cut off within a line, indices out of range, and coordinates that are not finite. It leaves out points and lines.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -27,8 +27,8 @@ MeshResult fail(const std::string& path, const std::string& sentence) {
 
 #ifdef SANDGLASS_HAVE_ASSIMP
 
-// An OBJ that ends within a line still parses, with its last face or vertex missing: no newline, and a last line that
-// is too short.
+// An OBJ that is cut off within a line still parses, but its last face or vertex is missing. It is known by a last line
+// that has no newline and too few words.
 bool ends_within_line(const std::string& path) {
   if (std::filesystem::path(path).extension() != ".obj") return false;
   std::ifstream file(path, std::ios::binary);
@@ -52,7 +52,7 @@ std::string first_line(const char* text) {
   return message.substr(0, message.find('\n'));
 }
 
-// Before anything else touches the scene: Assimp's own steps trust what its readers left.
+// Runs before anything else touches the scene, because Assimp's own steps trust the result of its readers.
 std::string first_fault(const aiScene& scene) {
   size_t faces = 0;
   for (unsigned m = 0; m < scene.mNumMeshes; ++m) {

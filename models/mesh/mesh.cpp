@@ -99,7 +99,7 @@ MeshResult clean_mesh(const std::vector<float>& vertices, const std::vector<uint
   std::unordered_map<std::array<float, 3>, uint32_t, PositionHash> known;
   known.reserve(vertex_count);
   for (uint32_t v = 0; v < vertex_count; ++v) {
-    // + 0 turns -0 into 0, so that equal positions have equal bytes.
+    // Adding 0 turns -0 into 0, so that equal positions have equal bytes.
     const std::array<float, 3> p = {vertices[3 * v] + 0.0f, vertices[3 * v + 1] + 0.0f, vertices[3 * v + 2] + 0.0f};
     const auto [entry, is_new] = known.emplace(p, result.mesh.vertex_count());
     merged[v] = entry->second;

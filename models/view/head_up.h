@@ -1,5 +1,5 @@
-// What the viewer writes over the scene: the budget bar of the last frame by stage, quality with its error, the time
-// debt, and what the keys do; as pictures that the window lays over its own.
+// The pictures that the viewer lays over the scene: the budget bar of the last frame by stage, the quality level with
+// its error, the time debt, and what the keys do.
 #pragma once
 
 #include "models/files/image.h"
@@ -15,12 +15,14 @@ struct HeadUp {
   bool runs[SANDGLASS_STAGE_COUNT] = {true, true, true, true, true};  // the stages that the legend names
 };
 
-// Lines of text, from the panel's upper left corner, pixels: 1 is the budget, 4 the quality, 5 its error.
+// The panel's margin and height of a line, in pixels, and the text's scale. Counted from 0, line 1 is the budget, line
+// 4 the quality level, line 5 its error.
 constexpr int k_panel_margin = 10, k_panel_line = 20, k_panel_scale = 2;
 Picture head_up_panel(const HeadUp& state);
 Picture key_help();
 
-// The bar's place in the panel, pixels: `budget_width` is as long as the budget, of `full_width` that can be drawn.
+// The bar's place in the panel, in pixels. `budget_width` stands for the whole budget; the bar can grow to
+// `full_width`.
 struct BudgetBar {
   int x, y, full_width, height, budget_width;
 };

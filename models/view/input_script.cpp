@@ -20,7 +20,7 @@ bool is_key(const std::string& name) {
   return (c >= 'A' && c <= 'Z') || std::isdigit(c) != 0 || c == '-' || c == '=';
 }
 
-// True when the words after the frame's number make an event.
+// Returns true when the words after the frame's number make an event.
 bool parse_action(std::istringstream* words, InputEvent* event) {
   std::string action, word, rest;
   *words >> action;

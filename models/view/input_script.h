@@ -1,4 +1,4 @@
-// What a user does to the viewer, as events, and as text for tests and films: "FRAME ACTION ...; FRAME ACTION ...".
+// What a user does to the viewer, as events. Tests and films give them as text: "FRAME ACTION ...; FRAME ACTION ...".
 //
 //   12 cursor 400 300      the cursor goes there, pixels from the upper left corner
 //   12 press left          a mouse button goes down: left turns the camera, right pushes the sand
@@ -19,12 +19,13 @@ enum class InputKind { cursor, press, release, scroll, key_down, key_up };
 struct InputEvent {
   uint32_t frame = 0;
   InputKind kind = InputKind::cursor;
-  double x = 0.0, y = 0.0;  // cursor; scroll: y
+  double x = 0.0, y = 0.0;  // the cursor's place; a scroll uses y
   bool right_button = false;
-  std::string key;  // "P", "-", "Left"
+  std::string key;  // for example "P", "-", "Left"
 };
 
-// Sorted by frame, events of one frame in the order of the text. A Failure names what cannot be understood.
+// The events, sorted by frame. Events of one frame keep the order of the text. A Failure names what cannot be
+// understood.
 std::vector<InputEvent> parse_input_script(const std::string& text);
 
 }  // namespace sandglass::host

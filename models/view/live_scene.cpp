@@ -11,14 +11,17 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr uint32_t k_poured_particles = 4000;   // room for so many beside the scene's own
-constexpr uint32_t k_grains_per_particle = 16;  // where the scene has no grains to count
-constexpr double k_nozzle_radii = 4.0;          // particle radii
-constexpr double k_pour_speed = 0.6;      // m/s, at a particle radius of 1 cm; grows with its root, as falling does
-constexpr double k_push_radii = 5.0;      // particle radii
-constexpr double k_push_speed = 1.0;      // m/s, the sphere's at most, so that a jumping cursor is no blow
-constexpr uint32_t k_frames_at_once = 2;  // after a pause the scene does not run to catch up
-constexpr double k_sun_polar = 40, k_sun_azimuth = 144;  // where the scene has no light: the renderer's sun, degrees
+constexpr uint32_t k_poured_particles = 4000;   // room for this many particles beside the scene's own
+constexpr uint32_t k_grains_per_particle = 16;  // when the scene has no particles
+constexpr double k_nozzle_radii = 4.0;          // in particle radii
+// m/s at a particle radius of 1 cm. It grows with the root of the radius, as the speed of a fall does.
+constexpr double k_pour_speed = 0.6;
+constexpr double k_push_radii = 5.0;  // in particle radii
+// m/s, the highest speed of the sphere, so that a cursor that jumps does not hit the sand.
+constexpr double k_push_speed = 1.0;
+constexpr uint32_t k_frames_at_once = 2;  // after a pause the scene does not run on to catch up
+// Degrees: the renderer's own sun, when the scene has no light.
+constexpr double k_sun_polar = 40, k_sun_azimuth = 144;
 
 }  // namespace
 
@@ -151,7 +154,7 @@ void LiveScene::advance(double seconds) {
     frame(step, step - owed_);
     moved = true;
   }
-  if (!moved) frame(0.0, step - owed_);  // a display faster than the simulation: the same state, a later instant
+  if (!moved) frame(0.0, step - owed_);  // the display is faster than the simulation: same state, later instant
 }
 
 std::vector<FloorShadow> LiveScene::shadows() const { return shadows_->drawn(colliders_); }
@@ -162,7 +165,7 @@ std::optional<FloorShadow> LiveScene::pile(bool on_sand) const {
 
 bool LiveScene::runs(sandglass_stage stage) const {
   if (stage == SANDGLASS_STAGE_SHADOW) return pile_ || !shadows_->handles().empty();
-  return stage != SANDGLASS_STAGE_LIGHTING;  // nothing is estimated here
+  return stage != SANDGLASS_STAGE_LIGHTING;  // no light is estimated here
 }
 
 }  // namespace sandglass::host

@@ -1,6 +1,6 @@
-// A scene that runs by the wall clock and can be touched: sand poured where the cursor points, pushed by a sphere, the
-// light turned, the budget changed. The library's own shadows are in the frame, of the objects and of the sand; a room
-// and an estimate of its light are not. Knows nothing of windows.
+// A scene that runs by the wall clock and that a user can change: pour sand, push it with a sphere, turn the light,
+// change the budget. The frame includes the library's shadows of objects and of the sand, but no room and no estimate
+// of its light. This code knows nothing about windows.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@ namespace sandglass::host {
 
 struct LiveOptions {
   std::string scene, mesh, collider_mesh, isa = "automatic";
-  double budget_ms = -1.0;  // below 0: the scene's
+  double budget_ms = -1.0;  // below 0: the budget of the scene file
   uint32_t threads = 1;
 };
 
@@ -32,30 +32,30 @@ class LiveScene {
  public:
   explicit LiveScene(const LiveOptions& options);
 
-  // Moves on by so many seconds of wall time: none, one or two frames of the scene, then the grains for the present
-  // instant, which lies between the last two frames.
+  // Moves on by this many seconds of wall time. It runs zero, one or two frames of the scene. Then the grains are those
+  // of the present instant, which lies between the last two frames.
   void advance(double seconds);
   void restart();
 
-  void push_at(std::optional<Vec3> place);  // the pushing sphere's centre; none: no sphere
-  void pour_at(std::optional<Vec3> place);  // the nozzle's centre; none: nothing pours
+  void push_at(std::optional<Vec3> place);  // the centre of the pushing sphere; none: no sphere
+  void pour_at(std::optional<Vec3> place);  // the centre of the nozzle; none: nothing pours
   void turn_light(double polar_deg, double azimuth_deg);
-  void scale_budget(double factor);  // within 0.1..1000 ms
+  void scale_budget(double factor);  // the budget stays within 0.1..1000 ms
 
   std::span<const sandglass_grain> grains() const { return simulation_->output(); }
   const std::vector<float>& particles() { return simulation_->particle_positions(); }
-  const std::vector<sandglass_collider>& colliders() const { return colliders_; }  // the sphere last, while it pushes
+  const std::vector<sandglass_collider>& colliders() const { return colliders_; }  // the pushing sphere is the last one
   std::vector<FloorShadow> shadows() const;                                        // of the objects
-  std::optional<FloorShadow> pile(bool on_sand) const;  // of the sand, where the scene has one
-  bool runs(sandglass_stage stage) const;               // any frame has units of it
+  std::optional<FloorShadow> pile(bool on_sand) const;                             // of the sand, if the scene has one
+  bool runs(sandglass_stage stage) const;  // whether frames have work units of this stage
   Vec3 to_light() const { return scene_.light->towards(0.0); }
-  const sandglass_frame_report& report() const { return report_; }  // of the last frame that moved time on
+  const sandglass_frame_report& report() const { return report_; }  // of the last frame that advanced time
   const SceneFile& scene() const { return scene_; }
   double budget_ms() const { return scene_.budget_ms; }
   double grain_radius() const { return grain_radius_; }
   double push_radius() const { return push_radius_; }
   double floor() const { return floor_; }
-  const Bounds& bounds() const { return bounds_; }  // of the sand at the start and of what stands there
+  const Bounds& bounds() const { return bounds_; }  // of the sand at the start, the colliders and the emitters
   bool pushing() const { return push_.has_value(); }
 
  private:

@@ -7,7 +7,8 @@
 
 namespace sandglass::host {
 
-constexpr double k_zoom_range = 20.0, k_highest = 1.55;  // radians: short of the pole, where "right" has no meaning
+// k_highest: radians, short of the pole, where "right" has no meaning.
+constexpr double k_zoom_range = 20.0, k_highest = 1.55;
 
 Orbit::Orbit(const Camera& from) : target_(from.target), fov_deg_(from.fov_deg) {
   const Vec3 to_eye = from.eye - from.target;
@@ -38,7 +39,7 @@ Ray Orbit::ray(double x, double y, int width, int height) const {
   const Camera from = camera();
   const Vec3 forward = normalised(from.target - from.eye), right = normalised(cross(forward, Vec3{0, 1, 0})),
              up = cross(right, forward);
-  const double focal = 0.5 / std::tan(fov_deg_ * std::numbers::pi / 360.0);  // window heights
+  const double focal = 0.5 / std::tan(fov_deg_ * std::numbers::pi / 360.0);  // in window heights
   return {from.eye,
           normalised(forward * focal + right * ((x - 0.5 * width) / height) + up * ((0.5 * height - y) / height))};
 }

@@ -1,4 +1,4 @@
-// A camera that turns about a point, and the ray under the cursor.
+// A camera that turns about a point, and the ray through the cursor.
 #pragma once
 
 #include "models/geometry/camera.h"
@@ -14,11 +14,11 @@ class Orbit {
  public:
   explicit Orbit(const Camera& from);
 
-  void turn(double right, double up);  // radians; the elevation stays within the poles
-  void zoom(double factor);            // of the distance; it stays between 1/20 and 20 times the first one
+  void turn(double right, double up);  // radians; the camera stays short of the poles
+  void zoom(double factor);            // scales the distance; it stays between 1/20 and 20 times the first
   Camera camera() const;
 
-  // Through a pixel, from the upper left corner of a window of this size.
+  // The ray through a pixel. x and y count from the upper left corner of a window of this size.
   Ray ray(double x, double y, int width, int height) const;
 
  private:
@@ -26,8 +26,8 @@ class Orbit {
   double azimuth_, elevation_, distance_, nearest_, furthest_, fov_deg_;
 };
 
-// Where the ray meets the horizontal plane at `height`, at most `reach` metres away; beyond that, the point of the
-// plane under the ray's end.
+// The point where the ray meets the horizontal plane at `height`, if that is at most `reach` metres away. Otherwise the
+// point of the plane above or below the ray's end at that distance.
 Vec3 on_plane(const Ray& ray, double height, double reach);
 
 }  // namespace sandglass::host

@@ -1,6 +1,6 @@
-// Colours are linear until a shader's last line. Spheres are point sprites whose fragments write the depth of the
-// sphere; the same sprites, from the light, fill the shadow map. A solid whose shadow is baked is left out of the map,
-// and the sand where it has a shadow of its own: both come from textures, on the floor and on the sand.
+// Colours are linear until a shader's last line. Spheres are point sprites, and their fragments write the depth of the
+// sphere. The same sprites, seen from the light, fill the shadow map. The map leaves out a solid with a baked shadow,
+// and the sand when it has a shadow of its own. These shadows come from textures, on the floor and on the sand.
 #include "models/view/painter.h"
 
 #include <epoxy/gl.h>
@@ -20,10 +20,10 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr int k_map_size = 1024;                  // texels of the shadow map
-constexpr int k_shadows_at_most = 4;              // textures on the floor
+constexpr int k_map_size = 1024;                  // texels a side of the shadow map
+constexpr int k_shadows_at_most = 4;              // textures of baked shadows on the floor
 constexpr double k_same_floor = 1e-3;             // metres
-constexpr int k_floor_unit = 5, k_sand_unit = 6;  // texture units of the sand's shadow
+constexpr int k_floor_unit = 5, k_sand_unit = 6;  // texture units that hold the sand's shadow
 constexpr double k_floor_reach = 40.0;            // box diagonals
 
 using Matrix = std::array<float, 16>;  // column by column, as OpenGL wants it
@@ -79,7 +79,7 @@ Matrix pose(const sandglass_collider& c) {
   return m;
 }
 
-// Rows: local x and z over the texture's rectangle, and the height above its floor.
+// Its rows give x over the texture's rectangle, the height above its floor, and z over the rectangle.
 Matrix to_square(const FloorShadow& shadow) {
   const Quaternion q = shadow.rotation;
   const Vec3 axes[3] = {rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
@@ -96,7 +96,7 @@ Matrix to_square(const FloorShadow& shadow) {
   return m;
 }
 
-// Shared by every shader that lights something.
+// The part that all shaders share that light something.
 constexpr const char* k_lighting = R"(
 uniform vec3 to_light;
 uniform mat4 light_clip;
@@ -119,7 +119,7 @@ vec4 encoded(vec3 linear) {
 }
 )";
 
-// Shared by what the library's shadows fall on; after k_lighting.
+// The part that the shaders of floor and sand share, on which the library's shadows fall. It follows k_lighting.
 constexpr const char* k_shadows = R"(
 uniform int shadow_count;
 uniform mat4 to_texture[4];  // world to the texture's square in x and z; y: metres above its floor
@@ -346,7 +346,7 @@ struct Painter::State {
   Mesh3 spheres, floor_square, nothing;
   GLuint map = 0, map_target = 0, image = 0, pile_on_floor = 0, pile_on_sand = 0;
   std::array<GLuint, k_shadows_at_most> coverage = {};
-  // What was made of a collider before, by shape, size and field: meshes of fields are costly.
+  // The meshes that were made before, by the collider's shape, size and field. Meshes of fields are costly.
   std::map<std::array<double, 5>, Mesh3> meshes;
 
   State()
@@ -420,7 +420,7 @@ struct Painter::State {
     }
   }
 
-  // Into the texture unit of this number.
+  // Uploads the texture and binds it to the texture unit of this number.
   static void upload(const FloorShadow& shadow, GLuint texture, int unit) {
     glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
     glBindTexture(GL_TEXTURE_2D, texture);
@@ -441,7 +441,8 @@ struct Painter::State {
     return std::min(k_shadows_at_most, static_cast<int>(scene.shadows.size()));
   }
 
-  // For the program in use. `unit`: of what the sand casts on it; `highest`: metres.
+  // Sets the shadows of the program in use. `unit` is the texture unit of the sand's shadow on this surface; `highest`
+  // is in metres.
   static void use_shadows(const Painted& scene, const Program& program, int unit, double highest) {
     program.set("highest", highest);
     program.set("shadow_count", shadow_count(scene));
@@ -479,7 +480,7 @@ Painter::Painter() {
   require_version();
   state_ = std::make_unique<State>();
 }
-Painter::~Painter() = default;  // the context takes all its objects along
+Painter::~Painter() = default;  // the end of the context frees all its objects
 
 void Painter::paint(const Painted& scene, int width, int height, std::span<const Overlay> overlays) {
   State& s = *state_;

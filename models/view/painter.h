@@ -1,5 +1,6 @@
-// Draws a scene with OpenGL 3.3: grains as lit spheres, one square each; floor, solids, the library's shadows of
-// objects and sand, a shadow map for what has none of them. Needs a current context for its whole life.
+// Draws a scene with OpenGL 3.3: grains as lit spheres (one square each), the floor, the solids, the library's shadows
+// of objects and sand, and a shadow map for everything without such a shadow. It needs a current context for its whole
+// life.
 #pragma once
 
 #include <memory>
@@ -13,12 +14,13 @@
 namespace sandglass::host {
 
 struct Painted {
-  std::span<const float> spheres;  // `sphere_floats` floats each, the position first
+  std::span<const float> spheres;  // `sphere_floats` floats each; the position comes first
   int sphere_floats = 4;
   double radius = 0.01;
   std::span<const sandglass_collider> colliders;
   std::span<const FloorShadow> shadows;
-  const FloorShadow *pile = nullptr, *pile_on_sand = nullptr;  // of the sand; null: it is in the shadow map
+  // The shadow of the sand: both, or both null. Without them the sand is in the shadow map.
+  const FloorShadow *pile = nullptr, *pile_on_sand = nullptr;
   Vec3 to_light;
   Camera camera;
   Bounds bounds;
@@ -31,7 +33,7 @@ struct Overlay {
 
 class Painter {
  public:
-  Painter();  // a Failure when the context is no OpenGL 3.3
+  Painter();  // throws a Failure when the context has no OpenGL 3.3
   ~Painter();
   Painter(const Painter&) = delete;
   Painter& operator=(const Painter&) = delete;

@@ -1,5 +1,6 @@
-// Fields by surface nets (Gibson 1998): one vertex for each cell that the surface passes, the mean of the places where
-// it crosses the cell's edges; one quad for each crossed edge, between the four cells around it.
+// Fields become surfaces by surface nets (Gibson 1998). Each cell that the surface passes has one vertex: the mean of
+// the places where the surface crosses the cell's edges. Each crossed edge has one quad, between the four cells around
+// it.
 #include "models/view/surface.h"
 
 #include <cmath>
@@ -18,7 +19,7 @@ void add_vertex(Surface* surface, const float position[3], const float normal[3]
   surface->vertices.insert(surface->vertices.end(), normal, normal + 3);
 }
 
-// Two triangles, counter-clockwise a b c d seen from the front.
+// Two triangles. Seen from the front, a b c d run counter-clockwise.
 void add_quad(Surface* surface, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
   surface->indices.insert(surface->indices.end(), {a, b, c, a, c, d});
 }
@@ -42,7 +43,7 @@ Surface box_surface(const float half[3]) {
   return surface;
 }
 
-// A capsule; with `half` 0, a sphere. Rings from the lower pole to the upper one, the equator twice.
+// A capsule, or a sphere when `half` is 0. Its rings go from the lower pole to the upper one, with the equator twice.
 Surface capsule_surface(float radius, float half) {
   Surface surface;
   const int rings = 2 * k_half_rings + 2;
@@ -104,7 +105,7 @@ struct NetBuilder {
     add_vertex(&surface, position, normal);
   }
 
-  // The quad across the edge that leaves the node along `axis`.
+  // Adds the quad across the edge from this node along `axis`.
   void join(uint32_t x, uint32_t y, uint32_t z, uint32_t axis) {
     const uint32_t at[3] = {x, y, z}, u = (axis + 1) % 3, v = (axis + 2) % 3;
     if (at[u] == 0 || at[v] == 0) return;

@@ -1,4 +1,4 @@
-// The mouse and keys of the window and those of a script go the same way: as InputEvents into Hands.
+// The window's mouse and keys and a script take the same way: both become InputEvents, which Hands takes.
 #include "models/view/window.h"
 
 #include <GLFW/glfw3.h>
@@ -19,14 +19,14 @@ namespace sandglass::host {
 namespace {
 
 constexpr double k_display_step = 1.0 / 60.0;  // seconds
-constexpr double k_turn = 0.006;               // radians a pixel
-constexpr double k_zoom = 0.9;                 // of the distance, a notch of the wheel
-constexpr double k_light_speed = 60.0;         // degrees a second while an arrow key is held
+constexpr double k_turn = 0.006;               // radians per pixel
+constexpr double k_zoom = 0.9;                 // factor of the distance per notch of the wheel
+constexpr double k_light_speed = 60.0;         // degrees per second while an arrow key is held
 constexpr double k_budget_step = 1.25;
 constexpr double k_pour_height = 40.0;  // particle radii above the floor
 constexpr int k_margin = 12;            // pixels between overlays and the window's edge
 
-// What mouse and keys are doing to the scene.
+// What the mouse and the keys do to the scene.
 struct Hands {
   LiveScene& live;
   Orbit& orbit;
@@ -69,7 +69,7 @@ struct Hands {
 
   bool holds(const char* key) const { return held.count(key) > 0; }
 
-  // What is held down, during `seconds`.
+  // Applies the keys and buttons that are held down, for `seconds`.
   void act(double seconds) {
     const double turn = k_light_speed * seconds;
     live.turn_light(turn * (holds("Down") - holds("Up")), turn * (holds("Right") - holds("Left")));
@@ -170,7 +170,7 @@ struct Window {
 
 Camera first_camera(const LiveScene& live, double aspect) {
   if (live.scene().camera) return *live.scene().camera;
-  // Sand spreads to about its height beyond where it stood.
+  // Sand spreads beyond where it stood. Half of its height on every side is enough for the first picture.
   Bounds room = live.bounds();
   const Vec3 size = room.high - room.low, spread = {0.5 * size.y, 0.0, 0.5 * size.y};
   room.low = room.low - spread, room.high = room.high + spread;
@@ -188,12 +188,12 @@ void view_scene(const ViewOptions& options) {
   Painter painter;
   Orbit orbit(first_camera(live, static_cast<double>(options.width) / options.height));
   Hands hands = {live, orbit, options.width, options.height};
-  if (!scripted) listen(window.handle, &hands);  // a film must not depend on where the mouse happens to be
+  if (!scripted) listen(window.handle, &hands);  // a film must not depend on the real mouse
 
   const Picture help = key_help();
   Picture picture;
   auto next = script.begin();
-  double before = glfwGetTime(), period = k_display_step;  // the latter a running mean
+  double before = glfwGetTime(), period = k_display_step;  // `period` is a running mean
   for (uint32_t frame = 0; !scripted || frame < options.frames; ++frame) {
     glfwPollEvents();
     for (; next != script.end() && next->frame <= frame; ++next) hands.take(*next);
