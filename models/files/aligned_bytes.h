@@ -1,4 +1,5 @@
-// A file's content at an address that the library takes for an asset: it is read in place, eight bytes at a time.
+// A file's content at an aligned address. The library reads an asset in place, so the address must be a multiple of
+// eight.
 #pragma once
 
 #include <cstdint>

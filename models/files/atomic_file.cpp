@@ -1,5 +1,5 @@
-// Temporary name, flush, check, rename. A program that is killed leaves at most a "*.unfinished.*" file behind; one
-// that is ended by Ctrl-C removes it.
+// A file is written under a temporary name, closed, checked and renamed. A program that is killed leaves at most a
+// "*.unfinished.*" file behind. A program that Ctrl-C ends removes it.
 #include "models/files/atomic_file.h"
 
 #include <unistd.h>
@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// Names of files that are being written, as a signal's handler can read them: no lock, no heap. A file that finds no
-// place here is written all the same.
+// Names of the files that are being written. A signal handler reads them, so there is no lock and no heap. A file
+// without a free place here is written all the same, but Ctrl-C does not remove it.
 struct Writing {
   std::atomic<bool> taken, named;
   char name[4096];
@@ -69,7 +69,7 @@ void finish_file(const std::string& path) {
   throw cannot("write", path, error.message(), "Check the folder's permissions");
 }
 
-// Looks only: what a file system says without being written to. Space, and a disk that fails, show when it is.
+// Only asks the file system and writes nothing. A full or failing disk is noticed later, on writing.
 void require_writable(const std::string& path) {
   if (path.empty()) throw cannot("write", path, "the file has no name", "Name it");
   std::error_code error;
@@ -79,7 +79,8 @@ void require_writable(const std::string& path) {
     throw cannot("write", path, "it is no ordinary file", "Name another");
   const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
   const bool has_name = fs::path(path).has_filename();
-  const fs::file_status unfinished = fs::symlink_status(unfinished_name(path), error);  // its name is the longer one
+  const fs::file_status unfinished =
+      fs::symlink_status(unfinished_name(path), error);  // this name is the longer one, so test it
   if (!has_name || unfinished.type() == fs::file_type::none || !fs::is_directory(folder, error) ||
       access(folder.c_str(), W_OK | X_OK) != 0)
     throw cannot("write", path, "its folder is missing, full or may not be written to", "Check the folder");
@@ -121,7 +122,7 @@ std::string read_file(const std::string& path, const std::string& kind) {
 }
 
 void keep_inputs(const std::string& output, const std::vector<std::string>& inputs) {
-  std::error_code error;  // of a path that is nowhere: then they are not the same
+  std::error_code error;  // set for a path that does not exist; then the files differ
   for (const std::string& input : inputs)
     if (fs::equivalent(fs::weakly_canonical(output, error), input, error))
       throw cannot("write", output, "the same command reads it", "Write somewhere else with -o");

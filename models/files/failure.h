@@ -1,5 +1,5 @@
-// How the host side reports that it cannot go on: one message that says what it cannot do, with which file or part,
-// why, and what to do about it. The program prints it and exits with code 2.
+// How the program reports that it cannot go on: one message that says what it cannot do, with which file or part, why,
+// and what to do about it. The program prints it and exits with code 2.
 #pragma once
 
 #include <algorithm>
@@ -13,14 +13,14 @@ struct Failure : std::runtime_error {
   explicit Failure(const std::string& message) : std::runtime_error(message) {}
 };
 
-// cannot read "x.obj": the file ends in a face (line 12). Export it again.
+// For example: cannot read "x.obj": the file ends in a face (line 12). Export it again.
 inline std::string message(const std::string& verb, const std::string& which, const std::string& why,
                            const std::string& remedy) {
   return "cannot " + verb + " \"" + which + "\": " + why + ". " + remedy + ".";
 }
 
-// A reason that is written "why: what to do" or "why; what to do", as the library does, ends a message as "why. What to
-// do." One that ends in a full stop is taken as it is.
+// The library's reasons have the form "why: what to do" or "why; what to do". Such a reason ends the message as "why.
+// What to do." A reason that ends in a full stop stays as it is.
 inline std::string message(const std::string& verb, const std::string& which, std::string reason) {
   const size_t end = std::max(reason.rfind(": ") + 1, reason.rfind("; ") + 1);  // 0: neither
   if (!reason.ends_with('.')) {

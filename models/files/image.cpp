@@ -1,4 +1,4 @@
-// Pixels, letters and files. PNG goes through stb_image_write; the GIF writer is the format's plain LZW.
+// Pixels, letters and files. stb_image_write makes PNG and JPEG. The GIF writer is here: it is the format's plain LZW.
 #include "models/files/image.h"
 
 #include <stb_image_write.h>
@@ -126,11 +126,11 @@ std::vector<uint8_t> jpeg_file(const Picture& picture, int quality) {
 
 namespace {
 
-constexpr int k_levels = 6;     // a channel: 6^3 = 216 of the palette's 256 colours
-constexpr int k_code_bits = 8;  // LZW starts with one more
+constexpr int k_levels = 6;     // per channel: 6^3 = 216 of the palette's 256 colours
+constexpr int k_code_bits = 8;  // LZW starts with one bit more
 constexpr int k_clear = 1 << k_code_bits, k_end = k_clear + 1, k_first_free = k_clear + 2;
-constexpr int k_code_limit = 4096;  // of the format
-constexpr int k_block_limit = 255;  // bytes of a data block, of the format
+constexpr int k_code_limit = 4096;  // limit of the format
+constexpr int k_block_limit = 255;  // bytes of a data block, limit of the format
 constexpr int k_bayer[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
 
 void put16(std::vector<uint8_t>* file, int value) {

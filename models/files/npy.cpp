@@ -1,5 +1,5 @@
-// Header: magic, version, little-endian length, a Python dictionary padded with spaces so that the data start at a
-// multiple of 64.
+// The header holds a magic number, the version, a little-endian length and a Python dictionary. Spaces pad it so that
+// the data start at a multiple of 64.
 #include "models/files/npy.h"
 
 #include <bit>
@@ -15,8 +15,8 @@ static_assert(std::endian::native == std::endian::little,
 
 constexpr char k_magic[8] = {'\x93', 'N', 'U', 'M', 'P', 'Y', 1, 0};
 constexpr size_t k_preamble = sizeof k_magic + 2;  // bytes before the dictionary: magic, version, length
-constexpr size_t k_alignment = 64;                 // of the data, by the format's definition
-constexpr uint64_t k_value_limit = 1ull << 28;     // of an array: a gigabyte
+constexpr size_t k_alignment = 64;                 // of the data, as the format defines it
+constexpr uint64_t k_value_limit = 1ull << 28;     // values of an array: a gigabyte of floats
 
 void write_npy(const std::string& path, std::span<const float> values, uint64_t rows, uint64_t columns) {
   if (values.size() != rows * columns)
@@ -34,7 +34,7 @@ void write_npy(const std::string& path, std::span<const float> values, uint64_t 
   write_file(path, file);
 }
 
-// The value of a key of the header, a Python dictionary: what follows the key's colon.
+// The text after the colon of a key in the header, which is a Python dictionary.
 static std::string header_value(const std::string& header, const std::string& key) {
   const size_t at = header.find("'" + key + "'");
   const size_t colon = at == std::string::npos ? at : header.find(':', at);

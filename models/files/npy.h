@@ -1,4 +1,4 @@
-// NumPy's .npy format, version 1.0, for 32-bit floats in C order: what `sandglass run --dump` writes, one array a file.
+// NumPy's .npy format, version 1.0, for 32-bit floats in C order. `sandglass run --dump` writes it, one array per file.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sandglass::host {
 
-// rows x columns floats; columns 1 writes a one-dimensional array.
+// Writes rows x columns floats. With `columns` 1 the array is one-dimensional.
 void write_npy(const std::string& path, std::span<const float> values, uint64_t rows, uint64_t columns);
 
 struct NpyArray {
@@ -18,11 +18,11 @@ struct NpyArray {
   std::vector<float> values;
 };
 
-// Reads what write_npy writes; a Failure for anything else.
+// Reads an array of 32-bit floats in C order, of any shape. Throws a Failure for anything else.
 NpyArray read_npy(const std::string& path);
 
-// An array from the bytes of an .npy file, which may be damaged. `refuse` gets what is wrong ("is cut off") and throws.
-// `octets_too`: an array of bytes is taken as well.
+// Reads an array from the bytes of an .npy file, which may be damaged. `refuse` gets what is wrong ("is cut off") and
+// must throw. With `octets_too` an array of bytes is accepted, too.
 NpyArray parse_npy(std::string_view bytes, bool octets_too, const std::function<void(const std::string&)>& refuse);
 
 }  // namespace sandglass::host

@@ -13,7 +13,7 @@ namespace {
 constexpr uint32_t k_end_signature = 0x06054B50, k_entry_signature = 0x02014B50, k_local_signature = 0x04034B50;
 constexpr size_t k_end_bytes = 22, k_entry_bytes = 46, k_local_bytes = 30, k_comment_limit = 65535;
 
-// Little-endian fields of a file, with one complaint for all that lies outside it.
+// Reads little-endian fields of a file. Every access outside the file gives the same error.
 struct ZipReader {
   const std::string& path;
   const std::string& bytes;

@@ -1,5 +1,5 @@
-// NumPy's .npz: a zip of .npy arrays, as numpy.savez writes it (stored, not compressed). Arrays of 32-bit floats and of
-// bytes, in C order, come back as floats. The file may be damaged: every offset and length is checked.
+// Reads NumPy's .npz: a zip of .npy arrays, as numpy.savez writes it (stored, not compressed). Arrays of 32-bit floats
+// and of bytes, in C order, come back as floats. The file may be damaged: every offset and length is checked.
 #pragma once
 
 #include <map>
@@ -9,7 +9,7 @@
 
 namespace sandglass::host {
 
-// By name without ".npy"; a Failure that names the file, and the array where one is at fault.
+// The arrays by their names without ".npy". A Failure names the file, and the array if one is at fault.
 std::map<std::string, NpyArray> read_npz(const std::string& path);
 
 }  // namespace sandglass::host

@@ -1,4 +1,4 @@
-// Photographs from files: PNG and JPEG.
+// Reads pictures from PNG and JPEG files.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace sandglass::host {
 
-// 8-bit sRGB; a Failure that names the file.
+// Reads a picture as 8-bit sRGB. A Failure names the file.
 Picture read_picture(const std::string& path);
-// The same for an image of a data set, 256 x 192; a Failure for any other size.
+// The same for an image of a data set, which has 256 x 192 pixels. Throws a Failure for any other size.
 Picture read_excerpt(const std::string& path);
 
 }  // namespace sandglass::host

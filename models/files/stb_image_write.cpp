@@ -1,4 +1,4 @@
-// The one copy of stb_image_write that is compiled. Not STBI_WRITE_NO_STDIO: version 1.16 loses the .hdr writer with
-// it.
+// The one copy of stb_image_write that is compiled. STBI_WRITE_NO_STDIO is not set, because version 1.16 then lacks the
+// .hdr writer.
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #include <stb_image_write.h>

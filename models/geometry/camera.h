@@ -1,4 +1,4 @@
-// A camera of a picture: where it stands, what it looks at.
+// The camera of a picture: where it stands, what it looks at, and its angle of view.
 #pragma once
 
 #include "models/geometry/vec3.h"

@@ -1,12 +1,12 @@
-// Counting sort by cell.
+// See cell_grid.h. Points are sorted by cell with a counting sort.
 #include "models/geometry/cell_grid.h"
 
 #include <algorithm>
 
 namespace sandglass::host {
 
-constexpr double k_cells_per_point = 8.0;  // most; beyond it the table costs more than it saves
-constexpr double k_growth = 1.25;          // of the edge, per attempt to stay below that
+constexpr double k_cells_per_point = 8.0;  // at most; a larger table costs more than it saves
+constexpr double k_growth = 1.25;          // of the edge, per attempt to stay below
 
 CellGrid::CellGrid(std::span<const float> xyz, double wanted_cell) : cell(wanted_cell) {
   const auto finite = [&](size_t i) {

@@ -1,5 +1,5 @@
-// Points sorted into cubic cells, in double: finds all points near a place, for the metrics and the laboratory. It is
-// independent of the library's own neighbour search, which it helps to judge.
+// Sorts points into cubic cells and finds all points near a place, for the metrics and the laboratory. It computes in
+// double. It is independent of the library's own neighbour search, which it helps to judge.
 #pragma once
 
 #include <cmath>
@@ -13,12 +13,13 @@ namespace sandglass::host {
 
 struct CellGrid {
   Vec3 origin;
-  double cell = 1.0;               // metres, edge
+  double cell = 1.0;               // edge, metres
   int64_t nx = 1, ny = 1, nz = 1;  // cells along each axis
-  std::vector<uint32_t> start;     // of each cell in `order`, and one past the last
+  std::vector<uint32_t> start;     // where each cell begins in `order`, and the end of the last cell
   std::vector<uint32_t> order;     // point indices, cell by cell
 
-  // Points with a coordinate that is not finite are left out. The edge grows until there are at most 8 cells a point.
+  // Points with a coordinate that is not finite are left out. The edge grows from `wanted_cell` until there are at most
+  // 8 cells per point, plus 64.
   CellGrid(std::span<const float> xyz, double wanted_cell);
 
   int64_t coordinate(double value, double from, int64_t count) const {

@@ -1,5 +1,5 @@
-// Three doubles for cameras, metrics and placing bodies. Only + - * / and sqrt, so that what is placed with it is the
-// same to the bit on every machine; rotations are unit quaternions (x, y, z, w), as in the public API.
+// Vectors and rotations in double, for cameras, metrics and placing bodies. Only + - * / and sqrt are used, so bodies
+// are placed to the same bits on every machine. Rotations are unit quaternions (x, y, z, w), as in the public API.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ constexpr Vec3 cross(Vec3 a, Vec3 b) { return {a.y * b.z - a.z * b.y, a.z * b.x 
 inline double length(Vec3 a) { return std::sqrt(dot(a, a)); }
 inline Vec3 normalised(Vec3 a) { return a * (1.0 / length(a)); }
 
-// From and to the three floats of the public API.
+// Converts from and to the three floats of the public API.
 inline Vec3 from_floats(const float* v) { return {v[0], v[1], v[2]}; }
 inline void to_floats(Vec3 v, float* out) {
   out[0] = static_cast<float>(v.x), out[1] = static_cast<float>(v.y), out[2] = static_cast<float>(v.z);
@@ -46,8 +46,9 @@ constexpr Vec3 rotate(const Quaternion& q, Vec3 v) {
 
 constexpr Quaternion conjugate(const Quaternion& q) { return {-q[0], -q[1], -q[2], q[3]}; }
 
-// The turn by the vector's length (radians) about its direction. Without libm's sine, which differs between machines:
-// the Taylor series of a turn 2^10 times smaller, squared ten times; error below 1e-13 for turns up to 2 pi.
+// The rotation about the vector's direction by its length in radians. libm's sine is not used, because it differs
+// between machines. Instead the Taylor series gives a turn that is 2^10 times smaller, and it is squared ten times. The
+// error is below 1e-13 for turns up to 2 pi.
 inline Quaternion rotation_by(Vec3 turn) {
   constexpr int k_doublings = 10;
   const Vec3 half = turn * (0.5 / (1 << k_doublings));

@@ -1,4 +1,4 @@
-// Blocks of memory for the library, aligned as it asks.
+// Blocks of memory for the library, with the alignment that it needs.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct BlockDelete {
 };
 using Block = std::unique_ptr<void, BlockDelete>;
 
-// `purpose` and `remedy` complete the sentence of the Failure where there is no memory.
+// Throws a Failure when there is not enough memory. `purpose` and `remedy` complete its sentence.
 inline Block new_block(uint64_t bytes, const char* purpose, const char* remedy) {
   Block block(::operator new(bytes, std::align_val_t(SANDGLASS_BLOCK_ALIGNMENT), std::nothrow));
   if (block == nullptr)

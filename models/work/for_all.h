@@ -1,4 +1,4 @@
-// Independent pieces of long work on some threads, with progress and Ctrl-C.
+// Runs independent pieces of long work on several threads, with progress and Ctrl-C.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace sandglass::host {
 
-// Runs `task` for 0 to count - 1, in any order. Ends early when a task throws, and throws that exception; and on
-// Ctrl-C, when interrupted() is true. What was begun is finished. `what`: see Progress; `threads`: the calling one
-// counts.
+// Runs `task` for 0 to count - 1, in any order. It ends early when a task throws, and then throws that exception. It
+// also ends early on Ctrl-C; then interrupted() is true. Tasks that have begun are finished. For `what` see Progress.
+// `threads` includes the calling thread.
 void for_all(size_t count, uint32_t threads, const std::string& what, const std::function<void(size_t)>& task);
 
 }  // namespace sandglass::host

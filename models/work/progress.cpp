@@ -1,4 +1,4 @@
-// A line is due when the work has run for two seconds and the previous line is old enough.
+// A line is shown when the work has run for two seconds and the previous line is old enough.
 #include "models/work/progress.h"
 
 #include <unistd.h>

@@ -1,5 +1,6 @@
-// Progress with the time still to go, on stderr: nothing for work shorter than two seconds, then one line that rewrites
-// itself on a terminal, or a plain line every few seconds in a log. Also the one place that listens for Ctrl-C.
+// Shows progress and the time left on stderr. Work shorter than two seconds shows nothing. After that a terminal shows
+// one line that rewrites itself, and a log gets a plain line every few seconds. This is also the one place that listens
+// for Ctrl-C.
 #pragma once
 
 #include <chrono>
@@ -12,8 +13,8 @@ namespace sandglass::host {
 struct Progress {
   using Time = std::chrono::steady_clock::time_point;
 
-  // `stream` may be null: then nothing is shown. `what`: "simulating", "drawing". `first`: how much was done before, by
-  // a run that was interrupted; the time left is judged by what this run does.
+  // `what` is for example "simulating". If `stream` is null, nothing is shown. `first` is how much an interrupted run
+  // did before. Only the work of this run counts for the time left.
   Progress(std::string what, uint64_t total, std::FILE* stream = stderr, uint64_t first = 0);
   ~Progress();
   Progress(const Progress&) = delete;
@@ -21,7 +22,7 @@ struct Progress {
 
   void total(uint64_t count) { total_ = count; }
   void done(uint64_t count);
-  // The same with an explicit time: what the tests call.
+  // The same at a given time, for the tests.
   void done_at(uint64_t count, Time now);
 
  private:
@@ -33,12 +34,13 @@ struct Progress {
   Time start_, next_;
 };
 
-// "simulating 120/200 (60 %), 3 s left"; the time left is left out while nothing beyond `first` is done.
+// For example "simulating 120/200 (60 %), 3 s left". The time is left out while nothing beyond `first` is done, and at
+// the end.
 std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s,
                           uint64_t first = 0);
 
-// From the first call on, Ctrl-C sets a flag instead of ending the program; a second Ctrl-C ends it at once, and leaves
-// no file half-written.
+// After this call Ctrl-C (or SIGTERM) sets a flag and does not end the program. A second Ctrl-C ends it at once and
+// leaves no half-written file.
 void listen_for_interrupt();
 bool interrupted();
 

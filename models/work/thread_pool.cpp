@@ -1,9 +1,9 @@
-// The library asks for parallel work hundreds of times a frame, some tens of microseconds each. Workers therefore look
-// out for the next call for a while before they sleep, and a call never waits for a worker that has not begun: the
-// caller does what is left.
+// The library asks for parallel work hundreds of times per frame, for some tens of microseconds each. So workers look
+// for the next call for a while before they sleep. A call never waits for a worker that has not begun: the caller does
+// the rest.
 //
-// pthreadpool would not do: it hands every worker a share and waits for all of them. With four threads on four cores
-// that other programs use too, a 50 ms frame then took six seconds; here it takes 50 ms.
+// pthreadpool does not serve here: it gives every worker a share and waits for all of them. With four threads on four
+// cores that other programs use, too, a frame of 50 ms took six seconds with it. With this pool it takes 50 ms.
 #include "models/work/thread_pool.h"
 
 #include <atomic>
@@ -14,12 +14,12 @@
 
 namespace sandglass::host {
 
-// Looks at the generation counter before a worker sleeps: about as long as a frame's serial parts.
+// A worker looks at the generation counter this often before it sleeps: about as long as a frame's serial parts take.
 constexpr int k_looks = 4000;
-constexpr int k_busy_looks = 64;  // of every 128 are made without offering the core to others
+constexpr int k_busy_looks = 64;  // this many of every 128 looks do not offer the core to others
 
-// `generation` is odd while a call is open. A worker takes part only if it registers in `inside` and still sees the
-// generation open; the caller closes it and waits until nobody is inside, so a late worker can never touch the next
+// `generation` is odd while a call is open. A worker registers in `inside` and takes part only if it then still sees
+// the call open. The caller closes the call and waits until nobody is inside. So a late worker can never touch the next
 // call's fields.
 struct ThreadPool::State {
   std::vector<std::thread> workers;
@@ -65,7 +65,7 @@ struct ThreadPool::State {
     s->next.store(0);
     s->generation.fetch_add(1);
     if (s->asleep.load() > 0) {
-      // Behind the lock: a worker that is about to sleep has either seen the new generation or is already waiting.
+      // After this lock, a worker that is about to sleep has either seen the new generation or is already waiting.
       { const std::lock_guard lock(s->mutex); }
       s->wake.notify_all();
     }

@@ -1,4 +1,4 @@
-// Threads: the one pool that everything parallel in models/ runs on, and that the program hands to the library.
+// The one kind of thread pool in models/. The program also hands it to the library.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,12 @@ namespace sandglass::host {
 
 class ThreadPool {
  public:
-  explicit ThreadPool(uint32_t threads);  // the calling thread counts as one; 1 makes no thread
+  explicit ThreadPool(uint32_t threads);  // includes the calling thread; 1 makes no new thread
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  // task(0) to task(count - 1) in any order; returns when all are done. A task must not throw.
+  // Runs task(0) to task(count - 1) in any order and returns when all are done. A task must not throw.
   void run(uint32_t count, const std::function<void(uint32_t)>& task);
 
   sandglass_parallel hook();  // run == NULL for one thread; valid as long as the pool lives
