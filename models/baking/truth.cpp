@@ -90,8 +90,8 @@ ShadowCaster::ShadowCaster(const Mesh& mesh, double half_angle, SampleCounts cou
     throw Failure(
         "cannot trace: strata of the light come in multiples of 4 per axis, and one point a texel. Report this.");
 
-  // Samples are uniform in solid angle, so the cosine is uniform between that of the rim and 1. The form 1 - cos = 2
-  // sin^2(half the angle) keeps the digits of small lights.
+  // Samples are uniform in solid angle, so the cosine is uniform between that of the rim and 1. The form
+  // 1 - cos = 2 sin^2(half the angle) keeps the digits of small lights.
   const double sine = std::sin(0.5 * half_angle), depth = 2 * sine * sine;
   const uint32_t side = counts.light, parts = counts.points * counts.points, fine = side * counts.points;
   s.across.resize(size_t{k_sets} * s.set_count), s.beside.resize(s.across.size()), s.along.resize(s.across.size());

@@ -40,8 +40,8 @@ using Profile = std::vector<std::array<double, 2>>;
 Mesh make_revolved(const Profile& profile, uint32_t around);
 
 // The inner wall of an hourglass: two bulbs of radius `bulb`, flat at both ends with rounded corners, joined by a neck
-// of radius `neck` half way up. A half cosine leads from neck to bulb; its steepest slope dr/dy is (bulb - neck)
-// pi/(3/4 height). Each curve has `steps` pieces.
+// of radius `neck` half way up. A half cosine leads from neck to bulb. Its steepest slope dr/dy is
+// (bulb - neck) pi/(3/4 height). Each curve has `steps` pieces.
 Profile hourglass_profile(double height, double bulb, double neck, uint32_t steps);
 
 // The radius of that wall at the height y; 0 below and above the hourglass.
