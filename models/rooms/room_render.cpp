@@ -68,8 +68,8 @@ constexpr int k_bounces = 7;       // diffuse bounces; in a white room each carr
 constexpr int k_sure_bounces = 1;  // after these, a path may end by chance
 constexpr int k_pilot_paths = 4096;
 // The most light that one bounce after the first may add to a path. It is a multiple of the mean that all later bounces
-// add together. The walls right beside a lamp are as bright as a small lamp, and paths find them only by chance. Without
-// the limit, they would make sparks all over the picture.
+// add together. The walls right beside a lamp are as bright as a small lamp, and paths find them only by chance.
+// Without the limit, they would make sparks all over the picture.
 constexpr double k_spark_limit = 25.0;
 // The least cosine that is used when a lamp's chance is computed. Its middle may face away while one of its corners
 // does not.
