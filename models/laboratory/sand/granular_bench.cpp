@@ -94,7 +94,7 @@ EqualError find_equal_error(const SceneFile& scene, double p99, sandglass_isa is
   const BenchStep watch = [&] { return !(stopped = stopped || !step()); };
   const auto cost = [](uint32_t steps, uint32_t iterations) { return steps * (iterations + 2); };
   for (const uint32_t iterations : k_iterations) {
-    // The search looks for the fewest steps that suffice. They lie in [low, high). If it ends at `limit`, none suffices.
+    // Looks for the fewest steps that suffice, which lie in [low, high). If the search ends at `limit`, none suffices.
     size_t low = 0, high = k_steps.size();
     double reached = 0.0;
     // A setting that costs at least as much as the best known one is not worth a run.

@@ -1,4 +1,5 @@
-// Single particles and piles with known results. Frames take 20 ms and have no budget, so every frame does all its work.
+// Single particles and piles with known results. Frames take 20 ms and have no budget, so every frame does all its
+// work.
 #include "models/laboratory/sand/physics_cases.h"
 
 #include <algorithm>

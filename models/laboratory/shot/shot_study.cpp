@@ -33,8 +33,8 @@ void take_means(ShotStudy* study) {
 
 namespace {
 
-// The share of Student's distribution within t standard errors. The finite sums are Abramowitz and Stegun 26.7.3 for odd
-// and 26.7.4 for even degrees of freedom.
+// The share of Student's distribution within t standard errors. The finite sums are Abramowitz and Stegun 26.7.3 for
+// odd and 26.7.4 for even degrees of freedom.
 double student_share(double t, int freedom) {
   const double angle = std::atan(t / std::sqrt(static_cast<double>(freedom))), c = std::cos(angle), s = std::sin(angle);
   const bool odd = freedom % 2 != 0;
