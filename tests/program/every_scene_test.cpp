@@ -1,5 +1,5 @@
 // In every shipped scene, no frame has an invalid operation or a division by zero (a trap ends the program), and none
-// allocates. Another instruction set repeats the run to the bit from the recorded plans. In a sanitizer build the same
+// allocates. A second instruction set repeats the run to the bit from the recorded plans. In a sanitizer build the same
 // frames test the code under the sanitizers. Scenes with rigid bodies, with emitters and sinks, and one that falls
 // asleep run to their end.
 #include <gtest/gtest.h>
