@@ -20,7 +20,7 @@ struct Opening {
   double start, width, sill, height;
 };
 
-// A wall seen from inside: it starts at `origin`, runs along the unit vector `along`, and `inward` points into the
+// A wall as seen from inside. It starts at `origin` and runs along the unit vector `along`. `inward` points into the
 // room.
 struct Wall {
   Vec3 origin, along, inward;

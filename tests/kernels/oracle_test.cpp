@@ -183,7 +183,7 @@ void check_neighbour_lists(uint32_t n) {
       std::sort(found.begin(), found.end());
       std::vector<uint32_t> expected;
       for (uint32_t j = 0; j < n; ++j) {
-        // A pair whose distance is the reach, to within rounding, may count or not. With this seed there is none.
+        // A pair may or may not count if its distance equals the reach to within rounding. This seed has no such pair.
         const double d = distance(moving.records[i], moving.records[j]),
                      b = distance(moving.records[i], fixed.records[j]);
         ASSERT_GT(std::min(std::fabs(d - 0.024), std::fabs(b - 0.024)), 1e-8);
