@@ -12,9 +12,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The camera's own image is wider than the picture: as wide as the network looks.
+// The camera's own image is wider than the picture. It has the size and the field of view that the network expects.
 constexpr int k_width = SANDGLASS_LIGHT_WIDTH, k_height = SANDGLASS_LIGHT_HEIGHT;
-constexpr double k_focal = 174.60936017108344;  // pixels: 85 degrees across the diagonal
+constexpr double k_focal = 174.60936017108344;  // in pixels; the image's diagonal spans 85 degrees
 
 }  // namespace
 
@@ -39,7 +39,7 @@ const sandglass_camera_image* LightEstimate::take(const Surroundings& room, cons
   image_.planes[0] = pixels_.data(), image_.strides[0] = 3 * image_.width;
   image_.focal_x = image_.focal_y = static_cast<float>(focal);
   image_.centre_x = static_cast<float>(0.5 * (width - 1)), image_.centre_y = static_cast<float>(0.5 * (height - 1));
-  // Columns of a camera that looks along -z with y up.
+  // The columns of the pose of a camera that looks along its own -z with y up.
   float matrix[16] = {};
   const Vec3 axes[4] = {camera.right, camera.up, camera.forward * -1.0, {}};
   for (int i = 0; i < 4; ++i) {

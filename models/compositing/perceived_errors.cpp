@@ -1,4 +1,5 @@
-// Constants are those of the papers; sums of filters are normalised, pictures are continued by their border pixels.
+// Constants are those of the papers. The weights of a filter are normalised. Outside, a picture continues with its
+// border pixels.
 #include "models/compositing/perceived_errors.h"
 
 #include <algorithm>
@@ -38,7 +39,7 @@ Filter gaussian(double deviation) {
                                     [&](int i) { return std::exp(-i * i / (2.0 * deviation * deviation)); }));
 }
 
-// Along x, then along y.
+// Filters along x, then along y.
 Plane filtered(const Plane& plane, int width, int height, const Filter& along_x, const Filter& along_y) {
   Plane middle(plane.size()), result(plane.size());
   const auto at = [&](int x, int y) {
@@ -71,7 +72,7 @@ double encoded(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
 }
 
-// Linear BT.709 to XYZ over the white point, and back.
+// From linear BT.709 to XYZ divided by the white point, and back.
 constexpr double k_to_xyz[3][3] = {{10135552.0 / 24577794.0, 8788810.0 / 24577794.0, 4435075.0 / 24577794.0},
                                    {2613072.0 / 12288897.0, 8788810.0 / 12288897.0, 887015.0 / 12288897.0},
                                    {1425312.0 / 73733382.0, 8788810.0 / 73733382.0, 70074185.0 / 73733382.0}};
@@ -90,7 +91,7 @@ Vec3 relative_xyz(Vec3 linear) {
   return {xyz.x / white.x, xyz.y / white.y, xyz.z / white.z};
 }
 
-// YCxCz: L*a*b* without its cube roots, in which filtering is linear.
+// YCxCz, which is L*a*b* without the cube roots. Filtering is linear in it.
 Vec3 opponent(Vec3 linear) {
   const Vec3 r = relative_xyz(linear);
   return {116.0 * r.y - 16.0, 500.0 * (r.x - r.y), 200.0 * (r.y - r.z)};
@@ -101,7 +102,7 @@ Vec3 linear_of_opponent(Vec3 o) {
   return inverse_multiply(k_to_xyz, {(y + o.y / 500.0) * white.x, y * white.y, (y - o.z / 200.0) * white.z});
 }
 
-// L*a*b*, the two colour axes scaled by lightness (Hunt effect).
+// L*a*b* whose two colour axes are scaled by lightness (Hunt effect).
 Vec3 hunt_lab(Vec3 linear) {
   const auto f = [](double t) {
     constexpr double k_delta = 6.0 / 29.0;
@@ -114,15 +115,15 @@ Vec3 hunt_lab(Vec3 linear) {
 
 double hyab(Vec3 a, Vec3 b) { return std::fabs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z); }
 
-// The contrast sensitivity of a channel as one or two Gaussians over degrees; the second is absent where its height is
-// 0.
+// The contrast sensitivity of a channel as one or two Gaussians over degrees. If height2 is 0, there is no second one.
 struct Sensitivity {
   double height, width, height2, width2;
 };
 constexpr Sensitivity k_sensitivity[3] = {
     {1.0, 0.0047, 0.0, 1e-5}, {1.0, 0.0053, 0.0, 1e-5}, {34.1, 0.04, 13.5, 0.025}};
 
-// Filters each Gaussian apart, because only those are separable; their sums weigh them.
+// Filters with each Gaussian on its own, because only a single one is separable. Each result is weighted by the
+// Gaussian's height and sum.
 Plane sensitivity_filtered(const Plane& plane, int width, int height, const Sensitivity& s, double per_degree) {
   const int radius = static_cast<int>(std::ceil(3.0 * std::sqrt(0.04 / (2.0 * k_pi * k_pi)) * per_degree));
   const auto part = [&](double spread) {
@@ -164,7 +165,7 @@ std::vector<Vec3> seen_colours(const RadianceMap& map, double per_degree) {
   return lab;
 }
 
-// How strongly edges (first derivative) and points (second) show, of the achromatic channel.
+// How strongly edges (first derivative) and points (second derivative) show in the achromatic channel.
 struct Features {
   Plane edge, point;
 };
@@ -173,7 +174,7 @@ Features features_of(const RadianceMap& map, double per_degree) {
   const double deviation = 0.5 * k_feature_width * per_degree;
   const int radius = static_cast<int>(std::ceil(3.0 * deviation));
   const auto bell = [&](int i) { return std::exp(-i * i / (2.0 * deviation * deviation)); };
-  // Positive weights of the two-dimensional filter sum to 1, negative ones to -1.
+  // The positive weights of the two-dimensional filter sum to 1, the negative ones to -1.
   const auto balanced = [](Filter f) {
     double positive = 0.0, negative = 0.0;
     for (const double w : f.weight) (w > 0.0 ? positive : negative) += std::fabs(w);

@@ -35,7 +35,7 @@ std::string network_of(const ShotOptions& options) {
   return options.network.empty() ? shipped_light_network() : options.network;
 }
 
-// Before anything is traced: what is wrong with it is said at once.
+// The source of light that the options ask for. This runs before anything is traced, so a mistake is reported at once.
 LightSource source_of(const ShotOptions& options) {
   const bool network = !network_of(options).empty(), photo = !options.photo.empty();
   const LightSource source = options.light.value_or(network ? LightSource::estimate
@@ -57,7 +57,7 @@ const ColliderTrack& standing_track(const SceneFile& scene) {
                "Add one");
 }
 
-// The mesh as it stands and the box that its shadow was baked of agree to this share of the height.
+// The mesh as it stands must agree with the box of the baked shadow to within this share of the height.
 constexpr double k_same_shape = 0.03;
 
 void require_baked_of(const ColliderTrack& track, const Mesh& standing, const std::string& name) {
@@ -141,7 +141,7 @@ void Shot::begin(uint32_t frame) {
   const ShotCamera held = camera(frame);
   ShotLight light = arbitrary_light(resting_camera(camera_));
   if (source_ == LightSource::labels) {
-    // What the camera would be told, in its own axes, and back through its pose: the way that an estimate takes.
+    // The labels take the way of an estimate: into the camera's axes, then back through its pose.
     light = labels_;
     light.towards = held.to_scene(held.to_camera(labels_.towards));
   } else if (source_ == LightSource::estimate) {

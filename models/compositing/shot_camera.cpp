@@ -17,7 +17,8 @@ ShotCamera resting_camera(const Camera& camera) {
 
 ShotCamera held_camera(const Camera& camera, const ShotTrack& track, double seconds, double share) {
   constexpr double k_degree = std::numbers::pi / 180.0;
-  // Sums of two slow waves an axis whose periods share no beat within a shot: about the spectrum of a hand.
+  // Each axis sways by the sum of two slow waves. Their periods share no beat within a shot. The spectrum is about that
+  // of a hand.
   const auto wave = [&](double slow, double quick, double phase) {
     return track.sway_deg * k_degree * (0.7 * std::sin(slow * seconds + phase) + 0.3 * std::sin(quick * seconds));
   };

@@ -21,10 +21,10 @@ namespace {
 constexpr double k_pi = std::numbers::pi;
 constexpr double k_far = 1e3, k_lift = 2e-4;   // metres
 constexpr Vec3 k_object = {0.60, 0.44, 0.30};  // reflectance: varnished wood
-constexpr double k_open_reach = 0.5;           // metres that ambient light is looked for
-constexpr double k_contact_reach = 0.011;      // metres: a texel of the sand's shadow
-constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; beyond, nothing is cast
-constexpr double k_above = 2.0;                // metres: higher than any sand
+constexpr double k_open_reach = 0.5;           // metres; only what is nearer hides ambient light
+constexpr double k_contact_reach = 0.011;      // metres, a texel of the sand's shadow
+constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; no shadow falls beyond
+constexpr double k_above = 2.0;                // metres, higher than any sand
 constexpr int k_bounces = 3;
 constexpr uint64_t k_composite_stream = 41, k_truth_stream = 42, k_floor_stream = 43;
 
@@ -98,7 +98,8 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
   const Vec3 opacity = shadow_opacity(light);
   const bool textured = cast == CastShadow::textures || cast == CastShadow::no_curve;
   const bool curve = cast != CastShadow::no_curve;
-  // The light's colours are means of what the camera shows; what the ambient one stands for says how bright both are.
+  // The light's colours are means of what the camera shows. The radiance behind the ambient colour says how bright both
+  // are.
   const double shown = luminance(light.ambient);
   const double exposure = curve && shown > 0.0 ? luminance(room.radiance(light.ambient)) / shown : 1.0;
   RadianceMap picture(options.width, options.height);
@@ -124,7 +125,7 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     if (open > 0.0 && hit.surface == Surface::object) {
       open = state_->object.occluded(start, in_light(), k_far) ? 0.0 : 1.0;
     } else if (open > 0.0 && textured) {
-      // Grains next to each other are finer than a texel: contact shadows, of rays that end where texels begin.
+      // Grains that touch are finer than a texel. Rays of a texel's length give their contact shadows.
       open = state_->grains.occluded(start, in_light(), k_contact_reach) ? 0.0 : 1.0;
       if (light.towards.y > 0.0) {
         const Vec3 foot = hit.point - light.towards * (hit.point.y / light.towards.y);
@@ -133,9 +134,9 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     } else if (open > 0.0 && cast == CastShadow::hard) {
       open = state_->blocked(start, light.towards, k_far) ? 0.0 : 1.0;
     }
-    // In shadow lies only what one direction stands for.
+    // A shadow removes only the part of the light that comes from one direction.
     const double direct = facing * (1.0 - light.concentration * (1.0 - open));
-    // What hides a part of the room is lit by it, too, and gives back its share.
+    // A surface that hides a part of the room is lit by the room too, and reflects its share.
     const Hit around = state_->closest(start, cosine_direction(hit.normal, random->uniform(), random->uniform()));
     const bool hidden =
         (around.surface == Surface::object || around.surface == Surface::grain) && around.distance < k_open_reach;
@@ -161,7 +162,8 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
 
 RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camera,
                                const ShotPictureOptions& options) const {
-  // What is below the horizon the floor hides, and stands for itself. The floor draws its light by the cosine, too.
+  // The floor hides what lies below the horizon, and is itself what one sees there. Light on the floor is sampled by
+  // its cosine too.
   const ViewRotation rotation(room.view);
   RadianceMap above = room.warped, on_floor = room.warped;
   for (int v = 0; v < above.height; ++v)
@@ -172,11 +174,11 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
     }
   const ProbeLight environment = ProbeLight::environment(above, rotation);
   const ProbeLight floor_light = ProbeLight::environment(on_floor, rotation);
-  // The floor's reflectance: its radiance around the object, over the irradiance that it gets there.
+  // The floor's reflectance is its radiance around the object, divided by the irradiance that it gets there.
   Vec3 reflectance;
   {
     constexpr int k_places = 256, k_rays = 8192;
-    constexpr double k_around = 1.0;  // metres
+    constexpr double k_around = 1.0;  // metres from the object
     Random random = random_stream(1, k_floor_stream);
     Vec3 radiance, irradiance;
     for (int i = 0; i < k_places; ++i) {
@@ -192,7 +194,7 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
     reflectance = {ratio(radiance.x, irradiance.x), ratio(radiance.y, irradiance.y), ratio(radiance.z, irradiance.z)};
   }
   RadianceMap picture(options.width, options.height);
-  // The irradiance that one ray of the room's light brings, and (*open) what it would without anything in its way.
+  // The irradiance that one ray of the room's light brings. *open gets what it would bring with nothing in its way.
   const auto direct = [&](Vec3 start, Vec3 normal, Surface surface, double a, double b, Vec3* open) {
     const bool floor = surface == Surface::floor;
     const ProbeLight::Sample s = (floor ? floor_light : environment).sample(normal, a, b);
@@ -201,7 +203,8 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
     if (open != nullptr) *open = s.weight * cosine;
     return state_->blocked(start, s.direction, k_far) ? Vec3{} : s.weight * cosine;
   };
-  // Radiance that arrives along a ray by way of what stands here; light that comes straight from the room is not in it.
+  // The radiance that arrives along a ray after it met the floor, the object or the grains. Light that comes straight
+  // from the room does not count.
   const auto arriving = [&](Vec3 origin, Vec3 direction, int bounces, Random* random) {
     Vec3 sum, throughput = {1, 1, 1};
     for (int bounce = 0; bounce < bounces; ++bounce) {
@@ -238,7 +241,7 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
             arriving(start, cosine_direction(hit.normal, random.uniform(), random.uniform()), k_bounces - 1, &random) *
             k_pi;
         if (hit.surface == Surface::floor) {
-          // Light that reaches the floor by way of the floor is in the panorama already.
+          // The panorama already contains the light that the floor sends to itself.
           with = with + seen + indirect, without = without + open;
           background = background + look_up(room.panorama, direction), ++caught, ++behind;
         } else {

@@ -18,9 +18,10 @@ namespace {
 
 constexpr double k_pi = std::numbers::pi;
 constexpr int k_room_width = 1024, k_room_samples = 48;
-constexpr double k_most_contrast = 0.95, k_least_cosine = 0.1, k_most_strength = 64.0;  // of the radiometry
+// Limits of the light's radiometry.
+constexpr double k_most_contrast = 0.95, k_least_cosine = 0.1, k_most_strength = 64.0;
 constexpr double k_picture_aspect = 4.0 / 3.0;
-constexpr double k_room_insertion = 0.6;  // 4 m from the farthest that is seen (5.22), as in these rooms
+constexpr double k_room_insertion = 0.6;  // (5.22) for rooms like these, where the farthest surface is 4 m away
 
 Vec3 limited(Vec3 c) { return {std::min(c.x, 1.0), std::min(c.y, 1.0), std::min(c.z, 1.0)}; }
 
@@ -30,7 +31,7 @@ RadianceMap linear_photo(const Picture& picture) {
   return photo;
 }
 
-// Interpolated bilinearly. Outside, the border's colour continues.
+// The photograph's colour, interpolated bilinearly. Outside, the border's colour continues.
 Vec3 photo_at(const RadianceMap& photo, double x, double y) {
   const double u = std::clamp(x - 0.5, 0.0, photo.width - 1.0), v = std::clamp(y - 0.5, 0.0, photo.height - 1.0);
   const int u0 = static_cast<int>(u), v0 = static_cast<int>(v);
@@ -72,7 +73,8 @@ Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name
   s.panorama = RadianceMap(w, panorama.height);
   for (int v = 0; v < panorama.height; ++v)
     for (int u = 0; u < w; ++u) s.panorama.set(u, v, panorama.colour(((u + shift) % w + w) % w, v));
-  // The place of the object is taken on the level of the eye: what is above a sphere's lower half is no floor's sky.
+  // The view towards the object is level, as if the object stood at the height of the eye. If the view looked down, the
+  // upper half of the warped panorama would not be the floor's sky.
   const Vec3 to = standing - camera.eye;
   s.view = {0.5 * k_pi, std::atan2(to.z, to.x)};
   s.warped = warp(s.panorama, s.view, insertion);
@@ -93,7 +95,7 @@ Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_
     map = trace_room(room, options).radiance;
     expose(&map, room.key);
     if (!path.empty()) {
-      // What is drawn is what is kept: a later run reads the same bits.
+      // The map is read back from the file, so a later run draws with the same bits.
       write_hdr(path, map);
       map = read_panorama(path);
     }
@@ -116,7 +118,7 @@ ShotLight labelled_light(const Surroundings& s) {
   const ViewRotation rotation(s.view);
   const LightLabels labels = labels_of(s.warped, rotation.to_rotated({0, 1, 0}), s.white);
   const Vec3 towards = rotation.to_panorama(labels.direction);
-  // As sandglass/light.h: so strong that its share of what the level floor receives is the contrast.
+  // As in sandglass/light.h, the light is so strong that its share of what a level floor receives is the contrast.
   const double o = std::min(labels.contrast, k_most_contrast);
   const double wanted = luminance(labels.ambient) * o / (1.0 - o) / std::max(towards.y, k_least_cosine);
   const double strength =

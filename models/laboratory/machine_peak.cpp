@@ -1,5 +1,6 @@
-// Independent chains of vector multiply-adds, best of several rounds; a sum over a large array. On x86 the compiler
-// makes one clone of the arithmetic loop per instruction set and the loader picks.
+// Measures the machine's peak with independent chains of vector multiply-adds, and its bandwidth with a sum over a
+// large array. The best of several rounds counts. On x86 the arithmetic loop has a copy for each vector width, and the
+// widest one that the processor supports runs.
 #include "models/laboratory/machine_peak.h"
 
 #include <algorithm>
@@ -11,7 +12,8 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr int k_chains = 12;  // independent; enough to hide a latency of 4 at 2 a cycle, few enough for 16 registers
+// Enough independent chains to hide a latency of 4 at 2 a cycle, and few enough for 16 registers.
+constexpr int k_chains = 12;
 constexpr int k_repeats = 200'000;
 constexpr int k_rounds = 12;
 constexpr size_t k_array_bytes = size_t{256} << 20;
@@ -20,7 +22,8 @@ double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// Returns the lanes of a vector, so that the caller can count; `values` keeps the arithmetic alive.
+// Returns the lanes of a vector, so that the caller can count the work. `values` keeps the arithmetic from being
+// optimised away.
 #define SANDGLASS_MULTIPLY_ADD(name, bytes)                                           \
   int name(float* values) {                                                           \
     typedef float Wide __attribute__((vector_size(bytes)));                           \
@@ -51,7 +54,8 @@ __attribute__((SANDGLASS_FUSED)) SANDGLASS_MULTIPLY_ADD(multiply_add_128, 16)
   return multiply_add_128(values);
 }
 
-// Multiply-adds of bytes done, or 0. Assembly, because compilers move the accumulators of the builtins about.
+// Returns how many multiply-adds of bytes it did. It is assembly, because compilers move the accumulators of the
+// builtins about.
 #if defined(__x86_64__)
 __attribute__((noinline, target("avx512f"))) double dot_bytes_512() {
   typedef int Wide __attribute__((vector_size(64)));

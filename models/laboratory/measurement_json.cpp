@@ -1,4 +1,4 @@
-// Through nlohmann-json, keys in the order in which a reader wants them.
+// Writes measurements with nlohmann-json. The keys keep the order in which a reader wants them.
 #include "models/laboratory/measurement_json.h"
 
 #include <nlohmann/json.hpp>

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int k_folds = 5;
-constexpr int k_small_width = 128, k_small_height = 64;  // panoramas under an excerpt on the sheet
+constexpr int k_small_width = 128, k_small_height = 64;  // the panoramas below an excerpt on the sheet
 constexpr Colour k_white = {255, 255, 255};
 
 // Splits a line at its commas, except those within quotes.
@@ -37,7 +37,7 @@ std::vector<std::string> fields_of(const std::string& line) {
 }
 
 struct Excerpt {
-  std::string line;  // of the manifest
+  std::string line;  // its line in the manifest
   Picture tile;      // empty unless asked for
   bool has_direction;
 };
@@ -183,8 +183,8 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
     const size_t at = i * excerpts / tiles;
     with_tile[at / k_excerpts][at % k_excerpts] = true;
   }
-  // A panorama that cannot be read is reported before anything is written. Reading them twice costs a hundredth of the
-  // time of cutting.
+  // A panorama that cannot be read is reported before anything is written. Reading the panoramas twice costs a
+  // hundredth of the time that cutting takes.
   for_all(panoramas.size(), options.threads, "reading panoramas", [&](size_t i) { LitPanorama{panoramas[i]}; });
   if (interrupted()) return {};
   make_folder(options.folder + "/images");

@@ -43,7 +43,7 @@ Convolution convolution_of(const std::map<std::string, NpyArray>& arrays, const 
           find(arrays, name, {n, n, static_cast<uint64_t>(inputs), static_cast<uint64_t>(outputs)}).values};
 }
 
-// Pixels by rows. Each has `stride` channels, of which the first `channels` are in use.
+// Pixels by rows. Each pixel has `stride` channels, and the first `channels` are in use.
 struct Activations {
   int width, height, channels, stride;
   std::vector<float> values;
@@ -67,18 +67,18 @@ void rectified(const ChannelAffine& affine, const float* in, float* out, int cha
   }
 }
 
-// Adds the products of one pixel's inputs and one place of the kernel.
+// Adds the products of one pixel's inputs with the weights at one place of the kernel.
 void accumulate(const Convolution& conv, int row, int column, const float* in, float* out) {
   const float* weights = conv.weights.data() + static_cast<size_t>((row * conv.size + column) * conv.inputs) *
                                                    static_cast<size_t>(conv.outputs);
   for (int k = 0; k < conv.inputs; ++k, weights += conv.outputs) {
     const float value = in[k];
-    if (value == 0.0f) continue;  // half of all values behind a rectifier
+    if (value == 0.0f) continue;  // behind a rectifier half of all values are 0
     for (int n = 0; n < conv.outputs; ++n) out[n] += value * weights[n];
   }
 }
 
-// Convolves with a zero padding of size / 2 and writes the channels from `to` on.
+// Convolves with a zero padding of size / 2. Writes the output channels from `to` on.
 void convolve(const Convolution& conv, const Activations& in, int step, Activations* out, int to) {
   const int pad = conv.size / 2;
   for (int y = 0; y < out->height; ++y)

@@ -18,9 +18,9 @@ struct Input {
 };
 using Inputs = std::vector<Input>;
 
-// max(0, scale x + shift)
+// The input max(0, scale x + shift).
 Input rectified(double scale, double shift) {
-  // If it crosses zero beyond every x, the shift alone decides.
+  // If the line crosses zero beyond every x, the shift alone decides.
   if (std::fabs(shift) >= k_limit * std::fabs(scale)) return shift > 0 ? Input{scale, shift} : Input{0};
   const double zero = -shift / scale;
   return scale > 0 ? Input{scale, shift, zero, k_limit} : Input{scale, shift, -k_limit, zero};

@@ -8,9 +8,9 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_contrast_factor = 0.05;  // of (5.24)
-constexpr double k_least_concentration =
-    1e-3;  // of the weighted directions' mean length; below it there is no direction
+constexpr double k_contrast_factor = 0.05;  // the factor in (5.24)
+// The least length of the mean of weighted directions. Below it there is no direction.
+constexpr double k_least_concentration = 1e-3;
 constexpr double k_gaussian_sharpness = 2.0 * std::numbers::pi;
 
 Vec3 clamped(Vec3 c) { return {std::min(c.x, 1.0), std::min(c.y, 1.0), std::min(c.z, 1.0)}; }
@@ -46,7 +46,7 @@ LabelVariants label_variants(const RadianceMap& panorama, Vec3 up, double white)
   const double threshold = k_highlight_share * greatest_luminance(panorama);
   Vec3 direction;
   WeightedColour light, ambient[k_ambient_weights];
-  double bright[2] = {0.0, 0.0}, irradiance[2] = {0.0, 0.0};  // of the rest, of the highlight
+  double bright[2] = {0.0, 0.0}, irradiance[2] = {0.0, 0.0};  // first the rest, then the highlight
   for (int v = 0; v < panorama.height; ++v) {
     const double omega = pixel_solid_angle(v, panorama.width, panorama.height);
     for (int u = 0; u < panorama.width; ++u) {

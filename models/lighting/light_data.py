@@ -102,7 +102,7 @@ def augmented(rgb, random):
     """Exposure, white balance, noise, JPEG, field of view with the border filled."""
     gain = gain_of(random)
     x = rgb.astype(np.float32) / 255.0
-    if random.random() < 0.5:  # a narrower camera, re-projected: outside its view is the edge's colour
+    if random.random() < 0.5:  # re-projects a narrower camera; outside its view the edge's colour continues
         scale = random.uniform(0.6, 1.0)
         u = np.clip(np.rint(np.clip((np.arange(WIDTH) - 127.5), -127.5 * scale, 127.5 * scale) + 127.5), 0, WIDTH - 1)
         v = np.clip(np.rint(np.clip((np.arange(HEIGHT) - 95.5), -95.5 * scale, 95.5 * scale) + 95.5), 0, HEIGHT - 1)

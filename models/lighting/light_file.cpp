@@ -14,7 +14,7 @@ namespace {
 
 using Builder = flatbuffers::FlatBufferBuilder;
 
-// One reference of a table to what was written before it; 0 is a reference to nothing, which takes no space.
+// A table's reference to something that was written before it. 0 refers to nothing and takes no space.
 struct Reference {
   flatbuffers::voffset_t field;
   flatbuffers::uoffset_t to;
@@ -81,7 +81,7 @@ std::vector<uint8_t> light_file_bytes(const LightFile& file) {
   const auto heads_bias = builder.CreateVector(file.heads_bias);
   flatbuffers::Offset<flatbuffers::Vector<float>> float_parameters = 0;
   if (!file.float_parameters.empty()) float_parameters = builder.CreateVector(file.float_parameters);
-  // The largest numbers first, so that none needs a gap before it.
+  // The widest numbers come first, so that none needs a gap before it.
   using Table = asset::Light;
   const flatbuffers::uoffset_t start = builder.StartTable();
   builder.AddElement<uint64_t>(Table::VT_SEED, file.seed, 0);
@@ -113,7 +113,7 @@ std::vector<uint8_t> light_file_bytes(const LightFile& file) {
 }
 
 LightFile random_light_file(uint64_t seed) {
-  // Inputs are assumed to be bytes around `centre`. Outputs then lie around `target`, spread over all bytes.
+  // If inputs are bytes around `centre`, outputs lie around `target` and spread over all bytes.
   constexpr double k_spread_of_weights = 73;  // standard deviation of uniform -127..127
   constexpr double k_spread_of_inputs = 50, k_spread_of_outputs = 55;
   uint64_t state = seed;

@@ -26,7 +26,7 @@ const std::vector<float>& find(const std::map<std::string, NpyArray>& arrays, co
   return found->second.values;
 }
 
-// One number, or `otherwise` if the file has none.
+// A number from the file, or `otherwise` if the file does not have it.
 double number(const std::map<std::string, NpyArray>& arrays, const std::string& name, double otherwise) {
   const auto found = arrays.find(name);
   return found == arrays.end() || found->second.values.empty() ? otherwise

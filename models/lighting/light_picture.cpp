@@ -17,8 +17,8 @@ namespace {
 
 constexpr Colour k_black = {0, 0, 0}, k_white = {255, 255, 255};
 constexpr int k_tile_height = 288, k_text_height = 14;
-constexpr double k_reflectance = 0.7;  // of floor and matt ball
-constexpr int k_rays = 3;              // a side of a pixel
+constexpr double k_reflectance = 0.7;  // the reflectance of the floor and the matt ball
+constexpr int k_rays = 3;              // rays along each side of a pixel
 
 void draw_line(Picture* picture, double x0, double y0, double x1, double y1, Colour colour, int thick) {
   const int steps = 1 + static_cast<int>(2.0 * std::hypot(x1 - x0, y1 - y0));
@@ -32,7 +32,7 @@ void draw_line(Picture* picture, double x0, double y0, double x1, double y1, Col
 
 Vec3 vector_of(const float* v) { return {v[0], v[1], v[2]}; }
 
-// The area that two caps of angular radii a and b at separation s share, divided by the area of the first.
+// The area that two caps share, divided by the area of the first. Their angular radii are a and b, their distance is s.
 double shared_part(double a, double b, double s) {
   if (s >= a + b) return 0.0;
   if (s <= std::fabs(a - b)) return a <= b ? 1.0 : b * b / (a * a);
@@ -47,15 +47,15 @@ struct Ball {
   bool mirror;
 };
 
-// Two balls side by side before a level camera, on the floor y = k_floor.
+// Two balls side by side in front of a level camera. They lie on the floor y = k_floor.
 constexpr double k_floor = 2.6;
 const Ball k_balls[2] = {{{-1.15, k_floor - 1.0, 6.0}, false}, {{1.15, k_floor - 1.0, 6.0}, true}};
 
 struct Scene {
-  Vec3 light, colour, ambient;  // direction; strength x colour
-  LightLabels labels;           // of the same light, for the environment map
+  Vec3 light, colour, ambient;  // the light's direction, and strength times colour
+  LightLabels labels;           // the labels of the same light, for the environment map
 
-  // Share of the light that reaches a point past the balls.
+  // The share of the light that reaches a point past the balls.
   double visible(Vec3 point, const Ball* but) const {
     double share = 1.0;
     for (const Ball& ball : k_balls) {
@@ -73,7 +73,7 @@ struct Scene {
     return (ambient * open + colour * facing) * k_reflectance;
   }
   Vec3 floor_colour(Vec3 point) const {
-    double open = 1.0;  // less what the balls hide: (R / d)^2 cos, the form factor of a sphere
+    double open = 1.0;  // each ball takes away the form factor of a sphere, (R / d)^2 cos
     for (const Ball& ball : k_balls) {
       const Vec3 to = ball.centre - point;
       const double d = length(to);
@@ -150,7 +150,7 @@ Picture scaled(const Picture& picture, int width, int height) {
 Picture lit_balls(const sandglass_light_estimate& estimate, int width, int height) {
   const Scene scene = scene_of(estimate);
   Picture picture(width, height, k_black);
-  // The window of the image plane z = 1 that holds both balls and the floor around them.
+  // The window in the image plane z = 1 that contains both balls and the floor around them.
   const double half = 0.52, middle = 0.27, pixel = 2.0 * half / width;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {

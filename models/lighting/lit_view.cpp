@@ -54,7 +54,7 @@ LitPanorama::LitPanorama(const std::string& path) : radiance_(read_panorama(path
 LitView LitPanorama::cut(View view) const {
   LitView cut;
   cut.radius = insertion_radius(depth_.values, depth_.shape.empty() ? 0 : static_cast<int>(depth_.shape[1]), view);
-  // More pixels than the panorama has would add no information.
+  // More pixels than the panorama has would not add information.
   const int width = std::clamp(radiance_.width, k_least_warped_width, k_warped_width);
   cut.warped = warp(radiance_, view, cut.radius, width, width / 2);
   cut.labels = labels_of(cut.warped, ViewRotation(view).to_rotated({0, 1, 0}), white_);

@@ -12,9 +12,9 @@ namespace {
 
 constexpr double k_mean[3] = {0.485, 0.456, 0.406}, k_deviation[3] = {0.229, 0.224, 0.225};
 constexpr double k_bias_limit = 1 << 28;
-constexpr double k_margin = 0.1;              // share of a range that is added beyond the observed values
-constexpr uint64_t k_samples_an_image = 128;  // of products
-constexpr double k_ridge = 0.5;               // added to a byte's variance; its rounding alone has 1/12
+constexpr double k_margin = 0.1;              // the share of a range that is added beyond the observed values
+constexpr uint64_t k_samples_an_image = 128;  // samples of products
+constexpr double k_ridge = 0.5;               // added to a byte's variance; rounding alone makes a variance of 1/12
 
 void note(ChannelRanges* ranges, const float* values, int channels) {
   ranges->resize(static_cast<size_t>(channels));
@@ -29,7 +29,7 @@ void note(ChannelRanges* ranges, const float* values, int channels) {
   }
 }
 
-// How the bytes of a channel stand for values: x = step * (byte - zero).
+// The bytes of a channel stand for the values x = step * (byte - zero).
 struct Grid {
   double step = 1, zero = 0;
 };
@@ -48,15 +48,15 @@ std::vector<Grid> grids_of(const ChannelRanges& ranges, bool rectified) {
   return grids;
 }
 
-// How one input enters a convolution, slope * (clamped byte - origin), and what is known of that byte.
+// One input enters a convolution as slope * (clamped byte - origin) + constant. The rest is known about its byte.
 struct Input {
   double slope = 1, origin = 0;
-  double constant = 0;  // added to slope * (...)
+  double constant = 0;
   double mean = 0, variance = 0;
   uint8_t low = 0, high = 255;
 };
 
-// max(0, scale x + shift) on bytes of `grid`; `seen` are the values that were observed.
+// The input max(0, scale x + shift) on bytes of `grid`. `seen` are the values that were observed.
 Input rectified_input(const Grid& grid, double scale, double shift, const ChannelRange& seen) {
   Input input;
   const double slope = scale * grid.step;
@@ -74,7 +74,7 @@ Input rectified_input(const Grid& grid, double scale, double shift, const Channe
   else input.high = static_cast<uint8_t>(rounded);
   const bool cuts = threshold > 0 && threshold < 255;
   const double off = cuts ? static_cast<double>(seen.zeros) / count : 0;
-  // Below the threshold the result is the threshold's rounding error instead of zero, which on average is a constant.
+  // Below the threshold the result is not zero but the threshold's rounding error. On average that is a constant.
   input.constant = -off * slope * (rounded - threshold);
   input.mean = std::clamp(threshold + (mean - input.constant) / slope, 0.0, 255.0);
   input.variance = variance / (slope * slope);
@@ -90,7 +90,7 @@ std::vector<Input> rectified_inputs(const std::vector<Grid>& grids, const Channe
   return inputs;
 }
 
-// Bytes that stand for their own value times a step, with zero at zero.
+// Inputs without a rectifier, whose values are step * byte. Byte 0 stands for the value 0.
 std::vector<Input> plain_inputs(const std::vector<Grid>& grids, const ChannelRanges& seen) {
   std::vector<Input> inputs;
   for (size_t c = 0; c < seen.size(); ++c) {
@@ -110,7 +110,7 @@ struct ByteRow {
   double scale = 1, bias = 0;  // output = scale * (sum of weight * byte) + bias
 };
 
-// `weights` are those of the inputs' values, `places` times all inputs. `constant` is added.
+// `weights` are the weights of the inputs' values, for all places and all inputs. `constant` is added.
 ByteRow byte_row(const std::vector<double>& weights, double constant, const std::vector<Input>& inputs,
                  const std::vector<float>& factor) {
   std::vector<double> of_bytes(weights.size());
@@ -158,7 +158,7 @@ ByteConvolution byte_convolution(const Convolution& c, const ChannelAffine* affi
     std::vector<double> weights(places);
     for (size_t k = 0; k < places; ++k) weights[k] = scale * static_cast<double>(c.weights[k * count + o]);
     ByteRow row = byte_row(weights, affine == nullptr ? 0 : static_cast<double>(affine->shift[o]), inputs, factor);
-    // The bias is at most 2^28 steps: an output that hardly depends on its inputs gets coarser steps.
+    // The bias may be at most 2^28 steps. So an output that hardly depends on its inputs gets coarser steps.
     const double bias = row.bias + outputs[o].step * outputs[o].zero;
     row.scale = std::max(row.scale, std::fabs(bias) / k_bias_limit);
     bytes.weights.insert(bytes.weights.end(), row.weights.begin(), row.weights.end());
@@ -216,14 +216,14 @@ std::vector<float> observe(const DenseNet& net, std::span<const uint8_t> rgb, in
     return static_cast<uint64_t>((width >> (2 + block)) * (height >> (2 + block)));
   };
   const auto block_of = [](int layer) { return layer < 6 ? 0 : layer < 18 ? 1 : layer < 42 ? 2 : 3; };
-  // Only a share of the pixels counts, at equal distances. Which ones differs from image to image.
+  // Only some pixels count, at equal distances. Each image has different ones.
   const auto chosen = [&](uint64_t pixel, uint64_t pixels) {
     const uint64_t every = std::max<uint64_t>(1, pixels / k_samples_an_image);
     return ranges->products && (pixel + 7 * ranges->images) % every == 0;
   };
   uint64_t narrow_pixel = 0, transition_pixel = 0;
   std::vector<float> bottleneck, quarters, window(size_t{9} * k_bottleneck);
-  // All pixels of the bottleneck are observed before the first one of the growth.
+  // All pixels of the bottleneck are observed before the first pixel of the growth.
   const auto take_windows = [&](int layer) {
     const int columns = width >> (2 + block_of(layer)), rows = height >> (2 + block_of(layer));
     for (int y = 0; y < rows; ++y)

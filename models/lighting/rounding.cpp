@@ -7,7 +7,7 @@ namespace sandglass::host {
 
 namespace {
 
-// Samples that wait, so that a row of products is read from memory once for all of them.
+// So many samples wait together. A row of products is then read from memory once for all of them.
 constexpr size_t k_waiting = 32;
 
 }  // namespace
@@ -47,7 +47,7 @@ std::vector<float> triangular_factor(const InputProducts& p, const std::vector<d
       const double unit = units[i % units.size()] * units[k % units.size()];
       h[i * n + k] = static_cast<float>((unit == 0 ? 0 : covariance / unit) + (i == k ? ridge : 0));
     }
-  // From the last input to the first. Column j of M is written over row j, mirrored.
+  // This goes from the last input to the first. Column j of M overwrites row j, mirrored.
   for (size_t j = n; j-- > 0;) {
     float* column = h.data() + j * n;
     const float d = std::max(column[j], static_cast<float>(ridge));
@@ -65,7 +65,7 @@ std::vector<float> triangular_factor(const InputProducts& p, const std::vector<d
 std::vector<int8_t> rounded(const std::vector<double>& weights, double scale, const std::vector<float>& factor) {
   const size_t n = weights.size();
   std::vector<int8_t> integers(n);
-  std::vector<float> errors(n);  // of the weights before
+  std::vector<float> errors(n);  // the rounding errors of the weights before
   for (size_t k = 0; k < n; ++k) {
     double aim = weights[k] / scale;
     if (!factor.empty()) {

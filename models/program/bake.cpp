@@ -13,7 +13,8 @@ namespace sandglass::host {
 
 namespace {
 
-// The number that `text` begins with, decimal, without sign, and what follows it; false: none, or too large.
+// Reads the decimal number without a sign that `text` begins with. *rest gets what follows. Returns false if there is
+// no number or it is too large.
 template <class Number>
 bool number_at(std::string_view text, Number* number, std::string_view* rest) {
   const bool digit = !text.empty() && text[0] >= '0' && text[0] <= '9';
@@ -50,7 +51,7 @@ std::string measurements(const BakeReport& r, const BakeSettings& settings) {
     keep(name, "block", "1", error->block);
   }
   keep("validation", "lights", "1", v.lights);
-  keep("validation", "whole_textures", "1", v.whole);  // that ssim and block are of
+  keep("validation", "whole_textures", "1", v.whole);  // how many textures ssim and block are computed from
   keep("int8", "ms", "ms", r.ms_full);
   keep("int8_adaptive", "ms", "ms", r.ms_adaptive);
   keep("int8_adaptive", "evaluated", "1", v.evaluated);

@@ -1,5 +1,5 @@
-// `sandglass bench granular`: the column of 14,280 particles and 228,480 grains by the default scheme, by the
-// dissertation's, and by the dissertation's at equal error.
+// `sandglass bench granular`: the column of 14,280 particles and 228,480 grains. It runs with the default scheme, with
+// the dissertation's scheme, and with the dissertation's scheme at an equal error.
 #include <algorithm>
 #include <cstdio>
 #include <thread>
@@ -14,9 +14,9 @@ namespace sandglass::host {
 namespace {
 
 constexpr uint32_t k_peer_frames = 5;     // other engines take seconds a frame
-constexpr uint32_t k_search_threads = 4;  // the search needs errors only, and they do not depend on threads
+constexpr uint32_t k_search_threads = 4;  // the search needs only errors, which do not depend on threads
 
-// Other engines, and ours over as many frames, in which the column still stands.
+// Runs other engines, and ours for as many frames. In these the column still stands.
 void run_peers(const SceneTable& table, const SceneFile& column, const Bench& bench) {
   if (!bullet_available()) {
     std::puts(
@@ -30,7 +30,7 @@ void run_peers(const SceneTable& table, const SceneFile& column, const Bench& be
 }
 
 EqualError search_equal_error(const SceneFile& column, double p99, sandglass_isa isa, uint32_t frames) {
-  constexpr uint32_t k_runs_at_most = 16;  // of the bisections; fewer when a cheaper setting is found early
+  constexpr uint32_t k_runs_at_most = 16;  // for all bisections; fewer if a cheap setting is found early
   const uint32_t threads = std::min(k_search_threads, std::max(1u, std::thread::hardware_concurrency()));
   Progress progress("searching source_equal_error", k_runs_at_most * frames);
   uint32_t frame = 0;
@@ -41,7 +41,7 @@ EqualError search_equal_error(const SceneFile& column, double p99, sandglass_isa
 }
 
 void measure(const BenchOptions& options, Bench* bench) {
-  constexpr uint32_t k_source_steps = 16, k_source_iterations = 7;  // Alg. 4 as the dissertation runs it
+  constexpr uint32_t k_source_steps = 16, k_source_iterations = 7;  // algorithm 4 as the dissertation runs it
   const SceneFile column = load_scene("column14k");
   const SceneTable table(bench);
   BenchRow standard;

@@ -1,5 +1,5 @@
-// `sandglass bench growth`: how time and memory grow with the scene. The collapsing column from 1,000 particles and
-// 10,000 grains to 100,000 and two million, over its first second.
+// `sandglass bench growth`: how time and memory grow with the scene. A column collapses for its first second. Its sizes
+// go from 1,000 particles and 10,000 grains to 100,000 particles and two million grains.
 #include <cstdio>
 
 #include "models/program/bench.h"
@@ -13,7 +13,7 @@ namespace {
 
 constexpr uint32_t k_frames = 50;
 
-// One value a size of the scene.
+// One value for each size of the scene.
 struct Growth {
   std::vector<double> particles, solver, grains, refine, items, bytes;
 };

@@ -1,5 +1,5 @@
-// `sandglass bench ladder`: the error-time plane. Every level of the quality ladder, the default scheme with other
-// sub-steps, and the dissertation's scheme.
+// `sandglass bench ladder`: the error-time plane. It has every level of the quality ladder, the default scheme with
+// other sub-steps, and the dissertation's scheme.
 #include <cstdio>
 
 #include "models/drawing/plot.h"

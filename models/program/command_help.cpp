@@ -6,9 +6,9 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr size_t k_text_width = 82;  // of a line's right column
+constexpr size_t k_text_width = 82;  // the width of the right column
 
-// Breaks between words.
+// Breaks the text into lines, between words.
 std::string in_lines(const std::string& text) {
   std::string lines;
   size_t length = 0;
@@ -22,14 +22,14 @@ std::string in_lines(const std::string& text) {
 
 class Formatter : public CLI::Formatter {
  public:
-  // What the words below a command are called.
+  // `below` is the word for what stands below a command.
   Formatter(const std::string& below, size_t width) {
     label("SUBCOMMAND", below);
     label("Positionals", "Arguments");
     column_width(width);
   }
 
-  // An option's type is "N:1 to 256", its unit and what it must be.
+  // An option's type is its unit and what the value must be, such as "N:1 to 256".
   std::string make_option_opts(const CLI::Option* option) const override {
     const std::string type = option->get_type_name();
     return option->get_positional() || option->get_type_size() == 0 ? "" : " " + type.substr(0, type.find(':'));
@@ -38,7 +38,7 @@ class Formatter : public CLI::Formatter {
   std::string make_option_desc(const CLI::Option* option) const override {
     const std::string type = option->get_type_name();
     std::string standard = option->get_default_str();
-    if (standard.starts_with('[')) standard = standard.substr(1, standard.size() - 2);  // of several values
+    if (standard.starts_with('[')) standard = standard.substr(1, standard.size() - 2);  // a list of values
     std::string notes = type.find(':') == std::string::npos ? "" : type.substr(type.find(':') + 1);
     const auto note = [&](const std::string& text) { notes += (notes.empty() ? "" : "; ") + text; };
     if (option->get_required() && !option->get_positional()) note("required");

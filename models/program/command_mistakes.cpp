@@ -13,7 +13,7 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-// "bench granular "
+// The words up to a command, each followed by a space, such as "bench granular ".
 std::string path(const CLI::App& at) {
   return at.get_parent() == nullptr ? "" : path(*at.get_parent()) + at.get_name() + " ";
 }
@@ -40,12 +40,12 @@ std::string unknown_option(const CLI::App& at, const std::string& name) {
   return what + "." + suggestion(name, names);
 }
 
-// A minus before a digit begins a number.
+// A word that starts with a minus is an option, but a minus before a digit begins a number.
 bool is_option(const std::string& word) {
   return word.size() > 1 && word[0] == '-' && (word[1] < '0' || word[1] > '9');
 }
 
-// What is wrong with the option, the word before `next`. Moves `next` behind its values.
+// What is wrong with the option, which is the word before `next`. Moves `next` behind the option's values.
 std::string mistake_of_option(const CLI::App& at, const Names& words, size_t* next,
                               std::set<const CLI::Option*>* given) {
   const std::string& word = words[*next - 1];
@@ -64,12 +64,12 @@ std::string mistake_of_option(const CLI::App& at, const Names& words, size_t* ne
   return which + " needs a value: write " + in_quotes(option->get_name() + " " + type.substr(0, type.find(':'))) + ".";
 }
 
-// The first mistake in the names of commands and options; empty where there is none. Cuts off the words behind it, and
-// those behind --help. The values, and what must and must not stand together, are left to CLI11.
+// The first mistake in the names of commands and options, or an empty string. Cuts off the words behind it, and those
+// behind --help. CLI11 checks the values, and which options must or must not stand together.
 std::string first_mistake(const CLI::App*& at, Names* words) {
   std::set<const CLI::Option*> given;
   std::string mistake;
-  int arguments = 0;  // left to give
+  int arguments = 0;  // how many more may be given
   for (size_t next = 0; next < words->size();) {
     const std::string word = (*words)[next++];
     const std::vector<const CLI::App*> below = at->get_subcommands({});

@@ -1,5 +1,5 @@
-// `sandglass inspect FILE`: what a file is, by its content: a recording, a baked shadow, a lighting network,
-// a scene, else a mesh.
+// `sandglass inspect FILE`: says what a file is, by its content. It is a recording, a baked shadow, a lighting network,
+// a scene, or otherwise a mesh.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -23,8 +23,8 @@ namespace sandglass::host {
 namespace {
 
 constexpr char k_recording_magic[] = "SGREC";   // the first bytes of models/simulation/recording.h's format
-constexpr char k_shadow_identifier[] = "SGSH";  // bytes 4..7 of runtime/asset/shadow.fbs's
-constexpr char k_light_identifier[] = "SGLN";   // and of light.fbs's
+constexpr char k_shadow_identifier[] = "SGSH";  // bytes 4..7 of a file by runtime/asset/shadow.fbs
+constexpr char k_light_identifier[] = "SGLN";   // bytes 4..7 of a file by runtime/asset/light.fbs
 
 void inspect_recording(const std::string& path, const std::string&) {
   const Recording recording = load_recording(path);
@@ -145,7 +145,7 @@ void inspect_mesh(const std::string& path, const std::string&) {
   if (!faults.empty()) std::printf("  faults       %s\n", faults.c_str());
 }
 
-// `mesh` is for scenes alone.
+// Only scenes use `mesh`.
 void inspect(const std::string& file, const std::string& mesh) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return inspect_scene(find_scene(file), mesh);

@@ -25,15 +25,17 @@ nlohmann::json json_of(const LightOptions& options, const std::string& path, con
   nlohmann::json json;
   json["image"] = path;
   json["field_of_view_deg"] = options.fov_deg, json["turn_deg"] = options.turn_deg;
-  json["direction_camera"] = triple(e.direction);     // towards the light; x right, y down, z forward
-  json["direction_world"] = triple(world.direction);  // of a level camera: x right, y up, looking along -z
+  // Both point towards the light. In the camera's axes x is right, y down and z forward. In the world's axes, for a
+  // level camera that looks along -z, x is right and y is up.
+  json["direction_camera"] = triple(e.direction);
+  json["direction_world"] = triple(world.direction);
   json["light"] = triple(e.light), json["ambient"] = triple(e.ambient);
   json["contrast"] = e.contrast, json["strength"] = e.strength;
   json["sh"] = std::vector<float>(world.sh, world.sh + 27);
   return json;
 }
 
-// The picture turned clockwise by quarters.
+// The picture, turned clockwise by quarters of a turn.
 Picture turned(const Picture& picture, uint32_t degrees) {
   Picture out = picture;
   for (uint32_t quarter = 0; quarter < degrees / 90; ++quarter) {
@@ -45,7 +47,7 @@ Picture turned(const Picture& picture, uint32_t degrees) {
   return out;
 }
 
-// Without extensions, and different where photographs of several folders have one name.
+// The names of the outputs, without extensions. If photographs in several folders have the same name, theirs differ.
 std::vector<std::string> outputs_of(const LightOptions& options) {
   std::set<std::string> names = {"sheet"};
   std::vector<std::string> outputs;
@@ -60,7 +62,7 @@ std::vector<std::string> outputs_of(const LightOptions& options) {
 
 int estimate_all(const LightOptions& options) {
   RoomLight light(options.network);
-  // What cannot be read is said before anything is written.
+  // A photograph that cannot be read is reported before anything is written.
   std::vector<Picture> pictures;
   for (const std::string& path : options.images) pictures.push_back(read_picture(path));
   const std::string sheet_path = (fs::path(options.folder) / "sheet.png").string();

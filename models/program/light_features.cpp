@@ -1,5 +1,5 @@
-// `sandglass light-features NETWORK DATASET -o FILE.npy`: what the lighting network's heads see of each image of a data
-// set, as the runtime computes it: train.py fits the heads to that.
+// `sandglass light-features NETWORK DATASET -o FILE.npy`: the features that the heads of the lighting network get for
+// each image of a data set, as the runtime computes them. train.py fits the heads to them.
 #include <algorithm>
 #include <cstdio>
 

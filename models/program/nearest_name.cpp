@@ -6,7 +6,7 @@ namespace sandglass::host {
 
 namespace {
 
-// Letters that are wrong, missing, too many or swapped with their neighbour.
+// How many letters are wrong, missing, too many or swapped with their neighbour.
 size_t distance(const std::string& a, const std::string& b) {
   std::vector<std::vector<size_t>> d(a.size() + 1, std::vector<size_t>(b.size() + 1));
   for (size_t i = 0; i <= a.size(); ++i)
@@ -23,9 +23,9 @@ size_t distance(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string nearest_name(const std::string& word, const std::vector<std::string>& names) {
-  constexpr size_t k_prefix = 3;  // letters that tell names apart
+  constexpr size_t k_prefix = 3;  // so many letters are enough to tell names apart
   std::string nearest;
-  size_t least = 2 + word.size() / 4;  // one more than may be wrong
+  size_t least = 2 + word.size() / 4;  // one more than the letters that may be wrong
   for (const std::string& name : names) {
     const bool begins = name.starts_with(word) && word.size() >= k_prefix + name.find_first_not_of('-');
     const size_t wrong = begins ? 1 : distance(word, name);

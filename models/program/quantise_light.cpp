@@ -18,11 +18,11 @@ namespace sandglass::host {
 namespace {
 
 constexpr int k_width = 256, k_height = 192;
-// How far the bytes may be from the float network, in medians over images: degrees of the direction, and colours or
-// contrast.
+// The most by which the byte network may differ from the float network, as a median over images: the direction in
+// degrees, and colours and contrast.
 constexpr double k_angle_limit_deg = 1, k_difference_limit = 0.01;
 
-// By the manifests: what an earlier data set left in a folder is not of this one.
+// The pictures that the manifests name. An earlier data set may have left others in a folder.
 std::vector<std::string> pictures_in(const std::vector<std::string>& folders) {
   std::vector<std::string> paths;
   for (const std::string& folder : folders) {
@@ -34,7 +34,7 @@ std::vector<std::string> pictures_in(const std::vector<std::string>& folders) {
   return paths;
 }
 
-// `count` of them, evenly; all where there are fewer.
+// `count` of the paths, evenly spread, or all if there are fewer.
 std::vector<std::string> spread_over(const std::vector<std::string>& paths, size_t count) {
   std::vector<std::string> chosen;
   count = std::min(count, paths.size());
@@ -66,7 +66,7 @@ void compare(const LightValues& truth, const LightOutputs& bytes, Differences* t
 int run(const QuantiseLightOptions& options) {
   const std::vector<std::string> paths = pictures_in(options.folders);
   std::vector<std::string> to_calibrate, to_measure;
-  if (options.measured.empty()) {  // every other one of those chosen
+  if (options.measured.empty()) {  // every other one of the chosen pictures
     const std::vector<std::string> both = spread_over(paths, 2 * size_t{options.images});
     for (size_t i = 0; i < both.size(); ++i) (i % 2 == 0 ? to_calibrate : to_measure).push_back(both[i]);
   } else {
@@ -76,7 +76,7 @@ int run(const QuantiseLightOptions& options) {
   const LightNet net = light_net_of(read_npz(options.weights));
   LightRanges ranges;
   std::vector<std::vector<uint8_t>> calibration, images;
-  std::vector<FeaturePair> pairs;  // of the calibration images
+  std::vector<FeaturePair> pairs;  // from the calibration images
   std::vector<LightValues> truths;
   std::vector<std::vector<float>> features;
   Progress progress("running the float network", to_calibrate.size() + to_measure.size());

@@ -29,7 +29,7 @@ int make(const RoomOptions& options) {
   if (interrupted()) return k_exit_interrupted;
   expose(&made.radiance, room.key);
   const RadianceMap& map = made.radiance;
-  // The panorama is written last: where it is, everything is.
+  // The panorama is written last, so if it exists, everything does.
   if (!options.picture.empty()) write_png(options.picture, tone_mapped_picture(map, greatest_luminance(map)));
   write_npy(stem + "_depth.npy", made.depth, static_cast<uint64_t>(map.height), static_cast<uint64_t>(map.width));
   write_hdr(options.output, map);

@@ -31,7 +31,7 @@ void dump_frame(const std::string& folder, uint32_t frame, double particle_radiu
         std::vector<float>(grain_count, drawn_grain_radius(particle_radius, particle_count, grain_count)), 1);
 }
 
-// Without what was removed.
+// The positions without those of removed particles.
 std::vector<float> present(const std::vector<float>& positions) {
   std::vector<float> left;
   left.reserve(positions.size());
@@ -47,7 +47,7 @@ uint64_t Run::hash() const {
   return sandglass_scene_hash(simulation_->handle()) + shadows_->hash() + of_pile;
 }
 
-// What the app draws the frame with.
+// The light with which the frame is drawn.
 FrameLight Run::light_of(uint32_t frame) const {
   FrameLight light;
   if (!shot_ && !scene_.light) return light;
@@ -61,7 +61,7 @@ FrameLight Run::light_of(uint32_t frame) const {
   return light;
 }
 
-// One frame by clock and budget, or as recorded.
+// Runs one frame, by clock and budget or as recorded.
 sandglass_frame_report Run::advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
   if (shot_) simulation_->see(shot_->estimator(), shot_->image());
   if (shot_ || scene_.light) {
@@ -79,7 +79,7 @@ sandglass_frame_report Run::advance(uint32_t frame, std::vector<sandglass_collid
   }
   const RecordedFrame& recorded = recording_.frames[frame];
   *colliders = recorded.colliders;
-  // A recording names shapes; the fields behind them are the scene's.
+  // A recording names only the shapes. The fields behind them come from the scene.
   for (size_t i = 0; i < colliders->size() && i < scene_.colliders.size(); ++i)
     (*colliders)[i].field = scene_.colliders[i].field;
   return simulation_->frame(static_cast<double>(recorded.time_step), recorded.budget_ns, *colliders, &recorded.plan,
@@ -108,7 +108,7 @@ void Run::execute() {
   for (uint32_t frame = 0; frame < scene_.frames && !interrupted(); ++frame) {
     std::vector<sandglass_collider> colliders;
     FrameRow row = {};
-    if (shot_) shot_->begin(frame);  // the made-up camera's image: an app is given its own
+    if (shot_) shot_->begin(frame);  // makes the camera's image, which a real app gets from its camera
     row.begin_ns = recorder_.now_ns();
     const uint64_t cpu_from = cpu.now_ns(cpu.user);
     row.report = advance(frame, &colliders);

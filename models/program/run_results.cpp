@@ -1,4 +1,4 @@
-// What comes of a run: recording, reports, pictures, and the page that shows them.
+// The results of a run: recording, reports, pictures, and the page that shows them.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -107,8 +107,8 @@ void Run::describe_light(PicturePaths* paths, uint32_t threads) const {
   }
 }
 
-// The last picture beside its truth. Where its light is not that of the labels, the same instant in the light of the
-// labels comes first: it shows what renderer and shadow can do, before what the light gets wrong.
+// The last picture beside its truth. If its light is not that of the labels, the same instant in the labels' light
+// comes first. It shows what renderer and shadow can do with the right light.
 std::vector<PageFigure> Run::beside_truth(uint32_t threads) const {
   const Snapshot& last = snapshots_.back();
   const RadianceMap truth = shot_->traced(last, options_.out, threads);

@@ -10,8 +10,8 @@ namespace sandglass::host {
 
 namespace {
 
-// The virtual clock moves on by this much at every reading, and the library reads it once or twice a work unit: a plan
-// that depends on nothing but the scene and the budget.
+// The virtual clock advances by this much at every reading, and the library reads it once or twice a work unit. So a
+// plan depends only on the scene and the budget.
 constexpr uint64_t k_virtual_step_ns = 5'000;
 
 }  // namespace

@@ -1,6 +1,6 @@
-// `sandglass sample MESH --surface|--volume|--lattice --distance L -o FILE.ply`, or without a mesh
-// --disk|--sphere|--ring N: points on a mesh's surface or in its volume, or of a disk, sphere or ring, as a PLY file, a
-// picture and a spectrum. Memory is asked for once, with the size that the library names, as an app would.
+// `sandglass sample MESH --surface|--volume|--lattice --distance L -o FILE.ply`, or --disk|--sphere|--ring N without a
+// mesh: points on a mesh's surface, in its volume, or of a disk, sphere or ring. It writes a PLY file, a picture and a
+// spectrum. It allocates memory once, with the size that the library names, as an app would.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -22,7 +22,7 @@ namespace sandglass::host {
 namespace {
 
 constexpr int k_picture_width = 960, k_picture_height = 960;
-constexpr double k_poisson_per_cube = 0.6;  // points per distance^3 in a volume, for the time left
+constexpr double k_poisson_per_cube = 0.6;  // expected points per distance^3 in a volume, to estimate the time left
 
 using Points = std::vector<float>;
 
@@ -42,7 +42,7 @@ std::string subject(const SampleOptions& options) {
   }
 }
 
-// By reference: the call that gives the status sets the reason.
+// `reason` is a reference, because the call that gives the status also sets the reason.
 void expect(sandglass_status status, const SampleOptions& options, const char* const& reason) {
   if (status != SANDGLASS_OK) throw cannot("sample", subject(options), reason);
 }
@@ -157,11 +157,11 @@ Points sample_shape(SampleOptions* options) {
   return points;
 }
 
-// Radial mean of the power spectrum as bars; the white line is 1, the level of points that know nothing of each other.
+// Draws the radial mean of the power spectrum as bars. The white line is 1, the level of independent random points.
 void write_spectrum(const std::string& path, const std::vector<float>& points, double distance, bool planar) {
   constexpr uint32_t k_bins = 96, k_directions = 64;
   constexpr int k_bar = 9, k_height = 480, k_margin = 40;
-  constexpr double k_highest = 3.0, k_frequencies = 3.0;  // of the axes: power, and frequency in 1/distance
+  constexpr double k_highest = 3.0, k_frequencies = 3.0;  // the ends of the axes: power, and frequency in 1/distance
   const char* reason = nullptr;
   std::vector<double> power(k_bins);
   if (sandglass_sample_spectrum(points.data(), static_cast<uint32_t>(points.size() / 3),

@@ -1,4 +1,4 @@
-// `sandglass verify SUITE`: claims with their truth, measured now, and wrong settings that must fail them.
+// `sandglass verify SUITE`: measures claims against their truth, and wrong settings that must fail them.
 #include "models/program/verify.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// `sandglass verify granular`: what is claimed of sand, each claim with its truth and its limit.
+// `sandglass verify granular`: the claims about sand, each with its truth and its limit.
 #include <algorithm>
 #include <cstdio>
 
@@ -16,7 +16,7 @@ namespace sandglass::host {
 
 namespace {
 
-// A slow case that is named and left out would pass without having been checked.
+// Refuses --quick for a slow case that is named. It would be left out, and so pass without a check.
 void expect_quick(const std::vector<std::string>& cases) {
   const std::vector<std::string> quick = quick_verdict_groups();
   for (const std::string& name : cases)

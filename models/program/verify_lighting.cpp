@@ -33,7 +33,7 @@ LightLabels labels_of_values(const float* direction, const float* light, const f
   return {normalised(vector(direction)), vector(light), vector(ambient), contrast, true};
 }
 
-// The runtime's bytes; of exported weights (.npz) the float network, slowly.
+// The runtime's byte network, or for exported weights (.npz) the slow float network.
 LightEstimator estimator_of(const std::string& network, sandglass_isa isa) {
   if (is_float(network)) {
     const auto net = std::make_shared<LightNet>(light_net_of(read_npz(network)));
@@ -51,8 +51,8 @@ LightEstimator estimator_of(const std::string& network, sandglass_isa isa) {
   };
 }
 
-// What is measured where: on the data folder the cross-validated estimates of its places, on panoramas that are named
-// the shipped network; or what the options name.
+// What is measured. By default, the data folder's places are measured with their cross-validated estimates, and
+// panoramas that are named with the shipped network. The options may name others.
 struct LightingSources {
   std::vector<std::string> panoramas;
   std::string manifest, estimates, network;
@@ -93,7 +93,7 @@ std::string said_of_training(const LightingSources& sources) {
          "never saw `sandglass verify lighting` on the data folder has the cross-validated estimates.\n";
 }
 
-// Of the panoramas, four turns of the camera each: how much the light wanders in the world.
+// Adds four turns of the camera for each panorama. They show how much the light wanders in the world.
 void add_turns(const LightingSources& sources, std::vector<Verdict>* rows) {
   const std::vector<std::string> paths = find_panoramas(sources.panoramas);
   double filtered = 0, latest = 0, labels = 0, fixed = 0, turns = 0;

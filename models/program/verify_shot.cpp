@@ -1,4 +1,4 @@
-// `sandglass verify shot`: composites against path traced truth, and the sand's own shadow against cast rays.
+// `sandglass verify shot`: compares composites with a path traced truth, and the sand's own shadow with cast rays.
 #include <algorithm>
 #include <cstdio>
 #include <utility>
@@ -23,7 +23,7 @@ std::vector<std::string> chosen_panoramas(const VerifyOptions& options) {
   return find_panoramas({data_folder() + "/hdri/indoor"});
 }
 
-// The views of a study, against each ablation; returns how many comparisons are lost.
+// Compares the views of a study with each ablation. Returns how many comparisons are lost.
 uint32_t judge_views(const ShotStudy& study, std::vector<Measurement>* measurements) {
   uint32_t failed = 0;
   for (const ShotVariant ablation : {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light})

@@ -85,11 +85,12 @@ double insertion_radius(std::span<const float> depth, int depth_width, View view
 }
 
 RadianceMap warp(const RadianceMap& panorama, View view, double radius, int width, int height) {
-  constexpr int k_places = 2;  // a side of a pixel
+  constexpr int k_places = 2;  // samples along each side of a pixel
   const ViewRotation rotation(view);
   const Vec3 centre = view.direction() * radius;
   const double inside = 1.0 - radius * radius;
-  // A direction is a product of one term of its row and one of its column: sines are taken once for each of those.
+  // A direction is a product of one term for its row and one for its column. So sines are taken once a row and once a
+  // column.
   const auto at = [](int i) { return i / k_places + (i % k_places + 0.5) / k_places - 0.5; };
   std::vector<Vec3> columns(static_cast<size_t>(width) * k_places), rows(static_cast<size_t>(height) * k_places);
   for (size_t i = 0; i < columns.size(); ++i)

@@ -35,7 +35,7 @@ Vec3 look_up(const RadianceMap& panorama, Vec3 direction) {
   const double u0 = std::floor(place.u), v0 = std::floor(place.v);
   const double fu = place.u - u0, fv = place.v - v0;
   const auto pixel = [&](int u, int v) {
-    if (v < 0 || v >= h) {  // over the pole: the same row, half a turn further
+    if (v < 0 || v >= h) {  // beyond a pole the rows come back, half a turn further
       v = v < 0 ? -1 - v : 2 * h - 1 - v;
       u += w / 2;
     }
@@ -64,7 +64,8 @@ Vec3 tone_mapped(Vec3 radiance, double white) {
 }
 
 double radiance_of_luminance(double shown, double white) {
-  // The positive root of L^2 / white^2 + (1 - shown) L - shown = 0, in the form that loses nothing where that is small.
+  // The positive root of L^2 / white^2 + (1 - shown) L - shown = 0. This form keeps its precision where the root is
+  // small.
   const double b = 1.0 - shown, root = std::sqrt(b * b + 4.0 * shown / (white * white));
   return b >= 0.0 ? 2.0 * shown / (b + root) : 0.5 * white * white * (root - b);
 }

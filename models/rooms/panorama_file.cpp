@@ -32,9 +32,9 @@ std::string extension_of(const std::string& path) {
   return extension;
 }
 
-// Reads Radiance's format: lines of text, an empty line, the size, then rows of four bytes for each pixel, with the
-// four planes of a row packed in runs (in old files unpacked). stb_image is not used: its release in Debian 12 never
-// returns from a file that was cut off.
+// Reads Radiance's format. It has lines of text, an empty line, the size, and then rows with four bytes a pixel. The
+// four planes of a row are packed in runs (old files do not pack them). stb_image is not used, because its release in
+// Debian 12 never returns from a file that was cut off.
 struct HdrReader {
   const std::string& path;
   const std::string& bytes;
@@ -165,7 +165,7 @@ RadianceMap read_panorama(const std::string& path) {
   for (float& value : map.rgb) {
     if (!std::isfinite(value))
       throw cannot("read", path, "it has a pixel that is not a finite number", "Repair or export it again");
-    value = std::max(value, 0.0f);  // sharpening filters leave radiance a little below 0 beside lamps
+    value = std::max(value, 0.0f);  // sharpening filters can make radiance negative beside lamps
   }
   if (greatest_luminance(map) <= 0.0) throw cannot("read", path, "it is black everywhere", "Expose it");
   return map;

@@ -49,7 +49,8 @@ ProbeLight::Sample ProbeLight::sample(Vec3 normal, double a, double b) const {
   if (kind_ == Kind::directional) {
     const double sine = std::sin(k_light_half_angle_deg * k_pi / 180.0), least = std::sqrt(1.0 - sine * sine);
     const Vec3 d = cap_direction(towards_, least, a, b);
-    // Radiance pi / (pi sine^2) gives a facing surface the irradiance pi; the density is uniform over the cap.
+    // A cap of radiance pi / (pi sine^2) gives a surface that faces it the irradiance pi. The density is uniform over
+    // the cap.
     const double weight = 2.0 * k_pi * (1.0 - least) / (sine * sine);
     return {d, {weight, weight, weight}};
   }
@@ -69,7 +70,7 @@ ProbeLight::Sample ProbeLight::sample(Vec3 normal, double a, double b) const {
 
 struct ProbeScene::State {
   std::unique_ptr<RayCaster> caster;
-  uint32_t plane_from;  // the plane's triangles come last
+  uint32_t plane_from;  // the first triangle of the plane; the plane's triangles come last
 };
 
 ProbeScene::ProbeScene(const Mesh& object) : state_(std::make_unique<State>()) {

@@ -1,4 +1,4 @@
-// A room from its seed: kind and size first, then the shell with its windows, what stands in it, and what lights it.
+// Makes a room from its seed. First come kind and size, then the shell with its windows, the furniture, and the lights.
 #include "models/rooms/room.h"
 
 #include <algorithm>
@@ -14,13 +14,13 @@ namespace sandglass::host {
 namespace {
 
 constexpr double k_sun_solid_angle = 2.0 * std::numbers::pi * (1.0 - k_sun_cosine);
-constexpr double k_frame = 0.05;  // width of a window's bars, metres
+constexpr double k_frame = 0.05;  // metres, the width of a window's bars
 
 struct Opening {
   double start, width, sill, height;
 };
 
-// A wall seen from inside: it starts at `origin`, runs along the unit vector `along`, and `inward` points into the
+// A wall as seen from inside. It starts at `origin` and runs along the unit vector `along`. `inward` points into the
 // room.
 struct Wall {
   Vec3 origin, along, inward;
@@ -183,7 +183,7 @@ Room make_room(uint64_t seed) {
   RoomBuilder builder(seed);
   RoomBuilder* b = &builder;
   Room& room = builder.room;
-  const int kind = b->pick(10);  // 0-5 a room one lives or works in, 6-7 a long one, 8-9 a hall
+  const int kind = b->pick(10);  // 0-5 a living room or office, 6-7 a long room, 8-9 a hall
   const double x = kind < 6 ? b->between(2.6, 6.5) : kind < 8 ? b->between(1.8, 3.2) : b->between(6.0, 16.0);
   const double z = kind < 6 ? b->between(2.8, 7.5) : kind < 8 ? b->between(6.0, 15.0) : b->between(7.0, 20.0);
   const double y = kind < 8 ? b->between(2.3, 3.3) : b->between(3.5, 7.0);
@@ -191,7 +191,8 @@ Room make_room(uint64_t seed) {
   room.eye = {room.size.x * b->between(0.3, 0.7), b->between(1.0, 1.7), room.size.z * b->between(0.3, 0.7)};
   constexpr double k_clear = 0.45;  // around the camera, metres
   b->taken.push_back({room.eye.x - k_clear, room.eye.z - k_clear, room.eye.x + k_clear, room.eye.z + k_clear});
-  // The logarithmic mean of luminance of captured interiors: 0.04 to 0.8, half of them between 0.11 and 0.3.
+  // The key is the logarithmic mean of a picture's luminance. Captured interiors have 0.04 to 0.8, and half of them lie
+  // between 0.11 and 0.3.
   room.key = std::clamp(0.19 * std::pow(4.0, b->between(0.0, 1.0) + b->between(0.0, 1.0) - 1.0), 0.05, 0.75);
   const bool day = b->chance(0.6);
   room.sky = choose_sky(b, day);

@@ -90,7 +90,7 @@ void RoomBuilder::shade(Vec3 base, double low_radius, double high_radius, double
     const auto at = [&](double angle, double radius, double y) {
       return base + Vec3{radius * std::cos(angle), y, radius * std::sin(angle)};
     };
-    // A parallelogram stands in for each side's trapezoid: its mean width, tilted as the side is.
+    // Each side is a trapezoid. A parallelogram of its mean width stands for it, with the same tilt.
     const double mean = 0.5 * (low_radius + high_radius);
     const Vec3 across = at(from, mean, 0.0) - at(to, mean, 0.0);
     const Vec3 low = (at(from, low_radius, 0.0) + at(to, low_radius, 0.0)) * 0.5;

@@ -1,5 +1,5 @@
-// What stands and hangs in a room: blocks that read as tables, chairs, shelves, sofas, beds, cupboards, plants, boxes,
-// doors and pictures. Their shadows, their colours and the corners they leave dark are what matters.
+// Furniture and what hangs on walls. Blocks stand for tables, chairs, shelves, sofas, beds, cupboards, plants, boxes,
+// doors and pictures. Only their shadows, their colours and the dark corners beside them matter.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -98,7 +98,7 @@ void table(RoomBuilder* b) {
   }
 }
 
-// Puts a piece with its back to a random wall; false if there is no room.
+// Puts a piece with its back to a random wall. Returns false if there is no space.
 bool against_wall(RoomBuilder* b, double wide, double deep, Piece* piece) {
   const Vec3 s = b->room.size;
   for (int i = 0; i < 8; ++i) {
@@ -220,8 +220,8 @@ void rug(RoomBuilder* b) {
           b->material(m));
 }
 
-// Pictures, mirrors without their reflection, notice boards and doors: thin boxes on a wall. They may cover a window's
-// edge, as such things do.
+// Hangs a thin box on a wall: a picture, a mirror without its reflection, a notice board or a door. If a window or a
+// lamp within 0.3 m of the wall is in the way, it hangs nothing.
 void hang(RoomBuilder* b, double wide, double tall, double low, const RoomMaterial& face, bool framed) {
   const Vec3 s = b->room.size;
   const int side = b->pick(4), skin = b->material(face), frame = b->material(wood(b));
@@ -231,7 +231,7 @@ void hang(RoomBuilder* b, double wide, double tall, double low, const RoomMateri
   const double mid = b->between(0.1 + 0.5 * wide, run - 0.1 - 0.5 * wide);
   const Vec3 places[4] = {{mid, 0, 0.02}, {s.x - 0.02, 0, mid}, {mid, 0, s.z - 0.02}, {0.02, 0, mid}};
   constexpr double k_yaw[4] = {0.0, -k_quarter, 2.0 * k_quarter, k_quarter};
-  for (const Emitter& e : b->room.emitters) {  // not before a window
+  for (const Emitter& e : b->room.emitters) {
     const Vec3 low_corner = e.corner, high_corner = e.corner + e.edge_a + e.edge_b, at = places[side];
     const double reach = 0.5 * wide + 0.05;
     const bool beside =

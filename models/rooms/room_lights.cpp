@@ -1,5 +1,5 @@
-// Lamps. Each room gets one kind of ceiling light and perhaps lamps that stand; their luminance follows from the flux
-// that the room's illuminance needs, so a small lamp is dazzling and a large panel is not.
+// Lamps. Each room gets one kind of ceiling light and perhaps standing lamps. Their luminance follows from the flux
+// that the room's illuminance needs. So a small lamp dazzles and a large panel does not.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,12 +11,12 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_utilisation = 0.5;  // of the lamps' flux, the share that reaches the floor
-constexpr double k_drop = 0.015;       // of a luminaire's face under the ceiling, metres
+constexpr double k_utilisation = 0.5;  // the share of the lamps' flux that reaches the floor
+constexpr double k_drop = 0.015;       // metres from the ceiling down to a lamp's face
 
 struct Lamp {
-  int first, count;  // emitters
-  double share;      // of the flux
+  int first, count;  // its emitters
+  double share;      // its share of the flux
 };
 
 double emitter_area(const Emitter& e) {
@@ -134,7 +134,7 @@ struct Lamps {
     double shares = 0.0;
     for (const Lamp& lamp : on) shares += lamp.share;
     for (const Lamp& lamp : on) {
-      double unit = 0.0;  // flux at the luminances given so far, of which `colour` has 1
+      double unit = 0.0;  // the lamp's flux at the luminances given so far, where `colour` has luminance 1
       for (int i = lamp.first; i < lamp.first + lamp.count; ++i) {
         const Emitter& e = b->room.emitters[static_cast<size_t>(i)];
         unit += std::numbers::pi * luminance(e.radiance) * emitter_area(e);
@@ -154,7 +154,7 @@ void light(RoomBuilder* b, bool daylight) {
   RoomMaterial metal;
   metal.colour = colour_of_hue(b->between(0.0, 1.0), 0.1, b->chance(0.5) ? 0.7 : 0.08);
   Lamps lamps = {b, colour_of_temperature(b->log_between(2400.0, 6800.0)), b->material(metal), {}};
-  const bool dark_ceiling = daylight && b->chance(0.6);  // by day most ceiling lights are off, but they are there
+  const bool dark_ceiling = daylight && b->chance(0.6);  // by day most ceiling lights hang there switched off
   const int kind = b->pick(5);
   const int first = lamps.count();
   if (kind == 0) lamps.panels();

@@ -15,9 +15,12 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_brightest = 5e4;     // of an exposed panorama, as captured ones are limited
-constexpr double k_darkest = 1e-4;      // of the mean: added for the logarithm, so that a black pixel does not rule it
-constexpr double k_balanced_out = 0.5;  // of the colour cast, in the logarithm: cameras leave some of it
+// The highest value in an exposed panorama. Captured panoramas are limited in the same way.
+constexpr double k_brightest = 5e4;
+// Added before a logarithm is taken, as a share of the mean. Without it one black pixel would decide the result.
+constexpr double k_darkest = 1e-4;
+// The share of the colour cast that is removed, in the logarithm. Cameras leave some of the cast.
+constexpr double k_balanced_out = 0.5;
 
 }  // namespace
 
@@ -28,7 +31,7 @@ void expose(RadianceMap* map, double key) {
     for (int v = 0; v < map->height; ++v)
       for (int u = 0; u < map->width; ++u) visit(map->colour(u, v), pixel_solid_angle(v, map->width, map->height));
   };
-  // The colour cast is that of what is neither a lamp nor its reflection: pixels below twice the mean.
+  // The colour cast is measured on pixels below twice the mean. They show neither a lamp nor its reflection.
   double all = 0.0;
   for_each([&](Vec3 c, double omega) { all += luminance(c) * omega, area += omega; });
   const double limit = 2.0 * all / area, floor = k_darkest * all / area;
@@ -59,15 +62,17 @@ RoomPanorama trace_room(const Room&, const RoomRenderOptions&) {
 namespace {
 
 constexpr double k_pi = std::numbers::pi;
-constexpr double k_lift = 1e-4;    // metres: keeps rays off the surface they leave
+constexpr double k_lift = 1e-4;    // metres; keeps rays off the surface that they leave
 constexpr double k_far = 1e5;      // metres
-constexpr int k_bounces = 7;       // diffuse ones; in a white room they carry 80 % of a bounce each
-constexpr int k_sure_bounces = 1;  // before paths end by chance
+constexpr int k_bounces = 7;       // diffuse bounces; in a white room each carries 80 % of the one before
+constexpr int k_sure_bounces = 1;  // after these, a path may end by chance
 constexpr int k_pilot_paths = 4096;
-// What one bounce may add to a path after the first, in means of what all of them add. The walls right beside a lamp
-// are as bright as a small lamp, and only chance finds them: unlimited, they are sparks all over the picture.
+// The most light that one bounce after the first may add to a path. It is a multiple of the mean that all later bounces
+// add together. The walls right beside a lamp are as bright as a small lamp, and paths find them only by chance.
+// Without the limit, they would make sparks all over the picture.
 constexpr double k_spark_limit = 25.0;
-// The least cosine with which a lamp's chance is computed: one of its corners may be near.
+// The least cosine that is used when a lamp's chance is computed. Its middle may face away while one of its corners
+// does not.
 constexpr double k_facing_floor = 0.15;
 
 EmbreeScene scene_of(const Room& room) {
@@ -79,12 +84,13 @@ EmbreeScene scene_of(const Room& room) {
 struct Hit {
   bool found;
   double distance;
-  Vec3 normal;  // geometric, towards where the ray came from
-  bool front;   // of the triangle as it was wound
+  Vec3 normal;  // geometric, on the side that the ray came from
+  bool front;   // whether the ray hit the front side of the triangle
   uint32_t triangle;
 };
 
-// Evenly spread numbers for the first bounce of a pixel's samples: lattices of irrational steps, shifted by the pixel.
+// Evenly spread numbers for the first bounce of a pixel's samples. They are lattices with irrational steps, and each
+// pixel has its own shift.
 struct Samples {
   Random random;
   double shift[7];
@@ -117,7 +123,7 @@ struct Tracer {
   }
   bool occluded(Vec3 origin, Vec3 direction, double limit) const { return scene.occluded(origin, direction, limit); }
 
-  // The window that a ray out of the room passes through; -1: none, it leaves between two triangles.
+  // The window through which a ray leaves the room. -1: none, because the ray slips out between two triangles.
   int window_of(Vec3 origin, Vec3 direction) const {
     for (size_t i = 0; i < room.emitters.size(); ++i) {
       const Emitter& e = room.emitters[i];
@@ -133,7 +139,7 @@ struct Tracer {
     return -1;
   }
 
-  // About how much each emitter could add at a surface; 0 only where it can add nothing.
+  // Estimates how much light each emitter could add at a surface. The weight is 0 only where it can add nothing.
   double weigh(Vec3 p, Vec3 n, std::vector<double>* weights) const {
     double total = 0.0;
     weights->resize(room.emitters.size());
@@ -163,7 +169,7 @@ struct Tracer {
     return total;
   }
 
-  // Density, in solid angle, with which aim() would choose `direction` from p once it has chosen emitter e.
+  // The density, per solid angle, with which aim() chooses `direction` from p, given emitter e.
   static double density(const Emitter& e, Vec3 p, Vec3 direction) {
     if (e.kind == Emitter::Kind::sphere) {
       const Vec3 to = e.centre - p;
@@ -197,7 +203,8 @@ struct Tracer {
     return {to * (1.0 / d), e.kind == Emitter::Kind::window ? k_far : d * (1.0 - 1e-4)};
   }
 
-  // Light that reaches p, of normal n, straight from one emitter and the sun: the integral of radiance times cosine.
+  // An estimate of the light that reaches p straight from the emitters and the sun: the integral of radiance times the
+  // cosine to the normal n. It samples one emitter.
   Vec3 direct(Vec3 p, Vec3 n, const std::vector<double>& weights, double total, double choice, double a, double b,
               Random* random) const {
     Vec3 sum;
@@ -230,14 +237,15 @@ struct Tracer {
     return at_sun ? room.sky.sun_radiance : sky_radiance(room.sky, direction);
   }
 
-  // Scaled down to the limit of luminance.
+  // The light, scaled down so that its luminance is at most the limit.
   static Vec3 limited(Vec3 light, double limit) {
     const double bright = luminance(light);
     return bright > limit ? light * (limit / bright) : light;
   }
 
   struct PathLight {
-    Vec3 first, later;  // seen and added by the first bounce; added by later ones
+    // `first` is what the ray sees and what the first bounce adds. Later bounces add to `later`.
+    Vec3 first, later;
     Vec3 sum() const { return first + later; }
   };
 
@@ -249,7 +257,7 @@ struct Tracer {
       else sum.later = sum.later + limited(light, limit);
     };
     Vec3 throughput = {1, 1, 1};
-    bool seen_directly = true;  // through the lens or a mirror: nothing aimed at this light before
+    bool seen_directly = true;  // through the lens or a mirror, so no surface aimed at this light before
     double bounce_density = 0.0, total = 0.0;
     Vec3 from = origin;
     for (int bounce = 0, mirrors = 0; bounce <= k_bounces;) {
@@ -271,7 +279,7 @@ struct Tracer {
           const double aimed = total > 0.0 ? (*weights)[e] / total * density(room.emitters[e], from, direction) : 0.0;
           share = bounce_density / (bounce_density + aimed);
         }
-        // A lamp that the first bounce hits is one half of its direct light, the other half is aimed at.
+        // Direct light at the first surface has two parts: rays that hit a lamp, here, and rays aimed at one.
         add(bounce <= 1 ? 0 : bounce, product(throughput, radiance) * share);
         if (!hit.found || luminance(radiance) > 0.0) return sum;
       }

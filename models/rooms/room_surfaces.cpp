@@ -1,4 +1,4 @@
-// What surfaces and skies look like: patterns from hashed cells, so that a point and a seed are all they need.
+// The look of surfaces and skies. Patterns come from hashed cells, so a point and a seed are all that they need.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,10 +11,10 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_joint = 0.035;          // width of tile and brick joints, in cells
-constexpr double k_plank_length = 9.0;     // in plank widths
+constexpr double k_joint = 0.035;          // the width of joints between tiles and bricks, in cells
+constexpr double k_plank_length = 9.0;     // in widths of a plank
 constexpr double k_skyline_steps = 90.0;   // buildings around the horizon
-constexpr double k_skyline_height = 0.35;  // tangent of the tallest one's elevation
+constexpr double k_skyline_height = 0.35;  // tangent of the tallest building's elevation
 
 double cell_random(int64_t i, int64_t j, uint64_t salt) {
   const uint64_t bits = mix_bits(mix_bits(static_cast<uint64_t>(i) * 0x9E3779B97F4A7C15ull + salt) +
@@ -35,7 +35,7 @@ double smooth_noise(double x, double y, uint64_t salt) {
 
 Vec3 mixed(Vec3 a, Vec3 b, double t) { return a * (1.0 - t) + b * t; }
 
-// How much of the second colour a pattern shows at (x, y), in cells.
+// The share of the second colour that a pattern shows at (x, y). Both are in cells.
 double second_share(Pattern pattern, double x, double y) {
   const double in_x = x - std::floor(x), in_y = y - std::floor(y);
   switch (pattern) {

@@ -1,4 +1,4 @@
-// Pictures are the right way up, shadows fall away from the sun and touch what casts them, files decode.
+// Pictures are the right way up. Shadows fall away from the sun and touch the thing that casts them. Files decode.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ struct Stage {
     const PixelPlace at = project(view.camera, k_width, k_height, point);
     return picture.at(static_cast<int>(at.x), static_cast<int>(at.y));
   }
-  // Mean of the three channels in the 3x3 pixels about a point of the world.
+  // The mean of the three channels in the 3x3 pixels around a point of the world.
   double brightness(const Picture& picture, Vec3 point) const {
     const PixelPlace at = project(view.camera, k_width, k_height, point);
     double sum = 0.0;
@@ -60,7 +60,7 @@ TEST(Render, IsNotUpsideDown) {
   const PixelPlace right = project(stage.view.camera, k_width, k_height, {0.1, 0.1, 0.0});
   EXPECT_LT(top.y, foot.y);
   EXPECT_GT(right.x, foot.x);
-  // Sand is redder than the grey floor: the ball is where it should be, lit from above.
+  // Sand is redder than the grey floor. So the ball is where it should be, lit from above.
   const Picture picture = stage.draw();
   const uint8_t* ball = stage.pixel(picture, {0.0, 0.1, 0.0});
   EXPECT_GT(ball[0], ball[2] + 30);
@@ -70,11 +70,12 @@ TEST(Render, IsNotUpsideDown) {
 TEST(Render, TheShadowFallsAwayFromTheSunAndBeginsAtTheFoot) {
   const Stage stage;
   const Picture picture = stage.draw();
-  // The sun stands to the left and in front: the shadow lies to the right and behind.
+  // The sun stands to the left and in front, so the shadow lies to the right and behind.
   const double shadow = stage.brightness(picture, {0.13, 0.0, -0.05}),
                lit = stage.brightness(picture, {-0.30, 0.0, 0.05});
   EXPECT_LT(shadow, 0.8 * lit);
-  EXPECT_LT(stage.brightness(picture, {0.07, 0.0, 0.02}), 0.8 * lit);  // contact: no gap of light under the ball's side
+  // No gap of light between the ball and its shadow.
+  EXPECT_LT(stage.brightness(picture, {0.07, 0.0, 0.02}), 0.8 * lit);
 }
 
 TEST(Render, WithoutTheBallThereIsNoShadow) {
@@ -106,7 +107,7 @@ TEST(Render, DrawsEveryColliderWhereItIs) {
   }
 }
 
-// A tube with a bottom, open at the top: outlines as in the half plane (r, y).
+// The distance from a tube with a bottom and an open top. Its outline lies in the half plane (r, y).
 float tube_distance(const float p[3]) {
   const double r = std::hypot(p[0], p[2]), y = p[1];
   const auto rectangle = [&](double low_r, double high_r, double low_y, double high_y) {
@@ -116,8 +117,8 @@ float tube_distance(const float p[3]) {
   return static_cast<float>(std::min(rectangle(0.06, 0.10, -0.2, 0.2), rectangle(-1.0, 0.10, -0.2, -0.16)));
 }
 
-// Of the sky, the bottom of the tube sees (r/depth)^2 = 3 %, and 12 % of the rest reach it by the renderer's own rule;
-// the rim sees all of it, and the sun. Rays that begin on a wall must find the wall opposite.
+// The bottom of the tube sees (r/depth)^2 = 3 % of the sky. The renderer's own rule adds 12 % of the rest. The rim sees
+// the whole sky and the sun. Rays that begin on a wall must find the opposite wall.
 TEST(Render, TheBottomOfAHollowFieldIsDark) {
   cpp::Field field;
   ASSERT_TRUE(field.from_function({{-0.14f, -0.24f, -0.14f}, {0.14f, 0.24f, 0.14f}}, 0.01f, SANDGLASS_SOLID_INSIDE,
@@ -174,8 +175,8 @@ TEST(AutomaticCamera, FramesEveryBox) {
   EXPECT_GT(widest, 0.7);
 }
 
-// Of 111 snapshots the sheet shows every tenth. Where sand is in one of these alone, the drawing begins; where it is in
-// all others alone, there is nothing to draw.
+// The sheet shows every tenth of 111 snapshots. If only one of these has sand, the drawing begins. If only the others
+// have sand, there is nothing to draw.
 TEST(Pictures, WithoutAFilmNothingButTheMomentsOfTheSheetIsLookedAt) {
   struct Stopped {};
   std::vector<uint32_t> painted;
@@ -207,7 +208,7 @@ TEST(Image, TextIsDrawnAndClipped) {
   draw_text(&picture, 1, 1, 1, "1", {0, 0, 0});
   EXPECT_EQ(picture.at(3, 1)[0], 0);  // the stroke of the one
   EXPECT_EQ(picture.at(1, 1)[0], 255);
-  draw_text(&picture, 15, 8, 3, "8W%", {0, 0, 0});  // mostly outside: nothing but clipping to check
+  draw_text(&picture, 15, 8, 3, "8W%", {0, 0, 0});  // lies mostly outside, so it only checks clipping
 }
 
 TEST(Image, GridKeepsOrder) {

@@ -1,4 +1,4 @@
-// What is written can be read back, and says what the frames did.
+// Reports can be read back and say what the frames did.
 #include "models/report/report.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ TEST(Report, SummaryCountsMissesAndPercentiles) {
   const Summary s = summarise(example().frames);
   EXPECT_EQ(s.misses, 1u);
   EXPECT_DOUBLE_EQ(s.worst_overrun_ms, 2.0);
-  EXPECT_EQ(s.beyond_guarantee, 1u);  // 6 ms is more than 4 ms and one unit of 0.05 ms
+  EXPECT_EQ(s.beyond_guarantee, 1u);  // 6 ms is more than 4 ms plus one work unit of 0.05 ms
   EXPECT_DOUBLE_EQ(s.elapsed.p50, 51 * 0.04);
   EXPECT_DOUBLE_EQ(s.elapsed.p99, 4.0);
   EXPECT_DOUBLE_EQ(s.elapsed.max, 6.0);

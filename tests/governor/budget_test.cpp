@@ -1,11 +1,12 @@
-// The time budget under a virtual clock, a million frames a case. Whatever the units cost:
+// The time budget under a virtual clock. Three things must hold, whatever the work units cost:
 //
-//   law        In every frame elapsed <= max(budget, mandatory) + last unit, by the report and by the scene's ledger.
-//   recovery   Within 16 frames after a disturbance every stage gets again 90 % of the units that it gets undisturbed.
+//   law        In every frame elapsed <= max(budget, mandatory) + last work unit. The report and the scene's own ledger
+//              of costs must both say so.
+//   recovery   At most 16 frames after a disturbance, every stage again gets 90 % of its undisturbed work units.
 //   precision  Constant costs never overrun the budget and fill 90 % of it. With jitter of ±20 %, at most 0.1 % of the
 //              frames overrun.
 //
-// The negative control replaces the predictor by the maximum of recent costs: one preemption then starves refinement
+// The negative control replaces the predictor by the maximum of recent costs. One preemption then starves refinement
 // for ever.
 #include <gtest/gtest.h>
 
@@ -21,7 +22,8 @@ namespace {
 
 constexpr uint32_t k_recovery_frames = 16;
 
-// The fewest units that each stage gets in a frame of a steady run, on an undisturbed machine of the given speed.
+// The fewest work units that each stage gets in any frame of a steady run. The machine has the given speed and nothing
+// disturbs it.
 struct Baseline {
   uint64_t fewest[2];
   uint64_t total;
@@ -43,16 +45,18 @@ Baseline measure_baseline(uint64_t scale_percent) {
 
 struct Outcome {
   uint64_t frames = 0;
-  uint64_t law_broken = 0;         // by the report
-  uint64_t law_broken_strict = 0;  // late by more than one unit, in frames whose output cost what it always costs
-  uint64_t true_law_broken = 0;    // by true time
-  uint64_t ledger_differs = 0;     // the report's times are not the sum of the units' costs
+  uint64_t law_broken = 0;  // frames that break the law by the report's times
+  // Frames that are late by more than one work unit, although their output cost what it usually costs.
+  uint64_t law_broken_strict = 0;
+  uint64_t true_law_broken = 0;  // frames that break the law by true time
+  uint64_t ledger_differs = 0;   // the report's times are not the sum of the work units' costs
   uint64_t over_budget = 0;
   uint64_t excess_frames = 0;   // the output stage took longer than its reserve
   uint64_t below_baseline = 0;  // frames, more than 16 after a disturbance
   uint64_t faults = 0;
   uint64_t false_faults = 0;
-  uint64_t least_used_ns = ~0ull;   // the least time of an undisturbed frame; without the first, which knows no costs
+  // The least time of an undisturbed frame. The first frame does not count, because it knows no costs.
+  uint64_t least_used_ns = ~0ull;
   uint64_t under_used = 0;          // undisturbed frames that used less than 90 % of the budget
   uint64_t longest_under_used = 0;  // the most such frames in a row
   uint64_t plan_hash = 0;
@@ -66,7 +70,7 @@ struct Case {
   uint64_t (*show)(FakeScene* scene) = nullptr;
   void* user = nullptr;
   bool clock_lies = false;
-  bool jitters = false;  // undisturbed costs vary, too, so that no baseline holds
+  bool jitters = false;  // undisturbed costs vary too, so there is no baseline to compare with
   PredictorPolicy policy = k_predictor_policy;
 };
 
@@ -77,7 +81,8 @@ uint64_t hash_plan(uint64_t hash, const sandglass_plan& plan) {
   return hash;
 }
 
-// Baselines at costs of 100, 125, ... 300 %. A frame between two of them is compared with the slower one.
+// Baselines at costs of 100, 125, ... 300 %. A frame whose cost lies between two of them is compared with the slower
+// one.
 const Baseline& baseline_at(uint64_t scale_percent) {
   static const std::vector<Baseline> table = [] {
     std::vector<Baseline> made;
@@ -118,13 +123,13 @@ Outcome run_case(const Case& which) {
       const bool last_unit_real =
           one_unit == scene.last_cost[0] || one_unit == scene.last_cost[1] || one_unit == scene.last_cost[2];
       outcome.ledger_differs += report.elapsed_ns != true_elapsed || !last_unit_real;
-      // The excess is the disturbance itself and never a reserve that was too small from the start. (In the first frame
-      // the reserve is not known.)
+      // The disturbance alone makes the excess. The reserve was never too small from the start. (In the first frame
+      // the reserve is not known yet.)
       outcome.ledger_differs += !scene.unforeseeable && governor.closing_excess_ns > 0 &&
                                 governor.closing_excess_ns + closing_undisturbed > scene.closing_ns;
     }
-    // Under a clock that lies only the predictions are left. They know the true costs, so true time too is over by one
-    // unit at most.
+    // When the clock lies, the governor has only its predictions. They know the true costs. So by true time too, a
+    // frame is late by at most one work unit.
     const uint64_t longest_true = k_cost_ns[k_neighbours] * scene.scale_percent / 100;
     outcome.true_law_broken += which.clock_lies && true_elapsed > k_budget_ns + longest_true;
     outcome.faults += report.clock_fault;
@@ -157,7 +162,8 @@ Outcome run_case(const Case& which) {
   return outcome;
 }
 
-// Runs a case, which must keep the law, recover from each disturbance, and report no fault of a clock that is right.
+// Runs a case. It must keep the law and recover from each disturbance. It must not report a fault while the clock is
+// right.
 Outcome run_lawful(const Case& which) {
   const Outcome outcome = run_case(which);
   EXPECT_EQ(outcome.law_broken, 0u);
@@ -189,13 +195,13 @@ TEST(Budget, OnePercentOfUnitsTenTimesAsLong) {
     return undisturbed * 10;
   };
   const Outcome outcome = run_lawful(which);
-  // An outlier does not make later frames use less of their budget: three of one kind among 16 units are rare, and soon
-  // forgotten.
+  // One outlier does not make later frames use less of their budget. Three outliers among 16 work units of one kind do,
+  // but that is rare and soon forgotten.
   EXPECT_LE(outcome.under_used * 200, outcome.frames);
   EXPECT_LE(outcome.longest_under_used, k_recovery_frames);
 }
 
-// Hits one unit in every 97th frame, of each kind in turn.
+// Makes one work unit slow in every 97th frame. The kinds of work unit take turns.
 uint64_t preempt_one(FakeScene* scene, Kind kind, uint64_t undisturbed) {
   uint64_t* pending = static_cast<uint64_t*>(scene->user);  // 1 + the kind to hit
   if (*pending != 1ull + kind) return undisturbed;
@@ -225,7 +231,7 @@ TEST(Budget, StepToAThirdOfTheSpeedAndBack) {
     scene->disturbed = scene->unforeseeable = frame % 100 == 0;
   };
   const Outcome outcome = run_lawful(which);
-  // Only the first frame after a step down in speed may be late, because nothing could predict it.
+  // Only the first frame after a drop in speed may be late, because nothing could predict it.
   EXPECT_LE(outcome.over_budget, outcome.frames / 200 + 1);
 }
 
@@ -255,9 +261,9 @@ bool clock_is_disturbed(uint64_t frame) { return frame % 200 >= 180; }
 
 struct LyingClock {
   bool active = false;
-  uint64_t offset = 0;     // added to true time from then on
-  uint64_t frozen_at = 0;  // of a clock that freezes
-  uint64_t kind = 0;       // of disturbance
+  uint64_t offset = 0;     // what the clock adds to true time
+  uint64_t frozen_at = 0;  // the reading at which the clock froze
+  uint64_t kind = 0;       // kind of disturbance
 };
 
 LyingClock* lying_clock(FakeScene* scene) { return static_cast<LyingClock*>(scene->user); }
@@ -278,8 +284,8 @@ Case lying_case(LyingClock* clock, uint64_t (*show)(FakeScene*)) {
 
 TEST(Budget, ClockRunsBackward) {
   LyingClock clock;
-  // Three kinds of disturbance in turn: always backward; one step back among the frame's first units; backward at one
-  // reading in four.
+  // Three kinds of disturbance take turns: the clock always runs backward; it steps back once among the frame's first
+  // work units; it goes backward at one reading in four.
   const Outcome outcome = run_lawful(lying_case(&clock, [](FakeScene* scene) {
     LyingClock* lying = lying_clock(scene);
     if (lying->active) {
@@ -289,7 +295,8 @@ TEST(Budget, ClockRunsBackward) {
     }
     return scene->true_ns + lying->offset;
   }));
-  // A tenth of the frames, less those of the third kind that saw no backward step.
+  // A tenth of the frames is disturbed. In a few of the third kind no reading goes backward, so the limit is nine in a
+  // hundred.
   EXPECT_GE(outcome.faults * 100, outcome.frames * 9);
 }
 
@@ -312,7 +319,7 @@ TEST(Budget, ClockFreezes) {
 
 TEST(Budget, ClockJumps) {
   LyingClock clock;
-  // Jumps forward and backward at one reading in ten, by any size from a microsecond to 2^63 ns.
+  // At one reading in ten the clock jumps forward or backward, by anything from a microsecond to 2^63 ns.
   const Outcome outcome = run_lawful(lying_case(&clock, [](FakeScene* scene) {
     LyingClock* lying = lying_clock(scene);
     if (lying->active && scene->random.below(10) == 0) {
@@ -335,7 +342,8 @@ TEST(Budget, AMaximumOfRecentCostsStarvesAStageForEver) {
   which.user = &pending;
   EXPECT_EQ(run_case(which).below_baseline, 0u);  // the real predictor recovers
   pending = 0;
-  which.policy = {0, 0, 0, false};  // the maximum of 16 costs: outliers count, no cap, no probes
+  // The prediction is the maximum of 16 costs. Outliers count, and there is no cap and no probe.
+  which.policy = {0, 0, 0, false};
   EXPECT_GE(run_case(which).below_baseline, which.frames - 200);
 }
 
@@ -348,7 +356,7 @@ TEST(Budget, TheSameTraceGivesTheSamePlansOnEveryMachine) {
   };
   const uint64_t first = run_case(which).plan_hash;
   EXPECT_EQ(first, run_case(which).plan_hash);
-  // One golden value for every compiler and processor. Change it only with a wanted change of the governor's decisions.
+  // One golden value for every compiler and processor. Change it only when you mean to change the governor's decisions.
   EXPECT_EQ(first, 0x645bf4684a150461u) << std::hex << first;
 }
 

@@ -6,7 +6,7 @@
 namespace sandglass::governor_test {
 namespace {
 
-// predict, neighbours, six solves, finish
+// The work units of a cycle: predict, neighbours, six solves, finish.
 constexpr Kind k_cycle[] = {k_predict, k_neighbours, k_solve, k_solve, k_solve, k_solve, k_solve, k_solve, k_finish};
 constexpr uint32_t k_cycle_units = sizeof(k_cycle) / sizeof(k_cycle[0]);
 

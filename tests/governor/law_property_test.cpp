@@ -1,6 +1,6 @@
-// The budget law for random scenes: stages with any number of units, kinds, shares, mandatory parts and units that
-// block each other; costs over six orders of magnitude; random budgets. Every frame keeps the law by the ledger, does
-// all its mandatory work, writes its output, and replays.
+// The budget law for random scenes. Stages have random work units, kinds, shares and mandatory parts, and may block
+// each other. Costs range over six orders of magnitude, and budgets are random. Every frame keeps the law by the
+// scene's own ledger of costs, does its mandatory work, writes its output, and replays.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,8 @@ struct RandomStage {
   uint32_t units = 0;
   uint32_t done = 0;
   uint32_t kinds = 1;
-  uint32_t gate = 0;  // after this many units the stage waits until the other one has caught up; 0: never
+  // After this many work units the stage waits until the other one has caught up. 0: it never waits.
+  uint32_t gate = 0;
   uint64_t base_ns = 0;
 };
 
@@ -122,7 +123,7 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
       ASSERT_LE(governor.closing_excess_ns, scene.run_ns[2]);
       ASSERT_EQ(scene.stages[2].done, scene.stages[2].units);
       ASSERT_TRUE(budget != 0 || report.elapsed_ns == report.mandatory_ns);
-      // A stage that nothing blocks has done its mandatory units, or all units if it had fewer.
+      // A stage that nothing blocks has done its mandatory work units, or all of its work units if it had fewer.
       for (uint32_t i = 0; i < 2; ++i) {
         if (scene.stages[i].gate != 0) continue;
         ASSERT_GE(report.stages[i].units, std::min(stages[i].mandatory_units, scene.stages[i].units));
@@ -140,7 +141,7 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
   RecordProperty("frames", static_cast<int>(frames));
 }
 
-// The clock may do anything: frames still end, the output is written, and memory stays valid.
+// The clock may do anything. Frames still end, the output is written, and memory stays valid.
 TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
   FakeRun run;
   const sandglass_frame_report& report = run.report;
@@ -151,7 +152,7 @@ TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
     ASSERT_GE(report.stages[0].units, 4u);
     ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
   }
-  // The clock is right again: 16 frames later the scene fills its budget again.
+  // The clock is right again. 16 frames later the scene fills its budget again.
   run.scene.show = nullptr;
   for (uint32_t frame = 0; frame < 17; ++frame) run.frame();
   EXPECT_GE(report.elapsed_ns * 10, k_budget_ns * 9);
@@ -159,7 +160,7 @@ TEST(LawProperty, SurvivesAClockOfRandomNumbers) {
   EXPECT_GT(report.stages[k_refinement].units, 0u);
 }
 
-// A clock that is frozen from the first reading, before any cost is known: each frame ends at the cap of 64 optional
+// The clock is frozen from the first reading, before any cost is known. Each frame ends at the cap of 64 optional work
 // units.
 TEST(LawProperty, AClockThatNeverRanEndsFramesAtTheUnitCap) {
   FakeRun run;
@@ -173,7 +174,7 @@ TEST(LawProperty, AClockThatNeverRanEndsFramesAtTheUnitCap) {
   }
 }
 
-// A clock that moves by one nanosecond a reading would admit four million units. The frame ends at 65,536.
+// A clock that moves by one nanosecond a reading would admit four million work units. The frame ends at 65,536.
 TEST(LawProperty, AClockThatCrawlsEndsFramesAtTheUnitLimit) {
   FakeRun run;
   run.scene.show = [](FakeScene* self) { return self->readings; };

@@ -1,5 +1,6 @@
-// What a frame does with its stages, and that the plan records it: order, shares, unblocking, the quality ladder,
-// replay, and the edges (no clock, no budget, no stage, a plan that is full, a plan that does not fit).
+// A frame runs its stages in the right order and with the right shares, and its plan records what ran. The tests cover
+// unblocking, the quality ladder and replay. They also cover the edges: no clock, no budget, no stage, a full plan, and
+// a plan that does not fit.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -11,18 +12,19 @@
 namespace sandglass::governor_test {
 namespace {
 
-// A stage with a finite list of units of one kind, 100 us each on the shared clock. Another stage may have to unblock
-// them.
+// A stage with a finite list of work units of one kind. Each takes 100 us on the shared clock. Another stage may have
+// to unblock them.
 struct ListStage {
   uint64_t* now_ns = nullptr;
   uint32_t kind = 0;
-  uint32_t units = 0;  // all that it offers
+  uint32_t units = 0;  // how many it offers
   uint32_t done = 0;
-  const uint32_t* ahead = nullptr;  // units may run only while fewer than *ahead * per_ahead are done
+  // If set, work units run only while fewer than *ahead * per_ahead + lead are done.
+  const uint32_t* ahead = nullptr;
   uint32_t per_ahead = 1;
-  uint32_t lead = 0;  // so many more may run
+  uint32_t lead = 0;
   std::string* log = nullptr;
-  bool spread = false;  // forecast as work that is spread over several frames
+  bool spread = false;  // whether the forecast calls it work that is spread over several frames
 };
 
 constexpr uint64_t k_list_unit_ns = 100000;
@@ -74,12 +76,12 @@ struct Lists {
     log.clear();
     return governor_frame(&governor, stages, 3, budget_ns, replay, &report);
   }
-  // Sets the units that are offered in the next frame.
+  // Sets how many work units the stages offer in the next frame.
   void offer(uint32_t a, uint32_t b, uint32_t c) {
     first.units = a, second.units = b, output.units = c;
     first.done = second.done = output.done = 0;
   }
-  // Runs a frame in which the cost of every kind becomes known.
+  // Runs a frame. After it the cost of every kind of work unit is known.
   void learn() {
     offer(4, 4, 4);
     frame(1000000000, 1, 1.0f);
@@ -131,7 +133,8 @@ TEST(Plan, AShareIsKeptWhileALaterStageHasWorkAndHandedBackAfterwards) {
 TEST(Plan, AStageThatUnblocksAnotherGetsTimeForIt) {
   Lists lists;
   lists.learn();
-  // Each unit of the first stage makes one of the second possible. The share of the first alone is not enough for one.
+  // Each work unit of the first stage unblocks one of the second. The first stage's own share is zero, too little for
+  // one work unit.
   lists.offer(4, 4, 1);
   lists.second.ahead = &lists.first.done;
   lists.frame(100 * k_list_unit_ns, 0, 0.0f);
@@ -164,7 +167,7 @@ TEST(Plan, WhenThePlanIsFullOptionalWorkEndsAndTheOutputIsStillWritten) {
   Lists lists;
   lists.learn();
   lists.offer(100, 100, 3);
-  lists.second.ahead = &lists.first.done;  // a, b, a, b ...: a run each
+  lists.second.ahead = &lists.first.done;  // the order is a, b, a, b ..., so each work unit is a run of its own
   lists.frame(1000 * k_list_unit_ns, 0, 0.0f);
   EXPECT_EQ(lists.report.plan.run_count, static_cast<uint32_t>(SANDGLASS_PLAN_RUNS));
   EXPECT_EQ(lists.report.plan.runs[SANDGLASS_PLAN_RUNS - 1].stage, k_closing);
@@ -235,7 +238,8 @@ TEST(Plan, TheBestQualityLevelThatFitsIsTakenAndDoesNotFlicker) {
     for (uint32_t i = 0; i < 4; ++i) run.frame(budget);
     return run.report.level;
   };
-  // The forecast of the fake stages: cycles of 790 us, refinement units of 100 us, three output units of 70 us.
+  // The forecast of the fake stages: cycles of 790 us, refinement work units of 100 us, and three output work units of
+  // 70 us.
   const uint64_t full = 8 * 790000 + 16 * 100000 + 210000;
   const uint64_t half = 4 * 790000 + 8 * 100000 + 210000;
   EXPECT_EQ(level_at(2 * full), 0u);
@@ -247,15 +251,16 @@ TEST(Plan, TheBestQualityLevelThatFitsIsTakenAndDoesNotFlicker) {
   EXPECT_EQ(level_at(0), 2u);
 }
 
-// The output takes a twentieth of the frame. The first frame begins with one unit of it, and so learns that it need not
-// keep half of its time free.
+// The output takes a twentieth of the frame. The first frame begins with one work unit of the output. So it learns that
+// it need not keep half of its time free.
 TEST(Plan, TheFirstFrameLearnsWhatTheOutputCosts) {
   Lists lists;
   lists.offer(100, 0, 2);
   EXPECT_TRUE(lists.frame(4000000, 0, 1.0f));
   EXPECT_EQ(lists.log.front(), 'c') << "the first unit must be one of the output";
   EXPECT_EQ(lists.log.back(), 'c');
-  // 4 ms, less two units of output and the margins of a quarter on the second and on the last unit of work.
+  // 40 work units fit into 4 ms. Two of them are output. The second output unit and the last unit of work each need a
+  // margin of a quarter, which costs one more.
   EXPECT_GE(lists.report.stages[0].units, 40u - 2 - 1);
   EXPECT_LE(lists.report.elapsed_ns, 4000000u);
   lists.offer(100, 0, 2);
@@ -263,8 +268,8 @@ TEST(Plan, TheFirstFrameLearnsWhatTheOutputCosts) {
   EXPECT_EQ(lists.log.front(), 'a') << "the output's cost is known by now";
 }
 
-// A shadow texture that costs 10 ms is no reason for the worst quality level, but the millisecond that it gets in this
-// frame is missing elsewhere.
+// A shadow texture that costs 10 ms does not force the worst quality level, because its work is spread over frames. But
+// other work lacks the millisecond that the texture gets in this frame.
 TEST(Plan, WorkSpreadOverFramesCountsForItsShareInTheChoiceOfTheQualityLevel) {
   const auto level_beside = [](uint32_t units) {
     Lists lists;
@@ -303,8 +308,8 @@ TEST(Plan, PredictionsSaturateInsteadOfOverflowing) {
   EXPECT_EQ(governor_predict(&governor, 0, 5000), 5u);
 }
 
-// A kind of unit takes 100 us but is remembered with five seconds. Returns after how many frames it runs when `percent`
-// of the budget is left.
+// The governor remembers five seconds for a kind of work unit that takes 100 us. Each frame leaves `percent` of the
+// budget for it. Returns the number of the frame in which it runs.
 uint32_t frames_until_tried(uint32_t percent, Lists* lists) {
   lists->learn();
   Governor::Kind* kind = &lists->governor.kinds[1];
@@ -321,9 +326,12 @@ uint32_t frames_until_tried(uint32_t percent, Lists* lists) {
 
 TEST(Plan, AnOverestimateIsCappedFadesWhileDeniedAndIsProbedWithinEightFrames) {
   Lists capped, faded, probed;
-  EXPECT_EQ(frames_until_tried(60, &capped), 1u);  // no unit is predicted to need more than half the budget
-  EXPECT_EQ(frames_until_tried(30, &faded), 5u);   // half the budget, less an eighth of that for each of four denials
-  EXPECT_EQ(frames_until_tried(3, &probed), 8u);   // fits by no estimate, so only a probe runs it
+  // No prediction for a work unit is more than half the budget.
+  EXPECT_EQ(frames_until_tried(60, &capped), 1u);
+  // The prediction starts at half the budget. Each of four denials lowers it by an eighth of that.
+  EXPECT_EQ(frames_until_tried(30, &faded), 5u);
+  // No estimate fits, so only a probe runs it.
+  EXPECT_EQ(frames_until_tried(3, &probed), 8u);
   EXPECT_EQ(governor_predict(&probed.governor, 1, 10), k_list_unit_ns) << "one probe corrects the memory";
 }
 

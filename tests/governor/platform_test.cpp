@@ -96,13 +96,13 @@ TEST(CpuFeatures, AgreeWithTheKernelsList) {
 }
 #endif
 
-// Arithmetic behind pointers that the compiler cannot see through, as in a stage's table.
+// Arithmetic behind function pointers that the compiler cannot see through, as in a stage's table.
 float divide(float a, float b) { return a / b; }
 float (*volatile divide_hidden)(float, float) = divide;
 
 constexpr float k_denormal = 1e-40f;
 
-// The worst control register that an app can have: every bit set that switches to flushing or to another rounding.
+// The worst control register that an app can have. Every bit that switches to flushing or to another rounding is set.
 FloatingPointControl hostile_control() {
 #if defined(__aarch64__)
   return (3u << 22) | (1u << 24) | (1u << 25);

@@ -1,6 +1,6 @@
-// A recording is read back as it was written, and all other bytes are refused: every truncation, every value of every
-// byte, records dropped, doubled and swapped, wrong lengths. The reader gets heap blocks of the exact size, so that the
-// address sanitizer notices any byte read too far.
+// A recording is read back as it was written, and wrong bytes are refused. The tests try every truncation, every value
+// of every byte, records that are dropped, doubled and swapped, and wrong lengths. The reader gets heap blocks of the
+// exact size, so that the address sanitizer notices any byte that is read too far.
 #include "models/simulation/recording.h"
 
 #include <gtest/gtest.h>
@@ -89,7 +89,7 @@ TEST(Recording, EveryTruncationIsRefusedWithASentence) {
     Recording back;
     std::string error;
     ASSERT_FALSE(decodes({bytes.begin(), bytes.begin() + static_cast<long>(length)}, &back, &error)) << length;
-    ASSERT_NE(error.find(". "), std::string::npos) << error;  // says what is wrong, then what to do
+    ASSERT_NE(error.find(". "), std::string::npos) << error;  // first what is wrong, then what to do
     ASSERT_TRUE(same(back, {})) << "a failed read changed the result";
   }
 }
@@ -109,7 +109,7 @@ TEST(Recording, EveryChangeOfAByteIsRefused) {
   }
 }
 
-// The start of every record, and at last the end.
+// Where every record starts. The last entry is the end.
 std::vector<size_t> record_starts(const std::vector<uint8_t>& bytes) {
   std::vector<size_t> starts = {12};
   while (starts.back() < bytes.size()) {
@@ -179,7 +179,7 @@ TEST(Recording, ForgedRecordsAreAnErrorOrAValidRecording) {
           ASSERT_LT(frame.plan.runs[r].stage, static_cast<uint32_t>(SANDGLASS_STAGE_COUNT));
         }
       }
-      // If it is accepted, it is what the bytes say: written again it gives the same file.
+      // An accepted recording says what the bytes say. Written again, it gives the same file.
       ASSERT_EQ(encode_recording(back), bytes);
     }
   }
@@ -204,8 +204,8 @@ TEST(Recording, GoesThroughAFileAndLeavesNothingElseBehind) {
   EXPECT_THROW(save_recording(recording, path), Failure);
 }
 
-// The purpose of recordings, on stages that consist of time only: recorded under a disturbed clock, written, read and
-// replayed without a clock, a run ends the same.
+// The purpose of recordings, with stages that only take time. A run is recorded under a disturbed clock, written, read
+// and replayed without a clock. It must end the same.
 TEST(Recording, AReadRecordingReplaysToTheSameEnd) {
   using namespace governor_test;
   FakeRun recorded, replayed(false);

@@ -1,4 +1,4 @@
-// Every stage counts its kinds of work unit from 0; the array gives them their places among all.
+// Every stage counts its kinds of work unit from 0. The array of stages gives them their places among all kinds.
 #include <gtest/gtest.h>
 
 #include "runtime/core/governor.h"
@@ -6,7 +6,7 @@
 namespace sandglass::governor_test {
 namespace {
 
-// A stage whose only unit is of its last kind.
+// A stage with one work unit, of its last kind.
 Stage stage_of(uint32_t* kinds) {
   return {kinds,
           [](const void* state, uint32_t, WorkUnit* unit) {
@@ -48,7 +48,7 @@ TEST(StageKinds, AreSharedByStagesOfOneState) {
   EXPECT_EQ(kind_offered(stages[2]), kind_offered(stages[0]));
 }
 
-// The predictor remembers costs by place, so a capability that joins or leaves must not move those of the others.
+// The predictor remembers costs by place. So a capability that joins or leaves must not move the places of the others.
 TEST(StageKinds, StayWhereTheyAreWhenACapabilityIsLeftOut) {
   uint32_t three = 3, two = 2, one = 1;
   Stage with[3] = {stage_of(&three), stage_of(&two), stage_of(&one)};

@@ -1,5 +1,5 @@
-// Thermal headroom: the share of the budget that a device can sustain. Half the headroom halves what a frame plans.
-// Quality falls and recovers with it. The budget law always holds for the scaled budget.
+// Thermal headroom is the share of the budget that a device can sustain. Half the headroom halves the work that a frame
+// plans. Quality falls and recovers with the headroom. The budget law always holds for the scaled budget.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 constexpr uint32_t k_settled = 16;  // frames after which costs are known (budget_test.cpp)
 
 struct Steady {
-  uint64_t optional_ns = 0;  // a frame's time without its mandatory units and output
+  uint64_t optional_ns = 0;  // the time of frames without their mandatory work units and output
   uint64_t units = 0;
 };
 
@@ -37,8 +37,8 @@ Steady run_steady(float headroom) {
 
 TEST(ThermalHeadroom, HalfOfItHalvesThePlan) {
   const Steady full = run_steady(1.0f), half = run_steady(0.5f);
-  // The ratio may differ from a half: both runs leave up to one unit of their target unused (the longest costs 140 us,
-  // 175 us with its margin), and the mandatory part does not scale.
+  // The ratio may differ from a half, for two reasons. Both runs leave up to one work unit of their target unused (the
+  // longest costs 140 us, 175 us with its margin). And the mandatory part does not scale.
   const double slack = 9.0 * k_settled * 175e3;
   const double lost = static_cast<double>(9 * k_settled) * 0.5 * k_budget_ns;  // halving takes this from the target
   EXPECT_NEAR(static_cast<double>(full.optional_ns - half.optional_ns), lost, slack);
@@ -56,8 +56,8 @@ TEST(ThermalHeadroom, OutOfRangeCountsAsTheNearestOrAsUnknown) {
   EXPECT_EQ(governor_target(~0ull, 1.0f), ~0ull);
 }
 
-// A real scene in which every unit costs 10 us by a virtual clock. The headroom falls from 1 to 0.2 as a phone warms
-// up, stays there, and recovers as it cools.
+// A real scene in which every work unit costs 10 us by a virtual clock. The headroom falls from 1 to 0.2, as on a phone
+// that warms up. It stays there and recovers as the phone cools.
 constexpr uint64_t k_warm_budget_ns = 2500000;  // all work of a frame takes 2.2 ms
 
 struct Warming {

@@ -1,4 +1,4 @@
-// Rigid bodies: free motion against closed forms, momentum, degenerate shapes, heavy and light ones in sand.
+// Rigid bodies: free motion against closed forms, momentum, degenerate shapes, and heavy and light bodies in sand.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +23,8 @@ std::vector<float> shifted(std::vector<float> points, float x, float y, float z)
   return points;
 }
 
-// Touching particles in rows, the lowest corner at the origin. The inertia of a cube of them is that of a sphere.
+// Touching particles in rows, with the lowest corner at the origin. A cube of them has equal moments of inertia about
+// all axes, like a sphere.
 std::vector<float> brick(int x, int y, int z) {
   std::vector<float> points;
   for (int i = 0; i < x * y * z; ++i)
@@ -31,7 +32,7 @@ std::vector<float> brick(int x, int y, int z) {
   return points;
 }
 
-// The largest change of a distance within the particles first..last, in radii.
+// The largest change of any distance between the particles first..last, in radii.
 double softness(const std::vector<float>& rest, const std::vector<float>& now, size_t first, size_t last) {
   double most = 0.0;
   for (size_t i = first; i < last; ++i)
@@ -40,8 +41,8 @@ double softness(const std::vector<float>& rest, const std::vector<float>& now, s
   return most / static_cast<double>(k_radius);
 }
 
-// Limit of the softness, in radii. Float coordinates of a few tenths of a metre are rounded by 3e-8 m, the distance of
-// two of them by 6e-6 r.
+// The limit of the softness, in radii. Float coordinates of a few tenths of a metre are rounded by 3e-8 m. That rounds
+// the distance of two particles by 6e-6 r.
 constexpr double k_rigid = 2e-5;
 
 TEST(Bodies, ASpinningCubeFliesStraightAndTurnsEvenly) {
@@ -56,7 +57,7 @@ TEST(Bodies, ASpinningCubeFliesStraightAndTurnsEvenly) {
   EXPECT_NEAR(pose.position[0], 0.03 + 0.3 * seconds, 1e-5);
   EXPECT_NEAR(pose.position[1], 0.03 + 0.1 * seconds, 1e-5);
   EXPECT_NEAR(pose.position[2], 0.03 - 0.2 * seconds, 1e-5);
-  // 5 rad/s about (0, 0.6, 0.8) for 2 s: a step of w dt along the tangents turns by atan(w dt).
+  // The body turns at 5 rad/s about (0, 0.6, 0.8) for 2 s. A step of w dt along the tangents turns it by atan(w dt).
   const double step = 0.02 / 64.0, turned = 64.0 * 100.0 * std::atan(5.0 * step);
   const double half = 0.5 * turned;
   EXPECT_NEAR(std::fabs(pose.rotation[3]), std::fabs(std::cos(half)), 2e-4);
@@ -66,8 +67,9 @@ TEST(Bodies, ASpinningCubeFliesStraightAndTurnsEvenly) {
   EXPECT_LE(softness(rest, scene.positions(), 0, 64), k_rigid);
 }
 
-// A brick spinning about no principal axis: its angular velocity wanders, its angular momentum and energy stay. Euler's
-// equations are integrated by first-order steps: drift relative to |w| dt a step, 2 rad/s * 0.3 ms, over 2 s.
+// A brick spins about an axis that is not a principal one. Its angular velocity wanders, but its angular momentum and
+// energy stay. Steps of first order integrate Euler's equations. Their drift over 2 s is of the order of |w| dt, which
+// is 2 rad/s * 0.3 ms.
 TEST(Bodies, ATumblingBrickKeepsItsAngularMomentum) {
   sandglass_scene_desc desc = with_bodies(0, 48);
   desc.gravity[1] = 0.0f;
@@ -106,8 +108,8 @@ TEST(Bodies, FallLikeAnythingElse) {
   const sandglass_body_pose after = sandglass_granular_body_pose(scene.scene, 0);
   const double body = static_cast<double>(after.position[1]) - static_cast<double>(before.position[1]);
   EXPECT_NEAR(body / static_cast<double>(scene.positions()[1]), 1.0, 1e-5);
-  // Heights up to 4.9 m are rounded to 4.8e-7 m in each of 3600 sub-steps: at random, 3e-5 m or 0.003 rad of a body
-  // with arms of 1 cm; twice that is the limit.
+  // Heights up to 4.9 m are rounded to 4.8e-7 m in each of 3600 sub-steps. Random rounding adds up to 3e-5 m, or
+  // 0.003 rad for a body with arms of 1 cm. The limit is twice that.
   EXPECT_NEAR(after.rotation[3], 1.0, 0.006 * 0.006 / 8.0);
 }
 
@@ -129,7 +131,8 @@ TEST(Bodies, ThrownIntoSandTheMomentumIsShared) {
     for (size_t k = 0; k < 3; ++k) after[k] += (i < 1000 ? 1.0 : density) * static_cast<double>(v[3 * i + k]);
   for (size_t i = 0; i < 1000; ++i) sand += static_cast<double>(v[3 * i]);
   EXPECT_GT(sand, 0.2 * before) << "the body must have hit";
-  // Each contact is computed once from either side, to the rounding of a float; a thousand sub-steps of them.
+  // Each contact is computed once from either side, so the two results differ by a float's rounding. The limit allows
+  // for a thousand sub-steps.
   EXPECT_NEAR(after[0] / before, 1.0, 2e-4);
   EXPECT_NEAR(after[1] / before, 0.0, 2e-4);
   EXPECT_NEAR(after[2] / before, 0.0, 2e-4);
@@ -169,18 +172,18 @@ TEST(Bodies, CoincidentParticlesAreAPoint) {
 }
 
 struct OnSand {
-  double height;   // of the cube's centre, after three seconds
-  double highest;  // height that any particle reached in any frame
-  double speed;    // of the fastest particle at the end
-  double overlap;  // largest at the end, in radii; not between particles of one body
+  double height;   // the height of the cube's centre after three seconds
+  double highest;  // the greatest height that any particle reached in any frame
+  double speed;    // the speed of the fastest particle at the end
+  double overlap;  // the largest overlap at the end, in radii; pairs within one body do not count
   double softness;
 };
 
-// A cube of the given density dropped on a bed of sand six layers deep.
+// Drops a cube of the given density on a bed of sand that is six layers deep.
 OnSand cube_on_sand(float density, uint32_t substeps) {
   constexpr uint32_t k_sand = 14 * 14 * 6, k_all = k_sand + 27;
   sandglass_scene_desc desc = with_bodies(k_sand, 27);
-  desc.granular.static_friction = desc.granular.kinetic_friction = 0.3f;  // it has no walls and must not flow away
+  desc.granular.static_friction = desc.granular.kinetic_friction = 0.3f;  // the bed has no walls and must not flow away
   if (substeps != 0) desc.granular.substep_max = k_frame / static_cast<float>(substeps) * 1.00001f;
   GranularScene scene(desc);
   scene.add(lattice(14, 6, 14, 2.02f * k_radius, k_radius));
@@ -221,8 +224,8 @@ TEST(Bodies, LightOnesLieOnTopHeavyOnesSinkIn) {
   }
 }
 
-// Mass ratio 1:1000: the cube squeezes the sand between it and the floor. 1024 sub-steps a frame keep the particles
-// apart. With the default some of them end inside the cube, but none is thrown.
+// With a mass ratio of 1:1000 the cube squeezes the sand against the floor. 1024 sub-steps a frame keep the particles
+// apart. With the default number, some particles end inside the cube, but none is thrown.
 TEST(HardCase, AThousandTimesHeavierThanSand) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "minutes under emulation; the kernels are compared there to the bit";
   const OnSand fine = cube_on_sand(1000.0f, 1024);

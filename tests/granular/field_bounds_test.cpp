@@ -1,5 +1,5 @@
-// What a field collider may err by, from the grid's spacing and the surface's curvature alone, and how thin a wall may
-// be before fast grains pass it.
+// The error limits of a field collider follow from the grid's spacing and the surface's curvature alone. The tests
+// check them, and how thin a wall may be before fast grains pass it.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ using Distance = std::function<double(const float*)>;
 
 float ask(void* user, const float p[3]) { return static_cast<float>((*static_cast<const Distance*>(user))(p)); }
 
-// A field of a closed form, over the box -reach..reach, solid where the function is negative.
+// A field made from a function, over the box -reach..reach.
 struct FunctionField {
   FunctionField(Distance distance, const float reach[3], float spacing, sandglass_solid solid) {
     const char* reason = nullptr;
@@ -53,9 +53,10 @@ Distance box(double x, double y, double z) {
   };
 }
 
-// The distance from a torus has the curvatures 1/rho and cos/(distance from the axis), rho the distance from the ring.
-// Trilinear interpolation errs by spacing^2/8 times their sum, and its gradient by the cell's diagonal times the
-// Hessian's norm, twice that once normalised; both at their worst within the cell.
+// The distance from a torus has the curvatures 1/rho and cos/(distance from the axis), where rho is the distance from
+// the ring. Trilinear interpolation errs by at most spacing^2/8 times their sum. Its gradient errs by at most the
+// cell's diagonal times the Hessian's norm, and by twice that once normalised. Both take the worst place within the
+// cell.
 TEST(FieldBounds, OfATorusFollowFromSpacingAndCurvature) {
   constexpr double k_major = 0.1, k_minor = 0.04;
   const Distance torus = [](const float* p) { return std::hypot(std::hypot(p[0], p[2]) - k_major, p[1]) - k_minor; };
@@ -89,8 +90,8 @@ TEST(FieldBounds, OfATorusFollowFromSpacingAndCurvature) {
   }
 }
 
-// Beside a flat face nothing is lost; across an edge interpolation of a function whose slope is at most 1 errs by at
-// most sqrt(3)/2 spacings, the distance-weighted reach of a cell's corners.
+// Beside a flat face nothing is lost. Across an edge, the slope of the function is at most 1, so interpolation errs by
+// at most sqrt(3)/2 spacings, the weighted distance of a cell's corners.
 TEST(FieldBounds, OfABoxAreExactAtFacesAndBelowACellAtEdges) {
   const Distance truth = box(0.1, 0.06, 0.08);
   const float reach[3] = {0.15f, 0.11f, 0.13f};
@@ -102,7 +103,7 @@ TEST(FieldBounds, OfABoxAreExactAtFacesAndBelowACellAtEdges) {
     const double distance = static_cast<double>(sandglass_field_distance(made.field, p, nullptr)), d = truth(p);
     ASSERT_NEAR(distance, d, std::sqrt(3.0) / 2 * h);
     edge = std::max(edge, std::fabs(distance - d));
-    // Above the top face, and no nearer to another face than the cell reaches.
+    // Only points above the top face count, and no other face may be within the reach of the cell.
     const double x = std::fabs(static_cast<double>(p[0])), z = std::fabs(static_cast<double>(p[2]));
     if (x > 0.1 - 3 * h || z > 0.08 - 3 * h || static_cast<double>(p[1]) < 0.06 - h) return;
     ++faces;
@@ -113,9 +114,9 @@ TEST(FieldBounds, OfABoxAreExactAtFacesAndBelowACellAtEdges) {
   RecordProperty("edge_in_spacings", std::to_string(edge / h));
 }
 
-// On the middle plane of a flat wall the interpolant is at most h/2 - thickness/2: sum_i w_i |n.(p - p_i)| <= h/2,
-// since the weights' variance along each axis is at most h^2/4. So a wall thicker than a spacing has no holes at any
-// angle.
+// On the middle plane of a flat wall the interpolant is at most h/2 - thickness/2. The reason is that
+// sum_i w_i |n.(p - p_i)| <= h/2, since the weights' variance along each axis is at most h^2/4. So a wall that is
+// thicker than a spacing has no holes at any angle.
 TEST(FieldBounds, AWallThickerThanASpacingHasNoHoles) {
   constexpr double k_spacing = 0.01;
   const float reach[3] = {0.15f, 0.15f, 0.15f};
@@ -150,7 +151,7 @@ TEST(FieldBounds, AWallThickerThanASpacingHasNoHoles) {
   }
 }
 
-// Between the nodes: 1 mm of wall on a grid of 1 cm would be a collider that nothing touches.
+// A wall of 1 mm between the nodes of a grid of 1 cm would be a collider that nothing touches.
 TEST(FieldBounds, AWallThatNoNodeMeetsIsRefused) {
   const float low[3] = {-0.2f, -0.1f, -0.2f}, high[3] = {0.2f, 0.1f, 0.2f};
   uint64_t bytes = 0;
@@ -175,7 +176,8 @@ TEST(FieldBounds, AWallThatNoNodeMeetsIsRefused) {
   }
 }
 
-// One particle on a turning, travelling block: the field of a box carries it to where the analytic box does.
+// A particle lies on a block that turns and travels. The field of a box carries it to the same place as the analytic
+// box does.
 TEST(FieldBounds, AMovingFieldCarriesAsTheAnalyticBoxDoes) {
   const float reach[3] = {0.25f, 0.1f, 0.25f};
   const FunctionField made(box(0.2, 0.05, 0.2), reach, 0.01f, SANDGLASS_SOLID_INSIDE);
@@ -204,7 +206,7 @@ TEST(FieldBounds, AMovingFieldCarriesAsTheAnalyticBoxDoes) {
   EXPECT_NEAR(ends[0][1], 0.16, 1e-3);
 }
 
-// A lid at y = 0 under grains and particles that fall at `speed`: how many end below it.
+// Grains and particles fall at `speed` on a lid at y = 0. The result says how many end below it.
 struct Leak {
   uint32_t grains = 0, particles = 0;
 };
@@ -212,12 +214,12 @@ Leak shoot(const FunctionField& lid, float speed, uint32_t frames) {
   std::vector<float> particles, grains, velocities;
   for (int j = 0; j < 8; ++j) {
     for (int i = 0; i < 8; ++i) {
-      // Starts staggered over a grain's step, so that some are about to touch when a step begins.
+      // The heights are staggered over a grain's step, so that some are about to touch when a step begins.
       const float x = 0.05f * static_cast<float>(i - 4), z = 0.05f * static_cast<float>(j - 4);
       const float y = 0.06f + 0.0005f * static_cast<float>(8 * j + i);
       particles.insert(particles.end(), {x, y, z});
       velocities.insert(velocities.end(), {0.0f, -speed, 0.0f});
-      // Between four particles, out of their reach of 3 r: in free flight.
+      // Between four particles and out of their reach of 3 r, so the grain is in free flight.
       grains.insert(grains.end(), {x + 0.025f, y, z + 0.025f});
     }
   }
@@ -237,7 +239,7 @@ TEST(FieldBounds, GrainsDoNotPassAWallOfTwoStepsThickness) {
   sandglass_scene_desc_default(&defaults);
   const float reach[3] = {0.5f, 0.15f, 0.5f};
   for (const float speed : {1.0f, 3.0f}) {
-    // sandglass_collider's own limit; one more step of gravity on the way down.
+    // The limit that sandglass_collider states, with a little more speed for gravity on the way down.
     const double limit = 2.0 * static_cast<double>(defaults.granular.refine_step) * (static_cast<double>(speed) + 0.5);
     const FunctionField wall(box(0.4, limit / 2, 0.4), reach, 0.005f, SANDGLASS_SOLID_INSIDE);
     const Leak none = shoot(wall, speed, 12);
@@ -255,7 +257,7 @@ TEST(FieldBounds, ParticlesDoNotPassAWallOfTheirOwnRadius) {
   EXPECT_EQ(shoot(wall, 8.0f, 12).particles, 0u);
 }
 
-// The same lid as a container's: all below it is solid, and the fastest grain comes back.
+// The same lid as the wall of a container. Everything below it is solid, and even the fastest grain comes back.
 TEST(FieldBounds, NothingPassesAContainersWallAtAnySpeed) {
   const float reach[3] = {0.5f, 0.5f, 0.5f};
   const Distance room = box(0.4, 0.4, 0.4);

@@ -1,4 +1,4 @@
-// Signed-distance fields: distances against closed forms, and what is refused.
+// Signed-distance fields: their distances against closed forms, and which meshes and colliders are refused.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,8 +21,8 @@ double length(const float* p) { return std::hypot(p[0], p[1], p[2]); }
 TEST(Field, OfASphereHasItsDistanceAndNormal) {
   constexpr double k_spacing = 0.01, k_band = 0.04;
   const MeshCollider sphere(make_icosphere(0.1f, 4), SANDGLASS_SOLID_INSIDE, 0.01f, 0.04f, 0.05f);
-  // Trilinear interpolation of a function whose two curvatures are 1/rho errs by h^2/4rho at most; the icosphere's
-  // chords (edge 0.1 * 1.26 / 2^4) lie e^2/8R below the sphere, as measured by its own triangles' edge.
+  // Trilinear interpolation of a function with two curvatures of 1/rho errs by at most h^2/4rho. The chords of the
+  // icosphere (its edge is e = 0.1 * 1.26 / 2^4) lie at most e^2/2R below the sphere.
   const double edge = 0.1 * 1.26 / 16.0, chord = edge * edge / (2.0 * 0.1);
   double worst = 0.0;
   for_points(sphere.low, sphere.high, 5000, [&](const float* p) {

@@ -1,4 +1,5 @@
-// Emitters, sinks and removal: everything that comes is somewhere or has gone, and numbers are used again.
+// Emitters, sinks and removal. Everything that an emitter adds is either in the scene or counted as removed, and the
+// numbers of removed particles are used again.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,8 +53,8 @@ TEST(Emitter, PoursAtTheRateOfItsLattice) {
   flow.drains = false;
   sandglass_frame_report report = {};
   for (int frame = 0; frame < 100; ++frame) report = flow.frame();
-  // Packed spheres at spacing a: sqrt(2) / a^3 of them in a unit volume; the nozzle passes pi R^2 v of volume a second.
-  // The count of sites in a disk differs from its area by the rim: a row of sites, half counted, of 2 pi R / a.
+  // Packed spheres at spacing a: a unit volume has sqrt(2) / a^3 of them. The nozzle passes a volume of pi R^2 v a
+  // second. The number of sites in a disk differs from its area by the rim, a row of 2 pi R / a sites, half counted.
   const double a = 2.02 * 0.01, area = M_PI * 0.04 * 0.04;
   const double expected = area * 1.0 * 2.0 * std::sqrt(2.0) / (a * a * a);
   const double rim = 0.5 * (2 * M_PI * 0.04 / a) / (area / (a * a * std::sqrt(0.75)));
@@ -91,7 +92,7 @@ TEST(Sink, WhatComesIsThereOrGoneAndNumbersAreUsedAgain) {
         ASSERT_EQ(grain.position[1], SANDGLASS_REMOVED_Y);
       } else {
         present.insert(i);
-        // A frame of falling below the sink at most, and the checks are a frame apart.
+        // The checks are a frame apart, so a grain falls below the sink for at most one frame.
         ASSERT_GT(grain.position[1], -0.3f - 2.0f * 4.0f * k_frame - 0.1f);
       }
     }
@@ -162,7 +163,7 @@ TEST(Remove, TakesWhatIsInsideAndWakesTheRest) {
   uint32_t gone = 0;
   for (size_t i = 1; i < after.size(); i += 3) gone += after[i] == SANDGLASS_REMOVED_Y ? 1 : 0;
   EXPECT_EQ(gone, removed);
-  // New ones take over their numbers.
+  // New particles take over their numbers.
   scene.add(std::vector<float>(3ull * removed, 0.5f));
   scene.particle_count = 1200;
   EXPECT_EQ(scene.frame(k_frame).particle_numbers, 1200u);
@@ -188,7 +189,7 @@ TEST(Output, LagsByTheTimeAskedFor) {
   const std::vector<sandglass_grain> newest = flow.scene.grains;
   std::vector<float> positions(3 * 600 * 4), velocities(3 * 600 * 4);
   sandglass_granular_grains(flow.scene.scene, positions.data(), velocities.data());
-  // The same state again, drawn 4 ms earlier: a frame without time.
+  // A frame without time draws the same state as it was 4 ms earlier.
   sandglass_frame_input input = flow.scene.input(0.0f);
   input.output_lag = 0.004f;
   flow.scene.run(input);

@@ -22,11 +22,10 @@ void expect_finite(const GranularScene& scene, float limit) {
   for (const float v : scene.velocities()) ASSERT_TRUE(std::isfinite(v));
 }
 
-// A cylinder of close-packed sand hits the floor at 5 m/s at the default settings, height weighting and all. Contacts
-// by position are plastic: a coefficient of restitution of 0.2 is already far beyond them, and e bounces to e^2 of the
-// height v^2/2g. Nor does a particle leave faster than two equal spheres could throw it, at twice the speed of impact.
-// (Without the limit on separation the centre of mass rose by 0.054 m, without the cap on height weighting either by
-// 0.58.)
+// A cylinder of close-packed sand hits the floor at 5 m/s with the default settings. Contacts by position are plastic.
+// A coefficient of restitution of e = 0.2 is already far beyond them, and it would bounce to e^2 of the height v^2/2g.
+// No particle may leave faster than two equal spheres could throw it, at twice the speed of impact. (Without the limit
+// on separation the centre of mass rises by 0.054 m. Without the cap on height weighting as well, it rises by 0.58 m.)
 TEST(HardCase, AnImpactThrowsNothing) {
   constexpr double k_speed = 5.0;
   constexpr float k_spacing = 0.0202f;
@@ -108,8 +107,8 @@ TEST(HardCase, EmptyOneFullAndOneTooMany) {
             SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
-// g++ only: clang assumes that the floating-point flags are not read, and computes both sides of a selection. So its
-// builds may trap on a value that is never used.
+// Only for g++. Clang assumes that nobody reads the floating-point flags, and computes both sides of a selection. So
+// its builds may trap on a value that is never used.
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
 TEST(HardCase, NoInvalidOperationAndNoDivisionByZero) {
   for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512}) {

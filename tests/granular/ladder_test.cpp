@@ -1,5 +1,5 @@
-// The quality ladder: the governor goes down it level by level as the budget shrinks, every level is stable, and the
-// table that ships says what a run of the column measures.
+// The quality ladder: the governor goes down it level by level as the budget shrinks, and every quality level is
+// stable.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,14 +11,14 @@ namespace {
 
 constexpr float k_frame = 0.02f, k_radius = 0.01f;
 
-// Time that passes only while work is done: 20 microseconds a unit.
+// A clock that advances only while work is done: 20 microseconds a work unit.
 struct UnitClock {
   uint64_t now = 1;
   static uint64_t read(void* user) { return static_cast<UnitClock*>(user)->now; }
   static void end(void* user, const char*) { static_cast<UnitClock*>(user)->now += 20000; }
 };
 
-// A block that collapses and lies there awake, on a clock that counts units.
+// A block that collapses and then lies there awake. Its clock counts work units.
 struct Counted {
   explicit Counted(uint32_t finest)
       : scene([&] {
@@ -40,8 +40,9 @@ struct Counted {
   sandglass_frame_report settled;
 };
 
-// A level whose cost fits with a quarter to spare is good enough. One whose cost does not fit is never chosen for long.
-// Between the two, forecasts decide: they count a list build that a pile at rest does not need.
+// If a quality level fits the budget with a quarter to spare, the governor chooses it or a better one. If it does not
+// fit, the governor does not stay there. In between, forecasts decide. They count a list build, which a pile that lies
+// still does not need.
 TEST(Ladder, EachLevelHasItsBudget) {
   if (SANDGLASS_EMULATED != 0)
     GTEST_SKIP() << "minutes under emulation; which level is chosen does not depend on the CPU";
@@ -72,14 +73,14 @@ TEST(Ladder, EachLevelHasItsBudget) {
         EXPECT_GT(worst, level) << budget;
       }
     }
-    // Before the last level nothing slips: the time debt stays below two frames.
+    // Before the last level there is no slow motion: the time debt stays below two frames.
     if (budget > 1.25 * cost[SANDGLASS_LEVEL_COARSER]) {
       EXPECT_LE(report.time_debt, 2.0 * static_cast<double>(k_frame));
     }
     debt = report.time_debt;
   }
   for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level) {
-    if (level == SANDGLASS_LEVEL_KEEP_LISTS) continue;  // a pile at rest builds none
+    if (level == SANDGLASS_LEVEL_KEEP_LISTS) continue;  // a pile that lies still builds no lists
     EXPECT_TRUE(reached[level]) << sandglass_level_name(level);
   }
   EXPECT_GT(debt, 2.0 * static_cast<double>(k_frame)) << "at the last level there is slow motion";
@@ -98,9 +99,9 @@ double mean_distance_to_particles(const std::vector<sandglass_grain>& grains, co
   return sum / static_cast<double>(grains.size());
 }
 
-// Grains lag a few frames behind the particles at most; where they cannot follow, time slows for both. A sweep covers
-// four frames, and four more pass while it is under way, each by at most one interval too many. In the end the grains
-// lie within a diameter of the particles.
+// Grains lag at most a few frames behind the particles. If they cannot follow, time slows for both. A sweep is one pass
+// of the refinement over all grains. It covers four frames, and four more pass while it runs. Each of the two may be a
+// frame longer, so the limit is ten frames. In the end the grains lie within a diameter of the particles.
 TEST(Ladder, GrainsAreNeverLeftBehind) {
   constexpr double k_simulated = 0.4;  // seconds: a fall of 10 cm takes 0.14, the block then spreads
   for (const uint64_t budget : {~uint64_t{0} >> 1, uint64_t{1'000'000}, uint64_t{300'000}, uint64_t{0}}) {
@@ -155,7 +156,8 @@ TEST(Ladder, WithoutAClockTheFinestLevelRuns) {
   EXPECT_THROW(GranularScene{desc}, std::invalid_argument);
 }
 
-// 20 ms in 16 steps of (7 + 1) iterations: fewer iterations, not longer steps.
+// The averaged scheme simulates 20 ms in 16 steps of (7 + 1) iterations. A coarser quality level has fewer iterations,
+// not longer steps.
 TEST(Ladder, TheAveragedSchemeIteratesLess) {
   double overlap[2] = {};
   for (const uint32_t level : {uint32_t{SANDGLASS_LEVEL_FULL}, uint32_t{SANDGLASS_LEVEL_COARSER}}) {
@@ -179,7 +181,7 @@ TEST(Ladder, TheAveragedSchemeIteratesLess) {
   EXPECT_GT(overlap[1], overlap[0]);
 }
 
-// The hard cases where long steps would show first: a tower, and a block that hits the floor at 3 m/s.
+// Two hard cases, where long steps would show first: a tower, and a block that hits the floor at 3 m/s.
 TEST(Ladder, EveryLevelIsStable) {
   for (uint32_t level = 0; level < SANDGLASS_LEVEL_COUNT; ++level) {
     sandglass_scene_desc desc = description(20);
@@ -217,8 +219,9 @@ TEST(Ladder, EveryLevelIsStable) {
       fastest = std::max(fastest, report.speed_max);
       ASSERT_EQ(report.quarantined, 0u);
     }
-    EXPECT_LT(fastest, 2.0f * k_speed) << sandglass_level_name(level);  // what one elastic pair could do
-    // Nothing slides further than friction lets it from that speed, by more than the block was wide.
+    // One elastic pair could throw a particle at twice the speed of impact.
+    EXPECT_LT(fastest, 2.0f * k_speed) << sandglass_level_name(level);
+    // Friction stops a particle of that speed after v^2 / (2 mu g). The rest of the limit is the block's width.
     const float reach = k_speed * k_speed / (2.0f * desc.granular.kinetic_friction * 9.81f) + 0.17f;
     for (const float x : drop.positions()) ASSERT_LT(std::fabs(x), reach) << sandglass_level_name(level);
   }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float k_radius = 0.01f, k_frame = 0.02f;
 
-// A microsecond a reading: a budget then means so many units of work.
+// A clock that advances by a microsecond a reading. A budget then means a number of work units.
 uint64_t counting_clock(void* user) { return *static_cast<uint64_t*>(user) += 1000; }
 uint64_t g_time = 0;
 
@@ -120,7 +120,7 @@ TEST(Save, RestoresOnAnotherInstructionSetAndIntoALargerScene) {
   World other(desc);
   ASSERT_EQ(other.restore(data), SANDGLASS_OK);
   for (int i = 0; i < 10; ++i) other.frame();
-  // Grids depend on capacities, the order of sums on grids: equal material, not equal bits.
+  // Grids depend on capacities, and the order of sums depends on grids. So the material is equal, but not every bit.
   EXPECT_EQ(other.frame().particles, live.frame().particles);
 }
 
@@ -145,7 +145,7 @@ TEST(Restore, EveryTruncationAndEveryFlippedByteIsAnErrorAndChangesNothing) {
   EXPECT_EQ(other.restore(data), SANDGLASS_OK);
 }
 
-// With a right checksum over wrong bytes: refused, or a scene that can be run.
+// Wrong bytes with a right checksum are either refused or give a scene that can run.
 TEST(Restore, BytesThatLieNeverBreakAnything) {
   World live, other;
   live.fill();

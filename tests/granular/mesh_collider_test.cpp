@@ -16,9 +16,9 @@ using sandglass::host::hourglass_radius;
 using sandglass::host::make_revolved;
 using sandglass::host::Profile;
 
-constexpr float k_radius = 0.01f, k_spacing = 0.01f;  // of particles; of the nodes of fields
+constexpr float k_radius = 0.01f, k_spacing = 0.01f;  // the radius of particles, the spacing of a field's nodes
 
-// Signed distance from a turned outline, above 0 where `within` says so: the nearest point lies in the same half plane.
+// Signed distance from a revolved outline. The nearest point lies in the same half plane, and `within` gives the sign.
 template <class Within>
 double outline_distance(const Profile& profile, const float* p, const Within& within) {
   const double r = std::hypot(static_cast<double>(p[0]), static_cast<double>(p[2])), y = static_cast<double>(p[1]);
@@ -33,7 +33,7 @@ double outline_distance(const Profile& profile, const float* p, const Within& wi
   return within(r, y) ? least : -least;
 }
 
-// Sand on a loose lattice wherever `room` has it, eight grains a particle.
+// Sand on a loose lattice, wherever `room` has space for it. Each particle has eight grains.
 template <class Room>
 GranularScene filled(const float low[3], const float high[3], const Room& room) {
   constexpr float k_step = 2.1f * k_radius;
@@ -89,7 +89,8 @@ TEST(MeshCollider, HourglassKeepsItsSandAndDrains) {
   EXPECT_GT(grains_below, 95 * 8 * count / 100);
 }
 
-// Lifted 0.3 m with sand in it, held, turned over: what was in it was lifted, and then lies on the floor.
+// The bucket is lifted by 0.3 m with sand in it, held, and turned over. It lifts its sand, which then lies on the
+// floor.
 TEST(MeshCollider, BucketLiftsItsSandAndTipsItOut) {
   constexpr double k_pi = 3.14159265358979323846;
   const MeshCollider bucket(make_revolved(sandglass::host::bucket_profile(0.2, 0.1, 0.13, 0.03), 64),

@@ -1,5 +1,5 @@
-// What colliders and boundary particles do to sand. Single particles and piles against closed forms are cases of
-// models/laboratory/sand, which tests/laboratory/verify_test.cpp asserts.
+// Colliders and boundary particles act on sand. models/laboratory/sand compares single particles and piles with closed
+// forms, and tests/laboratory/verify_test.cpp asserts these cases.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
-// The promise on a real clock and a shared machine: thread CPU time of a frame stays within budget + one unit.
-// Wall time is the machine's business: other processes may take the processor away, and it is not asserted.
+// The promise on a real clock and a shared machine: a frame's CPU time stays within the budget and one work unit. Wall
+// time is not asserted, because other processes may take the processor away.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -42,9 +42,9 @@ FramesAndControl run(uint64_t budget_ns, uint32_t frames, uint32_t hogs) {
     const sandglass_frame_report report = scene.frame(0.02f, budget_ns);
     const uint64_t spent = thread_cpu_ns() - before;
     EXPECT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns);
-    // A unit of the real machine is the longest of the frame, and 100 us more. These are for the call around the units
-    // and for interrupts that are charged to the thread. The last unit includes the time by which writing the grains
-    // took longer than predicted (sandglass_scene_frame).
+    // The test allows the frame's longest work unit and 100 us more. The 100 us are for the call around the work units
+    // and for interrupts that are charged to the thread. The last work unit includes the time by which writing the
+    // grains took longer than predicted (sandglass_scene_frame).
     const uint64_t allowed = budget_ns + std::max(report.longest_unit_ns, report.last_unit_ns) + 100'000;
     result.over_ns.push_back(spent > allowed ? spent - allowed : 0);
     debt = report.time_debt;
@@ -66,7 +66,7 @@ TEST(RealClock, FourMillisecondsHoldBesideProcessesThatTakeEveryCore) {
   expect_law(4'000'000, 1000, 2 * std::max(1u, std::thread::hardware_concurrency()));
 }
 
-// A quota of half a processor, as a container's: the process runs 10 ms and stands still for 10.
+// A quota of half a processor, as in a container: the process runs for 10 ms and then stands still for 10 ms.
 TEST(RealClock, FourMillisecondsHoldOnHalfAProcessor) {
   const pid_t child = fork();
   ASSERT_GE(child, 0);

@@ -1,5 +1,5 @@
-// Determinism: the same bits on every instruction set, with any pool, for any cut into units; and a frame recorded
-// under a short budget replays to the bit without a clock.
+// Determinism: the bits are the same on every instruction set, with any pool, and for any cut into work units. A frame
+// that was recorded under a short budget replays to the bit without a clock.
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -62,7 +62,7 @@ TEST(Determinism, AMissingInstructionSetIsUnsupportedAndAnUnknownNumberInvalid) 
   }
 }
 
-// A pool that starts fresh threads for every call: slow, and as adversarial an order as the system gives.
+// A pool that starts new threads for every call. It is slow, and its order is as random as the system makes it.
 void run_on_threads(void*, void (*task)(void*, uint32_t), void* context, uint32_t count) {
   std::vector<std::thread> threads;
   for (uint32_t t = 0; t < 4; ++t) {

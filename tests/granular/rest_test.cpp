@@ -1,4 +1,4 @@
-// Sleep: sand at rest costs nothing, and wakes where it is touched and nowhere else.
+// Sleep: sand that is asleep costs nothing. It wakes where it is touched and nowhere else.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,7 +10,8 @@ namespace {
 
 constexpr float k_radius = 0.01f, k_frame = 0.02f;
 
-// Three layers of sand, loose enough to settle without order: rows of a lattice would carry a push to the other end.
+// Three layers of sand, loose enough to settle without order. The rows of a lattice would carry a push to the other
+// end.
 std::vector<float> loose_bed(uint32_t wide) {
   std::vector<float> points = lattice(wide, 3, wide, 2.3f * k_radius, k_radius);
   for (size_t i = 0; i < points.size(); ++i)
@@ -67,7 +68,7 @@ TEST(Sleep, AHandWakesWhatItTouchesAndNothingElse) {
   move(0, 0.1f, 50);
   EXPECT_GT(most, 20u);
   EXPECT_LT(most, bed.particle_count / 4);
-  // The hand passed at z = 0.4 in the direction of x. What is ten diameters aside has not moved at all.
+  // The hand passed at z = 0.4 in the direction of x. Sand that is ten diameters to the side has not moved at all.
   const std::vector<float> after = bed.positions();
   uint32_t far = 0, pushed = 0;
   for (uint32_t i = 0; i < bed.particle_count; ++i) {
@@ -86,7 +87,7 @@ TEST(Sleep, WithoutItsFloorTheBedFalls) {
   const std::vector<float> before = bed.positions();
   bed.colliders.clear();
   for (int frame = 0; frame < 20; ++frame) bed.frame(k_frame);
-  // Free fall of 0.4 s is 0.78 m; the topmost layer wakes a few frames late at worst.
+  // Free fall of 0.4 s is 0.78 m. At worst the topmost layer wakes a few frames late.
   for (uint32_t i = 0; i < bed.particle_count; ++i) EXPECT_GT(distance(before, i, bed.positions(), i), 0.4) << i;
 }
 

@@ -1,5 +1,5 @@
-// The nearest rotation where the matrix does not determine it: the start decides. That it is the best one elsewhere, at
-// every scale, mirrored and by a half turn, tests/laboratory/verify_test.cpp asserts, on matrices of known factors.
+// If a matrix does not determine its nearest rotation, the start decides. For other matrices
+// tests/laboratory/verify_test.cpp asserts that the result is the best rotation, on matrices of known factors.
 #include "runtime/granular/rotation.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ TEST(Rotation, WhatTheMatrixLeavesOpenComesFromTheStart) {
   const Matrix empty = {};
   sandglass::nearest_rotation(empty.data(), near.data(), q.data());
   for (size_t k = 0; k < 4; ++k) EXPECT_EQ(q[k], near[k]) << "a point knows no rotation";
-  // A straight body along x that has not turned: the turn about its own axis stays.
+  // A straight body along x that has not turned. The turn about its own axis stays as it was.
   const Matrix line = {2, 0, 0, 0, 0, 0, 0, 0, 0};
   sandglass::nearest_rotation(line.data(), near.data(), q.data());
   for (size_t k = 0; k < 4; ++k) EXPECT_NEAR(q[k], near[k], 1e-12);

@@ -1,5 +1,5 @@
-// One million frames of a small hourglass that is turned over every ten seconds: no drift, no NaN, no
-// memory, the same bits again after every checkpoint.
+// One million frames of a small hourglass that is turned over every ten seconds. There is no drift, no NaN and no
+// growth of memory, and every checkpoint leads to the same bits again.
 //
 // Every 10,000 frames the scene is saved. A second scene, restored from the bytes, then runs beside the first for a
 // cycle and must stay equal to it, to the bit. The bytes also go to a file, from which an interrupted run goes on.
@@ -44,7 +44,7 @@ void turn(uint64_t frame, sandglass_collider* glass) {
   glass->angular_velocity[2] = static_cast<float>(speed);
 }
 
-// The point's distance from the axis of the glass, less the wall's at that height, in the frame of the glass.
+// The point's distance from the axis of the glass minus the wall's at that height, in the frame of the glass.
 double beyond_wall(const sandglass_collider& glass, const float* p) {
   const double s = static_cast<double>(glass.rotation[2]), c = static_cast<double>(glass.rotation[3]);
   const double sine = 2 * s * c, cosine = c * c - s * s;
@@ -95,8 +95,8 @@ struct Twin {
   GranularScene scene;
 };
 
-// Mean heights of the settled sand at the ends of cycles, in blocks of a hundred: where nothing drifts, the mean of
-// every block agrees with that of the first within the scatter of such means.
+// Mean heights of the settled sand at the ends of cycles, in blocks of a hundred. If nothing drifts, the mean of every
+// block agrees with that of the first within the scatter of such means.
 struct Heights {
   static constexpr uint32_t k_block = 100;
   static constexpr double k_deviations = 4.0;  // of a difference of two means

@@ -1,6 +1,6 @@
-// Every kernel against a naive oracle in double, on every table that this machine can run, and every table against the
-// scalar one to the bit, for all tail lengths. kernels.inc expands into the list of tests: a kernel without a
-// check_<name> does not compile.
+// Every kernel is compared with a naive oracle in double, on every table that this machine can run. Every table is
+// compared with the scalar one to the bit, for all tail lengths. kernels.inc expands into the list of tests, so a
+// kernel without a check_<name> does not compile.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -183,7 +183,7 @@ void check_neighbour_lists(uint32_t n) {
       std::sort(found.begin(), found.end());
       std::vector<uint32_t> expected;
       for (uint32_t j = 0; j < n; ++j) {
-        // A pair whose distance is the reach, to within rounding, may count or not. With this seed there is none.
+        // A pair may or may not count if its distance equals the reach to within rounding. This seed has no such pair.
         const double d = distance(moving.records[i], moving.records[j]),
                      b = distance(moving.records[i], fixed.records[j]);
         ASSERT_GT(std::min(std::fabs(d - 0.024), std::fabs(b - 0.024)), 1e-8);
@@ -237,8 +237,8 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
     const double overlap =
         solve ? std::max(d - 0.02, std::min(0.0, dot(relative, n) - k_separation) / k_omega) : d - 0.02;
     ++contacts;
-    // The lower of two equal particles takes 1/2 + asymmetry, times its share by mass: m = m exp(-k h), the correction
-    // to (4.38) of the dissertation.
+    // The lower of two equal particles takes 1/2 + asymmetry, times its share by mass. The masses are m exp(-k h), the
+    // correction to (4.38) of the dissertation.
     const double asymmetry = -z / 4 + z * z * z / 48;
     const double share = fixed ? 1.0 : weight(i) / (weight(i) + weight(j));
     const double a = weight(i) * (0.5 + asymmetry), b = weight(j) * (0.5 - asymmetry);
@@ -249,7 +249,7 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
     const double limit = share * std::fabs(overlap);
     sum = sum + (length(t) <= k_static * limit ? 1.0 : std::min(1.0, k_kinetic * limit / length(t))) * t;
   }
-  // What the weighting adds raises by k_lift at most.
+  // The part that the weighting adds raises a particle by at most k_lift.
   const double omega = k_omega * std::pow(std::min(1.0, 12.0 / std::max(contacts, 1)), 4), rise = omega * lift.y;
   Vector move = moved(i) + omega * (sum + std::min(1.0, k_lift / std::max(rise, 1e-30)) * lift);
   const double depth = k_radius - (at(c.records[i].position).y + move.y + 0.004);
@@ -314,14 +314,15 @@ void check_contact(uint32_t n, bool solve) {
       const Vector expected =
           is_awake(cluster.records[i]) ? displacement_oracle(cluster, i, solve, &into_sleeper) : Vector{};
       const Vector result = solve ? at(all[i].velocity) : at(all[i].position) - at(cluster.records[i].position);
-      // Positions of centimetres in float: 4e-9 m each, a dozen contacts.
+      // Positions of a few centimetres are rounded to 4e-9 m in float, and there are a dozen contacts.
       ASSERT_LT(length(result - expected), 1e-7) << sandglass_isa_name(kernels->isa) << " particle " << i;
     }
     if (first.empty()) first = all;
     ASSERT_TRUE(same_bits(all, first)) << sandglass_isa_name(kernels->isa);
     if (!solve) continue;
 
-    // As the last pass: groups in which a fast particle runs into a sleeper are marked, others are not.
+    // The kernel runs as the last pass. It marks the groups in which a fast particle runs into a sleeper, and no
+    // others.
     std::vector<uint8_t> touched(groups.size(), 0);
     args.touched = touched.data();
     args.last = 1;
@@ -406,7 +407,7 @@ void check_find_inside(uint32_t n) {
 
 // ---- surface_at
 
-// Value and gradient of the trilinear interpolant at a point within the grid, in double.
+// The value and gradient of the trilinear interpolant at a point within the grid, in double.
 double trilinear(const FieldGrid& grid, Vector p, Vector* gradient) {
   const double at[3] = {(p.x - static_cast<double>(grid.low[0])) / static_cast<double>(grid.spacing),
                         (p.y - static_cast<double>(grid.low[1])) / static_cast<double>(grid.spacing),
@@ -432,7 +433,7 @@ double trilinear(const FieldGrid& grid, Vector p, Vector* gradient) {
 }
 
 void check_surface_at(uint32_t n) {
-  // A field of waves, turned by a quarter about z: local x is world y, local y is world -x.
+  // A field of waves that is turned by a quarter about z. Local x is world y, and local y is world -x.
   std::vector<float> values(7 * 6 * 5);
   for (size_t i = 0; i < values.size(); ++i) values[i] = 0.01f * std::sin(0.7f * static_cast<float>(i));
   ColliderFrame frame = {};
@@ -477,8 +478,8 @@ void check_surface_at(uint32_t n) {
 
 // ---- pile_light
 
-// Random columns, some of them empty, thinly filled or in the air, in the middle of a row-padded grid; two azimuths of
-// random steps.
+// Random columns in the middle of a row-padded grid. Some are empty, thinly filled or in the air. The light has two
+// azimuths with random steps.
 void check_pile_light(uint32_t n) {
   const uint32_t rows = 5, padded = (n + 15) / 16 * 16, pitch = padded + k_lane_group;
   std::mt19937 random(53);
@@ -519,7 +520,8 @@ void check_pile_light(uint32_t n) {
     for (uint32_t i = 0; i < n; ++i) {
       double sum = 0;
       for (const PileAzimuth& azimuth : azimuths) {
-        // How much of the way from the foot each height is dark: what a column leaves is left by those it does not top.
+        // `reached` is the slope up to which the azimuth is dark. A column closes its filled share of the way that is
+        // left up to its own top.
         const double foot = static_cast<double>(azimuth.foot), cap = static_cast<double>(azimuth.cap);
         double high = 0, low = 1e30, reached = foot;
         for (uint32_t s = azimuth.first_step; s < azimuth.last_step; ++s) {
@@ -637,7 +639,7 @@ void check_refine_grains(uint32_t n) {
   }
 }
 
-// All tail lengths of the widest set, and one cluster of many vectors.
+// All tail lengths of the widest instruction set, and one cluster of many vectors.
 void check_all_sizes(void (*check)(uint32_t)) {
   for (uint32_t n = 1; n <= 2 * k_lane_group + 1; ++n) {
     check(n);
@@ -656,7 +658,7 @@ TEST(Refinement, AStillGrainAmongSleepersStaysAndOthersCountTheirStillSweeps) {
   for (const Kernels* kernels : tables()) {
     Refinement refinement(n, false, true);
     for (uint32_t j = 0; j < 200; ++j) set(refinement.particles.records[j].velocity, {});
-    // Every third grain has been still for two sweeps, the others not yet; grain 40 falls, far from all particles.
+    // Every third grain has been still for two sweeps, the others have not. Grain 40 falls, far from all particles.
     for (uint32_t i = 0; i < n; ++i) {
       refinement.grains[i].still_sweeps = i % 3 == 0 ? 2.0f : 0.0f;
       set(refinement.grains[i].velocity, {});

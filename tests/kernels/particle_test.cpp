@@ -38,7 +38,7 @@ TEST(Particle, ThatPadsIsFixedAndNoOneElses) {
   EXPECT_FALSE(is_inert(moving_particle(k_position, k_velocity, k_number_mask)));
 }
 
-// What the kernels rely on: a record is 8 floats in this order.
+// The kernels rely on this: a particle and a grain are 8 floats each, in this order.
 TEST(Particle, AndGrainAreEightLanes) {
   const Particle p = moving_particle(k_position, k_velocity, 7);
   const Grain g = moving_grain(k_position, k_velocity, 7);

@@ -1,5 +1,5 @@
-// The errors that the quality ladder ships with are those of the column: measured again here, at every quality
-// level. (Costs are not: they are this machine's.)
+// The quality ladder ships with a table of errors, which were measured on the column. This test measures them again at
+// every quality level. It does not measure costs, because they depend on the machine.
 #include <gtest/gtest.h>
 
 #include "models/laboratory/sand/granular_bench.h"
@@ -15,7 +15,7 @@ TEST(LadderTable, IsWhatTheColumnMeasures) {
     const sandglass_level& told = *sandglass_level_describe(level);
     const BenchRow row = bench_scene(
         column, SANDGLASS_ISA_AUTOMATIC, 1, 100, false, [] { return true; }, level);
-    // The collapse is chaotic: other sums in another order move its percentiles by a few per cent.
+    // The collapse is chaotic. Sums in another order move its percentiles by a few per cent.
     EXPECT_NEAR(row.overlap_p99, static_cast<double>(told.overlap_p99), 0.1 * row.overlap_p99) << told.name;
     EXPECT_NEAR(row.overlap_mean, static_cast<double>(told.overlap_mean), 0.1 * row.overlap_mean) << told.name;
     EXPECT_NEAR(row.angle_deg, static_cast<double>(told.angle_degrees), 2.5) << told.name;

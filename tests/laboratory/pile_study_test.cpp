@@ -1,4 +1,5 @@
-// The shadow of the shot's pile against rays at the grains that are drawn: the numbers that the documentation gives.
+// Compares the shadow of the shot's pile with rays at the grains that are drawn: the numbers that the documentation
+// gives.
 #include <gtest/gtest.h>
 
 #include "models/laboratory/shot/verify_shot.h"

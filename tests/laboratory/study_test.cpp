@@ -1,5 +1,5 @@
-// A study of shots: what it concludes from its rows (made up here), what it remembers of an earlier run, and that it
-// reads its files before it begins.
+// A study of shots: what it concludes from its rows (made up here), and what it remembers of an earlier run. It must
+// read its files before it begins.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -29,8 +29,7 @@ TEST(Student, IsThePublishedTable) {
   EXPECT_TRUE(std::isinf(student_95(0)));
 }
 
-// A study in which the labels' RMSE is 0 and the RMSE without shadows is given, so that the paired differences are
-// known.
+// A study with known paired differences: the labels' RMSE is 0, and the RMSE without shadows is given.
 ShotStudy study_of(const std::vector<double>& differences) {
   ShotStudy study;
   for (const double d : differences) {
@@ -130,7 +129,7 @@ TEST(ShotStudyMemory, OnlyTheSameBytesSeenTheSameWayAreRemembered) {
   EXPECT_FALSE(views[0].done);
 }
 
-// A shadow that is good enough, and each fault that makes it fail.
+// A shadow that is good enough holds. Each fault makes it fail.
 TEST(PileShadowStudy, HoldsOnlyIfEveryPartDoes) {
   PileShadowError good = {45, 0, {}, {}, {}};
   good.clear = good.among_grains = {0.1, 0.31, 0.04, 0.12, 0.3, 100};

@@ -1,5 +1,5 @@
-// The cases of `verify granular` that take moments, each with its negative control; the apparatus they stand on; and
-// the curves they are drawn as.
+// The cases of `verify granular` that take moments, each with its negative control. Also tested are the apparatus that
+// they use and the curves that show them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ TEST(Truth, NoGrainJumpsAtTheThresholdAndTheSourcesDo) {
   EXPECT_LT(threshold_jump(defaults()), 0.001);
   sandglass_scene_desc source = defaults();
   source.granular.reference.blend = SANDGLASS_BLEND_SOURCE;
-  // The printed rule jumps by 1 - W(r) = 0.298 of the particles' 1 m/s for 8 ms, in d = 2 cm.
+  // The rule as printed makes grains jump by 1 - W(r) = 0.298 of the particles' 1 m/s for 8 ms. The unit is d = 2 cm.
   EXPECT_NEAR(threshold_jump(source), 0.298 * 0.008 / 0.02, 0.002);
 }
 
@@ -106,7 +106,7 @@ TEST(Plot, TicksAreRoundAndInside) {
   EXPECT_EQ(plot_ticks({"", 1.0, 1000.0, true}), (std::vector<double>{1, 10, 100, 1000}));
 }
 
-// Where pixels of exactly this colour are: their mean.
+// The mean place of the pixels of exactly this colour.
 struct Spot {
   double x = 0.0, y = 0.0;
   int count = 0;

@@ -1,4 +1,5 @@
-// The program as a script meets it: exit code 0, 1 or 2, one sentence on stderr, the hash on the last line.
+// The program as a script sees it: exit code 0, 1 or 2, one line on stderr when it refuses, and the hash on the last
+// line of a run.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -36,7 +37,7 @@ class Cli : public ::testing::Test {
     folder = fs::path(::testing::TempDir()) / ("sandglass_cli_" + std::to_string(::getpid()) + "_" +
                                                ::testing::UnitTest::GetInstance()->current_test_info()->name());
     fs::create_directories(folder);
-    ::unsetenv("SANDGLASS_DATA_DIR");  // a test that wants a data folder makes one
+    ::unsetenv("SANDGLASS_DATA_DIR");  // a test that needs a data folder makes one
   }
   void TearDown() override { fs::remove_all(folder); }
 
@@ -56,7 +57,7 @@ class Cli : public ::testing::Test {
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(path("stdout")), read(path("stderr"))};
   }
-  // Exit code 2 and one line on stderr: "sandglass: ", then `named` somewhere in it, then a full stop.
+  // Expects exit code 2 and one line on stderr. It starts with "sandglass: ", contains `named` and ends in a full stop.
   void expect_refused(const std::string& arguments, const std::string& named) const {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 2) << arguments << "\n" << outcome.out << outcome.err;
@@ -65,7 +66,7 @@ class Cli : public ::testing::Test {
     EXPECT_NE(outcome.err.find(named), std::string::npos) << outcome.err;
     EXPECT_EQ(outcome.out.find("hash"), std::string::npos);
   }
-  // What a help lists: commands, suites, or options.
+  // The names that a command's help lists: commands, suites, or options.
   std::vector<std::string> listed(const std::string& command) const {
     std::vector<std::string> names;
     std::istringstream lines(run(command + " --help").out);
@@ -102,7 +103,7 @@ bool have_assimp() {
 #endif
 }
 
-bool have_embree() {  // which rooms are traced by
+bool have_embree() {  // Embree traces rooms
 #ifdef SANDGLASS_HAVE_EMBREE
   return true;
 #else
@@ -171,7 +172,8 @@ TEST_F(Cli, OutWritesReportsAndPictures) {
                            "summary.json", "summary.txt", "report.html"})
     EXPECT_GT(fs::file_size(folder / "out" / file), 100u) << file;
   EXPECT_TRUE(fs::exists(folder / "out" / "film.mp4") || fs::exists(folder / "out" / "film.gif"));
-  // What the scene leaves out took no unit and no time, and there is nothing to say of it.
+  // A capability that the scene leaves out used no work unit and no time. Its counts and times are 0, and the cells of
+  // the light are empty.
   std::istringstream csv(read(path("out/report.csv")));
   std::vector<std::string> names, cells;
   std::string line, cell;
@@ -198,7 +200,7 @@ TEST_F(Cli, OutWritesReportsAndPictures) {
     EXPECT_EQ(entry.path().string().find("unfinished"), std::string::npos) << entry.path();
 }
 
-// What the library has is run, and gives the same hash; what it lacks is refused by name.
+// An instruction set that the library has runs and gives the same hash. One that it lacks is refused by name.
 TEST_F(Cli, EveryInstructionSetRunsOrIsSaidToBeMissing) {
   const std::string command = "run '" + tiny_scene() + "' --clock virtual --isa ";
   std::set<std::string> hashes;
@@ -223,7 +225,7 @@ TEST_F(Cli, TellsItsVersion) {
                              "\n");
 }
 
-// Every command that the program's help lists has a help of its own, and every suite.
+// Every command that the program's help lists has its own help. So has every suite.
 TEST_F(Cli, EveryCommandAndSuiteHasHelp) {
   const std::vector<std::string> commands = listed("");
   EXPECT_EQ(commands.size(), 13u);
@@ -234,7 +236,7 @@ TEST_F(Cli, EveryCommandAndSuiteHasHelp) {
   }
 }
 
-// A suite's help shows its own options, and another suite's are refused: if they were ignored, the answer would be to
+// A suite's help shows only its own options. It refuses those of another suite, because ignoring them would answer
 // another question.
 TEST_F(Cli, ASuiteTakesItsOptionsAlone) {
   using Names = std::set<std::string>;
@@ -260,8 +262,8 @@ TEST_F(Cli, ASuiteTakesItsOptionsAlone) {
   EXPECT_EQ(options["verify shot"], (Names{"--panoramas", "--network", "--seed", "--out", "--threads", "--json"}));
 }
 
-// A mistyped word is named, the first in the order typed, with the nearest right one. Of each line: what is typed, the
-// message, and whose help it names.
+// The message names the first mistyped word, in the order typed, and the nearest right one. Each line below has what is
+// typed, the message, and the help that the message points to.
 TEST_F(Cli, NamesTheFirstWrongWordAndTheNearestRightOne) {
   std::istringstream cases(R"(bnech granular | unknown command "bnech". Did you mean "bench"? | sandglass --help
 fly --treads 2 | unknown command "fly". | sandglass --help
@@ -322,7 +324,7 @@ TEST_F(Cli, RefusesOptionsThatWouldDoNothing) {
   expect_refused("run demo --network x.light", "--network");
 }
 
-// A verification that checks nothing is no success.
+// A verification that would check nothing must not pass.
 TEST_F(Cli, AVerificationThatWouldCheckNothingIsRefused) {
   for (const char* slow : {"column", "janssen", "repose", "beverloo", "rest column"})
     expect_refused(
@@ -335,7 +337,7 @@ TEST_F(Cli, AVerificationThatWouldCheckNothingIsRefused) {
   expect_refused("verify shot --panoramas '" + path("none") + "'", "no .hdr or .exr");
 }
 
-// Options that are numbers, of every command, each refused by its name before anything is read, made or computed.
+// Every command refuses a bad number before it reads, makes or computes anything. The message names the option.
 TEST_F(Cli, RefusesNumbersThatAreNone) {
   const std::string out = " -o '" + path("out") + "' ";
   const std::pair<const char*, std::string> commands[] = {
@@ -368,7 +370,8 @@ TEST_F(Cli, RefusesNumbersThatAreNone) {
   };
   for (const auto& [option, command] : commands)
     for (const char* value : {"nan", "-1"}) refused(command, option, value);
-  // 2^32 + 8, 8 - 2^32 and 2^32 + 128 are sizes when they are cut to 32 bits; 0x14 is 20 to a parser that guesses.
+  // 2^32 + 8, 8 - 2^32 and 2^32 + 128 become valid sizes if they are cut to 32 bits. A parser that guesses the base
+  // reads 0x14 as 20.
   for (const char* size : {"4294967304x1", "-4294967288x1", "8x4294967297", "4294967424x2", "8x1 ", " 8x1", "8x+1",
                            "0x8x1", "99999999999999999999999x1", "8x", "x1", "8", "8x1x1"})
     refused("bake chair" + out, "--size", size);
@@ -379,7 +382,7 @@ TEST_F(Cli, RefusesNumbersThatAreNone) {
   EXPECT_FALSE(fs::exists(path("out")));
 }
 
-// Places where a bake could not write are refused before its minutes of work, and stay as they are.
+// A bake takes minutes. It refuses a place that it cannot write to before it starts, and leaves that place as it is.
 TEST_F(Cli, ABakeIsRefusedBeforeItsWorkWhereItCouldNotWrite) {
   if (!have_bake()) GTEST_SKIP() << "this build bakes no shadows: Embree or Eigen is missing";
   fs::create_directories(path("folder"));
@@ -389,7 +392,7 @@ TEST_F(Cli, ABakeIsRefusedBeforeItsWorkWhereItCouldNotWrite) {
   expect_refused(bake + "-o ''", "name");
   expect_refused(bake + "-o '" + nowhere + "'", "nowhere");
   expect_refused(bake + "-o '" + path("kept.png/x") + "'", "kept.png/x");
-  expect_refused(bake + "-o '" + path(std::string(240, 'n')) + "'", "nnn");  // no room for ".checkpoint" either
+  expect_refused(bake + "-o '" + path(std::string(240, 'n')) + "'", "nnn");  // too long once ".checkpoint" is added
   expect_refused(bake + out + "--picture '" + kept + "' --json '" + nowhere + "'", "nowhere");
   expect_refused(bake + out + "--picture '" + nowhere + ".png'", "nowhere");
   expect_refused(bake + out + "--json /dev/null", "/dev/null");
@@ -400,7 +403,7 @@ TEST_F(Cli, ABakeIsRefusedBeforeItsWorkWhereItCouldNotWrite) {
   }
 }
 
-// What `bake` prints and writes of the smallest network, and what `inspect` says of it.
+// What `bake` prints and writes for the smallest network, and what `inspect` says about it.
 TEST_F(Cli, BakesAndInspectsAShadow) {
   if (!have_bake()) GTEST_SKIP() << "this build bakes no shadows: Embree or Eigen is missing";
   const std::string options =
@@ -432,7 +435,7 @@ TEST_F(Cli, VerifiesAChosenCaseAndWritesItsTable) {
   EXPECT_FALSE(fs::exists(path("out/runout.png"))) << "no curve without its case";
 }
 
-// A room that the program makes up, a photograph of it, and the program's own chair as somebody else's mesh.
+// The test makes a room, a photograph of it, and the program's own chair as if it were the user's mesh.
 TEST_F(Cli, RunsShotsOfFiles) {
   if (*SANDGLASS_EMULATOR != '\0')
     GTEST_SKIP() << "fills 25,000 grains three times; nothing of it is the instruction set's";
@@ -449,8 +452,8 @@ TEST_F(Cli, RunsShotsOfFiles) {
   const std::string photo = light_of("--photo '" + path("room.png") + "' --fov 70 --light arbitrary");
   EXPECT_NE(panorama.substr(panorama.find("hash")), photo.substr(photo.find("hash")))
       << "another light, another shadow";
-  // The frame's time is the library's: the made-up camera's image, some 9 ms, is not in it. Around the units are only
-  // colliders and lights.
+  // A frame's time is the library's. It leaves out the made-up camera's image, which takes some 9 ms. Beside the work
+  // units it has only colliders and lights.
   const Outcome timed = run("run shot --frames 4 --light estimate --panorama '" + path("room.hdr") + "'");
   const auto mean_of = [&](const std::string& row) {
     const size_t at = timed.out.find(row);
@@ -581,7 +584,7 @@ TEST_F(Cli, CtrlCFinishesCleanlyWithExitCode130) {
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 130);
   EXPECT_NE(read(path("stdout")).find("interrupted after"), std::string::npos) << read(path("stdout"));
-  const std::string said = read(path("stderr"));  // when the key is pressed, before anything is written
+  const std::string said = read(path("stderr"));  // written when the key is pressed, before the reports
   EXPECT_NE(said.find("sandglass: interrupted; reports and sheet of "), std::string::npos) << said;
   EXPECT_TRUE(fs::exists(folder / "out" / "report.csv"));
   EXPECT_TRUE(fs::exists(folder / "out" / "contact_sheet.png"));
@@ -641,7 +644,7 @@ TEST_F(Cli, PanoramasAreToldApartByTheirNames) {
   EXPECT_NE(made.find("room.hdr,a,1"), std::string::npos) << made;
 }
 
-// An earlier data set in the same folder leaves images that the manifest does not name.
+// An earlier data set in the same folder has left images that the manifest does not name. They do not count.
 TEST_F(Cli, QuantisesByTheManifest) {
   fs::create_directories(folder / "set" / "images");
   const sandglass::host::Picture excerpt(256, 192, {90, 120, 40});
@@ -655,7 +658,8 @@ TEST_F(Cli, QuantisesByTheManifest) {
   expect_refused(command, "none.npz");
 }
 
-// Without arguments: the data folder's interiors and studios, by place, against the cross-validated estimates.
+// Without arguments, `verify lighting` takes the data folder's interiors and studios, place by place, with their
+// cross-validated estimates.
 TEST_F(Cli, VerifiesLightingOnTheDataFolder) {
   panorama("hdri/indoor/vestibule_1k.hdr", 20), panorama("hdri/studio/studio_small_05_1k.hdr", 40);
   write("manifest.csv", "file,group,fold\nvestibule_1k.hdr,a,1\nstudio_small_05_1k.hdr,b,2\n");
@@ -668,8 +672,8 @@ TEST_F(Cli, VerifiesLightingOnTheDataFolder) {
   EXPECT_NE(whole.out.find("direction against mean light, 97.5 %"), std::string::npos) << whole.out;
   const std::string row = whole.out.substr(whole.out.find("\nestimate"));
   EXPECT_NE(row.substr(0, row.find('\n', 1)).find("-        -        -        -        -"), std::string::npos) << row;
-  // Of panoramas that are named: the shipped network, and at once a word where it was fitted to them. The manifest ends
-  // it there, before the network has run some hundred times.
+  // For panoramas that are named, it takes the shipped network. It says at once if the network was fitted to them. The
+  // manifest then stops it, before the network has run some hundred times.
   panorama("named/vestibule_1k.hdr", 20), panorama("named/elsewhere.hdr", 40);
   const std::string manifest = " --manifest " + write("other.csv", "file,group,fold\nother.hdr,a,1\n");
   const Outcome known = run("verify lighting --samples 0 --panoramas " + path("named") + manifest);
@@ -679,7 +683,7 @@ TEST_F(Cli, VerifiesLightingOnTheDataFolder) {
   EXPECT_EQ(run("verify lighting --samples 0 --panoramas " + path("named") + manifest).out, "");
 }
 
-// A network of random numbers knows nothing about light, but its answers are written like any other's.
+// A network of random numbers knows nothing about light, but its answers are written like those of any other.
 TEST_F(Cli, LightWritesNumbersAndPicturesForEveryPhotograph) {
   const std::vector<uint8_t> bytes = sandglass::host::light_file_bytes(sandglass::host::random_light_file(3));
   const std::string network = write("random.light", std::string(bytes.begin(), bytes.end()));
@@ -713,7 +717,7 @@ TEST_F(Cli, LightDestroysNoPhotograph) {
   EXPECT_EQ(read(path("one.png")), one);
   EXPECT_EQ(read(path("sheet.png")), sheet);
   EXPECT_FALSE(fs::exists(path("out"))) << "refused before anything is made";
-  // A photograph of that name and the sheet of all are two files.
+  // A photograph that is called "sheet" and the sheet of all photographs must become two files.
   EXPECT_EQ(run("light " + both + network + " -o " + path("out")).code, 0);
   EXPECT_TRUE(fs::exists(path("out/sheet_2.png")));
   EXPECT_NE(read(path("out/sheet_2.png")), read(path("out/sheet.png")));

@@ -1,7 +1,7 @@
-// Every shipped scene: no invalid operation and no division by zero in a frame (a trap ends the program), no
-// allocation, and what one instruction set did under its budget, another repeats to the bit from the recorded plans.
-// Under the sanitizers' build the same frames are their test. Scenes with rigid bodies, with emitters and sinks, and
-// one that falls asleep are run to their end.
+// In every shipped scene, no frame has an invalid operation or a division by zero (a trap ends the program), and none
+// allocates. A second instruction set repeats the run to the bit from the recorded plans. In a sanitizer build the same
+// frames test the code under the sanitizers. Scenes with rigid bodies, with emitters and sinks, and one that falls
+// asleep run to their end.
 #include <gtest/gtest.h>
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
 #include <fenv.h>
@@ -26,9 +26,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint32_t k_frames = 12;
-constexpr uint64_t k_budget_ns = 4000000, k_reading_ns = 5000;  // of the virtual clock
+constexpr uint64_t k_budget_ns = 4000000, k_reading_ns = 5000;  // the virtual clock advances by k_reading_ns a reading
 
-// What some scenes are for, and must have shown by then.
+// The purpose of some scenes. By their end they must have shown it.
 struct Purpose {
   const char* scene;
   uint32_t frames;
@@ -58,7 +58,7 @@ std::vector<std::string> scene_names() {
   return names;
 }
 
-// On clang both sides of a selection are computed, and traps would mean nothing.
+// Clang computes both sides of a selection, so traps would mean nothing there.
 struct Trapping {
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
   Trapping() {

@@ -1,4 +1,5 @@
-// Files are complete or not there; arrays come back as they were written; progress says how long it will take.
+// A file is complete or does not exist. Arrays come back as they were written. Progress says how long the work will
+// take.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -88,10 +89,10 @@ TEST(AtomicFile, ASecondCtrlCLeavesNothingHalfWritten) {
   fs::path pipe;
   while (pipe.empty() && waitpid(child, nullptr, WNOHANG) == 0)
     for (const auto& entry : fs::directory_iterator(folder.path)) pipe = entry.path();
-  const int reader = open(pipe.c_str(), O_RDONLY);  // returns when the other end is open
+  const int reader = open(pipe.c_str(), O_RDONLY);  // returns once the other end is open
   ASSERT_GE(reader, 0);
   char byte = 0;
-  ASSERT_EQ(::read(reader, &byte, 1), 1);  // it is writing
+  ASSERT_EQ(::read(reader, &byte, 1), 1);  // the child is writing
   kill(child, SIGINT);
   int status = 0;
   ASSERT_EQ(waitpid(child, &status, 0), child);
@@ -104,7 +105,7 @@ TEST(Progress, SaysHowLongItWillTake) {
   EXPECT_EQ(progress_line("working", 25, 100, 5.0), "working 25/100 (25 %), 15 s left");
   EXPECT_EQ(progress_line("working", 0, 100, 5.0), "working 0/100 (0 %)");
   EXPECT_EQ(progress_line("working", 100, 100, 5.0), "working 100/100 (100 %)");
-  // Resumed at 60: 5 s for 10, so 15 s for the 30 that are left.
+  // The work resumed at 60. Ten steps took 5 s, so the 30 that are left take 15 s.
   EXPECT_EQ(progress_line("working", 70, 100, 5.0, 60), "working 70/100 (70 %), 15 s left");
   EXPECT_EQ(progress_line("working", 60, 100, 5.0, 60), "working 60/100 (60 %)");
 }

@@ -1,4 +1,4 @@
-// Metrics against packings whose overlap, slope and reach are known.
+// The metrics of packings with known overlap, slope and reach.
 #include "models/simulation/metrics.h"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ TEST(Overlap, LeavesOutWhatIsNotFinite) {
   EXPECT_EQ(measure_overlap(std::vector<float>{0, 0, 0, nan, 0, 0, 1, 0, 0}, 0.6).pairs, 1u);
 }
 
-// Simple cubic 6x5x4 with spacing 1.9 r: every nearest pair overlaps by 0.1, no other pair touches.
+// A simple cubic lattice of 6x5x4 with spacing 1.9 r. Every nearest pair overlaps by 0.1 r, and no other pair touches.
 TEST(Overlap, OfALatticeCountsEachPairOnce) {
   std::vector<float> points;
   for (int i = 0; i < 6 * 5 * 4; ++i)
@@ -43,7 +43,7 @@ TEST(Overlap, OfALatticeCountsEachPairOnce) {
   EXPECT_NEAR(overlap.max, 0.1, 1e-6);
 }
 
-// Hexagonal close packing compressed by 1 %: all 12 neighbours overlap by 0.02.
+// A hexagonal close packing that is compressed by 1 %. Each particle overlaps all its 12 neighbours by 0.02 r.
 TEST(Overlap, OfACompressedHexagonalPackingIsUniform) {
   constexpr double k_r = 0.01, k_step = 2.0 * k_r * 0.99;
   std::vector<float> points;

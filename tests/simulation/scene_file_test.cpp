@@ -1,4 +1,4 @@
-// A scene file is taken whole or refused with one sentence that names what is wrong.
+// A scene file is read completely, or it is refused with one message that names what is wrong.
 #include "models/simulation/scene_file.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ std::string refusal(const std::string& text) {
   return "";
 }
 
-// k_good with its first `from` replaced.
+// k_good with its first `from` replaced by `to`.
 std::string changed(const std::string& from, const std::string& to) {
   std::string text = k_good;
   text.replace(text.find(from), from.size(), to);
@@ -53,7 +53,7 @@ TEST(SceneFile, ReadsWhatItIsGiven) {
   EXPECT_EQ(scene.colliders.at(0).shape, SANDGLASS_SHAPE_HALF_SPACE);
 }
 
-// k_good with `from` replaced by `to` must be refused in a sentence that contains `named`.
+// k_good with `from` replaced by `to` must be refused with a message that contains `named`.
 struct Refusal {
   std::string from, to, named;
 };
@@ -183,8 +183,9 @@ TEST(SceneFill, TheColumnOfTheBenchmarkIsThatOfThePeers) {
   double lowest = 1e9;
   for (size_t i = 1; i < material.particle_positions.size(); i += 3)
     lowest = std::min<double>(lowest, material.particle_positions[i]);
-  EXPECT_NEAR(lowest, 0.0102, 1.01e-4);  // 1.02 r, jittered by at most 1 % r
-  // Neighbours 2.02 r apart, each coordinate jittered by up to 1 % r: closer by at most 2 sqrt(3) %.
+  EXPECT_NEAR(lowest, 0.0102, 1.01e-4);  // 1.02 r, with a jitter of at most 0.01 r
+  // Neighbours are 2.02 r apart. Each coordinate has a jitter of up to 0.01 r, so two come closer by at most
+  // 0.02 sqrt(3) r.
   EXPECT_LT(measure_overlap(material.particle_positions, 0.01).max, 0.0147);
 }
 
@@ -213,14 +214,14 @@ TEST(SceneFill, RefusesABodySmallerThanAParticle) {
   EXPECT_THROW(fill_scene(&scene, {}), Failure);
 }
 
-// A cylinder of radius 1 and height 2, turned from its outline; the side on the axis is no surface.
+// A cylinder of radius 1 and height 2, made by turning its outline about the axis. The side on the axis is no surface.
 TEST(Revolved, DistanceOfACylinder) {
   const Profile outline = {{0, 0}, {1, 0}, {1, 2}, {0, 2}};
   EXPECT_DOUBLE_EQ(revolved_distance(outline, {0, 1, 0}), -1.0);
   EXPECT_DOUBLE_EQ(revolved_distance(outline, {0.3, 1.9, 0.4}), -(2.0 - 1.9));
   EXPECT_NEAR(revolved_distance(outline, {3, 1, 4}), 4.0, 1e-12);
   EXPECT_NEAR(revolved_distance(outline, {0, 5, 0}), 3.0, 1e-12);
-  EXPECT_NEAR(revolved_distance(outline, {4, 6, 0}), 5.0, 1e-12);  // from the edge: 3, 4
+  EXPECT_NEAR(revolved_distance(outline, {4, 6, 0}), 5.0, 1e-12);  // 3 and 4 away from the edge
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The pool runs every index once, call after call, also when workers come late.
+// The pool runs every index exactly once in each call, even when workers come late.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -26,7 +26,7 @@ TEST(ThreadPool, RunsEveryIndexOnceInEveryCall) {
           (*static_cast<std::vector<std::atomic<uint32_t>>*>(context))[index].fetch_add(1);
         },
         &hits, call % (k_count + 1));
-  // Index i is part of every call of more than i items: 3000 calls cycle through counts 0..37.
+  // Index i is part of every call with more than i items. The 3000 calls cycle through counts of 0..37.
   for (uint32_t index = 0; index < k_count; ++index) {
     uint32_t expected = 0;
     for (uint32_t call = 0; call < k_calls; ++call) expected += index < call % (k_count + 1);

@@ -16,9 +16,9 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_most_contrast = 0.95;   // o / (1 - o) has no bound
-constexpr double k_least_elevation = 0.1;  // sine: a grazing light cannot make up every share of the floor's irradiance
-constexpr double k_unshadowed = 0.98;      // visibility from which a floor pixel counts as lit
+constexpr double k_most_contrast = 0.95;   // a limit, because o / (1 - o) has none
+constexpr double k_least_elevation = 0.1;  // sine; a light that grazes the floor cannot give it a large irradiance
+constexpr double k_unshadowed = 0.98;      // a floor pixel of this visibility or more counts as lit
 constexpr double k_pi = std::numbers::pi;
 
 std::vector<CeilingVariant> all_variants() {
@@ -44,7 +44,7 @@ struct ViewResult {  // what one view adds to the sums
 
 void measure_contrast(const ProbeImage& truth, const ProbeImage& directional, ViewResult* view) {
   double both = 0.0, square = 0.0;
-  std::vector<std::pair<double, double>> floor;  // darkness: of the truth, of the umbra's full opacity
+  std::vector<std::pair<double, double>> floor;  // a pixel's darkness: in truth, and at the umbra's full opacity
   for (size_t i = 0; i < truth.lit.size(); ++i) {
     const double t = truth.lit[i], d = directional.lit[i];
     if (t < 0.0 || (t >= k_unshadowed && d >= k_unshadowed)) continue;

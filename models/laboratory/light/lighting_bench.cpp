@@ -19,9 +19,9 @@ namespace {
 
 constexpr uint32_t k_repeats = 25;
 constexpr uint32_t k_width = 256, k_height = 192;
-constexpr double k_macs = 2.549e9;  // pooling before the transitions' convolutions; heads included
+constexpr double k_macs = 2.549e9;  // with pooling before the transitions' convolutions, and with the heads
 
-// A wall with a lamp on it, in light that falls off: made from a formula.
+// A picture made from a formula: a wall with a lamp on it, whose light falls off.
 std::vector<uint8_t> wall_with_a_lamp() {
   std::vector<uint8_t> rgb(size_t{3} * k_width * k_height);
   for (uint32_t y = 0; y < k_height; ++y)
@@ -46,7 +46,7 @@ sandglass_camera_image camera_image_of(const std::vector<uint8_t>& rgb) {
   return image;
 }
 
-// An app without a pose has the world's axes: x right, y up, z backward.
+// Without a camera pose, directions are in the world's axes: x right, y up, z backward.
 LightValues values_of(const sandglass_light_estimate& e) {
   return {e.direction[0], -e.direction[1], -e.direction[2], e.light[0],   e.light[1],
           e.light[2],     e.ambient[0],    e.ambient[1],    e.ambient[2], e.contrast};
@@ -61,7 +61,7 @@ void add_part(LightingBenchRow* row, const std::string& name, double ms) {
   row->parts.push_back({name, ms});
 }
 
-// By unit, for what belongs to each kind of operator.
+// Measures every work unit, so that each kind of operator gets its share.
 void measure_units(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
                    sandglass_light_backend backend, std::span<const uint8_t> rgb, LightingBenchRow* row,
                    std::vector<LightingBenchRow::Part>* layers) {
@@ -93,8 +93,8 @@ struct ImageCase {
   sandglass_camera_format format;
   uint32_t width, height;
 };
-// What phones hand to apps, the photograph of a phone, and the widest image that is accepted, with boxes as high as are
-// read.
+// The images that phones hand to apps, a phone's photograph, and the widest image that is accepted. The last one has
+// the highest boxes that are read.
 constexpr ImageCase k_images[] = {{"640x480_nv12", SANDGLASS_CAMERA_NV12, 640, 480},
                                   {"1920x1440_nv12", SANDGLASS_CAMERA_NV12, 1920, 1440},
                                   {"4032x3024_rgba", SANDGLASS_CAMERA_RGBA, 4032, 3024},
@@ -103,7 +103,7 @@ constexpr ImageCase k_images[] = {{"640x480_nv12", SANDGLASS_CAMERA_NV12, 640, 4
 LightingImageRow measure_image(const ImageCase& c) {
   const bool yuv = c.format == SANDGLASS_CAMERA_NV12;
   const uint32_t pixel = c.format == SANDGLASS_CAMERA_RGBA ? 4 : yuv ? 1 : 3, stride = pixel * c.width;
-  std::vector<uint8_t> planes(size_t{stride} * c.height * (yuv ? 3 : 2) / 2);  // of NV12 half as much for chroma
+  std::vector<uint8_t> planes(size_t{stride} * c.height * (yuv ? 3 : 2) / 2);  // NV12's chroma adds half
   if (!yuv) planes.resize(size_t{stride} * c.height);
   for (size_t i = 0; i < planes.size(); ++i) planes[i] = static_cast<uint8_t>(i * 2654435761u >> 13);
   sandglass_camera_image image;
@@ -132,7 +132,7 @@ LightingImageRow measure_image(const ImageCase& c) {
   return row;
 }
 
-// As an app has it; false where this build lacks the back end.
+// Measures the time of an estimate as an app would see it. Returns false if this build lacks the back end.
 bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_light_backend choice,
              const std::vector<std::vector<uint8_t>>& images, LightingBenchRow* row) {
   const LightBackend* backend = nullptr;

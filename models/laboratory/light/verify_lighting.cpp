@@ -25,8 +25,8 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_bright_share = 0.9;  // of the greatest luminance: images are clipped there
-constexpr double k_any_contrast = 0.5;  // where no other place tells one
+constexpr double k_bright_share = 0.9;  // share of the greatest luminance; images are clipped there
+constexpr double k_any_contrast = 0.5;  // taken where no other place gives a contrast
 constexpr int k_resamples = 10000;
 constexpr uint64_t k_bootstrap_stream = 41;
 constexpr Colour k_white = {255, 255, 255}, k_black = {0, 0, 0};
@@ -45,7 +45,7 @@ double angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), do
 
 double difference(Vec3 a, Vec3 b) { return (std::fabs(a.x - b.x) + std::fabs(a.y - b.y) + std::fabs(a.z - b.z)) / 3.0; }
 
-// One view from its cutting to its verdict. The warped panorama, 6 MB, is gone once the truth is rendered.
+// One view, from the cut to the verdict. Its warped panorama (6 MB) is freed once the truth is rendered.
 struct Work {
   std::string path, name;
   Location location;
@@ -87,7 +87,8 @@ void render_estimates(const ProbeScene& scene, int samples, Work* work) {
   }
 }
 
-// The mean of the labels of other places, and of other folds where the place has one; false where there are none.
+// The mean of the labels of other places. If the place has a fold, only places of other folds count. Returns false if
+// there are none.
 bool mean_light(const std::vector<Work>& all, const Location& location, LightLabels* mean) {
   *mean = {};
   size_t count = 0;
@@ -116,7 +117,7 @@ LightErrors errors_of(const Work& work, int source) {
   return e;
 }
 
-// Image with arrows over the rendered pictures: truth, then the sources in their order.
+// The image with arrows, above the rendered pictures: first the truth, then the sources in their order.
 Picture picture_of_work(const Work& work, const LightView& view) {
   constexpr int k_columns = 3, k_label = 9;
   Picture picture(k_columns * ProbeScene::k_width, k_excerpt_height + 2 * (ProbeScene::k_height + k_label) + k_label,
@@ -151,7 +152,7 @@ struct Quantity {
   const char* name;
   const char* unit;
   Member of;
-  bool must_win;  // else it must not lose
+  bool must_win;  // otherwise it must only not lose
 };
 constexpr Quantity k_quantities[] = {
     {"direction", "deg", [](const LightErrors& e) { return e.angle_deg; }, true},
@@ -344,7 +345,7 @@ LightingVerdicts verify_lighting(const LightingVerdictOptions& options) {
 
 namespace {
 
-// The columns of both tables: the four errors of the light, then the five of the image.
+// The columns of both tables: four errors of the light, then five errors of the image.
 constexpr size_t k_errors = 9;
 
 void add_errors(const LightErrors& e, double share, std::array<double, k_errors>* sums) {

@@ -1,4 +1,5 @@
-// The vessel's field asks for the outline's exact distance at every node, as the scenes' revolved colliders do.
+// The apparatus of the experiments. A vessel's field takes the exact distance from the outline at every node, as the
+// scenes' revolved colliders do.
 #include "models/laboratory/sand/apparatus.h"
 
 #include <algorithm>
@@ -72,7 +73,7 @@ std::vector<float> scattered(uint32_t count, const Shaft& shaft, double bottom, 
   const double area = (shaft.round ? std::numbers::pi : 4.0) * reach_x * reach_z;
   const double height = count * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius / (k_filled * area);
   std::vector<float> points;
-  std::unordered_multimap<int64_t, uint32_t> cells;  // of edge `apart`
+  std::unordered_multimap<int64_t, uint32_t> cells;  // cubes with edges of `apart`
   const auto cell = [&](double x, double y, double z) {
     const auto index = [&](double value) { return static_cast<int64_t>(std::floor(value / apart)) & 0xfffff; };
     return index(x) << 40 | index(y) << 20 | index(z);

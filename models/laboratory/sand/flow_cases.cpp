@@ -1,4 +1,5 @@
-// Frames of 20 ms without a budget. The deposit is found with the metrics' own cell grid, not the library's lists.
+// Flow experiments, in frames of 20 ms without a budget. The deposit is found with the metrics' own cell grid, not with
+// the library's neighbour lists.
 #include "models/laboratory/sand/flow_cases.h"
 
 #include <algorithm>
@@ -17,11 +18,11 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_loosest = 0.54;       // packing that decides how much is poured, at least what is needed
-constexpr double k_densest = 0.64;       // random packing
-constexpr double k_quiet = 0.03;         // of sqrt(g d): a pouring has settled
-constexpr uint32_t k_pour_frames = 300;  // at most
-constexpr double k_chain = 1.1;          // d between neighbours in the deposit
+constexpr double k_loosest = 0.54;       // the packing that sand is assumed to have when an amount is chosen
+constexpr double k_densest = 0.64;       // dense random packing
+constexpr double k_quiet = 0.03;         // poured sand has settled when its speed is below this, in sqrt(g d)
+constexpr uint32_t k_pour_frames = 300;  // the longest wait until sand has settled
+constexpr double k_chain = 1.1;          // distance between neighbours in the deposit, in d
 constexpr int k_sectors = 24, k_strips = 6;
 constexpr double k_beverloo_k = 1.4;
 
@@ -31,7 +32,7 @@ void require(sandglass_status status, const char* const& reason) {
   if (status != SANDGLASS_OK) throw cannot("run", "flow", reason != nullptr ? reason : sandglass_status_name(status));
 }
 
-// The particles that were not removed.
+// The positions of the particles that were not removed.
 std::vector<float> present(Simulation* simulation) {
   const std::vector<float>& all = simulation->particle_positions();
   std::vector<float> kept;
@@ -40,7 +41,7 @@ std::vector<float> present(Simulation* simulation) {
   return kept;
 }
 
-// Pours until the sand rests.
+// Runs frames until the sand has settled.
 void settle(Simulation* simulation, std::span<const sandglass_collider> colliders, double diameter,
             const CaseStep& step) {
   const double quiet = k_quiet * std::sqrt(k_gravity * diameter);
@@ -51,8 +52,8 @@ void settle(Simulation* simulation, std::span<const sandglass_collider> collider
   }
 }
 
-// The share of the space between two heights and within a distance of the axis that lies inside a particle, by a
-// regular grid of probes.
+// The packing between two heights and within a distance of the axis: the share of a regular grid of probes that lies
+// inside a particle.
 double packing_within(std::span<const float> positions, double radius, double reach, double low, double high,
                       double centre_x = 0.0) {
   const CellGrid grid(positions, 2.0 * radius);
@@ -74,7 +75,7 @@ double packing_within(std::span<const float> positions, double radius, double re
   return probes == 0 ? 0.0 : static_cast<double>(inside) / static_cast<double>(probes);
 }
 
-// Marks what a chain of neighbours joins to the particle nearest to a place on the floor.
+// Marks every particle that a chain of neighbours joins to the particle nearest to a place on the floor.
 std::vector<bool> joined_to(std::span<const float> positions, double diameter, double x, double z) {
   const uint32_t count = static_cast<uint32_t>(positions.size() / 3);
   std::vector<bool> joined(count, false);
@@ -101,7 +102,7 @@ std::vector<bool> joined_to(std::span<const float> positions, double diameter, d
 sandglass_collider wall(double x, double z, double normal_x, double normal_z) {
   sandglass_collider plane = level_floor();
   plane.position[0] = static_cast<float>(x), plane.position[2] = static_cast<float>(z);
-  // A quarter turn takes +y to the normal: about z for +-x, about x for +-z.
+  // A quarter turn takes +y to the normal. It is about z for a normal along x, and about x for one along z.
   const float half = static_cast<float>(std::numbers::sqrt2 / 2.0);
   plane.rotation[2] = static_cast<float>(-normal_x) * half;
   plane.rotation[0] = static_cast<float>(normal_z) * half;
@@ -137,7 +138,7 @@ Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setti
     points[i] += static_cast<float>(far + (setting.planar ? 0.5 * r0 : 0.0));
   simulation.add(points, {});
 
-  // The shaft: what stays comes first, what is taken away to let the column go comes last.
+  // The shaft. Colliders that stay come first. Those that are taken away to release the column come last.
   std::vector<sandglass_collider> colliders = {level_floor()};
   std::unique_ptr<Vessel> tube;
   if (setting.planar) {
@@ -153,7 +154,7 @@ Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setti
   }
   settle(&simulation, colliders, d, step);
 
-  sandglass_collider above = {};  // a box over the column: what reaches into it is taken off
+  sandglass_collider above = {};  // a box over the column; particles that reach into it are removed
   above.shape = SANDGLASS_SHAPE_BOX;
   above.rotation[3] = 1.0f;
   for (float& half : above.size) half = 10.0f;
@@ -265,7 +266,7 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
   double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
   for (const double orifice_d : setting.orifices_d) {
     const double hole = 0.5 * orifice_d * d;
-    // Half a radius between the field's nodes: the orifice's edge is what is measured here.
+    // The field's nodes are half a radius apart, because the orifice's edge decides the result.
     const Vessel silo_vessel({{0.0, below},
                               {silo, below},
                               {silo, -k_plate_d * d},
@@ -291,7 +292,7 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
     const uint32_t settle_frames = frames_in(setting.settle_seconds);
     for (uint32_t frame = 0; frame < settle_frames; ++frame) report = simulation.frame(input), step();
     const uint64_t start = report.removed_particles;
-    // Beverloo's own expectation says how long it takes until enough have come out.
+    // Beverloo's law predicts how long it takes until enough particles have come out.
     const double expected =
         0.58 * curve.packing * std::sqrt(k_gravity) * std::pow((orifice_d - k_beverloo_k) * d, 2.5) / sphere_volume(r);
     const uint32_t frames =
@@ -302,7 +303,7 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
       const uint64_t before = report.removed_particles;
       for (uint32_t frame = 0; frame < frames; ++frame) report = simulation.frame(input), step();
       rate = static_cast<double>(report.removed_particles - before) / (frames * k_frame);
-      // The bed's height beside the wall of the silo's middle: where 12 d to 16 d from the axis the highest rest.
+      // The bed's height: how high particles lie at a distance of 12 d to 16 d from the axis.
       const std::vector<float> bed = present(&simulation);
       std::vector<double> heights;
       for (size_t i = 0; i < bed.size(); i += 3) {
@@ -326,7 +327,7 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
 
 TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const CaseStep& step) {
   constexpr double k_tube_d = 8.0, k_settle_seconds = 2.0, k_sinking_d = 0.25;  // d a second
-  constexpr int k_looks = 150;  // instants that are averaged, a frame apart
+  constexpr int k_looks = 150;  // how many instants are averaged; they are a frame apart
   const double r = desc.granular.particle_radius, d = 2.0 * r, tube = 0.5 * k_tube_d * d;
   const double mass_per_diameter = k_loosest * std::numbers::pi * tube * tube * k_tube_d * d / sphere_volume(r);
   TubeLoad result;
@@ -347,8 +348,8 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
     Simulation simulation(full), with_floor(full), without_floor(full);
     simulation.add(points, {});
     settle(&simulation, colliders, d, step);
-    // Friction of sand at rest may point either way. The floor sinks slowly, as in the experiments, so all of it points
-    // up.
+    // Friction on sand at rest may point either way. The floor sinks slowly, as in the experiments, so that all
+    // friction points up.
     piston.linear_velocity[1] = static_cast<float>(-k_sinking_d * d);
     const auto sink = [&] { piston.position[1] += static_cast<float>(k_frame) * piston.linear_velocity[1]; };
     for (uint32_t frame = 0; frame < frames_in(k_settle_seconds); ++frame)
@@ -356,14 +357,15 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
     double load = 0.0;
     for (int look = 0; look < k_looks; ++look) {
       sink();
-      // The same length of sub-step, for a contact's force is its overlap over the square of that.
+      // The copies below repeat a sub-step of this length. A contact's force is its overlap divided by the square of
+      // the length.
       const double substep = static_cast<double>(simulation.frame(k_frame, k_no_budget, colliders).substep);
       step();
       std::vector<unsigned char> bytes(sandglass_scene_save_bytes(simulation.handle()));
       const char* reason = nullptr;
       uint64_t written = 0;
       require(sandglass_scene_save(simulation.handle(), bytes.data(), bytes.size(), &written, &reason), reason);
-      sandglass_collider after[2] = {colliders[0], piston};  // where the floor is at that sub-step's end
+      sandglass_collider after[2] = {colliders[0], piston};  // the floor at the end of that sub-step
       after[1].position[1] += static_cast<float>(substep) * piston.linear_velocity[1];
       double speed[2] = {0.0, 0.0};
       int which = 0;
@@ -384,7 +386,7 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
   }
   const size_t last = result.loads.size() - 1, half = 2;
   result.marginal = (result.loads[last] - result.loads[half]) / (result.weights[last] - result.weights[half]);
-  // The F_inf that fits best, in weights of a diameter: a scan, for the law has one parameter.
+  // A scan finds the F_inf that fits best, in weights of a diameter. The law has only this parameter.
   double best = 1e30;
   double& saturation = result.saturation;
   for (double f = 0.2; f < 50.0; f *= 1.005) {

@@ -1,4 +1,4 @@
-// Errors are measured between frames and are not part of the times.
+// Times and errors of the column. Errors are measured between frames and are not part of the times.
 #include "models/laboratory/sand/granular_bench.h"
 
 #include <algorithm>
@@ -23,7 +23,8 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
   sandglass_scene_desc desc = describe_scene(scene, material.particles(), material.grains());
   ThreadPool pool(threads);
   desc.isa = isa;
-  // CPU time of one thread: what other programs on the machine take does not count. Of several there is none.
+  // With one thread the clock is its CPU time, so other programs on the machine do not count. For several threads there
+  // is no such clock.
   desc.clock = threads == 1 ? clock_thread_cpu() : sandglass_clock_system();
   desc.parallel = pool.hook();
   desc.finest_level = level;
@@ -52,7 +53,7 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
   return row;
 }
 
-// A hair above the exact share of the frame, so that rounding does not ask for one step more.
+// A factor just above 1 on the exact share of the frame, so that rounding does not add a step.
 constexpr double k_rounding = 1.0 + 1e-5;
 
 SceneFile small_steps(const SceneFile& scene, uint32_t steps) {
@@ -93,9 +94,10 @@ EqualError find_equal_error(const SceneFile& scene, double p99, sandglass_isa is
   const BenchStep watch = [&] { return !(stopped = stopped || !step()); };
   const auto cost = [](uint32_t steps, uint32_t iterations) { return steps * (iterations + 2); };
   for (const uint32_t iterations : k_iterations) {
-    size_t low = 0, high = k_steps.size();  // the fewest steps that suffice lie in [low, high); high itself: none does
+    // Looks for the fewest steps that suffice, which lie in [low, high). If the search ends at `limit`, none suffices.
+    size_t low = 0, high = k_steps.size();
     double reached = 0.0;
-    // Not worth a run: what costs more than the best setting that is known.
+    // A setting that costs at least as much as the best known one is not worth a run.
     while (high > low && best.found && cost(k_steps[high - 1], iterations) >= cost(best.steps, best.iterations)) --high;
     const size_t limit = high;
     while (low < high && !stopped) {

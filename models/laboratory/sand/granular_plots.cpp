@@ -1,4 +1,4 @@
-// Measurements are marks, laws are lines, wrong settings are rings.
+// The plots of the granular study. Measurements are marks, laws are lines, and wrong settings are rings.
 #include "models/laboratory/sand/granular_plots.h"
 
 #include <cmath>
@@ -9,7 +9,7 @@ namespace {
 
 constexpr Colour k_measured = {196, 98, 16}, k_law = {60, 60, 66}, k_wrong = {150, 150, 158}, k_second = {28, 110, 150};
 
-// A law over a range, evenly in the logarithm.
+// A law over a range, at points that are evenly spaced in the logarithm.
 template <class Law>
 PlotSeries law(const char* name, double low, double high, Colour colour, bool dashed, const Law& value) {
   constexpr int k_points = 120;
@@ -52,7 +52,7 @@ Plot flow(const GranularCurves& c) {
   std::vector<double> x, y, wrong_x, wrong_y;
   rates(c.discharge, &x, &y);
   rates(c.wrong_discharge, &wrong_x, &wrong_y);
-  // The law through the mean of the measured logarithms: its exponent is what is compared.
+  // The law goes through the mean of the measured logarithms, because only its exponent is compared.
   double offset = 0.0;
   for (size_t i = 0; i < x.size(); ++i)
     offset += (std::log(y[i]) - 2.5 * std::log(x[i] - 1.4)) / static_cast<double>(x.size());

@@ -1,4 +1,5 @@
-// A list of groups; each adds its rows. Groups that take long are left out of the quick table.
+// The claims about sand, in groups. Each group adds its rows to the table. The quick table leaves out groups that take
+// long.
 #include "models/laboratory/sand/granular_verdicts.h"
 
 #include <algorithm>
@@ -25,7 +26,7 @@ struct Table {
   VerdictTable* table;
   std::string group;
 
-  // Whether a result that is no number counts as within the limit: never.
+  // NaN is never within the limit.
   static bool within(double result, double truth, double limit) { return std::fabs(result - truth) <= limit; }
 
   void claim(const std::string& name, const char* unit, double truth, double result, double limit) {
@@ -49,7 +50,7 @@ struct Table {
     desc.isa = isa;
     return desc;
   }
-  // One long step a frame and one averaged iteration: a solver that is too coarse.
+  // A solver that is too coarse: one long step a frame and one averaged iteration.
   sandglass_scene_desc coarse() const {
     sandglass_scene_desc desc = defaults();
     desc.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;
@@ -127,7 +128,7 @@ void refinement(Table& t) {
 
 void column(Table& t) {
   GranularCurves& curves = t.table->curves;
-  constexpr double k_low_end = 1.7;  // aspect ratio at which the law's exponent goes from 1 to 1/2
+  constexpr double k_low_end = 1.7;  // the aspect ratio at which the law's exponent changes from 1 to 1/2
   constexpr uint64_t k_seeds = 2;
   std::vector<double> low_a, low_r, high_a, high_r;
   double packing = 0.0;
@@ -154,7 +155,7 @@ void column(Table& t) {
   }
   t.claim("column exponent, a < 1.7", "", 1.0, fitted_exponent(low_a, low_r), 0.15);
   t.claim("column exponent, a > 1.7", "", 0.5, fitted_exponent(high_a, high_r), 0.15);
-  t.claim("packing of poured sand", "", 0.33, packing, 0.33);  // at most 0.66
+  t.claim("packing of poured sand", "", 0.33, packing, 0.33);  // that is, at most 0.66
   for (const double aspect : {0.5, 1.0}) {
     CollapseSetting setting;
     setting.aspect = aspect;
@@ -197,13 +198,13 @@ void beverloo(Table& t) {
 }
 
 void janssen(Table& t) {
-  // Walls so rough that 8 diameters are many of the law's own length.
+  // The walls are so rough that 8 diameters are many times the law's own length.
   sandglass_scene_desc plain = t.with_friction(0.3);
   plain.granular.height_weighting = 0.0f;
   const TubeLoad tube = tube_load(plain, false, t.step), smooth = tube_load(plain, true, t.step);
   t.claim("tube load added, 4-8 D (k=0)", "of weight", 0.0, tube.marginal, 0.2);
   t.control("tube load added, smooth wall", "of weight", 0.0, smooth.marginal, 0.2);
-  // Without friction the column swings on its floor, and is asked 150 times.
+  // Without friction the column swings on its floor. The mean of 150 instants counts.
   t.claim("smooth tube carries all (k=0)", "of weight", 1.0, smooth.loads.back() / smooth.weights.back(), 0.1);
   t.report("tube load, Janssen (k=0)", "of limit", 0.0, tube.misfit);
   t.report("Janssen's K (k=0)", "", 0.4, tube.k);
@@ -229,7 +230,7 @@ void angles(Table& t) {
     before = angle;
     t.table->curves.frictions.push_back(mu), t.table->curves.repose_deg.push_back(angle);
   }
-  // Strictly increasing: the least rise from one coefficient to the next is above 0.
+  // The angle must rise strictly: the least rise from one coefficient to the next is above 0.
   constexpr double k_most = 45.0;
   t.claim("repose rises with mu, least", "deg", k_most, least_rise, k_most * (1.0 - 1e-9));
 }
@@ -240,7 +241,8 @@ void hard(Table& t) {
     const Coincident together = coincident(desc, count);
     const std::string name = "coincident, " + std::to_string(count);
     t.claim(name + ": overlap", "r", 0.0, together.overlap, 0.1);
-    // Each contact drives its two apart at sqrt(g d), half of it each: two rise by d/8, one among twelve by 18 d.
+    // Each contact drives its two particles apart at sqrt(g d), each at half of that. Of two, one rises by d/8. With
+    // twelve neighbours it could rise by 18 d.
     t.claim(name + ": rise", "d", 0.0, together.rise_d, count == 2 ? 0.125 : 18.0);
   }
   t.claim("stack of 20", "height", 0.99, stack(desc, 20, 5.0).height, 0.01);
@@ -268,12 +270,12 @@ void hard(Table& t) {
   }
 }
 
-// A cube a thousand times as heavy as sand.
+// A cube that is a thousand times as heavy as sand.
 void heavy(Table& t) {
   const HeavyCube cube = heavy_cube(t.defaults(), 1000.0), finer = heavy_cube(t.with_substeps(1024), 1000.0);
   t.claim("mass 1:1000, default: thrown", "d", 0.0, cube.highest_d, 20.0);
   t.report("mass 1:1000, default: overlap", "r", 0.0, cube.overlap_max);
-  // One particle under the cube carries 27,000 of its kind: 27,000 g dt^2 / omega is 0.09 r of overlap at 512
+  // One particle under the cube carries 27,000 times its own weight. The overlap 27,000 g dt^2 / omega is 0.09 r at 512
   // sub-steps.
   t.claim("mass 1:1000, 1024 sub-steps", "r", 0.0, finer.overlap_max, 0.10);
 }
@@ -284,17 +286,17 @@ void far_end(Table& t) {
   const double near = collapse(t.defaults(), setting, t.step).runout;
   setting.at_far_end = true;
   const double far = collapse(t.defaults(), setting, t.step).runout;
-  // Of the radius, not of its growth: what is seen of a pile.
+  // The difference is relative to the radius, not to its growth, because one sees a pile's radius.
   t.claim("column 900 m from the origin", "of R", 0.0, (far - near) / (1.0 + near), 0.05);
 }
 
 struct Group {
   const char* name;
   void (*run)(Table& table);
-  uint64_t steps;  // calls of `step`, about
+  uint64_t steps;  // about how often it calls `step`
   bool quick;
 };
-// Frames weigh alike in the progress, small scenes as large ones: the weight below makes up for it.
+// Progress counts frames, whether a scene is small or large. The weight below corrects for the large ones.
 constexpr Group k_groups[] = {
     {"particle", one_particle, 0, true},
     {"rest", rest, 0, true},
@@ -308,7 +310,7 @@ constexpr Group k_groups[] = {
     {"repose", angles, 5500, false},
     {"beverloo", beverloo, 10500, false},
 };
-constexpr uint64_t k_group_cost = 100;  // of a group whatever its frames, in frames
+constexpr uint64_t k_group_cost = 100;  // what each group costs beside its frames, counted in frames
 
 uint64_t weight(const Group& group) { return std::string(group.name) == "beverloo" ? 8 : 1; }
 

@@ -1,4 +1,4 @@
-// Beds are small: what is tested is an event, not bulk behaviour.
+// Hard cases for the solver. Beds are small, because each case tests an event, not bulk behaviour.
 #include "models/laboratory/sand/hard_cases.h"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ sandglass_scene_desc with_room(sandglass_scene_desc desc, uint32_t particles) {
 
 constexpr int k_layers = 6;
 
-// A bed of `side` x 6 x `side` particles, layer on layer, a quarter spacing off, standing on y = 0.
+// A bed of `side` x 6 x `side` particles that stands on y = 0. Each layer is shifted by a quarter of the spacing.
 std::vector<float> bed(double radius, int side = 8) {
   std::vector<float> points;
   const double spacing = 2.02 * radius;
@@ -46,7 +46,7 @@ double highest_of(const std::vector<float>& positions) {
   return top;
 }
 
-// Positions, velocities: 1e30 when one is not finite, so that no claim about them holds.
+// Returns `result`, or 1e30 if one of the positions or velocities is not finite. Then no claim about them holds.
 double sound(const std::vector<float>& values, double result) {
   for (const float value : values)
     if (!std::isfinite(value)) return 1e30;
@@ -194,7 +194,7 @@ Refusals refusals(const sandglass_scene_desc& desc) {
   attempt(SANDGLASS_ERROR_INVALID_ARGUMENT, fine, velocity, 1);
   const float two[6] = {0.0f, 1.0f, 0.0f, 0.0f, 1.1f, 0.0f};
   attempt(SANDGLASS_ERROR_CAPACITY, two, nullptr, 2);
-  attempt(SANDGLASS_OK, fine, nullptr, 1);  // the last place is there to be taken
+  attempt(SANDGLASS_OK, fine, nullptr, 1);  // the last free place can be used
   attempt(SANDGLASS_ERROR_CAPACITY, fine, nullptr, 1);
 
   std::vector<sandglass_collider> colliders(5, level_floor());
@@ -258,8 +258,8 @@ double rotation_gap(double scale) {
   double worst = 0.0;
   for (const auto& factor : factors)
     for (int trial = 0; trial < 50; ++trial) {
-      // A = Q U diag(factor) U^T: the best rotation is Q, and the trace reached is the sum of the factors (the one
-      // that may be negative is the smallest in size).
+      // A = Q U diag(factor) U^T. The best rotation is Q, and its trace is the sum of the factors. Only the smallest
+      // factor may be negative.
       const auto any = [&] {
         return rotation_by(Vec3{random.uniform() - 0.5, random.uniform() - 0.5, random.uniform() - 0.5} * 6.0);
       };

@@ -1,5 +1,5 @@
-// Positions go back to metres before overlaps are measured, by the same code as ours, between frames and outside the
-// times.
+// The column in Bullet. Positions are converted back to metres, and the same code as for our own measures overlaps.
+// It runs between frames and is not part of the times.
 #include "models/laboratory/sand/peer_bullet.h"
 
 #include "models/files/failure.h"
@@ -21,7 +21,7 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_scale = 100.0;         // Bullet's lengths for one metre
+constexpr double k_scale = 100.0;         // units of length in Bullet for one metre
 constexpr double k_longest_step = 0.005;  // seconds
 constexpr int k_contacts_per_particle =
     12;  // pairs of a close packing count 6; the rest is room for AABBs that overlap
@@ -31,7 +31,7 @@ btVector3 scaled(const float* v) {
   return {part(0), part(1), part(2)};
 }
 
-// The engine and what it only refers to; members die in the reverse order.
+// The engine and the objects that it only refers to. Members are destroyed in reverse order.
 struct World {
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher{&configuration};
@@ -58,7 +58,7 @@ struct World {
     if (mass > 0) shape->calculateLocalInertia(mass, inertia);
     btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape, inertia);
     info.m_startWorldTransform = pose;
-    info.m_friction = static_cast<btScalar>(std::sqrt(friction));  // of a pair Bullet takes the product
+    info.m_friction = static_cast<btScalar>(std::sqrt(friction));  // Bullet multiplies the two values of a pair
     bodies.push_back(std::make_unique<btRigidBody>(info));
     world.addRigidBody(bodies.back().get());
   }

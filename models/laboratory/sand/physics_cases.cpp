@@ -1,4 +1,5 @@
-// Frames of 20 ms without a budget: every frame runs all its work.
+// Single particles and piles with known results. Frames take 20 ms and have no budget, so every frame does all its
+// work.
 #include "models/laboratory/sand/physics_cases.h"
 
 #include <algorithm>
@@ -132,7 +133,7 @@ RestingPile resting_pile(const sandglass_scene_desc& desc) {
 
 namespace {
 
-// Particles on a cubic lattice, touching, `count` on a side, the lowest corner at the origin.
+// Touching particles on a cubic lattice, `count` on a side. The lowest corner is at the origin.
 std::vector<float> block(int count, double radius) {
   std::vector<float> points;
   for (int k = 0; k < count * count * count; ++k)

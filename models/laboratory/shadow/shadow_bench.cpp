@@ -19,10 +19,10 @@ namespace sandglass::host {
 namespace {
 
 constexpr uint32_t k_size = k_native_size, k_texels = k_size * k_size;
-constexpr uint32_t k_lights = 12;  // evenly over the baked cap
-constexpr uint32_t k_repeats = 7;  // of each light; the best counts, because the machine may be shared
+constexpr uint32_t k_lights = 12;  // evenly spread over the baked cap
+constexpr uint32_t k_repeats = 7;  // runs of each light; the best counts, because the machine may be shared
 constexpr uint64_t k_stream = uint64_t{3} << 40;
-constexpr double k_beyond = 1e-3;  // activations that the peer's int8 clips
+constexpr double k_beyond = 1e-3;  // the share of activations that the peer's int8 clips
 
 double best_ms(const std::function<void()>& work) {
   double best = 1e30;
@@ -53,7 +53,7 @@ std::vector<uint32_t> all_texels() {
 }
 
 #ifdef SANDGLASS_HAVE_XNNPACK
-// What a peer needs for one light: 69 floats a texel, from tables of the two coordinates.
+// The input of a peer for one light: 69 floats a texel, from tables of the two coordinates.
 void encode_texels(const std::vector<float>& positions, const Direction& light, std::vector<float>* input) {
   float encoded[3 * k_light_inputs];
   encode_light(light, encoded);
@@ -69,7 +69,7 @@ void encode_texels(const std::vector<float>& positions, const Direction& light, 
 
 struct Samples {
   std::vector<double> ms, ms_encoding;
-  std::vector<float> differences;  // of each texel from the truth
+  std::vector<float> differences;  // the difference of each texel from the truth
   double rmse = 0, rmse_truth = 0, worst = 0, macs = 0, evaluated = 0;
 
   void judge(const std::vector<float>& values, const std::vector<float>& reference, const std::vector<float>& truth) {
@@ -163,7 +163,7 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
         best_ms([&] { evaluate_texels(network, light, k_size, uv.data(), k_texels, reference.data()); }));
     own_float.macs += texel_macs * k_texels;
     own_float.judge(reference, reference, truth);
-    // The runtime computes nothing for a light that it has: it is asked for another one in between, untimed.
+    // The runtime computes nothing for a light that it has already. So another light comes in between, untimed.
     const Direction other = lights[(i + 1) % k_lights];
     const auto bytes = [&](ShadowRunner* runner, Samples* samples) {
       double best = 1e30;

@@ -20,7 +20,7 @@ constexpr uint64_t k_stream = uint64_t{5} << 40;
 constexpr uint32_t k_thresholds[] = {0, 5, 12, 24, 48, 64, 96, 128, 192};
 constexpr uint32_t k_texture_sizes[] = {128, 256, 512};
 
-// Coverage bytes (or floats) over a rectangle, read as a GPU reads a texture that is clamped to its edge.
+// Reads coverage bytes (or floats) over a rectangle, as a GPU reads a texture that is clamped to its edge.
 template <class Value>
 double read_texture(const Value* texels, uint32_t size, double s, double t) {
   const double x = std::clamp(s * size - 0.5, 0.0, size - 1.0), y = std::clamp(t * size - 0.5, 0.0, size - 1.0);
@@ -30,7 +30,7 @@ double read_texture(const Value* texels, uint32_t size, double s, double t) {
   return (1 - fy) * ((1 - fx) * at(u, v) + fx * at(u + 1, v)) + fy * ((1 - fx) * at(u, v + 1) + fx * at(u + 1, v + 1));
 }
 
-// Truth of one light at the texel centres of its fitted rectangle.
+// The truth for one light at the texel centres of its fitted rectangle.
 struct World {
   ShadowRectangle rectangle;
   std::vector<float> transparency;
@@ -100,7 +100,7 @@ std::vector<ShadowCurve> measure_shadow_curves(const std::vector<NamedShadow>& f
     const Direction &light = lights[i], &other = lights[(i + 1) % k_lights];
     World world = {fitted.rectangle(light), {}};
     world.transparency = caster.texture(world.rectangle, light, k_stream + i, k_size, pool);
-    // The runtime computes nothing for a light that it has: it is asked for another one in between, untimed.
+    // The runtime computes nothing for a light that it has already. So another light comes in between, untimed.
     const auto measure = [&](ShadowRunner* runner, const LightGeometry& geometry, Sum* sum, uint32_t size) {
       double best = 1e30;
       sandglass_shadow_texture texture = {};

@@ -13,8 +13,8 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr uint32_t k_rows = 512;            // a block; with 2022's the fastest of 128..65536
-constexpr int8_t k_zero = -128;             // of activations: 0 .. clip as -128 .. 127
+constexpr uint32_t k_rows = 512;            // rows in a block; the fastest of 128..65536 with the version of 2022
+constexpr int8_t k_zero = -128;             // the byte of activation 0; 0 .. clip become -128 .. 127
 constexpr float k_input_step = 1.0f / 127;  // encoded inputs lie in -1..1
 
 void check(xnn_status status) {
@@ -22,7 +22,7 @@ void check(xnn_status status) {
     throw Failure("cannot compare with XNNPACK: it refuses an operator of the shadow network. Build without it.");
 }
 
-// XNNPACK wants all inputs of output 0 first.
+// XNNPACK wants the weights by output: first all inputs of output 0.
 std::vector<float> by_output(const float* weights, uint32_t inputs, uint32_t outputs) {
   std::vector<float> turned(size_t{inputs} * outputs);
   for (uint32_t i = 0; i < inputs; ++i)
@@ -31,7 +31,7 @@ std::vector<float> by_output(const float* weights, uint32_t inputs, uint32_t out
 }
 
 #ifdef SANDGLASS_XNNPACK_RESHAPES
-// Later versions also take a table, before the quantisation of the input, which floats do not have.
+// Later versions take one more table before the quantisation of the input. Floats have no quantisation.
 template <class... Parameters>
 void create_convert(xnn_status (*function)(Parameters...), const xnn_quantization_params& bytes, xnn_operator_t* op) {
   if constexpr (sizeof...(Parameters) == 8)
@@ -49,11 +49,11 @@ struct XnnpackPeer::State {
   std::vector<float> a, b;
   std::vector<int8_t> ba, bb;
   uint32_t width = 0;
-  uint32_t rows = 0;    // that the operators were last shaped for
-  float last_step = 0;  // of the int8 output
+  uint32_t rows = 0;    // the number of rows that the operators were last shaped for
+  float last_step = 0;  // the step of the int8 output
 
-  // Since 2023 a call of its own sets the number of rows, whenever it changes. Before, the call that names the buffers
-  // did.
+  // Versions from 2023 on have a call that sets the number of rows whenever it changes. In earlier ones, the call that
+  // names the buffers sets it.
   template <class Reshape>
   void shape([[maybe_unused]] Reshape reshape, uint32_t count) {
     if (count == rows) return;
@@ -71,7 +71,7 @@ struct XnnpackPeer::State {
 #endif
     check(xnn_run_operator(op, nullptr));
   }
-  // All operators on a block of rows; between them two arrays take turns.
+  // Runs all operators on a block of rows. Two arrays take turns as input and output.
   template <class Setup, class Value>
   void run_all(Setup setup, const Value* in, Value* out, Value* other, Value* last) const {
     for (const xnn_operator_t op : operators) {

@@ -1,4 +1,4 @@
-// The sand's own shadow against rays that are cast at the grains.
+// Compares the sand's own shadow with rays that are cast at the grains.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -14,7 +14,7 @@ namespace {
 
 using PilePart = PileShadowError::Part;
 
-// What each texture shows of a place, or of some together: the shadow itself, then the controls.
+// The errors of each texture at a place, or at several together: first the shadow itself, then the controls.
 constexpr size_t k_textures = 3;
 constexpr double PilePart::*k_errors_of[k_textures] = {&PilePart::rmse, &PilePart::particles, &PilePart::mirrored};
 
@@ -37,11 +37,11 @@ void finish(PilePart* sums) {
 std::vector<PileShadowError> study_pile_shadow() {
   constexpr double k_degree = 3.141592653589793 / 180.0, k_lit = 0.98;
   constexpr uint32_t k_stride = 3;         // texels
-  constexpr int k_places = 3, k_rays = 4;  // a texel and axis; a place and axis
+  constexpr int k_places = 3, k_rays = 4;  // places a texel and rays a place, along each axis
   const ShotStage stage;
   const ShotPicture picture(stage.object, stage.grains, stage.grain_radius);
   std::vector<PileShadowError> all;
-  // Within what textures are made for, 70 degrees.
+  // All lights are within 70 degrees of the vertical, the range that textures are made for.
   for (const double polar : {20.0, 45.0, 65.0})
     for (const double azimuth : {30.0, 150.0, 270.0}) {
       const Vec3 towards = {std::sin(polar * k_degree) * std::cos(azimuth * k_degree), std::cos(polar * k_degree),

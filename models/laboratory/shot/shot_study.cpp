@@ -33,8 +33,8 @@ void take_means(ShotStudy* study) {
 
 namespace {
 
-// The share of Student's distribution within t standard errors: the finite sums of Abramowitz and Stegun 26.7.3 and
-// 26.7.4, of odd and of even degrees of freedom.
+// The share of Student's distribution within t standard errors. The finite sums are Abramowitz and Stegun 26.7.3 for
+// odd and 26.7.4 for even degrees of freedom.
 double student_share(double t, int freedom) {
   const double angle = std::atan(t / std::sqrt(static_cast<double>(freedom))), c = std::cos(angle), s = std::sin(angle);
   const bool odd = freedom % 2 != 0;
@@ -47,7 +47,7 @@ double student_share(double t, int freedom) {
 
 double student_95(int degrees_of_freedom) {
   if (degrees_of_freedom < 1) return std::numeric_limits<double>::infinity();
-  double low = 1.0, high = 16.0;  // of infinitely many 1.96, of one 12.7
+  double low = 1.0, high = 16.0;  // the result is 1.96 for infinitely many degrees of freedom and 12.7 for one
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     (student_share(middle, degrees_of_freedom) < 0.95 ? low : high) = middle;
@@ -68,7 +68,8 @@ ShotStudy::Paired ShotStudy::paired(ShotVariant better, ShotVariant worse, int m
   return {mean_of, n > 1 ? student * std::sqrt(square / (n - 1) / n) : student};
 }
 
-// Hash, azimuth, whether there is an estimate, its angle, all errors, and the name last: it may have spaces.
+// Hash, azimuth, whether there is an estimate, its angle, and all errors. The name comes last, because it may have
+// spaces.
 std::string line_of(const ShotView& view) {
   std::ostringstream text;
   text.precision(17);
@@ -151,7 +152,8 @@ using PilePart = PileShadowError::Part;
 
 constexpr PilePart PileShadowError::*k_pile_parts[] = {&PileShadowError::clear, &PileShadowError::among_grains,
                                                        &PileShadowError::on_sand};
-// Of the error that leaving the shadow out makes (shot_study.h says why), and of the light on the floor.
+// The first three limits are shares of the error that comes from leaving the shadow out (shot_study.h says why). The
+// bias limit is a share of the light on the floor.
 constexpr double k_pile_shares[] = {1.0 / 3.0, 1.0 / 3.0, 0.75}, k_pile_bias_limit = 0.05;
 
 }  // namespace

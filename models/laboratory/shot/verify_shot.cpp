@@ -27,13 +27,13 @@ void put(const ShotErrors& e, double (&row)[k_shot_metrics]) {
   std::copy_n(values, k_shot_metrics, row);
 }
 
-// Names alone would take a retrained network's rows for those of the one before it.
+// The hash of a file's content. By name alone, a retrained network would get the rows of the one before it.
 uint64_t hash_of(const std::string& file, const std::string& kind) {
   const std::string bytes = read_file(file, kind);
   return hash_bytes(bytes.data(), bytes.size());
 }
 
-// Everything that the views of one study share.
+// What the views of one study share.
 struct Study {
   const ShotStudyOptions& options;
   const ShotStage stage;
@@ -49,8 +49,8 @@ std::string key_of(const ShotStudyOptions& o) {
          std::to_string(network);
 }
 
-// The views that are asked for, none of them done. Every file is read, so that a bad one is named now, not after
-// minutes.
+// The views that the options ask for, before any is computed. It reads every file, so that a bad one is reported at
+// once, not after minutes.
 std::vector<ShotView> planned_views(const ShotStudyOptions& options) {
   if (!options.network.empty()) LightEstimate(options.network, SANDGLASS_ISA_AUTOMATIC);
   std::vector<ShotView> views(std::min(options.views, options.panoramas.size()));
