@@ -51,7 +51,7 @@ struct OutputTask {
   }
 };
 
-void run(void* state, uint32_t level) {
+void run_output(void* state, uint32_t level) {
   (void)level;
   Granular* g = static_cast<Granular*>(state);
   const uint32_t all = g->grains.count + g->flow.free_grain_count;
@@ -88,7 +88,7 @@ void output_begin_frame(Output* output, const sandglass_frame_input* input) {
 void output_restart(Output* output) { output->cursor = 0; }
 
 Stage granular_output_stage(Granular* granular) {
-  return {granular, next, run, forecast, k_granular_kinds, k_all_units, 1.0f};
+  return {granular, next, run_output, forecast, k_granular_kinds, k_all_units, 1.0f};
 }
 
 }  // namespace sandglass

@@ -165,10 +165,16 @@ void begin(Pile* p) {
   clear_columns(p);
 }
 
-const float* centre_of(const PileSource& source, uint32_t i) {
-  if (source.grains != nullptr) return (*source.grains)[i].position;
-  if (source.particles != nullptr) return (*source.particles)[i].position;
-  return source.positions + 3ull * i;
+// The centres of a source: the first one, and how many floats lie from each to the next.
+struct Centres {
+  const float* first;
+  uint64_t stride;
+};
+
+Centres centres_of(const PileSource& source) {
+  if (source.grains != nullptr) return {(*source.grains)->position, sizeof(Grain) / sizeof(float)};
+  if (source.particles != nullptr) return {(*source.particles)->position, sizeof(Particle) / sizeof(float)};
+  return {source.positions, 3};
 }
 
 void run_columns(Pile* p) {
@@ -176,7 +182,10 @@ void run_columns(Pile* p) {
   const PileSource& source = p->source;
   const uint32_t left = source.count > p->cursor ? source.count - p->cursor : 0, most = unit_spheres(*p);
   const uint32_t end = p->cursor + (left < most ? left : most);
-  for (; p->cursor < end; ++p->cursor) put_sphere(p, centre_of(source, p->cursor), source.radius);
+  const Centres centres = centres_of(source);
+  const float radius = source.radius;
+  for (uint32_t i = p->cursor; i < end; ++i) put_sphere(p, centres.first + i * centres.stride, radius);
+  p->cursor = end;
   if (p->cursor < source.count) return;
   cut_light(p);
   p->phase = PilePhase::floor, p->cursor = 0;

@@ -35,7 +35,7 @@ example_pour() {
   run
   # Whatever the machine affords in 4 ms a frame: of the four seconds, those that are no time debt pour at the rate of the
   # nozzle's lattice, pi sqrt(2) R^2 v / (2.02 r)^3 = 431 particles a second, less the sites at its rim. 8 grains each.
-  holds 'n[1] > 300 * (4 - n[5]) - 60 && n[1] < 450 * (4 - n[5]) + 60 && n[2] == 8 * n[1]'
+  holds 'n[1] > 300 * (4 - n[NR]) - 60 && n[1] < 450 * (4 - n[NR]) + 60 && n[2] == 8 * n[1]'
 }
 
 example_bodies() {
