@@ -1,4 +1,4 @@
-// Signed-distance fields: their distances against closed forms, and which meshes and colliders are refused.
+// Signed-distance fields: their distances against closed forms, what is refused, and sand in an hourglass.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -105,6 +105,60 @@ TEST(Field, RefusesWhatMakesNoSense) {
   nothing.rotation[3] = 1.0f;
   scene.colliders.push_back(nothing);
   EXPECT_EQ(scene.frame(0.02f).ignored_colliders, 1u);
+}
+
+// The inner wall of an hourglass: two cones that meet in a neck, closed at both ends.
+constexpr double k_neck = 0.08, k_wide = 0.16, k_half = 0.22;  // metres: two radii, and half the height
+double wall_radius(double y) { return k_neck + (k_wide - k_neck) * std::fabs(y) / k_half; }
+float hourglass_distance(void*, const float p[3]) {
+  const double r = std::hypot(p[0], p[2]), slope = (k_wide - k_neck) / k_half;
+  const double side = (wall_radius(static_cast<double>(p[1])) - r) / std::sqrt(1 + slope * slope);
+  return static_cast<float>(std::min(side, k_half - std::fabs(static_cast<double>(p[1]))));
+}
+
+TEST(Field, NothingLeaksFromAnHourglassAndItDrains) {
+  const float low[3] = {-0.2f, -0.26f, -0.2f}, high[3] = {0.2f, 0.26f, 0.2f};
+  uint64_t bytes = 0;
+  const char* reason = nullptr;
+  sandglass_field* field = nullptr;
+  ASSERT_EQ(sandglass_field_bytes(low, high, 0.01f, &bytes, &reason), SANDGLASS_OK);
+  const sandglass::cpp::Block block = sandglass::cpp::allocate_block(bytes);
+  ASSERT_EQ(sandglass_field_from_function(low, high, 0.01f, SANDGLASS_SOLID_OUTSIDE, hourglass_distance, nullptr,
+                                          block.get(), bytes, &field, &reason),
+            SANDGLASS_OK)
+      << reason;
+  std::vector<float> particles, grains;
+  for (const float& y : {0.07f, 0.092f, 0.114f, 0.136f, 0.158f, 0.18f}) {
+    for (int j = -6; j <= 6; ++j) {
+      for (int i = -6; i <= 6; ++i) {
+        const float p[3] = {0.0205f * static_cast<float>(i), y, 0.0205f * static_cast<float>(j)};
+        if (hourglass_distance(nullptr, p) < 0.012f) continue;
+        particles.insert(particles.end(), p, p + 3);
+        for (int g = 0; g < 8; ++g)
+          for (int k = 0; k < 3; ++k) grains.push_back(p[k] + ((g >> k & 1) != 0 ? 0.005f : -0.005f));
+      }
+    }
+  }
+  GranularScene scene(
+      description(static_cast<uint32_t>(particles.size() / 3), static_cast<uint32_t>(grains.size() / 3)));
+  scene.add(particles, {}, grains);
+  sandglass_collider glass = {};
+  glass.shape = SANDGLASS_SHAPE_FIELD;
+  glass.field = field;
+  glass.rotation[3] = 1.0f;
+  scene.colliders.push_back(glass);
+  for (int frame = 0; frame < 200; ++frame) {
+    scene.frame(0.02f);
+    const std::vector<float> p = scene.positions();
+    for (size_t i = 0; i < p.size(); i += 3)
+      ASSERT_GE(hourglass_distance(nullptr, &p[i]), 0.01f - 0.0025f) << "a particle, h^2/8R at the neck's edge apart";
+    for (const sandglass_grain& g : scene.grains)
+      ASSERT_GE(hourglass_distance(nullptr, g.position), 0.0f) << "a grain, frame " << frame;
+  }
+  uint32_t below = 0;
+  const std::vector<float> p = scene.positions();
+  for (size_t i = 1; i < p.size(); i += 3) below += p[i] < 0.0f ? 1 : 0;
+  EXPECT_GT(below, 9 * p.size() / 3 / 10) << "of " << p.size() / 3 << " particles have passed the neck";
 }
 
 }  // namespace
