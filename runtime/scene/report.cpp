@@ -34,25 +34,26 @@ void report_scene(const sandglass_scene& scene, sandglass_frame_report* report) 
 void log_frame(const sandglass_scene& scene) {
   const sandglass_log& log = scene.desc.log;
   if (log.write == nullptr) return;
-  const Granular& g = scene.granular;
-  if (g.counts.dropped_contacts != 0)
-    log.write(log.user, "granular: more neighbours than a list holds; some contacts were left out in this frame.");
-  if (g.counts.quarantined != 0)
-    log.write(log.user,
-              "granular: a particle or grain left the coordinate range or was not finite; it was put to rest.");
-  if (g.counts.ignored_colliders != 0)
-    log.write(log.user,
-              "granular: a collider was left out: a number of it is out of range, or it is beyond collider_capacity.");
-  if (g.counts.ignored_emitters != 0)
-    log.write(log.user,
-              "granular: an emitter was left out: a number of it is out of range, or it is beyond emitter_capacity.");
-  if (g.counts.ignored_sinks != 0)
-    log.write(log.user,
-              "granular: a sink was left out: a number of it is out of range, or it is beyond sink_capacity.");
-  if (g.counts.denied_particles != 0)
-    log.write(
-        log.user,
-        "granular: an emitter poured less than it should: raise particle_capacity or grain_capacity, or pass a sink.");
+  const FrameCounts& counts = scene.granular.counts;
+  const struct {
+    uint32_t count;
+    const char* sentence;
+  } events[] = {
+      {counts.dropped_contacts,
+       "granular: more neighbours than a list holds; some contacts were left out in this frame."},
+      {counts.quarantined,
+       "granular: a particle or grain left the coordinate range or was not finite; it was put to rest."},
+      {counts.ignored_colliders,
+       "granular: a collider was left out: a number of it is out of range, or it is beyond collider_capacity."},
+      {counts.ignored_emitters,
+       "granular: an emitter was left out: a number of it is out of range, or it is beyond emitter_capacity."},
+      {counts.ignored_sinks,
+       "granular: a sink was left out: a number of it is out of range, or it is beyond sink_capacity."},
+      {counts.denied_particles,
+       "granular: an emitter poured less than it should: raise particle_capacity or grain_capacity, or pass a sink."},
+  };
+  for (const auto& event : events)
+    if (event.count != 0) log.write(log.user, event.sentence);
 }
 
 }  // namespace sandglass
