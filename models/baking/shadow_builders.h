@@ -39,6 +39,70 @@ inline flatbuffers::Offset<Layer> CreateLayer(flatbuffers::FlatBufferBuilder& _f
   return builder_.Finish();
 }
 
+struct AmbientBuilder {
+  typedef Ambient Table;
+  flatbuffers::FlatBufferBuilder& fbb_;
+  flatbuffers::uoffset_t start_;
+  void add_side(uint16_t side) { fbb_.AddElement<uint16_t>(Ambient::VT_SIDE, side, 128); }
+  void add_half(double half) { fbb_.AddElement<double>(Ambient::VT_HALF, half, 0.0); }
+  void add_components(uint8_t components) { fbb_.AddElement<uint8_t>(Ambient::VT_COMPONENTS, components, 0); }
+  void add_mixing(flatbuffers::Offset<flatbuffers::Vector<float>> mixing) {
+    fbb_.AddOffset(Ambient::VT_MIXING, mixing);
+  }
+  void add_texels(flatbuffers::Offset<flatbuffers::Vector<int8_t>> texels) {
+    fbb_.AddOffset(Ambient::VT_TEXELS, texels);
+  }
+  void add_rmse(float rmse) { fbb_.AddElement<float>(Ambient::VT_RMSE, rmse, 0.0f); }
+  explicit AmbientBuilder(flatbuffers::FlatBufferBuilder& _fbb) : fbb_(_fbb) { start_ = fbb_.StartTable(); }
+  flatbuffers::Offset<Ambient> Finish() {
+    const auto end = fbb_.EndTable(start_);
+    auto o = flatbuffers::Offset<Ambient>(end);
+    return o;
+  }
+};
+
+inline flatbuffers::Offset<Ambient> CreateAmbient(flatbuffers::FlatBufferBuilder& _fbb, uint16_t side = 128,
+                                                  double half = 0.0, uint8_t components = 0,
+                                                  flatbuffers::Offset<flatbuffers::Vector<float>> mixing = 0,
+                                                  flatbuffers::Offset<flatbuffers::Vector<int8_t>> texels = 0,
+                                                  float rmse = 0.0f) {
+  AmbientBuilder builder_(_fbb);
+  builder_.add_half(half);
+  builder_.add_rmse(rmse);
+  builder_.add_texels(texels);
+  builder_.add_mixing(mixing);
+  builder_.add_side(side);
+  builder_.add_components(components);
+  return builder_.Finish();
+}
+
+struct SurfaceBuilder {
+  typedef Surface Table;
+  flatbuffers::FlatBufferBuilder& fbb_;
+  flatbuffers::uoffset_t start_;
+  void add_vertices(uint32_t vertices) { fbb_.AddElement<uint32_t>(Surface::VT_VERTICES, vertices, 0); }
+  void add_steps(flatbuffers::Offset<flatbuffers::Vector<float>> steps) { fbb_.AddOffset(Surface::VT_STEPS, steps); }
+  void add_transfer(flatbuffers::Offset<flatbuffers::Vector<int8_t>> transfer) {
+    fbb_.AddOffset(Surface::VT_TRANSFER, transfer);
+  }
+  explicit SurfaceBuilder(flatbuffers::FlatBufferBuilder& _fbb) : fbb_(_fbb) { start_ = fbb_.StartTable(); }
+  flatbuffers::Offset<Surface> Finish() {
+    const auto end = fbb_.EndTable(start_);
+    auto o = flatbuffers::Offset<Surface>(end);
+    return o;
+  }
+};
+
+inline flatbuffers::Offset<Surface> CreateSurface(flatbuffers::FlatBufferBuilder& _fbb, uint32_t vertices = 0,
+                                                  flatbuffers::Offset<flatbuffers::Vector<float>> steps = 0,
+                                                  flatbuffers::Offset<flatbuffers::Vector<int8_t>> transfer = 0) {
+  SurfaceBuilder builder_(_fbb);
+  builder_.add_transfer(transfer);
+  builder_.add_steps(steps);
+  builder_.add_vertices(vertices);
+  return builder_.Finish();
+}
+
 struct ShadowBuilder {
   typedef Shadow Table;
   flatbuffers::FlatBufferBuilder& fbb_;
@@ -75,6 +139,12 @@ struct ShadowBuilder {
   void add_seed(uint64_t seed) { fbb_.AddElement<uint64_t>(Shadow::VT_SEED, seed, 0); }
   void add_float_parameters(flatbuffers::Offset<flatbuffers::Vector<float>> float_parameters) {
     fbb_.AddOffset(Shadow::VT_FLOAT_PARAMETERS, float_parameters);
+  }
+  void add_ambient(flatbuffers::Offset<sandglass::asset::Ambient> ambient) {
+    fbb_.AddOffset(Shadow::VT_AMBIENT, ambient);
+  }
+  void add_surface(flatbuffers::Offset<sandglass::asset::Surface> surface) {
+    fbb_.AddOffset(Shadow::VT_SURFACE, surface);
   }
   explicit ShadowBuilder(flatbuffers::FlatBufferBuilder& _fbb) : fbb_(_fbb) { start_ = fbb_.StartTable(); }
   flatbuffers::Offset<Shadow> Finish() {

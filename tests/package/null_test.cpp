@@ -346,6 +346,14 @@ void Nulls::shadows() {
   sandglass_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
   does_nothing(NAMED(sandglass_shadow_get_texture), shadow, 0u, &texture);
+  std::vector<float> cells(SANDGLASS_LIGHT_CELLS), transfer(1 << 16), sh(27), turned(27);
+  refuses(NAMED(sandglass_shadow_set_cells), {}, shadow, cells.data(), 0.0f, &reason);
+  sandglass_shadow_ambient ambient = {};
+  ambient.struct_size = sizeof ambient;
+  does_nothing(NAMED(sandglass_shadow_get_ambient), shadow, &ambient);
+  refuses(NAMED(sandglass_shadow_surface), {}, file.data(), file_bytes, transfer.data(), uint64_t{transfer.size()},
+          &reason);
+  refuses(NAMED(sandglass_shadow_turn_harmonics), {}, sh.data(), point, turned.data(), &reason);
   std::vector<uint8_t> coverage(256 * 256);
   refuses(NAMED(sandglass_shadow_resample), {}, shadow, 0u, 128u, coverage.data(), &reason);
   refuses(NAMED(sandglass_shadow_combine), {}, shadow, 64u, coverage.data(), low, high, &reason);

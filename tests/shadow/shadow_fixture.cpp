@@ -82,6 +82,26 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   const auto first_weights = builder.CreateVector(first);
   const auto biases = builder.CreateVector(first_bias);
   const auto name = builder.CreateString("random");
+  flatbuffers::Offset<asset::Ambient> ambient = 0;
+  flatbuffers::Offset<asset::Surface> surface = 0;
+  if (what.ambient_side != 0) {
+    std::vector<float> mixing(what.components * SANDGLASS_LIGHT_CELLS);
+    for (float& x : mixing) x = static_cast<float>(random.unit() / 127);
+    if (what.forced_mixing != 0) mixing[7] = what.forced_mixing;
+    std::vector<int8_t> texels(what.components * what.ambient_side * what.ambient_side - what.missing_texels);
+    for (int8_t& x : texels) x = static_cast<int8_t>(127 * random.unit());
+    const auto weights = builder.CreateVector(mixing);
+    ambient = asset::CreateAmbient(builder, static_cast<uint16_t>(what.ambient_side), 1.5,
+                                   static_cast<uint8_t>(what.components), weights, builder.CreateVector(texels), 0.02f);
+  }
+  if (what.surface_vertices != 0) {
+    std::vector<float> steps(9);
+    for (float& x : steps) x = static_cast<float>(0.01 + 0.001 * random.unit());
+    std::vector<int8_t> transfer(9 * what.surface_vertices);
+    for (int8_t& x : transfer) x = static_cast<int8_t>(127 * random.unit());
+    const auto sizes = builder.CreateVector(steps);
+    surface = asset::CreateSurface(builder, what.surface_vertices, sizes, builder.CreateVector(transfer));
+  }
   const asset::Box box(1, 2, 3, 0.2, 0.1, 0.5, 0.349065850398866, 1.2217304763960306);  // 20 and 70 degrees
   asset::ShadowBuilder shadow(builder);
   shadow.add_version(what.version);
@@ -96,6 +116,8 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   shadow.add_first_step(0.02f);
   shadow.add_layers(all);
   shadow.add_last(last);
+  if (what.ambient_side != 0) shadow.add_ambient(ambient);
+  if (what.surface_vertices != 0) shadow.add_surface(surface);
   builder.Finish(shadow.Finish(), asset::ShadowIdentifier());
   AssetFile file = {std::vector<uint64_t>((builder.GetSize() + k_checksum_bytes) / 8 + 1),
                     builder.GetSize() + k_checksum_bytes};
