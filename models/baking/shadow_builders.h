@@ -81,6 +81,16 @@ struct SurfaceBuilder {
   flatbuffers::FlatBufferBuilder& fbb_;
   flatbuffers::uoffset_t start_;
   void add_vertices(uint32_t vertices) { fbb_.AddElement<uint32_t>(Surface::VT_VERTICES, vertices, 0); }
+  void add_low_x(float low_x) { fbb_.AddElement<float>(Surface::VT_LOW_X, low_x, 0.0f); }
+  void add_low_y(float low_y) { fbb_.AddElement<float>(Surface::VT_LOW_Y, low_y, 0.0f); }
+  void add_low_z(float low_z) { fbb_.AddElement<float>(Surface::VT_LOW_Z, low_z, 0.0f); }
+  void add_step(float step) { fbb_.AddElement<float>(Surface::VT_STEP, step, 0.0f); }
+  void add_positions(flatbuffers::Offset<flatbuffers::Vector<uint16_t>> positions) {
+    fbb_.AddOffset(Surface::VT_POSITIONS, positions);
+  }
+  void add_normals(flatbuffers::Offset<flatbuffers::Vector<int8_t>> normals) {
+    fbb_.AddOffset(Surface::VT_NORMALS, normals);
+  }
   void add_steps(flatbuffers::Offset<flatbuffers::Vector<float>> steps) { fbb_.AddOffset(Surface::VT_STEPS, steps); }
   void add_transfer(flatbuffers::Offset<flatbuffers::Vector<int8_t>> transfer) {
     fbb_.AddOffset(Surface::VT_TRANSFER, transfer);
@@ -94,11 +104,21 @@ struct SurfaceBuilder {
 };
 
 inline flatbuffers::Offset<Surface> CreateSurface(flatbuffers::FlatBufferBuilder& _fbb, uint32_t vertices = 0,
+                                                  float low_x = 0.0f, float low_y = 0.0f, float low_z = 0.0f,
+                                                  float step = 0.0f,
+                                                  flatbuffers::Offset<flatbuffers::Vector<uint16_t>> positions = 0,
+                                                  flatbuffers::Offset<flatbuffers::Vector<int8_t>> normals = 0,
                                                   flatbuffers::Offset<flatbuffers::Vector<float>> steps = 0,
                                                   flatbuffers::Offset<flatbuffers::Vector<int8_t>> transfer = 0) {
   SurfaceBuilder builder_(_fbb);
   builder_.add_transfer(transfer);
   builder_.add_steps(steps);
+  builder_.add_normals(normals);
+  builder_.add_positions(positions);
+  builder_.add_step(step);
+  builder_.add_low_z(low_z);
+  builder_.add_low_y(low_y);
+  builder_.add_low_x(low_x);
   builder_.add_vertices(vertices);
   return builder_.Finish();
 }

@@ -26,4 +26,14 @@ sandglass_shadow_texture ShadowRunner::texture(const Direction& light) {
   return shadow_.texture();
 }
 
+std::vector<uint8_t> ShadowRunner::ambient(const std::array<double, SANDGLASS_LIGHT_CELLS>& cells) {
+  std::array<float, SANDGLASS_LIGHT_CELLS> shares;
+  for (size_t i = 0; i < shares.size(); ++i) shares[i] = static_cast<float>(cells[i]);
+  if (const cpp::Status set = shadow_.set_cells(shares); !set) throw cannot("set", "cells", set.reason);
+  while (shadow_.run() > 0) {
+  }
+  const sandglass_shadow_ambient now = shadow_.ambient();
+  return {now.visibility, now.visibility + size_t{now.side} * now.side};
+}
+
 }  // namespace sandglass::host

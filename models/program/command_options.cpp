@@ -127,6 +127,15 @@ CLI::Validator shape_of_network() {
   };
   return value_that(holds, "8x1 to 256x8", "WIDTHxLAYERS with 8 to 256 neurons and 1 to 8 layers, such as 128x2");
 }
+
+CLI::Validator texels_of_ambient() {
+  const auto holds = [](const std::string& text) {
+    const CLI::Validator number = whole_number(0, 256);
+    std::string copy = text;
+    return number(copy).empty() && std::stoi(text) % 16 == 0;
+  };
+  return value_that(holds, "0 to 256", "a multiple of 16 from 0 to 256");
+}
 #endif
 
 void add_bake(CLI::App* command, int* exit_code) {
@@ -155,8 +164,13 @@ void add_bake(CLI::App* command, int* exit_code) {
   add_option(command, "--validation-lights", settings.validation_lights, "N",
              "Unseen lights that the error is measured on")
       ->check(whole_number(1, 100'000));
+  add_option(command, "--ambient-texels", settings.ambient.texels, "N",
+             "Texels a side of the ambient shadow, in steps of 16; 0: leave it and the surface out")
+      ->check(texels_of_ambient());
+  command->add_flag("--ambient-only", o.ambient_only,
+                    "Train nothing: make the ambient shadow and the surface of the file that -o names anew");
   add_option(command, "--picture", o.picture, "FILE",
-             "Draw truth, network and difference for four lights to this file, .png")
+             "Draw truth, result and difference for four lights and two rooms to this file, .png")
       ->default_str("OUTPUT.png");
   command->add_flag("--no-picture", o.no_picture, "Draw no picture");
   add_json(command, o.json);

@@ -12,11 +12,11 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_weight_limit = 1e6f;     // of the first layer
-constexpr int32_t k_bias_limit = 1 << 24;  // sums then stay below 2^25
-constexpr double k_horizon = 1.5533430;    // 89 degrees: polar_max plus half the light
-constexpr float k_mixing_limit = 1.0f;     // of a step of a component's byte, for all light from one cell
-constexpr uint32_t k_vertices_limit = 1 << 24;
+constexpr float k_weight_limit = 1e6f;        // of the first layer
+constexpr int32_t k_bias_limit = 1 << 24;     // sums then stay below 2^25
+constexpr double k_horizon = 1.5533430;       // 89 degrees: polar_max plus half the light
+constexpr float k_mixing_limit = 1.0f;        // of a step of a component's byte, for all light from one cell
+constexpr uint32_t k_points_limit = 1 << 24;  // of the surface
 constexpr uint32_t k_tables_limit =
     16;  // most tables that the verifier follows: the root, `last`, the layers, two more
 
@@ -66,14 +66,28 @@ const char* check_ambient(const asset::Ambient& file, AmbientAsset* out) {
 }
 
 const char* check_surface(const asset::Surface& file, SurfaceAsset* out) {
-  if (file.vertices() == 0 || file.vertices() > k_vertices_limit)
-    return "the shadow file's surface does not have 1 to 2^24 vertices: bake it again";
-  if (file.steps() == nullptr || file.steps()->size() != k_surface_coefficients || file.transfer() == nullptr ||
-      file.transfer()->size() != file.vertices() * k_surface_coefficients)
+  const uint32_t points = file.vertices();
+  if (points == 0 || points > k_points_limit)
+    return "the shadow file's surface does not have 1 to 2^24 points: bake it again";
+  if (file.positions() == nullptr || file.positions()->size() != 3 * points || file.normals() == nullptr ||
+      file.normals()->size() != 3 * points || file.steps() == nullptr ||
+      file.steps()->size() != k_surface_coefficients || file.transfer() == nullptr ||
+      file.transfer()->size() != k_surface_coefficients * points)
     return "the shadow file's surface has the wrong size: bake it again";
   if (!numbers_within(*file.steps(), 0.0f, 1.0f))
     return "the shadow file's surface has a step that is not a number in 0..1: bake it again";
-  *out = {file.vertices(), file.steps()->data(), file.transfer()->data()};
+  *out = {points,
+          {file.low_x(), file.low_y(), file.low_z()},
+          file.step(),
+          file.positions()->data(),
+          file.normals()->data(),
+          file.steps()->data(),
+          file.transfer()->data()};
+  if (!all_within(out->low, 3, -1e30f, 1e30f) || !within(out->step, 1e-30f, 1e30f))
+    return "the shadow file's surface does not say where it is: bake it again";
+  for (uint32_t i = 1; i < points; ++i)
+    if (out->positions[3 * i] < out->positions[3 * i - 3])
+      return "the shadow file's surface is not in order, which no baking writes";
   return nullptr;
 }
 

@@ -34,6 +34,9 @@ struct AmbientAsset {
 
 struct SurfaceAsset {
   uint32_t vertices;  // 0: the file has none
+  float low[3], step;
+  const uint16_t* positions;
+  const int8_t* normals;
   const float* steps;
   const int8_t* transfer;
 };

@@ -110,16 +110,40 @@ struct Ambient FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
 
 struct Surface FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
   typedef SurfaceBuilder Builder;
-  enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE { VT_VERTICES = 4, VT_STEPS = 6, VT_TRANSFER = 8 };
+  enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE {
+    VT_VERTICES = 4,
+    VT_LOW_X = 6,
+    VT_LOW_Y = 8,
+    VT_LOW_Z = 10,
+    VT_STEP = 12,
+    VT_POSITIONS = 14,
+    VT_NORMALS = 16,
+    VT_STEPS = 18,
+    VT_TRANSFER = 20
+  };
   uint32_t vertices() const { return GetField<uint32_t>(VT_VERTICES, 0); }
+  float low_x() const { return GetField<float>(VT_LOW_X, 0.0f); }
+  float low_y() const { return GetField<float>(VT_LOW_Y, 0.0f); }
+  float low_z() const { return GetField<float>(VT_LOW_Z, 0.0f); }
+  float step() const { return GetField<float>(VT_STEP, 0.0f); }
+  const flatbuffers::Vector<uint16_t>* positions() const {
+    return GetPointer<const flatbuffers::Vector<uint16_t>*>(VT_POSITIONS);
+  }
+  const flatbuffers::Vector<int8_t>* normals() const {
+    return GetPointer<const flatbuffers::Vector<int8_t>*>(VT_NORMALS);
+  }
   const flatbuffers::Vector<float>* steps() const { return GetPointer<const flatbuffers::Vector<float>*>(VT_STEPS); }
   const flatbuffers::Vector<int8_t>* transfer() const {
     return GetPointer<const flatbuffers::Vector<int8_t>*>(VT_TRANSFER);
   }
   bool Verify(flatbuffers::Verifier& verifier) const {
     return VerifyTableStart(verifier) && VerifyField<uint32_t>(verifier, VT_VERTICES, 4) &&
-           VerifyOffset(verifier, VT_STEPS) && verifier.VerifyVector(steps()) && VerifyOffset(verifier, VT_TRANSFER) &&
-           verifier.VerifyVector(transfer()) && verifier.EndTable();
+           VerifyField<float>(verifier, VT_LOW_X, 4) && VerifyField<float>(verifier, VT_LOW_Y, 4) &&
+           VerifyField<float>(verifier, VT_LOW_Z, 4) && VerifyField<float>(verifier, VT_STEP, 4) &&
+           VerifyOffset(verifier, VT_POSITIONS) && verifier.VerifyVector(positions()) &&
+           VerifyOffset(verifier, VT_NORMALS) && verifier.VerifyVector(normals()) && VerifyOffset(verifier, VT_STEPS) &&
+           verifier.VerifyVector(steps()) && VerifyOffset(verifier, VT_TRANSFER) && verifier.VerifyVector(transfer()) &&
+           verifier.EndTable();
   }
 };
 

@@ -346,12 +346,12 @@ void Nulls::shadows() {
   sandglass_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
   does_nothing(NAMED(sandglass_shadow_get_texture), shadow, 0u, &texture);
-  std::vector<float> cells(SANDGLASS_LIGHT_CELLS), transfer(1 << 16), sh(27), turned(27);
+  std::vector<float> cells(SANDGLASS_LIGHT_CELLS), transfer(9), sh(27), turned(27);
   refuses(NAMED(sandglass_shadow_set_cells), {}, shadow, cells.data(), 0.0f, &reason);
   sandglass_shadow_ambient ambient = {};
   ambient.struct_size = sizeof ambient;
   does_nothing(NAMED(sandglass_shadow_get_ambient), shadow, &ambient);
-  refuses(NAMED(sandglass_shadow_surface), {}, file.data(), file_bytes, transfer.data(), uint64_t{transfer.size()},
+  refuses(NAMED(sandglass_shadow_surface), {"normals"}, file.data(), file_bytes, point, high, 1u, transfer.data(),
           &reason);
   refuses(NAMED(sandglass_shadow_turn_harmonics), {}, sh.data(), point, turned.data(), &reason);
   std::vector<uint8_t> coverage(256 * 256);

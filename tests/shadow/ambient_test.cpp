@@ -272,22 +272,67 @@ TEST(AmbientShadow, FillsNoByteBeyondTheCallersStruct) {
       false);
 }
 
-TEST(ShadowSurface, HandsOutTheCoefficientsOfTheFile) {
-  const AssetFile file = make_shadow_file(shape());
+// The nearest point in double, by looking at all of them; among those at one place the one with the nearest normal.
+TEST(ShadowSurface, GivesEachVertexTheCoefficientsOfTheNearestPoint) {
+  RandomShadow what = shape();
+  what.surface_vertices = 300;
+  const AssetFile file = make_shadow_file(what);
   ShadowAsset asset;
   ASSERT_EQ(open_shadow_asset(file.data(), file.bytes, &asset, nullptr), SANDGLASS_OK);
-  std::vector<float> transfer(6 * 9 + 1, 7.0f);
-  EXPECT_EQ(sandglass_shadow_surface(file.data(), file.bytes, transfer.data(), 6 * 9 - 1, nullptr),
-            SANDGLASS_ERROR_INVALID_ARGUMENT);
-  ASSERT_EQ(sandglass_shadow_surface(file.data(), file.bytes, transfer.data(), 6 * 9, nullptr), SANDGLASS_OK);
-  EXPECT_EQ(transfer[6 * 9], 7.0f);
-  for (uint32_t i = 0; i < 6 * 9; ++i)
-    ASSERT_EQ(transfer[i], asset.surface.steps[i % 9] * static_cast<float>(asset.surface.transfer[i]));
-  const AssetFile old = make_shadow_file({32, 1, 2, 1, 4});
+  const SurfaceAsset& surface = asset.surface;
+  std::vector<float> positions, normals;
+  std::vector<uint32_t> expected;
+  for (uint32_t i = 0; i < surface.vertices; ++i) {
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+      positions.push_back(surface.low[axis] + surface.step * surface.positions[3 * i + axis]);
+      normals.push_back(surface.normals[3 * i + axis]);
+    }
+    expected.push_back(i);
+  }
+  for (int far = 0; far < 500; ++far) {  // places anywhere, beyond the object too, without a normal
+    double p[3], best = 1e300;
+    uint32_t nearest = 0;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+      const double steps = -20000 + 200.0 * ((static_cast<uint32_t>(far) * 7919 + axis * 104729) % 1000);
+      positions.push_back(
+          static_cast<float>(static_cast<double>(surface.low[axis]) + steps * static_cast<double>(surface.step)));
+      p[axis] = (static_cast<double>(positions.back()) - static_cast<double>(surface.low[axis])) /
+                static_cast<double>(surface.step);
+      normals.push_back(0);
+    }
+    for (uint32_t i = 0; i < surface.vertices; ++i) {
+      const double d = std::hypot(p[0] - surface.positions[3 * i], p[1] - surface.positions[3 * i + 1],
+                                  p[2] - surface.positions[3 * i + 2]);
+      if (d < best) best = d, nearest = i;
+    }
+    expected.push_back(nearest);
+  }
+  const uint32_t count = static_cast<uint32_t>(expected.size());
+  std::vector<float> transfer(9 * count + 1, 7.0f);
+  ASSERT_EQ(sandglass_shadow_surface(file.data(), file.bytes, positions.data(), normals.data(), count, transfer.data(),
+                                     nullptr),
+            SANDGLASS_OK);
+  EXPECT_EQ(transfer[9 * count], 7.0f);
+  for (uint32_t i = 0; i < count; ++i)
+    for (uint32_t j = 0; j < 9; ++j)
+      ASSERT_EQ(transfer[9 * i + j], surface.steps[j] * static_cast<float>(surface.transfer[9 * expected[i] + j])) << i;
+}
+
+TEST(ShadowSurface, RefusesNumbersThatAreNoPlacesAndFilesWithoutASurface) {
+  const AssetFile file = make_shadow_file(shape()), old = make_shadow_file({32, 1, 2, 1, 4});
+  float place[3] = {}, transfer[9];
   const char* reason = nullptr;
-  EXPECT_EQ(sandglass_shadow_surface(old.data(), old.bytes, transfer.data(), 6 * 9, &reason),
+  EXPECT_EQ(sandglass_shadow_surface(old.data(), old.bytes, place, nullptr, 1, transfer, &reason),
             SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(std::string(reason).find("bake it again"), std::string::npos);
+  EXPECT_EQ(sandglass_shadow_surface(file.data(), file.bytes, nullptr, nullptr, 0, nullptr, nullptr), SANDGLASS_OK);
+  place[1] = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(sandglass_shadow_surface(file.data(), file.bytes, place, nullptr, 1, transfer, nullptr),
+            SANDGLASS_ERROR_INVALID_ARGUMENT);
+  const float good[3] = {};
+  EXPECT_EQ(sandglass_shadow_surface(file.data(), file.bytes, good, place, 1, transfer, nullptr),
+            SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(sandglass_shadow_surface(file.data(), file.bytes, good, good, 1, transfer, nullptr), SANDGLASS_OK);
 }
 
 // The basis of sandglass_light_estimate.sh, written out from light.h.

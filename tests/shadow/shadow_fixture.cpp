@@ -97,10 +97,19 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   if (what.surface_vertices != 0) {
     std::vector<float> steps(9);
     for (float& x : steps) x = static_cast<float>(0.01 + 0.001 * random.unit());
-    std::vector<int8_t> transfer(9 * what.surface_vertices);
+    std::vector<int8_t> transfer(9 * what.surface_vertices), normals(3 * what.surface_vertices);
     for (int8_t& x : transfer) x = static_cast<int8_t>(127 * random.unit());
+    for (int8_t& x : normals) x = static_cast<int8_t>(127 * random.unit());
+    std::vector<uint16_t> positions(3 * what.surface_vertices);
+    for (size_t i = 0; i < positions.size(); ++i)
+      positions[i] =
+          i % 3 == 0 ? static_cast<uint16_t>(200 * (i / 6)) : static_cast<uint16_t>(30000 + 20000 * random.unit());
+    if (what.unsorted_surface) positions[0] = 65535;
+    const auto places = builder.CreateVector(positions);
+    const auto axes = builder.CreateVector(normals);
     const auto sizes = builder.CreateVector(steps);
-    surface = asset::CreateSurface(builder, what.surface_vertices, sizes, builder.CreateVector(transfer));
+    surface = asset::CreateSurface(builder, what.surface_vertices, 0.5f, -0.25f, 0.125f, 1e-4f, places, axes, sizes,
+                                   builder.CreateVector(transfer));
   }
   const asset::Box box(1, 2, 3, 0.2, 0.1, 0.5, 0.349065850398866, 1.2217304763960306);  // 20 and 70 degrees
   asset::ShadowBuilder shadow(builder);

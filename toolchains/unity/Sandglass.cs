@@ -492,7 +492,7 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_shadow_combine(IntPtr shadow, uint size, [Out] byte[] coverage, [Out] float[] low, [Out] float[] high, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_shadow_set_cells(IntPtr shadow, float[] cells, float yaw, out IntPtr reason);
   [DllImport(k_library)] public static extern void sandglass_shadow_get_ambient(IntPtr shadow, ref sandglass_shadow_ambient ambient);
-  [DllImport(k_library)] public static extern int sandglass_shadow_surface(IntPtr asset, ulong asset_bytes, [Out] float[] transfer, ulong capacity, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_shadow_surface(IntPtr asset, ulong asset_bytes, float[] positions, float[] normals, uint count, [Out] float[] transfer, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_shadow_turn_harmonics(float[] sh, float[] rotation, [Out] float[] turned, out IntPtr reason);
   [DllImport(k_library)] public static extern ulong sandglass_shadow_hash(IntPtr shadow);
   [DllImport(k_library)] public static extern int sandglass_shadow_isa(IntPtr shadow);

@@ -110,7 +110,8 @@ typedef struct sandglass_shadow_info {
   /* Root mean square error of the share of light that is left, against ray tracing, over rooms that it was not fitted
    * to. */
   float ambient_rmse;
-  /* Vertices that sandglass_shadow_surface tells of. 0: the file has none. */
+  /* Points of the surface that sandglass_shadow_surface looks up: vertices, those at creases several times. 0: the file
+   * has none. */
   uint32_t surface_vertices;
 } sandglass_shadow_info;
 
@@ -238,15 +239,20 @@ typedef struct sandglass_shadow_ambient {
 /* Fills *ambient; set ambient->struct_size before. */
 SANDGLASS_API void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_shadow_ambient* ambient);
 
-/* Reads from a baked file how each vertex of the mesh sees the room past the object itself: nine coefficients a vertex,
- * in the order of the mesh that was baked. The irradiance of a vertex over pi is, for each colour, the sum of the nine
- * products with the harmonics of the room in the object's frame (sandglass_light_estimate.sh, turned by
- * sandglass_shadow_turn_harmonics). `capacity`: floats that `transfer` has room for; 9 * info.surface_vertices are
- * written. Fails like sandglass_shadow_inspect, and with INVALID_ARGUMENT where the room is too small or the file has no
- * surface. */
+/* Reads from a baked file how the vertices of the object see the room past the object itself: nine coefficients a vertex.
+ * The irradiance of a vertex over pi is, for each colour, the sum of the nine products with the harmonics of the room in
+ * the object's frame (sandglass_light_estimate.sh, turned by sandglass_shadow_turn_harmonics).
+ *
+ * `positions`: `count` vertices of the app's own mesh, in the coordinates of the mesh that was baked, in any order. Each
+ * gets the coefficients of the baked point that is nearest. `normals`: theirs, which tell the sides of a crease apart; may
+ * be NULL. `transfer` takes 9 * count floats. Call it once, when the object is loaded.
+ *
+ * Fails like sandglass_shadow_inspect, and with INVALID_ARGUMENT: a number that is not finite, or a file without a
+ * surface (info.surface_vertices is 0). */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_surface(const void* asset, uint64_t asset_bytes,
-                                                                            float* transfer, uint64_t capacity,
-                                                                            const char** reason);
+                                                                            const float* positions,
+                                                                            const float* normals, uint32_t count,
+                                                                            float* transfer, const char** reason);
 
 /* The harmonics of a room as an object sees them that is turned by `rotation` (object to world, any length above 0).
  * Both arrays are interleaved (r0 g0 b0 ...), as in sandglass_light_estimate.sh; they may be the same. Fails with
