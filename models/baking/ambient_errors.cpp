@@ -19,7 +19,7 @@ namespace {
 
 constexpr uint32_t k_rays = 128, k_stride = 2;  // rays of one truth; one texel in 2 x 2 is looked at
 constexpr uint64_t k_first_room = 770'000;
-constexpr int k_room_width = 128, k_room_paths = 16;
+constexpr int k_room_width = 128, k_room_paths = 8;
 constexpr float k_nearest = 1e-5f;
 using Cells = std::array<double, SANDGLASS_LIGHT_CELLS>;
 
