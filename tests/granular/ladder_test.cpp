@@ -153,7 +153,7 @@ TEST(Ladder, WithoutAClockTheFinestLevelRuns) {
   EXPECT_LT(lists[SANDGLASS_LEVEL_KEEP_LISTS], lists[SANDGLASS_LEVEL_REFINE_ONCE]);
   sandglass_scene_desc desc = description(1);
   desc.finest_level = SANDGLASS_LEVEL_COUNT;
-  EXPECT_THROW(GranularScene{desc}, std::invalid_argument);
+  EXPECT_THROW(GranularScene{desc}, std::runtime_error);
 }
 
 // The averaged scheme simulates 20 ms in 16 steps of (7 + 1) iterations. A coarser quality level has fewer iterations,

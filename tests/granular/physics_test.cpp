@@ -14,7 +14,7 @@ TEST(Physics, AMovingColliderPushesSandAndAStillOneDoesNot) {
   for (const float speed : {0.0f, 0.2f}) {
     GranularScene scene(description(768));
     scene.add_floor();
-    scene.colliders.push_back(sphere(0.04f, -0.06f, 0.05f, 0.08f));
+    scene.colliders.push_back(sandglass::sphere(-0.06f, 0.05f, 0.08f, 0.04f));
     scene.colliders.back().linear_velocity[0] = speed;
     scene.add(lattice(8, 6, 8, 0.0204f, 0.0102f));
     for (int frame = 0; frame < 50; ++frame) {
@@ -41,8 +41,7 @@ TEST(Physics, BoundaryParticlesHoldSand) {
     for (int k = 0; k < 40; ++k)
       ground.insert(ground.end(), {0.015f * static_cast<float>(i - 20), 0.0f, 0.015f * static_cast<float>(k - 20)});
   }
-  const char* reason = nullptr;
-  ASSERT_EQ(sandglass_granular_set_boundary(scene.scene, ground.data(), 1600, &reason), SANDGLASS_OK) << reason;
+  accept(scene.scene.set_boundary(ground));
   scene.add(lattice(4, 4, 4, 0.0204f, 0.05f));
   for (int frame = 0; frame < 100; ++frame) scene.frame(k_frame);
   const std::vector<float> p = scene.positions();

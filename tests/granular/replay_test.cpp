@@ -4,7 +4,7 @@
 
 #include <thread>
 
-#include "sandglass/sandglass.hpp"
+#include "platform/virtual_clock.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {
@@ -92,14 +92,11 @@ TEST(Determinism, PoolAndUnitSizeDoNotShow) {
   }
 }
 
-// A clock that moves on by a fixed time at every reading: a budget of n readings.
-uint64_t ticking(void* user) { return *static_cast<uint64_t*>(user) += 10'000; }
-
 TEST(Determinism, AShortBudgetIsKeptReportedAndReplayed) {
-  uint64_t now = 0;
+  sandglass::VirtualClock clock{.step_ns = 10'000};  // a budget is a number of readings
   sandglass_scene_desc desc = description(k_particles, k_grains);
   desc.unit_items = 128;
-  desc.clock = {ticking, &now};
+  desc.clock = sandglass::virtual_clock(&clock);
   GranularScene recorded(desc);
   fill(&recorded);
   std::vector<sandglass_plan> plans;
@@ -137,7 +134,7 @@ TEST(Determinism, ResetForgetsEverything) {
   fill(&scene);
   for (int frame = 0; frame < 5; ++frame) scene.frame(k_frame);
   const uint64_t hash = scene.hash();
-  sandglass_scene_reset(scene.scene);
+  scene.scene.reset();
   scene.colliders.clear(), scene.grains.clear();
   scene.particle_count = 0;
   fill(&scene);

@@ -53,7 +53,7 @@ TEST(Sleep, AHandWakesWhatItTouchesAndNothingElse) {
   if (SANDGLASS_EMULATED != 0) GTEST_SKIP() << "minutes under emulation; the kernels are compared there to the bit";
   GranularScene bed = sleeping_bed(40);
   const std::vector<float> before = bed.positions();
-  bed.colliders.push_back(sphere(0.03f, 0.1f, 0.1f, 0.4f));
+  bed.colliders.push_back(sandglass::sphere(0.1f, 0.1f, 0.4f, 0.03f));
   uint32_t most = 0;
   const auto move = [&](int axis, float speed, int frames) {
     for (int frame = 0; frame < frames; ++frame) {
@@ -121,8 +121,7 @@ TEST(Sleep, SandUnderAHeavyBodySleeps) {
 
 TEST(Sleep, NewFrictionWakesAll) {
   GranularScene bed = sleeping_bed(8);
-  const char* reason = nullptr;
-  ASSERT_EQ(sandglass_granular_set_friction(bed.scene, 0.1f, 0.1f, &reason), SANDGLASS_OK);
+  accept(bed.scene.set_friction(0.1f, 0.1f));
   EXPECT_EQ(bed.frame(k_frame).awake, bed.particle_count);
 }
 
@@ -144,7 +143,7 @@ TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
   EXPECT_EQ(report.grain_lag, 0.0f);
 
   const std::vector<sandglass_grain> before = bed.grains;
-  bed.colliders.push_back(sphere(0.03f, 0.4f, 0.1f, 0.4f));
+  bed.colliders.push_back(sandglass::sphere(0.4f, 0.1f, 0.4f, 0.03f));
   bed.colliders.back().linear_velocity[1] = -0.1f;
   uint32_t most = 0;
   for (int frame = 0; frame < 17; ++frame) {

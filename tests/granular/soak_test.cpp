@@ -57,16 +57,8 @@ struct Hourglass {
   Hourglass()
       : wall(sandglass::host::make_revolved(sandglass::host::hourglass_profile(k_height, k_bulb, k_neck, 32), 96),
              SANDGLASS_SOLID_OUTSIDE, k_radius) {
-    constexpr float k_step = 2.1f * k_radius;
-    for (float y = 0.33f; y < 0.47f; y += k_step) {
-      for (float z = -0.12f; z < 0.12f; z += k_step) {
-        for (float x = -0.12f; x < 0.12f; x += k_step) {
-          const float p[3] = {x, y, z};
-          if (beyond_wall(wall.collider, p) > -0.025) continue;
-          particles.insert(particles.end(), p, p + 3);
-        }
-      }
-    }
+    particles = loose_points({{-0.12f, 0.33f, -0.12f}, {0.12f, 0.47f, 0.12f}},
+                             [&](const float* p) { return beyond_wall(wall.collider, p) <= -0.025; });
     grains = grains_about(particles, 0.004f);
   }
   uint32_t count() const { return static_cast<uint32_t>(particles.size() / 3); }
@@ -85,7 +77,6 @@ struct Twin {
     turn(number, &scene.colliders[0]);
     return scene.frame(k_frame);
   }
-  bool restore(const std::vector<uint8_t>& bytes) { return scene.restore(bytes) == SANDGLASS_OK; }
   double mean_height() const {
     double sum = 0.0;
     const std::vector<float> p = scene.positions();
@@ -120,7 +111,7 @@ struct Checkpoint {
     int64_t memory_kib = 0;
     Heights heights;
   } head;
-  std::vector<uint8_t> scene;
+  std::vector<std::byte> scene;
 };
 
 std::string checkpoint_path() {
@@ -140,7 +131,8 @@ bool read_checkpoint(const std::string& path, Checkpoint* checkpoint) {
   const std::string bytes = sandglass::host::read_file(path, "checkpoint");
   if (bytes.size() < sizeof checkpoint->head) return false;
   std::memcpy(&checkpoint->head, bytes.data(), sizeof checkpoint->head);
-  checkpoint->scene.assign(bytes.begin() + sizeof checkpoint->head, bytes.end());
+  checkpoint->scene.resize(bytes.size() - sizeof checkpoint->head);
+  std::memcpy(checkpoint->scene.data(), bytes.data() + sizeof checkpoint->head, checkpoint->scene.size());
   return true;
 }
 
@@ -162,7 +154,7 @@ TEST(Soak, MillionFramesOfASmallHourglass) {
   ASSERT_LE(glass.count(), 500u);
   Twin run(glass), again(glass);
   Checkpoint checkpoint;
-  if (!path.empty() && read_checkpoint(path, &checkpoint) && run.restore(checkpoint.scene)) {
+  if (!path.empty() && read_checkpoint(path, &checkpoint) && run.scene.scene.restore(checkpoint.scene)) {
     std::printf("going on at frame %llu, from %s\n", static_cast<unsigned long long>(checkpoint.head.frame),
                 path.c_str());
   } else {
@@ -199,8 +191,8 @@ TEST(Soak, MillionFramesOfASmallHourglass) {
     }
     if ((frame + 1) % k_checkpoint == 0) {
       checkpoint.head.frame = frame + 1;
-      checkpoint.scene = run.scene.save();
-      ASSERT_TRUE(again.restore(checkpoint.scene));
+      accept(run.scene.scene.save(&checkpoint.scene));
+      accept(again.scene.scene.restore(checkpoint.scene));
       ASSERT_EQ(again.scene.hash(), run.scene.hash());
       compare_until = frame + 1 + k_cycle;
       const int64_t memory = peak_memory_kib();
