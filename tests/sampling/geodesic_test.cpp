@@ -8,6 +8,7 @@
 
 #include "models/mesh/generated.h"
 #include "runtime/sampling/geodesic.h"
+#include "tests/guarded_block.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {

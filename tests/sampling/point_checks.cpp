@@ -43,69 +43,44 @@ sandglass_sample_options options_with_seed(uint64_t seed) {
   return options;
 }
 
-int everywhere(void*, const float*) { return 1; }
+bool everywhere(const float*) { return true; }
 
 namespace {
 
-// The capacity that is asked for, scratch memory of that capacity's size, then the samples.
-template <class Capacity, class Bytes, class Sample>
-Points sampled(const Capacity& ask_capacity, const Bytes& ask_bytes, const Sample& sample) {
-  uint32_t capacity = 0, count = 0;
-  uint64_t bytes = 0;
-  const char* reason = nullptr;
-  EXPECT_EQ(ask_capacity(&capacity, &reason), SANDGLASS_OK) << reason;
-  EXPECT_EQ(ask_bytes(capacity, &bytes, &reason), SANDGLASS_OK) << reason;
-  GuardedBlock scratch(bytes);
-  Points points(3ull * capacity);
-  EXPECT_EQ(sample(scratch.data(), bytes, points.data(), capacity, &count, &reason), SANDGLASS_OK) << reason;
-  EXPECT_TRUE(scratch.guards_intact());
-  points.resize(3ull * count);
-  return points;
-}
+void accept(const sandglass::Status& status) { EXPECT_TRUE(status) << status.reason; }
 
 }  // namespace
 
 Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_options& options) {
-  const sandglass_mesh surface = view(mesh);
-  return sampled([&](auto... out) { return sandglass_sample_surface_capacity(&surface, distance, &options, out...); },
-                 [&](auto... out) { return sandglass_sample_surface_bytes(&surface, distance, &options, out...); },
-                 [&](auto... out) { return sandglass_sample_surface(&surface, distance, &options, out...); });
+  Points points;
+  accept(sandglass::sample_surface(view(mesh), distance, &points, &options));
+  return points;
 }
 
-Points sample_volume(const float low[3], const float high[3], float distance, sandglass_inside inside, void* user,
+Points sample_volume(const sandglass::Box& box, float distance, const Inside& inside,
                      const sandglass_sample_options& options) {
-  return sampled(
-      [&](auto... out) { return sandglass_sample_volume_capacity(low, high, distance, out...); },
-      [&](auto... out) { return sandglass_sample_volume_bytes(low, high, distance, out...); },
-      [&](auto... out) { return sandglass_sample_volume(low, high, distance, inside, user, &options, out...); });
+  Points points;
+  accept(sandglass::sample_volume(box, distance, inside, &points, &options));
+  return points;
 }
 
-Points sample_lattice(const float low[3], const float high[3], float distance, sandglass_inside inside, void* user) {
-  return sampled(
-      [&](auto... out) { return sandglass_sample_lattice_capacity(low, high, distance, out...); },
-      [&](uint32_t, auto... out) { return sandglass_sample_lattice_bytes(low, high, distance, out...); },
-      [&](auto... out) { return sandglass_sample_lattice(low, high, distance, inside, user, nullptr, out...); });
+Points sample_lattice(const sandglass::Box& box, float distance, const Inside& inside) {
+  Points points;
+  accept(sandglass::sample_lattice(box, distance, inside, &points));
+  return points;
 }
 
-namespace {
+sandglass::MeshInside inside_of(const host::Mesh& mesh, sandglass_inside_rule rule) {
+  sandglass::MeshInside inside;
+  accept(inside.create(view(mesh), rule));
+  return inside;
+}
 
-uint64_t inside_bytes(const host::Mesh& mesh, sandglass_inside_rule rule) {
+sandglass::Box bounds_of(const host::Mesh& mesh) {
   const sandglass_mesh surface = view(mesh);
-  uint64_t bytes = 0;
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_mesh_inside_bytes(&surface, rule, &bytes, &reason), SANDGLASS_OK) << reason;
-  return bytes;
-}
-
-}  // namespace
-
-InsideTest::InsideTest(const host::Mesh& mesh, sandglass_inside_rule rule) : block_(inside_bytes(mesh, rule)) {
-  const sandglass_mesh surface = view(mesh);
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_mesh_inside_create(&surface, rule, block_.data(), block_.bytes(), &inside_, &reason),
-            SANDGLASS_OK)
-      << reason;
-  EXPECT_TRUE(block_.guards_intact());
+  sandglass::Box box;
+  EXPECT_EQ(sandglass_mesh_bounds(&surface, box.min, box.max, nullptr), SANDGLASS_OK);
+  return box;
 }
 
 double distance_between(const float a[3], const float b[3]) {

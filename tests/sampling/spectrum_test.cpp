@@ -98,9 +98,8 @@ double low_frequency_power_of_cube(const Points& points, double edge) {
 constexpr double k_edge = 0.4;
 
 TEST(Spectrum, volume_samples_are_blue_noise) {
-  const float low[3] = {0, 0, 0}, high[3] = {0.4f, 0.4f, 0.4f};
   const Points points =
-      sample_volume(low, high, static_cast<float>(k_distance), everywhere, nullptr, options_with_seed(1));
+      sample_volume({{0, 0, 0}, {0.4f, 0.4f, 0.4f}}, static_cast<float>(k_distance), everywhere, options_with_seed(1));
   EXPECT_LT(low_frequency_power_of_cube(points, k_edge), k_blue_limit);
 }
 
@@ -119,12 +118,13 @@ TEST(Spectrum, refuses_what_has_no_spectrum) {
   double power[2] = {-1, -1};
   const float frequency[3] = {1, 0, 0}, infinite[3] = {INFINITY, 0, 0};
   const char* reason = nullptr;
-  EXPECT_EQ(sandglass_sample_power(points.data(), 2, frequency, power, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_sample_power(points.data(), 1, infinite, power, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_sample_power(points.data(), 0, frequency, power, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_sample_spectrum(points.data(), 1, 1, 0, 1, 0, power, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_sample_spectrum(points.data(), 1, std::nanf(""), 2, 1, 0, power, &reason),
-            SANDGLASS_ERROR_INVALID_ARGUMENT);
+  const sandglass_status statuses[] = {
+      sandglass_sample_power(points.data(), 2, frequency, power, &reason),
+      sandglass_sample_power(points.data(), 1, infinite, power, &reason),
+      sandglass_sample_power(points.data(), 0, frequency, power, &reason),
+      sandglass_sample_spectrum(points.data(), 1, 1, 0, 1, 0, power, &reason),
+      sandglass_sample_spectrum(points.data(), 1, std::nanf(""), 2, 1, 0, power, &reason)};
+  for (const sandglass_status status : statuses) EXPECT_EQ(status, SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(power[0], -1);
 }
 
