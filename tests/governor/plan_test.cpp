@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "fake_scene.h"
+#include "platform/virtual_clock.h"
 
 namespace sandglass::governor_test {
 namespace {
@@ -15,15 +16,14 @@ namespace {
 // A stage with a finite list of work units of one kind. Each takes 100 us on the shared clock. Another stage may have
 // to unblock them.
 struct ListStage {
-  uint64_t* now_ns = nullptr;
-  uint32_t kind = 0;
+  VirtualClock* clock;
+  std::string* log;
+  uint32_t kind;
   uint32_t units = 0;  // how many it offers
   uint32_t done = 0;
-  // If set, work units run only while fewer than *ahead * per_ahead + lead are done.
+  // If set, work units run only while fewer than *ahead + lead are done.
   const uint32_t* ahead = nullptr;
-  uint32_t per_ahead = 1;
   uint32_t lead = 0;
-  std::string* log = nullptr;
   bool spread = false;  // whether the forecast calls it work that is spread over several frames
 };
 
@@ -35,14 +35,14 @@ Stage list_stage(ListStage* list, uint32_t mandatory, float share) {
   stage.next = [](const void* state, uint32_t, WorkUnit* unit) {
     const ListStage* self = static_cast<const ListStage*>(state);
     *unit = {self->kind, 10, "fake.list"};
-    const bool blocked = self->ahead != nullptr && self->done >= *self->ahead * self->per_ahead + self->lead;
+    const bool blocked = self->ahead != nullptr && self->done >= *self->ahead + self->lead;
     return self->done < self->units && !blocked;
   };
   stage.run = [](void* state, uint32_t) {
     ListStage* self = static_cast<ListStage*>(state);
     ++self->done;
-    if (self->now_ns != nullptr) *self->now_ns += k_list_unit_ns;
-    if (self->log != nullptr) *self->log += static_cast<char>('a' + self->kind);
+    self->clock->now_ns += k_list_unit_ns;
+    *self->log += static_cast<char>('a' + self->kind);
   };
   stage.forecast = [](const void* state, uint32_t, Forecast* entries) {
     const ListStage* self = static_cast<const ListStage*>(state);
@@ -54,21 +54,15 @@ Stage list_stage(ListStage* list, uint32_t mandatory, float share) {
   return stage;
 }
 
-sandglass_clock list_clock(uint64_t* now_ns) {
-  return {[](void* user) { return *static_cast<uint64_t*>(user); }, now_ns};
-}
-
 struct Lists {
-  uint64_t now_ns = 0;
+  VirtualClock clock;
   std::string log;
-  ListStage first{&now_ns, 0, 0, 0, nullptr, 1, 0, &log};
-  ListStage second{&now_ns, 1, 0, 0, nullptr, 1, 0, &log};
-  ListStage output{&now_ns, 2, 0, 0, nullptr, 1, 0, &log};
+  ListStage first{&clock, &log, 0}, second{&clock, &log, 1}, output{&clock, &log, 2};
   Governor governor = {};
   sandglass_frame_report report = {};
 
   explicit Lists(bool with_clock = true) {
-    governor_init(&governor, with_clock ? list_clock(&now_ns) : sandglass_clock{}, {}, 1);
+    governor_init(&governor, with_clock ? virtual_clock(&clock) : sandglass_clock{}, {}, 1);
   }
   bool frame(uint64_t budget_ns, uint32_t mandatory, float share, const sandglass_plan* replay = nullptr) {
     const Stage stages[3] = {list_stage(&first, mandatory, share), list_stage(&second, 0, 1.0f),
@@ -205,7 +199,7 @@ TEST(Plan, ReplayTeachesThePredictorNothing) {
   const uint64_t predicted = governor_predict(&lists.governor, 0, 10);
   sandglass_plan plan = lists.report.plan;
   lists.offer(4, 4, 4);
-  lists.now_ns += 123456789;
+  lists.clock.now_ns += 123456789;
   EXPECT_TRUE(lists.frame(0, 0, 1.0f, &plan));
   EXPECT_EQ(governor_predict(&lists.governor, 0, 10), predicted);
 }

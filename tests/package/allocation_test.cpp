@@ -1,10 +1,8 @@
 // No frame allocates: the counting allocator stays at 0 over 10,000 frames that use everything the API offers.
 // (symbols.sh tests that the archive has no such symbol. This test also covers what a frame calls in the C library.)
 #include <gtest/gtest.h>
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <vector>
 
 #include "models/files/aligned_bytes.h"
@@ -15,10 +13,10 @@
 
 namespace {
 
-constexpr uint32_t k_side = 6;
+constexpr uint32_t k_side = 4;
 constexpr uint32_t k_particles = k_side * k_side * k_side;
 constexpr uint32_t k_grains = 4 * k_particles;
-constexpr uint64_t k_half_budget_ns = 1'000'000;
+constexpr uint64_t k_half_budget_ns = 300'000;
 
 void on_this_thread(void*, void (*task)(void* context, uint32_t index), void* context, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) task(context, i);
@@ -68,7 +66,6 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
   input.grains = output.data();
   input.grain_capacity = k_grains;
   sandglass_frame_report report;
-  std::array<uint32_t, SANDGLASS_LEVEL_COUNT> frames_at = {};
 
   // From creation on there is only the block, and no call to get it.
   sandglass::host::start_counting_allocations();
@@ -85,10 +82,8 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
     input.budget_ns = frame % 3 * k_half_budget_ns;
     for (uint32_t i = 1; i < 4; ++i) colliders[i].position[0] = 0.001f * static_cast<float>((frame + 50 * i) % 200);
     fine = fine && scene.frame(input, &report);
-    ++frames_at[report.level];
   }
   const uint64_t calls = sandglass::host::stop_counting_allocations();
-  for (const uint32_t n : frames_at) std::printf("%u ", n);
   EXPECT_TRUE(fine);
   EXPECT_EQ(calls, 0u);
   EXPECT_EQ(report.particles, k_particles);
