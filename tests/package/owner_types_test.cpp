@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -124,38 +123,6 @@ TEST(OwnerTypes, PointsComeFromAnyContiguousFloats) {
   EXPECT_EQ(sandglass::Points().count, 0u);
 }
 
-TEST(OwnerTypes, SandInAShapeIsRemovedAndCounted) {
-  sandglass::Scene scene = made();
-  ASSERT_TRUE(scene.add(k_two_particles));
-  uint32_t particles = 0;
-  ASSERT_TRUE(scene.remove(sandglass::sphere(0.05f, 0.05f, 0.0f, 0.01f), &particles));
-  EXPECT_EQ(particles, 1u);
-}
-
-TEST(OwnerTypes, ASavedSceneIsRestoredToTheBit) {
-  sandglass::Scene scene = made(), restored = made();
-  fall(scene);
-  std::vector<std::byte> saved;
-  ASSERT_TRUE(scene.save(&saved));
-  ASSERT_TRUE(restored.restore(saved));
-  EXPECT_EQ(restored.hash(), scene.hash());
-  saved.pop_back();
-  EXPECT_EQ(restored.restore(saved).code, SANDGLASS_ERROR_INVALID_ARGUMENT);
-}
-
-TEST(OwnerTypes, AMovedSceneComesBackWhereItWas) {
-  sandglass::Scene scene = made();
-  ASSERT_TRUE(scene.add(k_two_particles));
-  const uint64_t before = scene.hash();
-  const sandglass::Rotation none = {0, 0, 0, 1};
-  ASSERT_TRUE(scene.move(none, {1, 0, 0}));
-  EXPECT_NE(scene.hash(), before);
-  ASSERT_TRUE(scene.move(none, {-1, 0, 0}));
-  std::array<float, 6> now{};
-  sandglass_granular_particles(scene.get(), now.data(), nullptr);
-  for (size_t i = 0; i < now.size(); ++i) EXPECT_NEAR(now[i], k_two_particles[i], 1e-6f);
-}
-
 TEST(OwnerTypes, AMovedPileShadowKeepsItsTexture) {
   sandglass::PileShadow first;
   ASSERT_TRUE(first.create(sandglass::pile_shadow_desc()));
@@ -167,33 +134,6 @@ TEST(OwnerTypes, AMovedPileShadowKeepsItsTexture) {
   EXPECT_EQ(second.hash(), hash);
   EXPECT_EQ(first.texture().valid, 0u);  // NOLINT(bugprone-use-after-move): that it is empty is the claim
   EXPECT_EQ(first.run(k_two_particles, 0.01f), 0u);
-}
-
-TEST(OwnerTypes, AFieldFromAFunctionAndOneFromAMeshKnowTheirInside) {
-  const sandglass::Box box{{-0.2f, -0.2f, -0.2f}, {0.2f, 0.2f, 0.2f}};
-  sandglass::Field ball;
-  const auto distance = [](const float* p) { return std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - 0.1f; };
-  ASSERT_TRUE(ball.from_function(box, 0.02f, SANDGLASS_SOLID_INSIDE, distance));
-  // An octahedron of half diagonal 0.1.
-  const float vertices[] = {0.1f, 0, 0, -0.1f, 0, 0, 0, 0.1f, 0, 0, -0.1f, 0, 0, 0, 0.1f, 0, 0, -0.1f};
-  const uint32_t indices[] = {0, 2, 4, 2, 1, 4, 1, 3, 4, 3, 0, 4, 2, 0, 5, 1, 2, 5, 3, 1, 5, 0, 3, 5};
-  const sandglass_mesh mesh = {vertices, 6, indices, 8};
-  sandglass::MeshInside inside;
-  ASSERT_TRUE(inside.create(mesh));
-  sandglass::Field solid;
-  ASSERT_TRUE(solid.from_mesh(mesh, inside, box, 0.02f, 0.05f, SANDGLASS_SOLID_INSIDE));
-  const float middle[3] = {0, 0, 0}, outside[3] = {0.15f, 0, 0};
-  for (const sandglass::Field* field : {&ball, &solid}) {
-    EXPECT_LT(field->distance(middle), 0.0f);
-    EXPECT_NEAR(field->distance(outside), 0.05f, 0.02f);
-  }
-  EXPECT_TRUE(inside(middle));
-  EXPECT_FALSE(inside(outside));
-  EXPECT_EQ(sandglass::field_at(ball, 1, 2, 3).field, ball.get());
-  // One that fails keeps what was there.
-  sandglass_field* const handle = ball.get();
-  EXPECT_FALSE(ball.from_function(box, -1.0f, SANDGLASS_SOLID_INSIDE, distance));
-  EXPECT_EQ(ball.get(), handle);
 }
 
 // An owner type that nothing was created in follows the rule for NULL.
