@@ -29,17 +29,6 @@ TEST(Version, TheLinkedLibraryIsThatOfTheHeaders) {
   EXPECT_EQ(SANDGLASS_VERSION / 1000 % 1000, SANDGLASS_VERSION_MINOR);
 }
 
-TEST(Rotation, AQuarterTurnAboutYTakesZToX) {
-  const float axis[3] = {0, 7, 0}, z[3] = {0, 0, 1};
-  float q[4];
-  ASSERT_EQ(sandglass_rotation_about(axis, 1.57079633f, q), 1);
-  double x[3];
-  turned(q, z, x);
-  EXPECT_NEAR(x[0], 1.0, 1e-6);
-  EXPECT_NEAR(x[1], 0.0, 1e-6);
-  EXPECT_NEAR(x[2], 0.0, 1e-6);
-}
-
 TEST(Rotation, AnyAxisAndAngleAgreeWithSineAndCosine) {
   for (const float angle : {-7.0f, -0.3f, 0.0f, 1e-4f, 2.0f, 100.0f}) {
     const float axis[3] = {1e-20f, 2e-20f, -2e-20f};

@@ -2,6 +2,7 @@
 // holes.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "models/mesh/generated.h"
@@ -39,26 +40,31 @@ Points random_points(int count, uint64_t seed, double reach_xz, double reach_y) 
   return points;
 }
 
-void expect_torus(const sandglass::MeshInside& inside, const char* name) {
+TEST(Inside, both_rules_agree_with_the_analytic_torus_also_inside_out) {
   const Points points = random_points(40000, 3, 0.16, 0.06);
-  int in_band = 0, in_torus = 0;
-  for (size_t i = 0; i < points.size(); i += 3) {
-    const double distance = torus_distance(&points[i]);
-    in_torus += distance < 0;
-    if (std::fabs(distance) <= 1.01 * k_sag) {
-      ++in_band;
-      continue;
+  host::Mesh torus = test_torus();
+  for (const bool inside_out : {false, true}) {
+    if (inside_out)
+      for (size_t t = 0; t < torus.indices.size(); t += 3) std::swap(torus.indices[t], torus.indices[t + 1]);
+    const sandglass::MeshInside parity = inside_of(torus, SANDGLASS_INSIDE_PARITY),
+                                winding = inside_of(torus, SANDGLASS_INSIDE_WINDING);
+    int in_band = 0, in_torus = 0;
+    for (size_t i = 0; i < points.size(); i += 3) {
+      const float* p = &points[i];
+      const double distance = torus_distance(p);
+      in_torus += distance < 0;
+      if (std::fabs(distance) <= 1.01 * k_sag) {
+        ++in_band;
+        continue;
+      }
+      ASSERT_EQ(parity(p), distance < 0) << p[0] << " " << p[1] << " " << p[2];
+      ASSERT_EQ(winding(p), distance < 0) << p[0] << " " << p[1] << " " << p[2];
     }
-    ASSERT_EQ(inside(&points[i]), distance < 0)
-        << name << " at " << points[i] << " " << points[i + 1] << " " << points[i + 2];
+    EXPECT_GT(in_torus, 5000);
+    EXPECT_LT(in_band, 400);  // the band is thin, so nearly all points are tested
+    const float far[3] = {1e30f, 0, 0}, nan[3] = {std::nanf(""), 0, 0}, infinite[3] = {0, INFINITY, 0};
+    for (const float* p : {far, nan, infinite}) EXPECT_FALSE(parity(p) || winding(p));
   }
-  EXPECT_GT(in_torus, 5000);
-  EXPECT_LT(in_band, 400);  // the band is thin, so nearly all points are tested
-}
-
-TEST(Inside, both_rules_agree_with_the_analytic_torus) {
-  expect_torus(inside_of(test_torus(), SANDGLASS_INSIDE_PARITY), "parity");
-  expect_torus(inside_of(test_torus(), SANDGLASS_INSIDE_WINDING), "winding");
 }
 
 TEST(Inside, parity_is_right_where_rays_meet_vertices_and_edges) {
@@ -84,16 +90,19 @@ TEST(Inside, parity_is_right_where_rays_meet_vertices_and_edges) {
 
 TEST(Inside, parity_is_right_in_the_planes_of_a_turned_notched_block) {
   // An L-shaped prism along each axis in turn: points on the extensions of its walls, which the ray runs within.
-  const double outline[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  const float outline[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
   const uint32_t faces[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}};
-  for (int axis = 0; axis < 3; ++axis) {
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const auto turned = [axis](float along, float x, float y) {
+      std::array<float, 3> p;
+      p[axis] = along, p[(axis + 1) % 3] = x, p[(axis + 2) % 3] = y;
+      return p;
+    };
     host::Mesh block;
-    for (double end : {0.0, 3.0})
+    for (float end : {0.0f, 3.0f})
       for (const auto& corner : outline) {
-        float p[3];
-        p[axis] = static_cast<float>(end), p[(axis + 1) % 3] = static_cast<float>(corner[0]),
-        p[(axis + 2) % 3] = static_cast<float>(corner[1]);
-        block.vertices.insert(block.vertices.end(), p, p + 3);
+        const std::array<float, 3> p = turned(end, corner[0], corner[1]);
+        block.vertices.insert(block.vertices.end(), p.begin(), p.end());
       }
     for (const auto& f : faces) {
       block.indices.insert(block.indices.end(), {f[0], f[2], f[1]});
@@ -110,15 +119,13 @@ TEST(Inside, parity_is_right_in_the_planes_of_a_turned_notched_block) {
         for (int w = 0; w < 12; ++w) {
           // Multiples of 1/16 from 1/32 on, and the planes at 1 themselves: there a point is off the surface only where
           // the L is.
-          float p[3];
-          const double x = u == 39 ? 1 : (u + 0.5) / 16, y = v == 39 ? 1 : (v + 0.5) / 16, z = (w + 0.5) / 4;
-          if (x == 1 && y >= 1) continue;
-          if (y == 1 && x >= 1) continue;
-          p[axis] = static_cast<float>(z), p[(axis + 1) % 3] = static_cast<float>(x),
-          p[(axis + 2) % 3] = static_cast<float>(y);
+          const float x = u == 39 ? 1 : (static_cast<float>(u) + 0.5f) / 16;
+          const float y = v == 39 ? 1 : (static_cast<float>(v) + 0.5f) / 16, z = (static_cast<float>(w) + 0.5f) / 4;
+          if ((x == 1 && y >= 1) || (y == 1 && x >= 1)) continue;
+          const std::array<float, 3> p = turned(z, x, y);
           const bool truth = z < 3 && x < 2 && y < 2 && !(x > 1 && y > 1);
-          ASSERT_EQ(parity(p), truth) << axis << ": " << x << " " << y << " " << z;
-          ASSERT_EQ(winding(p), truth) << axis << ": " << x << " " << y << " " << z;
+          ASSERT_EQ(parity(p.data()), truth) << axis << ": " << x << " " << y << " " << z;
+          ASSERT_EQ(winding(p.data()), truth) << axis << ": " << x << " " << y << " " << z;
         }
   }
 }
@@ -210,20 +217,6 @@ TEST(Inside, winding_decides_for_a_mesh_with_a_hole_where_parity_cannot) {
     const double r = std::sqrt(static_cast<double>(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]));
     if (p[0] > 0.55f || std::fabs(r - 1) < 0.02) continue;  // near the hole it is not defined what is inside
     ASSERT_EQ(winding(p), r < 1) << p[0] << " " << p[1] << " " << p[2];
-  }
-}
-
-TEST(Inside, holds_for_meshes_turned_inside_out_and_for_points_far_away) {
-  host::Mesh torus = test_torus();
-  for (size_t t = 0; t < torus.indices.size(); t += 3) std::swap(torus.indices[t], torus.indices[t + 1]);
-  expect_torus(inside_of(torus, SANDGLASS_INSIDE_PARITY), "parity, inside out");
-  const sandglass::MeshInside winding = inside_of(torus, SANDGLASS_INSIDE_WINDING);
-  expect_torus(winding, "winding, inside out");
-  const float far[3] = {1e30f, 0, 0}, nan[3] = {std::nanf(""), 0, 0}, infinite[3] = {0, INFINITY, 0};
-  const sandglass::MeshInside parity = inside_of(torus, SANDGLASS_INSIDE_PARITY);
-  for (const float* p : {far, nan, infinite}) {
-    EXPECT_FALSE(parity(p));
-    EXPECT_FALSE(winding(p));
   }
 }
 

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace sandglass::test {
 sandglass_mesh view(const host::Mesh& mesh) {
@@ -89,41 +88,37 @@ double distance_between(const float a[3], const float b[3]) {
   return std::sqrt(sum);
 }
 
-PointLookup::PointLookup(const Points& points, double edge)
-    : points_(points), edge_(edge), buckets_(points.size() / 3 + 1) {
-  for (size_t i = 0; i < points.size() / 3; ++i) {
-    const float* p = &points[3 * i];
-    buckets_[bucket(std::llround(std::floor(p[0] / edge_)), std::llround(std::floor(p[1] / edge_)),
-                    std::llround(std::floor(p[2] / edge_)))]
-        .push_back(static_cast<uint32_t>(i));
+PointLookup::PointLookup(const Points& points, double edge) : edge_(edge) {
+  for (size_t i = 0; i < points.size(); i += 3) cells_[cell_of(&points[i])].push_back(&points[i]);
+}
+
+std::array<int64_t, 3> PointLookup::cell_of(const float place[3]) const {
+  std::array<int64_t, 3> cell;
+  for (size_t k = 0; k < 3; ++k) cell[k] = std::llround(std::floor(place[k] / edge_));
+  return cell;
+}
+
+std::vector<double> PointLookup::distances(const float place[3]) const {
+  const auto [x, y, z] = cell_of(place);
+  std::vector<double> found;
+  for (int n = 0; n < 27; ++n) {
+    const auto cell = cells_.find({x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1});
+    if (cell == cells_.end()) continue;
+    for (const float* point : cell->second) found.push_back(distance_between(point, place));
   }
-}
-
-size_t PointLookup::bucket(int64_t x, int64_t y, int64_t z) const {
-  return static_cast<uint64_t>(x * 73856093 ^ y * 19349663 ^ z * 83492791) % buckets_.size();
-}
-
-template <class Visit>
-void PointLookup::visit_near(const float place[3], const Visit& visit) const {
-  int64_t cell[3];
-  for (int k = 0; k < 3; ++k) cell[k] = std::llround(std::floor(place[k] / edge_));
-  for (int n = 0; n < 27; ++n)
-    for (uint32_t i : buckets_[bucket(cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1)])
-      visit(i, distance_between(&points_[3 * i], place));
+  return found;
 }
 
 double PointLookup::nearest(const float place[3]) const {
   double nearest = std::numeric_limits<double>::infinity();
-  visit_near(place, [&](uint32_t, double distance) { nearest = std::min(nearest, distance); });
+  for (const double distance : distances(place)) nearest = std::min(nearest, distance);
   return nearest;
 }
 
 int PointLookup::count_within(const float place[3], double reach) const {
-  std::set<uint32_t> found;  // two cells may share a bucket
-  visit_near(place, [&](uint32_t i, double distance) {
-    if (distance <= reach) found.insert(i);
-  });
-  return static_cast<int>(found.size());
+  int count = 0;
+  for (const double distance : distances(place)) count += distance <= reach ? 1 : 0;
+  return count;
 }
 
 double least_distance(const Points& points, double expected) {

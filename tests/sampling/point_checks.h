@@ -2,8 +2,10 @@
 // are found independently (in double, by a plain grid of their own).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
@@ -37,7 +39,7 @@ constexpr sandglass::Box k_unit_box = {{0, 0, 0}, {1, 1, 1}};
 double distance_between(const float a[3], const float b[3]);
 // The least distance between two points of the set.
 double least_distance(const Points& points, double expected);
-// Points hashed into cubes, to find out whether one lies within `reach` (at most the cube's edge) of a place.
+// Points sorted into cubes, to find out whether one lies within `reach` (at most the cube's edge) of a place.
 class PointLookup {
  public:
   PointLookup(const Points& points, double edge);
@@ -45,13 +47,11 @@ class PointLookup {
   int count_within(const float place[3], double reach) const;
 
  private:
-  size_t bucket(int64_t x, int64_t y, int64_t z) const;
-  // Calls visit(index, distance) for each point in the 27 cells about a place.
-  template <class Visit>
-  void visit_near(const float place[3], const Visit& visit) const;
-  const Points& points_;
+  std::array<int64_t, 3> cell_of(const float place[3]) const;
+  // From the place to each point in the 27 cells about it.
+  std::vector<double> distances(const float place[3]) const;
   double edge_;
-  std::vector<std::vector<uint32_t>> buckets_;
+  std::map<std::array<int64_t, 3>, std::vector<const float*>> cells_;
 };
 
 // Largest gap between the empirical distribution of values in 0..1 and the uniform one (Kolmogorov and Smirnov).

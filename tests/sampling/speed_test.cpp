@@ -49,12 +49,6 @@ TEST(Speed, surface_is_linear) {
       0.00082f);
 }
 
-TEST(Speed, volume_is_linear) {
-  expect_linear(
-      "volume", [&](float distance) { return sample_volume(k_unit_box, distance, everywhere, options_with_seed(1)); },
-      0.0288f, 0.0180f);
-}
-
 TEST(Speed, volume_of_a_mesh_is_linear) {
   const host::Mesh knot = host::make_trefoil();
   const sandglass::MeshInside inside = inside_of(knot, SANDGLASS_INSIDE_PARITY);

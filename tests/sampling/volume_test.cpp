@@ -150,10 +150,5 @@ TEST(Volume, asks_inside_only_within_the_box) {
   EXPECT_EQ(calls, samples.size() / 3);
 }
 
-TEST(Volume, another_seed_gives_other_points) {
-  EXPECT_NE(sample_volume(k_unit_box, 0.1f, everywhere, options_with_seed(7)),
-            sample_volume(k_unit_box, 0.1f, everywhere, options_with_seed(8)));
-}
-
 }  // namespace
 }  // namespace sandglass::test
