@@ -5,6 +5,7 @@
 
 #include "kernels/int8.h"
 #include "models/files/atomic_file.h"
+#include "models/laboratory/machine_peak.h"
 #include "models/program/commands.h"
 #include "models/simulation/simulation.h"
 #include "models/work/progress.h"
@@ -33,11 +34,24 @@ void Bench::keep(const std::string& scene, const char* metric, const char* unit,
   measurements.push_back(m);
 }
 
-int Bench::finish(const std::string& json) const {
-  if (!json.empty()) write_file(json, measurements_json(measurements));
+int run_bench(const char* name, Bench::Kernels kernels, BenchSuite suite, const BenchOptions& options) {
+  listen_for_interrupt();
+  Bench bench(name, options.isa, kernels);
+  suite(options, &bench);
+  if (!options.json.empty()) write_file(options.json, measurements_json(bench.measurements));
   if (!interrupted()) return k_exit_done;
   std::puts("interrupted; what was measured is above");
   return k_exit_interrupted;
+}
+
+// What this machine can do at most, which the other suites' shares of the peak refer to.
+void bench_machine(const BenchOptions&, Bench* bench) {
+  const MachinePeak peak = measure_machine_peak();
+  std::printf("peak, one thread: %.2f GMAC/s (f32), %.2f GMAC/s (int8), %.2f GB/s read\n", peak.f32_gmac_per_s,
+              peak.int8_gmac_per_s, peak.read_gb_per_s);
+  bench->keep("peak", "f32_gmac_per_s", "GMAC/s", peak.f32_gmac_per_s);
+  bench->keep("peak", "int8_gmac_per_s", "GMAC/s", peak.int8_gmac_per_s);
+  bench->keep("peak", "read_gb_per_s", "GB/s", peak.read_gb_per_s);
 }
 
 SceneTable::SceneTable(Bench* bench) : bench_(bench) {
@@ -61,13 +75,12 @@ BenchRow SceneTable::row(const std::string& name, uint32_t threads, uint32_t fra
               result.ms_solver, result.ms_refine, 100.0 * result.overlap_p99, 100.0 * result.overlap_mean,
               100.0 * result.overlap_max, result.angle_deg);
   std::fflush(stdout);
-  bench_->keep(name, "ms_per_frame", "ms", result.ms_per_frame, threads, kernels);
-  bench_->keep(name, "ms_solver", "ms", result.ms_solver, threads, kernels);
-  bench_->keep(name, "ms_refine", "ms", result.ms_refine, threads, kernels);
-  bench_->keep(name, "overlap_p99", "r", result.overlap_p99, threads, kernels);
-  bench_->keep(name, "overlap_mean", "r", result.overlap_mean, threads, kernels);
-  bench_->keep(name, "overlap_max", "r", result.overlap_max, threads, kernels);
-  bench_->keep(name, "angle_deg", "deg", result.angle_deg, threads, kernels);
+  const std::tuple<const char*, const char*, double> values[] = {
+      {"ms_per_frame", "ms", result.ms_per_frame}, {"ms_solver", "ms", result.ms_solver},
+      {"ms_refine", "ms", result.ms_refine},       {"overlap_p99", "r", result.overlap_p99},
+      {"overlap_mean", "r", result.overlap_mean},  {"overlap_max", "r", result.overlap_max},
+      {"angle_deg", "deg", result.angle_deg}};
+  for (const auto& [metric, unit, value] : values) bench_->keep(name, metric, unit, value, threads, kernels);
   return result;
 }
 

@@ -20,14 +20,6 @@ struct BenchOptions {
   std::vector<uint32_t> threads = {1}, thresholds;
 };
 
-// One function a suite (bench_granular.cpp ...); each returns the exit code.
-int bench_granular_command(const BenchOptions& options);
-int bench_ladder_command(const BenchOptions& options);
-int bench_growth_command(const BenchOptions& options);
-int bench_shadow_command(const BenchOptions& options);
-int bench_lighting_command(const BenchOptions& options);
-int bench_machine_command(const BenchOptions& options);
-
 struct Bench {
   std::string suite;
   sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC;
@@ -41,9 +33,19 @@ struct Bench {
   void keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads = 1);
   void keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads,
             const std::string& kernels);
-  // Writes what was kept to `json`, if that names a file, and returns the exit code.
-  int finish(const std::string& json) const;
 };
+
+// One function a suite (bench_granular.cpp ...).
+using BenchSuite = void (*)(const BenchOptions& options, Bench* bench);
+void bench_granular(const BenchOptions& options, Bench* bench);
+void bench_ladder(const BenchOptions& options, Bench* bench);
+void bench_growth(const BenchOptions& options, Bench* bench);
+void bench_shadow(const BenchOptions& options, Bench* bench);
+void bench_lighting(const BenchOptions& options, Bench* bench);
+void bench_machine(const BenchOptions& options, Bench* bench);
+
+// Runs a suite, writes what it kept, and returns the exit code.
+int run_bench(const char* name, Bench::Kernels kernels, BenchSuite suite, const BenchOptions& options);
 
 // A table of scenes: one row a run, with its times and the errors of the same run.
 class SceneTable {

@@ -6,7 +6,6 @@
 
 #include "models/laboratory/sand/peer_bullet.h"
 #include "models/program/bench.h"
-#include "models/program/commands.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
@@ -40,7 +39,9 @@ EqualError search_equal_error(const SceneFile& column, double p99, sandglass_isa
   });
 }
 
-void measure(const BenchOptions& options, Bench* bench) {
+}  // namespace
+
+void bench_granular(const BenchOptions& options, Bench* bench) {
   constexpr uint32_t k_source_steps = 16, k_source_iterations = 7;  // algorithm 4 as the dissertation runs it
   const SceneFile column = load_scene("column14k");
   const SceneTable table(bench);
@@ -67,15 +68,6 @@ void measure(const BenchOptions& options, Bench* bench) {
   std::printf("source_equal_error is %u steps x %u iterations (+ 1 stabilisation)\n", equal.steps, equal.iterations);
   bench->keep("column14k/source_equal_error", "steps", "1/frame", equal.steps, options.threads[0]);
   bench->keep("column14k/source_equal_error", "iterations", "1/step", equal.iterations, options.threads[0]);
-}
-
-}  // namespace
-
-int bench_granular_command(const BenchOptions& options) {
-  listen_for_interrupt();
-  Bench measured("granular", options.isa, Bench::Kernels::sand);
-  measure(options, &measured);
-  return measured.finish(options.json);
 }
 
 }  // namespace sandglass::host

@@ -3,7 +3,6 @@
 #include <cstdio>
 
 #include "models/program/bench.h"
-#include "models/program/commands.h"
 #include "models/simulation/metrics.h"
 #include "models/work/progress.h"
 
@@ -62,14 +61,11 @@ void measure(uint32_t threads, Bench* bench) {
 
 }  // namespace
 
-int bench_growth_command(const BenchOptions& options) {
-  listen_for_interrupt();
-  Bench measured("growth", options.isa, Bench::Kernels::sand);
+void bench_growth(const BenchOptions& options, Bench* bench) {
   std::printf("%9s %9s %2s %12s %14s %11s %13s %10s\n", "particles", "grains", "T", "solver, ms", "ns a particle",
               "refine, ms", "ns a grain", "bytes/item");
   for (const uint32_t threads : options.threads)
-    if (!interrupted()) measure(threads, &measured);
-  return measured.finish(options.json);
+    if (!interrupted()) measure(threads, bench);
 }
 
 }  // namespace sandglass::host

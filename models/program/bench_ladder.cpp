@@ -5,7 +5,6 @@
 #include "models/drawing/plot.h"
 #include "models/files/atomic_file.h"
 #include "models/program/bench.h"
-#include "models/program/commands.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
@@ -72,16 +71,13 @@ void draw(const Curves& curves, const std::string& folder) {
 
 }  // namespace
 
-int bench_ladder_command(const BenchOptions& options) {
-  listen_for_interrupt();
-  Bench measured("ladder", options.isa, Bench::Kernels::sand);
+void bench_ladder(const BenchOptions& options, Bench* bench) {
   const SceneFile column = load_scene("column14k");
-  const SceneTable table(&measured);
+  const SceneTable table(bench);
   Curves curves;
   for (const uint32_t threads : options.threads)
     if (!interrupted()) curves = measure(table, column, threads, options.frames);
   if (!options.out.empty() && !interrupted()) draw(curves, options.out);
-  return measured.finish(options.json);
 }
 
 }  // namespace sandglass::host

@@ -60,7 +60,10 @@ std::vector<std::string> outputs_of(const LightOptions& options) {
   return outputs;
 }
 
-int estimate_all(const LightOptions& options) {
+}  // namespace
+
+int light_command(const LightOptions& options) {
+  listen_for_interrupt();
   RoomLight light(options.network);
   // A photograph that cannot be read is reported before anything is written.
   std::vector<Picture> pictures;
@@ -98,13 +101,6 @@ int estimate_all(const LightOptions& options) {
   if (interrupted()) return k_exit_interrupted;
   if (sheet.size() > 1) write_png(sheet_path, picture_grid(sheet, 1, 4));
   return 0;
-}
-
-}  // namespace
-
-int light_command(const LightOptions& options) {
-  listen_for_interrupt();
-  return estimate_all(options);
 }
 
 }  // namespace sandglass::host

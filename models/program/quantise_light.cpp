@@ -63,7 +63,10 @@ void compare(const LightValues& truth, const LightOutputs& bytes, Differences* t
   to->others.push_back(std::max(greatest, static_cast<double>(std::fabs(truth[9] - bytes.contrast))));
 }
 
-int run(const QuantiseLightOptions& options) {
+}  // namespace
+
+int quantise_light_command(const QuantiseLightOptions& options) {
+  listen_for_interrupt();
   const std::vector<std::string> paths = pictures_in(options.folders);
   std::vector<std::string> to_calibrate, to_measure;
   if (options.measured.empty()) {  // every other one of the chosen pictures
@@ -122,13 +125,6 @@ int run(const QuantiseLightOptions& options) {
               other, quantile(differences.others, 0.9), quantile(differences.others, 1));
   std::printf("features             median of the relative error %.4f\n", quantile(differences.features, 0.5));
   return angle <= k_angle_limit_deg && other <= k_difference_limit ? 0 : k_exit_check_failed;
-}
-
-}  // namespace
-
-int quantise_light_command(const QuantiseLightOptions& options) {
-  listen_for_interrupt();
-  return run(options);
 }
 
 }  // namespace sandglass::host

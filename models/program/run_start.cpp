@@ -1,10 +1,12 @@
-// How a run starts: the scene, what the options change in it, and everything that its frames need.
+// `sandglass run` and how it starts: the scene, what the options change in it, and everything that its frames need. At
+// its end it prints the hash of the final state.
 #include <algorithm>
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/program/run.h"
+#include "models/work/progress.h"
 
 namespace sandglass::host {
 
@@ -124,6 +126,17 @@ void Run::begin_report() {
   report_.light = shot_ ? name_of(shot_->source()) : scene_.light ? "scene's light" : "";
   report_.threads = options_.threads;
   report_.memory_bytes = simulation_->bytes();
+}
+
+int run_command(const RunOptions& options) {
+  listen_for_interrupt();
+  Run run(options);
+  run.execute();
+  const uint64_t hash = run.hash();
+  run.finish(hash);
+  const int exit_code = run.exit_code(hash);
+  std::printf("hash 0x%016llx\n", static_cast<unsigned long long>(hash));
+  return exit_code;
 }
 
 }  // namespace sandglass::host

@@ -43,7 +43,10 @@ std::string kernels_of(sandglass_isa isa) {
   return sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
 }
 
-int verify(const VerifyOptions& options) {
+}  // namespace
+
+int verify_granular_command(const VerifyOptions& options) {
+  listen_for_interrupt();
   if (options.quick) expect_quick(options.cases);
   const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa)};
   const std::string isa_name = kernels_of(choice.isa);
@@ -63,13 +66,6 @@ int verify(const VerifyOptions& options) {
     write_file(options.json, measurements_json(measurements_of("granular", isa_name, 1, table.rows)));
   if (!options.out.empty()) write_folder(options.out, table);
   return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : k_exit_done;
-}
-
-}  // namespace
-
-int verify_granular_command(const VerifyOptions& options) {
-  listen_for_interrupt();
-  return verify(options);
 }
 
 }  // namespace sandglass::host
