@@ -1,4 +1,5 @@
-// `sandglass bench SUITE`: times with the error of the same run in the same row.
+// `sandglass bench SUITE`: times with the error of the same run in the same row. Here are the options of the suites and
+// what the suites share.
 #include "models/program/bench.h"
 
 #include <cstdio>
@@ -6,6 +7,7 @@
 #include "kernels/int8.h"
 #include "models/files/atomic_file.h"
 #include "models/laboratory/machine_peak.h"
+#include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/simulation/simulation.h"
 #include "models/work/progress.h"
@@ -98,6 +100,86 @@ void with_progress(const char* what, const std::function<void(const Progressed& 
     progress.done(done);
     return !interrupted();
   });
+}
+
+namespace {
+
+using Options = std::vector<CommandOption>;
+
+CommandOption thread_counts(BenchOptions& o) {
+  return by_commas({"--threads", &o.threads, "LIST", "Thread counts, separated by commas", whole_number(1, 256)});
+}
+
+CommandOption frames(BenchOptions& o) {
+  return {"--frames", &o.frames, "N", "Frames of a case; errors compare at 100 only", whole_number(1, 10000)};
+}
+
+Options granular_options(BenchOptions& o) {
+  return {thread_counts(o),
+          frames(o),
+          {"--peers", &o.peers, "", "Also run other engines on the same scene, 5 frames each"},
+          isa_option(o.isa),
+          json_option(o.json)};
+}
+
+Options ladder_options(BenchOptions& o) {
+  return {thread_counts(o),
+          frames(o),
+          {"--out", &o.out, "FOLDER", "Draw error against time into this folder, of the last thread count"},
+          isa_option(o.isa),
+          json_option(o.json)};
+}
+
+Options growth_options(BenchOptions& o) { return {thread_counts(o), isa_option(o.isa), json_option(o.json)}; }
+
+#ifdef SANDGLASS_HAVE_BAKE
+Options shadow_options(BenchOptions& o) {
+  return {by_commas({"--asset",
+                     &o.assets,
+                     "FILES",
+                     "Baked shadows, separated by commas: the first is measured, --out draws all of them",
+                     {},
+                     "the shipped chair"}),
+          {"--mesh", &o.mesh, "MESH", "The mesh that they were baked from: a file, or a generated mesh's name"},
+          by_commas({"--thresholds", &o.thresholds, "LIST", "More thresholds of the adaptive mode, separated by commas",
+                     whole_number(0, 255)}),
+          {"--out", &o.out, "FOLDER", "Draw error against time into this folder"},
+          isa_option(o.isa),
+          json_option(o.json)};
+}
+#endif
+
+Options lighting_options(BenchOptions& o) {
+  return {
+      {"--asset", &o.network, "FILE", "The network", {}, "the shipped one"}, isa_option(o.isa), json_option(o.json)};
+}
+
+Options machine_options(BenchOptions& o) { return {json_option(o.json)}; }
+
+Command bench(const char* name, const char* help, Options (*options)(BenchOptions&), BenchSuite suite,
+              Bench::Kernels kernels = Bench::Kernels::sand) {
+  return command<BenchOptions>(name, help, options,
+                               [=](const BenchOptions& o) { return run_bench(name, kernels, suite, o); });
+}
+
+}  // namespace
+
+std::vector<Command> bench_suites() {
+  const char *shadow = "shadow", *of_shadow = "Shadows: one texture by every way of computing it";
+  return {
+      bench("granular", "Sand: a collapsing column, against the dissertation's scheme", granular_options,
+            bench_granular),
+      bench("ladder", "The quality ladder: error and time of every level", ladder_options, bench_ladder),
+      bench("growth", "Sand: how time and memory grow with the scene", growth_options, bench_growth),
+#ifdef SANDGLASS_HAVE_BAKE
+      bench(shadow, of_shadow, shadow_options, bench_shadow, Bench::Kernels::bytes),
+#else
+      {shadow, of_shadow, {}, {}, {}, k_no_ray_tracer},
+#endif
+      bench("lighting", "The lighting network: one estimate by every back end", lighting_options, bench_lighting,
+            Bench::Kernels::bytes),
+      bench("machine", "This machine: peak arithmetic and memory speed of one thread", machine_options, bench_machine),
+  };
 }
 
 }  // namespace sandglass::host

@@ -11,7 +11,7 @@
 
 namespace sandglass::host {
 
-// Of all suites; suite_options.cpp says which takes what.
+// Of all suites; bench.cpp says which takes what.
 struct BenchOptions {
   std::string json, out, isa = "automatic", mesh = "chair", network;
   std::vector<std::string> assets;
@@ -35,7 +35,7 @@ struct Bench {
             const std::string& kernels);
 };
 
-// One function a suite (bench_granular.cpp ...).
+// One function a suite (bench_sand.cpp ...).
 using BenchSuite = void (*)(const BenchOptions& options, Bench* bench);
 void bench_granular(const BenchOptions& options, Bench* bench);
 void bench_ladder(const BenchOptions& options, Bench* bench);

@@ -96,14 +96,50 @@ std::string path(const CLI::App& at) {
 std::string named(const CLI::App& at) { return in_quotes(path(at).substr(0, path(at).size() - 1)); }
 std::string of(const CLI::App& at) { return at.get_parent() == nullptr ? "" : " of " + named(at); }
 
+// What CLI11 would do by templates, which are slow to compile: the text of a value goes to the target, or is refused.
+bool take(const std::string& text, std::string* value) { return *value = text, true; }
+bool take(const std::string& text, double* value) { return *value = std::strtod(text.c_str(), nullptr), true; }
+template <class Whole>
+bool take(const std::string& text, Whole* value) {
+  return std::from_chars(text.data(), text.data() + text.size(), *value).ec == std::errc();
+}
+template <class Value>
+bool take_all(const std::vector<std::string>& texts, Value* value) {
+  return take(texts[0], value);
+}
+template <class Value>
+bool take_all(const std::vector<std::string>& texts, std::vector<Value>* values) {
+  values->resize(texts.size());
+  for (size_t i = 0; i < texts.size(); ++i)
+    if (!take(texts[i], &(*values)[i])) return false;
+  return true;
+}
+
+// The value as the help shows it.
+template <class Value>
+std::string shown(const Value& value) {
+  return CLI::detail::to_string(value);
+}
+template <class Value>
+std::string shown(const std::vector<Value>& values) {
+  return CLI::detail::join(values);
+}
+
+template <class Value>
+CLI::Option* declare(const CommandOption& option, Value* value, CLI::App* command) {
+  const auto taken = [value](const std::vector<std::string>& texts) { return take_all(texts, value); };
+  return command->add_option(option.names, taken, option.help)->default_str(shown(*value));
+}
+template <class Value>
+CLI::Option* declare(const CommandOption& option, std::vector<Value>* values, CLI::App* command) {
+  return declare<std::vector<Value>>(option, values, command)->expected(CLI::detail::expected_max_vector_size);
+}
+CLI::Option* declare(const CommandOption& option, bool* value, CLI::App* command) {
+  return command->add_flag(option.names, *value, option.help);
+}
+
 void declare(const CommandOption& option, CLI::App* command) {
-  CLI::Option* declared = std::visit(
-      [&](auto* value) {
-        if constexpr (std::is_same_v<decltype(value), bool*>)
-          return command->add_flag(option.names, *value, option.help);
-        else return command->add_option(option.names, *value, option.help);
-      },
-      option.target);
+  CLI::Option* declared = std::visit([&](auto* value) { return declare(option, value, command); }, option.target);
   if (*option.type != '\0') declared->type_name(option.type);
   if (option.count > 0) declared->expected(option.count);
   if (option.by_commas) declared->delimiter(',');

@@ -76,8 +76,7 @@ int run_command_line(const std::vector<CommandGroup>& groups, int argc, char** a
 constexpr const char* k_no_ray_tracer =
     "this build has no ray tracer. Install Embree and Eigen, configure and build again.";
 
-std::vector<CommandGroup> commands();  // command_options.cpp
-std::vector<Command> bench_suites();   // suite_options.cpp
-std::vector<Command> verify_suites();
+std::vector<Command> bench_suites();   // bench.cpp
+std::vector<Command> verify_suites();  // verify.cpp
 
 }  // namespace sandglass::host

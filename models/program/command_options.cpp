@@ -1,5 +1,7 @@
-// Every command on the command line: its options with their units, ranges and defaults.
+// The program, and every command on its command line: the options with their units, ranges and defaults.
 #include <cmath>
+#include <cstdio>
+#include <new>
 #include <thread>
 
 #include "models/mesh/generated.h"
@@ -268,8 +270,6 @@ Command bake() {
 #endif
 }
 
-}  // namespace
-
 std::vector<CommandGroup> commands() {
   return {
       {"Run and look",
@@ -296,4 +296,20 @@ std::vector<CommandGroup> commands() {
         {"verify", "Check every claim of accuracy; exit code 1 if one fails", {}, {}, verify_suites()}}}};
 }
 
+}  // namespace
+
 }  // namespace sandglass::host
+
+// Bad input of any kind ends here as one sentence on stderr and exit code 2.
+int main(int argc, char** argv) {
+  using namespace sandglass::host;
+  try {
+    return run_command_line(commands(), argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("sandglass: cannot go on: this machine has too little memory for what was asked. Ask for less.\n",
+               stderr);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "sandglass: %s\n", error.what());
+  }
+  return k_exit_bad_input;
+}

@@ -1,4 +1,4 @@
-// One run of a scene, for `sandglass run`: it starts (run_start.cpp), executes its frames (run_frames.cpp), and writes
+// One run of a scene, for `sandglass run`: it starts and executes its frames (run.cpp), and writes
 // what came of them (run_results.cpp).
 #pragma once
 

@@ -11,7 +11,7 @@
 
 namespace sandglass::host {
 
-// Of all suites; suite_options.cpp says which takes what.
+// Of all suites; verify.cpp says which takes what.
 struct VerifyOptions {
   std::string json, out, isa = "automatic", manifest, estimates, network, object = "trefoil";
   std::vector<std::string> cases, panoramas;
@@ -21,7 +21,7 @@ struct VerifyOptions {
   uint32_t threads = 1;
 };
 
-// One function a suite (verify_granular.cpp ...); each returns the exit code.
+// One function a suite (verify.cpp ...); each returns the exit code.
 int verify_granular_command(const VerifyOptions& options);
 int verify_lighting_command(const VerifyOptions& options);
 int verify_shot_command(const VerifyOptions& options);
