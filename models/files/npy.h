@@ -1,4 +1,4 @@
-// NumPy's .npy format, version 1.0, for 32-bit floats in C order. `sandglass run --dump` writes it, one array per file.
+// NumPy's .npy format, version 1.0, for 32-bit floats in C order.
 #pragma once
 
 #include <cstdint>

@@ -134,12 +134,9 @@ Options growth_options(BenchOptions& o) { return {thread_counts(o), isa_option(o
 
 #ifdef SANDGLASS_HAVE_BAKE
 Options shadow_options(BenchOptions& o) {
-  return {by_commas({"--asset",
-                     &o.assets,
-                     "FILES",
-                     "Baked shadows, separated by commas: the first is measured, --out draws all of them",
-                     {},
-                     "the shipped chair"}),
+  return {by_commas(standard("the shipped chair",
+                             {"--asset", &o.assets, "FILES",
+                              "Baked shadows, separated by commas: the first is measured, --out draws all of them"})),
           {"--mesh", &o.mesh, "MESH", "The mesh that they were baked from: a file, or a generated mesh's name"},
           by_commas({"--thresholds", &o.thresholds, "LIST", "More thresholds of the adaptive mode, separated by commas",
                      whole_number(0, 255)}),
@@ -150,8 +147,8 @@ Options shadow_options(BenchOptions& o) {
 #endif
 
 Options lighting_options(BenchOptions& o) {
-  return {
-      {"--asset", &o.network, "FILE", "The network", {}, "the shipped one"}, isa_option(o.isa), json_option(o.json)};
+  return {standard("the shipped one", {"--asset", &o.network, "FILE", "The network"}), isa_option(o.isa),
+          json_option(o.json)};
 }
 
 Options machine_options(BenchOptions& o) { return {json_option(o.json)}; }

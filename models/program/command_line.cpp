@@ -49,25 +49,14 @@ ValueRule one_of(const std::vector<std::string>& names) {
   return {holds, all, all, names};
 }
 
-CommandOption required(CommandOption option) {
-  option.required = true;
-  return option;
-}
-CommandOption by_commas(CommandOption option) {
-  option.by_commas = true;
-  return option;
-}
-CommandOption needs(const char* other, CommandOption option) {
-  option.needs = other;
-  return option;
-}
-CommandOption excludes(const char* other, CommandOption option) {
-  option.excludes = other;
-  return option;
-}
+CommandOption required(CommandOption option) { return option.required = true, option; }
+CommandOption standard(const char* text, CommandOption option) { return option.standard = text, option; }
+CommandOption by_commas(CommandOption option) { return option.by_commas = true, option; }
+CommandOption needs(const char* other, CommandOption option) { return option.needs = other, option; }
+CommandOption excludes(const char* other, CommandOption option) { return option.excludes = other, option; }
 
-CommandOption threads_option(uint32_t& threads, const char* standard) {
-  return {"--threads", &threads, "N", "Threads; the result does not depend on them", whole_number(1, 256), standard};
+CommandOption threads_option(uint32_t& threads) {
+  return {"--threads", &threads, "N", "Threads; the result does not depend on them", whole_number(1, 256)};
 }
 
 CommandOption isa_option(std::string& isa) {

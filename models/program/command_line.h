@@ -38,12 +38,13 @@ struct CommandOption {
   int count = 0;                                     // how many values; 0: as many as the target takes
 };
 CommandOption required(CommandOption option);
+CommandOption standard(const char* text, CommandOption option);
 CommandOption by_commas(CommandOption option);
 CommandOption needs(const char* other, CommandOption option);
 CommandOption excludes(const char* other, CommandOption option);
 
 // Options that several commands have in the same words.
-CommandOption threads_option(uint32_t& threads, const char* standard = nullptr);
+CommandOption threads_option(uint32_t& threads);
 CommandOption isa_option(std::string& isa);
 CommandOption json_option(std::string& file);
 CommandOption seed_option(uint64_t& seed, const char* help);

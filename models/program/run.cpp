@@ -4,11 +4,9 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/files/npy.h"
 #include "models/work/progress.h"
 #include "platform/clock.h"
 
@@ -19,26 +17,6 @@ namespace {
 // The virtual clock advances by this much at every reading, and the library reads it once or twice a work unit. So a
 // plan depends only on the scene and the budget.
 constexpr uint64_t k_virtual_step_ns = 5'000;
-
-void dump_frame(const std::string& folder, uint32_t frame, double particle_radius, Simulation* simulation) {
-  const auto write = [&](const char* item, const char* what, const std::vector<float>& values, uint64_t columns) {
-    char name[64];
-    std::snprintf(name, sizeof name, "%s_%06u_%s.npy", item, frame, what);
-    write_npy((std::filesystem::path(folder) / name).string(), values, values.size() / columns, columns);
-  };
-  const std::vector<float>& particles = simulation->particle_positions();
-  const uint32_t particle_count = static_cast<uint32_t>(particles.size() / 3);
-  write("particles", "position", particles, 3);
-  write("particles", "velocity", simulation->particle_velocities(), 3);
-  write("particles", "radius", std::vector<float>(particle_count, static_cast<float>(particle_radius)), 1);
-  const std::vector<float>& grains = simulation->grain_positions();
-  const uint32_t grain_count = static_cast<uint32_t>(grains.size() / 3);
-  if (grain_count == 0) return;
-  write("grains", "position", grains, 3);
-  write("grains", "velocity", simulation->grain_velocities(), 3);
-  write("grains", "radius",
-        std::vector<float>(grain_count, drawn_grain_radius(particle_radius, particle_count, grain_count)), 1);
-}
 
 // The positions without those of removed particles.
 std::vector<float> present(const std::vector<float>& positions) {
@@ -56,8 +34,7 @@ Run::Run(const RunOptions& options) : options_(options), scene_(load_scene(optio
   if (options_.budget_ms >= 0.0) scene_.budget_ms = options_.budget_ms;
   const sandglass_isa isa = find_isa(options_.isa);
   load_replay();
-  for (const std::string& folder : {options_.out, options_.dump})
-    if (!folder.empty()) make_folder(folder);
+  if (!options_.out.empty()) make_folder(options_.out);
   replace_shadow();
   take_shot();
   const LoadedMeshes meshes(scene_, options_.mesh);
@@ -238,7 +215,6 @@ void Run::execute() {
     if (!options_.record.empty())
       recording_.frames.push_back(
           {static_cast<float>(scene_.frame_step), row.report.budget_ns, colliders, row.report.plan});
-    if (!options_.dump.empty()) dump_frame(options_.dump, frame + 1, scene_.particle_radius, &*simulation_);
     if (!options_.out.empty() && ((frame + 1) % step == 0 || frame + 1 == scene_.frames))
       take_snapshot(frame + 1, colliders);
     progress.done(frame + 1);

@@ -14,12 +14,11 @@
 #include "models/report/report_page.h"
 #include "models/simulation/body_meshes.h"
 #include "models/simulation/collision_fields.h"
-#include "models/simulation/pile_shadow.h"
 #include "models/simulation/recording.h"
 #include "models/simulation/scene_file.h"
 #include "models/simulation/scene_fill.h"
+#include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
-#include "models/simulation/standing_shadows.h"
 #include "models/work/thread_pool.h"
 #include "platform/virtual_clock.h"
 

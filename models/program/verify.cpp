@@ -34,14 +34,6 @@ std::string number_text(double value) {
   return text;
 }
 
-std::string table_csv(const std::vector<Verdict>& rows) {
-  std::string text = "case,claim,unit,truth,result,limit,control,pass\n";
-  for (const Verdict& v : rows)
-    text += v.group + ",\"" + v.name + "\"," + v.unit + "," + number_text(v.truth) + "," + number_text(v.result) + "," +
-            number_text(v.limit) + "," + (v.control ? "1" : "0") + "," + (v.pass ? "1" : "0") + "\n";
-  return text;
-}
-
 std::string table_markdown(const std::vector<Verdict>& rows) {
   std::string text = "| case | claim | truth | result | limit | unit | |\n|---|---|---|---|---|---|---|\n";
   for (const Verdict& v : rows)
@@ -60,7 +52,6 @@ void print_verdicts(const std::vector<Verdict>& rows) {
 }
 
 void write_verdicts(const std::string& folder, const std::vector<Verdict>& rows) {
-  write_file(folder + "/verify.csv", table_csv(rows));
   write_file(folder + "/verify.md", table_markdown(rows));
 }
 
@@ -112,7 +103,7 @@ void write_granular_folder(const std::string& folder, const VerdictTable& table)
     write_png(folder + "/" + plot.name + ".png", draw_plot(plot.plot));
     drawn += ", " + plot.name + ".png";
   }
-  std::printf("%s: verify.csv, verify.md%s\n", folder.c_str(), drawn.c_str());
+  std::printf("%s: verify.md%s\n", folder.c_str(), drawn.c_str());
 }
 
 std::string kernels_of(sandglass_isa isa) {
@@ -125,16 +116,12 @@ std::string kernels_of(sandglass_isa isa) {
 using Options = std::vector<CommandOption>;
 
 CommandOption panoramas(VerifyOptions& o) {
-  return {"--panoramas",
-          &o.panoramas,
-          "FILES",
-          "Files that end in .hdr or .exr, or folders of them",
-          {},
-          "the interiors of SANDGLASS_DATA_DIR"};
+  return standard("the interiors of SANDGLASS_DATA_DIR",
+                  {"--panoramas", &o.panoramas, "FILES", "Files that end in .hdr or .exr, or folders of them"});
 }
 
 Options verify_granular_options(VerifyOptions& o) {
-  return {{"--case", &o.cases, "NAMES", "Only these cases", one_of(verdict_groups()), "all"},
+  return {standard("all", {"--case", &o.cases, "NAMES", "Only these cases", one_of(verdict_groups())}),
           {"--quick", &o.quick, "", "Only the cases that take seconds"},
           {"--out", &o.out, "FOLDER", "Write the table and its curves into this folder"},
           isa_option(o.isa),
@@ -142,33 +129,27 @@ Options verify_granular_options(VerifyOptions& o) {
 }
 
 Options verify_lighting_options(VerifyOptions& o) {
-  return {panoramas(o),
-          {"--manifest", &o.manifest, "FILE",
-           "CSV with the columns file, group and fold: which panoramas show the same place"},
-          {"--network",
-           &o.network,
-           "FILE",
-           "Network that estimates, run as in an app; of a file .npz in float",
-           {},
-           "the shipped one for --panoramas"},
-          excludes("--network", {"--estimates",
-                                 &o.estimates,
-                                 "FILE",
-                                 "Estimates of all views, as train.py writes them",
-                                 {},
-                                 "the cross-validated ones for SANDGLASS_DATA_DIR"}),
-          {"--object", &o.object, "MESH", "Object that is lit: a mesh file, or the name of a generated mesh"},
-          {"--views", &o.views, "N", "Views of each panorama", whole_number(1, 8)},
-          {"--samples", &o.samples, "N", "Paths a pixel; 0 renders nothing", whole_number(0, 4096)},
-          {"--out", &o.out, "FOLDER", "Write tables and pictures into this folder"},
-          isa_option(o.isa),
-          threads_option(o.threads),
-          json_option(o.json)};
+  return {
+      panoramas(o),
+      {"--manifest", &o.manifest, "FILE",
+       "CSV with the columns file, group and fold: which panoramas show the same place"},
+      standard("the shipped one for --panoramas",
+               {"--network", &o.network, "FILE", "Network that estimates, run as in an app; of a file .npz in float"}),
+      excludes("--network",
+               standard("the cross-validated ones for SANDGLASS_DATA_DIR",
+                        {"--estimates", &o.estimates, "FILE", "Estimates of all views, as train.py writes them"})),
+      {"--object", &o.object, "MESH", "Object that is lit: a mesh file, or the name of a generated mesh"},
+      {"--views", &o.views, "N", "Views of each panorama", whole_number(1, 8)},
+      {"--samples", &o.samples, "N", "Paths a pixel; 0 renders nothing", whole_number(0, 4096)},
+      {"--out", &o.out, "FOLDER", "Write tables and pictures into this folder"},
+      isa_option(o.isa),
+      threads_option(o.threads),
+      json_option(o.json)};
 }
 
 Options verify_shot_options(VerifyOptions& o) {
   return {panoramas(o),
-          {"--network", &o.network, "FILE", "Network that estimates the light", {}, "the shipped one"},
+          standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates the light"}),
           seed_option(o.seed, "Where the cameras look: 0 for the study of 20 views, others in all panoramas"),
           {"--out", &o.out, "FOLDER", "Write the table and pictures into this folder; a later run goes on from it"},
           threads_option(o.threads),

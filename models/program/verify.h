@@ -1,4 +1,4 @@
-// What the suites of `sandglass verify` share: claims as a table on the terminal, as CSV, as Markdown and for --json.
+// What the suites of `sandglass verify` share: claims as a table on the terminal, as Markdown and for --json.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ int verify_lighting_command(const VerifyOptions& options);
 int verify_shot_command(const VerifyOptions& options);
 
 void print_verdicts(const std::vector<Verdict>& rows);
-// Writes verify.csv and verify.md into the folder.
+// Writes verify.md into the folder.
 void write_verdicts(const std::string& folder, const std::vector<Verdict>& rows);
 uint32_t count_failed(const std::vector<Verdict>& rows);
 std::vector<Measurement> measurements_of(const std::string& suite, const std::string& isa, uint32_t threads,

@@ -129,7 +129,7 @@ void write_folder(const std::string& folder, const LightingVerdicts& verdicts, c
   write_file(folder + "/estimates.csv", estimates_csv(verdicts));
   write_verdicts(folder, verdicts.rows);
   write_png(folder + "/lighting.png", picture_grid(verdicts.pictures, 8, 4));
-  std::printf("%s: lighting.csv, lighting.txt, lighting.png, verify.csv, verify.md\n", folder.c_str());
+  std::printf("%s: lighting.csv, lighting.txt, lighting.png, verify.md\n", folder.c_str());
 }
 
 }  // namespace

@@ -11,6 +11,8 @@ namespace sandglass::host {
 
 namespace {
 
+constexpr uint32_t k_around = 64;  // half planes of a drawn outline
+
 void require(const SceneFile& scene, size_t index, const cpp::Status& status) {
   if (status) return;
   throw cannot("make the field of collider " + std::to_string(index) + " in", scene.source,
@@ -57,6 +59,7 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
     const float step = static_cast<float>(spacing), beyond = static_cast<float>(margin);
     cpp::Box box;
     cpp::Field& field = fields_.emplace_back();
+    Mesh& standing = meshes_.emplace_back();
     if (!track.profile.empty()) {
       double r = 0.0, bottom = 1e30, top = -1e30;
       for (const auto& point : track.profile)
@@ -64,6 +67,7 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
       to_floats({-r - margin, bottom - margin, -r - margin}, box.min);
       to_floats({r + margin, top + margin, r + margin}, box.max);
       const double sign = track.solid_outside ? -1.0 : 1.0;
+      standing = make_revolved(track.profile, k_around);
       require(*scene, i, field.from_function(box, step, solid, [&](const float* p) {
         return static_cast<float>(sign * revolved_distance(track.profile, from_floats(p)));
       }));
@@ -73,7 +77,7 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
                      "Name it with --collider-mesh FILE");
       const MeshResult loaded = mesh_path.empty() ? make_named(track.mesh) : argument;
       if (!loaded) throw Failure(loaded.error);
-      Mesh standing = loaded.mesh;
+      standing = loaded.mesh;
       stand_mesh(&standing, track.size.y, mesh_path);
       const sandglass_mesh view = {standing.vertices.data(), standing.vertex_count(), standing.indices.data(),
                                    standing.triangle_count()};
@@ -88,6 +92,12 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
     }
     track.field = field.get();
   }
+}
+
+const Mesh* CollisionFields::mesh_of(const sandglass_field* field) const {
+  for (size_t i = 0; i < fields_.size(); ++i)
+    if (fields_[i].get() == field) return &meshes_[i];
+  return nullptr;
 }
 
 }  // namespace sandglass::host

@@ -20,8 +20,12 @@ class CollisionFields {
   // `mesh_path` is the file of --collider-mesh, or empty. A Failure names what is missing or cannot be built.
   CollisionFields(SceneFile* scene, const std::string& mesh_path);
 
+  // The mesh that a field was made of, or the turned outline; null for a field that is not of this scene.
+  const Mesh* mesh_of(const sandglass_field* field) const;
+
  private:
   std::vector<cpp::Field> fields_;
+  std::vector<Mesh> meshes_;  // of the same index
 };
 
 }  // namespace sandglass::host

@@ -285,14 +285,13 @@ struct Program {
   void set(const char* uniform, int v) const { glUniform1i(at(uniform), v); }
 };
 
-// Vertices on the graphics card: an array with one or two attributes of three floats, and the order to draw them in.
+// Vertices on the graphics card: an array with one or two attributes of three floats.
 struct Mesh3 {
-  GLuint array = 0, vertices = 0, order = 0;
-  GLsizei count = 0;
+  GLuint array = 0, vertices = 0;
+  GLsizei count = 0;  // floats
   Mesh3() {
     glGenVertexArrays(1, &array);
     glGenBuffers(1, &vertices);
-    glGenBuffers(1, &order);
   }
   void layout(int floats, bool normals) const {
     glBindVertexArray(array);
@@ -304,20 +303,15 @@ struct Mesh3 {
     glEnableVertexAttribArray(1);
     glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, stride, reinterpret_cast<const void*>(3 * sizeof(float)));
   }
-  void fill(std::span<const float> values) const {
+  void fill(std::span<const float> values) {
     glBindBuffer(GL_ARRAY_BUFFER, vertices);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(values.size_bytes()), values.data(), GL_STREAM_DRAW);
+    count = static_cast<GLsizei>(values.size());
   }
-  void order_by(std::span<const uint32_t> indices) {
-    glBindVertexArray(array);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, order);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(),
-                 GL_STATIC_DRAW);
-    count = static_cast<GLsizei>(indices.size());
-  }
+  // Draws triangles of vertices with normals.
   void draw() const {
     glBindVertexArray(array);
-    glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, nullptr);
+    glDrawArrays(GL_TRIANGLES, 0, count / 6);
   }
 };
 
@@ -357,8 +351,6 @@ struct Painter::State {
         floor(k_solid_vertex, std::string(k_lighting) + k_shadows + k_floor_fragment),
         overlay(k_overlay_vertex, k_overlay_fragment) {
     floor_square.layout(6, true);
-    constexpr uint32_t k_square[] = {0, 1, 2, 0, 2, 3};
-    floor_square.order_by(k_square);
     map = new_texture(GL_LINEAR);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, k_map_size, k_map_size, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
                  nullptr);
@@ -379,17 +371,15 @@ struct Painter::State {
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
   }
 
-  const Mesh3& mesh_of(const sandglass_collider& c) {
+  const Mesh3& mesh_of(const sandglass_collider& c, const CollisionFields* fields) {
     const std::array<double, 5> key = {static_cast<double>(c.shape), static_cast<double>(c.size[0]),
                                        static_cast<double>(c.size[1]), static_cast<double>(c.size[2]),
                                        static_cast<double>(reinterpret_cast<uintptr_t>(c.field))};
     const auto found = meshes.find(key);
     if (found != meshes.end()) return found->second;
-    const Surface surface = collider_surface(c);
     Mesh3& mesh = meshes[key];
     mesh.layout(6, true);
-    mesh.fill(surface.vertices);
-    mesh.order_by(surface.indices);
+    mesh.fill(flat_triangles(collider_mesh(c, fields != nullptr ? fields->mesh_of(c.field) : nullptr)));
     return mesh;
   }
 
@@ -404,7 +394,7 @@ struct Painter::State {
                          sandglass_field_bounds(c.field, low, high) == SANDGLASS_SOLID_OUTSIDE;
       if (cast && (baked || glass)) continue;
       program.set("model", pose(c));
-      mesh_of(c).draw();
+      mesh_of(c, scene.fields).draw();
     }
   }
 
@@ -412,9 +402,9 @@ struct Painter::State {
     for (const sandglass_collider& c : scene.colliders) {
       if (c.shape != SANDGLASS_SHAPE_HALF_SPACE) continue;
       const float reach = static_cast<float>(k_floor_reach * diagonal);
-      const float corners[24] = {-reach, 0, reach,  0, 1, 0, reach,  0, reach,  0, 1, 0,
-                                 reach,  0, -reach, 0, 1, 0, -reach, 0, -reach, 0, 1, 0};
-      floor_square.fill(corners);
+      const Mesh square = {{-reach, 0, reach, reach, 0, reach, reach, 0, -reach, -reach, 0, -reach},
+                           {0, 1, 2, 0, 2, 3}};
+      floor_square.fill(flat_triangles(square));
       floor.set("model", pose(c));
       floor_square.draw();
     }

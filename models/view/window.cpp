@@ -218,7 +218,7 @@ void view_scene(const ViewOptions& options) {
       static_assert(sizeof(sandglass_grain) == 4 * sizeof(float));
       scene.spheres = {live.grains().data()->position, 4 * live.grains().size()}, scene.radius = live.grain_radius();
     }
-    scene.colliders = live.colliders(), scene.shadows = shadows;
+    scene.colliders = live.colliders(), scene.fields = &live.fields(), scene.shadows = shadows;
     const std::optional<FloorShadow> pile = live.pile(false), on_sand = live.pile(true);
     if (pile) scene.pile = &*pile, scene.pile_on_sand = &*on_sand;
     scene.to_light = live.to_light(), scene.camera = orbit.camera(), scene.bounds = live.bounds();
