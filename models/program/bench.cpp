@@ -24,14 +24,11 @@ Bench::Bench(const std::string& s, const std::string& isa_option, Kernels kernel
   if (kernels == Kernels::bytes && of_bytes != nullptr) isa_name = sandglass_isa_name(of_bytes->isa);
 }
 
-void Bench::keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads) {
-  keep(scene, metric, unit, value, threads, isa_name);
-}
-
 void Bench::keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads,
                  const std::string& kernels) {
   Measurement m;
-  m.suite = suite, m.scene = scene, m.metric = metric, m.unit = unit, m.isa = kernels, m.value = value;
+  m.suite = suite, m.scene = scene, m.metric = metric, m.unit = unit, m.value = value;
+  m.isa = kernels.empty() ? isa_name : kernels;
   m.threads = threads;
   measurements.push_back(m);
 }

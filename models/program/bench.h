@@ -30,9 +30,9 @@ struct Bench {
   enum class Kernels { sand, bytes };
   Bench(const std::string& suite, const std::string& isa, Kernels kernels);
 
-  void keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads = 1);
-  void keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads,
-            const std::string& kernels);
+  // `kernels`: what computed it; empty: isa_name.
+  void keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads = 1,
+            const std::string& kernels = "");
 };
 
 // One function a suite (bench_sand.cpp ...).

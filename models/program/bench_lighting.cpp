@@ -5,7 +5,6 @@
 #include "models/laboratory/light/lighting_bench.h"
 #include "models/lighting/excerpts.h"
 #include "models/program/bench.h"
-#include "models/work/progress.h"
 
 namespace sandglass::host {
 

@@ -6,7 +6,6 @@
 #include "models/laboratory/shadow/shadow_bench.h"
 #include "models/laboratory/shadow/shadow_curves.h"
 #include "models/program/bench.h"
-#include "models/program/commands.h"
 #include "models/program/nearest_name.h"
 #include "models/work/progress.h"
 

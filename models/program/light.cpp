@@ -5,7 +5,7 @@
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/files/picture_file.h"
+#include "models/files/image.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/room_light.h"
 #include "models/program/commands.h"

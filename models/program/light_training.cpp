@@ -7,8 +7,8 @@
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
+#include "models/files/image.h"
 #include "models/files/npy.h"
-#include "models/files/picture_file.h"
 #include "models/laboratory/light/ceiling.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/float_parameters.h"

@@ -4,7 +4,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "models/compositing/shot.h"
@@ -12,11 +11,10 @@
 #include "models/report/pictures.h"
 #include "models/report/report.h"
 #include "models/report/report_page.h"
-#include "models/simulation/body_meshes.h"
-#include "models/simulation/collision_fields.h"
 #include "models/simulation/recording.h"
 #include "models/simulation/scene_file.h"
 #include "models/simulation/scene_fill.h"
+#include "models/simulation/scene_meshes.h"
 #include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
 #include "models/work/thread_pool.h"

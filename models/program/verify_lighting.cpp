@@ -8,7 +8,7 @@
 #include "models/compositing/light_estimate.h"
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/files/npz.h"
+#include "models/files/npy.h"
 #include "models/laboratory/light/turning_camera.h"
 #include "models/laboratory/light/verify_lighting.h"
 #include "models/lighting/dataset.h"

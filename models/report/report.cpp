@@ -190,14 +190,21 @@ void add_row(std::string* text, const char* name, const Distribution& d) {
 
 }  // namespace
 
+std::string report_headline(const RunReport& report) {
+  const size_t count = report.frames.size();
+  std::string text;
+  add(&text, "%zu frames%s, %u particles, %u grains; %s kernels, %u thread%s, %s clock, %.1f MiB", count,
+      report.interrupted ? " (interrupted)" : "", count == 0 ? 0 : report.frames.back().report.particles,
+      count == 0 ? 0 : report.frames.back().report.grains, report.isa.c_str(), report.threads,
+      report.threads == 1 ? "" : "s", report.clock.c_str(), static_cast<double>(report.memory_bytes) / 1048576.0);
+  return text;
+}
+
 std::string report_summary_text(const RunReport& report) {
   const Summary s = summarise(report.frames);
   const size_t count = report.frames.size();
   std::string text;
-  add(&text, "%s: %zu frames%s, %u particles, %u grains, %s, %u thread%s, %s clock, %.1f MiB\n", report.scene.c_str(),
-      count, report.interrupted ? " (interrupted)" : "", count == 0 ? 0 : report.frames.back().report.particles,
-      count == 0 ? 0 : report.frames.back().report.grains, report.isa.c_str(), report.threads,
-      report.threads == 1 ? "" : "s", report.clock.c_str(), static_cast<double>(report.memory_bytes) / 1048576.0);
+  text += report.scene + ": " + report_headline(report) + "\n";
   add(&text, "  milliseconds a frame        mean       p50       p95       p99     p99.9       max\n");
   add_row(&text, "budget used", s.elapsed);
   for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)

@@ -91,6 +91,7 @@ std::string report_csv(const RunReport& report);
 std::string report_trace(const RunReport& report);
 std::string report_summary_json(const RunReport& report);
 std::string report_summary_text(const RunReport& report);
+std::string report_headline(const RunReport& report);  // frames, sand, kernels, threads, clock and memory, in one line
 
 // The light of a photograph. Both directions point towards the light. In the camera's axes x is right, y down and z
 // forward. In the world's axes, for a level camera that looks along -z, x is right and y is up.

@@ -17,22 +17,12 @@ namespace {
 
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
+  for (const char c : text)
+    if (c == '&') out += "&amp;";
+    else if (c == '<') out += "&lt;";
+    else if (c == '>') out += "&gt;";
+    else if (c == '"') out += "&quot;";
+    else out += c;
   return out;
 }
 
@@ -79,17 +69,6 @@ std::string table_html(const PageTable& table) {
     html += "</tr>";
   }
   return html + "</tbody></table></div></section>\n";
-}
-
-std::string lead(const RunReport& report) {
-  char text[256];
-  const size_t count = report.frames.size();
-  std::snprintf(
-      text, sizeof text, "%zu frames%s, %u particles, %u grains; %s kernels, %u thread%s, %s clock, %.1f MiB", count,
-      report.interrupted ? " (interrupted)" : "", count == 0 ? 0 : report.frames.back().report.particles,
-      count == 0 ? 0 : report.frames.back().report.grains, report.isa.c_str(), report.threads,
-      report.threads == 1 ? "" : "s", report.clock.c_str(), static_cast<double>(report.memory_bytes) / 1048576.0);
-  return text;
 }
 
 PageTable stage_table(const Summary& summary) {
@@ -160,7 +139,7 @@ std::string report_page(const RunReport& report, const PageContent& content) {
 
   const std::pair<std::string_view, std::string> parts[] = {
       {"TITLE", escaped(content.title.empty() ? report.scene : content.title)},
-      {"LEAD", escaped(lead(report))},
+      {"LEAD", escaped(report_headline(report))},
       {"PICTURES", pictures},
       {"TABLES", tables},
       {"DATA", report_page_data(report, content)}};

@@ -4,17 +4,15 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "models/drawing/render.h"
-#include "models/simulation/body_meshes.h"
-#include "models/simulation/collision_fields.h"
 #include "models/simulation/scene_file.h"
 #include "models/simulation/scene_fill.h"
+#include "models/simulation/scene_meshes.h"
 #include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
 #include "models/work/thread_pool.h"

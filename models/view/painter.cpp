@@ -36,18 +36,23 @@ Matrix product(const Matrix& a, const Matrix& b) {
   return c;
 }
 
+// The map of a point p to (rows . p) + offset.
+Matrix of_rows(const Vec3 (&rows)[3], Vec3 offset) {
+  const double add[3] = {offset.x, offset.y, offset.z};
+  Matrix m = {};
+  for (size_t row = 0; row < 3; ++row) {
+    m[row] = static_cast<float>(rows[row].x), m[4 + row] = static_cast<float>(rows[row].y);
+    m[8 + row] = static_cast<float>(rows[row].z), m[12 + row] = static_cast<float>(add[row]);
+  }
+  m[15] = 1.0f;
+  return m;
+}
+
 Matrix looking(Vec3 eye, Vec3 target) {
   const Vec3 forward = normalised(target - eye);
   const Vec3 aside = std::fabs(forward.y) > 0.999 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 right = normalised(cross(forward, aside)), up = cross(right, forward);
-  const Vec3 rows[3] = {right, up, forward * -1.0};
-  Matrix m = {};
-  for (size_t row = 0; row < 3; ++row) {
-    m[row] = static_cast<float>(rows[row].x), m[4 + row] = static_cast<float>(rows[row].y);
-    m[8 + row] = static_cast<float>(rows[row].z), m[12 + row] = static_cast<float>(-dot(rows[row], eye));
-  }
-  m[15] = 1.0f;
-  return m;
+  return of_rows({right, up, forward * -1.0}, {-dot(right, eye), -dot(up, eye), dot(forward, eye)});
 }
 
 Matrix perspective(double fov_deg, double aspect, double near, double far) {
@@ -69,31 +74,16 @@ Matrix orthographic(double half_width, double near, double far) {
 
 Matrix pose(const sandglass_collider& c) {
   const Quaternion q = normalised(Quaternion{c.rotation[0], c.rotation[1], c.rotation[2], c.rotation[3]});
-  const Vec3 axes[3] = {rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
-  Matrix m = {};
-  for (size_t column = 0; column < 3; ++column) {
-    m[4 * column] = static_cast<float>(axes[column].x), m[4 * column + 1] = static_cast<float>(axes[column].y);
-    m[4 * column + 2] = static_cast<float>(axes[column].z), m[12 + column] = c.position[column];
-  }
-  m[15] = 1.0f;
-  return m;
+  const Quaternion back = conjugate(q);
+  return of_rows({rotate(back, {1, 0, 0}), rotate(back, {0, 1, 0}), rotate(back, {0, 0, 1})}, from_floats(c.position));
 }
 
 // Its rows give x over the texture's rectangle, the height above its floor, and z over the rectangle.
 Matrix to_square(const FloorShadow& shadow) {
+  const double wide = 1.0 / (shadow.high[0] - shadow.low[0]), deep = 1.0 / (shadow.high[1] - shadow.low[1]);
   const Quaternion q = shadow.rotation;
-  const Vec3 axes[3] = {rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
-  const double scale[3] = {1.0 / (shadow.high[0] - shadow.low[0]), 1.0, 1.0 / (shadow.high[1] - shadow.low[1])};
-  const double low[3] = {shadow.low[0], 0.0, shadow.low[1]};
-  Matrix m = {};
-  for (size_t row = 0; row < 3; ++row) {
-    const Vec3 axis = axes[row] * scale[row];
-    m[row] = static_cast<float>(axis.x), m[4 + row] = static_cast<float>(axis.y);
-    m[8 + row] = static_cast<float>(axis.z);
-    m[12 + row] = static_cast<float>(-dot(axis, shadow.position) - low[row] * scale[row]);
-  }
-  m[15] = 1.0f;
-  return m;
+  const Vec3 x = rotate(q, {wide, 0, 0}), y = rotate(q, {0, 1, 0}), z = rotate(q, {0, 0, deep}), at = shadow.position;
+  return of_rows({x, y, z}, {-dot(x, at) - shadow.low[0] * wide, -dot(y, at), -dot(z, at) - shadow.low[1] * deep});
 }
 
 // The part that all shaders share that light something.

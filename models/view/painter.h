@@ -5,11 +5,10 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "models/drawing/render.h"
 #include "models/files/image.h"
-#include "models/simulation/collision_fields.h"
+#include "models/simulation/scene_meshes.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {

@@ -2,10 +2,8 @@
 // surfaces are closed and have the right volume, sand can be poured and pushed, and grains are drawn between the
 // simulated instants.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <numbers>
 
@@ -17,6 +15,7 @@
 #include "models/view/orbit.h"
 #include "models/view/surface.h"
 #include "sandglass/sandglass.hpp"
+#include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
@@ -111,15 +110,13 @@ TEST(Surface, AFieldIsSeenFromTheFreeSide) {
 
 class Live : public ::testing::Test {
  protected:
-  std::string path =
-      (std::filesystem::path(::testing::TempDir()) / ("sandglass_view_" + std::to_string(::getpid()) + ".json"))
-          .string();
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "small.json";
   void SetUp() override {
     std::ofstream(path) << R"({"name": "small", "frame_step": 0.02, "particle_radius": 0.01,
       "bodies": [{"shape": "lattice", "counts": [6, 6, 6], "grains": 1000, "position": [0, 0.3, 0]}],
       "colliders": [{"shape": "half_space"}]})";
   }
-  void TearDown() override { std::filesystem::remove(path); }
   LiveOptions options() const {
     LiveOptions o;
     o.scene = path, o.budget_ms = k_all_the_work;

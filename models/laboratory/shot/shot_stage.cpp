@@ -1,8 +1,7 @@
 #include "models/laboratory/shot/shot_stage.h"
 
 #include "models/compositing/shot.h"
-#include "models/simulation/body_meshes.h"
-#include "models/simulation/collision_fields.h"
+#include "models/simulation/scene_meshes.h"
 #include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
 

@@ -1,4 +1,5 @@
-// Builds the signed-distance fields of a scene's revolved and mesh colliders.
+// The triangle meshes of a scene: those that its bodies fill (the generated trefoil knot, and the file that --mesh names),
+// and the signed-distance fields of its revolved and mesh colliders.
 #pragma once
 
 #include <string>
@@ -6,9 +7,28 @@
 
 #include "models/mesh/mesh.h"
 #include "models/simulation/scene_file.h"
+#include "models/simulation/scene_fill.h"
 #include "sandglass/sandglass.hpp"
 
 namespace sandglass::host {
+
+class LoadedMeshes {
+ public:
+  // Throws a Failure for a mesh that cannot be read, for a mesh without a defined inside, and for --mesh when no body
+  // asks for it.
+  LoadedMeshes(const SceneFile& scene, const std::string& mesh_path);
+  LoadedMeshes(const LoadedMeshes&) = delete;
+  LoadedMeshes& operator=(const LoadedMeshes&) = delete;
+
+  const BodyMeshes& bodies() const { return bodies_; }
+  // A sentence about a mesh that is usable but open; otherwise empty.
+  const std::string& note() const { return note_; }
+
+ private:
+  Mesh trefoil_, argument_;
+  BodyMeshes bodies_;
+  std::string note_;
+};
 
 // Scales a mesh to `height` and puts the middle of its base at the origin. A collider of shape "mesh" stands like this.
 // `name` is what the Failure about a flat mesh calls it.
