@@ -93,8 +93,6 @@ TEST_P(Cone, HasItsSlopeHeightAndReach) {
 
 INSTANTIATE_TEST_SUITE_P(Angles, Cone, ::testing::Values(10.0, 20.0, 30.0));
 
-TEST(Pile, OfNothingIsZero) { EXPECT_EQ(measure_pile({}, 0.01).height, 0.0); }
-
 TEST(CellGrid, FindsExactlyTheNeighboursThatASearchOverAllPairsFinds) {
   std::vector<float> points;
   uint32_t state = 1;
