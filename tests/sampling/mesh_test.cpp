@@ -7,7 +7,6 @@
 #include <cstring>
 #include <filesystem>
 
-#include "models/drawing/point_picture.h"
 #include "models/files/atomic_file.h"
 #include "models/mesh/generated.h"
 #include "models/mesh/ply.h"
@@ -209,17 +208,6 @@ TEST(Ply, failure_is_a_sentence_and_leaves_what_was_there) {
   std::filesystem::create_directories(folder / "taken");
   EXPECT_NE(host::write_points_ply(folder / "taken", {1, 2, 3}), "");  // a folder has that name, so renaming fails
   EXPECT_EQ(files_in(folder), 1u);
-}
-
-TEST(Picture, shows_the_points) {
-  const tests::TemporaryFolder folder;
-  const std::string path = folder / "points.png";
-  ASSERT_EQ(host::write_point_picture(path, {0, 0, 0, 1, 0, 0, 0, 1, 0}, 0.2f, 64, 48), "");
-  const std::string png = content(path);
-  ASSERT_GT(png.size(), 300u);  // a picture of background alone is smaller
-  EXPECT_EQ(png.substr(1, 3), "PNG");
-  EXPECT_EQ(png.substr(16, 8), (std::string{0, 0, 0, 64, 0, 0, 0, 48}));
-  EXPECT_NE(host::write_point_picture(folder / "none.png", {}, 0.1f, 64, 48), "");
 }
 
 }  // namespace
