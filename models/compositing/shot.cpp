@@ -8,9 +8,8 @@
 #include "models/files/failure.h"
 #include "models/lighting/lit_view.h"
 #include "models/rooms/panorama_file.h"
-#include "models/simulation/collision_fields.h"
-#include "models/simulation/pile_shadow.h"
-#include "models/simulation/standing_shadows.h"
+#include "models/simulation/scene_meshes.h"
+#include "models/simulation/scene_shadows.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/shadow.h"
 

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <numbers>
 
-#include "models/files/picture_file.h"
+#include "models/files/image.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
 #include "models/rooms/room_render.h"

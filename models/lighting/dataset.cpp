@@ -11,8 +11,8 @@
 #include "models/files/image.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/lit_view.h"
-#include "models/work/for_all.h"
 #include "models/work/progress.h"
+#include "models/work/thread_pool.h"
 
 namespace sandglass::host {
 

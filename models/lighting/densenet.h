@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "models/files/npz.h"
+#include "models/files/npy.h"
 
 namespace sandglass::host {
 

@@ -4,7 +4,7 @@
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/files/picture_file.h"
+#include "models/files/image.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {

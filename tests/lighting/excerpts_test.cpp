@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "models/files/atomic_file.h"
-#include "models/files/npz.h"
+#include "models/files/npy.h"
 #include "models/lighting/excerpts.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "models/files/picture_file.h"
+#include "models/files/image.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/rounding.h"
 #include "models/work/random.h"

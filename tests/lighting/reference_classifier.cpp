@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "models/files/npz.h"
+#include "models/files/npy.h"
 #include "models/lighting/float_parameters.h"
 #include "models/lighting/light_file.h"
 #include "models/lighting/quantise.h"

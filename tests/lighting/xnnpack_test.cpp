@@ -11,7 +11,7 @@
 #include <iterator>
 #include <vector>
 
-#include "models/files/npz.h"
+#include "models/files/npy.h"
 #include "models/laboratory/light/lighting_bench.h"
 #include "models/lighting/excerpts.h"
 #include "models/lighting/light_file.h"

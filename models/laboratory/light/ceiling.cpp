@@ -9,8 +9,8 @@
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
 #include "models/rooms/probe_scene.h"
-#include "models/work/for_all.h"
 #include "models/work/progress.h"
+#include "models/work/thread_pool.h"
 
 namespace sandglass::host {
 

@@ -17,8 +17,8 @@
 #include "models/lighting/lit_view.h"
 #include "models/rooms/probe_scene.h"
 #include "models/simulation/metrics.h"
-#include "models/work/for_all.h"
 #include "models/work/progress.h"
+#include "models/work/thread_pool.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {

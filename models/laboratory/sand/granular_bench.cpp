@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "models/simulation/body_meshes.h"
 #include "models/simulation/metrics.h"
 #include "models/simulation/scene_fill.h"
+#include "models/simulation/scene_meshes.h"
 #include "models/simulation/simulation.h"
 #include "models/work/thread_pool.h"
 #include "platform/clock.h"

@@ -1,10 +1,9 @@
 #include "models/laboratory/shot/shot_stage.h"
 
 #include "models/compositing/shot.h"
-#include "models/simulation/body_meshes.h"
-#include "models/simulation/collision_fields.h"
+#include "models/simulation/scene_meshes.h"
+#include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
-#include "models/simulation/standing_shadows.h"
 
 namespace sandglass::host {
 
