@@ -207,7 +207,11 @@ BakeReport bake_ambient_only(const Mesh& mesh, const std::string& name, const Ba
   if (!add_ambient(settings, picture.empty() ? nullptr : &rooms, &file, &report)) return report;
   const std::vector<uint8_t> bytes = shadow_file_bytes(file);
   report.file_bytes = bytes.size();
-  if (!picture.empty() && !rooms.empty()) write_png(picture, picture_grid(rooms, 3, 6));
+  if (!picture.empty()) {
+    const ShadowCaster caster(file.geometry.object.mesh, file.geometry.half_angle, {}, settings.seed);
+    ThreadPool pool(settings.threads);
+    write_png(picture, shadow_picture(file.geometry, caster, bytes, pool, rooms));
+  }
   write_file(output, bytes);
   return report;
 }

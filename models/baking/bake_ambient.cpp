@@ -2,7 +2,6 @@
 #include "models/baking/bake_ambient.h"
 
 #include <algorithm>
-#include <ctime>
 
 #include "models/baking/shadow_runner.h"
 #include "models/work/progress.h"
@@ -11,20 +10,6 @@ namespace sandglass::host {
 namespace {
 
 constexpr size_t k_pictures = 2;  // rooms in the picture
-
-double ms_per_texture(const std::vector<uint8_t>& file, std::span<const Environment> rooms) {
-  ShadowRunner runner(file, "baked", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE);
-  std::vector<double> times;
-  for (uint32_t turn = 0; turn < 16; ++turn) {
-    std::array<double, SANDGLASS_LIGHT_CELLS> cells = {};
-    cells[turn] = 1;
-    const std::clock_t from = std::clock();
-    runner.ambient(turn % 2 == 0 ? cells : rooms[0].cells());
-    times.push_back(1e3 * static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC);
-  }
-  std::sort(times.begin(), times.end());
-  return times[times.size() / 2];
-}
 
 }  // namespace
 
@@ -60,7 +45,7 @@ bool bake_ambient(const AmbientSettings& settings, uint64_t seed, uint32_t threa
   if (!settings.data.empty())
     report->captured = measure_ambient(candidate, captured_environments(settings.data), seed, pool);
   report->components = file->ambient.components, report->points = file->surface.vertices;
-  report->ms = ms_per_texture(bytes, rooms);
+  report->ms = ShadowRunner(bytes, "baked", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE).ambient_ms();
   if (pictures != nullptr)
     *pictures = ambient_pictures(candidate, std::span(rooms).first(std::min(k_pictures, rooms.size())), pool);
   return !interrupted();

@@ -1,6 +1,9 @@
 // See shadow_runner.h.
 #include "models/baking/shadow_runner.h"
 
+#include <algorithm>
+#include <ctime>
+
 #include "models/files/aligned_bytes.h"
 #include "models/files/failure.h"
 
@@ -34,6 +37,19 @@ std::vector<uint8_t> ShadowRunner::ambient(const std::array<double, SANDGLASS_LI
   }
   const sandglass_shadow_ambient now = shadow_.ambient();
   return {now.visibility, now.visibility + size_t{now.side} * now.side};
+}
+
+double ShadowRunner::ambient_ms() {
+  std::vector<double> times;
+  for (uint32_t turn = 0; turn < 64; ++turn) {
+    std::array<double, SANDGLASS_LIGHT_CELLS> cells = {};
+    cells[turn] = 1;
+    const std::clock_t from = std::clock();
+    ambient(cells);
+    times.push_back(1e3 * static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC);
+  }
+  std::sort(times.begin(), times.end());
+  return times[times.size() / 2];
 }
 
 }  // namespace sandglass::host

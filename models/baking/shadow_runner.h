@@ -23,6 +23,8 @@ class ShadowRunner {
   sandglass_shadow_texture texture(const Direction& light);
   // Computes the whole ambient shadow in the light of `cells`, in the object's frame.
   std::vector<uint8_t> ambient(const std::array<double, SANDGLASS_LIGHT_CELLS>& cells);
+  // CPU time of one ambient shadow on this machine (the median of some), in ms.
+  double ambient_ms();
   sandglass_shadow* handle() const { return shadow_.get(); }
 
  private:

@@ -51,6 +51,7 @@ void end_texture(AmbientShadow* ambient) {
   ambient->front = ambient->back, ambient->back = swap;
   ambient->front_call = ambient->begun_call;
   ambient->under_way = false, ambient->valid = true, ambient->gives_way = true;
+  ++ambient->completed;
 }
 
 // Whether some texel can differ by a step of its byte between the two lights.
@@ -169,6 +170,7 @@ void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_shad
       out.low[axis] = static_cast<float>(s.origin[2 * axis] - a.half);
       out.high[axis] = static_cast<float>(s.origin[2 * axis] + a.half);
     }
+    out.completed = a.completed;
     out.age = ambient_waits(a) ? static_cast<uint32_t>(a.calls - a.front_call) : 0;
   }
   fill_struct(&out, sizeof out, ambient);

@@ -29,6 +29,7 @@ struct AmbientShadow {
   bool gives_way;   // a waiting texture of a light comes first, because the last one here was made since one of those
   uint32_t cursor;  // next texel
   uint8_t *front, *back;
+  uint32_t completed;                      // textures so far
   uint64_t calls, begun_call, front_call;  // calls of set_cells: so far, when the texture under way and `front` began
 };
 

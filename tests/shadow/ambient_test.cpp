@@ -119,11 +119,13 @@ TEST(AmbientShadow, OneUnitAFrameGivesTheSameTextureLater) {
   for (; left > 0; ++units) {
     EXPECT_EQ(pieces.texture(), before);  // the old texture stays complete
     EXPECT_EQ(pieces.now().age, 1u);
+    EXPECT_EQ(pieces.now().completed, 1u);
     ASSERT_EQ(pieces.run(1), 1u);
     ASSERT_EQ(sandglass_shadow_units_left(pieces.shadow), --left);
   }
   EXPECT_EQ(pieces.texture(), expected);
   EXPECT_EQ(pieces.now().age, 0u);
+  EXPECT_EQ(pieces.now().completed, 2u);
   EXPECT_EQ(pieces.run(1), 0u);
 }
 

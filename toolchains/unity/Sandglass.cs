@@ -256,7 +256,7 @@ public unsafe struct sandglass_shadow_ambient {
   public uint side;
   public fixed float low[2];
   public fixed float high[2];
-  public uint age;
+  public uint age, completed;
 }
 
 [StructLayout(LayoutKind.Sequential)]

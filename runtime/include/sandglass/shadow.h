@@ -234,6 +234,8 @@ typedef struct sandglass_shadow_ambient {
   float low[2], high[2];
   /* Calls of set_cells since the one that the texture was begun for. 0: it is that of the present cells. */
   uint32_t age;
+  /* Textures that were completed so far. The bytes have changed when this has. */
+  uint32_t completed;
 } sandglass_shadow_ambient;
 
 /* Fills *ambient; set ambient->struct_size before. */
