@@ -158,7 +158,8 @@ int bake_command(const BakeOptions& given) {
                                 ? bake_ambient_only(mesh, options.mesh, s, options.output, options.picture)
                                 : bake(mesh, options.mesh, s, options.output, options.picture, options.resume);
   if (report.interrupted) {
-    std::printf("interrupted; to go on, repeat the command with --resume\n");
+    std::puts(options.ambient_only ? "interrupted; the file is as it was"
+                                   : "interrupted; to go on, repeat the command with --resume");
     return k_exit_interrupted;
   }
   print(report, s);

@@ -191,7 +191,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_resample(con
                                                                              uint32_t light, uint32_t size,
                                                                              uint8_t* coverage, const char** reason);
 
-/* Writes all lights of an object together, for apps that draw one texture an object. `size`: 1..1024 texels along a
+/* Writes all lights of an object together, without its ambient shadow, for apps that draw one texture an object. `size`: 1..1024 texels along a
  * side; `coverage` takes size * size bytes. The rectangle low..high, which it returns, holds the textures of all
  * lights.
  *
