@@ -107,6 +107,35 @@ TEST(HardCase, EmptyOneFullAndOneTooMany) {
             SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
+TEST(HardCase, ParticlesThatMakeNoSenseAreRefusedAndTheLastPlaceCounts) {
+  GranularScene scene(description(1));
+  const auto status_of = [&](const std::vector<float>& at, const float* velocity) {
+    const char* reason = nullptr;
+    const sandglass_status status = sandglass_granular_add(
+        scene.scene, at.data(), velocity, static_cast<uint32_t>(at.size() / 3), nullptr, nullptr, 0, &reason);
+    EXPECT_EQ(reason == nullptr, status == SANDGLASS_OK);
+    return status;
+  };
+  for (const float bad : {k_nan, k_infinity, 1.01f * SANDGLASS_COORDINATE_LIMIT})
+    EXPECT_EQ(status_of({0.0f, bad, 0.0f}, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT) << bad;
+  const float velocity[3] = {k_nan, 0.0f, 0.0f};
+  EXPECT_EQ(status_of({0.0f, 1.0f, 0.0f}, velocity), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(status_of({0.0f, 1.0f, 0.0f, 0.0f, 1.1f, 0.0f}, nullptr), SANDGLASS_ERROR_CAPACITY);
+  EXPECT_EQ(status_of({0.0f, 1.0f, 0.0f}, nullptr), SANDGLASS_OK);
+}
+
+TEST(HardCase, CollidersThatMakeNoSenseAreLeftOut) {
+  GranularScene scene(description(384));
+  scene.add(lattice(8, 6, 8, 0.0204f, 0.0102f));
+  scene.colliders.assign(5, half_space(0.0f));
+  scene.colliders[1].position[1] = k_nan;
+  scene.colliders[2].rotation[3] = 0.0f;
+  scene.colliders[3] = sphere(-1.0f);
+  scene.colliders[4].shape = 77;
+  EXPECT_EQ(scene.frame(k_frame).ignored_colliders, 4u);
+  expect_finite(scene, 50.0f);
+}
+
 // Only for g++. Clang assumes that nobody reads the floating-point flags, and computes both sides of a selection. So
 // its builds may trap on a value that is never used.
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)

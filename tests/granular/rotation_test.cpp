@@ -109,6 +109,16 @@ TEST(Rotation, AMirroredBodyIsTurnedAndNotMirrored) {
   expect_best({-1, 0, 0, 0, -1, 0, 0, 0, -1}, k_identity, "inverted");
 }
 
+TEST(Rotation, IsTheBestOneOfNearlyFlatAndNearlyMirroredMatrices) {
+  for (const auto& [x, y, z] : {std::array{1.0, 1e-3, 1e-6},
+                                {1.0, 1.0, 0.0},
+                                {2.0, 1.0, -0.5},
+                                {1.0, 1e-9, 1e-9},
+                                {5.0, 5.0, -5.0},
+                                {3.0, 1e-4, -1e-5}})
+    expect_best({x, 0, 0, 0, y, 0, 0, 0, z}, {0.0, 1.0, 0.0, 0.0}, "nearly flat or mirrored");
+}
+
 TEST(Rotation, WhatTheMatrixLeavesOpenComesFromTheStart) {
   const double c = std::cos(0.2), s = std::sin(0.2);
   const Quaternion near = {s, 0, 0, c};  // 0.4 rad about x

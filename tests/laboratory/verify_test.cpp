@@ -47,12 +47,8 @@ TEST(Truth, NoGrainJumpsAtTheThresholdAndTheSourcesDo) {
   EXPECT_NEAR(threshold_jump(source), 0.298 * 0.008 / 0.02, 0.002);
 }
 
-TEST(HardCase, RotationsAreTheBestAtEveryScale) {
-  for (const double scale : {1.0, 1e12, 1e-12}) EXPECT_LT(rotation_gap(scale), 1e-9) << scale;
-}
-
 // The table is asserted as `verify granular` prints it: every claim holds, and every control fails as it must. Left out
-// is what takes long (`heavy`, `far` and the flows) and what the tests above ask more of (`momentum`, `refinement`).
+// is what takes long (`far` and the flows).
 struct QuickGroup {
   const char* name;
   size_t least_rows;
@@ -77,28 +73,24 @@ TEST(HardCase, AStackOfAHundredIsNoHigherThanItsSpheres) { EXPECT_LE(stack(defau
 
 TEST(Scattered, NoneOverlapAndAllAreInside) {
   constexpr double k_radius = 0.01, k_shaft = 0.1;
-  for (const bool round : {true, false}) {
-    const std::vector<float> points = scattered(500, {k_shaft, 0.05, round}, 0.2, k_radius, 3);
-    ASSERT_EQ(points.size(), 1500u);
-    for (size_t i = 0; i < points.size(); i += 3) {
-      const double x = points[i], y = points[i + 1], z = points[i + 2];
-      EXPECT_GE(y, 0.2 + k_radius);
-      if (round) EXPECT_LE(std::sqrt(x * x + z * z), k_shaft - k_radius);
-      else EXPECT_TRUE(std::fabs(x) <= k_shaft - k_radius && std::fabs(z) <= 0.05 - k_radius);
-      for (size_t j = 0; j < i; j += 3)
-        ASSERT_GE(std::hypot(x - static_cast<double>(points[j]), y - static_cast<double>(points[j + 1]),
-                             z - static_cast<double>(points[j + 2])),
-                  2.0 * k_radius);
-    }
+  const std::vector<float> points = scattered(500, k_shaft, 0.2, k_radius, 3);
+  ASSERT_EQ(points.size(), 1500u);
+  for (size_t i = 0; i < points.size(); i += 3) {
+    const double x = points[i], y = points[i + 1], z = points[i + 2];
+    EXPECT_GE(y, 0.2 + k_radius);
+    EXPECT_LE(std::sqrt(x * x + z * z), k_shaft - k_radius);
+    for (size_t j = 0; j < i; j += 3)
+      ASSERT_GE(std::hypot(x - static_cast<double>(points[j]), y - static_cast<double>(points[j + 1]),
+                           z - static_cast<double>(points[j + 2])),
+                2.0 * k_radius);
   }
-  EXPECT_EQ(scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 9), scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 9));
-  EXPECT_NE(scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 9), scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 8));
+  EXPECT_EQ(points, scattered(500, k_shaft, 0.2, k_radius, 3));
+  EXPECT_NE(points, scattered(500, k_shaft, 0.2, k_radius, 4));
 }
 
 TEST(Laws, AreThoseThatWerePublished) {
   EXPECT_NEAR(lube_runout(1.0), 1.24, 1e-12);
   EXPECT_NEAR(lube_runout(4.0), 3.2, 1e-12);
-  EXPECT_NEAR(lube_planar_runout(8.0), 1.9 * 4.0, 1e-12);
   const std::vector<double> x = {5.0, 6.0, 7.0, 10.0};
   std::vector<double> y;
   for (const double v : x) y.push_back(3.0 * std::pow(v, 2.5));
@@ -152,10 +144,10 @@ TEST(Plot, MarksLieWhereTheirNumbersAre) {
 TEST(Plot, OnlyCurvesWithPointsAreDrawn) {
   EXPECT_TRUE(granular_plots({}).empty());
   GranularCurves curves;
-  curves.frictions = {0.1, 0.2}, curves.repose_deg = {10.0, 20.0};
+  curves.aspects = {1.0, 2.0}, curves.runouts = {1.4, 2.3};
   const std::vector<GranularPlot> plots = granular_plots(curves);
   ASSERT_EQ(plots.size(), 1u);
-  EXPECT_EQ(plots[0].name, "repose");
+  EXPECT_EQ(plots[0].name, "runout");
 }
 
 }  // namespace

@@ -16,31 +16,22 @@ namespace {
 
 sandglass_collider plane_with_slope(double slope) {
   const double angle = std::atan(slope);  // downhill is towards +x
-  sandglass_collider plane = {};
-  plane.shape = SANDGLASS_SHAPE_HALF_SPACE;
+  sandglass_collider plane = cpp::floor_at(0.0f);
   plane.rotation[2] = static_cast<float>(-std::sin(0.5 * angle));
   plane.rotation[3] = static_cast<float>(std::cos(0.5 * angle));
   return plane;
 }
 
-Simulation one_particle_scene(sandglass_scene_desc desc) {
-  desc.granular.particle_capacity = 1;
-  desc.granular.grain_capacity = 0;
-  desc.granular.collider_capacity = 1;
-  return Simulation(desc);
-}
-
 }  // namespace
 
 sandglass_scene_desc physics_desc(double mu) {
-  sandglass_scene_desc desc;
-  sandglass_scene_desc_default(&desc);
+  sandglass_scene_desc desc = cpp::scene_desc();
   desc.granular.static_friction = desc.granular.kinetic_friction = static_cast<float>(mu);
   return desc;
 }
 
 double free_fall_error(const sandglass_scene_desc& desc) {
-  Simulation simulation = one_particle_scene(desc);
+  Simulation simulation(with_room(desc, 1));
   const float start[3] = {0.0f, 0.0f, 0.0f}, velocity[3] = {0.5f, 0.0f, 0.0f};
   simulation.add(start, velocity);
   double x = 0.0, y = 0.0, fall_speed = 0.0, worst = 0.0;
@@ -57,7 +48,7 @@ double free_fall_error(const sandglass_scene_desc& desc) {
 }
 
 double sliding_distance(const sandglass_scene_desc& desc, double* substep) {
-  Simulation simulation = one_particle_scene(desc);
+  Simulation simulation(with_room(desc, 1));
   const float start[3] = {0.0f, desc.granular.particle_radius, 0.0f}, velocity[3] = {1.0f, 0.0f, 0.0f};
   simulation.add(start, velocity);
   const sandglass_collider floor = plane_with_slope(0.0);
@@ -68,7 +59,7 @@ double sliding_distance(const sandglass_scene_desc& desc, double* substep) {
 }
 
 double incline_distance(const sandglass_scene_desc& desc, double slope, double seconds) {
-  Simulation simulation = one_particle_scene(desc);
+  Simulation simulation(with_room(desc, 1));
   const double angle = std::atan(slope), r = desc.granular.particle_radius;
   const float start[3] = {static_cast<float>(r * std::sin(angle)), static_cast<float>(r * std::cos(angle)), 0.0f};
   const float rest[3] = {0.0f, 0.0f, 0.0f};
@@ -99,11 +90,7 @@ RestingPile resting_pile(const sandglass_scene_desc& desc) {
   scene.bodies.push_back(column);
   scene.colliders.emplace_back();
   const Material material = fill_scene(&scene, {});
-  sandglass_scene_desc full = desc;
-  full.granular.particle_capacity = material.particles();
-  full.granular.grain_capacity = material.grains();
-  full.granular.collider_capacity = 1;
-  Simulation simulation(full);
+  Simulation simulation(with_room(desc, material.particles(), material.grains()));
   simulation.add(material);
 
   const double r = scene.particle_radius;
@@ -144,11 +131,8 @@ std::vector<float> block(int count, double radius) {
 
 sandglass_scene_desc weightless(sandglass_scene_desc desc, uint32_t particles, uint32_t grains) {
   for (float& g : desc.gravity) g = 0.0f;
-  desc.granular.particle_capacity = particles;
-  desc.granular.grain_capacity = grains;
-  desc.granular.collider_capacity = 0;
   desc.granular.sleep_after = 0.0f;
-  return desc;
+  return with_room(desc, particles, grains);
 }
 
 }  // namespace
