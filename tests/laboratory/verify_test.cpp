@@ -11,41 +11,10 @@
 #include "models/laboratory/sand/flow_cases.h"
 #include "models/laboratory/sand/granular_plots.h"
 #include "models/laboratory/sand/granular_verdicts.h"
-#include "models/laboratory/sand/hard_cases.h"
-#include "models/laboratory/sand/physics_cases.h"
 #include "models/simulation/metrics.h"
 
 namespace sandglass::host {
 namespace {
-
-sandglass_scene_desc defaults() {
-  sandglass_scene_desc desc;
-  sandglass_scene_desc_default(&desc);
-  return desc;
-}
-
-TEST(Truth, AFreeCloudKeepsItsMomentumAndAveragingDoesNot) {
-  const Cloud cloud = free_cloud(defaults());
-  EXPECT_LT(cloud.drift, 1e-6) << "rounding of 512 floats over 1300 sub-steps";
-  EXPECT_GT(cloud.collisions, 256);
-  sandglass_scene_desc averaged = defaults();
-  averaged.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;
-  averaged.granular.reference.relaxation = 1.0f;
-  EXPECT_GT(free_cloud(averaged).drift, 1e-4);
-}
-
-TEST(Truth, GrainsReproduceAUniformFieldAndNotASheared) {
-  EXPECT_LT(uniform_field_error(defaults(), 0.0), 1e-5);
-  EXPECT_GT(uniform_field_error(defaults(), 0.5), 1e-3);
-}
-
-TEST(Truth, NoGrainJumpsAtTheThresholdAndTheSourcesDo) {
-  EXPECT_LT(threshold_jump(defaults()), 0.001);
-  sandglass_scene_desc source = defaults();
-  source.granular.reference.blend = SANDGLASS_BLEND_SOURCE;
-  // The rule as printed makes grains jump by 1 - W(r) = 0.298 of the particles' 1 m/s for 8 ms. The unit is d = 2 cm.
-  EXPECT_NEAR(threshold_jump(source), 0.298 * 0.008 / 0.02, 0.002);
-}
 
 // The table is asserted as `verify granular` prints it: every claim holds, and every control fails as it must. Left out
 // is what takes long (`far` and the flows).
@@ -66,10 +35,8 @@ TEST_P(QuickVerdicts, EveryRowHolds) {
 
 INSTANTIATE_TEST_SUITE_P(Granular, QuickVerdicts,
                          testing::Values(QuickGroup{"particle", 7}, QuickGroup{"rest", 7}, QuickGroup{"hard", 7},
-                                         QuickGroup{"momentum", 4}, QuickGroup{"refinement", 4}),
+                                         QuickGroup{"momentum", 4}, QuickGroup{"refinement", 5}),
                          [](const auto& group) { return std::string(group.param.name); });
-
-TEST(HardCase, AStackOfAHundredIsNoHigherThanItsSpheres) { EXPECT_LE(stack(defaults(), 100, 5.0).height, 1.0); }
 
 TEST(Scattered, NoneOverlapAndAllAreInside) {
   constexpr double k_radius = 0.01, k_shaft = 0.1;

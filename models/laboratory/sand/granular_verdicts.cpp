@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "models/laboratory/sand/apparatus.h"
-#include "models/laboratory/sand/hard_cases.h"
 #include "models/laboratory/sand/physics_cases.h"
 #include "models/simulation/metrics.h"
 
@@ -103,8 +102,8 @@ void rest(Table& t) {
 void momentum(Table& t) {
   const Cloud cloud = free_cloud(t.defaults());
   t.claim("momentum drift, free cloud", "a step", 0.0, cloud.drift_per_step, 1e-7);
-  t.claim("momentum drift, 0.4 s", "of sum |p|", 0.0, cloud.drift, 1e-4);
-  t.report("particles that collided", "of 512", 512.0, cloud.collisions);
+  t.claim("momentum drift, 0.4 s", "of sum |p|", 0.0, cloud.drift, 1e-6);  // rounding of 512 floats over 1300 sub-steps
+  t.claim("particles that collided", "of 512", 512.0, cloud.collisions, 255.0);
   sandglass_scene_desc averaged = t.defaults();
   averaged.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;
   averaged.granular.reference.relaxation = 1.0f;
@@ -113,11 +112,14 @@ void momentum(Table& t) {
 
 void refinement(Table& t) {
   t.claim("uniform field reproduced", "of |u|", 0.0, uniform_field_error(t.defaults(), 0.0), 1e-5);
-  t.control("uniform field, sheared", "of |u|", 0.0, uniform_field_error(t.defaults(), 0.5), 1e-5);
+  t.control("uniform field, sheared", "of |u|", 0.0, uniform_field_error(t.defaults(), 0.5), 1e-3);
   t.claim("lambda threshold, one ulp", "d", 0.0, threshold_jump(t.defaults()), 0.001);
   sandglass_scene_desc source = t.defaults();
   source.granular.reference.blend = SANDGLASS_BLEND_SOURCE;
-  t.control("lambda threshold, source", "d", 0.0, threshold_jump(source), 0.001);
+  const double jump = threshold_jump(source);
+  t.control("lambda threshold, source", "d", 0.0, jump, 0.001);
+  // The rule as printed makes grains jump by 1 - W(r) = 0.298 of the particles' 1 m/s for 8 ms. The unit is d = 2 cm.
+  t.claim("lambda threshold, source's jump", "d", 0.298 * 0.008 / 0.02, jump, 0.002);
 }
 
 void column(Table& t) {
@@ -228,7 +230,7 @@ void hard(Table& t) {
   t.claim("stack of 20", "height", 0.99, stack(desc, 20, 5.0).height, 0.01);
   t.control("stack of 20, coarse", "height", 0.99, stack(t.coarse(), 20, 5.0).height, 0.01);
   const Stack hundred = stack(desc, 100, 5.0);
-  t.claim("stack of 100", "height", 0.98, hundred.height, 0.03);
+  t.claim("stack of 100", "height", 0.975, hundred.height, 0.025);  // no higher than its spheres
   t.claim("stack of 100: highest", "height", 1.0, hundred.highest, 0.01);
   t.claim("projectile at 40 m/s", "r deep", 0.0, projectile_depth(desc), 0.01);
   for (const double k : {0.0, 0.3, 0.6, 0.9, 1.5}) {
