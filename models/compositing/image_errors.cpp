@@ -1,5 +1,5 @@
-// Constants of the perceived errors are those of the papers. The weights of a filter are normalised. Outside, a picture continues with its
-// border pixels.
+// Constants of the perceived errors are those of the papers. The weights of a filter are normalised. Outside, a picture
+// continues with its border pixels.
 #include "models/compositing/image_errors.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// How far a picture is from its truth: the dissertation's four measures and the literature's scale-invariant one; and how
-// different the two look: structural similarity of what is displayed (Wang et al. 2004), and FLIP (Andersson et al.
+// How far a picture is from its truth: the dissertation's four measures and the literature's scale-invariant one; and
+// how different the two look: structural similarity of what is displayed (Wang et al. 2004), and FLIP (Andersson et al.
 // 2020), the difference that an observer sees when flipping between them. For the latter two, pictures have equal size
 // and linear BT.709 values in 0..1; values outside are clamped, as on a display.
 #pragma once

@@ -13,8 +13,8 @@ inline double cpu_ms_now() {
   return 1e-6 * static_cast<double>(clock.now_ns(clock.user));
 }
 
-// The least time of `work` over some repeats, because the machine may be shared, in ms. `before` runs before each repeat
-// and is not timed.
+// The least time of `work` over some repeats, in ms: the machine may be shared. `before` runs before each repeat and is
+// not timed.
 template <class Work, class Before>
 double best_cpu_ms(Work work, Before before) {
   constexpr uint32_t k_repeats = 7;

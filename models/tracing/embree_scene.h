@@ -1,5 +1,5 @@
-// A scene of triangles or spheres that Embree traces rays against. SphereCaster, the path tracers and the truth of baked
-// shadows are built on it. Without Embree only SphereCaster exists (sphere_caster_grid.cpp).
+// A scene of triangles or spheres that Embree traces rays against. SphereCaster, the path tracers and the truth of
+// baked shadows are built on it. Without Embree only SphereCaster exists (sphere_caster_grid.cpp).
 #pragma once
 
 #ifdef SANDGLASS_HAVE_EMBREE

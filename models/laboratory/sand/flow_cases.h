@@ -32,9 +32,9 @@ struct CollapseSetting {
 Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setting, const CaseStep& step);
 double lube_runout(double aspect);  // Lube et al. 2004: 1.24 a, above 1.7 1.6 sqrt(a)
 
-// The angle of repose by draining, in degrees. A column stands on a round platform of its own radius. Its tube is taken away; what
-// cannot stay falls off the rim, and what stays is a pile whose toe is the rim. The angle is that of a cone of the
-// pile's volume on the platform, so no line has to be fitted to a surface of a few particles.
+// The angle of repose by draining, in degrees. A column stands on a round platform of its own radius. Its tube is taken
+// away; what cannot stay falls off the rim, and what stays is a pile whose toe is the rim. The angle is that of a cone
+// of the pile's volume on the platform, so no line has to be fitted to a surface of a few particles.
 double repose(const sandglass_scene_desc& desc, double radius_d, double aspect, uint64_t seed, const CaseStep& step);
 
 // A flat-bottomed silo 40 d wide, kept more than 20 d full by an emitter that pours back what the sink has taken.
