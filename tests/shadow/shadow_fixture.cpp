@@ -8,9 +8,9 @@
 #include <new>
 
 #include "kernels/int8.h"
-#include "models/baking/shadow_builders.h"
 #include "runtime/asset/file.h"
 #include "runtime/asset/shadow_asset.h"
+#include "runtime/asset/shadow_generated.h"
 
 namespace sandglass::tests {
 
@@ -64,7 +64,12 @@ AssetFile make_shadow_file(const RandomShadow& what) {
     for (int32_t& b : bias) b = what.zero ? 0 : static_cast<int32_t>(4000 * random.unit());
     const auto w = builder.CreateVector(weights);
     const auto b = builder.CreateVector(bias);
-    return asset::CreateLayer(builder, w, b, builder.CreateVector(std::vector<float>(outputs, multiplier)));
+    const auto m = builder.CreateVector(std::vector<float>(outputs, multiplier));
+    const flatbuffers::uoffset_t start = builder.StartTable();
+    builder.AddOffset(asset::Layer::VT_MULTIPLIER, m);
+    builder.AddOffset(asset::Layer::VT_BIAS, b);
+    builder.AddOffset(asset::Layer::VT_WEIGHTS, w);
+    return flatbuffers::Offset<asset::Layer>(builder.EndTable(start));
   };
   std::vector<float> first(inputs * what.width), first_bias(what.width);
   for (float& w : first) w = what.zero ? 0.0f : static_cast<float>(static_cast<double>(what.spread) * random.unit());
@@ -83,20 +88,21 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   const auto biases = builder.CreateVector(first_bias);
   const auto name = builder.CreateString("random");
   const asset::Box box(1, 2, 3, 0.2, 0.1, 0.5, 0.349065850398866, 1.2217304763960306);  // 20 and 70 degrees
-  asset::ShadowBuilder shadow(builder);
-  shadow.add_version(what.version);
-  shadow.add_name(name);
-  shadow.add_box(&box);
-  shadow.add_plane_fitted(true);
-  shadow.add_texel_frequencies(static_cast<uint8_t>(what.texel_frequencies));
-  shadow.add_light_frequencies(static_cast<uint8_t>(what.light_frequencies));
-  shadow.add_width(static_cast<uint16_t>(what.width));
-  shadow.add_first_weights(first_weights);
-  shadow.add_first_bias(biases);
-  shadow.add_first_step(0.02f);
-  shadow.add_layers(all);
-  shadow.add_last(last);
-  builder.Finish(shadow.Finish(), asset::ShadowIdentifier());
+  using Table = asset::Shadow;
+  const flatbuffers::uoffset_t start = builder.StartTable();
+  builder.AddElement<uint16_t>(Table::VT_VERSION, what.version, 0);
+  builder.AddOffset(Table::VT_NAME, name);
+  builder.AddStruct(Table::VT_BOX, &box);
+  builder.AddElement<uint8_t>(Table::VT_PLANE_FITTED, 1, 0);
+  builder.AddElement<uint8_t>(Table::VT_TEXEL_FREQUENCIES, static_cast<uint8_t>(what.texel_frequencies), 0);
+  builder.AddElement<uint8_t>(Table::VT_LIGHT_FREQUENCIES, static_cast<uint8_t>(what.light_frequencies), 0);
+  builder.AddElement<uint16_t>(Table::VT_WIDTH, static_cast<uint16_t>(what.width), 0);
+  builder.AddOffset(Table::VT_FIRST_WEIGHTS, first_weights);
+  builder.AddOffset(Table::VT_FIRST_BIAS, biases);
+  builder.AddElement<float>(Table::VT_FIRST_STEP, 0.02f, 0.0f);
+  builder.AddOffset(Table::VT_LAYERS, all);
+  builder.AddOffset(Table::VT_LAST, last);
+  builder.Finish(flatbuffers::Offset<Table>(builder.EndTable(start)), asset::ShadowIdentifier());
   AssetFile file = {std::vector<uint64_t>((builder.GetSize() + k_checksum_bytes) / 8 + 1),
                     builder.GetSize() + k_checksum_bytes};
   std::memcpy(file.data(), builder.GetBufferPointer(), builder.GetSize());
