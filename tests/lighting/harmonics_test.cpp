@@ -14,11 +14,13 @@
 #include "models/lighting/labels.h"
 #include "models/rooms/panorama.h"
 #include "tests/filled_struct.h"
+#include "tests/reason.h"
 
 namespace sandglass {
 namespace {
 
 using host::Vec3;
+using tests::expect_refused;
 constexpr double k_circle = 2.0 * std::numbers::pi;
 
 sandglass_light_estimate estimate_of(Vec3 direction, float contrast = 0.6f) {
@@ -280,24 +282,19 @@ TEST(Renderers, WhatIsWrongIsRefusedWithASentence) {
   sandglass_light_arkit a = sized<sandglass_light_arkit>();
   sandglass_light_unity u = sized<sandglass_light_unity>();
   float sh[27];
-  const char* reason = nullptr;
-  const auto expect = [&](sandglass_status status, const std::string& words) {
-    EXPECT_EQ(status, SANDGLASS_ERROR_INVALID_ARGUMENT) << words;
-    ASSERT_NE(reason, nullptr) << words;
-    EXPECT_NE(std::string(reason).find(words), std::string::npos) << reason;
-  };
-  expect(sandglass_light_harmonics(nullptr, 0, sh, &reason), "NULL");
-  expect(sandglass_light_harmonics(&e, 3, sh, &reason), "model");
-  expect(sandglass_light_to_filament(&e, 0, NAN, &f, &reason), "nits");
-  expect(sandglass_light_to_filament(&e, 0, 1.0f, nullptr, &reason), "struct");
-  expect(sandglass_light_to_arkit(&e, -1, &a, &reason), "model");
+  expect_refused("NULL", [&](const char** why) { return sandglass_light_harmonics(nullptr, 0, sh, why); });
+  expect_refused("model", [&](const char** why) { return sandglass_light_harmonics(&e, 3, sh, why); });
+  expect_refused("nits", [&](const char** why) { return sandglass_light_to_filament(&e, 0, NAN, &f, why); });
+  expect_refused("struct", [&](const char** why) { return sandglass_light_to_filament(&e, 0, 1.0f, nullptr, why); });
+  expect_refused("model", [&](const char** why) { return sandglass_light_to_arkit(&e, -1, &a, why); });
   f.struct_size = a.struct_size = u.struct_size = 4;
-  expect(sandglass_light_to_filament(&e, 0, 1.0f, &f, &reason), "struct to fill has no struct_size");
-  expect(sandglass_light_to_arkit(&e, 0, &a, &reason), "struct to fill has no struct_size");
-  expect(sandglass_light_to_unity(&e, 0, &u, &reason), "struct to fill has no struct_size");
+  const char* const no_size = "struct to fill has no struct_size";
+  expect_refused(no_size, [&](const char** why) { return sandglass_light_to_filament(&e, 0, 1.0f, &f, why); });
+  expect_refused(no_size, [&](const char** why) { return sandglass_light_to_arkit(&e, 0, &a, why); });
+  expect_refused(no_size, [&](const char** why) { return sandglass_light_to_unity(&e, 0, &u, why); });
   EXPECT_EQ(f.sh[0] + a.sh[0] + u.sh[0], 0.0f) << "a refused call must not fill its result";
   u.struct_size = sizeof u, e.struct_size = 4;
-  expect(sandglass_light_to_unity(&e, 0, &u, &reason), "estimate.struct_size");
+  expect_refused("estimate.struct_size", [&](const char** why) { return sandglass_light_to_unity(&e, 0, &u, why); });
 }
 
 // In a struct of an older or a newer header, the memory beyond its struct_size is the app's.

@@ -5,17 +5,13 @@
 #include <vector>
 
 #include "sandglass/light.h"
+#include "tests/asset_file.h"
+#include "tests/guarded_block.h"
 
 namespace sandglass::tests {
 
-// The file of the random network, aligned; the same for every caller.
-struct LightFileBytes {
-  std::vector<uint64_t> words;
-  uint64_t bytes = 0;
-  const uint8_t* data() const { return reinterpret_cast<const uint8_t*>(words.data()); }
-  uint8_t* data() { return reinterpret_cast<uint8_t*>(words.data()); }
-};
-const LightFileBytes& random_light();
+// The file of the random network; the same for every caller.
+const AssetFile& random_light();
 
 sandglass_light_desc describe_light();
 
@@ -30,13 +26,11 @@ struct LiveLight {
   explicit LiveLight(const sandglass_light_desc& desc = describe_light());
   // Gives it the image and runs all units of the estimate.
   void estimate(const sandglass_camera_image& image);
+  void finish();
   sandglass_light_estimate get() const;
   sandglass_light_estimate latest() const;
-  bool guards_intact() const;
 
-  std::vector<uint8_t> memory;
-  uint8_t* block = nullptr;
-  uint64_t bytes = 0;
+  test::GuardedBlock block;
   sandglass_light* light = nullptr;
 };
 
