@@ -180,10 +180,6 @@ DenseNet densenet_of(const std::map<std::string, NpyArray>& arrays) {
     channels /= 2;
   }
   net.last = affine_of(arrays, "bn", channels);
-  if (arrays.count("fc1000/kernel") > 0) {
-    net.classifier = find(arrays, "fc1000/kernel", {k_features, 1000}).values;
-    net.classifier_bias = find(arrays, "fc1000/bias", {1000}).values;
-  }
   return net;
 }
 
@@ -209,30 +205,6 @@ std::vector<float> features_of(const DenseNet& net, std::span<const uint8_t> rgb
         features[c] += one[c] / static_cast<float>(block.width * block.height);
     }
   return features;
-}
-
-std::vector<float> probabilities_of(const DenseNet& net, std::span<const float> features) {
-  std::vector<float> logits = net.classifier_bias;
-  for (size_t k = 0; k < features.size(); ++k)
-    for (size_t n = 0; n < logits.size(); ++n) logits[n] += features[k] * net.classifier[k * logits.size() + n];
-  const float greatest = *std::max_element(logits.begin(), logits.end());
-  float sum = 0.0f;
-  for (float& logit : logits) sum += logit = std::exp(logit - greatest);
-  for (float& logit : logits) logit /= sum;
-  return logits;
-}
-
-uint64_t multiplications_of(const DenseNet& net, int width, int height) {
-  const auto weights = [](const Convolution& c) { return static_cast<uint64_t>(c.weights.size()); };
-  uint64_t pixels = static_cast<uint64_t>(width / 2) * static_cast<uint64_t>(height / 2);
-  uint64_t sum = pixels * weights(net.stem);
-  pixels /= 4;
-  for (const DenseBlock& block : net.blocks) {
-    for (const DenseLayer& layer : block.layers) sum += pixels * (weights(layer.narrow) + weights(layer.wide));
-    pixels /= 4;
-    sum += pixels * weights(block.transition);
-  }
-  return sum;
 }
 
 }  // namespace sandglass::host

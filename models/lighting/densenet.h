@@ -45,7 +45,6 @@ struct DenseNet {
   Convolution stem;
   ChannelAffine stem_affine, last;
   DenseBlock blocks[4];
-  std::vector<float> classifier, classifier_bias;  // 1024 x 1000; empty if the file has none
 };
 
 // Reads arrays that are named as in the data folder's README. Throws a Failure that names what is missing or has
@@ -68,11 +67,5 @@ using ActivationObserver = std::function<void(Activation, int index, const float
 // The 1024 features of an sRGB image (width and height are multiples of 32): batch normalised, rectified, averaged.
 std::vector<float> features_of(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height,
                                const ActivationObserver& observer = {});
-
-// ImageNet's 1000 probabilities.
-std::vector<float> probabilities_of(const DenseNet& net, std::span<const float> features);
-
-// The multiplications of one pass, with pooling before the transitions' convolutions.
-uint64_t multiplications_of(const DenseNet& net, int width, int height);
 
 }  // namespace sandglass::host

@@ -14,6 +14,7 @@
 
 #include "models/rooms/excerpt.h"
 #include "runtime/core/random.h"
+#include "tests/lighting/made_panorama.h"
 #include "tests/reason.h"
 
 namespace sandglass {
@@ -120,12 +121,9 @@ TEST(CameraImage, AgreesWithTheDoubleModelForEveryTurnAndSize) {
 // The resampled image of a camera in a panorama equals that of the data set's camera: a pixel means the same ray in
 // both.
 TEST(CameraImage, SeesAPanoramaAsTheDataSetDoes) {
-  host::RadianceMap panorama(512, 256);
-  for (int v = 0; v < 256; ++v)
-    for (int u = 0; u < 512; ++u) {
-      const host::Vec3 d = host::panorama_direction(u, v, 512, 256);
-      panorama.set(u, v, {0.5 + 0.4 * std::sin(5 * d.x), 0.5 + 0.4 * std::sin(5 * d.y), 0.5 + 0.4 * std::sin(5 * d.z)});
-    }
+  const host::RadianceMap panorama = tests::panorama_of(512, [](host::Vec3 d) {
+    return host::Vec3{0.5 + 0.4 * std::sin(5 * d.x), 0.5 + 0.4 * std::sin(5 * d.y), 0.5 + 0.4 * std::sin(5 * d.z)};
+  });
   const host::View view = host::choose_views(2)[0];
   const host::RadianceMap expected = host::cut_excerpt(panorama, view);
   const host::RadianceMap photograph = host::cut_excerpt(panorama, view, 800, 600, 100.0);

@@ -230,7 +230,8 @@ TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
     sandglass_light_desc desc = describe_light();
     spoil(desc);
     uint64_t bytes = 0;
-    expect_refused(words, [&](const char** reason) { return sandglass_light_bytes(&desc, &bytes, reason); }, status);
+    expect_refused(
+        words, [&](const char** reason) { return sandglass_light_bytes(&desc, &bytes, reason); }, status);
     EXPECT_EQ(bytes, 0u);
   };
   refused("struct_size", [](auto& d) { d.struct_size = 3; });
@@ -244,12 +245,16 @@ TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
   refused("outlier_angle", [](auto& d) { d.outlier_angle = 4.0f; });
   refused("outlier_level", [](auto& d) { d.outlier_level = INFINITY; });
   constexpr sandglass_status k_unsupported = SANDGLASS_ERROR_UNSUPPORTED;
-  refused("isa", [](auto& d) { d.isa = 99; }, k_unsupported);
-  refused("not one of sandglass_light_backend", [](auto& d) { d.backend = -1; }, k_unsupported);
-  refused("SANDGLASS_LIGHT_BACKEND_OWN", [](auto& d) { d.backend = 1 + SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8; },
-          k_unsupported);
+  refused(
+      "isa", [](auto& d) { d.isa = 99; }, k_unsupported);
+  refused(
+      "not one of sandglass_light_backend", [](auto& d) { d.backend = -1; }, k_unsupported);
+  refused(
+      "SANDGLASS_LIGHT_BACKEND_OWN", [](auto& d) { d.backend = 1 + SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8; },
+      k_unsupported);
   if (!SANDGLASS_WITH_XNNPACK)
-    refused("SANDGLASS_XNNPACK=ON", [](auto& d) { d.backend = SANDGLASS_LIGHT_BACKEND_XNNPACK_F32; }, k_unsupported);
+    refused(
+        "SANDGLASS_XNNPACK=ON", [](auto& d) { d.backend = SANDGLASS_LIGHT_BACKEND_XNNPACK_F32; }, k_unsupported);
   sandglass_light_release(nullptr);  // as after a refusal, when there is nothing to release
   // Another kind of asset: the identifier of a shadow with a right checksum.
   AssetFile shadow = random_light();

@@ -12,18 +12,10 @@
 
 #include "models/lighting/light_runner.h"
 #include "models/work/random.h"
+#include "tests/int8_kernels.h"
 #include "tests/lighting/byte_network.h"
 
 namespace sandglass::tests {
-
-// The tables of int8 kernels that this CPU can run.
-inline std::vector<sandglass_isa> int8_sets() {
-  std::vector<sandglass_isa> available;
-  for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_NEON, SANDGLASS_ISA_NEON_DOTPROD,
-                                  SANDGLASS_ISA_NEON_I8MM, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512})
-    if (select_int8_kernels(isa) != nullptr) available.push_back(isa);
-  return available;
-}
 
 inline std::vector<uint8_t> noise(int width, int height) {
   std::vector<uint8_t> rgb(static_cast<size_t>(3 * width * height));

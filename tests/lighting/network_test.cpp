@@ -12,6 +12,7 @@
 #include "models/lighting/light_runner.h"
 #include "runtime/core/hash.h"
 #include "runtime/light/heads.h"
+#include "tests/guarded_block.h"
 #include "tests/lighting/network_checks.h"
 #include "tests/lighting/reference_classifier.h"
 
@@ -28,11 +29,8 @@ const std::vector<uint8_t>& random_file() {
 
 std::vector<uint8_t> random_image(uint32_t width, uint32_t height) {
   std::vector<uint8_t> rgb(size_t{3} * width * height);
-  uint64_t state = 11;
-  for (uint8_t& b : rgb) {
-    state = state * 6364136223846793005ull + 1442695040888963407ull;
-    b = static_cast<uint8_t>(state >> 56);
-  }
+  tests::Integers random = {11};
+  for (uint8_t& b : rgb) random.next(0, 255), b = static_cast<uint8_t>(random.state >> 56);
   return rgb;
 }
 
@@ -109,21 +107,15 @@ TEST(LightNetwork, WritesNothingOutsideItsBlock) {
   for (const auto& [width, height] : {std::pair{32u, 32u}, std::pair{224u, 32u}, std::pair{32u, 256u}}) {
     Layout size, layout;
     layout_light_network(width, height, &size);
-    constexpr uint64_t k_guard = 4096;
-    std::vector<uint8_t> memory(size.size + 2 * k_guard + 64, 0xA7);
-    uint8_t* block = memory.data() + k_guard + (64 - reinterpret_cast<uintptr_t>(memory.data() + k_guard) % 64);
-    layout.base = block;
+    test::GuardedBlock block(size.size);
+    layout.base = block.data();
     LightNetwork* net = create_light_network(asset, select_int8_kernels(SANDGLASS_ISA_AUTOMATIC), width, height,
                                              layout_light_network(width, height, &layout));
     EXPECT_EQ(layout.size, size.size);
     const std::vector<uint8_t> rgb = random_image(width, height);
     begin_light_network(net, rgb.data());
     for (uint32_t unit = 0; unit < net->units; ++unit) run_light_unit(net, unit);
-    const auto intact = [](const uint8_t* from, const uint8_t* to) {
-      return std::all_of(from, to, [](uint8_t b) { return b == 0xA7; });
-    };
-    EXPECT_TRUE(intact(memory.data(), block));
-    EXPECT_TRUE(intact(block + size.size, memory.data() + memory.size()));
+    EXPECT_TRUE(block.guards_intact());
   }
 }
 
