@@ -10,24 +10,12 @@ namespace sandglass::host {
 namespace {
 
 constexpr float k_epsilon = 1.001e-5f;  // the epsilon of the pretrained batch normalisations
-constexpr float k_mean[3] = {0.485f, 0.456f, 0.406f}, k_deviation[3] = {0.229f, 0.224f, 0.225f};
-
-const NpyArray& find(const std::map<std::string, NpyArray>& arrays, const std::string& name,
-                     const std::vector<uint64_t>& shape) {
-  const auto found = arrays.find(name);
-  if (found == arrays.end())
-    throw cannot("read", name, "the weights have no array of this name", "Give DenseNet-121's weights");
-  if (found->second.shape != shape)
-    throw cannot("read", name, "the array has another shape than DenseNet-121's", "Give DenseNet-121's weights");
-  return found->second;
-}
-
-ChannelAffine affine_of(const std::map<std::string, NpyArray>& arrays, const std::string& name, int channels) {
+ChannelAffine affine_of(const Arrays& arrays, const std::string& name, int channels) {
   const std::vector<uint64_t> shape = {static_cast<uint64_t>(channels)};
-  const auto& gamma = find(arrays, name + "/gamma", shape).values;
-  const auto& beta = find(arrays, name + "/beta", shape).values;
-  const auto& mean = find(arrays, name + "/moving_mean", shape).values;
-  const auto& variance = find(arrays, name + "/moving_variance", shape).values;
+  const auto& gamma = array_of(arrays, name + "/gamma", shape);
+  const auto& beta = array_of(arrays, name + "/beta", shape);
+  const auto& mean = array_of(arrays, name + "/moving_mean", shape);
+  const auto& variance = array_of(arrays, name + "/moving_variance", shape);
   ChannelAffine affine;
   for (size_t c = 0; c < gamma.size(); ++c) {
     affine.scale.push_back(gamma[c] / std::sqrt(variance[c] + k_epsilon));
@@ -36,11 +24,10 @@ ChannelAffine affine_of(const std::map<std::string, NpyArray>& arrays, const std
   return affine;
 }
 
-Convolution convolution_of(const std::map<std::string, NpyArray>& arrays, const std::string& name, int size, int inputs,
-                           int outputs) {
+Convolution convolution_of(const Arrays& arrays, const std::string& name, int size, int inputs, int outputs) {
   const auto n = static_cast<uint64_t>(size);
   return {size, inputs, outputs,
-          find(arrays, name, {n, n, static_cast<uint64_t>(inputs), static_cast<uint64_t>(outputs)}).values};
+          array_of(arrays, name, {n, n, static_cast<uint64_t>(inputs), static_cast<uint64_t>(outputs)})};
 }
 
 // Pixels by rows. Each pixel has `stride` channels, and the first `channels` are in use.
@@ -97,7 +84,8 @@ Activations stem(const DenseNet& net, std::span<const uint8_t> rgb, int width, i
                  const ActivationObserver& observer) {
   Activations image(width, height, 3, 3), convolved(width / 2, height / 2, k_stem_channels, k_stem_channels);
   for (size_t i = 0; i < image.values.size(); ++i)
-    image.values[i] = (static_cast<float>(rgb[i]) / 255.0f - k_mean[i % 3]) / k_deviation[i % 3];
+    image.values[i] = (static_cast<float>(rgb[i]) / 255.0f - static_cast<float>(k_image_mean[i % 3])) /
+                      static_cast<float>(k_image_deviation[i % 3]);
   convolve(net.stem, image, 2, &convolved, 0);
   for (int y = 0; y < convolved.height; ++y)
     for (int x = 0; x < convolved.width; ++x) {
@@ -160,7 +148,19 @@ int channels_after(int block, int before) { return before + k_growth * k_dense_l
 
 }  // namespace
 
-DenseNet densenet_of(const std::map<std::string, NpyArray>& arrays) {
+const std::vector<float>& array_of(const Arrays& arrays, const std::string& name, const std::vector<uint64_t>& shape) {
+  const auto found = arrays.find(name);
+  if (found == arrays.end())
+    throw cannot("read", name, "the weights have no array of this name", "Export them with train.py --export");
+  if (found->second.shape != shape)
+    throw cannot("read", name, "the array has another shape than the network's", "Export the weights again");
+  for (const float value : found->second.values)
+    if (!std::isfinite(value))
+      throw cannot("read", name, "the array holds a value that is not a number", "Train again");
+  return found->second.values;
+}
+
+DenseNet densenet_of(const Arrays& arrays) {
   DenseNet net;
   net.stem = convolution_of(arrays, "conv1/conv/kernel", 7, 3, k_stem_channels);
   net.stem_affine = affine_of(arrays, "conv1/bn", k_stem_channels);

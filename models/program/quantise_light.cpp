@@ -7,7 +7,6 @@
 #include "models/files/failure.h"
 #include "models/files/picture_file.h"
 #include "models/lighting/dataset.h"
-#include "models/lighting/float_parameters.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/quantise.h"
 #include "models/program/commands.h"

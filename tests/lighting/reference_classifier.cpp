@@ -8,8 +8,8 @@
 #include <iterator>
 
 #include "models/files/npz.h"
-#include "models/lighting/float_parameters.h"
 #include "models/lighting/light_file.h"
+#include "models/lighting/light_net.h"
 #include "models/lighting/quantise.h"
 
 namespace sandglass::host {
