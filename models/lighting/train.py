@@ -32,7 +32,6 @@ import json
 import math
 import os
 import sys
-import zipfile
 
 import numpy as np
 import torch
@@ -266,31 +265,12 @@ def number(kind, low, high=math.inf, above=False):
     return read
 
 
-def check_import(weights, reference):
-    """Compares the pretrained network with its reference outputs. The exit code is 1 if a feature differs by more than 1e-3."""
-    net = LightNet()
-    net.load(weights)
-    net.eval()
-    try:
-        truth, worst = dict(np.load(reference)), 0.0
-        assert all(name + end in truth for name in ("bird", "parrot", "cat") for end in ("/rgb_u8", "/feat1024"))
-    except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, AssertionError):
-        fail(f"'{reference}' holds no reference outputs; name densenet121_reference_outputs.npz")
-    for name in ("bird", "parrot", "cat"):
-        with torch.no_grad():
-            features = net.features(net.prefix(net.trunk(to_tensor([truth[name + "/rgb_u8"]], "cpu"))))[0].numpy()
-        worst = max(worst, float(np.abs(features - truth[name + "/feat1024"]).max()))
-    print(f"greatest difference of a feature {worst:.2g}")
-    return 0 if worst <= 1e-3 else 1
-
-
 def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("dataset", nargs="*", help="folders made by `sandglass dataset`")
     parser.add_argument("--views", nargs="*", default=[], help="folders with more views of the same places, to train on")
     parser.add_argument("--train-only", nargs="*", default=[], help="further folders that never test (made-up rooms)")
     parser.add_argument("--weights", help="densenet121_imagenet_keras_fp32.npz or an exported file; without it, random")
-    parser.add_argument("--check-import", metavar="REFERENCE", help="only compare the imported weights with this file")
     parser.add_argument("-o", "--output", default=".", help="folder for checkpoints, results and cached trunks")
     parser.add_argument("--cache", help="another folder for the cached trunks")
     parser.add_argument("--export", metavar="FILE", help="write the trained weights as .npz")
@@ -317,10 +297,6 @@ def main():
     parser.add_argument("--cpu", action="store_true", help="even where there is a GPU")
     parser.add_argument("--resume", action="store_true")
     arguments = parser.parse_args()
-    if arguments.check_import:
-        if not arguments.weights:
-            fail("--check-import compares weights; name them with --weights")
-        return check_import(arguments.weights, arguments.check_import)
     if arguments.lanes and not (arguments.initial and arguments.weights):
         fail("--lanes changes weights as they begin; name them with --weights, beside --initial")
     if arguments.initial:

@@ -105,18 +105,6 @@ TEST(Labels, GaussianOnConstantHasItsDirectionToATenthOfADegree) {
     }
 }
 
-TEST(Labels, FollowTheCameraIntoItsFrame) {
-  for (size_t i = 0; i < 3; ++i) {
-    const View view = choose_views(11)[i];
-    const ViewRotation rotation(view);
-    for (const Vec3 camera : {Vec3{0.6, -0.5, 0.6}, Vec3{-0.7, -0.4, -0.5}, Vec3{0.1, 0.3, 1.0}}) {
-      const Vec3 lamp = rotation.to_panorama(camera_to_rotated(normalised(camera)));
-      const LightLabels labels = camera_labels(gaussian_on_constant(lamp, 300.0, 40.0, 0.3), view, 0.0);
-      EXPECT_LE(angle_deg(labels.direction, camera), 0.1);
-    }
-  }
-}
-
 // A lamp on the right has camera x > 0, one on the ceiling y < 0. The mirrored image has the mirrored direction.
 TEST(Labels, RightIsPositiveUpIsNegativeMirrorMirrors) {
   const View ahead = {k_pi / 2.0, k_pi / 2.0};
@@ -137,12 +125,12 @@ TEST(Labels, RightIsPositiveUpIsNegativeMirrorMirrors) {
 // A small lamp at p of the unit sphere, seen from x_c, lies along p - x_c.
 TEST(Warp, LampMovesAsGeometrySays) {
   for (size_t i = 0; i < 3; ++i)
-    for (const double radius : {0.3, 0.8}) {
+    for (const double radius : {0.0, 0.3, 0.8}) {
       const View view = choose_views(5)[i];
       const Vec3 lamp = normalised(Vec3{0.3, 0.8, -0.2}), seen = lamp - view.direction() * radius;
       const LightLabels labels = camera_labels(gaussian_on_constant(lamp, 5000.0, 1000.0, 0.01), view, radius);
       const Vec3 expected = rotated_to_camera(ViewRotation(view).to_rotated(seen));
-      EXPECT_LE(angle_deg(labels.direction, expected), 0.3);
+      EXPECT_LE(angle_deg(labels.direction, expected), radius > 0.0 ? 0.3 : 0.1);
     }
 }
 

@@ -96,14 +96,6 @@ TEST(ImageErrors, ByHand) {
   EXPECT_EQ(compare(truth, truth).rmse, 0.0);
 }
 
-TEST(ImageErrors, ScalingThePictureLeavesTheScaleInvariantOne) {
-  RadianceMap truth(4, 4), picture(4, 4);
-  for (size_t i = 0; i < truth.rgb.size(); ++i)
-    truth.rgb[i] = static_cast<float>(i % 5 + 1), picture.rgb[i] = 3.0f * truth.rgb[i];
-  EXPECT_NEAR(compare(truth, picture).scale_invariant, 0.0, 1e-6);
-  EXPECT_GT(compare(truth, picture).rmse, 1.0);
-}
-
 // A room with a soft lamp in even light.
 TEST(Ceiling, OneLampInAnEvenRoom) {
   const tests::TemporaryFolder folder;

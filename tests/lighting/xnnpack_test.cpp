@@ -160,13 +160,10 @@ TEST(Xnnpack, InFloatIsPyTorchs) {
 }
 
 uint64_t weights() {
-  uint64_t count = uint64_t{3} * k_stem_size * k_stem_size * k_light_stem;
-  for (uint32_t b = 0; b < k_dense_blocks; ++b) {
-    uint64_t channels = light_channels_before(b);
-    for (uint32_t i = 0; i < k_block_layers[b]; ++i, channels += k_light_growth)
-      count += channels * k_light_bottleneck + uint64_t{9} * k_light_bottleneck * k_light_growth;
-    if (b < k_transition_count) count += channels * channels / 2;
-  }
+  const LightFile file = random_light_file(7);
+  uint64_t count = file.stem.weights.size();
+  for (const auto* convolutions : {&file.narrow, &file.wide, &file.transition})
+    for (const ByteConvolution& c : *convolutions) count += c.weights.size();
   return count;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "runtime/asset/shadow_asset.h"
 #include "runtime/core/hash.h"
@@ -40,16 +41,9 @@ TEST(Shadow, OneHashOnEveryInstructionSet) {
     EXPECT_EQ(hash(texture_of(file, isa, SANDGLASS_SHADOW_FULL)), k_golden_full) << isa;
     EXPECT_EQ(hash(texture_of(file, isa, SANDGLASS_SHADOW_ADAPTIVE)), k_golden_adaptive) << isa;
   }
-}
-
-TEST(Shadow, TheGoldenTextureIsNotFlat) {
-  const std::vector<uint8_t> texture =
-      texture_of(make_shadow_file(k_network), SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL);
-  std::vector<int> counts(256);
-  for (const uint8_t c : texture) ++counts[c];
-  int used = 0;
-  for (const int count : counts) used += count > 0;
-  EXPECT_GT(used, 100);
+  // The control: a flat texture would prove little.
+  const std::vector<uint8_t> texture = texture_of(file, SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL);
+  EXPECT_GT(std::set<uint8_t>(texture.begin(), texture.end()).size(), 100u);
 }
 
 TEST(Shadow, AdaptiveEqualsFullWhereItAsksTheNetwork) {

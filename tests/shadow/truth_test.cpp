@@ -131,16 +131,6 @@ TEST(ShadowTruth, SourcesPrintedWeightWouldBeSeen) {
   EXPECT_GT(std::fabs(right - visible / all), 0.012);
 }
 
-TEST(ShadowTruth, SameTextureOnAnyNumberOfThreads) {
-  const StandingObject object = stand_on_plane(make_torus(0.1f, 0.04f, 48, 24), "torus");
-  const ShadowCaster caster(object.mesh, 10 * k_degree, {}, 7);
-  const Direction light = {0.6, 0.8, 0};
-  const ShadowRectangle rectangle =
-      shadow_rectangle(object.box, PlaneRule::fitted, light.data(), std::sin(10 * k_degree), 0);
-  ThreadPool one(1), three(3);
-  EXPECT_EQ(caster.texture(rectangle, light, 5, 64, one), caster.texture(rectangle, light, 5, 64, three));
-}
-
 TEST(ShadowTruth, SizeAndPlaceOfTheMeshDoNotMatter) {
   const Mesh torus = make_torus(0.5f, 0.25f, 48, 24);
   const StandingObject reference = stand_on_plane(torus, "torus");
