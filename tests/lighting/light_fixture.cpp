@@ -1,21 +1,9 @@
 #include "tests/lighting/light_fixture.h"
 
-#include <gtest/gtest.h>
-
 #include "models/lighting/light_file.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::tests {
-
-namespace {
-uint64_t need(const sandglass_light_desc& desc) {
-  uint64_t bytes = 0;
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_light_bytes(&desc, &bytes, &reason), SANDGLASS_OK) << reason;
-  return bytes;
-}
-
-}  // namespace
 
 const AssetFile& random_light() {
   static const AssetFile file(host::light_file_bytes(host::random_light_file(7)));
@@ -23,15 +11,14 @@ const AssetFile& random_light() {
 }
 
 sandglass_light_desc describe_light() {
-  sandglass_light_desc desc;
-  sandglass_light_desc_default(&desc);
+  sandglass_light_desc desc = light_desc();
   desc.asset = random_light().data();
   desc.asset_bytes = random_light().bytes;
   return desc;
 }
 
 TestImage::TestImage(uint64_t seed, uint32_t width, uint32_t height) : bytes(3 * size_t{width} * height) {
-  sandglass_camera_image_default(&image);
+  image = camera_image();
   image.format = SANDGLASS_CAMERA_RGB;
   image.width = width, image.height = height;
   image.planes[0] = bytes.data(), image.strides[0] = 3 * width;
@@ -47,37 +34,6 @@ TestImage::TestImage(uint64_t seed, uint32_t width, uint32_t height) : bytes(3 *
       for (uint32_t c = 0; c < 3; ++c)
         bytes[3 * (size_t{y} * width + x) + c] =
             static_cast<uint8_t>((cells[c][8 * y / height][8 * x / width] + 255 * x / width) / 2);
-}
-
-LiveLight::LiveLight(const sandglass_light_desc& desc) : block(need(desc)) {
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_light_create(&desc, block.data(), block.bytes(), &light, &reason), SANDGLASS_OK) << reason;
-}
-
-void LiveLight::estimate(const sandglass_camera_image& image) {
-  uint32_t taken = 0;
-  const char* reason = nullptr;
-  ASSERT_EQ(sandglass_light_set_image(light, &image, &taken, &reason), SANDGLASS_OK) << reason;
-  ASSERT_EQ(taken, 1u);
-  finish();
-}
-
-void LiveLight::finish() {
-  while (sandglass_light_run(light, 1000) != 0) {
-  }
-}
-
-sandglass_light_estimate LiveLight::get() const {
-  sandglass_light_estimate e = {};
-  e.struct_size = sizeof e;
-  sandglass_light_get(light, &e);
-  return e;
-}
-sandglass_light_estimate LiveLight::latest() const {
-  sandglass_light_estimate e = {};
-  e.struct_size = sizeof e;
-  sandglass_light_get_latest(light, &e);
-  return e;
 }
 
 }  // namespace sandglass::tests

@@ -1,12 +1,13 @@
-// A light on a network of random weights, in a block with guard bytes, and images for it.
+// A light on a network of random weights, and images for it.
 #pragma once
+
+#include <gtest/gtest.h>
 
 #include <cstdint>
 #include <vector>
 
-#include "sandglass/light.h"
+#include "sandglass/sandglass.hpp"
 #include "tests/asset_file.h"
-#include "tests/guarded_block.h"
 
 namespace sandglass::tests {
 
@@ -22,16 +23,12 @@ struct TestImage {
   explicit TestImage(uint64_t seed, uint32_t width = 256, uint32_t height = 192);
 };
 
-struct LiveLight {
-  explicit LiveLight(const sandglass_light_desc& desc = describe_light());
-  // Gives it the image and runs all units of the estimate.
-  void estimate(const sandglass_camera_image& image);
-  void finish();
-  sandglass_light_estimate get() const;
-  sandglass_light_estimate latest() const;
-
-  test::GuardedBlock block;
-  sandglass_light* light = nullptr;
+// A light on the random network.
+struct LiveLight : Light {
+  explicit LiveLight(const sandglass_light_desc& desc = describe_light()) { EXPECT_TRUE(create(desc)); }
+  void estimate(const sandglass_camera_image& image) { EXPECT_TRUE(Light::estimate(image)); }
+  // Runs what is left of an estimate.
+  void finish() { sandglass_light_run(get(), UINT32_MAX); }
 };
 
 }  // namespace sandglass::tests

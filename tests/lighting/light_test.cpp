@@ -14,6 +14,7 @@
 #include "runtime/core/random.h"
 #include "runtime/light/camera_image.h"
 #include "tests/filled_struct.h"
+#include "tests/guarded_block.h"
 #include "tests/int8_kernels.h"
 #include "tests/lighting/light_fixture.h"
 #include "tests/reason.h"
@@ -28,10 +29,9 @@ using host::Vec3;
 constexpr uint64_t k_period_ns = 300'000'000;
 
 TEST(Light, NeedsExactlyTheBytesThatItAsksFor) {
-  LiveLight live;
-  EXPECT_TRUE(live.block.guards_intact());
   const sandglass_light_desc desc = describe_light();
-  const uint64_t need = live.block.bytes();
+  uint64_t need = 0;
+  ASSERT_EQ(sandglass_light_bytes(&desc, &need, nullptr), SANDGLASS_OK);
   test::GuardedBlock block(need);
   sandglass_light* light = nullptr;
   for (const uint64_t bytes : {need - 1, need / 2, uint64_t{64}, uint64_t{0}})
@@ -40,6 +40,11 @@ TEST(Light, NeedsExactlyTheBytesThatItAsksFor) {
   EXPECT_EQ(sandglass_light_create(&desc, block.data() + 8, need, &light, nullptr), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
   EXPECT_EQ(light, nullptr);
   EXPECT_TRUE(block.untouched());
+  ASSERT_EQ(sandglass_light_create(&desc, block.data(), need, &light, nullptr), SANDGLASS_OK);
+  const TestImage picture(1);
+  ASSERT_EQ(sandglass_light_set_image(light, &picture.image, nullptr, nullptr), SANDGLASS_OK);
+  sandglass_light_run(light, UINT32_MAX);
+  EXPECT_TRUE(block.guards_intact());
 }
 
 TEST(Light, FillsNoByteBeyondTheCallersStructs) {
@@ -48,7 +53,7 @@ TEST(Light, FillsNoByteBeyondTheCallersStructs) {
   live.estimate(picture.image);
   for (const auto get : {sandglass_light_get, sandglass_light_get_latest})
     expect_filled_within_its_size<sandglass_light_estimate>(
-        [&](sandglass_light_estimate* estimate) { return get(live.light, estimate), true; }, false);
+        [&](sandglass_light_estimate* estimate) { return get(live.get(), estimate), true; }, false);
   expect_filled_within_its_size<sandglass_light_info>(
       [&](sandglass_light_info* info) {
         return sandglass_light_inspect(random_light().data(), random_light().bytes, info, nullptr) == SANDGLASS_OK;
@@ -58,14 +63,14 @@ TEST(Light, FillsNoByteBeyondTheCallersStructs) {
 
 TEST(Light, BeforeTheFirstEstimateItComesFromAboveAndIsNotValid) {
   const LiveLight live;
-  const sandglass_light_estimate e = live.get();
+  const sandglass_light_estimate e = live.estimated();
   EXPECT_EQ(e.valid, 0u);
   EXPECT_EQ(e.direction[1], 1.0f);
   EXPECT_EQ(e.contrast, 0.0f);
   EXPECT_EQ(e.strength, 0.0f);
   EXPECT_EQ(e.confidence, 0.0f);
   EXPECT_NEAR(e.sh[0], 0.5 * std::sqrt(4.0 * std::numbers::pi), 1e-6);
-  EXPECT_EQ(sandglass_light_units_left(live.light), 0u);
+  EXPECT_EQ(sandglass_light_units_left(live.get()), 0u);
 }
 
 // Run one unit at a time: the old estimate stays until the last unit, and the result is that of a single call.
@@ -74,26 +79,25 @@ TEST(Light, UnitByUnitIsTheSameAsAllAtOnce) {
   TestImage first(1), second(2);
   first.image.timestamp_ns = k_period_ns, second.image.timestamp_ns = 2 * k_period_ns;
   whole.estimate(first.image), parts.estimate(first.image);
-  const sandglass_light_estimate before = parts.get();
+  const sandglass_light_estimate before = parts.estimated();
   EXPECT_EQ(before.valid, 1u);
   EXPECT_EQ(before.timestamp_ns, k_period_ns);
-  ASSERT_EQ(sandglass_light_set_image(parts.light, &second.image, nullptr, nullptr), SANDGLASS_OK);
+  ASSERT_EQ(sandglass_light_set_image(parts.get(), &second.image, nullptr, nullptr), SANDGLASS_OK);
   std::fill(second.bytes.begin(), second.bytes.end(), uint8_t{0});  // the library must not read it after the call
-  uint32_t left = sandglass_light_units_left(parts.light);
+  uint32_t left = sandglass_light_units_left(parts.get());
   EXPECT_GT(left, 100u);
   for (; left > 0; --left) {
-    const sandglass_light_estimate now = parts.get();
+    const sandglass_light_estimate now = parts.estimated();
     ASSERT_EQ(std::memcmp(&now, &before, sizeof now), 0) << left;
-    ASSERT_EQ(sandglass_light_units_left(parts.light), left);
-    ASSERT_EQ(sandglass_light_run(parts.light, 1), 1u);
+    ASSERT_EQ(sandglass_light_units_left(parts.get()), left);
+    ASSERT_EQ(sandglass_light_run(parts.get(), 1), 1u);
   }
-  EXPECT_EQ(sandglass_light_run(parts.light, 1), 0u);
+  EXPECT_EQ(sandglass_light_run(parts.get(), 1), 0u);
   TestImage same(2);
   same.image.timestamp_ns = 2 * k_period_ns;
   whole.estimate(same.image);
-  EXPECT_EQ(sandglass_light_hash(whole.light), sandglass_light_hash(parts.light));
-  EXPECT_EQ(parts.get().estimates, 2u);
-  EXPECT_TRUE(whole.block.guards_intact() && parts.block.guards_intact());
+  EXPECT_EQ(sandglass_light_hash(whole.get()), sandglass_light_hash(parts.get()));
+  EXPECT_EQ(parts.estimated().estimates, 2u);
 }
 
 Vec3 vector_of(const float* v) { return {v[0], v[1], v[2]}; }
@@ -106,12 +110,12 @@ TEST(Light, TheCamerasTurnIsTakenOut) {
   LiveLight live(desc);
   TestImage picture(5);
   live.estimate(picture.image);
-  const Vec3 straight = vector_of(live.get().direction);
+  const Vec3 straight = vector_of(live.estimated().direction);
   const double angle = 0.7;
   picture.image.orientation[1] = static_cast<float>(std::sin(0.5 * angle));
   picture.image.orientation[3] = static_cast<float>(std::cos(0.5 * angle));
   live.estimate(picture.image);
-  const Vec3 turned = vector_of(live.get().direction);
+  const Vec3 turned = vector_of(live.estimated().direction);
   EXPECT_NEAR(turned.x, std::cos(angle) * straight.x + std::sin(angle) * straight.z, 1e-6);
   EXPECT_NEAR(turned.y, straight.y, 1e-6);
   EXPECT_NEAR(turned.z, -std::sin(angle) * straight.x + std::cos(angle) * straight.z, 1e-6);
@@ -170,7 +174,7 @@ TEST(Light, ImagesComeNoMoreOftenThanTheInterval) {
   const auto offer = [&](uint64_t time_ns) {
     picture.image.timestamp_ns = time_ns;
     uint32_t taken = 7;
-    EXPECT_EQ(sandglass_light_set_image(live.light, &picture.image, &taken, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(sandglass_light_set_image(live.get(), &picture.image, &taken, nullptr), SANDGLASS_OK);
     return taken;
   };
   EXPECT_EQ(offer(1'000'000'000), 1u);
@@ -185,17 +189,17 @@ TEST(Light, ResetForgetsAndTurnTurns) {
   LiveLight live, fresh;
   TestImage picture(3);
   live.estimate(picture.image);
-  const Vec3 before = vector_of(live.get().direction);
+  const Vec3 before = vector_of(live.estimated().direction);
   const float quarter[4] = {0.0f, 0.0f, 2.0f, 2.0f};  // about z, of any length
-  ASSERT_EQ(sandglass_light_turn(live.light, quarter, nullptr), SANDGLASS_OK);
-  const Vec3 after = vector_of(live.get().direction);
+  ASSERT_EQ(sandglass_light_turn(live.get(), quarter, nullptr), SANDGLASS_OK);
+  const Vec3 after = vector_of(live.estimated().direction);
   EXPECT_NEAR(host::length(after - Vec3{-before.y, before.x, before.z}), 0.0, 1e-6);
   const float none[4] = {};
-  EXPECT_EQ(sandglass_light_turn(live.light, none, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  sandglass_light_reset(live.light);
-  EXPECT_EQ(live.get().valid, 0u);
+  EXPECT_EQ(sandglass_light_turn(live.get(), none, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  sandglass_light_reset(live.get());
+  EXPECT_EQ(live.estimated().valid, 0u);
   live.estimate(picture.image), fresh.estimate(picture.image);
-  EXPECT_EQ(sandglass_light_hash(live.light), sandglass_light_hash(fresh.light));
+  EXPECT_EQ(sandglass_light_hash(live.get()), sandglass_light_hash(fresh.get()));
 }
 
 // Quaternions of any length work, also those whose squares overflow or vanish in float. Turning the world during an
@@ -207,12 +211,12 @@ TEST(Light, PosesAndTurnsOfAnyLengthTurnTheImageUnderWay) {
     const float pose[4] = {0.5f * length, 0.1f * length, -0.3f * length, 0.8f * length};
     const float turn[4] = {-0.2f * length, 0.6f * length, 0.4f * length, 0.7f * length};
     std::copy_n(pose, 4, picture.image.orientation);
-    EXPECT_EQ(sandglass_light_set_image(live.light, &picture.image, nullptr, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(sandglass_light_set_image(live.get(), &picture.image, nullptr, nullptr), SANDGLASS_OK);
     if (!under_way) live.finish();
-    EXPECT_EQ(sandglass_light_turn(live.light, turn, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(sandglass_light_turn(live.get(), turn, nullptr), SANDGLASS_OK);
     live.finish();
-    EXPECT_EQ(live.get().valid, 1u);
-    return vector_of(live.get().direction);
+    EXPECT_EQ(live.estimated().valid, 1u);
+    return vector_of(live.estimated().direction);
   };
   const Vec3 expected = turned_at_length(1.0f, false);
   EXPECT_NEAR(host::length(expected), 1.0, 1e-6);
@@ -266,16 +270,16 @@ TEST(LightInput, WhatCannotBeUsedIsRefusedWithASentence) {
 // camera_image_test.cpp has what else is wrong with an image.
 TEST(LightInput, ABadImageIsRefusedAndChangesNothing) {
   LiveLight live;
-  const uint64_t before = sandglass_light_hash(live.light);
+  const uint64_t before = sandglass_light_hash(live.get());
   TestImage picture(1);
   picture.image.focal_x = NAN;
   uint32_t taken = 9;
   for (const sandglass_camera_image* image : {&picture.image, static_cast<sandglass_camera_image*>(nullptr)})
     expect_refused(image == nullptr ? "NULL" : "focal",
-                   [&](const char** reason) { return sandglass_light_set_image(live.light, image, &taken, reason); });
+                   [&](const char** reason) { return sandglass_light_set_image(live.get(), image, &taken, reason); });
   EXPECT_EQ(taken, 9u);
-  EXPECT_EQ(sandglass_light_hash(live.light), before);
-  EXPECT_EQ(sandglass_light_units_left(live.light), 0u);
+  EXPECT_EQ(sandglass_light_hash(live.get()), before);
+  EXPECT_EQ(sandglass_light_units_left(live.get()), 0u);
 }
 
 void expect_usable(const sandglass_light_estimate& e) {
@@ -297,17 +301,17 @@ TEST(LightInput, BlackWhiteTinyAndHugeImagesGiveUsableLight) {
     TestImage flat(1);
     std::fill(flat.bytes.begin(), flat.bytes.end(), level);
     live.estimate(flat.image);
-    expect_usable(live.get());
+    expect_usable(live.estimated());
   }
   LiveLight live;
   const TestImage tiny(2, 2, 2);
   live.estimate(tiny.image);
-  expect_usable(live.get());
+  expect_usable(live.estimated());
   if (SANDGLASS_EMULATED) return;
   LiveLight other;
   const TestImage huge(3, 16384, 1024);
   other.estimate(huge.image);
-  expect_usable(other.get());
+  expect_usable(other.estimated());
 }
 
 // An image that is enlarged or shrunk by far stays the same picture: a ramp stays a ramp, also where only the middle
@@ -345,7 +349,7 @@ struct TwoHashes {
     picture.image.timestamp_ns = k_period_ns;
     live->estimate(picture.image);
   }
-  uint64_t first() const { return sandglass_light_hash(live->light); }
+  uint64_t first() const { return sandglass_light_hash(live->get()); }
   uint64_t second() {
     std::vector<uint8_t> luma(640 * 480), chroma(640 * 240);
     Random random = random_stream(5, 5);
@@ -395,14 +399,14 @@ TEST(LightFrame, ABudgetOfNothingStillBringsTheEstimate) {
   VirtualClock time;
   time.step_ns = 1000;
   SandScene sand(virtual_clock(&time));
-  sandglass_frame_report report = frame(sand, live.light, &picture.image, 0);
+  sandglass_frame_report report = frame(sand, live.get(), &picture.image, 0);
   std::fill(picture.bytes.begin(), picture.bytes.end(), uint8_t{0});
   EXPECT_GT(report.stages[SANDGLASS_STAGE_LIGHTING].units, 1u);
   EXPECT_EQ(report.light_valid, 0u);
   uint32_t left = report.light_units_left, frames = 1;
   EXPECT_GT(left, 100u);
   for (; left > 0; ++frames) {
-    report = frame(sand, live.light, &picture.image, 0);  // images during an estimate are ignored
+    report = frame(sand, live.get(), &picture.image, 0);  // images during an estimate are ignored
     ASSERT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 1u);
     ASSERT_EQ(report.light_units_left, left - 1);
     left = report.light_units_left;
@@ -410,8 +414,8 @@ TEST(LightFrame, ABudgetOfNothingStillBringsTheEstimate) {
   }
   EXPECT_EQ(report.light_valid, 1u);
   EXPECT_EQ(report.light_age, frames - 1);
-  EXPECT_EQ(sandglass_light_hash(live.light), sandglass_light_hash(expected.light));
-  report = frame(sand, live.light, nullptr, 0);
+  EXPECT_EQ(sandglass_light_hash(live.get()), sandglass_light_hash(expected.get()));
+  report = frame(sand, live.get(), nullptr, 0);
   EXPECT_EQ(report.stages[SANDGLASS_STAGE_LIGHTING].units, 0u);
   EXPECT_EQ(report.light_age, frames);
   EXPECT_EQ(report.light_changed, 0u);
@@ -429,19 +433,19 @@ TEST(LightFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
   for (uint64_t f = 0; f < (SANDGLASS_EMULATED ? 12u : 40u); ++f) {
     TestImage picture(f);
     picture.image.timestamp_ns = f * 16'666'667 + 1;
-    const sandglass_frame_report report = frame(sand, live.light, &picture.image, 4'000'000);
+    const sandglass_frame_report report = frame(sand, live.get(), &picture.image, 4'000'000);
     ASSERT_EQ(sand.status, SANDGLASS_OK);
     ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns) << f;
     with_light += report.stages[SANDGLASS_STAGE_LIGHTING].units > 1;
     with_grains += report.stages[SANDGLASS_STAGE_REFINE].units > 0;
     changes += report.light_changed;
     // The timestamp changes only with the estimate.
-    ASSERT_EQ(live.get().timestamp_ns != timestamp, report.light_changed != 0);
-    timestamp = live.get().timestamp_ns;
-    frame(again, again_light.light, &picture.image, 4'000'000, &report.plan);
+    ASSERT_EQ(live.estimated().timestamp_ns != timestamp, report.light_changed != 0);
+    timestamp = live.estimated().timestamp_ns;
+    frame(again, again_light.get(), &picture.image, 4'000'000, &report.plan);
     ASSERT_EQ(again.status, SANDGLASS_OK) << f;
     ASSERT_EQ(again.scene.hash(), sand.scene.hash()) << f;
-    ASSERT_EQ(sandglass_light_hash(again_light.light), sandglass_light_hash(live.light)) << f;
+    ASSERT_EQ(sandglass_light_hash(again_light.get()), sandglass_light_hash(live.get())) << f;
   }
   EXPECT_GT(with_light, 5u);
   EXPECT_GT(with_grains, 5u);
@@ -452,7 +456,7 @@ TEST(LightFrame, WithoutAClockTheEstimateIsDoneInItsFrame) {
   LiveLight live;
   SandScene sand;
   const TestImage picture(6);
-  const sandglass_frame_report report = frame(sand, live.light, &picture.image, 1);
+  const sandglass_frame_report report = frame(sand, live.get(), &picture.image, 1);
   EXPECT_EQ(report.light_valid, 1u);
   EXPECT_EQ(report.light_changed, 1u);
   EXPECT_EQ(report.light_units_left, 0u);
@@ -465,12 +469,12 @@ TEST(LightFrame, ABadImageIsLeftOutAndReported) {
   SandScene sand({}, {[](void* user, const char* sentence) { *static_cast<std::string*>(user) = sentence; }, &said});
   TestImage picture(6);
   picture.image.focal_x = NAN;
-  const uint64_t before = sandglass_light_hash(live.light);
-  const sandglass_frame_report report = frame(sand, live.light, &picture.image, 1'000'000);
+  const uint64_t before = sandglass_light_hash(live.get());
+  const sandglass_frame_report report = frame(sand, live.get(), &picture.image, 1'000'000);
   EXPECT_EQ(sand.status, SANDGLASS_OK);
   EXPECT_EQ(report.ignored_images, 1u);
   EXPECT_NE(said.find("focal"), std::string::npos) << said;
-  EXPECT_EQ(sandglass_light_hash(live.light), before);
+  EXPECT_EQ(sandglass_light_hash(live.get()), before);
 }
 
 }  // namespace
