@@ -13,7 +13,7 @@
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
 #include "models/work/random.h"
-#include "tests/lighting/byte_network.h"
+#include "tests/lighting/network_checks.h"
 
 namespace sandglass::tests {
 
@@ -73,11 +73,6 @@ inline host::LightFile float_file(const host::LightNet& net) {
       file.heads_weights[o * host::k_latent + i] = net.heads[i * host::k_heads + o];
   file.heads_bias = net.heads_bias;
   return file;
-}
-
-inline host::LightValues values_of(const LightOutputs& out) {
-  return {out.direction[0], out.direction[1], out.direction[2], out.light[0],   out.light[1],
-          out.light[2],     out.ambient[0],   out.ambient[1],   out.ambient[2], out.contrast};
 }
 
 // XNNPACK on a file with float parameters gives the float network's features and heads to within 1e-3.
