@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # Runs the demo scene on a virtual clock and compares its hash with the committed one.
-#   golden.sh HASH_FILE [EMULATOR...] PROGRAM [ARGUMENTS...]
-# HASH_FILE holds `frames N` and `hash 0x…`.
+#   golden.sh HASH_FILE FRAMES [EMULATOR...] PROGRAM [ARGUMENTS...]
+# HASH_FILE holds lines of `FRAMES HASH`.
 # Exit code 0: equal; 1: different, or the run failed; 77: the CPU lacks the instruction set.
 set -euo pipefail
-hash_file=$1
-shift
-frames=$(awk '$1 == "frames" {print $2}' "$hash_file")
-golden=$(awk '$1 == "hash" {print $2}' "$hash_file")
+hash_file=$1 frames=$2
+shift 2
+golden=$(awk -v frames="$frames" '$1 == frames {print $2}' "$hash_file")
+[[ -n $golden ]] || { echo "$hash_file has no hash after $frames frames"; exit 1; }
 
 # The emulator and the program come before `run`. Everything behind the program is an argument of it.
 command=()

@@ -211,6 +211,17 @@ SANDGLASS_API int32_t sandglass_isa_available(sandglass_isa isa);
  * length, or the angle is not finite, it gives the identity and returns 0. */
 SANDGLASS_API int32_t sandglass_rotation_about(const float axis[3], float angle, float rotation[4]);
 
+/* ------------------------------------------------------------------------------------------------ light cells */
+
+/* The light that a level floor receives, by where it comes from: the upper hemisphere in 64 cells, 4 rings of 16
+ * sectors, in the world frame. Cell i is sector i % 16 of ring i / 16.
+ *   - Sector s covers the azimuths from s to s + 1 times 22.5 degrees. The azimuth is 0 along +x and 90 degrees along
+ *     +z.
+ *   - Rings 0 to 3 cover the elevations 0 to 30, 30 to 45, 45 to 60 and 60 to 90 degrees.
+ * Under an even sky every cell gives a level floor the same irradiance. An array of cells holds the share of the
+ * floor's irradiance that comes from each; all shares together are 1, or less where a part is drawn in another way. */
+#define SANDGLASS_LIGHT_CELLS 64
+
 /* ------------------------------------------------------------------------------------------------ handles */
 
 /* Objects that an app creates in blocks of its own and hands to sandglass_scene_frame: the shadows of one object
