@@ -20,7 +20,7 @@ namespace {
 constexpr uint32_t k_rays = 128, k_stride = 2;  // rays of one truth; one texel in 2 x 2 is looked at
 constexpr uint64_t k_first_room = 770'000;
 constexpr int k_room_width = 128, k_room_paths = 8;
-constexpr float k_nearest = 1e-5f;
+constexpr double k_lift = 1e-5;  // of the object's size: a face in the plane hides nothing
 using Cells = std::array<double, SANDGLASS_LIGHT_CELLS>;
 
 // The share of the room's light that reaches places of one texel.
@@ -32,10 +32,9 @@ double trace_texel(const EmbreeScene& object, const FloorSquare& square, const E
     double at[5];
     for (double& x : at) random = random_mix(random), x = random_unit(random);
     const Vec3 d = room.direction((i + at[0]) / rays, at[1], at[2]);
-    const float from[3] = {static_cast<float>(step * (texel % square.side + at[3]) - square.half), 0,
-                           static_cast<float>(step * (texel / square.side + at[4]) - square.half)};
-    const float towards[3] = {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
-    free += object.occluded(from, towards, k_nearest, INFINITY) ? 0 : 1;
+    const Vec3 from = {step * (texel % square.side + at[3]) - square.half, k_lift,
+                       step * (texel / square.side + at[4]) - square.half};
+    free += object.occluded(from, d, INFINITY) ? 0 : 1;
   }
   return static_cast<double>(free) / rays;
 }

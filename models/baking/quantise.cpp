@@ -1,21 +1,22 @@
-// See quantise.h.
+// See quantise.h. The tables are written here field by field; runtime/asset/shadow_generated.h only reads them.
 #include "models/baking/quantise.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "models/baking/shadow_builders.h"
 #include "models/files/aligned_bytes.h"
 #include "models/files/failure.h"
 #include "runtime/asset/file.h"
 #include "runtime/asset/shadow_asset.h"
+#include "runtime/asset/shadow_generated.h"
 
 namespace sandglass::host {
 
 namespace {
 
 constexpr double k_bias_limit = 1 << 24;
-constexpr double k_same_size = 1e-5;  // of the object: what two readings of one mesh may differ by
+constexpr uint16_t k_default_side = 128;  // in shadow.fbs
+constexpr double k_same_size = 1e-5;      // of the object: what two readings of one mesh may differ by
 
 ByteLayer quantise_layer(const float* weights, const float* bias, uint32_t inputs, uint32_t outputs, double step_in,
                          double step_out) {
@@ -64,9 +65,16 @@ flatbuffers::Offset<asset::Ambient> write_ambient(const AmbientPart& part, doubl
                                                   flatbuffers::FlatBufferBuilder* builder) {
   if (part.components == 0) return 0;
   const auto mixing = builder->CreateVector(part.mixing);
-  return asset::CreateAmbient(*builder, static_cast<uint16_t>(part.square.side), part.square.half * scale,
-                              static_cast<uint8_t>(part.components), mixing, builder->CreateVector(part.texels),
-                              static_cast<float>(part.rmse));
+  const auto texels = builder->CreateVector(part.texels);
+  using Table = asset::Ambient;
+  const flatbuffers::uoffset_t start = builder->StartTable();
+  builder->AddElement<uint16_t>(Table::VT_SIDE, static_cast<uint16_t>(part.square.side), k_default_side);
+  builder->AddElement<double>(Table::VT_HALF, part.square.half * scale, 0.0);
+  builder->AddElement<uint8_t>(Table::VT_COMPONENTS, static_cast<uint8_t>(part.components), 0);
+  builder->AddOffset(Table::VT_MIXING, mixing);
+  builder->AddOffset(Table::VT_TEXELS, texels);
+  builder->AddElement<float>(Table::VT_RMSE, static_cast<float>(part.rmse), 0.0f);
+  return builder->EndTable(start);
 }
 
 flatbuffers::Offset<asset::Surface> write_surface(const SurfacePart& part, const StandingObject& object,
@@ -75,10 +83,20 @@ flatbuffers::Offset<asset::Surface> write_surface(const SurfacePart& part, const
   const auto positions = builder->CreateVector(part.positions);
   const auto normals = builder->CreateVector(part.normals);
   const auto steps = builder->CreateVector(part.steps);
+  const auto transfer = builder->CreateVector(part.transfer);
   const Vec3 low = part.low * object.scale + Vec3{object.origin[0], object.origin[1], object.origin[2]};
-  return asset::CreateSurface(*builder, part.vertices, static_cast<float>(low.x), static_cast<float>(low.y),
-                              static_cast<float>(low.z), static_cast<float>(part.step * object.scale), positions,
-                              normals, steps, builder->CreateVector(part.transfer));
+  using Table = asset::Surface;
+  const flatbuffers::uoffset_t start = builder->StartTable();
+  builder->AddElement<uint32_t>(Table::VT_VERTICES, part.vertices, 0);
+  builder->AddElement<float>(Table::VT_LOW_X, static_cast<float>(low.x), 0.0f);
+  builder->AddElement<float>(Table::VT_LOW_Y, static_cast<float>(low.y), 0.0f);
+  builder->AddElement<float>(Table::VT_LOW_Z, static_cast<float>(low.z), 0.0f);
+  builder->AddElement<float>(Table::VT_STEP, static_cast<float>(part.step * object.scale), 0.0f);
+  builder->AddOffset(Table::VT_POSITIONS, positions);
+  builder->AddOffset(Table::VT_NORMALS, normals);
+  builder->AddOffset(Table::VT_STEPS, steps);
+  builder->AddOffset(Table::VT_TRANSFER, transfer);
+  return builder->EndTable(start);
 }
 
 ByteLayer byte_layer(const AssetLayer& layer, uint32_t inputs, uint32_t outputs) {
@@ -125,7 +143,12 @@ std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file) {
   const auto layer_of = [&](const ByteLayer& layer) {
     const auto weights = builder.CreateVector(layer.weights);
     const auto bias = builder.CreateVector(layer.bias);
-    return asset::CreateLayer(builder, weights, bias, builder.CreateVector(layer.multiplier));
+    const auto multiplier = builder.CreateVector(layer.multiplier);
+    const flatbuffers::uoffset_t start = builder.StartTable();
+    builder.AddOffset(asset::Layer::VT_MULTIPLIER, multiplier);
+    builder.AddOffset(asset::Layer::VT_BIAS, bias);
+    builder.AddOffset(asset::Layer::VT_WEIGHTS, weights);
+    return flatbuffers::Offset<asset::Layer>(builder.EndTable(start));
   };
   std::vector<flatbuffers::Offset<asset::Layer>> layers;
   for (const ByteLayer& layer : file.network.layers) layers.push_back(layer_of(layer));
@@ -142,28 +165,30 @@ std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file) {
   const asset::Box box(object.origin[0], object.origin[1], object.origin[2], object.box.half_x * object.scale,
                        object.box.half_z * object.scale, object.box.height * object.scale, 2 * file.geometry.half_angle,
                        file.geometry.polar_max);
-  asset::ShadowBuilder shadow(builder);
   // An older library reads a file that has nothing new.
-  shadow.add_version(ambient.IsNull() && surface.IsNull() ? k_shadow_asset_oldest : k_shadow_asset_version);
-  shadow.add_name(name);
-  shadow.add_box(&box);
-  shadow.add_plane_fitted(file.geometry.plane == PlaneRule::fitted);
-  shadow.add_texel_frequencies(k_texel_frequencies);
-  shadow.add_light_frequencies(k_light_frequencies);
-  shadow.add_width(static_cast<uint16_t>(file.network.shape.width));
-  shadow.add_first_weights(first_weights);
-  shadow.add_first_bias(first_bias);
-  shadow.add_first_step(file.network.first_step);
-  shadow.add_layers(all_layers);
-  shadow.add_last(last);
-  shadow.add_rmse_float(static_cast<float>(file.rmse_float));
-  shadow.add_rmse_int8(static_cast<float>(file.rmse_int8));
-  shadow.add_validated_lights(file.validated_lights);
-  shadow.add_seed(file.seed);
-  if (!file.float_parameters.empty()) shadow.add_float_parameters(parameters);
-  if (!ambient.IsNull()) shadow.add_ambient(ambient);
-  if (!surface.IsNull()) shadow.add_surface(surface);
-  builder.Finish(shadow.Finish(), asset::ShadowIdentifier());
+  const uint16_t version = ambient.IsNull() && surface.IsNull() ? k_shadow_asset_oldest : k_shadow_asset_version;
+  using Table = asset::Shadow;
+  const flatbuffers::uoffset_t start = builder.StartTable();
+  builder.AddElement<uint16_t>(Table::VT_VERSION, version, 0);
+  builder.AddOffset(Table::VT_NAME, name);
+  builder.AddStruct(Table::VT_BOX, &box);
+  builder.AddElement<uint8_t>(Table::VT_PLANE_FITTED, file.geometry.plane == PlaneRule::fitted ? 1 : 0, 0);
+  builder.AddElement<uint8_t>(Table::VT_TEXEL_FREQUENCIES, k_texel_frequencies, 0);
+  builder.AddElement<uint8_t>(Table::VT_LIGHT_FREQUENCIES, k_light_frequencies, 0);
+  builder.AddElement<uint16_t>(Table::VT_WIDTH, static_cast<uint16_t>(file.network.shape.width), 0);
+  builder.AddOffset(Table::VT_FIRST_WEIGHTS, first_weights);
+  builder.AddOffset(Table::VT_FIRST_BIAS, first_bias);
+  builder.AddElement<float>(Table::VT_FIRST_STEP, file.network.first_step, 0.0f);
+  builder.AddOffset(Table::VT_LAYERS, all_layers);
+  builder.AddOffset(Table::VT_LAST, last);
+  builder.AddElement<float>(Table::VT_RMSE_FLOAT, static_cast<float>(file.rmse_float), 0.0f);
+  builder.AddElement<float>(Table::VT_RMSE_INT8, static_cast<float>(file.rmse_int8), 0.0f);
+  builder.AddElement<uint32_t>(Table::VT_VALIDATED_LIGHTS, file.validated_lights, 0);
+  builder.AddElement<uint64_t>(Table::VT_SEED, file.seed, 0);
+  if (!file.float_parameters.empty()) builder.AddOffset(Table::VT_FLOAT_PARAMETERS, parameters);
+  if (!ambient.IsNull()) builder.AddOffset(Table::VT_AMBIENT, ambient);
+  if (!surface.IsNull()) builder.AddOffset(Table::VT_SURFACE, surface);
+  builder.Finish(flatbuffers::Offset<Table>(builder.EndTable(start)), asset::ShadowIdentifier());
   std::vector<uint8_t> bytes(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   append_checksum(&bytes);
   return bytes;

@@ -11,7 +11,6 @@
 #include "models/files/npy.h"
 #include "models/laboratory/light/ceiling.h"
 #include "models/lighting/dataset.h"
-#include "models/lighting/float_parameters.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/quantise.h"
 #include "models/program/commands.h"

@@ -19,7 +19,6 @@
 #include "models/rooms/panorama_file.h"
 #include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
-#include "models/tracing/ray_caster.h"
 #include "tests/temporary_folder.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // What must not break a scene: an impact, capacities, damaged memory, traps. More hard cases are in
-// models/laboratory/sand/hard_cases.h, which tests/laboratory/verify_test.cpp asserts.
+// models/laboratory/sand/physics_cases.h, which tests/laboratory/verify_test.cpp asserts.
 #include <gtest/gtest.h>
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__clang__)
 #include <fenv.h>
@@ -95,6 +95,35 @@ TEST(HardCase, AnEmptySceneRunsAndAFullOneRefusesAndStaysAsItIs) {
   EXPECT_EQ(scene.scene.add({}, broken).code, SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(scene.scene.add({}, far).code, SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(scene.hash(), hash) << "nothing was added";
+}
+
+TEST(HardCase, ParticlesThatMakeNoSenseAreRefusedAndTheLastPlaceCounts) {
+  GranularScene scene(description(1));
+  const auto status_of = [&](const std::vector<float>& at, const float* velocity) {
+    const char* reason = nullptr;
+    const sandglass_status status = sandglass_granular_add(
+        scene.scene.get(), at.data(), velocity, static_cast<uint32_t>(at.size() / 3), nullptr, nullptr, 0, &reason);
+    EXPECT_EQ(reason == nullptr, status == SANDGLASS_OK);
+    return status;
+  };
+  for (const float bad : {k_nan, k_infinity, 1.01f * SANDGLASS_COORDINATE_LIMIT})
+    EXPECT_EQ(status_of({0.0f, bad, 0.0f}, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT) << bad;
+  const float velocity[3] = {k_nan, 0.0f, 0.0f};
+  EXPECT_EQ(status_of({0.0f, 1.0f, 0.0f}, velocity), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(status_of({0.0f, 1.0f, 0.0f, 0.0f, 1.1f, 0.0f}, nullptr), SANDGLASS_ERROR_CAPACITY);
+  EXPECT_EQ(status_of({0.0f, 1.0f, 0.0f}, nullptr), SANDGLASS_OK);
+}
+
+TEST(HardCase, CollidersThatMakeNoSenseAreLeftOut) {
+  GranularScene scene(description(384));
+  scene.add(lattice(8, 6, 8, 0.0204f, 0.0102f));
+  scene.colliders.assign(5, sandglass::floor_at(0.0f));
+  scene.colliders[1].position[1] = k_nan;
+  scene.colliders[2].rotation[3] = 0.0f;
+  scene.colliders[3] = sandglass::sphere(0.0f, 0.0f, 0.0f, -1.0f);
+  scene.colliders[4].shape = 77;
+  EXPECT_EQ(scene.frame(k_frame).ignored_colliders, 4u);
+  for (const float x : scene.positions()) EXPECT_TRUE(std::isfinite(x));
 }
 
 // Only for g++. Clang assumes that nobody reads the floating-point flags, and computes both sides of a selection. So

@@ -108,6 +108,32 @@ TEST(Rotation, AMirroredBodyIsTurnedAndNotMirrored) {
   expect_best({-1, 0, 0, 0, -1, 0, 0, 0, -1}, k_identity, "inverted");
 }
 
+// Turned and stretched by known factors, of which only the smallest may be negative: the best trace is their sum.
+TEST(Rotation, IsTheBestOneOfNearlyFlatAndNearlyMirroredMatrices) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const auto any = [&] {
+    Quaternion q = {};
+    double length = 0;
+    for (double& v : q) v = normal(random), length += v * v;
+    for (double& v : q) v /= std::sqrt(length);
+    return rotation_matrix(q);
+  };
+  for (const auto& [x, y, z] : {std::array{1.0, 1e-3, 1e-6},
+                                {1.0, 1.0, 0.0},
+                                {2.0, 1.0, -0.5},
+                                {1.0, 1e-9, 1e-9},
+                                {5.0, 5.0, -5.0},
+                                {3.0, 1e-4, -1e-5}})
+    for (int i = 0; i < 50; ++i) {
+      const Matrix stretch = {x, 0, 0, 0, y, 0, 0, 0, z}, axes = any();
+      const Matrix a = product(any(), product(axes, product(stretch, axes, false), true), false);
+      Quaternion q = {};
+      sandglass::nearest_rotation(a.data(), k_identity.data(), q.data());
+      EXPECT_NEAR((x + y + z - trace_with(q, a)) / x, 0.0, 1e-9) << x << ", " << y << ", " << z;
+    }
+}
+
 TEST(Rotation, WhatTheMatrixLeavesOpenComesFromTheStart) {
   const double c = std::cos(0.2), s = std::sin(0.2);
   const Quaternion near = {s, 0, 0, c};  // 0.4 rad about x

@@ -277,7 +277,7 @@ TEST_F(Cli, AVerificationThatWouldCheckNothingIsRefused) {
     expect_refused(
         "verify granular --quick --case " + std::string(slow),
         "it takes minutes, and --quick leaves such cases out. Leave --quick out, or name quick cases: particle, "
-        "rest, momentum, refinement, hard, heavy or far.");
+        "rest, momentum, refinement, hard or far.");
   for (const char* suite : {"verify shot", "verify lighting --samples 0"})
     expect_refused(suite, "no panoramas are named. Name .hdr or .exr files");
   fs::create_directories(folder / "none");

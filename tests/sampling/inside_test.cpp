@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "models/mesh/generated.h"
-#include "models/tracing/ray_caster.h"
+#include "models/tracing/embree_scene.h"
 #include "runtime/core/random.h"
 #include "runtime/sampling/inside.h"
 #include "tests/guarded_block.h"
@@ -231,31 +231,33 @@ TEST(Inside, prepared_block_does_not_need_the_mesh_any_more) {
   EXPECT_FALSE(parity(out) || winding(out));
 }
 
-#ifdef SANDGLASS_HAVE_EMBREE
-TEST(Inside, agrees_with_embree_on_the_trefoil) {
+TEST(Inside, both_rules_agree_on_the_trefoil) {
   const host::Mesh knot = host::make_trefoil();
-  const host::RayCaster caster(knot);
-  const sandglass::MeshInside parity = inside_of(knot, SANDGLASS_INSIDE_PARITY);
+  const sandglass::MeshInside parity = inside_of(knot, SANDGLASS_INSIDE_PARITY),
+                              winding = inside_of(knot, SANDGLASS_INSIDE_WINDING);
   const Points points = random_points(50000, 31, 0.14, 0.14);
   int in = 0;
   for (size_t i = 0; i < points.size(); i += 3) {
-    ASSERT_EQ(parity(&points[i]), caster.inside(&points[i]));
-    in += caster.inside(&points[i]);
+    ASSERT_EQ(parity(&points[i]), winding(&points[i]));
+    in += parity(&points[i]);
   }
   EXPECT_GT(in, 1500);
 }
 
-TEST(RayCaster, finds_the_faces_of_a_box) {
-  const float size[3] = {2, 2, 2}, origin[3] = {0.1f, 5, 0.2f}, down[3] = {0, -1, 0}, up[3] = {0, 1, 0};
-  const host::RayCaster caster(host::make_box(size));
-  const host::RayHit hit = caster.closest(origin, down, 0, 100);
-  ASSERT_TRUE(hit.hit);
+#ifdef SANDGLASS_HAVE_EMBREE
+TEST(EmbreeScene, finds_the_faces_of_a_box) {
+  const float size[3] = {2, 2, 2};
+  const host::Vec3 origin = {0.1, 5, 0.2}, down = {0, -1, 0}, up = {0, 1, 0};
+  const host::Mesh box = host::make_box(size);
+  const host::EmbreeScene scene = host::EmbreeScene::triangles(box.vertices, box.indices);
+  const host::EmbreeHit hit = scene.closest(origin, down, 100);
+  ASSERT_TRUE(hit.found);
   EXPECT_NEAR(hit.distance, 4, 1e-5);
-  EXPECT_NEAR(hit.normal[1], 1, 1e-6);
-  EXPECT_TRUE(caster.occluded(origin, down, 0, 100));
-  EXPECT_FALSE(caster.occluded(origin, down, 0, 3.9f));
-  EXPECT_FALSE(caster.occluded(origin, up, 0, 100));
-  EXPECT_FALSE(caster.closest(origin, up, 0, 100).hit);
+  EXPECT_NEAR(hit.unit_normal().y, 1, 1e-6);
+  EXPECT_TRUE(scene.occluded(origin, down, 100));
+  EXPECT_FALSE(scene.occluded(origin, down, 3.9));
+  EXPECT_FALSE(scene.occluded(origin, up, 100));
+  EXPECT_FALSE(scene.closest(origin, up, 100).found);
 }
 #endif
 
