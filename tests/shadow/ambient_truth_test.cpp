@@ -103,6 +103,21 @@ TEST(AmbientTruth, TheFileStatesItsError) {
   EXPECT_LE(errors.shipped, 0.5 * errors.occlusion);
 }
 
+// Nothing is drawn beyond the square, so the texture ends without a seam, whatever the light.
+TEST(AmbientTruth, NothingIsHiddenAlongTheRim) {
+  Chair chair;
+  const uint32_t last = chair.square.side - 1;
+  for (uint32_t cell = 0; cell < SANDGLASS_LIGHT_CELLS; ++cell) {
+    Cells one = {};
+    one[cell] = 1;
+    const std::vector<uint8_t> texture = chair.runner.ambient(one);
+    EXPECT_LT(*std::min_element(texture.begin(), texture.end()), 128) << cell;
+    for (uint32_t i = 0; i <= last; ++i)
+      for (const uint32_t texel : {i, last * (last + 1) + i, i * (last + 1), i * (last + 1) + last})
+        ASSERT_EQ(texture[texel], 255) << cell;
+  }
+}
+
 // What is left of a uniform sky is ambient occlusion. Rays have a noise of t (1 - t) / n in a texel, bytes one of 1 / 12
 // of a step; the components that were left out may add 0.004.
 TEST(AmbientTruth, AUniformSkyGivesAmbientOcclusionByRays) {
