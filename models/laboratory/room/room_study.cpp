@@ -1,0 +1,229 @@
+#include "models/laboratory/room/room_study.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <numbers>
+
+#include "models/files/failure.h"
+#include "models/lighting/dataset.h"
+#include "models/rooms/panorama_file.h"
+#include "models/work/for_all.h"
+#include "models/work/progress.h"
+#include "runtime/core/random.h"
+
+namespace sandglass::host {
+
+namespace {
+
+RadianceMap halved(const RadianceMap& map) {
+  RadianceMap half(map.width / 2, map.height / 2);
+  for (int v = 0; v < half.height; ++v)
+    for (int u = 0; u < half.width; ++u)
+      half.set(u, v, (map.colour(2 * u, 2 * v) + map.colour(2 * u + 1, 2 * v) + map.colour(2 * u, 2 * v + 1) +
+                      map.colour(2 * u + 1, 2 * v + 1)) * 0.25);
+  return half;
+}
+
+Cells cells_of(const sandglass_room_light& light, bool ambient) {
+  Cells cells;
+  for (uint32_t i = 0; i < k_light_cells; ++i)
+    cells[i] = static_cast<double>(ambient ? light.ambient_cells[i] : light.cells[i]);
+  return cells;
+}
+
+sandglass_room_light light_at(const SeenRoom& seen, const RoomModel& model, Vec3 place) {
+  sandglass_room_light light = {};
+  light.struct_size = sizeof light;
+  const double at[3] = {place.x, place.y, place.z};
+  room_estimate(seen.room, model, at, nullptr, &light);
+  return light;
+}
+
+Vec3 mean_direction(const Cells& cells) {
+  Vec3 sum;
+  for (uint32_t i = 0; i < k_light_cells; ++i) sum = sum + cell_direction(i) * cells[i];
+  return normalised(sum);
+}
+
+double angle_deg(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180.0 / std::numbers::pi; }
+
+// What is fitted, as numbers that may take any value.
+constexpr int k_numbers = 12;
+std::array<double, k_numbers> numbers_of(const RoomModel& m) {
+  return {std::log(m.boost), std::log(m.fill), m.trust, m.trust_seen,
+          std::log(m.prior[8]), std::log(m.prior[9]), std::log(m.prior[10]), std::log(m.prior[11]),
+          std::log(m.prior[12]), std::log(m.prior[13]), std::log(m.prior[14]), std::log(m.prior[15])};
+}
+RoomModel model_of(const std::array<double, k_numbers>& x, RoomModel m) {
+  m.boost = std::exp(x[0]), m.fill = std::exp(x[1]), m.trust = x[2], m.trust_seen = x[3];
+  for (int i = 0; i < 8; ++i) m.prior[8 + i] = std::exp(x[static_cast<size_t>(4 + i)]);
+  return m;
+}
+
+struct Interval {
+  double mean, low, high;
+};
+Interval interval_of(const std::vector<double>& values) {
+  constexpr int k_resamples = 4000;
+  Random random = random_stream(1, 41);
+  std::vector<double> means(k_resamples);
+  double all = 0;
+  for (const double v : values) all += v;
+  for (double& mean : means) {
+    mean = 0;
+    for (size_t i = 0; i < values.size(); ++i) mean += values[random.below(static_cast<uint32_t>(values.size()))];
+    mean /= static_cast<double>(values.size());
+  }
+  std::sort(means.begin(), means.end());
+  return {all / static_cast<double>(values.size()), means[k_resamples / 40], means[k_resamples - 1 - k_resamples / 40]};
+}
+
+// The mean of a measure over each location.
+std::vector<double> by_location(const RoomStudy& study, const std::function<double(const StudiedPlace&)>& measure) {
+  std::map<std::string, std::pair<double, int>> sums;
+  for (const StudiedPlace& place : study.places) {
+    auto& [sum, count] = sums[place.location];
+    sum += measure(place), ++count;
+  }
+  std::vector<double> means;
+  for (const auto& [name, sum] : sums) means.push_back(sum.first / sum.second);
+  return means;
+}
+
+}  // namespace
+
+RoomStudy study_rooms(const RoomStudyOptions& options, std::vector<FloorObject> objects) {
+  RoomStudy study = {std::move(objects), {}};
+  const std::string manifest = read_locations(options.manifest);
+  const std::vector<std::string> files = find_panoramas(options.panoramas);
+  Progress progress("looking around", files.size());
+  for (size_t i = 0; i < files.size(); ++i) {
+    RadianceMap panorama = read_panorama(files[i]);
+    fill_tripod(&panorama);
+    const RadianceMap coarse = halved(panorama);
+    const Location location = location_of(files[i], manifest);
+    std::vector<StudiedPlace> places(options.azimuths);
+    ThreadPool pool(options.threads);
+    pool.run(options.azimuths, [&](uint32_t a) {
+      StudiedPlace& place = places[a];
+      place.panorama = files[i], place.location = location.name, place.fold = location.fold;
+      place.azimuth = 2.0 * std::numbers::pi * a / options.azimuths;
+      place.place = Vec3{std::cos(place.azimuth), 0, std::sin(place.azimuth)} * options.place;
+      place.light = true_light(coarse, place.place);
+      for (const FloorObject& object : study.objects) {
+        place.objects.push_back(object.quadratic(place.light));
+        place.truths.push_back(object.truth(place.light));
+      }
+      for (const Session session : k_sessions)
+        place.sessions.push_back(look_around(
+            coarse, session, {place.azimuth, options.exposure_known, mix_bits(options.seed + 1000 * i + a)}));
+    });
+    for (StudiedPlace& place : places) study.places.push_back(std::move(place));
+    progress.done(i + 1);
+  }
+  return study;
+}
+
+RoomModel fit_room_model(const RoomStudy& study, const RoomModel& start, bool (*use)(const StudiedPlace&, int fold),
+                         int fold, ThreadPool* pool) {
+  const auto cost = [&](const RoomModel& model) {
+    std::vector<double> sums(study.places.size(), 0.0);
+    pool->run(static_cast<uint32_t>(study.places.size()), [&](uint32_t i) {
+      const StudiedPlace& place = study.places[i];
+      if (!use(place, fold)) return;
+      for (const SeenRoom& seen : place.sessions) {
+        const Cells cells = cells_of(light_at(seen, model, place.place), false);
+        for (const FloorObject::Quadratic& object : place.objects) sums[i] += object.error(cells);
+      }
+    });
+    double sum = 0;
+    for (const double s : sums) sum += s;
+    return sum;
+  };
+  // Coordinates in turns, with steps that shrink.
+  std::array<double, k_numbers> x = numbers_of(start), step;
+  step.fill(0.4), step[2] = step[3] = 0.15;
+  double best = cost(start);
+  for (int round = 0; round < 7; ++round)
+    for (size_t i = 0; i < k_numbers; ++i) {
+      bool moved = false;
+      for (const double sign : {1.0, -1.0}) {
+        std::array<double, k_numbers> tried = x;
+        tried[i] += sign * step[i];
+        const double there = cost(model_of(tried, start));
+        if (there < best) {
+          best = there, x = tried, moved = true;
+          break;
+        }
+      }
+      step[i] *= moved ? 1.2 : 0.5;
+    }
+  return model_of(x, start);
+}
+
+void print_room_table(const RoomStudy& study, const std::vector<RoomModel>& models) {
+  const auto model_for = [&](const StudiedPlace& place) -> const RoomModel& {
+    return models[place.fold >= 0 ? static_cast<size_t>(place.fold) % models.size() : 0];
+  };
+  Cells even;
+  even.fill(1.0 / k_light_cells);
+  for (size_t o = 0; o < study.objects.size(); ++o) {
+    std::printf("\n%s: floor error, mean over places\n", study.objects[o].name().c_str());
+    const auto row = [&](const char* name, const std::function<double(const StudiedPlace&)>& measure) {
+      const std::vector<double> values = by_location(study, measure);
+      const std::vector<double> ambient =
+          by_location(study, [&](const StudiedPlace& p) { return p.objects[o].error(even); });
+      std::vector<double> difference(values.size());
+      for (size_t i = 0; i < values.size(); ++i) difference[i] = values[i] - ambient[i];
+      const Interval d = interval_of(difference), m = interval_of(values), a = interval_of(ambient);
+      std::printf("  %-42s %.4f  %.3f x  %+.4f [%+.4f, %+.4f]\n", name, m.mean, m.mean / a.mean, d.mean, d.low, d.high);
+    };
+    row("no shadow", [&](const StudiedPlace& p) { return p.objects[o].error(Cells{}); });
+    row("ambient occlusion", [&](const StudiedPlace& p) { return p.objects[o].error(even); });
+    row("true cells", [&](const StudiedPlace& p) { return p.objects[o].error(p.light.cells); });
+    for (size_t s = 0; s < std::size(k_sessions); ++s) {
+      row(session_name(k_sessions[s]), [&](const StudiedPlace& p) {
+        return p.objects[o].error(cells_of(light_at(p.sessions[s], model_for(p), p.place), false));
+      });
+      row("  with the sharp part", [&](const StudiedPlace& p) {
+        const sandglass_room_light light = light_at(p.sessions[s], model_for(p), p.place);
+        const Vec3 main = {light.main_direction[0], light.main_direction[1], light.main_direction[2]};
+        return floor_error(
+            study.objects[o].drawn(cells_of(light, true), static_cast<double>(light.main_share), main), p.truths[o]);
+      });
+    }
+  }
+  std::printf("\nby session: seen, shadow direction (degrees), level |log ratio|, main share, clipped\n");
+  const Interval usual = interval_of(by_location(study, [&](const StudiedPlace& p) {
+    return angle_deg(Vec3{0, 1, 0}, mean_direction(p.light.cells));
+  }));
+  std::printf("  the zenith %.1f\n", usual.mean);
+  for (size_t s = 0; s < std::size(k_sessions); ++s) {
+    const auto mean = [&](const std::function<double(const StudiedPlace&, const sandglass_room_light&)>& measure) {
+      return interval_of(by_location(study, [&](const StudiedPlace& p) {
+        return measure(p, light_at(p.sessions[s], model_for(p), p.place));
+      }));
+    };
+    const Interval seen = mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.seen); });
+    const Interval angle = mean([](const StudiedPlace& p, const sandglass_room_light& l) {
+      return angle_deg(mean_direction(cells_of(l, false)), mean_direction(p.light.cells));
+    });
+    const Interval level = mean([&](const StudiedPlace& p, const sandglass_room_light& l) {
+      const Vec3 e = {l.irradiance[0], l.irradiance[1], l.irradiance[2]};
+      return std::fabs(std::log(luminance(e) / (luminance(p.light.irradiance) * p.sessions[s].exposure)));
+    });
+    const Interval bias = mean([&](const StudiedPlace& p, const sandglass_room_light& l) {
+      const Vec3 e = {l.irradiance[0], l.irradiance[1], l.irradiance[2]};
+      return std::log(luminance(e) / (luminance(p.light.irradiance) * p.sessions[s].exposure));
+    });
+    const Interval share = mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.main_share); });
+    const Interval clipped = mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.clipped); });
+    std::printf("  %-42s %.2f  %5.1f [%.1f, %.1f]  %.2f [%.2f, %.2f] bias %+.2f  %.2f  %.2f\n", session_name(k_sessions[s]), seen.mean,
+                angle.mean, angle.low, angle.high, level.mean, level.low, level.high, bias.mean, share.mean, clipped.mean);
+  }
+}
+
+}  // namespace sandglass::host
