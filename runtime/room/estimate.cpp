@@ -1,14 +1,14 @@
 // The light to be expected at a place, from what was seen.
 //
 // Each part of the sphere counts with
-//   X = seen * L * (1 + boost * clipped) + (1 - seen) * fill * prior(row) * (1 + what the network says)
-// where L is its radiance beside the geometric mean of all that was seen. Both lights, X and the prior alone, are moved
-// to the object: a part in the direction D of the sphere lies in the direction q = D - x from the object at x (in
-// radii), and its solid angle there is that of the sphere times (1 - D . x) / |q|^3 (5.15 to 5.17). Weighted by the
-// cosine, they fill the 64 cells. The answer is a mean of the two, in which X counts the more, the more was seen.
+//   X = seen * L * (1 + boost * clipped) + (1 - seen) * fill * (1 + what the network says)
+// where L is its radiance beside the geometric mean of all that was seen. It is moved to the object: a part in the
+// direction D of the sphere lies in the direction q = D - x from the object at x (in radii), and its solid angle there
+// is that of the sphere times (1 - D . x) / |q|^3 (5.15 to 5.17). A cell is the mean of X over it, weighted by the
+// cosine.
 //
 // A floor shadow is linear in the cells. So the shadow of least expected squared error is the one drawn in the expected
-// light, which is soft where little is known; a guess of one light is not.
+// light. Where nothing was seen that is an even sky, and the shadow is soft; a guess of one light is not.
 #include "runtime/core/math.h"
 #include "runtime/light/harmonics.h"
 #include "runtime/room/room.h"
@@ -20,7 +20,8 @@ namespace sandglass {
 
 namespace {
 
-constexpr uint32_t k_split = 2;       // each part is moved in 2 x 2 pieces
+// Each part is moved in 3 x 2 pieces: so many that the rings of the cells lie between pieces.
+constexpr uint32_t k_row_split = 3, k_column_split = 2;
 constexpr double k_farthest = 0.8;    // radii; see image.cpp
 constexpr double k_darkest = 1e-4;    // of the mean: keeps logarithms of black parts finite
 constexpr double k_lobe = 6.0;        // sharpness of the network's light: e^(6 (cos - 1))
@@ -31,18 +32,14 @@ constexpr uint32_t k_look_rows = 1, k_look_columns = 2;  // parts to each side t
 
 double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
-// Light that falls on a place.
-struct Incident {
-  double cells[k_light_cells][3];  // irradiance of the level floor from each
-  double sh[3 * k_harmonics];
-};
-
 // All sums over the sphere.
 struct Sums {
-  Incident expected, prior;
-  double seen_cells[k_light_cells];         // luminance of the irradiance from what was seen
-  double seen_moments[k_light_cells][3];    // the same times the direction
-  double usual, usual_seen, usual_clipped;  // irradiance by the prior; the part of it that was seen; luminance clipped
+  double cells[k_light_cells][3];    // irradiance of the level floor from each cell
+  double even[k_light_cells];        // the same of an even sky of radiance 1, as far as the pieces fill the cell
+  double seen[k_light_cells];        // luminance of the part of `cells` that was seen
+  double moments[k_light_cells][3];  // the same times the direction
+  double sh[3 * k_harmonics];
+  double all_even, all_seen, clipped;  // even sky, the seen part of it; luminance that comes through clipped pixels
 };
 
 // What was seen, on the whole.
@@ -116,9 +113,29 @@ uint32_t cell_of(const double direction[3], double yaw) {
   return ring * k_cell_sectors + sector;
 }
 
-// One piece of a part: from the sphere to the object, into both lights.
+// What a part sends out.
+struct Shown {
+  double colour[3];  // beside the geometric mean
+  double seen;       // share of the part that was seen
+  double from_seen;  // share of the luminance that comes from there
+  double clipped;    // share of the pixels that were clipped
+};
+
+Shown shown_by(const RoomPart& part, double seen, double unseen, const RoomModel& model, const Overview& all) {
+  Shown shown = {{}, seen, 0, static_cast<double>(part.clipped)};
+  double lit[3];
+  for (int c = 0; c < 3; ++c) {
+    lit[c] = seen * static_cast<double>(part.radiance[c]) * (1 + model.boost * shown.clipped) / all.level;
+    shown.colour[c] = lit[c] + (1 - seen) * unseen * all.colour[c];
+  }
+  const double luminous = luminance(shown.colour);
+  shown.from_seen = luminous > 0 ? luminance(lit) / luminous : 0;
+  return shown;
+}
+
+// One piece of a part, from the sphere to the object.
 void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3], double area, const double at[3],
-               const double colour[3], const double prior[3], double share_seen, double clipped) {
+               const Shown& shown) {
   double q[3], along = 0, squared = 0;
   for (int k = 0; k < 3; ++k) q[k] = sphere[k] - at[k], along += sphere[k] * at[k], squared += q[k] * q[k];
   const double distance = square_root(squared), omega = area * (1 - along) / (squared * distance);
@@ -128,51 +145,57 @@ void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3
   double polynomials[k_harmonics];
   harmonic_polynomials(world, polynomials);
   for (uint32_t j = 0; j < k_harmonics; ++j)
-    for (uint32_t c = 0; c < 3; ++c) {
-      const double base = omega * k_harmonic_factors[j] * polynomials[j];
-      sums->expected.sh[3 * j + c] += base * colour[c];
-      sums->prior.sh[3 * j + c] += base * prior[c];
-    }
+    for (uint32_t c = 0; c < 3; ++c)
+      sums->sh[3 * j + c] += omega * k_harmonic_factors[j] * polynomials[j] * shown.colour[c];
   if (!(world[1] > 0)) return;
   const double facing = omega * world[1];
   const uint32_t cell = cell_of(local, yaw);
-  for (uint32_t c = 0; c < 3; ++c) {
-    sums->expected.cells[cell][c] += facing * colour[c];
-    sums->prior.cells[cell][c] += facing * prior[c];
-  }
-  const double seen = share_seen * facing * luminance(colour), usual = facing * luminance(prior);
-  sums->seen_cells[cell] += seen;
-  for (int k = 0; k < 3; ++k) sums->seen_moments[cell][k] += seen * world[k];
-  sums->usual += usual, sums->usual_seen += share_seen * usual, sums->usual_clipped += clipped * seen;
+  for (uint32_t c = 0; c < 3; ++c) sums->cells[cell][c] += facing * shown.colour[c];
+  const double seen = shown.from_seen * facing * luminance(shown.colour);
+  sums->even[cell] += facing;
+  sums->seen[cell] += seen;
+  for (int k = 0; k < 3; ++k) sums->moments[cell][k] += seen * world[k];
+  sums->all_even += facing, sums->all_seen += shown.seen * facing, sums->clipped += shown.clipped * seen;
 }
 
 void sum_up(const Room& room, const RoomModel& model, const Overview& all, const Hint& hint, const double at[3],
             Sums* sums) {
   const SinCos turn = sin_cos_turns(room.yaw);
-  SinCos azimuths[k_room_columns * k_split];
-  for (uint32_t i = 0; i < k_room_columns * k_split; ++i)
-    azimuths[i] = sin_cos_turns((i + 0.5) / (k_room_columns * k_split));
-  constexpr double k_area = 2 * k_pi / (k_room_columns * k_split) * k_pi / (k_room_rows * k_split);
-  for (uint32_t half_row = 0; half_row < k_room_rows * k_split; ++half_row) {
-    const uint32_t row = half_row / k_split;
-    const SinCos elevation = sin_cos_turns(((half_row + 0.5) / (k_room_rows * k_split) - 0.5) / 2);
-    for (uint32_t i = 0; i < k_room_columns * k_split; ++i) {
-      const RoomPart& part = room.parts[row * k_room_columns + i / k_split];
+  constexpr uint32_t k_rows = k_room_rows * k_row_split, k_columns = k_room_columns * k_column_split;
+  constexpr double k_area = 2 * k_pi / k_columns * k_pi / k_rows;
+  SinCos azimuths[k_columns];
+  for (uint32_t i = 0; i < k_columns; ++i) azimuths[i] = sin_cos_turns((i + 0.5) / k_columns);
+  for (uint32_t row = 0; row < k_rows; ++row) {
+    const SinCos elevation = sin_cos_turns(((row + 0.5) / k_rows - 0.5) / 2);
+    for (uint32_t i = 0; i < k_columns; ++i) {
+      const RoomPart& part = room.parts[row / k_row_split * k_room_columns + i / k_column_split];
       const double sphere[3] = {elevation.cos * azimuths[i].cos, elevation.sin, elevation.cos * azimuths[i].sin};
       double agreement = 0;
       for (int k = 0; k < 3; ++k) agreement += sphere[k] * hint.direction[k];
-      const double usual = model.prior[row];
-      const double unseen = model.fill * usual * (1 + hint.weight * exponential(k_lobe * (agreement - 1)));
-      const double seen = memory(room, part), clipped = static_cast<double>(part.clipped);
-      double colour[3], prior[3], shown[3];
-      for (int c = 0; c < 3; ++c) {
-        shown[c] = seen * static_cast<double>(part.radiance[c]) * (1 + model.boost * clipped) / all.level;
-        prior[c] = usual * all.colour[c];
-        colour[c] = shown[c] + (1 - seen) * unseen * all.colour[c];
-      }
-      const double luminous = luminance(colour), share = luminous > 0 ? luminance(shown) / luminous : 0;
-      add_piece(sums, turn, room.yaw, sphere, k_area * elevation.cos, at, colour, prior, share, clipped);
+      const double lobe = hint.weight > 0 ? hint.weight * exponential(k_lobe * (agreement - 1)) : 0;
+      const double unseen = (sphere[1] > 0 ? model.fill : model.fill_below) * (1 + lobe);
+      add_piece(sums, turn, room.yaw, sphere, k_area * elevation.cos, at,
+                shown_by(part, memory(room, part), unseen, model, all));
     }
+  }
+}
+
+// A cell is the mean over it, however many pieces lie in it. Far from the sphere's middle a cell may hold none: it is
+// then as the next one around that holds some.
+void even_out(Sums* sums) {
+  constexpr double k_cell = k_pi / k_light_cells;  // an even sky's irradiance through a cell
+  for (uint32_t i = 0; i < k_light_cells; ++i) {
+    if (!(sums->even[i] > 0)) continue;
+    const double scale = k_cell / sums->even[i];
+    for (int c = 0; c < 3; ++c) sums->cells[i][c] *= scale, sums->moments[i][c] *= scale;
+    sums->seen[i] *= scale;
+  }
+  for (uint32_t i = 0; i < k_light_cells; ++i) {
+    const uint32_t first = i / k_cell_sectors * k_cell_sectors;
+    uint32_t from = i;
+    for (uint32_t n = 0; n < k_cell_sectors && !(sums->even[from] > 0); ++n)
+      from = first + (from + 1 - first) % k_cell_sectors;
+    for (int c = 0; c < 3; ++c) sums->cells[i][c] = sums->cells[from][c];
   }
 }
 
@@ -184,28 +207,28 @@ uint32_t neighbour(uint32_t cell, int ring, int sector) {
 
 // A light of its own: what stands out of the brightest cell that was seen and of those around it. It is drawn sharp as
 // far as it is narrow.
-void find_main_light(const Sums& sums, const RoomModel& model, double trust, double total, sandglass_room_light* out) {
+void find_main_light(const Sums& sums, const RoomModel& model, double total, sandglass_room_light* out) {
   uint32_t best = 0;
   for (uint32_t i = 1; i < k_light_cells; ++i)
-    if (sums.seen_cells[i] > sums.seen_cells[best]) best = i;
+    if (sums.seen[i] > sums.seen[best]) best = i;
   double moment[3] = {}, mass = 0, colour[3] = {}, excess[k_light_cells] = {}, all = 0;
   for (int ring = -1; ring <= 1; ++ring)
     for (int sector = -1; sector <= 1; ++sector) {
       const uint32_t i = neighbour(best, ring, sector);
       if (i == k_light_cells) continue;
-      const double beyond = sums.seen_cells[i] - k_stands_out / k_light_cells * total;
+      const double beyond = sums.seen[i] - k_stands_out / k_light_cells * total;
       if (!(beyond > 0)) continue;
       excess[i] = beyond / total, all += excess[i];
-      const double part = beyond / sums.seen_cells[i];
+      const double part = beyond / sums.seen[i];
       mass += beyond;
-      for (int k = 0; k < 3; ++k) moment[k] += part * sums.seen_moments[i][k], colour[k] += sums.expected.cells[i][k];
+      for (int k = 0; k < 3; ++k) moment[k] += part * sums.moments[i][k], colour[k] += sums.cells[i][k];
     }
   const double length = square_root(moment[0] * moment[0] + moment[1] * moment[1] + moment[2] * moment[2]);
   const double grey = luminance(colour);
   if (!(mass > 0) || !(length > 0) || !(grey > 0)) return;
   double narrow = (length / mass - k_wide) / (k_narrow - k_wide);
   narrow = narrow < 0 ? 0 : narrow > 1 ? 1 : narrow;
-  const double share = model.sharp * trust * narrow;
+  const double share = model.sharp * narrow;
   for (uint32_t i = 0; i < k_light_cells; ++i) {
     const double taken = share * excess[i], had = static_cast<double>(out->cells[i]);
     out->ambient_cells[i] = static_cast<float>(had > taken ? had - taken : 0.0);
@@ -220,7 +243,7 @@ void find_main_light(const Sums& sums, const RoomModel& model, double trust, dou
 }
 
 // Where a look would take in most light that is usual there and was not seen.
-void find_look(const Room& room, const RoomModel& model, float look[3]) {
+void find_look(const Room& room, float look[3]) {
   double most = -1;
   uint32_t best = 0;
   for (uint32_t row = k_room_rows / 2; row < k_room_rows; ++row)
@@ -231,7 +254,7 @@ void find_look(const Room& room, const RoomModel& model, float look[3]) {
           const uint32_t at = (column + c + k_room_columns - k_look_columns) % k_room_columns;
           const SinCos elevation = sin_cos_turns(((r + 0.5) / k_room_rows - 0.5) / 2);
           const double facing = elevation.sin > 0 ? elevation.sin * elevation.cos : 0;
-          gain += (1 - memory(room, room.parts[r * k_room_columns + at])) * model.prior[r] * facing;
+          gain += (1 - memory(room, room.parts[r * k_room_columns + at])) * facing;
         }
       if (gain > most) most = gain, best = row * k_room_columns + column;
     }
@@ -240,15 +263,18 @@ void find_look(const Room& room, const RoomModel& model, float look[3]) {
   for (int k = 0; k < 3; ++k) look[k] = static_cast<float>(direction[k]);
 }
 
-double total_of(const Incident& light) {
-  double total = 0;
-  for (const auto& cell : light.cells) total += luminance(cell);
-  return total;
+// What of the light was in the picture's scale, by two ways that are averaged in the logarithm: what comes from the
+// cells, and what the floor shows of it.
+double level_of(const Room& room, const RoomModel& model, const Overview& all, double total, double seen) {
+  const double by_cells = total * all.level / room.scale * exponential(model.unseen_level * (1 - seen));
+  if (!(all.floor > 0)) return by_cells;
+  const double by_floor = k_pi * all.floor / room.scale / model.albedo, weight = model.floor_trust * (1 - seen);
+  return exponential((1 - weight) * logarithm(by_cells) + weight * logarithm(by_floor));
 }
 
 }  // namespace
 
-// Sums takes 6 KiB of stack.
+// Sums takes 5 KiB of stack.
 void room_estimate(const Room& room, const RoomModel& model, const double position[3],
                    const sandglass_light_estimate* network, sandglass_room_light* light) {
   const SinCos turn = sin_cos_turns(room.yaw);
@@ -264,46 +290,30 @@ void room_estimate(const Room& room, const RoomModel& model, const double positi
   const Overview all = overview_of(room);
   Sums sums = {};
   sum_up(room, model, all, hint_of(model, turn, network), at, &sums);
+  even_out(&sums);
+  double total = 0, colour[3] = {};
+  for (const auto& cell : sums.cells) {
+    total += luminance(cell);
+    for (int c = 0; c < 3; ++c) colour[c] += cell[c];
+  }
 
   sandglass_room_light out = {};
   out.valid = room.images != 0 ? 1 : 0;
-  const double total = total_of(sums.expected), usual = total_of(sums.prior);
-  const double seen = sums.usual_seen / sums.usual;
-  double trust = model.trust + model.trust_seen * seen;
-  trust = trust < 0 ? 0 : trust > 1 ? 1 : trust;
-  for (uint32_t i = 0; i < k_light_cells; ++i) {
-    const double share =
-        trust * luminance(sums.expected.cells[i]) / total + (1 - trust) * luminance(sums.prior.cells[i]) / usual;
-    out.cells[i] = out.ambient_cells[i] = static_cast<float>(share);
-  }
+  for (uint32_t i = 0; i < k_light_cells; ++i)
+    out.cells[i] = out.ambient_cells[i] = static_cast<float>(luminance(sums.cells[i]) / total);
   out.main_direction[1] = 1;
   for (float& c : out.main_colour) c = 1;
-  find_main_light(sums, model, trust, total, &out);
-
-  // The level: what comes from the cells, and what the floor shows of it, by their geometric mean.
-  const double unit = all.level / room.scale;  // of `expected`, in the picture's scale
-  double level = total * unit;
-  if (all.floor > 0 && level > 0) {
-    const double by_floor = k_pi * all.floor / room.scale / model.albedo;
-    const double weight = model.floor_trust * (1 - seen);
-    level = exponential((1 - weight) * logarithm(level) + weight * logarithm(by_floor));
-  }
-  double colour[3] = {};
-  for (const auto& cell : sums.expected.cells)
-    for (int c = 0; c < 3; ++c) colour[c] += cell[c];
+  find_main_light(sums, model, total, &out);
+  const double seen = sums.all_seen / sums.all_even;
+  const double level = level_of(room, model, all, total, seen);
   for (int c = 0; c < 3; ++c) out.irradiance[c] = static_cast<float>(colour[c] * (level / total));
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i)
-    out.sh[i] =
-        static_cast<float>(level * (trust * sums.expected.sh[i] / total + (1 - trust) * sums.prior.sh[i] / usual));
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) out.sh[i] = static_cast<float>(sums.sh[i] * (level / total));
   out.seen = static_cast<float>(seen);
-  out.clipped = static_cast<float>(sums.usual_clipped / total);
-  find_look(room, model, out.look);
+  out.clipped = static_cast<float>(sums.clipped / total);
+  find_look(room, out.look);
   fill_struct(&out, sizeof out, light);
 }
 
-extern const RoomModel k_room_model = {
-    10.0, 1.0,  0.4,
-    0.6,  0.35, 0.5,
-    0.5,  1.0,  {0.6, 0.6, 0.6, 0.6, 0.7, 0.8, 1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 3.0, 3.0, 3.0, 3.0}};
+extern const RoomModel k_room_model = {3.3, 2.0, 0.5, 0.5, 1.0, 0.35, 0.5, 0.5};
 
 }  // namespace sandglass

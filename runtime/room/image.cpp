@@ -20,6 +20,7 @@ constexpr uint8_t k_white = 250;  // sRGB: a channel from here on may be clipped
 constexpr double k_margin_sine = 0.5, k_margin_cosine = 0.8660254037844386;  // 30 degrees: half a part, and parallax
 constexpr double k_farthest = 0.8;     // radii: a camera or an object farther out counts as being there
 constexpr float k_weight_most = 8.0f;  // images; so many more make a part believe a new light
+constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // least shares of a new image
 constexpr float k_clip_slack = 0.05f;  // a difference of clipped shares below this means nothing
 constexpr double k_overlap_memory = 0.3, k_overlap_clipped = 0.1, k_overlap_dark = 0.002, k_overlap_least = 1.0;
 constexpr double k_scale_most = 1e6;
@@ -145,7 +146,8 @@ void learn(Room* room, uint32_t part) {
   if (weight > 0 && hidden) return;
   float rate = covered / (weight + covered);
   const bool clearer = clipped<known->clipped - k_clip_slack, changed = after> 2 * before || after < 0.5 * before;
-  if ((clearer || changed) && rate < 0.5f * covered) rate = 0.5f * covered;
+  const float least = covered * (clearer ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
+  rate = rate > least ? rate : least;
   for (int c = 0; c < 3; ++c) known->radiance[c] += rate * (static_cast<float>(colour[c]) - known->radiance[c]);
   known->clipped += rate * (clipped - known->clipped);
 }
@@ -212,8 +214,9 @@ bool room_take_image(Room* room, const CameraImage& image) {
     room->first_ns = image.timestamp_ns;
   }
   RoomView* view = &room->view;
-  // Without a clock images count as `interval` apart, and so do those of a clock that was set back.
-  const uint64_t step = image.timestamp_ns > room->last_ns ? image.timestamp_ns - room->last_ns : room->interval_ns;
+  // Without a clock images count as `interval` apart; so do those of a clock that was set back, or of another session.
+  const bool clocked = room->last_ns != 0 && image.timestamp_ns > room->last_ns;
+  const uint64_t step = clocked ? image.timestamp_ns - room->last_ns : room->interval_ns;
   if (room->images != 0) view->stamp += static_cast<float>(static_cast<double>(step) * 1e-9);
   room->last_ns = image.timestamp_ns;
   view->image = with_turn(image);

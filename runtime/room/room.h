@@ -75,14 +75,14 @@ void room_run_unit(Room* room);
 
 // What is fitted: how the light that was not seen follows from what was. See estimate.cpp.
 struct RoomModel {
-  double boost;               // a part whose pixels are all clipped is 1 + boost times as bright as white
-  double fill;                // brightness of what was not seen, beside the geometric mean of what was
-  double trust, trust_seen;   // the answer counts trust + trust_seen * seen, at most 1; the rest is the prior
-  double albedo;              // of the floor
-  double floor_trust;         // how much the floor's own brightness counts where nothing above was seen
-  double network;             // how much brighter the unseen is where the network says that light comes from
-  double sharp;               // how much of what stands out is drawn as a sharp light
-  double prior[k_room_rows];  // brightness of an unseen part by its elevation, beside the geometric mean
+  double boost;         // a part whose pixels are all clipped is 1 + boost times as bright as white
+  double fill;          // brightness of an unseen part above the horizon, beside the geometric mean of what was seen
+  double fill_below;    // the same below it
+  double network;       // how much brighter the unseen is where the network says that light comes from
+  double sharp;         // how much of what stands out is drawn as a sharp light
+  double albedo;        // of the floor
+  double floor_trust;   // how much the floor's own brightness counts for the level where nothing above was seen
+  double unseen_level;  // logarithm of what unseen lamps add to the level
 };
 extern const RoomModel k_room_model;
 

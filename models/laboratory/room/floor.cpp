@@ -53,7 +53,7 @@ TrueLight true_light(const RadianceMap& panorama, Vec3 place) {
       if (!(q.y > 0)) continue;
       const double distance = length(q), facing = omega * (1 - dot(d, place)) / std::pow(distance, 3) * q.y / distance;
       const Vec3 colour = panorama.colour(u, v);
-      sums[fine_of(q / distance)] += facing * luminance(colour);
+      sums[fine_of(q * (1 / distance))] += facing * luminance(colour);
       light.irradiance = light.irradiance + colour * facing;
     }
   }

@@ -22,8 +22,10 @@ RadianceMap halved(const RadianceMap& map) {
   RadianceMap half(map.width / 2, map.height / 2);
   for (int v = 0; v < half.height; ++v)
     for (int u = 0; u < half.width; ++u)
-      half.set(u, v, (map.colour(2 * u, 2 * v) + map.colour(2 * u + 1, 2 * v) + map.colour(2 * u, 2 * v + 1) +
-                      map.colour(2 * u + 1, 2 * v + 1)) * 0.25);
+      half.set(u, v,
+               (map.colour(2 * u, 2 * v) + map.colour(2 * u + 1, 2 * v) + map.colour(2 * u, 2 * v + 1) +
+                map.colour(2 * u + 1, 2 * v + 1)) *
+                   0.25);
   return half;
 }
 
@@ -51,16 +53,45 @@ Vec3 mean_direction(const Cells& cells) {
 double angle_deg(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180.0 / std::numbers::pi; }
 
 // What is fitted, as numbers that may take any value.
-constexpr int k_numbers = 12;
-std::array<double, k_numbers> numbers_of(const RoomModel& m) {
-  return {std::log(m.boost), std::log(m.fill), m.trust, m.trust_seen,
-          std::log(m.prior[8]), std::log(m.prior[9]), std::log(m.prior[10]), std::log(m.prior[11]),
-          std::log(m.prior[12]), std::log(m.prior[13]), std::log(m.prior[14]), std::log(m.prior[15])};
-}
+constexpr int k_numbers = 2, k_level_numbers = 3;
+std::array<double, k_numbers> numbers_of(const RoomModel& m) { return {std::log(m.boost), std::log(m.fill)}; }
 RoomModel model_of(const std::array<double, k_numbers>& x, RoomModel m) {
-  m.boost = std::exp(x[0]), m.fill = std::exp(x[1]), m.trust = x[2], m.trust_seen = x[3];
-  for (int i = 0; i < 8; ++i) m.prior[8 + i] = std::exp(x[static_cast<size_t>(4 + i)]);
+  m.boost = std::exp(x[0]), m.fill = std::exp(x[1]);
   return m;
+}
+std::array<double, k_level_numbers> level_numbers_of(const RoomModel& m) {
+  return {std::log(m.albedo), m.floor_trust, m.unseen_level};
+}
+RoomModel level_model_of(const std::array<double, k_level_numbers>& x, RoomModel m) {
+  m.albedo = std::exp(x[0]), m.floor_trust = std::clamp(x[1], 0.0, 1.0), m.unseen_level = x[2];
+  return m;
+}
+
+// Coordinates in turns, with steps that shrink.
+template <size_t N, class Cost>
+std::array<double, N> descend(std::array<double, N> x, const Cost& cost) {
+  std::array<double, N> step;
+  step.fill(0.3);
+  double best = cost(x);
+  for (int round = 0; round < 9; ++round)
+    for (size_t i = 0; i < N; ++i) {
+      bool moved = false;
+      for (const double sign : {1.0, -1.0}) {
+        std::array<double, N> tried = x;
+        tried[i] += sign * step[i];
+        const double there = cost(tried);
+        if (!(there < best)) continue;
+        best = there, x = tried, moved = true;
+        break;
+      }
+      step[i] *= moved ? 1.2 : 0.5;
+    }
+  return x;
+}
+
+double level_error(const StudiedPlace& place, size_t session, const sandglass_room_light& light) {
+  const Vec3 e = {light.irradiance[0], light.irradiance[1], light.irradiance[2]};
+  return std::log(luminance(e) / (luminance(place.light.irradiance) * place.sessions[session].exposure));
 }
 
 struct Interval {
@@ -129,39 +160,31 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::vector<FloorObject> 
 
 RoomModel fit_room_model(const RoomStudy& study, const RoomModel& start, bool (*use)(const StudiedPlace&, int fold),
                          int fold, ThreadPool* pool) {
-  const auto cost = [&](const RoomModel& model) {
+  const auto total = [&](const RoomModel& model, const auto& cost_of) {
     std::vector<double> sums(study.places.size(), 0.0);
     pool->run(static_cast<uint32_t>(study.places.size()), [&](uint32_t i) {
       const StudiedPlace& place = study.places[i];
       if (!use(place, fold)) return;
-      for (const SeenRoom& seen : place.sessions) {
-        const Cells cells = cells_of(light_at(seen, model, place.place), false);
-        for (const FloorObject::Quadratic& object : place.objects) sums[i] += object.error(cells);
-      }
+      for (size_t s = 1; s < place.sessions.size(); ++s)
+        sums[i] += cost_of(place, s, light_at(place.sessions[s], model, place.place));
     });
     double sum = 0;
     for (const double s : sums) sum += s;
     return sum;
   };
-  // Coordinates in turns, with steps that shrink.
-  std::array<double, k_numbers> x = numbers_of(start), step;
-  step.fill(0.4), step[2] = step[3] = 0.15;
-  double best = cost(start);
-  for (int round = 0; round < 7; ++round)
-    for (size_t i = 0; i < k_numbers; ++i) {
-      bool moved = false;
-      for (const double sign : {1.0, -1.0}) {
-        std::array<double, k_numbers> tried = x;
-        tried[i] += sign * step[i];
-        const double there = cost(model_of(tried, start));
-        if (there < best) {
-          best = there, x = tried, moved = true;
-          break;
-        }
-      }
-      step[i] *= moved ? 1.2 : 0.5;
-    }
-  return model_of(x, start);
+  const auto floor = [](const StudiedPlace& place, size_t, const sandglass_room_light& light) {
+    double sum = 0;
+    for (const FloorObject::Quadratic& object : place.objects) sum += object.error(cells_of(light, false));
+    return sum;
+  };
+  const auto level = [](const StudiedPlace& place, size_t session, const sandglass_room_light& light) {
+    return std::fabs(level_error(place, session, light));
+  };
+  const RoomModel fitted =
+      model_of(descend(numbers_of(start), [&](const auto& x) { return total(model_of(x, start), floor); }), start);
+  return level_model_of(
+      descend(level_numbers_of(fitted), [&](const auto& x) { return total(level_model_of(x, fitted), level); }),
+      fitted);
 }
 
 void print_room_table(const RoomStudy& study, const std::vector<RoomModel>& models) {
@@ -191,8 +214,8 @@ void print_room_table(const RoomStudy& study, const std::vector<RoomModel>& mode
       row("  with the sharp part", [&](const StudiedPlace& p) {
         const sandglass_room_light light = light_at(p.sessions[s], model_for(p), p.place);
         const Vec3 main = {light.main_direction[0], light.main_direction[1], light.main_direction[2]};
-        return floor_error(
-            study.objects[o].drawn(cells_of(light, true), static_cast<double>(light.main_share), main), p.truths[o]);
+        return floor_error(study.objects[o].drawn(cells_of(light, true), static_cast<double>(light.main_share), main),
+                           p.truths[o]);
       });
     }
   }
@@ -203,26 +226,25 @@ void print_room_table(const RoomStudy& study, const std::vector<RoomModel>& mode
   std::printf("  the zenith %.1f\n", usual.mean);
   for (size_t s = 0; s < std::size(k_sessions); ++s) {
     const auto mean = [&](const std::function<double(const StudiedPlace&, const sandglass_room_light&)>& measure) {
-      return interval_of(by_location(study, [&](const StudiedPlace& p) {
-        return measure(p, light_at(p.sessions[s], model_for(p), p.place));
-      }));
+      return interval_of(by_location(
+          study, [&](const StudiedPlace& p) { return measure(p, light_at(p.sessions[s], model_for(p), p.place)); }));
     };
-    const Interval seen = mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.seen); });
+    const Interval seen =
+        mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.seen); });
     const Interval angle = mean([](const StudiedPlace& p, const sandglass_room_light& l) {
       return angle_deg(mean_direction(cells_of(l, false)), mean_direction(p.light.cells));
     });
-    const Interval level = mean([&](const StudiedPlace& p, const sandglass_room_light& l) {
-      const Vec3 e = {l.irradiance[0], l.irradiance[1], l.irradiance[2]};
-      return std::fabs(std::log(luminance(e) / (luminance(p.light.irradiance) * p.sessions[s].exposure)));
-    });
-    const Interval bias = mean([&](const StudiedPlace& p, const sandglass_room_light& l) {
-      const Vec3 e = {l.irradiance[0], l.irradiance[1], l.irradiance[2]};
-      return std::log(luminance(e) / (luminance(p.light.irradiance) * p.sessions[s].exposure));
-    });
-    const Interval share = mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.main_share); });
-    const Interval clipped = mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.clipped); });
-    std::printf("  %-42s %.2f  %5.1f [%.1f, %.1f]  %.2f [%.2f, %.2f] bias %+.2f  %.2f  %.2f\n", session_name(k_sessions[s]), seen.mean,
-                angle.mean, angle.low, angle.high, level.mean, level.low, level.high, bias.mean, share.mean, clipped.mean);
+    const Interval level =
+        mean([&](const StudiedPlace& p, const sandglass_room_light& l) { return std::fabs(level_error(p, s, l)); });
+    const Interval bias =
+        mean([&](const StudiedPlace& p, const sandglass_room_light& l) { return level_error(p, s, l); });
+    const Interval share =
+        mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.main_share); });
+    const Interval clipped =
+        mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.clipped); });
+    std::printf("  %-42s %.2f  %5.1f [%.1f, %.1f]  %.2f [%.2f, %.2f] bias %+.2f  %.2f  %.2f\n",
+                session_name(k_sessions[s]), seen.mean, angle.mean, angle.low, angle.high, level.mean, level.low,
+                level.high, bias.mean, share.mean, clipped.mean);
   }
 }
 

@@ -29,9 +29,9 @@ struct StudiedPlace {
   double azimuth = 0.0;
   Vec3 place;
   TrueLight light;
-  std::vector<SeenRoom> sessions;                         // in the order of k_sessions
-  std::vector<FloorObject::Quadratic> objects;            // of each object
-  std::vector<std::vector<float>> truths;                 // the floor's ratio, of each object
+  std::vector<SeenRoom> sessions;               // in the order of k_sessions
+  std::vector<FloorObject::Quadratic> objects;  // of each object
+  std::vector<std::vector<float>> truths;       // the floor's ratio, of each object
 };
 
 struct RoomStudy {

@@ -15,8 +15,8 @@ namespace {
 
 constexpr int k_width = 90, k_height = 120;  // pixels; enough for parts of 11 degrees
 constexpr double k_diagonal_deg = 75.0;
-constexpr double k_key = 0.2;         // the mean of a picture that the camera exposed by itself
-constexpr double k_sway_deg = 4.0;    // of a hand, standard deviation
+constexpr double k_key = 0.2;       // the mean of a picture that the camera exposed by itself
+constexpr double k_sway_deg = 4.0;  // of a hand, standard deviation
 constexpr double k_short = 1.0 / 64;
 constexpr uint64_t k_sway_stream = 97;
 
@@ -37,10 +37,22 @@ Axes axes_of(double azimuth, const SessionImage& image) {
 
 void quaternion_of(const Axes& a, float q[4]) {
   // Columns of the rotation are the axes.
-  const float matrix[16] = {static_cast<float>(a.right.x), static_cast<float>(a.right.y), static_cast<float>(a.right.z), 0,
-                            static_cast<float>(a.up.x),    static_cast<float>(a.up.y),    static_cast<float>(a.up.z),    0,
-                            static_cast<float>(a.back.x),  static_cast<float>(a.back.y),  static_cast<float>(a.back.z),  0,
-                            0, 0, 0, 1};
+  const float matrix[16] = {static_cast<float>(a.right.x),
+                            static_cast<float>(a.right.y),
+                            static_cast<float>(a.right.z),
+                            0,
+                            static_cast<float>(a.up.x),
+                            static_cast<float>(a.up.y),
+                            static_cast<float>(a.up.z),
+                            0,
+                            static_cast<float>(a.back.x),
+                            static_cast<float>(a.back.y),
+                            static_cast<float>(a.back.z),
+                            0,
+                            0,
+                            0,
+                            0,
+                            1};
   (void)sandglass_camera_orientation(matrix, q);
 }
 

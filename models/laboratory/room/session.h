@@ -12,13 +12,13 @@
 namespace sandglass::host {
 
 enum class Session {
-  nothing,         // not one image
-  table,           // one image of a table
-  around_table,    // the table, from all sides; never up
-  glance,          // the table, 60 degrees to each side, then a glance up to 15 degrees, as far to each side
-  full_turn,       // a full turn, from the horizon to 20 degrees above
-  full_turn_short, // the same, with every fourth image exposed for a 64th of the time
-  everything       // the whole sphere, every other image for a 64th
+  nothing,          // not one image
+  table,            // one image of a table
+  around_table,     // the table, from all sides; never up
+  glance,           // the table, 60 degrees to each side, then a glance up to 15 degrees, as far to each side
+  full_turn,        // a full turn, from the horizon to 20 degrees above
+  full_turn_short,  // the same, with every fourth image exposed for a 64th of the time
+  everything        // the whole sphere, every other image for a 64th
 };
 constexpr Session k_sessions[] = {Session::nothing,   Session::table,           Session::around_table, Session::glance,
                                   Session::full_turn, Session::full_turn_short, Session::everything};
