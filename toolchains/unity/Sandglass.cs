@@ -166,6 +166,7 @@ public unsafe struct sandglass_frame_input {
   public IntPtr light;
   public sandglass_camera_image* camera;
   public sandglass_plan* plan;
+  public IntPtr room;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -281,6 +282,28 @@ public unsafe struct sandglass_camera_image {
   public fixed float orientation[4];
   public uint pose_is_upright;
   public ulong timestamp_ns;
+  public fixed float position[3];
+  public float exposure;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_room_desc {
+  public uint struct_size;
+  public float radius, half_life, interval;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_room_light {
+  public uint struct_size, valid;
+  public fixed float cells[64];
+  public fixed float ambient_cells[64];
+  public fixed float main_direction[3];
+  public float main_share;
+  public fixed float main_colour[3];
+  public fixed float irradiance[3];
+  public fixed float sh[27];
+  public float seen, clipped;
+  public fixed float look[3];
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -498,6 +521,17 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern void sandglass_light_get_latest(IntPtr light, ref sandglass_light_estimate estimate);
   [DllImport(k_library)] public static extern ulong sandglass_light_hash(IntPtr light);
   [DllImport(k_library)] public static extern int sandglass_light_isa(IntPtr light);
+  [DllImport(k_library)] public static extern void sandglass_room_desc_default(out sandglass_room_desc desc);
+  [DllImport(k_library)] public static extern int sandglass_room_bytes(ref sandglass_room_desc desc, out ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_room_create(ref sandglass_room_desc desc, IntPtr block, ulong bytes, out IntPtr room, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_room_reset(IntPtr room);
+  [DllImport(k_library)] public static extern int sandglass_room_set_image(IntPtr room, ref sandglass_camera_image image, out uint taken, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_room_move(IntPtr room, float[] rotation, float[] translation, out IntPtr reason);
+  [DllImport(k_library)] public static extern unsafe int sandglass_room_get(IntPtr room, float[] position, sandglass_light_estimate* estimate, ref sandglass_room_light light, out IntPtr reason);
+  [DllImport(k_library)] public static extern ulong sandglass_room_save_bytes(IntPtr room);
+  [DllImport(k_library)] public static extern unsafe int sandglass_room_save(IntPtr room, void* data, ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern unsafe int sandglass_room_restore(IntPtr room, void* data, ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern ulong sandglass_room_hash(IntPtr room);
   [DllImport(k_library)] public static extern int sandglass_light_harmonics(ref sandglass_light_estimate estimate, int model, [Out] float[] sh, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_light_to_filament(ref sandglass_light_estimate estimate, int model, float nits, ref sandglass_light_filament filament, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_light_to_arkit(ref sandglass_light_estimate estimate, int model, ref sandglass_light_arkit arkit, out IntPtr reason);
