@@ -6,6 +6,7 @@
 
 #include "models/tracing/ray_caster.h"
 #include "runtime/core/random.h"
+#include "runtime/light/harmonics.h"
 
 namespace sandglass::host {
 
@@ -13,7 +14,7 @@ namespace {
 
 constexpr double k_pi_double = std::numbers::pi;
 constexpr double k_half_light = 10.0 * k_pi_double / 180.0;
-constexpr uint64_t k_ray_stream = 61;
+constexpr uint64_t k_ray_stream = 61, k_point_stream = 100'061;
 
 // A direction by its place in the hemisphere: `ring` 0..16 and `sector` 0..64 may have fractions.
 Vec3 fine_place(double ring, double sector) {
@@ -29,7 +30,27 @@ uint32_t fine_of(Vec3 d) {
   return ring * k_fine_sectors + sector;
 }
 
+uint32_t sphere_part(Vec3 d) {
+  const double turns = std::atan2(d.z, d.x) / (2.0 * k_pi_double), up = std::asin(std::clamp(d.y, -1.0, 1.0));
+  const auto column = static_cast<uint32_t>((turns - std::floor(turns)) * k_sphere_columns) % k_sphere_columns;
+  const auto row = static_cast<uint32_t>((up / k_pi_double + 0.5) * k_sphere_rows);
+  return std::min(row, k_sphere_rows - 1) * k_sphere_columns + column;
+}
+
+std::array<double, 9> harmonics_of(Vec3 d) {
+  const double v[3] = {d.x, d.y, d.z};
+  std::array<double, 9> values;
+  harmonic_polynomials(v, values.data());
+  for (size_t j = 0; j < 9; ++j) values[j] *= k_harmonic_factors[j];
+  return values;
+}
+
 }  // namespace
+
+Vec3 sphere_direction(double row, double column) {
+  const double up = k_pi_double * (row / k_sphere_rows - 0.5), around = 2.0 * k_pi_double * column / k_sphere_columns;
+  return {std::cos(up) * std::cos(around), std::sin(up), std::cos(up) * std::sin(around)};
+}
 
 Vec3 fine_direction(uint32_t fine) { return fine_place(fine / k_fine_sectors + 0.5, fine % k_fine_sectors + 0.5); }
 
@@ -50,8 +71,10 @@ TrueLight true_light(const RadianceMap& panorama, Vec3 place) {
     const double omega = pixel_solid_angle(v, panorama.width, panorama.height);
     for (int u = 0; u < panorama.width; ++u) {
       const Vec3 d = panorama_direction(u, v, panorama.width, panorama.height), q = d - place;
+      const double distance = length(q), solid = omega * (1 - dot(d, place)) / std::pow(distance, 3);
+      light.sphere[sphere_part(q * (1 / distance))] += solid * luminance(panorama.colour(u, v));
       if (!(q.y > 0)) continue;
-      const double distance = length(q), facing = omega * (1 - dot(d, place)) / std::pow(distance, 3) * q.y / distance;
+      const double facing = solid * q.y / distance;
       const Vec3 colour = panorama.colour(u, v);
       sums[fine_of(q * (1 / distance))] += facing * luminance(colour);
       light.irradiance = light.irradiance + colour * facing;
@@ -92,6 +115,61 @@ FloorObject::FloorObject(std::string name, const Mesh& mesh, uint64_t seed, Thre
       }
     }
   });
+
+  // Points of the surface, by area, and what each sees.
+  std::vector<double> areas;
+  const auto corner = [&mesh](uint32_t triangle, uint32_t k) {
+    const float* v =
+        mesh.vertices.data() + 3 * static_cast<size_t>(mesh.indices[3 * static_cast<size_t>(triangle) + k]);
+    return Vec3{v[0], v[1], v[2]};
+  };
+  for (uint32_t t = 0; t < mesh.triangle_count(); ++t)
+    areas.push_back((areas.empty() ? 0.0 : areas.back()) +
+                    length(cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0))));
+  facing_.assign(static_cast<size_t>(k_points) * k_sphere, 0.0f);
+  pool->run(k_points, [&](uint32_t point) {
+    Random random = random_stream(seed, k_point_stream + point);
+    const double at = random.uniform() * areas.back();
+    const auto t = static_cast<uint32_t>(std::upper_bound(areas.begin(), areas.end(), at) - areas.begin());
+    double a = random.uniform(), b = random.uniform();
+    if (a + b > 1) a = 1 - a, b = 1 - b;
+    const Vec3 edge = corner(t, 1) - corner(t, 0), other = corner(t, 2) - corner(t, 0);
+    const Vec3 normal = normalised(cross(edge, other));
+    const Vec3 from = corner(t, 0) + edge * a + other * b + normal * (1e-4 * height);
+    for (uint32_t i = 0; i < k_sphere; ++i) {
+      const Vec3 d = sphere_direction(i / k_sphere_columns + random.uniform(), i % k_sphere_columns + random.uniform());
+      const double facing = dot(d, normal);
+      if (facing > 0 && !caster.occluded(from, d, 1e3 * height))
+        facing_[static_cast<size_t>(point) * k_sphere + i] = static_cast<float>(facing);
+    }
+  });
+}
+
+std::vector<float> FloorObject::lit(const TrueLight& light) const {
+  std::vector<float> irradiance(k_points);
+  for (size_t p = 0; p < irradiance.size(); ++p) {
+    double sum = 0;
+    for (uint32_t i = 0; i < k_sphere; ++i) sum += light.sphere[i] * static_cast<double>(facing_[p * k_sphere + i]);
+    irradiance[p] = static_cast<float>(sum / luminance(light.irradiance));
+  }
+  return irradiance;
+}
+
+std::vector<float> FloorObject::lit(const std::array<double, 9>& harmonics, double floor_irradiance) const {
+  std::vector<float> irradiance(k_points);
+  for (uint32_t i = 0; i < k_sphere; ++i) {
+    const double row = i / k_sphere_columns, low = std::sin(k_pi_double * (row / k_sphere_rows - 0.5));
+    const double high = std::sin(k_pi_double * ((row + 1) / k_sphere_rows - 0.5));
+    const double omega = 2.0 * k_pi_double / k_sphere_columns * (high - low);
+    const std::array<double, 9> y = harmonics_of(sphere_direction(row + 0.5, i % k_sphere_columns + 0.5));
+    double radiance = 0;
+    for (size_t j = 0; j < 9; ++j) radiance += harmonics[j] * y[j];
+    for (size_t p = 0; p < irradiance.size(); ++p)
+      irradiance[p] +=
+          static_cast<float>(omega * radiance * static_cast<double>(facing_[p * k_sphere + i]) / floor_irradiance);
+  }
+  for (float& e : irradiance) e = std::max(e, 0.0f);
+  return irradiance;
 }
 
 std::vector<float> FloorObject::hidden(Vec3 direction) const {
@@ -159,7 +237,7 @@ double FloorObject::Quadratic::error(const Cells& cells) const {
   return std::sqrt(std::max(sum, 0.0));
 }
 
-double floor_error(const std::vector<float>& drawn, const std::vector<float>& truth) {
+double error_of(const std::vector<float>& drawn, const std::vector<float>& truth) {
   double sum = 0;
   for (size_t i = 0; i < drawn.size(); ++i) {
     const double difference = static_cast<double>(drawn[i]) - static_cast<double>(truth[i]);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include "models/files/failure.h"
 #include "models/lighting/dataset.h"
@@ -131,6 +132,8 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::vector<FloorObject> 
   const std::string manifest = read_locations(options.manifest);
   const std::vector<std::string> files = find_panoramas(options.panoramas);
   Progress progress("looking around", files.size());
+  std::optional<RoomLight> network;
+  if (!options.network.empty()) network.emplace(options.network);
   for (size_t i = 0; i < files.size(); ++i) {
     RadianceMap panorama = read_panorama(files[i]);
     fill_tripod(&panorama);
@@ -147,11 +150,15 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::vector<FloorObject> 
       for (const FloorObject& object : study.objects) {
         place.objects.push_back(object.quadratic(place.light));
         place.truths.push_back(object.truth(place.light));
+        place.lit.push_back(object.lit(place.light));
       }
       for (const Session session : k_sessions)
         place.sessions.push_back(look_around(
             coarse, session, {place.azimuth, options.exposure_known, mix_bits(options.seed + 1000 * i + a)}));
     });
+    for (uint32_t a = 0; a < options.azimuths && network; ++a)
+      places[a].estimate =
+          estimate_of_table(coarse, {places[a].azimuth, true, mix_bits(options.seed + 1000 * i + a)}, &*network);
     for (StudiedPlace& place : places) study.places.push_back(std::move(place));
     progress.done(i + 1);
   }
@@ -191,43 +198,115 @@ void print_room_table(const RoomStudy& study, const std::vector<RoomModel>& mode
   const auto model_for = [&](const StudiedPlace& place) -> const RoomModel& {
     return models[place.fold >= 0 ? static_cast<size_t>(place.fold) % models.size() : 0];
   };
+  using Drawn = std::function<std::vector<float>(const StudiedPlace&, size_t object)>;
+  using Lit = std::function<std::array<double, 10>(const StudiedPlace&)>;  // nine harmonics and the floor's irradiance
   Cells even;
   even.fill(1.0 / k_light_cells);
-  for (size_t o = 0; o < study.objects.size(); ++o) {
-    std::printf("\n%s: floor error, mean over places\n", study.objects[o].name().c_str());
-    const auto row = [&](const char* name, const std::function<double(const StudiedPlace&)>& measure) {
-      const std::vector<double> values = by_location(study, measure);
-      const std::vector<double> ambient =
-          by_location(study, [&](const StudiedPlace& p) { return p.objects[o].error(even); });
-      std::vector<double> difference(values.size());
-      for (size_t i = 0; i < values.size(); ++i) difference[i] = values[i] - ambient[i];
-      const Interval d = interval_of(difference), m = interval_of(values), a = interval_of(ambient);
-      std::printf("  %-42s %.4f  %.3f x  %+.4f [%+.4f, %+.4f]\n", name, m.mean, m.mean / a.mean, d.mean, d.low, d.high);
+  const auto in_cells = [&](const std::function<Cells(const StudiedPlace&)>& cells) -> Drawn {
+    return [&study, cells](const StudiedPlace& p, size_t o) { return study.objects[o].drawn(cells(p)); };
+  };
+  const auto seen_light = [&](const StudiedPlace& p, size_t s) {
+    return light_at(p.sessions[s], model_for(p), p.place);
+  };
+  const auto harmonics = [](const sandglass_room_light& light) {
+    std::array<double, 10> sh;
+    for (size_t j = 0; j < 9; ++j) sh[j] = luminance(Vec3{light.sh[3 * j], light.sh[3 * j + 1], light.sh[3 * j + 2]});
+    sh[9] = luminance(Vec3{light.irradiance[0], light.irradiance[1], light.irradiance[2]});
+    return sh;
+  };
+  const auto one_light = [&](double ambient) -> Drawn {
+    return [&study, ambient](const StudiedPlace& p, size_t o) {
+      const Vec3 d = {p.estimate.direction[0], p.estimate.direction[1], p.estimate.direction[2]};
+      const double share = d.y > 0.05 ? static_cast<double>(p.estimate.contrast) : 0.0;
+      Cells rest;
+      rest.fill(ambient * (1 - share) / k_light_cells);
+      return study.objects[o].drawn(rest, share, d);
     };
-    row("no shadow", [&](const StudiedPlace& p) { return p.objects[o].error(Cells{}); });
-    row("ambient occlusion", [&](const StudiedPlace& p) { return p.objects[o].error(even); });
-    row("true cells", [&](const StudiedPlace& p) { return p.objects[o].error(p.light.cells); });
-    for (size_t s = 0; s < std::size(k_sessions); ++s) {
-      row(session_name(k_sessions[s]), [&](const StudiedPlace& p) {
-        return p.objects[o].error(cells_of(light_at(p.sessions[s], model_for(p), p.place), false));
-      });
-      row("  with the sharp part", [&](const StudiedPlace& p) {
-        const sandglass_room_light light = light_at(p.sessions[s], model_for(p), p.place);
-        const Vec3 main = {light.main_direction[0], light.main_direction[1], light.main_direction[2]};
-        return floor_error(study.objects[o].drawn(cells_of(light, true), static_cast<double>(light.main_share), main),
-                           p.truths[o]);
-      });
-    }
+  };
+  struct Row {
+    std::string name;
+    Drawn drawn;
+    Lit lit;
+  };
+  std::vector<Row> rows = {{"no shadow", in_cells([](const StudiedPlace&) { return Cells{}; }), nullptr},
+                           {"ambient occlusion alone", in_cells([&](const StudiedPlace&) { return even; }), nullptr}};
+  if (study.places.front().estimate.struct_size != 0) {
+    rows.push_back({"one light of the network", one_light(0.0), nullptr});
+    rows.push_back({"one light of the network and ambient occlusion", one_light(1.0), nullptr});
   }
-  std::printf("\nby session: seen, shadow direction (degrees), level |log ratio|, main share, clipped\n");
-  const Interval usual = interval_of(by_location(study, [&](const StudiedPlace& p) {
-    return angle_deg(Vec3{0, 1, 0}, mean_direction(p.light.cells));
-  }));
-  std::printf("  the zenith %.1f\n", usual.mean);
+  for (size_t s = 0; s < std::size(k_sessions); ++s)
+    rows.push_back({session_name(k_sessions[s]),
+                    [&, s](const StudiedPlace& p, size_t o) {
+                      const sandglass_room_light light = seen_light(p, s);
+                      const Vec3 main = {light.main_direction[0], light.main_direction[1], light.main_direction[2]};
+                      return study.objects[o].drawn(cells_of(light, true), static_cast<double>(light.main_share), main);
+                    },
+                    [&, s](const StudiedPlace& p) { return harmonics(seen_light(p, s)); }});
+  rows.push_back({"true cells", in_cells([](const StudiedPlace& p) { return p.light.cells; }), nullptr});
+  const auto turn = static_cast<size_t>(Session::full_turn);
+  rows.push_back({"control: a full turn, mirrored", in_cells([&](const StudiedPlace& p) {
+                    const Cells cells = cells_of(seen_light(p, turn), false);
+                    Cells mirrored;
+                    for (uint32_t i = 0; i < k_light_cells; ++i)
+                      mirrored[i] =
+                          cells[i / k_cell_sectors * k_cell_sectors + (k_cell_sectors - 1 - i % k_cell_sectors)];
+                    return mirrored;
+                  }),
+                  nullptr});
+  rows.push_back({"control: a full turn in another room", in_cells([&](const StudiedPlace& p) {
+                    const auto index = static_cast<size_t>(&p - study.places.data());
+                    const StudiedPlace& other = study.places[(index + study.places.size() / 2) % study.places.size()];
+                    return cells_of(seen_light(other, turn), false);
+                  }),
+                  nullptr});
+
+  const auto mean_of = [&](const std::function<double(const StudiedPlace&, size_t)>& measure) {
+    return by_location(study, [&](const StudiedPlace& p) {
+      double sum = 0;
+      for (size_t o = 0; o < study.objects.size(); ++o) sum += measure(p, o);
+      return sum / static_cast<double>(study.objects.size());
+    });
+  };
+  const auto floor_of = [&](const Row& row) {
+    return mean_of([&](const StudiedPlace& p, size_t o) { return error_of(row.drawn(p, o), p.truths[o]); });
+  };
+  const std::vector<double> ambient = floor_of(rows[1]);
+  const double ambient_mean = interval_of(ambient).mean;
+  std::printf("%zu places, objects:", by_location(study, [](const StudiedPlace&) { return 0.0; }).size());
+  for (const FloorObject& object : study.objects) std::printf(" %s", object.name().c_str());
+  std::printf(
+      "\nfloor error (RMSE of the ratio); against ambient occlusion, with 95 %% intervals over places; by object; "
+      "shading\n");
+  for (const Row& row : rows) {
+    const std::vector<double> floor = floor_of(row);
+    std::vector<double> difference(floor.size());
+    for (size_t i = 0; i < floor.size(); ++i) difference[i] = floor[i] - ambient[i];
+    const Interval d = interval_of(difference), m = interval_of(floor);
+    std::printf("  %-46s %.4f  %.3f x  %+.4f [%+.4f, %+.4f] ", row.name.c_str(), m.mean, m.mean / ambient_mean, d.mean,
+                d.low, d.high);
+    for (size_t o = 0; o < study.objects.size(); ++o)
+      std::printf(" %.4f", interval_of(by_location(study, [&](const StudiedPlace& p) {
+                             return error_of(row.drawn(p, o), p.truths[o]);
+                           })).mean);
+    if (row.lit) {
+      const Interval shading = interval_of(mean_of([&](const StudiedPlace& p, size_t o) {
+        const std::array<double, 10> sh = row.lit(p);
+        std::array<double, 9> nine;
+        std::copy_n(sh.begin(), 9, nine.begin());
+        return error_of(study.objects[o].lit(nine, sh[9]), p.lit[o]);
+      }));
+      std::printf("  shading %.3f [%.3f, %.3f]", shading.mean, shading.low, shading.high);
+    }
+    std::printf("\n");
+  }
+  std::printf(
+      "by session: share seen; shadow direction, degrees; level, |log ratio| and log ratio; main share; clipped\n");
+  std::printf("  %-42s %22.1f\n", "the zenith", interval_of(by_location(study, [&](const StudiedPlace& p) {
+                                                  return angle_deg(Vec3{0, 1, 0}, mean_direction(p.light.cells));
+                                                })).mean);
   for (size_t s = 0; s < std::size(k_sessions); ++s) {
     const auto mean = [&](const std::function<double(const StudiedPlace&, const sandglass_room_light&)>& measure) {
-      return interval_of(by_location(
-          study, [&](const StudiedPlace& p) { return measure(p, light_at(p.sessions[s], model_for(p), p.place)); }));
+      return interval_of(by_location(study, [&](const StudiedPlace& p) { return measure(p, seen_light(p, s)); }));
     };
     const Interval seen =
         mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.seen); });
@@ -242,9 +321,9 @@ void print_room_table(const RoomStudy& study, const std::vector<RoomModel>& mode
         mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.main_share); });
     const Interval clipped =
         mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.clipped); });
-    std::printf("  %-42s %.2f  %5.1f [%.1f, %.1f]  %.2f [%.2f, %.2f] bias %+.2f  %.2f  %.2f\n",
-                session_name(k_sessions[s]), seen.mean, angle.mean, angle.low, angle.high, level.mean, level.low,
-                level.high, bias.mean, share.mean, clipped.mean);
+    std::printf("  %-42s %.2f  %5.1f [%.1f, %.1f]  %.2f [%.2f, %.2f] %+.2f  %.2f  %.2f\n", session_name(k_sessions[s]),
+                seen.mean, angle.mean, angle.low, angle.high, level.mean, level.low, level.high, bias.mean, share.mean,
+                clipped.mean);
   }
 }
 

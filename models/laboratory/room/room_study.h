@@ -18,6 +18,7 @@ struct RoomStudyOptions {
   double place = 0.25;                 // of the object, in radii ahead of the camera
   uint32_t azimuths = 4;               // sessions begin at so many azimuths of each panorama
   bool exposure_known = true;
+  std::string network;  // of the estimate of one light; empty: its rows are left out
   uint64_t seed = 1;
   uint32_t threads = 1;
 };
@@ -31,7 +32,8 @@ struct StudiedPlace {
   TrueLight light;
   std::vector<SeenRoom> sessions;               // in the order of k_sessions
   std::vector<FloorObject::Quadratic> objects;  // of each object
-  std::vector<std::vector<float>> truths;       // the floor's ratio, of each object
+  std::vector<std::vector<float>> truths, lit;  // the floor's ratio and the surface, of each object
+  sandglass_light_estimate estimate = {};       // of the network, from the image of the table
 };
 
 struct RoomStudy {

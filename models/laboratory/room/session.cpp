@@ -123,39 +123,55 @@ std::vector<SessionImage> session_images(Session session, uint64_t seed) {
   return images;
 }
 
+namespace {
+
+// What a camera sees that is turned in this way, and what it makes of it.
+struct Shot {
+  Picture picture;
+  double exposure;
+  sandglass_camera_image image;  // refers to the picture
+};
+
+Shot take(const RadianceMap& panorama, const Axes& axes, int width, int height, double exposure_factor) {
+  const double focal = focal_length(width, height, k_diagonal_deg);
+  RadianceMap view(width, height);
+  for (int v = 0; v < height; ++v)
+    for (int u = 0; u < width; ++u)
+      view.set(u, v,
+               look_up(panorama, axes.right * ((u - 0.5 * (width - 1)) / focal) +
+                                     axes.up * ((0.5 * (height - 1) - v) / focal) - axes.back));
+  Shot shot = {Picture(width, height, {0, 0, 0}), exposed_by_itself(view) * exposure_factor, {}};
+  for (size_t i = 0; i < view.rgb.size(); ++i)
+    shot.picture.rgb[i] = srgb_byte(std::min(1.0, static_cast<double>(view.rgb[i]) * shot.exposure));
+  shot.image = camera_image_of(shot.picture, k_diagonal_deg);
+  quaternion_of(axes, shot.image.orientation);
+  return shot;
+}
+
+}  // namespace
+
 SeenRoom look_around(const RadianceMap& panorama, Session session, const SessionOptions& options) {
   SeenRoom seen = {};
   Room* room = &seen.room;
   room->radius = 1.0, room->half_life = 1e6, room->interval_ns = 0;
   room_reset(room);
-  const double focal = focal_length(k_width, k_height, k_diagonal_deg);
   uint64_t time_ns = 0;
-  std::vector<uint8_t> bytes(3ull * k_width * k_height);
   for (const SessionImage& image : session_images(session, options.seed)) {
-    const Axes axes = axes_of(options.azimuth, image);
-    RadianceMap view(k_width, k_height);
-    for (int v = 0; v < k_height; ++v)
-      for (int u = 0; u < k_width; ++u)
-        view.set(u, v,
-                 look_up(panorama, axes.right * ((u - 0.5 * (k_width - 1)) / focal) +
-                                       axes.up * ((0.5 * (k_height - 1) - v) / focal) - axes.back));
-    const double exposure = exposed_by_itself(view) * image.exposure;
-    for (size_t i = 0; i < bytes.size(); ++i)
-      bytes[i] = srgb_byte(std::min(1.0, static_cast<double>(view.rgb[i]) * exposure));
-    sandglass_camera_image camera;
-    sandglass_camera_image_default(&camera);
-    camera.width = k_width, camera.height = k_height;
-    camera.planes[0] = bytes.data(), camera.strides[0] = 3 * k_width;
-    camera.focal_x = camera.focal_y = static_cast<float>(focal);
-    camera.centre_x = 0.5f * (k_width - 1), camera.centre_y = 0.5f * (k_height - 1);
-    quaternion_of(axes, camera.orientation);
-    camera.timestamp_ns = time_ns += 100'000'000;
-    camera.exposure = options.exposure_known ? static_cast<float>(exposure) : 0.0f;
-    (void)room_take_image(room, camera);
+    Shot shot = take(panorama, axes_of(options.azimuth, image), k_width, k_height, image.exposure);
+    shot.image.timestamp_ns = time_ns += 100'000'000;
+    shot.image.exposure = options.exposure_known ? static_cast<float>(shot.exposure) : 0.0f;
+    (void)room_take_image(room, shot.image);
     while (room->phase != RoomPhase::idle) room_run_unit(room);
-    seen.exposure = exposure;
+    seen.exposure = shot.exposure;
   }
   return seen;
+}
+
+sandglass_light_estimate estimate_of_table(const RadianceMap& panorama, const SessionOptions& options,
+                                           RoomLight* network) {
+  const SessionImage image = session_images(Session::table, options.seed).front();
+  const Shot shot = take(panorama, axes_of(options.azimuth, image), 4 * k_width, 4 * k_height, image.exposure);
+  return network->estimate(shot.image);
 }
 
 }  // namespace sandglass::host

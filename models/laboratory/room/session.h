@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "models/lighting/room_light.h"
 #include "models/rooms/panorama.h"
 #include "runtime/room/room.h"
 
@@ -45,5 +46,9 @@ struct SeenRoom {
   double exposure = 1.0;
 };
 SeenRoom look_around(const RadianceMap& panorama, Session session, const SessionOptions& options);
+
+// What the network of light.h makes of the one image of a table, in the panorama's frame.
+sandglass_light_estimate estimate_of_table(const RadianceMap& panorama, const SessionOptions& options,
+                                           RoomLight* network);
 
 }  // namespace sandglass::host

@@ -15,7 +15,8 @@ int main(int argc, char** argv) {
   o.panoramas = {std::string(data) + "hdri/indoor", std::string(data) + "hdri/studio"};
   o.manifest = std::string(data) + "manifest.csv";
   o.threads = 2;
-  o.azimuths = argc > 1 ? atoi(argv[1]) : 2;
+  o.network = "/work/main/models/lights/room.light";
+  o.azimuths = argc > 1 ? atoi(argv[1]) : 2; setvbuf(stdout, nullptr, _IOLBF, 0);
   o.place = argc > 3 ? atof(argv[3]) : 0.25;
   o.exposure_known = argc <= 4 || atoi(argv[4]) != 0;
   RoomStudy study = study_rooms(o, std::move(objects));
