@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "models/tracing/ray_caster.h"
+#include "models/tracing/embree_scene.h"
 #include "runtime/core/random.h"
 #include "runtime/light/harmonics.h"
 
@@ -98,7 +98,7 @@ FloorObject::FloorObject(std::string name, const Mesh& mesh, uint64_t seed, Thre
   }
   const double height = high[1] - low[1], side = 4.0 * height;
   const Vec3 centre = {0.5 * (low[0] + high[0]), low[1], 0.5 * (low[2] + high[2])};
-  const RayCaster caster(mesh);
+  const EmbreeScene caster = EmbreeScene::triangles(mesh.vertices, mesh.indices);
   hidden_.assign(static_cast<size_t>(k_texels) * k_texels * k_fine, 0.0f);
   hidden_cells_.assign(static_cast<size_t>(k_texels) * k_texels * k_light_cells, 0.0f);
   pool->run(k_texels, [&](uint32_t v) {

@@ -3,21 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 #include <map>
 #include <numbers>
-#include <optional>
 
-#include "models/files/failure.h"
 #include "models/lighting/dataset.h"
 #include "models/rooms/panorama_file.h"
-#include "models/work/for_all.h"
 #include "models/work/progress.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {
 
 namespace {
+
+constexpr int k_resamples = 10000;
+constexpr uint64_t k_bootstrap_stream = 41;
 
 RadianceMap halved(const RadianceMap& map) {
   RadianceMap half(map.width / 2, map.height / 2);
@@ -95,21 +94,17 @@ double level_error(const StudiedPlace& place, size_t session, const sandglass_ro
   return std::log(luminance(e) / (luminance(place.light.irradiance) * place.sessions[session].exposure));
 }
 
-struct Interval {
-  double mean, low, high;
-};
+// Of the mean over places, by resampling them.
 Interval interval_of(const std::vector<double>& values) {
-  constexpr int k_resamples = 4000;
-  Random random = random_stream(1, 41);
+  Random random = random_stream(1, k_bootstrap_stream);
   std::vector<double> means(k_resamples);
-  double all = 0;
-  for (const double v : values) all += v;
   for (double& mean : means) {
-    mean = 0;
     for (size_t i = 0; i < values.size(); ++i) mean += values[random.below(static_cast<uint32_t>(values.size()))];
     mean /= static_cast<double>(values.size());
   }
   std::sort(means.begin(), means.end());
+  double all = 0;
+  for (const double v : values) all += v;
   return {all / static_cast<double>(values.size()), means[k_resamples / 40], means[k_resamples - 1 - k_resamples / 40]};
 }
 
@@ -125,27 +120,157 @@ std::vector<double> by_location(const RoomStudy& study, const std::function<doub
   return means;
 }
 
+std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> d(a.size());
+  for (size_t i = 0; i < a.size(); ++i) d[i] = a[i] - b[i];
+  return d;
+}
+
+Vec3 vector_of(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+// A way to draw: the floor's ratio beside an object, and where there is one the light of its surface.
+struct Way {
+  std::string name;
+  std::function<std::vector<float>(const StudiedPlace&, size_t object)> floor;
+  std::function<std::vector<float>(const StudiedPlace&, size_t object)> surface;
+  bool control = false;
+};
+
+using CellsOf = std::function<Cells(const StudiedPlace&)>;
+using LightOf = std::function<sandglass_room_light(const StudiedPlace&)>;
+
+Way in_cells(const RoomStudy& study, std::string name, const CellsOf& cells, bool control = false) {
+  return {std::move(name),
+          [&study, cells](const StudiedPlace& p, size_t o) { return study.objects[o].drawn(cells(p)); }, nullptr,
+          control};
+}
+
+// The one light of the network with its contrast, and ambient occlusion for `ambient` of the rest.
+Way one_light(const RoomStudy& study, std::string name, double ambient) {
+  return {std::move(name),
+          [&study, ambient](const StudiedPlace& p, size_t o) {
+            const Vec3 towards = vector_of(p.estimate.direction);
+            const double share = towards.y > 0 ? static_cast<double>(p.estimate.contrast) : 0.0;
+            Cells rest;
+            rest.fill(ambient * (1 - share) / k_light_cells);
+            return study.objects[o].drawn(rest, share, towards);
+          },
+          nullptr};
+}
+
+// As an app draws it: the ambient shadow, and the sharp one of the main light.
+Way in_room(const RoomStudy& study, std::string name, const LightOf& light_of) {
+  return {std::move(name),
+          [&study, light_of](const StudiedPlace& p, size_t o) {
+            const sandglass_room_light light = light_of(p);
+            return study.objects[o].drawn(cells_of(light, true), static_cast<double>(light.main_share),
+                                          vector_of(light.main_direction));
+          },
+          [&study, light_of](const StudiedPlace& p, size_t o) {
+            const sandglass_room_light light = light_of(p);
+            std::array<double, 9> harmonics;
+            for (size_t j = 0; j < 9; ++j)
+              harmonics[j] = luminance(Vec3{light.sh[3 * j], light.sh[3 * j + 1], light.sh[3 * j + 2]});
+            return study.objects[o].lit(harmonics, luminance(vector_of(light.irradiance)));
+          }};
+}
+
+Cells mirrored(const Cells& cells) {
+  Cells out;
+  for (uint32_t i = 0; i < k_light_cells; ++i)
+    out[i] = cells[i / k_cell_sectors * k_cell_sectors + (k_cell_sectors - 1 - i % k_cell_sectors)];
+  return out;
+}
+
+std::vector<Way> ways_of(const RoomStudy& study, const std::function<LightOf(Session)>& in_session) {
+  Cells even;
+  even.fill(1.0 / k_light_cells);
+  std::vector<Way> ways = {in_cells(study, "no shadow", [](const StudiedPlace&) { return Cells{}; }),
+                           in_cells(study, "ambient occlusion alone", [even](const StudiedPlace&) { return even; })};
+  if (study.places.front().estimate.struct_size != 0) {
+    ways.push_back(one_light(study, "one light, by the network", 0.0));
+    ways.push_back(one_light(study, "one light, by the network, and ambient occlusion", 1.0));
+  }
+  for (const Session session : k_sessions) ways.push_back(in_room(study, session_name(session), in_session(session)));
+  ways.push_back(in_cells(study, "the true light in cells", [](const StudiedPlace& p) { return p.light.cells; }));
+  const LightOf turn = in_session(Session::full_turn);
+  ways.push_back(in_cells(
+      study, "control: a full turn, mirrored",
+      [turn](const StudiedPlace& p) { return mirrored(cells_of(turn(p), false)); }, true));
+  ways.push_back(in_cells(
+      study, "control: a full turn in another room",
+      [turn, &study](const StudiedPlace& p) {
+        const auto index = static_cast<size_t>(&p - study.places.data());
+        return cells_of(turn(study.places[(index + study.places.size() / 2) % study.places.size()]), false);
+      },
+      true));
+  return ways;
+}
+
+// The mean over objects of a measure, by location.
+std::vector<double> over_objects(const RoomStudy& study,
+                                 const std::function<double(const StudiedPlace&, size_t)>& measure) {
+  return by_location(study, [&](const StudiedPlace& p) {
+    double sum = 0;
+    for (size_t o = 0; o < study.objects.size(); ++o) sum += measure(p, o);
+    return sum / static_cast<double>(study.objects.size());
+  });
+}
+
+SessionRow session_row(const RoomStudy& study, Session session, const LightOf& light_of) {
+  const auto over_places = [&](const std::function<double(const StudiedPlace&, const sandglass_room_light&)>& measure) {
+    return interval_of(by_location(study, [&](const StudiedPlace& p) { return measure(p, light_of(p)); }));
+  };
+  const auto index = static_cast<size_t>(session);
+  SessionRow row;
+  row.name = session_name(session);
+  row.seen =
+      over_places([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.seen); });
+  row.direction_deg = over_places([](const StudiedPlace& p, const sandglass_room_light& l) {
+    return angle_deg(mean_direction(cells_of(l, false)), mean_direction(p.light.cells));
+  });
+  row.level = over_places([&](const StudiedPlace& p, const sandglass_room_light& l) {
+    return std::fabs(level_error(p, index, l));
+  });
+  row.level_bias =
+      over_places([&](const StudiedPlace& p, const sandglass_room_light& l) { return level_error(p, index, l); });
+  row.main_share = over_places([](const StudiedPlace&, const sandglass_room_light& l) {
+                     return static_cast<double>(l.main_share);
+                   }).mean;
+  row.clipped = over_places([](const StudiedPlace&, const sandglass_room_light& l) {
+                  return static_cast<double>(l.clipped);
+                }).mean;
+  return row;
+}
+
+std::string text_of(const char* format, double a, double b = 0, double c = 0) {
+  char text[96];
+  std::snprintf(text, sizeof text, format, a, b, c);
+  return text;
+}
+
 }  // namespace
 
 RoomStudy study_rooms(const RoomStudyOptions& options, std::vector<FloorObject> objects) {
   RoomStudy study = {std::move(objects), {}};
   const std::string manifest = read_locations(options.manifest);
-  const std::vector<std::string> files = find_panoramas(options.panoramas);
+  const std::vector<std::string>& files = options.panoramas;
+  const auto azimuth_of = [&options](uint32_t a) { return 2.0 * std::numbers::pi * a / options.azimuths; };
   Progress progress("looking around", files.size());
   std::optional<RoomLight> network;
   if (!options.network.empty()) network.emplace(options.network);
-  for (size_t i = 0; i < files.size(); ++i) {
+  ThreadPool pool(options.threads);
+  for (size_t i = 0; i < files.size() && !interrupted(); ++i) {
     RadianceMap panorama = read_panorama(files[i]);
     fill_tripod(&panorama);
     const RadianceMap coarse = halved(panorama);
     const Location location = location_of(files[i], manifest);
     std::vector<StudiedPlace> places(options.azimuths);
-    ThreadPool pool(options.threads);
     pool.run(options.azimuths, [&](uint32_t a) {
       StudiedPlace& place = places[a];
       place.panorama = files[i], place.location = location.name, place.fold = location.fold;
-      place.azimuth = 2.0 * std::numbers::pi * a / options.azimuths;
-      place.place = Vec3{std::cos(place.azimuth), 0, std::sin(place.azimuth)} * options.place;
+      const double azimuth = azimuth_of(a);
+      place.place = Vec3{std::cos(azimuth), 0, std::sin(azimuth)} * options.place;
       place.light = true_light(coarse, place.place);
       for (const FloorObject& object : study.objects) {
         place.objects.push_back(object.quadratic(place.light));
@@ -154,24 +279,24 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::vector<FloorObject> 
       }
       for (const Session session : k_sessions)
         place.sessions.push_back(look_around(
-            coarse, session, {place.azimuth, options.exposure_known, mix_bits(options.seed + 1000 * i + a)}));
+            coarse, session, {azimuth, options.exposure_known, mix_bits(options.seed + 1000 * i + a)}));
     });
     for (uint32_t a = 0; a < options.azimuths && network; ++a)
       places[a].estimate =
-          estimate_of_table(coarse, {places[a].azimuth, true, mix_bits(options.seed + 1000 * i + a)}, &*network);
+          estimate_of_table(coarse, {azimuth_of(a), true, mix_bits(options.seed + 1000 * i + a)}, &*network);
     for (StudiedPlace& place : places) study.places.push_back(std::move(place));
     progress.done(i + 1);
   }
   return study;
 }
 
-RoomModel fit_room_model(const RoomStudy& study, const RoomModel& start, bool (*use)(const StudiedPlace&, int fold),
-                         int fold, ThreadPool* pool) {
+RoomModel fit_room_model(const RoomStudy& study, int left_out, ThreadPool* pool) {
+  const RoomModel start = k_room_model;
   const auto total = [&](const RoomModel& model, const auto& cost_of) {
     std::vector<double> sums(study.places.size(), 0.0);
     pool->run(static_cast<uint32_t>(study.places.size()), [&](uint32_t i) {
       const StudiedPlace& place = study.places[i];
-      if (!use(place, fold)) return;
+      if (left_out >= 0 && place.fold == left_out) return;
       for (size_t s = 1; s < place.sessions.size(); ++s)
         sums[i] += cost_of(place, s, light_at(place.sessions[s], model, place.place));
     });
@@ -194,137 +319,94 @@ RoomModel fit_room_model(const RoomStudy& study, const RoomModel& start, bool (*
       fitted);
 }
 
-void print_room_table(const RoomStudy& study, const std::vector<RoomModel>& models) {
-  const auto model_for = [&](const StudiedPlace& place) -> const RoomModel& {
-    return models[place.fold >= 0 ? static_cast<size_t>(place.fold) % models.size() : 0];
-  };
-  using Drawn = std::function<std::vector<float>(const StudiedPlace&, size_t object)>;
-  using Lit = std::function<std::array<double, 10>(const StudiedPlace&)>;  // nine harmonics and the floor's irradiance
-  Cells even;
-  even.fill(1.0 / k_light_cells);
-  const auto in_cells = [&](const std::function<Cells(const StudiedPlace&)>& cells) -> Drawn {
-    return [&study, cells](const StudiedPlace& p, size_t o) { return study.objects[o].drawn(cells(p)); };
-  };
-  const auto seen_light = [&](const StudiedPlace& p, size_t s) {
-    return light_at(p.sessions[s], model_for(p), p.place);
-  };
-  const auto harmonics = [](const sandglass_room_light& light) {
-    std::array<double, 10> sh;
-    for (size_t j = 0; j < 9; ++j) sh[j] = luminance(Vec3{light.sh[3 * j], light.sh[3 * j + 1], light.sh[3 * j + 2]});
-    sh[9] = luminance(Vec3{light.irradiance[0], light.irradiance[1], light.irradiance[2]});
-    return sh;
-  };
-  const auto one_light = [&](double ambient) -> Drawn {
-    return [&study, ambient](const StudiedPlace& p, size_t o) {
-      const Vec3 d = {p.estimate.direction[0], p.estimate.direction[1], p.estimate.direction[2]};
-      const double share = d.y > 0.05 ? static_cast<double>(p.estimate.contrast) : 0.0;
-      Cells rest;
-      rest.fill(ambient * (1 - share) / k_light_cells);
-      return study.objects[o].drawn(rest, share, d);
+RoomTable room_table(const RoomStudy& study, const std::vector<RoomModel>& models) {
+  const auto in_session = [&](Session session) -> LightOf {
+    return [&models, session](const StudiedPlace& p) {
+      const size_t fold = p.fold >= 0 ? static_cast<size_t>(p.fold) % models.size() : 0;
+      return light_at(p.sessions[static_cast<size_t>(session)], models[fold], p.place);
     };
   };
-  struct Row {
-    std::string name;
-    Drawn drawn;
-    Lit lit;
-  };
-  std::vector<Row> rows = {{"no shadow", in_cells([](const StudiedPlace&) { return Cells{}; }), nullptr},
-                           {"ambient occlusion alone", in_cells([&](const StudiedPlace&) { return even; }), nullptr}};
-  if (study.places.front().estimate.struct_size != 0) {
-    rows.push_back({"one light of the network", one_light(0.0), nullptr});
-    rows.push_back({"one light of the network and ambient occlusion", one_light(1.0), nullptr});
-  }
-  for (size_t s = 0; s < std::size(k_sessions); ++s)
-    rows.push_back({session_name(k_sessions[s]),
-                    [&, s](const StudiedPlace& p, size_t o) {
-                      const sandglass_room_light light = seen_light(p, s);
-                      const Vec3 main = {light.main_direction[0], light.main_direction[1], light.main_direction[2]};
-                      return study.objects[o].drawn(cells_of(light, true), static_cast<double>(light.main_share), main);
-                    },
-                    [&, s](const StudiedPlace& p) { return harmonics(seen_light(p, s)); }});
-  rows.push_back({"true cells", in_cells([](const StudiedPlace& p) { return p.light.cells; }), nullptr});
-  const auto turn = static_cast<size_t>(Session::full_turn);
-  rows.push_back({"control: a full turn, mirrored", in_cells([&](const StudiedPlace& p) {
-                    const Cells cells = cells_of(seen_light(p, turn), false);
-                    Cells mirrored;
-                    for (uint32_t i = 0; i < k_light_cells; ++i)
-                      mirrored[i] =
-                          cells[i / k_cell_sectors * k_cell_sectors + (k_cell_sectors - 1 - i % k_cell_sectors)];
-                    return mirrored;
-                  }),
-                  nullptr});
-  rows.push_back({"control: a full turn in another room", in_cells([&](const StudiedPlace& p) {
-                    const auto index = static_cast<size_t>(&p - study.places.data());
-                    const StudiedPlace& other = study.places[(index + study.places.size() / 2) % study.places.size()];
-                    return cells_of(seen_light(other, turn), false);
-                  }),
-                  nullptr});
-
-  const auto mean_of = [&](const std::function<double(const StudiedPlace&, size_t)>& measure) {
-    return by_location(study, [&](const StudiedPlace& p) {
-      double sum = 0;
-      for (size_t o = 0; o < study.objects.size(); ++o) sum += measure(p, o);
-      return sum / static_cast<double>(study.objects.size());
-    });
-  };
-  const auto floor_of = [&](const Row& row) {
-    return mean_of([&](const StudiedPlace& p, size_t o) { return error_of(row.drawn(p, o), p.truths[o]); });
-  };
-  const std::vector<double> ambient = floor_of(rows[1]);
-  const double ambient_mean = interval_of(ambient).mean;
-  std::printf("%zu places, objects:", by_location(study, [](const StudiedPlace&) { return 0.0; }).size());
-  for (const FloorObject& object : study.objects) std::printf(" %s", object.name().c_str());
-  std::printf(
-      "\nfloor error (RMSE of the ratio); against ambient occlusion, with 95 %% intervals over places; by object; "
-      "shading\n");
-  for (const Row& row : rows) {
-    const std::vector<double> floor = floor_of(row);
-    std::vector<double> difference(floor.size());
-    for (size_t i = 0; i < floor.size(); ++i) difference[i] = floor[i] - ambient[i];
-    const Interval d = interval_of(difference), m = interval_of(floor);
-    std::printf("  %-46s %.4f  %.3f x  %+.4f [%+.4f, %+.4f] ", row.name.c_str(), m.mean, m.mean / ambient_mean, d.mean,
-                d.low, d.high);
+  RoomTable table;
+  for (const FloorObject& object : study.objects) table.objects.push_back(object.name());
+  std::vector<double> none, ambient;
+  for (const Way& way : ways_of(study, in_session)) {
+    const std::vector<double> floor = over_objects(
+        study, [&](const StudiedPlace& p, size_t o) { return error_of(way.floor(p, o), p.truths[o]); });
+    if (table.drawn.empty()) none = floor;
+    if (table.drawn.size() <= 1) ambient = floor;  // the second way, and until then no shadow
+    DrawnRow row;
+    row.name = way.name, row.control = way.control;
+    row.floor = interval_of(floor);
+    row.against_none = interval_of(difference(floor, none));
+    row.against_ambient = interval_of(difference(floor, ambient));
+    row.share_of_ambient = row.floor.mean / interval_of(ambient).mean;
     for (size_t o = 0; o < study.objects.size(); ++o)
-      std::printf(" %.4f", interval_of(by_location(study, [&](const StudiedPlace& p) {
-                             return error_of(row.drawn(p, o), p.truths[o]);
-                           })).mean);
-    if (row.lit) {
-      const Interval shading = interval_of(mean_of([&](const StudiedPlace& p, size_t o) {
-        const std::array<double, 10> sh = row.lit(p);
-        std::array<double, 9> nine;
-        std::copy_n(sh.begin(), 9, nine.begin());
-        return error_of(study.objects[o].lit(nine, sh[9]), p.lit[o]);
-      }));
-      std::printf("  shading %.3f [%.3f, %.3f]", shading.mean, shading.low, shading.high);
-    }
-    std::printf("\n");
+      row.by_object.push_back(
+          interval_of(by_location(study, [&](const StudiedPlace& p) { return error_of(way.floor(p, o), p.truths[o]); }))
+              .mean);
+    if (way.surface)
+      row.shading = interval_of(over_objects(
+          study, [&](const StudiedPlace& p, size_t o) { return error_of(way.surface(p, o), p.lit[o]); }));
+    table.drawn.push_back(row);
+    table.places = floor.size();
   }
-  std::printf(
-      "by session: share seen; shadow direction, degrees; level, |log ratio| and log ratio; main share; clipped\n");
-  std::printf("  %-42s %22.1f\n", "the zenith", interval_of(by_location(study, [&](const StudiedPlace& p) {
-                                                  return angle_deg(Vec3{0, 1, 0}, mean_direction(p.light.cells));
-                                                })).mean);
-  for (size_t s = 0; s < std::size(k_sessions); ++s) {
-    const auto mean = [&](const std::function<double(const StudiedPlace&, const sandglass_room_light&)>& measure) {
-      return interval_of(by_location(study, [&](const StudiedPlace& p) { return measure(p, seen_light(p, s)); }));
-    };
-    const Interval seen =
-        mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.seen); });
-    const Interval angle = mean([](const StudiedPlace& p, const sandglass_room_light& l) {
-      return angle_deg(mean_direction(cells_of(l, false)), mean_direction(p.light.cells));
-    });
-    const Interval level =
-        mean([&](const StudiedPlace& p, const sandglass_room_light& l) { return std::fabs(level_error(p, s, l)); });
-    const Interval bias =
-        mean([&](const StudiedPlace& p, const sandglass_room_light& l) { return level_error(p, s, l); });
-    const Interval share =
-        mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.main_share); });
-    const Interval clipped =
-        mean([](const StudiedPlace&, const sandglass_room_light& l) { return static_cast<double>(l.clipped); });
-    std::printf("  %-42s %.2f  %5.1f [%.1f, %.1f]  %.2f [%.2f, %.2f] %+.2f  %.2f  %.2f\n", session_name(k_sessions[s]),
-                seen.mean, angle.mean, angle.low, angle.high, level.mean, level.low, level.high, bias.mean, share.mean,
-                clipped.mean);
+  table.drawn.front().against_ambient = interval_of(difference(none, ambient));
+  table.drawn.front().share_of_ambient = interval_of(none).mean / interval_of(ambient).mean;
+  for (const Session session : k_sessions) table.sessions.push_back(session_row(study, session, in_session(session)));
+  table.zenith_deg = interval_of(by_location(study, [](const StudiedPlace& p) {
+                       return angle_deg(Vec3{0, 1, 0}, mean_direction(p.light.cells));
+                     })).mean;
+  return table;
+}
+
+std::string room_markdown(const RoomTable& table) {
+  std::string text = "| the floor is drawn with | error | of ambient occlusion | against no shadow | against ambient occlusion |";
+  for (const std::string& object : table.objects) text += " " + object + " |";
+  text += " surface |\n|---|---|---|---|---|";
+  for (size_t o = 0; o <= table.objects.size(); ++o) text += "---|";
+  text += "\n";
+  const auto signed_interval = [](const Interval& i) { return text_of("%+.4f [%+.4f, %+.4f]", i.mean, i.low, i.high); };
+  for (const DrawnRow& row : table.drawn) {
+    text += "| " + row.name + " | " + text_of("%.4f", row.floor.mean) + " | " + text_of("%.2f", row.share_of_ambient) +
+            " | " + signed_interval(row.against_none) + " | " + signed_interval(row.against_ambient) + " |";
+    for (const double error : row.by_object) text += text_of(" %.4f |", error);
+    text += row.shading ? text_of(" %.3f [%.3f, %.3f] |\n", row.shading->mean, row.shading->low, row.shading->high)
+                        : " |\n";
   }
+  text += "\n| session | seen | direction of the floor's light, degrees | level, \\|log ratio\\| | log ratio | main share | "
+          "clipped |\n|---|---|---|---|---|---|---|\n";
+  for (const SessionRow& row : table.sessions)
+    text += "| " + row.name + " | " + text_of("%.2f", row.seen.mean) + " | " +
+            text_of("%.1f [%.1f, %.1f]", row.direction_deg.mean, row.direction_deg.low, row.direction_deg.high) + " | " +
+            text_of("%.2f [%.2f, %.2f]", row.level.mean, row.level.low, row.level.high) + " | " +
+            text_of("%+.2f", row.level_bias.mean) + " | " + text_of("%.2f", row.main_share) + " | " +
+            text_of("%.2f", row.clipped) + " |\n";
+  text += "| the zenith | | " + text_of("%.1f", table.zenith_deg) + " | | | | |\n";
+  return text;
+}
+
+std::vector<Verdict> room_verdicts(const RoomTable& table) {
+  std::vector<Verdict> rows;
+  const auto row_of = [&](const std::string& name) -> const DrawnRow& {
+    return *std::find_if(table.drawn.begin(), table.drawn.end(), [&](const DrawnRow& r) { return r.name == name; });
+  };
+  const auto below = [&](const std::string& group, const std::string& name, double result, double limit,
+                         const std::string& unit, bool control = false) {
+    rows.push_back({group, name, unit, 0.0, result, limit, control ? !(result <= limit) : result <= limit, control});
+  };
+  const auto of_session = [&](Session s) -> const DrawnRow& { return row_of(session_name(s)); };
+  below("floor", "the true light in cells", row_of("the true light in cells").share_of_ambient, 0.5, "of AO");
+  below("floor", "nothing seen, against no shadow", of_session(Session::nothing).against_none.high, 0.0, "upper end");
+  below("floor", "nothing seen, against AO", of_session(Session::nothing).against_ambient.high, 0.001, "upper end");
+  below("floor", "one image, against AO", of_session(Session::table).against_ambient.high, 0.001, "upper end");
+  below("floor", "a glance up, against AO", of_session(Session::glance).against_ambient.high, 0.0, "upper end");
+  below("floor", "a full turn", of_session(Session::full_turn).share_of_ambient, 0.75, "of AO");
+  below("floor", "a full turn, against AO", of_session(Session::full_turn).against_ambient.high, 0.0, "upper end");
+  below("direction", "a full turn", table.sessions[static_cast<size_t>(Session::full_turn)].direction_deg.mean, 15.0,
+        "degrees");
+  for (const DrawnRow& row : table.drawn)
+    if (row.control) below("floor", row.name, row.against_ambient.mean, 0.0, "mean", true);
+  return rows;
 }
 
 }  // namespace sandglass::host

@@ -1,5 +1,5 @@
-// The baked shadows of a scene's standing objects. They are made from their files, turned with the light, handed to the
-// frame, and copied for the pictures.
+// The shadows of a scene: the baked ones of its standing objects, and that of its sand. They are made from the scene
+// file's description, turned with the light, handed to the frame, and copied for the pictures.
 #pragma once
 
 #include <span>
@@ -35,6 +35,21 @@ class StandingShadows {
   };
   std::vector<Object> objects_;
   std::vector<sandglass_shadow*> handles_;
+};
+
+class PileShadow {
+ public:
+  // Throws a Failure with the library's own sentence.
+  PileShadow(const PileShadowTrack& track, sandglass_isa isa);
+
+  void set_light(Vec3 towards);
+  sandglass_pile_shadow* handle() const { return shadow_.get(); }
+
+  // A copy of the current texture. With `on_sand` it is the shadow on the sand itself, else that on the floor.
+  FloorShadow drawn(bool on_sand) const;
+
+ private:
+  cpp::PileShadow shadow_;
 };
 
 // The path of a baked shadow, from a file's path or from the name of a shipped shadow.
