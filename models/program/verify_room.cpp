@@ -25,9 +25,10 @@ namespace {
 
 // The chair, an armadillo where the data folder has one, and two made by formula.
 std::vector<FloorObject> objects_of(ThreadPool* pool) {
-  std::vector<std::pair<std::string, Mesh>> meshes = {{"chair", make_named("chair").mesh}};
+  std::vector<std::pair<std::string, Mesh> > meshes = {{"chair", make_named("chair").mesh}};
   const std::string armadillo = data_folder() + "/meshes/armadillo.obj";
-  if (!data_folder().empty() && std::filesystem::exists(armadillo)) meshes.emplace_back("armadillo", load_mesh(armadillo).mesh);
+  if (!data_folder().empty() && std::filesystem::exists(armadillo))
+    meshes.emplace_back("armadillo", load_mesh(armadillo).mesh);
   meshes.emplace_back("trefoil", make_named("trefoil").mesh);
   meshes.emplace_back("bucket", make_named("bucket").mesh);
   std::vector<FloorObject> objects;

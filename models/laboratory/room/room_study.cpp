@@ -7,6 +7,8 @@
 #include <numbers>
 
 #include "models/lighting/dataset.h"
+#include "models/lighting/labels.h"
+#include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
 #include "models/work/progress.h"
 #include "runtime/core/random.h"
@@ -145,17 +147,25 @@ Way in_cells(const RoomStudy& study, std::string name, const CellsOf& cells, boo
           control};
 }
 
-// The one light of the network with its contrast, and ambient occlusion for `ambient` of the rest.
-Way one_light(const RoomStudy& study, std::string name, double ambient) {
+// One light, and ambient occlusion for `ambient` of the rest.
+Way one_light(const RoomStudy& study, std::string name, StudiedPlace::OneLight StudiedPlace::*light, double ambient) {
   return {std::move(name),
-          [&study, ambient](const StudiedPlace& p, size_t o) {
-            const Vec3 towards = vector_of(p.estimate.direction);
-            const double share = towards.y > 0 ? static_cast<double>(p.estimate.contrast) : 0.0;
+          [&study, light, ambient](const StudiedPlace& p, size_t o) {
+            const StudiedPlace::OneLight& one = p.*light;
+            const double share = one.direction.y > 0 ? one.share : 0.0;
             Cells rest;
             rest.fill(ambient * (1 - share) / k_light_cells);
-            return study.objects[o].drawn(rest, share, towards);
+            return study.objects[o].drawn(rest, share, one.direction);
           },
           nullptr};
+}
+
+// The label of the panorama as it is seen from the object.
+StudiedPlace::OneLight true_label(const RadianceMap& panorama, double azimuth, double radius) {
+  const View view = {0.5 * std::numbers::pi, azimuth};
+  const LightLabels labels = labels_of(warp(panorama, view, radius, 512, 256), {0, 1, 0}, greatest_luminance(panorama));
+  return {ViewRotation(view).to_panorama(labels.direction),
+          labels.has_direction ? labels.contrast * labels.concentration : 0.0, true};
 }
 
 // As an app draws it: the ambient shadow, and the sharp one of the main light.
@@ -187,9 +197,11 @@ std::vector<Way> ways_of(const RoomStudy& study, const std::function<LightOf(Ses
   even.fill(1.0 / k_light_cells);
   std::vector<Way> ways = {in_cells(study, "no shadow", [](const StudiedPlace&) { return Cells{}; }),
                            in_cells(study, "ambient occlusion alone", [even](const StudiedPlace&) { return even; })};
-  if (study.places.front().estimate.struct_size != 0) {
-    ways.push_back(one_light(study, "one light, by the network", 0.0));
-    ways.push_back(one_light(study, "one light, by the network, and ambient occlusion", 1.0));
+  ways.push_back(one_light(study, "one light, the true label", &StudiedPlace::label, 0.0));
+  ways.push_back(one_light(study, "the same and ambient occlusion", &StudiedPlace::label, 1.0));
+  if (study.places.front().estimate.known) {
+    ways.push_back(one_light(study, "one light, by the network from an image", &StudiedPlace::estimate, 0.0));
+    ways.push_back(one_light(study, "the same and ambient occlusion", &StudiedPlace::estimate, 1.0));
   }
   for (const Session session : k_sessions) ways.push_back(in_room(study, session_name(session), in_session(session)));
   ways.push_back(in_cells(study, "the true light in cells", [](const StudiedPlace& p) { return p.light.cells; }));
@@ -229,9 +241,8 @@ SessionRow session_row(const RoomStudy& study, Session session, const LightOf& l
   row.direction_deg = over_places([](const StudiedPlace& p, const sandglass_room_light& l) {
     return angle_deg(mean_direction(cells_of(l, false)), mean_direction(p.light.cells));
   });
-  row.level = over_places([&](const StudiedPlace& p, const sandglass_room_light& l) {
-    return std::fabs(level_error(p, index, l));
-  });
+  row.level = over_places(
+      [&](const StudiedPlace& p, const sandglass_room_light& l) { return std::fabs(level_error(p, index, l)); });
   row.level_bias =
       over_places([&](const StudiedPlace& p, const sandglass_room_light& l) { return level_error(p, index, l); });
   row.main_share = over_places([](const StudiedPlace&, const sandglass_room_light& l) {
@@ -272,18 +283,21 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::vector<FloorObject> 
       const double azimuth = azimuth_of(a);
       place.place = Vec3{std::cos(azimuth), 0, std::sin(azimuth)} * options.place;
       place.light = true_light(coarse, place.place);
+      place.label = true_label(coarse, azimuth, options.place);
       for (const FloorObject& object : study.objects) {
         place.objects.push_back(object.quadratic(place.light));
         place.truths.push_back(object.truth(place.light));
         place.lit.push_back(object.lit(place.light));
       }
       for (const Session session : k_sessions)
-        place.sessions.push_back(look_around(
-            coarse, session, {azimuth, options.exposure_known, mix_bits(options.seed + 1000 * i + a)}));
+        place.sessions.push_back(
+            look_around(coarse, session, {azimuth, options.exposure_known, mix_bits(options.seed + 1000 * i + a)}));
     });
-    for (uint32_t a = 0; a < options.azimuths && network; ++a)
-      places[a].estimate =
+    for (uint32_t a = 0; a < options.azimuths && network; ++a) {
+      const sandglass_light_estimate e =
           estimate_of_table(coarse, {azimuth_of(a), true, mix_bits(options.seed + 1000 * i + a)}, &*network);
+      places[a].estimate = {vector_of(e.direction), static_cast<double>(e.contrast), true};
+    }
     for (StudiedPlace& place : places) study.places.push_back(std::move(place));
     progress.done(i + 1);
   }
@@ -330,8 +344,8 @@ RoomTable room_table(const RoomStudy& study, const std::vector<RoomModel>& model
   for (const FloorObject& object : study.objects) table.objects.push_back(object.name());
   std::vector<double> none, ambient;
   for (const Way& way : ways_of(study, in_session)) {
-    const std::vector<double> floor = over_objects(
-        study, [&](const StudiedPlace& p, size_t o) { return error_of(way.floor(p, o), p.truths[o]); });
+    const std::vector<double> floor =
+        over_objects(study, [&](const StudiedPlace& p, size_t o) { return error_of(way.floor(p, o), p.truths[o]); });
     if (table.drawn.empty()) none = floor;
     if (table.drawn.size() <= 1) ambient = floor;  // the second way, and until then no shadow
     DrawnRow row;
@@ -341,12 +355,12 @@ RoomTable room_table(const RoomStudy& study, const std::vector<RoomModel>& model
     row.against_ambient = interval_of(difference(floor, ambient));
     row.share_of_ambient = row.floor.mean / interval_of(ambient).mean;
     for (size_t o = 0; o < study.objects.size(); ++o)
-      row.by_object.push_back(
-          interval_of(by_location(study, [&](const StudiedPlace& p) { return error_of(way.floor(p, o), p.truths[o]); }))
-              .mean);
+      row.by_object.push_back(interval_of(by_location(study, [&](const StudiedPlace& p) {
+                                return error_of(way.floor(p, o), p.truths[o]);
+                              })).mean);
     if (way.surface)
-      row.shading = interval_of(over_objects(
-          study, [&](const StudiedPlace& p, size_t o) { return error_of(way.surface(p, o), p.lit[o]); }));
+      row.shading = interval_of(
+          over_objects(study, [&](const StudiedPlace& p, size_t o) { return error_of(way.surface(p, o), p.lit[o]); }));
     table.drawn.push_back(row);
     table.places = floor.size();
   }
@@ -360,7 +374,8 @@ RoomTable room_table(const RoomStudy& study, const std::vector<RoomModel>& model
 }
 
 std::string room_markdown(const RoomTable& table) {
-  std::string text = "| the floor is drawn with | error | of ambient occlusion | against no shadow | against ambient occlusion |";
+  std::string text =
+      "| the floor is drawn with | error | of ambient occlusion | against no shadow | against ambient occlusion |";
   for (const std::string& object : table.objects) text += " " + object + " |";
   text += " surface |\n|---|---|---|---|---|";
   for (size_t o = 0; o <= table.objects.size(); ++o) text += "---|";
@@ -373,12 +388,14 @@ std::string room_markdown(const RoomTable& table) {
     text += row.shading ? text_of(" %.3f [%.3f, %.3f] |\n", row.shading->mean, row.shading->low, row.shading->high)
                         : " |\n";
   }
-  text += "\n| session | seen | direction of the floor's light, degrees | level, \\|log ratio\\| | log ratio | main share | "
-          "clipped |\n|---|---|---|---|---|---|---|\n";
+  text +=
+      "\n| session | seen | direction of the floor's light, degrees | level, \\|log ratio\\| | log ratio | main share "
+      "| "
+      "clipped |\n|---|---|---|---|---|---|---|\n";
   for (const SessionRow& row : table.sessions)
     text += "| " + row.name + " | " + text_of("%.2f", row.seen.mean) + " | " +
-            text_of("%.1f [%.1f, %.1f]", row.direction_deg.mean, row.direction_deg.low, row.direction_deg.high) + " | " +
-            text_of("%.2f [%.2f, %.2f]", row.level.mean, row.level.low, row.level.high) + " | " +
+            text_of("%.1f [%.1f, %.1f]", row.direction_deg.mean, row.direction_deg.low, row.direction_deg.high) +
+            " | " + text_of("%.2f [%.2f, %.2f]", row.level.mean, row.level.low, row.level.high) + " | " +
             text_of("%+.2f", row.level_bias.mean) + " | " + text_of("%.2f", row.main_share) + " | " +
             text_of("%.2f", row.clipped) + " |\n";
   text += "| the zenith | | " + text_of("%.1f", table.zenith_deg) + " | | | | |\n";

@@ -33,10 +33,14 @@ struct StudiedPlace {
   int fold = -1;
   Vec3 place;
   TrueLight light;
-  std::vector<SeenRoom> sessions;                // in the order of k_sessions
-  std::vector<FloorObject::Quadratic> objects;   // of each object
-  std::vector<std::vector<float>> truths, lit;   // the floor's ratio and the surface, of each object
-  sandglass_light_estimate estimate = {};        // of the network, from the image of the table
+  std::vector<SeenRoom> sessions;               // in the order of k_sessions
+  std::vector<FloorObject::Quadratic> objects;  // of each object
+  std::vector<std::vector<float>> truths, lit;  // the floor's ratio and the surface, of each object
+  struct OneLight {
+    Vec3 direction;
+    double share = 0.0;  // of the floor's irradiance
+    bool known = false;
+  } label, estimate;  // the true label (5.1), and what the network says of the image of the table
 };
 
 struct RoomStudy {
@@ -62,7 +66,7 @@ struct DrawnRow {
   Interval floor, against_none, against_ambient;  // RMSE of the floor's ratio; differences are paired by place
   double share_of_ambient = 0.0;                  // of the mean error of ambient occlusion
   std::vector<double> by_object;
-  std::optional<Interval> shading;                // RMSE of the surface's irradiance, as a share of the floor's
+  std::optional<Interval> shading;  // RMSE of the surface's irradiance, as a share of the floor's
   bool control = false;
 };
 
