@@ -37,8 +37,9 @@ std::vector<FloorObject> objects_of(ThreadPool* pool) {
 }
 
 void print_model(const char* name, const RoomModel& m) {
-  std::printf("%s: boost %.3f, fill %.3f, albedo %.3f, floor_trust %.3f, unseen_level %.3f\n", name, m.boost, m.fill,
-              m.albedo, m.floor_trust, m.unseen_level);
+  std::printf(
+      "%s: boost %.3f, fill %.3f, network %.3f, fill_below %.3f, albedo %.3f, floor_trust %.3f, unseen_level %.3f\n",
+      name, m.boost, m.fill, m.network, m.fill_below, m.albedo, m.floor_trust, m.unseen_level);
 }
 
 }  // namespace

@@ -38,11 +38,13 @@ Cells cells_of(const sandglass_room_light& light, bool ambient) {
   return cells;
 }
 
-sandglass_room_light light_at(const SeenRoom& seen, const RoomModel& model, Vec3 place) {
+// The network's estimate is one input, except where nothing was seen.
+sandglass_room_light light_at(const StudiedPlace& p, size_t session, const RoomModel& model) {
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
-  const double at[3] = {place.x, place.y, place.z};
-  room_estimate(seen.room, model, at, nullptr, &light);
+  const double at[3] = {p.place.x, p.place.y, p.place.z};
+  const SeenRoom& seen = p.sessions[session];
+  room_estimate(seen.room, model, at, p.estimate.known && seen.room.images != 0 ? &p.network : nullptr, &light);
   return light;
 }
 
@@ -55,10 +57,12 @@ Vec3 mean_direction(const Cells& cells) {
 double angle_deg(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)) * 180.0 / std::numbers::pi; }
 
 // What is fitted, as numbers that may take any value.
-constexpr int k_numbers = 2, k_level_numbers = 3;
-std::array<double, k_numbers> numbers_of(const RoomModel& m) { return {std::log(m.boost), std::log(m.fill)}; }
+constexpr int k_numbers = 3, k_level_numbers = 3;
+std::array<double, k_numbers> numbers_of(const RoomModel& m) {
+  return {std::log(m.boost), std::log(m.fill), std::log(m.network)};
+}
 RoomModel model_of(const std::array<double, k_numbers>& x, RoomModel m) {
-  m.boost = std::exp(x[0]), m.fill = std::exp(x[1]);
+  m.boost = std::exp(x[0]), m.fill = std::exp(x[1]), m.network = std::exp(x[2]);
   return m;
 }
 std::array<double, k_level_numbers> level_numbers_of(const RoomModel& m) {
@@ -130,6 +134,13 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
 
 Vec3 vector_of(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
+std::array<double, 9> harmonics_of(const sandglass_room_light& light) {
+  std::array<double, 9> harmonics;
+  for (size_t j = 0; j < 9; ++j)
+    harmonics[j] = luminance(Vec3{light.sh[3 * j], light.sh[3 * j + 1], light.sh[3 * j + 2]});
+  return harmonics;
+}
+
 // A way to draw: the floor's ratio beside an object, and where there is one the light of its surface.
 struct Way {
   std::string name;
@@ -178,10 +189,7 @@ Way in_room(const RoomStudy& study, std::string name, const LightOf& light_of) {
           },
           [&study, light_of](const StudiedPlace& p, size_t o) {
             const sandglass_room_light light = light_of(p);
-            std::array<double, 9> harmonics;
-            for (size_t j = 0; j < 9; ++j)
-              harmonics[j] = luminance(Vec3{light.sh[3 * j], light.sh[3 * j + 1], light.sh[3 * j + 2]});
-            return study.objects[o].lit(harmonics, luminance(vector_of(light.irradiance)));
+            return study.objects[o].lit(harmonics_of(light), luminance(vector_of(light.irradiance)));
           }};
 }
 
@@ -296,6 +304,7 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::vector<FloorObject> 
     for (uint32_t a = 0; a < options.azimuths && network; ++a) {
       const sandglass_light_estimate e =
           estimate_of_table(coarse, {azimuth_of(a), true, mix_bits(options.seed + 1000 * i + a)}, &*network);
+      places[a].network = e;
       places[a].estimate = {vector_of(e.direction), static_cast<double>(e.contrast), true};
     }
     for (StudiedPlace& place : places) study.places.push_back(std::move(place));
@@ -311,8 +320,7 @@ RoomModel fit_room_model(const RoomStudy& study, int left_out, ThreadPool* pool)
     pool->run(static_cast<uint32_t>(study.places.size()), [&](uint32_t i) {
       const StudiedPlace& place = study.places[i];
       if (left_out >= 0 && place.fold == left_out) return;
-      for (size_t s = 1; s < place.sessions.size(); ++s)
-        sums[i] += cost_of(place, s, light_at(place.sessions[s], model, place.place));
+      for (size_t s = 1; s < place.sessions.size(); ++s) sums[i] += cost_of(place, s, light_at(place, s, model));
     });
     double sum = 0;
     for (const double s : sums) sum += s;
@@ -323,11 +331,22 @@ RoomModel fit_room_model(const RoomStudy& study, int left_out, ThreadPool* pool)
     for (const FloorObject::Quadratic& object : place.objects) sum += object.error(cells_of(light, false));
     return sum;
   };
+  const auto surface = [&study](const StudiedPlace& place, size_t, const sandglass_room_light& light) {
+    double sum = 0;
+    for (size_t o = 0; o < study.objects.size(); ++o)
+      sum += error_of(study.objects[o].lit(harmonics_of(light), luminance(vector_of(light.irradiance))), place.lit[o]);
+    return sum;
+  };
   const auto level = [](const StudiedPlace& place, size_t session, const sandglass_room_light& light) {
     return std::fabs(level_error(place, session, light));
   };
-  const RoomModel fitted =
+  RoomModel fitted =
       model_of(descend(numbers_of(start), [&](const auto& x) { return total(model_of(x, start), floor); }), start);
+  fitted.fill_below = std::exp(descend(std::array<double, 1>{std::log(fitted.fill_below)}, [&](const auto& x) {
+    RoomModel tried = fitted;
+    tried.fill_below = std::exp(x[0]);
+    return total(tried, surface);
+  })[0]);
   return level_model_of(
       descend(level_numbers_of(fitted), [&](const auto& x) { return total(level_model_of(x, fitted), level); }),
       fitted);
@@ -337,7 +356,7 @@ RoomTable room_table(const RoomStudy& study, const std::vector<RoomModel>& model
   const auto in_session = [&](Session session) -> LightOf {
     return [&models, session](const StudiedPlace& p) {
       const size_t fold = p.fold >= 0 ? static_cast<size_t>(p.fold) % models.size() : 0;
-      return light_at(p.sessions[static_cast<size_t>(session)], models[fold], p.place);
+      return light_at(p, static_cast<size_t>(session), models[fold]);
     };
   };
   RoomTable table;

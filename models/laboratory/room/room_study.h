@@ -40,7 +40,8 @@ struct StudiedPlace {
     Vec3 direction;
     double share = 0.0;  // of the floor's irradiance
     bool known = false;
-  } label, estimate;  // the true label (5.1), and what the network says of the image of the table
+  } label, estimate;                      // the true label (5.1), and what the network says of the image of the table
+  sandglass_light_estimate network = {};  // the latter as the network gives it
 };
 
 struct RoomStudy {
