@@ -1,4 +1,4 @@
-// The int8 kernels: shadow networks on any set of texels, and the convolutions of the lighting network. There is one
+// The int8 kernels: shadow networks on any set of texels, ambient shadows, and the convolutions of the lighting network. There is one
 // table per instruction set, as for the float kernels, but it is picked on its own: what counts here is the dot product
 // of bytes, which some cores of one family have and others lack. All arithmetic is in integers, apart from one float
 // multiply and one rounding for each activation (requantisation), so all tables give the same bits.
@@ -54,6 +54,21 @@ struct TexelRange {
   uint8_t* coverage;  // out, `count` bytes
 };
 
+// The components of an ambient shadow: textures of signed bytes, one after another, and how much of each is taken.
+//   byte of texel t = 255 - clamp((2^(shift - 1) + sum over k of weights[k] * texels[k * size + t]) >> shift, 0, 255)
+// A sum stays below 2^28 (32 components * 127 * 32767, and the rounding).
+struct AmbientComponents {
+  const int8_t* texels;    // aligned to 64
+  uint32_t size;           // texels in one component, a multiple of k_ambient_group
+  uint32_t count;          // even, at most k_ambient_components_limit
+  const int16_t* weights;  // one for each component
+  uint32_t shift;          // 1..k_ambient_shift_limit
+};
+
+constexpr uint32_t k_ambient_components_limit = 32;
+constexpr uint32_t k_ambient_shift_limit = 27;
+constexpr uint32_t k_ambient_group = 32;  // ranges of texels begin and end at multiples of it
+
 // A convolution over pixels whose channels lie together. Outputs and inputs are multiples of k_channel_group. A window
 // has at most 9 * 128 inputs, so its products add up to less than 2^26. A file's biases are at most 2^29 (they are
 // checked when it is loaded), so 32 bits hold every sum.
@@ -95,6 +110,8 @@ struct Int8Kernels {
   void (*pack_layer)(const int8_t* weights, const int32_t* bias, uint32_t outputs, uint32_t inputs, int8_t* packed,
                      int32_t* packed_bias);
   void (*shadow_texels)(const ShadowNetwork* network, const TexelRange* range);
+  // Texels begin..end of an ambient shadow; writes visibility[begin..end].
+  void (*ambient_texels)(const AmbientComponents* components, uint32_t begin, uint32_t end, uint8_t* visibility);
 
   // A 1x1 convolution of clamped bytes.
   void (*narrow)(const Int8Convolution* convolution, const PixelRow* row);

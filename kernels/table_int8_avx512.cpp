@@ -4,6 +4,7 @@
 #define SANDGLASS_INT8_ISA SANDGLASS_ISA_AVX512
 #define SANDGLASS_INT8_MATRIX 0
 namespace sandglass::int8_avx512 {
+#include "kernels/ambient_texels.inl"
 #include "kernels/int8_tile.inl"
 #include "kernels/light_convolution.inl"
 #include "kernels/shadow_texels.inl"

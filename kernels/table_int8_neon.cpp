@@ -4,6 +4,7 @@
 #define SANDGLASS_INT8_ISA SANDGLASS_ISA_NEON
 #define SANDGLASS_INT8_MATRIX 0
 namespace sandglass::int8_neon {
+#include "kernels/ambient_texels.inl"
 #include "kernels/int8_tile.inl"
 #include "kernels/light_convolution.inl"
 #include "kernels/shadow_texels.inl"

@@ -97,6 +97,34 @@ SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
   return {_mm256_packus_epi16(_mm256_srli_epi16(low, 2), _mm256_srli_epi16(high, 2))};
 }
 
+// Interleaved with the second component, each 128-bit half becomes two vectors of pairs; packing restores the order.
+struct Mixture {
+  __m256i v[4];
+};
+SANDGLASS_INT8_INLINE Mixture mixture_of(int32_t start) {
+  const __m256i all = _mm256_set1_epi32(start);
+  return {{all, all, all, all}};
+}
+SANDGLASS_INT8_INLINE void mix(Mixture* sums, const int8_t* first, const int8_t* second, int16_t a, int16_t b) {
+  const __m256i weights =
+      _mm256_set1_epi32(static_cast<int32_t>(static_cast<uint16_t>(a) | uint32_t{static_cast<uint16_t>(b)} << 16));
+  for (uint32_t half = 0; half < 2; ++half) {
+    const __m256i x = _mm256_cvtepi8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(first + 16 * half)));
+    const __m256i y = _mm256_cvtepi8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(second + 16 * half)));
+    __m256i* sum = sums->v + 2 * half;
+    sum[0] = _mm256_add_epi32(sum[0], _mm256_madd_epi16(_mm256_unpacklo_epi16(x, y), weights));
+    sum[1] = _mm256_add_epi32(sum[1], _mm256_madd_epi16(_mm256_unpackhi_epi16(x, y), weights));
+  }
+}
+SANDGLASS_INT8_INLINE Bytes visibility_of(const Mixture& sums, uint32_t shift) {
+  const __m128i by = _mm_cvtsi32_si128(static_cast<int>(shift));
+  const auto half = [&](const __m256i* v) {
+    return _mm256_packs_epi32(_mm256_sra_epi32(v[0], by), _mm256_sra_epi32(v[1], by));
+  };
+  const __m256i dark = _mm256_permute4x64_epi64(_mm256_packus_epi16(half(sums.v), half(sums.v + 2)), 0xD8);
+  return {_mm256_xor_si256(dark, _mm256_set1_epi8(-1))};
+}
+
 SANDGLASS_INT8_INLINE int32_t dot_row(const uint8_t* a, const int8_t* w, uint32_t width) {
   __m256i sum = _mm256_setzero_si256();
   for (uint32_t c = 0; c < width; c += 16)

@@ -83,6 +83,29 @@ SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
   return {_mm256_packus_epi16(_mm256_srli_epi16(low, 2), _mm256_srli_epi16(high, 2))};
 }
 
+// Interleaved with the second component, each 128-bit part becomes two vectors of pairs; packing restores the order.
+struct Mixture {
+  __m512i v[2];
+};
+SANDGLASS_INT8_INLINE Mixture mixture_of(int32_t start) {
+  const __m512i all = _mm512_set1_epi32(start);
+  return {{all, all}};
+}
+SANDGLASS_INT8_INLINE void mix(Mixture* sums, const int8_t* first, const int8_t* second, int16_t a, int16_t b) {
+  const __m512i weights =
+      _mm512_set1_epi32(static_cast<int32_t>(static_cast<uint16_t>(a) | uint32_t{static_cast<uint16_t>(b)} << 16));
+  const __m512i x = _mm512_cvtepi8_epi16(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(first)));
+  const __m512i y = _mm512_cvtepi8_epi16(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(second)));
+  sums->v[0] = _mm512_add_epi32(sums->v[0], _mm512_madd_epi16(_mm512_unpacklo_epi16(x, y), weights));
+  sums->v[1] = _mm512_add_epi32(sums->v[1], _mm512_madd_epi16(_mm512_unpackhi_epi16(x, y), weights));
+}
+SANDGLASS_INT8_INLINE Bytes visibility_of(const Mixture& sums, uint32_t shift) {
+  const __m128i by = _mm_cvtsi32_si128(static_cast<int>(shift));
+  const __m512i words = _mm512_packs_epi32(_mm512_sra_epi32(sums.v[0], by), _mm512_sra_epi32(sums.v[1], by));
+  const __m256i dark = _mm512_cvtusepi16_epi8(_mm512_max_epi16(words, _mm512_setzero_si512()));
+  return {_mm256_xor_si256(dark, _mm256_set1_epi8(-1))};
+}
+
 SANDGLASS_INT8_INLINE int32_t dot_row(const uint8_t* a, const int8_t* w, uint32_t width) {
   __m256i sum = _mm256_setzero_si256();
   for (uint32_t c = 0; c < width; c += 32)

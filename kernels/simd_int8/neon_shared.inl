@@ -54,6 +54,32 @@ SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
   return {vcombine_u8(vrshrn_n_u16(low, 2), vrshrn_n_u16(high, 2))};
 }
 
+struct Mixture {
+  int32x4_t v[4];
+};
+SANDGLASS_INT8_INLINE Mixture mixture_of(int32_t start) {
+  const int32x4_t all = vdupq_n_s32(start);
+  return {{all, all, all, all}};
+}
+SANDGLASS_INT8_INLINE void mix_one(Mixture* sums, const int8_t* p, int16_t weight) {
+  const int8x16_t bytes = vld1q_s8(p);
+  const int16x8_t low = vmovl_s8(vget_low_s8(bytes)), high = vmovl_high_s8(bytes), all = vdupq_n_s16(weight);
+  sums->v[0] = vmlal_s16(sums->v[0], vget_low_s16(low), vget_low_s16(all));
+  sums->v[1] = vmlal_high_s16(sums->v[1], low, all);
+  sums->v[2] = vmlal_s16(sums->v[2], vget_low_s16(high), vget_low_s16(all));
+  sums->v[3] = vmlal_high_s16(sums->v[3], high, all);
+}
+SANDGLASS_INT8_INLINE void mix(Mixture* sums, const int8_t* first, const int8_t* second, int16_t a, int16_t b) {
+  mix_one(sums, first, a);
+  mix_one(sums, second, b);
+}
+SANDGLASS_INT8_INLINE Bytes visibility_of(const Mixture& sums, uint32_t shift) {
+  const int32x4_t by = vdupq_n_s32(-static_cast<int32_t>(shift));
+  const int16x8_t low = vqmovn_high_s32(vqmovn_s32(vshlq_s32(sums.v[0], by)), vshlq_s32(sums.v[1], by));
+  const int16x8_t high = vqmovn_high_s32(vqmovn_s32(vshlq_s32(sums.v[2], by)), vshlq_s32(sums.v[3], by));
+  return {vmvnq_u8(vqmovun_high_s16(vqmovun_s16(low), high))};
+}
+
 SANDGLASS_INT8_INLINE int32_t dot_row(const uint8_t* a, const int8_t* w, uint32_t width) {
   int32x4_t sum = vdupq_n_s32(0);
   for (uint32_t c = 0; c < width; c += 16) {

@@ -16,6 +16,9 @@
 //   A tile of a convolution is k_row_texels texels of one row x k_tile_sums Sums. k_row_texels divides k_tile_slack.
 //   Bytes holds k_bytes unsigned bytes. load_bytes and store_bytes take any address. greatest and least work byte by
 //   byte; average of four is (a + b + c + d + 2) / 4, rounded down.
+//   A Mixture holds k_bytes 32-bit sums, one a byte. mix(sums, first, second, a, b): sum t += a * first[t] + b *
+//   second[t]; the bytes are signed, at any address. visibility_of is 255 - clamp(sum >> shift, 0, 255).
+//   k_bytes divides k_ambient_group.
 //   k_signed: activations enter the products less 128, in sets that only multiply signed bytes. pack_layer adds
 //   128 * (sum of the weights) to the bias.
 #pragma once
@@ -98,6 +101,26 @@ SANDGLASS_INT8_INLINE Bytes average(const Bytes (&four)[4]) {
   for (uint32_t i = 0; i < k_bytes; ++i)
     b.v[i] = static_cast<uint8_t>((four[0].v[i] + four[1].v[i] + four[2].v[i] + four[3].v[i] + 2) / 4);
   return b;
+}
+
+struct Mixture {
+  int32_t v[k_bytes];
+};
+SANDGLASS_INT8_INLINE Mixture mixture_of(int32_t start) {
+  Mixture sums;
+  for (uint32_t i = 0; i < k_bytes; ++i) sums.v[i] = start;
+  return sums;
+}
+SANDGLASS_INT8_INLINE void mix(Mixture* sums, const int8_t* first, const int8_t* second, int16_t a, int16_t b) {
+  for (uint32_t i = 0; i < k_bytes; ++i) sums->v[i] += a * first[i] + b * second[i];
+}
+SANDGLASS_INT8_INLINE Bytes visibility_of(const Mixture& sums, uint32_t shift) {
+  Bytes bytes;
+  for (uint32_t i = 0; i < k_bytes; ++i) {
+    const int32_t dark = sums.v[i] >> shift;
+    bytes.v[i] = static_cast<uint8_t>(255 - (dark < 0 ? 0 : dark > 255 ? 255 : dark));
+  }
+  return bytes;
 }
 
 SANDGLASS_INT8_INLINE int32_t dot_row(const uint8_t* a, const int8_t* w, uint32_t width) {

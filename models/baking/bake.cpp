@@ -73,6 +73,14 @@ double ms_per_texture(const std::vector<uint8_t>& file, sandglass_shadow_mode mo
   return times[times.size() / 2];
 }
 
+// False where the user interrupted it.
+bool add_ambient(const BakeSettings& settings, std::vector<Picture>* pictures, ShadowFile* file, BakeReport* report) {
+  const StageClock stage = {&report->ambient_stage};
+  report->interrupted =
+      !bake_ambient(settings.ambient, settings.seed, settings.threads, file, &report->ambient, pictures);
+  return !report->interrupted;
+}
+
 }  // namespace
 
 LightGeometry light_geometry(const Mesh& mesh, const std::string& name, const BakeSettings& settings) {
@@ -174,13 +182,37 @@ BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& s
   file.rmse_float = report.validation.network_float.rmse;
   file.rmse_int8 = report.validation.network_int8.rmse;
   file.validated_lights = report.validation.lights;
+  std::vector<Picture> rooms;
+  if (!add_ambient(settings, picture.empty() ? nullptr : &rooms, &file, &report)) {
+    keep();
+    return report;
+  }
   bytes = shadow_file_bytes(file);
   report.file_bytes = bytes.size();
   report.ms_full = ms_per_texture(bytes, SANDGLASS_SHADOW_FULL, geometry.polar_max);
   report.ms_adaptive = ms_per_texture(bytes, SANDGLASS_SHADOW_ADAPTIVE, geometry.polar_max);
-  if (!picture.empty()) write_png(picture, shadow_picture(geometry, caster, bytes, pool));
+  if (!picture.empty()) write_png(picture, shadow_picture(geometry, caster, bytes, pool, rooms));
   write_file(output, bytes);
   std::remove(checkpoint.c_str());
+  return report;
+}
+
+BakeReport bake_ambient_only(const Mesh& mesh, const std::string& name, const BakeSettings& settings,
+                             const std::string& output, const std::string& picture) {
+  BakeReport report;
+  const std::string old = read_file(output, "shadow");
+  ShadowFile file =
+      read_shadow_file({reinterpret_cast<const uint8_t*>(old.data()), old.size()}, stand_on_plane(mesh, name), output);
+  std::vector<Picture> rooms;
+  if (!add_ambient(settings, picture.empty() ? nullptr : &rooms, &file, &report)) return report;
+  const std::vector<uint8_t> bytes = shadow_file_bytes(file);
+  report.file_bytes = bytes.size();
+  if (!picture.empty()) {
+    const ShadowCaster caster(file.geometry.object.mesh, file.geometry.half_angle, {}, settings.seed);
+    ThreadPool pool(settings.threads);
+    write_png(picture, shadow_picture(file.geometry, caster, bytes, pool, rooms));
+  }
+  write_file(output, bytes);
   return report;
 }
 

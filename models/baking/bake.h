@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "models/baking/bake_ambient.h"
 #include "models/baking/trainer.h"
 #include "models/baking/validate.h"
 
@@ -24,6 +25,7 @@ struct BakeSettings {
   double rate = 3e-3;  // learning rate at the start
   uint32_t validation_lights = 1000;
   bool keep_float = false;  // the file also holds the float network, for measurements
+  AmbientSettings ambient;
 };
 
 struct BakeReport {
@@ -33,6 +35,8 @@ struct BakeReport {
     double seconds = 0, cpu_seconds = 0;  // of this run only; CPU time of all threads
   };
   Stage tracing, training, rounding, validating;  // rounding: the steps with rounded weights
+  Stage ambient_stage;
+  AmbientReport ambient;
   uint64_t file_bytes = 0;
   double ms_full = 0, ms_adaptive = 0;  // CPU time of one texture on this machine (median)
 };
@@ -40,6 +44,11 @@ struct BakeReport {
 // `picture` is the path of a PNG to write; empty: no picture. Throws a Failure with a sentence.
 BakeReport bake(const Mesh& mesh, const std::string& name, const BakeSettings& settings, const std::string& output,
                 const std::string& picture, bool resume);
+
+// Adds the ambient shadow and the surface to the file `output` that was baked for this mesh, or makes them anew. Its
+// network stays as it is.
+BakeReport bake_ambient_only(const Mesh& mesh, const std::string& name, const BakeSettings& settings,
+                             const std::string& output, const std::string& picture);
 
 // The light and the plane of a mesh, from the settings. The benchmark traces its truth with the same geometry.
 LightGeometry light_geometry(const Mesh& mesh, const std::string& name, const BakeSettings& settings);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/files/aligned_bytes.h"
+#include "models/files/failure.h"
 #include "runtime/asset/file.h"
 #include "runtime/asset/shadow_asset.h"
 #include "runtime/asset/shadow_generated.h"
@@ -13,6 +15,8 @@ namespace sandglass::host {
 namespace {
 
 constexpr double k_bias_limit = 1 << 24;
+constexpr uint16_t k_default_side = 128;  // in shadow.fbs
+constexpr double k_same_size = 1e-5;      // of the object: what two readings of one mesh may differ by
 
 ByteLayer quantise_layer(const float* weights, const float* bias, uint32_t inputs, uint32_t outputs, double step_in,
                          double step_out) {
@@ -55,6 +59,85 @@ void append_checksum(std::vector<uint8_t>* bytes) {
   for (uint32_t i = 0; i < k_checksum_bytes; ++i) bytes->push_back(static_cast<uint8_t>(hash >> 8 * i));
 }
 
+namespace {
+
+flatbuffers::Offset<asset::Ambient> write_ambient(const AmbientPart& part, double scale,
+                                                  flatbuffers::FlatBufferBuilder* builder) {
+  if (part.components == 0) return 0;
+  const auto mixing = builder->CreateVector(part.mixing);
+  const auto texels = builder->CreateVector(part.texels);
+  using Table = asset::Ambient;
+  const flatbuffers::uoffset_t start = builder->StartTable();
+  builder->AddElement<uint16_t>(Table::VT_SIDE, static_cast<uint16_t>(part.square.side), k_default_side);
+  builder->AddElement<double>(Table::VT_HALF, part.square.half * scale, 0.0);
+  builder->AddElement<uint8_t>(Table::VT_COMPONENTS, static_cast<uint8_t>(part.components), 0);
+  builder->AddOffset(Table::VT_MIXING, mixing);
+  builder->AddOffset(Table::VT_TEXELS, texels);
+  builder->AddElement<float>(Table::VT_RMSE, static_cast<float>(part.rmse), 0.0f);
+  return builder->EndTable(start);
+}
+
+flatbuffers::Offset<asset::Surface> write_surface(const SurfacePart& part, const StandingObject& object,
+                                                  flatbuffers::FlatBufferBuilder* builder) {
+  if (part.vertices == 0) return 0;
+  const auto positions = builder->CreateVector(part.positions);
+  const auto normals = builder->CreateVector(part.normals);
+  const auto steps = builder->CreateVector(part.steps);
+  const auto transfer = builder->CreateVector(part.transfer);
+  const Vec3 low = part.low * object.scale + Vec3{object.origin[0], object.origin[1], object.origin[2]};
+  using Table = asset::Surface;
+  const flatbuffers::uoffset_t start = builder->StartTable();
+  builder->AddElement<uint32_t>(Table::VT_VERTICES, part.vertices, 0);
+  builder->AddElement<float>(Table::VT_LOW_X, static_cast<float>(low.x), 0.0f);
+  builder->AddElement<float>(Table::VT_LOW_Y, static_cast<float>(low.y), 0.0f);
+  builder->AddElement<float>(Table::VT_LOW_Z, static_cast<float>(low.z), 0.0f);
+  builder->AddElement<float>(Table::VT_STEP, static_cast<float>(part.step * object.scale), 0.0f);
+  builder->AddOffset(Table::VT_POSITIONS, positions);
+  builder->AddOffset(Table::VT_NORMALS, normals);
+  builder->AddOffset(Table::VT_STEPS, steps);
+  builder->AddOffset(Table::VT_TRANSFER, transfer);
+  return builder->EndTable(start);
+}
+
+ByteLayer byte_layer(const AssetLayer& layer, uint32_t inputs, uint32_t outputs) {
+  return {{layer.weights, layer.weights + inputs * outputs},
+          {layer.bias, layer.bias + outputs},
+          {layer.multiplier, layer.multiplier + outputs}};
+}
+
+}  // namespace
+
+ShadowFile read_shadow_file(std::span<const uint8_t> bytes, const StandingObject& object, const std::string& name) {
+  const AlignedBytes aligned(bytes);
+  ShadowAsset asset;
+  const char* reason = nullptr;
+  if (open_shadow_asset(aligned.data(), aligned.size(), &asset, &reason) != SANDGLASS_OK)
+    throw cannot("read", name, reason);
+  const double sizes[3] = {object.box.half_x, object.box.half_z, object.box.height};
+  const double baked[3] = {asset.box.half_x, asset.box.half_z, asset.box.height};
+  for (size_t i = 0; i < 3; ++i)
+    if (std::fabs(sizes[i] * object.scale - baked[i]) > k_same_size * object.scale ||
+        std::fabs(object.origin[i] - asset.origin[i]) > k_same_size * object.scale)
+      throw cannot("add to", name, "it was baked for an object of another size or place",
+                   "Name the mesh that it was baked for");
+  ShadowFile file;
+  file.name = asset.name;
+  file.geometry = {object, asset.plane, 0.5 * asset.angular_diameter, asset.polar_max};
+  ByteNetwork& network = file.network;
+  network.shape = {asset.width, asset.layers};
+  network.first_weights.assign(asset.first_weights, asset.first_weights + asset.inputs() * asset.width);
+  network.first_bias.assign(asset.first_bias, asset.first_bias + asset.width);
+  network.first_step = asset.first_step;
+  for (uint32_t i = 0; i < asset.layers; ++i)
+    network.layers.push_back(byte_layer(asset.layer[i], asset.width, asset.width));
+  network.last = byte_layer(asset.last, asset.width, 1);
+  file.rmse_float = static_cast<double>(asset.rmse_float), file.rmse_int8 = static_cast<double>(asset.rmse_int8);
+  file.validated_lights = asset.validated_lights, file.seed = asset.seed;
+  if (asset.float_parameters != nullptr)
+    file.float_parameters.assign(asset.float_parameters, asset.float_parameters + asset.float_parameter_count);
+  return file;
+}
+
 std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file) {
   flatbuffers::FlatBufferBuilder builder(1 << 16);
   const auto layer_of = [&](const ByteLayer& layer) {
@@ -77,12 +160,16 @@ std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file) {
   flatbuffers::Offset<flatbuffers::Vector<float>> parameters = 0;
   if (!file.float_parameters.empty()) parameters = builder.CreateVector(file.float_parameters);
   const StandingObject& object = file.geometry.object;
+  const auto ambient = write_ambient(file.ambient, object.scale, &builder);
+  const auto surface = write_surface(file.surface, object, &builder);
   const asset::Box box(object.origin[0], object.origin[1], object.origin[2], object.box.half_x * object.scale,
                        object.box.half_z * object.scale, object.box.height * object.scale, 2 * file.geometry.half_angle,
                        file.geometry.polar_max);
+  // An older library reads a file that has nothing new.
+  const uint16_t version = ambient.IsNull() && surface.IsNull() ? k_shadow_asset_oldest : k_shadow_asset_version;
   using Table = asset::Shadow;
   const flatbuffers::uoffset_t start = builder.StartTable();
-  builder.AddElement<uint16_t>(Table::VT_VERSION, k_shadow_asset_version, 0);
+  builder.AddElement<uint16_t>(Table::VT_VERSION, version, 0);
   builder.AddOffset(Table::VT_NAME, name);
   builder.AddStruct(Table::VT_BOX, &box);
   builder.AddElement<uint8_t>(Table::VT_PLANE_FITTED, file.geometry.plane == PlaneRule::fitted ? 1 : 0, 0);
@@ -99,6 +186,8 @@ std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file) {
   builder.AddElement<uint32_t>(Table::VT_VALIDATED_LIGHTS, file.validated_lights, 0);
   builder.AddElement<uint64_t>(Table::VT_SEED, file.seed, 0);
   if (!file.float_parameters.empty()) builder.AddOffset(Table::VT_FLOAT_PARAMETERS, parameters);
+  if (!ambient.IsNull()) builder.AddOffset(Table::VT_AMBIENT, ambient);
+  if (!surface.IsNull()) builder.AddOffset(Table::VT_SURFACE, surface);
   builder.Finish(flatbuffers::Offset<Table>(builder.EndTable(start)), asset::ShadowIdentifier());
   std::vector<uint8_t> bytes(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   append_checksum(&bytes);

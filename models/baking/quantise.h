@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "models/baking/ambient.h"
+#include "models/baking/surface.h"
 #include "models/baking/trainer.h"
 
 namespace sandglass::host {
@@ -37,10 +40,16 @@ struct ShadowFile {
   uint32_t validated_lights = 0;
   uint64_t seed = 0;
   std::vector<float> float_parameters;  // empty: the file holds none
+  AmbientPart ambient = {};
+  SurfacePart surface = {};
 };
 
 // The bytes of the file: a FlatBuffer, then its checksum.
 std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file);
+
+// The content of a file that was baked for `object`. Throws a Failure when it is no such file; `name` is what the sentence
+// calls it.
+ShadowFile read_shadow_file(std::span<const uint8_t> bytes, const StandingObject& object, const std::string& name);
 
 // Appends the checksum to a FlatBuffer's bytes.
 void append_checksum(std::vector<uint8_t>* bytes);

@@ -1,9 +1,11 @@
 // Runs the library's shadow on a workstation: owns its memory and computes whole textures at once.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "models/baking/truth.h"
 #include "sandglass/sandglass.hpp"
@@ -19,6 +21,10 @@ class ShadowRunner {
 
   // Computes the whole texture of `light`. The result points into the shadow's own memory.
   sandglass_shadow_texture texture(const Direction& light);
+  // Computes the whole ambient shadow in the light of `cells`, in the object's frame.
+  std::vector<uint8_t> ambient(const std::array<double, SANDGLASS_LIGHT_CELLS>& cells);
+  // CPU time of one ambient shadow on this machine (the median of some), in ms.
+  double ambient_ms();
   sandglass_shadow* handle() const { return shadow_.get(); }
 
  private:

@@ -166,7 +166,7 @@ bool validate(const LightGeometry& geometry, const ShadowCaster& caster, const F
 }
 
 Picture shadow_picture(const LightGeometry& geometry, const ShadowCaster& caster, std::span<const uint8_t> file,
-                       ThreadPool& pool) {
+                       ThreadPool& pool, const std::vector<Picture>& more) {
   constexpr double k_share[4] = {0.05, 0.45, 0.75, 0.98}, k_azimuth[4] = {0.0, 0.8, 2.6, 4.4};
   constexpr int k_caption = 14, k_pixels = static_cast<int>(k_size);
   ShadowRunner runner(file, "baked", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE);
@@ -200,6 +200,7 @@ Picture shadow_picture(const LightGeometry& geometry, const ShadowCaster& caster
       cells.push_back(std::move(cell));
     }
   }
+  cells.insert(cells.end(), more.begin(), more.end());
   return picture_grid(cells, 3, 6);
 }
 

@@ -44,8 +44,8 @@ bool validate(const LightGeometry& geometry, const ShadowCaster& caster, const F
 double structural_similarity(const std::vector<float>& a, const std::vector<float>& b, uint32_t size);
 
 // A picture of four lights, one per row: ray tracing, the network as the runtime evaluates it, and their difference
-// times 8 around grey.
+// times 8 around grey. Further rows of pictures follow.
 Picture shadow_picture(const LightGeometry& geometry, const ShadowCaster& caster, std::span<const uint8_t> file,
-                       ThreadPool& pool);
+                       ThreadPool& pool, const std::vector<Picture>& more);
 
 }  // namespace sandglass::host

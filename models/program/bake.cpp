@@ -8,6 +8,7 @@
 #include "models/laboratory/measurement_json.h"
 #include "models/program/commands.h"
 #include "models/program/nearest_name.h"
+#include "models/program/verify.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
@@ -28,9 +29,20 @@ void print(const char* name, const ShadowError& e) {
   std::printf("  %-14s %9.4f %9.4f %9.2f %9.4f %12.4f\n", name, e.rmse, e.rmse_max, e.psnr, e.ssim, e.block);
 }
 
-std::array<std::pair<const char*, const BakeReport::Stage*>, 4> stages(const BakeReport& r) {
-  return {
-      {{"tracing", &r.tracing}, {"training", &r.training}, {"rounding", &r.rounding}, {"validating", &r.validating}}};
+std::array<std::pair<const char*, const BakeReport::Stage*>, 5> stages(const BakeReport& r) {
+  return {{{"tracing", &r.tracing},
+           {"training", &r.training},
+           {"rounding", &r.rounding},
+           {"validating", &r.validating},
+           {"ambient", &r.ambient_stage}}};
+}
+
+// The rooms that the ambient shadow was measured in; those without rooms are left out.
+std::vector<std::pair<std::string, const AmbientErrors*>> rooms_of(const AmbientReport& r) {
+  std::vector<std::pair<std::string, const AmbientErrors*>> all;
+  if (r.made_up.rooms > 0) all.emplace_back("made-up", &r.made_up);
+  if (r.captured.rooms > 0) all.emplace_back("captured", &r.captured);
+  return all;
 }
 
 std::string measurements(const BakeReport& r, const BakeSettings& settings) {
@@ -56,8 +68,22 @@ std::string measurements(const BakeReport& r, const BakeSettings& settings) {
   keep("int8", "ms", "ms", r.ms_full);
   keep("int8_adaptive", "ms", "ms", r.ms_adaptive);
   keep("int8_adaptive", "evaluated", "1", v.evaluated);
+  for (const auto& [name, error] : rooms_of(r.ambient)) {
+    const std::string group = "ambient, " + name;
+    keep(group.c_str(), "rooms", "1", error->rooms);
+    keep(group.c_str(), "rmse_none", "1", error->none);
+    keep(group.c_str(), "rmse_occlusion", "1", error->occlusion);
+    keep(group.c_str(), "rmse_expected", "1", error->expected);
+    keep(group.c_str(), "rmse_cells", "1", error->cells);
+    keep(group.c_str(), "rmse", "1", error->shipped);
+  }
+  keep("ambient", "components", "1", r.ambient.components);
+  keep("ambient", "ms", "ms", r.ambient.ms);
+  keep("surface", "points", "1", r.ambient.points);
   keep("file", "bytes", "byte", static_cast<double>(r.file_bytes));
-  keep("bake", "seconds", "s", r.tracing.seconds + r.training.seconds + r.rounding.seconds + r.validating.seconds);
+  double seconds = 0;
+  for (const auto& [name, stage] : stages(r)) seconds += stage->seconds;
+  keep("bake", "seconds", "s", seconds);
   for (const auto& [name, stage] : stages(r)) {
     keep(name, "seconds", "s", stage->seconds);
     keep(name, "cpu_seconds", "s", stage->cpu_seconds);
@@ -65,8 +91,20 @@ std::string measurements(const BakeReport& r, const BakeSettings& settings) {
   return measurements_json(all);
 }
 
-void print(const BakeReport& r, const BakeSettings& s) {
+void print(const AmbientReport& r) {
+  if (r.components == 0) return;
+  std::printf("ambient shadow of %u components, %.3f ms a texture; surface of %u points\n", r.components, r.ms,
+              r.points);
+  std::printf("  RMSE in %15s %10s %10s %12s %10s %10s\n", "rooms", "no shadow", "occlusion", "average room",
+              "64 cells", "as drawn");
+  for (const auto& [name, e] : rooms_of(r))
+    std::printf("  %4u %-17s %10.4f %10.4f %12.4f %10.4f %10.4f\n", e->rooms, name.c_str(), e->none, e->occlusion,
+                e->expected, e->cells, e->shipped);
+}
+
+void print_network(const BakeReport& r) {
   const Validation& v = r.validation;
+  if (v.lights == 0) return;
   std::printf("%u unseen lights      RMSE mean       max  PSNR (dB)     SSIM  16x16 block\n", v.lights);
   print("float", v.network_float);
   print("int8", v.network_int8);
@@ -76,6 +114,11 @@ void print(const BakeReport& r, const BakeSettings& s) {
   std::printf("int8 to float %.4f, adaptive to float %.4f (RMSE); adaptive asks for %.1f %% of the texels\n",
               v.int8_to_float, v.adaptive_to_float, 100 * v.evaluated);
   std::printf("texture: %.2f ms full, %.2f ms adaptive, one thread of this machine\n", r.ms_full, r.ms_adaptive);
+}
+
+void print(const BakeReport& r, const BakeSettings& s) {
+  print_network(r);
+  print(r.ambient);
   std::printf("%-12s %10s %10s   %u thread%s\n", "stage", "wall, s", "CPU, s", s.threads, s.threads == 1 ? "" : "s");
   for (const auto& [name, stage] : stages(r))
     std::printf("  %-10s %10.1f %10.1f\n", name, stage->seconds, stage->cpu_seconds);
@@ -110,9 +153,13 @@ int bake_command(const BakeOptions& given) {
   if (options.no_picture) options.picture.clear();
   for (const std::string& path : {options.picture, options.json})
     if (!path.empty()) require_writable(path);
-  const BakeReport report = bake(mesh, options.mesh, s, options.output, options.picture, options.resume);
+  s.ambient.data = data_folder();
+  const BakeReport report = options.ambient_only
+                                ? bake_ambient_only(mesh, options.mesh, s, options.output, options.picture)
+                                : bake(mesh, options.mesh, s, options.output, options.picture, options.resume);
   if (report.interrupted) {
-    std::printf("interrupted; to go on, repeat the command with --resume\n");
+    std::puts(options.ambient_only ? "interrupted; the file is as it was"
+                                   : "interrupted; to go on, repeat the command with --resume");
     return k_exit_interrupted;
   }
   print(report, s);

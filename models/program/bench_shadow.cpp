@@ -72,6 +72,12 @@ void bench_shadow(const BenchOptions& options, Bench* bench) {
     result = bench_shadow(files[0].bytes, files[0].name, mesh, bench->isa, options.thresholds, go_on);
   });
   print_and_keep(result.rows, bench);
+  if (result.ambient_ms > 0) {
+    std::printf("ambient shadow     %8.3f ms; RMSE %.4f in made-up rooms, by its file\n", result.ambient_ms,
+                result.ambient_rmse);
+    bench->keep("ambient", "ms", "ms", result.ambient_ms);
+    bench->keep("ambient", "rmse_truth", "1", result.ambient_rmse);
+  }
   if (!interrupted() && !result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
   if (!options.out.empty() && !interrupted()) draw_curves(options, files, mesh, bench);
 }

@@ -117,6 +117,12 @@ ValueRule shape_of_network() {
   return {holds, "8x1 to 256x8", "WIDTHxLAYERS with 8 to 256 neurons and 1 to 8 layers, such as 128x2", {}};
 }
 
+ValueRule texels_of_ambient() {
+  const ValueRule number = whole_number(0, 256);
+  const auto holds = [=](const std::string& text) { return number.holds(text) && std::stoi(text) % 16 == 0; };
+  return {holds, number.range, "a multiple of 16 from 0 to 256", {}};
+}
+
 Options bake_options(BakeOptions& o) {
   constexpr uint64_t k_most_steps = 100'000'000;
   BakeSettings& s = o.settings;
@@ -139,8 +145,12 @@ Options bake_options(BakeOptions& o) {
       {"--textures", &s.textures, "N", "Rays, as many as for this many whole textures", whole_number(1, 3000)},
       {"--validation-lights", &s.validation_lights, "N", "Unseen lights that the error is measured on",
        whole_number(1, 100'000)},
+      {"--ambient-texels", &s.ambient.texels, "N",
+       "Texels a side of the ambient shadow, in steps of 16; 0: leave it and the surface out", texels_of_ambient()},
+      {"--ambient-only", &o.ambient_only, "",
+       "Train nothing: make the ambient shadow and the surface of the file that -o names anew"},
       standard("OUTPUT.png", {"--picture", &o.picture, "FILE",
-                              "Draw truth, network and difference for four lights to this file, .png"}),
+                              "Draw truth, result and difference for four lights and two rooms to this file, .png"}),
       {"--no-picture", &o.no_picture, "", "Draw no picture"},
       json_option(o.json),
       {"--keep-float", &s.keep_float, "", "Keep the float network in the file, for `bench shadow`"},

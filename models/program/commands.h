@@ -87,7 +87,7 @@ int ceiling_command(const CeilingCommandOptions& options);
 struct BakeOptions {
   std::string mesh, output, size = "128x2", angle = "20deg", polar = "70deg", plane = "fitted", picture, json;
   BakeSettings settings;
-  bool resume = false, no_picture = false;
+  bool resume = false, no_picture = false, ambient_only = false;
 };
 int bake_command(const BakeOptions& options);
 bool read_degrees(const std::string& text, double* value);      // "20" or "20deg"

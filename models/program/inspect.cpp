@@ -66,6 +66,12 @@ void inspect_shadow_file(const std::string& path, const std::string& content) {
   std::printf("  plane        %s\n", info.plane_fitted != 0 ? "fitted to the light" : "one square for all lights");
   std::printf("  RMSE         %.4f float, %.4f int8, over %u unseen lights\n", static_cast<double>(info.rmse_float),
               static_cast<double>(info.rmse_int8), info.validated_lights);
+  if (info.ambient_texels > 0)
+    std::printf("  ambient      %u components of %u x %u texels, %g m a side, RMSE %.4f in made-up rooms\n",
+                info.ambient_components, info.ambient_texels, info.ambient_texels,
+                2 * static_cast<double>(info.ambient_half), static_cast<double>(info.ambient_rmse));
+  else std::printf("  ambient      none: bake it again with --ambient-only\n");
+  std::printf("  surface      %u points\n", info.surface_vertices);
   std::printf("  float copy   %s\n  memory       %llu bytes\n", info.float_parameters > 0 ? "yes" : "no",
               static_cast<unsigned long long>(memory));
 }

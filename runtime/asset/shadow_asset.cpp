@@ -12,10 +12,13 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_weight_limit = 1e6f;     // of the first layer
-constexpr int32_t k_bias_limit = 1 << 24;  // sums then stay below 2^25
-constexpr double k_horizon = 1.5533430;    // 89 degrees: polar_max plus half the light
-constexpr uint32_t k_tables_limit = 16;    // most tables that the verifier follows: the root, `last`, the layers
+constexpr float k_weight_limit = 1e6f;        // of the first layer
+constexpr int32_t k_bias_limit = 1 << 24;     // sums then stay below 2^25
+constexpr double k_horizon = 1.5533430;       // 89 degrees: polar_max plus half the light
+constexpr float k_mixing_limit = 1.0f;        // of a step of a component's byte, for all light from one cell
+constexpr uint32_t k_points_limit = 1 << 24;  // of the surface
+constexpr uint32_t k_tables_limit =
+    16;  // most tables that the verifier follows: the root, `last`, the layers, two more
 
 constexpr AssetRefusals k_refusals = {
     "asset is NULL: pass the bytes of a file that `sandglass bake` wrote",
@@ -44,6 +47,50 @@ const char* check_layer(const asset::Layer* layer, uint32_t inputs, uint32_t out
   return nullptr;
 }
 
+const char* check_ambient(const asset::Ambient& file, AmbientAsset* out) {
+  const uint32_t side = file.side(), components = file.components();
+  if (side < 16 || side > k_ambient_side_limit || side % 16 != 0)
+    return "the shadow file's ambient shadow does not have 16 to 256 texels a side, in steps of 16: bake it again";
+  if (components == 0 || components > k_ambient_components_limit)
+    return "the shadow file's ambient shadow does not have 1 to 32 components: bake it again";
+  if (!within(file.half(), 1e-30, 1e30)) return "the shadow file's ambient shadow has no size: bake it again";
+  if (file.mixing() == nullptr || file.mixing()->size() != components * SANDGLASS_LIGHT_CELLS ||
+      file.texels() == nullptr || file.texels()->size() != components * side * side)
+    return "the shadow file's ambient shadow has the wrong size: bake it again";
+  if (!numbers_within(*file.mixing(), -k_mixing_limit, k_mixing_limit))
+    return "the shadow file's ambient shadow has a weight that is not a number in -1..1: bake it again";
+  if (!within(static_cast<double>(file.rmse()), 0, 1))
+    return "the shadow file's ambient error is not a number in 0..1: bake it again";
+  *out = {side, file.half(), components, file.mixing()->data(), file.texels()->data(), file.rmse()};
+  return nullptr;
+}
+
+const char* check_surface(const asset::Surface& file, SurfaceAsset* out) {
+  const uint32_t points = file.vertices();
+  if (points == 0 || points > k_points_limit)
+    return "the shadow file's surface does not have 1 to 2^24 points: bake it again";
+  if (file.positions() == nullptr || file.positions()->size() != 3 * points || file.normals() == nullptr ||
+      file.normals()->size() != 3 * points || file.steps() == nullptr ||
+      file.steps()->size() != k_surface_coefficients || file.transfer() == nullptr ||
+      file.transfer()->size() != k_surface_coefficients * points)
+    return "the shadow file's surface has the wrong size: bake it again";
+  if (!numbers_within(*file.steps(), 0.0f, 1.0f))
+    return "the shadow file's surface has a step that is not a number in 0..1: bake it again";
+  *out = {points,
+          {file.low_x(), file.low_y(), file.low_z()},
+          file.step(),
+          file.positions()->data(),
+          file.normals()->data(),
+          file.steps()->data(),
+          file.transfer()->data()};
+  if (!all_within(out->low, 3, -1e30f, 1e30f) || !within(out->step, 1e-30f, 1e30f))
+    return "the shadow file's surface does not say where it is: bake it again";
+  for (uint32_t i = 1; i < points; ++i)
+    if (out->positions[3 * i] < out->positions[3 * i - 3])
+      return "the shadow file's surface is not in order, which no baking writes";
+  return nullptr;
+}
+
 }  // namespace
 
 sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsset* out, const char** reason) {
@@ -55,8 +102,8 @@ sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsse
     return refuse(reason, "the shadow file has an offset that leads outside of it: bake it again");
 
   const asset::Shadow& file = *asset::GetShadow(data);
-  if (file.version() != k_shadow_asset_version)
-    return refuse(reason, "the shadow file is of another version than this library reads (1): bake it again");
+  if (file.version() < k_shadow_asset_oldest || file.version() > k_shadow_asset_version)
+    return refuse(reason, "the shadow file is of another version than this library reads (1 and 2): bake it again");
   if (file.box() == nullptr) return refuse(reason, "the shadow file says nothing of the object's size: bake it again");
   const asset::Box& box = *file.box();
   *out = {};
@@ -111,6 +158,10 @@ sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsse
     out->float_parameters = file.float_parameters()->data();
     out->float_parameter_count = expected;
   }
+  if (out->version >= 2 && file.ambient() != nullptr)
+    if (const char* fault = check_ambient(*file.ambient(), &out->ambient)) return refuse(reason, fault);
+  if (out->version >= 2 && file.surface() != nullptr)
+    if (const char* fault = check_surface(*file.surface(), &out->surface)) return refuse(reason, fault);
   return accept(reason);
 }
 

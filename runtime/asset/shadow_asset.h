@@ -10,13 +10,35 @@
 
 namespace sandglass {
 
-constexpr uint32_t k_shadow_asset_version = 1;
+// What a bake writes. Version 1 has neither an ambient shadow nor a surface; it is read too.
+constexpr uint32_t k_shadow_asset_version = 2;
+constexpr uint32_t k_shadow_asset_oldest = 1;
 constexpr uint32_t k_frequencies_limit = 16;
+constexpr uint32_t k_ambient_side_limit = 256;  // texels; sides are multiples of 16
+constexpr uint32_t k_surface_coefficients = 9;
 
 struct AssetLayer {
   const int8_t* weights;
   const int32_t* bias;
   const float* multiplier;
+};
+
+struct AmbientAsset {
+  uint32_t side;
+  double half;          // metres
+  uint32_t components;  // 0: the file has none
+  const float* mixing;
+  const int8_t* texels;
+  float rmse;
+};
+
+struct SurfaceAsset {
+  uint32_t vertices;  // 0: the file has none
+  float low[3], step;
+  const uint16_t* positions;
+  const int8_t* normals;
+  const float* steps;
+  const int8_t* transfer;
 };
 
 struct ShadowAsset {
@@ -37,13 +59,15 @@ struct ShadowAsset {
   uint64_t seed;
   const float* float_parameters;  // null: the file has none
   uint32_t float_parameter_count;
+  AmbientAsset ambient;
+  SurfaceAsset surface;
 
   uint32_t texel_inputs() const { return 1 + 2 * texel_frequencies; }
   uint32_t light_inputs() const { return 1 + 2 * light_frequencies; }
   uint32_t inputs() const { return 2 * texel_inputs() + 3 * light_inputs(); }
 };
 
-// `bytes` is aligned to 8. Refuses, with one sentence, everything but a whole, undamaged file of this version whose
+// `bytes` is aligned to 8. Refuses, with one sentence, everything but a whole, undamaged file of a version that is read, whose
 // numbers the kernels can run on blindly.
 sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsset* asset, const char** reason);
 

@@ -14,6 +14,12 @@ struct Box;
 struct Layer;
 struct LayerBuilder;
 
+struct Ambient;
+struct AmbientBuilder;
+
+struct Surface;
+struct SurfaceBuilder;
+
 struct Shadow;
 struct ShadowBuilder;
 
@@ -76,6 +82,71 @@ struct Layer FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
   }
 };
 
+struct Ambient FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
+  typedef AmbientBuilder Builder;
+  enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE {
+    VT_SIDE = 4,
+    VT_HALF = 6,
+    VT_COMPONENTS = 8,
+    VT_MIXING = 10,
+    VT_TEXELS = 12,
+    VT_RMSE = 14
+  };
+  uint16_t side() const { return GetField<uint16_t>(VT_SIDE, 128); }
+  double half() const { return GetField<double>(VT_HALF, 0.0); }
+  uint8_t components() const { return GetField<uint8_t>(VT_COMPONENTS, 0); }
+  const flatbuffers::Vector<float>* mixing() const { return GetPointer<const flatbuffers::Vector<float>*>(VT_MIXING); }
+  const flatbuffers::Vector<int8_t>* texels() const {
+    return GetPointer<const flatbuffers::Vector<int8_t>*>(VT_TEXELS);
+  }
+  float rmse() const { return GetField<float>(VT_RMSE, 0.0f); }
+  bool Verify(flatbuffers::Verifier& verifier) const {
+    return VerifyTableStart(verifier) && VerifyField<uint16_t>(verifier, VT_SIDE, 2) &&
+           VerifyField<double>(verifier, VT_HALF, 8) && VerifyField<uint8_t>(verifier, VT_COMPONENTS, 1) &&
+           VerifyOffset(verifier, VT_MIXING) && verifier.VerifyVector(mixing()) && VerifyOffset(verifier, VT_TEXELS) &&
+           verifier.VerifyVector(texels()) && VerifyField<float>(verifier, VT_RMSE, 4) && verifier.EndTable();
+  }
+};
+
+struct Surface FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
+  typedef SurfaceBuilder Builder;
+  enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE {
+    VT_VERTICES = 4,
+    VT_LOW_X = 6,
+    VT_LOW_Y = 8,
+    VT_LOW_Z = 10,
+    VT_STEP = 12,
+    VT_POSITIONS = 14,
+    VT_NORMALS = 16,
+    VT_STEPS = 18,
+    VT_TRANSFER = 20
+  };
+  uint32_t vertices() const { return GetField<uint32_t>(VT_VERTICES, 0); }
+  float low_x() const { return GetField<float>(VT_LOW_X, 0.0f); }
+  float low_y() const { return GetField<float>(VT_LOW_Y, 0.0f); }
+  float low_z() const { return GetField<float>(VT_LOW_Z, 0.0f); }
+  float step() const { return GetField<float>(VT_STEP, 0.0f); }
+  const flatbuffers::Vector<uint16_t>* positions() const {
+    return GetPointer<const flatbuffers::Vector<uint16_t>*>(VT_POSITIONS);
+  }
+  const flatbuffers::Vector<int8_t>* normals() const {
+    return GetPointer<const flatbuffers::Vector<int8_t>*>(VT_NORMALS);
+  }
+  const flatbuffers::Vector<float>* steps() const { return GetPointer<const flatbuffers::Vector<float>*>(VT_STEPS); }
+  const flatbuffers::Vector<int8_t>* transfer() const {
+    return GetPointer<const flatbuffers::Vector<int8_t>*>(VT_TRANSFER);
+  }
+  bool Verify(flatbuffers::Verifier& verifier) const {
+    return VerifyTableStart(verifier) && VerifyField<uint32_t>(verifier, VT_VERTICES, 4) &&
+           VerifyField<float>(verifier, VT_LOW_X, 4) && VerifyField<float>(verifier, VT_LOW_Y, 4) &&
+           VerifyField<float>(verifier, VT_LOW_Z, 4) && VerifyField<float>(verifier, VT_STEP, 4) &&
+           VerifyOffset(verifier, VT_POSITIONS) && verifier.VerifyVector(positions()) &&
+           VerifyOffset(verifier, VT_NORMALS) && verifier.VerifyVector(normals()) && VerifyOffset(verifier, VT_STEPS) &&
+           verifier.VerifyVector(steps()) && VerifyOffset(verifier, VT_TRANSFER) && verifier.VerifyVector(transfer()) &&
+           verifier.EndTable();
+  }
+};
+
 struct Shadow FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
   typedef ShadowBuilder Builder;
   enum FlatBuffersVTableOffset FLATBUFFERS_VTABLE_UNDERLYING_TYPE {
@@ -95,7 +166,9 @@ struct Shadow FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
     VT_RMSE_INT8 = 30,
     VT_VALIDATED_LIGHTS = 32,
     VT_SEED = 34,
-    VT_FLOAT_PARAMETERS = 36
+    VT_FLOAT_PARAMETERS = 36,
+    VT_AMBIENT = 38,
+    VT_SURFACE = 40
   };
   uint16_t version() const { return GetField<uint16_t>(VT_VERSION, 0); }
   const flatbuffers::String* name() const { return GetPointer<const flatbuffers::String*>(VT_NAME); }
@@ -122,6 +195,8 @@ struct Shadow FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
   const flatbuffers::Vector<float>* float_parameters() const {
     return GetPointer<const flatbuffers::Vector<float>*>(VT_FLOAT_PARAMETERS);
   }
+  const sandglass::asset::Ambient* ambient() const { return GetPointer<const sandglass::asset::Ambient*>(VT_AMBIENT); }
+  const sandglass::asset::Surface* surface() const { return GetPointer<const sandglass::asset::Surface*>(VT_SURFACE); }
   bool Verify(flatbuffers::Verifier& verifier) const {
     return VerifyTableStart(verifier) && VerifyField<uint16_t>(verifier, VT_VERSION, 2) &&
            VerifyOffset(verifier, VT_NAME) && verifier.VerifyString(name()) &&
@@ -137,7 +212,8 @@ struct Shadow FLATBUFFERS_FINAL_CLASS : private flatbuffers::Table {
            VerifyField<float>(verifier, VT_RMSE_FLOAT, 4) && VerifyField<float>(verifier, VT_RMSE_INT8, 4) &&
            VerifyField<uint32_t>(verifier, VT_VALIDATED_LIGHTS, 4) && VerifyField<uint64_t>(verifier, VT_SEED, 8) &&
            VerifyOffset(verifier, VT_FLOAT_PARAMETERS) && verifier.VerifyVector(float_parameters()) &&
-           verifier.EndTable();
+           VerifyOffset(verifier, VT_AMBIENT) && verifier.VerifyTable(ambient()) &&
+           VerifyOffset(verifier, VT_SURFACE) && verifier.VerifyTable(surface()) && verifier.EndTable();
   }
 };
 

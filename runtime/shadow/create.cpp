@@ -70,6 +70,7 @@ sandglass_shadow* lay_out(const ShadowAsset& asset, uint32_t light_count, Layout
     memset(front, 0, k_shadow_size * k_shadow_size);
   }
   s->back.coverage = layout_region<uint8_t>(layout, "shadow.back", k_shadow_size * k_shadow_size);
+  ambient_lay_out(asset.ambient, layout, &s->ambient);
   return owner;
 }
 
@@ -123,6 +124,7 @@ __attribute__((noinline)) void build(const ShadowAsset& asset, const sandglass_s
   const uint64_t blocks = k_unit_macs / (k_texel_block * asset.layers * s->network.width * s->network.width);
   s->unit_texels = k_texel_block * static_cast<uint32_t>(blocks < 1 ? 1 : blocks > 6 ? 6 : blocks);
   memset(s->back.coverage, 0, k_shadow_size * k_shadow_size);
+  ambient_create(asset.ambient, &s->ambient);
   *shadow = owner;
 }
 
@@ -159,6 +161,11 @@ void fill_info(const ShadowAsset& asset, sandglass_shadow_info* out) {
   info.rmse_float = asset.rmse_float, info.rmse_int8 = asset.rmse_int8;
   info.validated_lights = asset.validated_lights;
   info.float_parameters = asset.float_parameter_count;
+  info.ambient_texels = asset.ambient.components == 0 ? 0 : asset.ambient.side;
+  info.ambient_half = static_cast<float>(asset.ambient.half);
+  info.ambient_components = asset.ambient.components;
+  info.ambient_rmse = asset.ambient.rmse;
+  info.surface_vertices = asset.surface.vertices;
   fill_struct(&info, sizeof info, out);
 }
 
@@ -263,8 +270,8 @@ uint32_t sandglass_shadow_units_left(const sandglass_shadow* shadow) {
   uint32_t waiting = 0;
   for (uint32_t i = 0; i < s.light_count; ++i) waiting += s.lights[i].pending ? 1 : 0;
   // In every texture the last unit of each kind may be smaller than the others: one more for each that waits.
-  uint32_t units = 0;
-  for (uint32_t kind = 0; kind < k_shadow_kinds; ++kind) {
+  uint32_t units = ambient_units_left(s.ambient);
+  for (uint32_t kind = 0; kind < k_kind_ambient; ++kind) {
     const uint32_t pieces = shadow_unit(s, kind).pieces;
     if (left.pieces[kind] != 0) units += static_cast<uint32_t>((left.pieces[kind] + pieces - 1) / pieces) + waiting;
   }
@@ -283,6 +290,8 @@ uint64_t sandglass_shadow_hash(const sandglass_shadow* shadow) {
     hash = hash_with(hash, hash_bytes(t.coverage, k_shadow_size * k_shadow_size));
     hash = hash_with(hash, hash_bytes(t.light, sizeof t.light));
   }
+  const AmbientShadow& ambient = shadow->shadow.ambient;
+  if (ambient.components.count != 0) hash = hash_with(hash, hash_bytes(ambient.front, ambient.components.size));
   return hash;
 }
 

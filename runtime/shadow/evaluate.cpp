@@ -204,6 +204,8 @@ ShadowUnit shadow_unit(const Shadow& s, uint32_t kind) {
       return {k_unit_cell_rows, k_unit_cell_rows};
     case k_kind_refine:
       return {s.unit_texels / k_new_texels, s.unit_texels * weight};
+    case k_kind_ambient:
+      return {k_unit_ambient_texels, k_unit_ambient_texels * s.ambient.components.count};
     default:
       return {s.unit_texels, s.unit_texels * weight};
   }
@@ -227,6 +229,10 @@ WorkUnit shadow_next(const Shadow& s) {
       return of_kind(k_kind_texels, "shadow.texels");
   }
   return {};
+}
+
+WorkUnit shadow_ambient_next(const Shadow& s) {
+  return {k_kind_ambient, shadow_unit(s, k_kind_ambient).items, "shadow.ambient"};
 }
 
 void shadow_run(Shadow* s, uint32_t light) {
@@ -286,6 +292,7 @@ ShadowWork shadow_work_left(const Shadow& s, bool likely) {
   }
   for (uint32_t i = 0; i < s.light_count; ++i)
     if (s.lights[i].pending) whole(i);
+  left.pieces[k_kind_ambient] = ambient_texels_left(s.ambient);
   return left;
 }
 

@@ -1,7 +1,9 @@
 // Several objects, each with several lights, under one budget: which texture is computed next.
 //
-// A texture under way is completed first. Then the texture with the greatest visible change is begun. Its visible
-// change is the product of
+// A texture under way is completed first. An ambient shadow costs about a hundredth of the network's texture, so one that
+// waits is begun before any light's, but while lights wait no object gets a second one before a light has got its own.
+// An object without any shadow gets its ambient one at once. Among lights the texture with the greatest visible change is
+// begun. Its visible change is the product of
 //   the turn of the light since the texture that is shown, as a chord (2 where none is shown),
 //   the light's share of all irradiance on the object,
 //   the opacity,
@@ -17,6 +19,7 @@ constexpr double k_growth_a_call = 1.0 / 8;  // growth of the factor with every 
 
 struct Choice {
   uint32_t shadow, light;
+  bool ambient;  // the ambient shadow, and no light
 };
 
 double visible_change(const Shadow& s, const ShadowLight& light, double irradiance) {
@@ -31,10 +34,23 @@ double visible_change(const Shadow& s, const ShadowLight& light, double irradian
   return change * share * static_cast<double>(light.opacity) * (1 + k_growth_a_call * waited);
 }
 
-bool choose(const ShadowSet& set, Choice* choice) {
+// The first ambient shadow that the rule takes.
+template <class Rule>
+bool choose_ambient(const ShadowSet& set, Rule rule, Choice* choice) {
+  for (uint32_t i = 0; i < set.count; ++i) {
+    const AmbientShadow& ambient = set.shadows[i]->shadow.ambient;
+    if (!ambient_waits(ambient) || !rule(ambient)) continue;
+    *choice = {i, 0, true};
+    return true;
+  }
+  return false;
+}
+
+// Of the lights' textures: the one under way, else the one with the greatest visible change.
+bool choose_light(const ShadowSet& set, Choice* choice) {
   for (uint32_t i = 0; i < set.count; ++i)
     if (set.shadows[i]->shadow.phase != ShadowPhase::idle) {
-      *choice = {i, set.shadows[i]->shadow.active};
+      *choice = {i, set.shadows[i]->shadow.active, false};
       return true;
     }
   double most = -1;
@@ -45,10 +61,21 @@ bool choose(const ShadowSet& set, Choice* choice) {
     for (uint32_t l = 0; l < s.light_count; ++l) {
       if (!s.lights[l].pending) continue;
       const double change = visible_change(s, s.lights[l], irradiance);
-      if (change > most) most = change, *choice = {i, l};
+      if (change > most) most = change, *choice = {i, l, false};
     }
   }
   return most >= 0;
+}
+
+bool choose(const ShadowSet& set, Choice* choice) {
+  if (choose_ambient(
+          set, [](const AmbientShadow& a) { return !a.valid || a.under_way; }, choice))
+    return true;
+  const bool light = choose_light(set, choice);
+  if (light && set.shadows[choice->shadow]->shadow.phase != ShadowPhase::idle) return true;
+  return choose_ambient(
+             set, [&](const AmbientShadow& a) { return !light || !a.gives_way; }, choice) ||
+         light;
 }
 
 const ShadowSet& set_of(const void* state) { return *static_cast<const ShadowSet*>(state); }
@@ -57,14 +84,20 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
   const ShadowSet& set = set_of(state);
   Choice choice;
   if (!choose(set, &choice)) return false;
-  *unit = shadow_next(set.shadows[choice.shadow]->shadow);
+  const Shadow& s = set.shadows[choice.shadow]->shadow;
+  *unit = choice.ambient ? shadow_ambient_next(s) : shadow_next(s);
   return true;
 }
 
 void run(void* state, uint32_t) {
   const ShadowSet& set = set_of(state);
   Choice choice;
-  if (choose(set, &choice)) shadow_run(&set.shadows[choice.shadow]->shadow, choice.light);
+  if (!choose(set, &choice)) return;
+  Shadow* s = &set.shadows[choice.shadow]->shadow;
+  if (choice.ambient) return ambient_run(*s->kernels, &s->ambient);
+  shadow_run(s, choice.light);
+  if (s->phase != ShadowPhase::idle) return;
+  for (uint32_t i = 0; i < set.count; ++i) set.shadows[i]->shadow.ambient.gives_way = false;
 }
 
 uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
@@ -89,6 +122,7 @@ void report_set(const ShadowSet& set, sandglass_frame_report* report) {
   uint32_t pending = 0;
   for (uint32_t i = 0; i < set.count; ++i) {
     const Shadow& s = set.shadows[i]->shadow;
+    pending += ambient_waits(s.ambient) ? 1 : 0;
     for (uint32_t l = 0; l < s.light_count; ++l) {
       const bool under_way = s.phase != ShadowPhase::idle && s.active == l;
       if (!s.lights[l].pending && !under_way) continue;

@@ -7,6 +7,8 @@
 //   decide   which cells to refine; the other cells are interpolated
 //   refine   the texels of those cells
 // In mode FULL all texels follow the rows. The last unit swaps the two textures.
+//
+// Beside them stands the object's ambient shadow (ambient.h), with a texture and units of its own.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +16,7 @@
 #include "kernels/int8.h"
 #include "runtime/core/governor.h"
 #include "runtime/core/layout.h"
+#include "runtime/shadow/ambient.h"
 #include "runtime/shadow/plane.h"
 #include "sandglass/sandglass.h"
 #include "sandglass/shadow.h"
@@ -34,7 +37,7 @@ constexpr uint32_t k_table_rows = k_shadow_size + 1;  // the last corners lie on
 constexpr float k_shadow_share = 0.2f;
 
 // Kinds of work unit.
-enum : uint32_t { k_kind_rows, k_kind_texels, k_kind_decide, k_kind_refine, k_shadow_kinds };
+enum : uint32_t { k_kind_rows, k_kind_texels, k_kind_decide, k_kind_refine, k_kind_ambient, k_shadow_kinds };
 
 enum class ShadowPhase : uint32_t { idle, rows, coarse, decide, refine, full };
 
@@ -94,6 +97,7 @@ struct Shadow {
   uint32_t active;  // light that `back` is for
   ShadowLight* lights;
   uint32_t light_count;
+  AmbientShadow ambient;
 };
 
 void shadow_set_light(Shadow* shadow, uint32_t light, const double unit_vector[3], float irradiance);
@@ -103,8 +107,11 @@ void shadow_set_light(Shadow* shadow, uint32_t light, const double unit_vector[3
 WorkUnit shadow_next(const Shadow& shadow);
 void shadow_run(Shadow* shadow, uint32_t light);
 
-// A whole unit of a kind: how many pieces it does (rows of the table, texels, rows of cells, or cells), and how many
-// items it counts for the governor.
+// The next unit of the ambient shadow.
+WorkUnit shadow_ambient_next(const Shadow& shadow);
+
+// A whole unit of a kind: how many pieces it does (rows of the table, texels, rows of cells, cells, or texels of
+// the ambient shadow), and how many items it counts for the governor.
 struct ShadowUnit {
   uint32_t pieces, items;
 };

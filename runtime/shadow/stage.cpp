@@ -12,7 +12,7 @@ enum : uint32_t { k_objects, k_sand };
 
 bool object_under_way(const ShadowSet& set) {
   for (uint32_t i = 0; i < set.count; ++i)
-    if (set.shadows[i]->shadow.phase != ShadowPhase::idle) return true;
+    if (set.shadows[i]->shadow.phase != ShadowPhase::idle || set.shadows[i]->shadow.ambient.under_way) return true;
   return false;
 }
 

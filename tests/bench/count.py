@@ -27,8 +27,10 @@ METRICS = {
         ("whole frame", None, "frames"),
     ],
     "shadow": [
-        ("shadow_texels per texel", r"sandglass::int8_", "texels"),
-        ("shadow_texels per thousand multiply-adds", r"sandglass::int8_", "thousand_macs"),
+        ("shadow_texels per texel", r"sandglass::int8_(?!.*::ambient_texels\()", "texels"),
+        ("shadow_texels per thousand multiply-adds", r"sandglass::int8_(?!.*::ambient_texels\()", "thousand_macs"),
+        ("ambient_texels per texel", r"sandglass::int8_.*::ambient_texels\(", "ambient_texels"),
+        ("whole ambient texture", r"::ambient_texels\(|::ambient_run\(", "textures"),
         ("whole texture", None, "textures"),
     ],
     "pile": [

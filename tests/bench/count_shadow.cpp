@@ -1,5 +1,5 @@
 // The workload on which shadows are counted: one texture of a baked file, adaptive as in an app, from the new light to
-// the last unit. Prints for how many texels the network was evaluated.
+// the last unit, and its first ambient texture. Prints for how many texels the network was evaluated.
 //   count_shadow FILE [ISA]
 #include <cstdint>
 #include <cstdio>
@@ -12,7 +12,7 @@
 int main(int argument_count, char** arguments) {
   std::FILE* file = argument_count > 1 ? std::fopen(arguments[1], "rb") : nullptr;
   if (file == nullptr) return std::fprintf(stderr, "count_shadow FILE [ISA]: FILE must be a baked shadow\n"), 2;
-  std::vector<uint64_t> asset(1u << 16);  // aligned to 8 bytes; half a megabyte
+  std::vector<uint64_t> asset(1u << 17);  // aligned to 8 bytes; a megabyte
   sandglass_shadow_desc desc = sandglass::shadow_desc();
   desc.isa = argument_count > 2 ? std::atoi(arguments[2]) : SANDGLASS_ISA_AUTOMATIC;
   desc.asset = asset.data();
@@ -32,8 +32,9 @@ int main(int argument_count, char** arguments) {
 
   const sandglass_shadow_texture texture = shadow.texture();
   const uint64_t macs = texture.evaluated * info.macs_per_texel;
-  std::printf("isa %s\ntexels %u\nthousand_macs %llu\ntextures 1\nhash 0x%016llx\n",
-              sandglass_isa_name(sandglass_shadow_isa(shadow.get())), texture.evaluated,
-              static_cast<unsigned long long>(macs / 1000), static_cast<unsigned long long>(shadow.hash()));
+  std::printf("isa %s\nambient_texels %u\ntexels %u\nthousand_macs %llu\ntextures 1\nhash 0x%016llx\n",
+              sandglass_isa_name(sandglass_shadow_isa(shadow.get())), info.ambient_texels * info.ambient_texels,
+              texture.evaluated, static_cast<unsigned long long>(macs / 1000),
+              static_cast<unsigned long long>(shadow.hash()));
   return texture.valid == 1 ? 0 : 1;
 }

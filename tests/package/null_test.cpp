@@ -380,6 +380,13 @@ void Nulls::shadows() {
   sandglass_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
   row(NAMED(sandglass_shadow_get_texture), "", shadow, 0u, &texture);
+  std::vector<float> cells(SANDGLASS_LIGHT_CELLS), transfer(9), sh(27), turned(27);
+  row(NAMED(sandglass_shadow_set_cells), "", shadow, cells.data(), 0.0f);
+  sandglass_shadow_ambient ambient = {};
+  ambient.struct_size = sizeof ambient;
+  row(NAMED(sandglass_shadow_get_ambient), "", shadow, &ambient);
+  row(NAMED(sandglass_shadow_surface), "normals", file.data(), file_bytes, point, high, 1u, transfer.data());
+  row(NAMED(sandglass_shadow_turn_harmonics), "", sh.data(), point, turned.data());
   std::vector<uint8_t> coverage(256 * 256);
   row(NAMED(sandglass_shadow_resample), "", shadow, 0u, 128u, coverage.data());
   row(NAMED(sandglass_shadow_combine), "", shadow, 64u, coverage.data(), low, high);

@@ -34,6 +34,7 @@ CLAIM(frame_report_first, offsetof(sandglass_frame_report, struct_size) == 0);
 CLAIM(shadow_desc_first, offsetof(sandglass_shadow_desc, struct_size) == 0);
 CLAIM(shadow_info_first, offsetof(sandglass_shadow_info, struct_size) == 0);
 CLAIM(shadow_texture_first, offsetof(sandglass_shadow_texture, struct_size) == 0);
+CLAIM(shadow_ambient_first, offsetof(sandglass_shadow_ambient, struct_size) == 0);
 CLAIM(camera_image_first, offsetof(sandglass_camera_image, struct_size) == 0);
 CLAIM(light_desc_first, offsetof(sandglass_light_desc, struct_size) == 0);
 CLAIM(light_info_first, offsetof(sandglass_light_info, struct_size) == 0);

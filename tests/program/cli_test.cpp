@@ -354,18 +354,21 @@ TEST_F(Cli, ABakeIsRefusedBeforeItsWorkWhereItCouldNotWrite) {
 TEST_F(Cli, BakesAndInspectsAShadow) {
   if (!k_bake) GTEST_SKIP() << "this build bakes no shadows: Embree or Eigen is missing";
   const std::string options =
-      " --size 8x1 --textures 1 --steps 20 --quantised-steps 5 --validation-lights 4 --threads 2 ";
+      " --size 8x1 --textures 1 --steps 20 --quantised-steps 5 --validation-lights 4 --ambient-texels 16 --threads 2 ";
   const Outcome baked = run("bake chair -o '" + path("x.shadow") + "' --json '" + path("x.json") + "'" + options);
   ASSERT_EQ(baked.code, 0) << baked.err;
   EXPECT_NE(baked.out.find("4 unseen lights"), std::string::npos) << baked.out;
   EXPECT_NE(baked.out.find("SSIM and block: of 4 whole textures"), std::string::npos) << baked.out;
   EXPECT_NE(read(path("x.json")).find("whole_textures"), std::string::npos);
+  EXPECT_NE(read(path("x.json")).find("rmse_occlusion"), std::string::npos);
+  EXPECT_NE(baked.out.find("8 made-up"), std::string::npos) << baked.out;
   EXPECT_TRUE(fs::exists(path("x.shadow.png")));
   const Outcome told = run("inspect '" + path("x.shadow") + "'");
   ASSERT_EQ(told.code, 0) << told.err;
-  for (const char* line : {"baked shadow, version 1", "8 neurons x (1 + 1) hidden layers, 72 MAC a texel",
-                           "20 degrees wide, up to 70 degrees from the zenith", "fitted to the light",
-                           "over 4 unseen lights", "float copy   no"})
+  for (const char* line :
+       {"baked shadow, version 2", "24 components of 16 x 16 texels, 3.6 m a side", "surface      336 points",
+        "8 neurons x (1 + 1) hidden layers, 72 MAC a texel", "20 degrees wide, up to 70 degrees from the zenith",
+        "fitted to the light", "over 4 unseen lights", "float copy   no"})
     EXPECT_NE(told.out.find(line), std::string::npos) << line << "\n" << told.out;
   write("cut.shadow", read(path("x.shadow")).substr(0, 1000));
   expect_refused("inspect '" + path("cut.shadow") + "'", "cut.shadow");

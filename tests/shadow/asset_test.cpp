@@ -16,6 +16,13 @@ using namespace sandglass::tests;
 
 constexpr RandomShadow k_small = {4, 1, 1, 1, 5};
 
+// The same with an ambient shadow and a surface.
+RandomShadow with_ambient() {
+  RandomShadow what = k_small;
+  what.version = 2, what.ambient_side = 16, what.components = 3, what.surface_vertices = 5;
+  return what;
+}
+
 sandglass_status open(const AssetFile& file, std::string* sentence = nullptr) {
   ShadowAsset asset;
   const char* reason = nullptr;
@@ -38,14 +45,32 @@ TEST(ShadowAsset, ReadsWhatWasWritten) {
   EXPECT_FLOAT_EQ(info.height, 0.5f);
 }
 
+TEST(ShadowAsset, VersionTwoHasAnAmbientShadowAndVersionOneSaysThatItHasNone) {
+  RandomShadow what = with_ambient();
+  sandglass_shadow_info info = {};
+  for (const uint16_t version : {uint16_t{2}, uint16_t{1}}) {
+    what.version = version;
+    const AssetFile file = make_shadow_file(what);
+    const bool has = version == 2;  // an older file's tables are not looked at
+    info.struct_size = sizeof info;
+    ASSERT_EQ(sandglass_shadow_inspect(file.data(), file.bytes, &info, nullptr), SANDGLASS_OK);
+    EXPECT_EQ(info.version, version);
+    EXPECT_EQ(info.ambient_texels, has ? 16u : 0u);
+    EXPECT_EQ(info.ambient_half, has ? 1.5f : 0.0f);
+    EXPECT_EQ(info.ambient_components, has ? 3u : 0u);
+    EXPECT_EQ(info.ambient_rmse, has ? 0.02f : 0.0f);
+    EXPECT_EQ(info.surface_vertices, has ? 5u : 0u);
+  }
+}
+
 TEST(ShadowAsset, EveryTruncationIsRefused) {
-  const AssetFile file = make_shadow_file(k_small);
+  const AssetFile file = make_shadow_file(with_ambient());
   for (uint64_t count = 0; count < file.bytes; ++count)
     ASSERT_NE(open(AssetFile({file.data(), count})), SANDGLASS_OK) << count;
 }
 
 TEST(ShadowAsset, EveryChangedBitIsRefused) {
-  AssetFile file = make_shadow_file(k_small);
+  AssetFile file = make_shadow_file(with_ambient());
   for (uint64_t i = 0; i < file.bytes; ++i)
     for (int bit = 0; bit < 8; ++bit) {
       file.data()[i] ^= static_cast<uint8_t>(1 << bit);
@@ -57,7 +82,7 @@ TEST(ShadowAsset, EveryChangedBitIsRefused) {
 
 // An attacker may repair the checksum. A file that is then accepted must also run.
 TEST(ShadowAsset, ChangedBytesBehindARightChecksumNeverCrash) {
-  const AssetFile original = make_shadow_file(k_small);
+  const AssetFile original = make_shadow_file(with_ambient());
   int accepted = 0;
   for (uint64_t i = 0; i + k_checksum_bytes < original.bytes; ++i)
     for (const int value : {0x00, 0x01, 0x7F, 0x80, 0xFF}) {
@@ -70,12 +95,14 @@ TEST(ShadowAsset, ChangedBytesBehindARightChecksumNeverCrash) {
       shadow.light(0.3f, 1, 0.2f);
       sandglass_shadow_run(&shadow.shadow, 1, 3);
       ASSERT_TRUE(shadow.block.guards_intact());
+      float transfer[9];
+      (void)sandglass_shadow_surface(file.data(), file.bytes, transfer, transfer + 3, 1, transfer, nullptr);
     }
   EXPECT_GT(accepted, 0);
 }
 
 TEST(ShadowAsset, TruncationsBehindARightChecksumNeverCrash) {
-  const AssetFile original = make_shadow_file(k_small);
+  const AssetFile original = make_shadow_file(with_ambient());
   for (uint64_t count = 32; count < original.bytes; ++count) {
     AssetFile file({original.data(), count});
     file.repair_checksum();
@@ -94,10 +121,17 @@ TEST(ShadowAsset, RefusesNumbersThatNoBakingWrites) {
   refused([](RandomShadow& s) { s.forced_first = NAN; }, "not a number");
   refused([](RandomShadow& s) { s.forced_first = INFINITY; }, "not a number");
   refused([](RandomShadow& s) { s.forced_weight = -128; }, "-128");
-  refused([](RandomShadow& s) { s.version = 2; }, "another version");
+  refused([](RandomShadow& s) { s.version = 3; }, "another version");
   refused([](RandomShadow& s) { s.width = 257; }, "wider than 256");
   refused([](RandomShadow& s) { s.layers = 9; }, "1 to 8");
   refused([](RandomShadow& s) { s.texel_frequencies = 17; }, "16 frequencies");
+  refused([](RandomShadow& s) { s = with_ambient(), s.ambient_side = 24; }, "in steps of 16");
+  refused([](RandomShadow& s) { s = with_ambient(), s.ambient_side = 272, s.components = 1; }, "16 to 256 texels");
+  refused([](RandomShadow& s) { s = with_ambient(), s.components = 33; }, "1 to 32 components");
+  refused([](RandomShadow& s) { s = with_ambient(), s.forced_mixing = NAN; }, "not a number in -1..1");
+  refused([](RandomShadow& s) { s = with_ambient(), s.forced_mixing = 1.5f; }, "not a number in -1..1");
+  refused([](RandomShadow& s) { s = with_ambient(), s.missing_texels = 1; }, "wrong size");
+  refused([](RandomShadow& s) { s = with_ambient(), s.unsorted_surface = true; }, "not in order");
 }
 
 TEST(ShadowAsset, RefusesWhatIsNoFileAtAll) {

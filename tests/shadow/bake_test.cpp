@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "models/baking/checkpoint.h"
+#include "models/files/aligned_bytes.h"
 #include "models/files/atomic_file.h"
 #include "models/mesh/generated.h"
 #include "sandglass/shadow.h"
@@ -28,6 +29,7 @@ BakeSettings tiny() {
   settings.shape = {16, 1};
   settings.textures = 1, settings.steps = 20, settings.quantised_steps = 10, settings.batch = 512;
   settings.validation_lights = 4;
+  settings.ambient.texels = 16, settings.ambient.rooms = 1;
   return settings;
 }
 
@@ -43,6 +45,26 @@ TEST_F(Bake, SameFileOnAnyNumberOfThreads) {
   settings.seed = 2;
   bake(make_chair(), "chair", settings, path("other"), "", false);
   EXPECT_NE(file, read_file(path("other"), "shadow"));
+}
+
+// A file without ambient shadow is one of version 1. Adding the ambient shadow later gives what a whole bake gives.
+TEST_F(Bake, AddsTheAmbientShadowToAFileAndLeavesItsNetworkAsItIs) {
+  BakeSettings settings = tiny();
+  bake(make_chair(), "chair", settings, path("whole"), "", false);
+  settings.ambient.texels = 0;
+  bake(make_chair(), "chair", settings, path("parts"), "", false);
+  const AlignedBytes old = read_aligned(path("parts"), "shadow");
+  sandglass_shadow_info info = {};
+  info.struct_size = sizeof info;
+  ASSERT_EQ(sandglass_shadow_inspect(old.data(), old.size(), &info, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(info.version, 1u);
+  EXPECT_EQ(info.ambient_texels, 0u);
+  settings.ambient.texels = 16, settings.threads = 2;
+  bake_ambient_only(make_chair(), "chair", settings, path("parts"), path("rooms.png"));
+  EXPECT_EQ(read_file(path("parts"), "shadow"), read_file(path("whole"), "shadow"));
+  EXPECT_TRUE(fs::exists(path("rooms.png")));
+  expect_refusal("another size", [&] { bake_ambient_only(make_trefoil(), "knot", settings, path("parts"), ""); });
+  EXPECT_EQ(read_file(path("parts"), "shadow"), read_file(path("whole"), "shadow"));
 }
 
 TEST_F(Bake, TrainingGoesOnFromACheckpointToTheSameBits) {

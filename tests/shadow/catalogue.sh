@@ -10,7 +10,7 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 1 3 2\n
 printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 2 0\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >"$work/meshes/open cone.obj"
 echo 'no mesh' >"$work/meshes/broken.obj"
 
-options="--size 16x1 --textures 1 --steps 200 --quantised-steps 50 --validation-lights 4"
+options="--ambient-texels 16 --size 16x1 --textures 1 --steps 200 --quantised-steps 50 --validation-lights 4"
 bake() {
   snakemake -s "$snakefile" -d "$work" --cores 2 --nocolor --config meshes="$work/meshes" out="$work/${3:-out}" program="$1" \
     threads=1 options="${2:-$options}"

@@ -109,4 +109,37 @@ TEST(ShadowKernels, EveryTableEqualsTheOracleForEveryCountOfTexels) {
   }
 }
 
+// Weights and texels of any size, the largest included, for every count of components and every range.
+TEST(ShadowKernels, AmbientTexelsEqualTheOracle) {
+  constexpr uint32_t k_side = 32, k_size = k_side * k_side;
+  Integers random = {77};
+  const auto next = [&](int64_t low, int64_t high) { return random.next(low, high); };
+  for (const bool extreme : {false, true})
+    for (uint32_t count = 2; count <= k_ambient_components_limit; count += 10)
+      for (const uint32_t shift : {1u, 13u, k_ambient_shift_limit}) {
+        Aligned<int8_t> texels(count * k_size);
+        for (uint32_t i = 0; i < count * k_size; ++i)
+          texels.data()[i] = static_cast<int8_t>(extreme ? (i % k_side < k_side / 2 ? -128 : 127) : next(-127, 127));
+        std::vector<int16_t> weights(count);
+        for (int16_t& w : weights) w = static_cast<int16_t>(extreme ? 32767 : next(-20000, 20000));
+        std::vector<uint8_t> expected(k_size);
+        for (uint32_t t = 0; t < k_size; ++t) {
+          int64_t sum = int64_t{1} << (shift - 1);
+          for (uint32_t k = 0; k < count; ++k) sum += int64_t{weights[k]} * texels.data()[k * k_size + t];
+          const double dark = std::floor(static_cast<double>(sum) / std::pow(2.0, shift));
+          expected[t] = static_cast<uint8_t>(255 - std::clamp(dark, 0.0, 255.0));
+        }
+        const AmbientComponents components = {texels.data(), k_size, count, weights.data(), shift};
+        for (const sandglass_isa isa : int8_sets())
+          for (uint32_t begin = 0; begin < k_size; begin += 5 * k_ambient_group) {
+            const uint32_t end = std::min(k_size, begin + 5 * k_ambient_group);
+            std::vector<uint8_t> result(k_size, 0xEE);
+            select_int8_kernels(isa)->ambient_texels(&components, begin, end, result.data());
+            for (uint32_t t = 0; t < k_size; ++t)
+              ASSERT_EQ(result[t], t >= begin && t < end ? expected[t] : 0xEE)
+                  << "isa " << isa << " components " << count << " shift " << shift << " at " << t;
+          }
+      }
+}
+
 }  // namespace

@@ -67,6 +67,53 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   const auto first_weights = builder.CreateVector(first);
   const auto biases = builder.CreateVector(first_bias);
   const auto name = builder.CreateString("random");
+  flatbuffers::Offset<asset::Ambient> ambient = 0;
+  flatbuffers::Offset<asset::Surface> surface = 0;
+  if (what.ambient_side != 0) {
+    std::vector<float> mixing(what.components * SANDGLASS_LIGHT_CELLS);
+    for (float& x : mixing) x = static_cast<float>(unit() / 127);
+    if (what.forced_mixing != 0) mixing[7] = what.forced_mixing;
+    std::vector<int8_t> texels(what.components * what.ambient_side * what.ambient_side - what.missing_texels);
+    for (int8_t& x : texels) x = static_cast<int8_t>(127 * unit());
+    const auto weights = builder.CreateVector(mixing);
+    const auto bytes = builder.CreateVector(texels);
+    using Table = asset::Ambient;
+    const auto start = builder.StartTable();
+    builder.AddElement<uint16_t>(Table::VT_SIDE, static_cast<uint16_t>(what.ambient_side), 128);
+    builder.AddElement<double>(Table::VT_HALF, 1.5, 0);
+    builder.AddElement<uint8_t>(Table::VT_COMPONENTS, static_cast<uint8_t>(what.components), 0);
+    builder.AddOffset(Table::VT_MIXING, weights);
+    builder.AddOffset(Table::VT_TEXELS, bytes);
+    builder.AddElement<float>(Table::VT_RMSE, 0.02f, 0);
+    ambient = builder.EndTable(start);
+  }
+  if (what.surface_vertices != 0) {
+    std::vector<float> steps(9);
+    for (float& x : steps) x = static_cast<float>(0.01 + 0.001 * unit());
+    std::vector<int8_t> transfer(9 * what.surface_vertices), normals(3 * what.surface_vertices);
+    for (int8_t& x : transfer) x = static_cast<int8_t>(127 * unit());
+    for (int8_t& x : normals) x = static_cast<int8_t>(127 * unit());
+    std::vector<uint16_t> positions(3 * what.surface_vertices);
+    for (size_t i = 0; i < positions.size(); ++i)
+      positions[i] = i % 3 == 0 ? static_cast<uint16_t>(200 * (i / 6)) : static_cast<uint16_t>(30000 + 20000 * unit());
+    if (what.unsorted_surface) positions[0] = 65535;
+    const auto places = builder.CreateVector(positions);
+    const auto axes = builder.CreateVector(normals);
+    const auto sizes = builder.CreateVector(steps);
+    const auto bytes = builder.CreateVector(transfer);
+    using Table = asset::Surface;
+    const auto start = builder.StartTable();
+    builder.AddElement<uint32_t>(Table::VT_VERTICES, what.surface_vertices, 0);
+    builder.AddElement<float>(Table::VT_LOW_X, 0.5f, 0);
+    builder.AddElement<float>(Table::VT_LOW_Y, -0.25f, 0);
+    builder.AddElement<float>(Table::VT_LOW_Z, 0.125f, 0);
+    builder.AddElement<float>(Table::VT_STEP, 1e-4f, 0);
+    builder.AddOffset(Table::VT_POSITIONS, places);
+    builder.AddOffset(Table::VT_NORMALS, axes);
+    builder.AddOffset(Table::VT_STEPS, sizes);
+    builder.AddOffset(Table::VT_TRANSFER, bytes);
+    surface = builder.EndTable(start);
+  }
   const asset::Box box(1, 2, 3, 0.2, 0.1, 0.5, 0.349065850398866, 1.2217304763960306);  // 20 and 70 degrees
   using Table = asset::Shadow;
   const auto start = builder.StartTable();
@@ -82,6 +129,8 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   builder.AddElement<float>(Table::VT_FIRST_STEP, 0.02f, 0.0f);
   builder.AddOffset(Table::VT_LAYERS, all);
   builder.AddOffset(Table::VT_LAST, last);
+  if (!ambient.IsNull()) builder.AddOffset(Table::VT_AMBIENT, ambient);
+  if (!surface.IsNull()) builder.AddOffset(Table::VT_SURFACE, surface);
   builder.Finish(flatbuffers::Offset<Table>(builder.EndTable(start)), asset::ShadowIdentifier());
   std::vector<uint8_t> content(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   content.resize(content.size() + k_checksum_bytes);

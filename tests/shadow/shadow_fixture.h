@@ -20,6 +20,12 @@ struct RandomShadow {
   int8_t forced_weight = 0;  // if not 0, put into the first hidden layer
   float forced_first = 0;    // if not 0 (NaN, for example), put into the first layer
   uint16_t version = 1;
+  // An ambient shadow with random components, and a surface. Only files of version 2 have them.
+  uint32_t ambient_side = 0, components = 0;
+  uint32_t surface_vertices = 0;
+  bool unsorted_surface = false;
+  float forced_mixing = 0;      // if not 0, put into the first component
+  uint32_t missing_texels = 0;  // that the file lacks
 };
 
 AssetFile make_shadow_file(const RandomShadow& what);

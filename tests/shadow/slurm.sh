@@ -74,7 +74,7 @@ done
 printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 1 3 2\n' >"$work/meshes/tetrahedron.obj"
 printf 'v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0 2 0\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' >"$work/meshes/cone.obj"
 printf 'v 0 0 0\nv 1 0 0\nv 0 0 2\nv 0 1 0\nf 1 2 4\nf 2 3 4\nf 3 1 4\nf 1 3 2\n' >"$work/meshes/wedge.obj"
-options="--size 32x1 --textures 1 --steps 20000 --quantised-steps 200 --validation-lights 4"
+options="--ambient-texels 16 --size 32x1 --textures 1 --steps 20000 --quantised-steps 200 --validation-lights 4"
 for mesh in "$work"/meshes/*.obj; do
   "$program" bake "$mesh" -o "$work/$(basename "$mesh" .obj).whole" --threads 1 --no-picture $options >/dev/null 2>&1
 done

@@ -232,7 +232,11 @@ public unsafe struct sandglass_shadow_info {
   public uint plane_fitted, width, layers;
   public ulong macs_per_texel;
   public float rmse_float, rmse_int8;
-  public uint validated_lights, float_parameters;
+  public uint validated_lights, float_parameters, ambient_texels;
+  public float ambient_half;
+  public uint ambient_components;
+  public float ambient_rmse;
+  public uint surface_vertices;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -244,6 +248,16 @@ public unsafe struct sandglass_shadow_texture {
   public fixed float light[3];
   public float opacity;
   public uint beyond, age, evaluated;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_shadow_ambient {
+  public uint struct_size, valid;
+  public byte* visibility;
+  public uint side;
+  public fixed float low[2];
+  public fixed float high[2];
+  public uint age, completed;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -499,6 +513,10 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern void sandglass_shadow_get_texture(IntPtr shadow, uint light, ref sandglass_shadow_texture texture);
   [DllImport(k_library)] public static extern int sandglass_shadow_resample(IntPtr shadow, uint light, uint size, [Out] byte[] coverage, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_shadow_combine(IntPtr shadow, uint size, [Out] byte[] coverage, [Out] float[] low, [Out] float[] high, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_shadow_set_cells(IntPtr shadow, float[] cells, float yaw, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_shadow_get_ambient(IntPtr shadow, ref sandglass_shadow_ambient ambient);
+  [DllImport(k_library)] public static extern int sandglass_shadow_surface(IntPtr asset, ulong asset_bytes, float[] positions, float[] normals, uint count, [Out] float[] transfer, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_shadow_turn_harmonics(float[] sh, float[] rotation, [Out] float[] turned, out IntPtr reason);
   [DllImport(k_library)] public static extern ulong sandglass_shadow_hash(IntPtr shadow);
   [DllImport(k_library)] public static extern int sandglass_shadow_isa(IntPtr shadow);
 

@@ -92,6 +92,7 @@ BakedShadow open_baked_shadow(std::span<const uint8_t> file, const std::string& 
   geometry.object = stand_on_plane(mesh, name);
   geometry.plane = asset.plane;
   geometry.half_angle = 0.5 * asset.angular_diameter, geometry.polar_max = asset.polar_max;
+  baked.ambient_rmse = static_cast<double>(asset.ambient.rmse);
   const double scale = geometry.object.scale;
   if (std::fabs(geometry.object.box.height * scale - asset.box.height) > 1e-4 * scale ||
       std::fabs(geometry.object.box.half_x * scale - asset.box.half_x) > 1e-4 * scale)
@@ -169,6 +170,7 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   }
   ShadowBench bench;
   if (own_float.ms.size() < k_lights) return bench;
+  if (baked.ambient_rmse > 0) bench.ambient_ms = full.ambient_ms(), bench.ambient_rmse = baked.ambient_rmse;
   bench.rows = {own_float.row("f32", peak.f32_gmac_per_s), own_int8.row("int8", peak.int8_gmac_per_s),
                 own_adaptive.row("int8_adaptive", peak.int8_gmac_per_s)};
   for (size_t t = 0; t < thresholds.size(); ++t)

@@ -33,12 +33,15 @@ struct ShadowBenchRow {
 struct ShadowBench {
   std::vector<ShadowBenchRow> rows;
   bool has_xnnpack = false;
+  // Of one ambient shadow: CPU time, and the error that the file states. 0: the file has none.
+  double ambient_ms = 0, ambient_rmse = 0;
 };
 
 // A baked file and the mesh that it was made from.
 struct BakedShadow {
   LightGeometry geometry;
-  FloatNetwork network;  // without parameters where the file does not carry them
+  FloatNetwork network;     // without parameters where the file does not carry them
+  double ambient_rmse = 0;  // that the file states; 0: it has no ambient shadow
 };
 
 // A Failure says that the file is damaged, or that it was baked from another mesh.

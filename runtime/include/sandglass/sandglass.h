@@ -634,9 +634,10 @@ typedef struct sandglass_frame_report {
   uint64_t denied_particles;
   /* m/s: the fastest particle in the last sub-step. */
   float speed_max;
-  /* Textures, over all shadows and lights, that are not yet those of their lights. */
+  /* Textures, over all shadows and lights, that are not yet those of their lights; and ambient shadows that are not yet
+   * those of their cells. */
   uint32_t pending_shadows;
-  /* Calls of set_light since the oldest of these textures was begun. */
+  /* Calls of set_light since the oldest texture of a light among them was begun. */
   uint32_t shadow_age;
   /* 1: input.light has an estimate. */
   uint32_t light_valid;

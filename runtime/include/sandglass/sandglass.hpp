@@ -560,6 +560,19 @@ class Shadow {
     sandglass_shadow_get_texture(get(), light, &now);
     return now;
   }
+  // The light of the room: see sandglass_shadow_set_cells.
+  Status set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells, float yaw = 0.0f) {
+    Status status;
+    status.code = sandglass_shadow_set_cells(get(), cells.data(), yaw, &status.reason);
+    return status;
+  }
+  // See sandglass_shadow_get_ambient.
+  sandglass_shadow_ambient ambient() const {
+    sandglass_shadow_ambient now{};
+    now.struct_size = sizeof now;
+    sandglass_shadow_get_ambient(get(), &now);
+    return now;
+  }
   // See sandglass_shadow_hash.
   uint64_t hash() const { return sandglass_shadow_hash(get()); }
 

@@ -1,22 +1,27 @@
-/* Sandglass shadow: the soft shadows of one object on the plane that it stands on, one for each light (chapter 6).
+/* Sandglass shadow: the soft shadows of one object on the plane that it stands on, one for each light (chapter 6), and
+ * its ambient shadow in the light of the whole room.
  *
- * A network that was baked for that object (`sandglass bake`) computes them, in work units small enough for any frame.
+ * A network that was baked for that object (`sandglass bake`) computes the shadows of lights. The ambient shadow is mixed
+ * from the object's baked visibility for any cells of light. Both are made in work units small enough for any frame.
  *
  * An app
  *   1. reads a baked file into memory (aligned to 8 bytes) and fills a sandglass_shadow_desc,
  *   2. asks sandglass_shadow_bytes, and hands a block of that size to sandglass_shadow_create; the bytes of the file
  *      may go then,
- *   3. calls sandglass_shadow_set_light for each light, every frame if it likes,
+ *   3. calls sandglass_shadow_set_cells with the light of the room, and sandglass_shadow_set_light for each sharp light,
+ *      every frame if it likes,
  *   4. passes its shadows to sandglass_scene_frame (input.shadows), which gives them part of the frame's budget;
  *      without a scene it calls sandglass_shadow_run, with as many units as fit,
- *   5. draws the textures that sandglass_shadow_get_texture describes (runtime/shadow/README.md says how).
+ *   5. draws the textures that sandglass_shadow_get_ambient and sandglass_shadow_get_texture describe
+ *      (runtime/shadow/README.md says how).
  *
  * A texture may take several frames; the one before it stays valid until it is complete. Nothing is allocated, no clock
  * is read, and the same bytes come out of every instruction set and every division into frames.
  *
  * Where several objects have several lights, the texture with the greatest visible change is begun first. The change is
  * the angle that the light has turned since the texture that is shown, times the light's share of the irradiance, times
- * the opacity. It grows by an eighth with every call of set_light that it waits, so no texture waits for ever.
+ * the opacity. It grows by an eighth with every call of set_light that it waits, so no texture waits for ever. The first
+ * ambient shadow of an object comes before all that; later ones take turns with the textures of lights.
  *
  * The object's frame is that of the mesh that was baked: y up, metres. Turn the light into it: d_object =
  * R_world_to_object d_world (6.1). Coverage c, 0..1, is byte / 255 and means 1 - transparency (6.18). The shadow's
@@ -96,6 +101,18 @@ typedef struct sandglass_shadow_info {
   uint32_t validated_lights;
   /* Parameters of the network before rounding, if the file holds them, else 0. */
   uint32_t float_parameters;
+  /* Texels along a side of the ambient shadow. 0: the file has none (files of version 1); its fields are 0 then. */
+  uint32_t ambient_texels;
+  /* Half the edge of the ambient shadow's square, metres. */
+  float ambient_half;
+  /* How many textures are mixed into one. */
+  uint32_t ambient_components;
+  /* Root mean square error of the share of light that is left, against ray tracing, over rooms that it was not fitted
+   * to. */
+  float ambient_rmse;
+  /* Points of the surface that sandglass_shadow_surface looks up: vertices, those at creases several times. 0: the file
+   * has none. */
+  uint32_t surface_vertices;
 } sandglass_shadow_info;
 
 /* Reads what a file says of itself, after all checks of sandglass_shadow_create. Set info->struct_size before. Fails
@@ -174,7 +191,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_resample(con
                                                                              uint32_t light, uint32_t size,
                                                                              uint8_t* coverage, const char** reason);
 
-/* Writes all lights of an object together, for apps that draw one texture an object. `size`: 1..1024 texels along a
+/* Writes all lights of an object together, without its ambient shadow, for apps that draw one texture an object. `size`: 1..1024 texels along a
  * side; `coverage` takes size * size bytes. The rectangle low..high, which it returns, holds the textures of all
  * lights.
  *
@@ -186,8 +203,71 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_combine(cons
                                                                             float low[2], float high[2],
                                                                             const char** reason);
 
-/* A 64-bit hash of all textures and of the lights that they are computed for. It is equal on every instruction set and
- * compiler. */
+/* ------------------------------------------------------------------------------------------------ ambient shadow */
+
+/* Sets the light of the room, in cells (SANDGLASS_LIGHT_CELLS, types.h) of the world's frame. `cells`: for each one its
+ * share of the irradiance that the floor receives where nothing hides it, at least 0. Together they are 1, or 1 - s where
+ * a sharp light with the share s is drawn by the texture of sandglass_shadow_set_light. `yaw`: radians by which the object
+ * is turned about +y, as by sandglass_rotation_about: counter-clockwise seen from above. The object stands upright.
+ *
+ * Until the first call the cells are those of an average room, so an object has an ambient shadow from its first work
+ * units on. A change by which no texel can differ by a step of its byte starts no new texture.
+ *
+ * Where the file has no ambient shadow, the call changes nothing and succeeds. Fails with INVALID_ARGUMENT: a cell that
+ * is negative or not finite, cells that add up to more than 1.001, or a yaw that is not within 1e6 radians. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_set_cells(sandglass_shadow* shadow,
+                                                                              const float cells[SANDGLASS_LIGHT_CELLS],
+                                                                              float yaw, const char** reason);
+
+/* The ambient shadow as it is now. */
+typedef struct sandglass_shadow_ambient {
+  uint32_t struct_size;
+  /* 0: no texture was completed yet, and visibility is 255 everywhere. */
+  uint32_t valid;
+  /* side x side bytes, row v along z, column u along x: 255 * A, where A = 1 - sum(q (1 - V)) with the cells q and the
+   * visibility V of each from the floor. So 255 means that the object hides nothing. It is 255 along the rim. Stable
+   * until units are run again. NULL: the file has no ambient shadow. */
+  const uint8_t* visibility;
+  /* Texels along a side; 0: the file has no ambient shadow. */
+  uint32_t side;
+  /* x and z of the square's corners in the coordinates of the mesh, metres, on the plane y = origin[1]. */
+  float low[2], high[2];
+  /* Calls of set_cells since the one that the texture was begun for. 0: it is that of the present cells. */
+  uint32_t age;
+  /* Textures that were completed so far. The bytes have changed when this has. */
+  uint32_t completed;
+} sandglass_shadow_ambient;
+
+/* Fills *ambient; set ambient->struct_size before. */
+SANDGLASS_API void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_shadow_ambient* ambient);
+
+/* Reads from a baked file how the vertices of the object see the room past the object itself: nine coefficients a vertex.
+ * The irradiance of a vertex over pi is, for each colour, the sum of the nine products with the harmonics of the room in
+ * the object's frame (sandglass_light_estimate.sh, turned by sandglass_shadow_turn_harmonics).
+ *
+ * `positions`: `count` vertices of the app's own mesh, in the coordinates of the mesh that was baked, in any order. Each
+ * gets the coefficients of the baked point that is nearest. `normals`: theirs, which tell the sides of a crease apart; may
+ * be NULL. `transfer` takes 9 * count floats. Call it once, when the object is loaded.
+ *
+ * Fails like sandglass_shadow_inspect, and with INVALID_ARGUMENT: a number that is not finite, or a file without a
+ * surface (info.surface_vertices is 0). */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_surface(const void* asset, uint64_t asset_bytes,
+                                                                            const float* positions,
+                                                                            const float* normals, uint32_t count,
+                                                                            float* transfer, const char** reason);
+
+/* The harmonics of a room as an object sees them that is turned by `rotation` (object to world, any length above 0).
+ * Both arrays are interleaved (r0 g0 b0 ...), as in sandglass_light_estimate.sh; they may be the same. Fails with
+ * INVALID_ARGUMENT: a number that is not finite, or a rotation of length 0. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_turn_harmonics(const float sh[27],
+                                                                                   const float rotation[4],
+                                                                                   float turned[27],
+                                                                                   const char** reason);
+
+/* ------------------------------------------------------------------------------------------------ replay */
+
+/* A 64-bit hash of all textures, the ambient one included, and of the lights that they are computed for. It is equal on
+ * every instruction set and compiler. */
 SANDGLASS_API uint64_t sandglass_shadow_hash(const sandglass_shadow* shadow);
 
 /* The instruction set of the kernels in use. */

@@ -1,0 +1,177 @@
+// See ambient.h. The share of light that a texel loses is linear in the cells, so one step of a byte is the most that
+// it can change by while the sums of all rises and of all falls both stay below 1 / 255.
+#include "runtime/shadow/ambient.h"
+
+#include <cstring>
+
+#include "platform/floating_point.h"
+#include "runtime/core/filled_struct.h"
+#include "runtime/core/finite.h"
+#include "runtime/core/refuse.h"
+#include "runtime/shadow/shadow.h"
+
+namespace sandglass {
+namespace {
+
+constexpr float k_yaw_limit = 1e6f;   // beyond it a float says nothing of a direction
+constexpr double k_sum_slack = 1e-3;  // that the sum of all cells may exceed 1 by
+
+uint32_t even(uint32_t count) { return count + count % 2; }
+uint64_t texels_of(const AmbientShadow& ambient) { return uint64_t{ambient.side} * ambient.side; }
+
+// The finest steps in which no weight leaves 16 bits, whatever the cells.
+void choose_steps(const AmbientAsset& asset, AmbientShadow* ambient) {
+  double largest = 0;
+  for (uint32_t i = 0; i < asset.components * SANDGLASS_LIGHT_CELLS; ++i) {
+    const double weight = absolute(static_cast<double>(asset.mixing[i]));
+    largest = weight > largest ? weight : largest;
+  }
+  uint32_t shift = 1;
+  double scale = 2 * 255.0;
+  while (shift < k_ambient_shift_limit && largest * (1 + k_sum_slack) * 2 * scale < 32767) ++shift, scale *= 2;
+  ambient->components.shift = shift;
+  ambient->weight_scale = scale;
+}
+
+void begin_texture(AmbientShadow* ambient) {
+  for (uint32_t k = 0; k < ambient->components.count; ++k) {
+    const float* mixing = ambient->mixing + k * SANDGLASS_LIGHT_CELLS;
+    double sum = 0;
+    for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i) sum += static_cast<double>(mixing[i]) * ambient->wanted[i];
+    const int64_t weight = floor_index(sum * ambient->weight_scale + 0.5);
+    ambient->weights[k] = static_cast<int16_t>(weight < -32767 ? -32767 : weight > 32767 ? 32767 : weight);
+  }
+  ambient->pending = false, ambient->under_way = true;
+  ambient->cursor = 0;
+  ambient->begun_call = ambient->calls;
+}
+
+void end_texture(AmbientShadow* ambient) {
+  uint8_t* const swap = ambient->front;
+  ambient->front = ambient->back, ambient->back = swap;
+  ambient->front_call = ambient->begun_call;
+  ambient->under_way = false, ambient->valid = true, ambient->gives_way = true;
+  ++ambient->completed;
+}
+
+// Whether some texel can differ by a step of its byte between the two lights.
+bool visible(const double before[SANDGLASS_LIGHT_CELLS], const double after[SANDGLASS_LIGHT_CELLS]) {
+  double rise = 0, fall = 0;
+  for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i) {
+    const double change = after[i] - before[i];
+    if (change > 0) rise += change;
+    else fall -= change;
+  }
+  return 255 * (rise > fall ? rise : fall) >= 1;
+}
+
+__attribute__((noinline)) sandglass_status take_cells(AmbientShadow* ambient, const float* cells, float yaw,
+                                                      const char** reason) {
+  double sum = 0;
+  for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i) {
+    if (!(cells[i] >= 0 && is_finite(cells[i])))
+      return refuse(reason, "a cell is negative or not finite: pass shares of the floor's light");
+    sum += static_cast<double>(cells[i]);
+  }
+  if (sum > 1 + k_sum_slack)
+    return refuse(reason, "the cells add up to more than 1: divide them by the irradiance of the floor");
+  if (!within(yaw, -k_yaw_limit, k_yaw_limit)) return refuse(reason, "yaw is not a number of radians within 1e6");
+  if (ambient->components.count != 0) ambient_set_cells(ambient, cells, yaw);
+  return accept(reason);
+}
+
+}  // namespace
+
+void ambient_lay_out(const AmbientAsset& asset, Layout* layout, AmbientShadow* ambient) {
+  const uint64_t components = even(asset.components), texels = uint64_t{asset.side} * asset.side;
+  int8_t* const copy = layout_region<int8_t>(layout, "shadow.ambient.components", components * texels);
+  float* const mixing = layout_region<float>(layout, "shadow.ambient.mixing", components * SANDGLASS_LIGHT_CELLS);
+  ambient->components.texels = copy, ambient->mixing = mixing;
+  ambient->weights = layout_region<int16_t>(layout, "shadow.ambient.weights", components);
+  ambient->front = layout_region<uint8_t>(layout, "shadow.ambient.front", texels);
+  ambient->back = layout_region<uint8_t>(layout, "shadow.ambient.back", texels);
+  if (copy == nullptr) return;
+  const uint64_t used = asset.components * texels, weights = asset.components * SANDGLASS_LIGHT_CELLS;
+  memcpy(copy, asset.texels, used);
+  memset(copy + used, 0, components * texels - used);
+  memcpy(mixing, asset.mixing, weights * sizeof(float));
+  memset(mixing + weights, 0, (components * SANDGLASS_LIGHT_CELLS - weights) * sizeof(float));
+}
+
+void ambient_create(const AmbientAsset& asset, AmbientShadow* ambient) {
+  if (asset.components == 0) return;
+  ambient->side = asset.side, ambient->half = asset.half;
+  ambient->components.size = static_cast<uint32_t>(texels_of(*ambient));
+  ambient->components.count = even(asset.components);
+  ambient->components.weights = ambient->weights;
+  choose_steps(asset, ambient);
+  memset(ambient->front, 255, texels_of(*ambient));
+  memset(ambient->back, 255, texels_of(*ambient));
+  light_prior(ambient->wanted);
+  ambient->pending = true;
+}
+
+void ambient_set_cells(AmbientShadow* ambient, const float cells[SANDGLASS_LIGHT_CELLS], float yaw) {
+  double world[SANDGLASS_LIGHT_CELLS], object[SANDGLASS_LIGHT_CELLS];
+  for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i) world[i] = static_cast<double>(cells[i]);
+  turn_cells(world, static_cast<double>(yaw), object);
+  ++ambient->calls;
+  if (!ambient->pending && !visible(ambient->wanted, object)) return;
+  memcpy(ambient->wanted, object, sizeof object);
+  ambient->pending = true;
+}
+
+uint64_t ambient_texels_left(const AmbientShadow& ambient) {
+  const uint64_t all = texels_of(ambient);
+  return (ambient.pending ? all : 0) + (ambient.under_way ? all - ambient.cursor : 0);
+}
+
+uint32_t ambient_units_left(const AmbientShadow& ambient) {
+  const auto units = [](uint64_t texels) {
+    return static_cast<uint32_t>((texels + k_unit_ambient_texels - 1) / k_unit_ambient_texels);
+  };
+  const uint64_t all = texels_of(ambient);
+  return (ambient.pending ? units(all) : 0) + (ambient.under_way ? units(all - ambient.cursor) : 0);
+}
+
+void ambient_run(const Int8Kernels& kernels, AmbientShadow* ambient) {
+  if (!ambient->under_way) begin_texture(ambient);
+  const uint32_t all = ambient->components.size, next = ambient->cursor + k_unit_ambient_texels;
+  const uint32_t end = next < all ? next : all;
+  kernels.ambient_texels(&ambient->components, ambient->cursor, end, ambient->back);
+  ambient->cursor = end;
+  if (end == all) end_texture(ambient);
+}
+
+}  // namespace sandglass
+
+using namespace sandglass;
+
+sandglass_status sandglass_shadow_set_cells(sandglass_shadow* shadow, const float cells[SANDGLASS_LIGHT_CELLS],
+                                            float yaw, const char** reason) {
+  if (shadow == nullptr || cells == nullptr)
+    return refuse(reason, "shadow or cells is NULL: pass the shadow and 64 floats");
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = take_cells(&shadow->shadow.ambient, cells, yaw, reason);
+  floating_point_restore(saved);
+  return status;
+}
+
+void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_shadow_ambient* ambient) {
+  if (shadow == nullptr || ambient == nullptr) return;
+  const Shadow& s = shadow->shadow;
+  const AmbientShadow& a = s.ambient;
+  sandglass_shadow_ambient out = {};
+  if (a.components.count != 0) {
+    out.valid = a.valid ? 1 : 0;
+    out.visibility = a.front;
+    out.side = a.side;
+    for (uint32_t axis = 0; axis < 2; ++axis) {
+      out.low[axis] = static_cast<float>(s.origin[2 * axis] - a.half);
+      out.high[axis] = static_cast<float>(s.origin[2 * axis] + a.half);
+    }
+    out.completed = a.completed;
+    out.age = ambient_waits(a) ? static_cast<uint32_t>(a.calls - a.front_call) : 0;
+  }
+  fill_struct(&out, sizeof out, ambient);
+}

@@ -1,0 +1,152 @@
+// How an object's own surface sees a room: the baked coefficients of its vertices, and harmonics turned into its frame.
+#include "platform/floating_point.h"
+#include "runtime/asset/shadow_asset.h"
+#include "runtime/core/finite.h"
+#include "runtime/core/math.h"
+#include "runtime/core/refuse.h"
+#include "runtime/light/turn.h"
+#include "sandglass/shadow.h"
+
+namespace sandglass {
+namespace {
+
+// Real harmonics of order 2 are a number, a vector and a symmetric matrix without trace: with the factors of
+// sandglass_light_estimate.sh taken out, L(d) = c + v . d + d^T M d. Seen by an object that is turned by R they are c,
+// R^T v and R^T M R.
+constexpr double k_linear = 0.48860251190291992, k_product = 1.0925484305920792, k_zonal = 0.31539156525252005,
+                 k_difference = 0.54627421529603959;
+
+void turn_colour(const Rotation& rotation, const float* sh, float* turned) {
+  const auto at = [&](uint32_t j) { return static_cast<double>(sh[3 * j]); };
+  const double vector[3] = {at(3), at(1), at(2)};
+  const double xy = 0.5 * k_product * at(4), yz = 0.5 * k_product * at(5), xz = 0.5 * k_product * at(7);
+  const double zonal = k_zonal * at(6), difference = k_difference * at(8);
+  const double form[3][3] = {{difference - zonal, xy, xz}, {xy, -difference - zonal, yz}, {xz, yz, 2 * zonal}};
+  double v[3] = {}, half[3][3] = {}, m[3][3] = {};
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      v[i] += rotation.m[j][i] * vector[j];
+      for (int k = 0; k < 3; ++k) half[i][j] += form[i][k] * rotation.m[k][j];
+    }
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) m[i][j] += rotation.m[k][i] * half[k][j];
+  const double out[9] = {at(0),
+                         v[1],
+                         v[2],
+                         v[0],
+                         2 * m[0][1] / k_product,
+                         2 * m[1][2] / k_product,
+                         m[2][2] / (2 * k_zonal),
+                         2 * m[0][2] / k_product,
+                         (m[0][0] - m[1][1]) / (2 * k_difference)};
+  for (uint32_t j = 0; j < 9; ++j) turned[3 * j] = static_cast<float>(out[j]);
+}
+
+__attribute__((noinline)) sandglass_status turn_harmonics(const float sh[27], const float rotation[4], float turned[27],
+                                                          const char** reason) {
+  Rotation matrix;
+  if (!rotation_of(rotation, &matrix)) return refuse(reason, "rotation is zero or not finite: pass a quaternion");
+  if (!all_finite(sh, 27)) return refuse(reason, "a coefficient of sh is not finite");
+  float result[27];
+  for (uint32_t colour = 0; colour < 3; ++colour) turn_colour(matrix, sh + colour, result + colour);
+  for (uint32_t i = 0; i < 27; ++i) turned[i] = result[i];
+  return accept(reason);
+}
+
+// How far a point of the surface is from a vertex, in squared steps of its positions. Points of one crease have one
+// place; there the normals decide. They count for no more than a few steps, which is far less than two vertices are apart.
+constexpr double k_normal_weight = 4;
+
+struct Vertex {
+  double position[3];  // in steps
+  double normal[3];    // all 0: unknown
+};
+
+double distance_of(const SurfaceAsset& surface, uint32_t point, const Vertex& vertex) {
+  double squared = 0, cosine = 0;
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    const double apart = vertex.position[axis] - surface.positions[3 * point + axis];
+    squared += apart * apart;
+    cosine += vertex.normal[axis] * surface.normals[3 * point + axis] / 127;
+  }
+  return squared + k_normal_weight * (1 - cosine);
+}
+
+// Points are in order of x. So the search begins at the vertex's own x, and ends where the points beyond differ by more
+// in x alone than the nearest one so far.
+uint32_t nearest_point(const SurfaceAsset& surface, const Vertex& vertex) {
+  const double x = vertex.position[0];
+  uint32_t low = 0, high = surface.vertices;
+  while (low < high) {
+    const uint32_t middle = low + (high - low) / 2;
+    if (surface.positions[3 * middle] < x) low = middle + 1;
+    else high = middle;
+  }
+  uint32_t nearest = low < surface.vertices ? low : surface.vertices - 1;
+  double least = distance_of(surface, nearest, vertex);
+  const auto look_at = [&](uint32_t point) {
+    const double apart = x - surface.positions[3 * point];
+    if (apart * apart > least) return false;
+    const double distance = distance_of(surface, point, vertex);
+    if (distance < least) least = distance, nearest = point;
+    return true;
+  };
+  for (uint32_t i = low; i < surface.vertices && look_at(i); ++i) {
+  }
+  for (uint32_t i = low; i > 0 && look_at(i - 1); --i) {
+  }
+  return nearest;
+}
+
+__attribute__((noinline)) void look_up_surface(const SurfaceAsset& surface, const float* positions,
+                                               const float* normals, uint32_t count, float* transfer) {
+  for (uint32_t i = 0; i < count; ++i) {
+    Vertex vertex = {};
+    double squared = 0;
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+      const double offset = static_cast<double>(positions[3 * i + axis]) - static_cast<double>(surface.low[axis]);
+      vertex.position[axis] = offset / static_cast<double>(surface.step);
+      if (normals != nullptr) vertex.normal[axis] = static_cast<double>(normals[3 * i + axis]);
+      squared += vertex.normal[axis] * vertex.normal[axis];
+    }
+    if (squared > 0)
+      for (double& x : vertex.normal) x /= square_root(squared);
+    const uint32_t point = nearest_point(surface, vertex);
+    for (uint32_t j = 0; j < k_surface_coefficients; ++j)
+      transfer[uint64_t{k_surface_coefficients} * i + j] =
+          surface.steps[j] * static_cast<float>(surface.transfer[uint64_t{k_surface_coefficients} * point + j]);
+  }
+}
+
+}  // namespace
+}  // namespace sandglass
+
+using namespace sandglass;
+
+sandglass_status sandglass_shadow_surface(const void* bytes, uint64_t size, const float* positions,
+                                          const float* normals, uint32_t count, float* transfer, const char** reason) {
+  if (count != 0 && (positions == nullptr || transfer == nullptr))
+    return refuse(reason, "positions or transfer is NULL: pass 3 floats a vertex, and room for 9 a vertex");
+  if (!all_finite(positions, uint64_t{3} * count) || (normals != nullptr && !all_finite(normals, uint64_t{3} * count)))
+    return refuse(reason, "a position or a normal is not finite");
+  ShadowAsset asset;
+  const sandglass_status status = open_shadow_asset(bytes, size, &asset, reason);
+  if (status != SANDGLASS_OK) return status;
+  if (asset.surface.vertices == 0)
+    return refuse(reason, "the shadow file says nothing of the object's surface: bake it again");
+  const FloatingPointControl saved = floating_point_enter();
+  look_up_surface(asset.surface, positions, normals, count, transfer);
+  floating_point_restore(saved);
+  return accept(reason);
+}
+
+sandglass_status sandglass_shadow_turn_harmonics(const float sh[27], const float rotation[4], float turned[27],
+                                                 const char** reason) {
+  if (sh == nullptr || rotation == nullptr || turned == nullptr)
+    return refuse(reason, "sh, rotation or turned is NULL: pass 27 floats, 4 floats, and room for 27");
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = turn_harmonics(sh, rotation, turned, reason);
+  floating_point_restore(saved);
+  return status;
+}
