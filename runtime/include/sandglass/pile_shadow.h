@@ -52,6 +52,9 @@ typedef struct sandglass_pile_shadow_desc {
   float light_tolerance;
   /* 1 (the default): also the shadow of the sand on itself. 0 saves half the time and memory. */
   uint32_t on_sand;
+  /* Along a side of the texture of the room's light (sandglass_pile_shadow_sky): `texels`, a half or a quarter of it, a
+   * multiple of 16, at most 128. A half is fine enough. 0 (the default): there is none. */
+  uint32_t sky_texels;
 } sandglass_pile_shadow_desc;
 
 /* Fills *desc with the defaults and a rectangle of one square metre around the origin. */
@@ -107,6 +110,41 @@ typedef struct sandglass_pile_shadow_texture {
 /* Fills *texture; set texture->struct_size before. */
 SANDGLASS_API void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow,
                                                      sandglass_pile_shadow_texture* texture);
+
+/* Sets the light of the room, by the cells of types.h: the share of the floor's light that comes from each, less what
+ * is drawn as the shadow of a light. Until the first call they are those of a room that nobody has seen. Cells that
+ * cannot change a texel by a step start no new texture. Fails with INVALID_ARGUMENT: a cell is not finite or below 0,
+ * all together are more than 1.001, or desc.sky_texels was 0. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_set_cells(
+    sandglass_pile_shadow* shadow, const float cells[SANDGLASS_LIGHT_CELLS], const char** reason);
+
+/* The light of the room that the sand leaves, as it is now. */
+typedef struct sandglass_pile_shadow_sky {
+  uint32_t struct_size;
+  /* 0: no texture was completed yet; nothing is hidden. */
+  uint32_t valid;
+  /* Along a side; 0 and NULL textures where desc.sky_texels was 0. */
+  uint32_t texels;
+  /* On the floor: texels x texels bytes, row v along z, column u along x; 255 where the sand hides none of the light of
+   * the cells. Stable until units are run again, like those below. */
+  const uint8_t* floor;
+  /* On the upper surface of the sand; where there is none, as on the floor. */
+  const uint8_t* on_sand;
+  /* The height of the sand's surface over the floor, on desc.texels x desc.texels bytes: 255 is `height` metres. */
+  const uint8_t* heights;
+  uint32_t height_texels;
+  float height;
+  /* The rectangle of the description, world, metres. */
+  float low[2], high[2];
+  /* Frames since the one that the texture was begun in. 0: nothing has changed since. */
+  uint32_t age;
+} sandglass_pile_shadow_sky;
+
+/* Fills *sky; set sky->struct_size before. */
+SANDGLASS_API void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_sky* sky);
+
+SANDGLASS_API void sandglass_pile_shadow_light_grains(const sandglass_pile_shadow* shadow, const float* positions,
+                                                      uint32_t count, float radius, uint8_t* visibility);
 
 /* A 64-bit hash of the textures. It is equal on every instruction set and compiler. */
 SANDGLASS_API uint64_t sandglass_pile_shadow_hash(const sandglass_pile_shadow* shadow);

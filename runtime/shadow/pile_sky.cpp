@@ -1,0 +1,351 @@
+// See pile_sky.h.
+#include "runtime/shadow/pile_sky.h"
+
+#include <cstring>
+
+#include "runtime/core/math.h"
+#include "runtime/shadow/pile.h"
+
+namespace sandglass {
+namespace {
+
+constexpr uint32_t k_margin = k_lane_group;  // columns before and after a row: the widest window less one, and a vector
+static_assert((1u << (k_sky_levels - 1)) <= k_margin);
+
+// Which level a step reads, and how far from the receiver its window's middle is, in texels.
+struct Walk {
+  uint32_t level;
+  double distance;
+};
+constexpr Walk k_walk[k_sky_steps] = {{0, 0},   {0, 1},    {0, 2},    {0, 3},    {1, 4.5},  {1, 6.5},  {2, 9.5},
+                                      {2, 13.5}, {3, 19.5}, {3, 27.5}, {4, 39.5}, {4, 55.5}, {4, 71.5}, {4, 87.5}};
+
+constexpr float k_lift = 0.5f;  // radii: raises receivers on the sand, as in pile.cpp
+constexpr float k_cap = 2.0f;
+constexpr int32_t k_widest_sphere = 2;  // columns: the radius of spheres that are joined to one surface
+// A grain is open to the light down to this depth of its centre below the surface, in radii. Deeper ones lie in the gaps
+// between others.
+constexpr float k_open_depth = 0.8f;
+constexpr float k_depth_loss = 0.6f;
+
+uint32_t window(uint32_t level) { return 1u << level; }
+// log2 of the rows from one row of a level to the next.
+uint32_t spacing_bits(uint32_t level) { return level > 0 ? level - 1 : 0; }
+// Rows of a level before the texture's first row.
+int32_t rows_before(uint32_t level) { return level > 0 ? 1 : 0; }
+
+// The first texel row of a level's row.
+int32_t first_row(uint32_t level, uint32_t row) {
+  return (static_cast<int32_t>(row) - rows_before(level)) * static_cast<int32_t>(1u << spacing_bits(level));
+}
+
+// First and last texel with sand along an axis. None: last < first.
+struct Extent {
+  int32_t first, last;
+};
+Extent extent(const int32_t columns[2], uint32_t joined) {
+  if (columns[1] < 0) return {0, -1};
+  const auto n = static_cast<int32_t>(joined);
+  return {columns[0] / n, columns[1] / n};
+}
+
+bool has_sand(const Extent& sand, uint32_t level, int32_t first) {
+  return first <= sand.last && first + static_cast<int32_t>(window(level)) > sand.first;
+}
+
+struct Column {
+  float top, bottom, fill;
+};
+constexpr Column k_no_sand = {-k_pile_empty, k_pile_empty, 0};
+
+// Four columns as one: two of the first row, two of the second. Heights are means over what is filled. Seen along a
+// row, the columns of the row hide the light one behind the other, and the rows lie side by side. Seen across it is
+// the other way round. The fill is the mean of both.
+Column join(const Column& a, const Column& b, const Column& c, const Column& d) {
+  const float sum = (a.fill + b.fill) + (c.fill + d.fill);
+  if (!(sum > 0)) return k_no_sand;
+  const float pairs = (a.fill * b.fill + c.fill * d.fill) + (a.fill * c.fill + b.fill * d.fill);
+  const float inverse = 1 / sum;
+  return {((a.fill * a.top + b.fill * b.top) + (c.fill * c.top + d.fill * d.top)) * inverse,
+          ((a.fill * a.bottom + b.fill * b.bottom) + (c.fill * c.bottom + d.fill * d.bottom)) * inverse,
+          0.5f * sum - 0.25f * pairs};
+}
+
+Column column_of(const Pile& p, uint32_t u, uint32_t v) {
+  const uint64_t at = uint64_t{v} * p.pitch + u;
+  return {p.tops[at], p.bottoms[at], p.fills[at]};
+}
+
+// The pile's columns over a square of 1, 2 or 4 of them.
+Column joined_columns(const Pile& p, uint32_t u, uint32_t v, uint32_t side) {
+  if (side == 1) return column_of(p, u, v);
+  const uint32_t h = side / 2;
+  return join(joined_columns(p, u, v, h), joined_columns(p, u + h, v, h), joined_columns(p, u, v + h, h),
+              joined_columns(p, u + h, v + h, h));
+}
+
+// A row of a level, or nothing where no sand lies under it.
+struct LevelRow {
+  const float *tops, *bottoms, *fills;
+};
+Column window_at(const LevelRow& row, int32_t u) {
+  if (row.tops == nullptr) return k_no_sand;
+  return {row.tops[u], row.bottoms[u], row.fills[u]};
+}
+LevelRow row_at(const PileSky& s, const Extent& sand, uint32_t level, int32_t first) {
+  const int32_t row = (first >> spacing_bits(level)) + rows_before(level);
+  if (row < 0 || row >= static_cast<int32_t>(s.levels[level].rows) || !has_sand(sand, level, first)) return {};
+  const uint64_t at = uint64_t{s.levels[level].first + static_cast<uint32_t>(row)} * s.pitch;
+  return {s.tops + at, s.bottoms + at, s.fills + at};
+}
+
+void put(PileSky* s, uint64_t row, int32_t u, const Column& column) {
+  const int64_t at = static_cast<int64_t>(row * s->pitch) + u;
+  s->tops[at] = column.top, s->bottoms[at] = column.bottom, s->fills[at] = column.fill;
+}
+
+int32_t columns_within(float radius, float texel) {
+  const float count = radius / texel + 0.5f;
+  return count < k_widest_sphere ? static_cast<int32_t>(count) : k_widest_sphere;
+}
+
+// The surface of the sand over the columns under one row of level 0: the highest column within a sphere's radius, so
+// that the gaps between spheres lie below it also where columns are finer than spheres.
+void make_heights(Pile* p, uint32_t row) {
+  const int32_t n = static_cast<int32_t>(p->texels), joined = static_cast<int32_t>(p->sky.joined);
+  const float per_metre = p->top > 0 ? 255 / p->top : 0;
+  const int32_t across = columns_within(p->source.radius, p->texel[0]);
+  const int32_t along = columns_within(p->source.radius, p->texel[1]);
+  for (int32_t v = static_cast<int32_t>(row) * joined, end = v + joined; v < end; ++v) {
+    uint8_t* heights = p->sky.back.heights + static_cast<int64_t>(v) * n;
+    memset(heights, 0, p->texels);
+    if (v + along < p->sand_rows[0] || v - along > p->sand_rows[1]) continue;
+    for (int32_t u = 0; u < n; ++u) {
+      float top = 0;
+      for (int32_t y = v > along ? v - along : 0; y <= v + along && y < n; ++y)
+        for (int32_t x = u > across ? u - across : 0; x <= u + across && x < n; ++x) {
+          const float here = p->tops[static_cast<int64_t>(y) * p->pitch + x];
+          top = here > top ? here : top;
+        }
+      heights[u] = static_cast<uint8_t>(top * per_metre + 0.5f);
+    }
+  }
+}
+
+void make_level_row(Pile* p, uint32_t row) {
+  PileSky* s = &p->sky;
+  if (row < s->texels) make_heights(p, row);
+  uint32_t level = 0;
+  while (level + 1 < k_sky_levels && row >= s->levels[level + 1].first) ++level;
+  const Extent rows = extent(p->sand_rows, s->joined);
+  const int32_t first = first_row(level, row - s->levels[level].first), n = static_cast<int32_t>(s->texels);
+  if (!has_sand(rows, level, first)) return;
+  if (level == 0) {
+    for (uint32_t u = 0; u < s->texels; ++u)
+      put(s, row, static_cast<int32_t>(u),
+          joined_columns(*p, u * s->joined, static_cast<uint32_t>(first) * s->joined, s->joined));
+    return;
+  }
+  const int32_t half = static_cast<int32_t>(window(level - 1));
+  const LevelRow a = row_at(*s, rows, level - 1, first), b = row_at(*s, rows, level - 1, first + half);
+  for (int32_t u = 1 - static_cast<int32_t>(window(level)); u < n; ++u)
+    put(s, row, u, join(window_at(a, u), window_at(a, u + half), window_at(b, u), window_at(b, u + half)));
+}
+
+// The steps of a sector as seen from every place of a row.
+void place_steps(const Pile& p, uint32_t sector, SkyPlacedStep* placed) {
+  const PileSky& s = p.sky;
+  const SinCos turn = sin_cos_turns((sector + 0.5) / k_cell_sectors);
+  const double side[2] = {static_cast<double>(p.texel[0]) * s.joined, static_cast<double>(p.texel[1]) * s.joined};
+  const double least = side[0] < side[1] ? side[0] : side[1];
+  for (const Walk& walk : k_walk) {
+    const double to_middle = 0.5 * (window(walk.level) - 1), spacing = 1u << spacing_bits(walk.level);
+    const double x = walk.distance * least * turn.cos / side[0], z = walk.distance * least * turn.sin / side[1];
+    for (uint32_t place = 0; place < 1u << spacing_bits(walk.level); ++place) {
+      const int64_t columns = floor_index(x - to_middle + 0.5);
+      const int64_t rows = floor_index((z - to_middle + place) / spacing + 0.5);
+      const double dx = (static_cast<double>(columns) + to_middle) * side[0];
+      const double dz = (static_cast<double>(rows) * spacing - place + to_middle) * side[1];
+      const double distance = square_root(dx * dx + dz * dz);
+      // Two random places in the receiver's own texel are a third of its width apart on average.
+      *placed++ = {static_cast<int32_t>(columns), static_cast<int32_t>(rows),
+                   static_cast<float>(distance > 0 ? 1 / distance : 3 / least)};
+    }
+  }
+}
+
+// The steps and sectors of a row, without those that meet no sand.
+void gather_steps(Pile* pile, uint32_t row, PileSkyArgs* args) {
+  const Pile& p = *pile;
+  PileSky& s = pile->sky;
+  const Extent rows = extent(p.sand_rows, s.joined), columns = extent(p.sand_columns, s.joined);
+  uint32_t count = 0;
+  for (uint32_t k = 0; k < k_cell_sectors; ++k) {
+    const SkyPlacedStep* placed = s.placed + k * k_sky_placed_steps;
+    const PileSector& sector = s.sectors[k];
+    PileSector* out = &s.row_sectors[args->sector_count];
+    *out = sector;
+    out->first_step = count;
+    for (const Walk& walk : k_walk) {
+      const uint32_t bits = spacing_bits(walk.level), places = 1u << bits;
+      const SkyPlacedStep& step = placed[row & (places - 1)];
+      placed += places;
+      const int32_t at = static_cast<int32_t>(row >> bits) + step.rows;
+      const int32_t level_row = at + rows_before(walk.level), first = at * static_cast<int32_t>(places);
+      if (level_row < 0 || level_row >= static_cast<int32_t>(s.levels[walk.level].rows)) continue;
+      if (!has_sand(rows, walk.level, first)) continue;
+      const int32_t wide = static_cast<int32_t>(window(walk.level));
+      const uint32_t array_row = s.levels[walk.level].first + static_cast<uint32_t>(level_row);
+      s.steps[count++] = {static_cast<int32_t>(array_row * s.pitch) + step.columns,
+                          columns.first - wide + 1 - step.columns, columns.last - step.columns, step.inverse_distance};
+    }
+    out->last_step = count;
+    if (count > out->first_step) ++args->sector_count;
+  }
+}
+
+uint8_t byte_of(float share) { return static_cast<uint8_t>(255.0f * share + 0.5f); }
+
+void light_row(Pile* p, uint32_t row) {
+  PileSky* s = &p->sky;
+  const uint32_t n = s->texels;
+  const uint64_t at = uint64_t{row} * n;
+  uint8_t *floor = s->back.floor + at, *sand = s->back.sand + at;
+  PileSkyArgs args = {};
+  args.tops = s->tops, args.bottoms = s->bottoms, args.fills = s->fills;
+  args.steps = s->steps, args.sectors = s->row_sectors, args.cap = k_cap;
+  args.receivers = s->nothing, args.lights = s->lights;
+  gather_steps(p, row, &args);
+  uint32_t unused = 0;
+  p->kernels->pile_sky(&args, 0, n, &unused);
+  for (uint32_t u = 0; u < n; ++u) floor[u] = byte_of(s->lights[u]);
+  memcpy(sand, floor, n);
+  const Extent rows = extent(p->sand_rows, s->joined), columns = extent(p->sand_columns, s->joined);
+  if (!has_sand(rows, 0, static_cast<int32_t>(row))) return;
+  const float* tops = s->tops + uint64_t{row} * s->pitch;
+  const float lift = k_lift * p->source.radius;
+  for (uint32_t u = 0; u < n; ++u) s->receivers[u] = tops[u] > 0 ? tops[u] + lift : 0;
+  args.receivers = s->receivers;
+  const uint32_t begin = static_cast<uint32_t>(columns.first) / k_lane_group * k_lane_group;
+  const uint32_t end = (static_cast<uint32_t>(columns.last) / k_lane_group + 1) * k_lane_group;
+  p->kernels->pile_sky(&args, begin, end, &unused);
+  for (uint32_t u = begin; u < end; ++u)
+    if (tops[u] > 0) sand[u] = byte_of(s->lights[u]);
+}
+
+// Where a coordinate lies between the middles of two texels.
+struct Place {
+  uint32_t texel;
+  float beyond;  // the share of the way to the next texel
+};
+Place place_of(const Pile& p, float coordinate, uint32_t axis, uint32_t texels) {
+  const float count = static_cast<float>(texels);
+  float at = (coordinate - p.low[axis]) / (p.high[axis] - p.low[axis]) * count - 0.5f;
+  at = at > 0 ? (at < count - 1 ? at : count - 1) : 0;
+  uint32_t texel = static_cast<uint32_t>(at);
+  if (texel > texels - 2) texel = texels - 2;
+  return {texel, at - static_cast<float>(texel)};
+}
+
+// A texture between the middles of its texels.
+float sampled(const Pile& p, const uint8_t* texture, uint32_t texels, const float* point) {
+  const Place x = place_of(p, point[0], 0, texels), z = place_of(p, point[2], 1, texels);
+  const uint8_t* at = texture + uint64_t{z.texel} * texels + x.texel;
+  const auto along = [&](const uint8_t* row) {
+    const float a = row[0], b = row[1];
+    return a + x.beyond * (b - a);
+  };
+  const float near = along(at), far = along(at + texels);
+  return near + z.beyond * (far - near);
+}
+
+}  // namespace
+
+void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
+  s->texels = texels, s->joined = joined;
+  if (texels == 0) return;
+  s->pitch = texels + 2 * k_margin;
+  uint32_t rows = 0;
+  for (uint32_t level = 0; level < k_sky_levels; ++level) {
+    s->levels[level] = {rows, (texels >> spacing_bits(level)) + static_cast<uint32_t>(rows_before(level))};
+    rows += s->levels[level].rows;
+  }
+  s->rows = rows;
+  const uint64_t columns = uint64_t{rows} * s->pitch + k_margin, n = texels;
+  float** const arrays[] = {&s->tops, &s->bottoms, &s->fills};
+  for (float** array : arrays) *array = layout_region<float>(layout, "pile_shadow.levels", columns);
+  float** const lines[] = {&s->nothing, &s->receivers, &s->lights};
+  for (float** line : lines) *line = layout_region<float>(layout, "pile_shadow.row", n);
+  s->placed = layout_region<SkyPlacedStep>(layout, "pile_shadow.steps", k_cell_sectors * k_sky_placed_steps);
+  s->steps = layout_region<PileSkyStep>(layout, "pile_shadow.steps", k_cell_sectors * k_sky_steps);
+  SkyTexture* const textures[] = {&s->front, &s->back};
+  for (SkyTexture* texture : textures) {
+    texture->floor = layout_region<uint8_t>(layout, "pile_shadow.sky", n * n);
+    texture->sand = layout_region<uint8_t>(layout, "pile_shadow.sky", n * n);
+    texture->heights = layout_region<uint8_t>(layout, "pile_shadow.sky", joined * n * joined * n);
+  }
+}
+
+void sky_build(Pile* p) {
+  PileSky* s = &p->sky;
+  if (s->texels == 0) return;
+  const uint64_t columns = uint64_t{s->rows} * s->pitch + k_margin, texels = uint64_t{s->texels} * s->texels;
+  for (uint64_t i = 0; i < columns; ++i)
+    s->tops[i] = k_no_sand.top, s->bottoms[i] = k_no_sand.bottom, s->fills[i] = k_no_sand.fill;
+  s->tops += 2 * k_margin, s->bottoms += 2 * k_margin, s->fills += 2 * k_margin;
+  for (uint32_t u = 0; u < s->texels; ++u) s->nothing[u] = s->receivers[u] = s->lights[u] = 0;
+  for (uint32_t k = 0; k < k_cell_sectors; ++k) place_steps(*p, k, s->placed + k * k_sky_placed_steps);
+  for (uint32_t i = 0; i < k_light_cells; ++i) s->cells[i] = k_prior_ring_shares[i / k_cell_sectors];
+  memset(s->front.floor, 255, texels), memset(s->front.sand, 255, texels), memset(s->front.heights, 0, texels * s->joined * s->joined);
+}
+
+void sky_begin(Pile* p) {
+  PileSky* s = &p->sky;
+  memcpy(s->made_for, s->cells, sizeof s->cells);
+  for (uint32_t i = 0; i < k_light_cells; ++i)
+    s->sectors[i % k_cell_sectors].shares[i / k_cell_sectors] = s->cells[i];
+  s->back.frame = p->frame;
+}
+
+uint32_t sky_run_levels(Pile* p, uint32_t cursor) {
+  const uint32_t count = k_sky_unit_texels / p->sky.texels > 0 ? k_sky_unit_texels / p->sky.texels : 1;
+  const uint32_t end = cursor + count < p->sky.rows ? cursor + count : p->sky.rows;
+  for (; cursor < end; ++cursor) make_level_row(p, cursor);
+  return cursor;
+}
+
+uint32_t sky_run_rows(Pile* p, uint32_t cursor) {
+  PileSky* s = &p->sky;
+  const uint32_t count = k_sky_unit_texels / s->texels > 0 ? k_sky_unit_texels / s->texels : 1;
+  const uint32_t end = cursor + count < s->texels ? cursor + count : s->texels;
+  for (; cursor < end; ++cursor) light_row(p, cursor);
+  return cursor;
+}
+
+bool sky_differs(const PileSky& s, const float* cells) {
+  double more = 0, less = 0;
+  for (uint32_t i = 0; i < k_light_cells; ++i) {
+    const double change = static_cast<double>(cells[i]) - static_cast<double>(s.made_for[i]);
+    if (change > 0) more += change;
+    else less -= change;
+  }
+  return (more > less ? more : less) * 255 >= 1;
+}
+
+void sky_light_grains(const Pile& p, const float* positions, uint32_t count, float radius, uint8_t* visibility) {
+  const SkyTexture& sky = p.sky.front;
+  if (!p.sky.valid || !(radius > 0)) {
+    memset(visibility, 255, count);
+    return;
+  }
+  const float per_radius = 1 / radius, step = sky.top * (1.0f / 255);
+  for (uint32_t i = 0; i < count; ++i) {
+    const float* centre = positions + 3 * uint64_t{i};
+    const float surface = step * sampled(p, sky.heights, p.texels, centre);
+    const float depth = (surface - (centre[1] - p.height)) * per_radius - k_open_depth, below = depth > 0 ? depth : 0;
+    const float open = sampled(p, sky.sand, p.sky.texels, centre);
+    visibility[i] = static_cast<uint8_t>(open / (1 + k_depth_loss * (below * below)) + 0.5f);
+  }
+}
+
+}  // namespace sandglass
