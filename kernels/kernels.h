@@ -193,10 +193,11 @@ struct PileLightArgs {
   float* shares;        // of the light that reaches each texel, 0..1
 };
 
-// A sector of azimuth, with the light of its four rings from the horizon up.
+// A sector of azimuth. The light below an elevation is the sum over rings of bends * max(4 sin^2 - ring, 0).
 struct PileSector {
-  float shares[4];
+  float bends[4];
   uint32_t first_step, last_step;  // that are walked along it; last_step is one past the end
+  uint32_t in_air;                 // 0: all columns that these steps meet stand on the floor, with a bottom of 0
 };
 struct PileSkyStep {
   int32_t at;           // of the column that the row's texel 0 meets

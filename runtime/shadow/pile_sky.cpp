@@ -17,11 +17,12 @@ struct Walk {
   uint32_t level;
   double distance;
 };
-constexpr Walk k_walk[k_sky_steps] = {{0, 0},   {0, 1},    {0, 2},    {0, 3},    {1, 4.5},  {1, 6.5},  {2, 9.5},
-                                      {2, 13.5}, {3, 19.5}, {3, 27.5}, {4, 39.5}, {4, 55.5}, {4, 71.5}, {4, 87.5}};
+constexpr Walk k_walk[k_sky_steps] = {{0, 0},    {0, 1},    {1, 2.5},  {1, 4.5},  {2, 7.5},  {2, 11.5},
+                                      {3, 17.5}, {3, 25.5}, {4, 37.5}, {4, 53.5}, {4, 69.5}, {4, 85.5}};
 
 constexpr float k_lift = 0.5f;  // radii: raises receivers on the sand, as in pile.cpp
 constexpr float k_cap = 2.0f;
+constexpr float k_on_floor = 1.0f;  // radii: a column whose bottom is lower stands on the floor
 constexpr int32_t k_widest_sphere = 2;  // columns: the radius of spheres that are joined to one surface
 // A grain is open to the light down to this depth of its centre below the surface, in radii. Deeper ones lie in the gaps
 // between others.
@@ -102,6 +103,7 @@ LevelRow row_at(const PileSky& s, const Extent& sand, uint32_t level, int32_t fi
 void put(PileSky* s, uint64_t row, int32_t u, const Column& column) {
   const int64_t at = static_cast<int64_t>(row * s->pitch) + u;
   s->tops[at] = column.top, s->bottoms[at] = column.bottom, s->fills[at] = column.fill;
+  if (column.fill > 0 && column.bottom > 0) s->in_air[row] = 1;
 }
 
 int32_t columns_within(float radius, float texel) {
@@ -140,10 +142,13 @@ void make_level_row(Pile* p, uint32_t row) {
   const Extent rows = extent(p->sand_rows, s->joined);
   const int32_t first = first_row(level, row - s->levels[level].first), n = static_cast<int32_t>(s->texels);
   if (!has_sand(rows, level, first)) return;
+  s->in_air[row] = 0;
   if (level == 0) {
-    for (uint32_t u = 0; u < s->texels; ++u)
-      put(s, row, static_cast<int32_t>(u),
-          joined_columns(*p, u * s->joined, static_cast<uint32_t>(first) * s->joined, s->joined));
+    for (uint32_t u = 0; u < s->texels; ++u) {
+      Column column = joined_columns(*p, u * s->joined, static_cast<uint32_t>(first) * s->joined, s->joined);
+      if (column.bottom < k_on_floor * p->source.radius) column.bottom = 0;
+      put(s, row, static_cast<int32_t>(u), column);
+    }
     return;
   }
   const int32_t half = static_cast<int32_t>(window(level - 1));
@@ -185,7 +190,7 @@ void gather_steps(Pile* pile, uint32_t row, PileSkyArgs* args) {
     const PileSector& sector = s.sectors[k];
     PileSector* out = &s.row_sectors[args->sector_count];
     *out = sector;
-    out->first_step = count;
+    out->first_step = count, out->in_air = 0;
     for (const Walk& walk : k_walk) {
       const uint32_t bits = spacing_bits(walk.level), places = 1u << bits;
       const SkyPlacedStep& step = placed[row & (places - 1)];
@@ -196,6 +201,7 @@ void gather_steps(Pile* pile, uint32_t row, PileSkyArgs* args) {
       if (!has_sand(rows, walk.level, first)) continue;
       const int32_t wide = static_cast<int32_t>(window(walk.level));
       const uint32_t array_row = s.levels[walk.level].first + static_cast<uint32_t>(level_row);
+      out->in_air |= s.in_air[array_row];
       s.steps[count++] = {static_cast<int32_t>(array_row * s.pitch) + step.columns,
                           columns.first - wide + 1 - step.columns, columns.last - step.columns, step.inverse_distance};
     }
@@ -274,6 +280,7 @@ void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
   const uint64_t columns = uint64_t{rows} * s->pitch + k_margin, n = texels;
   float** const arrays[] = {&s->tops, &s->bottoms, &s->fills};
   for (float** array : arrays) *array = layout_region<float>(layout, "pile_shadow.levels", columns);
+  s->in_air = layout_region<uint8_t>(layout, "pile_shadow.levels", rows);
   float** const lines[] = {&s->nothing, &s->receivers, &s->lights};
   for (float** line : lines) *line = layout_region<float>(layout, "pile_shadow.row", n);
   s->placed = layout_region<SkyPlacedStep>(layout, "pile_shadow.steps", k_cell_sectors * k_sky_placed_steps);
@@ -303,7 +310,8 @@ void sky_begin(Pile* p) {
   PileSky* s = &p->sky;
   memcpy(s->made_for, s->cells, sizeof s->cells);
   for (uint32_t i = 0; i < k_light_cells; ++i)
-    s->sectors[i % k_cell_sectors].shares[i / k_cell_sectors] = s->cells[i];
+    s->sectors[i % k_cell_sectors].bends[i / k_cell_sectors] =
+        s->cells[i] - (i < k_cell_sectors ? 0 : s->cells[i - k_cell_sectors]);
   s->back.frame = p->frame;
 }
 

@@ -17,8 +17,8 @@ namespace sandglass {
 struct Pile;
 
 constexpr uint32_t k_sky_levels = 5;
-constexpr uint32_t k_sky_steps = 14;           // along an azimuth
-constexpr uint32_t k_sky_placed_steps = 56;    // with those of every place of a row between the rows of its levels
+constexpr uint32_t k_sky_steps = 12;           // along an azimuth
+constexpr uint32_t k_sky_placed_steps = 48;    // with those of every place of a row between the rows of its levels
 constexpr uint32_t k_sky_unit_texels = 256;
 
 // Windows of 2^level columns square. Every column begins a window; so does every row of level 0 and 1, every second of
@@ -46,6 +46,7 @@ struct PileSky {
   uint32_t pitch, rows;
   SkyLevel levels[k_sky_levels];
   float *tops, *bottoms, *fills;
+  uint8_t* in_air;                      // one for each row: 1 where some of its columns do not stand on the floor
   float *nothing, *receivers, *lights;  // one row each
   SkyPlacedStep* placed;                // k_sky_placed_steps for every sector
   PileSkyStep* steps;                   // of the row under way

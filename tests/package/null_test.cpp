@@ -51,7 +51,7 @@ std::map<std::string, Declared> declared_functions() {
     Declared& function = functions[name.str()];
     const std::string list = declaration.substr(open + 1, close - open - 1);
     function.has_pointers = list.find_first_of("*[") != std::string::npos;
-    const std::regex argument("([a-z0-9_]+)(\\[[0-9]*\\])?(,|$)");
+    const std::regex argument("([a-z0-9_]+)(\\[[A-Z0-9_]*\\])?(,|$)");
     for (std::sregex_iterator i(list.begin(), list.end(), argument), end; i != end; ++i)
       function.arguments.push_back((*i)[1]);
   }
@@ -356,6 +356,7 @@ void Nulls::shadows() {
 void Nulls::pile_shadows() {
   sandglass_pile_shadow_desc desc_of;
   sandglass_pile_shadow_desc_default(&desc_of);
+  desc_of.sky_texels = 64;
   refuses(NAMED(sandglass_pile_shadow_bytes), {}, &desc_of, &need, &reason);
   ASSERT_EQ(sandglass_pile_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
   const sandglass::Block block = sandglass::allocate_block(need);
@@ -364,11 +365,18 @@ void Nulls::pile_shadows() {
   does_nothing(NAMED(sandglass_pile_shadow_desc_default), &desc_of);
   ASSERT_NE(shadow, nullptr);
   refuses(NAMED(sandglass_pile_shadow_set_light), {}, shadow, point, &reason);
+  const float cells[SANDGLASS_LIGHT_CELLS] = {};
+  refuses(NAMED(sandglass_pile_shadow_set_cells), {}, shadow, cells, &reason);
   does_nothing(NAMED(sandglass_pile_shadow_refresh), shadow);
   returns(NAMED(sandglass_pile_shadow_run), 0u, {}, shadow, point, 1u, 0.01f, 1u);
   sandglass_pile_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
   does_nothing(NAMED(sandglass_pile_shadow_get_texture), shadow, &texture);
+  sandglass_pile_shadow_sky sky = {};
+  sky.struct_size = sizeof sky;
+  does_nothing(NAMED(sandglass_pile_shadow_get_sky), shadow, &sky);
+  uint8_t visibility[1];
+  does_nothing(NAMED(sandglass_pile_shadow_light_grains), shadow, point, 1u, 0.01f, visibility);
   returns(NAMED(sandglass_pile_shadow_hash), uint64_t{0}, {}, shadow);
 }
 
