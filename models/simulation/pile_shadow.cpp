@@ -12,7 +12,7 @@ static void require(sandglass_status status, const char* const& reason) {
     throw cannot("make", "pile_shadow", reason != nullptr ? reason : sandglass_status_name(status));
 }
 
-PileShadow::PileShadow(const PileShadowTrack& track, sandglass_isa isa) {
+PileShadow::PileShadow(const PileShadowTrack& track, sandglass_isa isa, uint32_t sky_texels) {
   sandglass_pile_shadow_desc desc;
   sandglass_pile_shadow_desc_default(&desc);
   desc.isa = isa;
@@ -20,7 +20,7 @@ PileShadow::PileShadow(const PileShadowTrack& track, sandglass_isa isa) {
     desc.low[axis] = static_cast<float>(track.low[axis]);
     desc.high[axis] = static_cast<float>(track.high[axis]);
   }
-  desc.texels = track.texels;
+  desc.texels = track.texels, desc.sky_texels = sky_texels;
   const char* reason = nullptr;
   require(sandglass_pile_shadow_bytes(&desc, &bytes_, &reason), reason);
   block_ = new_block(bytes_, "the sand's shadow", "give its \"pile_shadow\" fewer texels");
@@ -32,6 +32,11 @@ void PileShadow::set_light(Vec3 towards) {
   to_floats(towards, direction);
   const char* reason = nullptr;
   require(sandglass_pile_shadow_set_light(shadow_, direction, &reason), reason);
+}
+
+void PileShadow::set_cells(std::span<const float, SANDGLASS_LIGHT_CELLS> cells) {
+  const char* reason = nullptr;
+  require(sandglass_pile_shadow_set_cells(shadow_, cells.data(), &reason), reason);
 }
 
 FloorShadow PileShadow::drawn(bool on_sand) const {
@@ -47,6 +52,22 @@ FloorShadow PileShadow::drawn(bool on_sand) const {
   for (size_t axis = 0; axis < 2; ++axis) {
     drawn.low[axis] = static_cast<double>(texture.low[axis]);
     drawn.high[axis] = static_cast<double>(texture.high[axis]);
+  }
+  return drawn;
+}
+
+FloorShadow PileShadow::drawn_sky(bool on_sand) const {
+  sandglass_pile_shadow_sky sky = {};
+  sky.struct_size = sizeof sky;
+  sandglass_pile_shadow_get_sky(shadow_, &sky);
+  FloorShadow drawn;
+  drawn.collider = ~0u;
+  drawn.texels = sky.texels;
+  const uint8_t* bytes = on_sand ? sky.on_sand : sky.floor;
+  for (uint32_t i = 0; i < sky.texels * sky.texels; ++i) drawn.coverage.push_back(static_cast<uint8_t>(255 - bytes[i]));
+  for (size_t axis = 0; axis < 2; ++axis) {
+    drawn.low[axis] = static_cast<double>(sky.low[axis]);
+    drawn.high[axis] = static_cast<double>(sky.high[axis]);
   }
   return drawn;
 }

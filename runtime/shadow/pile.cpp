@@ -316,7 +316,7 @@ WorkUnit pile_next(const Pile& p) {
     const uint32_t left = p.source.count > from ? p.source.count - from : 0;
     return {k_pile_columns, left == 0 ? 1 : left < most ? left : most, "pile_shadow.columns"};
   }
-  if (p.phase == PilePhase::levels) return {k_pile_levels, k_sky_unit_texels, "pile_shadow.levels"};
+  if (p.phase == PilePhase::levels) return {k_pile_levels, k_sky_unit_windows, "pile_shadow.levels"};
   if (p.phase == PilePhase::sky) return {k_pile_sky_rows, k_sky_unit_texels, "pile_shadow.sky"};
   return {k_pile_rows, k_pile_unit_texels, p.phase == PilePhase::floor ? "pile_shadow.floor" : "pile_shadow.sand"};
 }

@@ -315,17 +315,20 @@ void sky_begin(Pile* p) {
   s->back.frame = p->frame;
 }
 
+// Where a unit of `items` ends that begins at row `cursor` of `rows`. It has one row at least.
+static uint32_t unit_end(const PileSky& s, uint32_t items, uint32_t cursor, uint32_t rows) {
+  const uint32_t count = items / s.texels > 0 ? items / s.texels : 1;
+  return cursor + count < rows ? cursor + count : rows;
+}
+
 uint32_t sky_run_levels(Pile* p, uint32_t cursor) {
-  const uint32_t count = k_sky_unit_texels / p->sky.texels > 0 ? k_sky_unit_texels / p->sky.texels : 1;
-  const uint32_t end = cursor + count < p->sky.rows ? cursor + count : p->sky.rows;
+  const uint32_t end = unit_end(p->sky, k_sky_unit_windows, cursor, p->sky.rows);
   for (; cursor < end; ++cursor) make_level_row(p, cursor);
   return cursor;
 }
 
 uint32_t sky_run_rows(Pile* p, uint32_t cursor) {
-  PileSky* s = &p->sky;
-  const uint32_t count = k_sky_unit_texels / s->texels > 0 ? k_sky_unit_texels / s->texels : 1;
-  const uint32_t end = cursor + count < s->texels ? cursor + count : s->texels;
+  const uint32_t end = unit_end(p->sky, k_sky_unit_texels, cursor, p->sky.texels);
   for (; cursor < end; ++cursor) light_row(p, cursor);
   return cursor;
 }

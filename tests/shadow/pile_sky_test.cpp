@@ -282,6 +282,28 @@ TEST(PileSky, GrainsInGapsAreDarker) {
   EXPECT_LT(light[5], 50);
 }
 
+// The formula that the header and the README's shader state.
+TEST(PileSky, AShaderGivesGrainsTheSameLight) {
+  sandglass_pile_shadow_desc desc = description();
+  desc.floor = 0.3f;
+  sandglass::PileShadow shadow;
+  ASSERT_TRUE(shadow.create(desc));
+  std::vector<float> sand = heap();
+  for (size_t i = 1; i < sand.size(); i += 3) sand[i] += desc.floor;
+  shadow.run(sand, k_grain);
+  const sandglass_pile_shadow_sky sky = shadow.sky();
+  std::vector<uint8_t> light(sand.size() / 3);
+  shadow.light_grains(sand, k_grain, light.data());
+  for (size_t i = 0; i < light.size(); ++i) {
+    const std::array<float, 3> centre = {sand[3 * i], sand[3 * i + 1], sand[3 * i + 2]};
+    const double surface = sampled(sky.heights, sky.height_texels, sky, centre) * static_cast<double>(sky.height);
+    const double topmost = static_cast<double>(centre[1] + k_grain - desc.floor);
+    const double below = std::max((surface - topmost) / static_cast<double>(k_grain) + 0.2, 0.0);
+    const double open = sampled(sky.on_sand, sky.texels, sky, centre) / (1 + 0.6 * below * below);
+    ASSERT_NEAR(light[i], 255 * open, 0.52) << i;
+  }
+}
+
 // ---- promises
 
 TEST(PileSky, OneHashForAllKernelsAndAllDivisions) {

@@ -1,4 +1,5 @@
-/* Sandglass pile shadow: the soft shadow that a scene's sand casts on the floor and on itself.
+/* Sandglass pile shadow: the soft shadow that a scene's sand casts on the floor and on itself, and how much of the
+ * room's light it leaves there.
  *
  * The sand is taken as columns of what is drawn: the grains, spheres of granular.grain_radius, or the particles of a
  * scene without grains. Over each texel of a rectangle of the floor a column reaches from its lowest to its highest
@@ -19,7 +20,17 @@
  *   4. draws the texture like that of an object: shadow = coverage * opacity * contrast of the light. The shadows of
  *      object and sand multiply: transparency = (1 - shadow of the object) * (1 - shadow of the sand).
  *
- * A texture is made anew while sand moves and when the light has turned. When both are at rest it costs nothing. A
+ * The room's light. An app that sets desc.sky_texels also gets a texture of the light that arrives from all sides, on
+ * the floor and on the sand. It calls sandglass_pile_shadow_set_cells when its estimate of the room has changed, or never:
+ * then the texture is made for a room that nobody has seen. To draw the floor, it multiplies by `floor` / 255 of
+ * sandglass_pile_shadow_sky. Where it draws a share s of the light as a sharp shadow, it leaves that share out of the
+ * cells and multiplies by floor / 255 - s * coverage * opacity / 255 instead. Sand is drawn in the same way by
+ * `on_sand`, and grains in the gaps between others are darker, see sandglass_pile_shadow_light_grains.
+ *
+ * Each column is as above, so the same holds: exact on average, not grain by grain. Cells are told apart as well as 16
+ * azimuths can.
+ *
+ * A texture is made anew while sand moves and when its light has changed. When both are at rest it costs nothing. A
  * texture may take several frames; the one before it stays valid until it is complete. Nothing is allocated, no clock
  * is read, and the same bytes come out of every instruction set.
  *
@@ -79,12 +90,12 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_set_lig
                                                                                    const float direction[3],
                                                                                    const char** reason);
 
-/* Makes the next texture even if nothing seems to have moved: call it after sandglass_scene_move or _restore. */
+/* Makes the next textures even if nothing seems to have moved: call it after sandglass_scene_move or _restore. */
 SANDGLASS_API void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow);
 
 /* Without a scene: runs at most `units` work units on `count` spheres of `radius` metres; returns how many it ran.
  * `positions` holds 3 floats each, metres. They must stay as they are from the first unit of a texture to its last. A
- * complete texture is not begun again before set_light or refresh asks for one. */
+ * complete texture is not begun again before set_light, set_cells or refresh asks for one. */
 SANDGLASS_API uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count,
                                                  float radius, uint32_t units);
 
@@ -143,6 +154,12 @@ typedef struct sandglass_pile_shadow_sky {
 /* Fills *sky; set sky->struct_size before. */
 SANDGLASS_API void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_sky* sky);
 
+/* Writes the light of `count` grains of `radius` metres: 255 times the share of the room's light that reaches the topmost
+ * point of each. `positions` holds 3 floats each, metres. A grain whose centre lies deeper than 0.8 radii below the
+ * surface of the sand gets on_sand / (1 + 0.6 (depth in radii - 0.8)^2). Without a complete texture all get 255.
+ *
+ * A shader gets the same from `on_sand` and `heights`, filtered linearly, and more evenly so for each point of a grain's
+ * surface: see runtime/shadow/README.md. */
 SANDGLASS_API void sandglass_pile_shadow_light_grains(const sandglass_pile_shadow* shadow, const float* positions,
                                                       uint32_t count, float radius, uint8_t* visibility);
 
