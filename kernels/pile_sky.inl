@@ -20,8 +20,8 @@ static SANDGLASS_INLINE Float light_below(const PileSector& sector, Float slope)
   const Float square = slope * slope, rings = broadcast(4.0f) * (square / (broadcast(1.0f) + square));
   Float light = broadcast(sector.bends[0]) * rings;
   for (uint32_t ring = 1; ring < 4; ++ring)
-    light = light + broadcast(sector.bends[ring]) *
-                        maximum(rings - broadcast(static_cast<float>(ring)), broadcast(0.0f));
+    light =
+        light + broadcast(sector.bends[ring]) * maximum(rings - broadcast(static_cast<float>(ring)), broadcast(0.0f));
   return light;
 }
 

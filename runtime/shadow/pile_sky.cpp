@@ -22,7 +22,7 @@ constexpr Walk k_walk[k_sky_steps] = {{0, 0},    {0, 1},    {1, 2.5},  {1, 4.5},
 
 constexpr float k_lift = 0.5f;  // radii: raises receivers on the sand, as in pile.cpp
 constexpr float k_cap = 2.0f;
-constexpr float k_on_floor = 1.0f;  // radii: a column whose bottom is lower stands on the floor
+constexpr float k_on_floor = 1.0f;      // radii: a column whose bottom is lower stands on the floor
 constexpr int32_t k_widest_sphere = 2;  // columns: the radius of spheres that are joined to one surface
 // A grain is open to the light down to this depth of its centre below the surface, in radii. Deeper ones lie in the gaps
 // between others.
@@ -77,12 +77,15 @@ Column column_of(const Pile& p, uint32_t u, uint32_t v) {
   return {p.tops[at], p.bottoms[at], p.fills[at]};
 }
 
+Column joined_four(const Pile& p, uint32_t u, uint32_t v) {
+  return join(column_of(p, u, v), column_of(p, u + 1, v), column_of(p, u, v + 1), column_of(p, u + 1, v + 1));
+}
+
 // The pile's columns over a square of 1, 2 or 4 of them.
 Column joined_columns(const Pile& p, uint32_t u, uint32_t v, uint32_t side) {
   if (side == 1) return column_of(p, u, v);
-  const uint32_t h = side / 2;
-  return join(joined_columns(p, u, v, h), joined_columns(p, u + h, v, h), joined_columns(p, u, v + h, h),
-              joined_columns(p, u + h, v + h, h));
+  if (side == 2) return joined_four(p, u, v);
+  return join(joined_four(p, u, v), joined_four(p, u + 2, v), joined_four(p, u, v + 2), joined_four(p, u + 2, v + 2));
 }
 
 // A row of a level, or nothing where no sand lies under it.
@@ -265,6 +268,12 @@ float sampled(const Pile& p, const uint8_t* texture, uint32_t texels, const floa
   return near + z.beyond * (far - near);
 }
 
+// Where a unit of `items` ends that begins at row `cursor` of `rows`. It has one row at least.
+uint32_t unit_end(const PileSky& s, uint32_t items, uint32_t cursor, uint32_t rows) {
+  const uint32_t count = items / s.texels > 0 ? items / s.texels : 1;
+  return cursor + count < rows ? cursor + count : rows;
+}
+
 }  // namespace
 
 void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
@@ -303,7 +312,8 @@ void sky_build(Pile* p) {
   for (uint32_t u = 0; u < s->texels; ++u) s->nothing[u] = s->receivers[u] = s->lights[u] = 0;
   for (uint32_t k = 0; k < k_cell_sectors; ++k) place_steps(*p, k, s->placed + k * k_sky_placed_steps);
   for (uint32_t i = 0; i < k_light_cells; ++i) s->cells[i] = k_prior_ring_shares[i / k_cell_sectors];
-  memset(s->front.floor, 255, texels), memset(s->front.sand, 255, texels), memset(s->front.heights, 0, texels * s->joined * s->joined);
+  memset(s->front.floor, 255, texels), memset(s->front.sand, 255, texels),
+      memset(s->front.heights, 0, texels * s->joined * s->joined);
 }
 
 void sky_begin(Pile* p) {
@@ -313,12 +323,6 @@ void sky_begin(Pile* p) {
     s->sectors[i % k_cell_sectors].bends[i / k_cell_sectors] =
         s->cells[i] - (i < k_cell_sectors ? 0 : s->cells[i - k_cell_sectors]);
   s->back.frame = p->frame;
-}
-
-// Where a unit of `items` ends that begins at row `cursor` of `rows`. It has one row at least.
-static uint32_t unit_end(const PileSky& s, uint32_t items, uint32_t cursor, uint32_t rows) {
-  const uint32_t count = items / s.texels > 0 ? items / s.texels : 1;
-  return cursor + count < rows ? cursor + count : rows;
 }
 
 uint32_t sky_run_levels(Pile* p, uint32_t cursor) {

@@ -17,8 +17,8 @@ namespace sandglass {
 struct Pile;
 
 constexpr uint32_t k_sky_levels = 5;
-constexpr uint32_t k_sky_steps = 12;           // along an azimuth
-constexpr uint32_t k_sky_placed_steps = 48;    // with those of every place of a row between the rows of its levels
+constexpr uint32_t k_sky_steps = 12;         // along an azimuth
+constexpr uint32_t k_sky_placed_steps = 48;  // with those of every place of a row between the rows of its levels
 constexpr uint32_t k_sky_unit_windows = 512;
 constexpr uint32_t k_sky_unit_texels = 256;
 

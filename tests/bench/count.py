@@ -38,7 +38,7 @@ METRICS = {
     ],
     "sky": [
         ("pile_sky per texel", r"::pile_sky\(", "texels"),
-        ("other work per texel", r"sandglass::sky_|::light_row\(|::make_level_row\(|::make_heights\(|::gather_steps\(", "texels"),
+        ("levels and rows per texel", r"sandglass::sky_run|::join", "texels"),
         ("whole texture", None, "textures"),
     ],
     "light": [

@@ -70,7 +70,8 @@ std::vector<float> heap() {
 }
 std::vector<float> wall() {
   return grains_in([](const float* p) {
-    return std::fabs(p[0] * 0.9f + p[2] * 0.3f) < 0.012f && std::fabs(p[2] * 0.9f - p[0] * 0.3f) < 0.15f && p[1] < 0.07f;
+    return std::fabs(p[0] * 0.9f + p[2] * 0.3f) < 0.012f && std::fabs(p[2] * 0.9f - p[0] * 0.3f) < 0.15f &&
+           p[1] < 0.07f;
   });
 }
 std::vector<float> scattered() {
@@ -139,7 +140,8 @@ struct Sand {
       const double x = unit(random), z = unit(random);
       if (!caster.closest({x, 5, z}, {0, -1, 0}, &hit) || !taken.insert(hit.index).second) continue;
       const float* c = spheres.data() + 3 * size_t{hit.index};
-      const Vec3 top = {static_cast<double>(c[0]), static_cast<double>(c[1] + radius) + 1e-5, static_cast<double>(c[2])};
+      const Vec3 top = {static_cast<double>(c[0]), static_cast<double>(c[1] + radius) + 1e-5,
+                        static_cast<double>(c[2])};
       grains.push_back({{c[0], c[1], c[2]}, cast(caster, top)});
     }
   }
@@ -274,7 +276,8 @@ TEST(PileSky, GrainsInGapsAreDarker) {
   const float top = static_cast<float>(sampled(sky.heights, sky.height_texels, sky, above)) * sky.height;
   EXPECT_NEAR(top, (0.16f - std::hypot(0.03f, 0.02f)) / 1.8f, 2 * k_grain);
   std::vector<float> centres;
-  for (int i = 0; i < 6; ++i) centres.insert(centres.end(), {above[0], top - static_cast<float>(i) * k_grain, above[2]});
+  for (int i = 0; i < 6; ++i)
+    centres.insert(centres.end(), {above[0], top - static_cast<float>(i) * k_grain, above[2]});
   uint8_t light[6];
   shadow.light_grains(centres, k_grain, light);
   EXPECT_GT(light[0], 220);
@@ -372,7 +375,8 @@ TEST(PileSky, WithoutSandHidesNothing) {
     shadow.run(heap_of_sand, k_grain);
     shadow.refresh();
     // Spheres that are not finite, far away or below the floor are left out.
-    const float nan = std::numeric_limits<float>::quiet_NaN(), wild[] = {nan, 0, 0, 1e30f, 0.1f, 0, 0, -5, 0, 0, 0.1f, nan};
+    const float nan = std::numeric_limits<float>::quiet_NaN(),
+                wild[] = {nan, 0, 0, 1e30f, 0.1f, 0, 0, -5, 0, 0, 0.1f, nan};
     shadow.run({wild, 4}, k_grain);
     const sandglass_pile_shadow_sky sky = shadow.sky();
     for (uint32_t i = 0; i < texels * texels; ++i) ASSERT_EQ(sky.floor[i] & sky.on_sand[i], 255) << i;
@@ -424,7 +428,8 @@ TEST(PileSky, FillsItsBlockAndNoMore) {
     std::vector<uint8_t> memory(bytes + 128, 0x5a);
     uint8_t* block = memory.data() + (64 - reinterpret_cast<uintptr_t>(memory.data()) % 64) % 64;
     sandglass_pile_shadow* handle = nullptr;
-    EXPECT_EQ(sandglass_pile_shadow_create(&desc, block, bytes - 1, &handle, nullptr), SANDGLASS_ERROR_MEMORY_TOO_SMALL);
+    EXPECT_EQ(sandglass_pile_shadow_create(&desc, block, bytes - 1, &handle, nullptr),
+              SANDGLASS_ERROR_MEMORY_TOO_SMALL);
     ASSERT_EQ(sandglass_pile_shadow_create(&desc, block, bytes, &handle, nullptr), SANDGLASS_OK);
     const float light[3] = {0.3f, 0.8f, 0};
     ASSERT_EQ(sandglass_pile_shadow_set_light(handle, light, nullptr), SANDGLASS_OK);
