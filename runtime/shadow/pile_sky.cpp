@@ -24,10 +24,9 @@ constexpr float k_lift = 0.5f;  // radii: raises receivers on the sand, as in pi
 constexpr float k_cap = 2.0f;
 constexpr float k_on_floor = 1.0f;      // radii: a column whose bottom is lower stands on the floor
 constexpr int32_t k_widest_sphere = 2;  // columns: the radius of spheres that are joined to one surface
-// A grain is open to the light down to this depth of its centre below the surface, in radii. Deeper ones lie in the gaps
-// between others.
-constexpr float k_open_depth = 0.8f;
-constexpr float k_depth_loss = 0.6f;
+// What a grain loses for each radius that its topmost point lies below the surface of the sand. Fitted to rays at grains
+// of lattices and of a scene.
+constexpr float k_depth_loss = 0.9f;
 
 uint32_t window(uint32_t level) { return 1u << level; }
 // log2 of the rows from one row of a level to the next.
@@ -357,9 +356,9 @@ void sky_light_grains(const Pile& p, const float* positions, uint32_t count, flo
   for (uint32_t i = 0; i < count; ++i) {
     const float* centre = positions + 3 * uint64_t{i};
     const float surface = step * sampled(p, sky.heights, p.texels, centre);
-    const float depth = (surface - (centre[1] - p.height)) * per_radius - k_open_depth, below = depth > 0 ? depth : 0;
-    const float open = sampled(p, sky.sand, p.sky.texels, centre);
-    visibility[i] = static_cast<uint8_t>(open / (1 + k_depth_loss * (below * below)) + 0.5f);
+    const float depth = (surface - (centre[1] + radius - p.height)) * per_radius, below = depth > 0 ? depth : 0;
+    visibility[i] =
+        static_cast<uint8_t>(sampled(p, sky.sand, p.sky.texels, centre) / (1 + k_depth_loss * below) + 0.5f);
   }
 }
 

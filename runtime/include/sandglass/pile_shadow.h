@@ -155,8 +155,8 @@ typedef struct sandglass_pile_shadow_sky {
 SANDGLASS_API void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_sky* sky);
 
 /* Writes the light of `count` grains of `radius` metres: 255 times the share of the room's light that reaches the topmost
- * point of each. `positions` holds 3 floats each, metres. A grain whose centre lies deeper than 0.8 radii below the
- * surface of the sand gets on_sand / (1 + 0.6 (depth in radii - 0.8)^2). Without a complete texture all get 255.
+ * point of each. `positions` holds 3 floats each, metres. A grain whose topmost point lies below the surface of the sand
+ * gets on_sand / (1 + 0.9 depth / radius). Without a complete texture all get 255.
  *
  * A shader gets the same from `on_sand` and `heights`, filtered linearly, and more evenly so for each point of a grain's
  * surface: see runtime/shadow/README.md. */
