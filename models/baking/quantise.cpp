@@ -1,12 +1,12 @@
-// See quantise.h.
+// See quantise.h. The tables are written here field by field; runtime/asset/shadow_generated.h only reads them.
 #include "models/baking/quantise.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "models/baking/shadow_builders.h"
 #include "runtime/asset/file.h"
 #include "runtime/asset/shadow_asset.h"
+#include "runtime/asset/shadow_generated.h"
 
 namespace sandglass::host {
 
@@ -60,7 +60,12 @@ std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file) {
   const auto layer_of = [&](const ByteLayer& layer) {
     const auto weights = builder.CreateVector(layer.weights);
     const auto bias = builder.CreateVector(layer.bias);
-    return asset::CreateLayer(builder, weights, bias, builder.CreateVector(layer.multiplier));
+    const auto multiplier = builder.CreateVector(layer.multiplier);
+    const flatbuffers::uoffset_t start = builder.StartTable();
+    builder.AddOffset(asset::Layer::VT_MULTIPLIER, multiplier);
+    builder.AddOffset(asset::Layer::VT_BIAS, bias);
+    builder.AddOffset(asset::Layer::VT_WEIGHTS, weights);
+    return flatbuffers::Offset<asset::Layer>(builder.EndTable(start));
   };
   std::vector<flatbuffers::Offset<asset::Layer>> layers;
   for (const ByteLayer& layer : file.network.layers) layers.push_back(layer_of(layer));
@@ -75,25 +80,26 @@ std::vector<uint8_t> shadow_file_bytes(const ShadowFile& file) {
   const asset::Box box(object.origin[0], object.origin[1], object.origin[2], object.box.half_x * object.scale,
                        object.box.half_z * object.scale, object.box.height * object.scale, 2 * file.geometry.half_angle,
                        file.geometry.polar_max);
-  asset::ShadowBuilder shadow(builder);
-  shadow.add_version(k_shadow_asset_version);
-  shadow.add_name(name);
-  shadow.add_box(&box);
-  shadow.add_plane_fitted(file.geometry.plane == PlaneRule::fitted);
-  shadow.add_texel_frequencies(k_texel_frequencies);
-  shadow.add_light_frequencies(k_light_frequencies);
-  shadow.add_width(static_cast<uint16_t>(file.network.shape.width));
-  shadow.add_first_weights(first_weights);
-  shadow.add_first_bias(first_bias);
-  shadow.add_first_step(file.network.first_step);
-  shadow.add_layers(all_layers);
-  shadow.add_last(last);
-  shadow.add_rmse_float(static_cast<float>(file.rmse_float));
-  shadow.add_rmse_int8(static_cast<float>(file.rmse_int8));
-  shadow.add_validated_lights(file.validated_lights);
-  shadow.add_seed(file.seed);
-  if (!file.float_parameters.empty()) shadow.add_float_parameters(parameters);
-  builder.Finish(shadow.Finish(), asset::ShadowIdentifier());
+  using Table = asset::Shadow;
+  const flatbuffers::uoffset_t start = builder.StartTable();
+  builder.AddElement<uint16_t>(Table::VT_VERSION, k_shadow_asset_version, 0);
+  builder.AddOffset(Table::VT_NAME, name);
+  builder.AddStruct(Table::VT_BOX, &box);
+  builder.AddElement<uint8_t>(Table::VT_PLANE_FITTED, file.geometry.plane == PlaneRule::fitted ? 1 : 0, 0);
+  builder.AddElement<uint8_t>(Table::VT_TEXEL_FREQUENCIES, k_texel_frequencies, 0);
+  builder.AddElement<uint8_t>(Table::VT_LIGHT_FREQUENCIES, k_light_frequencies, 0);
+  builder.AddElement<uint16_t>(Table::VT_WIDTH, static_cast<uint16_t>(file.network.shape.width), 0);
+  builder.AddOffset(Table::VT_FIRST_WEIGHTS, first_weights);
+  builder.AddOffset(Table::VT_FIRST_BIAS, first_bias);
+  builder.AddElement<float>(Table::VT_FIRST_STEP, file.network.first_step, 0.0f);
+  builder.AddOffset(Table::VT_LAYERS, all_layers);
+  builder.AddOffset(Table::VT_LAST, last);
+  builder.AddElement<float>(Table::VT_RMSE_FLOAT, static_cast<float>(file.rmse_float), 0.0f);
+  builder.AddElement<float>(Table::VT_RMSE_INT8, static_cast<float>(file.rmse_int8), 0.0f);
+  builder.AddElement<uint32_t>(Table::VT_VALIDATED_LIGHTS, file.validated_lights, 0);
+  builder.AddElement<uint64_t>(Table::VT_SEED, file.seed, 0);
+  if (!file.float_parameters.empty()) builder.AddOffset(Table::VT_FLOAT_PARAMETERS, parameters);
+  builder.Finish(flatbuffers::Offset<Table>(builder.EndTable(start)), asset::ShadowIdentifier());
   std::vector<uint8_t> bytes(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
   append_checksum(&bytes);
   return bytes;

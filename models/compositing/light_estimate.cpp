@@ -25,20 +25,15 @@ const sandglass_camera_image* LightEstimate::take(const Surroundings& room, cons
   const double focal = photo ? room.photo_focal : k_focal;
   ShotCamera whole = camera;
   whole.focal = focal / height;
-  pixels_.resize(3 * static_cast<size_t>(width) * static_cast<size_t>(height));
+  picture_ = Picture(width, height, {0, 0, 0});
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const Vec3 c = room.seen(whole, whole.ray(x + 0.5, y + 0.5, width, height));
-      uint8_t* pixel =
-          pixels_.data() + 3 * (static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x));
+      uint8_t* pixel = picture_.at(x, y);
       pixel[0] = srgb_byte(c.x), pixel[1] = srgb_byte(c.y), pixel[2] = srgb_byte(c.z);
     }
-  sandglass_camera_image_default(&image_);
-  image_.format = SANDGLASS_CAMERA_RGB;
-  image_.width = static_cast<uint32_t>(width), image_.height = static_cast<uint32_t>(height);
-  image_.planes[0] = pixels_.data(), image_.strides[0] = 3 * image_.width;
+  image_ = camera_image_of(picture_, k_excerpt_fov_deg);
   image_.focal_x = image_.focal_y = static_cast<float>(focal);
-  image_.centre_x = static_cast<float>(0.5 * (width - 1)), image_.centre_y = static_cast<float>(0.5 * (height - 1));
   // The columns of the pose of a camera that looks along its own -z with y up.
   float matrix[16] = {};
   const Vec3 axes[4] = {camera.right, camera.up, camera.forward * -1.0, {}};

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "models/compositing/surroundings.h"
+#include "models/files/image.h"
 #include "models/lighting/room_light.h"
 
 namespace sandglass::host {
@@ -25,7 +25,7 @@ class LightEstimate {
 
  private:
   RoomLight light_;
-  std::vector<uint8_t> pixels_;
+  Picture picture_;
   sandglass_camera_image image_ = {};
 };
 

@@ -4,13 +4,11 @@
 #include <cmath>
 #include <cstdio>
 
-#include "models/compositing/perceived_errors.h"
 #include "models/files/failure.h"
 #include "models/lighting/lit_view.h"
 #include "models/rooms/panorama_file.h"
-#include "models/simulation/collision_fields.h"
-#include "models/simulation/pile_shadow.h"
-#include "models/simulation/standing_shadows.h"
+#include "models/simulation/scene_meshes.h"
+#include "models/simulation/scene_shadows.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/shadow.h"
 
@@ -120,6 +118,21 @@ Mesh standing_object(const SceneFile& scene, const std::string& file) {
   return loaded.mesh;
 }
 
+ShotShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_t frame,
+                             const std::vector<sandglass_collider>& colliders, std::span<const float> grains,
+                             float grain_radius, Vec3 towards) {
+  StandingShadows standing(scene, isa);
+  standing.set_light(scene, frame, towards);
+  sandglass_shadow_run(standing.handles().data(), static_cast<uint32_t>(standing.handles().size()), ~0u);
+  ShotShadows shadows = {standing.drawn(colliders), {}, {}};
+  if (!scene.pile_shadow) return shadows;
+  PileShadow pile(*scene.pile_shadow, isa);
+  pile.set_light(towards);
+  sandglass_pile_shadow_run(pile.handle(), grains.data(), static_cast<uint32_t>(grains.size() / 3), grain_radius, ~0u);
+  shadows.pile = {pile.drawn(false)}, shadows.pile_surface = {pile.drawn(true)};
+  return shadows;
+}
+
 Shot::Shot(const SceneFile& scene, const ShotOptions& options)
     : scene_(scene),
       camera_(*scene.camera),
@@ -168,52 +181,40 @@ float Shot::drawn_radius(const Snapshot& snapshot) const {
                             static_cast<uint32_t>(snapshot.grains.size() / 3));
 }
 
-std::unique_ptr<ShotPicture> Shot::drawing_of(const Snapshot& snapshot) const {
-  return std::make_unique<ShotPicture>(object_, snapshot.grains, drawn_radius(snapshot));
+ShotPicture Shot::drawing_of(const Snapshot& snapshot) const {
+  return {object_, snapshot.grains, drawn_radius(snapshot)};
 }
 
-RadianceMap Shot::composite(const Snapshot& snapshot, CastShadow cast, const ShotPictureOptions& options) const {
-  return drawing_of(snapshot)->composite(surroundings_, camera(snapshot.frame), light(snapshot.frame),
-                                         {snapshot.shadows, snapshot.pile, snapshot.pile_surface}, cast, options);
-}
-
-RadianceMap Shot::truth(const Snapshot& snapshot, const ShotPictureOptions& options) const {
-  return drawing_of(snapshot)->truth(surroundings_, camera(snapshot.frame), options);
+RadianceMap Shot::composite(const Snapshot& snapshot, const ShotLight& light, const ShotPictureOptions& options) const {
+  return drawing_of(snapshot).composite(surroundings_, camera(snapshot.frame), light,
+                                        {snapshot.shadows, snapshot.pile, snapshot.pile_surface}, CastShadow::textures,
+                                        options);
 }
 
 Picture Shot::paint(const Snapshot& snapshot, int width, int height, uint32_t threads) const {
   ShotPictureOptions options;
   options.width = width, options.height = height, options.threads = threads;
-  return picture_of(composite(snapshot, CastShadow::textures, options));
+  return picture_of(composite(snapshot, light(snapshot.frame), options));
 }
 
 Snapshot Shot::relit(const Snapshot& snapshot, Vec3 towards) const {
   Snapshot now = snapshot;
-  StandingShadows standing(scene_, isa_);
-  standing.set_light(scene_, snapshot.frame, towards);
-  sandglass_shadow_run(standing.handles().data(), static_cast<uint32_t>(standing.handles().size()), ~0u);
-  now.to_light = towards;
-  now.shadows = standing.drawn(snapshot.colliders);
-  if (!scene_.pile_shadow) return now;
-  PileShadow pile(*scene_.pile_shadow, isa_);
-  pile.set_light(towards);
-  sandglass_pile_shadow_run(pile.handle(), now.grains.data(), static_cast<uint32_t>(now.grains.size() / 3),
-                            drawn_radius(snapshot), ~0u);
-  now.pile = {pile.drawn(false)}, now.pile_surface = {pile.drawn(true)};
+  ShotShadows shadows =
+      complete_shadows(scene_, isa_, now.frame, now.colliders, now.grains, drawn_radius(now), towards);
+  now.to_light = towards, now.shadows = std::move(shadows.object);
+  now.pile = std::move(shadows.pile), now.pile_surface = std::move(shadows.pile_surface);
   return now;
 }
 
 RadianceMap Shot::traced(const Snapshot& snapshot, const std::string& folder, uint32_t threads) const {
-  RadianceMap real = truth(snapshot, compared(threads));
+  RadianceMap real = drawing_of(snapshot).truth(surroundings_, camera(snapshot.frame), compared(threads));
   write_png(folder + "/truth.png", picture_of(real));
   return real;
 }
 
 ShotErrors Shot::compare(const Snapshot& snapshot, const ShotLight& light, const RadianceMap& real,
                          const std::string& folder, const std::string& name, uint32_t threads) const {
-  const RadianceMap picture = drawing_of(snapshot)->composite(surroundings_, camera(snapshot.frame), light,
-                                                              {snapshot.shadows, snapshot.pile, snapshot.pile_surface},
-                                                              CastShadow::textures, compared(threads));
+  const RadianceMap picture = composite(snapshot, light, compared(threads));
   RadianceMap difference(picture.width, picture.height), seen(picture.width, picture.height);
   const std::vector<double> flips = flip_map(real, picture);
   for (size_t i = 0; i < picture.rgb.size(); ++i) difference.rgb[i] = 4.0f * std::fabs(picture.rgb[i] - real.rgb[i]);

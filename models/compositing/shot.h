@@ -45,6 +45,11 @@ std::string shot_errors_text(const ShotErrors& errors);
 // that the scene names. A Failure says that the shadow was baked from another shape.
 Mesh standing_object(const SceneFile& scene, const std::string& file);
 
+// The shadows that the scene's standing object and these grains cast in one light, complete, as a frame has them.
+ShotShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_t frame,
+                             const std::vector<sandglass_collider>& colliders, std::span<const float> grains,
+                             float grain_radius, Vec3 towards);
+
 class Shot {
  public:
   Shot(const SceneFile& scene, const ShotOptions& options);
@@ -62,9 +67,7 @@ class Shot {
   // Angle between the light of a frame and the labels, degrees; below 0 where there are none.
   double angle_deg(uint32_t frame) const;
 
-  // The snapshot as the app composites it, or its truth.
-  RadianceMap composite(const Snapshot& snapshot, CastShadow cast, const ShotPictureOptions& options) const;
-  RadianceMap truth(const Snapshot& snapshot, const ShotPictureOptions& options) const;
+  // The snapshot as the app composites it.
   Picture paint(const Snapshot& snapshot, int width, int height, uint32_t threads) const;
 
   // What `compare` measures against: the snapshot path traced, and written as truth.png into `folder`.
@@ -78,7 +81,8 @@ class Shot {
   Snapshot relit(const Snapshot& snapshot, Vec3 towards) const;
 
  private:
-  std::unique_ptr<ShotPicture> drawing_of(const Snapshot& snapshot) const;
+  ShotPicture drawing_of(const Snapshot& snapshot) const;
+  RadianceMap composite(const Snapshot& snapshot, const ShotLight& light, const ShotPictureOptions& options) const;
   float drawn_radius(const Snapshot& snapshot) const;  // of a grain
 
   SceneFile scene_;

@@ -7,7 +7,7 @@
 #include "models/files/failure.h"
 #include "models/rooms/probe_scene.h"
 #include "models/tracing/directions.h"
-#include "models/tracing/ray_caster.h"
+#include "models/tracing/embree_scene.h"
 #include "models/tracing/sphere_caster.h"
 #include "models/work/thread_pool.h"
 #include "runtime/core/random.h"
@@ -28,8 +28,6 @@ constexpr double k_above = 2.0;                // metres, higher than any sand
 constexpr int k_bounces = 3;
 constexpr uint64_t k_composite_stream = 41, k_truth_stream = 42, k_floor_stream = 43;
 
-Vec3 limited(Vec3 c) { return {std::clamp(c.x, 0.0, 1.0), std::clamp(c.y, 0.0, 1.0), std::clamp(c.z, 0.0, 1.0)}; }
-
 enum class Surface { none, floor, object, grain };
 
 struct Hit {
@@ -41,12 +39,14 @@ struct Hit {
 }  // namespace
 
 struct ShotPicture::State {
-  RayCaster object;
+  EmbreeScene object;
   SphereCaster grains;
   std::vector<float> centres;
 
   State(const Mesh& mesh, std::span<const float> xyz, float radius)
-      : object(mesh), grains(xyz, radius), centres(xyz.begin(), xyz.end()) {}
+      : object(EmbreeScene::triangles(mesh.vertices, mesh.indices)),
+        grains(xyz, radius),
+        centres(xyz.begin(), xyz.end()) {}
 
   Hit closest(Vec3 origin, Vec3 direction) const {
     Hit hit;
@@ -54,10 +54,10 @@ struct ShotPicture::State {
       const double distance = -origin.y / direction.y;
       if (distance < k_far) hit = {Surface::floor, distance, {}, {0, 1, 0}, {}};
     }
-    const RayHit on_object = object.closest(origin, direction, hit.distance);
-    if (on_object.hit) {
+    const EmbreeHit on_object = object.closest(origin, direction, hit.distance);
+    if (on_object.found) {
       hit.surface = Surface::object, hit.distance = static_cast<double>(on_object.distance);
-      hit.normal = {on_object.normal[0], on_object.normal[1], on_object.normal[2]};
+      hit.normal = on_object.unit_normal();
       if (dot(hit.normal, direction) > 0.0) hit.normal = hit.normal * -1.0;
       hit.reflectance = k_object;
     }
@@ -76,9 +76,39 @@ struct ShotPicture::State {
   bool blocked(Vec3 origin, Vec3 direction, double limit) const {
     return object.occluded(origin, direction, limit) || grains.occluded(origin, direction, limit);
   }
+
+  // The share of a surface's irradiance by a cap of light that the grains leave; points^2 stratified rays.
+  double open_share(Vec3 start, Vec3 normal, Vec3 towards, double half_angle, int points) const {
+    double all = 0.0, open = 0.0;
+    for (int i = 0; i < points * points; ++i) {
+      const Vec3 d =
+          cap_direction(towards, std::cos(half_angle), (i % points + 0.5) / points, (i / points + 0.5) / points);
+      const double cosine = std::max(0.0, dot(d, normal));
+      all += cosine;
+      if (cosine > 0.0 && !grains.occluded(start, d, k_far)) open += cosine;
+    }
+    return all > 0.0 ? open / all : 1.0;
+  }
 };
 
 namespace {
+
+// The floor's reflectance is its radiance around the object, divided by the irradiance that it gets there.
+Vec3 floor_reflectance(const Surroundings& room, const ShotCamera& camera, const ProbeLight& floor_light) {
+  constexpr int k_places = 256, k_rays = 8192;
+  constexpr double k_around = 1.0;  // metres from the object
+  Random random = random_stream(1, k_floor_stream);
+  Vec3 radiance, irradiance;
+  for (int i = 0; i < k_places; ++i) {
+    const double r = k_around * std::sqrt(random.uniform()), turn = 2.0 * k_pi * random.uniform();
+    const Vec3 to = Vec3{r * std::cos(turn), 0, r * std::sin(turn)} - camera.eye;
+    radiance = radiance + look_up(room.panorama, to) * (1.0 / k_places);
+  }
+  for (int i = 0; i < k_rays; ++i)
+    irradiance = irradiance + floor_light.sample({0, 1, 0}, random.uniform(), random.uniform()).weight * (1.0 / k_rays);
+  const auto ratio = [](double b, double e) { return e > 0.0 ? std::clamp(k_pi * b / e, 0.02, 0.9) : 0.5; };
+  return {ratio(radiance.x, irradiance.x), ratio(radiance.y, irradiance.y), ratio(radiance.z, irradiance.z)};
+}
 
 double left_by(const std::vector<FloorShadow>& shadows, double x, double z) {
   double share = 1.0;
@@ -174,25 +204,7 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
     }
   const ProbeLight environment = ProbeLight::environment(above, rotation);
   const ProbeLight floor_light = ProbeLight::environment(on_floor, rotation);
-  // The floor's reflectance is its radiance around the object, divided by the irradiance that it gets there.
-  Vec3 reflectance;
-  {
-    constexpr int k_places = 256, k_rays = 8192;
-    constexpr double k_around = 1.0;  // metres from the object
-    Random random = random_stream(1, k_floor_stream);
-    Vec3 radiance, irradiance;
-    for (int i = 0; i < k_places; ++i) {
-      const double r = k_around * std::sqrt(random.uniform()), turn = 2.0 * k_pi * random.uniform();
-      const Vec3 to = Vec3{r * std::cos(turn), 0, r * std::sin(turn)} - camera.eye;
-      radiance = radiance + look_up(room.panorama, to) * (1.0 / k_places);
-    }
-    for (int i = 0; i < k_rays; ++i) {
-      irradiance =
-          irradiance + floor_light.sample({0, 1, 0}, random.uniform(), random.uniform()).weight * (1.0 / k_rays);
-    }
-    const auto ratio = [](double b, double e) { return e > 0.0 ? std::clamp(k_pi * b / e, 0.02, 0.9) : 0.5; };
-    reflectance = {ratio(radiance.x, irradiance.x), ratio(radiance.y, irradiance.y), ratio(radiance.z, irradiance.z)};
-  }
+  const Vec3 reflectance = floor_reflectance(room, camera, floor_light);
   RadianceMap picture(options.width, options.height);
   // The irradiance that one ray of the room's light brings. *open gets what it would bring with nothing in its way.
   const auto direct = [&](Vec3 start, Vec3 normal, Surface surface, double a, double b, Vec3* open) {
@@ -241,7 +253,7 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
             arriving(start, cosine_direction(hit.normal, random.uniform(), random.uniform()), k_bounces - 1, &random) *
             k_pi;
         if (hit.surface == Surface::floor) {
-          // The panorama already contains the light that the floor sends to itself.
+          // Without what stands on it, a level floor gets no indirect light: it sends none to itself.
           with = with + seen + indirect, without = without + open;
           background = background + look_up(room.panorama, direction), ++caught, ++behind;
         } else {
@@ -263,16 +275,7 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
 }
 
 double ShotPicture::grains_leave(double x, double z, Vec3 towards, double half_angle, int points) const {
-  double all = 0.0, open = 0.0;
-  const Vec3 start = {x, k_lift, z};
-  for (int i = 0; i < points * points; ++i) {
-    const Vec3 d =
-        cap_direction(towards, std::cos(half_angle), (i % points + 0.5) / points, (i / points + 0.5) / points);
-    if (d.y <= 0.0) continue;
-    all += d.y;
-    if (!state_->grains.occluded(start, d, k_far)) open += d.y;
-  }
-  return all > 0.0 ? open / all : 1.0;
+  return state_->open_share({x, k_lift, z}, {0, 1, 0}, towards, half_angle, points);
 }
 
 double ShotPicture::grain_lit(double x, double z, Vec3 towards, double half_angle, int points, double* facing) const {
@@ -284,15 +287,7 @@ double ShotPicture::grain_lit(double x, double z, Vec3 towards, double half_angl
   const float* c = state_->centres.data() + 3 * static_cast<size_t>(hit.index);
   const Vec3 point = above + down * hit.distance, normal = normalised(point - Vec3{c[0], c[1], c[2]});
   *facing = std::max(0.0, dot(normal, towards));
-  double all = 0.0, open = 0.0;
-  for (int i = 0; i < points * points; ++i) {
-    const Vec3 d =
-        cap_direction(towards, std::cos(half_angle), (i % points + 0.5) / points, (i / points + 0.5) / points);
-    const double cosine = std::max(0.0, dot(d, normal));
-    all += cosine;
-    if (cosine > 0.0 && !state_->grains.occluded(point + normal * k_lift, d, k_far)) open += cosine;
-  }
-  return all > 0.0 ? open / all : 1.0;
+  return state_->open_share(point + normal * k_lift, normal, towards, half_angle, points);
 }
 
 #else

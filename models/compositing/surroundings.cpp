@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <numbers>
 
-#include "models/files/picture_file.h"
+#include "models/files/image.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
 #include "models/rooms/room_render.h"
@@ -22,8 +22,6 @@ constexpr int k_room_width = 1024, k_room_samples = 48;
 constexpr double k_most_contrast = 0.95, k_least_cosine = 0.1, k_most_strength = 64.0;
 constexpr double k_picture_aspect = 4.0 / 3.0;
 constexpr double k_room_insertion = 0.6;  // (5.22) for rooms like these, where the farthest surface is 4 m away
-
-Vec3 limited(Vec3 c) { return {std::min(c.x, 1.0), std::min(c.y, 1.0), std::min(c.z, 1.0)}; }
 
 RadianceMap linear_photo(const Picture& picture) {
   RadianceMap photo(picture.width, picture.height);
@@ -73,8 +71,8 @@ Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name
   s.panorama = RadianceMap(w, panorama.height);
   for (int v = 0; v < panorama.height; ++v)
     for (int u = 0; u < w; ++u) s.panorama.set(u, v, panorama.colour(((u + shift) % w + w) % w, v));
-  // The view towards the object is level, as if the object stood at the height of the eye. If the view looked down, the
-  // upper half of the warped panorama would not be the floor's sky.
+  // The view towards the object is level, as if the object stood at the height of the eye. From a place below the eye,
+  // the upper half of the warped panorama would show a part of the floor.
   const Vec3 to = standing - camera.eye;
   s.view = {0.5 * k_pi, std::atan2(to.z, to.x)};
   s.warped = warp(s.panorama, s.view, insertion);

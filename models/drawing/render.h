@@ -5,8 +5,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
-#include <vector>
 
 #include "models/files/image.h"
 #include "models/geometry/camera.h"

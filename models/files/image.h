@@ -41,6 +41,11 @@ void fill_rectangle(Picture* picture, int x, int y, int width, int height, Colou
 // A grid of pictures of equal size, with `gap` white pixels between and around them.
 Picture picture_grid(std::span<const Picture> pictures, int columns, int gap);
 
+// Reads a picture as 8-bit sRGB. A Failure names the file.
+Picture read_picture(const std::string& path);
+// The same for an image of a data set, which has 256 x 192 pixels. Throws a Failure for any other size.
+Picture read_excerpt(const std::string& path);
+
 void write_png(const std::string& path, const Picture& picture);
 
 // The bytes of a JPEG file; quality 1..100. For pictures of sand it has a tenth of the PNG's size.

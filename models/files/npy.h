@@ -1,11 +1,11 @@
-// NumPy's .npy format, version 1.0, for 32-bit floats in C order. `sandglass run --dump` writes it, one array per file.
+// NumPy's files: .npy, version 1.0, for 32-bit floats in C order, and .npz, a zip of such arrays as numpy.savez writes it
+// (stored, not compressed). A file may be damaged: every offset and length is checked.
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <map>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace sandglass::host {
@@ -21,8 +21,8 @@ struct NpyArray {
 // Reads an array of 32-bit floats in C order, of any shape. Throws a Failure for anything else.
 NpyArray read_npy(const std::string& path);
 
-// Reads an array from the bytes of an .npy file, which may be damaged. `refuse` gets what is wrong ("is cut off") and
-// must throw. With `octets_too` an array of bytes is accepted, too.
-NpyArray parse_npy(std::string_view bytes, bool octets_too, const std::function<void(const std::string&)>& refuse);
+// The arrays of a .npz file, of 32-bit floats or of bytes, by their names without ".npy". A Failure names the file, and
+// the array if one is at fault.
+std::map<std::string, NpyArray> read_npz(const std::string& path);
 
 }  // namespace sandglass::host

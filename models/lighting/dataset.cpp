@@ -5,14 +5,15 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <sstream>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/lit_view.h"
-#include "models/work/for_all.h"
 #include "models/work/progress.h"
+#include "models/work/thread_pool.h"
 
 namespace sandglass::host {
 
@@ -24,16 +25,20 @@ constexpr int k_folds = 5;
 constexpr int k_small_width = 128, k_small_height = 64;  // the panoramas below an excerpt on the sheet
 constexpr Colour k_white = {255, 255, 255};
 
-// Splits a line at its commas, except those within quotes.
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') quoted = !quoted;
-    else if (c == ',' && !quoted) fields.emplace_back();
-    else if (c != '\r') fields.back() += c;
+// The rows of a .csv file. Commas within quotes do not count.
+std::vector<std::vector<std::string>> rows_of(const std::string& text) {
+  std::vector<std::vector<std::string>> rows;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::vector<std::string>& fields = rows.emplace_back(1);
+    bool quoted = false;
+    for (const char c : line) {
+      if (c == '"') quoted = !quoted;
+      else if (c == ',' && !quoted) fields.emplace_back();
+      else if (c != '\r') fields.back() += c;
+    }
   }
-  return fields;
+  return rows;
 }
 
 struct Excerpt {
@@ -136,33 +141,28 @@ std::string read_locations(const std::string& path) {
 }
 
 Location location_of(const std::string& panorama, const std::string& manifest_text) {
-  const std::string file = fs::path(panorama).filename().string();
-  size_t file_column = SIZE_MAX, group_column = SIZE_MAX, fold_column = SIZE_MAX, at = 0;
-  for (bool header = true; at < manifest_text.size(); header = false) {
-    const size_t end = std::min(manifest_text.find('\n', at), manifest_text.size());
-    const std::vector<std::string> fields = fields_of(manifest_text.substr(at, end - at));
-    at = end + 1;
-    if (header) {
-      for (size_t i = 0; i < fields.size(); ++i) {
-        if (fields[i] == "file") file_column = i;
-        if (fields[i] == "group") group_column = i;
-        if (fields[i] == "fold") fold_column = i;
-      }
-      if (std::max({file_column, group_column, fold_column}) == SIZE_MAX)
-        throw Failure("cannot read the manifest: it has no columns file, group and fold. Name them in its first line.");
-    } else if (fields.size() > std::max({file_column, group_column, fold_column}) &&
-               fs::path(fields[file_column]).filename() == file) {
-      const std::string& fold = fields[fold_column];
-      if (fold.size() > 1 || (fold.size() == 1 && (fold[0] < '0' || fold[0] > '9')))
-        throw Failure("cannot read the manifest: it gives \"" + file + "\" the fold \"" + fold +
-                      "\". Write one digit, or nothing.");
-      return {fields[group_column], fold.empty() ? -1 : fold[0] - '0'};
-    }
+  if (manifest_text.empty()) {
+    const std::string name = stem_of(panorama);
+    return {name, static_cast<int>(hash_of_name(name, 0) % k_folds)};
   }
-  if (!manifest_text.empty())
-    throw Failure("cannot read the manifest: it has no line for \"" + file + "\". Add one with its group and fold.");
-  const std::string name = stem_of(panorama);
-  return {name, static_cast<int>(hash_of_name(name, 0) % k_folds)};
+  const std::string file = fs::path(panorama).filename().string();
+  const auto rows = rows_of(manifest_text);
+  const auto column = [&](const char* name) {
+    return static_cast<size_t>(std::find(rows[0].begin(), rows[0].end(), name) - rows[0].begin());
+  };
+  const size_t names = column("file"), groups = column("group"), folds = column("fold");
+  const size_t last = std::max({names, groups, folds});
+  if (last == rows[0].size())
+    throw Failure("cannot read the manifest: it has no columns file, group and fold. Name them in its first line.");
+  for (const auto& row : rows) {
+    if (&row == &rows[0] || row.size() <= last || fs::path(row[names]).filename() != file) continue;
+    const std::string& fold = row[folds];
+    if (fold.size() > 1 || (fold.size() == 1 && (fold[0] < '0' || fold[0] > '9')))
+      throw Failure("cannot read the manifest: it gives \"" + file + "\" the fold \"" + fold +
+                    "\". Write one digit, or nothing.");
+    return {row[groups], fold.empty() ? -1 : fold[0] - '0'};
+  }
+  throw Failure("cannot read the manifest: it has no line for \"" + file + "\". Add one with its group and fold.");
 }
 
 DatasetSummary make_dataset(const DatasetOptions& options) {
@@ -214,14 +214,12 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
 std::vector<std::string> images_of_dataset(const std::string& folder) {
   const std::string path = folder + "/manifest.csv", text = read_file(path, "list of images");
   std::vector<std::string> images;
-  bool heading = true;
-  for (size_t at = 0; at < text.size(); heading = false) {
-    const size_t end = std::min(text.find('\n', at), text.size());
-    const std::string row = text.substr(at, end - at), image = row.substr(0, row.find(','));
-    at = end + 1;
-    if (heading ? image != "image" : image.empty())
+  const auto rows = rows_of(text);
+  for (const auto& row : rows) {
+    const bool heading = &row == &rows[0];
+    if (heading ? row[0] != "image" : row[0].empty())
       throw cannot("read", path, "it is no data set's list of images", "Make it with sandglass dataset");
-    if (!heading) images.push_back(folder + "/" + image);
+    if (!heading) images.push_back(folder + "/" + row[0]);
   }
   if (images.empty()) throw cannot("read", path, "it names no image", "Make the data set again");
   return images;

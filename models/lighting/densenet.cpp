@@ -10,24 +10,12 @@ namespace sandglass::host {
 namespace {
 
 constexpr float k_epsilon = 1.001e-5f;  // the epsilon of the pretrained batch normalisations
-constexpr float k_mean[3] = {0.485f, 0.456f, 0.406f}, k_deviation[3] = {0.229f, 0.224f, 0.225f};
-
-const NpyArray& find(const std::map<std::string, NpyArray>& arrays, const std::string& name,
-                     const std::vector<uint64_t>& shape) {
-  const auto found = arrays.find(name);
-  if (found == arrays.end())
-    throw cannot("read", name, "the weights have no array of this name", "Give DenseNet-121's weights");
-  if (found->second.shape != shape)
-    throw cannot("read", name, "the array has another shape than DenseNet-121's", "Give DenseNet-121's weights");
-  return found->second;
-}
-
-ChannelAffine affine_of(const std::map<std::string, NpyArray>& arrays, const std::string& name, int channels) {
+ChannelAffine affine_of(const Arrays& arrays, const std::string& name, int channels) {
   const std::vector<uint64_t> shape = {static_cast<uint64_t>(channels)};
-  const auto& gamma = find(arrays, name + "/gamma", shape).values;
-  const auto& beta = find(arrays, name + "/beta", shape).values;
-  const auto& mean = find(arrays, name + "/moving_mean", shape).values;
-  const auto& variance = find(arrays, name + "/moving_variance", shape).values;
+  const auto& gamma = array_of(arrays, name + "/gamma", shape);
+  const auto& beta = array_of(arrays, name + "/beta", shape);
+  const auto& mean = array_of(arrays, name + "/moving_mean", shape);
+  const auto& variance = array_of(arrays, name + "/moving_variance", shape);
   ChannelAffine affine;
   for (size_t c = 0; c < gamma.size(); ++c) {
     affine.scale.push_back(gamma[c] / std::sqrt(variance[c] + k_epsilon));
@@ -36,11 +24,10 @@ ChannelAffine affine_of(const std::map<std::string, NpyArray>& arrays, const std
   return affine;
 }
 
-Convolution convolution_of(const std::map<std::string, NpyArray>& arrays, const std::string& name, int size, int inputs,
-                           int outputs) {
+Convolution convolution_of(const Arrays& arrays, const std::string& name, int size, int inputs, int outputs) {
   const auto n = static_cast<uint64_t>(size);
   return {size, inputs, outputs,
-          find(arrays, name, {n, n, static_cast<uint64_t>(inputs), static_cast<uint64_t>(outputs)}).values};
+          array_of(arrays, name, {n, n, static_cast<uint64_t>(inputs), static_cast<uint64_t>(outputs)})};
 }
 
 // Pixels by rows. Each pixel has `stride` channels, and the first `channels` are in use.
@@ -97,7 +84,8 @@ Activations stem(const DenseNet& net, std::span<const uint8_t> rgb, int width, i
                  const ActivationObserver& observer) {
   Activations image(width, height, 3, 3), convolved(width / 2, height / 2, k_stem_channels, k_stem_channels);
   for (size_t i = 0; i < image.values.size(); ++i)
-    image.values[i] = (static_cast<float>(rgb[i]) / 255.0f - k_mean[i % 3]) / k_deviation[i % 3];
+    image.values[i] = (static_cast<float>(rgb[i]) / 255.0f - static_cast<float>(k_image_mean[i % 3])) /
+                      static_cast<float>(k_image_deviation[i % 3]);
   convolve(net.stem, image, 2, &convolved, 0);
   for (int y = 0; y < convolved.height; ++y)
     for (int x = 0; x < convolved.width; ++x) {
@@ -160,7 +148,19 @@ int channels_after(int block, int before) { return before + k_growth * k_dense_l
 
 }  // namespace
 
-DenseNet densenet_of(const std::map<std::string, NpyArray>& arrays) {
+const std::vector<float>& array_of(const Arrays& arrays, const std::string& name, const std::vector<uint64_t>& shape) {
+  const auto found = arrays.find(name);
+  if (found == arrays.end())
+    throw cannot("read", name, "the weights have no array of this name", "Export them with train.py --export");
+  if (found->second.shape != shape)
+    throw cannot("read", name, "the array has another shape than the network's", "Export the weights again");
+  for (const float value : found->second.values)
+    if (!std::isfinite(value))
+      throw cannot("read", name, "the array holds a value that is not a number", "Train again");
+  return found->second.values;
+}
+
+DenseNet densenet_of(const Arrays& arrays) {
   DenseNet net;
   net.stem = convolution_of(arrays, "conv1/conv/kernel", 7, 3, k_stem_channels);
   net.stem_affine = affine_of(arrays, "conv1/bn", k_stem_channels);
@@ -180,10 +180,6 @@ DenseNet densenet_of(const std::map<std::string, NpyArray>& arrays) {
     channels /= 2;
   }
   net.last = affine_of(arrays, "bn", channels);
-  if (arrays.count("fc1000/kernel") > 0) {
-    net.classifier = find(arrays, "fc1000/kernel", {k_features, 1000}).values;
-    net.classifier_bias = find(arrays, "fc1000/bias", {1000}).values;
-  }
   return net;
 }
 
@@ -209,30 +205,6 @@ std::vector<float> features_of(const DenseNet& net, std::span<const uint8_t> rgb
         features[c] += one[c] / static_cast<float>(block.width * block.height);
     }
   return features;
-}
-
-std::vector<float> probabilities_of(const DenseNet& net, std::span<const float> features) {
-  std::vector<float> logits = net.classifier_bias;
-  for (size_t k = 0; k < features.size(); ++k)
-    for (size_t n = 0; n < logits.size(); ++n) logits[n] += features[k] * net.classifier[k * logits.size() + n];
-  const float greatest = *std::max_element(logits.begin(), logits.end());
-  float sum = 0.0f;
-  for (float& logit : logits) sum += logit = std::exp(logit - greatest);
-  for (float& logit : logits) logit /= sum;
-  return logits;
-}
-
-uint64_t multiplications_of(const DenseNet& net, int width, int height) {
-  const auto weights = [](const Convolution& c) { return static_cast<uint64_t>(c.weights.size()); };
-  uint64_t pixels = static_cast<uint64_t>(width / 2) * static_cast<uint64_t>(height / 2);
-  uint64_t sum = pixels * weights(net.stem);
-  pixels /= 4;
-  for (const DenseBlock& block : net.blocks) {
-    for (const DenseLayer& layer : block.layers) sum += pixels * (weights(layer.narrow) + weights(layer.wide));
-    pixels /= 4;
-    sum += pixels * weights(block.transition);
-  }
-  return sum;
 }
 
 }  // namespace sandglass::host

@@ -13,11 +13,12 @@
 #include <string>
 #include <vector>
 
-#include "models/files/npz.h"
+#include "models/files/npy.h"
 
 namespace sandglass::host {
 
 constexpr int k_dense_layers[4] = {6, 12, 24, 16};
+constexpr double k_image_mean[3] = {0.485, 0.456, 0.406}, k_image_deviation[3] = {0.229, 0.224, 0.225};  // of sRGB 0..1
 constexpr int k_growth = 32, k_bottleneck = 128, k_stem_channels = 64, k_features = 1024;
 
 // A multiplication and an addition per channel: a batch normalisation together with its statistics.
@@ -45,12 +46,14 @@ struct DenseNet {
   Convolution stem;
   ChannelAffine stem_affine, last;
   DenseBlock blocks[4];
-  std::vector<float> classifier, classifier_bias;  // 1024 x 1000; empty if the file has none
 };
 
-// Reads arrays that are named as in the data folder's README. Throws a Failure that names what is missing or has
-// another shape.
-DenseNet densenet_of(const std::map<std::string, NpyArray>& arrays);
+// Weights by name. A Failure names an array that is missing, has another shape, or holds a value that is no number.
+using Arrays = std::map<std::string, NpyArray>;
+const std::vector<float>& array_of(const Arrays& arrays, const std::string& name, const std::vector<uint64_t>& shape);
+
+// Reads arrays that are named as in the data folder's README.
+DenseNet densenet_of(const Arrays& arrays);
 
 // The places in the network whose values are observed pixel by pixel, to measure ranges before activations become
 // bytes.
@@ -68,11 +71,5 @@ using ActivationObserver = std::function<void(Activation, int index, const float
 // The 1024 features of an sRGB image (width and height are multiples of 32): batch normalised, rectified, averaged.
 std::vector<float> features_of(const DenseNet& net, std::span<const uint8_t> rgb, int width, int height,
                                const ActivationObserver& observer = {});
-
-// ImageNet's 1000 probabilities.
-std::vector<float> probabilities_of(const DenseNet& net, std::span<const float> features);
-
-// The multiplications of one pass, with pooling before the transitions' convolutions.
-uint64_t multiplications_of(const DenseNet& net, int width, int height);
 
 }  // namespace sandglass::host

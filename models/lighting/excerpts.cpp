@@ -1,10 +1,11 @@
 #include "models/lighting/excerpts.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/files/picture_file.h"
+#include "models/files/image.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {
@@ -17,23 +18,19 @@ std::vector<Excerpt> read_excerpts(const std::string& folder, size_t step) {
   std::getline(rows, row);
   for (size_t i = 0; std::getline(rows, row); ++i) {
     if (i % step != 0) continue;
+    std::replace(row.begin(), row.end(), ',', ' ');
     std::istringstream fields(row);
     Excerpt excerpt;
-    std::string hash, value;
-    std::getline(fields, excerpt.name, ','), std::getline(fields, hash, ',');
-    excerpt.rgb = read_excerpt(folder + "/" + excerpt.name).rgb;
     uint64_t expected = 0;
-    std::istringstream(hash) >> std::hex >> expected;
+    fields >> excerpt.name >> std::hex >> expected;
+    excerpt.rgb = read_excerpt(folder + "/" + excerpt.name).rgb;
     if (expected != hash_bytes(excerpt.rgb.data(), excerpt.rgb.size()))
       throw cannot("read", table, "its row \"" + excerpt.name + "\" is of other pixels than that file has",
                    "Write it again with float_network.py");
-    for (float& v : excerpt.values) {
-      std::getline(fields, value, ',');
-      std::istringstream number(value);
-      if (!(number >> v))
-        throw cannot("read", table, "its row \"" + excerpt.name + "\" has fewer than ten numbers",
-                     "Write it again with float_network.py");
-    }
+    for (float& v : excerpt.values) fields >> v;
+    if (!fields)
+      throw cannot("read", table, "its row \"" + excerpt.name + "\" has fewer than ten numbers",
+                   "Write it again with float_network.py");
     all.push_back(excerpt);
   }
   if (all.empty()) throw cannot("read", table, "it has no excerpts", "Write it again with float_network.py");

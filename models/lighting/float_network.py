@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
-"""Rebuilds the float network from which models/lights/room.light was made, and computes its estimates for the excerpts.
+"""Rebuilds the float network from which models/lights/room.light was made. Computes its estimates for the excerpts.
 
-Its trunk is the pretrained DenseNet-121 with lanes (train.py --initial --lanes). Its heads are in excerpts/heads.npz: 160 of the
-512 latent units carry the ten ridge regressions, 16 equal copies of each. The others, as PyTorch 1.13 draws them from seed 1,
-have no effect. Every array equals, bit for bit, the one from which `sandglass quantise-light` made the shipped bytes. With the
-calibration that MODEL_CARD.md describes, it makes the same file again.
+The trunk is the pretrained DenseNet-121 with lanes (train.py --initial --lanes). The heads are in excerpts/heads.npz: 160 of the
+512 latent units carry the ten ridge regressions, with 16 equal copies of each. The other units have no effect. PyTorch 1.13 drew
+them from seed 1. Every array equals, bit for bit, the one from which `sandglass quantise-light` made the shipped bytes. With the
+calibration of MODEL_CARD.md it makes the same file again.
 
-  float_network.py weights PRETRAINED.npz WEIGHTS.npz   puts both together, as train.py exports a network; PRETRAINED is the data
-                                                        folder's densenet121_imagenet_keras_fp32.npz
-  float_network.py estimates WEIGHTS.npz PIXELS OUT.csv PyTorch's estimates of the excerpts; PIXELS are their bytes one after another,
-                                                        by name, as the tests' reader decodes them: decoders of JPEG differ
+  float_network.py weights PRETRAINED.npz WEIGHTS.npz
+      Puts trunk and heads together, as train.py exports a network. PRETRAINED is densenet121_imagenet_keras_fp32.npz.
+  float_network.py estimates WEIGHTS.npz PIXELS OUT.csv
+      Writes PyTorch's estimates of the excerpts. PIXELS has the bytes of all excerpts by name, as the tests' reader decodes them,
+      because decoders of JPEG differ.
 """
 import argparse
 import csv

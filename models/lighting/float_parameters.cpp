@@ -1,7 +1,6 @@
-#include "models/lighting/float_parameters.h"
-
 #include <cmath>
 
+#include "models/lighting/light_net.h"
 #include "runtime/asset/light_asset.h"
 
 namespace sandglass::host {
@@ -9,7 +8,6 @@ namespace sandglass::host {
 namespace {
 
 constexpr double k_limit = static_cast<double>(k_light_float_limit);
-constexpr double k_mean[3] = {0.485, 0.456, 0.406}, k_deviation[3] = {0.229, 0.224, 0.225};
 
 // How an input enters a convolution: slope * clamped(x, low, high) + constant.
 struct Input {
@@ -71,8 +69,8 @@ std::vector<float> float_parameters(const LightNet& net) {
   Parameters parameters;
   Inputs image;
   for (size_t c = 0; c < 3; ++c) {
-    image.push_back({1 / (255 * k_deviation[c]), -k_mean[c] / k_deviation[c]});
-    parameters.add(255 * k_mean[c]);
+    image.push_back({1 / (255 * k_image_deviation[c]), -k_image_mean[c] / k_image_deviation[c]});
+    parameters.add(255 * k_image_mean[c]);
   }
   parameters.add_convolution(net.trunk.stem, image, &net.trunk.stem_affine);
   for (const DenseBlock& block : net.trunk.blocks) {

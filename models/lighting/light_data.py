@@ -1,5 +1,5 @@
-"""What training reads: the manifests made by `sandglass dataset`, their images, augmented together with their labels, and the
-outputs of layers that do not learn, which are kept on disk."""
+"""What training reads: the manifests of `sandglass dataset`, and their images with their labels. Both are augmented together.
+The outputs of layers that do not learn are kept on disk."""
 import csv
 import hashlib
 import io
@@ -23,16 +23,21 @@ def fail(sentence):
 
 
 def save(path, write):
-    """Writes a file that is never seen half-written."""
+    """Calls `write` with another name, then renames the file. So nobody ever reads half a file."""
     write(path + ".unfinished")
     os.replace(path + ".unfinished", path)
 
 
-class Rows:
-    """The lines of the manifests, and their labels as arrays. Folders in `tested` are used for tests, by fold. Those in
-    `views` (more views of the same places) and `extra` (made-up rooms, outdoors) are for training only."""
+def save_arrays(path, **arrays):
+    def write(unfinished):
+        with open(unfinished, "wb") as file:  # a name would get another ending
+            np.savez(file, **arrays)
+    save(path, write)
 
-    excluded = ()  # places that never train
+
+class Rows:
+    """The lines of the manifests, with their labels as arrays. Folders in `tested` are for tests, by fold. Two kinds are for
+    training only: `views` (more views of the same places) and `extra` (made-up rooms)."""
 
     def __init__(self, tested, views=(), extra=()):
         self.image, self.location, self.fold, self.folder, self.number, self.kind, labels = [], [], [], [], [], [], []
@@ -67,10 +72,9 @@ class Rows:
         return text.hexdigest()[:16]
 
     def split(self, test_fold):
-        """The indices to train on and to test on. With None there are none to test on."""
+        """The indices to train on, and those to test on. With None, none are for tests."""
         test = (self.fold == test_fold) & (self.kind == 0) if test_fold is not None else np.zeros(len(self.fold), bool)
         held_out = {self.location[i] for i in np.flatnonzero(test)}
-        held_out.update(self.excluded)
         train = ~test & np.array([l not in held_out for l in self.location])
         return np.flatnonzero(train), np.flatnonzero(test)
 
@@ -94,12 +98,12 @@ def read_image(path):
 
 
 def gain_of(random):
-    """Exposure and white balance: a factor of each linear channel."""
+    """A random exposure and white balance: one factor for each linear channel."""
     return (2.0 ** random.normal(0.0, 0.25) * np.exp(random.normal(0.0, 0.06, 3))).astype(np.float32)
 
 
 def augmented(rgb, random):
-    """Exposure, white balance, noise, JPEG, field of view with the border filled."""
+    """Changes exposure, white balance and field of view at random, and adds noise and JPEG's losses."""
     gain = gain_of(random)
     x = rgb.astype(np.float32) / 255.0
     if random.random() < 0.5:  # re-projects a narrower camera; outside its view the edge's colour continues
@@ -119,8 +123,8 @@ def augmented(rgb, random):
 
 
 def prepared(rows, index, copy, seed):
-    """Copy 0 is the image, copy 1 its mirror image. Further copies are augmented, and every other one is mirrored. Depends on
-    the arguments alone."""
+    """Copy 0 is the image, and copy 1 is its mirror image. Further copies are augmented, and odd ones are mirrored too. The
+    result depends on the arguments alone."""
     rgb = read_image(rows.image[index])
     if copy >= 2:
         rgb = augmented(rgb, np.random.default_rng([seed, rows.number[index], copy]))
@@ -128,7 +132,8 @@ def prepared(rows, index, copy, seed):
 
 
 def label_of(rows, index, copy, seed):
-    """The labels of that copy: a mirror image has the mirrored direction, and gains change the light's colour as they change the image."""
+    """The labels of that copy. A mirror image has the mirrored direction. A gain changes the colours of the light as it changes
+    the image."""
     label = rows.labels[index].copy()
     if copy >= 2:
         gain = gain_of(np.random.default_rng([seed, rows.number[index], copy]))
@@ -146,7 +151,7 @@ def to_tensor(rgb, device):
 
 
 def images_hash(paths):
-    """A hash of the images' bytes in their order, so that other images never get these trunks, whatever a folder is called."""
+    """A hash of the bytes of the images, in their order. It ties trunks to images, whatever a folder is called."""
     whole = hashlib.sha256()
     for path in paths:
         whole.update(hashlib.sha256(read_bytes(path)).digest())
@@ -154,7 +159,7 @@ def images_hash(paths):
 
 
 def cached_trunks(net, rows, arguments, device):
-    """Computes the trunks of every row and copy in half precision, one file for each folder and copy. Files of the same images
+    """Computes the trunks of all rows and copies, in half precision. Each folder and copy has a file. Files of the same images
     are used again. Returns a function from (row, copy) to a trunk."""
     net.eval()
     files, trunk = {}, hashlib.sha256()
@@ -196,7 +201,7 @@ def cached_trunks(net, rows, arguments, device):
 
 
 def read_features(net, rows, arguments, paths):
-    """Features that were made elsewhere, in place of trunks: a file for each folder, with one copy behind another."""
+    """Reads features that were made elsewhere, in place of trunks. Each folder has a file, with one copy after another."""
     folders = list(dict.fromkeys(rows.folder))
     if len(paths) != len(folders):
         fail(f"{len(paths)} files of features for {len(folders)} folders; name one for each, in their order")

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "models/files/failure.h"
 #include "models/simulation/metrics.h"
 
 namespace sandglass::host {
@@ -13,21 +12,8 @@ namespace {
 
 constexpr float k_epsilon = 1e-5f;  // the epsilon of the batch normalisation behind the latent layer
 
-const std::vector<float>& find(const std::map<std::string, NpyArray>& arrays, const std::string& name,
-                               const std::vector<uint64_t>& shape) {
-  const auto found = arrays.find(name);
-  if (found == arrays.end())
-    throw cannot("read", name, "the weights have no array of this name", "Export them with train.py --export");
-  if (found->second.shape != shape)
-    throw cannot("read", name, "the array has another shape than the lighting network's", "Export the weights again");
-  for (const float value : found->second.values)
-    if (!std::isfinite(value))
-      throw cannot("read", name, "the array holds a value that is not a number", "Train again");
-  return found->second.values;
-}
-
 // A number from the file, or `otherwise` if the file does not have it.
-double number(const std::map<std::string, NpyArray>& arrays, const std::string& name, double otherwise) {
+double number(const Arrays& arrays, const std::string& name, double otherwise) {
   const auto found = arrays.find(name);
   return found == arrays.end() || found->second.values.empty() ? otherwise
                                                                : static_cast<double>(found->second.values[0]);
@@ -35,15 +21,15 @@ double number(const std::map<std::string, NpyArray>& arrays, const std::string& 
 
 }  // namespace
 
-LightNet light_net_of(const std::map<std::string, NpyArray>& arrays) {
+LightNet light_net_of(const Arrays& arrays) {
   LightNet net;
   net.trunk = densenet_of(arrays);
-  net.latent = find(arrays, "latent/kernel", {k_features, k_latent});
-  net.latent_bias = find(arrays, "latent/bias", {k_latent});
-  const auto& gamma = find(arrays, "latent/bn/gamma", {k_latent});
-  const auto& beta = find(arrays, "latent/bn/beta", {k_latent});
-  const auto& mean = find(arrays, "latent/bn/moving_mean", {k_latent});
-  const auto& variance = find(arrays, "latent/bn/moving_variance", {k_latent});
+  net.latent = array_of(arrays, "latent/kernel", {k_features, k_latent});
+  net.latent_bias = array_of(arrays, "latent/bias", {k_latent});
+  const auto& gamma = array_of(arrays, "latent/bn/gamma", {k_latent});
+  const auto& beta = array_of(arrays, "latent/bn/beta", {k_latent});
+  const auto& mean = array_of(arrays, "latent/bn/moving_mean", {k_latent});
+  const auto& variance = array_of(arrays, "latent/bn/moving_variance", {k_latent});
   for (size_t o = 0; o < k_latent; ++o) {
     const float scale = gamma[o] / std::sqrt(variance[o] + k_epsilon);
     for (size_t i = 0; i < k_features; ++i) net.latent[i * k_latent + o] *= scale;
@@ -53,8 +39,8 @@ LightNet light_net_of(const std::map<std::string, NpyArray>& arrays) {
   size_t to = 0;
   for (const auto& [name, outputs] :
        {std::pair<const char*, size_t>{"direction", 3}, {"light", 3}, {"ambient", 3}, {"contrast", 1}}) {
-    const auto& kernel = find(arrays, std::string(name) + "/kernel", {k_latent, outputs});
-    const auto& bias = find(arrays, std::string(name) + "/bias", {outputs});
+    const auto& kernel = array_of(arrays, std::string(name) + "/kernel", {k_latent, outputs});
+    const auto& bias = array_of(arrays, std::string(name) + "/bias", {outputs});
     for (size_t o = 0; o < outputs; ++o, ++to) {
       for (size_t i = 0; i < k_latent; ++i) net.heads[i * k_heads + to] = kernel[i * outputs + o];
       net.heads_bias.push_back(bias[o]);

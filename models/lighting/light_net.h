@@ -4,9 +4,7 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "models/lighting/densenet.h"
@@ -23,7 +21,11 @@ struct LightNet {
   uint32_t training_images = 0;
 };
 
-LightNet light_net_of(const std::map<std::string, NpyArray>& arrays);
+LightNet light_net_of(const Arrays& arrays);
+
+// The network in the form in which a lighting file has it beside the bytes (runtime/asset/light.fbs): rounded only to
+// float, and not calibrated.
+std::vector<float> float_parameters(const LightNet& net);
 
 // The unit direction in the camera's frame, light, ambient, contrast.
 using LightValues = std::array<float, k_heads>;

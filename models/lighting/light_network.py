@@ -1,7 +1,7 @@
-"""The lighting network in PyTorch: DenseNet-121 by the pretrained file's names, with lanes for brightness, and its heads.
+"""The lighting network in PyTorch: DenseNet-121 with lanes for brightness, and its heads.
 
-An exported file holds the float weights as the pretrained file names them (convolutions HWIO; every batch normalisation apart
-as gamma, beta, moving_mean, moving_variance; epsilon 1.001e-5), without fc1000, and behind them
+An exported file holds the weights in float. The DenseNet's arrays have the names of the pretrained file, without fc1000.
+Convolutions are HWIO. Every batch normalisation is gamma, beta, moving_mean and moving_variance (epsilon 1.001e-5). The heads:
   latent/kernel (1024, 512), latent/bias, latent/bn/{gamma,beta,moving_mean,moving_variance} (epsilon 1e-5), then ELU,
   direction/kernel (512, 3), direction/bias (tanh, then normalised), light/..., ambient/... (3), contrast/... (1; sigmoid).
 """
@@ -26,7 +26,7 @@ LAYOUT_LAYERS = 4  # shifts by so many of the last map's 6 rows and 8 columns
 
 
 def expected(norm, at):
-    """The mean and deviation of the channels `at` behind a batch normalisation and ReLU, if they are distributed normally."""
+    """The mean and the deviation of the channels `at` after a batch normalisation and ReLU. Assumes normal distributions."""
     shift, spread = norm.bias[at].double(), norm.weight[at].double().abs() + 1e-9
     below = 0.5 * (1 + torch.erf(shift / spread / 2 ** 0.5))
     density = spread * torch.exp(-0.5 * (shift / spread) ** 2) / math.sqrt(2 * math.pi)
@@ -35,7 +35,7 @@ def expected(norm, at):
 
 
 def pass_through(norm, at):
-    """A batch normalisation that leaves the channels `at` as they are. They are not negative, so the ReLU does not change them."""
+    """Makes a batch normalisation leave the channels `at` as they are. They are not negative: the ReLU does not change them."""
     norm.weight[at], norm.bias[at], norm.running_mean[at], norm.running_var[at] = 1.0, 0.0, 0.0, 1.0 - EPSILON
 
 
@@ -86,7 +86,8 @@ class LightNet(nn.Module):
                                     (("direction", 3), ("light", 3), ("ambient", 3), ("contrast", 1))})
 
     def readers(self, stage):
-        """What reads the maps of a width: a batch normalisation, the 1 x 1 convolution behind it, and the normalisations behind that."""
+        """The layers that read the maps of one width. Each is a batch normalisation, the 1 x 1 convolution after it, and the
+        normalisations after that."""
         layers = [(layer.before, layer.narrow, [layer.between]) for layer in self.blocks[stage]]
         if stage == 3:
             return layers + [(self.last, None, [])]
@@ -94,7 +95,7 @@ class LightNet(nn.Module):
         return layers + [(transition.before, transition.narrow, [norm for norm, *_ in self.readers(stage + 1)])]
 
     def free(self, readers, at):
-        """Of the channels `at` only the means are read, and all normalisations leave them as they are."""
+        """Makes the readers use only the means of the channels `at`. All normalisations then leave these channels as they are."""
         for before, narrow, behind in readers:
             if narrow is not None:
                 constant = (narrow.weight[:, at, 0, 0].double() @ expected(before, at)[0]).float()
@@ -138,7 +139,7 @@ class LightNet(nn.Module):
         self.lanes = np.isin(np.arange(self.last.num_features), torch.cat([places[3]] + made).numpy())
 
     def trunk(self, rgb):
-        """From sRGB 0..1 to the input of the last dense block, 512 x 6 x 8."""
+        """Maps sRGB in 0..1 to the input of the last dense block, 512 x 6 x 8."""
         mean, deviation = (torch.tensor(t, device=rgb.device).view(1, 3, 1, 1) for t in (MEAN, DEVIATION))
         x = F.relu(self.stem_norm(self.stem((rgb - mean) / deviation)))
         x = F.max_pool2d(x, 3, 2, 1)
@@ -147,7 +148,7 @@ class LightNet(nn.Module):
         return x
 
     def prefix(self, trunk):
-        """The layers of the last block that do not learn."""
+        """Runs the layers of the last block that do not learn."""
         return self.blocks[3][:LAYERS[3] - self.learned](trunk)
 
     def features(self, prefix):
@@ -160,13 +161,14 @@ class LightNet(nn.Module):
                 "ambient": torch.sigmoid(out["ambient"]), "contrast": torch.sigmoid(out["contrast"])}
 
     def trusts(self):
-        """The factors of the standardised features that may be chosen."""
+        """The factors of the standardised features from which training chooses."""
         return [1.0] if self.lanes is None else [np.where(self.lanes, 1.0, trust) for trust in TRUSTS]
 
     def start_at(self, features, labels, weights, ridges, chosen_trusts=(0,) * len(GROUPS)):
-        """Starts the heads from ridge regressions of the labels on features (float64, by rows, weighted): with few places,
-        a start that gradient descent does not find. Of the latent units the first 10 * COPIES_OF_START carry the solutions, each
-        COPIES_OF_START times because of the dropout, shifted to where ELU is the identity; the others begin without effect."""
+        """Starts the heads from weighted ridge regressions of the labels on features (float64, by rows). With few places,
+        gradient descent does not find such a start. The first 10 * COPIES_OF_START latent units carry the solutions. Each
+        solution has COPIES_OF_START copies because of the dropout. They are shifted to where ELU is the identity. The other
+        units begin without effect."""
         slopes = np.zeros((features.shape[1], len(LABELS)))
         for k in set(chosen_trusts):
             regression = Regression(features, labels, weights, self.trusts()[k])
@@ -198,82 +200,70 @@ class LightNet(nn.Module):
     def heads_of(self):
         return nn.ModuleList([self.latent, self.heads])
 
-    def train_with(self, frozen_norm):
-        """Training mode, but for the statistics of the extractor's batch normalisations where those are frozen."""
+    def train_with_frozen_statistics(self):
+        """Training mode. The statistics of the DenseNet's batch normalisations stay as they are."""
         self.train()
-        if frozen_norm:
-            for module in self.modules():
-                if isinstance(module, nn.BatchNorm2d):
-                    module.eval()
+        for module in self.modules():
+            if isinstance(module, nn.BatchNorm2d):
+                module.eval()
 
     def load(self, path):
-        """The extractor of a pretrained or exported file; of an exported one the heads too. Whether there were heads."""
+        """Loads a pretrained or an exported file. Returns whether it has heads. Without them the heads stay as they are."""
         these = "name densenet121_imagenet_keras_fp32.npz or what --export wrote"
         try:
             arrays = dict(np.load(path))
         except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error):
             fail(f"'{path}' is no file of weights; {these}")
-
-        def fill(parameter, name, axes=None):
-            if name not in arrays:
-                fail(f"'{path}' has no array {name}; {these}")
-            values = arrays[name].transpose(axes) if axes and arrays[name].ndim == len(axes) else arrays[name]
-            if values.shape != tuple(parameter.shape):
-                fail(f"the array {name} of '{path}' has another shape than the network; {these}")
-            parameter.data = torch.from_numpy(np.ascontiguousarray(values, np.float32))
-
-        def norm(module, name):
-            for ours, theirs in NORM_NAMES:
-                fill(getattr(module, ours), f"{name}/{theirs}")
-
-        def conv(module, name):  # HWIO to OIHW
-            fill(module.weight, name + "/kernel", (3, 2, 0, 1))
-
-        def linear(module, name):
-            fill(module.weight, name + "/kernel", (1, 0)), fill(module.bias, name + "/bias")
-
-        self.walk(norm, conv)
         if "lanes" in arrays:
             if arrays["lanes"].shape != (self.last.num_features,):
                 fail(f"the array lanes of '{path}' has another shape than the network's features; {these}")
             self.lanes = arrays["lanes"] > 0
-        if "latent/kernel" not in arrays:
-            return False
-        self.walk_heads(norm, linear)
-        return True
+        has_heads = "latent/kernel" in arrays
+        for name, parameter, axes in self.arrays(has_heads):
+            if name not in arrays:
+                fail(f"'{path}' has no array {name}; {these}")
+            values = arrays[name].transpose(np.argsort(axes)) if arrays[name].ndim == len(axes) else arrays[name]
+            if values.shape != tuple(parameter.shape):
+                fail(f"the array {name} of '{path}' has another shape than the network; {these}")
+            parameter.data = torch.from_numpy(np.ascontiguousarray(values, np.float32))
+        return has_heads
 
     def exported(self):
         """The arrays of --export."""
-        arrays = {}
-
-        def norm(module, name):
-            for ours, theirs in NORM_NAMES:
-                arrays[f"{name}/{theirs}"] = getattr(module, ours).detach().cpu().numpy()
-
-        def conv(module, name):
-            arrays[name + "/kernel"] = np.ascontiguousarray(module.weight.detach().cpu().numpy().transpose(2, 3, 1, 0))
-
-        def linear(module, name):
-            arrays[name + "/kernel"] = np.ascontiguousarray(module.weight.detach().cpu().numpy().T)
-            arrays[name + "/bias"] = module.bias.detach().cpu().numpy()
-
-        self.walk(norm, conv), self.walk_heads(norm, linear)
+        arrays = {name: np.ascontiguousarray(parameter.detach().cpu().numpy().transpose(axes))
+                  for name, parameter, axes in self.arrays(True)}
         if self.lanes is not None:
             arrays["lanes"] = self.lanes.astype(np.float32)
         return arrays
 
-    def walk_heads(self, norm, linear):
-        linear(self.latent[0], "latent"), norm(self.latent[1], "latent/bn")
-        for name, head in self.heads.items():
-            linear(head, name)
+    def arrays(self, with_heads):
+        """The arrays of a file: the name, the parameter, and the parameter's axes in the file's order."""
+        def norm(name, module):
+            for ours, theirs in NORM_NAMES:
+                yield f"{name}/{theirs}", getattr(module, ours), (0,)
 
-    def walk(self, norm, conv):
-        """Calls norm and conv with every layer of the extractor and its name in the pretrained file."""
-        conv(self.stem, "conv1/conv"), norm(self.stem_norm, "conv1/bn"), norm(self.last, "bn")
+        def conv(name, module):  # OIHW here, HWIO in the file
+            yield name + "/kernel", module.weight, (2, 3, 1, 0)
+
+        def linear(name, module):
+            yield name + "/kernel", module.weight, (1, 0)
+            yield name + "/bias", module.bias, (0,)
+
+        yield from conv("conv1/conv", self.stem)
+        yield from norm("conv1/bn", self.stem_norm)
+        yield from norm("bn", self.last)
         for i, block in enumerate(self.blocks):
             for j, layer in enumerate(block):
                 name = f"conv{i + 2}_block{j + 1}"
-                norm(layer.before, name + "_0_bn"), conv(layer.narrow, name + "_1_conv")
-                norm(layer.between, name + "_1_bn"), conv(layer.wide, name + "_2_conv")
+                yield from norm(name + "_0_bn", layer.before)
+                yield from conv(name + "_1_conv", layer.narrow)
+                yield from norm(name + "_1_bn", layer.between)
+                yield from conv(name + "_2_conv", layer.wide)
         for i, transition in enumerate(self.transitions):
-            norm(transition.before, f"pool{i + 2}_bn"), conv(transition.narrow, f"pool{i + 2}_conv")
+            yield from norm(f"pool{i + 2}_bn", transition.before)
+            yield from conv(f"pool{i + 2}_conv", transition.narrow)
+        if with_heads:
+            yield from linear("latent", self.latent[0])
+            yield from norm("latent/bn", self.latent[1])
+            for name, head in self.heads.items():
+                yield from linear(name, head)

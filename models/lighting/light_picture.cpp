@@ -112,22 +112,7 @@ Scene scene_of(const sandglass_light_estimate& e) {
   return scene;
 }
 
-}  // namespace
-
-void draw_light_arrow(Picture* picture, Vec3 d, Colour colour) {
-  const double cx = 0.5 * picture->width, cy = 0.5 * picture->height, reach = 0.42 * picture->height;
-  const double x = cx + reach * d.x, y = cy + reach * d.y;
-  draw_line(picture, cx, cy, x, y, k_black, 5), draw_line(picture, cx, cy, x, y, colour, 3);
-  const int px = static_cast<int>(x), py = static_cast<int>(y);
-  fill_rectangle(picture, px - 6, py - 6, 13, 13, k_black), fill_rectangle(picture, px - 5, py - 5, 11, 11, colour);
-  if (d.z < 0.0) fill_rectangle(picture, px - 2, py - 2, 5, 5, k_black);
-}
-
-void paste(Picture* onto, const Picture& picture, int x, int y) {
-  for (int row = 0; row < picture.height; ++row)
-    std::copy_n(picture.at(0, row), 3 * picture.width, onto->at(x, y + row));
-}
-
+// By means over boxes, or by the nearest pixel.
 Picture scaled(const Picture& picture, int width, int height) {
   Picture out(width, height, k_black);
   const double step_x = static_cast<double>(picture.width) / width,
@@ -178,6 +163,22 @@ Picture environment_picture(const sandglass_light_estimate& estimate, int width,
   const int x = static_cast<int>(std::lround(place.u)), y = static_cast<int>(std::lround(place.v));
   fill_rectangle(&picture, x - 5, y, 11, 1, k_black), fill_rectangle(&picture, x, y - 5, 1, 11, k_black);
   return picture;
+}
+
+}  // namespace
+
+void draw_light_arrow(Picture* picture, Vec3 d, Colour colour) {
+  const double cx = 0.5 * picture->width, cy = 0.5 * picture->height, reach = 0.42 * picture->height;
+  const double x = cx + reach * d.x, y = cy + reach * d.y;
+  draw_line(picture, cx, cy, x, y, k_black, 5), draw_line(picture, cx, cy, x, y, colour, 3);
+  const int px = static_cast<int>(x), py = static_cast<int>(y);
+  fill_rectangle(picture, px - 6, py - 6, 13, 13, k_black), fill_rectangle(picture, px - 5, py - 5, 11, 11, colour);
+  if (d.z < 0.0) fill_rectangle(picture, px - 2, py - 2, 5, 5, k_black);
+}
+
+void paste(Picture* onto, const Picture& picture, int x, int y) {
+  for (int row = 0; row < picture.height; ++row)
+    std::copy_n(picture.at(0, row), 3 * picture.width, onto->at(x, y + row));
 }
 
 Picture light_picture(const Picture& photograph, const sandglass_light_estimate& estimate, const std::string& name) {

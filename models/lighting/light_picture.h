@@ -17,13 +17,7 @@ void draw_light_arrow(Picture* picture, Vec3 camera_direction, Colour colour);
 
 void paste(Picture* onto, const Picture& picture, int x, int y);
 
-// Scaled to width x height, whatever the shape was: by means over boxes, or bilinearly.
-Picture scaled(const Picture& picture, int width, int height);
-
 // `estimate.direction` must be in the camera's frame.
-Picture lit_balls(const sandglass_light_estimate& estimate, int width, int height);
-Picture environment_picture(const sandglass_light_estimate& estimate, int width, int height);
-
 Picture light_picture(const Picture& photograph, const sandglass_light_estimate& estimate, const std::string& name);
 
 }  // namespace sandglass::host

@@ -1,5 +1,5 @@
-"""Weighted ridge regressions of the labels on features. The heads of the lighting network start from them and, with few places,
-end as them."""
+"""Weighted ridge regressions of the labels on features. The heads of the lighting network start from them. With few places, they
+also end as them."""
 import numpy as np
 
 from light_data import GROUPS
@@ -15,7 +15,7 @@ def angles_deg(a, b):
 
 
 class Regression:
-    """Weighted ridge regressions of the labels on features, in float64. All ridges together cost as much as one."""
+    """Weighted ridge regressions in float64. All ridges together cost as much as one."""
 
     def __init__(self, features, labels, weights, trust=1.0):
         targets = labels.copy()
@@ -31,19 +31,19 @@ class Regression:
         self.products = self.vectors.T @ ((weights * centred).T @ (targets - self.answer))
 
     def slopes(self, ridges):
-        """The slopes for the features as they are, by columns, with one ridge for each group of labels."""
+        """The slopes for the features as they are, by columns. Each group of labels has its own ridge."""
         each = np.concatenate([np.full(g.stop - g.start, r) for g, r in zip(GROUPS, ridges)])
         return self.vectors @ (self.products / (self.values.clip(0)[:, None] + each)) / self.deviation[:, None]
 
     def errors(self, ridges, features, labels):
-        """The errors of each group of labels: the mean angle, then mean absolute differences."""
+        """The errors by group of labels: the mean angle first, then mean absolute differences."""
         out = self.answer + (features - self.mean) @ self.slopes(ridges)
         out = np.concatenate([np.tanh(out[:, :3]), 1 / (1 + np.exp(-out[:, 3:]))], 1)
         return [angles_deg(out[:, :3], labels[:, :3]).mean()] + [np.abs(out[:, g] - labels[:, g]).mean() for g in GROUPS[1:]]
 
 
 def ridge_errors(features, labels, weights, folds, judged, trust=1.0):
-    """For each ridge and group, the mean error of the `judged` rows of each fold, fitted on the other folds. None for one fold."""
+    """The mean errors of the `judged` rows, by ridge and group. Each fold is estimated from the others. None if there is one fold."""
     kinds = np.unique(folds[judged])
     if len(kinds) < 2:
         return None

@@ -10,7 +10,6 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr double k_mean[3] = {0.485, 0.456, 0.406}, k_deviation[3] = {0.229, 0.224, 0.225};
 constexpr double k_bias_limit = 1 << 28;
 constexpr double k_margin = 0.1;              // the share of a range that is added beyond the observed values
 constexpr uint64_t k_samples_an_image = 128;  // samples of products
@@ -173,8 +172,9 @@ ByteConvolution byte_convolution(const Convolution& c, const ChannelAffine* affi
 std::vector<Input> image_inputs() {
   std::vector<Input> inputs(3);
   for (size_t c = 0; c < 3; ++c) {
-    inputs[c].slope = 1 / (255 * k_deviation[c]), inputs[c].origin = 255 * k_mean[c];
-    inputs[c].mean = 255 * k_mean[c], inputs[c].variance = 255 * 255 * k_deviation[c] * k_deviation[c];
+    inputs[c].slope = 1 / (255 * k_image_deviation[c]), inputs[c].origin = 255 * k_image_mean[c];
+    inputs[c].mean = 255 * k_image_mean[c],
+    inputs[c].variance = 255 * 255 * k_image_deviation[c] * k_image_deviation[c];
   }
   return inputs;
 }
@@ -277,7 +277,7 @@ LightFile quantise(const LightNet& net, LightRanges* seen) {
     return &(*all)[i];
   };
   LightFile file;
-  for (size_t c = 0; c < 3; ++c) file.border[c] = static_cast<uint8_t>(std::nearbyint(255 * k_mean[c]));
+  for (size_t c = 0; c < 3; ++c) file.border[c] = static_cast<uint8_t>(std::nearbyint(255 * k_image_mean[c]));
   std::vector<Grid> block = grids_of(ranges.stem, true);
   file.stem = byte_convolution(net.trunk.stem, &net.trunk.stem_affine, image_inputs(), block, false);
   size_t layer = 0;

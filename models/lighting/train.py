@@ -1,33 +1,30 @@
 #!/usr/bin/env python3
 """Trains the lighting network on data sets made by `sandglass dataset`.
 
-The network is DenseNet-121 (pretrained, or as initialised), a layer of 512 with batch normalisation and ELU, and four heads:
-direction (tanh, normalised), light colour and ambient colour (sigmoid), contrast (sigmoid). The loss, (5.26) of the
-dissertation, is the mean squares with weights 5, 2, 2, 1.
+The network is DenseNet-121 with a layer of 512 (batch normalisation, ELU) and four heads: direction (tanh, normalised), light
+colour and ambient colour (sigmoid), and contrast (sigmoid). The loss is (5.26) of the dissertation: mean squares with the weights
+5, 2, 2 and 1.
 
-Folds follow locations: a location of the test fold never trains, and rows of fold -1 are for training only. There are two ways
-to train:
-  --layers last   For a CPU. Everything up to the third transition is computed once, for each image, its mirror image and a
-                  few augmented copies of both, and kept on disk. The last layers of the last dense block (--learn) and the
-                  heads learn.
-  --layers all    For a GPU. Every layer learns, with a new augmentation of every image in every epoch.
-The statistics of the pretrained batch normalisations stay as they are (with --free-norm they follow the data); their factors
-learn. The result is the mean of the weights over the last quarter of the epochs.
+Folds follow locations. A location of the test fold never trains. Rows of fold -1 are for training only. There are two ways:
+  --layers last   For a CPU. Everything up to the third transition is computed once and kept on disk: for each image, its mirror
+                  image, and a few augmented copies. The last layers of the last dense block (--learn) and the heads learn.
+  --layers all    For a GPU. Every layer learns. Every epoch augments every image anew.
+The statistics of the DenseNet's batch normalisations stay as they are. Their factors learn. The result is the mean of the weights
+over the last quarter of the epochs.
 
-A checkpoint is written after every epoch, under a temporary name that is then changed. --resume goes on from the last one and
-gives the same as an uninterrupted run. Images are 256 x 192 sRGB. Directions are in the camera's frame (x right, y down).
+Every epoch ends with a checkpoint. --resume goes on from the last one and gives the same result as a run without a break. Images
+are 256 x 192 sRGB. Directions are in the camera's frame (x right, y down).
 
-If the heads are ridge regressions, training needs only the network's features. With --features they are the runtime's features
-in bytes (`sandglass light-features`), so that the heads take the rounding into account. The strength of the ridges is chosen
-within the training folds. With --or-features, so is the set of features: each test fold is estimated from the set that was best
-for the direction when the other folds were estimated from one another.
+Heads that are ridge regressions need only features. --features takes those of the runtime, in bytes (`sandglass light-features`),
+so that the heads allow for the rounding. The training folds choose the strength of the ridges. With --or-features they also
+choose between sets of features. The training folds estimate one another, and the set with the best direction wins.
 
-ImageNet's features do not tell how bright each part of an image is, which tells most about where light comes from. --lanes keeps
-that. The channels of the pretrained network that are used least, LANES at each of its four widths, carry brightness above
-thresholds past its layers. The last LAYOUT_LAYERS layers shift it, so that averages over all pixels are also averages over parts.
-Everything else stays pretrained. How far its features are trusted is chosen within the training folds, together with the ridges.
+ImageNet's features do not tell how bright each part of an image is. But that tells most about where light comes from. --lanes
+keeps it. At each of the four widths, the LANES channels that are used least carry brightness above thresholds past the layers.
+The last LAYOUT_LAYERS layers shift it. So averages over all pixels are also averages over parts. All other channels stay as they
+are. The training folds choose how far those are trusted.
 
---export FILE writes the float weights (light_network.py), data_hash (16 hexadecimal digits of the manifests' SHA-256), seed
+--export FILE writes the weights in float (light_network.py), data_hash (16 hexadecimal digits of the manifests' SHA-256), seed
 and training_images.
 """
 import argparse
@@ -35,14 +32,13 @@ import json
 import math
 import os
 import sys
-import zipfile
 
 import numpy as np
 import torch
 import torch.nn.functional as F
 
 sys.dont_write_bytecode = True
-from light_data import (GROUPS, LABELS, Rows, cached_trunks, fail, label_of, prepared, read_features, save, to_tensor)
+from light_data import (GROUPS, LABELS, Rows, cached_trunks, fail, label_of, prepared, read_features, save, save_arrays, to_tensor)
 from light_network import LAYERS, LightNet
 from light_ridge import TRUSTS, USUAL_RIDGES, angles_deg, best_ridges, ridge_errors
 
@@ -51,7 +47,7 @@ EXTRA_WEIGHT = 0.5  # weight of made-up rooms; captured ones together have 1
 
 
 def packed(inputs):
-    """In the memory order that convolutions prefer. Features are not pixels and stay as they are."""
+    """Puts pixels into the memory order that convolutions prefer. Features stay as they are."""
     return inputs.contiguous(memory_format=torch.channels_last) if inputs.dim() == 4 else inputs
 
 
@@ -69,8 +65,8 @@ def measures(estimate, truth):
 
 
 def start_rows(arguments, rows, train_rows, net, trunk_of, device):
-    """What the heads start from: features and labels of every copy of the training images, their weights (captured ones have 1
-    together, others EXTRA_WEIGHT), and the errors of the ridges within these folds."""
+    """Returns what the heads start from: features and labels of all copies of the training images, their weights, and the
+    errors of the ridges within these folds. Captured images together have the weight 1, others EXTRA_WEIGHT."""
     last = arguments.layers == "last"
     pairs = [(i, c) for c in range(arguments.copies if last else 2) for i in train_rows]
     net.eval()
@@ -94,8 +90,8 @@ def start_rows(arguments, rows, train_rows, net, trunk_of, device):
 
 
 def start_heads(arguments, rows, train_rows, net, sources, device):
-    """Starts from the one of several sources of features whose direction is best within the training folds. Returns which one
-    that is, its ridges and trusts, and the least errors of each source within these folds."""
+    """Starts the heads from the source of features whose direction is best within the training folds. Returns the number of
+    that source, its ridges and trusts, and the least errors of every source."""
     starts = [start_rows(arguments, rows, train_rows, net, source, device) for source in sources]
     if len(sources) > 1 and starts[0][-1] is None:
         fail("--or-features chooses by the folds that train, and there are fewer than two; name more places")
@@ -113,11 +109,10 @@ def start_heads(arguments, rows, train_rows, net, sources, device):
 
 
 def batches_of(rows, train_rows, epoch, arguments):
-    """The (row, copy) pairs of one epoch in batches: captured places `repeat` times, and a share of everything else."""
+    """The (row, copy) pairs of one epoch, in batches."""
     random = np.random.default_rng([arguments.seed, epoch])  # by epoch, so that a resumed run draws the same as an unbroken one
     extra = rows.kind[train_rows] == 2
-    drawn = random.permutation(train_rows[extra])[:round(arguments.share * extra.sum())]
-    order = random.permutation(np.concatenate([drawn] + [train_rows[~extra]] * arguments.repeat))
+    order = random.permutation(np.concatenate([random.permutation(train_rows[extra]), train_rows[~extra]]))
     first, beyond = (0, arguments.copies) if arguments.layers == "last" else (2, 1 << 20)
     pairs = list(zip(order, random.integers(first, beyond, len(order))))
     batches = [pairs[at:at + arguments.batch] for at in range(0, len(pairs), arguments.batch)]
@@ -128,7 +123,6 @@ def train(arguments):
     torch.set_num_threads(arguments.threads)
     device = torch.device("cuda" if torch.cuda.is_available() and not arguments.cpu else "cpu")
     rows = Rows(arguments.dataset, arguments.views, arguments.train_only)
-    rows.excluded = arguments.exclude
     folds = [None] if arguments.all else arguments.test_fold
     for fold in folds:
         trained, tested = (len(part) for part in rows.split(fold))
@@ -158,12 +152,7 @@ def write_initial(arguments):
         net.load(arguments.weights)
     if arguments.lanes:
         net.give_lanes()
-    arrays = net.exported()
-
-    def write(path):
-        with open(path, "wb") as file:
-            np.savez(file, **arrays, seed=np.array([arguments.seed], np.float32))
-    save(arguments.export, write)
+    save_arrays(arguments.export, **net.exported(), seed=np.array([arguments.seed], np.float32))
 
 
 def train_fold(arguments, fold, rows, net, has_heads, sources, device):
@@ -195,7 +184,7 @@ def train_fold(arguments, fold, rows, net, has_heads, sources, device):
             fail(f"the checkpoint '{checkpoint}' is damaged or of another training; remove it to begin anew")
 
     def inputs_of(items, epoch):
-        """The tensors and labels of (row, copy) pairs."""
+        """The inputs and labels of (row, copy) pairs, as tensors."""
         seed = arguments.seed if last else arguments.seed + epoch
         labels = torch.from_numpy(np.stack([label_of(rows, i, c, seed) for i, c in items])).to(device)
         if last:
@@ -217,11 +206,11 @@ def train_fold(arguments, fold, rows, net, has_heads, sources, device):
         print(json.dumps(log[-1]), flush=True)
     for epoch in range(first, arguments.epochs):
         torch.manual_seed(arguments.seed * 1000 + epoch)
-        net.train_with(not arguments.free_norm)
+        net.train_with_frozen_statistics()
         total, images = 0.0, 0
         batches = batches_of(rows, train_rows, epoch, arguments)
         if not batches:
-            fail("an epoch shows fewer than two images; raise --share or name more data sets")
+            fail("an epoch shows fewer than two images; name more data sets")
         for chosen in batches:
             inputs, labels = inputs_of(chosen, epoch)
             loss = loss_of(net.estimate(inputs), labels)
@@ -255,12 +244,8 @@ def train_fold(arguments, fold, rows, net, has_heads, sources, device):
             print(k, json.dumps(result[k]), flush=True)
     save(os.path.join(arguments.output, name + ".json"), lambda path: open(path, "w").write(json.dumps(result, indent=1)))
     if arguments.export:
-        def write(path):
-            with open(path, "wb") as file:
-                np.savez(file, **net.exported(), data_hash=np.frombuffer(rows.hash().encode(), np.uint8),
-                         seed=np.array([arguments.seed], np.float32),
-                         training_images=np.array([len(train_rows)], np.float32))
-        save(arguments.export, write)
+        save_arrays(arguments.export, **net.exported(), data_hash=np.frombuffer(rows.hash().encode(), np.uint8),
+                    seed=np.array([arguments.seed], np.float32), training_images=np.array([len(train_rows)], np.float32))
 
 
 class Parser(argparse.ArgumentParser):
@@ -269,7 +254,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def number(kind, low, high=math.inf, above=False):
-    """The type of an option: a number from `low` on (or above `low`) up to `high`."""
+    """The type of an option: a number from `low` to `high`. With `above`, it is greater than `low`."""
     def read(text):
         value = kind(text)
         if not (low < value if above else low <= value) or not value <= high or not math.isfinite(value):
@@ -280,32 +265,12 @@ def number(kind, low, high=math.inf, above=False):
     return read
 
 
-def check_import(weights, reference):
-    """Compares the pretrained network with the reference outputs beside it. Exit code 1 if a feature differs by over 1e-3."""
-    net = LightNet()
-    net.load(weights)
-    net.eval()
-    try:
-        truth, worst = dict(np.load(reference)), 0.0
-        assert all(name + end in truth for name in ("bird", "parrot", "cat") for end in ("/rgb_u8", "/feat1024"))
-    except (OSError, ValueError, TypeError, EOFError, zipfile.BadZipFile, AssertionError):
-        fail(f"'{reference}' holds no reference outputs; name densenet121_reference_outputs.npz")
-    for name in ("bird", "parrot", "cat"):
-        with torch.no_grad():
-            features = net.features(net.prefix(net.trunk(to_tensor([truth[name + "/rgb_u8"]], "cpu"))))[0].numpy()
-        worst = max(worst, float(np.abs(features - truth[name + "/feat1024"]).max()))
-    print(f"greatest difference of a feature {worst:.2g}")
-    return 0 if worst <= 1e-3 else 1
-
-
 def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("dataset", nargs="*", help="folders made by `sandglass dataset`")
     parser.add_argument("--views", nargs="*", default=[], help="folders with more views of the same places, to train on")
     parser.add_argument("--train-only", nargs="*", default=[], help="further folders that never test (made-up rooms)")
-    parser.add_argument("--exclude", nargs="*", default=[], help="places that never train (their licence forbids it)")
     parser.add_argument("--weights", help="densenet121_imagenet_keras_fp32.npz or an exported file; without it, random")
-    parser.add_argument("--check-import", metavar="REFERENCE", help="only compare the imported weights with this file")
     parser.add_argument("-o", "--output", default=".", help="folder for checkpoints, results and cached trunks")
     parser.add_argument("--cache", help="another folder for the cached trunks")
     parser.add_argument("--export", metavar="FILE", help="write the trained weights as .npz")
@@ -321,24 +286,17 @@ def main():
     parser.add_argument("--learn", type=int, choices=range(17), default=6, metavar="N",
                         help="how many of the last block's 16 layers learn with --layers last")
     parser.add_argument("--copies", type=number(int, 1), default=4, help="cached copies of an image, its mirror image among them")
-    parser.add_argument("--repeat", type=number(int, 1), default=1, help="how often an epoch shows a captured image")
-    parser.add_argument("--share", type=number(float, 0.0, 1.0), default=1.0, help="of the --train-only images that an epoch shows")
     parser.add_argument("--epochs", type=number(int, 0), default=24, help="0 only tests the weights")
     parser.add_argument("--batch", type=number(int, 2), default=64)
     parser.add_argument("--rate", type=number(float, 0.0, above=True), default=1e-3, help="of the heads")
     parser.add_argument("--extractor-rate", type=number(float, 0.0), default=0.3, help="of the DenseNet's layers, over that of the heads")
     parser.add_argument("--decay", type=number(float, 0.0), default=1e-2, help="of the weights, decoupled")
     parser.add_argument("--dropout", type=number(float, 0.0, 0.99), default=0.3)
-    parser.add_argument("--free-norm", action="store_true", help="batch normalisations follow the data (random start)")
     parser.add_argument("--seed", type=number(int, 0, 2**32 - 1), default=1)
     parser.add_argument("--threads", type=number(int, 1, 256), default=1)
     parser.add_argument("--cpu", action="store_true", help="even where there is a GPU")
     parser.add_argument("--resume", action="store_true")
     arguments = parser.parse_args()
-    if arguments.check_import:
-        if not arguments.weights:
-            fail("--check-import compares weights; name them with --weights")
-        return check_import(arguments.weights, arguments.check_import)
     if arguments.lanes and not (arguments.initial and arguments.weights):
         fail("--lanes changes weights as they begin; name them with --weights, beside --initial")
     if arguments.initial:

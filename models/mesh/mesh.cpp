@@ -52,16 +52,6 @@ void count_edges(const Mesh& mesh, MeshReport* report) {
   }
 }
 
-bool is_flat(const Mesh& mesh, size_t first_index) {
-  std::array<double, 3> e, f;
-  for (size_t k = 0; k < 3; ++k) {
-    const double a = mesh.vertices[3 * mesh.indices[first_index] + k];
-    e[k] = mesh.vertices[3 * mesh.indices[first_index + 1] + k] - a;
-    f[k] = mesh.vertices[3 * mesh.indices[first_index + 2] + k] - a;
-  }
-  return e[1] * f[2] == e[2] * f[1] && e[2] * f[0] == e[0] * f[2] && e[0] * f[1] == e[1] * f[0];
-}
-
 }  // namespace
 
 std::string describe_faults(const MeshReport& report) {
@@ -112,8 +102,8 @@ MeshResult clean_mesh(const std::vector<float>& vertices, const std::vector<uint
       ++result.report.degenerate_triangles;
       continue;
     }
+    // A triangle whose corners lie in line is kept, because its neighbours close against it.
     result.mesh.indices.insert(result.mesh.indices.end(), {a, b, c});
-    result.report.flat_triangles += is_flat(result.mesh, result.mesh.indices.size() - 3);
   }
   if (result.mesh.indices.empty()) return fail("has only degenerate triangles. Export it again at a larger scale.");
   count_edges(result.mesh, &result.report);

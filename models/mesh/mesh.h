@@ -21,7 +21,6 @@ struct Mesh {
 struct MeshReport {
   uint32_t merged_vertices = 0;       // had the position of another vertex
   uint32_t degenerate_triangles = 0;  // had two equal corners; dropped
-  uint32_t flat_triangles = 0;        // three corners in line; kept, because neighbours close against them
   uint32_t boundary_edges = 0;        // belong to one triangle
   uint32_t non_manifold_edges = 0;    // belong to three or more triangles
   uint32_t inconsistent_edges = 0;    // belong to two triangles that run the same way

@@ -7,6 +7,7 @@
 #include "models/files/atomic_file.h"
 #include "models/laboratory/measurement_json.h"
 #include "models/program/commands.h"
+#include "models/program/nearest_name.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {

@@ -11,7 +11,7 @@
 
 namespace sandglass::host {
 
-// Of all suites; suite_options.cpp says which takes what.
+// Of all suites; bench.cpp says which takes what.
 struct BenchOptions {
   std::string json, out, isa = "automatic", mesh = "chair", network;
   std::vector<std::string> assets;
@@ -19,14 +19,6 @@ struct BenchOptions {
   bool peers = false;
   std::vector<uint32_t> threads = {1}, thresholds;
 };
-
-// One function a suite (bench_granular.cpp ...); each returns the exit code.
-int bench_granular_command(const BenchOptions& options);
-int bench_ladder_command(const BenchOptions& options);
-int bench_growth_command(const BenchOptions& options);
-int bench_shadow_command(const BenchOptions& options);
-int bench_lighting_command(const BenchOptions& options);
-int bench_machine_command(const BenchOptions& options);
 
 struct Bench {
   std::string suite;
@@ -38,12 +30,22 @@ struct Bench {
   enum class Kernels { sand, bytes };
   Bench(const std::string& suite, const std::string& isa, Kernels kernels);
 
-  void keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads = 1);
-  void keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads,
-            const std::string& kernels);
-  // Writes what was kept to `json`, if that names a file, and returns the exit code.
-  int finish(const std::string& json) const;
+  // `kernels`: what computed it; empty: isa_name.
+  void keep(const std::string& scene, const char* metric, const char* unit, double value, uint32_t threads = 1,
+            const std::string& kernels = "");
 };
+
+// One function a suite (bench_sand.cpp ...).
+using BenchSuite = void (*)(const BenchOptions& options, Bench* bench);
+void bench_granular(const BenchOptions& options, Bench* bench);
+void bench_ladder(const BenchOptions& options, Bench* bench);
+void bench_growth(const BenchOptions& options, Bench* bench);
+void bench_shadow(const BenchOptions& options, Bench* bench);
+void bench_lighting(const BenchOptions& options, Bench* bench);
+void bench_machine(const BenchOptions& options, Bench* bench);
+
+// Runs a suite, writes what it kept, and returns the exit code.
+int run_bench(const char* name, Bench::Kernels kernels, BenchSuite suite, const BenchOptions& options);
 
 // A table of scenes: one row a run, with its times and the errors of the same run.
 class SceneTable {

@@ -5,8 +5,6 @@
 #include "models/laboratory/light/lighting_bench.h"
 #include "models/lighting/excerpts.h"
 #include "models/program/bench.h"
-#include "models/program/commands.h"
-#include "models/work/progress.h"
 
 namespace sandglass::host {
 
@@ -63,7 +61,9 @@ void print_operators(const LightingBench& result) {
   std::puts("");
 }
 
-void measure(const BenchOptions& options, Bench* bench) {
+}  // namespace
+
+void bench_lighting(const BenchOptions& options, Bench* bench) {
   const bool shipped = options.network.empty();
   const std::string asset = shipped ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.network;
   const std::string content = read_file(asset, "lighting network");
@@ -81,15 +81,6 @@ void measure(const BenchOptions& options, Bench* bench) {
   print_and_keep_images(result, bench);
   print_operators(result);
   if (!result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
-}
-
-}  // namespace
-
-int bench_lighting_command(const BenchOptions& options) {
-  listen_for_interrupt();
-  Bench measured("lighting", options.isa, Bench::Kernels::bytes);
-  measure(options, &measured);
-  return measured.finish(options.json);
 }
 
 }  // namespace sandglass::host

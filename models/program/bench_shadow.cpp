@@ -6,7 +6,7 @@
 #include "models/laboratory/shadow/shadow_bench.h"
 #include "models/laboratory/shadow/shadow_curves.h"
 #include "models/program/bench.h"
-#include "models/program/commands.h"
+#include "models/program/nearest_name.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
@@ -60,7 +60,9 @@ void draw_curves(const BenchOptions& options, const std::vector<NamedShadow>& fi
   std::printf("plot           %s/shadow_curves.png\n", options.out.c_str());
 }
 
-void measure(const BenchOptions& options, Bench* bench) {
+}  // namespace
+
+void bench_shadow(const BenchOptions& options, Bench* bench) {
   if (options.assets.size() > 1 && options.out.empty())
     throw cannot("measure", options.assets[1], "shadows after the first are only drawn", "Name a folder with --out");
   const std::vector<NamedShadow> files = read_shadows(options);
@@ -72,15 +74,6 @@ void measure(const BenchOptions& options, Bench* bench) {
   print_and_keep(result.rows, bench);
   if (!interrupted() && !result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
   if (!options.out.empty() && !interrupted()) draw_curves(options, files, mesh, bench);
-}
-
-}  // namespace
-
-int bench_shadow_command(const BenchOptions& options) {
-  listen_for_interrupt();
-  Bench measured("shadow", options.isa, Bench::Kernels::bytes);
-  measure(options, &measured);
-  return measured.finish(options.json);
 }
 
 }  // namespace sandglass::host

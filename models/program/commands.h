@@ -8,12 +8,8 @@
 
 #include "models/laboratory/light/ceiling.h"
 #include "models/lighting/dataset.h"
-#include "models/mesh/mesh.h"
 #ifdef SANDGLASS_HAVE_BAKE
 #include "models/baking/bake.h"
-#endif
-#ifdef SANDGLASS_HAVE_VIEW
-#include "models/view/window.h"
 #endif
 
 namespace sandglass::host {
@@ -22,7 +18,7 @@ namespace sandglass::host {
 constexpr int k_exit_done = 0, k_exit_check_failed = 1, k_exit_bad_input = 2, k_exit_interrupted = 130;
 
 struct RunOptions {
-  std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, dump, out;
+  std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, out;
   std::string panorama, photo, asset, light, network;
   uint32_t frames = 0, threads = 1;  // frames 0: the scene's
   double budget_ms = -1.0;           // below 0: the scene's
@@ -44,14 +40,12 @@ struct InspectOptions {
 };
 int inspect_command(const InspectOptions& options);
 
-enum class SampleWhat { surface, volume, lattice, disk, sphere, ring };
 struct SampleOptions {
-  std::string mesh;  // a file, or the name of a generated mesh
-  SampleWhat what = SampleWhat::surface;
-  uint32_t kinds = 0;   // how many of them the command line names
-  double distance = 0;  // metres; of disk, sphere and ring the mean spacing follows from `count`
-  uint32_t count = 0;   // points of a disk, sphere or ring of radius 1
-  std::vector<double> polar_deg = {0.0, 45.0};  // of a ring
+  std::string mesh;                                       // a file, or the name of a generated mesh
+  bool surface = false, volume = false, lattice = false;  // of the mesh
+  uint32_t disk = 0, sphere = 0, ring = 0;                // points of one of radius 1
+  double distance = 0;                                    // metres; of disk, sphere and ring it follows from the number
+  std::vector<double> polar_deg = {0.0, 45.0};            // of a ring
   uint64_t seed = 1;
   bool geodesic = false;  // surface only
   std::string picture, spectrum, output;
@@ -99,12 +93,5 @@ int bake_command(const BakeOptions& options);
 bool read_degrees(const std::string& text, double* value);      // "20" or "20deg"
 bool read_shape(const std::string& text, NetworkShape* shape);  // "128x2"
 #endif
-
-#ifdef SANDGLASS_HAVE_VIEW
-int view_command(const ViewOptions& options);
-#endif
-
-// The mesh that a command line names: a generated one (models/mesh/generated.h), or a file.
-MeshResult named_mesh(const std::string& name_or_file);
 
 }  // namespace sandglass::host

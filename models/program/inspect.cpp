@@ -8,12 +8,12 @@
 #include "models/files/failure.h"
 #include "models/mesh/mesh.h"
 #include "models/program/commands.h"
-#include "models/simulation/body_meshes.h"
 #include "models/simulation/recording.h"
 #include "models/simulation/scene_file.h"
 #include "models/simulation/scene_fill.h"
+#include "models/simulation/scene_meshes.h"
+#include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
-#include "models/simulation/standing_shadows.h"
 #include "runtime/asset/light_asset.h"
 #include "sandglass/light.h"
 #include "sandglass/shadow.h"
@@ -145,27 +145,24 @@ void inspect_mesh(const std::string& path, const std::string&) {
   if (!faults.empty()) std::printf("  faults       %s\n", faults.c_str());
 }
 
-// Only scenes use `mesh`.
-void inspect(const std::string& file, const std::string& mesh) {
+}  // namespace
+
+int inspect_command(const InspectOptions& options) {
+  const auto& [file, mesh] = options;  // only scenes use the mesh
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) return inspect_scene(find_scene(file), mesh);
-  const std::string content = read_file(file, "file");
-  if (content.empty()) throw cannot("inspect", file, "the file is empty", "Name another");
+  const bool is_file = std::filesystem::exists(file, error);
+  const std::string content = is_file ? read_file(file, "file") : "";
+  if (is_file && content.empty()) throw cannot("inspect", file, "the file is empty", "Name another");
   const size_t first = content.find_first_not_of(" \t\r\n");
   const auto has_identifier = [&](const char* name) { return content.size() > 8 && content.compare(4, 4, name) == 0; };
   void (*of_kind)(const std::string& file, const std::string& content) = inspect_mesh;
   if (content.starts_with(k_recording_magic)) of_kind = inspect_recording;
   else if (has_identifier(k_shadow_identifier)) of_kind = inspect_shadow_file;
   else if (has_identifier(k_light_identifier)) of_kind = inspect_light;
-  else if (first != std::string::npos && content[first] == '{') return inspect_scene(file, mesh);
-  if (!mesh.empty()) throw cannot("use --mesh with", file, "the file is no scene", "Leave --mesh out");
-  of_kind(file, content);
-}
-
-}  // namespace
-
-int inspect_command(const InspectOptions& options) {
-  inspect(options.file, options.mesh);
+  else if (!is_file || (first != std::string::npos && content[first] == '{')) of_kind = inspect_scene;
+  if (!mesh.empty() && of_kind != inspect_scene)
+    throw cannot("use --mesh with", file, "the file is no scene", "Leave --mesh out");
+  of_kind(file, of_kind == inspect_scene ? mesh : content);
   return k_exit_done;
 }
 

@@ -1,15 +1,15 @@
 // `sandglass light IMAGE... -o DIR`: the light of photographs, as numbers and as pictures.
 #include <cstdio>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/files/picture_file.h"
+#include "models/files/image.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/room_light.h"
 #include "models/program/commands.h"
+#include "models/report/report.h"
 #include "models/work/progress.h"
 
 namespace sandglass::host {
@@ -18,22 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr size_t k_sheet_rows = 24;  // pictures on the sheet
-
-nlohmann::json json_of(const LightOptions& options, const std::string& path, const sandglass_light_estimate& world) {
-  const sandglass_light_estimate e = in_camera_frame(world);
-  const auto triple = [](const float* v) { return nlohmann::json{v[0], v[1], v[2]}; };
-  nlohmann::json json;
-  json["image"] = path;
-  json["field_of_view_deg"] = options.fov_deg, json["turn_deg"] = options.turn_deg;
-  // Both point towards the light. In the camera's axes x is right, y down and z forward. In the world's axes, for a
-  // level camera that looks along -z, x is right and y is up.
-  json["direction_camera"] = triple(e.direction);
-  json["direction_world"] = triple(world.direction);
-  json["light"] = triple(e.light), json["ambient"] = triple(e.ambient);
-  json["contrast"] = e.contrast, json["strength"] = e.strength;
-  json["sh"] = std::vector<float>(world.sh, world.sh + 27);
-  return json;
-}
 
 // The picture, turned clockwise by quarters of a turn.
 Picture turned(const Picture& picture, uint32_t degrees) {
@@ -60,7 +44,10 @@ std::vector<std::string> outputs_of(const LightOptions& options) {
   return outputs;
 }
 
-int estimate_all(const LightOptions& options) {
+}  // namespace
+
+int light_command(const LightOptions& options) {
+  listen_for_interrupt();
   RoomLight light(options.network);
   // A photograph that cannot be read is reported before anything is written.
   std::vector<Picture> pictures;
@@ -87,7 +74,8 @@ int estimate_all(const LightOptions& options) {
     const std::string name = fs::path(outputs[i]).filename().string();
     const Picture drawn = light_picture(turned(pictures[i], options.turn_deg), e, name);
     write_png(outputs[i] + ".png", drawn);
-    write_file(outputs[i] + ".json", json_of(options, options.images[i], world).dump(2) + "\n");
+    write_file(outputs[i] + ".json",
+               light_estimate_json(options.images[i], options.fov_deg, options.turn_deg, e, world));
     std::printf("%-24s towards the light %6.3f right %6.3f down %6.3f forward, contrast %.2f, light %.2f %.2f %.2f\n",
                 name.c_str(), static_cast<double>(e.direction[0]), static_cast<double>(e.direction[1]),
                 static_cast<double>(e.direction[2]), static_cast<double>(e.contrast), static_cast<double>(e.light[0]),
@@ -98,13 +86,6 @@ int estimate_all(const LightOptions& options) {
   if (interrupted()) return k_exit_interrupted;
   if (sheet.size() > 1) write_png(sheet_path, picture_grid(sheet, 1, 4));
   return 0;
-}
-
-}  // namespace
-
-int light_command(const LightOptions& options) {
-  listen_for_interrupt();
-  return estimate_all(options);
 }
 
 }  // namespace sandglass::host

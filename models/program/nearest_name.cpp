@@ -1,6 +1,10 @@
 #include "models/program/nearest_name.h"
 
 #include <algorithm>
+#include <filesystem>
+
+#include "models/files/failure.h"
+#include "models/mesh/generated.h"
 
 namespace sandglass::host {
 
@@ -44,6 +48,17 @@ std::string list_of(const std::vector<std::string>& names, const std::string& la
   for (size_t i = 0; i < names.size(); ++i)
     list += (i == 0 ? "" : i + 1 < names.size() ? ", " : " " + last + " ") + names[i];
   return list;
+}
+
+MeshResult named_mesh(const std::string& name_or_file) {
+  MeshResult result = make_named(name_or_file);
+  if (result) return result;
+  if (std::error_code error; !std::filesystem::exists(name_or_file, error))
+    throw cannot("find", name_or_file, "no file and no generated mesh has this name",
+                 "Name a mesh file, or " + list_of(mesh_names(), "or"));
+  result = load_mesh(name_or_file);
+  if (!result) throw Failure(result.error);
+  return result;
 }
 
 }  // namespace sandglass::host

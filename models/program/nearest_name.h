@@ -1,8 +1,10 @@
-// Names for messages: the nearest one to a mistyped word, and lists of them.
+// Names on the command line: the nearest one to a mistyped word, lists of them, and the mesh that a name stands for.
 #pragma once
 
 #include <string>
 #include <vector>
+
+#include "models/mesh/mesh.h"
 
 namespace sandglass::host {
 
@@ -15,6 +17,9 @@ std::string suggestion(const std::string& word, const std::vector<std::string>& 
 
 // "a, b or c"
 std::string list_of(const std::vector<std::string>& names, const std::string& last);
+
+// A generated mesh (models/mesh/generated.h), or the mesh of a file. A Failure names what cannot be read.
+MeshResult named_mesh(const std::string& name_or_file);
 
 inline std::string in_quotes(const std::string& text) { return '"' + text + '"'; }
 

@@ -1,13 +1,230 @@
-// `sandglass run`: fills a scene with sand, runs its frames under the budget, reports, and ends with the hash of the
-// final state.
+// `sandglass run`: how it starts (the scene, what the options change in it, and everything that its frames need), and its
+// frames. It ends with the hash of the final state.
 #include "models/program/run.h"
 
+#include <algorithm>
 #include <cstdio>
 
-#include "models/program/commands.h"
+#include "models/files/atomic_file.h"
+#include "models/files/failure.h"
 #include "models/work/progress.h"
+#include "platform/clock.h"
 
 namespace sandglass::host {
+
+namespace {
+
+// The virtual clock advances by this much at every reading, and the library reads it once or twice a work unit. So a
+// plan depends only on the scene and the budget.
+constexpr uint64_t k_virtual_step_ns = 5'000;
+
+// The positions without those of removed particles.
+std::vector<float> present(const std::vector<float>& positions) {
+  std::vector<float> left;
+  left.reserve(positions.size());
+  for (size_t i = 0; i < positions.size(); i += 3)
+    if (positions[i + 1] != SANDGLASS_REMOVED_Y) left.insert(left.end(), &positions[i], &positions[i] + 3);
+  return left;
+}
+
+}  // namespace
+
+Run::Run(const RunOptions& options) : options_(options), scene_(load_scene(options.scene)) {
+  if (options_.frames > 0) scene_.frames = options_.frames;
+  if (options_.budget_ms >= 0.0) scene_.budget_ms = options_.budget_ms;
+  const sandglass_isa isa = find_isa(options_.isa);
+  load_replay();
+  if (!options_.out.empty()) make_folder(options_.out);
+  replace_shadow();
+  take_shot();
+  const LoadedMeshes meshes(scene_, options_.mesh);
+  if (!meshes.note().empty()) std::fprintf(stderr, "sandglass: note: %s\n", meshes.note().c_str());
+  const Material material = fill_scene(&scene_, meshes.bodies());
+  fields_.emplace(&scene_, options_.collider_mesh);
+  simulation_.emplace(describe(material, isa));
+  simulation_->add(material);
+  shadows_.emplace(scene_, isa);
+  if (scene_.pile_shadow) {
+    pile_.emplace(*scene_.pile_shadow, isa);
+    simulation_->cast(pile_->handle());
+  }
+  begin_report();
+  if (!options_.out.empty()) {
+    std::vector<sandglass_collider> colliders = colliders_over_frame(scene_, 0);
+    add_rigid_shapes(scene_, simulation_->handle(), 0.0, &colliders);
+    take_snapshot(0, std::move(colliders));
+  }
+  expect_start(sandglass_scene_hash(simulation_->handle()));
+}
+
+void Run::load_replay() {
+  if (options_.replay.empty()) return;
+  recording_ = load_recording(options_.replay);
+  if (recording_.frames.empty())
+    throw cannot("replay", options_.replay, "the recording holds no frame", "Record the run again");
+  const size_t frames = recording_.frames.size();
+  scene_.frames = static_cast<uint32_t>(options_.frames > 0 ? std::min<size_t>(options_.frames, frames) : frames);
+}
+
+void Run::expect_start(uint64_t start_hash) {
+  if (options_.replay.empty()) {
+    recording_.scene_name = scene_.name;
+    recording_.start_hash = start_hash;
+  } else if (recording_.start_hash != start_hash) {
+    throw cannot("replay", options_.replay,
+                 "it was recorded from scene \"" + recording_.scene_name + "\" in another state than scene \"" +
+                     scene_.name + "\" starts in",
+                 "Name that scene and the same --mesh");
+  }
+}
+
+void Run::replace_shadow() {
+  if (options_.asset.empty()) return;
+  const auto standing = std::find_if(scene_.colliders.begin(), scene_.colliders.end(),
+                                     [](const ColliderTrack& track) { return !track.shadow.empty(); });
+  if (standing == scene_.colliders.end())
+    throw cannot("use --asset with", scene_.source, "the scene has no object with a baked shadow", "Leave --asset out");
+  standing->shadow = options_.asset;
+}
+
+void Run::take_shot() {
+  const bool asked =
+      !options_.panorama.empty() || !options_.photo.empty() || !options_.light.empty() || !options_.network.empty();
+  if (!scene_.shot && asked)
+    throw cannot("use --panorama, --photo, --light or --network with", scene_.source, "the scene is no shot",
+                 "Leave them out, or run a shot, such as \"shot\"");
+  if (!scene_.shot) return;
+  if (!options_.network.empty() && !options_.light.empty() && options_.light != name_of(LightSource::estimate))
+    throw Failure("cannot use \"--network\" with \"--light " + options_.light +
+                  "\": a network estimates the light. Leave one of them out.");
+  if (!options_.collider_mesh.empty() && options_.asset.empty())
+    throw Failure(
+        "cannot use \"--object\" without \"--asset\": the object needs its own shadow. Bake it with sandglass bake and "
+        "name it with --asset.");
+  ShotOptions o;
+  o.panorama = options_.panorama, o.photo = options_.photo, o.photo_fov_deg = options_.fov_deg;
+  o.mesh = options_.collider_mesh, o.folder = options_.out, o.threads = drawing_threads();
+  for (const LightSource source : {LightSource::labels, LightSource::estimate, LightSource::arbitrary})
+    if (options_.light == name_of(source)) o.light = source;
+  o.network = options_.network, o.isa = find_isa(options_.isa);
+  shot_.emplace(scene_, o);
+}
+
+sandglass_scene_desc Run::describe(const Material& material, sandglass_isa isa) {
+  sandglass_scene_desc desc = describe_filled(scene_, material);
+  desc.isa = isa;
+  if (options_.clock == "virtual") {
+    virtual_time_.step_ns = k_virtual_step_ns;
+    desc.clock = virtual_clock(&virtual_time_);
+  } else {
+    desc.clock = sandglass_clock_system();
+  }
+  pool_.emplace(options_.threads);
+  desc.parallel = pool_->hook();
+  if (!options_.out.empty()) desc.trace = recorder_.hook();
+  return desc;
+}
+
+void Run::begin_report() {
+  report_.scene = scene_.name;
+  report_.isa = sandglass_isa_name(sandglass_scene_isa(simulation_->handle()));
+  if (!shadows_->handles().empty()) {
+    const std::string of_bytes = sandglass_isa_name(sandglass_shadow_isa(shadows_->handles()[0]));
+    if (of_bytes != report_.isa) report_.isa += ", shadows " + of_bytes;
+  }
+  report_.clock = options_.replay.empty() ? options_.clock : "replay";
+  report_.light = shot_ ? name_of(shot_->source()) : scene_.light ? "scene's light" : "";
+  report_.threads = options_.threads;
+  report_.memory_bytes = simulation_->bytes();
+}
+
+uint64_t Run::hash() const {
+  const uint64_t of_pile = pile_ ? sandglass_pile_shadow_hash(pile_->handle()) : 0;
+  return sandglass_scene_hash(simulation_->handle()) + shadows_->hash() + of_pile;
+}
+
+// The light with which the frame is drawn.
+FrameLight Run::light_of(uint32_t frame) const {
+  FrameLight light;
+  if (!shot_ && !scene_.light) return light;
+  ShotLight now;
+  if (shot_) now = shot_->light(frame);
+  else now.towards = scene_.light->towards(static_cast<double>(frame) / scene_.frames);
+  const auto put = [](Vec3 from, double(&to)[3]) { to[0] = from.x, to[1] = from.y, to[2] = from.z; };
+  light.known = true, light.coloured = shot_.has_value();
+  put(normalised(now.towards), light.towards), put(now.light, light.light), put(now.ambient, light.ambient);
+  light.contrast = now.contrast, light.confidence = now.confidence;
+  return light;
+}
+
+// Runs one frame, by clock and budget or as recorded.
+sandglass_frame_report Run::advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
+  if (shot_) simulation_->see(shot_->estimator(), shot_->image());
+  if (shot_ || scene_.light) {
+    const Vec3 towards =
+        shot_ ? shot_->light(frame).towards : scene_.light->towards(static_cast<double>(frame) / scene_.frames);
+    shadows_->set_light(scene_, frame, towards);
+    if (pile_) pile_->set_light(towards);
+  }
+  simulation_->flow(flow_over_frame(scene_, frame * scene_.frame_step));
+  if (options_.replay.empty()) {
+    *colliders = colliders_over_frame(scene_, frame);
+    add_rigid_shapes(scene_, simulation_->handle(), scene_.frame_step, colliders);
+    return simulation_->frame(scene_.frame_step, static_cast<uint64_t>(scene_.budget_ms * 1e6), *colliders, nullptr,
+                              shadows_->handles());
+  }
+  const RecordedFrame& recorded = recording_.frames[frame];
+  *colliders = recorded.colliders;
+  // A recording names only the shapes. The fields behind them come from the scene.
+  for (size_t i = 0; i < colliders->size() && i < scene_.colliders.size(); ++i)
+    (*colliders)[i].field = scene_.colliders[i].field;
+  return simulation_->frame(static_cast<double>(recorded.time_step), recorded.budget_ns, *colliders, &recorded.plan,
+                            shadows_->handles());
+}
+
+void Run::take_snapshot(uint32_t frame, std::vector<sandglass_collider> colliders) {
+  Snapshot snapshot;
+  snapshot.frame = frame, snapshot.time = frame * scene_.frame_step;
+  snapshot.grains = present(simulation_->grain_positions()),
+  snapshot.particles = present(simulation_->particle_positions());
+  snapshot.shadows = shadows_->drawn(colliders);
+  if (pile_) snapshot.pile = {pile_->drawn(false)}, snapshot.pile_surface = {pile_->drawn(true)};
+  snapshot.colliders = std::move(colliders);
+  if (scene_.light) snapshot.to_light = scene_.light->towards(static_cast<double>(frame) / scene_.frames);
+  if (shot_) snapshot.to_light = shot_->light(frame).towards;
+  snapshots_.push_back(std::move(snapshot));
+}
+
+void Run::execute() {
+  const uint32_t particles = static_cast<uint32_t>(simulation_->particle_positions().size() / 3);
+  const uint32_t grains = static_cast<uint32_t>(simulation_->grain_positions().size() / 3);
+  const uint32_t step = snapshot_step(scene_.frames, scene_.frame_step, particles, grains);
+  const sandglass_clock cpu = clock_thread_cpu();
+  Progress progress("simulating " + scene_.name, scene_.frames);
+  for (uint32_t frame = 0; frame < scene_.frames && !interrupted(); ++frame) {
+    std::vector<sandglass_collider> colliders;
+    FrameRow row = {};
+    if (shot_) shot_->begin(frame);  // makes the camera's image, which a real app gets from its camera
+    row.begin_ns = recorder_.now_ns();
+    const uint64_t cpu_from = cpu.now_ns(cpu.user);
+    row.report = advance(frame, &colliders);
+    row.cpu_ms = static_cast<double>(cpu.now_ns(cpu.user) - cpu_from) * 1e-6;
+    row.wall_ms = static_cast<double>(recorder_.now_ns() - row.begin_ns) * 1e-6;
+    row.light = light_of(frame);
+    report_.frames.push_back(row);
+    if (!options_.record.empty())
+      recording_.frames.push_back(
+          {static_cast<float>(scene_.frame_step), row.report.budget_ns, colliders, row.report.plan});
+    if (!options_.out.empty() && ((frame + 1) % step == 0 || frame + 1 == scene_.frames))
+      take_snapshot(frame + 1, colliders);
+    progress.done(frame + 1);
+  }
+  report_.interrupted = interrupted();
+  if (report_.interrupted && !options_.out.empty())
+    std::fprintf(stderr, "sandglass: interrupted; reports and sheet of %zu frames follow. Ctrl-C again ends at once.\n",
+                 report_.frames.size());
+  report_.units = std::move(recorder_.events);
+}
 
 int run_command(const RunOptions& options) {
   listen_for_interrupt();

@@ -1,10 +1,9 @@
-// One run of a scene, for `sandglass run`: it starts (run_start.cpp), executes its frames (run_frames.cpp), and writes
+// One run of a scene, for `sandglass run`: it starts and executes its frames (run.cpp), and writes
 // what came of them (run_results.cpp).
 #pragma once
 
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "models/compositing/shot.h"
@@ -12,14 +11,12 @@
 #include "models/report/pictures.h"
 #include "models/report/report.h"
 #include "models/report/report_page.h"
-#include "models/simulation/body_meshes.h"
-#include "models/simulation/collision_fields.h"
-#include "models/simulation/pile_shadow.h"
 #include "models/simulation/recording.h"
 #include "models/simulation/scene_file.h"
 #include "models/simulation/scene_fill.h"
+#include "models/simulation/scene_meshes.h"
+#include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
-#include "models/simulation/standing_shadows.h"
 #include "models/work/thread_pool.h"
 #include "platform/virtual_clock.h"
 

@@ -1,12 +1,21 @@
-// `sandglass verify SUITE`: measures claims against their truth, and wrong settings that must fail them.
+// `sandglass verify SUITE`: measures claims against their truth, and wrong settings that must fail them. Here are the
+// options of the suites, what the suites share, and the suite of sand.
 #include "models/program/verify.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
 #include "models/files/atomic_file.h"
+#include "models/files/failure.h"
+#include "models/laboratory/sand/granular_plots.h"
+#include "models/laboratory/sand/physics_cases.h"
+#include "models/program/command_line.h"
 #include "models/program/commands.h"
+#include "models/program/nearest_name.h"
+#include "models/simulation/simulation.h"
+#include "models/work/progress.h"
 
 namespace sandglass::host {
 
@@ -18,26 +27,18 @@ const char* outcome_of(const Verdict& v) {
   return std::isinf(v.limit) ? "reported" : "pass";
 }
 
-std::string number(double value) {
+std::string number_text(double value) {
   char text[32];
   if (std::isinf(value)) return "";
   std::snprintf(text, sizeof text, "%.5g", value);
   return text;
 }
 
-std::string table_csv(const std::vector<Verdict>& rows) {
-  std::string text = "case,claim,unit,truth,result,limit,control,pass\n";
-  for (const Verdict& v : rows)
-    text += v.group + ",\"" + v.name + "\"," + v.unit + "," + number(v.truth) + "," + number(v.result) + "," +
-            number(v.limit) + "," + (v.control ? "1" : "0") + "," + (v.pass ? "1" : "0") + "\n";
-  return text;
-}
-
 std::string table_markdown(const std::vector<Verdict>& rows) {
   std::string text = "| case | claim | truth | result | limit | unit | |\n|---|---|---|---|---|---|---|\n";
   for (const Verdict& v : rows)
-    text += "| " + v.group + " | " + v.name + " | " + number(v.truth) + " | " + number(v.result) + " | " +
-            number(v.limit) + " | " + v.unit + " | " + outcome_of(v) + " |\n";
+    text += "| " + v.group + " | " + v.name + " | " + number_text(v.truth) + " | " + number_text(v.result) + " | " +
+            number_text(v.limit) + " | " + v.unit + " | " + outcome_of(v) + " |\n";
   return text;
 }
 
@@ -46,12 +47,11 @@ std::string table_markdown(const std::vector<Verdict>& rows) {
 void print_verdicts(const std::vector<Verdict>& rows) {
   std::printf("%-11s %-32s %11s %11s %11s  %-11s %s\n", "case", "claim", "truth", "result", "limit", "unit", "");
   for (const Verdict& v : rows)
-    std::printf("%-11s %-32s %11s %11s %11s  %-11s %s\n", v.group.c_str(), v.name.c_str(), number(v.truth).c_str(),
-                number(v.result).c_str(), number(v.limit).c_str(), v.unit.c_str(), outcome_of(v));
+    std::printf("%-11s %-32s %11s %11s %11s  %-11s %s\n", v.group.c_str(), v.name.c_str(), number_text(v.truth).c_str(),
+                number_text(v.result).c_str(), number_text(v.limit).c_str(), v.unit.c_str(), outcome_of(v));
 }
 
 void write_verdicts(const std::string& folder, const std::vector<Verdict>& rows) {
-  write_file(folder + "/verify.csv", table_csv(rows));
   write_file(folder + "/verify.md", table_markdown(rows));
 }
 
@@ -82,6 +82,114 @@ Failure no_panoramas(const std::string& what) {
   return Failure("cannot check " + what +
                  ": no panoramas are named. Name .hdr or .exr files, or folders of them, with " +
                  "--panoramas, or the data folder in SANDGLASS_DATA_DIR.");
+}
+
+namespace {
+
+// Refuses --quick for a slow case that is named. It would be left out, and so pass without a check.
+void expect_quick(const std::vector<std::string>& cases) {
+  const std::vector<std::string> quick = quick_verdict_groups();
+  for (const std::string& name : cases)
+    if (std::find(quick.begin(), quick.end(), name) == quick.end())
+      throw cannot("check", name, "it takes minutes, and --quick leaves such cases out",
+                   "Leave --quick out, or name quick cases: " + list_of(quick, "or"));
+}
+
+void write_granular_folder(const std::string& folder, const VerdictTable& table) {
+  make_folder(folder);
+  write_verdicts(folder, table.rows);
+  std::string drawn;
+  for (const GranularPlot& plot : granular_plots(table.curves)) {
+    write_png(folder + "/" + plot.name + ".png", draw_plot(plot.plot));
+    drawn += ", " + plot.name + ".png";
+  }
+  std::printf("%s: verify.md%s\n", folder.c_str(), drawn.c_str());
+}
+
+std::string kernels_of(sandglass_isa isa) {
+  sandglass_scene_desc desc = physics_desc(0.6);
+  desc.isa = isa;
+  desc.granular.particle_capacity = 1;
+  return sandglass_isa_name(sandglass_scene_isa(Simulation(desc).handle()));
+}
+
+using Options = std::vector<CommandOption>;
+
+CommandOption panoramas(VerifyOptions& o) {
+  return standard("the interiors of SANDGLASS_DATA_DIR",
+                  {"--panoramas", &o.panoramas, "FILES", "Files that end in .hdr or .exr, or folders of them"});
+}
+
+Options verify_granular_options(VerifyOptions& o) {
+  return {standard("all", {"--case", &o.cases, "NAMES", "Only these cases", one_of(verdict_groups())}),
+          {"--quick", &o.quick, "", "Only the cases that take seconds"},
+          {"--out", &o.out, "FOLDER", "Write the table and its curves into this folder"},
+          isa_option(o.isa),
+          json_option(o.json)};
+}
+
+Options verify_lighting_options(VerifyOptions& o) {
+  return {
+      panoramas(o),
+      {"--manifest", &o.manifest, "FILE",
+       "CSV with the columns file, group and fold: which panoramas show the same place"},
+      standard("the shipped one for --panoramas",
+               {"--network", &o.network, "FILE", "Network that estimates, run as in an app; of a file .npz in float"}),
+      excludes("--network",
+               standard("the cross-validated ones for SANDGLASS_DATA_DIR",
+                        {"--estimates", &o.estimates, "FILE", "Estimates of all views, as train.py writes them"})),
+      {"--object", &o.object, "MESH", "Object that is lit: a mesh file, or the name of a generated mesh"},
+      {"--views", &o.views, "N", "Views of each panorama", whole_number(1, 8)},
+      {"--samples", &o.samples, "N", "Paths a pixel; 0 renders nothing", whole_number(0, 4096)},
+      {"--out", &o.out, "FOLDER", "Write tables and pictures into this folder"},
+      isa_option(o.isa),
+      threads_option(o.threads),
+      json_option(o.json)};
+}
+
+Options verify_shot_options(VerifyOptions& o) {
+  return {panoramas(o),
+          standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates the light"}),
+          seed_option(o.seed, "Where the cameras look: 0 for the study of 20 views, others in all panoramas"),
+          {"--out", &o.out, "FOLDER", "Write the table and pictures into this folder; a later run goes on from it"},
+          threads_option(o.threads),
+          json_option(o.json)};
+}
+
+}  // namespace
+
+int verify_granular_command(const VerifyOptions& options) {
+  listen_for_interrupt();
+  if (options.quick) expect_quick(options.cases);
+  const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa)};
+  const std::string isa_name = kernels_of(choice.isa);
+  VerdictTable table;
+  {
+    Progress progress("verifying", 1);
+    table = granular_verdicts(choice, [&](uint64_t done, uint64_t total) {
+      progress.total(total);
+      progress.done(done);
+      return !interrupted();
+    });
+  }
+  print_verdicts(table.rows);
+  const uint32_t failed = count_failed(table.rows);
+  std::printf("%zu rows, %u failed\n", table.rows.size(), failed);
+  if (!options.json.empty())
+    write_file(options.json, measurements_json(measurements_of("granular", isa_name, 1, table.rows)));
+  if (!options.out.empty()) write_granular_folder(options.out, table);
+  return interrupted() ? k_exit_interrupted : failed > 0 ? k_exit_check_failed : k_exit_done;
+}
+
+std::vector<Command> verify_suites() {
+  return {
+      command<VerifyOptions>("granular", "Sand: friction, piles, flow, momentum, hard cases", verify_granular_options,
+                             verify_granular_command),
+      command<VerifyOptions>("lighting", "Light: estimates against labels and baselines", verify_lighting_options,
+                             verify_lighting_command),
+      command<VerifyOptions>("shot", "Whole pictures: composites against path traced truth", verify_shot_options,
+                             verify_shot_command),
+  };
 }
 
 }  // namespace sandglass::host

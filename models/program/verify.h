@@ -1,4 +1,4 @@
-// What the suites of `sandglass verify` share: claims as a table on the terminal, as CSV, as Markdown and for --json.
+// What the suites of `sandglass verify` share: claims as a table on the terminal, as Markdown and for --json.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace sandglass::host {
 
-// Of all suites; suite_options.cpp says which takes what.
+// Of all suites; verify.cpp says which takes what.
 struct VerifyOptions {
   std::string json, out, isa = "automatic", manifest, estimates, network, object = "trefoil";
   std::vector<std::string> cases, panoramas;
@@ -21,13 +21,13 @@ struct VerifyOptions {
   uint32_t threads = 1;
 };
 
-// One function a suite (verify_granular.cpp ...); each returns the exit code.
+// One function a suite (verify.cpp ...); each returns the exit code.
 int verify_granular_command(const VerifyOptions& options);
 int verify_lighting_command(const VerifyOptions& options);
 int verify_shot_command(const VerifyOptions& options);
 
 void print_verdicts(const std::vector<Verdict>& rows);
-// Writes verify.csv and verify.md into the folder.
+// Writes verify.md into the folder.
 void write_verdicts(const std::string& folder, const std::vector<Verdict>& rows);
 uint32_t count_failed(const std::vector<Verdict>& rows);
 std::vector<Measurement> measurements_of(const std::string& suite, const std::string& isa, uint32_t threads,

@@ -8,7 +8,7 @@
 #include "models/compositing/light_estimate.h"
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/files/npz.h"
+#include "models/files/npy.h"
 #include "models/laboratory/light/turning_camera.h"
 #include "models/laboratory/light/verify_lighting.h"
 #include "models/lighting/dataset.h"
@@ -16,6 +16,7 @@
 #include "models/lighting/light_runner.h"
 #include "models/lighting/lit_view.h"
 #include "models/program/commands.h"
+#include "models/program/nearest_name.h"
 #include "models/program/verify.h"
 #include "models/simulation/simulation.h"
 #include "models/work/progress.h"
@@ -128,10 +129,13 @@ void write_folder(const std::string& folder, const LightingVerdicts& verdicts, c
   write_file(folder + "/estimates.csv", estimates_csv(verdicts));
   write_verdicts(folder, verdicts.rows);
   write_png(folder + "/lighting.png", picture_grid(verdicts.pictures, 8, 4));
-  std::printf("%s: lighting.csv, lighting.txt, lighting.png, verify.csv, verify.md\n", folder.c_str());
+  std::printf("%s: lighting.csv, lighting.txt, lighting.png, verify.md\n", folder.c_str());
 }
 
-int verify(const VerifyOptions& options) {
+}  // namespace
+
+int verify_lighting_command(const VerifyOptions& options) {
+  listen_for_interrupt();
   const LightingSources sources = lighting_sources(options);
   const bool in_bytes = !sources.network.empty() && !is_float(sources.network);
   LightingVerdictOptions lighting;
@@ -154,13 +158,6 @@ int verify(const VerifyOptions& options) {
                                                                verdicts.rows)));
   if (!options.out.empty()) write_folder(options.out, verdicts, said);
   return count_failed(verdicts.rows) > 0 ? k_exit_check_failed : k_exit_done;
-}
-
-}  // namespace
-
-int verify_lighting_command(const VerifyOptions& options) {
-  listen_for_interrupt();
-  return verify(options);
 }
 
 }  // namespace sandglass::host

@@ -56,7 +56,10 @@ uint32_t judge_pile_shadow(const std::vector<PileShadowError>& lights, std::vect
   return pass ? 0 : 1;
 }
 
-int verify(const VerifyOptions& options) {
+}  // namespace
+
+int verify_shot_command(const VerifyOptions& options) {
+  listen_for_interrupt();
   ShotStudyOptions study;
   study.panoramas = chosen_panoramas(options);
   study.network = options.network.empty() ? shipped_light_network() : options.network;
@@ -82,13 +85,6 @@ int verify(const VerifyOptions& options) {
   if (!study.folder.empty()) write_file(study.folder + "/shot.md", text);
   if (!options.json.empty()) write_file(options.json, measurements_json(measurements));
   return failed > 0 ? k_exit_check_failed : k_exit_done;
-}
-
-}  // namespace
-
-int verify_shot_command(const VerifyOptions& options) {
-  listen_for_interrupt();
-  return verify(options);
 }
 
 }  // namespace sandglass::host

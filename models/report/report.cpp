@@ -6,7 +6,6 @@
 #include <cstdarg>
 #include <cstdio>
 #include <map>
-#include <nlohmann/json.hpp>
 
 #include "models/simulation/metrics.h"
 
@@ -58,6 +57,11 @@ void TraceRecorder::end(void* user, const char* name) {
 const char* stage_name(sandglass_stage stage) {
   constexpr const char* k_names[SANDGLASS_STAGE_COUNT] = {"granular", "lighting", "shadow", "refine", "output"};
   return stage >= 0 && stage < SANDGLASS_STAGE_COUNT ? k_names[stage] : "unknown";
+}
+
+std::string level_text(uint32_t level) {
+  const char* name = sandglass_level_name(level);
+  return std::to_string(level) + " (" + (name != nullptr ? name : "unnamed") + ")";
 }
 
 Distribution distribution(std::vector<double> values) {
@@ -180,62 +184,27 @@ std::string report_trace(const RunReport& report) {
 
 namespace {
 
-nlohmann::ordered_json json_of(const Distribution& d) {
-  return {{"mean", d.mean}, {"p50", d.p50}, {"p95", d.p95}, {"p99", d.p99}, {"p99.9", d.p999}, {"max", d.max}};
-}
-
 void add_row(std::string* text, const char* name, const Distribution& d) {
   add(text, "  %-22s %9.3f %9.3f %9.3f %9.3f %9.3f %9.3f\n", name, d.mean, d.p50, d.p95, d.p99, d.p999, d.max);
 }
 
-std::string level_text(uint32_t level) {
-  const char* name = sandglass_level_name(level);
-  return std::to_string(level) + " (" + (name != nullptr ? name : "unnamed") + ")";
-}
-
 }  // namespace
 
-std::string report_summary_json(const RunReport& report) {
-  const Summary s = summarise(report.frames);
-  nlohmann::ordered_json file;
-  file["scene"] = report.scene;
-  file["isa"] = report.isa;
-  file["clock"] = report.clock;
-  file["threads"] = report.threads;
-  file["light"] = report.light;
-  file["interrupted"] = report.interrupted;
-  file["frames"] = report.frames.size();
-  file["particles"] = report.frames.empty() ? 0 : report.frames.back().report.particles;
-  file["grains"] = report.frames.empty() ? 0 : report.frames.back().report.grains;
-  file["memory_bytes"] = report.memory_bytes;
-  file["budget_ms"] = s.budget_ms;
-  file["elapsed_ms"] = json_of(s.elapsed);
-  file["wall_ms"] = json_of(s.wall);
-  file["cpu_ms"] = json_of(s.cpu);
-  for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
-    file["stages_ms"][stage_name(stage)] = json_of(s.stages[stage]);
-  file["misses"] = s.misses;
-  file["worst_overrun_ms"] = s.worst_overrun_ms;
-  file["beyond_guarantee"] = s.beyond_guarantee;
-  file["clock_faults"] = s.clock_faults;
-  file["simulated_time_s"] = s.simulated_time;
-  file["time_debt_s"] = s.time_debt;
-  for (uint32_t level = 0; level < s.level_frames.size(); ++level)
-    if (s.level_frames[level] > 0) file["frames_at_level"][level_text(level)] = s.level_frames[level];
-  file["dropped_contacts"] = s.dropped_contacts;
-  file["quarantined"] = s.quarantined;
-  file["ignored_colliders"] = s.ignored_colliders;
-  return file.dump(2) + "\n";
+std::string report_headline(const RunReport& report) {
+  const size_t count = report.frames.size();
+  std::string text;
+  add(&text, "%zu frames%s, %u particles, %u grains; %s kernels, %u thread%s, %s clock, %.1f MiB", count,
+      report.interrupted ? " (interrupted)" : "", count == 0 ? 0 : report.frames.back().report.particles,
+      count == 0 ? 0 : report.frames.back().report.grains, report.isa.c_str(), report.threads,
+      report.threads == 1 ? "" : "s", report.clock.c_str(), static_cast<double>(report.memory_bytes) / 1048576.0);
+  return text;
 }
 
 std::string report_summary_text(const RunReport& report) {
   const Summary s = summarise(report.frames);
   const size_t count = report.frames.size();
   std::string text;
-  add(&text, "%s: %zu frames%s, %u particles, %u grains, %s, %u thread%s, %s clock, %.1f MiB\n", report.scene.c_str(),
-      count, report.interrupted ? " (interrupted)" : "", count == 0 ? 0 : report.frames.back().report.particles,
-      count == 0 ? 0 : report.frames.back().report.grains, report.isa.c_str(), report.threads,
-      report.threads == 1 ? "" : "s", report.clock.c_str(), static_cast<double>(report.memory_bytes) / 1048576.0);
+  text += report.scene + ": " + report_headline(report) + "\n";
   add(&text, "  milliseconds a frame        mean       p50       p95       p99     p99.9       max\n");
   add_row(&text, "budget used", s.elapsed);
   for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)

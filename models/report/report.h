@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sandglass/light.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {
@@ -80,6 +81,7 @@ struct Summary {
 Summary summarise(const std::vector<FrameRow>& frames);
 
 const char* stage_name(sandglass_stage stage);  // "granular", "lighting", "shadow", "refine", "output"
+std::string level_text(uint32_t level);         // its number and name
 
 // One row per frame. Names of times in milliseconds end with _ms, of times in simulated seconds with _s. speed_max is
 // in m/s. Counts have no unit. light_x, _y and _z point towards the light in the world. light_r, _g, _b, ambient_r, _g,
@@ -89,5 +91,11 @@ std::string report_csv(const RunReport& report);
 std::string report_trace(const RunReport& report);
 std::string report_summary_json(const RunReport& report);
 std::string report_summary_text(const RunReport& report);
+std::string report_headline(const RunReport& report);  // frames, sand, kernels, threads, clock and memory, in one line
+
+// The light of a photograph. Both directions point towards the light. In the camera's axes x is right, y down and z
+// forward. In the world's axes, for a level camera that looks along -z, x is right and y is up.
+std::string light_estimate_json(const std::string& image, double fov_deg, uint32_t turn_deg,
+                                const sandglass_light_estimate& in_camera, const sandglass_light_estimate& in_world);
 
 }  // namespace sandglass::host

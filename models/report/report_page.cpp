@@ -2,11 +2,8 @@
 #include "models/report/report_page.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
-#include <sstream>
 #include <string_view>
 #include <thread>
 
@@ -18,26 +15,14 @@ extern const char k_report_page_template[];  // report_page.html, put into the p
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 std::string escaped(std::string_view text) {
   std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
+  for (const char c : text)
+    if (c == '&') out += "&amp;";
+    else if (c == '<') out += "&lt;";
+    else if (c == '>') out += "&gt;";
+    else if (c == '"') out += "&quot;";
+    else out += c;
   return out;
 }
 
@@ -84,91 +69,6 @@ std::string table_html(const PageTable& table) {
     html += "</tr>";
   }
   return html + "</tbody></table></div></section>\n";
-}
-
-// The numbers as they are in the CSV. Empty cells and what JSON cannot express (nan, inf) become null.
-std::string rows_json(const std::string& csv) {
-  std::string json = "[";
-  for (size_t line = csv.find('\n') + 1; line < csv.size(); line = csv.find('\n', line) + 1) {
-    json += json.size() == 1 ? "[" : ",\n[";
-    const size_t end = csv.find('\n', line);
-    for (size_t from = line, to; from <= end; from = to + 1) {
-      to = std::min(csv.find(',', from), end);
-      const std::string_view cell = std::string_view(csv).substr(from, to - from);
-      const bool number = !cell.empty() && cell.find_first_not_of("0123456789+-.e") == std::string_view::npos;
-      json += from == line ? "" : ",";
-      json += number ? cell : "null";
-    }
-    json += "]";
-  }
-  return json + "]";
-}
-
-Json columns_json(const std::string& csv) {
-  std::istringstream cells(csv.substr(0, csv.find('\n')));
-  Json names = Json::array();
-  for (std::string cell; std::getline(cells, cell, ',');) names.push_back(cell);
-  return names;
-}
-
-Json ladder_json() {
-  Json ladder = Json::array();
-  for (uint32_t level = 0; const sandglass_level* described = sandglass_level_describe(level); ++level)
-    ladder.push_back({{"name", described->name},
-                      {"cost_solver", described->cost_solver},
-                      {"cost_refine", described->cost_refine},
-                      {"overlap_p99", described->overlap_p99},
-                      {"overlap_mean", described->overlap_mean},
-                      {"angle_degrees", described->angle_degrees}});
-  return ladder;
-}
-
-Json light_json(const std::vector<LightSeries>& light) {
-  Json all = Json::array();
-  for (const LightSeries& series : light) {
-    Json samples = Json::array();
-    for (const LightSample& s : series.samples) {
-      const auto& d = s.direction;
-      const double norm = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-      if (!(norm > 0.0)) continue;
-      Json sample = {{"time_s", s.time}, {"direction", {d[0] / norm, d[1] / norm, d[2] / norm}}};
-      if (s.colour[0] >= 0.0) sample["colour"] = s.colour;
-      if (s.ambient[0] >= 0.0) sample["ambient"] = s.ambient;
-      samples.push_back(std::move(sample));
-    }
-    if (!samples.empty()) all.push_back({{"name", series.name}, {"samples", std::move(samples)}});
-  }
-  return all;
-}
-
-// Escapes every "<": inside a script element, "</script" and "<!--" would end or change it.
-std::string for_script(std::string json) {
-  for (size_t at = 0; (at = json.find('<', at)) != std::string::npos; at += 6) json.replace(at, 1, "\\u003c");
-  return json;
-}
-
-std::string page_data(const RunReport& report, const PageContent& content) {
-  const std::string csv = report_csv(report);
-  Json data;
-  data["summary"] = Json::parse(report_summary_json(report));
-  data["ladder"] = ladder_json();
-  data["light"] = light_json(content.light);
-  data["light_name"] = report.light;
-  data["columns"] = columns_json(csv);
-  std::string text = data.dump();
-  text.pop_back();
-  return for_script(text + ",\"rows\":" + rows_json(csv) + "}");
-}
-
-std::string lead(const RunReport& report) {
-  char text[256];
-  const size_t count = report.frames.size();
-  std::snprintf(
-      text, sizeof text, "%zu frames%s, %u particles, %u grains; %s kernels, %u thread%s, %s clock, %.1f MiB", count,
-      report.interrupted ? " (interrupted)" : "", count == 0 ? 0 : report.frames.back().report.particles,
-      count == 0 ? 0 : report.frames.back().report.grains, report.isa.c_str(), report.threads,
-      report.threads == 1 ? "" : "s", report.clock.c_str(), static_cast<double>(report.memory_bytes) / 1048576.0);
-  return text;
 }
 
 PageTable stage_table(const Summary& summary) {
@@ -239,10 +139,10 @@ std::string report_page(const RunReport& report, const PageContent& content) {
 
   const std::pair<std::string_view, std::string> parts[] = {
       {"TITLE", escaped(content.title.empty() ? report.scene : content.title)},
-      {"LEAD", escaped(lead(report))},
+      {"LEAD", escaped(report_headline(report))},
       {"PICTURES", pictures},
       {"TABLES", tables},
-      {"DATA", page_data(report, content)}};
+      {"DATA", report_page_data(report, content)}};
   std::string page;
   for (std::string_view rest = k_report_page_template; !rest.empty();) {
     const size_t at = rest.find('@');

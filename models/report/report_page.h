@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "models/report/report.h"
@@ -47,6 +46,9 @@ struct PageContent {
   std::vector<PageTable> tables;
   std::vector<LightSeries> light;  // drawn beside the light of the report's rows, for example the true light
 };
+
+// The numbers behind the page, as a script element holds them.
+std::string report_page_data(const RunReport& report, const PageContent& content);
 
 // The text of the page. Throws a Failure for a figure that is neither PNG nor JPEG.
 std::string report_page(const RunReport& report, const PageContent& content);

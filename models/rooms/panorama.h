@@ -38,6 +38,9 @@ struct RadianceMap {
 // Relative luminance of linear BT.709 colours (5.2).
 constexpr double luminance(Vec3 c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
+// A colour as a display shows it: no channel above 1.
+constexpr Vec3 limited(Vec3 c) { return {c.x < 1.0 ? c.x : 1.0, c.y < 1.0 ? c.y : 1.0, c.z < 1.0 ? c.z : 1.0}; }
+
 constexpr Vec3 product(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 
 Vec3 direction_of_angles(double theta, double phi);

@@ -6,7 +6,7 @@
 
 #include "models/files/failure.h"
 #include "models/tracing/directions.h"
-#include "models/tracing/ray_caster.h"
+#include "models/tracing/embree_scene.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {
@@ -69,11 +69,11 @@ ProbeLight::Sample ProbeLight::sample(Vec3 normal, double a, double b) const {
 #ifdef SANDGLASS_HAVE_EMBREE
 
 struct ProbeScene::State {
-  std::unique_ptr<RayCaster> caster;
+  EmbreeScene scene;
   uint32_t plane_from;  // the first triangle of the plane; the plane's triangles come last
 };
 
-ProbeScene::ProbeScene(const Mesh& object) : state_(std::make_unique<State>()) {
+ProbeScene::ProbeScene(const Mesh& object) {
   Vec3 low = {1e30, 1e30, 1e30}, high = {-1e30, -1e30, -1e30};
   for (size_t i = 0; i < object.vertices.size(); i += 3) {
     const float* p = object.vertices.data() + i;
@@ -88,13 +88,13 @@ ProbeScene::ProbeScene(const Mesh& object) : state_(std::make_unique<State>()) {
     scene.vertices[i + 1] = static_cast<float>((object.vertices[i + 1] - low.y) * scale);
     scene.vertices[i + 2] = static_cast<float>((object.vertices[i + 2] - 0.5 * (low.z + high.z)) * scale);
   }
-  state_->plane_from = static_cast<uint32_t>(scene.indices.size() / 3);
+  const auto plane_from = static_cast<uint32_t>(scene.indices.size() / 3);
   const auto first = static_cast<uint32_t>(scene.vertices.size() / 3);
   const float side = static_cast<float>(k_plane_side);
   for (const float x : {-side, side})
     for (const float z : {-side, side}) scene.vertices.insert(scene.vertices.end(), {x, 0.0f, z});
   for (const uint32_t corner : {0u, 1u, 3u, 0u, 3u, 2u}) scene.indices.push_back(first + corner);
-  state_->caster = std::make_unique<RayCaster>(scene);
+  state_ = std::make_unique<State>(State{EmbreeScene::triangles(scene.vertices, scene.indices), plane_from});
 }
 
 ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) const {
@@ -118,9 +118,9 @@ ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) c
                                     up * (0.5 * k_height - y - random.uniform()));
         Vec3 throughput = {1, 1, 1};
         for (int bounce = 0; bounce < k_bounces; ++bounce) {
-          const RayHit hit = state_->caster->closest(origin, direction, k_far);
-          if (!hit.hit) break;
-          Vec3 normal = {hit.normal[0], hit.normal[1], hit.normal[2]};
+          const EmbreeHit hit = state_->scene.closest(origin, direction, k_far);
+          if (!hit.found) break;
+          Vec3 normal = hit.unit_normal();
           if (dot(normal, direction) > 0.0) normal = normal * -1.0;
           const Vec3 point = origin + direction * hit.distance + normal * k_lift;
           const bool first = bounce == 0;
@@ -128,10 +128,10 @@ ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) c
               first ? light.sample(normal, even(0), even(1)) : light.sample(normal, random.uniform(), random.uniform());
           const double cosine = dot(s.direction, normal);
           throughput = throughput * k_reflectance;
-          const bool plane = hit.triangle >= state_->plane_from;
+          const bool plane = hit.primitive >= state_->plane_from;
           if (first && plane) ++on_plane;
           if (cosine > 0.0) {
-            const bool seen = !state_->caster->occluded(point, s.direction, k_far);
+            const bool seen = !state_->scene.occluded(point, s.direction, k_far);
             if (first && plane) arriving += luminance(s.weight) * cosine;
             if (seen) {
               sum = sum + product(throughput, s.weight) * (cosine / k_pi);

@@ -12,6 +12,7 @@ namespace sandglass::host {
 namespace {
 
 constexpr double k_quarter = 0.5 * std::numbers::pi;
+constexpr double k_yaw[4] = {0.0, -k_quarter, 2.0 * k_quarter, k_quarter};  // at each wall, fronts face the room
 
 RoomMaterial wood(RoomBuilder* b) {
   RoomMaterial m;
@@ -45,9 +46,12 @@ struct Piece {
   Vec3 at;
   double yaw;
 
-  void box(double x, double y, double z, double wide, double tall, double deep, int material) const {
+  Vec3 place(double x, double z) const {
     const Vec3 right = {std::cos(yaw), 0.0, -std::sin(yaw)}, front = {std::sin(yaw), 0.0, std::cos(yaw)};
-    b->box(at + right * x + front * z + Vec3{0.0, y, 0.0}, {wide, tall, deep}, yaw, material);
+    return at + right * x + front * z;
+  }
+  void box(double x, double y, double z, double wide, double tall, double deep, int material) const {
+    b->box(place(x, z) + Vec3{0.0, y, 0.0}, {wide, tall, deep}, yaw, material);
   }
   void legs(double wide, double deep, double tall, double thick, int material) const {
     for (const double x : {-0.5, 0.5})
@@ -61,8 +65,7 @@ void clutter(const Piece& p, double wide, double deep, double top, int count) {
     const double x = b->between(-0.4, 0.4) * wide, z = b->between(-0.4, 0.4) * deep;
     const double side = b->between(0.04, 0.22), tall = b->between(0.02, 0.3);
     const int skin = b->material(lacquer(b));
-    const Vec3 right = {std::cos(p.yaw), 0.0, -std::sin(p.yaw)}, front = {std::sin(p.yaw), 0.0, std::cos(p.yaw)};
-    const Vec3 at = p.at + right * x + front * z + Vec3{0.0, top, 0.0};
+    const Vec3 at = p.place(x, z) + Vec3{0.0, top, 0.0};
     if (b->chance(0.6)) b->box(at, {side, tall, side * b->between(0.4, 1.4)}, b->between(0.0, k_quarter), skin);
     else if (b->chance(0.6)) b->cylinder(at, 0.4 * side, tall, 8, skin);
     else b->sphere(at + Vec3{0.0, 0.4 * side, 0.0}, 0.4 * side, skin);
@@ -92,9 +95,7 @@ void table(RoomBuilder* b) {
   for (int i = 0; i < chairs; ++i) {
     const double side = i % 2 == 0 ? 1.0 : -1.0, x = wide * (chairs <= 2 ? 0.0 : i < 2 ? -0.25 : 0.25);
     const double z = side * (0.5 * deep + b->between(-0.05, 0.2));
-    const Vec3 right = {std::cos(p.yaw), 0.0, -std::sin(p.yaw)}, front = {std::sin(p.yaw), 0.0, std::cos(p.yaw)};
-    chair(b, at + right * x + front * z, p.yaw + (side > 0.0 ? std::numbers::pi : 0.0) + b->between(-0.3, 0.3), frame,
-          seat);
+    chair(b, p.place(x, z), p.yaw + (side > 0.0 ? std::numbers::pi : 0.0) + b->between(-0.3, 0.3), frame, seat);
   }
 }
 
@@ -115,7 +116,6 @@ bool against_wall(RoomBuilder* b, double wide, double deep, Piece* piece) {
                             {s.x - 0.03 - 0.5 * deep, 0, mid},
                             {mid, 0, s.z - 0.03 - 0.5 * deep},
                             {0.03 + 0.5 * deep, 0, mid}};
-    constexpr double k_yaw[4] = {0.0, -k_quarter, 2.0 * k_quarter, k_quarter};  // fronts face the room
     *piece = {b, places[side], k_yaw[side]};
     return true;
   }
@@ -230,7 +230,6 @@ void hang(RoomBuilder* b, double wide, double tall, double low, const RoomMateri
   if (wide > run - 0.2 || low + tall > s.y - 0.1) return;
   const double mid = b->between(0.1 + 0.5 * wide, run - 0.1 - 0.5 * wide);
   const Vec3 places[4] = {{mid, 0, 0.02}, {s.x - 0.02, 0, mid}, {mid, 0, s.z - 0.02}, {0.02, 0, mid}};
-  constexpr double k_yaw[4] = {0.0, -k_quarter, 2.0 * k_quarter, k_quarter};
   for (const Emitter& e : b->room.emitters) {
     const Vec3 low_corner = e.corner, high_corner = e.corner + e.edge_a + e.edge_b, at = places[side];
     const double reach = 0.5 * wide + 0.05;
@@ -261,30 +260,8 @@ void furnish(RoomBuilder* b) {
     hang(b, b->between(0.25, 1.4), b->between(0.25, 1.0), b->between(0.9, 1.5), art, b->chance(0.7));
   }
   const int pieces = std::clamp(static_cast<int>(area / b->between(1.5, 5.0)), 1, 26);
-  for (int i = 0; i < pieces; ++i) switch (b->pick(9)) {
-      case 0:
-        sofa(b);
-        break;
-      case 1:
-        bed(b);
-        break;
-      case 2:
-      case 3:
-        shelf(b);
-        break;
-      case 4:
-        cupboard(b);
-        break;
-      case 5:
-        plant(b);
-        break;
-      case 6:
-        boxes(b);
-        break;
-      default:
-        table(b);
-        break;
-    }
+  constexpr void (*k_pieces[9])(RoomBuilder*) = {sofa, bed, shelf, shelf, cupboard, plant, boxes, table, table};
+  for (int i = 0; i < pieces; ++i) k_pieces[b->pick(9)](b);
 }
 
 }  // namespace sandglass::host

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <span>
 #include <utility>
 
 #include "models/files/atomic_file.h"
@@ -26,146 +27,118 @@ constexpr size_t k_checksum_bytes = sizeof(uint64_t);
 
 enum RecordKind : uint32_t { k_record_header = 1, k_record_frame = 2, k_record_trailer = 3 };
 
-// ---------------------------------------------------------------------------------------------------- writing
+// Writer and Reader have the same functions, so that one description of a payload serves both directions.
+struct Writer {
+  static constexpr uint32_t version = k_version;
+  std::vector<uint8_t> out = {};
 
-void put_u32(std::vector<uint8_t>* out, uint32_t value) {
-  for (int shift = 0; shift < 32; shift += 8) out->push_back(static_cast<uint8_t>(value >> shift));
-}
-
-void put_u64(std::vector<uint8_t>* out, uint64_t value) {
-  put_u32(out, static_cast<uint32_t>(value));
-  put_u32(out, static_cast<uint32_t>(value >> 32));
-}
-
-void put_floats(std::vector<uint8_t>* out, const float* values, size_t count) {
-  for (size_t i = 0; i < count; ++i) put_u32(out, std::bit_cast<uint32_t>(values[i]));
-}
-
-void put_bytes(std::vector<uint8_t>* out, const uint8_t* data, size_t bytes) {
-  put_u32(out, static_cast<uint32_t>(bytes));
-  out->insert(out->end(), data, data + bytes);
-}
-
-void put_record(std::vector<uint8_t>* out, uint64_t* sum, RecordKind kind, const std::vector<uint8_t>& payload) {
-  const size_t start = out->size();
-  put_u32(out, kind);
-  put_bytes(out, payload.data(), payload.size());
-  *sum = hash_bytes(out->data() + start, out->size() - start, *sum);
-  put_u64(out, *sum);
-}
-
-std::vector<uint8_t> header_payload(const Recording& recording) {
-  std::vector<uint8_t> payload;
-  put_u64(&payload, recording.start_hash);
-  put_bytes(&payload, reinterpret_cast<const uint8_t*>(recording.scene_name.data()), recording.scene_name.size());
-  put_bytes(&payload, recording.description.data(), recording.description.size());
-  return payload;
-}
-
-std::vector<uint8_t> frame_payload(const RecordedFrame& frame) {
-  std::vector<uint8_t> payload;
-  put_floats(&payload, &frame.time_step, 1);
-  put_u64(&payload, frame.budget_ns);
-  put_u32(&payload, static_cast<uint32_t>(frame.colliders.size()));
-  for (const sandglass_collider& collider : frame.colliders) {
-    put_u32(&payload, static_cast<uint32_t>(collider.shape) | (collider.grains_only != 0 ? k_grains_only : 0));
-    put_floats(&payload, collider.position, 3);
-    put_floats(&payload, collider.rotation, 4);
-    put_floats(&payload, collider.size, 3);
-    put_floats(&payload, collider.linear_velocity, 3);
-    put_floats(&payload, collider.angular_velocity, 3);
+  bool ok() const { return true; }
+  void u32(const uint32_t& value) {
+    for (int shift = 0; shift < 32; shift += 8) out.push_back(static_cast<uint8_t>(value >> shift));
   }
-  put_u32(&payload, frame.plan.level);
-  const uint32_t runs = std::min<uint32_t>(frame.plan.run_count, SANDGLASS_PLAN_RUNS);
-  put_u32(&payload, runs);
-  for (uint32_t i = 0; i < runs; ++i) {
-    put_u32(&payload, frame.plan.runs[i].stage);
-    put_u32(&payload, frame.plan.runs[i].units);
+  void u64(const uint64_t& value) {
+    u32(static_cast<uint32_t>(value));
+    u32(static_cast<uint32_t>(value >> 32));
   }
-  return payload;
-}
-
-// ---------------------------------------------------------------------------------------------------- reading
+  void floats(const float* values, size_t count) {
+    for (size_t i = 0; i < count; ++i) u32(std::bit_cast<uint32_t>(values[i]));
+  }
+  // A length, and that many bytes.
+  void bytes(const auto& content) {
+    u32(static_cast<uint32_t>(content.size()));
+    out.insert(out.end(), content.begin(), content.end());
+  }
+  void count(const auto& items, size_t) { u32(static_cast<uint32_t>(items.size())); }
+};
 
 // Takes bytes off the front. Once bytes are missing, every further value is 0 and `short_of_bytes` stays true.
 struct Reader {
   const uint8_t* at;
   size_t left;
+  uint32_t version;
   bool short_of_bytes = false;
 
-  uint32_t u32() {
-    if (left < sizeof(uint32_t)) {
+  bool ok() const { return !short_of_bytes && left == 0; }
+  std::span<const uint8_t> take(size_t size) {
+    if (size > left) {
       short_of_bytes = true;
       left = 0;
-      return 0;
+      return {};
     }
-    uint32_t value = 0;
-    for (int i = 3; i >= 0; --i) value = value << 8 | at[i];
-    at += sizeof(uint32_t);
-    left -= sizeof(uint32_t);
-    return value;
+    left -= size, at += size;
+    return {at - size, size};
   }
-  uint64_t u64() {
-    const uint64_t low = u32();
-    return low | static_cast<uint64_t>(u32()) << 32;
+  void u32(uint32_t& value) {
+    const std::span<const uint8_t> four = take(sizeof value);
+    value = 0;
+    for (size_t i = four.size(); i > 0; --i) value = value << 8 | four[i - 1];
+  }
+  void u64(uint64_t& value) {
+    uint32_t low, high;
+    u32(low), u32(high);
+    value = low | static_cast<uint64_t>(high) << 32;
   }
   void floats(float* values, size_t count) {
-    for (size_t i = 0; i < count; ++i) values[i] = std::bit_cast<float>(u32());
+    for (uint32_t bits; count > 0; --count) u32(bits), *values++ = std::bit_cast<float>(bits);
   }
-  // Reads a length and that many bytes.
-  std::pair<const uint8_t*, size_t> bytes() {
-    const uint32_t count = u32();
-    if (count > left) {
-      short_of_bytes = true;
-      left = 0;
-      return {at, 0};
-    }
-    const uint8_t* start = at;
-    at += count;
-    left -= count;
-    return {start, count};
+  void bytes(auto& content) {
+    uint32_t size;
+    u32(size);
+    const std::span<const uint8_t> taken = take(size);
+    content.assign(taken.begin(), taken.end());
+  }
+  // Refuses more items than the bytes that are left can hold.
+  void count(auto& items, size_t bytes_each) {
+    uint32_t size;
+    u32(size);
+    if (size > left / bytes_each) short_of_bytes = true;
+    else items.resize(size);
   }
 };
 
-constexpr size_t k_collider_bytes = sizeof(uint32_t) * (1 + 3 + 4 + 3 + 3 + 3);
-
-bool parse_header(Reader payload, Recording* recording) {
-  recording->start_hash = payload.u64();
-  const auto [name, name_bytes] = payload.bytes();
-  recording->scene_name.assign(reinterpret_cast<const char*>(name), name_bytes);
-  const auto [description, description_bytes] = payload.bytes();
-  recording->description.assign(description, description + description_bytes);
-  return !payload.short_of_bytes && payload.left == 0;
+// Each returns false when the payload is malformed.
+bool transfer_header(auto* io, auto* recording) {
+  io->u64(recording->start_hash), io->bytes(recording->scene_name), io->bytes(recording->description);
+  return io->ok();
 }
 
-bool parse_frame(Reader payload, uint32_t version, RecordedFrame* frame) {
-  payload.floats(&frame->time_step, 1);
-  frame->budget_ns = payload.u64();
-  const uint32_t colliders = payload.u32();
-  if (colliders > payload.left / k_collider_bytes) return false;
-  frame->colliders.resize(colliders);
+bool transfer_frame(auto* io, RecordedFrame* frame) {
+  constexpr size_t k_collider_bytes = sizeof(uint32_t) * (1 + 3 + 4 + 3 + 3 + 3);
+  io->floats(&frame->time_step, 1), io->u64(frame->budget_ns);
+  io->count(frame->colliders, k_collider_bytes);
   for (sandglass_collider& collider : frame->colliders) {
-    const uint32_t shape = payload.u32();
+    uint32_t shape = static_cast<uint32_t>(collider.shape) | (collider.grains_only != 0 ? k_grains_only : 0);
+    io->u32(shape);
     collider.shape = static_cast<sandglass_shape>(shape & ~k_grains_only);
     collider.grains_only = (shape & k_grains_only) != 0 ? 1 : 0;
-    payload.floats(collider.position, 3);
-    payload.floats(collider.rotation, 4);
-    payload.floats(collider.size, 3);
-    payload.floats(collider.linear_velocity, 3);
-    payload.floats(collider.angular_velocity, 3);
+    io->floats(collider.position, 3), io->floats(collider.rotation, 4), io->floats(collider.size, 3);
+    io->floats(collider.linear_velocity, 3), io->floats(collider.angular_velocity, 3);
   }
-  frame->plan.struct_size = sizeof(sandglass_plan);
-  frame->plan.level = payload.u32();
-  frame->plan.run_count = payload.u32();
-  if (frame->plan.run_count > SANDGLASS_PLAN_RUNS) return false;
-  for (uint32_t i = 0; i < frame->plan.run_count; ++i) {
-    frame->plan.runs[i].stage = payload.u32();
+  sandglass_plan& plan = frame->plan;
+  plan.struct_size = sizeof plan;
+  io->u32(plan.level), io->u32(plan.run_count);
+  if (plan.run_count > SANDGLASS_PLAN_RUNS) return false;
+  for (uint32_t i = 0; i < plan.run_count; ++i) {
+    io->u32(plan.runs[i].stage), io->u32(plan.runs[i].units);
     // In version 2 there was no stage of light between sand and shadows, so later stages had a smaller number.
-    if (version < 3 && frame->plan.runs[i].stage >= SANDGLASS_STAGE_LIGHTING) ++frame->plan.runs[i].stage;
-    frame->plan.runs[i].units = payload.u32();
-    if (frame->plan.runs[i].stage >= SANDGLASS_STAGE_COUNT) return false;
+    if (io->version < 3 && plan.runs[i].stage >= SANDGLASS_STAGE_LIGHTING) ++plan.runs[i].stage;
+    if (plan.runs[i].stage >= SANDGLASS_STAGE_COUNT) return false;
   }
-  return !payload.short_of_bytes && payload.left == 0;
+  return io->ok();
+}
+
+bool transfer_trailer(auto* io, uint64_t frames, auto* recording) {
+  const uint64_t all = frames;
+  io->u64(frames), io->u64(recording->final_hash);
+  return io->ok() && frames == all;
+}
+
+void put_record(Writer* file, uint64_t* sum, RecordKind kind, const Writer& payload) {
+  const size_t start = file->out.size();
+  file->u32(kind);
+  file->bytes(payload.out);
+  *sum = hash_bytes(file->out.data() + start, file->out.size() - start, *sum);
+  file->u64(*sum);
 }
 
 // An error text completes the sentence "it ...".
@@ -179,59 +152,56 @@ std::string in_record(size_t index) { return " in record " + std::to_string(inde
 }  // namespace
 
 std::vector<uint8_t> encode_recording(const Recording& recording) {
-  std::vector<uint8_t> out(k_magic, k_magic + sizeof(k_magic));
-  put_u32(&out, k_version);
-  uint64_t sum = hash_bytes(out.data(), out.size());
-  put_record(&out, &sum, k_record_header, header_payload(recording));
-  for (const RecordedFrame& frame : recording.frames) put_record(&out, &sum, k_record_frame, frame_payload(frame));
-  std::vector<uint8_t> trailer;
-  put_u64(&trailer, recording.frames.size());
-  put_u64(&trailer, recording.final_hash);
-  put_record(&out, &sum, k_record_trailer, trailer);
-  return out;
+  Writer file = {{k_magic, k_magic + sizeof(k_magic)}}, header, trailer;
+  file.u32(k_version);
+  uint64_t sum = hash_bytes(file.out.data(), file.out.size());
+  transfer_header(&header, &recording);
+  put_record(&file, &sum, k_record_header, header);
+  for (RecordedFrame frame : recording.frames) {
+    Writer payload;
+    frame.plan.run_count = std::min<uint32_t>(frame.plan.run_count, SANDGLASS_PLAN_RUNS);
+    transfer_frame(&payload, &frame);
+    put_record(&file, &sum, k_record_frame, payload);
+  }
+  transfer_trailer(&trailer, recording.frames.size(), &recording);
+  put_record(&file, &sum, k_record_trailer, trailer);
+  return file.out;
 }
 
 bool decode_recording(const uint8_t* data, size_t bytes, Recording* recording, std::string* error) {
   if (bytes < k_prologue_bytes) return fail(error, "is too short for a recording. Record the run again.");
-  for (size_t i = 0; i < sizeof(k_magic); ++i) {
-    if (data[i] != k_magic[i]) return fail(error, "is not a recording. Name a file that --record wrote.");
-  }
-  Reader file = {data + sizeof(k_magic), bytes - sizeof(k_magic)};
-  const uint32_t version = file.u32();
-  if (version < k_oldest_version || version > k_version) {
-    return fail(error, "has version " + std::to_string(version) + ", and this program reads versions " +
+  if (!std::equal(k_magic, k_magic + sizeof(k_magic), data))
+    return fail(error, "is not a recording. Name a file that --record wrote.");
+  Reader file = {data + sizeof(k_magic), bytes - sizeof(k_magic), 0};
+  file.u32(file.version);
+  if (file.version < k_oldest_version || file.version > k_version)
+    return fail(error, "has version " + std::to_string(file.version) + ", and this program reads versions " +
                            std::to_string(k_oldest_version) + " to " + std::to_string(k_version) +
                            ". Replay it with the program that recorded it.");
-  }
   uint64_t sum = hash_bytes(data, k_prologue_bytes);
   Recording result;
   for (size_t index = 0;; ++index) {
     const uint8_t* start = file.at;
-    const uint32_t kind = file.u32();
-    const auto [payload, payload_bytes] = file.bytes();
-    if (file.short_of_bytes || file.left < k_checksum_bytes) {
-      return fail(error, "ends" + in_record(index));
-    }
-    sum = hash_bytes(start, k_record_head_bytes + payload_bytes, sum);
-    if (file.u64() != sum) return fail(error, "was damaged: the checksum is wrong" + in_record(index));
+    uint32_t kind, size;
+    uint64_t checksum;
+    file.u32(kind), file.u32(size);
+    const std::span<const uint8_t> content = file.take(size);
+    if (file.short_of_bytes || file.left < k_checksum_bytes) return fail(error, "ends" + in_record(index));
+    sum = hash_bytes(start, k_record_head_bytes + size, sum);
+    file.u64(checksum);
+    if (checksum != sum) return fail(error, "was damaged: the checksum is wrong" + in_record(index));
 
-    const bool first = index == 0;
-    if (first != (kind == k_record_header)) return fail(error, "has its records out of order" + in_record(index));
+    Reader payload = {content.data(), content.size(), file.version};
+    if ((index == 0) != (kind == k_record_header))
+      return fail(error, "has its records out of order" + in_record(index));
     if (kind == k_record_header) {
-      if (!parse_header({payload, payload_bytes}, &result))
-        return fail(error, "has a malformed header" + in_record(index));
+      if (!transfer_header(&payload, &result)) return fail(error, "has a malformed header" + in_record(index));
     } else if (kind == k_record_frame) {
-      RecordedFrame frame;
-      if (!parse_frame({payload, payload_bytes}, version, &frame))
+      if (!transfer_frame(&payload, &result.frames.emplace_back()))
         return fail(error, "has a malformed frame" + in_record(index));
-      result.frames.push_back(std::move(frame));
     } else if (kind == k_record_trailer) {
-      Reader trailer = {payload, payload_bytes};
-      const uint64_t frames = trailer.u64();
-      result.final_hash = trailer.u64();
-      if (trailer.short_of_bytes || trailer.left != 0 || frames != result.frames.size() || file.left != 0) {
+      if (!transfer_trailer(&payload, result.frames.size(), &result) || file.left != 0)
         return fail(error, "has a trailer that does not match the rest" + in_record(index));
-      }
       *recording = std::move(result);
       return true;
     } else {

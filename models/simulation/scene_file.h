@@ -3,7 +3,6 @@
 // models/scenes holds the scenes that ship.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -92,25 +92,22 @@ sandglass_frame_report Simulation::frame(sandglass_frame_input input) {
   return report;
 }
 
+static const std::vector<float>& refreshed(std::vector<float>* array, uint32_t count, const auto& read) {
+  array->resize(3 * static_cast<size_t>(count));
+  read(array->data());
+  return *array;
+}
 const std::vector<float>& Simulation::particle_positions() {
-  positions_.resize(3 * static_cast<size_t>(particles_));
-  sandglass_granular_particles(scene_, positions_.data(), nullptr);
-  return positions_;
+  return refreshed(&positions_, particles_, [&](float* to) { sandglass_granular_particles(scene_, to, nullptr); });
 }
 const std::vector<float>& Simulation::particle_velocities() {
-  velocities_.resize(3 * static_cast<size_t>(particles_));
-  sandglass_granular_particles(scene_, nullptr, velocities_.data());
-  return velocities_;
+  return refreshed(&velocities_, particles_, [&](float* to) { sandglass_granular_particles(scene_, nullptr, to); });
 }
 const std::vector<float>& Simulation::grain_positions() {
-  grain_positions_.resize(3 * static_cast<size_t>(grains_));
-  sandglass_granular_grains(scene_, grain_positions_.data(), nullptr);
-  return grain_positions_;
+  return refreshed(&grain_positions_, grains_, [&](float* to) { sandglass_granular_grains(scene_, to, nullptr); });
 }
 const std::vector<float>& Simulation::grain_velocities() {
-  grain_velocities_.resize(3 * static_cast<size_t>(grains_));
-  sandglass_granular_grains(scene_, nullptr, grain_velocities_.data());
-  return grain_velocities_;
+  return refreshed(&grain_velocities_, grains_, [&](float* to) { sandglass_granular_grains(scene_, nullptr, to); });
 }
 
 sandglass_scene_desc describe_filled(const SceneFile& scene, const Material& material) {

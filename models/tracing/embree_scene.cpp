@@ -1,6 +1,7 @@
 // See embree_scene.h.
 #include "models/tracing/embree_scene.h"
 
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -18,6 +19,17 @@ void* new_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, siz
   if (buffer != nullptr) return buffer;
   rtcReleaseGeometry(geometry);
   throw Failure(k_too_large);
+}
+
+RTCRay embree_ray(Vec3 origin, Vec3 direction, double limit) {
+  RTCRay ray = {};
+  ray.org_x = static_cast<float>(origin.x), ray.org_y = static_cast<float>(origin.y);
+  ray.org_z = static_cast<float>(origin.z);
+  ray.dir_x = static_cast<float>(direction.x), ray.dir_y = static_cast<float>(direction.y);
+  ray.dir_z = static_cast<float>(direction.z);
+  ray.tfar = static_cast<float>(limit);
+  ray.mask = ~0u;
+  return ray;
 }
 
 void attach(RTCScene scene, RTCGeometry geometry) {
@@ -42,14 +54,14 @@ EmbreeScene::~EmbreeScene() {
 }
 
 EmbreeScene EmbreeScene::triangles(std::span<const float> vertices, std::span<const uint32_t> indices,
-                                   RTCBuildQuality quality, int flags) {
+                                   RTCBuildQuality quality) {
   EmbreeScene made("threads=1");
   RTCGeometry geometry = rtcNewGeometry(made.device_, RTC_GEOMETRY_TYPE_TRIANGLE);
   std::memcpy(new_buffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, 12, vertices.size() / 3), vertices.data(),
               vertices.size_bytes());
   std::memcpy(new_buffer(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 12, indices.size() / 3), indices.data(),
               indices.size_bytes());
-  rtcSetSceneFlags(made.scene_, static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | flags));
+  rtcSetSceneFlags(made.scene_, RTC_SCENE_FLAG_ROBUST);
   rtcSetSceneBuildQuality(made.scene_, quality);
   attach(made.scene_, geometry);
   rtcCommitScene(made.scene_);
@@ -68,44 +80,28 @@ EmbreeScene EmbreeScene::spheres(std::span<const float> spheres) {
   return made;
 }
 
-RTCRay embree_ray(const float origin[3], const float direction[3], float nearest, float farthest) {
-  RTCRay ray = {};
-  ray.org_x = origin[0], ray.org_y = origin[1], ray.org_z = origin[2];
-  ray.dir_x = direction[0], ray.dir_y = direction[1], ray.dir_z = direction[2];
-  ray.tnear = nearest, ray.tfar = farthest;
-  ray.mask = ~0u;
-  return ray;
+Vec3 EmbreeHit::unit_normal() const {
+  const float length = std::sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+  return length > 0 ? Vec3{normal[0] / length, normal[1] / length, normal[2] / length} : Vec3{};
 }
 
-EmbreeHit EmbreeScene::closest(const float origin[3], const float direction[3], float nearest, float farthest) const {
+EmbreeHit EmbreeScene::closest(Vec3 origin, Vec3 direction, double limit) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   RTCRayHit query = {};
-  query.ray = embree_ray(origin, direction, nearest, farthest);
+  query.ray = embree_ray(origin, direction, limit);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcIntersect1(scene_, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
   return {true, query.ray.tfar, {query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z}, query.hit.primID};
 }
 
-bool EmbreeScene::occluded(const float origin[3], const float direction[3], float nearest, float farthest) const {
+bool EmbreeScene::occluded(Vec3 origin, Vec3 direction, double limit) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRay ray = embree_ray(origin, direction, nearest, farthest);
+  RTCRay ray = embree_ray(origin, direction, limit);
   rtcOccluded1(scene_, &context, &ray);
   return ray.tfar < 0.0f;
-}
-
-EmbreeHit EmbreeScene::closest(Vec3 origin, Vec3 direction, double limit) const {
-  float o[3], d[3];
-  to_floats(origin, o), to_floats(direction, d);
-  return closest(o, d, 0.0f, static_cast<float>(limit));
-}
-
-bool EmbreeScene::occluded(Vec3 origin, Vec3 direction, double limit) const {
-  float o[3], d[3];
-  to_floats(origin, o), to_floats(direction, d);
-  return occluded(o, d, 0.0f, static_cast<float>(limit));
 }
 
 }  // namespace sandglass::host

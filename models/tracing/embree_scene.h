@@ -1,5 +1,5 @@
-// A scene of triangles or spheres that Embree traces rays against. RayCaster, SphereCaster, the rooms' path tracer and
-// the truth of baked shadows are built on it. Without Embree only SphereCaster exists (sphere_caster_grid.cpp).
+// A scene of triangles or spheres that Embree traces rays against. SphereCaster, the path tracers and the truth of
+// baked shadows are built on it. Without Embree only SphereCaster exists (sphere_caster_grid.cpp).
 #pragma once
 
 #ifdef SANDGLASS_HAVE_EMBREE
@@ -19,6 +19,8 @@ struct EmbreeHit {
   // Of a triangle: by the order of its corners; its length is twice the triangle's area.
   float normal[3] = {};
   uint32_t primitive = 0;
+
+  Vec3 unit_normal() const;
 };
 
 // Any number of threads may trace at the same time. triangles() and spheres() throw a Failure when Embree does not
@@ -26,9 +28,8 @@ struct EmbreeHit {
 class EmbreeScene {
  public:
   // 3 floats per vertex, 3 indices per triangle. The scene is robust: no ray slips through between two triangles.
-  // `flags` adds more of Embree's scene flags.
   static EmbreeScene triangles(std::span<const float> vertices, std::span<const uint32_t> indices,
-                               RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM, int flags = 0);
+                               RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM);
   // 4 floats per sphere: centre and radius. May be empty.
   static EmbreeScene spheres(std::span<const float> spheres);
 
@@ -36,20 +37,16 @@ class EmbreeScene {
   ~EmbreeScene();
   EmbreeScene& operator=(EmbreeScene&&) = delete;
 
-  EmbreeHit closest(const float origin[3], const float direction[3], float nearest, float farthest) const;
-  bool occluded(const float origin[3], const float direction[3], float nearest, float farthest) const;
   EmbreeHit closest(Vec3 origin, Vec3 direction, double limit) const;
   bool occluded(Vec3 origin, Vec3 direction, double limit) const;
 
-  RTCScene handle() const { return scene_; }  // for packets of rays and filters
+  RTCScene handle() const { return scene_; }  // for packets of rays
 
  private:
   explicit EmbreeScene(const char* device);
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
 };
-
-RTCRay embree_ray(const float origin[3], const float direction[3], float nearest, float farthest);
 
 }  // namespace sandglass::host
 

@@ -17,18 +17,9 @@ constexpr Colour k_paper = {24, 26, 30}, k_ink = {236, 233, 226}, k_faint = {160
 }  // namespace
 
 Colour stage_colour(sandglass_stage stage) {
-  switch (stage) {
-    case SANDGLASS_STAGE_GRANULAR:
-      return {204, 130, 68};
-    case SANDGLASS_STAGE_SHADOW:
-      return {127, 146, 221};
-    case SANDGLASS_STAGE_REFINE:
-      return {236, 197, 97};
-    case SANDGLASS_STAGE_OUTPUT:
-      return {77, 184, 170};
-    default:
-      return {224, 112, 143};
-  }
+  constexpr Colour k_colours[SANDGLASS_STAGE_COUNT] = {
+      {204, 130, 68}, {224, 112, 143}, {127, 146, 221}, {236, 197, 97}, {77, 184, 170}};
+  return k_colours[stage];
 }
 
 BudgetBar budget_bar() { return {k_margin, 2 * k_line + k_margin, k_width - 2 * k_margin, 16, 300}; }

@@ -21,7 +21,7 @@ struct InputEvent {
   InputKind kind = InputKind::cursor;
   double x = 0.0, y = 0.0;  // the cursor's place; a scroll uses y
   bool right_button = false;
-  std::string key;  // for example "P", "-", "Left"
+  std::string key = {};  // for example "P", "-", "Left"
 };
 
 // The events, sorted by frame. Events of one frame keep the order of the text. A Failure names what cannot be

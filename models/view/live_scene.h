@@ -4,20 +4,17 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "models/drawing/render.h"
-#include "models/simulation/body_meshes.h"
-#include "models/simulation/collision_fields.h"
-#include "models/simulation/pile_shadow.h"
 #include "models/simulation/scene_file.h"
 #include "models/simulation/scene_fill.h"
+#include "models/simulation/scene_meshes.h"
+#include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
-#include "models/simulation/standing_shadows.h"
 #include "models/work/thread_pool.h"
 
 namespace sandglass::host {
@@ -44,6 +41,7 @@ class LiveScene {
 
   std::span<const sandglass_grain> grains() const { return simulation_->output(); }
   const std::vector<float>& particles() { return simulation_->particle_positions(); }
+  const CollisionFields& fields() const { return *fields_; }
   const std::vector<sandglass_collider>& colliders() const { return colliders_; }  // the pushing sphere is the last one
   std::vector<FloorShadow> shadows() const;                                        // of the objects
   std::optional<FloorShadow> pile(bool on_sand) const;                             // of the sand, if the scene has one

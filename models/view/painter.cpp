@@ -36,18 +36,23 @@ Matrix product(const Matrix& a, const Matrix& b) {
   return c;
 }
 
+// The map of a point p to (rows . p) + offset.
+Matrix of_rows(const Vec3 (&rows)[3], Vec3 offset) {
+  const double add[3] = {offset.x, offset.y, offset.z};
+  Matrix m = {};
+  for (size_t row = 0; row < 3; ++row) {
+    m[row] = static_cast<float>(rows[row].x), m[4 + row] = static_cast<float>(rows[row].y);
+    m[8 + row] = static_cast<float>(rows[row].z), m[12 + row] = static_cast<float>(add[row]);
+  }
+  m[15] = 1.0f;
+  return m;
+}
+
 Matrix looking(Vec3 eye, Vec3 target) {
   const Vec3 forward = normalised(target - eye);
   const Vec3 aside = std::fabs(forward.y) > 0.999 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 right = normalised(cross(forward, aside)), up = cross(right, forward);
-  const Vec3 rows[3] = {right, up, forward * -1.0};
-  Matrix m = {};
-  for (size_t row = 0; row < 3; ++row) {
-    m[row] = static_cast<float>(rows[row].x), m[4 + row] = static_cast<float>(rows[row].y);
-    m[8 + row] = static_cast<float>(rows[row].z), m[12 + row] = static_cast<float>(-dot(rows[row], eye));
-  }
-  m[15] = 1.0f;
-  return m;
+  return of_rows({right, up, forward * -1.0}, {-dot(right, eye), -dot(up, eye), dot(forward, eye)});
 }
 
 Matrix perspective(double fov_deg, double aspect, double near, double far) {
@@ -69,31 +74,16 @@ Matrix orthographic(double half_width, double near, double far) {
 
 Matrix pose(const sandglass_collider& c) {
   const Quaternion q = normalised(Quaternion{c.rotation[0], c.rotation[1], c.rotation[2], c.rotation[3]});
-  const Vec3 axes[3] = {rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
-  Matrix m = {};
-  for (size_t column = 0; column < 3; ++column) {
-    m[4 * column] = static_cast<float>(axes[column].x), m[4 * column + 1] = static_cast<float>(axes[column].y);
-    m[4 * column + 2] = static_cast<float>(axes[column].z), m[12 + column] = c.position[column];
-  }
-  m[15] = 1.0f;
-  return m;
+  const Quaternion back = conjugate(q);
+  return of_rows({rotate(back, {1, 0, 0}), rotate(back, {0, 1, 0}), rotate(back, {0, 0, 1})}, from_floats(c.position));
 }
 
 // Its rows give x over the texture's rectangle, the height above its floor, and z over the rectangle.
 Matrix to_square(const FloorShadow& shadow) {
+  const double wide = 1.0 / (shadow.high[0] - shadow.low[0]), deep = 1.0 / (shadow.high[1] - shadow.low[1]);
   const Quaternion q = shadow.rotation;
-  const Vec3 axes[3] = {rotate(q, {1, 0, 0}), rotate(q, {0, 1, 0}), rotate(q, {0, 0, 1})};
-  const double scale[3] = {1.0 / (shadow.high[0] - shadow.low[0]), 1.0, 1.0 / (shadow.high[1] - shadow.low[1])};
-  const double low[3] = {shadow.low[0], 0.0, shadow.low[1]};
-  Matrix m = {};
-  for (size_t row = 0; row < 3; ++row) {
-    const Vec3 axis = axes[row] * scale[row];
-    m[row] = static_cast<float>(axis.x), m[4 + row] = static_cast<float>(axis.y);
-    m[8 + row] = static_cast<float>(axis.z);
-    m[12 + row] = static_cast<float>(-dot(axis, shadow.position) - low[row] * scale[row]);
-  }
-  m[15] = 1.0f;
-  return m;
+  const Vec3 x = rotate(q, {wide, 0, 0}), y = rotate(q, {0, 1, 0}), z = rotate(q, {0, 0, deep}), at = shadow.position;
+  return of_rows({x, y, z}, {-dot(x, at) - shadow.low[0] * wide, -dot(y, at), -dot(z, at) - shadow.low[1] * deep});
 }
 
 // The part that all shaders share that light something.
@@ -285,14 +275,13 @@ struct Program {
   void set(const char* uniform, int v) const { glUniform1i(at(uniform), v); }
 };
 
-// Vertices on the graphics card: an array with one or two attributes of three floats, and the order to draw them in.
+// Vertices on the graphics card: an array with one or two attributes of three floats.
 struct Mesh3 {
-  GLuint array = 0, vertices = 0, order = 0;
-  GLsizei count = 0;
+  GLuint array = 0, vertices = 0;
+  GLsizei count = 0;  // floats
   Mesh3() {
     glGenVertexArrays(1, &array);
     glGenBuffers(1, &vertices);
-    glGenBuffers(1, &order);
   }
   void layout(int floats, bool normals) const {
     glBindVertexArray(array);
@@ -304,20 +293,15 @@ struct Mesh3 {
     glEnableVertexAttribArray(1);
     glVertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, stride, reinterpret_cast<const void*>(3 * sizeof(float)));
   }
-  void fill(std::span<const float> values) const {
+  void fill(std::span<const float> values) {
     glBindBuffer(GL_ARRAY_BUFFER, vertices);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(values.size_bytes()), values.data(), GL_STREAM_DRAW);
+    count = static_cast<GLsizei>(values.size());
   }
-  void order_by(std::span<const uint32_t> indices) {
-    glBindVertexArray(array);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, order);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size_bytes()), indices.data(),
-                 GL_STATIC_DRAW);
-    count = static_cast<GLsizei>(indices.size());
-  }
+  // Draws triangles of vertices with normals.
   void draw() const {
     glBindVertexArray(array);
-    glDrawElements(GL_TRIANGLES, count, GL_UNSIGNED_INT, nullptr);
+    glDrawArrays(GL_TRIANGLES, 0, count / 6);
   }
 };
 
@@ -357,8 +341,6 @@ struct Painter::State {
         floor(k_solid_vertex, std::string(k_lighting) + k_shadows + k_floor_fragment),
         overlay(k_overlay_vertex, k_overlay_fragment) {
     floor_square.layout(6, true);
-    constexpr uint32_t k_square[] = {0, 1, 2, 0, 2, 3};
-    floor_square.order_by(k_square);
     map = new_texture(GL_LINEAR);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, k_map_size, k_map_size, 0, GL_DEPTH_COMPONENT, GL_FLOAT,
                  nullptr);
@@ -379,17 +361,15 @@ struct Painter::State {
     glPixelStorei(GL_PACK_ALIGNMENT, 1);
   }
 
-  const Mesh3& mesh_of(const sandglass_collider& c) {
+  const Mesh3& mesh_of(const sandglass_collider& c, const CollisionFields* fields) {
     const std::array<double, 5> key = {static_cast<double>(c.shape), static_cast<double>(c.size[0]),
                                        static_cast<double>(c.size[1]), static_cast<double>(c.size[2]),
                                        static_cast<double>(reinterpret_cast<uintptr_t>(c.field))};
     const auto found = meshes.find(key);
     if (found != meshes.end()) return found->second;
-    const Surface surface = collider_surface(c);
     Mesh3& mesh = meshes[key];
     mesh.layout(6, true);
-    mesh.fill(surface.vertices);
-    mesh.order_by(surface.indices);
+    mesh.fill(flat_triangles(collider_mesh(c, fields != nullptr ? fields->mesh_of(c.field) : nullptr)));
     return mesh;
   }
 
@@ -404,7 +384,7 @@ struct Painter::State {
                          sandglass_field_bounds(c.field, low, high) == SANDGLASS_SOLID_OUTSIDE;
       if (cast && (baked || glass)) continue;
       program.set("model", pose(c));
-      mesh_of(c).draw();
+      mesh_of(c, scene.fields).draw();
     }
   }
 
@@ -412,9 +392,9 @@ struct Painter::State {
     for (const sandglass_collider& c : scene.colliders) {
       if (c.shape != SANDGLASS_SHAPE_HALF_SPACE) continue;
       const float reach = static_cast<float>(k_floor_reach * diagonal);
-      const float corners[24] = {-reach, 0, reach,  0, 1, 0, reach,  0, reach,  0, 1, 0,
-                                 reach,  0, -reach, 0, 1, 0, -reach, 0, -reach, 0, 1, 0};
-      floor_square.fill(corners);
+      const Mesh square = {{-reach, 0, reach, reach, 0, reach, reach, 0, -reach, -reach, 0, -reach},
+                           {0, 1, 2, 0, 2, 3}};
+      floor_square.fill(flat_triangles(square));
       floor.set("model", pose(c));
       floor_square.draw();
     }

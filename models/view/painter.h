@@ -5,10 +5,10 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "models/drawing/render.h"
 #include "models/files/image.h"
+#include "models/simulation/scene_meshes.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {
@@ -18,6 +18,7 @@ struct Painted {
   int sphere_floats = 4;
   double radius = 0.01;
   std::span<const sandglass_collider> colliders;
+  const CollisionFields* fields = nullptr;  // those of the colliders
   std::span<const FloorShadow> shadows;
   // The shadow of the sand: both, or both null. Without them the sand is in the shadow map.
   const FloorShadow *pile = nullptr, *pile_on_sand = nullptr;

@@ -1,22 +1,18 @@
-// Makes the triangles that draw a collider, in its local frame: boxes, spheres and capsules by formula, fields from
-// their zero level. Front faces look to where sand can be, so that a container shows its far wall.
+// The triangles that draw a collider.
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
+#include "models/mesh/mesh.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass::host {
 
-struct Surface {
-  std::vector<float> vertices;  // six floats per vertex: position and unit normal
-  std::vector<uint32_t> indices;
+// In the collider's local frame. `of_field` is the mesh that its field was made of; other shapes need none. Front faces
+// look to where sand can be, so that a container shows its far wall. Empty for a half-space, because that has no end.
+Mesh collider_mesh(const sandglass_collider& collider, const Mesh* of_field);
 
-  uint32_t vertex_count() const { return static_cast<uint32_t>(vertices.size() / 6); }
-};
-
-// The result is empty for a half-space, because that has no end.
-Surface collider_surface(const sandglass_collider& collider);
+// Three vertices per triangle, and six floats per vertex: its position, and the unit normal of its triangle.
+std::vector<float> flat_triangles(const Mesh& mesh);
 
 }  // namespace sandglass::host

@@ -4,7 +4,6 @@
 #include <GLFW/glfw3.h>
 
 #include <algorithm>
-#include <memory>
 #include <set>
 
 #include "models/files/failure.h"
@@ -84,28 +83,12 @@ struct Hands {
 };
 
 std::string key_name(int key) {
-  switch (key) {
-    case GLFW_KEY_LEFT:
-      return "Left";
-    case GLFW_KEY_RIGHT:
-      return "Right";
-    case GLFW_KEY_UP:
-      return "Up";
-    case GLFW_KEY_DOWN:
-      return "Down";
-    case GLFW_KEY_SPACE:
-      return "Space";
-    case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT:
-      return "-";
-    case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD:
-      return "=";
-    case GLFW_KEY_ESCAPE:
-      return "Q";
-    default:
-      break;
-  }
+  constexpr std::pair<int, const char*> k_named[] = {
+      {GLFW_KEY_LEFT, "Left"},   {GLFW_KEY_RIGHT, "Right"},   {GLFW_KEY_UP, "Up"},    {GLFW_KEY_DOWN, "Down"},
+      {GLFW_KEY_SPACE, "Space"}, {GLFW_KEY_KP_SUBTRACT, "-"}, {GLFW_KEY_KP_ADD, "="}, {GLFW_KEY_ESCAPE, "Q"},
+      {GLFW_KEY_MINUS, "-"},     {GLFW_KEY_EQUAL, "="}};
+  for (const auto& [code, name] : k_named)
+    if (code == key) return name;
   const bool plain = (key >= GLFW_KEY_A && key <= GLFW_KEY_Z) || (key >= GLFW_KEY_0 && key <= GLFW_KEY_9);
   return plain ? std::string(1, static_cast<char>(key)) : "";
 }
@@ -114,28 +97,18 @@ Hands& hands_of(GLFWwindow* window) { return *static_cast<Hands*>(glfwGetWindowU
 
 void listen(GLFWwindow* window, Hands* hands) {
   glfwSetWindowUserPointer(window, hands);
-  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
-    InputEvent event;
-    event.x = x, event.y = y;
-    hands_of(w).take(event);
-  });
+  glfwSetCursorPosCallback(
+      window, [](GLFWwindow* w, double x, double y) { hands_of(w).take({.kind = InputKind::cursor, .x = x, .y = y}); });
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
-    InputEvent event;
-    event.kind = action == GLFW_PRESS ? InputKind::press : InputKind::release;
-    event.right_button = button != GLFW_MOUSE_BUTTON_LEFT;
-    hands_of(w).take(event);
+    const InputKind kind = action == GLFW_PRESS ? InputKind::press : InputKind::release;
+    hands_of(w).take({.kind = kind, .right_button = button != GLFW_MOUSE_BUTTON_LEFT});
   });
-  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double y) {
-    InputEvent event;
-    event.kind = InputKind::scroll, event.y = y;
-    hands_of(w).take(event);
-  });
+  glfwSetScrollCallback(window,
+                        [](GLFWwindow* w, double, double y) { hands_of(w).take({.kind = InputKind::scroll, .y = y}); });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
-    InputEvent event;
-    event.key = key_name(key);
-    if (event.key.empty() || action == GLFW_REPEAT) return;
-    event.kind = action == GLFW_PRESS ? InputKind::key_down : InputKind::key_up;
-    hands_of(w).take(event);
+    const InputKind kind = action == GLFW_PRESS ? InputKind::key_down : InputKind::key_up;
+    if (const std::string name = key_name(key); !name.empty() && action != GLFW_REPEAT)
+      hands_of(w).take({.kind = kind, .key = name});
   });
 }
 
@@ -218,7 +191,7 @@ void view_scene(const ViewOptions& options) {
       static_assert(sizeof(sandglass_grain) == 4 * sizeof(float));
       scene.spheres = {live.grains().data()->position, 4 * live.grains().size()}, scene.radius = live.grain_radius();
     }
-    scene.colliders = live.colliders(), scene.shadows = shadows;
+    scene.colliders = live.colliders(), scene.fields = &live.fields(), scene.shadows = shadows;
     const std::optional<FloorShadow> pile = live.pile(false), on_sand = live.pile(true);
     if (pile) scene.pile = &*pile, scene.pile_on_sand = &*on_sand;
     scene.to_light = live.to_light(), scene.camera = orbit.camera(), scene.bounds = live.bounds();

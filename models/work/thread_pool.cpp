@@ -8,9 +8,12 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <vector>
+
+#include "models/work/progress.h"
 
 namespace sandglass::host {
 
@@ -97,6 +100,29 @@ void ThreadPool::run(uint32_t count, const std::function<void(uint32_t)>& task) 
 sandglass_parallel ThreadPool::hook() {
   if (state_->workers.empty()) return {nullptr, nullptr};
   return {State::run, state_.get()};
+}
+
+void for_all(size_t count, uint32_t threads, const std::string& what, const std::function<void(size_t)>& task) {
+  std::mutex mutex;
+  std::exception_ptr failure;
+  size_t done = 0;
+  Progress progress(what, count);
+  const auto failed = [&] {
+    const std::lock_guard lock(mutex);
+    return failure != nullptr;
+  };
+  ThreadPool(threads).run(static_cast<uint32_t>(count), [&](uint32_t i) {
+    if (interrupted() || failed()) return;
+    try {
+      task(i);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      failure = std::current_exception();
+    }
+    const std::lock_guard lock(mutex);
+    progress.done(++done);
+  });
+  if (failure) std::rethrow_exception(failure);
 }
 
 }  // namespace sandglass::host

@@ -1,9 +1,11 @@
-// The one kind of thread pool in models/. The program also hands it to the library.
+// The one kind of thread pool in models/, and long work on it. The program also hands the pool to the library.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "sandglass/sandglass.h"
 
@@ -25,5 +27,10 @@ class ThreadPool {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+// Runs `task` for 0 to count - 1, in any order. It ends early when a task throws, and then throws that exception. It
+// also ends early on Ctrl-C; then interrupted() is true. Tasks that have begun are finished. For `what` see Progress.
+// `threads` includes the calling thread.
+void for_all(size_t count, uint32_t threads, const std::string& what, const std::function<void(size_t)>& task);
 
 }  // namespace sandglass::host

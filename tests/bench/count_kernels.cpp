@@ -20,10 +20,12 @@ constexpr uint32_t k_items = 960, k_slack = 2 * k_lane_group;
 constexpr float k_radius = 0.01f;
 
 bool g_all = false;  // all run between one pair of marks
-void begin() {
+
+template <class Args, class Result>
+void count(void (*kernel)(const Args*, uint32_t, uint32_t, Result*), const Args& args) {
+  Result result = {};
   if (!g_all) counting_begins();
-}
-void end() {
+  kernel(&args, 0, k_items, &result);
   if (!g_all) counting_ends();
 }
 
@@ -121,10 +123,7 @@ void work_grid_cells(const Kernels& kernels) {
   std::vector<uint32_t> keys(k_items + k_slack);
   const GridCellsArgs args = {
       {1.0f / Pile::reach, {3, 3, 3}, nullptr}, as_records(pile.records.data()), keys.data(), 0, {0, 0, 0}};
-  uint32_t unused = 0;
-  begin();
-  kernels.grid_cells(&args, 0, k_items, &unused);
-  end();
+  count(kernels.grid_cells, args);
 }
 
 void work_neighbour_lists(const Kernels& kernels) {
@@ -136,10 +135,7 @@ void work_neighbour_lists(const Kernels& kernels) {
   args.inert = k_items;
   args.reach_squared = Pile::reach * Pile::reach, args.near_squared = 4.4f * k_radius * k_radius;
   args.lists = pile.lists.data(), args.counts = pile.counts.data();
-  uint32_t dropped = 0;
-  begin();
-  kernels.neighbour_lists(&args, 0, k_items, &dropped);
-  end();
+  count(kernels.neighbour_lists, args);
 }
 
 // One pass of the pile on a floor, with a second collider `beside`.
@@ -163,10 +159,7 @@ void contact(contact_solve_function kernel, const ColliderFrame* beside) {
   args.bodies = 1, args.last = 1;
   args.wake_displacement = 1e-4f, args.touched = touched.data();
   args.colliders = colliders.data(), args.collider_count = static_cast<uint32_t>(colliders.size());
-  ContactExtent extent = {};
-  begin();
-  kernel(&args, 0, k_items, &extent);
-  end();
+  count(kernel, args);
 }
 
 void work_contact_stabilise(const Kernels& kernels) { contact(kernels.contact_stabilise, nullptr); }
@@ -182,10 +175,7 @@ void work_wake_near(const Kernels& kernels) {
                                       still(SANDGLASS_SHAPE_SPHERE, 0.04f, 0.1f)};
   const float margins[2] = {0.01f, 0.01f};
   const WakeArgs args = {as_sleepers(pile.records.data()), k_items, colliders, margins, 2};
-  uint32_t woken = 0;
-  begin();
-  kernels.wake_near(&args, 0, k_items, &woken);
-  end();
+  count(kernels.wake_near, args);
 }
 
 void work_find_inside(const Kernels& kernels) {
@@ -194,10 +184,7 @@ void work_find_inside(const Kernels& kernels) {
                                    still(SANDGLASS_SHAPE_CAPSULE, 0.03f, 0.15f)};
   std::vector<uint8_t> inside(k_items);
   const InsideArgs args = {as_records(pile.records.data()), k_items, shapes, 2, inside.data()};
-  uint32_t found = 0;
-  begin();
-  kernels.find_inside(&args, 0, k_items, &found);
-  end();
+  count(kernels.find_inside, args);
 }
 
 void work_surface_at(const Kernels& kernels) {
@@ -207,10 +194,7 @@ void work_surface_at(const Kernels& kernels) {
   for (uint32_t i = 0; i < k_items; ++i)
     for (int k = 0; k < 3; ++k) points[i].position[k] = pile.records[i].position[k];
   const SurfaceArgs args = {points.data(), &field.frame};
-  uint32_t unused = 0;
-  begin();
-  kernels.surface_at(&args, 0, k_items, &unused);
-  end();
+  count(kernels.surface_at, args);
 }
 
 // One step of grains all over the pile.
@@ -232,10 +216,7 @@ void refine(const Kernels& kernels, const ColliderFrame& beside) {
   args.weight_at_radius = 512.0f / 729.0f;
   args.colliders = &beside, args.collider_count = 1;
   args.grain_radius = 0.35f * k_radius, args.friction = 0.14f;
-  RefineExtent extent = {};
-  begin();
-  kernels.refine_grains(&args, 0, k_items, &extent);
-  end();
+  count(kernels.refine_grains, args);
 }
 
 void work_refine_grains(const Kernels& kernels) { refine(kernels, still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0)); }
@@ -267,10 +248,7 @@ void work_pile_light(const Kernels& kernels) {
   args.sand_rows[1] = rows - 1, args.sand_columns[1] = static_cast<int32_t>(k_items) - 1;
   args.receivers = receivers.data(), args.azimuths = azimuths, args.azimuth_count = azimuth_count, args.steps = steps;
   args.inverse_total = 1.0f / (0.6f * azimuth_count), args.shares = shares.data();
-  uint32_t unused = 0;
-  begin();
-  kernels.pile_light(&args, 0, k_items, &unused);
-  end();
+  count(kernels.pile_light, args);
 }
 
 // One row of columns, half of them empty, in sixteen sectors of ten steps each.

@@ -2,20 +2,19 @@
 // the floor and on the sand, with the light 20, 45 and 65 degrees from the zenith. Each is counted from the new light
 // to the last unit, with its hash.
 //   count_pile [ISA]
+#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <vector>
 
-#include "sandglass/pile_shadow.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/bench/counting.h"
 
 int main(int argument_count, char** arguments) {
-  constexpr uint32_t k_grains = 24000, k_lights = 3;
+  constexpr uint32_t k_grains = 24000;
   constexpr float k_radius = 0.0035f, k_foot = 0.25f, k_height = 0.08f;
-  sandglass_pile_shadow_desc desc;
-  sandglass_pile_shadow_desc_default(&desc);
+  sandglass_pile_shadow_desc desc = sandglass::pile_shadow_desc();
   desc.isa = argument_count > 1 ? std::atoi(arguments[1]) : SANDGLASS_ISA_AUTOMATIC;
   // A cone that is filled evenly: x and z lie over its foot, y below its surface.
   std::vector<float> grains;
@@ -25,25 +24,20 @@ int main(int argument_count, char** arguments) {
     const float left = 1 - y / k_height;
     if (x * x + z * z < k_foot * k_foot * left * left) grains.insert(grains.end(), {x, y + k_radius, z});
   }
-  const char* reason = nullptr;
-  uint64_t bytes = 0;
-  sandglass_pile_shadow* shadow = nullptr;
-  if (sandglass_pile_shadow_bytes(&desc, &bytes, &reason) != SANDGLASS_OK)
-    return std::fprintf(stderr, "%s\n", reason), 2;
-  const sandglass::cpp::Block block = sandglass::cpp::allocate_block(bytes);
-  if (sandglass_pile_shadow_create(&desc, block.get(), bytes, &shadow, &reason) != SANDGLASS_OK)
-    return std::fprintf(stderr, "%s\n", reason), 2;
-  const float lights[k_lights][3] = {{0.342f, 0.940f, 0}, {0.707f, 0.707f, 0}, {0.906f, 0.423f, 0}};
+  sandglass::PileShadow shadow;
+  const sandglass::Status made = shadow.create(desc);
+  if (!made) return std::fprintf(stderr, "%s\n", made.reason), 2;
+  constexpr std::array<float, 3> k_lights[] = {{0.342f, 0.940f, 0}, {0.707f, 0.707f, 0}, {0.906f, 0.423f, 0}};
+  constexpr uint32_t lights = std::size(k_lights);
   uint64_t hash = 0;
   counting_begins();
-  for (const float(&light)[3] : lights) {
-    if (sandglass_pile_shadow_set_light(shadow, light, &reason) != SANDGLASS_OK) return 2;
-    while (sandglass_pile_shadow_run(shadow, grains.data(), k_grains, k_radius, 64) != 0) continue;
-    hash = hash * 31 + sandglass_pile_shadow_hash(shadow);
+  for (const std::array<float, 3>& light : k_lights) {
+    if (!shadow.set_light(light)) return 2;
+    while (shadow.run(grains, k_radius, 64) != 0) continue;
+    hash = hash * 31 + shadow.hash();
   }
   counting_ends();
   std::printf("isa %s\ntexels %u\ngrains_put %u\ntextures %u\nhash 0x%016llx\n", sandglass_isa_name(desc.isa),
-              2 * k_lights * desc.texels * desc.texels, k_lights * k_grains, k_lights,
-              static_cast<unsigned long long>(hash));
+              2 * lights * desc.texels * desc.texels, lights * k_grains, lights, static_cast<unsigned long long>(hash));
   return 0;
 }

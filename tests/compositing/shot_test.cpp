@@ -17,9 +17,8 @@
 #include "models/mesh/generated.h"
 #include "models/mesh/ply.h"
 #include "models/rooms/panorama_file.h"
+#include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
-#include "models/simulation/standing_shadows.h"
-#include "models/tracing/ray_caster.h"
 #include "tests/temporary_folder.h"
 
 namespace {

@@ -222,11 +222,5 @@ TEST(Image, GridKeepsOrder) {
   EXPECT_EQ(grid.at(6, 5)[0], 255);
 }
 
-TEST(Image, SrgbEndsAndMiddle) {
-  EXPECT_EQ(srgb_byte(-1.0), 0);
-  EXPECT_EQ(srgb_byte(1.5), 255);
-  EXPECT_EQ(srgb_byte(0.2140411), 127);
-}
-
 }  // namespace
 }  // namespace sandglass::host

@@ -55,12 +55,6 @@ TEST(Report, SummaryCountsMissesAndPercentiles) {
   EXPECT_EQ(s.level_frames, (std::vector<uint32_t>{50, 51}));
 }
 
-TEST(Report, SummaryOfNoFrameIsEmpty) {
-  EXPECT_EQ(summarise({}).misses, 0u);
-  EXPECT_FALSE(report_summary_text(RunReport{}).empty());
-  EXPECT_EQ(nlohmann::json::parse(report_summary_json(RunReport{}))["frames"], 0);
-}
-
 TEST(Report, CsvHasOneRowAFrameAndAsManyFieldsAsItsHeader) {
   std::istringstream csv(report_csv(example()));
   std::string header, line;

@@ -94,17 +94,16 @@ void fake_begin_frame(FakeScene* scene) {
   scene->outputs_this_frame = 0;
 }
 
-sandglass_clock fake_clock(FakeScene* scene) { return {read_fake_clock, scene}; }
-
-FakeStages fake_stages(FakeScene* scene, uint32_t mandatory) {
-  return {{{scene, granular_next, granular_run, granular_forecast, k_kind_count, mandatory, 0.6f},
-           {scene, refine_next, refine_run, refine_forecast, k_kind_count, 0, 1.0f},
-           {scene, output_next, output_run, output_forecast, k_kind_count, k_all_units, 1.0f}}};
+FakeRun::FakeRun(bool with_clock)
+    : stages{{&scene, granular_next, granular_run, granular_forecast, k_kind_count, 4, 0.6f},
+             {&scene, refine_next, refine_run, refine_forecast, k_kind_count, 0, 1.0f},
+             {&scene, output_next, output_run, output_forecast, k_kind_count, k_all_units, 1.0f}} {
+  governor_init(&governor, with_clock ? sandglass_clock{read_fake_clock, &scene} : sandglass_clock{}, {}, 3);
 }
 
 bool FakeRun::frame(uint64_t budget_ns, const sandglass_plan* plan) {
   fake_begin_frame(&scene);
-  return governor_frame(&governor, stages.stages, 3, budget_ns, plan, &report);
+  return governor_frame(&governor, stages, 3, budget_ns, plan, &report);
 }
 
 }  // namespace sandglass::governor_test

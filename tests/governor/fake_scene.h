@@ -59,19 +59,10 @@ struct FakeScene {
 };
 
 void fake_begin_frame(FakeScene* scene);
-sandglass_clock fake_clock(FakeScene* scene);
-
-// Granular with `mandatory` mandatory units, refine, output.
-struct FakeStages {
-  Stage stages[3];
-};
-FakeStages fake_stages(FakeScene* scene, uint32_t mandatory = 4);
 
 // A fake scene under a governor of its own.
 struct FakeRun {
-  explicit FakeRun(bool with_clock = true) {
-    governor_init(&governor, with_clock ? fake_clock(&scene) : sandglass_clock{}, {}, 3);
-  }
+  explicit FakeRun(bool with_clock = true);
   FakeRun(const FakeRun&) = delete;
   FakeRun& operator=(const FakeRun&) = delete;
 
@@ -80,7 +71,7 @@ struct FakeRun {
 
   FakeScene scene;
   Governor governor;
-  FakeStages stages = fake_stages(&scene);
+  Stage stages[3];
   sandglass_frame_report report = {};
 };
 

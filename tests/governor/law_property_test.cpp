@@ -76,20 +76,13 @@ TEST(LawProperty, HoldsForRandomStagesAndCosts) {
     Stage stages[3];
     for (uint32_t i = 0; i < 3; ++i) {
       RandomStage& stage = scene.stages[i];
-      stage = {&scene,
-               i,
-               0,
-               0,
-               1 + static_cast<uint32_t>(random.below(4)),
-               static_cast<uint32_t>(random.below(6)),
-               uint64_t{1} << (6 + random.below(14))};
-      stages[i] = {&stage,
-                   random_next,
-                   random_run,
-                   random_forecast,
-                   stage.kinds,
-                   static_cast<uint32_t>(random.below(5)),
-                   static_cast<float>(random.below(12)) / 10.0f};
+      stage.scene = &scene, stage.index = i;
+      stage.kinds = 1 + static_cast<uint32_t>(random.below(4));
+      stage.gate = static_cast<uint32_t>(random.below(6));
+      stage.base_ns = uint64_t{1} << (6 + random.below(14));
+      const uint32_t mandatory = static_cast<uint32_t>(random.below(5));
+      const float share = static_cast<float>(random.below(12)) / 10.0f;
+      stages[i] = {&stage, random_next, random_run, random_forecast, stage.kinds, mandatory, share};
     }
     stages[2].mandatory_units = k_all_units;
     assign_kinds(stages, 3);

@@ -3,11 +3,13 @@
 // a plan that does not fit.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstring>
 #include <string>
 #include <vector>
 
 #include "fake_scene.h"
+#include "platform/virtual_clock.h"
 
 namespace sandglass::governor_test {
 namespace {
@@ -15,15 +17,14 @@ namespace {
 // A stage with a finite list of work units of one kind. Each takes 100 us on the shared clock. Another stage may have
 // to unblock them.
 struct ListStage {
-  uint64_t* now_ns = nullptr;
-  uint32_t kind = 0;
+  VirtualClock* clock;
+  std::string* log;
+  uint32_t kind;
   uint32_t units = 0;  // how many it offers
   uint32_t done = 0;
-  // If set, work units run only while fewer than *ahead * per_ahead + lead are done.
+  // If set, work units run only while fewer than *ahead + lead are done.
   const uint32_t* ahead = nullptr;
-  uint32_t per_ahead = 1;
   uint32_t lead = 0;
-  std::string* log = nullptr;
   bool spread = false;  // whether the forecast calls it work that is spread over several frames
 };
 
@@ -35,14 +36,14 @@ Stage list_stage(ListStage* list, uint32_t mandatory, float share) {
   stage.next = [](const void* state, uint32_t, WorkUnit* unit) {
     const ListStage* self = static_cast<const ListStage*>(state);
     *unit = {self->kind, 10, "fake.list"};
-    const bool blocked = self->ahead != nullptr && self->done >= *self->ahead * self->per_ahead + self->lead;
+    const bool blocked = self->ahead != nullptr && self->done >= *self->ahead + self->lead;
     return self->done < self->units && !blocked;
   };
   stage.run = [](void* state, uint32_t) {
     ListStage* self = static_cast<ListStage*>(state);
     ++self->done;
-    if (self->now_ns != nullptr) *self->now_ns += k_list_unit_ns;
-    if (self->log != nullptr) *self->log += static_cast<char>('a' + self->kind);
+    self->clock->now_ns += k_list_unit_ns;
+    *self->log += static_cast<char>('a' + self->kind);
   };
   stage.forecast = [](const void* state, uint32_t, Forecast* entries) {
     const ListStage* self = static_cast<const ListStage*>(state);
@@ -54,44 +55,33 @@ Stage list_stage(ListStage* list, uint32_t mandatory, float share) {
   return stage;
 }
 
-sandglass_clock list_clock(uint64_t* now_ns) {
-  return {[](void* user) { return *static_cast<uint64_t*>(user); }, now_ns};
-}
-
 struct Lists {
-  uint64_t now_ns = 0;
+  VirtualClock clock;
   std::string log;
-  ListStage first{&now_ns, 0, 0, 0, nullptr, 1, 0, &log};
-  ListStage second{&now_ns, 1, 0, 0, nullptr, 1, 0, &log};
-  ListStage output{&now_ns, 2, 0, 0, nullptr, 1, 0, &log};
+  ListStage first{&clock, &log, 0}, second{&clock, &log, 1}, output{&clock, &log, 2};
   Governor governor = {};
   sandglass_frame_report report = {};
 
   explicit Lists(bool with_clock = true) {
-    governor_init(&governor, with_clock ? list_clock(&now_ns) : sandglass_clock{}, {}, 1);
+    governor_init(&governor, with_clock ? virtual_clock(&clock) : sandglass_clock{}, {}, 1);
   }
-  bool frame(uint64_t budget_ns, uint32_t mandatory, float share, const sandglass_plan* replay = nullptr) {
+  // A frame in which the stages offer so many work units.
+  bool frame(const std::array<uint32_t, 3>& units, uint64_t budget_ns, uint32_t mandatory, float share,
+             const sandglass_plan* replay = nullptr) {
+    first.units = units[0], second.units = units[1], output.units = units[2];
+    first.done = second.done = output.done = 0;
     const Stage stages[3] = {list_stage(&first, mandatory, share), list_stage(&second, 0, 1.0f),
                              list_stage(&output, k_all_units, 1.0f)};
     log.clear();
     return governor_frame(&governor, stages, 3, budget_ns, replay, &report);
   }
-  // Sets how many work units the stages offer in the next frame.
-  void offer(uint32_t a, uint32_t b, uint32_t c) {
-    first.units = a, second.units = b, output.units = c;
-    first.done = second.done = output.done = 0;
-  }
   // Runs a frame. After it the cost of every kind of work unit is known.
-  void learn() {
-    offer(4, 4, 4);
-    frame(1000000000, 1, 1.0f);
-  }
+  void learn() { frame({4, 4, 4}, 1000000000, 1, 1.0f); }
 };
 
 TEST(Plan, WithoutAClockEverythingRunsAtFullQualityAndNoTimeIsReported) {
   Lists lists(false);
-  lists.offer(3, 2, 1);
-  EXPECT_TRUE(lists.frame(0, 1, 0.5f));
+  EXPECT_TRUE(lists.frame({3, 2, 1}, 0, 1, 0.5f));
   EXPECT_EQ(lists.log, "aaabbc");
   EXPECT_EQ(lists.report.level, 0u);
   EXPECT_EQ(lists.report.elapsed_ns, 0u);
@@ -102,8 +92,7 @@ TEST(Plan, WithoutAClockEverythingRunsAtFullQualityAndNoTimeIsReported) {
 TEST(Plan, ZeroBudgetRunsTheMandatoryPartOnly) {
   Lists lists;
   lists.learn();
-  lists.offer(5, 5, 2);
-  lists.frame(0, 2, 1.0f);
+  lists.frame({5, 5, 2}, 0, 2, 1.0f);
   EXPECT_EQ(lists.log, "aacc");
   EXPECT_EQ(lists.report.mandatory_ns, 4 * k_list_unit_ns);
   EXPECT_EQ(lists.report.elapsed_ns, lists.report.mandatory_ns);
@@ -113,7 +102,7 @@ TEST(Plan, ZeroBudgetRunsTheMandatoryPartOnly) {
 
 TEST(Plan, NothingToDoIsAnEmptyPlan) {
   Lists lists;
-  lists.frame(4000000, 4, 0.6f);
+  lists.frame({0, 0, 0}, 4000000, 4, 0.6f);
   EXPECT_EQ(lists.report.plan.run_count, 0u);
   EXPECT_TRUE(governor_frame(&lists.governor, nullptr, 0, 4000000, nullptr, &lists.report));
   EXPECT_EQ(lists.report.plan.run_count, 0u);
@@ -122,11 +111,9 @@ TEST(Plan, NothingToDoIsAnEmptyPlan) {
 TEST(Plan, AShareIsKeptWhileALaterStageHasWorkAndHandedBackAfterwards) {
   Lists lists;
   lists.learn();
-  lists.offer(100, 100, 0);
-  lists.frame(10 * k_list_unit_ns, 0, 0.5f);
+  lists.frame({100, 100, 0}, 10 * k_list_unit_ns, 0, 0.5f);
   EXPECT_EQ(lists.log, "aaaaabbbb");  // a tenth unit would fit, but not with its margin
-  lists.offer(100, 2, 0);
-  lists.frame(10 * k_list_unit_ns, 0, 0.5f);
+  lists.frame({100, 2, 0}, 10 * k_list_unit_ns, 0, 0.5f);
   EXPECT_EQ(lists.log, "aaaaabbaa");
 }
 
@@ -135,25 +122,22 @@ TEST(Plan, AStageThatUnblocksAnotherGetsTimeForIt) {
   lists.learn();
   // Each work unit of the first stage unblocks one of the second. The first stage's own share is zero, too little for
   // one work unit.
-  lists.offer(4, 4, 1);
   lists.second.ahead = &lists.first.done;
-  lists.frame(100 * k_list_unit_ns, 0, 0.0f);
+  lists.frame({4, 4, 1}, 100 * k_list_unit_ns, 0, 0.0f);
   EXPECT_EQ(lists.log, "ababababc");
   // The other way round: the second stage unblocks the first.
   Lists reversed;
   reversed.learn();
-  reversed.offer(6, 3, 1);
   reversed.first.ahead = &reversed.second.done;
   reversed.first.lead = 2;
-  reversed.frame(100 * k_list_unit_ns, 1, 1.0f);
+  reversed.frame({6, 3, 1}, 100 * k_list_unit_ns, 1, 1.0f);
   EXPECT_EQ(reversed.log, "aabbbaaac");
 }
 
 TEST(Plan, RunsAreLengthEncodedInTheOrderInWhichTheyRan) {
   Lists lists;
   lists.learn();
-  lists.offer(3, 2, 2);
-  lists.frame(100 * k_list_unit_ns, 1, 1.0f);
+  lists.frame({3, 2, 2}, 100 * k_list_unit_ns, 1, 1.0f);
   ASSERT_EQ(lists.report.plan.run_count, 3u);
   EXPECT_EQ(lists.report.plan.struct_size, sizeof(sandglass_plan));
   const uint32_t expected[3] = {3, 2, 2};
@@ -166,17 +150,15 @@ TEST(Plan, RunsAreLengthEncodedInTheOrderInWhichTheyRan) {
 TEST(Plan, WhenThePlanIsFullOptionalWorkEndsAndTheOutputIsStillWritten) {
   Lists lists;
   lists.learn();
-  lists.offer(100, 100, 3);
   lists.second.ahead = &lists.first.done;  // the order is a, b, a, b ..., so each work unit is a run of its own
-  lists.frame(1000 * k_list_unit_ns, 0, 0.0f);
+  lists.frame({100, 100, 3}, 1000 * k_list_unit_ns, 0, 0.0f);
   EXPECT_EQ(lists.report.plan.run_count, static_cast<uint32_t>(SANDGLASS_PLAN_RUNS));
   EXPECT_EQ(lists.report.plan.runs[SANDGLASS_PLAN_RUNS - 1].stage, k_closing);
   EXPECT_EQ(lists.output.done, 3u);
   EXPECT_EQ(lists.report.stages[0].denied, 1u);
   Lists again(false);  // a full plan can be replayed
-  again.offer(100, 100, 3);
   again.second.ahead = &again.first.done;
-  EXPECT_TRUE(again.frame(0, 0, 0.0f, &lists.report.plan));
+  EXPECT_TRUE(again.frame({100, 100, 3}, 0, 0, 0.0f, &lists.report.plan));
   EXPECT_EQ(again.log, lists.log);
 }
 
@@ -204,9 +186,8 @@ TEST(Plan, ReplayTeachesThePredictorNothing) {
   lists.learn();
   const uint64_t predicted = governor_predict(&lists.governor, 0, 10);
   sandglass_plan plan = lists.report.plan;
-  lists.offer(4, 4, 4);
-  lists.now_ns += 123456789;
-  EXPECT_TRUE(lists.frame(0, 0, 1.0f, &plan));
+  lists.clock.now_ns += 123456789;
+  EXPECT_TRUE(lists.frame({4, 4, 4}, 0, 0, 1.0f, &plan));
   EXPECT_EQ(governor_predict(&lists.governor, 0, 10), predicted);
 }
 
@@ -217,19 +198,17 @@ TEST(Plan, AReplayThatDoesNotFitStopsBeforeTheUnitThatIsNotOffered) {
   plan.run_count = 2;
   plan.runs[0] = {k_granular, 3};
   plan.runs[1] = {k_refinement, 2};
-  lists.offer(3, 1, 1);
-  EXPECT_FALSE(lists.frame(0, 0, 1.0f, &plan));
+  EXPECT_FALSE(lists.frame({3, 1, 1}, 0, 0, 1.0f, &plan));
   EXPECT_EQ(lists.log, "aaab");
 
-  lists.offer(3, 2, 1);
   plan.runs[1].stage = 3;  // no such stage
-  EXPECT_FALSE(lists.frame(0, 0, 1.0f, &plan));
+  EXPECT_FALSE(lists.frame({3, 2, 1}, 0, 0, 1.0f, &plan));
   plan.runs[1].stage = k_refinement;
   plan.run_count = SANDGLASS_PLAN_RUNS + 1;
-  EXPECT_FALSE(lists.frame(0, 0, 1.0f, &plan));
+  EXPECT_FALSE(lists.frame({3, 2, 1}, 0, 0, 1.0f, &plan));
   plan.run_count = 2;
   plan.level = 1;  // the ladder has one level
-  EXPECT_FALSE(lists.frame(0, 0, 1.0f, &plan));
+  EXPECT_FALSE(lists.frame({3, 2, 1}, 0, 0, 1.0f, &plan));
 }
 
 TEST(Plan, TheBestQualityLevelThatFitsIsTakenAndDoesNotFlicker) {
@@ -255,16 +234,14 @@ TEST(Plan, TheBestQualityLevelThatFitsIsTakenAndDoesNotFlicker) {
 // it need not keep half of its time free.
 TEST(Plan, TheFirstFrameLearnsWhatTheOutputCosts) {
   Lists lists;
-  lists.offer(100, 0, 2);
-  EXPECT_TRUE(lists.frame(4000000, 0, 1.0f));
+  EXPECT_TRUE(lists.frame({100, 0, 2}, 4000000, 0, 1.0f));
   EXPECT_EQ(lists.log.front(), 'c') << "the first unit must be one of the output";
   EXPECT_EQ(lists.log.back(), 'c');
   // 40 work units fit into 4 ms. Two of them are output. The second output unit and the last unit of work each need a
   // margin of a quarter, which costs one more.
   EXPECT_GE(lists.report.stages[0].units, 40u - 2 - 1);
   EXPECT_LE(lists.report.elapsed_ns, 4000000u);
-  lists.offer(100, 0, 2);
-  EXPECT_TRUE(lists.frame(4000000, 0, 1.0f));
+  EXPECT_TRUE(lists.frame({100, 0, 2}, 4000000, 0, 1.0f));
   EXPECT_EQ(lists.log.front(), 'a') << "the output's cost is known by now";
 }
 
@@ -276,8 +253,7 @@ TEST(Plan, WorkSpreadOverFramesCountsForItsShareInTheChoiceOfTheQualityLevel) {
     lists.learn();
     lists.governor.level_count = 2;
     lists.first.spread = true;
-    lists.offer(100, units, 1);
-    EXPECT_TRUE(lists.frame(4000000, 0, 0.25f));
+    EXPECT_TRUE(lists.frame({100, units, 1}, 4000000, 0, 0.25f));
     return lists.report.level;
   };
   EXPECT_EQ(level_beside(28), 0u);  // 1 + 2.8 + 0.1 ms
@@ -289,9 +265,9 @@ TEST(Plan, AnEstimateThatNobodyChecksFades) {
   lists.learn();
   const uint64_t known = governor_predict(&lists.governor, 1, 10);
   EXPECT_EQ(known, k_list_unit_ns);
-  for (uint32_t i = 0; i < 64; ++i) lists.offer(1, 0, 1), lists.frame(10000000, 0, 1.0f);
+  for (uint32_t i = 0; i < 64; ++i) lists.frame({1, 0, 1}, 10000000, 0, 1.0f);
   EXPECT_EQ(governor_predict(&lists.governor, 1, 10), known / 2);
-  for (uint32_t i = 0; i < 64 * 64; ++i) lists.offer(1, 0, 1), lists.frame(10000000, 0, 1.0f);
+  for (uint32_t i = 0; i < 64 * 64; ++i) lists.frame({1, 0, 1}, 10000000, 0, 1.0f);
   EXPECT_EQ(governor_predict(&lists.governor, 1, 10), 0u);
   EXPECT_EQ(governor_predict(&lists.governor, 0, 10), k_list_unit_ns);
 }
@@ -317,8 +293,7 @@ uint32_t frames_until_tried(uint32_t percent, Lists* lists) {
   kind->estimate = kind->recent[0];
   kind->count = 16;
   for (uint32_t frames = 1; frames <= 20; ++frames) {
-    lists->offer(100 - percent, 1, 0);
-    lists->frame(100 * k_list_unit_ns, 100 - percent, 1.0f);
+    lists->frame({100 - percent, 1, 0}, 100 * k_list_unit_ns, 100 - percent, 1.0f);
     if (lists->report.stages[1].units > 0) return frames;
   }
   return ~0u;
@@ -352,8 +327,7 @@ TEST(Plan, EveryUnitIsBracketedByTheTraceHooks) {
   };
   Lists lists;
   lists.governor.trace = trace;
-  lists.offer(3, 2, 1);
-  lists.frame(100000000, 1, 1.0f);
+  lists.frame({3, 2, 1}, 100000000, 1, 1.0f);
   EXPECT_EQ(seen.begun, 6u);
   EXPECT_EQ(seen.ended, 6u);
   EXPECT_FALSE(seen.nested);

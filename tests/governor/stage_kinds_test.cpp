@@ -30,22 +30,19 @@ uint32_t kind_offered(const Stage& stage) {
 }
 
 TEST(StageKinds, BeginWhereThoseOfTheStageBeforeEnd) {
-  uint32_t three = 3, two = 2;
-  Stage stages[2] = {stage_of(&three), stage_of(&two)};
-  assign_kinds(stages, 2);
+  uint32_t three = 3, two = 2, none = k_unit_kind_none + 1;
+  // The third has the state of the first, and so its kinds. The last one offers a unit without a kind.
+  Stage stages[4] = {stage_of(&three), stage_of(&two), stage_of(&three), stage_of(&none)};
+  stages[3].kinds = 0;
+  assign_kinds(stages, 4);
   EXPECT_EQ(kind_offered(stages[0]), 2u);
   EXPECT_EQ(kind_offered(stages[1]), 4u);
+  EXPECT_EQ(kind_offered(stages[2]), 2u);
+  EXPECT_EQ(kind_offered(stages[3]), k_unit_kind_none);
   Forecast entries[k_unit_kinds];
   ASSERT_EQ(stage_forecast(stages[1], 0, entries), 2u);
   EXPECT_EQ(entries[0].kind, 3u);
   EXPECT_EQ(entries[1].kind, 4u);
-}
-
-TEST(StageKinds, AreSharedByStagesOfOneState) {
-  uint32_t three = 3, two = 2;
-  Stage stages[3] = {stage_of(&three), stage_of(&two), stage_of(&three)};
-  assign_kinds(stages, 3);
-  EXPECT_EQ(kind_offered(stages[2]), kind_offered(stages[0]));
 }
 
 // The predictor remembers costs by place. So a capability that joins or leaves must not move the places of the others.
@@ -57,14 +54,6 @@ TEST(StageKinds, StayWhereTheyAreWhenACapabilityIsLeftOut) {
   assign_kinds(without, 3);
   EXPECT_EQ(kind_offered(without[0]), k_unit_kind_none);
   EXPECT_EQ(kind_offered(without[2]), kind_offered(with[2]));
-}
-
-TEST(StageKinds, LeaveAUnitWithoutAKindWithoutOne) {
-  uint32_t three = 3, none = k_unit_kind_none + 1;
-  Stage stages[2] = {stage_of(&three), stage_of(&none)};
-  stages[1].kinds = 0;
-  assign_kinds(stages, 2);
-  EXPECT_EQ(kind_offered(stages[1]), k_unit_kind_none);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "fake_scene.h"
@@ -46,13 +45,9 @@ TEST(ThermalHeadroom, HalfOfItHalvesThePlan) {
 }
 
 TEST(ThermalHeadroom, OutOfRangeCountsAsTheNearestOrAsUnknown) {
-  EXPECT_EQ(governor_target(k_budget_ns, 1.0f), k_budget_ns);
-  EXPECT_EQ(governor_target(k_budget_ns, 7.0f), k_budget_ns);
-  EXPECT_EQ(governor_target(k_budget_ns, std::numeric_limits<float>::quiet_NaN()), k_budget_ns);
-  EXPECT_EQ(governor_target(k_budget_ns, std::numeric_limits<float>::infinity()), k_budget_ns);
+  for (const float whole : {1.0f, 7.0f, NAN, INFINITY}) EXPECT_EQ(governor_target(k_budget_ns, whole), k_budget_ns);
+  for (const float none : {0.0f, -1.0f}) EXPECT_EQ(governor_target(k_budget_ns, none), 0u);
   EXPECT_EQ(governor_target(k_budget_ns, 0.5f), k_budget_ns / 2);
-  EXPECT_EQ(governor_target(k_budget_ns, 0.0f), 0u);
-  EXPECT_EQ(governor_target(k_budget_ns, -1.0f), 0u);
   EXPECT_EQ(governor_target(~0ull, 1.0f), ~0ull);
 }
 
@@ -60,14 +55,14 @@ TEST(ThermalHeadroom, OutOfRangeCountsAsTheNearestOrAsUnknown) {
 // that warms up. It stays there and recovers as the phone cools.
 constexpr uint64_t k_warm_budget_ns = 2500000;  // all work of a frame takes 2.2 ms
 
-struct Warming {
-  std::vector<float> headroom;
-  std::vector<sandglass_frame_report> reports;
-};
+float headroom_at(size_t frame) {
+  const float cooling = std::abs(static_cast<float>(frame) - 200.0f) / 100.0f;  // 2 .. 0 .. 2
+  return std::clamp(cooling, 0.2f, 1.0f);
+}
 
-const Warming& warming() {
-  static const Warming run = [] {
-    Warming w;
+const std::vector<sandglass_frame_report>& warming() {
+  static const std::vector<sandglass_frame_report> run = [] {
+    std::vector<sandglass_frame_report> reports;
     VirtualClock clock;
     clock.step_ns = 10000;
     sandglass_scene_desc desc = description(512, 2048);
@@ -79,23 +74,21 @@ const Warming& warming() {
     scene.add_floor();
     const std::vector<float> particles = lattice(8, 8, 8, 0.0202f, 0.0102f);
     scene.add(particles, {}, copies(particles, 4, 0.002f));
-    for (int frame = 0; frame < 400; ++frame) {
-      const float cooling = std::abs(static_cast<float>(frame) - 200.0f) / 100.0f;  // 2 .. 0 .. 2
-      w.headroom.push_back(std::clamp(cooling, 0.2f, 1.0f));
+    for (size_t frame = 0; frame < 400; ++frame) {
       sandglass_frame_input input = scene.input(0.02f, k_warm_budget_ns);
-      input.thermal_headroom = w.headroom.back();
-      w.reports.push_back(scene.run(input));
+      input.thermal_headroom = headroom_at(frame);
+      reports.push_back(scene.run(input));
     }
-    return w;
+    return reports;
   }();
   return run;
 }
 
 TEST(ThermalHeadroom, AWarmingPhoneNeverMissesItsTarget) {
-  for (size_t f = 0; f < warming().reports.size(); ++f) {
-    const sandglass_frame_report& r = warming().reports[f];
+  for (size_t f = 0; f < warming().size(); ++f) {
+    const sandglass_frame_report& r = warming()[f];
     EXPECT_EQ(r.budget_ns, k_warm_budget_ns);
-    EXPECT_EQ(r.target_ns, governor_target(r.budget_ns, warming().headroom[f]));
+    EXPECT_EQ(r.target_ns, governor_target(r.budget_ns, headroom_at(f)));
     EXPECT_LE(r.elapsed_ns, std::max(r.target_ns, r.mandatory_ns) + r.last_unit_ns) << "frame " << f;
     EXPECT_LE(r.elapsed_ns, r.budget_ns) << "frame " << f;
   }
@@ -105,14 +98,14 @@ TEST(ThermalHeadroom, QualityFallsWithItAndRecovers) {
   const auto units = [](size_t from, size_t to) {
     uint64_t sum = 0;
     for (size_t f = from; f < to; ++f)
-      for (const sandglass_stage_report& stage : warming().reports[f].stages) sum += stage.units;
+      for (const sandglass_stage_report& stage : warming()[f].stages) sum += stage.units;
     return static_cast<double>(sum) / static_cast<double>(to - from);
   };
   const double cool = units(60, 100), hot = units(190, 210), again = units(340, 380);
   EXPECT_LT(hot, 0.4 * cool);
   EXPECT_GT(again, 0.9 * cool);
-  EXPECT_LT(warming().reports[80].level, warming().reports[200].level);
-  EXPECT_EQ(warming().reports[380].level, warming().reports[80].level);
+  EXPECT_LT(warming()[80].level, warming()[200].level);
+  EXPECT_EQ(warming()[380].level, warming()[80].level);
 }
 
 }  // namespace

@@ -23,12 +23,7 @@ struct Flow {
           desc.log = {[](void* user, const char* sentence) { *static_cast<const char**>(user) = sentence; }, &said};
           return desc;
         }()) {
-    emitter.position[1] = 0.5f;
-    emitter.rotation[3] = 1.0f;
-    emitter.radius = 0.04f;
-    emitter.speed = 1.0f;
-    emitter.grains_per_particle = grains_per_particle;
-    sink = half_space(-0.3f);
+    emitter = sandglass::emitter(0.0f, 0.5f, 0.0f, 0.04f, 1.0f, grains_per_particle);
     if (grains_per_particle != 0) scene.grains.resize(static_cast<size_t>(particles) * grains_per_particle);
   }
 
@@ -43,8 +38,8 @@ struct Flow {
 
   const char* said = nullptr;  // the last sentence of the log
   GranularScene scene;
-  sandglass_emitter emitter = {};
-  sandglass_collider sink = {};
+  sandglass_emitter emitter;
+  sandglass_collider sink = sandglass::floor_at(-0.3f);
   bool pours = true, drains = true;
 };
 
@@ -78,7 +73,7 @@ TEST(Emitter, PouredParticlesDoNotOverlapAndStartWithTheSpeed) {
 
 TEST(Sink, WhatComesIsThereOrGoneAndNumbersAreUsedAgain) {
   Flow flow(600, 4);
-  flow.scene.colliders.push_back(half_space(-10.0f));
+  flow.scene.colliders.push_back(sandglass::floor_at(-10.0f));
   sandglass_frame_report report = {};
   for (int frame = 0; frame < 300; ++frame) {
     report = flow.frame();
@@ -143,15 +138,14 @@ TEST(Remove, TakesWhatIsInsideAndWakesTheRest) {
   scene.add_floor();
   for (int frame = 0; frame < 150; ++frame) scene.frame(k_frame);
   const std::vector<float> before = scene.positions();
-  sandglass_collider ball = sphere(0.08f, 0.2f, 0.0f, 0.2f);
+  sandglass_collider ball = sandglass::sphere(0.2f, 0.0f, 0.2f, 0.08f);
   uint32_t expected = 0, removed = 0, grains = 0;
   for (size_t i = 0; i < before.size(); i += 3) {
     const double d = std::hypot(static_cast<double>(before[i]) - 0.2, static_cast<double>(before[i + 1]),
                                 static_cast<double>(before[i + 2]) - 0.2);
     expected += d < static_cast<double>(0.08f) ? 1 : 0;
   }
-  const char* reason = nullptr;
-  ASSERT_EQ(sandglass_granular_remove(scene.scene, &ball, &removed, &grains, &reason), SANDGLASS_OK);
+  ASSERT_TRUE(scene.scene.remove(ball, &removed, &grains));
   EXPECT_EQ(removed, expected);
   EXPECT_GT(removed, 50u);
   EXPECT_GT(grains, 20u);
@@ -168,13 +162,13 @@ TEST(Remove, TakesWhatIsInsideAndWakesTheRest) {
   scene.particle_count = 1200;
   EXPECT_EQ(scene.frame(k_frame).particle_numbers, 1200u);
   ball.size[0] = NAN;
-  EXPECT_EQ(sandglass_granular_remove(scene.scene, &ball, nullptr, nullptr, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(scene.scene.remove(ball).code, SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 
 TEST(Flow, TheSameOnEveryInstructionSetAndUnitSize) {
   expect_one_hash({32, 1024}, [](sandglass_isa isa, uint32_t unit) {
     Flow flow(300, 3, isa, unit);
-    flow.scene.colliders.push_back(sphere(0.06f));
+    flow.scene.colliders.push_back(sandglass::sphere(0.0f, 0.0f, 0.0f, 0.06f));
     for (int frame = 0; frame < 60; ++frame) flow.frame();
     return flow.scene.hash();
   });
@@ -188,7 +182,7 @@ TEST(Output, LagsByTheTimeAskedFor) {
   flow.frame();
   const std::vector<sandglass_grain> newest = flow.scene.grains;
   std::vector<float> positions(3 * 600 * 4), velocities(3 * 600 * 4);
-  sandglass_granular_grains(flow.scene.scene, positions.data(), velocities.data());
+  sandglass_granular_grains(flow.scene.scene.get(), positions.data(), velocities.data());
   // A frame without time draws the same state as it was 4 ms earlier.
   sandglass_frame_input input = flow.scene.input(0.0f);
   input.output_lag = 0.004f;

@@ -8,55 +8,42 @@
 
 namespace {
 
-void check(sandglass_status status, const char* const* reason) {
-  if (status != SANDGLASS_OK) throw std::invalid_argument(*reason);
-}
-
 uint32_t points_in(const std::vector<float>& coordinates) { return static_cast<uint32_t>(coordinates.size() / 3); }
 
 const float* data_or_null(const std::vector<float>& values) { return values.empty() ? nullptr : values.data(); }
 
 }  // namespace
 
-GranularScene::GranularScene(const sandglass_scene_desc& desc) {
-  const char* reason = nullptr;
-  uint64_t bytes = 0;
-  check(sandglass_scene_bytes(&desc, &bytes, &reason), &reason);
-  block = sandglass::cpp::allocate_block(bytes);
-  check(sandglass_scene_create(&desc, block.get(), bytes, &scene, &reason), &reason);
+void accept(const sandglass::Status& status) {
+  if (!status) throw std::runtime_error(status.reason);
 }
 
 void GranularScene::add(const std::vector<float>& particles, const std::vector<float>& velocities,
                         const std::vector<float>& fine, const std::vector<float>& fine_velocities) {
-  const char* reason = nullptr;
-  check(sandglass_granular_add(scene, particles.data(), data_or_null(velocities), points_in(particles), fine.data(),
-                               data_or_null(fine_velocities), points_in(fine), &reason),
-        &reason);
+  sandglass::Status status;
+  status.code = sandglass_granular_add(scene.get(), particles.data(), data_or_null(velocities), points_in(particles),
+                                       fine.data(), data_or_null(fine_velocities), points_in(fine), &status.reason);
+  accept(status);
   particle_count += points_in(particles);
   grains.resize(grains.size() + points_in(fine));
 }
 
 uint32_t GranularScene::add_body(const std::vector<float>& points, float density, std::initializer_list<float> velocity,
                                  std::initializer_list<float> spin) {
-  sandglass_body body;
-  sandglass_body_default(&body);
+  sandglass_body body = sandglass::body();
   body.particle_positions = points.data();
   body.particle_count = points_in(points);
   body.density_ratio = density;
   std::copy(velocity.begin(), velocity.end(), body.linear_velocity);
   std::copy(spin.begin(), spin.end(), body.angular_velocity);
   uint32_t index = ~0u;
-  const char* reason = nullptr;
-  check(sandglass_granular_add_body(scene, &body, &index, &reason), &reason);
+  accept(scene.add_body(body, &index));
   particle_count += body.particle_count;
   return index;
 }
 
-void GranularScene::add_floor(float height) { colliders.push_back(half_space(height)); }
-
 sandglass_frame_input GranularScene::input(float time_step, uint64_t budget_ns, const sandglass_plan* plan) {
-  sandglass_frame_input input;
-  sandglass_frame_input_default(&input);
+  sandglass_frame_input input = sandglass::frame_input();
   input.time_step = time_step;
   input.budget_ns = budget_ns;
   input.colliders = colliders.data();
@@ -69,61 +56,28 @@ sandglass_frame_input GranularScene::input(float time_step, uint64_t budget_ns, 
 
 sandglass_frame_report GranularScene::run(const sandglass_frame_input& input) {
   sandglass_frame_report report;
-  report.struct_size = sizeof report;
-  const char* reason = nullptr;
-  if (sandglass_scene_frame(scene, &input, &report, &reason) != SANDGLASS_OK) throw std::runtime_error(reason);
+  accept(scene.frame(input, &report));
   return report;
 }
 
 std::vector<float> GranularScene::positions() const {
   std::vector<float> values(3ull * particle_count);
-  sandglass_granular_particles(scene, values.data(), nullptr);
+  sandglass_granular_particles(scene.get(), values.data(), nullptr);
   return values;
 }
 
 std::vector<float> GranularScene::velocities() const {
   std::vector<float> values(3ull * particle_count);
-  sandglass_granular_particles(scene, nullptr, values.data());
+  sandglass_granular_particles(scene.get(), nullptr, values.data());
   return values;
 }
 
-std::vector<uint8_t> GranularScene::save() const {
-  std::vector<uint8_t> bytes(sandglass_scene_save_bytes(scene));
-  uint64_t written = 0;
-  const char* reason = nullptr;
-  check(sandglass_scene_save(scene, bytes.data(), bytes.size(), &written, &reason), &reason);
-  bytes.resize(written);
-  return bytes;
-}
-
-sandglass_status GranularScene::restore(const std::vector<uint8_t>& bytes, const char** reason) {
-  return sandglass_scene_restore(scene, bytes.data(), bytes.size(), reason);
-}
-
 sandglass_scene_desc description(uint32_t particles, uint32_t grains, uint32_t boundary) {
-  sandglass_scene_desc desc;
-  sandglass_scene_desc_default(&desc);
+  sandglass_scene_desc desc = sandglass::scene_desc();
   desc.granular.particle_capacity = particles;
   desc.granular.grain_capacity = grains;
   desc.granular.boundary_capacity = boundary;
   return desc;
-}
-
-sandglass_collider half_space(float height) {
-  sandglass_collider floor = {};
-  floor.shape = SANDGLASS_SHAPE_HALF_SPACE;
-  floor.position[1] = height;
-  floor.rotation[3] = 1.0f;
-  return floor;
-}
-
-sandglass_collider sphere(float radius, float x, float y, float z) {
-  sandglass_collider ball = {};
-  ball.shape = SANDGLASS_SHAPE_SPHERE;
-  ball.position[0] = x, ball.position[1] = y, ball.position[2] = z;
-  ball.rotation[3] = 1.0f;
-  ball.size[0] = radius;
-  return ball;
 }
 
 std::vector<float> lattice(uint32_t x, uint32_t y, uint32_t z, float spacing, float radius) {
@@ -141,6 +95,18 @@ std::vector<float> lattice(uint32_t x, uint32_t y, uint32_t z, float spacing, fl
   return points;
 }
 
+std::vector<float> loose_points(const sandglass::Box& box, const std::function<bool(const float*)>& room) {
+  constexpr float k_step = 0.021f;
+  std::vector<float> points;
+  for (float y = box.min[1]; y <= box.max[1]; y += k_step)
+    for (float z = box.min[2]; z <= box.max[2]; z += k_step)
+      for (float x = box.min[0]; x <= box.max[0]; x += k_step) {
+        const float p[3] = {x, y, z};
+        if (room(p)) points.insert(points.end(), p, p + 3);
+      }
+  return points;
+}
+
 std::vector<float> grains_about(const std::vector<float>& particles, float offset) {
   std::vector<float> grains;
   for (size_t i = 0; i < particles.size(); i += 3)
@@ -154,6 +120,13 @@ std::vector<float> copies(const std::vector<float>& particles, int count, float 
   for (int copy = 0; copy < count; ++copy)
     for (const float x : particles) points.push_back(x + offset * static_cast<float>(copy));
   return points;
+}
+
+GranularScene loose_sand(const sandglass::Box& box, const std::function<bool(const float*)>& room) {
+  const std::vector<float> particles = loose_points(box, room), grains = grains_about(particles, 0.004f);
+  GranularScene scene(description(points_in(particles), points_in(grains)));
+  scene.add(particles, {}, grains);
+  return scene;
 }
 
 double distance(const std::vector<float>& a, size_t i, const std::vector<float>& b, size_t j) {

@@ -1,5 +1,5 @@
-// A small granular scene for tests: owns its block, its colliders and its grain buffer, and steps by whole frames. A
-// call that the library refuses throws the library's reason.
+// A small granular scene for tests: owns its colliders and its grain buffer, and steps by whole frames. A call that the
+// library refuses throws the library's reason.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +9,18 @@
 
 #include "sandglass/sandglass.hpp"
 
+// Throws the reason of a call that was refused.
+void accept(const sandglass::Status& status);
+
 struct GranularScene {
-  explicit GranularScene(const sandglass_scene_desc& desc);
+  explicit GranularScene(const sandglass_scene_desc& desc) { accept(scene.create(desc)); }
 
   void add(const std::vector<float>& particles, const std::vector<float>& velocities = {},
            const std::vector<float>& grains = {}, const std::vector<float>& grain_velocities = {});
   // Returns the body's number.
   uint32_t add_body(const std::vector<float>& points, float density = 1.0f,
                     std::initializer_list<float> velocity = {0, 0, 0}, std::initializer_list<float> spin = {0, 0, 0});
-  void add_floor(float height = 0.0f);
+  void add_floor(float height = 0.0f) { colliders.push_back(sandglass::floor_at(height)); }
 
   // The colliders and grains of this scene, with a budget that is unlimited unless said otherwise.
   sandglass_frame_input input(float time_step, uint64_t budget_ns = ~0ull >> 1, const sandglass_plan* plan = nullptr);
@@ -28,13 +31,9 @@ struct GranularScene {
 
   std::vector<float> positions() const;
   std::vector<float> velocities() const;
-  uint64_t hash() const { return sandglass_scene_hash(scene); }
+  uint64_t hash() const { return scene.hash(); }
 
-  std::vector<uint8_t> save() const;
-  sandglass_status restore(const std::vector<uint8_t>& bytes, const char** reason = nullptr);
-
-  sandglass::cpp::Block block;
-  sandglass_scene* scene = nullptr;
+  sandglass::Scene scene;
   std::vector<sandglass_collider> colliders;
   std::vector<sandglass_grain> grains;
   uint32_t particle_count = 0;
@@ -43,16 +42,18 @@ struct GranularScene {
 // The defaults with room for this much, without a clock: every frame does all of its work.
 sandglass_scene_desc description(uint32_t particles, uint32_t grains = 0, uint32_t boundary = 0);
 
-sandglass_collider half_space(float height);
-sandglass_collider sphere(float radius, float x = 0.0f, float y = 0.0f, float z = 0.0f);
-
 // A block of a cubic lattice standing on y = r: x * y * z particles at the given spacing, every other layer shifted by
 // a quarter of it so that columns do not balance on their tips.
 std::vector<float> lattice(uint32_t x, uint32_t y, uint32_t z, float spacing, float radius);
+// The points of a loose lattice in the box, for particles of 1 cm, wherever `room` has space for one.
+std::vector<float> loose_points(const sandglass::Box& box, const std::function<bool(const float*)>& room);
 // Eight grains a particle, at the corners of a cube about it, `offset` from its centre along each axis.
 std::vector<float> grains_about(const std::vector<float>& particles, float offset);
 // The particles `count` times, each time shifted by `offset` along every axis.
 std::vector<float> copies(const std::vector<float>& particles, int count, float offset);
+
+// Loose points as particles at rest, with eight grains each.
+GranularScene loose_sand(const sandglass::Box& box, const std::function<bool(const float*)>& room);
 
 // Distance between the points i and j.
 double distance(const std::vector<float>& a, size_t i, const std::vector<float>& b, size_t j);

@@ -3,25 +3,28 @@
 
 #include <cmath>
 #include <cstring>
+#include <string>
 
+#include "platform/virtual_clock.h"
 #include "runtime/core/hash.h"
 #include "runtime/core/random.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {
 
+using Bytes = std::vector<std::byte>;
+
 constexpr float k_radius = 0.01f, k_frame = 0.02f;
 
-// A clock that advances by a microsecond a reading. A budget then means a number of work units.
-uint64_t counting_clock(void* user) { return *static_cast<uint64_t*>(user) += 1000; }
-uint64_t g_time = 0;
+// A budget is a number of work units by this clock.
+sandglass::VirtualClock g_clock{.step_ns = 1000};
 
 sandglass_scene_desc everything(uint32_t particles = 700, uint32_t grains = 4000) {
   sandglass_scene_desc desc = description(particles, grains, 64);
   desc.granular.body_capacity = 2;
   desc.granular.body_particle_capacity = 40;
   desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
-  desc.clock = {counting_clock, &g_time};
+  desc.clock = sandglass::virtual_clock(&g_clock);
   desc.unit_items = 64;
   return desc;
 }
@@ -38,16 +41,12 @@ struct World {
     for (int i = 0; i < 32; ++i) wall.insert(wall.end(), {-0.03f, k_radius, 0.015f * static_cast<float>(i) - 0.1f});
     scene.add(block, {}, grains);
     scene.add_body(body, 2.0f);
-    const char* reason = nullptr;
-    ASSERT_EQ(sandglass_granular_set_boundary(scene.scene, wall.data(), 32, &reason), SANDGLASS_OK) << reason;
+    accept(scene.scene.set_boundary(wall));
   }
 
   sandglass_frame_report frame(uint64_t budget = ~0ull >> 1) {
-    const sandglass_collider floor = half_space(0.0f), sink = half_space(-0.5f);
-    sandglass_emitter emitter = {};
-    emitter.position[0] = -0.2f, emitter.position[1] = 0.4f;
-    emitter.rotation[3] = 1.0f;
-    emitter.radius = 0.025f, emitter.speed = 0.8f, emitter.grains_per_particle = 4;
+    const sandglass_collider floor = sandglass::floor_at(0.0f), sink = sandglass::floor_at(-0.5f);
+    const sandglass_emitter emitter = sandglass::emitter(-0.2f, 0.4f, 0.0f, 0.025f, 0.8f, 4);
     sandglass_frame_input input = scene.input(k_frame, budget);
     input.grains = nullptr, input.grain_capacity = 0;
     input.colliders = &floor, input.collider_count = 1;
@@ -56,17 +55,17 @@ struct World {
     return scene.run(input);
   }
 
-  std::vector<uint8_t> save() {
-    const std::vector<uint8_t> data = scene.save();
-    EXPECT_EQ(data.size(), sandglass_scene_save_bytes(scene.scene));
+  Bytes save() {
+    Bytes data;
+    accept(scene.scene.save(&data));
+    EXPECT_EQ(data.size(), sandglass_scene_save_bytes(scene.scene.get()));
     return data;
   }
 
-  sandglass_status restore(const std::vector<uint8_t>& data) {
-    const char* reason = nullptr;
-    const sandglass_status status = scene.restore(data, &reason);
-    EXPECT_EQ(reason == nullptr, status == SANDGLASS_OK);
-    return status;
+  sandglass_status restore(const Bytes& data) {
+    const sandglass::Status status = scene.scene.restore(data);
+    EXPECT_EQ(status.reason == nullptr, status.code == SANDGLASS_OK);
+    return status.code;
   }
 
   GranularScene scene;
@@ -80,7 +79,7 @@ TEST(Save, TheSavedSceneAndTheRestoredOneRunOnAlike) {
       live.fill();
       for (int i = 0; i < frames; ++i) live.frame();
       for (int i = 0; i < starved; ++i) live.frame(20'000);
-      const std::vector<uint8_t> data = live.save();
+      const Bytes data = live.save();
       World other;
       ASSERT_EQ(other.restore(data), SANDGLASS_OK);
       EXPECT_EQ(other.scene.hash(), live.scene.hash());
@@ -91,8 +90,7 @@ TEST(Save, TheSavedSceneAndTheRestoredOneRunOnAlike) {
         ASSERT_EQ(a.emitted_grains, b.emitted_grains);
       }
       EXPECT_EQ(other.scene.hash(), live.scene.hash()) << frames << " frames, " << starved << " starved";
-      const sandglass_body_pose a = sandglass_granular_body_pose(live.scene.scene, 0),
-                                b = sandglass_granular_body_pose(other.scene.scene, 0);
+      const sandglass_body_pose a = live.scene.scene.body_pose(0), b = other.scene.scene.body_pose(0);
       EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0);
     }
   }
@@ -105,7 +103,9 @@ TEST(Save, ALongRunWithoutGrainsIsRestored) {
   live.add({0.0f, 0.5f, 0.0f, 0.1f, 0.5f, 0.0f});
   live.add_floor();
   for (int i = 0; i < 600; ++i) live.frame(0.02f);
-  ASSERT_EQ(other.restore(live.save()), SANDGLASS_OK);
+  Bytes data;
+  accept(live.scene.save(&data));
+  accept(other.scene.restore(data));
   EXPECT_EQ(other.hash(), live.hash());
 }
 
@@ -113,7 +113,7 @@ TEST(Save, RestoresOnAnotherInstructionSetAndIntoALargerScene) {
   World live;
   live.fill();
   for (int i = 0; i < 10; ++i) live.frame();
-  const std::vector<uint8_t> data = live.save();
+  const Bytes data = live.save();
   for (int i = 0; i < 10; ++i) live.frame();
   sandglass_scene_desc desc = everything(2000, 9000);
   desc.isa = SANDGLASS_ISA_SCALAR;
@@ -128,7 +128,7 @@ TEST(Restore, EveryTruncationAndEveryFlippedByteIsAnErrorAndChangesNothing) {
   World live, other;
   live.scene.add({0.0f, 0.1f, 0.0f, 0.05f, 0.1f, 0.0f}, {}, {0.0f, 0.1f, 0.0f});
   live.frame();
-  std::vector<uint8_t> data = live.save();
+  Bytes data = live.save();
   other.fill();
   other.frame();
   const uint64_t before = other.scene.hash();
@@ -137,9 +137,9 @@ TEST(Restore, EveryTruncationAndEveryFlippedByteIsAnErrorAndChangesNothing) {
         << length;
   }
   for (size_t at = 0; at < data.size(); ++at) {
-    data[at] ^= 0x41;
+    data[at] ^= std::byte{0x41};
     ASSERT_NE(other.restore(data), SANDGLASS_OK) << at;
-    data[at] ^= 0x41;
+    data[at] ^= std::byte{0x41};
   }
   EXPECT_EQ(other.scene.hash(), before);
   EXPECT_EQ(other.restore(data), SANDGLASS_OK);
@@ -150,14 +150,14 @@ TEST(Restore, BytesThatLieNeverBreakAnything) {
   World live, other;
   live.fill();
   for (int i = 0; i < 5; ++i) live.frame();
-  const std::vector<uint8_t> data = live.save();
+  const Bytes data = live.save();
   sandglass::Random random{1};
   uint32_t refused = 0;
   for (int round = 0; round < 1000; ++round) {
-    std::vector<uint8_t> forged = data;
+    Bytes forged = data;
     for (int flips = 0; flips < 1 + round % 3; ++flips) {
       const size_t at = 64 + random.below(static_cast<uint32_t>(forged.size() - 64));
-      forged[at] = static_cast<uint8_t>(random.below(256));
+      forged[at] = static_cast<std::byte>(random.below(256));
     }
     const uint64_t sum = sandglass::hash_bytes(&forged[64], forged.size() - 64);
     std::memcpy(&forged[16], &sum, sizeof sum);
@@ -174,7 +174,7 @@ TEST(Restore, BytesThatLieNeverBreakAnything) {
 TEST(Restore, NeedsTheSameRadiusAndRoom) {
   World live;
   live.fill();
-  const std::vector<uint8_t> data = live.save();
+  const Bytes data = live.save();
   World small(everything(100, 100));
   EXPECT_EQ(small.restore(data), SANDGLASS_ERROR_CAPACITY);
   sandglass_scene_desc desc = everything();
@@ -182,22 +182,23 @@ TEST(Restore, NeedsTheSameRadiusAndRoom) {
   World coarse(desc);
   EXPECT_EQ(coarse.restore(data), SANDGLASS_ERROR_INVALID_ARGUMENT);
   uint64_t written = 0;
-  std::vector<uint8_t> tight(data.size() - 1);
-  EXPECT_EQ(sandglass_scene_save(live.scene.scene, tight.data(), tight.size(), &written, nullptr),
+  Bytes tight(data.size() - 1);
+  EXPECT_EQ(sandglass_scene_save(live.scene.scene.get(), tight.data(), tight.size(), &written, nullptr),
             SANDGLASS_ERROR_MEMORY_TOO_SMALL);
 }
 
+constexpr sandglass::Rotation k_unturned = {0.0f, 0.0f, 0.0f, 1.0f};
+
 TEST(Move, EverythingMovesAlikeAndGoesOnAlike) {
   // A quarter turn about y and a shift: (x, y, z) -> (z + 3, y + 1, -x - 2).
-  const float turn[4] = {0.0f, std::sqrt(0.5f), 0.0f, std::sqrt(0.5f)}, shift[3] = {3.0f, 1.0f, -2.0f};
+  const sandglass::Rotation turn = {0.0f, std::sqrt(0.5f), 0.0f, std::sqrt(0.5f)};
   World world;
   world.fill();
   for (int i = 0; i < 10; ++i) world.frame();
   world.scene.particle_count = world.frame().particle_numbers;
   const std::vector<float> p = world.scene.positions(), v = world.scene.velocities();
-  const sandglass_body_pose before = sandglass_granular_body_pose(world.scene.scene, 0);
-  const char* reason = nullptr;
-  ASSERT_EQ(sandglass_scene_move(world.scene.scene, turn, shift, &reason), SANDGLASS_OK) << reason;
+  const sandglass_body_pose before = world.scene.scene.body_pose(0);
+  accept(world.scene.scene.move(turn, {3.0f, 1.0f, -2.0f}));
   const std::vector<float> q = world.scene.positions(), u = world.scene.velocities();
   for (size_t i = 0; i < p.size(); i += 3) {
     EXPECT_NEAR(q[i], p[i + 2] + 3.0f, 1e-6);
@@ -206,7 +207,7 @@ TEST(Move, EverythingMovesAlikeAndGoesOnAlike) {
     EXPECT_NEAR(u[i], v[i + 2], 1e-5);
     EXPECT_NEAR(u[i + 2], -v[i], 1e-5);
   }
-  const sandglass_body_pose after = sandglass_granular_body_pose(world.scene.scene, 0);
+  const sandglass_body_pose after = world.scene.scene.body_pose(0);
   EXPECT_NEAR(after.position[0], before.position[2] + 3.0f, 1e-6);
   EXPECT_NEAR(after.linear_velocity[1], before.linear_velocity[1], 1e-6);
 }
@@ -219,9 +220,8 @@ TEST(Move, WhatSleepsGoesOnSleeping) {
   for (int i = 0; i < 300 && scene.frame(k_frame).awake != 0; ++i) {
   }
   ASSERT_EQ(scene.frame(k_frame).awake, 0u);
-  const float shift[3] = {10.0f, 2.0f, 0.0f};
-  ASSERT_EQ(sandglass_scene_move(scene.scene, nullptr, shift, nullptr), SANDGLASS_OK);
-  scene.colliders[0] = half_space(2.0f);
+  accept(scene.scene.move(k_unturned, {10.0f, 2.0f, 0.0f}));
+  scene.colliders[0] = sandglass::floor_at(2.0f);
   EXPECT_EQ(scene.frame(k_frame).awake, 0u);
   EXPECT_EQ(scene.frame(k_frame).substeps, 0u);
 }
@@ -230,10 +230,15 @@ TEST(Move, RefusesToLoseAnything) {
   GranularScene scene(description(2));
   scene.add({0.0f, 0.0f, 0.0f, 900.0f, 0.0f, 0.0f});
   const uint64_t before = scene.hash();
-  const float far[3] = {200.0f, 0.0f, 0.0f}, bad[3] = {NAN, 0.0f, 0.0f}, none[4] = {0.0f, 0.0f, 0.0f, 0.0f};
-  EXPECT_EQ(sandglass_scene_move(scene.scene, nullptr, far, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_scene_move(scene.scene, nullptr, bad, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_scene_move(scene.scene, none, nullptr, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  const auto refused = [&](const sandglass::Rotation& rotation, float x, const char* what) {
+    const sandglass::Status status = scene.scene.move(rotation, {x, 0.0f, 0.0f});
+    EXPECT_EQ(status.code, SANDGLASS_ERROR_INVALID_ARGUMENT);
+    EXPECT_NE(std::string(status.reason).find(what), std::string::npos) << x << ": " << status.reason;
+  };
+  // A far move leaves the coordinate limit; it is finite, and the reason must not say otherwise.
+  for (const float far : {200.0f, 1500.0f, 1e30f}) refused(k_unturned, far, "coordinate limit");
+  for (const float bad : {NAN, INFINITY}) refused(k_unturned, bad, "not finite");
+  refused({0.0f, 0.0f, 0.0f, 0.0f}, 0.0f, "rotation");
   EXPECT_EQ(scene.hash(), before);
 }
 

@@ -2,15 +2,25 @@
 #pragma once
 
 #include "models/mesh/mesh.h"
-#include "sandglass/sandglass.hpp"
+#include "tests/granular/granular_scene.h"
 
 struct MeshCollider {
   // A field with nodes `spacing` metres apart, exact to `band` from the surface, over the mesh's bounds and a margin.
-  MeshCollider(const sandglass::host::Mesh& mesh, sandglass_solid solid, float spacing, float band, float margin);
+  MeshCollider(const sandglass::host::Mesh& mesh, sandglass_solid solid, float spacing, float band, float margin) {
+    const sandglass_mesh view = {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
+    sandglass::Status bounds;
+    bounds.code = sandglass_mesh_bounds(&view, box.min, box.max, &bounds.reason);
+    accept(bounds);
+    for (int k = 0; k < 3; ++k) box.min[k] -= margin, box.max[k] += margin;
+    sandglass::MeshInside inside;
+    accept(inside.create(view));
+    accept(field.from_mesh(view, inside, box, spacing, band, solid));
+    collider = sandglass::field_at(field, 0.0f, 0.0f, 0.0f);
+  }
   MeshCollider(const sandglass::host::Mesh& mesh, sandglass_solid solid, float spacing)
       : MeshCollider(mesh, solid, spacing, 2 * spacing, 3 * spacing) {}
 
-  float low[3], high[3];  // of the field
-  sandglass::cpp::Block block;
-  sandglass_collider collider = {};
+  sandglass::Box box;
+  sandglass::Field field;
+  sandglass_collider collider;
 };

@@ -53,7 +53,7 @@ TEST(Sleep, AHandWakesWhatItTouchesAndNothingElse) {
   if (SANDGLASS_EMULATED != 0) GTEST_SKIP() << "minutes under emulation; the kernels are compared there to the bit";
   GranularScene bed = sleeping_bed(40);
   const std::vector<float> before = bed.positions();
-  bed.colliders.push_back(sphere(0.03f, 0.1f, 0.1f, 0.4f));
+  bed.colliders.push_back(sandglass::sphere(0.1f, 0.1f, 0.4f, 0.03f));
   uint32_t most = 0;
   const auto move = [&](int axis, float speed, int frames) {
     for (int frame = 0; frame < frames; ++frame) {
@@ -77,6 +77,8 @@ TEST(Sleep, AHandWakesWhatItTouchesAndNothingElse) {
       EXPECT_EQ(distance(before, i, after, i), 0.0);
     }
     pushed += distance(before, i, after, i) > static_cast<double>(k_radius) ? 1 : 0;
+    const std::vector<float> hand(bed.colliders.back().position, bed.colliders.back().position + 3);
+    EXPECT_GE(distance(after, i, hand, 0), 0.03 + 0.01 - 1e-4) << "no particle inside the hand";
   }
   EXPECT_GT(far, bed.particle_count / 3);
   EXPECT_GT(pushed, 10u);
@@ -121,8 +123,7 @@ TEST(Sleep, SandUnderAHeavyBodySleeps) {
 
 TEST(Sleep, NewFrictionWakesAll) {
   GranularScene bed = sleeping_bed(8);
-  const char* reason = nullptr;
-  ASSERT_EQ(sandglass_granular_set_friction(bed.scene, 0.1f, 0.1f, &reason), SANDGLASS_OK);
+  accept(bed.scene.set_friction(0.1f, 0.1f));
   EXPECT_EQ(bed.frame(k_frame).awake, bed.particle_count);
 }
 
@@ -144,7 +145,7 @@ TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
   EXPECT_EQ(report.grain_lag, 0.0f);
 
   const std::vector<sandglass_grain> before = bed.grains;
-  bed.colliders.push_back(sphere(0.03f, 0.4f, 0.1f, 0.4f));
+  bed.colliders.push_back(sandglass::sphere(0.4f, 0.1f, 0.4f, 0.03f));
   bed.colliders.back().linear_velocity[1] = -0.1f;
   uint32_t most = 0;
   for (int frame = 0; frame < 17; ++frame) {
@@ -160,11 +161,8 @@ TEST(Sleep, GrainsSleepOnSleepersAndWakeBesideTheHand) {
     const bool same = std::equal(before[i].position, before[i].position + 3, bed.grains[i].position);
     EXPECT_TRUE(same || std::hypot(dx, dz) < 0.25) << i;
     moved += same ? 0 : 1;
-    // None inside the hand.
-    const double dy = static_cast<double>(bed.grains[i].position[1] - bed.colliders.back().position[1]);
-    const double gx = static_cast<double>(bed.grains[i].position[0]) - 0.4,
-                 gz = static_cast<double>(bed.grains[i].position[2]) - 0.4;
-    EXPECT_GT(std::sqrt(gx * gx + dy * dy + gz * gz), 0.03);
+    const float *grain = bed.grains[i].position, *hand = bed.colliders.back().position;
+    EXPECT_GT(std::hypot(grain[0] - hand[0], grain[1] - hand[1], grain[2] - hand[2]), 0.03f) << "inside the hand";
   }
   EXPECT_GT(moved, 50u);
 }

@@ -2,21 +2,16 @@
 // growth of memory, and every checkpoint leads to the same bits again.
 //
 // Every 10,000 frames the scene is saved. A second scene, restored from the bytes, then runs beside the first for a
-// cycle and must stay equal to it, to the bit. The bytes also go to a file, from which an interrupted run goes on.
-// SANDGLASS_SOAK_FRAMES shortens the run, SANDGLASS_SOAK_CHECKPOINT names the file ("" for none).
+// cycle and must stay equal to it, to the bit. SANDGLASS_SOAK_FRAMES shortens the run.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
-#include <filesystem>
 #include <string>
 
-#include "models/files/atomic_file.h"
 #include "models/mesh/generated.h"
-#include "models/work/progress.h"
 #include "tests/granular/granular_scene.h"
 #include "tests/granular/mesh_collider.h"
 
@@ -57,16 +52,8 @@ struct Hourglass {
   Hourglass()
       : wall(sandglass::host::make_revolved(sandglass::host::hourglass_profile(k_height, k_bulb, k_neck, 32), 96),
              SANDGLASS_SOLID_OUTSIDE, k_radius) {
-    constexpr float k_step = 2.1f * k_radius;
-    for (float y = 0.33f; y < 0.47f; y += k_step) {
-      for (float z = -0.12f; z < 0.12f; z += k_step) {
-        for (float x = -0.12f; x < 0.12f; x += k_step) {
-          const float p[3] = {x, y, z};
-          if (beyond_wall(wall.collider, p) > -0.025) continue;
-          particles.insert(particles.end(), p, p + 3);
-        }
-      }
-    }
+    particles = loose_points({{-0.12f, 0.33f, -0.12f}, {0.12f, 0.47f, 0.12f}},
+                             [&](const float* p) { return beyond_wall(wall.collider, p) <= -0.025; });
     grains = grains_about(particles, 0.004f);
   }
   uint32_t count() const { return static_cast<uint32_t>(particles.size() / 3); }
@@ -78,14 +65,12 @@ struct Hourglass {
 struct Twin {
   explicit Twin(const Hourglass& glass) : scene(description(glass.count(), k_grains_per_particle * glass.count())) {
     scene.colliders.push_back(glass.wall.collider);
-    scene.grains.resize(static_cast<size_t>(k_grains_per_particle) * glass.count());
-    scene.particle_count = glass.count();
+    scene.add(glass.particles, {}, glass.grains);
   }
   sandglass_frame_report frame(uint64_t number) {
     turn(number, &scene.colliders[0]);
     return scene.frame(k_frame);
   }
-  bool restore(const std::vector<uint8_t>& bytes) { return scene.restore(bytes) == SANDGLASS_OK; }
   double mean_height() const {
     double sum = 0.0;
     const std::vector<float> p = scene.positions();
@@ -113,37 +98,6 @@ struct Heights {
   }
 };
 
-// A checkpoint: which frame comes next, what was gathered so far, and the scene's own bytes.
-struct Checkpoint {
-  struct {
-    uint64_t frame = 0;
-    int64_t memory_kib = 0;
-    Heights heights;
-  } head;
-  std::vector<uint8_t> scene;
-};
-
-std::string checkpoint_path() {
-  const char* path = std::getenv("SANDGLASS_SOAK_CHECKPOINT");
-  return path != nullptr ? path : "sandglass_soak.checkpoint";
-}
-
-void write_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
-  std::vector<uint8_t> bytes(sizeof checkpoint.head + checkpoint.scene.size());
-  std::memcpy(bytes.data(), &checkpoint.head, sizeof checkpoint.head);
-  std::memcpy(bytes.data() + sizeof checkpoint.head, checkpoint.scene.data(), checkpoint.scene.size());
-  sandglass::host::write_file(path, std::span<const uint8_t>(bytes));
-}
-
-bool read_checkpoint(const std::string& path, Checkpoint* checkpoint) {
-  if (!std::filesystem::exists(path)) return false;
-  const std::string bytes = sandglass::host::read_file(path, "checkpoint");
-  if (bytes.size() < sizeof checkpoint->head) return false;
-  std::memcpy(&checkpoint->head, bytes.data(), sizeof checkpoint->head);
-  checkpoint->scene.assign(bytes.begin() + sizeof checkpoint->head, bytes.end());
-  return true;
-}
-
 int64_t peak_memory_kib() {
   rusage usage;
   getrusage(RUSAGE_SELF, &usage);
@@ -154,27 +108,15 @@ TEST(Soak, MillionFramesOfASmallHourglass) {
   const char* wanted = std::getenv("SANDGLASS_SOAK_FRAMES");
   const uint64_t frames = wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 1000000;
   ASSERT_GT(frames, 0u);
-  const std::string path = checkpoint_path();
-  sandglass::host::listen_for_interrupt();
-
   const Hourglass glass;
   ASSERT_GE(glass.count(), 300u);
   ASSERT_LE(glass.count(), 500u);
   Twin run(glass), again(glass);
-  Checkpoint checkpoint;
-  if (!path.empty() && read_checkpoint(path, &checkpoint) && run.restore(checkpoint.scene)) {
-    std::printf("going on at frame %llu, from %s\n", static_cast<unsigned long long>(checkpoint.head.frame),
-                path.c_str());
-  } else {
-    checkpoint = {};
-    run.scene.particle_count = 0;
-    run.scene.grains.clear();
-    run.scene.add(glass.particles, {}, glass.grains);
-  }
-
-  sandglass::host::Progress progress("soaking", frames);
+  Heights heights;
+  int64_t memory_at_first = 0;
+  std::vector<std::byte> saved;
   uint64_t compare_until = 0, slept = 0;
-  for (uint64_t frame = checkpoint.head.frame; frame < frames; ++frame) {
+  for (uint64_t frame = 0; frame < frames; ++frame) {
     const sandglass_frame_report report = run.frame(frame);
     ASSERT_EQ(report.particles, glass.count()) << "frame " << frame;
     ASSERT_EQ(report.grains, k_grains_per_particle * glass.count()) << "frame " << frame;
@@ -195,31 +137,25 @@ TEST(Soak, MillionFramesOfASmallHourglass) {
     if ((frame + 1) % k_cycle == 0) {
       const double height = run.mean_height();
       ASSERT_LT(height, k_height / 4) << "it has not run through, frame " << frame;
-      ASSERT_TRUE(checkpoint.head.heights.add(height)) << "the height of the pile drifts, frame " << frame;
+      ASSERT_TRUE(heights.add(height)) << "the height of the pile drifts, frame " << frame;
     }
     if ((frame + 1) % k_checkpoint == 0) {
-      checkpoint.head.frame = frame + 1;
-      checkpoint.scene = run.scene.save();
-      ASSERT_TRUE(again.restore(checkpoint.scene));
+      accept(run.scene.scene.save(&saved));
+      accept(again.scene.scene.restore(saved));
       ASSERT_EQ(again.scene.hash(), run.scene.hash());
       compare_until = frame + 1 + k_cycle;
       const int64_t memory = peak_memory_kib();
-      if (checkpoint.head.memory_kib == 0) checkpoint.head.memory_kib = memory;
-      ASSERT_LE(memory, checkpoint.head.memory_kib + 1024) << "KiB; memory grows, frame " << frame;
-      if (!path.empty()) write_checkpoint(path, checkpoint);
-      if (sandglass::host::interrupted()) GTEST_SKIP() << "interrupted; run it again to go on at frame " << frame + 1;
+      if (memory_at_first == 0) memory_at_first = memory;
+      ASSERT_LE(memory, memory_at_first + 1024) << "KiB; memory grows, frame " << frame;
     }
-    progress.done(frame + 1);
   }
   RecordProperty("hash", std::to_string(run.scene.hash()));
   RecordProperty("asleep_frames", std::to_string(slept));
-  const Heights& heights = checkpoint.head.heights;
   std::printf("mean height of the pile %.4f m, from cycle to cycle +-%.4f m\n", heights.first_mean,
               std::sqrt(heights.first_variance));
   std::printf("%llu frames, hash 0x%016llx, everything asleep in %llu of the frames of this run\n",
               static_cast<unsigned long long>(frames), static_cast<unsigned long long>(run.scene.hash()),
               static_cast<unsigned long long>(slept));
-  if (!path.empty()) std::filesystem::remove(path);
 }
 
 }  // namespace

@@ -11,48 +11,13 @@
 #include "models/laboratory/sand/flow_cases.h"
 #include "models/laboratory/sand/granular_plots.h"
 #include "models/laboratory/sand/granular_verdicts.h"
-#include "models/laboratory/sand/hard_cases.h"
-#include "models/laboratory/sand/physics_cases.h"
 #include "models/simulation/metrics.h"
 
 namespace sandglass::host {
 namespace {
 
-sandglass_scene_desc defaults() {
-  sandglass_scene_desc desc;
-  sandglass_scene_desc_default(&desc);
-  return desc;
-}
-
-TEST(Truth, AFreeCloudKeepsItsMomentumAndAveragingDoesNot) {
-  const Cloud cloud = free_cloud(defaults());
-  EXPECT_LT(cloud.drift, 1e-6) << "rounding of 512 floats over 1300 sub-steps";
-  EXPECT_GT(cloud.collisions, 256);
-  sandglass_scene_desc averaged = defaults();
-  averaged.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;
-  averaged.granular.reference.relaxation = 1.0f;
-  EXPECT_GT(free_cloud(averaged).drift, 1e-4);
-}
-
-TEST(Truth, GrainsReproduceAUniformFieldAndNotASheared) {
-  EXPECT_LT(uniform_field_error(defaults(), 0.0), 1e-5);
-  EXPECT_GT(uniform_field_error(defaults(), 0.5), 1e-3);
-}
-
-TEST(Truth, NoGrainJumpsAtTheThresholdAndTheSourcesDo) {
-  EXPECT_LT(threshold_jump(defaults()), 0.001);
-  sandglass_scene_desc source = defaults();
-  source.granular.reference.blend = SANDGLASS_BLEND_SOURCE;
-  // The rule as printed makes grains jump by 1 - W(r) = 0.298 of the particles' 1 m/s for 8 ms. The unit is d = 2 cm.
-  EXPECT_NEAR(threshold_jump(source), 0.298 * 0.008 / 0.02, 0.002);
-}
-
-TEST(HardCase, RotationsAreTheBestAtEveryScale) {
-  for (const double scale : {1.0, 1e12, 1e-12}) EXPECT_LT(rotation_gap(scale), 1e-9) << scale;
-}
-
 // The table is asserted as `verify granular` prints it: every claim holds, and every control fails as it must. Left out
-// is what takes long (`heavy`, `far` and the flows) and what the tests above ask more of (`momentum`, `refinement`).
+// is what takes long (`far` and the flows).
 struct QuickGroup {
   const char* name;
   size_t least_rows;
@@ -70,35 +35,29 @@ TEST_P(QuickVerdicts, EveryRowHolds) {
 
 INSTANTIATE_TEST_SUITE_P(Granular, QuickVerdicts,
                          testing::Values(QuickGroup{"particle", 7}, QuickGroup{"rest", 7}, QuickGroup{"hard", 7},
-                                         QuickGroup{"momentum", 4}, QuickGroup{"refinement", 4}),
+                                         QuickGroup{"momentum", 4}, QuickGroup{"refinement", 5}),
                          [](const auto& group) { return std::string(group.param.name); });
-
-TEST(HardCase, AStackOfAHundredIsNoHigherThanItsSpheres) { EXPECT_LE(stack(defaults(), 100, 5.0).height, 1.0); }
 
 TEST(Scattered, NoneOverlapAndAllAreInside) {
   constexpr double k_radius = 0.01, k_shaft = 0.1;
-  for (const bool round : {true, false}) {
-    const std::vector<float> points = scattered(500, {k_shaft, 0.05, round}, 0.2, k_radius, 3);
-    ASSERT_EQ(points.size(), 1500u);
-    for (size_t i = 0; i < points.size(); i += 3) {
-      const double x = points[i], y = points[i + 1], z = points[i + 2];
-      EXPECT_GE(y, 0.2 + k_radius);
-      if (round) EXPECT_LE(std::sqrt(x * x + z * z), k_shaft - k_radius);
-      else EXPECT_TRUE(std::fabs(x) <= k_shaft - k_radius && std::fabs(z) <= 0.05 - k_radius);
-      for (size_t j = 0; j < i; j += 3)
-        ASSERT_GE(std::hypot(x - static_cast<double>(points[j]), y - static_cast<double>(points[j + 1]),
-                             z - static_cast<double>(points[j + 2])),
-                  2.0 * k_radius);
-    }
+  const std::vector<float> points = scattered(500, k_shaft, 0.2, k_radius, 3);
+  ASSERT_EQ(points.size(), 1500u);
+  for (size_t i = 0; i < points.size(); i += 3) {
+    const double x = points[i], y = points[i + 1], z = points[i + 2];
+    EXPECT_GE(y, 0.2 + k_radius);
+    EXPECT_LE(std::sqrt(x * x + z * z), k_shaft - k_radius);
+    for (size_t j = 0; j < i; j += 3)
+      ASSERT_GE(std::hypot(x - static_cast<double>(points[j]), y - static_cast<double>(points[j + 1]),
+                           z - static_cast<double>(points[j + 2])),
+                2.0 * k_radius);
   }
-  EXPECT_EQ(scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 9), scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 9));
-  EXPECT_NE(scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 9), scattered(50, {0.1, 0.1, true}, 0.0, 0.01, 8));
+  EXPECT_EQ(points, scattered(500, k_shaft, 0.2, k_radius, 3));
+  EXPECT_NE(points, scattered(500, k_shaft, 0.2, k_radius, 4));
 }
 
 TEST(Laws, AreThoseThatWerePublished) {
   EXPECT_NEAR(lube_runout(1.0), 1.24, 1e-12);
   EXPECT_NEAR(lube_runout(4.0), 3.2, 1e-12);
-  EXPECT_NEAR(lube_planar_runout(8.0), 1.9 * 4.0, 1e-12);
   const std::vector<double> x = {5.0, 6.0, 7.0, 10.0};
   std::vector<double> y;
   for (const double v : x) y.push_back(3.0 * std::pow(v, 2.5));
@@ -152,10 +111,10 @@ TEST(Plot, MarksLieWhereTheirNumbersAre) {
 TEST(Plot, OnlyCurvesWithPointsAreDrawn) {
   EXPECT_TRUE(granular_plots({}).empty());
   GranularCurves curves;
-  curves.frictions = {0.1, 0.2}, curves.repose_deg = {10.0, 20.0};
+  curves.aspects = {1.0, 2.0}, curves.runouts = {1.4, 2.3};
   const std::vector<GranularPlot> plots = granular_plots(curves);
   ASSERT_EQ(plots.size(), 1u);
-  EXPECT_EQ(plots[0].name, "repose");
+  EXPECT_EQ(plots[0].name, "runout");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "models/files/picture_file.h"
+#include "models/files/image.h"
 
 int main(int count, char** arguments) try {
   for (int i = 1; i < count; ++i) {

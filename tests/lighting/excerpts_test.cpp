@@ -13,10 +13,9 @@
 #include <vector>
 
 #include "models/files/atomic_file.h"
-#include "models/files/npz.h"
-#include "models/lighting/excerpts.h"
+#include "models/files/npy.h"
 #include "models/lighting/light_net.h"
-#include "models/lighting/light_runner.h"
+#include "tests/lighting/network_checks.h"
 
 namespace sandglass::host {
 namespace {
@@ -29,14 +28,12 @@ std::vector<uint8_t> shipped() {
 }
 
 TEST(Excerpts, TheShippedBytesSayWhatPyTorchSaysInFloat) {
-  const std::vector<Excerpt> all = read_excerpts(SANDGLASS_EXCERPTS_DIR, SANDGLASS_EMULATED ? 9 : 1);
+  const std::vector<Excerpt> all = read_excerpts(k_folder, SANDGLASS_EMULATED ? 9 : 1);
   ASSERT_GE(all.size(), SANDGLASS_EMULATED ? 6u : 50u);
   LightRunner runner(shipped(), "room.light");
   std::vector<LightValues> bytes, floats;
   for (const Excerpt& excerpt : all) {
-    const LightOutputs out = runner.run(excerpt.rgb);
-    bytes.push_back({out.direction[0], out.direction[1], out.direction[2], out.light[0], out.light[1], out.light[2],
-                     out.ambient[0], out.ambient[1], out.ambient[2], out.contrast});
+    bytes.push_back(tests::values_of(runner.run(excerpt.rgb)));
     floats.push_back(excerpt.values);
   }
   const LightDifference found = median_difference(bytes, floats);
@@ -69,15 +66,8 @@ TEST(Excerpts, TheFloatNetworkInCppIsPyTorchs) {
   const char* weights = std::getenv("SANDGLASS_FLOAT_WEIGHTS");
   if (weights == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_WEIGHTS is not set to what float_network.py wrote";
   const LightNet net = light_net_of(read_npz(weights));
-  double worst = 0;
-  const std::vector<Excerpt> all = read_excerpts(SANDGLASS_EXCERPTS_DIR);
-  for (const Excerpt& excerpt : all) {
-    const LightValues values = light_of(net, features_of(net.trunk, excerpt.rgb, 256, 192));
-    for (size_t i = 0; i < values.size(); ++i)
-      worst = std::max(worst, static_cast<double>(std::fabs(values[i] - excerpt.values[i])));
-  }
-  EXPECT_LE(worst, 1e-3);
-  std::printf("C++ against PyTorch in float on %zu excerpts: %.2g at the most\n", all.size(), worst);
+  tests::expect_pytorch(
+      k_folder, [&](const std::vector<uint8_t>& rgb) { return light_of(net, features_of(net.trunk, rgb, 256, 192)); });
 }
 
 }  // namespace

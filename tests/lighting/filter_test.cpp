@@ -17,15 +17,6 @@ namespace {
 constexpr double k_degree = std::numbers::pi / 180.0;
 constexpr uint64_t k_period_ns = 250'000'000;
 
-LightFilter default_filter() {
-  sandglass_light_desc desc;
-  sandglass_light_desc_default(&desc);
-  LightFilter filter = {};
-  filter.law = {desc.smoothing, desc.interval, desc.turn_limit, desc.outlier_angle, desc.outlier_level};
-  light_filter_reset(&filter);
-  return filter;
-}
-
 // A light in the x-y plane at an angle of `degrees` from the x axis.
 LightSample at(double degrees, double level = 0.5) {
   LightSample s = {{std::cos(degrees * k_degree), std::sin(degrees * k_degree), 0.0}, {}};
@@ -33,12 +24,27 @@ LightSample at(double degrees, double level = 0.5) {
   return s;
 }
 
-double azimuth(const LightFilter& f) { return std::atan2(f.state.direction[1], f.state.direction[0]) / k_degree; }
+// A filter with the default law, and the time of its last estimate.
+struct Filter : LightFilter {
+  Filter() : LightFilter{} {
+    sandglass_light_desc desc;
+    sandglass_light_desc_default(&desc);
+    law = {desc.smoothing, desc.interval, desc.turn_limit, desc.outlier_angle, desc.outlier_level};
+    light_filter_reset(this);
+  }
+  // An estimate one period later, or so many of them.
+  bool take(const LightSample& sample) { return light_filter_take(this, sample, time_ns += k_period_ns); }
+  void settle(double degrees) {
+    for (int i = 0; i < 8; ++i) take(at(degrees));
+  }
+  double azimuth() const { return std::atan2(state.direction[1], state.direction[0]) / k_degree; }
+  uint64_t time_ns = 0;
+};
 
 TEST(LightFilter, TheFirstEstimateIsTakenWhole) {
-  LightFilter f = default_filter();
+  Filter f;
   EXPECT_TRUE(light_filter_take(&f, at(37.0, 0.25), 1));
-  EXPECT_NEAR(azimuth(f), 37.0, 1e-12);
+  EXPECT_NEAR(f.azimuth(), 37.0, 1e-12);
   EXPECT_EQ(f.state.levels[0], 0.25);
   EXPECT_NEAR(light_filter_confidence(f), 0.5, 1e-15);
 }
@@ -46,13 +52,12 @@ TEST(LightFilter, TheFirstEstimateIsTakenWhole) {
 // Each estimate moves the light by a = 0.25 / (0.4 + 0.25) = 5/13 of the angle, at most by 120 degrees a second, which
 // is 30 in a quarter of a second.
 TEST(LightFilter, StepResponseIsTheDocumentedOne) {
-  LightFilter f = default_filter();
-  uint64_t t = 1'000'000'000;
-  for (int i = 0; i < 8; ++i) light_filter_take(&f, at(0.0), t += k_period_ns);
+  Filter f;
+  f.settle(0.0);
   std::vector<double> angles;
   for (int i = 0; i < 20; ++i) {
-    light_filter_take(&f, at(90.0), t += k_period_ns);
-    angles.push_back(azimuth(f));
+    f.take(at(90.0));
+    angles.push_back(f.azimuth());
   }
   double expected = 0.0;
   for (size_t i = 0; i < angles.size(); ++i) {
@@ -71,89 +76,80 @@ TEST(LightFilter, StepResponseIsTheDocumentedOne) {
 // The state depends on time and not on the rate of estimates: at twice the rate it is the same after the same time.
 TEST(LightFilter, FollowsASlowLightWithABoundedLag) {
   for (const uint64_t period : {k_period_ns, k_period_ns / 2}) {
-    LightFilter f = default_filter();
+    Filter f;
     const double rate = 10.0;  // degrees a second
     double lag = 0.0;
     for (uint64_t t = 0; t < 6'000'000'000; t += period) {
       const double now = rate * static_cast<double>(t) * 1e-9;
       light_filter_take(&f, at(now), t + 1);
-      lag = now - azimuth(f);
+      lag = now - f.azimuth();
     }
     EXPECT_NEAR(lag, rate * 0.4, 0.1);  // the lag of a first-order filter: smoothing x rate
   }
 }
 
 TEST(LightFilter, ASingleOutlierChangesNothing) {
-  LightFilter f = default_filter();
-  uint64_t t = 0;
-  for (int i = 0; i < 6; ++i) light_filter_take(&f, at(20.0), t += k_period_ns);
-  const LightFilter before = f;
+  Filter f;
+  f.settle(20.0);
+  const Filter before = f;
   for (const LightSample& odd : {at(110.0), at(20.0, 0.95)}) {
-    EXPECT_FALSE(light_filter_take(&f, odd, t += k_period_ns));
-    EXPECT_EQ(azimuth(f), azimuth(before));
+    EXPECT_FALSE(f.take(odd));
+    EXPECT_EQ(f.azimuth(), before.azimuth());
     EXPECT_EQ(f.state.levels[3], before.state.levels[3]);
-    EXPECT_TRUE(light_filter_take(&f, at(20.0), t += k_period_ns));
+    EXPECT_TRUE(f.take(at(20.0)));
   }
-  EXPECT_NEAR(azimuth(f), 20.0, 1e-9);
+  EXPECT_NEAR(f.azimuth(), 20.0, 1e-9);
   EXPECT_EQ(f.rejected, 2u);
 }
 
 // The control: without the gate the same outlier moves the light by 30 degrees.
 TEST(LightFilter, WithoutTheGateAnOutlierMovesTheLight) {
-  LightFilter f = default_filter();
+  Filter f;
   f.law.outlier_angle = std::numbers::pi;
-  uint64_t t = 0;
-  for (int i = 0; i < 6; ++i) light_filter_take(&f, at(20.0), t += k_period_ns);
-  light_filter_take(&f, at(110.0), t += k_period_ns);
-  EXPECT_NEAR(azimuth(f), 50.0, 1e-5);
+  f.settle(20.0);
+  f.take(at(110.0));
+  EXPECT_NEAR(f.azimuth(), 50.0, 1e-5);
 }
 
 // Outliers that do not agree with each other are accepted at the third in a row, so the filter never locks up.
 TEST(LightFilter, DisagreementDoesNotLockItUp) {
-  LightFilter f = default_filter();
-  uint64_t t = 0;
-  for (int i = 0; i < 6; ++i) light_filter_take(&f, at(0.0), t += k_period_ns);
-  EXPECT_FALSE(light_filter_take(&f, at(60.0), t += k_period_ns));
-  EXPECT_FALSE(light_filter_take(&f, at(-60.0), t += k_period_ns));
-  EXPECT_TRUE(light_filter_take(&f, at(120.0), t += k_period_ns));
+  Filter f;
+  f.settle(0.0);
+  EXPECT_FALSE(f.take(at(60.0)));
+  EXPECT_FALSE(f.take(at(-60.0)));
+  EXPECT_TRUE(f.take(at(120.0)));
 }
 
 // 5000 estimates with white noise of 15 degrees. The deviation after a first-order filter is sqrt(a / (2 - a)) times
 // that of the input.
 TEST(LightFilter, NoiseShrinksAsThatOfAFirstOrderFilter) {
-  LightFilter f = default_filter();
+  Filter f;
   f.law.outlier_angle = std::numbers::pi, f.law.turn_limit = 1e6;
   Random random = random_stream(3, 1);
   double sum = 0.0, input = 0.0;
-  uint64_t t = 0;
   constexpr int k_estimates = 5000;
   for (int i = 0; i < k_estimates; ++i) {
     const double noise = 15.0 * std::sqrt(3.0) * (2.0 * random.uniform() - 1.0);
-    light_filter_take(&f, at(noise), t += k_period_ns);
-    if (i > 50) sum += azimuth(f) * azimuth(f), input += noise * noise;
+    f.take(at(noise));
+    if (i > 50) sum += f.azimuth() * f.azimuth(), input += noise * noise;
   }
   const double a = 5.0 / 13.0;
   EXPECT_NEAR(std::sqrt(sum / input), std::sqrt(a / (2.0 - a)), 0.02);
 }
 
 TEST(LightFilter, ConfidenceIsAgreement) {
-  LightFilter steady = default_filter(), torn = default_filter();
-  uint64_t t = 0;
-  for (int i = 0; i < 30; ++i) {
-    t += k_period_ns;
-    light_filter_take(&steady, at(0.0), t);
-    light_filter_take(&torn, at(i % 2 == 0 ? 100.0 : -100.0), t);
-  }
+  Filter steady, torn;
+  for (int i = 0; i < 30; ++i) steady.take(at(0.0)), torn.take(at(i % 2 == 0 ? 100.0 : -100.0));
   EXPECT_NEAR(light_filter_confidence(steady), 30.0 / 31.0, 1e-12);
   EXPECT_LT(light_filter_confidence(torn), 0.6);
 }
 
 TEST(LightFilter, SmoothingZeroTakesEveryEstimateWhole) {
-  LightFilter f = default_filter();
+  Filter f;
   f.law.smoothing = 0.0;
   for (const double degrees : {10.0, 170.0, -80.0}) {
     EXPECT_TRUE(light_filter_take(&f, at(degrees), 5));
-    EXPECT_NEAR(azimuth(f), degrees, 1e-12);
+    EXPECT_NEAR(f.azimuth(), degrees, 1e-12);
   }
 }
 
@@ -171,15 +167,15 @@ TEST(LightFilter, TurnsAlongTheGreatCircleAlsoToTheOppositeSide) {
 }
 
 TEST(LightFilter, TimesThatDoNotGrowCountAsTheInterval) {
-  LightFilter clocked = default_filter(), still = default_filter(), backward = default_filter();
+  Filter clocked, still, backward;
   for (uint64_t i = 0; i < 9; ++i) {
     const LightSample s = at(i < 4 ? 0.0 : 25.0);
-    light_filter_take(&clocked, s, (i + 1) * k_period_ns);
+    clocked.take(s);
     light_filter_take(&still, s, 0);
     light_filter_take(&backward, s, 1'000'000'000 - i);
   }
-  EXPECT_EQ(azimuth(clocked), azimuth(still));
-  EXPECT_EQ(azimuth(clocked), azimuth(backward));
+  EXPECT_EQ(clocked.azimuth(), still.azimuth());
+  EXPECT_EQ(clocked.azimuth(), backward.azimuth());
 }
 
 }  // namespace

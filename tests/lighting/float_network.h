@@ -1,5 +1,5 @@
-// A random float network, and its features computed naively in double, as in training: max(0, scale x + shift) and one
-// sum after another. Does not use the clamps of the file.
+// A random float network. A back end that runs it from a file must give what the plain network in float gives, which
+// does not use the file's clamps.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,11 +10,10 @@
 #include <cstdio>
 #include <vector>
 
-#include "models/lighting/float_parameters.h"
 #include "models/lighting/light_net.h"
 #include "models/lighting/light_runner.h"
 #include "models/work/random.h"
-#include "tests/lighting/byte_network.h"
+#include "tests/lighting/network_checks.h"
 
 namespace sandglass::tests {
 
@@ -65,57 +64,6 @@ inline host::LightNet random_light_net(uint64_t seed) {
   return net;
 }
 
-inline Map<double> convolved(const host::Convolution& c, const Map<double>& in, int step) {
-  const int pad = c.size / 2;
-  const auto outputs = static_cast<size_t>(c.outputs);
-  Map<double> out(in.width / step, in.height / step, c.outputs);
-  for (int y = 0; y < out.height; ++y)
-    for (int x = 0; x < out.width; ++x) {
-      const float* weights = c.weights.data();
-      double* sums = &out.at(x, y, 0);
-      for (int row = 0; row < c.size; ++row)
-        for (int column = 0; column < c.size; ++column)
-          for (int i = 0; i < c.inputs; ++i, weights += outputs) {
-            const int u = x * step + column - pad, v = y * step + row - pad;
-            if (u < 0 || v < 0 || u >= in.width || v >= in.height) continue;
-            const double value = in.at(u, v, i);
-            for (size_t o = 0; o < outputs; ++o) sums[o] += value * static_cast<double>(weights[o]);
-          }
-    }
-  return out;
-}
-
-inline Map<double> rectified(const host::ChannelAffine& affine, const Map<double>& in) {
-  Map<double> out = in;
-  for (size_t i = 0; i < out.values.size(); ++i) {
-    const size_t c = i % affine.scale.size();
-    out.values[i] =
-        std::max(0.0, static_cast<double>(affine.scale[c]) * out.values[i] + static_cast<double>(affine.shift[c]));
-  }
-  return out;
-}
-
-inline std::vector<double> double_features(const host::DenseNet& net, const std::vector<uint8_t>& rgb, int width,
-                                           int height) {
-  constexpr double k_mean[3] = {0.485, 0.456, 0.406}, k_deviation[3] = {0.229, 0.224, 0.225};
-  Map<double> image(width, height, 3);
-  for (size_t i = 0; i < rgb.size(); ++i) image.values[i] = (rgb[i] / 255.0 - k_mean[i % 3]) / k_deviation[i % 3];
-  Map<double> map = pooled(rectified(net.stem_affine, convolved(net.stem, image, 2)));
-  for (const host::DenseBlock& block : net.blocks) {
-    for (const host::DenseLayer& layer : block.layers) {
-      const Map<double> bottleneck = rectified(layer.between, convolved(layer.narrow, rectified(layer.before, map), 1));
-      map = appended(map, convolved(layer.wide, bottleneck, 1));
-    }
-    if (!block.transition_affine.scale.empty())
-      map = convolved(block.transition, averaged(rectified(block.transition_affine, map)), 1);
-  }
-  const Map<double> last = rectified(net.last, map);
-  std::vector<double> features(static_cast<size_t>(last.channels));
-  for (size_t i = 0; i < last.values.size(); ++i)
-    features[i % features.size()] += last.values[i] / (last.width * last.height);
-  return features;
-}
-
 // The float network, beside the bytes of another network, which a back end in float must not read.
 inline host::LightFile float_file(const host::LightNet& net) {
   host::LightFile file = host::random_light_file(7);
@@ -127,11 +75,6 @@ inline host::LightFile float_file(const host::LightNet& net) {
   return file;
 }
 
-inline host::LightValues values_of(const LightOutputs& out) {
-  return {out.direction[0], out.direction[1], out.direction[2], out.light[0],   out.light[1],
-          out.light[2],     out.ambient[0],   out.ambient[1],   out.ambient[2], out.contrast};
-}
-
 // XNNPACK on a file with float parameters gives the float network's features and heads to within 1e-3.
 inline void expect_float_network(const std::vector<uint8_t>& rgb, uint32_t width, uint32_t height) {
   const host::LightNet net = random_light_net(5);
@@ -139,19 +82,17 @@ inline void expect_float_network(const std::vector<uint8_t>& rgb, uint32_t width
                            SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
   const host::LightValues values = values_of(runner.run(rgb));
   const std::vector<float> features = runner.features();
-  const std::vector<double> truth = double_features(net.trunk, rgb, static_cast<int>(width), static_cast<int>(height));
-  double worst = 0, greatest = 0, worst_value = 0;
-  for (size_t c = 0; c < truth.size(); ++c) {
-    worst = std::max(worst, std::fabs(static_cast<double>(features[c]) - truth[c]));
-    greatest = std::max(greatest, truth[c]);
-  }
-  const host::LightValues expected = host::light_of(net, std::vector<float>(truth.begin(), truth.end()));
-  for (size_t i = 0; i < values.size(); ++i)
-    worst_value = std::max(worst_value, static_cast<double>(std::fabs(values[i] - expected[i])));
-  EXPECT_LE(worst, 1e-3);
-  EXPECT_LE(worst_value, 1e-3);
-  EXPECT_GT(greatest, 1.0) << "the features must not all be small";
-  std::printf("features off by %.2g of %.3g, outputs by %.2g\n", worst, greatest, worst_value);
+  const std::vector<float> truth = host::features_of(net.trunk, rgb, static_cast<int>(width), static_cast<int>(height));
+  float worst = 0, worst_value = 0;
+  for (size_t c = 0; c < truth.size(); ++c) worst = std::max(worst, std::fabs(features[c] - truth[c]));
+  const float greatest = *std::max_element(truth.begin(), truth.end());
+  const host::LightValues expected = host::light_of(net, truth);
+  for (size_t i = 0; i < values.size(); ++i) worst_value = std::max(worst_value, std::fabs(values[i] - expected[i]));
+  EXPECT_LE(worst, 1e-3f);
+  EXPECT_LE(worst_value, 1e-3f);
+  EXPECT_GT(greatest, 1.0f) << "the features must not all be small";
+  std::printf("features off by %.2g of %.3g, outputs by %.2g\n", static_cast<double>(worst),
+              static_cast<double>(greatest), static_cast<double>(worst_value));
 }
 
 }  // namespace sandglass::tests

@@ -12,23 +12,17 @@
 #include "models/lighting/dataset.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
+#include "tests/lighting/made_panorama.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
 
+using tests::panorama_of;
 constexpr double k_pi = std::numbers::pi;
 constexpr double k_degree = k_pi / 180.0;
 constexpr Vec3 k_up = {0, 1, 0};
-
-template <class Radiance>
-RadianceMap panorama_of(int width, Radiance&& radiance) {
-  RadianceMap map(width, width / 2);
-  for (int v = 0; v < map.height; ++v)
-    for (int u = 0; u < width; ++u) map.set(u, v, radiance(panorama_direction(u, v, width, map.height)));
-  return map;
-}
 
 RadianceMap gaussian_on_constant(Vec3 axis, double sharpness, double peak, double rest) {
   return panorama_of(512, [=](Vec3 d) {
@@ -101,11 +95,6 @@ TEST(Excerpt, ShowsDirectionsWhereTheCameraModelPutsThem) {
   }
 }
 
-TEST(Excerpt, FieldOfViewIsOfTheDiagonal) {
-  const double focal = focal_length(k_excerpt_width, k_excerpt_height, k_excerpt_fov_deg);
-  EXPECT_NEAR(2.0 * std::atan(160.0 / focal), 85.0 * k_degree, 1e-12);  // 320 = the diagonal of 256 x 192
-}
-
 TEST(Labels, GaussianOnConstantHasItsDirectionToATenthOfADegree) {
   for (const double sharpness : {20.0, 300.0, 3000.0})
     for (const Vec3 axis : {Vec3{0.2, 0.9, 0.1}, Vec3{-0.7, 0.3, -0.6}, Vec3{0.0, 0.05, -1.0}, Vec3{0.02, 1.0, 0.0}}) {
@@ -114,18 +103,6 @@ TEST(Labels, GaussianOnConstantHasItsDirectionToATenthOfADegree) {
       ASSERT_TRUE(labels.has_direction);
       EXPECT_LE(angle_deg(labels.direction, axis), 0.1) << sharpness;
     }
-}
-
-TEST(Labels, FollowTheCameraIntoItsFrame) {
-  for (size_t i = 0; i < 3; ++i) {
-    const View view = choose_views(11)[i];
-    const ViewRotation rotation(view);
-    for (const Vec3 camera : {Vec3{0.6, -0.5, 0.6}, Vec3{-0.7, -0.4, -0.5}, Vec3{0.1, 0.3, 1.0}}) {
-      const Vec3 lamp = rotation.to_panorama(camera_to_rotated(normalised(camera)));
-      const LightLabels labels = camera_labels(gaussian_on_constant(lamp, 300.0, 40.0, 0.3), view, 0.0);
-      EXPECT_LE(angle_deg(labels.direction, camera), 0.1);
-    }
-  }
 }
 
 // A lamp on the right has camera x > 0, one on the ceiling y < 0. The mirrored image has the mirrored direction.
@@ -148,27 +125,24 @@ TEST(Labels, RightIsPositiveUpIsNegativeMirrorMirrors) {
 // A small lamp at p of the unit sphere, seen from x_c, lies along p - x_c.
 TEST(Warp, LampMovesAsGeometrySays) {
   for (size_t i = 0; i < 3; ++i)
-    for (const double radius : {0.3, 0.8}) {
+    for (const double radius : {0.0, 0.3, 0.8}) {
       const View view = choose_views(5)[i];
       const Vec3 lamp = normalised(Vec3{0.3, 0.8, -0.2}), seen = lamp - view.direction() * radius;
       const LightLabels labels = camera_labels(gaussian_on_constant(lamp, 5000.0, 1000.0, 0.01), view, radius);
       const Vec3 expected = rotated_to_camera(ViewRotation(view).to_rotated(seen));
-      EXPECT_LE(angle_deg(labels.direction, expected), 0.3);
+      EXPECT_LE(angle_deg(labels.direction, expected), radius > 0.0 ? 0.3 : 0.1);
     }
 }
 
 TEST(Warp, RadiusZeroIsARotationAndConstantsStay) {
   const View view = choose_views(9)[2];
-  const RadianceMap warped = warp(panorama_of(256,
-                                              [](Vec3 d) {
-                                                return Vec3{2 + d.x, 2 + d.y, 2 + d.z};
-                                              }),
-                                  view, 0.0, 128, 64);
+  const auto linear = [](Vec3 d) { return Vec3{2 + d.x, 2 + d.y, 2 + d.z}; };
+  const RadianceMap warped = warp(panorama_of(256, linear), view, 0.0, 128, 64);
   const ViewRotation rotation(view);
   for (int v = 0; v < 64; v += 5)
     for (int u = 0; u < 128; u += 5) {
       const Vec3 d = rotation.to_panorama(panorama_direction(u, v, 128, 64));
-      EXPECT_LT(length(warped.colour(u, v) - (Vec3{2, 2, 2} + d)), 3e-3);
+      EXPECT_LT(length(warped.colour(u, v) - linear(d)), 3e-3);
     }
   const RadianceMap even = warp(panorama_of(64, [](Vec3) { return Vec3{0.5, 0.5, 0.5}; }), view, 0.9, 64, 32);
   for (const float value : even.rgb) EXPECT_NEAR(value, 0.5f, 1e-6f);
@@ -281,20 +255,20 @@ TEST(DatasetFiles, EveryExcerptHasItsLineAndItsPicture) {
 TEST(DatasetFiles, BadInputIsOneSentence) {
   const tests::TemporaryFolder folder;
   std::filesystem::create_directories(folder / "in");
-  const auto refusal = [](const DatasetOptions& options) { return tests::refusal_of([&] { make_dataset(options); }); };
   DatasetOptions options;
+  const auto refused = [&](const char* words) { tests::expect_refusal(words, [&] { make_dataset(options); }); };
   options.folder = folder / "out";
   options.panoramas = {folder / "in"};
-  EXPECT_NE(refusal(options).find("no .hdr or .exr"), std::string::npos);
+  refused("no .hdr or .exr");
   write_hdr(folder / "in/a.hdr", gaussian_on_constant({0, 1, 0}, 100.0, 10.0, 0.2));
   options.manifest = folder / "groups.csv";
   write_file(options.manifest, std::string_view("name,place\na.hdr,kitchen\n"));
-  EXPECT_NE(refusal(options).find("columns file, group and fold"), std::string::npos);
+  refused("columns file, group and fold");
   write_file(options.manifest, std::string_view("file,group,fold\na.hdr,kitchen,many\n"));
-  EXPECT_NE(refusal(options).find("\"many\""), std::string::npos);
+  refused("\"many\"");
   options.manifest.clear();
   write_npy(folder / "in/a_depth.npy", std::vector<float>(9, 1.0f), 3, 3);
-  EXPECT_NE(refusal(options).find("a_depth.npy"), std::string::npos);
+  refused("a_depth.npy");
   EXPECT_FALSE(std::filesystem::exists(folder / "out/manifest.csv"));
 }
 

@@ -12,51 +12,41 @@
 
 #include "models/files/atomic_file.h"
 #include "models/lighting/light_file.h"
-#include "runtime/asset/file.h"
 #include "runtime/light/network.h"
 #include "sandglass/shadow.h"
+#include "tests/asset_file.h"
+#include "tests/guarded_block.h"
+#include "tests/int8_kernels.h"
 
 namespace {
 
 using namespace sandglass;
+using namespace sandglass::tests;
 
 constexpr int k_few = SANDGLASS_EMULATED ? 6 : 60;
 constexpr int k_fewer = SANDGLASS_EMULATED ? 1 : 5;  // fewer changes: a file with a float network is five times as long
-
-struct Words {
-  std::vector<uint64_t> words;
-  uint64_t bytes;
-  explicit Words(const std::vector<uint8_t>& content) : words(content.size() / 8 + 1), bytes(content.size()) {
-    std::memcpy(words.data(), content.data(), content.size());
-  }
-  uint8_t* data() { return reinterpret_cast<uint8_t*>(words.data()); }
-  void repair_checksum() {
-    const uint64_t body = bytes - k_checksum_bytes, hash = hash_bytes(data(), body);
-    for (uint32_t i = 0; i < k_checksum_bytes; ++i) data()[body + i] = static_cast<uint8_t>(hash >> 8 * i);
-  }
-};
 
 const host::LightFile& file() {
   static const host::LightFile made = host::random_light_file(3);
   return made;
 }
 
-Words content() {
+AssetFile content() {
   static const std::vector<uint8_t> bytes = host::light_file_bytes(file());
-  return Words(bytes);
+  return AssetFile(bytes);
 }
 
 // The content with a float network.
-Words float_content() {
+AssetFile float_content() {
   static const std::vector<uint8_t> bytes = [] {
     host::LightFile made = file();
     made.float_parameters.assign(k_light_float_parameters, 0.25f);
     return host::light_file_bytes(made);
   }();
-  return Words(bytes);
+  return AssetFile(bytes);
 }
 
-sandglass_status open(Words& words, uint64_t count, std::string* sentence = nullptr) {
+sandglass_status open(const AssetFile& words, uint64_t count, std::string* sentence = nullptr) {
   LightAsset asset;
   const char* reason = nullptr;
   const sandglass_status status = open_light_asset(words.data(), count, &asset, &reason);
@@ -65,13 +55,12 @@ sandglass_status open(Words& words, uint64_t count, std::string* sentence = null
   return status;
 }
 
-uint64_t random_number(uint64_t* state) {
-  *state = *state * 6364136223846793005ull + 1442695040888963407ull;
-  return *state >> 20;
+uint64_t below(Integers& random, uint64_t end) {
+  return static_cast<uint64_t>(random.next(0, static_cast<int64_t>(end) - 1));
 }
 
 TEST(LightAsset, ReadsWhatWasWritten) {
-  Words words = content();
+  AssetFile words = content();
   LightAsset asset;
   ASSERT_EQ(open_light_asset(words.data(), words.bytes, &asset, nullptr), SANDGLASS_OK);
   EXPECT_STREQ(asset.name, "random");
@@ -89,7 +78,7 @@ TEST(LightAsset, ReadsAFloatNetworkWhereThereIsOne) {
   constexpr uint32_t k_biases = k_behind + 58 * 32 + 128 + 256 + 512;
   EXPECT_EQ(k_light_float_parameters,
             3 + 6'953'856 - 2 * k_normalised + k_biases + 2 * (k_normalised - k_behind) + 2 * 1024 + 1024 * 512 + 512);
-  Words words = float_content();
+  AssetFile words = float_content();
   LightAsset asset;
   ASSERT_EQ(open_light_asset(words.data(), words.bytes, &asset, nullptr), SANDGLASS_OK);
   ASSERT_NE(asset.float_parameters, nullptr);
@@ -102,7 +91,7 @@ TEST(LightAsset, ReadsAFloatNetworkWhereThereIsOne) {
 TEST(LightAsset, TheShippedNetworkIsCloseToTheFloatNetwork) {
   const std::string content = host::read_file(std::string(SANDGLASS_LIGHTS_DIR) + "/room.light", "lighting network");
   EXPECT_LE(content.size(), 8'000'000u);
-  Words words(std::vector<uint8_t>(content.begin(), content.end()));
+  AssetFile words(std::vector<uint8_t>(content.begin(), content.end()));
   LightAsset asset;
   const char* reason = nullptr;
   ASSERT_EQ(open_light_asset(words.data(), words.bytes, &asset, &reason), SANDGLASS_OK) << reason;
@@ -113,26 +102,25 @@ TEST(LightAsset, TheShippedNetworkIsCloseToTheFloatNetwork) {
 }
 
 TEST(LightAsset, TruncatedFilesAreRefused) {
-  Words words = content();
-  uint64_t state = 1;
+  AssetFile words = content();
+  Integers random = {1};
   for (uint64_t count : {0ull, 1ull, 31ull, 32ull, 40ull, 1000ull})
     EXPECT_NE(open(words, count), SANDGLASS_OK) << count;
   for (int i = 0; i < k_few; ++i) {
-    const uint64_t count =
-        i < k_few / 4 ? words.bytes - 1 - static_cast<uint64_t>(i) : random_number(&state) % words.bytes;
+    const uint64_t count = i < k_few / 4 ? words.bytes - 1 - static_cast<uint64_t>(i) : below(random, words.bytes);
     ASSERT_NE(open(words, count), SANDGLASS_OK) << count;
   }
-  Words floats = float_content();
+  AssetFile floats = float_content();
   for (int i = 0; i < k_fewer; ++i) {
-    const uint64_t count = i == 0 ? floats.bytes - 1 : random_number(&state) % floats.bytes;
+    const uint64_t count = i == 0 ? floats.bytes - 1 : below(random, floats.bytes);
     ASSERT_NE(open(floats, count), SANDGLASS_OK) << count;
   }
 }
 
-void expect_changed_bits_refused(Words words, int times) {
-  uint64_t state = 2;
+void expect_changed_bits_refused(AssetFile words, int times) {
+  Integers random = {2};
   for (int i = 0; i < times; ++i) {
-    const uint64_t at = random_number(&state) % words.bytes;
+    const uint64_t at = below(random, words.bytes);
     words.data()[at] ^= static_cast<uint8_t>(1 << i % 8);
     ASSERT_NE(open(words, words.bytes), SANDGLASS_OK) << at;
     words.data()[at] ^= static_cast<uint8_t>(1 << i % 8);
@@ -146,12 +134,12 @@ TEST(LightAsset, ChangedBitsAreRefused) {
 }
 
 TEST(LightAsset, OtherKindsGetTheirSentence) {
-  Words words = content();
+  AssetFile words = content();
   std::string sentence;
   std::memcpy(words.data() + 4, "SGSH", 4);  // a shadow's
   EXPECT_NE(open(words, words.bytes, &sentence), SANDGLASS_OK);
   EXPECT_NE(sentence.find("not a lighting network"), std::string::npos) << sentence;
-  Words light = content();
+  AssetFile light = content();
   sandglass_shadow_info info = {};
   info.struct_size = sizeof info;
   const char* reason = nullptr;
@@ -194,7 +182,7 @@ TEST(LightAsset, WrongNumbersBehindARightChecksumAreRefused) {
   for (const Case& c : cases) {
     host::LightFile spoilt = file();
     c.spoil(&spoilt);
-    Words words(host::light_file_bytes(spoilt));
+    AssetFile words(host::light_file_bytes(spoilt));
     std::string sentence;
     EXPECT_EQ(open(words, words.bytes, &sentence), SANDGLASS_ERROR_INVALID_ARGUMENT) << c.sentence;
     EXPECT_NE(sentence.find(c.sentence), std::string::npos) << sentence;
@@ -202,24 +190,20 @@ TEST(LightAsset, WrongNumbersBehindARightChecksumAreRefused) {
 }
 
 // An attacker may repair the checksum. A file that is then accepted must also run.
-void expect_changed_bytes_harmless(Words words, int times) {
+void expect_changed_bytes_harmless(AssetFile words, int times) {
   const std::vector<uint8_t> rgb(3 * 32 * 32, 100);
-  Layout size;
+  Layout size, layout;
   layout_light_network(32, 32, &size);
-  std::vector<uint8_t> memory(size.size + 64);
-  Layout layout;
-  layout.base = memory.data() + (64 - reinterpret_cast<uintptr_t>(memory.data()) % 64);
+  test::GuardedBlock memory(size.size);
+  layout.base = memory.data();
   const LightMemory block = layout_light_network(32, 32, &layout);
-  uint64_t state = 3;
+  Integers random = {3};
   for (int i = 0; i < times; ++i) {
     // Tables lie at the front, at the back and between the arrays.
-    const uint64_t span = i % 3 == 0   ? 256
-                          : i % 3 == 1 ? 65536
-                                       : words.bytes - 16,
-                   offset = random_number(&state) % span;
+    const uint64_t spans[3] = {256, 65536, words.bytes - 16}, offset = below(random, spans[i % 3]);
     const uint64_t at = i % 2 == 0 ? offset : words.bytes - 16 - offset;
     const uint8_t before = words.data()[at];
-    words.data()[at] = static_cast<uint8_t>(random_number(&state));
+    words.data()[at] = static_cast<uint8_t>(below(random, 256));
     words.repair_checksum();
     LightAsset asset;
     const char* reason = nullptr;

@@ -1,43 +1,24 @@
 #include "tests/lighting/light_fixture.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-#include <cstring>
-
 #include "models/lighting/light_file.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::tests {
 
-namespace {
-constexpr uint64_t k_guard = 64;
-constexpr uint8_t k_pattern = 0xA5;
-}  // namespace
-
-const LightFileBytes& random_light() {
-  static const LightFileBytes file = [] {
-    const std::vector<uint8_t> bytes = host::light_file_bytes(host::random_light_file(7));
-    LightFileBytes f;
-    f.bytes = bytes.size();
-    f.words.resize((bytes.size() + 7) / 8);
-    std::memcpy(f.words.data(), bytes.data(), bytes.size());
-    return f;
-  }();
+const AssetFile& random_light() {
+  static const AssetFile file(host::light_file_bytes(host::random_light_file(7)));
   return file;
 }
 
 sandglass_light_desc describe_light() {
-  sandglass_light_desc desc;
-  sandglass_light_desc_default(&desc);
+  sandglass_light_desc desc = light_desc();
   desc.asset = random_light().data();
   desc.asset_bytes = random_light().bytes;
   return desc;
 }
 
 TestImage::TestImage(uint64_t seed, uint32_t width, uint32_t height) : bytes(3 * size_t{width} * height) {
-  sandglass_camera_image_default(&image);
+  image = camera_image();
   image.format = SANDGLASS_CAMERA_RGB;
   image.width = width, image.height = height;
   image.planes[0] = bytes.data(), image.strides[0] = 3 * width;
@@ -53,43 +34,6 @@ TestImage::TestImage(uint64_t seed, uint32_t width, uint32_t height) : bytes(3 *
       for (uint32_t c = 0; c < 3; ++c)
         bytes[3 * (size_t{y} * width + x) + c] =
             static_cast<uint8_t>((cells[c][8 * y / height][8 * x / width] + 255 * x / width) / 2);
-}
-
-LiveLight::LiveLight(const sandglass_light_desc& desc) {
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_light_bytes(&desc, &bytes, &reason), SANDGLASS_OK) << reason;
-  memory.assign(bytes + 2 * k_guard + SANDGLASS_BLOCK_ALIGNMENT, k_pattern);
-  const auto at = reinterpret_cast<uintptr_t>(memory.data()) + k_guard;
-  block = memory.data() + k_guard + (SANDGLASS_BLOCK_ALIGNMENT - at % SANDGLASS_BLOCK_ALIGNMENT);
-  EXPECT_EQ(sandglass_light_create(&desc, block, bytes, &light, &reason), SANDGLASS_OK) << reason;
-}
-
-void LiveLight::estimate(const sandglass_camera_image& image) {
-  uint32_t taken = 0;
-  const char* reason = nullptr;
-  ASSERT_EQ(sandglass_light_set_image(light, &image, &taken, &reason), SANDGLASS_OK) << reason;
-  ASSERT_EQ(taken, 1u);
-  while (sandglass_light_run(light, 1000) != 0) {
-  }
-}
-
-sandglass_light_estimate LiveLight::get() const {
-  sandglass_light_estimate e = {};
-  e.struct_size = sizeof e;
-  sandglass_light_get(light, &e);
-  return e;
-}
-sandglass_light_estimate LiveLight::latest() const {
-  sandglass_light_estimate e = {};
-  e.struct_size = sizeof e;
-  sandglass_light_get_latest(light, &e);
-  return e;
-}
-
-bool LiveLight::guards_intact() const {
-  const uint8_t* const end = block + bytes;
-  return std::all_of(memory.data(), static_cast<const uint8_t*>(block), [](uint8_t b) { return b == k_pattern; }) &&
-         std::all_of(end, memory.data() + memory.size(), [](uint8_t b) { return b == k_pattern; });
 }
 
 }  // namespace sandglass::tests

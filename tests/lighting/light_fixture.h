@@ -1,21 +1,18 @@
-// A light on a network of random weights, in a block with guard bytes, and images for it.
+// A light on a network of random weights, and images for it.
 #pragma once
+
+#include <gtest/gtest.h>
 
 #include <cstdint>
 #include <vector>
 
-#include "sandglass/light.h"
+#include "sandglass/sandglass.hpp"
+#include "tests/asset_file.h"
 
 namespace sandglass::tests {
 
-// The file of the random network, aligned; the same for every caller.
-struct LightFileBytes {
-  std::vector<uint64_t> words;
-  uint64_t bytes = 0;
-  const uint8_t* data() const { return reinterpret_cast<const uint8_t*>(words.data()); }
-  uint8_t* data() { return reinterpret_cast<uint8_t*>(words.data()); }
-};
-const LightFileBytes& random_light();
+// The file of the random network; the same for every caller.
+const AssetFile& random_light();
 
 sandglass_light_desc describe_light();
 
@@ -26,18 +23,12 @@ struct TestImage {
   explicit TestImage(uint64_t seed, uint32_t width = 256, uint32_t height = 192);
 };
 
-struct LiveLight {
-  explicit LiveLight(const sandglass_light_desc& desc = describe_light());
-  // Gives it the image and runs all units of the estimate.
-  void estimate(const sandglass_camera_image& image);
-  sandglass_light_estimate get() const;
-  sandglass_light_estimate latest() const;
-  bool guards_intact() const;
-
-  std::vector<uint8_t> memory;
-  uint8_t* block = nullptr;
-  uint64_t bytes = 0;
-  sandglass_light* light = nullptr;
+// A light on the random network.
+struct LiveLight : Light {
+  explicit LiveLight(const sandglass_light_desc& desc = describe_light()) { EXPECT_TRUE(create(desc)); }
+  void estimate(const sandglass_camera_image& image) { EXPECT_TRUE(Light::estimate(image)); }
+  // Runs what is left of an estimate.
+  void finish() { sandglass_light_run(get(), UINT32_MAX); }
 };
 
 }  // namespace sandglass::tests

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "kernels/int8.h"
-#include "tests/lighting/network_checks.h"
+#include "tests/int8_kernels.h"
+#include "tests/lighting/byte_network.h"
 
 namespace {
 
@@ -15,25 +15,7 @@ using namespace sandglass::tests;
 
 constexpr uint8_t k_untouched = 0xEE;
 
-struct Congruential {
-  uint64_t state;
-  int64_t next(int64_t low, int64_t high) {
-    state = state * 6364136223846793005ull + 1442695040888963407ull;
-    return low + static_cast<int64_t>((state >> 33) % static_cast<uint64_t>(high - low + 1));
-  }
-};
-
-template <class T>
-struct Aligned {
-  struct alignas(64) Line {
-    uint8_t bytes[64];
-  };
-  std::vector<Line> lines;
-  explicit Aligned(size_t count) : lines(count * sizeof(T) / 64 + 1) {}
-  T* data() { return reinterpret_cast<T*>(lines.data()); }
-};
-
-host::ByteConvolution random_convolution(Congruential* random, uint32_t inputs, uint32_t places, uint32_t outputs,
+host::ByteConvolution random_convolution(Integers* random, uint32_t inputs, uint32_t places, uint32_t outputs,
                                          bool extreme) {
   host::ByteConvolution c;
   for (uint32_t i = 0; i < outputs * places * inputs; ++i)
@@ -50,7 +32,7 @@ host::ByteConvolution random_convolution(Congruential* random, uint32_t inputs, 
   return c;
 }
 
-ByteMap random_map(Congruential* random, int width, int height, int channels, bool extreme) {
+ByteMap random_map(Integers* random, int width, int height, int channels, bool extreme) {
   ByteMap map(width, height, channels);
   for (uint8_t& b : map.values) b = static_cast<uint8_t>(extreme ? 255 * random->next(0, 3) / 3 : random->next(0, 255));
   return map;
@@ -75,7 +57,7 @@ struct Shape {
 };
 
 TEST(LightKernels, NarrowAndTransitionEqualTheOracleForEveryCountOfPixels) {
-  Congruential random = {1};
+  Integers random = {1};
   for (const Shape& s : {Shape{64, 128, false}, Shape{96, 32, true}, Shape{992, 64, false}, Shape{1024, 32, true}}) {
     constexpr int k_most = 19;
     const host::ByteConvolution c = random_convolution(&random, s.inputs, 1, s.outputs, s.extreme);
@@ -107,7 +89,7 @@ TEST(LightKernels, NarrowAndTransitionEqualTheOracleForEveryCountOfPixels) {
 }
 
 TEST(LightKernels, WideEqualsTheOracleForEveryCountOfPixels) {
-  Congruential random = {2};
+  Integers random = {2};
   for (const Shape& s : {Shape{32, 32, false}, Shape{128, 32, true}, Shape{128, 64, false}})
     for (int width = 1; width <= 17; width += width < 9 ? 1 : 4) {
       const host::ByteConvolution c = random_convolution(&random, s.inputs, 9, s.outputs, s.extreme);
@@ -140,7 +122,7 @@ TEST(LightKernels, WideEqualsTheOracleForEveryCountOfPixels) {
 }
 
 TEST(LightKernels, StemAndPoolEqualTheOracle) {
-  Congruential random = {3};
+  Integers random = {3};
   const uint8_t border[3] = {124, 116, 104};
   for (const int width : {32, 56, 256}) {
     constexpr int k_height = 16;
@@ -172,7 +154,7 @@ TEST(LightKernels, StemAndPoolEqualTheOracle) {
 }
 
 TEST(LightKernels, DotEqualsTheOracle) {
-  Congruential random = {4};
+  Integers random = {4};
   for (const uint32_t count : {32u, 96u, 1024u}) {
     Aligned<uint8_t> bytes(count);
     Aligned<int8_t> weights(count);

@@ -10,25 +10,46 @@
 #include <cstring>
 #include <vector>
 
+#include "models/lighting/excerpts.h"
+#include "models/lighting/light_file.h"
 #include "models/lighting/light_runner.h"
 #include "models/work/random.h"
+#include "tests/int8_kernels.h"
 #include "tests/lighting/byte_network.h"
 
 namespace sandglass::tests {
-
-// The tables of int8 kernels that this CPU can run.
-inline std::vector<sandglass_isa> int8_sets() {
-  std::vector<sandglass_isa> available;
-  for (const sandglass_isa isa : {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_NEON, SANDGLASS_ISA_NEON_DOTPROD,
-                                  SANDGLASS_ISA_NEON_I8MM, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512})
-    if (select_int8_kernels(isa) != nullptr) available.push_back(isa);
-  return available;
-}
 
 inline std::vector<uint8_t> noise(int width, int height) {
   std::vector<uint8_t> rgb(static_cast<size_t>(3 * width * height));
   for (size_t i = 0; i < rgb.size(); ++i) rgb[i] = static_cast<uint8_t>(256 * host::random_unit(i));
   return rgb;
+}
+
+// What a network's file gives for an image.
+inline std::vector<float> features_of(const host::LightFile& file, sandglass_light_backend backend,
+                                      const std::vector<uint8_t>& rgb, int width, int height) {
+  host::LightRunner runner(host::light_file_bytes(file), "network", SANDGLASS_ISA_AUTOMATIC,
+                           static_cast<uint32_t>(width), static_cast<uint32_t>(height), backend);
+  runner.run(rgb);
+  return runner.features();
+}
+
+inline host::LightValues values_of(const LightOutputs& out) {
+  return {out.direction[0], out.direction[1], out.direction[2], out.light[0],   out.light[1],
+          out.light[2],     out.ambient[0],   out.ambient[1],   out.ambient[2], out.contrast};
+}
+
+// `values` gives a network's outputs for an image. They must be PyTorch's for every excerpt in `folder`.
+template <class Values>
+void expect_pytorch(const std::string& folder, Values&& values) {
+  float worst = 0;
+  const std::vector<host::Excerpt> all = host::read_excerpts(folder);
+  for (const host::Excerpt& excerpt : all) {
+    const host::LightValues found = values(excerpt.rgb);
+    for (size_t i = 0; i < found.size(); ++i) worst = std::max(worst, std::fabs(found[i] - excerpt.values[i]));
+  }
+  EXPECT_LE(worst, 1e-3f);
+  std::printf("against PyTorch in float on %zu excerpts: %.2g at the most\n", all.size(), static_cast<double>(worst));
 }
 
 // Features in float are those of the file's network without any rounding, to 1e-3 of a byte's range: as the project's

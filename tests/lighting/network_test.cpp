@@ -12,6 +12,7 @@
 #include "models/lighting/light_runner.h"
 #include "runtime/core/hash.h"
 #include "runtime/light/heads.h"
+#include "tests/guarded_block.h"
 #include "tests/lighting/network_checks.h"
 #include "tests/lighting/reference_classifier.h"
 
@@ -28,17 +29,16 @@ const std::vector<uint8_t>& random_file() {
 
 std::vector<uint8_t> random_image(uint32_t width, uint32_t height) {
   std::vector<uint8_t> rgb(size_t{3} * width * height);
-  uint64_t state = 11;
-  for (uint8_t& b : rgb) {
-    state = state * 6364136223846793005ull + 1442695040888963407ull;
-    b = static_cast<uint8_t>(state >> 56);
-  }
+  tests::Integers random = {11};
+  for (uint8_t& b : rgb) random.next(0, 255), b = static_cast<uint8_t>(random.state >> 56);
   return rgb;
 }
 
-uint64_t hash_of(const LightOutputs& outputs, const std::vector<float>& features) {
-  const uint64_t of_features = hash_bytes(features.data(), 4 * features.size());
-  return of_features * 1099511628211ull ^ hash_bytes(&outputs, sizeof outputs);
+uint64_t golden_on(sandglass_isa isa, const std::vector<uint8_t>& file) {
+  LightRunner runner(file, "random", isa, k_width, k_height);
+  const LightOutputs outputs = runner.run(random_image(k_width, k_height));
+  const std::vector<float> features = runner.features();
+  return hash_bytes(features.data(), 4 * features.size()) * 1099511628211ull ^ hash_bytes(&outputs, sizeof outputs);
 }
 
 std::vector<uint32_t> averages_of(LightRunner* runner) {
@@ -49,11 +49,7 @@ std::vector<uint32_t> averages_of(LightRunner* runner) {
 }
 
 TEST(LightNetwork, OneHashOnEveryInstructionSet) {
-  for (const sandglass_isa isa : tests::int8_sets()) {
-    LightRunner runner(random_file(), "random", isa, k_width, k_height);
-    const LightOutputs outputs = runner.run(random_image(k_width, k_height));
-    EXPECT_EQ(hash_of(outputs, runner.features()), k_golden) << isa;
-  }
+  for (const sandglass_isa isa : tests::int8_sets()) EXPECT_EQ(golden_on(isa, random_file()), k_golden) << isa;
 }
 
 TEST(LightNetwork, EqualsTheNaiveNetworkOfBytes) {
@@ -70,9 +66,7 @@ TEST(LightNetwork, EqualsTheNaiveNetworkOfBytes) {
 TEST(LightNetwork, DoesNotReadAFloatNetworkBesideTheBytes) {
   LightFile file = random_light_file(7);
   file.float_parameters.assign(k_light_float_parameters, 0.5f);
-  LightRunner runner(light_file_bytes(file), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height);
-  const LightOutputs outputs = runner.run(random_image(k_width, k_height));
-  EXPECT_EQ(hash_of(outputs, runner.features()), k_golden);
+  EXPECT_EQ(golden_on(SANDGLASS_ISA_AUTOMATIC, light_file_bytes(file)), k_golden);
 }
 
 TEST(LightNetwork, UnitsOfAnOperatorMayRunInAnyOrder) {
@@ -109,21 +103,15 @@ TEST(LightNetwork, WritesNothingOutsideItsBlock) {
   for (const auto& [width, height] : {std::pair{32u, 32u}, std::pair{224u, 32u}, std::pair{32u, 256u}}) {
     Layout size, layout;
     layout_light_network(width, height, &size);
-    constexpr uint64_t k_guard = 4096;
-    std::vector<uint8_t> memory(size.size + 2 * k_guard + 64, 0xA7);
-    uint8_t* block = memory.data() + k_guard + (64 - reinterpret_cast<uintptr_t>(memory.data() + k_guard) % 64);
-    layout.base = block;
+    test::GuardedBlock block(size.size);
+    layout.base = block.data();
     LightNetwork* net = create_light_network(asset, select_int8_kernels(SANDGLASS_ISA_AUTOMATIC), width, height,
                                              layout_light_network(width, height, &layout));
     EXPECT_EQ(layout.size, size.size);
     const std::vector<uint8_t> rgb = random_image(width, height);
     begin_light_network(net, rgb.data());
     for (uint32_t unit = 0; unit < net->units; ++unit) run_light_unit(net, unit);
-    const auto intact = [](const uint8_t* from, const uint8_t* to) {
-      return std::all_of(from, to, [](uint8_t b) { return b == 0xA7; });
-    };
-    EXPECT_TRUE(intact(memory.data(), block));
-    EXPECT_TRUE(intact(block + size.size, memory.data() + memory.size()));
+    EXPECT_TRUE(block.guards_intact());
   }
 }
 

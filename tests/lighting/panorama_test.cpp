@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "models/files/atomic_file.h"
-#include "models/files/failure.h"
 #include "models/rooms/panorama_file.h"
-#include "tests/refusal.h"
+#include "tests/damaged_file.h"
+#include "tests/lighting/made_panorama.h"
 #include "tests/temporary_folder.h"
 
 namespace sandglass::host {
@@ -46,10 +46,8 @@ TEST(PanoramaConvention, PixelsCoverTheSphere) {
 // Radiance that is linear in the direction is reproduced to the second order of the pixel's size, also at seam and
 // poles.
 TEST(LookUp, LinearInDirection) {
-  RadianceMap map(128, 64);
   const auto truth = [](Vec3 d) { return Vec3{2 + d.x, 2 + d.y, 2 + d.z}; };
-  for (int v = 0; v < 64; ++v)
-    for (int u = 0; u < 128; ++u) map.set(u, v, truth(panorama_direction(u, v, 128, 64)));
+  const RadianceMap map = tests::panorama_of(128, truth);
   for (int i = 0; i < 500; ++i) {
     const Vec3 d = panorama_direction(std::fmod(i * 61.803, 128.0) - 0.5, std::fmod(i * 7.548, 64.0) - 0.5, 128, 64);
     expect_near(look_up(map, d), truth(d), 2e-3);
@@ -76,28 +74,13 @@ TEST(Tripod, BlackPixelsTakeTheLastAbove) {
   expect_near(map.colour(3, 1), {0, 0, 0}, 0.0);
 }
 
-class PanoramaFiles : public ::testing::Test {
- protected:
-  tests::TemporaryFolder folder;
-  std::string path(const std::string& name) const { return folder / name; }
-  static std::string refusal(const std::string& file) {
-    return tests::refusal_of([&] { read_panorama(file); });
-  }
-  // The bytes of a small panorama's file.
-  std::string whole() const {
-    RadianceMap map(16, 8);
-    for (size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = 0.1f + static_cast<float>(i % 7);
-    write_hdr(path("whole.hdr"), map);
-    return read_file(path("whole.hdr"), "panorama");
-  }
-};
-
-TEST_F(PanoramaFiles, HdrRoundTrip) {
+TEST(PanoramaFiles, HdrRoundTrip) {
+  const tests::TemporaryFolder folder;
   RadianceMap map(32, 16);
   for (int v = 0; v < 16; ++v)
     for (int u = 0; u < 32; ++u) map.set(u, v, {std::pow(2.0, u - 16), 0.3 * std::pow(2.0, u - 16), 1e-3});
-  write_hdr(path("a.hdr"), map);
-  const RadianceMap back = read_panorama(path("a.hdr"));
+  write_hdr(folder / "a.hdr", map);
+  const RadianceMap back = read_panorama(folder / "a.hdr");
   ASSERT_EQ(back.width, 32);
   for (int v = 0; v < 16; ++v)
     for (int u = 0; u < 32; ++u) {
@@ -106,41 +89,28 @@ TEST_F(PanoramaFiles, HdrRoundTrip) {
     }
 }
 
-TEST_F(PanoramaFiles, WhatIsNoPanoramaIsRefusedWithASentence) {
-  EXPECT_NE(refusal(path("missing.hdr")).find("missing.hdr"), std::string::npos);
-  EXPECT_NE(refusal(path("a.jpg")).find("neither .hdr nor .exr"), std::string::npos);
-  write_file(path("text.hdr"), std::string_view("not a panorama\n"));
-  EXPECT_NE(refusal(path("text.hdr")).find("not a Radiance"), std::string::npos);
-  write_file(path("text.exr"), std::string_view("not a panorama"));
-  EXPECT_NE(refusal(path("text.exr")).find("text.exr"), std::string::npos);
-  RadianceMap square(16, 16);
-  write_hdr(path("square.hdr"), square);
-  EXPECT_NE(refusal(path("square.hdr")).find("twice as wide"), std::string::npos);
-  write_hdr(path("black.hdr"), RadianceMap(32, 16));
-  EXPECT_NE(refusal(path("black.hdr")).find("black"), std::string::npos);
+TEST(PanoramaFiles, WhatIsNoPanoramaIsRefusedWithASentence) {
+  const tests::TemporaryFolder folder;
+  write_file(folder / "text.hdr", std::string_view("not a panorama\n"));
+  write_file(folder / "text.exr", std::string_view("not a panorama"));
+  write_hdr(folder / "square.hdr", RadianceMap(16, 16));
+  write_hdr(folder / "black.hdr", RadianceMap(32, 16));
+  for (const auto& [file, words] :
+       {std::pair("missing.hdr", "missing.hdr"), std::pair("a.jpg", "neither .hdr nor .exr"),
+        std::pair("text.hdr", "not a Radiance"), std::pair("text.exr", "text.exr"),
+        std::pair("square.hdr", "twice as wide"), std::pair("black.hdr", "black")})
+    tests::expect_refusal(words, [&] { read_panorama(folder / file); });
 }
 
-TEST_F(PanoramaFiles, EveryTruncationIsRefused) {
-  const std::string bytes = whole();
-  for (size_t n = 0; n < bytes.size(); ++n) {
-    write_file(path("cut.hdr"), std::string_view(bytes).substr(0, n));
-    EXPECT_NE(refusal(path("cut.hdr")).find("cut.hdr"), std::string::npos) << n << " bytes";
-  }
-}
-
-TEST_F(PanoramaFiles, EveryFlippedByteIsRefusedOrRead) {
-  const std::string bytes = whole();
-  for (size_t n = 0; n < bytes.size(); ++n)
-    for (const int bit : {1, 128}) {
-      std::string flipped = bytes;
-      flipped[n] = static_cast<char>(flipped[n] ^ bit);
-      write_file(path("flipped.hdr"), flipped);
-      try {
-        const RadianceMap read = read_panorama(path("flipped.hdr"));
-        EXPECT_EQ(read.width, 2 * read.height);
-      } catch (const Failure&) {
-      }
-    }
+TEST(PanoramaFiles, DamagedOnesAreRefusedOrRead) {
+  const tests::TemporaryFolder folder;
+  RadianceMap map(16, 8);
+  for (size_t i = 0; i < map.rgb.size(); ++i) map.rgb[i] = 0.1f + static_cast<float>(i % 7);
+  write_hdr(folder / "whole.hdr", map);
+  tests::expect_damage_refused(read_file(folder / "whole.hdr", "panorama"), folder / "damaged.hdr", [&] {
+    const RadianceMap read = read_panorama(folder / "damaged.hdr");
+    EXPECT_EQ(read.width, 2 * read.height);
+  });
 }
 
 }  // namespace

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "models/compositing/perceived_errors.h"
+#include "models/compositing/image_errors.h"
 
 namespace {
 

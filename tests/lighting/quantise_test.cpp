@@ -4,9 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <string>
 
-#include "models/files/picture_file.h"
+#include "models/files/image.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/rounding.h"
 #include "models/work/random.h"
@@ -85,13 +84,10 @@ TEST(Rounding, IndependentInputsAreRoundedToNearest) {
 }
 
 TEST(LightNetImport, WhatIsMissingOrNotANetworkIsNamed) {
-  EXPECT_NE(tests::refusal_of([] { light_net_of({}); }).find("conv1/conv/kernel"), std::string::npos);
+  tests::expect_refusal("conv1/conv/kernel", [] { light_net_of({}); });
   const std::vector<uint8_t> rubbish(1000, 7);
-  EXPECT_NE(
-      tests::refusal_of([&] { LightRunner(rubbish, "rubbish.light"); }).find("\"rubbish.light\": the file is not"),
-      std::string::npos);
-  EXPECT_NE(tests::refusal_of([] { read_picture("no/such/picture.png"); }).find("no/such/picture.png"),
-            std::string::npos);
+  tests::expect_refusal("\"rubbish.light\": the file is not", [&] { LightRunner(rubbish, "rubbish.light"); });
+  tests::expect_refusal("no/such/picture.png", [] { read_picture("no/such/picture.png"); });
 }
 
 }  // namespace

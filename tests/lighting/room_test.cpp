@@ -29,6 +29,16 @@ RoomBuilder bare_floor() {
   return b;
 }
 
+// A square window in the ceiling lets the sky light it.
+RoomBuilder floor_below_window(Vec3 corner, double side) {
+  RoomBuilder b = bare_floor();
+  Emitter window;
+  window.kind = Emitter::Kind::window;
+  window.corner = corner, window.edge_a = {side, 0, 0}, window.edge_b = {0, 0, side};
+  b.room.emitters.push_back(window);
+  return b;
+}
+
 Vec3 straight_down(const Room& room, int samples) {
   RoomRenderOptions options;
   options.width = 32, options.samples = samples;
@@ -57,22 +67,14 @@ TEST(RoomTracer, GlobeOverFloor) {
 }
 
 TEST(RoomTracer, WindowInTheCeilingUnderAnEvenSky) {
-  RoomBuilder b = bare_floor();
-  Emitter window;
-  window.kind = Emitter::Kind::window;
-  window.corner = {1.5, 3, 1.5}, window.edge_a = {1, 0, 0}, window.edge_b = {0, 0, 1};
-  b.room.emitters.push_back(window);
+  RoomBuilder b = floor_below_window({1.5, 3, 1.5}, 1);
   b.room.sky.zenith = b.room.sky.horizon = b.room.sky.skyline = {200, 200, 200};
   const double expected = 0.5 * 200 * 4 * corner_form_factor(0.5, 0.5, 3.0);
   EXPECT_NEAR(straight_down(b.room, 256).x, expected, 0.01 * expected);
 }
 
 TEST(RoomTracer, SunThroughAWindow) {
-  RoomBuilder b = bare_floor();
-  Emitter window;
-  window.kind = Emitter::Kind::window;
-  window.corner = {0, 3, 0}, window.edge_a = {4, 0, 0}, window.edge_b = {0, 0, 4};
-  b.room.emitters.push_back(window);
+  RoomBuilder b = floor_below_window({0, 3, 0}, 4);
   b.room.sky.sun_direction = normalised(Vec3{0.3, 0.8, -0.1});
   b.room.sky.sun_radiance = {1e6, 1e6, 1e6};
   const double solid_angle = 2 * k_pi * (1 - k_sun_cosine);

@@ -1,20 +1,14 @@
 #!/usr/bin/env bash
-# train.sh PROGRAM SOURCE_DIR: the training script from end to end, on a data set that is made here. The imported
-# weights give the reference features (where SANDGLASS_DATA_DIR is set). A run that was killed and resumed ends like one
-# that was not. Exported weights give the same estimates when they are read back. No fold trains on a place on which it
+# train.sh PROGRAM SOURCE_DIR: the training script from end to end, on a data set that is made here. A run that was
+# killed and resumed ends like one that was not. Exported weights give the same estimates when they are read back. No fold trains on a place on which it
 # is tested. Exit code 77: there is no PyTorch.
 set -euo pipefail
 program=$1 train=$2/models/lighting/train.py
 . "$(dirname "${BASH_SOURCE[0]}")/find_python.sh"
+export PYTHONPATH=$(dirname "$train") PYTHONDONTWRITEBYTECODE=1
 
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
-pretrained=${SANDGLASS_DATA_DIR:-}/pretrained
-if [[ -e $pretrained/densenet121_reference_outputs.npz ]]; then
-  "$python" "$train" --weights "$pretrained/densenet121_imagenet_keras_fp32.npz" \
-    --check-import "$pretrained/densenet121_reference_outputs.npz"
-fi
-
 mkdir "$folder/rooms"
 for seed in 1 2 3; do
   "$program" room --seed $seed --width 64 --samples 4 -o "$folder/rooms/room_$seed.hdr" >/dev/null
@@ -66,14 +60,12 @@ run "$folder/learned" --weights "$folder/trunk.npz" >"$folder/learned.log"
 # Lanes carry brightness to the averages over all pixels and over parts of them. Heads start from them, and training
 # goes on.
 "$python" "$train" --initial --lanes --weights "$folder/trunk.npz" --export "$folder/lanes.npz"
-"$python" - "$folder" "$(dirname "$train")" <<'PY'
+"$python" - "$folder" <<'PY'
 import sys
 import numpy as np
 import torch
 import torch.nn.functional as F
 folder = sys.argv[1]
-sys.path.insert(0, sys.argv[2])
-sys.dont_write_bytecode = True
 import light_data
 import light_network
 import light_ridge
@@ -116,11 +108,9 @@ slopes = light_ridge.Regression(design, labels, np.ones(8), trust).slopes((0.25,
 assert np.allclose(slopes[:, :3], np.diag(0.1 * trust ** 2 / (trust ** 2 + 0.25)), atol=1e-12)
 PY
 run "$folder/laned" --weights "$folder/lanes_trunk.npz" --epochs 1 >"$folder/laned.log"
-"$python" - "$folder" "$(dirname "$train")" <<'PY'
+"$python" - "$folder" <<'PY'
 import json, sys
 import numpy as np
-sys.path.insert(0, sys.argv[2])
-sys.dont_write_bytecode = True
 import light_ridge
 laned = json.load(open(sys.argv[1] + "/laned/fold_1.json"))
 assert len(laned["trusts"]) == 4 and all(trust in light_ridge.TRUSTS for trust in laned["trusts"]), laned
@@ -128,12 +118,10 @@ assert np.array_equal(np.load(sys.argv[1] + "/laned/weights.npz")["lanes"], np.l
 PY
 # The exported weights are only tested, not trained.
 run "$folder/again" --epochs 0 --weights "$folder/whole/weights.npz" >"$folder/again.log"
-"$python" - "$folder" "$(dirname "$train")" <<'PY'
+"$python" - "$folder" <<'PY'
 import json, sys
 import numpy as np
 folder = sys.argv[1]
-sys.path.insert(0, sys.argv[2])
-sys.dont_write_bytecode = True
 import light_data
 whole, broken = (json.load(open(f"{folder}/{name}/fold_1.json")) for name in ("whole", "broken"))
 assert whole["log"] == broken["log"], (whole["log"], broken["log"])
@@ -223,12 +211,10 @@ cmp "$folder/set.npy" "$folder/again.npy"  # the heads do not change the trunk
 "$program" verify lighting --panoramas "$folder/rooms/room_1.hdr" --manifest "$folder/groups.csv" --samples 0 \
   --network "$folder/fitted.light" --out "$folder/bytes" >"$folder/bytes.log" || [[ $? == 1 ]]
 grep -q "camera turns by 90 deg" "$folder/bytes.log"
-"$python" - "$folder" "$(dirname "$train")" <<'PY'
+"$python" - "$folder" <<'PY'
 import json, sys
 import numpy as np
 folder = sys.argv[1]
-sys.path.insert(0, sys.argv[2])
-sys.dont_write_bytecode = True
 import light_data
 import light_ridge
 a, b = (np.loadtxt(f"{folder}/{file}.csv", delimiter=",", skiprows=1, usecols=range(1, 11))
@@ -268,11 +254,9 @@ for name in ("set", "more"):
     at += count
 PY
 # The training folds choose, in any order of the sets. The tested place has no influence.
-"$python" - "$folder" "$(dirname "$train")" >"$folder/between.log" <<'PY'
+"$python" - "$folder" >"$folder/between.log" <<'PY'
 import json, sys
 folder = sys.argv[1]
-sys.path.insert(0, sys.argv[2])
-sys.dont_write_bytecode = True
 import train
 for one, other in (("nothing", "labels"), ("labels", "nothing"), ("nothing", "tested")):
     files = [[f"{folder}/{kind}_{name}.npy" for name in ("set", "more")] for kind in (one, other)]
@@ -303,7 +287,8 @@ refused "no file of features" "$folder/set" --features "$folder/none.npy" -o "$f
 refused "give --epochs 0" "$folder/set" --features "$folder/set.npy" -o "$folder/x"
 refused "beside --initial" "$folder/set" --lanes -o "$folder/x" --epochs 0
 refused "only tests a choice" "$folder/set" --or-features "$folder/set.npy" -o "$folder/x" --epochs 0
-refused "fewer than two" "$folder/set" --exclude b --features "$folder/nothing_set.npy" --or-features "$folder/labels_set.npy" \
+cp -r "$folder/set" "$folder/two_folds" && sed -i 's/,c,3,/,c,2,/' "$folder/two_folds/manifest.csv"
+refused "fewer than two" "$folder/two_folds" --features "$folder/nothing_set.npy" --or-features "$folder/labels_set.npy" \
   -o "$folder/x" --copies 2 --epochs 0 --cpu
 "$python" -c "import numpy, sys; numpy.savez(sys.argv[2], **{**numpy.load(sys.argv[1]), 'lanes': numpy.zeros(3)})" \
   "$folder/lanes.npz" "$folder/odd_lanes.npz"
@@ -311,13 +296,11 @@ refused "array lanes" "$folder/set" --weights "$folder/odd_lanes.npz" -o "$folde
 refused "no array" "$folder/set" --weights "$folder/odd.npz" -o "$folder/x"
 head -c 5000 "$folder/trunk.npz" >"$folder/cut.npz"
 refused "no file of weights" "$folder/set" --weights "$folder/cut.npz" -o "$folder/x"
-refused "no reference" --weights "$folder/trunk.npz" --check-import "$folder/odd.npz"
-for option in batch copies epochs rate threads seed share dropout decay; do
+for option in batch copies epochs rate threads seed dropout decay; do
   for value in nan -1 x; do refused "--$option" "$folder/set" -o "$folder/x" "--$option" $value; done
 done
-for option in batch copies rate threads repeat; do refused "--$option" "$folder/set" -o "$folder/x" "--$option" 0; done
+for option in batch copies rate threads; do refused "--$option" "$folder/set" -o "$folder/x" "--$option" 0; done
 refused "--layers" "$folder/set" -o "$folder/x" --layers some
-refused "fewer than two" --all --train-only "$folder/set" --share 0 -o "$folder/x" --cache "$folder/cache" --copies 1 --epochs 1 --cpu
 refused "cannot be made" "$folder/set" -o "$folder/odd.npz/x"
 [[ ! -e $folder/x/fold_1.json ]]
 bad() {  # runs on a copy of the data set that a command has changed

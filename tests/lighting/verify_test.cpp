@@ -13,15 +13,12 @@
 #include "models/mesh/generated.h"
 #include "models/rooms/panorama_file.h"
 #include "runtime/core/random.h"
+#include "tests/lighting/made_panorama.h"
 #include "tests/refusal.h"
 #include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
-
-std::string refusal(const std::string& csv) {
-  return tests::refusal_of([&] { estimates_of_csv(csv, "made up"); });
-}
 
 constexpr const char* k_header =
     "image,direction_x,direction_y,direction_z,light_r,light_g,light_b,ambient_r,ambient_g,ambient_b,contrast\n";
@@ -87,10 +84,13 @@ TEST(Estimates, TableIsReadAndWhatIsNoTableIsRefused) {
   const std::string two = std::string(k_header) + "a_0.png,0,-2,0\na_1.png,0,-2,0\nb_c_0.png,1,0,0\n";
   EXPECT_EQ(panoramas_of_estimates(two), (std::set<std::string>{"a", "b_c"}));
   EXPECT_TRUE(panoramas_of_estimates(k_header).empty());
-  EXPECT_NE(refusal("a_0.png,0,-2,0,.1,.2,.3,.4,.5,.6,.7\n").find("it does not begin"), std::string::npos);
+  const auto refused = [](const char* words, const std::string& csv) {
+    tests::expect_refusal(words, [&] { estimates_of_csv(csv, "made up"); });
+  };
+  refused("it does not begin", "a_0.png,0,-2,0,.1,.2,.3,.4,.5,.6,.7\n");
   for (const char* row : {"a", "a,1,0,0,1,1,1,1,1,1", "a,0,0,0,1,1,1,1,1,1,1", "a,1,0,0,1,1,nan,1,1,1,1",
                           "a,1,0,0,1,1,1,1,1,1,1,1", "a,1,0,0,1,x,1,1,1,1,1"})
-    EXPECT_NE(refusal(std::string(k_header) + row).find("line 2"), std::string::npos) << row;
+    refused("line 2", std::string(k_header) + row);
 }
 
 // Six places with even walls and one lamp each. The lamps' directions are a row on one side, so their mean is a poor
@@ -102,13 +102,10 @@ class Verify : public ::testing::Test {
       GTEST_SKIP() << "it takes a minute under emulation, and nothing in it depends on the machine";
     for (int i = 0; i < 6; ++i) {
       const Vec3 lamp = direction_of_angles(0.9, i * std::numbers::pi / 3.0);
-      RadianceMap map(128, 64);
-      for (int v = 0; v < 64; ++v)
-        for (int u = 0; u < 128; ++u) {
-          const double near = dot(lamp, panorama_direction(u, v, 128, 64));
-          const double light = 50.0 * std::exp(60.0 * (near - 1.0));
-          map.set(u, v, {0.3 + light, 0.3 + 0.9 * light, 0.2 + 0.7 * light});
-        }
+      const RadianceMap map = tests::panorama_of(128, [&](Vec3 d) {
+        const double light = 50.0 * std::exp(60.0 * (dot(lamp, d) - 1.0));
+        return Vec3{0.3 + light, 0.3 + 0.9 * light, 0.2 + 0.7 * light};
+      });
       write_hdr(folder_ / ("place_" + std::to_string(i) + ".hdr"), map);
     }
     options_.panoramas = {folder_.path.string()};

@@ -7,8 +7,6 @@
 #include <memory>
 #include <string>
 
-#include "models/lighting/light_file.h"
-#include "models/lighting/light_runner.h"
 #include "platform/xnnpack.h"
 #include "tests/lighting/float_network.h"
 #include "tests/lighting/network_checks.h"
@@ -23,15 +21,8 @@ constexpr int k_width = 32, k_height = 64;
 
 std::vector<uint8_t> noise() { return tests::noise(k_width, k_height); }
 
-const std::vector<uint8_t>& file() {
-  static const std::vector<uint8_t> bytes = light_file_bytes(random_light_file(7));
-  return bytes;
-}
-
 std::vector<float> features_of(sandglass_light_backend backend) {
-  LightRunner runner(file(), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height, backend);
-  runner.run(noise());
-  return runner.features();
+  return tests::features_of(random_light_file(7), backend, noise(), k_width, k_height);
 }
 
 TEST(XnnpackStandIn, OperatorsAreCreatedReshapedSetUpAndRunInThisOrder) {
@@ -79,7 +70,8 @@ TEST(XnnpackStandIn, InBytesIsTheOwnNetworkToTheBit) {
 TEST(XnnpackStandIn, ItsRegionBoundsWhatItTakes) {
   std::vector<std::unique_ptr<LightRunner>> lights;
   const auto another = [&] {
-    lights.push_back(std::make_unique<LightRunner>(file(), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height,
+    lights.push_back(std::make_unique<LightRunner>(light_file_bytes(random_light_file(7)), "random",
+                                                   SANDGLASS_ISA_AUTOMATIC, k_width, k_height,
                                                    SANDGLASS_LIGHT_BACKEND_XNNPACK_F32));
   };
   another();

@@ -11,11 +11,8 @@
 #include <iterator>
 #include <vector>
 
-#include "models/files/npz.h"
+#include "models/files/npy.h"
 #include "models/laboratory/light/lighting_bench.h"
-#include "models/lighting/excerpts.h"
-#include "models/lighting/light_file.h"
-#include "models/lighting/light_runner.h"
 #include "models/work/random.h"
 #include "platform/virtual_clock.h"
 #include "platform/xnnpack.h"
@@ -36,10 +33,8 @@ using tests::noise;
 TEST(Xnnpack, InFloatIsTheFileWithoutRounding) {
   const LightFile file = random_light_file(7);
   const std::vector<uint8_t> rgb = noise(k_width, k_height);
-  LightRunner runner(light_file_bytes(file), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height,
-                     SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
-  runner.run(rgb);
-  tests::expect_unrounded(file, runner.features(), rgb, k_width, k_height);
+  tests::expect_unrounded(file, tests::features_of(file, SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, rgb, k_width, k_height),
+                          rgb, k_width, k_height);
 }
 
 TEST(Xnnpack, InFloatIsTheFloatNetworkOfAFileThatHasIt) {
@@ -50,10 +45,7 @@ TEST(Xnnpack, InBytesDoesNotReadTheFloatNetwork) {
   const std::vector<uint8_t> rgb = noise(k_width, k_height);
   LightFile file = random_light_file(7);
   const auto features_of = [&] {
-    LightRunner runner(light_file_bytes(file), "random", SANDGLASS_ISA_AUTOMATIC, k_width, k_height,
-                       SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8);
-    runner.run(rgb);
-    return runner.features();
+    return tests::features_of(file, SANDGLASS_LIGHT_BACKEND_XNNPACK_INT8, rgb, k_width, k_height);
   };
   const std::vector<float> expected = features_of();
   file.float_parameters.assign(k_light_float_parameters, 0.5f);
@@ -148,25 +140,15 @@ TEST(Xnnpack, InFloatIsPyTorchs) {
   if (weights == nullptr) GTEST_SKIP() << "SANDGLASS_FLOAT_WEIGHTS is not set to what float_network.py wrote";
   LightRunner runner(light_file_bytes(tests::float_file(light_net_of(read_npz(weights)))), "room in float",
                      SANDGLASS_ISA_AUTOMATIC, 256, 192, SANDGLASS_LIGHT_BACKEND_XNNPACK_F32);
-  double worst = 0;
-  const std::vector<Excerpt> all = read_excerpts(SANDGLASS_EXCERPTS_DIR);
-  for (const Excerpt& excerpt : all) {
-    const LightValues values = tests::values_of(runner.run(excerpt.rgb));
-    for (size_t i = 0; i < values.size(); ++i)
-      worst = std::max(worst, static_cast<double>(std::fabs(values[i] - excerpt.values[i])));
-  }
-  EXPECT_LE(worst, 1e-3);
-  std::printf("XNNPACK against PyTorch in float on %zu excerpts: %.2g at the most\n", all.size(), worst);
+  tests::expect_pytorch(SANDGLASS_EXCERPTS_DIR,
+                        [&](const std::vector<uint8_t>& rgb) { return tests::values_of(runner.run(rgb)); });
 }
 
 uint64_t weights() {
-  uint64_t count = uint64_t{3} * k_stem_size * k_stem_size * k_light_stem;
-  for (uint32_t b = 0; b < k_dense_blocks; ++b) {
-    uint64_t channels = light_channels_before(b);
-    for (uint32_t i = 0; i < k_block_layers[b]; ++i, channels += k_light_growth)
-      count += channels * k_light_bottleneck + uint64_t{9} * k_light_bottleneck * k_light_growth;
-    if (b < k_transition_count) count += channels * channels / 2;
-  }
+  const LightFile file = random_light_file(7);
+  uint64_t count = file.stem.weights.size();
+  for (const auto* convolutions : {&file.narrow, &file.wide, &file.transition})
+    for (const ByteConvolution& c : *convolutions) count += c.weights.size();
   return count;
 }
 

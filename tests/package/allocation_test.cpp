@@ -13,9 +13,10 @@
 
 namespace {
 
-constexpr uint32_t k_side = 6;
+constexpr uint32_t k_side = 4;
 constexpr uint32_t k_particles = k_side * k_side * k_side;
 constexpr uint32_t k_grains = 4 * k_particles;
+constexpr uint64_t k_half_budget_ns = 300'000;
 
 void on_this_thread(void*, void (*task)(void* context, uint32_t index), void* context, uint32_t count) {
   for (uint32_t i = 0; i < count; ++i) task(context, i);
@@ -31,8 +32,7 @@ TEST(Allocation, TheCountersCount) {
 }
 
 TEST(Allocation, TenThousandFramesMakeNoCall) {
-  sandglass_scene_desc desc;
-  sandglass_scene_desc_default(&desc);
+  sandglass_scene_desc desc = sandglass::scene_desc();
   desc.clock = sandglass_clock_system();
   desc.parallel.run = on_this_thread;
   desc.trace = {ignore, ignore, nullptr};
@@ -41,9 +41,8 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
   desc.granular.grain_capacity = k_grains;
   desc.granular.boundary_capacity = k_particles;
   desc.granular.collider_capacity = 4;
-  uint64_t bytes = 0;
-  ASSERT_EQ(sandglass_scene_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
-  const sandglass::cpp::Block block = sandglass::cpp::allocate_block(bytes);
+  const uint64_t bytes = sandglass::Scene::bytes(desc);
+  const sandglass::Block block = sandglass::allocate_block(bytes);
 
   std::vector<float> particles, grains, boundary;
   for (uint32_t i = 0; i < k_particles; ++i)
@@ -57,39 +56,32 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
       boundary.push_back(x);
   std::vector<sandglass_grain> output(k_grains);
 
-  sandglass_collider colliders[4] = {};
-  for (sandglass_collider& c : colliders) c.rotation[3] = 1.0f, c.size[0] = c.size[1] = c.size[2] = 0.03f;
-  colliders[1].shape = SANDGLASS_SHAPE_SPHERE;
-  colliders[2].shape = SANDGLASS_SHAPE_CAPSULE;
-  colliders[3].shape = SANDGLASS_SHAPE_BOX;
-  sandglass_frame_input input;
-  sandglass_frame_input_default(&input);
+  sandglass_collider colliders[4] = {sandglass::floor_at(0.0f), sandglass::sphere(0.0f, 0.0f, 0.0f, 0.03f),
+                                     sandglass::capsule(0.0f, 0.0f, 0.0f, 0.03f, 0.03f),
+                                     sandglass::box(0.0f, 0.0f, 0.0f, 0.03f, 0.03f, 0.03f)};
+  sandglass_frame_input input = sandglass::frame_input();
   input.time_step = 1.0f / 60.0f;
   input.colliders = colliders;
   input.collider_count = 4;
   input.grains = output.data();
-  input.grain_stride = sizeof(sandglass_grain);
   input.grain_capacity = k_grains;
   sandglass_frame_report report;
-  report.struct_size = sizeof report;
 
   // From creation on there is only the block, and no call to get it.
   sandglass::host::start_counting_allocations();
-  sandglass_scene* scene = nullptr;
-  bool fine = sandglass_scene_create(&desc, block.get(), bytes, &scene, nullptr) == SANDGLASS_OK;
+  sandglass::Scene scene;
+  bool fine = bool(scene.create_in(desc, block.get(), bytes));
   for (uint32_t frame = 0; fine && frame < 10000; ++frame) {
     // Every 500 frames the sand starts again from the air, so that most frames have something to do.
     if (frame % 500 == 0) {
-      sandglass_scene_reset(scene);
-      fine = sandglass_granular_add(scene, particles.data(), nullptr, k_particles, grains.data(), nullptr, k_grains,
-                                    nullptr) == SANDGLASS_OK &&
-             sandglass_granular_set_boundary(scene, boundary.data(), 40, nullptr) == SANDGLASS_OK &&
-             sandglass_granular_set_friction(scene, 0.5f, frame % 1000 == 0 ? 0.4f : 0.3f, nullptr) == SANDGLASS_OK;
+      scene.reset();
+      fine = scene.add(particles, grains) && scene.set_boundary(boundary) &&
+             scene.set_friction(0.5f, frame % 1000 == 0 ? 0.4f : 0.3f);
     }
     // Budgets from nothing to plenty, so that all quality levels, denied units and time debt occur.
-    input.budget_ns = frame % 3 * 1000000u;
+    input.budget_ns = frame % 3 * k_half_budget_ns;
     for (uint32_t i = 1; i < 4; ++i) colliders[i].position[0] = 0.001f * static_cast<float>((frame + 50 * i) % 200);
-    fine = fine && sandglass_scene_frame(scene, &input, &report, nullptr) == SANDGLASS_OK;
+    fine = fine && scene.frame(input, &report);
   }
   const uint64_t calls = sandglass::host::stop_counting_allocations();
   EXPECT_TRUE(fine);
@@ -100,20 +92,16 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
 // The light's stage from its creation on: images, units and estimates, in frames of a scene without sand.
 TEST(Allocation, FramesWithLightMakeNoCall) {
   const sandglass::host::AlignedBytes file(sandglass::host::light_file_bytes(sandglass::host::random_light_file(1)));
-  sandglass_light_desc desc;
-  sandglass_light_desc_default(&desc);
+  sandglass_light_desc desc = sandglass::light_desc();
   desc.asset = file.data(), desc.asset_bytes = file.size();
-  sandglass_scene_desc scene_desc;
-  sandglass_scene_desc_default(&scene_desc);
+  sandglass_scene_desc scene_desc = sandglass::scene_desc();
   scene_desc.clock = sandglass_clock_system();
-  uint64_t need = 0, scene_need = 0;
+  uint64_t need = 0;
   ASSERT_EQ(sandglass_light_bytes(&desc, &need, nullptr), SANDGLASS_OK);
-  ASSERT_EQ(sandglass_scene_bytes(&scene_desc, &scene_need, nullptr), SANDGLASS_OK);
-  const sandglass::cpp::Block block = sandglass::cpp::allocate_block(need),
-                              scene_block = sandglass::cpp::allocate_block(scene_need);
+  const uint64_t scene_need = sandglass::Scene::bytes(scene_desc);
+  const sandglass::Block block = sandglass::allocate_block(need), scene_block = sandglass::allocate_block(scene_need);
   std::vector<uint8_t> pixels(640 * 480 * 3 / 2, 77);
-  sandglass_camera_image image;
-  sandglass_camera_image_default(&image);
+  sandglass_camera_image image = sandglass::camera_image();
   image.format = SANDGLASS_CAMERA_NV12;
   image.width = 640, image.height = 480;
   image.planes[0] = pixels.data(), image.planes[1] = pixels.data() + 640 * 480;
@@ -122,20 +110,18 @@ TEST(Allocation, FramesWithLightMakeNoCall) {
 
   sandglass::host::start_counting_allocations();
   sandglass_light* light = nullptr;
-  sandglass_scene* scene = nullptr;
+  sandglass::Scene scene;
   bool fine = sandglass_light_create(&desc, block.get(), need, &light, nullptr) == SANDGLASS_OK &&
-              sandglass_scene_create(&scene_desc, scene_block.get(), scene_need, &scene, nullptr) == SANDGLASS_OK;
-  sandglass_frame_input input;
-  sandglass_frame_input_default(&input);
+              scene.create_in(scene_desc, scene_block.get(), scene_need);
+  sandglass_frame_input input = sandglass::frame_input();
   input.light = light, input.camera = &image;
   sandglass_frame_report report;
-  report.struct_size = sizeof report;
   uint32_t changes = 0;
   for (uint32_t frame = 0; fine && frame < 90; ++frame) {
     image.timestamp_ns = 1 + frame * uint64_t{300'000'000};
     // Mostly the time of a frame; every 30th time as much as an estimate takes on any machine.
     input.budget_ns = frame % 30 == 29 ? 3'600'000'000'000u : frame % 3 * 4'000'000u;
-    fine = sandglass_scene_frame(scene, &input, &report, nullptr) == SANDGLASS_OK;
+    fine = bool(scene.frame(input, &report));
     changes += report.light_changed;
   }
   sandglass_light_estimate estimate;

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "sandglass/sandglass.h"
+#include "sandglass/sandglass.hpp"
 #include "tests/guarded_block.h"
 
 namespace {
@@ -15,8 +15,7 @@ namespace {
 using sandglass::test::GuardedBlock;
 
 sandglass_scene_desc small_scene() {
-  sandglass_scene_desc desc;
-  sandglass_scene_desc_default(&desc);
+  sandglass_scene_desc desc = sandglass::scene_desc();
   desc.granular.particle_capacity = 27;
   desc.granular.grain_capacity = 54;
   desc.granular.boundary_capacity = 5;
@@ -24,16 +23,9 @@ sandglass_scene_desc small_scene() {
   return desc;
 }
 
-uint64_t need(const sandglass_scene_desc& desc) {
-  uint64_t bytes = 0;
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_scene_bytes(&desc, &bytes, &reason), SANDGLASS_OK) << reason;
-  return bytes;
-}
-
 TEST(BlockSizes, EverySizeBelowTheNeedIsRefusedAndNothingIsTouched) {
   const sandglass_scene_desc desc = small_scene();
-  const uint64_t bytes = need(desc);
+  const uint64_t bytes = sandglass::Scene::bytes(desc);
   GuardedBlock memory(bytes);
   sandglass_scene* const unset = reinterpret_cast<sandglass_scene*>(memory.data() + 1);
   for (uint64_t size = 0; size < bytes; ++size) {
@@ -52,12 +44,9 @@ TEST(BlockSizes, EverySizeBelowTheNeedIsRefusedAndNothingIsTouched) {
 }
 
 TEST(BlockSizes, AtTheNeedItSucceedsAndStaysInside) {
-  const sandglass_scene_desc desc = small_scene();
-  const uint64_t bytes = need(desc);
-  GuardedBlock memory(bytes);
-  sandglass_scene* scene = nullptr;
-  const char* reason = nullptr;
-  ASSERT_EQ(sandglass_scene_create(&desc, memory.data(), bytes, &scene, &reason), SANDGLASS_OK) << reason;
+  GuardedBlock memory(sandglass::Scene::bytes(small_scene()));
+  sandglass::Scene scene;
+  ASSERT_TRUE(scene.create_in(small_scene(), memory.data(), memory.bytes()));
   ASSERT_TRUE(memory.guards_intact()) << "creation wrote outside the block";
 
   std::vector<float> particles, grains, boundary;
@@ -67,40 +56,30 @@ TEST(BlockSizes, AtTheNeedItSucceedsAndStaysInside) {
     for (int cell : {i % 3, i / 3 % 3 + 2, i / 9}) grains.push_back(0.01f * static_cast<float>(cell));
   for (int i = 0; i < 5; ++i)
     for (float x : {0.02f * static_cast<float>(i), -0.01f, 0.0f}) boundary.push_back(x);
-  ASSERT_EQ(sandglass_granular_add(scene, particles.data(), nullptr, 27, grains.data(), nullptr, 54, &reason),
-            SANDGLASS_OK)
-      << reason;
-  ASSERT_EQ(sandglass_granular_set_boundary(scene, boundary.data(), 5, &reason), SANDGLASS_OK) << reason;
-
-  sandglass_collider colliders[2] = {};
-  for (sandglass_collider& c : colliders) c.rotation[3] = 1.0f;
-  colliders[1].shape = SANDGLASS_SHAPE_BOX;
-  colliders[1].size[0] = colliders[1].size[1] = colliders[1].size[2] = 0.03f;
+  ASSERT_TRUE(scene.add(particles, grains));
+  ASSERT_TRUE(scene.set_boundary(boundary));
+  const sandglass_collider colliders[2] = {sandglass::floor_at(0.0f),
+                                           sandglass::box(0.0f, 0.0f, 0.0f, 0.03f, 0.03f, 0.03f)};
   GuardedBlock output(54 * sizeof(sandglass_grain));
-  sandglass_frame_input input;
-  sandglass_frame_input_default(&input);
+  sandglass_frame_input input = sandglass::frame_input();
   input.time_step = 1.0f / 60.0f;
   input.colliders = colliders;
   input.collider_count = 2;
   input.grains = output.data();
-  input.grain_stride = sizeof(sandglass_grain);
   input.grain_capacity = 54;
-  for (int frame = 0; frame < 120; ++frame)
-    ASSERT_EQ(sandglass_scene_frame(scene, &input, nullptr, &reason), SANDGLASS_OK) << reason;
+  for (int frame = 0; frame < 120; ++frame) ASSERT_TRUE(scene.frame(input));
 
   EXPECT_TRUE(memory.guards_intact()) << "a frame wrote outside the block";
   EXPECT_TRUE(output.guards_intact()) << "a frame wrote outside the buffer for grains";
 }
 
 TEST(BlockSizes, RegionsLieInTheBlockInOrderAndAligned) {
-  const sandglass_scene_desc desc = small_scene();
-  const uint64_t bytes = need(desc);
-  GuardedBlock memory(bytes);
-  sandglass_scene* scene = nullptr;
-  ASSERT_EQ(sandglass_scene_create(&desc, memory.data(), bytes, &scene, nullptr), SANDGLASS_OK);
-  std::vector<sandglass_region> regions(sandglass_scene_regions(scene, nullptr, 0));
+  sandglass::Scene scene;
+  ASSERT_TRUE(scene.create(small_scene()));
+  std::vector<sandglass_region> regions(sandglass_scene_regions(scene.get(), nullptr, 0));
   ASSERT_FALSE(regions.empty());
-  ASSERT_EQ(sandglass_scene_regions(scene, regions.data(), static_cast<uint32_t>(regions.size())), regions.size());
+  ASSERT_EQ(sandglass_scene_regions(scene.get(), regions.data(), static_cast<uint32_t>(regions.size())),
+            regions.size());
   uint64_t end = 0;
   for (const sandglass_region& region : regions) {
     EXPECT_STRNE(region.name, "");
@@ -108,12 +87,12 @@ TEST(BlockSizes, RegionsLieInTheBlockInOrderAndAligned) {
     EXPECT_GE(region.offset, end) << region.name;
     end = region.offset + region.bytes;
   }
-  EXPECT_LE(end, bytes);
+  EXPECT_LE(end, sandglass::Scene::bytes(small_scene()));
 }
 
 TEST(BlockSizes, MisalignedBlockIsRefusedAndUntouched) {
   const sandglass_scene_desc desc = small_scene();
-  const uint64_t bytes = need(desc);
+  const uint64_t bytes = sandglass::Scene::bytes(desc);
   GuardedBlock memory(bytes + SANDGLASS_BLOCK_ALIGNMENT);
   for (size_t offset = 1; offset < SANDGLASS_BLOCK_ALIGNMENT; ++offset) {
     sandglass_scene* scene = nullptr;
@@ -126,9 +105,9 @@ TEST(BlockSizes, MisalignedBlockIsRefusedAndUntouched) {
 
 TEST(BlockSizes, LeavingTheMaterialOutLeavesItsMemoryOut) {
   sandglass_scene_desc desc = small_scene();
-  const uint64_t with = need(desc);
+  const uint64_t with = sandglass::Scene::bytes(desc);
   desc.granular.particle_capacity = desc.granular.grain_capacity = desc.granular.boundary_capacity = 0;
-  EXPECT_LT(need(desc), with / 2);
+  EXPECT_LT(sandglass::Scene::bytes(desc), with / 2);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 // converters that refuse an estimate which is not finite.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -26,17 +27,6 @@ TEST(Version, TheLinkedLibraryIsThatOfTheHeaders) {
   EXPECT_TRUE(SANDGLASS_VERSION_FITS());
   EXPECT_EQ(SANDGLASS_VERSION / 1000000, SANDGLASS_VERSION_MAJOR);
   EXPECT_EQ(SANDGLASS_VERSION / 1000 % 1000, SANDGLASS_VERSION_MINOR);
-}
-
-TEST(Rotation, AQuarterTurnAboutYTakesZToX) {
-  const float axis[3] = {0, 7, 0}, z[3] = {0, 0, 1};
-  float q[4];
-  ASSERT_EQ(sandglass_rotation_about(axis, 1.57079633f, q), 1);
-  double x[3];
-  turned(q, z, x);
-  EXPECT_NEAR(x[0], 1.0, 1e-6);
-  EXPECT_NEAR(x[1], 0.0, 1e-6);
-  EXPECT_NEAR(x[2], 0.0, 1e-6);
 }
 
 TEST(Rotation, AnyAxisAndAngleAgreeWithSineAndCosine) {
@@ -71,35 +61,23 @@ TEST(Rotation, WithoutAnAxisOrAnAngleItIsTheIdentity) {
 
 constexpr float k_radius = 0.01f;
 
-struct MadeBox {
-  std::vector<float> points;
-  sandglass_body body;
-};
-
-MadeBox make_box(const float half[3], const float position[3], const float rotation[4], float density) {
-  MadeBox made;
-  uint32_t count = 0;
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_body_box_count(half, k_radius, &count, &reason), SANDGLASS_OK) << reason;
-  made.points.resize(3 * size_t{count});
-  EXPECT_EQ(
-      sandglass_body_box(half, k_radius, position, rotation, density, made.points.data(), count, &made.body, &reason),
-      SANDGLASS_OK)
-      << reason;
-  EXPECT_EQ(made.body.particle_count, count);
-  return made;
+sandglass::BoxBody make_box(const std::array<float, 3>& half, const std::array<float, 3>& position, float density,
+                            const sandglass::Rotation& rotation = {0, 0, 0, 1}) {
+  sandglass::BoxBody box;
+  const sandglass::Status status = sandglass::box_body(half, k_radius, position, density, &box, rotation);
+  EXPECT_TRUE(status) << status.reason;
+  return box;
 }
 
 // The extent of the spheres along each axis, in the box's own frame.
 TEST(BoxBody, ItsSpheresTouchAllFacesFromInside) {
-  const float at[3] = {0, 0, 0};
   for (const float h : {0.01f, 0.013f, 0.02f, 0.05f, 0.0777f}) {
-    const float half[3] = {h, 0.03f, 0.01f};
-    const MadeBox box = make_box(half, at, nullptr, 1.0f);
+    const std::array<float, 3> half = {h, 0.03f, 0.01f};
+    const sandglass::BoxBody box = make_box(half, {0, 0, 0}, 1.0f);
     for (size_t k = 0; k < 3; ++k) {
       float least = 1.0f, most = -1.0f;
-      for (size_t i = k; i < box.points.size(); i += 3)
-        least = std::min(least, box.points[i] - k_radius), most = std::max(most, box.points[i] + k_radius);
+      for (size_t i = k; i < box.particles.size(); i += 3)
+        least = std::min(least, box.particles[i] - k_radius), most = std::max(most, box.particles[i] + k_radius);
       EXPECT_NEAR(least, -half[k], 1e-6f) << h;
       EXPECT_NEAR(most, half[k], 1e-6f) << h;
     }
@@ -107,8 +85,7 @@ TEST(BoxBody, ItsSpheresTouchAllFacesFromInside) {
 }
 
 TEST(BoxBody, ItWeighsAsMuchAsItsVolumeOfSandTimesItsDensity) {
-  const float half[3] = {0.033f, 0.04f, 0.05f}, at[3] = {1, 2, 3};
-  const MadeBox box = make_box(half, at, nullptr, 2.5f);
+  const sandglass::BoxBody box = make_box({0.033f, 0.04f, 0.05f}, {1, 2, 3}, 2.5f);
   const double packed = 4.0 * std::sqrt(2.0) * std::pow(static_cast<double>(k_radius), 3);
   const double volume = 8.0 * 0.033 * 0.04 * 0.05;
   EXPECT_NEAR(box.body.particle_count * static_cast<double>(box.body.density_ratio) * packed, 2.5 * volume,
@@ -118,10 +95,8 @@ TEST(BoxBody, ItWeighsAsMuchAsItsVolumeOfSandTimesItsDensity) {
 // Half a second of falling, turned and spinning: every particle stays within the box that the collider is, and the
 // outermost stay at its faces.
 TEST(BoxBody, TheColliderAtItsPoseFitsItsParticles) {
-  const float half[3] = {0.04f, 0.02f, 0.03f}, at[3] = {0.1f, 1.0f, -0.2f}, axis[3] = {1, 2, 3};
-  float rotation[4];
-  ASSERT_EQ(sandglass_rotation_about(axis, 0.7f, rotation), 1);
-  MadeBox box = make_box(half, at, rotation, 1.0f);
+  const std::array<float, 3> half = {0.04f, 0.02f, 0.03f};
+  sandglass::BoxBody box = make_box(half, {0.1f, 1.0f, -0.2f}, 1.0f, sandglass::rotation_about(1, 2, 3, 0.7f));
   box.body.angular_velocity[0] = 3.0f, box.body.angular_velocity[2] = -2.0f;
   sandglass_scene_desc desc = sandglass::scene_desc();
   desc.granular.particle_capacity = desc.granular.body_particle_capacity = box.body.particle_count;
@@ -134,13 +109,11 @@ TEST(BoxBody, TheColliderAtItsPoseFitsItsParticles) {
   sandglass_frame_input input = sandglass::frame_input();
   input.time_step = 1.0f / 60.0f;
   for (int frame = 0; frame < 30; ++frame) ASSERT_TRUE(scene.frame(input));
-  const sandglass_body_pose pose = scene.body_pose(index);
-  sandglass_collider collider;
-  sandglass_body_box_collider(&pose, half, rotation, &collider);
+  const sandglass_collider collider = box.collider(scene.body_pose(index));
   EXPECT_EQ(collider.shape, SANDGLASS_SHAPE_BOX);
   EXPECT_EQ(collider.grains_only, 1);
   EXPECT_LT(collider.position[1], 0.5f) << "it fell";
-  std::vector<float> now(box.points.size());
+  std::vector<float> now(box.particles.size());
   sandglass_granular_particles(scene.get(), now.data(), nullptr);
   const float inverse[4] = {-collider.rotation[0], -collider.rotation[1], -collider.rotation[2], collider.rotation[3]};
   double most[3] = {};

@@ -13,9 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "models/simulation/body_meshes.h"
-#include "models/simulation/collision_fields.h"
 #include "models/simulation/scene_fill.h"
+#include "models/simulation/scene_meshes.h"
 #include "models/simulation/simulation.h"
 #include "platform/virtual_clock.h"
 #include "tests/counting_allocator.h"

@@ -5,9 +5,11 @@
 
 #include <cmath>
 #include <random>
+#include <span>
 
 #include "models/mesh/generated.h"
 #include "runtime/sampling/geodesic.h"
+#include "tests/guarded_block.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {
@@ -23,12 +25,17 @@ class Surface {
     geodesic_ = lay_out_geodesic(&layout, &view_, targets_.size());
     build_geodesic(&geodesic_, targets_.data());
   }
-  std::vector<double> measure(const Candidate& source, double radius) {
-    begin_near(&geodesic_);
-    for (uint32_t i = 0; i < targets_.size(); ++i) add_near(&geodesic_, i);
-    measure_near(&geodesic_, source.position, source.triangle, radius);
+  // Calls visit(from, to, distance) for each of the sources and every target.
+  template <class Visit>
+  void measure(std::span<const Candidate> sources, double radius, const Visit& visit) {
+    for (const Candidate& source : sources) {
+      begin_near(&geodesic_);
+      for (uint32_t i = 0; i < targets_.size(); ++i) add_near(&geodesic_, i);
+      measure_near(&geodesic_, source.position, source.triangle, radius);
+      for (size_t i = 0; i < targets_.size(); ++i)
+        visit(source.position, targets_[i].position, geodesic_.near.distance[i]);
+    }
     EXPECT_TRUE(block_.guards_intact());
-    return {geodesic_.near.distance, geodesic_.near.distance + targets_.size()};
   }
 
  private:
@@ -88,25 +95,18 @@ std::array<double, 2> unrolled(const float p[3]) {
 TEST(Geodesic, of_a_folded_sheet_is_that_of_the_sheet_rolled_flat) {
   const host::Mesh sheet = folded_sheet(9);
   const std::vector<Candidate> targets = random_targets(sheet, 400, 1);
-  Surface surface(sheet, targets);
-  double worst = 0;
   int compared = 0;
-  for (int s = 0; s < 40; ++s) {
-    const std::vector<double> found = surface.measure(targets[static_cast<size_t>(s)], 0.8);
-    const auto from = unrolled(targets[static_cast<size_t>(s)].position);
-    for (size_t i = 0; i < targets.size(); ++i) {
-      const auto to = unrolled(targets[i].position);
-      const double truth = std::hypot(from[0] - to[0], from[1] - to[1]);
-      if (truth < 0.8 - 1e-6) {
-        worst = std::max(worst, std::fabs(found[i] - truth));
-        ++compared;
-      } else {
-        ASSERT_GT(found[i], 0.8 - 1e-6);
-      }
+  Surface(sheet, targets).measure({targets.data(), 40}, 0.8, [&](const float* p, const float* q, double found) {
+    const auto from = unrolled(p), to = unrolled(q);
+    const double truth = std::hypot(from[0] - to[0], from[1] - to[1]);
+    if (truth < 0.8 - 1e-6) {
+      ASSERT_NEAR(found, truth, 1e-6);  // float coordinates of sources and targets
+      ++compared;
+    } else {
+      ASSERT_GT(found, 0.8 - 1e-6);
     }
-  }
+  });
   EXPECT_GT(compared, 2000);
-  EXPECT_LT(worst, 1e-6);  // float coordinates of sources and targets
 }
 
 TEST(Geodesic, of_a_cube_is_the_shortest_over_its_nets) {
@@ -114,45 +114,35 @@ TEST(Geodesic, of_a_cube_is_the_shortest_over_its_nets) {
   // 1/2 - t, the shortest path crosses their common edge: flat, the two faces are one rectangle.
   const float size[3] = {1, 1, 1};
   const host::Mesh cube = host::make_box(size);
-  std::vector<Candidate> targets;
-  for (const Candidate& c : random_targets(cube, 3000, 2))
-    if (std::fabs(c.position[0]) > 0.4999f &&
-        0.5 - static_cast<double>(c.position[1]) < 0.45 - std::fabs(c.position[2]))
-      targets.push_back(c);
+  std::vector<Candidate> targets = random_targets(cube, 3000, 2), tops = random_targets(cube, 2000, 3);
+  std::erase_if(targets, [](const Candidate& c) {
+    const float* p = c.position;
+    return std::fabs(p[0]) <= 0.4999f || 0.5 - static_cast<double>(p[1]) >= 0.45 - std::fabs(p[2]);
+  });
+  std::erase_if(tops, [](const Candidate& c) {
+    return c.position[1] <= 0.4999f || std::fabs(c.position[0]) >= 0.05f || std::fabs(c.position[2]) >= 0.05f;
+  });
   ASSERT_GT(targets.size(), 100u);
-  std::vector<Candidate> tops;
-  for (const Candidate& c : random_targets(cube, 2000, 3))
-    if (c.position[1] > 0.4999f && std::fabs(c.position[0]) < 0.05f && std::fabs(c.position[2]) < 0.05f)
-      tops.push_back(c);
   ASSERT_GT(tops.size(), 0u);
-  Surface surface(cube, targets);
-  for (const Candidate& top : tops) {
-    const std::vector<double> found = surface.measure(top, 3);
-    for (size_t i = 0; i < targets.size(); ++i) {
-      const float* q = targets[i].position;
-      const double along = 0.5 - (q[0] > 0 ? 1.0 : -1.0) * top.position[0] + 0.5 - static_cast<double>(q[1]);
-      ASSERT_NEAR(found[i], std::hypot(along, static_cast<double>(q[2]) - top.position[2]), 1e-6);
-    }
-  }
+  Surface(cube, targets).measure(tops, 3, [](const float* top, const float* q, double found) {
+    const double along = 0.5 - (q[0] > 0 ? 1.0 : -1.0) * top[0] + 0.5 - static_cast<double>(q[1]);
+    ASSERT_NEAR(found, std::hypot(along, static_cast<double>(q[2]) - top[2]), 1e-6);
+  });
 }
 
 TEST(Geodesic, of_a_fine_sphere_is_the_great_circle) {
   const host::Mesh sphere = host::make_icosphere(1, 4);
   const std::vector<Candidate> targets = random_targets(sphere, 300, 4);
-  Surface surface(sphere, targets);
   double worst = 0;
-  for (int s = 0; s < 10; ++s) {
-    const std::vector<double> found = surface.measure(targets[static_cast<size_t>(s)], 1.5);
-    for (size_t i = 0; i < targets.size(); ++i) {
-      double dot = 0, a = 0, b = 0;
-      for (int k = 0; k < 3; ++k) {
-        const double x = targets[static_cast<size_t>(s)].position[k], y = targets[i].position[k];
-        dot += x * y, a += x * x, b += y * y;
-      }
-      const double truth = std::acos(std::min(1.0, dot / std::sqrt(a * b)));
-      if (truth < 1.4 && truth > 0.01) worst = std::max(worst, std::fabs(found[i] / truth - 1));
+  Surface(sphere, targets).measure({targets.data(), 10}, 1.5, [&](const float* p, const float* q, double found) {
+    double dot = 0, a = 0, b = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double x = p[k], y = q[k];
+      dot += x * y, a += x * x, b += y * y;
     }
-  }
+    const double truth = std::acos(std::min(1.0, dot / std::sqrt(a * b)));
+    if (truth < 1.4 && truth > 0.01) worst = std::max(worst, std::fabs(found / truth - 1));
+  });
   // Edges are about 0.07 long. Chords and faces lie below the sphere by at most (edge)^2/8 of the radius, which
   // shortens the path.
   EXPECT_LT(worst, 0.07 * 0.07 / 4);
@@ -165,25 +155,20 @@ TEST(Geodesic, turns_at_an_inner_corner) {
     for (float x : {0.0f, 1.0f, 2.0f}) plate.vertices.insert(plate.vertices.end(), {x, 0, z});
   for (uint32_t corner : {0u, 1u, 3u})
     plate.indices.insert(plate.indices.end(), {corner, corner + 3, corner + 1, corner + 1, corner + 3, corner + 4});
-  std::vector<Candidate> targets = random_targets(plate, 600, 5);
-  Surface surface(plate, targets);
+  const std::vector<Candidate> targets = random_targets(plate, 600, 5);
   int bent = 0;
-  for (size_t s = 0; s < 30; ++s) {
-    const std::vector<double> found = surface.measure(targets[s], 4);
-    for (size_t i = 0; i < targets.size(); ++i) {
-      const double ax = targets[s].position[0], az = targets[s].position[2], bx = targets[i].position[0],
-                   bz = targets[i].position[2];
-      double truth = std::hypot(ax - bx, az - bz);
-      // The straight segment is impossible where it leaves the plate at the corner.
-      const bool across = (ax > 1 && bz > 1) || (bx > 1 && az > 1);
-      const double side = (bx - ax) * (1 - az) - (bz - az) * (1 - ax);
-      if (across && (ax > 1 ? side > 0 : side < 0)) {
-        truth = std::hypot(ax - 1, az - 1) + std::hypot(bx - 1, bz - 1);
-        ++bent;
-      }
-      ASSERT_NEAR(found[i], truth, 1e-6);
+  Surface(plate, targets).measure({targets.data(), 30}, 4, [&](const float* p, const float* q, double found) {
+    const double ax = p[0], az = p[2], bx = q[0], bz = q[2];
+    double truth = std::hypot(ax - bx, az - bz);
+    // The straight segment is impossible where it leaves the plate at the corner.
+    const bool across = (ax > 1 && bz > 1) || (bx > 1 && az > 1);
+    const double side = (bx - ax) * (1 - az) - (bz - az) * (1 - ax);
+    if (across && (ax > 1 ? side > 0 : side < 0)) {
+      truth = std::hypot(ax - 1, az - 1) + std::hypot(bx - 1, bz - 1);
+      ++bent;
     }
-  }
+    ASSERT_NEAR(found, truth, 1e-6);
+  });
   EXPECT_GT(bent, 100);
 }
 

@@ -35,12 +35,10 @@ const host::Mesh& knot() {
 
 // The knot's volume, filled at random or with a lattice.
 Points sample_knot(sandglass_inside_rule rule, float distance, bool random) {
-  const sandglass_mesh mesh = view(knot());
-  float low[3], high[3];
-  EXPECT_EQ(sandglass_mesh_bounds(&mesh, low, high, nullptr), SANDGLASS_OK);
-  const InsideTest inside(knot(), rule);
-  if (!random) return sample_lattice(low, high, distance, sandglass_mesh_inside_test, inside.get());
-  return sample_volume(low, high, distance, sandglass_mesh_inside_test, inside.get(), options_with_seed(42));
+  const sandglass::MeshInside inside = inside_of(knot(), rule);
+  const auto test = [&](const float* p) { return inside(p); };
+  if (!random) return sample_lattice(bounds_of(knot()), distance, test);
+  return sample_volume(bounds_of(knot()), distance, test, options_with_seed(42));
 }
 
 TEST(Golden, mesh) { expect_hash("mesh", knot().vertices, k_golden_mesh); }

@@ -2,12 +2,14 @@
 // holes.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 #include "models/mesh/generated.h"
-#include "models/tracing/ray_caster.h"
+#include "models/tracing/embree_scene.h"
 #include "runtime/core/random.h"
 #include "runtime/sampling/inside.h"
+#include "tests/guarded_block.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {
@@ -38,33 +40,38 @@ Points random_points(int count, uint64_t seed, double reach_xz, double reach_y) 
   return points;
 }
 
-void expect_torus(const InsideTest& inside, const char* name) {
+TEST(Inside, both_rules_agree_with_the_analytic_torus_also_inside_out) {
   const Points points = random_points(40000, 3, 0.16, 0.06);
-  int in_band = 0, in_torus = 0;
-  for (size_t i = 0; i < points.size(); i += 3) {
-    const double distance = torus_distance(&points[i]);
-    in_torus += distance < 0;
-    if (std::fabs(distance) <= 1.01 * k_sag) {
-      ++in_band;
-      continue;
+  host::Mesh torus = test_torus();
+  for (const bool inside_out : {false, true}) {
+    if (inside_out)
+      for (size_t t = 0; t < torus.indices.size(); t += 3) std::swap(torus.indices[t], torus.indices[t + 1]);
+    const sandglass::MeshInside parity = inside_of(torus, SANDGLASS_INSIDE_PARITY),
+                                winding = inside_of(torus, SANDGLASS_INSIDE_WINDING);
+    int in_band = 0, in_torus = 0;
+    for (size_t i = 0; i < points.size(); i += 3) {
+      const float* p = &points[i];
+      const double distance = torus_distance(p);
+      in_torus += distance < 0;
+      if (std::fabs(distance) <= 1.01 * k_sag) {
+        ++in_band;
+        continue;
+      }
+      ASSERT_EQ(parity(p), distance < 0) << p[0] << " " << p[1] << " " << p[2];
+      ASSERT_EQ(winding(p), distance < 0) << p[0] << " " << p[1] << " " << p[2];
     }
-    ASSERT_EQ(inside(&points[i]), distance < 0)
-        << name << " at " << points[i] << " " << points[i + 1] << " " << points[i + 2];
+    EXPECT_GT(in_torus, 5000);
+    EXPECT_LT(in_band, 400);  // the band is thin, so nearly all points are tested
+    const float far[3] = {1e30f, 0, 0}, nan[3] = {std::nanf(""), 0, 0}, infinite[3] = {0, INFINITY, 0};
+    for (const float* p : {far, nan, infinite}) EXPECT_FALSE(parity(p) || winding(p));
   }
-  EXPECT_GT(in_torus, 5000);
-  EXPECT_LT(in_band, 400);  // the band is thin, so nearly all points are tested
-}
-
-TEST(Inside, both_rules_agree_with_the_analytic_torus) {
-  expect_torus(InsideTest(test_torus(), SANDGLASS_INSIDE_PARITY), "parity");
-  expect_torus(InsideTest(test_torus(), SANDGLASS_INSIDE_WINDING), "winding");
 }
 
 TEST(Inside, parity_is_right_where_rays_meet_vertices_and_edges) {
   // Points that share one, two coordinates with vertices, or lie in the planes of axis-aligned faces. The ray passes
   // through vertices, along edges, within faces.
   const host::Mesh torus = test_torus();
-  const InsideTest inside(torus, SANDGLASS_INSIDE_PARITY);
+  const sandglass::MeshInside inside = inside_of(torus, SANDGLASS_INSIDE_PARITY);
   Random random = random_stream(11, 0);
   int tested = 0;
   for (int n = 0; n < 60000; ++n) {
@@ -83,16 +90,19 @@ TEST(Inside, parity_is_right_where_rays_meet_vertices_and_edges) {
 
 TEST(Inside, parity_is_right_in_the_planes_of_a_turned_notched_block) {
   // An L-shaped prism along each axis in turn: points on the extensions of its walls, which the ray runs within.
-  const double outline[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  const float outline[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
   const uint32_t faces[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}};
-  for (int axis = 0; axis < 3; ++axis) {
+  for (size_t axis = 0; axis < 3; ++axis) {
+    const auto turned = [axis](float along, float x, float y) {
+      std::array<float, 3> p;
+      p[axis] = along, p[(axis + 1) % 3] = x, p[(axis + 2) % 3] = y;
+      return p;
+    };
     host::Mesh block;
-    for (double end : {0.0, 3.0})
+    for (float end : {0.0f, 3.0f})
       for (const auto& corner : outline) {
-        float p[3];
-        p[axis] = static_cast<float>(end), p[(axis + 1) % 3] = static_cast<float>(corner[0]),
-        p[(axis + 2) % 3] = static_cast<float>(corner[1]);
-        block.vertices.insert(block.vertices.end(), p, p + 3);
+        const std::array<float, 3> p = turned(end, corner[0], corner[1]);
+        block.vertices.insert(block.vertices.end(), p.begin(), p.end());
       }
     for (const auto& f : faces) {
       block.indices.insert(block.indices.end(), {f[0], f[2], f[1]});
@@ -102,21 +112,20 @@ TEST(Inside, parity_is_right_in_the_planes_of_a_turned_notched_block) {
       const uint32_t j = (i + 1) % 6;
       block.indices.insert(block.indices.end(), {i, j, 6 + j, i, 6 + j, 6 + i});
     }
-    const InsideTest parity(block, SANDGLASS_INSIDE_PARITY), winding(block, SANDGLASS_INSIDE_WINDING);
+    const sandglass::MeshInside parity = inside_of(block, SANDGLASS_INSIDE_PARITY),
+                                winding = inside_of(block, SANDGLASS_INSIDE_WINDING);
     for (int u = 0; u < 40; ++u)
       for (int v = 0; v < 40; ++v)
         for (int w = 0; w < 12; ++w) {
           // Multiples of 1/16 from 1/32 on, and the planes at 1 themselves: there a point is off the surface only where
           // the L is.
-          float p[3];
-          const double x = u == 39 ? 1 : (u + 0.5) / 16, y = v == 39 ? 1 : (v + 0.5) / 16, z = (w + 0.5) / 4;
-          if (x == 1 && y >= 1) continue;
-          if (y == 1 && x >= 1) continue;
-          p[axis] = static_cast<float>(z), p[(axis + 1) % 3] = static_cast<float>(x),
-          p[(axis + 2) % 3] = static_cast<float>(y);
+          const float x = u == 39 ? 1 : (static_cast<float>(u) + 0.5f) / 16;
+          const float y = v == 39 ? 1 : (static_cast<float>(v) + 0.5f) / 16, z = (static_cast<float>(w) + 0.5f) / 4;
+          if ((x == 1 && y >= 1) || (y == 1 && x >= 1)) continue;
+          const std::array<float, 3> p = turned(z, x, y);
           const bool truth = z < 3 && x < 2 && y < 2 && !(x > 1 && y > 1);
-          ASSERT_EQ(parity(p), truth) << axis << ": " << x << " " << y << " " << z;
-          ASSERT_EQ(winding(p), truth) << axis << ": " << x << " " << y << " " << z;
+          ASSERT_EQ(parity(p.data()), truth) << axis << ": " << x << " " << y << " " << z;
+          ASSERT_EQ(winding(p.data()), truth) << axis << ": " << x << " " << y << " " << z;
         }
   }
 }
@@ -124,7 +133,7 @@ TEST(Inside, parity_is_right_in_the_planes_of_a_turned_notched_block) {
 TEST(Inside, tree_agrees_with_the_exact_winding_number) {
   const host::Mesh knot = host::make_trefoil(0.1f, 0.018f, 120, 16);
   const sandglass_mesh mesh = view(knot);
-  const InsideTest inside(knot, SANDGLASS_INSIDE_WINDING);
+  const sandglass::MeshInside inside = inside_of(knot, SANDGLASS_INSIDE_WINDING);
   const Points points = random_points(1500, 21, 0.14, 0.14);
   int in = 0;
   for (size_t i = 0; i < points.size(); i += 3) {
@@ -142,8 +151,7 @@ TEST(Inside, tree_agrees_with_the_exact_winding_number) {
 // The largest error of the tree's number at random points, against the sum over all triangles.
 double worst_tree_error(const host::Mesh& mesh, int count, double reach) {
   const sandglass_mesh surface = view(mesh);
-  float low[3], high[3];
-  EXPECT_EQ(sandglass_mesh_bounds(&surface, low, high, nullptr), SANDGLASS_OK);
+  const sandglass::Box box = bounds_of(mesh);
   Winding tree = measure_winding(surface);
   Layout size;
   lay_out_winding(&size, &tree);
@@ -151,7 +159,7 @@ double worst_tree_error(const host::Mesh& mesh, int count, double reach) {
   Layout layout;
   layout.base = static_cast<uint8_t*>(block.data());
   lay_out_winding(&layout, &tree);
-  build_winding(surface, low, high, &tree);
+  build_winding(surface, box.min, box.max, &tree);
   EXPECT_TRUE(block.guards_intact());
   const Points points = random_points(count, 5, reach, reach);
   double worst = 0;
@@ -170,18 +178,24 @@ TEST(Inside, tree_stays_within_its_error) {  // 0.04, as the header says
   EXPECT_LT(worst_tree_error(host::make_box(plate), 300, 0.8), 0.04);
 }
 
+template <class Keep>
+void keep_triangles(host::Mesh* mesh, const Keep& keep) {
+  std::vector<uint32_t> kept;
+  for (size_t t = 0; t < mesh->indices.size(); t += 3) {
+    const uint32_t* i = &mesh->indices[t];
+    const std::vector<float>& v = mesh->vertices;
+    if (keep(&v[3 * i[0]], &v[3 * i[1]], &v[3 * i[2]])) kept.insert(kept.end(), i, i + 3);
+  }
+  mesh->indices = kept;
+}
+
 TEST(Inside, winding_number_is_a_fraction_where_the_mesh_is_open) {
   // Seen from the centre, the lower half of a sphere fills half of all directions. This tests (3.27) of the
   // dissertation, corrected.
   host::Mesh half = host::make_icosphere(1, 3);
-  std::vector<uint32_t> kept;
-  for (size_t t = 0; t < half.indices.size(); t += 3)
-    if (half.vertices[3 * half.indices[t] + 1] + half.vertices[3 * half.indices[t + 1] + 1] +
-            half.vertices[3 * half.indices[t + 2] + 1] <
-        0)
-      kept.insert(kept.end(), {half.indices[t], half.indices[t + 1], half.indices[t + 2]});
-  const double share = static_cast<double>(kept.size()) / static_cast<double>(half.indices.size());
-  half.indices = kept;
+  const double all = static_cast<double>(half.indices.size());
+  keep_triangles(&half, [](const float* a, const float* b, const float* c) { return a[1] + b[1] + c[1] < 0; });
+  const double share = static_cast<double>(half.indices.size()) / all;
   const sandglass_mesh mesh = view(half);
   const float centre[3] = {0, 0, 0};
   double winding = 0;
@@ -194,13 +208,9 @@ TEST(Inside, winding_decides_for_a_mesh_with_a_hole_where_parity_cannot) {
   host::Mesh sphere = host::make_icosphere(1, 3);
   const size_t all = sphere.indices.size();
   // A hole around the +x axis of some 5 % of the surface.
-  std::vector<uint32_t> kept;
-  for (size_t t = 0; t < all; t += 3)
-    if (sphere.vertices[3 * sphere.indices[t]] < 0.9f)
-      kept.insert(kept.end(), {sphere.indices[t], sphere.indices[t + 1], sphere.indices[t + 2]});
-  sphere.indices = kept;
-  ASSERT_LT(kept.size(), all);
-  const InsideTest winding(sphere, SANDGLASS_INSIDE_WINDING);
+  keep_triangles(&sphere, [](const float* a, const float*, const float*) { return a[0] < 0.9f; });
+  ASSERT_LT(sphere.indices.size(), all);
+  const sandglass::MeshInside winding = inside_of(sphere, SANDGLASS_INSIDE_WINDING);
   const Points points = random_points(20000, 4, 1.3, 1.3);
   for (size_t i = 0; i < points.size(); i += 3) {
     const float* p = &points[i];
@@ -210,23 +220,10 @@ TEST(Inside, winding_decides_for_a_mesh_with_a_hole_where_parity_cannot) {
   }
 }
 
-TEST(Inside, holds_for_meshes_turned_inside_out_and_for_points_far_away) {
-  host::Mesh torus = test_torus();
-  for (size_t t = 0; t < torus.indices.size(); t += 3) std::swap(torus.indices[t], torus.indices[t + 1]);
-  expect_torus(InsideTest(torus, SANDGLASS_INSIDE_PARITY), "parity, inside out");
-  const InsideTest winding(torus, SANDGLASS_INSIDE_WINDING);
-  expect_torus(winding, "winding, inside out");
-  const float far[3] = {1e30f, 0, 0}, nan[3] = {std::nanf(""), 0, 0}, infinite[3] = {0, INFINITY, 0};
-  const InsideTest parity(torus, SANDGLASS_INSIDE_PARITY);
-  for (const float* p : {far, nan, infinite}) {
-    EXPECT_FALSE(parity(p));
-    EXPECT_FALSE(winding(p));
-  }
-}
-
 TEST(Inside, prepared_block_does_not_need_the_mesh_any_more) {
   auto mesh = std::make_unique<host::Mesh>(test_torus());
-  const InsideTest parity(*mesh, SANDGLASS_INSIDE_PARITY), winding(*mesh, SANDGLASS_INSIDE_WINDING);
+  const sandglass::MeshInside parity = inside_of(*mesh, SANDGLASS_INSIDE_PARITY),
+                              winding = inside_of(*mesh, SANDGLASS_INSIDE_WINDING);
   std::fill(mesh->vertices.begin(), mesh->vertices.end(), 0.0f);
   mesh.reset();
   const float in[3] = {0.1f, 0, 0}, out[3] = {0, 0, 0};
@@ -234,31 +231,33 @@ TEST(Inside, prepared_block_does_not_need_the_mesh_any_more) {
   EXPECT_FALSE(parity(out) || winding(out));
 }
 
-#ifdef SANDGLASS_HAVE_EMBREE
-TEST(Inside, agrees_with_embree_on_the_trefoil) {
+TEST(Inside, both_rules_agree_on_the_trefoil) {
   const host::Mesh knot = host::make_trefoil();
-  const host::RayCaster caster(knot);
-  const InsideTest parity(knot, SANDGLASS_INSIDE_PARITY);
+  const sandglass::MeshInside parity = inside_of(knot, SANDGLASS_INSIDE_PARITY),
+                              winding = inside_of(knot, SANDGLASS_INSIDE_WINDING);
   const Points points = random_points(50000, 31, 0.14, 0.14);
   int in = 0;
   for (size_t i = 0; i < points.size(); i += 3) {
-    ASSERT_EQ(parity(&points[i]), caster.inside(&points[i]));
-    in += caster.inside(&points[i]);
+    ASSERT_EQ(parity(&points[i]), winding(&points[i]));
+    in += parity(&points[i]);
   }
   EXPECT_GT(in, 1500);
 }
 
-TEST(RayCaster, finds_the_faces_of_a_box) {
-  const float size[3] = {2, 2, 2}, origin[3] = {0.1f, 5, 0.2f}, down[3] = {0, -1, 0}, up[3] = {0, 1, 0};
-  const host::RayCaster caster(host::make_box(size));
-  const host::RayHit hit = caster.closest(origin, down, 0, 100);
-  ASSERT_TRUE(hit.hit);
+#ifdef SANDGLASS_HAVE_EMBREE
+TEST(EmbreeScene, finds_the_faces_of_a_box) {
+  const float size[3] = {2, 2, 2};
+  const host::Vec3 origin = {0.1, 5, 0.2}, down = {0, -1, 0}, up = {0, 1, 0};
+  const host::Mesh box = host::make_box(size);
+  const host::EmbreeScene scene = host::EmbreeScene::triangles(box.vertices, box.indices);
+  const host::EmbreeHit hit = scene.closest(origin, down, 100);
+  ASSERT_TRUE(hit.found);
   EXPECT_NEAR(hit.distance, 4, 1e-5);
-  EXPECT_NEAR(hit.normal[1], 1, 1e-6);
-  EXPECT_TRUE(caster.occluded(origin, down, 0, 100));
-  EXPECT_FALSE(caster.occluded(origin, down, 0, 3.9f));
-  EXPECT_FALSE(caster.occluded(origin, up, 0, 100));
-  EXPECT_FALSE(caster.closest(origin, up, 0, 100).hit);
+  EXPECT_NEAR(hit.unit_normal().y, 1, 1e-6);
+  EXPECT_TRUE(scene.occluded(origin, down, 100));
+  EXPECT_FALSE(scene.occluded(origin, down, 3.9));
+  EXPECT_FALSE(scene.occluded(origin, up, 100));
+  EXPECT_FALSE(scene.closest(origin, up, 100).found);
 }
 #endif
 

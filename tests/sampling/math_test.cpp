@@ -12,17 +12,23 @@ namespace {
 
 constexpr int k_arguments = 200000;
 
+// The largest error at random arguments.
+template <class Error>
+double worst(uint64_t stream, const Error& error) {
+  Random random = random_stream(stream, 0);
+  double most = 0;
+  for (int i = 0; i < k_arguments; ++i) most = std::max(most, static_cast<double>(std::fabs(error(&random))));
+  return most;
+}
+
 TEST(Math, sine_and_cosine_stay_within_their_bound) {
-  Random random = random_stream(1, 0);
-  double worst = 0;
-  for (int i = 0; i < k_arguments; ++i) {
-    const double turns = 8 * random.uniform() - 4;
+  const auto error = [](Random* random) {
+    const double turns = 8 * random->uniform() - 4;
     const long double angle = 2 * 3.141592653589793238462643383279502884L * turns;
     const SinCos value = sin_cos_turns(turns);
-    worst = std::max(worst, static_cast<double>(std::fabs(value.sin - std::sin(angle))));
-    worst = std::max(worst, static_cast<double>(std::fabs(value.cos - std::cos(angle))));
-  }
-  EXPECT_LT(worst, 3e-16);
+    return std::max(std::fabs(value.sin - std::sin(angle)), std::fabs(value.cos - std::cos(angle)));
+  };
+  EXPECT_LT(worst(1, error), 3e-16);
 }
 
 TEST(Math, quarters_of_a_turn_are_exact) {
@@ -35,41 +41,34 @@ TEST(Math, quarters_of_a_turn_are_exact) {
 }
 
 TEST(Math, arc_tangent_stays_within_its_bound) {
-  Random random = random_stream(2, 0);
-  double worst = 0;
-  for (int i = 0; i < k_arguments; ++i) {
-    const double y = 2 * random.uniform() - 1,
-                 x = (2 * random.uniform() - 1) * std::pow(10.0, 6 * random.uniform() - 3);
-    worst =
-        std::max(worst, static_cast<double>(std::fabs(arc_tangent2(y, x) - std::atan2(static_cast<long double>(y),
-                                                                                      static_cast<long double>(x)))));
-  }
-  EXPECT_LT(worst, 5e-16);
+  const auto error = [](Random* random) {
+    const double y = 2 * random->uniform() - 1, sign = 2 * random->uniform() - 1;
+    const double x = sign * std::pow(10.0, 6 * random->uniform() - 3);
+    return arc_tangent2(y, x) - std::atan2(static_cast<long double>(y), static_cast<long double>(x));
+  };
+  EXPECT_LT(worst(2, error), 5e-16);
   EXPECT_EQ(arc_tangent2(0, 0), 0);
   EXPECT_NEAR(arc_tangent2(0, -1), k_pi, 5e-16);
   EXPECT_NEAR(arc_tangent2(-1, 0), -k_pi / 2, 5e-16);
 }
 
 TEST(Math, exponential_stays_within_its_bound) {
-  double worst = 0;
-  for (int i = 0; i < 200000; ++i) {
-    const double x = -690 + 1380 * (i + 0.37) / 200000;
-    worst = std::max(worst, static_cast<double>(std::fabs(exponential(x) / std::exp(static_cast<long double>(x)) - 1)));
-  }
-  EXPECT_LT(worst, 1e-15);
+  const auto error = [](Random* random) {
+    const double x = -690 + 1380 * random->uniform();
+    return exponential(x) / std::exp(static_cast<long double>(x)) - 1;
+  };
+  EXPECT_LT(worst(5, error), 1e-15);
   EXPECT_EQ(exponential(0), 1);
   EXPECT_EQ(exponential(-800), 0);
   EXPECT_EQ(exponential(800), exponential(700));
 }
 
 TEST(Math, cube_root_stays_within_its_bound) {
-  Random random = random_stream(3, 0);
-  double worst = 0;
-  for (int i = 0; i < k_arguments; ++i) {
-    const double x = std::pow(10.0, 24 * random.uniform() - 12);
-    worst = std::max(worst, static_cast<double>(std::fabs(cube_root(x) / std::cbrt(static_cast<long double>(x)) - 1)));
-  }
-  EXPECT_LT(worst, 4e-16);
+  const auto error = [](Random* random) {
+    const double x = std::pow(10.0, 24 * random->uniform() - 12);
+    return cube_root(x) / std::cbrt(static_cast<long double>(x)) - 1;
+  };
+  EXPECT_LT(worst(3, error), 4e-16);
   EXPECT_EQ(cube_root(0), 0);
   EXPECT_EQ(cube_root(8), 2);
 }

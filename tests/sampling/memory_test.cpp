@@ -2,11 +2,13 @@
 // capacity, alignment and bad arguments.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
 
 #include "models/mesh/generated.h"
+#include "tests/guarded_block.h"
 #include "tests/sampling/point_checks.h"
 
 namespace sandglass::test {
@@ -15,6 +17,7 @@ namespace {
 const float k_low[3] = {0, 0, 0}, k_high[3] = {1, 1, 1};
 constexpr float k_distance = 0.1f;
 constexpr float k_mark = -77.0f;
+constexpr uint32_t k_plenty = 5000;
 constexpr sandglass_status k_invalid = SANDGLASS_ERROR_INVALID_ARGUMENT;
 
 // A sampler with its memory.
@@ -29,6 +32,27 @@ struct Run {
     uint64_t need = 0;
     EXPECT_EQ(ask_bytes(capacity, &need, nullptr), SANDGLASS_OK);
     return need;
+  }
+  // The points of a run that must succeed.
+  Points points(GuardedBlock* scratch, uint32_t capacity) const {
+    Points points(3 * capacity);
+    uint32_t count = 0;
+    const char* reason = "not cleared";
+    EXPECT_EQ(sample(scratch->data(), scratch->bytes(), points.data(), capacity, &count, &reason), SANDGLASS_OK);
+    EXPECT_EQ(reason, nullptr);
+    EXPECT_TRUE(scratch->guards_intact());
+    points.resize(3 * count);
+    return points;
+  }
+  // A run that must be refused, and leave the points as they are.
+  void refused(sandglass_status expected, void* scratch, uint64_t bytes, uint32_t capacity) const {
+    Points points(3 * k_plenty, k_mark);
+    uint32_t count = 99;
+    const char* reason = nullptr;
+    EXPECT_EQ(sample(scratch, bytes, points.data(), capacity, &count, &reason), expected);
+    EXPECT_NE(reason, nullptr);
+    EXPECT_EQ(count, 0u);
+    EXPECT_EQ(points, Points(3 * k_plenty, k_mark));
   }
 };
 
@@ -45,94 +69,44 @@ Run surface_run(const char* name, sandglass_metric metric) {
           [=](auto... out) { return sandglass_sample_surface(&mesh, k_distance, &options, out...); }};
 }
 
+int all(void*, const float*) { return 1; }
+
 Run volume_run() {
-  return {"volume", [](auto... out) { return sandglass_sample_volume_bytes(k_low, k_high, k_distance, out...); },
-          [](auto... out) {
-            return sandglass_sample_volume(k_low, k_high, k_distance, everywhere, nullptr, nullptr, out...);
-          }};
+  return {
+      "volume", [](auto... out) { return sandglass_sample_volume_bytes(k_low, k_high, k_distance, out...); },
+      [](auto... out) { return sandglass_sample_volume(k_low, k_high, k_distance, all, nullptr, nullptr, out...); }};
 }
 
 Run lattice_run() {
-  return {"lattice",
-          [](uint32_t, auto... out) { return sandglass_sample_lattice_bytes(k_low, k_high, k_distance, out...); },
-          [](auto... out) {
-            return sandglass_sample_lattice(k_low, k_high, k_distance, everywhere, nullptr, nullptr, out...);
-          }};
+  return {
+      "lattice",
+      [](uint32_t, auto... out) { return sandglass_sample_lattice_bytes(k_low, k_high, k_distance, out...); },
+      [](auto... out) { return sandglass_sample_lattice(k_low, k_high, k_distance, all, nullptr, nullptr, out...); }};
 }
 
 class Memory : public testing::TestWithParam<Run> {};
 
-constexpr uint32_t k_plenty = 5000;
-
-TEST_P(Memory, exactly_the_named_bytes_suffice) {
-  GuardedBlock scratch(GetParam().bytes(k_plenty));
-  Points points(3 * k_plenty);
-  uint32_t count = 0;
-  const char* reason = "not cleared";
-  ASSERT_EQ(GetParam().sample(scratch.data(), scratch.bytes(), points.data(), k_plenty, &count, &reason), SANDGLASS_OK);
-  EXPECT_TRUE(scratch.guards_intact());
-  EXPECT_EQ(reason, nullptr);
-  EXPECT_GT(count, 100u);
-}
-
-TEST_P(Memory, one_byte_less_is_refused_and_nothing_touched) {
-  const uint64_t need = GetParam().bytes(k_plenty);
-  GuardedBlock scratch(need);
-  Points points(3 * k_plenty, k_mark);
-  for (uint64_t bytes : {need - 1, need / 2, uint64_t{0}}) {
-    uint32_t count = 99;
-    const char* reason = nullptr;
-    EXPECT_EQ(GetParam().sample(scratch.data(), bytes, points.data(), k_plenty, &count, &reason),
-              SANDGLASS_ERROR_MEMORY_TOO_SMALL);
-    EXPECT_NE(reason, nullptr);
-    EXPECT_EQ(count, 0u);
-  }
-  EXPECT_TRUE(scratch.untouched());
-  EXPECT_EQ(points, Points(3 * k_plenty, k_mark));
-}
-
-TEST_P(Memory, wrong_alignment_and_null_are_refused) {
-  GuardedBlock scratch(GetParam().bytes(k_plenty) + 64);
-  Points points(3 * k_plenty, k_mark);
-  uint32_t count = 0;
-  const char* reason = nullptr;
-  EXPECT_EQ(GetParam().sample(static_cast<uint8_t*>(scratch.data()) + 4, scratch.bytes() - 4, points.data(), k_plenty,
-                              &count, &reason),
-            SANDGLASS_ERROR_MEMORY_ALIGNMENT);
-  EXPECT_EQ(GetParam().sample(nullptr, scratch.bytes(), points.data(), k_plenty, &count, &reason),
-            SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(GetParam().sample(scratch.data(), scratch.bytes(), nullptr, k_plenty, &count, &reason),
-            SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(GetParam().sample(scratch.data(), scratch.bytes(), points.data(), k_plenty, nullptr, &reason),
-            SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_TRUE(scratch.untouched());
-}
-
-TEST_P(Memory, exactly_enough_capacity_works_and_one_less_does_not) {
+TEST_P(Memory, exactly_the_named_bytes_and_capacity_suffice) {
   GuardedBlock ample(GetParam().bytes(k_plenty));
-  Points points(3 * k_plenty);
-  uint32_t count = 0;
-  ASSERT_EQ(GetParam().sample(ample.data(), ample.bytes(), points.data(), k_plenty, &count, nullptr), SANDGLASS_OK);
-  points.resize(3 * count);
-
+  const Points points = GetParam().points(&ample, k_plenty);
+  const uint32_t count = static_cast<uint32_t>(points.size() / 3);
+  EXPECT_GT(count, 100u);
   GuardedBlock exact(GetParam().bytes(count));
-  Points again(3 * count);
-  uint32_t again_count = 0;
-  ASSERT_EQ(GetParam().sample(exact.data(), exact.bytes(), again.data(), count, &again_count, nullptr), SANDGLASS_OK);
-  EXPECT_TRUE(exact.guards_intact());
-  EXPECT_EQ(again, points);
-
+  EXPECT_EQ(GetParam().points(&exact, count), points);
   for (uint32_t capacity : {count - 1, 1u, 0u}) {
     GuardedBlock block(GetParam().bytes(capacity));
-    Points marked(3 * count, k_mark);
-    const char* reason = nullptr;
-    EXPECT_EQ(GetParam().sample(block.data(), block.bytes(), marked.data(), capacity, &again_count, &reason),
-              SANDGLASS_ERROR_CAPACITY);
-    EXPECT_NE(reason, nullptr);
-    EXPECT_EQ(again_count, 0u);
-    EXPECT_EQ(marked, Points(3 * count, k_mark));
+    GetParam().refused(SANDGLASS_ERROR_CAPACITY, block.data(), block.bytes(), capacity);
     EXPECT_TRUE(block.guards_intact());
   }
+}
+
+TEST_P(Memory, one_byte_less_or_a_wrong_alignment_is_refused_and_nothing_touched) {
+  const uint64_t need = GetParam().bytes(k_plenty);
+  GuardedBlock scratch(need + 64);
+  for (uint64_t bytes : {need - 1, need / 2, uint64_t{0}})
+    GetParam().refused(SANDGLASS_ERROR_MEMORY_TOO_SMALL, scratch.data(), bytes, k_plenty);
+  GetParam().refused(SANDGLASS_ERROR_MEMORY_ALIGNMENT, scratch.data() + 4, need, k_plenty);
+  EXPECT_TRUE(scratch.untouched());
 }
 
 INSTANTIATE_TEST_SUITE_P(Samplers, Memory,
@@ -145,18 +119,17 @@ TEST(InsideMemory, needs_exactly_the_named_bytes) {
   const sandglass_mesh mesh = view(ball());
   for (sandglass_inside_rule rule : {SANDGLASS_INSIDE_PARITY, SANDGLASS_INSIDE_WINDING}) {
     uint64_t bytes = 0;
-    const char* reason = nullptr;
-    ASSERT_EQ(sandglass_mesh_inside_bytes(&mesh, rule, &bytes, &reason), SANDGLASS_OK);
+    ASSERT_EQ(sandglass_mesh_inside_bytes(&mesh, rule, &bytes, nullptr), SANDGLASS_OK);
     GuardedBlock block(bytes);
     sandglass_mesh_inside* inside = nullptr;
-    EXPECT_EQ(sandglass_mesh_inside_create(&mesh, rule, block.data(), bytes - 1, &inside, &reason),
-              SANDGLASS_ERROR_MEMORY_TOO_SMALL);
+    const auto create = [&](size_t offset, uint64_t size) {
+      return sandglass_mesh_inside_create(&mesh, rule, block.data() + offset, size, &inside, nullptr);
+    };
+    EXPECT_EQ(create(0, bytes - 1), SANDGLASS_ERROR_MEMORY_TOO_SMALL);
+    EXPECT_EQ(create(8, bytes), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
     EXPECT_TRUE(block.untouched());
     EXPECT_EQ(inside, nullptr);
-    EXPECT_EQ(
-        sandglass_mesh_inside_create(&mesh, rule, static_cast<uint8_t*>(block.data()) + 8, bytes, &inside, &reason),
-        SANDGLASS_ERROR_MEMORY_ALIGNMENT);
-    EXPECT_EQ(sandglass_mesh_inside_create(&mesh, rule, block.data(), bytes, &inside, &reason), SANDGLASS_OK);
+    EXPECT_EQ(create(0, bytes), SANDGLASS_OK);
     EXPECT_TRUE(block.guards_intact());
   }
   uint64_t bytes = 0;
@@ -165,22 +138,18 @@ TEST(InsideMemory, needs_exactly_the_named_bytes) {
 
 TEST(Arguments, bad_meshes_are_refused_everywhere) {
   const float nan = std::nanf(""), infinity = std::numeric_limits<float>::infinity();
-  std::vector<float> vertices = {0, 0, 0, 1, 0, 0, 0, 0, 1};
-  std::vector<uint32_t> indices = {0, 1, 2};
-  std::vector<sandglass_mesh> bad;
-  std::vector<std::vector<float>> kept;
-  for (float poison : {nan, infinity, -infinity, 1001.0f}) {
-    kept.push_back(vertices);
-    kept.back()[4] = poison;
+  const std::vector<float> vertices = {0, 0, 0, 1, 0, 0, 0, 0, 1};
+  const std::vector<uint32_t> indices = {0, 1, 2}, beyond = {0, 1, 3}, line = {0, 1, 1};
+  std::vector<sandglass_mesh> bad = {{vertices.data(), 3, beyond.data(), 1},
+                                     {vertices.data(), 3, indices.data(), 0},
+                                     {vertices.data(), 0, indices.data(), 1},
+                                     {nullptr, 3, indices.data(), 1},
+                                     {vertices.data(), 3, nullptr, 1}};
+  std::vector<Points> poisoned(4, vertices);
+  for (size_t i = 0; i < 4; ++i) {
+    poisoned[i][4] = std::array{nan, infinity, -infinity, 1001.0f}[i];
+    bad.push_back({poisoned[i].data(), 3, indices.data(), 1});
   }
-  for (const auto& poisoned : kept) bad.push_back({poisoned.data(), 3, indices.data(), 1});
-  const std::vector<uint32_t> beyond = {0, 1, 3};
-  bad.push_back({vertices.data(), 3, beyond.data(), 1});
-  bad.push_back({vertices.data(), 3, indices.data(), 0});
-  bad.push_back({vertices.data(), 0, indices.data(), 1});
-  bad.push_back({nullptr, 3, indices.data(), 1});
-  bad.push_back({vertices.data(), 3, nullptr, 1});
-
   const float place[3] = {0, 0, 0};
   for (size_t i = 0; i < bad.size(); ++i) {
     const sandglass_mesh* mesh = &bad[i];
@@ -196,7 +165,6 @@ TEST(Arguments, bad_meshes_are_refused_everywhere) {
     EXPECT_EQ(sandglass_mesh_inside_bytes(mesh, SANDGLASS_INSIDE_PARITY, &bytes, nullptr), k_invalid) << i;
     EXPECT_EQ(sandglass_sample_surface_capacity(mesh, 0.1f, nullptr, &capacity, nullptr), k_invalid) << i;
   }
-  const std::vector<uint32_t> line = {0, 1, 1};
   const sandglass_mesh flat = {vertices.data(), 3, line.data(), 1};
   uint32_t capacity = 0;
   EXPECT_EQ(sandglass_sample_surface_capacity(&flat, 0.1f, nullptr, &capacity, nullptr), k_invalid);
@@ -243,13 +211,13 @@ TEST(Arguments, progress_is_told_and_never_beyond_the_total) {
     t->last = done;
     ++t->calls;
   };
-  sample_surface(ball(), 0.02f, options);
-  EXPECT_GT(told.calls, 1);
-  EXPECT_TRUE(told.ordered);
-  told = {};
-  sample_volume(k_low, k_high, 0.05f, everywhere, nullptr, options);
-  EXPECT_GT(told.calls, 1);
-  EXPECT_TRUE(told.ordered);
+  for (const bool surface : {true, false}) {
+    told = {};
+    if (surface) sample_surface(ball(), 0.02f, options);
+    else sample_volume(k_unit_box, 0.05f, everywhere, options);
+    EXPECT_GT(told.calls, 1);
+    EXPECT_TRUE(told.ordered);
+  }
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <set>
 
 namespace sandglass::test {
 sandglass_mesh view(const host::Mesh& mesh) {
@@ -43,69 +42,44 @@ sandglass_sample_options options_with_seed(uint64_t seed) {
   return options;
 }
 
-int everywhere(void*, const float*) { return 1; }
+bool everywhere(const float*) { return true; }
 
 namespace {
 
-// The capacity that is asked for, scratch memory of that capacity's size, then the samples.
-template <class Capacity, class Bytes, class Sample>
-Points sampled(const Capacity& ask_capacity, const Bytes& ask_bytes, const Sample& sample) {
-  uint32_t capacity = 0, count = 0;
-  uint64_t bytes = 0;
-  const char* reason = nullptr;
-  EXPECT_EQ(ask_capacity(&capacity, &reason), SANDGLASS_OK) << reason;
-  EXPECT_EQ(ask_bytes(capacity, &bytes, &reason), SANDGLASS_OK) << reason;
-  GuardedBlock scratch(bytes);
-  Points points(3ull * capacity);
-  EXPECT_EQ(sample(scratch.data(), bytes, points.data(), capacity, &count, &reason), SANDGLASS_OK) << reason;
-  EXPECT_TRUE(scratch.guards_intact());
-  points.resize(3ull * count);
-  return points;
-}
+void accept(const sandglass::Status& status) { EXPECT_TRUE(status) << status.reason; }
 
 }  // namespace
 
 Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_options& options) {
-  const sandglass_mesh surface = view(mesh);
-  return sampled([&](auto... out) { return sandglass_sample_surface_capacity(&surface, distance, &options, out...); },
-                 [&](auto... out) { return sandglass_sample_surface_bytes(&surface, distance, &options, out...); },
-                 [&](auto... out) { return sandglass_sample_surface(&surface, distance, &options, out...); });
+  Points points;
+  accept(sandglass::sample_surface(view(mesh), distance, &points, &options));
+  return points;
 }
 
-Points sample_volume(const float low[3], const float high[3], float distance, sandglass_inside inside, void* user,
+Points sample_volume(const sandglass::Box& box, float distance, const Inside& inside,
                      const sandglass_sample_options& options) {
-  return sampled(
-      [&](auto... out) { return sandglass_sample_volume_capacity(low, high, distance, out...); },
-      [&](auto... out) { return sandglass_sample_volume_bytes(low, high, distance, out...); },
-      [&](auto... out) { return sandglass_sample_volume(low, high, distance, inside, user, &options, out...); });
+  Points points;
+  accept(sandglass::sample_volume(box, distance, inside, &points, &options));
+  return points;
 }
 
-Points sample_lattice(const float low[3], const float high[3], float distance, sandglass_inside inside, void* user) {
-  return sampled(
-      [&](auto... out) { return sandglass_sample_lattice_capacity(low, high, distance, out...); },
-      [&](uint32_t, auto... out) { return sandglass_sample_lattice_bytes(low, high, distance, out...); },
-      [&](auto... out) { return sandglass_sample_lattice(low, high, distance, inside, user, nullptr, out...); });
+Points sample_lattice(const sandglass::Box& box, float distance, const Inside& inside) {
+  Points points;
+  accept(sandglass::sample_lattice(box, distance, inside, &points));
+  return points;
 }
 
-namespace {
+sandglass::MeshInside inside_of(const host::Mesh& mesh, sandglass_inside_rule rule) {
+  sandglass::MeshInside inside;
+  accept(inside.create(view(mesh), rule));
+  return inside;
+}
 
-uint64_t inside_bytes(const host::Mesh& mesh, sandglass_inside_rule rule) {
+sandglass::Box bounds_of(const host::Mesh& mesh) {
   const sandglass_mesh surface = view(mesh);
-  uint64_t bytes = 0;
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_mesh_inside_bytes(&surface, rule, &bytes, &reason), SANDGLASS_OK) << reason;
-  return bytes;
-}
-
-}  // namespace
-
-InsideTest::InsideTest(const host::Mesh& mesh, sandglass_inside_rule rule) : block_(inside_bytes(mesh, rule)) {
-  const sandglass_mesh surface = view(mesh);
-  const char* reason = nullptr;
-  EXPECT_EQ(sandglass_mesh_inside_create(&surface, rule, block_.data(), block_.bytes(), &inside_, &reason),
-            SANDGLASS_OK)
-      << reason;
-  EXPECT_TRUE(block_.guards_intact());
+  sandglass::Box box;
+  EXPECT_EQ(sandglass_mesh_bounds(&surface, box.min, box.max, nullptr), SANDGLASS_OK);
+  return box;
 }
 
 double distance_between(const float a[3], const float b[3]) {
@@ -114,41 +88,37 @@ double distance_between(const float a[3], const float b[3]) {
   return std::sqrt(sum);
 }
 
-PointLookup::PointLookup(const Points& points, double edge)
-    : points_(points), edge_(edge), buckets_(points.size() / 3 + 1) {
-  for (size_t i = 0; i < points.size() / 3; ++i) {
-    const float* p = &points[3 * i];
-    buckets_[bucket(std::llround(std::floor(p[0] / edge_)), std::llround(std::floor(p[1] / edge_)),
-                    std::llround(std::floor(p[2] / edge_)))]
-        .push_back(static_cast<uint32_t>(i));
+PointLookup::PointLookup(const Points& points, double edge) : edge_(edge) {
+  for (size_t i = 0; i < points.size(); i += 3) cells_[cell_of(&points[i])].push_back(&points[i]);
+}
+
+std::array<int64_t, 3> PointLookup::cell_of(const float place[3]) const {
+  std::array<int64_t, 3> cell;
+  for (size_t k = 0; k < 3; ++k) cell[k] = std::llround(std::floor(place[k] / edge_));
+  return cell;
+}
+
+std::vector<double> PointLookup::distances(const float place[3]) const {
+  const auto [x, y, z] = cell_of(place);
+  std::vector<double> found;
+  for (int n = 0; n < 27; ++n) {
+    const auto cell = cells_.find({x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1});
+    if (cell == cells_.end()) continue;
+    for (const float* point : cell->second) found.push_back(distance_between(point, place));
   }
-}
-
-size_t PointLookup::bucket(int64_t x, int64_t y, int64_t z) const {
-  return static_cast<uint64_t>(x * 73856093 ^ y * 19349663 ^ z * 83492791) % buckets_.size();
-}
-
-template <class Visit>
-void PointLookup::visit_near(const float place[3], const Visit& visit) const {
-  int64_t cell[3];
-  for (int k = 0; k < 3; ++k) cell[k] = std::llround(std::floor(place[k] / edge_));
-  for (int n = 0; n < 27; ++n)
-    for (uint32_t i : buckets_[bucket(cell[0] + n % 3 - 1, cell[1] + n / 3 % 3 - 1, cell[2] + n / 9 - 1)])
-      visit(i, distance_between(&points_[3 * i], place));
+  return found;
 }
 
 double PointLookup::nearest(const float place[3]) const {
   double nearest = std::numeric_limits<double>::infinity();
-  visit_near(place, [&](uint32_t, double distance) { nearest = std::min(nearest, distance); });
+  for (const double distance : distances(place)) nearest = std::min(nearest, distance);
   return nearest;
 }
 
 int PointLookup::count_within(const float place[3], double reach) const {
-  std::set<uint32_t> found;  // two cells may share a bucket
-  visit_near(place, [&](uint32_t i, double distance) {
-    if (distance <= reach) found.insert(i);
-  });
-  return static_cast<int>(found.size());
+  int count = 0;
+  for (const double distance : distances(place)) count += distance <= reach ? 1 : 0;
+  return count;
 }
 
 double least_distance(const Points& points, double expected) {

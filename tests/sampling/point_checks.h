@@ -1,15 +1,17 @@
-// What the sampling tests share: runs of the samplers in blocks of the exact size, and distances between points that
+// What the sampling tests share: the samplers, and distances between points that
 // are found independently (in double, by a plain grid of their own).
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
 
 #include "models/mesh/mesh.h"
-#include "sandglass/sandglass.h"
-#include "tests/guarded_block.h"
+#include "sandglass/sandglass.hpp"
 
 namespace sandglass::test {
 
@@ -22,30 +24,22 @@ host::Mesh moved(host::Mesh mesh, float x, float y, float z);
 
 sandglass_sample_options options_with_seed(uint64_t seed);
 
-// The inside test of a shape that fills space.
-int everywhere(void* user, const float point[3]);
+using Inside = std::function<bool(const float*)>;
+bool everywhere(const float point[3]);
 
-// Each runs with memory and capacity as the library asks, and fails the test on any error.
+// Each fails the test on any error.
 Points sample_surface(const host::Mesh& mesh, float distance, const sandglass_sample_options& options);
-Points sample_volume(const float low[3], const float high[3], float distance, sandglass_inside inside, void* user,
+Points sample_volume(const sandglass::Box& box, float distance, const Inside& inside,
                      const sandglass_sample_options& options);
-Points sample_lattice(const float low[3], const float high[3], float distance, sandglass_inside inside, void* user);
-
-class InsideTest {
- public:
-  InsideTest(const host::Mesh& mesh, sandglass_inside_rule rule);
-  bool operator()(const float point[3]) const { return sandglass_mesh_inside_test(inside_, point) != 0; }
-  sandglass_mesh_inside* get() const { return inside_; }
-
- private:
-  GuardedBlock block_;
-  sandglass_mesh_inside* inside_ = nullptr;
-};
+Points sample_lattice(const sandglass::Box& box, float distance, const Inside& inside);
+sandglass::MeshInside inside_of(const host::Mesh& mesh, sandglass_inside_rule rule);
+sandglass::Box bounds_of(const host::Mesh& mesh);
+constexpr sandglass::Box k_unit_box = {{0, 0, 0}, {1, 1, 1}};
 
 double distance_between(const float a[3], const float b[3]);
 // The least distance between two points of the set.
 double least_distance(const Points& points, double expected);
-// Points hashed into cubes, to find out whether one lies within `reach` (at most the cube's edge) of a place.
+// Points sorted into cubes, to find out whether one lies within `reach` (at most the cube's edge) of a place.
 class PointLookup {
  public:
   PointLookup(const Points& points, double edge);
@@ -53,13 +47,11 @@ class PointLookup {
   int count_within(const float place[3], double reach) const;
 
  private:
-  size_t bucket(int64_t x, int64_t y, int64_t z) const;
-  // Calls visit(index, distance) for each point in the 27 cells about a place.
-  template <class Visit>
-  void visit_near(const float place[3], const Visit& visit) const;
-  const Points& points_;
+  std::array<int64_t, 3> cell_of(const float place[3]) const;
+  // From the place to each point in the 27 cells about it.
+  std::vector<double> distances(const float place[3]) const;
   double edge_;
-  std::vector<std::vector<uint32_t>> buckets_;
+  std::map<std::array<int64_t, 3>, std::vector<const float*>> cells_;
 };
 
 // Largest gap between the empirical distribution of values in 0..1 and the uniform one (Kolmogorov and Smirnov).

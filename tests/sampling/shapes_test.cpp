@@ -110,15 +110,15 @@ TEST(Shapes, refuse_what_is_no_shape) {
   Points points(30);
   const char* reason = nullptr;
   const float nan = std::nanf("");
-  EXPECT_EQ(sandglass_sample_disk(nan, 10, points.data(), &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  const sandglass_status statuses[] = {sandglass_sample_disk(nan, 10, points.data(), &reason),
+                                       sandglass_sample_sphere(-1.0f, 10, points.data(), &reason),
+                                       sandglass_sample_sphere(1.0f, 0, points.data(), &reason),
+                                       sandglass_sample_ring(1.0f, 0.5f, 0.5f, 10, points.data(), &reason),
+                                       sandglass_sample_ring(1.0f, nan, 0.5f, 10, points.data(), &reason),
+                                       sandglass_sample_ring(1.0f, 0.5f, 3.2f, 10, points.data(), &reason),
+                                       sandglass_sample_ring(1.0f, 0.0f, 1e-7f, 1000, points.data(), &reason)};
+  for (const sandglass_status status : statuses) EXPECT_EQ(status, SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_NE(reason, nullptr);
-  EXPECT_EQ(sandglass_sample_sphere(-1.0f, 10, points.data(), &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_sample_sphere(1.0f, 0, points.data(), &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_sample_sphere(1.0f, 10, nullptr, &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_sample_ring(1.0f, 0.5f, 0.5f, 10, points.data(), &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_sample_ring(1.0f, nan, 0.5f, 10, points.data(), &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_sample_ring(1.0f, 0.5f, 3.2f, 10, points.data(), &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_sample_ring(1.0f, 0.0f, 1e-7f, 1000, points.data(), &reason), SANDGLASS_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(points, Points(30));
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "models/mesh/generated.h"
@@ -48,18 +49,23 @@ struct Ball {
   float centre[3];
   float radius;
 };
+using Balls = std::vector<Ball>;
 
-int inside_balls(void* user, const float p[3]) {
-  for (const Ball& ball : *static_cast<std::vector<Ball>*>(user))
-    if (distance_between(ball.centre, p) <= ball.radius) return 1;
-  return 0;
+Inside inside_balls(const Balls& balls) {
+  return [balls](const float* p) {
+    return std::any_of(balls.begin(), balls.end(),
+                       [&](const Ball& ball) { return distance_between(ball.centre, p) <= ball.radius; });
+  };
 }
 
-// Every probe of the run with this seed that lies inside has a sample closer than the distance.
-size_t uncovered_probes(const Points& samples, const float low[3], const float high[3], float distance, uint64_t seed,
-                        sandglass_inside inside, void* user) {
+// Samples with the least distance, all inside. Every probe of the run with this seed that lies inside has a sample
+// closer than the distance.
+void expect_maximal(const Points& samples, const sandglass::Box& box, float distance, uint64_t seed,
+                    const Inside& inside) {
+  EXPECT_GE(least_distance(samples, distance), static_cast<double>(distance));
+  for (size_t i = 0; i < samples.size(); i += 3) ASSERT_TRUE(inside(&samples[i]));
   CellGrid grid;
-  EXPECT_TRUE(make_cell_grid(low, high, distance, &grid));
+  ASSERT_TRUE(make_cell_grid(box.min, box.max, distance, &grid));
   const PointLookup lookup(samples, distance);
   size_t uncovered = 0, tested = 0;
   uint32_t cell[3];
@@ -68,40 +74,36 @@ size_t uncovered_probes(const Points& samples, const float low[3], const float h
       for (cell[0] = 0; cell[0] < grid.cells[0]; ++cell[0]) {
         float probe[3];
         draw_probe(grid, seed, cell, probe);
-        if (inside(user, probe) == 0) continue;
+        if (!inside(probe)) continue;
         ++tested;
         uncovered += !(lookup.nearest(probe) < distance);
       }
   EXPECT_GT(tested, 0u);
-  return uncovered;
+  EXPECT_EQ(uncovered, 0u);
 }
 
 TEST(Volume, keeps_the_least_distance_and_is_maximal) {
-  std::vector<Ball> ball = {{{0.1f, 0.2f, -0.3f}, 0.5f}};
-  const float low[3] = {-0.4f, -0.3f, -0.8f}, high[3] = {0.6f, 0.7f, 0.2f}, distance = 0.05f;
-  for (uint64_t seed : {1ull, 99ull}) {
-    const Points samples = sample_volume(low, high, distance, inside_balls, &ball, options_with_seed(seed));
-    EXPECT_GE(least_distance(samples, distance), static_cast<double>(distance));
-    EXPECT_EQ(uncovered_probes(samples, low, high, distance, seed, inside_balls, &ball), 0u);
-    for (size_t i = 0; i < samples.size(); i += 3) ASSERT_EQ(inside_balls(&ball, &samples[i]), 1);
-  }
+  const Inside ball = inside_balls({{{0.1f, 0.2f, -0.3f}, 0.5f}});
+  const sandglass::Box box = {{-0.4f, -0.3f, -0.8f}, {0.6f, 0.7f, 0.2f}};
+  for (uint64_t seed : {1ull, 99ull})
+    expect_maximal(sample_volume(box, 0.05f, ball, options_with_seed(seed)), box, 0.05f, seed, ball);
 }
 
 TEST(Volume, reaches_parts_further_apart_than_two_distances) {
-  std::vector<Ball> balls = {{{-1, 0, 0}, 0.2f}, {{1, 0, 0}, 0.2f}, {{0, 0, 1}, 0.03f}};
-  const float low[3] = {-1.2f, -0.2f, -0.2f}, high[3] = {1.2f, 0.2f, 1.03f}, distance = 0.04f;
-  const Points samples = sample_volume(low, high, distance, inside_balls, &balls, options_with_seed(2));
+  const Balls balls = {{{-1, 0, 0}, 0.2f}, {{1, 0, 0}, 0.2f}, {{0, 0, 1}, 0.03f}};
+  const sandglass::Box box = {{-1.2f, -0.2f, -0.2f}, {1.2f, 0.2f, 1.03f}};
+  const float distance = 0.04f;
+  const Points samples = sample_volume(box, distance, inside_balls(balls), options_with_seed(2));
   const PointLookup lookup(samples, 0.25);
   for (const Ball& ball : balls) EXPECT_LE(lookup.nearest(ball.centre), 1.1 * distance);
-  EXPECT_GE(least_distance(samples, distance), static_cast<double>(distance));
-  EXPECT_EQ(uncovered_probes(samples, low, high, distance, 2, inside_balls, &balls), 0u);
+  expect_maximal(samples, box, distance, 2, inside_balls(balls));
 }
 
 TEST(Volume, leaves_no_large_hole) {
   // At other places than the probes: growth with 30 tries leaves no place much further than l from a sample. The places
   // are random; 2 % of them may lie in small holes that 30 tries miss.
-  const float low[3] = {0, 0, 0}, high[3] = {1, 1, 1}, distance = 0.06f;
-  const Points samples = sample_volume(low, high, distance, everywhere, nullptr, options_with_seed(1));
+  const float distance = 0.06f;
+  const Points samples = sample_volume(k_unit_box, distance, everywhere, options_with_seed(1));
   // Random sequential packing of balls jams at a coverage of 0.384, which is 0.733 points per distance^3 (Torquato
   // 2006). 30 tries give less, and the faces of the box add some.
   const double density = static_cast<double>(samples.size() / 3) * std::pow(static_cast<double>(distance), 3);
@@ -122,43 +124,30 @@ TEST(Volume, leaves_no_large_hole) {
 }
 
 TEST(Volume, finds_an_object_that_no_probe_hits) {
-  std::vector<Ball> ball = {{{0.02f, 0.03f, -0.01f}, 0.1f}};
-  const float low[3] = {-0.5f, -0.5f, -0.5f}, high[3] = {0.5f, 0.5f, 0.5f};
   // There is one cell and one probe. The ball is 0.4 % of the box.
-  const Points samples = sample_volume(low, high, 1.5f, inside_balls, &ball, options_with_seed(1));
-  EXPECT_EQ(samples.size(), 3u);
+  const Inside ball = inside_balls({{{0.02f, 0.03f, -0.01f}, 0.1f}});
+  EXPECT_EQ(sample_volume({{-0.5f, -0.5f, -0.5f}, {0.5f, 0.5f, 0.5f}}, 1.5f, ball, options_with_seed(1)).size(), 3u);
 }
 
 TEST(Volume, of_nothing_is_no_points) {
-  const auto nowhere = [](void*, const float*) { return 0; };
-  const float low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
-  EXPECT_TRUE(sample_volume(low, high, 0.2f, nowhere, nullptr, options_with_seed(1)).empty());
+  EXPECT_TRUE(sample_volume(
+                  k_unit_box, 0.2f, [](const float*) { return false; }, options_with_seed(1))
+                  .empty());
 }
 
 TEST(Volume, asks_inside_only_within_the_box) {
-  struct Watch {
-    const float *low, *high;
-    int outside = 0, calls = 0;
+  const sandglass::Box box = {{0.1f, 0.2f, 0.3f}, {0.7f, 0.2f, 1.1f}};  // flat along y
+  size_t outside = 0, calls = 0;
+  const auto inside = [&](const float* p) {
+    ++calls;
+    for (int k = 0; k < 3; ++k) outside += p[k] < box.min[k] || p[k] > box.max[k];
+    return true;
   };
-  const float low[3] = {0.1f, 0.2f, 0.3f}, high[3] = {0.7f, 0.2f, 1.1f};  // flat along y
-  Watch watch = {low, high};
-  const auto inside = [](void* user, const float* p) {
-    auto* w = static_cast<Watch*>(user);
-    ++w->calls;
-    for (int k = 0; k < 3; ++k) w->outside += p[k] < w->low[k] || p[k] > w->high[k];
-    return 1;
-  };
-  const Points samples = sample_volume(low, high, 0.1f, inside, &watch, options_with_seed(1));
+  const Points samples = sample_volume(box, 0.1f, inside, options_with_seed(1));
   EXPECT_GT(samples.size(), 0u);
-  EXPECT_EQ(watch.outside, 0);
+  EXPECT_EQ(outside, 0u);
   // A try is tested for conflicts first, so each point that is asked for and is inside becomes a sample.
-  EXPECT_EQ(static_cast<size_t>(watch.calls), samples.size() / 3);
-}
-
-TEST(Volume, another_seed_gives_other_points) {
-  const float low[3] = {0, 0, 0}, high[3] = {1, 1, 1};
-  EXPECT_NE(sample_volume(low, high, 0.1f, everywhere, nullptr, options_with_seed(7)),
-            sample_volume(low, high, 0.1f, everywhere, nullptr, options_with_seed(8)));
+  EXPECT_EQ(calls, samples.size() / 3);
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "tests/shadow/shadow_fixture.h"
@@ -42,7 +41,7 @@ TEST(ShadowAsset, ReadsWhatWasWritten) {
 TEST(ShadowAsset, EveryTruncationIsRefused) {
   const AssetFile file = make_shadow_file(k_small);
   for (uint64_t count = 0; count < file.bytes; ++count)
-    ASSERT_NE(open(copy_of(file.data(), count)), SANDGLASS_OK) << count;
+    ASSERT_NE(open(AssetFile({file.data(), count})), SANDGLASS_OK) << count;
 }
 
 TEST(ShadowAsset, EveryChangedBitIsRefused) {
@@ -64,7 +63,7 @@ TEST(ShadowAsset, ChangedBytesBehindARightChecksumNeverCrash) {
     for (const int value : {0x00, 0x01, 0x7F, 0x80, 0xFF}) {
       AssetFile file = original;
       file.data()[i] = static_cast<uint8_t>(value);
-      repair_checksum(&file);
+      file.repair_checksum();
       if (open(file) != SANDGLASS_OK) continue;
       ++accepted;
       LiveShadow shadow(describe(file));
@@ -78,33 +77,27 @@ TEST(ShadowAsset, ChangedBytesBehindARightChecksumNeverCrash) {
 TEST(ShadowAsset, TruncationsBehindARightChecksumNeverCrash) {
   const AssetFile original = make_shadow_file(k_small);
   for (uint64_t count = 32; count < original.bytes; ++count) {
-    AssetFile file = copy_of(original.data(), count);
-    repair_checksum(&file);
+    AssetFile file({original.data(), count});
+    file.repair_checksum();
     (void)open(file);
   }
 }
 
 TEST(ShadowAsset, RefusesNumbersThatNoBakingWrites) {
-  const auto refused = [](const RandomShadow& what, const char* part) {
+  const auto refused = [](void (*spoil)(RandomShadow&), const char* part) {
+    RandomShadow what = k_small;
+    spoil(what);
     std::string sentence;
     EXPECT_NE(open(make_shadow_file(what), &sentence), SANDGLASS_OK) << part;
     EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
   };
-  RandomShadow what = k_small;
-  what.forced_first = std::numeric_limits<float>::quiet_NaN();
-  refused(what, "not a number");
-  what.forced_first = std::numeric_limits<float>::infinity();
-  refused(what, "not a number");
-  what = k_small, what.forced_weight = -128;
-  refused(what, "-128");
-  what = k_small, what.version = 2;
-  refused(what, "another version");
-  what = k_small, what.width = 257;
-  refused(what, "wider than 256");
-  what = k_small, what.layers = 9;
-  refused(what, "1 to 8");
-  what = k_small, what.texel_frequencies = 17;
-  refused(what, "16 frequencies");
+  refused([](RandomShadow& s) { s.forced_first = NAN; }, "not a number");
+  refused([](RandomShadow& s) { s.forced_first = INFINITY; }, "not a number");
+  refused([](RandomShadow& s) { s.forced_weight = -128; }, "-128");
+  refused([](RandomShadow& s) { s.version = 2; }, "another version");
+  refused([](RandomShadow& s) { s.width = 257; }, "wider than 256");
+  refused([](RandomShadow& s) { s.layers = 9; }, "1 to 8");
+  refused([](RandomShadow& s) { s.texel_frequencies = 17; }, "16 frequencies");
 }
 
 TEST(ShadowAsset, RefusesWhatIsNoFileAtAll) {

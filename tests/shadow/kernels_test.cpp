@@ -5,26 +5,12 @@
 #include <cmath>
 #include <vector>
 
-#include "kernels/int8.h"
-#include "tests/shadow/shadow_fixture.h"
+#include "tests/int8_kernels.h"
 
 namespace {
 
 using namespace sandglass;
 using namespace sandglass::tests;
-
-template <class T>
-struct Aligned {
-  explicit Aligned(size_t count) : words(count * sizeof(T) / 64 + 2) {}
-  T* data() {
-    const uintptr_t at = reinterpret_cast<uintptr_t>(words.data());
-    return reinterpret_cast<T*>((at + 63) / 64 * 64);
-  }
-  struct Line {
-    uint8_t bytes[64];
-  };
-  std::vector<Line> words;
-};
 
 struct Case {
   uint32_t width, layers;
@@ -44,11 +30,8 @@ struct Oracle {
 
   explicit Oracle(const Case& c)
       : columns(256 * c.width), rows(256 * c.width), last(c.width), coverage(k_coverage_steps), width(c.width) {
-    uint64_t state = c.width * 31 + c.layers;
-    const auto next = [&](int64_t low, int64_t high) {
-      state = state * 6364136223846793005ull + 1442695040888963407ull;
-      return low + static_cast<int64_t>((state >> 33) % static_cast<uint64_t>(high - low + 1));
-    };
+    Integers random = {c.width * 31 + c.layers};
+    const auto next = [&](int64_t low, int64_t high) { return random.next(low, high); };
     const int64_t reach = c.extreme ? 32767 : 1500;
     for (int16_t& x : columns) x = static_cast<int16_t>(next(-reach, reach));
     for (int16_t& x : rows) x = static_cast<int16_t>(next(-reach, reach));
@@ -98,13 +81,10 @@ TEST(ShadowKernels, EveryTableEqualsTheOracleForEveryCountOfTexels) {
       u.push_back(static_cast<uint16_t>(i * 37 % 256)), v.push_back(static_cast<uint16_t>(i * 101 % 256));
       expected.push_back(oracle.texel(u[i], v[i]));
     }
-    Aligned<int16_t> columns(oracle.columns.size()), rows(oracle.rows.size());
-    std::copy(oracle.columns.begin(), oracle.columns.end(), columns.data());
-    std::copy(oracle.rows.begin(), oracle.rows.end(), rows.data());
-    Aligned<int8_t> last(c.width);
-    std::copy(oracle.last.begin(), oracle.last.end(), last.data());
+    Aligned columns(oracle.columns), rows(oracle.rows);
+    Aligned last(oracle.last);
     Aligned<uint8_t> scratch(shadow_scratch_bytes(c.width));
-    for (const sandglass_isa isa : available_sets()) {
+    for (const sandglass_isa isa : int8_sets()) {
       const Int8Kernels* table = select_int8_kernels(isa);
       std::vector<Aligned<int8_t>> packed(c.layers, Aligned<int8_t>(c.width * c.width));
       std::vector<std::vector<int32_t>> bias(c.layers, std::vector<int32_t>(c.width));

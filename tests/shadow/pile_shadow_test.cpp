@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -14,8 +14,12 @@
 
 #include "sandglass/sandglass.hpp"
 #include "tests/filled_struct.h"
+#include "tests/guarded_block.h"
+#include "tests/reason.h"
 
 namespace {
+
+using sandglass::tests::expect_refused;
 
 constexpr double k_degree = std::numbers::pi / 180.0;
 constexpr float k_radius = 0.01f;   // of particles
@@ -23,15 +27,13 @@ constexpr float k_grain = 0.0035f;  // radius of grains; a texel is larger
 
 struct Light {
   double polar_deg, azimuth_deg;
-  std::array<float, 3> floats() const {
-    double d[3];
-    vector(d);
-    return {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
+  std::array<double, 3> vector() const {
+    const double polar = polar_deg * k_degree, azimuth = azimuth_deg * k_degree;
+    return {std::sin(polar) * std::cos(azimuth), std::cos(polar), std::sin(polar) * std::sin(azimuth)};
   }
-  void vector(double (&d)[3]) const {
-    d[0] = std::sin(polar_deg * k_degree) * std::cos(azimuth_deg * k_degree);
-    d[1] = std::cos(polar_deg * k_degree);
-    d[2] = std::sin(polar_deg * k_degree) * std::sin(azimuth_deg * k_degree);
+  std::array<float, 3> floats() const {
+    const std::array<double, 3> d = vector();
+    return {static_cast<float>(d[0]), static_cast<float>(d[1]), static_cast<float>(d[2])};
   }
 };
 
@@ -69,11 +71,11 @@ std::vector<float> tower() {  // a column as it begins to collapse
 double traced(const std::vector<float>& spheres, const double (&point)[3], const Light& light,
               float radius = k_radius) {
   constexpr int k_side = 12;
-  double d[3], u[3], v[3];
-  light.vector(d);
+  const std::array<double, 3> d = light.vector();
   const double flat = std::hypot(d[0], d[2]);
-  u[0] = flat > 0 ? -d[2] / flat : 1, u[1] = 0, u[2] = flat > 0 ? d[0] / flat : 0;
-  for (int k = 0; k < 3; ++k) v[k] = d[(k + 1) % 3] * u[(k + 2) % 3] - d[(k + 2) % 3] * u[(k + 1) % 3];
+  const double u[3] = {-d[2] / flat, 0, d[0] / flat};
+  double v[3];
+  for (size_t k = 0; k < 3; ++k) v[k] = d[(k + 1) % 3] * u[(k + 2) % 3] - d[(k + 2) % 3] * u[(k + 1) % 3];
   double all = 0, open = 0;
   for (int i = 0; i < k_side; ++i)
     for (int j = 0; j < k_side; ++j) {
@@ -81,7 +83,7 @@ double traced(const std::vector<float>& spheres, const double (&point)[3], const
                    sine = std::sqrt(1 - cosine * cosine);
       const double turn = 2 * std::numbers::pi * (j + 0.5 * (i % 2)) / k_side;
       double r[3];
-      for (int k = 0; k < 3; ++k) r[k] = cosine * d[k] + sine * (std::cos(turn) * u[k] + std::sin(turn) * v[k]);
+      for (size_t k = 0; k < 3; ++k) r[k] = cosine * d[k] + sine * (std::cos(turn) * u[k] + std::sin(turn) * v[k]);
       if (r[1] <= 0) continue;
       all += r[1];
       bool hit = false;
@@ -218,51 +220,52 @@ TEST(PileShadow, OneHashForAllKernelsAndAllDivisions) {
 }
 
 TEST(PileShadow, RefusesWithASentence) {
-  const auto refused = [](const std::function<void(sandglass_pile_shadow_desc*)>& spoil) {
+  const auto refused = [](const char* words, void (*spoil)(sandglass_pile_shadow_desc*)) {
     sandglass_pile_shadow_desc desc = description();
     spoil(&desc);
     uint64_t bytes = 0;
-    const char* reason = nullptr;
-    const sandglass_status status = sandglass_pile_shadow_bytes(&desc, &bytes, &reason);
-    return status == SANDGLASS_ERROR_INVALID_ARGUMENT && reason != nullptr && std::strlen(reason) > 20;
+    expect_refused(words, [&](const char** reason) { return sandglass_pile_shadow_bytes(&desc, &bytes, reason); });
   };
-  EXPECT_TRUE(refused([](auto* d) { d->struct_size = 3; }));
-  EXPECT_TRUE(refused([](auto* d) { d->high[0] = d->low[0]; }));
-  EXPECT_TRUE(refused([](auto* d) { d->low[1] = NAN; }));
-  EXPECT_TRUE(refused([](auto* d) { d->floor = INFINITY; }));
-  EXPECT_TRUE(refused([](auto* d) { d->texels = 100; }));
-  EXPECT_TRUE(refused([](auto* d) { d->angular_diameter = 2; }));
-  EXPECT_TRUE(refused([](auto* d) { d->light_tolerance = -1; }));
-  EXPECT_TRUE(refused([](auto* d) { d->on_sand = 2; }));
+  refused("struct_size", [](auto* d) { d->struct_size = 3; });
+  refused("above low", [](auto* d) { d->high[0] = d->low[0]; });
+  refused("low or high", [](auto* d) { d->low[1] = NAN; });
+  refused("floor", [](auto* d) { d->floor = INFINITY; });
+  refused("texels", [](auto* d) { d->texels = 100; });
+  refused("angular_diameter", [](auto* d) { d->angular_diameter = 2; });
+  refused("light_tolerance", [](auto* d) { d->light_tolerance = -1; });
+  refused("on_sand", [](auto* d) { d->on_sand = 2; });
 
   const sandglass_pile_shadow_desc desc = description();
   uint64_t bytes = 0;
   ASSERT_EQ(sandglass_pile_shadow_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
-  alignas(64) static uint8_t block[1 << 20];
-  ASSERT_LT(bytes, sizeof block);
-  std::memset(block, 0x5a, sizeof block);
+  sandglass::test::GuardedBlock block(bytes);
   sandglass_pile_shadow* handle = nullptr;
-  EXPECT_EQ(sandglass_pile_shadow_create(&desc, block, bytes - 1, &handle, nullptr), SANDGLASS_ERROR_MEMORY_TOO_SMALL);
-  EXPECT_EQ(sandglass_pile_shadow_create(&desc, block + 1, bytes, &handle, nullptr), SANDGLASS_ERROR_MEMORY_ALIGNMENT);
-  for (const uint8_t byte : block) ASSERT_EQ(byte, 0x5a);
-  ASSERT_EQ(sandglass_pile_shadow_create(&desc, block, bytes, &handle, nullptr), SANDGLASS_OK);
-  const float zero[3] = {0, 0, 0}, broken[3] = {0, NAN, 0}, good[3] = {1e-20f, 3e-20f, 0}, below[3] = {1, -0.1f, 0};
-  EXPECT_EQ(sandglass_pile_shadow_set_light(handle, zero, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_pile_shadow_set_light(handle, broken, nullptr), SANDGLASS_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(sandglass_pile_shadow_set_light(handle, good, nullptr), SANDGLASS_OK);
-  EXPECT_EQ(sandglass_pile_shadow_set_light(handle, below, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(sandglass_pile_shadow_create(&desc, block.data(), bytes - 1, &handle, nullptr),
+            SANDGLASS_ERROR_MEMORY_TOO_SMALL);
+  EXPECT_EQ(sandglass_pile_shadow_create(&desc, block.data() + 1, bytes, &handle, nullptr),
+            SANDGLASS_ERROR_MEMORY_ALIGNMENT);
+  EXPECT_TRUE(block.untouched());
+  ASSERT_EQ(sandglass_pile_shadow_create(&desc, block.data(), bytes, &handle, nullptr), SANDGLASS_OK);
+  const auto set_light = [&](const std::array<float, 3>& d) {
+    return sandglass_pile_shadow_set_light(handle, d.data(), nullptr);
+  };
+  const std::array<float, 3> good = {1e-20f, 3e-20f, 0};
+  EXPECT_EQ(set_light({0, 0, 0}), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(set_light({0, NAN, 0}), SANDGLASS_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(set_light(good), SANDGLASS_OK);
+  EXPECT_EQ(set_light({1, -0.1f, 0}), SANDGLASS_OK);
   EXPECT_EQ(sandglass_pile_shadow_run(handle, nullptr, 0, k_radius, 10), 0u)
       << "a light below the horizon leaves nothing to do";
   // Spheres that are not finite, far away or below the floor are left out.
   const float wild[] = {NAN, 0, 0, 1e30f, 0.1f, 0, 0, INFINITY, 0, 0, -5, 0, 0, 0.1f, NAN};
-  EXPECT_EQ(sandglass_pile_shadow_set_light(handle, good, nullptr), SANDGLASS_OK);
+  EXPECT_EQ(set_light(good), SANDGLASS_OK);
   EXPECT_GT(sandglass_pile_shadow_run(handle, wild, 5, k_radius, 100000), 0u);
   sandglass_pile_shadow_texture t = {};
   t.struct_size = sizeof t;
   sandglass_pile_shadow_get_texture(handle, &t);
   ASSERT_EQ(t.valid, 1u);
-  for (uint32_t i = 0; i < 128 * 128; ++i) ASSERT_EQ(t.coverage[i], 0);
-  for (size_t i = bytes; i < sizeof block; ++i) ASSERT_EQ(block[i], 0x5a);
+  EXPECT_TRUE(std::all_of(t.coverage, t.coverage + 128 * 128, [](uint8_t c) { return c == 0; }));
+  EXPECT_TRUE(block.guards_intact());
 }
 
 TEST(PileShadow, FillsNoByteBeyondTheCallersTexture) {

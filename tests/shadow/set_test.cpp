@@ -7,7 +7,7 @@
 
 #include "platform/virtual_clock.h"
 #include "runtime/shadow/shadow.h"
-#include "sandglass/sandglass.hpp"
+#include "tests/sand_scene.h"
 #include "tests/shadow/shadow_fixture.h"
 
 namespace {
@@ -192,10 +192,7 @@ TEST(ShadowSet, CombinedLightsAreWeightedByTheirIrradiance) {
           const bool inside = x >= 0 && y >= 0 && x < k_size && y < k_size;
           return inside ? t.coverage[static_cast<uint32_t>(y) * k_size + static_cast<uint32_t>(x)] / 1.0 : 0.0;
         };
-        const double x = std::floor(at[0]), y = std::floor(at[1]), fx = at[0] - x, fy = at[1] - y;
-        sum += weight[l] / 3.5 * t.opacity *
-               ((1 - fy) * ((1 - fx) * texel(x, y) + fx * texel(x + 1, y)) +
-                fy * ((1 - fx) * texel(x, y + 1) + fx * texel(x + 1, y + 1)));
+        sum += weight[l] / 3.5 * t.opacity * bilinear(texel, at[0], at[1]);
       }
       worst = std::max(worst, std::fabs(sum - out[v * k_out + u]));
     }
@@ -232,35 +229,12 @@ TEST(ShadowSet, ALightWithoutATextureYetIsCombinedAsUnshaded) {
 
 // ------------------------------------------------------------------------------------------------------- in the frame
 
-struct SandScene {
-  explicit SandScene(sandglass_clock clock) {
-    sandglass_scene_desc desc = cpp::scene_desc();
-    desc.clock = clock;
-    desc.unit_items = 64;
-    desc.granular.particle_capacity = desc.granular.grain_capacity = 600;
-    EXPECT_TRUE(scene.create(desc));
-    std::vector<float> particles, grains;
-    for (int i = 0; i < 600; ++i)
-      for (const float x : {0.0205f * static_cast<float>(i % 10), 0.02f + 0.0205f * static_cast<float>(i / 100),
-                            0.0205f * static_cast<float>(i / 10 % 10)})
-        particles.push_back(x), grains.push_back(x + 0.004f);
-    EXPECT_TRUE(scene.add(particles, grains));
-  }
-  sandglass_frame_report frame(std::vector<sandglass_shadow*> shadows, uint64_t budget_ns,
-                               const sandglass_plan* plan = nullptr) {
-    const sandglass_collider floor = cpp::floor_at(0);
-    sandglass_frame_input input = cpp::frame_input();
-    input.time_step = 0.02f, input.budget_ns = budget_ns, input.plan = plan;
-    input.colliders = &floor, input.collider_count = 1;
-    input.shadows = shadows.data(), input.shadow_count = static_cast<uint32_t>(shadows.size());
-    sandglass_frame_report report = {};
-    status = scene.frame(input, &report).code;
-    return report;
-  }
-
-  cpp::Scene scene;
-  sandglass_status status = SANDGLASS_OK;
-};
+sandglass_frame_report frame(SandScene& sand, const std::vector<sandglass_shadow*>& shadows, uint64_t budget_ns,
+                             const sandglass_plan* plan = nullptr) {
+  sandglass_frame_input input = frame_input();
+  input.shadows = shadows.data(), input.shadow_count = static_cast<uint32_t>(shadows.size());
+  return sand.frame(input, budget_ns, plan);
+}
 
 // With no time at all, one unit a frame still runs: the texture arrives later, and complete.
 TEST(ShadowFrame, ABudgetOfNothingStillBringsTheTexture) {
@@ -273,7 +247,7 @@ TEST(ShadowFrame, ABudgetOfNothingStillBringsTheTexture) {
   shadow.light(0.5f, 1, 0.2f);
   uint32_t frames = 0;
   for (bool done = false; !done && frames < 2000; ++frames) {
-    const sandglass_frame_report report = sand.frame({shadow.shadow}, 0);
+    const sandglass_frame_report report = frame(sand, {shadow.shadow}, 0);
     ASSERT_EQ(report.stages[SANDGLASS_STAGE_SHADOW].units, 1u);
     ASSERT_EQ(report.pending_shadows, shadow.texture().age > 0 ? 1u : 0u);
     done = report.pending_shadows == 0;
@@ -284,7 +258,7 @@ TEST(ShadowFrame, ABudgetOfNothingStillBringsTheTexture) {
   }
   EXPECT_GT(frames, 4u);
   EXPECT_EQ(shadow.coverage(), expected.coverage());
-  EXPECT_EQ(sand.frame({shadow.shadow}, 0).stages[SANDGLASS_STAGE_SHADOW].units, 0u);
+  EXPECT_EQ(frame(sand, {shadow.shadow}, 0).stages[SANDGLASS_STAGE_SHADOW].units, 0u);
 }
 
 // Two objects with two lights each, which turn in every frame, beside falling sand. The budget law holds, textures keep
@@ -295,18 +269,18 @@ TEST(ShadowFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
   time.step_ns = 20'000;
   LiveShadow a(describe_lights(file, 2)), b(describe_lights(file, 2));
   LiveShadow a2(describe_lights(file, 2)), b2(describe_lights(file, 2));
-  SandScene sand(virtual_clock(&time)), again({});
+  SandScene sand(virtual_clock(&time)), again;
   uint32_t with_shadow = 0, with_grains = 0, arrived = 0;
   for (int f = 0; f < 30; ++f) {
     const float turn = 0.03f * static_cast<float>(f);
     for (LiveShadow* s : {&a, &b, &a2, &b2}) set_light(*s, 0, turn, 0.1f), set_light(*s, 1, -0.3f, turn, 0.5f);
-    const sandglass_frame_report report = sand.frame({a.shadow, b.shadow}, 4'000'000);
+    const sandglass_frame_report report = frame(sand, {a.shadow, b.shadow}, 4'000'000);
     ASSERT_EQ(sand.status, SANDGLASS_OK);
     ASSERT_LE(report.elapsed_ns, std::max(report.budget_ns, report.mandatory_ns) + report.last_unit_ns) << f;
     with_shadow += report.stages[SANDGLASS_STAGE_SHADOW].units > 1;
     with_grains += report.stages[SANDGLASS_STAGE_REFINE].units > 0;
     arrived += a.texture(0).age == 0;
-    again.frame({a2.shadow, b2.shadow}, 4'000'000, &report.plan);
+    frame(again, {a2.shadow, b2.shadow}, 4'000'000, &report.plan);
     ASSERT_EQ(again.status, SANDGLASS_OK) << f;
     ASSERT_EQ(again.scene.hash(), sand.scene.hash()) << f;
     ASSERT_EQ(sandglass_shadow_hash(a2.shadow), sandglass_shadow_hash(a.shadow)) << f;
@@ -338,11 +312,11 @@ TEST(ShadowFrame, ATextureCountsForItsCostWhenTheQualityLevelIsChosen) {
     SandScene sand(virtual_clock(&time));
     for (int f = 0; f < 4; ++f) {
       set_light(shadow, 0, 0.1f * static_cast<float>(f), 0.2f);
-      cost = sand.frame({shadow.shadow}, k_ample).stages[SANDGLASS_STAGE_SHADOW].elapsed_ns;
+      cost = frame(sand, {shadow.shadow}, k_ample).stages[SANDGLASS_STAGE_SHADOW].elapsed_ns;
     }
     if (waiting.light >= 0) set_light(shadow, static_cast<uint32_t>(waiting.light), -0.3f, 0.2f);
     sandglass_shadow_run(&shadow.shadow, 1, waiting.done);
-    return sand.frame({shadow.shadow}, budget).level;
+    return frame(sand, {shadow.shadow}, budget).level;
   };
   const auto least_budget = [&](const Waiting& waiting) {
     uint64_t low = k_least, high = k_most;
@@ -361,15 +335,15 @@ TEST(ShadowFrame, ATextureCountsForItsCostWhenTheQualityLevelIsChosen) {
 
 TEST(ShadowFrame, WithoutAClockEveryTextureIsDoneInItsFrame) {
   LiveShadow shadow(describe_lights(make_shadow_file(k_network), 2));
-  SandScene sand({});
+  SandScene sand;
   set_light(shadow, 0, 0.2f, 0), set_light(shadow, 1, 0, 0.5f);
-  EXPECT_EQ(sand.frame({shadow.shadow}, 1).pending_shadows, 0u);
+  EXPECT_EQ(frame(sand, {shadow.shadow}, 1).pending_shadows, 0u);
   EXPECT_EQ(shadow.texture(0).valid + shadow.texture(1).valid, 2u);
 }
 
 TEST(ShadowFrame, RefusesNullAmongTheShadows) {
-  SandScene sand({});
-  sand.frame({nullptr}, 1'000'000);
+  SandScene sand;
+  frame(sand, {nullptr}, 1'000'000);
   EXPECT_EQ(sand.status, SANDGLASS_ERROR_INVALID_ARGUMENT);
 }
 

@@ -5,27 +5,14 @@
 
 #include <cmath>
 #include <cstring>
-#include <new>
 
-#include "kernels/int8.h"
-#include "models/baking/shadow_builders.h"
-#include "runtime/asset/file.h"
+#include "flatbuffers/flatbuffers.h"
 #include "runtime/asset/shadow_asset.h"
+#include "runtime/asset/shadow_generated.h"
 
 namespace sandglass::tests {
 
 namespace {
-
-constexpr uint64_t k_guard = 256;
-constexpr uint8_t k_fill = 0xA7;
-
-struct Random {
-  uint64_t state;
-  double unit() {  // -1..1
-    state = state * 6364136223846793005ull + 1442695040888963407ull;
-    return static_cast<double>(static_cast<int64_t>(state) >> 11) * 0x1p-52;
-  }
-};
 
 uint64_t need(const sandglass_shadow_desc& desc) {
   uint64_t bytes = 0;
@@ -36,39 +23,37 @@ uint64_t need(const sandglass_shadow_desc& desc) {
 
 }  // namespace
 
-AssetFile copy_of(const uint8_t* bytes, uint64_t count) {
-  AssetFile file = {std::vector<uint64_t>(count / 8 + 1), count};
-  std::memcpy(file.data(), bytes, count);
-  return file;
-}
-
-void repair_checksum(AssetFile* file) {
-  const uint64_t body = file->bytes - k_checksum_bytes, hash = hash_bytes(file->data(), body);
-  for (uint32_t i = 0; i < k_checksum_bytes; ++i) file->data()[body + i] = static_cast<uint8_t>(hash >> 8 * i);
-}
-
 AssetFile make_shadow_file(const RandomShadow& what) {
-  Random random = {what.seed};
+  uint64_t state = what.seed;
+  const auto unit = [&] {  // -1..1
+    state = state * 6364136223846793005ull + 1442695040888963407ull;
+    return static_cast<double>(static_cast<int64_t>(state) >> 11) * 0x1p-52;
+  };
   flatbuffers::FlatBufferBuilder builder;
   const uint32_t inputs = 2 * (1 + 2 * what.texel_frequencies) + 3 * (1 + 2 * what.light_frequencies);
   const auto layer_of = [&](uint32_t outputs, float multiplier, bool hidden) {
     std::vector<int8_t> weights(what.width * outputs);
     for (int8_t& w : weights) {
-      const double x = random.unit();
+      const double x = unit();
       w = what.zero                ? int8_t{0}
           : what.extreme && hidden ? (x < 0 ? int8_t{-127} : int8_t{127})
                                    : static_cast<int8_t>(127 * x);
     }
     if (hidden && what.forced_weight != 0) weights[3] = what.forced_weight;
     std::vector<int32_t> bias(outputs);
-    for (int32_t& b : bias) b = what.zero ? 0 : static_cast<int32_t>(4000 * random.unit());
+    for (int32_t& b : bias) b = what.zero ? 0 : static_cast<int32_t>(4000 * unit());
     const auto w = builder.CreateVector(weights);
     const auto b = builder.CreateVector(bias);
-    return asset::CreateLayer(builder, w, b, builder.CreateVector(std::vector<float>(outputs, multiplier)));
+    const auto multipliers = builder.CreateVector(std::vector<float>(outputs, multiplier));
+    const auto start = builder.StartTable();
+    builder.AddOffset(asset::Layer::VT_MULTIPLIER, multipliers);
+    builder.AddOffset(asset::Layer::VT_BIAS, b);
+    builder.AddOffset(asset::Layer::VT_WEIGHTS, w);
+    return flatbuffers::Offset<asset::Layer>(builder.EndTable(start));
   };
   std::vector<float> first(inputs * what.width), first_bias(what.width);
-  for (float& w : first) w = what.zero ? 0.0f : static_cast<float>(static_cast<double>(what.spread) * random.unit());
-  for (float& b : first_bias) b = what.zero ? 0.0f : static_cast<float>(random.unit());
+  for (float& w : first) w = what.zero ? 0.0f : static_cast<float>(static_cast<double>(what.spread) * unit());
+  for (float& b : first_bias) b = what.zero ? 0.0f : static_cast<float>(unit());
   // High frequencies have smaller weights, so that a texture has smooth parts for the adaptive mode to find.
   for (uint32_t i = 0; i < 2 * (1 + 2 * what.texel_frequencies); ++i)
     for (uint32_t c = 0; c < what.width; ++c)
@@ -83,51 +68,26 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   const auto biases = builder.CreateVector(first_bias);
   const auto name = builder.CreateString("random");
   const asset::Box box(1, 2, 3, 0.2, 0.1, 0.5, 0.349065850398866, 1.2217304763960306);  // 20 and 70 degrees
-  asset::ShadowBuilder shadow(builder);
-  shadow.add_version(what.version);
-  shadow.add_name(name);
-  shadow.add_box(&box);
-  shadow.add_plane_fitted(true);
-  shadow.add_texel_frequencies(static_cast<uint8_t>(what.texel_frequencies));
-  shadow.add_light_frequencies(static_cast<uint8_t>(what.light_frequencies));
-  shadow.add_width(static_cast<uint16_t>(what.width));
-  shadow.add_first_weights(first_weights);
-  shadow.add_first_bias(biases);
-  shadow.add_first_step(0.02f);
-  shadow.add_layers(all);
-  shadow.add_last(last);
-  builder.Finish(shadow.Finish(), asset::ShadowIdentifier());
-  AssetFile file = {std::vector<uint64_t>((builder.GetSize() + k_checksum_bytes) / 8 + 1),
-                    builder.GetSize() + k_checksum_bytes};
-  std::memcpy(file.data(), builder.GetBufferPointer(), builder.GetSize());
-  repair_checksum(&file);
+  using Table = asset::Shadow;
+  const auto start = builder.StartTable();
+  builder.AddElement<uint16_t>(Table::VT_VERSION, what.version, 0);
+  builder.AddOffset(Table::VT_NAME, name);
+  builder.AddStruct(Table::VT_BOX, &box);
+  builder.AddElement<uint8_t>(Table::VT_PLANE_FITTED, 1, 0);
+  builder.AddElement<uint8_t>(Table::VT_TEXEL_FREQUENCIES, static_cast<uint8_t>(what.texel_frequencies), 0);
+  builder.AddElement<uint8_t>(Table::VT_LIGHT_FREQUENCIES, static_cast<uint8_t>(what.light_frequencies), 0);
+  builder.AddElement<uint16_t>(Table::VT_WIDTH, static_cast<uint16_t>(what.width), 0);
+  builder.AddOffset(Table::VT_FIRST_WEIGHTS, first_weights);
+  builder.AddOffset(Table::VT_FIRST_BIAS, biases);
+  builder.AddElement<float>(Table::VT_FIRST_STEP, 0.02f, 0.0f);
+  builder.AddOffset(Table::VT_LAYERS, all);
+  builder.AddOffset(Table::VT_LAST, last);
+  builder.Finish(flatbuffers::Offset<Table>(builder.EndTable(start)), asset::ShadowIdentifier());
+  std::vector<uint8_t> content(builder.GetBufferPointer(), builder.GetBufferPointer() + builder.GetSize());
+  content.resize(content.size() + k_checksum_bytes);
+  AssetFile file(content);
+  file.repair_checksum();
   return file;
-}
-
-std::vector<sandglass_isa> available_sets() {
-  std::vector<sandglass_isa> sets;
-  constexpr sandglass_isa k_all[] = {SANDGLASS_ISA_SCALAR,    SANDGLASS_ISA_NEON, SANDGLASS_ISA_NEON_DOTPROD,
-                                     SANDGLASS_ISA_NEON_I8MM, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512};
-  for (const sandglass_isa isa : k_all)
-    if (select_int8_kernels(isa) != nullptr) sets.push_back(isa);
-  return sets;
-}
-
-Block::Block(uint64_t bytes)
-    : data_(static_cast<uint8_t*>(::operator new (bytes + k_guard, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT}))),
-      bytes_(bytes) {
-  std::memset(data_, k_fill, bytes + k_guard);
-}
-Block::~Block() { ::operator delete (data_, std::align_val_t{SANDGLASS_BLOCK_ALIGNMENT}); }
-bool Block::guards_intact() const {
-  for (uint64_t i = 0; i < k_guard; ++i)
-    if (data_[bytes_ + i] != k_fill) return false;
-  return true;
-}
-bool Block::untouched() const {
-  for (uint64_t i = 0; i < bytes_; ++i)
-    if (data_[i] != k_fill) return false;
-  return guards_intact();
 }
 
 sandglass_shadow_desc describe(const AssetFile& file, sandglass_isa isa, sandglass_shadow_mode mode) {

@@ -1,10 +1,13 @@
 // Files of networks with random weights, on which the runtime's tests run without any baking.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "sandglass/shadow.h"
+#include "tests/asset_file.h"
+#include "tests/guarded_block.h"
 
 namespace sandglass::tests {
 
@@ -19,39 +22,18 @@ struct RandomShadow {
   uint16_t version = 1;
 };
 
-// A file with its checksum, in 8-byte words so that it is aligned.
-struct AssetFile {
-  std::vector<uint64_t> words;
-  uint64_t bytes = 0;
-  uint8_t* data() { return reinterpret_cast<uint8_t*>(words.data()); }
-  const uint8_t* data() const { return reinterpret_cast<const uint8_t*>(words.data()); }
-};
-
 AssetFile make_shadow_file(const RandomShadow& what);
-AssetFile copy_of(const uint8_t* bytes, uint64_t count);
-void repair_checksum(AssetFile* file);
-
-// The instruction sets that this CPU runs.
-std::vector<sandglass_isa> available_sets();
-
-// A block aligned as the library asks, with guard bytes behind it.
-class Block {
- public:
-  explicit Block(uint64_t bytes);
-  ~Block();
-  Block(const Block&) = delete;
-  Block& operator=(const Block&) = delete;
-  void* data() { return data_; }
-  bool guards_intact() const;
-  bool untouched() const;
-
- private:
-  uint8_t* data_;
-  uint64_t bytes_;
-};
 
 sandglass_shadow_desc describe(const AssetFile& file, sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC,
                                sandglass_shadow_mode mode = SANDGLASS_SHADOW_ADAPTIVE);
+
+// The value at (x, y) between those that `texel` gives at whole numbers.
+template <class Texel>
+double bilinear(Texel&& texel, double x, double y) {
+  const double u = std::floor(x), v = std::floor(y);
+  return std::lerp(std::lerp(texel(u, v), texel(u + 1, v), x - u),
+                   std::lerp(texel(u, v + 1), texel(u + 1, v + 1), x - u), y - v);
+}
 
 // A shadow and its memory.
 struct LiveShadow {
@@ -62,7 +44,7 @@ struct LiveShadow {
   sandglass_shadow_texture texture(uint32_t light = 0) const;
   std::vector<uint8_t> coverage(uint32_t light = 0) const;
 
-  Block block;
+  test::GuardedBlock block;
   sandglass_shadow* shadow = nullptr;
 };
 

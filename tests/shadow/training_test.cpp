@@ -1,5 +1,4 @@
-// Training: gradients against differences, the same network on any number of threads, and a small object that is
-// learnt.
+// Training: gradients against differences, lights that are not trained on, and a small object that is learnt.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,14 +39,6 @@ struct Ball {
 const Ball& ball() {
   static const Ball instance;
   return instance;
-}
-
-TrainingState train(const TrainingPlan& plan, uint32_t threads) {
-  ThreadPool pool(threads);
-  Trainer trainer(ball().set, plan, pool);
-  TrainingState state = start_training({32, 2}, plan.seed);
-  while (!trainer.finished(state)) trainer.step(&state);
-  return state;
 }
 
 TEST(ShadowTraining, GradientIsTheSlopeOfTheLoss) {
@@ -106,25 +97,17 @@ TEST(ShadowTraining, NoUnseenLightIsATrainedOne) {
   EXPECT_EQ(nearest(ring_directions(polar_max, 960), ring_directions(polar_max, 960)), 0);
 }
 
-TEST(ShadowTraining, SameNetworkOnAnyNumberOfThreads) {
-  TrainingPlan plan;
-  plan.float_steps = 30, plan.quantised_steps = 10, plan.batch = 1024;
-  const TrainingState one = train(plan, 1), three = train(plan, 3);
-  EXPECT_EQ(one.network.parameters, three.network.parameters);
-  EXPECT_EQ(one.clips, three.clips);
-  plan.seed = 2;
-  EXPECT_NE(train(plan, 1).network.parameters, one.network.parameters);
-}
-
 TEST(ShadowTraining, LearnsABallAndTheBytesFollow) {
   TrainingPlan plan;
   plan.float_steps = 3000, plan.quantised_steps = 500, plan.batch = 1024;
-  const TrainingState state = train(plan, 2);
+  ThreadPool pool(2);
+  Trainer trainer(ball().set, plan, pool);
+  TrainingState state = start_training({32, 2}, plan.seed);
+  while (!trainer.finished(state)) trainer.step(&state);
   ShadowFile file = {"ball", ball().geometry, quantise(state.network, state.clips), 0, 0, 0, 1, {}};
   const std::vector<uint8_t> bytes = shadow_file_bytes(file);
   ShadowRunner full(bytes, "ball", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_FULL);
   ShadowRunner adaptive(bytes, "ball", SANDGLASS_ISA_AUTOMATIC, SANDGLASS_SHADOW_ADAPTIVE);
-  ThreadPool pool(2);
   double float_error = 0, byte_error = 0, adaptive_error = 0, rounding = 0;
   size_t count = 0;
   for (const Direction& light : ring_directions(ball().geometry.polar_max, 7)) {

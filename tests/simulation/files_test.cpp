@@ -1,5 +1,5 @@
 // A file is complete or does not exist. Arrays come back as they were written. Progress says how long the work will
-// take.
+// take. The thread pool runs every index exactly once in each call, even when workers come late.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -16,6 +17,8 @@
 #include "models/files/failure.h"
 #include "models/files/npy.h"
 #include "models/work/progress.h"
+#include "models/work/thread_pool.h"
+#include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
@@ -23,51 +26,42 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-struct Folder {
-  fs::path path;
-  Folder() : path(fs::path(::testing::TempDir()) / ("sandglass_host_" + std::to_string(::getpid()))) {
-    fs::create_directories(path);
-  }
-  ~Folder() { fs::remove_all(path); }
-  std::string file(const char* name) const { return (path / name).string(); }
-};
-
 TEST(Npy, RoundTrip) {
-  const Folder folder;
+  const tests::TemporaryFolder folder;
   const std::vector<float> values = {1.0f, -2.5f, 3e-38f, 4.0f, 5.0f, 6e20f};
-  write_npy(folder.file("a.npy"), values, 2, 3);
-  const NpyArray table = read_npy(folder.file("a.npy"));
+  write_npy(folder / "a.npy", values, 2, 3);
+  const NpyArray table = read_npy(folder / "a.npy");
   EXPECT_EQ(table.shape, (std::vector<uint64_t>{2, 3}));
   EXPECT_EQ(table.values, values);
-  write_npy(folder.file("b.npy"), values, 6, 1);
-  EXPECT_EQ(read_npy(folder.file("b.npy")).shape, (std::vector<uint64_t>{6}));
-  write_npy(folder.file("c.npy"), {}, 0, 3);
-  EXPECT_EQ(read_npy(folder.file("c.npy")).shape, (std::vector<uint64_t>{0, 3}));
+  write_npy(folder / "b.npy", values, 6, 1);
+  EXPECT_EQ(read_npy(folder / "b.npy").shape, (std::vector<uint64_t>{6}));
+  write_npy(folder / "c.npy", {}, 0, 3);
+  EXPECT_EQ(read_npy(folder / "c.npy").shape, (std::vector<uint64_t>{0, 3}));
 }
 
 TEST(Npy, DataStartAtAMultipleOf64) {
-  const Folder folder;
-  write_npy(folder.file("a.npy"), std::vector<float>(3), 1, 3);
-  EXPECT_EQ((fs::file_size(folder.file("a.npy")) - 12) % 64, 0u);
+  const tests::TemporaryFolder folder;
+  write_npy(folder / "a.npy", std::vector<float>(3), 1, 3);
+  EXPECT_EQ((fs::file_size(folder / "a.npy") - 12) % 64, 0u);
 }
 
 TEST(Npy, RefusesATruncatedFile) {
-  const Folder folder;
-  write_npy(folder.file("a.npy"), std::vector<float>(30), 10, 3);
-  const std::string whole = read_file(folder.file("a.npy"), "array");
+  const tests::TemporaryFolder folder;
+  write_npy(folder / "a.npy", std::vector<float>(30), 10, 3);
+  const std::string whole = read_file(folder / "a.npy", "array");
   for (const size_t length : {size_t{0}, size_t{5}, size_t{9}, size_t{40}, whole.size() - 1}) {
-    write_file(folder.file("b.npy"), whole.substr(0, length));
-    EXPECT_THROW(read_npy(folder.file("b.npy")), Failure) << length;
+    write_file(folder / "b.npy", whole.substr(0, length));
+    EXPECT_THROW(read_npy(folder / "b.npy"), Failure) << length;
   }
 }
 
 TEST(AtomicFile, LeavesNothingButTheFile) {
-  const Folder folder;
-  write_file(folder.file("a.txt"), std::string_view("content"));
-  EXPECT_EQ(read_file(folder.file("a.txt"), "text"), "content");
+  const tests::TemporaryFolder folder;
+  write_file(folder / "a.txt", std::string_view("content"));
+  EXPECT_EQ(read_file(folder / "a.txt", "text"), "content");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder.path), fs::directory_iterator()), 1);
-  EXPECT_THROW(write_file(folder.file("missing/a.txt"), std::string_view("x")), Failure);
-  EXPECT_THROW(read_file(folder.file("b.txt"), "text"), Failure);
+  EXPECT_THROW(write_file(folder / "missing/a.txt", std::string_view("x")), Failure);
+  EXPECT_THROW(read_file(folder / "b.txt", "text"), Failure);
 }
 
 // The second Ctrl-C comes in the middle of a file: its temporary name is a pipe, which takes no more than its buffer.
@@ -75,8 +69,8 @@ TEST(AtomicFile, ASecondCtrlCLeavesNothingHalfWritten) {
 #ifdef __SANITIZE_THREAD__
   GTEST_SKIP() << "the thread sanitizer keeps a signal back while a call of write waits";
 #endif
-  const Folder folder;
-  const std::string path = folder.file("a.txt");
+  const tests::TemporaryFolder folder;
+  const std::string path = (folder / "a.txt");
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
@@ -132,6 +126,31 @@ TEST(Progress, IsSilentForTwoSecondsAndThenWritesPlainLinesNowAndThen) {
   EXPECT_NE(written.find("working 10/100"), std::string::npos) << written;
   EXPECT_NE(written.find("working 50/100"), std::string::npos) << written;
   EXPECT_EQ(written.find('\r'), std::string::npos);
+}
+
+TEST(ThreadPool, OneThreadNeedsNoPool) {
+  ThreadPool pool(1);
+  EXPECT_EQ(pool.hook().run, nullptr);
+}
+
+TEST(ThreadPool, RunsEveryIndexOnceInEveryCall) {
+  constexpr uint32_t k_calls = 3000, k_count = 37;
+  ThreadPool pool(4);
+  const sandglass_parallel hook = pool.hook();
+  std::vector<std::atomic<uint32_t>> hits(k_count);
+  for (uint32_t call = 0; call < k_calls; ++call)
+    hook.run(
+        hook.user,
+        [](void* context, uint32_t index) {
+          (*static_cast<std::vector<std::atomic<uint32_t>>*>(context))[index].fetch_add(1);
+        },
+        &hits, call % (k_count + 1));
+  // Index i is part of every call with more than i items. The 3000 calls cycle through counts of 0..37.
+  for (uint32_t index = 0; index < k_count; ++index) {
+    uint32_t expected = 0;
+    for (uint32_t call = 0; call < k_calls; ++call) expected += index < call % (k_count + 1);
+    EXPECT_EQ(hits[index].load(), expected);
+  }
 }
 
 }  // namespace

@@ -22,11 +22,6 @@ TEST(Overlap, OfTwoSpheresIsTheirDepthOverTheRadius) {
   EXPECT_DOUBLE_EQ(overlap.p99, 0.5);
 }
 
-TEST(Overlap, OfNothingAndOfOneIsZero) {
-  EXPECT_EQ(measure_overlap({}, 1.0).pairs, 0u);
-  EXPECT_EQ(measure_overlap(std::vector<float>{0.0f, 0.0f, 0.0f}, 1.0).pairs, 0u);
-}
-
 TEST(Overlap, LeavesOutWhatIsNotFinite) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   EXPECT_EQ(measure_overlap(std::vector<float>{0, 0, 0, nan, 0, 0, 1, 0, 0}, 0.6).pairs, 1u);
@@ -97,8 +92,6 @@ TEST_P(Cone, HasItsSlopeHeightAndReach) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Angles, Cone, ::testing::Values(10.0, 20.0, 30.0));
-
-TEST(Pile, OfNothingIsZero) { EXPECT_EQ(measure_pile({}, 0.01).height, 0.0); }
 
 TEST(CellGrid, FindsExactlyTheNeighboursThatASearchOverAllPairsFinds) {
   std::vector<float> points;

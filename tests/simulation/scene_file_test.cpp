@@ -4,12 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "models/files/failure.h"
-#include "models/simulation/body_meshes.h"
 #include "models/simulation/metrics.h"
 #include "models/simulation/scene_fill.h"
+#include "models/simulation/scene_meshes.h"
 
 namespace sandglass::host {
 namespace {

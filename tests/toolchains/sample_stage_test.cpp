@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <vector>
@@ -12,12 +13,19 @@
 
 namespace {
 
-TEST(SandStage, PoursThePhonesSceneOntoTheTappedPoint) {
+// A stage with the block of sand on a point of the floor.
+struct SandStage : testing::Test {
+  void pour(float x, float y, float z) {
+    const float point[3] = {x, y, z};
+    ASSERT_TRUE(static_cast<bool>(stage.pour(point)));
+    for (int k = 0; k < 3; ++k) EXPECT_EQ(stage.origin()[k], point[k]);
+  }
   sample::SandStage stage;
+};
+
+TEST_F(SandStage, PoursThePhonesSceneOntoTheTappedPoint) {
   ASSERT_TRUE(static_cast<bool>(stage.create()));
-  const float point[3] = {1.0f, 0.7f, -2.0f};
-  ASSERT_TRUE(static_cast<bool>(stage.pour(point)));
-  for (int k = 0; k < 3; ++k) EXPECT_EQ(stage.origin()[k], point[k]);
+  pour(1.0f, 0.7f, -2.0f);
   EXPECT_GT(stage.drawn(), sample::k_grains * 3 / 4) << "the block must fill most of the capacity";
 
   std::vector<sandglass_grain> grains(sample::k_grains);
@@ -31,16 +39,9 @@ TEST(SandStage, PoursThePhonesSceneOntoTheTappedPoint) {
   EXPECT_EQ(report.quarantined, 0u);
   for (uint32_t i = 0; i < stage.drawn(); ++i)
     EXPECT_GT(grains[i].position[1], -0.001f) << "grain " << i << " under the floor";
-}
 
-TEST(SandStage, PoursAgainElsewhere) {
-  sample::SandStage stage;
-  ASSERT_TRUE(static_cast<bool>(stage.create()));
-  const float first[3] = {0, 0, 0}, second[3] = {3, 1, 0};
-  ASSERT_TRUE(static_cast<bool>(stage.pour(first)));
   const uint32_t drawn = stage.drawn();
-  stage.frame(0.02f, 1.0f, nullptr);
-  ASSERT_TRUE(static_cast<bool>(stage.pour(second)));
+  pour(3, 1, 0);
   EXPECT_EQ(stage.drawn(), drawn);
   EXPECT_EQ(stage.frame(0.02f, 1.0f, nullptr).frame, 1u) << "the scene must begin again";
 }
@@ -80,6 +81,13 @@ sandglass_camera_image pinhole() {
   return image;
 }
 
+bool set_planes(const uint8_t* y, const uint8_t* u, const uint8_t* v, const std::array<int32_t, 3>& pixel_strides,
+                sandglass_camera_image* image) {
+  const uint8_t* const of[3] = {y, u, v};
+  const int32_t rows[3] = {k_row, k_row, k_row};
+  return sample::set_yuv_planes(of, rows, pixel_strides.data(), image);
+}
+
 TEST(CameraPlanes, EveryLayoutOfOneImageIsTheSameImage) {
   uint64_t bytes = 0;
   const std::vector<uint64_t> file = network(&bytes);
@@ -93,10 +101,8 @@ TEST(CameraPlanes, EveryLayoutOfOneImageIsTheSameImage) {
     }
   // The hash of what the library keeps of an image.
   const auto kept = [&](const uint8_t* u, const uint8_t* v, int32_t pixel_stride, sandglass_camera_format expected) {
-    const uint8_t* const of[3] = {planes.y.data(), u, v};
-    const int32_t rows[3] = {k_row, k_row, k_row}, pixels[3] = {1, pixel_stride, pixel_stride};
     sandglass_camera_image image = pinhole();
-    EXPECT_TRUE(sample::set_yuv_planes(of, rows, pixels, &image));
+    EXPECT_TRUE(set_planes(planes.y.data(), u, v, {1, pixel_stride, pixel_stride}, &image));
     EXPECT_EQ(image.format, expected);
     sandglass_light_desc desc = sandglass::light_desc();
     desc.asset = file.data(), desc.asset_bytes = bytes;
@@ -117,39 +123,31 @@ TEST(CameraPlanes, EveryLayoutOfOneImageIsTheSameImage) {
 
 TEST(CameraPlanes, AnotherLayoutIsRefusedAndNothingIsTouched) {
   const Planes planes;
-  const uint8_t* const of[3] = {planes.y.data(), planes.u.data(), planes.v.data()};
-  const int32_t rows[3] = {k_row, k_row, k_row}, wide[3] = {1, 4, 4}, apart[3] = {1, 2, 2}, unlike[3] = {1, 1, 2};
-  for (const int32_t* pixels : {wide, apart, unlike}) {
+  using Strides = std::array<int32_t, 3>;
+  for (const Strides& pixels : {Strides{1, 4, 4}, Strides{1, 2, 2}, Strides{1, 1, 2}}) {
     sandglass_camera_image image = pinhole();
-    EXPECT_FALSE(sample::set_yuv_planes(of, rows, pixels, &image));
+    EXPECT_FALSE(set_planes(planes.y.data(), planes.u.data(), planes.v.data(), pixels, &image));
     EXPECT_EQ(image.planes[0], nullptr);
   }
 }
 
-TEST(SandStage, WithoutAnImageNoShadowIsSeen) {
-  sample::SandStage stage;
+TEST_F(SandStage, WithoutAnImageNoShadowIsSeen) {
   ASSERT_TRUE(static_cast<bool>(stage.create()));
-  const float point[3] = {0, 0, 0};
-  ASSERT_TRUE(static_cast<bool>(stage.pour(point)));
-  const Planes planes;
+  pour(0, 0, 0);
   const sandglass_camera_image image = pinhole();  // without a network nothing reads it
   EXPECT_EQ(stage.frame(0.02f, 1.0f, nullptr, &image).light_changed, 0u);
   EXPECT_EQ(stage.shadow_strength(), 0.0f);
 }
 
-TEST(SandStage, LightComesFromTheImageAndSandCastsItsShadowInIt) {
+TEST_F(SandStage, LightComesFromTheImageAndSandCastsItsShadowInIt) {
   if (SANDGLASS_EMULATED) GTEST_SKIP() << "an estimate in slices of 4 ms of an emulated core takes minutes";
   uint64_t bytes = 0;
   std::vector<uint64_t> file = network(&bytes);
-  sample::SandStage stage;
   ASSERT_TRUE(static_cast<bool>(stage.create(std::move(file), bytes)));
-  const float point[3] = {0.3f, 0.0f, -1.0f};
-  ASSERT_TRUE(static_cast<bool>(stage.pour(point)));
+  pour(0.3f, 0.0f, -1.0f);
   const Planes planes;
-  const uint8_t* const of[3] = {planes.y.data(), planes.u.data(), planes.v.data()};
-  const int32_t rows[3] = {k_row, k_row, k_row}, pixels[3] = {1, 1, 1};
   sandglass_camera_image image = pinhole();
-  ASSERT_TRUE(sample::set_yuv_planes(of, rows, pixels, &image));
+  ASSERT_TRUE(set_planes(planes.y.data(), planes.u.data(), planes.v.data(), {1, 1, 1}, &image));
 
   int changed = -1, frame = 0;
   for (; frame < 2000 && (changed < 0 || frame < changed + 30 || stage.shadow().age > 0); ++frame) {

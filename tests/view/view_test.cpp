@@ -2,12 +2,9 @@
 // surfaces are closed and have the right volume, sand can be poured and pushed, and grains are drawn between the
 // simulated instants.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
-#include <map>
 #include <numbers>
 
 #include "models/drawing/render.h"
@@ -18,6 +15,7 @@
 #include "models/view/orbit.h"
 #include "models/view/surface.h"
 #include "sandglass/sandglass.hpp"
+#include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
@@ -63,33 +61,10 @@ TEST(InputScript, RefusesWhatItDoesNotUnderstand) {
     EXPECT_THROW(parse_input_script(bad), Failure) << bad;
 }
 
-// The enclosed volume, by the divergence theorem. Also checks that every edge is used once in each direction. Vertices
-// at the same place (the corners of a box) count as one.
-double enclosed(const Surface& surface) {
-  std::map<std::array<int, 3>, uint32_t> places;
-  std::vector<uint32_t> joined;
-  const auto corner = [&](uint32_t i, int k) {
-    return static_cast<double>(surface.vertices[6 * i + static_cast<size_t>(k)]);
-  };
-  for (uint32_t i = 0; i < surface.vertex_count(); ++i) {
-    std::array<int, 3> key;
-    for (int k = 0; k < 3; ++k) key[static_cast<size_t>(k)] = static_cast<int>(std::lround(1e6 * corner(i, k)));
-    joined.push_back(places.emplace(key, static_cast<uint32_t>(places.size())).first->second);
-  }
-  std::map<std::pair<uint32_t, uint32_t>, int> edges;
-  double volume = 0.0;
-  for (size_t t = 0; t < surface.indices.size(); t += 3) {
-    Vec3 p[3];
-    for (size_t k = 0; k < 3; ++k) {
-      const uint32_t i = surface.indices[t + k];
-      p[k] = {corner(i, 0), corner(i, 1), corner(i, 2)};
-      const uint32_t a = joined[i], b = joined[surface.indices[t + (k + 1) % 3]];
-      if (a != b) ++edges[{a, b}], --edges[{b, a}];
-    }
-    volume += dot(p[0], cross(p[1], p[2])) / 6.0;
-  }
-  for (const auto& [edge, sum] : edges) EXPECT_EQ(sum, 0) << edge.first << " " << edge.second;
-  return volume;
+// The enclosed volume of a surface that is closed.
+double enclosed(const Mesh& mesh) {
+  EXPECT_TRUE(clean_mesh(mesh.vertices, mesh.indices, "surface").report.manifold());
+  return signed_volume(mesh);
 }
 
 sandglass_collider solid(sandglass_shape shape, float x, float y, float z) {
@@ -99,50 +74,49 @@ sandglass_collider solid(sandglass_shape shape, float x, float y, float z) {
 }
 
 TEST(Surface, FormulasEncloseTheirVolumes) {
+  const auto mesh_of = [](sandglass_shape shape, float x, float y, float z) {
+    return collider_mesh(solid(shape, x, y, z), nullptr);
+  };
   const double sphere = 4.0 / 3.0 * std::numbers::pi * 0.027, tube = std::numbers::pi * 0.09 * 0.8;
-  EXPECT_NEAR(enclosed(collider_surface(solid(SANDGLASS_SHAPE_BOX, 0.1f, 0.2f, 0.3f))), 8 * 0.006, 1e-8);
-  // A polyhedron of 32 x 16 faces inside the sphere: a little less than the sphere.
-  const double ball = enclosed(collider_surface(solid(SANDGLASS_SHAPE_SPHERE, 0.3f, 0, 0)));
+  EXPECT_NEAR(enclosed(mesh_of(SANDGLASS_SHAPE_BOX, 0.1f, 0.2f, 0.3f)), 8 * 0.006, 1e-8);
+  // A polyhedron inside the sphere: a little less than the sphere.
+  const double ball = enclosed(mesh_of(SANDGLASS_SHAPE_SPHERE, 0.3f, 0, 0));
   EXPECT_LT(ball, sphere);
   EXPECT_GT(ball, 0.97 * sphere);
-  EXPECT_NEAR(enclosed(collider_surface(solid(SANDGLASS_SHAPE_CAPSULE, 0.3f, 0.4f, 0))) - ball, tube, 0.01 * tube);
-  EXPECT_EQ(collider_surface(solid(SANDGLASS_SHAPE_HALF_SPACE, 1, 1, 1)).indices.size(), 0u);
+  EXPECT_NEAR(enclosed(mesh_of(SANDGLASS_SHAPE_CAPSULE, 0.3f, 0.4f, 0)) - ball, tube, 0.01 * tube);
+  EXPECT_EQ(mesh_of(SANDGLASS_SHAPE_HALF_SPACE, 1, 1, 1).indices.size(), 0u);
 }
 
-TEST(Surface, AFieldBecomesItsZeroLevelSeenFromTheFreeSide) {
-  constexpr float k_spacing = 0.01f;
-  for (const sandglass_solid side : {SANDGLASS_SOLID_INSIDE, SANDGLASS_SOLID_OUTSIDE}) {
-    const float sign = side == SANDGLASS_SOLID_INSIDE ? 1.0f : -1.0f;
-    cpp::Field field;
-    ASSERT_TRUE(field.from_function(
-        {{-0.15f, -0.15f, -0.15f}, {0.15f, 0.15f, 0.15f}}, k_spacing, side,
-        [&](const float* p) { return sign * (std::sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]) - 0.1f); }));
-    const sandglass_collider c = cpp::field_at(field, 0, 0, 0);
-    const Surface surface = collider_surface(c);
-    ASSERT_GT(surface.vertex_count(), 500u);
-    // The mean of crossings on a sphere of radius R lies inside it by about h^2 / (4 R), with h the spacing.
-    for (uint32_t i = 0; i < surface.vertex_count(); ++i) {
-      const float* v = &surface.vertices[6 * i];
-      const float r = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-      EXPECT_NEAR(r, 0.1f, k_spacing * k_spacing / 0.1f);
-      EXPECT_GT(sign * (v[0] * v[3] + v[1] * v[4] + v[2] * v[5]), 0.95f * r);
+// A cylinder as an outline, in both senses of going round it: its drawn faces look to the free side.
+TEST(Surface, AFieldIsSeenFromTheFreeSide) {
+  const double volume = std::numbers::pi * 0.1 * 0.1 * 0.2;
+  for (const char* outline : {"[[0, 0], [0.1, 0], [0.1, 0.2], [0, 0.2]]", "[[0, 0.2], [0.1, 0.2], [0.1, 0], [0, 0]]"})
+    for (const auto& [solid_at, sign] : {std::pair("inside", 1.0), {"outside", -1.0}}) {
+      SceneFile scene =
+          parse_scene(std::string(R"({"particle_radius": 0.01, "bodies": [{"shape": "box", "size": [1, 1, 1]}],
+          "colliders": [{"shape": "revolved", "profile": )") +
+                          outline + ", \"solid\": \"" + solid_at + "\"}]}",
+                      "test.json");
+      const CollisionFields fields(&scene, "");
+      const sandglass_collider c = collider_over_frame(scene.colliders[0], 0.0, 0.02);
+      const Mesh mesh = collider_mesh(c, fields.mesh_of(c.field));
+      EXPECT_NEAR(sign * enclosed(mesh), volume, 0.01 * volume) << outline << solid_at;
+      const std::vector<float> drawn = flat_triangles(mesh);
+      ASSERT_EQ(drawn.size(), 6 * mesh.indices.size());
+      for (size_t i = 0; i < drawn.size(); i += 6)  // away from the middle, or towards it
+        EXPECT_GT(sign * dot(from_floats(&drawn[i]) - Vec3{0, 0.1, 0}, from_floats(&drawn[i + 3])), 0.0);
     }
-    const double truth = 4.0 / 3.0 * std::numbers::pi * 1e-3;
-    EXPECT_NEAR(static_cast<double>(sign) * enclosed(surface), truth, 0.03 * truth);
-  }
 }
 
 class Live : public ::testing::Test {
  protected:
-  std::string path =
-      (std::filesystem::path(::testing::TempDir()) / ("sandglass_view_" + std::to_string(::getpid()) + ".json"))
-          .string();
+  const tests::TemporaryFolder folder;
+  const std::string path = folder / "small.json";
   void SetUp() override {
     std::ofstream(path) << R"({"name": "small", "frame_step": 0.02, "particle_radius": 0.01,
       "bodies": [{"shape": "lattice", "counts": [6, 6, 6], "grains": 1000, "position": [0, 0.3, 0]}],
       "colliders": [{"shape": "half_space"}]})";
   }
-  void TearDown() override { std::filesystem::remove(path); }
   LiveOptions options() const {
     LiveOptions o;
     o.scene = path, o.budget_ms = k_all_the_work;

@@ -2,7 +2,6 @@
 // keys from a script. The tests look at pixels of its screenshots.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,9 +11,10 @@
 #include <fstream>
 #include <sstream>
 
-#include "models/files/picture_file.h"
+#include "models/files/image.h"
 #include "models/geometry/vec3.h"
 #include "models/view/head_up.h"
+#include "tests/temporary_folder.h"
 
 namespace sandglass::host {
 namespace {
@@ -26,14 +26,10 @@ constexpr int k_overlay = 12;  // pixels from the window's corner to the panel
 
 class Window : public ::testing::Test {
  protected:
-  fs::path folder;
+  const tests::TemporaryFolder place;
+  const fs::path& folder = place.path;
   std::string said;
-  void SetUp() override {
-    folder = fs::path(::testing::TempDir()) / ("sandglass_window_" + std::to_string(::getpid()) + "_" +
-                                               ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder);
-    write_scene({0, 0.9, 0.9});
-  }
+  void SetUp() override { write_scene({0, 0.9, 0.9}); }
   // A block of sand on the floor in front of the camera, with a budget far beyond what it needs.
   void write_scene(Vec3 eye) {
     std::ofstream file(folder / "small.json");
@@ -44,8 +40,6 @@ class Window : public ::testing::Test {
       "camera": {"eye": [)"
          << eye.x << ", " << eye.y << ", " << eye.z << R"(], "target": [0, 0.05, 0], "fov_deg": 40}})";
   }
-  void TearDown() override { fs::remove_all(folder); }
-
   std::string view_small() const {
     return std::string("'") + SANDGLASS_PROGRAM + "' view '" + (folder / "small.json").string() +
            "' --budget-ms 1000 --width " + std::to_string(k_width) + " --height " + std::to_string(k_height) + " ";

@@ -9,8 +9,8 @@
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama_file.h"
 #include "models/rooms/probe_scene.h"
-#include "models/work/for_all.h"
 #include "models/work/progress.h"
+#include "models/work/thread_pool.h"
 
 namespace sandglass::host {
 
@@ -74,23 +74,14 @@ ViewResult measure_view(const ProbeScene& scene, const ProbeImage& ambient, cons
   const RadianceMap warped = warp(panorama, view, radius);
   LabelVariants labels = label_variants(warped, rotation.to_rotated({0, 1, 0}), white);
   labels.direction = rotation.to_panorama(labels.direction);  // the probe stands in the panorama's frame
-  ProbeImage truth = scene.render(ProbeLight::environment(warped, rotation), view, samples);
+  const ProbeImage truth = scene.render(ProbeLight::environment(warped, rotation), view, samples);
+  const RadianceMap shown = shown_by(truth.radiance, white);
   const ProbeImage directional = scene.render(ProbeLight::directional(labels.direction), view, samples);
-  const auto in_range = [](Vec3 c) { return Vec3{std::min(c.x, 1.0), std::min(c.y, 1.0), std::min(c.z, 1.0)}; };
-  for (int y = 0; y < ProbeScene::k_height; ++y)
-    for (int x = 0; x < ProbeScene::k_width; ++x)
-      truth.radiance.set(x, y, in_range(tone_mapped(truth.radiance.colour(x, y), white)));
   ViewResult result;
   for (const CeilingVariant& variant : variants) {
     const LightLabels chosen = labels.chosen(variant.range, variant.weight, variant.contrast);
-    const Strengths s = strengths_of(chosen, variant.radiometry);
-    RadianceMap picture(ProbeScene::k_width, ProbeScene::k_height);
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x)
-        picture.set(x, y,
-                    in_range(product(s.directional, directional.radiance.colour(x, y)) +
-                             product(s.ambient, ambient.radiance.colour(x, y))));
-    result.errors.push_back(compare(truth.radiance, picture));
+    const Strengths strengths = strengths_of(chosen, variant.radiometry);
+    result.errors.push_back(compare(shown, lit_by(strengths, directional.radiance, ambient.radiance)));
   }
   std::copy_n(labels.contrast, k_contrasts, result.contrast);
   result.zenith_deg = std::acos(std::clamp(labels.direction.y, -1.0, 1.0)) * 180.0 / k_pi;
@@ -113,6 +104,22 @@ Strengths strengths_of(const LightLabels& labels, Radiometry radiometry) {
     light = light *
             (luminance(labels.ambient) * ratio / std::max(labels.direction.y, k_least_elevation) / luminance(light));
   return {light, labels.ambient};
+}
+
+RadianceMap lit_by(const Strengths& strengths, const RadianceMap& directional, const RadianceMap& ambient) {
+  RadianceMap picture(directional.width, directional.height);
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x)
+      picture.set(x, y,
+                  limited(product(strengths.directional, directional.colour(x, y)) +
+                          product(strengths.ambient, ambient.colour(x, y))));
+  return picture;
+}
+
+RadianceMap shown_by(RadianceMap radiance, double white) {
+  for (int y = 0; y < radiance.height; ++y)
+    for (int x = 0; x < radiance.width; ++x) radiance.set(x, y, limited(tone_mapped(radiance.colour(x, y), white)));
+  return radiance;
 }
 
 const char* name_of(Range range) {

@@ -32,6 +32,11 @@ struct Strengths {
 };
 Strengths strengths_of(const LightLabels& labels, Radiometry radiometry);
 
+// The picture in a light of these strengths, from the pictures in the two lights of strength 1. No channel is above 1.
+RadianceMap lit_by(const Strengths& strengths, const RadianceMap& directional, const RadianceMap& ambient);
+// What a camera with this tone map shows of it. No channel is above 1.
+RadianceMap shown_by(RadianceMap radiance, double white);
+
 struct CeilingVariant {
   Range range;
   AmbientWeight weight;

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
+#include "models/files/aligned_bytes.h"
 #include "models/files/failure.h"
 #include "models/laboratory/cpu_time.h"
 #include "models/laboratory/machine_peak.h"
 #include "models/lighting/light_runner.h"
+#include "models/lighting/room_light.h"
+#include "models/rooms/excerpt.h"
 #include "models/work/random.h"
 #include "runtime/light/backends.h"
 #include "runtime/light/camera_image.h"
@@ -22,28 +24,18 @@ constexpr uint32_t k_width = 256, k_height = 192;
 constexpr double k_macs = 2.549e9;  // with pooling before the transitions' convolutions, and with the heads
 
 // A picture made from a formula: a wall with a lamp on it, whose light falls off.
-std::vector<uint8_t> wall_with_a_lamp() {
-  std::vector<uint8_t> rgb(size_t{3} * k_width * k_height);
+Picture wall_with_a_lamp() {
+  Picture picture(k_width, k_height, {0, 0, 0});
   for (uint32_t y = 0; y < k_height; ++y)
     for (uint32_t x = 0; x < k_width; ++x) {
       const double u = x - 0.7 * k_width, v = y - 0.2 * k_height, square = u * u + v * v;
       const double grain = 0.05 * (random_unit(uint64_t{y} * k_width + x) - 0.5);
       const double shade = 0.15 + 0.5 / (1 + square / 6000) + (square < 200 ? 1 : 0) + grain;
       for (uint32_t c = 0; c < 3; ++c)
-        rgb[3 * (size_t{y} * k_width + x) + c] =
+        picture.rgb[3 * (size_t{y} * k_width + x) + c] =
             static_cast<uint8_t>(255 * std::clamp(shade * (1 - 0.12 * c), 0.0, 1.0));
     }
-  return rgb;
-}
-
-sandglass_camera_image camera_image_of(const std::vector<uint8_t>& rgb) {
-  sandglass_camera_image image;
-  sandglass_camera_image_default(&image);
-  image.width = k_width, image.height = k_height;
-  image.planes[0] = rgb.data(), image.strides[0] = 3 * k_width;
-  image.focal_x = image.focal_y = sandglass_camera_focal(k_width, k_height, 85);
-  image.centre_x = 0.5f * (k_width - 1), image.centre_y = 0.5f * (k_height - 1);
-  return image;
+  return picture;
 }
 
 // Without a camera pose, directions are in the world's axes: x right, y up, z backward.
@@ -61,23 +53,31 @@ void add_part(LightingBenchRow* row, const std::string& name, double ms) {
   row->parts.push_back({name, ms});
 }
 
+// The best time of each of `units` work units, which are run in order after `begin`.
+template <class Begin, class Run>
+std::vector<double> best_ms_of_units(uint32_t units, Begin begin, Run run) {
+  std::vector<double> best(units, 1e30);
+  for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
+    begin();
+    double from = cpu_ms_now();
+    for (uint32_t unit = 0; unit < units; ++unit) {
+      run(unit);
+      const double now = cpu_ms_now();
+      best[unit] = std::min(best[unit], now - from);
+      from = now;
+    }
+  }
+  return best;
+}
+
 // Measures every work unit, so that each kind of operator gets its share.
 void measure_units(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa,
                    sandglass_light_backend backend, std::span<const uint8_t> rgb, LightingBenchRow* row,
                    std::vector<LightingBenchRow::Part>* layers) {
   LightRunner runner(file, name, isa, k_width, k_height, backend);
   LightNetwork* net = runner.network();
-  std::vector<double> best(net->units, 1e30);
-  for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
-    begin_light_network(net, rgb.data());
-    double from = cpu_ms_now();
-    for (uint32_t unit = 0; unit < net->units; ++unit) {
-      run_light_unit(net, unit);
-      const double now = cpu_ms_now();
-      best[unit] = std::min(best[unit], now - from);
-      from = now;
-    }
-  }
+  const std::vector<double> best = best_ms_of_units(
+      net->units, [&] { begin_light_network(net, rgb.data()); }, [&](uint32_t unit) { run_light_unit(net, unit); });
   row->longest_unit_ms = *std::max_element(best.begin(), best.end());
   for (uint32_t first = 0; first < net->units; first = light_operator_end(*net, first)) {
     double sum = 0;
@@ -117,28 +117,22 @@ LightingImageRow measure_image(const ImageCase& c) {
   const CameraBlocks blocks = camera_blocks(image);
   std::vector<uint8_t> rgb(size_t{3} * k_width * k_height);
   std::vector<uint32_t> sums(k_camera_sums);
-  std::vector<double> best(blocks.count, 1e30);
-  for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
-    double from = cpu_ms_now();
-    for (uint32_t unit = 0; unit < blocks.count; ++unit) {
-      resample_camera_block(image, camera_block(image, blocks, unit), rgb.data(), sums.data());
-      const double now = cpu_ms_now();
-      best[unit] = std::min(best[unit], now - from);
-      from = now;
-    }
-  }
+  const auto resample = [&](uint32_t unit) {
+    resample_camera_block(image, camera_block(image, blocks, unit), rgb.data(), sums.data());
+  };
   LightingImageRow row = {c.name, 1e-6 * c.width * c.height, blocks.count, 0, 0};
-  for (const double ms : best) row.ms += ms, row.longest_unit_ms = std::max(row.longest_unit_ms, ms);
+  for (const double ms : best_ms_of_units(
+           blocks.count, [] {}, resample))
+    row.ms += ms, row.longest_unit_ms = std::max(row.longest_unit_ms, ms);
   return row;
 }
 
 // Measures the time of an estimate as an app would see it. Returns false if this build lacks the back end.
 bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_isa isa, sandglass_light_backend choice,
-             const std::vector<std::vector<uint8_t>>& images, LightingBenchRow* row) {
+             const std::vector<Picture>& images, LightingBenchRow* row) {
   const LightBackend* backend = nullptr;
   if (!find_light_backend(choice, &backend, nullptr)) return false;
-  std::vector<uint64_t> aligned(file.size() / 8 + 1);
-  std::memcpy(aligned.data(), file.data(), file.size());
+  const AlignedBytes aligned(file);
   sandglass_light_desc desc = light_desc();
   desc.asset = aligned.data(), desc.asset_bytes = file.size();
   desc.isa = isa, desc.backend = choice;
@@ -149,9 +143,9 @@ bool measure(std::span<const uint8_t> file, const std::string& name, sandglass_i
   if (sandglass_light_bytes(&desc, &bytes, nullptr) != SANDGLASS_OK) return false;  // cannot be
   row->arena_bytes = static_cast<double>(bytes + (backend == nullptr ? 0 : backend->bytes_beside()));
   row->ms = 1e30;
-  for (const std::vector<uint8_t>& rgb : images) {
-    const sandglass_camera_image image = camera_image_of(rgb);
-    for (uint32_t repeat = 0; repeat < (&rgb == &images[0] ? k_repeats : 1); ++repeat) {
+  for (const Picture& picture : images) {
+    const sandglass_camera_image image = camera_image_of(picture, k_excerpt_fov_deg);
+    for (uint32_t repeat = 0; repeat < (&picture == &images[0] ? k_repeats : 1); ++repeat) {
       if (sandglass_light_set_image(light.get(), &image, nullptr, nullptr) != SANDGLASS_OK) return false;  // cannot be
       const double begin = cpu_ms_now();
       sandglass_light_run(light.get(), UINT32_MAX);
@@ -184,16 +178,19 @@ LightingBench bench_lighting(std::span<const uint8_t> file, const std::string& n
   bench.has_xnnpack = find_light_backend(SANDGLASS_LIGHT_BACKEND_XNNPACK_F32, &xnnpack, nullptr);
   for (const ImageCase& c : k_images) bench.images.push_back(measure_image(c));
   if (!go_on(1, k_steps)) return bench;
-  std::vector<std::vector<uint8_t>> images;
+  std::vector<Picture> images;
   std::vector<LightValues> truth;
-  for (const Excerpt& excerpt : excerpts) images.push_back(excerpt.rgb), truth.push_back(excerpt.values);
+  for (const Excerpt& excerpt : excerpts) {
+    images.emplace_back(k_width, k_height, Colour{0, 0, 0}).rgb = excerpt.rgb;
+    truth.push_back(excerpt.values);
+  }
   if (images.empty()) images.push_back(wall_with_a_lamp());
   for (const Case& c : k_cases) {
     const bool own = c.backend == SANDGLASS_LIGHT_BACKEND_OWN;
     LightingBenchRow row;
     row.name = c.name;
     if (!measure(file, name, isa, c.backend, images, &row)) break;
-    measure_units(file, name, isa, c.backend, images[0], &row, own ? &bench.layers : nullptr);
+    measure_units(file, name, isa, c.backend, images[0].rgb, &row, own ? &bench.layers : nullptr);
     if (own) row.activations = static_cast<double>(light_activation_bytes(k_width, k_height));
     const double fastest =
         c.backend == SANDGLASS_LIGHT_BACKEND_XNNPACK_F32 ? peak.f32_gmac_per_s : peak.int8_gmac_per_s;

@@ -17,8 +17,8 @@
 #include "models/lighting/lit_view.h"
 #include "models/rooms/probe_scene.h"
 #include "models/simulation/metrics.h"
-#include "models/work/for_all.h"
 #include "models/work/progress.h"
+#include "models/work/thread_pool.h"
 #include "runtime/core/random.h"
 
 namespace sandglass::host {
@@ -57,13 +57,9 @@ struct Work {
   RadianceMap truth, pictures[k_light_sources];
 };
 
-Vec3 limited(Vec3 c) { return {std::min(c.x, 1.0), std::min(c.y, 1.0), std::min(c.z, 1.0)}; }
-
 void render_truth(const ProbeScene& scene, const RadianceMap& warped, int samples, Work* work) {
-  work->truth = scene.render(ProbeLight::environment(warped, ViewRotation(work->view)), work->view, samples).radiance;
-  for (int y = 0; y < ProbeScene::k_height; ++y)
-    for (int x = 0; x < ProbeScene::k_width; ++x)
-      work->truth.set(x, y, limited(tone_mapped(work->truth.colour(x, y), work->white)));
+  const ProbeLight light = ProbeLight::environment(warped, ViewRotation(work->view));
+  work->truth = shown_by(scene.render(light, work->view, samples).radiance, work->white);
 }
 
 void render_estimates(const ProbeScene& scene, int samples, Work* work) {
@@ -76,14 +72,7 @@ void render_estimates(const ProbeScene& scene, int samples, Work* work) {
     light.direction = rotation.to_panorama(camera_to_rotated(light.direction));
     const RadianceMap directional =
         scene.render(ProbeLight::directional(light.direction), work->view, samples).radiance;
-    const Strengths strengths = strengths_of(light, k_chosen_radiometry);
-    RadianceMap& picture = work->pictures[s];
-    picture = RadianceMap(ProbeScene::k_width, ProbeScene::k_height);
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x)
-        picture.set(x, y,
-                    limited(product(strengths.directional, directional.colour(x, y)) +
-                            product(strengths.ambient, ambient.colour(x, y))));
+    work->pictures[s] = lit_by(strengths_of(light, k_chosen_radiometry), directional, ambient);
   }
 }
 

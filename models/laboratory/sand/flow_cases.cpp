@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <numbers>
 
 #include "models/files/failure.h"
@@ -23,7 +22,7 @@ constexpr double k_densest = 0.64;       // dense random packing
 constexpr double k_quiet = 0.03;         // poured sand has settled when its speed is below this, in sqrt(g d)
 constexpr uint32_t k_pour_frames = 300;  // the longest wait until sand has settled
 constexpr double k_chain = 1.1;          // distance between neighbours in the deposit, in d
-constexpr int k_sectors = 24, k_strips = 6;
+constexpr int k_sectors = 24;
 constexpr double k_beverloo_k = 1.4;
 
 double sphere_volume(double radius) { return 4.0 / 3.0 * std::numbers::pi * radius * radius * radius; }
@@ -99,75 +98,52 @@ std::vector<bool> joined_to(std::span<const float> positions, double diameter, d
   return joined;
 }
 
-sandglass_collider wall(double x, double z, double normal_x, double normal_z) {
-  sandglass_collider plane = level_floor();
-  plane.position[0] = static_cast<float>(x), plane.position[2] = static_cast<float>(z);
-  // A quarter turn takes +y to the normal. It is about z for a normal along x, and about x for one along z.
-  const float half = static_cast<float>(std::numbers::sqrt2 / 2.0);
-  plane.rotation[2] = static_cast<float>(-normal_x) * half;
-  plane.rotation[0] = static_cast<float>(normal_z) * half;
-  plane.rotation[3] = half;
-  return plane;
+// The scene's bytes, to go on from them in other scenes.
+std::vector<unsigned char> saved(const Simulation& simulation) {
+  std::vector<unsigned char> bytes(sandglass_scene_save_bytes(simulation.handle()));
+  const char* reason = nullptr;
+  uint64_t written = 0;
+  require(sandglass_scene_save(simulation.handle(), bytes.data(), bytes.size(), &written, &reason), reason);
+  return bytes;
+}
+
+void restore(Simulation* simulation, const std::vector<unsigned char>& bytes) {
+  const char* reason = nullptr;
+  require(sandglass_scene_restore(simulation->handle(), bytes.data(), bytes.size(), &reason), reason);
 }
 
 }  // namespace
 
 double lube_runout(double aspect) { return aspect < 1.7 ? 1.24 * aspect : 1.6 * std::sqrt(aspect); }
-double lube_planar_runout(double aspect) {
-  return aspect < 1.8 ? 1.2 * aspect : 1.9 * std::cbrt(aspect) * std::cbrt(aspect);
-}
 
 Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setting, const CaseStep& step) {
-  constexpr double k_channel_d = 10.0, k_far = 900.0;  // metres
+  constexpr double k_far = 900.0;  // metres
   const double r = desc.granular.particle_radius, d = 2.0 * r;
   const double r0 = setting.radius_d * d, height = setting.aspect * r0;
-  const double base = setting.planar ? k_channel_d * d * r0 : std::numbers::pi * r0 * r0;
+  const double base = std::numbers::pi * r0 * r0;
   const double far = setting.at_far_end ? k_far : 0.0;
   const uint32_t count = static_cast<uint32_t>(k_densest * 1.02 * base * (height + d) / sphere_volume(r));
 
-  sandglass_scene_desc full = desc;
-  full.granular.particle_capacity = count;
-  full.granular.grain_capacity = 0;
-  full.granular.collider_capacity = 5;
-  Simulation simulation(full);
-  const Shaft shaft = setting.planar ? Shaft{0.5 * r0, 0.5 * k_channel_d * d, false} : Shaft{r0, r0, true};
-  std::vector<float> points = scattered(count, shaft, 0.0, r, setting.seed);
-  double top = 0.0;
-  for (size_t i = 0; i < points.size(); i += 3) top = std::max<double>(top, points[i + 1]);
-  for (size_t i = 0; i < points.size(); i += 3)
-    points[i] += static_cast<float>(far + (setting.planar ? 0.5 * r0 : 0.0));
+  Simulation simulation(with_room(desc, count));
+  std::vector<float> points = scattered(count, r0, 0.0, r, setting.seed);
+  const double top = highest_of(points);
+  for (size_t i = 0; i < points.size(); i += 3) points[i] += static_cast<float>(far);
   simulation.add(points, {});
 
-  // The shaft. Colliders that stay come first. Those that are taken away to release the column come last.
-  std::vector<sandglass_collider> colliders = {level_floor()};
-  std::unique_ptr<Vessel> tube;
-  if (setting.planar) {
-    colliders.push_back(wall(0.0, 0.0, 1.0, 0.0));
-    colliders.push_back(wall(0.0, -shaft.half_z, 0.0, 1.0));
-    colliders.push_back(wall(0.0, shaft.half_z, 0.0, -1.0));
-    colliders.push_back(wall(r0, 0.0, -1.0, 0.0));
-  } else {
-    tube = std::make_unique<Vessel>(Profile{{0.0, -4.0 * d}, {r0, -4.0 * d}, {r0, top + 4.0 * d}, {0.0, top + 4.0 * d}},
-                                    r);
-    colliders.push_back(tube->collider());
-    colliders.back().position[0] = static_cast<float>(far);
-  }
+  // The tube comes last, because it is taken away to release the column.
+  const cpp::Field tube = vessel(cylinder(r0, -4.0 * d, top + 4.0 * d), r);
+  std::vector<sandglass_collider> colliders = {cpp::floor_at(0.0f),
+                                               cpp::field_at(tube, static_cast<float>(far), 0.0f, 0.0f)};
   settle(&simulation, colliders, d, step);
 
-  sandglass_collider above = {};  // a box over the column; particles that reach into it are removed
-  above.shape = SANDGLASS_SHAPE_BOX;
-  above.rotation[3] = 1.0f;
-  for (float& half : above.size) half = 10.0f;
-  above.position[0] = static_cast<float>(far);
-  above.position[1] = static_cast<float>(height - r) + 10.0f;
+  // Particles that reach into a box over the column are removed.
+  const sandglass_collider above =
+      cpp::box(static_cast<float>(far), static_cast<float>(height - r) + 10.0f, 0.0f, 10.0f, 10.0f, 10.0f);
   const char* reason = nullptr;
-  uint32_t removed = 0;
-  require(sandglass_granular_remove(simulation.handle(), &above, &removed, nullptr, &reason), reason);
+  require(sandglass_granular_remove(simulation.handle(), &above, nullptr, nullptr, &reason), reason);
 
   Collapse result;
-  result.particles = count - removed;
-  if (!setting.planar)
-    result.packing = packing_within(present(&simulation), r, r0 - 2.0 * d, 2.0 * d, height - 2.0 * d, far);
+  result.packing = packing_within(present(&simulation), r, r0 - 2.0 * d, 2.0 * d, height - 2.0 * d, far);
   colliders.pop_back();
   for (uint32_t frame = 0; frame < frames_in(setting.seconds); ++frame) {
     simulation.frame(k_frame, k_no_budget, colliders);
@@ -178,40 +154,29 @@ Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setti
   for (size_t i = 0; i < deposit.size(); i += 3) deposit[i] -= static_cast<float>(far);
   const std::vector<bool> joined = joined_to(deposit, d, 0.0, 0.0);
   std::array<double, k_sectors> front = {};
-  const int parts = setting.planar ? k_strips : k_sectors;
-  uint32_t members = 0;
   for (size_t i = 0; i < joined.size(); ++i) {
     if (!joined[i]) continue;
-    ++members;
     const double x = deposit[3 * i], z = deposit[3 * i + 2];
-    const double share =
-        setting.planar ? z / (2.0 * shaft.half_z) + 0.5 : std::atan2(z, x) / (2.0 * std::numbers::pi) + 0.5;
-    const size_t part = static_cast<size_t>(std::clamp(static_cast<int>(share * parts), 0, parts - 1));
-    front[part] = std::max(front[part], (setting.planar ? x : std::sqrt(x * x + z * z)) + r);
-    result.height = std::max(result.height, (static_cast<double>(deposit[3 * i + 1]) + r) / r0);
+    const double share = std::atan2(z, x) / (2.0 * std::numbers::pi) + 0.5;
+    const size_t part = static_cast<size_t>(std::clamp(static_cast<int>(share * k_sectors), 0, k_sectors - 1));
+    front[part] = std::max(front[part], std::sqrt(x * x + z * z) + r);
   }
-  for (int part = 0; part < parts; ++part) result.runout += front[static_cast<size_t>(part)] / parts;
+  for (const double reach : front) result.runout += reach / k_sectors;
   result.runout = (result.runout - r0) / r0;
-  result.deposit = static_cast<double>(members) / std::max(1u, result.particles);
   return result;
 }
 
-Repose repose(const sandglass_scene_desc& desc, double radius_d, double aspect, uint64_t seed, const CaseStep& step) {
+double repose(const sandglass_scene_desc& desc, double radius_d, double aspect, uint64_t seed, const CaseStep& step) {
   constexpr double k_drain_seconds = 3.0;
   const double r = desc.granular.particle_radius, d = 2.0 * r, reach = radius_d * d, height = aspect * reach;
   const uint32_t count =
       static_cast<uint32_t>(k_loosest * std::numbers::pi * reach * reach * height / sphere_volume(r));
-  sandglass_scene_desc full = desc;
-  full.granular.particle_capacity = count;
-  full.granular.grain_capacity = 0;
-  full.granular.collider_capacity = 2;
-  const std::vector<float> points = scattered(count, {reach, reach, true}, 0.0, r, seed);
-  double top = 0.0;
-  for (size_t i = 1; i < points.size(); i += 3) top = std::max<double>(top, points[i]);
-  const Vessel platform({{0.0, -3.0 * d}, {reach, -3.0 * d}, {reach, 0.0}, {0.0, 0.0}}, r, true);
-  const Vessel tube({{0.0, -6.0 * d}, {reach, -6.0 * d}, {reach, top + 4.0 * d}, {0.0, top + 4.0 * d}}, r);
-  const sandglass_collider colliders[2] = {platform.collider(), tube.collider()};
-  Simulation simulation(full);
+  const std::vector<float> points = scattered(count, reach, 0.0, r, seed);
+  const cpp::Field platform = vessel(cylinder(reach, -3.0 * d, 0.0), r, SANDGLASS_SOLID_INSIDE),
+                   tube = vessel(cylinder(reach, -6.0 * d, highest_of(points) + 4.0 * d), r);
+  const sandglass_collider colliders[2] = {cpp::field_at(platform, 0.0f, 0.0f, 0.0f),
+                                           cpp::field_at(tube, 0.0f, 0.0f, 0.0f)};
+  Simulation simulation(with_room(desc, count));
   simulation.add(points, {});
   settle(&simulation, colliders, d, step);
   const double packing = packing_within(simulation.particle_positions(), r, reach - 2.0 * d, 2.0 * d, 0.5 * height);
@@ -219,68 +184,54 @@ Repose repose(const sandglass_scene_desc& desc, double radius_d, double aspect, 
     simulation.frame(k_frame, k_no_budget, {colliders, 1}), step();
   uint32_t stay = 0;
   for (size_t i = 1; i < 3 * static_cast<size_t>(count); i += 3) stay += simulation.particle_positions()[i] > 0.0f;
-  Repose result;
-  result.share = static_cast<double>(stay) / count;
   const double volume = stay * sphere_volume(r) / packing;
-  result.angle_deg = std::atan(3.0 * volume / (std::numbers::pi * reach * reach * reach)) * 180.0 / std::numbers::pi;
-  return result;
+  return std::atan(3.0 * volume / (std::numbers::pi * reach * reach * reach)) * 180.0 / std::numbers::pi;
 }
 
 DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSetting& setting, const CaseStep& step) {
-  constexpr double k_silo_d = 40.0, k_fill_d = 24.0, k_plate_d = 1.5, k_nozzle_d = 14.0, k_pour_speed = 1.0;
+  constexpr double k_silo_d = 40.0, k_fill_d = 24.0, k_plate_d = 1.5, k_nozzle_d = 14.0;
+  constexpr float k_pour_speed = 1.0f;
   constexpr int k_quarters = 4;
   const double r = desc.granular.particle_radius, d = 2.0 * r, silo = 0.5 * k_silo_d * d;
   const uint32_t count = static_cast<uint32_t>(0.58 * std::numbers::pi * silo * silo * k_fill_d * d / sphere_volume(r));
-  sandglass_scene_desc full = desc;
-  full.granular.particle_capacity = count;
-  full.granular.grain_capacity = 0;
-  full.granular.collider_capacity = 1;
+  sandglass_scene_desc full = with_room(desc, count);
   full.granular.emitter_capacity = full.granular.sink_capacity = 1;
 
-  const std::vector<float> points = scattered(count, {silo, silo, true}, 0.0, r, 1);
-  double top = 0.0;
-  for (size_t i = 1; i < points.size(); i += 3) top = std::max<double>(top, points[i]);
-  const double below = -8.0 * d, roof = top + 4.0 * d;
+  const std::vector<float> points = scattered(count, silo, 0.0, r, 1);
+  const double below = -8.0 * d;
   Simulation filled(full);
   filled.add(points, {});
   {
-    const Vessel closed({{0.0, 0.0}, {silo, 0.0}, {silo, roof}, {0.0, roof}}, r);
-    const sandglass_collider collider = closed.collider();
+    const cpp::Field closed = vessel(cylinder(silo, 0.0, highest_of(points) + 4.0 * d), r);
+    const sandglass_collider collider = cpp::field_at(closed, 0.0f, 0.0f, 0.0f);
     settle(&filled, {&collider, 1}, d, step);
   }
   DischargeCurve curve;
   curve.packing = packing_within(filled.particle_positions(), r, silo - 3.0 * d, 3.0 * d, 0.6 * k_fill_d * d);
-  std::vector<unsigned char> bytes(sandglass_scene_save_bytes(filled.handle()));
-  const char* reason = nullptr;
-  uint64_t written = 0;
-  require(sandglass_scene_save(filled.handle(), bytes.data(), bytes.size(), &written, &reason), reason);
+  const std::vector<unsigned char> bytes = saved(filled);
 
   const double height = 1.6 * k_fill_d * d;
-  sandglass_emitter emitter = {};
-  emitter.position[1] = static_cast<float>(height - 2.0 * d);
-  emitter.rotation[3] = 1.0f;
-  emitter.radius = static_cast<float>(k_nozzle_d * d);
-  emitter.speed = static_cast<float>(k_pour_speed);
-  const sandglass_collider sink = level_floor(below + 4.0 * d);
+  const sandglass_emitter emitter = cpp::emitter(0.0f, static_cast<float>(height - 2.0 * d), 0.0f,
+                                                 static_cast<float>(k_nozzle_d * d), k_pour_speed, 0);
+  const sandglass_collider sink = cpp::floor_at(static_cast<float>(below + 4.0 * d));
 
   double n = 0.0, sum_x = 0.0, sum_y = 0.0, sum_xx = 0.0, sum_xy = 0.0;
   for (const double orifice_d : setting.orifices_d) {
     const double hole = 0.5 * orifice_d * d;
     // The field's nodes are half a radius apart, because the orifice's edge decides the result.
-    const Vessel silo_vessel({{0.0, below},
-                              {silo, below},
-                              {silo, -k_plate_d * d},
-                              {hole, -k_plate_d * d},
-                              {hole, 0.0},
-                              {silo, 0.0},
-                              {silo, height},
-                              {0.0, height}},
-                             0.5 * r);
-    const sandglass_collider collider = silo_vessel.collider();
+    const cpp::Field open = vessel({{0.0, below},
+                                    {silo, below},
+                                    {silo, -k_plate_d * d},
+                                    {hole, -k_plate_d * d},
+                                    {hole, 0.0},
+                                    {silo, 0.0},
+                                    {silo, height},
+                                    {0.0, height}},
+                                   0.5 * r);
+    const sandglass_collider collider = cpp::field_at(open, 0.0f, 0.0f, 0.0f);
     Simulation simulation(full);
-    require(sandglass_scene_restore(simulation.handle(), bytes.data(), bytes.size(), &reason), reason);
-    sandglass_frame_input input;
-    sandglass_frame_input_default(&input);
+    restore(&simulation, bytes);
+    sandglass_frame_input input = cpp::frame_input();
     input.time_step = static_cast<float>(k_frame);
     input.budget_ns = k_no_budget;
     input.colliders = &collider, input.collider_count = 1;
@@ -330,20 +281,15 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
   constexpr int k_looks = 150;  // how many instants are averaged; they are a frame apart
   const double r = desc.granular.particle_radius, d = 2.0 * r, tube = 0.5 * k_tube_d * d;
   const double mass_per_diameter = k_loosest * std::numbers::pi * tube * tube * k_tube_d * d / sphere_volume(r);
-  TubeLoad result;
-  for (const double diameters : {1.0, 2.0, 4.0, 6.0, 8.0}) {
+  std::vector<double> weights, loads;  // M g, and the load on the bottom, in weights of one tube diameter of sand
+  for (const double diameters : {4.0, 8.0}) {
     const uint32_t count = static_cast<uint32_t>(diameters * mass_per_diameter);
-    sandglass_scene_desc full = desc;
-    full.granular.particle_capacity = count;
-    full.granular.grain_capacity = 0;
-    full.granular.collider_capacity = 2;
+    sandglass_scene_desc full = with_room(desc, count);
     full.granular.sleep_after = 0.0f;
     if (frictionless) full.granular.static_friction = full.granular.kinetic_friction = 0.0f;
-    const std::vector<float> points = scattered(count, {tube, tube, true}, 0.0, r, 1);
-    double top = 0.0;
-    for (size_t i = 1; i < points.size(); i += 3) top = std::max<double>(top, points[i]);
-    const Vessel wall_vessel({{0.0, -4.0 * d}, {tube, -4.0 * d}, {tube, top + 4.0 * d}, {0.0, top + 4.0 * d}}, r);
-    sandglass_collider colliders[2] = {wall_vessel.collider(), level_floor()};
+    const std::vector<float> points = scattered(count, tube, 0.0, r, 1);
+    const cpp::Field wall = vessel(cylinder(tube, -4.0 * d, highest_of(points) + 4.0 * d), r);
+    sandglass_collider colliders[2] = {cpp::field_at(wall, 0.0f, 0.0f, 0.0f), cpp::floor_at(0.0f)};
     sandglass_collider& piston = colliders[1];
     Simulation simulation(full), with_floor(full), without_floor(full);
     simulation.add(points, {});
@@ -361,16 +307,13 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
       // the length.
       const double substep = static_cast<double>(simulation.frame(k_frame, k_no_budget, colliders).substep);
       step();
-      std::vector<unsigned char> bytes(sandglass_scene_save_bytes(simulation.handle()));
-      const char* reason = nullptr;
-      uint64_t written = 0;
-      require(sandglass_scene_save(simulation.handle(), bytes.data(), bytes.size(), &written, &reason), reason);
+      const std::vector<unsigned char> bytes = saved(simulation);
       sandglass_collider after[2] = {colliders[0], piston};  // the floor at the end of that sub-step
       after[1].position[1] += static_cast<float>(substep) * piston.linear_velocity[1];
       double speed[2] = {0.0, 0.0};
       int which = 0;
       for (Simulation* copy : {&with_floor, &without_floor}) {
-        require(sandglass_scene_restore(copy->handle(), bytes.data(), bytes.size(), &reason), reason);
+        restore(copy, bytes);
         const sandglass_frame_report report = copy->frame(substep, k_no_budget, {after, which == 0 ? 2u : 1u});
         if (report.substeps != 1)
           throw cannot("measure", "load", "the sub-step that measures it was split", "Report this");
@@ -380,29 +323,10 @@ TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const Ca
       }
       load += (speed[0] - speed[1]) / substep / k_gravity / k_looks;  // in weights of a particle
     }
-    result.heights.push_back(diameters);
-    result.weights.push_back(count / mass_per_diameter);
-    result.loads.push_back(load / mass_per_diameter);
+    weights.push_back(count / mass_per_diameter);
+    loads.push_back(load / mass_per_diameter);
   }
-  const size_t last = result.loads.size() - 1, half = 2;
-  result.marginal = (result.loads[last] - result.loads[half]) / (result.weights[last] - result.weights[half]);
-  // A scan finds the F_inf that fits best, in weights of a diameter. The law has only this parameter.
-  double best = 1e30;
-  double& saturation = result.saturation;
-  for (double f = 0.2; f < 50.0; f *= 1.005) {
-    double squares = 0.0;
-    for (size_t i = 0; i <= last; ++i) {
-      const double miss = result.loads[i] - f * (1.0 - std::exp(-result.weights[i] / f));
-      squares += miss * miss;
-    }
-    if (squares < best) best = squares, saturation = f;
-  }
-  for (size_t i = 0; i <= last; ++i)
-    result.misfit = std::max(result.misfit,
-                             std::fabs(result.loads[i] / saturation - 1.0 + std::exp(-result.weights[i] / saturation)));
-  const double mu = frictionless ? 0.0 : desc.granular.kinetic_friction;
-  result.k = mu > 0.0 ? 1.0 / (4.0 * mu * saturation) : 0.0;
-  return result;
+  return {(loads[1] - loads[0]) / (weights[1] - weights[0]), loads[1] / weights[1]};
 }
 
 }  // namespace sandglass::host

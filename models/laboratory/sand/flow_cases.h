@@ -15,36 +15,27 @@ namespace sandglass::host {
 
 using CaseStep = std::function<void()>;
 
-// A column is let go on a floor and leaves a deposit. a = height over radius (over length if planar).
+// A column is let go on a floor and leaves a deposit. a = height over radius.
 //
 // Run-out (R - R0)/R0. The deposit is the particles that a chain of neighbours less than 1.1 d apart joins to its
 // middle, so single ones that slide ahead do not count. R is the mean, over 24 sectors about the axis, of the distance
-// of the outermost of them, plus r: the front as Staron and Hinch (2005) define it for particles. Planar: the same over
-// 6 strips across the channel.
+// of the outermost of them, plus r: the front as Staron and Hinch (2005) define it for particles.
 struct Collapse {
-  double runout = 0.0, height = 0.0;  // height: of the deposit, over R0
-  double packing = 0.0;               // of the column before it was let go
-  double deposit = 0.0;               // share of the particles that belong to it
-  uint32_t particles = 0;
+  double runout = 0.0;
+  double packing = 0.0;  // of the column before it was let go
 };
 struct CollapseSetting {
-  double aspect = 1.0, radius_d = 12.0, seconds = 3.0;  // radius_d: R0 (or L0) in d
+  double aspect = 1.0, radius_d = 12.0, seconds = 3.0;  // radius_d: R0 in d
   uint64_t seed = 1;
-  bool planar = false;      // in a channel 10 d wide, with walls of the sand's own friction
   bool at_far_end = false;  // 900 m from the scene's origin
 };
 Collapse collapse(const sandglass_scene_desc& desc, const CollapseSetting& setting, const CaseStep& step);
-double lube_runout(double aspect);         // Lube et al. 2004: 1.24 a, above 1.7 1.6 sqrt(a)
-double lube_planar_runout(double aspect);  // Lube et al. 2005: 1.2 a, above 1.8 1.9 a^(2/3)
+double lube_runout(double aspect);  // Lube et al. 2004: 1.24 a, above 1.7 1.6 sqrt(a)
 
-// The angle of repose by draining. A column stands on a round platform of its own radius. Its tube is taken away; what
-// cannot stay falls off the rim, and what stays is a pile whose toe is the rim. The angle is that of a cone of the
-// pile's volume on the platform, so no line has to be fitted to a surface of a few particles.
-struct Repose {
-  double angle_deg = 0.0;
-  double share = 0.0;  // of the column that stays
-};
-Repose repose(const sandglass_scene_desc& desc, double radius_d, double aspect, uint64_t seed, const CaseStep& step);
+// The angle of repose by draining, in degrees. A column stands on a round platform of its own radius. Its tube is taken
+// away; what cannot stay falls off the rim, and what stays is a pile whose toe is the rim. The angle is that of a cone
+// of the pile's volume on the platform, so no line has to be fitted to a surface of a few particles.
+double repose(const sandglass_scene_desc& desc, double radius_d, double aspect, uint64_t seed, const CaseStep& step);
 
 // A flat-bottomed silo 40 d wide, kept more than 20 d full by an emitter that pours back what the sink has taken.
 struct Discharge {
@@ -71,15 +62,10 @@ DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSettin
 
 // How much of the sand's weight the bottom of a tube carries. The tube is 8 d wide and filled to several heights. The
 // load is what the floor does to the sand in one sub-step, m dv/dt: two copies of the scene, restored from the same
-// bytes, take that sub-step with and without the floor. Janssen's law: F = F_inf (1 - exp(-M g/F_inf)) with
-// F_inf = M_D g/(4 mu K), where M_D is the mass of one tube diameter of height.
+// bytes, take that sub-step with and without the floor. By Janssen's law the walls take what is added to a high column.
 struct TubeLoad {
-  std::vector<double> heights;   // in tube diameters
-  std::vector<double> weights;   // M g, in weights of one tube diameter of sand
-  std::vector<double> loads;     // on the bottom, likewise
-  double marginal = 0.0;         // (load of the fullest - load of the middle filling) / (difference of their weights)
-  double saturation = 0.0;       // F_inf of the best fit, in weights of one tube diameter of sand
-  double k = 0.0, misfit = 0.0;  // its K; largest |load - Janssen|/F_inf
+  double marginal = 0.0;  // (load of the fullest - load of the middle filling) / (difference of their weights)
+  double carried = 0.0;   // load of the fullest / its weight
 };
 TubeLoad tube_load(const sandglass_scene_desc& desc, bool frictionless, const CaseStep& step);
 

@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "models/simulation/body_meshes.h"
 #include "models/simulation/metrics.h"
 #include "models/simulation/scene_fill.h"
+#include "models/simulation/scene_meshes.h"
 #include "models/simulation/simulation.h"
 #include "models/work/thread_pool.h"
 #include "platform/clock.h"
@@ -18,8 +18,7 @@ BenchRow bench_scene(SceneFile scene, sandglass_isa isa, uint32_t threads, uint3
                      const BenchStep& step, uint32_t level) {
   if (!with_grains)
     for (Body& body : scene.bodies) body.grains = 0, body.grain_distance = 0.0;
-  const LoadedMeshes meshes(scene, "");
-  const Material material = fill_scene(&scene, meshes.bodies());
+  const Material material = fill_scene(&scene, {});
   sandglass_scene_desc desc = describe_scene(scene, material.particles(), material.grains());
   ThreadPool pool(threads);
   desc.isa = isa;

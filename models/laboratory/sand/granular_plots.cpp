@@ -7,7 +7,7 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr Colour k_measured = {196, 98, 16}, k_law = {60, 60, 66}, k_wrong = {150, 150, 158}, k_second = {28, 110, 150};
+constexpr Colour k_measured = {196, 98, 16}, k_law = {60, 60, 66}, k_wrong = {150, 150, 158};
 
 // A law over a range, at points that are evenly spaced in the logarithm.
 template <class Law>
@@ -24,9 +24,9 @@ PlotSeries law(const char* name, double low, double high, Colour colour, bool da
 }
 
 PlotSeries points(const char* name, const std::vector<double>& x, const std::vector<double>& y, Colour colour,
-                  PlotSeries::Mark mark, bool line = false) {
+                  PlotSeries::Mark mark) {
   PlotSeries series;
-  series.name = name, series.x = x, series.y = y, series.colour = colour, series.mark = mark, series.line = line;
+  series.name = name, series.x = x, series.y = y, series.colour = colour, series.mark = mark;
   return series;
 }
 
@@ -35,13 +35,11 @@ Plot runout(const GranularCurves& c) {
   plot.title = "Run-out of a collapsing column";
   plot.x = {"aspect ratio a = H/R0", 0.4, 5.0, true};
   plot.y = {"(R - R0)/R0", 0.3, 8.0, true};
-  plot.series = {
-      law("Lube 2004: 1.24 a, 1.6 sqrt(a)", 0.4, 5.0, k_law, false, lube_runout),
-      law("+-25 %", 0.4, 5.0, k_wrong, true, [](double a) { return 1.25 * lube_runout(a); }),
-      law("", 0.4, 5.0, k_wrong, true, [](double a) { return 0.75 * lube_runout(a); }),
-      points("Sandglass, defaults", c.aspects, c.runouts, k_measured, PlotSeries::Mark::disk),
-      points("control: mu = 0.1", c.wrong_aspects, c.wrong_runouts, k_wrong, PlotSeries::Mark::ring),
-      points("planar (its law is steeper)", c.planar_aspects, c.planar_runouts, k_second, PlotSeries::Mark::square)};
+  plot.series = {law("Lube 2004: 1.24 a, 1.6 sqrt(a)", 0.4, 5.0, k_law, false, lube_runout),
+                 law("+-25 %", 0.4, 5.0, k_wrong, true, [](double a) { return 1.25 * lube_runout(a); }),
+                 law("", 0.4, 5.0, k_wrong, true, [](double a) { return 0.75 * lube_runout(a); }),
+                 points("Sandglass, defaults", c.aspects, c.runouts, k_measured, PlotSeries::Mark::disk),
+                 points("control: mu = 0.1", c.wrong_aspects, c.wrong_runouts, k_wrong, PlotSeries::Mark::ring)};
   return plot;
 }
 
@@ -67,39 +65,13 @@ Plot flow(const GranularCurves& c) {
   return plot;
 }
 
-Plot angle(const GranularCurves& c) {
-  Plot plot;
-  plot.title = "Angle of repose on a drained platform";
-  plot.x = {"friction mu", 0.0, 1.1, false};
-  plot.y = {"angle of the equal cone, degrees", 0.0, 70.0, false};
-  plot.series = {points("Sandglass", c.frictions, c.repose_deg, k_measured, PlotSeries::Mark::disk, true)};
-  return plot;
-}
-
-Plot load(const GranularCurves& c) {
-  const double saturation = c.tube.k > 0.0 ? c.tube.saturation : 1.0;
-  Plot plot;
-  plot.title = "Load on the bottom of a tube, k = 0";
-  plot.x = {"weight filled in, in tube diameters of sand", 0.0, 9.0, false};
-  plot.y = {"load, likewise", 0.0, 9.0, false};
-  plot.series = {
-      law("Janssen, K fitted", 0.01, 9.0, k_law, false,
-          [saturation](double w) { return saturation * (1.0 - std::exp(-w / saturation)); }),
-      points("Sandglass, mu = 0.3, k = 0", c.tube.weights, c.tube.loads, k_measured, PlotSeries::Mark::disk),
-      points("control: smooth wall", c.smooth_tube.weights, c.smooth_tube.loads, k_wrong, PlotSeries::Mark::ring)};
-  return plot;
-}
-
 }  // namespace
 
 std::vector<GranularPlot> granular_plots(const GranularCurves& curves) {
   std::vector<GranularPlot> plots;
   if (!curves.aspects.empty()) plots.push_back({"runout", runout(curves)});
   if (!curves.discharge.points.empty()) plots.push_back({"discharge", flow(curves)});
-  if (!curves.frictions.empty()) plots.push_back({"repose", angle(curves)});
-  if (!curves.tube.weights.empty()) plots.push_back({"tube", load(curves)});
-  for (GranularPlot& plot : plots)
-    plot.plot.legend_right = plot.name == "runout" || plot.name == "discharge" || plot.name == "repose";
+  for (GranularPlot& plot : plots) plot.plot.legend_right = true;
   return plots;
 }
 

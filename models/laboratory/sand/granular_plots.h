@@ -14,7 +14,7 @@ struct GranularPlot {
   Plot plot;
 };
 
-// Those for which there are points: "runout", "discharge", "repose", "tube".
+// Those for which there are points: "runout", "discharge".
 std::vector<GranularPlot> granular_plots(const GranularCurves& curves);
 
 }  // namespace sandglass::host

@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "models/laboratory/sand/apparatus.h"
-#include "models/laboratory/sand/hard_cases.h"
 #include "models/laboratory/sand/physics_cases.h"
 #include "models/simulation/metrics.h"
 
@@ -40,8 +39,7 @@ struct Table {
   }
 
   sandglass_scene_desc defaults() const {
-    sandglass_scene_desc desc;
-    sandglass_scene_desc_default(&desc);
+    sandglass_scene_desc desc = cpp::scene_desc();
     desc.isa = isa;
     return desc;
   }
@@ -58,11 +56,6 @@ struct Table {
     desc.granular.reference.solver_iterations = 1;
     desc.granular.reference.stabilisation_iterations = 0;
     desc.granular.substep_max = desc.granular.substep_min = 0.02f;
-    return desc;
-  }
-  sandglass_scene_desc with_substeps(int per_frame) const {
-    sandglass_scene_desc desc = defaults();
-    desc.granular.substep_max = static_cast<float>(0.02 / per_frame * (1.0 + 1e-5));
     return desc;
   }
 };
@@ -109,8 +102,8 @@ void rest(Table& t) {
 void momentum(Table& t) {
   const Cloud cloud = free_cloud(t.defaults());
   t.claim("momentum drift, free cloud", "a step", 0.0, cloud.drift_per_step, 1e-7);
-  t.claim("momentum drift, 0.4 s", "of sum |p|", 0.0, cloud.drift, 1e-4);
-  t.report("particles that collided", "of 512", 512.0, cloud.collisions);
+  t.claim("momentum drift, 0.4 s", "of sum |p|", 0.0, cloud.drift, 1e-6);  // rounding of 512 floats over 1300 sub-steps
+  t.claim("particles that collided", "of 512", 512.0, cloud.collisions, 255.0);
   sandglass_scene_desc averaged = t.defaults();
   averaged.granular.reference.scheme = SANDGLASS_SCHEME_AVERAGED;
   averaged.granular.reference.relaxation = 1.0f;
@@ -119,11 +112,14 @@ void momentum(Table& t) {
 
 void refinement(Table& t) {
   t.claim("uniform field reproduced", "of |u|", 0.0, uniform_field_error(t.defaults(), 0.0), 1e-5);
-  t.control("uniform field, sheared", "of |u|", 0.0, uniform_field_error(t.defaults(), 0.5), 1e-5);
+  t.control("uniform field, sheared", "of |u|", 0.0, uniform_field_error(t.defaults(), 0.5), 1e-3);
   t.claim("lambda threshold, one ulp", "d", 0.0, threshold_jump(t.defaults()), 0.001);
   sandglass_scene_desc source = t.defaults();
   source.granular.reference.blend = SANDGLASS_BLEND_SOURCE;
-  t.control("lambda threshold, source", "d", 0.0, threshold_jump(source), 0.001);
+  const double jump = threshold_jump(source);
+  t.control("lambda threshold, source", "d", 0.0, jump, 0.001);
+  // The rule as printed makes grains jump by 1 - W(r) = 0.298 of the particles' 1 m/s for 8 ms. The unit is d = 2 cm.
+  t.claim("lambda threshold, source's jump", "d", 0.298 * 0.008 / 0.02, jump, 0.002);
 }
 
 void column(Table& t) {
@@ -164,16 +160,8 @@ void column(Table& t) {
     curves.wrong_aspects.push_back(aspect), curves.wrong_runouts.push_back(runout);
   }
   t.control("column exponent, mu=0.1", "", 1.0, fitted_exponent(curves.wrong_aspects, curves.wrong_runouts), 0.15);
-  CollapseSetting rough;
-  t.control("column a=1, mu=0.6", "R0", lube_runout(1.0), mean_runout(t.with_friction(k_rough_mu), rough, 1),
+  t.control("column a=1, mu=0.6", "R0", lube_runout(1.0), mean_runout(t.with_friction(k_rough_mu), {}, 1),
             0.25 * lube_runout(1.0));
-  for (const double aspect : {1.0, 3.0}) {
-    CollapseSetting setting;
-    setting.aspect = aspect, setting.planar = true;
-    const double runout = mean_runout(t.defaults(), setting, 1);
-    t.report(aspect < 2.0 ? "planar column a=1" : "planar column a=3", "L0", lube_planar_runout(aspect), runout);
-    curves.planar_aspects.push_back(aspect), curves.planar_runouts.push_back(runout);
-  }
 }
 
 void beverloo(Table& t) {
@@ -205,13 +193,8 @@ void janssen(Table& t) {
   t.claim("tube load added, 4-8 D (k=0)", "of weight", 0.0, tube.marginal, 0.2);
   t.control("tube load added, smooth wall", "of weight", 0.0, smooth.marginal, 0.2);
   // Without friction the column swings on its floor. The mean of 150 instants counts.
-  t.claim("smooth tube carries all (k=0)", "of weight", 1.0, smooth.loads.back() / smooth.weights.back(), 0.1);
-  t.report("tube load, Janssen (k=0)", "of limit", 0.0, tube.misfit);
-  t.report("Janssen's K (k=0)", "", 0.4, tube.k);
-  const TubeLoad weighted = tube_load(t.defaults(), true, t.step);
-  t.report("smooth tube, default k", "of weight", 1.0, weighted.loads.back() / weighted.weights.back());
-  t.table->curves.tube = tube;
-  t.table->curves.smooth_tube = smooth;
+  t.claim("smooth tube carries all (k=0)", "of weight", 1.0, smooth.carried, 0.1);
+  t.report("smooth tube, default k", "of weight", 1.0, tube_load(t.defaults(), true, t.step).carried);
 }
 
 void angles(Table& t) {
@@ -222,13 +205,12 @@ void angles(Table& t) {
     const double mu = 0.1 * tenth;
     double angle = 0.0;
     for (uint64_t seed = 1; seed <= k_seeds; ++seed)
-      angle += repose(t.with_friction(mu), k_radius_d, k_aspect, seed, t.step).angle_deg / k_seeds;
+      angle += repose(t.with_friction(mu), k_radius_d, k_aspect, seed, t.step) / k_seeds;
     char name[40];
     std::snprintf(name, sizeof name, "repose mu=%.1f", mu);
     t.report(name, "deg", std::atan(mu) * 57.29577951308232, angle);
     if (tenth > 1) least_rise = std::min(least_rise, angle - before);
     before = angle;
-    t.table->curves.frictions.push_back(mu), t.table->curves.repose_deg.push_back(angle);
   }
   // The angle must rise strictly: the least rise from one coefficient to the next is above 0.
   constexpr double k_most = 45.0;
@@ -248,7 +230,7 @@ void hard(Table& t) {
   t.claim("stack of 20", "height", 0.99, stack(desc, 20, 5.0).height, 0.01);
   t.control("stack of 20, coarse", "height", 0.99, stack(t.coarse(), 20, 5.0).height, 0.01);
   const Stack hundred = stack(desc, 100, 5.0);
-  t.claim("stack of 100", "height", 0.98, hundred.height, 0.03);
+  t.claim("stack of 100", "height", 0.975, hundred.height, 0.025);  // no higher than its spheres
   t.claim("stack of 100: highest", "height", 1.0, hundred.highest, 0.01);
   t.claim("projectile at 40 m/s", "r deep", 0.0, projectile_depth(desc), 0.01);
   for (const double k : {0.0, 0.3, 0.6, 0.9, 1.5}) {
@@ -257,27 +239,9 @@ void hard(Table& t) {
     t.claim(name, "m/s", 0.0, weighting_speed(desc, k), 1.0);
   }
   t.claim("collider teleported into sand", "of CFL", 0.0, teleport_speed(desc), 1.001);
-  const Refusals refused = refusals(desc);
-  t.claim("refused or left out", "cases", refused.attempts, refused.refused, 0.0);
   const double strange[] = {0.0, -1.0, std::nan(""), -std::numeric_limits<double>::infinity()}, huge[] = {1e9};
   t.claim("time steps 0, -1, NaN, -Inf", "s", 0.0, simulated_time(desc, strange), 0.0);
   t.claim("time step 1e9 s", "s", 0.1, simulated_time(desc, huge), 1e-6);
-  t.claim("bodies of 1, 2, 4, 9 in a plane", "r soft", 0.0, degenerate_body_softness(desc), 1e-3);
-  for (const double scale : {1.0, 1e12, 1e-12}) {
-    char name[40];
-    std::snprintf(name, sizeof name, "rotation of A * %g", scale);
-    t.claim(name, "trace", 0.0, rotation_gap(scale), 1e-3);
-  }
-}
-
-// A cube that is a thousand times as heavy as sand.
-void heavy(Table& t) {
-  const HeavyCube cube = heavy_cube(t.defaults(), 1000.0), finer = heavy_cube(t.with_substeps(1024), 1000.0);
-  t.claim("mass 1:1000, default: thrown", "d", 0.0, cube.highest_d, 20.0);
-  t.report("mass 1:1000, default: overlap", "r", 0.0, cube.overlap_max);
-  // One particle under the cube carries 27,000 times its own weight. The overlap 27,000 g dt^2 / omega is 0.09 r at 512
-  // sub-steps.
-  t.claim("mass 1:1000, 1024 sub-steps", "r", 0.0, finer.overlap_max, 0.10);
 }
 
 void far_end(Table& t) {
@@ -298,16 +262,9 @@ struct Group {
 };
 // Progress counts frames, whether a scene is small or large. The weight below corrects for the large ones.
 constexpr Group k_groups[] = {
-    {"particle", one_particle, 0, true},
-    {"rest", rest, 0, true},
-    {"momentum", momentum, 0, true},
-    {"refinement", refinement, 0, true},
-    {"hard", hard, 0, true},
-    {"heavy", heavy, 0, true},
-    {"far", far_end, 500, true},
-    {"column", column, 4500, false},
-    {"janssen", janssen, 5400, false},
-    {"repose", angles, 5500, false},
+    {"particle", one_particle, 0, true},  {"rest", rest, 0, true},           {"momentum", momentum, 0, true},
+    {"refinement", refinement, 0, true},  {"hard", hard, 0, true},           {"far", far_end, 500, true},
+    {"column", column, 4000, false},      {"janssen", janssen, 2200, false}, {"repose", angles, 5500, false},
     {"beverloo", beverloo, 10500, false},
 };
 constexpr uint64_t k_group_cost = 100;  // what each group costs beside its frames, counted in frames

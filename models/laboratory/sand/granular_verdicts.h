@@ -22,10 +22,8 @@ struct Verdict {
 
 // What the curves are drawn from.
 struct GranularCurves {
-  std::vector<double> aspects, runouts, wrong_aspects, wrong_runouts, planar_aspects, planar_runouts;
+  std::vector<double> aspects, runouts, wrong_aspects, wrong_runouts;
   DischargeCurve discharge, wrong_discharge;
-  std::vector<double> frictions, repose_deg;
-  TubeLoad tube, smooth_tube;
 };
 
 struct VerdictTable {

@@ -15,8 +15,7 @@ namespace sandglass::host {
 bool bullet_available();
 
 // The particles of the scene as rigid spheres, its half-spaces as static planes, from the same start, on one thread.
-// No grains: `ms_solver` is all of the time. Colliders of other shapes, bodies with a velocity and moving colliders are
-// refused.
+// No grains: `ms_solver` is all of the time. The scene is a column of sand at rest on a floor, as in column14k.
 BenchRow bench_bullet(SceneFile scene, uint32_t frames, const BenchStep& step);
 
 }  // namespace sandglass::host

@@ -16,31 +16,22 @@ namespace {
 
 sandglass_collider plane_with_slope(double slope) {
   const double angle = std::atan(slope);  // downhill is towards +x
-  sandglass_collider plane = {};
-  plane.shape = SANDGLASS_SHAPE_HALF_SPACE;
+  sandglass_collider plane = cpp::floor_at(0.0f);
   plane.rotation[2] = static_cast<float>(-std::sin(0.5 * angle));
   plane.rotation[3] = static_cast<float>(std::cos(0.5 * angle));
   return plane;
 }
 
-Simulation one_particle_scene(sandglass_scene_desc desc) {
-  desc.granular.particle_capacity = 1;
-  desc.granular.grain_capacity = 0;
-  desc.granular.collider_capacity = 1;
-  return Simulation(desc);
-}
-
 }  // namespace
 
 sandglass_scene_desc physics_desc(double mu) {
-  sandglass_scene_desc desc;
-  sandglass_scene_desc_default(&desc);
+  sandglass_scene_desc desc = cpp::scene_desc();
   desc.granular.static_friction = desc.granular.kinetic_friction = static_cast<float>(mu);
   return desc;
 }
 
 double free_fall_error(const sandglass_scene_desc& desc) {
-  Simulation simulation = one_particle_scene(desc);
+  Simulation simulation(with_room(desc, 1));
   const float start[3] = {0.0f, 0.0f, 0.0f}, velocity[3] = {0.5f, 0.0f, 0.0f};
   simulation.add(start, velocity);
   double x = 0.0, y = 0.0, fall_speed = 0.0, worst = 0.0;
@@ -57,7 +48,7 @@ double free_fall_error(const sandglass_scene_desc& desc) {
 }
 
 double sliding_distance(const sandglass_scene_desc& desc, double* substep) {
-  Simulation simulation = one_particle_scene(desc);
+  Simulation simulation(with_room(desc, 1));
   const float start[3] = {0.0f, desc.granular.particle_radius, 0.0f}, velocity[3] = {1.0f, 0.0f, 0.0f};
   simulation.add(start, velocity);
   const sandglass_collider floor = plane_with_slope(0.0);
@@ -68,7 +59,7 @@ double sliding_distance(const sandglass_scene_desc& desc, double* substep) {
 }
 
 double incline_distance(const sandglass_scene_desc& desc, double slope, double seconds) {
-  Simulation simulation = one_particle_scene(desc);
+  Simulation simulation(with_room(desc, 1));
   const double angle = std::atan(slope), r = desc.granular.particle_radius;
   const float start[3] = {static_cast<float>(r * std::sin(angle)), static_cast<float>(r * std::cos(angle)), 0.0f};
   const float rest[3] = {0.0f, 0.0f, 0.0f};
@@ -99,11 +90,7 @@ RestingPile resting_pile(const sandglass_scene_desc& desc) {
   scene.bodies.push_back(column);
   scene.colliders.emplace_back();
   const Material material = fill_scene(&scene, {});
-  sandglass_scene_desc full = desc;
-  full.granular.particle_capacity = material.particles();
-  full.granular.grain_capacity = material.grains();
-  full.granular.collider_capacity = 1;
-  Simulation simulation(full);
+  Simulation simulation(with_room(desc, material.particles(), material.grains()));
   simulation.add(material);
 
   const double r = scene.particle_radius;
@@ -144,11 +131,8 @@ std::vector<float> block(int count, double radius) {
 
 sandglass_scene_desc weightless(sandglass_scene_desc desc, uint32_t particles, uint32_t grains) {
   for (float& g : desc.gravity) g = 0.0f;
-  desc.granular.particle_capacity = particles;
-  desc.granular.grain_capacity = grains;
-  desc.granular.collider_capacity = 0;
   desc.granular.sleep_after = 0.0f;
-  return desc;
+  return with_room(desc, particles, grains);
 }
 
 }  // namespace
@@ -259,6 +243,123 @@ double threshold_jump(const sandglass_scene_desc& desc) {
     low = starts[worst], high = starts[worst + 1];
   }
   return jump;
+}
+
+namespace {
+
+constexpr int k_layers = 6, k_side = 8;
+
+// A bed of 8 x 6 x 8 particles that stands on y = 0. Each layer is shifted by a quarter of the spacing.
+std::vector<float> bed(double radius) {
+  std::vector<float> points;
+  const double spacing = 2.02 * radius;
+  for (int k = 0; k < k_layers; ++k)
+    for (int j = 0; j < k_side; ++j)
+      for (int i = 0; i < k_side; ++i)
+        for (const double value :
+             {(i + 0.25 * (k % 2)) * spacing, k * spacing + 1.02 * radius, (j + 0.25 * (k % 2)) * spacing})
+          points.push_back(static_cast<float>(value));
+  return points;
+}
+
+// Returns `result`, or 1e30 if one of the positions or velocities is not finite. Then no claim about them holds.
+double sound(const std::vector<float>& values, double result) {
+  for (const float value : values)
+    if (!std::isfinite(value)) return 1e30;
+  return result;
+}
+
+}  // namespace
+
+Coincident coincident(const sandglass_scene_desc& desc, uint32_t count) {
+  constexpr double k_height = 0.3;  // metres
+  Simulation simulation(with_room(desc, count));
+  std::vector<float> points;
+  for (uint32_t i = 0; i < count; ++i) points.insert(points.end(), {0.0f, static_cast<float>(k_height), 0.0f});
+  simulation.add(points, {});
+  const sandglass_collider floor = cpp::floor_at(0.0f);
+  Coincident result;
+  for (int frame = 0; frame < 100; ++frame) {
+    simulation.frame(k_frame, k_no_budget, {&floor, 1});
+    const double top = highest_of(simulation.particle_positions());
+    result.rise_d = std::max(result.rise_d, (top - k_height) / (2.0 * desc.granular.particle_radius));
+  }
+  const double overlap = measure_overlap(simulation.particle_positions(), desc.granular.particle_radius).max;
+  result.overlap = sound(simulation.particle_positions(), overlap);
+  return result;
+}
+
+Stack stack(const sandglass_scene_desc& desc, uint32_t count, double seconds) {
+  Simulation simulation(with_room(desc, count));
+  const double r = desc.granular.particle_radius;
+  std::vector<float> points;
+  for (uint32_t i = 0; i < count; ++i) points.insert(points.end(), {0.0f, static_cast<float>(r * (2 * i + 1)), 0.0f});
+  simulation.add(points, {});
+  const sandglass_collider floor = cpp::floor_at(0.0f);
+  Stack result;
+  for (int frame = 0; frame < static_cast<int>(seconds / k_frame); ++frame) {
+    simulation.frame(k_frame, k_no_budget, {&floor, 1});
+    result.height = (highest_of(simulation.particle_positions()) + r) / (2.0 * r * count);
+    result.highest = std::max(result.highest, result.height);
+  }
+  result.height = sound(simulation.particle_positions(), result.height);
+  return result;
+}
+
+double projectile_depth(const sandglass_scene_desc& desc) {
+  const double r = desc.granular.particle_radius;
+  Simulation simulation(with_room(desc, 385));
+  simulation.add(bed(r), {});
+  const float from[3] = {static_cast<float>(8.0 * r), 1.0f, static_cast<float>(8.0 * r)};
+  const float velocity[3] = {0.0f, -40.0f, 0.0f};
+  simulation.add(from, velocity);
+  const sandglass_collider floor = cpp::floor_at(0.0f);
+  double depth = 0.0;
+  for (int frame = 0; frame < 50; ++frame) {
+    simulation.frame(k_frame, k_no_budget, {&floor, 1});
+    const std::vector<float>& p = simulation.particle_positions();
+    for (size_t i = 1; i < p.size(); i += 3) depth = std::max(depth, (r - static_cast<double>(p[i])) / r);
+  }
+  return sound(simulation.particle_positions(), depth);
+}
+
+double teleport_speed(const sandglass_scene_desc& desc) {
+  const double r = desc.granular.particle_radius;
+  Simulation simulation(with_room(desc, 384));
+  simulation.add(bed(r), {});
+  const float middle = static_cast<float>(8.0 * r), side = static_cast<float>(4.0 * r);
+  const sandglass_collider colliders[2] = {cpp::floor_at(0.0f),
+                                           cpp::box(middle, static_cast<float>(5.0 * r), middle, side, side, side)};
+  for (int frame = 0; frame < 20; ++frame) simulation.frame(k_frame, k_no_budget, {colliders, 1});
+  double fastest = 0.0;
+  for (int frame = 0; frame < 50; ++frame) {
+    const sandglass_frame_report report = simulation.frame(k_frame, k_no_budget, colliders);
+    const double limit = desc.granular.courant * r / std::max<double>(report.substep, 1e-9);
+    fastest = std::max(fastest, report.speed_max / limit);
+  }
+  return sound(simulation.particle_positions(), fastest);
+}
+
+double weighting_speed(sandglass_scene_desc desc, double k) {
+  desc.granular.height_weighting = static_cast<float>(k);
+  Simulation simulation(with_room(desc, 384));
+  simulation.add(bed(desc.granular.particle_radius), {});
+  const sandglass_collider floor = cpp::floor_at(0.0f);
+  double late = 0.0;
+  for (int frame = 0; frame < 100; ++frame) {
+    const sandglass_frame_report report = simulation.frame(k_frame, k_no_budget, {&floor, 1});
+    if (frame >= 80 && report.substeps > 0) late = std::max<double>(late, report.speed_max);
+  }
+  return sound(simulation.particle_positions(), late);
+}
+
+double simulated_time(const sandglass_scene_desc& desc, std::span<const double> time_steps) {
+  Simulation simulation(with_room(desc, 384));
+  simulation.add(bed(desc.granular.particle_radius), {});
+  const sandglass_collider floor = cpp::floor_at(0.0f);
+  double time = 0.0;
+  for (const double step : time_steps) time = simulation.frame(step, k_no_budget, {&floor, 1}).simulated_time;
+  return sound(simulation.particle_positions(), time);
 }
 
 }  // namespace sandglass::host

@@ -11,6 +11,7 @@
 #include "models/laboratory/cpu_time.h"
 #include "models/laboratory/machine_peak.h"
 #include "models/laboratory/shadow/xnnpack_peer.h"
+#include "models/simulation/metrics.h"
 #include "models/work/random.h"
 #include "runtime/asset/shadow_asset.h"
 
@@ -20,36 +21,13 @@ namespace {
 
 constexpr uint32_t k_size = k_native_size, k_texels = k_size * k_size;
 constexpr uint32_t k_lights = 12;  // evenly spread over the baked cap
-constexpr uint32_t k_repeats = 7;  // runs of each light; the best counts, because the machine may be shared
 constexpr uint64_t k_stream = uint64_t{3} << 40;
 constexpr double k_beyond = 1e-3;  // the share of activations that the peer's int8 clips
-
-double best_ms(const std::function<void()>& work) {
-  double best = 1e30;
-  for (uint32_t i = 0; i < k_repeats; ++i) {
-    const double from = cpu_ms_now();
-    work();
-    best = std::min(best, cpu_ms_now() - from);
-  }
-  return best;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
 
 double rmse(const std::vector<float>& a, const std::vector<float>& b) {
   double sum = 0;
   for (size_t i = 0; i < a.size(); ++i) sum += std::pow(static_cast<double>(a[i] - b[i]), 2);
   return std::sqrt(sum / static_cast<double>(a.size()));
-}
-
-std::vector<uint32_t> all_texels() {
-  std::vector<uint32_t> uv;
-  for (uint32_t v = 0; v < k_size; ++v)
-    for (uint32_t u = 0; u < k_size; ++u) uv.insert(uv.end(), {u, v});
-  return uv;
 }
 
 #ifdef SANDGLASS_HAVE_XNNPACK
@@ -83,8 +61,8 @@ struct Samples {
   ShadowBenchRow row(const std::string& name, double peak) const {
     ShadowBenchRow r;
     r.name = name;
-    r.ms = median(ms);
-    r.ms_encoding = ms_encoding.empty() ? 0 : median(ms_encoding);
+    std::vector<double> times = ms, times_encoding = ms_encoding;
+    r.ms = quantile(times, 0.5), r.ms_encoding = quantile(times_encoding, 0.5);
     r.gmac_per_s = macs / k_lights / r.ms * 1e-6;
     r.fraction = peak > 0 ? r.gmac_per_s / peak : 0;
     r.evaluated = evaluated > 0 ? evaluated / k_lights / k_texels : 1;
@@ -132,7 +110,6 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   const ShadowCaster caster(geometry.object.mesh, geometry.half_angle, {}, 1);
   ThreadPool pool(1);
   const MachinePeak peak = measure_machine_peak();
-  const std::vector<uint32_t> uv = all_texels();
   std::vector<float> positions(size_t{k_size} * k_texel_inputs), input(size_t{k_texels} * k_inputs + 64),
       output(k_texels);
   for (uint32_t i = 0; i < k_size; ++i)
@@ -158,23 +135,15 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
   for (uint32_t i = 0; i < k_lights; ++i) {
     const Direction& light = lights[i];
     const std::vector<float> truth = caster.texture(geometry.rectangle(light), light, k_stream + i, k_size, pool);
-    std::vector<float> reference(k_texels);
-    own_float.ms.push_back(
-        best_ms([&] { evaluate_texels(network, light, k_size, uv.data(), k_texels, reference.data()); }));
+    std::vector<float> reference;
+    own_float.ms.push_back(best_cpu_ms([&] { reference = evaluate(network, light, k_size, pool); }));
     own_float.macs += texel_macs * k_texels;
     own_float.judge(reference, reference, truth);
     // The runtime computes nothing for a light that it has already. So another light comes in between, untimed.
     const Direction other = lights[(i + 1) % k_lights];
     const auto bytes = [&](ShadowRunner* runner, Samples* samples) {
-      double best = 1e30;
       sandglass_shadow_texture texture = {};
-      for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
-        runner->texture(other);
-        const double from = cpu_ms_now();
-        texture = runner->texture(light);
-        best = std::min(best, cpu_ms_now() - from);
-      }
-      samples->ms.push_back(best);
+      samples->ms.push_back(best_cpu_ms([&] { texture = runner->texture(light); }, [&] { runner->texture(other); }));
       samples->macs += separated_macs * texture.evaluated;
       samples->evaluated += texture.evaluated;
       for (uint32_t t = 0; t < k_texels; ++t) output[t] = 1 - static_cast<float>(texture.coverage[t]) / 255;
@@ -184,16 +153,16 @@ ShadowBench bench_shadow(std::span<const uint8_t> file, const std::string& name,
     bytes(&adaptive, &own_adaptive);
     for (size_t t = 0; t < others.size(); ++t) bytes(others[t].get(), &own_others[t]);
 #ifdef SANDGLASS_HAVE_XNNPACK
-    const double encoding = best_ms([&] { encode_texels(positions, light, &input); });
+    const double encoding = best_cpu_ms([&] { encode_texels(positions, light, &input); });
     const auto peer = [&](Samples* samples, double of_input, const std::function<void()>& work) {
-      samples->ms.push_back(best_ms(work));
+      samples->ms.push_back(best_cpu_ms(work));
       samples->ms_encoding.push_back(of_input);
       samples->macs += texel_macs * k_texels;
       samples->judge(output, reference, truth);
     };
     peer(&peer_float, encoding, [&] { xnn_float.run(input.data(), k_texels, output.data()); });
     std::vector<int8_t> encoded(input.size());
-    const double rounding = best_ms([&] { xnn_int8.round_inputs(input.data(), k_texels, encoded.data()); });
+    const double rounding = best_cpu_ms([&] { xnn_int8.round_inputs(input.data(), k_texels, encoded.data()); });
     peer(&peer_int8, encoding + rounding, [&] { xnn_int8.run_bytes(encoded.data(), k_texels, output.data()); });
 #endif
     if (!go_on(i + 1, k_lights)) break;

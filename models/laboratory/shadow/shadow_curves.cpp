@@ -9,13 +9,14 @@
 #include "models/files/failure.h"
 #include "models/laboratory/cpu_time.h"
 #include "models/laboratory/shadow/shadow_bench.h"
+#include "models/simulation/metrics.h"
 
 namespace sandglass::host {
 
 namespace {
 
 constexpr uint32_t k_size = k_native_size;
-constexpr uint32_t k_lights = 12, k_repeats = 5;  // of each light; the best counts, because the machine may be shared
+constexpr uint32_t k_lights = 12;
 constexpr uint64_t k_stream = uint64_t{5} << 40;
 constexpr uint32_t k_thresholds[] = {0, 5, 12, 24, 48, 64, 96, 128, 192};
 constexpr uint32_t k_texture_sizes[] = {128, 256, 512};
@@ -57,8 +58,7 @@ struct Sum {
   double rmse = 0;
 
   ShadowCurvePoint point(const std::string& name, double number) {
-    std::sort(ms.begin(), ms.end());
-    return {name, ms[ms.size() / 2], rmse / static_cast<double>(ms.size()), number};
+    return {name, quantile(ms, 0.5), rmse / static_cast<double>(ms.size()), number};
   }
 };
 
@@ -102,20 +102,16 @@ std::vector<ShadowCurve> measure_shadow_curves(const std::vector<NamedShadow>& f
     world.transparency = caster.texture(world.rectangle, light, k_stream + i, k_size, pool);
     // The runtime computes nothing for a light that it has already. So another light comes in between, untimed.
     const auto measure = [&](ShadowRunner* runner, const LightGeometry& geometry, Sum* sum, uint32_t size) {
-      double best = 1e30;
       sandglass_shadow_texture texture = {};
       std::vector<uint8_t> resampled(size_t{size} * size);
-      for (uint32_t repeat = 0; repeat < k_repeats; ++repeat) {
-        runner->texture(other);
-        const double from = cpu_ms_now();
+      const auto make = [&] {
         texture = runner->texture(light);
         const char* reason = nullptr;
         if (size != k_size &&
             sandglass_shadow_resample(runner->handle(), 0, size, resampled.data(), &reason) != SANDGLASS_OK)
           throw cannot("turn", "light", reason);
-        best = std::min(best, cpu_ms_now() - from);
-      }
-      sum->ms.push_back(best);
+      };
+      sum->ms.push_back(best_cpu_ms(make, [&] { runner->texture(other); }));
       sum->rmse +=
           world.rmse(size == k_size ? texture.coverage : resampled.data(), size, geometry.rectangle(light), 255);
     };

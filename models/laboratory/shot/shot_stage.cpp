@@ -1,10 +1,9 @@
 #include "models/laboratory/shot/shot_stage.h"
 
 #include "models/compositing/shot.h"
-#include "models/simulation/body_meshes.h"
-#include "models/simulation/collision_fields.h"
+#include "models/simulation/scene_meshes.h"
+#include "models/simulation/scene_shadows.h"
 #include "models/simulation/simulation.h"
-#include "models/simulation/standing_shadows.h"
 
 namespace sandglass::host {
 
@@ -34,12 +33,8 @@ std::unique_ptr<PileShadow> ShotStage::pile_for(Vec3 towards, Sand of) const {
 }
 
 ShotShadows ShotStage::shadows_for(Vec3 towards) const {
-  StandingShadows standing(scene, SANDGLASS_ISA_AUTOMATIC);
-  standing.set_light(scene, 0, towards);
-  sandglass_shadow_run(standing.handles().data(), static_cast<uint32_t>(standing.handles().size()), ~0u);
-  const std::unique_ptr<PileShadow> pile = pile_for(towards, Sand::grains);  // as in a frame
-  const std::vector<sandglass_collider> colliders = colliders_over_frame(scene, 0);
-  return {standing.drawn(colliders), {pile->drawn(false)}, {pile->drawn(true)}};
+  return complete_shadows(scene, SANDGLASS_ISA_AUTOMATIC, 0, colliders_over_frame(scene, 0), grains, grain_radius,
+                          towards);
 }
 
 }  // namespace sandglass::host

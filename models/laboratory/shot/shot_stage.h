@@ -6,8 +6,8 @@
 
 #include "models/compositing/shot_picture.h"
 #include "models/mesh/mesh.h"
-#include "models/simulation/pile_shadow.h"
 #include "models/simulation/scene_file.h"
+#include "models/simulation/scene_shadows.h"
 
 namespace sandglass::host {
 

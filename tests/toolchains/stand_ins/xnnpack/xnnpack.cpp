@@ -2,6 +2,7 @@
 // Memory comes from the allocator of the first initialisation.
 #include <xnnpack.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
@@ -19,13 +20,13 @@ using namespace xnnpack_stand_in;
 struct xnn_operator {
   uint32_t pad[4];  // top, right, bottom, left
   uint32_t size[2], step[2];
-  size_t inputs, outputs, in_stride, out_stride, height, width, out_height, out_width;
-  bool bytes, reshaped, set_up;
-  int zero, out_zero;
-  double low, high;
-  void* weights;  // kernel, bias, scales
-  const void* in;
-  void* out;
+  size_t inputs, outputs, in_stride, out_stride, height = 0, width = 0, out_height = 0, out_width = 0;
+  bool bytes = false, reshaped = false, set_up = false;
+  int zero = 0, out_zero = 0;
+  float low, high;
+  void* weights = nullptr;  // kernel, bias, scales
+  const void* in = nullptr;
+  void* out = nullptr;
 };
 
 namespace {
@@ -46,9 +47,10 @@ void note(Call call, const void* op) {
 
 template <class Weight, class Bias>
 xnn_status create(const xnn_operator& values, uint32_t dilation, uint32_t groups, const Weight* kernel,
-                  const Bias* bias, const float* scales, const void* caches, xnn_operator_t* result) {
+                  const Bias* bias, const float* scales, xnn_code_cache_t code, xnn_weights_cache_t cache,
+                  xnn_operator_t* result) {
   if (g_allocator == nullptr) return xnn_status_uninitialized;
-  if (dilation != 1 || groups != 1 || caches != nullptr) return xnn_status_unsupported_parameter;
+  if (dilation != 1 || groups != 1 || code != nullptr || cache != nullptr) return xnn_status_unsupported_parameter;
   if (g_create_failures > 0) return --g_create_failures, xnn_status_unsupported_hardware;
   auto* op = static_cast<xnn_operator*>(g_allocator->allocate(g_allocator->context, sizeof(xnn_operator)));
   if (op == nullptr) return xnn_status_out_of_memory;
@@ -113,7 +115,8 @@ void convolve(const xnn_operator& op) {
             sum += static_cast<double>(weights[c]) * (static_cast<double>(pixel[c]) - op.zero);
         }
         double value = op.bytes ? static_cast<double>(static_cast<float>(sum) * scales[o]) : sum;
-        value = std::fmin(std::fmax(value, op.low - op.out_zero), op.high - op.out_zero);
+        value =
+            std::clamp(value, static_cast<double>(op.low) - op.out_zero, static_cast<double>(op.high) - op.out_zero);
         if (op.bytes) value = std::nearbyint(value) + op.out_zero;
         out[(y * op.out_width + x) * op.out_stride + o] = static_cast<Value>(value);
       }
@@ -137,29 +140,16 @@ xnn_status xnn_create_convolution2d_nhwc_f32(uint32_t top, uint32_t right, uint3
                                              const float* kernel, const float* bias, float low, float high, uint32_t,
                                              xnn_code_cache_t code, xnn_weights_cache_t weights,
                                              xnn_operator_t* result) {
-  const xnn_operator op = {{top, right, bottom, left},
-                           {kernel_height, kernel_width},
-                           {step_y, step_x},
-                           inputs,
-                           outputs,
-                           in_stride,
-                           out_stride,
-                           0,
-                           0,
-                           0,
-                           0,
-                           false,
-                           false,
-                           false,
-                           0,
-                           0,
-                           static_cast<double>(low),
-                           static_cast<double>(high),
-                           nullptr,
-                           nullptr,
-                           nullptr};
-  return create(op, dilation_y * dilation_x, groups, kernel, bias, nullptr,
-                code == nullptr ? static_cast<const void*>(weights) : code, result);
+  const xnn_operator op = {.pad = {top, right, bottom, left},
+                           .size = {kernel_height, kernel_width},
+                           .step = {step_y, step_x},
+                           .inputs = inputs,
+                           .outputs = outputs,
+                           .in_stride = in_stride,
+                           .out_stride = out_stride,
+                           .low = low,
+                           .high = high};
+  return create(op, dilation_y * dilation_x, groups, kernel, bias, nullptr, code, weights, result);
 }
 
 xnn_status xnn_create_convolution2d_nhwc_qs8_qc8w(
@@ -171,29 +161,19 @@ xnn_status xnn_create_convolution2d_nhwc_qs8_qc8w(
   for (size_t o = 0; o < outputs; ++o)
     if (!(in_scale * kernel_scale[o] / out_scale < 256.0f) || !(kernel_scale[o] > 0))
       return xnn_status_unsupported_parameter;
-  const xnn_operator op = {{top, right, bottom, left},
-                           {kernel_height, kernel_width},
-                           {step_y, step_x},
-                           inputs,
-                           outputs,
-                           in_stride,
-                           out_stride,
-                           0,
-                           0,
-                           0,
-                           0,
-                           true,
-                           false,
-                           false,
-                           in_zero,
-                           out_zero,
-                           static_cast<double>(low),
-                           static_cast<double>(high),
-                           nullptr,
-                           nullptr,
-                           nullptr};
-  return create(op, dilation_y * dilation_x, groups, kernel, bias, kernel_scale,
-                code == nullptr ? static_cast<const void*>(weights) : code, result);
+  const xnn_operator op = {.pad = {top, right, bottom, left},
+                           .size = {kernel_height, kernel_width},
+                           .step = {step_y, step_x},
+                           .inputs = inputs,
+                           .outputs = outputs,
+                           .in_stride = in_stride,
+                           .out_stride = out_stride,
+                           .bytes = true,
+                           .zero = in_zero,
+                           .out_zero = out_zero,
+                           .low = static_cast<float>(low),
+                           .high = static_cast<float>(high)};
+  return create(op, dilation_y * dilation_x, groups, kernel, bias, kernel_scale, code, weights, result);
 }
 
 xnn_status xnn_reshape_convolution2d_nhwc_f32(xnn_operator_t op, size_t batch, size_t height, size_t width,

@@ -1,15 +1,48 @@
-// The field of a revolved outline samples its exact distance at every node. The field of a mesh comes from the
-// library's own builder.
-#include "models/simulation/collision_fields.h"
+// A closed surface is filled by ray parity, an open one by winding number. A surface that is not closed and has edges
+// of three or more triangles is refused: neither rule says what is inside it. The field of a revolved outline samples its
+// exact distance at every node. The field of a mesh comes from the library's own builder.
+#include "models/simulation/scene_meshes.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "models/files/failure.h"
+#include "models/mesh/generated.h"
 
 namespace sandglass::host {
 
+static sandglass_mesh view_of(const Mesh& mesh) {
+  return {mesh.vertices.data(), mesh.vertex_count(), mesh.indices.data(), mesh.triangle_count()};
+}
+
+LoadedMeshes::LoadedMeshes(const SceneFile& scene, const std::string& mesh_path) {
+  const auto asked_for = [&](BodyShape shape) {
+    return std::any_of(scene.bodies.begin(), scene.bodies.end(), [&](const Body& body) { return body.shape == shape; });
+  };
+  if (asked_for(BodyShape::trefoil)) {
+    trefoil_ = make_trefoil();
+    bodies_.trefoil = {view_of(trefoil_), SANDGLASS_INSIDE_PARITY};
+  }
+  if (mesh_path.empty()) return;
+  if (!asked_for(BodyShape::mesh))
+    throw cannot("use --mesh with", scene.source, "the scene has no body of shape \"mesh\"", "Leave --mesh out");
+  MeshResult loaded = load_mesh(mesh_path);
+  if (!loaded) throw Failure(loaded.error);
+  const MeshReport& report = loaded.report;
+  if (!report.watertight() && report.non_manifold_edges > 0)
+    throw cannot("fill", mesh_path,
+                 "it is not manifold: " + std::to_string(report.non_manifold_edges) +
+                     " edges belong to three or more triangles, so it has no inside",
+                 "Repair it");
+  if (!report.watertight())
+    note_ = "\"" + mesh_path + "\" is open (" + std::to_string(report.boundary_edges) +
+            " boundary edges). It is filled where its winding number is at least one half.";
+  argument_ = std::move(loaded.mesh);
+  bodies_.argument = {view_of(argument_), report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING};
+}
+
 namespace {
+
+constexpr uint32_t k_around = 64;  // half planes of a drawn outline
 
 void require(const SceneFile& scene, size_t index, const cpp::Status& status) {
   if (status) return;
@@ -57,6 +90,7 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
     const float step = static_cast<float>(spacing), beyond = static_cast<float>(margin);
     cpp::Box box;
     cpp::Field& field = fields_.emplace_back();
+    Mesh& standing = meshes_.emplace_back();
     if (!track.profile.empty()) {
       double r = 0.0, bottom = 1e30, top = -1e30;
       for (const auto& point : track.profile)
@@ -64,6 +98,7 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
       to_floats({-r - margin, bottom - margin, -r - margin}, box.min);
       to_floats({r + margin, top + margin, r + margin}, box.max);
       const double sign = track.solid_outside ? -1.0 : 1.0;
+      standing = make_revolved(track.profile, k_around);
       require(*scene, i, field.from_function(box, step, solid, [&](const float* p) {
         return static_cast<float>(sign * revolved_distance(track.profile, from_floats(p)));
       }));
@@ -73,10 +108,9 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
                      "Name it with --collider-mesh FILE");
       const MeshResult loaded = mesh_path.empty() ? make_named(track.mesh) : argument;
       if (!loaded) throw Failure(loaded.error);
-      Mesh standing = loaded.mesh;
+      standing = loaded.mesh;
       stand_mesh(&standing, track.size.y, mesh_path);
-      const sandglass_mesh view = {standing.vertices.data(), standing.vertex_count(), standing.indices.data(),
-                                   standing.triangle_count()};
+      const sandglass_mesh view = view_of(standing);
       cpp::Status bounds;
       bounds.code = sandglass_mesh_bounds(&view, box.min, box.max, &bounds.reason);
       require(*scene, i, bounds);
@@ -88,6 +122,12 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
     }
     track.field = field.get();
   }
+}
+
+const Mesh* CollisionFields::mesh_of(const sandglass_field* field) const {
+  for (size_t i = 0; i < fields_.size(); ++i)
+    if (fields_[i].get() == field) return &meshes_[i];
+  return nullptr;
 }
 
 }  // namespace sandglass::host

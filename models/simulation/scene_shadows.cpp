@@ -1,7 +1,9 @@
-// See standing_shadows.h.
-#include "models/simulation/standing_shadows.h"
+// See scene_shadows.h.
+#include "models/simulation/scene_shadows.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <filesystem>
 
 #include "models/files/failure.h"
@@ -9,6 +11,10 @@
 namespace sandglass::host {
 
 namespace fs = std::filesystem;
+
+static std::array<float, 3> floats_of(Vec3 v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
 
 std::string find_shadow(const std::string& name_or_path) {
   std::error_code error;
@@ -49,11 +55,9 @@ void StandingShadows::set_light(const SceneFile& scene, uint32_t frame, Vec3 tow
     const sandglass_collider now =
         collider_over_frame(scene.colliders[objects_[i].collider], frame * scene.frame_step, scene.frame_step);
     const Quaternion rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
-    float direction[3];
-    to_floats(rotate(conjugate(rotation), towards), direction);
-    const char* reason = nullptr;
-    if (sandglass_shadow_set_light(handles_[i], 0, direction, 1.0f, &reason) != SANDGLASS_OK)
-      throw cannot("turn", "light", reason);
+    const Vec3 local = rotate(conjugate(rotation), towards);
+    if (const cpp::Status turned = objects_[i].shadow.set_light(floats_of(local)); !turned)
+      throw cannot("turn", "light", turned.reason);
   }
 }
 
@@ -86,6 +90,66 @@ std::vector<FloorShadow> StandingShadows::drawn(std::span<const sandglass_collid
     all.push_back(std::move(shadow));
   }
   return all;
+}
+
+static void require(const cpp::Status& status) {
+  if (!status) throw cannot("make", "pile_shadow", status.reason != nullptr ? status.reason : status.name());
+}
+
+PileShadow::PileShadow(const PileShadowTrack& track, sandglass_isa isa, uint32_t sky_texels) {
+  sandglass_pile_shadow_desc desc = cpp::pile_shadow_desc();
+  desc.isa = isa, desc.texels = track.texels, desc.sky_texels = sky_texels;
+  for (size_t axis = 0; axis < 2; ++axis) {
+    desc.low[axis] = static_cast<float>(track.low[axis]);
+    desc.high[axis] = static_cast<float>(track.high[axis]);
+  }
+  require(shadow_.create(desc));
+}
+
+void PileShadow::set_light(Vec3 towards) { require(shadow_.set_light(floats_of(towards))); }
+
+FloorShadow PileShadow::drawn(bool on_sand) const {
+  const sandglass_pile_shadow_texture texture = shadow_.texture();
+  FloorShadow drawn;
+  drawn.collider = ~0u;
+  drawn.texels = texture.texels;
+  const uint8_t* bytes = on_sand ? texture.on_sand : texture.coverage;
+  drawn.coverage.assign(bytes, bytes + drawn.texels * drawn.texels);
+  drawn.opacity = texture.valid != 0 ? static_cast<double>(texture.opacity) : 0.0;
+  std::copy_n(texture.low, 2, drawn.low);
+  std::copy_n(texture.high, 2, drawn.high);
+  return drawn;
+}
+
+void PileShadow::set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells) { require(shadow_.set_cells(cells)); }
+
+FloorShadow PileShadow::drawn_sky(bool on_sand) const {
+  const sandglass_pile_shadow_sky sky = shadow_.sky();
+  FloorShadow drawn;
+  drawn.collider = ~0u;
+  drawn.texels = sky.texels;
+  const uint8_t* visible = on_sand ? sky.on_sand : sky.floor;
+  for (size_t i = 0; i < size_t{sky.texels} * sky.texels; ++i)
+    drawn.coverage.push_back(static_cast<uint8_t>(255 - visible[i]));
+  std::copy_n(sky.low, 2, drawn.low);
+  std::copy_n(sky.high, 2, drawn.high);
+  return drawn;
+}
+
+double floor_transparency(const FloorShadow& shadow, double px, double pz) {
+  const Vec3 local = rotate(conjugate(shadow.rotation), Vec3{px - shadow.position.x, 0.0, pz - shadow.position.z});
+  const double n = shadow.texels;
+  const double u = (local.x - shadow.low[0]) / (shadow.high[0] - shadow.low[0]) * n - 0.5;
+  const double v = (local.z - shadow.low[1]) / (shadow.high[1] - shadow.low[1]) * n - 0.5;
+  if (!(u > -1.0 && v > -1.0 && u < n && v < n)) return 1.0;
+  const auto texel = [&](double x, double y) {
+    const bool inside = x >= 0.0 && y >= 0.0 && x < n && y < n;
+    return inside ? shadow.coverage[static_cast<size_t>(y) * shadow.texels + static_cast<size_t>(x)] / 255.0 : 0.0;
+  };
+  const double x = std::floor(u), y = std::floor(v), fx = u - x, fy = v - y;
+  const double coverage = (1.0 - fy) * ((1.0 - fx) * texel(x, y) + fx * texel(x + 1.0, y)) +
+                          fy * ((1.0 - fx) * texel(x, y + 1.0) + fx * texel(x + 1.0, y + 1.0));
+  return 1.0 - coverage * shadow.opacity;
 }
 
 }  // namespace sandglass::host
