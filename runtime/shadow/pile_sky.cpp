@@ -29,15 +29,6 @@ constexpr int32_t k_widest_sphere = 2;  // columns: the radius of spheres that a
 constexpr float k_depth_loss = 0.9f;
 
 uint32_t window(uint32_t level) { return 1u << level; }
-// log2 of the rows from one row of a level to the next.
-uint32_t spacing_bits(uint32_t level) { return level > 0 ? level - 1 : 0; }
-// Rows of a level before the texture's first row.
-int32_t rows_before(uint32_t level) { return level > 0 ? 1 : 0; }
-
-// The first texel row of a level's row.
-int32_t first_row(uint32_t level, uint32_t row) {
-  return (static_cast<int32_t>(row) - rows_before(level)) * static_cast<int32_t>(1u << spacing_bits(level));
-}
 
 // First and last texel with sand along an axis. None: last < first.
 struct Extent {
@@ -95,10 +86,14 @@ Column window_at(const LevelRow& row, int32_t u) {
   if (row.tops == nullptr) return k_no_sand;
   return {row.tops[u], row.bottoms[u], row.fills[u]};
 }
+// The row of windows that begin at texel row `first`, in the arrays.
+uint32_t array_row(const PileSky& s, uint32_t level, int32_t first) {
+  return static_cast<uint32_t>(static_cast<int32_t>(s.origins[level]) + first);
+}
+
 LevelRow row_at(const PileSky& s, const Extent& sand, uint32_t level, int32_t first) {
-  const int32_t row = (first >> spacing_bits(level)) + rows_before(level);
-  if (row < 0 || row >= static_cast<int32_t>(s.levels[level].rows) || !has_sand(sand, level, first)) return {};
-  const uint64_t at = uint64_t{s.levels[level].first + static_cast<uint32_t>(row)} * s.pitch;
+  if (!has_sand(sand, level, first)) return {};
+  const uint64_t at = uint64_t{array_row(s, level, first)} * s.pitch;
   return {s.tops + at, s.bottoms + at, s.fills + at};
 }
 
@@ -140,9 +135,10 @@ void make_level_row(Pile* p, uint32_t row) {
   PileSky* s = &p->sky;
   if (row < s->texels) make_heights(p, row);
   uint32_t level = 0;
-  while (level + 1 < k_sky_levels && row >= s->levels[level + 1].first) ++level;
+  while (level + 1 < k_sky_levels && row + window(level + 1) > s->origins[level + 1]) ++level;
   const Extent rows = extent(p->sand_rows, s->joined);
-  const int32_t first = first_row(level, row - s->levels[level].first), n = static_cast<int32_t>(s->texels);
+  const int32_t first = static_cast<int32_t>(row) - static_cast<int32_t>(s->origins[level]);
+  const int32_t n = static_cast<int32_t>(s->texels);
   if (!has_sand(rows, level, first)) return;
   s->in_air[row] = 0;
   if (level == 0) {
@@ -159,25 +155,21 @@ void make_level_row(Pile* p, uint32_t row) {
     put(s, row, u, join(window_at(a, u), window_at(a, u + half), window_at(b, u), window_at(b, u + half)));
 }
 
-// The steps of a sector as seen from every place of a row.
-void place_steps(const Pile& p, uint32_t sector, SkyPlacedStep* placed) {
+void place_steps(const Pile& p, uint32_t sector, SkyStep* steps) {
   const PileSky& s = p.sky;
   const SinCos turn = sin_cos_turns((sector + 0.5) / k_cell_sectors);
   const double side[2] = {static_cast<double>(p.texel[0]) * s.joined, static_cast<double>(p.texel[1]) * s.joined};
   const double least = side[0] < side[1] ? side[0] : side[1];
   for (const Walk& walk : k_walk) {
-    const double to_middle = 0.5 * (window(walk.level) - 1), spacing = 1u << spacing_bits(walk.level);
-    const double x = walk.distance * least * turn.cos / side[0], z = walk.distance * least * turn.sin / side[1];
-    for (uint32_t place = 0; place < 1u << spacing_bits(walk.level); ++place) {
-      const int64_t columns = floor_index(x - to_middle + 0.5);
-      const int64_t rows = floor_index((z - to_middle + place) / spacing + 0.5);
-      const double dx = (static_cast<double>(columns) + to_middle) * side[0];
-      const double dz = (static_cast<double>(rows) * spacing - place + to_middle) * side[1];
-      const double distance = square_root(dx * dx + dz * dz);
-      // Two random places in the receiver's own texel are a third of its width apart on average.
-      *placed++ = {static_cast<int32_t>(columns), static_cast<int32_t>(rows),
-                   static_cast<float>(distance > 0 ? 1 / distance : 3 / least)};
-    }
+    const double to_middle = 0.5 * (window(walk.level) - 1);
+    const int64_t columns = floor_index(walk.distance * least * turn.cos / side[0] - to_middle + 0.5);
+    const int64_t rows = floor_index(walk.distance * least * turn.sin / side[1] - to_middle + 0.5);
+    const double dx = (static_cast<double>(columns) + to_middle) * side[0];
+    const double dz = (static_cast<double>(rows) + to_middle) * side[1];
+    const double distance = square_root(dx * dx + dz * dz);
+    // Two random places in the receiver's own texel are a third of its width apart on average.
+    *steps++ = {walk.level, static_cast<int32_t>(columns), static_cast<int32_t>(rows),
+                static_cast<float>(distance > 0 ? 1 / distance : 3 / least)};
   }
 }
 
@@ -188,24 +180,17 @@ void gather_steps(Pile* pile, uint32_t row, PileSkyArgs* args) {
   const Extent rows = extent(p.sand_rows, s.joined), columns = extent(p.sand_columns, s.joined);
   uint32_t count = 0;
   for (uint32_t k = 0; k < k_cell_sectors; ++k) {
-    const SkyPlacedStep* placed = s.placed + k * k_sky_placed_steps;
-    const PileSector& sector = s.sectors[k];
     PileSector* out = &s.row_sectors[args->sector_count];
-    *out = sector;
+    *out = s.sectors[k];
     out->first_step = count, out->in_air = 0;
-    for (const Walk& walk : k_walk) {
-      const uint32_t bits = spacing_bits(walk.level), places = 1u << bits;
-      const SkyPlacedStep& step = placed[row & (places - 1)];
-      placed += places;
-      const int32_t at = static_cast<int32_t>(row >> bits) + step.rows;
-      const int32_t level_row = at + rows_before(walk.level), first = at * static_cast<int32_t>(places);
-      if (level_row < 0 || level_row >= static_cast<int32_t>(s.levels[walk.level].rows)) continue;
-      if (!has_sand(rows, walk.level, first)) continue;
-      const int32_t wide = static_cast<int32_t>(window(walk.level));
-      const uint32_t array_row = s.levels[walk.level].first + static_cast<uint32_t>(level_row);
-      out->in_air |= s.in_air[array_row];
-      s.steps[count++] = {static_cast<int32_t>(array_row * s.pitch) + step.columns,
-                          columns.first - wide + 1 - step.columns, columns.last - step.columns, step.inverse_distance};
+    for (uint32_t i = 0; i < k_sky_steps; ++i) {
+      const SkyStep& step = s.walks[k * k_sky_steps + i];
+      const int32_t first = static_cast<int32_t>(row) + step.rows, wide = static_cast<int32_t>(window(step.level));
+      if (!has_sand(rows, step.level, first)) continue;
+      const uint32_t at = array_row(s, step.level, first);
+      out->in_air |= s.in_air[at];
+      s.steps[count++] = {static_cast<int32_t>(at * s.pitch) + step.columns, columns.first - wide + 1 - step.columns,
+                          columns.last - step.columns, step.inverse_distance};
     }
     out->last_step = count;
     if (count > out->first_step) ++args->sector_count;
@@ -280,10 +265,8 @@ void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
   if (texels == 0) return;
   s->pitch = texels + 2 * k_margin;
   uint32_t rows = 0;
-  for (uint32_t level = 0; level < k_sky_levels; ++level) {
-    s->levels[level] = {rows, (texels >> spacing_bits(level)) + static_cast<uint32_t>(rows_before(level))};
-    rows += s->levels[level].rows;
-  }
+  for (uint32_t level = 0; level < k_sky_levels; ++level)
+    s->origins[level] = rows + window(level) - 1, rows = s->origins[level] + texels;
   s->rows = rows;
   const uint64_t columns = uint64_t{rows} * s->pitch + k_margin, n = texels;
   float** const arrays[] = {&s->tops, &s->bottoms, &s->fills};
@@ -291,7 +274,7 @@ void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
   s->in_air = layout_region<uint8_t>(layout, "pile_shadow.levels", rows);
   float** const lines[] = {&s->nothing, &s->receivers, &s->lights};
   for (float** line : lines) *line = layout_region<float>(layout, "pile_shadow.row", n);
-  s->placed = layout_region<SkyPlacedStep>(layout, "pile_shadow.steps", k_cell_sectors * k_sky_placed_steps);
+  s->walks = layout_region<SkyStep>(layout, "pile_shadow.steps", k_cell_sectors * k_sky_steps);
   s->steps = layout_region<PileSkyStep>(layout, "pile_shadow.steps", k_cell_sectors * k_sky_steps);
   SkyTexture* const textures[] = {&s->front, &s->back};
   for (SkyTexture* texture : textures) {
@@ -309,7 +292,7 @@ void sky_build(Pile* p) {
     s->tops[i] = k_no_sand.top, s->bottoms[i] = k_no_sand.bottom, s->fills[i] = k_no_sand.fill;
   s->tops += 2 * k_margin, s->bottoms += 2 * k_margin, s->fills += 2 * k_margin;
   for (uint32_t u = 0; u < s->texels; ++u) s->nothing[u] = s->receivers[u] = s->lights[u] = 0;
-  for (uint32_t k = 0; k < k_cell_sectors; ++k) place_steps(*p, k, s->placed + k * k_sky_placed_steps);
+  for (uint32_t k = 0; k < k_cell_sectors; ++k) place_steps(*p, k, s->walks + k * k_sky_steps);
   for (uint32_t i = 0; i < k_light_cells; ++i) s->cells[i] = k_prior_ring_shares[i / k_cell_sectors];
   memset(s->front.floor, 255, texels), memset(s->front.sand, 255, texels),
       memset(s->front.heights, 0, texels * s->joined * s->joined);

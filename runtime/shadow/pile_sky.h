@@ -17,22 +17,15 @@ namespace sandglass {
 struct Pile;
 
 constexpr uint32_t k_sky_levels = 5;
-constexpr uint32_t k_sky_steps = 12;         // along an azimuth
-constexpr uint32_t k_sky_placed_steps = 48;  // with those of every place of a row between the rows of its levels
+constexpr uint32_t k_sky_steps = 12;  // along an azimuth
 constexpr uint32_t k_sky_unit_windows = 512;
 constexpr uint32_t k_sky_unit_texels = 256;
 
-// Windows of 2^level columns square. Every column begins a window; so does every row of level 0 and 1, every second of
-// level 2, and so on.
-struct SkyLevel {
-  uint32_t first;  // row of the arrays
-  uint32_t rows;
-};
-
-// A step as seen from one row. Rows are those of the level.
-struct SkyPlacedStep {
+// A step of a sector: from a receiver to the first row and column of a window of 2^level columns square.
+struct SkyStep {
+  uint32_t level;
   int32_t columns, rows;
-  float inverse_distance;  // 1 / metres
+  float inverse_distance;  // 1 / metres, to the window's middle
 };
 
 struct SkyTexture {
@@ -44,13 +37,15 @@ struct SkyTexture {
 struct PileSky {
   uint32_t texels;  // along a side; 0: the app asked for none
   uint32_t joined;  // columns of the pile along a side of a texel
+  // Every column and every row begins a window of each level, also those before the first. The levels' rows lie one
+  // after the other in the arrays; `origins` are the rows of the windows that begin at row 0.
   uint32_t pitch, rows;
-  SkyLevel levels[k_sky_levels];
+  uint32_t origins[k_sky_levels];
   float *tops, *bottoms, *fills;
   uint8_t* in_air;                      // one for each row: 1 where some of its columns do not stand on the floor
   float *nothing, *receivers, *lights;  // one row each
-  SkyPlacedStep* placed;                // k_sky_placed_steps for every sector
-  PileSkyStep* steps;                   // of the row under way
+  SkyStep* walks;                       // k_sky_steps for every sector
+  PileSkyStep* steps;                   // those of the row under way that meet sand
   PileSector sectors[k_cell_sectors], row_sectors[k_cell_sectors];
   SkyTexture front, back;
   bool valid;
