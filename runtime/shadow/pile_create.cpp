@@ -131,7 +131,7 @@ __attribute__((noinline)) sandglass_status take_cells(Pile* p, const float* cell
     sum += static_cast<double>(cells[i]);
   }
   if (!(sum <= 1.001)) return refuse(reason, "the cells are more than 1 together: pass shares of the floor's light");
-  memcpy(p->sky.cells, cells, sizeof p->sky.cells);
+  memcpy(p->sky.cells, cells, k_light_cells * sizeof(float));
   if (sky_differs(p->sky, cells)) p->asked |= k_ask_sky;
   return accept(reason);
 }

@@ -9,8 +9,9 @@
 namespace sandglass {
 namespace {
 
-constexpr uint32_t k_margin = k_lane_group;  // columns before and after a row: the widest window less one, and a vector
-static_assert((1u << (k_sky_levels - 1)) <= k_margin);
+// Empty columns stand around each row, so that a vector may begin before it or end behind it.
+constexpr uint32_t k_before = 1u << (k_sky_levels - 1);  // where windows begin that reach into the row
+constexpr uint32_t k_after = k_lane_group;
 
 // Which level a step reads, and how far from the receiver its window's middle is, in texels.
 struct Walk {
@@ -18,10 +19,12 @@ struct Walk {
   double distance;
 };
 constexpr Walk k_walk[k_sky_steps] = {{0, 0},    {0, 1},    {1, 2.5},  {1, 4.5},  {2, 7.5},  {2, 11.5},
-                                      {3, 17.5}, {3, 25.5}, {4, 37.5}, {4, 53.5}, {4, 69.5}, {4, 85.5}};
+                                      {2, 15.5}, {2, 19.5}, {2, 23.5}, {2, 27.5}, {3, 33.5}, {3, 41.5},
+                                      {3, 49.5}, {3, 57.5}, {3, 65.5}, {3, 73.5}, {3, 81.5}, {3, 89.5}};
 
 constexpr float k_lift = 0.5f;  // radii: raises receivers on the sand, as in pile.cpp
 constexpr float k_cap = 2.0f;
+constexpr float k_flat = 1e-6f;         // metres: lower sand has no height
 constexpr float k_on_floor = 1.0f;      // radii: a column whose bottom is lower stands on the floor
 constexpr int32_t k_widest_sphere = 2;  // columns: the radius of spheres that are joined to one surface
 // What a grain loses for each radius that its topmost point lies below the surface of the sand. Fitted to rays at grains
@@ -112,14 +115,15 @@ int32_t columns_within(float radius, float texel) {
 // that the gaps between spheres lie below it also where columns are finer than spheres.
 void make_heights(Pile* p, uint32_t row) {
   const int32_t n = static_cast<int32_t>(p->texels), joined = static_cast<int32_t>(p->sky.joined);
-  const float per_metre = p->top > 0 ? 255 / p->top : 0;
+  const float per_metre = p->top > k_flat ? 255 / p->top : 0;
   const int32_t across = columns_within(p->source.radius, p->texel[0]);
   const int32_t along = columns_within(p->source.radius, p->texel[1]);
   for (int32_t v = static_cast<int32_t>(row) * joined, end = v + joined; v < end; ++v) {
     uint8_t* heights = p->sky.back.heights + static_cast<int64_t>(v) * n;
     memset(heights, 0, p->texels);
     if (v + along < p->sand_rows[0] || v - along > p->sand_rows[1]) continue;
-    for (int32_t u = 0; u < n; ++u) {
+    const int32_t left = p->sand_columns[0] - across, right = p->sand_columns[1] + across;
+    for (int32_t u = left > 0 ? left : 0; u <= right && u < n; ++u) {
       float top = 0;
       for (int32_t y = v > along ? v - along : 0; y <= v + along && y < n; ++y)
         for (int32_t x = u > across ? u - across : 0; x <= u + across && x < n; ++x) {
@@ -131,28 +135,34 @@ void make_heights(Pile* p, uint32_t row) {
   }
 }
 
+// A window of a level that is above 0, of four windows of the level below.
+Column joined_windows(const LevelRow& a, const LevelRow& b, int32_t u, int32_t half) {
+  return join(window_at(a, u), window_at(a, u + half), window_at(b, u), window_at(b, u + half));
+}
+
 void make_level_row(Pile* p, uint32_t row) {
   PileSky* s = &p->sky;
   if (row < s->texels) make_heights(p, row);
   uint32_t level = 0;
   while (level + 1 < k_sky_levels && row + window(level + 1) > s->origins[level + 1]) ++level;
-  const Extent rows = extent(p->sand_rows, s->joined);
+  const Extent rows = extent(p->sand_rows, s->joined), columns = extent(p->sand_columns, s->joined);
   const int32_t first = static_cast<int32_t>(row) - static_cast<int32_t>(s->origins[level]);
-  const int32_t n = static_cast<int32_t>(s->texels);
   if (!has_sand(rows, level, first)) return;
   s->in_air[row] = 0;
-  if (level == 0) {
-    for (uint32_t u = 0; u < s->texels; ++u) {
-      Column column = joined_columns(*p, u * s->joined, static_cast<uint32_t>(first) * s->joined, s->joined);
+  LevelRow a = {}, b = {};
+  const int32_t half = static_cast<int32_t>(window(level)) / 2;
+  if (level > 0) a = row_at(*s, rows, level - 1, first), b = row_at(*s, rows, level - 1, first + half);
+  for (int32_t u = 1 - static_cast<int32_t>(window(level)); u < static_cast<int32_t>(s->texels); ++u) {
+    Column column = k_no_sand;
+    if (level == 0 && has_sand(columns, level, u)) {
+      const uint32_t joined = s->joined;
+      column = joined_columns(*p, static_cast<uint32_t>(u) * joined, static_cast<uint32_t>(first) * joined, joined);
       if (column.bottom < k_on_floor * p->source.radius) column.bottom = 0;
-      put(s, row, static_cast<int32_t>(u), column);
+    } else if (has_sand(columns, level, u)) {
+      column = joined_windows(a, b, u, half);
     }
-    return;
+    put(s, row, u, column);
   }
-  const int32_t half = static_cast<int32_t>(window(level - 1));
-  const LevelRow a = row_at(*s, rows, level - 1, first), b = row_at(*s, rows, level - 1, first + half);
-  for (int32_t u = 1 - static_cast<int32_t>(window(level)); u < n; ++u)
-    put(s, row, u, join(window_at(a, u), window_at(a, u + half), window_at(b, u), window_at(b, u + half)));
 }
 
 void place_steps(const Pile& p, uint32_t sector, SkyStep* steps) {
@@ -173,13 +183,20 @@ void place_steps(const Pile& p, uint32_t sector, SkyStep* steps) {
   }
 }
 
-// The steps and sectors of a row, without those that meet no sand.
+bool has_light(const PileSector& sector) {
+  for (const float bend : sector.bends)
+    if (bend != 0) return true;
+  return false;
+}
+
+// The steps and sectors of a row, without those that meet no sand or have no light.
 void gather_steps(Pile* pile, uint32_t row, PileSkyArgs* args) {
   const Pile& p = *pile;
   PileSky& s = pile->sky;
   const Extent rows = extent(p.sand_rows, s.joined), columns = extent(p.sand_columns, s.joined);
   uint32_t count = 0;
   for (uint32_t k = 0; k < k_cell_sectors; ++k) {
+    if (!has_light(s.sectors[k])) continue;
     PileSector* out = &s.row_sectors[args->sector_count];
     *out = s.sectors[k];
     out->first_step = count, out->in_air = 0;
@@ -263,12 +280,12 @@ uint32_t unit_end(const PileSky& s, uint32_t items, uint32_t cursor, uint32_t ro
 void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
   s->texels = texels, s->joined = joined;
   if (texels == 0) return;
-  s->pitch = texels + 2 * k_margin;
+  s->pitch = texels + k_before + k_after;
   uint32_t rows = 0;
   for (uint32_t level = 0; level < k_sky_levels; ++level)
     s->origins[level] = rows + window(level) - 1, rows = s->origins[level] + texels;
   s->rows = rows;
-  const uint64_t columns = uint64_t{rows} * s->pitch + k_margin, n = texels;
+  const uint64_t columns = uint64_t{rows} * s->pitch + k_lane_group, n = texels;
   float** const arrays[] = {&s->tops, &s->bottoms, &s->fills};
   for (float** array : arrays) *array = layout_region<float>(layout, "pile_shadow.levels", columns);
   s->in_air = layout_region<uint8_t>(layout, "pile_shadow.levels", rows);
@@ -276,6 +293,10 @@ void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
   for (float** line : lines) *line = layout_region<float>(layout, "pile_shadow.row", n);
   s->walks = layout_region<SkyStep>(layout, "pile_shadow.steps", k_cell_sectors * k_sky_steps);
   s->steps = layout_region<PileSkyStep>(layout, "pile_shadow.steps", k_cell_sectors * k_sky_steps);
+  s->sectors = layout_region<PileSector>(layout, "pile_shadow.sectors", k_cell_sectors);
+  s->row_sectors = layout_region<PileSector>(layout, "pile_shadow.sectors", k_cell_sectors);
+  s->cells = layout_region<float>(layout, "pile_shadow.cells", k_light_cells);
+  s->made_for = layout_region<float>(layout, "pile_shadow.cells", k_light_cells);
   SkyTexture* const textures[] = {&s->front, &s->back};
   for (SkyTexture* texture : textures) {
     texture->floor = layout_region<uint8_t>(layout, "pile_shadow.sky", n * n);
@@ -287,20 +308,22 @@ void sky_lay_out(PileSky* s, uint32_t texels, uint32_t joined, Layout* layout) {
 void sky_build(Pile* p) {
   PileSky* s = &p->sky;
   if (s->texels == 0) return;
-  const uint64_t columns = uint64_t{s->rows} * s->pitch + k_margin, texels = uint64_t{s->texels} * s->texels;
+  const uint64_t columns = uint64_t{s->rows} * s->pitch + k_lane_group, texels = uint64_t{s->texels} * s->texels;
   for (uint64_t i = 0; i < columns; ++i)
     s->tops[i] = k_no_sand.top, s->bottoms[i] = k_no_sand.bottom, s->fills[i] = k_no_sand.fill;
-  s->tops += 2 * k_margin, s->bottoms += 2 * k_margin, s->fills += 2 * k_margin;
+  constexpr uint32_t k_first = k_lane_group + k_before;  // row 0, column 0
+  s->tops += k_first, s->bottoms += k_first, s->fills += k_first;
   for (uint32_t u = 0; u < s->texels; ++u) s->nothing[u] = s->receivers[u] = s->lights[u] = 0;
   for (uint32_t k = 0; k < k_cell_sectors; ++k) place_steps(*p, k, s->walks + k * k_sky_steps);
-  for (uint32_t i = 0; i < k_light_cells; ++i) s->cells[i] = k_prior_ring_shares[i / k_cell_sectors];
+  for (uint32_t i = 0; i < k_light_cells; ++i)
+    s->cells[i] = k_prior_ring_shares[i / k_cell_sectors], s->made_for[i] = 0;
   memset(s->front.floor, 255, texels), memset(s->front.sand, 255, texels),
       memset(s->front.heights, 0, texels * s->joined * s->joined);
 }
 
 void sky_begin(Pile* p) {
   PileSky* s = &p->sky;
-  memcpy(s->made_for, s->cells, sizeof s->cells);
+  memcpy(s->made_for, s->cells, k_light_cells * sizeof(float));
   for (uint32_t i = 0; i < k_light_cells; ++i)
     s->sectors[i % k_cell_sectors].bends[i / k_cell_sectors] =
         s->cells[i] - (i < k_cell_sectors ? 0 : s->cells[i - k_cell_sectors]);

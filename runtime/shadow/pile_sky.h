@@ -16,8 +16,8 @@ namespace sandglass {
 
 struct Pile;
 
-constexpr uint32_t k_sky_levels = 5;
-constexpr uint32_t k_sky_steps = 12;  // along an azimuth
+constexpr uint32_t k_sky_levels = 4;
+constexpr uint32_t k_sky_steps = 18;  // along an azimuth
 constexpr uint32_t k_sky_unit_windows = 512;
 constexpr uint32_t k_sky_unit_texels = 256;
 
@@ -46,10 +46,10 @@ struct PileSky {
   float *nothing, *receivers, *lights;  // one row each
   SkyStep* walks;                       // k_sky_steps for every sector
   PileSkyStep* steps;                   // those of the row under way that meet sand
-  PileSector sectors[k_cell_sectors], row_sectors[k_cell_sectors];
+  PileSector *sectors, *row_sectors;    // row_sectors: those with such steps
   SkyTexture front, back;
   bool valid;
-  float cells[k_light_cells], made_for[k_light_cells];
+  float *cells, *made_for;  // k_light_cells each
 };
 
 // The one walk of the layout; `owner` may be a stand-in.

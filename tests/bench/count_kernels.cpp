@@ -271,10 +271,7 @@ void work_pile_sky(const Kernels& kernels) {
   args.tops = tops.data(), args.bottoms = bottoms.data(), args.fills = fills.data();
   args.steps = steps, args.sectors = sectors, args.sector_count = sector_count, args.cap = 2.0f;
   args.receivers = receivers.data(), args.lights = lights.data();
-  uint32_t unused = 0;
-  begin();
-  kernels.pile_sky(&args, 0, k_items, &unused);
-  end();
+  count(kernels.pile_sky, args);
 }
 
 struct Work {
