@@ -86,7 +86,7 @@ Matrix to_square(const FloorShadow& shadow) {
   return of_rows({x, y, z}, {-dot(x, at) - shadow.low[0] * wide, -dot(y, at), -dot(z, at) - shadow.low[1] * deep});
 }
 
-// The part that all shaders share that light something.
+// What all shaders share that compute light.
 constexpr const char* k_lighting = R"(
 uniform vec3 to_light;
 uniform mat4 light_clip;
@@ -109,7 +109,7 @@ vec4 encoded(vec3 linear) {
 }
 )";
 
-// The part that the shaders of floor and sand share, on which the library's shadows fall. It follows k_lighting.
+// What the shaders of floor and sand share: the library's shadows fall on both. A shader has it behind k_lighting.
 constexpr const char* k_shadows = R"(
 uniform int shadow_count;
 uniform mat4 to_texture[4];  // world to the texture's square in x and z; y: metres above its floor
@@ -119,12 +119,12 @@ uniform bool has_pile;
 uniform mat4 to_pile;
 uniform float pile_opacity;
 uniform sampler2D pile_coverage;  // on the floor, or on the sand
-uniform float highest;  // metres above its floor that a texture is seen on: of a floor, none
+uniform float highest;  // a texture is drawn on what lies less than this from its floor, metres
 float passed(vec3 at, sampler2D image, float opacity) {
   bool on = all(greaterThan(at.xz, vec2(0))) && all(lessThan(at.xz, vec2(1)));
   return on ? 1.0 - texture(image, at.xz).r * opacity : 1.0;
 }
-// Where the ray from the light through the place meets the texture's floor: what is in shadow there is in it here.
+// The ray from the light through the place goes on to the texture's floor. The shadow at that point is that of the place.
 float shadowed_by(mat4 frame, sampler2D image, float opacity, vec3 place) {
   vec3 at = (frame * vec4(place, 1)).xyz, along = (frame * vec4(to_light, 0)).xyz;
   return abs(at.y) < highest ? passed(at - along * (at.y / max(along.y, 0.05)), image, opacity) : 1.0;
