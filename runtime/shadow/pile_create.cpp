@@ -127,7 +127,7 @@ __attribute__((noinline)) sandglass_status take_cells(Pile* p, const float* cell
     return refuse(reason, "this shadow has no texture of the room's light: set desc.sky_texels at create");
   double sum = 0;
   for (uint32_t i = 0; i < k_light_cells; ++i) {
-    if (!within(cells[i], 0.0f, 2.0f)) return refuse(reason, "a cell is not finite, below 0 or above 1");
+    if (!within(cells[i], 0.0f, 1.001f)) return refuse(reason, "a cell is not finite, below 0 or above 1");
     sum += static_cast<double>(cells[i]);
   }
   if (!(sum <= 1.001)) return refuse(reason, "the cells are more than 1 together: pass shares of the floor's light");

@@ -22,8 +22,8 @@ constexpr Walk k_walk[k_sky_steps] = {{0, 0},    {0, 1},    {1, 2.5},  {1, 4.5},
                                       {2, 15.5}, {2, 19.5}, {2, 23.5}, {2, 27.5}, {3, 33.5}, {3, 41.5},
                                       {3, 49.5}, {3, 57.5}, {3, 65.5}, {3, 73.5}, {3, 81.5}, {3, 89.5}};
 
-constexpr float k_lift = 0.5f;  // radii: raises receivers on the sand, as in pile.cpp
-constexpr float k_cap = 2.0f;
+constexpr float k_lift = 0.5f;          // radii: raises receivers on the sand, as in pile.cpp
+constexpr float k_cap = 2.0f;           // slope: of what is as good as reaching the zenith
 constexpr float k_flat = 1e-6f;         // metres: lower sand has no height
 constexpr float k_on_floor = 1.0f;      // radii: a column whose bottom is lower stands on the floor
 constexpr int32_t k_widest_sphere = 2;  // columns: the radius of spheres that are joined to one surface

@@ -3,7 +3,8 @@
 //
 // The columns are joined into a grid as fine as this texture, and that into levels of ever wider windows, each twice as
 // wide as the one before. A step along an azimuth reads the level whose windows are about as wide as the sector is at
-// its distance. So a texel costs the same number of steps whatever its neighbourhood, and no step misses thin sand.
+// its distance. So a texel costs the same number of steps whatever its neighbourhood, and no step misses thin sand. The
+// last window ends 93 texels away; sand beyond it hides nothing.
 #pragma once
 
 #include <cstdint>
@@ -56,6 +57,7 @@ struct PileSky {
 void sky_lay_out(PileSky* sky, uint32_t texels, uint32_t joined, Layout* layout);
 void sky_build(Pile* pile);
 
+// Fixes the cells that the texture under way is made for.
 void sky_begin(Pile* pile);
 
 // The phases: every row of every level, then every row of the texture. They run at most a unit from `cursor` on and
@@ -66,6 +68,7 @@ uint32_t sky_run_rows(Pile* pile, uint32_t cursor);
 // Whether light that comes in `cells` can differ by a byte's step from that which the texture was made for.
 bool sky_differs(const PileSky& sky, const float* cells);
 
+// See sandglass_pile_shadow_light_grains.
 void sky_light_grains(const Pile& pile, const float* positions, uint32_t count, float radius, uint8_t* visibility);
 
 }  // namespace sandglass

@@ -27,8 +27,8 @@
  * cells and multiplies by floor / 255 - s * coverage * opacity / 255 instead. Sand is drawn in the same way by
  * `on_sand`, and grains in the gaps between others are darker, see sandglass_pile_shadow_light_grains.
  *
- * Each column is as above, so the same holds: exact on average, not grain by grain. Cells are told apart as well as 16
- * azimuths can.
+ * What is said above of columns holds here too. Light and shadow of one bright cell are as soft as the cell is wide, and
+ * on scattered grains they are right on average, not grain by grain.
  *
  * A texture is made anew while sand moves and when its light has changed. When both are at rest it costs nothing. A
  * texture may take several frames; the one before it stays valid until it is complete. Nothing is allocated, no clock
