@@ -22,7 +22,6 @@ constexpr Walk k_walk[k_sky_steps] = {{0, 0},    {0, 1},    {1, 2.5},  {1, 4.5},
                                       {2, 15.5}, {2, 19.5}, {2, 23.5}, {2, 27.5}, {3, 33.5}, {3, 41.5},
                                       {3, 49.5}, {3, 57.5}, {3, 65.5}, {3, 73.5}, {3, 81.5}, {3, 89.5}};
 
-constexpr float k_lift = 0.5f;          // radii: raises receivers on the sand, as in pile.cpp
 constexpr float k_cap = 2.0f;           // slope: of what is as good as reaching the zenith
 constexpr float k_flat = 1e-6f;         // metres: lower sand has no height
 constexpr float k_on_floor = 1.0f;      // radii: a column whose bottom is lower stands on the floor
@@ -233,8 +232,7 @@ void light_row(Pile* p, uint32_t row) {
   const Extent rows = extent(p->sand_rows, s->joined), columns = extent(p->sand_columns, s->joined);
   if (!has_sand(rows, 0, static_cast<int32_t>(row))) return;
   const float* tops = s->tops + uint64_t{row} * s->pitch;
-  const float lift = k_lift * p->source.radius;
-  for (uint32_t u = 0; u < n; ++u) s->receivers[u] = tops[u] > 0 ? tops[u] + lift : 0;
+  for (uint32_t u = 0; u < n; ++u) s->receivers[u] = tops[u] > 0 ? tops[u] : 0;
   args.receivers = s->receivers;
   const uint32_t begin = static_cast<uint32_t>(columns.first) / k_lane_group * k_lane_group;
   const uint32_t end = (static_cast<uint32_t>(columns.last) / k_lane_group + 1) * k_lane_group;
