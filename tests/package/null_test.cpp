@@ -396,6 +396,7 @@ void Nulls::shadows() {
 
 void Nulls::pile_shadows() {
   sandglass_pile_shadow_desc desc_of = sandglass::pile_shadow_desc();
+  desc_of.sky_texels = 64;
   row(NAMED(sandglass_pile_shadow_bytes), "", &desc_of, &need);
   ASSERT_EQ(sandglass_pile_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
   const sandglass::Block block = sandglass::allocate_block(need);
@@ -404,11 +405,18 @@ void Nulls::pile_shadows() {
   row(NAMED(sandglass_pile_shadow_desc_default), "", &desc_of);
   ASSERT_NE(shadow, nullptr);
   row(NAMED(sandglass_pile_shadow_set_light), "", shadow, point);
+  const float cells[SANDGLASS_LIGHT_CELLS] = {};
+  row(NAMED(sandglass_pile_shadow_set_cells), "", shadow, cells);
   row(NAMED(sandglass_pile_shadow_refresh), "", shadow);
   row(NAMED(sandglass_pile_shadow_run), "", shadow, point, 1u, 0.01f, 1u);
   sandglass_pile_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
   row(NAMED(sandglass_pile_shadow_get_texture), "", shadow, &texture);
+  sandglass_pile_shadow_sky sky = {};
+  sky.struct_size = sizeof sky;
+  row(NAMED(sandglass_pile_shadow_get_sky), "", shadow, &sky);
+  uint8_t visibility[1];
+  row(NAMED(sandglass_pile_shadow_light_grains), "", shadow, point, 1u, 0.01f, visibility);
   row(NAMED(sandglass_pile_shadow_hash), "", shadow);
 }
 

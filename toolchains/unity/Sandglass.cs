@@ -269,7 +269,7 @@ public unsafe struct sandglass_pile_shadow_desc {
   public float floor;
   public uint texels;
   public float angular_diameter, light_tolerance;
-  public uint on_sand;
+  public uint on_sand, sky_texels;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -280,6 +280,19 @@ public unsafe struct sandglass_pile_shadow_texture {
   public fixed float low[2];
   public fixed float high[2];
   public float opacity;
+  public uint age;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_pile_shadow_sky {
+  public uint struct_size, valid, texels;
+  public byte* floor;
+  public byte* on_sand;
+  public byte* heights;
+  public uint height_texels;
+  public float height;
+  public fixed float low[2];
+  public fixed float high[2];
   public uint age;
 }
 
@@ -500,6 +513,9 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern void sandglass_pile_shadow_refresh(IntPtr shadow);
   [DllImport(k_library)] public static extern uint sandglass_pile_shadow_run(IntPtr shadow, float[] positions, uint count, float radius, uint units);
   [DllImport(k_library)] public static extern void sandglass_pile_shadow_get_texture(IntPtr shadow, ref sandglass_pile_shadow_texture texture);
+  [DllImport(k_library)] public static extern int sandglass_pile_shadow_set_cells(IntPtr shadow, float[] cells, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_pile_shadow_get_sky(IntPtr shadow, ref sandglass_pile_shadow_sky sky);
+  [DllImport(k_library)] public static extern void sandglass_pile_shadow_light_grains(IntPtr shadow, float[] positions, uint count, float radius, byte[] visibility);
   [DllImport(k_library)] public static extern ulong sandglass_pile_shadow_hash(IntPtr shadow);
 
   // ------------------------------------------------------------------------------------------------ shadow.h

@@ -614,6 +614,12 @@ class PileShadow {
     status.code = sandglass_pile_shadow_set_light(get(), direction.data(), &status.reason);
     return status;
   }
+  // See sandglass_pile_shadow_set_cells.
+  Status set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells) {
+    Status status;
+    status.code = sandglass_pile_shadow_set_cells(get(), cells.data(), &status.reason);
+    return status;
+  }
   // See sandglass_pile_shadow_refresh.
   void refresh() { sandglass_pile_shadow_refresh(get()); }
   // Without a scene: see sandglass_pile_shadow_run.
@@ -626,6 +632,17 @@ class PileShadow {
     now.struct_size = sizeof now;
     sandglass_pile_shadow_get_texture(get(), &now);
     return now;
+  }
+  // See sandglass_pile_shadow_get_sky.
+  sandglass_pile_shadow_sky sky() const {
+    sandglass_pile_shadow_sky now{};
+    now.struct_size = sizeof now;
+    sandglass_pile_shadow_get_sky(get(), &now);
+    return now;
+  }
+  // See sandglass_pile_shadow_light_grains.
+  void light_grains(Points grains, float radius, uint8_t* visibility) const {
+    sandglass_pile_shadow_light_grains(get(), grains.xyz, grains.count, radius, visibility);
   }
   // See sandglass_pile_shadow_hash.
   uint64_t hash() const { return sandglass_pile_shadow_hash(get()); }
