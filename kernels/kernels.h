@@ -193,6 +193,30 @@ struct PileLightArgs {
   float* shares;        // of the light that reaches each texel, 0..1
 };
 
+// A sector of azimuth. The light below an elevation is the sum over rings of bends * max(4 sin^2 - ring, 0).
+struct PileSector {
+  float bends[4];
+  uint32_t first_step, last_step;  // that are walked along it; last_step is one past the end
+  uint32_t in_air;                 // 0: all columns that these steps meet stand on the floor, with a bottom of 0
+};
+struct PileSkyStep {
+  int32_t at;           // of the column that the row's texel 0 meets
+  int32_t first, last;  // texels of the row that may meet sand
+  float inverse_distance;
+};
+
+// The range is of texels of one row. Columns are as in PileLightArgs; those that a texel of the range meets where it
+// meets no sand are empty, or stand for no sand at all.
+struct PileSkyArgs {
+  const float *tops, *bottoms, *fills;
+  const PileSkyStep* steps;
+  const PileSector* sectors;
+  uint32_t sector_count;
+  float cap;               // the slope up to which thin sand is told from full sand
+  const float* receivers;  // heights of this row's surface over the floor
+  float* lights;           // 1 less the light that is hidden from each texel
+};
+
 #define SANDGLASS_KERNEL(name, Args, Result) \
   using name##_function = void (*)(const Args* args, uint32_t begin, uint32_t end, Result* result);
 #include "kernels/kernels.inc"

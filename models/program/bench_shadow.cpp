@@ -1,8 +1,10 @@
-// `sandglass bench shadow`: time and error of one shadow texture, for every way of computing it.
+// `sandglass bench shadow`: time and error of one shadow texture, for every way of computing it, and what the textures
+// of a pile cost.
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
+#include "models/laboratory/shadow/pile_bench.h"
 #include "models/laboratory/shadow/shadow_bench.h"
 #include "models/laboratory/shadow/shadow_curves.h"
 #include "models/program/bench.h"
@@ -43,6 +45,17 @@ void print_and_keep(const std::vector<ShadowBenchRow>& rows, Bench* bench) {
   }
 }
 
+void print_and_keep(const std::vector<PileBenchRow>& rows, Bench* bench) {
+  std::printf("\n%-18s %8s %8s %12s %9s\n", "sand, 128 texels", "ms", "units", "longest, us", "KiB");
+  for (const PileBenchRow& r : rows) {
+    const double kib = static_cast<double>(r.bytes) / 1024;
+    std::printf("%-18s %8.2f %8u %12.1f %9.0f\n", r.name.c_str(), r.ms, r.units, r.unit_us, kib);
+    bench->keep(r.name, "ms", "ms", r.ms);
+    bench->keep(r.name, "longest_unit_us", "us", r.unit_us);
+    bench->keep(r.name, "bytes", "B", static_cast<double>(r.bytes));
+  }
+}
+
 void draw_curves(const BenchOptions& options, const std::vector<NamedShadow>& files, const Mesh& mesh, Bench* bench) {
   make_folder(options.out);
   std::vector<ShadowCurve> curves;
@@ -79,6 +92,7 @@ void bench_shadow(const BenchOptions& options, Bench* bench) {
     bench->keep("ambient", "rmse_truth", "1", result.ambient_rmse);
   }
   if (!interrupted() && !result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
+  if (!interrupted()) print_and_keep(bench_pile_shadow(bench->isa), bench);
   if (!options.out.empty() && !interrupted()) draw_curves(options, files, mesh, bench);
 }
 

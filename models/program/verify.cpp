@@ -147,6 +147,22 @@ Options verify_lighting_options(VerifyOptions& o) {
       json_option(o.json)};
 }
 
+Options verify_room_options(VerifyOptions& o) {
+  return {
+      standard("the interiors and studios of SANDGLASS_DATA_DIR",
+               {"--panoramas", &o.panoramas, "FILES", "Files that end in .hdr or .exr, or folders of them"}),
+      {"--manifest", &o.manifest, "FILE",
+       "CSV with the columns file, group and fold: which panoramas show the same place"},
+      standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates one light"}),
+      {"--place", &o.place, "R", "Where the object stands: radii of the room ahead of the camera", number(0.0, 0.8)},
+      {"--untold", &o.untold, "", "The app does not say how images were exposed"},
+      {"--quick", &o.quick, "", "The shipped constants, which saw these places; a quarter of the sessions"},
+      {"--out", &o.out, "FOLDER", "Write the tables into this folder"},
+      seed_option(o.seed, "How the phone sways"),
+      threads_option(o.threads),
+      json_option(o.json)};
+}
+
 Options verify_shot_options(VerifyOptions& o) {
   return {panoramas(o),
           standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates the light"}),
@@ -187,6 +203,8 @@ std::vector<Command> verify_suites() {
                              verify_granular_command),
       command<VerifyOptions>("lighting", "Light: estimates against labels and baselines", verify_lighting_options,
                              verify_lighting_command),
+      command<VerifyOptions>("room", "Rooms: the light as a session has seen it, against the light that is there",
+                             verify_room_options, verify_room_command),
       command<VerifyOptions>("shot", "Whole pictures: composites against path traced truth", verify_shot_options,
                              verify_shot_command),
   };

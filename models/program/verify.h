@@ -15,8 +15,9 @@ namespace sandglass::host {
 struct VerifyOptions {
   std::string json, out, isa = "automatic", manifest, estimates, network, object = "trefoil";
   std::vector<std::string> cases, panoramas;
-  bool quick = false;
+  bool quick = false, untold = false;
   int views = 8, samples = 48;
+  double place = 0.25;
   uint64_t seed = 0;
   uint32_t threads = 1;
 };
@@ -24,6 +25,7 @@ struct VerifyOptions {
 // One function a suite (verify.cpp ...); each returns the exit code.
 int verify_granular_command(const VerifyOptions& options);
 int verify_lighting_command(const VerifyOptions& options);
+int verify_room_command(const VerifyOptions& options);
 int verify_shot_command(const VerifyOptions& options);
 
 void print_verdicts(const std::vector<Verdict>& rows);

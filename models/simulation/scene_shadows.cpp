@@ -96,9 +96,9 @@ static void require(const cpp::Status& status) {
   if (!status) throw cannot("make", "pile_shadow", status.reason != nullptr ? status.reason : status.name());
 }
 
-PileShadow::PileShadow(const PileShadowTrack& track, sandglass_isa isa) {
+PileShadow::PileShadow(const PileShadowTrack& track, sandglass_isa isa, uint32_t sky_texels) {
   sandglass_pile_shadow_desc desc = cpp::pile_shadow_desc();
-  desc.isa = isa, desc.texels = track.texels;
+  desc.isa = isa, desc.texels = track.texels, desc.sky_texels = sky_texels;
   for (size_t axis = 0; axis < 2; ++axis) {
     desc.low[axis] = static_cast<float>(track.low[axis]);
     desc.high[axis] = static_cast<float>(track.high[axis]);
@@ -118,6 +118,21 @@ FloorShadow PileShadow::drawn(bool on_sand) const {
   drawn.opacity = texture.valid != 0 ? static_cast<double>(texture.opacity) : 0.0;
   std::copy_n(texture.low, 2, drawn.low);
   std::copy_n(texture.high, 2, drawn.high);
+  return drawn;
+}
+
+void PileShadow::set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells) { require(shadow_.set_cells(cells)); }
+
+FloorShadow PileShadow::drawn_sky(bool on_sand) const {
+  const sandglass_pile_shadow_sky sky = shadow_.sky();
+  FloorShadow drawn;
+  drawn.collider = ~0u;
+  drawn.texels = sky.texels;
+  const uint8_t* visible = on_sand ? sky.on_sand : sky.floor;
+  for (size_t i = 0; i < size_t{sky.texels} * sky.texels; ++i)
+    drawn.coverage.push_back(static_cast<uint8_t>(255 - visible[i]));
+  std::copy_n(sky.low, 2, drawn.low);
+  std::copy_n(sky.high, 2, drawn.high);
   return drawn;
 }
 

@@ -2,6 +2,7 @@
 // file's description, turned with the light, handed to the frame, and copied for the pictures.
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,14 +40,18 @@ class StandingShadows {
 
 class PileShadow {
  public:
-  // Throws a Failure with the library's own sentence.
-  PileShadow(const PileShadowTrack& track, sandglass_isa isa);
+  // Throws a Failure with the library's own sentence. `sky_texels`: a side of the texture of the room's light, 0 for
+  // none.
+  PileShadow(const PileShadowTrack& track, sandglass_isa isa, uint32_t sky_texels = 0);
 
   void set_light(Vec3 towards);
+  void set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells);
   sandglass_pile_shadow* handle() const { return shadow_.get(); }
 
   // A copy of the current texture. With `on_sand` it is the shadow on the sand itself, else that on the floor.
   FloorShadow drawn(bool on_sand) const;
+  // The same of the room's light.
+  FloorShadow drawn_sky(bool on_sand) const;
 
  private:
   cpp::PileShadow shadow_;

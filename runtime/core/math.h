@@ -6,6 +6,7 @@
 //   arc_tangent2    like atan2, in radians                error below 5e-16 absolute
 //   cube_root       x >= 0                                error below 4e-16 relative
 //   exponential     0 below -700, e^700 above 700         error below 1e-15 relative
+//   logarithm       of x > 0, natural                     error below 1e-15 relative, or 1e-16 absolute
 //   floor_index     largest integer not above x           exact for |x| < 2^62
 //
 // tests/sampling/math_test.cpp holds these bounds against libm.
@@ -137,6 +138,31 @@ inline double exponential(double x) {
   double power;
   std::memcpy(&power, &bits, sizeof power);
   return p * power;
+}
+
+// ln x = k ln 2 + ln m with m from 0.7 to 1.42; ln m = 2 artanh((m - 1) / (m + 1)), whose first omitted term is below
+// 1e-19.
+inline double logarithm(double x) {
+  int64_t bits;
+  std::memcpy(&bits, &x, sizeof bits);
+  int64_t k = (bits >> 52) - 1023;
+  bits = (bits & 0x000fffffffffffff) | (static_cast<int64_t>(1023) << 52);
+  double m;
+  std::memcpy(&m, &bits, sizeof m);
+  if (m > 1.4142135623730951) m *= 0.5, ++k;
+  const double s = (m - 1) / (m + 1), q = s * s;
+  double p = 1.0 / 21;
+  p = p * q + 1.0 / 19;
+  p = p * q + 1.0 / 17;
+  p = p * q + 1.0 / 15;
+  p = p * q + 1.0 / 13;
+  p = p * q + 1.0 / 11;
+  p = p * q + 1.0 / 9;
+  p = p * q + 1.0 / 7;
+  p = p * q + 1.0 / 5;
+  p = p * q + 1.0 / 3;
+  const double exponent = static_cast<double>(k);
+  return exponent * 0x1.62e42fefap-1 + (2 * s + (2 * s * (p * q) + exponent * 0x1.cf79abc9e3b3ap-40));
 }
 
 }  // namespace sandglass

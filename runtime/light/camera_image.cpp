@@ -11,6 +11,7 @@ namespace {
 
 constexpr int32_t k_one = 256;  // a pixel, in the fixed point of boxes
 constexpr float k_intrinsics_limit = 1e6f;
+constexpr float k_exposure_limit = 1e6f;
 constexpr uint32_t k_block_rows_most = 16;
 constexpr uint32_t k_camera_box_columns = k_camera_sums / 4;  // most pixels of a box that are read, of up to four bytes
 
@@ -197,6 +198,10 @@ sandglass_status check_camera_image(const CameraImage* image, const char** reaso
   Rotation rotation = {};
   if (!rotation_of(image->orientation, &rotation))
     return refuse(reason, "camera image: the orientation is zero or not finite; give the camera's pose");
+  if (!all_within(image->position, 3, -SANDGLASS_COORDINATE_LIMIT, SANDGLASS_COORDINATE_LIMIT))
+    return refuse(reason, "camera image: the position is not finite or beyond 1000 m; give the camera's pose");
+  if (!within(image->exposure, 0.0f, k_exposure_limit))
+    return refuse(reason, "camera image: the exposure is not in 0..1e6; give seconds times ISO / 100, or 0");
   return accept(reason);
 }
 
@@ -224,6 +229,22 @@ void camera_to_world(const CameraImage& image, const double camera[3], double wo
   (void)rotation_of(image.orientation, &rotation);
   const double local[3] = {stored_x, -stored_y, -camera[2]};  // y up, looking along -z
   rotate(rotation, local, world);
+}
+
+void camera_pixel(const CameraImage& image, uint32_t x, uint32_t y, uint8_t rgb[3]) {
+  const uint8_t* row = image.planes[0] + static_cast<uint64_t>(y) * image.strides[0];
+  if (!is_yuv(image.format)) {
+    const uint8_t* pixel = row + static_cast<uint64_t>(image.format == SANDGLASS_CAMERA_RGBA ? 4 : 3) * x;
+    for (int c = 0; c < 3; ++c) rgb[c] = pixel[c];
+    return;
+  }
+  const uint8_t* chroma = image.planes[1] + static_cast<uint64_t>(y / 2) * image.strides[1];
+  if (image.format == SANDGLASS_CAMERA_I420) {
+    const uint8_t* second = image.planes[2] + static_cast<uint64_t>(y / 2) * image.strides[2];
+    return yuv_to_rgb(image.range, row[x], chroma[x / 2], second[x / 2], rgb);
+  }
+  const uint32_t u = image.format == SANDGLASS_CAMERA_NV21 ? 1 : 0;
+  yuv_to_rgb(image.range, row[x], chroma[x / 2 * 2 + u], chroma[x / 2 * 2 + 1 - u], rgb);
 }
 
 CameraBlock whole_camera_block(const CameraImage& image) {

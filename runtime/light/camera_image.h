@@ -36,6 +36,9 @@ CameraImage with_turn(const CameraImage& image);
 // From the upright camera's frame (x right, y down, z forward) to the world's.
 void camera_to_world(const CameraImage& image, const double camera[3], double world[3]);
 
+// One pixel of the stored image, sRGB. x and y lie within it.
+void camera_pixel(const CameraImage& image, uint32_t x, uint32_t y, uint8_t rgb[3]);
+
 // A rectangle of output pixels, in the orientation of the stored image: k_light_height rows of k_light_width pixels for
 // a turn of 0 or 180 degrees, k_light_width rows of k_light_height for 90 or 270.
 struct CameraBlock {

@@ -5,14 +5,14 @@
 #include "platform/floating_point.h"
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/refuse.h"
-#include "runtime/light/light.h"
+#include "runtime/room/stage.h"
 #include "runtime/scene/scene.h"
 #include "runtime/shadow/stage.h"
 
 namespace sandglass {
 namespace {
 
-static_assert(uint32_t{k_granular_kinds} + uint32_t{k_light_stage_kinds} + k_shadow_stage_kinds <= k_unit_kinds);
+static_assert(uint32_t{k_granular_kinds} + k_lighting_stage_kinds + k_shadow_stage_kinds <= k_unit_kinds);
 
 sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input* input,
                        const sandglass_frame_report* report, const char** reason) {
@@ -65,10 +65,11 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   Granular* granular = &scene->granular;
   granular_begin_frame(granular, input);
   const char* refused_image = nullptr;
+  FrameLighting lighting = {input->room, input->light};
   FrameShadows shadows = {{input->shadows, input->shadow_count}, input->pile_shadow};
   Stage stages[SANDGLASS_STAGE_COUNT] = {
       granular_particle_stage(granular),
-      light_stage(input->light, input->camera, &refused_image),
+      lighting_stage(&lighting, input->camera, &refused_image),
       shadow_stage(&shadows, sand_as_drawn(*granular)),
       granular_grain_stage(granular),
       granular_output_stage(granular),
@@ -78,7 +79,7 @@ __attribute__((noinline)) bool run_frame(sandglass_scene* scene, const sandglass
   const uint64_t target = governor_target(input->budget_ns, input->thermal_headroom);
   const bool ran = governor_frame(&scene->governor, stages, SANDGLASS_STAGE_COUNT, target, input->plan, report);
   report->budget_ns = input->budget_ns;
-  light_end_frame(input->light, report);
+  lighting_end_frame(lighting, report);
   shadow_end_frame(shadows, report);
   if (refused_image != nullptr) {
     report->ignored_images = 1;

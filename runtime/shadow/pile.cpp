@@ -159,8 +159,9 @@ void cut_light(Pile* p) {
 
 void begin(Pile* p) {
   p->phase = PilePhase::columns, p->cursor = 0;
-  p->pending = false;
+  p->making = pile_wanted(*p), p->asked &= ~p->making;
   p->back.frame = p->frame;
+  if ((p->making & k_ask_sky) != 0) sky_begin(p);
   for (uint32_t axis = 0; axis < 3; ++axis) p->made_for[axis] = p->light[axis];
   clear_columns(p);
 }
@@ -187,8 +188,13 @@ void run_columns(Pile* p) {
   for (uint32_t i = p->cursor; i < end; ++i) put_sphere(p, centres.first + i * centres.stride, radius);
   p->cursor = end;
   if (p->cursor < source.count) return;
+  p->cursor = 0;
+  if ((p->making & k_ask_light) == 0) {
+    p->phase = PilePhase::levels;
+    return;
+  }
   cut_light(p);
-  p->phase = PilePhase::floor, p->cursor = 0;
+  p->phase = PilePhase::floor;
 }
 
 void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage) {
@@ -233,11 +239,31 @@ void run_rows(Pile* p) {
   const PileTexture swap = p->front;
   p->front = p->back, p->back = swap;
   p->valid = true;
+  p->making &= ~k_ask_light;
+  p->phase = p->making != 0 ? PilePhase::levels : PilePhase::idle;
+  p->gives_way = p->phase == PilePhase::idle;
+}
+
+void run_sky(Pile* p) {
+  PileSky* s = &p->sky;
+  if (p->phase == PilePhase::levels) {
+    p->cursor = sky_run_levels(p, p->cursor);
+    if (p->cursor == s->rows) p->phase = PilePhase::sky, p->cursor = 0;
+    return;
+  }
+  p->cursor = sky_run_rows(p, p->cursor);
+  if (p->cursor < s->texels) return;
+  p->cursor = 0;
+  s->back.top = p->top;
+  const SkyTexture swap = s->front;
+  s->front = s->back, s->back = swap;
+  s->valid = true;
+  p->making = 0;
   p->phase = PilePhase::idle;
   p->gives_way = true;
 }
 
-bool has_work(const Pile& p) { return p.phase != PilePhase::idle || (p.pending && p.opacity > 0); }
+bool has_work(const Pile& p) { return p.phase != PilePhase::idle || pile_wanted(p) != 0; }
 
 bool next(const void* state, uint32_t, WorkUnit* unit) {
   const Pile& p = static_cast<const sandglass_pile_shadow*>(state)->pile;
@@ -252,14 +278,23 @@ void run(void* state, uint32_t) { pile_run(&static_cast<sandglass_pile_shadow*>(
 uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const Pile& p = static_cast<const sandglass_pile_shadow*>(state)->pile;
   if (!has_work(p)) return 0;
-  const uint64_t textures = p.back.sand != nullptr ? 2 : 1;
-  uint64_t columns = 0, rows = textures * p.texels;
+  const PileSky& sky = p.sky;
+  const uint32_t making = p.phase == PilePhase::idle ? pile_wanted(p) : p.making;
+  uint64_t columns = 0, rows = 0, levels = 0, sky_rows = 0;
+  if ((making & k_ask_light) != 0) rows = (p.back.sand != nullptr ? 2u : 1u) * p.texels;
+  if ((making & k_ask_sky) != 0) levels = sky.rows, sky_rows = sky.texels;
   if (p.phase == PilePhase::idle) columns = p.source.count;
   else if (p.phase == PilePhase::columns) columns = p.source.count > p.cursor ? p.source.count - p.cursor : 0;
+  else if (p.phase == PilePhase::levels) levels -= p.cursor;
+  else if (p.phase == PilePhase::sky) levels = 0, sky_rows -= p.cursor;
   else rows -= p.cursor + (p.phase == PilePhase::sand ? p.texels : 0);
+  const Forecast all[] = {{k_pile_columns, columns, true},
+                          {k_pile_rows, rows * p.texels, true},
+                          {k_pile_levels, levels * sky.texels, true},
+                          {k_pile_sky_rows, sky_rows * sky.texels, true}};
   uint32_t count = 0;
-  if (columns != 0) entries[count++] = {k_pile_columns, columns, true};
-  entries[count++] = {k_pile_rows, rows * p.texels, true};
+  for (const Forecast& entry : all)
+    if (entry.items != 0) entries[count++] = entry;
   return count;
 }
 
@@ -267,7 +302,7 @@ Stage begin_frame(sandglass_pile_shadow* shadow, const PileSource& source, bool 
   Pile& p = shadow->pile;
   ++p.frame;
   // Also in the frame after the last motion: the texture under way then shows sand that still moved.
-  if (moving || p.moving || source.count != p.source.count) p.pending = true;
+  if (moving || p.moving || source.count != p.source.count) p.asked = k_ask_all;
   p.moving = moving;
   p.source = source;
   return {shadow, next, run, forecast, k_pile_kinds, 1, k_shadow_share};
@@ -281,11 +316,14 @@ WorkUnit pile_next(const Pile& p) {
     const uint32_t left = p.source.count > from ? p.source.count - from : 0;
     return {k_pile_columns, left == 0 ? 1 : left < most ? left : most, "pile_shadow.columns"};
   }
+  if (p.phase == PilePhase::levels) return {k_pile_levels, k_sky_unit_windows, "pile_shadow.levels"};
+  if (p.phase == PilePhase::sky) return {k_pile_sky_rows, k_sky_unit_texels, "pile_shadow.sky"};
   return {k_pile_rows, k_pile_unit_texels, p.phase == PilePhase::floor ? "pile_shadow.floor" : "pile_shadow.sand"};
 }
 
 void pile_run(Pile* p) {
   if (p->phase == PilePhase::idle || p->phase == PilePhase::columns) run_columns(p);
+  else if (p->phase == PilePhase::levels || p->phase == PilePhase::sky) run_sky(p);
   else run_rows(p);
 }
 

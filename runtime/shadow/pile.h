@@ -1,6 +1,7 @@
 // The state behind sandglass/pile_shadow.h. Its work is cut into units of the shadow stage. A texture is made in
-// phases: columns from the spheres, then rows of the floor, then rows of the sand's own surface. The last unit swaps
-// the two textures.
+// phases: columns from the spheres, then rows of the floor, then rows of the sand's own surface. The last of these units
+// swaps the two textures. The texture of the room's light follows (pile_sky.h). Either is left out where nothing asks
+// for it.
 //
 // The spheres are the grains, or the particles of a scene without grains. They are read in place, without a copy. The
 // scene may sort them between two units of the first phase: then a sphere may be missed or taken twice, in that one
@@ -11,6 +12,7 @@
 
 #include "kernels/kernels.h"
 #include "runtime/core/governor.h"
+#include "runtime/shadow/pile_sky.h"
 #include "sandglass/pile_shadow.h"
 
 namespace sandglass {
@@ -22,9 +24,12 @@ constexpr uint32_t k_pile_unit_columns = 8192;  // about as many as the spheres 
 constexpr float k_pile_empty = 1e30f;
 
 // Kinds of work unit.
-enum : uint32_t { k_pile_columns, k_pile_rows, k_pile_kinds };
+enum : uint32_t { k_pile_columns, k_pile_rows, k_pile_levels, k_pile_sky_rows, k_pile_kinds };
 
-enum class PilePhase : uint32_t { idle, columns, floor, sand };
+enum class PilePhase : uint32_t { idle, columns, floor, sand, levels, sky };
+
+// What is asked for and what is under way, as bits.
+enum : uint32_t { k_ask_light = 1, k_ask_sky = 2, k_ask_all = 3 };
 
 // The spheres: one of the three pointers is not null. A scene swaps its arrays from sub-step to sub-step, so the first
 // two point to the scene's own pointer.
@@ -67,9 +72,17 @@ struct Pile {
   // What asks for a texture.
   PileSource source;
   uint64_t frame;
-  bool pending, moving;
+  uint32_t asked, making;
+  bool moving;
   bool gives_way;  // a texture of an object comes before the next one of the sand
+  PileSky sky;
 };
+
+// What of that which is asked for can be made: nothing where the light is below the horizon, or there is no such
+// texture.
+inline uint32_t pile_wanted(const Pile& p) {
+  return p.asked & ((p.opacity > 0 ? k_ask_light : 0u) | (p.sky.texels != 0 ? k_ask_sky : 0u));
+}
 
 WorkUnit pile_next(const Pile& pile);
 void pile_run(Pile* pile);

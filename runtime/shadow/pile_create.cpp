@@ -36,6 +36,11 @@ sandglass_status check(const sandglass_pile_shadow_desc* desc, const char** reas
     return refuse(reason, "desc.angular_diameter is not in 0.02..1 radians");
   if (!within(desc->light_tolerance, 0.0f, 1.0f)) return refuse(reason, "desc.light_tolerance is not in 0..1 radians");
   if (desc->on_sand > 1) return refuse(reason, "desc.on_sand is neither 0 nor 1");
+  if (desc->sky_texels != 0 && desc->sky_texels != desc->texels && 2 * desc->sky_texels != desc->texels &&
+      4 * desc->sky_texels != desc->texels)
+    return refuse(reason, "desc.sky_texels is neither 0 nor desc.texels, a half or a quarter of it");
+  if (desc->sky_texels != 0 && (desc->sky_texels % k_lane_group != 0 || desc->sky_texels > 128))
+    return refuse(reason, "desc.sky_texels is not a multiple of 16, at most 128");
   if (select_kernels(desc->isa) == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
@@ -62,6 +67,7 @@ sandglass_pile_shadow* lay_out(const sandglass_pile_shadow_desc& desc, Layout* l
     texture->floor = layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n);
     texture->sand = desc.on_sand != 0 ? layout_region<uint8_t>(layout, "pile_shadow.coverage", n * n) : nullptr;
   }
+  sky_lay_out(&p->sky, desc.sky_texels, desc.sky_texels != 0 ? desc.texels / desc.sky_texels : 0, layout);
   return owner;
 }
 
@@ -86,6 +92,8 @@ __attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, voi
   p->light[1] = 1;
   memset(p->front.floor, 0, uint64_t{p->texels} * p->texels);
   if (p->front.sand != nullptr) memset(p->front.sand, 0, uint64_t{p->texels} * p->texels);
+  sky_build(p);
+  if (p->sky.texels != 0) p->asked = k_ask_sky;
   *shadow = owner;
 }
 
@@ -107,16 +115,30 @@ __attribute__((noinline)) sandglass_status take_light(Pile* p, const float direc
   }
   double chord = 0;
   for (uint32_t axis = 0; axis < 3; ++axis) chord += (light[axis] - p->light[axis]) * (light[axis] - p->light[axis]);
-  const bool any = p->valid || p->pending || p->phase != PilePhase::idle;
+  const bool any = p->valid || ((p->asked | p->making) & k_ask_light) != 0;
   if (any && !(chord > p->tolerance_squared)) return accept(reason);
   for (uint32_t axis = 0; axis < 3; ++axis) p->light[axis] = light[axis];
-  p->pending = true;
+  p->asked |= k_ask_light;
+  return accept(reason);
+}
+
+__attribute__((noinline)) sandglass_status take_cells(Pile* p, const float* cells, const char** reason) {
+  if (p->sky.texels == 0)
+    return refuse(reason, "this shadow has no texture of the room's light: set desc.sky_texels at create");
+  double sum = 0;
+  for (uint32_t i = 0; i < k_light_cells; ++i) {
+    if (!within(cells[i], 0.0f, 1.001f)) return refuse(reason, "a cell is not finite, below 0 or above 1");
+    sum += static_cast<double>(cells[i]);
+  }
+  if (!(sum <= 1.001)) return refuse(reason, "the cells are more than 1 together: pass shares of the floor's light");
+  memcpy(p->sky.cells, cells, k_light_cells * sizeof(float));
+  if (sky_differs(p->sky, cells)) p->asked |= k_ask_sky;
   return accept(reason);
 }
 
 __attribute__((noinline)) uint32_t run_units(Pile* p, uint32_t units) {
   uint32_t done = 0;
-  while (done < units && (p->phase != PilePhase::idle || (p->pending && p->opacity > 0))) pile_run(p), ++done;
+  while (done < units && (p->phase != PilePhase::idle || pile_wanted(*p) != 0)) pile_run(p), ++done;
   return done;
 }
 
@@ -172,7 +194,7 @@ sandglass_status sandglass_pile_shadow_set_light(sandglass_pile_shadow* shadow, 
 }
 
 void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow) {
-  if (shadow != nullptr) shadow->pile.pending = true;
+  if (shadow != nullptr) shadow->pile.asked = k_ask_all;
 }
 
 uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count, float radius,
@@ -194,7 +216,7 @@ void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow, sand
   texture.coverage = p.front.floor, texture.on_sand = p.front.sand;
   for (uint32_t axis = 0; axis < 2; ++axis) texture.low[axis] = p.low[axis], texture.high[axis] = p.high[axis];
   texture.opacity = p.opacity;
-  const bool stale = p.pending || p.phase != PilePhase::idle;
+  const bool stale = ((p.asked | p.making) & k_ask_light) != 0;
   texture.age = stale ? static_cast<uint32_t>(p.frame - p.front.frame) : 0;
   fill_struct(&texture, sizeof texture, out);
 }
@@ -205,5 +227,42 @@ uint64_t sandglass_pile_shadow_hash(const sandglass_pile_shadow* shadow) {
   const uint64_t texels = uint64_t{p.texels} * p.texels;
   uint64_t hash = hash_bytes(p.front.floor, texels);
   if (p.front.sand != nullptr) hash = hash_with(hash, hash_bytes(p.front.sand, texels));
-  return hash;
+  if (p.sky.texels == 0) return hash;
+  const uint64_t of_sky = uint64_t{p.sky.texels} * p.sky.texels;
+  hash = hash_with(hash, hash_bytes(p.sky.front.floor, of_sky));
+  hash = hash_with(hash, hash_bytes(p.sky.front.sand, of_sky));
+  return hash_with(hash, hash_bytes(p.sky.front.heights, texels));
+}
+
+sandglass_status sandglass_pile_shadow_set_cells(sandglass_pile_shadow* shadow,
+                                                 const float cells[SANDGLASS_LIGHT_CELLS], const char** reason) {
+  if (shadow == nullptr || cells == nullptr)
+    return refuse(reason, "shadow or cells is NULL: pass the shadow and 64 floats");
+  const FloatingPointControl saved = floating_point_enter();
+  const sandglass_status status = take_cells(&shadow->pile, cells, reason);
+  floating_point_restore(saved);
+  return status;
+}
+
+void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_sky* out) {
+  if (shadow == nullptr || out == nullptr) return;
+  const Pile& p = shadow->pile;
+  const PileSky& s = p.sky;
+  sandglass_pile_shadow_sky sky = {};
+  sky.valid = s.valid ? 1 : 0;
+  sky.texels = s.texels;
+  sky.floor = s.front.floor, sky.on_sand = s.front.sand, sky.heights = s.front.heights;
+  for (uint32_t axis = 0; axis < 2; ++axis) sky.low[axis] = p.low[axis], sky.high[axis] = p.high[axis];
+  sky.height_texels = s.texels != 0 ? p.texels : 0, sky.height = s.front.top;
+  const bool stale = ((p.asked | p.making) & k_ask_sky) != 0;
+  sky.age = stale && s.texels != 0 ? static_cast<uint32_t>(p.frame - s.front.frame) : 0;
+  fill_struct(&sky, sizeof sky, out);
+}
+
+void sandglass_pile_shadow_light_grains(const sandglass_pile_shadow* shadow, const float* positions, uint32_t count,
+                                        float radius, uint8_t* visibility) {
+  if (shadow == nullptr || positions == nullptr || visibility == nullptr) return;
+  const FloatingPointControl saved = floating_point_enter();
+  sky_light_grains(shadow->pile, positions, count, radius, visibility);
+  floating_point_restore(saved);
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Executed ARM instructions per item and per frame, against the committed ones.
 
-    count.py sand|kernels|shadow|pile|light --emulator COMMAND --plugin FILE --program COMMAND --compiler TEXT --baseline FILE [--write] [--control]
+    count.py sand|kernels|shadow|pile|sky|light --emulator COMMAND --plugin FILE --program COMMAND --compiler TEXT --baseline FILE [--write] [--control]
 
 Runs the workload under the emulator with count_plugin, prints the table, and fails when a line has grown by more than 2 %. The
 numbers belong to one compiler; with another the table is printed and the test is skipped (exit code 77). --write replaces the
@@ -36,6 +36,11 @@ METRICS = {
     "pile": [
         ("pile_light per texel", r"::pile_light\(", "texels"),
         ("columns per grain", r"sandglass::pile_run\(|::run_columns\(|::put_sphere\(|::put_column\(", "grains_put"),
+        ("whole texture", None, "textures"),
+    ],
+    "sky": [
+        ("pile_sky per texel", r"::pile_sky\(", "texels"),
+        ("levels and rows per texel", r"sandglass::sky_run|::join", "texels"),
         ("whole texture", None, "textures"),
     ],
     "light": [

@@ -251,6 +251,29 @@ void work_pile_light(const Kernels& kernels) {
   count(kernels.pile_light, args);
 }
 
+// One row of columns, half of them empty, in sixteen sectors of ten steps each.
+void work_pile_sky(const Kernels& kernels) {
+  constexpr uint32_t rows = 10, pitch = k_items + 2 * k_lane_group, sector_count = 16;
+  CountingRandom random;
+  std::vector<float> tops(rows * pitch + k_lane_group, -1e30f), bottoms(tops.size(), 1e30f), fills(tops.size());
+  for (uint32_t i = 0; i < tops.size(); ++i)
+    if (i % pitch >= k_lane_group && random() < 0.5f) tops[i] = 0.1f * random(), bottoms[i] = 0.0f, fills[i] = random();
+  std::vector<float> receivers(k_items), lights(k_items);
+  PileSector sectors[sector_count];
+  PileSkyStep steps[sector_count * rows];
+  for (uint32_t k = 0; k < sector_count; ++k) {
+    sectors[k] = {{0.01f, 0.01f, -0.005f, -0.005f}, k * rows, (k + 1) * rows, k % 2};
+    for (uint32_t s = 0; s < rows; ++s)
+      steps[k * rows + s] = {static_cast<int32_t>(s * pitch + k_lane_group + k), 0, static_cast<int32_t>(k_items) - 1,
+                             200.0f / static_cast<float>(s + 1)};
+  }
+  PileSkyArgs args = {};
+  args.tops = tops.data(), args.bottoms = bottoms.data(), args.fills = fills.data();
+  args.steps = steps, args.sectors = sectors, args.sector_count = sector_count, args.cap = 2.0f;
+  args.receivers = receivers.data(), args.lights = lights.data();
+  count(kernels.pile_sky, args);
+}
+
 struct Work {
   const char* name;
   void (*run)(const Kernels& kernels);

@@ -552,6 +552,84 @@ void check_pile_light(uint32_t n) {
   }
 }
 
+// ---- pile_sky
+
+// Random columns in four padded rows. Some are empty, thinly filled or in the air. Three sectors walk steps that leave
+// the columns on both sides; of the third all columns stand on the floor.
+void check_pile_sky(uint32_t n) {
+  constexpr uint32_t rows = 4, sector_count = 3, steps_each = 5;
+  const uint32_t padded = (n + 15) / 16 * 16, pitch = padded + 2 * k_lane_group;
+  std::mt19937 random(59);
+  std::uniform_real_distribution<double> unit(0, 1);
+  std::vector<float> tops(rows * pitch + 3 * k_lane_group, -1e30f), bottoms(tops.size(), 1e30f),
+      fills(tops.size(), 0.0f);
+  const auto row_start = [&](uint32_t row) { return 2 * k_lane_group + row * pitch; };
+  for (uint32_t v = 0; v < rows; ++v)
+    for (uint32_t u = 0; u < n; ++u) {
+      if (unit(random) < 0.3) continue;
+      tops[row_start(v) + u] = static_cast<float>(0.05 + 0.1 * unit(random));
+      bottoms[row_start(v) + u] = v == rows - 1 ? 0.0f : static_cast<float>(0.06 * unit(random) - 0.02);
+      fills[row_start(v) + u] = unit(random) < 0.4 ? 1.0f : static_cast<float>(unit(random));
+    }
+  std::vector<float> receivers(padded);
+  for (float& r : receivers) r = static_cast<float>(0.02 * unit(random));
+  PileSector sectors[sector_count];
+  double shares[sector_count][4];
+  std::vector<PileSkyStep> steps;
+  for (uint32_t k = 0; k < sector_count; ++k) {
+    for (uint32_t ring = 0; ring < 4; ++ring) {
+      shares[k][ring] = 0.08 * unit(random);
+      sectors[k].bends[ring] = static_cast<float>(shares[k][ring] - (ring > 0 ? shares[k][ring - 1] : 0.0));
+    }
+    sectors[k].first_step = k * steps_each, sectors[k].last_step = (k + 1) * steps_each;
+    sectors[k].in_air = k + 1 < sector_count;
+    for (uint32_t s = 0; s < steps_each; ++s) {
+      const uint32_t row = k + 1 < sector_count ? s % rows : rows - 1;
+      const int32_t columns = static_cast<int32_t>(21 * unit(random)) - 10;
+      steps.push_back({static_cast<int32_t>(row_start(row)) + columns, -columns, static_cast<int32_t>(n) - 1 - columns,
+                       static_cast<float>(3 + 40 * unit(random))});
+    }
+  }
+  std::vector<float> first;
+  for (const Kernels* kernels : tables()) {
+    std::vector<float> lights(padded);
+    PileSkyArgs args = {};
+    args.tops = tops.data(), args.bottoms = bottoms.data(), args.fills = fills.data();
+    args.steps = steps.data(), args.sectors = sectors, args.sector_count = sector_count, args.cap = 2.0f;
+    args.receivers = receivers.data(), args.lights = lights.data();
+    uint32_t unused = 0;
+    kernels->pile_sky(&args, 0, padded, &unused);
+    for (uint32_t i = 0; i < n; ++i) {
+      double left = 1;
+      for (uint32_t k = 0; k < sector_count; ++k) {
+        double high = 0, low = 1e30, reached = 0;
+        for (uint32_t s = sectors[k].first_step; s < sectors[k].last_step; ++s) {
+          const int texel = static_cast<int>(i);
+          if (texel < steps[s].first || texel > steps[s].last) continue;
+          const auto at = static_cast<size_t>(steps[s].at + texel);
+          if (tops[at] < 0) continue;
+          const double inverse = static_cast<double>(steps[s].inverse_distance);
+          const double slope = static_cast<double>(tops[at] - receivers[i]) * inverse;
+          high = std::max(high, slope);
+          reached += static_cast<double>(fills[at]) * std::max(std::min(slope, 2.0) - reached, 0.0);
+          low = std::min(low, static_cast<double>(bottoms[at] - receivers[i]) * inverse);
+        }
+        if (!(high > 0)) continue;
+        const double from = 4 * std::pow(std::sin(std::atan(std::max(low, 0.0))), 2);
+        const double to = 4 * std::pow(std::sin(std::atan(high)), 2);
+        for (uint32_t ring = 0; ring < 4; ++ring) {
+          const auto part = [&](double x) { return std::clamp(x - ring, 0.0, 1.0); };
+          left -= shares[k][ring] * std::max(part(to) - part(from), 0.0) * reached / std::min(high, 2.0);
+        }
+      }
+      ASSERT_NEAR(lights[i], std::max(left, 0.0), 2e-6) << sandglass_isa_name(kernels->isa) << " texel " << i;
+    }
+    lights.resize(n);
+    if (first.empty()) first = lights;
+    ASSERT_EQ(std::memcmp(lights.data(), first.data(), n * sizeof(float)), 0);
+  }
+}
+
 // ---- refine_grains
 
 struct Refinement {

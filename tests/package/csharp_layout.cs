@@ -14,7 +14,7 @@ static class Layout {
   }
 
   static void Main() {
-    Console.WriteLine("#include <stddef.h>\n#include \"sandglass/sandglass.h\"\n#include \"sandglass/field.h\"\n#include \"sandglass/pile_shadow.h\"\n#include \"sandglass/shadow.h\"\n#include \"sandglass/light.h\"");
+    Console.WriteLine("#include <stddef.h>\n#include \"sandglass/sandglass.h\"\n#include \"sandglass/field.h\"\n#include \"sandglass/pile_shadow.h\"\n#include \"sandglass/shadow.h\"\n#include \"sandglass/light.h\"\n#include \"sandglass/room.h\"");
     foreach (Type type in typeof(Native).Assembly.GetTypes()) {
       if (!type.IsValueType || !type.Name.StartsWith("sandglass_")) continue;
       Console.WriteLine("/* mirrored {0} */", type.Name);

@@ -2,6 +2,7 @@
 #include "sandglass/field.h"
 #include "sandglass/light.h"
 #include "sandglass/pile_shadow.h"
+#include "sandglass/room.h"
 #include "sandglass/sandglass.hpp"
 #include "sandglass/shadow.h"
 

@@ -153,6 +153,7 @@ class Nulls : public ::testing::Test {
   void sampling();
   void fields();
   void lights();
+  void rooms();
   void shadows();
   void pile_shadows();
 
@@ -326,6 +327,36 @@ void Nulls::lights() {
   sandglass_light_release(light);
 }
 
+void Nulls::rooms() {
+  sandglass_room_desc desc_of = sandglass::room_desc();
+  row(NAMED(sandglass_room_bytes), "", &desc_of, &need);
+  ASSERT_EQ(sandglass_room_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
+  const sandglass::Block block = sandglass::allocate_block(need);
+  sandglass_room* room = nullptr;
+  row(NAMED(sandglass_room_create), "", &desc_of, block.get(), need, &room);
+  row(NAMED(sandglass_room_desc_default), "", &desc_of);
+  ASSERT_NE(room, nullptr);
+  std::vector<uint8_t> pixels(3 * 64 * 48, 100);
+  sandglass_camera_image image = sandglass::camera_image();
+  image.width = 64, image.height = 48, image.planes[0] = pixels.data(), image.strides[0] = 3 * 64;
+  image.focal_x = image.focal_y = 60.0f;
+  row(NAMED(sandglass_room_set_image), "taken", room, &image, &count);
+  const float level[4] = {0, 0, 0, 1};
+  row(NAMED(sandglass_room_move), "", room, level, point);
+  sandglass_light_estimate estimate = {};
+  estimate.struct_size = sizeof estimate;
+  sandglass_room_light light = {};
+  light.struct_size = sizeof light;
+  row(NAMED(sandglass_room_get), "estimate", room, point, &estimate, &light);
+  row(NAMED(sandglass_room_save_bytes), "", room);
+  const uint64_t saved_bytes = sandglass_room_save_bytes(room);
+  std::vector<uint64_t> saved(saved_bytes / 8);
+  row(NAMED(sandglass_room_save), "", room, static_cast<void*>(saved.data()), saved_bytes);
+  row(NAMED(sandglass_room_restore), "", room, static_cast<const void*>(saved.data()), saved_bytes);
+  row(NAMED(sandglass_room_reset), "", room);
+  row(NAMED(sandglass_room_hash), "", room);
+}
+
 void Nulls::shadows() {
   uint64_t file_bytes = 0;
   const std::vector<uint64_t> file = file_of(SANDGLASS_CHAIR_SHADOW, &file_bytes);
@@ -365,6 +396,7 @@ void Nulls::shadows() {
 
 void Nulls::pile_shadows() {
   sandglass_pile_shadow_desc desc_of = sandglass::pile_shadow_desc();
+  desc_of.sky_texels = 64;
   row(NAMED(sandglass_pile_shadow_bytes), "", &desc_of, &need);
   ASSERT_EQ(sandglass_pile_shadow_bytes(&desc_of, &need, nullptr), SANDGLASS_OK);
   const sandglass::Block block = sandglass::allocate_block(need);
@@ -373,11 +405,18 @@ void Nulls::pile_shadows() {
   row(NAMED(sandglass_pile_shadow_desc_default), "", &desc_of);
   ASSERT_NE(shadow, nullptr);
   row(NAMED(sandglass_pile_shadow_set_light), "", shadow, point);
+  const float cells[SANDGLASS_LIGHT_CELLS] = {};
+  row(NAMED(sandglass_pile_shadow_set_cells), "", shadow, cells);
   row(NAMED(sandglass_pile_shadow_refresh), "", shadow);
   row(NAMED(sandglass_pile_shadow_run), "", shadow, point, 1u, 0.01f, 1u);
   sandglass_pile_shadow_texture texture = {};
   texture.struct_size = sizeof texture;
   row(NAMED(sandglass_pile_shadow_get_texture), "", shadow, &texture);
+  sandglass_pile_shadow_sky sky = {};
+  sky.struct_size = sizeof sky;
+  row(NAMED(sandglass_pile_shadow_get_sky), "", shadow, &sky);
+  uint8_t visibility[1];
+  row(NAMED(sandglass_pile_shadow_light_grains), "", shadow, point, 1u, 0.01f, visibility);
   row(NAMED(sandglass_pile_shadow_hash), "", shadow);
 }
 
@@ -386,6 +425,7 @@ TEST_F(Nulls, EveryFunctionRefusesOrIgnoresEachOfItsPointers) {
   sampling();
   fields();
   lights();
+  rooms();
   shadows();
   pile_shadows();
   for (const auto& [name, arguments] : functions_)

@@ -2,6 +2,7 @@
  * have four bytes, and the structs that types.h calls frozen have no hidden padding. The C++ tests compare the other
  * sizes with these. */
 #include "sandglass/light.h"
+#include "sandglass/room.h"
 #include "sandglass/sandglass.h"
 #include "sandglass/shadow.h"
 

@@ -166,6 +166,7 @@ public unsafe struct sandglass_frame_input {
   public IntPtr light;
   public sandglass_camera_image* camera;
   public sandglass_plan* plan;
+  public IntPtr room;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -268,7 +269,7 @@ public unsafe struct sandglass_pile_shadow_desc {
   public float floor;
   public uint texels;
   public float angular_diameter, light_tolerance;
-  public uint on_sand;
+  public uint on_sand, sky_texels;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -279,6 +280,19 @@ public unsafe struct sandglass_pile_shadow_texture {
   public fixed float low[2];
   public fixed float high[2];
   public float opacity;
+  public uint age;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_pile_shadow_sky {
+  public uint struct_size, valid, texels;
+  public byte* floor;
+  public byte* on_sand;
+  public byte* heights;
+  public uint height_texels;
+  public float height;
+  public fixed float low[2];
+  public fixed float high[2];
   public uint age;
 }
 
@@ -295,6 +309,28 @@ public unsafe struct sandglass_camera_image {
   public fixed float orientation[4];
   public uint pose_is_upright;
   public ulong timestamp_ns;
+  public fixed float position[3];
+  public float exposure;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public struct sandglass_room_desc {
+  public uint struct_size;
+  public float radius, half_life, interval;
+}
+
+[StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_room_light {
+  public uint struct_size, valid;
+  public fixed float cells[64];
+  public fixed float ambient_cells[64];
+  public fixed float main_direction[3];
+  public float main_share;
+  public fixed float main_colour[3];
+  public fixed float irradiance[3];
+  public fixed float sh[27];
+  public float seen, clipped;
+  public fixed float look[3];
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -389,7 +425,7 @@ public static unsafe class Native {
   public const int SANDGLASS_PLAN_RUNS = 48;
   public const int SANDGLASS_INSIDE_PARITY = 0, SANDGLASS_INSIDE_WINDING = 1;
   public const int SANDGLASS_METRIC_EUCLIDEAN = 0, SANDGLASS_METRIC_GEODESIC = 1;
-  public const int SANDGLASS_SHADOW_TEXELS = 256, SANDGLASS_SHADOW_LIGHTS = 8;
+  public const int SANDGLASS_SHADOW_TEXELS = 256, SANDGLASS_SHADOW_LIGHTS = 8, SANDGLASS_LIGHT_CELLS = 64;
   public const int SANDGLASS_SHADOW_ADAPTIVE = 0, SANDGLASS_SHADOW_FULL = 1;
   public const int SANDGLASS_LIGHT_WIDTH = 256, SANDGLASS_LIGHT_HEIGHT = 192, SANDGLASS_CAMERA_SIDE_LIMIT = 16384;
   public const int SANDGLASS_CAMERA_RGB = 0, SANDGLASS_CAMERA_RGBA = 1, SANDGLASS_CAMERA_NV12 = 2, SANDGLASS_CAMERA_NV21 = 3,
@@ -477,6 +513,9 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern void sandglass_pile_shadow_refresh(IntPtr shadow);
   [DllImport(k_library)] public static extern uint sandglass_pile_shadow_run(IntPtr shadow, float[] positions, uint count, float radius, uint units);
   [DllImport(k_library)] public static extern void sandglass_pile_shadow_get_texture(IntPtr shadow, ref sandglass_pile_shadow_texture texture);
+  [DllImport(k_library)] public static extern int sandglass_pile_shadow_set_cells(IntPtr shadow, float[] cells, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_pile_shadow_get_sky(IntPtr shadow, ref sandglass_pile_shadow_sky sky);
+  [DllImport(k_library)] public static extern void sandglass_pile_shadow_light_grains(IntPtr shadow, float[] positions, uint count, float radius, byte[] visibility);
   [DllImport(k_library)] public static extern ulong sandglass_pile_shadow_hash(IntPtr shadow);
 
   // ------------------------------------------------------------------------------------------------ shadow.h
@@ -516,6 +555,17 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern void sandglass_light_get_latest(IntPtr light, ref sandglass_light_estimate estimate);
   [DllImport(k_library)] public static extern ulong sandglass_light_hash(IntPtr light);
   [DllImport(k_library)] public static extern int sandglass_light_isa(IntPtr light);
+  [DllImport(k_library)] public static extern void sandglass_room_desc_default(out sandglass_room_desc desc);
+  [DllImport(k_library)] public static extern int sandglass_room_bytes(ref sandglass_room_desc desc, out ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_room_create(ref sandglass_room_desc desc, IntPtr block, ulong bytes, out IntPtr room, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_room_reset(IntPtr room);
+  [DllImport(k_library)] public static extern int sandglass_room_set_image(IntPtr room, ref sandglass_camera_image image, out uint taken, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_room_move(IntPtr room, float[] rotation, float[] translation, out IntPtr reason);
+  [DllImport(k_library)] public static extern unsafe int sandglass_room_get(IntPtr room, float[] position, sandglass_light_estimate* estimate, ref sandglass_room_light light, out IntPtr reason);
+  [DllImport(k_library)] public static extern ulong sandglass_room_save_bytes(IntPtr room);
+  [DllImport(k_library)] public static extern unsafe int sandglass_room_save(IntPtr room, void* data, ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern unsafe int sandglass_room_restore(IntPtr room, void* data, ulong bytes, out IntPtr reason);
+  [DllImport(k_library)] public static extern ulong sandglass_room_hash(IntPtr room);
   [DllImport(k_library)] public static extern int sandglass_light_harmonics(ref sandglass_light_estimate estimate, int model, [Out] float[] sh, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_light_to_filament(ref sandglass_light_estimate estimate, int model, float nits, ref sandglass_light_filament filament, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_light_to_arkit(ref sandglass_light_estimate estimate, int model, ref sandglass_light_arkit arkit, out IntPtr reason);

@@ -111,9 +111,16 @@ typedef struct sandglass_camera_image {
   uint32_t pose_is_upright;
   /* When it was taken, by any clock that grows: the time of the filter. */
   uint64_t timestamp_ns;
+  /* Where the camera was, world, metres. Only room.h reads it. */
+  float position[3];
+  /* How long and how sensitively the image was exposed, at least 0: seconds times ISO / 100, or any other number that
+   * is proportional to it. ARCore: SENSOR_EXPOSURE_TIME * 1e-9 * SENSOR_SENSITIVITY / 100. ARKit: exposureDuration
+   * times the ISO of the frame's EXIF data / 100. 0: unknown. Only room.h reads it. */
+  float exposure;
 } sandglass_camera_image;
 
-/* Fills *image with the defaults: RGB, no planes, turn 0, no rotation, BT.601 over 0..255. */
+/* Fills *image with the defaults: RGB, no planes, turn 0, no rotation, BT.601 over 0..255, at the origin, exposure
+ * unknown. */
 SANDGLASS_API void sandglass_camera_image_default(sandglass_camera_image* image);
 
 /* The focal length, in pixels, of a camera of which only the field of view across the diagonal is known (2.15). The

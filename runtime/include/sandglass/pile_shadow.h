@@ -1,4 +1,5 @@
-/* Sandglass pile shadow: the soft shadow that a scene's sand casts on the floor and on itself.
+/* Sandglass pile shadow: the soft shadow that a scene's sand casts on the floor and on itself, and how much of the
+ * room's light it leaves there.
  *
  * The sand is taken as columns of what is drawn: the grains, spheres of granular.grain_radius, or the particles of a
  * scene without grains. Over each texel of a rectangle of the floor a column reaches from its lowest to its highest
@@ -19,7 +20,17 @@
  *   4. draws the texture like that of an object: shadow = coverage * opacity * contrast of the light. The shadows of
  *      object and sand multiply: transparency = (1 - shadow of the object) * (1 - shadow of the sand).
  *
- * A texture is made anew while sand moves and when the light has turned. When both are at rest it costs nothing. A
+ * The room's light. An app that sets desc.sky_texels also gets a texture of the light that arrives from all sides, on
+ * the floor and on the sand. It calls sandglass_pile_shadow_set_cells when its estimate of the room has changed, or never:
+ * then the texture is made for a room that nobody has seen. To draw the floor, it multiplies by `floor` / 255 of
+ * sandglass_pile_shadow_sky. Where it draws a share s of the light as a sharp shadow, it leaves that share out of the
+ * cells and multiplies by floor / 255 - s * coverage * opacity / 255 instead. Sand is drawn in the same way by
+ * `on_sand`, and grains in the gaps between others are darker, see sandglass_pile_shadow_light_grains.
+ *
+ * What is said above of columns holds here too. Light and shadow of one bright cell are as soft as the cell is wide, and
+ * on scattered grains they are right on average, not grain by grain.
+ *
+ * A texture is made anew while sand moves and when its light has changed. When both are at rest it costs nothing. A
  * texture may take several frames; the one before it stays valid until it is complete. Nothing is allocated, no clock
  * is read, and the same bytes come out of every instruction set.
  *
@@ -52,6 +63,9 @@ typedef struct sandglass_pile_shadow_desc {
   float light_tolerance;
   /* 1 (the default): also the shadow of the sand on itself. 0 saves half the time and memory. */
   uint32_t on_sand;
+  /* Along a side of the texture of the room's light (sandglass_pile_shadow_sky): `texels`, a half or a quarter of it, a
+   * multiple of 16, at most 128. A half is fine enough. 0 (the default): there is none. */
+  uint32_t sky_texels;
 } sandglass_pile_shadow_desc;
 
 /* Fills *desc with the defaults and a rectangle of one square metre around the origin. */
@@ -76,12 +90,12 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_set_lig
                                                                                    const float direction[3],
                                                                                    const char** reason);
 
-/* Makes the next texture even if nothing seems to have moved: call it after sandglass_scene_move or _restore. */
+/* Makes the next textures even if nothing seems to have moved: call it after sandglass_scene_move or _restore. */
 SANDGLASS_API void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow);
 
 /* Without a scene: runs at most `units` work units on `count` spheres of `radius` metres; returns how many it ran.
  * `positions` holds 3 floats each, metres. They must stay as they are from the first unit of a texture to its last. A
- * complete texture is not begun again before set_light or refresh asks for one. */
+ * complete texture is not begun again before set_light, set_cells or refresh asks for one. */
 SANDGLASS_API uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count,
                                                  float radius, uint32_t units);
 
@@ -107,6 +121,47 @@ typedef struct sandglass_pile_shadow_texture {
 /* Fills *texture; set texture->struct_size before. */
 SANDGLASS_API void sandglass_pile_shadow_get_texture(const sandglass_pile_shadow* shadow,
                                                      sandglass_pile_shadow_texture* texture);
+
+/* Sets the light of the room, by the cells of types.h: the share of the floor's light that comes from each, less what
+ * is drawn as the shadow of a light. Until the first call they are those of a room that nobody has seen. Cells that
+ * cannot change a texel by a step start no new texture. Fails with INVALID_ARGUMENT: a cell is not finite or below 0,
+ * all together are more than 1.001, or desc.sky_texels was 0. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_set_cells(
+    sandglass_pile_shadow* shadow, const float cells[SANDGLASS_LIGHT_CELLS], const char** reason);
+
+/* The light of the room that the sand leaves, as it is now. */
+typedef struct sandglass_pile_shadow_sky {
+  uint32_t struct_size;
+  /* 0: no texture was completed yet; nothing is hidden. */
+  uint32_t valid;
+  /* Along a side; 0 and NULL textures where desc.sky_texels was 0. */
+  uint32_t texels;
+  /* On the floor: texels x texels bytes, row v along z, column u along x; 255 where the sand hides none of the light of
+   * the cells. Stable until units are run again, like those below. */
+  const uint8_t* floor;
+  /* On the upper surface of the sand; where there is none, as on the floor. */
+  const uint8_t* on_sand;
+  /* The height of the sand's surface over the floor, on desc.texels x desc.texels bytes: 255 is `height` metres. */
+  const uint8_t* heights;
+  uint32_t height_texels;
+  float height;
+  /* The rectangle of the description, world, metres. */
+  float low[2], high[2];
+  /* Frames since the one that the texture was begun in. 0: nothing has changed since. */
+  uint32_t age;
+} sandglass_pile_shadow_sky;
+
+/* Fills *sky; set sky->struct_size before. */
+SANDGLASS_API void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_sky* sky);
+
+/* Writes the light of `count` grains of `radius` metres: 255 times the share of the room's light that reaches the topmost
+ * point of each. `positions` holds 3 floats each, metres. A grain whose topmost point lies below the surface of the sand
+ * gets on_sand / (1 + 0.9 depth / radius). Without a complete texture all get 255.
+ *
+ * A shader gets the same from `on_sand` and `heights`, filtered linearly, and more evenly so for each point of a grain's
+ * surface: see runtime/shadow/README.md. */
+SANDGLASS_API void sandglass_pile_shadow_light_grains(const sandglass_pile_shadow* shadow, const float* positions,
+                                                      uint32_t count, float radius, uint8_t* visibility);
 
 /* A 64-bit hash of the textures. It is equal on every instruction set and compiler. */
 SANDGLASS_API uint64_t sandglass_pile_shadow_hash(const sandglass_pile_shadow* shadow);

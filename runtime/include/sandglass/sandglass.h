@@ -554,6 +554,9 @@ typedef struct sandglass_frame_input {
   const struct sandglass_camera_image* camera;
   /* NULL, or a recorded plan to execute: the clock then decides nothing. */
   const sandglass_plan* plan;
+  /* NULL, or the room that the camera's images are gathered in (room.h). It takes an image when its own interval has
+   * passed; the image is then read in this frame, whatever the budget. */
+  struct sandglass_room* room;
 } sandglass_frame_input;
 
 /* Fills *input with the defaults: nothing but thermal_headroom 1 and grain_stride sizeof(sandglass_grain). */

@@ -33,6 +33,7 @@
 #include "sandglass/field.h"
 #include "sandglass/light.h"
 #include "sandglass/pile_shadow.h"
+#include "sandglass/room.h"
 #include "sandglass/sampling.h"
 #include "sandglass/sandglass.h"
 #include "sandglass/shadow.h"
@@ -437,6 +438,77 @@ class Light {
 };
 
 // ----------------------------------------------------------------------------------------------------------------
+// room
+
+inline sandglass_room_desc room_desc() {
+  sandglass_room_desc desc;
+  sandglass_room_desc_default(&desc);
+  return desc;
+}
+
+// What the camera has seen of a room, and the block it lives in. Movable, not copyable.
+class Room {
+ public:
+  // Allocates the block, once and for all. Fails like sandglass_room_create, or with MEMORY_TOO_SMALL when the heap has
+  // no such block; an existing room is then kept.
+  Status create(const sandglass_room_desc& desc = room_desc()) {
+    Status status;
+    uint64_t need = 0;
+    status.code = sandglass_room_bytes(&desc, &need, &status.reason);
+    if (!status) return status;
+    return owned_.create(need, [&](void* block, uint64_t bytes, sandglass_room** room, const char** reason) {
+      return sandglass_room_create(&desc, block, bytes, room, reason);
+    });
+  }
+
+  // True once create has succeeded.
+  explicit operator bool() const { return get() != nullptr; }
+  // For sandglass_frame_input::room, too.
+  sandglass_room* get() const { return owned_.handle; }
+
+  // See sandglass_room_set_image.
+  Status set_image(const sandglass_camera_image& image) {
+    Status status;
+    status.code = sandglass_room_set_image(get(), &image, nullptr, &status.reason);
+    return status;
+  }
+  // The light at a place; `estimate` may be NULL. Where the room is not created or the place is not finite, the light
+  // has struct_size 0. See sandglass_room_get.
+  sandglass_room_light light_at(const float position[3], const sandglass_light_estimate* estimate = nullptr) const {
+    sandglass_room_light light{};
+    light.struct_size = sizeof light;
+    if (sandglass_room_get(get(), position, estimate, &light, nullptr) != SANDGLASS_OK) light = {};
+    return light;
+  }
+  // See sandglass_room_move.
+  Status move(const Rotation& rotation, const float translation[3]) {
+    Status status;
+    status.code = sandglass_room_move(get(), rotation.data(), translation, &status.reason);
+    return status;
+  }
+  // See sandglass_room_save.
+  Status save(std::vector<std::byte>* data) const {
+    Status status;
+    data->resize(static_cast<std::size_t>(sandglass_room_save_bytes(get())));
+    status.code = sandglass_room_save(get(), data->data(), data->size(), &status.reason);
+    return status;
+  }
+  // See sandglass_room_restore.
+  Status restore(const std::vector<std::byte>& data) {
+    Status status;
+    status.code = sandglass_room_restore(get(), data.data(), data.size(), &status.reason);
+    return status;
+  }
+  // See sandglass_room_reset.
+  void reset() { sandglass_room_reset(get()); }
+  // See sandglass_room_hash.
+  uint64_t hash() const { return sandglass_room_hash(get()); }
+
+ private:
+  Owned<sandglass_room> owned_;
+};
+
+// ----------------------------------------------------------------------------------------------------------------
 // shadows
 
 inline sandglass_shadow_desc shadow_desc() {
@@ -542,6 +614,12 @@ class PileShadow {
     status.code = sandglass_pile_shadow_set_light(get(), direction.data(), &status.reason);
     return status;
   }
+  // See sandglass_pile_shadow_set_cells.
+  Status set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells) {
+    Status status;
+    status.code = sandglass_pile_shadow_set_cells(get(), cells.data(), &status.reason);
+    return status;
+  }
   // See sandglass_pile_shadow_refresh.
   void refresh() { sandglass_pile_shadow_refresh(get()); }
   // Without a scene: see sandglass_pile_shadow_run.
@@ -554,6 +632,17 @@ class PileShadow {
     now.struct_size = sizeof now;
     sandglass_pile_shadow_get_texture(get(), &now);
     return now;
+  }
+  // See sandglass_pile_shadow_get_sky.
+  sandglass_pile_shadow_sky sky() const {
+    sandglass_pile_shadow_sky now{};
+    now.struct_size = sizeof now;
+    sandglass_pile_shadow_get_sky(get(), &now);
+    return now;
+  }
+  // See sandglass_pile_shadow_light_grains.
+  void light_grains(Points grains, float radius, uint8_t* visibility) const {
+    sandglass_pile_shadow_light_grains(get(), grains.xyz, grains.count, radius, visibility);
   }
   // See sandglass_pile_shadow_hash.
   uint64_t hash() const { return sandglass_pile_shadow_hash(get()); }

@@ -238,8 +238,10 @@ SANDGLASS_API int32_t sandglass_rotation_about(const float axis[3], float angle,
 typedef struct sandglass_shadow sandglass_shadow;
 /* The shadow that the sand casts (pile_shadow.h). */
 typedef struct sandglass_pile_shadow sandglass_pile_shadow;
-/* The light of the room (light.h). */
+/* The light of the room as a network estimates it from one image (light.h). */
 typedef struct sandglass_light sandglass_light;
+/* The light of the room from all that the camera has seen (room.h). */
+typedef struct sandglass_room sandglass_room;
 
 #ifdef __cplusplus
 } /* extern "C" */

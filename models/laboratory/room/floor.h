@@ -1,0 +1,80 @@
+// What a level floor receives beside an object, by rays: the truth that every way to draw a shadow is held against.
+//
+// The upper hemisphere is split into 1,024 parts of equal cosine-weighted solid angle, 16 to each cell of types.h.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "models/mesh/mesh.h"
+#include "models/rooms/panorama.h"
+#include "models/work/thread_pool.h"
+#include "runtime/core/light_cells.h"
+
+namespace sandglass::host {
+
+constexpr uint32_t k_fine_sectors = 64, k_fine_rings = 16, k_fine = k_fine_sectors * k_fine_rings;
+using Fine = std::array<double, k_fine>;
+using Cells = std::array<double, k_light_cells>;
+
+// The direction in the middle of a fine part, and the cell that holds it.
+Vec3 fine_direction(uint32_t fine);
+uint32_t cell_of_fine(uint32_t fine);
+Vec3 cell_direction(uint32_t cell);
+
+// The light at a place in a panorama: shares of a level floor's irradiance, and the irradiance itself, in the
+// panorama's radiance. `place` is in radii of the panorama's sphere.
+constexpr uint32_t k_sphere_rows = 32, k_sphere_columns = 64, k_sphere = k_sphere_rows * k_sphere_columns;
+struct TrueLight {
+  Fine shares;
+  Cells cells;
+  Vec3 irradiance;
+  std::array<double, k_sphere> sphere;  // luminance times solid angle, by direction, in rows from below
+};
+// The direction in the middle of a part of the sphere.
+Vec3 sphere_direction(double row, double column);
+TrueLight true_light(const RadianceMap& panorama, Vec3 place);
+
+// An object on the floor, and what of each part of the hemisphere the floor sees beside it.
+class FloorObject {
+ public:
+  static constexpr int k_texels = 48;   // along a side of four object heights
+  static constexpr int k_points = 192;  // of the surface
+
+  // The mesh is put onto the floor, its middle at the centre.
+  FloorObject(std::string name, const Mesh& mesh, uint64_t seed, ThreadPool* pool);
+
+  const std::string& name() const { return name_; }
+  // The floor's ratio in this light, by texel: 1 where the object takes nothing away.
+  std::vector<float> truth(const TrueLight& light) const;
+  // What is drawn in `cells` (all shares beside 1 are light that nothing hides), less `share` times the shadow of a
+  // round light of 20 degrees in `direction`.
+  std::vector<float> drawn(const Cells& cells, double share = 0.0, Vec3 direction = {0, 1, 0}) const;
+  // The mean square of drawn(cells) - truth is cells . square . cells - 2 cells . mixed + constant.
+  struct Quadratic {
+    std::array<double, k_light_cells * k_light_cells> square;
+    Cells mixed;
+    double constant;
+    double error(const Cells& cells) const;
+  };
+  Quadratic quadratic(const TrueLight& light) const;
+
+  // The irradiance of points of its surface, which the object itself may hide, beside that of the level floor.
+  std::vector<float> lit(const TrueLight& light) const;
+  // The same in the light of nine harmonics of luminance, by each point's own nine numbers, as a baked file holds them.
+  std::vector<float> lit(const std::array<double, 9>& harmonics, double floor_irradiance) const;
+
+ private:
+  std::vector<float> hidden(Vec3 direction) const;  // of the round light, by texel
+  std::string name_;
+  std::vector<float> hidden_;        // texels x k_fine: 0 seen, 1 hidden
+  std::vector<float> facing_;        // surface points x k_sphere: the cosine where the point sees the direction
+  std::vector<float> hidden_cells_;  // texels x cells
+};
+
+// Root mean square error of what is drawn.
+double error_of(const std::vector<float>& drawn, const std::vector<float>& truth);
+
+}  // namespace sandglass::host

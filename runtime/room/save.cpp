@@ -1,0 +1,108 @@
+// A room as bytes, and back. Behind the header follow the parts, rounded to nothing: a restored room answers as the
+// saved one did.
+#include <cstddef>
+#include <cstring>
+
+#include "runtime/core/finite.h"
+#include "runtime/core/hash.h"
+#include "runtime/core/refuse.h"
+#include "runtime/room/room.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr uint32_t k_magic = 0x6d726773;  // "sgrm"
+constexpr uint32_t k_version = 1;
+
+struct SavedRoom {
+  uint32_t magic, version;
+  uint64_t checksum;  // FNV-1a over what follows it
+  double radius, yaw, scale;
+  double centre[3];
+  uint32_t images, exposure_known;
+  float stamp, reserved;
+  RoomPart parts[k_room_parts];
+};
+constexpr uint64_t k_checked_from = 2 * sizeof(uint32_t) + sizeof(uint64_t);
+
+bool sound(const SavedRoom& saved) {
+  constexpr double k_limit = SANDGLASS_COORDINATE_LIMIT;
+  if (!within(saved.radius, 0.1, 1000.0) || !within(saved.yaw, 0.0, 1.0) || !within(saved.scale, 1e-6, 1e6))
+    return false;
+  for (const double c : saved.centre)
+    if (!within(c, -2 * k_limit, 2 * k_limit)) return false;
+  if (saved.exposure_known > 1 || !within(saved.stamp, 0.0f, 1e9f)) return false;
+  for (const RoomPart& part : saved.parts) {
+    if (!all_within(part.radiance, 3, 0.0f, 1e7f) || !within(part.clipped, 0.0f, 1.0f)) return false;
+    if (!within(part.weight, 0.0f, 1e3f) || !within(part.seen, 0.0f, 1.0f)) return false;
+    if (!within(part.stamp, 0.0f, saved.stamp)) return false;
+  }
+  return true;
+}
+
+uint64_t checksum_of(const void* bytes) {
+  return hash_bytes(static_cast<const uint8_t*>(bytes) + k_checked_from, sizeof(SavedRoom) - k_checked_from);
+}
+
+}  // namespace
+
+}  // namespace sandglass
+
+using namespace sandglass;
+
+uint64_t sandglass_room_save_bytes(const sandglass_room* room) { return room == nullptr ? 0 : sizeof(SavedRoom); }
+
+sandglass_status sandglass_room_save(const sandglass_room* owner, void* data, uint64_t bytes, const char** reason) {
+  if (owner == nullptr || data == nullptr)
+    return refuse(reason, "sandglass_room_save: room or data is NULL: pass the room and the memory to write to.");
+  if (bytes < sizeof(SavedRoom))
+    return refuse(reason, SANDGLASS_ERROR_MEMORY_TOO_SMALL,
+                  "sandglass_room_save: bytes is less than the room needs: ask sandglass_room_save_bytes.");
+  const Room& room = owner->room;
+  uint8_t* to = static_cast<uint8_t*>(data);
+  // Field by field, because `data` may have any alignment.
+  const auto put = [to](uint64_t at, const void* from, uint64_t count) { memcpy(to + at, from, count); };
+  const uint32_t heads[2] = {k_magic, k_version}, flags[2] = {room.images, room.exposure_known ? 1u : 0u};
+  const float stamps[2] = {room.view.stamp, 0};
+  put(0, heads, sizeof heads);
+  put(offsetof(SavedRoom, radius), &room.radius, sizeof room.radius);
+  put(offsetof(SavedRoom, yaw), &room.yaw, sizeof room.yaw);
+  put(offsetof(SavedRoom, scale), &room.scale, sizeof room.scale);
+  put(offsetof(SavedRoom, centre), room.centre, sizeof room.centre);
+  put(offsetof(SavedRoom, images), flags, sizeof flags);
+  put(offsetof(SavedRoom, stamp), stamps, sizeof stamps);
+  put(offsetof(SavedRoom, parts), room.parts, sizeof room.parts);
+  const uint64_t checksum = checksum_of(data);
+  put(offsetof(SavedRoom, checksum), &checksum, sizeof checksum);
+  return accept(reason);
+}
+
+sandglass_status sandglass_room_restore(sandglass_room* owner, const void* data, uint64_t bytes, const char** reason) {
+  if (owner == nullptr || data == nullptr)
+    return refuse(reason, "sandglass_room_restore: room or data is NULL: pass the room and the saved bytes.");
+  uint32_t heads[2];
+  if (bytes != sizeof(SavedRoom))
+    return refuse(reason, "sandglass_room_restore: the bytes are not as many as a saved room has: pass all of them.");
+  memcpy(heads, data, sizeof heads);
+  if (heads[0] != k_magic) return refuse(reason, "sandglass_room_restore: the bytes are no saved room.");
+  if (heads[1] != k_version)
+    return refuse(reason, "sandglass_room_restore: the room was saved by another version: look around again.");
+  uint64_t checksum;
+  memcpy(&checksum, static_cast<const uint8_t*>(data) + offsetof(SavedRoom, checksum), sizeof checksum);
+  if (checksum != checksum_of(data))
+    return refuse(reason, "sandglass_room_restore: the bytes were damaged since they were saved: look around again.");
+  // Its 14 KiB would not fit the stack beside a caller's: it is checked where it lies, if it is aligned there.
+  if (reinterpret_cast<uintptr_t>(data) % alignof(SavedRoom) != 0)
+    return refuse(reason, "sandglass_room_restore: data is not aligned to 8 bytes: align it.");
+  const SavedRoom& saved = *static_cast<const SavedRoom*>(data);
+  if (!sound(saved)) return refuse(reason, "sandglass_room_restore: the bytes hold a number that no room has.");
+  Room* room = &owner->room;
+  room_reset(room);
+  room->radius = saved.radius, room->yaw = saved.yaw, room->scale = saved.scale;
+  for (int k = 0; k < 3; ++k) room->centre[k] = saved.centre[k];
+  room->images = saved.images, room->exposure_known = saved.exposure_known != 0;
+  room->view.stamp = saved.stamp;
+  memcpy(room->parts, saved.parts, sizeof room->parts);
+  return accept(reason);
+}
