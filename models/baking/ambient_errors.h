@@ -18,7 +18,6 @@ struct AmbientErrors {
   uint32_t rooms = 0;
   double none = 0;       // no shadow
   double occlusion = 0;  // ambient occlusion alone: the light of a uniform sky
-  double expected = 0;   // the light of an average room, which is drawn where nothing was seen
   double cells = 0;      // the room's own light in its cells, with the visibility as it was traced
   double shipped = 0;    // the same as the runtime draws it
 };

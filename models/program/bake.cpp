@@ -73,7 +73,6 @@ std::string measurements(const BakeReport& r, const BakeSettings& settings) {
     keep(group.c_str(), "rooms", "1", error->rooms);
     keep(group.c_str(), "rmse_none", "1", error->none);
     keep(group.c_str(), "rmse_occlusion", "1", error->occlusion);
-    keep(group.c_str(), "rmse_expected", "1", error->expected);
     keep(group.c_str(), "rmse_cells", "1", error->cells);
     keep(group.c_str(), "rmse", "1", error->shipped);
   }
@@ -95,11 +94,10 @@ void print(const AmbientReport& r) {
   if (r.components == 0) return;
   std::printf("ambient shadow of %u components, %.3f ms a texture; surface of %u points\n", r.components, r.ms,
               r.points);
-  std::printf("  RMSE in %15s %10s %10s %12s %10s %10s\n", "rooms", "no shadow", "occlusion", "average room",
-              "64 cells", "as drawn");
+  std::printf("  RMSE in %15s %10s %10s %10s %10s\n", "rooms", "no shadow", "occlusion", "64 cells", "as drawn");
   for (const auto& [name, e] : rooms_of(r))
-    std::printf("  %4u %-17s %10.4f %10.4f %12.4f %10.4f %10.4f\n", e->rooms, name.c_str(), e->none, e->occlusion,
-                e->expected, e->cells, e->shipped);
+    std::printf("  %4u %-17s %10.4f %10.4f %10.4f %10.4f\n", e->rooms, name.c_str(), e->none, e->occlusion, e->cells,
+                e->shipped);
 }
 
 void print_network(const BakeReport& r) {

@@ -107,7 +107,8 @@ void ambient_create(const AmbientAsset& asset, AmbientShadow* ambient) {
   choose_steps(asset, ambient);
   memset(ambient->front, 255, texels_of(*ambient));
   memset(ambient->back, 255, texels_of(*ambient));
-  light_prior(ambient->wanted);
+  for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i)
+    ambient->wanted[i] = static_cast<double>(k_prior_ring_shares[i / k_cell_sectors]);
   ambient->pending = true;
 }
 

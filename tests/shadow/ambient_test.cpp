@@ -22,7 +22,7 @@ using namespace sandglass;
 using namespace sandglass::tests;
 
 constexpr uint32_t k_cells_of_light = SANDGLASS_LIGHT_CELLS;
-constexpr float k_sector = 6.28318531f / k_light_sectors;  // radians
+constexpr float k_sector = 6.28318531f / k_cell_sectors;  // radians
 using Cells = std::array<float, k_cells_of_light>;
 
 // The same on all instruction sets, compilers and machines: of cells that rise evenly, turned by 1 radian.
@@ -141,8 +141,7 @@ TEST(AmbientShadow, StandsUnderTheObjectFromTheFirstUnitsOnInTheExpectedLight) {
   EXPECT_EQ(shadow.now().valid, 1u);  // before the first unit of the light's texture
   const std::vector<uint8_t> first = shadow.texture();
   Cells prior;
-  for (uint32_t i = 0; i < k_cells_of_light; ++i)
-    prior[i] = static_cast<float>(k_light_prior[i / k_light_sectors] / k_light_sectors);
+  for (uint32_t i = 0; i < k_cells_of_light; ++i) prior[i] = k_prior_ring_shares[i / k_cell_sectors];
   shadow.mixed(only(3));
   EXPECT_NE(shadow.texture(), first);
   EXPECT_EQ(shadow.mixed(prior), first);
@@ -197,10 +196,10 @@ TEST(AmbientShadow, YawMovesCellsRoundAndKeepsTheirSum) {
   for (uint32_t i = 0; i < k_cells_of_light; ++i) world[i] = i * i;
   for (const double yaw : {0.0, 0.1, -3.0, 17.3, -1e6, 1e6}) {
     turn_cells(world, yaw, object);
-    for (uint32_t ring = 0; ring < k_light_rings; ++ring) {
+    for (uint32_t ring = 0; ring < k_cell_rings; ++ring) {
       double before = 0, after = 0;
-      for (uint32_t s = 0; s < k_light_sectors; ++s)
-        before += world[ring * k_light_sectors + s], after += object[ring * k_light_sectors + s];
+      for (uint32_t s = 0; s < k_cell_sectors; ++s)
+        before += world[ring * k_cell_sectors + s], after += object[ring * k_cell_sectors + s];
       EXPECT_NEAR(after, before, 1e-9 * before) << yaw;
     }
   }

@@ -64,7 +64,7 @@ double error_of(const std::vector<uint8_t>& texture, const std::vector<float>& a
 Cells moved(const Cells& cells, const std::function<uint32_t(uint32_t)>& sector) {
   Cells result = {};
   for (uint32_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i)
-    result[i / k_light_sectors * k_light_sectors + sector(i % k_light_sectors) % k_light_sectors] = cells[i];
+    result[i / k_cell_sectors * k_cell_sectors + sector(i % k_cell_sectors) % k_cell_sectors] = cells[i];
   return result;
 }
 
@@ -84,8 +84,8 @@ TEST(AmbientTruth, TheChairsShadowIsWhatRaysSayAndControlsAreNot) {
     };
     drawn += error(cells);
     alone += error_of(occlusion, a, b) / static_cast<double>(rooms.size());
-    mirrored += error(moved(cells, [](uint32_t s) { return k_light_sectors - 1 - s; }));
-    turned += error(moved(cells, [](uint32_t s) { return s + k_light_sectors / 4; }));
+    mirrored += error(moved(cells, [](uint32_t s) { return k_cell_sectors - 1 - s; }));
+    turned += error(moved(cells, [](uint32_t s) { return s + k_cell_sectors / 4; }));
   }
   std::printf("RMSE drawn %.4f, occlusion alone %.4f, mirrored %.4f, turned %.4f\n", drawn, alone, mirrored, turned);
   EXPECT_LE(drawn, 0.5 * alone);

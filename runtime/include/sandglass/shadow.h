@@ -210,7 +210,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_combine(cons
  * a sharp light with the share s is drawn by the texture of sandglass_shadow_set_light. `yaw`: radians by which the object
  * is turned about +y, as by sandglass_rotation_about: counter-clockwise seen from above. The object stands upright.
  *
- * Until the first call the cells are those of an average room, so an object has an ambient shadow from its first work
+ * Until the first call the cells are those of an even sky, so an object has an ambient shadow from its first work
  * units on. A change by which no texel can differ by a step of its byte starts no new texture.
  *
  * Where the file has no ambient shadow, the call changes nothing and succeeds. Fails with INVALID_ARGUMENT: a cell that

@@ -128,15 +128,6 @@ SANDGLASS_API const char* sandglass_status_name(sandglass_status status);
 /* The alignment, in bytes, of every block of memory that an app hands over. */
 #define SANDGLASS_BLOCK_ALIGNMENT 64
 
-/* ------------------------------------------------------------------------------------------------ cells of light */
-
-/* The light that a floor receives is counted in cells: parts of the upper hemisphere, 16 azimuths x 4 elevations.
- *
- * Cell 16 * ring + sector. Sector s covers the azimuths s * 22.5 to (s + 1) * 22.5 degrees, where azimuth = atan2(z, x)
- * in 0..360: 0 along +x, 90 along +z. Ring 0, the lowest, covers the elevations 0 to 30 degrees, ring 1 those to 45,
- * ring 2 to 60, ring 3 to 90. So all cells give a level floor the same irradiance where the sky is uniform. */
-#define SANDGLASS_LIGHT_CELLS 64
-
 /* ------------------------------------------------------------------------------------------------ hooks */
 
 /* A clock. now_ns returns nanoseconds since any origin and should not go backward. If it does, nothing breaks: the
