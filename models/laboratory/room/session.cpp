@@ -62,9 +62,10 @@ double exposed_by_itself(const RadianceMap& view) {
   for (int step = 0; step < 40; ++step) {
     const double middle = std::sqrt(low * high);
     double sum = 0;
-    for (int v = 0; v < view.height; ++v)
-      for (int u = 0; u < view.width; ++u) sum += std::min(1.0, luminance(view.colour(u, v)) * middle);
-    (sum / (view.width * view.height) < k_key ? low : high) = middle;
+    int count = 0;
+    for (int v = 0; v < view.height; v += 3)
+      for (int u = 0; u < view.width; u += 3, ++count) sum += std::min(1.0, luminance(view.colour(u, v)) * middle);
+    (sum / count < k_key ? low : high) = middle;
   }
   return std::sqrt(low * high);
 }
