@@ -315,13 +315,13 @@ void room_estimate(const Room& room, const RoomModel& model, const double positi
 }
 
 // `sandglass verify room` prints what each fold of places gives; these are in their middle.
-extern const RoomModel k_room_model = {.boost = 4.0,
-                                       .fill = 2.0,
+extern const RoomModel k_room_model = {.boost = 3.6,
+                                       .fill = 1.65,
                                        .fill_below = 0.5,
-                                       .network = 0.5,
+                                       .network = 2.0,
                                        .sharp = 1.0,
                                        .albedo = 0.18,
-                                       .floor_trust = 0.9,
+                                       .floor_trust = 0.88,
                                        .unseen_level = 0.7};
 
 }  // namespace sandglass
