@@ -14,7 +14,7 @@ namespace {
 
 constexpr int k_images = 12;
 // Of the room and of its answers, after the session below. A change that alters it on purpose says so.
-constexpr uint64_t k_golden = 0xaf1d6c34d84a6638;
+constexpr uint64_t k_golden = 0xa778bb1d2b67966a;
 
 // Bytes of any kind: no libm has a part in them.
 std::vector<uint8_t> picture(uint64_t seed) {
