@@ -100,7 +100,7 @@ TEST(PanoramaFiles, WhatIsNoPanoramaIsRefusedWithASentence) {
         std::pair("text.hdr", "not a Radiance"), std::pair("text.exr", "text.exr"),
         std::pair("square.hdr", "twice as wide"), std::pair("black.hdr", "black")})
     const std::string path = folder / file;  // clang 14 captures no structured binding
-    tests::expect_refusal(words, [&] { read_panorama(path); });
+  tests::expect_refusal(words, [&] { read_panorama(path); });
 }
 
 TEST(PanoramaFiles, DamagedOnesAreRefusedOrRead) {

@@ -143,7 +143,9 @@ typedef struct sandglass_pile_shadow_sky {
   const uint8_t* on_sand;
   /* The height of the sand's surface over the floor, on desc.texels x desc.texels bytes: 255 is `height` metres. */
   const uint8_t* heights;
+  /* Along a side of `heights`. */
   uint32_t height_texels;
+  /* Metres over the floor that 255 stands for. */
   float height;
   /* The rectangle of the description, world, metres. */
   float low[2], high[2];
