@@ -259,7 +259,8 @@ void find_look(const Room& room, float look[3]) {
       if (gain > most) most = gain, best = row * k_room_columns + column;
     }
   double direction[3];
-  room_direction(best / k_room_columns + 0.5, best % k_room_columns + 0.5 + room.yaw * k_room_columns, direction);
+  const uint32_t row = best / k_room_columns, column = best % k_room_columns;
+  room_direction(row + 0.5, column + 0.5 + room.yaw * k_room_columns, direction);
   for (int k = 0; k < 3; ++k) look[k] = static_cast<float>(direction[k]);
 }
 
