@@ -27,7 +27,7 @@ struct SavedRoom {
 constexpr uint64_t k_checked_from = 2 * sizeof(uint32_t) + sizeof(uint64_t);
 
 bool sound(const SavedRoom& saved) {
-  constexpr double k_limit = SANDGLASS_COORDINATE_LIMIT;
+  constexpr auto k_limit = static_cast<double>(SANDGLASS_COORDINATE_LIMIT);
   if (!within(saved.radius, 0.1, 1000.0) || !within(saved.yaw, 0.0, 1.0) || !within(saved.scale, 1e-6, 1e6))
     return false;
   for (const double c : saved.centre)

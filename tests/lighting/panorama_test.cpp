@@ -98,9 +98,10 @@ TEST(PanoramaFiles, WhatIsNoPanoramaIsRefusedWithASentence) {
   for (const auto& [file, words] :
        {std::pair("missing.hdr", "missing.hdr"), std::pair("a.jpg", "neither .hdr nor .exr"),
         std::pair("text.hdr", "not a Radiance"), std::pair("text.exr", "text.exr"),
-        std::pair("square.hdr", "twice as wide"), std::pair("black.hdr", "black")})
+        std::pair("square.hdr", "twice as wide"), std::pair("black.hdr", "black")}) {
     const std::string path = folder / file;  // clang 14 captures no structured binding
-  tests::expect_refusal(words, [&] { read_panorama(path); });
+    tests::expect_refusal(words, [&] { read_panorama(path); });
+  }
 }
 
 TEST(PanoramaFiles, DamagedOnesAreRefusedOrRead) {
