@@ -13,7 +13,7 @@ namespace {
 // Real harmonics of order 2 are a number, a vector and a symmetric matrix without trace: with the factors of
 // sandglass_light_estimate.sh taken out, L(d) = c + v . d + d^T M d. Seen by an object that is turned by R they are c,
 // R^T v and R^T M R.
-k_difference = 0.54627421529603959;
+constexpr double k_product = 1.0925484305920792, k_zonal = 0.31539156525252005, k_difference = 0.54627421529603959;
 
 void turn_colour(const Rotation& rotation, const float* sh, float* turned) {
   const auto at = [&](uint32_t j) { return static_cast<double>(sh[3 * j]); };
