@@ -1,7 +1,8 @@
-// The int8 kernels: shadow networks on any set of texels, ambient shadows, and the convolutions of the lighting network. There is one
-// table per instruction set, as for the float kernels, but it is picked on its own: what counts here is the dot product
-// of bytes, which some cores of one family have and others lack. All arithmetic is in integers, apart from one float
-// multiply and one rounding for each activation (requantisation), so all tables give the same bits.
+// The int8 kernels: shadow networks on any set of texels, ambient shadows, and the convolutions of the lighting
+// network. There is one table per instruction set, as for the float kernels, but it is picked on its own: what counts
+// here is the dot product of bytes, which some cores of one family have and others lack. All arithmetic is in integers,
+// apart from one float multiply and one rounding for each activation (requantisation), so all tables give the same
+// bits.
 //
 // There is one rule of requantisation:
 //   byte = round to nearest even(clamp(float(sum) * multiplier, 0, 255))

@@ -1,6 +1,6 @@
-// A packet holds sixteen rays from one point into the 4 x 4 strata of one cell. They visit the same nodes. Four points a
-// texel give 64 rays a cell; on the armadillo a value has then a noise of 0.02, and far less after the components of all
-// texels were found together. Directions come from prepared sets; a texel picks its set by a hash of its number, so
+// A packet holds sixteen rays from one point into the 4 x 4 strata of one cell. They visit the same nodes. Four points
+// a texel give 64 rays a cell; on the armadillo a value has then a noise of 0.02, and far less after the components of
+// all texels were found together. Directions come from prepared sets; a texel picks its set by a hash of its number, so
 // results depend on neither thread nor order.
 #include "models/baking/cell_visibility.h"
 

@@ -9,8 +9,8 @@
 
 namespace sandglass::host {
 
-// A direction of cell `cell`. a and b in 0..1 are places in the cell's azimuth and elevation; where they are uniform, so
-// is the irradiance that a floor receives.
+// A direction of cell `cell`. a and b in 0..1 are places in the cell's azimuth and elevation; where they are uniform,
+// so is the irradiance that a floor receives.
 inline Vec3 cell_direction(uint32_t cell, double a, double b) {
   const double azimuth = 2 * k_pi * (cell % k_cell_sectors + a) / k_cell_sectors;
   const double square = (cell / k_cell_sectors + b) / k_cell_rings;  // of the sine of the elevation

@@ -1,5 +1,5 @@
-// See surface.h. Directions are drawn with the density cosine / pi, so a coefficient is the mean of the harmonic over the
-// directions that are free.
+// See surface.h. Directions are drawn with the density cosine / pi, so a coefficient is the mean of the harmonic over
+// the directions that are free.
 #include "models/baking/surface.h"
 
 #include <algorithm>

@@ -26,8 +26,8 @@ struct SurfacePoint {
 std::vector<SurfacePoint> surface_points(const Mesh& mesh);
 
 // k_transfer coefficients a point: 1/pi times the integral over directions of visibility, cosine and harmonic. `object`
-// is the scene of the points' mesh, whose longest side is about 1. Stops and returns nothing when go_on, called with the
-// points done, returns false.
+// is the scene of the points' mesh, whose longest side is about 1. Stops and returns nothing when go_on, called with
+// the points done, returns false.
 std::vector<float> trace_transfer(const std::vector<SurfacePoint>& points, const EmbreeScene& object, uint64_t seed,
                                   ThreadPool& pool, const std::function<bool(uint32_t)>& go_on);
 

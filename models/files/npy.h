@@ -1,5 +1,5 @@
-// NumPy's files: .npy, version 1.0, for 32-bit floats in C order, and .npz, a zip of such arrays as numpy.savez writes it
-// (stored, not compressed). A file may be damaged: every offset and length is checked.
+// NumPy's files: .npy, version 1.0, for 32-bit floats in C order, and .npz, a zip of such arrays as numpy.savez writes
+// it (stored, not compressed). A file may be damaged: every offset and length is checked.
 #pragma once
 
 #include <cstdint>

@@ -193,8 +193,8 @@ void bench_ladder(const BenchOptions& options, Bench* bench) {
   if (!options.out.empty() && !interrupted()) draw(curves, options.out);
 }
 
-// How time and memory grow with the scene. A column collapses for its first second. Its sizes go from 1,000 particles and
-// 10,000 grains to 100,000 particles and two million grains.
+// How time and memory grow with the scene. A column collapses for its first second. Its sizes go from 1,000 particles
+// and 10,000 grains to 100,000 particles and two million grains.
 void bench_growth(const BenchOptions& options, Bench* bench) {
   std::printf("%9s %9s %2s %12s %14s %11s %13s %10s\n", "particles", "grains", "T", "solver, ms", "ns a particle",
               "refine, ms", "ns a grain", "bytes/item");

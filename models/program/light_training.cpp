@@ -1,6 +1,6 @@
 // The commands around the training of the lighting network: `room` makes up a room to train on, `dataset` cuts training
-// pairs out of panoramas, `light-features` writes what the network's heads see, `quantise-light` turns the trained network
-// into what the runtime reads, and `ceiling` measures what the true labels can do.
+// pairs out of panoramas, `light-features` writes what the network's heads see, `quantise-light` turns the trained
+// network into what the runtime reads, and `ceiling` measures what the true labels can do.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

@@ -1,5 +1,5 @@
-// `sandglass run`: how it starts (the scene, what the options change in it, and everything that its frames need), and its
-// frames. It ends with the hash of the final state.
+// `sandglass run`: how it starts (the scene, what the options change in it, and everything that its frames need), and
+// its frames. It ends with the hash of the final state.
 #include "models/program/run.h"
 
 #include <algorithm>

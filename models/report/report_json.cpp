@@ -1,5 +1,5 @@
-// Everything that a report writes as JSON. Only this source of the report includes nlohmann's library, because it is slow
-// to compile.
+// Everything that a report writes as JSON. Only this source of the report includes nlohmann's library, because it is
+// slow to compile.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // A closed surface is filled by ray parity, an open one by winding number. A surface that is not closed and has edges
-// of three or more triangles is refused: neither rule says what is inside it. The field of a revolved outline samples its
-// exact distance at every node. The field of a mesh comes from the library's own builder.
+// of three or more triangles is refused: neither rule says what is inside it. The field of a revolved outline samples
+// its exact distance at every node. The field of a mesh comes from the library's own builder.
 #include "models/simulation/scene_meshes.h"
 
 #include <algorithm>

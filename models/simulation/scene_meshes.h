@@ -1,5 +1,5 @@
-// The triangle meshes of a scene: those that its bodies fill (the generated trefoil knot, and the file that --mesh names),
-// and the signed-distance fields of its revolved and mesh colliders.
+// The triangle meshes of a scene: those that its bodies fill (the generated trefoil knot, and the file that --mesh
+// names), and the signed-distance fields of its revolved and mesh colliders.
 #pragma once
 
 #include <string>

@@ -124,7 +124,8 @@ float passed(vec3 at, sampler2D image, float opacity) {
   bool on = all(greaterThan(at.xz, vec2(0))) && all(lessThan(at.xz, vec2(1)));
   return on ? 1.0 - texture(image, at.xz).r * opacity : 1.0;
 }
-// The ray from the light through the place goes on to the texture's floor. The shadow at that point is that of the place.
+// The ray from the light through the place goes on to the texture's floor. The shadow at that point is that of the
+// place.
 float shadowed_by(mat4 frame, sampler2D image, float opacity, vec3 place) {
   vec3 at = (frame * vec4(place, 1)).xyz, along = (frame * vec4(to_light, 0)).xyz;
   return abs(at.y) < highest ? passed(at - along * (at.y / max(along.y, 0.05)), image, opacity) : 1.0;

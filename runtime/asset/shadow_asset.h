@@ -67,8 +67,8 @@ struct ShadowAsset {
   uint32_t inputs() const { return 2 * texel_inputs() + 3 * light_inputs(); }
 };
 
-// `bytes` is aligned to 8. Refuses, with one sentence, everything but a whole, undamaged file of a version that is read, whose
-// numbers the kernels can run on blindly.
+// `bytes` is aligned to 8. Refuses, with one sentence, everything but a whole, undamaged file of a version that is
+// read, whose numbers the kernels can run on blindly.
 sandglass_status open_shadow_asset(const void* bytes, uint64_t count, ShadowAsset* asset, const char** reason);
 
 }  // namespace sandglass

@@ -15,8 +15,8 @@ constexpr uint32_t k_cell_rings = k_light_cells / k_cell_sectors;
 // cosine-weighted solid angle, pi / 4.
 constexpr double k_ring_sines[k_cell_rings + 1] = {0.0, 0.5, 0.7071067811865476, 0.8660254037844386, 1.0};
 
-// The share of each cell of a ring in a room that nobody has seen. An even sky is as good a guess as any that was fitted
-// to captured interiors (models/RESULTS.md).
+// The share of each cell of a ring in a room that nobody has seen. An even sky is as good a guess as any that was
+// fitted to captured interiors (models/RESULTS.md).
 constexpr float k_prior_ring_shares[k_cell_rings] = {1.0f / 64, 1.0f / 64, 1.0f / 64, 1.0f / 64};
 
 }  // namespace sandglass

@@ -1,7 +1,7 @@
 // The state behind sandglass/pile_shadow.h. Its work is cut into units of the shadow stage. A texture is made in
-// phases: columns from the spheres, then rows of the floor, then rows of the sand's own surface. The last of these units
-// swaps the two textures. The texture of the room's light follows (pile_sky.h). Either is left out where nothing asks
-// for it.
+// phases: columns from the spheres, then rows of the floor, then rows of the sand's own surface. The last of these
+// units swaps the two textures. The texture of the room's light follows (pile_sky.h). Either is left out where nothing
+// asks for it.
 //
 // The spheres are the grains, or the particles of a scene without grains. They are read in place, without a copy. The
 // scene may sort them between two units of the first phase: then a sphere may be missed or taken twice, in that one

@@ -26,8 +26,8 @@ constexpr float k_cap = 2.0f;           // slope: of what is as good as reaching
 constexpr float k_flat = 1e-6f;         // metres: lower sand has no height
 constexpr float k_on_floor = 1.0f;      // radii: a column whose bottom is lower stands on the floor
 constexpr int32_t k_widest_sphere = 2;  // columns: the radius of spheres that are joined to one surface
-// What a grain loses for each radius that its topmost point lies below the surface of the sand. Fitted to rays at grains
-// of lattices and of a scene.
+// What a grain loses for each radius that its topmost point lies below the surface of the sand. Fitted to rays at
+// grains of lattices and of a scene.
 constexpr float k_depth_loss = 0.9f;
 
 uint32_t window(uint32_t level) { return 1u << level; }

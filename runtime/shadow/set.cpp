@@ -1,9 +1,9 @@
 // Several objects, each with several lights, under one budget: which texture is computed next.
 //
-// A texture under way is completed first. An ambient shadow costs about a hundredth of the network's texture, so one that
-// waits is begun before any light's, but while lights wait no object gets a second one before a light has got its own.
-// An object without any shadow gets its ambient one at once. Among lights the texture with the greatest visible change is
-// begun. Its visible change is the product of
+// A texture under way is completed first. An ambient shadow costs about a hundredth of the network's texture, so one
+// that waits is begun before any light's, but while lights wait no object gets a second one before a light has got its
+// own. An object without any shadow gets its ambient one at once. Among lights the texture with the greatest visible
+// change is begun. Its visible change is the product of
 //   the turn of the light since the texture that is shown, as a chord (2 where none is shown),
 //   the light's share of all irradiance on the object,
 //   the opacity,

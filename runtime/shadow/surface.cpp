@@ -54,7 +54,8 @@ __attribute__((noinline)) sandglass_status turn_harmonics(const float sh[27], co
 }
 
 // How far a point of the surface is from a vertex, in squared steps of its positions. Points of one crease have one
-// place; there the normals decide. They count for no more than a few steps, which is far less than two vertices are apart.
+// place; there the normals decide. They count for no more than a few steps, which is far less than two vertices are
+// apart.
 constexpr double k_normal_weight = 4;
 
 struct Vertex {

@@ -1,6 +1,6 @@
 // The workload on which the room's light on the sand is counted: textures of 64 x 64 texels of a pile of 24,000 grains,
-// on the floor and on the sand, under an even sky, an uneven one and one bright cell. Each is counted from the new cells
-// to the last unit, with its hash.
+// on the floor and on the sand, under an even sky, an uneven one and one bright cell. Each is counted from the new
+// cells to the last unit, with its hash.
 //   count_sky [ISA]
 #include <cstdint>
 #include <cstdio>

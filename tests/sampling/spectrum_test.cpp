@@ -1,5 +1,5 @@
-// The power spectrum, (3.1) of the dissertation, against its sum in long double, and the colour of the samplers' noise. White noise
-// is the control that must fail.
+// The power spectrum, (3.1) of the dissertation, against its sum in long double, and the colour of the samplers' noise.
+// White noise is the control that must fail.
 #include <gtest/gtest.h>
 
 #include <cmath>

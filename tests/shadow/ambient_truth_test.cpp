@@ -118,8 +118,8 @@ TEST(AmbientTruth, NothingIsHiddenAlongTheRim) {
   }
 }
 
-// What is left of a uniform sky is ambient occlusion. Rays have a noise of t (1 - t) / n in a texel, bytes one of 1 / 12
-// of a step; the components that were left out may add 0.004.
+// What is left of a uniform sky is ambient occlusion. Rays have a noise of t (1 - t) / n in a texel, bytes one of 1 /
+// 12 of a step; the components that were left out may add 0.004.
 TEST(AmbientTruth, AUniformSkyGivesAmbientOcclusionByRays) {
   constexpr uint32_t k_many = 768;  // rays
   Chair chair;
@@ -216,7 +216,8 @@ TEST(SurfaceTruth, OfABallTheClampedCosineIsLeft) {
   EXPECT_LE(worst, 0.02);
 }
 
-// The light that reaches points of the chair in made-up rooms, by rays, and by the coefficients that the runtime looks up.
+// The light that reaches points of the chair in made-up rooms, by rays, and by the coefficients that the runtime looks
+// up.
 TEST(SurfaceTruth, ShadesTheChairAsRaysDoAndBetterThanWithoutVisibility) {
   Chair chair;
   const std::vector<SurfacePoint> points = surface_points(chair.mesh);

@@ -1,5 +1,5 @@
-// What the textures of a pile cost, on one thread of this machine: the soft shadow of one light, and the room's light at
-// each number of texels. Each is counted from the columns to the last unit.
+// What the textures of a pile cost, on one thread of this machine: the soft shadow of one light, and the room's light
+// at each number of texels. Each is counted from the columns to the last unit.
 #pragma once
 
 #include <string>

@@ -21,14 +21,14 @@
  *      object and sand multiply: transparency = (1 - shadow of the object) * (1 - shadow of the sand).
  *
  * The room's light. An app that sets desc.sky_texels also gets a texture of the light that arrives from all sides, on
- * the floor and on the sand. It calls sandglass_pile_shadow_set_cells when its estimate of the room has changed, or never:
- * then the texture is made for a room that nobody has seen. To draw the floor, it multiplies by `floor` / 255 of
+ * the floor and on the sand. It calls sandglass_pile_shadow_set_cells when its estimate of the room has changed, or
+ * never: then the texture is made for a room that nobody has seen. To draw the floor, it multiplies by `floor` / 255 of
  * sandglass_pile_shadow_sky. Where it draws a share s of the light as a sharp shadow, it leaves that share out of the
  * cells and multiplies by floor / 255 - s * coverage * opacity / 255 instead. Sand is drawn in the same way by
  * `on_sand`, and grains in the gaps between others are darker, see sandglass_pile_shadow_light_grains.
  *
- * What is said above of columns holds here too. Light and shadow of one bright cell are as soft as the cell is wide, and
- * on scattered grains they are right on average, not grain by grain.
+ * What is said above of columns holds here too. Light and shadow of one bright cell are as soft as the cell is wide,
+ * and on scattered grains they are right on average, not grain by grain.
  *
  * A texture is made anew while sand moves and when its light has changed. When both are at rest it costs nothing. A
  * texture may take several frames; the one before it stays valid until it is complete. Nothing is allocated, no clock
@@ -156,12 +156,12 @@ typedef struct sandglass_pile_shadow_sky {
 /* Fills *sky; set sky->struct_size before. */
 SANDGLASS_API void sandglass_pile_shadow_get_sky(const sandglass_pile_shadow* shadow, sandglass_pile_shadow_sky* sky);
 
-/* Writes the light of `count` grains of `radius` metres: 255 times the share of the room's light that reaches the topmost
- * point of each. `positions` holds 3 floats each, metres. A grain whose topmost point lies below the surface of the sand
- * gets on_sand / (1 + 0.9 depth / radius). Without a complete texture all get 255.
+/* Writes the light of `count` grains of `radius` metres: 255 times the share of the room's light that reaches the
+ * topmost point of each. `positions` holds 3 floats each, metres. A grain whose topmost point lies below the surface of
+ * the sand gets on_sand / (1 + 0.9 depth / radius). Without a complete texture all get 255.
  *
- * A shader gets the same from `on_sand` and `heights`, filtered linearly, and more evenly so for each point of a grain's
- * surface: see runtime/shadow/README.md. */
+ * A shader gets the same from `on_sand` and `heights`, filtered linearly, and more evenly so for each point of a
+ * grain's surface: see runtime/shadow/README.md. */
 SANDGLASS_API void sandglass_pile_shadow_light_grains(const sandglass_pile_shadow* shadow, const float* positions,
                                                       uint32_t count, float radius, uint8_t* visibility);
 

@@ -1,15 +1,16 @@
 /* Sandglass shadow: the soft shadows of one object on the plane that it stands on, one for each light (chapter 6), and
  * its ambient shadow in the light of the whole room.
  *
- * A network that was baked for that object (`sandglass bake`) computes the shadows of lights. The ambient shadow is mixed
- * from the object's baked visibility for any cells of light. Both are made in work units small enough for any frame.
+ * A network that was baked for that object (`sandglass bake`) computes the shadows of lights. The ambient shadow is
+ * mixed from the object's baked visibility for any cells of light. Both are made in work units small enough for any
+ * frame.
  *
  * An app
  *   1. reads a baked file into memory (aligned to 8 bytes) and fills a sandglass_shadow_desc,
  *   2. asks sandglass_shadow_bytes, and hands a block of that size to sandglass_shadow_create; the bytes of the file
  *      may go then,
- *   3. calls sandglass_shadow_set_cells with the light of the room, and sandglass_shadow_set_light for each sharp light,
- *      every frame if it likes,
+ *   3. calls sandglass_shadow_set_cells with the light of the room (ambient_cells of sandglass_room_get), and
+ *      sandglass_shadow_set_light for each sharp light (its main_direction), every frame if it likes,
  *   4. passes its shadows to sandglass_scene_frame (input.shadows), which gives them part of the frame's budget;
  *      without a scene it calls sandglass_shadow_run, with as many units as fit,
  *   5. draws the textures that sandglass_shadow_get_ambient and sandglass_shadow_get_texture describe
@@ -20,8 +21,8 @@
  *
  * Where several objects have several lights, the texture with the greatest visible change is begun first. The change is
  * the angle that the light has turned since the texture that is shown, times the light's share of the irradiance, times
- * the opacity. It grows by an eighth with every call of set_light that it waits, so no texture waits for ever. The first
- * ambient shadow of an object comes before all that; later ones take turns with the textures of lights.
+ * the opacity. It grows by an eighth with every call of set_light that it waits, so no texture waits for ever. The
+ * first ambient shadow of an object comes before all that; later ones take turns with the textures of lights.
  *
  * The object's frame is that of the mesh that was baked: y up, metres. Turn the light into it: d_object =
  * R_world_to_object d_world (6.1). Coverage c, 0..1, is byte / 255 and means 1 - transparency (6.18). The shadow's
@@ -191,9 +192,9 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_resample(con
                                                                              uint32_t light, uint32_t size,
                                                                              uint8_t* coverage, const char** reason);
 
-/* Writes all lights of an object together, without its ambient shadow, for apps that draw one texture an object. `size`: 1..1024 texels along a
- * side; `coverage` takes size * size bytes. The rectangle low..high, which it returns, holds the textures of all
- * lights.
+/* Writes all lights of an object together, without its ambient shadow, for apps that draw one texture an object.
+ * `size`: 1..1024 texels along a side; `coverage` takes size * size bytes. The rectangle low..high, which it returns,
+ * holds the textures of all lights.
  *
  * coverage = sum(E c opacity) / sum(E), over the lights above the horizon. E is the irradiance of a light; its c is 0
  * until its first texture is complete. Transparencies nu then add up as sum(E nu) / sum(E). It takes about a
@@ -206,9 +207,10 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_shadow_combine(cons
 /* ------------------------------------------------------------------------------------------------ ambient shadow */
 
 /* Sets the light of the room, in cells (SANDGLASS_LIGHT_CELLS, types.h) of the world's frame. `cells`: for each one its
- * share of the irradiance that the floor receives where nothing hides it, at least 0. Together they are 1, or 1 - s where
- * a sharp light with the share s is drawn by the texture of sandglass_shadow_set_light. `yaw`: radians by which the object
- * is turned about +y, as by sandglass_rotation_about: counter-clockwise seen from above. The object stands upright.
+ * share of the irradiance that the floor receives where nothing hides it, at least 0. Together they are 1, or 1 - s
+ * where a sharp light with the share s is drawn by the texture of sandglass_shadow_set_light. `yaw`: radians by which
+ * the object is turned about +y, as by sandglass_rotation_about: counter-clockwise seen from above. The object stands
+ * upright.
  *
  * Until the first call the cells are those of an even sky, so an object has an ambient shadow from its first work
  * units on. A change by which no texel can differ by a step of its byte starts no new texture.
@@ -241,13 +243,13 @@ typedef struct sandglass_shadow_ambient {
 /* Fills *ambient; set ambient->struct_size before. */
 SANDGLASS_API void sandglass_shadow_get_ambient(const sandglass_shadow* shadow, sandglass_shadow_ambient* ambient);
 
-/* Reads from a baked file how the vertices of the object see the room past the object itself: nine coefficients a vertex.
- * The irradiance of a vertex over pi is, for each colour, the sum of the nine products with the harmonics of the room in
- * the object's frame (sandglass_light_estimate.sh, turned by sandglass_shadow_turn_harmonics).
+/* Reads from a baked file how the vertices of the object see the room past the object itself: nine coefficients a
+ * vertex. The irradiance of a vertex over pi is, for each colour, the sum of the nine products with the harmonics of
+ * the room in the object's frame (sandglass_room_light.sh, turned by sandglass_shadow_turn_harmonics).
  *
- * `positions`: `count` vertices of the app's own mesh, in the coordinates of the mesh that was baked, in any order. Each
- * gets the coefficients of the baked point that is nearest. `normals`: theirs, which tell the sides of a crease apart; may
- * be NULL. `transfer` takes 9 * count floats. Call it once, when the object is loaded.
+ * `positions`: `count` vertices of the app's own mesh, in the coordinates of the mesh that was baked, in any order.
+ * Each gets the coefficients of the baked point that is nearest. `normals`: theirs, which tell the sides of a crease
+ * apart; may be NULL. `transfer` takes 9 * count floats. Call it once, when the object is loaded.
  *
  * Fails like sandglass_shadow_inspect, and with INVALID_ARGUMENT: a number that is not finite, or a file without a
  * surface (info.surface_vertices is 0). */
