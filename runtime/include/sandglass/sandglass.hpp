@@ -566,6 +566,12 @@ class Shadow {
     status.code = sandglass_shadow_set_cells(get(), cells.data(), yaw, &status.reason);
     return status;
   }
+  // The same, for the arrays of sandglass_room_light.
+  Status set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS], float yaw = 0.0f) {
+    Status status;
+    status.code = sandglass_shadow_set_cells(get(), cells, yaw, &status.reason);
+    return status;
+  }
   // See sandglass_shadow_get_ambient.
   sandglass_shadow_ambient ambient() const {
     sandglass_shadow_ambient now{};
@@ -618,6 +624,12 @@ class PileShadow {
   Status set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells) {
     Status status;
     status.code = sandglass_pile_shadow_set_cells(get(), cells.data(), &status.reason);
+    return status;
+  }
+  // The same, for the arrays of sandglass_room_light.
+  Status set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS]) {
+    Status status;
+    status.code = sandglass_pile_shadow_set_cells(get(), cells, &status.reason);
     return status;
   }
   // See sandglass_pile_shadow_refresh.
