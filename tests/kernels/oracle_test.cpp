@@ -606,7 +606,7 @@ void check_pile_sky(uint32_t n) {
         for (uint32_t s = sectors[k].first_step; s < sectors[k].last_step; ++s) {
           const int texel = static_cast<int>(i);
           if (texel < steps[s].first || texel > steps[s].last) continue;
-          const auto at = static_cast<size_t>(steps[s].at + texel);
+          const int at = steps[s].at + texel;
           if (tops[at] < 0) continue;
           const double inverse = static_cast<double>(steps[s].inverse_distance);
           const double slope = static_cast<double>(tops[at] - receivers[i]) * inverse;
