@@ -9,12 +9,11 @@
 //
 // A floor shadow is linear in the cells. So the shadow of least expected squared error is the one drawn in the expected
 // light. Where nothing was seen that is an even sky, and the shadow is soft; a guess of one light is not.
+#include "runtime/core/filled_struct.h"
 #include "runtime/core/math.h"
 #include "runtime/light/harmonics.h"
 #include "runtime/room/room.h"
 #include "sandglass/light.h"
-
-#include "runtime/core/filled_struct.h"
 
 namespace sandglass {
 
@@ -49,8 +48,13 @@ struct Overview {
   double floor;      // mean luminance of what lies below; 0: not seen
 };
 
-double memory(const Room& room, const RoomPart& part) {
-  return static_cast<double>(part.seen) * room_memory(room, part);
+// What counts of each part: the share that was seen, as far as it is remembered.
+struct Memory {
+  double seen[k_room_parts];
+};
+void remember(const Room& room, Memory* memory) {
+  for (uint32_t i = 0; i < k_room_parts; ++i)
+    memory->seen[i] = static_cast<double>(room.parts[i].seen) * room_memory(room, room.parts[i]);
 }
 
 double part_luminance(const RoomPart& part) {
@@ -61,11 +65,11 @@ double part_luminance(const RoomPart& part) {
 
 double solid_angle(uint32_t row) { return sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin; }
 
-Overview overview_of(const Room& room) {
+Overview overview_of(const Room& room, const Memory& memory) {
   double mean = 0, area = 0, colour[3] = {}, floor = 0, floor_area = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
     const RoomPart& part = room.parts[i];
-    const double weight = memory(room, part) * solid_angle(i / k_room_columns), y = part_luminance(part);
+    const double weight = memory.seen[i] * solid_angle(i / k_room_columns), y = part_luminance(part);
     mean += weight * y, area += weight;
     // A lamp does not colour the rest: each part counts by the root of its brightness.
     const double root = y > 0 ? weight / square_root(y) : 0;
@@ -78,7 +82,7 @@ Overview overview_of(const Room& room) {
   double logarithms = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
     const RoomPart& part = room.parts[i];
-    const double weight = memory(room, part) * solid_angle(i / k_room_columns), y = part_luminance(part);
+    const double weight = memory.seen[i] * solid_angle(i / k_room_columns), y = part_luminance(part);
     if (weight > 0) logarithms += weight * logarithm(y > least ? y : least);
   }
   all.level = exponential(logarithms / area);
@@ -158,8 +162,8 @@ void add_piece(Sums* sums, const SinCos& turn, double yaw, const double sphere[3
   sums->all_even += facing, sums->all_seen += shown.seen * facing, sums->clipped += shown.clipped * seen;
 }
 
-void sum_up(const Room& room, const RoomModel& model, const Overview& all, const Hint& hint, const double at[3],
-            Sums* sums) {
+void sum_up(const Room& room, const Memory& memory, const RoomModel& model, const Overview& all, const Hint& hint,
+            const double at[3], Sums* sums) {
   const SinCos turn = sin_cos_turns(room.yaw);
   constexpr uint32_t k_rows = k_room_rows * k_row_split, k_columns = k_room_columns * k_column_split;
   constexpr double k_area = 2 * k_pi / k_columns * k_pi / k_rows;
@@ -168,14 +172,14 @@ void sum_up(const Room& room, const RoomModel& model, const Overview& all, const
   for (uint32_t row = 0; row < k_rows; ++row) {
     const SinCos elevation = sin_cos_turns(((row + 0.5) / k_rows - 0.5) / 2);
     for (uint32_t i = 0; i < k_columns; ++i) {
-      const RoomPart& part = room.parts[row / k_row_split * k_room_columns + i / k_column_split];
+      const uint32_t part = row / k_row_split * k_room_columns + i / k_column_split;
       const double sphere[3] = {elevation.cos * azimuths[i].cos, elevation.sin, elevation.cos * azimuths[i].sin};
       double agreement = 0;
       for (int k = 0; k < 3; ++k) agreement += sphere[k] * hint.direction[k];
       const double lobe = hint.weight > 0 ? hint.weight * exponential(k_lobe * (agreement - 1)) : 0;
       const double unseen = (sphere[1] > 0 ? model.fill : model.fill_below) * (1 + lobe);
       add_piece(sums, turn, room.yaw, sphere, k_area * elevation.cos, at,
-                shown_by(part, memory(room, part), unseen, model, all));
+                shown_by(room.parts[part], memory.seen[part], unseen, model, all));
     }
   }
 }
@@ -211,14 +215,14 @@ void find_main_light(const Sums& sums, const RoomModel& model, double total, san
   uint32_t best = 0;
   for (uint32_t i = 1; i < k_light_cells; ++i)
     if (sums.seen[i] > sums.seen[best]) best = i;
-  double moment[3] = {}, mass = 0, colour[3] = {}, excess[k_light_cells] = {}, all = 0;
+  double moment[3] = {}, mass = 0, colour[3] = {}, excess[k_light_cells] = {};
   for (int ring = -1; ring <= 1; ++ring)
     for (int sector = -1; sector <= 1; ++sector) {
       const uint32_t i = neighbour(best, ring, sector);
       if (i == k_light_cells) continue;
       const double beyond = sums.seen[i] - k_stands_out / k_light_cells * total;
       if (!(beyond > 0)) continue;
-      excess[i] = beyond / total, all += excess[i];
+      excess[i] = beyond / total;
       const double part = beyond / sums.seen[i];
       mass += beyond;
       for (int k = 0; k < 3; ++k) moment[k] += part * sums.moments[i][k], colour[k] += sums.cells[i][k];
@@ -243,8 +247,12 @@ void find_main_light(const Sums& sums, const RoomModel& model, double total, san
 }
 
 // Where a look would take in most light that is usual there and was not seen.
-void find_look(const Room& room, float look[3]) {
-  double most = -1;
+void find_look(const Room& room, const Memory& memory, float look[3]) {
+  double most = -1, facing[k_room_rows];  // cosine and solid angle of a part of the row
+  for (uint32_t row = 0; row < k_room_rows; ++row) {
+    const SinCos elevation = sin_cos_turns(((row + 0.5) / k_room_rows - 0.5) / 2);
+    facing[row] = elevation.sin > 0 ? elevation.sin * elevation.cos : 0;
+  }
   uint32_t best = 0;
   for (uint32_t row = k_room_rows / 2; row < k_room_rows; ++row)
     for (uint32_t column = 0; column < k_room_columns; ++column) {
@@ -252,9 +260,7 @@ void find_look(const Room& room, float look[3]) {
       for (uint32_t r = row - k_look_rows; r <= row + k_look_rows && r < k_room_rows; ++r)
         for (uint32_t c = 0; c <= 2 * k_look_columns; ++c) {
           const uint32_t at = (column + c + k_room_columns - k_look_columns) % k_room_columns;
-          const SinCos elevation = sin_cos_turns(((r + 0.5) / k_room_rows - 0.5) / 2);
-          const double facing = elevation.sin > 0 ? elevation.sin * elevation.cos : 0;
-          gain += (1 - memory(room, room.parts[r * k_room_columns + at])) * facing;
+          gain += (1 - memory.seen[r * k_room_columns + at]) * facing[r];
         }
       if (gain > most) most = gain, best = row * k_room_columns + column;
     }
@@ -275,7 +281,7 @@ double level_of(const Room& room, const RoomModel& model, const Overview& all, d
 
 }  // namespace
 
-// Sums takes 5 KiB of stack.
+// Memory and sums take 9 KiB of stack.
 void room_estimate(const Room& room, const RoomModel& model, const double position[3],
                    const sandglass_light_estimate* network, sandglass_room_light* light) {
   const SinCos turn = sin_cos_turns(room.yaw);
@@ -288,9 +294,11 @@ void room_estimate(const Room& room, const RoomModel& model, const double positi
     for (double& o : offset) o *= k_farthest / square_root(squared);
   const double at[3] = {turn.cos * offset[0] + turn.sin * offset[2], offset[1],
                         turn.cos * offset[2] - turn.sin * offset[0]};
-  const Overview all = overview_of(room);
+  Memory memory;
+  remember(room, &memory);
+  const Overview all = overview_of(room, memory);
   Sums sums = {};
-  sum_up(room, model, all, hint_of(model, turn, network), at, &sums);
+  sum_up(room, memory, model, all, hint_of(model, turn, network), at, &sums);
   even_out(&sums);
   double total = 0, colour[3] = {};
   for (const auto& cell : sums.cells) {
@@ -300,18 +308,20 @@ void room_estimate(const Room& room, const RoomModel& model, const double positi
 
   sandglass_room_light out = {};
   out.valid = room.images != 0 ? 1 : 0;
+  // The total is 0 where all that was seen is black: an even sky that gives nothing.
   for (uint32_t i = 0; i < k_light_cells; ++i)
-    out.cells[i] = out.ambient_cells[i] = static_cast<float>(luminance(sums.cells[i]) / total);
+    out.cells[i] = out.ambient_cells[i] =
+        total > 0 ? static_cast<float>(luminance(sums.cells[i]) / total) : k_prior_ring_shares[i / k_cell_sectors];
   out.main_direction[1] = 1;
   for (float& c : out.main_colour) c = 1;
-  find_main_light(sums, model, total, &out);
+  if (total > 0) find_main_light(sums, model, total, &out);
   const double seen = sums.all_seen / sums.all_even;
-  const double level = level_of(room, model, all, total, seen);
-  for (int c = 0; c < 3; ++c) out.irradiance[c] = static_cast<float>(colour[c] * (level / total));
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) out.sh[i] = static_cast<float>(sums.sh[i] * (level / total));
+  const double unit = total > 0 ? level_of(room, model, all, total, seen) / total : 0;
+  for (int c = 0; c < 3; ++c) out.irradiance[c] = static_cast<float>(colour[c] * unit);
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) out.sh[i] = static_cast<float>(sums.sh[i] * unit);
   out.seen = static_cast<float>(seen);
-  out.clipped = static_cast<float>(sums.clipped / total);
-  find_look(room, out.look);
+  out.clipped = total > 0 ? static_cast<float>(sums.clipped / total) : 0.0f;
+  find_look(room, memory, out.look);
   fill_struct(&out, sizeof out, light);
 }
 

@@ -3,7 +3,6 @@
 // whatever the image's size, a part's share of the picture is known, and nothing is scattered.
 //
 // Where the points lie within a part changes from image to image, so that a lamp smaller than a part is met in the end.
-#include "platform/floating_point.h"
 #include "runtime/core/math.h"
 #include "runtime/light/turn.h"
 #include "runtime/room/room.h"
@@ -211,7 +210,6 @@ bool room_take_image(Room* room, const CameraImage& image) {
   if (room->images == 0) {
     for (int k = 0; k < 3; ++k) room->centre[k] = static_cast<double>(image.position[k]);
     room->exposure_known = image.exposure > 0;
-    room->first_ns = image.timestamp_ns;
   }
   RoomView* view = &room->view;
   // Without a clock images count as `interval` apart; so do those of a clock that was set back, or of another session.

@@ -23,7 +23,6 @@ void room_reset(Room* room) {
 
 namespace {
 
-constexpr float k_room_share = 0.2f;  // of the optional time; all units of an image are mandatory
 static_assert(sizeof(sandglass_room) <= 16 * 1024);
 
 sandglass_status check(const sandglass_room_desc* desc, const char** reason) {
@@ -59,7 +58,7 @@ Stage begin_frame(sandglass_room* owner, const sandglass_camera_image* image, co
     if (check_camera_image(image, &reason) != SANDGLASS_OK) *refused = reason;
     else taken = room_take_image(&owner->room, *image);
   }
-  return {owner, next, run, forecast, k_room_kinds, taken ? room_units_left(owner->room) : 0, k_room_share};
+  return {owner, next, run, forecast, k_room_kinds, taken ? room_units_left(owner->room) : 0, 1.0f};
 }
 
 // A frame that ended early, by a broken clock or a plan, leaves an image behind: its planes are the app's.

@@ -50,7 +50,7 @@ struct RoomView {
 
 struct Room {
   double radius, half_life;
-  uint64_t interval_ns, first_ns, last_ns;
+  uint64_t interval_ns, last_ns;
   uint32_t images;
   bool exposure_known;  // by the app, since the first image
   double centre[3];     // of the sphere, in the world

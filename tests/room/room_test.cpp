@@ -57,6 +57,22 @@ TEST(RoomLight, AnEvenSphereIsEven) {
   }
 }
 
+// A covered camera, by a clock that stands still: nothing is forgotten, and all that was seen is black.
+TEST(RoomLight, ABlackRoomHasAnEvenSkyThatGivesNothing) {
+  MadeUpRoom room;
+  for (int elevation = -80; elevation <= 80; elevation += 20)
+    for (int azimuth = 0; azimuth < 360; azimuth += 15) {
+      Photograph black = photograph([](Direction) { return 0.0; }, azimuth, elevation, 1, 0);
+      room.show(black.image);
+    }
+  const sandglass_room_light light = room.light();
+  EXPECT_GT(light.seen, 0.999f);
+  for (const float c : light.cells) EXPECT_EQ(c, 1.0f / 64);
+  for (const float e : light.irradiance) EXPECT_EQ(e, 0.0f);
+  for (const float c : light.sh) EXPECT_EQ(c, 0.0f);
+  EXPECT_EQ(light.main_share, 0.0f);
+}
+
 // A lamp of 4 degrees and radiance 60 before 0.2: it gives pi sin^2(4 deg) * 60 sin(elevation) of irradiance against
 // 0.2 pi, most of the light. It is met without clipping by short exposures.
 TEST(RoomLight, FindsALampAndItsMirrorIsNotThere) {
