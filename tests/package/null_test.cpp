@@ -348,6 +348,8 @@ void Nulls::rooms() {
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
   row(NAMED(sandglass_room_get), "estimate", room, point, &estimate, &light);
+  sandglass_room_light shown = light;
+  row(NAMED(sandglass_room_light_fade), "", &shown, &light, 0.1f);
   row(NAMED(sandglass_room_save_bytes), "", room);
   const uint64_t saved_bytes = sandglass_room_save_bytes(room);
   std::vector<uint64_t> saved(saved_bytes / 8);
