@@ -123,7 +123,8 @@ def fetch(row, folder, base):
     blob, sha256 = hashes(part)
     if blob != row["blob"]:
         os.remove(part)
-        raise Refused(f'cannot keep "{url}": its hash is {blob} and must be {row["blob"]}. Run again, or correct the list.')
+        raise Refused(f'cannot keep "{url}": its hash is {blob} and must be {row["blob"]}. '
+                      "Run again, or correct the list.")
     os.replace(part, path)
     return sha256
 

@@ -82,7 +82,7 @@ class FetchPanoramas(unittest.TestCase):
             self.assertEqual((self.folder / "hdri/indoor" / name).read_bytes(), data)
             self.assertEqual(self.rows()[f"hdri/indoor/{name}"]["sha256"], hashlib.sha256(data).hexdigest())
         out = self.root / "out"
-        words = [SANDGLASS, "dataset", self.folder, "-o", out, "--manifest", self.folder / "manifest.csv", "--threads", "1"]
+        words = [SANDGLASS, "dataset", self.folder, "-o", out, "--manifest", self.folder / "manifest.csv"]
         read = subprocess.run(words, capture_output=True, text=True, check=False)
         self.assertEqual(read.returncode, 0, read.stderr)
         self.assertIn("cellar_2k.hdr,cellar,-1,", (out / "manifest.csv").read_text())
