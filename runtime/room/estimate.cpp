@@ -322,6 +322,7 @@ void room_estimate(const Room& room, const RoomModel& model, const double positi
   out.seen = static_cast<float>(seen);
   out.clipped = total > 0 ? static_cast<float>(sums.clipped / total) : 0.0f;
   find_look(room, memory, out.look);
+  out.white = static_cast<float>(room.scale);
   fill_struct(&out, sizeof out, light);
 }
 

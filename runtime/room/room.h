@@ -6,6 +6,7 @@
 //
 //   image.cpp     an image into parts, unit by unit
 //   estimate.cpp  the light at a place
+//   fade.cpp      from the light that is shown to the one that is known
 //   save.cpp      to bytes and back
 //   room.cpp      the C API, and the room's part in a frame
 #pragma once

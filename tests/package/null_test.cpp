@@ -348,6 +348,8 @@ void Nulls::rooms() {
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
   row(NAMED(sandglass_room_get), "estimate", room, point, &estimate, &light);
+  sandglass_room_light shown = light;
+  row(NAMED(sandglass_room_light_fade), "", &shown, &light, 0.1f);
   ASSERT_EQ(sandglass_room_get(room, point, nullptr, &light, nullptr), SANDGLASS_OK);
   const sandglass_light_model model = SANDGLASS_LIGHT_MODEL_WHOLE;
   float sh[27];

@@ -331,6 +331,7 @@ public unsafe struct sandglass_room_light {
   public fixed float sh[27];
   public float seen, clipped;
   public fixed float look[3];
+  public float white;
 }
 
 [StructLayout(LayoutKind.Sequential)]
@@ -570,6 +571,7 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_room_set_image(IntPtr room, ref sandglass_camera_image image, out uint taken, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_room_move(IntPtr room, float[] rotation, float[] translation, out IntPtr reason);
   [DllImport(k_library)] public static extern unsafe int sandglass_room_get(IntPtr room, float[] position, sandglass_light_estimate* estimate, ref sandglass_room_light light, out IntPtr reason);
+  [DllImport(k_library)] public static extern void sandglass_room_light_fade(ref sandglass_room_light shown, ref sandglass_room_light now, float seconds);
   [DllImport(k_library)] public static extern ulong sandglass_room_save_bytes(IntPtr room);
   [DllImport(k_library)] public static extern unsafe int sandglass_room_save(IntPtr room, void* data, ulong bytes, out IntPtr reason);
   [DllImport(k_library)] public static extern unsafe int sandglass_room_restore(IntPtr room, void* data, ulong bytes, out IntPtr reason);

@@ -9,8 +9,9 @@
  *   1. hands a block of sandglass_room_bytes to sandglass_room_create,
  *   2. passes room and camera image to sandglass_scene_frame (input.room, input.camera); or, without a scene, calls
  *      sandglass_room_set_image for each image,
- *   3. asks sandglass_room_get for the light at each object's place, and hands its cells to the object's shadow
- *      (sandglass_shadow_set_cells) and to that of the sand (sandglass_pile_shadow_set_cells).
+ *   3. asks sandglass_room_get for the light at each object's place, lets what is shown fade towards it
+ *      (sandglass_room_light_fade), and hands the cells to the object's shadow (sandglass_shadow_set_cells) and to that
+ *      of the sand (sandglass_pile_shadow_set_cells).
  *
  * It works from the first frame on: before any image the light is what is usual in a room. The network of light.h is
  * not needed; where an app has one, its estimate is one more input.
@@ -111,6 +112,9 @@ typedef struct sandglass_room_light {
   float clipped;
   /* World, unit vector: where looking would tell most. */
   float look[3];
+  /* The radiance that the last image shows as white, in the room's own scale, which no exposure changes. irradiance and
+   * sh times this may be compared from image to image. */
+  float white;
 } sandglass_room_light;
 
 /* The light at `position`, metres in the world's frame: where an object stands. `estimate` is optional: that of a
@@ -123,6 +127,17 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sand
                                                                       const float position[3],
                                                                       const struct sandglass_light_estimate* estimate,
                                                                       sandglass_room_light* light, const char** reason);
+
+/* Lets light come and go softly: moves *shown, which the app keeps for each object, towards *now, which
+ * sandglass_room_get gave, by the share 1 - exp(-seconds / 0.5). Call it in each frame with the time since the frame
+ * before, and draw with *shown. Start from the light before the first image, so that light comes in from what is usual;
+ * a *shown whose struct_size is 0 becomes *now.
+ *
+ * No cell and no share moves by more than that share of what is left: 3.3 % in a frame at 60 Hz. A main light that is
+ * more than 20 degrees from the one before fades out before the new one fades in. irradiance and sh follow a change of
+ * exposure at once. Does nothing where `seconds` is not in 0..3600, or *now was not filled. */
+SANDGLASS_API void sandglass_room_light_fade(sandglass_room_light* shown, const sandglass_room_light* now,
+                                             float seconds);
 
 /* The bytes that sandglass_room_save writes. */
 SANDGLASS_API uint64_t sandglass_room_save_bytes(const sandglass_room* room);
