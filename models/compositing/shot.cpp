@@ -77,6 +77,32 @@ ShotPictureOptions compared(uint32_t threads) {
   return options;
 }
 
+// Splits triangles with long edges: what is interpolated between corners is then not straight over a whole leg.
+void split(Mesh* mesh, double longest) {
+  std::vector<Vec3> corners;
+  for (const uint32_t i : mesh->indices) corners.push_back(from_floats(mesh->vertices.data() + 3 * size_t{i}));
+  Mesh fine;
+  while (!corners.empty()) {
+    Vec3 triangle[3];
+    for (size_t k = 3; k-- > 0;) triangle[k] = corners.back(), corners.pop_back();
+    size_t edge = 0;
+    const auto length_of = [&](size_t k) { return length(triangle[(k + 1) % 3] - triangle[k]); };
+    for (size_t k = 1; k < 3; ++k)
+      if (length_of(k) > length_of(edge)) edge = k;
+    const Vec3 a = triangle[edge], b = triangle[(edge + 1) % 3], c = triangle[(edge + 2) % 3];
+    if (length(b - a) > longest) {
+      const Vec3 middle = (a + b) * 0.5;
+      for (const Vec3 corner : {a, middle, c, middle, b, c}) corners.push_back(corner);
+      continue;
+    }
+    for (const Vec3 corner : triangle) {
+      fine.indices.push_back(static_cast<uint32_t>(fine.vertices.size() / 3));
+      for (const double x : {corner.x, corner.y, corner.z}) fine.vertices.push_back(static_cast<float>(x));
+    }
+  }
+  *mesh = std::move(fine);
+}
+
 // sandglass_shadow_surface of every corner of every triangle, by its own normal: creases stay sharp.
 std::vector<float> surface_of(const ColliderTrack& track, const Mesh& mesh) {
   const std::string path = find_shadow(track.shadow);
@@ -131,7 +157,9 @@ LitObject standing_object(const SceneFile& scene, const std::string& file) {
   if (!loaded) throw Failure(loaded.error);
   stand_mesh(&loaded.mesh, track.size.y, file);
   require_baked_of(track, loaded.mesh, file.empty() ? track.mesh : file);
+  constexpr double k_longest = 1.0 / 16;  // of the height
   LitObject object = {std::move(loaded.mesh), track.rotation, {}};
+  split(&object.mesh, k_longest * track.size.y);
   object.transfer = surface_of(track, object.mesh);
   std::vector<float>& v = object.mesh.vertices;
   for (size_t i = 0; i < v.size(); i += 3)

@@ -42,7 +42,7 @@ struct LitObject {
 
 struct ShotPictureOptions {
   int width = 320, height = 240;
-  int samples = 4;  // composite: per pixel and axis
+  int samples = 3;  // composite: per pixel and axis
   int paths = 64;   // truth: per pixel
   uint32_t threads = 1;
 };

@@ -68,27 +68,43 @@ Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name
   return s;
 }
 
-Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_t threads, const Camera& camera,
-                               double azimuth_deg, Vec3 standing) {
+namespace {
+
+// The path of a room that ships, or empty.
+std::string kept_room(uint32_t seed) {
+  const std::string name = "room_" + std::to_string(seed) + ".jpg";
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  for (const fs::path& folder :
+       {fs::path(SANDGLASS_ROOMS_DIR), program.parent_path() / ".." / "share" / "sandglass" / "kept_rooms"})
+    if (fs::is_regular_file(folder / name, error)) return (folder / name).string();
+  return "";
+}
+
+RadianceMap traced_room(uint32_t seed, const std::string& folder, uint32_t threads) {
   const std::string path =
       folder.empty() ? std::string() : (fs::path(folder) / ("room_" + std::to_string(seed) + ".hdr")).string();
   std::error_code ignored;
-  RadianceMap map;
-  if (!path.empty() && fs::is_regular_file(path, ignored)) map = read_panorama(path);
-  if (map.width != k_room_width) {
-    const Room room = make_room(seed);
-    RoomRenderOptions options;
-    options.width = k_room_width, options.samples = k_room_samples, options.threads = threads;
-    map = trace_room(room, options).radiance;
-    expose(&map, room.key);
-    if (!path.empty()) {
-      // The map is read back from the file, so a later run draws with the same bits.
-      write_hdr(path, map);
-      map = read_panorama(path);
-    }
-  }
-  return panorama_surroundings(std::move(map), "room " + std::to_string(seed), camera, azimuth_deg, standing,
-                               k_room_insertion);
+  if (!path.empty() && fs::is_regular_file(path, ignored))
+    if (RadianceMap map = read_panorama(path); map.width == k_room_width) return map;
+  const Room room = make_room(seed);
+  RoomRenderOptions options;
+  options.width = k_room_width, options.samples = k_room_samples, options.threads = threads;
+  RadianceMap map = trace_room(room, options).radiance;
+  expose(&map, room.key);
+  if (path.empty()) return map;
+  // The map is read back from the file, so a later run draws with the same bits.
+  write_hdr(path, map);
+  return read_panorama(path);
+}
+
+}  // namespace
+
+Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_t threads, const Camera& camera,
+                               double azimuth_deg, Vec3 standing) {
+  const std::string kept = kept_room(seed);
+  return panorama_surroundings(kept.empty() ? traced_room(seed, folder, threads) : read_kept_room(kept),
+                               "room " + std::to_string(seed), camera, azimuth_deg, standing, k_room_insertion);
 }
 
 Surroundings photo_surroundings(const std::string& path, double diagonal_fov_deg, Camera* camera) {

@@ -40,7 +40,7 @@ Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name
 // A captured room's sphere is taken to be four times as far away as the object.
 constexpr double k_object_insertion = 0.25;
 
-// A made-up room. The one of the scene `shot` ships, large and free of noise (models/rooms/kept). Others are traced, and
+// A made-up room. The one of the scene `shot` ships, large and free of noise (models/kept_rooms). Others are traced, and
 // kept in `folder` between runs unless that is empty.
 Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_t threads, const Camera& camera,
                                double azimuth_deg, Vec3 standing);

@@ -194,7 +194,7 @@ Options sample_options(SampleOptions& o) {
 Options room_options(RoomOptions& o) {
   return {
       seed_option(o.seed, "Equal seeds give equal rooms"),
-      output(o.output, "FILE", "Write the panorama to this file, .hdr; its depth goes beside it"),
+      output(o.output, "FILE", "Write the panorama to this file, .hdr, with its depth beside it; or .jpg, to ship"),
       {"--picture", &o.picture, "FILE", "Also write a tone-mapped picture, .png"},
       {"--width", &o.width, "N", "Width in pixels, even; the height is half of it", whole_number(16, 8192)},
       {"--samples", &o.samples, "N", "Paths a pixel", whole_number(1, 65536)},

@@ -46,6 +46,7 @@ int verify_shot_command(const VerifyOptions& options) {
   ShotStudyOptions study;
   study.panoramas = chosen_panoramas(options);
   study.network = options.network.empty() ? shipped_light_network() : options.network;
+  if (options.quick) study.picture.samples = 3, study.picture.paths = 96;
   study.folder = options.out, study.picture.threads = options.threads, study.seed = options.seed;
   study.manifest =
       options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;

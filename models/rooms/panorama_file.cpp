@@ -173,4 +173,20 @@ RadianceMap read_panorama(const std::string& path) {
 
 void write_hdr(const std::string& path, const RadianceMap& map) { write_file(path, encode_hdr(map)); }
 
+void write_kept_room(const std::string& path, const RadianceMap& map) {
+  constexpr int k_quality = 90;
+  write_file(path, jpeg_file(tone_mapped_picture(map, k_kept_white), k_quality));
+}
+
+RadianceMap read_kept_room(const std::string& path) {
+  const Picture picture = read_picture(path);
+  RadianceMap map(picture.width, picture.height);
+  for (int v = 0; v < map.height; ++v)
+    for (int u = 0; u < map.width; ++u) {
+      const uint8_t* pixel = picture.at(u, v);
+      map.set(u, v, radiance_of({linear_of(pixel[0]), linear_of(pixel[1]), linear_of(pixel[2])}, k_kept_white));
+    }
+  return map;
+}
+
 }  // namespace sandglass::host

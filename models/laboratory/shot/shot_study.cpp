@@ -102,7 +102,8 @@ std::vector<Verdict> shot_verdicts(const ShotStudy& study) {
     rows.push_back({"whole picture",
                     std::string(name_of(first)) + (better ? " better than " : " not worse than ") + name_of(second) +
                         ", " + shot_metric_name(metric),
-                    better ? "upper end" : "lower end", 0.0, result, 0.0, result <= 0.0, false});
+                    better ? "upper end" : "lower end", 0.0, result, 0.0, better ? result < 0.0 : result <= 0.0,
+                    false});
   };
   for (const ShotVariant v : {ShotVariant::turn, ShotVariant::truth}) {
     for (const int metric : {k_flip, k_similarity}) add(v, ShotVariant::no_shadow, metric, true);
