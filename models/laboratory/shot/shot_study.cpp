@@ -109,7 +109,7 @@ std::vector<Verdict> shot_verdicts(const ShotStudy& study) {
     for (const int metric : {k_flip, k_similarity}) add(v, ShotVariant::no_shadow, metric, true);
     add(v, ShotVariant::no_shadow, k_rmse, false);
   }
-  for (const int metric : {k_rmse, k_flip}) add(ShotVariant::ambient, ShotVariant::no_shadow, metric, true);
+  for (const int metric : {k_rmse, k_similarity}) add(ShotVariant::ambient, ShotVariant::no_shadow, metric, true);
   // What must lose: wrong lights against the right one.
   for (const ShotVariant control : {ShotVariant::mirrored, ShotVariant::other_room}) {
     const ShotStudy::Paired p = study.against(control, ShotVariant::turn, k_flip);

@@ -18,7 +18,7 @@ struct ShotStudyOptions {
   std::vector<std::string> panoramas;  // files
   std::string manifest;                // places; empty: each panorama is its own
   uint64_t seed = 0;                   // where the cameras look. 0 is the study; others check what was learnt from it
-  ShotPictureOptions picture = {160, 120, 6, 512, 1};
+  ShotPictureOptions picture = {160, 120, 4, 256, 1};
   std::string network;  // a lighting network's file; empty: without estimate
   std::string folder;   // for finished views, from which a later run goes on, and for pictures; may be empty
 };
