@@ -366,7 +366,7 @@ TEST_F(Cli, BakesAndInspectsAShadow) {
   const Outcome told = run("inspect '" + path("x.shadow") + "'");
   ASSERT_EQ(told.code, 0) << told.err;
   for (const char* line :
-       {"baked shadow, version 2", "24 components of 16 x 16 texels, 3.6 m a side", "surface      336 points",
+       {"baked shadow, version 2", "24 components of 16 x 16 texels, 3.6 m a side", "surface      2381 points",
         "8 neurons x (1 + 1) hidden layers, 72 MAC a texel", "20 degrees wide, up to 70 degrees from the zenith",
         "fitted to the light", "over 4 unseen lights", "float copy   no"})
     EXPECT_NE(told.out.find(line), std::string::npos) << line << "\n" << told.out;
