@@ -70,7 +70,7 @@ double distance_of(const SurfaceAsset& surface, uint32_t point, const Vertex& ve
     squared += apart * apart;
     cosine += vertex.normal[axis] * surface.normals[3 * point + axis] / 127;
   }
-  return (squared + k_least) * (1 + k_normal_weight * (1 - cosine));
+  return (squared + k_least) * (1 + k_normal_weight * (cosine < 1 ? 1 - cosine : 0));  // bytes round normals
 }
 
 // Points are in order of x. So the search begins at the vertex's own x, and ends where the points beyond differ by more

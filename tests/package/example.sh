@@ -5,7 +5,6 @@ set -euo pipefail
 name=$1 root=$2 output=$3
 shift 3
 program=("$@")
-emulated=$(($# > 1))
 mkdir -p "$output"
 light=$root/models/lights/room.light shadow=$root/models/shadows/chair.shadow said=$output/$name.said
 
