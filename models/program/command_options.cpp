@@ -236,17 +236,6 @@ Options quantise_light_options(QuantiseLightOptions& o) {
   };
 }
 
-Options ceiling_options(CeilingCommandOptions& o) {
-  return {
-      required({"PANORAMAS", &o.ceiling.panoramas, "", k_panoramas}),
-      {"--object", &o.object, "MESH", k_object},
-      {"--views", &o.ceiling.views, "N", "Views of each panorama", whole_number(1, 8)},
-      {"--samples", &o.ceiling.samples, "N", "Paths a pixel", whole_number(1, 4096)},
-      {"--rows", &o.rows, "N", "Rows of the table, best first", whole_number(0, UINT64_MAX)},
-      threads_option(o.ceiling.threads),
-  };
-}
-
 Command view() {
   const char *name = "view", *help = "Show a running scene in a window";
 #ifdef SANDGLASS_HAVE_VIEW
@@ -293,9 +282,7 @@ std::vector<CommandGroup> commands() {
         command<LightFeaturesOptions>("light-features", "Write what the lighting network's heads see",
                                       light_features_options, light_features_command),
         command<QuantiseLightOptions>("quantise-light", "Turn the trained lighting network into bytes",
-                                      quantise_light_options, quantise_light_command),
-        command<CeilingCommandOptions>("ceiling", "Measure how well the true light labels light an object",
-                                       ceiling_options, ceiling_command)}},
+                                      quantise_light_options, quantise_light_command)}},
       {"Measure and check",
        {{"bench", "Measure the speed of this machine, with the errors of the same run", {}, {}, bench_suites()},
         {"verify", "Check every claim of accuracy; exit code 1 if one fails", {}, {}, verify_suites()}}}};

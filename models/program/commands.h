@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "models/laboratory/light/ceiling.h"
 #include "models/lighting/dataset.h"
 #ifdef SANDGLASS_HAVE_BAKE
 #include "models/baking/bake.h"
@@ -75,13 +74,6 @@ struct QuantiseLightOptions {
   bool keep_float = false;
 };
 int quantise_light_command(const QuantiseLightOptions& options);
-
-struct CeilingCommandOptions {
-  CeilingOptions ceiling;
-  std::string object = "trefoil";
-  uint32_t rows = 100;
-};
-int ceiling_command(const CeilingCommandOptions& options);
 
 #ifdef SANDGLASS_HAVE_BAKE
 struct BakeOptions {

@@ -295,7 +295,6 @@ TEST_F(Cli, RefusesNumbersThatAreNone) {
       {"--seed", "bake chair" + out},
       {"--threads", "bench granular"},
       {"--thresholds", "bench shadow"},
-      {"--rows", "ceiling a.hdr"},
       {"--tiles", "dataset a.hdr" + out},
       {"--seed", "dataset a.hdr" + out},
       {"--fov", "light a.png" + out},
