@@ -41,13 +41,10 @@ int inspect_command(const InspectOptions& options);
 
 struct SampleOptions {
   std::string mesh;                                       // a file, or the name of a generated mesh
-  bool surface = false, volume = false, lattice = false;  // of the mesh
-  uint32_t disk = 0, sphere = 0, ring = 0;                // points of one of radius 1
-  double distance = 0;                                    // metres; of disk, sphere and ring it follows from the number
-  std::vector<double> polar_deg = {0.0, 45.0};            // of a ring
+  bool surface = false, volume = false, lattice = false;  // which one is asked for
+  double distance = 0;                                    // metres
   uint64_t seed = 1;
-  bool geodesic = false;  // surface only
-  std::string picture, spectrum, output;
+  std::string picture, output;
 };
 int sample_command(const SampleOptions& options);
 
