@@ -51,13 +51,11 @@ SeenLight::SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 s
     : camera_(at_rest),
       azimuth_(std::atan2(at_rest.forward.z, at_rest.forward.x)),
       exposure_(room.exposure),
-      // As far away as it is, and as high as the eye: what is below would see a part of the floor above its horizon.
-      place_{standing.x, at_rest.eye.y, standing.z},
       images_(std::move(images)) {
   sandglass_room_desc desc;
   sandglass_room_desc_default(&desc);
   desc.interval = 0.0f;
-  if (room.insertion > 0.0) desc.radius = static_cast<float>(length(place_ - at_rest.eye) / room.insertion);
+  if (room.insertion > 0.0) desc.radius = static_cast<float>(length(level(standing) - at_rest.eye) / room.insertion);
   const char* reason = nullptr;
   uint64_t bytes = 0;
   require(sandglass_room_bytes(&desc, &bytes, &reason), reason);
@@ -67,11 +65,13 @@ SeenLight::SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 s
 
 const sandglass_camera_image* SeenLight::take(const Surroundings& room, uint64_t time_ns) {
   const bool photo = !room.has_truth();
-  if (time_ns < next_ * k_between_ns || next_ >= (photo ? 1 : images_.size())) return nullptr;
+  const bool once = photo || images_.size() == 1;
+  if (time_ns < next_ * k_between_ns || (once && next_ == 1)) return nullptr;
+  const SessionImage& look = images_[next_ % images_.size()];
   if (photo) image_ = photographed(room, camera_);
   else
-    image_ = take_image(room.panorama, session_camera(azimuth_, images_[next_], camera_.eye), k_session_width,
-                        k_session_height, images_[next_].exposure);
+    image_ = take_image(room.panorama, session_camera(azimuth_, look, camera_.eye), k_session_width, k_session_height,
+                        look.exposure);
   ++next_;
   image_.image.timestamp_ns = time_ns;
   image_.image.exposure = static_cast<float>(image_.exposure);
@@ -81,9 +81,9 @@ const sandglass_camera_image* SeenLight::take(const Surroundings& room, uint64_t
   return &image_.image;
 }
 
-const ShotLight& SeenLight::follow(double seconds, const sandglass_light_estimate* estimate) {
+const ShotLight& SeenLight::follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate) {
   float place[3];
-  to_floats(place_, place);
+  to_floats(level(standing), place);
   sandglass_room_light now = {};
   now.struct_size = sizeof now;
   const char* reason = nullptr;

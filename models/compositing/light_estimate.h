@@ -44,21 +44,24 @@ class SeenLight {
   // `standing`: where the object is. The room is as large as the surroundings say.
   SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 standing, std::vector<SessionImage> images);
 
-  // The phone's image at a time, for the frame that begins then; null between images and after the last one.
+  // The phone's image at a time, for the frame that begins then; null between images. After the last one it turns again,
+  // unless there was only one.
   const sandglass_camera_image* take(const Surroundings& room, uint64_t time_ns);
-  // Moves what is shown towards what is known now. `estimate`: the network's, or null.
-  const ShotLight& follow(double seconds, const sandglass_light_estimate* estimate);
+  // Moves what is shown towards what is known now, where the object stands now. `estimate`: the network's, or null.
+  const ShotLight& follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate);
 
   sandglass_room* handle() const { return room_; }
   const ShotLight& shown() const { return picture_; }
   size_t taken() const { return next_; }  // images so far
 
  private:
+  // As far away as it is, and as high as the eye: a place below would see a part of the floor above its horizon.
+  Vec3 level(Vec3 standing) const { return {standing.x, camera_.eye.y, standing.z}; }
+
   Block block_;
   sandglass_room* room_ = nullptr;
   ShotCamera camera_;
   double azimuth_, exposure_;
-  Vec3 place_;
   std::vector<SessionImage> images_;
   size_t next_ = 0;
   PhoneImage image_;

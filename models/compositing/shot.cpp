@@ -18,18 +18,22 @@ namespace sandglass::host {
 
 namespace {
 
-constexpr int k_compared_width = 640, k_compared_height = 480, k_compared_paths = 160;
+constexpr int k_compared_width = 640, k_compared_height = 480, k_compared_paths = 96;
 constexpr uint64_t k_noise_stream = 71;
+
+Surroundings captured(const SceneFile& scene, const std::string& file, Vec3 standing, double insertion,
+                      const Camera& camera) {
+  RadianceMap map = read_panorama(file);
+  fill_tripod(&map);
+  return panorama_surroundings(std::move(map), file, camera, scene.shot->azimuth_deg, standing, insertion);
+}
 
 Surroundings surroundings_of(const SceneFile& scene, const ShotOptions& options, Vec3 standing, Camera* camera) {
   const ShotTrack& track = *scene.shot;
   if (!options.photo.empty()) return photo_surroundings(options.photo, options.photo_fov_deg, camera);
   if (options.panorama.empty())
     return room_surroundings(track.room, options.folder, options.threads, *camera, track.azimuth_deg, standing);
-  RadianceMap map = read_panorama(options.panorama);
-  fill_tripod(&map);
-  return panorama_surroundings(std::move(map), options.panorama, *camera, track.azimuth_deg, standing,
-                               k_object_insertion);
+  return captured(scene, options.panorama, standing, k_object_insertion, *camera);
 }
 
 std::string network_of(const ShotOptions& options) {
@@ -151,6 +155,19 @@ std::string shot_errors_text(const ShotErrors& e) {
   return text;
 }
 
+namespace {
+
+// From one pose to another.
+void place(LitObject* object, const Quaternion& from, Vec3 at, const Quaternion& to, Vec3 there) {
+  const Quaternion turn = multiply(to, conjugate(from));
+  std::vector<float>& v = object->mesh.vertices;
+  for (size_t i = 0; i < v.size(); i += 3)
+    to_floats(rotate(turn, from_floats(v.data() + i) - at) + there, v.data() + i);
+  object->rotation = to;
+}
+
+}  // namespace
+
 LitObject standing_object(const SceneFile& scene, const std::string& file) {
   const ColliderTrack& track = standing_track(scene);
   MeshResult loaded = file.empty() ? make_named(track.mesh) : load_mesh(file);
@@ -161,9 +178,7 @@ LitObject standing_object(const SceneFile& scene, const std::string& file) {
   LitObject object = {std::move(loaded.mesh), track.rotation, {}};
   split(&object.mesh, k_longest * track.size.y);
   object.transfer = surface_of(track, object.mesh);
-  std::vector<float>& v = object.mesh.vertices;
-  for (size_t i = 0; i < v.size(); i += 3)
-    to_floats(rotate(track.rotation, from_floats(v.data() + i)) + track.position, v.data() + i);
+  place(&object, k_no_rotation, {}, track.rotation, track.position);
   return object;
 }
 
@@ -233,12 +248,30 @@ Shot::Shot(const SceneFile& scene, const ShotOptions& options)
                                            : std::make_unique<LightEstimate>(network_of(options), options.isa)),
       surroundings_(surroundings_of(scene, options, standing_track(scene).position, &camera_)),
       isa_(options.isa) {
-  if (surroundings_.has_truth()) truth_ = surroundings_.true_light();
+  if (surroundings_.has_truth()) {
+    // The truth is that of the last frame. The farther the object is carried, the farther it is in the room.
+    const Vec3 last = standing_at(scene.frames), eye = resting_camera(camera_).eye;
+    const auto away = [eye](Vec3 p) { return length(Vec3{p.x - eye.x, 0, p.z - eye.z}); };
+    const double insertion =
+        std::min(k_farthest_insertion, surroundings_.insertion * away(last) / away(standing_track(scene).position));
+    if (!options.later.empty()) {
+      later_ = captured(scene, options.later, last, insertion, camera_);
+      later_->exposure = surroundings_.exposure;
+    } else if (length(last - standing_track(scene).position) > 0.0) {
+      later_ = moved(surroundings_, camera_, last, insertion);
+    }
+    truth_ = around(scene.frames).true_light();
+  }
   if (source_ == LightSource::room || source_ == LightSource::nothing)
     seen_ = std::make_unique<SeenLight>(
         surroundings_, resting_camera(camera_), standing_track(scene).position,
         session_images(source_ == LightSource::room ? Session::full_turn_short : Session::table, 1));
   begin(0);  // what is shown before the first frame
+}
+
+Vec3 Shot::standing_at(uint32_t frame) const {
+  return from_floats(
+      collider_over_frame(standing_track(scene_), frame * scene_.frame_step, scene_.frame_step).position);
 }
 
 ShotCamera Shot::camera(uint32_t frame) const {
@@ -252,14 +285,14 @@ void Shot::begin(uint32_t frame) {
   if (source_ == LightSource::truth) {
     light = *truth_;
   } else if (source_ == LightSource::estimate) {
-    image_ = network_->take(surroundings_, camera(frame), now);
+    image_ = network_->take(around(frame), camera(frame), now);
     // Until there is an estimate, a light that an app makes up.
     light = network_->valid() ? network_->light() : arbitrary_light(resting_camera(camera_), {1, 1, 1});
   } else {
-    image_ = seen_->take(surroundings_, now);
+    image_ = seen_->take(around(frame), now);
     sandglass_light_estimate estimate = {};
     if (network_) estimate = network_->now();
-    light = seen_->follow(scene_.frame_step, &estimate);
+    light = seen_->follow(standing_at(frame), scene_.frame_step, &estimate);
   }
   lights_.resize(frame);
   lights_.push_back(light);
@@ -279,7 +312,16 @@ float Shot::drawn_radius(const Snapshot& snapshot) const {
 }
 
 ShotPicture Shot::drawing_of(const Snapshot& snapshot) const {
-  return {object_, snapshot.grains, drawn_radius(snapshot)};
+  LitObject object = object_;
+  const ColliderTrack& track = standing_track(scene_);
+  // As the snapshot has it, at the end of its frame.
+  if (!track.motion.empty()) {
+    const auto index = static_cast<size_t>(&track - scene_.colliders.data());
+    const sandglass_collider& now = snapshot.colliders[index];
+    const Quaternion rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
+    place(&object, track.rotation, track.position, rotation, from_floats(now.position));
+  }
+  return {object, snapshot.grains, drawn_radius(snapshot)};
 }
 
 Picture Shot::developed_as_seen(const RadianceMap& shown, uint64_t seed) const {
@@ -295,13 +337,14 @@ Picture Shot::developed_as_seen(const RadianceMap& shown, uint64_t seed) const {
 Picture Shot::paint(const Snapshot& snapshot, int width, int height, uint32_t threads) const {
   ShotPictureOptions options;
   options.width = width, options.height = height, options.threads = threads;
-  const RadianceMap shown = drawing_of(snapshot).composite(surroundings_, camera(snapshot.frame), light(snapshot.frame),
-                                                           snapshot.shadows, CastShadow::textures, options);
+  const RadianceMap shown =
+      drawing_of(snapshot).composite(around(snapshot.frame), camera(snapshot.frame), light(snapshot.frame),
+                                     snapshot.shadows, CastShadow::textures, options);
   return developed_as_seen(shown, snapshot.frame);
 }
 
 RadianceMap Shot::traced(const Snapshot& snapshot, uint32_t threads) const {
-  return drawing_of(snapshot).truth(surroundings_, camera(snapshot.frame), compared(threads));
+  return drawing_of(snapshot).truth(around(snapshot.frame), camera(snapshot.frame), compared(threads));
 }
 
 Shot::Drawn Shot::drawn(const Snapshot& snapshot, std::string name, const ShotLight& light, CastShadow cast,
@@ -310,7 +353,7 @@ Shot::Drawn Shot::drawn(const Snapshot& snapshot, std::string name, const ShotLi
   const SceneShadows other = own ? SceneShadows{}
                                  : complete_shadows(scene_, isa_, snapshot.frame, snapshot.colliders, snapshot.grains,
                                                     drawn_radius(snapshot), light);
-  return {std::move(name), drawing_of(snapshot).composite(surroundings_, camera(snapshot.frame), light,
+  return {std::move(name), drawing_of(snapshot).composite(around(snapshot.frame), camera(snapshot.frame), light,
                                                           own ? snapshot.shadows : other, cast, compared(threads))};
 }
 
@@ -318,12 +361,12 @@ std::vector<Shot::Drawn> Shot::alternatives(const Snapshot& snapshot, uint32_t t
   std::vector<Drawn> all;
   SeenLight start(surroundings_, resting_camera(camera_), standing_track(scene_).position,
                   session_images(Session::table, 1));
-  start.take(surroundings_, 0);
-  const ShotLight usual = start.follow(0.0, nullptr);
+  start.take(around(snapshot.frame), 0);
+  const ShotLight usual = start.follow(standing_at(snapshot.frame), 0.0, nullptr);
   all.push_back(drawn(snapshot, "no shadow", usual, CastShadow::none, threads));
   if (network_) {
     LightEstimate& network = *network_;
-    network.take(surroundings_, camera(snapshot.frame), 1'000'000'000'000);
+    network.take(around(snapshot.frame), camera(snapshot.frame), 1'000'000'000'000);
     network.finish();
     all.push_back(drawn(snapshot, "one light", network.light(), CastShadow::textures, threads));
   }

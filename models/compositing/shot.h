@@ -24,6 +24,7 @@ const char* name_of(LightSource source);
 
 struct ShotOptions {
   std::string panorama, photo;  // a file, or empty: the scene's room
+  std::string later;            // the room from the middle of the run on, such as with a lamp switched off
   double photo_fov_deg = 0.0;   // diagonal
   std::string mesh;             // of the standing object; empty: the scene's
   LightSource light = LightSource::room;
@@ -59,6 +60,10 @@ class Shot {
 
   LightSource source() const { return source_; }
   const Surroundings& surroundings() const { return surroundings_; }
+  // What stands behind a frame.
+  const Surroundings& around(uint32_t frame) const {
+    return later_ && frame >= scene_.frames / 2 ? *later_ : surroundings_;
+  }
   ShotCamera camera(uint32_t frame) const;
   // Call before each frame: decides what it is lit by. light() returns that from then on.
   void begin(uint32_t frame);
@@ -92,6 +97,7 @@ class Shot {
 
  private:
   ShotPicture drawing_of(const Snapshot& snapshot) const;
+  Vec3 standing_at(uint32_t frame) const;
   float drawn_radius(const Snapshot& snapshot) const;  // of a grain
 
   SceneFile scene_;
@@ -100,6 +106,7 @@ class Shot {
   LightSource source_;
   std::unique_ptr<LightEstimate> network_;
   Surroundings surroundings_;
+  std::optional<Surroundings> later_;
   std::unique_ptr<SeenLight> seen_;
   std::optional<ShotLight> truth_;
   const sandglass_camera_image* image_ = nullptr;

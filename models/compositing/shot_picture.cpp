@@ -24,6 +24,7 @@ constexpr double k_pi = std::numbers::pi;
 constexpr double k_far = 1e3, k_lift = 2e-4;   // metres
 constexpr Vec3 k_object = {0.60, 0.44, 0.30};  // reflectance: varnished wood
 constexpr double k_depth_dark = 0.9;           // how fast it darkens below the sand's surface, as the library's own
+constexpr double k_deepest = 1.5;              // radii below the surface at which a grain is still seen
 constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; no shadow falls beyond
 constexpr double k_above = 2.0;                // metres, higher than any sand
 constexpr int k_bounces = 3;
@@ -167,7 +168,8 @@ Left left_on_sand(const SceneShadows& shadows, const ShotLight& light, Vec3 p, d
                left_by(shadows.pile_on_sand, p.x, p.z)};
   for (const FloorShadow& heights : shadows.heights) {
     const double surface = shadows.most_height * (1.0 - floor_transparency(heights, p.x, p.z));
-    left.ambient /= 1.0 + k_depth_dark * std::max(0.0, surface - p.y) / radius;
+    // What is seen lies near the surface. Sand that falls is soon far below that of an older texture.
+    left.ambient /= 1.0 + k_depth_dark * std::clamp((surface - p.y) / radius, 0.0, k_deepest);
   }
   const Vec3 towards = main_direction_of(light);
   if (towards.y > 0.0) {

@@ -49,6 +49,25 @@ Vec3 Surroundings::seen(const ShotCamera& camera, Vec3 direction) const {
   return photo_at(photo, 0.5 * photo.width + d.x * scale, 0.5 * photo.height + d.y * scale);
 }
 
+namespace {
+
+// The view towards the object is level, as if the object stood at the height of the eye. From a place below the eye,
+// the upper half of the warped panorama would show a part of the floor.
+void look_from(Surroundings* s, const Camera& camera, Vec3 standing) {
+  const Vec3 to = standing - camera.eye;
+  s->view = {0.5 * k_pi, std::atan2(to.z, to.x)};
+  s->warped = warp(s->panorama, s->view, s->insertion);
+}
+
+}  // namespace
+
+Surroundings moved(const Surroundings& surroundings, const Camera& camera, Vec3 standing, double insertion) {
+  Surroundings s = surroundings;
+  s.insertion = insertion;
+  look_from(&s, camera, standing);
+  return s;
+}
+
 Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name, const Camera& camera,
                                    double azimuth_deg, Vec3 standing, double insertion) {
   Surroundings s;
@@ -59,11 +78,7 @@ Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name
   s.panorama = RadianceMap(w, panorama.height);
   for (int v = 0; v < panorama.height; ++v)
     for (int u = 0; u < w; ++u) s.panorama.set(u, v, panorama.colour(((u + shift) % w + w) % w, v));
-  // The view towards the object is level, as if the object stood at the height of the eye. From a place below the eye,
-  // the upper half of the warped panorama would show a part of the floor.
-  const Vec3 to = standing - camera.eye;
-  s.view = {0.5 * k_pi, std::atan2(to.z, to.x)};
-  s.warped = warp(s.panorama, s.view, insertion);
+  look_from(&s, camera, standing);
   s.exposure = exposed_by_itself(view_of(s.panorama, resting_camera(camera), k_metered_width, k_metered_height));
   return s;
 }

@@ -37,6 +37,9 @@ struct Surroundings {
 Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name, const Camera& camera,
                                    double azimuth_deg, Vec3 standing, double insertion);
 
+// The same, seen by the same camera, with the object elsewhere.
+Surroundings moved(const Surroundings& surroundings, const Camera& camera, Vec3 standing, double insertion);
+
 // A captured room's sphere is taken to be four times as far away as the object.
 constexpr double k_object_insertion = 0.25;
 

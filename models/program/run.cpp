@@ -107,7 +107,8 @@ void Run::take_shot() {
         "cannot use \"--object\" without \"--asset\": the object needs its own shadow. Bake it with sandglass bake and "
         "name it with --asset.");
   ShotOptions o;
-  o.panorama = options_.panorama, o.photo = options_.photo, o.photo_fov_deg = options_.fov_deg;
+  o.panorama = options_.panorama, o.later = options_.later, o.photo = options_.photo,
+  o.photo_fov_deg = options_.fov_deg;
   o.mesh = options_.collider_mesh, o.folder = options_.out, o.threads = drawing_threads();
   for (const LightSource source : {LightSource::room, LightSource::truth, LightSource::estimate, LightSource::nothing})
     if (options_.light == name_of(source)) o.light = source;

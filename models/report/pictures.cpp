@@ -52,7 +52,10 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& b
   char label[96];
   std::snprintf(label, sizeof label, "%s  t = %.2f s  frame %u%s", set.title.c_str(), snapshot.time, snapshot.frame,
                 particles ? "  particles" : "");
-  draw_text(&picture, 8, 8, std::max(1, height / 300), label, k_ink);
+  const int scale = std::max(1, height / 300);
+  const bool photographic = set.painter && !particles;  // any colour may be behind the label
+  if (photographic) draw_text(&picture, 8 + scale, 8 + scale, scale, label, {0, 0, 0});
+  draw_text(&picture, 8, 8, scale, label, photographic ? Colour{255, 255, 255} : k_ink);
   return picture;
 }
 
