@@ -3,6 +3,7 @@
 #include "runtime/core/finite.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
+#include "runtime/light/luminance.h"
 
 namespace sandglass {
 
@@ -26,8 +27,6 @@ constexpr double k_most_contrast = 0.95, k_least_elevation = 0.1, k_most_strengt
 bool usable(const sandglass_light_estimate& e) {
   return is_finite(e.strength) && all_finite(e.direction, 3) && all_finite(e.light, 3) && all_finite(e.ambient, 3);
 }
-
-constexpr double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
 }  // namespace
 
