@@ -22,7 +22,10 @@ namespace {
 
 // Each part is moved in 3 x 2 pieces: so many that the rings of the cells lie between pieces.
 constexpr uint32_t k_row_split = 3, k_column_split = 2;
-constexpr double k_darkest = 1e-4;    // of the mean: keeps logarithms of black parts finite
+constexpr double k_darkest = 1e-4;  // of the mean: keeps logarithms of black parts finite
+// Geometric mean before the first image, where white is 1: a level white floor is then nearly white, as it is on the
+// mean of what cameras that expose by themselves show of captured interiors.
+constexpr double k_first_level = 0.27;
 constexpr double k_lobe = 6.0;        // sharpness of the network's light: e^(6 (cos - 1))
 constexpr double k_floor_row = 5.0;   // rows below this see the floor: more than 33 degrees below the horizon
 constexpr double k_stands_out = 3.0;  // times the mean cell: what is beyond may be a light of its own
@@ -68,7 +71,7 @@ Overview overview_of(const Room& room, const Memory& memory) {
     for (int c = 0; c < 3; ++c) colour[c] += root * static_cast<double>(part.radiance[c]);
     if (i / k_room_columns < static_cast<uint32_t>(k_floor_row)) floor += weight * y, floor_area += weight;
   }
-  Overview all = {1, {1, 1, 1}, 0};
+  Overview all = {k_first_level, {1, 1, 1}, 0};
   if (!(area > 0) || !(mean > 0)) return all;
   const double least = k_darkest * mean / area;
   double logarithms = 0;

@@ -12,13 +12,16 @@ namespace {
 constexpr const char* k_true_cells = "the true light in cells";
 
 // The network's estimate is one input, except where nothing was seen.
-sandglass_room_light light_at(const StudiedPlace& p, size_t session, const RoomModel& model) {
+sandglass_room_light light_at(const StudiedPlace& p, const Room& room, const RoomModel& model) {
   sandglass_room_light light = {};
   light.struct_size = sizeof light;
   const double at[3] = {p.place.x, p.place.y, p.place.z};
-  const SeenRoom& seen = p.sessions[session];
-  room_estimate(seen.room, model, at, !p.estimates.empty() && seen.room.images != 0 ? &p.network : nullptr, &light);
+  room_estimate(room, model, at, !p.estimates.empty() && room.images != 0 ? &p.network : nullptr, &light);
   return light;
+}
+
+const RoomModel& model_at(const StudiedPlace& p, const std::vector<RoomModel>& models) {
+  return models[p.fold >= 0 ? static_cast<size_t>(p.fold) % models.size() : 0];
 }
 
 Vec3 mean_direction(const Cells& cells) {
@@ -87,8 +90,8 @@ Lights lights_of(const RoomStudy& study, const std::vector<RoomModel>& models, T
   Lights lights(study.places.size());
   pool->run(static_cast<uint32_t>(lights.size()), [&](uint32_t i) {
     const StudiedPlace& place = study.places[i];
-    const size_t fold = place.fold >= 0 ? static_cast<size_t>(place.fold) % models.size() : 0;
-    for (size_t s = 0; s < place.sessions.size(); ++s) lights[i].push_back(light_at(place, s, models[fold]));
+    for (const SeenRoom& seen : place.sessions)
+      lights[i].push_back(light_at(place, seen.room, model_at(place, models)));
   });
   return lights;
 }
@@ -124,7 +127,8 @@ std::vector<Way> ways_of(const RoomStudy& study, const Lights& lights) {
   return ways;
 }
 
-SessionRow session_row(const RoomStudy& study, const Lights& lights, Session session) {
+SessionRow session_row(const RoomStudy& study, const std::vector<RoomModel>& models, const Lights& lights,
+                       Session session) {
   const auto index = static_cast<size_t>(session);
   const auto over_places = [&](const std::function<double(const StudiedPlace&, const sandglass_room_light&)>& measure) {
     return interval_of(by_location(study, [&](const StudiedPlace& p) {
@@ -142,6 +146,14 @@ SessionRow session_row(const RoomStudy& study, const Lights& lights, Session ses
       [&](const StudiedPlace& p, const sandglass_room_light& l) { return std::fabs(level_error(p, index, l)); });
   row.level_bias =
       over_places([&](const StudiedPlace& p, const sandglass_room_light& l) { return level_error(p, index, l); });
+  const auto level_where = [&](Known known) {
+    return interval_of(by_location(study, [&](const StudiedPlace& p) {
+      const Room room = with_known(p.sessions[index], p.parts, known);
+      return std::fabs(level_error(p, index, light_at(p, room, model_at(p, models))));
+    }));
+  };
+  row.level_clipped_known = level_where(Known::clipped_light);
+  row.level_unseen_known = level_where(Known::unseen_parts);
   row.main_share = over_places([](const StudiedPlace&, const sandglass_room_light& l) {
                      return static_cast<double>(l.main_share);
                    }).mean;
@@ -160,7 +172,8 @@ RoomModel fit_room_model(const RoomStudy& study, int left_out, ThreadPool* pool)
     pool->run(static_cast<uint32_t>(study.places.size()), [&](uint32_t i) {
       const StudiedPlace& place = study.places[i];
       if (left_out >= 0 && place.fold == left_out) return;
-      for (size_t s = 1; s < place.sessions.size(); ++s) sums[i] += cost_of(place, s, light_at(place, s, model));
+      for (size_t s = 1; s < place.sessions.size(); ++s)
+        sums[i] += cost_of(place, s, light_at(place, place.sessions[s].room, model));
     });
     double sum = 0;
     for (const double s : sums) sum += s;
@@ -195,7 +208,7 @@ RoomTable room_table(const RoomStudy& study, const std::vector<RoomModel>& model
   const Lights lights = lights_of(study, models, pool);
   RoomTable table;
   table.drawn = drawn_rows(study, ways_of(study, lights));
-  for (const Session session : k_sessions) table.sessions.push_back(session_row(study, lights, session));
+  for (const Session session : k_sessions) table.sessions.push_back(session_row(study, models, lights, session));
   const std::vector<double> zenith = by_location(study, [](const StudiedPlace& p) {
     return angle_deg(Vec3{0, 1, 0}, mean_direction(p.light.cells));
   });
@@ -212,15 +225,17 @@ RoomStudy rooms_in(const RoomStudy& study, const std::string& part) {
 
 std::string sessions_markdown(const RoomTable& table) {
   std::string text =
-      "| session | seen | direction of the floor's light, degrees | level, \\|log ratio\\| | log ratio | main share | "
-      "clipped |\n|---|---|---|---|---|---|---|\n";
+      "| session | seen | direction of the floor's light, degrees | level, \\|log ratio\\| | log ratio | "
+      "level, were clipped light known | were the unseen known | main share | clipped |\n"
+      "|---|---|---|---|---|---|---|---|---|\n";
   for (const SessionRow& row : table.sessions)
     text += "| " + row.name + " | " + number_text("%.2f", row.seen.mean) + " | " +
             number_text("%.1f [%.1f, %.1f]", row.direction_deg.mean, row.direction_deg.low, row.direction_deg.high) +
             " | " + number_text("%.2f [%.2f, %.2f]", row.level.mean, row.level.low, row.level.high) + " | " +
-            number_text("%+.2f", row.level_bias.mean) + " | " + number_text("%.2f", row.main_share) + " | " +
-            number_text("%.2f", row.clipped) + " |\n";
-  return text + "| the zenith | | " + number_text("%.1f", table.zenith_deg) + " | | | | |\n";
+            number_text("%+.2f", row.level_bias.mean) + " | " + number_text("%.2f", row.level_clipped_known.mean) +
+            " | " + number_text("%.2f", row.level_unseen_known.mean) + " | " + number_text("%.2f", row.main_share) +
+            " | " + number_text("%.2f", row.clipped) + " |\n";
+  return text + "| the zenith | | " + number_text("%.1f", table.zenith_deg) + " | | | | | | |\n";
 }
 
 std::string conditions_markdown(const std::vector<Condition>& conditions) {

@@ -20,7 +20,8 @@ RoomModel fit_room_model(const RoomStudy& study, int left_out, ThreadPool* pool)
 // What a session makes known.
 struct SessionRow {
   std::string name;
-  Interval seen, direction_deg, level, level_bias;  // |log ratio| and log ratio of the floor's irradiance
+  Interval seen, direction_deg, level, level_bias;   // |log ratio| and log ratio of the floor's irradiance
+  Interval level_clipped_known, level_unseen_known;  // |log ratio|, were it known what these send out
   double main_share = 0.0, clipped = 0.0;
 };
 

@@ -53,7 +53,7 @@ StudiedPlace place_in(const RadianceMap& panorama, double azimuth, double radius
                       const std::vector<FloorObject>& objects) {
   StudiedPlace place;
   place.place = Vec3{std::cos(azimuth), 0, std::sin(azimuth)} * radius;
-  place.light = true_light(panorama, place.place);
+  place.light = true_light(panorama, place.place), place.parts = true_parts(panorama);
   place.label = true_label(panorama, azimuth, radius);
   for (const FloorObject& object : objects) {
     place.objects.push_back(object.quadratic(place.light));

@@ -33,6 +33,7 @@ struct StudiedPlace {
   std::vector<FloorObject::Quadratic> objects;  // of each object
   std::vector<std::vector<float>> truths, lit;  // the floor's ratio and the surface, of each object
   std::vector<SeenRoom> sessions;               // in the order of k_sessions; none where no session is asked for
+  PartRadiance parts;                           // the panorama's, of all directions
   std::vector<OneLight> estimates;              // of one light, from an image
   sandglass_light_estimate network = {};        // the network's, as it gives it
 };
