@@ -114,8 +114,9 @@ ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) c
       for (int i = 0; i < samples; ++i) {
         const auto even = [&](int k) { return lattice_point(shift[k], i, k_plane_steps[k % 2]); };
         Vec3 origin = eye;
-        Vec3 direction = normalised(ahead * focal + right * (x + random.uniform() - 0.5 * k_width) +
-                                    up * (0.5 * k_height - y - random.uniform()));
+        const double pixel_y = y + random.uniform(), pixel_x = x + random.uniform();
+        Vec3 direction =
+            normalised(ahead * focal + right * (pixel_x - 0.5 * k_width) + up * (0.5 * k_height - pixel_y));
         Vec3 throughput = {1, 1, 1};
         for (int bounce = 0; bounce < k_bounces; ++bounce) {
           const EmbreeHit hit = state_->scene.closest(origin, direction, k_far);
@@ -124,8 +125,9 @@ ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) c
           if (dot(normal, direction) > 0.0) normal = normal * -1.0;
           const Vec3 point = origin + direction * hit.distance + normal * k_lift;
           const bool first = bounce == 0;
-          const ProbeLight::Sample s =
-              first ? light.sample(normal, even(0), even(1)) : light.sample(normal, random.uniform(), random.uniform());
+          const auto number = [&](int k) { return first ? even(k) : random.uniform(); };
+          const double b = number(1), a = number(0);
+          const ProbeLight::Sample s = light.sample(normal, a, b);
           const double cosine = dot(s.direction, normal);
           throughput = throughput * k_reflectance;
           const bool plane = hit.primitive >= state_->plane_from;
@@ -138,8 +140,8 @@ ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) c
               if (first && plane) open += luminance(s.weight) * cosine;
             }
           }
-          direction = first ? cosine_direction(normal, even(2), even(3))
-                            : cosine_direction(normal, random.uniform(), random.uniform());
+          const double d = number(3), c = number(2);
+          direction = cosine_direction(normal, c, d);
           origin = point;
         }
       }

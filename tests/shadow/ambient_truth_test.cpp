@@ -99,11 +99,7 @@ TEST(AmbientTruth, TheFileStatesItsError) {
   const AmbientCandidate candidate = {
       chair.scene, chair.square, hidden, {reinterpret_cast<const uint8_t*>(chair.bytes.data()), chair.bytes.size()}};
   const AmbientErrors errors = measure_ambient(candidate, made_up_environments(8, 1), 77, chair.pool);
-#ifdef __clang__
-  // The rooms of a seed depend on the order in which a compiler evaluates arguments. The file was measured with g++'s.
-#else
   EXPECT_NEAR(errors.shipped, static_cast<double>(chair.asset.ambient.rmse), 0.001);
-#endif
   EXPECT_LE(errors.shipped, 0.5 * errors.occlusion);
 }
 
