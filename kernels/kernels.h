@@ -234,8 +234,8 @@ struct Kernels {
 // Who uses a kernel: the sand itself, or its shadow and light.
 enum class KernelUser { sand, pile };
 
-// The table for `isa` (AUTOMATIC: the fastest that this CPU runs), or null where build or CPU lack it. The tables of one
-// user have null for the other's kernels and do not link them into the program.
+// The table for `isa` (AUTOMATIC: the fastest that this CPU runs), or null where build or CPU lack it. The tables of
+// one user have null for the other's kernels and do not link them into the program.
 const Kernels* select_kernels(sandglass_isa isa);
 const Kernels* select_sand_kernels(sandglass_isa isa);
 const Kernels* select_pile_kernels(sandglass_isa isa);

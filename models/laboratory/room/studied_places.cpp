@@ -56,7 +56,6 @@ StudiedPlace place_in(const RadianceMap& panorama, double azimuth, double radius
   place.light = true_light(panorama, place.place), place.parts = true_parts(panorama);
   place.label = true_label(panorama, azimuth, radius);
   for (const FloorObject& object : objects) {
-    place.objects.push_back(object.quadratic(place.light));
     place.truths.push_back(object.truth(place.light));
     place.lit.push_back(object.lit(place.light));
   }
@@ -82,6 +81,7 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std
     pool.run(options.azimuths, [&](uint32_t a) {
       places[a] = place_in(coarse, azimuth_of(a), options.place, *study.objects);
       places[a].panorama = files[i], places[a].location = location.name, places[a].fold = location.fold;
+      for (const FloorObject& object : *study.objects) places[a].objects.push_back(object.quadratic(places[a].light));
       for (const Session session : k_sessions)
         places[a].sessions.push_back(look_around(coarse, session, {azimuth_of(a), options.exposure_known, seed_of(a)}));
     });

@@ -30,12 +30,13 @@ struct StudiedPlace {
   Vec3 place;
   TrueLight light;
   OneLight label;                               // the true label (5.1), as seen from the object
-  std::vector<FloorObject::Quadratic> objects;  // of each object
   std::vector<std::vector<float>> truths, lit;  // the floor's ratio and the surface, of each object
-  std::vector<SeenRoom> sessions;               // in the order of k_sessions; none where no session is asked for
-  PartRadiance parts;                           // the panorama's, of all directions
-  std::vector<OneLight> estimates;              // of one light, from an image
-  sandglass_light_estimate network = {};        // the network's, as it gives it
+  // Where sessions are asked for: those of k_sessions, and each object's error in any cells.
+  std::vector<SeenRoom> sessions;
+  std::vector<FloorObject::Quadratic> objects;
+  PartRadiance parts;                     // the panorama's, of all directions
+  std::vector<OneLight> estimates;        // of one light, from an image
+  sandglass_light_estimate network = {};  // the network's, as it gives it
 };
 
 struct RoomStudy {
