@@ -1,7 +1,7 @@
 // What the sample apps share on every phone. A scene is made once, and sand is poured above a point of the real floor.
-// One call a frame fills a mapped buffer with grains, gathers the light of the room from the camera's image, and updates
-// the sand's shadows, all in one budget. Positions are those of the AR session's world: metres, y up, as Sandglass has
-// them.
+// One call a frame fills a mapped buffer with grains, gathers the light of the room from the camera's image, and
+// updates the sand's shadows, all in one budget. Positions are those of the AR session's world: metres, y up, as
+// Sandglass has them.
 //
 // An app with objects of its own adds their baked shadows: it makes a sandglass_shadow beside the scene (shadow.h),
 // hands it the same cells and main light (models/examples/camera_app.cpp), and passes it as input.shadows.
@@ -98,8 +98,8 @@ class SandStage {
   // Its irradiance and harmonics are in the scale of the image that the room took in last. This makes them those of the
   // image on the screen, where the system tells exposures.
   float light_scale() const { return exposure_ > 0.0f && shown_.white > 0.0f ? exposure_ * shown_.white : 1.0f; }
-  // The sand's shadow of the main light on the floor: `low` and `high` are x and z relative to origin(). Upload it after
-  // each frame, and the one below.
+  // The sand's shadow of the main light on the floor: `low` and `high` are x and z relative to origin(). Upload it
+  // after each frame, and the one below.
   sandglass_pile_shadow_texture shadow() const { return shadow_.texture(); }
   // What the sand leaves of all other light. The floor keeps sky().floor / 255 - coverage / 255 * shadow_strength().
   sandglass_pile_shadow_sky sky() const { return shadow_.sky(); }
@@ -107,14 +107,14 @@ class SandStage {
 
   // Where to ask the user to look, or null where enough of the room was seen.
   const float* look() const { return known_.seen < k_enough_seen ? known_.look : nullptr; }
-  // Whether images with a short exposure, such as a sixty-fourth, would help. Keep it for 0.1 s, in which the room takes
-  // one image, and do not show those images.
+  // Whether images with a short exposure, such as a sixty-fourth, would help. Keep it for 0.1 s, in which the room
+  // takes one image, and do not show those images.
   bool wants_short_exposure() const { return known_.clipped > k_much_clipped; }
 
   // Another room: forgets all that was seen.
   void forget_room() { room_.reset(), known_ = room_.light_at(origin_); }
-  // What was seen, for a later session. It holds in the same world frame alone: restore it when ARKit has relocalised to
-  // the world map that was saved with it, or after sandglass_room_move from one persistent anchor to the same.
+  // What was seen, for a later session. It holds in the same world frame alone: restore it when ARKit has relocalised
+  // to the world map that was saved with it, or after sandglass_room_move from one persistent anchor to the same.
   sandglass::Status save_room(std::vector<std::byte>* data) const { return room_.save(data); }
   sandglass::Status restore_room(const void* data, uint64_t bytes) {
     const sandglass::Status status = room_.restore(data, bytes);

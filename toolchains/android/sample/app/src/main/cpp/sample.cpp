@@ -4,8 +4,8 @@
 // belongs to it. The UI thread makes, resumes and pauses the session while no frame runs.
 //
 // A frame: ARCore updates the camera image and the poses. In 4 ms the library writes the grains straight into the
-// renderer's buffer, gathers the room's light from the image, and casts the sand's shadows in that light. Filament draws
-// grains and shadows with the same pose.
+// renderer's buffer, gathers the room's light from the image, and casts the sand's shadows in that light. Filament
+// draws grains and shadows with the same pose.
 #include <android/asset_manager_jni.h>
 #include <android/log.h>
 #include <android/native_window_jni.h>

@@ -131,8 +131,8 @@ class SandView {
     filament::Engine::destroy(&engine_);  // waits for pending work; engine_ becomes null
   }
 
-  // Takes the room's light, whose radiance is `scale` times what the image shows. The harmonics leave the main light out,
-  // which is the directional one.
+  // Takes the room's light, whose radiance is `scale` times what the image shows. The harmonics leave the main light
+  // out, which is the directional one.
   void set_light(const sandglass_room_light& light, float scale) {
     using namespace filament;
     sandglass_light_filament filament{};
