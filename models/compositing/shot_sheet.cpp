@@ -88,14 +88,14 @@ void Shot::write_sheet(const std::string& file, const Drawn& lead, std::span<con
     const int top = sheet.height - globe - k_gap;
     const sandglass::Room& seen = seen_->handle()->room;
     const Vec3 ahead = resting_camera(camera_).forward;
-    draw_globe(&sheet, seen, surroundings_.exposure, ahead, k_gap, top, globe);
-    draw_globe(&sheet, seen, surroundings_.exposure, ahead * -1.0, 2 * k_gap + globe, top, globe);
+    draw_globe(&sheet, seen, surroundings_.exposure, ahead * -1.0, k_gap, top, globe);
+    draw_globe(&sheet, seen, surroundings_.exposure, ahead, 2 * k_gap + globe, top, globe);
     char text[160];
     std::snprintf(text, sizeof text, "seen by the phone: %.0f %% of the usual light",
                   100.0 * static_cast<double>(lights_.back().seen));
     const int left = 2 * globe + 4 * k_gap;
     draw_text(&sheet, left, top + 30, k_text, text, k_ink);
-    std::snprintf(text, sizeof text, "%u images, exposed by itself; grey: not seen", seen.images);
+    std::snprintf(text, sizeof text, "%u images, ahead and behind. Grey: not seen", seen.images);
     draw_text(&sheet, left, top + 60, k_text, text, k_ink);
   }
   write_png(file, sheet);

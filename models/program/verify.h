@@ -15,9 +15,8 @@ namespace sandglass::host {
 struct VerifyOptions {
   std::string json, out, isa = "automatic", manifest, estimates, network, object = "trefoil";
   std::vector<std::string> cases, panoramas;
-  bool quick = false, untold = false;
+  bool quick = false;
   int views = 8, samples = 48;
-  double place = 0.25;
   uint64_t seed = 0;
   uint32_t threads = 1;
 };

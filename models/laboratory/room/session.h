@@ -1,6 +1,7 @@
 // A session of an app, simulated in a panorama: a phone looks around (phone.h), and the library's room looks on.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "models/compositing/phone.h"
@@ -16,12 +17,19 @@ struct SessionOptions {
 };
 
 // What the room has seen after the session. Its sphere has radius 1 about the panorama's centre; its world is the
-// panorama's. `exposure` receives that of the last image: its pixel is radiance times it.
+// panorama's. `exposure` is that of the last image: its pixel is radiance times it. Where nothing was seen it is what the
+// camera would choose for the table.
 struct SeenRoom {
   Room room;
   double exposure = 1.0;
 };
 SeenRoom look_around(const RadianceMap& panorama, Session session, const SessionOptions& options);
+
+// The panorama's radiance in each part of a room, and the room as it would be had the camera shown more.
+using PartRadiance = std::array<Vec3, k_room_parts>;
+PartRadiance true_parts(const RadianceMap& panorama);
+enum class Known { clipped_light, unseen_parts };
+Room with_known(const SeenRoom& seen, const PartRadiance& truth, Known known);
 
 // What the network of light.h makes of the one image of a table, in the panorama's frame.
 sandglass_light_estimate estimate_of_table(const RadianceMap& panorama, const SessionOptions& options,
