@@ -16,7 +16,6 @@ namespace {
 // expects.
 constexpr int k_width = SANDGLASS_LIGHT_WIDTH, k_height = SANDGLASS_LIGHT_HEIGHT;
 constexpr double k_focal = 174.60936017108344;  // in pixels; the image's diagonal spans 85 degrees
-constexpr uint64_t k_between_ns = 120'000'000;  // images of the phone that looks around
 
 // A photograph is seen as it is.
 PhoneImage photographed(const Surroundings& room, ShotCamera camera) {
@@ -47,11 +46,12 @@ const sandglass_camera_image* LightEstimate::take(const Surroundings& room, cons
 }
 
 SeenLight::SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 standing,
-                     std::vector<SessionImage> images)
+                     std::vector<SessionImage> images, uint64_t between_ns)
     : camera_(at_rest),
       azimuth_(std::atan2(at_rest.forward.z, at_rest.forward.x)),
       exposure_(room.exposure),
-      images_(std::move(images)) {
+      images_(std::move(images)),
+      between_ns_(between_ns) {
   sandglass_room_desc desc;
   sandglass_room_desc_default(&desc);
   desc.interval = 0.0f;
@@ -66,7 +66,7 @@ SeenLight::SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 s
 const sandglass_camera_image* SeenLight::take(const Surroundings& room, uint64_t time_ns) {
   const bool photo = !room.has_truth();
   const bool once = photo || images_.size() == 1;
-  if (time_ns < next_ * k_between_ns || (once && next_ == 1)) return nullptr;
+  if (time_ns < next_ * between_ns_ || (once && next_ == 1)) return nullptr;
   const SessionImage& look = images_[next_ % images_.size()];
   if (photo) image_ = photographed(room, camera_);
   else

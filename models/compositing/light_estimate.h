@@ -41,8 +41,9 @@ class LightEstimate {
 // while the picture's camera stays with the object.
 class SeenLight {
  public:
-  // `standing`: where the object is. The room is as large as the surroundings say.
-  SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 standing, std::vector<SessionImage> images);
+  // `standing`: where the object is. The room is as large as the surroundings say. `between_ns`: from image to image.
+  SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 standing, std::vector<SessionImage> images,
+            uint64_t between_ns);
 
   // The phone's image at a time, for the frame that begins then; null between images. After the last one it turns again,
   // unless there was only one.
@@ -52,7 +53,6 @@ class SeenLight {
 
   sandglass_room* handle() const { return room_; }
   const ShotLight& shown() const { return picture_; }
-  size_t taken() const { return next_; }  // images so far
 
  private:
   // As far away as it is, and as high as the eye: a place below would see a part of the floor above its horizon.
@@ -63,6 +63,7 @@ class SeenLight {
   ShotCamera camera_;
   double azimuth_, exposure_;
   std::vector<SessionImage> images_;
+  uint64_t between_ns_;
   size_t next_ = 0;
   PhoneImage image_;
   sandglass_room_light shown_ = {};

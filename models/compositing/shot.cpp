@@ -262,10 +262,15 @@ Shot::Shot(const SceneFile& scene, const ShotOptions& options)
     }
     truth_ = around(scene.frames).true_light();
   }
-  if (source_ == LightSource::room || source_ == LightSource::nothing)
-    seen_ = std::make_unique<SeenLight>(
-        surroundings_, resting_camera(camera_), standing_track(scene).position,
-        session_images(source_ == LightSource::room ? Session::full_turn_short : Session::table, 1));
+  if (source_ == LightSource::room || source_ == LightSource::nothing) {
+    constexpr double k_of_run = 0.9;  // after that the light only settles
+    std::vector<SessionImage> images =
+        session_images(source_ == LightSource::room ? Session::everything : Session::table, 1);
+    const auto between =
+        static_cast<uint64_t>(1e9 * k_of_run * scene.frames * scene.frame_step / static_cast<double>(images.size()));
+    seen_ = std::make_unique<SeenLight>(surroundings_, resting_camera(camera_), standing_track(scene_).position,
+                                        std::move(images), between);
+  }
   begin(0);  // what is shown before the first frame
 }
 
@@ -360,7 +365,7 @@ Shot::Drawn Shot::drawn(const Snapshot& snapshot, std::string name, const ShotLi
 std::vector<Shot::Drawn> Shot::alternatives(const Snapshot& snapshot, uint32_t threads) const {
   std::vector<Drawn> all;
   SeenLight start(surroundings_, resting_camera(camera_), standing_track(scene_).position,
-                  session_images(Session::table, 1));
+                  session_images(Session::table, 1), 0);
   start.take(around(snapshot.frame), 0);
   const ShotLight usual = start.follow(standing_at(snapshot.frame), 0.0, nullptr);
   all.push_back(drawn(snapshot, "no shadow", usual, CastShadow::none, threads));
