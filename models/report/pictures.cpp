@@ -128,7 +128,7 @@ static std::vector<PageFigure> page_figures(const PictureSet& set, const std::ve
     for (std::vector<FloorShadow>* of : {&bare.shadows.object, &bare.shadows.ambient})
       for (FloorShadow& shadow : *of) shadow.opacity = 0.0;
     const Picture without = draw(set, bare, view, false, k_cell_width, k_cell_height);
-    figures.push_back({"The standing object's shadow", "Textures on the floor, computed within the frames' budget.",
+    figures.push_back({"The standing object's shadow", "One texture on the floor, computed within the frames' budget.",
                        jpeg_file(without, k_page_quality), last_file, "without", "with", false});
   }
   if (particles != nullptr)
