@@ -1,5 +1,5 @@
-// An app in augmented reality. The camera looks around a room. In the light that it has seen stand a chair and a heap of
-// sand on the real floor, lit, with soft and sharp shadows: 4 ms a frame. The phone is made up; copy the rest.
+// An app in augmented reality. The camera looks around a room. In the light that it has seen stand a chair and a heap
+// of sand on the real floor, lit, with soft and sharp shadows: 4 ms a frame. The phone is made up; copy the rest.
 #include <cmath>
 #include <cstdio>
 
@@ -45,7 +45,6 @@ int main(int argc, char** argv) {
   if (status) status = scene.create(desc);
   if (status) status = scene.add(particles, grains);
   if (status) status = pile.create(pile_desc);
-
   std::vector<sandglass_grain> drawn(desc.granular.grain_capacity);  // stands for a mapped vertex buffer
   const sandglass_collider floor = sandglass::floor_at(0.0f);        // the plane that ARCore or ARKit found
   sandglass_shadow* const shadows[] = {shadow.get()};

@@ -1,5 +1,6 @@
 // See shadow_fixture.h. Golden hashes rest on these random numbers.
 #include "tests/shadow/shadow_fixture.h"
+#include "tests/int8_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -137,6 +138,10 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   AssetFile file(content);
   file.repair_checksum();
   return file;
+}
+
+std::vector<sandglass_isa> golden_sets() {
+  return SANDGLASS_EMULATED ? std::vector<sandglass_isa>{SANDGLASS_ISA_AUTOMATIC} : int8_sets();
 }
 
 sandglass_shadow_desc describe(const AssetFile& file, sandglass_isa isa, sandglass_shadow_mode mode) {
