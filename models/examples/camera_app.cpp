@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   sandglass_shadow_info chair{};
   sandglass::Shadow shadow;
   status = sandglass::inspect_shadow(shadow_desc.asset, shadow_desc.asset_bytes, &chair);
-  if (status) status = shadow.create(shadow_desc);
+  if (status) status = shadow.create(shadow_desc), shadow.run();  // a shadow from the first frame on
   if (status) status = sandglass::shadow_surface(shadow_desc, phone.chair, phone.chair_normals, &phone.chair_transfer);
   if (!status) return std::fprintf(stderr, "%s: %s\n", argv[1], status.reason), 1;
 

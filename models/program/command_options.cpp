@@ -20,7 +20,6 @@ namespace {
 using Options = std::vector<CommandOption>;
 
 constexpr const char* k_panoramas = "Files that end in .hdr or .exr, or folders of them";
-constexpr const char* k_object = "Object that is lit: a mesh file, or the name of a generated mesh";
 constexpr const char* k_shipped = "the shipped one";
 constexpr const char* k_scene = "the scene's";
 constexpr const char* k_scene_argument = "Scene file, or the name of a shipped scene";

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 
 namespace sandglass::host {
@@ -298,6 +299,9 @@ std::vector<Verdict> room_verdicts(const std::vector<Condition>& conditions) {
           of_session(condition.table, Session::full_turn).against_ambient.high, 0.0, "upper end");
   below("direction", "a full turn", table.sessions[static_cast<size_t>(Session::full_turn)].direction_deg.mean, 15.0,
         "degrees");
+  const double level = table.sessions[static_cast<size_t>(Session::full_turn)].level.mean;
+  rows.push_back({"level", "a full turn (the aim is 0.35)", "|log ratio|", 0.0, level,
+                  std::numeric_limits<double>::infinity(), true, false});
   for (const DrawnRow& row : table.drawn)
     if (row.control) below("floor", row.name, row.against_ambient.mean, 0.0, "mean", true);
   return rows;
