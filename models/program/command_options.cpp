@@ -190,6 +190,7 @@ Options room_options(RoomOptions& o) {
       {"--picture", &o.picture, "FILE", "Also write a tone-mapped picture, .png"},
       {"--width", &o.width, "N", "Width in pixels, even; the height is half of it", whole_number(16, 8192)},
       {"--samples", &o.samples, "N", "Paths a pixel", whole_number(1, 65536)},
+      {"--lamps-off", &o.lamps_off, "", "By daylight alone, as the camera sees it that was exposed with lamps on"},
       threads_option(o.threads),
   };
 }

@@ -53,6 +53,7 @@ struct RoomOptions {
   uint64_t seed = 1;
   int width = 512, samples = 64;  // of the panorama, and paths a pixel
   uint32_t threads = 1;
+  bool lamps_off = false;
 };
 int room_command(const RoomOptions& options);
 

@@ -391,6 +391,10 @@ TEST_F(Cli, RunsShotsOfFiles) {
   const std::string photo = light_of("--photo '" + path("room.png") + "' --fov 70 --light nothing");
   EXPECT_NE(panorama.substr(panorama.find("hash")), photo.substr(photo.find("hash")))
       << "another light, another shadow";
+  ASSERT_EQ(run("room --seed 3 --width 64 --samples 1 --lamps-off -o '" + path("dark.hdr") + "'").code, 0);
+  const std::string later =
+      light_of("--panorama '" + path("room.hdr") + "' --later '" + path("dark.hdr") + "' --light truth");
+  EXPECT_NE(later.substr(later.find("hash")), panorama.substr(panorama.find("hash"))) << "the lamps went off";
   // A frame's time is the library's. It leaves out the made-up camera's image, which takes some 9 ms. Beside the work
   // units it has only colliders and lights.
   const Outcome timed = run("run shot --frames 4 --light estimate --panorama '" + path("room.hdr") + "'");
