@@ -97,6 +97,10 @@ int room_command(const RoomOptions& options) {
   const RadianceMap& map = made.radiance;
   // The panorama is written last, so if it exists, everything does.
   if (!options.picture.empty()) write_png(options.picture, tone_mapped_picture(map, greatest_luminance(map)));
+  if (options.output.ends_with(".jpg")) {
+    write_kept_room(options.output, map);
+    return 0;
+  }
   write_npy(stem + "_depth.npy", made.depth, static_cast<uint64_t>(map.height), static_cast<uint64_t>(map.width));
   write_hdr(options.output, map);
   std::printf("room %llu, %d x %d, brightest %.4g, depth in %s_depth.npy\n",

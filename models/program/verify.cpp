@@ -162,8 +162,11 @@ Options verify_room_options(VerifyOptions& o) {
 
 Options verify_shot_options(VerifyOptions& o) {
   return {panoramas(o),
+          {"--manifest", &o.manifest, "FILE",
+           "CSV with the columns file, group and fold: which panoramas show the same place"},
           standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates the light"}),
-          seed_option(o.seed, "Where the cameras look: 0 for the study of 20 views, others in all panoramas"),
+          {"--quick", &o.quick, "", "Fewer rays: minutes, with errors that are a little larger"},
+          seed_option(o.seed, "Where the cameras look, and how the phone sways"),
           {"--out", &o.out, "FOLDER", "Write the table and pictures into this folder; a later run goes on from it"},
           threads_option(o.threads),
           json_option(o.json)};

@@ -40,7 +40,7 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& b
   view.radius = particles ? static_cast<float>(set.particle_radius)
                           : drawn_grain_radius(set.particle_radius, particle_count, grain_count);
   view.colliders = snapshot.colliders;
-  view.shadows = snapshot.shadows;
+  view.shadows = snapshot.shadows.object;
   view.to_light = snapshot.to_light;
   RenderOptions options;
   options.width = width, options.height = height, options.threads = set.threads;
@@ -52,7 +52,10 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& b
   char label[96];
   std::snprintf(label, sizeof label, "%s  t = %.2f s  frame %u%s", set.title.c_str(), snapshot.time, snapshot.frame,
                 particles ? "  particles" : "");
-  draw_text(&picture, 8, 8, std::max(1, height / 300), label, k_ink);
+  const int scale = std::max(1, height / 300);
+  const bool photographic = set.painter && !particles;  // any colour may be behind the label
+  if (photographic) draw_text(&picture, 8 + scale, 8 + scale, scale, label, {0, 0, 0});
+  draw_text(&picture, 8, 8, scale, label, photographic ? Colour{255, 255, 255} : k_ink);
   return picture;
 }
 
@@ -120,9 +123,10 @@ static std::vector<PageFigure> page_figures(const PictureSet& set, const std::ve
   std::snprintf(moments, sizeof moments, "The scene at %.2f s and at %.2f s.", begin.time, end.time);
   std::vector<PageFigure> figures = {
       {"First and last frame", moments, jpeg_file(first, k_page_quality), last_file, "first", "last", false}};
-  if (!end.shadows.empty()) {
+  if (!end.shadows.object.empty()) {
     Snapshot bare = end;
-    for (FloorShadow& shadow : bare.shadows) shadow.opacity = 0.0;
+    for (std::vector<FloorShadow>* of : {&bare.shadows.object, &bare.shadows.ambient})
+      for (FloorShadow& shadow : *of) shadow.opacity = 0.0;
     const Picture without = draw(set, bare, view, false, k_cell_width, k_cell_height);
     figures.push_back({"The standing object's shadow", "One texture on the floor, computed within the frames' budget.",
                        jpeg_file(without, k_page_quality), last_file, "without", "with", false});

@@ -1,6 +1,5 @@
 // See shadow_fixture.h. Golden hashes rest on these random numbers.
 #include "tests/shadow/shadow_fixture.h"
-#include "tests/int8_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +9,7 @@
 #include "flatbuffers/flatbuffers.h"
 #include "runtime/asset/shadow_asset.h"
 #include "runtime/asset/shadow_generated.h"
+#include "tests/int8_kernels.h"
 
 namespace sandglass::tests {
 

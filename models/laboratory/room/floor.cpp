@@ -109,7 +109,8 @@ FloorObject::FloorObject(std::string name, const Mesh& source, uint64_t seed, Th
     const Vec3 normal = normalised(cross(edge, other));
     const Vec3 from = corner(t, 0) + edge * a + other * b + normal * (1e-4 * height);
     for (uint32_t i = 0; i < k_sphere; ++i) {
-      const Vec3 d = sphere_direction(i / k_sphere_columns + random.uniform(), i % k_sphere_columns + random.uniform());
+      const double column = i % k_sphere_columns + random.uniform(), row = i / k_sphere_columns + random.uniform();
+      const Vec3 d = sphere_direction(row, column);
       const double facing = dot(d, normal);
       if (facing > 0 && !caster.occluded(from, d, 1e3 * height))
         facing_[static_cast<size_t>(point) * k_sphere + i] = static_cast<float>(facing);

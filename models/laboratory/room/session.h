@@ -1,38 +1,14 @@
-// A session of an app, simulated in a panorama: a phone is held upright and turned, its camera exposes by itself, clips
-// and rounds to bytes, and the library's room looks on.
+// A session of an app, simulated in a panorama: a phone looks around (phone.h), and the library's room looks on.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <string>
-#include <vector>
 
+#include "models/compositing/phone.h"
 #include "models/lighting/room_light.h"
-#include "models/rooms/panorama.h"
 #include "runtime/room/room.h"
 
 namespace sandglass::host {
-
-enum class Session {
-  nothing,          // not one image
-  table,            // one image of a table
-  around_table,     // the table, from all sides; never up
-  glance,           // the table, 60 degrees to each side, then a glance up to 15 degrees, as far to each side
-  full_turn,        // a full turn, from the horizon to 20 degrees above
-  full_turn_short,  // the same, with every fourth image exposed for a 64th of the time
-  everything        // the whole sphere, every other image for a 64th
-};
-constexpr Session k_sessions[] = {Session::nothing,   Session::table,           Session::around_table, Session::glance,
-                                  Session::full_turn, Session::full_turn_short, Session::everything};
-const char* session_name(Session session);
-
-// Where the camera looks and how it is exposed, beside what it would choose.
-struct SessionImage {
-  double yaw_deg, pitch_deg;  // against the azimuth of the session, counter-clockwise from above; up is positive
-  double exposure;
-};
-// The seed moves every direction by a few degrees, as a hand would.
-std::vector<SessionImage> session_images(Session session, uint64_t seed);
 
 struct SessionOptions {
   double azimuth = 0.0;        // radians in the panorama: where the table is
