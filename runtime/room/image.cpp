@@ -22,8 +22,9 @@ constexpr double k_farthest = 0.8;     // radii: a camera or an object farther o
 constexpr float k_weight_most = 8.0f;  // what is known of a part counts as no more images than these
 constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // least shares of a new image
 constexpr float k_clip_slack = 0.05f;  // a difference of clipped shares below this means nothing
-// What tells an exposure: parts that are remembered, that were hardly clipped (else they are brighter than is known), and
-// that are not black now. Black is one step of a byte: an image that is exposed for a 64th shows little more of a wall.
+// What tells an exposure: parts that are remembered, that were hardly clipped (else they are brighter than is known),
+// and that are not black now. Black is one step of a byte: an image that is exposed for a 64th shows little more of a
+// wall.
 constexpr double k_overlap_memory = 0.3, k_overlap_clipped = 0.01, k_overlap_dark = 0.0003, k_overlap_least = 1.0;
 constexpr double k_scale_most = 1e6;
 

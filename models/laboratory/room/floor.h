@@ -1,7 +1,7 @@
 // What a level floor receives beside an object, by rays: the truth that every way to draw a shadow is held against.
 //
-// The upper hemisphere is split into 1,024 parts of equal cosine-weighted solid angle: the strata of the cells of types.h
-// (models/baking/cell_visibility.h).
+// The upper hemisphere is split into 1,024 parts of equal cosine-weighted solid angle: the strata of the cells of
+// types.h (models/baking/cell_visibility.h).
 #pragma once
 
 #include <array>

@@ -17,8 +17,8 @@ struct SessionOptions {
 };
 
 // What the room has seen after the session. Its sphere has radius 1 about the panorama's centre; its world is the
-// panorama's. `exposure` is that of the last image: its pixel is radiance times it. Where nothing was seen it is what the
-// camera would choose for the table.
+// panorama's. `exposure` is that of the last image: its pixel is radiance times it. Where nothing was seen it is what
+// the camera would choose for the table.
 struct SeenRoom {
   Room room;
   double exposure = 1.0;
