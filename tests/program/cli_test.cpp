@@ -206,7 +206,8 @@ TEST_F(Cli, ASuiteTakesItsOptionsAlone) {
   EXPECT_EQ(options["bench granular"], (Names{"--threads", "--frames", "--peers", "--isa", "--json"}));
   EXPECT_EQ(options["bench machine"], (Names{"--json"}));
   EXPECT_EQ(options["bench growth"], (Names{"--threads", "--isa", "--json"}));
-  EXPECT_EQ(options["verify shot"], (Names{"--panoramas", "--network", "--seed", "--out", "--threads", "--json"}));
+  EXPECT_EQ(options["verify shot"],
+            (Names{"--panoramas", "--manifest", "--network", "--seed", "--quick", "--out", "--threads", "--json"}));
 }
 
 // The message names the first mistyped word, in the order typed, and the nearest right one. Each line below has what is
