@@ -131,8 +131,10 @@ Vec3 floor_reflectance(const Surroundings& room, const ShotCamera& camera, const
     const Vec3 to = Vec3{r * std::cos(turn), 0, r * std::sin(turn)} - camera.eye;
     radiance = radiance + look_up(room.panorama, to) * (1.0 / k_places);
   }
-  for (int i = 0; i < k_rays; ++i)
-    irradiance = irradiance + floor_light.sample({0, 1, 0}, random.uniform(), random.uniform()).weight * (1.0 / k_rays);
+  for (int i = 0; i < k_rays; ++i) {
+    const double second = random.uniform(), first = random.uniform();  // one order for every compiler
+    irradiance = irradiance + floor_light.sample({0, 1, 0}, first, second).weight * (1.0 / k_rays);
+  }
   const auto ratio = [](double b, double e) { return e > 0.0 ? std::clamp(k_pi * b / e, 0.02, 0.9) : 0.5; };
   return {ratio(radiance.x, irradiance.x), ratio(radiance.y, irradiance.y), ratio(radiance.z, irradiance.z)};
 }
@@ -297,8 +299,8 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
       int caught = 0, behind = 0;
       for (int i = 0; i < options.paths; ++i) {
         const auto even = [&](int k) { return lattice_point(shift[k], i, k_plane_steps[k]); };
-        const Vec3 direction =
-            normalised(camera.ray(x + random.uniform(), y + random.uniform(), options.width, options.height));
+        const double down = random.uniform(), across = random.uniform();
+        const Vec3 direction = normalised(camera.ray(x + across, y + down, options.width, options.height));
         const Hit hit = state_->closest(camera.eye, direction);
         if (hit.surface == Surface::none || (hit.surface == Surface::floor && length(hit.point) > k_catcher_reach)) {
           background = background + look_up(room.panorama, direction), ++behind;
@@ -307,9 +309,8 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
         const Vec3 start = hit.point + hit.normal * k_lift;
         Vec3 open;
         const Vec3 seen = direct(start, hit.normal, hit.surface, even(0), even(1), &open);
-        const Vec3 indirect =
-            arriving(start, cosine_direction(hit.normal, random.uniform(), random.uniform()), k_bounces - 1, &random) *
-            k_pi;
+        const double second = random.uniform(), first = random.uniform();
+        const Vec3 indirect = arriving(start, cosine_direction(hit.normal, first, second), k_bounces - 1, &random) * k_pi;
         if (hit.surface == Surface::floor) {
           // Without what stands on it, a level floor gets no indirect light: it sends none to itself.
           with = with + seen + indirect, without = without + open;

@@ -14,8 +14,8 @@ struct ShaderFrame {
   // light.
   simd_float4 sun, ambient;
   simd_float4 rectangle;  // of the texture of what the sand leaves of that other light
-  simd_float4 origin;  // the origin of the sand's scene in the session's world
-  float point_size;    // a grain's diameter in pixels at a distance of 1 m
+  simd_float4 origin;     // the origin of the sand's scene in the session's world
+  float point_size;       // a grain's diameter in pixels at a distance of 1 m
 };
 
 // The same as ShadowPlace in ShadowCatcher.metal; its strength is not read.
