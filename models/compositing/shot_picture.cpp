@@ -310,7 +310,8 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
         Vec3 open;
         const Vec3 seen = direct(start, hit.normal, hit.surface, even(0), even(1), &open);
         const double second = random.uniform(), first = random.uniform();
-        const Vec3 indirect = arriving(start, cosine_direction(hit.normal, first, second), k_bounces - 1, &random) * k_pi;
+        const Vec3 indirect =
+            arriving(start, cosine_direction(hit.normal, first, second), k_bounces - 1, &random) * k_pi;
         if (hit.surface == Surface::floor) {
           // Without what stands on it, a level floor gets no indirect light: it sends none to itself.
           with = with + seen + indirect, without = without + open;
