@@ -154,6 +154,7 @@ Options verify_room_options(VerifyOptions& o) {
            "CSV with the columns file, group and fold: which panoramas show the same place"},
           standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates one light"}),
           {"--quick", &o.quick, "", "The shipped constants, which saw these places; a quarter of the sessions"},
+          {"--pictures", &o.pictures, "", "Also the whole pictures of verify shot: every claim in one table"},
           {"--out", &o.out, "FOLDER", "Write the tables into this folder"},
           seed_option(o.seed, "How the phone sways"),
           threads_option(o.threads),

@@ -4,11 +4,13 @@
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/laboratory/room/room_study.h"
 #include "models/lighting/dataset.h"
 #include "models/program/commands.h"
 #include "models/program/verify.h"
 #include "models/work/progress.h"
+#ifdef SANDGLASS_HAVE_EMBREE
+#include "models/laboratory/room/room_study.h"
+#endif
 
 namespace sandglass::host {
 
@@ -90,7 +92,11 @@ int verify_room_command(const VerifyOptions& options) {
   const std::string markdown =
       drawn_markdown(study, table.drawn) + "\n" + sessions_markdown(table) + "\n" + conditions_markdown(conditions);
   std::printf("%zu places\n\n%s\n", table.places, markdown.c_str());
-  const std::vector<Verdict> verdicts = room_verdicts(conditions);
+  std::vector<Verdict> verdicts = room_verdicts(conditions);
+  if (options.pictures) {
+    for (const Verdict& row : check_pictures(options)) verdicts.push_back(row);
+    if (interrupted()) return k_exit_interrupted;
+  }
   print_verdicts(verdicts);
   const uint32_t failed = count_failed(verdicts);
   std::printf("%zu rows, %u failed\n", verdicts.size(), failed);

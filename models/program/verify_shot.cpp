@@ -39,10 +39,7 @@ uint32_t judge_pile_shadow(const std::vector<PileShadowError>& lights, std::vect
   return pass ? 0 : 1;
 }
 
-}  // namespace
-
-int verify_shot_command(const VerifyOptions& options) {
-  listen_for_interrupt();
+ShotStudy study_pictures(const VerifyOptions& options) {
   ShotStudyOptions study;
   study.panoramas = chosen_panoramas(options);
   study.network = options.network.empty() ? shipped_light_network() : options.network;
@@ -51,16 +48,27 @@ int verify_shot_command(const VerifyOptions& options) {
   study.manifest =
       options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;
   if (!study.folder.empty()) make_folder(study.folder);
-  ShotStudy result;
-  {
-    Progress progress("compositing and tracing views", study.panoramas.size());
-    result = study_shots(study, [&](size_t done) {
-      progress.done(done);
-      return !interrupted();
-    });
-  }
-  if (interrupted()) return k_exit_interrupted;
   if (study.network.empty()) std::printf("no lighting network: without estimates\n");
+  Progress progress("compositing and tracing views", study.panoramas.size());
+  return study_shots(study, [&](size_t done) {
+    progress.done(done);
+    return !interrupted();
+  });
+}
+
+}  // namespace
+
+std::vector<Verdict> check_pictures(const VerifyOptions& options) {
+  const ShotStudy study = study_pictures(options);
+  if (interrupted()) return {};
+  std::printf("%s\n", shot_study_text(study).c_str());
+  return shot_verdicts(study);
+}
+
+int verify_shot_command(const VerifyOptions& options) {
+  listen_for_interrupt();
+  const ShotStudy result = study_pictures(options);
+  if (interrupted()) return k_exit_interrupted;
   std::vector<Measurement> measurements;
   const std::vector<Verdict> verdicts = shot_verdicts(result);
   for (const Measurement& row : measurements_of("shot", "automatic", options.threads, verdicts))
@@ -71,7 +79,7 @@ int verify_shot_command(const VerifyOptions& options) {
   const std::string text = shot_study_text(result) + "\n" + pile_shadow_text(pile);
   std::fputs(text.c_str(), stdout);
   print_verdicts(verdicts);
-  if (!study.folder.empty()) write_file(study.folder + "/shot.md", text);
+  if (!options.out.empty()) write_file(options.out + "/shot.md", text);
   if (!options.json.empty()) write_file(options.json, measurements_json(measurements));
   return failed > 0 ? k_exit_check_failed : k_exit_done;
 }

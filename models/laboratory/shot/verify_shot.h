@@ -23,8 +23,9 @@ struct ShotStudyOptions {
   std::string folder;   // for finished views, from which a later run goes on, and for pictures; may be empty
 };
 
-// `progress` gets the number of views done and returns false to stop. Stops early, with what it has. Network and panoramas are read before anything is
-// measured; a Failure names the first that cannot be read. Without panoramas there are no views.
+// `progress` gets the number of views done and returns false to stop. Stops early, with what it has. Network and
+// panoramas are read before anything is measured; a Failure names the first that cannot be read. Without panoramas
+// there are no views.
 ShotStudy study_shots(const ShotStudyOptions& options, const std::function<bool(size_t done)>& progress);
 
 }  // namespace sandglass::host
