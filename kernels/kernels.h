@@ -49,6 +49,9 @@ struct ListArgs {
   float near_squared;  // neighbours closer than this come first in a row
   uint32_t* lists;     // k_list_slots record indices for each particle
   uint8_t* counts;     // used slots of each particle
+  uint8_t* near_counts;  // of them, those whose neighbour is near
+  // 1: a list has only those moving particles that come after its own, so that every pair is in one list.
+  int32_t halves;
 };
 
 // A regular grid of signed distances, x fastest, in the collider's own axes. Above 0 is free. Beyond the grid all is
@@ -112,6 +115,16 @@ struct ContactExtent {
   float displacement_low[3], displacement_high[3];  // of this sub-step
   uint32_t quarantined;                             // lanes not finite or out of bounds, which were put to rest
   uint32_t touched;                                 // 1: some group was marked
+};
+
+// One Gauss-Seidel pass over contacts in pairs. The range is of pairs, in which no particle that may be written comes
+// twice; pairs of the inert record fill it up to a multiple of 16. predict_motion has written the particles,
+// complete_motion goes over them afterwards; both take ContactArgs, of the first pass and of the last.
+struct PairArgs {
+  Particle* particles;      // at the start of the sub-step, with their displacement since then
+  const uint32_t *first, *second;
+  int32_t fixed;            // 1: the second particle of each pair is one of the boundary, and is never written
+  ContactArgs contact;      // radii, friction, weighting, up and limits; its arrays are not used
 };
 
 // Wakes the sleepers near colliders: those whose distance to a collider is below its margin and their own radius

@@ -25,10 +25,31 @@ constexpr float k_heaviest_counted = 10.0f;
 constexpr float k_dither = 1.0f / 1024.0f;
 
 struct PassTask {
-  contact_solve_function kernel;
+  const Kernels* kernels;
+  SubstepPhase phase;
   ContactArgs args;
   ContactExtent extents[8];
-  void run(uint32_t piece, uint32_t begin, uint32_t end) { kernel(&args, begin, end, &extents[piece]); }
+
+  void run(uint32_t piece, uint32_t begin, uint32_t end) {
+    uint32_t unused;
+    switch (phase) {
+      case SubstepPhase::stabilise:
+        return kernels->contact_stabilise(&args, begin, end, &extents[piece]);
+      case SubstepPhase::predict:
+        return kernels->predict_motion(&args, begin, end, &unused);
+      case SubstepPhase::complete:
+        return kernels->complete_motion(&args, begin, end, &extents[piece]);
+      default:
+        return kernels->contact_solve(&args, begin, end, &extents[piece]);
+    }
+  }
+};
+
+struct PairTask {
+  contact_pairs_function kernel;
+  PairArgs args;
+  uint32_t touched[8];
+  void run(uint32_t piece, uint32_t begin, uint32_t end) { kernel(&args, begin, end, &touched[piece]); }
 };
 
 void merge_extent(ContactExtent* into, const ContactExtent& from) {
@@ -56,11 +77,14 @@ void choose_arrays(const Granular& g, uint32_t pass, uint32_t passes, ContactArg
 
 ContactArgs contact_args(const Granular& g) {
   const Substep& s = g.substep;
-  const bool solve = s.phase == SubstepPhase::solve;
+  const bool solve = s.phase != SubstepPhase::stabilise, pairs = solves_pairs(g);
   const uint32_t stabilisations = g.desc.reference.stabilisation_iterations;
   const float dt = s.length;
   ContactArgs a = {};
-  choose_arrays(g, solve ? stabilisations + s.pass : s.pass, stabilisations + s.iterations, &a);
+  // Pairs are solved in place.
+  const uint32_t pass = pairs ? 0 : s.pass, passes = pairs ? 1 : s.iterations;
+  choose_arrays(g, solve ? stabilisations + pass : s.pass, stabilisations + passes, &a);
+  if (s.phase == SubstepPhase::complete) a.in = a.out;
   a.groups = g.sleep.active_groups;
   a.lists = g.neighbours.lists;
   a.counts = g.neighbours.counts;
@@ -74,19 +98,20 @@ ContactArgs contact_args(const Granular& g) {
   const float k = g.gravity_length > 0.0f ? g.desc.height_weighting : 0.0f;
   a.weight_linear = -0.25f * k;
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
-  a.lift_max = k_lift_gravities * g.gravity_length * dt * dt / static_cast<float>(s.iterations);
+  const float weight = g.gravity_length * dt * dt;
+  a.lift_max = pairs ? weight : k_lift_gravities * weight / static_cast<float>(s.iterations);
   a.inverse_relaxation = 1.0f / g.desc.reference.relaxation;
   const float densest = g.bodies.densest;
   const float heaviest = densest < 1.0f ? 1.0f : (densest < k_heaviest_counted ? densest : k_heaviest_counted);
   a.separation_max = a.averaged != 0 ? 1e6f : k_separation_units * heaviest * granular_speed_scale(g) * dt;
-  const bool first = solve && s.pass == 0;
+  const bool first = s.phase == SubstepPhase::predict || (solve && !pairs && s.pass == 0);
   a.scale = first ? dt : 1.0f;
   const float dithered = 1.0f + k_dither * (static_cast<float>(static_cast<int32_t>(s.dither)) * 0x1p-31f);
   for (int c = 0; c < 3; ++c) {
     a.up[c] = g.gravity_length > 0.0f ? -g.gravity[c] / g.gravity_length : 0.0f;
     a.gravity[c] = first ? dithered * g.gravity[c] * dt * dt : 0.0f;
   }
-  a.last = solve && s.pass + 1 == s.iterations ? 1 : 0;
+  a.last = s.phase == SubstepPhase::complete || (solve && s.pass + 1 == s.iterations) ? 1 : 0;
   a.step = dt;
   a.displacement_max = g.desc.courant * g.desc.particle_radius;
   a.colliders = g.colliders.substep_frames;
@@ -98,6 +123,8 @@ ContactArgs contact_args(const Granular& g) {
 }
 
 }  // namespace
+
+bool solves_pairs(const Granular& g) { return g.desc.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP; }
 
 void contacts_begin(Granular* g) {
   ContactExtent& e = g->substep.extent;
@@ -113,7 +140,8 @@ void contacts_begin(Granular* g) {
 bool contacts_run(Granular* g) {
   Substep& s = g->substep;
   PassTask task = {};
-  task.kernel = s.phase == SubstepPhase::solve ? g->kernels->contact_solve : g->kernels->contact_stabilise;
+  task.kernels = g->kernels;
+  task.phase = s.phase;
   task.args = contact_args(*g);
   const uint32_t items = sleep_active_items(*g);
   const uint32_t end = items - s.cursor < g->unit ? items : s.cursor + g->unit;
@@ -124,6 +152,24 @@ bool contacts_run(Granular* g) {
   }
   s.cursor = end;
   return end >= items;
+}
+
+bool contacts_run_pairs(Granular* g) {
+  Substep& s = g->substep;
+  PairTask task = {};
+  task.kernel = g->kernels->contact_pairs;
+  task.args = {g->particles.records[1], g->colours.first, g->colours.second, 0, contact_args(*g)};
+  const bool backward = ((s.dither ^ s.pass) & 1) != 0;  // its stride is odd
+  const uint32_t all = pair_count(g->colours);
+  for (uint32_t left = g->unit; left != 0 && s.cursor < all;) {
+    const PairPiece piece = pair_piece(g->colours, backward, s.cursor, left);
+    task.args.fixed = piece.fixed ? 1 : 0;
+    granular_split(*g, piece.begin, piece.end, &task);
+    s.cursor += piece.end - piece.begin;
+    left -= piece.end - piece.begin;
+  }
+  for (const uint32_t touched : task.touched) s.extent.touched |= touched;
+  return s.cursor >= all;
 }
 
 }  // namespace sandglass

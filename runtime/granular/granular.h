@@ -1,6 +1,6 @@
 // Granular material: the state of a scene's sand, put together from its parts, and what the scene does with it.
 //
-//   particles   physics          [sort, lists], stabilise, solve, bodies   substep.h   Alg. 4, in sub-steps
+//   particles   physics          [sort, lists], contacts, bodies           substep.h   Alg. 4, in sub-steps
 //   grains      what is drawn    snapshot, [sort], refine                  sweep.h     (4.39-4.44), in sweeps
 //   output      grains into the app's buffer                               output.h    mandatory, at the end of a frame
 //
@@ -17,6 +17,7 @@
 #include "runtime/granular/grains.h"
 #include "runtime/granular/neighbours.h"
 #include "runtime/granular/output.h"
+#include "runtime/granular/pair_colours.h"
 #include "runtime/granular/particles.h"
 #include "runtime/granular/simulated_time.h"
 #include "runtime/granular/sleep.h"
@@ -31,6 +32,10 @@ enum : uint32_t {
   k_unit_lists,
   k_unit_stabilise,
   k_unit_solve,
+  k_unit_colours,
+  k_unit_predict,
+  k_unit_pairs,
+  k_unit_complete,
   k_unit_snapshot,
   k_unit_grain_sort,
   k_unit_refine,
@@ -66,6 +71,7 @@ struct Granular {
   // The particles.
   Particles particles;
   Neighbours neighbours;
+  PairColours colours;
   Boundary boundary;
   Bodies bodies;
   Sleep sleep;

@@ -18,6 +18,9 @@ struct Neighbours {
   float* positions[3];       // x, y and z of the particles in sorted order, as the last build saw them
   uint32_t* lists;           // k_list_slots record indices a particle
   uint8_t* counts;           // used slots a particle
+  uint8_t* near_counts;      // of them, near ones
+  uint8_t* listed;           // one a group: 1 where the particles have lists
+  bool halves;               // every pair is in one list only
   bool valid;                // false: the lists must be rebuilt before the next sub-step
   float slack;               // metres by which pairs may still approach before the lists are stale
   float last_spread;         // metres; half the range of the last sub-step's displacements
@@ -41,8 +44,10 @@ void neighbours_begin_sort(Granular* granular);
 bool neighbours_run_sort(Granular* granular);
 bool neighbours_run_lists(Granular* granular);
 
-// Lists of the particles [begin, end), from the grid of the last build. Returns how many neighbours had no room.
+// Whole lists of the particles [begin, end), from the grid of the last build. Returns how many neighbours had no room.
 uint32_t neighbours_build(Granular* granular, uint32_t begin, uint32_t end);
+// The whole list of particle i.
+const uint32_t* neighbours_of(Granular* granular, uint32_t i, uint32_t* count);
 
 // After a sub-step: uses up the slack by its motion.
 void neighbours_wear(Granular* granular);

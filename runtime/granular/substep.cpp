@@ -1,5 +1,6 @@
-// With the small-step scheme a sub-step is no more than one solve pass: prediction, contacts, friction, colliders and
-// integration in one. Passes run over the record groups that hold an awake particle (sleep.h).
+// A sub-step predicts, resolves the contacts pair by pair, and completes the motion with the colliders. In the source's
+// scheme a pass does all of that at once. Passes over particles run over the record groups that hold an awake one
+// (sleep.h).
 #include "runtime/granular/substep.h"
 
 #include "runtime/granular/granular.h"
@@ -12,12 +13,19 @@ namespace {
 // 2^32 over the golden ratio: every stretch of the sequence averages to nothing.
 constexpr uint32_t k_dither_stride = 2654435769u;
 
+// Pairs a particle, for the forecast before they are known.
+constexpr uint64_t k_pairs_expected = 5;
+
 constexpr uint32_t bit(SubstepPhase phase) { return 1u << static_cast<uint32_t>(phase); }
 
 // ---- what follows what
 
+SubstepPhase solving(const Granular& g) { return solves_pairs(g) ? SubstepPhase::predict : SubstepPhase::solve; }
+
+// What follows once the lists are good.
 SubstepPhase first_pass(const Granular& g) {
-  return g.desc.reference.stabilisation_iterations != 0 ? SubstepPhase::stabilise : SubstepPhase::solve;
+  if (solves_pairs(g) && !g.colours.ready) return SubstepPhase::colours;
+  return g.desc.reference.stabilisation_iterations != 0 ? SubstepPhase::stabilise : solving(g);
 }
 
 // At full quality each interval is refined before the next; below it time slows rather than leave grains behind.
@@ -57,14 +65,21 @@ SubstepPhase after(Granular* g, SubstepPhase done) {
     case SubstepPhase::sort:
       return SubstepPhase::lists;
     case SubstepPhase::lists:
+    case SubstepPhase::colours:
       contacts_begin(g);
       return first_pass(*g);
     case SubstepPhase::stabilise:
       if (++s.pass < g->desc.reference.stabilisation_iterations) return SubstepPhase::stabilise;
       s.pass = 0;
-      return SubstepPhase::solve;
+      return solving(*g);
+    case SubstepPhase::predict:
+      return pair_count(g->colours) != 0 ? SubstepPhase::pairs : SubstepPhase::complete;
+    case SubstepPhase::pairs:
+      return ++s.pass < s.iterations ? SubstepPhase::pairs : SubstepPhase::complete;
     case SubstepPhase::solve:
       if (++s.pass < s.iterations) return SubstepPhase::solve;
+      [[fallthrough]];
+    case SubstepPhase::complete:
       s.pass = 0;
       if (bodies_begin(g)) return SubstepPhase::bodies;
       complete(g);
@@ -149,8 +164,12 @@ constexpr PhaseUnit k_units[] = {
     {k_unit_kind_none, ""},
     {k_unit_particle_sort, "granular.sort"},
     {k_unit_lists, "granular.lists"},
+    {k_unit_colours, "granular.colours"},
     {k_unit_stabilise, "granular.stabilise"},
     {k_unit_solve, "granular.solve"},
+    {k_unit_predict, "granular.predict"},
+    {k_unit_pairs, "granular.pairs"},
+    {k_unit_complete, "granular.complete"},
     {k_unit_bodies, "granular.bodies"},
     {k_unit_touch, "granular.touch"},
     {k_unit_wake, "granular.wake"},
@@ -169,7 +188,10 @@ uint32_t items_left(const Granular& g, SubstepPhase phase) {
       return begun ? cell_sort_items(g.neighbours.sort, g.particles.count, g.unit) : g.particles.count;
     case SubstepPhase::bodies:
       return bodies_items(g);
+    case SubstepPhase::pairs:
+      return pair_count(g.colours) - cursor;
     case SubstepPhase::lists:
+    case SubstepPhase::colours:
     case SubstepPhase::touch:
       return g.particles.count - cursor;
     case SubstepPhase::wake:
@@ -204,9 +226,15 @@ bool run_unit(Granular* g, SubstepPhase phase) {
       return neighbours_run_sort(g);
     case SubstepPhase::lists:
       return neighbours_run_lists(g);
+    case SubstepPhase::colours:
+      return pair_colours_run(g);
     case SubstepPhase::stabilise:
     case SubstepPhase::solve:
+    case SubstepPhase::predict:
+    case SubstepPhase::complete:
       return contacts_run(g);
+    case SubstepPhase::pairs:
+      return contacts_run_pairs(g);
     case SubstepPhase::bodies:
       return bodies_run(g);
     case SubstepPhase::touch:
@@ -246,8 +274,15 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   if (g.desc.reference.stabilisation_iterations != 0)
     entries[n++] = {k_unit_stabilise, substeps * g.desc.reference.stabilisation_iterations * active};
   if (g.bodies.count != 0) entries[n++] = {k_unit_bodies, substeps * 2 * g.bodies.particle_count};
-  entries[n++] = {k_unit_solve,
-                  substeps * level_iterations(k_ladder[level], g.desc.reference.solver_iterations) * active};
+  const uint64_t passes = substeps * level_iterations(k_ladder[level], g.desc.reference.solver_iterations);
+  if (!solves_pairs(g)) {
+    entries[n++] = {k_unit_solve, passes * active};
+    return n;
+  }
+  entries[n++] = {k_unit_colours, builds * 4 * count};
+  entries[n++] = {k_unit_predict, substeps * active};
+  entries[n++] = {k_unit_pairs, passes * (g.colours.ready ? pair_count(g.colours) : k_pairs_expected * active)};
+  entries[n++] = {k_unit_complete, substeps * active};
   return n;
 }
 
@@ -276,6 +311,7 @@ void substep_abandon(Granular* g) {
   while (s.phase == SubstepPhase::bodies) {
     if (bodies_run(g)) enter(g, after(g, s.phase));
   }
+  if (s.phase == SubstepPhase::colours) pair_colours_forget(&g->colours);
   if (s.phase == SubstepPhase::sort || s.phase == SubstepPhase::lists) {
     g->neighbours.valid = false;  // the records may have moved already
     bodies_find_rows(g);

@@ -12,7 +12,7 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.particle_radius = 0.01f;
   g.static_friction = 0.14f;
   g.kinetic_friction = 0.14f;
-  g.height_weighting = 0.3f;
+  g.height_weighting = 0.8f;
   g.courant = 0.5f;
   g.list_skin = 0.6f;
   g.sleep_after = 0.5f;
@@ -20,7 +20,7 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.reference.scheme = SANDGLASS_SCHEME_SMALL_STEP;
   g.reference.blend = SANDGLASS_BLEND_CONTINUOUS;
   g.reference.solver_iterations = 1;
-  g.reference.relaxation = 0.45f;
+  g.reference.relaxation = 1.0f;
 }
 
 void sandglass_frame_input_default(sandglass_frame_input* input) {

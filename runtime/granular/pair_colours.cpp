@@ -1,0 +1,130 @@
+#include "runtime/granular/pair_colours.h"
+
+#include "runtime/granular/granular.h"
+
+namespace sandglass {
+
+namespace {
+
+// Pairs a particle for which there is room: a dense packing has 4.6 within the lists' reach. As many again with the
+// boundary.
+constexpr uint64_t k_pairs_each = 8;
+
+// Runs in order: near before far; of these by colour; of one colour those with the boundary last.
+uint32_t run_of(uint32_t colour, bool far, bool fixed) { return (far ? 2 * k_pair_colours : 0) + 2 * colour + fixed; }
+
+// The colouring walks over the lists twice, first to count the pairs of each run, then to put them into their places.
+enum : uint32_t { k_clear, k_count, k_clear_again, k_place };
+
+void put_pair(PairColours* c, uint32_t run, uint32_t i, uint32_t j) {
+  const uint32_t at = c->ends[run]++;
+  ++c->found;
+  if (c->step == k_place) c->first[at] = i, c->second[at] = j;
+}
+
+// Takes the pairs of particle i that no other list holds as well. Both walks give every pair the same colour, because
+// they meet the pairs in the same order.
+void colour_row(Granular* g, uint32_t i, uint32_t* dropped) {
+  PairColours& c = g->colours;
+  const Neighbours& n = g->neighbours;
+  const uint32_t* row = n.lists + static_cast<uint64_t>(i) * k_list_slots;
+  const uint32_t count = n.counts[i], nears = n.near_counts[i];
+  for (uint32_t s = 0; s < count; ++s) {
+    const uint32_t j = row[s];
+    const bool fixed = j >= g->particles.rows, far = s >= nears;
+    if (j < i && n.listed[j / k_lane_group] != 0) continue;
+    const uint64_t both = c.taken[i] | (fixed ? 0 : c.taken[j]);
+    const uint32_t free = ~static_cast<uint32_t>(far ? both >> k_pair_colours : both);
+    if (free == 0 || c.found == c.capacity) {
+      ++*dropped;
+      continue;
+    }
+    const uint32_t colour = static_cast<uint32_t>(__builtin_ctz(free));
+    const uint64_t bit = 1ull << (colour + (far ? k_pair_colours : 0));
+    c.taken[i] |= bit;
+    if (!fixed) c.taken[j] |= bit;
+    put_pair(&c, run_of(colour, far, fixed), i, j);
+  }
+}
+
+// Between the walks: every run gets its place.
+void place_runs(PairColours* c) {
+  uint32_t at = 0;
+  for (uint32_t run = 0; run < k_pair_runs; ++run) {
+    const uint32_t count = c->ends[run];
+    c->starts[run] = c->ends[run] = at;
+    at += (count + k_lane_group - 1) / k_lane_group * k_lane_group;
+  }
+  c->starts[k_pair_runs] = at;
+  c->found = 0;
+}
+
+void fill_runs(Granular* g) {
+  PairColours& c = g->colours;
+  for (uint32_t run = 0; run < k_pair_runs; ++run) {
+    for (uint32_t at = c.ends[run]; at < c.starts[run + 1]; ++at) c.first[at] = c.second[at] = g->particles.inert;
+  }
+}
+
+}  // namespace
+
+void pair_colours_layout(PairColours* c, const sandglass_granular_desc& d, uint32_t rows, Layout* layout) {
+  c->capacity = static_cast<uint32_t>(k_pairs_each * rows * (d.boundary_capacity != 0 ? 2 : 1));
+  const uint64_t room = c->capacity + k_pair_runs * k_lane_group;
+  c->first = layout_region<uint32_t>(layout, "granular.pairs_first", room);
+  c->second = layout_region<uint32_t>(layout, "granular.pairs_second", room);
+  c->taken = layout_region<uint64_t>(layout, "granular.pair_colours", rows);
+}
+
+void pair_colours_forget(PairColours* c) {
+  c->ready = false;
+  c->step = k_clear;
+}
+
+bool pair_colours_run(Granular* g) {
+  PairColours& c = g->colours;
+  uint32_t& cursor = g->substep.cursor;
+  const uint32_t count = g->particles.count, begin = cursor, end = count - begin < g->unit ? count : begin + g->unit;
+  uint32_t dropped = 0;
+  for (uint32_t i = begin; i < end; ++i) {
+    if (c.step == k_clear || c.step == k_clear_again) c.taken[i] = 0;
+    else if (g->neighbours.listed[i / k_lane_group] != 0) colour_row(g, i, &dropped);
+  }
+  if (c.step == k_place) g->counts.dropped_contacts += dropped;
+  cursor = end;
+  if (end < count) return false;
+  cursor = 0;
+  switch (c.step++) {
+    case k_clear:
+      for (uint32_t& size : c.ends) size = 0;
+      c.found = 0;
+      return false;
+    case k_count:
+      place_runs(&c);
+      return false;
+    case k_clear_again:
+      return false;
+    default:
+      fill_runs(g);
+      c.step = k_clear;
+      return c.ready = true;
+  }
+}
+
+uint32_t pair_count(const PairColours& c) { return c.starts[k_pair_runs]; }
+
+PairPiece pair_piece(const PairColours& c, bool backward, uint32_t done, uint32_t most) {
+  uint32_t before = 0;
+  for (uint32_t at = 0; at < k_pair_runs; ++at) {
+    const uint32_t run = backward ? k_pair_runs - 1 - at : at;
+    const uint32_t length = c.starts[run + 1] - c.starts[run];
+    if (done - before < length) {
+      const uint32_t begin = c.starts[run] + (done - before), left = c.starts[run + 1] - begin;
+      return {begin, begin + (left < most ? left : most), run % 2 != 0};
+    }
+    before += length;
+  }
+  return {};
+}
+
+}  // namespace sandglass
