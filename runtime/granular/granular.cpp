@@ -79,6 +79,7 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   if (d.particle_capacity == 0) return;
   particles_layout(&g->particles, d, layout);
   neighbours_layout(&g->neighbours, g->particles.rows, layout);
+  list_slack_layout(&g->slack, g->neighbours.sort, layout);
   if (solves_pairs(*g)) pair_colours_layout(&g->colours, d, g->particles.rows, layout);
   sleep_layout(&g->sleep, d, g->particles.rows, layout);
   boundary_layout(&g->boundary, d, layout);

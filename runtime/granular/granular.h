@@ -15,6 +15,7 @@
 #include "runtime/granular/flow.h"
 #include "runtime/granular/grain_sleep.h"
 #include "runtime/granular/grains.h"
+#include "runtime/granular/list_slack.h"
 #include "runtime/granular/neighbours.h"
 #include "runtime/granular/output.h"
 #include "runtime/granular/pair_colours.h"
@@ -32,6 +33,7 @@ enum : uint32_t {
   k_unit_lists,
   k_unit_stabilise,
   k_unit_solve,
+  k_unit_slack,
   k_unit_colours,
   k_unit_predict,
   k_unit_pairs,
@@ -71,6 +73,7 @@ struct Granular {
   // The particles.
   Particles particles;
   Neighbours neighbours;
+  ListSlack slack;
   PairColours colours;
   Boundary boundary;
   Bodies bodies;

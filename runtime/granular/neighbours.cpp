@@ -87,6 +87,7 @@ void neighbours_reset(Neighbours* n, float substep) {
 void neighbours_forget(Neighbours* n, float substep) {
   n->valid = false;
   n->slack = n->last_spread = 0.0f;
+  n->measured = false;
   n->last_substep = substep;
 }
 
@@ -94,9 +95,22 @@ float neighbours_reach(const Granular& g) { return (2.0f + g.desc.list_skin) * g
 
 bool neighbours_stale(const Granular& g, uint32_t level, float substep) {
   const Neighbours& n = g.neighbours;
-  // The pass looks ahead by one sub-step of about the last one's motion.
+  // The pass looks ahead by one sub-step of about the last one's motion. A measurement must pay for itself: it is to
+  // last for two.
   const float extra = (k_ladder[level].list_reuse - 1.0f) * g.desc.list_skin * g.desc.particle_radius;
-  return !n.valid || 2.0f * n.last_spread * (substep / n.last_substep) > n.slack + extra;
+  const float ahead = (n.measured ? 4.0f : 2.0f) * n.last_spread * (substep / n.last_substep);
+  return !n.valid || ahead > n.slack + extra;
+}
+
+bool neighbours_doubt(const Granular& g) { return g.neighbours.valid && !g.neighbours.measured; }
+
+void neighbours_begin_measuring(Granular* g) { list_slack_begin(&g->slack); }
+
+bool neighbours_run_measuring(Granular* g) {
+  Neighbours& n = g->neighbours;
+  if (!list_slack_run(g, &n.slack)) return false;
+  n.measured = true;
+  return true;
 }
 
 void neighbours_begin_sort(Granular* g) {
@@ -156,6 +170,7 @@ void neighbours_wear(Granular* g) {
   n.last_spread = spread_of(*g, g->substep.extent);
   n.last_substep = g->substep.length;
   n.slack -= 2.0f * n.last_spread;
+  n.measured = false;
 }
 
 void neighbours_learn(Neighbours* n, uint32_t builds, uint32_t substeps) {

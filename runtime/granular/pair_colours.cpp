@@ -13,38 +13,69 @@ constexpr uint64_t k_pairs_each = 8;
 // Runs in order: near before far; of these by colour; of one colour those with the boundary last.
 uint32_t run_of(uint32_t colour, bool far, bool fixed) { return (far ? 2 * k_pair_colours : 0) + 2 * colour + fixed; }
 
-// The colouring walks over the lists twice, first to count the pairs of each run, then to put them into their places.
-enum : uint32_t { k_clear, k_count, k_clear_again, k_place };
+// The colouring walks over the lists twice: it colours pairs and counts those of each run, then puts them into their
+// places.
+enum : uint32_t { k_clear, k_colour, k_place };
 
-void put_pair(PairColours* c, uint32_t run, uint32_t i, uint32_t j) {
-  const uint32_t at = c->ends[run]++;
-  ++c->found;
-  if (c->step == k_place) c->first[at] = i, c->second[at] = j;
-}
+constexpr uint8_t k_no_run = 255;  // of a pair for which no colour was left
 
-// Takes the pairs of particle i that no other list holds as well. Both walks give every pair the same colour, because
-// they meet the pairs in the same order.
-void colour_row(Granular* g, uint32_t i, uint32_t* dropped) {
-  PairColours& c = g->colours;
-  const Neighbours& n = g->neighbours;
+// Calls each(index, far, other) for the pairs of particle i that no other list holds as well.
+template <class Each>
+void for_pairs(const Granular& g, uint32_t i, const Each& each) {
+  const Neighbours& n = g.neighbours;
   const uint32_t* row = n.lists + static_cast<uint64_t>(i) * k_list_slots;
   const uint32_t count = n.counts[i], nears = n.near_counts[i];
   for (uint32_t s = 0; s < count; ++s) {
     const uint32_t j = row[s];
-    const bool fixed = j >= g->particles.rows, far = s >= nears;
     if (j < i && n.listed[j / k_lane_group] != 0) continue;
-    const uint64_t both = c.taken[i] | (fixed ? 0 : c.taken[j]);
-    const uint32_t free = ~static_cast<uint32_t>(far ? both >> k_pair_colours : both);
-    if (free == 0 || c.found == c.capacity) {
-      ++*dropped;
-      continue;
-    }
-    const uint32_t colour = static_cast<uint32_t>(__builtin_ctz(free));
-    const uint64_t bit = 1ull << (colour + (far ? k_pair_colours : 0));
-    c.taken[i] |= bit;
-    if (!fixed) c.taken[j] |= bit;
-    put_pair(&c, run_of(colour, far, fixed), i, j);
+    each(s >= nears, j);
   }
+}
+
+uint32_t colour_row(Granular* g, uint32_t i) {
+  PairColours& c = g->colours;
+  const uint32_t rows = g->particles.rows, capacity = c.capacity;
+  uint64_t* const taken = c.taken;
+  uint8_t* const runs = c.runs;
+  uint64_t mine = taken[i];
+  uint32_t found = c.found, dropped = 0;
+  for_pairs(*g, i, [&](bool far, uint32_t j) {
+    if (found == capacity) {
+      ++dropped;
+      return;
+    }
+    const bool fixed = j >= rows;
+    const uint64_t both = fixed ? mine : mine | taken[j];
+    const uint32_t shift = far ? k_pair_colours : 0, free = ~static_cast<uint32_t>(both >> shift);
+    uint8_t run = k_no_run;
+    if (free != 0) {
+      const uint32_t colour = static_cast<uint32_t>(__builtin_ctz(free));
+      const uint64_t bit = 1ull << (colour + shift);
+      mine |= bit;
+      if (!fixed) taken[j] |= bit;
+      run = static_cast<uint8_t>(run_of(colour, far, fixed));
+      ++c.ends[run];
+    } else {
+      ++dropped;
+    }
+    runs[found++] = run;
+  });
+  taken[i] = mine;
+  c.found = found;
+  return dropped;
+}
+
+void place_row(Granular* g, uint32_t i) {
+  PairColours& c = g->colours;
+  uint32_t found = c.found;
+  for_pairs(*g, i, [&](bool, uint32_t j) {
+    if (found == c.capacity) return;
+    const uint8_t run = c.runs[found++];
+    if (run == k_no_run) return;
+    const uint32_t at = c.ends[run]++;
+    c.first[at] = i, c.second[at] = j;
+  });
+  c.found = found;
 }
 
 // Between the walks: every run gets its place.
@@ -73,6 +104,7 @@ void pair_colours_layout(PairColours* c, const sandglass_granular_desc& d, uint3
   const uint64_t room = c->capacity + k_pair_runs * k_lane_group;
   c->first = layout_region<uint32_t>(layout, "granular.pairs_first", room);
   c->second = layout_region<uint32_t>(layout, "granular.pairs_second", room);
+  c->runs = layout_region<uint8_t>(layout, "granular.pair_runs", c->capacity);
   c->taken = layout_region<uint64_t>(layout, "granular.pair_colours", rows);
 }
 
@@ -87,10 +119,12 @@ bool pair_colours_run(Granular* g) {
   const uint32_t count = g->particles.count, begin = cursor, end = count - begin < g->unit ? count : begin + g->unit;
   uint32_t dropped = 0;
   for (uint32_t i = begin; i < end; ++i) {
-    if (c.step == k_clear || c.step == k_clear_again) c.taken[i] = 0;
-    else if (g->neighbours.listed[i / k_lane_group] != 0) colour_row(g, i, &dropped);
+    if (c.step == k_clear) c.taken[i] = 0;
+    else if (g->neighbours.listed[i / k_lane_group] == 0) continue;
+    else if (c.step == k_colour) dropped += colour_row(g, i);
+    else place_row(g, i);
   }
-  if (c.step == k_place) g->counts.dropped_contacts += dropped;
+  g->counts.dropped_contacts += dropped;
   cursor = end;
   if (end < count) return false;
   cursor = 0;
@@ -99,10 +133,8 @@ bool pair_colours_run(Granular* g) {
       for (uint32_t& size : c.ends) size = 0;
       c.found = 0;
       return false;
-    case k_count:
+    case k_colour:
       place_runs(&c);
-      return false;
-    case k_clear_again:
       return false;
     default:
       fill_runs(g);

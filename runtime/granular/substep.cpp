@@ -41,7 +41,8 @@ SubstepPhase upcoming(const Granular& g, uint32_t level) {
   if ((s.due & bit(SubstepPhase::touch)) != 0) return SubstepPhase::touch;
   if (s.interval_left == 0 && (g.time.debt < k_time_resolution || waits_for_grains(g, level)))
     return SubstepPhase::idle;
-  return time_plan_substep(g, level).stale ? SubstepPhase::sort : first_pass(g);
+  if (!time_plan_substep(g, level).stale) return first_pass(g);
+  return neighbours_doubt(g) ? SubstepPhase::slack : SubstepPhase::sort;
 }
 
 // What runs after a complete sub-step: the first phase that is due.
@@ -56,12 +57,21 @@ SubstepPhase first_due(const Granular& g) {
 
 void complete(Granular* g);
 
+SubstepPhase begin_sort(Granular* g) {
+  neighbours_begin_sort(g);
+  return SubstepPhase::sort;
+}
+
 // The phase that follows `done`, whose last unit has run.
 SubstepPhase after(Granular* g, SubstepPhase done) {
   Substep& s = g->substep;
   switch (done) {
     case SubstepPhase::idle:
       return SubstepPhase::idle;
+    case SubstepPhase::slack:
+      if (neighbours_stale(*g, s.level, s.length)) return begin_sort(g);
+      contacts_begin(g);
+      return first_pass(*g);
     case SubstepPhase::sort:
       return SubstepPhase::lists;
     case SubstepPhase::lists:
@@ -119,10 +129,12 @@ void begin(Granular* g, uint32_t level) {
   const double before_end = g->time.debt - static_cast<double>(s.length);
   colliders_pose(g->colliders.given, g->colliders.solid_count, before_end > 0.0 ? static_cast<float>(before_end) : 0.0f,
                  g->colliders.substep_frames);
-  if (plan.stale) {
-    neighbours_begin_sort(g);
-    return enter(g, SubstepPhase::sort);
+  s.level = level;
+  if (plan.stale && neighbours_doubt(*g)) {
+    neighbours_begin_measuring(g);
+    return enter(g, SubstepPhase::slack);
   }
+  if (plan.stale) return enter(g, begin_sort(g));
   contacts_begin(g);
   enter(g, first_pass(*g));
 }
@@ -162,6 +174,7 @@ struct PhaseUnit {
 // One a phase.
 constexpr PhaseUnit k_units[] = {
     {k_unit_kind_none, ""},
+    {k_unit_slack, "granular.slack"},
     {k_unit_particle_sort, "granular.sort"},
     {k_unit_lists, "granular.lists"},
     {k_unit_colours, "granular.colours"},
@@ -190,6 +203,8 @@ uint32_t items_left(const Granular& g, SubstepPhase phase) {
       return bodies_items(g);
     case SubstepPhase::pairs:
       return pair_count(g.colours) - cursor;
+    case SubstepPhase::slack:
+      return g.particles.count;
     case SubstepPhase::lists:
     case SubstepPhase::colours:
     case SubstepPhase::touch:
@@ -222,6 +237,8 @@ bool run_unit(Granular* g, SubstepPhase phase) {
   switch (phase) {
     case SubstepPhase::idle:
       return true;
+    case SubstepPhase::slack:
+      return neighbours_run_measuring(g);
     case SubstepPhase::sort:
       return neighbours_run_sort(g);
     case SubstepPhase::lists:
@@ -269,6 +286,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   const uint64_t active = g.neighbours.valid ? sleep_active_items(g) : count;
   const uint64_t builds = static_cast<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps)) + 1;
   uint32_t n = 0;
+  entries[n++] = {k_unit_slack, 2 * builds * count};
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};
   entries[n++] = {k_unit_lists, builds * active};
   if (g.desc.reference.stabilisation_iterations != 0)
@@ -279,7 +297,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
     entries[n++] = {k_unit_solve, passes * active};
     return n;
   }
-  entries[n++] = {k_unit_colours, builds * 4 * count};
+  entries[n++] = {k_unit_colours, builds * 3 * count};
   entries[n++] = {k_unit_predict, substeps * active};
   entries[n++] = {k_unit_pairs, passes * (g.colours.ready ? pair_count(g.colours) : k_pairs_expected * active)};
   entries[n++] = {k_unit_complete, substeps * active};

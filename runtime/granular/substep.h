@@ -15,6 +15,7 @@ struct Granular;
 // In the order in which they run. Those from touch on run only where they are due.
 enum class SubstepPhase : uint32_t {
   idle,        // between sub-steps
+  slack,       // what the lists are still good for
   sort,        // the particles by cell, where the lists are stale
   lists,       // new neighbour lists
   colours,     // of the pairs, where lists are new
@@ -33,6 +34,7 @@ enum class SubstepPhase : uint32_t {
 
 struct Substep {
   SubstepPhase phase;
+  uint32_t level;           // quality level at which the sub-step began
   uint32_t due;             // phases that must run before the next sub-step begins: bit 1 << phase
   uint32_t cursor;          // next item of the phase
   uint32_t pass;            // of the stabilisation or of the solver
