@@ -6,7 +6,7 @@ namespace sandglass {
 
 namespace {
 
-enum : uint32_t { k_clear, k_gather, k_windows };
+enum : uint32_t { k_clear, k_gather, k_spread, k_widest };
 
 // As many cells are looked at for what one particle costs.
 constexpr uint32_t k_cells_per_item = 8;
@@ -22,10 +22,7 @@ void include(DisplacementBox* box, const DisplacementBox& other) {
 
 float diagonal2(const DisplacementBox& box) {
   float sum = 0.0f;
-  for (int k = 0; k < 3; ++k) {
-    const float side = box.high[k] - box.low[k];
-    sum += side > 0.0f ? side * side : 0.0f;
-  }
+  for (int k = 0; k < 3; ++k) sum += (box.high[k] - box.low[k]) * (box.high[k] - box.low[k]);
   return sum;
 }
 
@@ -38,15 +35,18 @@ struct Blocks {
 
 Blocks blocks_of(const Grid& grid) { return {{grid.bits[0] - 1, grid.bits[1] - 1, grid.bits[2] - 1}}; }
 
-// The displacements of the particles of one cell since the lists were built.
+// Where the particles of one cell will be after the sub-step that is about to begin, from where the lists saw them.
 void gather_cell(Granular* g, const Blocks& blocks, uint32_t cell) {
   const Neighbours& n = g->neighbours;
   const Grid& grid = n.sort.grid;
+  const uint32_t begin = grid.starts[cell], end = grid.starts[cell + 1];
+  if (begin == end) return;
+  const float dt = g->substep.length;
   DisplacementBox box = k_empty;
-  for (uint32_t i = grid.starts[cell]; i < grid.starts[cell + 1]; ++i) {
-    const float* now = g->particles.records[0][i].position;
+  for (uint32_t i = begin; i < end; ++i) {
+    const Particle& p = g->particles.records[0][i];
     for (int k = 0; k < 3; ++k) {
-      const float d = now[k] - n.positions[k][i];
+      const float d = (p.position[k] - n.positions[k][i]) + dt * p.velocity[k];
       box.low[k] = d < box.low[k] ? d : box.low[k];
       box.high[k] = d > box.high[k] ? d : box.high[k];
     }
@@ -56,28 +56,35 @@ void gather_cell(Granular* g, const Blocks& blocks, uint32_t cell) {
   include(&g->slack.blocks[blocks.at(x / 2, y / 2, z / 2)], box);
 }
 
-void measure_window(Granular* g, const Blocks& blocks, uint32_t block) {
-  uint32_t low[3], high[3];
-  for (int k = 0, shift = 0; k < 3; shift += static_cast<int>(blocks.bits[k++])) {
+// Puts the box of a block into the eight windows that hold the block.
+void spread_block(ListSlack* s, const Blocks& blocks, uint32_t block) {
+  const DisplacementBox& box = s->blocks[block];
+  if (box.low[0] > box.high[0]) return;
+  include(&s->all, box);
+  uint32_t here[3], before[3];
+  for (uint32_t k = 0, shift = 0; k < 3; shift += blocks.bits[k++]) {
     const uint32_t mask = (1u << blocks.bits[k]) - 1;
-    low[k] = block >> shift & mask;
-    high[k] = (low[k] + 1) & mask;
+    here[k] = block >> shift & mask;
+    before[k] = (here[k] - 1) & mask;
   }
-  DisplacementBox window = k_empty;
   for (uint32_t corner = 0; corner < 8; ++corner) {
-    include(&window, g->slack.blocks[blocks.at((corner & 1) != 0 ? high[0] : low[0], (corner & 2) != 0 ? high[1] : low[1],
-                                               (corner & 4) != 0 ? high[2] : low[2])]);
+    include(&s->windows[blocks.at((corner & 1) != 0 ? before[0] : here[0], (corner & 2) != 0 ? before[1] : here[1],
+                                  (corner & 4) != 0 ? before[2] : here[2])],
+            box);
   }
-  ListSlack& s = g->slack;
-  include(&s.all, window);
-  const float wide2 = diagonal2(window);
-  s.widest2 = wide2 > s.widest2 ? wide2 : s.widest2;
+}
+
+void measure_window(ListSlack* s, uint32_t window) {
+  if (s->windows[window].low[0] > s->windows[window].high[0]) return;
+  const float wide2 = diagonal2(s->windows[window]);
+  s->widest2 = wide2 > s->widest2 ? wide2 : s->widest2;
 }
 
 }  // namespace
 
 void list_slack_layout(ListSlack* s, const CellSort& sort, Layout* layout) {
   s->blocks = layout_region<DisplacementBox>(layout, "granular.displacements", sort.cells_max / 8);
+  s->windows = layout_region<DisplacementBox>(layout, "granular.displacement_windows", sort.cells_max / 8);
 }
 
 void list_slack_begin(ListSlack* s) {
@@ -95,15 +102,17 @@ bool list_slack_run(Granular* g, float* metres) {
   // The boundary stands still, and so may every block be beside it.
   constexpr DisplacementBox k_still = {};
   for (uint32_t done = 0; cursor < end && done < g->unit * k_cells_per_item; ++cursor, ++done) {
-    if (s.step == k_clear) s.blocks[cursor] = g->boundary.count != 0 ? k_still : k_empty;
-    else if (s.step == k_windows) measure_window(g, blocks, cursor);
+    if (s.step == k_clear) s.blocks[cursor] = g->boundary.count != 0 ? k_still : k_empty, s.windows[cursor] = k_empty;
+    else if (s.step == k_spread) spread_block(&s, blocks, cursor);
+    else if (s.step == k_widest) measure_window(&s, cursor);
     else gather_cell(g, blocks, cursor), done += k_cells_per_item * (grid.starts[cursor + 1] - grid.starts[cursor]);
   }
   if (cursor < end) return false;
   cursor = 0;
-  if (s.step++ != k_windows) return false;
+  if (s.step++ != k_widest) return false;
   const float reach = neighbours_reach(*g), diameter = 2.0f * g->desc.particle_radius;
   const float near = reach - diameter - __builtin_sqrtf(s.widest2);
+  // Where there is nothing, nothing moves.
   const float far = 2.0f * reach - diameter - __builtin_sqrtf(diagonal2(s.all));
   *metres = near < far ? near : far;
   return true;

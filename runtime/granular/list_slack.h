@@ -22,7 +22,7 @@ struct DisplacementBox {
 };
 
 struct ListSlack {
-  DisplacementBox* blocks;
+  DisplacementBox *blocks, *windows;  // as many windows: each begins with its block
   DisplacementBox all;
   uint32_t step;
   float widest2;  // squared diagonal of the widest window

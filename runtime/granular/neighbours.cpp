@@ -95,10 +95,9 @@ float neighbours_reach(const Granular& g) { return (2.0f + g.desc.list_skin) * g
 
 bool neighbours_stale(const Granular& g, uint32_t level, float substep) {
   const Neighbours& n = g.neighbours;
-  // The pass looks ahead by one sub-step of about the last one's motion. A measurement must pay for itself: it is to
-  // last for two.
+  // The pass looks ahead by one sub-step of about the last one's motion. A measurement has done that already.
   const float extra = (k_ladder[level].list_reuse - 1.0f) * g.desc.list_skin * g.desc.particle_radius;
-  const float ahead = (n.measured ? 4.0f : 2.0f) * n.last_spread * (substep / n.last_substep);
+  const float ahead = n.measured ? 0.0f : 2.0f * n.last_spread * (substep / n.last_substep);
   return !n.valid || ahead > n.slack + extra;
 }
 

@@ -81,8 +81,10 @@ void place_row(Granular* g, uint32_t i) {
 // Between the walks: every run gets its place.
 void place_runs(PairColours* c) {
   uint32_t at = 0;
+  c->filled_count = 0;
   for (uint32_t run = 0; run < k_pair_runs; ++run) {
     const uint32_t count = c->ends[run];
+    if (count != 0) c->filled[c->filled_count++] = static_cast<uint8_t>(run);
     c->starts[run] = c->ends[run] = at;
     at += (count + k_lane_group - 1) / k_lane_group * k_lane_group;
   }
@@ -147,8 +149,8 @@ uint32_t pair_count(const PairColours& c) { return c.starts[k_pair_runs]; }
 
 PairPiece pair_piece(const PairColours& c, bool backward, uint32_t done, uint32_t most) {
   uint32_t before = 0;
-  for (uint32_t at = 0; at < k_pair_runs; ++at) {
-    const uint32_t run = backward ? k_pair_runs - 1 - at : at;
+  for (uint32_t at = 0; at < c.filled_count; ++at) {
+    const uint32_t run = c.filled[backward ? c.filled_count - 1 - at : at];
     const uint32_t length = c.starts[run + 1] - c.starts[run];
     if (done - before < length) {
       const uint32_t begin = c.starts[run] + (done - before), left = c.starts[run + 1] - begin;

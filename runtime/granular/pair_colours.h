@@ -24,6 +24,8 @@ struct PairColours {
   uint32_t capacity;                  // pairs
   uint32_t starts[k_pair_runs + 1];   // of the runs
   uint32_t ends[k_pair_runs];         // behind the last pair of each run that is no filling
+  uint8_t filled[k_pair_runs];        // the runs that hold pairs, in order
+  uint32_t filled_count;
   uint32_t found;                     // pairs so far, in this walk over the lists
   uint32_t step;                      // of the colouring
   bool ready;                         // false: the lists have changed since

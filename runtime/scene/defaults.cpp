@@ -14,7 +14,7 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.kinetic_friction = 0.14f;
   g.height_weighting = 0.8f;
   g.courant = 0.5f;
-  g.list_skin = 0.6f;
+  g.list_skin = 0.8f;
   g.sleep_after = 0.5f;
   g.refine_step = 0.008f;
   g.reference.scheme = SANDGLASS_SCHEME_SMALL_STEP;
