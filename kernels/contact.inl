@@ -1,7 +1,7 @@
-// One Jacobi pass. Every particle gathers the corrections of its contacts from the positions before the pass, by
-// (4.14)-(4.27) of the dissertation. It adds them with a fixed factor or averaged (4.37), and is then pushed out of the
-// colliders, whose mass is infinite. Where the equations differ from the printed ones, runtime/README.md says why
-// ("Corrections").
+// One Jacobi pass, as the dissertation has it. Every particle gathers the corrections of its contacts from the positions
+// before the pass, by (4.14)-(4.27). It averages them (4.37), and is then pushed out of the colliders, whose mass is
+// infinite. Where the equations differ from the printed ones, runtime/README.md says why ("Corrections"). Much of this
+// serves the pairs too (pairs.inl).
 //
 // A particle holds the position at the start of the sub-step and the displacement since then. Predicted positions are
 // never stored (correction to Alg. 4): a relative position is (x_j - x_i) + (displacement_j - displacement_i), exact to
@@ -112,14 +112,7 @@ SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactT
       store(own, lane_index() + broadcast(static_cast<int32_t>(i)));
       part_coincident(own, row + s, k_list_slots, coincident, &nx, &ny, &nz);
     }
-    Float overlap = d - t.diameter;  // negative
-    Float along = zero;
-    if (k_solve) {
-      // The speed at which an overlap drives a pair apart is limited; the rest of the overlap goes in later sub-steps.
-      along = dot3(rx, ry, rz, nx, ny, nz);
-      overlap =
-          maximum(overlap, broadcast(a->inverse_relaxation) * minimum(along - broadcast(a->separation_max), zero));
-    }
+    const Float overlap = d - t.diameter;  // negative
     // Share of the correction: all of it against what does not move or is asleep, else by inverse mass.
     Float mine = select(free, half, one);
     Float lift = zero;
@@ -139,6 +132,7 @@ SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactT
     const Float push = mine * overlap;
     Float cx = push * nx, cy = push * ny, cz = push * nz;
     if (k_solve) {
+      const Float along = dot3(rx, ry, rz, nx, ny, nz);
       const Float tx = mine * (rx - along * nx), ty = mine * (ry - along * ny), tz = mine * (rz - along * nz);
       const Float grip = friction_grip(t, dot3(tx, ty, tz, tx, ty, tz), push, touch);
       cx = cx + grip * tx, cy = cy + grip * ty, cz = cz + grip * tz;
@@ -150,21 +144,11 @@ SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactT
   return sum;
 }
 
-// The correction that the contacts of a particle give: their sum by a fixed factor or averaged, with a limit on what
-// height weighting adds.
+// The correction that the contacts of a particle give: averaged, with a limit on what height weighting adds.
 template <bool k_weighted>
 SANDGLASS_INLINE void weigh_contacts(const ContactArgs* a, Float omega, ContactSum* sum) {
   const Float one = broadcast(1.0f), tiny = broadcast(1e-30f);
-  Float factor = omega;
-  if (a->averaged != 0) {
-    factor = minimum(omega / maximum(sum->contacts, one), one);
-  } else {
-    // At most twelve equal spheres touch one. More contacts come from coincident particles, whose corrections must not
-    // add up.
-    const Float crowd = minimum(broadcast(12.0f) / maximum(sum->contacts, one), one);
-    const Float crowd2 = crowd * crowd;
-    factor = omega * (crowd2 * crowd2);
-  }
+  const Float factor = minimum(omega / maximum(sum->contacts, one), one);
   sum->x = factor * sum->x, sum->y = factor * sum->y, sum->z = factor * sum->z;
   if (!k_weighted) return;
   const Float lx = factor * sum->lift_x, ly = factor * sum->lift_y, lz = factor * sum->lift_z;

@@ -76,8 +76,10 @@ struct ColliderFrame {
   FieldGrid field;  // of SANDGLASS_SHAPE_FIELD
 };
 
-// One Jacobi pass over particles: contacts and friction from the positions before the pass, then colliders. Reads `in`,
-// writes `out`. The range is of items: item i is lane i % 16 of record group groups[i / 16].
+// A pass over particles. contact_stabilise and contact_solve are Jacobi passes: contacts and friction from the positions
+// before the pass, then colliders. predict_motion and complete_motion are what comes before and after contact_pairs;
+// they need no lists. Reads `in`, writes `out`. The range is of items: item i is lane i % 16 of record group
+// groups[i / 16].
 struct ContactArgs {
   const Particle* in;
   Particle* out;
@@ -88,11 +90,12 @@ struct ContactArgs {
   float diameter;
   float static_friction, kinetic_friction;
   float relaxation;                   // omega
-  int32_t averaged;                   // 1: (4.37), the sum is scaled by min(1, omega/n); 0: by omega
   float weight_linear, weight_cubic;  // height weighting: share = 1/2 + linear*c + cubic*c^3, c = n . up
-  float lift_max;                     // metres; height weighting lifts a particle by no more in this pass
-  float inverse_relaxation;           // 1 / omega
-  float separation_max;               // metres; a pass separates a contact by its approach and no more than this
+  // Metres. Jacobi: height weighting lifts a particle by no more in this pass. Pairs: it lifts no pair that rises faster
+  // in this sub-step.
+  float lift_max;
+  // Of pairs: 1 / omega, and in metres what a pair may be driven apart by in a sub-step.
+  float inverse_relaxation, separation_max;
   float up[3];
   float scale;  // displacement = scale * u + gravity * w: (time step, g dt^2) in the first pass, (1, 0) later
   float gravity[3];

@@ -5,19 +5,20 @@ namespace sandglass {
 
 namespace {
 
-// What height weighting may lift a particle by in a sub-step, in units of what gravity takes from it. One unit carries
-// a pile; the second brakes what falls onto it. Without a limit every contact of a tower lifts what is above it: a
-// hundred particles that touched when gravity began rose to twice their height.
+// What height weighting may lift a particle by in a sub-step of the source's scheme, in units of what gravity takes from
+// it. One unit carries a pile; the second brakes what falls onto it. Without a limit every contact of a tower lifts what
+// is above it: a hundred particles that touched when gravity began rose to twice their height. Pairs need a limit on
+// what is lifted instead (pairs.inl).
 constexpr float k_lift_gravities = 2.0f;
 
-// Speed of separation that an overlap may cause, in units of sqrt(g d). Contacts by position turn an overlap o into a
-// speed of omega o / dt, a metre a second for a tenth of a radius: close-packed bodies bounced off the floor. Piles
+// Speed of separation that an overlap of a pair may cause, in units of sqrt(g d). Contacts by position turn an overlap o
+// into a speed of omega o / dt, a metre a second for a tenth of a radius: close-packed bodies bounced off the floor. Piles
 // need n g dt to carry n layers, and stay far below the limit up to 100 of them.
 constexpr float k_separation_units = 0.9f;
 
 // Sand under a heavy body carries its weight as so many layers more, up to a density ratio of this: sand that may be
 // driven apart faster is thrown about by bodies a thousand times as dense.
-constexpr float k_heaviest_counted = 10.0f;
+constexpr float k_heaviest_counted = 5.0f;
 
 // Gravity of a sub-step is varied by this share, to and fro. A fall adds nearly the same increment in every sub-step,
 // and its rounding has the same sign as long as the velocity's exponent stays: 5,000 sub-steps drifted by up to 8e-5 of
@@ -49,7 +50,11 @@ struct PairTask {
   contact_pairs_function kernel;
   PairArgs args;
   uint32_t touched[8];
-  void run(uint32_t piece, uint32_t begin, uint32_t end) { kernel(&args, begin, end, &touched[piece]); }
+  void run(uint32_t piece, uint32_t begin, uint32_t end) {
+    uint32_t some = 0;
+    kernel(&args, begin, end, &some);
+    touched[piece] |= some;
+  }
 };
 
 void merge_extent(ContactExtent* into, const ContactExtent& from) {
@@ -94,7 +99,6 @@ ContactArgs contact_args(const Granular& g) {
   a.static_friction = g.desc.static_friction;
   a.kinetic_friction = g.desc.kinetic_friction;
   a.relaxation = g.desc.reference.relaxation;
-  a.averaged = g.desc.reference.scheme == SANDGLASS_SCHEME_AVERAGED ? 1 : 0;
   const float k = g.gravity_length > 0.0f ? g.desc.height_weighting : 0.0f;
   a.weight_linear = -0.25f * k;
   a.weight_cubic = k * k * k * (1.0f / 48.0f);
@@ -103,7 +107,7 @@ ContactArgs contact_args(const Granular& g) {
   a.inverse_relaxation = 1.0f / g.desc.reference.relaxation;
   const float densest = g.bodies.densest;
   const float heaviest = densest < 1.0f ? 1.0f : (densest < k_heaviest_counted ? densest : k_heaviest_counted);
-  a.separation_max = a.averaged != 0 ? 1e6f : k_separation_units * heaviest * granular_speed_scale(g) * dt;
+  a.separation_max = k_separation_units * heaviest * granular_speed_scale(g) * dt;
   const bool first = s.phase == SubstepPhase::predict || (solve && !pairs && s.pass == 0);
   a.scale = first ? dt : 1.0f;
   const float dithered = 1.0f + k_dither * (static_cast<float>(static_cast<int32_t>(s.dither)) * 0x1p-31f);

@@ -129,12 +129,13 @@ void work_grid_cells(const Kernels& kernels) {
 void work_neighbour_lists(const Kernels& kernels) {
   Pile pile;
   Sorted sorted(&pile, kernels, Pile::reach, 2);
+  std::vector<uint8_t> near_counts(k_items);
   ListArgs args = {};
   args.grid = sorted.sort.grid;
   for (int k = 0; k < 3; ++k) args.positions[k] = sorted.axes[k].data();
   args.inert = k_items;
   args.reach_squared = Pile::reach * Pile::reach, args.near_squared = 4.4f * k_radius * k_radius;
-  args.lists = pile.lists.data(), args.counts = pile.counts.data();
+  args.lists = pile.lists.data(), args.counts = pile.counts.data(), args.near_counts = near_counts.data();
   count(kernels.neighbour_lists, args);
 }
 
@@ -152,7 +153,7 @@ void contact(contact_solve_function kernel, const ColliderFrame* beside) {
   args.particle_count = k_items;
   args.radius = k_radius, args.diameter = 2 * k_radius;
   args.static_friction = args.kinetic_friction = 0.14f;
-  args.relaxation = omega, args.inverse_relaxation = 1.0f / omega, args.separation_max = 4e-4f;
+  args.relaxation = omega;
   args.weight_linear = -0.15f, args.weight_cubic = 0.0045f, args.lift_max = 2e-5f, args.up[1] = 1.0f;
   args.scale = args.step = step, args.gravity[1] = -9.81f * step * step;
   args.displacement_max = 1.0f;
