@@ -112,7 +112,6 @@ bool list_slack_run(Granular* g, float* metres) {
   if (s.step++ != k_widest) return false;
   const float reach = neighbours_reach(*g), diameter = 2.0f * g->desc.particle_radius;
   const float near = reach - diameter - __builtin_sqrtf(s.widest2);
-  // Where there is nothing, nothing moves.
   const float far = 2.0f * reach - diameter - __builtin_sqrtf(diagonal2(s.all));
   *metres = near < far ? near : far;
   return true;

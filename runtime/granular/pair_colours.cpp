@@ -6,9 +6,9 @@ namespace sandglass {
 
 namespace {
 
-// Pairs a particle for which there is room: a dense packing has 4.6 within the lists' reach. As many again with the
-// boundary.
-constexpr uint64_t k_pairs_each = 8;
+// Pairs a particle for which there is room, and as many again with the boundary. The densest packing has 9 within the
+// longest reach, 3 r: 12 neighbours touch and 6 more are at 2.83 r, and a pair counts for both. The rest is for overlap.
+constexpr uint64_t k_pairs_each = 12;
 
 // Runs in order: near before far; of these by colour; of one colour those with the boundary last.
 uint32_t run_of(uint32_t colour, bool far, bool fixed) { return (far ? 2 * k_pair_colours : 0) + 2 * colour + fixed; }
