@@ -6,7 +6,7 @@
 
 #include "models/lighting/room_light.h"
 #include "models/rooms/excerpt.h"
-#include "runtime/core/random.h"
+#include "models/work/random.h"
 #include "sandglass/light.h"
 
 namespace sandglass::host {
@@ -108,12 +108,8 @@ std::vector<SessionImage> session_images(Session session, uint64_t seed) {
   }
   Random random = random_stream(seed, k_sway_stream);
   for (SessionImage& image : images) {
-    const auto sway = [&random] {
-      const double a = std::sqrt(-2.0 * std::log(1.0 - random.uniform()));
-      return k_sway_deg * a * std::cos(2.0 * std::numbers::pi * random.uniform());
-    };
-    image.yaw_deg += sway();
-    image.pitch_deg = std::clamp(image.pitch_deg + sway(), -85.0, 85.0);
+    image.yaw_deg += k_sway_deg * normal_deviate(&random);
+    image.pitch_deg = std::clamp(image.pitch_deg + k_sway_deg * normal_deviate(&random), -85.0, 85.0);
   }
   return images;
 }

@@ -10,7 +10,7 @@
 #include "models/rooms/panorama_file.h"
 #include "models/simulation/scene_meshes.h"
 #include "models/simulation/scene_shadows.h"
-#include "runtime/core/random.h"
+#include "models/work/random.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/shadow.h"
 
@@ -232,8 +232,7 @@ Picture developed(const RadianceMap& shown, double blur_pixels, uint64_t seed) {
   for (size_t i = 0; i < map.rgb.size(); ++i) {
     Random random = random_stream(i, k_noise_stream + seed);
     const double x = static_cast<double>(map.rgb[i]);
-    const double far = std::sqrt(-2.0 * std::log(1.0 - random.uniform()));
-    const double normal = far * std::cos(2.0 * std::numbers::pi * random.uniform());
+    const double normal = normal_deviate(&random);
     picture.rgb[i] = srgb_byte(x + normal * std::sqrt(k_shot_noise * std::max(x, 0.0) + k_read_noise * k_read_noise));
   }
   return picture;

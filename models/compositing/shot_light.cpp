@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "runtime/core/light_cells.h"
+#include "models/baking/light_cells.h"
 #include "runtime/light/harmonics.h"
 
 namespace sandglass::host {
 
 namespace {
 
-constexpr double k_pi = std::numbers::pi;
 constexpr double k_least_cosine = 0.1;  // a lower light would have to be brighter than any is
 
 std::array<double, k_harmonics> harmonics_at(Vec3 d) {
@@ -20,19 +18,6 @@ std::array<double, k_harmonics> harmonics_at(Vec3 d) {
   harmonic_polynomials(v, values.data());
   for (uint32_t j = 0; j < k_harmonics; ++j) values[j] *= k_harmonic_factors[j];
   return values;
-}
-
-uint32_t cell_of(Vec3 d) {
-  const double turns = std::atan2(d.z, d.x) / (2.0 * k_pi);
-  const auto sector = static_cast<uint32_t>((turns - std::floor(turns)) * k_cell_sectors) % k_cell_sectors;
-  const uint32_t ring = std::min(static_cast<uint32_t>(d.y * d.y * k_cell_rings), k_cell_rings - 1);
-  return ring * k_cell_sectors + sector;
-}
-
-Vec3 cell_middle(uint32_t cell) {
-  const double up = std::sqrt((cell / k_cell_sectors + 0.5) / k_cell_rings), level = std::sqrt(1.0 - up * up);
-  const double azimuth = 2.0 * k_pi * (cell % k_cell_sectors + 0.5) / k_cell_sectors;
-  return {level * std::cos(azimuth), up, level * std::sin(azimuth)};
 }
 
 ShotLight dark() {
@@ -45,15 +30,17 @@ ShotLight dark() {
 
 // The radiance of the main light's facing surface, for each colour.
 Vec3 main_facing(const ShotLight& light) {
-  const double all = luminance(irradiance_of(light)) * static_cast<double>(light.main_share) / k_pi;
-  return from_floats(light.main_colour) * (all / std::max(main_direction_of(light).y, k_least_cosine));
+  double facing[3];
+  main_light_of(light, facing);
+  return {facing[0], facing[1], facing[2]};
 }
 
 }  // namespace
 
 Vec3 mean_direction_of(const ShotLight& light) {
   Vec3 sum = main_direction_of(light) * static_cast<double>(light.main_share);
-  for (uint32_t i = 0; i < k_light_cells; ++i) sum = sum + cell_middle(i) * static_cast<double>(light.ambient_cells[i]);
+  for (uint32_t i = 0; i < k_light_cells; ++i)
+    sum = sum + cell_direction(i, 0.5, 0.5) * static_cast<double>(light.ambient_cells[i]);
   return length(sum) > 0.0 ? normalised(sum) : Vec3{0, 1, 0};
 }
 

@@ -20,19 +20,6 @@ void paste(Picture* onto, const Picture& picture, int left, int top) {
     std::copy_n(picture.at(0, y), 3 * static_cast<size_t>(picture.width), onto->at(left, top + y));
 }
 
-// The mean of 2 x 2 pixels.
-Picture halved(const Picture& picture) {
-  Picture half(picture.width / 2, picture.height / 2, {0, 0, 0});
-  for (int y = 0; y < half.height; ++y)
-    for (int x = 0; x < half.width; ++x)
-      for (int c = 0; c < 3; ++c)
-        half.at(x, y)[c] =
-            static_cast<uint8_t>((picture.at(2 * x, 2 * y)[c] + picture.at(2 * x + 1, 2 * y)[c] +
-                                  picture.at(2 * x, 2 * y + 1)[c] + picture.at(2 * x + 1, 2 * y + 1)[c] + 2) /
-                                 4);
-  return half;
-}
-
 // The sphere around the session from outside, seen along `towards` and from a little above: each part in the colour that
 // was seen there, grey where nothing was.
 void draw_globe(Picture* picture, const sandglass::Room& room, double exposure, Vec3 towards, int left, int top,

@@ -23,9 +23,8 @@ constexpr int k_cell_width = 640, k_cell_height = 480, k_columns = 4;
 constexpr size_t k_grain_cells = 12, k_particle_cells = 4;
 constexpr int k_gap = 6;  // pixels between cells
 constexpr int k_large_width = 1280, k_large_height = 960;
-constexpr double k_film_period = 0.04;                  // seconds; 25 pictures a second
-constexpr double k_snapshot_bytes = 768.0 * 1048576.0;  // memory for all snapshots of a run
-constexpr int k_gif_width = 320, k_gif_height = 240;
+constexpr double k_film_period = 0.04;                    // seconds; 25 pictures a second
+constexpr double k_snapshot_bytes = 768.0 * 1048576.0;    // memory for all snapshots of a run
 constexpr int k_page_quality = 88, k_sheet_quality = 80;  // JPEG quality
 constexpr int k_plain_samples = 3;                        // per pixel and axis
 constexpr Colour k_ink = {20, 24, 30};
@@ -97,18 +96,6 @@ std::string write_film(const PictureSet& set, const std::vector<Picture>& small,
   const std::string film = (fs::path(set.folder) / "film.gif").string();
   write_gif(film, small, std::max(2, static_cast<int>(std::lround(100.0 * set.seconds_per_snapshot))));
   return film;
-}
-
-Picture halved(const Picture& picture) {
-  Picture small(k_gif_width, k_gif_height, {0, 0, 0});
-  for (int y = 0; y < k_gif_height; ++y)
-    for (int x = 0; x < k_gif_width; ++x)
-      for (int c = 0; c < 3; ++c)
-        small.at(x, y)[c] =
-            static_cast<uint8_t>((picture.at(2 * x, 2 * y)[c] + picture.at(2 * x + 1, 2 * y)[c] +
-                                  picture.at(2 * x, 2 * y + 1)[c] + picture.at(2 * x + 1, 2 * y + 1)[c] + 2) /
-                                 4);
-  return small;
 }
 
 }  // namespace
