@@ -27,9 +27,10 @@ constexpr float k_clip_slack = 0.05f;  // a difference of clipped shares below t
 // wall.
 constexpr double k_overlap_memory = 0.3, k_overlap_clipped = 0.01, k_overlap_dark = 0.0003, k_overlap_least = 1.0;
 constexpr double k_scale_most = 1e6;
-// The light of the whole room has changed where what is seen again is brighter or darker by this, in the logarithm:
-// half as bright again.
-constexpr double k_change = 0.405;
+// The light of the whole room has changed where almost all that is seen again is brighter or darker by half: in the
+// logarithm, the share of what is compared, how much is compared (parts on the horizon), and how bright a part is shown
+// at least, so that bytes do not round it.
+constexpr double k_change = 0.405, k_change_share = 0.8, k_change_least = 8.0, k_change_dark = 0.01;
 constexpr float k_radiance_most = 1e6f;  // of a part
 
 // sRGB to linear light, (c + 0.055) / 1.055 to the power 2.4, by Newton's fifth root: x^2.4 = x^2 (x^2)^(1/5).
@@ -111,7 +112,8 @@ Observation observe(const RoomView& view, uint32_t images, uint32_t row, uint32_
   return seen;
 }
 
-// The solid angle of a part that is remembered well and shown whole, both unclipped; 0 for others. Of the widest it is 1.
+// The solid angle of a part that is remembered well and shown whole, both unclipped; 0 for others. On the horizon it is
+// 1.
 double comparable(const Room& room, uint32_t part, const Observation& now) {
   const RoomPart& known = room.parts[part];
   if (room_memory(room, known) * static_cast<double>(known.seen) < k_overlap_memory) return 0;
@@ -159,25 +161,24 @@ void learn(Room* room, uint32_t part) {
   rate = rate > least ? rate : least;
   for (int c = 0; c < 3; ++c) known->radiance[c] += rate * (static_cast<float>(colour[c]) - known->radiance[c]);
   known->clipped += rate * (clipped - known->clipped);
-  if (compared > 0) {
-    room->view.log_sum += compared * logarithm(before / after);
+  if (compared > 0 && luminance(now.colour) > k_change_dark) {
+    const double darker = logarithm(before / after);
+    room->view.log_sum += compared * darker;
     room->view.log_weight += compared;
+    if (__builtin_fabs(darker) > k_change) room->view.votes += darker > 0 ? compared : -compared;
   }
 }
 
-// Where the light of the room has changed, what is out of the picture has changed too, by as much as one can tell. It
-// may be there that a lamp went out, so it is believed less. What is in the picture is gathered once more.
+// Where the light of the room has changed, what is out of the picture has changed as much, as far as one can tell: its
+// level follows, its shares stay. What is in the picture is gathered once more and believed.
 bool follow_change(Room* room) {
   RoomView* view = &room->view;
-  if (!room->exposure_known || view->renews || view->log_weight < k_overlap_least) return false;
-  const double darker = view->log_sum / view->log_weight;
-  if (__builtin_fabs(darker) < k_change) return false;
-  const auto factor = static_cast<float>(exponential(-darker)),
-             belief = static_cast<float>(exponential(-__builtin_fabs(darker)));
+  if (!room->exposure_known || view->renews || view->log_weight < k_change_least) return false;
+  if (__builtin_fabs(view->votes) < k_change_share * view->log_weight) return false;
+  const auto factor = static_cast<float>(exponential(-view->log_sum / view->log_weight));
   for (RoomPart& part : room->parts) {
     if (part.stamp == view->stamp) continue;  // in the picture
     for (float& c : part.radiance) c = c * factor < k_radiance_most ? c * factor : k_radiance_most;
-    part.seen *= belief, part.weight *= belief;
   }
   view->renews = true;
   return true;
@@ -259,7 +260,7 @@ bool room_take_image(Room* room, const CameraImage& image) {
   if (room->images != 0) view->stamp += static_cast<float>(static_cast<double>(step) * 1e-9);
   room->last_ns = image.timestamp_ns;
   view->image = with_turn(image);
-  view->log_sum = view->log_weight = 0;
+  view->log_sum = view->log_weight = view->votes = 0;
   view->renews = false;
   place(*room, view);
   const bool known = room->exposure_known && image.exposure > 0;

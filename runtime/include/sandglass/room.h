@@ -24,9 +24,9 @@
  * as far as one can tell: little may hide a strong lamp. Above 0.02, an app that can set its camera helps most by a
  * short exposure, such as a sixty-fourth, for as long as desc.interval, so that the room takes one such image.
  *
- * Light that changes. What the camera sees again is learned within a few images. Where that has become brighter or
- * darker by half and the app tells the exposure, what is out of the picture is taken to have changed as much, and is
- * believed less: a lamp that went out may be there.
+ * Light that changes. What the camera sees again is learned within a few images. Where four fifths of that have become
+ * brighter or darker by half and the app tells the exposure, what is out of the picture is taken to have changed as
+ * much. So the level follows at once; from where the light comes is learned when the camera looks there.
  *
  * Radiance is in the camera's scale: 1 is what the last image shows as white, in linear light.
  *
