@@ -4,6 +4,7 @@
 #   package.sh NPM_FOLDER WORK_FOLDER
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+command -v npm >/dev/null || { echo "npm is not installed"; exit 77; }
 npm=$(cd "$1" && pwd) work=$2
 rm -rf "$work" && mkdir -p "$work/app"
 npm_quiet=(npm --offline --no-audit --no-fund --no-update-notifier --loglevel=error --cache "$work/cache")
