@@ -15,6 +15,7 @@ import { structs, functions, constants } from "./abi.mjs";
 export { constants };
 
 const k_block_alignment = constants.SANDGLASS_BLOCK_ALIGNMENT;
+const k_least_step_ns = 1000n;  // from one reading of the clock to the next
 const k_arrays = {
   u8: Uint8Array, i8: Int8Array, u16: Uint16Array, i16: Int16Array, u32: Uint32Array, i32: Int32Array, ptr: Uint32Array,
   u64: BigUint64Array, i64: BigInt64Array, f32: Float32Array, f64: Float64Array,
@@ -102,10 +103,13 @@ async function compiled(source) {
 // this file. `options.now` is the clock of sandglass_clock_system(), in milliseconds; without it, performance.now().
 export async function load(source, options = {}) {
   const now = options.now ?? (() => performance.now());
-  let memory;
+  let memory, reading = 0n;
   const host = {
     clock_time_get(_clock, _precision, at) {
-      new DataView(memory.buffer).setBigUint64(at, BigInt(Math.round(now() * 1e6)), true);
+      // Browsers round their clock, up to 0.1 ms. One that stands still over several work units would count as broken.
+      const told = BigInt(Math.round(now() * 1e6));
+      reading = told > reading ? told : reading + k_least_step_ns;
+      new DataView(memory.buffer).setBigUint64(at, reading, true);
       return 0;
     },
     proc_exit(code) { throw new Error(`sandglass: the module ended with code ${code}.`); },
