@@ -15,6 +15,10 @@
 
 namespace sandglass::host {
 
+// The most particles and grains of all bodies of a scene together. They are far above what a frame simulates, and take
+// some gigabytes.
+constexpr uint32_t k_particle_limit = 10'000'000, k_grain_limit = 40'000'000;
+
 enum class BodyShape { trefoil, mesh, box, sphere, lattice, revolved };
 
 // Signed distance of a point from the solid that the outline makes when it turns about the y axis; above 0 outside.
