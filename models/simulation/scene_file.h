@@ -15,9 +15,8 @@
 
 namespace sandglass::host {
 
-// The most particles and grains of all bodies of a scene together. They are far above what a frame simulates, and take
-// some gigabytes.
-constexpr uint32_t k_particle_limit = 10'000'000, k_grain_limit = 40'000'000;
+// The most particles and grains of all bodies of a scene together: the library's limits.
+constexpr uint32_t k_particle_limit = 4'000'000, k_grain_limit = 64'000'000;
 
 enum class BodyShape { trefoil, mesh, box, sphere, lattice, revolved };
 

@@ -219,7 +219,7 @@ TEST_F(CliFiles, MoreThanAMachineHoldsIsRefusedInTheSceneFile) {
       sand + R"("box", "size": [10, 10, 10]}]})",
       sand + R"("sphere", "size": 0.1, "grains": 100000000}]})",
       sand + R"("sphere", "size": 0.1, "grain_distance": 0.00001}]})",
-      sand + R"("box", "particles": 9000000}, {"shape": "box", "particles": 9000000}]})",
+      sand + R"("box", "particles": 3000000}, {"shape": "box", "particles": 3000000}]})",
       R"({"particle_radius": 0.01, "particle_capacity": 100000000, "emitters": [{"position": [0, 1, 0], "radius": 0.1}]})"};
   for (const std::string& scene : many)
     for (const char* command : {"run ", "inspect "})
