@@ -24,6 +24,10 @@
  * as far as one can tell: little may hide a strong lamp. Above 0.02, an app that can set its camera helps most by a
  * short exposure, such as a sixty-fourth, for as long as desc.interval, so that the room takes one such image.
  *
+ * Light that changes. What the camera sees again is learned within a few images. Where four fifths of that have become
+ * brighter or darker by half and the app tells the exposure, what is out of the picture is taken to have changed as
+ * much. So the level follows at once; from where the light comes is learned when the camera looks there.
+ *
  * Radiance is in the camera's scale: 1 is what the last image shows as white, in linear light.
  *
  * Cost. An image is read in the call or the frame that it is passed to, in units of at most 64 parts. Nothing is
