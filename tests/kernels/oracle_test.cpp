@@ -21,7 +21,8 @@ constexpr float k_radius = 0.01f;
 
 std::vector<const Kernels*> tables() {
   std::vector<const Kernels*> all;
-  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_AVX512; ++isa) {
+  for (const sandglass_isa isa :
+       {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_NEON, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512, SANDGLASS_ISA_WASM}) {
     if (const Kernels* kernels = select_kernels(isa)) all.push_back(kernels);
   }
   return all;
