@@ -3,6 +3,7 @@
 // (sleep.h).
 #include "runtime/granular/substep.h"
 
+#include "kernels/whole.h"
 #include "runtime/granular/granular.h"
 #include "runtime/granular/ladder.h"
 
@@ -287,7 +288,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   // A pile that lies still builds no lists.
   const float due = g.neighbours.valid ? 0.5f : 1.0f;
   const uint64_t builds =
-      static_cast<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps) + due);
+      to_whole<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps) + due);
   uint32_t n = 0;
   entries[n++] = {k_unit_slack, 2 * builds * count};
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};

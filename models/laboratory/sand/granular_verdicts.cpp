@@ -15,6 +15,7 @@ namespace sandglass::host {
 namespace {
 
 constexpr double k_wrong_mu = 0.1, k_rough_mu = 0.6;
+constexpr double k_slippery_mu = 0.05;  // half the default
 constexpr double k_reported = std::numeric_limits<double>::infinity();
 
 struct Stopped {};
@@ -155,11 +156,11 @@ void column(Table& t) {
   for (const double aspect : {0.5, 1.0}) {
     CollapseSetting setting;
     setting.aspect = aspect;
-    const double runout = mean_runout(t.with_friction(k_wrong_mu), setting, k_seeds), law = lube_runout(aspect);
-    if (aspect == 0.5) t.control("column a=0.5, mu=0.1", "R0", law, runout, 0.25 * law);
+    const double runout = mean_runout(t.with_friction(k_slippery_mu), setting, k_seeds), law = lube_runout(aspect);
+    if (aspect == 0.5) t.control("column a=0.5, mu=0.05", "R0", law, runout, 0.25 * law);
     curves.wrong_aspects.push_back(aspect), curves.wrong_runouts.push_back(runout);
   }
-  t.control("column exponent, mu=0.1", "", 1.0, fitted_exponent(curves.wrong_aspects, curves.wrong_runouts), 0.15);
+  t.control("column exponent, mu=0.05", "", 1.0, fitted_exponent(curves.wrong_aspects, curves.wrong_runouts), 0.15);
   t.control("column a=1, mu=0.6", "R0", lube_runout(1.0), mean_runout(t.with_friction(k_rough_mu), {}, 1),
             0.25 * lube_runout(1.0));
 }
