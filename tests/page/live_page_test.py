@@ -136,7 +136,7 @@ def main():
     page = assemble(web_scene, npm, work)
     check(page.stat().st_size <= 3e6, "the page is larger than 3 MB")
     driver.PATIENCE = 240
-    browser = Browser(program, 1100, 900)
+    browser = Browser(program, 700, 620)  # it is drawn on the CPU
     try:
         browser.open(page)
         wait_until(browser, "document.documentElement.dataset.sand")
