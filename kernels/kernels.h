@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "kernels/particle.h"
+#include "kernels/whole.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass {

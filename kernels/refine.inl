@@ -33,7 +33,7 @@ SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index
 }
 
 SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
-  const int32_t truncated = static_cast<int32_t>(scaled);
+  const int32_t truncated = to_whole<int32_t>(scaled);
   return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
 }
 

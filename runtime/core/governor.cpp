@@ -7,6 +7,7 @@
 // so no reading can overflow anything.
 #include "runtime/core/governor.h"
 
+#include "kernels/whole.h"
 #include "platform/check.h"
 #include "platform/trace.h"
 #include "runtime/core/predictor.h"
@@ -56,7 +57,7 @@ struct Frame {
 };
 
 uint64_t share_of(uint64_t time, float share) {
-  const uint64_t parts = share > 0.0f ? (share < 1.0f ? static_cast<uint64_t>(share * k_share_one) : k_share_one) : 0;
+  const uint64_t parts = share > 0.0f ? (share < 1.0f ? to_whole<uint64_t>(share * k_share_one) : k_share_one) : 0;
   return time / k_share_one * parts + time % k_share_one * parts / k_share_one;
 }
 

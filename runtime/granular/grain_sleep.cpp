@@ -1,5 +1,6 @@
 #include "runtime/granular/grain_sleep.h"
 
+#include "kernels/whole.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -49,7 +50,7 @@ void make_tile(Granular* g, uint32_t group) {
 }
 
 int32_t floor_cell(float scaled) {
-  const int32_t truncated = static_cast<int32_t>(scaled);
+  const int32_t truncated = to_whole<int32_t>(scaled);
   return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
 }
 

@@ -1,5 +1,6 @@
 #include "runtime/granular/sweep.h"
 
+#include "kernels/whole.h"
 #include "runtime/granular/granular.h"
 #include "runtime/granular/ladder.h"
 
@@ -76,7 +77,7 @@ void begin(Granular* g, uint32_t level) {
   const float longest =
       k_ladder[level].refine_often || t.frame_step < g->desc.refine_step ? g->desc.refine_step : t.frame_step;
   const double count = t.grain_lag / static_cast<double>(longest);
-  const uint32_t whole = static_cast<uint32_t>(count);
+  const uint32_t whole = to_whole<uint32_t>(count);
   uint32_t steps = count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
   if (steps > k_sweep_steps_max) steps = k_sweep_steps_max;
   g->sweep.time = t.grain_lag;
@@ -243,7 +244,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   uint64_t sweeps = 0;
   if (t.debt >= k_time_resolution || t.grain_lag >= k_time_resolution) {
     sweeps = k_ladder[level].refine_often
-                 ? static_cast<uint64_t>((t.debt + t.grain_lag) / static_cast<double>(g.desc.refine_step)) + 1
+                 ? to_whole<uint64_t>((t.debt + t.grain_lag) / static_cast<double>(g.desc.refine_step)) + 1
                  : 1;
   }
   if (sweeps == 0) return 0;

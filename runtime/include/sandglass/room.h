@@ -140,7 +140,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sand
  *
  * No cell and no share moves by more than that share of what is left: 3.3 % in a frame at 60 Hz. A main light that is
  * more than 20 degrees from the one before fades out before the new one fades in. irradiance and sh follow a change of
- * exposure at once. Does nothing where `seconds` is not in 0..3600, or *now was not filled. */
+ * exposure at once. Does nothing where `seconds` is not in 0..3600, or *now was not filled or is not finite. */
 SANDGLASS_API void sandglass_room_light_fade(sandglass_room_light* shown, const sandglass_room_light* now,
                                              float seconds);
 
