@@ -47,9 +47,9 @@ struct ListArgs {
   uint32_t boundary_first;  // record index of the first boundary particle
   uint32_t inert;           // record index of an inert record far away: pads every row
   float reach_squared;
-  float near_squared;  // neighbours closer than this come first in a row
-  uint32_t* lists;     // k_list_slots record indices for each particle
-  uint8_t* counts;     // used slots of each particle
+  float near_squared;    // neighbours closer than this come first in a row
+  uint32_t* lists;       // k_list_slots record indices for each particle
+  uint8_t* counts;       // used slots of each particle
   uint8_t* near_counts;  // of them, those whose neighbour is near
   // 1: a list has only those moving particles that come after its own, so that every pair is in one list.
   int32_t halves;
@@ -125,10 +125,10 @@ struct ContactExtent {
 // twice; pairs of the inert record fill it up to a multiple of 16. predict_motion has written the particles,
 // complete_motion goes over them afterwards; both take ContactArgs, of the first pass and of the last.
 struct PairArgs {
-  Particle* particles;      // at the start of the sub-step, with their displacement since then
+  Particle* particles;  // at the start of the sub-step, with their displacement since then
   const uint32_t *first, *second;
-  int32_t fixed;            // 1: the second particle of each pair is one of the boundary, and is never written
-  ContactArgs contact;      // radii, friction, weighting, up and limits; its arrays are not used
+  int32_t fixed;        // 1: the second particle of each pair is one of the boundary, and is never written
+  ContactArgs contact;  // radii, friction, weighting, up and limits; its arrays are not used
 };
 
 // Wakes the sleepers near colliders: those whose distance to a collider is below its margin and their own radius

@@ -87,8 +87,13 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, c
   const Float along = dot3(r[k_vx], r[k_vy], r[k_vz], n[0], n[1], n[2]);
   const Float overlap =
       maximum(d - t.diameter, broadcast(a->inverse_relaxation) * minimum(along - broadcast(a->separation_max), zero));
-  const Float slip[3] = {r[k_vx] - along * n[0], r[k_vy] - along * n[1], r[k_vz] - along * n[2]};
-  const Float grip = t.omega * friction_grip(t, dot3(slip[0], slip[1], slip[2], slip[0], slip[1], slip[2]), overlap, touch);
+  // Friction that sticks takes a part of the slip in a sub-step, as Jacobi passes do. Taking all of it leaves a quarter
+  // more overlap (99th percentile on a collapsing column 0.51 against 0.41 % of r).
+  const Float stick = broadcast(0.45f);
+  const Float slip[3] = {stick * (r[k_vx] - along * n[0]), stick * (r[k_vy] - along * n[1]),
+                         stick * (r[k_vz] - along * n[2])};
+  const Float grip =
+      t.omega * friction_grip(t, dot3(slip[0], slip[1], slip[2], slip[0], slip[1], slip[2]), overlap, touch);
   const Float share = k_fixed ? one : my_mass / maximum(masses, tiny), others_share = one - share;
   Float lift = zero;
   if (!k_fixed && a->weight_linear != 0.0f) lift = pair_lift(a, self, r, n, overlap, share, my_mass, others_mass);

@@ -114,8 +114,8 @@ bool neighbours_run_measuring(Granular* g) {
 
 void neighbours_begin_sort(Granular* g) {
   // A sleeper has no list that could hold its pairs; and the source's passes need all neighbours of a particle.
-  g->neighbours.halves = solves_pairs(*g) && g->desc.reference.stabilisation_iterations == 0 &&
-                         g->sleep.awake_count == g->particles.count;
+  g->neighbours.halves =
+      solves_pairs(*g) && g->desc.reference.stabilisation_iterations == 0 && g->sleep.awake_count == g->particles.count;
   pair_colours_forget(&g->colours);
   cell_sort_begin(&g->neighbours.sort, neighbours_reach(*g), g->particles.low, g->particles.high, 2);
 }

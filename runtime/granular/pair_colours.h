@@ -18,17 +18,17 @@ constexpr uint32_t k_pair_colours = 32;
 constexpr uint32_t k_pair_runs = 4 * k_pair_colours;
 
 struct PairColours {
-  uint32_t *first, *second;           // indices of the particles of each pair
-  uint8_t* runs;                      // run of each pair, in the order in which the lists hold them
-  uint64_t* taken;                    // colours that a particle has: near pairs in the lower half, the others above
-  uint32_t capacity;                  // pairs
-  uint32_t starts[k_pair_runs + 1];   // of the runs
-  uint32_t ends[k_pair_runs];         // behind the last pair of each run that is no filling
-  uint8_t filled[k_pair_runs];        // the runs that hold pairs, in order
+  uint32_t *first, *second;          // indices of the particles of each pair
+  uint8_t* runs;                     // run of each pair, in the order in which the lists hold them
+  uint64_t* taken;                   // colours that a particle has: near pairs in the lower half, the others above
+  uint32_t capacity;                 // pairs
+  uint32_t starts[k_pair_runs + 1];  // of the runs
+  uint32_t ends[k_pair_runs];        // behind the last pair of each run that is no filling
+  uint8_t filled[k_pair_runs];       // the runs that hold pairs, in order
   uint32_t filled_count;
-  uint32_t found;                     // pairs so far, in this walk over the lists
-  uint32_t step;                      // of the colouring
-  bool ready;                         // false: the lists have changed since
+  uint32_t found;  // pairs so far, in this walk over the lists
+  uint32_t step;   // of the colouring
+  bool ready;      // false: the lists have changed since
 };
 
 void pair_colours_layout(PairColours* colours, const sandglass_granular_desc& desc, uint32_t rows, Layout* layout);

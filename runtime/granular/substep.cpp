@@ -287,8 +287,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   const uint64_t active = g.neighbours.valid ? sleep_active_items(g) : count;
   // A pile that lies still builds no lists.
   const float due = g.neighbours.valid ? 0.5f : 1.0f;
-  const uint64_t builds =
-      to_whole<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps) + due);
+  const uint64_t builds = to_whole<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps) + due);
   uint32_t n = 0;
   entries[n++] = {k_unit_slack, 2 * builds * count};
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};
