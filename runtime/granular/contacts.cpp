@@ -163,10 +163,11 @@ bool contacts_run_pairs(Granular* g) {
   PairTask task = {};
   task.kernel = g->kernels->contact_pairs;
   task.args = {g->particles.records[1], g->colours.first, g->colours.second, 0, contact_args(*g)};
-  const bool backward = ((s.dither ^ s.pass) & 1) != 0;  // its stride is odd
+  // Always in the same order. Every other pass backward makes forces alternate between sub-steps by 15 %. That shakes
+  // the sand: friction then carries only what creeps, and the floor of a tube bore 0.72 of the weight, not 0.21.
   const uint32_t all = pair_count(g->colours);
   for (uint32_t left = g->unit; left != 0 && s.cursor < all;) {
-    const PairPiece piece = pair_piece(g->colours, backward, s.cursor, left);
+    const PairPiece piece = pair_piece(g->colours, s.cursor, left);
     task.args.fixed = piece.fixed ? 1 : 0;
     granular_split(*g, piece.begin, piece.end, &task);
     s.cursor += piece.end - piece.begin;

@@ -147,10 +147,10 @@ bool pair_colours_run(Granular* g) {
 
 uint32_t pair_count(const PairColours& c) { return c.starts[k_pair_runs]; }
 
-PairPiece pair_piece(const PairColours& c, bool backward, uint32_t done, uint32_t most) {
+PairPiece pair_piece(const PairColours& c, uint32_t done, uint32_t most) {
   uint32_t before = 0;
   for (uint32_t at = 0; at < c.filled_count; ++at) {
-    const uint32_t run = c.filled[backward ? c.filled_count - 1 - at : at];
+    const uint32_t run = c.filled[at];
     const uint32_t length = c.starts[run + 1] - c.starts[run];
     if (done - before < length) {
       const uint32_t begin = c.starts[run] + (done - before), left = c.starts[run + 1] - begin;

@@ -44,6 +44,6 @@ struct PairPiece {
 };
 uint32_t pair_count(const PairColours& colours);  // with what fills the runs
 // The piece of at most `most` pairs that comes after `done` pairs of a pass.
-PairPiece pair_piece(const PairColours& colours, bool backward, uint32_t done, uint32_t most);
+PairPiece pair_piece(const PairColours& colours, uint32_t done, uint32_t most);
 
 }  // namespace sandglass

@@ -414,7 +414,7 @@ PairOracle pair_oracle(const Particle& a, const Particle& b) {
   // The lift ends where the two rise by k_lift on average.
   const double rise = overlap * lift * n.y, room = std::max(0.0, k_lift - 0.5 * (a.velocity[1] + b.velocity[1]));
   if (rise > room) lift *= room / rise;
-  const Vector t = 0.45 * (relative - along * n);
+  const Vector t = 0.25 * (relative - along * n);
   const double limit = std::fabs(overlap);
   const double grip = length(t) <= k_static * limit ? 1.0 : std::min(1.0, k_kinetic * limit / length(t));
   result.a = k_omega * (((share + lift) * overlap) * n + (share * grip) * t);
