@@ -49,6 +49,27 @@ TEST_F(Cli, OutWritesReportsAndPictures) {
     EXPECT_EQ(entry.path().string().find("unfinished"), std::string::npos) << entry.path();
 }
 
+// Estimated times do not depend on the machine, and say what they are.
+TEST_F(Cli, EstimatesAPhonesFrameAndTheBudgetThatASceneNeeds) {
+  const std::string scene = "'" + tiny_scene() + "'";
+  const Outcome as = run("run " + scene + " --as cortex-a78 --budget-ms 4 --out '" + path("as") + "'");
+  ASSERT_EQ(as.code, 0) << as.err;
+  EXPECT_NE(as.out.find("Estimated, not measured"), std::string::npos) << as.out;
+  EXPECT_NE(as.out.find("at its slowest"), std::string::npos) << as.out;
+  EXPECT_NE(read(path("as/report.html")).find("\"fastest_factor\""), std::string::npos);
+  const Outcome again = run("run " + scene + " --as cortex-a78 --budget-ms 4 --isa scalar");
+  EXPECT_EQ(again.out.substr(again.out.find("hash")), as.out.substr(as.out.find("hash")));
+
+  const Outcome all = run("budget " + scene), one = run("budget " + scene + " --as cortex-a55");
+  ASSERT_EQ(all.code, 0) << all.err;
+  for (const char* words : {"cortex-x3", "cortex-a78", "cortex-a55", "0 (full)", "not measured", " ms"})
+    EXPECT_NE(all.out.find(words), std::string::npos) << words;
+  EXPECT_EQ(one.out.find("cortex-x3"), std::string::npos);
+  EXPECT_EQ(run("budget " + scene).out, all.out);
+  expect_refused("run demo --as cortex-a79", "Did you mean \"cortex-a78\"?");
+  expect_refused("run demo --as cortex-a78 --clock virtual", "excludes");
+}
+
 // An instruction set that the library has runs and gives the same hash. One that it lacks is refused by name.
 TEST_F(Cli, EveryInstructionSetRunsOrIsSaidToBeMissing) {
   const std::string command = "run '" + tiny_scene() + "' --clock virtual --isa ";
