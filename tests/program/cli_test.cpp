@@ -150,7 +150,7 @@ run demo --out --plain | "--out" of "run" needs a value: write "--out FOLDER". |
 run demo --plain=3 | "--plain" of "run" takes no value: write it alone. | sandglass run --help
 run demo --frames 2 --frames 3 | "--frames" of "run" is given twice. Give it once. | sandglass run --help
 run demo --clock reel | cannot use "--clock" of "run": "reel" is not real or virtual. Did you mean "real"? | sandglass run --help
-run demo --isa quantum | cannot use "--isa" of "run": "quantum" is not automatic, scalar, neon, avx2, avx512, neon_dotprod or neon_i8mm. | sandglass run --help
+run demo --isa quantum | cannot use "--isa" of "run": "quantum" is not automatic, scalar, neon, avx2, avx512, neon_dotprod, neon_i8mm or wasm. | sandglass run --help
 run demo --budget-ms nan | cannot use "--budget-ms" of "run": "nan" is not a number from 0 to 1000000. | sandglass run --help
 run demo --threads 1.5 | cannot use "--threads" of "run": "1.5" is not a whole number from 1 to 256. | sandglass run --help
 run demo --record a --replay b | cannot start "run": --record excludes --replay. | sandglass run --help
