@@ -52,28 +52,48 @@ void read_png(std::string_view file, PictureHead* head) {
   }
 }
 
-void read_jpeg(std::string_view file, PictureHead* head) {
-  constexpr uint32_t k_exif = 0xE1, k_first_frame = 0xC0, k_last_frame = 0xCF, k_scan = 0xDA;
+// Tables, each of a byte, the numbers of codes of 1 to 16 bits, and the codes.
+bool good_tables(std::string_view content) {
+  constexpr size_t k_lengths = 16, k_most_codes = 256;
+  const Bytes b = {content};
+  for (size_t at = 0; b.has(at, 1 + k_lengths);) {
+    size_t codes = 0;
+    for (size_t i = 1; i <= k_lengths; ++i) codes += b.number(at + i, 1);
+    if (codes > k_most_codes) return false;
+    at += 1 + k_lengths + codes;
+  }
+  return true;
+}
+
+void read_segment(uint32_t marker, std::string_view content, PictureHead* head) {
+  constexpr uint32_t k_exif = 0xE1, k_first_frame = 0xC0, k_last_frame = 0xCF, k_tables = 0xC4;
   constexpr std::string_view k_exif_name("Exif\0\0", 6);
+  if (marker == k_exif && content.starts_with(k_exif_name))
+    head->orientation = orientation_of(content.substr(k_exif_name.size()));
+  if (marker == k_tables && !good_tables(content)) head->bad_table = true;
+  // All markers in the range begin a frame but three: tables, a reserved one, and arithmetic conditioning.
+  if (marker < k_first_frame || marker > k_last_frame || marker == k_tables || marker == 0xC8 || marker == 0xCC) return;
+  const Bytes frame = {content};
+  head->bits = frame.number(0, 1), head->height = frame.number(1, 2), head->width = frame.number(3, 2);
+  head->components = frame.number(5, 1);
+}
+
+// The whole file, since a table may come between two scans. As stb does, it looks for the next marker behind whatever is
+// no segment: a scan's data, or damage.
+void read_jpeg(std::string_view file, PictureHead* head) {
   const Bytes b = {file};
-  for (size_t at = 2; b.has(at, 4) && b.number(at, 1) == 0xFF;) {
+  for (size_t at = 2; b.has(at, 2);) {
     const uint32_t marker = b.number(at + 1, 1);
-    if (marker == 0xFF) {  // a filling byte
+    const bool begins_segment = b.number(at, 1) == 0xFF && marker >= 0xC0 && marker < 0xFF;
+    const bool is_bare = marker >= 0xD0 && marker <= 0xD9;  // restarts, begin and end have no content
+    if (!begins_segment || is_bare) {
       ++at;
       continue;
     }
-    const uint32_t length = b.number(at + 2, 2);
-    if (marker == k_scan || length < 2 || !b.has(at + 2, length)) return;
-    const std::string_view content = file.substr(at + 4, length - 2);
-    if (marker == k_exif && content.starts_with(k_exif_name))
-      head->orientation = orientation_of(content.substr(k_exif_name.size()));
-    // All markers in the range begin a frame but three: tables, a reserved one, and arithmetic conditioning.
-    if (marker >= k_first_frame && marker <= k_last_frame && marker != 0xC4 && marker != 0xC8 && marker != 0xCC) {
-      const Bytes frame = {content};
-      head->bits = frame.number(0, 1), head->height = frame.number(1, 2), head->width = frame.number(3, 2);
-      head->components = frame.number(5, 1);
-    }
-    at += 2 + length;
+    const size_t length = b.number(at + 2, 2);
+    const size_t here = b.has(at + 4, 0) ? file.size() - at - 4 : 0, wanted = length < 2 ? 0 : length - 2;
+    read_segment(marker, file.substr(here == 0 ? file.size() : at + 4, wanted), head);
+    at += 2 + (length < 2 ? 2 : length);
   }
 }
 
