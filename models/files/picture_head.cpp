@@ -52,11 +52,12 @@ void read_png(std::string_view file, PictureHead* head) {
   }
 }
 
-// Tables, each of a byte, the numbers of codes of 1 to 16 bits, and the codes.
-bool good_tables(std::string_view content) {
+// Tables, each of a byte, the numbers of codes of 1 to 16 bits, and the codes. A table that begins within the segment may
+// end behind it: stb reads on.
+bool good_tables(std::string_view file, size_t segment) {
   constexpr size_t k_lengths = 16, k_most_codes = 256;
-  const Bytes b = {content};
-  for (size_t at = 0; b.has(at, 1 + k_lengths);) {
+  const Bytes b = {file};
+  for (size_t at = 0; at < segment && b.has(at, 1 + k_lengths);) {
     size_t codes = 0;
     for (size_t i = 1; i <= k_lengths; ++i) codes += b.number(at + i, 1);
     if (codes > k_most_codes) return false;
@@ -65,12 +66,14 @@ bool good_tables(std::string_view content) {
   return true;
 }
 
-void read_segment(uint32_t marker, std::string_view content, PictureHead* head) {
+// `file` begins with the segment's content.
+void read_segment(uint32_t marker, std::string_view file, size_t size, PictureHead* head) {
   constexpr uint32_t k_exif = 0xE1, k_first_frame = 0xC0, k_last_frame = 0xCF, k_tables = 0xC4;
   constexpr std::string_view k_exif_name("Exif\0\0", 6);
+  const std::string_view content = file.substr(0, size);
   if (marker == k_exif && content.starts_with(k_exif_name))
     head->orientation = orientation_of(content.substr(k_exif_name.size()));
-  if (marker == k_tables && !good_tables(content)) head->bad_table = true;
+  if (marker == k_tables && !good_tables(file, size)) head->bad_table = true;
   // All markers in the range begin a frame but three: tables, a reserved one, and arithmetic conditioning.
   if (marker < k_first_frame || marker > k_last_frame || marker == k_tables || marker == 0xC8 || marker == 0xCC) return;
   const Bytes frame = {content};
@@ -91,8 +94,7 @@ void read_jpeg(std::string_view file, PictureHead* head) {
       continue;
     }
     const size_t length = b.number(at + 2, 2);
-    const size_t here = b.has(at + 4, 0) ? file.size() - at - 4 : 0, wanted = length < 2 ? 0 : length - 2;
-    read_segment(marker, file.substr(here == 0 ? file.size() : at + 4, wanted), head);
+    if (b.has(at, 4)) read_segment(marker, file.substr(at + 4), length < 2 ? 0 : length - 2, head);
     at += 2 + (length < 2 ? 2 : length);
   }
 }

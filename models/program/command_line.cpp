@@ -63,7 +63,7 @@ CommandOption threads_option(uint32_t& threads) {
 
 CommandOption isa_option(std::string& isa) {
   std::vector<std::string> names;
-  for (sandglass_isa i = SANDGLASS_ISA_AUTOMATIC; i <= SANDGLASS_ISA_NEON_I8MM; ++i)
+  for (sandglass_isa i = SANDGLASS_ISA_AUTOMATIC; i <= SANDGLASS_ISA_WASM; ++i)
     if (const char* name = sandglass_isa_name(i); name != nullptr) names.emplace_back(name);
   return {"--isa", &isa, "NAME", "Instruction set of the kernels", one_of(names)};
 }

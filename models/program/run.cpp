@@ -15,10 +15,6 @@ namespace sandglass::host {
 
 namespace {
 
-// The virtual clock advances by this much at every reading, and the library reads it once or twice a work unit. So a
-// plan depends only on the scene and the budget.
-constexpr uint64_t k_virtual_step_ns = 5'000;
-
 // The positions without those of removed particles.
 std::vector<float> present(const std::vector<float>& positions) {
   std::vector<float> left;
