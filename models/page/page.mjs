@@ -17,6 +17,9 @@ const k_frames_at_once = 2;  // after a pause the sand does not run on to catch 
 const k_mesh_height = 0.22;  // metres, of a mesh that becomes sand, and how far above the mark it begins to fall
 const k_mesh_above = 0.05;
 const k_pause_ms = 100;      // of the fixed run, before the page is drawn
+const k_recorded_at_most = 18000;  // frames: five minutes
+const k_emitter_fields = ["position", "rotation", "radius", "speed", "grains_per_particle"];
+const k_collider_fields = ["shape", "position", "rotation", "size", "linear_velocity"];
 const k_seconds_at_most = 1; // of frame times, that the numbers are means of
 
 const by = (id) => document.getElementById(id);
@@ -27,14 +30,16 @@ class Page {
     this.sand = sand;
     this.painter = new Painter(by("view")), this.camera = new Camera();
     this.tool = "pour", this.mark = [0.26, 0, 0.16], this.at = null, this.pushing = null, this.time = 0, this.owed = 0;
-    this.spent = [], this.recorded = [];
+    this.spent = [], this.recorded = [], this.added = [];
     this.startScene();
     this.makeShadows();
     this.setLight();
   }
 
+  newScene() { return new SandScene(this.sand, k_scene, { clock: true, colliders: 1, changes: { emitter_capacity: 2, collider_capacity: 3 } }); }
+
   startScene() {
-    this.scene = new SandScene(this.sand, k_scene, { clock: true, colliders: 1, changes: { emitter_capacity: 2, collider_capacity: 3 } });
+    this.scene = this.newScene();
     for (const { field, position, rotation } of k_scene.colliders) {
       if (!field) continue;
       const [x, y, z, w] = rotation, [px, py, pz] = position;
@@ -91,6 +96,55 @@ class Page {
     return emitters;
   }
 
+  // What the frame was given and what it executed, so that it can be run again to the bit. Work units of shadows are left
+  // out: sand does not depend on them.
+  record(emitters, plan) {
+    if (this.recorded.length >= k_recorded_at_most) return;
+    const picked = (view, names) => Object.fromEntries(names.map((name) => [name, typeof view[name] === "number" ? view[name] : [...view[name]]]));
+    const { scene, added } = this, runs = plan.runs.slice(0, plan.run_count).filter(({ stage }) => stage !== constants.SANDGLASS_STAGE_SHADOW);
+    this.recorded.push({ emitters: scene.emitters.slice(0, emitters).map((emitter) => picked(emitter, k_emitter_fields)),
+      colliders: scene.colliders.slice(k_scene.colliders.length, scene.input.collider_count).map((collider) => picked(collider, k_collider_fields)),
+      level: plan.level, runs: runs.map(({ stage, units }) => [stage, units]), ...(added.length ? { added } : {}) });
+    this.added = [];
+    if (this.recorded.length === k_recorded_at_most) this.recordedHash = scene.hash();
+  }
+
+  recording() {
+    return { sandglass: "recording", scene: k_scene.name, step: k_step, frames: this.recorded, hash: this.recordedHash ?? this.scene.hash() };
+  }
+
+  // Runs a recording in a new scene, which then replaces the present one. Throws where it does not end as it did.
+  async play(recording, shown) {
+    if (recording?.sandglass !== "recording" || recording.scene !== k_scene.name || !Array.isArray(recording.frames))
+      throw new Error("The file is no recording of this page. Choose one that it saved.");
+    const { sand } = this, scene = this.newScene(), plan = sand.make("sandglass_plan");
+    let paused = performance.now();
+    for (const [i, { emitters, colliders, level, runs, added }] of recording.frames.entries()) {
+      for (const { particles, grains } of added ?? []) this.addSand(scene, Float32Array.from(particles), Float32Array.from(grains));
+      emitters.forEach((emitter, k) => scene.emitters[k].set(emitter));
+      colliders.forEach((collider, k) => scene.colliders[k_scene.colliders.length + k].set(collider));
+      scene.input.collider_count = k_scene.colliders.length + colliders.length;
+      plan.level = level, plan.run_count = runs.length;
+      plan.runs.slice(0, runs.length).forEach((run, k) => run.set({ stage: runs[k][0], units: runs[k][1] }));
+      scene.input.plan = plan;
+      scene.frame(recording.step, 0, emitters.length);
+      if (performance.now() - paused > k_pause_ms) {
+        shown(i / recording.frames.length);
+        await new Promise((go) => setTimeout(go));
+        paused = performance.now();
+      }
+    }
+    scene.input.plan = 0;
+    const hash = scene.hash(), { pile_shadow, shadows, shadow_count } = this.scene.input;
+    scene.input.set({ pile_shadow, shadows, shadow_count });
+    this.scene.destroy();
+    sand.free(plan);
+    this.scene = scene, this.recorded = [...recording.frames], this.recordedHash = undefined;
+    sand.sandglass_pile_shadow_refresh(this.pile);
+    if (hash !== recording.hash) throw new Error(`The recording ends in ${hash} here and in ${recording.hash} where it was made. Please report this.`);
+    return hash;
+  }
+
   // Moves on by so many seconds of wall time: zero, one or two frames.
   advance(seconds) {
     const { scene } = this, budget = Number(by("budget").value);
@@ -98,7 +152,8 @@ class Page {
     while (this.owed >= k_step) {
       this.owed -= k_step;
       scene.input.output_lag = 0;
-      const report = scene.frame(k_step, budget, this.act());
+      const emitters = this.act(), report = scene.frame(k_step, budget, emitters);
+      this.record(emitters, report.plan);
       this.spent.push({ ms: report.elapsed_ns / 1e6, stages: report.stages.map((stage) => stage.elapsed_ns / 1e6), budget });
       if (this.spent.length > k_seconds_at_most / k_step) this.spent.shift();
     }
@@ -147,6 +202,7 @@ class Page {
     this.sand.sandglass_scene_reset(this.scene.handle);
     this.sand.sandglass_pile_shadow_refresh(this.pile);
     this.scene.frames = 0, this.scene.fill();
+    this.recorded = [], this.added = [], this.recordedHash = undefined;
   }
 
   // A mesh as sand: its volume on the library's lattice, above the mark.
@@ -172,9 +228,14 @@ class Page {
     const random = () => (seed = (seed * 1664525 + 1013904223) >>> 0) / 2 ** 32 - 0.5;
     for (let i = 0; i < particles.length; i += 3) particles[i] += this.mark[0], particles[i + 1] += k_mesh_above, particles[i + 2] += this.mark[2];
     for (let i = 0; i < grains.length; ++i) grains[i] = particles[3 * Math.floor(i / 3 / k_pour.grains_per_particle) + i % 3] + 2 * k_radius * random();
-    const p = sand.put(particles), g = sand.put(grains);
-    try { sand.sandglass_granular_add(scene.handle, p, 0, particles.length / 3, g, 0, grains.length / 3); } finally { sand.free(p), sand.free(g); }
+    this.addSand(scene, particles, grains);
+    this.added.push({ particles: [...particles], grains: [...grains] });
     return particles.length / 3;
+  }
+
+  addSand(scene, particles, grains) {
+    const { sand } = this, p = sand.put(particles), g = sand.put(grains);
+    try { sand.sandglass_granular_add(scene.handle, p, 0, particles.length / 3, g, 0, grains.length / 3); } finally { sand.free(p), sand.free(g); }
   }
 
   place(event) {
@@ -201,7 +262,7 @@ async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) {
   }
   const result = { hash: scene.hash(), ms: ms / frames, stages: stages.map((sum) => sum / frames), grains: scene.report.grains,
     particles: scene.report.particles, isa: sand.sandglass_isa_name(sand.sandglass_scene_isa(scene.handle)) };
-  sand.destroy(scene.handle);
+  scene.destroy();
   return result;
 }
 
@@ -260,10 +321,22 @@ function listen(page) {
   });
   const take = async (file) => {
     try {
-      if (!/\.obj$/i.test(file.name)) throw new Error(`"${file.name}" is no OBJ file. Export the mesh as OBJ.`);
+      if (/\.json$/i.test(file.name)) {
+        page.measuring = true;
+        const recording = await file.text().then(JSON.parse).catch(() => null);
+        const hash = await page.play(recording, (share) => say(`Playing: ${Math.round(100 * share)} %`));
+        return say(`The recording ends here as it did where it was made, to the bit: ${hash}.`);
+      }
+      if (!/\.obj$/i.test(file.name)) throw new Error(`"${file.name}" is neither an OBJ file nor a recording. Export the mesh as OBJ.`);
       say(`${page.addMesh(await file.text())} particles of "${file.name}".`);
-    } catch (error) { say(error.message); }
+    } catch (error) { say(error.message); } finally { page.measuring = false; }
   };
+  by("save").addEventListener("click", () => {
+    const link = document.createElement("a"), url = URL.createObjectURL(new Blob([JSON.stringify(page.recording())], { type: "application/json" }));
+    Object.assign(link, { href: url, download: "sandglass_recording.json" }).click();
+    setTimeout(() => URL.revokeObjectURL(url), 1000);
+    say(`Saved ${page.recorded.length} frames. Drop the file on this page, on any device, to play it.`);
+  });
   by("file").addEventListener("change", () => by("file").files[0] && take(by("file").files[0]));
   addEventListener("dragover", (event) => event.preventDefault());
   addEventListener("drop", (event) => { event.preventDefault(); if (event.dataTransfer.files[0]) take(event.dataTransfer.files[0]); });

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """The live page in headless Chromium: it opens from its file without a complaint and without another request, sand falls, a finger
-pours and pushes, the fixed run ends in the hash of the program, a mesh becomes sand, a wrong file is answered with one sentence, and
+pours and pushes, the fixed run ends in the hash of the program, a recording plays to the bit, a mesh becomes sand, a wrong file is answered with one sentence, and
 memory does not grow.
 
 live_page_test.py WEB_SCENE SANDGLASS NPM_FOLDER WORK_FOLDER [--screenshots]
@@ -20,7 +20,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FRAMES = 300
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0.5 0 0.9\nv 0.5 0.9 0.3\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n"
 OF_THE_MACHINE = ("fallback to software WebGL", "GPU stall due to ReadPixels")  # there is no GPU, and screenshots are read back
-BAD_FILES = {"a.obj": "v 0 0 0\nf 1 2 3\n", "b.obj": "v 0 zero 0\n", "c.obj": "", "d.gltf": "{}", "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"}
+BAD_FILES = {"a.obj": "v 0 0 0\nf 1 2 3\n", "b.obj": "v 0 zero 0\n", "c.obj": "", "d.gltf": "{}", "e.json": "{", "f.json": '{"sandglass": "recording"}', "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"}
 
 
 def check(condition, sentence):
@@ -115,6 +115,27 @@ def check_memory(browser):
     check(browser.ask(bytes_of) == before, "the module's memory grows")
 
 
+def check_recording(browser):
+    """What was poured, pushed and dropped so far, under budgets that did not suffice, ends in the same hash when it is played."""
+    browser.ask("document.getElementById('save').click()")
+    check(browser.ask("document.getElementById('says').textContent").startswith("Saved"), "nothing was saved")
+    browser.ask("sandglassPage.page.measuring = true")
+    browser.ask("window.recording = sandglassPage.page.recording()")
+    frames, added = browser.ask("[recording.frames.length, recording.frames.filter(f => f.added).length]")
+    check(frames > 60 and added == 1, f"{frames} frames were recorded, and sand was added {added} times")
+    browser.ask("void sandglassPage.page.play(recording, () => 0).then(h => { window.played = h; }, e => { window.played = e.message; })")
+    wait_until(browser, "window.played", 900)
+    check(browser.ask("window.played === recording.hash"), browser.ask("window.played"))
+    memory = browser.ask("sandglassPage.page.sand.memory.buffer.byteLength")
+    # The control: one frame less of pouring.
+    browser.ask("recording.frames.find(f => f.emitters.length).emitters.pop(); window.played = 0")
+    browser.ask("void sandglassPage.page.play(recording, () => 0).then(h => { window.played = h; }, e => { window.played = e.message; })")
+    wait_until(browser, "window.played", 900)
+    check(browser.ask("window.played !== recording.hash"), "another recording ends in the same hash")
+    check(browser.ask("sandglassPage.page.sand.memory.buffer.byteLength") == memory, "what is played twice takes more memory")
+    browser.ask("sandglassPage.page.measuring = false")
+
+
 def check_narrow(browser):
     """At 360 pixels nothing lies beyond the edge, and everything can be reached."""
     browser.call("Emulation.setDeviceMetricsOverride", width=360, height=740, deviceScaleFactor=2, mobile=True)
@@ -136,7 +157,7 @@ def main():
     page = assemble(web_scene, npm, work)
     check(page.stat().st_size <= 3e6, "the page is larger than 3 MB")
     driver.PATIENCE = 240
-    browser = Browser(program, 1100, 900)
+    browser = Browser(program, 700, 620)  # it is drawn on the CPU
     try:
         browser.open(page)
         wait_until(browser, "document.documentElement.dataset.sand")
@@ -156,6 +177,7 @@ def main():
         before = report(browser, "particles")
         check("particles of" in drop(browser, "mesh.obj", TETRAHEDRON), "the mesh was not taken")
         wait_until(browser, f"sandglassPage.page.scene.report.particles > {before} + 200")
+        check_recording(browser)
         check_narrow(browser)
         if "--screenshots" in sys.argv:
             browser.screenshot(work / "phone.png")
