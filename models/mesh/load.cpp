@@ -178,9 +178,13 @@ struct Receiver {
   }
 };
 
-[[noreturn]] void parse_and_send(const std::string& path, int pipe) {
+[[noreturn]] void parse_and_send(const std::string& path, uint64_t file_bytes, int pipe) {
   const rlimit no_core = {0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
+  // Assimp never returns from some damaged files. Good ones take a tenth of this.
+  const rlim_t seconds = 5 + file_bytes / (uint64_t{1} << 20);
+  const rlimit some_time = {seconds, seconds};
+  setrlimit(RLIMIT_CPU, &some_time);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int number : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGBUS, SIGFPE}) std::signal(number, SIG_DFL);
   MeshResult result;
@@ -199,7 +203,7 @@ struct Receiver {
   _exit(0);
 }
 
-MeshResult parse_apart(const std::string& path) {
+MeshResult parse_apart(const std::string& path, uint64_t file_bytes) {
   int ends[2];
   if (pipe2(ends, O_CLOEXEC) != 0) return fail(path, "cannot be read: there are too many open files. Close some.");
   const pid_t child = fork();
@@ -207,7 +211,7 @@ MeshResult parse_apart(const std::string& path) {
     close(ends[0]), close(ends[1]);
     return fail(path, "cannot be read: this machine has no room for another process. End some.");
   }
-  if (child == 0) parse_and_send(path, ends[1]);
+  if (child == 0) parse_and_send(path, file_bytes, ends[1]);
   close(ends[1]);
   std::string bytes;
   char buffer[65536];
@@ -226,7 +230,7 @@ MeshResult parse_apart(const std::string& path) {
   from.receive(&result.error), from.receive(&report), from.receive(&result.mesh.vertices);
   from.receive(&result.mesh.indices);
   if (status != 0 || !from.good || report.size() != 1)
-    return fail(path, "is damaged so that the mesh reader ended. Export it again.");
+    return fail(path, "is damaged so that the mesh reader did not end well. Export it again.");
   result.report = report[0];
   return result;
 }
@@ -242,9 +246,9 @@ MeshResult load_mesh(const std::string& path) {
   if (std::filesystem::file_size(path, ignored) == 0) return fail(path, "is empty. Export it again.");
 #ifdef SANDGLASS_HAVE_ASSIMP
   try {
-    if (ends_within_line(path, read_file(path, "mesh")))
-      return fail(path, "is cut off in its last line. Copy or export it again.");
-    return parse_apart(path);
+    const std::string content = read_file(path, "mesh");
+    if (ends_within_line(path, content)) return fail(path, "is cut off in its last line. Copy or export it again.");
+    return parse_apart(path, content.size());
   } catch (const Failure& failure) {
     return {{}, {}, failure.what()};
   } catch (const std::exception& e) {
