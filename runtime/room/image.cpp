@@ -122,7 +122,8 @@ bool is_remembered(const Room& room, const RoomPart& part) {
 // The weight of such a part: its solid angle, 1 on the horizon; 0 where it is not shown whole and unclipped.
 double overlap_weight(uint32_t part, const Observation& now) {
   if (now.covered < 1 || now.clipped > 0 || !(luminance(now.colour) > k_overlap_dark)) return 0;
-  return sin_cos_turns((part / k_room_columns + 0.5) / (2 * k_room_rows)).sin;
+  const uint32_t row = part / k_room_columns;
+  return sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin;
 }
 
 // What one part tells of the exposure.
