@@ -257,9 +257,8 @@ namespace {
 
 // About how many pixels of the input a box reads along an axis.
 uint64_t box_pixels(float focal, uint32_t most) {
-  const double step = static_cast<double>(focal) / k_light_focal;
-  const auto pixels = to_whole<uint64_t>((step < 1.0 ? 1.0 : step > most ? most : step) + 1.0);
-  return pixels > 1 ? pixels : 1;
+  const auto step = to_whole<uint64_t>(static_cast<double>(focal) / k_light_focal);
+  return (step < 1 ? 1 : step > most ? most : step) + 1;
 }
 
 }  // namespace
