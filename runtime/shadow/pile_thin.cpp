@@ -94,6 +94,7 @@ void thin_own_column(const Pile& p, const PileStep* steps, uint32_t count, PileA
   azimuth->own[0] -= 1;
   // Sand in the own column is at most half a texel away. Of what is higher, only light above its slope is hidden.
   const double foot = static_cast<double>(azimuth->foot), rise = static_cast<double>(azimuth->cap) - foot;
+  if (!(rise > 0)) return;  // nothing is higher than the light's foot
   azimuth->near_from = static_cast<float>(1 + foot / rise);
   azimuth->near_per_metre = static_cast<float>(2 / ((texel[0] < texel[1] ? texel[0] : texel[1]) * rise));
   azimuth->thin = 1;
