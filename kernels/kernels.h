@@ -139,10 +139,52 @@ struct InsideArgs {
   uint8_t* inside;  // 1 or 0 for each record of the range
 };
 
+// The particles' motion on the nodes of a grid that exists where there are particles, in blocks. A node holds what the
+// particles within the support radius give it. As a record: the position of the nearest one, the sum of their weights
+// W, and the sum of W u.
+constexpr uint32_t k_block_side = 4;       // nodes of its own that a block has along an axis
+constexpr uint32_t k_block_nodes = 64;     // of its own
+constexpr uint32_t k_block_records = 128;  // and those of the next blocks that its cells reach: 5^3, padded
+constexpr uint32_t k_no_block = ~0u;
+constexpr uint32_t k_block_moves = 1;       // a particle moves within the support radius of a node
+constexpr uint32_t k_block_incomplete = 2;  // there was no room for a block that its cells reach
+
+struct MotionBlock {
+  int32_t at[3];  // its first node is at 4 * at
+  uint32_t state;
+};
+
+struct MotionGrid {
+  float spacing, inverse_spacing;  // metres from node to node
+  float support;                   // h = 3r
+  uint32_t slot_mask;
+  uint32_t* slots;  // an open hash table: the number of a block, plus 1; 0: empty
+  MotionBlock* blocks;
+  uint32_t block_count, block_capacity;
+  uint32_t overflowed;  // 1: there was no room for a block
+  float* planes;        // a block's own nodes while particles are added: 8 planes of 64, as the lanes of a record
+  float* nodes;         // its records, x fastest, 5 along an axis
+};
+
+inline uint32_t motion_hash(int32_t x, int32_t y, int32_t z) {
+  const uint32_t mixed = static_cast<uint32_t>(x) * 0x9e3779b1u ^ static_cast<uint32_t>(y) * 0x85ebca77u ^
+                         static_cast<uint32_t>(z) * 0xc2b2ae3du;
+  return mixed ^ (mixed >> 15);
+}
+
+// The range is of particles. What they add is their motion during `time`, at its begin.
+struct ScatterMotionArgs {
+  MotionGrid* grid;
+  const Particle* particles;  // the velocity is the mean one of `time`
+  uint32_t particle_count;
+  float time;  // seconds
+};
+
 struct RefineArgs {
   Grid grid;                  // of the particles' snapshot; cell edge = support radius
   const Particle* snapshot;   // in sorted order
   const float* positions[3];  // the same positions, one array an axis
+  const MotionGrid* motion;   // null: every step looks the particles up
   Grain* grains;
   uint32_t grain_count;
   const uint32_t* groups;  // the range is of items: item i is lane i % 16 of grain group groups[i / 16]
@@ -151,7 +193,7 @@ struct RefineArgs {
   float still_sweeps;
   float support;   // h = 3r
   float step;      // seconds
-  uint32_t steps;  // equal steps on the same snapshot
+  uint32_t steps;  // equal steps on the same snapshot; with a motion grid, on the same sums
   float gravity[3];
   int32_t source_rule;     // 1: (4.44) as printed
   float weight_at_radius;  // W(r)

@@ -32,11 +32,6 @@ SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index
   }
 }
 
-SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
-  const int32_t truncated = static_cast<int32_t>(scaled);
-  return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
-}
-
 // Sums over the particles near the lanes that `lanes` holds, whose bounding box is at most two cells wide.
 SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Float y, Float z, Flow* flow) {
   const Float big = broadcast(3e38f), small = broadcast(-3e38f);
@@ -95,6 +90,87 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Floa
   flow->largest = select(lanes, sum.largest, flow->largest);
 }
 
+SANDGLASS_INLINE uint32_t find_block(const MotionGrid* grid, const float at[3]) {
+  const int32_t x = static_cast<int32_t>(at[0]), y = static_cast<int32_t>(at[1]), z = static_cast<int32_t>(at[2]);
+  for (uint32_t slot = motion_hash(x, y, z) & grid->slot_mask; grid->slots[slot] != 0;
+       slot = (slot + 1) & grid->slot_mask) {
+    const uint32_t number = grid->slots[slot] - 1;
+    const MotionBlock& block = grid->blocks[number];
+    if (block.at[0] == x && block.at[1] == y && block.at[2] == z) return number;
+  }
+  return k_no_block;
+}
+
+// The sums at the lanes that `lanes` holds, between the nodes of the grid. Returns the lanes that the grid has no room
+// for.
+SANDGLASS_INLINE Mask read_flow(const MotionGrid* grid, Mask lanes, const Float at_lanes[3], Flow* flow) {
+  const Float position[3] = {keep(lanes, at_lanes[0]), keep(lanes, at_lanes[1]), keep(lanes, at_lanes[2])};
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f), four = broadcast(4.0f);
+  Float local[3], origin[3];
+  Int corner = broadcast(0);
+  for (int k = 2; k >= 0; --k) {
+    const Float scaled = position[k] * broadcast(grid->inverse_spacing);
+    origin[k] = to_float(floor_to_int(scaled * broadcast(0.25f)));
+    const Float inside = scaled - four * origin[k];  // 0..4, exact but for the end
+    const Float cell = minimum(to_float(to_int(inside)), broadcast(3.0f));
+    local[k] = inside - cell;
+    // Records of a block: x fastest, 5 along an axis.
+    corner = shift_left(corner, 2) + corner + to_int(cell);
+  }
+  alignas(64) float at[3][k_lane_group];
+  alignas(64) uint32_t first_corner[k_lane_group], index[k_lane_group];
+  alignas(64) float whole[k_lane_group], present[k_lane_group];
+  for (int k = 0; k < 3; ++k) store(at[k], origin[k]);
+  store(first_corner, corner);
+  store(present, keep(lanes, one));
+  float last[3] = {0.5f, 0.5f, 0.5f};  // no block has such coordinates
+  uint32_t number = k_no_block;
+  for (uint32_t l = 0; l < k_width; ++l) {
+    if (at[0][l] != last[0] || at[1][l] != last[1] || at[2][l] != last[2]) {
+      for (int k = 0; k < 3; ++k) last[k] = at[k][l];
+      number = present[l] != 0.0f ? find_block(grid, last) : k_no_block;
+      if (present[l] == 0.0f) last[0] = 0.5f;
+    }
+    const bool found = number != k_no_block;
+    const bool complete = found ? (grid->blocks[number].state & k_block_incomplete) == 0 : grid->overflowed == 0;
+    if (!found) present[l] = 0.0f;
+    whole[l] = complete ? 1.0f : 0.0f;
+    first_corner[l] += found ? number * k_block_records : 0;
+  }
+  const Mask lacking = and_not(lanes, zero < load(whole));
+  const Mask known = and_not(lanes & (zero < load(present)), lacking);
+  if (!any(known)) return lacking;
+  const Float h2 = broadcast(grid->support * grid->support);
+  Float nearest = h2;
+  Flow sum = {zero, zero, zero, zero, zero};
+  for (uint32_t c = 0; c < 8; ++c) {
+    const uint32_t beyond[3] = {c & 1, (c >> 1) & 1, c >> 2};
+    Float share = one;
+    for (int k = 2; k >= 0; --k) share = share * (beyond[k] != 0 ? local[k] : one - local[k]);
+    store(index,
+          load(first_corner) + broadcast(static_cast<int32_t>(
+                                   beyond[0] + (k_block_side + 1) * (beyond[1] + (k_block_side + 1) * beyond[2]))));
+    Float node[k_record_floats];
+    load_records(grid->nodes, index, 1, node);
+    sum.weight = sum.weight + share * node[k_mobility];
+    sum.x = sum.x + share * node[k_vx];
+    sum.y = sum.y + share * node[k_vy];
+    sum.z = sum.z + share * node[k_vz];
+    const Float dx = node[k_x] - position[0], dy = node[k_y] - position[1], dz = node[k_z] - position[2];
+    nearest = minimum(dx * dx + dy * dy + dz * dz, nearest);
+  }
+  // Of the particles that are nearest to the corners one is the nearest to the grain, but for rare ties.
+  const Float t = maximum((h2 - nearest) * broadcast(1.0f / (grid->support * grid->support)), zero);
+  sum.largest = t * t * t;
+  sum.weight = maximum(sum.weight, sum.largest);
+  flow->weight = select(known, sum.weight, flow->weight);
+  flow->x = select(known, sum.x, flow->x);
+  flow->y = select(known, sum.y, flow->y);
+  flow->z = select(known, sum.z, flow->z);
+  flow->largest = select(known, sum.largest, flow->largest);
+  return lacking;
+}
+
 // 1 at a and below, 0 at b and above, smooth between.
 SANDGLASS_INLINE Float fade(Float value, float a, float b) {
   const Float t =
@@ -147,10 +223,28 @@ SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Float position[3], Float
   }
 }
 
+// The sums at the lanes that `lanes` holds: from the grid where there is one and it has room, else from the particles.
+SANDGLASS_INLINE void find_flow(const RefineArgs* a, Mask lanes, const Float position[3], Flow* flow) {
+  const Float limit = broadcast(k_coordinate_bound);
+  const Float wide = broadcast(1.0f / a->grid.inverse_cell);  // lanes further apart than this are gathered separately
+  Mask left =
+      lanes & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
+  if (a->motion != nullptr && any(left)) left = read_flow(a->motion, left, position, flow);
+  while (any(left)) {
+    alignas(64) float px[k_lane_group], py[k_lane_group], pz[k_lane_group];
+    store(px, position[0]), store(py, position[1]), store(pz, position[2]);
+    const uint32_t l = first(left);
+    const Mask group = left & (absolute(position[0] - broadcast(px[l])) <= wide) &
+                       (absolute(position[1] - broadcast(py[l])) <= wide) &
+                       (absolute(position[2] - broadcast(pz[l])) <= wide);
+    gather_flow(a, group, position[0], position[1], position[2], flow);
+    left = and_not(left, group);
+  }
+}
+
 static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound),
               step = broadcast(a->step);
-  const float spread = 1.0f / a->grid.inverse_cell;  // lanes further apart than this are gathered separately
   uint32_t quarantined = 0;
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t group_number = a->groups[item / k_lane_group];
@@ -164,20 +258,12 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
         lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
     // A grain that has been still for long enough stays where it is while nothing around it moves.
     Mask settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
+    Flow flow = {zero, zero, zero, zero, zero};
+    if (a->motion != nullptr) find_flow(a, inside, position, &flow);
     for (uint32_t s = 0; s < a->steps; ++s) {
-      Flow flow = {zero, zero, zero, zero, zero};
-      Mask left =
-          inside & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
-      while (any(left)) {
-        alignas(64) float px[k_lane_group], py[k_lane_group], pz[k_lane_group];
-        store(px, position[0]), store(py, position[1]), store(pz, position[2]);
-        const uint32_t l = first(left);
-        const Float wide = broadcast(spread);
-        const Mask group = left & (absolute(position[0] - broadcast(px[l])) <= wide) &
-                           (absolute(position[1] - broadcast(py[l])) <= wide) &
-                           (absolute(position[2] - broadcast(pz[l])) <= wide);
-        gather_flow(a, group, position[0], position[1], position[2], &flow);
-        left = and_not(left, group);
+      if (a->motion == nullptr) {
+        flow = {zero, zero, zero, zero, zero};
+        find_flow(a, inside, position, &flow);
       }
       const Float lambda = free_flight(a, flow);
       const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
@@ -188,7 +274,23 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
         velocity[k] = select(settled, zero, (one - lambda) * average[k] + lambda * fall);
         position[k] = position[k] + step * velocity[k];
       }
-      keep_outside(a, position, velocity);
+      // On the way only those that are fast enough to pass through something thin.
+      if (s + 1 == a->steps || a->motion == nullptr) {
+        keep_outside(a, position, velocity);
+      } else {
+        const Float way = broadcast(a->support * (1.0f / 6.0f) / a->step);
+        const Mask fast =
+            inside & (way * way < velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2]);
+        if (any(fast)) {
+          Float kept_position[3], kept_velocity[3];
+          for (int k = 0; k < 3; ++k) kept_position[k] = position[k], kept_velocity[k] = velocity[k];
+          keep_outside(a, kept_position, kept_velocity);
+          for (int k = 0; k < 3; ++k) {
+            position[k] = select(fast, kept_position[k], position[k]);
+            velocity[k] = select(fast, kept_velocity[k], velocity[k]);
+          }
+        }
+      }
     }
     const Mask sound = (absolute(position[0]) < limit) & (absolute(position[1]) < limit) &
                        (absolute(position[2]) < limit) & (absolute(velocity[0]) < broadcast(1e6f)) &

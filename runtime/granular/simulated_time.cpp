@@ -67,8 +67,8 @@ void time_skip(Granular* g) {
   t.debt = t.interval_debt = 0.0;
 }
 
-double time_interval(const Granular& g, uint32_t level) {
-  const double longest = k_ladder[level].refine_often && g.desc.grain_capacity != 0
+double time_interval(const Granular& g, uint32_t) {
+  const double longest = g.desc.reference.blend == SANDGLASS_BLEND_SOURCE && g.desc.grain_capacity != 0
                              ? static_cast<double>(g.desc.refine_step)
                              : static_cast<double>(g.time.frame_step);
   const double count = g.time.debt / (longest > k_time_resolution ? longest : g.time.debt);

@@ -15,19 +15,21 @@ constexpr float k_still_speed_units = 0.25f;  // of sqrt(g d): between sleepers 
 
 // ---- what follows what
 
+bool source_rule(const Granular& g) { return g.desc.reference.blend == SANDGLASS_BLEND_SOURCE; }
+
 bool sweep_wanted(const Granular& g, uint32_t level) {
   if (g.grains.count == 0 || g.particles.count == 0 || g.time.grain_lag < k_time_resolution) return false;
-  return !k_ladder[level].refine_often || g.substep.interval_left == 0;
+  if (source_rule(g) && !k_ladder[level].refine_often) return true;
+  return g.substep.interval_left == 0 || time_grains_behind(g);
 }
 
 void begin(Granular* g, uint32_t level);
 void begin_sort(Granular* g);
 void complete(Granular* g);
 
-// Decides which groups are refined: by looking at the cells around still ones, where there are any.
-SweepPhase decide(Granular* g) {
-  g->grain_sleep.marked = g->grain_sleep.still_groups != 0;
-  if (g->grain_sleep.marked) return SweepPhase::mark;
+// What follows when the grains are in order: with the dissertation's rule every step looks the particles up.
+SweepPhase read_motion(Granular* g) {
+  if (!source_rule(*g)) return SweepPhase::clear;
   grain_sleep_begin_triage(g);
   return SweepPhase::triage;
 }
@@ -38,18 +40,16 @@ SweepPhase after(Granular* g, SweepPhase done) {
     case SweepPhase::idle:
       return SweepPhase::idle;
     case SweepPhase::snapshot:
-      if (g->sweep.sweeps_since_sort < k_sweeps_per_sort) return decide(g);
+      if (g->sweep.sweeps_since_sort < k_sweeps_per_sort) return read_motion(g);
       begin_sort(g);
       return SweepPhase::sort;
     case SweepPhase::sort:
-      return decide(g);
-    case SweepPhase::mark:
-      return SweepPhase::spread_x;
-    case SweepPhase::spread_x:
-      return SweepPhase::spread_y;
-    case SweepPhase::spread_y:
-      return SweepPhase::spread_z;
-    case SweepPhase::spread_z:
+      return read_motion(g);
+    case SweepPhase::clear:
+      return SweepPhase::scatter;
+    case SweepPhase::scatter:
+      return SweepPhase::join;
+    case SweepPhase::join:
       grain_sleep_begin_triage(g);
       return SweepPhase::triage;
     case SweepPhase::triage:
@@ -71,10 +71,9 @@ void enter(Granular* g, SweepPhase phase) {
 // ---- the phases
 
 void begin(Granular* g, uint32_t level) {
-  // Full quality steps by refine_step; below it one step covers a frame.
   SimulatedTime& t = g->time;
-  const float longest =
-      k_ladder[level].refine_often || t.frame_step < g->desc.refine_step ? g->desc.refine_step : t.frame_step;
+  const bool whole_frame = source_rule(*g) && !k_ladder[level].refine_often && t.frame_step >= g->desc.refine_step;
+  const float longest = whole_frame ? t.frame_step : g->desc.refine_step;
   const double count = t.grain_lag / static_cast<double>(longest);
   const uint32_t whole = static_cast<uint32_t>(count);
   uint32_t steps = count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
@@ -84,14 +83,36 @@ void begin(Granular* g, uint32_t level) {
   g->sweep.step = static_cast<float>(t.grain_lag / steps);
   cell_sort_begin(&g->grains.snapshot.sort, k_support_radii * g->desc.particle_radius, g->particles.low,
                   g->particles.high, 3);
+  motion_begin(&g->motion);
   colliders_pose(g->colliders.given, g->colliders.count, static_cast<float>(t.debt), g->colliders.sweep_frames);
+}
+
+// The velocity of a particle in the snapshot becomes the mean one since the last sweep.
+bool measure(Granular* g) {
+  const uint32_t all = g->sweep.particles, begin = g->sweep.cursor;
+  const uint32_t end = all - begin < g->unit ? all : begin + g->unit;
+  const float inverse = static_cast<float>(1.0 / g->sweep.time);
+  for (uint32_t i = begin; i < end; ++i) {
+    Particle* p = &g->grains.snapshot.particles[i];
+    const Place& start = g->motion.starts[number_of(*p)];
+    Place* here = &g->motion.ends[number_of(*p)];
+    for (int k = 0; k < 3; ++k) {
+      here->position[k] = p->position[k];
+      p->velocity[k] = (p->position[k] - start.position[k]) * inverse;
+    }
+  }
+  g->sweep.cursor = end;
+  return end >= all;
 }
 
 bool run_snapshot(Granular* g) {
   Snapshot& s = g->grains.snapshot;
+  if (s.sort.phase == k_sort_done) return measure(g);
   const SortTarget target = {as_records(s.particles), {s.positions[0], s.positions[1], s.positions[2]}, true};
   cell_sort_run(&s.sort, *g->kernels, as_records(g->particles.records[0]), g->particles.count, g->unit, target);
-  return s.sort.phase == k_sort_done;
+  if (s.sort.phase != k_sort_done) return false;
+  g->sweep.particles = g->particles.count;
+  return source_rule(*g);
 }
 
 void begin_sort(Granular* g) {
@@ -129,6 +150,7 @@ bool run_refine(Granular* g) {
   a.grid = snapshot.sort.grid;
   a.snapshot = snapshot.particles;
   for (int k = 0; k < 3; ++k) a.positions[k] = snapshot.positions[k], a.gravity[k] = g->gravity[k];
+  a.motion = source_rule(*g) ? nullptr : &g->motion.grid;
   a.grains = g->grains.records[0];
   a.grain_count = g->grains.count;
   a.groups = g->grain_sleep.groups;
@@ -138,7 +160,7 @@ bool run_refine(Granular* g) {
   a.support = k_support_radii * g->desc.particle_radius;
   a.step = g->sweep.step;
   a.steps = g->sweep.steps;
-  a.source_rule = g->desc.reference.blend == SANDGLASS_BLEND_SOURCE ? 1 : 0;
+  a.source_rule = source_rule(*g) ? 1 : 0;
   a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
   a.colliders = g->colliders.sweep_frames;
   a.collider_count = g->colliders.count;
@@ -156,6 +178,7 @@ bool run_refine(Granular* g) {
 // All groups that were listed have followed.
 void complete(Granular* g) {
   const uint32_t items = refine_items(*g);
+  motion_complete(g);
   g->time.grain_lag -= g->sweep.time;
   if (g->time.grain_lag < k_time_resolution) g->time.grain_lag = 0.0;
   g->sweep.sweeps_since_sort += static_cast<float>(items) / static_cast<float>(g->grains.count);
@@ -177,15 +200,19 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
     case SweepPhase::snapshot:
       unit->kind = k_unit_snapshot, unit->name = "refine.snapshot";
       unit->items = cell_sort_items(g.grains.snapshot.sort, g.particles.count, g.unit);
+      if (g.grains.snapshot.sort.phase == k_sort_done)
+        unit->items = g.sweep.particles - g.sweep.cursor < g.unit ? g.sweep.particles - g.sweep.cursor : g.unit;
       return true;
     case SweepPhase::sort:
       unit->kind = k_unit_grain_sort, unit->name = "refine.sort";
       unit->items = cell_sort_items(g.grains.sort, g.grains.count, g.unit);
       return true;
-    case SweepPhase::mark:
-    case SweepPhase::spread_x:
-    case SweepPhase::spread_y:
-    case SweepPhase::spread_z:
+    case SweepPhase::clear:
+    case SweepPhase::scatter:
+    case SweepPhase::join:
+      unit->kind = k_unit_motion, unit->name = "refine.motion";
+      unit->items = motion_items(g);
+      return true;
     case SweepPhase::triage:
       unit->kind = k_unit_triage, unit->name = "refine.triage";
       unit->items = grain_sleep_items(g);
@@ -210,11 +237,12 @@ bool run_unit(Granular* g, SweepPhase phase) {
       return run_snapshot(g);
     case SweepPhase::sort:
       return run_sort(g);
-    case SweepPhase::mark:
-    case SweepPhase::spread_x:
-    case SweepPhase::spread_y:
-    case SweepPhase::spread_z:
-      return grain_sleep_run_mark(g);
+    case SweepPhase::clear:
+      return motion_run_clear(g);
+    case SweepPhase::scatter:
+      return motion_run_scatter(g);
+    case SweepPhase::join:
+      return motion_run_join(g);
     case SweepPhase::triage:
       return grain_sleep_run_triage(g);
     case SweepPhase::refine:
@@ -242,7 +270,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   if (g.grains.count == 0) return 0;
   uint64_t sweeps = 0;
   if (t.debt >= k_time_resolution || t.grain_lag >= k_time_resolution) {
-    sweeps = k_ladder[level].refine_often
+    sweeps = source_rule(g) && k_ladder[level].refine_often
                  ? static_cast<uint64_t>((t.debt + t.grain_lag) / static_cast<double>(g.desc.refine_step)) + 1
                  : 1;
   }
@@ -269,7 +297,9 @@ void sweep_forget(Sweep* s) {
 }
 
 void sweep_finish(Granular* g) {
-  while (g->sweep.phase != SweepPhase::idle) run(g, 0);
+  while (g->sweep.phase != SweepPhase::idle ||
+         (g->grains.count != 0 && g->particles.count != 0 && g->time.grain_lag >= k_time_resolution))
+    run(g, 0);
 }
 
 bool sweep_takes_grains(const Granular& g) {

@@ -1,0 +1,117 @@
+// The motion of the particles on the nodes of a sparse grid, from which the grains read it.
+//
+// A particle adds its weight W and its momentum W u to every node within the support radius, and becomes the node's
+// nearest particle where it is. Lane = node, and a node takes the particles in their order, so the lane count does not
+// change a sum. The grid is made of blocks of 4 x 4 x 4 nodes, which exist where there are particles. An open hash
+// table finds a block by its coordinates.
+
+SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
+  const float bounded = scaled > -536870912.0f ? (scaled < 536870912.0f ? scaled : 536870912.0f) : -536870912.0f;
+  const int32_t truncated = static_cast<int32_t>(bounded);
+  return bounded < static_cast<float>(truncated) ? truncated - 1 : truncated;
+}
+
+// Sets the planes of a new block: no weight, and the nearest particle far from everything.
+SANDGLASS_INLINE void clear_block(float* planes) {
+  const Float zero = broadcast(0.0f), far = broadcast(k_inert_position);
+  for (uint32_t c = 0; c < k_block_nodes; c += k_width) {
+    for (uint32_t plane = 0; plane < k_record_floats; ++plane)
+      store(planes + plane * k_block_nodes + c, plane < k_mobility ? far : zero);
+  }
+}
+
+// The block at `at`, made where there was none; k_no_block: there is no room for it.
+SANDGLASS_INLINE uint32_t take_block(MotionGrid* grid, const int32_t at[3]) {
+  uint32_t slot = motion_hash(at[0], at[1], at[2]) & grid->slot_mask;
+  for (; grid->slots[slot] != 0; slot = (slot + 1) & grid->slot_mask) {
+    const uint32_t number = grid->slots[slot] - 1;
+    const MotionBlock& block = grid->blocks[number];
+    if (block.at[0] == at[0] && block.at[1] == at[1] && block.at[2] == at[2]) return number;
+  }
+  if (grid->block_count == grid->block_capacity) {
+    grid->overflowed = 1;
+    return k_no_block;
+  }
+  const uint32_t number = grid->block_count++;
+  grid->slots[slot] = number + 1;
+  grid->blocks[number] = {{at[0], at[1], at[2]}, 0};
+  clear_block(grid->planes + static_cast<uint64_t>(number) * k_block_nodes * k_record_floats);
+  return number;
+}
+
+// Adds a particle to the nodes of a block that lie from `low` to `high`, which count from the block's first node.
+SANDGLASS_INLINE void add_to_block(const MotionGrid* grid, const MotionBlock& block, float* planes,
+                                   const int32_t low[3], const int32_t high[3], const float position[3],
+                                   const float velocity[3]) {
+  constexpr uint32_t k_rows = k_width < k_block_side ? 1 : k_width / k_block_side;  // of nodes that a vector holds
+  const Float zero = broadcast(0.0f), h2 = broadcast(grid->support * grid->support),
+              inverse = broadcast(1.0f / (grid->support * grid->support)), spacing = broadcast(grid->spacing);
+  const Int side = broadcast(static_cast<int32_t>(k_block_side - 1));
+  const Int origin[3] = {broadcast(block.at[0] * 4), broadcast(block.at[1] * 4), broadcast(block.at[2] * 4)};
+  const Float p[3] = {broadcast(position[0]), broadcast(position[1]), broadcast(position[2])};
+  const int32_t first_y = low[1] / static_cast<int32_t>(k_rows) * static_cast<int32_t>(k_rows);
+  for (int32_t z = low[2]; z <= high[2]; ++z) {
+    const Float dz = to_float(origin[2] + broadcast(z)) * spacing - p[2];
+    for (int32_t y = k_rows >= k_block_side ? 0 : first_y; y <= high[1]; y += static_cast<int32_t>(k_rows)) {
+      const int32_t first_x = k_width < k_block_side ? low[0] : 0, last_x = k_width < k_block_side ? high[0] : 0;
+      for (int32_t x = first_x; x <= last_x; ++x) {
+        const uint32_t at = static_cast<uint32_t>((z * 4 + y) * 4 + x);
+        const Int lane = lane_index() + broadcast(x);
+        const Int column = lane & side;
+        const Float dx = to_float(origin[0] + column) * spacing - p[0];
+        const Float row = to_float(lane - column) * broadcast(0.25f);
+        const Float dy = (to_float(origin[1] + broadcast(y)) + row) * spacing - p[1];
+        const Float d2 = dx * dx + dy * dy + dz * dz;
+        if (!any(d2 < h2)) continue;
+        const Float t = maximum((h2 - d2) * inverse, zero);
+        const Float weight = t * t * t;
+        float* node = planes + at;
+        const Float largest = load(node + 7 * k_block_nodes);
+        const Mask nearer = largest < weight;
+        for (uint32_t k = 0; k < 3; ++k) {
+          float* nearest = node + k * k_block_nodes;
+          float* momentum = node + (k_vx + k) * k_block_nodes;
+          store(nearest, select(nearer, p[k], load(nearest)));
+          store(momentum, load(momentum) + weight * broadcast(velocity[k]));
+        }
+        store(node + k_mobility * k_block_nodes, load(node + k_mobility * k_block_nodes) + weight);
+        store(node + 7 * k_block_nodes, maximum(weight, largest));
+      }
+    }
+  }
+}
+
+static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t end, uint32_t* result) {
+  (void)result;
+  MotionGrid* grid = a->grid;
+  const float reach = grid->support * grid->inverse_spacing;
+  for (uint32_t i = begin; i < end && i < a->particle_count; ++i) {
+    const Particle& particle = a->particles[i];
+    if (in_body(particle)) continue;
+    float position[3];
+    int32_t first[3], last[3];
+    for (int k = 0; k < 3; ++k) {
+      position[k] = particle.position[k] - a->time * particle.velocity[k];
+      const float scaled = position[k] * grid->inverse_spacing;
+      first[k] = floor_scalar(scaled - reach) + 1, last[k] = floor_scalar(scaled + reach);
+    }
+    const bool moves = particle.velocity[0] != 0.0f || particle.velocity[1] != 0.0f || particle.velocity[2] != 0.0f;
+    int32_t at[3], low[3], high[3];
+    for (at[2] = first[2] >> 2; at[2] <= last[2] >> 2; ++at[2]) {
+      for (at[1] = first[1] >> 2; at[1] <= last[1] >> 2; ++at[1]) {
+        for (at[0] = first[0] >> 2; at[0] <= last[0] >> 2; ++at[0]) {
+          const uint32_t number = take_block(grid, at);
+          if (number == k_no_block) continue;
+          for (int k = 0; k < 3; ++k) {
+            const int32_t from = first[k] - 4 * at[k], to = last[k] - 4 * at[k];
+            low[k] = from > 0 ? from : 0, high[k] = to < 3 ? to : 3;
+          }
+          if (moves) grid->blocks[number].state |= k_block_moves;
+          add_to_block(grid, grid->blocks[number],
+                       grid->planes + static_cast<uint64_t>(number) * k_block_nodes * k_record_floats, low, high,
+                       position, particle.velocity);
+        }
+      }
+    }
+  }
+}

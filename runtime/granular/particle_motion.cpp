@@ -1,0 +1,204 @@
+#include "runtime/granular/particle_motion.h"
+
+#include "runtime/granular/granular.h"
+
+namespace sandglass {
+
+namespace {
+
+constexpr float k_spacing_radii = 1.25f;
+constexpr float k_support_radii = 3.0f;
+constexpr uint32_t k_particles_per_block = 3;  // there is room for
+constexpr uint32_t k_blocks_min = 64;
+constexpr uint32_t k_slots_per_item = 16;   // as many cost what one grain costs
+constexpr uint32_t k_items_per_block = 32;  // what joining a block costs, in grains
+constexpr uint32_t k_items_per_particle = 16;
+
+uint32_t capacity_of(const sandglass_granular_desc& d) {
+  return d.particle_capacity / k_particles_per_block + k_blocks_min;
+}
+
+uint32_t table_size(uint32_t blocks) {
+  uint32_t size = 64;
+  while (size < 2 * blocks) size *= 2;
+  return size;
+}
+
+uint32_t find(const MotionGrid& grid, int32_t x, int32_t y, int32_t z) {
+  for (uint32_t slot = motion_hash(x, y, z) & grid.slot_mask; grid.slots[slot] != 0;
+       slot = (slot + 1) & grid.slot_mask) {
+    const MotionBlock& block = grid.blocks[grid.slots[slot] - 1];
+    if (block.at[0] == x && block.at[1] == y && block.at[2] == z) return grid.slots[slot] - 1;
+  }
+  return k_no_block;
+}
+
+// Own nodes of a block into records of the block that reaches them.
+void copy_nodes(const MotionGrid& grid, uint32_t from, uint32_t to, const uint32_t beyond[3]) {
+  const float* planes = grid.planes + static_cast<uint64_t>(from) * k_block_nodes * k_record_floats;
+  float* records = grid.nodes + static_cast<uint64_t>(to) * k_block_records * k_record_floats;
+  const uint32_t counts[3] = {beyond[0] != 0 ? 1u : 4u, beyond[1] != 0 ? 1u : 4u, beyond[2] != 0 ? 1u : 4u};
+  for (uint32_t z = 0; z < counts[2]; ++z) {
+    for (uint32_t y = 0; y < counts[1]; ++y) {
+      const uint32_t record = ((z + 4 * beyond[2]) * 5 + y + 4 * beyond[1]) * 5 + 4 * beyond[0];
+      for (uint32_t x = 0; x < counts[0]; ++x) {
+        for (uint32_t c = 0; c < k_record_floats; ++c)
+          records[(record + x) * k_record_floats + c] = planes[c * k_block_nodes + (z * 4 + y) * 4 + x];
+      }
+    }
+  }
+}
+
+void empty_nodes(const MotionGrid& grid, uint32_t to, const uint32_t beyond[3]) {
+  float* records = grid.nodes + static_cast<uint64_t>(to) * k_block_records * k_record_floats;
+  const uint32_t counts[3] = {beyond[0] != 0 ? 1u : 4u, beyond[1] != 0 ? 1u : 4u, beyond[2] != 0 ? 1u : 4u};
+  for (uint32_t z = 0; z < counts[2]; ++z) {
+    for (uint32_t y = 0; y < counts[1]; ++y) {
+      const uint32_t record = ((z + 4 * beyond[2]) * 5 + y + 4 * beyond[1]) * 5 + 4 * beyond[0];
+      for (uint32_t x = 0; x < counts[0]; ++x) {
+        float* r = records + (record + x) * k_record_floats;
+        for (uint32_t c = 0; c < k_record_floats; ++c) r[c] = c < k_mobility ? k_inert_position : 0.0f;
+      }
+    }
+  }
+}
+
+void join(MotionGrid* grid, uint32_t number) {
+  MotionBlock& block = grid->blocks[number];
+  for (uint32_t side = 0; side < 8; ++side) {
+    const uint32_t beyond[3] = {side & 1, (side >> 1) & 1, side >> 2};
+    const uint32_t next =
+        side == 0 ? number
+                  : find(*grid, block.at[0] + static_cast<int32_t>(beyond[0]),
+                         block.at[1] + static_cast<int32_t>(beyond[1]), block.at[2] + static_cast<int32_t>(beyond[2]));
+    if (next == k_no_block) {
+      if (grid->overflowed != 0) block.state |= k_block_incomplete;
+      empty_nodes(*grid, number, beyond);
+    } else {
+      copy_nodes(*grid, next, number, beyond);
+    }
+  }
+}
+
+}  // namespace
+
+void motion_layout(ParticleMotion* m, const sandglass_granular_desc& d, Layout* layout) {
+  if (d.grain_capacity == 0) return;
+  MotionGrid& grid = m->grid;
+  grid.block_capacity = capacity_of(d);
+  const uint64_t blocks = grid.block_capacity;
+  grid.slot_mask = table_size(grid.block_capacity) - 1;
+  m->starts = layout_region<Place>(layout, "granular.motion_starts", d.particle_capacity);
+  m->ends = layout_region<Place>(layout, "granular.motion_ends", d.particle_capacity);
+  grid.slots = layout_region<uint32_t>(layout, "granular.motion_slots", grid.slot_mask + 1);
+  grid.blocks = layout_region<MotionBlock>(layout, "granular.motion_blocks", blocks);
+  grid.planes = layout_region<float>(layout, "granular.motion_planes", blocks * k_block_nodes * k_record_floats);
+  grid.nodes = layout_region<float>(layout, "granular.motion_nodes", blocks * k_block_records * k_record_floats);
+}
+
+void motion_configure(ParticleMotion* m, const sandglass_granular_desc& d) {
+  m->grid.spacing = k_spacing_radii * d.particle_radius;
+  m->grid.inverse_spacing = 1.0f / m->grid.spacing;
+  m->grid.support = k_support_radii * d.particle_radius;
+}
+
+void motion_add(Granular* g, uint32_t number, const float position[3], const float velocity[3]) {
+  if (g->desc.grain_capacity == 0) return;
+  const bool under_way = g->sweep.phase != SweepPhase::idle && g->sweep.phase != SweepPhase::snapshot;
+  const float since_start = static_cast<float>(g->time.grain_lag);
+  const float since_end = under_way ? static_cast<float>(g->time.grain_lag - g->sweep.time) : since_start;
+  for (int k = 0; k < 3; ++k) {
+    g->motion.starts[number].position[k] = position[k] - since_start * velocity[k];
+    g->motion.ends[number].position[k] = position[k] - since_end * velocity[k];
+  }
+}
+
+void motion_begin_here(Granular* g) {
+  if (g->desc.grain_capacity == 0) return;
+  for (uint32_t i = 0; i < g->particles.count; ++i) {
+    const Particle& p = g->particles.records[0][i];
+    for (int k = 0; k < 3; ++k) g->motion.starts[number_of(p)].position[k] = p.position[k];
+  }
+}
+
+void motion_complete(Granular* g) {
+  Place* starts = g->motion.ends;
+  g->motion.ends = g->motion.starts;
+  g->motion.starts = starts;
+}
+
+void motion_begin(ParticleMotion* m) {
+  m->grid.block_count = 0;
+  m->grid.overflowed = 0;
+}
+
+uint32_t motion_items(const Granular& g) {
+  const uint32_t cursor = g.sweep.cursor;
+  uint32_t left = 0;
+  if (g.sweep.phase == SweepPhase::clear) left = (g.motion.grid.slot_mask + 1 - cursor) / k_slots_per_item;
+  if (g.sweep.phase == SweepPhase::scatter) left = (g.particles.count - cursor) * k_items_per_particle;
+  if (g.sweep.phase == SweepPhase::join) left = (g.motion.grid.block_count - cursor) * k_items_per_block;
+  return left == 0 ? 1 : left < g.unit ? left : g.unit;
+}
+
+bool motion_run_clear(Granular* g) {
+  MotionGrid& grid = g->motion.grid;
+  const uint32_t all = grid.slot_mask + 1, begin = g->sweep.cursor, size = g->unit * k_slots_per_item;
+  const uint32_t end = all - begin < size ? all : begin + size;
+  for (uint32_t slot = begin; slot < end; ++slot) grid.slots[slot] = 0;
+  g->sweep.cursor = end;
+  return end >= all;
+}
+
+bool motion_run_scatter(Granular* g) {
+  const Particle* particles = g->grains.snapshot.particles;
+  const uint32_t all = g->sweep.particles, begin = g->sweep.cursor;
+  const uint32_t size = g->unit < k_items_per_particle * k_lane_group ? k_lane_group : g->unit / k_items_per_particle;
+  const uint32_t end = all - begin < size ? all : begin + size;
+  const ScatterMotionArgs args = {&g->motion.grid, particles, end, static_cast<float>(g->sweep.time)};
+  uint32_t unused = 0;
+  g->kernels->scatter_motion(&args, begin, end, &unused);
+  g->sweep.cursor = end;
+  return end >= all;
+}
+
+bool motion_run_join(Granular* g) {
+  MotionGrid& grid = g->motion.grid;
+  const uint32_t all = grid.block_count, begin = g->sweep.cursor;
+  const uint32_t size = g->unit < k_items_per_block ? 1 : g->unit / k_items_per_block;
+  const uint32_t end = all - begin < size ? all : begin + size;
+  for (uint32_t number = begin; number < end; ++number) join(&grid, number);
+  g->sweep.cursor = end;
+  return end >= all;
+}
+
+namespace {
+
+int32_t floor_block(float scaled) {
+  const int32_t truncated = static_cast<int32_t>(scaled);
+  return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
+}
+
+}  // namespace
+
+bool motion_near(const MotionGrid& grid, const float position[3], float radius) {
+  if (grid.overflowed != 0) return true;
+  const float inverse = 0.25f * grid.inverse_spacing;
+  if (radius * inverse > 4.0f) return true;  // too wide to look at: it is refined
+  int32_t first[3], last[3];
+  for (int k = 0; k < 3; ++k) {
+    first[k] = floor_block((position[k] - radius) * inverse);
+    last[k] = floor_block((position[k] + radius) * inverse) + 1;  // whose first nodes the cells before it reach
+  }
+  for (int32_t z = first[2]; z <= last[2]; ++z) {
+    for (int32_t y = first[1]; y <= last[1]; ++y) {
+      for (int32_t x = first[0]; x <= last[0]; ++x) {
+        const uint32_t number = find(grid, x, y, z);
+        if (number != k_no_block && (grid.blocks[number].state & k_block_moves) != 0) return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace sandglass

@@ -1,0 +1,48 @@
+// The motion of the particles during a sweep, on the nodes of a sparse grid, for the grains to read (kernels.h). What
+// counts is a particle's displacement since the last sweep, at the place where it began: then one sweep a frame follows
+// as closely as many with the velocities of their ends.
+//
+//   clear    the table of blocks
+//   scatter  the particles of the snapshot, in their order
+//   join     each block gets the nodes of the next blocks that its cells reach
+#pragma once
+
+#include "kernels/kernels.h"
+#include "runtime/core/layout.h"
+
+namespace sandglass {
+
+struct Granular;
+
+struct Place {
+  float position[3];
+};
+
+struct ParticleMotion {
+  MotionGrid grid;
+  // One a number: where the particle was at the last sweep's snapshot, and at that of the sweep under way.
+  Place* starts;
+  Place* ends;
+};
+
+void motion_layout(ParticleMotion* motion, const sandglass_granular_desc& desc, Layout* layout);
+void motion_configure(ParticleMotion* motion, const sandglass_granular_desc& desc);
+
+// A particle that is added, as if it had come this way with its velocity.
+void motion_add(Granular* granular, uint32_t number, const float position[3], const float velocity[3]);
+// What the particles do from now on is what the next sweep covers. The grains lag behind by nothing.
+void motion_begin_here(Granular* granular);
+// The sweep under way is complete.
+void motion_complete(Granular* granular);
+
+// The phases of a sweep. A `run` function runs a unit, and is true once its phase is done.
+void motion_begin(ParticleMotion* motion);
+uint32_t motion_items(const Granular& granular);  // of the next unit
+bool motion_run_clear(Granular* granular);
+bool motion_run_scatter(Granular* granular);
+bool motion_run_join(Granular* granular);
+
+// Whether a particle moves so near to a sphere that the sums in it may change.
+bool motion_near(const MotionGrid& grid, const float position[3], float radius);
+
+}  // namespace sandglass
