@@ -162,6 +162,7 @@ struct MotionGrid {
   MotionBlock* blocks;
   uint32_t block_count, block_capacity;
   uint32_t overflowed;  // 1: there was no room for a block
+  uint32_t moving;      // 1: a particle moves
   float* planes;        // a block's own nodes while particles are added: 8 planes of 64, as the lanes of a record
   float* nodes;         // its records, x fastest, 5 along an axis
 };

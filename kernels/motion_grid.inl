@@ -96,6 +96,7 @@ static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t 
       first[k] = floor_scalar(scaled - reach) + 1, last[k] = floor_scalar(scaled + reach);
     }
     const bool moves = particle.velocity[0] != 0.0f || particle.velocity[1] != 0.0f || particle.velocity[2] != 0.0f;
+    if (moves) grid->moving = 1;
     int32_t at[3], low[3], high[3];
     for (at[2] = first[2] >> 2; at[2] <= last[2] >> 2; ++at[2]) {
       for (at[1] = first[1] >> 2; at[1] <= last[1] >> 2; ++at[1]) {

@@ -129,7 +129,7 @@ void motion_complete(Granular* g) {
 
 void motion_begin(ParticleMotion* m) {
   m->grid.block_count = 0;
-  m->grid.overflowed = 0;
+  m->grid.overflowed = m->grid.moving = 0;
 }
 
 uint32_t motion_items(const Granular& g) {
@@ -182,6 +182,7 @@ int32_t floor_block(float scaled) {
 }  // namespace
 
 bool motion_near(const MotionGrid& grid, const float position[3], float radius) {
+  if (grid.moving == 0) return false;
   if (grid.overflowed != 0) return true;
   const float inverse = 0.25f * grid.inverse_spacing;
   if (radius * inverse > 4.0f) return true;  // too wide to look at: it is refined
