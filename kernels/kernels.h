@@ -156,7 +156,9 @@ struct MotionBlock {
 
 struct MotionGrid {
   float spacing, inverse_spacing;  // metres from node to node
-  float support;                   // h = 3r
+  float support;                   // h = 3r, of the nearest particle's weight
+  float reach;                     // of the sums: shorter than h, because reading between nodes widens them
+  float gain;                      // (h / reach)^3: makes the sums as large as those of h
   uint32_t slot_mask;
   uint32_t* slots;  // an open hash table: the number of a block, plus 1; 0: empty
   MotionBlock* blocks;

@@ -1,6 +1,6 @@
 // The motion of the particles on the nodes of a sparse grid, from which the grains read it.
 //
-// A particle adds its weight W and its momentum W u to every node within the support radius, and becomes the node's
+// A particle adds its weight W and its momentum W u to every node within reach, and becomes the node's
 // nearest particle where it is. Lane = node, and a node takes the particles in their order, so the lane count does not
 // change a sum. The grid is made of blocks of 4 x 4 x 4 nodes, which exist where there are particles. An open hash
 // table finds a block by its coordinates.
@@ -44,8 +44,8 @@ SANDGLASS_INLINE void add_to_block(const MotionGrid* grid, const MotionBlock& bl
                                    const int32_t low[3], const int32_t high[3], const float position[3],
                                    const float velocity[3]) {
   constexpr uint32_t k_rows = k_width < k_block_side ? 1 : k_width / k_block_side;  // of nodes that a vector holds
-  const Float zero = broadcast(0.0f), h2 = broadcast(grid->support * grid->support),
-              inverse = broadcast(1.0f / (grid->support * grid->support)), spacing = broadcast(grid->spacing);
+  const Float zero = broadcast(0.0f), h2 = broadcast(grid->reach * grid->reach), gain = broadcast(grid->gain),
+              inverse = broadcast(1.0f / (grid->reach * grid->reach)), spacing = broadcast(grid->spacing);
   const Int side = broadcast(static_cast<int32_t>(k_block_side - 1));
   const Int origin[3] = {broadcast(block.at[0] * 4), broadcast(block.at[1] * 4), broadcast(block.at[2] * 4)};
   const Float p[3] = {broadcast(position[0]), broadcast(position[1]), broadcast(position[2])};
@@ -64,7 +64,7 @@ SANDGLASS_INLINE void add_to_block(const MotionGrid* grid, const MotionBlock& bl
         const Float d2 = dx * dx + dy * dy + dz * dz;
         if (!any(d2 < h2)) continue;
         const Float t = maximum((h2 - d2) * inverse, zero);
-        const Float weight = t * t * t;
+        const Float weight = gain * (t * t * t);
         float* node = planes + at;
         const Float largest = load(node + 7 * k_block_nodes);
         const Mask nearer = largest < weight;
@@ -84,7 +84,7 @@ SANDGLASS_INLINE void add_to_block(const MotionGrid* grid, const MotionBlock& bl
 static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t end, uint32_t* result) {
   (void)result;
   MotionGrid* grid = a->grid;
-  const float reach = grid->support * grid->inverse_spacing;
+  const float reach = grid->reach * grid->inverse_spacing;
   for (uint32_t i = begin; i < end && i < a->particle_count; ++i) {
     const Particle& particle = a->particles[i];
     if (in_body(particle)) continue;
