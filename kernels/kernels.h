@@ -175,6 +175,16 @@ inline uint32_t motion_hash(int32_t x, int32_t y, int32_t z) {
   return mixed ^ (mixed >> 15);
 }
 
+// The number of the block at these coordinates, or k_no_block.
+inline uint32_t motion_find(const MotionGrid& grid, int32_t x, int32_t y, int32_t z) {
+  for (uint32_t slot = motion_hash(x, y, z) & grid.slot_mask; grid.slots[slot] != 0;
+       slot = (slot + 1) & grid.slot_mask) {
+    const MotionBlock& block = grid.blocks[grid.slots[slot] - 1];
+    if (block.at[0] == x && block.at[1] == y && block.at[2] == z) return grid.slots[slot] - 1;
+  }
+  return k_no_block;
+}
+
 // The range is of particles. What they add is their motion during `time`, at its begin.
 struct ScatterMotionArgs {
   MotionGrid* grid;

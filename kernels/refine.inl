@@ -90,15 +90,32 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Floa
   flow->largest = select(lanes, sum.largest, flow->largest);
 }
 
-SANDGLASS_INLINE uint32_t find_block(const MotionGrid* grid, const float at[3]) {
-  const int32_t x = static_cast<int32_t>(at[0]), y = static_cast<int32_t>(at[1]), z = static_cast<int32_t>(at[2]);
-  for (uint32_t slot = motion_hash(x, y, z) & grid->slot_mask; grid->slots[slot] != 0;
-       slot = (slot + 1) & grid->slot_mask) {
-    const uint32_t number = grid->slots[slot] - 1;
-    const MotionBlock& block = grid->blocks[number];
-    if (block.at[0] == x && block.at[1] == y && block.at[2] == z) return number;
-  }
-  return k_no_block;
+// A block's records, or null. lacking: the grid has no room there, so the records do not tell all.
+struct Block {
+  const float* records;
+  bool lacking;
+};
+
+SANDGLASS_INLINE Block look_up(const MotionGrid* grid, const float at[3]) {
+  const uint32_t number =
+      motion_find(*grid, static_cast<int32_t>(at[0]), static_cast<int32_t>(at[1]), static_cast<int32_t>(at[2]));
+  if (number == k_no_block) return {nullptr, grid->overflowed != 0};
+  return {grid->nodes + static_cast<uint64_t>(number) * k_block_records * k_record_floats,
+          (grid->blocks[number].state & k_block_incomplete) != 0};
+}
+
+// Adds the share of the node that is so many records behind the lanes' own.
+template <uint32_t k_behind>
+SANDGLASS_INLINE void add_corner(const float* const* records, Float share, const Float position[3], Flow* sum,
+                                 Float* nearest) {
+  Float node[k_record_floats];
+  load_records(records, k_behind * k_record_floats, node);
+  sum->weight = sum->weight + share * node[k_mobility];
+  sum->x = sum->x + share * node[k_vx];
+  sum->y = sum->y + share * node[k_vy];
+  sum->z = sum->z + share * node[k_vz];
+  const Float dx = node[k_x] - position[0], dy = node[k_y] - position[1], dz = node[k_z] - position[2];
+  *nearest = minimum(dx * dx + dy * dy + dz * dz, *nearest);
 }
 
 // The sums at the lanes that `lanes` holds, between the nodes of the grid. Returns the lanes that the grid has no room
@@ -118,47 +135,52 @@ SANDGLASS_INLINE Mask read_flow(const MotionGrid* grid, Mask lanes, const Float 
     corner = shift_left(corner, 2) + corner + to_int(cell);
   }
   alignas(64) float at[3][k_lane_group];
-  alignas(64) uint32_t first_corner[k_lane_group], index[k_lane_group];
-  alignas(64) float whole[k_lane_group], present[k_lane_group];
+  alignas(64) uint32_t corners[k_lane_group];
   for (int k = 0; k < 3; ++k) store(at[k], origin[k]);
-  store(first_corner, corner);
-  store(present, keep(lanes, one));
-  float last[3] = {0.5f, 0.5f, 0.5f};  // no block has such coordinates
-  uint32_t number = k_no_block;
-  for (uint32_t l = 0; l < k_width; ++l) {
-    if (at[0][l] != last[0] || at[1][l] != last[1] || at[2][l] != last[2]) {
-      for (int k = 0; k < 3; ++k) last[k] = at[k][l];
-      number = present[l] != 0.0f ? find_block(grid, last) : k_no_block;
-      if (present[l] == 0.0f) last[0] = 0.5f;
+  store(corners, corner);
+  const uint32_t sole = first(lanes);
+  const float block_at[3] = {at[0][sole], at[1][sole], at[2][sole]};
+  const Mask together = (origin[0] == broadcast(block_at[0])) & (origin[1] == broadcast(block_at[1])) &
+                        (origin[2] == broadcast(block_at[2]));
+  const float* records[k_width];
+  Mask known = lanes, lacking = and_not(lanes, lanes);
+  if (!any(and_not(lanes, together))) {  // as a rule
+    const Block block = look_up(grid, block_at);
+    if (block.lacking) return lanes;
+    if (block.records == nullptr) return lacking;
+    // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
+    for (uint32_t l = 0; l < k_width; ++l) records[l] = block.records + corners[l] * k_record_floats;
+  } else {
+    alignas(64) float wanted[k_lane_group], found[k_lane_group];
+    store(wanted, keep(lanes, one));
+    for (uint32_t l = 0; l < k_width; ++l) {
+      records[l] = grid->nodes;
+      const float lane_at[3] = {at[0][l], at[1][l], at[2][l]};
+      found[l] = 0.0f;
+      if (wanted[l] == 0.0f) continue;
+      const Block block = look_up(grid, lane_at);
+      wanted[l] = block.lacking ? 1.0f : 0.0f;
+      if (block.lacking || block.records == nullptr) continue;
+      records[l] = block.records + corners[l] * k_record_floats;
+      found[l] = 1.0f;
     }
-    const bool found = number != k_no_block;
-    const bool complete = found ? (grid->blocks[number].state & k_block_incomplete) == 0 : grid->overflowed == 0;
-    if (!found) present[l] = 0.0f;
-    whole[l] = complete ? 1.0f : 0.0f;
-    first_corner[l] += found ? number * k_block_records : 0;
+    lacking = lanes & (zero < load(wanted));
+    known = lanes & (zero < load(found));
+    if (!any(known)) return lacking;
   }
-  const Mask lacking = and_not(lanes, zero < load(whole));
-  const Mask known = and_not(lanes & (zero < load(present)), lacking);
-  if (!any(known)) return lacking;
   const Float h2 = broadcast(grid->support * grid->support);
   Float nearest = h2;
   Flow sum = {zero, zero, zero, zero, zero};
-  for (uint32_t c = 0; c < 8; ++c) {
-    const uint32_t beyond[3] = {c & 1, (c >> 1) & 1, c >> 2};
-    Float share = one;
-    for (int k = 2; k >= 0; --k) share = share * (beyond[k] != 0 ? local[k] : one - local[k]);
-    store(index,
-          load(first_corner) + broadcast(static_cast<int32_t>(
-                                   beyond[0] + (k_block_side + 1) * (beyond[1] + (k_block_side + 1) * beyond[2]))));
-    Float node[k_record_floats];
-    load_records(grid->nodes, index, 1, node);
-    sum.weight = sum.weight + share * node[k_mobility];
-    sum.x = sum.x + share * node[k_vx];
-    sum.y = sum.y + share * node[k_vy];
-    sum.z = sum.z + share * node[k_vz];
-    const Float dx = node[k_x] - position[0], dy = node[k_y] - position[1], dz = node[k_z] - position[2];
-    nearest = minimum(dx * dx + dy * dy + dz * dz, nearest);
-  }
+  const Float to_low[3] = {one - local[0], one - local[1], one - local[2]};
+  const Float rows[4] = {to_low[2] * to_low[1], to_low[2] * local[1], local[2] * to_low[1], local[2] * local[1]};
+  add_corner<0>(records, rows[0] * to_low[0], position, &sum, &nearest);
+  add_corner<1>(records, rows[0] * local[0], position, &sum, &nearest);
+  add_corner<5>(records, rows[1] * to_low[0], position, &sum, &nearest);
+  add_corner<6>(records, rows[1] * local[0], position, &sum, &nearest);
+  add_corner<25>(records, rows[2] * to_low[0], position, &sum, &nearest);
+  add_corner<26>(records, rows[2] * local[0], position, &sum, &nearest);
+  add_corner<30>(records, rows[3] * to_low[0], position, &sum, &nearest);
+  add_corner<31>(records, rows[3] * local[0], position, &sum, &nearest);
   // Of the particles that are nearest to the corners one is the nearest to the grain, but for rare ties.
   const Float t = maximum((h2 - nearest) * broadcast(1.0f / (grid->support * grid->support)), zero);
   sum.largest = t * t * t;
@@ -196,13 +218,13 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
   return select(alone, one, lambda);
 }
 
-SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Float position[3], Float velocity[3]) {
+SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Mask lanes, Float position[3], Float velocity[3]) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   for (uint32_t c = 0; c < a->collider_count; ++c) {
     const ColliderFrame& collider = a->colliders[c];
     const Surface surface = collider_surface(collider, position[0], position[1], position[2]);
     const Float depth = broadcast(a->grain_radius) - surface.distance;
-    const Mask hit = zero < depth;
+    const Mask hit = lanes & (zero < depth);
     if (!any(hit)) continue;
     const Float n[3] = {surface.nx, surface.ny, surface.nz};
     Float v[3], relative[3], along = zero;
@@ -224,12 +246,14 @@ SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Float position[3], Float
 }
 
 // The sums at the lanes that `lanes` holds: from the grid where there is one and it has room, else from the particles.
-SANDGLASS_INLINE void find_flow(const RefineArgs* a, Mask lanes, const Float position[3], Flow* flow) {
+SANDGLASS_INLINE Flow find_flow(const RefineArgs* a, Mask lanes, const Float position[3]) {
+  const Float zero = broadcast(0.0f);
+  Flow flow = {zero, zero, zero, zero, zero};
   const Float limit = broadcast(k_coordinate_bound);
   const Float wide = broadcast(1.0f / a->grid.inverse_cell);  // lanes further apart than this are gathered separately
   Mask left =
       lanes & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
-  if (a->motion != nullptr && any(left)) left = read_flow(a->motion, left, position, flow);
+  if (a->motion != nullptr && any(left)) left = read_flow(a->motion, left, position, &flow);
   while (any(left)) {
     alignas(64) float px[k_lane_group], py[k_lane_group], pz[k_lane_group];
     store(px, position[0]), store(py, position[1]), store(pz, position[2]);
@@ -237,14 +261,16 @@ SANDGLASS_INLINE void find_flow(const RefineArgs* a, Mask lanes, const Float pos
     const Mask group = left & (absolute(position[0] - broadcast(px[l])) <= wide) &
                        (absolute(position[1] - broadcast(py[l])) <= wide) &
                        (absolute(position[2] - broadcast(pz[l])) <= wide);
-    gather_flow(a, group, position[0], position[1], position[2], flow);
+    gather_flow(a, group, position[0], position[1], position[2], &flow);
     left = and_not(left, group);
   }
+  return flow;
 }
 
 static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound),
               step = broadcast(a->step);
+  const float fast = a->support * (1.0f / 6.0f) / a->step;  // half a particle radius in a step
   uint32_t quarantined = 0;
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t group_number = a->groups[item / k_lane_group];
@@ -258,39 +284,28 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
         lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
     // A grain that has been still for long enough stays where it is while nothing around it moves.
     Mask settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
-    Flow flow = {zero, zero, zero, zero, zero};
-    if (a->motion != nullptr) find_flow(a, inside, position, &flow);
+    Float lambda = zero, average[3] = {zero, zero, zero};
     for (uint32_t s = 0; s < a->steps; ++s) {
-      if (a->motion == nullptr) {
-        flow = {zero, zero, zero, zero, zero};
-        find_flow(a, inside, position, &flow);
+      if (s == 0 || a->motion == nullptr) {
+        const Flow flow = find_flow(a, inside, position);
+        lambda = free_flight(a, flow);
+        const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
+        average[0] = flow.x * inverse, average[1] = flow.y * inverse, average[2] = flow.z * inverse;
+        settled = settled & (average[0] == zero) & (average[1] == zero) & (average[2] == zero);
       }
-      const Float lambda = free_flight(a, flow);
-      const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
-      const Float average[3] = {flow.x * inverse, flow.y * inverse, flow.z * inverse};
-      settled = settled & (average[0] == zero) & (average[1] == zero) & (average[2] == zero);
       for (int k = 0; k < 3; ++k) {
         const Float fall = velocity[k] + step * broadcast(a->gravity[k]);
         velocity[k] = select(settled, zero, (one - lambda) * average[k] + lambda * fall);
         position[k] = position[k] + step * velocity[k];
       }
-      // On the way only those that are fast enough to pass through something thin.
-      if (s + 1 == a->steps || a->motion == nullptr) {
-        keep_outside(a, position, velocity);
-      } else {
-        const Float way = broadcast(a->support * (1.0f / 6.0f) / a->step);
-        const Mask fast =
-            inside & (way * way < velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2]);
-        if (any(fast)) {
-          Float kept_position[3], kept_velocity[3];
-          for (int k = 0; k < 3; ++k) kept_position[k] = position[k], kept_velocity[k] = velocity[k];
-          keep_outside(a, kept_position, kept_velocity);
-          for (int k = 0; k < 3; ++k) {
-            position[k] = select(fast, kept_position[k], position[k]);
-            velocity[k] = select(fast, kept_velocity[k], velocity[k]);
-          }
-        }
+      // With a grid, on the way only those that are fast enough to pass through something thin.
+      Mask kept = inside;
+      if (s + 1 != a->steps && a->motion != nullptr) {
+        const Float speed2 = velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2];
+        kept = kept & (broadcast(fast * fast) < speed2);
+        if (!any(kept)) continue;
       }
+      keep_outside(a, kept, position, velocity);
     }
     const Mask sound = (absolute(position[0]) < limit) & (absolute(position[1]) < limit) &
                        (absolute(position[2]) < limit) & (absolute(velocity[0]) < broadcast(1e6f)) &

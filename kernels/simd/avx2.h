@@ -102,6 +102,12 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
   transpose(r, t);
   for (int c = 0; c < 8; ++c) out[c].v = t[c];
 }
+SANDGLASS_INLINE void load_records(const float* const* lanes, uint32_t offset, Float out[8]) {
+  __m256 r[8], t[8];
+  for (uint32_t k = 0; k < 8; ++k) r[k] = _mm256_load_ps(lanes[k] + offset);
+  transpose(r, t);
+  for (int c = 0; c < 8; ++c) out[c].v = t[c];
+}
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   __m256 r[8], t[8];
   for (uint32_t k = 0; k < 8; ++k) r[k] = _mm256_load_ps(p + 8 * k);

@@ -102,6 +102,14 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
   }
   transpose_in(r, out);
 }
+SANDGLASS_INLINE void load_records(const float* const* lanes, uint32_t offset, Float out[8]) {
+  __m512 r[8];
+  for (uint32_t k = 0; k < 8; ++k) {
+    const __m256 low = _mm256_load_ps(lanes[k] + offset), high = _mm256_load_ps(lanes[k + 8] + offset);
+    r[k] = _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+  }
+  transpose_in(r, out);
+}
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   __m512 r[8];
   for (uint32_t k = 0; k < 8; ++k) {

@@ -90,6 +90,11 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
   const RecordFloat* p = base + static_cast<uint64_t>(index[0]) * 8;
   for (int c = 0; c < 8; ++c) out[c].v = p[c];
 }
+// The record `offset` floats behind each lane's pointer.
+SANDGLASS_INLINE void load_records(const float* const* lanes, uint32_t offset, Float out[8]) {
+  const RecordFloat* p = lanes[0] + offset;
+  for (int c = 0; c < 8; ++c) out[c].v = p[c];
+}
 // k_width consecutive records.
 SANDGLASS_INLINE void load_records(const float* base, Float out[8]) {
   const RecordFloat* p = base;

@@ -27,15 +27,6 @@ uint32_t table_size(uint32_t blocks) {
   return size;
 }
 
-uint32_t find(const MotionGrid& grid, int32_t x, int32_t y, int32_t z) {
-  for (uint32_t slot = motion_hash(x, y, z) & grid.slot_mask; grid.slots[slot] != 0;
-       slot = (slot + 1) & grid.slot_mask) {
-    const MotionBlock& block = grid.blocks[grid.slots[slot] - 1];
-    if (block.at[0] == x && block.at[1] == y && block.at[2] == z) return grid.slots[slot] - 1;
-  }
-  return k_no_block;
-}
-
 // Own nodes of a block into records of the block that reaches them.
 void copy_nodes(const MotionGrid& grid, uint32_t from, uint32_t to, const uint32_t beyond[3]) {
   const float* planes = grid.planes + static_cast<uint64_t>(from) * k_block_nodes * k_record_floats;
@@ -70,10 +61,10 @@ void join(MotionGrid* grid, uint32_t number) {
   MotionBlock& block = grid->blocks[number];
   for (uint32_t side = 0; side < 8; ++side) {
     const uint32_t beyond[3] = {side & 1, (side >> 1) & 1, side >> 2};
-    const uint32_t next =
-        side == 0 ? number
-                  : find(*grid, block.at[0] + static_cast<int32_t>(beyond[0]),
-                         block.at[1] + static_cast<int32_t>(beyond[1]), block.at[2] + static_cast<int32_t>(beyond[2]));
+    const uint32_t next = side == 0 ? number
+                                    : motion_find(*grid, block.at[0] + static_cast<int32_t>(beyond[0]),
+                                                  block.at[1] + static_cast<int32_t>(beyond[1]),
+                                                  block.at[2] + static_cast<int32_t>(beyond[2]));
     if (next == k_no_block) {
       if (grid->overflowed != 0) block.state |= k_block_incomplete;
       empty_nodes(*grid, number, beyond);
@@ -200,7 +191,7 @@ bool motion_near(const MotionGrid& grid, const float position[3], float radius) 
   for (int32_t z = first[2]; z <= last[2]; ++z) {
     for (int32_t y = first[1]; y <= last[1]; ++y) {
       for (int32_t x = first[0]; x <= last[0]; ++x) {
-        const uint32_t number = find(grid, x, y, z);
+        const uint32_t number = motion_find(grid, x, y, z);
         if (number != k_no_block && (grid.blocks[number].state & k_block_moves) != 0) return true;
       }
     }
