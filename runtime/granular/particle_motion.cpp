@@ -27,37 +27,30 @@ uint32_t table_size(uint32_t blocks) {
   return size;
 }
 
-// Own nodes of a block into records of the block that reaches them.
+// The records of block `to` on the side `beyond` are the first nodes of block `from`; without it they are empty.
 void copy_nodes(const MotionGrid& grid, uint32_t from, uint32_t to, const uint32_t beyond[3]) {
-  const float* planes = grid.planes + static_cast<uint64_t>(from) * k_block_nodes * k_record_floats;
+  constexpr uint32_t k_row = k_block_side + 1;
+  const float* planes =
+      from == k_no_block ? grid.planes : grid.planes + static_cast<uint64_t>(from) * k_block_nodes * k_record_floats;
   float* records = grid.nodes + static_cast<uint64_t>(to) * k_block_records * k_record_floats;
-  const uint32_t counts[3] = {beyond[0] != 0 ? 1u : 4u, beyond[1] != 0 ? 1u : 4u, beyond[2] != 0 ? 1u : 4u};
+  uint32_t counts[3];
+  for (int k = 0; k < 3; ++k) counts[k] = beyond[k] != 0 ? 1 : k_block_side;
   for (uint32_t z = 0; z < counts[2]; ++z) {
     for (uint32_t y = 0; y < counts[1]; ++y) {
-      const uint32_t record = ((z + 4 * beyond[2]) * 5 + y + 4 * beyond[1]) * 5 + 4 * beyond[0];
-      for (uint32_t x = 0; x < counts[0]; ++x) {
+      const uint32_t row = (z + k_block_side * beyond[2]) * k_row + y + k_block_side * beyond[1];
+      float* record = records + (row * k_row + k_block_side * beyond[0]) * k_record_floats;
+      const float* node = planes + (z * k_block_side + y) * k_block_side;
+      for (uint32_t x = 0; x < counts[0]; ++x, ++node, record += k_record_floats) {
         for (uint32_t c = 0; c < k_record_floats; ++c)
-          records[(record + x) * k_record_floats + c] = planes[c * k_block_nodes + (z * 4 + y) * 4 + x];
+          record[c] = from != k_no_block ? node[c * k_block_nodes] : c < k_mobility ? k_inert_position : 0.0f;
       }
     }
   }
 }
 
-void empty_nodes(const MotionGrid& grid, uint32_t to, const uint32_t beyond[3]) {
-  float* records = grid.nodes + static_cast<uint64_t>(to) * k_block_records * k_record_floats;
-  const uint32_t counts[3] = {beyond[0] != 0 ? 1u : 4u, beyond[1] != 0 ? 1u : 4u, beyond[2] != 0 ? 1u : 4u};
-  for (uint32_t z = 0; z < counts[2]; ++z) {
-    for (uint32_t y = 0; y < counts[1]; ++y) {
-      const uint32_t record = ((z + 4 * beyond[2]) * 5 + y + 4 * beyond[1]) * 5 + 4 * beyond[0];
-      for (uint32_t x = 0; x < counts[0]; ++x) {
-        float* r = records + (record + x) * k_record_floats;
-        for (uint32_t c = 0; c < k_record_floats; ++c) r[c] = c < k_mobility ? k_inert_position : 0.0f;
-      }
-    }
-  }
-}
+}  // namespace
 
-void join(MotionGrid* grid, uint32_t number) {
+void motion_join(MotionGrid* grid, uint32_t number) {
   MotionBlock& block = grid->blocks[number];
   for (uint32_t side = 0; side < 8; ++side) {
     const uint32_t beyond[3] = {side & 1, (side >> 1) & 1, side >> 2};
@@ -65,16 +58,10 @@ void join(MotionGrid* grid, uint32_t number) {
                                     : motion_find(*grid, block.at[0] + static_cast<int32_t>(beyond[0]),
                                                   block.at[1] + static_cast<int32_t>(beyond[1]),
                                                   block.at[2] + static_cast<int32_t>(beyond[2]));
-    if (next == k_no_block) {
-      if (grid->overflowed != 0) block.state |= k_block_incomplete;
-      empty_nodes(*grid, number, beyond);
-    } else {
-      copy_nodes(*grid, next, number, beyond);
-    }
+    if (next == k_no_block && grid->overflowed != 0) block.state |= k_block_incomplete;
+    copy_nodes(*grid, next, number, beyond);
   }
 }
-
-}  // namespace
 
 void motion_layout(ParticleMotion* m, const sandglass_granular_desc& d, Layout* layout) {
   if (d.grain_capacity == 0) return;
@@ -164,7 +151,7 @@ bool motion_run_join(Granular* g) {
   const uint32_t all = grid.block_count, begin = g->sweep.cursor;
   const uint32_t size = g->unit < k_items_per_block ? 1 : g->unit / k_items_per_block;
   const uint32_t end = all - begin < size ? all : begin + size;
-  for (uint32_t number = begin; number < end; ++number) join(&grid, number);
+  for (uint32_t number = begin; number < end; ++number) motion_join(&grid, number);
   g->sweep.cursor = end;
   return end >= all;
 }

@@ -42,6 +42,9 @@ bool motion_run_clear(Granular* granular);
 bool motion_run_scatter(Granular* granular);
 bool motion_run_join(Granular* granular);
 
+// A block that has all its own nodes gets its records.
+void motion_join(MotionGrid* grid, uint32_t number);
+
 // Whether a particle moves so near to a sphere that the sums in it may change.
 bool motion_near(const MotionGrid& grid, const float position[3], float radius);
 
