@@ -1,5 +1,5 @@
 // Every kernel body, in one namespace per instruction set. A table_<set>.cpp sets SANDGLASS_SIMD to the namespace of
-// its simd header, includes this file, and exports one table.
+// its simd header, includes this file, and so exports its tables.
 namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/records.inl"
 
@@ -13,10 +13,20 @@ namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/refine.inl"
 #include "kernels/wake.inl"
 
-extern const Kernels k_table;
+extern const Kernels k_table, k_sand_table, k_pile_table;
+#define SANDGLASS_KERNEL(user, name, Args, Result) , name
 const Kernels k_table = {SANDGLASS_SIMD_ISA, k_width
-#define SANDGLASS_KERNEL(name, Args, Result) , name
 #include "kernels/kernels.inc"
-#undef SANDGLASS_KERNEL
 };
+#undef SANDGLASS_KERNEL
+#define SANDGLASS_KERNEL(user, name, Args, Result) , KernelUser::user == KernelUser::sand ? name : nullptr
+const Kernels k_sand_table = {SANDGLASS_SIMD_ISA, k_width
+#include "kernels/kernels.inc"
+};
+#undef SANDGLASS_KERNEL
+#define SANDGLASS_KERNEL(user, name, Args, Result) , KernelUser::user == KernelUser::pile ? name : nullptr
+const Kernels k_pile_table = {SANDGLASS_SIMD_ISA, k_width
+#include "kernels/kernels.inc"
+};
+#undef SANDGLASS_KERNEL
 }  // namespace sandglass::SANDGLASS_SIMD

@@ -272,7 +272,7 @@ struct PileSkyArgs {
   float* lights;           // 1 less the light that is hidden from each texel
 };
 
-#define SANDGLASS_KERNEL(name, Args, Result) \
+#define SANDGLASS_KERNEL(user, name, Args, Result) \
   using name##_function = void (*)(const Args* args, uint32_t begin, uint32_t end, Result* result);
 #include "kernels/kernels.inc"
 #undef SANDGLASS_KERNEL
@@ -281,12 +281,18 @@ struct PileSkyArgs {
 struct Kernels {
   sandglass_isa isa;
   uint32_t width;  // lanes
-#define SANDGLASS_KERNEL(name, Args, Result) name##_function name;
+#define SANDGLASS_KERNEL(user, name, Args, Result) name##_function name;
 #include "kernels/kernels.inc"
 #undef SANDGLASS_KERNEL
 };
 
-// The table for `isa` (AUTOMATIC: the fastest that this CPU runs), or null where build or CPU lack it.
+// Who uses a kernel: the sand itself, or its shadow and light.
+enum class KernelUser { sand, pile };
+
+// The table for `isa` (AUTOMATIC: the fastest that this CPU runs), or null where build or CPU lack it. The tables of
+// one user have null for the other's kernels and do not link them into the program.
 const Kernels* select_kernels(sandglass_isa isa);
+const Kernels* select_sand_kernels(sandglass_isa isa);
+const Kernels* select_pile_kernels(sandglass_isa isa);
 
 }  // namespace sandglass

@@ -6,43 +6,57 @@
 
 namespace sandglass {
 
-namespace simd_scalar {
-extern const Kernels k_table;
-}
-#if defined(SANDGLASS_HAVE_AVX2)
-namespace simd_avx2 {
-extern const Kernels k_table;
-}
-#endif
+#define SANDGLASS_TABLES_OF(set)                              \
+  namespace simd_##set {                                      \
+    extern const Kernels k_table, k_sand_table, k_pile_table; \
+  }
+SANDGLASS_TABLES_OF(scalar)
 #if defined(SANDGLASS_HAVE_AVX512)
-namespace simd_avx512 {
-extern const Kernels k_table;
-}
+SANDGLASS_TABLES_OF(avx2)
+SANDGLASS_TABLES_OF(avx512)
+#define SANDGLASS_TABLES(table) \
+  { &simd_scalar::table, nullptr, &simd_avx2::table, &simd_avx512::table }
+#elif defined(SANDGLASS_HAVE_NEON)
+SANDGLASS_TABLES_OF(neon)
+#define SANDGLASS_TABLES(table) \
+  { &simd_scalar::table, &simd_neon::table, nullptr, nullptr }
+#else
+#define SANDGLASS_TABLES(table) \
+  { &simd_scalar::table, nullptr, nullptr, nullptr }
 #endif
-#if defined(SANDGLASS_HAVE_NEON)
-namespace simd_neon {
-extern const Kernels k_table;
-}
-#endif
+#undef SANDGLASS_TABLES_OF
 
-const Kernels* select_kernels(sandglass_isa isa) {
-  if (isa == SANDGLASS_ISA_SCALAR) return &simd_scalar::k_table;  // without asking the CPU, which is slow
+namespace {
+
+// The tables of one user for SCALAR, NEON, AVX2 and AVX512, in this order; null where this build lacks one.
+struct Tables {
+  const Kernels* of[4];
+};
+
+// Named constants, so that each has a section of its own and the linker drops those that an app does not use.
+constexpr Tables k_all = {SANDGLASS_TABLES(k_table)};
+constexpr Tables k_of_sand = {SANDGLASS_TABLES(k_sand_table)};
+constexpr Tables k_of_piles = {SANDGLASS_TABLES(k_pile_table)};
+
+const Kernels* select(const Tables& tables, sandglass_isa isa) {
+  if (isa == SANDGLASS_ISA_SCALAR) return tables.of[0];  // without asking the CPU, which is slow
   const CpuFeatures cpu = cpu_features();
-  (void)cpu;
   const bool automatic = isa == SANDGLASS_ISA_AUTOMATIC;
-#if defined(SANDGLASS_HAVE_AVX512)
-  if ((automatic || isa == SANDGLASS_ISA_AVX512) && cpu.avx512f && cpu.avx512bw && cpu.avx512dq && cpu.avx512vl)
-    return &simd_avx512::k_table;
-#endif
-#if defined(SANDGLASS_HAVE_AVX2)
-  if ((automatic || isa == SANDGLASS_ISA_AVX2) && cpu.avx2) return &simd_avx2::k_table;
-#endif
-#if defined(SANDGLASS_HAVE_NEON)
+  const Kernels *neon = tables.of[1], *avx2 = tables.of[2], *avx512 = tables.of[3];
+  if (avx512 != nullptr && (automatic || isa == SANDGLASS_ISA_AVX512) && cpu.avx512f && cpu.avx512bw && cpu.avx512dq &&
+      cpu.avx512vl)
+    return avx512;
+  if (avx2 != nullptr && (automatic || isa == SANDGLASS_ISA_AVX2) && cpu.avx2) return avx2;
   const bool asked = isa == SANDGLASS_ISA_NEON || (isa == SANDGLASS_ISA_NEON_DOTPROD && cpu.dotprod) ||
                      (isa == SANDGLASS_ISA_NEON_I8MM && cpu.i8mm);
-  if ((automatic || asked) && cpu.neon) return &simd_neon::k_table;
-#endif
-  return automatic ? &simd_scalar::k_table : nullptr;
+  if (neon != nullptr && (automatic || asked) && cpu.neon) return neon;
+  return automatic ? tables.of[0] : nullptr;
 }
+
+}  // namespace
+
+const Kernels* select_kernels(sandglass_isa isa) { return select(k_all, isa); }
+const Kernels* select_sand_kernels(sandglass_isa isa) { return select(k_of_sand, isa); }
+const Kernels* select_pile_kernels(sandglass_isa isa) { return select(k_of_piles, isa); }
 
 }  // namespace sandglass

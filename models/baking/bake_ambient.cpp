@@ -26,13 +26,14 @@ bool bake_ambient(const AmbientSettings& settings, uint64_t seed, uint32_t threa
     return !interrupted();
   });
   if (hidden.empty()) return false;
-  const std::vector<SurfacePoint> points = surface_points(object.mesh);
+  std::vector<SurfacePoint> points = surface_points(object.mesh);
   Progress vertices("tracing the surface", static_cast<uint32_t>(points.size()));
-  const std::vector<float> transfer = trace_transfer(points, scene, seed, pool, [&](uint32_t done) {
+  std::vector<float> transfer = trace_transfer(points, scene, seed, pool, [&](uint32_t done) {
     vertices.done(done);
     return !interrupted();
   });
   if (transfer.empty()) return false;
+  drop_buried(&points, &transfer);
   file->surface = round_surface(points, transfer);
   file->ambient = find_components(square, hidden, settings.components);
 

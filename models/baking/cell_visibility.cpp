@@ -5,8 +5,7 @@
 #include "models/baking/cell_visibility.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
+#include <bit>
 
 #include "models/baking/light_cells.h"
 #include "models/work/random.h"
@@ -14,11 +13,11 @@
 namespace sandglass::host {
 namespace {
 
-constexpr uint32_t k_packet = 16, k_strata = 4;  // strata along each axis of a cell
-constexpr uint32_t k_points = 2;                 // along each axis of a texel
-constexpr uint32_t k_sets = 64;                  // of directions
-constexpr uint32_t k_rows = 8;                   // between two calls of go_on
-constexpr float k_nearest = 1e-5f;               // in units of the object's size: a face in the plane hides nothing
+constexpr uint32_t k_packet = EmbreeScene::k_packet;
+constexpr uint32_t k_strata = 4;  // along each axis of a cell; a packet has a ray to each of 4 x 4
+constexpr uint32_t k_points = 2;  // along each axis of a texel
+constexpr uint32_t k_sets = 64;   // of directions
+constexpr uint32_t k_rows = 8;    // between two calls of go_on
 constexpr uint64_t k_direction_stream = 0xCE11, k_point_stream = 0xF1008;
 
 // k_sets x SANDGLASS_LIGHT_CELLS x k_packet directions, one array an axis.
@@ -47,14 +46,6 @@ struct Tracer {
   uint64_t seed;
 
   void texel(uint32_t u, uint32_t v, float* hidden) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    alignas(64) int valid[k_packet];
-    std::fill_n(valid, k_packet, -1);
-    RTCRay16 rays;
-    std::memset(&rays, 0, sizeof rays);
-    std::fill_n(rays.mask, k_packet, 0xFFFFFFFFu);
     std::fill_n(hidden, SANDGLASS_LIGHT_CELLS, 0.0f);
     const double step = 2 * square.half / square.side;
     uint64_t random = random_mix(seed ^ k_point_stream) + uint64_t{v} * square.side + u;
@@ -64,18 +55,11 @@ struct Tracer {
       const double a = (point % k_points + random_unit(random)) / k_points;
       random = random_mix(random);
       const double b = (point / k_points + random_unit(random)) / k_points;
-      std::fill_n(rays.org_x, k_packet, static_cast<float>(step * (u + a) - square.half));
-      std::fill_n(rays.org_z, k_packet, static_cast<float>(step * (v + b) - square.half));
+      const double x = step * (u + a) - square.half, z = step * (v + b) - square.half;
       for (uint32_t cell = 0; cell < SANDGLASS_LIGHT_CELLS; ++cell) {
         const size_t from = set + size_t{cell} * k_packet;
-        std::memcpy(rays.dir_x, &directions.x[from], sizeof rays.dir_x);
-        std::memcpy(rays.dir_y, &directions.y[from], sizeof rays.dir_y);
-        std::memcpy(rays.dir_z, &directions.z[from], sizeof rays.dir_z);
-        std::fill_n(rays.tnear, k_packet, k_nearest);
-        std::fill_n(rays.tfar, k_packet, INFINITY);
-        rtcOccluded16(valid, object.handle(), &context, &rays);
-        uint32_t dark = 0;
-        for (uint32_t i = 0; i < k_packet; ++i) dark += rays.tfar[i] < 0 ? 1 : 0;
+        const auto dark =
+            std::popcount(object.hidden(x, z, &directions.x[from], &directions.y[from], &directions.z[from]));
         hidden[cell] += static_cast<float>(dark) / (k_packet * k_points * k_points);
       }
     }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "models/tracing/directions.h"
 #include "models/work/random.h"
@@ -22,6 +24,39 @@ constexpr uint32_t k_task = 64, k_tasks = 64;  // points of a task, tasks betwee
 constexpr double k_crease = 0.766;
 
 Vec3 vertex(const Mesh& mesh, uint32_t i) { return from_floats(&mesh.vertices[3 * size_t{i}]); }
+
+constexpr double k_longest_edge = 1.0 / 16;  // of the mesh's size
+constexpr double k_buried = 0.02;            // of the hemisphere
+
+// Halves the longest edge of a triangle until none is too long. Triangles that share an edge share its middle.
+Mesh with_short_edges(const Mesh& mesh) {
+  Mesh fine = {mesh.vertices, {}};
+  double size = 0;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    float low = INFINITY, high = -INFINITY;
+    for (size_t i = axis; i < mesh.vertices.size(); i += 3)
+      low = std::min(low, mesh.vertices[i]), high = std::max(high, mesh.vertices[i]);
+    size = std::max(size, static_cast<double>(high) - static_cast<double>(low));
+  }
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
+  std::vector<uint32_t> open = mesh.indices;
+  while (!open.empty()) {
+    uint32_t corners[3];
+    for (size_t k = 3; k-- > 0; open.pop_back()) corners[k] = open.back();
+    const auto edge = [&](size_t k) { return length(vertex(fine, corners[(k + 1) % 3]) - vertex(fine, corners[k])); };
+    const size_t longest = edge(0) >= edge(1) && edge(0) >= edge(2) ? 0 : edge(1) >= edge(2) ? 1 : 2;
+    const uint32_t a = corners[longest], b = corners[(longest + 1) % 3], c = corners[(longest + 2) % 3];
+    if (!(edge(longest) > k_longest_edge * size)) {
+      fine.indices.insert(fine.indices.end(), {a, b, c});
+      continue;
+    }
+    const auto [middle, is_new] = middles.emplace(std::minmax(a, b), fine.vertex_count());
+    for (size_t axis = 0; is_new && axis < 3; ++axis)
+      fine.vertices.push_back(0.5f * (fine.vertices[3 * a + axis] + fine.vertices[3 * b + axis]));
+    open.insert(open.end(), {a, middle->second, c, middle->second, b, c});
+  }
+  return fine;
+}
 
 void trace_point(const EmbreeScene& object, const SurfacePoint& point, uint64_t random, float* transfer) {
   double sums[k_transfer] = {};
@@ -42,7 +77,8 @@ void trace_point(const EmbreeScene& object, const SurfacePoint& point, uint64_t 
 
 }  // namespace
 
-std::vector<SurfacePoint> surface_points(const Mesh& mesh) {
+std::vector<SurfacePoint> surface_points(const Mesh& coarse) {
+  const Mesh mesh = with_short_edges(coarse);
   struct Side {
     Vec3 first, sum;  // the normal of the first triangle, and the weighted sum
   };
@@ -84,6 +120,18 @@ std::vector<float> trace_transfer(const std::vector<SurfacePoint>& points, const
     if (!go_on(begin) && begin < count) return {};
   }
   return transfer;
+}
+
+void drop_buried(std::vector<SurfacePoint>* points, std::vector<float>* transfer) {
+  size_t kept = 0;
+  for (size_t i = 0; i < points->size(); ++i) {
+    const float* coefficients = transfer->data() + k_transfer * i;
+    if (coefficients[0] < k_buried * k_harmonic_factors[0]) continue;
+    (*points)[kept] = (*points)[i];
+    std::copy(coefficients, coefficients + k_transfer, transfer->data() + k_transfer * kept);
+    ++kept;
+  }
+  points->resize(kept), transfer->resize(k_transfer * kept);
 }
 
 SurfacePart round_surface(const std::vector<SurfacePoint>& points, const std::vector<float>& transfer) {

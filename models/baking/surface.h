@@ -20,7 +20,8 @@ struct SurfacePoint {
   Vec3 position, normal;
 };
 
-// The points of a mesh, in order of x. Triangles that meet at a vertex share a point where their normals are within 40
+// The points of a mesh, in order of x. Edges longer than a sixteenth of its size are halved first, so that the nearest
+// point is near everywhere. Triangles that meet at a vertex share a point where their normals are within 40
 // degrees of each other; its normal is the mean of theirs, weighted by their angles there. Meshes that are inside out
 // are turned.
 std::vector<SurfacePoint> surface_points(const Mesh& mesh);
@@ -30,6 +31,10 @@ std::vector<SurfacePoint> surface_points(const Mesh& mesh);
 // the points done, returns false.
 std::vector<float> trace_transfer(const std::vector<SurfacePoint>& points, const EmbreeScene& object, uint64_t seed,
                                   ThreadPool& pool, const std::function<bool(uint32_t)>& go_on);
+
+// Takes away the points that see less than a fiftieth of what lies before them: those inside other parts of the object,
+// such as the end of a leg in the seat. What is looked up between such a point and an open one would be dark.
+void drop_buried(std::vector<SurfacePoint>* points, std::vector<float>* transfer);
 
 // Points and coefficients in bytes, in the unit of the points' mesh.
 struct SurfacePart {

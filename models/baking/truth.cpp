@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "models/files/failure.h"
 #include "models/tracing/embree_scene.h"
@@ -20,10 +19,8 @@
 namespace sandglass::host {
 namespace {
 
-constexpr uint32_t k_packet = 16;
-constexpr uint32_t k_sets = 64;  // sets of light samples, each with its own jitter and order
-// In units of the object's size. Rays start this far away, so that a face in the plane does not shadow the plane.
-constexpr float k_nearest = 1e-5f;
+constexpr uint32_t k_packet = EmbreeScene::k_packet;
+constexpr uint32_t k_sets = 64;      // sets of light samples, each with its own jitter and order
 constexpr double k_thinnest = 1e-6;  // in units of the object's size; floats resolve 1e-7
 // Sizes lie between 1 / limit and the limit. Beyond, squares leave the range of a float.
 constexpr double k_size_limit = 1e18;
@@ -142,15 +139,6 @@ void ShadowCaster::texels(const ShadowRectangle& rectangle, const Direction& lig
                                                          static_cast<double>(s.along[i]) * light[axis]);
   const float *dx = direction.data(), *dy = dx + samples, *dz = dy + samples;
 
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  alignas(64) int valid[k_packet];
-  std::fill_n(valid, k_packet, -1);
-  RTCRay16 rays;
-  std::memset(&rays, 0, sizeof rays);
-  std::fill_n(rays.mask, k_packet, 0xFFFFFFFFu);
-
   const uint32_t side = s.counts.points;
   const double step_x = (rectangle.high_x - rectangle.low_x) / size_x;
   const double step_z = (rectangle.high_z - rectangle.low_z) / size_y;
@@ -163,26 +151,15 @@ void ShadowCaster::texels(const ShadowRectangle& rectangle, const Direction& lig
       random = random_mix(random);
       const double jitter_x = unit(random << 20), jitter_z = unit((random << 40) | (random & 0xFFFFF) << 20);
       const size_t first = set + size_t{point} * s.light_count;
-      std::fill_n(rays.org_x, k_packet,
-                  static_cast<float>(rectangle.low_x + step_x * (u + (point % side + jitter_x) / side)));
-      std::fill_n(rays.org_z, k_packet,
-                  static_cast<float>(rectangle.low_z + step_z * (v + (point / side + jitter_z) / side)));
+      const double x = rectangle.low_x + step_x * (u + (point % side + jitter_x) / side);
+      const double z = rectangle.low_z + step_z * (v + (point / side + jitter_z) / side);
       for (uint32_t packet = 0; packet < s.light_count; packet += k_packet) {
         const size_t from = first + packet;
-        std::memcpy(rays.dir_x, dx + from, sizeof rays.dir_x);
-        std::memcpy(rays.dir_y, dy + from, sizeof rays.dir_y);
-        std::memcpy(rays.dir_z, dz + from, sizeof rays.dir_z);
+        const uint32_t hidden = s.object.hidden(x, z, dx + from, dy + from, dz + from);
         for (uint32_t i = 0; i < k_packet; ++i) {
-          // Light from below the horizon does not reach the plane.
-          valid[i] = dy[from + i] > 0 ? -1 : 0;
-          rays.tnear[i] = k_nearest;
-          rays.tfar[i] = INFINITY;
-        }
-        rtcOccluded16(valid, s.object.handle(), &context, &rays);
-        for (uint32_t i = 0; i < k_packet; ++i) {
-          const float weight = valid[i] != 0 ? dy[from + i] : 0.0f;
+          const float weight = std::max(dy[from + i], 0.0f);  // light from below the horizon does not reach the plane
           all += weight;
-          visible += rays.tfar[i] < 0 ? 0.0f : weight;
+          visible += (hidden >> i & 1) != 0 ? 0.0f : weight;
         }
       }
     }

@@ -1,5 +1,5 @@
-// An app in augmented reality: from the camera's images the light of the room, in that light a ball of sand that falls
-// beside a chair, and the soft shadow of the chair on the floor: 4 ms a frame. The phone is made up; copy the rest.
+// An app in augmented reality. The camera looks around a room. In the light that it has seen stand a chair and a heap of
+// sand on the real floor, lit, with soft and sharp shadows: 4 ms a frame. The phone is made up; copy the rest.
 #include <cmath>
 #include <cstdio>
 
@@ -7,65 +7,74 @@
 #include "sandglass/sandglass.hpp"
 
 int main(int argc, char** argv) {
-  if (argc != 4) return std::fputs("usage: camera_app room.light chair.shadow last_frame.ppm\n", stderr), 2;
-  // The light of the room. The file of its network must stay as long as the light.
-  const MadeUpPhone::Asset network = MadeUpPhone::asset(argv[1]), baked = MadeUpPhone::asset(argv[2]);
-  sandglass_light_desc light_desc = sandglass::light_desc();
-  light_desc.asset = network.words.data(), light_desc.asset_bytes = network.bytes;
-  sandglass::Light light;
-  sandglass::Status status = light.create(light_desc);
-  if (!status) return std::fprintf(stderr, "%s: %s\n", argv[1], status.reason), 1;
+  if (argc != 4) return std::fputs("usage: camera_app chair.shadow saved.room last_frame.ppm\n", stderr), 2;
+  MadeUpPhone phone;
+  const MadeUpPhone::Asset baked = MadeUpPhone::asset(argv[1]), saved = MadeUpPhone::asset(argv[2]);
+  sandglass::Room room;  // an earlier session may have looked around already
+  sandglass::Status status = room.create();
+  if (saved.bytes > 0) status = room.restore(saved.words.data(), saved.bytes);
+  if (!status) return std::fprintf(stderr, "%s: %s\n", argv[2], status.reason), 1;
 
-  // The shadow of the chair. Its file is needed until create returns.
+  // The chair's shadows, and how the points of its mesh see the room past the chair itself.
   sandglass_shadow_desc shadow_desc = sandglass::shadow_desc();
   shadow_desc.asset = baked.words.data(), shadow_desc.asset_bytes = baked.bytes;
   sandglass_shadow_info chair{};
   sandglass::Shadow shadow;
   status = sandglass::inspect_shadow(shadow_desc.asset, shadow_desc.asset_bytes, &chair);
   if (status) status = shadow.create(shadow_desc);
-  if (!status) return std::fprintf(stderr, "%s: %s\n", argv[2], status.reason), 1;
+  if (status) status = sandglass::shadow_surface(shadow_desc, phone.chair, phone.chair_normals, &phone.chair_transfer);
+  if (!status) return std::fprintf(stderr, "%s: %s\n", argv[1], status.reason), 1;
 
-  // Sand: particles that collide, grains that are drawn.
-  const float r = 0.01f, turn = 0.4f, x = chair.half_x + 0.3f, y = 0.25f, z = 0.1f;
-  auto in_ball = [&](const float* p) { return std::hypot(p[0] - x, std::hypot(p[1] - y, p[2] - z)) < 0.1f; };
-  const sandglass::Box box{{x - 0.1f, y - 0.1f, z - 0.1f}, {x + 0.1f, y + 0.1f, z + 0.1f}};
+  // Sand: particles that collide, grains that are drawn, and the shadow that they cast.
+  const float r = 0.01f, turn = 0.4f, x = chair.half_x + 0.3f;
+  auto everywhere = [](const float*) { return true; };
+  const sandglass::Box box{{x - 0.08f, r, 0.0f}, {x + 0.08f, 0.2f, 0.16f}};
   std::vector<float> particles, grains;
-  status = sandglass::sample_lattice(box, 2 * r, in_ball, &particles);
-  if (status) status = sandglass::sample_volume(box, 0.7f * r, in_ball, &grains);
+  status = sandglass::sample_lattice(box, 2 * r, everywhere, &particles);
+  if (status) status = sandglass::sample_volume(box, 0.7f * r, everywhere, &grains);
   sandglass_scene_desc desc = sandglass::scene_desc();
   desc.clock = sandglass_clock_system();
-  desc.granular.particle_radius = r, desc.granular.collider_capacity = 2;
+  desc.granular.particle_radius = r, desc.granular.collider_capacity = 1;
   desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
   desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
+  sandglass_pile_shadow_desc pile_desc = sandglass::pile_shadow_desc();  // one square metre around the origin
+  for (float* corner : {pile_desc.low, pile_desc.high}) corner[0] += x;
+  pile_desc.sky_texels = 64;
   sandglass::Scene scene;
+  sandglass::PileShadow pile;
   if (status) status = scene.create(desc);
   if (status) status = scene.add(particles, grains);
+  if (status) status = pile.create(pile_desc);
 
   std::vector<sandglass_grain> drawn(desc.granular.grain_capacity);  // stands for a mapped vertex buffer
-  sandglass_collider colliders[] = {
-      sandglass::floor_at(0.0f),  // the plane that ARCore or ARKit found, and the chair, turned about y
-      sandglass::box(0, chair.height / 2, 0, chair.half_x, chair.height / 2, chair.half_z)};
-  const float up[3] = {0, 1, 0};
-  sandglass_rotation_about(up, turn, colliders[1].rotation);
+  const sandglass_collider floor = sandglass::floor_at(0.0f);        // the plane that ARCore or ARKit found
   sandglass_shadow* const shadows[] = {shadow.get()};
   sandglass_frame_input input = sandglass::frame_input();
-  input.time_step = 1.0f / 60.0f, input.budget_ns = 4'000'000, input.colliders = colliders, input.collider_count = 2;
+  input.time_step = 1.0f / 60.0f, input.budget_ns = 4'000'000, input.colliders = &floor, input.collider_count = 1;
   input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
-  input.shadows = shadows, input.shadow_count = 1, input.light = light.get();
-  sandglass_frame_report report = sandglass::frame_report();
-  sandglass_light_estimate now = light.estimated();  // until the first estimate: from above, and no shadow
-  MadeUpPhone phone;
-  for (int frame = 0; status && frame < 90; ++frame) {
+  input.shadows = shadows, input.shadow_count = 1, input.pile_shadow = pile.get(), input.room = room.get();
+  const float place[3] = {0, 0, 0};                                  // of the chair
+  sandglass_room_light light = room.light_at(place), known = light;  // before any image: what is usual in a room
+  int hints = 0, short_images = 0;
+  for (int frame = 0; status && frame < MadeUpPhone::k_frames; ++frame) {
     input.camera = phone.next_image();  // NULL where the camera, slower than the display, has no new one
-    const float s = std::sin(turn), c = std::cos(turn), *d = now.direction;
+    const float s = std::sin(turn), c = std::cos(turn), *d = light.main_direction;
     status = shadow.set_light({c * d[0] - s * d[2], d[1], s * d[0] + c * d[2]});  // the light in the chair's frame
-    if (status) status = scene.frame(input, &report);
-    if (report.light_changed != 0) now = light.estimated();
-    phone.draw(now, shadow.texture(), turn, drawn, r);  // the chair's mesh is the app's own
+    if (status) status = shadow.set_cells(light.ambient_cells, turn);
+    if (status) status = pile.set_light({d[0], d[1], d[2]});
+    if (status) status = pile.set_cells(light.ambient_cells);
+    if (status) status = scene.frame(input);
+    if (input.camera != nullptr) known = room.light_at(place);
+    sandglass_room_light_fade(&light, &known, input.time_step);  // no shadow jumps
+    phone.draw({light, turn, shadow.ambient(), shadow.texture(), pile.sky(), pile.texture()}, drawn, r);
+    if (known.seen < 0.5f) phone.draw_arrow(known.look), ++hints;  // "please look there"
+    if (known.clipped > 0.02f && frame % 16 == 0) phone.expose_shortly(), ++short_images;
   }
+  std::vector<std::byte> kept;
+  if (status) status = room.save(&kept);
   if (!status) return std::fprintf(stderr, "%s: %s\n", status.name(), status.reason), 1;
-  std::printf("%u grains; last frame %.2f of 4 ms; light from (%.2f %.2f %.2f), contrast %.2f, %u estimates\n",
-              report.grains, 1e-6 * static_cast<double>(report.elapsed_ns), now.direction[0], now.direction[1],
-              now.direction[2], now.contrast, now.estimates);
-  return phone.save(argv[3]) ? 0 : 1;
+  std::printf("seen %.2f, main light (%.2f %.2f %.2f) with %.2f of the floor's %.2f; %d hints, %d short images\n",
+              light.seen, light.main_direction[0], light.main_direction[1], light.main_direction[2], light.main_share,
+              light.irradiance[1] * light.white, hints, short_images);
+  return MadeUpPhone::save(argv[2], kept.data(), kept.size()) && phone.save_picture(argv[3]) ? 0 : 1;
 }

@@ -1,7 +1,12 @@
 // The light of a warped panorama in ten numbers (5.1): the direction towards the light, its colour, the colour of the
 // rest, and the contrast. The highlight is all that is at least 5 % as bright as the brightest pixel; the rest is
-// ambient. All sums are weighted by solid angle (5.23). Where the dissertation is silent or wrong there are variants.
-// The label ceiling (ceiling.h) decides between them; `labels_of` is the decision.
+// ambient. All sums are weighted by solid angle (5.23). Where the dissertation is silent or wrong, these are the choices
+// whose pictures were nearest to path-traced ones, of 56 (models/RESULTS.md).
+//
+// Colours: the mean of tone-mapped colours, divided by its greatest channel where that is above 1. Scaling by a ratio of
+// luminances (5.4) leaves channels above 1. The ambient colour is weighted by solid angle.
+// Contrast: the highlight's share of the irradiance of the level floor under the object, which is the opacity of the
+// umbra. (5.24) as it is printed gives almost no contrast. See the corrections in runtime/README.md.
 #pragma once
 
 #include "models/rooms/panorama.h"
@@ -9,17 +14,6 @@
 namespace sandglass::host {
 
 constexpr double k_highlight_share = 0.05;  // of the greatest luminance
-
-// How a mean of tone-mapped colours is brought into [0, 1]. Scaling by a ratio of luminances (5.4) leaves channels
-// above 1.
-enum class Range { none, pixels, mean, mean_keeping_hue };
-// The weights of the ambient colour's mean. The dissertation says only "the same weighting".
-enum class AmbientWeight { luminance, solid_angle };
-// printed: (5.24) as it is printed, which gives almost no contrast. factor_above: (5.24) with the factor 0.05 in the
-// numerator. irradiance: the highlight's share of the irradiance of the level floor under the object, which is the
-// opacity of the umbra. See the corrections in runtime/README.md.
-enum class Contrast { printed, factor_above, irradiance };
-constexpr int k_ranges = 4, k_ambient_weights = 2, k_contrasts = 3;
 
 struct LightLabels {
   Vec3 direction;       // towards the light, in the frame that was asked for; up if there is none
@@ -31,20 +25,8 @@ struct LightLabels {
   double concentration = 1.0;
 };
 
-struct LabelVariants {
-  Vec3 direction;  // in the panorama's frame
-  bool has_direction;
-  double concentration;
-  Vec3 light[k_ranges], ambient[k_ranges][k_ambient_weights];
-  double contrast[k_contrasts];
-  LightLabels chosen(Range range, AmbientWeight weight, Contrast which) const;
-};
-
 // `up` is the world's up in the panorama's frame, the normal of the floor. `white` is the luminance that is tone mapped
 // to 1: the greatest of the panorama before it was warped, so that image and labels share one exposure.
-LabelVariants label_variants(const RadianceMap& panorama, Vec3 up, double white);
-
-// The variant that the label ceiling chose.
 LightLabels labels_of(const RadianceMap& panorama, Vec3 up, double white);
 
 // The parameters as a panorama for the eye (5.27 - 5.29): a spherical Gaussian of the light's colour about its

@@ -130,7 +130,6 @@ CLI::Option* declare(const CommandOption& option, bool* value, CLI::App* command
 void declare(const CommandOption& option, CLI::App* command) {
   CLI::Option* declared = std::visit([&](auto* value) { return declare(option, value, command); }, option.target);
   if (*option.type != '\0') declared->type_name(option.type);
-  if (option.count > 0) declared->expected(option.count);
   if (option.by_commas) declared->delimiter(',');
   if (const ValueRule& rule = option.rule; rule.holds != nullptr)
     declared->check(CLI::Validator(

@@ -24,7 +24,7 @@ ValueRule one_of(const std::vector<std::string>& names);
 
 // Where a value goes. What is there before is the default. A flag is a bool.
 using OptionTarget = std::variant<bool*, int*, uint32_t*, uint64_t*, double*, std::string*, std::vector<uint32_t>*,
-                                  std::vector<double>*, std::vector<std::string>*>;
+                                  std::vector<std::string>*>;
 
 struct CommandOption {
   const char* names;  // "-o,--output"; an argument's name has no minus: "SCENE"
@@ -35,7 +35,6 @@ struct CommandOption {
   const char* standard = nullptr;                    // the default as the help says it; null: the target's
   const char *needs = nullptr, *excludes = nullptr;  // other options of the command
   bool required = false, by_commas = false;          // by_commas: the values of a list are separated by commas
-  int count = 0;                                     // how many values; 0: as many as the target takes
 };
 CommandOption required(CommandOption option);
 CommandOption standard(const char* text, CommandOption option);

@@ -160,33 +160,23 @@ Options bake_options(BakeOptions& o) {
 #endif
 
 Options sample_options(SampleOptions& o) {
-  const ValueRule points = whole_number(1, 1u << 26);
   const auto above_zero = [](const std::string& text) {
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
     return !text.empty() && *end == '\0' && value > 0.0 && std::isfinite(value);
   };
-  CommandOption polar = {"--polar", &o.polar_deg, "DEGREES", "Two polar angles that bound the ring, degrees",
-                         number(0, 180)};
-  polar.count = 2;
   return {
-      {"MESH", &o.mesh, "", "A mesh file, or " + list_of(mesh_names(), "or")},
+      required({"MESH", &o.mesh, "", "A mesh file, or " + list_of(mesh_names(), "or")}),
       {"--surface", &o.surface, "", "Poisson disk samples on the surface of MESH"},
       {"--volume", &o.volume, "", "Poisson disk samples in the volume of MESH"},
       {"--lattice", &o.lattice, "", "Hexagonal close packing in the volume of MESH"},
-      standard("", {"--disk", &o.disk, "N", "This many points of the unit disk", points}),
-      standard("", {"--sphere", &o.sphere, "N", "This many points of the unit sphere", points}),
-      standard("", {"--ring", &o.ring, "N", "This many points of a ring of the unit sphere", points}),
-      polar,
       standard("", {"--distance",
                     &o.distance,
                     "METRES",
-                    "Least distance between two points on or in MESH, metres",
+                    "Least distance between two points, metres",
                     {above_zero, "above 0", "a number above 0", {}}}),
       seed_option(o.seed, "Equal seeds give equal points"),
-      {"--geodesic", &o.geodesic, "", "Measure the distance along the surface"},
       {"--picture", &o.picture, "FILE", "Also draw the points, .png"},
-      {"--spectrum", &o.spectrum, "FILE", "Also plot the power spectrum of the points, .png"},
       output(o.output, "FILE", "Write the points to this file, .ply"),
   };
 }
@@ -236,17 +226,6 @@ Options quantise_light_options(QuantiseLightOptions& o) {
   };
 }
 
-Options ceiling_options(CeilingCommandOptions& o) {
-  return {
-      required({"PANORAMAS", &o.ceiling.panoramas, "", k_panoramas}),
-      {"--object", &o.object, "MESH", k_object},
-      {"--views", &o.ceiling.views, "N", "Views of each panorama", whole_number(1, 8)},
-      {"--samples", &o.ceiling.samples, "N", "Paths a pixel", whole_number(1, 4096)},
-      {"--rows", &o.rows, "N", "Rows of the table, best first", whole_number(0, UINT64_MAX)},
-      threads_option(o.ceiling.threads),
-  };
-}
-
 Command view() {
   const char *name = "view", *help = "Show a running scene in a window";
 #ifdef SANDGLASS_HAVE_VIEW
@@ -284,7 +263,7 @@ std::vector<CommandGroup> commands() {
                                 "Say what a file is: a recording, a shadow, a lighting network, a scene or a mesh",
                                 inspect_options, inspect_command)}},
       {"Make what an app loads",
-       {bake(), command<SampleOptions>("sample", "Fill or cover a mesh, a disk, a sphere or a ring with points",
+       {bake(), command<SampleOptions>("sample", "Fill or cover a mesh with points",
                                        sample_options, sample_command)}},
       {"Train the lighting network",
        {command<RoomOptions>("room", "Make up an indoor room and trace its HDR panorama", room_options, room_command),
@@ -293,9 +272,7 @@ std::vector<CommandGroup> commands() {
         command<LightFeaturesOptions>("light-features", "Write what the lighting network's heads see",
                                       light_features_options, light_features_command),
         command<QuantiseLightOptions>("quantise-light", "Turn the trained lighting network into bytes",
-                                      quantise_light_options, quantise_light_command),
-        command<CeilingCommandOptions>("ceiling", "Measure how well the true light labels light an object",
-                                       ceiling_options, ceiling_command)}},
+                                      quantise_light_options, quantise_light_command)}},
       {"Measure and check",
        {{"bench", "Measure the speed of this machine, with the errors of the same run", {}, {}, bench_suites()},
         {"verify", "Check every claim of accuracy; exit code 1 if one fails", {}, {}, verify_suites()}}}};

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "models/laboratory/light/ceiling.h"
 #include "models/lighting/dataset.h"
 #ifdef SANDGLASS_HAVE_BAKE
 #include "models/baking/bake.h"
@@ -42,13 +41,10 @@ int inspect_command(const InspectOptions& options);
 
 struct SampleOptions {
   std::string mesh;                                       // a file, or the name of a generated mesh
-  bool surface = false, volume = false, lattice = false;  // of the mesh
-  uint32_t disk = 0, sphere = 0, ring = 0;                // points of one of radius 1
-  double distance = 0;                                    // metres; of disk, sphere and ring it follows from the number
-  std::vector<double> polar_deg = {0.0, 45.0};            // of a ring
+  bool surface = false, volume = false, lattice = false;  // which one is asked for
+  double distance = 0;                                    // metres
   uint64_t seed = 1;
-  bool geodesic = false;  // surface only
-  std::string picture, spectrum, output;
+  std::string picture, output;
 };
 int sample_command(const SampleOptions& options);
 
@@ -75,13 +71,6 @@ struct QuantiseLightOptions {
   bool keep_float = false;
 };
 int quantise_light_command(const QuantiseLightOptions& options);
-
-struct CeilingCommandOptions {
-  CeilingOptions ceiling;
-  std::string object = "trefoil";
-  uint32_t rows = 100;
-};
-int ceiling_command(const CeilingCommandOptions& options);
 
 #ifdef SANDGLASS_HAVE_BAKE
 struct BakeOptions {

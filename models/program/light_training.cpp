@@ -1,6 +1,6 @@
 // The commands around the training of the lighting network: `room` makes up a room to train on, `dataset` cuts training
-// pairs out of panoramas, `light-features` writes what the network's heads see, `quantise-light` turns the trained
-// network into what the runtime reads, and `ceiling` measures what the true labels can do.
+// pairs out of panoramas, `light-features` writes what the network's heads see, and `quantise-light` turns the trained
+// network into what the runtime reads.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,12 +9,10 @@
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/files/npy.h"
-#include "models/laboratory/light/ceiling.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/light_runner.h"
 #include "models/lighting/quantise.h"
 #include "models/program/commands.h"
-#include "models/program/nearest_name.h"
 #include "models/rooms/panorama_file.h"
 #include "models/rooms/room_render.h"
 #include "models/work/progress.h"
@@ -35,29 +33,6 @@ Picture mirrored(const Picture& picture) {
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) std::copy_n(picture.at(picture.width - 1 - x, y), 3, out.at(x, y));
   return out;
-}
-
-void print(const Ceiling& ceiling, size_t rows) {
-  std::printf("%zu views of %zu panoramas\n\n", ceiling.views, ceiling.panoramas);
-  std::printf("%-15s %-12s %-14s %-13s %8s %8s %8s %8s %8s\n", "colours", "ambient by", "light", "contrast", "RMSE",
-              "nRMSE", "siRMSE", "RMLE", "RGB deg");
-  for (size_t i = 0; i < std::min(rows, ceiling.variants.size()); ++i) {
-    const CeilingVariant& v = ceiling.variants[i];
-    const ImageErrors& e = v.mean;
-    std::printf("%-15s %-12s %-14s %-13s %8.4f %8.4f %8.4f %8.4f %8.3f\n", name_of(v.range), name_of(v.weight),
-                name_of(v.radiometry), v.radiometry == Radiometry::plain ? "-" : name_of(v.contrast), e.rmse,
-                e.relative, e.scale_invariant, e.logarithmic, e.angle_deg);
-  }
-  std::printf("\n%-15s %12s %12s %10s %10s %10s\n", "contrast", "shadow RMSE", "|o - best|", "least o", "mean o",
-              "most o");
-  for (int c = 0; c < k_contrasts; ++c) {
-    const ContrastError& e = ceiling.contrasts[c];
-    std::printf("%-15s %12.4f %12.4f %10.3f %10.3f %10.3f\n", name_of(static_cast<Contrast>(c)), e.shadow_rmse,
-                e.offset, e.low, e.mean, e.high);
-  }
-  std::printf("%-15s %12.4f\n", "best possible", ceiling.best_contrast_rmse);
-  std::printf("\nlights beyond 45 degrees from the zenith %.1f %%, beyond 70 %.1f %%, below the horizon %.1f %%\n",
-              100.0 * ceiling.lights_beyond_45, 100.0 * ceiling.lights_beyond_70, 100.0 * ceiling.lights_below_horizon);
 }
 
 constexpr int k_width = 256, k_height = 192;
@@ -162,16 +137,6 @@ int light_features_command(const LightFeaturesOptions& options) {
   std::printf("%s: %zu rows of %zu features\n", options.output.c_str(), copies * images.size(),
               features.size() / (copies * images.size()));
   return 0;
-}
-
-int ceiling_command(const CeilingCommandOptions& options) {
-  listen_for_interrupt();
-  CeilingOptions ceiling = options.ceiling;
-  ceiling.object = named_mesh(options.object).mesh;
-  const Ceiling measured = measure_ceiling(ceiling);
-  if (interrupted()) return k_exit_interrupted;
-  print(measured, options.rows);
-  return k_exit_done;
 }
 
 int quantise_light_command(const QuantiseLightOptions& options) {

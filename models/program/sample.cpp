@@ -1,12 +1,10 @@
-// `sandglass sample MESH --surface|--volume|--lattice --distance L -o FILE.ply`, or --disk|--sphere|--ring N without a
-// mesh: points on a mesh's surface, in its volume, or of a disk, sphere or ring. It writes a PLY file, a picture and a
-// spectrum.
+// `sandglass sample MESH --surface|--volume|--lattice --distance L -o FILE.ply`: points on a mesh's surface or in its
+// volume, as a PLY file and a picture.
 #include <cmath>
 #include <cstdio>
 #include <functional>
 #include <optional>
 
-#include "models/drawing/plot.h"
 #include "models/drawing/render.h"
 #include "models/files/failure.h"
 #include "models/mesh/generated.h"
@@ -23,15 +21,8 @@ constexpr double k_poisson_per_cube = 0.6;  // expected points per distance^3 in
 
 using Points = std::vector<float>;
 
-bool of_a_mesh(const SampleOptions& o) { return o.surface || o.volume || o.lattice; }
-
-// What is sampled, as messages call it.
-std::string subject(const SampleOptions& o) {
-  return of_a_mesh(o) ? o.mesh : o.disk > 0 ? "disk" : o.sphere > 0 ? "sphere" : "ring";
-}
-
 void expect(const cpp::Status& status, const SampleOptions& options) {
-  if (!status) throw cannot("sample", subject(options), status.reason);
+  if (!status) throw cannot("sample", options.mesh, status.reason);
 }
 
 struct ProgressRelay {
@@ -54,7 +45,6 @@ sandglass_sample_options how_to_sample(const SampleOptions& options, ProgressRel
   sandglass_sample_options how;
   sandglass_sample_options_default(&how);
   how.seed = options.seed;
-  how.metric = options.geodesic ? SANDGLASS_METRIC_GEODESIC : SANDGLASS_METRIC_EUCLIDEAN;
   how.progress = ProgressRelay::report, how.user = relay;
   return how;
 }
@@ -93,49 +83,6 @@ Points sample_inside(const Mesh& mesh, const MeshReport& report, const SampleOpt
   return points;
 }
 
-// Points of the disk, sphere or ring of radius 1. Sets the distance to their mean spacing.
-Points sample_shape(SampleOptions* options) {
-  constexpr double k_radians = M_PI / 180.0;
-  const uint32_t count = options->disk + options->sphere + options->ring;  // one of them is above 0
-  Points points(3ull * count);
-  cpp::Status status;
-  double area = 4.0 * M_PI;
-  if (options->disk > 0) {
-    status.code = sandglass_sample_disk(1.0f, count, points.data(), &status.reason);
-    area = M_PI;
-  } else if (options->sphere > 0) {
-    status.code = sandglass_sample_sphere(1.0f, count, points.data(), &status.reason);
-  } else {
-    const double a = options->polar_deg[0] * k_radians, b = options->polar_deg[1] * k_radians;
-    status.code =
-        sandglass_sample_ring(1.0f, static_cast<float>(a), static_cast<float>(b), count, points.data(), &status.reason);
-    area = 2.0 * M_PI * (std::cos(a) - std::cos(b));
-  }
-  expect(status, *options);
-  options->distance = std::sqrt(area / count);
-  return points;
-}
-
-// Plots the radial mean of the power spectrum beside 1, the level of independent random points.
-void write_spectrum(const SampleOptions& options, const Points& points) {
-  constexpr uint32_t k_bins = 96, k_directions = 64;
-  constexpr double k_highest = 3.0, k_frequencies = 3.0;  // the ends of the axes
-  const char* reason = nullptr;
-  std::vector<double> power(k_bins);
-  if (sandglass_sample_spectrum(points.data(), static_cast<uint32_t>(points.size() / 3),
-                                static_cast<float>(k_frequencies / options.distance), k_bins, k_directions,
-                                options.disk > 0 ? 1 : 0, power.data(), &reason) != SANDGLASS_OK)
-    throw cannot("measure the spectrum for", options.spectrum, reason);
-  Plot plot;
-  plot.title = "Spectrum of the points";
-  plot.x = {"frequency, 1/distance", 0.0, k_frequencies, false}, plot.y = {"power", 0.0, k_highest, false};
-  PlotSeries measured = {"measured", {}, power, {194, 146, 82}, PlotSeries::Mark::none, true, false};
-  for (uint32_t bin = 0; bin < k_bins; ++bin) measured.x.push_back((bin + 0.5) * k_frequencies / k_bins);
-  plot.series = {measured,
-                 {"random points", {0.0, k_frequencies}, {1.0, 1.0}, {40, 40, 40}, PlotSeries::Mark::none, true, true}};
-  write_png(options.spectrum, draw_plot(plot));
-}
-
 // Draws the points as balls. Those of a volume touch; those of a surface have a little room.
 void write_picture(const SampleOptions& options, const Points& points) {
   if (points.empty()) throw cannot("draw", options.picture, "there are no points", "Sample at a smaller distance");
@@ -150,54 +97,32 @@ void write_picture(const SampleOptions& options, const Points& points) {
 }
 
 void check(const SampleOptions& options) {
-  const int kinds = options.surface + options.volume + options.lattice + (options.disk > 0) + (options.sphere > 0) +
-                    (options.ring > 0);
-  const bool mesh = of_a_mesh(options);
+  const int kinds = options.surface + options.volume + options.lattice;
   if (kinds != 1)
-    throw Failure("\"sample\" needs one of --surface, --volume, --lattice, --disk, --sphere and --ring, and " +
-                  std::to_string(kinds) + " are given. See: sandglass sample --help.");
-  if (mesh && options.mesh.empty())
-    throw Failure("\"sample\" needs MESH: a mesh file, or " + list_of(mesh_names(), "or") +
-                  ". See: sandglass sample --help.");
-  if (mesh && options.distance <= 0)
+    throw Failure("\"sample\" needs one of --surface, --volume and --lattice, and " + std::to_string(kinds) +
+                  " are given. See: sandglass sample --help.");
+  if (options.distance <= 0)
     throw Failure(
-        "\"sample\" needs \"--distance METRES\": the least distance between two points of a mesh. "
-        "See: sandglass sample --help.");
-  if (!mesh && !options.mesh.empty())
-    throw cannot("sample", options.mesh, "a disk, a sphere and a ring have radius 1 and no mesh", "Leave MESH out");
-  if (options.ring > 0 && options.polar_deg[0] >= options.polar_deg[1])
-    throw Failure("cannot use \"--polar\" of \"sample\": the first angle is not below the second. Swap them.");
-  if (options.geodesic && !options.surface)
-    throw Failure(
-        "cannot use \"--geodesic\" of \"sample\" without \"--surface\": it measures along a surface. Add it.");
+        "\"sample\" needs \"--distance METRES\": the least distance between two points. See: sandglass sample --help.");
 }
 
 }  // namespace
 
-int sample_command(const SampleOptions& given) {
-  SampleOptions options = given;
+int sample_command(const SampleOptions& options) {
   check(options);
   try {
-    Points points;
-    if (of_a_mesh(options)) {
-      const MeshResult loaded = named_mesh(options.mesh);
-      points =
-          options.surface ? sample_surface(loaded.mesh, options) : sample_inside(loaded.mesh, loaded.report, options);
-    } else {
-      points = sample_shape(&options);
-    }
+    const MeshResult loaded = named_mesh(options.mesh);
+    const Points points =
+        options.surface ? sample_surface(loaded.mesh, options) : sample_inside(loaded.mesh, loaded.report, options);
     if (const std::string error = write_points_ply(options.output, points); !error.empty()) throw Failure(error);
     if (!options.picture.empty()) write_picture(options, points);
-    if (!options.spectrum.empty()) write_spectrum(options, points);
-    const char* where = options.surface   ? "on the surface of"
-                        : options.volume  ? "in the volume of"
-                        : options.lattice ? "of a lattice in the volume of"
-                                          : "of a";
-    std::printf("%zu points %s %s, distance %g m, written to %s\n", points.size() / 3, where, subject(options).c_str(),
+    const char* where = options.surface  ? "on the surface of"
+                        : options.volume ? "in the volume of"
+                                         : "of a lattice in the volume of";
+    std::printf("%zu points %s %s, distance %g m, written to %s\n", points.size() / 3, where, options.mesh.c_str(),
                 options.distance, options.output.c_str());
   } catch (const std::bad_alloc&) {
-    throw cannot("sample", subject(options), "this machine has too little memory for so many points",
-                 "Enlarge --distance");
+    throw cannot("sample", options.mesh, "this machine has too little memory for so many points", "Enlarge --distance");
   }
   return k_exit_done;
 }

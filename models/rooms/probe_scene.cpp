@@ -70,7 +70,6 @@ ProbeLight::Sample ProbeLight::sample(Vec3 normal, double a, double b) const {
 
 struct ProbeScene::State {
   EmbreeScene scene;
-  uint32_t plane_from;  // the first triangle of the plane; the plane's triangles come last
 };
 
 ProbeScene::ProbeScene(const Mesh& object) {
@@ -88,34 +87,32 @@ ProbeScene::ProbeScene(const Mesh& object) {
     scene.vertices[i + 1] = static_cast<float>((object.vertices[i + 1] - low.y) * scale);
     scene.vertices[i + 2] = static_cast<float>((object.vertices[i + 2] - 0.5 * (low.z + high.z)) * scale);
   }
-  const auto plane_from = static_cast<uint32_t>(scene.indices.size() / 3);
   const auto first = static_cast<uint32_t>(scene.vertices.size() / 3);
   const float side = static_cast<float>(k_plane_side);
   for (const float x : {-side, side})
     for (const float z : {-side, side}) scene.vertices.insert(scene.vertices.end(), {x, 0.0f, z});
   for (const uint32_t corner : {0u, 1u, 3u, 0u, 3u, 2u}) scene.indices.push_back(first + corner);
-  state_ = std::make_unique<State>(State{EmbreeScene::triangles(scene.vertices, scene.indices), plane_from});
+  state_ = std::make_unique<State>(State{EmbreeScene::triangles(scene.vertices, scene.indices)});
 }
 
-ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) const {
+RadianceMap ProbeScene::render(const ProbeLight& light, View view, int samples) const {
   const double elevation = k_camera_elevation_deg * k_pi / 180.0;
   const Vec3 ahead = direction_of_angles(0.5 * k_pi + elevation, view.phi);
   const Vec3 target = {0.0, 0.42, 0.0}, eye = target - ahead * k_camera_distance;
   const Vec3 right = normalised(cross(ahead, Vec3{0, 1, 0})), up = cross(right, ahead);
   const double focal = 0.5 * k_height / std::tan(k_fov_deg * k_pi / 360.0);
-  ProbeImage image = {RadianceMap(k_width, k_height), std::vector<float>(k_width * k_height, -1.0f)};
+  RadianceMap image(k_width, k_height);
   for (int y = 0; y < k_height; ++y)
     for (int x = 0; x < k_width; ++x) {
       Random random = random_stream(static_cast<uint64_t>(y * k_width + x), k_probe_stream);
       const double shift[4] = {random.uniform(), random.uniform(), random.uniform(), random.uniform()};
       Vec3 sum;
-      double open = 0.0, arriving = 0.0;
-      int on_plane = 0;
       for (int i = 0; i < samples; ++i) {
         const auto even = [&](int k) { return lattice_point(shift[k], i, k_plane_steps[k % 2]); };
         Vec3 origin = eye;
-        Vec3 direction = normalised(ahead * focal + right * (x + random.uniform() - 0.5 * k_width) +
-                                    up * (0.5 * k_height - y - random.uniform()));
+        const double pixel_y = y + random.uniform(), pixel_x = x + random.uniform();
+        Vec3 direction =
+            normalised(ahead * focal + right * (pixel_x - 0.5 * k_width) + up * (0.5 * k_height - pixel_y));
         Vec3 throughput = {1, 1, 1};
         for (int bounce = 0; bounce < k_bounces; ++bounce) {
           const EmbreeHit hit = state_->scene.closest(origin, direction, k_far);
@@ -124,28 +121,21 @@ ProbeImage ProbeScene::render(const ProbeLight& light, View view, int samples) c
           if (dot(normal, direction) > 0.0) normal = normal * -1.0;
           const Vec3 point = origin + direction * hit.distance + normal * k_lift;
           const bool first = bounce == 0;
-          const ProbeLight::Sample s =
-              first ? light.sample(normal, even(0), even(1)) : light.sample(normal, random.uniform(), random.uniform());
+          const auto number = [&](int k) { return first ? even(k) : random.uniform(); };
+          const double b = number(1), a = number(0);
+          const ProbeLight::Sample s = light.sample(normal, a, b);
           const double cosine = dot(s.direction, normal);
           throughput = throughput * k_reflectance;
-          const bool plane = hit.primitive >= state_->plane_from;
-          if (first && plane) ++on_plane;
           if (cosine > 0.0) {
-            const bool seen = !state_->scene.occluded(point, s.direction, k_far);
-            if (first && plane) arriving += luminance(s.weight) * cosine;
-            if (seen) {
+            if (!state_->scene.occluded(point, s.direction, k_far))
               sum = sum + product(throughput, s.weight) * (cosine / k_pi);
-              if (first && plane) open += luminance(s.weight) * cosine;
-            }
           }
-          direction = first ? cosine_direction(normal, even(2), even(3))
-                            : cosine_direction(normal, random.uniform(), random.uniform());
+          const double d = number(3), c = number(2);
+          direction = cosine_direction(normal, c, d);
           origin = point;
         }
       }
-      image.radiance.set(x, y, sum * (1.0 / samples));
-      if (on_plane == samples)
-        image.lit[static_cast<size_t>(y * k_width + x)] = arriving > 0.0 ? static_cast<float>(open / arriving) : 1.0f;
+      image.set(x, y, sum * (1.0 / samples));
     }
   return image;
 }
@@ -156,7 +146,7 @@ struct ProbeScene::State {};
 ProbeScene::ProbeScene(const Mesh&) {
   throw Failure("cannot light the object: this build lacks Embree. Install it, configure and build again.");
 }
-ProbeImage ProbeScene::render(const ProbeLight&, View, int) const { return {}; }
+RadianceMap ProbeScene::render(const ProbeLight&, View, int) const { return {}; }
 
 #endif
 

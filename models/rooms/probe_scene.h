@@ -38,11 +38,6 @@ class ProbeLight {
   std::vector<double> cumulative_;  // sums over pixels of luminance times solid angle
 };
 
-struct ProbeImage {
-  RadianceMap radiance;
-  std::vector<float> lit;  // on the plane: irradiance, divided by that without the object; on the object: -1
-};
-
 class ProbeScene {
  public:
   // The object is scaled to height 1 and put on the plane y = 0. Throws a Failure without Embree.
@@ -53,7 +48,7 @@ class ProbeScene {
 
   // The picture from above, from the azimuth of `view`. Equal arguments give equal bits. Any number of threads may call
   // it.
-  ProbeImage render(const ProbeLight& light, View view, int samples) const;
+  RadianceMap render(const ProbeLight& light, View view, int samples) const;
 
   static constexpr int k_width = 96, k_height = 72;
   static constexpr double k_reflectance = 0.7;

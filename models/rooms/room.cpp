@@ -97,9 +97,10 @@ Sky choose_sky(RoomBuilder* b, bool day) {
   const bool clear = b->chance(0.5);
   const double bright = b->log_between(800.0, 9000.0);
   sky.zenith = colour_of_temperature(clear ? b->between(9000.0, 20000.0) : b->between(6000.0, 8000.0)) * bright;
-  sky.horizon = colour_of_temperature(b->between(5200.0, 7500.0)) * (bright * b->between(0.6, 1.6));
-  sky.ground = colour_of_hue(b->between(0.05, 0.4), b->between(0.1, 0.6), 0.15) * bright;
-  sky.skyline = colour_of_hue(b->between(0.0, 1.0), b->between(0.0, 0.3), b->between(0.1, 0.4)) * bright;
+  const double low_sky = bright * b->between(0.6, 1.6);
+  sky.horizon = colour_of_temperature(b->between(5200.0, 7500.0)) * low_sky;
+  sky.ground = b->colour({0.05, 0.4}, {0.1, 0.6}, 0.15) * bright;
+  sky.skyline = b->colour({0.0, 1.0}, {0.0, 0.3}, b->between(0.1, 0.4)) * bright;
   if (clear && b->chance(0.7)) {
     const double elevation = b->between(0.12, 1.0), turn = b->between(0.0, 2.0 * std::numbers::pi);
     sky.sun_direction = direction_of_angles(0.5 * std::numbers::pi - elevation, turn);
@@ -114,8 +115,8 @@ Sky choose_sky(RoomBuilder* b, bool day) {
 RoomMaterial wall_material(RoomBuilder* b) {
   RoomMaterial m;
   const bool white = b->chance(0.55);
-  m.colour = colour_of_hue(b->between(0.0, 1.0), white ? b->between(0.0, 0.12) : b->between(0.1, 0.6),
-                           white ? b->between(0.5, 0.85) : b->between(0.1, 0.7));
+  const double bright = white ? b->between(0.5, 0.85) : b->between(0.1, 0.7);
+  m.colour = b->colour({0.0, 1.0}, white ? Span{0.0, 0.12} : Span{0.1, 0.6}, bright);
   m.second = m.colour * b->between(0.6, 0.95);
   m.pattern = Pattern::blotches, m.scale = b->between(0.5, 3.0);
   if (b->chance(0.12)) m.pattern = Pattern::bricks, m.scale = b->between(0.2, 0.3), m.second = m.colour * 0.6;
@@ -128,8 +129,8 @@ RoomMaterial wall_material(RoomBuilder* b) {
 RoomMaterial floor_material(RoomBuilder* b) {
   RoomMaterial m;
   const int kind = b->pick(5);
-  const Vec3 wood = colour_of_hue(b->between(0.05, 0.11), b->between(0.35, 0.75), b->log_between(0.06, 0.4));
-  const Vec3 grey = colour_of_hue(b->between(0.0, 1.0), b->between(0.0, 0.2), b->between(0.15, 0.6));
+  const Vec3 wood = b->colour({0.05, 0.11}, {0.35, 0.75}, b->log_between(0.06, 0.4));
+  const Vec3 grey = b->colour({0.0, 1.0}, {0.0, 0.2}, b->between(0.15, 0.6));
   m.colour = kind <= 1 ? wood : grey;
   m.second = m.colour * b->between(0.4, 0.8);
   constexpr Pattern k_floors[] = {Pattern::planks, Pattern::planks, Pattern::tiles, Pattern::checker,
@@ -146,7 +147,7 @@ void build_shell(RoomBuilder* b, bool day) {
   const Vec3 s = room.size;
   const int floor = b->material(floor_material(b));
   RoomMaterial white;
-  white.colour = colour_of_hue(b->between(0.0, 1.0), b->between(0.0, 0.1), b->between(0.55, 0.88));
+  white.colour = b->colour({0.0, 1.0}, {0.0, 0.1}, b->between(0.55, 0.88));
   if (b->chance(0.15)) white = wall_material(b);
   if (b->chance(0.15)) white.pattern = Pattern::tiles, white.scale = 0.6, white.second = white.colour * 0.8;
   const int ceiling = b->material(white);

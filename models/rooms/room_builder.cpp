@@ -21,6 +21,11 @@ constexpr int k_shade_sides = 8;
 
 double RoomBuilder::log_between(double low, double high) { return low * std::pow(high / low, random.uniform()); }
 
+Vec3 RoomBuilder::colour(Span hue, Span saturation, double bright) {
+  const double saturated = between(saturation.low, saturation.high);
+  return colour_of_hue(between(hue.low, hue.high), saturated, bright);
+}
+
 int RoomBuilder::material(const RoomMaterial& m) {
   room.materials.push_back(m);
   return static_cast<int>(room.materials.size()) - 1;

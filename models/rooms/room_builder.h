@@ -6,6 +6,12 @@
 
 namespace sandglass::host {
 
+struct Span {
+  double low, high;
+};
+
+// An argument may draw no more than one random number: compilers differ in the order of arguments, and a seed must
+// give one room.
 struct RoomBuilder {
   Room room;
   Random random;
@@ -22,6 +28,8 @@ struct RoomBuilder {
   bool chance(double probability) { return random.uniform() < probability; }
   int pick(int count) { return static_cast<int>(random.below(static_cast<uint32_t>(count))); }
 
+  // A random colour of that brightness. The saturation is drawn before the hue.
+  Vec3 colour(Span hue, Span saturation, double bright);
   int material(const RoomMaterial& m);
   // A corner and two edges; visible from both sides, an emitter shines to the side of cross(a, b).
   void quad(Vec3 corner, Vec3 a, Vec3 b, int material, int emitter = -1);

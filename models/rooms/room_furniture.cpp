@@ -16,7 +16,7 @@ constexpr double k_yaw[4] = {0.0, -k_quarter, 2.0 * k_quarter, k_quarter};  // a
 
 RoomMaterial wood(RoomBuilder* b) {
   RoomMaterial m;
-  m.colour = colour_of_hue(b->between(0.05, 0.11), b->between(0.3, 0.75), b->log_between(0.05, 0.45));
+  m.colour = b->colour({0.05, 0.11}, {0.3, 0.75}, b->log_between(0.05, 0.45));
   m.second = m.colour * 0.6;
   m.pattern = Pattern::planks, m.scale = b->between(0.1, 0.4);
   if (b->chance(0.3)) m.coat = 0.04, m.coat_blur = b->between(0.05, 0.3);
@@ -25,7 +25,7 @@ RoomMaterial wood(RoomBuilder* b) {
 
 RoomMaterial fabric(RoomBuilder* b) {
   RoomMaterial m;
-  m.colour = colour_of_hue(b->between(0.0, 1.0), b->between(0.0, 0.7), b->log_between(0.04, 0.6));
+  m.colour = b->colour({0.0, 1.0}, {0.0, 0.7}, b->log_between(0.04, 0.6));
   m.second = m.colour * b->between(0.5, 0.9);
   constexpr Pattern k_patterns[] = {Pattern::plain, Pattern::blotches, Pattern::stripes, Pattern::checker};
   m.pattern = k_patterns[b->pick(4)], m.scale = b->between(0.02, 0.3);
@@ -34,8 +34,8 @@ RoomMaterial fabric(RoomBuilder* b) {
 
 RoomMaterial lacquer(RoomBuilder* b) {
   RoomMaterial m;
-  m.colour =
-      colour_of_hue(b->between(0.0, 1.0), b->chance(0.5) ? 0.08 : b->between(0.2, 0.8), b->log_between(0.03, 0.8));
+  const double bright = b->log_between(0.03, 0.8), saturation = b->chance(0.5) ? 0.08 : b->between(0.2, 0.8);
+  m.colour = colour_of_hue(b->between(0.0, 1.0), saturation, bright);
   m.coat = 0.04, m.coat_blur = b->log_between(0.02, 0.3);
   return m;
 }
@@ -66,9 +66,14 @@ void clutter(const Piece& p, double wide, double deep, double top, int count) {
     const double side = b->between(0.04, 0.22), tall = b->between(0.02, 0.3);
     const int skin = b->material(lacquer(b));
     const Vec3 at = p.place(x, z) + Vec3{0.0, top, 0.0};
-    if (b->chance(0.6)) b->box(at, {side, tall, side * b->between(0.4, 1.4)}, b->between(0.0, k_quarter), skin);
-    else if (b->chance(0.6)) b->cylinder(at, 0.4 * side, tall, 8, skin);
-    else b->sphere(at + Vec3{0.0, 0.4 * side, 0.0}, 0.4 * side, skin);
+    if (b->chance(0.6)) {
+      const double yaw = b->between(0.0, k_quarter), depth = side * b->between(0.4, 1.4);
+      b->box(at, {side, tall, depth}, yaw, skin);
+    } else if (b->chance(0.6)) {
+      b->cylinder(at, 0.4 * side, tall, 8, skin);
+    } else {
+      b->sphere(at + Vec3{0.0, 0.4 * side, 0.0}, 0.4 * side, skin);
+    }
   }
 }
 
@@ -130,8 +135,10 @@ void sofa(RoomBuilder* b) {
   p.box(0, 0.08, 0, wide, 0.34, deep, cloth), p.box(0, 0.42, -0.5 * deep + 0.1, wide, 0.4, 0.2, cloth);
   for (const double side : {-0.5, 0.5}) p.box(side * (wide - 0.16), 0.08, 0, 0.16, 0.52, deep, cloth);
   const int cushions = b->pick(4);
-  for (int i = 0; i < cushions; ++i)
-    p.box(b->between(-0.35, 0.35) * wide, 0.42, -0.1, 0.4, b->between(0.2, 0.4), 0.14, cushion);
+  for (int i = 0; i < cushions; ++i) {
+    const double tall = b->between(0.2, 0.4), x = b->between(-0.35, 0.35) * wide;
+    p.box(x, 0.42, -0.1, 0.4, tall, 0.14, cushion);
+  }
 }
 
 void bed(RoomBuilder* b) {
@@ -159,9 +166,10 @@ void shelf(RoomBuilder* b) {
   for (int i = 0; i < boards; ++i)
     for (double x = -0.5 * wide + 0.05; x < 0.5 * wide - 0.08;) {
       const double thick = b->between(0.02, 0.07);
-      if (b->chance(full))
-        p.box(x + 0.5 * thick, i * step + 0.025, 0.02, thick, b->between(0.55, 0.9) * (step - 0.03), 0.2,
-              spines[b->pick(6)]);
+      if (b->chance(full)) {
+        const int spine = spines[b->pick(6)];
+        p.box(x + 0.5 * thick, i * step + 0.025, 0.02, thick, b->between(0.55, 0.9) * (step - 0.03), 0.2, spine);
+      }
       x += thick + (b->chance(full) ? 0.003 : 0.1);
     }
 }
@@ -183,9 +191,11 @@ void plant(RoomBuilder* b) {
   Vec3 at;
   const double tall = b->between(0.5, 1.9);
   if (!b->place(0.5, 0.5, &at)) return;
-  b->cylinder(at, b->between(0.1, 0.2), b->between(0.15, 0.4), 10, b->material(lacquer(b)));
+  const int glaze = b->material(lacquer(b));
+  const double pot = b->between(0.15, 0.4);
+  b->cylinder(at, b->between(0.1, 0.2), pot, 10, glaze);
   RoomMaterial leaf;
-  leaf.colour = colour_of_hue(b->between(0.22, 0.38), b->between(0.5, 0.8), b->log_between(0.03, 0.2));
+  leaf.colour = b->colour({0.22, 0.38}, {0.5, 0.8}, b->log_between(0.03, 0.2));
   const int green = b->material(leaf);
   for (int i = 0; i < 60; ++i) {
     const double turn = b->between(0.0, 4.0 * k_quarter), reach = b->between(0.05, 0.3),
@@ -205,8 +215,8 @@ void boxes(RoomBuilder* b) {
     const double tall = b->between(0.15, 0.6);
     RoomMaterial m = fabric(b);
     if (b->chance(0.5)) m.colour = {0.42, 0.28, 0.16}, m.pattern = Pattern::plain;
-    b->box(at + Vec3{0, y, 0}, {side * b->between(0.6, 1.0), tall, side * b->between(0.6, 1.0)}, b->between(0.0, 0.5),
-           b->material(m));
+    const double yaw = b->between(0.0, 0.5), wide = side * b->between(0.6, 1.0), deep = side * b->between(0.6, 1.0);
+    b->box(at + Vec3{0, y, 0}, {wide, tall, deep}, yaw, b->material(m));
     y += tall;
   }
 }
@@ -254,10 +264,12 @@ void furnish(RoomBuilder* b) {
   const int pictures = b->pick(6);
   for (int i = 0; i < pictures; ++i) {
     RoomMaterial art;
-    art.colour = colour_of_hue(b->between(0.0, 1.0), b->between(0.0, 0.8), b->log_between(0.05, 0.7));
-    art.second = colour_of_hue(b->between(0.0, 1.0), b->between(0.0, 0.8), b->log_between(0.05, 0.7));
+    art.colour = b->colour({0.0, 1.0}, {0.0, 0.8}, b->log_between(0.05, 0.7));
+    art.second = b->colour({0.0, 1.0}, {0.0, 0.8}, b->log_between(0.05, 0.7));
     art.pattern = b->chance(0.5) ? Pattern::mosaic : Pattern::blotches, art.scale = b->between(0.05, 0.4);
-    hang(b, b->between(0.25, 1.4), b->between(0.25, 1.0), b->between(0.9, 1.5), art, b->chance(0.7));
+    const bool framed = b->chance(0.7);
+    const double low = b->between(0.9, 1.5), tall = b->between(0.25, 1.0), wide = b->between(0.25, 1.4);
+    hang(b, wide, tall, low, art, framed);
   }
   const int pieces = std::clamp(static_cast<int>(area / b->between(1.5, 5.0)), 1, 26);
   constexpr void (*k_pieces[9])(RoomBuilder*) = {sofa, bed, shelf, shelf, cupboard, plant, boxes, table, table};

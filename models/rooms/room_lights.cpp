@@ -42,7 +42,8 @@ struct Lamps {
   void panels() {
     const Vec3 s = b->room.size;
     const double side = b->chance(0.5) ? 0.6 : b->between(0.25, 1.2), other = b->chance(0.5) ? side : 2.0 * side;
-    grid(b->between(1.4, 2.8), b->chance(0.8) ? 1.0 : 0.6,
+    const double burning = b->chance(0.8) ? 1.0 : 0.6;
+    grid(b->between(1.4, 2.8), burning,
          [&](double x, double z) { panel(x, z, std::min(side, 0.8 * s.x), std::min(other, 0.8 * s.z), s.y - k_drop); });
   }
   void downlights() {
@@ -106,7 +107,7 @@ struct Lamps {
     const double wide = std::min(b->between(0.5, 1.6), 0.6 * s.x), tall = wide * b->between(0.3, 0.6);
     const double y = b->between(0.8, std::max(0.81, s.y - tall - 0.4)), x = b->between(0.0, s.x - wide);
     const bool far_side = b->chance(0.5);
-    const Vec3 tint = product(colour, colour_of_hue(b->between(0.0, 1.0), b->between(0.1, 0.8), 1.0));
+    const Vec3 tint = product(colour, b->colour({0.0, 1.0}, {0.1, 0.8}, 1.0));
     const int first = count();
     if (far_side) b->quad_emitter({x, y, s.z - 0.05}, {0, tall, 0}, {wide, 0, 0}, tint);
     else b->quad_emitter({x, y, 0.05}, {wide, 0, 0}, {0, tall, 0}, tint);
@@ -152,7 +153,8 @@ struct Lamps {
 
 void light(RoomBuilder* b, bool daylight) {
   RoomMaterial metal;
-  metal.colour = colour_of_hue(b->between(0.0, 1.0), 0.1, b->chance(0.5) ? 0.7 : 0.08);
+  const double bright = b->chance(0.5) ? 0.7 : 0.08;
+  metal.colour = colour_of_hue(b->between(0.0, 1.0), 0.1, bright);
   Lamps lamps = {b, colour_of_temperature(b->log_between(2400.0, 6800.0)), b->material(metal), {}};
   const bool dark_ceiling = daylight && b->chance(0.6);  // by day most ceiling lights hang there switched off
   const int kind = b->pick(5);

@@ -85,6 +85,25 @@ Vec3 EmbreeHit::unit_normal() const {
   return length > 0 ? Vec3{normal[0] / length, normal[1] / length, normal[2] / length} : Vec3{};
 }
 
+uint32_t EmbreeScene::hidden(double x, double z, const float* direction_x, const float* direction_y,
+                             const float* direction_z) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  alignas(64) int valid[k_packet];
+  RTCRay16 rays = {};
+  for (uint32_t i = 0; i < k_packet; ++i) {
+    valid[i] = direction_y[i] > 0 ? -1 : 0;
+    rays.org_x[i] = static_cast<float>(x), rays.org_z[i] = static_cast<float>(z);
+    rays.dir_x[i] = direction_x[i], rays.dir_y[i] = direction_y[i], rays.dir_z[i] = direction_z[i];
+    rays.tnear[i] = 1e-5f, rays.tfar[i] = INFINITY, rays.mask[i] = ~0u;
+  }
+  rtcOccluded16(valid, scene_, &context, &rays);
+  uint32_t hidden = 0;
+  for (uint32_t i = 0; i < k_packet; ++i) hidden |= (rays.tfar[i] < 0 ? 1u : 0u) << i;
+  return hidden;
+}
+
 EmbreeHit EmbreeScene::closest(Vec3 origin, Vec3 direction, double limit) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);

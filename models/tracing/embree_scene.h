@@ -40,7 +40,12 @@ class EmbreeScene {
   EmbreeHit closest(Vec3 origin, Vec3 direction, double limit) const;
   bool occluded(Vec3 origin, Vec3 direction, double limit) const;
 
-  RTCScene handle() const { return scene_; }  // for packets of rays
+  // Sixteen rays from (x, 0, z), cast together: neighbouring directions visit the same nodes. Bit i is 1 where direction
+  // i is hidden. A direction that does not rise is not. In units of the object's size rays start 1e-5 away, so that a
+  // face in the plane hides nothing.
+  static constexpr uint32_t k_packet = 16;
+  uint32_t hidden(double x, double z, const float* direction_x, const float* direction_y,
+                  const float* direction_z) const;
 
  private:
   explicit EmbreeScene(const char* device);

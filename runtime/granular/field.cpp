@@ -276,7 +276,7 @@ sandglass_status sandglass_field_from_mesh(const sandglass_mesh* mesh, sandglass
 
 float sandglass_field_distance(const sandglass_field* field, const float point[3], float normal[3]) {
   if (field == nullptr || point == nullptr) return 0.0f;
-  const Kernels* kernels = select_kernels(SANDGLASS_ISA_SCALAR);
+  const Kernels* kernels = select_sand_kernels(SANDGLASS_ISA_SCALAR);
   ColliderFrame frame = {};
   frame.shape = SANDGLASS_SHAPE_FIELD;
   for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f;

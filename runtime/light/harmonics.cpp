@@ -26,6 +26,10 @@ constexpr double k_most_contrast = 0.95, k_least_elevation = 0.1, k_most_strengt
 bool usable(const sandglass_light_estimate& e) {
   return is_finite(e.strength) && all_finite(e.direction, 3) && all_finite(e.light, 3) && all_finite(e.ambient, 3);
 }
+bool usable(const sandglass_room_light& l) {
+  return is_finite(l.main_share) && all_finite(l.main_direction, 3) && all_finite(l.main_colour, 3) &&
+         all_finite(l.irradiance, 3) && all_finite(l.sh, 3 * k_harmonics);
+}
 
 constexpr double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
@@ -61,6 +65,26 @@ void light_harmonics(const sandglass_light_estimate& estimate, sandglass_light_m
   }
 }
 
+void main_light_of(const sandglass_room_light& light, double facing[3]) {
+  double irradiance[3];
+  for (int c = 0; c < 3; ++c) irradiance[c] = static_cast<double>(light.irradiance[c]);
+  const double up = static_cast<double>(light.main_direction[1]);
+  const double elevation = up > k_least_elevation ? up : k_least_elevation;
+  const double level = static_cast<double>(light.main_share) * luminance(irradiance) / (k_pi * elevation);
+  for (int c = 0; c < 3; ++c) facing[c] = level * static_cast<double>(light.main_colour[c]);
+}
+
+void room_harmonics(const sandglass_room_light& light, sandglass_light_model model, double* sh) {
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) sh[i] = static_cast<double>(light.sh[i]);
+  if (model == SANDGLASS_LIGHT_MODEL_WHOLE) return;
+  double axis[3], polynomials[k_harmonics], facing[3];
+  for (int i = 0; i < 3; ++i) axis[i] = static_cast<double>(light.main_direction[i]);
+  harmonic_polynomials(axis, polynomials);
+  main_light_of(light, facing);
+  for (uint32_t i = 0; i < k_harmonics; ++i)
+    for (uint32_t c = 0; c < 3; ++c) sh[3 * i + c] -= k_pi * facing[c] * k_harmonic_factors[i] * polynomials[i];
+}
+
 double light_strength(const double direction[3], const double light[3], const double ambient[3], double contrast) {
   const double colour = luminance(light);
   if (!(colour > 0.0)) return 0.0;
@@ -91,6 +115,23 @@ sandglass_status sandglass_light_harmonics(const sandglass_light_estimate* estim
         "it");
   double exact[3 * k_harmonics];
   light_harmonics(*estimate, model, exact);
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) sh[i] = static_cast<float>(exact[i]);
+  return accept(reason);
+}
+
+sandglass_status sandglass_room_harmonics(const sandglass_room_light* light, sandglass_light_model model, float sh[27],
+                                          const char** reason) {
+  if (light == nullptr || sh == nullptr)
+    return refuse(reason, "light or sh is NULL: pass a light of sandglass_room_get and room for 27 floats");
+  if (light->struct_size < k_least_room_light_bytes)
+    return refuse(reason,
+                  "light.struct_size is not set: set it to sizeof(sandglass_room_light) before sandglass_room_get");
+  if (model != SANDGLASS_LIGHT_MODEL_AMBIENT && model != SANDGLASS_LIGHT_MODEL_WHOLE)
+    return refuse(reason, "model is none of SANDGLASS_LIGHT_MODEL_AMBIENT and _WHOLE, which a room has");
+  if (!usable(*light))
+    return refuse(reason, "a number of the light is not finite: pass a light as sandglass_room_get fills it");
+  double exact[3 * k_harmonics];
+  room_harmonics(*light, model, exact);
   for (uint32_t i = 0; i < 3 * k_harmonics; ++i) sh[i] = static_cast<float>(exact[i]);
   return accept(reason);
 }

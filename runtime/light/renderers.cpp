@@ -1,5 +1,5 @@
-// The estimate in the terms of three renderers. Each function states its target's convention; the tests evaluate the
-// target's own formula on what comes out.
+// An estimate, or the light of a room, in the terms of renderers. The header states each target's convention; the tests
+// evaluate the target's own formula on what comes out.
 #include <cstring>
 
 #include "runtime/core/filled_struct.h"
@@ -10,20 +10,15 @@
 namespace sandglass {
 namespace {
 
-constexpr float k_neutral_lumens = 1000.0f;
+constexpr double k_neutral_lumens = 1000.0;
 constexpr double k_coldest = 40000.0, k_warmest = 1000.0, k_white = 6500.0;  // kelvin
 
-float luminance(const float c[3]) { return 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2]; }
-
-float greatest_of(const float c[3]) {
-  const float two = c[0] > c[1] ? c[0] : c[1];
-  return two > c[2] ? two : c[2];
-}
+double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
 // Splits a light into a colour whose greatest channel is 1, and that channel. Black becomes white of intensity 0.
-float split_colour(const float c[3], float colour[3]) {
-  const float greatest = greatest_of(c);
-  for (int i = 0; i < 3; ++i) colour[i] = greatest > 0.0f ? c[i] / greatest : 1.0f;
+double split_colour(const double c[3], float colour[3]) {
+  const double two = c[0] > c[1] ? c[0] : c[1], greatest = two > c[2] ? two : c[2];
+  for (int i = 0; i < 3; ++i) colour[i] = greatest > 0.0 ? static_cast<float>(c[i] / greatest) : 1.0f;
   return greatest;
 }
 
@@ -56,8 +51,8 @@ void rotation_with_z(const double z[3], float q[4]) {
 }
 
 // McCamy 1992 on the chromaticity of linear sRGB.
-float temperature_of(const float c[3]) {
-  const double r = static_cast<double>(c[0]), g = static_cast<double>(c[1]), b = static_cast<double>(c[2]);
+float temperature_of(const double c[3]) {
+  const double r = c[0], g = c[1], b = c[2];
   const double x = 0.4124564 * r + 0.3575761 * g + 0.1804375 * b, y = 0.2126729 * r + 0.7151522 * g + 0.0721750 * b,
                z = 0.0193339 * r + 0.1191920 * g + 0.9503041 * b, sum = x + y + z;
   if (!(sum > 0.0)) return static_cast<float>(k_white);
@@ -68,18 +63,125 @@ float temperature_of(const float c[3]) {
   return static_cast<float>(kelvin < k_warmest ? k_warmest : kelvin > k_coldest ? k_coldest : kelvin);
 }
 
-// Irradiance over pi, as factors of the polynomials of harmonic_polynomials.
-void irradiance_polynomial(const sandglass_light_estimate& estimate, sandglass_light_model model, double* polynomial) {
-  light_harmonics(estimate, model, polynomial);
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) polynomial[i] *= k_harmonic_factors[i / 3] * k_cosine_factors[i / 3];
+// What every renderer is told, in double.
+struct Lights {
+  double towards[3];           // the directional light
+  double facing[3];            // the radiance of a white surface that faces it, by it alone
+  double ambient[3];           // the radiance of a level white floor, by all other light
+  double sh[3 * k_harmonics];  // radiance, interleaved
+};
+
+Lights lights_of(const sandglass_light_estimate& estimate, sandglass_light_model model) {
+  Lights lights;
+  for (int i = 0; i < 3; ++i) {
+    lights.towards[i] = static_cast<double>(estimate.direction[i]);
+    lights.facing[i] = static_cast<double>(estimate.strength) * static_cast<double>(estimate.light[i]);
+    lights.ambient[i] = static_cast<double>(estimate.ambient[i]);
+  }
+  light_harmonics(estimate, model, lights.sh);
+  return lights;
 }
 
-sandglass_status check(const sandglass_light_estimate* estimate, sandglass_light_model model, const void* out,
-                       const char** reason) {
-  if (out == nullptr) return refuse(reason, "filament, arkit or unity is NULL: pass the struct to fill");
-  if (!can_fill(out)) return refuse(reason, "the struct to fill has no struct_size: set it to the struct's sizeof");
+Lights lights_of(const sandglass_room_light& light, sandglass_light_model model) {
+  Lights lights = {};
+  if (model == SANDGLASS_LIGHT_MODEL_AMBIENT) main_light_of(light, lights.facing);
+  for (int i = 0; i < 3; ++i) lights.towards[i] = static_cast<double>(light.main_direction[i]);
+  for (int i = 0; i < 3; ++i) {
+    const double rest = static_cast<double>(light.irradiance[i]) / k_pi - lights.facing[i] * lights.towards[1];
+    lights.ambient[i] = rest > 0.0 ? rest : 0.0;
+  }
+  room_harmonics(light, model, lights.sh);
+  return lights;
+}
+
+// Irradiance over pi, as factors of the polynomials of harmonic_polynomials.
+void make_irradiance(double* sh) {
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) sh[i] *= k_harmonic_factors[i / 3] * k_cosine_factors[i / 3];
+}
+
+// From red, green and blue of each coefficient to all of red, all of green, all of blue.
+void write_planar(const double* sh, float* planar) {
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) planar[k_harmonics * (i % 3) + i / 3] = static_cast<float>(sh[i]);
+}
+
+sandglass_status check(const sandglass_light_estimate* estimate, sandglass_light_model model, const char** reason) {
   float unused[27];
   return sandglass_light_harmonics(estimate, model, unused, reason);
+}
+sandglass_status check(const sandglass_room_light* light, sandglass_light_model model, const char** reason) {
+  float unused[27];
+  return sandglass_room_harmonics(light, model, unused, reason);
+}
+
+void write(Lights lights, float nits, sandglass_light_filament* filament) {
+  sandglass_light_filament filled = {};
+  make_irradiance(lights.sh);
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) filled.sh[i] = static_cast<float>(lights.sh[i]);
+  for (int i = 0; i < 3; ++i) filled.direction[i] = static_cast<float>(-lights.towards[i]);
+  const double greatest = split_colour(lights.facing, filled.colour);
+  filled.intensity = static_cast<float>(k_pi * static_cast<double>(nits) * greatest);
+  filled.sh_intensity = nits;
+  fill_struct(&filled, sizeof filled, filament);
+}
+
+void write(const Lights& lights, sandglass_light_arkit* arkit) {
+  sandglass_light_arkit filled = {};
+  write_planar(lights.sh, filled.sh);
+  for (int i = 0; i < 3; ++i) filled.primary_light_direction[i] = static_cast<float>(-lights.towards[i]);
+  rotation_with_z(lights.towards, filled.orientation);
+  filled.primary_light_intensity = static_cast<float>(k_neutral_lumens * luminance(lights.facing));
+  filled.ambient_intensity = static_cast<float>(k_neutral_lumens * luminance(lights.ambient));
+  filled.ambient_colour_temperature = temperature_of(lights.ambient);
+  fill_struct(&filled, sizeof filled, arkit);
+}
+
+void write(const Lights& lights, sandglass_light_arcore* arcore) {
+  sandglass_light_arcore filled = {};
+  for (int i = 0; i < 3; ++i) {
+    filled.main_light_direction[i] = static_cast<float>(lights.towards[i]);
+    filled.main_light_intensity[i] = static_cast<float>(k_pi * lights.facing[i]);
+  }
+  // The phase turns the sign of coefficients with odd m: those of odd index.
+  for (uint32_t i = 0; i < 3 * k_harmonics; ++i)
+    filled.sh[i] = static_cast<float>(i / 3 % 2 == 1 ? -lights.sh[i] : lights.sh[i]);
+  fill_struct(&filled, sizeof filled, arcore);
+}
+
+void write(Lights lights, sandglass_light_unity* unity) {
+  // In a left-handed world z is turned over, and with it the coefficients that are odd in z.
+  lights.towards[2] = -lights.towards[2];
+  constexpr uint32_t k_odd[3] = {2, 5, 7};
+  for (const uint32_t odd : k_odd)
+    for (uint32_t c = 0; c < 3; ++c) lights.sh[3 * odd + c] = -lights.sh[3 * odd + c];
+  make_irradiance(lights.sh);
+  double forward[3];
+  sandglass_light_unity filled = {};
+  write_planar(lights.sh, filled.sh);
+  for (int i = 0; i < 3; ++i) {
+    forward[i] = -lights.towards[i];
+    filled.forward[i] = static_cast<float>(forward[i]);
+  }
+  rotation_with_z(forward, filled.rotation);
+  filled.intensity = static_cast<float>(split_colour(lights.facing, filled.colour));
+  fill_struct(&filled, sizeof filled, unity);
+}
+
+// What all conversions have in common; `more` is what the renderer asks for besides.
+template <class Source, class Renderer, class... More>
+sandglass_status convert(const Source* source, sandglass_light_model model, Renderer* out, const char** reason,
+                         More... more) {
+  if (out == nullptr) return refuse(reason, "filament, arkit, arcore or unity is NULL: pass the struct to fill");
+  if (!can_fill(out)) return refuse(reason, "the struct to fill has no struct_size: set it to the struct's sizeof");
+  const sandglass_status status = check(source, model, reason);
+  if (status == SANDGLASS_OK) write(lights_of(*source, model), more..., out);
+  return status;
+}
+
+template <class Source>
+sandglass_status to_filament(const Source* source, sandglass_light_model model, float nits,
+                             sandglass_light_filament* filament, const char** reason) {
+  if (!(nits > 0.0f && nits <= 1e9f)) return refuse(reason, "nits is not a number above 0 and up to 1e9");
+  return convert(source, model, filament, reason, nits);
 }
 
 }  // namespace
@@ -115,60 +217,29 @@ int32_t sandglass_camera_orientation(const float matrix[16], float orientation[4
 
 sandglass_status sandglass_light_to_filament(const sandglass_light_estimate* estimate, sandglass_light_model model,
                                              float nits, sandglass_light_filament* filament, const char** reason) {
-  const sandglass_status status = check(estimate, model, filament, reason);
-  if (status != SANDGLASS_OK) return status;
-  if (!(nits > 0.0f && nits <= 1e9f)) return refuse(reason, "nits is not a number above 0 and up to 1e9");
-  double polynomial[3 * k_harmonics];
-  irradiance_polynomial(*estimate, model, polynomial);
-  sandglass_light_filament filled = {};
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) filled.sh[i] = static_cast<float>(polynomial[i]);
-  for (int i = 0; i < 3; ++i) filled.direction[i] = -estimate->direction[i];
-  const float greatest = split_colour(estimate->light, filled.colour);
-  filled.intensity = static_cast<float>(k_pi) * nits * estimate->strength * greatest;
-  filled.sh_intensity = nits;
-  fill_struct(&filled, sizeof filled, filament);
-  return SANDGLASS_OK;
+  return to_filament(estimate, model, nits, filament, reason);
 }
-
+sandglass_status sandglass_room_to_filament(const sandglass_room_light* light, sandglass_light_model model, float nits,
+                                            sandglass_light_filament* filament, const char** reason) {
+  return to_filament(light, model, nits, filament, reason);
+}
 sandglass_status sandglass_light_to_arkit(const sandglass_light_estimate* estimate, sandglass_light_model model,
                                           sandglass_light_arkit* arkit, const char** reason) {
-  const sandglass_status status = check(estimate, model, arkit, reason);
-  if (status != SANDGLASS_OK) return status;
-  double sh[3 * k_harmonics], towards[3];
-  sandglass_light_arkit filled = {};
-  light_harmonics(*estimate, model, sh);
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i) filled.sh[k_harmonics * (i % 3) + i / 3] = static_cast<float>(sh[i]);
-  for (int i = 0; i < 3; ++i) {
-    filled.primary_light_direction[i] = -estimate->direction[i];
-    towards[i] = static_cast<double>(estimate->direction[i]);
-  }
-  rotation_with_z(towards, filled.orientation);
-  filled.primary_light_intensity = k_neutral_lumens * estimate->strength * luminance(estimate->light);
-  filled.ambient_intensity = k_neutral_lumens * luminance(estimate->ambient);
-  filled.ambient_colour_temperature = temperature_of(estimate->ambient);
-  fill_struct(&filled, sizeof filled, arkit);
-  return SANDGLASS_OK;
+  return convert(estimate, model, arkit, reason);
 }
-
+sandglass_status sandglass_room_to_arkit(const sandglass_room_light* light, sandglass_light_model model,
+                                         sandglass_light_arkit* arkit, const char** reason) {
+  return convert(light, model, arkit, reason);
+}
+sandglass_status sandglass_room_to_arcore(const sandglass_room_light* light, sandglass_light_model model,
+                                          sandglass_light_arcore* arcore, const char** reason) {
+  return convert(light, model, arcore, reason);
+}
 sandglass_status sandglass_light_to_unity(const sandglass_light_estimate* estimate, sandglass_light_model model,
                                           sandglass_light_unity* unity, const char** reason) {
-  const sandglass_status status = check(estimate, model, unity, reason);
-  if (status != SANDGLASS_OK) return status;
-  // The light in a left-handed world: z is turned over.
-  sandglass_light_estimate mirrored = {};
-  memcpy(&mirrored, estimate, k_least_estimate_bytes);
-  mirrored.direction[2] = -mirrored.direction[2];
-  double polynomial[3 * k_harmonics], forward[3];
-  sandglass_light_unity filled = {};
-  irradiance_polynomial(mirrored, model, polynomial);
-  for (uint32_t i = 0; i < 3 * k_harmonics; ++i)
-    filled.sh[k_harmonics * (i % 3) + i / 3] = static_cast<float>(polynomial[i]);
-  for (int i = 0; i < 3; ++i) {
-    filled.forward[i] = -mirrored.direction[i];
-    forward[i] = static_cast<double>(filled.forward[i]);
-  }
-  rotation_with_z(forward, filled.rotation);
-  filled.intensity = estimate->strength * split_colour(estimate->light, filled.colour);
-  fill_struct(&filled, sizeof filled, unity);
-  return SANDGLASS_OK;
+  return convert(estimate, model, unity, reason);
+}
+sandglass_status sandglass_room_to_unity(const sandglass_room_light* light, sandglass_light_model model,
+                                         sandglass_light_unity* unity, const char** reason) {
+  return convert(light, model, unity, reason);
 }

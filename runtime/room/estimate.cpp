@@ -4,8 +4,8 @@
 //   X = seen * L * (1 + boost * clipped) + (1 - seen) * fill * (1 + what the network says)
 // where L is its radiance beside the geometric mean of all that was seen. It is moved to the object: a part in the
 // direction D of the sphere lies in the direction q = D - x from the object at x (in radii), and its solid angle there
-// is that of the sphere times (1 - D . x) / |q|^3 (5.15 to 5.17). A cell is the mean of X over it, weighted by the
-// cosine.
+// is that of the sphere times (1 - D . x) / |q|^3, by (5.15) to (5.17) of the dissertation. A cell is the mean of X
+// over it, weighted by the cosine.
 //
 // A floor shadow is linear in the cells. So the shadow of least expected squared error is the one drawn in the expected
 // light. Where nothing was seen that is an even sky, and the shadow is soft; a guess of one light is not.
@@ -19,12 +19,12 @@ namespace sandglass {
 
 namespace {
 
-// Each part is moved in 3 x 2 pieces: so many that the rings of the cells lie between pieces.
+// Each part is moved in 3 x 2 pieces: so many that no piece crosses an edge of the cells' rings.
 constexpr uint32_t k_row_split = 3, k_column_split = 2;
 constexpr double k_farthest = 0.8;    // radii; see image.cpp
 constexpr double k_darkest = 1e-4;    // of the mean: keeps logarithms of black parts finite
 constexpr double k_lobe = 6.0;        // sharpness of the network's light: e^(6 (cos - 1))
-constexpr double k_floor_row = 5.0;   // rows below this see the floor: more than 33 degrees below the horizon
+constexpr double k_floor_row = 5.0;   // rows below this see the floor: 33.75 degrees below the horizon or more
 constexpr double k_stands_out = 3.0;  // times the mean cell: what is beyond may be a light of its own
 constexpr double k_wide = 0.94, k_narrow = 0.99;  // mean cosine about the axis: too wide for a sharp shadow; as a lamp
 constexpr uint32_t k_look_rows = 1, k_look_columns = 2;  // parts to each side that one look takes in
@@ -246,7 +246,7 @@ void find_main_light(const Sums& sums, const RoomModel& model, double total, san
   }
 }
 
-// Where a look would take in most light that is usual there and was not seen.
+// The direction in which one look takes in most of the sky that was not seen, weighted by what it gives the floor.
 void find_look(const Room& room, const Memory& memory, float look[3]) {
   double most = -1, facing[k_room_rows];  // cosine and solid angle of a part of the row
   for (uint32_t row = 0; row < k_room_rows; ++row) {
@@ -270,8 +270,8 @@ void find_look(const Room& room, const Memory& memory, float look[3]) {
   for (int k = 0; k < 3; ++k) look[k] = static_cast<float>(direction[k]);
 }
 
-// What of the light was in the picture's scale, by two ways that are averaged in the logarithm: what comes from the
-// cells, and what the floor shows of it.
+// The irradiance of the floor in units of the last image's white, found in two ways whose logarithms are averaged: from
+// the cells, and from how bright the floor looks.
 double level_of(const Room& room, const RoomModel& model, const Overview& all, double total, double seen) {
   const double by_cells = total * all.level / room.scale * exponential(model.unseen_level * (1 - seen));
   if (!(all.floor > 0)) return by_cells;
@@ -326,7 +326,7 @@ void room_estimate(const Room& room, const RoomModel& model, const double positi
   fill_struct(&out, sizeof out, light);
 }
 
-// `sandglass verify room` prints what each fold of places gives; these are in their middle.
+// Each value lies in the middle of those that `sandglass verify room` prints for the folds of places.
 extern const RoomModel k_room_model = {.boost = 3.6,
                                        .fill = 1.65,
                                        .fill_below = 0.5,

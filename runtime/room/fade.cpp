@@ -1,8 +1,8 @@
 // A light that was shown, on its way to the light that is known now.
 //
-// Floor shadows are linear in the cells, so a mixture of two lights casts the mixture of their shadows: nothing jumps. The
-// sharp shadow has one direction and cannot be mixed. Where the main light is now another one, the old one fades into
-// its cells before the new one comes out of its own; its shadow never sweeps across the floor.
+// Floor shadows are linear in the cells, so a mixture of two lights casts the mixture of their shadows: nothing jumps.
+// The sharp shadow has one direction and cannot be mixed. Where the main light is now another one, the old one fades
+// into its cells before the new one comes out of its own; its shadow never sweeps across the floor.
 #include "platform/floating_point.h"
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/finite.h"
@@ -51,7 +51,7 @@ __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass
   mix(shown->cells, now.cells, share);
   mix(shown->ambient_cells, other ? now.cells : now.ambient_cells, share);
   shown->main_share += share * ((other ? 0 : now.main_share) - shown->main_share);
-  // The shown level in the scale of the image that is now the last. What no image has told is in no scale.
+  // The shown level, in the scale of the image that is now the last. Before the first image there is no scale.
   const float scale = shown->valid != 0 && now.white > 0 ? shown->white / now.white : 1;
   for (float& e : shown->irradiance) e *= scale;
   for (float& c : shown->sh) c *= scale;

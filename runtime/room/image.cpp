@@ -13,12 +13,12 @@ namespace {
 
 constexpr uint32_t k_points = 4;          // along each side of a part
 constexpr uint32_t k_overlap_points = 2;  // the same where only the exposure is asked for
-// Steps of an image of two dimensions that fill it evenly: powers of 1 / x, where x is the root of x^3 = x + 1.
+// The steps of a sequence that fills a square evenly: powers of 1 / x, where x is the root of x^3 = x + 1.
 constexpr double k_step_row = 0.7548776662466927, k_step_column = 0.5698402909980532;
 constexpr uint8_t k_white = 250;  // sRGB: a channel from here on may be clipped
 constexpr double k_margin_sine = 0.5, k_margin_cosine = 0.8660254037844386;  // 30 degrees: half a part, and parallax
-constexpr double k_farthest = 0.8;     // radii: a camera or an object farther out counts as being there
-constexpr float k_weight_most = 8.0f;  // images; so many more make a part believe a new light
+constexpr double k_farthest = 0.8;     // radii: a camera or an object farther out counts as this far
+constexpr float k_weight_most = 8.0f;  // what is known of a part counts as no more images than these
 constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // least shares of a new image
 constexpr float k_clip_slack = 0.05f;  // a difference of clipped shares below this means nothing
 constexpr double k_overlap_memory = 0.3, k_overlap_clipped = 0.1, k_overlap_dark = 0.002, k_overlap_least = 1.0;
@@ -144,7 +144,8 @@ void learn(Room* room, uint32_t part) {
   const bool hidden = clipped > known->clipped + k_clip_slack && after <= 1.1 * before;
   if (weight > 0 && hidden) return;
   float rate = covered / (weight + covered);
-  const bool clearer = clipped<known->clipped - k_clip_slack, changed = after> 2 * before || after < 0.5 * before;
+  const bool clearer = clipped < known->clipped - k_clip_slack;
+  const bool changed = after > 2 * before || after < 0.5 * before;
   const float least = covered * (clearer ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
   rate = rate > least ? rate : least;
   for (int c = 0; c < 3; ++c) known->radiance[c] += rate * (static_cast<float>(colour[c]) - known->radiance[c]);

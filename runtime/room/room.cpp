@@ -61,7 +61,8 @@ Stage begin_frame(sandglass_room* owner, const sandglass_camera_image* image, co
   return {owner, next, run, forecast, k_room_kinds, taken ? room_units_left(owner->room) : 0, 1.0f};
 }
 
-// A frame that ended early, by a broken clock or a plan, leaves an image behind: its planes are the app's.
+// A frame that ends early, by a broken clock or a plan, leaves an image unfinished. It is dropped, because its planes
+// belong to the app.
 void end_frame(sandglass_room* owner) {
   Room* room = &owner->room;
   room->phase = RoomPhase::idle;

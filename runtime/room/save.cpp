@@ -1,5 +1,5 @@
-// A room as bytes, and back. Behind the header follow the parts, rounded to nothing: a restored room answers as the
-// saved one did.
+// A room as bytes, and back. The parts follow the header and are not rounded: a restored room answers as the saved one
+// did.
 #include <cstddef>
 #include <cstring>
 
@@ -92,7 +92,7 @@ sandglass_status sandglass_room_restore(sandglass_room* owner, const void* data,
   memcpy(&checksum, static_cast<const uint8_t*>(data) + offsetof(SavedRoom, checksum), sizeof checksum);
   if (checksum != checksum_of(data))
     return refuse(reason, "sandglass_room_restore: the bytes were damaged since they were saved: look around again.");
-  // Its 14 KiB would not fit the stack beside a caller's: it is checked where it lies, if it is aligned there.
+  // A copy of its 14 KiB would take nearly all of the stack that a call may use. So it is checked where it lies.
   if (reinterpret_cast<uintptr_t>(data) % alignof(SavedRoom) != 0)
     return refuse(reason, "sandglass_room_restore: data is not aligned to 8 bytes: align it.");
   const SavedRoom& saved = *static_cast<const SavedRoom*>(data);

@@ -64,7 +64,7 @@ sandglass_status sandglass_scene_create(const sandglass_scene_desc* desc, void* 
   const sandglass_status status = sandglass_scene_bytes(desc, &need, reason);
   if (status != SANDGLASS_OK) return status;
   if (scene == nullptr) return refuse(reason, "scene is NULL: pass where to store the scene.");
-  const Kernels* kernels = select_kernels(desc->isa);
+  const Kernels* kernels = select_sand_kernels(desc->isa);
   if (kernels == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not available on this CPU or in this build: use SANDGLASS_ISA_AUTOMATIC.");

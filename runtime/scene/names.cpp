@@ -47,7 +47,7 @@ const char* sandglass_isa_name(sandglass_isa isa) {
   }
 }
 
-int32_t sandglass_isa_available(sandglass_isa isa) { return sandglass::select_kernels(isa) != nullptr ? 1 : 0; }
+int32_t sandglass_isa_available(sandglass_isa isa) { return sandglass::select_sand_kernels(isa) != nullptr ? 1 : 0; }
 
 const char* sandglass_level_name(uint32_t level) {
   return level < SANDGLASS_LEVEL_COUNT ? sandglass::k_ladder[level].told.name : nullptr;

@@ -1,5 +1,5 @@
-// See ambient.h. The share of light that a texel loses is linear in the cells, so one step of a byte is the most that
-// it can change by while the sums of all rises and of all falls both stay below 1 / 255.
+// See ambient.h. What a texel loses is a sum over the cells, each times 0 to 1. So no texel changes by a whole step of
+// its byte while the sum of all rises of cells and the sum of all falls are both below 1 / 255.
 #include "runtime/shadow/ambient.h"
 
 #include <cstring>

@@ -26,7 +26,7 @@ struct AmbientShadow {
   bool pending;                          // the texture for `wanted` is neither done nor under way
   bool under_way;
   bool valid;       // `front` was completed once
-  bool gives_way;   // a waiting texture of a light comes first, because the last one here was made since one of those
+  bool gives_way;   // a texture here was completed since the last one of a light: that of a waiting light comes first
   uint32_t cursor;  // next texel
   uint8_t *front, *back;
   uint32_t completed;                      // textures so far

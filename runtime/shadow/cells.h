@@ -10,7 +10,7 @@ namespace sandglass {
 
 // The cells as an object sees them that is turned by `yaw` radians about +y. Between two sectors they are interpolated;
 // the sum of a ring stays. Turning an object counter-clockwise, seen from above, raises the azimuth of the light in the
-// object's frame, because azimuths count clockwise there (from +x to +z).
+// object's frame, because azimuths count clockwise, from +x to +z.
 inline void turn_cells(const double world[SANDGLASS_LIGHT_CELLS], double yaw, double object[SANDGLASS_LIGHT_CELLS]) {
   const double turns = yaw / (2 * k_pi), sectors = k_cell_sectors * (turns - static_cast<double>(floor_index(turns)));
   const int64_t whole = floor_index(sectors);

@@ -41,7 +41,7 @@ sandglass_status check(const sandglass_pile_shadow_desc* desc, const char** reas
     return refuse(reason, "desc.sky_texels is neither 0 nor desc.texels, a half or a quarter of it");
   if (desc->sky_texels != 0 && (desc->sky_texels % k_lane_group != 0 || desc->sky_texels > 128))
     return refuse(reason, "desc.sky_texels is not a multiple of 16, at most 128");
-  if (select_kernels(desc->isa) == nullptr)
+  if (select_pile_kernels(desc->isa) == nullptr)
     return refuse(reason, SANDGLASS_ERROR_UNSUPPORTED,
                   "desc.isa is not in this build or on this CPU: use SANDGLASS_ISA_AUTOMATIC");
   return accept(reason);
@@ -78,7 +78,7 @@ __attribute__((noinline)) void build(const sandglass_pile_shadow_desc& desc, voi
   sandglass_pile_shadow* owner = lay_out(desc, &layout);
   owner->functions = &k_pile_functions;
   Pile* p = &owner->pile;
-  p->kernels = select_kernels(desc.isa);
+  p->kernels = select_pile_kernels(desc.isa);
   p->tops += k_lane_group, p->bottoms += k_lane_group, p->fills += k_lane_group;
   for (uint32_t i = 0; i < p->texels + k_lane_group; ++i) p->nothing[i] = p->receivers[i] = p->shares[i] = 0;
   for (uint32_t axis = 0; axis < 2; ++axis) {

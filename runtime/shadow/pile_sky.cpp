@@ -22,7 +22,7 @@ constexpr Walk k_walk[k_sky_steps] = {{0, 0},    {0, 1},    {1, 2.5},  {1, 4.5},
                                       {2, 15.5}, {2, 19.5}, {2, 23.5}, {2, 27.5}, {3, 33.5}, {3, 41.5},
                                       {3, 49.5}, {3, 57.5}, {3, 65.5}, {3, 73.5}, {3, 81.5}, {3, 89.5}};
 
-constexpr float k_cap = 2.0f;           // slope: of what is as good as reaching the zenith
+constexpr float k_cap = 2.0f;           // slope: from here on sand is as good as up to the zenith
 constexpr float k_flat = 1e-6f;         // metres: lower sand has no height
 constexpr float k_on_floor = 1.0f;      // radii: a column whose bottom is lower stands on the floor
 constexpr int32_t k_widest_sphere = 2;  // columns: the radius of spheres that are joined to one surface
@@ -176,7 +176,7 @@ void place_steps(const Pile& p, uint32_t sector, SkyStep* steps) {
     const double dx = (static_cast<double>(columns) + to_middle) * side[0];
     const double dz = (static_cast<double>(rows) + to_middle) * side[1];
     const double distance = square_root(dx * dx + dz * dz);
-    // Two random places in the receiver's own texel are a third of its width apart on average.
+    // Along an axis two random places in the receiver's own texel are a third of its width apart on average.
     *steps++ = {walk.level, static_cast<int32_t>(columns), static_cast<int32_t>(rows),
                 static_cast<float>(distance > 0 ? 1 / distance : 3 / least)};
   }

@@ -1,10 +1,10 @@
 // How much of the light of a room the sand leaves to the floor and to itself: a texture beside those of pile.h, made
 // from the same columns. The room's light comes in the cells of core/light_cells.h.
 //
-// The columns are joined into a grid as fine as this texture, and that into levels of ever wider windows, each twice as
-// wide as the one before. A step along an azimuth reads the level whose windows are about as wide as the sector is at
-// its distance. So a texel costs the same number of steps whatever its neighbourhood, and no step misses thin sand. The
-// last window ends 93 texels away; sand beyond it hides nothing.
+// The columns are joined into a grid as fine as this texture, and this grid into levels of windows. Those of each level
+// are twice as wide as those of the one before. A step along an azimuth reads the level whose windows are about as
+// wide as the sector is at its distance. So a texel costs the same number of steps whatever its neighbourhood, and no
+// step misses thin sand. The last window ends 93 texels away; sand beyond it hides nothing.
 #pragma once
 
 #include <cstdint>

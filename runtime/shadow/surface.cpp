@@ -53,10 +53,10 @@ __attribute__((noinline)) sandglass_status turn_harmonics(const float sh[27], co
   return accept(reason);
 }
 
-// How far a point of the surface is from a vertex, in squared steps of its positions. Points of one crease have one
-// place; there the normals decide. They count for no more than a few steps, which is far less than two vertices are
-// apart.
-constexpr double k_normal_weight = 4;
+// How far a point of the surface is from a vertex, in squared steps of its positions. A point that faces another way
+// counts as farther: one on the back of a thin board is nearer than the next one on the front, and sees another room.
+// Points of one crease have one place, and `k_least` lets the normals decide there.
+constexpr double k_normal_weight = 4, k_least = 4;
 
 struct Vertex {
   double position[3];  // in steps
@@ -70,7 +70,7 @@ double distance_of(const SurfaceAsset& surface, uint32_t point, const Vertex& ve
     squared += apart * apart;
     cosine += vertex.normal[axis] * surface.normals[3 * point + axis] / 127;
   }
-  return squared + k_normal_weight * (1 - cosine);
+  return (squared + k_least) * (1 + k_normal_weight * (cosine < 1 ? 1 - cosine : 0));  // bytes round normals
 }
 
 // Points are in order of x. So the search begins at the vertex's own x, and ends where the points beyond differ by more

@@ -279,7 +279,7 @@ struct Work {
   void (*run)(const Kernels& kernels);
 };
 constexpr Work k_works[] = {
-#define SANDGLASS_KERNEL(name, Args, Result) {#name, work_##name},
+#define SANDGLASS_KERNEL(user, name, Args, Result) {#name, work_##name},
 #include "kernels/kernels.inc"
 #undef SANDGLASS_KERNEL
     {"contact_solve_beside_a_field", work_contact_solve_beside_a_field},

@@ -20,7 +20,7 @@ def lines_of(folder, pattern):
 
 def main():
     kernels, baselines = map(pathlib.Path, sys.argv[1:])
-    floats = re.findall(r"^SANDGLASS_KERNEL\((\w+),", (kernels / "kernels.inc").read_text(), re.MULTILINE)
+    floats = re.findall(r"^SANDGLASS_KERNEL\(\w+, (\w+),", (kernels / "kernels.inc").read_text(), re.MULTILINE)
     table = re.search(r"struct Int8Kernels \{(.*?)\n\};", (kernels / "int8.h").read_text(), re.DOTALL)
     of_bytes = [name for name in re.findall(r"\(\*(\w+)\)\(", table[1] if table else "") if name not in AT_START]
     if not floats or not of_bytes:

@@ -874,7 +874,7 @@ void check_all_sizes(void (*check)(uint32_t)) {
   check(150);
 }
 
-#define SANDGLASS_KERNEL(name, Args, Result) \
+#define SANDGLASS_KERNEL(user, name, Args, Result) \
   TEST(Oracle, name) { check_all_sizes(check_##name); }
 #include "kernels/kernels.inc"
 #undef SANDGLASS_KERNEL

@@ -9,14 +9,19 @@
 set -euo pipefail
 empty=$1 capability=$2 app=$3 figure=$4 forbidden=$5
 
-bytes() { "$SIZE" "$1" | awk 'NR == 2 {print $1 + $2}'; }
+bytes() {
+  [[ -f $1 ]] || { echo "$1 was not built" >&2; return 1; }
+  "$SIZE" "$1" | awk 'NR == 2 {print $1 + $2}'
+}
 
 if [[ ! $figure =~ ^[0-9]+$ ]]; then
   row=$figure
   figure=$(awk -F ' *[|] *' -v row="$row" '$2 == row {print $3}' "$README")
   [[ $figure =~ ^[0-9]+$ ]] || { echo "README has no figure for '$row': '$figure'"; exit 1; }
 fi
-weight=$(($(bytes "$app") - $(bytes "$empty")))
+all=$(bytes "$app")
+none=$(bytes "$empty")
+weight=$((all - none))
 limit=$((figure * 1024 * 5 / 4))
 printf '%s: %d bytes of code and constants (%d KiB), limit %d\n' "$capability" "$weight" $(((weight + 512) / 1024)) "$limit"
 if "$NM" -C "$app" | grep -E "$forbidden" >&2; then

@@ -43,9 +43,11 @@ CLAIM(camera_format, sizeof(sandglass_camera_format) == 4);
 CLAIM(light_estimate, sizeof(sandglass_light_estimate) == 8 + 2 * 8 + 4 * (3 + 3 + 1 + 3 + 1 + 1 + 3 + 27));
 CLAIM(light_filament_first, offsetof(sandglass_light_filament, struct_size) == 0);
 CLAIM(light_arkit_first, offsetof(sandglass_light_arkit, struct_size) == 0);
+CLAIM(light_arcore_first, offsetof(sandglass_light_arcore, struct_size) == 0);
 CLAIM(light_unity_first, offsetof(sandglass_light_unity, struct_size) == 0);
 CLAIM(light_filament, sizeof(sandglass_light_filament) == 4 * (1 + 3 + 3 + 1 + 27 + 1));
 CLAIM(light_arkit, sizeof(sandglass_light_arkit) == 4 * (1 + 3 + 1 + 4 + 1 + 1 + 27));
+CLAIM(light_arcore, sizeof(sandglass_light_arcore) == 4 * (1 + 3 + 3 + 27));
 CLAIM(light_unity, sizeof(sandglass_light_unity) == 4 * (1 + 3 + 4 + 3 + 1 + 27));
 CLAIM(plan_first, offsetof(sandglass_plan, struct_size) == 0);
 

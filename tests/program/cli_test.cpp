@@ -175,7 +175,7 @@ TEST_F(Cli, EveryCommandAndSuiteHasHelp) {
   EXPECT_EQ(without_argument.code, 0);
   EXPECT_LT(std::count(without_argument.out.begin(), without_argument.out.end(), '\n'), 25);
   const std::vector<std::string> commands = listed("");
-  EXPECT_EQ(commands.size(), 13u);
+  EXPECT_EQ(commands.size(), 12u);
   for (const std::string& command : commands) {
     const Outcome help = run(command + " --help");
     EXPECT_EQ(help.code, 0) << command;
@@ -256,8 +256,8 @@ TEST_F(Cli, TakesOptionsInEveryUsualForm) {
     EXPECT_NE(outcome.out.find("hash 0x"), std::string::npos) << form;
   }
   for (const char* form : {"-o", "-o ", "--output=", "--output "}) {
-    EXPECT_EQ(run("sample --disk 10 " + (form + path("disk.ply"))).code, 0) << form;
-    EXPECT_TRUE(fs::remove(path("disk.ply"))) << form;
+    EXPECT_EQ(run("sample box --volume --distance 0.05 " + (form + path("box.ply"))).code, 0) << form;
+    EXPECT_TRUE(fs::remove(path("box.ply"))) << form;
   }
 }
 
@@ -288,27 +288,16 @@ TEST_F(Cli, AVerificationThatWouldCheckNothingIsRefused) {
 TEST_F(Cli, RefusesNumbersThatAreNone) {
   const std::string out = " -o '" + path("out") + "' ";
   const std::pair<const char*, std::string> commands[] = {
-      {"--angle", "bake chair" + out},
-      {"--max-polar", "bake chair" + out},
-      {"--rate", "bake chair" + out},
-      {"--size", "bake chair" + out},
-      {"--seed", "bake chair" + out},
-      {"--threads", "bench granular"},
-      {"--thresholds", "bench shadow"},
-      {"--rows", "ceiling a.hdr"},
-      {"--tiles", "dataset a.hdr" + out},
-      {"--seed", "dataset a.hdr" + out},
-      {"--fov", "light a.png" + out},
-      {"--turn", "light a.png" + out},
-      {"--images", "quantise-light a.npz --calibrate a" + out},
-      {"--samples", "room" + out},
-      {"--seed", "room" + out},
-      {"--budget-ms", "run demo"},
-      {"--frames", "run demo"},
-      {"--fov", "run shot --photo a.png"},
-      {"--distance", "sample box --surface" + out},
-      {"--views", "verify lighting"},
-      {"--seed", "verify lighting"},
+      {"--angle", "bake chair" + out},     {"--max-polar", "bake chair" + out},
+      {"--rate", "bake chair" + out},      {"--size", "bake chair" + out},
+      {"--seed", "bake chair" + out},      {"--threads", "bench granular"},
+      {"--thresholds", "bench shadow"},    {"--tiles", "dataset a.hdr" + out},
+      {"--seed", "dataset a.hdr" + out},   {"--fov", "light a.png" + out},
+      {"--turn", "light a.png" + out},     {"--images", "quantise-light a.npz --calibrate a" + out},
+      {"--samples", "room" + out},         {"--seed", "room" + out},
+      {"--budget-ms", "run demo"},         {"--frames", "run demo"},
+      {"--fov", "run shot --photo a.png"}, {"--distance", "sample box --surface" + out},
+      {"--views", "verify lighting"},      {"--seed", "verify lighting"},
       {"--threads", "verify shot"},
   };
   const auto refused = [&](const std::string& command, const std::string& option, const std::string& value) {
@@ -366,7 +355,7 @@ TEST_F(Cli, BakesAndInspectsAShadow) {
   const Outcome told = run("inspect '" + path("x.shadow") + "'");
   ASSERT_EQ(told.code, 0) << told.err;
   for (const char* line :
-       {"baked shadow, version 2", "24 components of 16 x 16 texels, 3.6 m a side", "surface      336 points",
+       {"baked shadow, version 2", "24 components of 16 x 16 texels, 3.6 m a side", "surface      2381 points",
         "8 neurons x (1 + 1) hidden layers, 72 MAC a texel", "20 degrees wide, up to 70 degrees from the zenith",
         "fitted to the light", "over 4 unseen lights", "float copy   no"})
     EXPECT_NE(told.out.find(line), std::string::npos) << line << "\n" << told.out;
@@ -540,20 +529,15 @@ TEST_F(Cli, CtrlCFinishesCleanlyWithExitCode130) {
   EXPECT_TRUE(fs::exists(folder / "out" / "contact_sheet.png"));
 }
 
-TEST_F(Cli, SamplesShapesWithExactlyThePointsAskedFor) {
-  const Outcome ring = run("sample --ring 301 --polar 0 70 --picture " + path("ring.png") + " --spectrum " +
-                           path("spectrum.png") + " -o " + path("ring.ply"));
-  EXPECT_EQ(ring.code, 0) << ring.err;
-  EXPECT_EQ(ring.out.rfind("301 points of a ring", 0), 0u) << ring.out;
-  EXPECT_EQ(read(path("ring.png")).substr(1, 3), "PNG");
-  EXPECT_EQ(read(path("spectrum.png")).substr(1, 3), "PNG");
-  expect_refused("sample --ring 10 --polar 50 20 -o " + path("x.ply"), "the first angle is not below the second");
-  expect_refused("sample --ring 10 --polar nan 20 -o " + path("x.ply"), "--polar");
-  expect_refused("sample --ring 10 --polar 0 181 -o " + path("x.ply"), "--polar");
+TEST_F(Cli, SamplesAMesh) {
+  const Outcome points =
+      run("sample box --surface --distance 0.02 --picture " + path("box.png") + " -o " + path("box.ply"));
+  EXPECT_EQ(points.code, 0) << points.err;
+  EXPECT_NE(points.out.find(" points on the surface of box"), std::string::npos) << points.out;
+  EXPECT_EQ(read(path("box.png")).substr(1, 3), "PNG");
   expect_refused("sample teapot --surface --distance 1 -o " + path("x.ply"), "Name a mesh file, or trefoil, ");
   expect_refused("sample trefoil --surface --distance nan -o " + path("x.ply"), "--distance");
-  expect_refused("sample trefoil --disk 10 -o " + path("x.ply"), "Leave MESH out");
-  expect_refused("sample --surface --distance 1 -o " + path("x.ply"), "needs MESH");
+  expect_refused("sample --surface --distance 1 -o " + path("x.ply"), "MESH");
   EXPECT_FALSE(fs::exists(path("x.ply")));
 }
 

@@ -11,21 +11,25 @@
 #include <random>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "models/tracing/sphere_caster.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/filled_struct.h"
+#include "tests/guarded_block.h"
+#include "tests/reason.h"
+#include "tests/shadow/pile_fixture.h"
 
 namespace {
 
 using sandglass::host::SphereCaster;
 using sandglass::host::SphereHit;
 using sandglass::host::Vec3;
+using namespace sandglass::tests;
 using Cells = std::array<float, SANDGLASS_LIGHT_CELLS>;
 
-constexpr float k_grain = 0.0035f;
 constexpr uint32_t k_texels = 128, k_sky = 64;
 
 Cells even_sky() {
@@ -53,15 +57,13 @@ sandglass_pile_shadow_desc description(uint32_t sky = k_sky) {
 // ---- sand
 
 // Grains in `inside`: a lattice that is shaken by a third of a radius, so that its surface is rough.
-std::vector<float> grains_in(const std::function<bool(const float*)>& inside, float radius = k_grain) {
-  std::vector<float> points;
-  const sandglass::Box box{{-0.2f, radius, -0.2f}, {0.2f, 0.3f, 0.2f}};
-  EXPECT_TRUE(sandglass::sample_lattice(box, 2 * radius, inside, &points));
+std::vector<float> grains_in(const std::function<bool(const float*)>& inside) {
+  std::vector<float> points = spheres_in(inside, k_grain, 0.2f, 0.3f);
   std::mt19937 random(3);
   std::uniform_real_distribution<float> unit(-1, 1);
   for (size_t i = 0; i < points.size(); ++i) {
-    const float shaken = 0.35f * radius * unit(random);
-    if (i % 3 != 1 || points[i] > 1.5f * radius) points[i] += shaken;
+    const float shaken = 0.35f * k_grain * unit(random);
+    if (i % 3 != 1 || points[i] > 1.5f * k_grain) points[i] += shaken;
   }
   return points;
 }
@@ -74,17 +76,6 @@ std::vector<float> wall() {
            p[1] < 0.07f;
   });
 }
-std::vector<float> scattered() {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<float> unit(-1, 1);
-  std::vector<float> grains;
-  while (grains.size() < 3 * 700) {
-    const float x = 0.15f * unit(random), z = 0.15f * unit(random);
-    if (std::hypot(x, z) < 0.15f) grains.insert(grains.end(), {x, k_grain, z});
-  }
-  return grains;
-}
-
 // Grains of a scene, after a block of sand has fallen and come to rest.
 std::vector<float> poured() {
   const float radius = 0.01f;
@@ -100,17 +91,11 @@ std::vector<float> poured() {
   sandglass_scene_desc desc = sandglass::scene_desc();
   desc.granular.particle_capacity = static_cast<uint32_t>(particles.size() / 3);
   desc.granular.grain_capacity = static_cast<uint32_t>(grains.size() / 3);
-  desc.granular.grain_radius = k_grain, desc.granular.collider_capacity = 1;
-  sandglass::Scene scene;
-  EXPECT_TRUE(scene.create(desc));
-  EXPECT_TRUE(scene.add(particles, grains));
-  const sandglass_collider floor = sandglass::floor_at(0);
-  sandglass_frame_input input = sandglass::frame_input();
-  input.time_step = 1.0f / 60.0f, input.budget_ns = UINT64_MAX;
-  input.colliders = &floor, input.collider_count = 1;
-  sandglass_frame_report report = sandglass::frame_report();
-  for (int frame = 0; frame < 120; ++frame) EXPECT_TRUE(scene.frame(input, &report));
-  sandglass_granular_grains(scene.get(), grains.data(), nullptr);
+  desc.granular.grain_radius = k_grain;
+  SandOnTheFloor falling(desc);
+  EXPECT_TRUE(falling.scene.add(particles, grains));
+  for (int frame = 0; frame < 120; ++frame) falling.frame();
+  sandglass_granular_grains(falling.scene.get(), grains.data(), nullptr);
   return grains;
 }
 
@@ -414,7 +399,7 @@ TEST(PileSky, OneHashForAllKernelsAndAllDivisions) {
       EXPECT_EQ(hash, first) << sandglass_isa_name(isa) << ", " << units << " units at a time";
     }
   }
-  EXPECT_EQ(first, 3990382532847340661ull) << "the hash must be the same on every machine";
+  EXPECT_EQ(first, 3990382532847340661ull) << "of shadow and sky, the same on every machine";
 }
 
 TEST(PileSky, KeepsNothingOfTheSandBefore) {
@@ -487,18 +472,13 @@ TEST(PileSky, WithoutSandHidesNothing) {
 }
 
 TEST(PileSky, RefusesWithASentence) {
-  const auto refused = [](const std::function<void(sandglass_pile_shadow_desc*)>& spoil) {
-    sandglass_pile_shadow_desc desc = description();
-    spoil(&desc);
+  const std::pair<uint32_t, uint32_t> wrong[] = {{128, 48}, {128, 256}, {32, 8}, {256, 256}};
+  for (const auto& [texels, sky] : wrong) {
+    sandglass_pile_shadow_desc desc = description(sky);
+    desc.texels = texels;
     uint64_t bytes = 0;
-    const char* reason = nullptr;
-    const sandglass_status status = sandglass_pile_shadow_bytes(&desc, &bytes, &reason);
-    return status == SANDGLASS_ERROR_INVALID_ARGUMENT && reason != nullptr && std::strlen(reason) > 20;
-  };
-  EXPECT_TRUE(refused([](auto* d) { d->sky_texels = 48; }));
-  EXPECT_TRUE(refused([](auto* d) { d->sky_texels = 256; }));
-  EXPECT_TRUE(refused([](auto* d) { d->texels = 32, d->sky_texels = 8; }));
-  EXPECT_TRUE(refused([](auto* d) { d->texels = 256, d->sky_texels = 256; }));
+    expect_refused("sky_texels", [&](const char** why) { return sandglass_pile_shadow_bytes(&desc, &bytes, why); });
+  }
   sandglass::PileShadow shadow, without;
   ASSERT_TRUE(shadow.create(description()));
   ASSERT_TRUE(without.create(description(0)));
@@ -525,12 +505,11 @@ TEST(PileSky, FillsItsBlockAndNoMore) {
     const sandglass_pile_shadow_desc desc = description(sky);
     uint64_t bytes = 0;
     ASSERT_EQ(sandglass_pile_shadow_bytes(&desc, &bytes, nullptr), SANDGLASS_OK);
-    std::vector<uint8_t> memory(bytes + 128, 0x5a);
-    uint8_t* block = memory.data() + (64 - reinterpret_cast<uintptr_t>(memory.data()) % 64) % 64;
+    sandglass::test::GuardedBlock block(bytes);
     sandglass_pile_shadow* handle = nullptr;
-    EXPECT_EQ(sandglass_pile_shadow_create(&desc, block, bytes - 1, &handle, nullptr),
+    EXPECT_EQ(sandglass_pile_shadow_create(&desc, block.data(), bytes - 1, &handle, nullptr),
               SANDGLASS_ERROR_MEMORY_TOO_SMALL);
-    ASSERT_EQ(sandglass_pile_shadow_create(&desc, block, bytes, &handle, nullptr), SANDGLASS_OK);
+    ASSERT_EQ(sandglass_pile_shadow_create(&desc, block.data(), bytes, &handle, nullptr), SANDGLASS_OK);
     const float light[3] = {0.3f, 0.8f, 0};
     ASSERT_EQ(sandglass_pile_shadow_set_light(handle, light, nullptr), SANDGLASS_OK);
     // Sand up to and beyond all edges.
@@ -538,8 +517,7 @@ TEST(PileSky, FillsItsBlockAndNoMore) {
     std::vector<float> wide;
     for (const float x : sand) wide.push_back(3 * x);
     sandglass_pile_shadow_run(handle, wide.data(), static_cast<uint32_t>(wide.size() / 3), 3 * k_grain, 1000000);
-    for (uint8_t* at = block + bytes; at < memory.data() + memory.size(); ++at) ASSERT_EQ(*at, 0x5a);
-    for (uint8_t* at = memory.data(); at < block; ++at) ASSERT_EQ(*at, 0x5a);
+    EXPECT_TRUE(block.guards_intact());
     std::printf("sky_texels %3u: %llu bytes\n", sky, static_cast<unsigned long long>(bytes));
   }
 }
@@ -553,43 +531,6 @@ TEST(PileSky, FillsNoByteBeyondTheCallersStruct) {
         return true;
       },
       false);
-}
-
-// In a scene the texture follows the sand, and costs nothing once both are at rest.
-TEST(PileSky, FollowsTheSandOfAScene) {
-  const float radius = 0.01f;
-  const std::vector<float> sand =
-      grains_in([](const float* p) { return std::hypot(p[0], p[2]) < 0.08f && p[1] < 0.1f; }, radius);
-  sandglass_scene_desc desc = sandglass::scene_desc();
-  desc.granular.particle_capacity = static_cast<uint32_t>(sand.size() / 3), desc.granular.collider_capacity = 1;
-  sandglass::PileShadow shadow;
-  ASSERT_TRUE(shadow.create(description()));
-  sandglass::Scene scene;
-  ASSERT_TRUE(scene.create(desc));
-  ASSERT_TRUE(scene.add(sand));
-  const sandglass_collider floor = sandglass::floor_at(0);
-  sandglass_frame_input input = sandglass::frame_input();
-  input.time_step = 1.0f / 60.0f, input.budget_ns = UINT64_MAX;
-  input.colliders = &floor, input.collider_count = 1;
-  input.pile_shadow = shadow.get();
-  sandglass_frame_report report = sandglass::frame_report();
-  uint32_t rested = 0;
-  for (int frame = 0; frame < 600 && rested < 10; ++frame) {
-    ASSERT_TRUE(scene.frame(input, &report));
-    rested = report.awake == 0 && report.stages[SANDGLASS_STAGE_SHADOW].units == 0 ? rested + 1 : 0;
-  }
-  EXPECT_EQ(rested, 10u);
-  EXPECT_EQ(shadow.sky().valid, 1u);
-  EXPECT_EQ(shadow.sky().age, 0u);
-  std::vector<float> positions(sand.size());
-  sandglass_granular_particles(scene.get(), positions.data(), nullptr);
-  sandglass::PileShadow again;
-  ASSERT_TRUE(again.create(description()));
-  again.run(positions, radius);
-  EXPECT_EQ(again.hash(), shadow.hash()) << "the frames' texture is the one that the positions give";
-  ASSERT_TRUE(shadow.set_cells(one_bright(20)));
-  ASSERT_TRUE(scene.frame(input, &report));
-  EXPECT_GT(report.stages[SANDGLASS_STAGE_SHADOW].units, 0u);
 }
 
 }  // namespace

@@ -387,6 +387,14 @@ public unsafe struct sandglass_light_arkit {
 }
 
 [StructLayout(LayoutKind.Sequential)]
+public unsafe struct sandglass_light_arcore {
+  public uint struct_size;
+  public fixed float main_light_direction[3];
+  public fixed float main_light_intensity[3];
+  public fixed float sh[27];
+}
+
+[StructLayout(LayoutKind.Sequential)]
 public unsafe struct sandglass_light_unity {
   public uint struct_size;
   public fixed float forward[3];
@@ -572,6 +580,11 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_light_to_filament(ref sandglass_light_estimate estimate, int model, float nits, ref sandglass_light_filament filament, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_light_to_arkit(ref sandglass_light_estimate estimate, int model, ref sandglass_light_arkit arkit, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_light_to_unity(ref sandglass_light_estimate estimate, int model, ref sandglass_light_unity unity, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_room_harmonics(ref sandglass_room_light light, int model, [Out] float[] sh, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_room_to_filament(ref sandglass_room_light light, int model, float nits, ref sandglass_light_filament filament, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_room_to_arkit(ref sandglass_room_light light, int model, ref sandglass_light_arkit arkit, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_room_to_arcore(ref sandglass_room_light light, int model, ref sandglass_light_arcore arcore, out IntPtr reason);
+  [DllImport(k_library)] public static extern int sandglass_room_to_unity(ref sandglass_room_light light, int model, ref sandglass_light_unity unity, out IntPtr reason);
 }
 
 }  // namespace Sandglass

@@ -11,7 +11,7 @@
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/laboratory/light/ceiling.h"
+#include "models/laboratory/light/lit_picture.h"
 #include "models/lighting/dataset.h"
 #include "models/lighting/light_picture.h"
 #include "models/lighting/lit_view.h"
@@ -59,20 +59,19 @@ struct Work {
 
 void render_truth(const ProbeScene& scene, const RadianceMap& warped, int samples, Work* work) {
   const ProbeLight light = ProbeLight::environment(warped, ViewRotation(work->view));
-  work->truth = shown_by(scene.render(light, work->view, samples).radiance, work->white);
+  work->truth = shown_by(scene.render(light, work->view, samples), work->white);
 }
 
 void render_estimates(const ProbeScene& scene, int samples, Work* work) {
   // Ambient light looks different from each side of the object.
-  const RadianceMap ambient = scene.render(ProbeLight::ambient(), work->view, samples).radiance;
+  const RadianceMap ambient = scene.render(ProbeLight::ambient(), work->view, samples);
   const ViewRotation rotation(work->view);
   for (int s = 0; s < k_light_sources; ++s) {
     if (!work->has[s]) continue;
     LightLabels light = work->lights[s];
     light.direction = rotation.to_panorama(camera_to_rotated(light.direction));
-    const RadianceMap directional =
-        scene.render(ProbeLight::directional(light.direction), work->view, samples).radiance;
-    work->pictures[s] = lit_by(strengths_of(light, k_chosen_radiometry), directional, ambient);
+    const RadianceMap directional = scene.render(ProbeLight::directional(light.direction), work->view, samples);
+    work->pictures[s] = lit_by(light, directional, ambient);
   }
 }
 

@@ -42,6 +42,8 @@
 extern "C" {
 #endif
 
+struct sandglass_room_light;
+
 /* ------------------------------------------------------------------------------------------------ camera image */
 
 /* The width of what the network sees, pixels. */
@@ -350,12 +352,27 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_harmonics(con
                                                                              sandglass_light_model model, float sh[27],
                                                                              const char** reason);
 
+/* Writes the spherical harmonics of the light of a room (room.h). WHOLE: all of it, its `sh`. AMBIENT: the same less the
+ * main light, which then is drawn as a directional light.
+ *
+ * That light gives a facing surface the irradiance E = main_share * Y(irradiance) * main_colour / cos(theta), with the
+ * luminance Y (5.2) and the angle theta of main_direction from the zenith, cos(theta) at least 0.1. What AMBIENT leaves
+ * out of coefficient Y_lm is E * Y_lm(main_direction). So the two together are WHOLE, and nothing is counted twice.
+ *
+ * Fails with INVALID_ARGUMENT: another model, a light whose struct_size is not set, or one that is not finite. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_harmonics(const struct sandglass_room_light* light,
+                                                                            sandglass_light_model model, float sh[27],
+                                                                            const char** reason);
+
 /* ------------------------------------------------------------------------------------------------ renderers */
 
-/* The estimate in the terms of three renderers. Set the struct_size of each struct before its function is called. The
- * estimate may be that of an older or a newer header: what the functions need is in every version. Take the model
- * AMBIENT beside the directional light, WHOLE without it. All fail like sandglass_light_harmonics, and with
- * INVALID_ARGUMENT where the struct to fill has no struct_size. */
+/* An estimate, or the light of a room, in the terms of renderers. Set the struct_size of each struct before its function
+ * is called. Light and estimate may be those of an older or a newer header: what the functions need is in every version.
+ *
+ * Take the model AMBIENT beside the directional light, WHOLE without it. For WHOLE the functions of a room give the
+ * directional light the intensity 0, because the harmonics have it already; those of an estimate give it in both. All
+ * fail like sandglass_light_harmonics or sandglass_room_harmonics, and with INVALID_ARGUMENT where the struct to fill has
+ * no struct_size. */
 
 /* For Filament: a LightManager of type DIRECTIONAL or SUN, and an IndirectLight. */
 typedef struct sandglass_light_filament {
@@ -364,7 +381,8 @@ typedef struct sandglass_light_filament {
   float direction[3];
   /* Linear sRGB; the greatest channel is 1. */
   float colour[3];
-  /* Lux: pi * nits * strength * greatest channel of light. */
+  /* Lux: nits * the irradiance of a facing surface, of its greatest channel: pi * nits * strength * greatest channel of
+   * an estimate's light. */
   float intensity;
   /* For IndirectLight::Builder::irradiance(3, sh): pre-convolved, over pi and pre-scaled, so that sh0 + sh1 y + sh2 z +
    * sh3 x + sh4 xy + sh5 yz + sh6 (3z^2 - 1) + sh7 xz + sh8 (x^2 - y^2) is irradiance over pi. */
@@ -381,6 +399,12 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_filament(c
                                                                                sandglass_light_filament* filament,
                                                                                const char** reason);
 
+/* Converts the light of a room for Filament. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_to_filament(const struct sandglass_room_light* light,
+                                                                              sandglass_light_model model, float nits,
+                                                                              sandglass_light_filament* filament,
+                                                                              const char** reason);
+
 /* For SceneKit and RealityKit, in the layout of ARDirectionalLightEstimate. 1000 lumens are what ARKit calls neutral,
  * and what SceneKit's lights have by default: they stand for irradiance pi on a facing surface, and for ambient
  * radiance 1. */
@@ -388,11 +412,13 @@ typedef struct sandglass_light_arkit {
   uint32_t struct_size;
   /* The way the light travels: -z of an SCNLight's node. */
   float primary_light_direction[3];
-  /* Lumens: 1000 * strength * luminance of light. */
+  /* Lumens: 1000 * luminance of a white surface that faces the light: 1000 * strength * luminance of an estimate's
+   * light. */
   float primary_light_intensity;
   /* (x, y, z, w) of a node whose -z is that direction. */
   float orientation[4];
-  /* Lumens: 1000 * luminance of ambient. */
+  /* Lumens: 1000 * luminance of an estimate's ambient; of a room what a level white floor shows, without the
+   * directional light. */
   float ambient_intensity;
   /* Kelvin, of the ambient's colour by McCamy's formula, 1000..40000; 6500 is white. */
   float ambient_colour_temperature;
@@ -406,6 +432,30 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_arkit(cons
                                                                             sandglass_light_arkit* arkit,
                                                                             const char** reason);
 
+/* Converts the light of a room for SceneKit and RealityKit. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_to_arkit(const struct sandglass_room_light* light,
+                                                                           sandglass_light_model model,
+                                                                           sandglass_light_arkit* arkit,
+                                                                           const char** reason);
+
+/* For shaders that were written for ARCore's Environmental HDR. */
+typedef struct sandglass_light_arcore {
+  uint32_t struct_size;
+  /* World, towards the light: environmental HDR main light direction. */
+  float main_light_direction[3];
+  /* Linear RGB, the irradiance of a facing surface: environmental HDR main light intensity. A white surface shows it
+   * over pi. */
+  float main_light_intensity[3];
+  /* Environmental HDR ambient spherical harmonics: radiance, interleaved, with the Condon-Shortley phase. */
+  float sh[27];
+} sandglass_light_arcore;
+
+/* Converts the light of a room into what ARCore gives. The model AMBIENT is what ARCore means. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_to_arcore(const struct sandglass_room_light* light,
+                                                                            sandglass_light_model model,
+                                                                            sandglass_light_arcore* arcore,
+                                                                            const char** reason);
+
 /* For Unity, whose world is left-handed: z is reversed, as AR Foundation does with poses. */
 typedef struct sandglass_light_unity {
   uint32_t struct_size;
@@ -415,7 +465,8 @@ typedef struct sandglass_light_unity {
   float rotation[4];
   /* Linear; the greatest channel is 1. Light.color takes gamma: use Color.gamma. */
   float colour[3];
-  /* Light.intensity, linear: strength * greatest channel of light. Unity leaves out the 1/pi of diffuse surfaces. */
+  /* Light.intensity, linear: the greatest channel of a white surface that faces the light, which is strength * greatest
+   * channel of an estimate's light. Unity leaves out the 1/pi of diffuse surfaces. */
   float intensity;
   /* For RenderSettings.ambientProbe: SphericalHarmonicsL2[channel, i] = sh[9 * channel + i], irradiance over pi. So sh0
    * + sh1 y + sh2 z + sh3 x + sh4 xy + sh5 yz + sh6 (3z^2 - 1) + sh7 xz + sh8 (x^2 - y^2) is the radiance of a white
@@ -428,6 +479,12 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_light_to_unity(cons
                                                                             sandglass_light_model model,
                                                                             sandglass_light_unity* unity,
                                                                             const char** reason);
+
+/* Converts the light of a room for Unity. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_to_unity(const struct sandglass_room_light* light,
+                                                                           sandglass_light_model model,
+                                                                           sandglass_light_unity* unity,
+                                                                           const char** reason);
 
 #ifdef __cplusplus
 } /* extern "C" */

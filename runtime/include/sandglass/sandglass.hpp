@@ -494,11 +494,13 @@ class Room {
     return status;
   }
   // See sandglass_room_restore.
-  Status restore(const std::vector<std::byte>& data) {
+  Status restore(const void* data, uint64_t bytes) {
     Status status;
-    status.code = sandglass_room_restore(get(), data.data(), data.size(), &status.reason);
+    status.code = sandglass_room_restore(get(), data, bytes, &status.reason);
     return status;
   }
+  // The same, from what save wrote.
+  Status restore(const std::vector<std::byte>& data) { return restore(data.data(), data.size()); }
   // See sandglass_room_reset.
   void reset() { sandglass_room_reset(get()); }
   // See sandglass_room_hash.
@@ -591,6 +593,24 @@ inline Status inspect_shadow(const void* asset, uint64_t asset_bytes, sandglass_
   Status status;
   info->struct_size = sizeof *info;
   status.code = sandglass_shadow_inspect(asset, asset_bytes, info, &status.reason);
+  return status;
+}
+
+// How the vertices of the app's mesh see the room past the object itself, nine floats each: see
+// sandglass_shadow_surface. The file is that of `desc`. Fails like the C function, and where there is not one normal for
+// each position; *transfer is then empty.
+inline Status shadow_surface(const sandglass_shadow_desc& desc, Points positions, Points normals,
+                             std::vector<float>* transfer) {
+  Status status;
+  transfer->resize(9 * static_cast<std::size_t>(positions.count));
+  if (positions.count != normals.count) {
+    status.code = SANDGLASS_ERROR_INVALID_ARGUMENT;
+    status.reason = "positions and normals are not equally many: pass one normal for each position";
+  } else {
+    status.code = sandglass_shadow_surface(desc.asset, desc.asset_bytes, positions.xyz, normals.xyz, positions.count,
+                                           transfer->data(), &status.reason);
+  }
+  if (!status) transfer->clear();
   return status;
 }
 
