@@ -145,6 +145,10 @@ struct InsideArgs {
 constexpr uint32_t k_block_side = 4;       // nodes of its own that a block has along an axis
 constexpr uint32_t k_block_nodes = 64;     // of its own
 constexpr uint32_t k_block_records = 128;  // and those of the next blocks that its cells reach: 5^3, padded
+constexpr uint32_t k_block_floats = 688;   // 8 planes of nodes, and later 14^3 bytes of density
+constexpr uint32_t k_block_cells = 12;     // of the grains' density, along an axis
+constexpr uint32_t k_block_counts = k_block_cells * k_block_cells * k_block_cells;
+constexpr uint32_t k_density_cells = 14;  // those and one more on either side
 constexpr uint32_t k_no_block = ~0u;
 constexpr uint32_t k_block_moves = 1;       // a particle moves within the support radius of a node
 constexpr uint32_t k_block_incomplete = 2;  // there was no room for a block that its cells reach
@@ -155,6 +159,7 @@ struct MotionBlock {
 };
 
 struct MotionGrid {
+  float origin[3];                 // metres; the node (0, 0, 0) of block (0, 0, 0)
   float spacing, inverse_spacing;  // metres from node to node
   float support;                   // h = 3r, of the nearest particle's weight
   float reach;                     // of the sums: shorter than h, because reading between nodes widens them
@@ -166,8 +171,14 @@ struct MotionGrid {
   uint32_t overflowed;  // 1: there was no room for a block
   uint32_t moving;      // 1: a particle moves
   float* planes;        // a block's own nodes while particles are added: 8 planes of 64, as the lanes of a record
-  float* nodes;         // its records, x fastest, 5 along an axis
+  float* nodes;         // its records, x fastest, 5 along an axis; positions are relative to the origin
+  uint8_t* counts;      // grains in each cell of a block, x fastest
 };
+
+// The density of the grains in a block's cells and those around, in the place of its planes.
+inline uint8_t* density_of(const MotionGrid& grid, uint32_t block) {
+  return reinterpret_cast<uint8_t*>(grid.planes + static_cast<uint64_t>(block) * k_block_floats);
+}
 
 inline uint32_t motion_hash(int32_t x, int32_t y, int32_t z) {
   const uint32_t mixed = static_cast<uint32_t>(x) * 0x9e3779b1u ^ static_cast<uint32_t>(y) * 0x85ebca77u ^
@@ -193,6 +204,13 @@ struct ScatterMotionArgs {
   float time;  // seconds
 };
 
+// The range is of grains.
+struct CountGrainsArgs {
+  const MotionGrid* grid;
+  const Grain* grains;
+  uint32_t grain_count;
+};
+
 struct RefineArgs {
   Grid grid;                  // of the particles' snapshot; cell edge = support radius
   const Particle* snapshot;   // in sorted order
@@ -204,9 +222,12 @@ struct RefineArgs {
   uint8_t* still;          // one for each group: 1 once every grain of it has kept still for still_sweeps
   float still_distance;    // metres that a still grain may move in a sweep, per axis
   float still_sweeps;
-  float support;   // h = 3r
-  float step;      // seconds
-  uint32_t steps;  // equal steps on the same snapshot; with a motion grid, on the same sums
+  float support;     // h = 3r
+  float step;        // seconds
+  float push;        // metres; the density's gradient moves a grain by push / density at a slope of 1 a cell
+  float push_max;    // metres
+  float push_reach;  // metres from the nearest particle, beyond which nothing is pushed
+  uint32_t steps;    // equal steps on the same snapshot; with a motion grid, on the same sums
   float gravity[3];
   int32_t source_rule;     // 1: (4.44) as printed
   float weight_at_radius;  // W(r)

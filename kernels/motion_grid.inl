@@ -35,7 +35,8 @@ SANDGLASS_INLINE uint32_t take_block(MotionGrid* grid, const int32_t at[3]) {
   const uint32_t number = grid->block_count++;
   grid->slots[slot] = number + 1;
   grid->blocks[number] = {{at[0], at[1], at[2]}, 0};
-  clear_block(grid->planes + static_cast<uint64_t>(number) * k_block_nodes * k_record_floats);
+  clear_block(grid->planes + static_cast<uint64_t>(number) * k_block_floats);
+  __builtin_memset(grid->counts + static_cast<uint64_t>(number) * k_block_counts, 0, k_block_counts);
   return number;
 }
 
@@ -91,7 +92,7 @@ static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t 
     float position[3];
     int32_t first[3], last[3];
     for (int k = 0; k < 3; ++k) {
-      position[k] = particle.position[k] - a->time * particle.velocity[k];
+      position[k] = particle.position[k] - a->time * particle.velocity[k] - grid->origin[k];
       const float scaled = position[k] * grid->inverse_spacing;
       first[k] = floor_scalar(scaled - reach) + 1, last[k] = floor_scalar(scaled + reach);
     }
@@ -108,11 +109,64 @@ static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t 
             low[k] = from > 0 ? from : 0, high[k] = to < 3 ? to : 3;
           }
           if (moves) grid->blocks[number].state |= k_block_moves;
-          add_to_block(grid, grid->blocks[number],
-                       grid->planes + static_cast<uint64_t>(number) * k_block_nodes * k_record_floats, low, high,
-                       position, particle.velocity);
+          add_to_block(grid, grid->blocks[number], grid->planes + static_cast<uint64_t>(number) * k_block_floats, low,
+                       high, position, particle.velocity);
         }
       }
+    }
+  }
+}
+
+// Where positions are in their blocks.
+struct BlockPlace {
+  Float block[3];   // coordinates of the block
+  Float inside[3];  // from its first node, in nodes: 0..4
+};
+
+SANDGLASS_INLINE BlockPlace place_in_block(const MotionGrid* grid, Mask lanes, const Float position[3]) {
+  BlockPlace place;
+  for (int k = 0; k < 3; ++k) {
+    const Float scaled = keep(lanes, position[k] - broadcast(grid->origin[k])) * broadcast(grid->inverse_spacing);
+    place.block[k] = to_float(floor_to_int(scaled * broadcast(0.25f)));
+    place.inside[k] = scaled - broadcast(4.0f) * place.block[k];
+  }
+  return place;
+}
+
+static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end, uint32_t* result) {
+  (void)result;
+  const MotionGrid* grid = a->grid;
+  const Float limit = broadcast(k_coordinate_bound), most = broadcast(static_cast<float>(k_block_cells - 1));
+  int32_t last[3] = {0, 0, 0};
+  uint32_t number = k_no_block;
+  bool known = false;
+  for (uint32_t i = begin; i < end; i += k_width) {
+    Float grain[k_record_floats];
+    load_records(floats_of(a->grains + i), grain);
+    const Mask lanes =
+        (lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count))) &
+        (absolute(grain[k_x]) < limit) & (absolute(grain[k_y]) < limit) & (absolute(grain[k_z]) < limit);
+    const BlockPlace place = place_in_block(grid, lanes, grain);
+    Int cell = broadcast(0);
+    for (int k = 2; k >= 0; --k)
+      cell = shift_left(cell, 3) + shift_left(cell, 2) + to_int(minimum(place.inside[k] * broadcast(3.0f), most));
+    alignas(64) uint32_t cells[k_lane_group];
+    alignas(64) float blocks[3][k_lane_group], wanted[k_lane_group];
+    store(cells, cell);
+    store(wanted, keep(lanes, broadcast(1.0f)));
+    for (int k = 0; k < 3; ++k) store(blocks[k], place.block[k]);
+    for (uint32_t l = 0; l < k_width; ++l) {
+      if (wanted[l] == 0.0f) continue;
+      int32_t at[3];
+      for (int k = 0; k < 3; ++k) at[k] = static_cast<int32_t>(blocks[k][l]);
+      if (!known || at[0] != last[0] || at[1] != last[1] || at[2] != last[2]) {
+        number = motion_find(*grid, at[0], at[1], at[2]);
+        for (int k = 0; k < 3; ++k) last[k] = at[k];
+        known = true;
+      }
+      if (number == k_no_block) continue;
+      uint8_t* counted = grid->counts + static_cast<uint64_t>(number) * k_block_counts + cells[l];
+      if (*counted != 255) ++*counted;
     }
   }
 }

@@ -11,6 +11,7 @@ constexpr uint32_t k_candidates_max = 512;  // gathered before they are added up
 
 struct Flow {
   Float weight, x, y, z, largest;
+  Float push[3];  // metres
 };
 
 SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index, uint32_t n, Float x, Float y, Float z,
@@ -51,7 +52,7 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Floa
   const Float h2 = broadcast(a->support * a->support), zero = broadcast(0.0f);
   alignas(64) uint32_t index[k_candidates_max + 2 * k_lane_group];
   uint32_t n = 0;
-  Flow sum = {zero, zero, zero, zero, zero};
+  Flow sum = {zero, zero, zero, zero, zero, {zero, zero, zero}};
   for (int32_t cz = first[2]; cz <= last[2]; ++cz) {
     for (int32_t cy = first[1]; cy <= last[1]; ++cy) {
       const uint32_t row =
@@ -90,18 +91,58 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Floa
   flow->largest = select(lanes, sum.largest, flow->largest);
 }
 
-// A block's records, or null. lacking: the grid has no room there, so the records do not tell all.
+// What a block holds, or null. lacking: the grid has no room there, so the records do not tell all.
 struct Block {
   const float* records;
+  const uint8_t* density;
   bool lacking;
 };
 
 SANDGLASS_INLINE Block look_up(const MotionGrid* grid, const float at[3]) {
   const uint32_t number =
       motion_find(*grid, static_cast<int32_t>(at[0]), static_cast<int32_t>(at[1]), static_cast<int32_t>(at[2]));
-  if (number == k_no_block) return {nullptr, grid->overflowed != 0};
-  return {grid->nodes + static_cast<uint64_t>(number) * k_block_records * k_record_floats,
+  if (number == k_no_block) return {nullptr, nullptr, grid->overflowed != 0};
+  return {grid->nodes + static_cast<uint64_t>(number) * k_block_records * k_record_floats, density_of(*grid, number),
           (grid->blocks[number].state & k_block_incomplete) != 0};
+}
+
+// How far a grain is pushed down the gradient of the grains' density, which is read between the centres of cells.
+SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* density, const Float inside[3], Flow* flow) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f);
+  Float share[3], away[3];
+  Int first = broadcast(0);
+  for (int k = 2; k >= 0; --k) {
+    const Float scaled = inside[k] * broadcast(3.0f) + broadcast(0.5f);  // 0 is the centre of the cell before the block
+    const Float cell = minimum(to_float(to_int(scaled)), broadcast(static_cast<float>(k_density_cells - 2)));
+    share[k] = scaled - cell, away[k] = one - share[k];
+    first = shift_left(first, 4) - shift_left(first, 1) + to_int(cell);
+  }
+  alignas(64) uint32_t at[k_lane_group];
+  alignas(64) float corners[8][k_lane_group];
+  store(at, first);
+  for (uint32_t l = 0; l < k_width; ++l) {
+    const uint8_t* d = density[l] + at[l];
+    constexpr uint32_t k_y_next = k_density_cells, k_z_next = k_density_cells * k_density_cells;
+    corners[0][l] = d[0], corners[1][l] = d[1];
+    corners[2][l] = d[k_y_next], corners[3][l] = d[k_y_next + 1];
+    corners[4][l] = d[k_z_next], corners[5][l] = d[k_z_next + 1];
+    corners[6][l] = d[k_z_next + k_y_next], corners[7][l] = d[k_z_next + k_y_next + 1];
+  }
+  Float edge[4], slope_x[4];
+  for (int k = 0; k < 4; ++k) {
+    const Float low = load(corners[2 * k]), high = load(corners[2 * k + 1]);
+    slope_x[k] = high - low;
+    edge[k] = low + share[0] * slope_x[k];
+  }
+  const Float low = edge[0] + share[1] * (edge[1] - edge[0]), high = edge[2] + share[1] * (edge[3] - edge[2]);
+  const Float value = low + share[2] * (high - low);
+  const Float slope[3] = {away[2] * (away[1] * slope_x[0] + share[1] * slope_x[1]) +
+                              share[2] * (away[1] * slope_x[2] + share[1] * slope_x[3]),
+                          away[2] * (edge[1] - edge[0]) + share[2] * (edge[3] - edge[2]), high - low};
+  const Float scale = broadcast(a->push) / maximum(value, one);
+  const Float length2 = scale * scale * (slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2]);
+  const Float shorter = minimum(broadcast(a->push_max) / square_root(maximum(length2, broadcast(1e-30f))), one) * scale;
+  for (int k = 0; k < 3; ++k) flow->push[k] = zero - shorter * slope[k];
 }
 
 // Adds the share of the node that is so many records behind the lanes' own.
@@ -120,48 +161,49 @@ SANDGLASS_INLINE void add_corner(const float* const* records, Float share, const
 
 // The sums at the lanes that `lanes` holds, between the nodes of the grid. Returns the lanes that the grid has no room
 // for.
-SANDGLASS_INLINE Mask read_flow(const MotionGrid* grid, Mask lanes, const Float at_lanes[3], Flow* flow) {
-  const Float position[3] = {keep(lanes, at_lanes[0]), keep(lanes, at_lanes[1]), keep(lanes, at_lanes[2])};
-  const Float zero = broadcast(0.0f), one = broadcast(1.0f), four = broadcast(4.0f);
-  Float local[3], origin[3];
+SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_lanes[3], Flow* flow) {
+  const MotionGrid* grid = a->motion;
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f);
+  const BlockPlace place = place_in_block(grid, lanes, at_lanes);
+  Float local[3], position[3];
   Int corner = broadcast(0);
   for (int k = 2; k >= 0; --k) {
-    const Float scaled = position[k] * broadcast(grid->inverse_spacing);
-    origin[k] = to_float(floor_to_int(scaled * broadcast(0.25f)));
-    const Float inside = scaled - four * origin[k];  // 0..4, exact but for the end
-    const Float cell = minimum(to_float(to_int(inside)), broadcast(3.0f));
-    local[k] = inside - cell;
+    const Float cell = minimum(to_float(to_int(place.inside[k])), broadcast(3.0f));
+    local[k] = place.inside[k] - cell;
+    position[k] = at_lanes[k] - broadcast(grid->origin[k]);
     // Records of a block: x fastest, 5 along an axis.
     corner = shift_left(corner, 2) + corner + to_int(cell);
   }
   alignas(64) float at[3][k_lane_group];
   alignas(64) uint32_t corners[k_lane_group];
-  for (int k = 0; k < 3; ++k) store(at[k], origin[k]);
+  for (int k = 0; k < 3; ++k) store(at[k], place.block[k]);
   store(corners, corner);
   const uint32_t sole = first(lanes);
   const float block_at[3] = {at[0][sole], at[1][sole], at[2][sole]};
-  const Mask together = (origin[0] == broadcast(block_at[0])) & (origin[1] == broadcast(block_at[1])) &
-                        (origin[2] == broadcast(block_at[2]));
+  const Mask together = (place.block[0] == broadcast(block_at[0])) & (place.block[1] == broadcast(block_at[1])) &
+                        (place.block[2] == broadcast(block_at[2]));
   const float* records[k_width];
+  const uint8_t* density[k_width];
   Mask known = lanes, lacking = and_not(lanes, lanes);
   if (!any(and_not(lanes, together))) {  // as a rule
     const Block block = look_up(grid, block_at);
     if (block.lacking) return lanes;
     if (block.records == nullptr) return lacking;
     // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
-    for (uint32_t l = 0; l < k_width; ++l) records[l] = block.records + corners[l] * k_record_floats;
+    for (uint32_t l = 0; l < k_width; ++l)
+      records[l] = block.records + corners[l] * k_record_floats, density[l] = block.density;
   } else {
     alignas(64) float wanted[k_lane_group], found[k_lane_group];
     store(wanted, keep(lanes, one));
     for (uint32_t l = 0; l < k_width; ++l) {
-      records[l] = grid->nodes;
+      records[l] = grid->nodes, density[l] = density_of(*grid, 0);
       const float lane_at[3] = {at[0][l], at[1][l], at[2][l]};
       found[l] = 0.0f;
       if (wanted[l] == 0.0f) continue;
       const Block block = look_up(grid, lane_at);
       wanted[l] = block.lacking ? 1.0f : 0.0f;
       if (block.lacking || block.records == nullptr) continue;
-      records[l] = block.records + corners[l] * k_record_floats;
+      records[l] = block.records + corners[l] * k_record_floats, density[l] = block.density;
       found[l] = 1.0f;
     }
     lacking = lanes & (zero < load(wanted));
@@ -170,7 +212,7 @@ SANDGLASS_INLINE Mask read_flow(const MotionGrid* grid, Mask lanes, const Float 
   }
   const Float h2 = broadcast(grid->support * grid->support);
   Float nearest = h2;
-  Flow sum = {zero, zero, zero, zero, zero};
+  Flow sum = {zero, zero, zero, zero, zero, {zero, zero, zero}};
   const Float to_low[3] = {one - local[0], one - local[1], one - local[2]};
   const Float rows[4] = {to_low[2] * to_low[1], to_low[2] * local[1], local[2] * to_low[1], local[2] * local[1]};
   add_corner<0>(records, rows[0] * to_low[0], position, &sum, &nearest);
@@ -190,6 +232,11 @@ SANDGLASS_INLINE Mask read_flow(const MotionGrid* grid, Mask lanes, const Float 
   flow->y = select(known, sum.y, flow->y);
   flow->z = select(known, sum.z, flow->z);
   flow->largest = select(known, sum.largest, flow->largest);
+  const Mask pushed = known & (nearest < broadcast(a->push_reach * a->push_reach));
+  if (any(pushed)) {
+    read_push(a, density, place.inside, &sum);
+    for (int k = 0; k < 3; ++k) flow->push[k] = keep(pushed, sum.push[k]);
+  }
   return lacking;
 }
 
@@ -248,12 +295,12 @@ SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Mask lanes, Float positi
 // The sums at the lanes that `lanes` holds: from the grid where there is one and it has room, else from the particles.
 SANDGLASS_INLINE Flow find_flow(const RefineArgs* a, Mask lanes, const Float position[3]) {
   const Float zero = broadcast(0.0f);
-  Flow flow = {zero, zero, zero, zero, zero};
+  Flow flow = {zero, zero, zero, zero, zero, {zero, zero, zero}};
   const Float limit = broadcast(k_coordinate_bound);
   const Float wide = broadcast(1.0f / a->grid.inverse_cell);  // lanes further apart than this are gathered separately
   Mask left =
       lanes & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
-  if (a->motion != nullptr && any(left)) left = read_flow(a->motion, left, position, &flow);
+  if (a->motion != nullptr && any(left)) left = read_flow(a, left, position, &flow);
   while (any(left)) {
     alignas(64) float px[k_lane_group], py[k_lane_group], pz[k_lane_group];
     store(px, position[0]), store(py, position[1]), store(pz, position[2]);
@@ -292,6 +339,7 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
         const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
         average[0] = flow.x * inverse, average[1] = flow.y * inverse, average[2] = flow.z * inverse;
         settled = settled & (average[0] == zero) & (average[1] == zero) & (average[2] == zero);
+        for (int k = 0; k < 3; ++k) position[k] = select(settled, position[k], position[k] + flow.push[k]);
       }
       for (int k = 0; k < 3; ++k) {
         const Float fall = velocity[k] + step * broadcast(a->gravity[k]);

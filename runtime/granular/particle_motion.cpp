@@ -1,5 +1,6 @@
 #include "runtime/granular/particle_motion.h"
 
+#include "runtime/core/random.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -16,6 +17,7 @@ constexpr uint32_t k_blocks_min = 64;
 constexpr uint32_t k_slots_per_item = 16;   // as many cost what one grain costs
 constexpr uint32_t k_items_per_block = 32;  // what joining a block costs, in grains
 constexpr uint32_t k_items_per_particle = 16;
+constexpr uint32_t k_grains_per_item = 8;  // that are counted
 
 uint32_t capacity_of(const sandglass_granular_desc& d) {
   return d.particle_capacity / k_particles_per_block + k_blocks_min;
@@ -30,8 +32,7 @@ uint32_t table_size(uint32_t blocks) {
 // The records of block `to` on the side `beyond` are the first nodes of block `from`; without it they are empty.
 void copy_nodes(const MotionGrid& grid, uint32_t from, uint32_t to, const uint32_t beyond[3]) {
   constexpr uint32_t k_row = k_block_side + 1;
-  const float* planes =
-      from == k_no_block ? grid.planes : grid.planes + static_cast<uint64_t>(from) * k_block_nodes * k_record_floats;
+  const float* planes = from == k_no_block ? grid.planes : grid.planes + static_cast<uint64_t>(from) * k_block_floats;
   float* records = grid.nodes + static_cast<uint64_t>(to) * k_block_records * k_record_floats;
   uint32_t counts[3];
   for (int k = 0; k < 3; ++k) counts[k] = beyond[k] != 0 ? 1 : k_block_side;
@@ -63,6 +64,50 @@ void motion_join(MotionGrid* grid, uint32_t number) {
   }
 }
 
+// Counts [1 4 1] along each axis, so that the total is 6^3; a byte holds an eighth.
+void motion_smooth(const MotionGrid& grid, uint32_t number) {
+  constexpr uint32_t k_wide = k_density_cells + 2, k_plane = k_wide * k_wide;
+  uint16_t counts[k_wide * k_plane] = {}, sums[k_wide * k_plane];
+  const MotionBlock& block = grid.blocks[number];
+  for (int32_t side = 0; side < 27; ++side) {
+    const int32_t beyond[3] = {side % 3 - 1, side / 3 % 3 - 1, side / 9 - 1};
+    const uint32_t next =
+        side == 13 ? number
+                   : motion_find(grid, block.at[0] + beyond[0], block.at[1] + beyond[1], block.at[2] + beyond[2]);
+    if (next == k_no_block) continue;
+    const uint8_t* from = grid.counts + static_cast<uint64_t>(next) * k_block_counts;
+    uint32_t first[3], many[3], to[3];
+    for (int k = 0; k < 3; ++k) {
+      first[k] = beyond[k] < 0 ? k_block_cells - 2 : 0;
+      many[k] = beyond[k] == 0 ? k_block_cells : 2;
+      to[k] = beyond[k] < 0 ? 0 : beyond[k] == 0 ? 2 : k_block_cells + 2;
+    }
+    for (uint32_t z = 0; z < many[2]; ++z) {
+      for (uint32_t y = 0; y < many[1]; ++y) {
+        const uint8_t* row = from + ((first[2] + z) * k_block_cells + first[1] + y) * k_block_cells + first[0];
+        uint16_t* into = counts + (to[2] + z) * k_plane + (to[1] + y) * k_wide + to[0];
+        for (uint32_t x = 0; x < many[0]; ++x) into[x] = row[x];
+      }
+    }
+  }
+  uint16_t *source = counts, *target = sums;
+  constexpr uint32_t steps[3] = {1, k_wide, k_plane};
+  for (const uint32_t step : steps) {
+    for (uint32_t c = step; c + step < k_wide * k_plane; ++c)
+      target[c] = static_cast<uint16_t>(source[c - step] + 4 * source[c] + source[c + step]);
+    uint16_t* done = target;
+    target = source, source = done;
+  }
+  uint8_t* density = density_of(grid, number);
+  for (uint32_t z = 0; z < k_density_cells; ++z) {
+    for (uint32_t y = 0; y < k_density_cells; ++y) {
+      const uint16_t* row = source + (z + 1) * k_plane + (y + 1) * k_wide + 1;
+      for (uint32_t x = 0; x < k_density_cells; ++x)
+        *density++ = static_cast<uint8_t>(row[x] < 8 * 255 ? row[x] / 8 : 255);
+    }
+  }
+}
+
 void motion_layout(ParticleMotion* m, const sandglass_granular_desc& d, Layout* layout) {
   if (d.grain_capacity == 0) return;
   MotionGrid& grid = m->grid;
@@ -73,7 +118,8 @@ void motion_layout(ParticleMotion* m, const sandglass_granular_desc& d, Layout* 
   m->ends = layout_region<Place>(layout, "granular.motion_ends", d.particle_capacity);
   grid.slots = layout_region<uint32_t>(layout, "granular.motion_slots", grid.slot_mask + 1);
   grid.blocks = layout_region<MotionBlock>(layout, "granular.motion_blocks", blocks);
-  grid.planes = layout_region<float>(layout, "granular.motion_planes", blocks * k_block_nodes * k_record_floats);
+  grid.planes = layout_region<float>(layout, "granular.motion_planes", blocks * k_block_floats);
+  grid.counts = layout_region<uint8_t>(layout, "granular.grain_counts", blocks * k_block_counts);
   grid.nodes = layout_region<float>(layout, "granular.motion_nodes", blocks * k_block_records * k_record_floats);
 }
 
@@ -111,7 +157,14 @@ void motion_complete(Granular* g) {
   g->motion.starts = starts;
 }
 
-void motion_begin(ParticleMotion* m) {
+void motion_begin(ParticleMotion* m, double time) {
+  // Somewhere else in every sweep, so that no cell's faces show in the sand.
+  uint64_t bits;
+  __builtin_memcpy(&bits, &time, sizeof bits);
+  for (float& o : m->grid.origin) {
+    bits = mix_bits(bits + k_random_step);
+    o = m->grid.spacing * static_cast<float>(bits >> 40) * 0x1p-22f;  // up to a block
+  }
   m->grid.block_count = 0;
   m->grid.overflowed = m->grid.moving = 0;
 }
@@ -121,7 +174,9 @@ uint32_t motion_items(const Granular& g) {
   uint32_t left = 0;
   if (g.sweep.phase == SweepPhase::clear) left = (g.motion.grid.slot_mask + 1 - cursor) / k_slots_per_item;
   if (g.sweep.phase == SweepPhase::scatter) left = (g.particles.count - cursor) * k_items_per_particle;
-  if (g.sweep.phase == SweepPhase::join) left = (g.motion.grid.block_count - cursor) * k_items_per_block;
+  if (g.sweep.phase == SweepPhase::join || g.sweep.phase == SweepPhase::smooth)
+    left = (g.motion.grid.block_count - cursor) * k_items_per_block;
+  if (g.sweep.phase == SweepPhase::count) left = (g.grains.count - cursor) / k_grains_per_item;
   return left == 0 ? 1 : left < g.unit ? left : g.unit;
 }
 
@@ -142,6 +197,26 @@ bool motion_run_scatter(Granular* g) {
   const ScatterMotionArgs args = {&g->motion.grid, particles, end, static_cast<float>(g->sweep.time)};
   uint32_t unused = 0;
   g->kernels->scatter_motion(&args, begin, end, &unused);
+  g->sweep.cursor = end;
+  return end >= all;
+}
+
+bool motion_run_count(Granular* g) {
+  const uint32_t all = g->grains.count, begin = g->sweep.cursor, size = g->unit * k_grains_per_item;
+  const uint32_t end = all - begin < size ? all : begin + size;
+  const CountGrainsArgs args = {&g->motion.grid, g->grains.records[0], all};
+  uint32_t unused = 0;
+  g->kernels->count_grains(&args, begin, end, &unused);
+  g->sweep.cursor = end;
+  return end >= all;
+}
+
+bool motion_run_smooth(Granular* g) {
+  MotionGrid& grid = g->motion.grid;
+  const uint32_t all = grid.block_count, begin = g->sweep.cursor;
+  const uint32_t size = g->unit < k_items_per_block ? 1 : g->unit / k_items_per_block;
+  const uint32_t end = all - begin < size ? all : begin + size;
+  for (uint32_t number = begin; number < end; ++number) motion_smooth(grid, number);
   g->sweep.cursor = end;
   return end >= all;
 }
@@ -172,8 +247,9 @@ bool motion_near(const MotionGrid& grid, const float position[3], float radius) 
   if (radius * inverse > 4.0f) return true;  // too wide to look at: it is refined
   int32_t first[3], last[3];
   for (int k = 0; k < 3; ++k) {
-    first[k] = floor_block((position[k] - radius) * inverse);
-    last[k] = floor_block((position[k] + radius) * inverse) + 1;  // whose first nodes the cells before it reach
+    first[k] = floor_block((position[k] - grid.origin[k] - radius) * inverse);
+    last[k] = floor_block((position[k] - grid.origin[k] + radius) * inverse) +
+              1;  // whose first nodes the cells before it reach
   }
   for (int32_t z = first[2]; z <= last[2]; ++z) {
     for (int32_t y = first[1]; y <= last[1]; ++y) {

@@ -36,14 +36,19 @@ void motion_begin_here(Granular* granular);
 void motion_complete(Granular* granular);
 
 // The phases of a sweep. A `run` function runs a unit, and is true once its phase is done.
-void motion_begin(ParticleMotion* motion);
+// `time`: simulated, seconds.
+void motion_begin(ParticleMotion* motion, double time);
 uint32_t motion_items(const Granular& granular);  // of the next unit
 bool motion_run_clear(Granular* granular);
 bool motion_run_scatter(Granular* granular);
 bool motion_run_join(Granular* granular);
+bool motion_run_count(Granular* granular);
+bool motion_run_smooth(Granular* granular);
 
 // A block that has all its own nodes gets its records.
 void motion_join(MotionGrid* grid, uint32_t number);
+// A block, around which all grains are counted, gets its density.
+void motion_smooth(const MotionGrid& grid, uint32_t number);
 
 // Whether a particle moves so near to a sphere that the sums in it may change.
 bool motion_near(const MotionGrid& grid, const float position[3], float radius);

@@ -50,6 +50,10 @@ SweepPhase after(Granular* g, SweepPhase done) {
     case SweepPhase::scatter:
       return SweepPhase::join;
     case SweepPhase::join:
+      return SweepPhase::count;
+    case SweepPhase::count:
+      return SweepPhase::smooth;
+    case SweepPhase::smooth:
       grain_sleep_begin_triage(g);
       return SweepPhase::triage;
     case SweepPhase::triage:
@@ -83,7 +87,7 @@ void begin(Granular* g, uint32_t level) {
   g->sweep.step = static_cast<float>(t.grain_lag / steps);
   cell_sort_begin(&g->grains.snapshot.sort, k_support_radii * g->desc.particle_radius, g->particles.low,
                   g->particles.high, 3);
-  motion_begin(&g->motion);
+  motion_begin(&g->motion, t.simulated);
   colliders_pose(g->colliders.given, g->colliders.count, static_cast<float>(t.debt), g->colliders.sweep_frames);
 }
 
@@ -133,6 +137,8 @@ bool run_sort(Granular* g) {
   return true;
 }
 
+float minimum_of(float a, float b) { return a < b ? a : b; }
+
 struct RefineTask {
   const Kernels* kernels;
   RefineArgs args;
@@ -158,6 +164,11 @@ bool run_refine(Granular* g) {
   a.still_distance = k_still_speed_units * granular_speed_scale(*g) * static_cast<float>(g->sweep.time);
   a.still_sweeps = k_patience_sweeps;
   a.support = k_support_radii * g->desc.particle_radius;
+  // Down the density's gradient by 0.3 h^2 |grad| / density for h = a cell of half a particle radius, but slower than
+  // what counts as still.
+  a.push = 0.15f * g->desc.particle_radius;
+  a.push_max = minimum_of(0.1f * g->desc.particle_radius, 0.5f * a.still_distance);
+  a.push_reach = 1.2f * g->desc.particle_radius;
   a.step = g->sweep.step;
   a.steps = g->sweep.steps;
   a.source_rule = source_rule(*g) ? 1 : 0;
@@ -210,6 +221,8 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
     case SweepPhase::clear:
     case SweepPhase::scatter:
     case SweepPhase::join:
+    case SweepPhase::count:
+    case SweepPhase::smooth:
       unit->kind = k_unit_motion, unit->name = "refine.motion";
       unit->items = motion_items(g);
       return true;
@@ -243,6 +256,10 @@ bool run_unit(Granular* g, SweepPhase phase) {
       return motion_run_scatter(g);
     case SweepPhase::join:
       return motion_run_join(g);
+    case SweepPhase::count:
+      return motion_run_count(g);
+    case SweepPhase::smooth:
+      return motion_run_smooth(g);
     case SweepPhase::triage:
       return grain_sleep_run_triage(g);
     case SweepPhase::refine:

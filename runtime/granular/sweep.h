@@ -23,6 +23,8 @@ enum class SweepPhase : uint32_t {
   clear,     // the grid of the particles' motion
   scatter,   // fills it
   join,      // its blocks
+  count,     // the grains in its cells
+  smooth,    // makes their density of it
   triage,    // which groups of grains are refined
   refine,    // moves them
   drain,     // takes out those that are inside a sink
