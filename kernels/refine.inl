@@ -258,7 +258,9 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
     const Mask sparse = (flow.largest <= broadcast(a->weight_at_radius)) | (broadcast(0.6f) <= ratio);
     lambda = keep(sparse, one - flow.largest);
   } else {
-    const Float few = fade(flow.largest, a->weight_at_radius - 0.1f, a->weight_at_radius + 0.1f);
+    // In the pile's inside the sum of weights is about 3. There a grain in a gap does not fall: it would clump.
+    const Float few = fade(flow.largest, a->weight_at_radius - 0.1f, a->weight_at_radius + 0.1f) *
+                      fade(flow.weight, 1.2f, 2.0f);
     const Float single = one - fade(ratio, 0.5f, 0.7f);
     lambda = (one - flow.largest) * maximum(few, single);
   }
