@@ -259,8 +259,8 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
     lambda = keep(sparse, one - flow.largest);
   } else {
     // In the pile's inside the sum of weights is about 3. There a grain in a gap does not fall: it would clump.
-    const Float few = fade(flow.largest, a->weight_at_radius - 0.1f, a->weight_at_radius + 0.1f) *
-                      fade(flow.weight, 1.2f, 2.0f);
+    const Float few =
+        fade(flow.largest, a->weight_at_radius - 0.1f, a->weight_at_radius + 0.1f) * fade(flow.weight, 1.2f, 2.0f);
     const Float single = one - fade(ratio, 0.5f, 0.7f);
     lambda = (one - flow.largest) * maximum(few, single);
   }
@@ -350,12 +350,15 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
       }
       // With a grid, on the way only those that are fast enough to pass through something thin.
       Mask kept = inside;
+      const Float speed2 = velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2];
       if (s + 1 != a->steps && a->motion != nullptr) {
-        const Float speed2 = velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2];
         kept = kept & (broadcast(fast * fast) < speed2);
         if (!any(kept)) continue;
       }
       keep_outside(a, kept, position, velocity);
+      // Far inside, a field's distance is rough: what came there fast is put outside once more.
+      const Mask again = kept & (broadcast(fast * fast) < speed2);
+      if (a->motion != nullptr && s + 1 == a->steps && any(again)) keep_outside(a, again, position, velocity);
     }
     const Mask sound = (absolute(position[0]) < limit) & (absolute(position[1]) < limit) &
                        (absolute(position[2]) < limit) & (absolute(velocity[0]) < broadcast(1e6f)) &

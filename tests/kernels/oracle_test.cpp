@@ -637,13 +637,16 @@ void check_pile_sky(uint32_t n) {
 // A motion grid for a thousand blocks. The numbers of its reach are round here.
 struct Motion {
   explicit Motion(uint32_t capacity = 1000) : slots(4096), blocks(capacity) {
-    planes.resize(capacity * k_block_nodes * k_record_floats / 16 + 1);
+    planes.resize(capacity * k_block_floats / 16 + 1);
+    counts.resize(capacity * k_block_counts);
     nodes.resize(capacity * k_block_records * k_record_floats / 16 + 1);
     grid.spacing = 0.015f, grid.inverse_spacing = 1.0f / grid.spacing;
     grid.support = 0.03f, grid.reach = 0.025f, grid.gain = 1.728f;
     grid.slots = slots.data(), grid.slot_mask = 4095;
     grid.blocks = blocks.data(), grid.block_capacity = capacity;
-    grid.planes = planes[0].values, grid.nodes = nodes[0].values;
+    grid.planes = planes[0].values, grid.nodes = nodes[0].values, grid.counts = counts.data();
+    const float origin[3] = {0.004f, -0.011f, 0.023f};
+    for (int k = 0; k < 3; ++k) grid.origin[k] = origin[k];
   }
   void fill(const Kernels& kernels, const Cluster& particles) {
     std::fill(slots.begin(), slots.end(), 0u);
@@ -660,8 +663,11 @@ struct Motion {
   std::vector<uint32_t> slots;
   std::vector<MotionBlock> blocks;
   std::vector<Line> planes, nodes;
+  std::vector<uint8_t> counts;
   MotionGrid grid = {};
 };
+
+constexpr double k_origin[3] = {0.004, -0.011, 0.023};
 
 // What a node at x holds.
 struct Node {
@@ -695,15 +701,17 @@ void check_scatter_motion(uint32_t n) {
       for (uint32_t r = 0; r < 125; ++r) {
         const int32_t place[3] = {static_cast<int32_t>(r % 5), static_cast<int32_t>(r / 5 % 5),
                                   static_cast<int32_t>(r / 25)};
-        const Vector x = {0.015 * (4 * grid.blocks[b].at[0] + place[0]), 0.015 * (4 * grid.blocks[b].at[1] + place[1]),
-                          0.015 * (4 * grid.blocks[b].at[2] + place[2])};
+        const Vector origin = {k_origin[0], k_origin[1], k_origin[2]};
+        const Vector x = origin + Vector{0.015 * (4 * grid.blocks[b].at[0] + place[0]),
+                                         0.015 * (4 * grid.blocks[b].at[1] + place[1]),
+                                         0.015 * (4 * grid.blocks[b].at[2] + place[2])};
         const Node node(sand, x);
         const float* record = grid.nodes + (b * k_block_records + r) * k_record_floats;
         ASSERT_NEAR(record[k_mobility], node.weight, 2e-5) << sandglass_isa_name(kernels->isa);
         ASSERT_LT(length(at(record + k_vx) - node.momentum), 2e-5);
         if (node.largest > 1e-6) {
           // Another particle may be as near.
-          const double d = length(at(record) - x), least = length(node.nearest - x);
+          const double d = length(origin + at(record) - x), least = length(node.nearest - x);
           ASSERT_NEAR(d, least, 1e-6) << r;
         }
         if (place[0] < 4 && place[1] < 4 && place[2] < 4) added += static_cast<double>(record[k_mobility]);
@@ -713,11 +721,12 @@ void check_scatter_motion(uint32_t n) {
     for (uint32_t i = 0; i < n; ++i) {
       if (n > 3 && i == 3) continue;
       const Vector p = at(particles.records[i].position) - 0.02 * at(particles.records[i].velocity);
+      const Vector q = p - Vector{k_origin[0], k_origin[1], k_origin[2]};
       const auto low = [](double c) { return static_cast<int>(std::floor((c - 0.026) / 0.015)); };
-      for (int z = low(p.z); z < low(p.z) + 5; ++z)
-        for (int y = low(p.y); y < low(p.y) + 5; ++y)
-          for (int x = low(p.x); x < low(p.x) + 5; ++x) {
-            const Vector apart = Vector{0.015 * x, 0.015 * y, 0.015 * z} - p;
+      for (int z = low(q.z); z < low(q.z) + 5; ++z)
+        for (int y = low(q.y); y < low(q.y) + 5; ++y)
+          for (int x = low(q.x); x < low(q.x) + 5; ++x) {
+            const Vector apart = Vector{0.015 * x, 0.015 * y, 0.015 * z} - q;
             expected += 1.728 * std::pow(std::max(0.0, 1 - dot(apart, apart) / 6.25e-4), 3);
           }
     }
@@ -728,6 +737,76 @@ void check_scatter_motion(uint32_t n) {
     if (first.empty()) first = all;
     ASSERT_TRUE(same_bits(all, first)) << sandglass_isa_name(kernels->isa);
   }
+}
+
+// ---- count_grains
+
+void check_count_grains(uint32_t n) {
+  const Cluster particles(200, 0, 0.5, 61);
+  std::mt19937 random(67);
+  std::uniform_real_distribution<double> unit(-0.7, 0.7);
+  std::vector<Grain> grains(n + k_slack);
+  for (uint32_t i = 0; i < n; ++i)
+    grains[i] = item_at<Grain>(
+        {particles.side * unit(random), particles.side * unit(random), particles.side * unit(random)}, {}, i);
+  for (const Kernels* kernels : tables()) {
+    Motion motion;
+    motion.fill(*kernels, particles);
+    const CountGrainsArgs args = {&motion.grid, grains.data(), n};
+    uint32_t unused = 0, counted = 0, within = 0;
+    kernels->count_grains(&args, 0, (n + 15) / 16 * 16, &unused);
+    for (uint32_t b = 0; b < motion.grid.block_count; ++b) {
+      for (uint32_t c = 0; c < k_block_counts; ++c) {
+        uint32_t expected = 0;
+        for (uint32_t i = 0; i < n && motion.counts[b * k_block_counts + c] != 0; ++i) {
+          const uint32_t cell[3] = {c % 12, c / 12 % 12, c / 144};
+          bool inside = true;
+          for (int k = 0; k < 3; ++k) {
+            const double x = (static_cast<double>(grains[i].position[k]) - k_origin[k]) / 0.005;
+            inside = inside && std::floor(x) == 12.0 * motion.grid.blocks[b].at[k] + cell[k];
+          }
+          expected += inside ? 1 : 0;
+        }
+        counted += motion.counts[b * k_block_counts + c];
+        ASSERT_EQ(motion.counts[b * k_block_counts + c], expected) << sandglass_isa_name(kernels->isa);
+      }
+    }
+    for (uint32_t i = 0; i < n; ++i) {
+      int32_t block[3];
+      for (int k = 0; k < 3; ++k)
+        block[k] = static_cast<int32_t>(std::floor((static_cast<double>(grains[i].position[k]) - k_origin[k]) / 0.06));
+      within += motion_find(motion.grid, block[0], block[1], block[2]) != k_no_block ? 1 : 0;
+    }
+    ASSERT_EQ(counted, within);
+  }
+}
+
+// A lone grain weighs 4/6 along an axis in its own cell and 1/6 in the next, across the faces of blocks too.
+TEST(MotionGrid, DensitySpreadsEachGrainOverTheCellsAround) {
+  const Cluster particles(200, 0, 0.5, 61);
+  Motion motion;
+  motion.fill(*tables()[0], particles);
+  const MotionGrid& grid = motion.grid;
+  // The last cell of a block along x that has a next one.
+  uint32_t block = 0;
+  const auto next_of = [&](uint32_t b) {
+    return motion_find(grid, grid.blocks[b].at[0] + 1, grid.blocks[b].at[1], grid.blocks[b].at[2]);
+  };
+  while (next_of(block) == k_no_block) ++block;
+  motion.counts[block * k_block_counts + (5 * 12 + 6) * 12 + 11] = 3;
+  const uint32_t next = next_of(block);
+  for (uint32_t b = 0; b < grid.block_count; ++b) motion_smooth(grid, b);
+  const auto density = [&](uint32_t b, int x, int y, int z) {
+    return density_of(grid, b)[((z + 1) * 14 + y + 1) * 14 + x + 1];
+  };
+  EXPECT_EQ(density(block, 11, 6, 5), 3 * 64 / 8);
+  EXPECT_EQ(density(block, 10, 6, 5), 3 * 16 / 8);
+  EXPECT_EQ(density(block, 11, 7, 6), 3 * 4 / 8);
+  EXPECT_EQ(density(block, 12, 6, 5), 3 * 16 / 8) << "beside the block";
+  EXPECT_EQ(density(block, 9, 6, 5), 0);
+  EXPECT_EQ(density(next, 0, 6, 5), 3 * 16 / 8) << "in the next block";
+  EXPECT_EQ(density(next, -1, 6, 5), 3 * 64 / 8);
+  EXPECT_EQ(density(next, 1, 6, 5), 0);
 }
 
 TEST(MotionGrid, WithoutRoomItSaysSo) {
@@ -813,10 +892,12 @@ Sums sums_of_particles(const Cluster& particles, Vector x) {
 Sums sums_of_nodes(const Cluster& particles, Vector x) {
   Sums s;
   double nearest = 1e12;
-  const int cell[3] = {static_cast<int>(std::floor(x.x / 0.015)), static_cast<int>(std::floor(x.y / 0.015)),
-                       static_cast<int>(std::floor(x.z / 0.015))};
+  const Vector origin = {k_origin[0], k_origin[1], k_origin[2]}, q = x - origin;
+  const int cell[3] = {static_cast<int>(std::floor(q.x / 0.015)), static_cast<int>(std::floor(q.y / 0.015)),
+                       static_cast<int>(std::floor(q.z / 0.015))};
   for (int c = 0; c < 8; ++c) {
-    const Vector corner = {0.015 * (cell[0] + (c & 1)), 0.015 * (cell[1] + (c >> 1 & 1)), 0.015 * (cell[2] + (c >> 2))};
+    const Vector corner =
+        origin + Vector{0.015 * (cell[0] + (c & 1)), 0.015 * (cell[1] + (c >> 1 & 1)), 0.015 * (cell[2] + (c >> 2))};
     const Vector apart = corner - x;
     const double share =
         (1 - std::abs(apart.x) / 0.015) * (1 - std::abs(apart.y) / 0.015) * (1 - std::abs(apart.z) / 0.015);
@@ -851,7 +932,8 @@ void check_refine_grains(uint32_t n) {
         if (source_rule) {
           lambda *= largest <= radius_weight || ratio >= 0.6 ? 1 : 0;
         } else {
-          lambda *= std::max(fade(largest, radius_weight - 0.1, radius_weight + 0.1), 1 - fade(ratio, 0.5, 0.7));
+          const double few = fade(largest, radius_weight - 0.1, radius_weight + 0.1) * fade(weight, 1.2, 2.0);
+          lambda *= std::max(few, 1 - fade(ratio, 0.5, 0.7));
         }
         if (weight == 0) lambda = 1;
         const Vector fall = v + 0.004 * Vector{0, -9.81, 0};
