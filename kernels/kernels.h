@@ -145,12 +145,14 @@ struct InsideArgs {
 constexpr uint32_t k_block_side = 4;       // nodes of its own that a block has along an axis
 constexpr uint32_t k_block_nodes = 64;     // of its own
 constexpr uint32_t k_block_records = 128;  // and those of the next blocks that its cells reach: 5^3, padded
-constexpr uint32_t k_block_floats = 688;   // 8 planes of nodes, and later 14^3 bytes of density
+constexpr uint32_t k_block_floats = 1024;  // 8 planes of nodes, and later 16^3 bytes of density
 constexpr uint32_t k_block_cells = 12;     // of the grains' density, along an axis
 constexpr uint32_t k_block_counts = k_block_cells * k_block_cells * k_block_cells;
-constexpr uint32_t k_density_cells = 14;  // those and one more on either side
+constexpr uint32_t k_density_cells = 16;  // those and two more on either side
+constexpr uint32_t k_grain_count = 16;    // what a grain adds to its cell
 constexpr uint32_t k_no_block = ~0u;
 constexpr uint32_t k_block_moves = 1;       // a particle moves within the support radius of a node
+constexpr uint32_t k_block_holds = 4;       // grains
 constexpr uint32_t k_block_incomplete = 2;  // there was no room for a block that its cells reach
 
 struct MotionBlock {
@@ -172,7 +174,7 @@ struct MotionGrid {
   uint32_t moving;      // 1: a particle moves
   float* planes;        // a block's own nodes while particles are added: 8 planes of 64, as the lanes of a record
   float* nodes;         // its records, x fastest, 5 along an axis; positions are relative to the origin
-  uint8_t* counts;      // grains in each cell of a block, x fastest
+  uint8_t* counts;      // k_grain_count for each grain in a cell of a block, x fastest
 };
 
 // The density of the grains in a block's cells and those around, in the place of its planes.

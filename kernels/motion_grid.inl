@@ -166,7 +166,8 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
       }
       if (number == k_no_block) continue;
       uint8_t* counted = grid->counts + static_cast<uint64_t>(number) * k_block_counts + cells[l];
-      if (*counted != 255) ++*counted;
+      if (*counted <= 255 - k_grain_count) *counted = static_cast<uint8_t>(*counted + k_grain_count);
+      grid->blocks[number].state |= k_block_holds;
     }
   }
 }

@@ -112,25 +112,27 @@ SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* densi
   Float share[3], away[3];
   Int first = broadcast(0);
   for (int k = 2; k >= 0; --k) {
-    const Float scaled = inside[k] * broadcast(3.0f) + broadcast(0.5f);  // 0 is the centre of the cell before the block
-    const Float cell = minimum(to_float(to_int(scaled)), broadcast(static_cast<float>(k_density_cells - 2)));
+    const Float scaled = inside[k] * broadcast(3.0f) + broadcast(1.5f);  // 0 is the centre of the first cell
+    const Float cell = minimum(to_float(to_int(scaled)), broadcast(static_cast<float>(k_block_cells + 1)));
     share[k] = scaled - cell, away[k] = one - share[k];
-    first = shift_left(first, 4) - shift_left(first, 1) + to_int(cell);
+    first = shift_left(first, 4) + to_int(cell);
   }
-  alignas(64) uint32_t at[k_lane_group];
-  alignas(64) float corners[8][k_lane_group];
+  alignas(64) uint32_t at[k_lane_group], corners[2][k_lane_group];  // four bytes each: x, then y
   store(at, first);
   for (uint32_t l = 0; l < k_width; ++l) {
     const uint8_t* d = density[l] + at[l];
-    constexpr uint32_t k_y_next = k_density_cells, k_z_next = k_density_cells * k_density_cells;
-    corners[0][l] = d[0], corners[1][l] = d[1];
-    corners[2][l] = d[k_y_next], corners[3][l] = d[k_y_next + 1];
-    corners[4][l] = d[k_z_next], corners[5][l] = d[k_z_next + 1];
-    corners[6][l] = d[k_z_next + k_y_next], corners[7][l] = d[k_z_next + k_y_next + 1];
+    for (int z = 0; z < 2; ++z, d += k_density_cells * k_density_cells) {
+      uint16_t low, high;
+      __builtin_memcpy(&low, d, 2);
+      __builtin_memcpy(&high, d + k_density_cells, 2);
+      corners[z][l] = low | static_cast<uint32_t>(high) << 16;
+    }
   }
   Float edge[4], slope_x[4];
+  const Int byte = broadcast(255);
   for (int k = 0; k < 4; ++k) {
-    const Float low = load(corners[2 * k]), high = load(corners[2 * k + 1]);
+    const Int pair = k % 2 == 0 ? load(corners[k / 2]) : shift_right(load(corners[k / 2]), 16);
+    const Float low = to_float(pair & byte), high = to_float(shift_right(pair, 8) & byte);
     slope_x[k] = high - low;
     edge[k] = low + share[0] * slope_x[k];
   }

@@ -42,6 +42,7 @@ SANDGLASS_INLINE Int operator-(Int a, Int b) { return {_mm256_sub_epi32(a.v, b.v
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {_mm256_and_si256(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {_mm256_or_si256(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {_mm256_sll_epi32(a.v, _mm_cvtsi32_si128(count))}; }
+SANDGLASS_INLINE Int shift_right(Int a, int count) { return {_mm256_srl_epi32(a.v, _mm_cvtsi32_si128(count))}; }
 SANDGLASS_INLINE Int to_int(Float a) { return {_mm256_cvttps_epi32(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {_mm256_cvtepi32_ps(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {_mm256_castps_si256(a.v)}; }

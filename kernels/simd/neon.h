@@ -46,6 +46,9 @@ SANDGLASS_INLINE Int operator-(Int a, Int b) { return {vsubq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {vandq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {vorrq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {vshlq_s32(a.v, vdupq_n_s32(count))}; }
+SANDGLASS_INLINE Int shift_right(Int a, int count) {
+  return {vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a.v), vdupq_n_s32(-count)))};
+}
 SANDGLASS_INLINE Int to_int(Float a) { return {vcvtq_s32_f32(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {vcvtq_f32_s32(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {vreinterpretq_s32_f32(a.v)}; }

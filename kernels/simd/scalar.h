@@ -56,6 +56,10 @@ SANDGLASS_INLINE Int operator|(Int a, Int b) { return {a.v | b.v}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) {
   return {static_cast<int32_t>(static_cast<uint32_t>(a.v) << count)};
 }
+// Zeros come in.
+SANDGLASS_INLINE Int shift_right(Int a, int count) {
+  return {static_cast<int32_t>(static_cast<uint32_t>(a.v) >> count)};
+}
 SANDGLASS_INLINE Int to_int(Float a) { return {static_cast<int32_t>(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {static_cast<float>(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {__builtin_bit_cast(int32_t, a.v)}; }  // the same bits

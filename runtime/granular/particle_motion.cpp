@@ -64,48 +64,55 @@ void motion_join(MotionGrid* grid, uint32_t number) {
   }
 }
 
-// Counts [1 4 1] along each axis, so that the total is 6^3; a byte holds an eighth.
-void motion_smooth(const MotionGrid& grid, uint32_t number) {
-  constexpr uint32_t k_wide = k_density_cells + 2, k_plane = k_wide * k_wide;
-  uint16_t counts[k_wide * k_plane] = {}, sums[k_wide * k_plane];
+namespace {
+
+constexpr uint32_t k_density_plane = k_density_cells * k_density_cells;
+
+// The counts of a block and of two cells around it.
+void collect_counts(const MotionGrid& grid, uint32_t number, uint8_t* cells) {
   const MotionBlock& block = grid.blocks[number];
   for (int32_t side = 0; side < 27; ++side) {
     const int32_t beyond[3] = {side % 3 - 1, side / 3 % 3 - 1, side / 9 - 1};
     const uint32_t next =
         side == 13 ? number
                    : motion_find(grid, block.at[0] + beyond[0], block.at[1] + beyond[1], block.at[2] + beyond[2]);
-    if (next == k_no_block) continue;
-    const uint8_t* from = grid.counts + static_cast<uint64_t>(next) * k_block_counts;
+    if (next == k_no_block || (grid.blocks[next].state & k_block_holds) == 0) continue;
     uint32_t first[3], many[3], to[3];
     for (int k = 0; k < 3; ++k) {
       first[k] = beyond[k] < 0 ? k_block_cells - 2 : 0;
       many[k] = beyond[k] == 0 ? k_block_cells : 2;
       to[k] = beyond[k] < 0 ? 0 : beyond[k] == 0 ? 2 : k_block_cells + 2;
     }
+    const uint8_t* from = grid.counts + static_cast<uint64_t>(next) * k_block_counts + first[0];
     for (uint32_t z = 0; z < many[2]; ++z) {
       for (uint32_t y = 0; y < many[1]; ++y) {
-        const uint8_t* row = from + ((first[2] + z) * k_block_cells + first[1] + y) * k_block_cells + first[0];
-        uint16_t* into = counts + (to[2] + z) * k_plane + (to[1] + y) * k_wide + to[0];
-        for (uint32_t x = 0; x < many[0]; ++x) into[x] = row[x];
+        const uint8_t* row = from + ((first[2] + z) * k_block_cells + first[1] + y) * k_block_cells;
+        uint8_t* into = cells + (to[2] + z) * k_density_plane + (to[1] + y) * k_density_cells + to[0];
+        if (beyond[0] == 0) __builtin_memcpy(into, row, k_block_cells);
+        else into[0] = row[0], into[1] = row[1];
       }
     }
   }
-  uint16_t *source = counts, *target = sums;
-  constexpr uint32_t steps[3] = {1, k_wide, k_plane};
-  for (const uint32_t step : steps) {
-    for (uint32_t c = step; c + step < k_wide * k_plane; ++c)
-      target[c] = static_cast<uint16_t>(source[c - step] + 4 * source[c] + source[c + step]);
-    uint16_t* done = target;
-    target = source, source = done;
-  }
-  uint8_t* density = density_of(grid, number);
-  for (uint32_t z = 0; z < k_density_cells; ++z) {
-    for (uint32_t y = 0; y < k_density_cells; ++y) {
-      const uint16_t* row = source + (z + 1) * k_plane + (y + 1) * k_wide + 1;
-      for (uint32_t x = 0; x < k_density_cells; ++x)
-        *density++ = static_cast<uint8_t>(row[x] < 8 * 255 ? row[x] / 8 : 255);
-    }
-  }
+}
+
+uint8_t mean(uint8_t a, uint8_t b) { return static_cast<uint8_t>((a + b + 1) >> 1); }
+
+// [1 6 1] / 8 along the axis of which two cells are `step` apart, rounded up three times.
+void smooth_axis(const uint8_t* __restrict from, uint8_t* __restrict to, uint32_t step) {
+  constexpr uint32_t k_all = k_density_plane * k_density_cells;
+  for (uint32_t c = 0; c < k_all - 2 * step; ++c)
+    to[c + step] = mean(mean(mean(from[c], from[c + 2 * step]), from[c + step]), from[c + step]);
+}
+
+}  // namespace
+
+void motion_smooth(const MotionGrid& grid, uint32_t number) {
+  if ((grid.blocks[number].state & k_block_holds) == 0) return;  // nobody reads it
+  alignas(64) uint8_t cells[k_density_plane * k_density_cells] = {}, half_done[sizeof cells] = {};
+  collect_counts(grid, number, cells);
+  smooth_axis(cells, half_done, 1);
+  smooth_axis(half_done, cells, k_density_cells);
+  smooth_axis(cells, density_of(grid, number), k_density_plane);
 }
 
 void motion_layout(ParticleMotion* m, const sandglass_granular_desc& d, Layout* layout) {
