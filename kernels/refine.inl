@@ -234,7 +234,9 @@ SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_
   flow->y = select(known, sum.y, flow->y);
   flow->z = select(known, sum.z, flow->z);
   flow->largest = select(known, sum.largest, flow->largest);
-  const Mask pushed = known & (nearest < broadcast(a->push_reach * a->push_reach));
+  // Around a lone particle they spread without limit.
+  const Mask lone = broadcast(0.7f) * sum.weight <= sum.largest;
+  const Mask pushed = known & ((nearest < broadcast(a->push_reach * a->push_reach)) | lone);
   if (any(pushed)) {
     read_push(a, density, place.inside, &sum);
     for (int k = 0; k < 3; ++k) flow->push[k] = keep(pushed, sum.push[k]);
@@ -264,7 +266,7 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
     const Float few =
         fade(flow.largest, a->weight_at_radius - 0.1f, a->weight_at_radius + 0.1f) * fade(flow.weight, 1.2f, 2.0f);
     const Float single = one - fade(ratio, 0.5f, 0.7f);
-    lambda = (one - flow.largest) * maximum(few, single);
+    lambda = maximum((one - flow.largest) * few, single);
   }
   return select(alone, one, lambda);
 }
