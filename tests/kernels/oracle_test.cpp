@@ -934,12 +934,12 @@ void check_refine_grains(uint32_t n) {
           const double t = std::clamp((b - value) / (b - a), 0.0, 1.0);
           return t * t * (3 - 2 * t);
         };
-        double lambda = 1 - largest;
+        double lambda;
         if (source_rule) {
-          lambda *= largest <= radius_weight || ratio >= 0.6 ? 1 : 0;
+          lambda = largest <= radius_weight || ratio >= 0.6 ? 1 - largest : 0;
         } else {
           const double few = fade(largest, radius_weight - 0.1, radius_weight + 0.1) * fade(weight, 1.2, 2.0);
-          lambda *= std::max(few, 1 - fade(ratio, 0.5, 0.7));
+          lambda = std::max((1 - largest) * few, 1 - fade(ratio, 0.5, 0.7));
         }
         if (weight == 0) lambda = 1;
         const Vector fall = v + 0.004 * Vector{0, -9.81, 0};
