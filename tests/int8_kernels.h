@@ -18,11 +18,6 @@ inline std::vector<sandglass_isa> int8_sets() {
   return sets;
 }
 
-// The sets that a hash is taken on. Under emulation each core has a test of its own, which takes the core's own set.
-inline std::vector<sandglass_isa> golden_sets() {
-  return SANDGLASS_EMULATED ? std::vector<sandglass_isa>{SANDGLASS_ISA_AUTOMATIC} : int8_sets();
-}
-
 template <class T>
 struct Aligned {
   struct alignas(64) Line {

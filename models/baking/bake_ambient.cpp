@@ -21,7 +21,7 @@ bool bake_ambient(const AmbientSettings& settings, uint64_t seed, uint32_t threa
   const FloorSquare square = ambient_square(object.box, settings.texels);
   ThreadPool pool(threads);
   Progress rows("tracing the floor", square.side);
-  const std::vector<float> hidden = trace_hidden_cells(scene, square, seed, pool, [&](uint32_t done) {
+  const std::vector<float> hidden = trace_hidden(scene, square, HiddenOf::cells, seed, pool, [&](uint32_t done) {
     rows.done(done);
     return !interrupted();
   });

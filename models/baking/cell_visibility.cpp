@@ -5,7 +5,6 @@
 #include "models/baking/cell_visibility.h"
 
 #include <algorithm>
-#include <bit>
 
 #include "models/baking/light_cells.h"
 #include "models/work/random.h"
@@ -14,10 +13,10 @@ namespace sandglass::host {
 namespace {
 
 constexpr uint32_t k_packet = EmbreeScene::k_packet;
-constexpr uint32_t k_strata = 4;  // along each axis of a cell; a packet has a ray to each of 4 x 4
-constexpr uint32_t k_points = 2;  // along each axis of a texel
-constexpr uint32_t k_sets = 64;   // of directions
-constexpr uint32_t k_rows = 8;    // between two calls of go_on
+static_assert(k_packet == k_cell_strata);  // a packet has a ray to each stratum of a cell
+constexpr uint32_t k_points = 2;           // along each axis of a texel
+constexpr uint32_t k_sets = 64;            // of directions
+constexpr uint32_t k_rows = 8;             // between two calls of go_on
 constexpr uint64_t k_direction_stream = 0xCE11, k_point_stream = 0xF1008;
 
 // k_sets x SANDGLASS_LIGHT_CELLS x k_packet directions, one array an axis.
@@ -29,9 +28,9 @@ struct Directions {
       for (uint32_t cell = 0; cell < SANDGLASS_LIGHT_CELLS; ++cell)
         for (uint32_t i = 0; i < k_packet; ++i) {
           random = random_mix(random);
-          const double a = (i % k_strata + random_unit(random)) / k_strata;
+          const double a = (i % k_strata_side + random_unit(random)) / k_strata_side;
           random = random_mix(random);
-          const double b = (i / k_strata + random_unit(random)) / k_strata;
+          const double b = (i / k_strata_side + random_unit(random)) / k_strata_side;
           const Vec3 d = cell_direction(cell, a, b);
           x.push_back(static_cast<float>(d.x)), y.push_back(static_cast<float>(d.y));
           z.push_back(static_cast<float>(d.z));
@@ -43,11 +42,13 @@ struct Tracer {
   const EmbreeScene& object;
   const FloorSquare& square;
   const Directions& directions;
+  uint32_t parts;  // of a cell: 1 or all strata
   uint64_t seed;
 
   void texel(uint32_t u, uint32_t v, float* hidden) const {
-    std::fill_n(hidden, SANDGLASS_LIGHT_CELLS, 0.0f);
+    std::fill_n(hidden, SANDGLASS_LIGHT_CELLS * parts, 0.0f);
     const double step = 2 * square.half / square.side;
+    const float share = static_cast<float>(parts) / (k_packet * k_points * k_points);  // of one ray; sums are exact
     uint64_t random = random_mix(seed ^ k_point_stream) + uint64_t{v} * square.side + u;
     for (uint32_t point = 0; point < k_points * k_points; ++point) {
       random = random_mix(random);
@@ -58,9 +59,9 @@ struct Tracer {
       const double x = step * (u + a) - square.half, z = step * (v + b) - square.half;
       for (uint32_t cell = 0; cell < SANDGLASS_LIGHT_CELLS; ++cell) {
         const size_t from = set + size_t{cell} * k_packet;
-        const auto dark =
-            std::popcount(object.hidden(x, z, &directions.x[from], &directions.y[from], &directions.z[from]));
-        hidden[cell] += static_cast<float>(dark) / (k_packet * k_points * k_points);
+        const uint32_t dark = object.hidden(x, z, &directions.x[from], &directions.y[from], &directions.z[from]);
+        for (uint32_t i = 0; i < k_packet; ++i)
+          if ((dark >> i & 1) != 0) hidden[cell * parts + i % parts] += share;
       }
     }
   }
@@ -68,17 +69,17 @@ struct Tracer {
 
 }  // namespace
 
-std::vector<float> trace_hidden_cells(const EmbreeScene& object, const FloorSquare& square, uint64_t seed,
-                                      ThreadPool& pool, const std::function<bool(uint32_t)>& go_on) {
+std::vector<float> trace_hidden(const EmbreeScene& object, const FloorSquare& square, HiddenOf parts, uint64_t seed,
+                                ThreadPool& pool, const std::function<bool(uint32_t)>& go_on) {
   const Directions directions(seed);
-  const Tracer tracer = {object, square, directions, seed};
-  const size_t row = size_t{square.side} * SANDGLASS_LIGHT_CELLS;
+  const Tracer tracer = {object, square, directions, parts == HiddenOf::strata ? k_cell_strata : 1, seed};
+  const size_t texel = size_t{SANDGLASS_LIGHT_CELLS} * tracer.parts, row = square.side * texel;
   std::vector<float> hidden(row * square.side);
   for (uint32_t begin = 0; begin < square.side; begin += k_rows) {
     const uint32_t end = std::min(square.side, begin + k_rows);
     pool.run(end - begin, [&](uint32_t i) {
       const uint32_t v = begin + i;
-      for (uint32_t u = 0; u < square.side; ++u) tracer.texel(u, v, &hidden[v * row + u * SANDGLASS_LIGHT_CELLS]);
+      for (uint32_t u = 0; u < square.side; ++u) tracer.texel(u, v, &hidden[v * row + u * texel]);
     });
     if (!go_on(end) && end < square.side) return {};
   }

@@ -12,50 +12,85 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The camera's own image is wider than the picture. It has the size and the field of view that the network expects.
+// The picture's camera sees more than the picture shows. Its image has the size and the field of view that the network
+// expects.
 constexpr int k_width = SANDGLASS_LIGHT_WIDTH, k_height = SANDGLASS_LIGHT_HEIGHT;
 constexpr double k_focal = 174.60936017108344;  // in pixels; the image's diagonal spans 85 degrees
+
+// A photograph is seen as it is.
+PhoneImage photographed(const Surroundings& room, ShotCamera camera) {
+  PhoneImage taken = {Picture(room.photo.width, room.photo.height, {0, 0, 0}), 1.0, {}};
+  for (size_t i = 0; i < taken.picture.rgb.size(); ++i)
+    taken.picture.rgb[i] = srgb_byte(static_cast<double>(room.photo.rgb[i]));
+  taken.image = camera_image_of(taken.picture, k_excerpt_fov_deg);
+  taken.image.focal_x = taken.image.focal_y = static_cast<float>(room.photo_focal);
+  camera.pose(&taken.image);
+  return taken;
+}
+
+// `reason` is a reference because the call that sets it is an argument too.
+void require(sandglass_status status, const char* const& reason) {
+  if (status != SANDGLASS_OK) throw cannot("see", "room", reason != nullptr ? reason : sandglass_status_name(status));
+}
 
 }  // namespace
 
 const sandglass_camera_image* LightEstimate::take(const Surroundings& room, const ShotCamera& camera,
                                                   uint64_t time_ns) {
-  const bool photo = !room.has_truth();
-  const int width = photo ? room.photo.width : k_width, height = photo ? room.photo.height : k_height;
-  const double focal = photo ? room.photo_focal : k_focal;
   ShotCamera whole = camera;
-  whole.focal = focal / height;
-  picture_ = Picture(width, height, {0, 0, 0});
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      const Vec3 c = room.seen(whole, whole.ray(x + 0.5, y + 0.5, width, height));
-      uint8_t* pixel = picture_.at(x, y);
-      pixel[0] = srgb_byte(c.x), pixel[1] = srgb_byte(c.y), pixel[2] = srgb_byte(c.z);
-    }
-  image_ = camera_image_of(picture_, k_excerpt_fov_deg);
-  image_.focal_x = image_.focal_y = static_cast<float>(focal);
-  // The columns of the pose of a camera that looks along its own -z with y up.
-  float matrix[16] = {};
-  const Vec3 axes[4] = {camera.right, camera.up, camera.forward * -1.0, {}};
-  for (int i = 0; i < 4; ++i) {
-    matrix[4 * i] = static_cast<float>(axes[i].x), matrix[4 * i + 1] = static_cast<float>(axes[i].y);
-    matrix[4 * i + 2] = static_cast<float>(axes[i].z), matrix[4 * i + 3] = i == 3 ? 1.0f : 0.0f;
-  }
-  if (sandglass_camera_orientation(matrix, image_.orientation) == 0)
-    throw cannot("read", "camera", "its pose is no rotation", "Correct \"eye\" and \"target\"");
-  image_.timestamp_ns = time_ns;
-  return &image_;
+  whole.focal = k_focal / k_height;
+  taken_ = room.has_truth() ? take_image(room.panorama, whole, k_width, k_height) : photographed(room, camera);
+  taken_.image.timestamp_ns = time_ns;
+  scale_ = room.exposure / taken_.exposure;
+  return &taken_.image;
 }
 
-ShotLight LightEstimate::light() const {
-  const sandglass_light_estimate e = light_.now().filtered;
-  const auto vector = [](const float* v) { return Vec3{v[0], v[1], v[2]}; };
-  return {vector(e.direction),
-          vector(e.light) * static_cast<double>(e.strength),
-          vector(e.ambient),
-          static_cast<double>(e.contrast),
-          1.0,
-          static_cast<double>(e.confidence)};
+SeenLight::SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 standing,
+                     std::vector<SessionImage> images, uint64_t between_ns)
+    : camera_(at_rest),
+      azimuth_(std::atan2(at_rest.forward.z, at_rest.forward.x)),
+      exposure_(room.exposure),
+      images_(std::move(images)),
+      between_ns_(between_ns) {
+  sandglass_room_desc desc;
+  sandglass_room_desc_default(&desc);
+  desc.interval = 0.0f;
+  if (room.insertion > 0.0) desc.radius = static_cast<float>(length(level(standing) - at_rest.eye) / room.insertion);
+  const char* reason = nullptr;
+  uint64_t bytes = 0;
+  require(sandglass_room_bytes(&desc, &bytes, &reason), reason);
+  block_ = new_block(bytes, "the room", "");
+  require(sandglass_room_create(&desc, block_.get(), bytes, &room_, &reason), reason);
+}
+
+const sandglass_camera_image* SeenLight::take(const Surroundings& room, uint64_t time_ns) {
+  const bool photo = !room.has_truth();
+  const bool once = photo || images_.size() == 1;
+  if (time_ns < next_ * between_ns_ || (once && next_ == 1)) return nullptr;
+  const SessionImage& look = images_[next_ % images_.size()];
+  if (photo) image_ = photographed(room, camera_);
+  else
+    image_ = take_image(room.panorama, session_camera(azimuth_, look, camera_.eye), k_session_width, k_session_height,
+                        look.exposure);
+  ++next_;
+  image_.image.timestamp_ns = time_ns;
+  image_.image.exposure = static_cast<float>(image_.exposure);
+  // Nothing is drawn before the first image, so it does not wait for a frame.
+  const char* reason = nullptr;
+  if (next_ == 1) require(sandglass_room_set_image(room_, &image_.image, nullptr, &reason), reason);
+  return &image_.image;
+}
+
+const ShotLight& SeenLight::follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate) {
+  float place[3];
+  to_floats(level(standing), place);
+  sandglass_room_light now = {};
+  now.struct_size = sizeof now;
+  const char* reason = nullptr;
+  require(sandglass_room_get(room_, place, estimate, &now, &reason), reason);
+  sandglass_room_light_fade(&shown_, &now, static_cast<float>(seconds));
+  picture_ = scaled(shown_, static_cast<double>(shown_.white) * exposure_);
+  return picture_;
 }
 
 std::string shipped_light_network() {

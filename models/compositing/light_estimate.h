@@ -1,15 +1,22 @@
-// The light that the library estimates in a shot, and the camera's images that it is given.
+// What the library makes of a shot's light: the camera's images go into a room and a network, and one light comes out,
+// in the picture's scale.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "models/compositing/phone.h"
+#include "models/compositing/shot_light.h"
 #include "models/compositing/surroundings.h"
-#include "models/files/image.h"
 #include "models/lighting/room_light.h"
+#include "models/work/block.h"
+#include "sandglass/room.h"
 
 namespace sandglass::host {
 
+// One light by the network alone, from what the picture's camera sees.
 class LightEstimate {
  public:
   LightEstimate(const std::string& file, sandglass_isa isa) : light_(file, true, isa) {}
@@ -17,16 +24,50 @@ class LightEstimate {
   // What the camera sees of its surroundings, taken at a time; valid until the next call.
   const sandglass_camera_image* take(const Surroundings& room, const ShotCamera& camera, uint64_t time_ns);
   // Runs the estimate of the image taken last to its end.
-  void finish() { light_.follow(image_); }
+  void finish() { light_.follow(taken_.image); }
 
   sandglass_light* handle() const { return light_.handle(); }
-  bool valid() const { return light_.now().filtered.valid != 0; }
-  ShotLight light() const;
+  sandglass_light_estimate now() const { return light_.now().filtered; }
+  bool valid() const { return now().valid != 0; }
+  ShotLight light() const { return scaled(one_light(now()), scale_); }
 
  private:
   RoomLight light_;
-  Picture picture_;
-  sandglass_camera_image image_ = {};
+  PhoneImage taken_;
+  double scale_ = 1.0;
+};
+
+// The light of the room as a session has seen it: a phone beside the picture's camera looks around, an image at a time,
+// while the picture's camera stays with the object.
+class SeenLight {
+ public:
+  // `standing`: where the object is. The room is as large as the surroundings say. `between_ns`: from image to image.
+  SeenLight(const Surroundings& room, const ShotCamera& at_rest, Vec3 standing, std::vector<SessionImage> images,
+            uint64_t between_ns);
+
+  // The phone's image at a time, for the frame that begins then; null between images. After the last one it turns again,
+  // unless there was only one.
+  const sandglass_camera_image* take(const Surroundings& room, uint64_t time_ns);
+  // Moves what is shown towards what is known now, where the object stands now. `estimate`: the network's, or null.
+  const ShotLight& follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate);
+
+  sandglass_room* handle() const { return room_; }
+  const ShotLight& shown() const { return picture_; }
+
+ private:
+  // As far away as it is, and as high as the eye: a place below would see a part of the floor above its horizon.
+  Vec3 level(Vec3 standing) const { return {standing.x, camera_.eye.y, standing.z}; }
+
+  Block block_;
+  sandglass_room* room_ = nullptr;
+  ShotCamera camera_;
+  double azimuth_, exposure_;
+  std::vector<SessionImage> images_;
+  uint64_t between_ns_;
+  size_t next_ = 0;
+  PhoneImage image_;
+  sandglass_room_light shown_ = {};
+  ShotLight picture_ = {};
 };
 
 // The shipped network, or empty where there is none.

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include "models/files/failure.h"
 #include "models/lighting/lit_view.h"
 #include "models/rooms/panorama_file.h"
 #include "models/simulation/scene_meshes.h"
 #include "models/simulation/scene_shadows.h"
+#include "models/work/random.h"
 #include "sandglass/pile_shadow.h"
 #include "sandglass/shadow.h"
 
@@ -17,35 +19,35 @@ namespace sandglass::host {
 namespace {
 
 constexpr int k_compared_width = 640, k_compared_height = 480, k_compared_paths = 96;
+constexpr uint64_t k_noise_stream = 71;
+
+Surroundings captured(const SceneFile& scene, const std::string& file, Vec3 standing, double insertion,
+                      const Camera& camera) {
+  RadianceMap map = read_panorama(file);
+  fill_tripod(&map);
+  return panorama_surroundings(std::move(map), file, camera, scene.shot->azimuth_deg, standing, insertion);
+}
 
 Surroundings surroundings_of(const SceneFile& scene, const ShotOptions& options, Vec3 standing, Camera* camera) {
   const ShotTrack& track = *scene.shot;
   if (!options.photo.empty()) return photo_surroundings(options.photo, options.photo_fov_deg, camera);
   if (options.panorama.empty())
     return room_surroundings(track.room, options.folder, options.threads, *camera, track.azimuth_deg, standing);
-  RadianceMap map = read_panorama(options.panorama);
-  fill_tripod(&map);
-  return panorama_surroundings(std::move(map), options.panorama, *camera, track.azimuth_deg, standing,
-                               k_unknown_depth_insertion);
+  return captured(scene, options.panorama, standing, k_object_insertion, *camera);
 }
 
 std::string network_of(const ShotOptions& options) {
   return options.network.empty() ? shipped_light_network() : options.network;
 }
 
-// The source of light that the options ask for. This runs before anything is traced, so a mistake is reported at once.
+// This runs before anything is traced, so a mistake is reported at once.
 LightSource source_of(const ShotOptions& options) {
-  const bool network = !network_of(options).empty(), photo = !options.photo.empty();
-  const LightSource source = options.light.value_or(network ? LightSource::estimate
-                                                    : photo ? LightSource::arbitrary
-                                                            : LightSource::labels);
-  if (source == LightSource::labels && photo)
-    throw Failure("cannot use \"--light labels\": a photograph has none. Take --light arbitrary, or a --panorama.");
-  if (source == LightSource::estimate && !network)
+  if (options.light == LightSource::truth && !options.photo.empty())
+    throw Failure("cannot use \"--light truth\": a photograph has none. Take another --light, or a --panorama.");
+  if (options.light == LightSource::estimate && network_of(options).empty())
     throw Failure(
-        "cannot estimate light: no lighting network is shipped here. Name one with --network, or take --light labels "
-        "or arbitrary.");
-  return source;
+        "cannot estimate light: no lighting network is shipped here. Name one with --network, or take --light room.");
+  return options.light;
 }
 
 const ColliderTrack& standing_track(const SceneFile& scene) {
@@ -79,16 +81,65 @@ ShotPictureOptions compared(uint32_t threads) {
   return options;
 }
 
-Picture labelled(Picture picture, const char* label) {
-  draw_text(&picture, 9, 9, 2, label, {0, 0, 0});
-  draw_text(&picture, 8, 8, 2, label, {255, 255, 255});
-  return picture;
+// Splits triangles with long edges: what is interpolated between corners is then not straight over a whole leg.
+void split(Mesh* mesh, double longest) {
+  std::vector<Vec3> corners;
+  for (const uint32_t i : mesh->indices) corners.push_back(from_floats(mesh->vertices.data() + 3 * size_t{i}));
+  Mesh fine;
+  while (!corners.empty()) {
+    Vec3 triangle[3];
+    for (size_t k = 3; k-- > 0;) triangle[k] = corners.back(), corners.pop_back();
+    size_t edge = 0;
+    const auto length_of = [&](size_t k) { return length(triangle[(k + 1) % 3] - triangle[k]); };
+    for (size_t k = 1; k < 3; ++k)
+      if (length_of(k) > length_of(edge)) edge = k;
+    const Vec3 a = triangle[edge], b = triangle[(edge + 1) % 3], c = triangle[(edge + 2) % 3];
+    if (length(b - a) > longest) {
+      const Vec3 middle = (a + b) * 0.5;
+      for (const Vec3 corner : {a, middle, c, middle, b, c}) corners.push_back(corner);
+      continue;
+    }
+    for (const Vec3 corner : triangle) {
+      fine.indices.push_back(static_cast<uint32_t>(fine.vertices.size() / 3));
+      for (const double x : {corner.x, corner.y, corner.z}) fine.vertices.push_back(static_cast<float>(x));
+    }
+  }
+  *mesh = std::move(fine);
 }
+
+// sandglass_shadow_surface of every corner of every triangle, by its own normal: creases stay sharp.
+std::vector<float> surface_of(const ColliderTrack& track, const Mesh& mesh) {
+  const std::string path = find_shadow(track.shadow);
+  const AlignedBytes file = read_aligned(path, "baked shadow");
+  const sandglass_shadow_info info = inspect_shadow(file, path);
+  if (info.surface_vertices == 0) return {};
+  const double scale = static_cast<double>(info.height) / track.size.y;
+  std::vector<float> places, normals;
+  for (size_t t = 0; t < mesh.indices.size(); t += 3) {
+    Vec3 corners[3];
+    for (size_t k = 0; k < 3; ++k)
+      corners[k] = from_floats(mesh.vertices.data() + 3 * static_cast<size_t>(mesh.indices[t + k])) * scale +
+                   from_floats(info.origin);
+    const Vec3 across = cross(corners[1] - corners[0], corners[2] - corners[0]);
+    const Vec3 normal = length(across) > 0.0 ? normalised(across) : Vec3{0, 1, 0};
+    for (const Vec3 corner : corners)
+      for (const auto& [array, v] : {std::pair(&places, corner), std::pair(&normals, normal)})
+        for (const double x : {v.x, v.y, v.z}) array->push_back(static_cast<float>(x));
+  }
+  std::vector<float> transfer(3 * places.size());
+  const char* reason = nullptr;
+  if (sandglass_shadow_surface(file.data(), file.size(), places.data(), normals.data(),
+                               static_cast<uint32_t>(places.size() / 3), transfer.data(), &reason) != SANDGLASS_OK)
+    throw cannot("read", path, reason);
+  return transfer;
+}
+
+constexpr uint32_t k_sky_share = 2;  // the texture of the room's light on sand is coarser by this
 
 }  // namespace
 
 const char* name_of(LightSource source) {
-  constexpr const char* k_names[] = {"labels", "estimate", "arbitrary"};
+  constexpr const char* k_names[] = {"room", "truth", "estimate", "nothing"};
   return k_names[static_cast<int>(source)];
 }
 
@@ -104,33 +155,87 @@ std::string shot_errors_text(const ShotErrors& e) {
   return text;
 }
 
-Mesh standing_object(const SceneFile& scene, const std::string& file) {
+namespace {
+
+// From one pose to another.
+void place(LitObject* object, const Quaternion& from, Vec3 at, const Quaternion& to, Vec3 there) {
+  const Quaternion turn = multiply(to, conjugate(from));
+  std::vector<float>& v = object->mesh.vertices;
+  for (size_t i = 0; i < v.size(); i += 3)
+    to_floats(rotate(turn, from_floats(v.data() + i) - at) + there, v.data() + i);
+  object->rotation = to;
+}
+
+}  // namespace
+
+LitObject standing_object(const SceneFile& scene, const std::string& file) {
   const ColliderTrack& track = standing_track(scene);
   MeshResult loaded = file.empty() ? make_named(track.mesh) : load_mesh(file);
   if (!loaded) throw Failure(loaded.error);
   stand_mesh(&loaded.mesh, track.size.y, file);
   require_baked_of(track, loaded.mesh, file.empty() ? track.mesh : file);
-  std::vector<float>& v = loaded.mesh.vertices;
-  for (size_t i = 0; i < v.size(); i += 3) {
-    const Vec3 at = rotate(track.rotation, Vec3{v[i], v[i + 1], v[i + 2]}) + track.position;
-    v[i] = static_cast<float>(at.x), v[i + 1] = static_cast<float>(at.y), v[i + 2] = static_cast<float>(at.z);
-  }
-  return loaded.mesh;
+  constexpr double k_longest = 1.0 / 16;  // of the height
+  LitObject object = {std::move(loaded.mesh), track.rotation, {}};
+  split(&object.mesh, k_longest * track.size.y);
+  object.transfer = surface_of(track, object.mesh);
+  place(&object, k_no_rotation, {}, track.rotation, track.position);
+  return object;
 }
 
-ShotShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_t frame,
-                             const std::vector<sandglass_collider>& colliders, std::span<const float> grains,
-                             float grain_radius, Vec3 towards) {
+SceneShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_t frame,
+                              const std::vector<sandglass_collider>& colliders, std::span<const float> grains,
+                              float grain_radius, const ShotLight& light) {
   StandingShadows standing(scene, isa);
-  standing.set_light(scene, frame, towards);
+  standing.set_light(scene, frame, main_direction_of(light));
+  standing.set_cells(scene, frame, light.ambient_cells);
   sandglass_shadow_run(standing.handles().data(), static_cast<uint32_t>(standing.handles().size()), ~0u);
-  ShotShadows shadows = {standing.drawn(colliders), {}, {}};
+  SceneShadows shadows;
+  standing.draw(colliders, &shadows);
   if (!scene.pile_shadow) return shadows;
-  PileShadow pile(*scene.pile_shadow, isa);
-  pile.set_light(towards);
+  PileShadow pile(*scene.pile_shadow, isa, scene.pile_shadow->texels / k_sky_share);
+  pile.set_light(main_direction_of(light));
+  pile.set_cells(light.ambient_cells);
   sandglass_pile_shadow_run(pile.handle(), grains.data(), static_cast<uint32_t>(grains.size() / 3), grain_radius, ~0u);
-  shadows.pile = {pile.drawn(false)}, shadows.pile_surface = {pile.drawn(true)};
+  pile.draw(&shadows);
   return shadows;
+}
+
+namespace {
+
+// A Gaussian along one axis; the border continues outside.
+RadianceMap blurred(const RadianceMap& map, double deviation, int step_x, int step_y) {
+  const int reach = static_cast<int>(std::ceil(3.0 * deviation));
+  RadianceMap out(map.width, map.height);
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x) {
+      Vec3 sum;
+      double all = 0.0;
+      for (int i = -reach; i <= reach; ++i) {
+        const double weight = std::exp(-i * i / (2.0 * deviation * deviation));
+        sum = sum +
+              map.colour(std::clamp(x + i * step_x, 0, map.width - 1), std::clamp(y + i * step_y, 0, map.height - 1)) *
+                  weight;
+        all += weight;
+      }
+      out.set(x, y, sum * (1.0 / all));
+    }
+  return out;
+}
+
+}  // namespace
+
+Picture developed(const RadianceMap& shown, double blur_pixels, uint64_t seed) {
+  // Of a sensor: noise of the light itself, and of reading it out.
+  constexpr double k_shot_noise = 4e-5, k_read_noise = 8e-4;
+  const RadianceMap map = blur_pixels > 0.05 ? blurred(blurred(shown, blur_pixels, 1, 0), blur_pixels, 0, 1) : shown;
+  Picture picture(map.width, map.height, {0, 0, 0});
+  for (size_t i = 0; i < map.rgb.size(); ++i) {
+    Random random = random_stream(i, k_noise_stream + seed);
+    const double x = static_cast<double>(map.rgb[i]);
+    const double normal = normal_deviate(&random);
+    picture.rgb[i] = srgb_byte(x + normal * std::sqrt(k_shot_noise * std::max(x, 0.0) + k_read_noise * k_read_noise));
+  }
+  return picture;
 }
 
 Shot::Shot(const SceneFile& scene, const ShotOptions& options)
@@ -138,11 +243,39 @@ Shot::Shot(const SceneFile& scene, const ShotOptions& options)
       camera_(*scene.camera),
       object_(standing_object(scene, options.mesh)),
       source_(source_of(options)),
-      estimate_(source_ == LightSource::estimate ? std::make_unique<LightEstimate>(network_of(options), options.isa)
-                                                 : nullptr),
+      network_(network_of(options).empty() ? nullptr
+                                           : std::make_unique<LightEstimate>(network_of(options), options.isa)),
       surroundings_(surroundings_of(scene, options, standing_track(scene).position, &camera_)),
       isa_(options.isa) {
-  if (surroundings_.has_truth()) labels_ = labelled_light(surroundings_);
+  if (surroundings_.has_truth()) {
+    // The truth is that of the last frame. The farther the object is carried, the farther it is in the room.
+    const Vec3 last = standing_at(scene.frames), eye = resting_camera(camera_).eye;
+    const auto away = [eye](Vec3 p) { return length(Vec3{p.x - eye.x, 0, p.z - eye.z}); };
+    const double insertion =
+        std::min(k_farthest_insertion, surroundings_.insertion * away(last) / away(standing_track(scene).position));
+    if (!options.later.empty()) {
+      later_ = captured(scene, options.later, last, insertion, camera_);
+      later_->exposure = surroundings_.exposure;
+    } else if (length(last - standing_track(scene).position) > 0.0) {
+      later_ = moved(surroundings_, camera_, last, insertion);
+    }
+    truth_ = around(scene.frames).true_light();
+  }
+  if (source_ == LightSource::room || source_ == LightSource::nothing) {
+    constexpr double k_of_run = 0.9;  // after that the light only settles
+    std::vector<SessionImage> images =
+        session_images(source_ == LightSource::room ? Session::everything : Session::table, 1);
+    const auto between =
+        static_cast<uint64_t>(1e9 * k_of_run * scene.frames * scene.frame_step / static_cast<double>(images.size()));
+    seen_ = std::make_unique<SeenLight>(surroundings_, resting_camera(camera_), standing_track(scene_).position,
+                                        std::move(images), between);
+  }
+  begin(0);  // what is shown before the first frame
+}
+
+Vec3 Shot::standing_at(uint32_t frame) const {
+  return from_floats(
+      collider_over_frame(standing_track(scene_), frame * scene_.frame_step, scene_.frame_step).position);
 }
 
 ShotCamera Shot::camera(uint32_t frame) const {
@@ -151,29 +284,30 @@ ShotCamera Shot::camera(uint32_t frame) const {
 }
 
 void Shot::begin(uint32_t frame) {
-  const ShotCamera held = camera(frame);
-  ShotLight light = arbitrary_light(resting_camera(camera_));
-  if (source_ == LightSource::labels) {
-    // The labels take the way of an estimate: into the camera's axes, then back through its pose.
-    light = labels_;
-    light.towards = held.to_scene(held.to_camera(labels_.towards));
+  const auto now = static_cast<uint64_t>(std::llround(1e9 * frame * scene_.frame_step));
+  ShotLight light;
+  if (source_ == LightSource::truth) {
+    light = *truth_;
   } else if (source_ == LightSource::estimate) {
-    const auto now = static_cast<uint64_t>(1e9 * frame * scene_.frame_step);
-    image_ = estimate_->take(surroundings_, held, now);
-    if (estimate_->valid()) light = estimate_->light();
+    image_ = network_->take(around(frame), camera(frame), now);
+    // Until there is an estimate, a light that an app makes up.
+    light = network_->valid() ? network_->light() : arbitrary_light(resting_camera(camera_), {1, 1, 1});
+  } else {
+    image_ = seen_->take(around(frame), now);
+    sandglass_light_estimate estimate = {};
+    if (network_) estimate = network_->now();
+    light = seen_->follow(standing_at(frame), scene_.frame_step, &estimate);
   }
   lights_.resize(frame);
   lights_.push_back(light);
 }
 
-ShotLight Shot::light(uint32_t frame) const {
-  if (lights_.empty()) return source_ == LightSource::labels ? labels_ : arbitrary_light(resting_camera(camera_));
-  return lights_[std::min<size_t>(frame, lights_.size() - 1)];
-}
+const ShotLight& Shot::light(uint32_t frame) const { return lights_[std::min<size_t>(frame, lights_.size() - 1)]; }
 
 double Shot::angle_deg(uint32_t frame) const {
-  if (!surroundings_.has_truth()) return -1.0;
-  return std::acos(std::clamp(dot(light(frame).towards, labels_.towards), -1.0, 1.0)) * 180.0 / 3.141592653589793;
+  if (!truth_) return -1.0;
+  const double cosine = dot(mean_direction_of(light(frame)), mean_direction_of(*truth_));
+  return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
 float Shot::drawn_radius(const Snapshot& snapshot) const {
@@ -182,49 +316,66 @@ float Shot::drawn_radius(const Snapshot& snapshot) const {
 }
 
 ShotPicture Shot::drawing_of(const Snapshot& snapshot) const {
-  return {object_, snapshot.grains, drawn_radius(snapshot)};
+  LitObject object = object_;
+  const ColliderTrack& track = standing_track(scene_);
+  // As the snapshot has it, at the end of its frame.
+  if (!track.motion.empty()) {
+    const auto index = static_cast<size_t>(&track - scene_.colliders.data());
+    const sandglass_collider& now = snapshot.colliders[index];
+    const Quaternion rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
+    place(&object, track.rotation, track.position, rotation, from_floats(now.position));
+  }
+  return {object, snapshot.grains, drawn_radius(snapshot)};
 }
 
-RadianceMap Shot::composite(const Snapshot& snapshot, const ShotLight& light, const ShotPictureOptions& options) const {
-  return drawing_of(snapshot).composite(surroundings_, camera(snapshot.frame), light,
-                                        {snapshot.shadows, snapshot.pile, snapshot.pile_surface}, CastShadow::textures,
-                                        options);
+Picture Shot::developed_as_seen(const RadianceMap& shown, uint64_t seed) const {
+  // A panorama's pixels are no smaller than they are.
+  constexpr double k_blur = 0.45;
+  const ShotCamera rest = resting_camera(camera_);
+  const double per_radian = rest.focal * shown.height;
+  const double of_room =
+      surroundings_.has_truth() ? surroundings_.panorama.width / (2.0 * std::numbers::pi) : surroundings_.photo_focal;
+  return developed(shown, k_blur * std::max(1.0, per_radian / of_room), seed);
 }
 
 Picture Shot::paint(const Snapshot& snapshot, int width, int height, uint32_t threads) const {
   ShotPictureOptions options;
   options.width = width, options.height = height, options.threads = threads;
-  return picture_of(composite(snapshot, light(snapshot.frame), options));
+  const RadianceMap shown =
+      drawing_of(snapshot).composite(around(snapshot.frame), camera(snapshot.frame), light(snapshot.frame),
+                                     snapshot.shadows, CastShadow::textures, options);
+  return developed_as_seen(shown, snapshot.frame);
 }
 
-Snapshot Shot::relit(const Snapshot& snapshot, Vec3 towards) const {
-  Snapshot now = snapshot;
-  ShotShadows shadows =
-      complete_shadows(scene_, isa_, now.frame, now.colliders, now.grains, drawn_radius(now), towards);
-  now.to_light = towards, now.shadows = std::move(shadows.object);
-  now.pile = std::move(shadows.pile), now.pile_surface = std::move(shadows.pile_surface);
-  return now;
+RadianceMap Shot::traced(const Snapshot& snapshot, uint32_t threads) const {
+  return drawing_of(snapshot).truth(around(snapshot.frame), camera(snapshot.frame), compared(threads));
 }
 
-RadianceMap Shot::traced(const Snapshot& snapshot, const std::string& folder, uint32_t threads) const {
-  RadianceMap real = drawing_of(snapshot).truth(surroundings_, camera(snapshot.frame), compared(threads));
-  write_png(folder + "/truth.png", picture_of(real));
-  return real;
+Shot::Drawn Shot::drawn(const Snapshot& snapshot, std::string name, const ShotLight& light, CastShadow cast,
+                        uint32_t threads) const {
+  const bool own = &light == &this->light(snapshot.frame);
+  const SceneShadows other = own ? SceneShadows{}
+                                 : complete_shadows(scene_, isa_, snapshot.frame, snapshot.colliders, snapshot.grains,
+                                                    drawn_radius(snapshot), light);
+  return {std::move(name), drawing_of(snapshot).composite(around(snapshot.frame), camera(snapshot.frame), light,
+                                                          own ? snapshot.shadows : other, cast, compared(threads))};
 }
 
-ShotErrors Shot::compare(const Snapshot& snapshot, const ShotLight& light, const RadianceMap& real,
-                         const std::string& folder, const std::string& name, uint32_t threads) const {
-  const RadianceMap picture = composite(snapshot, light, compared(threads));
-  RadianceMap difference(picture.width, picture.height), seen(picture.width, picture.height);
-  const std::vector<double> flips = flip_map(real, picture);
-  for (size_t i = 0; i < picture.rgb.size(); ++i) difference.rgb[i] = 4.0f * std::fabs(picture.rgb[i] - real.rgb[i]);
-  for (size_t i = 0; i < flips.size(); ++i)
-    for (size_t c = 0; c < 3; ++c) seen.rgb[3 * i + c] = static_cast<float>(flips[i]);
-  const Picture cells[] = {labelled(picture_of(picture), "composite"), labelled(picture_of(real), "path traced"),
-                           labelled(picture_of(difference), "difference x 4"), labelled(picture_of(seen), "FLIP")};
-  write_png(folder + "/composite" + name + ".png", picture_of(picture));
-  write_png(folder + "/beside_truth" + name + ".png", picture_grid(cells, 2, 4));
-  return shot_errors(real, picture);
+std::vector<Shot::Drawn> Shot::alternatives(const Snapshot& snapshot, uint32_t threads) const {
+  std::vector<Drawn> all;
+  SeenLight start(surroundings_, resting_camera(camera_), standing_track(scene_).position,
+                  session_images(Session::table, 1), 0);
+  start.take(around(snapshot.frame), 0);
+  const ShotLight usual = start.follow(standing_at(snapshot.frame), 0.0, nullptr);
+  all.push_back(drawn(snapshot, "no shadow", usual, CastShadow::none, threads));
+  if (network_) {
+    LightEstimate& network = *network_;
+    network.take(around(snapshot.frame), camera(snapshot.frame), 1'000'000'000'000);
+    network.finish();
+    all.push_back(drawn(snapshot, "one light", network.light(), CastShadow::textures, threads));
+  }
+  all.push_back(drawn(snapshot, "ambient shadow alone", usual, CastShadow::textures, threads));
+  return all;
 }
 
 }  // namespace sandglass::host

@@ -17,17 +17,18 @@
 
 namespace sandglass::host {
 
-// labels: of the panorama, what a perfect network would say. estimate: the library's, from the camera's image.
-// arbitrary: the light of an app that knows nothing of the room.
-enum class LightSource { labels, estimate, arbitrary };
+// room: as a session has seen it that looks around meanwhile. truth: as it is. estimate: one light by the network, and
+// nothing else. nothing: what is usual in a room, for all that the first image tells.
+enum class LightSource { room, truth, estimate, nothing };
 const char* name_of(LightSource source);
 
 struct ShotOptions {
-  std::string panorama, photo;       // a file, or empty: the scene's room
-  double photo_fov_deg = 0.0;        // diagonal
-  std::string mesh;                  // of the standing object; empty: the scene's
-  std::optional<LightSource> light;  // not given: an estimate where there is a network, else labels, else arbitrary
-  std::string network;               // a lighting network's file; empty: the shipped one, if there is one
+  std::string panorama, photo;  // a file, or empty: the scene's room
+  std::string later;            // the room from the middle of the run on, such as with a lamp switched off
+  double photo_fov_deg = 0.0;   // diagonal
+  std::string mesh;             // of the standing object; empty: the scene's
+  LightSource light = LightSource::room;
+  std::string network;  // a lighting network's file; empty: the shipped one, if there is one
   sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC;
   std::string folder;  // keeps the room's panorama; may be empty
   uint32_t threads = 1;
@@ -41,14 +42,17 @@ struct ShotErrors {
 ShotErrors shot_errors(const RadianceMap& truth, const RadianceMap& picture);
 std::string shot_errors_text(const ShotErrors& errors);
 
-// The mesh of the scene's first standing object, in the scene's frame. If `file` is not empty, it replaces the mesh
-// that the scene names. A Failure says that the shadow was baked from another shape.
-Mesh standing_object(const SceneFile& scene, const std::string& file);
+// The scene's first standing object. If `file` is not empty, it replaces the mesh that the scene names. A Failure says
+// that the shadow was baked from another shape.
+LitObject standing_object(const SceneFile& scene, const std::string& file);
 
-// The shadows that the scene's standing object and these grains cast in one light, complete, as a frame has them.
-ShotShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_t frame,
-                             const std::vector<sandglass_collider>& colliders, std::span<const float> grains,
-                             float grain_radius, Vec3 towards);
+// The shadows that the scene's standing object and these grains cast in a light, complete, as a frame has them.
+SceneShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_t frame,
+                              const std::vector<sandglass_collider>& colliders, std::span<const float> grains,
+                              float grain_radius, const ShotLight& light);
+
+// A picture as the camera hands it out: as blurred as the room behind it is, with the noise of a small sensor.
+Picture developed(const RadianceMap& shown, double blur_pixels, uint64_t seed);
 
 class Shot {
  public:
@@ -56,42 +60,55 @@ class Shot {
 
   LightSource source() const { return source_; }
   const Surroundings& surroundings() const { return surroundings_; }
+  // What stands behind a frame.
+  const Surroundings& around(uint32_t frame) const {
+    return later_ && frame >= scene_.frames / 2 ? *later_ : surroundings_;
+  }
   ShotCamera camera(uint32_t frame) const;
   // Call before each frame: decides what it is lit by. light() returns that from then on.
   void begin(uint32_t frame);
-  ShotLight light(uint32_t frame) const;
-  // The handle for the frame; null unless the light is estimated.
-  sandglass_light* estimator() const { return estimate_ ? estimate_->handle() : nullptr; }
+  const ShotLight& light(uint32_t frame) const;
+  // What the frame is given; null where there is none.
+  sandglass_light* estimator() const { return network_ ? network_->handle() : nullptr; }
+  sandglass_room* room() const { return seen_ ? seen_->handle() : nullptr; }
   const sandglass_camera_image* image() const { return image_; }
-  const ShotLight& labels() const { return labels_; }  // of the panorama; up and black without one
-  // Angle between the light of a frame and the labels, degrees; below 0 where there are none.
+  const std::optional<ShotLight>& truth() const { return truth_; }  // none of a photograph
+  // Angle between the middle of the floor's light of a frame and the true one, degrees; below 0 where there is none.
   double angle_deg(uint32_t frame) const;
 
   // The snapshot as the app composites it.
   Picture paint(const Snapshot& snapshot, int width, int height, uint32_t threads) const;
 
-  // What `compare` measures against: the snapshot path traced, and written as truth.png into `folder`.
-  RadianceMap traced(const Snapshot& snapshot, const std::string& folder, uint32_t threads) const;
-  // The snapshot lit so and composited, the truth, their difference times four and FLIP, side by side, into `folder` as
-  // beside_truth`name`.png, the composite as composite`name`.png; the errors. The snapshot's shadows must be of this
-  // light.
-  ShotErrors compare(const Snapshot& snapshot, const ShotLight& light, const RadianceMap& truth,
-                     const std::string& folder, const std::string& name, uint32_t threads) const;
-  // The snapshot with the shadows that object and sand cast in this light, complete.
-  Snapshot relit(const Snapshot& snapshot, Vec3 towards) const;
+  // What the others are measured against: the snapshot path traced.
+  RadianceMap traced(const Snapshot& snapshot, uint32_t threads) const;
+  // The snapshot in one light.
+  struct Drawn {
+    std::string name;
+    RadianceMap picture;
+  };
+  Drawn drawn(const Snapshot& snapshot, std::string name, const ShotLight& light, CastShadow cast,
+              uint32_t threads) const;
+  // What an app could draw instead of the snapshot: without a shadow, with one light, with the ambient shadow alone.
+  std::vector<Drawn> alternatives(const Snapshot& snapshot, uint32_t threads) const;
+  // Writes the picture that leads, what an app could draw instead, and the truth, with what the session has seen.
+  void write_sheet(const std::string& file, const Drawn& lead, std::span<const Drawn> beside,
+                   const RadianceMap& truth) const;
+  Picture developed_as_seen(const RadianceMap& shown, uint64_t seed) const;
 
  private:
   ShotPicture drawing_of(const Snapshot& snapshot) const;
-  RadianceMap composite(const Snapshot& snapshot, const ShotLight& light, const ShotPictureOptions& options) const;
+  Vec3 standing_at(uint32_t frame) const;
   float drawn_radius(const Snapshot& snapshot) const;  // of a grain
 
   SceneFile scene_;
   Camera camera_;
-  Mesh object_;
+  LitObject object_;
   LightSource source_;
-  std::unique_ptr<LightEstimate> estimate_;
+  std::unique_ptr<LightEstimate> network_;
   Surroundings surroundings_;
-  ShotLight labels_;
+  std::optional<Surroundings> later_;
+  std::unique_ptr<SeenLight> seen_;
+  std::optional<ShotLight> truth_;
   const sandglass_camera_image* image_ = nullptr;
   std::vector<ShotLight> lights_;  // of the frames so far
   sandglass_isa isa_;

@@ -3,7 +3,20 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/files/failure.h"
+
 namespace sandglass::host {
+
+void ShotCamera::pose(sandglass_camera_image* image) const {
+  // The columns of the pose of a camera that looks along its own -z with y up.
+  float matrix[16] = {};
+  const Vec3 axes[3] = {right, up, forward * -1.0};
+  for (int i = 0; i < 3; ++i) to_floats(axes[i], matrix + 4 * i);
+  matrix[15] = 1.0f;
+  if (sandglass_camera_orientation(matrix, image->orientation) == 0)
+    throw cannot("read", "camera", "its pose is no rotation", "Correct \"eye\" and \"target\"");
+  to_floats(eye, image->position);
+}
 
 ShotCamera resting_camera(const Camera& camera) {
   ShotCamera shot;

@@ -5,6 +5,7 @@
 #include "models/geometry/camera.h"
 #include "models/geometry/vec3.h"
 #include "models/simulation/scene_file.h"
+#include "sandglass/light.h"
 
 namespace sandglass::host {
 
@@ -19,6 +20,8 @@ struct ShotCamera {
   // In the camera's axes of lighting: x right, y down, z forward.
   Vec3 to_camera(Vec3 d) const { return {dot(d, right), -dot(d, up), dot(d, forward)}; }
   Vec3 to_scene(Vec3 d) const { return right * d.x - up * d.y + forward * d.z; }
+  // Into the image's orientation and position.
+  void pose(sandglass_camera_image* image) const;
 };
 
 // The camera of the scene, at rest.

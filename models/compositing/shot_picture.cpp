@@ -11,6 +11,8 @@
 #include "models/tracing/sphere_caster.h"
 #include "models/work/thread_pool.h"
 #include "runtime/core/random.h"
+#include "runtime/light/harmonics.h"
+#include "sandglass/shadow.h"
 
 namespace sandglass::host {
 
@@ -21,8 +23,8 @@ namespace {
 constexpr double k_pi = std::numbers::pi;
 constexpr double k_far = 1e3, k_lift = 2e-4;   // metres
 constexpr Vec3 k_object = {0.60, 0.44, 0.30};  // reflectance: varnished wood
-constexpr double k_open_reach = 0.5;           // metres; only what is nearer hides ambient light
-constexpr double k_contact_reach = 0.011;      // metres, a texel of the sand's shadow
+constexpr double k_depth_dark = 0.9;           // how fast it darkens below the sand's surface, as the library's own
+constexpr double k_deepest = 1.5;              // radii below the surface at which a grain is still seen
 constexpr double k_catcher_reach = 6.0;        // metres from the object's foot; no shadow falls beyond
 constexpr double k_above = 2.0;                // metres, higher than any sand
 constexpr int k_bounces = 3;
@@ -34,6 +36,7 @@ struct Hit {
   Surface surface = Surface::none;
   double distance = k_far;
   Vec3 point, normal, reflectance;
+  uint32_t triangle = 0;  // of the object
 };
 
 }  // namespace
@@ -41,12 +44,36 @@ struct Hit {
 struct ShotPicture::State {
   EmbreeScene object;
   SphereCaster grains;
+  LitObject standing;
   std::vector<float> centres;
+  double grain_radius;
 
-  State(const Mesh& mesh, std::span<const float> xyz, float radius)
-      : object(EmbreeScene::triangles(mesh.vertices, mesh.indices)),
+  State(const LitObject& of, std::span<const float> xyz, float radius)
+      : object(EmbreeScene::triangles(of.mesh.vertices, of.mesh.indices)),
         grains(xyz, radius),
-        centres(xyz.begin(), xyz.end()) {}
+        standing(of),
+        centres(xyz.begin(), xyz.end()),
+        grain_radius(static_cast<double>(radius)) {}
+
+  Vec3 corner(uint32_t triangle, uint32_t k) const {
+    const uint32_t vertex = standing.mesh.indices[3 * static_cast<size_t>(triangle) + k];
+    return from_floats(standing.mesh.vertices.data() + 3 * static_cast<size_t>(vertex));
+  }
+
+  // The nine numbers at a point of a triangle, between those of its corners.
+  std::array<double, k_harmonics> transfer_at(uint32_t triangle, Vec3 point) const {
+    const Vec3 a = corner(triangle, 0), ab = corner(triangle, 1) - a, ac = corner(triangle, 2) - a, ap = point - a;
+    const Vec3 normal = cross(ab, ac);
+    const double all = dot(normal, normal);
+    const double v = dot(cross(ap, ac), normal) / all, w = dot(cross(ab, ap), normal) / all;
+    const double weights[3] = {1.0 - v - w, v, w};
+    std::array<double, k_harmonics> values = {};
+    for (size_t k = 0; k < 3; ++k)
+      for (size_t j = 0; j < k_harmonics; ++j)
+        values[j] += weights[k] *
+                     static_cast<double>(standing.transfer[(3 * static_cast<size_t>(triangle) + k) * k_harmonics + j]);
+    return values;
+  }
 
   Hit closest(Vec3 origin, Vec3 direction) const {
     Hit hit;
@@ -59,7 +86,7 @@ struct ShotPicture::State {
       hit.surface = Surface::object, hit.distance = static_cast<double>(on_object.distance);
       hit.normal = on_object.unit_normal();
       if (dot(hit.normal, direction) > 0.0) hit.normal = hit.normal * -1.0;
-      hit.reflectance = k_object;
+      hit.reflectance = k_object, hit.triangle = on_object.primitive;
     }
     SphereHit on_grain;
     on_grain.distance = hit.distance;
@@ -104,8 +131,10 @@ Vec3 floor_reflectance(const Surroundings& room, const ShotCamera& camera, const
     const Vec3 to = Vec3{r * std::cos(turn), 0, r * std::sin(turn)} - camera.eye;
     radiance = radiance + look_up(room.panorama, to) * (1.0 / k_places);
   }
-  for (int i = 0; i < k_rays; ++i)
-    irradiance = irradiance + floor_light.sample({0, 1, 0}, random.uniform(), random.uniform()).weight * (1.0 / k_rays);
+  for (int i = 0; i < k_rays; ++i) {
+    const double second = random.uniform(), first = random.uniform();  // one order for every compiler
+    irradiance = irradiance + floor_light.sample({0, 1, 0}, first, second).weight * (1.0 / k_rays);
+  }
   const auto ratio = [](double b, double e) { return e > 0.0 ? std::clamp(k_pi * b / e, 0.02, 0.9) : 0.5; };
   return {ratio(radiance.x, irradiance.x), ratio(radiance.y, irradiance.y), ratio(radiance.z, irradiance.z)};
 }
@@ -116,63 +145,94 @@ double left_by(const std::vector<FloorShadow>& shadows, double x, double z) {
   return share;
 }
 
+// What the shadows leave at a place of the floor, or of the sand: of the light that is not the main light's, and of the
+// main light.
+struct Left {
+  double ambient = 1.0, main = 1.0;
+};
+
+// Each ambient shadow leaves s and a part of the other 1 - s; the parts multiply.
+double ambient_left(const std::vector<FloorShadow>& shadows, double s, double x, double z) {
+  double share = 1.0;
+  for (const FloorShadow& shadow : shadows)
+    share *= s < 1.0 ? std::max(0.0, floor_transparency(shadow, x, z) - s) / (1.0 - s) : 1.0;
+  return share;
+}
+
+Left left_on_floor(const SceneShadows& shadows, double s, double x, double z) {
+  return {ambient_left(shadows.ambient, s, x, z) * ambient_left(shadows.sky, s, x, z),
+          left_by(shadows.object, x, z) * left_by(shadows.pile, x, z)};
+}
+
+Left left_on_sand(const SceneShadows& shadows, const ShotLight& light, Vec3 p, double radius) {
+  const double s = static_cast<double>(light.main_share);
+  Left left = {ambient_left(shadows.ambient, s, p.x, p.z) * ambient_left(shadows.sky_on_sand, s, p.x, p.z),
+               left_by(shadows.pile_on_sand, p.x, p.z)};
+  for (const FloorShadow& heights : shadows.heights) {
+    const double surface = shadows.most_height * (1.0 - floor_transparency(heights, p.x, p.z));
+    // What is seen lies near the surface. Sand that falls is soon far below that of an older texture.
+    left.ambient /= 1.0 + k_depth_dark * std::clamp((surface - p.y) / radius, 0.0, k_deepest);
+  }
+  const Vec3 towards = main_direction_of(light);
+  if (towards.y > 0.0) {
+    // Where the main light through this point would meet the floor.
+    const Vec3 foot = p - towards * (p.y / towards.y);
+    left.main *= left_by(shadows.object, foot.x, foot.z);
+  }
+  return left;
+}
+
+// What grains that do not see the room see of each other.
+Vec3 among_equals(double open, Vec3 reflectance) {
+  const auto of = [open](double rho) { return open / (1.0 - rho * (1.0 - open)); };
+  return {of(reflectance.x), of(reflectance.y), of(reflectance.z)};
+}
+
 }  // namespace
 
-ShotPicture::ShotPicture(const Mesh& object, std::span<const float> grains, float grain_radius)
+ShotPicture::ShotPicture(const LitObject& object, std::span<const float> grains, float grain_radius)
     : state_(std::make_unique<State>(object, grains, grain_radius)) {}
 
 RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& camera, const ShotLight& light,
-                                   const ShotShadows& shadows, CastShadow cast,
+                                   const SceneShadows& shadows, CastShadow cast,
                                    const ShotPictureOptions& options) const {
-  const double half_angle = k_light_half_angle_deg * k_pi / 180.0;
-  const Vec3 opacity = shadow_opacity(light);
-  const bool textured = cast == CastShadow::textures || cast == CastShadow::no_curve;
-  const bool curve = cast != CastShadow::no_curve;
-  // The light's colours are means of what the camera shows. The radiance behind the ambient colour says how bright both
-  // are.
-  const double shown = luminance(light.ambient);
-  const double exposure = curve && shown > 0.0 ? luminance(room.radiance(light.ambient)) / shown : 1.0;
+  const bool textured = cast == CastShadow::textures;
+  const double s = static_cast<double>(light.main_share);
+  const Vec3 towards = main_direction_of(light);
+  float sh[3 * k_harmonics], turn[4];
+  for (size_t k = 0; k < 4; ++k) turn[k] = static_cast<float>(state_->standing.rotation[k]);
+  if (sandglass_shadow_turn_harmonics(light.sh, turn, sh, nullptr) != SANDGLASS_OK)
+    throw cannot("turn", "light", "its harmonics are not finite");
+  const auto blocked = [&](Vec3 start) { return towards.y > 0.0 && state_->blocked(start, towards, k_far); };
+  const auto floor_left = [&](const Hit& hit) {
+    if (cast == CastShadow::hard && length(hit.point) < k_catcher_reach)
+      return blocked(hit.point + hit.normal * k_lift) ? 1.0 - s : 1.0;
+    if (!textured) return 1.0;
+    const Left left = left_on_floor(shadows, s, hit.point.x, hit.point.z);
+    return (1.0 - s) * left.ambient + s * left.main;
+  };
+  const auto object_shown = [&](const Hit& hit) {
+    if (state_->standing.transfer.empty()) return shown_by(light, hit.normal);
+    const std::array<double, k_harmonics> transfer = state_->transfer_at(hit.triangle, hit.point);
+    Vec3 sum;
+    for (size_t j = 0; j < k_harmonics; ++j) sum = sum + from_floats(sh + 3 * j) * transfer[j];
+    return Vec3{std::max(sum.x, 0.0), std::max(sum.y, 0.0), std::max(sum.z, 0.0)};
+  };
+  const auto grain_shown = [&](const Hit& hit) {
+    const Vec3 all = shown_by(light, hit.normal), main = main_by_cosine(light, hit.normal);
+    const Vec3 without = all - main_in_harmonics(light, hit.normal);
+    const Vec3 rest = {std::max(without.x, 0.0), std::max(without.y, 0.0), std::max(without.z, 0.0)};
+    if (cast == CastShadow::hard) return rest + main * (blocked(hit.point + hit.normal * k_lift) ? 0.0 : 1.0);
+    if (!textured) return all;
+    const Left left = left_on_sand(shadows, light, hit.point, state_->grain_radius);
+    return product(rest, among_equals(left.ambient, hit.reflectance)) + main * left.main;
+  };
   RadianceMap picture(options.width, options.height);
-  const auto colour_of = [&](Vec3 direction, Random* random) {
+  const auto colour_of = [&](Vec3 direction) {
     const Hit hit = state_->closest(camera.eye, direction);
     if (hit.surface == Surface::none) return room.seen(camera, direction);
-    const Vec3 start = hit.point + hit.normal * k_lift;
-    if (hit.surface == Surface::floor) {
-      double left = 1.0;
-      if (textured)
-        left = left_by(shadows.object, hit.point.x, hit.point.z) * left_by(shadows.pile, hit.point.x, hit.point.z);
-      else if (cast == CastShadow::hard && light.towards.y > 0.0 && length(hit.point) < k_catcher_reach)
-        left = state_->blocked(start, light.towards, k_far) ? 0.0 : 1.0;
-      const Vec3 seen = room.seen(camera, direction);
-      if (!curve) return seen * (1.0 - (1.0 - left) * light.contrast);
-      return room.shown(product(room.radiance(seen), Vec3{1, 1, 1} - opacity * (1.0 - left)));
-    }
-    const double facing = std::max(0.0, dot(hit.normal, light.towards));
-    double open = facing > 0.0 ? 1.0 : 0.0;
-    const auto in_light = [&] {
-      return cap_direction(light.towards, std::cos(half_angle), random->uniform(), random->uniform());
-    };
-    if (open > 0.0 && hit.surface == Surface::object) {
-      open = state_->object.occluded(start, in_light(), k_far) ? 0.0 : 1.0;
-    } else if (open > 0.0 && textured) {
-      // Grains that touch are finer than a texel. Rays of a texel's length give their contact shadows.
-      open = state_->grains.occluded(start, in_light(), k_contact_reach) ? 0.0 : 1.0;
-      if (light.towards.y > 0.0) {
-        const Vec3 foot = hit.point - light.towards * (hit.point.y / light.towards.y);
-        open *= left_by(shadows.object, foot.x, foot.z) * left_by(shadows.pile_surface, hit.point.x, hit.point.z);
-      }
-    } else if (open > 0.0 && cast == CastShadow::hard) {
-      open = state_->blocked(start, light.towards, k_far) ? 0.0 : 1.0;
-    }
-    // A shadow removes only the part of the light that comes from one direction.
-    const double direct = facing * (1.0 - light.concentration * (1.0 - open));
-    // A surface that hides a part of the room is lit by the room too, and reflects its share.
-    const Hit around = state_->closest(start, cosine_direction(hit.normal, random->uniform(), random->uniform()));
-    const bool hidden =
-        (around.surface == Surface::object || around.surface == Surface::grain) && around.distance < k_open_reach;
-    const Vec3 ambient = hidden ? product(light.ambient, around.reflectance) : light.ambient;
-    const Vec3 radiance = product(hit.reflectance, light.light * direct + ambient) * exposure;
-    return curve ? room.shown(radiance) : limited(radiance);
+    if (hit.surface == Surface::floor) return room.seen(camera, direction) * floor_left(hit);
+    return limited(product(hit.reflectance, hit.surface == Surface::object ? object_shown(hit) : grain_shown(hit)));
   };
   ThreadPool(options.threads).run(static_cast<uint32_t>(options.height), [&](uint32_t row) {
     const int y = static_cast<int>(row);
@@ -180,9 +240,9 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
       Random random = random_stream(static_cast<uint64_t>(y) * 65536u + static_cast<uint64_t>(x), k_composite_stream);
       Vec3 sum;
       const int n = options.samples;
-      for (int s = 0; s < n * n; ++s) {
-        const double sx = x + (s % n + random.uniform()) / n, sy = y + (s / n + random.uniform()) / n;
-        sum = sum + colour_of(normalised(camera.ray(sx, sy, options.width, options.height)), &random);
+      for (int i = 0; i < n * n; ++i) {
+        const double sx = x + (i % n + random.uniform()) / n, sy = y + (i / n + random.uniform()) / n;
+        sum = sum + colour_of(normalised(camera.ray(sx, sy, options.width, options.height)));
       }
       picture.set(x, y, sum * (1.0 / (n * n)));
     }
@@ -239,8 +299,8 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
       int caught = 0, behind = 0;
       for (int i = 0; i < options.paths; ++i) {
         const auto even = [&](int k) { return lattice_point(shift[k], i, k_plane_steps[k]); };
-        const Vec3 direction =
-            normalised(camera.ray(x + random.uniform(), y + random.uniform(), options.width, options.height));
+        const double down = random.uniform(), across = random.uniform();
+        const Vec3 direction = normalised(camera.ray(x + across, y + down, options.width, options.height));
         const Hit hit = state_->closest(camera.eye, direction);
         if (hit.surface == Surface::none || (hit.surface == Surface::floor && length(hit.point) > k_catcher_reach)) {
           background = background + look_up(room.panorama, direction), ++behind;
@@ -249,9 +309,9 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
         const Vec3 start = hit.point + hit.normal * k_lift;
         Vec3 open;
         const Vec3 seen = direct(start, hit.normal, hit.surface, even(0), even(1), &open);
+        const double second = random.uniform(), first = random.uniform();
         const Vec3 indirect =
-            arriving(start, cosine_direction(hit.normal, random.uniform(), random.uniform()), k_bounces - 1, &random) *
-            k_pi;
+            arriving(start, cosine_direction(hit.normal, first, second), k_bounces - 1, &random) * k_pi;
         if (hit.surface == Surface::floor) {
           // Without what stands on it, a level floor gets no indirect light: it sends none to itself.
           with = with + seen + indirect, without = without + open;
@@ -268,7 +328,7 @@ RadianceMap ShotPicture::truth(const Surroundings& room, const ShotCamera& camer
         const double share = static_cast<double>(caught) / behind;
         radiance = radiance + product(background * (1.0 / n), kept * share + Vec3{1, 1, 1} * (1.0 - share));
       }
-      picture.set(x, y, limited(tone_mapped(radiance, room.white)));
+      picture.set(x, y, limited(radiance * room.exposure));
     }
   });
   return picture;
@@ -293,10 +353,10 @@ double ShotPicture::grain_lit(double x, double z, Vec3 towards, double half_angl
 #else
 
 struct ShotPicture::State {};
-ShotPicture::ShotPicture(const Mesh&, std::span<const float>, float) {
+ShotPicture::ShotPicture(const LitObject&, std::span<const float>, float) {
   throw Failure("cannot draw a shot: this build lacks Embree. Install it, configure and build again.");
 }
-RadianceMap ShotPicture::composite(const Surroundings&, const ShotCamera&, const ShotLight&, const ShotShadows&,
+RadianceMap ShotPicture::composite(const Surroundings&, const ShotCamera&, const ShotLight&, const SceneShadows&,
                                    CastShadow, const ShotPictureOptions&) const {
   return {};
 }

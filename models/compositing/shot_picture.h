@@ -1,24 +1,16 @@
 // One instant of a shot as a picture: composited as an app does, and path traced as the truth.
 //
-// Composite. The background is the camera's image. Compositing needs radiance, so the image goes through the inverse of
-// the camera's tone curve, and everything goes through the curve at the end. Where the curve is flat, a shadow or a
-// lamp makes less difference.
-//
-// The object and the grains take the directional light, by the cosine, and the ambient light. The floor keeps
-// 1 - (1 - nu) o_k of its radiance in each colour: nu is the share of the direct light that the textures leave, o_k the
-// direct light's share of all light (shadow_opacity). Grains are darkened by the pile's own texture at their place, and
-// by the object's texture where the light through them would meet the floor. Both darken only the part of the light
-// that one direction stands for (ShotLight). What a graphics engine would add is traced: the object's shadow on itself,
-// the contact shadows of grains on grains, and how open a point is to ambient light.
-//
-// The light's colours are means of tone mapped ones (labels.h). Both are made brighter by the factor that the inverse
-// curve gives the ambient luminance. The inverse of a mean is less than the mean of inverses, so objects stay a little
-// dark.
+// Composite. The background is the camera's image. The floor keeps A - s c of what the camera shows of it: A is what
+// the ambient shadows leave of the room's light, s the main light's share, c what the sharp textures cover. Object and
+// grains get the room's harmonics, the object by the nine numbers of its vertices, which know what it hides from
+// itself, a grain by its normal and by what the sand's texture leaves at its depth, less what the sharp textures take
+// of the main light. Grains are of one colour with their neighbours, so what one of them does not see of the room it
+// sees of sand that is as bright: v becomes v / (1 - rho (1 - v)). Nothing is traced but where things are.
 //
 // Truth. Object and grains stand in the light of the warped panorama, on a floor that only catches shadows and reflects
 // light. Where the floor is seen, the panorama's radiance is multiplied by the irradiance with what stands on it and
 // divided by that without (differential rendering, Debevec 1998). The floor's reflectance is that which explains its
-// own radiance around the object. The tone curve is the panorama's.
+// own radiance around the object. Both pictures go through the same camera.
 #pragma once
 
 #include <functional>
@@ -31,16 +23,21 @@
 #include "models/drawing/render.h"
 #include "models/mesh/mesh.h"
 #include "models/rooms/panorama.h"
+#include "models/simulation/floor_shadow.h"
 
 namespace sandglass::host {
 
 // What falls on the floor and the grains. textures: the library's. none: nothing. hard: an edge, traced to the middle
-// of the light. no_curve: the textures without any tone curve, multiplied onto the floor as the camera shows it, by the
-// contrast in all colours alike.
-enum class CastShadow { textures, none, hard, no_curve };
+// of the main light, and no other shadow.
+enum class CastShadow { textures, none, hard };
 
-struct ShotShadows {
-  std::vector<FloorShadow> object, pile, pile_surface;  // none of a kind: nothing is cast
+// An object as it is lit.
+struct LitObject {
+  Mesh mesh;                            // in the scene's frame, standing on y = 0
+  Quaternion rotation = k_no_rotation;  // from its own frame
+  // sandglass_shadow_surface of the three corners of each triangle: nine numbers a corner. Empty: the object does not
+  // know what it hides from itself, and is lit by its normals.
+  std::vector<float> transfer;
 };
 
 struct ShotPictureOptions {
@@ -52,15 +49,15 @@ struct ShotPictureOptions {
 
 class ShotPicture {
  public:
-  // `object` in the scene's frame, standing on y = 0. Needs Embree, else a Failure.
-  ShotPicture(const Mesh& object, std::span<const float> grains, float grain_radius);
+  // Needs Embree, else a Failure.
+  ShotPicture(const LitObject& object, std::span<const float> grains, float grain_radius);
   ~ShotPicture();
   ShotPicture(const ShotPicture&) = delete;
   ShotPicture& operator=(const ShotPicture&) = delete;
 
   // Linear, 0..1. Equal arguments give equal bits on any number of threads.
   RadianceMap composite(const Surroundings& room, const ShotCamera& camera, const ShotLight& light,
-                        const ShotShadows& shadows, CastShadow cast, const ShotPictureOptions& options) const;
+                        const SceneShadows& shadows, CastShadow cast, const ShotPictureOptions& options) const;
   // Surroundings must have a truth.
   RadianceMap truth(const Surroundings& room, const ShotCamera& camera, const ShotPictureOptions& options) const;
 

@@ -1,58 +1,50 @@
 // What stands behind a shot: a panorama, of which the camera sees excerpts, or a photograph, which it sees as it is.
 // The scene's frame is the panorama's, turned about y so that the scene's camera looks where it should. The camera's
 // eye is where the panorama was taken.
+//
+// The camera answers as a phone's does: it shows radiance times its exposure, and white where that is more than 1.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
 #include "models/compositing/shot_camera.h"
-#include "models/lighting/labels.h"
+#include "models/compositing/shot_light.h"
 #include "models/rooms/excerpt.h"
 #include "models/rooms/panorama.h"
 
 namespace sandglass::host {
 
-// Light as an app has it: from one direction and from everywhere, in the scene's frame, linear. `light` gives a surface
-// that faces it the irradiance pi * light. `ambient` is radiance.
-struct ShotLight {
-  Vec3 towards = {0, 1, 0};
-  Vec3 light, ambient;
-  double contrast = 0.0;
-  double concentration = 1.0;  // the share of `light` that one direction stands for; no single shadow removes more
-  double confidence = -1.0;    // of an estimate; below 0 if the light is not estimated
-};
-
 struct Surroundings {
   RadianceMap panorama;      // empty: a photograph
   RadianceMap warped;        // the panorama from where the object stands, its own centre at `view`
-  double white = 1.0;        // luminance of the panorama that is tone mapped to 1
+  double exposure = 1.0;     // by itself, of the camera at rest
   View view = {};            // towards where the object stands, on the level of the eye
+  double insertion = 0.0;    // how far that is, in radii of the panorama's sphere
   RadianceMap photo;         // linear, 0..1
   double photo_focal = 0.0;  // pixels
   std::string name;
 
   bool has_truth() const { return !panorama.rgb.empty(); }
-  // What the camera shows in a direction: linear, 0..1, as its tone curve leaves it.
+  // What the camera shows in a direction: linear, 0..1.
   Vec3 seen(const ShotCamera& camera, Vec3 direction) const;
-
-  // The radiance for what the camera shows, and back, through the camera's tone curve. A photograph's curve is not
-  // known: its linear values count as radiance.
-  Vec3 radiance(Vec3 shown) const { return has_truth() ? radiance_of(shown, white) : shown; }
-  Vec3 shown(Vec3 radiance) const;
+  // The light at the object as it is, in the picture's scale. Needs a truth.
+  ShotLight true_light() const { return scaled(light_of(warped, view), exposure); }
 };
-
-// The share of each colour of a level floor that an object in the light's way can remove. Over all colours it is the
-// contrast. It is greater for colours that come from the light more than from the surroundings:
-//   o_k = o c_k / Y(c) / (o c_k / Y(c) + (1 - o) a_k / Y(a))
-Vec3 shadow_opacity(const ShotLight& light);
 
 // Surroundings of a panorama. At rest `camera` looks along `azimuth_deg`. The light is that of the place `standing`,
 // where the object stands.
 Surroundings panorama_surroundings(RadianceMap panorama, const std::string& name, const Camera& camera,
                                    double azimuth_deg, Vec3 standing, double insertion);
 
-// A made-up room. Its panorama is kept in `folder` between runs; if `folder` is empty, it is traced each time.
+// The same, seen by the same camera, with the object elsewhere.
+Surroundings moved(const Surroundings& surroundings, const Camera& camera, Vec3 standing, double insertion);
+
+// A captured room's sphere is taken to be four times as far away as the object.
+constexpr double k_object_insertion = 0.25;
+
+// A made-up room. The one of the scene `shot` ships, large and free of noise (models/kept_rooms). Others are traced, and
+// kept in `folder` between runs unless that is empty.
 Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_t threads, const Camera& camera,
                                double azimuth_deg, Vec3 standing);
 
@@ -60,12 +52,11 @@ Surroundings room_surroundings(uint32_t seed, const std::string& folder, uint32_
 // view. Pictures are 4 : 3 and show what fits of a photograph of another shape.
 Surroundings photo_surroundings(const std::string& path, double diagonal_fov_deg, Camera* camera);
 
-// The labels of the panorama at the place of the object: what a perfect network would say. The contrast is the label's
-// times the highlight's concentration (labels.h): a shadow from one direction removes only the part of the highlight
-// that comes from there.
+// The label of the panorama at the object (labels.h): its direction, and its share of the floor's light as far as one
+// direction stands for it; with the true level. What a perfect network would say.
 ShotLight labelled_light(const Surroundings& surroundings);
 
-// The light of an app that knows nothing of the room: white, from the upper left behind the camera.
-ShotLight arbitrary_light(const ShotCamera& camera);
+// A light of 0.7 from the upper left behind the camera, which an app draws that knows nothing of the room.
+ShotLight arbitrary_light(const ShotCamera& camera, Vec3 irradiance);
 
 }  // namespace sandglass::host

@@ -1,5 +1,5 @@
-// An app in augmented reality. The camera looks around a room. In the light that it has seen stand a chair and a heap of
-// sand on the real floor, lit, with soft and sharp shadows: 4 ms a frame. The phone is made up; copy the rest.
+// An app in augmented reality. The camera looks around a room. In the light that it has seen stand a chair and a heap
+// of sand on the real floor, lit, with soft and sharp shadows: 4 ms a frame. The phone is made up; copy the rest.
 #include <cmath>
 #include <cstdio>
 
@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   sandglass_shadow_info chair{};
   sandglass::Shadow shadow;
   status = sandglass::inspect_shadow(shadow_desc.asset, shadow_desc.asset_bytes, &chair);
-  if (status) status = shadow.create(shadow_desc);
+  if (status) status = shadow.create(shadow_desc), shadow.run();  // a shadow from the first frame on
   if (status) status = sandglass::shadow_surface(shadow_desc, phone.chair, phone.chair_normals, &phone.chair_transfer);
   if (!status) return std::fprintf(stderr, "%s: %s\n", argv[1], status.reason), 1;
 
@@ -45,7 +45,6 @@ int main(int argc, char** argv) {
   if (status) status = scene.create(desc);
   if (status) status = scene.add(particles, grains);
   if (status) status = pile.create(pile_desc);
-
   std::vector<sandglass_grain> drawn(desc.granular.grain_capacity);  // stands for a mapped vertex buffer
   const sandglass_collider floor = sandglass::floor_at(0.0f);        // the plane that ARCore or ARKit found
   sandglass_shadow* const shadows[] = {shadow.get()};

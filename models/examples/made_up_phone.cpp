@@ -272,7 +272,7 @@ void MadeUpPhone::draw_arrow(const float direction[3]) {
   x /= length, y /= length;
   for (int i = 0; i < 60; ++i)
     for (int side = -i / 3; side <= i / 3; ++side) {
-      const float along = 100.0f - static_cast<float>(i) / 3.0f, aside = static_cast<float>(side) / 2.0f;
+      const float along = 110.0f - 0.7f * static_cast<float>(i), aside = 0.6f * static_cast<float>(side);
       const int px = static_cast<int>(0.5f * k_width + along * x - aside * y);
       const int py = static_cast<int>(0.5f * k_height + along * y + aside * x);
       for (int k = 0; k < 3; ++k) linear_[static_cast<size_t>(3 * (py * k_width + px) + k)] = k == 2 ? 0.1f : 0.8f;

@@ -1,5 +1,5 @@
-// What the example's app has from its platform: its own files, a camera that adapts and clips, held by a hand that looks
-// at the floor, then around the room, then at the floor again; and something that draws over its image. 320 x 240
+// What the example's app has from its platform: its own files, a camera that adapts and clips, held by a hand that
+// looks at the floor, then around the room, then at the floor again; and something that draws over its image. 320 x 240
 // pixels; the same on every machine but for libm.
 #pragma once
 

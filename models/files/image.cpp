@@ -101,6 +101,18 @@ void draw_text(Picture* picture, int x, int y, int scale, std::string_view text,
   }
 }
 
+Picture halved(const Picture& picture) {
+  Picture half(picture.width / 2, picture.height / 2, {0, 0, 0});
+  for (int y = 0; y < half.height; ++y)
+    for (int x = 0; x < half.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        half.at(x, y)[c] =
+            static_cast<uint8_t>((picture.at(2 * x, 2 * y)[c] + picture.at(2 * x + 1, 2 * y)[c] +
+                                  picture.at(2 * x, 2 * y + 1)[c] + picture.at(2 * x + 1, 2 * y + 1)[c] + 2) /
+                                 4);
+  return half;
+}
+
 Picture picture_grid(std::span<const Picture> pictures, int columns, int gap) {
   if (pictures.empty()) return {};
   const int width = pictures[0].width, height = pictures[0].height;

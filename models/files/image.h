@@ -41,6 +41,9 @@ void fill_rectangle(Picture* picture, int x, int y, int width, int height, Colou
 // A grid of pictures of equal size, with `gap` white pixels between and around them.
 Picture picture_grid(std::span<const Picture> pictures, int columns, int gap);
 
+// The mean of 2 x 2 pixels. A last odd row or column is left out.
+Picture halved(const Picture& picture);
+
 // Reads a picture as 8-bit sRGB. A Failure names the file.
 Picture read_picture(const std::string& path);
 // The same for an image of a data set, which has 256 x 192 pixels. Throws a Failure for any other size.

@@ -3,8 +3,10 @@
 
 #include "models/files/atomic_file.h"
 #include "models/laboratory/light/lighting_bench.h"
+#include "models/laboratory/room/room_bench.h"
 #include "models/lighting/excerpts.h"
 #include "models/program/bench.h"
+#include "models/work/progress.h"
 
 namespace sandglass::host {
 
@@ -61,6 +63,16 @@ void print_operators(const LightingBench& result) {
   std::puts("");
 }
 
+void print_and_keep(const RoomBench& room, Bench* bench) {
+  std::printf("\n%-26s %8s %8s %12s\n", "room, 640 x 480", "ms", "units", "longest, us");
+  for (const RoomBenchRow& r : room.rows) {
+    std::printf("%-26s %8.3f %8u %12.1f\n", r.name.c_str(), r.ms, r.units, r.unit_us);
+    bench->keep("room, " + r.name, "ms", "ms", r.ms, 1, "portable");
+    if (r.units > 0) bench->keep("room, " + r.name, "longest_unit_us", "us", r.unit_us, 1, "portable");
+  }
+  std::printf("%.1f KiB\n", static_cast<double>(room.bytes) / 1024);
+}
+
 }  // namespace
 
 void bench_lighting(const BenchOptions& options, Bench* bench) {
@@ -81,6 +93,7 @@ void bench_lighting(const BenchOptions& options, Bench* bench) {
   print_and_keep_images(result, bench);
   print_operators(result);
   if (!result.has_xnnpack) std::puts("XNNPACK is not in this build: its rows are left out");
+  if (!interrupted()) print_and_keep(bench_room(), bench);
 }
 
 }  // namespace sandglass::host

@@ -20,7 +20,6 @@ namespace {
 using Options = std::vector<CommandOption>;
 
 constexpr const char* k_panoramas = "Files that end in .hdr or .exr, or folders of them";
-constexpr const char* k_object = "Object that is lit: a mesh file, or the name of a generated mesh";
 constexpr const char* k_shipped = "the shipped one";
 constexpr const char* k_scene = "the scene's";
 constexpr const char* k_scene_argument = "Scene file, or the name of a shipped scene";
@@ -40,12 +39,15 @@ Options run_options(RunOptions& o) {
       standard(k_scene, {"--frames", &o.frames, "N", "Frames to run", whole_number(1, 100'000'000)}),
       standard(k_scene, {"--budget-ms", &o.budget_ms, "MS", "Budget of a frame, ms", number(0, 1e6)}),
       {"--panorama", &o.panorama, "FILE", "For a shot: the room, .hdr or .exr"},
+      needs("--panorama",
+            {"--later", &o.later, "FILE", "That room from the middle of the run on: a lamp is switched off"}),
       needs("--fov", excludes("--panorama",
                               {"--photo", &o.photo, "FILE", "For a shot: a photograph behind the scene, PNG or JPEG"})),
       needs("--photo", standard("", {"--fov", &o.fov_deg, "DEGREES",
                                      "Field of view of --photo across the diagonal, degrees", number(5, 150)})),
-      {"--light", &o.light, "KIND", "For a shot: light of the panorama's labels, of the network, or any other",
-       one_of({"labels", "estimate", "arbitrary"})},
+      {"--light", &o.light, "KIND",
+       "For a shot: the room as a session sees it, the truth, one light by the network, or nothing known",
+       one_of({"room", "truth", "estimate", "nothing"})},
       standard(k_shipped, {"--network", &o.network, "FILE", "For a shot: the lighting network"}),
       threads_option(o.threads),
       isa_option(o.isa),
@@ -184,10 +186,11 @@ Options sample_options(SampleOptions& o) {
 Options room_options(RoomOptions& o) {
   return {
       seed_option(o.seed, "Equal seeds give equal rooms"),
-      output(o.output, "FILE", "Write the panorama to this file, .hdr; its depth goes beside it"),
+      output(o.output, "FILE", "Write the panorama to this file, .hdr, with its depth beside it; or .jpg, to ship"),
       {"--picture", &o.picture, "FILE", "Also write a tone-mapped picture, .png"},
       {"--width", &o.width, "N", "Width in pixels, even; the height is half of it", whole_number(16, 8192)},
       {"--samples", &o.samples, "N", "Paths a pixel", whole_number(1, 65536)},
+      {"--lamps-off", &o.lamps_off, "", "By daylight alone, as the camera sees it that was exposed with lamps on"},
       threads_option(o.threads),
   };
 }
@@ -263,8 +266,7 @@ std::vector<CommandGroup> commands() {
                                 "Say what a file is: a recording, a shadow, a lighting network, a scene or a mesh",
                                 inspect_options, inspect_command)}},
       {"Make what an app loads",
-       {bake(), command<SampleOptions>("sample", "Fill or cover a mesh with points",
-                                       sample_options, sample_command)}},
+       {bake(), command<SampleOptions>("sample", "Fill or cover a mesh with points", sample_options, sample_command)}},
       {"Train the lighting network",
        {command<RoomOptions>("room", "Make up an indoor room and trace its HDR panorama", room_options, room_command),
         command<DatasetOptions>("dataset", "Cut camera images and light labels out of HDR panoramas", dataset_options,

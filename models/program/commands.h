@@ -18,7 +18,7 @@ constexpr int k_exit_done = 0, k_exit_check_failed = 1, k_exit_bad_input = 2, k_
 
 struct RunOptions {
   std::string scene, mesh, collider_mesh, clock = "real", isa = "automatic", record, replay, out;
-  std::string panorama, photo, asset, light, network;
+  std::string panorama, later, photo, asset, light, network;
   uint32_t frames = 0, threads = 1;  // frames 0: the scene's
   double budget_ms = -1.0;           // below 0: the scene's
   double fov_deg = 0.0;
@@ -53,6 +53,7 @@ struct RoomOptions {
   uint64_t seed = 1;
   int width = 512, samples = 64;  // of the panorama, and paths a pixel
   uint32_t threads = 1;
+  bool lamps_off = false;
 };
 int room_command(const RoomOptions& options);
 

@@ -83,6 +83,22 @@ void compare(const LightValues& truth, const LightOutputs& bytes, Differences* t
 
 }  // namespace
 
+// What a camera makes of the room's colours with its lamps on, by a small panorama.
+static Vec3 exposure_of(const Room& room, uint32_t threads) {
+  const RadianceMap traced = trace_room(room, {64, 64, threads}).radiance;
+  RadianceMap exposed = traced;
+  expose(&exposed, room.key);
+  // Its darkest pixel is not cut off.
+  size_t darkest = 0;
+  const auto at = [](const RadianceMap& map, size_t i) { return from_floats(map.rgb.data() + 3 * i); };
+  for (size_t i = 0; 3 * i < traced.rgb.size(); ++i) {
+    const Vec3 c = at(traced, i);
+    if (std::min({c.x, c.y, c.z}) > 0.0 && luminance(c) < luminance(at(traced, darkest))) darkest = i;
+  }
+  const Vec3 before = at(traced, darkest), after = at(exposed, darkest);
+  return {after.x / before.x, after.y / before.y, after.z / before.z};
+}
+
 // One procedural room as a panorama, its depth, and a picture for the eye.
 int room_command(const RoomOptions& options) {
   listen_for_interrupt();
@@ -90,13 +106,23 @@ int room_command(const RoomOptions& options) {
   if (options.width % 2 != 0)
     throw cannot("use --width", std::to_string(options.width), "a panorama is half as high as wide",
                  "Give an even number");
-  const Room room = make_room(options.seed);
+  Room room = make_room(options.seed);
+  const Vec3 exposure = options.lamps_off ? exposure_of(room, options.threads) : Vec3{};
+  if (options.lamps_off)
+    for (Emitter& lamp : room.emitters) lamp.radiance = {};  // windows have none of their own
   RoomPanorama made = trace_room(room, {options.width, options.samples, options.threads});
   if (interrupted()) return k_exit_interrupted;
-  expose(&made.radiance, room.key);
+  if (!options.lamps_off) expose(&made.radiance, room.key);
+  for (int v = 0; v < made.radiance.height && options.lamps_off; ++v)
+    for (int u = 0; u < made.radiance.width; ++u)
+      made.radiance.set(u, v, product(made.radiance.colour(u, v), exposure));
   const RadianceMap& map = made.radiance;
   // The panorama is written last, so if it exists, everything does.
   if (!options.picture.empty()) write_png(options.picture, tone_mapped_picture(map, greatest_luminance(map)));
+  if (options.output.ends_with(".jpg")) {
+    write_kept_room(options.output, map);
+    return 0;
+  }
   write_npy(stem + "_depth.npy", made.depth, static_cast<uint64_t>(map.height), static_cast<uint64_t>(map.width));
   write_hdr(options.output, map);
   std::printf("room %llu, %d x %d, brightest %.4g, depth in %s_depth.npy\n",

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numbers>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
@@ -45,13 +46,18 @@ Run::Run(const RunOptions& options) : options_(options), scene_(load_scene(optio
   simulation_->add(material);
   shadows_.emplace(scene_, isa);
   if (scene_.pile_shadow) {
-    pile_.emplace(*scene_.pile_shadow, isa);
+    pile_.emplace(*scene_.pile_shadow, isa, scene_.shot ? scene_.pile_shadow->texels / 2 : 0);
     simulation_->cast(pile_->handle());
   }
   begin_report();
   if (!options_.out.empty()) {
     std::vector<sandglass_collider> colliders = colliders_over_frame(scene_, 0);
     add_rigid_shapes(scene_, simulation_->handle(), 0.0, &colliders);
+    if (shot_) {
+      // An app shows an object when its shadow is there.
+      light_shadows(0);
+      sandglass_shadow_run(shadows_->handles().data(), static_cast<uint32_t>(shadows_->handles().size()), ~0u);
+    }
     take_snapshot(0, std::move(colliders));
   }
   expect_start(sandglass_scene_hash(simulation_->handle()));
@@ -94,17 +100,17 @@ void Run::take_shot() {
     throw cannot("use --panorama, --photo, --light or --network with", scene_.source, "the scene is no shot",
                  "Leave them out, or run a shot, such as \"shot\"");
   if (!scene_.shot) return;
-  if (!options_.network.empty() && !options_.light.empty() && options_.light != name_of(LightSource::estimate))
-    throw Failure("cannot use \"--network\" with \"--light " + options_.light +
-                  "\": a network estimates the light. Leave one of them out.");
+  if (!options_.network.empty() && options_.light == name_of(LightSource::truth))
+    throw Failure("cannot use \"--network\" with \"--light truth\": nothing is estimated. Leave one of them out.");
   if (!options_.collider_mesh.empty() && options_.asset.empty())
     throw Failure(
         "cannot use \"--object\" without \"--asset\": the object needs its own shadow. Bake it with sandglass bake and "
         "name it with --asset.");
   ShotOptions o;
-  o.panorama = options_.panorama, o.photo = options_.photo, o.photo_fov_deg = options_.fov_deg;
+  o.panorama = options_.panorama, o.later = options_.later, o.photo = options_.photo,
+  o.photo_fov_deg = options_.fov_deg;
   o.mesh = options_.collider_mesh, o.folder = options_.out, o.threads = drawing_threads();
-  for (const LightSource source : {LightSource::labels, LightSource::estimate, LightSource::arbitrary})
+  for (const LightSource source : {LightSource::room, LightSource::truth, LightSource::estimate, LightSource::nothing})
     if (options_.light == name_of(source)) o.light = source;
   o.network = options_.network, o.isa = find_isa(options_.isa);
   shot_.emplace(scene_, o);
@@ -140,32 +146,45 @@ void Run::begin_report() {
 
 uint64_t Run::hash() const {
   const uint64_t of_pile = pile_ ? sandglass_pile_shadow_hash(pile_->handle()) : 0;
-  return sandglass_scene_hash(simulation_->handle()) + shadows_->hash() + of_pile;
+  const uint64_t of_room = shot_ && shot_->room() != nullptr ? sandglass_room_hash(shot_->room()) : 0;
+  return sandglass_scene_hash(simulation_->handle()) + shadows_->hash() + of_pile + of_room;
 }
 
 // The light with which the frame is drawn.
 FrameLight Run::light_of(uint32_t frame) const {
   FrameLight light;
-  if (!shot_ && !scene_.light) return light;
-  ShotLight now;
-  if (shot_) now = shot_->light(frame);
-  else now.towards = scene_.light->towards(static_cast<double>(frame) / scene_.frames);
   const auto put = [](Vec3 from, double(&to)[3]) { to[0] = from.x, to[1] = from.y, to[2] = from.z; };
-  light.known = true, light.coloured = shot_.has_value();
-  put(normalised(now.towards), light.towards), put(now.light, light.light), put(now.ambient, light.ambient);
-  light.contrast = now.contrast, light.confidence = now.confidence;
+  if (scene_.light) {
+    light.known = true;
+    put(normalised(scene_.light->towards(static_cast<double>(frame) / scene_.frames)), light.towards);
+  }
+  if (!shot_) return light;
+  // What a white surface shows that faces the main light, and what a white floor shows of the rest.
+  const ShotLight& now = shot_->light(frame);
+  const double share = static_cast<double>(now.main_share);
+  light.known = light.coloured = true;
+  put(mean_direction_of(now), light.towards);
+  put(main_by_cosine(now, main_direction_of(now)), light.light);
+  put(irradiance_of(now) * ((1.0 - share) / std::numbers::pi), light.ambient);
+  light.contrast = share, light.confidence = static_cast<double>(now.seen);
   return light;
+}
+
+void Run::light_shadows(uint32_t frame) {
+  if (!shot_ && !scene_.light) return;
+  const Vec3 towards = shot_ ? main_direction_of(shot_->light(frame))
+                             : scene_.light->towards(static_cast<double>(frame) / scene_.frames);
+  shadows_->set_light(scene_, frame, towards);
+  if (pile_) pile_->set_light(towards);
+  if (!shot_) return;
+  shadows_->set_cells(scene_, frame, shot_->light(frame).ambient_cells);
+  if (pile_) pile_->set_cells(shot_->light(frame).ambient_cells);
 }
 
 // Runs one frame, by clock and budget or as recorded.
 sandglass_frame_report Run::advance(uint32_t frame, std::vector<sandglass_collider>* colliders) {
-  if (shot_) simulation_->see(shot_->estimator(), shot_->image());
-  if (shot_ || scene_.light) {
-    const Vec3 towards =
-        shot_ ? shot_->light(frame).towards : scene_.light->towards(static_cast<double>(frame) / scene_.frames);
-    shadows_->set_light(scene_, frame, towards);
-    if (pile_) pile_->set_light(towards);
-  }
+  if (shot_) simulation_->see(shot_->estimator(), shot_->room(), shot_->image());
+  light_shadows(frame);
   simulation_->flow(flow_over_frame(scene_, frame * scene_.frame_step));
   if (options_.replay.empty()) {
     *colliders = colliders_over_frame(scene_, frame);
@@ -187,11 +206,11 @@ void Run::take_snapshot(uint32_t frame, std::vector<sandglass_collider> collider
   snapshot.frame = frame, snapshot.time = frame * scene_.frame_step;
   snapshot.grains = present(simulation_->grain_positions()),
   snapshot.particles = present(simulation_->particle_positions());
-  snapshot.shadows = shadows_->drawn(colliders);
-  if (pile_) snapshot.pile = {pile_->drawn(false)}, snapshot.pile_surface = {pile_->drawn(true)};
+  shadows_->draw(colliders, &snapshot.shadows);
+  if (pile_) pile_->draw(&snapshot.shadows);
   snapshot.colliders = std::move(colliders);
   if (scene_.light) snapshot.to_light = scene_.light->towards(static_cast<double>(frame) / scene_.frames);
-  if (shot_) snapshot.to_light = shot_->light(frame).towards;
+  if (shot_) snapshot.to_light = main_direction_of(shot_->light(frame));
   snapshots_.push_back(std::move(snapshot));
 }
 

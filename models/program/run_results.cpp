@@ -15,6 +15,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr int k_figure_quality = 92;  // JPEG
+
 void write_reports(const std::string& folder, const RunReport& report) {
   struct Part {
     const char* file;
@@ -100,37 +102,38 @@ PictureSet Run::picture_set() const {
 void Run::describe_light(PicturePaths* paths, uint32_t threads) const {
   std::printf("light          %s, of %s\n", name_of(shot_->source()), shot_->surroundings().name.c_str());
   if (const double angle = shot_->angle_deg(snapshots_.back().frame); angle >= 0.0)
-    std::printf("               %.1f degrees from the labels in the last frame\n", angle);
-  if (shot_->surroundings().has_truth() && !interrupted()) {
-    const std::vector<PageFigure> figures = beside_truth(threads);
-    paths->figures.insert(paths->figures.begin(), figures.begin(), figures.end());
-  }
+    std::printf("               the middle of the floor's light is %.1f degrees off in the last frame\n", angle);
+  if (!shot_->truth() || interrupted()) return;
+  std::vector<PageFigure> figures = beside_truth(threads);
+  paths->figures.insert(paths->figures.begin(), figures.begin(), figures.end());
 }
 
-// The last picture beside its truth. If its light is not that of the labels, the same instant in the labels' light
-// comes first. It shows what renderer and shadow can do with the right light.
+// The last picture, what an app could draw instead, and the truth: a sheet, and pairs for the page.
 std::vector<PageFigure> Run::beside_truth(uint32_t threads) const {
   const Snapshot& last = snapshots_.back();
-  const RadianceMap truth = shot_->traced(last, options_.out, threads);
-  const auto file = [&](const std::string& name) {
-    const std::string content = read_file((fs::path(options_.out) / (name + ".png")).string(), "picture");
-    return ImageFile(content.begin(), content.end());
+  const RadianceMap truth = shot_->traced(last, threads);
+  const Shot::Drawn lead = shot_->drawn(last, "sandglass", shot_->light(last.frame), CastShadow::textures, threads);
+  const std::vector<Shot::Drawn> beside = shot_->alternatives(last, threads);
+  const auto picture = [&](const char* name, const RadianceMap& shown, uint64_t seed) {
+    const Picture made = shot_->developed_as_seen(shown, seed);
+    write_png((fs::path(options_.out) / name).string(), made);
+    return jpeg_file(made, k_figure_quality);
   };
-  std::vector<PageFigure> figures;
-  const auto compare = [&](const Snapshot& lit, const ShotLight& light, const std::string& name,
-                           const std::string& title) {
-    const std::string errors = shot_errors_text(shot_->compare(lit, light, truth, options_.out, name, threads));
-    std::printf("beside truth   %s: %s\n", title.c_str(), errors.c_str());
-    std::printf("               %s\n", (fs::path(options_.out) / ("beside_truth" + name + ".png")).string().c_str());
-    figures.push_back({"Composite and truth: " + title, errors, file("composite" + name), file("truth"), "composite",
-                       "path traced", false});
-  };
-  if (shot_->source() != LightSource::labels)
-    compare(shot_->relit(last, shot_->labels().towards), shot_->labels(), "_labels", "lit by the true labels");
-  const char* title = shot_->source() == LightSource::labels     ? "lit by the true labels"
-                      : shot_->source() == LightSource::estimate ? "lit by the network's estimate"
-                                                                 : "lit by an arbitrary light";
-  compare(last, shot_->light(last.frame), "", title);
+  const ImageFile traced = picture("truth.png", truth, 1), composite = picture("composite.png", lead.picture, 2);
+  const std::string errors = shot_errors_text(shot_errors(truth, lead.picture));
+  std::printf("beside truth   %-20s  %s\n", lead.name.c_str(), errors.c_str());
+  std::vector<PageFigure> figures = {
+      {"Composite and truth", errors, composite, traced, "composite", "path traced", false}};
+  for (const Shot::Drawn& other : beside) {
+    const std::string text = shot_errors_text(shot_errors(truth, other.picture));
+    std::printf("               %-20s  %s\n", other.name.c_str(), text.c_str());
+    figures.push_back({"Instead: " + other.name, text,
+                       jpeg_file(shot_->developed_as_seen(other.picture, 3), k_figure_quality), composite, other.name,
+                       "composite", false});
+  }
+  const std::string sheet = (fs::path(options_.out) / "shot.png").string();
+  shot_->write_sheet(sheet, lead, beside, truth);
+  std::printf("               %s\n", sheet.c_str());
   return figures;
 }
 
@@ -139,15 +142,15 @@ PageContent Run::page_content(std::vector<PageFigure> figures) const {
   content.figures = std::move(figures);
   content.tables.push_back({"Scene", "", {}, scene_facts(scene_)});
   content.tables.push_back({"Machine", "", {}, machine_facts()});
-  if (shot_ && shot_->source() != LightSource::labels && shot_->surroundings().has_truth() && !report_.frames.empty()) {
-    LightSeries labels = {"labels", {}};
-    const Vec3 d = shot_->labels().towards;
+  if (shot_ && shot_->truth() && shot_->source() != LightSource::truth && !report_.frames.empty()) {
+    LightSeries truth = {"truth", {}};
+    const Vec3 d = mean_direction_of(*shot_->truth());
     for (const FrameRow& row : {report_.frames.front(), report_.frames.back()}) {
       LightSample sample;
       sample.time = row.report.simulated_time, sample.direction = {d.x, d.y, d.z};
-      labels.samples.push_back(sample);
+      truth.samples.push_back(sample);
     }
-    content.light.push_back(std::move(labels));
+    content.light.push_back(std::move(truth));
   }
   return content;
 }

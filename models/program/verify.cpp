@@ -148,25 +148,26 @@ Options verify_lighting_options(VerifyOptions& o) {
 }
 
 Options verify_room_options(VerifyOptions& o) {
-  return {
-      standard("the interiors and studios of SANDGLASS_DATA_DIR",
-               {"--panoramas", &o.panoramas, "FILES", "Files that end in .hdr or .exr, or folders of them"}),
-      {"--manifest", &o.manifest, "FILE",
-       "CSV with the columns file, group and fold: which panoramas show the same place"},
-      standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates one light"}),
-      {"--place", &o.place, "R", "Where the object stands: radii of the room ahead of the camera", number(0.0, 0.8)},
-      {"--untold", &o.untold, "", "The app does not say how images were exposed"},
-      {"--quick", &o.quick, "", "The shipped constants, which saw these places; a quarter of the sessions"},
-      {"--out", &o.out, "FOLDER", "Write the tables into this folder"},
-      seed_option(o.seed, "How the phone sways"),
-      threads_option(o.threads),
-      json_option(o.json)};
+  return {standard("the interiors and studios of SANDGLASS_DATA_DIR",
+                   {"--panoramas", &o.panoramas, "FILES", "Files that end in .hdr or .exr, or folders of them"}),
+          {"--manifest", &o.manifest, "FILE",
+           "CSV with the columns file, group and fold: which panoramas show the same place"},
+          standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates one light"}),
+          {"--quick", &o.quick, "", "The shipped constants, which saw these places; a quarter of the sessions"},
+          {"--pictures", &o.pictures, "", "Also the whole pictures of verify shot: every claim in one table"},
+          {"--out", &o.out, "FOLDER", "Write the tables into this folder"},
+          seed_option(o.seed, "How the phone sways"),
+          threads_option(o.threads),
+          json_option(o.json)};
 }
 
 Options verify_shot_options(VerifyOptions& o) {
   return {panoramas(o),
+          {"--manifest", &o.manifest, "FILE",
+           "CSV with the columns file, group and fold: which panoramas show the same place"},
           standard("the shipped one", {"--network", &o.network, "FILE", "Network that estimates the light"}),
-          seed_option(o.seed, "Where the cameras look: 0 for the study of 20 views, others in all panoramas"),
+          {"--quick", &o.quick, "", "Fewer rays: minutes, with errors that are a little larger"},
+          seed_option(o.seed, "Where the cameras look, and how the phone sways"),
           {"--out", &o.out, "FOLDER", "Write the table and pictures into this folder; a later run goes on from it"},
           threads_option(o.threads),
           json_option(o.json)};

@@ -15,9 +15,8 @@ namespace sandglass::host {
 struct VerifyOptions {
   std::string json, out, isa = "automatic", manifest, estimates, network, object = "trefoil";
   std::vector<std::string> cases, panoramas;
-  bool quick = false, untold = false;
+  bool quick = false, pictures = false;
   int views = 8, samples = 48;
-  double place = 0.25;
   uint64_t seed = 0;
   uint32_t threads = 1;
 };
@@ -27,6 +26,9 @@ int verify_granular_command(const VerifyOptions& options);
 int verify_lighting_command(const VerifyOptions& options);
 int verify_room_command(const VerifyOptions& options);
 int verify_shot_command(const VerifyOptions& options);
+
+// Composites beside their truth, in the same panoramas: the rows of `verify shot`. Empty where it was interrupted.
+std::vector<Verdict> check_pictures(const VerifyOptions& options);
 
 void print_verdicts(const std::vector<Verdict>& rows);
 // Writes verify.md into the folder.

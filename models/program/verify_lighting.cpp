@@ -20,6 +20,9 @@
 #include "models/program/verify.h"
 #include "models/simulation/simulation.h"
 #include "models/work/progress.h"
+#ifdef SANDGLASS_HAVE_EMBREE
+#include "models/laboratory/light/lighting_floor.h"
+#endif
 
 namespace sandglass::host {
 
@@ -117,19 +120,33 @@ void add_turns(const LightingSources& sources, std::vector<Verdict>* rows) {
   report("network", filtered);
 }
 
+#ifdef SANDGLASS_HAVE_EMBREE
+// Adds what the estimates do to an object's shadow on the floor, and gives the table of it.
+std::string add_floor(uint32_t threads, LightingVerdicts* verdicts) {
+  ThreadPool pool(threads);
+  const auto objects = std::make_shared<const std::vector<FloorObject>>(study_objects(data_folder(), &pool));
+  const LightingFloor floor = lighting_floor(*verdicts, objects, threads);
+  if (floor.rows.empty()) return "";
+  for (const Verdict& row : floor_verdicts(floor.rows)) verdicts->rows.push_back(row);
+  return drawn_markdown(floor.study, floor.rows);
+}
+#endif
+
 LightEstimator chosen_estimator(const LightingSources& sources, const VerifyOptions& options) {
   if (!sources.network.empty()) return estimator_of(sources.network, find_isa(options.isa));
   return estimates_of_csv(read_file(sources.estimates, "estimates"), sources.estimates);
 }
 
-void write_folder(const std::string& folder, const LightingVerdicts& verdicts, const std::string& said) {
+void write_folder(const std::string& folder, const LightingVerdicts& verdicts, const std::string& said,
+                  const std::string& floor) {
   make_folder(folder);
   write_file(folder + "/lighting.csv", lighting_csv(verdicts));
   write_file(folder + "/lighting.txt", said + lighting_table(verdicts));
   write_file(folder + "/estimates.csv", estimates_csv(verdicts));
+  write_file(folder + "/floor.md", floor);
   write_verdicts(folder, verdicts.rows);
   write_png(folder + "/lighting.png", picture_grid(verdicts.pictures, 8, 4));
-  std::printf("%s: lighting.csv, lighting.txt, lighting.png, verify.md\n", folder.c_str());
+  std::printf("%s: floor.md, lighting.csv, lighting.txt, lighting.png, verify.md\n", folder.c_str());
 }
 
 }  // namespace
@@ -150,13 +167,19 @@ int verify_lighting_command(const VerifyOptions& options) {
   std::printf("%zu views of %zu panoramas, estimates: %s\n\n%s\n", verdicts.views.size(), verdicts.pictures.size(),
               sources.network.empty() ? sources.estimates.c_str() : sources.network.c_str(),
               lighting_table(verdicts).c_str());
-  if (in_bytes) add_turns(sources, &verdicts.rows);
+#ifdef SANDGLASS_HAVE_EMBREE
+  const std::string floor = add_floor(options.threads, &verdicts);
+  std::printf("%s\n", floor.c_str());
+#else
+  const std::string floor;
+#endif
+  if (in_bytes && !interrupted()) add_turns(sources, &verdicts.rows);
   if (interrupted()) return k_exit_interrupted;
   print_verdicts(verdicts.rows);
   if (!options.json.empty())
     write_file(options.json, measurements_json(measurements_of("lighting", in_bytes ? "int8" : "f32", options.threads,
                                                                verdicts.rows)));
-  if (!options.out.empty()) write_folder(options.out, verdicts, said);
+  if (!options.out.empty()) write_folder(options.out, verdicts, said, floor);
   return count_failed(verdicts.rows) > 0 ? k_exit_check_failed : k_exit_done;
 }
 

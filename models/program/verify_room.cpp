@@ -1,15 +1,16 @@
 // `sandglass verify room`: the light of rooms as sessions have seen them, against the light that is there.
 #include <cstdio>
-#include <filesystem>
+#include <memory>
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
-#include "models/laboratory/room/room_study.h"
 #include "models/lighting/dataset.h"
-#include "models/mesh/generated.h"
 #include "models/program/commands.h"
 #include "models/program/verify.h"
 #include "models/work/progress.h"
+#ifdef SANDGLASS_HAVE_EMBREE
+#include "models/laboratory/room/room_study.h"
+#endif
 
 namespace sandglass::host {
 
@@ -23,23 +24,44 @@ int verify_room_command(const VerifyOptions&) {
 
 namespace {
 
-// The chair, an armadillo where the data folder has one, and two made by formula.
-std::vector<FloorObject> objects_of(ThreadPool* pool) {
-  std::vector<std::pair<std::string, Mesh> > meshes = {{"chair", make_named("chair").mesh}};
-  const std::string armadillo = data_folder() + "/meshes/armadillo.obj";
-  if (!data_folder().empty() && std::filesystem::exists(armadillo))
-    meshes.emplace_back("armadillo", load_mesh(armadillo).mesh);
-  meshes.emplace_back("trefoil", make_named("trefoil").mesh);
-  meshes.emplace_back("bucket", make_named("bucket").mesh);
-  std::vector<FloorObject> objects;
-  for (const auto& [name, mesh] : meshes) objects.emplace_back(name, mesh, objects.size() + 1, pool);
-  return objects;
-}
-
 void print_model(const char* name, const RoomModel& m) {
   std::printf(
       "%s: boost %.3f, fill %.3f, network %.3f, fill_below %.3f, albedo %.3f, floor_trust %.3f, unseen_level %.3f\n",
       name, m.boost, m.fill, m.network, m.fill_below, m.albedo, m.floor_trust, m.unseen_level);
+}
+
+// Constants for each fold of places, fitted to the others; the shipped ones where it must be quick.
+std::vector<RoomModel> models_of(const RoomStudy& study, bool quick, ThreadPool* pool) {
+  if (quick) return {k_room_model};
+  std::vector<RoomModel> models;
+  Progress progress("fitting", k_room_folds);
+  for (int fold = 0; fold < k_room_folds && !interrupted(); ++fold) {
+    models.push_back(fit_room_model(study, fold, pool));
+    progress.done(static_cast<uint64_t>(fold) + 1);
+  }
+  for (size_t fold = 0; fold < models.size(); ++fold)
+    print_model(("without fold " + std::to_string(fold)).c_str(), models[fold]);
+  print_model("shipped", k_room_model);
+  return models;
+}
+
+// The same sessions under other conditions, with the constants of the first.
+std::vector<Condition> conditions_of(RoomStudyOptions options, const RoomStudy& study,
+                                     const std::vector<RoomModel>& models, ThreadPool* pool) {
+  std::vector<Condition> conditions = {{"all rooms", room_table(study, models, pool)}};
+  for (const auto& [name, part] : {std::pair("interiors", "/indoor/"), std::pair("studios", "/studio/")}) {
+    const RoomStudy some = rooms_in(study, part);
+    if (!some.places.empty() && some.places.size() < study.places.size())
+      conditions.push_back({name, room_table(some, models, pool)});
+  }
+  options.place = 0.8;
+  const RoomStudy far = study_rooms(options, study.objects);
+  if (interrupted()) return conditions;
+  conditions.push_back({"object at 0.8 radii", room_table(far, models, pool)});
+  options.place = RoomStudyOptions().place, options.exposure_known = false;
+  const RoomStudy untold = study_rooms(options, study.objects);
+  if (!interrupted()) conditions.push_back({"exposure untold", room_table(untold, models, pool)});
+  return conditions;
 }
 
 }  // namespace
@@ -55,31 +77,26 @@ int verify_room_command(const VerifyOptions& options) {
   study_options.manifest =
       options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;
   study_options.network = options.network.empty() ? SANDGLASS_LIGHTS_DIR "/room.light" : options.network;
-  study_options.place = options.place, study_options.exposure_known = !options.untold;
   study_options.azimuths = options.quick ? 1 : 4;
   study_options.seed = options.seed + 1, study_options.threads = options.threads;
   ThreadPool pool(options.threads);
-  const RoomStudy study = study_rooms(study_options, objects_of(&pool));
+  const RoomStudy study = study_rooms(
+      study_options, std::make_shared<const std::vector<FloorObject> >(study_objects(data_folder(), &pool)));
+  if (interrupted()) return k_exit_interrupted;
+  const std::vector<RoomModel> models = models_of(study, options.quick, &pool);
+  if (interrupted()) return k_exit_interrupted;
+  const std::vector<Condition> conditions = conditions_of(study_options, study, models, &pool);
   if (interrupted()) return k_exit_interrupted;
 
-  std::vector<RoomModel> models = {k_room_model};
-  if (!options.quick) {
-    models.clear();
-    Progress progress("fitting", k_room_folds);
-    for (int fold = 0; fold < k_room_folds && !interrupted(); ++fold) {
-      models.push_back(fit_room_model(study, fold, &pool));
-      progress.done(static_cast<uint64_t>(fold) + 1);
-    }
+  const RoomTable& table = conditions.front().table;
+  const std::string markdown =
+      drawn_markdown(study, table.drawn) + "\n" + sessions_markdown(table) + "\n" + conditions_markdown(conditions);
+  std::printf("%zu places\n\n%s\n", table.places, markdown.c_str());
+  std::vector<Verdict> verdicts = room_verdicts(conditions);
+  if (options.pictures) {
+    for (const Verdict& row : check_pictures(options)) verdicts.push_back(row);
     if (interrupted()) return k_exit_interrupted;
   }
-  for (size_t fold = 0; fold < models.size() && !options.quick; ++fold)
-    print_model(("without fold " + std::to_string(fold)).c_str(), models[fold]);
-  print_model("shipped", k_room_model);
-
-  const RoomTable table = room_table(study, models);
-  const std::string markdown = room_markdown(table);
-  std::printf("%zu places\n\n%s\n", table.places, markdown.c_str());
-  const std::vector<Verdict> verdicts = room_verdicts(table);
   print_verdicts(verdicts);
   const uint32_t failed = count_failed(verdicts);
   std::printf("%zu rows, %u failed\n", verdicts.size(), failed);

@@ -20,24 +20,7 @@ namespace {
 std::vector<std::string> chosen_panoramas(const VerifyOptions& options) {
   if (!options.panoramas.empty()) return find_panoramas(options.panoramas);
   if (data_folder().empty()) throw no_panoramas("shots");
-  return find_panoramas({data_folder() + "/hdri/indoor"});
-}
-
-// Compares the views of a study with each ablation. Returns how many comparisons are lost.
-uint32_t judge_views(const ShotStudy& study, std::vector<Measurement>* measurements) {
-  uint32_t failed = 0;
-  for (const ShotVariant ablation : {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light})
-    for (int m = 0; m < k_shot_metrics; ++m) {
-      const bool pass = study.beats(ablation, m);
-      if (!pass) std::printf("FAIL: true labels do not beat %s in %s\n", name_of(ablation), shot_metric_name(m));
-      failed += pass ? 0 : 1;
-      Measurement row;
-      row.suite = "shot", row.scene = name_of(ablation), row.metric = shot_metric_name(m), row.isa = "automatic";
-      row.value = study.mean[static_cast<int>(ablation)][m];
-      row.judgement = Measurement::Judgement{study.mean[0][m], study.mean[0][m], pass, true};
-      measurements->push_back(row);
-    }
-  return failed;
+  return find_panoramas({data_folder() + "/hdri/indoor", data_folder() + "/hdri/studio"});
 }
 
 uint32_t judge_pile_shadow(const std::vector<PileShadowError>& lights, std::vector<Measurement>* measurements) {
@@ -56,33 +39,47 @@ uint32_t judge_pile_shadow(const std::vector<PileShadowError>& lights, std::vect
   return pass ? 0 : 1;
 }
 
-}  // namespace
-
-int verify_shot_command(const VerifyOptions& options) {
-  listen_for_interrupt();
+ShotStudy study_pictures(const VerifyOptions& options) {
   ShotStudyOptions study;
   study.panoramas = chosen_panoramas(options);
   study.network = options.network.empty() ? shipped_light_network() : options.network;
+  if (options.quick) study.picture.samples = 3, study.picture.paths = 96;
   study.folder = options.out, study.picture.threads = options.threads, study.seed = options.seed;
-  if (options.seed > 0) study.views = study.panoramas.size();
+  study.manifest =
+      options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;
   if (!study.folder.empty()) make_folder(study.folder);
-  ShotStudy result;
-  {
-    Progress progress("compositing and tracing views", std::min(study.views, study.panoramas.size()));
-    result = study_shots(study, [&](size_t done) {
-      progress.done(done);
-      return !interrupted();
-    });
-  }
-  if (interrupted()) return k_exit_interrupted;
   if (study.network.empty()) std::printf("no lighting network: without estimates\n");
+  Progress progress("compositing and tracing views", study.panoramas.size());
+  return study_shots(study, [&](size_t done) {
+    progress.done(done);
+    return !interrupted();
+  });
+}
+
+}  // namespace
+
+std::vector<Verdict> check_pictures(const VerifyOptions& options) {
+  const ShotStudy study = study_pictures(options);
+  if (interrupted()) return {};
+  std::printf("%s\n", shot_study_text(study).c_str());
+  return shot_verdicts(study);
+}
+
+int verify_shot_command(const VerifyOptions& options) {
+  listen_for_interrupt();
+  const ShotStudy result = study_pictures(options);
+  if (interrupted()) return k_exit_interrupted;
   std::vector<Measurement> measurements;
-  uint32_t failed = judge_views(result, &measurements);
+  const std::vector<Verdict> verdicts = shot_verdicts(result);
+  for (const Measurement& row : measurements_of("shot", "automatic", options.threads, verdicts))
+    measurements.push_back(row);
+  uint32_t failed = count_failed(verdicts);
   const std::vector<PileShadowError> pile = study_pile_shadow();
   failed += judge_pile_shadow(pile, &measurements);
   const std::string text = shot_study_text(result) + "\n" + pile_shadow_text(pile);
   std::fputs(text.c_str(), stdout);
-  if (!study.folder.empty()) write_file(study.folder + "/shot.md", text);
+  print_verdicts(verdicts);
+  if (!options.out.empty()) write_file(options.out + "/shot.md", text);
   if (!options.json.empty()) write_file(options.json, measurements_json(measurements));
   return failed > 0 ? k_exit_check_failed : k_exit_done;
 }

@@ -23,9 +23,8 @@ constexpr int k_cell_width = 640, k_cell_height = 480, k_columns = 4;
 constexpr size_t k_grain_cells = 12, k_particle_cells = 4;
 constexpr int k_gap = 6;  // pixels between cells
 constexpr int k_large_width = 1280, k_large_height = 960;
-constexpr double k_film_period = 0.04;                  // seconds; 25 pictures a second
-constexpr double k_snapshot_bytes = 768.0 * 1048576.0;  // memory for all snapshots of a run
-constexpr int k_gif_width = 320, k_gif_height = 240;
+constexpr double k_film_period = 0.04;                    // seconds; 25 pictures a second
+constexpr double k_snapshot_bytes = 768.0 * 1048576.0;    // memory for all snapshots of a run
 constexpr int k_page_quality = 88, k_sheet_quality = 80;  // JPEG quality
 constexpr int k_plain_samples = 3;                        // per pixel and axis
 constexpr Colour k_ink = {20, 24, 30};
@@ -40,7 +39,7 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& b
   view.radius = particles ? static_cast<float>(set.particle_radius)
                           : drawn_grain_radius(set.particle_radius, particle_count, grain_count);
   view.colliders = snapshot.colliders;
-  view.shadows = snapshot.shadows;
+  view.shadows = snapshot.shadows.object;
   view.to_light = snapshot.to_light;
   RenderOptions options;
   options.width = width, options.height = height, options.threads = set.threads;
@@ -52,7 +51,10 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& b
   char label[96];
   std::snprintf(label, sizeof label, "%s  t = %.2f s  frame %u%s", set.title.c_str(), snapshot.time, snapshot.frame,
                 particles ? "  particles" : "");
-  draw_text(&picture, 8, 8, std::max(1, height / 300), label, k_ink);
+  const int scale = std::max(1, height / 300);
+  const bool photographic = set.painter && !particles;  // any colour may be behind the label
+  if (photographic) draw_text(&picture, 8 + scale, 8 + scale, scale, label, {0, 0, 0});
+  draw_text(&picture, 8, 8, scale, label, photographic ? Colour{255, 255, 255} : k_ink);
   return picture;
 }
 
@@ -96,18 +98,6 @@ std::string write_film(const PictureSet& set, const std::vector<Picture>& small,
   return film;
 }
 
-Picture halved(const Picture& picture) {
-  Picture small(k_gif_width, k_gif_height, {0, 0, 0});
-  for (int y = 0; y < k_gif_height; ++y)
-    for (int x = 0; x < k_gif_width; ++x)
-      for (int c = 0; c < 3; ++c)
-        small.at(x, y)[c] =
-            static_cast<uint8_t>((picture.at(2 * x, 2 * y)[c] + picture.at(2 * x + 1, 2 * y)[c] +
-                                  picture.at(2 * x, 2 * y + 1)[c] + picture.at(2 * x + 1, 2 * y + 1)[c] + 2) /
-                                 4);
-  return small;
-}
-
 }  // namespace
 
 // The figures of the report's page. `particles` is null when the sheet has none.
@@ -120,9 +110,10 @@ static std::vector<PageFigure> page_figures(const PictureSet& set, const std::ve
   std::snprintf(moments, sizeof moments, "The scene at %.2f s and at %.2f s.", begin.time, end.time);
   std::vector<PageFigure> figures = {
       {"First and last frame", moments, jpeg_file(first, k_page_quality), last_file, "first", "last", false}};
-  if (!end.shadows.empty()) {
+  if (!end.shadows.object.empty()) {
     Snapshot bare = end;
-    for (FloorShadow& shadow : bare.shadows) shadow.opacity = 0.0;
+    for (std::vector<FloorShadow>* of : {&bare.shadows.object, &bare.shadows.ambient})
+      for (FloorShadow& shadow : *of) shadow.opacity = 0.0;
     const Picture without = draw(set, bare, view, false, k_cell_width, k_cell_height);
     figures.push_back({"The standing object's shadow", "One texture on the floor, computed within the frames' budget.",
                        jpeg_file(without, k_page_quality), last_file, "without", "with", false});

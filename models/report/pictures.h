@@ -20,9 +20,8 @@ struct Snapshot {
   double time = 0.0;   // seconds
   std::vector<float> grains, particles;
   std::vector<sandglass_collider> colliders;
-  std::vector<FloorShadow> shadows;
-  std::vector<FloorShadow> pile, pile_surface;  // the sand's own shadow: on the floor, and on itself
-  Vec3 to_light;                                // length 0: the scene has no light
+  SceneShadows shadows;
+  Vec3 to_light;  // length 0: the scene has no light
 };
 
 // The number of frames from one snapshot to the next, so that the snapshots play smoothly and fit into memory.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/core/random.h"
+#include "models/work/random.h"
 
 namespace sandglass::host {
 
@@ -14,11 +14,6 @@ constexpr double k_pi = std::numbers::pi;
 constexpr uint64_t k_view_stream = 21;
 constexpr double k_apart = 10.0 * k_pi / 180.0;
 constexpr double k_depth_range = 10.0;  // metres
-
-double normal_deviate(Random* random) {
-  const double r = std::sqrt(-2.0 * std::log(1.0 - random->uniform()));
-  return r * std::cos(2.0 * k_pi * random->uniform());
-}
 
 }  // namespace
 

@@ -173,4 +173,44 @@ RadianceMap read_panorama(const std::string& path) {
 
 void write_hdr(const std::string& path, const RadianceMap& map) { write_file(path, encode_hdr(map)); }
 
+// The noise of paths is evened out: each pixel becomes the mean of those around it that show nearly the same.
+static Picture evened(const Picture& picture) {
+  constexpr int k_reach = 3;
+  constexpr double k_alike = 1.0 / (2.0 * 9.0 * 9.0), k_near = 1.0 / (2.0 * 1.6 * 1.6);  // of bytes, of pixels
+  Picture out = picture;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const uint8_t* middle = picture.at(x, y);
+      double sum[3] = {}, all = 0.0;
+      for (int j = -k_reach; j <= k_reach; ++j)
+        for (int i = -k_reach; i <= k_reach; ++i) {
+          const int v = std::clamp(y + j, 0, picture.height - 1), u = (x + i + picture.width) % picture.width;
+          const uint8_t* other = picture.at(u, v);
+          double apart = 0.0;
+          for (int c = 0; c < 3; ++c) apart += (other[c] - middle[c]) * (other[c] - middle[c]) / 3.0;
+          const double weight = std::exp(-apart * k_alike - (i * i + j * j) * k_near);
+          all += weight;
+          for (int c = 0; c < 3; ++c) sum[c] += weight * other[c];
+        }
+      for (int c = 0; c < 3; ++c) out.at(x, y)[c] = static_cast<uint8_t>(std::lround(sum[c] / all));
+    }
+  return out;
+}
+
+void write_kept_room(const std::string& path, const RadianceMap& map) {
+  constexpr int k_quality = 92;
+  write_file(path, jpeg_file(evened(tone_mapped_picture(map, k_kept_white)), k_quality));
+}
+
+RadianceMap read_kept_room(const std::string& path) {
+  const Picture picture = read_picture(path);
+  RadianceMap map(picture.width, picture.height);
+  for (int v = 0; v < map.height; ++v)
+    for (int u = 0; u < map.width; ++u) {
+      const uint8_t* pixel = picture.at(u, v);
+      map.set(u, v, radiance_of({linear_of(pixel[0]), linear_of(pixel[1]), linear_of(pixel[2])}, k_kept_white));
+    }
+  return map;
+}
+
 }  // namespace sandglass::host

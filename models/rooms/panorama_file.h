@@ -14,6 +14,12 @@ RadianceMap read_panorama(const std::string& path);
 // Writes Radiance .hdr with run lengths: 8 bits of mantissa for each channel and one shared exponent.
 void write_hdr(const std::string& path, const RadianceMap& map);
 
+// A made-up room to ship: a JPEG that is tone mapped (5.3) with the same white for all, a tenth of the size of an .hdr.
+// Radiance comes back to a few per cent; what is brighter than white is white.
+constexpr double k_kept_white = 64.0;
+void write_kept_room(const std::string& path, const RadianceMap& map);
+RadianceMap read_kept_room(const std::string& path);
+
 bool reads_exr();
 
 }  // namespace sandglass::host

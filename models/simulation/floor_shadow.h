@@ -1,4 +1,4 @@
-// A shadow of the library, ready to draw: its texture and where it lies on the floor.
+// The shadows of the library, ready to draw: their textures and where they lie on the floor.
 #pragma once
 
 #include <cstdint>
@@ -24,5 +24,18 @@ struct FloorShadow {
 // The share of the direct light that the texture leaves at the point (x, z) of its floor, or of the surface that it was
 // made for. It is interpolated between texels as on a GPU, and is 1 beyond the rectangle.
 double floor_transparency(const FloorShadow& shadow, double x, double z);
+
+// All shadows of a scene at one moment. Those of the main light come first; those of the room's light hold what is
+// hidden of it, so that floor_transparency is the share that arrives.
+struct SceneShadows {
+  std::vector<FloorShadow> object;  // of each standing object
+  std::vector<FloorShadow> pile;    // of the sand on the floor; it may be empty, as all below
+  std::vector<FloorShadow> pile_on_sand;
+  std::vector<FloorShadow> ambient;  // of each standing object
+  std::vector<FloorShadow> sky, sky_on_sand;
+  // How high the sand is: floor_transparency is 1 - the height over `most_height`.
+  std::vector<FloorShadow> heights;
+  double most_height = 0.0;  // metres
+};
 
 }  // namespace sandglass::host

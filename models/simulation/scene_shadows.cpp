@@ -67,29 +67,50 @@ uint64_t StandingShadows::hash() const {
   return sum;
 }
 
-std::vector<FloorShadow> StandingShadows::drawn(std::span<const sandglass_collider> colliders) const {
-  std::vector<FloorShadow> all;
+void StandingShadows::set_cells(const SceneFile& scene, uint32_t frame, const float (&cells)[SANDGLASS_LIGHT_CELLS]) {
+  for (Object& object : objects_) {
+    const sandglass_collider now =
+        collider_over_frame(scene.colliders[object.collider], frame * scene.frame_step, scene.frame_step);
+    // An upright object is turned about y alone.
+    const auto yaw = static_cast<float>(
+        2.0 * std::atan2(static_cast<double>(now.rotation[1]), static_cast<double>(now.rotation[3])));
+    if (const cpp::Status lit = object.shadow.set_cells(cells, yaw); !lit) throw cannot("set", "cells", lit.reason);
+  }
+}
+
+void StandingShadows::draw(std::span<const sandglass_collider> colliders, SceneShadows* shadows) const {
+  shadows->object.clear(), shadows->ambient.clear();
   for (const Object& object : objects_) {
     if (object.collider >= colliders.size()) continue;
     const sandglass_shadow_texture texture = object.shadow.texture();
+    const sandglass_shadow_ambient ambient = object.shadow.ambient();
     const sandglass_collider& now = colliders[object.collider];
     FloorShadow shadow;
     shadow.collider = object.collider;
-    shadow.texels = SANDGLASS_SHADOW_TEXELS;
-    shadow.coverage.assign(texture.coverage, texture.coverage + shadow.texels * shadow.texels);
-    shadow.opacity = texture.valid != 0 ? static_cast<double>(texture.opacity) : 0.0;
     shadow.half_angle = 0.5 * static_cast<double>(object.info.angular_diameter);
     shadow.position = from_floats(now.position);
     shadow.rotation = {now.rotation[0], now.rotation[1], now.rotation[2], now.rotation[3]};
     const double scale = object.size / static_cast<double>(object.info.height);
-    for (size_t axis = 0; axis < 2; ++axis) {
-      const double origin = static_cast<double>(object.info.origin[2 * axis]);
-      shadow.low[axis] = (static_cast<double>(texture.low[axis]) - origin) * scale;
-      shadow.high[axis] = (static_cast<double>(texture.high[axis]) - origin) * scale;
-    }
-    all.push_back(std::move(shadow));
+    const auto place = [&](const float(&low)[2], const float(&high)[2]) {
+      for (size_t axis = 0; axis < 2; ++axis) {
+        const double origin = static_cast<double>(object.info.origin[2 * axis]);
+        shadow.low[axis] = (static_cast<double>(low[axis]) - origin) * scale;
+        shadow.high[axis] = (static_cast<double>(high[axis]) - origin) * scale;
+      }
+    };
+    shadow.texels = SANDGLASS_SHADOW_TEXELS;
+    shadow.coverage.assign(texture.coverage, texture.coverage + shadow.texels * shadow.texels);
+    shadow.opacity = texture.valid != 0 ? static_cast<double>(texture.opacity) : 0.0;
+    place(texture.low, texture.high);
+    shadows->object.push_back(shadow);
+    if (ambient.side == 0) continue;
+    shadow.texels = ambient.side, shadow.opacity = 1.0;
+    shadow.coverage.resize(size_t{ambient.side} * ambient.side);
+    for (size_t i = 0; i < shadow.coverage.size(); ++i)
+      shadow.coverage[i] = static_cast<uint8_t>(255 - ambient.visibility[i]);
+    place(ambient.low, ambient.high);
+    shadows->ambient.push_back(std::move(shadow));
   }
-  return all;
 }
 
 static void require(const cpp::Status& status) {
@@ -121,7 +142,18 @@ FloorShadow PileShadow::drawn(bool on_sand) const {
   return drawn;
 }
 
-void PileShadow::set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells) { require(shadow_.set_cells(cells)); }
+void PileShadow::set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS]) { require(shadow_.set_cells(cells)); }
+
+void PileShadow::draw(SceneShadows* shadows) const {
+  shadows->pile = {drawn(false)}, shadows->pile_on_sand = {drawn(true)};
+  const sandglass_pile_shadow_sky sky = shadow_.sky();
+  if (sky.texels == 0) return;
+  shadows->sky = {drawn_sky(false)}, shadows->sky_on_sand = {drawn_sky(true)};
+  FloorShadow heights = shadows->sky[0];
+  heights.texels = sky.height_texels;
+  heights.coverage.assign(sky.heights, sky.heights + size_t{sky.height_texels} * sky.height_texels);
+  shadows->heights = {std::move(heights)}, shadows->most_height = static_cast<double>(sky.height);
+}
 
 FloorShadow PileShadow::drawn_sky(bool on_sand) const {
   const sandglass_pile_shadow_sky sky = shadow_.sky();

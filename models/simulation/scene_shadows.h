@@ -21,11 +21,13 @@ class StandingShadows {
 
   // Turns the light of the frame into every object's frame of reference. `towards` may have any length above 0.
   void set_light(const SceneFile& scene, uint32_t frame, Vec3 towards);
+  // Sets the light of the room at every object, in cells of the world's frame.
+  void set_cells(const SceneFile& scene, uint32_t frame, const float (&cells)[SANDGLASS_LIGHT_CELLS]);
   std::span<sandglass_shadow* const> handles() const { return handles_; }
   uint64_t hash() const;  // 0 without shadows
 
-  // Copies of the current textures. `colliders` are the scene's colliders at this moment.
-  std::vector<FloorShadow> drawn(std::span<const sandglass_collider> colliders) const;
+  // Copies of the current textures, into *shadows. `colliders` are the scene's colliders at this moment.
+  void draw(std::span<const sandglass_collider> colliders, SceneShadows* shadows) const;
 
  private:
   struct Object {
@@ -45,13 +47,15 @@ class PileShadow {
   PileShadow(const PileShadowTrack& track, sandglass_isa isa, uint32_t sky_texels = 0);
 
   void set_light(Vec3 towards);
-  void set_cells(const std::array<float, SANDGLASS_LIGHT_CELLS>& cells);
+  void set_cells(const float (&cells)[SANDGLASS_LIGHT_CELLS]);
   sandglass_pile_shadow* handle() const { return shadow_.get(); }
 
   // A copy of the current texture. With `on_sand` it is the shadow on the sand itself, else that on the floor.
   FloorShadow drawn(bool on_sand) const;
   // The same of the room's light.
   FloorShadow drawn_sky(bool on_sand) const;
+  // Copies of all textures, into *shadows.
+  void draw(SceneShadows* shadows) const;
 
  private:
   cpp::PileShadow shadow_;

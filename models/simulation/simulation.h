@@ -34,8 +34,10 @@ class Simulation {
   // Sets the sand's own shadow from the next frame on; null: none.
   void cast(sandglass_pile_shadow* shadow) { pile_shadow_ = shadow; }
 
-  // Sets the light to estimate and the image, from the next frame on; null: none.
-  void see(sandglass_light* light, const sandglass_camera_image* image) { light_ = light, image_ = image; }
+  // Sets the light to estimate, the room to see, and the image for both, from the next frame on; null: none.
+  void see(sandglass_light* light, sandglass_room* room, const sandglass_camera_image* image) {
+    light_ = light, room_ = room, image_ = image;
+  }
 
   // Fills the scene as at the start. The scene must have been reset with sandglass_scene_reset.
   void restart(const Material& material);
@@ -59,6 +61,7 @@ class Simulation {
   Flow flow_;
   sandglass_pile_shadow* pile_shadow_ = nullptr;
   sandglass_light* light_ = nullptr;
+  sandglass_room* room_ = nullptr;
   const sandglass_camera_image* image_ = nullptr;
   uint32_t particles_ = 0, grains_ = 0;
   std::vector<float> positions_, velocities_, grain_positions_, grain_velocities_;

@@ -157,7 +157,11 @@ void LiveScene::advance(double seconds) {
   if (!moved) frame(0.0, step - owed_);  // the display is faster than the simulation: same state, later instant
 }
 
-std::vector<FloorShadow> LiveScene::shadows() const { return shadows_->drawn(colliders_); }
+std::vector<FloorShadow> LiveScene::shadows() const {
+  SceneShadows now;
+  shadows_->draw(colliders_, &now);
+  return now.object;
+}
 
 std::optional<FloorShadow> LiveScene::pile(bool on_sand) const {
   return pile_ ? std::optional(pile_->drawn(on_sand)) : std::nullopt;

@@ -1,6 +1,7 @@
 #include "runtime/light/filter.h"
 
 #include "runtime/core/math.h"
+#include "runtime/light/luminance.h"
 
 namespace sandglass {
 
@@ -11,8 +12,6 @@ constexpr uint32_t k_patience = 3;         // so many outliers in a row are beli
 constexpr double k_same_direction = 1e-9;  // length of a difference below which there is nothing to turn
 
 double dot(const double a[3], const double b[3]) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
-double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }  // (5.2)
 
 double normalise(double v[3]) {
   const double length = square_root(dot(v, v));

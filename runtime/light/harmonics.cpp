@@ -3,6 +3,7 @@
 #include "runtime/core/finite.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
+#include "runtime/light/luminance.h"
 
 namespace sandglass {
 
@@ -30,8 +31,6 @@ bool usable(const sandglass_room_light& l) {
   return is_finite(l.main_share) && all_finite(l.main_direction, 3) && all_finite(l.main_colour, 3) &&
          all_finite(l.irradiance, 3) && all_finite(l.sh, 3 * k_harmonics);
 }
-
-constexpr double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
 }  // namespace
 

@@ -6,14 +6,13 @@
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
 #include "runtime/light/harmonics.h"
+#include "runtime/light/luminance.h"
 
 namespace sandglass {
 namespace {
 
 constexpr double k_neutral_lumens = 1000.0;
 constexpr double k_coldest = 40000.0, k_warmest = 1000.0, k_white = 6500.0;  // kelvin
-
-double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
 // Splits a light into a colour whose greatest channel is 1, and that channel. Black becomes white of intensity 0.
 double split_colour(const double c[3], float colour[3]) {

@@ -12,6 +12,7 @@
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/math.h"
 #include "runtime/light/harmonics.h"
+#include "runtime/light/luminance.h"
 #include "runtime/room/room.h"
 #include "sandglass/light.h"
 
@@ -21,15 +22,15 @@ namespace {
 
 // Each part is moved in 3 x 2 pieces: so many that no piece crosses an edge of the cells' rings.
 constexpr uint32_t k_row_split = 3, k_column_split = 2;
-constexpr double k_farthest = 0.8;    // radii; see image.cpp
-constexpr double k_darkest = 1e-4;    // of the mean: keeps logarithms of black parts finite
+constexpr double k_darkest = 1e-4;  // of the mean: keeps logarithms of black parts finite
+// Geometric mean before the first image, where white is 1: a level white floor is then nearly white, as it is on the
+// mean of what cameras that expose by themselves show of captured interiors.
+constexpr double k_first_level = 0.27;
 constexpr double k_lobe = 6.0;        // sharpness of the network's light: e^(6 (cos - 1))
 constexpr double k_floor_row = 5.0;   // rows below this see the floor: 33.75 degrees below the horizon or more
 constexpr double k_stands_out = 3.0;  // times the mean cell: what is beyond may be a light of its own
 constexpr double k_wide = 0.94, k_narrow = 0.99;  // mean cosine about the axis: too wide for a sharp shadow; as a lamp
 constexpr uint32_t k_look_rows = 1, k_look_columns = 2;  // parts to each side that one look takes in
-
-double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
 
 // All sums over the sphere.
 struct Sums {
@@ -57,32 +58,26 @@ void remember(const Room& room, Memory* memory) {
     memory->seen[i] = static_cast<double>(room.parts[i].seen) * room_memory(room, room.parts[i]);
 }
 
-double part_luminance(const RoomPart& part) {
-  const double c[3] = {static_cast<double>(part.radiance[0]), static_cast<double>(part.radiance[1]),
-                       static_cast<double>(part.radiance[2])};
-  return luminance(c);
-}
-
 double solid_angle(uint32_t row) { return sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin; }
 
 Overview overview_of(const Room& room, const Memory& memory) {
   double mean = 0, area = 0, colour[3] = {}, floor = 0, floor_area = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
     const RoomPart& part = room.parts[i];
-    const double weight = memory.seen[i] * solid_angle(i / k_room_columns), y = part_luminance(part);
+    const double weight = memory.seen[i] * solid_angle(i / k_room_columns), y = luminance(part.radiance);
     mean += weight * y, area += weight;
     // A lamp does not colour the rest: each part counts by the root of its brightness.
     const double root = y > 0 ? weight / square_root(y) : 0;
     for (int c = 0; c < 3; ++c) colour[c] += root * static_cast<double>(part.radiance[c]);
     if (i / k_room_columns < static_cast<uint32_t>(k_floor_row)) floor += weight * y, floor_area += weight;
   }
-  Overview all = {1, {1, 1, 1}, 0};
+  Overview all = {k_first_level, {1, 1, 1}, 0};
   if (!(area > 0) || !(mean > 0)) return all;
   const double least = k_darkest * mean / area;
   double logarithms = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
     const RoomPart& part = room.parts[i];
-    const double weight = memory.seen[i] * solid_angle(i / k_room_columns), y = part_luminance(part);
+    const double weight = memory.seen[i] * solid_angle(i / k_room_columns), y = luminance(part.radiance);
     if (weight > 0) logarithms += weight * logarithm(y > least ? y : least);
   }
   all.level = exponential(logarithms / area);
@@ -96,13 +91,12 @@ Overview overview_of(const Room& room, const Memory& memory) {
 struct Hint {
   double direction[3], weight;
 };
-Hint hint_of(const RoomModel& model, const SinCos& turn, const sandglass_light_estimate* estimate) {
+Hint hint_of(const Room& room, const RoomModel& model, const sandglass_light_estimate* estimate) {
   Hint hint = {{0, 1, 0}, 0};
   if (estimate == nullptr || estimate->valid == 0) return hint;
-  const double x = static_cast<double>(estimate->direction[0]), z = static_cast<double>(estimate->direction[2]);
-  hint.direction[0] = turn.cos * x + turn.sin * z;
-  hint.direction[1] = static_cast<double>(estimate->direction[1]);
-  hint.direction[2] = turn.cos * z - turn.sin * x;
+  const double direction[3] = {static_cast<double>(estimate->direction[0]), static_cast<double>(estimate->direction[1]),
+                               static_cast<double>(estimate->direction[2])};
+  room_to_sphere(room, direction, hint.direction);
   hint.weight = model.network * static_cast<double>(estimate->confidence) * static_cast<double>(estimate->contrast);
   return hint;
 }
@@ -284,21 +278,13 @@ double level_of(const Room& room, const RoomModel& model, const Overview& all, d
 // Memory and sums take 9 KiB of stack.
 void room_estimate(const Room& room, const RoomModel& model, const double position[3],
                    const sandglass_light_estimate* network, sandglass_room_light* light) {
-  const SinCos turn = sin_cos_turns(room.yaw);
-  double offset[3], squared = 0;
-  for (int k = 0; k < 3; ++k) {
-    offset[k] = room.images == 0 ? 0 : (position[k] - room.centre[k]) / room.radius;
-    squared += offset[k] * offset[k];
-  }
-  if (squared > k_farthest * k_farthest)
-    for (double& o : offset) o *= k_farthest / square_root(squared);
-  const double at[3] = {turn.cos * offset[0] + turn.sin * offset[2], offset[1],
-                        turn.cos * offset[2] - turn.sin * offset[0]};
+  double at[3] = {};
+  if (room.images != 0) room_place(room, position, at);
   Memory memory;
   remember(room, &memory);
   const Overview all = overview_of(room, memory);
   Sums sums = {};
-  sum_up(room, memory, model, all, hint_of(model, turn, network), at, &sums);
+  sum_up(room, memory, model, all, hint_of(room, model, network), at, &sums);
   even_out(&sums);
   double total = 0, colour[3] = {};
   for (const auto& cell : sums.cells) {

@@ -4,6 +4,7 @@
 //
 // Where the points lie within a part changes from image to image, so that a lamp smaller than a part is met in the end.
 #include "runtime/core/math.h"
+#include "runtime/light/luminance.h"
 #include "runtime/light/turn.h"
 #include "runtime/room/room.h"
 
@@ -21,7 +22,10 @@ constexpr double k_farthest = 0.8;     // radii: a camera or an object farther o
 constexpr float k_weight_most = 8.0f;  // what is known of a part counts as no more images than these
 constexpr float k_clearer_rate = 0.9f, k_changed_rate = 0.5f;  // least shares of a new image
 constexpr float k_clip_slack = 0.05f;  // a difference of clipped shares below this means nothing
-constexpr double k_overlap_memory = 0.3, k_overlap_clipped = 0.1, k_overlap_dark = 0.002, k_overlap_least = 1.0;
+// What tells an exposure: parts that are remembered, that were hardly clipped (else they are brighter than is known),
+// and that are not black now. Black is one step of a byte: an image that is exposed for a 64th shows little more of a
+// wall.
+constexpr double k_overlap_memory = 0.3, k_overlap_clipped = 0.01, k_overlap_dark = 0.0003, k_overlap_least = 1.0;
 constexpr double k_scale_most = 1e6;
 
 // sRGB to linear light, (c + 0.055) / 1.055 to the power 2.4, by Newton's fifth root: x^2.4 = x^2 (x^2)^(1/5).
@@ -50,12 +54,6 @@ struct Observation {
   double clipped = 0;     // share of the points
   double covered = 0;     // share of the points that are in the picture
 };
-
-double luminance(const double c[3]) { return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2]; }
-double luminance(const float c[3]) {
-  const double wide[3] = {static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
-  return luminance(wide);
-}
 
 double fraction(double x) { return x - static_cast<double>(floor_index(x)); }
 
@@ -155,12 +153,6 @@ void learn(Room* room, uint32_t part) {
 // The pose of the stored image in the sphere's frame.
 void place(const Room& room, RoomView* view) {
   const CameraImage& image = view->image;
-  const SinCos turn = sin_cos_turns(room.yaw);
-  const auto to_sphere = [&turn](const double world[3], double sphere[3]) {
-    sphere[0] = turn.cos * world[0] + turn.sin * world[2];
-    sphere[1] = world[1];
-    sphere[2] = turn.cos * world[2] - turn.sin * world[0];
-  };
   for (int axis = 0; axis < 3; ++axis) {
     const double x = axis == 0 ? 1 : 0, y = axis == 1 ? 1 : 0;  // of the stored image; the upright one is turned
     const double quarters[4][2] = {{x, y}, {-y, x}, {-x, -y}, {y, -x}};
@@ -168,14 +160,11 @@ void place(const Room& room, RoomView* view) {
     const double upright[3] = {at[0], at[1], axis == 2 ? 1.0 : 0.0};
     double world[3];
     camera_to_world(image, upright, world);
-    to_sphere(world, view->to_camera[axis]);
+    room_to_sphere(room, world, view->to_camera[axis]);
   }
-  double offset[3], squared = 0;
-  for (int k = 0; k < 3; ++k) offset[k] = (static_cast<double>(image.position[k]) - room.centre[k]) / room.radius;
-  for (const double o : offset) squared += o * o;
-  if (squared > k_farthest * k_farthest)
-    for (double& o : offset) o *= k_farthest / square_root(squared);
-  to_sphere(offset, view->position);
+  const double position[3] = {static_cast<double>(image.position[0]), static_cast<double>(image.position[1]),
+                              static_cast<double>(image.position[2])};
+  room_place(room, position, view->position);
   const auto farther = [](double centre, double size) {
     return centre + 1 > size - centre ? centre + 1 : size - centre;
   };
@@ -199,6 +188,24 @@ void room_direction(double row, double column, double direction[3]) {
   direction[0] = elevation.cos * azimuth.cos;
   direction[1] = elevation.sin;
   direction[2] = elevation.cos * azimuth.sin;
+}
+
+void room_to_sphere(const Room& room, const double world[3], double sphere[3]) {
+  const SinCos turn = sin_cos_turns(room.yaw);
+  sphere[0] = turn.cos * world[0] + turn.sin * world[2];
+  sphere[1] = world[1];
+  sphere[2] = turn.cos * world[2] - turn.sin * world[0];
+}
+
+void room_place(const Room& room, const double world[3], double sphere[3]) {
+  double offset[3], squared = 0;
+  for (int k = 0; k < 3; ++k) {
+    offset[k] = (world[k] - room.centre[k]) / room.radius;
+    squared += offset[k] * offset[k];
+  }
+  if (squared > k_farthest * k_farthest)
+    for (double& o : offset) o *= k_farthest / square_root(squared);
+  room_to_sphere(room, offset, sphere);
 }
 
 double room_memory(const Room& room, const RoomPart& part) {

@@ -65,6 +65,10 @@ struct Room {
 
 // The directions of a part: `row` and `column` count from its first corner and may have fractions. Row 0 is below.
 void room_direction(double row, double column, double direction[3]);
+// A direction of the world in the sphere's frame.
+void room_to_sphere(const Room& room, const double world[3], double sphere[3]);
+// A place of the world in the sphere's frame, in radii.
+void room_place(const Room& room, const double world[3], double sphere[3]);
 // What counts of a part that was seen `age` seconds ago, 0..1.
 double room_memory(const Room& room, const RoomPart& part);
 

@@ -18,8 +18,6 @@ using namespace sandglass::host;
 
 namespace fs = std::filesystem;
 
-constexpr int k_labels = static_cast<int>(ShotVariant::labels), k_none = static_cast<int>(ShotVariant::no_shadow);
-
 // The two-sided values for 95 %, as published tables print them.
 TEST(Student, IsThePublishedTable) {
   const std::pair<int, double> table[] = {{1, 12.706}, {2, 4.303},  {3, 3.182},  {4, 2.776},  {9, 2.262},
@@ -29,13 +27,18 @@ TEST(Student, IsThePublishedTable) {
   EXPECT_TRUE(std::isinf(student_95(0)));
 }
 
-// A study with known paired differences: the labels' RMSE is 0, and the RMSE without shadows is given.
+using V = ShotVariant;
+
+double& error_of(ShotView* view, V variant, int metric) { return view->errors[static_cast<int>(variant)][metric]; }
+
+// A study with known paired differences: the full turn's RMSE is 0, and that without shadows is given. Each view is a
+// place of its own.
 ShotStudy study_of(const std::vector<double>& differences) {
   ShotStudy study;
   for (const double d : differences) {
     ShotView view;
-    view.done = true;
-    view.errors[k_none][0] = d;
+    view.done = true, view.place = "place " + std::to_string(study.views.size());
+    error_of(&view, V::no_shadow, 0) = d;
     study.views.push_back(view);
   }
   take_means(&study);
@@ -43,56 +46,89 @@ ShotStudy study_of(const std::vector<double>& differences) {
 }
 
 // The standard error of the mean of 1, 2, 3 is 1/sqrt(3). That of 20 values which alternate 0 and 2 is sqrt(20/19/20).
-TEST(ShotStudy, AnIntervalKnowsHowManyViewsThereAre) {
-  const auto half = [](const std::vector<double>& d) {
-    return study_of(d).paired(ShotVariant::labels, ShotVariant::no_shadow, 0).half;
-  };
-  EXPECT_NEAR(study_of({1, 2, 3}).paired(ShotVariant::labels, ShotVariant::no_shadow, 0).mean, 2.0, 1e-12);
-  EXPECT_NEAR(half({1, 2, 3}), 4.303 / std::sqrt(3.0), 1e-3);
+TEST(ShotStudy, AnIntervalKnowsHowManyPlacesThereAre) {
+  const auto paired = [](const std::vector<double>& d) { return study_of(d).against(V::no_shadow, V::turn, 0); };
+  EXPECT_NEAR(paired({1, 2, 3}).mean, 2.0, 1e-12);
+  EXPECT_NEAR(paired({1, 2, 3}).half, 4.303 / std::sqrt(3.0), 1e-3);
   std::vector<double> twenty;
   for (int i = 0; i < 20; ++i) twenty.push_back(i % 2 == 0 ? 0 : 2);
-  EXPECT_NEAR(half(twenty), 2.093 / std::sqrt(19.0), 1e-3);
-  EXPECT_TRUE(std::isinf(half({1}))) << "one view gives no interval";
+  EXPECT_NEAR(paired(twenty).half, 2.093 / std::sqrt(19.0), 1e-3);
+  EXPECT_TRUE(std::isinf(paired({1}).half)) << "one place gives no interval";
 }
 
-TEST(ShotStudy, MeansAndIntervalsAreOfTheViewsThatAreDone) {
+TEST(ShotStudy, MeansAndIntervalsAreOfThePlacesThatAreDone) {
   ShotStudy study = study_of({1, 2, 3});
   ShotView never;
-  never.errors[k_none][0] = 1000;
+  error_of(&never, V::no_shadow, 0) = 1000;
   study.views.push_back(never);
   take_means(&study);
-  EXPECT_NEAR(study.mean[k_none][0], 2.0, 1e-12);
-  EXPECT_NEAR(study.paired(ShotVariant::labels, ShotVariant::no_shadow, 0).half, 4.303 / std::sqrt(3.0), 1e-3);
+  EXPECT_NEAR(study.mean[static_cast<int>(V::no_shadow)][0], 2.0, 1e-12);
+  EXPECT_NEAR(study.against(V::no_shadow, V::turn, 0).half, 4.303 / std::sqrt(3.0), 1e-3);
 }
 
-TEST(ShotStudy, OnlyASmallerMeanBeats) {
-  EXPECT_TRUE(study_of({1, -0.5, 0.1}).beats(ShotVariant::no_shadow, 0));
-  EXPECT_FALSE(study_of({1, -1.5, 0.1}).beats(ShotVariant::no_shadow, 0));
-  EXPECT_FALSE(study_of({1, -1}).beats(ShotVariant::no_shadow, 0)) << "an equal mean must not beat";
-  ShotStudy other = study_of({1, 1});
-  EXPECT_FALSE(other.beats(ShotVariant::no_shadow, 1)) << "another metric must have its own answer";
-  other.mean[k_labels][0] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(other.beats(ShotVariant::no_shadow, 0));
-}
-
-TEST(ShotStudy, TheTableSaysWhatIsWorseThanAnArbitraryLight) {
-  ShotStudy study = study_of({0.2, 0.3});
-  for (ShotView& view : study.views) view.has_estimate = true, view.panorama = "hall";
-  study.views[1].panorama = "cellar", study.views[1].angle_deg = 71;
-  study.views[1].errors[static_cast<int>(ShotVariant::estimate)][0] = 0.4;
-  study.views[0].errors[static_cast<int>(ShotVariant::arbitrary_light)][0] = 0.1;
+// Two views of one place are one place.
+TEST(ShotStudy, TwoViewsOfAPlaceCountOnce) {
+  ShotStudy study = study_of({1, 2, 3, 5});
+  study.views[3].place = study.views[2].place;
   take_means(&study);
-  const std::string text = shot_study_text(study);
-  EXPECT_NE(text.find("Worse than an arbitrary light: cellar, 71 degrees off."), std::string::npos) << text;
-  EXPECT_EQ(text.find("hall"), std::string::npos) << text;
-  EXPECT_NE(text.find("| no shadow | 0.2500 |"), std::string::npos) << text;
-  EXPECT_NE(text.find("+0.2500 ± 0.6353"), std::string::npos) << "12.706 * 0.05";
+  EXPECT_EQ(study.by_place(V::no_shadow, 0).size(), 3u);
+  EXPECT_NEAR(study.mean[static_cast<int>(V::no_shadow)][0], (1 + 2 + 4) / 3.0, 1e-12);
+}
+
+size_t failed_rows(const std::vector<Verdict>& rows) {
+  size_t failed = 0;
+  for (const Verdict& row : rows) failed += row.pass ? 0 : 1;
+  return failed;
+}
+
+// A study in which all holds. Each fault makes one row fail.
+TEST(ShotStudy, AVerdictNeedsWhatItClaims) {
+  ShotStudy good = study_of({0, 0, 0, 0});
+  for (ShotView& view : good.views)
+    for (int m = 0; m < k_shot_metrics; ++m) {
+      const double x = 0.01 * static_cast<double>(&view - good.views.data());
+      for (int v = 0; v < k_shot_variants; ++v) view.errors[v][m] = 0.5 + x;
+      for (const V v : {V::turn, V::truth}) error_of(&view, v, m) = 0.2 + 0.5 * x;
+      error_of(&view, V::ambient, m) = 0.4 + x;
+    }
+  take_means(&good);
+  EXPECT_EQ(failed_rows(shot_verdicts(good)), 0u);
+  const auto failed = [&](const char* what, auto change) {
+    ShotStudy bad = good;
+    for (ShotView& view : bad.views) change(&view, static_cast<double>(&view - bad.views.data()));
+    take_means(&bad);
+    EXPECT_EQ(failed_rows(shot_verdicts(bad)), 1u) << what;
+  };
+  failed("FLIP better on the mean, but not surely", [](ShotView* v, double i) {
+    error_of(v, V::turn, 6) = 0.1 + 0.3 * i;
+    for (const V control : {V::mirrored, V::other_room}) error_of(v, control, 6) = 2.0;
+  });
+  failed("1 - SSIM the same", [](ShotView* v, double) { error_of(v, V::turn, 5) = error_of(v, V::no_shadow, 5); });
+  failed("RMSE surely worse",
+         [](ShotView* v, double) { error_of(v, V::turn, 0) = error_of(v, V::no_shadow, 0) + 0.1; });
+  failed("the ambient shadow worth nothing",
+         [](ShotView* v, double) { error_of(v, V::ambient, 5) = error_of(v, V::no_shadow, 5); });
+  failed("a mirrored room as good", [](ShotView* v, double) { error_of(v, V::mirrored, 6) = error_of(v, V::turn, 6); });
+  failed("another room as good", [](ShotView* v, double) { error_of(v, V::other_room, 6) = error_of(v, V::turn, 6); });
+}
+
+TEST(ShotStudy, TheTableHasARowForEachVariantThatWasDrawn) {
+  ShotStudy study = study_of({0.2, 0.3});
+  std::string text = shot_study_text(study);
+  EXPECT_NE(text.find("| mean of 2 places |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| no shadow, mean light | 0.2500 |"), std::string::npos) << text;
+  EXPECT_NE(text.find("| a full turn - no shadow, mean light | -0.2500 ± 0.6353 |"), std::string::npos)
+      << "12.706 * 0.05";
+  EXPECT_EQ(text.find(name_of(V::one_light)), std::string::npos) << "there was no network";
+  for (ShotView& view : study.views) view.has_network = true;
+  take_means(&study);
+  EXPECT_NE(shot_study_text(study).find(name_of(V::one_light)), std::string::npos);
 }
 
 ShotView row(const std::string& name, uint64_t hash, double azimuth) {
   ShotView view;
   view.panorama = name, view.panorama_hash = hash, view.azimuth_deg = azimuth, view.done = true;
-  view.has_estimate = true, view.angle_deg = 1.0 / 3.0;
+  view.has_network = true, view.angle_deg = 1.0 / 3.0, view.log_level = -2.0 / 3.0;
   for (int v = 0; v < k_shot_variants; ++v)
     for (int m = 0; m < k_shot_metrics; ++m) view.errors[v][m] = 1.0 / (1 + v * k_shot_metrics + m);
   return view;

@@ -23,15 +23,15 @@ namespace {
 constexpr const char* k_header =
     "image,direction_x,direction_y,direction_z,light_r,light_g,light_b,ambient_r,ambient_g,ambient_b,contrast\n";
 
-TEST(PairedBootstrap, PlacesCountOnceWhateverTheirViews) {
-  const PairedDifference d = paired_bootstrap({{"a", 1.0}, {"a", 3.0}, {"a", 2.0}, {"b", 6.0}}, 1);
+TEST(IntervalOfPlaces, PlacesCountOnceWhateverTheirViews) {
+  const Interval d = interval_of(place_means({{"a", 1.0}, {"a", 3.0}, {"a", 2.0}, {"b", 6.0}}));
   EXPECT_DOUBLE_EQ(d.mean, 4.0);
   // With two places, a quarter of the resamples has only the first, and a quarter only the second.
   EXPECT_DOUBLE_EQ(d.low, 2.0);
   EXPECT_DOUBLE_EQ(d.high, 6.0);
 }
 
-TEST(PairedBootstrap, IntervalOfManyPlacesIsTheNormalLaws) {
+TEST(IntervalOfPlaces, IntervalOfManyPlacesIsTheNormalLaws) {
   Random random = random_stream(7, 1);
   std::vector<std::pair<std::string, double>> differences;
   double sum = 0.0, square = 0.0;
@@ -43,7 +43,7 @@ TEST(PairedBootstrap, IntervalOfManyPlacesIsTheNormalLaws) {
   }
   const double mean = sum / k_places, deviation = std::sqrt(square / k_places - mean * mean);
   const double half = 1.959964 * deviation / std::sqrt(static_cast<double>(k_places));
-  const PairedDifference d = paired_bootstrap(differences, 3);
+  const Interval d = interval_of(place_means(differences), 3);
   EXPECT_NEAR(d.mean, mean, 1e-12);
   // 10,000 resamples place a 2.5 % quantile to about 3 % of the half width.
   EXPECT_NEAR(d.low, mean - half, 0.1 * half);

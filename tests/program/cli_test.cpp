@@ -206,7 +206,8 @@ TEST_F(Cli, ASuiteTakesItsOptionsAlone) {
   EXPECT_EQ(options["bench granular"], (Names{"--threads", "--frames", "--peers", "--isa", "--json"}));
   EXPECT_EQ(options["bench machine"], (Names{"--json"}));
   EXPECT_EQ(options["bench growth"], (Names{"--threads", "--isa", "--json"}));
-  EXPECT_EQ(options["verify shot"], (Names{"--panoramas", "--network", "--seed", "--out", "--threads", "--json"}));
+  EXPECT_EQ(options["verify shot"],
+            (Names{"--panoramas", "--manifest", "--network", "--seed", "--quick", "--out", "--threads", "--json"}));
 }
 
 // The message names the first mistyped word, in the order typed, and the nearest right one. Each line below has what is
@@ -387,10 +388,14 @@ TEST_F(Cli, RunsShotsOfFiles) {
     EXPECT_NE(outcome.out.find("hash 0x"), std::string::npos) << outcome.out;
     return outcome.out;
   };
-  const std::string panorama = light_of("--panorama '" + path("room.hdr") + "' --light labels");
-  const std::string photo = light_of("--photo '" + path("room.png") + "' --fov 70 --light arbitrary");
+  const std::string panorama = light_of("--panorama '" + path("room.hdr") + "' --light truth");
+  const std::string photo = light_of("--photo '" + path("room.png") + "' --fov 70 --light nothing");
   EXPECT_NE(panorama.substr(panorama.find("hash")), photo.substr(photo.find("hash")))
       << "another light, another shadow";
+  ASSERT_EQ(run("room --seed 3 --width 64 --samples 1 --lamps-off -o '" + path("dark.hdr") + "'").code, 0);
+  const std::string later =
+      light_of("--panorama '" + path("room.hdr") + "' --later '" + path("dark.hdr") + "' --light truth");
+  EXPECT_NE(later.substr(later.find("hash")), panorama.substr(panorama.find("hash"))) << "the lamps went off";
   // A frame's time is the library's. It leaves out the made-up camera's image, which takes some 9 ms. Beside the work
   // units it has only colliders and lights.
   const Outcome timed = run("run shot --frames 4 --light estimate --panorama '" + path("room.hdr") + "'");
@@ -403,7 +408,7 @@ TEST_F(Cli, RunsShotsOfFiles) {
   if (!k_assimp) return;
   const host::MeshResult chair = host::make_named("chair");
   ASSERT_EQ(host::write_mesh_obj(path("mine.obj"), chair.mesh), "");
-  light_of("--panorama '" + path("room.hdr") + "' --light labels --object '" + path("mine.obj") + "' --asset chair");
+  light_of("--panorama '" + path("room.hdr") + "' --light truth --object '" + path("mine.obj") + "' --asset chair");
 }
 
 TEST_F(Cli, RefusesBadShots) {
@@ -426,12 +431,11 @@ TEST_F(Cli, RefusesBadShots) {
   expect_refused("run shot --photo " + photo + " --fov wide", "--fov");
   expect_refused("run shot --fov 70", "--photo");
   expect_refused("run shot --photo " + photo + " --fov 70 --panorama " + room, "excludes");
-  expect_refused("run shot --photo " + photo + " --fov 70 --light labels", "labels");
+  expect_refused("run shot --photo " + photo + " --fov 70 --light truth", "truth");
   expect_refused("run shot --light moon", "moon");
   expect_refused("run shot --network '" + path("missing.light") + "'", "missing.light");
   expect_refused("run shot --network " + room, "room.hdr\": ");
-  expect_refused("run shot --light labels --network '" + path("missing.light") + "'", "--network");
-  expect_refused("run shot --light arbitrary --network " + room, "--network");
+  expect_refused("run shot --light truth --network '" + path("missing.light") + "'", "--network");
   expect_refused("run demo --photo " + photo + " --fov 70", "no shot");
   expect_refused("run demo --asset chair", "--asset");
   expect_refused("run shot --asset '" + path("missing.shadow") + "'", "missing.shadow");

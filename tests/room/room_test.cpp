@@ -187,6 +187,23 @@ TEST(RoomLight, FindsTheExposureWhereItIsNotTold) {
   EXPECT_NEAR(a.irradiance[0], b.irradiance[0], 0.1 * a.irradiance[0]);
 }
 
+// A picture that is exposed for a 64th shows walls at two or three steps of a byte, and a lamp that was clipped before.
+// The walls tell the exposure; the lamp, of which only a lower bound was known, must not.
+TEST(RoomLight, FindsAShortExposureByTheDarkPartsOfThePicture) {
+  const Direction lamp = middle_of_part(100, 17);
+  const Radiance radiance = [=](Direction d) { return angle_deg(d, lamp) < 7 ? 20.0 : 0.045 + 0.02 * d.x; };
+  MadeUpRoom told, untold;
+  for (const double exposure : {2.0, 2.0 / 64})
+    for (int azimuth = 0; azimuth < 360; azimuth += 20) {
+      told.look(radiance, azimuth, 10, exposure, true);
+      untold.look(radiance, azimuth, 10, exposure, false);
+    }
+  const float cell = told.light().cells[cell_at(lamp)];
+  EXPECT_GT(cell, 0.2f);
+  EXPECT_NEAR(untold.light().cells[cell_at(lamp)], cell, 0.25f * cell);
+  EXPECT_NEAR(untold.light().irradiance[0], told.light().irradiance[0], 0.25f * told.light().irradiance[0]);
+}
+
 // Radiance is in the last image's scale: twice the exposure, twice the irradiance.
 TEST(RoomLight, AnswersInTheScaleOfTheLastImage) {
   MadeUpRoom room;

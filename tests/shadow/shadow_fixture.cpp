@@ -9,6 +9,7 @@
 #include "flatbuffers/flatbuffers.h"
 #include "runtime/asset/shadow_asset.h"
 #include "runtime/asset/shadow_generated.h"
+#include "tests/int8_kernels.h"
 
 namespace sandglass::tests {
 
@@ -137,6 +138,10 @@ AssetFile make_shadow_file(const RandomShadow& what) {
   AssetFile file(content);
   file.repair_checksum();
   return file;
+}
+
+std::vector<sandglass_isa> golden_sets() {
+  return SANDGLASS_EMULATED ? std::vector<sandglass_isa>{SANDGLASS_ISA_AUTOMATIC} : int8_sets();
 }
 
 sandglass_shadow_desc describe(const AssetFile& file, sandglass_isa isa, sandglass_shadow_mode mode) {

@@ -33,6 +33,9 @@ AssetFile make_shadow_file(const RandomShadow& what);
 sandglass_shadow_desc describe(const AssetFile& file, sandglass_isa isa = SANDGLASS_ISA_AUTOMATIC,
                                sandglass_shadow_mode mode = SANDGLASS_SHADOW_ADAPTIVE);
 
+// The sets that a hash is taken on. Under emulation each core has a test of its own, which takes the core's own set.
+std::vector<sandglass_isa> golden_sets();
+
 // The value at (x, y) between those that `texel` gives at whole numbers.
 template <class Texel>
 double bilinear(Texel&& texel, double x, double y) {

@@ -15,7 +15,8 @@ final class Native {
   static long create(android.content.Context context) { on("main", "create"); session = true; return 1; }
   static boolean resume(long handle) { on("main", "resume"); return true; }
   static void pause(long handle) { on("main", "pause"); }
-  static void surface(long handle, android.content.res.AssetManager assets, int rotation, int width, int height) { on("gl", "surface"); }
+  static void surface(long handle, int rotation, int width, int height) { on("gl", "surface"); }
+  static int hint(long handle) { on("gl", "hint"); return frames.get() % 4; }
   static boolean show(long handle, android.view.Surface surface, android.content.res.AssetManager assets, int width, int height) {
     on("gl", "show");
     if (shown) wrong = "show while shown";

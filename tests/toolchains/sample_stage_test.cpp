@@ -1,11 +1,12 @@
 // The stage that the sample apps share: it fills the scene of a phone's size, keeps the sand on the floor where it was
-// poured, keeps the budget law, and lights sand and floor from the camera's image in every layout.
+// poured, keeps the budget law, and lights sand and floor by what the camera has seen, in every layout of its images.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
+#include <cstddef>
+#include <numbers>
 #include <vector>
 
 #include "camera_planes.h"
@@ -46,16 +47,6 @@ TEST_F(SandStage, PoursThePhonesSceneOntoTheTappedPoint) {
   EXPECT_EQ(stage.frame(0.02f, 1.0f, nullptr).frame, 1u) << "the scene must begin again";
 }
 
-// The shipped network in 8-byte words.
-std::vector<uint64_t> network(uint64_t* bytes) {
-  std::ifstream file(SANDGLASS_LIGHTS_DIR "/room.light", std::ios::binary | std::ios::ate);
-  *bytes = static_cast<uint64_t>(file.tellg());
-  std::vector<uint64_t> words((*bytes + 7) / 8);
-  file.seekg(0);
-  file.read(reinterpret_cast<char*>(words.data()), static_cast<std::streamsize>(*bytes));
-  return words;
-}
-
 // A room that is bright on its left, as three planes. Rows end in padding, as those of cameras do.
 constexpr uint32_t k_width = 160, k_height = 120, k_row = 192;
 struct Planes {
@@ -89,8 +80,6 @@ bool set_planes(const uint8_t* y, const uint8_t* u, const uint8_t* v, const std:
 }
 
 TEST(CameraPlanes, EveryLayoutOfOneImageIsTheSameImage) {
-  uint64_t bytes = 0;
-  const std::vector<uint64_t> file = network(&bytes);
   const Planes planes;
   std::vector<uint8_t> uv(k_row * k_height / 2), vu(k_row * k_height / 2);
   for (uint32_t row = 0; row < k_height / 2; ++row)
@@ -104,15 +93,10 @@ TEST(CameraPlanes, EveryLayoutOfOneImageIsTheSameImage) {
     sandglass_camera_image image = pinhole();
     EXPECT_TRUE(set_planes(planes.y.data(), u, v, {1, pixel_stride, pixel_stride}, &image));
     EXPECT_EQ(image.format, expected);
-    sandglass_light_desc desc = sandglass::light_desc();
-    desc.asset = file.data(), desc.asset_bytes = bytes;
-    sandglass::Light light;
-    EXPECT_TRUE(static_cast<bool>(light.create(desc)));
-    uint32_t taken = 0;
-    const char* reason = nullptr;
-    EXPECT_EQ(sandglass_light_set_image(light.get(), &image, &taken, &reason), SANDGLASS_OK) << reason;
-    EXPECT_EQ(taken, 1u);
-    return sandglass_light_hash(light.get());
+    sandglass::Room room;
+    EXPECT_TRUE(static_cast<bool>(room.create()));
+    EXPECT_TRUE(static_cast<bool>(room.set_image(image)));
+    return room.hash();
   };
   const uint64_t separate = kept(planes.u.data(), planes.v.data(), 1, SANDGLASS_CAMERA_I420);
   EXPECT_EQ(kept(uv.data(), uv.data() + 1, 2, SANDGLASS_CAMERA_NV12), separate);
@@ -131,58 +115,82 @@ TEST(CameraPlanes, AnotherLayoutIsRefusedAndNothingIsTouched) {
   }
 }
 
-TEST_F(SandStage, WithoutAnImageNoShadowIsSeen) {
+// Before any image the light is what is usual: soft, without a main light, and the sand does not float.
+TEST_F(SandStage, WithoutAnImageTheShadowIsSoft) {
   ASSERT_TRUE(static_cast<bool>(stage.create()));
   pour(0, 0, 0);
-  const sandglass_camera_image image = pinhole();  // without a network nothing reads it
-  EXPECT_EQ(stage.frame(0.02f, 1.0f, nullptr, &image).light_changed, 0u);
+  for (int frame = 0; frame < 600 && stage.sky().valid == 0; ++frame) (void)stage.frame(0.0f, 1.0f, nullptr);
+  const sandglass_pile_shadow_sky sky = stage.sky();
+  ASSERT_NE(sky.valid, 0u);
+  EXPECT_LT(sky.floor[sky.texels / 2 * (sky.texels + 1)], 60) << "the floor must be dark under the block";
+  EXPECT_GT(sky.floor[0], 240);
+  EXPECT_EQ(stage.light().valid, 0u);
   EXPECT_EQ(stage.shadow_strength(), 0.0f);
+  EXPECT_EQ(stage.light_scale(), 1.0f);
+  EXPECT_NE(stage.look(), nullptr) << "nothing was seen: the user must be asked to look around";
 }
 
-TEST_F(SandStage, LightComesFromTheImageAndSandCastsItsShadowInIt) {
-  if (SANDGLASS_EMULATED) GTEST_SKIP() << "an estimate in slices of 4 ms of an emulated core takes minutes";
-  uint64_t bytes = 0;
-  std::vector<uint64_t> file = network(&bytes);
-  ASSERT_TRUE(static_cast<bool>(stage.create(std::move(file), bytes)));
-  pour(0.3f, 0.0f, -1.0f);
-  const Planes planes;
-  sandglass_camera_image image = pinhole();
-  ASSERT_TRUE(set_planes(planes.y.data(), planes.u.data(), planes.v.data(), {1, 1, 1}, &image));
-
-  int changed = -1, frame = 0;
-  for (; frame < 2000 && (changed < 0 || frame < changed + 30 || stage.shadow().age > 0); ++frame) {
-    image.timestamp_ns = 16'666'667u * static_cast<uint64_t>(frame);
-    // No time passes for the sand, so the block stands.
-    if (stage.frame(0.0f, 1.0f, nullptr, changed < 0 ? &image : nullptr).light_changed != 0) changed = frame;
-    if (changed < 0) {
-      EXPECT_EQ(stage.shadow_strength(), 0.0f);
+// A camera turns once, 50 degrees up, in a dim room with a lamp at azimuth 90 (along +z). It clips first; then the app
+// asks for short exposures, by which the lamp is found.
+TEST_F(SandStage, TheRoomThatWasSeenLightsTheSand) {
+  ASSERT_TRUE(static_cast<bool>(stage.create()));
+  pour(0.1f, 0.0f, 0.1f);
+  const double up = 50.0 * std::numbers::pi / 180, lamp[3] = {0.0, std::sin(up), std::cos(up)};
+  std::vector<uint8_t> pixels(3 * k_width * k_height);
+  bool was_asked = false;
+  for (int shot = 0; shot < 36; ++shot) {
+    const double azimuth = 2 * std::numbers::pi * shot / 12,
+                 ahead[3] = {std::cos(up) * std::cos(azimuth), std::sin(up), std::cos(up) * std::sin(azimuth)};
+    const double right[3] = {-std::sin(azimuth), 0, std::cos(azimuth)};
+    const double above[3] = {-std::sin(up) * std::cos(azimuth), std::cos(up), -std::sin(up) * std::sin(azimuth)};
+    sandglass_camera_image image = pinhole();
+    was_asked = was_asked || stage.wants_short_exposure();
+    image.exposure = was_asked ? 1.0f / 64 : 1.0f;
+    float columns[16] = {};
+    for (int k = 0; k < 3; ++k)
+      columns[k] = static_cast<float>(right[k]), columns[4 + k] = static_cast<float>(above[k]),
+      columns[8 + k] = static_cast<float>(-ahead[k]);
+    ASSERT_EQ(sandglass_camera_orientation(columns, image.orientation), 1);
+    for (uint32_t i = 0; i < k_width * k_height; ++i) {
+      double ray[3], length = 0, along = 0;
+      const double u = (i % k_width - 79.5) / 150, v = (59.5 - i / k_width) / 150;
+      for (int k = 0; k < 3; ++k) {
+        ray[k] = ahead[k] + u * right[k] + v * above[k];
+        length += ray[k] * ray[k], along += ray[k] * lamp[k];
+      }
+      const double linear = (along / std::sqrt(length) > 0.995 ? 50.0 : 0.2) * static_cast<double>(image.exposure);
+      const double coded =
+          linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(std::min(linear, 1.0), 1 / 2.4) - 0.055;
+      for (size_t c = 0; c < 3; ++c) pixels[3 * i + c] = static_cast<uint8_t>(std::lround(255 * coded));
     }
+    image.planes[0] = pixels.data(), image.strides[0] = 3 * k_width;
+    image.timestamp_ns = 200'000'000u * static_cast<uint64_t>(shot);
+    // The light fades in; no time may pass for the sand here, so the block stands.
+    (void)stage.frame(0.0f, 1.0f, nullptr, &image);
   }
-  ASSERT_GE(changed, 0) << "no light in " << frame << " frames";
-  const sandglass_light_estimate light = stage.light();
-  EXPECT_NE(light.valid, 0u);
-  const float across = std::hypot(light.direction[0], light.direction[2]);
-  EXPECT_NEAR(std::hypot(across, light.direction[1]), 1.0f, 1e-5f);
-  EXPECT_GT(light.contrast, 0.0f);
+  EXPECT_TRUE(was_asked) << "a clipped lamp must ask for short exposures";
+  sandglass_room_light light = stage.light();
+  EXPECT_EQ(light.main_share, 0.0f) << "nothing fades in without time";
+  for (int frame = 0; frame < 300; ++frame) {
+    (void)stage.frame(0.02f, 1.0f, nullptr);
+    EXPECT_LT(stage.light().main_share - light.main_share, 0.04f) << "light must come in softly";
+    light = stage.light();
+  }
+  EXPECT_EQ(stage.look(), nullptr);
+  EXPECT_GT(light.main_share, 0.1f);
+  double agreement = 0;
+  for (int k = 0; k < 3; ++k) agreement += static_cast<double>(light.main_direction[k]) * lamp[k];
+  EXPECT_GT(agreement, 0.98);
+  EXPECT_FLOAT_EQ(stage.shadow_strength(), stage.shadow().opacity * light.main_share);
+  EXPECT_FLOAT_EQ(stage.light_scale(), light.white / 64.0f);
 
-  const sandglass_pile_shadow_texture shadow = stage.shadow();
-  ASSERT_NE(shadow.valid, 0u);
-  EXPECT_EQ(shadow.texels, sample::k_shadow_texels);
-  EXPECT_FLOAT_EQ(stage.shadow_strength(), shadow.opacity * light.contrast);
-  double weight = 0, away = 0;
-  for (uint32_t row = 0; row < shadow.texels; ++row)
-    for (uint32_t column = 0; column < shadow.texels; ++column) {
-      const double c = shadow.coverage[row * shadow.texels + column];
-      const auto at = [&](uint32_t i, int k) {
-        return shadow.low[k] + (shadow.high[k] - shadow.low[k]) * (i + 0.5) / shadow.texels;
-      };
-      weight += c;
-      away -= c * (at(column, 0) * light.direction[0] + at(row, 1) * light.direction[2]) / across;
-    }
-  ASSERT_GT(weight, 0.0);
-  EXPECT_GT(shadow.coverage[shadow.texels / 2 * (shadow.texels + 1)], 230) << "the floor must be dark under the block";
-  EXPECT_EQ(shadow.coverage[0], 0) << "the corner must not be dark";
-  EXPECT_GT(away / weight, 0.05) << "the shadow must lie on the side away from the light";
+  std::vector<std::byte> saved;
+  ASSERT_TRUE(static_cast<bool>(stage.save_room(&saved)));
+  stage.forget_room();
+  EXPECT_NE(stage.look(), nullptr);
+  ASSERT_TRUE(static_cast<bool>(stage.restore_room(saved.data(), saved.size())));
+  EXPECT_EQ(stage.look(), nullptr);
+  EXPECT_FALSE(static_cast<bool>(stage.restore_room(saved.data(), saved.size() - 1)));
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ if (unity "$output/fault/Shadow.shader") >/dev/null; then echo "a shader with a 
 
 # Shaders.metal and ShadowCatcher.metal must define the functions that the app asks for.
 awk '/^```metal$/ {on = 1; next} /^```$/ {on = 0} on' "$source/runtime/shadow/README.md" >"$output/ShadowCatcher.metal"
-for name in $(grep -oE '@"[a-z]+_(vertex|fragment|corner|catcher)"' "$source/toolchains/ios/sample/SandViewController.mm" | tr -d '@"'); do
+for name in $(grep -oE '@"[a-z_]+_(vertex|fragment|corner|catcher)"' "$source/toolchains/ios/sample/SandViewController.mm" | tr -d '@"'); do
   grep -qE "^(vertex|fragment) [A-Za-z0-9]+ $name\(" "$source/toolchains/ios/sample/Shaders.metal" "$output/ShadowCatcher.metal" ||
     { echo "no Metal function $name"; exit 1; }
 done

@@ -1,17 +1,15 @@
 // What the sample apps share on every phone. A scene is made once, and sand is poured above a point of the real floor.
-// One call a frame fills a mapped buffer with grains, estimates the light of the room from the camera's image, and
-// updates the sand's soft shadow, all in one budget. Positions are those of the AR session's world: metres, y up, as
+// One call a frame fills a mapped buffer with grains, gathers the light of the room from the camera's image, and
+// updates the sand's shadows, all in one budget. Positions are those of the AR session's world: metres, y up, as
 // Sandglass has them.
 //
 // An app with objects of its own adds their baked shadows: it makes a sandglass_shadow beside the scene (shadow.h),
-// gives it the estimate's direction turned into the object's frame, and passes it as input.shadows.
+// hands it the same cells and main light (models/examples/camera_app.cpp), and passes it as input.shadows.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "sandglass/light.h"
-#include "sandglass/pile_shadow.h"
 #include "sandglass/sandglass.hpp"
 
 namespace sample {
@@ -21,39 +19,25 @@ constexpr uint32_t k_particles = 1500, k_grains = 25000;  // as much as a phone 
 constexpr float k_block_half = 0.1f;                      // metres, half the side of the block that is poured
 constexpr float k_shadow_half = 0.64f;                    // metres, half the side of the floor that receives the shadow
 constexpr uint32_t k_shadow_texels = 128;                 // on a side: a texel is as wide as a particle's radius
+constexpr uint32_t k_sky_texels = 64;                     // of the shadow of all other light, which is softer
+constexpr float k_enough_seen = 0.5f;                     // below, the user is asked to look around
+// Above this share of the light from clipped pixels, a short exposure helps: behind little of it may be a strong lamp.
+constexpr float k_much_clipped = 0.02f;
 constexpr uint64_t k_budget_ns = 4'000'000;
 
 class SandStage {
  public:
-  // Makes scene, shadow and light, with all memory that the library ever uses. `network` is the file of a lighting
-  // network (models/lights/room.light) in 8-byte words, of which the file fills `network_bytes`. Without one the light
-  // stays as it begins: grey, from everywhere, with no visible shadow. `trace` is the system's profiler or the app's
-  // own hook.
-  sandglass::Status create(std::vector<uint64_t> network = {}, uint64_t network_bytes = 0,
-                           sandglass_trace trace = sandglass_trace_system()) {
-    estimate_.direction[1] = 1.0f;
-    for (float& channel : estimate_.ambient) channel = 0.5f;
-    sandglass_pile_shadow_desc shadow;
-    sandglass_pile_shadow_desc_default(&shadow);
+  // Makes scene, shadow and room, with all memory that the library ever uses. `trace` is the system's profiler or the
+  // app's own hook.
+  sandglass::Status create(sandglass_trace trace = sandglass_trace_system()) {
+    sandglass_pile_shadow_desc shadow = sandglass::pile_shadow_desc();
     for (int k = 0; k < 2; ++k) shadow.low[k] = -k_shadow_half, shadow.high[k] = k_shadow_half;
-    shadow.texels = k_shadow_texels;
+    shadow.texels = k_shadow_texels, shadow.sky_texels = k_sky_texels;
     shadow.on_sand = 0;
-    sandglass::Status status;
-    uint64_t bytes = 0;
-    status.code = sandglass_pile_shadow_bytes(&shadow, &bytes, &status.reason);
+    sandglass::Status status = shadow_.create(shadow);
+    if (status) status = room_.create();
     if (!status) return status;
-    shadow_block_ = sandglass::allocate_block(bytes);
-    status.code = sandglass_pile_shadow_create(&shadow, shadow_block_.get(), bytes, &shadow_, &status.reason);
-    if (!status) return status;
-
-    network_ = std::move(network);
-    if (!network_.empty()) {
-      sandglass_light_desc light = sandglass::light_desc();
-      light.asset = network_.data(), light.asset_bytes = network_bytes;
-      status = light_.create(light);
-      if (!status) return status;
-    }
-
+    shown_ = known_ = room_.light_at(origin_);  // what is usual in a room
     sandglass_scene_desc desc = sandglass::scene_desc();
     desc.clock = sandglass_clock_system();
     desc.trace = trace;
@@ -68,6 +52,7 @@ class SandStage {
   sandglass::Status pour(const float point[3]) {
     const float r = k_particle_radius, h = k_block_half;
     for (int k = 0; k < 3; ++k) origin_[k] = point[k];  // the scene's origin: grains are given relative to it
+    known_ = room_.light_at(origin_);
     floor_ = sandglass::floor_at(0.0f);
     scene_.reset();
     drawn_ = 0;
@@ -86,37 +71,56 @@ class SandStage {
 
   // Runs one frame, `seconds` after the last one. `headroom` is that of sandglass_frame_input. `grains` is the
   // renderer's mapped buffer of k_grains items. `camera` is the newest image or null; it is read in this call only. A
-  // performance hint session takes report.target_ns and report.elapsed_ns. If report.light_changed is set, the renderer
-  // has to take light() again.
+  // performance hint session takes report.target_ns and report.elapsed_ns.
   sandglass_frame_report frame(float seconds, float headroom, sandglass_grain* grains,
                                const sandglass_camera_image* camera = nullptr) {
-    (void)!sandglass_pile_shadow_set_light(shadow_, estimate_.direction, nullptr);  // a unit vector is never refused
+    const float* d = shown_.main_direction;  // unit vectors and shares of a light are never refused
+    (void)shadow_.set_light({d[0], d[1], d[2]});
+    (void)shadow_.set_cells(shown_.ambient_cells);
     sandglass_frame_input input = sandglass::frame_input();
     input.time_step = seconds;
     input.budget_ns = k_budget_ns;
     input.thermal_headroom = headroom;
     input.colliders = &floor_, input.collider_count = 1;
     input.grains = grains, input.grain_capacity = k_grains;
-    input.pile_shadow = shadow_;
-    input.light = light_.get(), input.camera = light_ ? camera : nullptr;
+    input.pile_shadow = shadow_.get();
+    input.room = room_.get(), input.camera = camera;
     sandglass_frame_report report = sandglass::frame_report();
     const sandglass::Status status = scene_.frame(input, &report);
     if (!status) drawn_ = 0;
-    if (report.light_changed != 0) estimate_ = light_.estimated();
+    if (camera != nullptr) known_ = room_.light_at(origin_), exposure_ = camera->exposure;
+    sandglass_room_light_fade(&shown_, &known_, seconds);
     return report;
   }
 
-  // The light of the room, in the session's world.
-  const sandglass_light_estimate& light() const { return estimate_; }
-  // The sand's shadow on the floor: `low` and `high` are x and z relative to origin(). Upload it after each frame.
-  sandglass_pile_shadow_texture shadow() const {
-    sandglass_pile_shadow_texture texture{};
-    texture.struct_size = sizeof texture;
-    sandglass_pile_shadow_get_texture(shadow_, &texture);
-    return texture;
+  // The light of the room as it is drawn, in the session's world.
+  const sandglass_room_light& light() const { return shown_; }
+  // Its irradiance and harmonics are in the scale of the image that the room took in last. This makes them those of the
+  // image on the screen, where the system tells exposures.
+  float light_scale() const { return exposure_ > 0.0f && shown_.white > 0.0f ? exposure_ * shown_.white : 1.0f; }
+  // The sand's shadow of the main light on the floor: `low` and `high` are x and z relative to origin(). Upload it
+  // after each frame, and the one below.
+  sandglass_pile_shadow_texture shadow() const { return shadow_.texture(); }
+  // What the sand leaves of all other light. The floor keeps sky().floor / 255 - coverage / 255 * shadow_strength().
+  sandglass_pile_shadow_sky sky() const { return shadow_.sky(); }
+  float shadow_strength() const { return shadow().opacity * shown_.main_share; }
+
+  // Where to ask the user to look, or null where enough of the room was seen.
+  const float* look() const { return known_.seen < k_enough_seen ? known_.look : nullptr; }
+  // Whether images with a short exposure, such as a sixty-fourth, would help. Keep it for 0.1 s, in which the room
+  // takes one image, and do not show those images.
+  bool wants_short_exposure() const { return known_.clipped > k_much_clipped; }
+
+  // Another room: forgets all that was seen.
+  void forget_room() { room_.reset(), known_ = room_.light_at(origin_); }
+  // What was seen, for a later session. It holds in the same world frame alone: restore it when ARKit has relocalised
+  // to the world map that was saved with it, or after sandglass_room_move from one persistent anchor to the same.
+  sandglass::Status save_room(std::vector<std::byte>* data) const { return room_.save(data); }
+  sandglass::Status restore_room(const void* data, uint64_t bytes) {
+    const sandglass::Status status = room_.restore(data, bytes);
+    known_ = room_.light_at(origin_);
+    return status;
   }
-  // The factor of coverage: the floor keeps 1 - coverage * shadow_strength() of its light.
-  float shadow_strength() const { return shadow().opacity * estimate_.contrast; }
 
   const float* origin() const { return origin_; }  // in the session's world
   uint32_t drawn() const { return drawn_; }        // grains to draw
@@ -124,11 +128,10 @@ class SandStage {
 
  private:
   sandglass::Scene scene_;
-  sandglass::Light light_;
-  std::vector<uint64_t> network_;  // light_ reads it
-  sandglass::Block shadow_block_;
-  sandglass_pile_shadow* shadow_ = nullptr;
-  sandglass_light_estimate estimate_ = {};
+  sandglass::PileShadow shadow_;
+  sandglass::Room room_;
+  sandglass_room_light known_ = {}, shown_ = {};  // now, and on its way there
+  float exposure_ = 0.0f;                         // of the last image
   sandglass_collider floor_ = sandglass::floor_at(0.0f);
   float origin_[3] = {0, 0, 0};
   uint32_t drawn_ = 0;

@@ -19,7 +19,6 @@
 #include "models/simulation/metrics.h"
 #include "models/work/progress.h"
 #include "models/work/thread_pool.h"
-#include "runtime/core/random.h"
 
 namespace sandglass::host {
 
@@ -27,8 +26,6 @@ namespace {
 
 constexpr double k_bright_share = 0.9;  // share of the greatest luminance; images are clipped there
 constexpr double k_any_contrast = 0.5;  // taken where no other place gives a contrast
-constexpr int k_resamples = 10000;
-constexpr uint64_t k_bootstrap_stream = 41;
 constexpr Colour k_white = {255, 255, 255}, k_black = {0, 0, 0};
 constexpr Colour k_colours[k_light_sources] = {
     {255, 255, 255}, {60, 220, 60}, {150, 150, 150}, {230, 60, 200}, {80, 140, 255}};
@@ -159,7 +156,7 @@ void judge(const std::vector<Work>& works, bool rendered, uint64_t seed, Lightin
       std::vector<std::pair<std::string, double>> differences;
       for (const LightView& view : verdicts->views)
         differences.emplace_back(view.location, quantity.of(view.errors[e]) - quantity.of(view.errors[b]));
-      const PairedDifference d = paired_bootstrap(differences, seed);
+      const Interval d = interval_of(place_means(differences), seed);
       const std::string name = std::string(quantity.name) + " against " + name_of(baseline);
       verdicts->rows.push_back({"lighting", name + ", mean", quantity.unit, 0.0, d.mean,
                                 std::numeric_limits<double>::infinity(), true, false});
@@ -256,26 +253,6 @@ LightLabels grey_world(const Picture& image, double contrast) {
   return {{0.0, -1.0, 0.0}, light, mean, contrast, true};
 }
 
-PairedDifference paired_bootstrap(const std::vector<std::pair<std::string, double>>& differences, uint64_t seed) {
-  std::map<std::string, std::pair<double, double>> sums;
-  for (const auto& [place, value] : differences) sums[place].first += value, sums[place].second += 1.0;
-  std::vector<double> places;
-  for (const auto& [place, sum] : sums) places.push_back(sum.first / sum.second);
-  if (places.empty()) return {};
-  PairedDifference result;
-  for (const double value : places) result.mean += value / static_cast<double>(places.size());
-  Random random = random_stream(seed, k_bootstrap_stream);
-  std::vector<double> means(k_resamples);
-  for (double& mean : means) {
-    for (size_t i = 0; i < places.size(); ++i) {
-      const auto chosen = static_cast<size_t>(random.uniform() * static_cast<double>(places.size()));
-      mean += places[std::min(chosen, places.size() - 1)] / static_cast<double>(places.size());
-    }
-  }
-  result.low = quantile(means, 0.025), result.high = quantile(means, 0.975);
-  return result;
-}
-
 LightingVerdicts verify_lighting(const LightingVerdictOptions& options) {
   const std::vector<std::string> panoramas = find_panoramas(options.panoramas);
   refuse_equal_stems(panoramas);
@@ -319,7 +296,8 @@ LightingVerdicts verify_lighting(const LightingVerdictOptions& options) {
   for (const Work& work : works) {
     LightView view;
     view.name = work.name, view.panorama = stem_of(work.path), view.location = work.location.name;
-    view.estimate = work.lights[static_cast<size_t>(Contender::estimate)];
+    view.path = work.path, view.view = work.view;
+    std::copy_n(work.lights, k_light_sources, view.lights);
     for (int s = 0; s < k_light_sources; ++s)
       if (work.has[s]) view.errors[s] = errors_of(work, s);
     verdicts.views.push_back(view);
@@ -401,7 +379,7 @@ std::string lighting_csv(const LightingVerdicts& verdicts) {
 std::string estimates_csv(const LightingVerdicts& verdicts) {
   std::string text = std::string(k_estimates_header) + "\n";
   for (const LightView& view : verdicts.views) {
-    const LightLabels& e = view.estimate;
+    const LightLabels& e = view.lights[static_cast<size_t>(Contender::estimate)];
     text += view.name + ".png";
     for (const double value : {e.direction.x, e.direction.y, e.direction.z, e.light.x, e.light.y, e.light.z,
                                e.ambient.x, e.ambient.y, e.ambient.z, e.contrast}) {

@@ -18,9 +18,11 @@
 
 #include "models/compositing/image_errors.h"
 #include "models/files/image.h"
+#include "models/laboratory/interval.h"
 #include "models/laboratory/sand/granular_verdicts.h"
 #include "models/lighting/labels.h"
 #include "models/mesh/mesh.h"
+#include "models/rooms/excerpt.h"
 
 namespace sandglass::host {
 
@@ -48,17 +50,11 @@ constexpr int k_light_sources = 5;
 const char* name_of(Contender source);
 
 struct LightView {
-  std::string name, panorama, location;
-  LightLabels estimate;  // if there is one
+  std::string name, panorama, path, location;
+  View view;
+  LightLabels lights[k_light_sources];  // in the camera's frame; of those that there are
   LightErrors errors[k_light_sources];
 };
-
-// The mean of a difference (estimate - baseline) over places, and its 95 % interval. Below 0 the estimate is better.
-struct PairedDifference {
-  double mean = 0.0, low = 0.0, high = 0.0;
-};
-// Resamples places with replacement; each place counts once, whatever its number of views.
-PairedDifference paired_bootstrap(const std::vector<std::pair<std::string, double>>& differences, uint64_t seed);
 
 struct LightingVerdicts {
   std::vector<LightView> views;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/baking/truth.h"
 #include "models/tracing/embree_scene.h"
 #include "runtime/core/random.h"
 #include "runtime/light/harmonics.h"
@@ -14,20 +15,15 @@ namespace {
 
 constexpr double k_pi_double = std::numbers::pi;
 constexpr double k_half_light = 10.0 * k_pi_double / 180.0;
-constexpr uint64_t k_ray_stream = 61, k_point_stream = 100'061;
-
-// A direction by its place in the hemisphere: `ring` 0..16 and `sector` 0..64 may have fractions.
-Vec3 fine_place(double ring, double sector) {
-  const double up = std::sqrt(ring / k_fine_rings), level = std::sqrt(std::max(0.0, 1.0 - up * up));
-  const double azimuth = 2.0 * k_pi_double * sector / k_fine_sectors;
-  return {level * std::cos(azimuth), up, level * std::sin(azimuth)};
-}
+constexpr uint64_t k_point_stream = 100'061;
 
 uint32_t fine_of(Vec3 d) {
+  constexpr uint32_t k_sectors = k_cell_sectors * k_strata_side, k_rings = k_cell_rings * k_strata_side;
   const double turns = std::atan2(d.z, d.x) / (2.0 * k_pi_double);
-  const auto sector = static_cast<uint32_t>((turns - std::floor(turns)) * k_fine_sectors) % k_fine_sectors;
-  const uint32_t ring = std::min(static_cast<uint32_t>(d.y * d.y * k_fine_rings), k_fine_rings - 1);
-  return ring * k_fine_sectors + sector;
+  const auto sector = static_cast<uint32_t>((turns - std::floor(turns)) * k_sectors) % k_sectors;
+  const uint32_t ring = std::min(static_cast<uint32_t>(d.y * d.y * k_rings), k_rings - 1);
+  const uint32_t stratum = ring % k_strata_side * k_strata_side + sector % k_strata_side;
+  return cell_of(d) * k_cell_strata + stratum;
 }
 
 uint32_t sphere_part(Vec3 d) {
@@ -52,16 +48,9 @@ Vec3 sphere_direction(double row, double column) {
   return {std::cos(up) * std::cos(around), std::sin(up), std::cos(up) * std::sin(around)};
 }
 
-Vec3 fine_direction(uint32_t fine) { return fine_place(fine / k_fine_sectors + 0.5, fine % k_fine_sectors + 0.5); }
-
-uint32_t cell_of_fine(uint32_t fine) {
-  const uint32_t ring = fine / k_fine_sectors / (k_fine_rings / k_cell_rings);
-  return ring * k_cell_sectors + fine % k_fine_sectors / (k_fine_sectors / k_cell_sectors);
-}
-
-Vec3 cell_direction(uint32_t cell) {
-  return fine_place((cell / k_cell_sectors + 0.5) * (k_fine_rings / k_cell_rings),
-                    (cell % k_cell_sectors + 0.5) * (k_fine_sectors / k_cell_sectors));
+Vec3 fine_direction(uint32_t fine) {
+  return cell_direction(fine / k_cell_strata, (fine % k_strata_side + 0.5) / k_strata_side,
+                        (fine % k_cell_strata / k_strata_side + 0.5) / k_strata_side);
 }
 
 TrueLight true_light(const RadianceMap& panorama, Vec3 place) {
@@ -84,37 +73,20 @@ TrueLight true_light(const RadianceMap& panorama, Vec3 place) {
   for (const double s : sums) total += s;
   for (uint32_t f = 0; f < k_fine; ++f) {
     light.shares[f] = sums[f] / total;
-    light.cells[cell_of_fine(f)] += light.shares[f];
+    light.cells[f / k_cell_strata] += light.shares[f];
   }
   return light;
 }
 
-FloorObject::FloorObject(std::string name, const Mesh& mesh, uint64_t seed, ThreadPool* pool) : name_(std::move(name)) {
-  double low[3], high[3];
-  for (int k = 0; k < 3; ++k) low[k] = 1e30, high[k] = -1e30;
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const double x = static_cast<double>(mesh.vertices[i]);
-    low[i % 3] = std::min(low[i % 3], x), high[i % 3] = std::max(high[i % 3], x);
-  }
-  const double height = high[1] - low[1], side = 4.0 * height;
-  const Vec3 centre = {0.5 * (low[0] + high[0]), low[1], 0.5 * (low[2] + high[2])};
+FloorObject::FloorObject(std::string name, const Mesh& source, uint64_t seed, ThreadPool* pool)
+    : name_(std::move(name)) {
+  const StandingObject standing = stand_on_plane(source, name_);
+  const Mesh& mesh = standing.mesh;
+  const double height = standing.box.height;
   const EmbreeScene caster = EmbreeScene::triangles(mesh.vertices, mesh.indices);
-  hidden_.assign(static_cast<size_t>(k_texels) * k_texels * k_fine, 0.0f);
-  hidden_cells_.assign(static_cast<size_t>(k_texels) * k_texels * k_light_cells, 0.0f);
-  pool->run(k_texels, [&](uint32_t v) {
-    Random random = random_stream(seed, k_ray_stream + v);
-    for (int u = 0; u < k_texels; ++u) {
-      const size_t texel = static_cast<size_t>(v) * k_texels + static_cast<size_t>(u);
-      for (uint32_t f = 0; f < k_fine; ++f) {
-        const Vec3 at = centre + Vec3{((u + random.uniform()) / k_texels - 0.5) * side, 1e-4 * height,
-                                      ((v + random.uniform()) / k_texels - 0.5) * side};
-        const double ring = f / k_fine_sectors + random.uniform(), sector = f % k_fine_sectors + random.uniform();
-        if (!caster.occluded(at, fine_place(ring, sector), 1e3 * height)) continue;
-        hidden_[texel * k_fine + f] = 1.0f;
-        hidden_cells_[texel * k_light_cells + cell_of_fine(f)] += static_cast<float>(k_light_cells) / k_fine;
-      }
-    }
-  });
+  hidden_ = trace_hidden(caster, {2 * height, k_texels}, HiddenOf::strata, seed, *pool, [](uint32_t) { return true; });
+  hidden_cells_.assign(hidden_.size() / k_cell_strata, 0.0f);
+  for (size_t i = 0; i < hidden_.size(); ++i) hidden_cells_[i / k_cell_strata] += hidden_[i] / k_cell_strata;
 
   // Points of the surface, by area, and what each sees.
   std::vector<double> areas;
@@ -137,7 +109,8 @@ FloorObject::FloorObject(std::string name, const Mesh& mesh, uint64_t seed, Thre
     const Vec3 normal = normalised(cross(edge, other));
     const Vec3 from = corner(t, 0) + edge * a + other * b + normal * (1e-4 * height);
     for (uint32_t i = 0; i < k_sphere; ++i) {
-      const Vec3 d = sphere_direction(i / k_sphere_columns + random.uniform(), i % k_sphere_columns + random.uniform());
+      const double column = i % k_sphere_columns + random.uniform(), row = i / k_sphere_columns + random.uniform();
+      const Vec3 d = sphere_direction(row, column);
       const double facing = dot(d, normal);
       if (facing > 0 && !caster.occluded(from, d, 1e3 * height))
         facing_[static_cast<size_t>(point) * k_sphere + i] = static_cast<float>(facing);

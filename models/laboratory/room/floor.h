@@ -1,6 +1,7 @@
 // What a level floor receives beside an object, by rays: the truth that every way to draw a shadow is held against.
 //
-// The upper hemisphere is split into 1,024 parts of equal cosine-weighted solid angle, 16 to each cell of types.h.
+// The upper hemisphere is split into 1,024 parts of equal cosine-weighted solid angle: the strata of the cells of
+// types.h (models/baking/cell_visibility.h).
 #pragma once
 
 #include <array>
@@ -8,21 +9,20 @@
 #include <string>
 #include <vector>
 
+#include "models/baking/cell_visibility.h"
+#include "models/baking/light_cells.h"
 #include "models/mesh/mesh.h"
 #include "models/rooms/panorama.h"
 #include "models/work/thread_pool.h"
-#include "runtime/core/light_cells.h"
 
 namespace sandglass::host {
 
-constexpr uint32_t k_fine_sectors = 64, k_fine_rings = 16, k_fine = k_fine_sectors * k_fine_rings;
+constexpr uint32_t k_fine = k_light_cells * k_cell_strata;
 using Fine = std::array<double, k_fine>;
 using Cells = std::array<double, k_light_cells>;
 
-// The direction in the middle of a fine part, and the cell that holds it.
+// The direction in the middle of a part: stratum fine % 16 of cell fine / 16.
 Vec3 fine_direction(uint32_t fine);
-uint32_t cell_of_fine(uint32_t fine);
-Vec3 cell_direction(uint32_t cell);
 
 // The light at a place in a panorama: shares of a level floor's irradiance, and the irradiance itself, in the
 // panorama's radiance. `place` is in radii of the panorama's sphere.
@@ -43,7 +43,7 @@ class FloorObject {
   static constexpr int k_texels = 48;   // along a side of four object heights
   static constexpr int k_points = 192;  // of the surface
 
-  // The mesh is put onto the floor, its middle at the centre.
+  // The mesh is put onto the floor, its footprint's middle at the centre.
   FloorObject(std::string name, const Mesh& mesh, uint64_t seed, ThreadPool* pool);
 
   const std::string& name() const { return name_; }
@@ -69,9 +69,9 @@ class FloorObject {
  private:
   std::vector<float> hidden(Vec3 direction) const;  // of the round light, by texel
   std::string name_;
-  std::vector<float> hidden_;        // texels x k_fine: 0 seen, 1 hidden
+  std::vector<float> hidden_;        // texels x k_fine: the share that is hidden
+  std::vector<float> hidden_cells_;  // texels x cells: the same of whole cells
   std::vector<float> facing_;        // surface points x k_sphere: the cosine where the point sees the direction
-  std::vector<float> hidden_cells_;  // texels x cells
 };
 
 // Root mean square error of what is drawn.

@@ -32,9 +32,9 @@ std::unique_ptr<PileShadow> ShotStage::pile_for(Vec3 towards, Sand of) const {
   return pile;
 }
 
-ShotShadows ShotStage::shadows_for(Vec3 towards) const {
+SceneShadows ShotStage::shadows_for(const ShotLight& light) const {
   return complete_shadows(scene, SANDGLASS_ISA_AUTOMATIC, 0, colliders_over_frame(scene, 0), grains, grain_radius,
-                          towards);
+                          light);
 }
 
 }  // namespace sandglass::host

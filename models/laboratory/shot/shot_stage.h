@@ -15,7 +15,7 @@ struct ShotStage {
   SceneFile scene;
   std::vector<float> particles, grains;
   float grain_radius = 0.0f;
-  Mesh object;
+  LitObject object;
 
   ShotStage();
 
@@ -23,7 +23,7 @@ struct ShotStage {
   // The sand's shadow, complete, made of grains or of particles.
   std::unique_ptr<PileShadow> pile_for(Vec3 towards, Sand of) const;
   // All shadows, complete, as a frame has them.
-  ShotShadows shadows_for(Vec3 towards) const;
+  SceneShadows shadows_for(const ShotLight& light) const;
 };
 
 }  // namespace sandglass::host

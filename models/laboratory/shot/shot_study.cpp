@@ -4,13 +4,27 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <sstream>
 
 namespace sandglass::host {
 
 const char* name_of(ShotVariant variant) {
-  constexpr const char* k_names[] = {"true labels",     "no shadow",     "hard shadow",
-                                     "arbitrary light", "no tone curve", "estimate"};
+  constexpr const char* k_names[k_shot_variants] = {"no shadow, mean light",
+                                                    "ambient shadow alone, mean light",
+                                                    "one light, by the network",
+                                                    "a full turn",
+                                                    "a full turn, some images short",
+                                                    "the true light in cells",
+                                                    "shadows of a full turn, true shading",
+                                                    "true shadows, shading of a full turn",
+                                                    "a full turn at the true level",
+                                                    "control: a full turn, mirrored",
+                                                    "control: a full turn in another room",
+                                                    "one light, the true label",
+                                                    "the same without its shadow",
+                                                    "the same with a hard shadow",
+                                                    "an arbitrary light"};
   return k_names[static_cast<int>(variant)];
 }
 const char* shot_metric_name(int metric) {
@@ -18,17 +32,28 @@ const char* shot_metric_name(int metric) {
   return k_names[metric];
 }
 
-void take_means(ShotStudy* study) {
-  study->has_estimate = false;
-  std::fill_n(&study->mean[0][0], k_shot_variants * k_shot_metrics, 0.0);
-  double count = 0;
-  for (const ShotView& view : study->views) count += view.done ? 1 : 0;
-  for (const ShotView& view : study->views) {
+std::vector<double> ShotStudy::by_place(ShotVariant variant, int metric) const {
+  std::map<std::string, std::pair<double, int>> sums;
+  for (const ShotView& view : views) {
     if (!view.done) continue;
-    study->has_estimate = study->has_estimate || view.has_estimate;
-    for (int v = 0; v < k_shot_variants; ++v)
-      for (int m = 0; m < k_shot_metrics; ++m) study->mean[v][m] += view.errors[v][m] / count;
+    auto& [sum, count] = sums[view.place];
+    sum += view.errors[static_cast<int>(variant)][metric], ++count;
   }
+  std::vector<double> means;
+  for (const auto& [place, sum] : sums) means.push_back(sum.first / sum.second);
+  return means;
+}
+
+void take_means(ShotStudy* study) {
+  study->has_network = false;
+  for (const ShotView& view : study->views) study->has_network = study->has_network || (view.done && view.has_network);
+  for (int v = 0; v < k_shot_variants; ++v)
+    for (int m = 0; m < k_shot_metrics; ++m) {
+      const std::vector<double> places = study->by_place(static_cast<ShotVariant>(v), m);
+      double sum = 0.0;
+      for (const double e : places) sum += e;
+      study->mean[v][m] = places.empty() ? 0.0 : sum / static_cast<double>(places.size());
+    }
 }
 
 namespace {
@@ -55,11 +80,10 @@ double student_95(int degrees_of_freedom) {
   return low;
 }
 
-ShotStudy::Paired ShotStudy::paired(ShotVariant better, ShotVariant worse, int metric) const {
-  std::vector<double> d;
-  for (const ShotView& view : views)
-    if (view.done)
-      d.push_back(view.errors[static_cast<int>(worse)][metric] - view.errors[static_cast<int>(better)][metric]);
+ShotStudy::Paired ShotStudy::against(ShotVariant first, ShotVariant second, int metric) const {
+  std::vector<double> d = by_place(first, metric);
+  const std::vector<double> other = by_place(second, metric);
+  for (size_t i = 0; i < d.size(); ++i) d[i] -= other[i];
   double mean_of = 0.0, square = 0.0;
   const double n = static_cast<double>(d.size());
   for (const double x : d) mean_of += x / n;
@@ -68,12 +92,40 @@ ShotStudy::Paired ShotStudy::paired(ShotVariant better, ShotVariant worse, int m
   return {mean_of, n > 1 ? student * std::sqrt(square / (n - 1) / n) : student};
 }
 
-// Hash, azimuth, whether there is an estimate, its angle, and all errors. The name comes last, because it may have
+std::vector<Verdict> shot_verdicts(const ShotStudy& study) {
+  constexpr int k_rmse = 0, k_similarity = 5, k_flip = 6;
+  std::vector<Verdict> rows;
+  const auto add = [&](ShotVariant first, ShotVariant second, int metric, bool better) {
+    const ShotStudy::Paired p = study.against(first, second, metric);
+    // "Better" must be sure. "Not worse": that it is worse must not be.
+    const double result = better ? p.mean + p.half : p.mean - p.half;
+    rows.push_back({"whole picture",
+                    std::string(name_of(first)) + (better ? " better than " : " not worse than ") + name_of(second) +
+                        ", " + shot_metric_name(metric),
+                    better ? "upper end" : "lower end", 0.0, result, 0.0, better ? result < 0.0 : result <= 0.0,
+                    false});
+  };
+  for (const ShotVariant v : {ShotVariant::turn, ShotVariant::truth}) {
+    for (const int metric : {k_flip, k_similarity}) add(v, ShotVariant::no_shadow, metric, true);
+    add(v, ShotVariant::no_shadow, k_rmse, false);
+  }
+  for (const int metric : {k_rmse, k_similarity}) add(ShotVariant::ambient, ShotVariant::no_shadow, metric, true);
+  // What must lose: wrong lights against the right one.
+  for (const ShotVariant control : {ShotVariant::mirrored, ShotVariant::other_room}) {
+    const ShotStudy::Paired p = study.against(control, ShotVariant::turn, k_flip);
+    rows.push_back({"whole picture", std::string(name_of(control)) + ", FLIP beyond a full turn's", "lower end", 0.0,
+                    p.mean - p.half, 0.0, p.mean - p.half > 0.0, true});
+  }
+  return rows;
+}
+
+// Hash, azimuth, whether there is a network, angle, level, and all errors. The name comes last, because it may have
 // spaces.
 std::string line_of(const ShotView& view) {
   std::ostringstream text;
   text.precision(17);
-  text << view.panorama_hash << ' ' << view.azimuth_deg << ' ' << view.has_estimate << ' ' << view.angle_deg;
+  text << view.panorama_hash << ' ' << view.azimuth_deg << ' ' << view.has_network << ' ' << view.angle_deg << ' '
+       << view.log_level;
   for (const auto& row : view.errors)
     for (const double e : row) text << ' ' << e;
   text << ' ' << view.panorama;
@@ -82,7 +134,7 @@ std::string line_of(const ShotView& view) {
 
 bool read_line(const std::string& line, ShotView* view) {
   std::istringstream text(line);
-  text >> view->panorama_hash >> view->azimuth_deg >> view->has_estimate >> view->angle_deg;
+  text >> view->panorama_hash >> view->azimuth_deg >> view->has_network >> view->angle_deg >> view->log_level;
   for (auto& row : view->errors)
     for (double& e : row) text >> e;
   text.ignore(1);
@@ -99,19 +151,29 @@ void remember(const std::string& text, const std::string& key, std::vector<ShotV
     if (!read_line(line, &kept)) continue;
     for (ShotView& view : *views)
       if (view.panorama_hash == kept.panorama_hash && view.azimuth_deg == kept.azimuth_deg) {
-        const std::string name = view.panorama;
-        view = kept, view.panorama = name;
+        const std::string name = view.panorama, place = view.place;
+        view = kept, view.panorama = name, view.place = place;
       }
   }
 }
 
 std::string shot_study_text(const ShotStudy& study) {
-  std::string text = "| mean of " + std::to_string(study.views.size()) + " views |";
-  char cell[64];
-  for (int m = 0; m < k_shot_metrics; ++m) text += std::string(" ") + shot_metric_name(m) + " |";
-  text += "\n|---|---|---|---|---|---|---|---|\n";
-  const auto variants = static_cast<int>(ShotVariant::estimate) + (study.has_estimate ? 1 : 0);
-  for (int v = 0; v < variants; ++v) {
+  const size_t places = study.by_place(ShotVariant::truth, 0).size();
+  char cell[96];
+  const auto head = [&](const std::string& first, const auto& columns) {
+    std::string text = "| " + first + " |", rule = "\n|---|";
+    for (const std::string& column : columns) text += " " + column + " |", rule += "---|";
+    return text + rule + "\n";
+  };
+  std::vector<std::string> metrics;
+  for (int m = 0; m < k_shot_metrics; ++m) metrics.push_back(shot_metric_name(m));
+  std::string text = head("mean of " + std::to_string(places) + " places", metrics);
+  const auto shown = [&](ShotVariant v) {
+    const bool needs_network = v == ShotVariant::one_light;
+    return study.has_network || !needs_network;
+  };
+  for (int v = 0; v < k_shot_variants; ++v) {
+    if (!shown(static_cast<ShotVariant>(v))) continue;
     text += std::string("| ") + name_of(static_cast<ShotVariant>(v)) + " |";
     for (int m = 0; m < k_shot_metrics; ++m) {
       std::snprintf(cell, sizeof cell, " %.4f |", study.mean[v][m]);
@@ -119,31 +181,32 @@ std::string shot_study_text(const ShotStudy& study) {
     }
     text += "\n";
   }
-  const auto against = [&](ShotVariant better, ShotVariant worse) {
-    text += std::string("| ") + name_of(worse) + " - " + name_of(better) + ", paired |";
+  text += "\n" + head("difference, paired by place; below 0 the first is better", metrics);
+  const auto against = [&](ShotVariant first, ShotVariant second) {
+    if (!shown(first) || !shown(second)) return;
+    text += std::string("| ") + name_of(first) + " - " + name_of(second) + " |";
     for (int m = 0; m < k_shot_metrics; ++m) {
-      const ShotStudy::Paired p = study.paired(better, worse, m);
+      const ShotStudy::Paired p = study.against(first, second, m);
       std::snprintf(cell, sizeof cell, " %+.4f ± %.4f |", p.mean, p.half);
       text += cell;
     }
     text += "\n";
   };
-  for (const ShotVariant worse :
-       {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light, ShotVariant::no_curve})
-    against(ShotVariant::labels, worse);
-  if (study.has_estimate) {
-    against(ShotVariant::labels, ShotVariant::estimate);
-    for (const ShotVariant worse : {ShotVariant::no_shadow, ShotVariant::hard_shadow, ShotVariant::arbitrary_light})
-      against(ShotVariant::estimate, worse);
-    for (const ShotView& view : study.views)
-      if (view.done && view.errors[static_cast<int>(ShotVariant::estimate)][0] >
-                           view.errors[static_cast<int>(ShotVariant::arbitrary_light)][0]) {
-        std::snprintf(cell, sizeof cell, "%.0f", view.angle_deg);
-        text += "\nWorse than an arbitrary light: " + view.panorama + ", " + cell + " degrees off.";
-      }
-    text += "\n";
+  using V = ShotVariant;
+  for (const V first : {V::ambient, V::one_light, V::turn, V::turn_short, V::truth}) against(first, V::no_shadow);
+  for (const V first : {V::turn, V::turn_short, V::truth}) against(first, V::ambient);
+  against(V::turn, V::one_light);
+  for (const V first : {V::turn_shadow, V::turn_shading, V::turn_level, V::mirrored, V::other_room})
+    against(first, V::turn);
+  for (const V second : {V::label_no_shadow, V::label_hard, V::arbitrary}) against(V::label, second);
+  double angle = 0.0, level = 0.0, bias = 0.0, count = 0.0;
+  for (const ShotView& view : study.views) {
+    if (!view.done) continue;
+    angle += view.angle_deg, level += std::fabs(view.log_level), bias += view.log_level, count += 1.0;
   }
-  return text;
+  std::snprintf(cell, sizeof cell, "\nA full turn: %.1f degrees off, |log level| %.2f, log level %+.2f.\n",
+                angle / std::max(count, 1.0), level / std::max(count, 1.0), bias / std::max(count, 1.0));
+  return text + cell;
 }
 
 namespace {

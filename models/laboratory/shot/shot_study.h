@@ -1,45 +1,66 @@
-// What a study of shots concludes. It takes rows of errors that verify_shot.h measured. It gives their means, says what
-// beats what and how sure that is, as a table and as lines from which a later run goes on. It makes no picture.
+// What a study of shots concludes. It takes rows of errors that verify_shot.h measured. It gives their means over places,
+// says what beats what and how sure that is, as a table and as lines from which a later run goes on. It makes no picture.
 #pragma once
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "models/laboratory/sand/granular_verdicts.h"
+
 namespace sandglass::host {
 
-// no_curve: true labels without the camera's tone curve; the shadow is multiplied onto what the camera shows, in all
-// colours alike. It shows what the curve does. Nothing is promised against it.
-enum class ShotVariant { labels, no_shadow, hard_shadow, arbitrary_light, no_curve, estimate };
-constexpr int k_shot_variants = 6, k_shot_metrics = 7;
+// What an app could draw, and what it cannot. The mean light is that of all other places: brightness and harmonics, at
+// the geometric mean of the level that the camera's own exposure leaves.
+enum class ShotVariant {
+  no_shadow,     // mean light, nothing falls on the floor: an app without any estimate
+  ambient,       // the same with the ambient shadows of an even sky
+  one_light,     // by the network from one image, and nothing else
+  turn,          // the room as a session has seen it in a full turn
+  turn_short,    // with every fourth image exposed for a 64th of the time
+  truth,         // the true light, in cells and nine harmonics
+  turn_shadow,   // the shadows of the full turn, object and sand in the true light
+  turn_shading,  // the other way round
+  turn_level,    // the full turn at the true level
+  mirrored,      // control: the full turn as in a mirror
+  other_room,    // control: the full turn of another place, at this one's level
+  // As the dissertation draws: one light of the panorama's labels (5.1), at the true level.
+  label,
+  label_no_shadow,
+  label_hard,  // its shadow with an edge
+  arbitrary    // some light, at the mean level
+};
+constexpr int k_shot_variants = 15, k_shot_metrics = 7;
 const char* name_of(ShotVariant variant);
 const char* shot_metric_name(int metric);  // "RMSE", ..., the last two "1 - SSIM" and "FLIP": all are 0 at best
 
 struct ShotView {
   std::string panorama;        // the file's name, for the reader
+  std::string place;           // several panoramas may show one
   uint64_t panorama_hash = 0;  // hash of the file's bytes: two files may have one name
   double azimuth_deg = 0.0;    // where the camera looks
-  bool done = false, has_estimate = false;
+  bool done = false, has_network = false;
   double errors[k_shot_variants][k_shot_metrics] = {};
-  double angle_deg = 0.0;  // between estimate and labels
+  // Between the middles of the floor's light, of the full turn and the truth; and the logarithm of its level's error.
+  double angle_deg = 0.0, log_level = 0.0;
 };
 
 struct ShotStudy {
   std::vector<ShotView> views;
-  bool has_estimate = false;
-  double mean[k_shot_variants][k_shot_metrics] = {};  // of the views that are done
-  // A variant against a worse one: the mean of the paired differences, and half of its 95 % interval over views (by
-  // Student's distribution). With one view the interval is infinite.
+  bool has_network = false;
+  double mean[k_shot_variants][k_shot_metrics] = {};  // over the places that are done
+  // A variant against another: the mean of the paired differences over places, and half of its 95 % interval (by
+  // Student's distribution). Below 0 the first is better. With one place the interval is infinite.
   struct Paired {
     double mean, half;
   };
-  Paired paired(ShotVariant better, ShotVariant worse, int metric) const;
-  // The labels' mean is below the ablation's.
-  bool beats(ShotVariant ablation, int metric) const {
-    return mean[0][metric] < mean[static_cast<int>(ablation)][metric];
-  }
+  Paired against(ShotVariant first, ShotVariant second, int metric) const;
+  std::vector<double> by_place(ShotVariant variant, int metric) const;
 };
 void take_means(ShotStudy* study);
+
+// What the study must show.
+std::vector<Verdict> shot_verdicts(const ShotStudy& study);
 
 // 95 % of Student's distribution lie within this many standard errors of the mean.
 double student_95(int degrees_of_freedom);

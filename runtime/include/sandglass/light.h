@@ -367,12 +367,13 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_harmonics(cons
 /* ------------------------------------------------------------------------------------------------ renderers */
 
 /* An estimate, or the light of a room, in the terms of renderers. Set the struct_size of each struct before its function
- * is called. Light and estimate may be those of an older or a newer header: what the functions need is in every version.
+ * is called. Light and estimate may be those of an older or a newer header: what the functions need is in every
+ * version.
  *
  * Take the model AMBIENT beside the directional light, WHOLE without it. For WHOLE the functions of a room give the
  * directional light the intensity 0, because the harmonics have it already; those of an estimate give it in both. All
- * fail like sandglass_light_harmonics or sandglass_room_harmonics, and with INVALID_ARGUMENT where the struct to fill has
- * no struct_size. */
+ * fail like sandglass_light_harmonics or sandglass_room_harmonics, and with INVALID_ARGUMENT where the struct to fill
+ * has no struct_size. */
 
 /* For Filament: a LightManager of type DIRECTIONAL or SUN, and an IndirectLight. */
 typedef struct sandglass_light_filament {

@@ -28,6 +28,7 @@ public struct Vector4 {
 }
 public struct Quaternion {
   public float x, y, z, w;
+  public static Quaternion LookRotation(Vector3 forward) { return new Quaternion(); }
   public Quaternion(float x, float y, float z, float w) { this.x = x; this.y = y; this.z = z; this.w = w; }
 }
 public struct Color {
@@ -40,15 +41,19 @@ public struct Vector3 {
   public static Vector3 one { get { return new Vector3(); } }
   public static Vector3 operator *(float scale, Vector3 v) { return v; }
 }
-public struct Matrix4x4 {}
+public struct Matrix4x4 {
+  public static Matrix4x4 Translate(Vector3 by) { return new Matrix4x4(); }
+}
+public sealed class GameObject {
+  public void SetActive(bool active) {}
+}
 public struct Bounds {
   public Bounds(Vector3 centre, Vector3 size) {}
 }
 public class Transform {
+  public GameObject gameObject { get { return null; } }
   public Vector3 position { get; set; }
   public Quaternion rotation { get; set; }
-  public Vector3 InverseTransformDirection(Vector3 direction) { return direction; }
-  public Matrix4x4 localToWorldMatrix { get { return new Matrix4x4(); } }
 }
 public class Component {
   public Transform transform { get { return null; } }
@@ -61,9 +66,6 @@ public sealed class Light : Component {
 public static class RenderSettings {
   public static Rendering.AmbientMode ambientMode { get; set; }
   public static Rendering.SphericalHarmonicsL2 ambientProbe { get; set; }
-}
-public class TextAsset {
-  public byte[] bytes { get { return null; } }
 }
 public enum ScreenOrientation { Portrait = 1, PortraitUpsideDown = 2, LandscapeLeft = 3, LandscapeRight = 4 }
 public static class Screen {
@@ -127,6 +129,10 @@ public struct XRCameraIntrinsics {
   public Vector2 focalLength { get { return new Vector2(); } }
   public Vector2 principalPoint { get { return new Vector2(); } }
 }
+public struct XRCameraFrameExifData {
+  public bool TryGetExposureTime(out double exposureTime) { exposureTime = 0; return false; }
+  public bool TryGetPhotographicSensitivity(out short photographicSensitivity) { photographicSensitivity = 0; return false; }
+}
 public struct XRCpuImage : IDisposable {
   public enum Format { Unknown, AndroidYuv420_888, IosYpCbCr420_8BiPlanarFullRange }
   public struct Plane {
@@ -144,7 +150,14 @@ public struct XRCpuImage : IDisposable {
 }
 
 namespace UnityEngine.XR.ARFoundation {
+public struct ARCameraFrameEventArgs {
+  public bool TryGetExifData(out ARSubsystems.XRCameraFrameExifData exifData) {
+    exifData = new ARSubsystems.XRCameraFrameExifData();
+    return false;
+  }
+}
 public sealed class ARCameraManager : MonoBehaviour {
+  public event Action<ARCameraFrameEventArgs> frameReceived { add {} remove {} }
   public bool TryGetIntrinsics(out ARSubsystems.XRCameraIntrinsics intrinsics) {
     intrinsics = new ARSubsystems.XRCameraIntrinsics();
     return false;

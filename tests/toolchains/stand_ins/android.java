@@ -14,6 +14,7 @@ public class Activity extends android.content.Context {
   protected void onPause() {}
   protected void onDestroy() {}
   public void setContentView(android.view.View view) {}
+  public void runOnUiThread(Runnable work) { work.run(); }
   public int checkSelfPermission(String permission) { return android.content.pm.PackageManager.PERMISSION_GRANTED; }
   public void requestPermissions(String[] permissions, int code) {}
   public android.view.WindowManager getWindowManager() { return () -> new android.view.Display(); }
@@ -88,6 +89,12 @@ package android.widget;
 public class FrameLayout extends android.view.View {
   public FrameLayout(android.content.Context context) {}
   public void addView(android.view.View view) {}
+}
+//// android/widget/TextView.java
+package android.widget;
+public class TextView extends android.view.View {
+  public TextView(android.content.Context context) {}
+  public void setText(CharSequence text) {}
 }
 //// android/opengl/GLSurfaceView.java
 package android.opengl;

@@ -1,6 +1,6 @@
 // Sand on the real floor. ARKit gives the camera image and the pose. Once for every displayed frame, in 4 ms, the
-// library writes the grains straight into a shared Metal buffer, estimates the room's light from the image, and casts
-// the sand's shadow in that light. Metal draws the image and, with the same pose, shadow and grains. Three buffers take
+// library writes the grains straight into a shared Metal buffer, gathers the room's light from the image, and casts the
+// sand's shadows in that light. Metal draws the image and, with the same pose, shadows and grains. Three buffers take
 // turns, so that the GPU never reads what the library writes.
 #import "SandViewController.h"
 
@@ -10,6 +10,9 @@
 #import <MetalKit/MetalKit.h>
 
 #include <string.h>
+
+#include <cmath>
+#include <numbers>
 
 #include "sand_stage.h"
 #include "shader_types.h"
@@ -28,6 +31,18 @@ static float thermal_headroom(void) {
     default:
       return 0.25f;
   }
+}
+
+// How long and how sensitively an image was exposed, as sandglass_camera_image.exposure wants it: seconds times ISO /
+// 100. 0 before iOS 16, which does not tell the ISO; exposureOffset is no gain but how far the camera is from the
+// brightness that it aims at.
+static float exposure_of(ARFrame *frame) {
+  if (@available(iOS 16.0, *)) {
+    NSNumber *time = frame.exifData[@"ExposureTime"];
+    NSArray<NSNumber *> *iso = frame.exifData[@"ISOSpeedRatings"];
+    return iso.firstObject == nil ? 0.0f : time.floatValue * iso.firstObject.floatValue / 100.0f;
+  }
+  return 0.0f;
 }
 
 // The camera's image as the library reads it, valid while the pixel buffer is locked. It has two planes and is stored
@@ -54,6 +69,8 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   const simd_float4x4 transform = frame.camera.transform;
   memcpy(matrix_to_world, &transform, sizeof matrix_to_world);
   sandglass_camera_orientation(matrix_to_world, image.orientation);
+  for (int k = 0; k < 3; ++k) image.position[k] = matrix_to_world[12 + k];
+  image.exposure = exposure_of(frame);
   image.turn_deg = SANDGLASS_TURN_FROM_POSE;
   image.timestamp_ns = static_cast<uint64_t>(1e9 * frame.timestamp);
   return image;
@@ -69,7 +86,8 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   id<MTLRenderPipelineState> _imagePipeline, _shadowPipeline, _sandPipeline;
   id<MTLDepthStencilState> _imageDepth, _sandDepth;
   id<MTLBuffer> _grains[k_buffers];
-  id<MTLTexture> _coverage[k_buffers];
+  id<MTLTexture> _coverage[k_buffers], _sky[k_buffers], _skyOnSand[k_buffers];
+  UILabel *_hint;
   CVMetalTextureCacheRef _textures;
   dispatch_semaphore_t _free;
   int _turn;
@@ -88,27 +106,24 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   self.view = _view;
   _queue = [device newCommandQueue];
   _free = dispatch_semaphore_create(k_buffers);
-  MTLTextureDescriptor *coverage = [MTLTextureDescriptor texture2DDescriptorWithPixelFormat:MTLPixelFormatR8Unorm
-                                                                                      width:sample::k_shadow_texels
-                                                                                     height:sample::k_shadow_texels
-                                                                                  mipmapped:NO];
   for (int i = 0; i < k_buffers; ++i) {
-    _coverage[i] = [device newTextureWithDescriptor:coverage];
+    _coverage[i] = [self texture:sample::k_shadow_texels device:device];
+    _sky[i] = [self texture:sample::k_sky_texels device:device];
+    _skyOnSand[i] = [self texture:sample::k_sky_texels device:device];
     _grains[i] = [device newBufferWithLength:sample::k_grains * sizeof(sandglass_grain) options:MTLResourceStorageModeShared];
   }
   CVMetalTextureCacheCreate(NULL, NULL, device, NULL, &_textures);
   id<MTLLibrary> library = [device newDefaultLibrary];
   _imagePipeline = [self pipeline:@"image_vertex" fragment:@"image_fragment" blended:NO library:library device:device];
-  _shadowPipeline = [self pipeline:@"shadow_corner" fragment:@"shadow_catcher" blended:YES library:library device:device];
+  _shadowPipeline = [self pipeline:@"shadow_corner" fragment:@"room_shadow_catcher" blended:YES library:library device:device];
   _sandPipeline = [self pipeline:@"sand_vertex" fragment:@"sand_fragment" blended:NO library:library device:device];
   _imageDepth = [self depth:MTLCompareFunctionAlways write:NO device:device];
   _sandDepth = [self depth:MTLCompareFunctionLess write:YES device:device];
 
-  NSData *file = [NSData dataWithContentsOfFile:[NSBundle.mainBundle pathForResource:@"room" ofType:@"light"]];
-  std::vector<uint64_t> network((file.length + 7) / 8);
-  if (file.length > 0) memcpy(network.data(), file.bytes, file.length);
-  const sandglass::Status status = _stage.create(std::move(network), file.length);
+  const sandglass::Status status = _stage.create();
   if (!status) NSLog(@"%s: %s", status.name(), status.reason);
+  _hint = [[UILabel alloc] initWithFrame:CGRectMake(0, 40, self.view.bounds.size.width, 40)];
+  [_view addSubview:_hint];
   _session = [[ARSession alloc] init];
   _session.delegate = self;
   [_view addGestureRecognizer:[[UITapGestureRecognizer alloc] initWithTarget:self action:@selector(tap:)]];
@@ -124,6 +139,28 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
 - (void)viewWillDisappear:(BOOL)animated {
   [super viewWillDisappear:animated];
   [_session pause];
+}
+
+- (id<MTLTexture>)texture:(uint32_t)side device:(id<MTLDevice>)device {
+  return [device newTextureWithDescriptor:[MTLTextureDescriptor texture2DDescriptorWithPixelFormat:MTLPixelFormatR8Unorm
+                                                                                              width:side
+                                                                                             height:side
+                                                                                          mipmapped:NO]];
+}
+
+static void upload(id<MTLTexture> texture, const uint8_t *bytes, uint32_t side) {
+  [texture replaceRegion:MTLRegionMake2D(0, 0, side, side) mipmapLevel:0 withBytes:bytes bytesPerRow:side];
+}
+
+// Asks the user to show the library where the light comes from. The rows of `view` are the axes of the upright image.
+- (void)showHint:(simd_float4x4)view {
+  const float *look = _stage.look();
+  float right = 0.0f, up = 0.0f;
+  for (int k = 0; look != nullptr && k < 3; ++k) right += look[k] * view.columns[k].x, up += look[k] * view.columns[k].y;
+  _hint.text = look == nullptr          ? @""
+               : up > std::fabs(right) ? @"Look up"
+               : right > 0.0f          ? @"Look around: to the right"
+                                       : @"Look around: to the left";
 }
 
 - (id<MTLRenderPipelineState>)pipeline:(NSString *)vertex
@@ -189,7 +226,7 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   if (frame == nil || pass == nil) return;
   dispatch_semaphore_wait(_free, DISPATCH_TIME_FOREVER);
   id<MTLBuffer> grains = _grains[_turn];
-  id<MTLTexture> coverage = _coverage[_turn];
+  id<MTLTexture> coverage = _coverage[_turn], sky = _sky[_turn], skyOnSand = _skyOnSand[_turn];
   _turn = (_turn + 1) % k_buffers;
 
   const float step = _last > 0.0 ? static_cast<float>(frame.timestamp - _last) : 0.0f;
@@ -205,11 +242,18 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   const simd_float4x4 projection = [frame.camera projectionMatrixForOrientation:portrait viewportSize:size zNear:k_near zFar:k_far];
   constants.view_from_world = [frame.camera viewMatrixForOrientation:portrait];
   constants.clip_from_world = simd_mul(projection, constants.view_from_world);
-  const sandglass_light_estimate &light = _stage.light();
-  const float k = light.strength;
-  constants.to_light = simd_make_float4(light.direction[0], light.direction[1], light.direction[2], 0);
-  constants.sun = simd_make_float4(k * light.light[0], k * light.light[1], k * light.light[2], 0);
-  constants.ambient = simd_make_float4(light.ambient[0], light.ambient[1], light.ambient[2], 0);
+  [self showHint:constants.view_from_world];
+  // The main light as a directional one; all other light as it falls on a grain that faces up.
+  sandglass_light_filament light = {};
+  light.struct_size = sizeof light;
+  (void)!sandglass_room_to_filament(&_stage.light(), SANDGLASS_LIGHT_MODEL_AMBIENT, _stage.light_scale(), &light, nullptr);
+  const float *c = light.colour, k = light.intensity / std::numbers::pi_v<float>, *d = light.direction;
+  float rest[3];
+  for (int i = 0; i < 3; ++i)
+    rest[i] = light.sh_intensity * std::fmax(light.sh[i] + light.sh[3 + i] - light.sh[18 + i] - light.sh[24 + i], 0.0f);
+  constants.to_light = simd_make_float4(-d[0], -d[1], -d[2], 0);
+  constants.sun = simd_make_float4(k * c[0], k * c[1], k * c[2], 0);
+  constants.ambient = simd_make_float4(rest[0], rest[1], rest[2], 0);
   constants.origin = simd_make_float4(_stage.origin()[0], _stage.origin()[1], _stage.origin()[2], 0);
   // The diameter of a grain in pixels at distance 1. Its radius is 0.35 of a particle's.
   constants.point_size = 0.35f * sample::k_particle_radius * projection.columns[1][1] * static_cast<float>(view.drawableSize.height);
@@ -219,17 +263,20 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
   constants.image_from_view[1] = simd_make_float4(static_cast<float>(image.b), static_cast<float>(image.d), static_cast<float>(image.ty), 0);
 
   const sandglass_pile_shadow_texture texture = _stage.shadow();
-  [coverage replaceRegion:MTLRegionMake2D(0, 0, sample::k_shadow_texels, sample::k_shadow_texels)
-              mipmapLevel:0
-                withBytes:texture.coverage
-              bytesPerRow:sample::k_shadow_texels];
+  const sandglass_pile_shadow_sky left = _stage.sky();
+  upload(coverage, texture.coverage, sample::k_shadow_texels);
+  upload(sky, left.floor, sample::k_sky_texels);
+  upload(skyOnSand, left.on_sand, sample::k_sky_texels);
   ShaderShadow shadow;
   simd_float4x4 place = matrix_identity_float4x4;
   place.columns[3] = simd_make_float4(_stage.origin()[0], _stage.origin()[1], _stage.origin()[2], 1);
   shadow.clip_from_object = simd_mul(constants.clip_from_world, place);
   shadow.rectangle = simd_make_float4(texture.low[0], texture.low[1], texture.high[0], texture.high[1]);
   shadow.plane = 0.001f;
-  shadow.strength = _stage.shadow_strength();
+  constants.rectangle = shadow.rectangle;
+  ShaderRoomShadow room;
+  room.light_rectangle = room.ambient_rectangle = shadow.rectangle;
+  room.strength = _stage.shadow_strength();
 
   id<MTLCommandBuffer> commands = [_queue commandBuffer];
   id<MTLRenderCommandEncoder> encoder = [commands renderCommandEncoderWithDescriptor:pass];
@@ -247,13 +294,16 @@ static sandglass_camera_image camera_image(ARFrame *frame) {
     [encoder setRenderPipelineState:_shadowPipeline];
     [encoder setVertexBytes:&shadow length:sizeof(shadow) atIndex:0];
     [encoder setFragmentBytes:&shadow length:sizeof(shadow) atIndex:0];
+    [encoder setFragmentBytes:&room length:sizeof(room) atIndex:1];
     [encoder setFragmentTexture:coverage atIndex:0];
+    [encoder setFragmentTexture:sky atIndex:1];
     [encoder drawPrimitives:MTLPrimitiveTypeTriangleStrip vertexStart:0 vertexCount:4];
     [encoder setRenderPipelineState:_sandPipeline];
     [encoder setVertexBytes:&constants length:sizeof(constants) atIndex:ShaderBufferFrame];
     [encoder setFragmentBytes:&constants length:sizeof(constants) atIndex:ShaderBufferFrame];
     [encoder setDepthStencilState:_sandDepth];
     [encoder setVertexBuffer:grains offset:0 atIndex:ShaderBufferGrains];
+    [encoder setVertexTexture:skyOnSand atIndex:0];
     [encoder drawPrimitives:MTLPrimitiveTypePoint vertexStart:0 vertexCount:_stage.drawn()];
   }
   [encoder endEncoding];

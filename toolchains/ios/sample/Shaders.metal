@@ -37,11 +37,16 @@ struct Grain {
 struct SandVertex {
   float4 position [[position]];
   float size [[point_size]];
+  float visibility;  // of all light but the main one
 };
 
 vertex SandVertex sand_vertex(uint index [[vertex_id]], constant ShaderFrame& frame [[buffer(ShaderBufferFrame)]],
-                              constant Grain* grains [[buffer(ShaderBufferGrains)]]) {
+                              constant Grain* grains [[buffer(ShaderBufferGrains)]],
+                              texture2d<float> sky_on_sand [[texture(0)]]) {
+  constexpr sampler linear(filter::linear, address::clamp_to_edge);
+  const float2 low = frame.rectangle.xy, high = frame.rectangle.zw;
   SandVertex out;
+  out.visibility = sky_on_sand.sample(linear, (float3(grains[index].position).xz - low) / (high - low), level(0)).r;
   out.position = frame.clip_from_world * float4(float3(grains[index].position) + frame.origin.xyz, 1.0f);
   out.size = frame.point_size / out.position.w;
   return out;
@@ -54,6 +59,6 @@ fragment float4 sand_fragment(SandVertex in [[stage_in]], float2 at [[point_coor
   if (r2 > 1.0f) discard_fragment();
   const float3 normal = float3(p, sqrt(1.0f - r2));
   const float3 to_light = (frame.view_from_world * float4(frame.to_light.xyz, 0.0f)).xyz;
-  const float3 light = frame.ambient.rgb + frame.sun.rgb * saturate(dot(normal, to_light));
+  const float3 light = in.visibility * frame.ambient.rgb + frame.sun.rgb * saturate(dot(normal, to_light));
   return float4(float3(0.53f, 0.34f, 0.13f) * light, 1.0f);
 }

@@ -1,5 +1,5 @@
-// The light of the room, from AR Foundation's camera. Hands the camera's image to the library, reads the library's
-// estimate, and sets Unity's own light and ambient probe to it. The estimate itself is made in the scene's frame
+// The light of the room, from AR Foundation's camera. Hands the camera's images to the library, asks it for the light at
+// the sand's place, and sets Unity's own light and ambient probe to it. The images are read in the scene's frame
 // (Sand.cs), within that frame's budget.
 using System;
 using System.Runtime.InteropServices;
@@ -11,41 +11,66 @@ using UnityEngine.XR.ARFoundation;
 using UnityEngine.XR.ARSubsystems;
 
 public unsafe sealed class RoomLight : IDisposable {
-  IntPtr file, memory, light;
+  // Below the first share of the room, ask the user to look around; above the second, a short exposure would help.
+  const float EnoughSeen = 0.5f, MuchClipped = 0.02f;
+  IntPtr memory, room;
+  readonly ARCameraManager manager;
   XRCpuImage held;
   bool holding;
+  float exposure;                      // of the newest frame; 0: unknown
+  sandglass_room_light known, shown;  // now, and on its way there
 
-  public IntPtr Handle { get { return light; } }
+  public IntPtr Handle { get { return room; } }
+  // The light as it is drawn, in Sandglass's right-handed world.
+  public sandglass_room_light Shown { get { return shown; } }
+  // From the scale of the last image that was read to that of the one on the screen, where exposures are told.
+  public float Scale { get { return exposure > 0 && shown.white > 0 ? exposure * shown.white : 1; } }
+  public bool WantsLook { get { return known.seen < EnoughSeen; } }
+  public bool WantsShortExposure { get { return known.clipped > MuchClipped; } }
+  // Towards where looking would tell most, in Unity's world.
+  public Vector3 Look {
+    get {
+      sandglass_room_light light = known;
+      return new Vector3(light.look[0], light.look[1], -light.look[2]);
+    }
+  }
 
-  // `network` is models/lights/room.light, a text asset named room.light.bytes in Unity.
-  public RoomLight(byte[] network) {
-    file = Marshal.AllocHGlobal(network.Length);  // aligned to at least 8 bytes; must outlive the light
-    Marshal.Copy(network, 0, file, network.Length);
-    sandglass_light_desc desc;
-    Native.sandglass_light_desc_default(out desc);
-    desc.asset = file;
-    desc.asset_bytes = (ulong)network.Length;
+  public RoomLight(ARCameraManager cameraManager) {
+    manager = cameraManager;
+    manager.frameReceived += Received;
+    sandglass_room_desc desc;
+    Native.sandglass_room_desc_default(out desc);
     ulong bytes;
     IntPtr reason;
-    Sand.Check(Native.sandglass_light_bytes(ref desc, out bytes, out reason), reason);
+    Sand.Check(Native.sandglass_room_bytes(ref desc, out bytes, out reason), reason);
     memory = Marshal.AllocHGlobal((IntPtr)((long)bytes + Native.SANDGLASS_BLOCK_ALIGNMENT));
-    Sand.Check(Native.sandglass_light_create(ref desc, Sand.Aligned(memory), bytes, out light, out reason), reason);
+    Sand.Check(Native.sandglass_room_create(ref desc, Sand.Aligned(memory), bytes, out room, out reason), reason);
+  }
+
+  // Seconds times ISO / 100, as sandglass_camera_image.exposure wants it. AR Foundation 5.1 tells both on iOS 16 and on
+  // Android, where the phone does.
+  void Received(ARCameraFrameEventArgs frame) {
+    XRCameraFrameExifData exif;
+    double seconds = 0;
+    short iso = 0;
+    bool told = frame.TryGetExifData(out exif) && exif.TryGetExposureTime(out seconds);
+    exposure = told && exif.TryGetPhotographicSensitivity(out iso) ? (float)(seconds * iso / 100) : 0;
   }
 
   public void Dispose() {
     Release();
+    manager.frameReceived -= Received;
     Marshal.FreeHGlobal(memory);
-    Marshal.FreeHGlobal(file);
-    memory = file = light = IntPtr.Zero;
+    memory = room = IntPtr.Zero;
   }
 
   // Takes the newest image; release it after the frame. False if there is none or the library does not read its layout.
-  public bool Acquire(ARCameraManager camera, out sandglass_camera_image acquired) {
+  public bool Acquire(out sandglass_camera_image acquired) {
     sandglass_camera_image image;
     Native.sandglass_camera_image_default(out image);
     acquired = image;
     XRCameraIntrinsics intrinsics;
-    if (!camera.TryGetIntrinsics(out intrinsics) || !camera.TryAcquireLatestCpuImage(out held)) return false;
+    if (!manager.TryGetIntrinsics(out intrinsics) || !manager.TryAcquireLatestCpuImage(out held)) return false;
     holding = true;
     image.width = (uint)held.width;
     image.height = (uint)held.height;
@@ -55,7 +80,12 @@ public unsafe sealed class RoomLight : IDisposable {
     image.centre_x = intrinsics.principalPoint.x;
     image.centre_y = intrinsics.principalPoint.y;
     // Unity's pose is that of the upright image and left-handed, so z changes its sign.
-    Quaternion pose = camera.transform.rotation;
+    Quaternion pose = manager.transform.rotation;
+    Vector3 place = manager.transform.position;
+    image.position[0] = place.x;
+    image.position[1] = place.y;
+    image.position[2] = -place.z;
+    image.exposure = exposure;
     image.orientation[0] = -pose.x;
     image.orientation[1] = -pose.y;
     image.orientation[2] = pose.z;
@@ -107,19 +137,41 @@ public unsafe sealed class RoomLight : IDisposable {
     return true;
   }
 
-  public sandglass_light_estimate Estimate() {
-    var estimate = new sandglass_light_estimate();
-    estimate.struct_size = (uint)sizeof(sandglass_light_estimate);
-    Native.sandglass_light_get(light, ref estimate);
-    return estimate;
+  // After each frame: the light at `place` (Unity's world), which comes in softly.
+  public void Update(Vector3 place, bool seen, float seconds) {
+    IntPtr reason;
+    if (seen || known.struct_size == 0) {
+      known.struct_size = (uint)sizeof(sandglass_room_light);
+      Sand.Check(Native.sandglass_room_get(room, new float[] {place.x, place.y, -place.z}, null, ref known, out reason), reason);
+    }
+    Native.sandglass_room_light_fade(ref shown, ref known, seconds);
   }
 
-  // Sets Unity's directional light and ambient probe, for whatever else the app draws.
-  public static void Show(sandglass_light_estimate estimate, Light sun) {
+  // What was seen, for a later session in the same world frame, such as one that has relocalised to a saved world map.
+  public byte[] Save() {
+    var data = new byte[Native.sandglass_room_save_bytes(room)];
+    IntPtr reason;
+    fixed (byte* bytes = data) Sand.Check(Native.sandglass_room_save(room, bytes, (ulong)data.Length, out reason), reason);
+    return data;
+  }
+
+  public bool Restore(byte[] data) {
+    IntPtr reason;
+    fixed (byte* bytes = data) return Native.sandglass_room_restore(room, bytes, (ulong)data.Length, out reason) == Native.SANDGLASS_OK;
+  }
+
+  // Another room: forgets all that was seen.
+  public void Forget() { Native.sandglass_room_reset(room); }
+
+  // Sets Unity's directional light and ambient probe, for whatever else the app draws. The probe leaves the main light
+  // out, which is the directional one.
+  public sandglass_light_unity Show(Light sun) {
     var unity = new sandglass_light_unity();
     unity.struct_size = (uint)sizeof(sandglass_light_unity);
     IntPtr reason;
-    Sand.Check(Native.sandglass_light_to_unity(ref estimate, Native.SANDGLASS_LIGHT_MODEL_AMBIENT, ref unity, out reason), reason);
+    Sand.Check(Native.sandglass_room_to_unity(ref shown, Native.SANDGLASS_LIGHT_MODEL_AMBIENT, ref unity, out reason), reason);
+    unity.intensity *= Scale;
+    for (int i = 0; i < 27; ++i) unity.sh[i] *= Scale;
     sun.transform.rotation = new Quaternion(unity.rotation[0], unity.rotation[1], unity.rotation[2], unity.rotation[3]);
     sun.color = new Color(unity.colour[0], unity.colour[1], unity.colour[2], 1).gamma;
     sun.intensity = unity.intensity;
@@ -128,5 +180,6 @@ public unsafe sealed class RoomLight : IDisposable {
       for (int i = 0; i < 9; ++i) probe[channel, i] = unity.sh[9 * channel + i];
     RenderSettings.ambientMode = AmbientMode.Custom;
     RenderSettings.ambientProbe = probe;
+    return unity;
   }
 }

@@ -1,7 +1,8 @@
 // Sand in a Unity scene. Put this on an object that stands where the sand shall fall (with AR Foundation, an anchor on
-// a real plane). The floor is the plane y = 0 of that object. Once a frame the library writes the grains straight into
-// a locked graphics buffer, estimates the room's light from the camera's image, and casts the sand's shadow in that
-// light. Sand.shader draws six vertices a grain; Shadow.shader darkens the floor.
+// a real plane). The floor is the plane through that object; the sand keeps to the world's axes, whatever its rotation
+// is. Once a frame the library writes the grains straight into a locked graphics buffer, gathers the room's light from
+// the camera's image, and casts the sand's shadows in that light. Sand.shader draws six vertices a grain; Shadow.shader
+// darkens the floor.
 //
 // Unity's world is left-handed and Sandglass's is right-handed. z changes its sign in the shaders and where the light
 // is handed over. Everything else here is right-handed.
@@ -16,19 +17,18 @@ public unsafe class Sand : MonoBehaviour {
   public Material material;        // of Sand.shader
   public Material shadowMaterial;  // of Shadow.shader
   public ARCameraManager cameraManager;
-  public TextAsset network;  // models/lights/room.light, renamed to room.light.bytes
   public Light sun;
+  public Transform arrow;  // optional: points where the user should look, while much of the room is unknown
   [Range(1, 8)] public float budgetMilliseconds = 4;
   // Lower it when the device warns, for example by the warning level of Adaptive Performance.
   [Range(0, 1)] public float thermalHeadroom = 1;
 
   const float ParticleRadius = 0.01f, HalfWidth = 0.1f, Height = 0.2f;
   const float ShadowHalf = 0.64f;
-  const int ShadowTexels = 128;
+  const int ShadowTexels = 128, SkyTexels = 64;
   IntPtr memory, scene, shadowMemory, shadow;
   RoomLight room;
-  sandglass_light_estimate estimate;
-  Texture2D coverage;
+  Texture2D coverage, sky, skyOnSand;
   GraphicsBuffer grains;
   int grainCount;
   sandglass_collider floor;
@@ -82,6 +82,17 @@ public unsafe class Sand : MonoBehaviour {
     return (IntPtr)((block.ToInt64() + a - 1) / a * a);
   }
 
+  static Texture2D Bytes(int side) {
+    var texture = new Texture2D(side, side, TextureFormat.R8, false, true);
+    texture.wrapMode = TextureWrapMode.Clamp;
+    return texture;
+  }
+
+  static void Upload(Texture2D texture, byte* bytes, uint side) {
+    texture.LoadRawTextureData((IntPtr)bytes, (int)(side * side));
+    texture.Apply(false);
+  }
+
   void OnEnable() {
     float[] particles = Sample(true, 2.02f * ParticleRadius), fine = Sample(false, 0.58f * ParticleRadius);
     grainCount = fine.Length / 3;
@@ -106,15 +117,16 @@ public unsafe class Sand : MonoBehaviour {
       shadowDesc.high[k] = ShadowHalf;
     }
     shadowDesc.texels = ShadowTexels;
+    shadowDesc.sky_texels = SkyTexels;
     shadowDesc.on_sand = 0;
     Check(Native.sandglass_pile_shadow_bytes(ref shadowDesc, out bytes, out reason), reason);
     shadowMemory = Marshal.AllocHGlobal((IntPtr)((long)bytes + Native.SANDGLASS_BLOCK_ALIGNMENT));
     Check(Native.sandglass_pile_shadow_create(ref shadowDesc, Aligned(shadowMemory), bytes, out shadow, out reason), reason);
-    coverage = new Texture2D(ShadowTexels, ShadowTexels, TextureFormat.R8, false, true);
-    coverage.wrapMode = TextureWrapMode.Clamp;
-    room = new RoomLight(network.bytes);
-    estimate = room.Estimate();  // grey, from above, until the first image is processed
-    RoomLight.Show(estimate, sun);
+    coverage = Bytes(ShadowTexels);
+    sky = Bytes(SkyTexels);
+    skyOnSand = Bytes(SkyTexels);
+    room = new RoomLight(cameraManager);
+    room.Update(transform.position, true, 0);  // what is usual in a room, until images come
 
     grains = new GraphicsBuffer(GraphicsBuffer.Target.Structured, GraphicsBuffer.UsageFlags.LockBufferForWrite, grainCount,
                                 sizeof(sandglass_grain));
@@ -138,13 +150,11 @@ public unsafe class Sand : MonoBehaviour {
 
   void Update() {
     IntPtr reason;
-    // The direction towards the light, in the frame that the sand is simulated in.
-    sandglass_light_estimate now = estimate;
-    Vector3 toLight = new Vector3(now.direction[0], now.direction[1], -now.direction[2]);
-    Vector3 here = transform.InverseTransformDirection(toLight);
-    Check(Native.sandglass_pile_shadow_set_light(shadow, new float[] {here.x, here.y, -here.z}, out reason), reason);
+    sandglass_room_light light = room.Shown;
+    Check(Native.sandglass_pile_shadow_set_light(shadow, Copy(light.main_direction, 3), out reason), reason);
+    Check(Native.sandglass_pile_shadow_set_cells(shadow, Copy(light.ambient_cells, 64), out reason), reason);
     sandglass_camera_image image;
-    bool seen = room.Acquire(cameraManager, out image);
+    bool seen = room.Acquire(out image);
     var mapped = grains.LockBufferForWrite<sandglass_grain>(0, grainCount);
     fixed (sandglass_collider* colliders = &floor) {
       input.time_step = Time.deltaTime;
@@ -155,7 +165,7 @@ public unsafe class Sand : MonoBehaviour {
       input.grains = NativeArrayUnsafeUtility.GetUnsafePtr(mapped);
       input.grain_capacity = (uint)grainCount;
       input.pile_shadow = shadow;
-      input.light = room.Handle;
+      input.room = room.Handle;
       input.camera = seen ? &image : null;
       int status = Native.sandglass_scene_frame(scene, ref input, ref report, out reason);
       input.camera = null;  // the image was read within the call
@@ -163,41 +173,62 @@ public unsafe class Sand : MonoBehaviour {
       room.Release();
       Check(status, reason);
     }
-    if (report.light_changed != 0) {
-      estimate = room.Estimate();
-      RoomLight.Show(estimate, sun);
+    room.Update(transform.position, seen, Time.deltaTime);
+    if (arrow != null) {
+      arrow.gameObject.SetActive(room.WantsLook);
+      arrow.rotation = Quaternion.LookRotation(room.Look);
     }
-    DrawShadow();
-    DrawGrains(toLight);
+    sandglass_light_unity unity = room.Show(sun);
+    Matrix4x4 fromScene = Matrix4x4.Translate(transform.position);
+    DrawShadow(fromScene);
+    DrawGrains(fromScene, unity);
   }
 
-  void DrawShadow() {
+  static float[] Copy(float* from, int count) {
+    var copy = new float[count];
+    for (int i = 0; i < count; ++i) copy[i] = from[i];
+    return copy;
+  }
+
+  void DrawShadow(Matrix4x4 fromScene) {
     var texture = new sandglass_pile_shadow_texture();
     texture.struct_size = (uint)sizeof(sandglass_pile_shadow_texture);
     Native.sandglass_pile_shadow_get_texture(shadow, ref texture);
-    coverage.LoadRawTextureData((IntPtr)texture.coverage, ShadowTexels * ShadowTexels);
-    coverage.Apply(false);
+    var left = new sandglass_pile_shadow_sky();
+    left.struct_size = (uint)sizeof(sandglass_pile_shadow_sky);
+    Native.sandglass_pile_shadow_get_sky(shadow, ref left);
+    Upload(coverage, texture.coverage, texture.texels);
+    Upload(sky, left.floor, left.texels);
+    Upload(skyOnSand, left.on_sand, left.texels);
     var draw = new RenderParams(shadowMaterial);
     draw.worldBounds = new Bounds(transform.position, 4 * Vector3.one);
     draw.matProps = new MaterialPropertyBlock();
     draw.matProps.SetTexture("_Coverage", coverage);
-    draw.matProps.SetMatrix("_FromScene", transform.localToWorldMatrix);
+    draw.matProps.SetTexture("_Sky", sky);
+    draw.matProps.SetMatrix("_FromScene", fromScene);
     draw.matProps.SetVector("_Rectangle", new Vector4(texture.low[0], texture.low[1], texture.high[0], texture.high[1]));
-    draw.matProps.SetFloat("_Strength", texture.opacity * estimate.contrast);
+    draw.matProps.SetFloat("_Strength", texture.opacity * room.Shown.main_share);
     Graphics.RenderPrimitives(draw, MeshTopology.Triangles, 6);
   }
 
-  void DrawGrains(Vector3 toLight) {
-    sandglass_light_estimate now = estimate;
+  // The main light as a directional one, and all other light as it falls on a grain that faces up.
+  void DrawGrains(Matrix4x4 fromScene, sandglass_light_unity light) {
+    var rest = new float[3];
+    for (int channel = 0; channel < 3; ++channel) {
+      float* of = light.sh + 9 * channel;
+      rest[channel] = Math.Max(of[0] + of[1] - of[6] - of[8], 0);
+    }
     var draw = new RenderParams(material);
     draw.worldBounds = new Bounds(transform.position, 4 * Vector3.one);
     draw.matProps = new MaterialPropertyBlock();
     draw.matProps.SetBuffer("_Grains", grains);
-    draw.matProps.SetMatrix("_FromScene", transform.localToWorldMatrix);
+    draw.matProps.SetTexture("_Sky", skyOnSand);
+    draw.matProps.SetVector("_Rectangle", new Vector4(-ShadowHalf, -ShadowHalf, ShadowHalf, ShadowHalf));
+    draw.matProps.SetMatrix("_FromScene", fromScene);
     draw.matProps.SetFloat("_Radius", 0.35f * ParticleRadius);
-    draw.matProps.SetVector("_ToLight", new Vector4(toLight.x, toLight.y, toLight.z, 0));
-    draw.matProps.SetVector("_Sun", now.strength * new Vector4(now.light[0], now.light[1], now.light[2], 0));
-    draw.matProps.SetVector("_Ambient", new Vector4(now.ambient[0], now.ambient[1], now.ambient[2], 0));
+    draw.matProps.SetVector("_ToLight", new Vector4(-light.forward[0], -light.forward[1], -light.forward[2], 0));
+    draw.matProps.SetVector("_Sun", light.intensity * new Vector4(light.colour[0], light.colour[1], light.colour[2], 0));
+    draw.matProps.SetVector("_Ambient", new Vector4(rest[0], rest[1], rest[2], 0));
     Graphics.RenderPrimitives(draw, MeshTopology.Triangles, 6 * grainCount);
   }
 }

@@ -1,5 +1,5 @@
-// The sand's shadow on the floor: removes coverage * strength of the floor's light. The project's colour space must be
-// linear, because a shadow multiplies linear light.
+// The sand's shadow on the floor: leaves sky - coverage * strength of the floor's light. The project's colour space must
+// be linear, because a shadow multiplies linear light.
 Shader "Sandglass/Shadow" {
   SubShader {
     Tags { "RenderType" = "Transparent" "Queue" = "Transparent" }
@@ -13,7 +13,7 @@ Shader "Sandglass/Shadow" {
       #pragma fragment fragment
       #include "UnityCG.cginc"
 
-      sampler2D _Coverage;
+      sampler2D _Coverage, _Sky;
       float4x4 _FromScene;
       float4 _Rectangle;  // low x, low z, high x, high z
       float _Strength;
@@ -31,7 +31,8 @@ Shader "Sandglass/Shadow" {
       }
 
       fixed4 fragment(Corner corner) : SV_Target {
-        return fixed4(0, 0, 0, tex2D(_Coverage, corner.at).r * _Strength);
+        float left = tex2D(_Sky, corner.at).r - _Strength * tex2D(_Coverage, corner.at).r;
+        return fixed4(0, 0, 0, 1 - max(left, 0));
       }
       ENDCG
     }

@@ -7,6 +7,8 @@ typedef struct ArFrame_ ArFrame;
 typedef struct ArCamera_ ArCamera;
 typedef struct ArCameraIntrinsics_ ArCameraIntrinsics;
 typedef struct ArImage_ ArImage;
+typedef struct ArImageMetadata_ ArImageMetadata;
+typedef struct ACameraMetadata ACameraMetadata;
 typedef struct ArPose_ ArPose;
 typedef struct ArHitResult_ ArHitResult;
 typedef struct ArHitResultList_ ArHitResultList;
@@ -59,6 +61,10 @@ void ArImage_getPlaneData(const ArSession* session, const ArImage* image, int32_
 void ArImage_getPlaneRowStride(const ArSession* session, const ArImage* image, int32_t plane, int32_t* stride);
 void ArImage_getPlanePixelStride(const ArSession* session, const ArImage* image, int32_t plane, int32_t* stride);
 void ArImage_release(ArImage* image);
+ArStatus ArFrame_acquireImageMetadata(const ArSession* session, const ArFrame* frame, ArImageMetadata** metadata);
+void ArImageMetadata_getNdkCameraMetadata(const ArSession* session, const ArImageMetadata* metadata,
+                                          const ACameraMetadata** ndk_metadata);
+void ArImageMetadata_release(ArImageMetadata* metadata);
 void ArPose_create(const ArSession* session, const float* raw, ArPose** pose);
 void ArPose_destroy(ArPose* pose);
 void ArPose_getPoseRaw(const ArSession* session, const ArPose* pose, float* raw);

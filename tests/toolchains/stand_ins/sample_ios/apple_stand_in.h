@@ -38,6 +38,7 @@ typedef struct {
 typedef struct {
   CGFloat a, b, c, d, tx, ty;
 } CGAffineTransform;
+STAND_IN_C CGRect CGRectMake(CGFloat x, CGFloat y, CGFloat width, CGFloat height);
 STAND_IN_C CGPoint CGPointMake(CGFloat x, CGFloat y);
 STAND_IN_C CGPoint CGPointApplyAffineTransform(CGPoint point, CGAffineTransform transform);
 STAND_IN_C CGAffineTransform CGAffineTransformInvert(CGAffineTransform transform);
@@ -61,7 +62,11 @@ __attribute__((objc_root_class))
 extern void* _NSConstantStringClassReference;
 @interface NSError : NSObject
 @end
-@interface NSDictionary : NSObject
+@interface NSNumber : NSObject
+@property(readonly) float floatValue;
+@end
+@interface NSDictionary<KeyType, ObjectType> : NSObject
+- (ObjectType)objectForKeyedSubscript:(KeyType)key;
 @end
 @interface NSData : NSObject
 + (instancetype)dataWithContentsOfFile:(NSString*)path;
@@ -168,6 +173,7 @@ typedef enum : NSUInteger { MTLResourceStorageModeShared = 0 } MTLResourceOption
 - (void)setVertexBuffer:(id<MTLBuffer>)buffer offset:(NSUInteger)offset atIndex:(NSUInteger)index;
 - (void)setFragmentBytes:(const void*)bytes length:(NSUInteger)length atIndex:(NSUInteger)index;
 - (void)setFragmentTexture:(id<MTLTexture>)texture atIndex:(NSUInteger)index;
+- (void)setVertexTexture:(id<MTLTexture>)texture atIndex:(NSUInteger)index;
 - (void)setRenderPipelineState:(id<MTLRenderPipelineState>)state;
 - (void)setDepthStencilState:(id<MTLDepthStencilState>)state;
 - (void)drawPrimitives:(MTLPrimitiveType)type vertexStart:(NSUInteger)start vertexCount:(NSUInteger)count;
@@ -224,6 +230,11 @@ typedef enum : NSInteger { UIInterfaceOrientationPortrait = 1 } UIInterfaceOrien
 @interface UIView : UIResponder
 @property(nonatomic) CGRect bounds;
 - (void)addGestureRecognizer:(UIGestureRecognizer*)recognizer;
+- (void)addSubview:(UIView*)view;
+@end
+@interface UILabel : UIView
+- (instancetype)initWithFrame:(CGRect)frame;
+@property(nonatomic, copy) NSString* text;
 @end
 @interface UIViewController : UIResponder
 @property(nonatomic, strong) UIView* view;
@@ -279,6 +290,7 @@ typedef enum : NSInteger { ARRaycastTargetAlignmentHorizontal = 0 } ARRaycastTar
 @property(nonatomic, readonly) NSTimeInterval timestamp;
 @property(nonatomic, readonly) CVPixelBufferRef capturedImage;
 @property(nonatomic, readonly) ARCamera* camera;
+@property(nonatomic, readonly) NSDictionary<NSString*, id>* exifData;
 - (CGAffineTransform)displayTransformForOrientation:(UIInterfaceOrientation)orientation viewportSize:(CGSize)size;
 - (ARRaycastQuery*)raycastQueryFromPoint:(CGPoint)point
                           allowingTarget:(ARRaycastTarget)target

@@ -4,13 +4,15 @@
 // belongs to it. The UI thread makes, resumes and pauses the session while no frame runs.
 //
 // A frame: ARCore updates the camera image and the poses. In 4 ms the library writes the grains straight into the
-// renderer's buffer, estimates the room's light from the image, and casts the sand's shadow in that light. Filament
-// draws grains and shadow with the same pose.
+// renderer's buffer, gathers the room's light from the image, and casts the sand's shadows in that light. Filament
+// draws grains and shadows with the same pose.
 #include <android/asset_manager_jni.h>
 #include <android/log.h>
 #include <android/native_window_jni.h>
+#include <camera/NdkCameraMetadata.h>
 #include <jni.h>
 
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <vector>
@@ -34,6 +36,7 @@ struct Sample {
   ANativeWindow* window = nullptr;
   double last_seconds = 0.0;
   bool poured = false;
+  int hint = 0;  // of Native.hint
 };
 
 Sample* of(jlong handle) { return reinterpret_cast<Sample*>(handle); }
@@ -55,6 +58,25 @@ std::vector<uint64_t> read_asset(AAssetManager* manager, const char* name, uint6
   }
   AAsset_close(asset);
   return words;
+}
+
+// How long and how sensitively the image was exposed, as sandglass_camera_image.exposure wants it: seconds times ISO /
+// 100, times the gain behind the sensor. 0 where the phone does not say.
+float exposure_of(Sample* s) {
+  ArImageMetadata* held = nullptr;
+  if (ArFrame_acquireImageMetadata(s->session, s->frame, &held) != AR_SUCCESS) return 0.0f;
+  const ACameraMetadata* metadata = nullptr;
+  ArImageMetadata_getNdkCameraMetadata(s->session, held, &metadata);
+  ACameraMetadata_const_entry time = {}, iso = {}, boost = {};
+  float exposure = 0.0f;
+  if (ACameraMetadata_getConstEntry(metadata, ACAMERA_SENSOR_EXPOSURE_TIME, &time) == ACAMERA_OK && time.count == 1 &&
+      ACameraMetadata_getConstEntry(metadata, ACAMERA_SENSOR_SENSITIVITY, &iso) == ACAMERA_OK && iso.count == 1)
+    exposure = 1e-9f * static_cast<float>(time.data.i64[0]) * static_cast<float>(iso.data.i32[0]) / 100.0f;
+  if (ACameraMetadata_getConstEntry(metadata, ACAMERA_CONTROL_POST_RAW_SENSITIVITY_BOOST, &boost) == ACAMERA_OK &&
+      boost.count == 1)
+    exposure *= static_cast<float>(boost.data.i32[0]) / 100.0f;
+  ArImageMetadata_release(held);
+  return exposure;
 }
 
 // The camera's image of this frame as the library reads it. False if ARCore has none yet or has it in another layout.
@@ -90,11 +112,22 @@ bool camera_image(Sample* s, ArCamera* camera, ArImage** held, sandglass_camera_
   ArPose_getPoseRaw(s->session, pose, raw);
   ArPose_destroy(pose);
   for (int k = 0; k < 4; ++k) image->orientation[k] = raw[k];
+  for (int k = 0; k < 3; ++k) image->position[k] = raw[4 + k];
+  image->exposure = exposure_of(s);
   image->turn_deg = SANDGLASS_TURN_FROM_POSE;
 
   if (sample::set_yuv_planes(planes, rows, pixels, image)) return true;
   ArImage_release(*held);
   return false;
+}
+
+// Which way the user should turn the phone to show the library most: 0 none, 1 left, 2 right, 3 up. `to_world` is the
+// pose of the upright image.
+int hint_of(const float* look, const float to_world[16]) {
+  if (look == nullptr) return 0;
+  float right = 0.0f, up = 0.0f;
+  for (int k = 0; k < 3; ++k) right += look[k] * to_world[k], up += look[k] * to_world[4 + k];
+  return up > std::fabs(right) ? 3 : right > 0.0f ? 2 : 1;
 }
 
 // The first real horizontal plane under a point of the screen.
@@ -163,16 +196,12 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_pause(JNIEnv*, jclass, j
 }
 
 // Needs the GL thread's context to be current.
-JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_surface(JNIEnv* env, jclass, jlong handle, jobject assets,
-                                                                jint rotation, jint width, jint height) {
+JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_surface(JNIEnv*, jclass, jlong handle, jint rotation,
+                                                                jint width, jint height) {
   Sample* s = of(handle);
   ArSession_setCameraTextureName(s->session, s->background.create());
   ArSession_setDisplayGeometry(s->session, rotation, width, height);
-  if (!s->stage) {
-    uint64_t bytes = 0;
-    std::vector<uint64_t> network = read_asset(AAssetManager_fromJava(env, assets), "room.light", &bytes);
-    say(s->stage.create(std::move(network), bytes));
-  }
+  if (!s->stage) say(s->stage.create());
   if (s->performance == nullptr) s->performance = std::make_unique<sample::Performance>(16'666'667);
 }
 
@@ -192,7 +221,6 @@ JNIEXPORT jboolean JNICALL Java_org_sandglass_sample_Native_show(JNIEnv* env, jc
     s->window = nullptr;
     return JNI_FALSE;
   }
-  if (s->stage) s->view.set_light(s->stage.light());
   return JNI_TRUE;
 }
 
@@ -219,6 +247,8 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_tap(JNIEnv*, jclass, jlo
   s->poured = static_cast<bool>(status);
 }
 
+JNIEXPORT jint JNICALL Java_org_sandglass_sample_Native_hint(JNIEnv*, jclass, jlong handle) { return of(handle)->hint; }
+
 JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_frame(JNIEnv*, jclass, jlong handle, jdouble seconds) {
   Sample* s = of(handle);
   if (s->performance == nullptr || ArSession_update(s->session, s->frame) != AR_SUCCESS) return;
@@ -238,8 +268,8 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_frame(JNIEnv*, jclass, j
         s->stage.frame(step, s->performance->headroom(seconds), grains, seen ? &image : nullptr);
     if (seen) ArImage_release(held);
     s->performance->report(report.target_ns, report.elapsed_ns);
-    if (report.light_changed != 0) s->view.set_light(s->stage.light());
-    s->view.set_shadow(s->stage.shadow(), s->stage.shadow_strength());
+    s->view.set_light(s->stage.light(), s->stage.light_scale());
+    s->view.set_shadow(s->stage.shadow(), s->stage.sky(), s->stage.shadow_strength());
     float projection[16], camera_to_world[16];
     ArCamera_getProjectionMatrix(s->session, camera, sample::SandView::k_near, sample::SandView::k_far, projection);
     ArPose* pose = nullptr;
@@ -247,6 +277,7 @@ JNIEXPORT void JNICALL Java_org_sandglass_sample_Native_frame(JNIEnv*, jclass, j
     ArCamera_getDisplayOrientedPose(s->session, camera, pose);
     ArPose_getMatrix(s->session, pose, camera_to_world);
     ArPose_destroy(pose);
+    s->hint = hint_of(s->stage.look(), camera_to_world);
     s->view.draw(grains != nullptr, s->stage.drawn(), s->stage.origin(), projection, camera_to_world);
     s->last_seconds = seconds;
   }

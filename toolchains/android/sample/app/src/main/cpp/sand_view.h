@@ -1,4 +1,4 @@
-// Filament draws the grains as points and the sand's shadow on the floor, in the estimated light, on a transparent
+// Filament draws the grains as points and the sand's shadow on the floor, in the light of the room, on a transparent
 // surface above the camera image. Filament's own lights get the same light, for lit objects of the app. Filament reads
 // a vertex buffer some time after it got it, so three take turns. A frame that finds all three in use keeps the last
 // picture.
@@ -30,6 +30,8 @@
 #include <utils/EntityManager.h>
 
 #include <atomic>
+#include <cmath>
+#include <numbers>
 #include <numeric>
 #include <vector>
 
@@ -114,7 +116,7 @@ class SandView {
     engine_->destroy(floor_indices_);
     engine_->destroy(floor_instance_);
     engine_->destroy(floor_material_);
-    engine_->destroy(coverage_);
+    for (filament::Texture* texture : {coverage_, sky_, sky_on_sand_}) engine_->destroy(texture);
     if (ambient_ != nullptr) engine_->destroy(ambient_);
     ambient_ = nullptr;
     engine_->destroy(grading_);
@@ -129,13 +131,14 @@ class SandView {
     filament::Engine::destroy(&engine_);  // waits for pending work; engine_ becomes null
   }
 
-  // Takes the room's light. Call it whenever the library's estimate has changed.
-  void set_light(const sandglass_light_estimate& estimate) {
+  // Takes the room's light, whose radiance is `scale` times what the image shows. The harmonics leave the main light
+  // out, which is the directional one.
+  void set_light(const sandglass_room_light& light, float scale) {
     using namespace filament;
     sandglass_light_filament filament{};
     filament.struct_size = sizeof filament;
     if (engine_ == nullptr ||
-        sandglass_light_to_filament(&estimate, SANDGLASS_LIGHT_MODEL_AMBIENT, 1.0f, &filament, nullptr) != SANDGLASS_OK)
+        sandglass_room_to_filament(&light, SANDGLASS_LIGHT_MODEL_AMBIENT, scale, &filament, nullptr) != SANDGLASS_OK)
       return;
     auto& lights = engine_->getLightManager();
     const LightManager::Instance sun = lights.getInstance(light_);
@@ -144,31 +147,42 @@ class SandView {
     lights.setIntensity(sun, filament.intensity);
     math::float3 sh[9];
     for (int i = 0; i < 9; ++i) sh[i] = {filament.sh[3 * i], filament.sh[3 * i + 1], filament.sh[3 * i + 2]};
-    IndirectLight* ambient =
-        IndirectLight::Builder().irradiance(3, sh).intensity(filament.sh_intensity).build(*engine_);
-    scene_->setIndirectLight(ambient);
-    if (ambient_ != nullptr) engine_->destroy(ambient_);
-    ambient_ = ambient;
-    // Filament does not light points, so the grains' material gets the light as parameters.
-    const float *c = estimate.light, *a = estimate.ambient, k = estimate.strength;
+    // The light fades a little in every frame. A new IndirectLight is made when a coefficient has moved by 2 %.
+    float moved = scale == nits_ ? 0.0f : 1.0f;
+    for (int i = 0; i < 27; ++i)
+      moved = std::fmax(moved, std::fabs(filament.sh[i] - sh_[i]) / std::fmax(sh_[0], 1e-3f));
+    if (ambient_ == nullptr || moved > 0.02f) {
+      IndirectLight* ambient =
+          IndirectLight::Builder().irradiance(3, sh).intensity(filament.sh_intensity).build(*engine_);
+      scene_->setIndirectLight(ambient);
+      if (ambient_ != nullptr) engine_->destroy(ambient_);
+      ambient_ = ambient, nits_ = scale;
+      for (int i = 0; i < 27; ++i) sh_[i] = filament.sh[i];
+    }
+    // Filament does not light points, so the grains' material gets the light as parameters: what a grain that faces the
+    // main light reflects of it, and what one that faces up reflects of all other light.
+    const float k = filament.intensity / std::numbers::pi_v<float>, *c = filament.colour;
     instance_->setParameter("to_light",
-                            math::float3{estimate.direction[0], estimate.direction[1], estimate.direction[2]});
+                            math::float3{-filament.direction[0], -filament.direction[1], -filament.direction[2]});
     instance_->setParameter("sun", math::float3{k * c[0], k * c[1], k * c[2]});
-    instance_->setParameter("ambient", math::float3{a[0], a[1], a[2]});
+    float rest[3];
+    for (int channel = 0; channel < 3; ++channel) {
+      const float* of = filament.sh + channel;  // irradiance over pi of the normal (0, 1, 0)
+      rest[channel] = filament.sh_intensity * std::fmax(of[0] + of[3] - of[18] - of[24], 0.0f);
+    }
+    instance_->setParameter("ambient", math::float3{rest[0], rest[1], rest[2]});
   }
 
-  // Takes the sand's shadow of this frame.
-  void set_shadow(const sandglass_pile_shadow_texture& shadow, float strength) {
-    using namespace filament;
+  // Takes the sand's shadows of this frame: that of the main light, and what the sand leaves of all other light.
+  void set_shadow(const sandglass_pile_shadow_texture& shadow, const sandglass_pile_shadow_sky& sky, float strength) {
     if (engine_ == nullptr) return;
-    auto* copy = new std::vector<uint8_t>(shadow.coverage, shadow.coverage + k_shadow_texels * k_shadow_texels);
-    coverage_->setImage(*engine_, 0,
-                        Texture::PixelBufferDescriptor(
-                            copy->data(), copy->size(), Texture::Format::R, Texture::Type::UBYTE,
-                            [](void*, size_t, void* user) { delete static_cast<std::vector<uint8_t>*>(user); }, copy));
+    upload(coverage_, shadow.coverage, k_shadow_texels);
+    upload(sky_, sky.floor, k_sky_texels);
+    upload(sky_on_sand_, sky.on_sand, k_sky_texels);
+    const filament::math::float4 rectangle{shadow.low[0], shadow.low[1], shadow.high[0], shadow.high[1]};
     floor_instance_->setParameter("strength", strength);
-    floor_instance_->setParameter("rectangle",
-                                  math::float4{shadow.low[0], shadow.low[1], shadow.high[0], shadow.high[1]});
+    floor_instance_->setParameter("rectangle", rectangle);
+    instance_->setParameter("rectangle", rectangle);
   }
 
   // Where the library may write this frame's grains, or null while all buffers are in use.
@@ -203,6 +217,7 @@ class SandView {
         m[column][row] = camera_to_world[4 * column + row];
       }
     }
+    instance_->setParameter("origin", filament::math::float3{origin[0], origin[1], origin[2]});
     camera_->setCustomProjection(filament::math::mat4(p), k_near, k_far);
     camera_->setModelMatrix(m);
     if (renderer_->beginFrame(swap_chain_)) {
@@ -214,6 +229,26 @@ class SandView {
   static constexpr float k_near = 0.05f, k_far = 50.0f;
 
  private:
+  filament::Texture* texture(uint32_t side) {
+    using namespace filament;
+    return Texture::Builder()
+        .width(side)
+        .height(side)
+        .levels(1)
+        .format(Texture::InternalFormat::R8)
+        .sampler(Texture::Sampler::SAMPLER_2D)
+        .build(*engine_);
+  }
+
+  void upload(filament::Texture* texture, const uint8_t* bytes, uint32_t side) {
+    using namespace filament;
+    auto* copy = new std::vector<uint8_t>(bytes, bytes + side * side);
+    texture->setImage(*engine_, 0,
+                      Texture::PixelBufferDescriptor(
+                          copy->data(), copy->size(), Texture::Format::R, Texture::Type::UBYTE,
+                          [](void*, size_t, void* user) { delete static_cast<std::vector<uint8_t>*>(user); }, copy));
+  }
+
   // A floor about the scene's origin, a millimetre above the real one. Its material darkens the camera image.
   void create_shadow(const void* package, size_t bytes) {
     using namespace filament;
@@ -230,15 +265,13 @@ class SandView {
     floor_vertices_->setBufferAt(*engine_, 0, VertexBuffer::BufferDescriptor(corners, sizeof corners));
     floor_indices_ = IndexBuffer::Builder().indexCount(6).bufferType(IndexBuffer::IndexType::USHORT).build(*engine_);
     floor_indices_->setBuffer(*engine_, IndexBuffer::BufferDescriptor(order, sizeof order));
-    coverage_ = Texture::Builder()
-                    .width(k_shadow_texels)
-                    .height(k_shadow_texels)
-                    .levels(1)
-                    .format(Texture::InternalFormat::R8)
-                    .sampler(Texture::Sampler::SAMPLER_2D)
-                    .build(*engine_);
-    floor_instance_->setParameter("coverage", coverage_,
-                                  TextureSampler(TextureSampler::MinFilter::LINEAR, TextureSampler::MagFilter::LINEAR));
+    coverage_ = texture(k_shadow_texels);
+    sky_ = texture(k_sky_texels);
+    sky_on_sand_ = texture(k_sky_texels);
+    const TextureSampler linear(TextureSampler::MinFilter::LINEAR, TextureSampler::MagFilter::LINEAR);
+    floor_instance_->setParameter("coverage", coverage_, linear);
+    floor_instance_->setParameter("sky", sky_, linear);
+    instance_->setParameter("sky", sky_on_sand_, linear);
     floor_ = utils::EntityManager::get().create();
     RenderableManager::Builder(1)
         .boundingBox({{0, up, 0}, {h, up, h}})
@@ -261,7 +294,8 @@ class SandView {
   filament::IndexBuffer* indices_ = nullptr;
   filament::ColorGrading* grading_ = nullptr;
   filament::IndirectLight* ambient_ = nullptr;
-  filament::Texture* coverage_ = nullptr;
+  filament::Texture *coverage_ = nullptr, *sky_ = nullptr, *sky_on_sand_ = nullptr;
+  float sh_[27] = {}, nits_ = 0.0f;  // of ambient_
   filament::VertexBuffer* floor_vertices_ = nullptr;
   filament::IndexBuffer* floor_indices_ = nullptr;
   filament::Material* floor_material_ = nullptr;

@@ -10,6 +10,7 @@ import android.view.MotionEvent;
 import android.view.SurfaceHolder;
 import android.view.SurfaceView;
 import android.widget.FrameLayout;
+import android.widget.TextView;
 import com.google.ar.core.ArCoreApk;
 import com.google.ar.core.exceptions.UnavailableException;
 import java.util.concurrent.CountDownLatch;
@@ -33,6 +34,10 @@ public final class MainActivity extends Activity implements GLSurfaceView.Render
   private boolean begun;
   private int width, height;
   private boolean shown;
+  // What the user is asked for, so that the camera sees where the light comes from.
+  private static final String[] HINTS = {"", "Look around: to the left", "Look around: to the right", "Look up"};
+  private int hint;
+  private TextView text;
 
   @Override
   protected void onCreate(Bundle saved) {
@@ -57,6 +62,8 @@ public final class MainActivity extends Activity implements GLSurfaceView.Render
     FrameLayout both = new FrameLayout(this);
     both.addView(camera);
     both.addView(sand);
+    text = new TextView(this);
+    both.addView(text);
     setContentView(both);
   }
 
@@ -154,9 +161,12 @@ public final class MainActivity extends Activity implements GLSurfaceView.Render
   @Override
   public void onDrawFrame(GL10 gl) {
     if (sample == 0) return;
-    if (!begun) Native.surface(sample, getAssets(), getWindowManager().getDefaultDisplay().getRotation(), cameraWidth, cameraHeight);
+    if (!begun) Native.surface(sample, getWindowManager().getDefaultDisplay().getRotation(), cameraWidth, cameraHeight);
     begun = true;
     if (!shown && width > 0) shown = Native.show(sample, sand.getHolder().getSurface(), getAssets(), width, height);
     Native.frame(sample, 1e-9 * System.nanoTime());
+    final int next = Native.hint(sample);
+    if (next != hint) runOnUiThread(() -> text.setText(HINTS[next]));
+    hint = next;
   }
 }

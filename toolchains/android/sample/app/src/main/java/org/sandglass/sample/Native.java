@@ -21,7 +21,7 @@ final class Native {
   static native void pause(long handle);
 
   /** Tells that the lower surface has a context and this size. */
-  static native void surface(long handle, AssetManager assets, int rotation, int width, int height);
+  static native void surface(long handle, int rotation, int width, int height);
 
   /** Makes Filament's engine on the upper surface. Returns false and makes nothing if that is not possible. */
   static native boolean show(long handle, Surface surface, AssetManager assets, int width, int height);
@@ -32,6 +32,9 @@ final class Native {
   static native void tap(long handle, float x, float y);
 
   static native void frame(long handle, double seconds);
+
+  /** Which way to turn the phone, so that it sees more of the room's light: 0 none, 1 left, 2 right, 3 up. */
+  static native int hint(long handle);
 
   /** Call hide first. */
   static native void destroy(long handle);

@@ -1,0 +1,48 @@
+// The light that a shot is drawn in, whoever says so: the session's room, the true light, or one light alone. All are
+// sandglass_room_light in the scene's frame and in the picture's scale, where radiance 1 is white; so one way of drawing
+// serves them all.
+#pragma once
+
+#include <span>
+
+#include "models/geometry/vec3.h"
+#include "models/rooms/excerpt.h"
+#include "models/rooms/panorama.h"
+#include "sandglass/light.h"
+#include "sandglass/room.h"
+
+namespace sandglass::host {
+
+using ShotLight = sandglass_room_light;
+
+inline Vec3 irradiance_of(const ShotLight& light) { return from_floats(light.irradiance); }
+inline Vec3 main_direction_of(const ShotLight& light) { return from_floats(light.main_direction); }
+// Towards the middle of the floor's light, main light and all.
+Vec3 mean_direction_of(const ShotLight& light);
+
+// The radiance that a white surface shows that faces `normal` and that nothing hides.
+Vec3 shown_by(const ShotLight& light, Vec3 normal);
+// The part of it that comes from the main light: as the harmonics have it, and by its cosine.
+Vec3 main_in_harmonics(const ShotLight& light, Vec3 normal);
+Vec3 main_by_cosine(const ShotLight& light, Vec3 normal);
+
+// The light of a panorama, whose own centre looks along `view`: each cell, harmonics and level as they are. None of it
+// is a main light.
+ShotLight light_of(const RadianceMap& panorama, View view);
+
+// One light and nothing else, as the app draws it that knows of no more: a share of the floor's irradiance is the
+// opacity of its shadow, the rest comes from all sides and hides nothing.
+ShotLight one_light(Vec3 towards, double share, Vec3 irradiance);
+// What the network of light.h says.
+ShotLight one_light(const sandglass_light_estimate& estimate);
+
+// The light times a factor, with another level or from another scale.
+ShotLight scaled(ShotLight light, double factor);
+// The light with the shares (of the shadows) of one and the brightness (harmonics, level) of another.
+ShotLight mixed(const ShotLight& shadow, const ShotLight& shading);
+// As if the room were seen in a mirror across the plane z = 0.
+ShotLight mirrored(const ShotLight& light);
+// The mean light: shares and harmonics as parts of the floor's irradiance, with the geometric mean of the level.
+ShotLight mean_light(std::span<const ShotLight> lights);
+
+}  // namespace sandglass::host
