@@ -187,6 +187,12 @@ uint32_t motion_items(const Granular& g) {
   return left == 0 ? 1 : left < g.unit ? left : g.unit;
 }
 
+uint64_t motion_items_of_a_sweep(const Granular& g) {
+  const MotionGrid& grid = g.motion.grid;
+  return (grid.slot_mask + 1) / k_slots_per_item + uint64_t{g.particles.count} * k_items_per_particle +
+         uint64_t{grid.block_count} * 2 * k_items_per_block + g.grains.count / k_grains_per_item;
+}
+
 bool motion_run_clear(Granular* g) {
   MotionGrid& grid = g->motion.grid;
   const uint32_t all = grid.slot_mask + 1, begin = g->sweep.cursor, size = g->unit * k_slots_per_item;

@@ -38,7 +38,8 @@ void motion_complete(Granular* granular);
 // The phases of a sweep. A `run` function runs a unit, and is true once its phase is done.
 // `time`: simulated, seconds.
 void motion_begin(ParticleMotion* motion, double time);
-uint32_t motion_items(const Granular& granular);  // of the next unit
+uint32_t motion_items(const Granular& granular);             // of the next unit
+uint64_t motion_items_of_a_sweep(const Granular& granular);  // as many blocks as the last sweep had
 bool motion_run_clear(Granular* granular);
 bool motion_run_scatter(Granular* granular);
 bool motion_run_join(Granular* granular);

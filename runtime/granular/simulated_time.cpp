@@ -67,7 +67,7 @@ void time_skip(Granular* g) {
   t.debt = t.interval_debt = 0.0;
 }
 
-double time_interval(const Granular& g, uint32_t) {
+double time_interval(const Granular& g) {
   const double longest = g.desc.reference.blend == SANDGLASS_BLEND_SOURCE && g.desc.grain_capacity != 0
                              ? static_cast<double>(g.desc.refine_step)
                              : static_cast<double>(g.time.frame_step);
@@ -88,7 +88,7 @@ uint32_t time_substeps(const Granular& g, double interval, uint32_t level) {
 SubstepPlan time_plan_substep(const Granular& g, uint32_t level) {
   SubstepPlan plan = {0.0, g.substep.interval_left, g.substep.length, false};
   if (plan.count == 0) {
-    plan.interval = time_interval(g, level);
+    plan.interval = time_interval(g);
     plan.count = time_substeps(g, plan.interval, level);
     plan.substep = static_cast<float>(plan.interval / plan.count);
   }

@@ -1,7 +1,6 @@
 #include "runtime/granular/sweep.h"
 
 #include "runtime/granular/granular.h"
-#include "runtime/granular/ladder.h"
 
 namespace sandglass {
 
@@ -17,13 +16,11 @@ constexpr float k_still_speed_units = 0.25f;  // of sqrt(g d): between sleepers 
 
 bool source_rule(const Granular& g) { return g.desc.reference.blend == SANDGLASS_BLEND_SOURCE; }
 
-bool sweep_wanted(const Granular& g, uint32_t level) {
+bool sweep_wanted(const Granular& g) {
   if (g.grains.count == 0 || g.particles.count == 0 || g.time.grain_lag < k_time_resolution) return false;
-  if (source_rule(g) && !k_ladder[level].refine_often) return true;
   return g.substep.interval_left == 0 || time_grains_behind(g);
 }
 
-void begin(Granular* g, uint32_t level);
 void begin_sort(Granular* g);
 void complete(Granular* g);
 
@@ -74,11 +71,9 @@ void enter(Granular* g, SweepPhase phase) {
 
 // ---- the phases
 
-void begin(Granular* g, uint32_t level) {
+void begin(Granular* g) {
   SimulatedTime& t = g->time;
-  const bool whole_frame = source_rule(*g) && !k_ladder[level].refine_often && t.frame_step >= g->desc.refine_step;
-  const float longest = whole_frame ? t.frame_step : g->desc.refine_step;
-  const double count = t.grain_lag / static_cast<double>(longest);
+  const double count = t.grain_lag / static_cast<double>(g->desc.refine_step);
   const uint32_t whole = static_cast<uint32_t>(count);
   uint32_t steps = count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
   if (steps > k_sweep_steps_max) steps = k_sweep_steps_max;
@@ -198,13 +193,13 @@ void complete(Granular* g) {
 
 // ---- the stage
 
-bool next(const void* state, uint32_t level, WorkUnit* unit) {
+bool next(const void* state, uint32_t, WorkUnit* unit) {
   const Granular& g = *static_cast<const Granular*>(state);
   const uint32_t left = refine_items(g) - g.sweep.cursor;
   unit->items = left < g.unit ? left : g.unit;
   switch (g.sweep.phase) {
     case SweepPhase::idle:
-      if (!sweep_wanted(g, level)) return false;
+      if (!sweep_wanted(g)) return false;
       unit->kind = k_unit_snapshot, unit->name = "refine.snapshot";
       unit->items = g.particles.count < g.unit ? g.particles.count : g.unit;
       return true;
@@ -270,24 +265,24 @@ bool run_unit(Granular* g, SweepPhase phase) {
   return true;
 }
 
-void run(void* state, uint32_t level) {
+void run(void* state, uint32_t) {
   Granular* g = static_cast<Granular*>(state);
   output_restart(&g->output);
   if (g->sweep.phase == SweepPhase::idle) {
-    begin(g, level);
+    begin(g);
     enter(g, SweepPhase::snapshot);
   }
   const SweepPhase phase = g->sweep.phase;
   if (run_unit(g, phase)) enter(g, after(g, phase));
 }
 
-uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
+uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   const Granular& g = *static_cast<const Granular*>(state);
   const SimulatedTime& t = g.time;
   if (g.grains.count == 0) return 0;
   uint64_t sweeps = 0;
   if (t.debt >= k_time_resolution || t.grain_lag >= k_time_resolution) {
-    sweeps = source_rule(g) && k_ladder[level].refine_often
+    sweeps = source_rule(g)
                  ? static_cast<uint64_t>((t.debt + t.grain_lag) / static_cast<double>(g.desc.refine_step)) + 1
                  : 1;
   }
@@ -296,7 +291,9 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   const uint64_t refined = g.grain_sleep.still_groups == 0 ? g.grains.count : refine_items(g);
   entries[1] = {k_unit_grain_sort, sweeps * 2 * refined / static_cast<uint64_t>(k_sweeps_per_sort)};
   entries[2] = {k_unit_refine, sweeps * refined};
-  return 3;
+  if (source_rule(g)) return 3;
+  entries[3] = {k_unit_motion, sweeps * motion_items_of_a_sweep(g)};
+  return 4;
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 
 #include "kernels/kernels.h"
 #include "runtime/granular/cell_sort.h"
-#include "runtime/granular/particle_motion.h"
+#include "tests/motion_arrays.h"
 
 namespace {
 
@@ -634,37 +634,18 @@ void check_pile_sky(uint32_t n) {
 
 // ---- scatter_motion
 
-// A motion grid for a thousand blocks. The numbers of its reach are round here.
-struct Motion {
-  explicit Motion(uint32_t capacity = 1000) : slots(4096), blocks(capacity) {
-    planes.resize(capacity * k_block_floats / 16 + 1);
-    counts.resize(capacity * k_block_counts);
-    nodes.resize(capacity * k_block_records * k_record_floats / 16 + 1);
+// A motion grid whose reach is round numbers.
+struct Motion : MotionArrays {
+  explicit Motion(uint32_t capacity = 1000) : MotionArrays(capacity) {
     grid.spacing = 0.015f, grid.inverse_spacing = 1.0f / grid.spacing;
     grid.support = 0.03f, grid.reach = 0.025f, grid.gain = 1.728f;
-    grid.slots = slots.data(), grid.slot_mask = 4095;
-    grid.blocks = blocks.data(), grid.block_capacity = capacity;
-    grid.planes = planes[0].values, grid.nodes = nodes[0].values, grid.counts = counts.data();
     const float origin[3] = {0.004f, -0.011f, 0.023f};
     for (int k = 0; k < 3; ++k) grid.origin[k] = origin[k];
   }
   void fill(const Kernels& kernels, const Cluster& particles) {
-    std::fill(slots.begin(), slots.end(), 0u);
-    grid.block_count = grid.overflowed = grid.moving = 0;
-    const ScatterMotionArgs args = {&grid, particles.records.data(), particles.count, k_time};
-    uint32_t unused = 0;
-    kernels.scatter_motion(&args, 0, (particles.count + 15) / 16 * 16, &unused);
-    for (uint32_t b = 0; b < grid.block_count; ++b) motion_join(&grid, b);
+    scatter(kernels, particles.records.data(), particles.count, k_time);
   }
   static constexpr float k_time = 0.02f;
-  struct alignas(64) Line {
-    float values[16];
-  };
-  std::vector<uint32_t> slots;
-  std::vector<MotionBlock> blocks;
-  std::vector<Line> planes, nodes;
-  std::vector<uint8_t> counts;
-  MotionGrid grid = {};
 };
 
 constexpr double k_origin[3] = {0.004, -0.011, 0.023};
