@@ -271,14 +271,17 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
   return select(alone, one, lambda);
 }
 
-SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Mask lanes, Float position[3], Float velocity[3]) {
+// Returns the lanes that a field moved: its distance is rough, in corners and far inside.
+SANDGLASS_INLINE Mask keep_outside(const RefineArgs* a, Mask lanes, Float position[3], Float velocity[3]) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
+  Mask rough = and_not(lanes, lanes);
   for (uint32_t c = 0; c < a->collider_count; ++c) {
     const ColliderFrame& collider = a->colliders[c];
     const Surface surface = collider_surface(collider, position[0], position[1], position[2]);
     const Float depth = broadcast(a->grain_radius) - surface.distance;
     const Mask hit = lanes & (zero < depth);
     if (!any(hit)) continue;
+    if (collider.shape == SANDGLASS_SHAPE_FIELD) rough = rough | hit;
     const Float n[3] = {surface.nx, surface.ny, surface.nz};
     Float v[3], relative[3], along = zero;
     collider_velocity(collider, position[0], position[1], position[2], v);
@@ -296,6 +299,7 @@ SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Mask lanes, Float positi
         maximum(one - (broadcast(a->friction) * absolute(along)) / maximum(speed, broadcast(1e-12f)), zero);
     for (int k = 0; k < 3; ++k) velocity[k] = select(inward, v[k] + left * tangential[k], velocity[k]);
   }
+  return rough;
 }
 
 // The sums at the lanes that `lanes` holds: from the grid where there is one and it has room, else from the particles.
@@ -359,9 +363,7 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
         kept = kept & (broadcast(fast * fast) < speed2);
         if (!any(kept)) continue;
       }
-      keep_outside(a, kept, position, velocity);
-      // Far inside, a field's distance is rough: what came there fast is put outside once more.
-      const Mask again = kept & (broadcast(fast * fast) < speed2);
+      const Mask again = keep_outside(a, kept, position, velocity);
       if (a->motion != nullptr && s + 1 == a->steps && any(again)) keep_outside(a, again, position, velocity);
     }
     const Mask sound = (absolute(position[0]) < limit) & (absolute(position[1]) < limit) &

@@ -102,9 +102,9 @@ double time_lag_limit(const Granular& g) {
   return under_way + k_sweep_steps_max * static_cast<double>(frame);
 }
 
-bool time_grains_behind(const Granular& g) {
+bool time_awaits_grains(const Granular& g) {
   if (g.grains.count == 0 || g.particles.count == 0) return false;  // without particles there is nothing to follow
-  return g.time.grain_lag >= time_lag_limit(g) - k_time_resolution;
+  return g.substep.interval_left == 0 && g.time.grain_lag > k_time_resolution;
 }
 
 }  // namespace sandglass

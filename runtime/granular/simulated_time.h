@@ -45,7 +45,7 @@ SubstepPlan time_plan_substep(const Granular& granular, uint32_t level);
 
 // As much as the next sweep of the grains may cover, besides the one under way.
 double time_lag_limit(const Granular& granular);
-// Whether the grains are at that limit: then the particles wait.
-bool time_grains_behind(const Granular& granular);
+// Each interval is refined before the next: time slows rather than leave grains behind.
+bool time_awaits_grains(const Granular& granular);
 
 }  // namespace sandglass

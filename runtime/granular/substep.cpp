@@ -20,18 +20,12 @@ SubstepPhase first_pass(const Granular& g) {
   return g.desc.reference.stabilisation_iterations != 0 ? SubstepPhase::stabilise : SubstepPhase::solve;
 }
 
-// Each interval is refined before the next.
-bool waits_for_grains(const Granular& g) {
-  if (g.grains.count == 0 || g.particles.count == 0 || g.substep.interval_left != 0) return false;
-  return g.time.grain_lag > k_time_resolution;
-}
-
 // The phase whose unit comes next; idle: none.
 SubstepPhase upcoming(const Granular& g, uint32_t level) {
   const Substep& s = g.substep;
   if (s.phase != SubstepPhase::idle) return s.phase;
   if ((s.due & bit(SubstepPhase::touch)) != 0) return SubstepPhase::touch;
-  if (s.interval_left == 0 && (g.time.debt < k_time_resolution || waits_for_grains(g))) return SubstepPhase::idle;
+  if (s.interval_left == 0 && (g.time.debt < k_time_resolution || time_awaits_grains(g))) return SubstepPhase::idle;
   return time_plan_substep(g, level).stale ? SubstepPhase::sort : first_pass(g);
 }
 

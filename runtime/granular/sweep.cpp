@@ -16,11 +16,6 @@ constexpr float k_still_speed_units = 0.25f;  // of sqrt(g d): between sleepers 
 
 bool source_rule(const Granular& g) { return g.desc.reference.blend == SANDGLASS_BLEND_SOURCE; }
 
-bool sweep_wanted(const Granular& g) {
-  if (g.grains.count == 0 || g.particles.count == 0 || g.time.grain_lag < k_time_resolution) return false;
-  return g.substep.interval_left == 0 || time_grains_behind(g);
-}
-
 void begin_sort(Granular* g);
 void complete(Granular* g);
 
@@ -199,7 +194,7 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
   unit->items = left < g.unit ? left : g.unit;
   switch (g.sweep.phase) {
     case SweepPhase::idle:
-      if (!sweep_wanted(g)) return false;
+      if (!time_awaits_grains(g)) return false;
       unit->kind = k_unit_snapshot, unit->name = "refine.snapshot";
       unit->items = g.particles.count < g.unit ? g.particles.count : g.unit;
       return true;
@@ -340,7 +335,7 @@ void sweep_grains_removed(Granular* g) {
 
 // A unit of grains becomes mandatory when the particles wait for them: whatever the budget, one of the two goes on.
 Stage granular_grain_stage(Granular* granular) {
-  const bool awaited = time_grains_behind(*granular) || granular->sweep.phase == SweepPhase::snapshot;
+  const bool awaited = time_awaits_grains(*granular) || granular->sweep.phase == SweepPhase::snapshot;
   return {granular, next, run, forecast, k_granular_kinds, awaited ? 1u : 0u, 1.0f};
 }
 

@@ -275,7 +275,7 @@ TEST(Following, OneSweepAFrameIsAsGoodAsThree) {
   errors("three, by the velocities at their ends", sweeps_by_last_velocities(shots, 3), truth);
   const std::vector<Error> control =
       errors("one, by the velocities at its end", sweeps_by_last_velocities(shots, 1), truth);
-  // What three sweeps reached: radii of particles.
+  // Radii of particles. So well did three sweeps a frame follow before there was a grid.
   const Error most[] = {{0.13, 0.27}, {0.24, 0.72}};
   for (size_t f = 0; f < 2; ++f) {
     EXPECT_LE(one[f].median, most[f].median) << "frame " << k_compared[f];
