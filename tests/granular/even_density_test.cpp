@@ -84,14 +84,6 @@ Evenness evenness(const std::vector<float>& particles, const std::vector<float>&
     });
     nearest.push_back(std::sqrt(least) / grain_radius);
   }
-  for (int b = 0; b < 8; ++b) {
-    std::vector<double> v;
-    double lo = 1e-3 * static_cast<double>(b), hi = b == 7 ? 1.0 : lo + 1e-3;
-    for (size_t i = 0; i < nearest.size(); ++i)
-      if (grains[3 * i + 1] >= static_cast<float>(lo) && grains[3 * i + 1] < static_cast<float>(hi)) v.push_back(nearest[i]);
-    std::sort(v.begin(), v.end());
-    std::printf("y %g: %zu nearest %.2f\n", lo, v.size(), v.empty() ? 0.0 : v[v.size() / 2]);
-  }
   std::nth_element(nearest.begin(), nearest.begin() + nearest.size() / 2, nearest.end());
   std::printf("variation %.2f of random points, nearest %.2f radii\n", std::sqrt(variance / mean),
               nearest[nearest.size() / 2]);
@@ -116,6 +108,7 @@ Evenness heap(float edge, uint32_t blend) {
   const uint32_t count = static_cast<uint32_t>(grains.size() / 3);
   sandglass_scene_desc desc = description(static_cast<uint32_t>(particles.size() / 3), count);
   desc.granular.grain_radius = 0.35f * k_radius * std::cbrt(27000.0f / static_cast<float>(count));
+  desc.granular.static_friction = 0.6f, desc.granular.kinetic_friction = 0.55f;  // else it spreads to a carpet
   desc.granular.reference.blend = blend;
   GranularScene scene(desc);
   scene.add(particles, {}, grains);
