@@ -14,10 +14,10 @@ constexpr float k_support_radii = 3.0f;
 constexpr float k_reach_radii = 2.472f;        // sqrt(3^2 - 11 * 0.7 * 1.5^2 / 6)
 constexpr uint32_t k_particles_per_block = 6;  // there is room for
 constexpr uint32_t k_blocks_min = 64;
-constexpr uint32_t k_slots_per_item = 16;   // as many cost what one grain costs
-constexpr uint32_t k_items_per_block = 32;  // what joining a block costs, in grains
+// What things cost, where counting a grain costs 1.
 constexpr uint32_t k_items_per_particle = 16;
-constexpr uint32_t k_grains_per_item = 8;  // that are counted
+constexpr uint32_t k_items_per_join = 32;  // of a block
+constexpr uint32_t k_items_per_smooth = 96;
 
 uint32_t capacity_of(const sandglass_granular_desc& d) {
   return d.particle_capacity / k_particles_per_block + k_blocks_min;
@@ -176,30 +176,24 @@ void motion_begin(ParticleMotion* m, double time) {
   m->grid.overflowed = m->grid.moving = 0;
 }
 
+void motion_clear(MotionGrid* grid, uint32_t begin, uint32_t end, uint32_t all) {
+  const uint64_t slots = uint64_t{grid->slot_mask} + 1;
+  for (uint64_t slot = slots * begin / all; slot < slots * end / all; ++slot) grid->slots[slot] = 0;
+}
+
 uint32_t motion_items(const Granular& g) {
-  const uint32_t cursor = g.sweep.cursor;
+  const uint32_t cursor = g.sweep.cursor, blocks = g.motion.grid.block_count - cursor;
   uint32_t left = 0;
-  if (g.sweep.phase == SweepPhase::clear) left = (g.motion.grid.slot_mask + 1 - cursor) / k_slots_per_item;
   if (g.sweep.phase == SweepPhase::scatter) left = (g.particles.count - cursor) * k_items_per_particle;
-  if (g.sweep.phase == SweepPhase::join || g.sweep.phase == SweepPhase::smooth)
-    left = (g.motion.grid.block_count - cursor) * k_items_per_block;
-  if (g.sweep.phase == SweepPhase::count) left = (g.grains.count - cursor) / k_grains_per_item;
+  if (g.sweep.phase == SweepPhase::join) left = blocks * k_items_per_join;
+  if (g.sweep.phase == SweepPhase::count) left = g.grains.count - cursor;
+  if (g.sweep.phase == SweepPhase::smooth) left = blocks * k_items_per_smooth;
   return left == 0 ? 1 : left < g.unit ? left : g.unit;
 }
 
 uint64_t motion_items_of_a_sweep(const Granular& g) {
-  const MotionGrid& grid = g.motion.grid;
-  return (grid.slot_mask + 1) / k_slots_per_item + uint64_t{g.particles.count} * k_items_per_particle +
-         uint64_t{grid.block_count} * 2 * k_items_per_block + g.grains.count / k_grains_per_item;
-}
-
-bool motion_run_clear(Granular* g) {
-  MotionGrid& grid = g->motion.grid;
-  const uint32_t all = grid.slot_mask + 1, begin = g->sweep.cursor, size = g->unit * k_slots_per_item;
-  const uint32_t end = all - begin < size ? all : begin + size;
-  for (uint32_t slot = begin; slot < end; ++slot) grid.slots[slot] = 0;
-  g->sweep.cursor = end;
-  return end >= all;
+  return uint64_t{g.particles.count} * k_items_per_particle +
+         uint64_t{g.motion.grid.block_count} * (k_items_per_join + k_items_per_smooth) + g.grains.count;
 }
 
 bool motion_run_scatter(Granular* g) {
@@ -215,8 +209,8 @@ bool motion_run_scatter(Granular* g) {
 }
 
 bool motion_run_count(Granular* g) {
-  const uint32_t all = g->grains.count, begin = g->sweep.cursor, size = g->unit * k_grains_per_item;
-  const uint32_t end = all - begin < size ? all : begin + size;
+  const uint32_t all = g->grains.count, begin = g->sweep.cursor;
+  const uint32_t end = all - begin < g->unit ? all : begin + g->unit;
   const CountGrainsArgs args = {&g->motion.grid, g->grains.records[0], all};
   uint32_t unused = 0;
   g->kernels->count_grains(&args, begin, end, &unused);
@@ -227,7 +221,7 @@ bool motion_run_count(Granular* g) {
 bool motion_run_smooth(Granular* g) {
   MotionGrid& grid = g->motion.grid;
   const uint32_t all = grid.block_count, begin = g->sweep.cursor;
-  const uint32_t size = g->unit < k_items_per_block ? 1 : g->unit / k_items_per_block;
+  const uint32_t size = g->unit < k_items_per_smooth ? 1 : g->unit / k_items_per_smooth;
   const uint32_t end = all - begin < size ? all : begin + size;
   for (uint32_t number = begin; number < end; ++number) motion_smooth(grid, number);
   g->sweep.cursor = end;
@@ -237,7 +231,7 @@ bool motion_run_smooth(Granular* g) {
 bool motion_run_join(Granular* g) {
   MotionGrid& grid = g->motion.grid;
   const uint32_t all = grid.block_count, begin = g->sweep.cursor;
-  const uint32_t size = g->unit < k_items_per_block ? 1 : g->unit / k_items_per_block;
+  const uint32_t size = g->unit < k_items_per_join ? 1 : g->unit / k_items_per_join;
   const uint32_t end = all - begin < size ? all : begin + size;
   for (uint32_t number = begin; number < end; ++number) motion_join(&grid, number);
   g->sweep.cursor = end;

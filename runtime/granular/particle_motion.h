@@ -2,7 +2,6 @@
 // counts is a particle's displacement since the last sweep, at the place where it began: then one sweep a frame follows
 // as closely as many with the velocities of their ends.
 //
-//   clear    the table of blocks
 //   scatter  the particles of the snapshot, in their order
 //   join     each block gets the nodes of the next blocks that its cells reach
 #pragma once
@@ -38,9 +37,10 @@ void motion_complete(Granular* granular);
 // The phases of a sweep. A `run` function runs a unit, and is true once its phase is done.
 // `time`: simulated, seconds.
 void motion_begin(ParticleMotion* motion, double time);
+// Empties the part of the table of blocks that goes with the items from `begin` to `end` of `all`.
+void motion_clear(MotionGrid* grid, uint32_t begin, uint32_t end, uint32_t all);
 uint32_t motion_items(const Granular& granular);             // of the next unit
 uint64_t motion_items_of_a_sweep(const Granular& granular);  // as many blocks as the last sweep had
-bool motion_run_clear(Granular* granular);
 bool motion_run_scatter(Granular* granular);
 bool motion_run_join(Granular* granular);
 bool motion_run_count(Granular* granular);

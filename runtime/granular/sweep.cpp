@@ -21,7 +21,7 @@ void complete(Granular* g);
 
 // What follows when the grains are in order: with the dissertation's rule every step looks the particles up.
 SweepPhase read_motion(Granular* g) {
-  if (!source_rule(*g)) return SweepPhase::clear;
+  if (!source_rule(*g)) return SweepPhase::scatter;
   grain_sleep_begin_triage(g);
   return SweepPhase::triage;
 }
@@ -37,8 +37,6 @@ SweepPhase after(Granular* g, SweepPhase done) {
       return SweepPhase::sort;
     case SweepPhase::sort:
       return read_motion(g);
-    case SweepPhase::clear:
-      return SweepPhase::scatter;
     case SweepPhase::scatter:
       return SweepPhase::join;
     case SweepPhase::join:
@@ -81,7 +79,8 @@ void begin(Granular* g) {
   colliders_pose(g->colliders.given, g->colliders.count, static_cast<float>(t.debt), g->colliders.sweep_frames);
 }
 
-// The velocity of a particle in the snapshot becomes the mean one since the last sweep.
+// The velocity of a particle in the snapshot becomes the mean one since the last sweep. The table of blocks is emptied
+// along with that.
 bool measure(Granular* g) {
   const uint32_t all = g->sweep.particles, begin = g->sweep.cursor;
   const uint32_t end = all - begin < g->unit ? all : begin + g->unit;
@@ -95,6 +94,7 @@ bool measure(Granular* g) {
       p->velocity[k] = (p->position[k] - start.position[k]) * inverse;
     }
   }
+  motion_clear(&g->motion.grid, begin, end, all);
   g->sweep.cursor = end;
   return end >= all;
 }
@@ -208,7 +208,6 @@ bool next(const void* state, uint32_t, WorkUnit* unit) {
       unit->kind = k_unit_grain_sort, unit->name = "refine.sort";
       unit->items = cell_sort_items(g.grains.sort, g.grains.count, g.unit);
       return true;
-    case SweepPhase::clear:
     case SweepPhase::scatter:
     case SweepPhase::join:
     case SweepPhase::count:
@@ -240,8 +239,6 @@ bool run_unit(Granular* g, SweepPhase phase) {
       return run_snapshot(g);
     case SweepPhase::sort:
       return run_sort(g);
-    case SweepPhase::clear:
-      return motion_run_clear(g);
     case SweepPhase::scatter:
       return motion_run_scatter(g);
     case SweepPhase::join:

@@ -20,8 +20,7 @@ enum class SweepPhase : uint32_t {
   idle,      // between sweeps
   snapshot,  // copies the particles, sorted by cell; they wait meanwhile
   sort,      // the grains by cell, every few sweeps
-  clear,     // the grid of the particles' motion
-  scatter,   // fills it
+  scatter,   // the particles' motion to the nodes of a grid
   join,      // its blocks
   count,     // the grains in its cells
   smooth,    // makes their density of it
