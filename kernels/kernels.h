@@ -140,8 +140,10 @@ struct InsideArgs {
 };
 
 // The particles' motion on the nodes of a grid that exists where there are particles, in blocks. A node holds what the
-// particles within the support radius give it. As a record: the position of the nearest one, the sum of their weights
-// W, and the sum of W u.
+// particles within the support radius give it. As a record: the sum of their weights W, the sum of W u, and the position
+// of the nearest one.
+constexpr uint32_t k_node_weight = 0, k_node_momentum = 1, k_node_nearest = 4;
+constexpr uint32_t k_node_largest = 7;  // W of the nearest one, while particles are added
 constexpr uint32_t k_block_side = 4;       // nodes of its own that a block has along an axis
 constexpr uint32_t k_block_nodes = 64;     // of its own
 constexpr uint32_t k_block_records = 128;  // and those of the next blocks that its cells reach: 5^3, padded
@@ -231,6 +233,7 @@ struct RefineArgs {
   float push_reach;  // metres from the nearest particle, beyond which nothing is pushed
   uint32_t steps;    // equal steps on the same snapshot; with a motion grid, on the same sums
   float gravity[3];
+  float fall;              // metres a second that gravity adds in all steps
   int32_t source_rule;     // 1: (4.44) as printed
   float weight_at_radius;  // W(r)
   const ColliderFrame* colliders;

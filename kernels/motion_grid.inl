@@ -16,7 +16,7 @@ SANDGLASS_INLINE void clear_block(float* planes) {
   const Float zero = broadcast(0.0f), far = broadcast(k_inert_position);
   for (uint32_t c = 0; c < k_block_nodes; c += k_width) {
     for (uint32_t plane = 0; plane < k_record_floats; ++plane)
-      store(planes + plane * k_block_nodes + c, plane < k_mobility ? far : zero);
+      store(planes + plane * k_block_nodes + c, plane >= k_node_nearest && plane < k_node_largest ? far : zero);
   }
 }
 
@@ -67,16 +67,16 @@ SANDGLASS_INLINE void add_to_block(const MotionGrid* grid, const MotionBlock& bl
         const Float t = maximum((h2 - d2) * inverse, zero);
         const Float weight = gain * (t * t * t);
         float* node = planes + at;
-        const Float largest = load(node + 7 * k_block_nodes);
+        const Float largest = load(node + k_node_largest * k_block_nodes);
         const Mask nearer = largest < weight;
         for (uint32_t k = 0; k < 3; ++k) {
-          float* nearest = node + k * k_block_nodes;
-          float* momentum = node + (k_vx + k) * k_block_nodes;
+          float* nearest = node + (k_node_nearest + k) * k_block_nodes;
+          float* momentum = node + (k_node_momentum + k) * k_block_nodes;
           store(nearest, select(nearer, p[k], load(nearest)));
           store(momentum, load(momentum) + weight * broadcast(velocity[k]));
         }
-        store(node + k_mobility * k_block_nodes, load(node + k_mobility * k_block_nodes) + weight);
-        store(node + 7 * k_block_nodes, maximum(weight, largest));
+        store(node, load(node) + weight);
+        store(node + k_node_largest * k_block_nodes, maximum(weight, largest));
       }
     }
   }

@@ -7,6 +7,7 @@
 // operations, which round monotonically, and the weight is max(0, (h^2 - d^2)/h^2)^3. So neither the lane count nor the
 // grouping changes a sum.
 
+constexpr float k_weight_inside = 2.0f;     // the sum of weights in a pile is about 3
 constexpr uint32_t k_candidates_max = 512;  // gathered before they are added up: 2 KB of stack
 
 struct Flow {
@@ -34,7 +35,8 @@ SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index
 }
 
 // Sums over the particles near the lanes that `lanes` holds, whose bounding box is at most two cells wide.
-SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Float y, Float z, Flow* flow) {
+SANDGLASS_APART void gather_flow(const RefineArgs* a, Mask lanes, const Float position[3], Flow* flow) {
+  const Float x = position[0], y = position[1], z = position[2];
   const Float big = broadcast(3e38f), small = broadcast(-3e38f);
   const float low[3] = {lane_minimum(select(lanes, x, big)), lane_minimum(select(lanes, y, big)),
                         lane_minimum(select(lanes, z, big))};
@@ -149,99 +151,158 @@ SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* densi
 
 // Adds the share of the node that is so many records behind the lanes' own.
 template <uint32_t k_behind>
-SANDGLASS_INLINE void add_corner(const float* const* records, Float share, const Float position[3], Flow* sum,
-                                 Float* nearest) {
-  Float node[k_record_floats];
-  load_records(records, k_behind * k_record_floats, node);
-  sum->weight = sum->weight + share * node[k_mobility];
-  sum->x = sum->x + share * node[k_vx];
-  sum->y = sum->y + share * node[k_vy];
-  sum->z = sum->z + share * node[k_vz];
-  const Float dx = node[k_x] - position[0], dy = node[k_y] - position[1], dz = node[k_z] - position[2];
-  *nearest = minimum(dx * dx + dy * dy + dz * dz, *nearest);
+SANDGLASS_INLINE void add_corner(const float* const* records, Float share, Flow* sum) {
+  Float node[4];
+  load_quads(records, k_behind * k_record_floats, node);
+  sum->weight = sum->weight + share * node[0];
+  sum->x = sum->x + share * node[1];
+  sum->y = sum->y + share * node[2];
+  sum->z = sum->z + share * node[3];
+}
+
+SANDGLASS_INLINE void add_corners(const float* const* records, const Float local[3], Flow* sum) {
+  const Float one = broadcast(1.0f);
+  const Float to_low[3] = {one - local[0], one - local[1], one - local[2]};
+  const Float rows[4] = {to_low[2] * to_low[1], to_low[2] * local[1], local[2] * to_low[1], local[2] * local[1]};
+  add_corner<0>(records, rows[0] * to_low[0], sum);
+  add_corner<1>(records, rows[0] * local[0], sum);
+  add_corner<5>(records, rows[1] * to_low[0], sum);
+  add_corner<6>(records, rows[1] * local[0], sum);
+  add_corner<25>(records, rows[2] * to_low[0], sum);
+  add_corner<26>(records, rows[2] * local[0], sum);
+  add_corner<30>(records, rows[3] * to_low[0], sum);
+  add_corner<31>(records, rows[3] * local[0], sum);
+}
+
+template <uint32_t k_behind>
+SANDGLASS_INLINE Float squared_distance(const float* const* records, const Float position[3]) {
+  Float nearest[4];
+  load_quads(records, k_behind * k_record_floats + k_node_nearest, nearest);
+  const Float dx = nearest[0] - position[0], dy = nearest[1] - position[1], dz = nearest[2] - position[2];
+  return dx * dx + dy * dy + dz * dz;
+}
+
+// To the nearest of the particles that are nearest to the corners; h^2 at most. Of these one is the nearest to the
+// grain, but for rare ties.
+SANDGLASS_INLINE Float nearest_squared(const float* const* records, const Float position[3], Float most) {
+  Float nearest = minimum(squared_distance<0>(records, position), most);
+  nearest = minimum(squared_distance<1>(records, position), nearest);
+  nearest = minimum(squared_distance<5>(records, position), nearest);
+  nearest = minimum(squared_distance<6>(records, position), nearest);
+  nearest = minimum(squared_distance<25>(records, position), nearest);
+  nearest = minimum(squared_distance<26>(records, position), nearest);
+  nearest = minimum(squared_distance<30>(records, position), nearest);
+  return minimum(squared_distance<31>(records, position), nearest);
+}
+
+// Where lanes read.
+struct Places {
+  const float* records[k_width];
+  const uint8_t* density[k_width];
+  Mask known;    // lanes that are in a block
+  Mask lacking;  // lanes that the grid has no room for
+};
+
+// Lanes in several blocks.
+SANDGLASS_APART void find_blocks(const MotionGrid* grid, Mask lanes, const Float block_at[3], Int corner,
+                                 Places* places) {
+  alignas(64) float at[3][k_lane_group], wanted[k_lane_group], found[k_lane_group];
+  alignas(64) uint32_t corners[k_lane_group];
+  for (int k = 0; k < 3; ++k) store(at[k], block_at[k]);
+  store(corners, corner);
+  store(wanted, keep(lanes, broadcast(1.0f)));
+  for (uint32_t l = 0; l < k_width; ++l) {
+    places->records[l] = grid->nodes, places->density[l] = density_of(*grid, 0);
+    const float lane_at[3] = {at[0][l], at[1][l], at[2][l]};
+    found[l] = 0.0f;
+    if (wanted[l] == 0.0f) continue;
+    const Block block = look_up(grid, lane_at);
+    wanted[l] = block.lacking ? 1.0f : 0.0f;
+    if (block.lacking || block.records == nullptr) continue;
+    places->records[l] = block.records + corners[l] * k_record_floats, places->density[l] = block.density;
+    found[l] = 1.0f;
+  }
+  places->lacking = lanes & (broadcast(0.0f) < load(wanted));
+  places->known = lanes & (broadcast(0.0f) < load(found));
+}
+
+// The block of the last grains: as a rule the next ones are in it too.
+struct LastBlock {
+  float at[3];
+  Block block;
+  bool known;
+};
+
+SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const BlockPlace& place, Int corner,
+                                  LastBlock* last, Places* places) {
+  const Mask none = and_not(lanes, lanes);
+  const Mask same = (place.block[0] == broadcast(last->at[0])) & (place.block[1] == broadcast(last->at[1])) &
+                    (place.block[2] == broadcast(last->at[2]));
+  if (!last->known || any(and_not(lanes, same))) {
+    alignas(64) float at[3][k_lane_group];
+    for (int k = 0; k < 3; ++k) store(at[k], place.block[k]);
+    const uint32_t sole = first(lanes);
+    for (int k = 0; k < 3; ++k) last->at[k] = at[k][sole];
+    last->block = look_up(grid, last->at);
+    last->known = true;
+    const Mask together = (place.block[0] == broadcast(last->at[0])) & (place.block[1] == broadcast(last->at[1])) &
+                          (place.block[2] == broadcast(last->at[2]));
+    if (any(and_not(lanes, together))) return find_blocks(grid, lanes, place.block, corner, places);
+  }
+  places->lacking = last->block.lacking ? lanes : none;
+  places->known = last->block.lacking || last->block.records == nullptr ? none : lanes;
+  alignas(64) uint32_t corners[k_lane_group];
+  store(corners, corner);
+  // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
+  for (uint32_t l = 0; l < k_width; ++l)
+    places->records[l] = last->block.records + corners[l] * k_record_floats, places->density[l] = last->block.density;
 }
 
 // The sums at the lanes that `lanes` holds, between the nodes of the grid. Returns the lanes that the grid has no room
 // for.
-SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_lanes[3], Flow* flow) {
+SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_lanes[3], LastBlock* last, Flow* flow) {
   const MotionGrid* grid = a->motion;
-  const Float zero = broadcast(0.0f), one = broadcast(1.0f);
+  const Float zero = broadcast(0.0f);
   const BlockPlace place = place_in_block(grid, lanes, at_lanes);
-  Float local[3], position[3];
+  Float local[3];
   Int corner = broadcast(0);
   for (int k = 2; k >= 0; --k) {
     const Float cell = minimum(to_float(to_int(place.inside[k])), broadcast(3.0f));
     local[k] = place.inside[k] - cell;
-    position[k] = at_lanes[k] - broadcast(grid->origin[k]);
     // Records of a block: x fastest, 5 along an axis.
     corner = shift_left(corner, 2) + corner + to_int(cell);
   }
-  alignas(64) float at[3][k_lane_group];
-  alignas(64) uint32_t corners[k_lane_group];
-  for (int k = 0; k < 3; ++k) store(at[k], place.block[k]);
-  store(corners, corner);
-  const uint32_t sole = first(lanes);
-  const float block_at[3] = {at[0][sole], at[1][sole], at[2][sole]};
-  const Mask together = (place.block[0] == broadcast(block_at[0])) & (place.block[1] == broadcast(block_at[1])) &
-                        (place.block[2] == broadcast(block_at[2]));
-  const float* records[k_width];
-  const uint8_t* density[k_width];
-  Mask known = lanes, lacking = and_not(lanes, lanes);
-  if (!any(and_not(lanes, together))) {  // as a rule
-    const Block block = look_up(grid, block_at);
-    if (block.lacking) return lanes;
-    if (block.records == nullptr) return lacking;
-    // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
-    for (uint32_t l = 0; l < k_width; ++l)
-      records[l] = block.records + corners[l] * k_record_floats, density[l] = block.density;
-  } else {
-    alignas(64) float wanted[k_lane_group], found[k_lane_group];
-    store(wanted, keep(lanes, one));
-    for (uint32_t l = 0; l < k_width; ++l) {
-      records[l] = grid->nodes, density[l] = density_of(*grid, 0);
-      const float lane_at[3] = {at[0][l], at[1][l], at[2][l]};
-      found[l] = 0.0f;
-      if (wanted[l] == 0.0f) continue;
-      const Block block = look_up(grid, lane_at);
-      wanted[l] = block.lacking ? 1.0f : 0.0f;
-      if (block.lacking || block.records == nullptr) continue;
-      records[l] = block.records + corners[l] * k_record_floats, density[l] = block.density;
-      found[l] = 1.0f;
-    }
-    lacking = lanes & (zero < load(wanted));
-    known = lanes & (zero < load(found));
-    if (!any(known)) return lacking;
-  }
-  const Float h2 = broadcast(grid->support * grid->support);
-  Float nearest = h2;
+  Places places;
+  find_places(grid, lanes, place, corner, last, &places);
+  const Mask known = places.known;
+  if (!any(known)) return places.lacking;
   Flow sum = {zero, zero, zero, zero, zero, {zero, zero, zero}};
-  const Float to_low[3] = {one - local[0], one - local[1], one - local[2]};
-  const Float rows[4] = {to_low[2] * to_low[1], to_low[2] * local[1], local[2] * to_low[1], local[2] * local[1]};
-  add_corner<0>(records, rows[0] * to_low[0], position, &sum, &nearest);
-  add_corner<1>(records, rows[0] * local[0], position, &sum, &nearest);
-  add_corner<5>(records, rows[1] * to_low[0], position, &sum, &nearest);
-  add_corner<6>(records, rows[1] * local[0], position, &sum, &nearest);
-  add_corner<25>(records, rows[2] * to_low[0], position, &sum, &nearest);
-  add_corner<26>(records, rows[2] * local[0], position, &sum, &nearest);
-  add_corner<30>(records, rows[3] * to_low[0], position, &sum, &nearest);
-  add_corner<31>(records, rows[3] * local[0], position, &sum, &nearest);
-  // Of the particles that are nearest to the corners one is the nearest to the grain, but for rare ties.
-  const Float t = maximum((h2 - nearest) * broadcast(1.0f / (grid->support * grid->support)), zero);
-  sum.largest = t * t * t;
-  sum.weight = maximum(sum.weight, sum.largest);
+  add_corners(places.records, local, &sum);
+  // In the pile's inside nothing flies freely, so the nearest particle does not matter.
+  const Mask inside = broadcast(k_weight_inside) <= sum.weight;
+  Mask pushed = known & inside;
+  if (any(and_not(known, inside))) {
+    Float position[3];
+    for (int k = 0; k < 3; ++k) position[k] = at_lanes[k] - broadcast(grid->origin[k]);
+    const Float h2 = broadcast(grid->support * grid->support);
+    const Float nearest = nearest_squared(places.records, position, h2);
+    const Float t = maximum((h2 - nearest) * broadcast(1.0f / (grid->support * grid->support)), zero);
+    sum.largest = select(inside, zero, t * t * t);
+    sum.weight = maximum(sum.weight, sum.largest);
+    // Around a lone particle they spread without limit.
+    const Mask lone = broadcast(0.7f) * sum.weight <= sum.largest;
+    pushed = pushed | (known & ((nearest < broadcast(a->push_reach * a->push_reach)) | lone));
+  }
   flow->weight = select(known, sum.weight, flow->weight);
   flow->x = select(known, sum.x, flow->x);
   flow->y = select(known, sum.y, flow->y);
   flow->z = select(known, sum.z, flow->z);
   flow->largest = select(known, sum.largest, flow->largest);
-  // Around a lone particle they spread without limit.
-  const Mask lone = broadcast(0.7f) * sum.weight <= sum.largest;
-  const Mask pushed = known & ((nearest < broadcast(a->push_reach * a->push_reach)) | lone);
   if (any(pushed)) {
-    read_push(a, density, place.inside, &sum);
+    read_push(a, places.density, place.inside, &sum);
     for (int k = 0; k < 3; ++k) flow->push[k] = keep(pushed, sum.push[k]);
   }
-  return lacking;
+  return places.lacking;
 }
 
 // 1 at a and below, 0 at b and above, smooth between.
@@ -263,8 +324,8 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
     lambda = keep(sparse, one - flow.largest);
   } else {
     // In the pile's inside the sum of weights is about 3. There a grain in a gap does not fall: it would clump.
-    const Float few =
-        fade(flow.largest, a->weight_at_radius - 0.1f, a->weight_at_radius + 0.1f) * fade(flow.weight, 1.2f, 2.0f);
+    const Float few = fade(flow.largest, a->weight_at_radius - 0.1f, a->weight_at_radius + 0.1f) *
+                      fade(flow.weight, 1.2f, k_weight_inside);
     const Float single = one - fade(ratio, 0.5f, 0.7f);
     lambda = maximum((one - flow.largest) * few, single);
   }
@@ -272,7 +333,7 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
 }
 
 // Returns the lanes that a field moved: its distance is rough, in corners and far inside.
-SANDGLASS_INLINE Mask keep_outside(const RefineArgs* a, Mask lanes, Float position[3], Float velocity[3]) {
+SANDGLASS_APART Mask keep_outside(const RefineArgs* a, Mask lanes, Float position[3], Float velocity[3]) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   Mask rough = and_not(lanes, lanes);
   for (uint32_t c = 0; c < a->collider_count; ++c) {
@@ -303,14 +364,14 @@ SANDGLASS_INLINE Mask keep_outside(const RefineArgs* a, Mask lanes, Float positi
 }
 
 // The sums at the lanes that `lanes` holds: from the grid where there is one and it has room, else from the particles.
-SANDGLASS_INLINE Flow find_flow(const RefineArgs* a, Mask lanes, const Float position[3]) {
+SANDGLASS_INLINE Flow find_flow(const RefineArgs* a, Mask lanes, const Float position[3], LastBlock* last) {
   const Float zero = broadcast(0.0f);
   Flow flow = {zero, zero, zero, zero, zero, {zero, zero, zero}};
   const Float limit = broadcast(k_coordinate_bound);
   const Float wide = broadcast(1.0f / a->grid.inverse_cell);  // lanes further apart than this are gathered separately
   Mask left =
       lanes & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
-  if (a->motion != nullptr && any(left)) left = read_flow(a, left, position, &flow);
+  if (a->motion != nullptr && any(left)) left = read_flow(a, left, position, last, &flow);
   while (any(left)) {
     alignas(64) float px[k_lane_group], py[k_lane_group], pz[k_lane_group];
     store(px, position[0]), store(py, position[1]), store(pz, position[2]);
@@ -318,79 +379,146 @@ SANDGLASS_INLINE Flow find_flow(const RefineArgs* a, Mask lanes, const Float pos
     const Mask group = left & (absolute(position[0] - broadcast(px[l])) <= wide) &
                        (absolute(position[1] - broadcast(py[l])) <= wide) &
                        (absolute(position[2] - broadcast(pz[l])) <= wide);
-    gather_flow(a, group, position[0], position[1], position[2], &flow);
+    gather_flow(a, group, position, &flow);
     left = and_not(left, group);
   }
   return flow;
 }
 
+// As many grains as there are lanes, on their way through a sweep.
+struct Grains {
+  Float position[3], velocity[3];
+  Mask inside;   // lanes that hold a grain
+  Mask settled;  // still for long enough, and nothing around them moves: they stay where they are
+};
+
+// The flow around grains, and the share of free flight.
+struct Following {
+  Float average[3], lambda;
+};
+
+SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Flow& flow, Grains* g) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f);
+  const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
+  const Following f = {{flow.x * inverse, flow.y * inverse, flow.z * inverse}, free_flight(a, flow)};
+  g->settled = g->settled & (f.average[0] == zero) & (f.average[1] == zero) & (f.average[2] == zero);
+  for (int k = 0; k < 3; ++k) g->position[k] = select(g->settled, g->position[k], g->position[k] + flow.push[k]);
+  return f;
+}
+
+SANDGLASS_INLINE void take_step(const RefineArgs* a, const Following& f, Grains* g) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f), step = broadcast(a->step);
+  for (int k = 0; k < 3; ++k) {
+    const Float fall = g->velocity[k] + step * broadcast(a->gravity[k]);
+    g->velocity[k] = select(g->settled, zero, (one - f.lambda) * f.average[k] + f.lambda * fall);
+    g->position[k] = g->position[k] + step * g->velocity[k];
+  }
+}
+
+// Step by step, because they are fast enough to pass through something thin.
+SANDGLASS_APART void follow_in_steps(const RefineArgs* a, const Following& f, Mask lanes, Grains* g) {
+  Grains one_by_one = *g;
+  for (uint32_t s = 0; s < a->steps; ++s) {
+    take_step(a, f, &one_by_one);
+    if (s + 1 != a->steps) keep_outside(a, lanes, one_by_one.position, one_by_one.velocity);
+  }
+  for (int k = 0; k < 3; ++k) {
+    g->position[k] = select(lanes, one_by_one.position[k], g->position[k]);
+    g->velocity[k] = select(lanes, one_by_one.velocity[k], g->velocity[k]);
+  }
+}
+
+// All steps at once: after s of them the velocity is (1 - lambda^s) average + lambda^s v + (lambda + .. + lambda^s) step
+// gravity.
+SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, Mask lanes, Grains* g) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f), step = broadcast(a->step);
+  const Float steps = broadcast(static_cast<float>(a->steps));
+  const Mask stays = g->settled | and_not(g->inside, lanes);
+  const Mask free = zero < f.lambda;
+  Float velocity[3], way[3];
+  for (int k = 0; k < 3; ++k) velocity[k] = f.average[k], way[k] = steps * f.average[k];
+  if (any(free)) {
+    Float power = one, sum = zero, sums = zero;
+    for (uint32_t s = 0; s < a->steps; ++s) power = power * f.lambda, sum = sum + power, sums = sums + sum;
+    for (int k = 0; k < 3; ++k) {
+      const Float fall = broadcast(a->step * a->gravity[k]), before = g->velocity[k];
+      velocity[k] = select(free, (one - power) * f.average[k] + power * before + sum * fall, velocity[k]);
+      way[k] = select(free, (steps - sum) * f.average[k] + sum * before + sums * fall, way[k]);
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    g->velocity[k] = select(stays, select(g->settled, zero, g->velocity[k]), velocity[k]);
+    g->position[k] = select(stays, g->position[k], g->position[k] + step * way[k]);
+  }
+}
+
+// With a grid: one look-up for all steps.
+SANDGLASS_INLINE void follow(const RefineArgs* a, const Flow& flow, Grains* g) {
+  const Following f = find_following(a, flow, g);
+  // Half a particle radius in a step, less what gravity adds.
+  const float length = a->support * (1.0f / 6.0f) / a->step - a->fall;
+  const Float fast = broadcast(length > 0.0f ? length * length : 0.0f);
+  const Float before =
+      g->velocity[0] * g->velocity[0] + g->velocity[1] * g->velocity[1] + g->velocity[2] * g->velocity[2];
+  const Float now = f.average[0] * f.average[0] + f.average[1] * f.average[1] + f.average[2] * f.average[2];
+  const Mask swift = and_not(g->inside & (fast < maximum(before, now)), g->settled);
+  if (any(swift)) follow_in_steps(a, f, swift, g);
+  follow_at_once(a, f, and_not(g->inside, swift), g);
+  const Mask again = keep_outside(a, g->inside, g->position, g->velocity);
+  if (any(again)) keep_outside(a, again, g->position, g->velocity);
+}
+
+// Without one: a look-up for each step.
+SANDGLASS_INLINE void follow_particles(const RefineArgs* a, LastBlock* last, Grains* g) {
+  for (uint32_t s = 0; s < a->steps; ++s) {
+    const Flow flow = find_flow(a, g->inside, g->position, last);
+    const Following f = find_following(a, flow, g);
+    take_step(a, f, g);
+    keep_outside(a, g->inside, g->position, g->velocity);
+  }
+}
+
 static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
-  const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound),
-              step = broadcast(a->step);
-  const float fast = a->support * (1.0f / 6.0f) / a->step;  // half a particle radius in a step
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound);
   uint32_t quarantined = 0;
+  LastBlock last = {};
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t group_number = a->groups[item / k_lane_group];
     const uint32_t i = group_number * k_lane_group + item % k_lane_group;
     float* record = floats_of(a->grains + i);
     Float grain[k_record_floats];
     load_records(record, grain);
-    Float position[3] = {grain[k_x], grain[k_y], grain[k_z]};
-    Float velocity[3] = {grain[k_vx], grain[k_vy], grain[k_vz]};
-    const Mask inside =
-        lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
-    // A grain that has been still for long enough stays where it is while nothing around it moves.
-    Mask settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
-    Float lambda = zero, average[3] = {zero, zero, zero};
-    for (uint32_t s = 0; s < a->steps; ++s) {
-      if (s == 0 || a->motion == nullptr) {
-        const Flow flow = find_flow(a, inside, position);
-        lambda = free_flight(a, flow);
-        const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
-        average[0] = flow.x * inverse, average[1] = flow.y * inverse, average[2] = flow.z * inverse;
-        settled = settled & (average[0] == zero) & (average[1] == zero) & (average[2] == zero);
-        for (int k = 0; k < 3; ++k) position[k] = select(settled, position[k], position[k] + flow.push[k]);
-      }
-      for (int k = 0; k < 3; ++k) {
-        const Float fall = velocity[k] + step * broadcast(a->gravity[k]);
-        velocity[k] = select(settled, zero, (one - lambda) * average[k] + lambda * fall);
-        position[k] = position[k] + step * velocity[k];
-      }
-      // With a grid, on the way only those that are fast enough to pass through something thin.
-      Mask kept = inside;
-      const Float speed2 = velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2];
-      if (s + 1 != a->steps && a->motion != nullptr) {
-        kept = kept & (broadcast(fast * fast) < speed2);
-        if (!any(kept)) continue;
-      }
-      const Mask again = keep_outside(a, kept, position, velocity);
-      if (a->motion != nullptr && s + 1 == a->steps && any(again)) keep_outside(a, again, position, velocity);
-    }
-    const Mask sound = (absolute(position[0]) < limit) & (absolute(position[1]) < limit) &
-                       (absolute(position[2]) < limit) & (absolute(velocity[0]) < broadcast(1e6f)) &
-                       (absolute(velocity[1]) < broadcast(1e6f)) & (absolute(velocity[2]) < broadcast(1e6f));
-    const Mask bad = and_not(inside, sound);
+    Grains g;
+    for (int k = 0; k < 3; ++k) g.position[k] = grain[k], g.velocity[k] = grain[k_vx + k];
+    g.inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
+    g.settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
+    if (a->motion != nullptr) follow(a, find_flow(a, g.inside, g.position, &last), &g);
+    else follow_particles(a, &last, &g);
+    const Mask sound = (absolute(g.position[0]) < limit) & (absolute(g.position[1]) < limit) &
+                       (absolute(g.position[2]) < limit) & (absolute(g.velocity[0]) < broadcast(1e6f)) &
+                       (absolute(g.velocity[1]) < broadcast(1e6f)) & (absolute(g.velocity[2]) < broadcast(1e6f));
+    const Mask bad = and_not(g.inside, sound);
     if (any(bad)) {
       // Back to where it was, with velocity 0. A coordinate that was no better becomes 0.
       quarantined += count(bad);
       for (int k = 0; k < 3; ++k) {
         const Mask number = absolute(grain[k]) < limit;
-        position[k] = select(bad, keep(number, grain[k]), position[k]);
-        velocity[k] = select(bad, zero, velocity[k]);
+        g.position[k] = select(bad, keep(number, grain[k]), g.position[k]);
+        g.velocity[k] = select(bad, zero, g.velocity[k]);
       }
     }
     const Float still_distance = broadcast(a->still_distance);
-    const Mask still = (absolute(position[0] - grain[k_x]) <= still_distance) &
-                       (absolute(position[1] - grain[k_y]) <= still_distance) &
-                       (absolute(position[2] - grain[k_z]) <= still_distance);
+    const Mask still = (absolute(g.position[0] - grain[k_x]) <= still_distance) &
+                       (absolute(g.position[1] - grain[k_y]) <= still_distance) &
+                       (absolute(g.position[2] - grain[k_z]) <= still_distance);
     const Float sweeps = keep(still, minimum(grain[k_still_sweeps] + one, broadcast(a->still_sweeps)));
     if (item % k_lane_group == 0) a->still[group_number] = 1;
-    if (any(and_not(inside, broadcast(a->still_sweeps) <= sweeps))) a->still[group_number] = 0;
+    if (any(and_not(g.inside, broadcast(a->still_sweeps) <= sweeps))) a->still[group_number] = 0;
     for (int k = 0; k < 3; ++k) {
-      grain[k] = select(inside, position[k], grain[k]);
-      grain[k_vx + k] = select(inside, velocity[k], grain[k_vx + k]);
+      grain[k] = select(g.inside, g.position[k], grain[k]);
+      grain[k_vx + k] = select(g.inside, g.velocity[k], grain[k_vx + k]);
     }
-    grain[k_still_sweeps] = select(inside, sweeps, grain[k_still_sweeps]);
+    grain[k_still_sweeps] = select(g.inside, sweeps, grain[k_still_sweeps]);
     store_records(record, grain);
   }
   extent->quarantined = quarantined;

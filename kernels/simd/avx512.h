@@ -7,6 +7,7 @@
 namespace sandglass::simd_avx512 {
 
 #define SANDGLASS_INLINE inline __attribute__((always_inline))
+#define SANDGLASS_APART static __attribute__((noinline))
 
 constexpr uint32_t k_width = 16;
 
@@ -103,13 +104,18 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
   }
   transpose_in(r, out);
 }
-SANDGLASS_INLINE void load_records(const float* const* lanes, uint32_t offset, Float out[8]) {
-  __m512 r[8];
-  for (uint32_t k = 0; k < 8; ++k) {
-    const __m256 low = _mm256_load_ps(lanes[k] + offset), high = _mm256_load_ps(lanes[k + 8] + offset);
-    r[k] = _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Float out[4]) {
+  __m512 r[4];
+  for (uint32_t k = 0; k < 4; ++k) {
+    r[k] = _mm512_castps128_ps512(_mm_load_ps(lanes[k] + offset));
+    r[k] = _mm512_insertf32x4(r[k], _mm_load_ps(lanes[k + 4] + offset), 1);
+    r[k] = _mm512_insertf32x4(r[k], _mm_load_ps(lanes[k + 8] + offset), 2);
+    r[k] = _mm512_insertf32x4(r[k], _mm_load_ps(lanes[k + 12] + offset), 3);
   }
-  transpose_in(r, out);
+  const __m512 a = _mm512_unpacklo_ps(r[0], r[1]), b = _mm512_unpackhi_ps(r[0], r[1]);
+  const __m512 c = _mm512_unpacklo_ps(r[2], r[3]), d = _mm512_unpackhi_ps(r[2], r[3]);
+  out[0].v = _mm512_shuffle_ps(a, c, 0x44), out[1].v = _mm512_shuffle_ps(a, c, 0xee);
+  out[2].v = _mm512_shuffle_ps(b, d, 0x44), out[3].v = _mm512_shuffle_ps(b, d, 0xee);
 }
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   __m512 r[8];

@@ -8,6 +8,7 @@
 namespace sandglass::simd_neon {
 
 #define SANDGLASS_INLINE inline __attribute__((always_inline))
+#define SANDGLASS_APART static __attribute__((noinline))
 
 constexpr uint32_t k_width = 4;
 
@@ -105,13 +106,11 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
   transpose(r0.val[1], r1.val[1], r2.val[1], r3.val[1], t);
   for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
 }
-SANDGLASS_INLINE void load_records(const float* const* lanes, uint32_t offset, Float out[8]) {
-  const float *p0 = lanes[0] + offset, *p1 = lanes[1] + offset, *p2 = lanes[2] + offset, *p3 = lanes[3] + offset;
+SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Float out[4]) {
   float32x4_t t[4];
-  transpose(vld1q_f32(p0), vld1q_f32(p1), vld1q_f32(p2), vld1q_f32(p3), t);
+  transpose(vld1q_f32(lanes[0] + offset), vld1q_f32(lanes[1] + offset), vld1q_f32(lanes[2] + offset),
+            vld1q_f32(lanes[3] + offset), t);
   for (int c = 0; c < 4; ++c) out[c].v = t[c];
-  transpose(vld1q_f32(p0 + 4), vld1q_f32(p1 + 4), vld1q_f32(p2 + 4), vld1q_f32(p3 + 4), t);
-  for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
 }
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   float32x4_t t[4];

@@ -19,6 +19,7 @@
 namespace sandglass::simd_scalar {
 
 #define SANDGLASS_INLINE inline __attribute__((always_inline))
+#define SANDGLASS_APART static __attribute__((noinline))
 
 constexpr uint32_t k_width = 1;
 
@@ -94,10 +95,10 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
   const RecordFloat* p = base + static_cast<uint64_t>(index[0]) * 8;
   for (int c = 0; c < 8; ++c) out[c].v = p[c];
 }
-// The record `offset` floats behind each lane's pointer.
-SANDGLASS_INLINE void load_records(const float* const* lanes, uint32_t offset, Float out[8]) {
+// The four floats `offset` floats behind each lane's pointer, aligned to 16 bytes.
+SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Float out[4]) {
   const RecordFloat* p = lanes[0] + offset;
-  for (int c = 0; c < 8; ++c) out[c].v = p[c];
+  for (int c = 0; c < 4; ++c) out[c].v = p[c];
 }
 // k_width consecutive records.
 SANDGLASS_INLINE void load_records(const float* base, Float out[8]) {

@@ -161,6 +161,7 @@ bool run_refine(Granular* g) {
   a.push_reach = 1.2f * g->desc.particle_radius;
   a.step = g->sweep.step;
   a.steps = g->sweep.steps;
+  a.fall = g->gravity_length * static_cast<float>(g->sweep.time);
   a.source_rule = source_rule(*g) ? 1 : 0;
   a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
   a.colliders = g->colliders.sweep_frames;

@@ -688,14 +688,14 @@ void check_scatter_motion(uint32_t n) {
                                          0.015 * (4 * grid.blocks[b].at[2] + place[2])};
         const Node node(sand, x);
         const float* record = grid.nodes + (b * k_block_records + r) * k_record_floats;
-        ASSERT_NEAR(record[k_mobility], node.weight, 2e-5) << sandglass_isa_name(kernels->isa);
-        ASSERT_LT(length(at(record + k_vx) - node.momentum), 2e-5);
+        ASSERT_NEAR(record[k_node_weight], node.weight, 2e-5) << sandglass_isa_name(kernels->isa);
+        ASSERT_LT(length(at(record + k_node_momentum) - node.momentum), 2e-5);
         if (node.largest > 1e-6) {
           // Another particle may be as near.
-          const double d = length(origin + at(record) - x), least = length(node.nearest - x);
+          const double d = length(origin + at(record + k_node_nearest) - x), least = length(node.nearest - x);
           ASSERT_NEAR(d, least, 1e-6) << r;
         }
-        if (place[0] < 4 && place[1] < 4 && place[2] < 4) added += static_cast<double>(record[k_mobility]);
+        if (place[0] < 4 && place[1] < 4 && place[2] < 4) added += static_cast<double>(record[k_node_weight]);
       }
     }
     // Nothing is left out: the weights of all nodes are those of all particles.
