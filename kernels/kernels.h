@@ -8,6 +8,7 @@
 #include <cstdint>
 
 #include "kernels/particle.h"
+#include "kernels/whole.h"
 #include "sandglass/sandglass.h"
 
 namespace sandglass {
@@ -252,6 +253,12 @@ struct PileAzimuth {
   float weight;                    // its share of the horizon
   float foot, cap;                 // the slopes of its lower edge, and of what is as good as its upper edge
   uint32_t first_step, last_step;  // that are walked along it; last_step is one past the end
+  // What the receiver's own column leaves to a receiver on the floor, where its sand is thin:
+  // 1 + near (own[0] + own[1] y^(1/4) + own[2] y^(1/2) + own[3] y + own[4] y^2), with y = 1 - fill and
+  // near = near_from - bottom * near_per_metre, within 0..1. It stands for the first step, which is then left out.
+  float own[5];
+  float near_from, near_per_metre;
+  uint32_t thin;  // 0: the own column is a step as all others are
 };
 struct PileStep {
   int32_t columns, rows;   // from the receiver
@@ -269,9 +276,10 @@ struct PileLightArgs {
   const float* receivers;                 // heights of this row's surface over the floor
   const PileAzimuth* azimuths;
   uint32_t azimuth_count;
-  const PileStep* steps;
-  float inverse_total;  // 1 / sum of weight * (high - low)
-  float* shares;        // of the light that reaches each texel, 0..1
+  const PileStep* steps;  // of each azimuth, the nearest first
+  uint32_t on_floor;      // 1: the receivers are on the floor, 0: on the sand
+  float inverse_total;    // 1 / sum of weight * (high - low)
+  float* shares;          // of the light that reaches each texel, 0..1
 };
 
 // A sector of azimuth. The light below an elevation is the sum over rings of bends * max(4 sin^2 - ring, 0).

@@ -7,7 +7,7 @@
 
 SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
   const float bounded = scaled > -536870912.0f ? (scaled < 536870912.0f ? scaled : 536870912.0f) : -536870912.0f;
-  const int32_t truncated = static_cast<int32_t>(bounded);
+  const int32_t truncated = to_whole<int32_t>(bounded);
   return bounded < static_cast<float>(truncated) ? truncated - 1 : truncated;
 }
 
@@ -158,7 +158,7 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
     for (uint32_t l = 0; l < k_width; ++l) {
       if (wanted[l] == 0.0f) continue;
       int32_t at[3];
-      for (int k = 0; k < 3; ++k) at[k] = static_cast<int32_t>(blocks[k][l]);
+      for (int k = 0; k < 3; ++k) at[k] = to_whole<int32_t>(blocks[k][l]);
       if (!known || at[0] != last[0] || at[1] != last[1] || at[2] != last[2]) {
         number = motion_find(*grid, at[0], at[1], at[2]);
         for (int k = 0; k < 3; ++k) last[k] = at[k];

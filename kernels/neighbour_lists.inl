@@ -95,7 +95,7 @@ SANDGLASS_INLINE void put_near_first(const Row& row, Int near2, Int inert, uint3
 
 SANDGLASS_INLINE int32_t floor_cell(float a, float inverse) {
   const float scaled = a * inverse;
-  const int32_t truncated = static_cast<int32_t>(scaled);
+  const int32_t truncated = to_whole<int32_t>(scaled);
   return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
 }
 

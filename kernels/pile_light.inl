@@ -6,7 +6,29 @@
 // Sand that does not fill its texel lets light through. `reached` begins at the light's lower edge. Each column moves
 // it towards the column's top by the share of the texel that the column fills. Full columns therefore make it the
 // highest top; n columns that cover the whole light and fill f of their texels leave (1 - f)^n of the way. The share of
-// the way that is reached is the share of the hidden interval that is dark.
+// the way that is reached is the share of the hidden interval that is dark. The walk is from far to near: for columns of
+// one height, whose slopes then rise, the result is exactly the mean over the elevations below each top.
+//
+// On the floor the receiver's own column is no step but a factor (PileAzimuth::own). Its sand is nearer than any
+// distance that could stand for it.
+
+// What the receiver's own column leaves of an azimuth.
+struct OwnColumn {
+  Float fourth_root, root, open, square, bottom;  // of the share that is open
+};
+static SANDGLASS_INLINE OwnColumn own_column(const PileLightArgs* a, uint32_t texel) {
+  const int64_t at = static_cast<int64_t>(a->row) * a->pitch + texel;
+  const Float open = broadcast(1.0f) - load(a->fills + at), root = square_root(open);
+  return {square_root(root), root, open, open * open, load(a->bottoms + at)};
+}
+static SANDGLASS_INLINE Float left_by(const OwnColumn& own, const PileAzimuth& azimuth) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f);
+  const Float change = broadcast(azimuth.own[0]) + broadcast(azimuth.own[1]) * own.fourth_root +
+                       broadcast(azimuth.own[2]) * own.root + broadcast(azimuth.own[3]) * own.open +
+                       broadcast(azimuth.own[4]) * own.square;
+  const Float near = broadcast(azimuth.near_from) - own.bottom * broadcast(azimuth.near_per_metre);
+  return maximum(minimum(one + minimum(maximum(near, zero), one) * change, one), zero);
+}
 
 static void pile_light(const PileLightArgs* a, uint32_t begin, uint32_t end, uint32_t* unused) {
   (void)unused;
@@ -14,12 +36,14 @@ static void pile_light(const PileLightArgs* a, uint32_t begin, uint32_t end, uin
   const Float inverse_total = broadcast(a->inverse_total);
   for (uint32_t i = begin; i < end; i += k_width) {
     const Float receiver = load(a->receivers + i);
+    const OwnColumn own = own_column(a, i);
     Float sum = zero;
     for (uint32_t k = 0; k < a->azimuth_count; ++k) {
       const PileAzimuth& azimuth = a->azimuths[k];
       Float high = zero, low = steepest, reached = broadcast(azimuth.foot);
       const Float cap = broadcast(azimuth.cap);
-      for (uint32_t s = azimuth.first_step; s < azimuth.last_step; ++s) {
+      const uint32_t thin = a->on_floor & azimuth.thin, nearest = azimuth.first_step + thin;
+      for (uint32_t s = azimuth.last_step; s-- > nearest;) {
         const PileStep& step = a->steps[s];
         const int32_t row = a->row + step.rows, column = static_cast<int32_t>(i) + step.columns;
         if (row < a->sand_rows[0] || row > a->sand_rows[1] || column > a->sand_columns[1] ||
@@ -39,7 +63,8 @@ static void pile_light(const PileLightArgs* a, uint32_t begin, uint32_t end, uin
       const Float from = maximum(low_square / (one + low_square), broadcast(azimuth.low));
       const Float to = minimum(high_square / (one + high_square), broadcast(azimuth.high));
       const Float hidden = maximum(to - from, zero) * dark;
-      sum = sum + broadcast(azimuth.weight) * (broadcast(azimuth.high - azimuth.low) - hidden);
+      const Float open = broadcast(azimuth.high - azimuth.low) - hidden;
+      sum = sum + broadcast(azimuth.weight) * (thin != 0 ? open * left_by(own, azimuth) : open);
     }
     store(a->shares + i, minimum(sum * inverse_total, one));
   }

@@ -102,7 +102,7 @@ struct Block {
 
 SANDGLASS_INLINE Block look_up(const MotionGrid* grid, const float at[3]) {
   const uint32_t number =
-      motion_find(*grid, static_cast<int32_t>(at[0]), static_cast<int32_t>(at[1]), static_cast<int32_t>(at[2]));
+      motion_find(*grid, to_whole<int32_t>(at[0]), to_whole<int32_t>(at[1]), to_whole<int32_t>(at[2]));
   if (number == k_no_block) return {nullptr, nullptr, grid->overflowed != 0};
   return {grid->nodes + static_cast<uint64_t>(number) * k_block_records * k_record_floats, density_of(*grid, number),
           (grid->blocks[number].state & k_block_incomplete) != 0};

@@ -15,22 +15,26 @@ SANDGLASS_TABLES_OF(scalar)
 SANDGLASS_TABLES_OF(avx2)
 SANDGLASS_TABLES_OF(avx512)
 #define SANDGLASS_TABLES(table) \
-  { &simd_scalar::table, nullptr, &simd_avx2::table, &simd_avx512::table }
+  { &simd_scalar::table, nullptr, &simd_avx2::table, &simd_avx512::table, nullptr }
 #elif defined(SANDGLASS_HAVE_NEON)
 SANDGLASS_TABLES_OF(neon)
 #define SANDGLASS_TABLES(table) \
-  { &simd_scalar::table, &simd_neon::table, nullptr, nullptr }
+  { &simd_scalar::table, &simd_neon::table, nullptr, nullptr, nullptr }
+#elif defined(SANDGLASS_HAVE_WASM)
+SANDGLASS_TABLES_OF(wasm)
+#define SANDGLASS_TABLES(table) \
+  { &simd_scalar::table, nullptr, nullptr, nullptr, &simd_wasm::table }
 #else
 #define SANDGLASS_TABLES(table) \
-  { &simd_scalar::table, nullptr, nullptr, nullptr }
+  { &simd_scalar::table, nullptr, nullptr, nullptr, nullptr }
 #endif
 #undef SANDGLASS_TABLES_OF
 
 namespace {
 
-// The tables of one user for SCALAR, NEON, AVX2 and AVX512, in this order; null where this build lacks one.
+// The tables of one user for SCALAR, NEON, AVX2, AVX512 and WASM, in this order; null where this build lacks one.
 struct Tables {
-  const Kernels* of[4];
+  const Kernels* of[5];
 };
 
 // Named constants, so that each has a section of its own and the linker drops those that an app does not use.
@@ -42,7 +46,7 @@ const Kernels* select(const Tables& tables, sandglass_isa isa) {
   if (isa == SANDGLASS_ISA_SCALAR) return tables.of[0];  // without asking the CPU, which is slow
   const CpuFeatures cpu = cpu_features();
   const bool automatic = isa == SANDGLASS_ISA_AUTOMATIC;
-  const Kernels *neon = tables.of[1], *avx2 = tables.of[2], *avx512 = tables.of[3];
+  const Kernels *neon = tables.of[1], *avx2 = tables.of[2], *avx512 = tables.of[3], *wasm = tables.of[4];
   if (avx512 != nullptr && (automatic || isa == SANDGLASS_ISA_AVX512) && cpu.avx512f && cpu.avx512bw && cpu.avx512dq &&
       cpu.avx512vl)
     return avx512;
@@ -50,6 +54,7 @@ const Kernels* select(const Tables& tables, sandglass_isa isa) {
   const bool asked = isa == SANDGLASS_ISA_NEON || (isa == SANDGLASS_ISA_NEON_DOTPROD && cpu.dotprod) ||
                      (isa == SANDGLASS_ISA_NEON_I8MM && cpu.i8mm);
   if (neon != nullptr && (automatic || asked) && cpu.neon) return neon;
+  if (wasm != nullptr && (automatic || isa == SANDGLASS_ISA_WASM) && cpu.wasm) return wasm;
   return automatic ? tables.of[0] : nullptr;
 }
 

@@ -14,16 +14,23 @@ SANDGLASS_INT8_TABLE(scalar)
 SANDGLASS_INT8_TABLE(avx2)
 SANDGLASS_INT8_TABLE(avx512)
 #define SANDGLASS_INT8_TABLES(table) \
-  { &int8_scalar::table, nullptr, &int8_avx2::table, &int8_avx512::table, nullptr, nullptr }
+  { &int8_scalar::table, nullptr, &int8_avx2::table, &int8_avx512::table, nullptr, nullptr, nullptr }
 #elif defined(SANDGLASS_HAVE_NEON)
 SANDGLASS_INT8_TABLE(neon)
 SANDGLASS_INT8_TABLE(neon_dotprod)
 SANDGLASS_INT8_TABLE(neon_i8mm)
+#define SANDGLASS_INT8_TABLES(table)                                                                             \
+  {                                                                                                              \
+    &int8_scalar::table, &int8_neon::table, nullptr, nullptr, &int8_neon_dotprod::table, &int8_neon_i8mm::table, \
+        nullptr                                                                                                  \
+  }
+#elif defined(SANDGLASS_HAVE_WASM)
+SANDGLASS_INT8_TABLE(wasm)
 #define SANDGLASS_INT8_TABLES(table) \
-  { &int8_scalar::table, &int8_neon::table, nullptr, nullptr, &int8_neon_dotprod::table, &int8_neon_i8mm::table }
+  { &int8_scalar::table, nullptr, nullptr, nullptr, nullptr, nullptr, &int8_wasm::table }
 #else
 #define SANDGLASS_INT8_TABLES(table) \
-  { &int8_scalar::table, nullptr, nullptr, nullptr, nullptr, nullptr }
+  { &int8_scalar::table, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr }
 #endif
 #undef SANDGLASS_INT8_TABLE
 
@@ -31,7 +38,7 @@ namespace {
 
 // One pointer for each sandglass_isa from SCALAR on, in its order; null where this build lacks the table.
 struct Tables {
-  const Int8Kernels* of[6];
+  const Int8Kernels* of[7];
 };
 
 // Named constants, so that each has a section of its own and the linker drops those that an app does not use.
@@ -41,12 +48,13 @@ constexpr Tables k_of_light = {SANDGLASS_INT8_TABLES(k_light_table)};
 
 const Int8Kernels* select(const Tables& tables, sandglass_isa isa) {
   const CpuFeatures cpu = cpu_features();
-  const bool runs[6] = {true,        cpu.neon,
-                        cpu.avx2,    cpu.avx512f && cpu.avx512bw && cpu.avx512dq && cpu.avx512vl && cpu.avx512vnni,
-                        cpu.dotprod, cpu.i8mm};
+  const bool runs[7] = {
+      true,        cpu.neon, cpu.avx2, cpu.avx512f && cpu.avx512bw && cpu.avx512dq && cpu.avx512vl && cpu.avx512vnni,
+      cpu.dotprod, cpu.i8mm, cpu.wasm};
   // The fastest first.
-  constexpr sandglass_isa k_order[6] = {SANDGLASS_ISA_AVX512,       SANDGLASS_ISA_AVX2, SANDGLASS_ISA_NEON_I8MM,
-                                        SANDGLASS_ISA_NEON_DOTPROD, SANDGLASS_ISA_NEON, SANDGLASS_ISA_SCALAR};
+  constexpr sandglass_isa k_order[7] = {SANDGLASS_ISA_AVX512,       SANDGLASS_ISA_AVX2, SANDGLASS_ISA_NEON_I8MM,
+                                        SANDGLASS_ISA_NEON_DOTPROD, SANDGLASS_ISA_NEON, SANDGLASS_ISA_WASM,
+                                        SANDGLASS_ISA_SCALAR};
   for (const sandglass_isa candidate : k_order) {
     const Int8Kernels* table = tables.of[candidate - SANDGLASS_ISA_SCALAR];
     if (table != nullptr && runs[candidate - SANDGLASS_ISA_SCALAR] &&

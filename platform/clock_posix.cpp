@@ -1,4 +1,4 @@
-// Clocks of Linux and Android. CLOCK_MONOTONIC does not count the time that the device is suspended. The system may
+// Clocks of Linux, Android and WebAssembly, whose host gives the reading. CLOCK_MONOTONIC does not count the time that the device is suspended. The system may
 // slew it but never steps it.
 #include <time.h>
 

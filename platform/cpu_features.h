@@ -1,6 +1,6 @@
 // What this processor and this operating system can run. It is asked when kernels are chosen, which is when something
 // is created and never in a frame. A flag means "may be used": the instructions exist and the system saves the
-// registers that they need. The flags of the other architecture are false.
+// registers that they need. The flags of other architectures are false.
 #pragma once
 
 namespace sandglass {
@@ -16,6 +16,7 @@ struct CpuFeatures {
   bool neon = false;     // Advanced SIMD
   bool dotprod = false;  // SDOT, UDOT
   bool i8mm = false;     // SMMLA, UMMLA, USMMLA
+  bool wasm = false;     // 128-bit SIMD of WebAssembly
 };
 
 CpuFeatures cpu_features();

@@ -46,6 +46,13 @@ inline void floating_point_restore(FloatingPointControl saved) {
 constexpr FloatingPointControl k_floating_point_inexact_modes =
     (3u << 22) | (1u << 24) | (1u << 19) | (1u << 25) | (1u << 0) | (1u << 1) | (1u << 2);
 
+#elif defined(__wasm__)
+
+// WebAssembly has no such register: it always rounds to nearest even and keeps denormals.
+inline FloatingPointControl floating_point_control() { return 0; }
+inline void floating_point_restore(FloatingPointControl) {}
+constexpr FloatingPointControl k_floating_point_inexact_modes = 0;
+
 #else
 #error "Sandglass knows the floating-point control register of x86 and 64-bit ARM only; add this processor's here."
 #endif

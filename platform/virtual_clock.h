@@ -6,6 +6,10 @@
 
 namespace sandglass {
 
+// Of the program's virtual clock, which advances by this much at every reading. The library reads it once or twice a
+// work unit. So a plan depends only on the scene and the budget.
+constexpr uint64_t k_virtual_step_ns = 5000;
+
 struct VirtualClock {
   uint64_t now_ns = 0;   // what the next reading returns
   uint64_t step_ns = 0;  // added after every reading

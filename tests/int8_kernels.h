@@ -13,7 +13,7 @@ namespace sandglass::tests {
 // The tables of int8 kernels that this CPU can run.
 inline std::vector<sandglass_isa> int8_sets() {
   std::vector<sandglass_isa> sets;
-  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_NEON_I8MM; ++isa)
+  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_WASM; ++isa)
     if (select_int8_kernels(isa) != nullptr) sets.push_back(isa);
   return sets;
 }

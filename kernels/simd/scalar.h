@@ -16,6 +16,8 @@
 
 #include <stdint.h>
 
+#include "kernels/whole.h"
+
 namespace sandglass::simd_scalar {
 
 #define SANDGLASS_INLINE inline __attribute__((always_inline))
@@ -61,7 +63,7 @@ SANDGLASS_INLINE Int shift_left(Int a, int count) {
 SANDGLASS_INLINE Int shift_right(Int a, int count) {
   return {static_cast<int32_t>(static_cast<uint32_t>(a.v) >> count)};
 }
-SANDGLASS_INLINE Int to_int(Float a) { return {static_cast<int32_t>(a.v)}; }
+SANDGLASS_INLINE Int to_int(Float a) { return {to_whole<int32_t>(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {static_cast<float>(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {__builtin_bit_cast(int32_t, a.v)}; }  // the same bits
 

@@ -31,7 +31,7 @@ class AlignedBytes {
 };
 
 inline AlignedBytes read_aligned(const std::string& path, const std::string& kind) {
-  return AlignedBytes(read_file(path, kind));
+  return AlignedBytes(read_file(path, kind, k_asset_limit));
 }
 
 }  // namespace sandglass::host

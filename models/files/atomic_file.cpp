@@ -2,14 +2,19 @@
 // "*.unfinished.*" file behind. A program that Ctrl-C ends removes it.
 #include "models/files/atomic_file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <system_error>
 
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 
 namespace sandglass::host {
@@ -54,8 +59,19 @@ void remove_unfinished() {
     if (file.named) unlink(file.name);
 }
 
+namespace {
+
+// The file behind symbolic links. A link that leads nowhere is replaced.
+fs::path behind_links(const std::string& path) {
+  std::error_code error;
+  const fs::path target = fs::canonical(path, error);
+  return error ? fs::path(path) : target;
+}
+
+}  // namespace
+
 std::string unfinished_name(const std::string& path) {
-  const fs::path target(path);
+  const fs::path target = behind_links(path);
   return (target.parent_path() /
           (target.stem().string() + ".unfinished." + std::to_string(getpid()) + target.extension().string()))
       .string();
@@ -63,7 +79,7 @@ std::string unfinished_name(const std::string& path) {
 
 void finish_file(const std::string& path) {
   std::error_code error, of_removal;
-  fs::rename(unfinished_name(path), path, error);
+  fs::rename(unfinished_name(path), behind_links(path), error);
   if (!error) return;
   fs::remove(unfinished_name(path), of_removal);
   throw cannot("write", path, error.message(), "Check the folder's permissions");
@@ -77,7 +93,7 @@ void require_writable(const std::string& path) {
   if (fs::is_directory(target)) throw cannot("write", path, "it is a folder", "Name a file in it");
   if (fs::exists(target) && !fs::is_regular_file(target))
     throw cannot("write", path, "it is no ordinary file", "Name another");
-  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : fs::path(".");
+  const fs::path parent = behind_links(path).parent_path(), folder = parent.empty() ? fs::path(".") : parent;
   const bool has_name = fs::path(path).has_filename();
   const fs::file_status unfinished =
       fs::symlink_status(unfinished_name(path), error);  // this name is the longer one, so test it
@@ -88,6 +104,7 @@ void require_writable(const std::string& path) {
 
 void write_file(const std::string& path, std::string_view content) {
   require_writable(path);
+  note_output(path);
   const std::string unfinished = unfinished_name(path);
   const Noted noted(unfinished);
   std::FILE* file = std::fopen(unfinished.c_str(), "wb");
@@ -107,25 +124,33 @@ void write_file(const std::string& path, std::span<const uint8_t> content) {
   write_file(path, std::string_view(reinterpret_cast<const char*>(content.data()), content.size()));
 }
 
-std::string read_file(const std::string& path, const std::string& kind) {
-  std::error_code error;
-  if (fs::is_directory(path, error)) throw cannot("read " + kind, path, "it is a folder", "Name a file");
-  std::FILE* file = std::fopen(path.c_str(), "rb");
-  if (file == nullptr) throw cannot("read " + kind, path, "it does not exist or may not be read", "Check the path");
+std::string read_file(const std::string& path, const std::string& kind, uint64_t limit) {
+  const auto fail = [&](const std::string& why, const char* remedy) {
+    return cannot("read " + kind, path, why, remedy);
+  };
+  // Opening a pipe would wait for its writer.
+  const int file = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) throw fail("it does not exist or may not be read", "Check the path");
+  const std::unique_ptr<const int, void (*)(const int*)> closed(&file, [](const int* f) { close(*f); });
+  struct stat status = {};
+  if (fstat(file, &status) != 0) throw fail("the disk does not answer", "Check the disk");
+  if (S_ISDIR(status.st_mode)) throw fail("it is a folder", "Name a file");
+  if (!S_ISREG(status.st_mode)) throw fail("it is no ordinary file", "Name a file");
+  const auto too_large = [&] {
+    return fail("it has more than " + std::to_string(limit >> 20) + " MiB", "Name a smaller file");
+  };
+  if (static_cast<uint64_t>(status.st_size) > limit) throw too_large();
+  note_input(path);
   std::string content;
+  content.reserve(static_cast<size_t>(status.st_size));
   char buffer[65536];
-  for (size_t got; (got = std::fread(buffer, 1, sizeof buffer, file)) > 0;) content.append(buffer, got);
-  const bool good = std::ferror(file) == 0;
-  std::fclose(file);
-  if (!good) throw cannot("read " + kind, path, "the disk stops within it", "Check the disk");
+  for (ssize_t got; (got = read(file, buffer, sizeof buffer)) != 0;) {
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) throw fail("the disk stops within it", "Check the disk");
+    content.append(buffer, static_cast<size_t>(got));
+    if (content.size() > limit) throw too_large();  // the file grows, or does not tell its size
+  }
   return content;
-}
-
-void keep_inputs(const std::string& output, const std::vector<std::string>& inputs) {
-  std::error_code error;  // set for a path that does not exist; then the files differ
-  for (const std::string& input : inputs)
-    if (fs::equivalent(fs::weakly_canonical(output, error), input, error))
-      throw cannot("write", output, "the same command reads it", "Write somewhere else with -o");
 }
 
 void make_folder(const std::string& path) {

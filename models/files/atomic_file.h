@@ -5,7 +5,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace sandglass::host {
 
@@ -13,6 +12,7 @@ namespace sandglass::host {
 // before long work whose result goes to `path`.
 void require_writable(const std::string& path);
 
+// A symbolic link stays, and the file that it names is written.
 void write_file(const std::string& path, std::string_view content);
 void write_file(const std::string& path, std::span<const uint8_t> content);
 
@@ -21,11 +21,14 @@ void write_file(const std::string& path, std::span<const uint8_t> content);
 std::string unfinished_name(const std::string& path);
 void finish_file(const std::string& path);
 
-// Reads the whole file. Throws a Failure that names it. `kind` is what the file should be, for example "scene".
-std::string read_file(const std::string& path, const std::string& kind);
+// The largest files that are read, in bytes. A larger one is refused before its first byte is read. A text that a
+// person writes, such as a scene, is far smaller than a mesh or a panorama.
+constexpr uint64_t k_text_limit = uint64_t{16} << 20, k_asset_limit = uint64_t{256} << 20,
+                   k_file_limit = uint64_t{1} << 30;
 
-// Throws a Failure when writing `output` would destroy one of the files that a command reads.
-void keep_inputs(const std::string& output, const std::vector<std::string>& inputs);
+// Reads the whole file. Throws a Failure that names it. `kind` is what the file should be, for example "scene". Only
+// ordinary files of at most `limit` bytes are read: no pipe, device or folder.
+std::string read_file(const std::string& path, const std::string& kind, uint64_t limit = k_file_limit);
 
 // Removes the files that write_file has not finished. A signal handler that is about to end the program may call it.
 void remove_unfinished();

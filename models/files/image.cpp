@@ -133,7 +133,7 @@ static void append(void* context, void* data, int size) {
 }
 
 Picture read_picture(const std::string& path) {
-  const std::string content = read_file(path, "picture");
+  const std::string content = read_file(path, "picture", k_asset_limit);
   int channels = 0;
   Picture picture;
   uint8_t* pixels =

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/lighting/light_picture.h"
@@ -134,7 +135,7 @@ void refuse_equal_stems(const std::vector<std::string>& panoramas) {
 
 std::string read_locations(const std::string& path) {
   if (path.empty()) return "";
-  std::string text = read_file(path, "manifest");
+  std::string text = read_file(path, "manifest", k_text_limit);
   if (text.find_first_not_of(" \t\r\n") == std::string::npos)
     throw cannot("read", path, "the manifest is empty", "Its first line names the columns file, group and fold");
   return text;
@@ -165,6 +166,11 @@ Location location_of(const std::string& panorama, const std::string& manifest_te
   throw Failure("cannot read the manifest: it has no line for \"" + file + "\". Add one with its group and fold.");
 }
 
+static bool holds_entries(const std::string& folder) {
+  std::error_code error;
+  return fs::exists(folder, error) && !fs::is_empty(folder, error);
+}
+
 DatasetSummary make_dataset(const DatasetOptions& options) {
   const std::vector<std::string> panoramas = find_panoramas(options.panoramas);
   refuse_equal_stems(panoramas);
@@ -174,7 +180,9 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
     if (!fs::exists(panorama)) throw cannot("read", panorama, "the panorama does not exist", "Check the path");
     locations.push_back(location_of(panorama, manifest_text));
   }
-  if (!options.manifest.empty()) keep_inputs(options.folder + "/manifest.csv", {options.manifest});
+  claim_outputs(options.folder, {"manifest.csv", "sheet.png"});
+  if (holds_entries(options.folder + "/images"))
+    throw cannot("write into", options.folder, "it holds the images of an earlier run", "Remove them, or name another");
   std::vector<std::vector<Excerpt>> results(panoramas.size());
   // The tiles of the sheet are spread evenly over all excerpts.
   const size_t excerpts = panoramas.size() * k_excerpts, tiles = std::min<size_t>(options.tiles, excerpts);
@@ -187,6 +195,7 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
   // hundredth of the time that cutting takes.
   for_all(panoramas.size(), options.threads, "reading panoramas", [&](size_t i) { LitPanorama{panoramas[i]}; });
   if (interrupted()) return {};
+  begin_folder(options.folder);
   make_folder(options.folder + "/images");
   for_all(panoramas.size(), options.threads, "cutting panoramas",
           [&](size_t i) { results[i] = excerpts_of(panoramas[i], locations[i], options, with_tile[i]); });
@@ -212,7 +221,8 @@ DatasetSummary make_dataset(const DatasetOptions& options) {
 }
 
 std::vector<std::string> images_of_dataset(const std::string& folder) {
-  const std::string path = folder + "/manifest.csv", text = read_file(path, "list of images");
+  require_complete(folder);
+  const std::string path = folder + "/manifest.csv", text = read_file(path, "list of images", k_text_limit);
   std::vector<std::string> images;
   const auto rows = rows_of(text);
   for (const auto& row : rows) {

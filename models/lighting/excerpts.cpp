@@ -12,7 +12,7 @@ namespace sandglass::host {
 
 std::vector<Excerpt> read_excerpts(const std::string& folder, size_t step) {
   const std::string table = folder + "/estimates.csv";
-  std::istringstream rows(read_file(table, "table of estimates"));
+  std::istringstream rows(read_file(table, "table of estimates", k_text_limit));
   std::vector<Excerpt> all;
   std::string row;
   std::getline(rows, row);

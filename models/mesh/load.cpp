@@ -2,17 +2,20 @@
 // cut off within a line, indices out of range, and coordinates that are not finite. It leaves out points and lines.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
+#include "models/files/atomic_file.h"
 #include "models/files/failure.h"
 #include "models/mesh/mesh.h"
 
 #ifdef SANDGLASS_HAVE_ASSIMP
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #endif
 
@@ -29,14 +32,10 @@ MeshResult fail(const std::string& path, const std::string& sentence) {
 
 // An OBJ that is cut off within a line still parses, but its last face or vertex is missing. It is known by a last line
 // that has no newline and too few words.
-bool ends_within_line(const std::string& path) {
+bool ends_within_line(const std::string& path, const std::string& content) {
   if (std::filesystem::path(path).extension() != ".obj") return false;
-  std::ifstream file(path, std::ios::binary);
-  file.seekg(0, std::ios::end);
-  const std::streamoff size = file.tellg(), tail = std::min<std::streamoff>(size, 4096);
-  std::string text(static_cast<size_t>(tail), '\0');
-  file.seekg(size - tail);
-  file.read(text.data(), tail);
+  constexpr size_t k_longest_line = 4096;
+  const std::string text = content.substr(content.size() - std::min(content.size(), k_longest_line));
   if (text.empty() || text.back() == '\n') return false;
   const size_t line_start = text.find_last_of('\n');
   std::istringstream line(line_start == std::string::npos ? text : text.substr(line_start + 1));
@@ -46,6 +45,25 @@ bool ends_within_line(const std::string& path) {
   while (line >> word) ++words;
   return (keyword == "f" || keyword == "v" || keyword == "vn") && words < 3;
 }
+
+// Gives Assimp the files that it asks for, such as the parts of a glTF. It reads none by itself, so all are ordinary
+// files of a bounded size that no output replaces.
+class CheckedFiles : public Assimp::IOSystem {
+ public:
+  bool Exists(const char* path) const override {
+    std::error_code error;
+    return std::filesystem::is_regular_file(path, error);
+  }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* path, const char* mode) override {
+    if (mode[0] != 'r' || !Exists(path)) return nullptr;
+    const std::string content = read_file(path, "mesh");
+    auto* bytes = new uint8_t[content.size()];
+    std::memcpy(bytes, content.data(), content.size());
+    return new Assimp::MemoryIOStream(bytes, content.size(), true);
+  }
+  void Close(Assimp::IOStream* file) override { delete file; }
+};
 
 std::string first_line(const char* text) {
   const std::string message = text;
@@ -77,6 +95,7 @@ struct Placed {
 
 MeshResult parse(const std::string& path) {
   Assimp::Importer importer;
+  importer.SetIOHandler(new CheckedFiles);  // the importer owns it
   const aiScene* scene = importer.ReadFile(path, 0);
   if (scene == nullptr)
     return fail(path, "is no complete mesh (" + first_line(importer.GetErrorString()) + "). Export it again.");
@@ -118,13 +137,14 @@ MeshResult load_mesh(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return fail(path, "does not exist. Check the path.");
   if (!std::filesystem::is_regular_file(path, ignored)) return fail(path, "is not a file. Name one mesh file.");
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return fail(path, "cannot be opened. Check its permissions.");
   if (std::filesystem::file_size(path, ignored) == 0) return fail(path, "is empty. Export it again.");
 #ifdef SANDGLASS_HAVE_ASSIMP
-  if (ends_within_line(path)) return fail(path, "is cut off in its last line. Copy or export it again.");
   try {
+    if (ends_within_line(path, read_file(path, "mesh")))
+      return fail(path, "is cut off in its last line. Copy or export it again.");
     return parse(path);
+  } catch (const Failure& failure) {
+    return {{}, {}, failure.what()};
   } catch (const std::exception& e) {
     return fail(path, std::string("is no complete mesh (") + e.what() + "). Export it again.");
   }

@@ -5,6 +5,7 @@
 
 #include "models/baking/bake.h"
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/laboratory/measurement_json.h"
 #include "models/program/commands.h"
 #include "models/program/nearest_name.h"
@@ -137,21 +138,20 @@ bool read_shape(const std::string& text, NetworkShape* shape) {
 }
 
 int bake_command(const BakeOptions& given) {
-  listen_for_interrupt();
   BakeOptions options = given;
   BakeSettings& s = options.settings;
   read_shape(options.size, &s.shape);
   read_degrees(options.angle, &s.angular_diameter);
   read_degrees(options.polar, &s.polar_max);
   s.plane = options.plane == "fixed" ? PlaneRule::fixed : PlaneRule::fitted;
-  const Mesh mesh = named_mesh(options.mesh).mesh;
-  require_writable(options.output);
-  require_writable(options.output + ".checkpoint");
   if (options.picture.empty()) options.picture = options.output + ".png";
   if (options.no_picture) options.picture.clear();
-  for (const std::string& path : {options.picture, options.json})
-    if (!path.empty()) require_writable(path);
+  claim_output(options.output, options.ambient_only);
+  if (!options.ambient_only) claim_output(options.output + ".checkpoint", true);
+  if (!options.picture.empty()) claim_output(options.picture);
+  const Mesh mesh = named_mesh(options.mesh).mesh;
   s.ambient.data = data_folder();
+  const KeepingResults in_the_checkpoint;
   const BakeReport report = options.ambient_only
                                 ? bake_ambient_only(mesh, options.mesh, s, options.output, options.picture)
                                 : bake(mesh, options.mesh, s, options.output, options.picture, options.resume);

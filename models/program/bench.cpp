@@ -34,7 +34,7 @@ void Bench::keep(const std::string& scene, const char* metric, const char* unit,
 }
 
 int run_bench(const char* name, Bench::Kernels kernels, BenchSuite suite, const BenchOptions& options) {
-  listen_for_interrupt();
+  const KeepingResults of_the_finished_rows;
   Bench bench(name, options.isa, kernels);
   suite(options, &bench);
   if (!options.json.empty()) write_file(options.json, measurements_json(bench.measurements));

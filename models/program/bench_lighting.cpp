@@ -78,7 +78,7 @@ void print_and_keep(const RoomBench& room, Bench* bench) {
 void bench_lighting(const BenchOptions& options, Bench* bench) {
   const bool shipped = options.network.empty();
   const std::string asset = shipped ? std::string(SANDGLASS_LIGHTS_DIR) + "/room.light" : options.network;
-  const std::string content = read_file(asset, "lighting network");
+  const std::string content = read_file(asset, "lighting network", k_asset_limit);
   std::vector<Excerpt> excerpts;
   if (shipped) excerpts = read_excerpts(SANDGLASS_LIGHTING_DIR "/excerpts");
   LightingBench result;

@@ -6,6 +6,7 @@
 
 #include "models/drawing/plot.h"
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/laboratory/sand/peer_bullet.h"
 #include "models/program/bench.h"
 #include "models/simulation/metrics.h"
@@ -94,7 +95,7 @@ void draw(const Curves& curves, const std::string& folder) {
     for (const BenchRow& point : curve->rows) series.y.push_back(point.angle_deg);
     angle.series.push_back(series);
   }
-  make_folder(folder);
+  begin_folder(folder);
   write_png(folder + "/ladder.png", draw_plot(overlap));
   write_png(folder + "/ladder_angle.png", draw_plot(angle));
   std::printf("plots          %s/ladder.png, ladder_angle.png\n", folder.c_str());

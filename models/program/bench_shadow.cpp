@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/laboratory/shadow/pile_bench.h"
 #include "models/laboratory/shadow/shadow_bench.h"
@@ -19,7 +20,7 @@ std::vector<NamedShadow> read_shadows(const BenchOptions& options) {
   std::vector<NamedShadow> files;
   for (const std::string& path :
        options.assets.empty() ? std::vector{std::string(SANDGLASS_SHADOWS_DIR) + "/chair.shadow"} : options.assets) {
-    const std::string content = read_file(path, "baked shadow");
+    const std::string content = read_file(path, "baked shadow", k_asset_limit);
     files.push_back({path, {content.begin(), content.end()}});
   }
   return files;
@@ -57,7 +58,7 @@ void print_and_keep(const std::vector<PileBenchRow>& rows, Bench* bench) {
 }
 
 void draw_curves(const BenchOptions& options, const std::vector<NamedShadow>& files, const Mesh& mesh, Bench* bench) {
-  make_folder(options.out);
+  begin_folder(options.out);
   std::vector<ShadowCurve> curves;
   with_progress("measuring curves",
                 [&](const Progressed& go_on) { curves = measure_shadow_curves(files, mesh, bench->isa, go_on); });

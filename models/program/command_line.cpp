@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <set>
 
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/program/nearest_name.h"
 #include "sandglass/sandglass.h"
@@ -52,6 +53,7 @@ ValueRule one_of(const std::vector<std::string>& names) {
 CommandOption required(CommandOption option) { return option.required = true, option; }
 CommandOption standard(const char* text, CommandOption option) { return option.standard = text, option; }
 CommandOption by_commas(CommandOption option) { return option.by_commas = true, option; }
+CommandOption writes(CommandOption option) { return option.writes = true, option; }
 CommandOption needs(const char* other, CommandOption option) { return option.needs = other, option; }
 CommandOption excludes(const char* other, CommandOption option) { return option.excludes = other, option; }
 
@@ -61,13 +63,13 @@ CommandOption threads_option(uint32_t& threads) {
 
 CommandOption isa_option(std::string& isa) {
   std::vector<std::string> names;
-  for (sandglass_isa i = SANDGLASS_ISA_AUTOMATIC; i <= SANDGLASS_ISA_NEON_I8MM; ++i)
+  for (sandglass_isa i = SANDGLASS_ISA_AUTOMATIC; i <= SANDGLASS_ISA_WASM; ++i)
     if (const char* name = sandglass_isa_name(i); name != nullptr) names.emplace_back(name);
   return {"--isa", &isa, "NAME", "Instruction set of the kernels", one_of(names)};
 }
 
 CommandOption json_option(std::string& file) {
-  return {"--json", &file, "FILE", "Write the measurements to this file, as JSON"};
+  return writes({"--json", &file, "FILE", "Write the measurements to this file, as JSON"});
 }
 
 CommandOption seed_option(uint64_t& seed, const char* help) {
@@ -156,7 +158,11 @@ void declare(const Command& command, const char* group, CLI::App* above, int* ex
   if (!command.suites.empty()) declared->require_subcommand(1);
   declared->allow_extras(!why.empty())->callback([=] {
     if (!why.empty()) throw Failure("cannot run " + named(*declared) + ": " + why);
-    if (command.run) *exit_code = command.run();
+    if (!command.run) return;
+    for (const CommandOption& option : command.options)
+      if (const auto* file = std::get_if<std::string*>(&option.target); option.writes && !(*file)->empty())
+        claim_output(**file);
+    *exit_code = command.run();
   });
 }
 

@@ -35,10 +35,12 @@ struct CommandOption {
   const char* standard = nullptr;                    // the default as the help says it; null: the target's
   const char *needs = nullptr, *excludes = nullptr;  // other options of the command
   bool required = false, by_commas = false;          // by_commas: the values of a list are separated by commas
+  bool writes = false;                               // the value is a file that the command writes
 };
 CommandOption required(CommandOption option);
 CommandOption standard(const char* text, CommandOption option);
 CommandOption by_commas(CommandOption option);
+CommandOption writes(CommandOption option);
 CommandOption needs(const char* other, CommandOption option);
 CommandOption excludes(const char* other, CommandOption option);
 

@@ -4,6 +4,7 @@
 #include <new>
 #include <thread>
 
+#include "models/files/command_files.h"
 #include "models/mesh/generated.h"
 #include "models/program/command_line.h"
 #include "models/program/commands.h"
@@ -29,6 +30,7 @@ constexpr const char* k_collider_mesh = "Mesh of the scene's colliders of shape 
 CommandOption output(std::string& file, const char* type, const char* help) {
   return required({"-o,--output", &file, type, help});
 }
+CommandOption output_file(std::string& file, const char* help) { return writes(output(file, "FILE", help)); }
 
 Options run_options(RunOptions& o) {
   return {
@@ -56,7 +58,7 @@ Options run_options(RunOptions& o) {
        one_of({"real", "virtual"})},
       {"--out", &o.out, "FOLDER", "Write reports, contact sheet, frames and film into this folder"},
       {"--plain", &o.plain, "", "Draw without label, ruler and checker, in warmer colours"},
-      {"--record", &o.record, "FILE", "Write what every frame was given and did to this file"},
+      writes({"--record", &o.record, "FILE", "Write what every frame was given and did to this file"}),
       excludes("--record", {"--replay", &o.replay, "FILE", "Repeat the run of such a file, to the bit"}),
   };
 }
@@ -76,7 +78,7 @@ Options view_options(ViewOptions& o) {
       standard("until the window is closed",
                {"--frames", &o.frames, "N", "End after this many frames, each 1/60 s of the scene",
                 whole_number(1, 1'000'000)}),
-      needs("--frames", {"--screenshot", &o.screenshot, "FILE", "Write the last frame to this file, .png"}),
+      needs("--frames", writes({"--screenshot", &o.screenshot, "FILE", "Write the last frame to this file, .png"})),
       needs("--frames", {"--script", &o.script, "EVENTS",
                          "Mouse and keys by frame: \"10 down P; 60 up P; 61 cursor 400 300; 61 press right\""}),
   };
@@ -178,16 +180,16 @@ Options sample_options(SampleOptions& o) {
                     "Least distance between two points, metres",
                     {above_zero, "above 0", "a number above 0", {}}}),
       seed_option(o.seed, "Equal seeds give equal points"),
-      {"--picture", &o.picture, "FILE", "Also draw the points, .png"},
-      output(o.output, "FILE", "Write the points to this file, .ply"),
+      writes({"--picture", &o.picture, "FILE", "Also draw the points, .png"}),
+      output_file(o.output, "Write the points to this file, .ply"),
   };
 }
 
 Options room_options(RoomOptions& o) {
   return {
       seed_option(o.seed, "Equal seeds give equal rooms"),
-      output(o.output, "FILE", "Write the panorama to this file, .hdr, with its depth beside it; or .jpg, to ship"),
-      {"--picture", &o.picture, "FILE", "Also write a tone-mapped picture, .png"},
+      output_file(o.output, "Write the panorama to this file, .hdr, with its depth beside it; or .jpg, to ship"),
+      writes({"--picture", &o.picture, "FILE", "Also write a tone-mapped picture, .png"}),
       {"--width", &o.width, "N", "Width in pixels, even; the height is half of it", whole_number(16, 8192)},
       {"--samples", &o.samples, "N", "Paths a pixel", whole_number(1, 65536)},
       {"--lamps-off", &o.lamps_off, "", "By daylight alone, as the camera sees it that was exposed with lamps on"},
@@ -211,7 +213,7 @@ Options light_features_options(LightFeaturesOptions& o) {
   return {
       required({"NETWORK", &o.network, "", "File of the lighting network"}),
       required({"DATASET", &o.folder, "", "Folder that `sandglass dataset` made"}),
-      output(o.output, "FILE", "Write one row an image to this file, .npy"),
+      output_file(o.output, "Write one row an image to this file, .npy"),
       {"--mirror", &o.mirror, "", "Add the rows of the mirrored images behind them"},
   };
 }
@@ -222,7 +224,7 @@ Options quantise_light_options(QuantiseLightOptions& o) {
       required({"--calibrate", &o.folders, "FOLDERS",
                 "Folders that `sandglass dataset` made; without --measure half of their images measure the error"}),
       {"--measure", &o.measured, "FOLDERS", "Folders of other places, whose images measure the error"},
-      output(o.output, "FILE", "Write the network to this file"),
+      output_file(o.output, "Write the network to this file"),
       {"--name", &o.name, "NAME", "Name of the network, kept in the file"},
       {"--images", &o.images, "N", "Images that calibrate, and as many that measure", whole_number(2, 10000)},
       {"--keep-float", &o.keep_float, "", "Keep the float network in the file, 30 MB more, for XNNPACK in float"},
@@ -233,7 +235,6 @@ Command view() {
   const char *name = "view", *help = "Show a running scene in a window";
 #ifdef SANDGLASS_HAVE_VIEW
   return command<ViewOptions>(name, help, view_options, [](const ViewOptions& o) {
-    listen_for_interrupt();
     view_scene(o);
     return k_exit_done;
   });
@@ -288,7 +289,12 @@ std::vector<CommandGroup> commands() {
 int main(int argc, char** argv) {
   using namespace sandglass::host;
   try {
-    return run_command_line(commands(), argc, argv);
+    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // what was said before Ctrl-C is not lost
+    listen_for_interrupt();
+    watch_files();
+    const int exit_code = run_command_line(commands(), argc, argv);
+    if (exit_code == k_exit_done || exit_code == k_exit_check_failed) finish_folders();
+    return exit_code;
   } catch (const std::bad_alloc&) {
     std::fputs("sandglass: cannot go on: this machine has too little memory for what was asked. Ask for less.\n",
                stderr);

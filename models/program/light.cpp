@@ -4,6 +4,7 @@
 #include <set>
 
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/lighting/light_picture.h"
@@ -47,17 +48,17 @@ std::vector<std::string> outputs_of(const LightOptions& options) {
 }  // namespace
 
 int light_command(const LightOptions& options) {
-  listen_for_interrupt();
   RoomLight light(options.network);
   // A photograph that cannot be read is reported before anything is written.
   std::vector<Picture> pictures;
   for (const std::string& path : options.images) pictures.push_back(read_picture(path));
   const std::string sheet_path = (fs::path(options.folder) / "sheet.png").string();
   const std::vector<std::string> outputs = outputs_of(options);
+  std::vector<std::string> files = {"sheet.png"};
   for (const std::string& output : outputs)
-    keep_inputs(output + ".png", options.images), keep_inputs(output + ".json", options.images);
-  if (outputs.size() > 1) keep_inputs(sheet_path, options.images);
-  make_folder(options.folder);
+    for (const char* extension : {".png", ".json"}) files.push_back(fs::path(output + extension).filename().string());
+  claim_outputs(options.folder, files);
+  begin_folder(options.folder);
   Progress progress("estimating light", pictures.size());
   std::vector<Picture> sheet;
   for (size_t i = 0; i < pictures.size() && !interrupted(); ++i) {

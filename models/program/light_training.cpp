@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/files/npy.h"
@@ -23,7 +24,7 @@ namespace {
 
 std::string without_extension(const std::string& path) {
   const size_t dot = path.find_last_of('.');
-  if (dot == std::string::npos || path.substr(dot) != ".hdr")
+  if (dot == std::string::npos || (path.substr(dot) != ".hdr" && path.substr(dot) != ".jpg"))
     throw cannot("write", path, "the panorama is a Radiance file", "Choose a name that ends in .hdr");
   return path.substr(0, dot);
 }
@@ -101,8 +102,8 @@ static Vec3 exposure_of(const Room& room, uint32_t threads) {
 
 // One procedural room as a panorama, its depth, and a picture for the eye.
 int room_command(const RoomOptions& options) {
-  listen_for_interrupt();
-  const std::string stem = without_extension(options.output);
+  const std::string stem = without_extension(options.output), depth = stem + "_depth.npy";
+  if (!options.output.ends_with(".jpg")) claim_output(depth);
   if (options.width % 2 != 0)
     throw cannot("use --width", std::to_string(options.width), "a panorama is half as high as wide",
                  "Give an even number");
@@ -123,16 +124,14 @@ int room_command(const RoomOptions& options) {
     write_kept_room(options.output, map);
     return 0;
   }
-  write_npy(stem + "_depth.npy", made.depth, static_cast<uint64_t>(map.height), static_cast<uint64_t>(map.width));
+  write_npy(depth, made.depth, static_cast<uint64_t>(map.height), static_cast<uint64_t>(map.width));
   write_hdr(options.output, map);
-  std::printf("room %llu, %d x %d, brightest %.4g, depth in %s_depth.npy\n",
-              static_cast<unsigned long long>(options.seed), map.width, map.height, greatest_luminance(map),
-              stem.c_str());
+  std::printf("room %llu, %d x %d, brightest %.4g, depth in %s\n", static_cast<unsigned long long>(options.seed),
+              map.width, map.height, greatest_luminance(map), depth.c_str());
   return 0;
 }
 
 int dataset_command(const DatasetOptions& options) {
-  listen_for_interrupt();
   const DatasetSummary made = make_dataset(options);
   if (interrupted()) return k_exit_interrupted;
   std::printf("%zu images of %zu panoramas in %s; %zu of them have no direction of light\n", made.excerpts,
@@ -143,8 +142,7 @@ int dataset_command(const DatasetOptions& options) {
 // The features that the heads of the lighting network get for each image of a data set, as the runtime computes them.
 // train.py fits the heads to them.
 int light_features_command(const LightFeaturesOptions& options) {
-  listen_for_interrupt();
-  const std::string bytes = read_file(options.network, "lighting network");
+  const std::string bytes = read_file(options.network, "lighting network", k_asset_limit);
   LightRunner runner({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}, options.network);
   const std::vector<std::string> images = images_of_dataset(options.folder);
   const size_t copies = options.mirror ? 2 : 1;
@@ -166,7 +164,6 @@ int light_features_command(const LightFeaturesOptions& options) {
 }
 
 int quantise_light_command(const QuantiseLightOptions& options) {
-  listen_for_interrupt();
   const std::vector<std::string> paths = pictures_in(options.folders);
   std::vector<std::string> to_calibrate, to_measure;
   if (options.measured.empty()) {  // every other one of the chosen pictures

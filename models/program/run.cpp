@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/work/progress.h"
 #include "platform/clock.h"
@@ -14,10 +14,6 @@
 namespace sandglass::host {
 
 namespace {
-
-// The virtual clock advances by this much at every reading, and the library reads it once or twice a work unit. So a
-// plan depends only on the scene and the budget.
-constexpr uint64_t k_virtual_step_ns = 5'000;
 
 // The positions without those of removed particles.
 std::vector<float> present(const std::vector<float>& positions) {
@@ -35,7 +31,10 @@ Run::Run(const RunOptions& options) : options_(options), scene_(load_scene(optio
   if (options_.budget_ms >= 0.0) scene_.budget_ms = options_.budget_ms;
   const sandglass_isa isa = find_isa(options_.isa);
   load_replay();
-  if (!options_.out.empty()) make_folder(options_.out);
+  if (!options_.out.empty()) {
+    claim_outputs(options_.out, result_files());
+    begin_folder(options_.out);
+  }
   replace_shadow();
   take_shot();
   const LoadedMeshes meshes(scene_, options_.mesh);
@@ -219,6 +218,7 @@ void Run::execute() {
   const uint32_t grains = static_cast<uint32_t>(simulation_->grain_positions().size() / 3);
   const uint32_t step = snapshot_step(scene_.frames, scene_.frame_step, particles, grains);
   const sandglass_clock cpu = clock_thread_cpu();
+  const KeepingResults until_the_end;
   Progress progress("simulating " + scene_.name, scene_.frames);
   for (uint32_t frame = 0; frame < scene_.frames && !interrupted(); ++frame) {
     std::vector<sandglass_collider> colliders;
@@ -246,7 +246,6 @@ void Run::execute() {
 }
 
 int run_command(const RunOptions& options) {
-  listen_for_interrupt();
   Run run(options);
   run.execute();
   const uint64_t hash = run.hash();

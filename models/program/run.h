@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "models/compositing/shot.h"
@@ -21,6 +22,9 @@
 #include "platform/virtual_clock.h"
 
 namespace sandglass::host {
+
+// The files that `run --out` writes into its folder, beside the frames of the film.
+std::vector<std::string> result_files();
 
 class Run {
  public:

@@ -54,6 +54,11 @@ std::vector<std::vector<std::string>> scene_facts(const SceneFile& scene) {
 
 }  // namespace
 
+std::vector<std::string> result_files() {
+  return {"report.csv",     "trace.json", "summary.json", "summary.txt",   "report.html", "contact_sheet.png",
+          "last_frame.png", "film.mp4",   "film.gif",     "composite.png", "truth.png",   "shot.png"};
+}
+
 uint32_t Run::drawing_threads() const {
   constexpr uint32_t k_at_most = 8;
   return std::min(std::max(1u, std::thread::hardware_concurrency()), k_at_most);
@@ -68,7 +73,7 @@ void Run::finish(uint64_t hash) {
   std::fputs(report_summary_text(report_).c_str(), stdout);
   if (report_.interrupted)
     std::printf("interrupted after %zu of %u frames; the reports cover those\n", report_.frames.size(), scene_.frames);
-  if (options_.out.empty()) return;
+  if (options_.out.empty() || report_.frames.empty()) return;  // before the first frame there is nothing to show
   const PictureSet set = picture_set();
   PicturePaths paths = draw_pictures(set, snapshots_);
   if (shot_) describe_light(&paths, set.threads);

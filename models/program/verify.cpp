@@ -8,6 +8,7 @@
 #include <cstdlib>
 
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/laboratory/sand/granular_plots.h"
 #include "models/laboratory/sand/physics_cases.h"
@@ -96,7 +97,7 @@ void expect_quick(const std::vector<std::string>& cases) {
 }
 
 void write_granular_folder(const std::string& folder, const VerdictTable& table) {
-  make_folder(folder);
+  begin_folder(folder);
   write_verdicts(folder, table.rows);
   std::string drawn;
   for (const GranularPlot& plot : granular_plots(table.curves)) {
@@ -176,7 +177,6 @@ Options verify_shot_options(VerifyOptions& o) {
 }  // namespace
 
 int verify_granular_command(const VerifyOptions& options) {
-  listen_for_interrupt();
   if (options.quick) expect_quick(options.cases);
   const VerdictChoice choice = {options.cases, options.quick, find_isa(options.isa)};
   const std::string isa_name = kernels_of(choice.isa);

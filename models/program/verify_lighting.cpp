@@ -7,6 +7,7 @@
 
 #include "models/compositing/light_estimate.h"
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/files/npy.h"
 #include "models/laboratory/light/turning_camera.h"
@@ -46,7 +47,7 @@ LightEstimator estimator_of(const std::string& network, sandglass_isa isa) {
       return labels_of_values(&v[0], &v[3], &v[6], v[9]);
     };
   }
-  const std::string bytes = read_file(network, "lighting network");
+  const std::string bytes = read_file(network, "lighting network", k_asset_limit);
   const auto runner = std::make_shared<LightRunner>(
       std::span(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()), network, isa);
   return [runner](const Picture& image, const std::string&) {
@@ -86,8 +87,10 @@ LightingSources lighting_sources(const VerifyOptions& options) {
 std::string said_of_training(const LightingSources& sources) {
   const std::string shipped = shipped_light_network();
   if (sources.network.empty() || shipped.empty() || is_float(sources.network)) return "";
-  if (read_file(sources.network, "lighting network") != read_file(shipped, "lighting network")) return "";
-  const std::set<std::string> fitted = panoramas_of_estimates(read_file(k_cross_validated, "estimates"));
+  if (read_file(sources.network, "lighting network", k_asset_limit) !=
+      read_file(shipped, "lighting network", k_asset_limit))
+    return "";
+  const std::set<std::string> fitted = panoramas_of_estimates(read_file(k_cross_validated, "estimates", k_text_limit));
   const std::vector<std::string> panoramas = find_panoramas(sources.panoramas);
   size_t known = 0;
   for (const std::string& path : panoramas) known += fitted.count(stem_of(path));
@@ -134,12 +137,12 @@ std::string add_floor(uint32_t threads, LightingVerdicts* verdicts) {
 
 LightEstimator chosen_estimator(const LightingSources& sources, const VerifyOptions& options) {
   if (!sources.network.empty()) return estimator_of(sources.network, find_isa(options.isa));
-  return estimates_of_csv(read_file(sources.estimates, "estimates"), sources.estimates);
+  return estimates_of_csv(read_file(sources.estimates, "estimates", k_text_limit), sources.estimates);
 }
 
 void write_folder(const std::string& folder, const LightingVerdicts& verdicts, const std::string& said,
                   const std::string& floor) {
-  make_folder(folder);
+  begin_folder(folder);
   write_file(folder + "/lighting.csv", lighting_csv(verdicts));
   write_file(folder + "/lighting.txt", said + lighting_table(verdicts));
   write_file(folder + "/estimates.csv", estimates_csv(verdicts));
@@ -152,7 +155,6 @@ void write_folder(const std::string& folder, const LightingVerdicts& verdicts, c
 }  // namespace
 
 int verify_lighting_command(const VerifyOptions& options) {
-  listen_for_interrupt();
   const LightingSources sources = lighting_sources(options);
   const bool in_bytes = !sources.network.empty() && !is_float(sources.network);
   LightingVerdictOptions lighting;

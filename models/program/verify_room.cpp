@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/lighting/dataset.h"
 #include "models/program/commands.h"
@@ -67,7 +68,6 @@ std::vector<Condition> conditions_of(RoomStudyOptions options, const RoomStudy& 
 }  // namespace
 
 int verify_room_command(const VerifyOptions& options) {
-  listen_for_interrupt();
   RoomStudyOptions study_options;
   if (options.panoramas.empty() && data_folder().empty()) throw no_panoramas("rooms");
   study_options.panoramas = options.panoramas.empty()
@@ -103,7 +103,7 @@ int verify_room_command(const VerifyOptions& options) {
   if (!options.json.empty())
     write_file(options.json, measurements_json(measurements_of("room", "automatic", options.threads, verdicts)));
   if (!options.out.empty()) {
-    make_folder(options.out);
+    begin_folder(options.out);
     write_verdicts(options.out, verdicts);
     write_file(options.out + "/rooms.md", markdown);
   }

@@ -5,6 +5,7 @@
 
 #include "models/compositing/light_estimate.h"
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/laboratory/shot/verify_shot.h"
 #include "models/lighting/dataset.h"
@@ -47,7 +48,7 @@ ShotStudy study_pictures(const VerifyOptions& options) {
   study.folder = options.out, study.picture.threads = options.threads, study.seed = options.seed;
   study.manifest =
       options.manifest.empty() && options.panoramas.empty() ? data_folder() + "/manifest.csv" : options.manifest;
-  if (!study.folder.empty()) make_folder(study.folder);
+  if (!study.folder.empty()) begin_folder(study.folder);
   if (study.network.empty()) std::printf("no lighting network: without estimates\n");
   Progress progress("compositing and tracing views", study.panoramas.size());
   return study_shots(study, [&](size_t done) {
@@ -66,7 +67,6 @@ std::vector<Verdict> check_pictures(const VerifyOptions& options) {
 }
 
 int verify_shot_command(const VerifyOptions& options) {
-  listen_for_interrupt();
   const ShotStudy result = study_pictures(options);
   if (interrupted()) return k_exit_interrupted;
   std::vector<Measurement> measurements;

@@ -1,8 +1,11 @@
 // The contact sheet comes first, so that an interrupted run has one.
 #include "models/report/pictures.h"
 
+#include <sys/wait.h>
+
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -87,11 +90,17 @@ std::string write_film(const PictureSet& set, const std::vector<Picture>& small,
                                 quoted((fs::path(frames_folder) / "frame_%06d.png").string()) +
                                 " -pix_fmt yuv420p -movflags +faststart " + quoted(unfinished) +
                                 " </dev/null >/dev/null 2>&1";
-    if (std::system(command.c_str()) == 0) {
+    const int status = std::system(command.c_str());
+    if (status == 0) {
       finish_file(film);
       return film;
     }
-    std::remove(unfinished.c_str());  // this ffmpeg may have no H.264 encoder; the GIF remains
+    // Ctrl-C reaches ffmpeg alone, which then ends with 255.
+    constexpr int k_ffmpeg_interrupted = 255;
+    if (WIFSIGNALED(status) || (WIFEXITED(status) && WEXITSTATUS(status) == k_ffmpeg_interrupted)) std::raise(SIGINT);
+    std::remove(unfinished.c_str());
+    if (interrupted()) return "";
+    // This ffmpeg may have no H.264 encoder; the GIF remains.
   }
   const std::string film = (fs::path(set.folder) / "film.gif").string();
   write_gif(film, small, std::max(2, static_cast<int>(std::lround(100.0 * set.seconds_per_snapshot))));

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
+#include <stdexcept>
 #include <vector>
 
 #include "models/files/atomic_file.h"
@@ -16,6 +18,7 @@
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfIO.h>
 #include <ImfInputFile.h>
 #endif
 
@@ -95,9 +98,29 @@ struct HdrReader {
 };
 
 #ifdef SANDGLASS_HAVE_OPENEXR
+class MemoryStream : public Imf::IStream {
+ public:
+  MemoryStream(const std::string& name, const std::string& bytes) : Imf::IStream(name.c_str()), bytes_(bytes) {}
+  bool read(char* to, int count) override {
+    if (count < 0 || at_ > bytes_.size() || static_cast<size_t>(count) > bytes_.size() - at_)
+      throw std::runtime_error("the file ends early");
+    std::memcpy(to, bytes_.data() + at_, static_cast<size_t>(count));
+    at_ += static_cast<size_t>(count);
+    return at_ < bytes_.size();
+  }
+  uint64_t tellg() override { return at_; }
+  void seekg(uint64_t position) override { at_ = position; }
+
+ private:
+  const std::string& bytes_;
+  uint64_t at_ = 0;
+};
+
 RadianceMap decode_exr(const std::string& path) {
   try {
-    Imf::InputFile file(path.c_str());
+    const std::string bytes = read_file(path, "panorama");
+    MemoryStream stream(path, bytes);
+    Imf::InputFile file(stream);
     const Imath::Box2i window = file.header().dataWindow();
     const int64_t width = int64_t{window.max.x} - window.min.x + 1, height = int64_t{window.max.y} - window.min.y + 1;
     if (width > k_widest || height > k_widest)

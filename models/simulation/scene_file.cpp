@@ -21,9 +21,9 @@ using nlohmann::json;
 
 namespace {
 
-constexpr uint32_t k_count_limit = 100'000'000;  // particles, grains, frames: far above what memory holds
-constexpr uint32_t k_collider_limit = 256;       // the limit of the public API
-constexpr uint32_t k_flow_limit = 64;            // the limit of the public API for emitters and for sinks
+constexpr uint32_t k_frame_limit = 100'000'000;
+constexpr uint32_t k_collider_limit = 256;  // the limit of the public API
+constexpr uint32_t k_flow_limit = 64;       // the limit of the public API for emitters and for sinks
 constexpr double k_length_limit = SANDGLASS_COORDINATE_LIMIT;
 
 std::string number_text(double value) {
@@ -225,20 +225,20 @@ Body read_body(Reader& reader) {
       if (counts[i] != std::floor(counts[i])) reader.refuse("counts", "must be three whole numbers");
       body.counts[i] = static_cast<uint32_t>(counts[i]);
     }
-    if (counts[0] * counts[1] * counts[2] > k_count_limit)
-      reader.refuse("counts", "asks for more than 100 million sites");
+    if (counts[0] * counts[1] * counts[2] > k_particle_limit)
+      reader.refuse("counts", "asks for more than " + number_text(k_particle_limit) + " particles");
   } else if (lattice) {
     reader.refuse("counts", "is missing; a lattice block needs [x, y, z]");
   }
   body.spacing = reader.number("spacing", body.spacing, 2.0, 10.0);
   body.jitter = reader.number("jitter", 0.0, 0.0, 0.5);
-  body.particles = reader.integer("particles", 0, 1, k_count_limit);
+  body.particles = reader.integer("particles", 0, 1, k_particle_limit);
   if (lattice && body.particles > 0)
     reader.refuse("particles", "does not apply to " + shape + "; \"counts\" says how many");
   if (body.shape == BodyShape::box && body.size.x == 0.0 && body.particles == 0)
     reader.fail(shape, "needs \"size\" [x, y, z] or \"particles\"");
   if (!lattice && body.size.y == 0.0 && body.particles == 0) reader.fail(shape, "needs \"size\" or \"particles\"");
-  body.grains = reader.integer("grains", 0, 0, k_count_limit);
+  body.grains = reader.integer("grains", 0, 0, k_grain_limit);
   body.grain_distance = reader.number("grain_distance", 0.0, 1e-5, k_length_limit);
   if (body.grains > 0 && body.grain_distance > 0.0)
     reader.refuse("grain_distance", "and \"grains\" are both given; give one of the two");
@@ -389,7 +389,7 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
 
   Reader reader(file, source, "");
   scene.name = reader.text("name", fs::path(source).stem().string());
-  scene.frames = reader.integer("frames", scene.frames, 1, k_count_limit);
+  scene.frames = reader.integer("frames", scene.frames, 1, k_frame_limit);
   scene.frame_step = reader.number("frame_step", scene.frame_step, 1e-4, 0.1);
   scene.budget_ms = reader.number("budget_ms", scene.budget_ms, 0.0, 1e6);
   scene.seed = reader.integer("seed", 1, 0, ~0u);
@@ -402,10 +402,17 @@ SceneFile parse_scene(const std::string& text, const std::string& source) {
     friction.finish();
   }
   if (reader.has("solver")) read_solver(reader.child("solver"), &scene.granular);
-  scene.granular.particle_capacity = reader.integer("particle_capacity", 0, 1, k_count_limit);
-  scene.granular.grain_capacity = reader.integer("grain_capacity", 0, 1, k_count_limit);
+  scene.granular.particle_capacity = reader.integer("particle_capacity", 0, 1, k_particle_limit);
+  scene.granular.grain_capacity = reader.integer("grain_capacity", 0, 1, k_grain_limit);
   scene.granular.collider_capacity = reader.integer("collider_capacity", 0, 1, k_collider_limit);
-  reader.each("bodies", 1000, [&](Reader& entry) { scene.bodies.push_back(read_body(entry)); });
+  uint64_t particles = 0, grains = 0;
+  reader.each("bodies", 1000, [&](Reader& entry) {
+    const Body& body = scene.bodies.emplace_back(read_body(entry));
+    particles += body.particles + uint64_t{body.counts[0]} * body.counts[1] * body.counts[2], grains += body.grains;
+  });
+  if (particles > k_particle_limit)
+    reader.refuse("bodies", "ask for more than " + number_text(k_particle_limit) + " particles");
+  if (grains > k_grain_limit) reader.refuse("bodies", "ask for more than " + number_text(k_grain_limit) + " grains");
   reader.each("colliders", k_collider_limit, [&](Reader& entry) { scene.colliders.push_back(read_collider(entry)); });
   if (reader.has("light")) scene.light = read_light(reader.child("light"));
   if (reader.has("shot")) scene.shot = read_shot(reader.child("shot"));
@@ -483,7 +490,7 @@ std::string find_scene(const std::string& name_or_path) {
 
 SceneFile load_scene(const std::string& name_or_path) {
   const std::string path = find_scene(name_or_path);
-  return parse_scene(read_file(path, "scene"), path);
+  return parse_scene(read_file(path, "scene", k_text_limit), path);
 }
 
 double revolved_distance(const Profile& profile, Vec3 point) {

@@ -108,13 +108,25 @@ UnitBody make_unit_body(const Body& body, const BodyMeshes& meshes, const std::s
   return unit;
 }
 
+// Refuses what a size and a distance ask for, before it is computed. A hexagonal close packing is the densest.
+void expect_possible(const UnitBody& body, double distance, uint32_t limit, const char* what) {
+  double cells = k_root2;
+  for (int axis = 0; axis < 3; ++axis)
+    cells *= (static_cast<double>(body.box.max[axis]) - body.box.min[axis]) / distance + 1.0;
+  if (!(cells <= 4.0 * limit))  // of the box; the body may fill a part of it
+    throw cannot("fill", body.label, std::string("it asks for far more ") + what + " than " + std::to_string(limit),
+                 "Make it smaller, or the distance larger");
+}
+
 Points lattice_points(const UnitBody& body, double distance) {
+  expect_possible(body, distance, k_particle_limit, "particles");
   Points points;
   body.require(cpp::sample_lattice(body.box, static_cast<float>(distance), std::ref(body.inside), &points));
   return points;
 }
 
 Points poisson_points(const UnitBody& body, double distance, uint64_t seed) {
+  expect_possible(body, distance, k_grain_limit, "grains");
   Points points;
   sandglass_sample_options options;
   sandglass_sample_options_default(&options);
@@ -125,6 +137,7 @@ Points poisson_points(const UnitBody& body, double distance, uint64_t seed) {
 
 // One random point in each cubic cell of edge `distance`. Points outside the body are left out.
 Points grid_points(const UnitBody& body, double distance, uint64_t seed) {
+  expect_possible(body, distance, k_grain_limit, "grains");
   Random random = {seed};
   int64_t cells[3];
   for (int axis = 0; axis < 3; ++axis)
@@ -357,6 +370,13 @@ Material fill_scene(SceneFile* scene, const BodyMeshes& meshes) {
       for (std::vector<Vec3>* points : {&filled[i].particles, &filled[i].grains})
         for (Vec3& p : *points) p = rotate(body.rotation, p) + offset;
     }
+  uint64_t particles = 0, grains = 0;
+  for (const Filled& body : filled) particles += body.particles.size(), grains += body.grains.size();
+  if (particles > k_particle_limit || grains > k_grain_limit)
+    throw cannot(
+        "fill", scene->source,
+        "its bodies hold " + std::to_string(particles) + " particles and " + std::to_string(grains) + " grains",
+        "At most " + std::to_string(k_particle_limit) + " and " + std::to_string(k_grain_limit) + " are taken");
   for (size_t i = 0; i < filled.size(); ++i) {
     if (scene->bodies[i].rigid > 0.0) {
       RigidSample rigid;

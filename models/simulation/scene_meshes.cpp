@@ -88,7 +88,8 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
     const double margin = std::max(3.0 * radius, 2.0 * spacing);
     const sandglass_solid solid = track.solid_outside ? SANDGLASS_SOLID_OUTSIDE : SANDGLASS_SOLID_INSIDE;
     const float step = static_cast<float>(spacing), beyond = static_cast<float>(margin);
-    cpp::Box box;
+    FieldPlan& plan = plans_.emplace_back();
+    cpp::Box& box = plan.box;
     cpp::Field& field = fields_.emplace_back();
     Mesh& standing = meshes_.emplace_back();
     if (!track.profile.empty()) {
@@ -115,10 +116,11 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
       bounds.code = sandglass_mesh_bounds(&view, box.min, box.max, &bounds.reason);
       require(*scene, i, bounds);
       for (int k = 0; k < 3; ++k) box.min[k] -= beyond, box.max[k] += beyond;
+      plan.rule = loaded.report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING;
+      plan.solid = solid, plan.spacing = step, plan.band = static_cast<float>(2.0 * radius);
       cpp::MeshInside inside;
-      require(*scene, i,
-              inside.create(view, loaded.report.watertight() ? SANDGLASS_INSIDE_PARITY : SANDGLASS_INSIDE_WINDING));
-      require(*scene, i, field.from_mesh(view, inside, box, step, static_cast<float>(2.0 * radius), solid));
+      require(*scene, i, inside.create(view, plan.rule));
+      require(*scene, i, field.from_mesh(view, inside, box, step, plan.band, solid));
     }
     track.field = field.get();
   }
@@ -127,6 +129,12 @@ CollisionFields::CollisionFields(SceneFile* scene, const std::string& mesh_path)
 const Mesh* CollisionFields::mesh_of(const sandglass_field* field) const {
   for (size_t i = 0; i < fields_.size(); ++i)
     if (fields_[i].get() == field) return &meshes_[i];
+  return nullptr;
+}
+
+const FieldPlan* CollisionFields::plan_of(const sandglass_field* field) const {
+  for (size_t i = 0; i < fields_.size(); ++i)
+    if (fields_[i].get() == field) return plans_[i].spacing > 0.0f ? &plans_[i] : nullptr;
   return nullptr;
 }
 

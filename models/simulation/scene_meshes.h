@@ -34,6 +34,14 @@ class LoadedMeshes {
 // `name` is what the Failure about a flat mesh calls it.
 void stand_mesh(Mesh* mesh, double height, const std::string& name);
 
+// How the field of a standing mesh is made.
+struct FieldPlan {
+  sandglass_inside_rule rule = SANDGLASS_INSIDE_PARITY;
+  sandglass_solid solid = SANDGLASS_SOLID_INSIDE;
+  cpp::Box box;
+  float spacing = 0.0f, band = 0.0f;  // metres
+};
+
 class CollisionFields {
  public:
   // Builds the fields and sets them in the scene's collider tracks. They stay valid as long as this object.
@@ -42,10 +50,13 @@ class CollisionFields {
 
   // The mesh that a field was made of, or the turned outline; null for a field that is not of this scene.
   const Mesh* mesh_of(const sandglass_field* field) const;
+  // How it was made of that mesh; null for the field of an outline too.
+  const FieldPlan* plan_of(const sandglass_field* field) const;
 
  private:
   std::vector<cpp::Field> fields_;
-  std::vector<Mesh> meshes_;  // of the same index
+  std::vector<Mesh> meshes_;      // of the same index
+  std::vector<FieldPlan> plans_;  // of the same index
 };
 
 }  // namespace sandglass::host

@@ -1,10 +1,13 @@
 // A line is shown when the work has run for two seconds and the previous line is old enough.
 #include "models/work/progress.h"
 
+#include <sys/time.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <string_view>
 
 #include "models/files/atomic_file.h"
 
@@ -56,11 +59,33 @@ void Progress::done_at(uint64_t count, Time now) {
 
 namespace {
 
-volatile std::sig_atomic_t interrupt_flag = 0;
+constexpr suseconds_t k_patience_us = 700'000;  // after Ctrl-C: then the program ends, or says why it does not
+
+volatile std::sig_atomic_t interrupt_flag = 0, seen_flag = 0;
+std::atomic<int> keepers = 0;
+
+void say(std::string_view sentence) {
+  if (write(STDERR_FILENO, sentence.data(), sentence.size()) < 0) return;  // nobody listens
+}
+
+// Nothing has asked interrupted() since Ctrl-C: a library is at work, a file is being read, or a step takes long.
+void on_patience_over(int) {
+  if (seen_flag != 0) return;
+  if (keepers > 0) {
+    say("sandglass: interrupted; the step in progress is finished first. Ctrl-C again ends at once.\n");
+    return;
+  }
+  remove_unfinished();
+  say("sandglass: interrupted.\n");
+  constexpr int k_exit_interrupted = 130;
+  _exit(k_exit_interrupted);
+}
 
 void on_interrupt(int number) {
   if (interrupt_flag == 0) {
     interrupt_flag = 1;
+    const itimerval once = {{}, {0, k_patience_us}};
+    setitimer(ITIMER_REAL, &once, nullptr);
     return;
   }
   remove_unfinished();
@@ -70,10 +95,17 @@ void on_interrupt(int number) {
 
 }  // namespace
 
+KeepingResults::KeepingResults() { ++keepers; }
+KeepingResults::~KeepingResults() { --keepers; }
+
 void listen_for_interrupt() {
+  std::signal(SIGALRM, on_patience_over);
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
 }
-bool interrupted() { return interrupt_flag != 0; }
+bool interrupted() {
+  if (interrupt_flag != 0) seen_flag = 1;
+  return interrupt_flag != 0;
+}
 
 }  // namespace sandglass::host

@@ -39,9 +39,18 @@ struct Progress {
 std::string progress_line(const std::string& what, uint64_t count, uint64_t total, double elapsed_s,
                           uint64_t first = 0);
 
-// After this call Ctrl-C (or SIGTERM) sets a flag and does not end the program. A second Ctrl-C ends it at once and
-// leaves no half-written file.
+// After this call Ctrl-C (or SIGTERM) sets a flag. The work asks for it and ends. If nothing asks within a second, the
+// program ends there with exit code 130, or, while results are being kept, says that a step is finished first. A second
+// Ctrl-C ends it at once. Neither leaves a half-written file.
 void listen_for_interrupt();
 bool interrupted();
+
+// Lives while Ctrl-C should not lose what was computed: the frames of a run, the training of a bake.
+struct KeepingResults {
+  KeepingResults();
+  ~KeepingResults();
+  KeepingResults(const KeepingResults&) = delete;
+  KeepingResults& operator=(const KeepingResults&) = delete;
+};
 
 }  // namespace sandglass::host

@@ -7,6 +7,7 @@
 // so no reading can overflow anything.
 #include "runtime/core/governor.h"
 
+#include "kernels/whole.h"
 #include "platform/check.h"
 #include "platform/trace.h"
 #include "runtime/core/predictor.h"
@@ -17,8 +18,6 @@ namespace {
 // A unit is meant to take 50 us. A second means a suspended machine, a debugger or a broken clock. A step backward,
 // modulo 2^64, is longer than that too.
 constexpr uint64_t k_jump_ns = 1000000000;
-// A quarter is added to every prediction: it covers jitter of 20 % that a quantile of 16 observations may have missed.
-constexpr uint64_t k_margin_divisor = 4;
 // A unit of unknown cost that the clock did not see counts for this part of the budget: 62 us of 4 ms.
 constexpr uint64_t k_unit_cap = 64;
 // A clock that does not move for this many units in a row is not coarse but frozen.
@@ -31,8 +30,6 @@ constexpr uint64_t k_hysteresis_divisor = 8;
 // Shares are in units of 1/1024, to stay in integers.
 constexpr uint32_t k_share_one = 1024;
 
-uint64_t with_margin(uint64_t ns) { return add(ns, ns / k_margin_divisor); }
-
 // One frame in progress.
 struct Frame {
   Governor* governor;
@@ -44,6 +41,7 @@ struct Frame {
   bool reads;  // the clock is read (a replay reads it to report)
   uint64_t budget;
   uint64_t reserve;
+  uint64_t reserve_margin;  // of it: what the output stage may take beyond its estimate
 
   uint64_t reading;  // the clock's last
   uint64_t elapsed;  // sum of believed differences
@@ -56,7 +54,7 @@ struct Frame {
 };
 
 uint64_t share_of(uint64_t time, float share) {
-  const uint64_t parts = share > 0.0f ? (share < 1.0f ? static_cast<uint64_t>(share * k_share_one) : k_share_one) : 0;
+  const uint64_t parts = share > 0.0f ? (share < 1.0f ? to_whole<uint64_t>(share * k_share_one) : k_share_one) : 0;
   return time / k_share_one * parts + time % k_share_one * parts / k_share_one;
 }
 
@@ -204,7 +202,12 @@ bool admitted(Frame* frame, const WorkUnit& unit) {
 
   const PredictorPolicy& policy = frame->governor->policy;
   const Governor::Kind& kind = frame->governor->kinds[unit.kind];
-  uint64_t cost = with_margin(predicted);
+  uint64_t cost = with_margin(policy, kind.spread, predicted);
+  // The unit and the output stage seldom exceed their estimates in the same frame: half the smaller margin serves both,
+  // down to the least one.
+  const uint64_t margin = cost - predicted, least = with_margin(policy, Spread{}, predicted);
+  const uint64_t shared = (margin < frame->reserve_margin ? margin : frame->reserve_margin) / 2;
+  cost = cost - shared > least ? cost - shared : least;
   if (policy.capped && cost > frame->budget / 2) cost = frame->budget / 2;
   if (policy.probe_frames != 0) {
     if (kind.frames_denied + 1 >= policy.probe_frames) return true;
@@ -413,11 +416,15 @@ bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_coun
   if (replay != nullptr) {
     complete = run_plan(&frame, *replay, stage_count, &last_mandatory);
   } else {
+    uint64_t closing = 0;  // what the output stage is estimated to cost
     run_mandatory(&frame, &last_mandatory);
     if (has_output && frame.timed) {
       learn_output(&frame, last, &last_mandatory);
       bool unknown = false;
-      frame.reserve = with_margin(predict_stage(governor, stages[last], frame.level, budget_ns, &unknown));
+      closing = predict_stage(governor, stages[last], frame.level, budget_ns, &unknown);
+      frame.reserve = with_margin(governor->policy, governor->closing, closing);
+      frame.reserve_margin = frame.reserve - closing;
+      if (unknown) closing = 0;
       if (unknown && frame.reserve < budget_ns / 2) frame.reserve = budget_ns / 2;
     }
     const uint64_t optional_from = frame.elapsed;
@@ -430,6 +437,7 @@ bool governor_frame(Governor* governor, const Stage* stages, uint32_t stage_coun
       last_mandatory = run_unit(&frame, last, unit);
     }
     const uint64_t output_ns = frame.elapsed - output_from;
+    if (output_ns != 0) spread_observe(governor->policy, &governor->closing, output_ns, closing);
     if (any && output_ns > frame.reserve && frame.timed) governor->closing_excess_ns = output_ns - frame.reserve;
     if (any) last_mandatory = last_optional;
     if (frame.timed) remember_denials(governor, frame);

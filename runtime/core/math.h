@@ -7,13 +7,14 @@
 //   cube_root       x >= 0                                error below 4e-16 relative
 //   exponential     0 below -700, e^700 above 700         error below 1e-15 relative
 //   logarithm       of x > 0, natural                     error below 1e-15 relative, or 1e-16 absolute
-//   floor_index     largest integer not above x           exact for |x| < 2^62
+//   floor_index     largest integer not above x           exact for |x| < 2^62; beyond, and for NaN, 2^62 or -2^62
 //
 // tests/sampling/math_test.cpp holds these bounds against libm.
 #pragma once
 
 #include <cstdint>
 #include <cstring>
+#include "kernels/whole.h"
 
 namespace sandglass {
 
@@ -24,8 +25,10 @@ inline double absolute(double x) { return __builtin_fabs(x); }
 
 // Written with a cast because the floor of baseline x86-64 is a library call.
 inline int64_t floor_index(double x) {
-  const int64_t i = static_cast<int64_t>(x);
-  return i - (static_cast<double>(i) > x ? 1 : 0);
+  constexpr double k_limit = 0x1p62;
+  const double bounded = x < k_limit ? (x > -k_limit ? x : -k_limit) : k_limit;
+  const int64_t i = to_whole<int64_t>(bounded);
+  return i - (static_cast<double>(i) > bounded ? 1 : 0);
 }
 
 inline int64_t ceiling_index(double x) { return -floor_index(-x); }

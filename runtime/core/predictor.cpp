@@ -14,6 +14,11 @@ constexpr uint32_t k_censor_from = 4;
 // could keep that level away for ever.
 constexpr uint32_t k_idle_frames_per_halving = 64;
 
+// By how much an excess raises a spread: enough to follow a kind that becomes uneven within a few excesses.
+constexpr uint32_t k_spread_step = k_spread_one / 16;
+// An excess beyond three estimates is the machine's, not the kind's: a processor taken away, or throttled.
+constexpr uint32_t k_foreseeable = 3;
+
 // The largest recent cost after the largest `dropped` of 16 are left out; of fewer costs, proportionally fewer.
 uint64_t quantile(const Governor::Kind& kind, uint32_t dropped) {
   const uint32_t leave_out = dropped * kind.count / k_history;
@@ -36,12 +41,28 @@ uint64_t quantile(const Governor::Kind& kind, uint32_t dropped) {
 
 }  // namespace
 
+uint64_t with_margin(const PredictorPolicy& policy, const Spread& spread, uint64_t ns) {
+  const uint32_t ratio = policy.exceeded_once_in == 0 ? k_least_spread : spread.ratio;
+  return add(ns, multiply(ns, ratio - k_spread_one) / k_spread_one);
+}
+
+void spread_observe(const PredictorPolicy& policy, Spread* spread, uint64_t cost, uint64_t estimate) {
+  if (policy.exceeded_once_in == 0 || estimate == 0 || cost / k_foreseeable >= estimate) return;
+  if (cost > with_margin(policy, *spread, estimate)) {
+    spread->ratio += k_spread_step;
+    return;
+  }
+  const uint32_t lower = k_spread_step / policy.exceeded_once_in;
+  if (spread->ratio >= k_least_spread + lower) spread->ratio -= lower;
+}
+
 void predictor_observe(Governor* governor, const WorkUnit& unit, uint64_t ns) {
   if (unit.kind >= k_unit_kinds) return;
   Governor::Kind* kind = &governor->kinds[unit.kind];
   const PredictorPolicy& policy = governor->policy;
   uint64_t cost = ns * k_picoseconds_per_nanosecond / (unit.items == 0 ? 1 : unit.items);
   if (cost == 0) cost = 1;
+  if (kind->count >= k_censor_from) spread_observe(policy, &kind->spread, cost, kind->estimate);
   if (policy.censor != 0 && kind->count >= k_censor_from && cost / policy.censor >= kind->estimate) {
     cost = multiply(kind->estimate, policy.censor);
   }

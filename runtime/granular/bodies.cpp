@@ -30,8 +30,8 @@ Vector rotated(const double q[4], const Vector& r) {
   return {r.x + t.x, r.y + t.y, r.z + t.z};
 }
 
-Vector rest_of(const Granular& g, uint32_t slot) {
-  const float* p = g.bodies.rest_shape + 3ull * slot;
+Vector rest_of(const Bodies& bodies, uint32_t slot) {
+  const float* p = bodies.rest_shape + 3ull * slot;
   return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
 }
 
@@ -115,7 +115,7 @@ void accumulate(Granular* g, uint32_t slot) {
   const Particle& next = g->particles.records[1][g->bodies.rows[slot]];
   const Particle& now = g->particles.records[0][g->bodies.rows[slot]];
   const RigidBody& body = g->bodies.all[g->bodies.cursor];
-  const Vector r = rotated(body.rotation, rest_of(*g, slot));
+  const Vector r = rotated(body.rotation, rest_of(g->bodies, slot));
   const double offset[3] = {r.x, r.y, r.z}, dt = static_cast<double>(g->substep.length);
   double moved[3], carried[3];
   for (int k = 0; k < 3; ++k) {
@@ -141,7 +141,7 @@ void apply(Granular* g, uint32_t slot) {
   const RigidBody& body = g->bodies.all[g->bodies.cursor];
   Particle* next = &g->particles.records[1][g->bodies.rows[slot]];
   float *position = next->position, *velocity = next->velocity;
-  const Vector now = rotated(body.rotation, rest_of(*g, slot));
+  const Vector now = rotated(body.rotation, rest_of(g->bodies, slot));
   const double back[4] = {-m.turn[0], -m.turn[1], -m.turn[2], m.turn[3]};
   const Vector turned = turned_by(back, now);  // the turn of this sub-step, backward
   const Vector spun = cross({static_cast<double>(body.angular[0]), static_cast<double>(body.angular[1]),
@@ -290,7 +290,7 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
     g->bodies.numbers[slot] = number_of(*p);
     g->sleep.anchors[number_of(*p)].body_slot = slot;
     join_body(p, g->bodies.count + 1, 1.0f / desc->density_ratio);
-    const Vector turning = cross(spin, rest_of(*g, slot));
+    const Vector turning = cross(spin, rest_of(g->bodies, slot));
     float* v = p->velocity;
     v[0] = body.linear[0] + static_cast<float>(turning.x);
     v[1] = body.linear[1] + static_cast<float>(turning.y);
@@ -305,6 +305,12 @@ sandglass_status granular_add_body(Granular* g, const sandglass_body* desc, uint
   if (index != nullptr) *index = g->bodies.count;
   ++g->bodies.count;
   return SANDGLASS_OK;
+}
+
+void bodies_place(const Bodies& bodies, const RigidBody& body, uint32_t slot, float position[3]) {
+  const Vector r = rotated(body.rotation, rest_of(bodies, slot));
+  const double offset[3] = {r.x, r.y, r.z};
+  for (int k = 0; k < 3; ++k) position[k] = static_cast<float>(body.center[k] + offset[k]);
 }
 
 void bodies_move(Bodies* bodies, uint32_t index, const double rotation[4], const float shift[3]) {

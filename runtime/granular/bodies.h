@@ -49,6 +49,8 @@ void bodies_reset(Bodies* bodies);
 sandglass_status granular_add_body(Granular* granular, const sandglass_body* body, uint32_t* index,
                                    const char** reason);
 void granular_body_pose(const Granular& granular, uint32_t index, sandglass_body_pose* pose);
+// Where the pose of a body puts the particle of a slot.
+void bodies_place(const Bodies& bodies, const RigidBody& body, uint32_t slot, float position[3]);
 void bodies_move(Bodies* bodies, uint32_t index, const double rotation[4], const float shift[3]);
 
 // The phase of a sub-step. False: no body is awake.

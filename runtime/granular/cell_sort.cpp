@@ -1,4 +1,5 @@
 #include "runtime/granular/cell_sort.h"
+#include "kernels/whole.h"
 
 namespace sandglass {
 
@@ -40,7 +41,7 @@ void cell_sort_begin(CellSort* sort, float cell, const float low[3], const float
   uint32_t bits[3];
   for (int k = 0; k < 3; ++k) {
     const float extent = (high[k] - low[k]) * inverse + 2.0f;
-    const uint32_t cells = extent > 1.0f && extent < 1048576.0f ? static_cast<uint32_t>(extent) : 1048576u;
+    const uint32_t cells = extent > 1.0f && extent < 1048576.0f ? to_whole<uint32_t>(extent) : 1048576u;
     bits[k] = bits_min;
     while ((1u << bits[k]) < cells) ++bits[k];
   }
@@ -53,7 +54,7 @@ void cell_sort_begin(CellSort* sort, float cell, const float low[3], const float
   for (int k = 0; k < 3; ++k) {
     sort->grid.bits[k] = bits[k];
     const float scaled = low[k] * inverse;
-    sort->first[k] = scaled > -1e9f && scaled < 1e9f ? static_cast<int32_t>(scaled) - 1 : 0;
+    sort->first[k] = scaled > -1e9f && scaled < 1e9f ? to_whole<int32_t>(scaled) - 1 : 0;
   }
   sort->grid.starts = sort->starts;
   sort->cells = 1u << (bits[0] + bits[1] + bits[2]);

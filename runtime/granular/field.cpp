@@ -3,6 +3,7 @@
 // 13 % above it. An inside test gives the sign. There is no memory but the field's own.
 #include "runtime/granular/field.h"
 
+#include "kernels/whole.h"
 #include "runtime/core/refuse.h"
 #include "runtime/sampling/arguments.h"
 
@@ -27,7 +28,7 @@ const char* measure(const float low[3], const float high[3], float spacing, uint
     const double cells = (static_cast<double>(high[k]) - static_cast<double>(low[k])) / static_cast<double>(spacing);
     if (!(cells < static_cast<double>(k_nodes_max)))
       return "sandglass_field: more than 2^24 nodes: enlarge the spacing.";
-    const uint32_t whole = static_cast<uint32_t>(cells);
+    const uint32_t whole = to_whole<uint32_t>(cells);
     counts[k] = whole + (cells > static_cast<double>(whole) ? 2 : 1);
     if (counts[k] < 2) counts[k] = 2;
     nodes *= counts[k];
@@ -144,8 +145,8 @@ bool node_range(const Nodes& n, int axis, float low, float high, uint32_t range[
   const float from = (low - n.low[axis]) / n.spacing, to = (high - n.low[axis]) / n.spacing;
   const float last = static_cast<float>(n.counts[axis] - 1);
   if (to < 0.0f || from > last) return false;
-  range[0] = from > 0.0f ? static_cast<uint32_t>(from) : 0;
-  range[1] = to < last ? static_cast<uint32_t>(to) + 1 : n.counts[axis] - 1;
+  range[0] = from > 0.0f ? to_whole<uint32_t>(from) : 0;
+  range[1] = to < last ? to_whole<uint32_t>(to) + 1 : n.counts[axis] - 1;
   if (range[1] > n.counts[axis] - 1) range[1] = n.counts[axis] - 1;
   return true;
 }

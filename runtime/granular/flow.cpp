@@ -1,5 +1,6 @@
 #include "runtime/granular/flow.h"
 
+#include "kernels/whole.h"
 #include "runtime/core/finite.h"
 #include "runtime/core/random.h"
 #include "runtime/core/refuse.h"
@@ -59,7 +60,7 @@ template <class Take>
 void for_sites(const sandglass_emitter& e, float radius, uint32_t layer, const Take& take) {
   const float a = k_spacing_radii * radius, reach = e.radius;
   const float shift_x = layer % 2 == 0 ? 0.0f : 0.5f * a, shift_z = layer % 2 == 0 ? 0.0f : a * k_row / 3.0f;
-  const int32_t rows = static_cast<int32_t>(reach / (a * k_row)) + 2, columns = static_cast<int32_t>(reach / a) + 2;
+  const int32_t rows = to_whole<int32_t>(reach / (a * k_row)) + 2, columns = to_whole<int32_t>(reach / a) + 2;
   for (int32_t j = -rows; j <= rows; ++j) {
     for (int32_t i = -columns; i <= columns; ++i) {
       const float x = (static_cast<float>(i) + ((j & 1) != 0 ? 0.5f : 0.0f)) * a + shift_x;

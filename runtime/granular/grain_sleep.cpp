@@ -1,5 +1,6 @@
 #include "runtime/granular/grain_sleep.h"
 
+#include "kernels/whole.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {

@@ -14,6 +14,9 @@ constexpr float k_grain_radii = 0.35f;
 // Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 72 for r = 1 cm.
 constexpr float k_substep_units = 0.00871f;
 
+// Seconds; what an app may ask for. A frame of 0.2 s then has 200,000 sub-steps.
+constexpr float k_shortest_substep = 1e-6f;
+
 constexpr float k_at_rest[3] = {0.0f, 0.0f, 0.0f};
 
 constexpr float k_speed_limit = 1e4f;  // m/s that material may be added with
@@ -62,8 +65,10 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
            "that, piles blow up.";
   }
   if (!(d.courant > 0.0f && d.courant <= 1.0f)) return "granular.courant must be above 0 and at most 1.";
-  if (outside(d.substep_max, 0.0f, 0.1f)) return "granular.substep_max must be 0 (automatic) to 0.1 seconds.";
-  if (outside(d.substep_min, 0.0f, 0.1f)) return "granular.substep_min must be 0 (automatic) to 0.1 seconds.";
+  if (d.substep_max != 0.0f && outside(d.substep_max, k_shortest_substep, 0.1f))
+    return "granular.substep_max must be 0 (automatic), or 0.000001 to 0.1 seconds.";
+  if (d.substep_min != 0.0f && outside(d.substep_min, k_shortest_substep, 0.1f))
+    return "granular.substep_min must be 0 (automatic), or 0.000001 to 0.1 seconds.";
   if (d.substep_min > 0.0f && d.substep_max > 0.0f && d.substep_min > d.substep_max)
     return "granular.substep_min must not exceed substep_max.";
   if (outside(d.list_skin, 0.1f, 1.0f)) return "granular.list_skin must be 0.1 to 1 particle radius.";

@@ -1,4 +1,5 @@
 #include "runtime/granular/ladder.h"
+#include "kernels/whole.h"
 
 namespace sandglass {
 
@@ -39,7 +40,7 @@ const QualityLevel k_ladder[SANDGLASS_LEVEL_COUNT] = {
 };
 
 uint32_t level_iterations(const QualityLevel& level, uint32_t iterations) {
-  const uint32_t fewer = static_cast<uint32_t>(static_cast<float>(iterations) / level.coarsening + 0.5f);
+  const uint32_t fewer = to_whole<uint32_t>(static_cast<float>(iterations) / level.coarsening + 0.5f);
   return iterations <= 1 || fewer == 0 ? 1 : fewer;
 }
 

@@ -1,5 +1,6 @@
 #include "runtime/granular/particle_motion.h"
 
+#include "kernels/whole.h"
 #include "runtime/core/random.h"
 #include "runtime/granular/granular.h"
 
@@ -43,7 +44,9 @@ void copy_nodes(const MotionGrid& grid, uint32_t from, uint32_t to, const uint32
       const float* node = planes + (z * k_block_side + y) * k_block_side;
       for (uint32_t x = 0; x < counts[0]; ++x, ++node, record += k_record_floats) {
         for (uint32_t c = 0; c < k_record_floats; ++c)
-          record[c] = from != k_no_block ? node[c * k_block_nodes] : c >= k_node_nearest && c < k_node_largest ? k_inert_position : 0.0f;
+          record[c] = from != k_no_block                          ? node[c * k_block_nodes]
+                      : c >= k_node_nearest && c < k_node_largest ? k_inert_position
+                                                                  : 0.0f;
       }
     }
   }
@@ -241,7 +244,7 @@ bool motion_run_join(Granular* g) {
 namespace {
 
 int32_t floor_block(float scaled) {
-  const int32_t truncated = static_cast<int32_t>(scaled);
+  const int32_t truncated = to_whole<int32_t>(scaled);
   return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
 }
 

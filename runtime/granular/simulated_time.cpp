@@ -1,5 +1,6 @@
 #include "runtime/granular/simulated_time.h"
 
+#include "kernels/whole.h"
 #include "runtime/granular/granular.h"
 #include "runtime/granular/ladder.h"
 
@@ -12,7 +13,7 @@ constexpr double k_frames_made_up = 2.0;  // an older debt becomes slow motion
 
 // Rounded up; but a hair above a whole number is that number: 20 ms in steps of 20/64 ms are 64.
 uint32_t whole_parts(double count) {
-  const uint32_t whole = static_cast<uint32_t>(count);
+  const uint32_t whole = to_whole<uint32_t>(count);
   return count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
 }
 

@@ -1,5 +1,6 @@
 #include "runtime/granular/sleep.h"
 
+#include "kernels/whole.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -202,7 +203,7 @@ bool sleep_run_wake(Granular* g) {
 bool sleep_run_sleep(Granular* g) {
   uint32_t& cursor = g->substep.cursor;
   const float limit = k_rest_radii * g->desc.particle_radius, limit2 = limit * limit;
-  const uint32_t patience = static_cast<uint32_t>(g->desc.sleep_after * static_cast<float>(1.0 / k_sleep_period));
+  const uint32_t patience = to_whole<uint32_t>(g->desc.sleep_after * static_cast<float>(1.0 / k_sleep_period));
   const uint32_t items = sleep_active_items(*g);
   const uint32_t end = items - cursor < g->unit ? items : cursor + g->unit;
   for (uint32_t at = cursor; at < end; at += k_lane_group) {

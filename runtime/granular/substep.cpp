@@ -2,6 +2,7 @@
 // integration in one. Passes run over the record groups that hold an awake particle (sleep.h).
 #include "runtime/granular/substep.h"
 
+#include "kernels/whole.h"
 #include "runtime/granular/granular.h"
 #include "runtime/granular/ladder.h"
 
@@ -232,7 +233,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   if (g.particles.count == 0 || g.time.debt < k_time_resolution) return 0;
   const uint64_t substeps = time_substeps(g, g.time.debt, level), count = g.particles.count;
   const uint64_t active = g.neighbours.valid ? sleep_active_items(g) : count;
-  const uint64_t builds = static_cast<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps)) + 1;
+  const uint64_t builds = to_whole<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps)) + 1;
   uint32_t n = 0;
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};
   entries[n++] = {k_unit_lists, builds * active};

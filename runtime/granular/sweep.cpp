@@ -1,5 +1,6 @@
 #include "runtime/granular/sweep.h"
 
+#include "kernels/whole.h"
 #include "runtime/granular/granular.h"
 
 namespace sandglass {
@@ -67,7 +68,7 @@ void enter(Granular* g, SweepPhase phase) {
 void begin(Granular* g) {
   SimulatedTime& t = g->time;
   const double count = t.grain_lag / static_cast<double>(g->desc.refine_step);
-  const uint32_t whole = static_cast<uint32_t>(count);
+  const uint32_t whole = to_whole<uint32_t>(count);
   uint32_t steps = count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
   if (steps > k_sweep_steps_max) steps = k_sweep_steps_max;
   g->sweep.time = t.grain_lag;
@@ -275,9 +276,8 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   if (g.grains.count == 0) return 0;
   uint64_t sweeps = 0;
   if (t.debt >= k_time_resolution || t.grain_lag >= k_time_resolution) {
-    sweeps = source_rule(g)
-                 ? static_cast<uint64_t>((t.debt + t.grain_lag) / static_cast<double>(g.desc.refine_step)) + 1
-                 : 1;
+    sweeps =
+        source_rule(g) ? to_whole<uint64_t>((t.debt + t.grain_lag) / static_cast<double>(g.desc.refine_step)) + 1 : 1;
   }
   if (sweeps == 0) return 0;
   entries[0] = {k_unit_snapshot, sweeps * 2 * g.particles.count};

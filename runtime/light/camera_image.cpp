@@ -1,5 +1,6 @@
 #include "runtime/light/camera_image.h"
 
+#include "kernels/whole.h"
 #include "runtime/core/finite.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
@@ -257,7 +258,7 @@ namespace {
 // About how many pixels of the input a box reads along an axis.
 uint64_t box_pixels(float focal, uint32_t most) {
   const double step = static_cast<double>(focal) / k_light_focal;
-  return static_cast<uint64_t>((step < 1.0 ? 1.0 : step > most ? most : step) + 1.0);
+  return to_whole<uint64_t>((step < 1.0 ? 1.0 : step > most ? most : step) + 1.0);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <cstring>
 
+#include "kernels/whole.h"
 #include "platform/floating_point.h"
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/hash.h"
@@ -84,7 +85,7 @@ __attribute__((noinline)) bool build(const Checked& checked, const sandglass_lig
   l->rgb = parts.rgb, l->sums = parts.sums;
   memset(l->rgb, 0, k_rgb_bytes);
   const double interval = static_cast<double>(desc.interval);
-  l->interval_ns = static_cast<uint64_t>(interval * 1e9);
+  l->interval_ns = to_whole<uint64_t>(interval * 1e9);
   l->filter.law = {static_cast<double>(desc.smoothing), interval, static_cast<double>(desc.turn_limit),
                    static_cast<double>(desc.outlier_angle), static_cast<double>(desc.outlier_level)};
   light_reset(l);

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <type_traits>
 
+#include "kernels/whole.h"
 #include "platform/xnnpack.h"
 #include "runtime/light/backends.h"
 
@@ -198,7 +199,7 @@ void average_features(LightNetwork* net) {
     return;
   }
   for (uint32_t c = 0; c < k_light_features; ++c) {
-    const auto steps = static_cast<uint32_t>(256.0f * sums[c] / static_cast<float>(pixels) + 0.5f);
+    const auto steps = to_whole<uint32_t>(256.0f * sums[c] / static_cast<float>(pixels) + 0.5f);
     net->pooled_high[c] = static_cast<uint8_t>(steps >> 8), net->pooled_low[c] = static_cast<uint8_t>(steps);
   }
 }

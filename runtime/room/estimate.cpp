@@ -9,7 +9,9 @@
 //
 // A floor shadow is linear in the cells. So the shadow of least expected squared error is the one drawn in the expected
 // light. Where nothing was seen that is an even sky, and the shadow is soft; a guess of one light is not.
+#include "kernels/whole.h"
 #include "runtime/core/filled_struct.h"
+#include "runtime/core/finite.h"
 #include "runtime/core/math.h"
 #include "runtime/light/harmonics.h"
 #include "runtime/light/luminance.h"
@@ -94,6 +96,9 @@ struct Hint {
 Hint hint_of(const Room& room, const RoomModel& model, const sandglass_light_estimate* estimate) {
   Hint hint = {{0, 1, 0}, 0};
   if (estimate == nullptr || estimate->valid == 0) return hint;
+  if (!all_within(estimate->direction, 3, -1.01f, 1.01f) || !within(estimate->confidence, 0.0f, 1.01f) ||
+      !within(estimate->contrast, 0.0f, 1.01f))
+    return hint;
   const double direction[3] = {static_cast<double>(estimate->direction[0]), static_cast<double>(estimate->direction[1]),
                                static_cast<double>(estimate->direction[2])};
   room_to_sphere(room, direction, hint.direction);
@@ -104,7 +109,7 @@ Hint hint_of(const Room& room, const RoomModel& model, const sandglass_light_est
 uint32_t cell_of(const double direction[3], double yaw) {
   const double turns = arc_tangent2(direction[2], direction[0]) / (2 * k_pi) + yaw;
   const double around = turns - static_cast<double>(floor_index(turns));
-  auto sector = static_cast<uint32_t>(around * k_cell_sectors);
+  auto sector = to_whole<uint32_t>(around * k_cell_sectors);
   sector = sector < k_cell_sectors ? sector : k_cell_sectors - 1;
   uint32_t ring = 0;
   while (ring + 1 < k_cell_rings && direction[1] >= k_ring_sines[ring + 1]) ++ring;

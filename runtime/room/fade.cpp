@@ -36,6 +36,12 @@ void turn(float shown[3], const float now[3], float share) {
   for (int k = 0; k < 3; ++k) shown[k] = static_cast<float>(direction[k] / square_root(squared));
 }
 
+bool finite(const sandglass_room_light& l) {
+  return all_finite(l.cells, SANDGLASS_LIGHT_CELLS) && all_finite(l.ambient_cells, SANDGLASS_LIGHT_CELLS) &&
+         all_finite(l.main_direction, 3) && is_finite(l.main_share) && all_finite(l.main_colour, 3) &&
+         all_finite(l.irradiance, 3) && all_finite(l.sh, 27) && is_finite(l.white);
+}
+
 __attribute__((noinline)) void fade(sandglass_room_light* shown, const sandglass_room_light& now, float seconds) {
   const auto share = static_cast<float>(1 - exponential(static_cast<double>(-seconds) / k_seconds));
   const bool gone = shown->main_share <= k_not_visible;
@@ -72,7 +78,8 @@ void sandglass_room_light_fade(sandglass_room_light* shown, const sandglass_room
     *shown = *now;
     return;
   }
-  if (!within(seconds, 0.0f, 3600.0f)) return;
+  // What is shown is mixed with what was: one number that is none would stay.
+  if (!within(seconds, 0.0f, 3600.0f) || !finite(*now)) return;
   const FloatingPointControl saved = floating_point_enter();
   fade(shown, *now, seconds);
   floating_point_restore(saved);

@@ -3,6 +3,7 @@
 // whatever the image's size, a part's share of the picture is known, and nothing is scattered.
 //
 // Where the points lie within a part changes from image to image, so that a lamp smaller than a part is met in the end.
+#include "kernels/whole.h"
 #include "runtime/core/math.h"
 #include "runtime/light/luminance.h"
 #include "runtime/light/turn.h"
@@ -27,6 +28,11 @@ constexpr float k_clip_slack = 0.05f;  // a difference of clipped shares below t
 // wall.
 constexpr double k_overlap_memory = 0.3, k_overlap_clipped = 0.01, k_overlap_dark = 0.0003, k_overlap_least = 1.0;
 constexpr double k_scale_most = 1e6;
+// The light of the whole room has changed where almost all that is seen again is brighter or darker by half: in the
+// logarithm, the share of what is compared, how much is compared (parts on the horizon), and how bright a part is shown
+// at least, so that bytes do not round it.
+constexpr double k_change = 0.405, k_change_share = 0.8, k_change_least = 8.0, k_change_dark = 0.01;
+constexpr float k_radiance_most = 1e6f;  // of a part
 
 // sRGB to linear light, (c + 0.055) / 1.055 to the power 2.4, by Newton's fifth root: x^2.4 = x^2 (x^2)^(1/5).
 struct LinearTable {
@@ -80,7 +86,7 @@ bool pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint
   const double v =
       static_cast<double>(view.image.focal_y) * c[1] / c[2] + static_cast<double>(view.image.centre_y) + 0.5;
   if (!(u >= 0 && u < view.image.width && v >= 0 && v < view.image.height)) return false;
-  *x = static_cast<uint32_t>(u), *y = static_cast<uint32_t>(v);
+  *x = to_whole<uint32_t>(u), *y = to_whole<uint32_t>(v);
   return true;
 }
 
@@ -107,17 +113,24 @@ Observation observe(const RoomView& view, uint32_t images, uint32_t row, uint32_
   return seen;
 }
 
+// The solid angle of a part that is remembered well and shown whole, both unclipped; 0 for others. On the horizon it is
+// 1.
+double comparable(const Room& room, uint32_t part, const Observation& now) {
+  const RoomPart& known = room.parts[part];
+  if (room_memory(room, known) * static_cast<double>(known.seen) < k_overlap_memory) return 0;
+  if (static_cast<double>(known.clipped) > k_overlap_clipped) return 0;
+  if (now.covered < 1 || now.clipped > 0) return 0;
+  if (!(luminance(now.colour) > k_overlap_dark) || !(luminance(known.radiance) > 0)) return 0;
+  return sin_cos_turns((part / k_room_columns + 0.5) / (2 * k_room_rows)).sin;
+}
+
 // What one part tells of the exposure.
 void compare(Room* room, uint32_t part) {
-  const RoomPart& known = room->parts[part];
-  if (room_memory(*room, known) * static_cast<double>(known.seen) < k_overlap_memory) return;
-  if (static_cast<double>(known.clipped) > k_overlap_clipped) return;
-  const uint32_t row = part / k_room_columns;
-  const Observation now = observe(room->view, room->images, row, part % k_room_columns, k_overlap_points);
-  const double before = luminance(known.radiance), shown = luminance(now.colour);
-  if (now.covered < 1 || now.clipped > 0 || !(shown > k_overlap_dark) || !(before > 0)) return;
-  const double weight = sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin;  // its solid angle
-  room->view.log_sum += weight * logarithm(before / shown);
+  const Observation now =
+      observe(room->view, room->images, part / k_room_columns, part % k_room_columns, k_overlap_points);
+  const double weight = comparable(*room, part, now);
+  if (!(weight > 0)) return;
+  room->view.log_sum += weight * logarithm(luminance(room->parts[part].radiance) / luminance(now.colour));
   room->view.log_weight += weight;
 }
 
@@ -128,6 +141,7 @@ void learn(Room* room, uint32_t part) {
   const Observation now = observe(room->view, room->images, part / k_room_columns, part % k_room_columns, k_points);
   if (!(now.covered > 0)) return;
   RoomPart* known = &room->parts[part];
+  const double compared = comparable(*room, part, now);
   const auto memory = static_cast<float>(room_memory(*room, *known));
   const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
   float weight = known->weight * memory;
@@ -144,10 +158,31 @@ void learn(Room* room, uint32_t part) {
   float rate = covered / (weight + covered);
   const bool clearer = clipped < known->clipped - k_clip_slack;
   const bool changed = after > 2 * before || after < 0.5 * before;
-  const float least = covered * (clearer ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
+  const float least = covered * (clearer || room->view.renews ? k_clearer_rate : changed ? k_changed_rate : 0.0f);
   rate = rate > least ? rate : least;
   for (int c = 0; c < 3; ++c) known->radiance[c] += rate * (static_cast<float>(colour[c]) - known->radiance[c]);
   known->clipped += rate * (clipped - known->clipped);
+  if (compared > 0 && luminance(now.colour) > k_change_dark) {
+    const double darker = logarithm(before / after);
+    room->view.log_sum += compared * darker;
+    room->view.log_weight += compared;
+    if (__builtin_fabs(darker) > k_change) room->view.votes += darker > 0 ? compared : -compared;
+  }
+}
+
+// Where the light of the room has changed, what is out of the picture has changed as much, as far as one can tell: its
+// level follows, its shares stay. What is in the picture is gathered once more and believed.
+bool follow_change(Room* room) {
+  RoomView* view = &room->view;
+  if (!room->exposure_known || view->renews || view->log_weight < k_change_least) return false;
+  if (__builtin_fabs(view->votes) < k_change_share * view->log_weight) return false;
+  const auto factor = static_cast<float>(exponential(-view->log_sum / view->log_weight));
+  for (RoomPart& part : room->parts) {
+    if (part.stamp == view->stamp) continue;  // in the picture
+    for (float& c : part.radiance) c = c * factor < k_radiance_most ? c * factor : k_radiance_most;
+  }
+  view->renews = true;
+  return true;
 }
 
 // The pose of the stored image in the sphere's frame.
@@ -226,7 +261,8 @@ bool room_take_image(Room* room, const CameraImage& image) {
   if (room->images != 0) view->stamp += static_cast<float>(static_cast<double>(step) * 1e-9);
   room->last_ns = image.timestamp_ns;
   view->image = with_turn(image);
-  view->log_sum = view->log_weight = 0;
+  view->log_sum = view->log_weight = view->votes = 0;
+  view->renews = false;
   place(*room, view);
   const bool known = room->exposure_known && image.exposure > 0;
   view->scale = known ? 1 / static_cast<double>(image.exposure) : room->scale;
@@ -255,9 +291,11 @@ void room_run_unit(Room* room) {
       const double scale = exponential(view->log_sum / view->log_weight);
       view->scale = scale < 1 / k_scale_most ? 1 / k_scale_most : scale > k_scale_most ? k_scale_most : scale;
     }
+    view->log_sum = view->log_weight = 0;
     room->phase = RoomPhase::gather;
     return;
   }
+  if (follow_change(room)) return;
   room->scale = view->scale;
   ++room->images;
   for (const uint8_t*& plane : view->image.planes) plane = nullptr;

@@ -1,6 +1,7 @@
 // The C API around a Room, and its part in a frame.
 #include "runtime/room/room.h"
 
+#include "kernels/whole.h"
 #include "platform/floating_point.h"
 #include "runtime/core/filled_struct.h"
 #include "runtime/core/finite.h"
@@ -128,7 +129,7 @@ sandglass_status sandglass_room_create(const sandglass_room_desc* desc, void* bl
   owner->functions = &k_room_functions;
   owner->room.radius = static_cast<double>(desc->radius);
   owner->room.half_life = static_cast<double>(desc->half_life);
-  owner->room.interval_ns = static_cast<uint64_t>(static_cast<double>(desc->interval) * 1e9);
+  owner->room.interval_ns = to_whole<uint64_t>(static_cast<double>(desc->interval) * 1e9);
   room_reset(&owner->room);
   *room = owner;
   return accept(reason);

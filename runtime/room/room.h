@@ -45,7 +45,9 @@ struct RoomView {
   double position[3];          // of the camera, in the sphere's frame, in radii
   double most_cosine;          // parts farther from the optical axis than this are not in the picture
   double scale;                // radiance of a pixel of linear value 1
-  double log_sum, log_weight;  // of the overlap
+  double log_sum, log_weight;  // of the overlap: how much brighter memory is than the image
+  double votes;                // of log_weight: what became darker less what became brighter
+  bool renews;                 // the light has changed: the image is gathered once more, and believed
   float stamp;
 };
 

@@ -1,5 +1,6 @@
 // Hexagonal close packing in a volume: Alg. 3. One pass asks `inside` once for each site and notes the answer in a bit.
 // So the number of points is known before the first one is written.
+#include "kernels/whole.h"
 #include "runtime/core/layout.h"
 #include "runtime/core/math.h"
 #include "runtime/sampling/arguments.h"
@@ -32,7 +33,7 @@ sandglass_status measure(const float bounds_min[3], const float bounds_max[3], f
     total *= sites + 1;
     if (!(total <= static_cast<double>(k_point_limit)))
       return refuse(reason, "distance is too small: more than 2^30 lattice sites in the bounding box; enlarge it");
-    lattice->sites[k] = static_cast<uint32_t>(sites) + 1;
+    lattice->sites[k] = to_whole<uint32_t>(sites) + 1;
   }
   lattice->total = static_cast<uint64_t>(lattice->sites[0]) * lattice->sites[1] * lattice->sites[2];
   return accept(reason);

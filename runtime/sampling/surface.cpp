@@ -5,6 +5,7 @@
 // conflict. That gives the same decisions with one grid. The work is linear, since a candidate dies once. The result is
 // maximal once no candidate is left. And it needs distances from one sample, not between pairs: that is what a geodesic
 // search gives.
+#include "kernels/whole.h"
 #include "runtime/core/layout.h"
 #include "runtime/sampling/arguments.h"
 #include "runtime/sampling/candidate_grid.h"
@@ -52,7 +53,7 @@ sandglass_status measure(const sandglass_mesh* mesh, float distance, const sandg
     if (!(extent * cells_per_metre(distance) < k_axis_cell_limit))
       return refuse(reason, "distance is too small: more than 2^20 of it along the bounding box; enlarge it");
   }
-  need->candidates = static_cast<uint32_t>(candidates);
+  need->candidates = to_whole<uint32_t>(candidates);
   // With 30 tries, a cell that the surface crosses holds about ten candidates.
   need->bucket_bits = 1;
   while ((1ull << need->bucket_bits) < need->candidates / 8) ++need->bucket_bits;

@@ -6,6 +6,7 @@
 // same.
 #include "runtime/sampling/volume.h"
 
+#include "kernels/whole.h"
 #include "runtime/core/layout.h"
 #include "runtime/sampling/arguments.h"
 
@@ -187,7 +188,7 @@ sandglass_status sandglass_sample_volume_capacity(const float bounds_min[3], con
   CellGrid grid;
   if (const sandglass_status status = measure(bounds_min, bounds_max, distance, &grid, reason)) return status;
   if (capacity == nullptr) return refuse(reason, "capacity is NULL: pass room for a number");
-  *capacity = static_cast<uint32_t>(packing_bound(grid)) + 1;
+  *capacity = to_whole<uint32_t>(packing_bound(grid)) + 1;
   return accept(reason);
 }
 

@@ -4,6 +4,7 @@
 // first moment about the centre corrects most of the rest (Barill et al. 2018, the first order of their expansion). A
 // cluster counts as far beyond k_far times its radius. Nearer ones are opened, and in the end triangles are taken
 // exactly.
+#include "kernels/whole.h"
 #include "runtime/core/math.h"
 #include "runtime/sampling/arguments.h"
 #include "runtime/sampling/inside.h"
@@ -190,9 +191,8 @@ void build_winding(const sandglass_mesh& mesh, const float bounds_min[3], const 
     const Facet facet = facet_of(t);
     uint64_t code = 0;
     for (int k = 0; k < 3; ++k)
-      code |=
-          spread_bits(static_cast<uint64_t>((facet.centroid[k] - static_cast<double>(bounds_min[k])) * scale) & 1023)
-          << k;
+      code |= spread_bits(to_whole<uint64_t>((facet.centroid[k] - static_cast<double>(bounds_min[k])) * scale) & 1023)
+              << k;
     w->order[i] = code << 32 | i;
   }
   heap_sort(w->order, w->triangle_count);

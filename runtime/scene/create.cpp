@@ -19,7 +19,7 @@ sandglass_status check(const sandglass_scene_desc* desc, const char** reason) {
   if (desc->unit_items < 16 || desc->unit_items > 65536 || desc->unit_items % 16 != 0) {
     return refuse(reason, "desc.unit_items must be a multiple of 16 from 16 to 65536.");
   }
-  if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_NEON_I8MM) {
+  if (desc->isa < SANDGLASS_ISA_AUTOMATIC || desc->isa > SANDGLASS_ISA_WASM) {
     return refuse(reason, "desc.isa must be a SANDGLASS_ISA value.");
   }
   if (desc->finest_level >= SANDGLASS_LEVEL_COUNT)

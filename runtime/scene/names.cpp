@@ -42,6 +42,8 @@ const char* sandglass_isa_name(sandglass_isa isa) {
       return "neon_dotprod";
     case SANDGLASS_ISA_NEON_I8MM:
       return "neon_i8mm";
+    case SANDGLASS_ISA_WASM:
+      return "wasm";
     default:
       return nullptr;
   }

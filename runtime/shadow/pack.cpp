@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "kernels/whole.h"
 #include "runtime/core/math.h"
 
 namespace sandglass {
@@ -108,8 +109,8 @@ void fill_coverage(uint8_t* coverage) {
   double power = 1;
   for (uint32_t i = 0; i <= k_half; ++i, power *= k_factor) {
     const double share = 1 / (1 + power);
-    if (i < k_half) coverage[k_half + i] = static_cast<uint8_t>(255 * share + 0.5);
-    coverage[k_half - i] = static_cast<uint8_t>(255 * (1 - share) + 0.5);
+    if (i < k_half) coverage[k_half + i] = to_whole<uint8_t>(255 * share + 0.5);
+    coverage[k_half - i] = to_whole<uint8_t>(255 * (1 - share) + 0.5);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "runtime/core/math.h"
+#include "runtime/shadow/pile_thin.h"
 #include "runtime/shadow/shadow.h"
 
 namespace sandglass {
@@ -12,10 +13,9 @@ namespace {
 // Sand is lit as it is seen, sphere by sphere. A receiver on the sand is raised by this share of a radius, so that
 // neighbours of the same height do not shade each other.
 constexpr float k_surface_lift = 0.5f;
-constexpr float k_half_face = 0.8862269f;  // radii: half the side of a square as large as a sphere's silhouette
-constexpr double k_cap_share = 0.9;        // what hides this share of a light counts as reaching its upper edge
-constexpr double k_step_growth = 1.12;     // of distant steps; a light of 20 degrees is 0.35 wide at distance 1
-constexpr double k_even_steps = 8;         // texels that are walked one by one
+constexpr double k_cap_share = 0.9;     // what hides this share of a light counts as reaching its upper edge
+constexpr double k_step_growth = 1.12;  // of distant steps; a light of 20 degrees is 0.35 wide at distance 1
+constexpr double k_even_steps = 8;      // texels that are walked one by one
 
 void clear_columns(Pile* p) {
   const uint32_t count = p->texels * p->pitch + k_lane_group;
@@ -30,10 +30,8 @@ void clear_columns(Pile* p) {
 
 // Adds to a column: `share` of its texel is covered from `low` to `high`. Spheres in one column are taken to lie
 // independently of each other.
-void put_column(Pile* p, int64_t u, int64_t v, float share, float low, float high) {
-  const int32_t n = static_cast<int32_t>(p->texels);
-  if (u < 0 || v < 0 || u >= n || v >= n || !(high > 0)) return;
-  const int32_t column = static_cast<int32_t>(u), row = static_cast<int32_t>(v);
+void put_column(Pile* p, int32_t column, int32_t row, float share, float low, float high) {
+  if (!(high > 0)) return;
   const int64_t at = static_cast<int64_t>(row) * p->pitch + column;
   float *top = p->tops + at, *bottom = p->bottoms + at, *fill = p->fills + at;
   *top = high > *top ? high : *top;
@@ -46,24 +44,26 @@ void put_column(Pile* p, int64_t u, int64_t v, float share, float low, float hig
   p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
 }
 
-// A sphere goes into the column that holds its centre. It counts as the cube whose faces are as large as its
-// silhouette: so it hides equally much from every side, and covers its texel by one face. A sphere as wide as a texel
-// also fills every column whose middle lies under or over it.
-void put_sphere(Pile* p, const float* centre, float radius) {
+// A sphere goes into the column that holds its centre, and covers it by k_thin_side (pile_thin.h). It reaches as high
+// and as low as the cube whose faces are as large as its silhouette. A sphere as wide as a texel covers the column by
+// one face of that cube. It also fills every column whose middle lies under or over it.
+// `visits` is what is left of this unit's columns. False: it is spent, and the sphere goes on in the next unit.
+bool put_sphere(Pile* p, const float* centre, float share, uint32_t* visits) {
+  const float radius = p->source.radius, face = k_half_face * radius, n = static_cast<float>(p->texels);
   const float x = (centre[0] - p->low[0]) / p->texel[0], z = (centre[2] - p->low[1]) / p->texel[1];
-  const float n = static_cast<float>(p->texels), reach_x = radius / p->texel[0], reach_z = radius / p->texel[1];
   const float y = centre[1] - p->height;
-  if (!(x > -reach_x && z > -reach_z && x < n + reach_x && z < n + reach_z && y < 1e6f)) return;
-  const float area = 4 * k_half_face * k_half_face * reach_x * reach_z, face = k_half_face * radius;
-  put_column(p, floor_index(static_cast<double>(x)), floor_index(static_cast<double>(z)), area < 1 ? area : 1, y - face,
-             y + face);
-  if (reach_x < 0.5f && reach_z < 0.5f) return;
-  const int64_t u0 = ceiling_index(static_cast<double>(x - reach_x - 0.5f));
-  const int64_t u1 = floor_index(static_cast<double>(x + reach_x - 0.5f));
-  const int64_t v0 = ceiling_index(static_cast<double>(z - reach_z - 0.5f));
-  const int64_t v1 = floor_index(static_cast<double>(z + reach_z - 0.5f));
-  for (int64_t v = v0; v <= v1; ++v)
-    for (int64_t u = u0; u <= u1; ++u) {
+  if (p->sphere_row == 0 && x >= 0 && z >= 0 && x < n && z < n && y < k_pile_highest)
+    put_column(p, static_cast<int32_t>(x), static_cast<int32_t>(z), share, y - face, y + face);
+  if (is_finer_than_texels(*p)) return true;
+  const PileReach reach = pile_reach(*p, centre, radius);
+  const int32_t wide = reach.last[0] - reach.first[0] + 1;
+  for (int32_t v = reach.first[1] + static_cast<int32_t>(p->sphere_row); v <= reach.last[1] && wide > 0; ++v) {
+    if (*visits < static_cast<uint32_t>(wide)) {
+      p->sphere_row = static_cast<uint32_t>(v - reach.first[1]);
+      return false;
+    }
+    *visits -= static_cast<uint32_t>(wide);
+    for (int32_t u = reach.first[0]; u <= reach.last[0]; ++u) {
       const float dx = (static_cast<float>(u) + 0.5f - x) * p->texel[0];
       const float dz = (static_cast<float>(v) + 0.5f - z) * p->texel[1];
       const float square = radius * radius - dx * dx - dz * dz;
@@ -71,11 +71,19 @@ void put_sphere(Pile* p, const float* centre, float radius) {
       const float half = __builtin_sqrtf(square);
       put_column(p, u, v, 1, y - half, y + half);
     }
+  }
+  p->sphere_row = 0;
+  return true;
+}
+
+// Columns that a sphere may cover along an axis.
+float columns_across(const Pile& p, uint32_t axis) {
+  const float columns = 2 * p.source.radius / p.texel[axis] + 1, n = static_cast<float>(p.texels);
+  return columns < n ? columns : n;
 }
 
 uint32_t unit_spheres(const Pile& p) {
-  const float columns = (2 * p.source.radius / p.texel[0] + 1) * (2 * p.source.radius / p.texel[1] + 1);
-  const float count = static_cast<float>(k_pile_unit_columns) / columns;
+  const float count = static_cast<float>(k_pile_unit_columns) / (columns_across(p, 0) * columns_across(p, 1));
   return count > 1024 ? 1024u : count > 1 ? static_cast<uint32_t>(count) : 1u;
 }
 
@@ -103,18 +111,17 @@ uint32_t walk(const Pile& p, double cosine, double sine, double low, PileStep* s
   const double reach =
       slope * across * texel > static_cast<double>(p.top) ? static_cast<double>(p.top) / (slope * texel) : across;
   uint32_t count = 0;
-  // The receiver's own column: two random places in it are a third of its width apart on average.
+  // The receiver's own column: two random places in it are a third of its width apart on average. The other columns
+  // count as if they lay just where the step ends, so that a thin layer is met once in each texel's width.
   steps[count++] = {0, 0, static_cast<float>(3 / texel)};
   for (double distance = 1; distance <= reach + 1 && count < k_pile_steps;
        distance = distance < k_even_steps ? distance + 1 : distance * k_step_growth) {
     const double x = distance * texel * cosine / static_cast<double>(p.texel[0]);
     const double z = distance * texel * sine / static_cast<double>(p.texel[1]);
     const int64_t columns = floor_index(x + 0.5), rows = floor_index(z + 0.5);
-    const double dx = static_cast<double>(columns) * static_cast<double>(p.texel[0]);
-    const double dz = static_cast<double>(rows) * static_cast<double>(p.texel[1]);
-    const double length = square_root(dx * dx + dz * dz);
-    if (!(length > 0)) continue;
-    steps[count++] = {static_cast<int32_t>(columns), static_cast<int32_t>(rows), static_cast<float>(1 / length)};
+    if (columns == 0 && rows == 0) continue;
+    steps[count++] = {static_cast<int32_t>(columns), static_cast<int32_t>(rows),
+                      static_cast<float>(1 / (distance * texel))};
   }
   return count;
 }
@@ -152,13 +159,14 @@ void cut_light(Pile* p) {
     azimuth.first_step = steps;
     steps += walk(*p, ahead_x * cosine - ahead_z * sine, ahead_z * cosine + ahead_x * sine, low, p->steps + steps);
     azimuth.last_step = steps;
+    thin_own_column(*p, p->steps + azimuth.first_step, steps - azimuth.first_step, &azimuth);
     total += static_cast<double>(azimuth.weight) * static_cast<double>(azimuth.high - azimuth.low);
   }
   p->inverse_total = total > 0 ? static_cast<float>(1 / total) : 0.0f;
 }
 
 void begin(Pile* p) {
-  p->phase = PilePhase::columns, p->cursor = 0;
+  p->phase = PilePhase::columns, p->cursor = p->sphere_row = 0;
   p->making = pile_wanted(*p), p->asked &= ~p->making;
   p->back.frame = p->frame;
   if ((p->making & k_ask_sky) != 0) sky_begin(p);
@@ -184,9 +192,10 @@ void run_columns(Pile* p) {
   const uint32_t left = source.count > p->cursor ? source.count - p->cursor : 0, most = unit_spheres(*p);
   const uint32_t end = p->cursor + (left < most ? left : most);
   const Centres centres = centres_of(source);
-  const float radius = source.radius;
-  for (uint32_t i = p->cursor; i < end; ++i) put_sphere(p, centres.first + i * centres.stride, radius);
-  p->cursor = end;
+  const float share = sphere_share(*p);
+  uint32_t visits = k_pile_unit_columns;
+  for (; p->cursor < end; ++p->cursor)
+    if (!put_sphere(p, centres.first + p->cursor * centres.stride, share, &visits)) return;
   if (p->cursor < source.count) return;
   p->cursor = 0;
   if ((p->making & k_ask_light) == 0) {
@@ -204,6 +213,7 @@ void light_row(Pile* p, uint32_t row, const float* receivers, uint8_t* coverage)
   for (uint32_t side = 0; side < 2; ++side)
     args.sand_rows[side] = p->sand_rows[side], args.sand_columns[side] = p->sand_columns[side];
   args.receivers = receivers;
+  args.on_floor = receivers == p->nothing ? 1 : 0;
   args.azimuths = p->azimuths, args.azimuth_count = p->azimuth_count, args.steps = p->steps;
   args.inverse_total = p->inverse_total;
   args.shares = p->shares;
@@ -309,6 +319,25 @@ Stage begin_frame(sandglass_pile_shadow* shadow, const PileSource& source, bool 
 }
 
 }  // namespace
+
+PileReach pile_reach(const Pile& p, const float* centre, float radius) {
+  PileReach reach = {{0, 0}, {-1, -1}};
+  const float y = centre[1] - p.height, n = static_cast<float>(p.texels);
+  if (!(radius > 0 && radius < k_pile_radius_limit && y < k_pile_highest && y + radius > 0)) return reach;
+  float from[2], to[2];
+  for (uint32_t axis = 0; axis < 2; ++axis) {
+    const float middle = (centre[2 * axis] - p.low[axis]) / p.texel[axis], half = radius / p.texel[axis];
+    from[axis] = middle - half - 0.5f, to[axis] = middle + half - 0.5f;
+    if (!(from[axis] < n && to[axis] >= 0)) return reach;
+  }
+  for (uint32_t axis = 0; axis < 2; ++axis) {  // what is converted lies from 0 to n
+    const double first = from[axis] > 0 ? static_cast<double>(from[axis]) : 0.0;
+    const double last = to[axis] < n - 1 ? static_cast<double>(to[axis]) : static_cast<double>(n) - 1;
+    reach.first[axis] = static_cast<int32_t>(ceiling_index(first));
+    reach.last[axis] = static_cast<int32_t>(floor_index(last));
+  }
+  return reach;
+}
 
 WorkUnit pile_next(const Pile& p) {
   if (p.phase == PilePhase::idle || p.phase == PilePhase::columns) {

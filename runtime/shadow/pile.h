@@ -22,6 +22,8 @@ constexpr uint32_t k_pile_steps = 48;     // most steps along one azimuth
 constexpr uint32_t k_pile_unit_texels = 512;
 constexpr uint32_t k_pile_unit_columns = 8192;  // about as many as the spheres of one unit write
 constexpr float k_pile_empty = 1e30f;
+constexpr float k_pile_highest = 1e6f;       // metres over the floor; what is higher is left out
+constexpr float k_pile_radius_limit = 1e6f;  // metres; spheres of such a radius are left out
 
 // Kinds of work unit.
 enum : uint32_t { k_pile_columns, k_pile_rows, k_pile_levels, k_pile_sky_rows, k_pile_kinds };
@@ -60,7 +62,8 @@ struct Pile {
   PileStep* steps;
   // The texture under way.
   PilePhase phase;
-  uint32_t cursor;  // next particle or row
+  uint32_t cursor;      // next particle or row
+  uint32_t sphere_row;  // rows of this particle that are done, where it takes several units
   int32_t sand_rows[2], sand_columns[2];
   float top;  // of the highest sand, above the floor
   uint32_t azimuth_count;
@@ -83,6 +86,13 @@ struct Pile {
 inline uint32_t pile_wanted(const Pile& p) {
   return p.asked & ((p.opacity > 0 ? k_ask_light : 0u) | (p.sky.texels != 0 ? k_ask_sky : 0u));
 }
+
+// The columns of the texture whose middles a sphere covers: rows from first[1] to last[1], columns from first[0] to
+// last[0]. A last one before the first: none. Any centre and radius will do.
+struct PileReach {
+  int32_t first[2], last[2];
+};
+PileReach pile_reach(const Pile& pile, const float* centre, float radius);
 
 WorkUnit pile_next(const Pile& pile);
 void pile_run(Pile* pile);

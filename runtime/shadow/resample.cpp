@@ -2,6 +2,7 @@
 // texel and the weight of a light are computed in double.
 #include <cstring>
 
+#include "kernels/whole.h"
 #include "platform/floating_point.h"
 #include "runtime/core/math.h"
 #include "runtime/core/refuse.h"
@@ -70,7 +71,7 @@ __attribute__((noinline)) void combine(const Shadow& s, uint32_t size, uint8_t* 
         const Between bv = place(z, t.rectangle.low_z, t.rectangle.high_z);
         sum += weight[i] * sample(t.coverage, bu, bv);
       }
-      out[v * size + u] = static_cast<uint8_t>(sum < 255 ? sum : 255);
+      out[v * size + u] = to_whole<uint8_t>(sum < 255 ? sum : 255);
     }
   }
   low[0] = static_cast<float>(all.low_x + s.origin[0]), low[1] = static_cast<float>(all.low_z + s.origin[2]);

@@ -289,7 +289,7 @@ void work_pile_light(const Kernels& kernels) {
   PileAzimuth azimuths[azimuth_count];
   PileStep steps[azimuth_count * steps_each];
   for (uint32_t a = 0; a < azimuth_count; ++a) {
-    azimuths[a] = {0.2f, 0.8f, 1.0f, 0.5f, 2.0f, a * steps_each, (a + 1) * steps_each};
+    azimuths[a] = {0.2f, 0.8f, 1.0f, 0.5f, 2.0f, a * steps_each, (a + 1) * steps_each, {-1, 0, 0, 1, 0}, 1, 10, 1};
     for (uint32_t s = 0; s < steps_each; ++s)
       steps[a * steps_each + s] = {static_cast<int32_t>(s + 1), static_cast<int32_t>(a * s / 8),
                                    200.0f / static_cast<float>(s + 1)};
@@ -300,6 +300,7 @@ void work_pile_light(const Kernels& kernels) {
   args.pitch = pitch, args.row = rows / 2;
   args.sand_rows[1] = rows - 1, args.sand_columns[1] = static_cast<int32_t>(k_items) - 1;
   args.receivers = receivers.data(), args.azimuths = azimuths, args.azimuth_count = azimuth_count, args.steps = steps;
+  args.on_floor = 1;
   args.inverse_total = 1.0f / (0.6f * azimuth_count), args.shares = shares.data();
   count(kernels.pile_light, args);
 }

@@ -148,4 +148,22 @@ TEST(HardCase, NoInvalidOperationAndNoDivisionByZero) {
 }
 #endif
 
+// Sub-steps of 1e-11 s would be ten billion a frame; more do not fit a counter.
+TEST(HardCase, SubStepsHaveALowerBound) {
+  sandglass::Scene scene;
+  for (const float seconds : {1e-11f, 1e-30f, 9e-7f, -1e-3f, NAN}) {
+    for (float sandglass_granular_desc::*field :
+         {&sandglass_granular_desc::substep_max, &sandglass_granular_desc::substep_min}) {
+      sandglass_scene_desc desc = description(8);
+      desc.granular.*field = seconds;
+      EXPECT_FALSE(scene.create(desc)) << seconds;
+    }
+  }
+  for (const float seconds : {0.0f, 1e-6f, 0.1f}) {
+    sandglass_scene_desc desc = description(8);
+    desc.granular.substep_max = seconds;
+    accept(scene.create(desc));
+  }
+}
+
 }  // namespace

@@ -42,7 +42,7 @@ TEST(Determinism, AMissingInstructionSetIsUnsupportedAndAnUnknownNumberInvalid) 
   sandglass_scene_desc desc = description(k_particles, k_grains);
   const char* reason = nullptr;
   uint64_t bytes = 0;
-  for (sandglass_isa isa = -1; isa <= SANDGLASS_ISA_NEON_I8MM + 1; ++isa) {
+  for (sandglass_isa isa = -1; isa <= SANDGLASS_ISA_WASM + 1; ++isa) {
     desc.isa = SANDGLASS_ISA_AUTOMATIC;
     ASSERT_EQ(sandglass_scene_bytes(&desc, &bytes, &reason), SANDGLASS_OK);
     const sandglass::cpp::Block block = sandglass::cpp::allocate_block(bytes);

@@ -23,7 +23,8 @@ constexpr float k_radius = 0.01f;
 
 std::vector<const Kernels*> tables() {
   std::vector<const Kernels*> all;
-  for (sandglass_isa isa = SANDGLASS_ISA_SCALAR; isa <= SANDGLASS_ISA_AVX512; ++isa) {
+  for (const sandglass_isa isa :
+       {SANDGLASS_ISA_SCALAR, SANDGLASS_ISA_NEON, SANDGLASS_ISA_AVX2, SANDGLASS_ISA_AVX512, SANDGLASS_ISA_WASM}) {
     if (const Kernels* kernels = select_kernels(isa)) all.push_back(kernels);
   }
   return all;
@@ -481,8 +482,8 @@ void check_surface_at(uint32_t n) {
 // ---- pile_light
 
 // Random columns in the middle of a row-padded grid. Some are empty, thinly filled or in the air. The light has two
-// azimuths with random steps.
-void check_pile_light(uint32_t n) {
+// azimuths with random steps. On the floor the own column of one of them is a factor.
+void check_pile_light_of(uint32_t n, uint32_t on_floor) {
   const uint32_t rows = 5, padded = (n + 15) / 16 * 16, pitch = padded + k_lane_group;
   std::mt19937 random(53);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -503,8 +504,9 @@ void check_pile_light(uint32_t n) {
     step = {static_cast<int32_t>(7 * unit(random)) - 3, static_cast<int32_t>(9 * unit(random)) - 4,
             static_cast<float>(20 + 60 * unit(random))};
   // The slopes whose sin^2 are 0.2 and 0.83, 0.1 and 0.73.
-  const PileAzimuth azimuths[2] = {{0.2f, 0.9f, 1.0f, 0.5f, 2.2096042f, 0, 5},
-                                   {0.1f, 0.8f, 0.7f, 0.33333333f, 1.6442943f, 5, 12}};
+  const PileAzimuth azimuths[2] = {
+      {0.2f, 0.9f, 1.0f, 0.5f, 2.2096042f, 0, 5, {-0.6f, 0.1f, 0.2f, 0.25f, 0.05f}, 1.2f, 20.0f, 1},
+      {0.1f, 0.8f, 0.7f, 0.33333333f, 1.6442943f, 5, 12, {}, 0, 0, 0}};
   const double total = 0.7 + 0.7 * 0.7;
   std::vector<float> first;
   for (const Kernels* kernels : tables()) {
@@ -516,6 +518,7 @@ void check_pile_light(uint32_t n) {
     args.sand_rows[0] = 0, args.sand_rows[1] = rows - 1;
     args.sand_columns[0] = 0, args.sand_columns[1] = static_cast<int32_t>(n) - 1;
     args.receivers = receivers.data(), args.azimuths = azimuths, args.azimuth_count = 2, args.steps = steps.data();
+    args.on_floor = on_floor;
     args.inverse_total = static_cast<float>(1 / total), args.shares = shares.data();
     uint32_t unused = 0;
     kernels->pile_light(&args, 0, padded, &unused);
@@ -526,7 +529,8 @@ void check_pile_light(uint32_t n) {
         // left up to its own top.
         const double foot = static_cast<double>(azimuth.foot), cap = static_cast<double>(azimuth.cap);
         double high = 0, low = 1e30, reached = foot;
-        for (uint32_t s = azimuth.first_step; s < azimuth.last_step; ++s) {
+        const bool thin = on_floor != 0 && azimuth.thin != 0;
+        for (uint32_t s = azimuth.last_step; s-- > azimuth.first_step + (thin ? 1 : 0);) {
           const int row = 2 + steps[s].rows, column = static_cast<int>(i) + steps[s].columns;
           if (row < 0 || row >= static_cast<int>(rows) || column < 0 || column >= static_cast<int>(n)) continue;
           const uint32_t at = place(static_cast<uint32_t>(row), static_cast<uint32_t>(column));
@@ -544,7 +548,18 @@ void check_pile_light(uint32_t n) {
         const double hidden = std::max(
             0.0, std::min(to, static_cast<double>(azimuth.high)) - std::max(from, static_cast<double>(azimuth.low)));
         const double dark = high > foot ? (reached - foot) / (std::min(high, cap) - foot) : 0.0;
-        sum += static_cast<double>(azimuth.weight) * (static_cast<double>(azimuth.high - azimuth.low) - hidden * dark);
+        double left = 1;
+        if (thin && tops[place(2, i)] > 0) {
+          const double open = 1 - static_cast<double>(fills[place(2, i)]), powers[5] = {0, 0.25, 0.5, 1, 2};
+          double change = 0;
+          for (int k = 0; k < 5; ++k) change += static_cast<double>(azimuth.own[k]) * std::pow(open, powers[k]);
+          left += std::clamp(static_cast<double>(azimuth.near_from) - static_cast<double>(bottoms[place(2, i)]) *
+                                                                          static_cast<double>(azimuth.near_per_metre),
+                             0.0, 1.0) *
+                  change;
+        }
+        sum += static_cast<double>(azimuth.weight) * std::clamp(left, 0.0, 1.0) *
+               (static_cast<double>(azimuth.high - azimuth.low) - hidden * dark);
       }
       ASSERT_NEAR(shares[i], std::min(sum / total, 1.0), 2e-6) << sandglass_isa_name(kernels->isa) << " texel " << i;
     }
@@ -552,6 +567,10 @@ void check_pile_light(uint32_t n) {
     if (first.empty()) first = shares;
     ASSERT_EQ(std::memcmp(shares.data(), first.data(), n * sizeof(float)), 0);
   }
+}
+
+void check_pile_light(uint32_t n) {
+  for (const uint32_t on_floor : {0u, 1u}) check_pile_light_of(n, on_floor);
 }
 
 // ---- pile_sky

@@ -122,6 +122,14 @@ TEST(RoomFade, WhatItCannotUseChangesNothing) {
   for (const float seconds : {NAN, INFINITY, -1.0f, 1e9f, 0.0f}) sandglass_room_light_fade(&shown, &now, seconds);
   EXPECT_EQ(std::memcmp(shown.cells, prior.cells, sizeof prior.cells), 0);
   EXPECT_EQ(shown.irradiance[1], prior.irradiance[1]);
+  const sandglass_room_light still = shown;
+  for (float* number : {&shown.cells[5], &shown.main_share, &shown.sh[26], &shown.white}) {
+    sandglass_room_light broken = now;
+    *reinterpret_cast<float*>(reinterpret_cast<char*>(&broken) +
+                              (reinterpret_cast<char*>(number) - reinterpret_cast<char*>(&shown))) = NAN;
+    sandglass_room_light_fade(&shown, &broken, k_frame);
+    EXPECT_EQ(std::memcmp(&shown, &still, sizeof still), 0) << "a number that is none would stay for ever";
+  }
   sandglass_room_light not_filled = {};
   sandglass_room_light_fade(&shown, &not_filled, 1.0f);
   EXPECT_EQ(shown.irradiance[1], prior.irradiance[1]);

@@ -245,6 +245,27 @@ TEST(RoomLight, ALampThatGoesOutIsGoneWithinASecond) {
   EXPECT_LT(after - never, 0.2f * (before - never));
 }
 
+// A lamp behind the camera goes out, and the walls in front of it become a third as bright. The lamp is taken to have
+// done so too, within one image. Where nothing changes, or one wall alone, nothing is lost.
+TEST(RoomLight, WhatIsBehindTheCameraFollowsAChangeOfLight) {
+  const Direction lamp = middle_of_part(180, 50);
+  const Radiance on = lamp_room(lamp, 8.0, 40.0, 0.6), off = [](Direction) { return 0.2; };
+  const Radiance one_wall = [&](Direction d) { return d.x > 0.94 ? 0.2 : on(d); };  // 20 degrees about the middle
+  // In a scale that no exposure changes; without what the lamp's cell would get from a wall as bright as the others.
+  const auto lamp_gives = [&](const sandglass_room_light& light) {
+    return static_cast<double>(light.irradiance[1] * light.white) *
+           static_cast<double>(light.cells[cell_at(lamp)] - light.cells[cell_at(towards(0, 50))]);
+  };
+  for (const auto& [then, left] : {std::pair(off, 1.0 / 3), std::pair(on, 1.0), std::pair(one_wall, 1.0)}) {
+    MadeUpRoom room;
+    room.look_everywhere(on);
+    for (int turn = 0; turn < 3; ++turn) room.look_everywhere(on, 1.0 / 64);
+    const double before = lamp_gives(room.light());
+    room.look(then, 0, 10);
+    EXPECT_NEAR(lamp_gives(room.light()) / before, left, 0.03);
+  }
+}
+
 // After one half-life what was seen counts half; the share seen of an even sphere says how much.
 TEST(RoomLight, ForgetsByHalves) {
   MadeUpRoom room(10.0f);

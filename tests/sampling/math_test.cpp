@@ -84,6 +84,8 @@ TEST(Math, floor_and_ceiling_are_those_of_libm) {
     EXPECT_EQ(floor_index(static_cast<double>(i)), i);
     EXPECT_EQ(ceiling_index(static_cast<double>(i)), i);
   }
+  EXPECT_EQ(floor_index(1e300), int64_t{1} << 62);
+  EXPECT_EQ(ceiling_index(1e300), int64_t{1} << 62);
 }
 
 }  // namespace

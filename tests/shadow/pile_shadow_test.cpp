@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "models/tracing/sphere_caster.h"
+#include "runtime/shadow/pile.h"
 #include "sandglass/sandglass.hpp"
 #include "tests/filled_struct.h"
 #include "tests/guarded_block.h"
@@ -147,30 +148,161 @@ TEST(PileShadow, OfSandInTheAirStandsOffFromItsFoot) {
   EXPECT_EQ(at(0.2, 0), 0) << "on the light's side";
 }
 
-// A thin layer with less than one grain a texel.
-TEST(PileShadow, OfScatteredGrainsIsNotThatOfFullTexels) {
-  if (SANDGLASS_EMULATED) GTEST_SKIP() << "ten million rays";
-  const std::vector<float> grains = scattered();
-  const SphereCaster caster(grains, k_grain);
-  std::mt19937 random(6);
-  std::uniform_real_distribution<double> unit(-0.12, 0.12);
-  for (const double polar : {25.0, 45.0, 65.0}) {
-    const Light light = {polar, 200};
-    sandglass::PileShadow shadow = lit(light);
-    shadow.run(grains, k_grain);
-    const sandglass_pile_shadow_texture t = shadow.texture();
-    double truth = 0, shown = 0, points = 0;
-    for (int i = 0; i < 6000; ++i) {
-      const double x = unit(random), z = unit(random);
-      if (caster.occluded({x, 0, z}, {0, 1, 0}, 2 * double{k_grain})) continue;  // the point is under a grain
-      const auto texel = [](double metres) { return static_cast<size_t>((metres + 0.5) * 128); };
-      truth += traced(caster, {x, 0, z}, light);
-      shown += 1 - t.coverage[texel(z) * 128 + texel(x)] / 255.0, points += 1;
-    }
-    // The measured differences are 0.01 to 0.041. Full columns would be far too dark.
-    EXPECT_NEAR(shown / points, truth / points, 0.045) << "light at " << polar;
-    EXPECT_GT(1 - truth / points, 0.1) << "light at " << polar << ": there must be a shadow to compare";
+// ---- thin layers
+
+// Grains on the floor of half a square metre, independently of each other: their outlines together have `coverage`
+// times the area.
+constexpr double k_layer_side = 0.5;
+std::vector<float> layer(double radius, double coverage, uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> place(-0.25f, 0.25f);
+  const auto count = static_cast<size_t>(coverage * k_layer_side * k_layer_side / (std::numbers::pi * radius * radius));
+  std::vector<float> grains;
+  for (size_t i = 0; i < count; ++i) {
+    const float x = place(random), z = place(random);
+    grains.insert(grains.end(), {x, static_cast<float>(radius), z});
   }
+  return grains;
+}
+// Points of the floor that no grain covers, away from the layer's edges.
+std::vector<Vec3> open_points(const SphereCaster& caster, double radius, int count, uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-0.2, 0.2);
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const double x = place(random), z = place(random);
+    if (!caster.occluded({x, 0, z}, {0, 1, 0}, 2 * radius)) points.push_back({x, 0, z});
+  }
+  return points;
+}
+// The visibility of a light that a layer leaves in the mean to such points. A ray is free with the probability
+// exp(-A coverage / pi): A is the area of the ellipse that is a sphere's shadow, less what of it lies in the sphere's
+// outline; the sphere of radius 1 stands in the ellipse's focus. Both meet at the angle `meet`.
+double open_share(double polar_deg, double coverage) {
+  constexpr int k_rings = 24, k_turns = 48, k_steps = 400;
+  const auto area = [](double sine) {
+    const double cosine = std::sqrt(1 - sine * sine), meet = std::acos((1 - sine) / cosine);
+    double sum = 0;
+    for (int i = 0; i < k_steps; ++i) {
+      const double radius = sine / (1 - cosine * std::cos((i + 0.5) / k_steps * meet));
+      sum += (radius * radius - 1) * meet / k_steps;
+    }
+    return sum;
+  };
+  double all = 0, open = 0;
+  for (int i = 0; i < k_rings; ++i)
+    for (int j = 0; j < k_turns; ++j) {  // equal parts of the light's cap, as in `traced`
+      const double cosine = 1 - (i + 0.5) / k_rings * (1 - std::cos(10 * k_degree)),
+                   sine = std::sqrt(1 - cosine * cosine), turn = 2 * std::numbers::pi * (j + 0.5) / k_turns;
+      const double up =
+          cosine * std::cos(polar_deg * k_degree) + sine * std::cos(turn) * std::sin(polar_deg * k_degree);
+      all += up, open += up * std::exp(-coverage / std::numbers::pi * area(up));
+    }
+  return open / all;
+}
+
+TEST(PileShadow, TheTruthOfAThinLayerIsThatOfRays) {
+  if (SANDGLASS_EMULATED) GTEST_SKIP() << "millions of rays";
+  constexpr double k_fine = 0.002, k_coverage = 0.38;
+  const std::vector<float> grains = layer(k_fine, k_coverage, 3);
+  const SphereCaster caster(grains, static_cast<float>(k_fine));
+  const std::vector<Vec3> points = open_points(caster, k_fine, 20000, 4);
+  for (const double polar : {25.0, 65.0}) {
+    double truth = 0;
+    for (const Vec3& point : points) truth += traced(caster, point, {polar, 200});
+    // Four standard deviations of the mean of 13,000 points, most of which see much less or more than the mean.
+    EXPECT_NEAR(truth / static_cast<double>(points.size()), open_share(polar, k_coverage), 0.012) << polar;
+  }
+}
+
+// The mean over the points that a viewer sees between the grains. Texels are two to six grains' radii wide.
+TEST(PileShadow, OfAThinLayerIsTrueToAHundredth) {
+  if (SANDGLASS_EMULATED) GTEST_SKIP() << "a million rays";
+  double worst = 0;
+  for (const double per_texel : {0.16, 0.3, 0.448})  // the radius
+    for (const double coverage : {0.1, 0.25, 0.4}) {
+      const double radius = per_texel * k_layer_side / 128;
+      const std::vector<float> grains = layer(radius, coverage, 5);
+      const std::vector<Vec3> points = open_points(SphereCaster(grains, static_cast<float>(radius)), radius, 20000, 6);
+      for (const Light light : {Light{5, 200}, Light{25, 35}, Light{45, 200}, Light{45, 35}, Light{65, 35}}) {
+        sandglass_pile_shadow_desc desc = description();
+        for (uint32_t axis = 0; axis < 2; ++axis) desc.low[axis] = -0.25f, desc.high[axis] = 0.25f;
+        sandglass::PileShadow shadow = lit(light, desc);
+        shadow.run(grains, static_cast<float>(radius));
+        const sandglass_pile_shadow_texture t = shadow.texture();
+        double shown = 0;
+        for (const Vec3& point : points) {
+          const auto texel = [](double metres) { return static_cast<size_t>((metres + 0.25) * 256); };
+          shown += 1 - t.coverage[texel(point.z) * 128 + texel(point.x)] / 255.0;
+        }
+        const double error = shown / static_cast<double>(points.size()) - open_share(light.polar_deg, coverage);
+        EXPECT_NEAR(error, 0, 0.01) << per_texel << " coverage " << coverage << " light " << light.polar_deg;
+        worst = std::max(worst, std::fabs(error));
+        std::printf("radius %.3f texels, coverage %.2f, light %2.0f degrees: visibility %+.4f\n", per_texel, coverage,
+                    light.polar_deg, error);
+      }
+    }
+  std::printf("thin layers: at most %.4f\n", worst);
+}
+
+// ---- bounds
+
+// Against every texel, in double: what is covered is within the reach, and the reach is within the texture.
+TEST(PileShadow, ReachesNoTexelBeyondTheTexture) {
+  const sandglass::PileShadow shadow = lit({40, 90});
+  const sandglass::Pile& pile = shadow.get()->pile;
+  const int32_t n = 128;
+  const auto check = [&](float x, float y, float z, float radius) {
+    const float centre[3] = {x, y, z};
+    const sandglass::PileReach reach = sandglass::pile_reach(pile, centre, radius);
+    for (int axis = 0; axis < 2; ++axis) {
+      if (reach.last[axis] < reach.first[axis]) continue;
+      ASSERT_GE(reach.first[axis], 0) << x << ' ' << y << ' ' << z << ' ' << radius;
+      ASSERT_LT(reach.last[axis], n) << x << ' ' << y << ' ' << z << ' ' << radius;
+    }
+    const double r = static_cast<double>(radius) * (1 - 1e-5);  // beyond what float can tell
+    if (!(std::fabs(x) < 100 && std::fabs(z) < 100 && y < 100 && y > -radius && radius < 100)) return;
+    for (int32_t v = 0; v < n; ++v)
+      for (int32_t u = 0; u < n; ++u) {
+        const double dx = (u + 0.5) / n - 0.5 - static_cast<double>(x),
+                     dz = (v + 0.5) / n - 0.5 - static_cast<double>(z);
+        if (std::hypot(dx, dz) >= r - 1e-5) continue;
+        ASSERT_TRUE(u >= reach.first[0] && u <= reach.last[0] && v >= reach.first[1] && v <= reach.last[1])
+            << u << ' ' << v << " of " << x << ' ' << y << ' ' << z << ' ' << radius;
+      }
+  };
+  const float wild[] = {0,     -0.0f, 0.3f,  -0.6f,  10,  -10,      5e3f,      -1e9f,
+                        3e18f, 1e30f, 3e38f, -3e38f, NAN, INFINITY, -INFINITY, 1e-40f};
+  for (const float x : wild)
+    for (const float y : wild)
+      for (const float z : wild)
+        for (const float radius : wild) check(x, y, z, radius);
+  std::mt19937 random(8);
+  std::uniform_real_distribution<float> unit(-1, 1);
+  for (int i = 0; i < 100; ++i) check(unit(random), 0.1f * unit(random), unit(random), std::exp(4 * unit(random) - 3));
+}
+
+// A unit visits at most so many columns, whatever the radius. Unclipped, the first sphere alone has 1.6 million.
+TEST(PileShadow, WorkOfAUnitIsBoundedForEverySphere) {
+  constexpr uint32_t k_spheres = 200, k_columns = 128 * 128, k_rows = 2 * k_columns / sandglass::k_pile_unit_texels;
+  std::vector<float> spheres;
+  for (uint32_t i = 0; i < k_spheres; ++i) spheres.insert(spheres.end(), {0.001f * static_cast<float>(i), -4.9f, 0});
+  sandglass::PileShadow shadow = lit({40, 90});
+  EXPECT_EQ(shadow.run(spheres, 5), k_spheres * k_columns / sandglass::k_pile_unit_columns + k_rows);
+  EXPECT_EQ(shadow.texture().valid, 1u);
+  // The columns are those of the spheres: the highest is 0.1 m above the floor.
+  EXPECT_NEAR(shadow.get()->pile.top, 0.1f, 1e-4f);
+  for (const float radius : {1e7f, INFINITY, NAN, 3e38f, 0.0f, -1.0f}) {
+    shadow.refresh();
+    EXPECT_LE(shadow.run(spheres, radius), 1 + k_rows) << radius << ": no sphere is left";
+    const sandglass_pile_shadow_texture t = shadow.texture();
+    EXPECT_TRUE(std::all_of(t.coverage, t.coverage + k_columns, [](uint8_t c) { return c == 0; })) << radius;
+  }
+  // In pieces or at once, spheres with many columns give one texture.
+  sandglass::PileShadow whole = lit({40, 90}), pieces = lit({40, 90});
+  whole.run(spheres, 4.95f);
+  while (pieces.run(spheres, 4.95f, 1) != 0) continue;
+  EXPECT_EQ(pieces.hash(), whole.hash());
 }
 
 TEST(PileShadow, RefusesWithASentence) {

@@ -11,6 +11,10 @@
 set(SANDGLASS_HOST_OPTIONS "" CACHE STRING "Further compiler options for workstation code and tests")
 set(SANDGLASS_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 set(SANDGLASS_WARNINGS -Wall -Wextra -Wshadow -Wconversion -Wno-sign-conversion -Wdouble-promotion)
+# Where addresses have 32 bits, sizes are still counted in 64. What is copied or cleared lies in a block, and so fits.
+if(EMSCRIPTEN)
+  list(APPEND SANDGLASS_WARNINGS -Wno-shorten-64-to-32)
+endif()
 
 # The app did not call code that runs before main or after it, so there must be none: clang says where such code is, and
 # nm proves for both compilers that there is none. A file may carry a warning option that only the other compiler knows.

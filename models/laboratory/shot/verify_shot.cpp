@@ -6,6 +6,7 @@
 
 #include "models/compositing/light_estimate.h"
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/laboratory/room/session.h"
 #include "models/laboratory/shot/shot_stage.h"
 #include "models/lighting/dataset.h"
@@ -169,6 +170,7 @@ ShotStudy study_shots(const ShotStudyOptions& options, const std::function<bool(
   if (result.views.empty()) return result;
   const std::string key = key_of(options);
   const std::string memory = options.folder.empty() ? "" : (fs::path(options.folder) / "views.txt").string();
+  if (!memory.empty()) claim_output(memory, true);
   std::error_code ignored;
   if (!memory.empty() && fs::is_regular_file(memory, ignored)) remember(read_file(memory, "study"), key, &result.views);
   const Study study(options);

@@ -3,13 +3,14 @@
  *
  * The sand is taken as columns of what is drawn: the grains, spheres of granular.grain_radius, or the particles of a
  * scene without grains. Over each texel of a rectangle of the floor a column reaches from its lowest to its highest
- * sphere. It hides light by the share of the texel that spheres cover, so a greater grain_radius gives a darker shadow.
+ * sphere. It hides light by the share of the texel's width that spheres block, so a greater grain_radius gives a darker
+ * shadow.
  *
  * A column hides an interval of elevations. Along one azimuth the intervals of all columns count as one. The light is a
  * cap of uniform radiance, cut into azimuths. This is exact for a pile that lies on the floor, as far as azimuths and
  * texels are fine, and right for one body of sand in the air. It is too dark where sand falls onto a pile, because what
- * lies between the two counts as sand. For scattered grains smaller than half a texel it is right on average, not grain
- * by grain.
+ * lies between the two counts as sand. For scattered grains smaller than half a texel it is right on average (to 0.01
+ * between grains on the floor), not grain by grain.
  *
  * An app
  *   1. fills a sandglass_pile_shadow_desc, asks sandglass_pile_shadow_bytes, and hands a block of that size to
@@ -94,7 +95,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_pile_shadow_set_lig
 SANDGLASS_API void sandglass_pile_shadow_refresh(sandglass_pile_shadow* shadow);
 
 /* Without a scene: runs at most `units` work units on `count` spheres of `radius` metres; returns how many it ran.
- * `positions` holds 3 floats each, metres. They must stay as they are from the first unit of a texture to its last. A
+ * `positions` holds 3 floats each, metres. They must stay as they are from the first unit of a texture to its last.
+ * Spheres that are not finite, or a million metres high or wide, are left out. A unit is bounded for all others, too. A
  * complete texture is not begun again before set_light, set_cells or refresh asks for one. */
 SANDGLASS_API uint32_t sandglass_pile_shadow_run(sandglass_pile_shadow* shadow, const float* positions, uint32_t count,
                                                  float radius, uint32_t units);

@@ -24,6 +24,10 @@
  * as far as one can tell: little may hide a strong lamp. Above 0.02, an app that can set its camera helps most by a
  * short exposure, such as a sixty-fourth, for as long as desc.interval, so that the room takes one such image.
  *
+ * Light that changes. What the camera sees again is learned within a few images. Where four fifths of that have become
+ * brighter or darker by half and the app tells the exposure, what is out of the picture is taken to have changed as
+ * much. So the level follows at once; from where the light comes is learned when the camera looks there.
+ *
  * Radiance is in the camera's scale: 1 is what the last image shows as white, in linear light.
  *
  * Cost. An image is read in the call or the frame that it is passed to, in units of at most 64 parts. Nothing is
@@ -136,7 +140,7 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sand
  *
  * No cell and no share moves by more than that share of what is left: 3.3 % in a frame at 60 Hz. A main light that is
  * more than 20 degrees from the one before fades out before the new one fades in. irradiance and sh follow a change of
- * exposure at once. Does nothing where `seconds` is not in 0..3600, or *now was not filled. */
+ * exposure at once. Does nothing where `seconds` is not in 0..3600, or *now was not filled or is not finite. */
 SANDGLASS_API void sandglass_room_light_fade(sandglass_room_light* shown, const sandglass_room_light* now,
                                              float seconds);
 

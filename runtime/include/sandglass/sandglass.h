@@ -111,10 +111,10 @@ typedef struct sandglass_granular_desc {
 
   /* C of (4.45), above 0, at most 1. Default: 0.5, as in the dissertation. */
   float courant;
-  /* Seconds, 0..0.1: the longest sub-step. 0, the default, means 0.00871 sqrt(r/g), for which the default scheme was
-   * calibrated. */
+  /* Seconds, 0.000001..0.1: the longest sub-step. 0, the default, means 0.00871 sqrt(r/g), for which the default scheme
+   * was calibrated. */
   float substep_max;
-  /* Seconds, 0..substep_max: the shortest sub-step that (4.45) may ask for. Faster particles are slowed to
+  /* Seconds, 0.000001..substep_max: the shortest sub-step that (4.45) may ask for. Faster particles are slowed to
    * courant * r / substep_min. 0, the default, means substep_max / 4. */
   float substep_min;
   /* Neighbour lists reach 2r + list_skin * r, 0.1..1. They are rebuilt before anything outside them can touch. Default:

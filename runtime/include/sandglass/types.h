@@ -140,7 +140,8 @@ typedef struct sandglass_clock {
   void* user;
 } sandglass_clock;
 
-/* The monotonic clock of the platform: CLOCK_MONOTONIC, or mach_absolute_time on Apple. */
+/* The monotonic clock of the platform: CLOCK_MONOTONIC, or mach_absolute_time on Apple. On the web, what the page
+ * hands in: toolchains/web/sandglass.mjs takes performance.now(). */
 SANDGLASS_API sandglass_clock sandglass_clock_system(void);
 
 /* A worker pool of the app. `run` must call task(context, index) once for each index in 0..count-1, on any threads and
@@ -184,7 +185,7 @@ typedef struct sandglass_log {
  *
  * NEON_DOTPROD is NEON with SDOT, NEON_I8MM is NEON with SMMLA. The light and the shadows of objects have kernels for
  * each; sand and its shadow then run those of NEON. For the light and the shadows of objects, AVX512 means AVX-512 with
- * VNNI. */
+ * VNNI. WASM is the 128-bit SIMD of WebAssembly. */
 typedef int32_t sandglass_isa;
 enum {
   SANDGLASS_ISA_AUTOMATIC = 0,
@@ -193,11 +194,12 @@ enum {
   SANDGLASS_ISA_AVX2 = 3,
   SANDGLASS_ISA_AVX512 = 4,
   SANDGLASS_ISA_NEON_DOTPROD = 5,
-  SANDGLASS_ISA_NEON_I8MM = 6
+  SANDGLASS_ISA_NEON_I8MM = 6,
+  SANDGLASS_ISA_WASM = 7
 };
 
-/* The name of an instruction set: "automatic", "scalar", "neon", "avx2", "avx512", "neon_dotprod" or "neon_i8mm". NULL
- * for any other number. */
+/* The name of an instruction set: "automatic", "scalar", "neon", "avx2", "avx512", "neon_dotprod", "neon_i8mm" or
+ * "wasm". NULL for any other number. */
 SANDGLASS_API const char* sandglass_isa_name(sandglass_isa isa);
 
 /* 1 if this build has kernels for `isa` and this CPU can run them, else 0. AUTOMATIC and SCALAR are always

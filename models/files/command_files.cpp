@@ -1,0 +1,177 @@
+// Files are compared by their canonical path and, if they exist, by device and inode number.
+#include "models/files/command_files.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <mutex>
+
+#include "models/files/atomic_file.h"
+#include "models/files/failure.h"
+
+namespace sandglass::host {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Identity {
+  std::string path;
+  bool exists = false;
+  dev_t device = 0;
+  ino_t number = 0;
+
+  bool operator==(const Identity& other) const {
+    return path == other.path || (exists && other.exists && device == other.device && number == other.number);
+  }
+};
+
+struct Output {
+  Identity file;
+  bool replaces_input;
+};
+
+// What the command has read, announced and written so far.
+struct Watch {
+  std::mutex mutex;
+  bool on = false;
+  std::vector<Identity> inputs;
+  std::vector<Output> claimed;
+  std::vector<std::string> written;    // canonical paths
+  std::map<std::string, int> folders;  // by canonical path: the open, locked mark
+};
+
+Watch& watch() {
+  static Watch the_watch;
+  return the_watch;
+}
+
+Identity identity_of(const std::string& path) {
+  std::error_code error;
+  Identity identity;
+  identity.path = fs::weakly_canonical(fs::absolute(path, error), error).string();
+  if (error) identity.path = path;
+  struct stat status = {};
+  identity.exists = stat(path.c_str(), &status) == 0;
+  identity.device = status.st_dev, identity.number = status.st_ino;
+  return identity;
+}
+
+template <class Range>
+bool has(const Range& range, const Identity& file) {
+  return std::find(range.begin(), range.end(), file) != range.end();
+}
+
+Failure reads_it(const std::string& path) {
+  return cannot("write", path, "the same command reads it", "Write somewhere else");
+}
+Failure twice(const std::string& path) {
+  return cannot("write", path, "two outputs of the command have this name", "Give each a name of its own");
+}
+
+// Opens the mark of a folder and locks it. Returns -1 when another process holds the lock.
+int locked_mark(const std::string& folder, const std::string& mark) {
+  for (;;) {
+    const int file = open(mark.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (file < 0) throw cannot("write into", folder, std::strerror(errno), "Name another folder");
+    if (flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      close(file);
+      return -1;
+    }
+    // The process that held the lock may have removed the mark in between.
+    struct stat ours = {}, there = {};
+    if (fstat(file, &ours) == 0 && stat(mark.c_str(), &there) == 0 && ours.st_ino == there.st_ino) return file;
+    close(file);
+  }
+}
+
+}  // namespace
+
+void watch_files() { watch().on = true; }
+
+static void claim(const std::string& path, bool replaces_input) {
+  Watch& w = watch();
+  const std::lock_guard lock(w.mutex);
+  if (!w.on) return;
+  const Identity file = identity_of(path);
+  if (!replaces_input && has(w.inputs, file)) throw reads_it(path);
+  for (const Output& other : w.claimed)
+    if (other.file == file) throw twice(path);
+  w.claimed.push_back({file, replaces_input});
+}
+
+void claim_output(const std::string& path, bool replaces_input) {
+  require_writable(path);
+  claim(path, replaces_input);
+}
+
+void claim_outputs(const std::string& folder, const std::vector<std::string>& names) {
+  for (const std::string& name : names) claim((fs::path(folder) / name).string(), false);
+}
+
+void note_input(const std::string& path) {
+  Watch& w = watch();
+  const std::lock_guard lock(w.mutex);
+  if (!w.on) return;
+  const Identity file = identity_of(path);
+  for (const Output& output : w.claimed)
+    if (output.file == file && !output.replaces_input) throw reads_it(path);
+  if (!has(w.inputs, file)) w.inputs.push_back(file);
+}
+
+void note_output(const std::string& path) {
+  Watch& w = watch();
+  const std::lock_guard lock(w.mutex);
+  if (!w.on) return;
+  const Identity file = identity_of(path);
+  for (const Output& output : w.claimed)
+    if (output.file == file && output.replaces_input) return;
+  if (has(w.inputs, file)) throw reads_it(path);
+  if (std::find(w.written.begin(), w.written.end(), file.path) != w.written.end()) throw twice(path);
+  w.written.push_back(file.path);
+}
+
+void begin_folder(const std::string& path) {
+  make_folder(path);
+  Watch& w = watch();
+  const std::lock_guard lock(w.mutex);
+  const std::string folder = identity_of(path).path;
+  if (!w.on || w.folders.count(folder) != 0) return;
+  const std::string mark = (fs::path(folder) / k_incomplete).string();
+  const int file = locked_mark(path, mark);
+  if (file < 0)
+    throw cannot("write into", path, "another process of sandglass is writing there", "Wait for it, or name another");
+  constexpr char k_text[] =
+      "sandglass is writing into this folder, or did not finish: files may be missing, or be of an earlier run.\n";
+  const ssize_t size = sizeof k_text - 1;
+  if (ftruncate(file, 0) != 0 || pwrite(file, k_text, sizeof k_text - 1, 0) != size) {
+    close(file);
+    throw cannot("write into", path, "the disk is full or failing", "Name another folder");
+  }
+  w.folders[folder] = file;
+}
+
+void finish_folders() {
+  Watch& w = watch();
+  const std::lock_guard lock(w.mutex);
+  for (const auto& [folder, file] : w.folders) {
+    unlink((fs::path(folder) / k_incomplete).c_str());
+    close(file);
+  }
+  w.folders.clear();
+}
+
+void require_complete(const std::string& folder) {
+  std::error_code error;
+  if (fs::exists(fs::path(folder) / k_incomplete, error))
+    throw cannot("use", folder, std::string("it is incomplete: it holds ") + k_incomplete, "Make it again");
+}
+
+}  // namespace sandglass::host

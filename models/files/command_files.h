@@ -1,0 +1,37 @@
+// The files that one command reads and writes. A command never writes over a file that it reads, and never writes two
+// outputs to one name; symbolic and hard links are seen through. A folder that gets several outputs holds the file
+// "incomplete.txt" until all of them are there, and belongs to one process at a time.
+//
+// The checks are on after watch_files(), which the program calls once. Tests and tools that write one file many times
+// leave it out.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace sandglass::host {
+
+void watch_files();
+
+// Announces an output, before long work whose result goes there. Throws a Failure when it cannot be written, when
+// another announced output has that name, or when the command has read it. A command that replaces what it has read,
+// such as a checkpoint, says so by `replaces_input`.
+void claim_output(const std::string& path, bool replaces_input = false);
+// The same for the files of a folder, which need not exist yet. Call it before begin_folder.
+void claim_outputs(const std::string& folder, const std::vector<std::string>& names);
+
+// For files/atomic_file.cpp. A file that is read: throws a Failure when it is announced as an output.
+void note_input(const std::string& path);
+// A file that is about to be written: throws a Failure when the command has read it or written it already.
+void note_output(const std::string& path);
+
+constexpr const char* k_incomplete = "incomplete.txt";
+
+// Makes a folder for several outputs and marks it incomplete. Throws a Failure when another process is writing there.
+void begin_folder(const std::string& path);
+// Takes the marks away. Without this call, after Ctrl-C or a Failure, the folders stay marked.
+void finish_folders();
+// Throws a Failure for a folder that is marked incomplete.
+void require_complete(const std::string& folder);
+
+}  // namespace sandglass::host

@@ -1,0 +1,86 @@
+// Builds a scene in the module from what web_scene writes, and runs its frames as the program does.
+import { constants } from "./sandglass.mjs";
+
+export const unpacked = (text, Type) => {
+  const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+  return new Type(bytes.buffer);
+};
+
+// The field of a mesh, made by the library. Throws its sentence.
+export function makeField(sand, plan) {
+  const vertices = unpacked(plan.vertices, Float32Array), indices = unpacked(plan.indices, Uint32Array);
+  const mesh = sand.make("sandglass_mesh", {
+    vertices: sand.put(vertices), vertex_count: vertices.length / 3,
+    indices: sand.put(indices), triangle_count: indices.length / 3,
+  });
+  const inside = sand.create("sandglass_mesh_inside", mesh, plan.rule);
+  const low = sand.put(Float32Array.from(plan.low)), high = sand.put(Float32Array.from(plan.high));
+  const out = sand.allocate(8);
+  sand.sandglass_field_bytes(low, high, plan.spacing, out);
+  const bytes = Number(new BigUint64Array(sand.memory.buffer, out, 1)[0]);
+  sand.sandglass_field_from_mesh(mesh, sand.pointer("sandglass_mesh_inside_test"), inside, low, high, plan.spacing,
+    plan.band, plan.solid, sand.allocate(bytes), bytes, out);
+  const field = new Uint32Array(sand.memory.buffer, out, 1)[0];
+  sand.destroy(inside);
+  return field;
+}
+
+// `changes` are fields of sandglass_granular_desc that differ from the file's; `isa` is a sandglass_isa.
+export class SandScene {
+  constructor(sand, file, { isa = 0, clock = false, changes = {}, colliders = 0 } = {}) {
+    this.sand = sand, this.file = file, this.frames = 0;
+    const desc = this.desc = sand.make("sandglass_scene_desc");
+    sand.sandglass_scene_desc_default(desc);
+    desc.isa = isa, desc.gravity = file.gravity;
+    desc.granular.set(file.granular).set(changes);
+    if (clock) desc.clock = sand.sandglass_clock_system();
+    this.handle = sand.create("sandglass_scene", desc);
+    this.fill();
+
+    // The file's colliders come first, then as many more as were asked for.
+    this.colliders = sand.array("sandglass_collider", file.colliders.length + colliders);
+    file.colliders.forEach(({ shape, position, rotation, size, field }, i) =>
+      this.colliders[i].set({ shape, position, rotation, size, field: field ? makeField(sand, field) : 0 }));
+    this.emitters = sand.array("sandglass_emitter", Math.max(1, desc.granular.emitter_capacity));
+    this.grains = sand.allocate(16 * Math.max(1, desc.granular.grain_capacity));
+    this.input = sand.make("sandglass_frame_input");
+    sand.sandglass_frame_input_default(this.input);
+    this.input.colliders = this.colliders.address, this.input.collider_count = file.colliders.length;
+    this.input.emitters = this.emitters.address;
+    this.input.grains = this.grains, this.input.grain_capacity = desc.granular.grain_capacity;
+    this.report = sand.make("sandglass_frame_report");
+  }
+
+  fill() {
+    const { sand, file } = this;
+    const arrays = ["particles", "particle_velocities", "grains", "grain_velocities"].map((name) => unpacked(file[name], Float32Array));
+    if (arrays[0].length + arrays[2].length === 0) return;
+    const [particles, velocities, grains, grain_velocities] = arrays.map((array) => sand.put(array));
+    sand.sandglass_granular_add(this.handle, particles, velocities, arrays[0].length / 3, grains, grain_velocities,
+      arrays[2].length / 3);
+    for (const block of [particles, velocities, grains, grain_velocities]) sand.free(block);
+  }
+
+  // The file's emitters that are on when the coming frame begins. Gives how many.
+  pourAsTheFileSays() {
+    const time = this.frames * this.file.frame_step;
+    const on = this.file.emitters.filter((emitter) => time >= emitter.start && time < emitter.end);
+    on.forEach(({ position, rotation, radius, speed, grains_per_particle }, i) =>
+      this.emitters[i].set({ position, rotation, radius, speed, grains_per_particle }));
+    return on.length;
+  }
+
+  // One frame; without a budget it does all its work.
+  frame(step = this.file.frame_step, budget_ms = Infinity, emitters = this.pourAsTheFileSays()) {
+    const { sand, input } = this;
+    input.time_step = step, input.emitter_count = emitters;
+    input.budget_ns = budget_ms === Infinity ? 2n ** 64n - 1n : BigInt(Math.round(budget_ms * 1e6));
+    sand.sandglass_scene_frame(this.handle, input, this.report);
+    ++this.frames;
+    return this.report;
+  }
+
+  hash() { return "0x" + this.sand.sandglass_scene_hash(this.handle).toString(16).padStart(16, "0"); }
+}
+
+export { constants };

@@ -1,0 +1,294 @@
+// What the program does to files: nothing that it reads is written over, no two outputs have one name, a folder says when
+// it is incomplete, what is no file of a sensible size is refused at once, and Ctrl-C is answered within a second.
+#include <sys/stat.h>
+
+#include "models/files/command_files.h"
+#include "models/files/image.h"
+#include "models/lighting/dataset.h"
+#include "tests/program/cli.h"
+
+namespace sandglass {
+namespace {
+
+constexpr double k_answer_s = 1.0;  // Ctrl-C and refusals, as promised
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool k_sanitized = true;
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+constexpr bool k_sanitized = true;
+#else
+constexpr bool k_sanitized = false;
+#endif
+#else
+constexpr bool k_sanitized = false;
+#endif
+// The promise holds on a machine that has time for the program: not for an emulated, instrumented one.
+const double k_limit_s = k_sanitized || *SANDGLASS_EMULATOR != '\0' ? 10 * k_answer_s : 2 * k_answer_s;
+
+class CliFiles : public Cli {
+ protected:
+  std::string cube(const std::string& name = "cube.obj") const { return write(name, k_cube); }
+  Running start(const std::string& arguments) const { return Running(arguments, path("stdout"), path("stderr")); }
+  double seconds_of(const std::string& arguments, int code) const {
+    const auto from = std::chrono::steady_clock::now();
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.err;
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
+  }
+  // Expects that the command is refused and the file stays as it is.
+  void expect_kept(const std::string& file, const std::string& arguments, const std::string& said = "reads it") const {
+    const std::string before = read(file);
+    expect_refused(arguments, said);
+    EXPECT_EQ(read(file), before) << arguments;
+  }
+  // A scene that takes far longer than a test.
+  std::string endless() const { return "run '" + tiny_scene() + "' --frames 100000000 "; }
+};
+
+TEST_F(CliFiles, NoInputIsWrittenOver) {
+  if (!k_assimp) GTEST_SKIP() << "reads mesh files";
+  const std::string mesh = cube(), sample = "sample " + mesh + " --surface --distance 0.3 ";
+  expect_kept(mesh, sample + "-o " + mesh);
+  expect_kept(mesh, sample + "-o " + path("x.ply") + " --picture " + mesh);
+  expect_kept(mesh, sample + "-o " + path("./nothing/../cube.obj"), "nothing");
+  fs::create_directories(folder / "sub");
+  expect_kept(mesh, sample + "-o " + path("sub/../cube.obj"));
+  fs::create_hard_link(mesh, path("hard.ply"));
+  expect_kept(mesh, sample + "-o " + path("hard.ply"));
+  fs::create_symlink(mesh, path("soft.ply"));
+  expect_kept(mesh, sample + "-o " + path("soft.ply"));
+  fs::create_symlink(path("cube.obj"), path("soft.obj"));
+  expect_kept(mesh, "sample " + path("soft.obj") + " --surface --distance 0.3 -o " + mesh);
+  EXPECT_TRUE(fs::is_symlink(path("soft.ply")));
+
+  const std::string scene = mesh_scene(), recording = path("r.sgrec");
+  expect_kept(scene, "run " + scene + " --mesh " + mesh + " --record " + scene);
+  expect_kept(mesh, "run " + scene + " --mesh " + mesh + " --record " + mesh);
+  fs::create_directories(folder / "out");
+  fs::copy(scene, path("out/summary.json"));
+  expect_kept(path("out/summary.json"),
+              "run " + path("out/summary.json") + " --mesh " + mesh + " --out " + path("out"));
+  ASSERT_EQ(run("run " + scene + " --mesh " + mesh + " --record " + recording).code, 0);
+  ASSERT_EQ(run("run " + scene + " --mesh " + mesh + " --record " + recording).code, 0)
+      << "an earlier output is no input";
+}
+
+TEST_F(CliFiles, NoInputOfTheLightingToolsIsWrittenOver) {
+  const std::string network = write("random.light", random_network());
+  fs::create_directories(folder / "set/images");
+  host::write_png(path("set/images/a.png"), host::Picture(256, 192, {90, 120, 40}));
+  const std::string manifest = write("set/manifest.csv", "image\nimages/a.png\n");
+  const std::string features = "light-features " + network + " " + path("set") + " -o ";
+  expect_kept(network, features + network);
+  expect_kept(manifest, features + manifest);
+  expect_kept(path("set/images/a.png"), features + path("set/images/a.png"));
+  const std::string room = panorama("rooms/room.hdr", 20);
+  fs::create_directories(folder / "out");
+  fs::create_hard_link(room, path("out/sheet.png"));
+  expect_kept(room, "dataset " + room + " -o " + path("out"));
+}
+
+TEST_F(CliFiles, ABakeKeepsItsMesh) {
+  if (!k_bake || !k_assimp) GTEST_SKIP() << "this build bakes no shadows of mesh files";
+  const std::string mesh = cube(), small = " --size 8x1 --steps 1 --textures 1 ";
+  expect_kept(mesh, "bake " + mesh + small + "-o " + mesh);
+  expect_kept(mesh, "bake " + mesh + small + "-o " + path("x.shadow") + " --picture " + mesh);
+  expect_kept(mesh, "bake " + mesh + small + "-o " + path("x.shadow") + " --json " + mesh);
+  fs::create_symlink(mesh, path("x.shadow.png"));
+  expect_kept(mesh, "bake " + mesh + small + "-o " + path("x.shadow"));
+  const std::string twice = "two outputs";
+  expect_refused("bake box" + small + "-o " + path("y") + " --picture " + path("y"), twice);
+  expect_refused("bake box" + small + "-o " + path("y") + " --json " + path("y.png"), twice);
+  expect_refused("bake box" + small + "-o " + path("y") + " --json " + path("y.checkpoint"), twice);
+}
+
+TEST_F(CliFiles, NoTwoOutputsHaveOneName) {
+  const std::string twice = "two outputs", box = "sample box --surface --distance 0.3 -o ";
+  expect_refused(box + path("x") + " --picture " + path("x"), twice);
+  fs::create_directories(folder / "sub");
+  expect_refused(box + path("x") + " --picture " + path("sub/../x"), twice);
+  write("old.ply", "old");
+  fs::create_hard_link(path("old.ply"), path("old.png"));
+  expect_refused(box + path("old.ply") + " --picture " + path("old.png"), twice);
+  EXPECT_EQ(read(path("old.ply")), "old");
+  fs::create_directories(folder / "out");
+  const std::string tiny = "run '" + tiny_scene() + "' --out " + path("out") + " --record ";
+  for (const char* name : {"report.csv", "trace.json", "summary.txt", "report.html", "last_frame.png"})
+    expect_refused(tiny + path(std::string("out/") + name), twice);
+  EXPECT_EQ(run(tiny + path("out/r.sgrec") + " --frames 1").code, 0);
+  expect_refused("room --width 16 --samples 1 -o " + path("a.hdr") + " --picture " + path("a.hdr"), twice);
+  expect_refused("room --width 16 --samples 1 -o " + path("a.hdr") + " --picture " + path("a_depth.npy"), twice);
+  EXPECT_FALSE(fs::exists(path("x")) || fs::exists(path("a.hdr")));
+}
+
+TEST_F(CliFiles, AnOutputBehindALinkKeepsTheLink) {
+  write("old.ply", "old");
+  fs::create_symlink(path("old.ply"), path("link.ply"));
+  ASSERT_EQ(run("sample box --surface --distance 0.3 -o " + path("link.ply")).code, 0);
+  EXPECT_TRUE(fs::is_symlink(path("link.ply")));
+  EXPECT_EQ(read(path("old.ply")).substr(0, 3), "ply");
+}
+
+TEST_F(CliFiles, AFolderSaysWhenItIsIncomplete) {
+  const std::string out = " --out " + path("out"), mark = path(std::string("out/") + host::k_incomplete);
+  {
+    Running longer = start(endless() + out);
+    ASSERT_TRUE(longer.makes(mark));
+    // Another process may not write there, and says so before it begins.
+    const Outcome second = run("run '" + tiny_scene() + "'" + out);
+    EXPECT_EQ(second.code, 2) << second.err;
+    EXPECT_NE(second.err.find("another process"), std::string::npos) << second.err;
+  }  // killed, without a chance to tidy up
+  EXPECT_TRUE(fs::exists(mark));
+  ASSERT_EQ(run("run '" + tiny_scene() + "' --frames 1" + out).code, 0) << "a dead process locks nothing";
+  EXPECT_FALSE(fs::exists(mark));
+  Running interrupted = start(endless() + out);
+  ASSERT_TRUE(interrupted.makes(mark));
+  interrupted.interrupt();
+  EXPECT_EQ(interrupted.wait(), 130);
+  EXPECT_TRUE(fs::exists(mark)) << "the film is that of the run before";
+}
+
+TEST_F(CliFiles, ADatasetDoesNotMixWithAnother) {
+  const std::string room = panorama("rooms/room.hdr", 20), hall = panorama("rooms/hall.hdr", 20, 0.3);
+  ASSERT_EQ(run("dataset " + room + " -o " + path("out")).code, 0);
+  const std::string manifest = read(path("out/manifest.csv"));
+  expect_refused("dataset " + hall + " -o " + path("out"), "earlier run");
+  EXPECT_EQ(read(path("out/manifest.csv")), manifest);
+  EXPECT_FALSE(fs::exists(path(std::string("out/") + host::k_incomplete)));
+  EXPECT_EQ(host::images_of_dataset(path("out")).size(), 8u);
+  write(std::string("out/") + host::k_incomplete, "");
+  expect_refused(
+      "light-features " + write("random.light", random_network()) + " " + path("out") + " -o " + path("x.npy"),
+      "incomplete");
+}
+
+TEST_F(CliFiles, WhatIsNoFileOfASensibleSizeIsRefusedAtOnce) {
+  const std::string huge = path("huge"), out = " -o " + path("out");
+  for (const char* name : {"huge.light", "huge.png", "huge.hdr", "huge.obj", "huge.json"}) {
+    write(name, "{");
+    fs::resize_file(path(name), uintmax_t{5} << 30);  // takes no room on the disk
+  }
+  for (const char* name : {"pipe.png", "pipe.hdr", "pipe.obj", "pipe.exr"})
+    ASSERT_EQ(::mkfifo(path(name).c_str(), 0600), 0);
+  const std::string network = write("random.light", random_network());
+  host::write_png(path("fine.png"), host::Picture(64, 48, {9, 9, 9}));
+  const std::vector<std::string> commands = {
+      "inspect " + path("huge.light"),
+      "inspect /dev/zero",
+      "inspect " + path("pipe.obj"),
+      "inspect " + folder.string(),
+      "light " + path("fine.png") + out + " --network " + path("huge.light"),
+      "light " + path("fine.png") + out + " --network /dev/zero",
+      "light " + path("huge.png") + out + " --network " + network,
+      "light " + path("pipe.png") + out + " --network " + network,
+      "light /dev/zero" + out + " --network " + network,
+      "run " + path("huge.json"),
+      "run /dev/zero",
+      "run " + mesh_scene() + " --mesh " + path("huge.obj"),
+      "run " + mesh_scene() + " --mesh " + path("pipe.obj"),
+      "run demo --replay " + path("huge.light"),
+      "run demo --replay /dev/zero",
+      "run demo --replay " + path("pipe.png"),
+      "sample " + path("huge.obj") + " --surface --distance 1" + out,
+      "sample /dev/zero --surface --distance 1" + out,
+      "dataset " + path("huge.hdr") + out,
+      "dataset " + path("pipe.hdr") + out,
+      "dataset " + path("pipe.exr") + out,
+      "dataset " + panorama("room.hdr", 20) + " --manifest /dev/zero" + out,
+      "quantise-light /dev/zero --calibrate " + folder.string() + out,
+      "light-features " + path("huge.light") + " " + folder.string() + out,
+  };
+  for (const std::string& command : commands) {
+    EXPECT_LT(seconds_of(command, 2), k_limit_s) << command;
+    EXPECT_FALSE(fs::exists(path("out"))) << command;
+  }
+}
+
+TEST_F(CliFiles, OutputsAreOrdinaryFiles) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  for (const std::string& output : {path("pipe"), std::string("/dev/full"), folder.string(), path("none/x")})
+    EXPECT_LT(seconds_of("sample box --surface --distance 0.3 -o " + output, 2), k_limit_s) << output;
+}
+
+TEST_F(CliFiles, MoreThanAMachineHoldsIsRefusedInTheSceneFile) {
+  const std::string sand = R"({"particle_radius": 0.001, "bodies": [{"shape": )";
+  const std::string many[] = {
+      sand + R"("box", "particles": 100000000}]})",
+      sand + R"("lattice", "counts": [1000, 1000, 100]}]})",
+      sand + R"("box", "size": [10, 10, 10]}]})",
+      sand + R"("sphere", "size": 0.1, "grains": 100000000}]})",
+      sand + R"("sphere", "size": 0.1, "grain_distance": 0.00001}]})",
+      sand + R"("box", "particles": 3000000}, {"shape": "box", "particles": 3000000}]})",
+      R"({"particle_radius": 0.01, "particle_capacity": 100000000, "emitters": [{"position": [0, 1, 0], "radius": 0.1}]})"};
+  for (const std::string& scene : many)
+    for (const char* command : {"run ", "inspect "})
+      EXPECT_LT(seconds_of(command + write("many.json", scene), 2), k_limit_s) << scene;
+}
+
+TEST_F(CliFiles, CtrlCIsAnsweredWithinASecond) {
+  const std::string out = " -o " + path("out");
+  panorama("rooms/room.hdr", 20);
+  struct Case {
+    std::string command;
+    int milliseconds;  // until the key is pressed
+  };
+  std::vector<Case> cases = {
+      {"sample sphere --volume --distance 0.003" + out, 200},
+      {"inspect " + write("fill.json", R"({"particle_radius": 0.0004, "bodies": [{"shape": "sphere", "size": 0.1,
+                                           "grains": 4000000}]})"),
+       200},
+      {"run " + path("fill.json"), 200},
+      {endless(), 200},
+      {endless() + "--threads 2 --record " + path("r.sgrec"), 200},
+      {"bench granular", 300},
+      {"verify granular", 300}};
+  if (k_embree) cases.push_back({"room --width 4096 --samples 64" + out + ".hdr", 300});
+  if (k_bake) cases.push_back({"bake chair" + out, 500});
+  for (const Case& each : cases) {
+    Running program = start(each.command);
+    std::this_thread::sleep_for(std::chrono::milliseconds(each.milliseconds));
+    program.interrupt();
+    double seconds = 0;
+    EXPECT_EQ(program.wait(&seconds), 130) << each.command << read(path("stderr"));
+    EXPECT_LT(seconds, k_limit_s) << each.command;
+    for (const auto& entry : fs::directory_iterator(folder))
+      EXPECT_EQ(entry.path().string().find(".unfinished."), std::string::npos) << entry.path();
+  }
+}
+
+TEST_F(CliFiles, TheSecondCtrlCEndsAtOnce) {
+  // Interrupted after some frames, a run draws them. The second key ends that.
+  Running program = start(endless() + "--out " + path("out"));
+  ASSERT_TRUE(program.makes(path(std::string("out/") + host::k_incomplete)));
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  program.interrupt();
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  program.interrupt();
+  double seconds = 0;
+  EXPECT_EQ(program.wait(&seconds), -SIGINT);
+  EXPECT_LT(seconds, 0.5 * k_limit_s);
+}
+
+TEST_F(CliFiles, NoPictureIsDrawnOfZeroFrames) {
+  // The key is pressed while the scene is filled, so no frame is run. A busy machine may press it too late.
+  const std::string scene = write("slow.json", R"({"particle_radius": 0.004, "frames": 1000, "bodies":
+      [{"shape": "lattice", "counts": [40, 40, 40]}], "colliders": [{"shape": "half_space"}]})");
+  bool before_the_first = false;
+  for (int attempt = 0; attempt < 5 && !before_the_first; ++attempt) {
+    fs::remove_all(folder / "out");
+    Running program = start("run " + scene + " --out " + path("out"));
+    ASSERT_TRUE(program.makes(path(std::string("out/") + host::k_incomplete)));
+    program.interrupt();
+    double seconds = 0;
+    EXPECT_EQ(program.wait(&seconds), 130);
+    before_the_first = read(path("stdout")).find("interrupted after 0 of 1000") != std::string::npos;
+    EXPECT_TRUE(!before_the_first || seconds < k_limit_s) << seconds;
+  }
+  ASSERT_TRUE(before_the_first) << read(path("stdout"));
+  for (const char* name : {"contact_sheet.png", "last_frame.png", "report.html", "frames"})
+    EXPECT_FALSE(fs::exists(folder / "out" / name)) << name;
+}
+
+}  // namespace
+}  // namespace sandglass

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# The npm package as its user gets it: packed, installed from the file into a new project, imported by its name, run.
+# Where TypeScript is installed, the types are checked too, and must refuse what is wrong.
+#   package.sh NPM_FOLDER WORK_FOLDER
+set -euo pipefail
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+command -v npm >/dev/null || { echo "npm is not installed"; exit 77; }
+npm=$(cd "$1" && pwd) work=$2
+rm -rf "$work" && mkdir -p "$work/app"
+npm_quiet=(npm --offline --no-audit --no-fund --no-update-notifier --loglevel=error --cache "$work/cache")
+file=$(cd "$work" && "${npm_quiet[@]}" pack "$npm" | tail -n 1)
+cd "$work/app"
+echo '{"name": "app", "version": "1.0.0", "private": true, "type": "module"}' >package.json
+"${npm_quiet[@]}" install "../$file" >/dev/null
+ls node_modules/sandglass
+printf 'package %s bytes, module %s bytes, %s compressed\n' "$(stat -c %s "../$file")" "$(stat -c %s node_modules/sandglass/sandglass.wasm)" \
+  "$(gzip -9 -c node_modules/sandglass/sandglass.wasm | wc -c)"
+cp "$here/app.mts" app.mts
+# The types are all that the sample has beyond JavaScript, and there are none.
+cp app.mts app.mjs
+node app.mjs
+if command -v tsc >/dev/null; then
+  check=(tsc --noEmit --strict --target es2022 --module node16 --moduleResolution node16 --lib es2022,dom)
+  "${check[@]}" app.mts
+  echo 'import { load } from "sandglass"; (await load()).make("sandglass_scene_desc").gravity = "down";' >wrong.mts
+  if "${check[@]}" wrong.mts; then echo "the types accept a wrong value"; exit 1; fi
+fi

@@ -1,0 +1,246 @@
+// The C API of Sandglass for JavaScript. Every function of the headers is a method of what load() returns, under its C
+// name; every struct is a view of the module's memory with the C fields; constants are exported by their C names.
+//
+//     const sand = await load();
+//     const desc = sand.make("sandglass_scene_desc");
+//     sand.sandglass_scene_desc_default(desc);
+//     desc.granular.particle_capacity = 1500;
+//     const scene = sand.create("sandglass_scene", desc);
+//
+// A function that takes `reason` in C throws it here as the message of an Error. `const char*` comes back as a string,
+// a 64-bit result as a bigint, a 64-bit field as a number. Memory is the module's: views of it end when it grows, so
+// take a new one (floats, bytes) after every allocation.
+import { structs, functions, constants } from "./abi.mjs";
+
+export { constants };
+
+const k_block_alignment = constants.SANDGLASS_BLOCK_ALIGNMENT;
+const k_least_step_ns = 1000n;  // from one reading of the clock to the next
+const k_arrays = {
+  u8: Uint8Array, i8: Int8Array, u16: Uint16Array, i16: Int16Array, u32: Uint32Array, i32: Int32Array, ptr: Uint32Array,
+  u64: BigUint64Array, i64: BigInt64Array, f32: Float32Array, f64: Float64Array,
+};
+const k_read = {
+  u8: (view, at) => view.getUint8(at), i8: (view, at) => view.getInt8(at),
+  u16: (view, at) => view.getUint16(at, true), i16: (view, at) => view.getInt16(at, true),
+  u32: (view, at) => view.getUint32(at, true), i32: (view, at) => view.getInt32(at, true),
+  ptr: (view, at) => view.getUint32(at, true), f32: (view, at) => view.getFloat32(at, true),
+  f64: (view, at) => view.getFloat64(at, true), u64: (view, at) => Number(view.getBigUint64(at, true)),
+  i64: (view, at) => Number(view.getBigInt64(at, true)),
+};
+const k_write = {
+  u8: (view, at, to) => view.setUint8(at, to), i8: (view, at, to) => view.setInt8(at, to),
+  u16: (view, at, to) => view.setUint16(at, to, true), i16: (view, at, to) => view.setInt16(at, to, true),
+  u32: (view, at, to) => view.setUint32(at, to, true), i32: (view, at, to) => view.setInt32(at, to, true),
+  ptr: (view, at, to) => view.setUint32(at, address(to), true), f32: (view, at, to) => view.setFloat32(at, to, true),
+  f64: (view, at, to) => view.setFloat64(at, to, true), u64: (view, at, to) => view.setBigUint64(at, BigInt(to), true),
+  i64: (view, at, to) => view.setBigInt64(at, BigInt(to), true),
+};
+
+const address = (value) => (value === null || value === undefined ? 0 : typeof value === "object" ? value.address : value);
+
+// A class for each struct: its fields are properties that read and write the module's memory.
+function structClass(name, memory, classes) {
+  const { size, fields } = structs[name];
+  class View {
+    constructor(at) { this.address = at; }
+    // Copies another struct of this type, or fields by name.
+    set(values) {
+      if (values instanceof View) new Uint8Array(memory.buffer).copyWithin(this.address, values.address, values.address + size);
+      else for (const [field, value] of Object.entries(values)) {
+        if (!(field in this)) throw new Error(`${name} has no field ${field}`);
+        this[field] = value;
+      }
+      return this;
+    }
+  }
+  for (const [field, type, offset, count] of fields) {
+    const inner = type in structs ? structs[type].size : 0;
+    Object.defineProperty(View.prototype, field, {
+      enumerable: true,
+      get() {
+        const at = this.address + offset;
+        if (inner && count) return Array.from({ length: count }, (_, i) => new classes[type](at + i * inner));
+        if (inner) return new classes[type](at);
+        if (count) return new k_arrays[type](memory.buffer, at, count);
+        return k_read[type](new DataView(memory.buffer), at);
+      },
+      set(value) {
+        const at = this.address + offset;
+        if (inner && !count) new classes[type](at).set(value);
+        else if (count && !inner) new k_arrays[type](memory.buffer, at, count).set(value);
+        else if (!count) k_write[type](new DataView(memory.buffer), at, value);
+        else throw new Error(`${name}.${field} is set item by item`);
+      },
+    });
+  }
+  return View;
+}
+
+// A WebAssembly function that calls `f`, because only such functions can stand in the table of function pointers.
+// `signature` is the result, then the parameters: "v" none, "i" 32 bits or a pointer, "j" 64 bits, "f", "d".
+function trampoline(f, signature) {
+  const code = { i: 0x7f, j: 0x7e, f: 0x7d, d: 0x7c };
+  const parameters = [...signature.slice(1)].map((kind) => code[kind]);
+  const results = signature[0] === "v" ? [] : [code[signature[0]]];
+  const type = [1, 0x60, parameters.length, ...parameters, results.length, ...results];
+  const bytes = [0, 0x61, 0x73, 0x6d, 1, 0, 0, 0, 1, type.length, ...type, 2, 7, 1, 1, 0x65, 1, 0x66, 0, 0, 7, 5, 1, 1, 0x66, 0, 0];
+  return new WebAssembly.Instance(new WebAssembly.Module(new Uint8Array(bytes)), { e: { f } }).exports.f;
+}
+
+async function compiled(source) {
+  if (source instanceof WebAssembly.Module) return source;
+  if (ArrayBuffer.isView(source) || source instanceof ArrayBuffer) return WebAssembly.compile(source);
+  const url = source instanceof URL ? source : new URL(source ?? "sandglass.wasm", import.meta.url);
+  if (url.protocol === "file:" && typeof process !== "undefined")
+    return WebAssembly.compile(await (await import("node:fs/promises")).readFile(url));
+  const answer = await fetch(url);
+  if (!answer.ok) throw new Error(`sandglass: cannot load "${url}": the server answers ${answer.status}.`);
+  return WebAssembly.compile(await answer.arrayBuffer());
+}
+
+// Makes an instance of the library. `source` is a URL, bytes or a WebAssembly.Module; without it, sandglass.wasm beside
+// this file. `options.now` is the clock of sandglass_clock_system(), in milliseconds; without it, performance.now().
+export async function load(source, options = {}) {
+  const now = options.now ?? (() => performance.now());
+  let memory, reading = 0n;
+  const host = {
+    clock_time_get(_clock, _precision, at) {
+      // Browsers round their clock, up to 0.1 ms. One that stands still over several work units would count as broken.
+      const told = BigInt(Math.round(now() * 1e6));
+      reading = told > reading ? told : reading + k_least_step_ns;
+      new DataView(memory.buffer).setBigUint64(at, reading, true);
+      return 0;
+    },
+    proc_exit(code) { throw new Error(`sandglass: the module ended with code ${code}.`); },
+  };
+  const module = await compiled(source);
+  const instance = await WebAssembly.instantiate(module, {
+    wasi_snapshot_preview1: host,
+    env: { emscripten_notify_memory_growth() {} },
+  });
+  const { exports } = instance;
+  memory = exports.memory;
+  exports._initialize?.();
+  return new Sandglass(exports);
+}
+
+class Sandglass {
+  #exports;
+  #classes = {};
+  #reason;
+  #blocks = new Map();
+
+  constructor(exports) {
+    this.#exports = exports;
+    for (const name of Object.keys(structs)) this.#classes[name] = structClass(name, exports.memory, this.#classes);
+    this.#reason = this.allocate(8);
+    for (const [name, [parameters, result, of, fails]] of Object.entries(functions))
+      this[name] = this.#method(exports[name], parameters, result, of, fails);
+  }
+
+  get memory() { return this.#exports.memory; }
+
+  #method(call, parameters, result, of, fails) {
+    const converted = parameters.map((type) => (type === "u64" || type === "i64" ? BigInt : type === "ptr" ? address : Number));
+    const raw = (values) => converted.map((convert, i) => convert(values[i] ?? 0));
+    if (fails)
+      return (...values) => {
+        const status = call(...raw(values), this.#reason);
+        if (status === 0) return;
+        const reason = this.text(new DataView(this.memory.buffer).getUint32(this.#reason, true));
+        throw Object.assign(new Error(reason ?? this.sandglass_status_name(status)), { status });
+      };
+    if (result === "struct")  // C returns it through an address that comes first
+      return (...values) => {
+        const to = this.make(of);
+        call(to.address, ...raw(values));
+        return to;
+      };
+    if (result === "text") return (...values) => this.text(call(...raw(values)));
+    if (result === "u64") return (...values) => BigInt.asUintN(64, call(...raw(values)));
+    if (result === "u32" || result === "ptr") return (...values) => call(...raw(values)) >>> 0;
+    return (...values) => call(...raw(values));
+  }
+
+  // An aligned block of zeros. free() gives it back.
+  allocate(bytes, alignment = k_block_alignment) {
+    const start = this.#exports.malloc(bytes + alignment) >>> 0;
+    if (start === 0) throw new Error(`sandglass: there is no memory for ${bytes} bytes. Make the scene smaller.`);
+    const at = Math.ceil(start / alignment) * alignment;
+    new Uint8Array(this.memory.buffer, at, bytes).fill(0);
+    this.#blocks.set(at, start);
+    return at;
+  }
+
+  free(block) {
+    const start = this.#blocks.get(address(block));
+    if (start === undefined) return;
+    this.#blocks.delete(address(block));
+    this.#exports.free(start);
+  }
+
+  // A new struct, with struct_size set where it has one, and `values` in its fields.
+  make(name, values) {
+    const view = this.at(name, this.allocate(structs[name].size));
+    if (structs[name].fields[0][0] === "struct_size") view.struct_size = structs[name].size;
+    return values ? view.set(values) : view;
+  }
+
+  // The struct at an address.
+  at(name, pointer) { return new this.#classes[name](address(pointer)); }
+  // An array of structs: views, and the address of the first.
+  array(name, count) {
+    const size = structs[name].size, first = this.allocate(size * count);
+    const items = Array.from({ length: count }, (_, i) => this.at(name, first + i * size));
+    return Object.assign(items, { address: first });
+  }
+
+  // Copies a typed array into the module's memory and gives the address.
+  put(array) {
+    const at = this.allocate(array.byteLength);
+    new Uint8Array(this.memory.buffer, at).set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
+    return at;
+  }
+
+  floats(pointer, count) { return new Float32Array(this.memory.buffer, address(pointer), count); }
+  bytes(pointer, count) { return new Uint8Array(this.memory.buffer, address(pointer), count); }
+  text(pointer) {
+    if (!pointer) return null;
+    const all = new Uint8Array(this.memory.buffer);
+    let end = pointer;
+    while (all[end] !== 0) ++end;
+    return new TextDecoder().decode(all.subarray(pointer, end));
+  }
+
+  // A function pointer: of an exported C function by its name, or of a JavaScript function with a signature: the
+  // result, then the parameters, "v" none, "i" 32 bits or a pointer, "j" 64 bits (a bigint), "f", "d".
+  pointer(f, signature) {
+    const table = this.#exports.__indirect_function_table, index = table.grow(1);
+    table.set(index, typeof f === "string" ? this.#exports[f] : trampoline(f, signature));
+    return index;
+  }
+
+  // Calls NAME_bytes and NAME_create with `description` before the block, and gives the handle. The block is freed by
+  // destroy(handle).
+  create(name, ...description) {
+    const size = this.allocate(8);
+    let block = 0;
+    try {
+      this[`${name}_bytes`](...description, size);
+      const bytes = Number(new DataView(this.memory.buffer).getBigUint64(size, true));
+      block = this.allocate(bytes);
+      this[`${name}_create`](...description, block, bytes, size);
+      const handle = new DataView(this.memory.buffer).getUint32(size, true);
+      this.#blocks.set(handle, this.#blocks.get(block));
+      return handle;
+    } catch (error) {
+      this.free(block);
+      throw error;
+    } finally {
+      this.free(size);
+    }
+  }
+
+  destroy(handle) { this.free(handle); }
+}
