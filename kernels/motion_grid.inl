@@ -133,41 +133,45 @@ SANDGLASS_INLINE BlockPlace place_in_block(const MotionGrid* grid, Mask lanes, c
   return place;
 }
 
+SANDGLASS_INLINE Mask same_block(const BlockPlace& place, const Float block[3]) {
+  return (place.block[0] == block[0]) & (place.block[1] == block[1]) & (place.block[2] == block[2]);
+}
+
 static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end, uint32_t* result) {
   (void)result;
   const MotionGrid* grid = a->grid;
   const Float limit = broadcast(k_coordinate_bound), most = broadcast(static_cast<float>(k_block_cells - 1));
-  int32_t last[3] = {0, 0, 0};
-  uint32_t number = k_no_block;
-  bool known = false;
+  Float last[3] = {limit, limit, limit};  // the block of the last grains: as a rule the next ones are in it too
+  uint8_t* counts = nullptr;              // null: there is none
   for (uint32_t i = begin; i < end; i += k_width) {
     Float grain[k_record_floats];
     load_records(floats_of(a->grains + i), grain);
-    const Mask lanes =
-        (lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count))) &
-        (absolute(grain[k_x]) < limit) & (absolute(grain[k_y]) < limit) & (absolute(grain[k_z]) < limit);
-    const BlockPlace place = place_in_block(grid, lanes, grain);
+    Mask left = (lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count))) &
+                (absolute(grain[k_x]) < limit) & (absolute(grain[k_y]) < limit) & (absolute(grain[k_z]) < limit);
+    const BlockPlace place = place_in_block(grid, left, grain);
     Int cell = broadcast(0);
     for (int k = 2; k >= 0; --k)
       cell = shift_left(cell, 3) + shift_left(cell, 2) + to_int(minimum(place.inside[k] * broadcast(3.0f), most));
-    alignas(64) uint32_t cells[k_lane_group];
-    alignas(64) float blocks[3][k_lane_group], wanted[k_lane_group];
-    store(cells, cell);
-    store(wanted, keep(lanes, broadcast(1.0f)));
-    for (int k = 0; k < 3; ++k) store(blocks[k], place.block[k]);
-    for (uint32_t l = 0; l < k_width; ++l) {
-      if (wanted[l] == 0.0f) continue;
-      int32_t at[3];
-      for (int k = 0; k < 3; ++k) at[k] = to_whole<int32_t>(blocks[k][l]);
-      if (!known || at[0] != last[0] || at[1] != last[1] || at[2] != last[2]) {
-        number = motion_find(*grid, at[0], at[1], at[2]);
-        for (int k = 0; k < 3; ++k) last[k] = at[k];
-        known = true;
+    while (any(left)) {
+      Mask same = left & same_block(place, last);
+      if (!any(same)) {
+        alignas(64) float at[3][k_lane_group];
+        const uint32_t sole = first(left);
+        for (int k = 0; k < 3; ++k) store(at[k], place.block[k]), last[k] = broadcast(at[k][sole]);
+        const uint32_t number = motion_find(*grid, to_whole<int32_t>(at[0][sole]), to_whole<int32_t>(at[1][sole]),
+                                            to_whole<int32_t>(at[2][sole]));
+        counts = number == k_no_block ? nullptr : grid->counts + static_cast<uint64_t>(number) * k_block_counts;
+        if (counts != nullptr) grid->blocks[number].state |= k_block_holds;
+        same = left & same_block(place, last);
       }
-      if (number == k_no_block) continue;
-      uint8_t* counted = grid->counts + static_cast<uint64_t>(number) * k_block_counts + cells[l];
-      if (*counted <= 255 - k_grain_count) *counted = static_cast<uint8_t>(*counted + k_grain_count);
-      grid->blocks[number].state |= k_block_holds;
+      left = and_not(left, same);
+      if (counts == nullptr) continue;
+      alignas(64) uint32_t cells[2 * k_lane_group];
+      const uint32_t n = compress_store(cells, cell, same);
+      for (uint32_t l = 0; l < n; ++l) {
+        const uint32_t more = counts[cells[l]] + k_grain_count;
+        counts[cells[l]] = static_cast<uint8_t>(more > 255 ? counts[cells[l]] : more);
+      }
     }
   }
 }

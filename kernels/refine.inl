@@ -204,26 +204,29 @@ struct Places {
 };
 
 // Lanes in several blocks.
-SANDGLASS_APART void find_blocks(const MotionGrid* grid, Mask lanes, const Float block_at[3], Int corner,
+SANDGLASS_APART void find_blocks(const MotionGrid* grid, Mask lanes, const BlockPlace& place, const uint32_t* corners,
                                  Places* places) {
-  alignas(64) float at[3][k_lane_group], wanted[k_lane_group], found[k_lane_group];
-  alignas(64) uint32_t corners[k_lane_group];
-  for (int k = 0; k < 3; ++k) store(at[k], block_at[k]);
-  store(corners, corner);
-  store(wanted, keep(lanes, broadcast(1.0f)));
-  for (uint32_t l = 0; l < k_width; ++l) {
-    places->records[l] = grid->nodes, places->density[l] = density_of(*grid, 0);
-    const float lane_at[3] = {at[0][l], at[1][l], at[2][l]};
-    found[l] = 0.0f;
-    if (wanted[l] == 0.0f) continue;
-    const Block block = look_up(grid, lane_at);
-    wanted[l] = block.lacking ? 1.0f : 0.0f;
+  for (uint32_t l = 0; l < k_width; ++l) places->records[l] = grid->nodes, places->density[l] = density_of(*grid, 0);
+  places->lacking = places->known = and_not(lanes, lanes);
+  alignas(64) float at[3][k_lane_group];
+  for (int k = 0; k < 3; ++k) store(at[k], place.block[k]);
+  for (Mask left = lanes; any(left);) {
+    const uint32_t sole = first(left);
+    const float block_at[3] = {at[0][sole], at[1][sole], at[2][sole]};
+    const Float wanted[3] = {broadcast(block_at[0]), broadcast(block_at[1]), broadcast(block_at[2])};
+    const Mask same = left & same_block(place, wanted);
+    left = and_not(left, same);
+    const Block block = look_up(grid, block_at);
+    if (block.lacking) places->lacking = places->lacking | same;
     if (block.lacking || block.records == nullptr) continue;
-    places->records[l] = block.records + corners[l] * k_record_floats, places->density[l] = block.density;
-    found[l] = 1.0f;
+    places->known = places->known | same;
+    alignas(64) uint32_t members[2 * k_lane_group];
+    const uint32_t n = compress_store(members, lane_index(), same);
+    for (uint32_t m = 0; m < n; ++m) {
+      places->records[members[m]] = block.records + corners[members[m]] * k_record_floats;
+      places->density[members[m]] = block.density;
+    }
   }
-  places->lacking = lanes & (broadcast(0.0f) < load(wanted));
-  places->known = lanes & (broadcast(0.0f) < load(found));
 }
 
 // The block of the last grains: as a rule the next ones are in it too.
@@ -236,23 +239,20 @@ struct LastBlock {
 SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const BlockPlace& place, Int corner,
                                   LastBlock* last, Places* places) {
   const Mask none = and_not(lanes, lanes);
-  const Mask same = (place.block[0] == broadcast(last->at[0])) & (place.block[1] == broadcast(last->at[1])) &
-                    (place.block[2] == broadcast(last->at[2]));
-  if (!last->known || any(and_not(lanes, same))) {
-    alignas(64) float at[3][k_lane_group];
-    for (int k = 0; k < 3; ++k) store(at[k], place.block[k]);
+  alignas(64) uint32_t corners[k_lane_group];
+  store(corners, corner);
+  Float at[3] = {broadcast(last->at[0]), broadcast(last->at[1]), broadcast(last->at[2])};
+  if (!last->known || any(and_not(lanes, same_block(place, at)))) {
+    alignas(64) float all_at[3][k_lane_group];
     const uint32_t sole = first(lanes);
-    for (int k = 0; k < 3; ++k) last->at[k] = at[k][sole];
+    for (int k = 0; k < 3; ++k)
+      store(all_at[k], place.block[k]), last->at[k] = all_at[k][sole], at[k] = broadcast(last->at[k]);
     last->block = look_up(grid, last->at);
     last->known = true;
-    const Mask together = (place.block[0] == broadcast(last->at[0])) & (place.block[1] == broadcast(last->at[1])) &
-                          (place.block[2] == broadcast(last->at[2]));
-    if (any(and_not(lanes, together))) return find_blocks(grid, lanes, place.block, corner, places);
+    if (any(and_not(lanes, same_block(place, at)))) return find_blocks(grid, lanes, place, corners, places);
   }
   places->lacking = last->block.lacking ? lanes : none;
   places->known = last->block.lacking || last->block.records == nullptr ? none : lanes;
-  alignas(64) uint32_t corners[k_lane_group];
-  store(corners, corner);
   // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
   for (uint32_t l = 0; l < k_width; ++l)
     places->records[l] = last->block.records + corners[l] * k_record_floats, places->density[l] = last->block.density;
@@ -332,12 +332,25 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
   return select(alone, one, lambda);
 }
 
+// Whether all lanes are far from a collider that fits into a ball around its position.
+SANDGLASS_INLINE bool far_from(const ColliderFrame& c, const Float position[3], float margin) {
+  if (c.shape == SANDGLASS_SHAPE_HALF_SPACE || c.shape == SANDGLASS_SHAPE_FIELD) return false;
+  const float beyond_ball = c.shape == SANDGLASS_SHAPE_CAPSULE ? c.size[1]
+                            : c.shape == SANDGLASS_SHAPE_BOX   ? c.size[1] + c.size[2]
+                                                               : 0.0f;
+  const float reach = 1.001f * (c.size[0] + beyond_ball + margin);
+  const Float x = position[0] - broadcast(c.position[0]), y = position[1] - broadcast(c.position[1]),
+              z = position[2] - broadcast(c.position[2]);
+  return all(broadcast(reach * reach) < dot3(x, y, z, x, y, z));
+}
+
 // Returns the lanes that a field moved: its distance is rough, in corners and far inside.
 SANDGLASS_APART Mask keep_outside(const RefineArgs* a, Mask lanes, Float position[3], Float velocity[3]) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   Mask rough = and_not(lanes, lanes);
   for (uint32_t c = 0; c < a->collider_count; ++c) {
     const ColliderFrame& collider = a->colliders[c];
+    if (far_from(collider, position, a->grain_radius)) continue;
     const Surface surface = collider_surface(collider, position[0], position[1], position[2]);
     const Float depth = broadcast(a->grain_radius) - surface.distance;
     const Mask hit = lanes & (zero < depth);

@@ -184,14 +184,31 @@ void motion_clear(MotionGrid* grid, uint32_t begin, uint32_t end, uint32_t all) 
   for (uint64_t slot = slots * begin / all; slot < slots * end / all; ++slot) grid->slots[slot] = 0;
 }
 
+// What a phase has left is cut into equal units: a rest of a few items would look dear for what it does.
+static uint32_t next_part(uint32_t left, uint32_t most) {
+  if (left == 0) return 0;
+  const uint32_t parts = (left + most - 1) / most, part = (left + parts - 1) / parts;
+  return part;
+}
+
+// Things that the next unit handles: particles, blocks or grains.
+static uint32_t motion_part(const Granular& g, uint32_t each) {
+  const uint32_t most = g.unit < each ? 1 : g.unit / each, cursor = g.sweep.cursor;
+  if (g.sweep.phase == SweepPhase::scatter) return next_part(g.sweep.particles - cursor, most);
+  if (g.sweep.phase != SweepPhase::count) return next_part(g.motion.grid.block_count - cursor, most);
+  const uint32_t groups = (g.grains.count - cursor + k_lane_group - 1) / k_lane_group;
+  return next_part(groups, most / k_lane_group) * k_lane_group;
+}
+
+static uint32_t items_each(SweepPhase phase) {
+  if (phase == SweepPhase::scatter) return k_items_per_particle;
+  if (phase == SweepPhase::join) return k_items_per_join;
+  return phase == SweepPhase::smooth ? k_items_per_smooth : 1;
+}
+
 uint32_t motion_items(const Granular& g) {
-  const uint32_t cursor = g.sweep.cursor, blocks = g.motion.grid.block_count - cursor;
-  uint32_t left = 0;
-  if (g.sweep.phase == SweepPhase::scatter) left = (g.particles.count - cursor) * k_items_per_particle;
-  if (g.sweep.phase == SweepPhase::join) left = blocks * k_items_per_join;
-  if (g.sweep.phase == SweepPhase::count) left = g.grains.count - cursor;
-  if (g.sweep.phase == SweepPhase::smooth) left = blocks * k_items_per_smooth;
-  return left == 0 ? 1 : left < g.unit ? left : g.unit;
+  const uint32_t each = items_each(g.sweep.phase), part = motion_part(g, each);
+  return part == 0 ? 1 : part * each;
 }
 
 uint64_t motion_items_of_a_sweep(const Granular& g) {
@@ -200,11 +217,9 @@ uint64_t motion_items_of_a_sweep(const Granular& g) {
 }
 
 bool motion_run_scatter(Granular* g) {
-  const Particle* particles = g->grains.snapshot.particles;
-  const uint32_t all = g->sweep.particles, begin = g->sweep.cursor;
-  const uint32_t size = g->unit < k_items_per_particle * k_lane_group ? k_lane_group : g->unit / k_items_per_particle;
-  const uint32_t end = all - begin < size ? all : begin + size;
-  const ScatterMotionArgs args = {&g->motion.grid, particles, end, static_cast<float>(g->sweep.time)};
+  const uint32_t all = g->sweep.particles, begin = g->sweep.cursor, end = begin + motion_part(*g, k_items_per_particle);
+  const ScatterMotionArgs args = {&g->motion.grid, g->grains.snapshot.particles, end,
+                                  static_cast<float>(g->sweep.time)};
   uint32_t unused = 0;
   g->kernels->scatter_motion(&args, begin, end, &unused);
   g->sweep.cursor = end;
@@ -212,8 +227,7 @@ bool motion_run_scatter(Granular* g) {
 }
 
 bool motion_run_count(Granular* g) {
-  const uint32_t all = g->grains.count, begin = g->sweep.cursor;
-  const uint32_t end = all - begin < g->unit ? all : begin + g->unit;
+  const uint32_t all = g->grains.count, begin = g->sweep.cursor, end = begin + motion_part(*g, 1);
   const CountGrainsArgs args = {&g->motion.grid, g->grains.records[0], all};
   uint32_t unused = 0;
   g->kernels->count_grains(&args, begin, end, &unused);
@@ -222,23 +236,17 @@ bool motion_run_count(Granular* g) {
 }
 
 bool motion_run_smooth(Granular* g) {
-  MotionGrid& grid = g->motion.grid;
-  const uint32_t all = grid.block_count, begin = g->sweep.cursor;
-  const uint32_t size = g->unit < k_items_per_smooth ? 1 : g->unit / k_items_per_smooth;
-  const uint32_t end = all - begin < size ? all : begin + size;
-  for (uint32_t number = begin; number < end; ++number) motion_smooth(grid, number);
+  const uint32_t end = g->sweep.cursor + motion_part(*g, k_items_per_smooth);
+  for (uint32_t number = g->sweep.cursor; number < end; ++number) motion_smooth(g->motion.grid, number);
   g->sweep.cursor = end;
-  return end >= all;
+  return end >= g->motion.grid.block_count;
 }
 
 bool motion_run_join(Granular* g) {
-  MotionGrid& grid = g->motion.grid;
-  const uint32_t all = grid.block_count, begin = g->sweep.cursor;
-  const uint32_t size = g->unit < k_items_per_join ? 1 : g->unit / k_items_per_join;
-  const uint32_t end = all - begin < size ? all : begin + size;
-  for (uint32_t number = begin; number < end; ++number) motion_join(&grid, number);
+  const uint32_t end = g->sweep.cursor + motion_part(*g, k_items_per_join);
+  for (uint32_t number = g->sweep.cursor; number < end; ++number) motion_join(&g->motion.grid, number);
   g->sweep.cursor = end;
-  return end >= all;
+  return end >= g->motion.grid.block_count;
 }
 
 namespace {
