@@ -35,7 +35,7 @@ SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index
 }
 
 // Sums over the particles near the lanes that `lanes` holds, whose bounding box is at most two cells wide.
-SANDGLASS_APART void gather_flow(const RefineArgs* a, Mask lanes, const Float position[3], Flow* flow) {
+SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, const Float position[3], Flow* flow) {
   const Float x = position[0], y = position[1], z = position[2];
   const Float big = broadcast(3e38f), small = broadcast(-3e38f);
   const float low[3] = {lane_minimum(select(lanes, x, big)), lane_minimum(select(lanes, y, big)),
@@ -376,26 +376,24 @@ SANDGLASS_APART Mask keep_outside(const RefineArgs* a, Mask lanes, Float positio
   return rough;
 }
 
-// The sums at the lanes that `lanes` holds: from the grid where there is one and it has room, else from the particles.
-SANDGLASS_INLINE Flow find_flow(const RefineArgs* a, Mask lanes, const Float position[3], LastBlock* last) {
-  const Float zero = broadcast(0.0f);
-  Flow flow = {zero, zero, zero, zero, zero, {zero, zero, zero}};
-  const Float limit = broadcast(k_coordinate_bound);
-  const Float wide = broadcast(1.0f / a->grid.inverse_cell);  // lanes further apart than this are gathered separately
-  Mask left =
-      lanes & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
-  if (a->motion != nullptr && any(left)) left = read_flow(a, left, position, last, &flow);
-  while (any(left)) {
-    alignas(64) float px[k_lane_group], py[k_lane_group], pz[k_lane_group];
-    store(px, position[0]), store(py, position[1]), store(pz, position[2]);
+// The sums at the lanes that `lanes` holds, from the particles. Lanes that are far apart are gathered separately.
+SANDGLASS_APART void gather_all(const RefineArgs* a, Mask lanes, const Float position[3], Flow* flow) {
+  const Float wide = broadcast(1.0f / a->grid.inverse_cell);
+  alignas(64) float at[3][k_lane_group];
+  for (int k = 0; k < 3; ++k) store(at[k], position[k]);
+  for (Mask left = lanes; any(left);) {
     const uint32_t l = first(left);
-    const Mask group = left & (absolute(position[0] - broadcast(px[l])) <= wide) &
-                       (absolute(position[1] - broadcast(py[l])) <= wide) &
-                       (absolute(position[2] - broadcast(pz[l])) <= wide);
-    gather_flow(a, group, position, &flow);
+    const Mask group = left & (absolute(position[0] - broadcast(at[0][l])) <= wide) &
+                       (absolute(position[1] - broadcast(at[1][l])) <= wide) &
+                       (absolute(position[2] - broadcast(at[2][l])) <= wide);
+    gather_flow(a, group, position, flow);
     left = and_not(left, group);
   }
-  return flow;
+}
+
+SANDGLASS_INLINE Mask sound_places(Mask lanes, const Float position[3]) {
+  const Float limit = broadcast(k_coordinate_bound);
+  return lanes & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
 }
 
 // As many grains as there are lanes, on their way through a sweep.
@@ -466,7 +464,12 @@ SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, Ma
 }
 
 // With a grid: one look-up for all steps.
-SANDGLASS_INLINE void follow(const RefineArgs* a, const Flow& flow, Grains* g) {
+SANDGLASS_INLINE void follow(const RefineArgs* a, LastBlock* last, Grains* g) {
+  const Float zero = broadcast(0.0f);
+  Flow flow = {zero, zero, zero, zero, zero, {zero, zero, zero}};
+  Mask left = sound_places(g->inside, g->position);
+  if (any(left)) left = read_flow(a, left, g->position, last, &flow);
+  if (any(left)) gather_all(a, left, g->position, &flow);  // the grid has no room there
   const Following f = find_following(a, flow, g);
   // Half a particle radius in a step, less what gravity adds.
   const float length = a->support * (1.0f / 6.0f) / a->step - a->fall;
@@ -482,11 +485,12 @@ SANDGLASS_INLINE void follow(const RefineArgs* a, const Flow& flow, Grains* g) {
 }
 
 // Without one: a look-up for each step.
-SANDGLASS_INLINE void follow_particles(const RefineArgs* a, LastBlock* last, Grains* g) {
+SANDGLASS_APART void follow_particles(const RefineArgs* a, Grains* g) {
+  const Float zero = broadcast(0.0f);
   for (uint32_t s = 0; s < a->steps; ++s) {
-    const Flow flow = find_flow(a, g->inside, g->position, last);
-    const Following f = find_following(a, flow, g);
-    take_step(a, f, g);
+    Flow flow = {zero, zero, zero, zero, zero, {zero, zero, zero}};
+    gather_all(a, sound_places(g->inside, g->position), g->position, &flow);
+    take_step(a, find_following(a, flow, g), g);
     keep_outside(a, g->inside, g->position, g->velocity);
   }
 }
@@ -505,8 +509,8 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
     for (int k = 0; k < 3; ++k) g.position[k] = grain[k], g.velocity[k] = grain[k_vx + k];
     g.inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
     g.settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
-    if (a->motion != nullptr) follow(a, find_flow(a, g.inside, g.position, &last), &g);
-    else follow_particles(a, &last, &g);
+    if (a->motion != nullptr) follow(a, &last, &g);
+    else follow_particles(a, &g);
     const Mask sound = (absolute(g.position[0]) < limit) & (absolute(g.position[1]) < limit) &
                        (absolute(g.position[2]) < limit) & (absolute(g.velocity[0]) < broadcast(1e6f)) &
                        (absolute(g.velocity[1]) < broadcast(1e6f)) & (absolute(g.velocity[2]) < broadcast(1e6f));
