@@ -298,7 +298,7 @@ SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_
   flow->y = select(known, sum.y, flow->y);
   flow->z = select(known, sum.z, flow->z);
   flow->largest = select(known, sum.largest, flow->largest);
-  if (any(pushed)) {
+  if (a->push != 0.0f && any(pushed)) {
     read_push(a, places.density, place.inside, &sum);
     for (int k = 0; k < 3; ++k) flow->push[k] = keep(pushed, sum.push[k]);
   }

@@ -211,9 +211,10 @@ uint32_t motion_items(const Granular& g) {
   return part == 0 ? 1 : part * each;
 }
 
-uint64_t motion_items_of_a_sweep(const Granular& g) {
-  return uint64_t{g.particles.count} * k_items_per_particle +
-         uint64_t{g.motion.grid.block_count} * (k_items_per_join + k_items_per_smooth) + g.grains.count;
+uint64_t motion_items_of_a_sweep(const Granular& g, bool even) {
+  const uint64_t blocks = g.motion.grid.block_count;
+  return uint64_t{g.particles.count} * k_items_per_particle + blocks * k_items_per_join +
+         (even ? blocks * k_items_per_smooth + g.grains.count : 0);
 }
 
 bool motion_run_scatter(Granular* g) {

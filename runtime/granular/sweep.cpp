@@ -41,7 +41,9 @@ SweepPhase after(Granular* g, SweepPhase done) {
     case SweepPhase::scatter:
       return SweepPhase::join;
     case SweepPhase::join:
-      return SweepPhase::count;
+      if (g->sweep.even) return SweepPhase::count;
+      grain_sleep_begin_triage(g);
+      return SweepPhase::triage;
     case SweepPhase::count:
       return SweepPhase::smooth;
     case SweepPhase::smooth:
@@ -65,7 +67,8 @@ void enter(Granular* g, SweepPhase phase) {
 
 // ---- the phases
 
-void begin(Granular* g) {
+void begin(Granular* g, uint32_t level) {
+  g->sweep.even = level < SANDGLASS_LEVEL_COARSE;
   SimulatedTime& t = g->time;
   const double count = t.grain_lag / static_cast<double>(g->desc.refine_step);
   const uint32_t whole = to_whole<uint32_t>(count);
@@ -157,7 +160,7 @@ bool run_refine(Granular* g) {
   a.support = k_support_radii * g->desc.particle_radius;
   // Down the density's gradient by 0.3 h^2 |grad| / density for h = a cell of half a particle radius, but slower than
   // what counts as still.
-  a.push = 0.15f * g->desc.particle_radius;
+  a.push = g->sweep.even ? 0.15f * g->desc.particle_radius : 0.0f;
   a.push_max = minimum_of(0.1f * g->desc.particle_radius, 0.5f * a.still_distance);
   a.push_reach = 1.2f * g->desc.particle_radius;
   a.step = g->sweep.step;
@@ -259,18 +262,18 @@ bool run_unit(Granular* g, SweepPhase phase) {
   return true;
 }
 
-void run(void* state, uint32_t) {
+void run(void* state, uint32_t level) {
   Granular* g = static_cast<Granular*>(state);
   output_restart(&g->output);
   if (g->sweep.phase == SweepPhase::idle) {
-    begin(g);
+    begin(g, level);
     enter(g, SweepPhase::snapshot);
   }
   const SweepPhase phase = g->sweep.phase;
   if (run_unit(g, phase)) enter(g, after(g, phase));
 }
 
-uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
+uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   const Granular& g = *static_cast<const Granular*>(state);
   const SimulatedTime& t = g.time;
   if (g.grains.count == 0) return 0;
@@ -285,7 +288,7 @@ uint32_t forecast(const void* state, uint32_t, Forecast* entries) {
   entries[1] = {k_unit_grain_sort, sweeps * 2 * refined / static_cast<uint64_t>(k_sweeps_per_sort)};
   entries[2] = {k_unit_refine, sweeps * refined};
   if (source_rule(g)) return 3;
-  entries[3] = {k_unit_motion, sweeps * motion_items_of_a_sweep(g)};
+  entries[3] = {k_unit_motion, sweeps * motion_items_of_a_sweep(g, level < SANDGLASS_LEVEL_COARSE)};
   return 4;
 }
 

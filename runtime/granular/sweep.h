@@ -35,6 +35,7 @@ struct Sweep {
   float sweeps_since_sort;  // a sweep over a part of the grains counts for that part
   float step;               // seconds
   uint32_t steps;
+  bool even;           // grains are counted and pushed apart
   uint32_t particles;  // in the snapshot
   double time;         // simulated time that the sweep covers, seconds
 };

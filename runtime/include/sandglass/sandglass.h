@@ -141,7 +141,7 @@ enum {
   SANDGLASS_LEVEL_FULL = 0,
   /* Neighbour lists are rebuilt after three times the motion that could outdate them. */
   SANDGLASS_LEVEL_KEEP_LISTS = 1,
-  /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. */
+  /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. Grains are not kept at an even density. */
   SANDGLASS_LEVEL_COARSE = 2,
   /* Sub-steps are twice as long. AVERAGED with several iterations: half of them. */
   SANDGLASS_LEVEL_COARSER = 3,
