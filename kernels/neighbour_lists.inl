@@ -64,6 +64,7 @@ SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* posi
       const Float dx = load(positions[0] + c) - x, dy = load(positions[1] + c) - y, dz = load(positions[2] + c) - z;
       const Float d2 = dx * dx + dy * dy + dz * dz;
       const Mask chosen = and_not((d2 < reach) & (index < end), index == own);
+      if (!any(chosen)) continue;
       compress_store(row->distances + row->used, as_int(d2), chosen);
       row->used +=
           compress_store(row->slots + row->used, index + broadcast(static_cast<int32_t>(first_record)), chosen);

@@ -9,6 +9,7 @@
 namespace sandglass::simd_wasm {
 
 #define SANDGLASS_INLINE inline __attribute__((always_inline))
+#define SANDGLASS_APART static __attribute__((noinline))
 
 constexpr uint32_t k_width = 4;
 
@@ -103,8 +104,31 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
                     base + static_cast<uint64_t>(index[2 * stride]) * 8,
                     base + static_cast<uint64_t>(index[3 * stride]) * 8, out);
 }
-SANDGLASS_INLINE void load_records(const float* const* lanes, uint32_t offset, Float out[8]) {
-  transpose_records(lanes[0] + offset, lanes[1] + offset, lanes[2] + offset, lanes[3] + offset, out);
+SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Float out[4]) {
+  v128_t t[4];
+  transpose(wasm_v128_load(lanes[0] + offset), wasm_v128_load(lanes[1] + offset), wasm_v128_load(lanes[2] + offset),
+            wasm_v128_load(lanes[3] + offset), t);
+  for (int c = 0; c < 4; ++c) out[c].v = t[c];
+}
+SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first, const uint32_t* second, Float out[8]) {
+  v128_t r[4], t[4];
+  for (int half = 0; half < 2; ++half) {
+    for (int k = 0; k < 4; ++k) {
+      r[k] = wasm_f32x4_sub(wasm_v128_load(base + static_cast<uint64_t>(second[k]) * 8 + 4 * half),
+                            wasm_v128_load(base + static_cast<uint64_t>(first[k]) * 8 + 4 * half));
+    }
+    transpose(r[0], r[1], r[2], r[3], t);
+    for (int c = 0; c < 4; ++c) out[4 * half + c].v = t[c];
+  }
+}
+SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index, const Float d[3]) {
+  v128_t t[4];
+  transpose(d[0].v, d[1].v, d[2].v, d[2].v, t);
+  for (int k = 0; k < 4; ++k) {
+    float* p = base + static_cast<uint64_t>(index[k]) * 8 + 4;
+    const v128_t old = wasm_v128_load(p);
+    wasm_v128_store(p, wasm_i32x4_shuffle(wasm_f32x4_sub(old, t[k]), old, 0, 1, 2, 7));
+  }
 }
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) { transpose_records(p, p + 8, p + 16, p + 24, out); }
 SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) {

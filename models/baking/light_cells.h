@@ -26,4 +26,9 @@ inline uint32_t cell_of(Vec3 d) {
   return k_cell_sectors * ring + sector;
 }
 
+// The cell that a mirror across the plane z = 0 shows in `cell`.
+inline uint32_t mirrored_cell(uint32_t cell) {
+  return cell / k_cell_sectors * k_cell_sectors + (k_cell_sectors - 1 - cell % k_cell_sectors);
+}
+
 }  // namespace sandglass::host

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
 #include "models/tracing/directions.h"
@@ -28,9 +27,8 @@ Vec3 vertex(const Mesh& mesh, uint32_t i) { return from_floats(&mesh.vertices[3 
 constexpr double k_longest_edge = 1.0 / 16;  // of the mesh's size
 constexpr double k_buried = 0.02;            // of the hemisphere
 
-// Halves the longest edge of a triangle until none is too long. Triangles that share an edge share its middle.
-Mesh with_short_edges(const Mesh& mesh) {
-  Mesh fine = {mesh.vertices, {}};
+// Of the box around the mesh.
+double longest_side(const Mesh& mesh) {
   double size = 0;
   for (size_t axis = 0; axis < 3; ++axis) {
     float low = INFINITY, high = -INFINITY;
@@ -38,24 +36,7 @@ Mesh with_short_edges(const Mesh& mesh) {
       low = std::min(low, mesh.vertices[i]), high = std::max(high, mesh.vertices[i]);
     size = std::max(size, static_cast<double>(high) - static_cast<double>(low));
   }
-  std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
-  std::vector<uint32_t> open = mesh.indices;
-  while (!open.empty()) {
-    uint32_t corners[3];
-    for (size_t k = 3; k-- > 0; open.pop_back()) corners[k] = open.back();
-    const auto edge = [&](size_t k) { return length(vertex(fine, corners[(k + 1) % 3]) - vertex(fine, corners[k])); };
-    const size_t longest = edge(0) >= edge(1) && edge(0) >= edge(2) ? 0 : edge(1) >= edge(2) ? 1 : 2;
-    const uint32_t a = corners[longest], b = corners[(longest + 1) % 3], c = corners[(longest + 2) % 3];
-    if (!(edge(longest) > k_longest_edge * size)) {
-      fine.indices.insert(fine.indices.end(), {a, b, c});
-      continue;
-    }
-    const auto [middle, is_new] = middles.emplace(std::minmax(a, b), fine.vertex_count());
-    for (size_t axis = 0; is_new && axis < 3; ++axis)
-      fine.vertices.push_back(0.5f * (fine.vertices[3 * a + axis] + fine.vertices[3 * b + axis]));
-    open.insert(open.end(), {a, middle->second, c, middle->second, b, c});
-  }
-  return fine;
+  return size;
 }
 
 void trace_point(const EmbreeScene& object, const SurfacePoint& point, uint64_t random, float* transfer) {
@@ -78,7 +59,7 @@ void trace_point(const EmbreeScene& object, const SurfacePoint& point, uint64_t 
 }  // namespace
 
 std::vector<SurfacePoint> surface_points(const Mesh& coarse) {
-  const Mesh mesh = with_short_edges(coarse);
+  const Mesh mesh = with_short_edges(coarse, k_longest_edge * longest_side(coarse));
   struct Side {
     Vec3 first, sum;  // the normal of the first triangle, and the weighted sum
   };

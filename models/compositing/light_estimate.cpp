@@ -81,16 +81,16 @@ const sandglass_camera_image* SeenLight::take(const Surroundings& room, uint64_t
   return &image_.image;
 }
 
-const ShotLight& SeenLight::follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate) {
+ShotLight SeenLight::follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate,
+                            sandglass_room_light* shown) {
   float place[3];
   to_floats(level(standing), place);
   sandglass_room_light now = {};
   now.struct_size = sizeof now;
   const char* reason = nullptr;
   require(sandglass_room_get(room_, place, estimate, &now, &reason), reason);
-  sandglass_room_light_fade(&shown_, &now, static_cast<float>(seconds));
-  picture_ = scaled(shown_, static_cast<double>(shown_.white) * exposure_);
-  return picture_;
+  sandglass_room_light_fade(shown, &now, static_cast<float>(seconds));
+  return scaled(*shown, static_cast<double>(shown->white) * exposure_);
 }
 
 std::string shipped_light_network() {

@@ -48,11 +48,12 @@ class SeenLight {
   // The phone's image at a time, for the frame that begins then; null between images. After the last one it turns again,
   // unless there was only one.
   const sandglass_camera_image* take(const Surroundings& room, uint64_t time_ns);
-  // Moves what is shown towards what is known now, where the object stands now. `estimate`: the network's, or null.
-  const ShotLight& follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate);
+  // Moves *shown, from {} on, towards what is known now of the light where a thing stands now, and gives it in the
+  // picture's scale. `estimate`: the network's, or null.
+  ShotLight follow(Vec3 standing, double seconds, const sandglass_light_estimate* estimate,
+                   sandglass_room_light* shown);
 
   sandglass_room* handle() const { return room_; }
-  const ShotLight& shown() const { return picture_; }
 
  private:
   // As far away as it is, and as high as the eye: a place below would see a part of the floor above its horizon.
@@ -66,8 +67,6 @@ class SeenLight {
   uint64_t between_ns_;
   size_t next_ = 0;
   PhoneImage image_;
-  sandglass_room_light shown_ = {};
-  ShotLight picture_ = {};
 };
 
 // The shipped network, or empty where there is none.

@@ -81,32 +81,6 @@ ShotPictureOptions compared(uint32_t threads) {
   return options;
 }
 
-// Splits triangles with long edges: what is interpolated between corners is then not straight over a whole leg.
-void split(Mesh* mesh, double longest) {
-  std::vector<Vec3> corners;
-  for (const uint32_t i : mesh->indices) corners.push_back(from_floats(mesh->vertices.data() + 3 * size_t{i}));
-  Mesh fine;
-  while (!corners.empty()) {
-    Vec3 triangle[3];
-    for (size_t k = 3; k-- > 0;) triangle[k] = corners.back(), corners.pop_back();
-    size_t edge = 0;
-    const auto length_of = [&](size_t k) { return length(triangle[(k + 1) % 3] - triangle[k]); };
-    for (size_t k = 1; k < 3; ++k)
-      if (length_of(k) > length_of(edge)) edge = k;
-    const Vec3 a = triangle[edge], b = triangle[(edge + 1) % 3], c = triangle[(edge + 2) % 3];
-    if (length(b - a) > longest) {
-      const Vec3 middle = (a + b) * 0.5;
-      for (const Vec3 corner : {a, middle, c, middle, b, c}) corners.push_back(corner);
-      continue;
-    }
-    for (const Vec3 corner : triangle) {
-      fine.indices.push_back(static_cast<uint32_t>(fine.vertices.size() / 3));
-      for (const double x : {corner.x, corner.y, corner.z}) fine.vertices.push_back(static_cast<float>(x));
-    }
-  }
-  *mesh = std::move(fine);
-}
-
 // sandglass_shadow_surface of every corner of every triangle, by its own normal: creases stay sharp.
 std::vector<float> surface_of(const ColliderTrack& track, const Mesh& mesh) {
   const std::string path = find_shadow(track.shadow);
@@ -175,8 +149,8 @@ LitObject standing_object(const SceneFile& scene, const std::string& file) {
   stand_mesh(&loaded.mesh, track.size.y, file);
   require_baked_of(track, loaded.mesh, file.empty() ? track.mesh : file);
   constexpr double k_longest = 1.0 / 16;  // of the height
-  LitObject object = {std::move(loaded.mesh), track.rotation, {}};
-  split(&object.mesh, k_longest * track.size.y);
+  // What is interpolated between corners is then not straight over a whole leg.
+  LitObject object = {with_short_edges(loaded.mesh, k_longest * track.size.y), track.rotation, {}};
   object.transfer = surface_of(track, object.mesh);
   place(&object, k_no_rotation, {}, track.rotation, track.position);
   return object;
@@ -184,17 +158,17 @@ LitObject standing_object(const SceneFile& scene, const std::string& file) {
 
 SceneShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_t frame,
                               const std::vector<sandglass_collider>& colliders, std::span<const float> grains,
-                              float grain_radius, const ShotLight& light) {
+                              float grain_radius, const PlacedLight& light) {
   StandingShadows standing(scene, isa);
-  standing.set_light(scene, frame, main_direction_of(light));
-  standing.set_cells(scene, frame, light.ambient_cells);
+  standing.set_light(scene, frame, main_direction_of(light.object));
+  standing.set_cells(scene, frame, light.object.ambient_cells);
   sandglass_shadow_run(standing.handles().data(), static_cast<uint32_t>(standing.handles().size()), ~0u);
   SceneShadows shadows;
   standing.draw(colliders, &shadows);
   if (!scene.pile_shadow) return shadows;
   PileShadow pile(*scene.pile_shadow, isa, scene.pile_shadow->texels / k_sky_share);
-  pile.set_light(main_direction_of(light));
-  pile.set_cells(light.ambient_cells);
+  pile.set_light(main_direction_of(light.sand));
+  pile.set_cells(light.sand.ambient_cells);
   sandglass_pile_shadow_run(pile.handle(), grains.data(), static_cast<uint32_t>(grains.size() / 3), grain_radius, ~0u);
   pile.draw(&shadows);
   return shadows;
@@ -259,7 +233,12 @@ Shot::Shot(const SceneFile& scene, const ShotOptions& options)
     } else if (length(last - standing_track(scene).position) > 0.0) {
       later_ = moved(surroundings_, camera_, last, insertion);
     }
-    truth_ = around(scene.frames).true_light();
+    const Surroundings& room = around(scene.frames);
+    truth_ = room.true_light();
+    const Vec3 sand = sand_at(scene.frames);
+    if (source_ == LightSource::truth)
+      truth_->sand =
+          moved(room, camera_, sand, std::min(k_farthest_insertion, insertion * away(sand) / away(last))).true_light();
   }
   if (source_ == LightSource::room || source_ == LightSource::nothing) {
     constexpr double k_of_run = 0.9;  // after that the light only settles
@@ -278,6 +257,13 @@ Vec3 Shot::standing_at(uint32_t frame) const {
       collider_over_frame(standing_track(scene_), frame * scene_.frame_step, scene_.frame_step).position);
 }
 
+// The middle of what its shadow covers.
+Vec3 Shot::sand_at(uint32_t frame) const {
+  if (!scene_.pile_shadow) return standing_at(frame);
+  const PileShadowTrack& t = *scene_.pile_shadow;
+  return {0.5 * (t.low[0] + t.high[0]), 0.0, 0.5 * (t.low[1] + t.high[1])};
+}
+
 ShotCamera Shot::camera(uint32_t frame) const {
   if (!surroundings_.has_truth()) return resting_camera(camera_);  // a photograph has one view
   return held_camera(camera_, *scene_.shot, frame * scene_.frame_step, static_cast<double>(frame) / scene_.frames);
@@ -285,7 +271,7 @@ ShotCamera Shot::camera(uint32_t frame) const {
 
 void Shot::begin(uint32_t frame) {
   const auto now = static_cast<uint64_t>(std::llround(1e9 * frame * scene_.frame_step));
-  ShotLight light;
+  PlacedLight light;
   if (source_ == LightSource::truth) {
     light = *truth_;
   } else if (source_ == LightSource::estimate) {
@@ -296,17 +282,18 @@ void Shot::begin(uint32_t frame) {
     image_ = seen_->take(around(frame), now);
     sandglass_light_estimate estimate = {};
     if (network_) estimate = network_->now();
-    light = seen_->follow(standing_at(frame), scene_.frame_step, &estimate);
+    light = {seen_->follow(standing_at(frame), scene_.frame_step, &estimate, &shown_[0]),
+             seen_->follow(sand_at(frame), scene_.frame_step, &estimate, &shown_[1])};
   }
   lights_.resize(frame);
   lights_.push_back(light);
 }
 
-const ShotLight& Shot::light(uint32_t frame) const { return lights_[std::min<size_t>(frame, lights_.size() - 1)]; }
+const PlacedLight& Shot::light(uint32_t frame) const { return lights_[std::min<size_t>(frame, lights_.size() - 1)]; }
 
 double Shot::angle_deg(uint32_t frame) const {
   if (!truth_) return -1.0;
-  const double cosine = dot(mean_direction_of(light(frame)), mean_direction_of(*truth_));
+  const double cosine = dot(mean_direction_of(light(frame).object), mean_direction_of(truth_->object));
   return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
@@ -351,7 +338,7 @@ RadianceMap Shot::traced(const Snapshot& snapshot, uint32_t threads) const {
   return drawing_of(snapshot).truth(around(snapshot.frame), camera(snapshot.frame), compared(threads));
 }
 
-Shot::Drawn Shot::drawn(const Snapshot& snapshot, std::string name, const ShotLight& light, CastShadow cast,
+Shot::Drawn Shot::drawn(const Snapshot& snapshot, std::string name, const PlacedLight& light, CastShadow cast,
                         uint32_t threads) const {
   const bool own = &light == &this->light(snapshot.frame);
   const SceneShadows other = own ? SceneShadows{}
@@ -366,7 +353,8 @@ std::vector<Shot::Drawn> Shot::alternatives(const Snapshot& snapshot, uint32_t t
   SeenLight start(surroundings_, resting_camera(camera_), standing_track(scene_).position,
                   session_images(Session::table, 1), 0);
   start.take(around(snapshot.frame), 0);
-  const ShotLight usual = start.follow(standing_at(snapshot.frame), 0.0, nullptr);
+  sandglass_room_light shown = {};
+  const ShotLight usual = start.follow(standing_at(snapshot.frame), 0.0, nullptr, &shown);
   all.push_back(drawn(snapshot, "no shadow", usual, CastShadow::none, threads));
   if (network_) {
     LightEstimate& network = *network_;

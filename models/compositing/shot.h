@@ -49,7 +49,7 @@ LitObject standing_object(const SceneFile& scene, const std::string& file);
 // The shadows that the scene's standing object and these grains cast in a light, complete, as a frame has them.
 SceneShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_t frame,
                               const std::vector<sandglass_collider>& colliders, std::span<const float> grains,
-                              float grain_radius, const ShotLight& light);
+                              float grain_radius, const PlacedLight& light);
 
 // A picture as the camera hands it out: as blurred as the room behind it is, with the noise of a small sensor.
 Picture developed(const RadianceMap& shown, double blur_pixels, uint64_t seed);
@@ -67,12 +67,12 @@ class Shot {
   ShotCamera camera(uint32_t frame) const;
   // Call before each frame: decides what it is lit by. light() returns that from then on.
   void begin(uint32_t frame);
-  const ShotLight& light(uint32_t frame) const;
+  const PlacedLight& light(uint32_t frame) const;
   // What the frame is given; null where there is none.
   sandglass_light* estimator() const { return network_ ? network_->handle() : nullptr; }
   sandglass_room* room() const { return seen_ ? seen_->handle() : nullptr; }
   const sandglass_camera_image* image() const { return image_; }
-  const std::optional<ShotLight>& truth() const { return truth_; }  // none of a photograph
+  const std::optional<PlacedLight>& truth() const { return truth_; }  // none of a photograph
   // Angle between the middle of the floor's light of a frame and the true one, degrees; below 0 where there is none.
   double angle_deg(uint32_t frame) const;
 
@@ -86,7 +86,7 @@ class Shot {
     std::string name;
     RadianceMap picture;
   };
-  Drawn drawn(const Snapshot& snapshot, std::string name, const ShotLight& light, CastShadow cast,
+  Drawn drawn(const Snapshot& snapshot, std::string name, const PlacedLight& light, CastShadow cast,
               uint32_t threads) const;
   // What an app could draw instead of the snapshot: without a shadow, with one light, with the ambient shadow alone.
   std::vector<Drawn> alternatives(const Snapshot& snapshot, uint32_t threads) const;
@@ -98,6 +98,7 @@ class Shot {
  private:
   ShotPicture drawing_of(const Snapshot& snapshot) const;
   Vec3 standing_at(uint32_t frame) const;
+  Vec3 sand_at(uint32_t frame) const;
   float drawn_radius(const Snapshot& snapshot) const;  // of a grain
 
   SceneFile scene_;
@@ -108,9 +109,10 @@ class Shot {
   Surroundings surroundings_;
   std::optional<Surroundings> later_;
   std::unique_ptr<SeenLight> seen_;
-  std::optional<ShotLight> truth_;
+  std::optional<PlacedLight> truth_;    // of the last frame
+  sandglass_room_light shown_[2] = {};  // at the object and at the sand, as the room's light comes in
   const sandglass_camera_image* image_ = nullptr;
-  std::vector<ShotLight> lights_;  // of the frames so far
+  std::vector<PlacedLight> lights_;  // of the frames so far
   sandglass_isa isa_;
 };
 

@@ -129,7 +129,7 @@ ShotLight mixed(const ShotLight& shadow, const ShotLight& shading) {
 ShotLight mirrored(const ShotLight& light) {
   ShotLight out = light;
   for (uint32_t i = 0; i < k_light_cells; ++i) {
-    const uint32_t from = i / k_cell_sectors * k_cell_sectors + (k_cell_sectors - 1 - i % k_cell_sectors);
+    const uint32_t from = mirrored_cell(i);
     out.cells[i] = light.cells[from], out.ambient_cells[i] = light.ambient_cells[from];
   }
   out.main_direction[2] = -light.main_direction[2];

@@ -15,6 +15,14 @@ namespace sandglass::host {
 
 using ShotLight = sandglass_room_light;
 
+// The light where the object stands, and where the sand lies.
+struct PlacedLight {
+  ShotLight object = {}, sand = {};
+  PlacedLight() = default;
+  PlacedLight(const ShotLight& everywhere) : object(everywhere), sand(everywhere) {}
+  PlacedLight(const ShotLight& at_object, const ShotLight& at_sand) : object(at_object), sand(at_sand) {}
+};
+
 inline Vec3 irradiance_of(const ShotLight& light) { return from_floats(light.irradiance); }
 inline Vec3 main_direction_of(const ShotLight& light) { return from_floats(light.main_direction); }
 // Towards the middle of the floor's light, main light and all.

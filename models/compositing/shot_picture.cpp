@@ -159,21 +159,25 @@ double ambient_left(const std::vector<FloorShadow>& shadows, double s, double x,
   return share;
 }
 
-Left left_on_floor(const SceneShadows& shadows, double s, double x, double z) {
-  return {ambient_left(shadows.ambient, s, x, z) * ambient_left(shadows.sky, s, x, z),
-          left_by(shadows.object, x, z) * left_by(shadows.pile, x, z)};
+// The share of the main light.
+double main_of(const ShotLight& light) { return static_cast<double>(light.main_share); }
+
+Left left_on_floor(const SceneShadows& shadows, const PlacedLight& light, double x, double z) {
+  return {
+      ambient_left(shadows.ambient, main_of(light.object), x, z) * ambient_left(shadows.sky, main_of(light.sand), x, z),
+      left_by(shadows.object, x, z) * left_by(shadows.pile, x, z)};
 }
 
-Left left_on_sand(const SceneShadows& shadows, const ShotLight& light, Vec3 p, double radius) {
-  const double s = static_cast<double>(light.main_share);
-  Left left = {ambient_left(shadows.ambient, s, p.x, p.z) * ambient_left(shadows.sky_on_sand, s, p.x, p.z),
+Left left_on_sand(const SceneShadows& shadows, const PlacedLight& light, Vec3 p, double radius) {
+  Left left = {ambient_left(shadows.ambient, main_of(light.object), p.x, p.z) *
+                   ambient_left(shadows.sky_on_sand, main_of(light.sand), p.x, p.z),
                left_by(shadows.pile_on_sand, p.x, p.z)};
   for (const FloorShadow& heights : shadows.heights) {
     const double surface = shadows.most_height * (1.0 - floor_transparency(heights, p.x, p.z));
     // What is seen lies near the surface. Sand that falls is soon far below that of an older texture.
     left.ambient /= 1.0 + k_depth_dark * std::clamp((surface - p.y) / radius, 0.0, k_deepest);
   }
-  const Vec3 towards = main_direction_of(light);
+  const Vec3 towards = main_direction_of(light.object);  // the object's shadow is made for it
   if (towards.y > 0.0) {
     // Where the main light through this point would meet the floor.
     const Vec3 foot = p - towards * (p.y / towards.y);
@@ -193,34 +197,34 @@ Vec3 among_equals(double open, Vec3 reflectance) {
 ShotPicture::ShotPicture(const LitObject& object, std::span<const float> grains, float grain_radius)
     : state_(std::make_unique<State>(object, grains, grain_radius)) {}
 
-RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& camera, const ShotLight& light,
+RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& camera, const PlacedLight& light,
                                    const SceneShadows& shadows, CastShadow cast,
                                    const ShotPictureOptions& options) const {
   const bool textured = cast == CastShadow::textures;
-  const double s = static_cast<double>(light.main_share);
-  const Vec3 towards = main_direction_of(light);
+  const double s = main_of(light.object);
+  const Vec3 towards = main_direction_of(light.object);
   float sh[3 * k_harmonics], turn[4];
   for (size_t k = 0; k < 4; ++k) turn[k] = static_cast<float>(state_->standing.rotation[k]);
-  if (sandglass_shadow_turn_harmonics(light.sh, turn, sh, nullptr) != SANDGLASS_OK)
+  if (sandglass_shadow_turn_harmonics(light.object.sh, turn, sh, nullptr) != SANDGLASS_OK)
     throw cannot("turn", "light", "its harmonics are not finite");
   const auto blocked = [&](Vec3 start) { return towards.y > 0.0 && state_->blocked(start, towards, k_far); };
   const auto floor_left = [&](const Hit& hit) {
     if (cast == CastShadow::hard && length(hit.point) < k_catcher_reach)
       return blocked(hit.point + hit.normal * k_lift) ? 1.0 - s : 1.0;
     if (!textured) return 1.0;
-    const Left left = left_on_floor(shadows, s, hit.point.x, hit.point.z);
+    const Left left = left_on_floor(shadows, light, hit.point.x, hit.point.z);
     return (1.0 - s) * left.ambient + s * left.main;
   };
   const auto object_shown = [&](const Hit& hit) {
-    if (state_->standing.transfer.empty()) return shown_by(light, hit.normal);
+    if (state_->standing.transfer.empty()) return shown_by(light.object, hit.normal);
     const std::array<double, k_harmonics> transfer = state_->transfer_at(hit.triangle, hit.point);
     Vec3 sum;
     for (size_t j = 0; j < k_harmonics; ++j) sum = sum + from_floats(sh + 3 * j) * transfer[j];
     return Vec3{std::max(sum.x, 0.0), std::max(sum.y, 0.0), std::max(sum.z, 0.0)};
   };
   const auto grain_shown = [&](const Hit& hit) {
-    const Vec3 all = shown_by(light, hit.normal), main = main_by_cosine(light, hit.normal);
-    const Vec3 without = all - main_in_harmonics(light, hit.normal);
+    const Vec3 all = shown_by(light.sand, hit.normal), main = main_by_cosine(light.sand, hit.normal);
+    const Vec3 without = all - main_in_harmonics(light.sand, hit.normal);
     const Vec3 rest = {std::max(without.x, 0.0), std::max(without.y, 0.0), std::max(without.z, 0.0)};
     if (cast == CastShadow::hard) return rest + main * (blocked(hit.point + hit.normal * k_lift) ? 0.0 : 1.0);
     if (!textured) return all;
@@ -356,7 +360,7 @@ struct ShotPicture::State {};
 ShotPicture::ShotPicture(const LitObject&, std::span<const float>, float) {
   throw Failure("cannot draw a shot: this build lacks Embree. Install it, configure and build again.");
 }
-RadianceMap ShotPicture::composite(const Surroundings&, const ShotCamera&, const ShotLight&, const SceneShadows&,
+RadianceMap ShotPicture::composite(const Surroundings&, const ShotCamera&, const PlacedLight&, const SceneShadows&,
                                    CastShadow, const ShotPictureOptions&) const {
   return {};
 }

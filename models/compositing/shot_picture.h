@@ -56,7 +56,7 @@ class ShotPicture {
   ShotPicture& operator=(const ShotPicture&) = delete;
 
   // Linear, 0..1. Equal arguments give equal bits on any number of threads.
-  RadianceMap composite(const Surroundings& room, const ShotCamera& camera, const ShotLight& light,
+  RadianceMap composite(const Surroundings& room, const ShotCamera& camera, const PlacedLight& light,
                         const SceneShadows& shadows, CastShadow cast, const ShotPictureOptions& options) const;
   // Surroundings must have a truth.
   RadianceMap truth(const Surroundings& room, const ShotCamera& camera, const ShotPictureOptions& options) const;

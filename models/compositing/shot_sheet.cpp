@@ -79,7 +79,7 @@ void Shot::write_sheet(const std::string& file, const Drawn& lead, std::span<con
     draw_globe(&sheet, seen, surroundings_.exposure, ahead, 2 * k_gap + globe, top, globe);
     char text[160];
     std::snprintf(text, sizeof text, "seen by the phone: %.0f %% of the usual light",
-                  100.0 * static_cast<double>(lights_.back().seen));
+                  100.0 * static_cast<double>(lights_.back().object.seen));
     const int left = 2 * globe + 4 * k_gap;
     draw_text(&sheet, left, top + 30, k_text, text, k_ink);
     std::snprintf(text, sizeof text, "%u images, ahead and behind. Grey: not seen", seen.images);

@@ -9,6 +9,7 @@
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
+#include "models/files/picture_head.h"
 
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
@@ -20,7 +21,16 @@
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wunused-function"
 #endif
+// stb copies nothing to nowhere, and shifts and adds what may overflow. Compilers give that the meaning that it expects;
+// the sanitizers need not stop there. They do watch its arrays.
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((no_sanitize("nonnull-attribute", "shift", "signed-integer-overflow"))), \
+                             apply_to = function)
+#endif
 #include <stb_image.h>
+#if defined(__clang__)
+#pragma clang attribute pop
+#endif
 #if defined(__GNUC__)
 #pragma GCC diagnostic pop
 #endif
@@ -132,18 +142,56 @@ static void append(void* context, void* data, int size) {
                                                       bytes + size);
 }
 
+// Refuses what would be decoded wrongly or not at all, by its name.
+static void expect_readable(const PictureHead& head, const std::string& path) {
+  constexpr unsigned k_pixels = 1u << 27;  // of all rows together
+  using Kind = PictureHead::Kind;
+  if (head.kind == Kind::other)
+    throw cannot("read", path, std::string("it is a ") + head.name + " picture", "Convert it to PNG or JPEG");
+  if (head.kind == Kind::unknown) throw cannot("read", path, "it is no PNG or JPEG picture", "Convert it");
+  if (head.bad_table) throw cannot("read", path, "it is damaged: a table of codes is too long", "Export it again");
+  if (head.kind == Kind::jpeg && head.components == 4)
+    throw cannot("read", path, "its colours are for print (CMYK)", "Convert it to RGB");
+  if (head.kind == Kind::jpeg && head.bits > 8)
+    throw cannot("read", path, "it has " + std::to_string(head.bits) + " bits a colour", "Convert it to 8 bits");
+  if (head.width > STBI_MAX_DIMENSIONS || head.height > STBI_MAX_DIMENSIONS ||
+      uint64_t{head.width} * head.height > k_pixels)
+    throw cannot("read", path,
+                 "it has " + std::to_string(head.width) + " x " + std::to_string(head.height) +
+                     " pixels, and at most " + std::to_string(STBI_MAX_DIMENSIONS) + " a side and 134 million are read",
+                 "Scale it down");
+}
+
+// The picture as it was seen, from how it is stored (PictureHead::orientation).
+static Picture upright(Picture stored, int orientation) {
+  if (orientation == 1) return stored;
+  const bool across = orientation >= 5;  // rows become columns
+  const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
+  const bool from_below = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
+  Picture seen(across ? stored.height : stored.width, across ? stored.width : stored.height, {0, 0, 0});
+  for (int y = 0; y < seen.height; ++y)
+    for (int x = 0; x < seen.width; ++x) {
+      const int u = across ? y : x, v = across ? x : y;
+      const uint8_t* from = stored.at(from_right ? stored.width - 1 - u : u, from_below ? stored.height - 1 - v : v);
+      std::copy_n(from, 3, seen.at(x, y));
+    }
+  return seen;
+}
+
 Picture read_picture(const std::string& path) {
   const std::string content = read_file(path, "picture", k_asset_limit);
+  const PictureHead head = picture_head(content);
+  expect_readable(head, path);
   int channels = 0;
   Picture picture;
   uint8_t* pixels =
       stbi_load_from_memory(reinterpret_cast<const uint8_t*>(content.data()), static_cast<int>(content.size()),
                             &picture.width, &picture.height, &channels, 3);
-  if (pixels == nullptr) throw cannot("read", path, "it is no PNG or JPEG picture", "Convert it");
+  if (pixels == nullptr) throw cannot("read", path, "it is cut off or damaged", "Copy or export it again");
   const size_t bytes = 3 * static_cast<size_t>(picture.width) * static_cast<size_t>(picture.height);
   picture.rgb.assign(pixels, pixels + bytes);
   std::free(pixels);
-  return picture;
+  return upright(std::move(picture), head.orientation);
 }
 
 Picture read_excerpt(const std::string& path) {

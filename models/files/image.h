@@ -44,7 +44,8 @@ Picture picture_grid(std::span<const Picture> pictures, int columns, int gap);
 // The mean of 2 x 2 pixels. A last odd row or column is left out.
 Picture halved(const Picture& picture);
 
-// Reads a picture as 8-bit sRGB. A Failure names the file.
+// Reads a PNG or JPEG picture as 8-bit sRGB, upright: EXIF says how the camera was held. Grey becomes colour, and 16 bits
+// become 8. A Failure names the file and what it is instead.
 Picture read_picture(const std::string& path);
 // The same for an image of a data set, which has 256 x 192 pixels. Throws a Failure for any other size.
 Picture read_excerpt(const std::string& path);

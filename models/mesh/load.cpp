@@ -1,7 +1,15 @@
 // Reads mesh files. Assimp parses them. This file also refuses what Assimp lets pass: files that are missing, empty or
 // cut off within a line, indices out of range, and coordinates that are not finite. It leaves out points and lines.
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <sstream>
@@ -129,6 +137,104 @@ MeshResult parse(const std::string& path) {
   return clean_mesh(vertices, indices, path);
 }
 
+// Assimp crashes on some damaged files, so it runs in a process of its own, which sends the mesh through a pipe.
+class Sender {
+ public:
+  explicit Sender(int pipe) : pipe_(pipe) {}
+  template <class Item>
+  void send(const Item* items, size_t count) {
+    put(&count, sizeof count);
+    put(items, count * sizeof *items);
+  }
+
+ private:
+  void put(const void* data, size_t bytes) {
+    const char* from = static_cast<const char*>(data);
+    while (bytes > 0) {
+      const ssize_t written = write(pipe_, from, bytes);
+      if (written < 0 && errno == EINTR) continue;
+      if (written <= 0) _exit(1);
+      from += written, bytes -= static_cast<size_t>(written);
+    }
+  }
+  int pipe_;
+};
+
+struct Receiver {
+  const std::string& bytes;
+  size_t at = 0;
+  bool good = true;
+
+  template <class Items>
+  void receive(Items* items) {
+    size_t count = 0;
+    good = good && bytes.size() - at >= sizeof count;
+    if (good) std::memcpy(&count, bytes.data() + at, sizeof count), at += sizeof count;
+    good = good && count <= (bytes.size() - at) / sizeof(*items)[0];
+    if (!good || count == 0) return;
+    items->resize(count);
+    std::memcpy(items->data(), bytes.data() + at, count * sizeof(*items)[0]);
+    at += count * sizeof(*items)[0];
+  }
+};
+
+[[noreturn]] void parse_and_send(const std::string& path, uint64_t file_bytes, int pipe) {
+  const rlimit no_core = {0, 0};
+  setrlimit(RLIMIT_CORE, &no_core);
+  // Assimp never returns from some damaged files. Good ones take a tenth of this.
+  const rlim_t seconds = 5 + file_bytes / (uint64_t{1} << 20);
+  const rlimit some_time = {seconds, seconds};
+  setrlimit(RLIMIT_CPU, &some_time);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  for (const int number : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGBUS, SIGFPE}) std::signal(number, SIG_DFL);
+  MeshResult result;
+  try {
+    result = parse(path);
+  } catch (const Failure& failure) {
+    result.error = failure.what();
+  } catch (const std::exception& e) {
+    result = fail(path, std::string("is no complete mesh (") + e.what() + "). Export it again.");
+  }
+  Sender to(pipe);
+  to.send(result.error.data(), result.error.size());
+  to.send(&result.report, 1);
+  to.send(result.mesh.vertices.data(), result.mesh.vertices.size());
+  to.send(result.mesh.indices.data(), result.mesh.indices.size());
+  _exit(0);
+}
+
+MeshResult parse_apart(const std::string& path, uint64_t file_bytes) {
+  int ends[2];
+  if (pipe2(ends, O_CLOEXEC) != 0) return fail(path, "cannot be read: there are too many open files. Close some.");
+  const pid_t child = fork();
+  if (child < 0) {
+    close(ends[0]), close(ends[1]);
+    return fail(path, "cannot be read: this machine has no room for another process. End some.");
+  }
+  if (child == 0) parse_and_send(path, file_bytes, ends[1]);
+  close(ends[1]);
+  std::string bytes;
+  char buffer[65536];
+  for (ssize_t got; (got = read(ends[0], buffer, sizeof buffer)) != 0;) {
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) break;
+    bytes.append(buffer, static_cast<size_t>(got));
+  }
+  close(ends[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  MeshResult result;
+  std::vector<MeshReport> report;
+  Receiver from = {bytes};
+  from.receive(&result.error), from.receive(&report), from.receive(&result.mesh.vertices);
+  from.receive(&result.mesh.indices);
+  if (status != 0 || !from.good || report.size() != 1)
+    return fail(path, "is damaged so that the mesh reader did not end well. Export it again.");
+  result.report = report[0];
+  return result;
+}
+
 #endif
 
 }  // namespace
@@ -140,9 +246,9 @@ MeshResult load_mesh(const std::string& path) {
   if (std::filesystem::file_size(path, ignored) == 0) return fail(path, "is empty. Export it again.");
 #ifdef SANDGLASS_HAVE_ASSIMP
   try {
-    if (ends_within_line(path, read_file(path, "mesh")))
-      return fail(path, "is cut off in its last line. Copy or export it again.");
-    return parse(path);
+    const std::string content = read_file(path, "mesh");
+    if (ends_within_line(path, content)) return fail(path, "is cut off in its last line. Copy or export it again.");
+    return parse_apart(path, content.size());
   } catch (const Failure& failure) {
     return {{}, {}, failure.what()};
   } catch (const std::exception& e) {

@@ -5,9 +5,12 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <map>
 #include <unordered_map>
+#include <utility>
 
 #include "models/files/failure.h"
+#include "models/geometry/vec3.h"
 #include "runtime/core/hash.h"
 
 namespace sandglass::host {
@@ -120,6 +123,29 @@ double signed_volume(const Mesh& mesh) {
            p[0][2] * (p[1][0] * p[2][1] - p[1][1] * p[2][0]);
   }
   return sum / 6;
+}
+
+Mesh with_short_edges(const Mesh& mesh, double longest) {
+  Mesh fine = {mesh.vertices, {}};
+  std::map<std::pair<uint32_t, uint32_t>, uint32_t> middles;
+  std::vector<uint32_t> open = mesh.indices;
+  while (!open.empty()) {
+    uint32_t corners[3];
+    for (size_t k = 3; k-- > 0; open.pop_back()) corners[k] = open.back();
+    const auto vertex = [&](size_t k) { return from_floats(&fine.vertices[3 * size_t{corners[k % 3]}]); };
+    const auto edge = [&](size_t k) { return length(vertex(k + 1) - vertex(k)); };
+    const size_t first = edge(0) >= edge(1) && edge(0) >= edge(2) ? 0 : edge(1) >= edge(2) ? 1 : 2;
+    const uint32_t a = corners[first], b = corners[(first + 1) % 3], c = corners[(first + 2) % 3];
+    if (!(edge(first) > longest)) {
+      fine.indices.insert(fine.indices.end(), {a, b, c});
+      continue;
+    }
+    const auto [middle, is_new] = middles.emplace(std::minmax(a, b), fine.vertex_count());
+    for (size_t axis = 0; is_new && axis < 3; ++axis)
+      fine.vertices.push_back(0.5f * (fine.vertices[3 * a + axis] + fine.vertices[3 * b + axis]));
+    open.insert(open.end(), {a, middle->second, c, middle->second, b, c});
+  }
+  return fine;
 }
 
 }  // namespace sandglass::host

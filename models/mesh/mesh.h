@@ -56,4 +56,8 @@ MeshResult load_mesh(const std::string& path);
 // The enclosed volume in m^3, by the divergence theorem. It is negative for a mesh turned inside out.
 double signed_volume(const Mesh& mesh);
 
+// The same surface with no edge longer than `longest`: the longest edge of a triangle is halved until none is.
+// Triangles that share an edge share its middle.
+Mesh with_short_edges(const Mesh& mesh, double longest);
+
 }  // namespace sandglass::host

@@ -6,7 +6,7 @@ export const unpacked = (text, Type) => {
   return new Type(bytes.buffer);
 };
 
-// The field of a mesh, made by the library. Throws its sentence.
+// The field of a mesh, made by the library, and its block. Throws the library's sentence.
 export function makeField(sand, plan) {
   const vertices = unpacked(plan.vertices, Float32Array), indices = unpacked(plan.indices, Uint32Array);
   const mesh = sand.make("sandglass_mesh", {
@@ -18,11 +18,13 @@ export function makeField(sand, plan) {
   const out = sand.allocate(8);
   sand.sandglass_field_bytes(low, high, plan.spacing, out);
   const bytes = Number(new BigUint64Array(sand.memory.buffer, out, 1)[0]);
+  const block = sand.allocate(bytes);
   sand.sandglass_field_from_mesh(mesh, sand.pointer("sandglass_mesh_inside_test"), inside, low, high, plan.spacing,
-    plan.band, plan.solid, sand.allocate(bytes), bytes, out);
+    plan.band, plan.solid, block, bytes, out);
   const field = new Uint32Array(sand.memory.buffer, out, 1)[0];
   sand.destroy(inside);
-  return field;
+  for (const used of [mesh.vertices, mesh.indices, mesh, low, high, out]) sand.free(used);
+  return { field, block };
 }
 
 // `changes` are fields of sandglass_granular_desc that differ from the file's; `isa` is a sandglass_isa.
@@ -39,8 +41,12 @@ export class SandScene {
 
     // The file's colliders come first, then as many more as were asked for.
     this.colliders = sand.array("sandglass_collider", file.colliders.length + colliders);
-    file.colliders.forEach(({ shape, position, rotation, size, field }, i) =>
-      this.colliders[i].set({ shape, position, rotation, size, field: field ? makeField(sand, field) : 0 }));
+    this.blocks = [];  // of the fields
+    file.colliders.forEach(({ shape, position, rotation, size, field }, i) => {
+      const made = field ? makeField(sand, field) : { field: 0, block: 0 };
+      this.colliders[i].set({ shape, position, rotation, size, field: made.field });
+      this.blocks.push(made.block);
+    });
     this.emitters = sand.array("sandglass_emitter", Math.max(1, desc.granular.emitter_capacity));
     this.grains = sand.allocate(16 * Math.max(1, desc.granular.grain_capacity));
     this.input = sand.make("sandglass_frame_input");
@@ -78,6 +84,13 @@ export class SandScene {
     sand.sandglass_scene_frame(this.handle, input, this.report);
     ++this.frames;
     return this.report;
+  }
+
+  // Gives all memory back.
+  destroy() {
+    const { sand, handle, desc, colliders, emitters, grains, input, report, blocks } = this;
+    sand.destroy(handle);
+    for (const used of [desc, colliders, emitters, grains, input, report, ...blocks]) sand.free(used);
   }
 
   hash() { return "0x" + this.sand.sandglass_scene_hash(this.handle).toString(16).padStart(16, "0"); }

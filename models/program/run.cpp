@@ -159,7 +159,7 @@ FrameLight Run::light_of(uint32_t frame) const {
   }
   if (!shot_) return light;
   // What a white surface shows that faces the main light, and what a white floor shows of the rest.
-  const ShotLight& now = shot_->light(frame);
+  const ShotLight& now = shot_->light(frame).object;
   const double share = static_cast<double>(now.main_share);
   light.known = light.coloured = true;
   put(mean_direction_of(now), light.towards);
@@ -171,13 +171,18 @@ FrameLight Run::light_of(uint32_t frame) const {
 
 void Run::light_shadows(uint32_t frame) {
   if (!shot_ && !scene_.light) return;
-  const Vec3 towards = shot_ ? main_direction_of(shot_->light(frame))
-                             : scene_.light->towards(static_cast<double>(frame) / scene_.frames);
-  shadows_->set_light(scene_, frame, towards);
-  if (pile_) pile_->set_light(towards);
-  if (!shot_) return;
-  shadows_->set_cells(scene_, frame, shot_->light(frame).ambient_cells);
-  if (pile_) pile_->set_cells(shot_->light(frame).ambient_cells);
+  if (!shot_) {
+    const Vec3 towards = scene_.light->towards(static_cast<double>(frame) / scene_.frames);
+    shadows_->set_light(scene_, frame, towards);
+    if (pile_) pile_->set_light(towards);
+    return;
+  }
+  const PlacedLight& light = shot_->light(frame);
+  shadows_->set_light(scene_, frame, main_direction_of(light.object));
+  shadows_->set_cells(scene_, frame, light.object.ambient_cells);
+  if (!pile_) return;
+  pile_->set_light(main_direction_of(light.sand));
+  pile_->set_cells(light.sand.ambient_cells);
 }
 
 // Runs one frame, by clock and budget or as recorded.
@@ -209,7 +214,7 @@ void Run::take_snapshot(uint32_t frame, std::vector<sandglass_collider> collider
   if (pile_) pile_->draw(&snapshot.shadows);
   snapshot.colliders = std::move(colliders);
   if (scene_.light) snapshot.to_light = scene_.light->towards(static_cast<double>(frame) / scene_.frames);
-  if (shot_) snapshot.to_light = main_direction_of(shot_->light(frame));
+  if (shot_) snapshot.to_light = main_direction_of(shot_->light(frame).object);
   snapshots_.push_back(std::move(snapshot));
 }
 

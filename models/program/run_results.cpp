@@ -149,7 +149,7 @@ PageContent Run::page_content(std::vector<PageFigure> figures) const {
   content.tables.push_back({"Machine", "", {}, machine_facts()});
   if (shot_ && shot_->truth() && shot_->source() != LightSource::truth && !report_.frames.empty()) {
     LightSeries truth = {"truth", {}};
-    const Vec3 d = mean_direction_of(*shot_->truth());
+    const Vec3 d = mean_direction_of(shot_->truth()->object);
     for (const FrameRow& row : {report_.frames.front(), report_.frames.back()}) {
       LightSample sample;
       sample.time = row.report.simulated_time, sample.direction = {d.x, d.y, d.z};

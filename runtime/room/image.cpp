@@ -113,22 +113,24 @@ Observation observe(const RoomView& view, uint32_t images, uint32_t row, uint32_
   return seen;
 }
 
-// The solid angle of a part that is remembered well and shown whole, both unclipped; 0 for others. On the horizon it is
-// 1.
-double comparable(const Room& room, uint32_t part, const Observation& now) {
-  const RoomPart& known = room.parts[part];
-  if (room_memory(room, known) * static_cast<double>(known.seen) < k_overlap_memory) return 0;
-  if (static_cast<double>(known.clipped) > k_overlap_clipped) return 0;
-  if (now.covered < 1 || now.clipped > 0) return 0;
-  if (!(luminance(now.colour) > k_overlap_dark) || !(luminance(known.radiance) > 0)) return 0;
+// Whether a part is remembered well, and unclipped.
+bool is_remembered(const Room& room, const RoomPart& part) {
+  return room_memory(room, part) * static_cast<double>(part.seen) >= k_overlap_memory &&
+         static_cast<double>(part.clipped) <= k_overlap_clipped && luminance(part.radiance) > 0;
+}
+
+// The weight of such a part: its solid angle, 1 on the horizon; 0 where it is not shown whole and unclipped.
+double overlap_weight(uint32_t part, const Observation& now) {
+  if (now.covered < 1 || now.clipped > 0 || !(luminance(now.colour) > k_overlap_dark)) return 0;
   return sin_cos_turns((part / k_room_columns + 0.5) / (2 * k_room_rows)).sin;
 }
 
 // What one part tells of the exposure.
 void compare(Room* room, uint32_t part) {
+  if (!is_remembered(*room, room->parts[part])) return;
   const Observation now =
       observe(room->view, room->images, part / k_room_columns, part % k_room_columns, k_overlap_points);
-  const double weight = comparable(*room, part, now);
+  const double weight = overlap_weight(part, now);
   if (!(weight > 0)) return;
   room->view.log_sum += weight * logarithm(luminance(room->parts[part].radiance) / luminance(now.colour));
   room->view.log_weight += weight;
@@ -141,7 +143,8 @@ void learn(Room* room, uint32_t part) {
   const Observation now = observe(room->view, room->images, part / k_room_columns, part % k_room_columns, k_points);
   if (!(now.covered > 0)) return;
   RoomPart* known = &room->parts[part];
-  const double compared = comparable(*room, part, now);
+  const bool told = room->exposure_known && is_remembered(*room, *known);
+  const double compared = told ? overlap_weight(part, now) : 0;
   const auto memory = static_cast<float>(room_memory(*room, *known));
   const auto covered = static_cast<float>(now.covered), clipped = static_cast<float>(now.clipped);
   float weight = known->weight * memory;

@@ -206,7 +206,7 @@ TEST(Shot, LightComesInFromWhatIsUsualAndDoesNotPop) {
   ShotOptions options;
   options.panorama = folder / "lamp.hdr";
   Shot shot(scene, options);
-  const ShotLight start = shot.light(0);
+  const ShotLight start = shot.light(0).object;
   EXPECT_LT(start.seen, 0.2f) << "one image";
   double step = 0;
   for (uint32_t frame = 1; frame < 220; ++frame) {
@@ -215,15 +215,41 @@ TEST(Shot, LightComesInFromWhatIsUsualAndDoesNotPop) {
       ASSERT_EQ(sandglass_room_set_image(shot.room(), shot.image(), nullptr, nullptr), SANDGLASS_OK);
     }
     for (size_t i = 0; i < SANDGLASS_LIGHT_CELLS; ++i)
-      step =
-          std::max(step, std::fabs(static_cast<double>(shot.light(frame).cells[i] - shot.light(frame - 1).cells[i])));
+      step = std::max(step, std::fabs(static_cast<double>(shot.light(frame).object.cells[i] -
+                                                          shot.light(frame - 1).object.cells[i])));
   }
-  const ShotLight &end = shot.light(219), &truth = *shot.truth();
+  const ShotLight &end = shot.light(219).object, &truth = shot.truth()->object;
   EXPECT_GT(end.seen, 0.5f);
   EXPECT_LT(step, 0.03) << "a share of the floor's light, in a frame of 20 ms";
   EXPECT_LT(shot.angle_deg(219), 15.0);
   EXPECT_LT(shot.angle_deg(219), 0.6 * shot.angle_deg(0));
   EXPECT_NEAR(std::log(luminance(irradiance_of(end)) / luminance(irradiance_of(truth))), 0, 0.5);
+}
+
+// A lamp lights object and sand each from where it is from there: the room's sphere is four times as far away as the
+// object was at first.
+TEST(Shot, ObjectAndSandAreEachLitWhereTheyAre) {
+  const Folder folder;
+  write_hdr(folder / "lamp.hdr", lamp_room({0.8, 0.6, 0.4}, 20, 1e-4));
+  const SceneFile scene = load_scene("carried");
+  ShotOptions options;
+  options.panorama = folder / "lamp.hdr", options.light = LightSource::truth;
+  const Shot shot(scene, options);
+  const RadianceMap& seen = shot.surroundings().panorama;
+  Vec3 lamp;
+  for (int v = 0; v < seen.height; ++v)
+    for (int u = 0; u < seen.width; ++u)
+      lamp = lamp + panorama_direction(u, v, seen.width, seen.height) *
+                        (pixel_solid_angle(v, seen.width, seen.height) * luminance(seen.colour(u, v)));
+  const auto level = [&](Vec3 p) { return Vec3{p.x - scene.camera->eye.x, 0, p.z - scene.camera->eye.z}; };
+  const Vec3 first = {-0.3, 0, 0.35}, carried = {0.18, 0, -0.85}, sand = {0.75, 0, 0.35};
+  const auto expect = [&](const ShotLight& light, Vec3 place) {
+    const Vec3 towards = normalised(normalised(lamp) * (length(level(first)) / 0.25) - level(place));
+    EXPECT_LT(std::acos(std::min(1.0, dot(mean_direction_of(light), towards))), 0.03);
+  };
+  expect(shot.light(0).object, carried);  // the truth is that of the last frame
+  expect(shot.light(0).sand, sand);
+  EXPECT_GT(std::acos(dot(mean_direction_of(shot.light(0).object), mean_direction_of(shot.light(0).sand))), 0.06);
 }
 
 // A shot in a room with one lamp. The shipped network estimates its light, once a frame.
@@ -274,7 +300,7 @@ TEST(Shot, AnEstimatedLightFollowsTheFiltersLawWhileTheCameraTurns) {
     const FollowedLight light = turn.follow(frame);
     const Vec3 now = direction_of(light.filtered), said = direction_of(light.latest);
     if (frame > 0) {
-      EXPECT_NEAR(between_deg(main_direction_of(turn.shot->light(frame)), before), 0, 1e-3)
+      EXPECT_NEAR(between_deg(main_direction_of(turn.shot->light(frame).object), before), 0, 1e-3)
           << "the light that the frame has";
       const double share = std::max(k_share, 1.0 / (1 + frame)), step = between_deg(now, before);
       const auto expected = [&](Vec3 newest) {
@@ -498,6 +524,27 @@ TEST(ShotComposite, AmbientShadowsTakeNothingOfTheMainLight) {
   half.coverage.assign(4, 77);  // 0.3: half of it
   shadows.ambient = shadows.sky = {half};
   EXPECT_NEAR(shown(shadows), 0.4 + 0.6 * 0.25, 5e-3);
+}
+
+// A grain is as bright as the light where the sand is, whatever the object's is.
+TEST(ShotComposite, GrainsHaveTheSandsLight) {
+  const Surroundings room =
+      panorama_surroundings(lamp_room({0, 1, 0}, 100, 1.0), "lamp", camera(), -90, {0, 0, 0}, 0.0);
+  const ShotLight light = scaled(room.true_light(), 0.05);
+  Camera c = camera();
+  c.target = {0, 0, 0}, c.fov_deg = 10;
+  const float size[3] = {0.1f, 0.1f, 0.1f}, grain[3] = {0, 0, 0};
+  LitObject away = {make_box(size), k_no_rotation, {}};
+  for (float& x : away.mesh.vertices) x += 50.0f;
+  ShotPictureOptions o;
+  o.width = 16, o.height = 12;
+  const auto shown = [&](const PlacedLight& lights) {
+    return mean_of(
+        ShotPicture(away, grain, 0.3f).composite(room, resting_camera(c), lights, {}, CastShadow::textures, o), 6, 4,
+        10, 8);
+  };
+  EXPECT_NEAR(shown({light, scaled(light, 0.5)}), 0.5 * shown(light), 1e-6);
+  EXPECT_NEAR(shown({scaled(light, 0.5), light}), shown(light), 1e-6);
 }
 
 // Two cameras that look in directions 30 degrees apart see the shadow at the same place of the floor: a point of the

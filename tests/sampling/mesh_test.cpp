@@ -210,5 +210,20 @@ TEST(Ply, failure_is_a_sentence_and_leaves_what_was_there) {
   EXPECT_EQ(files_in(folder), 1u);
 }
 
+// A box of 0.4 x 0.1 x 0.1 whose edges may be 0.05 long: still closed, as large as before, and no edge longer.
+TEST(Mesh, short_edges_keep_the_surface) {
+  const float size[3] = {0.4f, 0.1f, 0.1f};
+  const host::Mesh box = host::make_box(size), fine = host::with_short_edges(box, 0.05);
+  const host::MeshResult cleaned = host::clean_mesh(fine.vertices, fine.indices, "box");
+  EXPECT_TRUE(cleaned.report.watertight() && cleaned.report.manifold());
+  EXPECT_EQ(cleaned.report.merged_vertices, 0u) << "neighbours share the middle of their edge";
+  EXPECT_NEAR(host::signed_volume(fine), 0.004, 1e-8);
+  for (size_t i = 0; i < fine.indices.size(); ++i) {
+    const float *a = &fine.vertices[3 * fine.indices[i]],
+                *b = &fine.vertices[3 * fine.indices[i % 3 == 2 ? i - 2 : i + 1]];
+    EXPECT_LE(std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]), 0.05f + 1e-6f);
+  }
+}
+
 }  // namespace
 }  // namespace sandglass::test

@@ -130,6 +130,7 @@ class Sandglass {
   #classes = {};
   #reason;
   #blocks = new Map();
+  #pointers = new Map();  // to C functions, by name
 
   constructor(exports) {
     this.#exports = exports;
@@ -216,8 +217,10 @@ class Sandglass {
   // A function pointer: of an exported C function by its name, or of a JavaScript function with a signature: the
   // result, then the parameters, "v" none, "i" 32 bits or a pointer, "j" 64 bits (a bigint), "f", "d".
   pointer(f, signature) {
+    if (this.#pointers.has(f)) return this.#pointers.get(f);
     const table = this.#exports.__indirect_function_table, index = table.grow(1);
     table.set(index, typeof f === "string" ? this.#exports[f] : trampoline(f, signature));
+    if (typeof f === "string") this.#pointers.set(f, index);
     return index;
   }
 

@@ -79,8 +79,7 @@ double level_error(const StudiedPlace& place, size_t session, const sandglass_ro
 
 Cells mirrored(const Cells& cells) {
   Cells out;
-  for (uint32_t i = 0; i < k_light_cells; ++i)
-    out[i] = cells[i / k_cell_sectors * k_cell_sectors + (k_cell_sectors - 1 - i % k_cell_sectors)];
+  for (uint32_t i = 0; i < k_light_cells; ++i) out[i] = cells[mirrored_cell(i)];
   return out;
 }
 

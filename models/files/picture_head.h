@@ -1,0 +1,24 @@
+// What a picture's file says about itself before it is decoded: its kind, size and colours, and how the camera was held.
+#pragma once
+
+#include <string_view>
+
+namespace sandglass::host {
+
+struct PictureHead {
+  enum class Kind { unknown, png, jpeg, other };
+  Kind kind = Kind::unknown;
+  const char* name = "";              // of another kind: "HEIC"
+  unsigned width = 0, height = 0;     // pixels as they are stored; 0: not found
+  unsigned components = 0, bits = 0;  // colours of a pixel, and bits of each
+  // EXIF's number for where the first row and column are: 1 upright, 6 to be turned clockwise by a quarter, 3 by a half,
+  // 8 by three quarters; 2, 4, 5 and 7 are mirrored.
+  int orientation = 1;
+  // A JPEG's Huffman table lists more codes than it may. stb_image would write them behind its own table.
+  bool bad_table = false;
+};
+
+// Never fails: what is damaged or missing stays as it is above.
+PictureHead picture_head(std::string_view bytes);
+
+}  // namespace sandglass::host

@@ -1,0 +1,46 @@
+#!/usr/bin/env python3
+"""Puts the page into one file: python3 assemble.py NPM_FOLDER SCENE_JSON SHADOW OUTPUT
+
+The modules are joined in the order of their imports, without import and export, into the page's one script. The module,
+the scene and the baked shadow go in as text. The page then needs nothing but itself."""
+import base64
+import json
+import pathlib
+import re
+import sys
+
+
+def joined(paths):
+    """The modules as one script. Names must differ between them, and an import must not rename."""
+    out, names = [], {}
+    for path in paths:
+        text = path.read_text()
+        if re.search(r"^import [^;]*\bas\b", text, re.MULTILINE):
+            sys.exit(f"assemble.py: {path.name} renames what it imports")
+        text = re.sub(r"^import \{[^;]*?\} from \"\./[\w.]+\";\n", "", text, flags=re.MULTILINE)
+        text = re.sub(r"^export \{[^}]*\};\n", "", text, flags=re.MULTILINE)
+        text = re.sub(r"^export ", "", text, flags=re.MULTILINE)
+        for name in re.findall(r"^(?:const|let|class|function|async function) (?:\[[^\]]*\]|(\w+))", text, re.MULTILINE):
+            if name in names:
+                sys.exit(f"assemble.py: {path.name} and {names[name]} both have a {name}")
+            names[name] = path.name
+        out.append(f"// {path.name}\n{text}")
+    return "\n".join(out)
+
+
+def main():
+    npm, scene, shadow, output = map(pathlib.Path, sys.argv[1:])
+    here = pathlib.Path(__file__).parent
+    encoded = {"k_module": npm / "sandglass.wasm", "k_chair_shadow": shadow}
+    data = "".join(f"const {name} = \"{base64.b64encode(path.read_bytes()).decode()}\";\n" for name, path in encoded.items())
+    data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
+    script = joined([npm / "abi.mjs", npm / "sandglass.mjs", here / "scene.mjs", here / "painter.mjs", here / "obj.mjs", here / "page.mjs"])
+    page = (here / "page.html").read_text().replace("@MODULES@", data + script)
+    if "</script" in (data + script):
+        sys.exit("assemble.py: a module holds the end of a script")
+    output.write_text(page)
+    print(output.resolve())
+
+
+if __name__ == "__main__":
+    main()

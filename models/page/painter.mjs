@@ -1,0 +1,228 @@
+// Draws the table, the object and the sand with WebGL 2. Colours are linear until a shader's last line. Grains are
+// point sprites, whose fragments write the depth of a sphere; the buffer of grains is uploaded as the library wrote it.
+// Shadows are the library's own textures.
+
+const k_lighting = `
+uniform vec3 to_light;
+const vec3 sun = vec3(1.05, 0.97, 0.84), sky = vec3(0.36, 0.40, 0.47), ground = vec3(0.22, 0.19, 0.16);
+vec3 shade(vec3 albedo, vec3 normal, float direct) {
+  return albedo * (sun * max(dot(normal, to_light), 0.0) * direct + mix(ground, sky, 0.5 + 0.5 * normal.y) * 0.8);
+}
+vec4 encoded(vec3 linear) {
+  linear = clamp(linear, 0.0, 1.0);
+  return vec4(mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear)), 1);
+}
+uniform sampler2D pile, object;  // what the sand hides of the table, or of itself
+uniform vec4 pile_box, object_box;  // x and z of the lower corner, and one over the extent
+uniform float pile_opacity, object_opacity;
+uniform mat2 object_turn;
+uniform vec2 object_at;
+float passed(sampler2D image, vec2 at, float opacity) {
+  bool on = all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
+  return on ? 1.0 - texture(image, at).r * opacity : 1.0;
+}
+// The ray from the light through the place goes on to the table, where the object's shadow was made.
+float shadowed(vec3 place, float onto) {
+  vec2 at = place.xz - to_light.xz * (place.y / max(to_light.y, 0.05)) * onto;
+  float share = passed(object, (object_turn * (at - object_at) - object_box.xy) * object_box.zw, object_opacity);
+  return share * passed(pile, (place.xz - pile_box.xy) * pile_box.zw, pile_opacity);
+}`;
+
+const k_grain_vertex = `
+layout(location = 0) in vec4 grain;
+uniform mat4 view, projection;
+uniform float radius, pixels;
+flat out vec3 centre, colour;
+void main() {
+  vec4 at = view * vec4(grain.xyz, 1);
+  centre = at.xyz;
+  gl_Position = grain.w < 0.0 ? vec4(2, 2, 2, 1) : projection * at;
+  gl_PointSize = max(2.0 * radius * pixels / -at.z, 1.0);
+  uint h = uint(gl_VertexID) * 747796405u + 2891336453u;
+  h = ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
+  float light = float(h >> 8u & 1023u) / 1023.0 - 0.5, warm = float(h >> 18u & 1023u) / 1023.0 - 0.5;
+  colour = vec3(0.60, 0.40, 0.20) * (1.0 + 0.56 * light) * vec3(1.0 + 0.2 * warm, 1.0, 1.0 - 0.2 * warm);
+}`;
+const k_grain_fragment = `
+flat in vec3 centre, colour;
+uniform mat4 view, projection;
+uniform float radius;
+out vec4 pixel;
+${k_lighting}
+void main() {
+  vec2 at = gl_PointCoord * vec2(2, -2) + vec2(-1, 1);
+  float gap = 1.0 - dot(at, at);
+  if (gap < 0.0) discard;
+  vec3 normal = vec3(at, sqrt(gap)), place = centre + radius * normal;
+  vec4 clip = projection * vec4(place, 1);
+  gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
+  mat3 back = transpose(mat3(view));
+  vec3 world = back * (place - view[3].xyz), n = back * normal;
+  pixel = encoded(shade(colour, n, shadowed(world, 1.0)) * (0.75 + 0.25 * n.y));
+}`;
+const k_solid_vertex = `
+layout(location = 0) in vec3 position;
+uniform mat4 model, view, projection;
+out vec3 world;
+void main() {
+  world = (model * vec4(position, 1)).xyz;
+  gl_Position = projection * view * vec4(world, 1);
+}`;
+const k_solid_fragment = `
+in vec3 world;
+uniform vec3 eye, albedo;
+uniform float table;  // 1: the table's top, round; 0: an object
+out vec4 pixel;
+${k_lighting}
+void main() {
+  vec3 n = normalize(cross(dFdx(world), dFdy(world)));
+  if (dot(n, eye - world) < 0.0) n = -n;
+  vec3 colour = albedo;
+  float share = 1.0;
+  if (table > 0.5) {
+    float grain = sin(world.x * 90.0 + 3.0 * sin(world.z * 7.0)) * 0.5 + sin(world.x * 23.0 + 2.0 * sin(world.z * 3.0 + 1.0));
+    colour *= 1.0 + 0.05 * grain;
+    share = shadowed(world, 0.0);
+  }
+  vec3 lit = shade(colour, n, share);
+  float away = table > 0.5 ? smoothstep(0.55, 1.5, length(world.xz)) : 0.0;
+  pixel = encoded(mix(lit, vec3(0.055, 0.06, 0.07), away));
+}`;
+
+function program(gl, vertex, fragment) {
+  const made = gl.createProgram();
+  for (const [kind, body] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, `#version 300 es\nprecision highp float;\nprecision highp int;\n${body}`);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(`This browser refuses a shader: ${gl.getShaderInfoLog(shader)}`);
+    gl.attachShader(made, shader);
+  }
+  gl.linkProgram(made);
+  if (!gl.getProgramParameter(made, gl.LINK_STATUS)) throw new Error(`This browser refuses a program: ${gl.getProgramInfoLog(made)}`);
+  const at = new Map();
+  return { made, at: (name) => at.get(name) ?? (at.set(name, gl.getUniformLocation(made, name)), at.get(name)) };
+}
+
+const minus = (a, b) => a.map((x, i) => x - b[i]);
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (a) => a.map((x) => x / Math.hypot(...a));
+const dot = (a, b) => a.reduce((sum, x, i) => sum + x * b[i], 0);
+
+// A camera that turns about a point of the table.
+export class Camera {
+  target = [0, 0.14, 0];
+  azimuth = 0.35;
+  elevation = 0.5;
+  distance = 1.35;
+  fov = 0.6;
+  turn(right, up) { this.azimuth -= right, this.elevation = Math.min(1.5, Math.max(0.08, this.elevation + up)); }
+  zoom(factor) { this.distance = Math.min(3, Math.max(0.4, this.distance * factor)); }
+  axes() {
+    const flat = Math.cos(this.elevation);
+    const away = [Math.sin(this.azimuth) * flat, Math.sin(this.elevation), Math.cos(this.azimuth) * flat];
+    const right = unit(cross([0, 1, 0], away));
+    return { eye: this.target.map((x, i) => x + away[i] * this.distance), right, up: cross(away, right), away };
+  }
+  // Where the ray through a point of the canvas, 0..1 from its upper left corner, meets the plane y = height.
+  onPlane(x, y, aspect, height = 0) {
+    const { eye, right, up, away } = this.axes(), half = this.half(aspect);
+    const ray = unit(away.map((a, i) => -a + right[i] * (2 * x - 1) * half[0] + up[i] * (1 - 2 * y) * half[1]));
+    if (ray[1] > -0.02) return null;
+    const along = (height - eye[1]) / ray[1];
+    return eye.map((e, i) => e + along * ray[i]);
+  }
+  // On a tall screen the width is what must fit.
+  half(aspect) {
+    const half = Math.tan(this.fov / 2) * Math.max(1, 0.8 / aspect);
+    return [half * aspect, half];
+  }
+}
+
+export class Painter {
+  constructor(canvas) {
+    const gl = this.gl = canvas.getContext("webgl2", { antialias: false, powerPreference: "low-power" });
+    if (!gl) throw new Error("This browser has no WebGL 2, so nothing can be drawn. Update it, or turn hardware acceleration on.");
+    this.canvas = canvas;
+    this.grains = program(gl, k_grain_vertex, k_grain_fragment), this.solid = program(gl, k_solid_vertex, k_solid_fragment);
+    this.grainBuffer = gl.createBuffer(), this.grainBytes = 0;
+    this.pile = this.texture(), this.onSand = this.texture(), this.object = this.texture();
+    this.objects = [];
+    const s = 3;
+    this.table = this.mesh(new Float32Array([-s, 0, -s, -s, 0, s, s, 0, s, s, 0, -s]), new Uint32Array([0, 1, 2, 0, 2, 3]));
+    this.objectShadow = { box: [0, 0, 1, 1], opacity: 0, turn: [1, 0, 0, 1], at: [0, 0] };
+    this.pileShadow = { box: [0, 0, 1, 1], opacity: 0 };
+    gl.enable(gl.DEPTH_TEST);
+    gl.clearColor(0.26, 0.27, 0.29, 1);
+  }
+
+  texture() {
+    const { gl } = this, made = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, made);
+    for (const [name, value] of [[gl.TEXTURE_MIN_FILTER, gl.LINEAR], [gl.TEXTURE_MAG_FILTER, gl.LINEAR],
+      [gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE], [gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE]]) gl.texParameteri(gl.TEXTURE_2D, name, value);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, 1, 1, 0, gl.RED, gl.UNSIGNED_BYTE, new Uint8Array(1));
+    return made;
+  }
+  upload(texture, side, bytes) {
+    const { gl } = this;
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, side, side, 0, gl.RED, gl.UNSIGNED_BYTE, bytes);
+  }
+  mesh(vertices, indices) {
+    const { gl } = this, made = { array: gl.createVertexArray(), count: indices.length };
+    gl.bindVertexArray(made.array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, vertices, gl.STATIC_DRAW);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, indices, gl.STATIC_DRAW);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+    gl.bindVertexArray(null);
+    return made;
+  }
+  add(vertices, indices, model, albedo) { this.objects.push({ ...this.mesh(vertices, indices), model, albedo }); }
+
+  draw(camera, toLight, grains, count, radius) {
+    const { gl, canvas } = this, scale = Math.min(devicePixelRatio, 2);
+    const [width, height] = [Math.round(canvas.clientWidth * scale), Math.round(canvas.clientHeight * scale)];
+    if (canvas.width !== width || canvas.height !== height) canvas.width = width, canvas.height = height;
+    gl.viewport(0, 0, width, height);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const { eye, right, up, away } = camera.axes(), half = camera.half(width / height), near = 0.05, far = 12;
+    const view = new Float32Array([right[0], up[0], away[0], 0, right[1], up[1], away[1], 0, right[2], up[2], away[2], 0,
+      -dot(right, eye), -dot(up, eye), -dot(away, eye), 1]);
+    const projection = new Float32Array([1 / half[0], 0, 0, 0, 0, 1 / half[1], 0, 0, 0, 0, (far + near) / (near - far), -1,
+      0, 0, 2 * far * near / (near - far), 0]);
+    const common = (p, pile) => {
+      gl.useProgram(p.made);
+      gl.activeTexture(gl.TEXTURE0), gl.bindTexture(gl.TEXTURE_2D, pile);
+      gl.uniformMatrix4fv(p.at("view"), false, view), gl.uniformMatrix4fv(p.at("projection"), false, projection);
+      gl.uniform3fv(p.at("to_light"), toLight), gl.uniform3fv(p.at("eye"), eye);
+      gl.uniform1i(p.at("pile"), 0), gl.uniform1i(p.at("object"), 1);
+      gl.uniform4fv(p.at("pile_box"), this.pileShadow.box), gl.uniform1f(p.at("pile_opacity"), this.pileShadow.opacity);
+      gl.uniform4fv(p.at("object_box"), this.objectShadow.box), gl.uniform1f(p.at("object_opacity"), this.objectShadow.opacity);
+      gl.uniformMatrix2fv(p.at("object_turn"), false, this.objectShadow.turn), gl.uniform2fv(p.at("object_at"), this.objectShadow.at);
+    };
+    gl.activeTexture(gl.TEXTURE1), gl.bindTexture(gl.TEXTURE_2D, this.object);
+    common(this.solid, this.pile);
+    const still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
+    for (const item of [{ ...this.table, model: still, albedo: [0.42, 0.36, 0.30], table: 1 }, ...this.objects]) {
+      gl.uniformMatrix4fv(this.solid.at("model"), false, item.model);
+      gl.uniform3fv(this.solid.at("albedo"), item.albedo), gl.uniform1f(this.solid.at("table"), item.table ?? 0);
+      gl.bindVertexArray(item.array);
+      gl.drawElements(gl.TRIANGLES, item.count, gl.UNSIGNED_INT, 0);
+    }
+    gl.bindVertexArray(null);
+    if (count === 0) return;
+    common(this.grains, this.onSand);
+    gl.uniform1f(this.grains.at("radius"), radius), gl.uniform1f(this.grains.at("pixels"), height / (2 * half[1]));
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.grainBuffer);
+    if (this.grainBytes < grains.byteLength) gl.bufferData(gl.ARRAY_BUFFER, this.grainBytes = 2 * grains.byteLength, gl.STREAM_DRAW);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, grains);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 4, gl.FLOAT, false, 16, 0);
+    gl.drawArrays(gl.POINTS, 0, count);
+  }
+}

@@ -1,0 +1,54 @@
+// A saved room with a right checksum and wrong content: it is refused, or it answers with finite numbers.
+#include <cstring>
+
+#include "runtime/core/hash.h"
+#include "sandglass/sandglass.hpp"
+#include "tests/fuzz/edits.h"
+#include "tests/room/made_up_room.h"
+
+namespace {
+
+constexpr size_t k_checksum_at = 8, k_checked_from = 16;
+
+std::vector<uint8_t> bytes_of(const sandglass_room* room) {
+  std::vector<uint8_t> file(sandglass_room_save_bytes(room));
+  sandglass::fuzz::expect(sandglass_room_save(room, file.data(), file.size(), nullptr) == SANDGLASS_OK);
+  return file;
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using namespace sandglass;
+  static MadeUpRoom room;
+  static const std::vector<uint8_t> base = [] {
+    for (int i = 0; i < 6; ++i) room.look(lamp_room(towards(30, 50), 8, 40), 60.0 * i, 10);
+    return bytes_of(room.handle());
+  }();
+  std::vector<uint8_t> file = base;
+  fuzz::apply_edits(data, size, &file);
+  if (file.size() > k_checked_from) {
+    std::memcpy(file.data(), base.data(), k_checksum_at);  // kind and version
+    fuzz::put(&file, k_checksum_at, hash_bytes(file.data() + k_checked_from, file.size() - k_checked_from));
+  }
+  std::vector<uint64_t> aligned(file.size() / 8 + 1);
+  if (!file.empty()) std::memcpy(aligned.data(), file.data(), file.size());
+  if (sandglass_room_restore(room.handle(), aligned.data(), file.size(), nullptr) != SANDGLASS_OK) return 0;
+  const auto check = [&] {
+    for (const float x : {0.0f, 1.5f, -900.0f}) {
+      const sandglass_room_light light = room.light(x, 0.2f, -0.3f);
+      fuzz::expect(std::isfinite(light.main_share) && std::isfinite(light.irradiance[1]));
+      for (const float cell : light.cells) fuzz::expect(cell >= 0.0f && cell <= 1.01f);
+      for (const float c : light.sh) fuzz::expect(std::isfinite(c));
+    }
+  };
+  check();
+  static Photograph seen = photograph(lamp_room(towards(30, 50), 8, 40), 20, 0, 1, 0);  // making it takes long
+  static uint64_t now_ns = 1'000'000'000'000;
+  seen.image.timestamp_ns = now_ns += 100'000'000;
+  uint32_t taken = 0;
+  fuzz::expect(sandglass_room_set_image(room.handle(), &seen.image, &taken, nullptr) == SANDGLASS_OK);
+  check();
+  (void)bytes_of(room.handle());
+  return 0;
+}
