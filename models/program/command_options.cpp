@@ -6,6 +6,7 @@
 
 #include "models/files/command_files.h"
 #include "models/mesh/generated.h"
+#include "models/phones/phone.h"
 #include "models/program/command_line.h"
 #include "models/program/commands.h"
 #include "models/program/nearest_name.h"
@@ -56,10 +57,22 @@ Options run_options(RunOptions& o) {
       {"--clock", &o.clock, "KIND",
        "Clock of the budget; virtual adds 5 microseconds a reading: equal plans everywhere",
        one_of({"real", "virtual"})},
+      excludes("--clock",
+               standard("", {"--as", &o.as, "CORE", "Estimate the times of a phone's core from counted instructions",
+                             one_of(phone_core_names())})),
       {"--out", &o.out, "FOLDER", "Write reports, contact sheet, frames and film into this folder"},
       {"--plain", &o.plain, "", "Draw without label, ruler and checker, in warmer colours"},
       writes({"--record", &o.record, "FILE", "Write what every frame was given and did to this file"}),
       excludes("--record", {"--replay", &o.replay, "FILE", "Repeat the run of such a file, to the bit"}),
+  };
+}
+
+Options budget_options(BudgetOptions& o) {
+  return {
+      required({"SCENE", &o.scene, "", k_scene_argument}),
+      {"--mesh", &o.mesh, "FILE", k_body_mesh},
+      standard("all", {"--as", &o.as, "CORE", "Only this core", one_of(phone_core_names())}),
+      standard(k_scene, {"--frames", &o.frames, "N", "Frames to run", whole_number(1, 100'000'000)}),
   };
 }
 
@@ -263,6 +276,8 @@ std::vector<CommandGroup> commands() {
   return {
       {"Run and look",
        {command<RunOptions>("run", "Run a scene under its budget, report on it and draw it", run_options, run_command),
+        command<BudgetOptions>("budget", "Estimate the budget that a scene needs on a phone, at each quality level",
+                               budget_options, budget_command),
         view(), command<LightOptions>("light", "Estimate the light of photographs", light_options, light_command),
         command<InspectOptions>("inspect",
                                 "Say what a file is: a recording, a shadow, a lighting network, a scene or a mesh",

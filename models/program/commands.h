@@ -23,8 +23,15 @@ struct RunOptions {
   double budget_ms = -1.0;           // below 0: the scene's
   double fov_deg = 0.0;
   bool plain = false;
+  std::string as;  // a core of models/phones, or empty
 };
 int run_command(const RunOptions& options);
+
+struct BudgetOptions {
+  std::string scene, mesh, as;  // as: one core; empty: all
+  uint32_t frames = 0;          // 0: the scene's
+};
+int budget_command(const BudgetOptions& options);
 
 struct LightOptions {
   std::vector<std::string> images;

@@ -26,7 +26,8 @@ std::vector<float> present(const std::vector<float>& positions) {
 
 }  // namespace
 
-Run::Run(const RunOptions& options) : options_(options), scene_(load_scene(options.scene)) {
+Run::Run(const RunOptions& options, uint32_t finest_level)
+    : options_(options), finest_level_(finest_level), scene_(load_scene(options.scene)) {
   if (options_.frames > 0) scene_.frames = options_.frames;
   if (options_.budget_ms >= 0.0) scene_.budget_ms = options_.budget_ms;
   const sandglass_isa isa = find_isa(options_.isa);
@@ -42,6 +43,7 @@ Run::Run(const RunOptions& options) : options_(options), scene_(load_scene(optio
   const Material material = fill_scene(&scene_, meshes.bodies());
   fields_.emplace(&scene_, options_.collider_mesh);
   simulation_.emplace(describe(material, isa));
+  if (phone_) phone_->follow(simulation_->handle());
   simulation_->add(material);
   shadows_.emplace(scene_, isa);
   if (scene_.pile_shadow) {
@@ -118,7 +120,11 @@ void Run::take_shot() {
 sandglass_scene_desc Run::describe(const Material& material, sandglass_isa isa) {
   sandglass_scene_desc desc = describe_filled(scene_, material);
   desc.isa = isa;
-  if (options_.clock == "virtual") {
+  desc.finest_level = finest_level_;
+  if (!options_.as.empty()) {
+    phone_.emplace(phone_core(options_.as));
+    desc.clock = phone_->clock();
+  } else if (options_.clock == "virtual") {
     virtual_time_.step_ns = k_virtual_step_ns;
     desc.clock = virtual_clock(&virtual_time_);
   } else {
@@ -137,7 +143,17 @@ void Run::begin_report() {
     const std::string of_bytes = sandglass_isa_name(sandglass_shadow_isa(shadows_->handles()[0]));
     if (of_bytes != report_.isa) report_.isa += ", shadows " + of_bytes;
   }
-  report_.clock = options_.replay.empty() ? options_.clock : "replay";
+  if (phone_) {
+    const PhoneCore& core = phone_->core();
+    report_.estimate = {core.name,
+                        core.ghz,
+                        core.ipc_low,
+                        core.ipc_high,
+                        core.middle_ipc() / core.ipc_high,
+                        core.middle_ipc() / core.ipc_low,
+                        core.why};
+  }
+  report_.clock = phone_ ? "estimated" : options_.replay.empty() ? options_.clock : "replay";
   report_.light = shot_ ? name_of(shot_->source()) : scene_.light ? "scene's light" : "";
   report_.threads = options_.threads;
   report_.memory_bytes = simulation_->bytes();

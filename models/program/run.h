@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "models/compositing/shot.h"
+#include "models/phones/phone.h"
 #include "models/program/commands.h"
 #include "models/report/pictures.h"
 #include "models/report/report.h"
@@ -29,13 +30,16 @@ std::vector<std::string> result_files();
 class Run {
  public:
   // Loads the scene, fills it, and is ready for the first frame.
-  explicit Run(const RunOptions& options);
+  // `finest_level`: quality levels better than this are not used.
+  explicit Run(const RunOptions& options, uint32_t finest_level = 0);
 
   void execute();
   uint64_t hash() const;  // of every active stage
   // Writes recording, reports and pictures, as the options ask for.
   void finish(uint64_t hash);
   int exit_code(uint64_t hash) const;
+  const RunReport& report() const { return report_; }
+  const PhoneClock* phone() const { return phone_ ? &*phone_ : nullptr; }
 
  private:
   void load_replay();
@@ -57,8 +61,10 @@ class Run {
   PageContent page_content(std::vector<PageFigure> figures) const;
 
   const RunOptions& options_;
+  const uint32_t finest_level_;
   SceneFile scene_;
   VirtualClock virtual_time_;
+  std::optional<PhoneClock> phone_;
   TraceRecorder recorder_;
   std::optional<CollisionFields> fields_;
   std::optional<ThreadPool> pool_;

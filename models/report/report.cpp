@@ -200,17 +200,33 @@ std::string report_headline(const RunReport& report) {
   return text;
 }
 
+std::string estimate_text(const PhoneEstimate& e) {
+  std::string text;
+  add(&text,
+      "Estimated, not measured: counted NEON instructions on a %s at %.1f GHz (%s). The band is a stated range of %.1f "
+      "to %.1f instructions a cycle; the frames are planned at its middle.",
+      e.core.c_str(), e.ghz, e.why.c_str(), e.ipc_low, e.ipc_high);
+  return text;
+}
+
 std::string report_summary_text(const RunReport& report) {
   const Summary s = summarise(report.frames);
   const size_t count = report.frames.size();
   std::string text;
   text += report.scene + ": " + report_headline(report) + "\n";
   add(&text, "  milliseconds a frame        mean       p50       p95       p99     p99.9       max\n");
-  add_row(&text, "budget used", s.elapsed);
+  const PhoneEstimate& e = report.estimate;
+  add_row(&text, e.core.empty() ? "budget used" : "budget used, estimate", s.elapsed);
+  if (!e.core.empty())
+    for (const auto& [name, factor] : {std::pair{"  at its fastest", e.low}, std::pair{"  at its slowest", e.high}})
+      add_row(&text, name,
+              {s.elapsed.mean * factor, s.elapsed.p50 * factor, s.elapsed.p95 * factor, s.elapsed.p99 * factor,
+               s.elapsed.p999 * factor, s.elapsed.max * factor});
   for (int stage = 0; stage < SANDGLASS_STAGE_COUNT; ++stage)
     add_row(&text, (std::string("  ") + stage_name(stage)).c_str(), s.stages[stage]);
-  add_row(&text, "wall time", s.wall);
+  add_row(&text, e.core.empty() ? "wall time" : "wall time, this machine", s.wall);
   add_row(&text, "CPU time, one thread", s.cpu);
+  if (!e.core.empty()) text += "  " + estimate_text(e) + "\n";
   add(&text, "  budget %.3f ms: %u of %zu frames over it, worst by %.3f ms; %u beyond the guarantee\n", s.budget_ms,
       s.misses, count, s.worst_overrun_ms, s.beyond_guarantee);
   add(&text, "  simulated %.3f s, debt %.4f s; quality", s.simulated_time, s.time_debt);

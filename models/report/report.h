@@ -49,12 +49,22 @@ class TraceRecorder {
   std::vector<uint64_t> open_;
 };
 
+// Of a run on the clock of a phone's core: its times are estimates at the middle of the core's range of instructions a
+// cycle. `low` and `high` lead from there to the ends of the range.
+struct PhoneEstimate {
+  std::string core;  // empty: none
+  double ghz = 0.0, ipc_low = 0.0, ipc_high = 0.0;
+  double low = 1.0, high = 1.0;
+  std::string why;
+};
+
 struct RunReport {
-  std::string scene, isa, clock;  // clock: "real", "virtual", "replay"
+  std::string scene, isa, clock;  // clock: "real", "virtual", "replay", "estimated"
   std::string light;              // where the frames' light comes from: "estimate"; empty: no light
   uint32_t threads = 1;
   uint64_t memory_bytes = 0;
   bool interrupted = false;
+  PhoneEstimate estimate;
   std::vector<FrameRow> frames;
   std::vector<UnitEvent> units;
 };
@@ -91,6 +101,7 @@ std::string report_csv(const RunReport& report);
 std::string report_trace(const RunReport& report);
 std::string report_summary_json(const RunReport& report);
 std::string report_summary_text(const RunReport& report);
+std::string estimate_text(const PhoneEstimate& estimate);  // what it is and is not, in one sentence
 std::string report_headline(const RunReport& report);  // frames, sand, kernels, threads, clock and memory, in one line
 
 // The light of a photograph. Both directions point towards the light. In the camera's axes x is right, y down and z

@@ -24,6 +24,11 @@ Json summary_json(const RunReport& report) {
   file["scene"] = report.scene;
   file["isa"] = report.isa;
   file["clock"] = report.clock;
+  if (const PhoneEstimate& e = report.estimate; !e.core.empty())
+    file["estimate"] = {{"core", e.core},          {"ghz", e.ghz},
+                        {"ipc_low", e.ipc_low},    {"ipc_high", e.ipc_high},
+                        {"fastest_factor", e.low}, {"slowest_factor", e.high},
+                        {"text", estimate_text(e)}};
   file["threads"] = report.threads;
   file["light"] = report.light;
   file["interrupted"] = report.interrupted;

@@ -158,6 +158,8 @@ uint64_t run_unit(Frame* frame, uint32_t index, const WorkUnit& unit) {
   trace_begin(frame->governor->trace, unit.name);
   stage.run(stage.state, frame->level);
   trace_end(frame->governor->trace, unit.name);
+  const UnitObserver& observer = frame->governor->observer;
+  if (observer.ran != nullptr) observer.ran(observer.user, unit);
   plan_append(&report->plan, index);
   ++report->stages[index].units;
   if (!frame->reads) return 0;

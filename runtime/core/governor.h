@@ -111,9 +111,17 @@ struct Spread {
   uint32_t ratio = k_least_spread;
 };
 
+// Told of every unit that has run, before the clock is read. The library sets none; the program's estimates of other
+// processors do.
+struct UnitObserver {
+  void (*ran)(void* user, const WorkUnit& unit);
+  void* user;
+};
+
 struct Governor {
   sandglass_clock clock;
   sandglass_trace trace;
+  UnitObserver observer;
   // Quality levels, at least 1. A frame runs at the first one whose forecast fits the budget.
   uint32_t level_count;
   // Levels better than this are not used.

@@ -15,6 +15,7 @@ namespace {
 constexpr float k_surface_lift = 0.5f;
 constexpr double k_cap_share = 0.9;     // what hides this share of a light counts as reaching its upper edge
 constexpr double k_step_growth = 1.12;  // of distant steps; a light of 20 degrees is 0.35 wide at distance 1
+constexpr double k_near_steps = 1;      // that count as if their columns lay just where they end
 constexpr double k_even_steps = 8;      // texels that are walked one by one
 
 void clear_columns(Pile* p) {
@@ -44,16 +45,17 @@ void put_column(Pile* p, int32_t column, int32_t row, float share, float low, fl
   p->sand_columns[1] = column > p->sand_columns[1] ? column : p->sand_columns[1];
 }
 
-// A sphere goes into the column that holds its centre, and covers it by k_thin_side (pile_thin.h). It reaches as high
-// and as low as the cube whose faces are as large as its silhouette. A sphere as wide as a texel covers the column by
-// one face of that cube. It also fills every column whose middle lies under or over it.
+// A sphere goes into the column that holds its centre, and covers it by `share` (pile_thin.h). It reaches as high
+// and as low as its two halves do in the mean. A sphere as wide as a texel counts as the cube whose faces are as large as
+// its silhouette. It also fills every column whose middle lies under or over it.
 // `visits` is what is left of this unit's columns. False: it is spent, and the sphere goes on in the next unit.
 bool put_sphere(Pile* p, const float* centre, float share, uint32_t* visits) {
-  const float radius = p->source.radius, face = k_half_face * radius, n = static_cast<float>(p->texels);
+  const float radius = p->source.radius, n = static_cast<float>(p->texels);
+  const float rise = (is_finer_than_texels(*p) ? k_fine_rise : k_half_face) * radius;
   const float x = (centre[0] - p->low[0]) / p->texel[0], z = (centre[2] - p->low[1]) / p->texel[1];
   const float y = centre[1] - p->height;
   if (p->sphere_row == 0 && x >= 0 && z >= 0 && x < n && z < n && y < k_pile_highest)
-    put_column(p, static_cast<int32_t>(x), static_cast<int32_t>(z), share, y - face, y + face);
+    put_column(p, static_cast<int32_t>(x), static_cast<int32_t>(z), share, y - rise, y + rise);
   if (is_finer_than_texels(*p)) return true;
   const PileReach reach = pile_reach(*p, centre, radius);
   const int32_t wide = reach.last[0] - reach.first[0] + 1;
@@ -111,17 +113,20 @@ uint32_t walk(const Pile& p, double cosine, double sine, double low, PileStep* s
   const double reach =
       slope * across * texel > static_cast<double>(p.top) ? static_cast<double>(p.top) / (slope * texel) : across;
   uint32_t count = 0;
-  // The receiver's own column: two random places in it are a third of its width apart on average. The other columns
-  // count as if they lay just where the step ends, so that a thin layer is met once in each texel's width.
+  // The receiver's own column: two random places in it are a third of its width apart on average. The first of
+  // the other columns counts as if it lay just where the step ends, so that a thin layer is met within a texel's width
+  // whatever the azimuth is.
   steps[count++] = {0, 0, static_cast<float>(3 / texel)};
   for (double distance = 1; distance <= reach + 1 && count < k_pile_steps;
        distance = distance < k_even_steps ? distance + 1 : distance * k_step_growth) {
     const double x = distance * texel * cosine / static_cast<double>(p.texel[0]);
     const double z = distance * texel * sine / static_cast<double>(p.texel[1]);
     const int64_t columns = floor_index(x + 0.5), rows = floor_index(z + 0.5);
-    if (columns == 0 && rows == 0) continue;
-    steps[count++] = {static_cast<int32_t>(columns), static_cast<int32_t>(rows),
-                      static_cast<float>(1 / (distance * texel))};
+    const double dx = static_cast<double>(columns) * static_cast<double>(p.texel[0]);
+    const double dz = static_cast<double>(rows) * static_cast<double>(p.texel[1]);
+    const double length = distance <= k_near_steps ? distance * texel : square_root(dx * dx + dz * dz);
+    if ((columns == 0 && rows == 0) || !(length > 0)) continue;
+    steps[count++] = {static_cast<int32_t>(columns), static_cast<int32_t>(rows), static_cast<float>(1 / length)};
   }
   return count;
 }

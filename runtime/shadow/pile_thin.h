@@ -13,6 +13,9 @@
 namespace sandglass {
 
 constexpr float k_half_face = 0.8862269f;  // radii: half the side of a square as large as a sphere's silhouette
+// The same as height of a sphere that is finer than a texel: the mean of its upper half over its outline. Next to it in
+// the texel there is none as high.
+constexpr float k_fine_rise = 2.0f / 3;
 
 // Whether spheres are smaller than texels along both sides.
 inline bool is_finer_than_texels(const Pile& p) {

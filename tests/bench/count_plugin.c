@@ -4,7 +4,8 @@
  *   qemu-aarch64 -plugin count_plugin.so,out=FILE PROGRAM
  *
  * Counting starts over when the program enters a function named counting_begins, and the counts are written, one line
- * `instructions function` each, when it enters counting_ends.
+ * `instructions function` each, when it enters counting_ends. When it enters counting_laps, a line `instructions lap` is
+ * written to FILE.laps, and counting starts over.
  *
  * Distributions ship qemu-user without qemu-plugin.h. The few functions that are used are declared here, as the
  * interface's documentation describes them (version 1, QEMU 4.2 to 8). */
@@ -77,6 +78,28 @@ static void end(unsigned int processor, void* user) {
   fclose(file);
 }
 
+static void lap(unsigned int processor, void* user) {
+  static FILE* laps;
+  uint64_t sum = 0;
+  uint32_t i;
+  (void)processor, (void)user;
+  if (laps == NULL) {
+    char name[4096];
+    snprintf(name, sizeof name, "%s.laps", output);
+    laps = fopen(name, "w");
+    if (laps == NULL) {
+      perror(name);
+      exit(1);
+    }
+  }
+  for (i = 0; i < function_count; ++i) {
+    sum += functions[i].count;
+    functions[i].count = 0;
+  }
+  fprintf(laps, "%llu lap\n", (unsigned long long)sum);
+  fflush(laps);
+}
+
 /* Adds once for each run of instructions of one function within a block. */
 static void translate(qemu_plugin_id_t id, struct qemu_plugin_tb* block) {
   const size_t n = qemu_plugin_tb_n_insns(block);
@@ -91,6 +114,8 @@ static void translate(qemu_plugin_id_t id, struct qemu_plugin_tb* block) {
     qemu_plugin_register_vcpu_insn_exec_inline(first, QEMU_PLUGIN_INLINE_ADD_U64, &functions[function].count, to - from);
     if (from == 0 && name != NULL && strcmp(name, "counting_begins") == 0)
       qemu_plugin_register_vcpu_insn_exec_cb(first, begin, QEMU_PLUGIN_CB_NO_REGS, NULL);
+    if (from == 0 && name != NULL && strcmp(name, "counting_laps") == 0)
+      qemu_plugin_register_vcpu_insn_exec_cb(first, lap, QEMU_PLUGIN_CB_NO_REGS, NULL);
     if (from == 0 && name != NULL && strcmp(name, "counting_ends") == 0)
       qemu_plugin_register_vcpu_insn_exec_cb(first, end, QEMU_PLUGIN_CB_NO_REGS, NULL);
     from = to;

@@ -49,6 +49,27 @@ TEST_F(Cli, OutWritesReportsAndPictures) {
     EXPECT_EQ(entry.path().string().find("unfinished"), std::string::npos) << entry.path();
 }
 
+// Estimated times do not depend on the machine, and say what they are.
+TEST_F(Cli, EstimatesAPhonesFrameAndTheBudgetThatASceneNeeds) {
+  const std::string scene = "'" + tiny_scene() + "'";
+  const Outcome as = run("run " + scene + " --as cortex-a78 --budget-ms 4 --out '" + path("as") + "'");
+  ASSERT_EQ(as.code, 0) << as.err;
+  EXPECT_NE(as.out.find("Estimated, not measured"), std::string::npos) << as.out;
+  EXPECT_NE(as.out.find("at its slowest"), std::string::npos) << as.out;
+  EXPECT_NE(read(path("as/report.html")).find("\"fastest_factor\""), std::string::npos);
+  const Outcome again = run("run " + scene + " --as cortex-a78 --budget-ms 4 --isa scalar");
+  EXPECT_EQ(again.out.substr(again.out.find("hash")), as.out.substr(as.out.find("hash")));
+
+  const Outcome all = run("budget " + scene), one = run("budget " + scene + " --as cortex-a55");
+  ASSERT_EQ(all.code, 0) << all.err;
+  for (const char* words : {"cortex-x3", "cortex-a78", "cortex-a55", "0 (full)", "not measured", " ms"})
+    EXPECT_NE(all.out.find(words), std::string::npos) << words;
+  EXPECT_EQ(one.out.find("cortex-x3"), std::string::npos);
+  EXPECT_EQ(run("budget " + scene).out, all.out);
+  expect_refused("run demo --as cortex-a79", "Did you mean \"cortex-a78\"?");
+  expect_refused("run demo --as cortex-a78 --clock virtual", "excludes");
+}
+
 // An instruction set that the library has runs and gives the same hash. One that it lacks is refused by name.
 TEST_F(Cli, EveryInstructionSetRunsOrIsSaidToBeMissing) {
   const std::string command = "run '" + tiny_scene() + "' --clock virtual --isa ";
@@ -72,7 +93,7 @@ TEST_F(Cli, EveryCommandAndSuiteHasHelp) {
   EXPECT_EQ(without_argument.code, 0);
   EXPECT_LT(std::count(without_argument.out.begin(), without_argument.out.end(), '\n'), 25);
   const std::vector<std::string> commands = listed("");
-  EXPECT_EQ(commands.size(), 12u);
+  EXPECT_EQ(commands.size(), 13u);
   for (const std::string& command : commands) {
     const Outcome help = run(command + " --help");
     EXPECT_EQ(help.code, 0) << command;
@@ -129,7 +150,7 @@ run demo --out --plain | "--out" of "run" needs a value: write "--out FOLDER". |
 run demo --plain=3 | "--plain" of "run" takes no value: write it alone. | sandglass run --help
 run demo --frames 2 --frames 3 | "--frames" of "run" is given twice. Give it once. | sandglass run --help
 run demo --clock reel | cannot use "--clock" of "run": "reel" is not real or virtual. Did you mean "real"? | sandglass run --help
-run demo --isa quantum | cannot use "--isa" of "run": "quantum" is not automatic, scalar, neon, avx2, avx512, neon_dotprod or neon_i8mm. | sandglass run --help
+run demo --isa quantum | cannot use "--isa" of "run": "quantum" is not automatic, scalar, neon, avx2, avx512, neon_dotprod, neon_i8mm or wasm. | sandglass run --help
 run demo --budget-ms nan | cannot use "--budget-ms" of "run": "nan" is not a number from 0 to 1000000. | sandglass run --help
 run demo --threads 1.5 | cannot use "--threads" of "run": "1.5" is not a whole number from 1 to 256. | sandglass run --help
 run demo --record a --replay b | cannot start "run": --record excludes --replay. | sandglass run --help
