@@ -332,18 +332,6 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
   return select(alone, one, lambda);
 }
 
-// Whether all lanes are far from a collider that fits into a ball around its position.
-SANDGLASS_INLINE bool far_from(const ColliderFrame& c, const Float position[3], float margin) {
-  if (c.shape == SANDGLASS_SHAPE_HALF_SPACE || c.shape == SANDGLASS_SHAPE_FIELD) return false;
-  const float beyond_ball = c.shape == SANDGLASS_SHAPE_CAPSULE ? c.size[1]
-                            : c.shape == SANDGLASS_SHAPE_BOX   ? c.size[1] + c.size[2]
-                                                               : 0.0f;
-  const float reach = 1.001f * (c.size[0] + beyond_ball + margin);
-  const Float x = position[0] - broadcast(c.position[0]), y = position[1] - broadcast(c.position[1]),
-              z = position[2] - broadcast(c.position[2]);
-  return all(broadcast(reach * reach) < dot3(x, y, z, x, y, z));
-}
-
 // Returns the lanes that a field moved: its distance is rough, in corners and far inside.
 SANDGLASS_APART Mask keep_outside(const RefineArgs* a, Mask lanes, Float position[3], Float velocity[3]) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
