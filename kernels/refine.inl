@@ -114,16 +114,17 @@ SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* densi
   Float share[3], away[3];
   Int first = broadcast(0);
   for (int k = 2; k >= 0; --k) {
-    const Float scaled = inside[k] * broadcast(3.0f) + broadcast(1.5f);  // 0 is the centre of the first cell
+    const Float scaled = inside[k] * broadcast(3.0f) + broadcast(1.5f);  // 1 is the centre of the first cell
     const Float cell = minimum(to_float(to_int(scaled)), broadcast(static_cast<float>(k_block_cells + 1)));
     share[k] = scaled - cell, away[k] = one - share[k];
-    first = shift_left(first, 4) + to_int(cell);
+    first = shift_left(first, 4) - shift_left(first, 1) + to_int(cell);
   }
+  constexpr uint32_t k_plane = k_density_cells * k_density_cells;
   alignas(64) uint32_t at[k_lane_group], corners[2][k_lane_group];  // four bytes each: x, then y
   store(at, first);
   for (uint32_t l = 0; l < k_width; ++l) {
-    const uint8_t* d = density[l] + at[l];
-    for (int z = 0; z < 2; ++z, d += k_density_cells * k_density_cells) {
+    const uint8_t* d = density[l] + (at[l] - (k_plane + k_density_cells + 1));
+    for (int z = 0; z < 2; ++z, d += k_plane) {
       uint16_t low, high;
       __builtin_memcpy(&low, d, 2);
       __builtin_memcpy(&high, d + k_density_cells, 2);

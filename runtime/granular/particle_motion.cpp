@@ -12,9 +12,11 @@ constexpr float k_spacing_radii = 1.5f;
 constexpr float k_support_radii = 3.0f;
 // Reading linearly between nodes widens a weight: its variance along an axis grows by up to spacing^2 / 6. That of
 // (1 - d^2/h^2)^3 is h^2 / 11. The reach makes up for 0.7 of it: with that the grains follow best.
-constexpr float k_reach_radii = 2.472f;        // sqrt(3^2 - 11 * 0.7 * 1.5^2 / 6)
-constexpr uint32_t k_particles_per_block = 6;  // there is room for
-constexpr uint32_t k_blocks_min = 64;
+constexpr float k_reach_radii = 2.472f;  // sqrt(3^2 - 11 * 0.7 * 1.5^2 / 6)
+// There is room for so many blocks. A pile of 1,500 particles fills 277, one of 3,250 fills 400, and sand that is spread
+// thinly on a slope one for each 7 particles.
+constexpr uint32_t k_particles_per_block = 7;
+constexpr uint32_t k_blocks_min = 104;
 // What things cost, where counting a grain costs 1.
 constexpr uint32_t k_items_per_particle = 16;
 constexpr uint32_t k_items_per_join = 32;  // of a block
@@ -69,7 +71,8 @@ void motion_join(MotionGrid* grid, uint32_t number) {
 
 namespace {
 
-constexpr uint32_t k_density_plane = k_density_cells * k_density_cells;
+// A block's cells and two more on either side.
+constexpr uint32_t k_cells = k_block_cells + 4, k_cells_plane = k_cells * k_cells;
 
 // The counts of a block and of two cells around it.
 void collect_counts(const MotionGrid& grid, uint32_t number, uint8_t* cells) {
@@ -90,7 +93,7 @@ void collect_counts(const MotionGrid& grid, uint32_t number, uint8_t* cells) {
     for (uint32_t z = 0; z < many[2]; ++z) {
       for (uint32_t y = 0; y < many[1]; ++y) {
         const uint8_t* row = from + ((first[2] + z) * k_block_cells + first[1] + y) * k_block_cells;
-        uint8_t* into = cells + (to[2] + z) * k_density_plane + (to[1] + y) * k_density_cells + to[0];
+        uint8_t* into = cells + (to[2] + z) * k_cells_plane + (to[1] + y) * k_cells + to[0];
         if (beyond[0] == 0) __builtin_memcpy(into, row, k_block_cells);
         else into[0] = row[0], into[1] = row[1];
       }
@@ -101,21 +104,29 @@ void collect_counts(const MotionGrid& grid, uint32_t number, uint8_t* cells) {
 uint8_t mean(uint8_t a, uint8_t b) { return static_cast<uint8_t>((a + b + 1) >> 1); }
 
 // [1 6 1] / 8 along the axis of which two cells are `step` apart, rounded up three times.
-void smooth_axis(const uint8_t* __restrict from, uint8_t* __restrict to, uint32_t step) {
-  constexpr uint32_t k_all = k_density_plane * k_density_cells;
-  for (uint32_t c = 0; c < k_all - 2 * step; ++c)
+__attribute__((noinline)) void smooth_axis(const uint8_t* __restrict from, uint8_t* __restrict to, uint32_t step) {
+  for (uint32_t c = 0; c < k_cells_plane * k_cells - 2 * step; ++c)
     to[c + step] = mean(mean(mean(from[c], from[c + 2 * step]), from[c + step]), from[c + step]);
+}
+
+// Without the outermost cells. A row's last two bytes are the next row's first.
+void store_density(const uint8_t* cells, uint8_t* density) {
+  for (uint32_t z = 1; z <= k_density_cells; ++z) {
+    for (uint32_t y = 1; y <= k_density_cells; ++y, density += k_density_cells)
+      __builtin_memcpy(density, cells + z * k_cells_plane + y * k_cells + 1, k_cells);
+  }
 }
 
 }  // namespace
 
 void motion_smooth(const MotionGrid& grid, uint32_t number) {
   if ((grid.blocks[number].state & k_block_holds) == 0) return;  // nobody reads it
-  alignas(64) uint8_t cells[k_density_plane * k_density_cells] = {}, half_done[sizeof cells] = {};
+  alignas(64) uint8_t cells[k_cells_plane * k_cells] = {}, half_done[sizeof cells] = {};
   collect_counts(grid, number, cells);
   smooth_axis(cells, half_done, 1);
-  smooth_axis(half_done, cells, k_density_cells);
-  smooth_axis(cells, density_of(grid, number), k_density_plane);
+  smooth_axis(half_done, cells, k_cells);
+  smooth_axis(cells, half_done, k_cells_plane);
+  store_density(half_done, density_of(grid, number));
 }
 
 void motion_layout(ParticleMotion* m, const sandglass_granular_desc& d, Layout* layout) {

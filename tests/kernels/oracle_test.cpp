@@ -802,7 +802,7 @@ TEST(MotionGrid, DensitySpreadsEachGrainOverTheCellsAround) {
   motion.blocks[next].state |= k_block_holds;
   for (uint32_t b = 0; b < grid.block_count; ++b) motion_smooth(grid, b);
   const auto density = [&](uint32_t b, int x, int y, int z) {
-    return static_cast<double>(density_of(grid, b)[((z + 2) * 16 + y + 2) * 16 + x + 2]);
+    return static_cast<double>(density_of(grid, b)[((z + 1) * 14 + y + 1) * 14 + x + 1]);
   };
   const auto near = [](double value, double expected) { return value >= expected && value < expected + 3; };
   EXPECT_PRED2(near, density(block, 11, 6, 5), count * 216 / 512.0);
