@@ -98,12 +98,19 @@ uint32_t choose_level(const Governor* governor, const Stage* stages, uint32_t st
 
 // ---------------------------------------------------------------------------------------------------- time and units
 
+// How far costs of before a jump lay apart says nothing about those after it.
+void forget_spreads(Governor* governor) {
+  for (Governor::Kind& kind : governor->kinds) kind.spread = {};
+  governor->closing = {};
+}
+
 uint64_t read_difference(Frame* frame) {
   const uint64_t reading = frame->governor->clock.now_ns(frame->governor->clock.user);
   const uint64_t difference = reading - frame->reading;
   frame->reading = reading;
   if (difference < k_jump_ns) return difference;
   frame->report->clock_fault = 1;
+  forget_spreads(frame->governor);
   return k_time_max;
 }
 

@@ -14,7 +14,6 @@
 
 #include <cstdint>
 #include <cstring>
-#include "kernels/whole.h"
 
 namespace sandglass {
 
@@ -24,10 +23,11 @@ inline double square_root(double x) { return __builtin_sqrt(x); }
 inline double absolute(double x) { return __builtin_fabs(x); }
 
 // Written with a cast because the floor of baseline x86-64 is a library call.
+// It bounds the number itself: to_whole would do so a second time, in every function of this file.
 inline int64_t floor_index(double x) {
   constexpr double k_limit = 0x1p62;
-  const double bounded = x < k_limit ? (x > -k_limit ? x : -k_limit) : k_limit;
-  const int64_t i = to_whole<int64_t>(bounded);
+  const double below = x < k_limit ? x : k_limit, bounded = below > -k_limit ? below : -k_limit;
+  const int64_t i = static_cast<int64_t>(bounded);
   return i - (static_cast<double>(i) > bounded ? 1 : 0);
 }
 

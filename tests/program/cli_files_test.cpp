@@ -234,7 +234,7 @@ TEST_F(CliFiles, CtrlCIsAnsweredWithinASecond) {
     int milliseconds;  // until the key is pressed
   };
   std::vector<Case> cases = {
-      {"sample sphere --volume --distance 0.003" + out, 200},
+      {"sample sphere --volume --distance 0.0015" + out, 200},
       {"inspect " + write("fill.json", R"({"particle_radius": 0.0004, "bodies": [{"shape": "sphere", "size": 0.1,
                                            "grains": 4000000}]})"),
        200},
