@@ -11,7 +11,9 @@ namespace sandglass {
 template <class Whole, class Real>
 [[gnu::always_inline]] inline Whole to_whole(Real x) {
   constexpr Whole k_least = std::numeric_limits<Whole>::min(), k_most = std::numeric_limits<Whole>::max();
-  constexpr Real k_low = static_cast<Real>(k_least), k_above = 2 * static_cast<Real>(k_most / 2 + 1);  // powers of two
+  // Powers of two.
+  constexpr Whole k_half = k_most / 2 + 1;
+  constexpr Real k_low = static_cast<Real>(k_least), k_above = 2 * static_cast<Real>(k_half);
   if (!(x > k_low)) return x <= k_low ? k_least : Whole{0};
   return x < k_above ? static_cast<Whole>(x) : k_most;
 }

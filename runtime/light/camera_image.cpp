@@ -257,8 +257,8 @@ namespace {
 
 // About how many pixels of the input a box reads along an axis.
 uint64_t box_pixels(float focal, uint32_t most) {
-  const double step = static_cast<double>(focal) / k_light_focal;
-  return to_whole<uint64_t>((step < 1.0 ? 1.0 : step > most ? most : step) + 1.0);
+  const auto step = to_whole<uint64_t>(static_cast<double>(focal) / k_light_focal);
+  return (step < 1 ? 1 : step > most ? most : step) + 1;
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 // whatever the image's size, a part's share of the picture is known, and nothing is scattered.
 //
 // Where the points lie within a part changes from image to image, so that a lamp smaller than a part is met in the end.
-#include "kernels/whole.h"
 #include "runtime/core/math.h"
 #include "runtime/light/luminance.h"
 #include "runtime/light/turn.h"
@@ -86,7 +85,7 @@ bool pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint
   const double v =
       static_cast<double>(view.image.focal_y) * c[1] / c[2] + static_cast<double>(view.image.centre_y) + 0.5;
   if (!(u >= 0 && u < view.image.width && v >= 0 && v < view.image.height)) return false;
-  *x = to_whole<uint32_t>(u), *y = to_whole<uint32_t>(v);
+  *x = static_cast<uint32_t>(u), *y = static_cast<uint32_t>(v);  // inside the image
   return true;
 }
 
@@ -122,7 +121,8 @@ bool is_remembered(const Room& room, const RoomPart& part) {
 // The weight of such a part: its solid angle, 1 on the horizon; 0 where it is not shown whole and unclipped.
 double overlap_weight(uint32_t part, const Observation& now) {
   if (now.covered < 1 || now.clipped > 0 || !(luminance(now.colour) > k_overlap_dark)) return 0;
-  return sin_cos_turns((part / k_room_columns + 0.5) / (2 * k_room_rows)).sin;
+  const uint32_t row = part / k_room_columns;
+  return sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin;
 }
 
 // What one part tells of the exposure.

@@ -84,7 +84,9 @@ void thin_own_column(const Pile& p, const PileStep* steps, uint32_t count, PileA
   double missing[k_elevations], weights[5] = {};
   missing_from_steps(p, steps, count, *azimuth, missing);
   // n grains leave (1 - hidden)^n, and the column's fill is 1 - (1 - share)^n.
-  const double per_grain = 1 / logarithm(1 - static_cast<double>(sphere_share(p)));
+  const double left = logarithm(1 - static_cast<double>(sphere_share(p)));
+  if (!(left < 0)) return;  // a grain too small to hide anything of its texel
+  const double per_grain = 1 / left;
   for (const double rest : missing) {
     const double hidden = rest / (1 - under) < k_most_hidden ? rest / (1 - under) : k_most_hidden;
     const double power = logarithm(1 - hidden) * per_grain;
@@ -94,6 +96,7 @@ void thin_own_column(const Pile& p, const PileStep* steps, uint32_t count, PileA
   azimuth->own[0] -= 1;
   // Sand in the own column is at most half a texel away. Of what is higher, only light above its slope is hidden.
   const double foot = static_cast<double>(azimuth->foot), rise = static_cast<double>(azimuth->cap) - foot;
+  if (!(rise > 0)) return;  // nothing is higher than the light's foot
   azimuth->near_from = static_cast<float>(1 + foot / rise);
   azimuth->near_per_metre = static_cast<float>(2 / ((texel[0] < texel[1] ? texel[0] : texel[1]) * rise));
   azimuth->thin = 1;
