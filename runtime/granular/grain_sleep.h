@@ -1,13 +1,11 @@
 // Sleep of the grains: which of them a sweep refines. A group of 16 grains, neighbours in storage and so mostly in
-// space, is left out when three things hold: all of it has kept still for some sweeps, no awake particle is near enough
-// to be in its sums, and no collider that moved since the last sweep comes near.
+// space, is left out when three things hold: all of it has kept still for some sweeps, no particle that moves is near
+// enough to be in its sums (particle_motion.h), and no collider that moved since the last sweep comes near.
 //
-//   mark, spread   the cells of the snapshot that hold an awake particle, spread to the 26 cells around each. A cell is
-//                  as wide as the support radius, so the sums in an unmarked cell hold sleepers only.
-//   triage         lists every group for the refinement or leaves it out.
+//   triage   lists every group for the refinement or leaves it out
 //
-// The refinement itself leaves a still grain where it is while all particles in its sums sleep, so leaving its group
-// out changes no bit. Where the last triage found no still group, nothing is marked.
+// The refinement itself leaves a still grain where it is while no particle in its sums moves, so leaving its group out
+// changes no bit. With the dissertation's rule every step looks the particles up, and no group is left out.
 #pragma once
 
 #include "kernels/particle.h"
