@@ -19,6 +19,7 @@
 #include "runtime/granular/neighbours.h"
 #include "runtime/granular/output.h"
 #include "runtime/granular/pair_colours.h"
+#include "runtime/granular/particle_motion.h"
 #include "runtime/granular/particles.h"
 #include "runtime/granular/simulated_time.h"
 #include "runtime/granular/sleep.h"
@@ -39,6 +40,7 @@ enum : uint32_t {
   k_unit_pairs,
   k_unit_complete,
   k_unit_snapshot,
+  k_unit_motion,
   k_unit_grain_sort,
   k_unit_refine,
   k_unit_output,
@@ -82,6 +84,7 @@ struct Granular {
 
   // The grains.
   Grains grains;
+  ParticleMotion motion;
   GrainSleep grain_sleep;
   Sweep sweep;
   Output output;
