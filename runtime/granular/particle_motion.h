@@ -25,6 +25,8 @@ struct ParticleMotion {
 };
 
 void motion_layout(ParticleMotion* motion, const sandglass_granular_desc& desc, Layout* layout);
+// The planes, in which nothing is kept from sweep to sweep.
+void motion_planes_layout(ParticleMotion* motion, const sandglass_granular_desc& desc, Layout* layout);
 void motion_configure(ParticleMotion* motion, const sandglass_granular_desc& desc);
 
 // A particle that is added, as if it had come this way with its velocity.
@@ -39,7 +41,7 @@ void motion_complete(Granular* granular);
 void motion_begin(ParticleMotion* motion, double time);
 // Empties the part of the table of blocks that goes with the items from `begin` to `end` of `all`.
 void motion_clear(MotionGrid* grid, uint32_t begin, uint32_t end, uint32_t all);
-uint32_t motion_items(const Granular& granular);             // of the next unit
+uint32_t motion_items(const Granular& granular);                        // of the next unit
 uint64_t motion_items_of_a_sweep(const Granular& granular, bool even);  // as many blocks as the last sweep had
 bool motion_run_scatter(Granular* granular);
 bool motion_run_join(Granular* granular);
