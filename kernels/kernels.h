@@ -144,7 +144,7 @@ struct InsideArgs {
 // particles within the support radius give it. As a record: the sum of their weights W, the sum of W u, and the position
 // of the nearest one.
 constexpr uint32_t k_node_weight = 0, k_node_momentum = 1, k_node_nearest = 4;
-constexpr uint32_t k_node_largest = 7;  // W of the nearest one, while particles are added
+constexpr uint32_t k_node_largest = 7;     // W of the nearest one, while particles are added
 constexpr uint32_t k_block_side = 4;       // nodes of its own that a block has along an axis
 constexpr uint32_t k_block_nodes = 64;     // of its own
 constexpr uint32_t k_block_records = 128;  // and those of the next blocks that its cells reach: 5^3, padded

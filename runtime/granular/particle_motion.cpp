@@ -211,7 +211,7 @@ static uint32_t motion_part(const Granular& g, uint32_t each) {
   if (g.sweep.phase == SweepPhase::scatter) return next_part(g.sweep.particles - cursor, most);
   if (g.sweep.phase != SweepPhase::count) return next_part(g.motion.grid.block_count - cursor, most);
   const uint32_t groups = (g.grains.count - cursor + k_lane_group - 1) / k_lane_group;
-  return next_part(groups, most / k_lane_group) * k_lane_group;
+  return next_part(groups, most < k_lane_group ? 1 : most / k_lane_group) * k_lane_group;
 }
 
 static uint32_t items_each(SweepPhase phase) {
