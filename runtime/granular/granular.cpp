@@ -89,7 +89,8 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   bodies_layout(&g->bodies, d, layout);
   flow_layout(&g->flow, d, layout);
   grains_layout(&g->grains, d, g->particles.rows, layout);
-  grain_sleep_layout(&g->grain_sleep, d, g->grains.snapshot.sort.cells_max, layout);
+  motion_layout(&g->motion, d, layout);
+  grain_sleep_layout(&g->grain_sleep, d, layout);
   colliders_layout(&g->colliders, d, layout);
 }
 
@@ -105,6 +106,7 @@ void granular_configure(Granular* g, const sandglass_scene_desc& desc, const Ker
   Substep& s = g->substep;
   s.longest = d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
   s.shortest = d.substep_min > 0.0f ? d.substep_min : 0.25f * s.longest;
+  motion_configure(&g->motion, d);
   if (d.grain_radius <= 0.0f) d.grain_radius = k_grain_radii * d.particle_radius;
 }
 
@@ -134,6 +136,7 @@ void granular_settle(Granular* g) {
   neighbours_forget(&g->neighbours, g->substep.longest);
   g->time.interval_debt = 0.0;
   g->sleep.waking_count = 0;
+  motion_begin_here(g);
   sweep_forget(&g->sweep);
   grain_sleep_forget(&g->grain_sleep);
   g->colliders.adopts = true;
@@ -159,6 +162,7 @@ void add_particle(Granular* g, const float position[3], const float velocity[3])
   p.records[0][p.count++] = moving_particle(position, velocity, number);
   sleep_add(&g->sleep, number, position);
   particles_include(&p, position, velocity);
+  motion_add(g, number, position, velocity);
 }
 
 void add_grain(Granular* g, const float position[3], const float velocity[3]) {
@@ -202,6 +206,7 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     particles_seal(g);
   }
   if (grain_count != 0) {
+    if (g->grains.count == 0) motion_begin_here(g);
     for (uint64_t i = 0; i < grain_count; ++i)
       add_grain(g, grains + 3 * i, grain_velocities == nullptr ? k_at_rest : grain_velocities + 3 * i);
     sweep_grains_added(g, grain_count);
