@@ -194,8 +194,9 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
     if (t.valid != 0 && t.light[0] != last_azimuth) ++law.textures, last_azimuth = t.light[0];
   }
   std::printf(
-      "budget %.0f ms%s: all frames but one within %.2f ms of CPU time, worst quality level %u, a fresh shadow every %.1f frames, first "
-      "light in frame %d; %d frames with time debt, at most %.1f ms and %d in a row, the last one %.1f ms\n",
+      "budget %.0f ms%s: all frames but one within %.2f ms of CPU time, worst quality level %u, a fresh shadow every "
+      "%.1f frames, first light in frame %d; %d frames with time debt, at most %.1f ms and %d in a row, the last one "
+      "%.1f ms\n",
       1e-6 * static_cast<double>(budget_ns), units != nullptr ? ", units' own clock" : "",
       1e-6 * static_cast<double>(percentile_999(spent)), law.worst_level,  // of 400 the second largest
       static_cast<double>(k_frames) / std::max(1, law.textures), law.first_light, law.owing, 1e3 * law.debt,

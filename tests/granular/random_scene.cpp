@@ -66,7 +66,7 @@ void RandomScene::describe(bool replays) {
   if (one_in(8)) g.list_skin = between(0.1, 1);
   if (one_in(4)) g.sleep_after = one_in(2) ? 0.0f : between(0.02, 0.5);
   if (one_in(8)) g.refine_step = log_between(0.001, 0.1);
-  if (one_in(8)) g.grain_radius = between(0, r_);
+  if (one_in(8)) g.grain_radius = r_ * between(0, 1);
   if (one_in(10))
     g.reference = {SANDGLASS_SCHEME_AVERAGED, SANDGLASS_BLEND_SOURCE, 1 + random_.below(4), random_.below(3),
                    between(0.1, 2)};
