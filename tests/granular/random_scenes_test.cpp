@@ -20,7 +20,7 @@
 namespace sandglass::tests {
 namespace {
 
-constexpr uint64_t k_scenes = 40;  // in an ordinary run of the tests
+constexpr uint64_t k_scenes = 20;  // in an ordinary run of the tests
 
 // What is wrong after a frame; empty: nothing.
 class Invariants {
