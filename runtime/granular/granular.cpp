@@ -146,6 +146,7 @@ void granular_settle(Granular* g) {
   if (g->desc.particle_capacity == 0) return;
   sweep_finish(g);
   substep_abandon(g);
+  sweep_finish(g);  // where it ended a sub-step with bodies, grains follow once more
   substep_forget(&g->substep);
   neighbours_forget(&g->neighbours, g->substep.longest);
   g->time.interval_debt = 0.0;

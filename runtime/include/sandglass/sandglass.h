@@ -317,7 +317,8 @@ typedef struct sandglass_body {
   uint32_t particle_count;
   /* 3 floats each, world, metres, within SANDGLASS_COORDINATE_LIMIT. Needed until the body is added. */
   const float* particle_positions;
-  /* The mass of a particle of the body over that of a particle of sand, 0.001..1000. Default: 1. */
+  /* The mass of a particle of the body over that of a particle of sand, 0.001..1000. Default: 1. Above 20, with the
+   * default sub-steps, sand that the body squeezes ends inside it; nothing is thrown. */
   float density_ratio;
   /* m/s, of the centre of mass, at most 10,000 along each axis. */
   float linear_velocity[3];
@@ -488,8 +489,10 @@ typedef struct sandglass_plan {
 /* A nozzle that pours sand for as long as it is passed to frames. It pours layers of a hexagonal lattice with the
  * density of packed sand, one whenever the layer before has gone far enough: about 0.5 R^2 speed / r^3 particles a
  * second, with R the nozzle's radius and r that of a particle. A layer for which there is no room is left out, counted
- * and logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever. Keep the
- * space before the nozzle free. */
+ * and logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever.
+ *
+ * Keep the space before the nozzle free, for as far as sand runs in a third of a second: what is poured in a long frame
+ * appears that far away, whatever is in between, and below a floor if that is nearer. */
 typedef struct sandglass_emitter {
   /* Of the nozzle's centre, world, metres. */
   float position[3];
