@@ -296,7 +296,7 @@ TEST(ShadowFrame, SharesTheBudgetWithSandAndReplaysToTheBit) {
 TEST(ShadowFrame, ATextureCountsForItsCostWhenTheQualityLevelIsChosen) {
   constexpr uint64_t k_ample = 1'000'000'000, k_unit_ns = 1000, k_least = 1 << 19, k_most = 1 << 21, k_near = 1 << 12;
   constexpr double k_share = 0.2;  // the stage's share, as in runtime/scene
-  const AssetFile file = make_shadow_file({64, 1, 10, 4, 11, 0.6f});
+  const AssetFile file = make_shadow_file({128, 1, 10, 4, 11, 0.6f});
   struct Waiting {
     uint32_t threshold;
     int light;      // the light that waits for a texture, or -1
