@@ -23,6 +23,7 @@ const k_mesh_above = 0.05;
 const k_recorded_at_most = 18000;  // frames: five minutes
 const k_emitter_fields = ["position", "rotation", "radius", "speed", "grains_per_particle"];
 const k_collider_fields = ["shape", "position", "rotation", "size", "linear_velocity"];
+const k_tip_least = 0.05;    // m/s^2: sensors tremble by less
 const k_seconds_at_most = 1; // of frame times, that the numbers are means of
 const k_sky_light = lightOfSky([1.05, 0.97, 0.84], [0.288, 0.32, 0.376], [0.176, 0.152, 0.128]);  // of the sliders
 const k_main_light = 0.02;   // the least share of the floor's light that tells where it comes from
@@ -107,10 +108,11 @@ class Page {
   // How the device is held now. It is level as it was when `tipping` began.
   hold(event) {
     this.device = event, this.deviceStart ??= event;
-    if (this.tipping) this.tip(gravityOfScreen(downOnScreen(event, screen.orientation?.angle), this.level ??= downOnScreen(event, screen.orientation?.angle), this.camera.axes()));
+    if (!this.tipping) return;
+    const down = downOnScreen(event, screen.orientation?.angle), gravity = gravityOfScreen(down, this.level ??= down, this.camera.axes());
+    if (Math.hypot(...gravity.map((x, k) => x - this.gravity[k])) > k_tip_least) this.gravity = gravity;
   }
-  tipByAngles(right, near) { this.tip(gravityOfAngles(right, near)); }
-  tip(gravity) { this.gravity = gravity; }
+  tipByAngles(right, near) { this.gravity = gravityOfAngles(right, near); }
 
   setGravity(scene, gravity) {
     const { sand, direction } = this;
