@@ -6,6 +6,7 @@ namespace sandglass::SANDGLASS_SIMD {
 #include "kernels/colliders.inl"
 #include "kernels/contact.inl"
 #include "kernels/grid_cells.inl"
+#include "kernels/motion_grid.inl"
 #include "kernels/neighbour_lists.inl"
 #include "kernels/pile_light.inl"
 #include "kernels/pile_sky.inl"

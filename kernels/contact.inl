@@ -178,6 +178,8 @@ SANDGLASS_INLINE void leave_colliders(const ContactArgs* a, const ContactTerms& 
     const ColliderFrame& collider = a->colliders[c];
     const Float px = position[0] + displacement[0], py = position[1] + displacement[1],
                 pz = position[2] + displacement[2];
+    const Float place[3] = {px, py, pz};
+    if (far_from(collider, place, a->radius)) continue;
     const Surface surface = collider_surface(collider, px, py, pz);
     const Float depth = broadcast(a->radius) - surface.distance;
     const Mask hit = broadcast(0.0f) < depth;

@@ -140,20 +140,101 @@ struct InsideArgs {
   uint8_t* inside;  // 1 or 0 for each record of the range
 };
 
+// The particles' motion on the nodes of a grid that exists where there are particles, in blocks. A node holds what the
+// particles within the support radius give it. As a record: the sum of their weights W, the sum of W u, and the position
+// of the nearest one.
+constexpr uint32_t k_node_weight = 0, k_node_momentum = 1, k_node_nearest = 4;
+constexpr uint32_t k_node_largest = 7;     // W of the nearest one, while particles are added
+constexpr uint32_t k_block_side = 4;       // nodes of its own that a block has along an axis
+constexpr uint32_t k_block_nodes = 64;     // of its own
+constexpr uint32_t k_block_records = 128;  // and those of the next blocks that its cells reach: 5^3, padded
+constexpr uint32_t k_block_floats = 688;   // 8 planes of nodes, and later 14^3 bytes of density
+constexpr uint32_t k_block_cells = 12;     // of the grains' density, along an axis
+constexpr uint32_t k_block_counts = k_block_cells * k_block_cells * k_block_cells;
+constexpr uint32_t k_density_cells = 14;  // those and one more on either side
+constexpr uint32_t k_grain_count = 16;    // what a grain adds to its cell
+constexpr uint32_t k_no_block = ~0u;
+constexpr uint32_t k_block_moves = 1;       // a particle moves within the support radius of a node
+constexpr uint32_t k_block_holds = 4;       // grains
+constexpr uint32_t k_block_incomplete = 2;  // there was no room for a block that its cells reach
+
+struct MotionBlock {
+  int32_t at[3];  // its first node is at 4 * at
+  uint32_t state;
+};
+
+struct MotionGrid {
+  float origin[3];                 // metres; the node (0, 0, 0) of block (0, 0, 0)
+  float spacing, inverse_spacing;  // metres from node to node
+  float support;                   // h = 3r, of the nearest particle's weight
+  float reach;                     // of the sums: shorter than h, because reading between nodes widens them
+  float gain;                      // (h / reach)^3: makes the sums as large as those of h
+  uint32_t slot_mask;
+  uint32_t* slots;  // an open hash table: the number of a block, plus 1; 0: empty
+  MotionBlock* blocks;
+  uint32_t block_count, block_capacity;
+  uint32_t overflowed;  // 1: there was no room for a block
+  uint32_t moving;      // 1: a particle moves
+  float* planes;        // a block's own nodes while particles are added: 8 planes of 64, as the lanes of a record
+  float* nodes;         // its records, x fastest, 5 along an axis; positions are relative to the origin
+  uint8_t* counts;      // k_grain_count for each grain in a cell of a block, x fastest
+};
+
+// The density of the grains in a block's cells and those around, in the place of its planes.
+inline uint8_t* density_of(const MotionGrid& grid, uint32_t block) {
+  return reinterpret_cast<uint8_t*>(grid.planes + static_cast<uint64_t>(block) * k_block_floats);
+}
+
+inline uint32_t motion_hash(int32_t x, int32_t y, int32_t z) {
+  const uint32_t mixed = static_cast<uint32_t>(x) * 0x9e3779b1u ^ static_cast<uint32_t>(y) * 0x85ebca77u ^
+                         static_cast<uint32_t>(z) * 0xc2b2ae3du;
+  return mixed ^ (mixed >> 15);
+}
+
+// The number of the block at these coordinates, or k_no_block.
+inline uint32_t motion_find(const MotionGrid& grid, int32_t x, int32_t y, int32_t z) {
+  for (uint32_t slot = motion_hash(x, y, z) & grid.slot_mask; grid.slots[slot] != 0;
+       slot = (slot + 1) & grid.slot_mask) {
+    const MotionBlock& block = grid.blocks[grid.slots[slot] - 1];
+    if (block.at[0] == x && block.at[1] == y && block.at[2] == z) return grid.slots[slot] - 1;
+  }
+  return k_no_block;
+}
+
+// The range is of particles. What they add is their motion during `time`, at its begin.
+struct ScatterMotionArgs {
+  MotionGrid* grid;
+  const Particle* particles;  // the velocity is the mean one of `time`
+  uint32_t particle_count;
+  float time;  // seconds
+};
+
+// The range is of grains.
+struct CountGrainsArgs {
+  const MotionGrid* grid;
+  const Grain* grains;
+  uint32_t grain_count;
+};
+
 struct RefineArgs {
   Grid grid;                  // of the particles' snapshot; cell edge = support radius
   const Particle* snapshot;   // in sorted order
   const float* positions[3];  // the same positions, one array an axis
+  const MotionGrid* motion;   // null: every step looks the particles up
   Grain* grains;
   uint32_t grain_count;
   const uint32_t* groups;  // the range is of items: item i is lane i % 16 of grain group groups[i / 16]
   uint8_t* still;          // one for each group: 1 once every grain of it has kept still for still_sweeps
   float still_distance;    // metres that a still grain may move in a sweep, per axis
   float still_sweeps;
-  float support;   // h = 3r
-  float step;      // seconds
-  uint32_t steps;  // equal steps on the same snapshot
+  float support;     // h = 3r
+  float step;        // seconds
+  float push;        // metres; the density's gradient moves a grain by push / density at a slope of 1 a cell
+  float push_max;    // metres
+  float push_reach;  // metres from the nearest particle, beyond which nothing is pushed
+  uint32_t steps;    // equal steps on the same snapshot; with a motion grid, on the same sums
   float gravity[3];
+  float fall;              // metres a second that gravity adds in all steps
   int32_t source_rule;     // 1: (4.44) as printed
   float weight_at_radius;  // W(r)
   const ColliderFrame* colliders;

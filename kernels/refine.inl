@@ -7,10 +7,12 @@
 // operations, which round monotonically, and the weight is max(0, (h^2 - d^2)/h^2)^3. So neither the lane count nor the
 // grouping changes a sum.
 
+constexpr float k_weight_inside = 2.0f;     // the sum of weights in a pile is about 3
 constexpr uint32_t k_candidates_max = 512;  // gathered before they are added up: 2 KB of stack
 
 struct Flow {
   Float weight, x, y, z, largest;
+  Float push[3];  // metres
 };
 
 SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index, uint32_t n, Float x, Float y, Float z,
@@ -32,13 +34,9 @@ SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index
   }
 }
 
-SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
-  const int32_t truncated = to_whole<int32_t>(scaled);
-  return scaled < static_cast<float>(truncated) ? truncated - 1 : truncated;
-}
-
 // Sums over the particles near the lanes that `lanes` holds, whose bounding box is at most two cells wide.
-SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Float y, Float z, Flow* flow) {
+SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, const Float position[3], Flow* flow) {
+  const Float x = position[0], y = position[1], z = position[2];
   const Float big = broadcast(3e38f), small = broadcast(-3e38f);
   const float low[3] = {lane_minimum(select(lanes, x, big)), lane_minimum(select(lanes, y, big)),
                         lane_minimum(select(lanes, z, big))};
@@ -56,7 +54,7 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Floa
   const Float h2 = broadcast(a->support * a->support), zero = broadcast(0.0f);
   alignas(64) uint32_t index[k_candidates_max + 2 * k_lane_group];
   uint32_t n = 0;
-  Flow sum = {zero, zero, zero, zero, zero};
+  Flow sum = {zero, zero, zero, zero, zero, {zero, zero, zero}};
   for (int32_t cz = first[2]; cz <= last[2]; ++cz) {
     for (int32_t cy = first[1]; cy <= last[1]; ++cy) {
       const uint32_t row =
@@ -95,6 +93,219 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, Float x, Floa
   flow->largest = select(lanes, sum.largest, flow->largest);
 }
 
+// What a block holds, or null. lacking: the grid has no room there, so the records do not tell all.
+struct Block {
+  const float* records;
+  const uint8_t* density;
+  bool lacking;
+};
+
+SANDGLASS_INLINE Block look_up(const MotionGrid* grid, const float at[3]) {
+  const uint32_t number =
+      motion_find(*grid, to_whole<int32_t>(at[0]), to_whole<int32_t>(at[1]), to_whole<int32_t>(at[2]));
+  if (number == k_no_block) return {nullptr, nullptr, grid->overflowed != 0};
+  return {grid->nodes + static_cast<uint64_t>(number) * k_block_records * k_record_floats, density_of(*grid, number),
+          (grid->blocks[number].state & k_block_incomplete) != 0};
+}
+
+// How far a grain is pushed down the gradient of the grains' density, which is read between the centres of cells.
+SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* density, const Float inside[3], Flow* flow) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f);
+  Float share[3], away[3];
+  Int first = broadcast(0);
+  for (int k = 2; k >= 0; --k) {
+    const Float scaled = inside[k] * broadcast(3.0f) + broadcast(1.5f);  // 1 is the centre of the first cell
+    const Float cell = minimum(to_float(to_int(scaled)), broadcast(static_cast<float>(k_block_cells + 1)));
+    share[k] = scaled - cell, away[k] = one - share[k];
+    first = shift_left(first, 4) - shift_left(first, 1) + to_int(cell);
+  }
+  constexpr uint32_t k_plane = k_density_cells * k_density_cells;
+  alignas(64) uint32_t at[k_lane_group], corners[2][k_lane_group];  // four bytes each: x, then y
+  store(at, first);
+  for (uint32_t l = 0; l < k_width; ++l) {
+    const uint8_t* d = density[l] + (at[l] - (k_plane + k_density_cells + 1));
+    for (int z = 0; z < 2; ++z, d += k_plane) {
+      uint16_t low, high;
+      __builtin_memcpy(&low, d, 2);
+      __builtin_memcpy(&high, d + k_density_cells, 2);
+      corners[z][l] = low | static_cast<uint32_t>(high) << 16;
+    }
+  }
+  Float edge[4], slope_x[4];
+  const Int byte = broadcast(255);
+  for (int k = 0; k < 4; ++k) {
+    const Int pair = k % 2 == 0 ? load(corners[k / 2]) : shift_right(load(corners[k / 2]), 16);
+    const Float low = to_float(pair & byte), high = to_float(shift_right(pair, 8) & byte);
+    slope_x[k] = high - low;
+    edge[k] = low + share[0] * slope_x[k];
+  }
+  const Float low = edge[0] + share[1] * (edge[1] - edge[0]), high = edge[2] + share[1] * (edge[3] - edge[2]);
+  const Float value = low + share[2] * (high - low);
+  const Float slope[3] = {away[2] * (away[1] * slope_x[0] + share[1] * slope_x[1]) +
+                              share[2] * (away[1] * slope_x[2] + share[1] * slope_x[3]),
+                          away[2] * (edge[1] - edge[0]) + share[2] * (edge[3] - edge[2]), high - low};
+  const Float scale = broadcast(a->push) / maximum(value, one);
+  const Float length2 = scale * scale * (slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2]);
+  const Float shorter = minimum(broadcast(a->push_max) / square_root(maximum(length2, broadcast(1e-30f))), one) * scale;
+  for (int k = 0; k < 3; ++k) flow->push[k] = zero - shorter * slope[k];
+}
+
+// Adds the share of the node that is so many records behind the lanes' own.
+template <uint32_t k_behind>
+SANDGLASS_INLINE void add_corner(const float* const* records, Float share, Flow* sum) {
+  Float node[4];
+  load_quads(records, k_behind * k_record_floats, node);
+  sum->weight = sum->weight + share * node[0];
+  sum->x = sum->x + share * node[1];
+  sum->y = sum->y + share * node[2];
+  sum->z = sum->z + share * node[3];
+}
+
+SANDGLASS_INLINE void add_corners(const float* const* records, const Float local[3], Flow* sum) {
+  const Float one = broadcast(1.0f);
+  const Float to_low[3] = {one - local[0], one - local[1], one - local[2]};
+  const Float rows[4] = {to_low[2] * to_low[1], to_low[2] * local[1], local[2] * to_low[1], local[2] * local[1]};
+  add_corner<0>(records, rows[0] * to_low[0], sum);
+  add_corner<1>(records, rows[0] * local[0], sum);
+  add_corner<5>(records, rows[1] * to_low[0], sum);
+  add_corner<6>(records, rows[1] * local[0], sum);
+  add_corner<25>(records, rows[2] * to_low[0], sum);
+  add_corner<26>(records, rows[2] * local[0], sum);
+  add_corner<30>(records, rows[3] * to_low[0], sum);
+  add_corner<31>(records, rows[3] * local[0], sum);
+}
+
+template <uint32_t k_behind>
+SANDGLASS_INLINE Float squared_distance(const float* const* records, const Float position[3]) {
+  Float nearest[4];
+  load_quads(records, k_behind * k_record_floats + k_node_nearest, nearest);
+  const Float dx = nearest[0] - position[0], dy = nearest[1] - position[1], dz = nearest[2] - position[2];
+  return dx * dx + dy * dy + dz * dz;
+}
+
+// To the nearest of the particles that are nearest to the corners; h^2 at most. Of these one is the nearest to the
+// grain, but for rare ties.
+SANDGLASS_INLINE Float nearest_squared(const float* const* records, const Float position[3], Float most) {
+  Float nearest = minimum(squared_distance<0>(records, position), most);
+  nearest = minimum(squared_distance<1>(records, position), nearest);
+  nearest = minimum(squared_distance<5>(records, position), nearest);
+  nearest = minimum(squared_distance<6>(records, position), nearest);
+  nearest = minimum(squared_distance<25>(records, position), nearest);
+  nearest = minimum(squared_distance<26>(records, position), nearest);
+  nearest = minimum(squared_distance<30>(records, position), nearest);
+  return minimum(squared_distance<31>(records, position), nearest);
+}
+
+// Where lanes read.
+struct Places {
+  const float* records[k_width];
+  const uint8_t* density[k_width];
+  Mask known;    // lanes that are in a block
+  Mask lacking;  // lanes that the grid has no room for
+};
+
+// Lanes in several blocks.
+SANDGLASS_APART void find_blocks(const MotionGrid* grid, Mask lanes, const BlockPlace& place, const uint32_t* corners,
+                                 Places* places) {
+  for (uint32_t l = 0; l < k_width; ++l) places->records[l] = grid->nodes, places->density[l] = density_of(*grid, 0);
+  places->lacking = places->known = and_not(lanes, lanes);
+  alignas(64) float at[3][k_lane_group];
+  for (int k = 0; k < 3; ++k) store(at[k], place.block[k]);
+  for (Mask left = lanes; any(left);) {
+    const uint32_t sole = first(left);
+    const float block_at[3] = {at[0][sole], at[1][sole], at[2][sole]};
+    const Float wanted[3] = {broadcast(block_at[0]), broadcast(block_at[1]), broadcast(block_at[2])};
+    const Mask same = left & same_block(place, wanted);
+    left = and_not(left, same);
+    const Block block = look_up(grid, block_at);
+    if (block.lacking) places->lacking = places->lacking | same;
+    if (block.lacking || block.records == nullptr) continue;
+    places->known = places->known | same;
+    alignas(64) uint32_t members[2 * k_lane_group];
+    const uint32_t n = compress_store(members, lane_index(), same);
+    for (uint32_t m = 0; m < n; ++m) {
+      places->records[members[m]] = block.records + corners[members[m]] * k_record_floats;
+      places->density[members[m]] = block.density;
+    }
+  }
+}
+
+// The block of the last grains: as a rule the next ones are in it too.
+struct LastBlock {
+  float at[3];
+  Block block;
+  bool known;
+};
+
+SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const BlockPlace& place, Int corner,
+                                  LastBlock* last, Places* places) {
+  const Mask none = and_not(lanes, lanes);
+  alignas(64) uint32_t corners[k_lane_group];
+  store(corners, corner);
+  Float at[3] = {broadcast(last->at[0]), broadcast(last->at[1]), broadcast(last->at[2])};
+  if (!last->known || any(and_not(lanes, same_block(place, at)))) {
+    alignas(64) float all_at[3][k_lane_group];
+    const uint32_t sole = first(lanes);
+    for (int k = 0; k < 3; ++k)
+      store(all_at[k], place.block[k]), last->at[k] = all_at[k][sole], at[k] = broadcast(last->at[k]);
+    last->block = look_up(grid, last->at);
+    last->known = true;
+    if (any(and_not(lanes, same_block(place, at)))) return find_blocks(grid, lanes, place, corners, places);
+  }
+  places->lacking = last->block.lacking ? lanes : none;
+  places->known = last->block.lacking || last->block.records == nullptr ? none : lanes;
+  // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
+  for (uint32_t l = 0; l < k_width; ++l)
+    places->records[l] = last->block.records + corners[l] * k_record_floats, places->density[l] = last->block.density;
+}
+
+// The sums at the lanes that `lanes` holds, between the nodes of the grid. Returns the lanes that the grid has no room
+// for.
+SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_lanes[3], LastBlock* last, Flow* flow) {
+  const MotionGrid* grid = a->motion;
+  const Float zero = broadcast(0.0f);
+  const BlockPlace place = place_in_block(grid, lanes, at_lanes);
+  Float local[3];
+  Int corner = broadcast(0);
+  for (int k = 2; k >= 0; --k) {
+    const Float cell = minimum(to_float(to_int(place.inside[k])), broadcast(3.0f));
+    local[k] = place.inside[k] - cell;
+    // Records of a block: x fastest, 5 along an axis.
+    corner = shift_left(corner, 2) + corner + to_int(cell);
+  }
+  Places places;
+  find_places(grid, lanes, place, corner, last, &places);
+  const Mask known = places.known;
+  if (!any(known)) return places.lacking;
+  Flow sum = {zero, zero, zero, zero, zero, {zero, zero, zero}};
+  add_corners(places.records, local, &sum);
+  // In the pile's inside nothing flies freely, so the nearest particle does not matter.
+  const Mask inside = broadcast(k_weight_inside) <= sum.weight;
+  Mask pushed = known & inside;
+  if (any(and_not(known, inside))) {
+    Float position[3];
+    for (int k = 0; k < 3; ++k) position[k] = at_lanes[k] - broadcast(grid->origin[k]);
+    const Float h2 = broadcast(grid->support * grid->support);
+    const Float nearest = nearest_squared(places.records, position, h2);
+    const Float t = maximum((h2 - nearest) * broadcast(1.0f / (grid->support * grid->support)), zero);
+    sum.largest = select(inside, zero, t * t * t);
+    sum.weight = maximum(sum.weight, sum.largest);
+    // Around a lone particle they spread without limit.
+    const Mask lone = broadcast(0.7f) * sum.weight <= sum.largest;
+    pushed = pushed | (known & ((nearest < broadcast(a->push_reach * a->push_reach)) | lone));
+  }
+  flow->weight = select(known, sum.weight, flow->weight);
+  flow->x = select(known, sum.x, flow->x);
+  flow->y = select(known, sum.y, flow->y);
+  flow->z = select(known, sum.z, flow->z);
+  flow->largest = select(known, sum.largest, flow->largest);
+  if (a->push != 0.0f && any(pushed)) {
+    read_push(a, places.density, place.inside, &sum);
+    for (int k = 0; k < 3; ++k) flow->push[k] = keep(pushed, sum.push[k]);
+  }
+  return places.lacking;
+}
+
 // 1 at a and below, 0 at b and above, smooth between.
 SANDGLASS_INLINE Float fade(Float value, float a, float b) {
   const Float t =
@@ -113,21 +324,27 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
     const Mask sparse = (flow.largest <= broadcast(a->weight_at_radius)) | (broadcast(0.6f) <= ratio);
     lambda = keep(sparse, one - flow.largest);
   } else {
-    const Float few = fade(flow.largest, a->weight_at_radius - 0.1f, a->weight_at_radius + 0.1f);
+    // In the pile's inside the sum of weights is about 3. There a grain in a gap does not fall: it would clump.
+    const Float few = fade(flow.largest, a->weight_at_radius - 0.1f, a->weight_at_radius + 0.1f) *
+                      fade(flow.weight, 1.2f, k_weight_inside);
     const Float single = one - fade(ratio, 0.5f, 0.7f);
-    lambda = (one - flow.largest) * maximum(few, single);
+    lambda = maximum((one - flow.largest) * few, single);
   }
   return select(alone, one, lambda);
 }
 
-SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Float position[3], Float velocity[3]) {
+// Returns the lanes that a field moved: its distance is rough, in corners and far inside.
+SANDGLASS_APART Mask keep_outside(const RefineArgs* a, Mask lanes, Float position[3], Float velocity[3]) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
+  Mask rough = and_not(lanes, lanes);
   for (uint32_t c = 0; c < a->collider_count; ++c) {
     const ColliderFrame& collider = a->colliders[c];
+    if (far_from(collider, position, a->grain_radius)) continue;
     const Surface surface = collider_surface(collider, position[0], position[1], position[2]);
     const Float depth = broadcast(a->grain_radius) - surface.distance;
-    const Mask hit = zero < depth;
+    const Mask hit = lanes & (zero < depth);
     if (!any(hit)) continue;
+    if (collider.shape == SANDGLASS_SHAPE_FIELD) rough = rough | hit;
     const Float n[3] = {surface.nx, surface.ny, surface.nz};
     Float v[3], relative[3], along = zero;
     collider_velocity(collider, position[0], position[1], position[2], v);
@@ -145,76 +362,169 @@ SANDGLASS_INLINE void keep_outside(const RefineArgs* a, Float position[3], Float
         maximum(one - (broadcast(a->friction) * absolute(along)) / maximum(speed, broadcast(1e-12f)), zero);
     for (int k = 0; k < 3; ++k) velocity[k] = select(inward, v[k] + left * tangential[k], velocity[k]);
   }
+  return rough;
+}
+
+// The sums at the lanes that `lanes` holds, from the particles. Lanes that are far apart are gathered separately.
+SANDGLASS_APART void gather_all(const RefineArgs* a, Mask lanes, const Float position[3], Flow* flow) {
+  const Float wide = broadcast(1.0f / a->grid.inverse_cell);
+  alignas(64) float at[3][k_lane_group];
+  for (int k = 0; k < 3; ++k) store(at[k], position[k]);
+  for (Mask left = lanes; any(left);) {
+    const uint32_t l = first(left);
+    const Mask group = left & (absolute(position[0] - broadcast(at[0][l])) <= wide) &
+                       (absolute(position[1] - broadcast(at[1][l])) <= wide) &
+                       (absolute(position[2] - broadcast(at[2][l])) <= wide);
+    gather_flow(a, group, position, flow);
+    left = and_not(left, group);
+  }
+}
+
+SANDGLASS_INLINE Mask sound_places(Mask lanes, const Float position[3]) {
+  const Float limit = broadcast(k_coordinate_bound);
+  return lanes & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
+}
+
+// As many grains as there are lanes, on their way through a sweep.
+struct Grains {
+  Float position[3], velocity[3];
+  Mask inside;   // lanes that hold a grain
+  Mask settled;  // still for long enough, and nothing around them moves: they stay where they are
+};
+
+// The flow around grains, and the share of free flight.
+struct Following {
+  Float average[3], lambda;
+};
+
+SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Flow& flow, Grains* g) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f);
+  const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
+  const Following f = {{flow.x * inverse, flow.y * inverse, flow.z * inverse}, free_flight(a, flow)};
+  g->settled = g->settled & (f.average[0] == zero) & (f.average[1] == zero) & (f.average[2] == zero);
+  for (int k = 0; k < 3; ++k) g->position[k] = select(g->settled, g->position[k], g->position[k] + flow.push[k]);
+  return f;
+}
+
+SANDGLASS_INLINE void take_step(const RefineArgs* a, const Following& f, Grains* g) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f), step = broadcast(a->step);
+  for (int k = 0; k < 3; ++k) {
+    const Float fall = g->velocity[k] + step * broadcast(a->gravity[k]);
+    g->velocity[k] = select(g->settled, zero, (one - f.lambda) * f.average[k] + f.lambda * fall);
+    g->position[k] = g->position[k] + step * g->velocity[k];
+  }
+}
+
+// Step by step, because they are fast enough to pass through something thin.
+SANDGLASS_APART void follow_in_steps(const RefineArgs* a, const Following& f, Mask lanes, Grains* g) {
+  Grains one_by_one = *g;
+  for (uint32_t s = 0; s < a->steps; ++s) {
+    take_step(a, f, &one_by_one);
+    if (s + 1 != a->steps) keep_outside(a, lanes, one_by_one.position, one_by_one.velocity);
+  }
+  for (int k = 0; k < 3; ++k) {
+    g->position[k] = select(lanes, one_by_one.position[k], g->position[k]);
+    g->velocity[k] = select(lanes, one_by_one.velocity[k], g->velocity[k]);
+  }
+}
+
+// All steps at once: after s of them the velocity is (1 - lambda^s) average + lambda^s v + (lambda + .. + lambda^s) step
+// gravity.
+SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, Mask lanes, Grains* g) {
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f), step = broadcast(a->step);
+  const Float steps = broadcast(static_cast<float>(a->steps));
+  const Mask stays = g->settled | and_not(g->inside, lanes);
+  const Mask free = zero < f.lambda;
+  Float velocity[3], way[3];
+  for (int k = 0; k < 3; ++k) velocity[k] = f.average[k], way[k] = steps * f.average[k];
+  if (any(free)) {
+    Float power = one, sum = zero, sums = zero;
+    for (uint32_t s = 0; s < a->steps; ++s) power = power * f.lambda, sum = sum + power, sums = sums + sum;
+    for (int k = 0; k < 3; ++k) {
+      const Float fall = broadcast(a->step * a->gravity[k]), before = g->velocity[k];
+      velocity[k] = select(free, (one - power) * f.average[k] + power * before + sum * fall, velocity[k]);
+      way[k] = select(free, (steps - sum) * f.average[k] + sum * before + sums * fall, way[k]);
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    g->velocity[k] = select(stays, select(g->settled, zero, g->velocity[k]), velocity[k]);
+    g->position[k] = select(stays, g->position[k], g->position[k] + step * way[k]);
+  }
+}
+
+// With a grid: one look-up for all steps.
+SANDGLASS_INLINE void follow(const RefineArgs* a, LastBlock* last, Grains* g) {
+  const Float zero = broadcast(0.0f);
+  Flow flow = {zero, zero, zero, zero, zero, {zero, zero, zero}};
+  Mask left = sound_places(g->inside, g->position);
+  if (any(left)) left = read_flow(a, left, g->position, last, &flow);
+  if (any(left)) gather_all(a, left, g->position, &flow);  // the grid has no room there
+  const Following f = find_following(a, flow, g);
+  // Half a particle radius in a step, less what gravity adds.
+  const float length = a->support * (1.0f / 6.0f) / a->step - a->fall;
+  const Float fast = broadcast(length > 0.0f ? length * length : 0.0f);
+  const Float before =
+      g->velocity[0] * g->velocity[0] + g->velocity[1] * g->velocity[1] + g->velocity[2] * g->velocity[2];
+  const Float now = f.average[0] * f.average[0] + f.average[1] * f.average[1] + f.average[2] * f.average[2];
+  const Mask swift = and_not(g->inside & (fast < maximum(before, now)), g->settled);
+  if (any(swift)) follow_in_steps(a, f, swift, g);
+  follow_at_once(a, f, and_not(g->inside, swift), g);
+  const Mask again = keep_outside(a, g->inside, g->position, g->velocity);
+  if (any(again)) keep_outside(a, again, g->position, g->velocity);
+}
+
+// Without one: a look-up for each step.
+SANDGLASS_APART void follow_particles(const RefineArgs* a, Grains* g) {
+  const Float zero = broadcast(0.0f);
+  for (uint32_t s = 0; s < a->steps; ++s) {
+    Flow flow = {zero, zero, zero, zero, zero, {zero, zero, zero}};
+    gather_all(a, sound_places(g->inside, g->position), g->position, &flow);
+    take_step(a, find_following(a, flow, g), g);
+    keep_outside(a, g->inside, g->position, g->velocity);
+  }
 }
 
 static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
-  const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound),
-              step = broadcast(a->step);
-  const float spread = 1.0f / a->grid.inverse_cell;  // lanes further apart than this are gathered separately
+  const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound);
   uint32_t quarantined = 0;
+  LastBlock last = {};
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t group_number = a->groups[item / k_lane_group];
     const uint32_t i = group_number * k_lane_group + item % k_lane_group;
     float* record = floats_of(a->grains + i);
     Float grain[k_record_floats];
     load_records(record, grain);
-    Float position[3] = {grain[k_x], grain[k_y], grain[k_z]};
-    Float velocity[3] = {grain[k_vx], grain[k_vy], grain[k_vz]};
-    const Mask inside =
-        lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
-    // A grain that has been still for long enough stays where it is while nothing around it moves.
-    Mask settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
-    for (uint32_t s = 0; s < a->steps; ++s) {
-      Flow flow = {zero, zero, zero, zero, zero};
-      Mask left =
-          inside & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
-      while (any(left)) {
-        alignas(64) float px[k_lane_group], py[k_lane_group], pz[k_lane_group];
-        store(px, position[0]), store(py, position[1]), store(pz, position[2]);
-        const uint32_t l = first(left);
-        const Float wide = broadcast(spread);
-        const Mask group = left & (absolute(position[0] - broadcast(px[l])) <= wide) &
-                           (absolute(position[1] - broadcast(py[l])) <= wide) &
-                           (absolute(position[2] - broadcast(pz[l])) <= wide);
-        gather_flow(a, group, position[0], position[1], position[2], &flow);
-        left = and_not(left, group);
-      }
-      const Float lambda = free_flight(a, flow);
-      const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
-      const Float average[3] = {flow.x * inverse, flow.y * inverse, flow.z * inverse};
-      settled = settled & (average[0] == zero) & (average[1] == zero) & (average[2] == zero);
-      for (int k = 0; k < 3; ++k) {
-        const Float fall = velocity[k] + step * broadcast(a->gravity[k]);
-        velocity[k] = select(settled, zero, (one - lambda) * average[k] + lambda * fall);
-        position[k] = position[k] + step * velocity[k];
-      }
-      keep_outside(a, position, velocity);
-    }
-    const Mask sound = (absolute(position[0]) < limit) & (absolute(position[1]) < limit) &
-                       (absolute(position[2]) < limit) & (absolute(velocity[0]) < broadcast(1e6f)) &
-                       (absolute(velocity[1]) < broadcast(1e6f)) & (absolute(velocity[2]) < broadcast(1e6f));
-    const Mask bad = and_not(inside, sound);
+    Grains g;
+    for (int k = 0; k < 3; ++k) g.position[k] = grain[k], g.velocity[k] = grain[k_vx + k];
+    g.inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
+    g.settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
+    if (a->motion != nullptr) follow(a, &last, &g);
+    else follow_particles(a, &g);
+    const Mask sound = (absolute(g.position[0]) < limit) & (absolute(g.position[1]) < limit) &
+                       (absolute(g.position[2]) < limit) & (absolute(g.velocity[0]) < broadcast(1e6f)) &
+                       (absolute(g.velocity[1]) < broadcast(1e6f)) & (absolute(g.velocity[2]) < broadcast(1e6f));
+    const Mask bad = and_not(g.inside, sound);
     if (any(bad)) {
       // Back to where it was, with velocity 0. A coordinate that was no better becomes 0.
       quarantined += count(bad);
       for (int k = 0; k < 3; ++k) {
         const Mask number = absolute(grain[k]) < limit;
-        position[k] = select(bad, keep(number, grain[k]), position[k]);
-        velocity[k] = select(bad, zero, velocity[k]);
+        g.position[k] = select(bad, keep(number, grain[k]), g.position[k]);
+        g.velocity[k] = select(bad, zero, g.velocity[k]);
       }
     }
     const Float still_distance = broadcast(a->still_distance);
-    const Mask still = (absolute(position[0] - grain[k_x]) <= still_distance) &
-                       (absolute(position[1] - grain[k_y]) <= still_distance) &
-                       (absolute(position[2] - grain[k_z]) <= still_distance);
+    const Mask still = (absolute(g.position[0] - grain[k_x]) <= still_distance) &
+                       (absolute(g.position[1] - grain[k_y]) <= still_distance) &
+                       (absolute(g.position[2] - grain[k_z]) <= still_distance);
     const Float sweeps = keep(still, minimum(grain[k_still_sweeps] + one, broadcast(a->still_sweeps)));
     if (item % k_lane_group == 0) a->still[group_number] = 1;
-    if (any(and_not(inside, broadcast(a->still_sweeps) <= sweeps))) a->still[group_number] = 0;
+    if (any(and_not(g.inside, broadcast(a->still_sweeps) <= sweeps))) a->still[group_number] = 0;
     for (int k = 0; k < 3; ++k) {
-      grain[k] = select(inside, position[k], grain[k]);
-      grain[k_vx + k] = select(inside, velocity[k], grain[k_vx + k]);
+      grain[k] = select(g.inside, g.position[k], grain[k]);
+      grain[k_vx + k] = select(g.inside, g.velocity[k], grain[k_vx + k]);
     }
-    grain[k_still_sweeps] = select(inside, sweeps, grain[k_still_sweeps]);
+    grain[k_still_sweeps] = select(g.inside, sweeps, grain[k_still_sweeps]);
     store_records(record, grain);
   }
   extent->quarantined = quarantined;

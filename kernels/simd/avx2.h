@@ -7,6 +7,7 @@
 namespace sandglass::simd_avx2 {
 
 #define SANDGLASS_INLINE inline __attribute__((always_inline))
+#define SANDGLASS_APART static __attribute__((noinline))
 
 constexpr uint32_t k_width = 8;
 
@@ -42,6 +43,7 @@ SANDGLASS_INLINE Int operator-(Int a, Int b) { return {_mm256_sub_epi32(a.v, b.v
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {_mm256_and_si256(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {_mm256_or_si256(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {_mm256_sll_epi32(a.v, _mm_cvtsi32_si128(count))}; }
+SANDGLASS_INLINE Int shift_right(Int a, int count) { return {_mm256_srl_epi32(a.v, _mm_cvtsi32_si128(count))}; }
 SANDGLASS_INLINE Int to_int(Float a) { return {_mm256_cvttps_epi32(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {_mm256_cvtepi32_ps(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {_mm256_castps_si256(a.v)}; }
@@ -101,6 +103,15 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
   for (uint32_t k = 0; k < 8; ++k) r[k] = _mm256_load_ps(base + static_cast<uint64_t>(index[k * stride]) * 8);
   transpose(r, t);
   for (int c = 0; c < 8; ++c) out[c].v = t[c];
+}
+SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Float out[4]) {
+  __m256 r[4];
+  for (uint32_t k = 0; k < 4; ++k)
+    r[k] = _mm256_set_m128(_mm_load_ps(lanes[k + 4] + offset), _mm_load_ps(lanes[k] + offset));
+  const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpackhi_ps(r[0], r[1]);
+  const __m256 c = _mm256_unpacklo_ps(r[2], r[3]), d = _mm256_unpackhi_ps(r[2], r[3]);
+  out[0].v = _mm256_shuffle_ps(a, c, 0x44), out[1].v = _mm256_shuffle_ps(a, c, 0xee);
+  out[2].v = _mm256_shuffle_ps(b, d, 0x44), out[3].v = _mm256_shuffle_ps(b, d, 0xee);
 }
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   __m256 r[8], t[8];

@@ -7,6 +7,7 @@
 namespace sandglass::simd_avx512 {
 
 #define SANDGLASS_INLINE inline __attribute__((always_inline))
+#define SANDGLASS_APART static __attribute__((noinline))
 
 constexpr uint32_t k_width = 16;
 
@@ -42,6 +43,7 @@ SANDGLASS_INLINE Int operator-(Int a, Int b) { return {_mm512_sub_epi32(a.v, b.v
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {_mm512_and_si512(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {_mm512_or_si512(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {_mm512_sll_epi32(a.v, _mm_cvtsi32_si128(count))}; }
+SANDGLASS_INLINE Int shift_right(Int a, int count) { return {_mm512_srl_epi32(a.v, _mm_cvtsi32_si128(count))}; }
 SANDGLASS_INLINE Int to_int(Float a) { return {_mm512_cvttps_epi32(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {_mm512_cvtepi32_ps(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {_mm512_castps_si512(a.v)}; }
@@ -101,6 +103,19 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
     r[k] = _mm512_insertf32x8(_mm512_castps256_ps512(_mm256_load_ps(p)), _mm256_load_ps(q), 1);
   }
   transpose_in(r, out);
+}
+SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Float out[4]) {
+  __m512 r[4];
+  for (uint32_t k = 0; k < 4; ++k) {
+    r[k] = _mm512_castps128_ps512(_mm_load_ps(lanes[k] + offset));
+    r[k] = _mm512_insertf32x4(r[k], _mm_load_ps(lanes[k + 4] + offset), 1);
+    r[k] = _mm512_insertf32x4(r[k], _mm_load_ps(lanes[k + 8] + offset), 2);
+    r[k] = _mm512_insertf32x4(r[k], _mm_load_ps(lanes[k + 12] + offset), 3);
+  }
+  const __m512 a = _mm512_unpacklo_ps(r[0], r[1]), b = _mm512_unpackhi_ps(r[0], r[1]);
+  const __m512 c = _mm512_unpacklo_ps(r[2], r[3]), d = _mm512_unpackhi_ps(r[2], r[3]);
+  out[0].v = _mm512_shuffle_ps(a, c, 0x44), out[1].v = _mm512_shuffle_ps(a, c, 0xee);
+  out[2].v = _mm512_shuffle_ps(b, d, 0x44), out[3].v = _mm512_shuffle_ps(b, d, 0xee);
 }
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   __m512 r[8];

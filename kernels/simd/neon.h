@@ -8,6 +8,7 @@
 namespace sandglass::simd_neon {
 
 #define SANDGLASS_INLINE inline __attribute__((always_inline))
+#define SANDGLASS_APART static __attribute__((noinline))
 
 constexpr uint32_t k_width = 4;
 
@@ -46,6 +47,9 @@ SANDGLASS_INLINE Int operator-(Int a, Int b) { return {vsubq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {vandq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {vorrq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {vshlq_s32(a.v, vdupq_n_s32(count))}; }
+SANDGLASS_INLINE Int shift_right(Int a, int count) {
+  return {vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a.v), vdupq_n_s32(-count)))};
+}
 SANDGLASS_INLINE Int to_int(Float a) { return {vcvtq_s32_f32(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {vcvtq_f32_s32(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {vreinterpretq_s32_f32(a.v)}; }
@@ -101,6 +105,12 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
   for (int c = 0; c < 4; ++c) out[c].v = t[c];
   transpose(r0.val[1], r1.val[1], r2.val[1], r3.val[1], t);
   for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
+}
+SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Float out[4]) {
+  float32x4_t t[4];
+  transpose(vld1q_f32(lanes[0] + offset), vld1q_f32(lanes[1] + offset), vld1q_f32(lanes[2] + offset),
+            vld1q_f32(lanes[3] + offset), t);
+  for (int c = 0; c < 4; ++c) out[c].v = t[c];
 }
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   float32x4_t t[4];

@@ -21,6 +21,7 @@
 namespace sandglass::simd_scalar {
 
 #define SANDGLASS_INLINE inline __attribute__((always_inline))
+#define SANDGLASS_APART static __attribute__((noinline))
 
 constexpr uint32_t k_width = 1;
 
@@ -58,6 +59,10 @@ SANDGLASS_INLINE Int operator|(Int a, Int b) { return {a.v | b.v}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) {
   return {static_cast<int32_t>(static_cast<uint32_t>(a.v) << count)};
 }
+// Zeros come in.
+SANDGLASS_INLINE Int shift_right(Int a, int count) {
+  return {static_cast<int32_t>(static_cast<uint32_t>(a.v) >> count)};
+}
 SANDGLASS_INLINE Int to_int(Float a) { return {to_whole<int32_t>(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {static_cast<float>(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {__builtin_bit_cast(int32_t, a.v)}; }  // the same bits
@@ -91,6 +96,11 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
   (void)stride;
   const RecordFloat* p = base + static_cast<uint64_t>(index[0]) * 8;
   for (int c = 0; c < 8; ++c) out[c].v = p[c];
+}
+// The four floats `offset` floats behind each lane's pointer, aligned to 16 bytes.
+SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Float out[4]) {
+  const RecordFloat* p = lanes[0] + offset;
+  for (int c = 0; c < 4; ++c) out[c].v = p[c];
 }
 // k_width consecutive records.
 SANDGLASS_INLINE void load_records(const float* base, Float out[8]) {

@@ -122,7 +122,8 @@ Options granular_options(BenchOptions& o) {
 Options ladder_options(BenchOptions& o) {
   return {thread_counts(o),
           frames(o),
-          {"--out", &o.out, "FOLDER", "Draw error against time into this folder, of the last thread count"},
+          {"--out", &o.out, "FOLDER",
+           "Draw error against time into this folder, and write the levels' table, of the last thread count"},
           isa_option(o.isa),
           json_option(o.json)};
 }

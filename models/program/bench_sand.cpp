@@ -96,9 +96,45 @@ void draw(const Curves& curves, const std::string& folder) {
     angle.series.push_back(series);
   }
   begin_folder(folder);
-  write_png(folder + "/ladder_overlap.png", draw_plot(overlap));
+  write_png(folder + "/ladder.png", draw_plot(overlap));
   write_png(folder + "/ladder_angle.png", draw_plot(angle));
-  std::printf("plots          %s/ladder_overlap.png, ladder_angle.png\n", folder.c_str());
+  std::printf("plots          %s/ladder.png, ladder_angle.png\n", folder.c_str());
+}
+
+std::string rounded(const char* format, double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+// A literal of type float.
+std::string literal(double value, int digits) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return std::string(text) + (std::string(text).find_first_of(".e") == std::string::npos ? ".0f" : "f");
+}
+
+// The ladder's numbers as the library ships them (ladder_measured.inc), and as a table for people (ladder.md).
+void write_levels(const std::vector<BenchRow>& levels, const std::string& folder) {
+  std::string code =
+      "// Written by ./sg ladder. A row for each quality level: cost of the solver and of the refinement, P99 and mean "
+      "of the\n// overlap, angle of the pile in degrees.\n";
+  std::string table =
+      "| quality level | solver | refinement | overlap P99 | mean | angle |\n|---|---|---|---|---|---|\n";
+  for (uint32_t level = 0; level <= levels.size(); ++level) {
+    const bool slow_motion = level == levels.size();
+    const BenchRow& row = slow_motion ? levels.back() : levels[level];
+    const double solver = row.ms_solver / levels[0].ms_solver, refine = row.ms_refine / levels[0].ms_refine;
+    const std::string costs = slow_motion ? "as much as fits | " : rounded("%.2f | ", solver) + rounded("%.2f", refine);
+    if (!slow_motion)
+      code += "{" + literal(solver, 2) + ", " + literal(refine, 2) + ", " + literal(row.overlap_p99, 2) + ", " +
+              literal(row.overlap_mean, 2) + ", " + literal(row.angle_deg, 3) + "},\n";
+    table += "| " + std::to_string(level) + " " + sandglass_level_name(level) + " | " + costs + " | " +
+             rounded("%.2g %% | ", 100.0 * row.overlap_p99) + rounded("%.2g %% | ", 100.0 * row.overlap_mean) +
+             rounded("%.0f° |\n", row.angle_deg);
+  }
+  write_file(folder + "/ladder_measured.inc", code);
+  write_file(folder + "/ladder.md", table);
 }
 
 constexpr uint32_t k_growth_frames = 50;
@@ -191,7 +227,9 @@ void bench_ladder(const BenchOptions& options, Bench* bench) {
   Curves curves;
   for (const uint32_t threads : options.threads)
     if (!interrupted()) curves = measure_curves(table, column, threads, options.frames);
-  if (!options.out.empty() && !interrupted()) draw(curves, options.out);
+  if (options.out.empty() || interrupted()) return;
+  draw(curves, options.out);
+  write_levels(curves.levels.rows, options.out);
 }
 
 // How time and memory grow with the scene. A column collapses for its first second. Its sizes go from 1,000 particles

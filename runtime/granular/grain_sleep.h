@@ -1,13 +1,11 @@
 // Sleep of the grains: which of them a sweep refines. A group of 16 grains, neighbours in storage and so mostly in
-// space, is left out when three things hold: all of it has kept still for some sweeps, no awake particle is near enough
-// to be in its sums, and no collider that moved since the last sweep comes near.
+// space, is left out when three things hold: all of it has kept still for some sweeps, no particle that moves is near
+// enough to be in its sums (particle_motion.h), and no collider that moved since the last sweep comes near.
 //
-//   mark, spread   the cells of the snapshot that hold an awake particle, spread to the 26 cells around each. A cell is
-//                  as wide as the support radius, so the sums in an unmarked cell hold sleepers only.
-//   triage         lists every group for the refinement or leaves it out.
+//   triage   lists every group for the refinement or leaves it out
 //
-// The refinement itself leaves a still grain where it is while all particles in its sums sleep, so leaving its group
-// out changes no bit. Where the last triage found no still group, nothing is marked.
+// The refinement itself leaves a still grain where it is while no particle in its sums moves, so leaving its group out
+// changes no bit. With the dissertation's rule every step looks the particles up, and no group is left out.
 #pragma once
 
 #include "kernels/particle.h"
@@ -18,20 +16,18 @@ namespace sandglass {
 struct Granular;
 
 struct GrainSleep {
-  uint32_t* groups;         // numbers of the groups that the sweep refines
-  uint8_t* still;           // one a group: all its grains keep still
-  Sleeper* tiles;           // one a group: the sphere that holds its grains
-  uint8_t* awake_cells[2];  // one a cell of the snapshot, and room to spread
+  uint32_t* groups;  // numbers of the groups that the sweep refines
+  uint8_t* still;    // one a group: all its grains keep still
+  Sleeper* tiles;    // one a group: the sphere that holds its grains
   uint32_t group_count;
   uint32_t still_groups;  // that the last triage found
-  bool marked;            // awake_cells are of this sweep
   bool groups_changed;    // by sorting or removal since the last triage: `still` is of other groups
   bool all_asleep;        // the last sweep refined no grain, and all particles slept
   bool wakes;             // a whole triage must still wake every grain
   bool waking;            // the triage under way does
 };
 
-void grain_sleep_layout(GrainSleep* sleep, const sandglass_granular_desc& desc, uint32_t cells_max, Layout* layout);
+void grain_sleep_layout(GrainSleep* sleep, const sandglass_granular_desc& desc, Layout* layout);
 void grain_sleep_reset(GrainSleep* sleep);
 // Every grain wakes in the next sweep, group by group.
 void grain_sleep_wake_all(GrainSleep* sleep);
@@ -43,7 +39,6 @@ void grain_sleep_skip_time(Granular* granular);
 
 // The phases of a sweep. A `run` function is true once its phase is done.
 uint32_t grain_sleep_items(const Granular& granular);  // of the next unit
-bool grain_sleep_run_mark(Granular* granular);         // and of spreading
 void grain_sleep_begin_triage(Granular* granular);
 bool grain_sleep_run_triage(Granular* granular);
 

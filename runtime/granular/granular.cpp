@@ -95,7 +95,8 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   bodies_layout(&g->bodies, d, layout);
   flow_layout(&g->flow, d, layout);
   grains_layout(&g->grains, d, g->particles.rows, layout);
-  grain_sleep_layout(&g->grain_sleep, d, g->grains.snapshot.sort.cells_max, layout);
+  motion_layout(&g->motion, d, layout);
+  grain_sleep_layout(&g->grain_sleep, d, layout);
   colliders_layout(&g->colliders, d, layout);
 }
 
@@ -104,6 +105,7 @@ void granular_configure(Granular* g, const sandglass_scene_desc& desc, const Ker
   g->parallel = desc.parallel;
   g->unit = desc.unit_items;
   granular_set_gravity(g, desc.gravity);
+  motion_configure(&g->motion, g->desc);
   if (g->desc.grain_radius <= 0.0f) g->desc.grain_radius = k_grain_radii * g->desc.particle_radius;
 }
 
@@ -150,6 +152,7 @@ void granular_settle(Granular* g) {
   neighbours_forget(&g->neighbours, g->substep.longest);
   g->time.interval_debt = 0.0;
   g->sleep.waking_count = 0;
+  motion_begin_here(g);
   sweep_forget(&g->sweep);
   grain_sleep_settle(g);
   for (int k = 0; k < 3; ++k) g->resting_gravity[k] = g->gravity[k];
@@ -176,6 +179,7 @@ void add_particle(Granular* g, const float position[3], const float velocity[3])
   p.records[0][p.count++] = moving_particle(position, velocity, number);
   sleep_add(&g->sleep, number, position);
   particles_include(&p, position, velocity);
+  motion_add(g, number, position, velocity);
 }
 
 void add_grain(Granular* g, const float position[3], const float velocity[3]) {
@@ -219,6 +223,7 @@ sandglass_status granular_add(Granular* g, const float* particles, const float* 
     particles_seal(g);
   }
   if (grain_count != 0) {
+    if (g->grains.count == 0) motion_begin_here(g);
     for (uint64_t i = 0; i < grain_count; ++i)
       add_grain(g, grains + 3 * i, grain_velocities == nullptr ? k_at_rest : grain_velocities + 3 * i);
     sweep_grains_added(g, grain_count);

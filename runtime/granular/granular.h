@@ -17,6 +17,7 @@
 #include "runtime/granular/grains.h"
 #include "runtime/granular/neighbours.h"
 #include "runtime/granular/output.h"
+#include "runtime/granular/particle_motion.h"
 #include "runtime/granular/particles.h"
 #include "runtime/granular/simulated_time.h"
 #include "runtime/granular/sleep.h"
@@ -32,6 +33,7 @@ enum : uint32_t {
   k_unit_stabilise,
   k_unit_solve,
   k_unit_snapshot,
+  k_unit_motion,
   k_unit_grain_sort,
   k_unit_refine,
   k_unit_output,
@@ -74,6 +76,7 @@ struct Granular {
 
   // The grains.
   Grains grains;
+  ParticleMotion motion;
   GrainSleep grain_sleep;
   Sweep sweep;
   Output output;

@@ -1,9 +1,8 @@
 // The quality ladder: what a frame gives up, in order, when its budget does not hold everything. A level includes what
 // the levels before it gave up. The governor takes the first one whose predicted cost fits.
 //
-// The order is that of the measured errors (sandglass bench ladder): the grains' steps first, which no contact
-// sees; then the guarantee of the neighbour lists, which on a collapsing column changes no percentile of the overlap;
-// then the length of the sub-steps, whose error grows with its square; simulated time last. Twice the sub-step is the
+// The order is that of the measured errors (sandglass bench ladder): the guarantee of the neighbour lists first, which
+// on a collapsing column changes no percentile of the overlap; then the length of the sub-steps, whose error grows with its square; simulated time last. Twice the sub-step is the
 // end: beyond it, impacts overlap by half a radius.
 #pragma once
 
@@ -14,7 +13,6 @@
 namespace sandglass {
 
 struct QualityLevel {
-  bool refine_often;     // true: grains follow every refine_step; false: once a frame
   float list_reuse;      // lists are kept until the particles' motion could have closed so many skins
   float coarsening;      // one solver iteration: sub-steps so many times as long; several: so many times fewer of them
   sandglass_level told;  // what the app is told

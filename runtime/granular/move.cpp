@@ -81,6 +81,7 @@ sandglass_status granular_move(Granular* g, const float rotation[4], const float
     motion.move(g->sleep.anchors[i].position);
   for (uint32_t b = 0; b < g->bodies.count; ++b) bodies_move(&g->bodies, b, motion.rotation, motion.shift);
   particles_find_bounds(&g->particles);
+  motion_begin_here(g);
   move_items(motion, boundary, g->boundary.count);
   boundary_sort(g, g->boundary.count);
   return accept(reason);

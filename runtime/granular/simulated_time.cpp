@@ -68,8 +68,8 @@ void time_skip(Granular* g) {
   t.debt = t.interval_debt = 0.0;
 }
 
-double time_interval(const Granular& g, uint32_t level) {
-  const double longest = k_ladder[level].refine_often && g.desc.grain_capacity != 0
+double time_interval(const Granular& g) {
+  const double longest = g.desc.reference.blend == SANDGLASS_BLEND_SOURCE && g.desc.grain_capacity != 0
                              ? static_cast<double>(g.desc.refine_step)
                              : static_cast<double>(g.time.frame_step);
   const double count = g.time.debt / (longest > k_time_resolution ? longest : g.time.debt);
@@ -89,7 +89,7 @@ uint32_t time_substeps(const Granular& g, double interval, uint32_t level) {
 SubstepPlan time_plan_substep(const Granular& g, uint32_t level) {
   SubstepPlan plan = {0.0, g.substep.interval_left, g.substep.length, false};
   if (plan.count == 0) {
-    plan.interval = time_interval(g, level);
+    plan.interval = time_interval(g);
     plan.count = time_substeps(g, plan.interval, level);
     plan.substep = static_cast<float>(plan.interval / plan.count);
   }
@@ -103,9 +103,9 @@ double time_lag_limit(const Granular& g) {
   return under_way + k_sweep_steps_max * static_cast<double>(frame);
 }
 
-bool time_grains_behind(const Granular& g) {
+bool time_awaits_grains(const Granular& g) {
   if (g.grains.count == 0 || g.particles.count == 0) return false;  // without particles there is nothing to follow
-  return g.time.grain_lag >= time_lag_limit(g) - k_time_resolution;
+  return g.substep.interval_left == 0 && g.time.grain_lag > k_time_resolution;
 }
 
 }  // namespace sandglass

@@ -37,15 +37,15 @@ void time_pay(Granular* granular);
 // Pays the whole debt at once, while all sleep.
 void time_skip(Granular* granular);
 
-// The next interval: equal parts of the debt, as many as refine_step asks for, or one a frame.
-double time_interval(const Granular& granular, uint32_t level);
+// The next interval: equal parts of the debt, at most a frame long; with the dissertation's rule at most refine_step.
+double time_interval(const Granular& granular);
 // The number of equal sub-steps of an interval: (4.45) within the scheme's range (correction to Alg. 5).
 uint32_t time_substeps(const Granular& granular, double interval, uint32_t level);
 SubstepPlan time_plan_substep(const Granular& granular, uint32_t level);
 
 // As much as the next sweep of the grains may cover, besides the one under way.
 double time_lag_limit(const Granular& granular);
-// Whether the grains are at that limit: then the particles wait.
-bool time_grains_behind(const Granular& granular);
+// Each interval is refined before the next: time slows rather than leave grains behind.
+bool time_awaits_grains(const Granular& granular);
 
 }  // namespace sandglass

@@ -21,19 +21,12 @@ SubstepPhase first_pass(const Granular& g) {
   return g.desc.reference.stabilisation_iterations != 0 ? SubstepPhase::stabilise : SubstepPhase::solve;
 }
 
-// At full quality each interval is refined before the next; below it time slows rather than leave grains behind.
-bool waits_for_grains(const Granular& g, uint32_t level) {
-  if (g.grains.count == 0 || g.particles.count == 0 || g.substep.interval_left != 0) return false;
-  return k_ladder[level].refine_often ? g.time.grain_lag > k_time_resolution : time_grains_behind(g);
-}
-
 // The phase whose unit comes next; idle: none.
 SubstepPhase upcoming(const Granular& g, uint32_t level) {
   const Substep& s = g.substep;
   if (s.phase != SubstepPhase::idle) return s.phase;
   if ((s.due & bit(SubstepPhase::touch)) != 0) return SubstepPhase::touch;
-  if (s.interval_left == 0 && (g.time.debt < k_time_resolution || waits_for_grains(g, level)))
-    return SubstepPhase::idle;
+  if (s.interval_left == 0 && (g.time.debt < k_time_resolution || time_awaits_grains(g))) return SubstepPhase::idle;
   return time_plan_substep(g, level).stale ? SubstepPhase::sort : first_pass(g);
 }
 
@@ -95,7 +88,7 @@ void enter(Granular* g, SubstepPhase phase) {
 
 void begin(Granular* g, uint32_t level) {
   Substep& s = g->substep;
-  if (s.interval_left == 0 && g->flow.emitter_count != 0) flow_emit(g, time_interval(*g, level));
+  if (s.interval_left == 0 && g->flow.emitter_count != 0) flow_emit(g, time_interval(*g));
   const SubstepPlan plan = time_plan_substep(*g, level);
   if (s.interval_left == 0) g->time.interval_debt = g->time.debt - plan.interval;
   s.interval_left = plan.count;

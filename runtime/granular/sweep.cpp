@@ -2,7 +2,6 @@
 
 #include "kernels/whole.h"
 #include "runtime/granular/granular.h"
-#include "runtime/granular/ladder.h"
 
 namespace sandglass {
 
@@ -16,19 +15,14 @@ constexpr float k_still_speed_units = 0.25f;  // of sqrt(g d): between sleepers 
 
 // ---- what follows what
 
-bool sweep_wanted(const Granular& g, uint32_t level) {
-  if (g.grains.count == 0 || g.particles.count == 0 || g.time.grain_lag < k_time_resolution) return false;
-  return !k_ladder[level].refine_often || g.substep.interval_left == 0;
-}
+bool source_rule(const Granular& g) { return g.desc.reference.blend == SANDGLASS_BLEND_SOURCE; }
 
-void begin(Granular* g, uint32_t level);
 void begin_sort(Granular* g);
 void complete(Granular* g);
 
-// Decides which groups are refined: by looking at the cells around still ones, where there are any.
-SweepPhase decide(Granular* g) {
-  g->grain_sleep.marked = g->grain_sleep.still_groups != 0;
-  if (g->grain_sleep.marked) return SweepPhase::mark;
+// What follows when the grains are in order: with the dissertation's rule every step looks the particles up.
+SweepPhase read_motion(Granular* g) {
+  if (!source_rule(*g)) return SweepPhase::scatter;
   grain_sleep_begin_triage(g);
   return SweepPhase::triage;
 }
@@ -39,18 +33,20 @@ SweepPhase after(Granular* g, SweepPhase done) {
     case SweepPhase::idle:
       return SweepPhase::idle;
     case SweepPhase::snapshot:
-      if (g->sweep.sweeps_since_sort < k_sweeps_per_sort) return decide(g);
+      if (g->sweep.sweeps_since_sort < k_sweeps_per_sort) return read_motion(g);
       begin_sort(g);
       return SweepPhase::sort;
     case SweepPhase::sort:
-      return decide(g);
-    case SweepPhase::mark:
-      return SweepPhase::spread_x;
-    case SweepPhase::spread_x:
-      return SweepPhase::spread_y;
-    case SweepPhase::spread_y:
-      return SweepPhase::spread_z;
-    case SweepPhase::spread_z:
+      return read_motion(g);
+    case SweepPhase::scatter:
+      return SweepPhase::join;
+    case SweepPhase::join:
+      if (g->sweep.even) return SweepPhase::count;
+      grain_sleep_begin_triage(g);
+      return SweepPhase::triage;
+    case SweepPhase::count:
+      return SweepPhase::smooth;
+    case SweepPhase::smooth:
       grain_sleep_begin_triage(g);
       return SweepPhase::triage;
     case SweepPhase::triage:
@@ -72,11 +68,9 @@ void enter(Granular* g, SweepPhase phase) {
 // ---- the phases
 
 void begin(Granular* g, uint32_t level) {
-  // Full quality steps by refine_step; below it one step covers a frame.
+  g->sweep.even = level < SANDGLASS_LEVEL_COARSE;
   SimulatedTime& t = g->time;
-  const float longest =
-      k_ladder[level].refine_often || t.frame_step < g->desc.refine_step ? g->desc.refine_step : t.frame_step;
-  const double count = t.grain_lag / static_cast<double>(longest);
+  const double count = t.grain_lag / static_cast<double>(g->desc.refine_step);
   const uint32_t whole = to_whole<uint32_t>(count);
   uint32_t steps = count - whole > 1e-4 ? whole + 1 : (whole == 0 ? 1 : whole);
   if (steps > k_sweep_steps_max) steps = k_sweep_steps_max;
@@ -85,14 +79,38 @@ void begin(Granular* g, uint32_t level) {
   g->sweep.step = static_cast<float>(t.grain_lag / steps);
   cell_sort_begin(&g->grains.snapshot.sort, k_support_radii * g->desc.particle_radius, g->particles.low,
                   g->particles.high, 3);
+  motion_begin(&g->motion, t.simulated);
   colliders_pose(g->colliders.given, g->colliders.count, static_cast<float>(t.debt), g->colliders.sweep_frames);
+}
+
+// The velocity of a particle in the snapshot becomes the mean one since the last sweep. The table of blocks is emptied
+// along with that.
+bool measure(Granular* g) {
+  const uint32_t all = g->sweep.particles, begin = g->sweep.cursor;
+  const uint32_t end = all - begin < g->unit ? all : begin + g->unit;
+  const float inverse = static_cast<float>(1.0 / g->sweep.time);
+  for (uint32_t i = begin; i < end; ++i) {
+    Particle* p = &g->grains.snapshot.particles[i];
+    const Place& start = g->motion.starts[number_of(*p)];
+    Place* here = &g->motion.ends[number_of(*p)];
+    for (int k = 0; k < 3; ++k) {
+      here->position[k] = p->position[k];
+      p->velocity[k] = (p->position[k] - start.position[k]) * inverse;
+    }
+  }
+  motion_clear(&g->motion.grid, begin, end, all);
+  g->sweep.cursor = end;
+  return end >= all;
 }
 
 bool run_snapshot(Granular* g) {
   Snapshot& s = g->grains.snapshot;
+  if (s.sort.phase == k_sort_done) return measure(g);
   const SortTarget target = {as_records(s.particles), {s.positions[0], s.positions[1], s.positions[2]}, true};
   cell_sort_run(&s.sort, *g->kernels, as_records(g->particles.records[0]), g->particles.count, g->unit, target);
-  return s.sort.phase == k_sort_done;
+  if (s.sort.phase != k_sort_done) return false;
+  g->sweep.particles = g->particles.count;
+  return source_rule(*g);
 }
 
 void begin_sort(Granular* g) {
@@ -113,6 +131,8 @@ bool run_sort(Granular* g) {
   return true;
 }
 
+float minimum_of(float a, float b) { return a < b ? a : b; }
+
 struct RefineTask {
   const Kernels* kernels;
   RefineArgs args;
@@ -130,6 +150,7 @@ bool run_refine(Granular* g) {
   a.grid = snapshot.sort.grid;
   a.snapshot = snapshot.particles;
   for (int k = 0; k < 3; ++k) a.positions[k] = snapshot.positions[k], a.gravity[k] = g->gravity[k];
+  a.motion = source_rule(*g) ? nullptr : &g->motion.grid;
   a.grains = g->grains.records[0];
   a.grain_count = g->grains.count;
   a.groups = g->grain_sleep.groups;
@@ -137,9 +158,15 @@ bool run_refine(Granular* g) {
   a.still_distance = k_still_speed_units * granular_speed_scale(*g) * static_cast<float>(g->sweep.time);
   a.still_sweeps = k_patience_sweeps;
   a.support = k_support_radii * g->desc.particle_radius;
+  // Down the density's gradient by 0.3 h^2 |grad| / density for h = a cell of half a particle radius, but slower than
+  // what counts as still.
+  a.push = g->sweep.even ? 0.15f * g->desc.particle_radius : 0.0f;
+  a.push_max = minimum_of(0.1f * g->desc.particle_radius, 0.5f * a.still_distance);
+  a.push_reach = 1.2f * g->desc.particle_radius;
   a.step = g->sweep.step;
   a.steps = g->sweep.steps;
-  a.source_rule = g->desc.reference.blend == SANDGLASS_BLEND_SOURCE ? 1 : 0;
+  a.fall = g->gravity_length * static_cast<float>(g->sweep.time);
+  a.source_rule = source_rule(*g) ? 1 : 0;
   a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
   a.colliders = g->colliders.sweep_frames;
   a.collider_count = g->colliders.count;
@@ -157,6 +184,7 @@ bool run_refine(Granular* g) {
 // All groups that were listed have followed.
 void complete(Granular* g) {
   const uint32_t items = refine_items(*g);
+  motion_complete(g);
   g->time.grain_lag -= g->sweep.time;
   if (g->time.grain_lag < k_time_resolution) g->time.grain_lag = 0.0;
   g->sweep.sweeps_since_sort += static_cast<float>(items) / static_cast<float>(g->grains.count);
@@ -165,28 +193,33 @@ void complete(Granular* g) {
 
 // ---- the stage
 
-bool next(const void* state, uint32_t level, WorkUnit* unit) {
+bool next(const void* state, uint32_t, WorkUnit* unit) {
   const Granular& g = *static_cast<const Granular*>(state);
   const uint32_t left = refine_items(g) - g.sweep.cursor;
   unit->items = left < g.unit ? left : g.unit;
   switch (g.sweep.phase) {
     case SweepPhase::idle:
-      if (!sweep_wanted(g, level)) return false;
+      if (!time_awaits_grains(g)) return false;
       unit->kind = k_unit_snapshot, unit->name = "refine.snapshot";
       unit->items = g.particles.count < g.unit ? g.particles.count : g.unit;
       return true;
     case SweepPhase::snapshot:
       unit->kind = k_unit_snapshot, unit->name = "refine.snapshot";
       unit->items = cell_sort_items(g.grains.snapshot.sort, g.particles.count, g.unit);
+      if (g.grains.snapshot.sort.phase == k_sort_done)
+        unit->items = g.sweep.particles - g.sweep.cursor < g.unit ? g.sweep.particles - g.sweep.cursor : g.unit;
       return true;
     case SweepPhase::sort:
       unit->kind = k_unit_grain_sort, unit->name = "refine.sort";
       unit->items = cell_sort_items(g.grains.sort, g.grains.count, g.unit);
       return true;
-    case SweepPhase::mark:
-    case SweepPhase::spread_x:
-    case SweepPhase::spread_y:
-    case SweepPhase::spread_z:
+    case SweepPhase::scatter:
+    case SweepPhase::join:
+    case SweepPhase::count:
+    case SweepPhase::smooth:
+      unit->kind = k_unit_motion, unit->name = "refine.motion";
+      unit->items = motion_items(g);
+      return true;
     case SweepPhase::triage:
       unit->kind = k_unit_triage, unit->name = "refine.triage";
       unit->items = grain_sleep_items(g);
@@ -211,11 +244,14 @@ bool run_unit(Granular* g, SweepPhase phase) {
       return run_snapshot(g);
     case SweepPhase::sort:
       return run_sort(g);
-    case SweepPhase::mark:
-    case SweepPhase::spread_x:
-    case SweepPhase::spread_y:
-    case SweepPhase::spread_z:
-      return grain_sleep_run_mark(g);
+    case SweepPhase::scatter:
+      return motion_run_scatter(g);
+    case SweepPhase::join:
+      return motion_run_join(g);
+    case SweepPhase::count:
+      return motion_run_count(g);
+    case SweepPhase::smooth:
+      return motion_run_smooth(g);
     case SweepPhase::triage:
       return grain_sleep_run_triage(g);
     case SweepPhase::refine:
@@ -243,16 +279,17 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   if (g.grains.count == 0) return 0;
   uint64_t sweeps = 0;
   if (t.debt >= k_time_resolution || t.grain_lag >= k_time_resolution) {
-    sweeps = k_ladder[level].refine_often
-                 ? to_whole<uint64_t>((t.debt + t.grain_lag) / static_cast<double>(g.desc.refine_step)) + 1
-                 : 1;
+    sweeps =
+        source_rule(g) ? to_whole<uint64_t>((t.debt + t.grain_lag) / static_cast<double>(g.desc.refine_step)) + 1 : 1;
   }
   if (sweeps == 0) return 0;
   entries[0] = {k_unit_snapshot, sweeps * 2 * g.particles.count};
   const uint64_t refined = g.grain_sleep.still_groups == 0 ? g.grains.count : refine_items(g);
   entries[1] = {k_unit_grain_sort, sweeps * 2 * refined / static_cast<uint64_t>(k_sweeps_per_sort)};
   entries[2] = {k_unit_refine, sweeps * refined};
-  return 3;
+  if (source_rule(g)) return 3;
+  entries[3] = {k_unit_motion, sweeps * motion_items_of_a_sweep(g, level < SANDGLASS_LEVEL_COARSE)};
+  return 4;
 }
 
 }  // namespace
@@ -270,7 +307,9 @@ void sweep_forget(Sweep* s) {
 }
 
 void sweep_finish(Granular* g) {
-  while (g->sweep.phase != SweepPhase::idle) run(g, 0);
+  while (g->sweep.phase != SweepPhase::idle ||
+         (g->grains.count != 0 && g->particles.count != 0 && g->time.grain_lag >= k_time_resolution))
+    run(g, 0);
 }
 
 bool sweep_takes_grains(const Granular& g) {
@@ -297,7 +336,7 @@ void sweep_grains_removed(Granular* g) {
 
 // A unit of grains becomes mandatory when the particles wait for them: whatever the budget, one of the two goes on.
 Stage granular_grain_stage(Granular* granular) {
-  const bool awaited = time_grains_behind(*granular) || granular->sweep.phase == SweepPhase::snapshot;
+  const bool awaited = time_awaits_grains(*granular) || granular->sweep.phase == SweepPhase::snapshot;
   return {granular, next, run, forecast, k_granular_kinds, awaited ? 1u : 0u, 1.0f};
 }
 

@@ -20,13 +20,13 @@ enum class SweepPhase : uint32_t {
   idle,      // between sweeps
   snapshot,  // copies the particles, sorted by cell; they wait meanwhile
   sort,      // the grains by cell, every few sweeps
-  mark,      // the cells with an awake particle, where some grains keep still
-  spread_x,  // the marks to the neighbours of these cells, axis by axis
-  spread_y,
-  spread_z,
-  triage,  // which groups of grains are refined
-  refine,  // moves them
-  drain,   // takes out those that are inside a sink
+  scatter,   // the particles' motion to the nodes of a grid
+  join,      // its blocks
+  count,     // the grains in its cells
+  smooth,    // makes their density of it
+  triage,    // which groups of grains are refined
+  refine,    // moves them
+  drain,     // takes out those that are inside a sink
 };
 
 struct Sweep {
@@ -35,7 +35,9 @@ struct Sweep {
   float sweeps_since_sort;  // a sweep over a part of the grains counts for that part
   float step;               // seconds
   uint32_t steps;
-  double time;  // simulated time that the sweep covers, seconds
+  bool even;           // grains are counted and pushed apart
+  uint32_t particles;  // in the snapshot
+  double time;         // simulated time that the sweep covers, seconds
 };
 
 void sweep_reset(Sweep* sweep);

@@ -28,8 +28,14 @@ METRICS = {
         ("contact_solve per particle and iteration", r"::contact_solve\(", "particle_iterations"),
         ("neighbour_lists per particle and build", r"::neighbour_lists\(", "particle_builds"),
         ("refine_grains per grain and sweep", r"::refine_grains\(", "grain_sweeps"),
+        ("scatter_motion and join per particle and sweep", r"::scatter_motion\(|::motion_join\(", "particle_sweeps"),
+        ("count_grains and smooth per grain and sweep", r"::count_grains\(|::motion_smooth\(", "grain_sweeps"),
         ("output per grain", r"::run_output\(", "grains_written"),
-        ("whole frame", None, "frames"),
+        ("whole frame, 60 Hz", None, "frames"),
+    ],
+    "sand_fine": [
+        ("refine_grains per grain and sweep, 100000 grains", r"::refine_grains\(", "grain_sweeps"),
+        ("whole frame, 100000 grains", None, "frames"),
     ],
     "shadow": [
         ("shadow_texels per texel", r"sandglass::int8_(?!.*::ambient_texels\()", "texels"),
@@ -61,6 +67,10 @@ METRICS = {
 }
 
 
+# More workloads of a suite, and the program's arguments for them.
+MORE = {"sand": {"sand_fine": ("0", "6", "4", "16667", "100000")}}
+
+
 def command_of(arguments, *more):
     return [*arguments.emulator.split(" "), *more, *arguments.program.split(" ")]
 
@@ -86,6 +96,8 @@ def measure(arguments):
         runs = {name: (*run(arguments, name), [(f"{name} per item", NAMED[arguments.suite], "items")]) for name in names}
     else:
         runs = {arguments.suite: (*run(arguments), METRICS[arguments.suite])}
+        for name, workload in MORE.get(arguments.suite, {}).items():
+            runs[name] = (*run(arguments, *workload), METRICS[name])
     measured = {}
     for functions, items, metrics in runs.values():
         for metric, pattern, divisor in metrics:
@@ -98,7 +110,7 @@ def measure(arguments):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("suite", choices=[*METRICS, *NAMED])
+    parser.add_argument("suite", choices=[*(METRICS.keys() - {"sand_fine"}), *NAMED])
     for name in ("emulator", "plugin", "program", "compiler", "baseline"):
         parser.add_argument("--" + name, required=True)
     parser.add_argument("--write", action="store_true")

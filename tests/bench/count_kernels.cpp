@@ -11,6 +11,7 @@
 #include "kernels/kernels.h"
 #include "runtime/granular/cell_sort.h"
 #include "tests/bench/counting.h"
+#include "tests/motion_arrays.h"
 
 namespace {
 
@@ -197,14 +198,57 @@ void work_surface_at(const Kernels& kernels) {
   count(kernels.surface_at, args);
 }
 
-// One step of grains all over the pile.
-void refine(const Kernels& kernels, const ColliderFrame& beside) {
-  Pile pile;
-  Sorted snapshot(&pile, kernels, 3 * k_radius, 3);
+// Grains all over the pile, sixteen near to each other as after sorting.
+Records<Grain> grains_of_the_pile() {
   Records<Grain> grains(k_items + k_slack);
   CountingRandom random = {7};
-  for (uint32_t i = 0; i < k_items; ++i)
-    for (int k = 0; k < 3; ++k) grains[i].position[k] = Pile::side * random();
+  for (uint32_t i = 0; i < k_items; i += k_lane_group) {
+    float corner[3];
+    for (float& c : corner) c = (Pile::side - 2 * k_radius) * random();
+    for (uint32_t l = 0; l < k_lane_group; ++l)
+      for (int k = 0; k < 3; ++k) grains[i + l].position[k] = corner[k] + 2 * k_radius * random();
+  }
+  return grains;
+}
+
+// The grid of the pile's motion.
+struct Motion : MotionArrays {
+  Motion() : MotionArrays(512) {
+    ParticleMotion configured = {};
+    configured.grid = grid;
+    sandglass_granular_desc desc = {};
+    desc.particle_radius = k_radius;
+    motion_configure(&configured, desc);
+    grid = configured.grid;
+  }
+  void fill(const Kernels& kernels, Pile* pile) {
+    scatter(kernels, pile->records.data(), k_items, k_time);
+    for (uint32_t b = 0; b < grid.block_count; ++b) motion_smooth(grid, b);
+  }
+  static constexpr float k_time = 0.016f;
+};
+
+void work_scatter_motion(const Kernels& kernels) {
+  Pile pile;
+  Motion motion;
+  const ScatterMotionArgs args = {&motion.grid, pile.records.data(), k_items, Motion::k_time};
+  count(kernels.scatter_motion, args);
+}
+
+void work_count_grains(const Kernels& kernels) {
+  Pile pile;
+  Motion motion;
+  motion.fill(kernels, &pile);
+  Records<Grain> grains = grains_of_the_pile();
+  const CountGrainsArgs args = {&motion.grid, grains.data(), k_items};
+  count(kernels.count_grains, args);
+}
+
+// Two steps of grains all over the pile; without `motion` each looks the particles up.
+void refine(const Kernels& kernels, const ColliderFrame& beside, Motion* motion) {
+  Pile pile;
+  Sorted snapshot(&pile, kernels, 3 * k_radius, 3);
+  Records<Grain> grains = grains_of_the_pile();
   std::vector<uint8_t> still_groups(pile.groups.size());
   RefineArgs args = {};
   args.grid = snapshot.sort.grid, args.snapshot = snapshot.records.data();
@@ -212,17 +256,26 @@ void refine(const Kernels& kernels, const ColliderFrame& beside) {
   args.grains = grains.data(), args.grain_count = k_items;
   args.groups = pile.groups.data(), args.still = still_groups.data();
   args.still_distance = 1e-4f, args.still_sweeps = 4.0f;
-  args.support = 3 * k_radius, args.step = 0.008f, args.steps = 1, args.gravity[1] = -9.81f;
+  args.support = 3 * k_radius, args.step = 0.008f, args.steps = 2, args.gravity[1] = -9.81f;
+  args.push = 0.15f * k_radius, args.push_max = 0.1f * k_radius, args.push_reach = 1.2f * k_radius;
+  if (motion != nullptr) motion->fill(kernels, &pile), args.motion = &motion->grid;
   args.weight_at_radius = 512.0f / 729.0f;
   args.colliders = &beside, args.collider_count = 1;
   args.grain_radius = 0.35f * k_radius, args.friction = 0.14f;
   count(kernels.refine_grains, args);
 }
 
-void work_refine_grains(const Kernels& kernels) { refine(kernels, still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0)); }
+void work_refine_grains(const Kernels& kernels) {
+  Motion motion;
+  refine(kernels, still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0), &motion);
+}
 void work_refine_grains_beside_a_field(const Kernels& kernels) {
+  Motion motion;
   const Field field;
-  refine(kernels, field.frame);
+  refine(kernels, field.frame, &motion);
+}
+void work_refine_grains_without_a_grid(const Kernels& kernels) {
+  refine(kernels, still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0), nullptr);
 }
 
 // One row of columns, half of them empty, along eight azimuths of eight steps each.
@@ -285,6 +338,7 @@ constexpr Work k_works[] = {
 #undef SANDGLASS_KERNEL
     {"contact_solve_beside_a_field", work_contact_solve_beside_a_field},
     {"refine_grains_beside_a_field", work_refine_grains_beside_a_field},
+    {"refine_grains_without_a_grid", work_refine_grains_without_a_grid},
 };
 
 }  // namespace

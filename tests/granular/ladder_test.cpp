@@ -69,8 +69,8 @@ TEST(Ladder, EachLevelHasItsBudget) {
       reached[report.level] = true;
       best = std::min(best, report.level), worst = std::max(worst, report.level);
     }
-    for (const uint32_t level : {uint32_t{SANDGLASS_LEVEL_FULL}, uint32_t{SANDGLASS_LEVEL_REFINE_ONCE},
-                                 uint32_t{SANDGLASS_LEVEL_COARSE}, uint32_t{SANDGLASS_LEVEL_COARSER}}) {
+    for (const uint32_t level :
+         {uint32_t{SANDGLASS_LEVEL_FULL}, uint32_t{SANDGLASS_LEVEL_COARSE}, uint32_t{SANDGLASS_LEVEL_COARSER}}) {
       if (budget > 1.25 * cost[level]) {
         EXPECT_LE(best, level) << budget;
       }
@@ -151,7 +151,7 @@ TEST(Ladder, WithoutAClockTheFinestLevelRuns) {
   EXPECT_EQ(substeps[SANDGLASS_LEVEL_KEEP_LISTS], substeps[SANDGLASS_LEVEL_FULL]);
   EXPECT_NEAR(ratio(substeps[SANDGLASS_LEVEL_COARSE], substeps[SANDGLASS_LEVEL_FULL]), 0.75, 0.02);
   EXPECT_NEAR(ratio(substeps[SANDGLASS_LEVEL_COARSER], substeps[SANDGLASS_LEVEL_FULL]), 0.5, 0.02);
-  EXPECT_LT(lists[SANDGLASS_LEVEL_KEEP_LISTS], lists[SANDGLASS_LEVEL_REFINE_ONCE]);
+  EXPECT_LT(lists[SANDGLASS_LEVEL_KEEP_LISTS], lists[SANDGLASS_LEVEL_FULL]);
   sandglass_scene_desc desc = description(1);
   desc.finest_level = SANDGLASS_LEVEL_COUNT;
   EXPECT_THROW(GranularScene{desc}, std::runtime_error);

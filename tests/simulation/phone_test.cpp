@@ -48,7 +48,7 @@ struct PhoneScene {
     colliders[1].shape = SANDGLASS_SHAPE_BOX, colliders[1].position[0] = 0.2f;
     for (float& side : colliders[1].size) side = 0.08f;
     drawn.resize(desc.granular.grain_capacity);
-    input.time_step = 0.016f, input.budget_ns = ~0ull;
+    input.time_step = 0.016667f, input.budget_ns = ~0ull;
     input.colliders = colliders, input.collider_count = 2;
     input.grains = drawn.data(), input.grain_capacity = desc.granular.grain_capacity;
   }
@@ -72,8 +72,7 @@ TEST(Phone, AFrameOfSandCostsWhatTheEmulatorCounted) {
   double sum = 0;
   for (int frame = 0; frame < 4; ++frame) sum += phone.frame_ms();
   const double instructions = sum / 4 * phone.clock.core().ghz * 1e6 * phone.clock.core().middle_ipc();
-  // A unit costs more where sand lies densely: a grain costs 906 instructions over the frames of which the table is made,
-  // and 972 in these.
+  // A unit costs more where sand lies densely. The table is made of other frames of this scene.
   EXPECT_NEAR(instructions / counted_frame(), 1, 0.1);
   EXPECT_TRUE(phone.clock.guessed().empty()) << phone.clock.guessed().begin()->first;
 }

@@ -46,9 +46,11 @@ enum { SANDGLASS_SCHEME_SMALL_STEP = 0, SANDGLASS_SCHEME_AVERAGED = 1 };
 
 /* How grains blend between the flow and free flight (4.43), by the factor lambda.
  *
- * CONTINUOUS (the default): lambda falls smoothly to 0 inside the material.
+ * CONTINUOUS (the default): lambda falls smoothly to 0 inside the material. Grains follow once a frame, by the
+ * particles' displacements, and keep an even density.
  *
- * SOURCE: (4.44) as printed. Lambda jumps from 0.298 to 0, and grains pop. */
+ * SOURCE: (4.44) as printed, once every refine_step. Lambda jumps from 0.298 to 0, and grains pop; they gather around
+ * the particles. It costs several times as much. */
 typedef int32_t sandglass_blend;
 enum { SANDGLASS_BLEND_CONTINUOUS = 0, SANDGLASS_BLEND_SOURCE = 1 };
 
@@ -122,7 +124,8 @@ typedef struct sandglass_granular_desc {
   /* Seconds, 0..5: particles that stay within 10 % of r of one place for so long fall asleep, and cost nothing until
    * something touches them. 0 means never. Default: 0.5. */
   float sleep_after;
-  /* Seconds, 0.0001..0.1: the longest step of the grains, Delta t_hr. Default: 0.008, as in the dissertation. */
+  /* Seconds, 0.0001..0.1: the longest step of the grains, Delta t_hr: how often lambda is applied. Default: 0.008, as in
+   * the dissertation. */
   float refine_step;
 
   /* The scheme that results are compared with. Apps leave it alone. */
@@ -136,17 +139,15 @@ typedef struct sandglass_granular_desc {
 enum {
   /* Everything. */
   SANDGLASS_LEVEL_FULL = 0,
-  /* Grains take one step a frame instead of one every refine_step. */
-  SANDGLASS_LEVEL_REFINE_ONCE = 1,
   /* Neighbour lists are rebuilt after three times the motion that could outdate them. */
-  SANDGLASS_LEVEL_KEEP_LISTS = 2,
-  /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. */
-  SANDGLASS_LEVEL_COARSE = 3,
+  SANDGLASS_LEVEL_KEEP_LISTS = 1,
+  /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. Grains are not kept at an even density. */
+  SANDGLASS_LEVEL_COARSE = 2,
   /* Sub-steps are twice as long. AVERAGED with several iterations: half of them. */
-  SANDGLASS_LEVEL_COARSER = 4,
+  SANDGLASS_LEVEL_COARSER = 3,
   /* As much simulated time as fits. The rest is the time debt: frame_report.time_debt. */
-  SANDGLASS_LEVEL_SLOW_MOTION = 5,
-  SANDGLASS_LEVEL_COUNT = 6
+  SANDGLASS_LEVEL_SLOW_MOTION = 4,
+  SANDGLASS_LEVEL_COUNT = 5
 };
 
 /* What a quality level costs and what its error is. The numbers come from `sandglass bench ladder`: a collapsing column

@@ -1,0 +1,177 @@
+// The motion of the particles on the nodes of a sparse grid, from which the grains read it.
+//
+// A particle adds its weight W and its momentum W u to every node within reach, and becomes the node's
+// nearest particle where it is. Lane = node, and a node takes the particles in their order, so the lane count does not
+// change a sum. The grid is made of blocks of 4 x 4 x 4 nodes, which exist where there are particles. An open hash
+// table finds a block by its coordinates.
+
+SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
+  const float bounded = scaled > -536870912.0f ? (scaled < 536870912.0f ? scaled : 536870912.0f) : -536870912.0f;
+  const int32_t truncated = to_whole<int32_t>(bounded);
+  return bounded < static_cast<float>(truncated) ? truncated - 1 : truncated;
+}
+
+// Sets the planes of a new block: no weight, and the nearest particle far from everything.
+SANDGLASS_INLINE void clear_block(float* planes) {
+  const Float zero = broadcast(0.0f), far = broadcast(k_inert_position);
+  for (uint32_t c = 0; c < k_block_nodes; c += k_width) {
+    for (uint32_t plane = 0; plane < k_record_floats; ++plane)
+      store(planes + plane * k_block_nodes + c, plane >= k_node_nearest && plane < k_node_largest ? far : zero);
+  }
+}
+
+// The block at `at`, made where there was none; k_no_block: there is no room for it.
+SANDGLASS_INLINE uint32_t take_block(MotionGrid* grid, const int32_t at[3]) {
+  uint32_t slot = motion_hash(at[0], at[1], at[2]) & grid->slot_mask;
+  for (; grid->slots[slot] != 0; slot = (slot + 1) & grid->slot_mask) {
+    const uint32_t number = grid->slots[slot] - 1;
+    const MotionBlock& block = grid->blocks[number];
+    if (block.at[0] == at[0] && block.at[1] == at[1] && block.at[2] == at[2]) return number;
+  }
+  if (grid->block_count == grid->block_capacity) {
+    grid->overflowed = 1;
+    return k_no_block;
+  }
+  const uint32_t number = grid->block_count++;
+  grid->slots[slot] = number + 1;
+  grid->blocks[number] = {{at[0], at[1], at[2]}, 0};
+  clear_block(grid->planes + static_cast<uint64_t>(number) * k_block_floats);
+  __builtin_memset(grid->counts + static_cast<uint64_t>(number) * k_block_counts, 0, k_block_counts);
+  return number;
+}
+
+// Adds a particle to the nodes of a block that lie from `low` to `high`, which count from the block's first node.
+SANDGLASS_INLINE void add_to_block(const MotionGrid* grid, const MotionBlock& block, float* planes,
+                                   const int32_t low[3], const int32_t high[3], const float position[3],
+                                   const float velocity[3]) {
+  constexpr uint32_t k_rows = k_width < k_block_side ? 1 : k_width / k_block_side;  // of nodes that a vector holds
+  const Float zero = broadcast(0.0f), h2 = broadcast(grid->reach * grid->reach), gain = broadcast(grid->gain),
+              inverse = broadcast(1.0f / (grid->reach * grid->reach)), spacing = broadcast(grid->spacing);
+  const Int side = broadcast(static_cast<int32_t>(k_block_side - 1));
+  const Int origin[3] = {broadcast(block.at[0] * 4), broadcast(block.at[1] * 4), broadcast(block.at[2] * 4)};
+  const Float p[3] = {broadcast(position[0]), broadcast(position[1]), broadcast(position[2])};
+  const int32_t first_y = low[1] / static_cast<int32_t>(k_rows) * static_cast<int32_t>(k_rows);
+  for (int32_t z = low[2]; z <= high[2]; ++z) {
+    const Float dz = to_float(origin[2] + broadcast(z)) * spacing - p[2];
+    for (int32_t y = k_rows >= k_block_side ? 0 : first_y; y <= high[1]; y += static_cast<int32_t>(k_rows)) {
+      const int32_t first_x = k_width < k_block_side ? low[0] : 0, last_x = k_width < k_block_side ? high[0] : 0;
+      for (int32_t x = first_x; x <= last_x; ++x) {
+        const uint32_t at = static_cast<uint32_t>((z * 4 + y) * 4 + x);
+        const Int lane = lane_index() + broadcast(x);
+        const Int column = lane & side;
+        const Float dx = to_float(origin[0] + column) * spacing - p[0];
+        const Float row = to_float(lane - column) * broadcast(0.25f);
+        const Float dy = (to_float(origin[1] + broadcast(y)) + row) * spacing - p[1];
+        const Float d2 = dx * dx + dy * dy + dz * dz;
+        if (!any(d2 < h2)) continue;
+        const Float t = maximum((h2 - d2) * inverse, zero);
+        const Float weight = gain * (t * t * t);
+        float* node = planes + at;
+        const Float largest = load(node + k_node_largest * k_block_nodes);
+        const Mask nearer = largest < weight;
+        for (uint32_t k = 0; k < 3; ++k) {
+          float* nearest = node + (k_node_nearest + k) * k_block_nodes;
+          float* momentum = node + (k_node_momentum + k) * k_block_nodes;
+          store(nearest, select(nearer, p[k], load(nearest)));
+          store(momentum, load(momentum) + weight * broadcast(velocity[k]));
+        }
+        store(node, load(node) + weight);
+        store(node + k_node_largest * k_block_nodes, maximum(weight, largest));
+      }
+    }
+  }
+}
+
+static void scatter_motion(const ScatterMotionArgs* a, uint32_t begin, uint32_t end, uint32_t* result) {
+  (void)result;
+  MotionGrid* grid = a->grid;
+  const float reach = grid->reach * grid->inverse_spacing;
+  for (uint32_t i = begin; i < end && i < a->particle_count; ++i) {
+    const Particle& particle = a->particles[i];
+    if (in_body(particle)) continue;
+    float position[3];
+    int32_t first[3], last[3];
+    for (int k = 0; k < 3; ++k) {
+      position[k] = particle.position[k] - a->time * particle.velocity[k] - grid->origin[k];
+      const float scaled = position[k] * grid->inverse_spacing;
+      first[k] = floor_scalar(scaled - reach) + 1, last[k] = floor_scalar(scaled + reach);
+    }
+    const bool moves = particle.velocity[0] != 0.0f || particle.velocity[1] != 0.0f || particle.velocity[2] != 0.0f;
+    if (moves) grid->moving = 1;
+    int32_t at[3], low[3], high[3];
+    for (at[2] = first[2] >> 2; at[2] <= last[2] >> 2; ++at[2]) {
+      for (at[1] = first[1] >> 2; at[1] <= last[1] >> 2; ++at[1]) {
+        for (at[0] = first[0] >> 2; at[0] <= last[0] >> 2; ++at[0]) {
+          const uint32_t number = take_block(grid, at);
+          if (number == k_no_block) continue;
+          for (int k = 0; k < 3; ++k) {
+            const int32_t from = first[k] - 4 * at[k], to = last[k] - 4 * at[k];
+            low[k] = from > 0 ? from : 0, high[k] = to < 3 ? to : 3;
+          }
+          if (moves) grid->blocks[number].state |= k_block_moves;
+          add_to_block(grid, grid->blocks[number], grid->planes + static_cast<uint64_t>(number) * k_block_floats, low,
+                       high, position, particle.velocity);
+        }
+      }
+    }
+  }
+}
+
+// Where positions are in their blocks.
+struct BlockPlace {
+  Float block[3];   // coordinates of the block
+  Float inside[3];  // from its first node, in nodes: 0..4
+};
+
+SANDGLASS_INLINE BlockPlace place_in_block(const MotionGrid* grid, Mask lanes, const Float position[3]) {
+  BlockPlace place;
+  for (int k = 0; k < 3; ++k) {
+    const Float scaled = keep(lanes, position[k] - broadcast(grid->origin[k])) * broadcast(grid->inverse_spacing);
+    place.block[k] = to_float(floor_to_int(scaled * broadcast(0.25f)));
+    place.inside[k] = scaled - broadcast(4.0f) * place.block[k];
+  }
+  return place;
+}
+
+SANDGLASS_INLINE Mask same_block(const BlockPlace& place, const Float block[3]) {
+  return (place.block[0] == block[0]) & (place.block[1] == block[1]) & (place.block[2] == block[2]);
+}
+
+static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end, uint32_t* result) {
+  (void)result;
+  const MotionGrid* grid = a->grid;
+  const Float limit = broadcast(k_coordinate_bound), most = broadcast(static_cast<float>(k_block_cells - 1));
+  Float last[3] = {limit, limit, limit};  // the block of the last grains: as a rule the next ones are in it too
+  uint8_t* counts = nullptr;              // null: there is none
+  for (uint32_t i = begin; i < end; i += k_width) {
+    Float grain[k_record_floats];
+    load_records(floats_of(a->grains + i), grain);
+    Mask left = (lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count))) &
+                (absolute(grain[k_x]) < limit) & (absolute(grain[k_y]) < limit) & (absolute(grain[k_z]) < limit);
+    const BlockPlace place = place_in_block(grid, left, grain);
+    Int cell = broadcast(0);
+    for (int k = 2; k >= 0; --k)
+      cell = shift_left(cell, 3) + shift_left(cell, 2) + to_int(minimum(place.inside[k] * broadcast(3.0f), most));
+    while (any(left)) {
+      Mask same = left & same_block(place, last);
+      if (!any(same)) {
+        alignas(64) float at[3][k_lane_group];
+        const uint32_t sole = first(left);
+        for (int k = 0; k < 3; ++k) store(at[k], place.block[k]), last[k] = broadcast(at[k][sole]);
+        const uint32_t number = motion_find(*grid, to_whole<int32_t>(at[0][sole]), to_whole<int32_t>(at[1][sole]),
+                                            to_whole<int32_t>(at[2][sole]));
+        counts = number == k_no_block ? nullptr : grid->counts + static_cast<uint64_t>(number) * k_block_counts;
+        if (counts != nullptr) grid->blocks[number].state |= k_block_holds;
+        same = left & same_block(place, last);
+      }
+      left = and_not(left, same);
+      if (counts == nullptr) continue;
+      alignas(64) uint32_t cells[2 * k_lane_group];
+      const uint32_t n = compress_store(cells, cell, same);
+      for (uint32_t l = 0; l < n; ++l) {
+        const uint32_t more = counts[cells[l]] + k_grain_count;
+        counts[cells[l]] = static_cast<uint8_t>(more > 255 ? counts[cells[l]] : more);
+      }
+    }
+  }
+}
