@@ -269,7 +269,7 @@ class Page {
 
   // What the camera knows of the room's light, and in augmented reality how far from the device's it is.
   tellLight(row) {
-    if (this.room?.now.valid !== 1) return [];
+    if (this.room?.now.valid !== 1 || !(this.watching || this.real)) return [];
     const { seen, main_share, main_direction } = this.room.now, percent = (share) => `${Math.round(100 * share)} %`;
     const rows = [row("room seen", percent(seen)), row("main light", percent(main_share))];
     if (!this.real || !this.deviceLight || main_share < k_main_light) return rows;

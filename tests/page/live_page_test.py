@@ -196,7 +196,7 @@ def check_real(browser):
     wait_until(browser, f"{said} !== ''")
     check("missing" in browser.ask(said) or "no WebXR" in browser.ask(said), f"without a device it says: {browser.ask(said)}")
     browser.ask((ROOT / "tests/page/emulated_xr.js").read_text() + "; document.getElementById('real').click()")
-    wait_until(browser, "sandglassPage.page.real")
+    wait_until(browser, "!!sandglassPage.page.real")
     asked = browser.ask("emulated.asked")
     check(asked["mode"] == "immersive-ar" and "hit-test" in asked["requiredFeatures"] and "light-estimation" in asked["optionalFeatures"], str(asked))
     browser.ask("sandglassPage.page.again(); emulated.step()")
