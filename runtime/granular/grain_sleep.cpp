@@ -16,7 +16,7 @@ void make_tile(Granular* g, uint32_t group) {
   const uint32_t last = g->grains.count - first < k_lane_group ? g->grains.count : first + k_lane_group;
   float low[3] = {3e38f, 3e38f, 3e38f}, high[3] = {-3e38f, -3e38f, -3e38f};
   for (uint32_t i = first; i < last; ++i) {
-    const float* r = g->grains.records[0][i].position;
+    const float* r = g->grains.records[i].position;
     for (int k = 0; k < 3; ++k) low[k] = r[k] < low[k] ? r[k] : low[k], high[k] = r[k] > high[k] ? r[k] : high[k];
   }
   float radius2 = 0.0f;
@@ -31,14 +31,14 @@ bool keeps_still(const Granular& g, uint32_t group) {
   const uint32_t first = group * k_lane_group;
   const uint32_t last = g.grains.count - first < k_lane_group ? g.grains.count : first + k_lane_group;
   bool still = true;
-  for (uint32_t i = first; i < last; ++i) still = still && g.grains.records[0][i].still_sweeps >= k_patience_sweeps;
+  for (uint32_t i = first; i < last; ++i) still = still && g.grains.records[i].still_sweeps >= k_patience_sweeps;
   return still;
 }
 
 // A collider came near the sphere of the group: wakes those of its grains that it really came near. False: none.
 bool wake_grains(Granular* g, uint32_t group) {
   alignas(SANDGLASS_BLOCK_ALIGNMENT) Sleeper points[k_lane_group] = {};
-  Grain* grains = g->grains.records[0] + static_cast<uint64_t>(group) * k_lane_group;
+  Grain* grains = g->grains.records + static_cast<uint64_t>(group) * k_lane_group;
   for (uint32_t l = 0; l < k_lane_group; ++l) {
     for (int k = 0; k < 3; ++k) points[l].position[k] = grains[l].position[k];
     set_asleep(&points[l], true);

@@ -85,6 +85,19 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   return nullptr;
 }
 
+// A sweep sorts the grains, and then adds up the particles' motion, in the same memory.
+static void sweep_space_layout(Granular* g, const sandglass_granular_desc& d, Layout* layout) {
+  if (d.grain_capacity == 0) return;
+  const auto lay_out = [&](uint8_t* base) {
+    Layout sort, planes;
+    sort.base = planes.base = base;
+    grains_sort_layout(&g->grains, d, &sort);
+    motion_planes_layout(&g->motion, d, &planes);
+    return sort.size > planes.size ? sort.size : planes.size;
+  };
+  lay_out(layout_region<uint8_t>(layout, "granular.sweep_space", lay_out(nullptr)));
+}
+
 void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layout) {
   g->desc = d;
   if (d.particle_capacity == 0) return;
@@ -96,6 +109,7 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   flow_layout(&g->flow, d, layout);
   grains_layout(&g->grains, d, g->particles.rows, layout);
   motion_layout(&g->motion, d, layout);
+  sweep_space_layout(g, d, layout);
   grain_sleep_layout(&g->grain_sleep, d, layout);
   colliders_layout(&g->colliders, d, layout);
 }
@@ -185,7 +199,7 @@ void add_particle(Granular* g, const float position[3], const float velocity[3])
 void add_grain(Granular* g, const float position[3], const float velocity[3]) {
   Grains& grains = g->grains;
   const uint32_t number = flow_take_grain_number(&g->flow, grains.count);
-  grains.records[0][grains.count++] = moving_grain(position, velocity, number);
+  grains.records[grains.count++] = moving_grain(position, velocity, number);
 }
 
 }  // namespace
