@@ -30,9 +30,10 @@ export class RealTable {
   constructor(page, session, layer, space, hits, probe) {
     Object.assign(this, { page, session, layer, space, hits, probe, table: null, placed: false, finger: null, before: null, shrunk: -Infinity });
     page.real = this;
+    page.room?.forget();
     session.addEventListener("selectstart", ({ inputSource }) => { if (this.placed) this.finger = inputSource; else this.placed = this.table !== null; });
     session.addEventListener("selectend", () => { this.finger = null, page.at = null; });
-    session.addEventListener("end", () => { page.at = null, page.real = null, page.setLight(); });
+    session.addEventListener("end", () => { page.at = null, page.real = null, page.room?.forget(), page.setLight(); });
     const frame = (now, told) => { if (page.real !== this) return; session.requestAnimationFrame(frame); this.frame(now, told); };
     session.requestAnimationFrame(frame);
   }

@@ -43,6 +43,12 @@ export class RoomLight {
     sand.sandglass_room_get(this.room, words, 0, this.now);
   }
 
+  // For another frame of the world.
+  forget() {
+    this.sand.sandglass_room_reset(this.room);
+    this.get();
+  }
+
   // RGBA bytes, the upper row first, from a camera that looks along -z of `pose`, a column-major matrix.
   see(bytes, width, height, pose, ms) {
     const { sand, image, words } = this;

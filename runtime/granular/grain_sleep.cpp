@@ -56,7 +56,7 @@ bool wake_grains(Granular* g, uint32_t group) {
 
 void wake_groups(Granular* g, uint32_t begin, uint32_t end) {
   for (uint32_t i = begin * k_lane_group; i < end * k_lane_group && i < g->grains.count; ++i)
-    g->grains.records[0][i].still_sweeps = 0.0f;
+    g->grains.records[i].still_sweeps = 0.0f;
   for (uint32_t group = begin; group < end; ++group) g->grain_sleep.still[group] = 0;
 }
 
