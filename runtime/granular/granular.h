@@ -61,7 +61,8 @@ struct Granular {
   sandglass_granular_desc desc;
   float gravity[3];
   float gravity_length;
-  uint32_t unit;  // items of a work unit
+  float resting_gravity[3];  // when what sleeps was last woken by it: they sleep under that or nearly that
+  uint32_t unit;             // items of a work unit
   const Kernels* kernels;
   sandglass_parallel parallel;
 
@@ -95,6 +96,11 @@ void granular_layout(Granular* granular, const sandglass_granular_desc& desc, La
 
 // After layout: takes the rest of the description, and chooses what it leaves to the library.
 void granular_configure(Granular* granular, const sandglass_scene_desc& desc, const Kernels* kernels);
+
+// Whether it is finite and not too large.
+bool gravity_fits(const float gravity[3]);
+// Gravity, and the sub-steps that go with it. Wakes what sleeps where gravity has changed by enough.
+void granular_set_gravity(Granular* granular, const float gravity[3]);
 
 // To the state without material. The description and the regions are in place.
 void granular_reset(Granular* granular);

@@ -188,7 +188,8 @@ typedef struct sandglass_scene_desc {
   /* The best quality level that may be used: a higher one saves energy. Without a clock it is the level that runs.
    * Default: 0. */
   uint32_t finest_level;
-  /* m/s^2, in any direction, at most 1000. With length 0, height weighting has no effect. Default: (0, -9.81, 0). */
+  /* m/s^2, in any direction, at most 1000. With length 0, height weighting has no effect. Default: (0, -9.81, 0).
+   * sandglass_scene_set_gravity changes it. */
   float gravity[3];
   /* The only clock that the scene reads. Default: none. */
   sandglass_clock clock;
@@ -236,13 +237,24 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_move(sandglas
                                                                         const float translation[3],
                                                                         const char** reason);
 
+/* Replaces gravity: m/s^2, in any direction, at most 1000. It serves a device that is tipped, and may be called before
+ * every frame. A sub-step that desc.granular left to the library follows the new length.
+ *
+ * Sand that is asleep wakes up where gravity has changed by more than 2 % of its length (a turn by 1.1 degrees) since
+ * what sleeps was last woken by it. So the noise of a sensor wakes nothing, and a slow turn does. sandglass_scene_reset
+ * brings the description's gravity back. Saved bytes do not hold gravity: set it before sandglass_scene_restore. Fails
+ * with INVALID_ARGUMENT; gravity stays as it was then. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_set_gravity(sandglass_scene* scene,
+                                                                               const float gravity[3],
+                                                                               const char** reason);
+
 /* How many bytes sandglass_scene_save would write now. */
 SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
 
 /* Saves the scene to `data`, for an app that goes to the background. *written is the number of bytes.
  *
- * The bytes hold the material and the time. They do not hold the description, colliders, hooks, or the costs that the
- * governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of their own, and are
+ * The bytes hold the material and the time. They do not hold the description, gravity, colliders, hooks, or the costs that
+ * the governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of their own, and are
  * not saved. The bytes are the same on every instruction set, in little-endian order. The scene itself finishes the
  * step of its grains that is under way, and drops an unfinished sub-step.
  *
