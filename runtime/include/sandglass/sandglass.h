@@ -253,9 +253,9 @@ SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
 
 /* Saves the scene to `data`, for an app that goes to the background. *written is the number of bytes.
  *
- * The bytes hold the material and the time. They do not hold the description, gravity, colliders, hooks, or the costs that
- * the governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of their own, and are
- * not saved. The bytes are the same on every instruction set, in little-endian order. The scene itself finishes the
+ * The bytes hold the material and the time. They do not hold the description, gravity, colliders, hooks, or the costs
+ * that the governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of their own,
+ * and are not saved. The bytes are the same on every instruction set, in little-endian order. The scene itself finishes the
  * step of its grains that is under way, and drops an unfinished sub-step.
  *
  * The scene and one of the same description that is restored from the bytes then stay equal to the bit, given the same
