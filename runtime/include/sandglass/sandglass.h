@@ -124,8 +124,8 @@ typedef struct sandglass_granular_desc {
   /* Seconds, 0..5: particles that stay within 10 % of r of one place for so long fall asleep, and cost nothing until
    * something touches them. 0 means never. Default: 0.5. */
   float sleep_after;
-  /* Seconds, 0.0001..0.1: the longest step of the grains, Delta t_hr: how often lambda is applied. Default: 0.008, as in
-   * the dissertation. */
+  /* Seconds, 0.0001..0.1: the longest step of the grains, Delta t_hr: how often lambda is applied. Default: 0.008, as
+   * in the dissertation. */
   float refine_step;
 
   /* The scheme that results are compared with. Apps leave it alone. */
@@ -141,7 +141,8 @@ enum {
   SANDGLASS_LEVEL_FULL = 0,
   /* Neighbour lists are rebuilt after three times the motion that could outdate them. */
   SANDGLASS_LEVEL_KEEP_LISTS = 1,
-  /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. Grains are not kept at an even density. */
+  /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. Grains are not kept at an even
+   * density. */
   SANDGLASS_LEVEL_COARSE = 2,
   /* Sub-steps are twice as long. AVERAGED with several iterations: half of them. */
   SANDGLASS_LEVEL_COARSER = 3,
@@ -255,8 +256,8 @@ SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
  *
  * The bytes hold the material and the time. They do not hold the description, gravity, colliders, hooks, or the costs
  * that the governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of their own,
- * and are not saved. The bytes are the same on every instruction set, in little-endian order. The scene itself finishes the
- * step of its grains that is under way, and drops an unfinished sub-step.
+ * and are not saved. The bytes are the same on every instruction set, in little-endian order. The scene itself finishes
+ * the step of its grains that is under way, and drops an unfinished sub-step.
  *
  * The scene and one of the same description that is restored from the bytes then stay equal to the bit, given the same
  * input and the same executed plans. Without a clock every frame runs all its work, so the plans are the same. A plan
