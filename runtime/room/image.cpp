@@ -294,7 +294,8 @@ void room_run_unit(Room* room) {
   RoomView* view = &room->view;
   static_assert(k_room_unit_parts % k_room_columns == 0);
   for (uint32_t end = room->cursor + k_room_unit_parts; room->cursor < end;) {
-    const SinCos elevation = elevation_of(room->cursor / k_room_columns + 0.5);
+    const uint32_t row = room->cursor / k_room_columns;
+    const SinCos elevation = elevation_of(row + 0.5);
     for (uint32_t column = 0; column < k_room_columns; ++column, ++room->cursor) {
       if (!may_be_seen(*view, elevation, column)) continue;
       if (room->phase == RoomPhase::overlap) compare(room, room->cursor);
