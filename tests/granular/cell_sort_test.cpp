@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "runtime/core/random.h"
+
 namespace {
 
 using namespace sandglass;
@@ -14,12 +16,9 @@ constexpr uint32_t k_count = 3000, k_cells = 512, k_unit = 64;
 
 std::vector<Grain> scattered_grains() {
   std::vector<Grain> grains(k_count + k_array_slack);
-  uint32_t random = 1;
+  Random random = {1};
   for (uint32_t i = 0; i < k_count; ++i) {
-    for (float& x : grains[i].position) {
-      random = random * 1664525u + 1013904223u;
-      x = static_cast<float>(random >> 8) * 0x1p-24f;
-    }
+    for (float& x : grains[i].position) x = static_cast<float>(random.uniform());
     grains[i].number = i;
   }
   return grains;
