@@ -50,10 +50,10 @@ SANDGLASS_INLINE void add_to_block(const MotionGrid* grid, const MotionBlock& bl
   const Int side = broadcast(static_cast<int32_t>(k_block_side - 1));
   const Int origin[3] = {broadcast(block.at[0] * 4), broadcast(block.at[1] * 4), broadcast(block.at[2] * 4)};
   const Float p[3] = {broadcast(position[0]), broadcast(position[1]), broadcast(position[2])};
-  const int32_t first_y = low[1] / static_cast<int32_t>(k_rows) * static_cast<int32_t>(k_rows);
+  constexpr int32_t k_step_y = static_cast<int32_t>(k_rows);
   for (int32_t z = low[2]; z <= high[2]; ++z) {
     const Float dz = to_float(origin[2] + broadcast(z)) * spacing - p[2];
-    for (int32_t y = k_rows >= k_block_side ? 0 : first_y; y <= high[1]; y += static_cast<int32_t>(k_rows)) {
+    for (int32_t y = k_rows >= k_block_side ? 0 : low[1] / k_step_y * k_step_y; y <= high[1]; y += k_step_y) {
       const int32_t first_x = k_width < k_block_side ? low[0] : 0, last_x = k_width < k_block_side ? high[0] : 0;
       for (int32_t x = first_x; x <= last_x; ++x) {
         const uint32_t at = static_cast<uint32_t>((z * 4 + y) * 4 + x);

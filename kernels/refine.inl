@@ -253,7 +253,9 @@ SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const Bloc
     if (any(and_not(lanes, same_block(place, at)))) return find_blocks(grid, lanes, place, corners, places);
   }
   places->lacking = last->block.lacking ? lanes : none;
-  places->known = last->block.lacking || last->block.records == nullptr ? none : lanes;
+  places->known = none;
+  if (last->block.lacking || last->block.records == nullptr) return;
+  places->known = lanes;
   // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
   for (uint32_t l = 0; l < k_width; ++l)
     places->records[l] = last->block.records + corners[l] * k_record_floats, places->density[l] = last->block.density;

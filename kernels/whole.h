@@ -2,15 +2,41 @@
 // ARM and x86 then differ.
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <type_traits>
 
 namespace sandglass {
+
+#ifdef __aarch64__
+
+// ARM's own conversion is bounded as to_whole is, in one instruction. It is written as assembly because to a compiler
+// it is a cast, which is undefined where the number does not fit; the intrinsics of g++ are such casts.
+template <class Whole, class Real>
+[[gnu::always_inline]] inline Whole convert_bounded(Real x) {
+  constexpr bool k_signed = std::is_signed_v<Whole>, k_wide = sizeof(Whole) == 8, k_double = sizeof(Real) == 8;
+  Whole whole;
+  if constexpr (k_signed && k_wide && k_double) asm("fcvtzs %x0, %d1" : "=r"(whole) : "w"(x));
+  else if constexpr (k_signed && k_wide) asm("fcvtzs %x0, %s1" : "=r"(whole) : "w"(x));
+  else if constexpr (k_signed && k_double) asm("fcvtzs %w0, %d1" : "=r"(whole) : "w"(x));
+  else if constexpr (k_signed) asm("fcvtzs %w0, %s1" : "=r"(whole) : "w"(x));
+  else if constexpr (k_wide && k_double) asm("fcvtzu %x0, %d1" : "=r"(whole) : "w"(x));
+  else if constexpr (k_wide) asm("fcvtzu %x0, %s1" : "=r"(whole) : "w"(x));
+  else if constexpr (k_double) asm("fcvtzu %w0, %d1" : "=r"(whole) : "w"(x));
+  else asm("fcvtzu %w0, %s1" : "=r"(whole) : "w"(x));
+  return whole;
+}
+
+#endif
 
 // Toward zero. What does not fit becomes the nearest that does; NaN becomes 0. Always inline, because every instruction
 // set compiles it anew.
 template <class Whole, class Real>
 [[gnu::always_inline]] inline Whole to_whole(Real x) {
   constexpr Whole k_least = std::numeric_limits<Whole>::min(), k_most = std::numeric_limits<Whole>::max();
+#ifdef __aarch64__
+  if constexpr (sizeof(Whole) >= 4) return convert_bounded<Whole>(x);
+#endif
   // Powers of two.
   constexpr Whole k_half = k_most / 2 + 1;
   constexpr Real k_low = static_cast<Real>(k_least), k_above = 2 * static_cast<Real>(k_half);

@@ -238,6 +238,12 @@ std::string length_text(double metres) {
   return text;
 }
 
+std::vector<float> sizes_of(const SceneView& view) {
+  std::vector<float> sizes(view.grains ? view.spheres.size() / 3 : 0);
+  for (size_t i = 0; i < sizes.size(); ++i) sizes[i] = grain_size(static_cast<uint32_t>(i));
+  return sizes;
+}
+
 struct Tracer {
   const SceneView& view;
   const Look& look;
@@ -251,7 +257,7 @@ struct Tracer {
   Tracer(const SceneView& v, const Look& l)
       : view(v),
         look(l),
-        caster(v.spheres, v.radius),
+        caster(v.spheres, v.radius, sizes_of(v)),
         frame(v.camera),
         diagonal(std::max(1e-6, length(v.bounds.high - v.bounds.low))) {
     const double extent = std::max(v.bounds.high.x - v.bounds.low.x, v.bounds.high.z - v.bounds.low.z);
@@ -317,6 +323,7 @@ struct Tracer {
     if (solid == nullptr) {
       normal = normalised(at - from_floats(view.spheres.data() + 3 * static_cast<size_t>(sphere.index)));
       albedo = grain_colour(sphere.index);
+      if (view.grains) normal = grain_normal(sphere.index, normal);
     } else if (solid->shape == SANDGLASS_SHAPE_HALF_SPACE) {
       albedo = tile_colour(*solid, at);
       fade = std::clamp(length(at - view.camera.target) / (k_fade_from * diagonal) - 1.0, 0.0, 1.0);
@@ -409,6 +416,28 @@ Vec3 grain_colour(uint32_t index) {
   const double shade = 1.0 + k_colour_spread * (2.0 * unit_random(&state) - 1.0);
   const double warmth = 0.10 * (2.0 * unit_random(&state) - 1.0);
   return scaled(k_sand * shade, {1.0 + warmth, 1.0, 1.0 - warmth});
+}
+
+float grain_size(uint32_t index) {
+  constexpr double k_smallest = 0.75, k_largest = 1.2;
+  uint32_t state = index * 2u + 1u + 0x51ed270bu;
+  return static_cast<float>(k_smallest + (k_largest - k_smallest) * unit_random(&state));
+}
+
+Vec3 grain_normal(uint32_t index, Vec3 normal) {
+  constexpr int k_faces = 7;
+  constexpr double k_flat = 0.7;  // the rest keeps a face's rim round
+  uint32_t state = index * 2u + 1u + 0x2545f491u;
+  double nearest = 0.0;
+  Vec3 face = normal;
+  for (int k = 0; k < k_faces; ++k) {
+    const double height = 2.0 * unit_random(&state) - 1.0, turn = 2.0 * std::numbers::pi * unit_random(&state);
+    const double across = std::sqrt(1.0 - height * height), rim = 0.75 + 0.2 * unit_random(&state);
+    const Vec3 towards = {across * std::cos(turn), height, across * std::sin(turn)};
+    const double above = dot(normal, towards) - rim;  // cosines
+    if (above > nearest) nearest = above, face = towards;
+  }
+  return normalised(mixed(normal, face, k_flat));
 }
 
 void Bounds::add(Vec3 p) {

@@ -26,12 +26,15 @@ struct Bounds {
 // with a margin. There is, for example, one box per instant of a run.
 Camera automatic_camera(std::span<const Bounds> boxes, double aspect);
 
-// The reflectance of a grain of dry sand; it depends on the grain's number.
-Vec3 grain_colour(uint32_t index);
+// How one grain of dry sand differs from the next; all of it depends on the grain's number.
+Vec3 grain_colour(uint32_t index);               // reflectance
+float grain_size(uint32_t index);                // its radius over the mean one
+Vec3 grain_normal(uint32_t index, Vec3 normal);  // that of a sphere, or of a face that is broken off it
 
 struct SceneView {
   std::span<const float> spheres;  // 3 floats each
   float radius = 0.01f;            // of a drawn sphere, metres
+  bool grains = false;             // the spheres differ in size and have faces
   std::span<const sandglass_collider> colliders;
   Camera camera;
   std::span<const FloorShadow> shadows;

@@ -1,10 +1,12 @@
 // Reads mesh files. Assimp parses them. This file also refuses what Assimp lets pass: files that are missing, empty or
 // cut off within a line, indices out of range, and coordinates that are not finite. It leaves out points and lines.
 #include <fcntl.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#if defined(__linux__)
+#include <sys/prctl.h>
+#endif
 
 #include <algorithm>
 #include <cerrno>
@@ -185,7 +187,9 @@ struct Receiver {
   const rlim_t seconds = 5 + file_bytes / (uint64_t{1} << 20);
   const rlimit some_time = {seconds, seconds};
   setrlimit(RLIMIT_CPU, &some_time);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
+#if defined(__linux__)
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // elsewhere the limit of time ends it when the program is killed
+#endif
   for (const int number : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGBUS, SIGFPE}) std::signal(number, SIG_DFL);
   MeshResult result;
   try {

@@ -34,7 +34,8 @@ def main():
     encoded = {"k_module": npm / "sandglass.wasm", "k_chair_shadow": shadow}
     data = "".join(f"const {name} = \"{base64.b64encode(path.read_bytes()).decode()}\";\n" for name, path in encoded.items())
     data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
-    script = joined([npm / "abi.mjs", npm / "sandglass.mjs", here / "scene.mjs", here / "painter.mjs", here / "obj.mjs", here / "page.mjs"])
+    own = ("elements", "scene", "painter", "obj", "gltf", "link", "tilt", "room_light", "real_table", "measure", "controls", "page")
+    script = joined([npm / "abi.mjs", npm / "sandglass.mjs", *(here / f"{name}.mjs" for name in own)])
     page = (here / "page.html").read_text().replace("@MODULES@", data + script)
     if "</script" in (data + script):
         sys.exit("assemble.py: a module holds the end of a script")

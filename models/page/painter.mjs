@@ -1,25 +1,34 @@
 // Draws the table, the object and the sand with WebGL 2. Colours are linear until a shader's last line. Grains are
 // point sprites, whose fragments write the depth of a sphere; the buffer of grains is uploaded as the library wrote it.
-// Shadows are the library's own textures.
+// Shadows are the library's own textures: of the sharp main light, and of the light from all around, which the object
+// keeps from the table.
 
 const k_lighting = `
-uniform vec3 to_light;
-const vec3 sun = vec3(1.05, 0.97, 0.84), sky = vec3(0.36, 0.40, 0.47), ground = vec3(0.22, 0.19, 0.16);
-vec3 shade(vec3 albedo, vec3 normal, float direct) {
-  return albedo * (sun * max(dot(normal, to_light), 0.0) * direct + mix(ground, sky, 0.5 + 0.5 * normal.y) * 0.8);
+uniform vec3 to_light, sun, ambient[9];  // irradiance over pi, of a surface that faces the sun, and by the normal
+vec3 around(vec3 n) {
+  return max(ambient[0] + ambient[1] * n.y + ambient[2] * n.z + ambient[3] * n.x + ambient[4] * n.x * n.y + ambient[5] * n.y * n.z +
+    ambient[6] * (3.0 * n.z * n.z - 1.0) + ambient[7] * n.x * n.z + ambient[8] * (n.x * n.x - n.y * n.y), 0.0);
+}
+vec3 shade(vec3 albedo, vec3 normal, float direct, float open) {
+  return albedo * (sun * max(dot(normal, to_light), 0.0) * direct + around(normal) * open);
 }
 vec4 encoded(vec3 linear) {
   linear = clamp(linear, 0.0, 1.0);
   return vec4(mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear)), 1);
 }
-uniform sampler2D pile, object;  // what the sand hides of the table, or of itself
-uniform vec4 pile_box, object_box;  // x and z of the lower corner, and one over the extent
+uniform sampler2D pile, object, seen;  // what the sand hides of the table, or of itself; what the object leaves of the room
+uniform vec4 pile_box, object_box, seen_box;  // x and z of the lower corner, and one over the extent
 uniform float pile_opacity, object_opacity;
 uniform mat2 object_turn;
 uniform vec2 object_at;
 float passed(sampler2D image, vec2 at, float opacity) {
   bool on = all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
   return on ? 1.0 - texture(image, at).r * opacity : 1.0;
+}
+float opened(vec3 place) {
+  vec2 at = (object_turn * (place.xz - object_at) - seen_box.xy) * seen_box.zw;
+  bool on = all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
+  return on ? texture(seen, at).r : 1.0;
 }
 // The ray from the light through the place goes on to the table, where the object's shadow was made.
 float shadowed(vec3 place, float onto) {
@@ -58,7 +67,7 @@ void main() {
   gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
   mat3 back = transpose(mat3(view));
   vec3 world = back * (place - view[3].xyz), n = back * normal;
-  pixel = encoded(shade(colour, n, shadowed(world, 1.0)) * (0.75 + 0.25 * n.y));
+  pixel = encoded(shade(colour, n, shadowed(world, 1.0), 1.0) * (0.75 + 0.25 * n.y));
 }`;
 const k_solid_vertex = `
 layout(location = 0) in vec3 position;
@@ -71,23 +80,42 @@ void main() {
 const k_solid_fragment = `
 in vec3 world;
 uniform vec3 eye, albedo;
-uniform float table;  // 1: the table's top, round; 0: an object
+uniform float table;  // 2: what is real, of which the shadow alone is drawn; 1: the table's top, round; 0: an object
 out vec4 pixel;
 ${k_lighting}
 void main() {
   vec3 n = normalize(cross(dFdx(world), dFdy(world)));
   if (dot(n, eye - world) < 0.0) n = -n;
   vec3 colour = albedo;
-  float share = 1.0;
+  float share = 1.0, open = 1.0;
+  if (table > 0.5) share = shadowed(world, 0.0), open = opened(world);
+  if (table > 1.5) {
+    vec3 left = shade(vec3(1), n, share, open) / max(shade(vec3(1), n, 1.0, 1.0), 1e-4);
+    pixel = vec4(0, 0, 0, 1.0 - dot(left, vec3(1.0 / 3.0)));
+    return;
+  }
   if (table > 0.5) {
     float grain = sin(world.x * 90.0 + 3.0 * sin(world.z * 7.0)) * 0.5 + sin(world.x * 23.0 + 2.0 * sin(world.z * 3.0 + 1.0));
     colour *= 1.0 + 0.05 * grain;
-    share = shadowed(world, 0.0);
   }
-  vec3 lit = shade(colour, n, share);
+  vec3 lit = shade(colour, n, share, open);
   float away = table > 0.5 ? smoothstep(0.55, 1.5, length(world.xz)) : 0.0;
   pixel = encoded(mix(lit, vec3(0.055, 0.06, 0.07), away));
 }`;
+
+// The camera's picture, upside down, because its rows come from the lowest up.
+const k_copy_vertex = `
+out vec2 at;
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  at = vec2(0.5, 0.5) + vec2(0.5, -0.5) * corner;
+  gl_Position = vec4(corner, 0, 1);
+}`;
+const k_copy_fragment = `
+in vec2 at;
+uniform sampler2D image;
+out vec4 pixel;
+void main() { pixel = texture(image, at); }`;
 
 function program(gl, vertex, fragment) {
   const made = gl.createProgram();
@@ -146,14 +174,15 @@ export class Painter {
     this.canvas = canvas;
     this.grains = program(gl, k_grain_vertex, k_grain_fragment), this.solid = program(gl, k_solid_vertex, k_solid_fragment);
     this.grainBuffer = gl.createBuffer(), this.grainBytes = 0;
-    this.pile = this.texture(), this.onSand = this.texture(), this.object = this.texture();
+    this.pile = this.texture(), this.onSand = this.texture(), this.object = this.texture(), this.seen = this.texture();
     this.objects = [];
     const s = 3;
     this.table = this.mesh(new Float32Array([-s, 0, -s, -s, 0, s, s, 0, s, s, 0, -s]), new Uint32Array([0, 1, 2, 0, 2, 3]));
     this.objectShadow = { box: [0, 0, 1, 1], opacity: 0, turn: [1, 0, 0, 1], at: [0, 0] };
     this.pileShadow = { box: [0, 0, 1, 1], opacity: 0 };
+    this.seenBox = [2, 2, 0, 0];  // nowhere
+    this.light = { sun: [0, 0, 0], ambient: new Float32Array(27) };
     gl.enable(gl.DEPTH_TEST);
-    gl.clearColor(0.26, 0.27, 0.29, 1);
   }
 
   texture() {
@@ -184,43 +213,85 @@ export class Painter {
   }
   add(vertices, indices, model, albedo) { this.objects.push({ ...this.mesh(vertices, indices), model, albedo }); }
 
-  draw(camera, toLight, grains, count, radius) {
+  // The picture of a camera on the canvas.
+  draw(camera, grains, count, radius) {
     const { gl, canvas } = this, scale = Math.min(devicePixelRatio, 2);
     const [width, height] = [Math.round(canvas.clientWidth * scale), Math.round(canvas.clientHeight * scale)];
     if (canvas.width !== width || canvas.height !== height) canvas.width = width, canvas.height = height;
-    gl.viewport(0, 0, width, height);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     const { eye, right, up, away } = camera.axes(), half = camera.half(width / height), near = 0.05, far = 12;
     const view = new Float32Array([right[0], up[0], away[0], 0, right[1], up[1], away[1], 0, right[2], up[2], away[2], 0,
       -dot(right, eye), -dot(up, eye), -dot(away, eye), 1]);
     const projection = new Float32Array([1 / half[0], 0, 0, 0, 0, 1 / half[1], 0, 0, 0, 0, (far + near) / (near - far), -1,
       0, 0, 2 * far * near / (near - far), 0]);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.clearColor(0.26, 0.27, 0.29, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    this.uploadGrains(grains);
+    this.paint({ view, projection, eye, viewport: [0, 0, width, height], real: false }, count, radius);
+  }
+
+  uploadGrains(grains) {
+    const { gl } = this;
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.grainBuffer);
+    if (this.grainBytes < grains.byteLength) gl.bufferData(gl.ARRAY_BUFFER, this.grainBytes = 2 * grains.byteLength, gl.STREAM_DRAW);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, grains);
+  }
+
+  // A texture of the camera's in few pixels: RGBA bytes, the upper row first.
+  shrink(texture, width, height) {
+    const { gl } = this;
+    if (!this.small) {
+      this.small = { copy: program(gl, k_copy_vertex, k_copy_fragment), frame: gl.createFramebuffer(), texture: this.texture() };
+      gl.bindTexture(gl.TEXTURE_2D, this.small.texture);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
+    }
+    const { copy, frame, texture: target } = this.small, bytes = new Uint8Array(4 * width * height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, target, 0);
+    gl.viewport(0, 0, width, height);
+    gl.useProgram(copy.made);
+    gl.activeTexture(gl.TEXTURE0), gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.uniform1i(copy.at("image"), 0);
+    gl.disable(gl.DEPTH_TEST);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.enable(gl.DEPTH_TEST);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+    return bytes;
+  }
+
+  // One view of the table. `real`: the table is the one that a camera shows, and gets shadows alone.
+  paint({ view, projection, eye, viewport, real }, count, radius) {
+    const { gl } = this;
+    gl.viewport(...viewport);
     const common = (p, pile) => {
       gl.useProgram(p.made);
-      gl.activeTexture(gl.TEXTURE0), gl.bindTexture(gl.TEXTURE_2D, pile);
+      [pile, this.object, this.seen].forEach((texture, unit) => { gl.activeTexture(gl.TEXTURE0 + unit), gl.bindTexture(gl.TEXTURE_2D, texture); });
+      ["pile", "object", "seen"].forEach((name, unit) => gl.uniform1i(p.at(name), unit));
+      gl.activeTexture(gl.TEXTURE0);
       gl.uniformMatrix4fv(p.at("view"), false, view), gl.uniformMatrix4fv(p.at("projection"), false, projection);
-      gl.uniform3fv(p.at("to_light"), toLight), gl.uniform3fv(p.at("eye"), eye);
-      gl.uniform1i(p.at("pile"), 0), gl.uniform1i(p.at("object"), 1);
+      gl.uniform3fv(p.at("to_light"), this.light.toLight), gl.uniform3fv(p.at("sun"), this.light.sun), gl.uniform3fv(p.at("eye"), eye);
+      gl.uniform3fv(p.at("ambient"), this.light.ambient);
       gl.uniform4fv(p.at("pile_box"), this.pileShadow.box), gl.uniform1f(p.at("pile_opacity"), this.pileShadow.opacity);
       gl.uniform4fv(p.at("object_box"), this.objectShadow.box), gl.uniform1f(p.at("object_opacity"), this.objectShadow.opacity);
+      gl.uniform4fv(p.at("seen_box"), this.seenBox);
       gl.uniformMatrix2fv(p.at("object_turn"), false, this.objectShadow.turn), gl.uniform2fv(p.at("object_at"), this.objectShadow.at);
     };
-    gl.activeTexture(gl.TEXTURE1), gl.bindTexture(gl.TEXTURE_2D, this.object);
     common(this.solid, this.pile);
     const still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
-    for (const item of [{ ...this.table, model: still, albedo: [0.42, 0.36, 0.30], table: 1 }, ...this.objects]) {
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    for (const item of [{ ...this.table, model: still, albedo: [0.42, 0.36, 0.30], table: real ? 2 : 1 }, ...this.objects]) {
+      if (item.table === 2) gl.enable(gl.BLEND);
       gl.uniformMatrix4fv(this.solid.at("model"), false, item.model);
       gl.uniform3fv(this.solid.at("albedo"), item.albedo), gl.uniform1f(this.solid.at("table"), item.table ?? 0);
       gl.bindVertexArray(item.array);
       gl.drawElements(gl.TRIANGLES, item.count, gl.UNSIGNED_INT, 0);
+      gl.disable(gl.BLEND);
     }
     gl.bindVertexArray(null);
     if (count === 0) return;
     common(this.grains, this.onSand);
-    gl.uniform1f(this.grains.at("radius"), radius), gl.uniform1f(this.grains.at("pixels"), height / (2 * half[1]));
+    gl.uniform1f(this.grains.at("radius"), radius), gl.uniform1f(this.grains.at("pixels"), 0.5 * viewport[3] * projection[5]);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.grainBuffer);
-    if (this.grainBytes < grains.byteLength) gl.bufferData(gl.ARRAY_BUFFER, this.grainBytes = 2 * grains.byteLength, gl.STREAM_DRAW);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 0, grains);
     gl.enableVertexAttribArray(0);
     gl.vertexAttribPointer(0, 4, gl.FLOAT, false, 16, 0);
     gl.drawArrays(gl.POINTS, 0, count);

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "models/files/command_files.h"
+#include "models/files/failure.h"
 #include "models/mesh/generated.h"
 #include "models/phones/phone.h"
 #include "models/program/command_line.h"
@@ -309,6 +310,9 @@ int main(int argc, char** argv) {
     listen_for_interrupt();
     watch_files();
     const int exit_code = run_command_line(commands(), argc, argv);
+    // What a command says is a result too, and a full disk may be behind it.
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw cannot("write", "standard output", "the disk is full or failing", "Send it elsewhere");
     if (exit_code == k_exit_done || exit_code == k_exit_check_failed) finish_folders();
     return exit_code;
   } catch (const std::bad_alloc&) {

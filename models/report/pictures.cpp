@@ -41,6 +41,7 @@ Picture draw(const PictureSet& set, const Snapshot& snapshot, const SceneView& b
   view.spheres = particles ? snapshot.particles : snapshot.grains;
   view.radius = particles ? static_cast<float>(set.particle_radius)
                           : drawn_grain_radius(set.particle_radius, particle_count, grain_count);
+  view.grains = !particles;
   view.colliders = snapshot.colliders;
   view.shadows = snapshot.shadows.object;
   view.to_light = snapshot.to_light;

@@ -1,4 +1,4 @@
-// Traces rays against many equal spheres. It uses Embree's sphere points when Embree is found. Otherwise, as in the
+// Traces rays against many spheres. It uses Embree's sphere points when Embree is found. Otherwise, as in the
 // emulated ARM build, it walks a grid of our own, which gives the same pictures more slowly.
 #pragma once
 
@@ -17,7 +17,8 @@ struct SphereHit {
 
 class SphereCaster {
  public:
-  SphereCaster(std::span<const float> centres, float radius);  // centres that are not finite are left out
+  // Centres that are not finite are left out. sizes: none, or one a sphere, of which each is as many radii large.
+  SphereCaster(std::span<const float> centres, float radius, std::span<const float> sizes = {});
   ~SphereCaster();
   SphereCaster(const SphereCaster&) = delete;
   SphereCaster& operator=(const SphereCaster&) = delete;

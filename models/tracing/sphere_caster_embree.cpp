@@ -14,14 +14,14 @@ struct SphereCaster::State {
 
 const char* SphereCaster::engine() { return "embree"; }
 
-SphereCaster::SphereCaster(std::span<const float> centres, float radius) {
+SphereCaster::SphereCaster(std::span<const float> centres, float radius, std::span<const float> sizes) {
   std::vector<uint32_t> source;
   std::vector<float> spheres;
   for (uint32_t i = 0; i < centres.size() / 3; ++i) {
     const float* c = centres.data() + size_t{3} * i;
     if (!std::isfinite(c[0]) || !std::isfinite(c[1]) || !std::isfinite(c[2])) continue;
     source.push_back(i);
-    spheres.insert(spheres.end(), {c[0], c[1], c[2], radius});
+    spheres.insert(spheres.end(), {c[0], c[1], c[2], sizes.empty() ? radius : radius * sizes[i]});
   }
   state_ = std::make_unique<State>(State{std::move(source), EmbreeScene::spheres(spheres)});
 }

@@ -15,11 +15,11 @@ constexpr double k_cells_at_most = 1 << 24;  // 64 MiB of cell starts
 constexpr double k_growth = 1.25;
 
 struct SphereCaster::State {
-  std::vector<float> centres;
+  std::vector<float> centres, radii;
   std::vector<uint32_t> start, listed;
   std::array<double, 3> low = {}, high = {};
   std::array<int64_t, 3> cells = {1, 1, 1};
-  double cell = 1.0, radius = 0.0;
+  double cell = 1.0;
 
   int64_t index_along(size_t axis, double value) const {
     const double index = std::floor((value - low[axis]) / cell);
@@ -32,6 +32,7 @@ struct SphereCaster::State {
   template <class Visit>
   void cells_of(uint32_t sphere, Visit visit) const {
     std::array<int64_t, 3> from, to;
+    const double radius = radii[sphere];
     for (size_t axis = 0; axis < 3; ++axis) {
       from[axis] = index_along(axis, centres[3 * sphere + axis] - radius);
       to[axis] = index_along(axis, centres[3 * sphere + axis] + radius);
@@ -46,10 +47,12 @@ struct SphereCaster::State {
 
 const char* SphereCaster::engine() { return "grid"; }
 
-SphereCaster::SphereCaster(std::span<const float> centres, float radius) : state_(std::make_unique<State>()) {
+SphereCaster::SphereCaster(std::span<const float> centres, float radius, std::span<const float> sizes)
+    : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.centres.assign(centres.begin(), centres.end());
-  s.radius = radius;
+  s.radii.assign(centres.size() / 3, radius);
+  for (size_t i = 0; i < sizes.size() && i < s.radii.size(); ++i) s.radii[i] *= sizes[i];
   s.cell = k_cell_in_radii * radius;
   std::vector<uint32_t> kept;
   s.low.fill(std::numeric_limits<double>::max()), s.high.fill(std::numeric_limits<double>::lowest());
@@ -58,8 +61,8 @@ SphereCaster::SphereCaster(std::span<const float> centres, float radius) : state
       continue;
     kept.push_back(i);
     for (size_t axis = 0; axis < 3; ++axis) {
-      s.low[axis] = std::min<double>(s.low[axis], centres[3 * i + axis] - radius);
-      s.high[axis] = std::max<double>(s.high[axis], centres[3 * i + axis] + radius);
+      s.low[axis] = std::min<double>(s.low[axis], centres[3 * i + axis] - s.radii[i]);
+      s.high[axis] = std::max<double>(s.high[axis], centres[3 * i + axis] + s.radii[i]);
     }
   }
   if (kept.empty()) {
@@ -108,6 +111,7 @@ bool SphereCaster::State::walk(Vec3 origin, Vec3 direction, bool any, SphereHit*
     for (uint32_t entry = start[c]; entry < start[c + 1]; ++entry) {
       const uint32_t i = listed[entry];
       const Vec3 to = Vec3{centres[3 * i], centres[3 * i + 1], centres[3 * i + 2]} - origin;
+      const double radius = radii[i];
       const double along = dot(to, direction), gap = radius * radius - (dot(to, to) - along * along);
       if (gap < 0.0) continue;
       const double distance = along - std::sqrt(gap);

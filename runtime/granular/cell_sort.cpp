@@ -21,6 +21,39 @@ uint32_t unit_size(const CellSort& sort, uint32_t unit) {
   return sort.phase == k_sort_clear || sort.phase == k_sort_prefix ? unit * k_cells_per_item : unit;
 }
 
+// Finds the places in the order of the records from `first` to `last`.
+void find_places(CellSort* sort, uint32_t first, uint32_t last) {
+  for (uint32_t i = first; i < last; ++i) sort->keys[i] = sort->starts[sort->keys[i] + 1]++;
+}
+
+// Swaps records into their places, or passes those that are there, `steps` times. Returns the first that is not in its
+// place. Each swap puts a record into its place for good, so there are two steps a record at most.
+uint32_t swap_records(Record* records, uint32_t* places, uint32_t first, uint32_t count, uint32_t steps) {
+  uint32_t i = first;
+  for (; steps != 0 && i < count; --steps) {
+    const uint32_t place = places[i];
+    if (place == i) {
+      ++i;
+      continue;
+    }
+    const Record moved = records[i];
+    records[i] = records[place], records[place] = moved;
+    places[i] = places[place], places[place] = place;
+  }
+  return i;
+}
+
+// To where the target wants them.
+void scatter(CellSort* sort, const Record* records, uint32_t first, uint32_t last, const SortTarget& target) {
+  for (uint32_t i = first; i < last; ++i) {
+    const uint32_t to = sort->starts[sort->keys[i] + 1]++;
+    target.records[to] = records[i];
+    if (target.positions[0] == nullptr) continue;
+    const bool hidden = target.sand_only && in_body(as_particle(records[i]));
+    for (int k = 0; k < 3; ++k) target.positions[k][to] = hidden ? k_inert_position : records[i].position[k];
+  }
+}
+
 uint32_t phase_end(const CellSort& sort, uint32_t record_count) {
   if (sort.phase == k_sort_clear) return sort.cells + 2;
   if (sort.phase == k_sort_prefix) return sort.cells;
@@ -73,7 +106,8 @@ uint32_t cell_sort_items(const CellSort& sort, uint32_t record_count, uint32_t u
 void cell_sort_run(CellSort* sort, const Kernels& kernels, const Record* records, uint32_t record_count, uint32_t unit,
                    const SortTarget& target) {
   const uint32_t end = phase_end(*sort, record_count), size = unit_size(*sort, unit);
-  const uint32_t first = sort->cursor, last = end - first < size ? end : first + size;
+  const uint32_t first = sort->cursor;
+  uint32_t last = end - first < size ? end : first + size;
   uint32_t* starts = sort->starts;
   switch (sort->phase) {
     case k_sort_clear:
@@ -97,21 +131,19 @@ void cell_sort_run(CellSort* sort, const Kernels& kernels, const Record* records
       sort->sum = sum;
       break;
     }
+    case k_sort_scatter:
+      if (target.records == records) find_places(sort, first, last);
+      else scatter(sort, records, first, last, target);
+      break;
     default:
-      for (uint32_t i = first; i < last; ++i) {
-        const uint32_t to = starts[sort->keys[i] + 1]++;
-        target.records[to] = records[i];
-        if (target.positions[0] != nullptr) {
-          const bool hidden = target.sand_only && in_body(as_particle(records[i]));
-          for (int k = 0; k < 3; ++k) target.positions[k][to] = hidden ? k_inert_position : records[i].position[k];
-        }
-      }
+      last = swap_records(target.records, sort->keys, first, end, size);
       break;
   }
   sort->cursor = last;
   if (last == end) {
     sort->cursor = 0;
     ++sort->phase;
+    if (sort->phase == k_sort_swap && target.records != records) sort->phase = k_sort_done;
   }
 }
 

@@ -1,5 +1,6 @@
 // A counting sort of records by grid cell, cut into work units: clear, count, sum, scatter. It is stable, so the order
-// never depends on how it was cut. The source records are only read; the result is complete after the last unit.
+// never depends on how it was cut. The source records are only read; the result is complete after the last unit. A sort
+// in place swaps them instead: between any two units every record is there once.
 #pragma once
 
 #include "kernels/kernels.h"
@@ -13,7 +14,7 @@ constexpr uint32_t k_array_slack = 2 * k_lane_group;
 struct CellSort {
   Grid grid;         // grid.starts == starts
   uint32_t* starts;  // cells + 2
-  uint32_t* keys;    // one a record
+  uint32_t* keys;    // one a record; in place: later its place in the order
   uint32_t cells;
   uint32_t cells_max;  // a power of two
   uint32_t phase;      // k_sort_clear ... k_sort_done
@@ -23,9 +24,10 @@ struct CellSort {
   int32_t first[3];  // cell of the lower bound
 };
 
-enum : uint32_t { k_sort_clear, k_sort_count, k_sort_prefix, k_sort_scatter, k_sort_done };
+enum : uint32_t { k_sort_clear, k_sort_count, k_sort_prefix, k_sort_scatter, k_sort_swap, k_sort_done };
 
-// Where the sorted copy goes: records, and where wanted their positions, one array for each axis.
+// Where the sorted copy goes: records (the source itself: in place), and where wanted their positions, one array for
+// each axis.
 struct SortTarget {
   Record* records;
   float* positions[3];  // null: not wanted

@@ -148,10 +148,10 @@ void remove_particle(Granular* g, uint32_t i) {
 }
 
 void remove_grain(Granular* g, uint32_t i) {
-  Grain* gap = &g->grains.records[0][i];
+  Grain* gap = &g->grains.records[i];
   g->flow.free_grains[g->flow.free_grain_count++] = gap->number;
   const uint32_t last = --g->grains.count;
-  *gap = g->grains.records[0][last];
+  *gap = g->grains.records[last];
 }
 
 // Removes what lies inside the shapes from the group that begins at `first`. Goes through it from its end, so what
@@ -270,7 +270,7 @@ bool flow_run_grain_drain(Granular* g) {
   for (uint32_t at = g->sweep.cursor; at < end; at += k_lane_group) {
     const uint32_t first = g->grain_sleep.groups[g->grain_sleep.group_count - 1 - at / k_lane_group] * k_lane_group;
     if (first >= g->grains.count) continue;
-    removed += drain_group(*g, as_records(g->grains.records[0]), &g->grains.count, first, g->flow.sinks,
+    removed += drain_group(*g, as_records(g->grains.records), &g->grains.count, first, g->flow.sinks,
                            g->flow.sink_count, [g](uint32_t i) {
                              remove_grain(g, i);
                              return true;
@@ -305,8 +305,8 @@ sandglass_status granular_remove(Granular* g, const sandglass_collider* region, 
                            });
   }
   for (uint32_t group = (g->grains.count + k_lane_group - 1) / k_lane_group; group-- > 0;) {
-    removed_grains += drain_group(*g, as_records(g->grains.records[0]), &g->grains.count, group * k_lane_group, &shape,
-                                  1, [g](uint32_t i) {
+    removed_grains += drain_group(*g, as_records(g->grains.records), &g->grains.count, group * k_lane_group, &shape, 1,
+                                  [g](uint32_t i) {
                                     remove_grain(g, i);
                                     return true;
                                   });

@@ -16,7 +16,7 @@ void make_tile(Granular* g, uint32_t group) {
   const uint32_t last = g->grains.count - first < k_lane_group ? g->grains.count : first + k_lane_group;
   float low[3] = {3e38f, 3e38f, 3e38f}, high[3] = {-3e38f, -3e38f, -3e38f};
   for (uint32_t i = first; i < last; ++i) {
-    const float* r = g->grains.records[0][i].position;
+    const float* r = g->grains.records[i].position;
     for (int k = 0; k < 3; ++k) low[k] = r[k] < low[k] ? r[k] : low[k], high[k] = r[k] > high[k] ? r[k] : high[k];
   }
   float radius2 = 0.0f;
@@ -31,14 +31,14 @@ bool keeps_still(const Granular& g, uint32_t group) {
   const uint32_t first = group * k_lane_group;
   const uint32_t last = g.grains.count - first < k_lane_group ? g.grains.count : first + k_lane_group;
   bool still = true;
-  for (uint32_t i = first; i < last; ++i) still = still && g.grains.records[0][i].still_sweeps >= k_patience_sweeps;
+  for (uint32_t i = first; i < last; ++i) still = still && g.grains.records[i].still_sweeps >= k_patience_sweeps;
   return still;
 }
 
 // A collider came near the sphere of the group: wakes those of its grains that it really came near. False: none.
 bool wake_grains(Granular* g, uint32_t group) {
   alignas(SANDGLASS_BLOCK_ALIGNMENT) Sleeper points[k_lane_group] = {};
-  Grain* grains = g->grains.records[0] + static_cast<uint64_t>(group) * k_lane_group;
+  Grain* grains = g->grains.records + static_cast<uint64_t>(group) * k_lane_group;
   for (uint32_t l = 0; l < k_lane_group; ++l) {
     for (int k = 0; k < 3; ++k) points[l].position[k] = grains[l].position[k];
     set_asleep(&points[l], true);
@@ -54,6 +54,12 @@ bool wake_grains(Granular* g, uint32_t group) {
   return woken != 0;
 }
 
+void wake_groups(Granular* g, uint32_t begin, uint32_t end) {
+  for (uint32_t i = begin * k_lane_group; i < end * k_lane_group && i < g->grains.count; ++i)
+    g->grains.records[i].still_sweeps = 0.0f;
+  for (uint32_t group = begin; group < end; ++group) g->grain_sleep.still[group] = 0;
+}
+
 }  // namespace
 
 void grain_sleep_layout(GrainSleep* s, const sandglass_granular_desc& d, Layout* layout) {
@@ -66,23 +72,28 @@ void grain_sleep_layout(GrainSleep* s, const sandglass_granular_desc& d, Layout*
 
 void grain_sleep_reset(GrainSleep* s) {
   s->group_count = s->still_groups = 0;
-  s->groups_changed = s->all_asleep = false;
+  s->groups_changed = s->all_asleep = s->wakes = s->waking = false;
 }
 
-void grain_sleep_forget(GrainSleep* s) {
-  s->group_count = s->still_groups = 0;
-  s->groups_changed = true;
-  s->all_asleep = false;
+void grain_sleep_wake_all(GrainSleep* s) { s->wakes = true; }
+
+void grain_sleep_settle(Granular* g) {
+  GrainSleep& s = g->grain_sleep;
+  if (s.wakes) wake_groups(g, 0, groups_of(*g));
+  s.group_count = s.still_groups = 0;
+  s.groups_changed = true;
+  s.all_asleep = s.wakes = false;
 }
 
 void grain_sleep_skip_time(Granular* g) {
-  if (!g->grain_sleep.all_asleep || g->sweep.phase != SweepPhase::idle) return;
+  if (!g->grain_sleep.all_asleep || g->grain_sleep.wakes || g->sweep.phase != SweepPhase::idle) return;
   if (watch_changed(g->colliders.all, g->colliders.given, g->colliders.count)) g->grain_sleep.all_asleep = false;
   else g->time.grain_lag = 0.0;
 }
 
 void grain_sleep_begin_triage(Granular* g) {
   g->grain_sleep.group_count = g->grain_sleep.still_groups = 0;
+  g->grain_sleep.waking = g->grain_sleep.wakes;
   ColliderWatch& watch = g->colliders.all;
   watch_find_moved(&watch, g->colliders.given, g->colliders.count, g->desc.grain_radius);
   watch_remember(&watch, g->colliders.given, g->colliders.count);
@@ -97,6 +108,7 @@ bool grain_sleep_run_triage(Granular* g) {
   const bool follows = g->desc.reference.blend != SANDGLASS_BLEND_SOURCE;  // else nothing is known of where they move
   const uint32_t groups = groups_of(*g);
   const uint32_t begin = g->sweep.cursor, end = groups - begin < g->unit ? groups : begin + g->unit;
+  if (g->grain_sleep.waking) wake_groups(g, begin, end);
   for (uint32_t group = begin; group < end; ++group) {
     Sleeper* tile = &g->grain_sleep.tiles[group];
     set_asleep(tile, false);
@@ -121,6 +133,7 @@ bool grain_sleep_run_triage(Granular* g) {
   g->sweep.cursor = end;
   if (end < groups) return false;
   g->grain_sleep.groups_changed = false;
+  if (g->grain_sleep.waking) g->grain_sleep.wakes = false;
   return true;
 }
 

@@ -23,12 +23,16 @@ struct GrainSleep {
   uint32_t still_groups;  // that the last triage found
   bool groups_changed;    // by sorting or removal since the last triage: `still` is of other groups
   bool all_asleep;        // the last sweep refined no grain, and all particles slept
+  bool wakes;             // a whole triage must still wake every grain
+  bool waking;            // the triage under way does
 };
 
 void grain_sleep_layout(GrainSleep* sleep, const sandglass_granular_desc& desc, Layout* layout);
 void grain_sleep_reset(GrainSleep* sleep);
-// Nothing is remembered of which groups keep still.
-void grain_sleep_forget(GrainSleep* sleep);
+// Every grain wakes in the next sweep, group by group.
+void grain_sleep_wake_all(GrainSleep* sleep);
+// Nothing is remembered of which groups keep still, and nothing is left to wake. Between sweeps.
+void grain_sleep_settle(Granular* granular);
 
 // Grains that all sleep on sleeping particles have nothing to follow, unless a collider has changed.
 void grain_sleep_skip_time(Granular* granular);

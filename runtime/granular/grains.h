@@ -14,7 +14,7 @@ struct Snapshot {
 };
 
 struct Grains {
-  Grain* records[2];  // [0]: the state. [1]: where a sort writes.
+  Grain* records;
   uint32_t count;
   CellSort sort;
   Snapshot snapshot;
@@ -22,6 +22,8 @@ struct Grains {
 
 // particle_rows: room for particles and padding.
 void grains_layout(Grains* grains, const sandglass_granular_desc& desc, uint32_t particle_rows, Layout* layout);
+// What a sort of the grains needs besides them. Nothing is kept there from sort to sort.
+void grains_sort_layout(Grains* grains, const sandglass_granular_desc& desc, Layout* layout);
 void grains_reset(Grains* grains);
 
 }  // namespace sandglass

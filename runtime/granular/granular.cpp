@@ -17,6 +17,10 @@ constexpr float k_substep_units = 0.01742f;
 // Seconds; what an app may ask for. A frame of 0.2 s then has 200,000 sub-steps.
 constexpr float k_shortest_substep = 1e-6f;
 
+constexpr float k_gravity_max = 1000.0f;  // m/s^2
+// The share of gravity's length by which it may change before what sleeps wakes: a turn by 1.1 degrees.
+constexpr float k_gravity_wakes = 0.02f;
+
 constexpr float k_at_rest[3] = {0.0f, 0.0f, 0.0f};
 
 constexpr float k_speed_limit = 1e4f;  // m/s that material may be added with
@@ -25,6 +29,8 @@ constexpr float k_speed_limit = 1e4f;  // m/s that material may be added with
 bool items_within(const float* values, uint32_t count, float limit) {
   return all_within(values, 3ull * count, -limit, limit);
 }
+
+float length_of(const float v[3]) { return __builtin_sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 
 }  // namespace
 
@@ -79,6 +85,19 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   return nullptr;
 }
 
+// A sweep sorts the grains, and then adds up the particles' motion, in the same memory.
+static void sweep_space_layout(Granular* g, const sandglass_granular_desc& d, Layout* layout) {
+  if (d.grain_capacity == 0) return;
+  const auto lay_out = [&](uint8_t* base) {
+    Layout sort, planes;
+    sort.base = planes.base = base;
+    grains_sort_layout(&g->grains, d, &sort);
+    motion_planes_layout(&g->motion, d, &planes);
+    return sort.size > planes.size ? sort.size : planes.size;
+  };
+  lay_out(layout_region<uint8_t>(layout, "granular.sweep_space", lay_out(nullptr)));
+}
+
 void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layout) {
   g->desc = d;
   if (d.particle_capacity == 0) return;
@@ -92,6 +111,7 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   flow_layout(&g->flow, d, layout);
   grains_layout(&g->grains, d, g->particles.rows, layout);
   motion_layout(&g->motion, d, layout);
+  sweep_space_layout(g, d, layout);
   grain_sleep_layout(&g->grain_sleep, d, layout);
   colliders_layout(&g->colliders, d, layout);
 }
@@ -100,16 +120,26 @@ void granular_configure(Granular* g, const sandglass_scene_desc& desc, const Ker
   g->kernels = kernels;
   g->parallel = desc.parallel;
   g->unit = desc.unit_items;
-  float length2 = 0.0f;
-  for (int k = 0; k < 3; ++k) g->gravity[k] = desc.gravity[k], length2 += desc.gravity[k] * desc.gravity[k];
-  g->gravity_length = __builtin_sqrtf(length2);
-  sandglass_granular_desc& d = g->desc;
+  granular_set_gravity(g, desc.gravity);
+  motion_configure(&g->motion, g->desc);
+  if (g->desc.grain_radius <= 0.0f) g->desc.grain_radius = k_grain_radii * g->desc.particle_radius;
+}
+
+bool gravity_fits(const float gravity[3]) { return length_of(gravity) <= k_gravity_max; }
+
+void granular_set_gravity(Granular* g, const float gravity[3]) {
+  float change[3];
+  for (int k = 0; k < 3; ++k) g->gravity[k] = gravity[k], change[k] = gravity[k] - g->resting_gravity[k];
+  g->gravity_length = length_of(gravity);
+  const sandglass_granular_desc& d = g->desc;
   const float pull = g->gravity_length > 0.1f ? g->gravity_length : 9.81f;  // weightless scenes keep the Earth's step
   Substep& s = g->substep;
   s.longest = d.substep_max > 0.0f ? d.substep_max : k_substep_units * __builtin_sqrtf(d.particle_radius / pull);
   s.shortest = d.substep_min > 0.0f ? d.substep_min : 0.25f * s.longest;
-  motion_configure(&g->motion, d);
-  if (d.grain_radius <= 0.0f) d.grain_radius = k_grain_radii * d.particle_radius;
+  if (!(length_of(change) > k_gravity_wakes * g->gravity_length)) return;
+  for (int k = 0; k < 3; ++k) g->resting_gravity[k] = gravity[k];
+  if (g->sleep.awake_count != g->particles.count) sleep_wake_all(g);
+  grain_sleep_wake_all(&g->grain_sleep);
 }
 
 void granular_reset(Granular* g) {
@@ -134,13 +164,15 @@ void granular_settle(Granular* g) {
   if (g->desc.particle_capacity == 0) return;
   sweep_finish(g);
   substep_abandon(g);
+  sweep_finish(g);  // where it ended a sub-step with bodies, grains follow once more
   substep_forget(&g->substep);
   neighbours_forget(&g->neighbours, g->substep.longest);
   g->time.interval_debt = 0.0;
   g->sleep.waking_count = 0;
   motion_begin_here(g);
   sweep_forget(&g->sweep);
-  grain_sleep_forget(&g->grain_sleep);
+  grain_sleep_settle(g);
+  for (int k = 0; k < 3; ++k) g->resting_gravity[k] = g->gravity[k];
   g->colliders.adopts = true;
   particles_seal(g);
 }
@@ -170,7 +202,7 @@ void add_particle(Granular* g, const float position[3], const float velocity[3])
 void add_grain(Granular* g, const float position[3], const float velocity[3]) {
   Grains& grains = g->grains;
   const uint32_t number = flow_take_grain_number(&g->flow, grains.count);
-  grains.records[0][grains.count++] = moving_grain(position, velocity, number);
+  grains.records[grains.count++] = moving_grain(position, velocity, number);
 }
 
 }  // namespace

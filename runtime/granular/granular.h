@@ -68,7 +68,8 @@ struct Granular {
   sandglass_granular_desc desc;
   float gravity[3];
   float gravity_length;
-  uint32_t unit;  // items of a work unit
+  float resting_gravity[3];  // when what sleeps was last woken by it: they sleep under that or nearly that
+  uint32_t unit;             // items of a work unit
   const Kernels* kernels;
   sandglass_parallel parallel;
 
@@ -105,6 +106,11 @@ void granular_layout(Granular* granular, const sandglass_granular_desc& desc, La
 // After layout: takes the rest of the description, and chooses what it leaves to the library.
 void granular_configure(Granular* granular, const sandglass_scene_desc& desc, const Kernels* kernels);
 
+// Whether it is finite and not too large.
+bool gravity_fits(const float gravity[3]);
+// Gravity, and the sub-steps that go with it. Wakes what sleeps where gravity has changed by enough.
+void granular_set_gravity(Granular* granular, const float gravity[3]);
+
 // To the state without material. The description and the regions are in place.
 void granular_reset(Granular* granular);
 
@@ -127,28 +133,33 @@ sandglass_status granular_restore(Granular* granular, const void* data, uint64_t
 sandglass_status granular_move(Granular* granular, const float rotation[4], const float translation[3],
                                const char** reason);
 
-// Runs task over [begin, end) cut into at most 8 pieces, on the app's pool where there is one.
+// Runs task over [begin, end) cut into at most 8 pieces, on the app's pool where there is one. A piece runs once: a
+// second call for it does nothing, and what the pool left out runs here.
 template <class Task>
 void granular_split(const Granular& granular, uint32_t begin, uint32_t end, Task* task) {
   constexpr uint32_t k_pieces = 8, k_worth_sharing = 512;
   struct Job {
     Task* task;
-    uint32_t begin, end, piece;
-  } job = {task, begin, end, end - begin};
+    uint32_t begin, end, piece, pieces;
+    uint8_t begun[k_pieces];
+    void run(uint32_t index) {
+      if (index >= pieces || begun[index] != 0) return;
+      begun[index] = 1;
+      const uint32_t first = begin + index * piece;
+      task->run(index, first, end - first < piece ? end : first + piece);
+    }
+  };
   if (granular.parallel.run == nullptr || end - begin < k_worth_sharing) {
     task->run(0, begin, end);
     return;
   }
+  Job job = {task, begin, end, 0, 0, {}};
   job.piece = ((end - begin + k_pieces - 1) / k_pieces + k_lane_group - 1) / k_lane_group * k_lane_group;
-  const uint32_t pieces = (end - begin + job.piece - 1) / job.piece;
+  job.pieces = (end - begin + job.piece - 1) / job.piece;
   granular.parallel.run(
-      granular.parallel.user,
-      [](void* context, uint32_t index) {
-        const Job& j = *static_cast<const Job*>(context);
-        const uint32_t first = j.begin + index * j.piece;
-        j.task->run(index, first, j.end - first < j.piece ? j.end : first + j.piece);
-      },
-      &job, pieces);
+      granular.parallel.user, [](void* context, uint32_t index) { static_cast<Job*>(context)->run(index); }, &job,
+      job.pieces);
+  for (uint32_t index = 0; index < job.pieces; ++index) job.run(index);
 }
 
 }  // namespace sandglass

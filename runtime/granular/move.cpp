@@ -70,13 +70,12 @@ sandglass_status granular_move(Granular* g, const float rotation[4], const float
   for (int k = 0; k < 4; ++k) motion.rotation[k] = static_cast<double>(accepted.rotation[k]);
   Particle* boundary = boundary_particles(*g);
   if (!stays_within(motion, g->particles.records[0], g->particles.count) ||
-      !stays_within(motion, g->grains.records[0], g->grains.count) ||
-      !stays_within(motion, boundary, g->boundary.count)) {
+      !stays_within(motion, g->grains.records, g->grains.count) || !stays_within(motion, boundary, g->boundary.count)) {
     return refuse(reason, k_moved_too_far);
   }
   granular_settle(g);
   move_items(motion, g->particles.records[0], g->particles.count);
-  if (g->grains.count != 0) move_items(motion, g->grains.records[0], g->grains.count);
+  if (g->grains.count != 0) move_items(motion, g->grains.records, g->grains.count);
   for (uint32_t i = 0; i < g->particles.count + g->flow.free_particle_count; ++i)
     motion.move(g->sleep.anchors[i].position);
   for (uint32_t b = 0; b < g->bodies.count; ++b) bodies_move(&g->bodies, b, motion.rotation, motion.shift);

@@ -58,7 +58,7 @@ void run_output(void* state, uint32_t level) {
   const float lag = g->output.input->output_lag > 0.0f
                         ? (g->output.input->output_lag < 0.1f ? g->output.input->output_lag : 0.1f)
                         : 0.0f;
-  OutputTask task = {g->grains.records[0],
+  OutputTask task = {g->grains.records,
                      g->flow.free_grains,
                      g->grains.count,
                      static_cast<uint8_t*>(g->output.input->grains),

@@ -139,9 +139,12 @@ void motion_layout(ParticleMotion* m, const sandglass_granular_desc& d, Layout* 
   m->ends = layout_region<Place>(layout, "granular.motion_ends", d.particle_capacity);
   grid.slots = layout_region<uint32_t>(layout, "granular.motion_slots", grid.slot_mask + 1);
   grid.blocks = layout_region<MotionBlock>(layout, "granular.motion_blocks", blocks);
-  grid.planes = layout_region<float>(layout, "granular.motion_planes", blocks * k_block_floats);
   grid.counts = layout_region<uint8_t>(layout, "granular.grain_counts", blocks * k_block_counts);
   grid.nodes = layout_region<float>(layout, "granular.motion_nodes", blocks * k_block_records * k_record_floats);
+}
+
+void motion_planes_layout(ParticleMotion* m, const sandglass_granular_desc& d, Layout* layout) {
+  m->grid.planes = layout_region<float>(layout, "planes", uint64_t{capacity_of(d)} * k_block_floats);
 }
 
 void motion_configure(ParticleMotion* m, const sandglass_granular_desc& d) {
@@ -240,7 +243,7 @@ bool motion_run_scatter(Granular* g) {
 
 bool motion_run_count(Granular* g) {
   const uint32_t all = g->grains.count, begin = g->sweep.cursor, end = begin + motion_part(*g, 1);
-  const CountGrainsArgs args = {&g->motion.grid, g->grains.records[0], all};
+  const CountGrainsArgs args = {&g->motion.grid, g->grains.records, all};
   uint32_t unused = 0;
   g->kernels->count_grains(&args, begin, end, &unused);
   g->sweep.cursor = end;

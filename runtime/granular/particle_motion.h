@@ -25,6 +25,8 @@ struct ParticleMotion {
 };
 
 void motion_layout(ParticleMotion* motion, const sandglass_granular_desc& desc, Layout* layout);
+// The planes, in which nothing is kept from sweep to sweep.
+void motion_planes_layout(ParticleMotion* motion, const sandglass_granular_desc& desc, Layout* layout);
 void motion_configure(ParticleMotion* motion, const sandglass_granular_desc& desc);
 
 // A particle that is added, as if it had come this way with its velocity.

@@ -74,7 +74,7 @@ void for_arrays(Granular* g, const Header& h, Scalars* scalars, const Visit& vis
   visit(g->particles.records[0], h.particles * sizeof(Particle));
   visit(g->sleep.anchors, (static_cast<uint64_t>(h.particles) + h.free_particles) * sizeof(Anchor));
   visit(g->flow.free_particles, h.free_particles * sizeof(uint32_t));
-  visit(g->grains.records[0], h.grains * sizeof(Grain));
+  visit(g->grains.records, h.grains * sizeof(Grain));
   visit(g->flow.free_grains, h.free_grains * sizeof(uint32_t));
   visit(g->particles.records[0] == nullptr ? nullptr : boundary_particles(*g), h.boundary * sizeof(Particle));
   visit(g->bodies.all, h.bodies * sizeof(RigidBody));
@@ -94,6 +94,8 @@ uint64_t size_of(Granular* g, const Header& h) {
 // What no scene exceeds. Sand is slowed to a speed that the shortest sub-step and the largest radius leave below this.
 constexpr float k_speed_bound = 1e10f;
 constexpr double k_lag_bound = 10.0;  // seconds that grains may be behind; scenes hold some frames
+// List builds in a sub-step: a frame may build lists, lose them to what the app removes, and build them again.
+constexpr float k_builds_bound = 16.0f;
 
 template <class Item>
 bool sound_motion(const Item* items, uint32_t count) {
@@ -132,7 +134,7 @@ bool sound_scalars(const Granular& g, const Header& h, const Scalars& s) {
   }
   if (!within(s.debt, 0.0, 1.0) || !(s.slipped >= 0.0) || !within(s.grain_lag, 0.0, k_lag_bound)) return false;
   if (!is_finite(s.speed_max) || !within(s.frame_step, 0.0f, 1.0f) || !within(s.densest_body, 0.0f, 1e3f)) return false;
-  if (!within(s.builds_per_substep, 0.0f, 1.0f)) return false;
+  if (!within(s.builds_per_substep, 0.0f, k_builds_bound)) return false;
   // What has run out of a nozzle comes at once when it is restored: no more than a second's.
   const float fastest = g.desc.courant * g.desc.particle_radius / g.substep.shortest;
   const double most = static_cast<double>((fastest < 100.0f ? fastest : 100.0f) + 4.0f * g.desc.particle_radius);
@@ -176,22 +178,20 @@ bool sound_body(const Granular& g, const RigidBody& body, uint32_t number, uint3
 // that fails is reset.
 bool sound(Granular* g, const Header& h, const Scalars& s) {
   if (!sound_scalars(*g, h, s)) return false;
-  if (!sound_motion(g->particles.records[0], h.particles) || !sound_motion(g->grains.records[0], h.grains))
-    return false;
+  if (!sound_motion(g->particles.records[0], h.particles) || !sound_motion(g->grains.records, h.grains)) return false;
   if (!sound_motion(boundary_particles(*g), h.boundary)) return false;
-  // The lists are invalid by now: their memory serves for marks. The sorted copy of the grains does for them.
+  // The lists are invalid by now: their memory serves for marks. The keys of the last sort do for the grains.
   if (!sound_numbers(g->particles.records[0], h.particles, g->flow.free_particles, h.free_particles,
                      g->neighbours.lists))
     return false;
   if (h.grains + static_cast<uint64_t>(h.free_grains) != 0 &&
-      !sound_numbers(g->grains.records[0], h.grains, g->flow.free_grains, h.free_grains,
-                     reinterpret_cast<uint32_t*>(g->grains.records[1])))
+      !sound_numbers(g->grains.records, h.grains, g->flow.free_grains, h.free_grains, g->grains.sort.keys))
     return false;
   for (uint32_t i = 0; i < h.boundary; ++i) {
     if (!is_fixed(boundary_particles(*g)[i])) return false;
   }
   for (uint32_t i = 0; i < h.grains; ++i) {
-    if (!within(g->grains.records[0][i].still_sweeps, 0.0f, 1e9f)) return false;
+    if (!within(g->grains.records[i].still_sweeps, 0.0f, 1e9f)) return false;
   }
   uint32_t slots = 0, awake = 0, in_bodies = 0;
   for (uint32_t b = 0; b < h.bodies; ++b) {

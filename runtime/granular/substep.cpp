@@ -329,6 +329,10 @@ void substep_abandon(Granular* g) {
   if (s.phase == SubstepPhase::sort || s.phase == SubstepPhase::lists) {
     g->neighbours.valid = false;  // the records may have moved already
     bodies_find_rows(g);
+    // The lists count the awake as they are built.
+    g->sleep.awake_count = 0;
+    for (uint32_t i = 0; i < g->particles.count; ++i)
+      g->sleep.awake_count += is_awake(g->particles.records[0][i]) ? 1u : 0u;
   }
   s.phase = SubstepPhase::idle;
   s.due &= bit(SubstepPhase::touch);

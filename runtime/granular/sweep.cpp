@@ -121,14 +121,10 @@ void begin_sort(Granular* g) {
 
 bool run_sort(Granular* g) {
   Grains& grains = g->grains;
-  const SortTarget target = {as_records(grains.records[1]), {nullptr, nullptr, nullptr}, false};
-  cell_sort_run(&grains.sort, *g->kernels, as_records(grains.records[0]), grains.count, g->unit, target);
-  if (grains.sort.phase != k_sort_done) return false;
-  Grain* sorted = grains.records[1];
-  grains.records[1] = grains.records[0];
-  grains.records[0] = sorted;
+  const SortTarget in_place = {as_records(grains.records), {nullptr, nullptr, nullptr}, false};
   g->grain_sleep.groups_changed = true;
-  return true;
+  cell_sort_run(&grains.sort, *g->kernels, in_place.records, grains.count, g->unit, in_place);
+  return grains.sort.phase == k_sort_done;
 }
 
 float minimum_of(float a, float b) { return a < b ? a : b; }
@@ -151,7 +147,7 @@ bool run_refine(Granular* g) {
   a.snapshot = snapshot.particles;
   for (int k = 0; k < 3; ++k) a.positions[k] = snapshot.positions[k], a.gravity[k] = g->gravity[k];
   a.motion = source_rule(*g) ? nullptr : &g->motion.grid;
-  a.grains = g->grains.records[0];
+  a.grains = g->grains.records;
   a.grain_count = g->grains.count;
   a.groups = g->grain_sleep.groups;
   a.still = g->grain_sleep.still;
@@ -285,7 +281,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   if (sweeps == 0) return 0;
   entries[0] = {k_unit_snapshot, sweeps * 2 * g.particles.count};
   const uint64_t refined = g.grain_sleep.still_groups == 0 ? g.grains.count : refine_items(g);
-  entries[1] = {k_unit_grain_sort, sweeps * 2 * refined / static_cast<uint64_t>(k_sweeps_per_sort)};
+  entries[1] = {k_unit_grain_sort, sweeps * 3 * refined / static_cast<uint64_t>(k_sweeps_per_sort)};
   entries[2] = {k_unit_refine, sweeps * refined};
   if (source_rule(g)) return 3;
   entries[3] = {k_unit_motion, sweeps * motion_items_of_a_sweep(g, level < SANDGLASS_LEVEL_COARSE)};

@@ -60,13 +60,14 @@ void remember(const Room& room, Memory* memory) {
     memory->seen[i] = static_cast<double>(room.parts[i].seen) * room_memory(room, room.parts[i]);
 }
 
-double solid_angle(uint32_t row) { return sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin; }
-
 Overview overview_of(const Room& room, const Memory& memory) {
+  double solid_angles[k_room_rows];  // of a part, 1 on the horizon
+  for (uint32_t row = 0; row < k_room_rows; ++row)
+    solid_angles[row] = sin_cos_turns((row + 0.5) / (2 * k_room_rows)).sin;
   double mean = 0, area = 0, colour[3] = {}, floor = 0, floor_area = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
     const RoomPart& part = room.parts[i];
-    const double weight = memory.seen[i] * solid_angle(i / k_room_columns), y = luminance(part.radiance);
+    const double weight = memory.seen[i] * solid_angles[i / k_room_columns], y = luminance(part.radiance);
     mean += weight * y, area += weight;
     // A lamp does not colour the rest: each part counts by the root of its brightness.
     const double root = y > 0 ? weight / square_root(y) : 0;
@@ -79,7 +80,7 @@ Overview overview_of(const Room& room, const Memory& memory) {
   double logarithms = 0;
   for (uint32_t i = 0; i < k_room_parts; ++i) {
     const RoomPart& part = room.parts[i];
-    const double weight = memory.seen[i] * solid_angle(i / k_room_columns), y = luminance(part.radiance);
+    const double weight = memory.seen[i] * solid_angles[i / k_room_columns], y = luminance(part.radiance);
     if (weight > 0) logarithms += weight * logarithm(y > least ? y : least);
   }
   all.level = exponential(logarithms / area);

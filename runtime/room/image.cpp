@@ -62,9 +62,18 @@ struct Observation {
 
 double fraction(double x) { return x - static_cast<double>(floor_index(x)); }
 
-bool may_be_seen(const RoomView& view, uint32_t row, uint32_t column) {
+SinCos elevation_of(double row) { return sin_cos_turns((row / k_room_rows - 0.5) / 2); }
+SinCos azimuth_of(double column) { return sin_cos_turns(column / k_room_columns); }
+
+void direction_of(const SinCos& elevation, const SinCos& azimuth, double direction[3]) {
+  direction[0] = elevation.cos * azimuth.cos;
+  direction[1] = elevation.sin;
+  direction[2] = elevation.cos * azimuth.sin;
+}
+
+bool may_be_seen(const RoomView& view, const SinCos& elevation, uint32_t column) {
   double direction[3], squared = 0, along = 0;
-  room_direction(row + 0.5, column + 0.5, direction);
+  direction_of(elevation, azimuth_of(column + 0.5), direction);
   for (int k = 0; k < 3; ++k) {
     const double v = direction[k] - view.position[k];
     squared += v * v, along += v * view.to_camera[2][k];
@@ -92,11 +101,16 @@ bool pixel_of(const RoomView& view, const double direction[3], uint32_t* x, uint
 Observation observe(const RoomView& view, uint32_t images, uint32_t row, uint32_t column, uint32_t points) {
   Observation seen;
   const double down = fraction(images * k_step_row), across = fraction(images * k_step_column);
+  SinCos elevations[k_points], azimuths[k_points];
+  for (uint32_t i = 0; i < points; ++i) {
+    elevations[i] = elevation_of(row + (i + down) / points);
+    azimuths[i] = azimuth_of(column + (i + across) / points);
+  }
   uint32_t count = 0, white = 0;
   for (uint32_t i = 0; i < points; ++i)
     for (uint32_t j = 0; j < points; ++j) {
       double direction[3];
-      room_direction(row + (i + down) / points, column + (j + across) / points, direction);
+      direction_of(elevations[i], azimuths[j], direction);
       uint32_t x, y;
       if (!pixel_of(view, direction, &x, &y)) continue;
       uint8_t rgb[3];
@@ -221,11 +235,7 @@ bool due(const Room& room, uint64_t time_ns) {
 }  // namespace
 
 void room_direction(double row, double column, double direction[3]) {
-  const SinCos elevation = sin_cos_turns((row / k_room_rows - 0.5) / 2),
-               azimuth = sin_cos_turns(column / k_room_columns);
-  direction[0] = elevation.cos * azimuth.cos;
-  direction[1] = elevation.sin;
-  direction[2] = elevation.cos * azimuth.sin;
+  direction_of(elevation_of(row), azimuth_of(column), direction);
 }
 
 void room_to_sphere(const Room& room, const double world[3], double sphere[3]) {
@@ -282,10 +292,15 @@ uint32_t room_units_left(const Room& room) {
 
 void room_run_unit(Room* room) {
   RoomView* view = &room->view;
-  for (uint32_t end = room->cursor + k_room_unit_parts; room->cursor < end; ++room->cursor) {
-    if (!may_be_seen(*view, room->cursor / k_room_columns, room->cursor % k_room_columns)) continue;
-    if (room->phase == RoomPhase::overlap) compare(room, room->cursor);
-    else learn(room, room->cursor);
+  static_assert(k_room_unit_parts % k_room_columns == 0);
+  for (uint32_t end = room->cursor + k_room_unit_parts; room->cursor < end;) {
+    const uint32_t row = room->cursor / k_room_columns;
+    const SinCos elevation = elevation_of(row + 0.5);
+    for (uint32_t column = 0; column < k_room_columns; ++column, ++room->cursor) {
+      if (!may_be_seen(*view, elevation, column)) continue;
+      if (room->phase == RoomPhase::overlap) compare(room, room->cursor);
+      else learn(room, room->cursor);
+    }
   }
   if (room->cursor < k_room_parts) return;
   room->cursor = 0;

@@ -5,8 +5,6 @@
 namespace sandglass {
 namespace {
 
-float length_of(const float* v) { return __builtin_sqrtf(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
-
 sandglass_status check(const sandglass_scene_desc* desc, const char** reason) {
   if (desc == nullptr)
     return refuse(reason, "desc is NULL: pass a description filled by sandglass_scene_desc_default.");
@@ -14,8 +12,7 @@ sandglass_status check(const sandglass_scene_desc* desc, const char** reason) {
     return refuse(reason,
                   "desc.struct_size is not this library's: fill the description with sandglass_scene_desc_default.");
   }
-  const float g = length_of(desc->gravity);
-  if (!(g <= 1000.0f)) return refuse(reason, "desc.gravity must be finite and at most 1000 m/s^2.");
+  if (!gravity_fits(desc->gravity)) return refuse(reason, "desc.gravity must be finite and at most 1000 m/s^2.");
   if (desc->unit_items < 16 || desc->unit_items > 65536 || desc->unit_items % 16 != 0) {
     return refuse(reason, "desc.unit_items must be a multiple of 16 from 16 to 65536.");
   }
@@ -39,6 +36,7 @@ void reset(sandglass_scene* scene) {
   governor_init(&scene->governor, scene->desc.clock, scene->desc.trace, SANDGLASS_LEVEL_COUNT);
   scene->governor.finest_level = scene->desc.finest_level;
   granular_reset(&scene->granular);
+  granular_set_gravity(&scene->granular, scene->desc.gravity);
   scene->frame = 0;
 }
 

@@ -55,7 +55,7 @@ sandglass_status check(const sandglass_scene* scene, const sandglass_frame_input
 Sand sand_as_drawn(const Granular& g) {
   const bool grains = g.grains.count != 0;
   const bool moving = g.sleep.awake_count != 0 || (grains && g.grain_sleep.group_count != 0);
-  if (grains) return {{nullptr, &g.grains.records[0], nullptr, g.grains.count, g.desc.grain_radius}, moving};
+  if (grains) return {{nullptr, &g.grains.records, nullptr, g.grains.count, g.desc.grain_radius}, moving};
   return {{&g.particles.records[0], nullptr, nullptr, g.particles.count, g.desc.particle_radius}, moving};
 }
 

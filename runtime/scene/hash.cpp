@@ -31,7 +31,7 @@ uint64_t sandglass_scene_hash(const sandglass_scene* scene) {
     hash += item_hash(k_hashed_particle, p.identity, p.position, p.velocity);
   }
   for (uint32_t i = 0; i < g.grains.count; ++i) {
-    const Grain& grain = g.grains.records[0][i];
+    const Grain& grain = g.grains.records[i];
     hash += item_hash(k_hashed_grain, grain.number, grain.position, grain.velocity);
   }
   return hash;

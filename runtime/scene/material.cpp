@@ -45,6 +45,18 @@ sandglass_status sandglass_granular_set_friction(sandglass_scene* scene, float s
   return accept(reason);
 }
 
+sandglass_status sandglass_scene_set_gravity(sandglass_scene* scene, const float gravity[3], const char** reason) {
+  if (scene == nullptr) return refuse(reason, k_no_scene);
+  if (gravity == nullptr)
+    return refuse(reason, "sandglass_scene_set_gravity: gravity is NULL: pass its x, y and z in m/s^2.");
+  if (!gravity_fits(gravity))
+    return refuse(reason, "sandglass_scene_set_gravity: gravity must be finite and at most 1000 m/s^2.");
+  const FloatingPointControl saved = floating_point_enter();
+  granular_set_gravity(&scene->granular, gravity);
+  floating_point_restore(saved);
+  return accept(reason);
+}
+
 sandglass_status sandglass_scene_move(sandglass_scene* scene, const float rotation[4], const float translation[3],
                                       const char** reason) {
   if (scene == nullptr) return refuse(reason, k_no_scene);

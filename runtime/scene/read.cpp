@@ -42,7 +42,7 @@ void sandglass_granular_particles(const sandglass_scene* scene, float* positions
 void sandglass_granular_grains(const sandglass_scene* scene, float* positions, float* velocities) {
   if (scene == nullptr) return;
   const Granular& g = scene->granular;
-  copy_items(g.grains.records[0], g.grains.count, g.flow.free_grains, g.flow.free_grain_count, positions, velocities);
+  copy_items(g.grains.records, g.grains.count, g.flow.free_grains, g.flow.free_grain_count, positions, velocities);
 }
 
 sandglass_body_pose sandglass_granular_body_pose(const sandglass_scene* scene, uint32_t index) {

@@ -194,10 +194,11 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
     if (t.valid != 0 && t.light[0] != last_azimuth) ++law.textures, last_azimuth = t.light[0];
   }
   std::printf(
-      "budget %.0f ms%s: p99.9 of CPU time %.2f ms, worst quality level %u, a fresh shadow every %.1f frames, first "
-      "light in frame %d; %d frames with time debt, at most %.1f ms and %d in a row, the last one %.1f ms\n",
+      "budget %.0f ms%s: all frames but one within %.2f ms of CPU time, worst quality level %u, a fresh shadow every "
+      "%.1f frames, first light in frame %d; %d frames with time debt, at most %.1f ms and %d in a row, the last one "
+      "%.1f ms\n",
       1e-6 * static_cast<double>(budget_ns), units != nullptr ? ", units' own clock" : "",
-      1e-6 * static_cast<double>(percentile_999(spent)), law.worst_level,
+      1e-6 * static_cast<double>(percentile_999(spent)), law.worst_level,  // of 400 the second largest
       static_cast<double>(k_frames) / std::max(1, law.textures), law.first_light, law.owing, 1e3 * law.debt,
       law.longest_owing, 1e3 * law.last_debt);
   return law;
@@ -228,7 +229,15 @@ void expect_law(uint64_t budget_ns, const Least& least) {
 
 // Time debt is paid back while it is less than two frames. The library gives up more than that.
 TEST(ShotBudget, EightMillisecondsHold) { expect_law(8'000'000, {0, 2 * k_step, k_frames / 2, 14}); }
-TEST(ShotBudget, FourMillisecondsHold) { expect_law(4'000'000, {HUGE_VAL, HUGE_VAL, k_frames / 4, 28}); }  // any debt
+
+// A processor that others share takes up to twice the time for the same work. The debt is no more than what 4 ms leave
+// on a machine half as fast, by the work units' own clock.
+TEST(ShotBudget, FourMillisecondsHold) {
+  UnitClock half;
+  half.scale = 2;
+  const Law slow = run(4'000'000, false, &half);
+  expect_law(4'000'000, {slow.last_debt, slow.debt, k_frames / 4, 28});
+}
 
 // All work fits 8 ms, at times only at a lower quality level. No frame has time debt, not even the first one, in which
 // no cost is known.

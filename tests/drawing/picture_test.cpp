@@ -156,6 +156,37 @@ TEST(SphereCaster, HitsTheNearerSphereAtTheAnalyticDistance) {
   EXPECT_FALSE(caster.occluded({0.3, 0.0, 5.0}, {0.0, 0.0, -1.0}, 4.0));
 }
 
+TEST(SphereCaster, EachSphereHasItsSize) {
+  const std::vector<float> two = {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, -3.0f}, sizes = {0.5f, 2.0f};
+  const SphereCaster caster(two, 0.5f, sizes);
+  SphereHit hit;
+  hit.distance = 100.0;
+  ASSERT_TRUE(caster.closest({0.2, 0.0, 5.0}, {0.0, 0.0, -1.0}, &hit));
+  EXPECT_EQ(hit.index, 0u);
+  EXPECT_NEAR(hit.distance, 4.85, 1e-4);  // sqrt(0.25^2 - 0.2^2) = 0.15
+  hit.distance = 100.0;
+  ASSERT_TRUE(caster.closest({0.6, 0.0, 5.0}, {0.0, 0.0, -1.0}, &hit));
+  EXPECT_EQ(hit.index, 1u);
+  EXPECT_NEAR(hit.distance, 7.2, 1e-4);  // sqrt(1^2 - 0.6^2) = 0.8
+}
+
+TEST(Grains, DifferInSizeAndHaveFaces) {
+  constexpr uint32_t k_count = 2000;
+  double sum = 0.0, flat = 0.0;
+  for (uint32_t i = 0; i < k_count; ++i) {
+    const double size = grain_size(i);
+    EXPECT_TRUE(size >= 0.75 && size <= 1.2) << size;
+    sum += size;
+    // A face turns a normal by at most its rim, whose cosine is 0.75 or more. Its middle is turned by nothing.
+    const double turned = dot(grain_normal(i, {0, 1, 0}), Vec3{0, 1, 0});
+    EXPECT_GE(turned, 0.75);
+    flat += turned < 0.9999 ? 1 : 0;
+  }
+  EXPECT_NEAR(sum / k_count, 0.975, 0.01);  // uniform: its deviation 0.13 over the root of 2,000 is 0.003
+  // Seven faces cover (1 - 0.85) / 2 of the sphere each, on the average: together 1 - (1 - 0.075)^7 = 0.42 of it.
+  EXPECT_NEAR(flat / k_count, 0.42, 0.05);
+}
+
 TEST(AutomaticCamera, FramesEveryBox) {
   Bounds boxes[2];
   boxes[0].add({-0.1, 0.5, -0.1}), boxes[0].add({0.1, 0.9, 0.1});

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "platform/virtual_clock.h"
+#include "runtime/core/random.h"
 #include "tests/granular/granular_scene.h"
 
 namespace {
@@ -83,6 +84,36 @@ TEST(Determinism, PoolAndUnitSizeDoNotShow) {
   for (const uint32_t items : {16u, 128u, 65536u}) {
     desc.unit_items = items;
     EXPECT_EQ(run(desc, 4), alone) << items << " items a unit";
+  }
+}
+
+// Grains are moved in place, so a piece that ran twice would show.
+TEST(Determinism, APoolThatDoesNotKeepItsWordDoesNoHarm) {
+  using Pool = void (*)(void*, void (*)(void*, uint32_t), void*, uint32_t);
+  const Pool faulty[] = {[](void*, void (*)(void*, uint32_t), void*, uint32_t) {},
+                         [](void*, void (*task)(void*, uint32_t), void* context, uint32_t count) {
+                           for (uint32_t i = 1; i < count; i += 2) task(context, i);
+                         },
+                         [](void*, void (*task)(void*, uint32_t), void* context, uint32_t count) {
+                           for (uint32_t i = 0; i < 2 * count; ++i) task(context, i / 2);
+                           for (uint32_t i = count; i-- > 0;) task(context, i);
+                         },
+                         [](void*, void (*task)(void*, uint32_t), void* context, uint32_t count) {
+                           for (uint32_t i = 0; i < 3 * count; ++i) task(context, i);
+                           task(context, ~0u);
+                         },
+                         [](void* random, void (*task)(void*, uint32_t), void* context, uint32_t count) {
+                           for (uint32_t i = 0; i < count; ++i)
+                             task(context, static_cast<sandglass::Random*>(random)->below(count));
+                         }};
+  sandglass_scene_desc desc = description(k_particles, k_grains);
+  desc.unit_items = 4096;
+  const uint64_t alone = run(desc, 4);
+  sandglass::Random random{1};
+  desc.parallel.user = &random;
+  for (const Pool pool : faulty) {
+    desc.parallel.run = pool;
+    EXPECT_EQ(run(desc, 4), alone) << "pool " << &pool - faulty;
   }
 }
 

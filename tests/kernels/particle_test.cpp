@@ -6,6 +6,8 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
+#include <vector>
 
 #include "kernels/whole.h"
 
@@ -32,6 +34,47 @@ TEST(Whole, TruncatesWhatFitsAndEndsAtTheNearestThatDoes) {
   EXPECT_EQ(to_whole<uint64_t>(18446744073709551616.0), UINT64_MAX);
   EXPECT_EQ(to_whole<int64_t>(-9223372036854775808.0), INT64_MIN);
   EXPECT_EQ(to_whole<int64_t>(static_cast<double>(NAN)), 0);
+}
+
+// Powers of two and their neighbours, both signs, what is not finite, and the smallest numbers.
+template <class Real>
+std::vector<Real> special_values() {
+  using Limits = std::numeric_limits<Real>;
+  std::vector<Real> values = {Limits::quiet_NaN(), -Limits::quiet_NaN(), Limits::signaling_NaN()};
+  for (const Real sign : {Real{1}, Real{-1}}) {
+    for (const Real x :
+         {Real{0}, Real{0.5}, Real{1.5}, Limits::denorm_min(), Limits::min(), Limits::max(), Limits::infinity()})
+      values.push_back(sign * x);
+    for (int power = 0; power <= 100; ++power) {
+      const Real x = std::ldexp(Real{1}, power);
+      for (const Real near : {x, std::nextafter(x, Real{0}), std::nextafter(x, Limits::infinity())})
+        values.push_back(sign * near);
+    }
+  }
+  return values;
+}
+
+// Against comparisons in a type that holds every value exactly. `volatile`: what the processor does, not the compiler.
+template <class Whole, class Real>
+void expect_bounded() {
+  using Limits = std::numeric_limits<Whole>;
+  for (const Real value : special_values<Real>()) {
+    const long double exact = std::trunc(static_cast<long double>(value));
+    const Whole nearest = std::isnan(value)                                  ? Whole{0}
+                          : exact <= static_cast<long double>(Limits::min()) ? Limits::min()
+                          : exact >= static_cast<long double>(Limits::max()) ? Limits::max()
+                                                                             : static_cast<Whole>(exact);
+    const volatile Real unknown = value;
+    EXPECT_EQ(to_whole<Whole>(static_cast<Real>(unknown)), nearest) << value;
+  }
+}
+
+TEST(Whole, BoundsEverySpecialValueAlikeOnEveryProcessor) {
+  expect_bounded<int32_t, float>(), expect_bounded<uint32_t, float>();
+  expect_bounded<int64_t, float>(), expect_bounded<uint64_t, float>();
+  expect_bounded<int32_t, double>(), expect_bounded<uint32_t, double>();
+  expect_bounded<int64_t, double>(), expect_bounded<uint64_t, double>();
+  expect_bounded<uint8_t, float>(), expect_bounded<uint8_t, double>(), expect_bounded<int16_t, double>();
 }
 
 TEST(Particle, SleepsAndWakesWithItsMassAndItsNumberButAtRest) {

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <ostream>
 #include <string>
 
 #include "models/drawing/plot.h"
@@ -22,6 +23,8 @@ struct QuickGroup {
   const char* name;
   size_t least_rows;
 };
+void PrintTo(const QuickGroup& group, std::ostream* out) { *out << group.name; }
+
 class QuickVerdicts : public testing::TestWithParam<QuickGroup> {};
 
 TEST_P(QuickVerdicts, EveryRowHolds) {

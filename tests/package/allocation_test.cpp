@@ -80,6 +80,7 @@ TEST(Allocation, TenThousandFramesMakeNoCall) {
     }
     // Budgets from nothing to plenty, so that all quality levels, denied units and time debt occur.
     input.budget_ns = frame % 3 * k_half_budget_ns;
+    fine = fine && scene.set_gravity({0.01f * static_cast<float>(frame % 300), -9.81f, 0.0f});
     for (uint32_t i = 1; i < 4; ++i) colliders[i].position[0] = 0.001f * static_cast<float>((frame + 50 * i) % 200);
     fine = fine && scene.frame(input, &report);
   }

@@ -177,6 +177,7 @@ void Nulls::scenes() {
   row(NAMED(sandglass_scene_create), "", &desc, spare.get(), bytes, &made);
   row(NAMED(sandglass_scene_desc_default), "", &desc);
   row(NAMED(sandglass_scene_reset), "", s);
+  row(NAMED(sandglass_scene_set_gravity), "", s, low);
   row(NAMED(sandglass_scene_move), "rotation translation", s, point, low);
   std::vector<uint8_t> saved(1 << 20);
   uint64_t written = 0;

@@ -13,7 +13,7 @@ PATIENCE = 60  # seconds for one answer, on a busy machine
 
 
 class Browser:
-    def __init__(self, program, width=1200, height=900):
+    def __init__(self, program, width=1200, height=900, flags=()):
         self.profile = tempfile.mkdtemp(prefix="sandglass-page-")
         to_read, self.to_write = os.pipe()
         self.from_read, from_write = os.pipe()
@@ -26,7 +26,7 @@ class Browser:
         self.process = subprocess.Popen(
             [program, "--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars",
              "--disable-background-networking", "--disable-component-update", "--no-first-run", "--remote-debugging-pipe",
-             f"--window-size={width},{height}", f"--user-data-dir={self.profile}", "about:blank"],
+             f"--window-size={width},{height}", f"--user-data-dir={self.profile}", *flags, "about:blank"],
             preexec_fn=place_pipes, close_fds=False, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL)
         os.close(to_read)

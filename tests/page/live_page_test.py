@@ -1,13 +1,17 @@
 #!/usr/bin/env python3
 """The live page in headless Chromium: it opens from its file without a complaint and without another request, sand falls, a finger
-pours and pushes, the fixed run ends in the hash of the program, a recording plays to the bit, a mesh becomes sand, a wrong file is answered with one sentence, and
-memory does not grow.
+pours and pushes, a phone that is tipped tips the table, the fixed run ends in the hash of the program, a recording plays to the bit,
+also from a link, a mesh becomes sand, a wrong file is answered with one sentence, the light is that of a camera, augmented reality
+runs on an emulated device, and memory does not grow.
 
-live_page_test.py WEB_SCENE SANDGLASS NPM_FOLDER WORK_FOLDER [--screenshots]
+live_page_test.py WEB_SCENE SANDGLASS NPM_FOLDER WORK_FOLDER [--screenshots] [--minutes N]
 Exit code 77: there is no Chromium here, or no program to compare with."""
+import base64
+import json
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
 import time
@@ -19,8 +23,9 @@ SKIPPED = 77
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FRAMES = 300
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0.5 0 0.9\nv 0.5 0.9 0.3\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n"
+CAMERA = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
 OF_THE_MACHINE = ("fallback to software WebGL", "GPU stall due to ReadPixels")  # there is no GPU, and screenshots are read back
-BAD_FILES = {"a.obj": "v 0 0 0\nf 1 2 3\n", "b.obj": "v 0 zero 0\n", "c.obj": "", "d.gltf": "{}", "e.json": "{", "f.json": '{"sandglass": "recording"}', "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"}
+BAD_FILES = {"a.obj": "v 0 0 0\nf 1 2 3\n", "b.obj": "v 0 zero 0\n", "c.obj": "", "d.gltf": "{}", "e.glb": "glTF", "g.stl": "solid", "e.json": "{", "f.json": '{"sandglass": "recording"}', "flat.obj": "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"}
 
 
 def check(condition, sentence):
@@ -46,6 +51,18 @@ def assemble(web_scene, npm, work):
     subprocess.run([web_scene, ROOT / "models/page/page.json", scene], check=True)
     subprocess.run([sys.executable, ROOT / "models/page/assemble.py", npm, scene, ROOT / "models/shadows/chair.shadow", page], check=True)
     return page
+
+
+def gltf_tetrahedron():
+    places = struct.pack("<12f", 0, 0, 0, 1, 0, 0, 0.5, 0, 0.9, 0.5, 0.9, 0.3)
+    corners = struct.pack("<12H", 0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0)
+    uri = "data:application/octet-stream;base64," + base64.b64encode(places + corners).decode()
+    return json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+                       "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+                       "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                                     {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}],
+                       "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
+                       "buffers": [{"byteLength": 72, "uri": uri}]})
 
 
 def drop(browser, name, text):
@@ -108,6 +125,126 @@ def check_keyboard(browser):
     check(not unnamed, f"without a name for a screen reader: {unnamed}")
 
 
+def check_tilt(browser):
+    """The phone is tipped to its right, and the sand's middle goes there; sliders and keys do the same."""
+    hold = lambda beta, gamma: browser.call("DeviceOrientation.setDeviceOrientationOverride", alpha=0, beta=beta, gamma=gamma)
+    middle = """(() => { const {page} = sandglassPage, n = page.scene.report.grain_numbers, g = page.sand.floats(page.scene.grains, 4 * n);
+        let sum = 0, count = 0;
+        for (let i = 0; i < n; ++i) if (g[4 * i + 3] >= 0) sum += page.camera.axes().right.reduce((s, x, k) => s + x * g[4 * i + k], 0), ++count;
+        return sum / count; })()"""
+    before = browser.ask(middle)
+    hold(40, 0)
+    browser.ask("document.getElementById('tilt').click()")
+    wait_until(browser, "sandglassPage.page.level !== undefined")
+    level = browser.ask("sandglassPage.page.gravity")
+    check(abs(level[0]) < 0.01 and abs(level[1] + 9.81) < 0.01, f"held still, gravity is {level}")
+    check(browser.ask("sandglassPage.page.tipped") is False, "the table counts as tipped while the phone is held still")
+    hold(40, 60)
+    wait_until(browser, "Math.hypot(sandglassPage.page.given[0], sandglassPage.page.given[2]) > 5")
+    wait_until(browser, middle + f" > {before} + 0.04")
+    browser.ask("document.getElementById('tilt').click()")
+    check(browser.ask("sandglassPage.page.gravity[1]") < -9.8, "switched off, the table is not level")
+    browser.ask("document.getElementById('view').focus()")
+    browser.key("j", 74)
+    check(browser.ask("document.getElementById('right').value") == "-2" and browser.ask("sandglassPage.page.gravity[0]") < -0.3, "the key J does not tip")
+    browser.ask("document.getElementById('right').value = 0; document.getElementById('right').dispatchEvent(new Event('input'))")
+    check("level" in browser.ask("document.getElementById('says').textContent"), "the slider says nothing")
+
+
+def check_camera(browser, work):
+    """The light becomes that of what a (green) camera sees, and the sliders' again when it is off."""
+    light = "[...sandglassPage.page.painter.light.ambient.slice(0, 3)]"
+    slid = browser.ask(light)
+    browser.ask("document.getElementById('camera').click()")
+    wait_until(browser, "sandglassPage.page.room?.now.valid === 1 && sandglassPage.page.lit")
+    wait_until(browser, f"(([r, g, b]) => g > 1.2 * r && g > 1.2 * b)({light})")
+    print("the room's light:", browser.ask("(({seen, main_share, irradiance}) => ({seen, main_share, irradiance: [...irradiance]}))(sandglassPage.page.room.now)"))
+    if work:
+        browser.screenshot(work / "camera.png")
+    browser.ask("window.track = sandglassPage.page.watching.stream.getTracks()[0]; document.getElementById('camera').click()")
+    check(browser.ask("window.track.readyState") == "ended", "the camera goes on after it was switched off")
+    check(browser.ask(light) == slid, "the light is not the sliders' again")
+
+
+def check_link(browser):
+    """A recording of some frames goes into the address, and the page that is opened by it plays them to the bit."""
+    browser.ask("sandglassPage.page.again()")
+    browser.ask("sandglassPage.page.tipByAngles(12, 5), sandglassPage.page.at = [0.2, 0, 0.2]")
+    wait_until(browser, "sandglassPage.page.recorded.length >= 40")
+    browser.ask("sandglassPage.page.measuring = true")
+    frames, wanted = browser.ask("[sandglassPage.page.recorded.length, sandglassPage.page.scene.hash()]")
+    browser.ask("document.getElementById('share').click()")
+    wait_until(browser, "location.hash.length > 100")
+    length = browser.ask("location.hash.length")
+    print(f"a link of {frames} frames has {length} characters")
+    check(length < 100 * frames, "the link is long")
+    browser.events.clear()
+    browser.call("Page.reload")
+    said = "document.getElementById('says').textContent"
+    wait_until(browser, f"document.readyState === 'complete' && !!{said} && !{said}.startsWith('Playing') && !{said}.startsWith('The link')")
+    check(browser.ask(said) == f"The recording ends here as it did where it was made, to the bit: {wanted}.", browser.ask(said))
+    browser.ask("document.getElementById('says').textContent = ''; location.hash = location.hash.slice(0, -40)")
+    wait_until(browser, f"{said} !== ''")
+    check("cut off or damaged" in browser.ask(said), f"a link that was cut is answered: {browser.ask(said)}")
+
+
+def check_real(browser):
+    """Without WebXR the page says what is missing. With an emulated device the scene stands on the table that was hit, a finger pours
+    there, the device's light is drawn, and the library makes its own of the camera's picture."""
+    said = "document.getElementById('says').textContent"
+    browser.ask("document.getElementById('says').textContent = ''; document.getElementById('real').click()")
+    wait_until(browser, f"{said} !== ''")
+    check("missing" in browser.ask(said) or "no WebXR" in browser.ask(said), f"without a device it says: {browser.ask(said)}")
+    browser.ask((ROOT / "tests/page/emulated_xr.js").read_text() + "; document.getElementById('real').click()")
+    wait_until(browser, "!!sandglassPage.page.real")
+    asked = browser.ask("emulated.asked")
+    check(asked["mode"] == "immersive-ar" and "hit-test" in asked["requiredFeatures"] and "light-estimation" in asked["optionalFeatures"], str(asked))
+    browser.ask("sandglassPage.page.again(); emulated.step()")
+    check(browser.ask("sandglassPage.page.scene.frames") == 0, "time passes before the scene was placed")
+    browser.ask("emulated.select('selectstart'); emulated.select('selectend'); emulated.step(2)")
+    table = browser.ask("sandglassPage.page.real.table")
+    check(table == browser.ask("emulated.table"), f"the scene stands at {table}")
+    browser.ask("emulated.select('selectstart'); emulated.step(30)")
+    at = browser.ask("sandglassPage.page.at")
+    check(at is not None and max(abs(x) for x in at) < 0.01, f"the finger points at {at}, and not at the middle")
+    check(browser.ask("sandglassPage.page.recorded.some(f => f.emitters.some(e => Math.abs(e.position[0]) < 0.01))"), "no sand was poured there")
+    browser.ask("emulated.select('selectend')")
+    browser.ask("emulated.step(20)")
+    light = browser.ask("(({toLight, sun, ambient}) => [toLight, [...sun], [...ambient.slice(0, 3)]])(sandglassPage.page.painter.light)")
+    wanted = [[0, 0.6, 0.8], [1, 1, 0], [0.282095, 0.56419, 0.846285]]
+    check(all(abs(a - b) < 1e-5 for got, want in zip(light, wanted) for a, b in zip(got, want)), f"the device's light is drawn as {light}")
+    own = browser.ask("[sandglassPage.page.room.now.valid, ...sandglassPage.page.room.now.irradiance]")
+    check(own[0] == 1 and own[1] > 1.5 * own[2], f"of a red picture the library makes the light {own}")
+    pixels = browser.ask("(emulated.step(), emulated.pixels())")
+    print("augmented reality, pixels:", pixels)
+    check(min(pixels.values()) > 50 and pixels["nothing"] > pixels["scene"], f"over the camera's picture lie {pixels}")
+    browser.ask("emulated.session.dispatchEvent(new Event('end'))")
+    before = browser.ask("sandglassPage.page.scene.frames")
+    wait_until(browser, f"sandglassPage.page.real === null && sandglassPage.page.scene.frames > {before}")
+
+
+def watch_memory(browser, minutes):
+    """For so long sand is poured, tipped away and cleared, meshes are dropped and the camera watches: memory comes to rest."""
+    browser.ask("document.getElementById('camera').click()")
+    sizes, end, turn = [], time.monotonic() + 60 * minutes, 0
+    while time.monotonic() < end:
+        browser.ask("sandglassPage.page.at = [0.2, 0, 0.2]")
+        time.sleep(5)
+        browser.ask(f"sandglassPage.page.at = null; sandglassPage.page.tipByAngles({20 if turn % 2 else -20}, 0)")
+        drop(browser, "mesh.gltf", gltf_tetrahedron())
+        time.sleep(5)
+        browser.ask("sandglassPage.page.again()")
+        turn += 1
+        browser.call("HeapProfiler.collectGarbage")
+        heap = browser.call("Runtime.getHeapUsage")["usedSize"]
+        sizes.append((browser.ask("sandglassPage.page.sand.memory.buffer.byteLength"), heap))
+        print(f"{turn}: module {sizes[-1][0]} bytes, JavaScript {heap} bytes", flush=True)
+    third = len(sizes) // 3
+    check(third > 0 and sizes[-1][0] == sizes[third][0], "the module's memory grows")
+    early, late = (max(heap for _, heap in part) for part in (sizes[third:2 * third], sizes[-third:]))
+    check(late < 1.1 * early, f"JavaScript's memory grows from {early} to {late} bytes")
+
+
 def check_memory(browser):
     bytes_of = "sandglassPage.page.sand.memory.buffer.byteLength"
     before, first = browser.ask(bytes_of), browser.ask("sandglassPage.page.scene.frames")
@@ -122,7 +259,8 @@ def check_recording(browser):
     browser.ask("sandglassPage.page.measuring = true")
     browser.ask("window.recording = sandglassPage.page.recording()")
     frames, added = browser.ask("[recording.frames.length, recording.frames.filter(f => f.added).length]")
-    check(frames > 60 and added == 1, f"{frames} frames were recorded, and sand was added {added} times")
+    check(frames > 60 and added == 2, f"{frames} frames were recorded, and sand was added {added} times")
+    check(browser.ask("new Set(recording.frames.map(f => `${f.gravity}`)).size > 2"), "no tilt was recorded")
     browser.ask("void sandglassPage.page.play(recording, () => 0).then(h => { window.played = h; }, e => { window.played = e.message; })")
     wait_until(browser, "window.played", 900)
     check(browser.ask("window.played === recording.hash"), browser.ask("window.played"))
@@ -157,29 +295,42 @@ def main():
     page = assemble(web_scene, npm, work)
     check(page.stat().st_size <= 3e6, "the page is larger than 3 MB")
     driver.PATIENCE = 240
-    browser = Browser(program, 700, 620)  # it is drawn on the CPU
+    pictures = work if "--screenshots" in sys.argv else None
+    browser = Browser(program, 700, 620, CAMERA)  # it is drawn on the CPU
     try:
         browser.open(page)
         wait_until(browser, "document.documentElement.dataset.sand")
         print("first sand after", browser.ask("document.documentElement.dataset.sand"), "ms;", page.stat().st_size, "bytes")
         wait_until(browser, "sandglassPage.page.scene.report.particles > 300")
         check(report(browser, "clock_fault") == 0, "the browser's clock counts as broken")
+        if "--minutes" in sys.argv:
+            watch_memory(browser, float(sys.argv[sys.argv.index("--minutes") + 1]))
+            return 0
         at = check_pours(browser, page)
-        if "--screenshots" in sys.argv:
+        if pictures:
             time.sleep(5)
             browser.screenshot(work / "desktop.png")
         check_pushes(browser, at)
+        check_tilt(browser)
         check_keyboard(browser)
         check_memory(browser)
         for name, text in BAD_FILES.items():
             said = drop(browser, name, text)
             check(said.count(". ") == 1 and said.endswith("."), f"{name} is answered: {said}")
-        before = report(browser, "particles")
-        check("particles of" in drop(browser, "mesh.obj", TETRAHEDRON), "the mesh was not taken")
-        wait_until(browser, f"sandglassPage.page.scene.report.particles > {before} + 200")
+        counts = []
+        for name, text in (("mesh.obj", TETRAHEDRON), ("mesh.gltf", gltf_tetrahedron())):
+            before = report(browser, "particles")
+            said = drop(browser, name, text)
+            check("particles of" in said, f"the mesh was not taken: {said}")
+            counts.append(said.split()[0])
+            wait_until(browser, f"sandglassPage.page.scene.report.particles > {before} + 200")
+        check(counts[0] == counts[1], f"the same mesh has {counts} particles")
         check_recording(browser)
+        check_link(browser)
+        check_camera(browser, pictures)
+        check_real(browser)
         check_narrow(browser)
-        if "--screenshots" in sys.argv:
+        if pictures:
             browser.screenshot(work / "phone.png")
         browser.ask("sandglassPage.page.measuring = true")  # nothing is drawn meanwhile
         browser.ask(f"void sandglassPage.fixedRun({FRAMES}).then(r => {{ window.ran = r; }})")

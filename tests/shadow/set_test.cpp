@@ -299,12 +299,12 @@ TEST(ShadowFrame, ATextureCountsForItsCostWhenTheQualityLevelIsChosen) {
   const AssetFile file = make_shadow_file({64, 1, 10, 4, 11, 0.6f});
   struct Waiting {
     uint32_t threshold;
-    int light;      // the light that waits for a texture, or -1
-    uint32_t done;  // units of its texture that are done
+    std::vector<uint32_t> lights;  // that wait for a texture
+    uint32_t done;                 // units of their textures that are done
   };
   uint64_t cost = 0;  // of a whole texture
   const auto level_at = [&](const Waiting& waiting, uint64_t budget) {
-    sandglass_shadow_desc desc = describe_lights(file, 2);
+    sandglass_shadow_desc desc = describe_lights(file, 3);
     desc.threshold = waiting.threshold;
     LiveShadow shadow(desc);
     VirtualClock time;
@@ -314,7 +314,7 @@ TEST(ShadowFrame, ATextureCountsForItsCostWhenTheQualityLevelIsChosen) {
       set_light(shadow, 0, 0.1f * static_cast<float>(f), 0.2f);
       cost = frame(sand, {shadow.shadow}, k_ample).stages[SANDGLASS_STAGE_SHADOW].elapsed_ns;
     }
-    if (waiting.light >= 0) set_light(shadow, static_cast<uint32_t>(waiting.light), -0.3f, 0.2f);
+    for (const uint32_t light : waiting.lights) set_light(shadow, light, -0.3f, 0.2f);
     sandglass_shadow_run(&shadow.shadow, 1, waiting.done);
     return frame(sand, {shadow.shadow}, budget).level;
   };
@@ -323,14 +323,14 @@ TEST(ShadowFrame, ATextureCountsForItsCostWhenTheQualityLevelIsChosen) {
     while (high - low > k_near) (level_at(waiting, (low + high) / 2) == 0 ? high : low) = (low + high) / 2;
     return high;
   };
-  const double near = 2 * k_near, alone = static_cast<double>(least_budget({255, -1, 0}));
+  const double near = 2 * k_near, alone = static_cast<double>(least_budget({255, {}, 0}));
   // No cell of the light's last texture was refined.
-  EXPECT_NEAR(static_cast<double>(least_budget({255, 0, 0})), alone + static_cast<double>(cost), near);
+  EXPECT_NEAR(static_cast<double>(least_budget({255, {0}, 0})), alone + static_cast<double>(cost), near);
   const uint32_t all_but_one = static_cast<uint32_t>(cost / k_unit_ns) - 1;
-  EXPECT_NEAR(static_cast<double>(least_budget({255, 0, all_but_one})), alone + k_unit_ns, near);
+  EXPECT_NEAR(static_cast<double>(least_budget({255, {0}, all_but_one})), alone + k_unit_ns, near);
   EXPECT_GT(static_cast<double>(cost), 2 * near);  // otherwise the two budgets are the same
-  // A light without a texture, all of whose cells may have to be refined.
-  EXPECT_NEAR(static_cast<double>(least_budget({0, 1, 0})), alone / (1 - k_share), near);
+  // Two lights without textures, all of whose cells may have to be refined.
+  EXPECT_NEAR(static_cast<double>(least_budget({0, {1, 2}, 0})), alone / (1 - k_share), near);
 }
 
 TEST(ShadowFrame, WithoutAClockEveryTextureIsDoneInItsFrame) {

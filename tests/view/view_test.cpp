@@ -146,8 +146,9 @@ TEST_F(Live, GrainsAreDrawnBetweenTheSimulatedInstants) {
     before = now;
   }
   EXPECT_EQ(live.report().simulated_time, simulated);
-  // Drawn 0.015 s before the state at 0.04 s, by its velocity g t.
-  EXPECT_NEAR(fallen, 9.81 * simulated * 0.015, 0.1 * 9.81 * simulated * 0.015);
+  // What free fall takes them in the 0.015 s before the state.
+  const double earlier = simulated - 0.015, truth = 0.5 * 9.81 * (simulated * simulated - earlier * earlier);
+  EXPECT_NEAR(fallen, truth, 0.1 * truth);
 }
 
 TEST_F(Live, PouringAddsSandUntilItStops) {

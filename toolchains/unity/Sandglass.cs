@@ -458,6 +458,7 @@ public static unsafe class Native {
   [DllImport(k_library)] public static extern int sandglass_scene_bytes(ref sandglass_scene_desc desc, out ulong bytes, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_scene_create(ref sandglass_scene_desc desc, IntPtr block, ulong bytes, out IntPtr scene, out IntPtr reason);
   [DllImport(k_library)] public static extern void sandglass_scene_reset(IntPtr scene);
+  [DllImport(k_library)] public static extern int sandglass_scene_set_gravity(IntPtr scene, float[] gravity, out IntPtr reason);
   [DllImport(k_library)] public static extern int sandglass_scene_move(IntPtr scene, float[] rotation, float[] translation, out IntPtr reason);
   [DllImport(k_library)] public static extern ulong sandglass_scene_save_bytes(IntPtr scene);
   [DllImport(k_library)] public static extern int sandglass_scene_save(IntPtr scene, byte[] data, ulong bytes, out ulong written, out IntPtr reason);

@@ -125,8 +125,8 @@ typedef struct sandglass_room_light {
  * network (light.h), whose direction says where light is to be expected among what was not seen. Set
  * light->struct_size before.
  *
- * It reads all 512 parts: 1.4 million instructions on ARM, two and a half times what an image takes. Ask it when an
- * object moved or a new image came, not for each of its vertices. Fails with INVALID_ARGUMENT: a position that is not
+ * It reads all 512 parts: 1.4 million instructions on ARM, nearly four times what an image takes. Ask it when an object
+ * moved or a new image came, not for each of its vertices. Fails with INVALID_ARGUMENT: a position that is not
  * finite. */
 SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_room_get(const sandglass_room* room,
                                                                       const float position[3],

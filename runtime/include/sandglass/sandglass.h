@@ -124,8 +124,8 @@ typedef struct sandglass_granular_desc {
   /* Seconds, 0..5: particles that stay within 10 % of r of one place for so long fall asleep, and cost nothing until
    * something touches them. 0 means never. Default: 0.5. */
   float sleep_after;
-  /* Seconds, 0.0001..0.1: the longest step of the grains, Delta t_hr: how often lambda is applied. Default: 0.008, as in
-   * the dissertation. */
+  /* Seconds, 0.0001..0.1: the longest step of the grains, Delta t_hr: how often lambda is applied. Default: 0.008, as
+   * in the dissertation. */
   float refine_step;
 
   /* The scheme that results are compared with. Apps leave it alone. */
@@ -141,7 +141,8 @@ enum {
   SANDGLASS_LEVEL_FULL = 0,
   /* Neighbour lists are rebuilt after three times the motion that could outdate them. */
   SANDGLASS_LEVEL_KEEP_LISTS = 1,
-  /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. Grains are not kept at an even density. */
+  /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. Grains are not kept at an even
+   * density. */
   SANDGLASS_LEVEL_COARSE = 2,
   /* Sub-steps are twice as long. AVERAGED with several iterations: half of them. */
   SANDGLASS_LEVEL_COARSER = 3,
@@ -188,7 +189,8 @@ typedef struct sandglass_scene_desc {
   /* The best quality level that may be used: a higher one saves energy. Without a clock it is the level that runs.
    * Default: 0. */
   uint32_t finest_level;
-  /* m/s^2, in any direction, at most 1000. With length 0, height weighting has no effect. Default: (0, -9.81, 0). */
+  /* m/s^2, in any direction, at most 1000. With length 0, height weighting has no effect. Default: (0, -9.81, 0).
+   * sandglass_scene_set_gravity changes it. */
   float gravity[3];
   /* The only clock that the scene reads. Default: none. */
   sandglass_clock clock;
@@ -236,15 +238,26 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_move(sandglas
                                                                         const float translation[3],
                                                                         const char** reason);
 
+/* Replaces gravity: m/s^2, in any direction, at most 1000. It serves a device that is tipped, and may be called before
+ * every frame. A sub-step that desc.granular left to the library follows the new length.
+ *
+ * Sand that is asleep wakes up where gravity has changed by more than 2 % of its length (a turn by 1.1 degrees) since
+ * what sleeps was last woken by it. So the noise of a sensor wakes nothing, and a slow turn does. sandglass_scene_reset
+ * brings the description's gravity back. Saved bytes do not hold gravity: set it before sandglass_scene_restore. Fails
+ * with INVALID_ARGUMENT; gravity stays as it was then. */
+SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_scene_set_gravity(sandglass_scene* scene,
+                                                                               const float gravity[3],
+                                                                               const char** reason);
+
 /* How many bytes sandglass_scene_save would write now. */
 SANDGLASS_API uint64_t sandglass_scene_save_bytes(const sandglass_scene* scene);
 
 /* Saves the scene to `data`, for an app that goes to the background. *written is the number of bytes.
  *
- * The bytes hold the material and the time. They do not hold the description, colliders, hooks, or the costs that the
- * governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of their own, and are
- * not saved. The bytes are the same on every instruction set, in little-endian order. The scene itself finishes the
- * step of its grains that is under way, and drops an unfinished sub-step.
+ * The bytes hold the material and the time. They do not hold the description, gravity, colliders, hooks, or the costs
+ * that the governor measured. Shadows, pile shadows and lights are no part of a scene: they have blocks of their own,
+ * and are not saved. The bytes are the same on every instruction set, in little-endian order. The scene itself finishes
+ * the step of its grains that is under way, and drops an unfinished sub-step.
  *
  * The scene and one of the same description that is restored from the bytes then stay equal to the bit, given the same
  * input and the same executed plans. Without a clock every frame runs all its work, so the plans are the same. A plan
@@ -317,7 +330,8 @@ typedef struct sandglass_body {
   uint32_t particle_count;
   /* 3 floats each, world, metres, within SANDGLASS_COORDINATE_LIMIT. Needed until the body is added. */
   const float* particle_positions;
-  /* The mass of a particle of the body over that of a particle of sand, 0.001..1000. Default: 1. */
+  /* The mass of a particle of the body over that of a particle of sand, 0.001..1000. Default: 1. Above 20, with the
+   * default sub-steps, sand that the body squeezes ends inside it; nothing is thrown. */
   float density_ratio;
   /* m/s, of the centre of mass, at most 10,000 along each axis. */
   float linear_velocity[3];
@@ -488,8 +502,10 @@ typedef struct sandglass_plan {
 /* A nozzle that pours sand for as long as it is passed to frames. It pours layers of a hexagonal lattice with the
  * density of packed sand, one whenever the layer before has gone far enough: about 0.5 R^2 speed / r^3 particles a
  * second, with R the nozzle's radius and r that of a particle. A layer for which there is no room is left out, counted
- * and logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever. Keep the
- * space before the nozzle free. */
+ * and logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever.
+ *
+ * Keep the space before the nozzle free, for as far as sand runs in a third of a second: what is poured in a long frame
+ * appears that far away, whatever is in between, and below a floor if that is nearer. */
 typedef struct sandglass_emitter {
   /* Of the nozzle's centre, world, metres. */
   float position[3];

@@ -327,6 +327,12 @@ class Scene {
     status.code = sandglass_scene_move(get(), rotation.data(), translation.data(), &status.reason);
     return status;
   }
+  // See sandglass_scene_set_gravity.
+  Status set_gravity(const std::array<float, 3>& gravity) {
+    Status status;
+    status.code = sandglass_scene_set_gravity(get(), gravity.data(), &status.reason);
+    return status;
+  }
   // The state as bytes, and back: see sandglass_scene_save.
   Status save(std::vector<std::byte>* data) {
     Status status;

@@ -146,7 +146,11 @@ SANDGLASS_API sandglass_clock sandglass_clock_system(void);
 
 /* A worker pool of the app. `run` must call task(context, index) once for each index in 0..count-1, on any threads and
  * in any order, and return when all calls have returned. Results do not depend on it. run == NULL: the calling thread
- * does everything. */
+ * does everything.
+ *
+ * A pool that leaves calls out, repeats one that it has begun, or makes one with an index beyond count - 1 does no harm:
+ * what is missing runs on the calling thread, the rest does nothing. What is not protected: a pool that returns while a
+ * call still runs or is still to come, or that makes two calls with one index at the same moment. */
 typedef struct sandglass_parallel {
   /* Calls task(context, index) for each index in 0..count-1. */
   void (*run)(void* user, void (*task)(void* context, uint32_t index), void* context, uint32_t count);

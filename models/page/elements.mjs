@@ -1,0 +1,3 @@
+// The page's elements, and its one line of speech.
+export const by = (id) => document.getElementById(id);
+export const say = (sentence) => { by("says").textContent = sentence; };

@@ -1,0 +1,40 @@
+// "Measure this phone": the scene's own frames, all work, no shadows. The hash is that of every other machine.
+import { SandScene } from "./scene.mjs";
+import { k_scene } from "./data.mjs";
+
+export const k_stages = [["granular", "sand", "#ffb454"], ["lighting", "light", "#f4f1a2"], ["shadow", "shadow", "#8fb8ff"],
+  ["refine", "grains", "#e07b39"], ["output", "output", "#9ad6a0"]];
+const k_pause_ms = 100;  // of work, before the page is drawn
+
+// Lets the browser draw where it has waited for long, and tells the share that is done.
+export class Pauses {
+  since = performance.now();
+  async perhaps(shown, share) {
+    if (performance.now() - this.since < k_pause_ms) return;
+    shown(share);
+    await new Promise((go) => setTimeout(go));
+    this.since = performance.now();
+  }
+}
+
+// `shown` is called with the share that is done.
+export async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) {
+  const scene = new SandScene(sand, k_scene, { clock: true }), stages = [0, 0, 0, 0, 0], pauses = new Pauses();
+  let ms = 0;
+  for (let frame = 0; frame < frames; ++frame) {
+    await pauses.perhaps(shown, frame / frames);
+    const report = scene.frame(k_scene.frame_step, 1e6);
+    ms += report.elapsed_ns / 1e6;
+    report.stages.forEach((stage, i) => { stages[i] += stage.elapsed_ns / 1e6; });
+  }
+  const result = { hash: scene.hash(), ms: ms / frames, stages: stages.map((sum) => sum / frames), grains: scene.report.grains,
+    particles: scene.report.particles, isa: sand.sandglass_isa_name(sand.sandglass_scene_isa(scene.handle)) };
+  scene.destroy();
+  return result;
+}
+
+export function asText({ hash, ms, stages, grains, particles, isa }) {
+  return [`Sandglass, ${k_scene.frames} frames of the page's scene, ${particles} particles, ${grains} grains at the end`, `browser      ${navigator.userAgent}`,
+    `cores        ${navigator.hardwareConcurrency}`, `kernels      ${isa}`, `a frame      ${ms.toFixed(2)} ms`,
+    ...k_stages.map(([, name], i) => `  ${name.padEnd(10)} ${stages[i].toFixed(2)} ms`), `hash         ${hash}`].join("\n");
+}

@@ -1,0 +1,94 @@
+// The sand on a table of the user's own: WebXR. A hit test finds the table, a tap puts the scene there, a finger pours.
+// The light is the device's estimate; where the browser also gives the camera's picture, the library makes one beside it.
+// The scene keeps the axes of the session's space, whose y is up.
+import { lightOfDevice } from "./room_light.mjs";
+
+const k_required = ["local", "hit-test"], k_optional = ["light-estimation", "camera-access"];
+const k_shrunk = [160, 120];  // pixels of the camera's picture, as the library gets it
+const k_shrunk_every_ms = 250;
+
+export class RealTable {
+  // Throws what is missing.
+  static async start(page) {
+    const { xr } = navigator, { gl } = page.painter;
+    if (!xr) throw new Error("This browser has no WebXR, which would put the sand on a table of yours. Chrome on an Android phone with ARCore has it.");
+    if (!await xr.isSessionSupported("immersive-ar"))
+      throw new Error("This device shows no augmented reality in the browser (WebXR's immersive-ar is missing). A phone with ARCore does.");
+    let session;
+    try { session = await xr.requestSession("immersive-ar", { requiredFeatures: k_required, optionalFeatures: k_optional }); } catch {
+      throw new Error("The browser did not start augmented reality: it needs the camera and the hit test (WebXR's hit-test). Allow the camera, or update the browser.");
+    }
+    await gl.makeXRCompatible();
+    const layer = new XRWebGLLayer(session, gl, { alpha: true });
+    session.updateRenderState({ baseLayer: layer, depthNear: 0.05, depthFar: 12 });
+    const space = await session.requestReferenceSpace("local"), viewer = await session.requestReferenceSpace("viewer");
+    const hits = await session.requestHitTestSource({ space: viewer });
+    const probe = await session.requestLightProbe?.().catch(() => null);
+    return new RealTable(page, session, layer, space, hits, probe);
+  }
+
+  constructor(page, session, layer, space, hits, probe) {
+    Object.assign(this, { page, session, layer, space, hits, probe, table: null, placed: false, finger: null, before: null, shrunk: -Infinity });
+    page.real = this;
+    page.room?.forget();
+    session.addEventListener("selectstart", ({ inputSource }) => { if (this.placed) this.finger = inputSource; else this.placed = this.table !== null; });
+    session.addEventListener("selectend", () => { this.finger = null, page.at = null; });
+    session.addEventListener("end", () => { page.at = null, page.real = null, page.room?.forget(), page.setLight(); });
+    const frame = (now, told) => { if (page.real !== this) return; session.requestAnimationFrame(frame); this.frame(now, told); };
+    session.requestAnimationFrame(frame);
+  }
+
+  frame(now, told) {
+    const { page, space } = this, seconds = this.before === null ? 0 : Math.max(0, now - this.before) / 1e3;
+    this.before = now;
+    const pose = told.getViewerPose(space);
+    if (!pose) return;
+    if (!this.placed) {
+      const hit = told.getHitTestResults(this.hits)[0]?.getPose(space);
+      if (hit) this.table = [hit.transform.position.x, hit.transform.position.y, hit.transform.position.z];
+    }
+    this.takeLight(now, told, pose);
+    if (this.placed) {
+      page.at = this.finger && this.pointed(told);
+      page.advance(seconds);
+    }
+    this.draw(pose);
+  }
+
+  takeLight(now, told, pose) {
+    const { page } = this, estimate = this.probe && told.getLightEstimate?.(this.probe), camera = pose.views[0]?.camera;
+    if (estimate) page.deviceLight = lightOfDevice(estimate);
+    if (camera && typeof XRWebGLBinding !== "undefined" && now - this.shrunk > k_shrunk_every_ms) {
+      this.shrunk = now;
+      this.binding ??= new XRWebGLBinding(this.session, page.painter.gl);
+      page.openRoom().see(page.painter.shrink(this.binding.getCameraImage(camera), ...k_shrunk), ...k_shrunk, pose.views[0].transform.matrix, now);
+    }
+    page.setLight();
+  }
+
+  // Where the finger's ray meets the table, in the scene's coordinates.
+  pointed(told) {
+    const pose = told.getPose(this.finger.targetRaySpace, this.space);
+    if (!pose) return null;
+    const m = pose.transform.matrix, [x, y, z] = [0, 1, 2].map((k) => m[12 + k] - this.table[k]), along = m[9] > 0.02 ? y / m[9] : -1;
+    const at = [x - along * m[8], 0, z - along * m[10]];
+    return along > 0 && Math.hypot(...at) < 1.2 ? at : null;
+  }
+
+  draw(pose) {
+    const { page, layer } = this, { painter, scene } = page, { gl } = painter, [x, y, z] = this.table ?? [0, 0, 0];
+    page.takeTextures();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    if (!this.table) return;
+    const count = scene.report.grain_numbers;
+    painter.uploadGrains(page.sand.floats(scene.grains, 4 * count));
+    for (const view of pose.views) {
+      const matrix = Float32Array.from(view.transform.inverse.matrix), port = layer.getViewport(view), at = view.transform.position;
+      for (let k = 0; k < 3; ++k) matrix[12 + k] += matrix[k] * x + matrix[4 + k] * y + matrix[8 + k] * z;
+      painter.paint({ view: matrix, projection: view.projectionMatrix, eye: [at.x - x, at.y - y, at.z - z], viewport: [port.x, port.y, port.width, port.height], real: true },
+        count, scene.desc.granular.grain_radius);
+    }
+  }
+}

@@ -1,0 +1,57 @@
+// A WebXR device as the page's test drives it: one view that looks down at a table, a hit on it, a light, a camera's
+// picture, and a finger. emulated.step() runs a frame.
+window.emulated = (() => {
+  const rigid = ([x, y, z], pitch = 0) => {
+    const [c, s] = [Math.cos(pitch), Math.sin(pitch)];
+    return { position: { x, y, z, w: 1 }, matrix: new Float32Array([1, 0, 0, 0, 0, c, -s, 0, 0, s, c, 0, x, y, z, 1]),
+      inverse: { matrix: new Float32Array([1, 0, 0, 0, 0, c, s, 0, 0, -s, c, 0, -x, -(c * y - s * z), -(s * y + c * z), 1]) } };
+  };
+  const made = { table: [0.1, 0.45, -0.2], eye: [0.1, 1.1, 0.9], asked: null, now: performance.now(), camera: {} };
+  const { gl } = sandglassPage.page.painter, pitch = Math.atan2(made.eye[1] - made.table[1], made.eye[2] - made.table[2]);
+  const view = { transform: rigid(made.eye, pitch), projectionMatrix: new Float32Array([2, 0, 0, 0, 0, 2, 0, 0, 0, 0, -1.01, -1, 0, 0, -0.1, 0]), camera: made.camera };
+  const frame = {
+    getViewerPose: () => ({ views: [view], transform: view.transform }),
+    getHitTestResults: () => [{ getPose: () => ({ transform: rigid(made.table) }) }],
+    getLightEstimate: () => ({ sphericalHarmonicsCoefficients: Float32Array.from({ length: 27 }, (_, i) => (i < 3 ? [1, 2, 3][i] : 0)),
+      primaryLightDirection: { x: 0, y: 3, z: 4, w: 0 }, primaryLightIntensity: { x: Math.PI, y: Math.PI, z: 0 } }),
+    getPose: () => ({ transform: view.transform }),  // the finger points at the middle of the picture
+  };
+  class Session extends EventTarget {
+    requestAnimationFrame(run) { this.next = run; }
+    updateRenderState(state) { made.state = state; }
+    async requestReferenceSpace(kind) { return { kind }; }
+    async requestHitTestSource() { return {}; }
+    async requestLightProbe() { return {}; }
+  }
+  made.session = new Session();
+  made.select = (kind) => made.session.dispatchEvent(Object.assign(new Event(kind), { inputSource: { targetRaySpace: {} } }));
+  made.step = (count = 1) => {
+    for (let i = 0; i < count; ++i) {
+      made.now += 1000 / 60;
+      made.session.next(made.now, frame);
+    }
+  };
+  // Shares of the picture: nothing drawn, shadow on what is real, the scene itself.
+  made.pixels = () => {
+    const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight], all = new Uint8Array(4 * w * h), count = { nothing: 0, shadow: 0, scene: 0 };
+    gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, all);
+    for (let i = 3; i < all.length; i += 4) ++count[all[i] < 3 ? "nothing" : all[i] < 255 ? "shadow" : "scene"];
+    return count;
+  };
+  WebGL2RenderingContext.prototype.makeXRCompatible = async () => {};
+  window.XRWebGLLayer = class { framebuffer = null; getViewport() { return { x: 0, y: 0, width: gl.drawingBufferWidth, height: gl.drawingBufferHeight }; } };
+  window.XRWebGLBinding = class {
+    getCameraImage() {
+      const texture = gl.createTexture();
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, 1, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array([200, 40, 40, 255]));
+      for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
+      return texture;
+    }
+  };
+  Object.defineProperty(navigator, "xr", { configurable: true, value: {
+    isSessionSupported: async (mode) => mode === "immersive-ar",
+    requestSession: async (mode, wanted) => { made.asked = { mode, ...wanted }; return made.session; },
+  } });
+  return made;
+})();
