@@ -4,7 +4,7 @@
 //
 // Pairs of one colour lie next to each other: a run. Near pairs come before the others, and a run has pairs of two
 // moving particles or pairs with the boundary, never both. Each run is filled up to whole lane groups. A pass goes over
-// all runs, from the first to the last in one sub-step and from the last to the first in the next.
+// all runs, always from the first to the last.
 #pragma once
 
 #include "runtime/core/layout.h"
