@@ -11,8 +11,8 @@ namespace {
 // grain_radius 0: about the size at which 16 grains fill a particle's share of space.
 constexpr float k_grain_radii = 0.35f;
 
-// Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 32 for r = 1 cm.
-constexpr float k_substep_units = 0.0196f;
+// Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 36 for r = 1 cm.
+constexpr float k_substep_units = 0.01742f;
 
 // Seconds; what an app may ask for. A frame of 0.2 s then has 200,000 sub-steps.
 constexpr float k_shortest_substep = 1e-6f;

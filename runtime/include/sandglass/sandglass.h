@@ -37,8 +37,8 @@ extern "C" {
 /* How the contacts of one sub-step are resolved.
  *
  * SMALL_STEP (the default): pair by pair. A pair corrects both its particles at once, and the next pair sees that
- * (Gauss-Seidel). What one particle gains the other loses, so momentum is conserved. It takes many small steps, and then
- * only one iteration.
+ * (Gauss-Seidel). What one particle gains the other loses, so momentum is conserved. It takes many small steps, and
+ * then only one iteration.
  *
  * AVERAGED: all pairs see the same positions (Jacobi). The sum of a particle's corrections is divided by the number of
  * constraints that acted on it (4.37). `relaxation` multiplies that mean; the product is never above 1 per
@@ -69,8 +69,8 @@ typedef struct sandglass_reference_scheme {
   /* Iterations that move overlapping particles apart before the solver runs, 0..8 (Alg. 4, lines 6 to 12). Default:
    * 0. */
   uint32_t stabilisation_iterations;
-  /* SMALL_STEP: the share of a pair's correction that is made, above 0, at most 1. AVERAGED: above 0, at most 2. Default:
-   * 1. */
+  /* SMALL_STEP: the share of a pair's correction that is made, above 0, at most 1. AVERAGED: above 0, at most 2.
+   * Default: 1. */
   float relaxation;
 } sandglass_reference_scheme;
 
@@ -115,7 +115,7 @@ typedef struct sandglass_granular_desc {
 
   /* C of (4.45), above 0, at most 1. Default: 0.5, as in the dissertation. */
   float courant;
-  /* Seconds, 0.000001..0.1: the longest sub-step. 0, the default, means 0.0196 sqrt(r/g), for which the default scheme
+  /* Seconds, 0.000001..0.1: the longest sub-step. 0, the default, means 0.01742 sqrt(r/g), for which the default scheme
    * was calibrated. */
   float substep_max;
   /* Seconds, 0.000001..substep_max: the shortest sub-step that (4.45) may ask for. Faster particles are slowed to
