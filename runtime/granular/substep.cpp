@@ -123,6 +123,7 @@ void begin(Granular* g, uint32_t level) {
   const double before_end = g->time.debt - static_cast<double>(s.length);
   colliders_pose(g->colliders.given, g->colliders.solid_count, before_end > 0.0 ? static_cast<float>(before_end) : 0.0f,
                  g->colliders.substep_frames);
+  g->colliders.substep_count = g->colliders.solid_count;
   s.level = level;
   if (plan.stale && neighbours_doubt(*g)) {
     neighbours_begin_measuring(g);
