@@ -340,7 +340,7 @@ void check_contact_pairs(uint32_t n) {
     PairArgs args = {};
     args.first = first.data(), args.second = second.data(), args.fixed = fixed ? 1 : 0;
     ContactArgs& c = args.contact;
-    c.diameter = 2 * k_radius;
+    c.diameter = 2 * k_cluster_radius;
     c.static_friction = static_cast<float>(k_static), c.kinetic_friction = static_cast<float>(k_kinetic);
     c.relaxation = static_cast<float>(k_omega), c.inverse_relaxation = static_cast<float>(1.0 / k_omega);
     c.separation_max = static_cast<float>(k_separation), c.lift_max = static_cast<float>(k_lift);
@@ -397,7 +397,7 @@ void check_complete_motion(uint32_t n) {
   const std::vector<uint32_t> groups = all_groups(cluster);
   ContactArgs args = {};
   args.groups = groups.data(), args.particle_count = n;
-  args.radius = k_radius;
+  args.radius = k_cluster_radius;
   args.static_friction = static_cast<float>(k_static), args.kinetic_friction = static_cast<float>(k_kinetic);
   args.step = static_cast<float>(k_step), args.displacement_max = static_cast<float>(k_most);
   args.colliders = &floor, args.collider_count = 1;
@@ -411,7 +411,7 @@ void check_complete_motion(uint32_t n) {
     for (uint32_t i = 0; i < n; ++i) {
       const Particle& before = cluster.records[i];
       Vector move = is_awake(before) ? at(before.velocity) : Vector{};
-      const double depth = k_radius - (at(before.position).y + move.y + 0.5 * cluster.side);
+      const double depth = k_cluster_radius - (at(before.position).y + move.y + 0.5 * cluster.side);
       if (is_awake(before) && depth > 0) {
         const Vector t = {-move.x, 0, -move.z};
         move = move + (length(t) <= k_static * depth ? 1.0 : std::min(1.0, k_kinetic * depth / length(t))) * t;
