@@ -17,6 +17,9 @@ struct Granular;
 constexpr uint32_t k_pair_colours = 32;
 constexpr uint32_t k_pair_runs = 4 * k_pair_colours;
 
+// Pairs that count as one item of a work unit. A particle of a dense packing has about five.
+constexpr uint32_t k_pairs_an_item = 4;
+
 struct PairColours {
   uint32_t *first, *second;          // indices of the particles of each pair
   uint8_t* runs;                     // run of each pair, in the order in which the lists hold them

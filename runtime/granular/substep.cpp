@@ -197,7 +197,7 @@ uint32_t items_left(const Granular& g, SubstepPhase phase) {
     case SubstepPhase::bodies:
       return bodies_items(g);
     case SubstepPhase::pairs:
-      return pair_count(g.colours) - cursor;
+      return (pair_count(g.colours) - cursor + k_pairs_an_item - 1) / k_pairs_an_item;
     case SubstepPhase::slack:
       return g.particles.count;
     case SubstepPhase::lists:
@@ -296,7 +296,8 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   }
   entries[n++] = {k_unit_colours, builds * 3 * count};
   entries[n++] = {k_unit_predict, substeps * active};
-  entries[n++] = {k_unit_pairs, passes * (g.colours.ready ? pair_count(g.colours) : k_pairs_expected * active)};
+  const uint64_t pairs = g.colours.ready ? pair_count(g.colours) : k_pairs_expected * active;
+  entries[n++] = {k_unit_pairs, passes * pairs / k_pairs_an_item};
   entries[n++] = {k_unit_complete, substeps * active};
   return n;
 }
