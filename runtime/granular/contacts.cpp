@@ -166,7 +166,7 @@ bool contacts_run_pairs(Granular* g) {
   // Always in the same order. Every other pass backward makes forces alternate between sub-steps by 15 %. That shakes
   // the sand: friction then carries only what creeps, and the floor of a tube bore 0.72 of the weight, not 0.21.
   const uint32_t all = pair_count(g->colours);
-  for (uint32_t left = k_pairs_an_item * g->unit; left != 0 && s.cursor < all;) {
+  for (uint32_t left = pair_unit(g->colours, g->unit); left != 0 && s.cursor < all;) {
     const PairPiece piece = pair_piece(g->colours, s.cursor, left);
     task.args.fixed = piece.fixed ? 1 : 0;
     granular_split(*g, piece.begin, piece.end, &task);

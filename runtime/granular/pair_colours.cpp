@@ -147,6 +147,12 @@ bool pair_colours_run(Granular* g) {
 
 uint32_t pair_count(const PairColours& c) { return c.starts[k_pair_runs]; }
 
+uint32_t pair_unit(const PairColours& c, uint32_t items) {
+  const uint32_t all = pair_count(c), most = k_pairs_an_item * items, units = (all + most - 1) / most;
+  if (units <= 1) return all;
+  return ((all + units - 1) / units + k_lane_group - 1) / k_lane_group * k_lane_group;
+}
+
 PairPiece pair_piece(const PairColours& c, uint32_t done, uint32_t most) {
   uint32_t before = 0;
   for (uint32_t at = 0; at < c.filled_count; ++at) {

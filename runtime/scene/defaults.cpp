@@ -10,9 +10,9 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   sandglass_granular_desc& g = desc->granular;
   g.collider_capacity = 16;
   g.particle_radius = 0.01f;
-  g.static_friction = 0.14f;
-  g.kinetic_friction = 0.14f;
-  g.height_weighting = 0.6f;
+  g.static_friction = 0.16f;
+  g.kinetic_friction = 0.16f;
+  g.height_weighting = 0.4f;
   g.courant = 0.5f;
   g.list_skin = 0.8f;
   g.sleep_after = 0.5f;
