@@ -12,7 +12,7 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   g.particle_radius = 0.01f;
   g.static_friction = 0.16f;
   g.kinetic_friction = 0.16f;
-  g.height_weighting = 0.4f;
+  g.height_weighting = 0.45f;
   g.courant = 0.5f;
   g.list_skin = 0.8f;
   g.sleep_after = 0.5f;

@@ -107,7 +107,7 @@ typedef struct sandglass_granular_desc {
   float kinetic_friction;
   /* How much more a particle yields than one below it, 0..1.5, the k of the corrected (4.38). In a pair whose upper
    * particle is `d` particle diameters higher (measured against gravity), the shares of the correction are in the ratio
-   * exp(k d). The default, 0.4, is calibrated together with the friction. A higher k carries tall piles with less
+   * exp(k d). The default, 0.45, is calibrated together with the friction. A higher k carries tall piles with less
    * overlap, but carries inside the sand what a floor or a wall should carry. 0 conserves momentum pairwise. In
    * SMALL_STEP k only brakes a fall: it lifts a pair until the pair rises, on average, by what gravity takes in a
    * sub-step. In AVERAGED it lifts a particle by at most twice that. So nothing flies up at an impact. */
