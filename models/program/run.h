@@ -77,4 +77,7 @@ class Run {
   Recording recording_;  // --replay: what to execute; --record: what was executed
 };
 
+// `run --rooms`: a run in each of the rooms, into a folder of its own, and their sheets one below the other.
+int run_rooms(const RunOptions& options);
+
 }  // namespace sandglass::host

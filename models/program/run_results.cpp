@@ -95,7 +95,7 @@ PictureSet Run::picture_set() const {
   set.camera = scene_.camera;
   set.threads = drawing_threads();
   set.plain = options_.plain;
-  set.film = !report_.interrupted;
+  set.film = !report_.interrupted && options_.rooms.empty();
   if (shot_)
     set.painter = [this](const Snapshot& snapshot, int width, int height, uint32_t threads) {
       return shot_->paint(snapshot, width, height, threads);
