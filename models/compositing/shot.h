@@ -93,9 +93,8 @@ class Shot {
               uint32_t threads) const;
   // What an app could draw instead of the snapshot: without a shadow, with one light, with the ambient shadow alone.
   std::vector<Drawn> alternatives(const Snapshot& snapshot, uint32_t threads) const;
-  // Writes the picture that leads, what an app could draw instead, and the truth, with what the session has seen.
-  void write_sheet(const std::string& file, const Drawn& lead, std::span<const Drawn> beside,
-                   const RadianceMap& truth) const;
+  // The picture that leads, what an app could draw instead, and the truth, with what the session has seen.
+  Picture sheet(const Drawn& lead, std::span<const Drawn> beside, const RadianceMap& truth) const;
   Picture developed_as_seen(const RadianceMap& shown, uint64_t seed) const;
 
  private:

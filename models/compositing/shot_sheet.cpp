@@ -62,8 +62,7 @@ Picture one_below_the_other(std::span<const Picture> pictures) {
   return all;
 }
 
-void Shot::write_sheet(const std::string& file, const Drawn& lead, std::span<const Drawn> beside,
-                       const RadianceMap& truth) const {
+Picture Shot::sheet(const Drawn& lead, std::span<const Drawn> beside, const RadianceMap& truth) const {
   const Picture large = developed_as_seen(lead.picture, 2);
   std::vector<std::pair<std::string, Picture>> small;
   for (const Drawn& other : beside) small.emplace_back(other.name, halved(developed_as_seen(other.picture, 3)));
@@ -96,7 +95,7 @@ void Shot::write_sheet(const std::string& file, const Drawn& lead, std::span<con
     std::snprintf(text, sizeof text, "%u images, ahead and behind. Grey: not seen", seen.images);
     draw_text(&sheet, left, top + 60, k_text, text, k_ink);
   }
-  write_png(file, sheet);
+  return sheet;
 }
 
 }  // namespace sandglass::host

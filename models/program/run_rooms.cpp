@@ -52,7 +52,7 @@ int run_rooms(const RunOptions& options) {
     run.finish(hash);
     std::printf("hash 0x%016llx\n", static_cast<unsigned long long>(hash));
     if (const int exit_code = run.exit_code(hash); exit_code != k_exit_done) return exit_code;
-    if (!one.out.empty()) sheets.push_back(read_picture((fs::path(one.out) / "shot.png").string()));
+    if (run.sheet()) sheets.push_back(*run.sheet());
   }
   if (sheets.empty()) return k_exit_done;
   const std::string rows = (fs::path(options.out) / "rooms.jpg").string();
