@@ -32,9 +32,9 @@ const float* numbers(const flatbuffers::Vector<float>* values, uint32_t count, f
 
 const int8_t* weights_of(const flatbuffers::Vector<int8_t>* values, uint32_t count) {
   if (values == nullptr || values->size() != count) return nullptr;
-  for (uint32_t i = 0; i < count; ++i)
-    if (values->data()[i] == -128) return nullptr;
-  return values->data();
+  bool beyond = false;
+  for (uint32_t i = 0; i < count; ++i) beyond |= values->data()[i] == -128;
+  return beyond ? nullptr : values->data();
 }
 
 // Null, or what is wrong.

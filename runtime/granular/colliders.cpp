@@ -56,7 +56,7 @@ void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* la
 }
 
 void colliders_reset(Colliders* c) {
-  c->count = c->solid_count = 0;
+  c->count = c->solid_count = c->substep_count = c->sweep_count = 0;
   c->solid.before_count = c->solid.moved.count = 0;
   c->all.before_count = 0;
   c->adopts = false;

@@ -27,6 +27,8 @@ struct Colliders {
   sandglass_collider* given;      // of this frame, those that particles see first
   ColliderFrame* substep_frames;  // posed for the sub-step
   ColliderFrame* sweep_frames;    // posed for the grains' sweep
+  // How many were posed. A step that goes on in the next frame ends with the colliders with which it began.
+  uint32_t substep_count, sweep_count;
   uint32_t count;
   uint32_t solid_count;  // those that particles see
   ColliderWatch solid;   // for the particles

@@ -90,7 +90,7 @@ ContactArgs contact_args(const Granular& g) {
   a.step = dt;
   a.displacement_max = g.desc.courant * g.desc.particle_radius;
   a.colliders = g.colliders.substep_frames;
-  a.collider_count = g.colliders.solid_count;
+  a.collider_count = g.colliders.substep_count;
   a.wake_displacement = sleep_wake_speed(g) * dt;
   a.touched = g.sleep.touched;
   a.bodies = g.bodies.count != 0 ? 1 : 0;

@@ -3,7 +3,10 @@
 // 13 % above it. An inside test gives the sign. There is no memory but the field's own.
 #include "runtime/granular/field.h"
 
+#include <algorithm>
+
 #include "kernels/whole.h"
+#include "runtime/core/finite.h"
 #include "runtime/core/refuse.h"
 #include "runtime/sampling/arguments.h"
 
@@ -276,14 +279,19 @@ sandglass_status sandglass_field_from_mesh(const sandglass_mesh* mesh, sandglass
 }
 
 float sandglass_field_distance(const sandglass_field* field, const float point[3], float normal[3]) {
+  constexpr float k_farthest = 1e6f;
   if (field == nullptr || point == nullptr) return 0.0f;
+  if (!all_finite(point, 3)) {
+    if (normal != nullptr) normal[0] = 0.0f, normal[1] = 1.0f, normal[2] = 0.0f;
+    return 0.0f;
+  }
   const Kernels* kernels = select_sand_kernels(SANDGLASS_ISA_SCALAR);
   ColliderFrame frame = {};
   frame.shape = SANDGLASS_SHAPE_FIELD;
   for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f;
   frame.field = field->grid;
   SurfacePoint at = {};
-  for (int k = 0; k < 3; ++k) at.position[k] = point[k];
+  for (int k = 0; k < 3; ++k) at.position[k] = std::clamp(point[k], -k_farthest, k_farthest);
   SurfaceArgs args = {&at, &frame};
   uint32_t unused = 0;
   kernels->surface_at(&args, 0, 1, &unused);

@@ -98,6 +98,7 @@ void begin(Granular* g, uint32_t level) {
   const double before_end = g->time.debt - static_cast<double>(s.length);
   colliders_pose(g->colliders.given, g->colliders.solid_count, before_end > 0.0 ? static_cast<float>(before_end) : 0.0f,
                  g->colliders.substep_frames);
+  g->colliders.substep_count = g->colliders.solid_count;
   if (plan.stale) {
     neighbours_begin_sort(g);
     return enter(g, SubstepPhase::sort);

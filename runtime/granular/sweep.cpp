@@ -81,6 +81,7 @@ void begin(Granular* g, uint32_t level) {
                   g->particles.high, 3);
   motion_begin(&g->motion, t.simulated);
   colliders_pose(g->colliders.given, g->colliders.count, static_cast<float>(t.debt), g->colliders.sweep_frames);
+  g->colliders.sweep_count = g->colliders.count;
 }
 
 // The velocity of a particle in the snapshot becomes the mean one since the last sweep. The table of blocks is emptied
@@ -165,7 +166,7 @@ bool run_refine(Granular* g) {
   a.source_rule = source_rule(*g) ? 1 : 0;
   a.weight_at_radius = 512.0f / 729.0f;  // W(r) = (1 - 1/9)^3
   a.colliders = g->colliders.sweep_frames;
-  a.collider_count = g->colliders.count;
+  a.collider_count = g->colliders.sweep_count;
   a.grain_radius = g->desc.grain_radius;
   a.friction = g->desc.kinetic_friction;
   uint32_t& cursor = g->sweep.cursor;

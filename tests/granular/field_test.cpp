@@ -76,6 +76,12 @@ TEST(Field, TwoSidesDifferInSignAndBeyondTheGrid) {
   EXPECT_EQ(normal[0], 1.0f);
   EXPECT_LT(sandglass_field_distance(room.field.get(), far, normal), -2.8f);
   EXPECT_EQ(normal[0], -1.0f);
+
+  const float beyond_all[3] = {-3e38f, 0.0f, 0.0f}, no_point[3] = {0.0f, INFINITY, 0.0f};
+  EXPECT_NEAR(sandglass_field_distance(solid.field.get(), beyond_all, normal), 1e6f, 1.0f);
+  EXPECT_EQ(normal[0], -1.0f);
+  EXPECT_EQ(sandglass_field_distance(solid.field.get(), no_point, normal), 0.0f);
+  EXPECT_EQ(normal[1], 1.0f);
 }
 
 float ball_distance(void* user, const float p[3]) { return static_cast<float>(length(p)) - *static_cast<float*>(user); }

@@ -5,7 +5,7 @@
 set -euo pipefail
 program=$1 work=$2
 rm -rf "$work" && mkdir -p "$work"
-bake=("$program" bake chair --size 32x1 --textures 1 --steps 8000 --quantised-steps 200 --validation-lights 4 --ambient-texels 16 --threads 1 --no-picture)
+bake=("$program" bake chair --size 32x1 --textures 1 --steps 2000 --quantised-steps 200 --validation-lights 4 --ambient-texels 16 --threads 1 --no-picture)
 
 begin=$(date +%s%N)
 "${bake[@]}" -o "$work/whole" >"$work/log" 2>&1

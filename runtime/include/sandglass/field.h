@@ -63,7 +63,8 @@ SANDGLASS_API SANDGLASS_NODISCARD sandglass_status sandglass_field_from_mesh(
     sandglass_field** field, const char** reason);
 
 /* The distance that sand sees at a point of the field's own coordinates, metres. `normal` is optional: it receives the
- * direction in which the distance grows, of length 1. For tools and pictures. */
+ * direction in which the distance grows, of length 1. A coordinate beyond 1e6 m counts as 1e6 m. A point that is not
+ * finite has the distance 0 and the normal (0, 1, 0). For tools and pictures. */
 SANDGLASS_API float sandglass_field_distance(const sandglass_field* field, const float point[3], float normal[3]);
 
 /* On which side a field is solid, and the box of its nodes. Both corners are optional. */

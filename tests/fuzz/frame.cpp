@@ -1,0 +1,216 @@
+// A frame with any input, and what an app may call before it: each call is refused by a sentence and changes nothing, or
+// it is done. The scalar kernels run by a forged clock; the best ones replay their plan and must agree to the bit.
+#include <cstring>
+#include <vector>
+
+#include "tests/fuzz/edits.h"
+#include "tests/granular/granular_scene.h"
+
+namespace {
+
+constexpr float k_radius = 0.01f, k_far = 4000.0f;
+constexpr uint32_t k_colliders = 3, k_emitters = 2, k_points = 4, k_pixel_bytes = 4096, k_grain_bytes = 8192;
+uint8_t g_pixels[k_pixel_bytes];
+
+enum Action : uint32_t {
+  k_gravity = 1,
+  k_friction = 2,
+  k_add = 4,
+  k_add_body = 8,
+  k_remove = 16,
+  k_move = 32,
+  k_boundary = 64,
+  k_light = 128,
+  k_reset = 256,
+  k_replay = 512
+};
+
+// What one frame is given, and what is called before it, without a pointer that means anything: the fuzzer changes it.
+struct Turn {
+  uint32_t actions = 0, collider_count = k_colliders, emitter_count = 1, sink_count = 1;
+  uint64_t budget_ns = 4'000'000, unit_ns = 50'000, jump_ns = 0;
+  float time_step = 0.004f, headroom = 1.0f, output_lag = 0.0f;
+  uint32_t grain_stride = sizeof(sandglass_grain), grain_capacity = 64;
+  float gravity[3] = {0, -9.81f, 0}, static_friction = 0.3f, kinetic_friction = 0.2f, light[3] = {0.3f, 1, 0.2f};
+  float rotation[4] = {0, 0, 0, 1}, translation[3] = {0.1f, 0, 0};
+  float points[3 * k_points] = {0, 0.2f, 0, 0.02f, 0.2f, 0, 0, 0.2f, 0.02f, 0.02f, 0.2f, 0.02f},
+                   speeds[3 * k_points] = {};
+  sandglass_collider colliders[k_colliders] = {sandglass::floor_at(0), sandglass::sphere(0, 0.03f, 0, 0.02f),
+                                               sandglass::collider(SANDGLASS_SHAPE_FIELD, 0, 0, 0)};
+  sandglass_collider sink = sandglass::box(0.1f, 0, 0, 0.03f, 0.03f, 0.03f);
+  sandglass_emitter emitters[k_emitters] = {sandglass::emitter(-0.2f, 0.4f, 0.0f, 0.012f, 0.8f, 4),
+                                            sandglass::emitter(0.2f, 0.4f, 0.0f, 0.012f, 0.8f, 4)};
+  sandglass_body body = sandglass::body();
+  sandglass_camera_image image = sandglass::camera_image();
+};
+struct Input {
+  Turn turns[2];
+  sandglass_plan plan = {sizeof(sandglass_plan), 0, 2, {{SANDGLASS_STAGE_GRANULAR, 5}, {SANDGLASS_STAGE_REFINE, 7}}};
+};
+
+Input edited(const uint8_t* data, size_t size) {
+  static const Input base = [] {
+    Input input;
+    for (Turn& turn : input.turns) {
+      turn.image.width = turn.image.height = 16, turn.image.strides[0] = 48;
+      turn.image.focal_x = turn.image.focal_y = 12, turn.image.centre_x = turn.image.centre_y = 7.5f;
+      turn.image.timestamp_ns = &turn == input.turns ? 1'000'000'000 : 2'000'000'000;
+    }
+    return input;
+  }();
+  std::vector<uint8_t> bytes(sizeof base);
+  std::memcpy(bytes.data(), &base, sizeof base);
+  sandglass::fuzz::apply_edits(data, size, &bytes);
+  bytes.resize(sizeof base);
+  Input input;
+  std::memcpy(&input, bytes.data(), sizeof input);
+  return input;
+}
+
+// A scene with its clock, shadow and room.
+struct World {
+  explicit World(sandglass_isa isa, bool clocked)
+      : scene([&] {
+          sandglass_scene_desc desc = description(64, 128, 16);
+          desc.granular.body_capacity = 2, desc.granular.body_particle_capacity = 20;
+          desc.granular.emitter_capacity = desc.granular.sink_capacity = 1;
+          desc.isa = isa;
+          if (clocked) desc.clock = {now, this}, desc.trace = {nullptr, unit_ends, this};
+          return desc;
+        }()) {}
+
+  // As a new scene is, with a heap of sand, its grains and a body.
+  void begin() {
+    scene.scene.reset();
+    const std::vector<float> block = lattice(2, 2, 2, 2.02f * k_radius, k_radius);
+    std::vector<float> body = lattice(2, 2, 1, 2.01f * k_radius, k_radius);
+    for (size_t i = 0; i < body.size(); i += 3) body[i + 1] += 0.1f;
+    scene.add(block, {}, grains_about(block, 0.004f));
+    scene.add_body(body, 2.0f);
+    sandglass_pile_shadow_desc shadow = sandglass::pile_shadow_desc();
+    shadow.texels = 32, shadow.sky_texels = 32;
+    accept(pile.create(shadow));
+    accept(room.create());
+    clock_ns = 0;
+  }
+
+  static uint64_t now(void* user) { return static_cast<World*>(user)->clock_ns; }
+  static void unit_ends(void* user, const char*) {
+    World* world = static_cast<World*>(user);
+    world->clock_ns += world->unit_ns;
+  }
+
+  GranularScene scene;
+  sandglass::PileShadow pile;
+  sandglass::Room room;
+  uint64_t clock_ns = 0, unit_ns = 0;
+  alignas(8) uint8_t grains[k_grain_bytes];
+};
+
+// A call that fails says why and changes nothing.
+int32_t checked(World* world, const char** reason, const std::function<int32_t()>& call) {
+  const uint64_t before = world->scene.hash();
+  const int32_t status = call();
+  sandglass::fuzz::expect((status == SANDGLASS_OK) == (*reason == nullptr));
+  if (status != SANDGLASS_OK) sandglass::fuzz::expect(world->scene.hash() == before);
+  return status;
+}
+
+// All calls that the turn asks for; their statuses.
+std::vector<int32_t> act(World* world, const Turn& t) {
+  sandglass_scene* scene = world->scene.scene.get();
+  const char* reason = nullptr;
+  std::vector<int32_t> statuses;
+  const auto call = [&](Action action, const std::function<int32_t()>& function) {
+    if (t.actions & action) statuses.push_back(checked(world, &reason, function));
+  };
+  call(k_gravity, [&] { return sandglass_scene_set_gravity(scene, t.gravity, &reason); });
+  call(k_friction,
+       [&] { return sandglass_granular_set_friction(scene, t.static_friction, t.kinetic_friction, &reason); });
+  call(k_add, [&] {
+    return sandglass_granular_add(scene, t.points, t.speeds, k_points, t.points, t.speeds, k_points, &reason);
+  });
+  sandglass_body body = t.body;
+  body.struct_size = sizeof body, body.particle_positions = t.points, body.particle_count %= k_points + 1;
+  call(k_add_body, [&] { return sandglass_granular_add_body(scene, &body, nullptr, &reason); });
+  sandglass_collider region = t.colliders[1];
+  region.field = nullptr;
+  call(k_remove, [&] { return sandglass_granular_remove(scene, &region, nullptr, nullptr, &reason); });
+  call(k_move, [&] { return sandglass_scene_move(scene, t.rotation, t.translation, &reason); });
+  call(k_boundary, [&] { return sandglass_granular_set_boundary(scene, t.points, k_points, &reason); });
+  call(k_light, [&] { return sandglass_pile_shadow_set_light(world->pile.get(), t.light, &reason); });
+  if (t.actions & k_reset) world->scene.scene.reset();
+  return statuses;
+}
+
+// Pointers that an app must keep are right: only what the library can check is forged.
+sandglass_camera_image image_of(const Turn& t) {
+  sandglass_camera_image image = t.image;
+  image.struct_size = sizeof image;
+  for (size_t i = 0; i < 3; ++i)
+    image.planes[i] = uint64_t{image.strides[i]} * image.height <= k_pixel_bytes ? g_pixels : nullptr;
+  return image;
+}
+
+int32_t run(World* world, Turn* t, const sandglass_plan* plan, sandglass_frame_report* report) {
+  static const sandglass::Field bowl = [] {
+    sandglass::Field field;
+    accept(field.from_function({{-0.3f, -0.3f, -0.3f}, {0.3f, 0.3f, 0.3f}}, 0.05f, SANDGLASS_SOLID_OUTSIDE,
+                               [](const float* p) { return 0.2f - std::hypot(p[0], p[1], p[2]); }));
+    return field;
+  }();
+  for (sandglass_collider& c : t->colliders) c.field = c.grains_only & 2 ? nullptr : bowl.get();
+  t->sink.field = bowl.get();
+  const sandglass_camera_image image = image_of(*t);
+  sandglass_frame_input input = sandglass::frame_input();
+  input.time_step = t->time_step, input.budget_ns = t->budget_ns, input.thermal_headroom = t->headroom;
+  input.colliders = t->colliders, input.collider_count = t->collider_count % (k_colliders + 1);
+  input.emitters = t->emitters, input.emitter_count = t->emitter_count % (k_emitters + 1);
+  input.sinks = &t->sink, input.sink_count = t->sink_count % 2;
+  input.output_lag = t->output_lag, input.grains = world->grains, input.grain_stride = t->grain_stride;
+  const uint64_t stride = t->grain_stride < sizeof(sandglass_grain) ? sizeof(sandglass_grain) : t->grain_stride;
+  input.grain_capacity = static_cast<uint32_t>(std::min<uint64_t>(t->grain_capacity, k_grain_bytes / stride));
+  input.pile_shadow = world->pile.get(), input.room = world->room.get(), input.camera = &image;
+  input.plan = plan;
+  world->clock_ns += t->jump_ns, world->unit_ns = t->unit_ns;
+  const char* reason = nullptr;
+  const uint64_t before = world->scene.hash();
+  const int32_t status = sandglass_scene_frame(world->scene.scene.get(), &input, report, &reason);
+  sandglass::fuzz::expect((status == SANDGLASS_OK) == (reason == nullptr));
+  if (status == SANDGLASS_ERROR_INVALID_ARGUMENT) sandglass::fuzz::expect(world->scene.hash() == before);
+  return status;
+}
+
+void check(World* world, const sandglass_frame_report& report) {
+  using sandglass::fuzz::expect;
+  if (report.clock_fault == 0 && report.elapsed_ns > report.last_unit_ns)
+    expect(report.elapsed_ns - report.last_unit_ns <= std::max(report.target_ns, report.mandatory_ns));
+  expect(std::isfinite(report.simulated_time) && std::isfinite(report.time_debt) && std::isfinite(report.speed_max));
+  world->scene.particle_count = report.particle_numbers;
+  for (const float x : world->scene.positions()) expect(std::fabs(x) <= k_far || x == SANDGLASS_REMOVED_Y);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
+  using sandglass::fuzz::expect;
+  static World scalar(SANDGLASS_ISA_SCALAR, true), best(SANDGLASS_ISA_AUTOMATIC, false);
+  Input input = edited(data, size);
+  scalar.begin(), best.begin();
+  for (Turn& turn : input.turns) {
+    expect(act(&scalar, turn) == act(&best, turn));
+    sandglass_frame_report a = {}, b = {};
+    a.struct_size = b.struct_size = sizeof a;
+    const bool forged = (turn.actions & k_replay) != 0;
+    const int32_t status = run(&scalar, &turn, forged ? &input.plan : nullptr, &a);
+    expect(run(&best, &turn, forged ? &input.plan : &a.plan, &b) == status);
+    if (status == SANDGLASS_OK) check(&scalar, a), check(&best, b);
+    expect(scalar.scene.hash() == best.scene.hash());
+    expect(sandglass_room_hash(scalar.room.get()) == sandglass_room_hash(best.room.get()));
+  }
+  std::vector<std::byte> saved;
+  accept(scalar.scene.scene.save(&saved));
+  accept(best.scene.scene.restore(saved));
+  expect(best.scene.hash() == scalar.scene.hash());
+  return 0;
+}
