@@ -17,7 +17,6 @@
 #include <sstream>
 
 #include "models/files/atomic_file.h"
-#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/mesh/mesh.h"
 
@@ -61,7 +60,6 @@ bool ends_within_line(const std::string& path, const std::string& content) {
 // files of a bounded size that no output replaces.
 class CheckedFiles : public Assimp::IOSystem {
  public:
-  explicit CheckedFiles(std::string* opened) : opened_(opened) {}
   bool Exists(const char* path) const override {
     std::error_code error;
     return std::filesystem::is_regular_file(path, error);
@@ -70,15 +68,11 @@ class CheckedFiles : public Assimp::IOSystem {
   Assimp::IOStream* Open(const char* path, const char* mode) override {
     if (mode[0] != 'r' || !Exists(path)) return nullptr;
     const std::string content = read_file(path, "mesh");
-    opened_->append(path).push_back('\0');
     auto* bytes = new uint8_t[content.size()];
     std::memcpy(bytes, content.data(), content.size());
     return new Assimp::MemoryIOStream(bytes, content.size(), true);
   }
   void Close(Assimp::IOStream* file) override { delete file; }
-
- private:
-  std::string* opened_;  // names, each with a zero behind it
 };
 
 std::string first_line(const char* text) {
@@ -109,9 +103,9 @@ struct Placed {
   aiMatrix4x4 to_world;
 };
 
-MeshResult parse(const std::string& path, std::string* opened) {
+MeshResult parse(const std::string& path) {
   Assimp::Importer importer;
-  importer.SetIOHandler(new CheckedFiles(opened));  // the importer owns it
+  importer.SetIOHandler(new CheckedFiles);  // the importer owns it
   const aiScene* scene = importer.ReadFile(path, 0);
   if (scene == nullptr)
     return fail(path, "is no complete mesh (" + first_line(importer.GetErrorString()) + "). Export it again.");
@@ -198,9 +192,8 @@ struct Receiver {
 #endif
   for (const int number : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGBUS, SIGFPE}) std::signal(number, SIG_DFL);
   MeshResult result;
-  std::string opened;
   try {
-    result = parse(path, &opened);
+    result = parse(path);
   } catch (const Failure& failure) {
     result.error = failure.what();
   } catch (const std::exception& e) {
@@ -208,7 +201,6 @@ struct Receiver {
   }
   Sender to(pipe);
   to.send(result.error.data(), result.error.size());
-  to.send(opened.data(), opened.size());
   to.send(&result.report, 1);
   to.send(result.mesh.vertices.data(), result.mesh.vertices.size());
   to.send(result.mesh.indices.data(), result.mesh.indices.size());
@@ -239,14 +231,10 @@ MeshResult parse_apart(const std::string& path, uint64_t file_bytes) {
   MeshResult result;
   std::vector<MeshReport> report;
   Receiver from = {bytes};
-  std::string opened;
-  from.receive(&result.error), from.receive(&opened), from.receive(&report), from.receive(&result.mesh.vertices);
+  from.receive(&result.error), from.receive(&report), from.receive(&result.mesh.vertices);
   from.receive(&result.mesh.indices);
   if (status != 0 || !from.good || report.size() != 1)
     return fail(path, "is damaged so that the mesh reader did not end well. Export it again.");
-  // The parts beside a mesh (.mtl, .bin) are inputs, too.
-  for (size_t at = 0, end; (end = opened.find('\0', at)) != std::string::npos; at = end + 1)
-    note_input(opened.substr(at, end - at));
   result.report = report[0];
   return result;
 }
