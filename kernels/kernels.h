@@ -231,7 +231,7 @@ struct RefineArgs {
   float step;        // seconds
   float push;        // metres; the density's gradient moves a grain by push / density at a slope of 1 a cell
   float push_max;    // metres
-  float push_reach;  // metres from the nearest particle, beyond which nothing is pushed
+  float push_reach;  // metres from the nearest particle, about which the push ends outside the pile
   uint32_t steps;    // equal steps on the same snapshot; with a motion grid, on the same sums
   float gravity[3];
   float fall;              // metres a second that gravity adds in all steps

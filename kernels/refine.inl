@@ -261,6 +261,24 @@ SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const Bloc
     places->records[l] = last->block.records + corners[l] * k_record_floats, places->density[l] = last->block.density;
 }
 
+// 1 at a and below, 0 at b and above, smooth between.
+SANDGLASS_INLINE Float fade(Float value, float a, float b) {
+  const Float t =
+      minimum(maximum((broadcast(b) - value) * broadcast(1.0f / (b - a)), broadcast(0.0f)), broadcast(1.0f));
+  return t * t * (broadcast(3.0f) - broadcast(2.0f) * t);
+}
+
+// The share of the push that a grain takes: all inside the pile, near a particle, and around a lone particle, as far
+// as its weight reaches. It fades where each of these ends, so that no grain is pushed by a jump.
+SANDGLASS_INLINE Float push_share(const RefineArgs* a, const Flow& sum, Float nearest) {
+  const Float one = broadcast(1.0f);
+  const Float within = one - fade(sum.weight, 0.8f * k_weight_inside, k_weight_inside);
+  const Float near = fade(nearest * broadcast(1.0f / (a->push_reach * a->push_reach)), 0.7f, 1.3f);
+  const Mask alone = sum.weight <= broadcast(0.0f);
+  const Float lone = one - fade(sum.largest / select(alone, one, sum.weight), 0.6f, 0.8f);
+  return maximum(maximum(within, near), lone * (one - fade(sum.weight, 0.0f, 0.02f)));
+}
+
 // The sums at the lanes that `lanes` holds, between the nodes of the grid. Returns the lanes that the grid has no room
 // for.
 SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_lanes[3], LastBlock* last, Flow* flow) {
@@ -283,7 +301,7 @@ SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_
   add_corners(places.records, local, &sum);
   // In the pile's inside nothing flies freely, so the nearest particle does not matter.
   const Mask inside = broadcast(k_weight_inside) <= sum.weight;
-  Mask pushed = known & inside;
+  Float share = broadcast(1.0f);  // of the push
   if (any(and_not(known, inside))) {
     Float position[3];
     for (int k = 0; k < 3; ++k) position[k] = at_lanes[k] - broadcast(grid->origin[k]);
@@ -292,27 +310,19 @@ SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_
     const Float t = maximum((h2 - nearest) * broadcast(1.0f / (grid->support * grid->support)), zero);
     sum.largest = select(inside, zero, t * t * t);
     sum.weight = maximum(sum.weight, sum.largest);
-    // Around a lone particle they spread without limit.
-    const Mask lone = broadcast(0.7f) * sum.weight <= sum.largest;
-    pushed = pushed | (known & ((nearest < broadcast(a->push_reach * a->push_reach)) | lone));
+    share = push_share(a, sum, nearest);
   }
   flow->weight = select(known, sum.weight, flow->weight);
   flow->x = select(known, sum.x, flow->x);
   flow->y = select(known, sum.y, flow->y);
   flow->z = select(known, sum.z, flow->z);
   flow->largest = select(known, sum.largest, flow->largest);
+  const Mask pushed = known & (zero < share);
   if (a->push != 0.0f && any(pushed)) {
     read_push(a, places.density, place.inside, &sum);
-    for (int k = 0; k < 3; ++k) flow->push[k] = keep(pushed, sum.push[k]);
+    for (int k = 0; k < 3; ++k) flow->push[k] = keep(pushed, share * sum.push[k]);
   }
   return places.lacking;
-}
-
-// 1 at a and below, 0 at b and above, smooth between.
-SANDGLASS_INLINE Float fade(Float value, float a, float b) {
-  const Float t =
-      minimum(maximum((broadcast(b) - value) * broadcast(1.0f / (b - a)), broadcast(0.0f)), broadcast(1.0f));
-  return t * t * (broadcast(3.0f) - broadcast(2.0f) * t);
 }
 
 // The share of free flight in a grain's motion: (4.44), or the continuous rule, which has the same two thresholds and

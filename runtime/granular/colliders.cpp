@@ -10,6 +10,9 @@ namespace sandglass {
 
 namespace {
 
+constexpr float k_collider_speed = 1e4f;   // metres or radians a second, along each axis
+constexpr double k_way_resolution = 1e-6;  // metres or radians; what is shorter counts as none
+
 bool normalise(float q[4]) {
   const float length2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   if (!(length2 > 1e-12f && length2 < 1e12f)) return false;
@@ -40,6 +43,27 @@ float half_travel(const sandglass_collider& a, const sandglass_collider& b) {
   return 0.5f * __builtin_sqrtf(shift2) + __builtin_sqrtf(turn2 * extent2);
 }
 
+// Whether `now` continues `before`, which was a frame of `step` seconds ago: it has not jumped.
+bool continues(const sandglass_collider& before, const sandglass_collider& now, double step, float margin) {
+  if (before.shape != now.shape || before.field != now.field) return false;
+  float way2 = 0.0f, speed2 = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    if (before.size[k] != now.size[k]) return false;
+    const float way = now.position[k] - before.position[k];
+    const float a = __builtin_fabsf(before.linear_velocity[k]), b = __builtin_fabsf(now.linear_velocity[k]);
+    way2 += way * way, speed2 += (a + b) * (a + b);
+  }
+  return __builtin_sqrtf(way2) <= static_cast<float>(step) * __builtin_sqrtf(speed2) + margin;
+}
+
+// The velocity at which a collider goes what is left of its way and this frame's, in the simulated time that is left.
+float spread(float left, double owed, float now, double step, double debt) {
+  const double way = static_cast<double>(left) * owed + static_cast<double>(now) * step;
+  if (now == 0.0f && way < k_way_resolution && way > -k_way_resolution) return 0.0f;
+  const double velocity = way / debt, most = static_cast<double>(k_collider_speed);
+  return static_cast<float>(velocity < most ? (velocity > -most ? velocity : -most) : most);
+}
+
 }  // namespace
 
 void colliders_layout(Colliders* c, const sandglass_granular_desc& d, Layout* layout) {
@@ -62,18 +86,29 @@ void colliders_reset(Colliders* c) {
   c->adopts = false;
 }
 
-void colliders_take(Granular* g, const sandglass_frame_input& input) {
+void colliders_take(Granular* g, const sandglass_frame_input& input, double owed) {
   Colliders& c = g->colliders;
+  const uint32_t before_count = c.adopts || owed < k_time_resolution ? 0 : c.count;
+  const double step = static_cast<double>(g->time.frame_step), debt = g->time.debt;
   c.count = 0;
   for (int pass = 0; pass < 2; ++pass) {
     const bool grains_only = pass == 1;
     for (uint32_t i = 0; i < input.collider_count; ++i) {
       if ((input.colliders[i].grains_only != 0) != grains_only) continue;
-      if (c.count == g->desc.collider_capacity || !collider_accept(input.colliders[i], &c.given[c.count])) {
+      sandglass_collider now;
+      if (c.count == g->desc.collider_capacity || !collider_accept(input.colliders[i], &now)) {
         ++g->counts.ignored_colliders;
-      } else {
-        ++c.count;
+        continue;
       }
+      sandglass_collider* given = &c.given[c.count];
+      if (c.count < before_count && debt >= k_time_resolution &&
+          continues(*given, now, step, g->desc.particle_radius)) {
+        for (int k = 0; k < 3; ++k) {
+          now.linear_velocity[k] = spread(given->linear_velocity[k], owed, now.linear_velocity[k], step, debt);
+          now.angular_velocity[k] = spread(given->angular_velocity[k], owed, now.angular_velocity[k], step, debt);
+        }
+      }
+      *given = now, ++c.count;
     }
     if (!grains_only) c.solid_count = c.count;
   }
@@ -126,8 +161,8 @@ bool collider_accept(const sandglass_collider& collider, sandglass_collider* acc
   }
   for (int k = 0; k < 3; ++k) {
     if (!(__builtin_fabsf(collider.position[k]) <= k_coordinate_bound &&
-          __builtin_fabsf(collider.linear_velocity[k]) <= 1e4f &&
-          __builtin_fabsf(collider.angular_velocity[k]) <= 1e4f)) {
+          __builtin_fabsf(collider.linear_velocity[k]) <= k_collider_speed &&
+          __builtin_fabsf(collider.angular_velocity[k]) <= k_collider_speed)) {
       return false;
     }
   }

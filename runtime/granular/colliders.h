@@ -24,7 +24,7 @@ struct ColliderWatch {
 };
 
 struct Colliders {
-  sandglass_collider* given;      // of this frame, those that particles see first
+  sandglass_collider* given;      // of this frame, those that particles see first, with the velocities of their ways
   ColliderFrame* substep_frames;  // posed for the sub-step
   ColliderFrame* sweep_frames;    // posed for the grains' sweep
   // How many were posed. A step that goes on in the next frame ends with the colliders with which it began.
@@ -39,8 +39,11 @@ struct Colliders {
 void colliders_layout(Colliders* colliders, const sandglass_granular_desc& desc, Layout* layout);
 void colliders_reset(Colliders* colliders);
 
-// Takes a frame's colliders. Counts those that it leaves out.
-void colliders_take(Granular* granular, const sandglass_frame_input& input);
+// Takes a frame's colliders. Counts those that it leaves out. owed: the time debt, in seconds, before the frame's time
+// step was added. Sand that owes time has not gone the whole of the last frames' way yet. So a collider goes what is
+// left of its way, and this frame's, spread over all the simulated time left: one that stops has not jumped, and in
+// slow motion it is faster than the app says, as it is on the screen.
+void colliders_take(Granular* granular, const sandglass_frame_input& input, double owed);
 // Finds what has changed for the particles since they were last woken; a change makes the touch phase due.
 void colliders_find_moved(Granular* granular);
 

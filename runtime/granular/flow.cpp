@@ -112,6 +112,9 @@ void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_
   const Nozzle nozzle = nozzle_of(e);
   float velocity[3];
   for (int k = 0; k < 3; ++k) velocity[k] = -e.speed * nozzle.axes[1][k];
+  // Grains that are behind the particles take this way with the next sweep.
+  float back[3];
+  for (int k = 0; k < 3; ++k) back[k] = static_cast<float>(g->time.grain_lag) * velocity[k];
   Batch particles, fine;
   particles.count = fine.count = 0;
   uint64_t seed = next_seed((static_cast<uint64_t>(index) << 32) | layer);
@@ -127,7 +130,7 @@ void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_
       float offset[3], length2 = 0.0f;
       for (float& o : offset) seed = next_seed(seed), o = symmetric(seed), length2 += o * o;
       if (length2 > 1.0f) continue;  // uniform within the ball
-      for (int k = 0; k < 3; ++k) offset[k] = at[k] + r * offset[k];
+      for (int k = 0; k < 3; ++k) offset[k] = at[k] - back[k] + r * offset[k];
       put_site(g, &fine, true, offset, velocity);
       ++grain;
     }

@@ -179,10 +179,11 @@ void granular_begin_frame(Granular* g, const sandglass_frame_input* input) {
   neighbours_learn(&g->neighbours, g->counts.list_builds, g->counts.substeps);
   g->counts = {};
   output_begin_frame(&g->output, input);
-  colliders_take(g, *input);
+  const double owed = g->time.debt;
+  time_take(g, input->time_step);
+  colliders_take(g, *input, owed);
   flow_take(g, *input);
   colliders_find_moved(g);
-  time_take(g, input->time_step);
   sleep_skip_time(g);
 }
 

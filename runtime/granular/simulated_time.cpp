@@ -10,6 +10,8 @@ namespace {
 
 constexpr float k_longest_step = 0.1f;    // seconds; a frame asks for no more
 constexpr double k_frames_made_up = 2.0;  // an older debt becomes slow motion
+// With time debt a sweep covers up to so many frames. It costs the same whatever time it covers.
+constexpr double k_frames_in_sweep = 2.0;
 
 // Rounded up; but a hair above a whole number is that number: 20 ms in steps of 20/64 ms are 64.
 uint32_t whole_parts(double count) {
@@ -105,7 +107,11 @@ double time_lag_limit(const Granular& g) {
 
 bool time_awaits_grains(const Granular& g) {
   if (g.grains.count == 0 || g.particles.count == 0) return false;  // without particles there is nothing to follow
-  return g.substep.interval_left == 0 && g.time.grain_lag > k_time_resolution;
+  const SimulatedTime& t = g.time;
+  if (g.substep.interval_left != 0 || t.grain_lag <= k_time_resolution) return false;
+  const bool owes = t.debt >= k_time_resolution && g.desc.reference.blend != SANDGLASS_BLEND_SOURCE;
+  if (!owes || g.sweep.phase != SweepPhase::idle) return true;
+  return t.grain_lag + time_interval(g) > 1.0001 * k_frames_in_sweep * static_cast<double>(t.frame_step);
 }
 
 }  // namespace sandglass

@@ -45,7 +45,9 @@ SubstepPlan time_plan_substep(const Granular& granular, uint32_t level);
 
 // As much as the next sweep of the grains may cover, besides the one under way.
 double time_lag_limit(const Granular& granular);
-// Each interval is refined before the next: time slows rather than leave grains behind.
+// Whether the next interval waits until the grains have followed. They follow whatever the particles have gone through
+// once there is no time debt, and before they would be more than two frames behind: time slows rather than leave grains
+// behind further. With the dissertation's rule they follow after each interval.
 bool time_awaits_grains(const Granular& granular);
 
 }  // namespace sandglass

@@ -68,7 +68,7 @@ void enter(Granular* g, SweepPhase phase) {
 // ---- the phases
 
 void begin(Granular* g, uint32_t level) {
-  g->sweep.even = level < SANDGLASS_LEVEL_COARSE;
+  g->sweep.even = level < SANDGLASS_LEVEL_COARSER;
   SimulatedTime& t = g->time;
   const double count = t.grain_lag / static_cast<double>(g->desc.refine_step);
   const uint32_t whole = to_whole<uint32_t>(count);
@@ -285,7 +285,7 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   entries[1] = {k_unit_grain_sort, sweeps * 3 * refined / static_cast<uint64_t>(k_sweeps_per_sort)};
   entries[2] = {k_unit_refine, sweeps * refined};
   if (source_rule(g)) return 3;
-  entries[3] = {k_unit_motion, sweeps * motion_items_of_a_sweep(g, level < SANDGLASS_LEVEL_COARSE)};
+  entries[3] = {k_unit_motion, sweeps * motion_items_of_a_sweep(g, level < SANDGLASS_LEVEL_COARSER)};
   return 4;
 }
 

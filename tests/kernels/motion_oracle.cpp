@@ -29,6 +29,13 @@ struct Motion : MotionArrays {
   void fill(const Kernels& kernels, const Cluster& particles) {
     scatter(kernels, particles.records.data(), particles.count, k_time);
   }
+  void measure_density(const Kernels& kernels, const std::vector<Grain>& grains, uint32_t n) {
+    std::fill(counts.begin(), counts.end(), uint8_t{0});
+    const CountGrainsArgs args = {&grid, grains.data(), n};
+    uint32_t unused = 0;
+    kernels.count_grains(&args, 0, (n + 15) / 16 * 16, &unused);
+    for (uint32_t b = 0; b < grid.block_count; ++b) motion_smooth(grid, b);
+  }
   static constexpr float k_time = 0.02f;
 };
 
@@ -234,6 +241,7 @@ struct Refinement {
     for (int k = 0; k < 3; ++k) args.positions[k] = snapshot.axes[k].data();
     args.grains = moved.data();
     if (motion) motion->fill(kernels, particles), args.motion = &motion->grid;
+    if (args.push != 0.0f) motion->measure_density(kernels, grains, count);
     RefineExtent extent = {};
     kernels.refine_grains(&args, 0, count, &extent);
     EXPECT_EQ(extent.quarantined, 0u);
@@ -251,7 +259,7 @@ struct Refinement {
 
 // What the particles within h say at x.
 struct Sums {
-  double weight = 0, largest = 0;
+  double weight = 0, largest = 0, nearest2 = 9e-4;  // squared distance of the nearest particle, h^2 at most
   Vector flow;
 };
 
@@ -270,7 +278,6 @@ Sums sums_of_particles(const Cluster& particles, Vector x) {
 // particles.
 Sums sums_of_nodes(const Cluster& particles, Vector x) {
   Sums s;
-  double nearest = 1e12;
   const Vector origin = {k_origin[0], k_origin[1], k_origin[2]}, q = x - origin;
   const int cell[3] = {static_cast<int>(std::floor(q.x / 0.015)), static_cast<int>(std::floor(q.y / 0.015)),
                        static_cast<int>(std::floor(q.z / 0.015))};
@@ -282,33 +289,72 @@ Sums sums_of_nodes(const Cluster& particles, Vector x) {
         (1 - std::abs(apart.x) / 0.015) * (1 - std::abs(apart.y) / 0.015) * (1 - std::abs(apart.z) / 0.015);
     const Node node(particles, corner);
     s.weight += share * node.weight, s.flow = s.flow + share * node.momentum;
-    nearest = std::min(nearest, dot(node.nearest - x, node.nearest - x));
+    s.nearest2 = std::min(s.nearest2, dot(node.nearest - x, node.nearest - x));
   }
-  s.largest = std::pow(std::max(0.0, 1 - nearest / 9e-4), 3);
+  s.largest = std::pow(1 - s.nearest2 / 9e-4, 3);
   s.weight = std::max(s.weight, s.largest);
   return s;
+}
+
+// 1 at a and below, 0 at b and above.
+double fade(double value, double a, double b) {
+  const double t = std::clamp((b - value) / (b - a), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
+// Down the gradient of the density, which is read linearly between the centres of cells: all of it inside the pile,
+// near a particle, and around a lone one as far as its weight reaches.
+Vector push_at(const RefineArgs& args, const Sums& s, Vector x) {
+  const MotionGrid& grid = *args.motion;
+  const Vector q = (1 / 0.06) * (x - Vector{k_origin[0], k_origin[1], k_origin[2]});
+  const double blocks[3] = {std::floor(q.x), std::floor(q.y), std::floor(q.z)};
+  const uint32_t block = motion_find(grid, static_cast<int32_t>(blocks[0]), static_cast<int32_t>(blocks[1]),
+                                     static_cast<int32_t>(blocks[2]));
+  if (block == k_no_block) return {};
+  // In cells from the centre of the one before the block's first.
+  const Vector in = 12 * (q - Vector{blocks[0], blocks[1], blocks[2]}) + Vector{0.5, 0.5, 0.5};
+  const int cell[3] = {static_cast<int>(in.x), static_cast<int>(in.y), static_cast<int>(in.z)};
+  double value = 0;
+  Vector slope;
+  for (int c = 0; c < 8; ++c) {
+    const int side[3] = {c & 1, c >> 1 & 1, c >> 2};
+    const double density =
+        density_of(grid, block)[((cell[2] + side[2]) * 14 + cell[1] + side[1]) * 14 + cell[0] + side[0]];
+    const double share[3] = {side[0] != 0 ? in.x - cell[0] : 1 - in.x + cell[0],
+                             side[1] != 0 ? in.y - cell[1] : 1 - in.y + cell[1],
+                             side[2] != 0 ? in.z - cell[2] : 1 - in.z + cell[2]};
+    value += density * share[0] * share[1] * share[2];
+    slope = slope + density * Vector{(2 * side[0] - 1) * share[1] * share[2], (2 * side[1] - 1) * share[0] * share[2],
+                                     (2 * side[2] - 1) * share[0] * share[1]};
+  }
+  Vector push = (-static_cast<double>(args.push) / std::max(value, 1.0)) * slope;
+  const double most = static_cast<double>(args.push_max), reach = static_cast<double>(args.push_reach);
+  if (length(push) > most) push = (most / length(push)) * push;
+  const double lone =
+      s.weight > 0 ? (1 - fade(s.largest / s.weight, 0.6, 0.8)) * (1 - fade(s.weight, 0, 0.02)) : 0;
+  return std::max({1 - fade(s.weight, 1.6, 2), fade(s.nearest2 / (reach * reach), 0.7, 1.3), lone}) * push;
 }
 
 }  // namespace
 
 void sandglass::tests::check_refine_grains(uint32_t n) {
-  enum Rule { k_source, k_particles, k_grid };
-  for (const Rule rule : {k_source, k_particles, k_grid}) {
+  enum Rule { k_source, k_particles, k_grid, k_pushed };
+  for (const Rule rule : {k_source, k_particles, k_grid, k_pushed}) {
     const bool source_rule = rule == k_source;
     Refinement refinement(n, source_rule, false);
-    if (rule == k_grid) refinement.motion = std::make_unique<Motion>();
+    if (rule >= k_grid) refinement.motion = std::make_unique<Motion>();
+    if (rule == k_pushed)
+      refinement.args.push = 0.0015f, refinement.args.push_max = 0.001f, refinement.args.push_reach = 0.012f;
+    uint32_t pushed = 0;
     std::vector<Grain> first;
     for (const Kernels* kernels : tables()) {
       const std::vector<Grain> all = refinement.run(*kernels);
       for (uint32_t i = 0; i < n; ++i) {
         const Vector x = at(refinement.grains[i].position), v = at(refinement.grains[i].velocity);
-        const auto [weight, largest, flow] =
-            rule == k_grid ? sums_of_nodes(refinement.particles, x) : sums_of_particles(refinement.particles, x);
+        const Sums sums =
+            rule >= k_grid ? sums_of_nodes(refinement.particles, x) : sums_of_particles(refinement.particles, x);
+        const double weight = sums.weight, largest = sums.largest;
         const double radius_weight = 512.0 / 729.0, ratio = weight > 0 ? largest / weight : 0;
-        const auto fade = [](double value, double a, double b) {
-          const double t = std::clamp((b - value) / (b - a), 0.0, 1.0);
-          return t * t * (3 - 2 * t);
-        };
         double lambda;
         if (source_rule) {
           lambda = largest <= radius_weight || ratio >= 0.6 ? 1 - largest : 0;
@@ -318,10 +364,14 @@ void sandglass::tests::check_refine_grains(uint32_t n) {
         }
         if (weight == 0) lambda = 1;
         const Vector fall = v + 0.004 * Vector{0, -9.81, 0};
-        const Vector expected = weight > 0 ? ((1 - lambda) / weight) * flow + lambda * fall : fall;
+        const Vector expected = weight > 0 ? ((1 - lambda) / weight) * sums.flow + lambda * fall : fall;
+        const Vector push = rule == k_pushed ? push_at(refinement.args, sums, x) : Vector{};
+        pushed += length(push) > 1e-5 ? 1 : 0;
         ASSERT_LT(length(at(all[i].velocity) - expected), 2e-5) << sandglass_isa_name(kernels->isa) << " grain " << i;
-        ASSERT_LT(length(at(all[i].position) - (x + 0.004 * expected)), 2e-7);
+        ASSERT_LT(length(at(all[i].position) - (x + push + 0.004 * expected)), 2e-7);
       }
+      ASSERT_GE(pushed, rule == k_pushed && n >= 64 ? n / 4 : 0);
+      pushed = 0;
       if (first.empty()) first = all;
       ASSERT_TRUE(same_bits(all, first)) << sandglass_isa_name(kernels->isa);
     }

@@ -141,10 +141,10 @@ enum {
   SANDGLASS_LEVEL_FULL = 0,
   /* Neighbour lists are rebuilt after three times the motion that could outdate them. */
   SANDGLASS_LEVEL_KEEP_LISTS = 1,
-  /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. Grains are not kept at an even
-   * density. */
+  /* Sub-steps are 4/3 as long. AVERAGED with several iterations: 3/4 of them. */
   SANDGLASS_LEVEL_COARSE = 2,
-  /* Sub-steps are twice as long. AVERAGED with several iterations: half of them. */
+  /* Sub-steps are twice as long. AVERAGED with several iterations: half of them. Grains are not kept at an even
+   * density. */
   SANDGLASS_LEVEL_COARSER = 3,
   /* As much simulated time as fits. The rest is the time debt: frame_report.time_debt. */
   SANDGLASS_LEVEL_SLOW_MOTION = 4,
@@ -432,7 +432,12 @@ enum {
 /* A collider: a solid that sand cannot enter, and that the app moves. Its pose is that at the *end* of the frame's time
  * step; during the step it moves with the given velocities. So a hand with a velocity pushes sand, and one without
  * merely displaces it. A collider that jumps into sand pushes it out no faster than (4.45) allows. Friction is the
- * material's. */
+ * material's.
+ *
+ * With time debt, sand has not yet gone through the way that the collider was given. Then the collider goes what is left
+ * of it, and the new frame's, evenly over the simulated time that is left: it does not jump where it stops, and in slow
+ * motion it is faster than its velocity says, as it is on the screen. That needs the same collider in the same place of
+ * the list from frame to frame; one of another shape, or far from where it was, is taken as it is given. */
 typedef struct sandglass_collider {
   /* What `size` means. */
   sandglass_shape shape;
