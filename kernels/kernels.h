@@ -197,18 +197,18 @@ struct MotionGrid {
 };
 
 // The density of the grains in a block's cells and those around, in the place of its planes.
-inline uint8_t* density_of(const MotionGrid& grid, uint32_t block) {
+static inline uint8_t* density_of(const MotionGrid& grid, uint32_t block) {
   return reinterpret_cast<uint8_t*>(grid.planes + static_cast<uint64_t>(block) * k_block_floats);
 }
 
-inline uint32_t motion_hash(int32_t x, int32_t y, int32_t z) {
+static inline uint32_t motion_hash(int32_t x, int32_t y, int32_t z) {
   const uint32_t mixed = static_cast<uint32_t>(x) * 0x9e3779b1u ^ static_cast<uint32_t>(y) * 0x85ebca77u ^
                          static_cast<uint32_t>(z) * 0xc2b2ae3du;
   return mixed ^ (mixed >> 15);
 }
 
 // The number of the block at these coordinates, or k_no_block.
-inline uint32_t motion_find(const MotionGrid& grid, int32_t x, int32_t y, int32_t z) {
+static inline uint32_t motion_find(const MotionGrid& grid, int32_t x, int32_t y, int32_t z) {
   for (uint32_t slot = motion_hash(x, y, z) & grid.slot_mask; grid.slots[slot] != 0;
        slot = (slot + 1) & grid.slot_mask) {
     const MotionBlock& block = grid.blocks[grid.slots[slot] - 1];

@@ -100,63 +100,65 @@ static_assert(sizeof(Grain) == sizeof(Particle) && sizeof(Record) == sizeof(Part
               sizeof(Sleeper) == sizeof(Particle) && sizeof(SurfacePoint) == sizeof(Particle));
 
 // ---- the state of a particle
+//
+// Functions in headers of kernels are static: each table of an instruction set needs its own, also where nothing is inlined.
 
-inline bool is_awake(const Particle& p) { return p.mobility > 0.0f; }
-inline bool is_asleep(const Particle& p) { return p.mobility < 0.0f; }
-inline bool is_fixed(const Particle& p) { return p.mobility == 0.0f; }
+static inline bool is_awake(const Particle& p) { return p.mobility > 0.0f; }
+static inline bool is_asleep(const Particle& p) { return p.mobility < 0.0f; }
+static inline bool is_fixed(const Particle& p) { return p.mobility == 0.0f; }
 
 // 1 for a sand particle, 0 for infinite mass.
-inline float inverse_mass(const Particle& p) { return __builtin_fabsf(p.mobility); }
+static inline float inverse_mass(const Particle& p) { return __builtin_fabsf(p.mobility); }
 
 // An awake particle falls asleep: it stops.
-inline void put_to_sleep(Particle* p) {
+static inline void put_to_sleep(Particle* p) {
   p->mobility = -p->mobility;
   p->velocity[0] = p->velocity[1] = p->velocity[2] = 0.0f;
 }
 
 // A sleeping particle wakes, at rest.
-inline void wake(Particle* p) { p->mobility = -p->mobility; }
+static inline void wake(Particle* p) { p->mobility = -p->mobility; }
 
 // Sleepers of the other kind: spheres.
-inline bool is_awake(const Sleeper& s) { return s.mobility > 0.0f; }
-inline void set_asleep(Sleeper* s, bool asleep) { s->mobility = s->before = asleep ? -1.0f : 1.0f; }
-inline bool was_woken(const Sleeper& s) { return s.mobility > 0.0f && s.before < 0.0f; }
+static inline bool is_awake(const Sleeper& s) { return s.mobility > 0.0f; }
+static inline void set_asleep(Sleeper* s, bool asleep) { s->mobility = s->before = asleep ? -1.0f : 1.0f; }
+static inline bool was_woken(const Sleeper& s) { return s.mobility > 0.0f && s.before < 0.0f; }
 
 // ---- the identity of a particle
 
-inline uint32_t number_of(const Particle& p) { return p.identity & k_number_mask; }
+static inline uint32_t number_of(const Particle& p) { return p.identity & k_number_mask; }
 // 0: sand. Rigid bodies count from 1.
-inline uint32_t body_of(const Particle& p) { return p.identity >> k_body_shift; }
-inline bool in_body(const Particle& p) { return p.identity > k_number_mask; }
-inline bool is_inert(const Particle& p) { return p.identity == k_inert_identity; }
-inline void join_body(Particle* p, uint32_t body, float inverse_mass) {
+static inline uint32_t body_of(const Particle& p) { return p.identity >> k_body_shift; }
+static inline bool in_body(const Particle& p) { return p.identity > k_number_mask; }
+static inline bool is_inert(const Particle& p) { return p.identity == k_inert_identity; }
+static inline void join_body(Particle* p, uint32_t body, float inverse_mass) {
   p->identity = number_of(*p) | (body << k_body_shift);
   p->mobility = inverse_mass;
 }
 
 // An awake particle of a sand particle's mass.
-inline Particle moving_particle(const float position[3], const float velocity[3], uint32_t number) {
+static inline Particle moving_particle(const float position[3], const float velocity[3], uint32_t number) {
   return {{position[0], position[1], position[2]}, 1.0f, {velocity[0], velocity[1], velocity[2]}, number};
 }
-inline Particle fixed_particle(const float position[3], uint32_t number) {
+static inline Particle fixed_particle(const float position[3], uint32_t number) {
   return {{position[0], position[1], position[2]}, 0.0f, {0.0f, 0.0f, 0.0f}, number};
 }
-inline Particle inert_particle() {
+static inline Particle inert_particle() {
   return {{k_inert_position, k_inert_position, k_inert_position}, 0.0f, {0.0f, 0.0f, 0.0f}, k_inert_identity};
 }
 // A grain that has not kept still yet.
-inline Grain moving_grain(const float position[3], const float velocity[3], uint32_t number) {
+static inline Grain moving_grain(const float position[3], const float velocity[3], uint32_t number) {
   return {{position[0], position[1], position[2]}, number, {velocity[0], velocity[1], velocity[2]}, 0.0f};
 }
 
 // ---- views
 
-inline const Record* as_records(const Particle* p) { return reinterpret_cast<const Record*>(p); }
-inline const Record* as_records(const Grain* g) { return reinterpret_cast<const Record*>(g); }
-inline Record* as_records(Particle* p) { return reinterpret_cast<Record*>(p); }
-inline Record* as_records(Grain* g) { return reinterpret_cast<Record*>(g); }
+static inline const Record* as_records(const Particle* p) { return reinterpret_cast<const Record*>(p); }
+static inline const Record* as_records(const Grain* g) { return reinterpret_cast<const Record*>(g); }
+static inline Record* as_records(Particle* p) { return reinterpret_cast<Record*>(p); }
+static inline Record* as_records(Grain* g) { return reinterpret_cast<Record*>(g); }
 // Of a record that is a particle.
-inline const Particle& as_particle(const Record& r) { return reinterpret_cast<const Particle&>(r); }
-inline Sleeper* as_sleepers(Particle* p) { return reinterpret_cast<Sleeper*>(p); }
+static inline const Particle& as_particle(const Record& r) { return reinterpret_cast<const Particle&>(r); }
+static inline Sleeper* as_sleepers(Particle* p) { return reinterpret_cast<Sleeper*>(p); }
 
 }  // namespace sandglass

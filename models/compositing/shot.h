@@ -54,6 +54,9 @@ SceneShadows complete_shadows(const SceneFile& scene, sandglass_isa isa, uint32_
 // A picture as the camera hands it out: as blurred as the room behind it is, with the noise of a small sensor.
 Picture developed(const RadianceMap& shown, double blur_pixels, uint64_t seed);
 
+// Pictures of equal width, one below the other.
+Picture one_below_the_other(std::span<const Picture> pictures);
+
 class Shot {
  public:
   Shot(const SceneFile& scene, const ShotOptions& options);
@@ -90,9 +93,8 @@ class Shot {
               uint32_t threads) const;
   // What an app could draw instead of the snapshot: without a shadow, with one light, with the ambient shadow alone.
   std::vector<Drawn> alternatives(const Snapshot& snapshot, uint32_t threads) const;
-  // Writes the picture that leads, what an app could draw instead, and the truth, with what the session has seen.
-  void write_sheet(const std::string& file, const Drawn& lead, std::span<const Drawn> beside,
-                   const RadianceMap& truth) const;
+  // The picture that leads, what an app could draw instead, and the truth, with what the session has seen.
+  Picture sheet(const Drawn& lead, std::span<const Drawn> beside, const RadianceMap& truth) const;
   Picture developed_as_seen(const RadianceMap& shown, uint64_t seed) const;
 
  private:

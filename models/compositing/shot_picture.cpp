@@ -168,7 +168,8 @@ Left left_on_floor(const SceneShadows& shadows, const PlacedLight& light, double
       left_by(shadows.object, x, z) * left_by(shadows.pile, x, z)};
 }
 
-Left left_on_sand(const SceneShadows& shadows, const PlacedLight& light, Vec3 p, double radius) {
+Left left_on_sand(const SceneShadows& shadows, const PlacedLight& light, const Hit& hit, double radius) {
+  const Vec3 p = hit.point;
   Left left = {ambient_left(shadows.ambient, main_of(light.object), p.x, p.z) *
                    ambient_left(shadows.sky_on_sand, main_of(light.sand), p.x, p.z),
                left_by(shadows.pile_on_sand, p.x, p.z)};
@@ -176,6 +177,7 @@ Left left_on_sand(const SceneShadows& shadows, const PlacedLight& light, Vec3 p,
     const double surface = shadows.most_height * (1.0 - floor_transparency(heights, p.x, p.z));
     // What is seen lies near the surface. Sand that falls is soon far below that of an older texture.
     left.ambient /= 1.0 + k_depth_dark * std::clamp((surface - p.y) / radius, 0.0, k_deepest);
+    left.ambient *= 0.5 * (1.0 + hit.normal.y);  // the harmonics hold light from below, where other grains lie
   }
   const Vec3 towards = main_direction_of(light.object);  // the object's shadow is made for it
   if (towards.y > 0.0) {
@@ -228,7 +230,7 @@ RadianceMap ShotPicture::composite(const Surroundings& room, const ShotCamera& c
     const Vec3 rest = {std::max(without.x, 0.0), std::max(without.y, 0.0), std::max(without.z, 0.0)};
     if (cast == CastShadow::hard) return rest + main * (blocked(hit.point + hit.normal * k_lift) ? 0.0 : 1.0);
     if (!textured) return all;
-    const Left left = left_on_sand(shadows, light, hit.point, state_->grain_radius);
+    const Left left = left_on_sand(shadows, light, hit, state_->grain_radius);
     return product(rest, among_equals(left.ambient, hit.reflectance)) + main * left.main;
   };
   RadianceMap picture(options.width, options.height);

@@ -5,7 +5,8 @@
 // grains get the room's harmonics, the object by the nine numbers of its vertices, which know what it hides from
 // itself, a grain by its normal and by what the sand's texture leaves at its depth, less what the sharp textures take
 // of the main light. Grains are of one colour with their neighbours, so what one of them does not see of the room it
-// sees of sand that is as bright: v becomes v / (1 - rho (1 - v)). Nothing is traced but where things are.
+// sees of sand that is as bright: v becomes v / (1 - rho (1 - v)). Below a grain of a pile is sand: of a normal's
+// harmonics the share (1 + n.y) / 2 comes from above. Nothing is traced but where things are.
 //
 // Truth. Object and grains stand in the light of the warped panorama, on a floor that only catches shadows and reflects
 // light. Where the floor is seen, the panorama's radiance is multiplied by the irradiance with what stands on it and

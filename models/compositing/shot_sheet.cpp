@@ -51,8 +51,18 @@ void draw_globe(Picture* picture, const sandglass::Room& room, double exposure, 
 
 }  // namespace
 
-void Shot::write_sheet(const std::string& file, const Drawn& lead, std::span<const Drawn> beside,
-                       const RadianceMap& truth) const {
+Picture one_below_the_other(std::span<const Picture> pictures) {
+  int height = 0, top = 0;
+  for (const Picture& picture : pictures) height += picture.height;
+  Picture all(pictures.empty() ? 0 : pictures.front().width, height, k_paper);
+  for (const Picture& picture : pictures) {
+    paste(&all, picture, 0, top);
+    top += picture.height;
+  }
+  return all;
+}
+
+Picture Shot::sheet(const Drawn& lead, std::span<const Drawn> beside, const RadianceMap& truth) const {
   const Picture large = developed_as_seen(lead.picture, 2);
   std::vector<std::pair<std::string, Picture>> small;
   for (const Drawn& other : beside) small.emplace_back(other.name, halved(developed_as_seen(other.picture, 3)));
@@ -85,7 +95,7 @@ void Shot::write_sheet(const std::string& file, const Drawn& lead, std::span<con
     std::snprintf(text, sizeof text, "%u images, ahead and behind. Grey: not seen", seen.images);
     draw_text(&sheet, left, top + 60, k_text, text, k_ink);
   }
-  write_png(file, sheet);
+  return sheet;
 }
 
 }  // namespace sandglass::host

@@ -39,6 +39,8 @@ class Run {
   void finish(uint64_t hash);
   int exit_code(uint64_t hash) const;
   const RunReport& report() const { return report_; }
+  // Of a shot beside its truth, after `finish`.
+  const std::optional<Picture>& sheet() const { return sheet_; }
   const PhoneClock* phone() const { return phone_ ? &*phone_ : nullptr; }
 
  private:
@@ -56,8 +58,8 @@ class Run {
 
   uint32_t drawing_threads() const;
   PictureSet picture_set() const;
-  void describe_light(PicturePaths* paths, uint32_t threads) const;
-  std::vector<PageFigure> beside_truth(uint32_t threads) const;
+  void describe_light(PicturePaths* paths, uint32_t threads);
+  std::vector<PageFigure> beside_truth(uint32_t threads);
   PageContent page_content(std::vector<PageFigure> figures) const;
 
   const RunOptions& options_;
@@ -74,7 +76,11 @@ class Run {
   std::optional<Shot> shot_;
   RunReport report_;
   std::vector<Snapshot> snapshots_;
+  std::optional<Picture> sheet_;
   Recording recording_;  // --replay: what to execute; --record: what was executed
 };
+
+// `run --rooms`: a run in each of the rooms, into a folder of its own, and their sheets one below the other.
+int run_rooms(const RunOptions& options);
 
 }  // namespace sandglass::host

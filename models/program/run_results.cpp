@@ -95,7 +95,7 @@ PictureSet Run::picture_set() const {
   set.camera = scene_.camera;
   set.threads = drawing_threads();
   set.plain = options_.plain;
-  set.film = !report_.interrupted;
+  set.film = !report_.interrupted && options_.rooms.empty();
   if (shot_)
     set.painter = [this](const Snapshot& snapshot, int width, int height, uint32_t threads) {
       return shot_->paint(snapshot, width, height, threads);
@@ -104,7 +104,7 @@ PictureSet Run::picture_set() const {
   return set;
 }
 
-void Run::describe_light(PicturePaths* paths, uint32_t threads) const {
+void Run::describe_light(PicturePaths* paths, uint32_t threads) {
   std::printf("light          %s, of %s\n", name_of(shot_->source()), shot_->surroundings().name.c_str());
   if (const double angle = shot_->angle_deg(snapshots_.back().frame); angle >= 0.0)
     std::printf("               the middle of the floor's light is %.1f degrees off in the last frame\n", angle);
@@ -114,7 +114,7 @@ void Run::describe_light(PicturePaths* paths, uint32_t threads) const {
 }
 
 // The last picture, what an app could draw instead, and the truth: a sheet, and pairs for the page.
-std::vector<PageFigure> Run::beside_truth(uint32_t threads) const {
+std::vector<PageFigure> Run::beside_truth(uint32_t threads) {
   const Snapshot& last = snapshots_.back();
   const RadianceMap truth = shot_->traced(last, threads);
   const Shot::Drawn lead = shot_->drawn(last, "sandglass", shot_->light(last.frame), CastShadow::textures, threads);
@@ -137,7 +137,8 @@ std::vector<PageFigure> Run::beside_truth(uint32_t threads) const {
                        "composite", false});
   }
   const std::string sheet = (fs::path(options_.out) / "shot.png").string();
-  shot_->write_sheet(sheet, lead, beside, truth);
+  sheet_ = shot_->sheet(lead, beside, truth);
+  write_png(sheet, *sheet_);
   std::printf("               %s\n", sheet.c_str());
   return figures;
 }

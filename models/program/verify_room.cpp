@@ -56,7 +56,7 @@ std::vector<Condition> conditions_of(RoomStudyOptions options, const RoomStudy& 
       conditions.push_back({name, room_table(some, models, pool)});
   }
   options.place = 0.8;
-  const RoomStudy far = study_rooms(options, study.objects);
+  const RoomStudy far = moved(study, options);
   if (interrupted()) return conditions;
   conditions.push_back({"object at 0.8 radii", room_table(far, models, pool)});
   options.place = RoomStudyOptions().place, options.exposure_known = false;

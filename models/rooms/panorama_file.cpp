@@ -28,6 +28,14 @@ namespace {
 
 constexpr int k_widest = 16384, k_narrowest = 8;  // pixels
 
+void check_shape(const std::string& path, int64_t width, int64_t height) {
+  if (width >= k_narrowest && width == 2 * height) return;
+  throw cannot("read", path,
+               "it has " + std::to_string(width) + " x " + std::to_string(height) +
+                   " pixels, and a panorama is twice as wide as high",
+               "Export it as equirectangular");
+}
+
 std::string extension_of(const std::string& path) {
   const size_t dot = path.find_last_of('.');
   std::string extension = dot == std::string::npos ? "" : path.substr(dot);
@@ -125,6 +133,7 @@ RadianceMap decode_exr(const std::string& path) {
     const int64_t width = int64_t{window.max.x} - window.min.x + 1, height = int64_t{window.max.y} - window.min.y + 1;
     if (width > k_widest || height > k_widest)
       throw cannot("read", path, "it is wider than " + std::to_string(k_widest) + " pixels", "Scale it down");
+    check_shape(path, width, height);
     for (const char* channel : {"R", "G", "B"})
       if (file.header().channels().findChannel(channel) == nullptr)
         throw cannot("read", path, std::string("it has no channel ") + channel, "Export it with R, G and B");
@@ -180,11 +189,7 @@ RadianceMap read_panorama(const std::string& path) {
     map = HdrReader{path, bytes}.read();
   } else if (extension == ".exr") map = decode_exr(path);
   else throw cannot("read", path, "it is neither .hdr nor .exr", "Convert it to one of them");
-  if (map.width < k_narrowest || map.width != 2 * map.height)
-    throw cannot("read", path,
-                 "it has " + std::to_string(map.width) + " x " + std::to_string(map.height) +
-                     " pixels, and a panorama is twice as wide as high",
-                 "Export it as equirectangular");
+  check_shape(path, map.width, map.height);
   for (float& value : map.rgb) {
     if (!std::isfinite(value))
       throw cannot("read", path, "it has a pixel that is not a finite number", "Repair or export it again");

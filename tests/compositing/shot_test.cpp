@@ -195,6 +195,16 @@ TEST(Surroundings, PhotographsKeepTheirFieldOfView) {
   }
 }
 
+TEST(ShotSheet, RoomsStandOneBelowTheOtherInTheirOrder) {
+  const Picture rooms[] = {Picture(3, 2, {10, 20, 30}), Picture(3, 1, {200, 100, 50})};
+  const Picture all = one_below_the_other(rooms);
+  ASSERT_EQ(all.width, 3);
+  ASSERT_EQ(all.height, 3);
+  const uint8_t first[] = {10, 20, 30}, second[] = {200, 100, 50};
+  for (int x = 0; x < 3; ++x)
+    for (int y = 0; y < 3; ++y) EXPECT_TRUE(std::equal(all.at(x, y), all.at(x, y) + 3, y < 2 ? first : second));
+}
+
 SceneFile shot_scene() { return load_scene("shot"); }
 
 // A session looks around in a room with one lamp. Light comes in from what is usual, nothing jumps, and at the end the
@@ -545,6 +555,38 @@ TEST(ShotComposite, GrainsHaveTheSandsLight) {
   };
   EXPECT_NEAR(shown({light, scaled(light, 0.5)}), 0.5 * shown(light), 1e-6);
   EXPECT_NEAR(shown({scaled(light, 0.5), light}), shown(light), 1e-6);
+}
+
+// In an even room a grain of a pile sees the room with the upper part of the hemisphere at its normal, and sand as bright
+// as itself with the rest: seen from above it keeps all of its light, seen from the side v = 1/2 gives v / (1 - rho v).
+TEST(ShotComposite, GrainsOfAPileSeeSandBelow) {
+  RadianceMap map(256, 128);
+  for (float& value : map.rgb) value = 1.0f;
+  const float size[3] = {0.1f, 0.1f, 0.1f}, grain[3] = {0, 0.3f, 0};
+  LitObject away = {make_box(size), k_no_rotation, {}};
+  for (size_t i = 0; i < away.mesh.vertices.size(); i += 3) away.mesh.vertices[i] += 50.0f;
+  ShotPictureOptions o;
+  o.width = 16, o.height = 12;
+  SceneShadows sand;
+  FloorShadow level;  // the sand is nowhere above the floor, so that nothing lies deep in it
+  level.texels = 2, level.coverage.assign(4, 0), level.low[0] = level.low[1] = -5, level.high[0] = level.high[1] = 5;
+  sand.heights = {level}, sand.most_height = 1.0;
+  const auto kept = [&](Vec3 eye, Vec3 up_to) {
+    Camera c = camera();
+    c.eye = eye, c.target = up_to, c.fov_deg = 4;
+    const Surroundings room = panorama_surroundings(map, "even", c, -90, {0, 0, 0}, 0.0);
+    const auto shown = [&](const SceneShadows& shadows) {
+      const ShotPicture picture(away, grain, 0.29f);
+      return mean_of(picture.composite(room, resting_camera(c), room.true_light(), shadows, CastShadow::textures, o), 7,
+                     5, 9, 7);
+    };
+    return shown(sand) / shown({});
+  };
+  EXPECT_NEAR(kept({0.01, 3, 0}, {0, 0.3, 0}), 1.0, 0.01);
+  const Vec3 rho = grain_colour(0);
+  const auto half = [](double r) { return 0.5 / (1.0 - 0.5 * r); };
+  const double expected = luminance(product(rho, {half(rho.x), half(rho.y), half(rho.z)})) / luminance(rho);
+  EXPECT_NEAR(kept({0, 0.3, 3}, {0, 0.3, 0}), expected, 0.01);
 }
 
 // Two cameras that look in directions 30 degrees apart see the shadow at the same place of the floor: a point of the

@@ -253,5 +253,15 @@ TEST(Image, GridKeepsOrder) {
   EXPECT_EQ(grid.at(6, 5)[0], 255);
 }
 
+// The bytes are those of the curve of IEC 61966-2-1, rounded. Values within 1e-9 of a half are left out.
+TEST(Picture, BytesOfSrgbAreTheRoundedCurve) {
+  for (int i = -50; i <= 20'050; ++i) {
+    const double linear = i / 20'000.0, v = std::clamp(linear, 0.0, 1.0);
+    const double curve = 255.0 * (v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1.0 / 2.4) - 0.055);
+    if (std::fabs(curve - std::floor(curve) - 0.5) < 1e-9) continue;
+    ASSERT_EQ(srgb_byte(linear), std::lround(curve)) << linear;
+  }
+}
+
 }  // namespace
 }  // namespace sandglass::host

@@ -330,8 +330,7 @@ Vector push_at(const RefineArgs& args, const Sums& s, Vector x) {
   Vector push = (-static_cast<double>(args.push) / std::max(value, 1.0)) * slope;
   const double most = static_cast<double>(args.push_max), reach = static_cast<double>(args.push_reach);
   if (length(push) > most) push = (most / length(push)) * push;
-  const double lone =
-      s.weight > 0 ? (1 - fade(s.largest / s.weight, 0.6, 0.8)) * (1 - fade(s.weight, 0, 0.02)) : 0;
+  const double lone = s.weight > 0 ? (1 - fade(s.largest / s.weight, 0.6, 0.8)) * (1 - fade(s.weight, 0, 0.02)) : 0;
   return std::max({1 - fade(s.weight, 1.6, 2), fade(s.nearest2 / (reach * reach), 0.7, 1.3), lone}) * push;
 }
 

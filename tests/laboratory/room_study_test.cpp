@@ -128,6 +128,44 @@ TEST(LightingFloor, ATrueEstimateDrawsABetterFloorThanItsControls) {
   EXPECT_GE(broken, 1);
 }
 
+// Sessions do not depend on where the object stands; its light does.
+TEST(RoomStudy, MovedObjectsAreLitAsInAStudyThatBeginsThere) {
+  const TemporaryFolder folder;
+  RoomStudyOptions options;
+  options.panoramas = {folder / "room.hdr"}, options.azimuths = 2;
+  write_hdr(options.panoramas.front(), room_with_lamp(100.0, 20.0));
+  const auto objects = std::make_shared<const std::vector<FloorObject>>(1, pole());
+  const RoomStudy near = study_rooms(options, objects);
+  options.place = 0.8;
+  const RoomStudy there = study_rooms(options, objects), carried = moved(near, options);
+  ASSERT_EQ(carried.places.size(), there.places.size());
+  EXPECT_NE(near.places[1].truths, there.places[1].truths);
+  for (size_t i = 0; i < there.places.size(); ++i) {
+    EXPECT_EQ(carried.places[i].truths, there.places[i].truths);
+    EXPECT_EQ(carried.places[i].lit, there.places[i].lit);
+  }
+  const std::vector<RoomModel> models = {k_room_model};
+  EXPECT_EQ(sessions_markdown(room_table(carried, models, &single())),
+            sessions_markdown(room_table(there, models, &single())));
+}
+
+// Light from everywhere: every point of a box receives what the floor does, and the first harmonic alone is that light.
+TEST(RoomStudy, ASurfaceInNineHarmonicsOfAnEvenRoomIsLitAsByRays) {
+  TrueLight even = {};
+  even.irradiance = {3.14159265358979, 3.14159265358979, 3.14159265358979};
+  for (uint32_t i = 0; i < k_sphere; ++i) {
+    const double row = i / k_sphere_columns, step = 3.14159265358979 / k_sphere_rows;
+    even.sphere[i] = 2.0 * 3.14159265358979 / k_sphere_columns * (std::cos(step * row) - std::cos(step * (row + 1)));
+  }
+  const double first = std::sqrt(4.0 * 3.14159265358979);  // of radiance 1, by the harmonic 1 / sqrt(4 pi)
+  const std::vector<float> rays = pole().lit(even), harmonics = pole().lit({first}, 3.14159265358979);
+  ASSERT_EQ(rays.size(), harmonics.size());
+  for (size_t p = 0; p < rays.size(); ++p) {
+    EXPECT_NEAR(harmonics[p], rays[p], 1e-5f);
+    EXPECT_NEAR(rays[p], 1.0f, 0.02f);
+  }
+}
+
 TEST(RoomStudy, ItsLimitsAreHeldByGoodRowsAndBrokenByBadOnes) {
   RoomTable table;
   const auto add = [&](const std::string& name, double share, Interval none, Interval ambient, bool control = false) {

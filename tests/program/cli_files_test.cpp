@@ -73,6 +73,14 @@ TEST_F(CliFiles, NoInputIsWrittenOver) {
       << "an earlier output is no input";
 }
 
+TEST_F(CliFiles, ThePartsBesideAMeshAreInputs) {
+  if (!k_assimp) GTEST_SKIP() << "reads mesh files";
+  const std::string mesh = write("painted.obj", "mtllib painted.mtl\nusemtl red\n" + std::string(k_cube));
+  const std::string paint = write("painted.mtl", "newmtl red\nKd 1 0 0\n");
+  fs::create_hard_link(paint, path("paint.ply"));
+  expect_kept(paint, "sample " + mesh + " --surface --distance 0.3 -o " + path("paint.ply"));
+}
+
 TEST_F(CliFiles, NoInputOfTheLightingToolsIsWrittenOver) {
   const std::string network = write("random.light", random_network());
   fs::create_directories(folder / "set/images");

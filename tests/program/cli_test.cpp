@@ -314,6 +314,12 @@ TEST_F(Cli, RunsShotsOfFiles) {
   const std::string later =
       light_of("--panorama '" + path("room.hdr") + "' --later '" + path("dark.hdr") + "' --light truth");
   EXPECT_NE(later.substr(later.find("hash")), panorama.substr(panorama.find("hash"))) << "the lamps went off";
+  // The scene's own room, named, is the same run; looked at from elsewhere it has another light.
+  const Outcome own = run("run shot --frames 2 --clock virtual");
+  const std::string hash = own.out.substr(own.out.find("hash 0x"));
+  const std::string rooms = light_of("--rooms 35:90,35:0");
+  EXPECT_NE(rooms.find(hash), std::string::npos) << rooms;
+  EXPECT_NE(rooms.substr(rooms.rfind("hash 0x")), hash);
   // A frame's time is the library's. It leaves out the made-up camera's image, which takes some 9 ms. Beside the work
   // units it has only colliders and lights.
   const Outcome timed = run("run shot --frames 4 --light estimate --panorama '" + path("room.hdr") + "'");
@@ -350,6 +356,11 @@ TEST_F(Cli, RefusesBadShots) {
   expect_refused("run shot --fov 70", "--photo");
   expect_refused("run shot --photo " + photo + " --fov 70 --panorama " + room, "excludes");
   expect_refused("run shot --photo " + photo + " --fov 70 --light truth", "truth");
+  for (const char* bad : {"35", "35:", ":90", "35:360", "35:-9", "+3:90", "35:90:1", "x:90"})
+    expect_refused(std::string("run shot --rooms ") + bad, "SEED:AZIMUTH");
+  expect_refused("run shot --rooms 35:90 --panorama " + room, "excludes");
+  expect_refused("run shot --rooms 35:90 --photo " + photo + " --fov 70", "--photo");
+  expect_refused("run demo --rooms 35:90", "no shot");
   expect_refused("run shot --light moon", "moon");
   expect_refused("run shot --network '" + path("missing.light") + "'", "missing.light");
   expect_refused("run shot --network " + room, "room.hdr\": ");

@@ -41,6 +41,20 @@ std::array<double, 9> harmonics_of(Vec3 d) {
   return values;
 }
 
+// The irradiance of each point of a surface in each of the nine harmonics, from the cosines that it sees.
+std::vector<std::array<double, 9>> transfer_of(const std::vector<float>& facing) {
+  std::vector<std::array<double, 9>> transfer(facing.size() / k_sphere, std::array<double, 9>{});
+  for (uint32_t i = 0; i < k_sphere; ++i) {
+    const double row = i / k_sphere_columns, low = std::sin(k_pi_double * (row / k_sphere_rows - 0.5));
+    const double high = std::sin(k_pi_double * ((row + 1) / k_sphere_rows - 0.5));
+    const double omega = 2.0 * k_pi_double / k_sphere_columns * (high - low);
+    const std::array<double, 9> y = harmonics_of(sphere_direction(row + 0.5, i % k_sphere_columns + 0.5));
+    for (size_t p = 0; p < transfer.size(); ++p)
+      for (size_t j = 0; j < 9; ++j) transfer[p][j] += omega * y[j] * static_cast<double>(facing[p * k_sphere + i]);
+  }
+  return transfer;
+}
+
 }  // namespace
 
 Vec3 sphere_direction(double row, double column) {
@@ -116,6 +130,7 @@ FloorObject::FloorObject(std::string name, const Mesh& source, uint64_t seed, Th
         facing_[static_cast<size_t>(point) * k_sphere + i] = static_cast<float>(facing);
     }
   });
+  transfer_ = transfer_of(facing_);
 }
 
 std::vector<float> FloorObject::lit(const TrueLight& light) const {
@@ -130,18 +145,11 @@ std::vector<float> FloorObject::lit(const TrueLight& light) const {
 
 std::vector<float> FloorObject::lit(const std::array<double, 9>& harmonics, double floor_irradiance) const {
   std::vector<float> irradiance(k_points);
-  for (uint32_t i = 0; i < k_sphere; ++i) {
-    const double row = i / k_sphere_columns, low = std::sin(k_pi_double * (row / k_sphere_rows - 0.5));
-    const double high = std::sin(k_pi_double * ((row + 1) / k_sphere_rows - 0.5));
-    const double omega = 2.0 * k_pi_double / k_sphere_columns * (high - low);
-    const std::array<double, 9> y = harmonics_of(sphere_direction(row + 0.5, i % k_sphere_columns + 0.5));
-    double radiance = 0;
-    for (size_t j = 0; j < 9; ++j) radiance += harmonics[j] * y[j];
-    for (size_t p = 0; p < irradiance.size(); ++p)
-      irradiance[p] +=
-          static_cast<float>(omega * radiance * static_cast<double>(facing_[p * k_sphere + i]) / floor_irradiance);
+  for (size_t p = 0; p < irradiance.size(); ++p) {
+    double sum = 0;
+    for (size_t j = 0; j < 9; ++j) sum += transfer_[p][j] * harmonics[j];
+    irradiance[p] = static_cast<float>(std::max(sum, 0.0) / floor_irradiance);
   }
-  for (float& e : irradiance) e = std::max(e, 0.0f);
   return irradiance;
 }
 

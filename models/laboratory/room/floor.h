@@ -72,6 +72,7 @@ class FloorObject {
   std::vector<float> hidden_;        // texels x k_fine: the share that is hidden
   std::vector<float> hidden_cells_;  // texels x cells: the same of whole cells
   std::vector<float> facing_;        // surface points x k_sphere: the cosine where the point sees the direction
+  std::vector<std::array<double, 9>> transfer_;  // of the surface points: their irradiance in each harmonic
 };
 
 // Root mean square error of what is drawn.

@@ -24,6 +24,17 @@ OneLight true_label(const RadianceMap& panorama, double azimuth, double radius) 
           labels.has_direction ? labels.contrast * labels.concentration : 0.0};
 }
 
+// A panorama as sessions see it.
+RadianceMap coarse_panorama(const std::string& file) {
+  RadianceMap panorama = read_panorama(file);
+  fill_tripod(&panorama);
+  return halved(panorama);
+}
+
+double azimuth_of(uint32_t index, const RoomStudyOptions& options) {
+  return 2.0 * std::numbers::pi * index / options.azimuths;
+}
+
 }  // namespace
 
 std::vector<FloorObject> study_objects(const std::string& data_folder, ThreadPool* pool) {
@@ -66,27 +77,26 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std
   RoomStudy study = {std::move(objects), {}};
   const std::string manifest = read_locations(options.manifest);
   const std::vector<std::string>& files = options.panoramas;
-  const auto azimuth_of = [&options](uint32_t a) { return 2.0 * std::numbers::pi * a / options.azimuths; };
   Progress progress("looking around", files.size());
   std::optional<RoomLight> network;
   if (!options.network.empty()) network.emplace(options.network);
   ThreadPool pool(options.threads);
   for (size_t i = 0; i < files.size() && !interrupted(); ++i) {
-    RadianceMap panorama = read_panorama(files[i]);
-    fill_tripod(&panorama);
-    const RadianceMap coarse = halved(panorama);
+    const RadianceMap coarse = coarse_panorama(files[i]);
     const Location location = location_of(files[i], manifest);
     const auto seed_of = [&](uint32_t a) { return mix_bits(options.seed + 1000 * i + a); };
     std::vector<StudiedPlace> places(options.azimuths);
     pool.run(options.azimuths, [&](uint32_t a) {
-      places[a] = place_in(coarse, azimuth_of(a), options.place, *study.objects);
+      const double azimuth = azimuth_of(a, options);
+      places[a] = place_in(coarse, azimuth, options.place, *study.objects);
       places[a].panorama = files[i], places[a].location = location.name, places[a].fold = location.fold;
       for (const FloorObject& object : *study.objects) places[a].objects.push_back(object.quadratic(places[a].light));
       for (const Session session : k_sessions)
-        places[a].sessions.push_back(look_around(coarse, session, {azimuth_of(a), options.exposure_known, seed_of(a)}));
+        places[a].sessions.push_back(look_around(coarse, session, {azimuth, options.exposure_known, seed_of(a)}));
     });
     for (uint32_t a = 0; a < options.azimuths && network; ++a) {
-      const sandglass_light_estimate e = estimate_of_table(coarse, {azimuth_of(a), true, seed_of(a)}, &*network);
+      const sandglass_light_estimate e =
+          estimate_of_table(coarse, {azimuth_of(a, options), true, seed_of(a)}, &*network);
       places[a].network = e;
       places[a].estimates = {{Vec3{e.direction[0], e.direction[1], e.direction[2]}, static_cast<double>(e.contrast)}};
     }
@@ -94,6 +104,23 @@ RoomStudy study_rooms(const RoomStudyOptions& options, std::shared_ptr<const std
     progress.done(i + 1);
   }
   return study;
+}
+
+RoomStudy moved(const RoomStudy& study, const RoomStudyOptions& options) {
+  RoomStudy there = study;
+  ThreadPool pool(options.threads);
+  Progress progress("moving the objects", options.panoramas.size());
+  for (size_t i = 0; i < options.panoramas.size() && !interrupted(); ++i) {
+    const RadianceMap coarse = coarse_panorama(options.panoramas[i]);
+    pool.run(options.azimuths, [&](uint32_t a) {
+      StudiedPlace& place = there.places[i * options.azimuths + a];
+      const StudiedPlace light = place_in(coarse, azimuth_of(a, options), options.place, *there.objects);
+      place.place = light.place, place.light = light.light, place.label = light.label;
+      place.truths = light.truths, place.lit = light.lit, place.objects.clear();
+    });
+    progress.done(i + 1);
+  }
+  return there;
 }
 
 }  // namespace sandglass::host

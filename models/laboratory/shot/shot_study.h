@@ -28,9 +28,12 @@ enum class ShotVariant {
   label,
   label_no_shadow,
   label_hard,  // its shadow with an edge
-  arbitrary    // some light, at the mean level
+  arbitrary,   // some light, at the mean level
+  // The mean light at the true level: what the ambient shadow is worth, without what the level's error does.
+  no_shadow_level,
+  ambient_level
 };
-constexpr int k_shot_variants = 15, k_shot_metrics = 7;
+constexpr int k_shot_variants = 17, k_shot_metrics = 7;
 const char* name_of(ShotVariant variant);
 const char* shot_metric_name(int metric);  // "RMSE", ..., the last two "1 - SSIM" and "FLIP": all are 0 at best
 

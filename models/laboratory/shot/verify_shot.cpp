@@ -47,7 +47,7 @@ struct Study {
 
 std::string key_of(const ShotStudyOptions& o) {
   const uint64_t network = o.network.empty() ? 0 : hash_of(o.network, "lighting network");
-  std::string key = "shot study 9." + std::to_string(o.seed) + ": " + std::to_string(o.picture.width) + " x " +
+  std::string key = "shot study 10." + std::to_string(o.seed) + ": " + std::to_string(o.picture.width) + " x " +
                     std::to_string(o.picture.height) + ", " + std::to_string(o.picture.paths) + " paths, network " +
                     std::to_string(network) + ", of";
   // A view depends on the others by their mean light.
@@ -154,6 +154,9 @@ void measure_view(const Study& study, size_t index, const std::vector<ViewLights
   measure(V::label_no_shadow, label, CastShadow::none);
   measure(V::label_hard, label, CastShadow::hard);
   measure(V::arbitrary, arbitrary_light(camera, irradiance_of(mean)));
+  const ShotLight level = scaled(mean, level_of(lights.truth) / level_of(mean));
+  measure(V::no_shadow_level, level, CastShadow::none);
+  measure(V::ambient_level, level);
   const double cosine = dot(mean_direction_of(lights.turn), mean_direction_of(lights.truth));
   view.angle_deg = std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / 3.141592653589793;
   view.log_level = std::log(level_of(lights.turn) / level_of(lights.truth));
