@@ -101,7 +101,7 @@ static_assert(sizeof(Grain) == sizeof(Particle) && sizeof(Record) == sizeof(Part
 
 // ---- the state of a particle
 //
-// Functions in headers of kernels are static: each table of an instruction set needs its own, also where nothing is inlined.
+// Functions in kernels' headers are static: every instruction set's table needs its own copy, inlined or not.
 
 static inline bool is_awake(const Particle& p) { return p.mobility > 0.0f; }
 static inline bool is_asleep(const Particle& p) { return p.mobility < 0.0f; }

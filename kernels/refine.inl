@@ -310,7 +310,7 @@ SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_
     const Float t = maximum((h2 - nearest) * broadcast(1.0f / (grid->support * grid->support)), zero);
     sum.largest = select(inside, zero, t * t * t);
     sum.weight = maximum(sum.weight, sum.largest);
-    share = push_share(a, sum, nearest);
+    if (a->push != 0.0f) share = push_share(a, sum, nearest);
   }
   flow->weight = select(known, sum.weight, flow->weight);
   flow->x = select(known, sum.x, flow->x);

@@ -3,8 +3,6 @@
 // 13 % above it. An inside test gives the sign. There is no memory but the field's own.
 #include "runtime/granular/field.h"
 
-#include <algorithm>
-
 #include "kernels/whole.h"
 #include "runtime/core/finite.h"
 #include "runtime/core/refuse.h"
@@ -291,7 +289,10 @@ float sandglass_field_distance(const sandglass_field* field, const float point[3
   for (int k = 0; k < 3; ++k) frame.axes[k][k] = 1.0f;
   frame.field = field->grid;
   SurfacePoint at = {};
-  for (int k = 0; k < 3; ++k) at.position[k] = std::clamp(point[k], -k_farthest, k_farthest);
+  for (int k = 0; k < 3; ++k) {
+    const float p = point[k];
+    at.position[k] = p > k_farthest ? k_farthest : (p < -k_farthest ? -k_farthest : p);
+  }
   SurfaceArgs args = {&at, &frame};
   uint32_t unused = 0;
   kernels->surface_at(&args, 0, 1, &unused);

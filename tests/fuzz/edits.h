@@ -81,6 +81,18 @@ inline void apply_edits(const uint8_t* edits, size_t size, std::vector<uint8_t>*
   }
 }
 
+// A plain struct, changed in the same way.
+template <class Plain>
+Plain edited(const Plain& base, const uint8_t* edits, size_t size) {
+  std::vector<uint8_t> bytes(sizeof base);
+  std::memcpy(bytes.data(), &base, sizeof base);
+  apply_edits(edits, size, &bytes);
+  bytes.resize(sizeof base);
+  Plain changed;
+  std::memcpy(&changed, bytes.data(), sizeof changed);
+  return changed;
+}
+
 // The same bytes as the C++ interface takes them.
 inline std::vector<std::byte> as_bytes(const std::vector<uint8_t>& file) {
   std::vector<std::byte> bytes;

@@ -1,6 +1,5 @@
 // Fields and samples of any mesh: refused by a sentence, or every number is finite and every point where it must be.
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 #include "sandglass/sandglass.hpp"
@@ -139,12 +138,7 @@ void try_shapes(const Request& r, float* points) {
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   static const Request base;
   static std::vector<float> points(3 * k_points_most);
-  std::vector<uint8_t> bytes(sizeof base);
-  std::memcpy(bytes.data(), &base, sizeof base);
-  sandglass::fuzz::apply_edits(data, size, &bytes);
-  bytes.resize(sizeof base);
-  Request r;
-  std::memcpy(&r, bytes.data(), sizeof r);
+  Request r = sandglass::fuzz::edited(base, data, size);
   r.vertex_count %= k_corners + 1, r.triangle_count %= k_triangles + 1;
   const sandglass_mesh mesh = {r.vertices, r.vertex_count, r.indices, r.triangle_count};
   try_shapes(r, points.data());

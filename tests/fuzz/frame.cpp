@@ -1,6 +1,5 @@
 // A frame with any input, and what an app may call before it: each call is refused by a sentence and changes nothing, or
 // it is done. The scalar kernels run by a forged clock; the best ones replay their plan and must agree to the bit.
-#include <cstring>
 #include <vector>
 
 #include "tests/fuzz/edits.h"
@@ -58,13 +57,7 @@ Input edited(const uint8_t* data, size_t size) {
     }
     return input;
   }();
-  std::vector<uint8_t> bytes(sizeof base);
-  std::memcpy(bytes.data(), &base, sizeof base);
-  sandglass::fuzz::apply_edits(data, size, &bytes);
-  bytes.resize(sizeof base);
-  Input input;
-  std::memcpy(&input, bytes.data(), sizeof input);
-  return input;
+  return sandglass::fuzz::edited(base, data, size);
 }
 
 // A scene with its clock, shadow and room.

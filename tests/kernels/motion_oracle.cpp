@@ -113,11 +113,7 @@ void sandglass::tests::check_scatter_motion(uint32_t n) {
   }
 }
 
-namespace {
-
 // ---- count_grains
-
-}  // namespace
 
 void sandglass::tests::check_count_grains(uint32_t n) {
   const Cluster particles(200, 0, 0.5, 61);
