@@ -44,7 +44,7 @@ struct ContactTerms {
   Float scale, gravity[3];
   Float diameter, diameter2;
   Float static2, kinetic;  // the static coefficient squared; the kinetic one
-  Float omega;
+  Float omega, stick;
 };
 
 SANDGLASS_INLINE ContactTerms contact_terms(const ContactArgs* a) {
@@ -53,7 +53,7 @@ SANDGLASS_INLINE ContactTerms contact_terms(const ContactArgs* a) {
   for (int k = 0; k < 3; ++k) t.gravity[k] = broadcast(a->gravity[k]);
   t.diameter = broadcast(a->diameter), t.diameter2 = t.diameter * t.diameter;
   t.static2 = broadcast(a->static_friction * a->static_friction), t.kinetic = broadcast(a->kinetic_friction);
-  t.omega = broadcast(a->relaxation);
+  t.omega = broadcast(a->relaxation), t.stick = broadcast(a->stick);
   return t;
 }
 

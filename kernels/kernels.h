@@ -97,6 +97,7 @@ struct ContactArgs {
   float lift_max;
   // Of pairs: 1 / omega, and in metres what a pair may be driven apart by in a sub-step.
   float inverse_relaxation, separation_max;
+  float stick;  // of pairs: the share of the slip that friction takes in a sub-step as long as it sticks
   float up[3];
   float scale;  // displacement = scale * u + gravity * w: (time step, g dt^2) in the first pass, (1, 0) later
   float gravity[3];

@@ -87,11 +87,8 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, c
   const Float along = dot3(r[k_vx], r[k_vy], r[k_vz], n[0], n[1], n[2]);
   const Float overlap =
       maximum(d - t.diameter, broadcast(a->inverse_relaxation) * minimum(along - broadcast(a->separation_max), zero));
-  // Friction that sticks takes a part of the slip in a sub-step. Taken whole, it answers what other pairs of the same
-  // particles are about to undo: then the walls of a tube bear less (load added 0.36 against 0.17 of the weight).
-  const Float stick = broadcast(0.25f);
-  const Float slip[3] = {stick * (r[k_vx] - along * n[0]), stick * (r[k_vy] - along * n[1]),
-                         stick * (r[k_vz] - along * n[2])};
+  const Float slip[3] = {t.stick * (r[k_vx] - along * n[0]), t.stick * (r[k_vy] - along * n[1]),
+                         t.stick * (r[k_vz] - along * n[2])};
   const Float grip =
       t.omega * friction_grip(t, dot3(slip[0], slip[1], slip[2], slip[0], slip[1], slip[2]), overlap, touch);
   const Float share = k_fixed ? one : my_mass / maximum(masses, tiny), others_share = one - share;
