@@ -151,7 +151,7 @@ struct Pass {
     args.particle_count = k_items;
     args.radius = k_radius, args.diameter = 2 * k_radius;
     args.static_friction = args.kinetic_friction = 0.14f;
-    args.relaxation = 0.3f, args.inverse_relaxation = 1.0f / 0.3f, args.separation_max = 4e-4f;
+    args.relaxation = 0.3f, args.inverse_relaxation = 1.0f / 0.3f, args.separation_max = 4e-4f, args.stick = 0.25f;
     args.weight_linear = -0.15f, args.weight_cubic = 0.0045f, args.lift_max = 2e-5f, args.up[1] = 1.0f;
     args.scale = args.step = step, args.gravity[1] = -9.81f * step * step;
     args.displacement_max = 1.0f;

@@ -124,7 +124,7 @@ void mix(Cluster* c) {
 }
 
 constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_lift = 2e-5,
-                 k_wake = 1e-4, k_separation = 4e-4;
+                 k_wake = 1e-4, k_separation = 4e-4, k_stick = 0.4;
 
 // One pass for particle i: (4.14-4.27) of the dissertation averaged by (4.37), then the floor y = -0.004.
 // *runs_into_sleeper tells whether it touches a sleeper.
@@ -313,7 +313,7 @@ PairOracle pair_oracle(const Particle& a, const Particle& b) {
   // The lift ends where the two rise by k_lift on average.
   const double rise = overlap * lift * n.y, room = std::max(0.0, k_lift - 0.5 * (a.velocity[1] + b.velocity[1]));
   if (rise > room) lift *= room / rise;
-  const Vector t = 0.25 * (relative - along * n);
+  const Vector t = k_stick * (relative - along * n);
   const double limit = std::fabs(overlap);
   const double grip = length(t) <= k_static * limit ? 1.0 : std::min(1.0, k_kinetic * limit / length(t));
   result.a = k_omega * (((share + lift) * overlap) * n + (share * grip) * t);
@@ -343,7 +343,8 @@ void check_contact_pairs(uint32_t n) {
     c.diameter = 2 * k_cluster_radius;
     c.static_friction = static_cast<float>(k_static), c.kinetic_friction = static_cast<float>(k_kinetic);
     c.relaxation = static_cast<float>(k_omega), c.inverse_relaxation = static_cast<float>(1.0 / k_omega);
-    c.separation_max = static_cast<float>(k_separation), c.lift_max = static_cast<float>(k_lift);
+    c.separation_max = static_cast<float>(k_separation), c.stick = static_cast<float>(k_stick);
+    c.lift_max = static_cast<float>(k_lift);
     c.weight_linear = static_cast<float>(-k_weight / 4);
     c.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
     c.up[1] = 1.0f;
