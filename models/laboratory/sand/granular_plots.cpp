@@ -39,7 +39,7 @@ Plot runout(const GranularCurves& c) {
                  law("+-25 %", 0.4, 5.0, k_wrong, true, [](double a) { return 1.25 * lube_runout(a); }),
                  law("", 0.4, 5.0, k_wrong, true, [](double a) { return 0.75 * lube_runout(a); }),
                  points("Sandglass, defaults", c.aspects, c.runouts, k_measured, PlotSeries::Mark::disk),
-                 points("control: mu = 0.1", c.wrong_aspects, c.wrong_runouts, k_wrong, PlotSeries::Mark::ring)};
+                 points("control: mu = 0.05", c.wrong_aspects, c.wrong_runouts, k_wrong, PlotSeries::Mark::ring)};
   return plot;
 }
 

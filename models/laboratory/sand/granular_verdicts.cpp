@@ -15,7 +15,7 @@ namespace sandglass::host {
 namespace {
 
 constexpr double k_wrong_mu = 0.1, k_rough_mu = 0.6;
-constexpr double k_slippery_mu = 0.05;  // half the default
+constexpr double k_slippery_mu = 0.05;  // a third of the default
 constexpr double k_reported = std::numeric_limits<double>::infinity();
 
 struct Stopped {};
@@ -112,8 +112,8 @@ void momentum(Table& t) {
 }
 
 void refinement(Table& t) {
-  // A grain follows how far the particles went in a frame. In each of 72 sub-steps a coordinate below 0.5 m is rounded
-  // by 2^-26 m at most: of 0.62 m/s in 20 ms that is 0.87e-4 along an axis, and sqrt(3) times that in all.
+  // A grain follows how far the particles went in a frame. In each of 36 sub-steps a coordinate below 0.5 m is rounded
+  // by 2^-26 m at most: of 0.62 m/s in 20 ms that is 0.43e-4 along an axis, and sqrt(3) times that in all.
   t.claim("uniform field reproduced", "of |u|", 0.0, uniform_field_error(t.defaults(), 0.0), 1.5e-4);
   t.control("uniform field, sheared", "of |u|", 0.0, uniform_field_error(t.defaults(), 0.5), 1e-3);
   // From this level on grains are not pushed apart.
