@@ -69,7 +69,7 @@ struct WallScene {
     scene.colliders.push_back(sandglass::box(-0.07f, 0.1f, 0.08f, 0.05f, 0.1f, 0.2f));
     for (int frame = 0; frame < 20; ++frame) enough = scene.frame(k_frame).elapsed_ns;
   }
-  // The wall begins the frame where it is and goes at this speed.
+  // A frame in which the wall goes on at this speed.
   sandglass_frame_report push(float speed, float seconds, uint64_t budget) {
     scene.colliders[1].position[0] += speed * seconds;
     scene.colliders[1].linear_velocity[0] = speed;
@@ -82,8 +82,7 @@ struct WallScene {
 // A wall pushes sand at 1 m/s under a budget that leaves a time debt, and stops from one frame to the next. It goes what
 // is left of its way with the simulated time that is left. So in simulated time it is faster by the share of time that
 // is simulated, before and after the stop. Nothing becomes faster than sand that such a wall pushes without time debt.
-// (A wall that jumps at each frame's begin throws
-// sand at the limit of (4.45), at 9 m/s.)
+// (A wall that jumps at each frame's begin throws sand at the limit of (4.45), at 9 m/s.)
 TEST(HardCase, AWallThatStopsUnderTimeDebtThrowsNothing) {
   WallScene wall;
   constexpr float k_speed = 1.0f;
