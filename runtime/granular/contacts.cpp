@@ -22,9 +22,9 @@ constexpr float k_heaviest_counted = 5.0f;
 
 // Friction of a pair that sticks takes a part of the slip in a sub-step. Taken whole, it answers what other pairs of the
 // same particles are about to undo: at a coefficient of 0.3 the walls of a tube then bear less (load added 0.36 against
-// 0.17 of the weight). But the part bounds what friction does however rough the sand is, so rougher sand takes more: all
-// of the slip from a coefficient of 1.2 on. Below 0.3 friction mostly slides, and the part does not count.
-constexpr float k_stick = 0.25f, k_stick_friction = 0.3f;
+// 0.17 of the weight), and particles overlap more. But the part bounds what friction does however rough the sand is: with
+// one part for all, piles grow no steeper above a coefficient of 0.6. So from there on it grows with the coefficient.
+constexpr float k_stick = 0.25f, k_stick_friction = 0.6f;
 
 // Gravity of a sub-step is varied by this share, to and fro. A fall adds nearly the same increment in every sub-step,
 // and its rounding has the same sign as long as the velocity's exponent stays: 5,000 sub-steps drifted by up to 8e-5 of
