@@ -144,7 +144,7 @@ struct InsideArgs {
 // particles within the support radius give it. As a record: the sum of their weights W, the sum of W u, the position of
 // the nearest one, and the sum of W times the share of free fall.
 constexpr uint32_t k_node_weight = 0, k_node_momentum = 1, k_node_nearest = 4, k_node_free = 7;
-constexpr uint32_t k_node_largest = 8;     // W of the nearest one, while particles are added; not in the record
+constexpr uint32_t k_node_largest = 8;  // W of the nearest one, while particles are added; not in the record
 constexpr uint32_t k_block_planes = 9;
 constexpr uint32_t k_block_side = 4;       // nodes of its own that a block has along an axis
 constexpr uint32_t k_block_nodes = 64;     // of its own

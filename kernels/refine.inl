@@ -361,7 +361,8 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
                       fade(flow.weight, 1.2f, k_weight_inside);
     const Float single = one - fade(ratio, 0.5f, 0.7f);
     // What falls among falling particles falls on its own: they part, and it would stay with the nearest ones.
-    const Float falling = flow.free / select(alone, one, flow.weight) * fade(flow.weight, 0.8f * k_weight_inside, k_weight_inside);
+    const Float falling =
+        flow.free / select(alone, one, flow.weight) * fade(flow.weight, 0.8f * k_weight_inside, k_weight_inside);
     lambda = maximum(maximum((one - flow.largest) * few, single), minimum(falling, one));
   }
   return select(alone, one, lambda);

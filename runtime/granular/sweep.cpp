@@ -84,21 +84,6 @@ void begin(Granular* g, uint32_t level) {
   g->colliders.sweep_count = g->colliders.count;
 }
 
-// How nearly a particle fell freely for `time`: then its velocity at the end is larger than the mean one by half of what
-// gravity adds. 1 where the difference is within a fifth of that, 0 where it is more than three fifths off.
-float free_fall_share(const Granular& g, const Particle& at_end, const float mean[3], float time) {
-  const float half = 0.5f * time;
-  float off = 0.0f;
-  for (int k = 0; k < 3; ++k) {
-    const float d = at_end.velocity[k] - mean[k] - half * g.gravity[k];
-    off += d * d;
-  }
-  const float added = half * g.gravity_length, squared = added * added;
-  const float t = (0.36f * squared - off) / (0.32f * squared);
-  if (!(t > 0.0f)) return 0.0f;
-  return t >= 1.0f ? 1.0f : t * t * (3.0f - 2.0f * t);
-}
-
 // The velocity of a particle in the snapshot becomes the mean one since the last sweep. The table of blocks is emptied
 // along with that.
 bool measure(Granular* g) {
@@ -114,7 +99,7 @@ bool measure(Granular* g) {
       here->position[k] = p->position[k];
       mean[k] = (p->position[k] - start.position[k]) * inverse;
     }
-    set_free_fall(p, free_fall_share(*g, *p, mean, static_cast<float>(g->sweep.time)));
+    set_free_fall(p, motion_free_fall(p->velocity, mean, g->gravity, static_cast<float>(g->sweep.time)));
     for (int k = 0; k < 3; ++k) p->velocity[k] = mean[k];
   }
   motion_clear(&g->motion.grid, begin, end, all);
