@@ -94,9 +94,9 @@ void flush(Granular* g, Batch* batch, bool grains) {
   g->flow.counts.emitted_grains += fine;
 }
 
-// What left the nozzle with the emitter's velocity `since` seconds ago has fallen freely since: `position` is where it
-// would be without gravity. Sand of one layer that is further along the jet left it earlier, so a steady jet stretches
-// as it falls and does not part into layers.
+// What left the nozzle `since` seconds ago has fallen freely since: the position and the velocity are given as they would
+// be without gravity. A grain further along the jet than its particle left the nozzle earlier, so a jet stretches as it
+// falls and does not part into layers.
 void fall(const Granular& g, float since, float position[3], float velocity[3]) {
   for (int k = 0; k < 3; ++k) {
     position[k] += 0.5f * since * since * g.gravity[k];

@@ -18,8 +18,8 @@ using namespace sandglass;
 
 constexpr float k_radius = 0.01f, k_support = 3 * k_radius, k_grain_radius = 0.35f * k_radius, k_friction = 0.14f;
 constexpr double k_frame = 1.0 / 60.0, k_gravity = 9.81;
-constexpr int k_frames = 30, k_shots = 15;     // of the particles in a frame
-constexpr double k_step = k_frame / 3;         // of the grains, for which the blend is meant
+constexpr int k_frames = 30, k_shots = 15;  // of the particles in a frame
+constexpr double k_step = k_frame / 3;      // of the grains, for which the blend is meant
 constexpr float k_down[3] = {0.0f, static_cast<float>(-k_gravity), 0.0f};
 const std::vector<int> k_compared = {12, 30};  // frames
 
