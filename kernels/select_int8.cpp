@@ -47,6 +47,7 @@ constexpr Tables k_of_shadows = {SANDGLASS_INT8_TABLES(k_shadow_table)};
 constexpr Tables k_of_light = {SANDGLASS_INT8_TABLES(k_light_table)};
 
 const Int8Kernels* select(const Tables& tables, sandglass_isa isa) {
+  if (isa == SANDGLASS_ISA_SCALAR) return tables.of[0];  // without asking the CPU, which is slow
   const CpuFeatures cpu = cpu_features();
   const bool runs[7] = {
       true,        cpu.neon, cpu.avx2, cpu.avx512f && cpu.avx512bw && cpu.avx512dq && cpu.avx512vl && cpu.avx512vnni,

@@ -27,6 +27,22 @@ template <class Whole, class Real>
   return whole;
 }
 
+#elif defined(__wasm_nontrapping_fptoint__)
+
+// So is WebAssembly's.
+template <class Whole, class Real>
+[[gnu::always_inline]] inline Whole convert_bounded(Real x) {
+  constexpr bool k_signed = std::is_signed_v<Whole>, k_wide = sizeof(Whole) == 8, k_double = sizeof(Real) == 8;
+  if constexpr (k_signed && k_wide && k_double) return __builtin_wasm_trunc_saturate_s_i64_f64(x);
+  else if constexpr (k_signed && k_wide) return __builtin_wasm_trunc_saturate_s_i64_f32(x);
+  else if constexpr (k_signed && k_double) return __builtin_wasm_trunc_saturate_s_i32_f64(x);
+  else if constexpr (k_signed) return __builtin_wasm_trunc_saturate_s_i32_f32(x);
+  else if constexpr (k_wide && k_double) return static_cast<Whole>(__builtin_wasm_trunc_saturate_u_i64_f64(x));
+  else if constexpr (k_wide) return static_cast<Whole>(__builtin_wasm_trunc_saturate_u_i64_f32(x));
+  else if constexpr (k_double) return static_cast<Whole>(__builtin_wasm_trunc_saturate_u_i32_f64(x));
+  else return static_cast<Whole>(__builtin_wasm_trunc_saturate_u_i32_f32(x));
+}
+
 #endif
 
 // Toward zero. What does not fit becomes the nearest that does; NaN becomes 0. Always inline, because every instruction
@@ -34,7 +50,7 @@ template <class Whole, class Real>
 template <class Whole, class Real>
 [[gnu::always_inline]] inline Whole to_whole(Real x) {
   constexpr Whole k_least = std::numeric_limits<Whole>::min(), k_most = std::numeric_limits<Whole>::max();
-#ifdef __aarch64__
+#if defined(__aarch64__) || defined(__wasm_nontrapping_fptoint__)
   if constexpr (sizeof(Whole) >= 4) return convert_bounded<Whole>(x);
 #endif
   // Powers of two.

@@ -200,9 +200,7 @@ void RandomScene::add_shadows() {
 }
 
 RandomScene::RandomScene(uint64_t number, bool replays)
-    : block(0),
-      drawn(0),
-      random_(random_stream(number, 1)),
+    : random_(random_stream(number, 1)),
       clock_random_(random_stream(number, 2)),
       pool_random_(random_stream(number, 3)) {
   describe(replays);

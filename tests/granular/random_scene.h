@@ -9,31 +9,18 @@
 #include <vector>
 
 #include "runtime/core/random.h"
-#include "sandglass/sandglass.hpp"
-#include "tests/guarded_block.h"
+#include "tests/granular/invariants.h"
 
 namespace sandglass::tests {
 
-struct RandomScene {
+struct RandomScene : WatchedScene {
   // How a run differs from the recorded one: its plans are given, so no clock is asked; other kernels; no pool.
   explicit RandomScene(uint64_t number, bool replays = false);
 
   // What the frame is given. It draws on, and does what the app does between frames: call it once a frame.
   sandglass_frame_input next_input();
 
-  // Sand and bodies that the app has put into the scene. Emitters and sinks are in the reports.
-  uint64_t particles_added = 0, grains_added = 0;
-  // Seconds that the frames so far have asked for, as the library counts them.
-  double asked = 0.0;
-
-  sandglass_scene_desc desc;
-  Scene scene;
-  test::GuardedBlock block, drawn;
   uint32_t frames;
-  // Numbers of particles from which those of bodies begin; bodies are added first, so they are below it.
-  uint32_t in_bodies = 0;
-  // A collider that only grains see comes after the floor, and may push grains below it.
-  bool grains_have_floor = true;
 
  private:
   float between(double low, double high) { return static_cast<float>(low + (high - low) * random_.uniform()); }

@@ -9,85 +9,18 @@
 // the scene N alone.
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <string>
 
+#include "tests/granular/invariants.h"
 #include "tests/granular/random_scene.h"
 
 namespace sandglass::tests {
 namespace {
 
 constexpr uint64_t k_scenes = 20;  // in an ordinary run of the tests
-
-// What is wrong after a frame; empty: nothing.
-class Invariants {
- public:
-  explicit Invariants(const RandomScene& scene) : s_(scene) {}
-
-  std::string broken(const sandglass_frame_report& report) {
-    const uint64_t late = report.elapsed_ns > report.last_unit_ns ? report.elapsed_ns - report.last_unit_ns : 0;
-    if (report.clock_fault == 0 && late > std::max(report.target_ns, report.mandatory_ns))
-      return "the law of the budget";
-    if (report.quarantined != 0) return "something was quarantined";
-    if (report.particles != s_.particles_added + report.emitted_particles - report.removed_particles)
-      return "particles were lost or made";
-    if (report.grains != s_.grains_added + report.emitted_grains - report.removed_grains)
-      return "grains were lost or made";
-    if (std::fabs(report.simulated_time + report.time_debt - s_.asked) > 1e-6 * (1.0 + s_.asked))
-      return "the ledger of time";
-    if (!(report.time_debt >= 0.0) || !(report.grain_lag >= 0.0f)) return "a debt below 0";
-    if (!s_.block.guards_intact() || !s_.drawn.guards_intact()) return "a byte outside was touched";
-    const std::string sand = particles(report);
-    return sand.empty() ? grains(report) : sand;
-  }
-
- private:
-  static bool finite(const float* v) { return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]); }
-
-  std::string particles(const sandglass_frame_report& report) {
-    const sandglass_granular_desc& g = s_.desc.granular;
-    positions_.resize(3ull * report.particle_numbers), velocities_.resize(3ull * report.particle_numbers);
-    sandglass_granular_particles(s_.scene.get(), positions_.data(), velocities_.data());
-    // The limit of a pass, on which a body's rotation comes. Sand of the app or of a nozzle has its own speed at first.
-    const double fastest =
-        1.001 * static_cast<double>(g.courant * g.particle_radius) / static_cast<double>(report.substep);
-    const float low = g.particle_radius * (1.0f - 1e-3f);
-    for (uint32_t i = 0; i < report.particle_numbers; ++i) {
-      const float *p = &positions_[3 * i], *v = &velocities_[3 * i];
-      if (!finite(p) || !finite(v)) return "particle " + std::to_string(i) + " is not finite";
-      if (p[1] == SANDGLASS_REMOVED_Y) continue;
-      const bool body = i < s_.in_bodies;
-      if (p[1] < (body ? -g.particle_radius : low))
-        return "particle " + std::to_string(i) + " is below the floor, y = " + std::to_string(p[1]) + " m";
-      const double speed = std::hypot(static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2]));
-      if (report.substeps != 0 && speed > (body ? 3.0 * fastest : std::max(fastest, k_given))) {
-        return "particle " + std::to_string(i) + " is too fast: " + std::to_string(speed) + " of " +
-               std::to_string(fastest) + " m/s";
-      }
-    }
-    return "";
-  }
-
-  std::string grains(const sandglass_frame_report& report) {
-    positions_.resize(3ull * report.grain_numbers), velocities_.resize(3ull * report.grain_numbers);
-    if (report.grain_numbers == 0) return "";
-    sandglass_granular_grains(s_.scene.get(), positions_.data(), velocities_.data());
-    for (uint32_t i = 0; i < report.grain_numbers; ++i) {
-      const float *p = &positions_[3 * i], *v = &velocities_[3 * i];
-      if (!finite(p) || !finite(v)) return "grain " + std::to_string(i) + " is not finite";
-      if (s_.grains_have_floor && p[1] != SANDGLASS_REMOVED_Y && p[1] < 0.0f)
-        return "grain " + std::to_string(i) + " is below the floor, y = " + std::to_string(p[1]) + " m";
-    }
-    return "";
-  }
-
-  static constexpr double k_given = 3.0;  // m/s: the speed that sand of the app and of nozzles has at most
-  const RandomScene& s_;
-  std::vector<float> positions_, velocities_;
-};
 
 std::string frames_of(uint64_t number) {
   RandomScene s(number);
