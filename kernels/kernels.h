@@ -141,14 +141,15 @@ struct InsideArgs {
 };
 
 // The particles' motion on the nodes of a grid that exists where there are particles, in blocks. A node holds what the
-// particles within the support radius give it. As a record: the sum of their weights W, the sum of W u, and the position
-// of the nearest one.
-constexpr uint32_t k_node_weight = 0, k_node_momentum = 1, k_node_nearest = 4;
-constexpr uint32_t k_node_largest = 7;     // W of the nearest one, while particles are added
+// particles within the support radius give it. As a record: the sum of their weights W, the sum of W u, the position of
+// the nearest one, and the sum of W times the share of free fall.
+constexpr uint32_t k_node_weight = 0, k_node_momentum = 1, k_node_nearest = 4, k_node_free = 7;
+constexpr uint32_t k_node_largest = 8;  // W of the nearest one, while particles are added; not in the record
+constexpr uint32_t k_block_planes = 9;
 constexpr uint32_t k_block_side = 4;       // nodes of its own that a block has along an axis
 constexpr uint32_t k_block_nodes = 64;     // of its own
 constexpr uint32_t k_block_records = 128;  // and those of the next blocks that its cells reach: 5^3, padded
-constexpr uint32_t k_block_floats = 688;   // 8 planes of nodes, and later 14^3 bytes of density
+constexpr uint32_t k_block_floats = 688;   // planes of nodes, and later 14^3 bytes of density
 constexpr uint32_t k_block_cells = 12;     // of the grains' density, along an axis
 constexpr uint32_t k_block_counts = k_block_cells * k_block_cells * k_block_cells;
 constexpr uint32_t k_density_cells = 14;  // those and one more on either side
@@ -175,7 +176,7 @@ struct MotionGrid {
   uint32_t block_count, block_capacity;
   uint32_t overflowed;  // 1: there was no room for a block
   uint32_t moving;      // 1: a particle moves
-  float* planes;        // a block's own nodes while particles are added: 8 planes of 64, as the lanes of a record
+  float* planes;        // a block's own nodes while particles are added: 8 planes of 64
   float* nodes;         // its records, x fastest, 5 along an axis; positions are relative to the origin
   uint8_t* counts;      // k_grain_count for each grain in a cell of a block, x fastest
 };
@@ -204,7 +205,7 @@ static inline uint32_t motion_find(const MotionGrid& grid, int32_t x, int32_t y,
 // The range is of particles. What they add is their motion during `time`, at its begin.
 struct ScatterMotionArgs {
   MotionGrid* grid;
-  const Particle* particles;  // the velocity is the mean one of `time`
+  const Particle* particles;  // the velocity is the mean one of `time`; with a share of free fall
   uint32_t particle_count;
   float time;  // seconds
 };

@@ -72,6 +72,7 @@ enum : uint32_t {
   k_vz,
   k_identity,  // of a particle
   k_number = k_mobility,
+  k_free_fall = k_mobility,     // of a particle in the grains' snapshot
   k_still_sweeps = k_identity,  // of a grain
   k_radius = k_vx,              // of a sleeper
   k_distance = k_mobility,      // of a surface point
@@ -123,6 +124,14 @@ static inline void wake(Particle* p) { p->mobility = -p->mobility; }
 static inline bool is_awake(const Sleeper& s) { return s.mobility > 0.0f; }
 static inline void set_asleep(Sleeper* s, bool asleep) { s->mobility = s->before = asleep ? -1.0f : 1.0f; }
 static inline bool was_woken(const Sleeper& s) { return s.mobility > 0.0f && s.before < 0.0f; }
+
+// ---- the share of free fall
+//
+// In the snapshot that grains follow, the state of a particle does not count. There the field holds how nearly the
+// particle fell freely since the last sweep: 1 if nothing touched it, 0 for what lies, flows or has just hit something.
+
+static inline float free_fall(const Particle& p) { return p.mobility; }
+static inline void set_free_fall(Particle* p, float share) { p->mobility = share; }
 
 // ---- the identity of a particle
 

@@ -12,6 +12,7 @@ constexpr uint32_t k_candidates_max = 512;  // gathered before they are added up
 
 struct Flow {
   Float weight, x, y, z, largest;
+  Float free;     // the sum of W times the share of free fall
   Float push[3];  // metres
 };
 
@@ -31,6 +32,7 @@ SANDGLASS_INLINE void accumulate_flow(const RefineArgs* a, const uint32_t* index
     flow->y = flow->y + weight * p[k_vy];
     flow->z = flow->z + weight * p[k_vz];
     flow->largest = maximum(weight, flow->largest);
+    flow->free = flow->free + weight * p[k_free_fall];
   }
 }
 
@@ -54,7 +56,7 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, const Float p
   const Float h2 = broadcast(a->support * a->support), zero = broadcast(0.0f);
   alignas(64) uint32_t index[k_candidates_max + 2 * k_lane_group];
   uint32_t n = 0;
-  Flow sum = {zero, zero, zero, zero, zero, {zero, zero, zero}};
+  Flow sum = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
   for (int32_t cz = first[2]; cz <= last[2]; ++cz) {
     for (int32_t cy = first[1]; cy <= last[1]; ++cy) {
       const uint32_t row =
@@ -91,6 +93,7 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, const Float p
   flow->y = select(lanes, sum.y, flow->y);
   flow->z = select(lanes, sum.z, flow->z);
   flow->largest = select(lanes, sum.largest, flow->largest);
+  flow->free = select(lanes, sum.free, flow->free);
 }
 
 // What a block holds, or null. lacking: the grid has no room there, so the records do not tell all.
@@ -175,25 +178,38 @@ SANDGLASS_INLINE void add_corners(const float* const* records, const Float local
   add_corner<31>(records, rows[3] * local[0], sum);
 }
 
+// What the corners' other halves say.
+struct Nearest {
+  Float squared;  // distance
+  Float free;     // the sum of W times the share of free fall
+};
+
 template <uint32_t k_behind>
-SANDGLASS_INLINE Float squared_distance(const float* const* records, const Float position[3]) {
-  Float nearest[4];
-  load_quads(records, k_behind * k_record_floats + k_node_nearest, nearest);
-  const Float dx = nearest[0] - position[0], dy = nearest[1] - position[1], dz = nearest[2] - position[2];
-  return dx * dx + dy * dy + dz * dz;
+SANDGLASS_INLINE void add_nearest(const float* const* records, const Float position[3], Float share, Nearest* sum) {
+  Float node[4];
+  load_quads(records, k_behind * k_record_floats + k_node_nearest, node);
+  const Float dx = node[0] - position[0], dy = node[1] - position[1], dz = node[2] - position[2];
+  sum->squared = minimum(dx * dx + dy * dy + dz * dz, sum->squared);
+  sum->free = sum->free + share * node[3];
 }
 
 // To the nearest of the particles that are nearest to the corners; h^2 at most. Of these one is the nearest to the
 // grain, but for rare ties.
-SANDGLASS_INLINE Float nearest_squared(const float* const* records, const Float position[3], Float most) {
-  Float nearest = minimum(squared_distance<0>(records, position), most);
-  nearest = minimum(squared_distance<1>(records, position), nearest);
-  nearest = minimum(squared_distance<5>(records, position), nearest);
-  nearest = minimum(squared_distance<6>(records, position), nearest);
-  nearest = minimum(squared_distance<25>(records, position), nearest);
-  nearest = minimum(squared_distance<26>(records, position), nearest);
-  nearest = minimum(squared_distance<30>(records, position), nearest);
-  return minimum(squared_distance<31>(records, position), nearest);
+SANDGLASS_INLINE Nearest read_nearest(const float* const* records, const Float position[3], const Float local[3],
+                                      Float most) {
+  const Float one = broadcast(1.0f);
+  const Float to_low[3] = {one - local[0], one - local[1], one - local[2]};
+  const Float rows[4] = {to_low[2] * to_low[1], to_low[2] * local[1], local[2] * to_low[1], local[2] * local[1]};
+  Nearest sum = {most, broadcast(0.0f)};
+  add_nearest<0>(records, position, rows[0] * to_low[0], &sum);
+  add_nearest<1>(records, position, rows[0] * local[0], &sum);
+  add_nearest<5>(records, position, rows[1] * to_low[0], &sum);
+  add_nearest<6>(records, position, rows[1] * local[0], &sum);
+  add_nearest<25>(records, position, rows[2] * to_low[0], &sum);
+  add_nearest<26>(records, position, rows[2] * local[0], &sum);
+  add_nearest<30>(records, position, rows[3] * to_low[0], &sum);
+  add_nearest<31>(records, position, rows[3] * local[0], &sum);
+  return sum;
 }
 
 // Where lanes read.
@@ -297,7 +313,7 @@ SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_
   find_places(grid, lanes, place, corner, last, &places);
   const Mask known = places.known;
   if (!any(known)) return places.lacking;
-  Flow sum = {zero, zero, zero, zero, zero, {zero, zero, zero}};
+  Flow sum = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
   add_corners(places.records, local, &sum);
   // In the pile's inside nothing flies freely, so the nearest particle does not matter.
   const Mask inside = broadcast(k_weight_inside) <= sum.weight;
@@ -306,17 +322,21 @@ SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_
     Float position[3];
     for (int k = 0; k < 3; ++k) position[k] = at_lanes[k] - broadcast(grid->origin[k]);
     const Float h2 = broadcast(grid->support * grid->support);
-    const Float nearest = nearest_squared(places.records, position, h2);
-    const Float t = maximum((h2 - nearest) * broadcast(1.0f / (grid->support * grid->support)), zero);
+    const Nearest nearest = read_nearest(places.records, position, local, h2);
+    const Float t = maximum((h2 - nearest.squared) * broadcast(1.0f / (grid->support * grid->support)), zero);
     sum.largest = select(inside, zero, t * t * t);
+    // Where all of them fell freely the share is 1, although W of the nearest one may be more than the sum.
+    sum.free = select(inside, zero, nearest.free / select(sum.weight <= zero, broadcast(1.0f), sum.weight));
     sum.weight = maximum(sum.weight, sum.largest);
-    if (a->push != 0.0f) share = push_share(a, sum, nearest);
+    sum.free = sum.free * sum.weight;
+    if (a->push != 0.0f) share = push_share(a, sum, nearest.squared);
   }
   flow->weight = select(known, sum.weight, flow->weight);
   flow->x = select(known, sum.x, flow->x);
   flow->y = select(known, sum.y, flow->y);
   flow->z = select(known, sum.z, flow->z);
   flow->largest = select(known, sum.largest, flow->largest);
+  flow->free = select(known, sum.free, flow->free);
   const Mask pushed = known & (zero < share);
   if (a->push != 0.0f && any(pushed)) {
     read_push(a, places.density, place.inside, &sum);
@@ -340,7 +360,10 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
     const Float few = fade(flow.largest, a->weight_at_radius - 0.1f, a->weight_at_radius + 0.1f) *
                       fade(flow.weight, 1.2f, k_weight_inside);
     const Float single = one - fade(ratio, 0.5f, 0.7f);
-    lambda = maximum((one - flow.largest) * few, single);
+    // What falls among falling particles falls on its own: they part, and it would stay with the nearest ones.
+    const Float falling =
+        flow.free / select(alone, one, flow.weight) * fade(flow.weight, 0.8f * k_weight_inside, k_weight_inside);
+    lambda = maximum(maximum((one - flow.largest) * few, single), minimum(falling, one));
   }
   return select(alone, one, lambda);
 }
@@ -467,7 +490,7 @@ SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, Ma
 // With a grid: one look-up for all steps.
 SANDGLASS_INLINE void follow(const RefineArgs* a, LastBlock* last, Grains* g) {
   const Float zero = broadcast(0.0f);
-  Flow flow = {zero, zero, zero, zero, zero, {zero, zero, zero}};
+  Flow flow = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
   Mask left = sound_places(g->inside, g->position);
   if (any(left)) left = read_flow(a, left, g->position, last, &flow);
   if (any(left)) gather_all(a, left, g->position, &flow);  // the grid has no room there
@@ -489,7 +512,7 @@ SANDGLASS_INLINE void follow(const RefineArgs* a, LastBlock* last, Grains* g) {
 SANDGLASS_APART void follow_particles(const RefineArgs* a, Grains* g) {
   const Float zero = broadcast(0.0f);
   for (uint32_t s = 0; s < a->steps; ++s) {
-    Flow flow = {zero, zero, zero, zero, zero, {zero, zero, zero}};
+    Flow flow = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
     gather_all(a, sound_places(g->inside, g->position), g->position, &flow);
     take_step(a, find_following(a, flow, g), g);
     keep_outside(a, g->inside, g->position, g->velocity);

@@ -94,6 +94,16 @@ void flush(Granular* g, Batch* batch, bool grains) {
   g->flow.counts.emitted_grains += fine;
 }
 
+// What left the nozzle `since` seconds ago has fallen freely since: the position and the velocity are given as they would
+// be without gravity. A grain further along the jet than its particle left the nozzle earlier, so a jet stretches as it
+// falls and does not part into layers.
+void fall(const Granular& g, float since, float position[3], float velocity[3]) {
+  for (int k = 0; k < 3; ++k) {
+    position[k] += 0.5f * since * since * g.gravity[k];
+    velocity[k] += since * g.gravity[k];
+  }
+}
+
 void put_site(Granular* g, Batch* batch, bool grains, const float position[3], const float velocity[3]) {
   for (uint32_t k = 0; k < 3; ++k)
     batch->positions[3 * batch->count + k] = position[k], batch->velocities[3 * batch->count + k] = velocity[k];
@@ -110,28 +120,38 @@ void emit_layer(Granular* g, const sandglass_emitter& e, uint32_t index, uint32_
     return;
   }
   const Nozzle nozzle = nozzle_of(e);
-  float velocity[3];
-  for (int k = 0; k < 3; ++k) velocity[k] = -e.speed * nozzle.axes[1][k];
-  // Grains that are behind the particles take this way with the next sweep.
-  float back[3];
-  for (int k = 0; k < 3; ++k) back[k] = static_cast<float>(g->time.grain_lag) * velocity[k];
+  float out[3];
+  for (int k = 0; k < 3; ++k) out[k] = -e.speed * nozzle.axes[1][k];
+  const float since = gone / e.speed;
+  // A grain is no more than this before or after its particle, so that gravity turns none of them round.
+  const float most = e.speed / (g->gravity_length > 0.0f ? g->gravity_length : 1e-6f);
+  // Grains that are behind the particles catch up with the next sweep.
+  const float lag = static_cast<float>(g->time.grain_lag);
   Batch particles, fine;
   particles.count = fine.count = 0;
   uint64_t seed = next_seed((static_cast<uint64_t>(index) << 32) | layer);
   for_sites(e, r, layer, [&](float x, float z) {
-    float at[3];
+    float at[3], position[3], velocity[3];
     for (int k = 0; k < 3; ++k) {
       seed = next_seed(seed);
-      at[k] = e.position[k] + x * nozzle.axes[0][k] - gone * nozzle.axes[1][k] + z * nozzle.axes[2][k] +
-              k_jitter_radii * r * symmetric(seed);
+      position[k] = at[k] = e.position[k] + x * nozzle.axes[0][k] - gone * nozzle.axes[1][k] + z * nozzle.axes[2][k] +
+                            k_jitter_radii * r * symmetric(seed);
+      velocity[k] = out[k];
     }
-    put_site(g, &particles, false, at, velocity);
+    fall(*g, since, position, velocity);
+    put_site(g, &particles, false, position, velocity);
     for (uint32_t grain = 0; grain < e.grains_per_particle;) {
-      float offset[3], length2 = 0.0f;
+      float offset[3], length2 = 0.0f, along = 0.0f;
       for (float& o : offset) seed = next_seed(seed), o = symmetric(seed), length2 += o * o;
       if (length2 > 1.0f) continue;  // uniform within the ball
-      for (int k = 0; k < 3; ++k) offset[k] = at[k] - back[k] + r * offset[k];
-      put_site(g, &fine, true, offset, velocity);
+      for (int k = 0; k < 3; ++k) {
+        along -= r * offset[k] * nozzle.axes[1][k];
+        position[k] = at[k] - lag * out[k] + r * offset[k];
+        velocity[k] = out[k];
+      }
+      const float earlier = along / e.speed;
+      fall(*g, since - lag + (earlier < -most ? -most : earlier > most ? most : earlier), position, velocity);
+      put_site(g, &fine, true, position, velocity);
       ++grain;
     }
   });

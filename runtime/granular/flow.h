@@ -2,8 +2,8 @@
 //
 // Removing moves the last record into the gap, so the order of the others stays. Emitting happens between intervals of
 // simulated time, never in the middle of a sub-step, and only while a sweep of the grains neither takes its snapshot
-// nor sorts nor chooses what to refine. What cannot come in time comes later, as far from the nozzle as it would be by
-// then.
+// nor sorts nor chooses what to refine. What cannot come in time comes later, as far from the nozzle and as fast as it
+// would be by then.
 //
 // Numbers of removed items are used again, the last removed first.
 #pragma once

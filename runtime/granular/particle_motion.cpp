@@ -46,9 +46,9 @@ void copy_nodes(const MotionGrid& grid, uint32_t from, uint32_t to, const uint32
       const float* node = planes + (z * k_block_side + y) * k_block_side;
       for (uint32_t x = 0; x < counts[0]; ++x, ++node, record += k_record_floats) {
         for (uint32_t c = 0; c < k_record_floats; ++c)
-          record[c] = from != k_no_block                          ? node[c * k_block_nodes]
-                      : c >= k_node_nearest && c < k_node_largest ? k_inert_position
-                                                                  : 0.0f;
+          record[c] = from != k_no_block                       ? node[c * k_block_nodes]
+                      : c >= k_node_nearest && c < k_node_free ? k_inert_position
+                                                               : 0.0f;
       }
     }
   }
@@ -179,6 +179,20 @@ void motion_complete(Granular* g) {
   Place* starts = g->motion.ends;
   g->motion.ends = g->motion.starts;
   g->motion.starts = starts;
+}
+
+float motion_free_fall(const float at_end[3], const float mean[3], const float gravity[3], float time) {
+  // Shares of what gravity adds, squared: all of it up to 0.2 off, nothing beyond 0.6.
+  constexpr float k_all = 0.04f, k_nothing = 0.36f;
+  float off = 0.0f, added = 0.0f;
+  for (int k = 0; k < 3; ++k) {
+    const float half = 0.5f * time * gravity[k], d = at_end[k] - mean[k] - half;
+    off += d * d, added += half * half;
+  }
+  const float left = k_nothing * added - off;
+  if (!(left > 0.0f)) return 0.0f;  // without gravity nothing falls
+  const float t = left / ((k_nothing - k_all) * added);
+  return t < 1.0f ? t * t * (3.0f - 2.0f * t) : 1.0f;
 }
 
 void motion_begin(ParticleMotion* m, double time) {

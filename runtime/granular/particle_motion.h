@@ -29,6 +29,10 @@ void motion_layout(ParticleMotion* motion, const sandglass_granular_desc& desc, 
 void motion_planes_layout(ParticleMotion* motion, const sandglass_granular_desc& desc, Layout* layout);
 void motion_configure(ParticleMotion* motion, const sandglass_granular_desc& desc);
 
+// How nearly a particle with these velocities, at the end of `time` and on average, fell freely: then the first is larger
+// by half of what gravity adds in that time. From 1, it did, to 0.
+float motion_free_fall(const float at_end[3], const float mean[3], const float gravity[3], float time);
+
 // A particle that is added, as if it had come this way with its velocity.
 void motion_add(Granular* granular, uint32_t number, const float position[3], const float velocity[3]);
 // What the particles do from now on is what the next sweep covers. The grains lag behind by nothing.

@@ -94,10 +94,13 @@ bool measure(Granular* g) {
     Particle* p = &g->grains.snapshot.particles[i];
     const Place& start = g->motion.starts[number_of(*p)];
     Place* here = &g->motion.ends[number_of(*p)];
+    float mean[3];
     for (int k = 0; k < 3; ++k) {
       here->position[k] = p->position[k];
-      p->velocity[k] = (p->position[k] - start.position[k]) * inverse;
+      mean[k] = (p->position[k] - start.position[k]) * inverse;
     }
+    set_free_fall(p, motion_free_fall(p->velocity, mean, g->gravity, static_cast<float>(g->sweep.time)));
+    for (int k = 0; k < 3; ++k) p->velocity[k] = mean[k];
   }
   motion_clear(&g->motion.grid, begin, end, all);
   g->sweep.cursor = end;

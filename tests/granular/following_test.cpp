@@ -18,8 +18,9 @@ using namespace sandglass;
 
 constexpr float k_radius = 0.01f, k_support = 3 * k_radius, k_grain_radius = 0.35f * k_radius, k_friction = 0.14f;
 constexpr double k_frame = 1.0 / 60.0, k_gravity = 9.81;
-constexpr int k_frames = 30, k_shots = 15;     // of the particles in a frame
-constexpr double k_step = k_frame / 3;         // of the grains, for which the blend is meant
+constexpr int k_frames = 30, k_shots = 15;  // of the particles in a frame
+constexpr double k_step = k_frame / 3;      // of the grains, for which the blend is meant
+constexpr float k_down[3] = {0.0f, static_cast<float>(-k_gravity), 0.0f};
 const std::vector<int> k_compared = {12, 30};  // frames
 
 struct Vector {
@@ -191,13 +192,17 @@ class Refinement {
     for (int k = 0; k < 3; ++k) floor_.axes[k][k] = 1;
   }
 
-  void frame(const Shot& from, const Shot& to, int number, std::vector<Follower>* grains) {
+  // `before`: a shot before `to`.
+  void frame(const Shot& from, const Shot& before, const Shot& to, int number, std::vector<Follower>* grains) {
     std::vector<Particle> particles;
     for (size_t i = 0; i < from.size(); ++i) {
       const Vector u = 1 / k_frame * (to[i] - from[i]);
       const float x[3] = {static_cast<float>(to[i].x), static_cast<float>(to[i].y), static_cast<float>(to[i].z)};
       const float v[3] = {static_cast<float>(u.x), static_cast<float>(u.y), static_cast<float>(u.z)};
+      const Vector e = k_shots / k_frame * (to[i] - before[i]);
+      const float at_end[3] = {static_cast<float>(e.x), static_cast<float>(e.y), static_cast<float>(e.z)};
       particles.push_back(moving_particle(x, v, static_cast<uint32_t>(i)));
+      set_free_fall(&particles.back(), motion_free_fall(at_end, v, k_down, static_cast<float>(k_frame)));
     }
     const uint32_t count = static_cast<uint32_t>(particles.size());
     particles.resize(count + 2 * k_lane_group, inert_particle());
@@ -242,7 +247,7 @@ class Refinement {
 History one_sweep(const std::vector<Shot>& shots) {
   Refinement refinement;
   return follow([&](std::vector<Follower>* grains, int first) {
-    refinement.frame(shots[first], shots[first + k_shots], first / k_shots, grains);
+    refinement.frame(shots[first], shots[first + k_shots - 1], shots[first + k_shots], first / k_shots, grains);
   });
 }
 

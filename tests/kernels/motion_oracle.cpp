@@ -16,6 +16,12 @@ namespace {
 using namespace sandglass;
 using namespace sandglass::tests;
 
+// Of three particles one falls freely and one half so.
+void fall_in_part(Cluster* particles) {
+  for (uint32_t i = 0; i < particles->count; ++i)
+    set_free_fall(&particles->records[i], 0.5f * static_cast<float>(i % 3));
+}
+
 // ---- scatter_motion
 
 // A motion grid whose reach is round numbers.
@@ -47,11 +53,11 @@ struct Node {
     for (uint32_t i = 0; i < particles.count; ++i) {
       const Vector u = at(particles.records[i].velocity), p = at(particles.records[i].position) - 0.02 * u;
       const double d2 = dot(p - x, p - x), w = 1.728 * std::pow(std::max(0.0, 1 - d2 / 6.25e-4), 3);
-      weight += w, momentum = momentum + w * u;
+      weight += w, momentum = momentum + w * u, free += w * static_cast<double>(free_fall(particles.records[i]));
       if (w > largest) largest = w, nearest = p;
     }
   }
-  double weight = 0, largest = 0;
+  double weight = 0, largest = 0, free = 0;
   Vector momentum, nearest = {1e6, 1e6, 1e6};
 };
 
@@ -60,6 +66,7 @@ struct Node {
 void sandglass::tests::check_scatter_motion(uint32_t n) {
   Cluster particles(n, 0, 0.5, 61);
   if (n > 3) join_body(&particles.records[3], 1, 1.0f), particles.records[3].position[0] = 3.0f;  // adds nothing
+  fall_in_part(&particles);
   std::vector<float> first;
   for (const Kernels* kernels : tables()) {
     Motion motion;
@@ -83,6 +90,7 @@ void sandglass::tests::check_scatter_motion(uint32_t n) {
         const float* record = grid.nodes + (b * k_block_records + r) * k_record_floats;
         ASSERT_NEAR(record[k_node_weight], node.weight, 2e-5) << sandglass_isa_name(kernels->isa);
         ASSERT_LT(length(at(record + k_node_momentum) - node.momentum), 2e-5);
+        ASSERT_NEAR(record[k_node_free], node.free, 2e-5);
         if (node.largest > 1e-6) {
           // Another particle may be as near.
           const double d = length(origin + at(record + k_node_nearest) - x), least = length(node.nearest - x);
@@ -208,6 +216,7 @@ struct Refinement {
   Refinement(uint32_t n, bool source_rule, bool uniform) : particles(200, 0, 0.8, 31), grains(n + k_slack) {
     std::mt19937 random(37);
     std::uniform_real_distribution<double> unit(-0.7, 0.7);
+    fall_in_part(&particles);
     if (uniform) {
       for (uint32_t j = 0; j < 200; ++j) set(particles.records[j].velocity, {0.3, -0.2, 0.1});
     }
@@ -256,6 +265,7 @@ struct Refinement {
 // What the particles within h say at x.
 struct Sums {
   double weight = 0, largest = 0, nearest2 = 9e-4;  // squared distance of the nearest particle, h^2 at most
+  double falling = 0;                               // the share of the weight that falls freely
   Vector flow;
 };
 
@@ -265,8 +275,10 @@ Sums sums_of_particles(const Cluster& particles, Vector x) {
     const double d = length(at(particles.records[j].position) - x);
     const double w = std::pow(std::max(0.0, 1 - d * d / 9e-4), 3);
     s.weight += w, s.largest = std::max(s.largest, w);
+    s.falling += w * static_cast<double>(free_fall(particles.records[j]));
     s.flow = s.flow + w * at(particles.records[j].velocity);
   }
+  if (s.weight > 0) s.falling /= s.weight;
   return s;
 }
 
@@ -284,9 +296,10 @@ Sums sums_of_nodes(const Cluster& particles, Vector x) {
     const double share =
         (1 - std::abs(apart.x) / 0.015) * (1 - std::abs(apart.y) / 0.015) * (1 - std::abs(apart.z) / 0.015);
     const Node node(particles, corner);
-    s.weight += share * node.weight, s.flow = s.flow + share * node.momentum;
+    s.weight += share * node.weight, s.flow = s.flow + share * node.momentum, s.falling += share * node.free;
     s.nearest2 = std::min(s.nearest2, dot(node.nearest - x, node.nearest - x));
   }
+  if (s.weight > 0) s.falling /= s.weight;
   s.largest = std::pow(1 - s.nearest2 / 9e-4, 3);
   s.weight = std::max(s.weight, s.largest);
   return s;
@@ -355,7 +368,7 @@ void sandglass::tests::check_refine_grains(uint32_t n) {
           lambda = largest <= radius_weight || ratio >= 0.6 ? 1 - largest : 0;
         } else {
           const double few = fade(largest, radius_weight - 0.1, radius_weight + 0.1) * fade(weight, 1.2, 2.0);
-          lambda = std::max((1 - largest) * few, 1 - fade(ratio, 0.5, 0.7));
+          lambda = std::max({(1 - largest) * few, 1 - fade(ratio, 0.5, 0.7), sums.falling * fade(weight, 1.6, 2.0)});
         }
         if (weight == 0) lambda = 1;
         const Vector fall = v + 0.004 * Vector{0, -9.81, 0};

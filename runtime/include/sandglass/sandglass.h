@@ -47,7 +47,7 @@ enum { SANDGLASS_SCHEME_SMALL_STEP = 0, SANDGLASS_SCHEME_AVERAGED = 1 };
 /* How grains blend between the flow and free flight (4.43), by the factor lambda.
  *
  * CONTINUOUS (the default): lambda falls smoothly to 0 inside the material. Grains follow once a frame, by the
- * particles' displacements, and keep an even density.
+ * particles' displacements, and keep an even density. Among particles that fall freely they fall on their own.
  *
  * SOURCE: (4.44) as printed, once every refine_step. Lambda jumps from 0.298 to 0, and grains pop; they gather around
  * the particles. It costs several times as much. */
@@ -507,7 +507,8 @@ typedef struct sandglass_plan {
 /* A nozzle that pours sand for as long as it is passed to frames. It pours layers of a hexagonal lattice with the
  * density of packed sand, one whenever the layer before has gone far enough: about 0.5 R^2 speed / r^3 particles a
  * second, with R the nozzle's radius and r that of a particle. A layer for which there is no room is left out, counted
- * and logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever.
+ * and logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever. What
+ * leaves the nozzle during a frame falls from its own moment on, so a jet stretches without gaps at any frame rate.
  *
  * Keep the space before the nozzle free, for as far as sand runs in a third of a second: what is poured in a long frame
  * appears that far away, whatever is in between, and below a floor if that is nearer. */
