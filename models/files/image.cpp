@@ -12,6 +12,10 @@
 #include "models/files/failure.h"
 #include "models/files/picture_head.h"
 
+// Zeros, so that what a damaged file leaves out is the same every time, and nothing that the program had in memory.
+#define STBI_MALLOC(bytes) std::calloc(1, bytes)
+#define STBI_REALLOC(block, bytes) std::realloc(block, bytes)
+#define STBI_FREE(block) std::free(block)
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
 #define STBI_NO_STDIO
@@ -157,7 +161,8 @@ static void expect_readable(const PictureHead& head, const std::string& path) {
   if (head.kind == Kind::other)
     throw cannot("read", path, std::string("it is a ") + head.name + " picture", "Convert it to PNG or JPEG");
   if (head.kind == Kind::unknown) throw cannot("read", path, "it is no PNG or JPEG picture", "Convert it");
-  if (head.bad_table) throw cannot("read", path, "it is damaged: a table of codes is too long", "Export it again");
+  if (head.damage != nullptr)
+    throw cannot("read", path, std::string("it is damaged: ") + head.damage, "Export it again");
   if (head.kind == Kind::jpeg && head.components == 4)
     throw cannot("read", path, "its colours are for print (CMYK)", "Convert it to RGB");
   if (head.kind == Kind::jpeg && head.bits > 8)

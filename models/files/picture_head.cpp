@@ -52,51 +52,86 @@ void read_png(std::string_view file, PictureHead* head) {
   }
 }
 
+// The segments of a JPEG that its decoder depends on, in their order.
+struct Jpeg {
+  PictureHead* head;
+  // Which tables of codes there are: bits 0 to 3 for first coefficients, 4 to 7 for all others.
+  uint32_t tables = 0;
+  bool progressive = false, scanned = false;
+
+  void damaged(const char* what) {
+    if (head->damage == nullptr) head->damage = what;
+  }
+};
+
 // Tables, each of a byte, the numbers of codes of 1 to 16 bits, and the codes. A table that begins within the segment may
 // end behind it: stb reads on, and reads 0 behind the end of the file.
-bool good_tables(std::string_view file, size_t segment) {
+void read_tables(std::string_view file, size_t segment, Jpeg* jpeg) {
   constexpr size_t k_lengths = 16, k_most_codes = 256;
   const Bytes b = {file};
   for (size_t at = 0; at < segment;) {
     size_t codes = 0;
     for (size_t i = 1; i <= k_lengths; ++i) codes += b.number(at + i, 1);
-    if (codes > k_most_codes) return false;
+    if (codes > k_most_codes) return jpeg->damaged("a table of codes is too long");
+    const uint32_t name = b.number(at, 1);  // its class and its number
+    if (name >> 4 <= 1 && (name & 15) <= 3) jpeg->tables |= 1u << ((name >> 4) * 4 + (name & 3));
     at += 1 + k_lengths + codes;
   }
-  return true;
+}
+
+// The count of colours, for each its name and its tables, and which coefficients and bits the scan brings.
+void read_scan(std::string_view content, Jpeg* jpeg) {
+  const Bytes b = {content};
+  const uint32_t colours = b.number(0, 1), first = b.number(1 + 2 * colours, 1), bits = b.number(3 + 2 * colours, 1);
+  jpeg->scanned = true;
+  const bool names_first = !jpeg->progressive || (first == 0 && bits >> 4 == 0);
+  const bool names_others = !jpeg->progressive || first != 0;
+  for (uint32_t i = 0; i < colours && b.has(2 + 2 * i, 1); ++i) {
+    const uint32_t named = b.number(2 + 2 * i, 1);
+    const uint32_t wanted = (names_first ? 1u << (named >> 4 & 3) : 0) | (names_others ? 16u << (named & 3) : 0);
+    if ((wanted & ~jpeg->tables) != 0) jpeg->damaged("a table of codes is missing");
+  }
 }
 
 // `file` begins with the segment's content.
-void read_segment(uint32_t marker, std::string_view file, size_t size, PictureHead* head) {
-  constexpr uint32_t k_exif = 0xE1, k_first_frame = 0xC0, k_last_frame = 0xCF, k_tables = 0xC4;
+void read_segment(uint32_t marker, std::string_view file, size_t size, Jpeg* jpeg) {
+  constexpr uint32_t k_exif = 0xE1, k_first_frame = 0xC0, k_last_frame = 0xCF, k_progressive = 0xC2, k_tables = 0xC4,
+                     k_scan = 0xDA;
   constexpr std::string_view k_exif_name("Exif\0\0", 6);
   const std::string_view content = file.substr(0, size);
+  PictureHead* head = jpeg->head;
   if (marker == k_exif && content.starts_with(k_exif_name))
     head->orientation = orientation_of(content.substr(k_exif_name.size()));
-  if (marker == k_tables && !good_tables(file, size)) head->bad_table = true;
+  if (marker == k_tables) read_tables(file, size, jpeg);
+  if (marker == k_scan) read_scan(content, jpeg);
   // All markers in the range begin a frame but three: tables, a reserved one, and arithmetic conditioning.
   if (marker < k_first_frame || marker > k_last_frame || marker == k_tables || marker == 0xC8 || marker == 0xCC) return;
   const Bytes frame = {content};
   head->bits = frame.number(0, 1), head->height = frame.number(1, 2), head->width = frame.number(3, 2);
   head->components = frame.number(5, 1);
+  jpeg->progressive = marker == k_progressive;
 }
 
-// The whole file, since a table may come between two scans. As stb does, it looks for the next marker behind whatever is
-// no segment: a scan's data, or damage.
+// Up to the picture's end, since a table may come between two scans; behind it phones keep films and second pictures. As
+// stb does, it looks for the next marker behind whatever is no segment: a scan's data, or damage.
 void read_jpeg(std::string_view file, PictureHead* head) {
+  constexpr uint32_t k_end = 0xD9;
   const Bytes b = {file};
+  Jpeg jpeg = {head};
   for (size_t at = 2; b.has(at, 2);) {
     const uint32_t marker = b.number(at + 1, 1);
     const bool begins_segment = b.number(at, 1) == 0xFF && marker >= 0xC0 && marker < 0xFF;
-    const bool is_bare = marker >= 0xD0 && marker <= 0xD9;  // restarts, begin and end have no content
+    const bool is_bare = marker >= 0xD0 && marker <= k_end;  // restarts, begin and end have no content
+    if (begins_segment && marker == k_end) break;
     if (!begins_segment || is_bare) {
       ++at;
       continue;
     }
     const size_t length = b.number(at + 2, 2);
-    if (b.has(at, 4)) read_segment(marker, file.substr(at + 4), length < 2 ? 0 : length - 2, head);
+    if (b.has(at, 4)) read_segment(marker, file.substr(at + 4), length < 2 ? 0 : length - 2, &jpeg);
     at += 2 + (length < 2 ? 2 : length);
   }
+  if (!jpeg.scanned) jpeg.damaged("it has no pixels");
 }
 
 }  // namespace

@@ -14,8 +14,9 @@ struct PictureHead {
   // EXIF's number for where the first row and column are: 1 upright, 6 to be turned clockwise by a quarter, 3 by a half,
   // 8 by three quarters; 2, 4, 5 and 7 are mirrored.
   int orientation = 1;
-  // A JPEG's Huffman table lists more codes than it may. stb_image would write them behind its own table.
-  bool bad_table = false;
+  // Null, or what is wrong with a JPEG that stb_image would read: tables of codes that it would write behind its own, or
+  // that a scan names and nothing defines; no scan at all.
+  const char* damage = nullptr;
 };
 
 // Never fails: what is damaged or missing stays as it is above.

@@ -4,7 +4,7 @@ import { SandScene, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
 import { standing } from "./obj.mjs";
 import { RoomLight, lightOfSky } from "./room_light.mjs";
-import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose } from "./tilt.mjs";
+import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom } from "./tilt.mjs";
 import { fromLink } from "./link.mjs";
 import { fixedRun, k_stages, Pauses } from "./measure.mjs";
 import { listen, play } from "./controls.mjs";
@@ -62,8 +62,8 @@ class Page {
     this.direction = sand.put(new Float32Array(3));
     const pile = sand.make("sandglass_pile_shadow_desc");
     sand.sandglass_pile_shadow_desc_default(pile);
-    pile.set({ low: [-k_box, -k_box], high: [k_box, k_box], texels: 128 });
-    this.pile = sand.create("sandglass_pile_shadow", pile), this.pileTexture = sand.make("sandglass_pile_shadow_texture");
+    pile.set({ low: [-k_box, -k_box], high: [k_box, k_box], texels: 128, sky_texels: 64 });
+    this.pile = sand.create("sandglass_pile_shadow", pile), this.pileTexture = sand.make("sandglass_pile_shadow_texture"), this.skyTexture = sand.make("sandglass_pile_shadow_sky");
     painter.pileShadow.box = [-k_box, -k_box, 0.5 / k_box, 0.5 / k_box];
     const bytes = unpacked(k_chair_shadow, Uint8Array), desc = sand.make("sandglass_shadow_desc"), info = sand.make("sandglass_shadow_info");
     sand.sandglass_shadow_desc_default(desc);
@@ -84,14 +84,31 @@ class Page {
     const slid = { ...k_sky_light, toLight: [Math.sin(polar) * Math.cos(azimuth), Math.cos(polar), Math.sin(polar) * Math.sin(azimuth)] };
     const seen = known ? this.room.follow(seconds) : null;
     const light = (this.real && this.deviceLight) || (this.watching || this.real ? seen : null) || slid;
+    if (light === seen && this.watching) this.turnWithTheTable(light);
+    else this.painter.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     this.painter.light = light, this.lit = light !== slid;
     const d = light.toLight, { sand, direction } = this, [c, s] = [Math.cos(this.yaw), Math.sin(this.yaw)];
     sand.floats(direction, 3).set(d);
     sand.sandglass_pile_shadow_set_light(this.pile, direction);
     sand.floats(direction, 3).set([c * d[0] - s * d[2], d[1], s * d[0] + c * d[2]]);
     sand.sandglass_shadow_set_light(this.object, 0, direction, 1);
-    if (light === seen) sand.sandglass_shadow_set_cells(this.object, this.room.shown.address + this.room.cells, this.yaw);
+    if (light !== seen) return;
+    const cells = this.room.shown.address + this.room.cells;
+    sand.sandglass_shadow_set_cells(this.object, cells, this.yaw);
+    sand.sandglass_pile_shadow_set_cells(this.pile, cells);
   }
+
+  // A table that is tipped with the picture turns in the room, and the room's light about it.
+  turnWithTheTable(light) {
+    const known = this.tipping && this.level && this.device;
+    const m = known ? tableOfRoom(downOnScreen(this.device, screen.orientation?.angle), this.level, this.camera.axes(), this.turnedBy()) : [1, 0, 0, 0, 1, 0, 0, 0, 1];
+    this.painter.tableOfRoom = m;
+    const [x, y, z] = light.toLight;
+    light.toLight = [0, 1, 2].map((i) => x * m[i] + y * m[3 + i] + z * m[6 + i]);
+  }
+
+  // Radians that the device was turned about the vertical since it was first heard of.
+  turnedBy() { return (this.device.alpha - this.deviceStart.alpha) * Math.PI / 180; }
 
   openRoom() { return this.room ??= new RoomLight(this.sand); }
 
@@ -100,7 +117,7 @@ class Page {
     const image = this.watching?.next(now);
     if (!image) return;
     const known = this.device && downOnScreen(this.device, screen.orientation?.angle);
-    const pose = screenPose(known, this.camera.axes(), known ? (this.device.alpha - this.deviceStart.alpha) * Math.PI / 180 : 0);
+    const pose = screenPose(known, this.camera.axes(), known ? this.turnedBy() : 0);
     if (this.watching.towardsUser) for (const k of [0, 1, 2, 8, 9, 10]) pose[k] = -pose[k];
     this.openRoom().see(image.data, image.width, image.height, pose, now);
   }
@@ -220,12 +237,19 @@ class Page {
 
   // The library's shadows, as textures of the painter.
   takeTextures() {
-    const { sand, painter, pileTexture: pile, objectTexture: object, seenTexture: seen } = this, umbra = this.lit ? 1 : 0.9;
+    const { sand, painter, pileTexture: pile, skyTexture: sky, objectTexture: object, seenTexture: seen } = this, umbra = this.lit ? 1 : 0.9;
     sand.sandglass_pile_shadow_get_texture(this.pile, pile);
     painter.pileShadow.opacity = pile.valid ? umbra * pile.opacity : 0;
     if (pile.valid) {
       painter.upload(painter.pile, pile.texels, sand.bytes(pile.coverage, pile.texels ** 2));
       painter.upload(painter.onSand, pile.texels, sand.bytes(pile.on_sand, pile.texels ** 2));
+    }
+    sand.sandglass_pile_shadow_get_sky(this.pile, sky);
+    if (sky.valid) {
+      painter.upload(painter.sky, sky.texels, sand.bytes(sky.floor, sky.texels ** 2));
+      painter.upload(painter.skyOnSand, sky.texels, sand.bytes(sky.on_sand, sky.texels ** 2));
+      painter.upload(painter.heights, sky.height_texels, sand.bytes(sky.heights, sky.height_texels ** 2));
+      Object.assign(painter.pileShadow, { sky: 1, height: sky.height });
     }
     const box = ({ low, high }) => {
       const [a, b] = [low, high].map((corner) => [0, 1].map((i) => (corner[i] - this.shadowOrigin[2 * i]) * this.shadowScale));

@@ -1,11 +1,13 @@
 // Draws the table, the object and the sand with WebGL 2. Colours are linear until a shader's last line. Grains are
 // point sprites, whose fragments write the depth of a sphere; the buffer of grains is uploaded as the library wrote it.
-// Shadows are the library's own textures: of the sharp main light, and of the light from all around, which the object
-// keeps from the table.
+// Grains differ in size, shade and faces by their numbers. Shadows are the library's own textures: of the sharp main
+// light, and of the light from all around, which object and sand keep from the table, and the sand from itself.
 
 const k_lighting = `
 uniform vec3 to_light, sun, ambient[9];  // irradiance over pi, of a surface that faces the sun, and by the normal
-vec3 around(vec3 n) {
+uniform mat3 table_of_room;              // ambient is of the room, all else of the table
+vec3 around(vec3 normal) {
+  vec3 n = normal * table_of_room;
   return max(ambient[0] + ambient[1] * n.y + ambient[2] * n.z + ambient[3] * n.x + ambient[4] * n.x * n.y + ambient[5] * n.y * n.z +
     ambient[6] * (3.0 * n.z * n.z - 1.0) + ambient[7] * n.x * n.z + ambient[8] * (n.x * n.x - n.y * n.y), 0.0);
 }
@@ -16,9 +18,10 @@ vec4 encoded(vec3 linear) {
   linear = clamp(linear, 0.0, 1.0);
   return vec4(mix(12.92 * linear, 1.055 * pow(linear, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, linear)), 1);
 }
-uniform sampler2D pile, object, seen;  // what the sand hides of the table, or of itself; what the object leaves of the room
+// What the sand hides of the table, or of itself; what the object leaves of the room; what the sand leaves of it.
+uniform sampler2D pile, object, seen, sky;
 uniform vec4 pile_box, object_box, seen_box;  // x and z of the lower corner, and one over the extent
-uniform float pile_opacity, object_opacity;
+uniform float pile_opacity, object_opacity, sky_known;
 uniform mat2 object_turn;
 uniform vec2 object_at;
 float passed(sampler2D image, vec2 at, float opacity) {
@@ -29,6 +32,11 @@ float opened(vec3 place) {
   vec2 at = (object_turn * (place.xz - object_at) - seen_box.xy) * seen_box.zw;
   bool on = all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
   return on ? texture(seen, at).r : 1.0;
+}
+float under_sky(vec3 place) {
+  vec2 at = (place.xz - pile_box.xy) * pile_box.zw;
+  bool on = sky_known > 0.5 && all(greaterThan(at, vec2(0))) && all(lessThan(at, vec2(1)));
+  return on ? texture(sky, at).r : 1.0;
 }
 // The ray from the light through the place goes on to the table, where the object's shadow was made.
 float shadowed(vec3 place, float onto) {
@@ -42,32 +50,54 @@ layout(location = 0) in vec4 grain;
 uniform mat4 view, projection;
 uniform float radius, pixels;
 flat out vec3 centre, colour;
+flat out vec4 turn;
+flat out float size;
+uint hashed(uint number) {
+  uint h = number * 747796405u + 2891336453u;
+  return ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
+}
+float part(uint h, uint bit) { return float(h >> bit & 1023u) / 1023.0; }
 void main() {
   vec4 at = view * vec4(grain.xyz, 1);
   centre = at.xyz;
+  uint h = hashed(uint(gl_VertexID)), more = hashed(h);
+  size = radius * mix(0.75, 1.2, part(more, 20u));
+  turn = normalize(vec4(part(more, 0u), part(more, 10u), part(h, 0u), part(h, 10u)) - 0.4995);
   gl_Position = grain.w < 0.0 ? vec4(2, 2, 2, 1) : projection * at;
-  gl_PointSize = max(2.0 * radius * pixels / -at.z, 1.0);
-  uint h = uint(gl_VertexID) * 747796405u + 2891336453u;
-  h = ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
-  float light = float(h >> 8u & 1023u) / 1023.0 - 0.5, warm = float(h >> 18u & 1023u) / 1023.0 - 0.5;
+  gl_PointSize = max(2.0 * size * pixels / -at.z, 1.0);
+  float light = part(h, 8u) - 0.5, warm = part(h, 18u) - 0.5;
   colour = vec3(0.60, 0.40, 0.20) * (1.0 + 0.56 * light) * vec3(1.0 + 0.2 * warm, 1.0, 1.0 - 0.2 * warm);
 }`;
 const k_grain_fragment = `
 flat in vec3 centre, colour;
+flat in vec4 turn;
+flat in float size;
 uniform mat4 view, projection;
-uniform float radius;
+uniform sampler2D heights;    // of the sand's surface
+uniform float most_height, radius;  // what 255 stands for; the mean of the grains
 out vec4 pixel;
+vec3 turned(vec3 v, vec4 q) { return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v); }
+// The nearest of the 14 faces of a cube whose corners are broken off, turned as this grain is; its rim is round.
+vec3 broken(vec3 n) {
+  vec3 own = turned(n, turn), a = abs(own), axis = step(max(a.yzx, a.zxy), a);
+  float corner = dot(a, vec3(0.57735)), side = max(a.x, max(a.y, a.z)), near = max(corner, side);
+  vec3 face = sign(own) * (corner > side ? vec3(0.57735) : axis);
+  return normalize(mix(n, turned(face, vec4(-turn.xyz, turn.w)), 0.7 * smoothstep(0.84, 0.9, near)));
+}
 ${k_lighting}
 void main() {
   vec2 at = gl_PointCoord * vec2(2, -2) + vec2(-1, 1);
   float gap = 1.0 - dot(at, at);
   if (gap < 0.0) discard;
-  vec3 normal = vec3(at, sqrt(gap)), place = centre + radius * normal;
+  vec3 normal = vec3(at, sqrt(gap)), place = centre + size * normal;
   vec4 clip = projection * vec4(place, 1);
   gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
   mat3 back = transpose(mat3(view));
-  vec3 world = back * (place - view[3].xyz), n = back * normal;
-  pixel = encoded(shade(colour, n, shadowed(world, 1.0), 1.0) * (0.75 + 0.25 * n.y));
+  vec3 world = back * (place - view[3].xyz), n = broken(back * normal);
+  // Deeper under the surface there is less; and light from below comes from other grains.
+  float below = clamp((most_height * texture(heights, (world.xz - pile_box.xy) * pile_box.zw).r - world.y) / radius, 0.0, 1.5);
+  float open = sky_known > 0.5 ? under_sky(world) / (1.0 + 0.9 * below) * (0.5 + 0.5 * n.y) : 0.75 + 0.25 * n.y;
+  pixel = encoded(shade(colour, n, shadowed(world, 1.0), open));
 }`;
 const k_solid_vertex = `
 layout(location = 0) in vec3 position;
@@ -88,7 +118,7 @@ void main() {
   if (dot(n, eye - world) < 0.0) n = -n;
   vec3 colour = albedo;
   float share = 1.0, open = 1.0;
-  if (table > 0.5) share = shadowed(world, 0.0), open = opened(world);
+  if (table > 0.5) share = shadowed(world, 0.0), open = opened(world) * under_sky(world);
   if (table > 1.5) {
     vec3 left = shade(vec3(1), n, share, open) / max(shade(vec3(1), n, 1.0, 1.0), 1e-4);
     pixel = vec4(0, 0, 0, 1.0 - dot(left, vec3(1.0 / 3.0)));
@@ -175,13 +205,14 @@ export class Painter {
     this.grains = program(gl, k_grain_vertex, k_grain_fragment), this.solid = program(gl, k_solid_vertex, k_solid_fragment);
     this.grainBuffer = gl.createBuffer(), this.grainBytes = 0;
     this.pile = this.texture(), this.onSand = this.texture(), this.object = this.texture(), this.seen = this.texture();
+    this.sky = this.texture(), this.skyOnSand = this.texture(), this.heights = this.texture();
     this.objects = [];
     const s = 3;
     this.table = this.mesh(new Float32Array([-s, 0, -s, -s, 0, s, s, 0, s, s, 0, -s]), new Uint32Array([0, 1, 2, 0, 2, 3]));
     this.objectShadow = { box: [0, 0, 1, 1], opacity: 0, turn: [1, 0, 0, 1], at: [0, 0] };
-    this.pileShadow = { box: [0, 0, 1, 1], opacity: 0 };
+    this.pileShadow = { box: [0, 0, 1, 1], opacity: 0, sky: 0, height: 0 };
     this.seenBox = [2, 2, 0, 0];  // nowhere
-    this.light = { sun: [0, 0, 0], ambient: new Float32Array(27) };
+    this.light = { sun: [0, 0, 0], ambient: new Float32Array(27) }, this.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     gl.enable(gl.DEPTH_TEST);
   }
 
@@ -263,20 +294,21 @@ export class Painter {
   paint({ view, projection, eye, viewport, real }, count, radius) {
     const { gl } = this;
     gl.viewport(...viewport);
-    const common = (p, pile) => {
+    const common = (p, pile, sky) => {
       gl.useProgram(p.made);
-      [pile, this.object, this.seen].forEach((texture, unit) => { gl.activeTexture(gl.TEXTURE0 + unit), gl.bindTexture(gl.TEXTURE_2D, texture); });
-      ["pile", "object", "seen"].forEach((name, unit) => gl.uniform1i(p.at(name), unit));
+      [pile, this.object, this.seen, sky, this.heights].forEach((texture, unit) => { gl.activeTexture(gl.TEXTURE0 + unit), gl.bindTexture(gl.TEXTURE_2D, texture); });
+      ["pile", "object", "seen", "sky", "heights"].forEach((name, unit) => gl.uniform1i(p.at(name), unit));
       gl.activeTexture(gl.TEXTURE0);
       gl.uniformMatrix4fv(p.at("view"), false, view), gl.uniformMatrix4fv(p.at("projection"), false, projection);
       gl.uniform3fv(p.at("to_light"), this.light.toLight), gl.uniform3fv(p.at("sun"), this.light.sun), gl.uniform3fv(p.at("eye"), eye);
-      gl.uniform3fv(p.at("ambient"), this.light.ambient);
+      gl.uniform3fv(p.at("ambient"), this.light.ambient), gl.uniformMatrix3fv(p.at("table_of_room"), false, this.tableOfRoom);
       gl.uniform4fv(p.at("pile_box"), this.pileShadow.box), gl.uniform1f(p.at("pile_opacity"), this.pileShadow.opacity);
+      gl.uniform1f(p.at("sky_known"), this.pileShadow.sky), gl.uniform1f(p.at("most_height"), this.pileShadow.height);
       gl.uniform4fv(p.at("object_box"), this.objectShadow.box), gl.uniform1f(p.at("object_opacity"), this.objectShadow.opacity);
       gl.uniform4fv(p.at("seen_box"), this.seenBox);
       gl.uniformMatrix2fv(p.at("object_turn"), false, this.objectShadow.turn), gl.uniform2fv(p.at("object_at"), this.objectShadow.at);
     };
-    common(this.solid, this.pile);
+    common(this.solid, this.pile, this.sky);
     const still = new Float32Array([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     for (const item of [{ ...this.table, model: still, albedo: [0.42, 0.36, 0.30], table: real ? 2 : 1 }, ...this.objects]) {
@@ -289,7 +321,7 @@ export class Painter {
     }
     gl.bindVertexArray(null);
     if (count === 0) return;
-    common(this.grains, this.onSand);
+    common(this.grains, this.onSand, this.skyOnSand);
     gl.uniform1f(this.grains.at("radius"), radius), gl.uniform1f(this.grains.at("pixels"), 0.5 * viewport[3] * projection[5]);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.grainBuffer);
     gl.enableVertexAttribArray(0);

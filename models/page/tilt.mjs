@@ -41,6 +41,16 @@ export function gravityOfScreen(down, level, { right, up, away }) {
   return gravityAlong(limited([0, 1, 2].map((k) => x * right[k] + y * up[k] + z * away[k])));
 }
 
+// From the frame of screenPose to that of a table that is fixed to the picture since `level`: a column-major 3 x 3
+// rotation. What is straight down in the room becomes what gravityOfScreen says.
+export function tableOfRoom(down, level, axes, yaw = 0) {
+  const { right, up, away } = axes, pose = screenPose(down, axes, yaw), q = shortest(level, [right, up, away].map((axis) => -axis[1]));
+  return [0, 1, 2].flatMap((k) => {
+    const [x, y, z] = turned([pose[k], pose[4 + k], pose[8 + k]], q);  // the room's axis k on the screen
+    return [0, 1, 2].map((i) => x * right[i] + y * up[i] + z * away[i]);
+  });
+}
+
 // By two angles, degrees: the right side lower, the near side lower.
 export function gravityOfAngles(right, near) {
   const [a, b] = [right, near].map((degrees) => Math.tan(degrees * Math.PI / 180)), length = Math.hypot(a, b, 1);

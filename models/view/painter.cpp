@@ -146,34 +146,53 @@ constexpr const char* k_sphere_vertex = R"(
 layout(location = 0) in vec3 position;
 uniform mat4 view, projection;
 uniform float radius, pixels;  // of a unit at distance 1, or in all of an orthographic view
+uniform bool grains;
 flat out vec3 centre, colour;
+flat out vec4 turn;
+flat out float size;
+uint hashed(uint number) {
+  uint h = number * 747796405u + 2891336453u;
+  return ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
+}
+float part(uint h, uint bit) { return float(h >> bit & 1023u) / 1023.0; }
 void main() {
   vec4 at = view * vec4(position, 1);
   centre = at.xyz;
+  uint h = hashed(uint(gl_VertexID)), more = hashed(h);
+  size = grains ? radius * mix(0.75, 1.2, part(more, 20u)) : radius;
+  turn = normalize(vec4(part(more, 0u), part(more, 10u), part(h, 0u), part(h, 10u)) - 0.4995);
   gl_Position = projection * at;
-  gl_PointSize = max(2.0 * radius * pixels / gl_Position.w, 1.0);
-  uint h = uint(gl_VertexID) * 747796405u + 2891336453u;
-  h = ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
-  float shade = float(h >> 8u & 1023u) / 1023.0 - 0.5, warm = float(h >> 18u & 1023u) / 1023.0 - 0.5;
+  gl_PointSize = max(2.0 * size * pixels / gl_Position.w, 1.0);
+  float shade = part(h, 8u) - 0.5, warm = part(h, 18u) - 0.5;
   colour = vec3(0.56, 0.36, 0.17) * (1.0 + 0.56 * shade) * vec3(1.0 + 0.2 * warm, 1.0, 1.0 - 0.2 * warm);
 }
 )";
 
 constexpr const char* k_sphere_fragment = R"(
 flat in vec3 centre, colour;
+flat in vec4 turn;
+flat in float size;
 uniform mat4 view, projection;
-uniform float radius;
+uniform bool grains;
 out vec4 pixel;
+vec3 turned(vec3 v, vec4 q) { return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v); }
+// The nearest of the 14 faces of a cube whose corners are broken off, turned as this grain is; its rim is round.
+vec3 broken(vec3 n) {
+  vec3 own = turned(n, turn), a = abs(own), axis = step(max(a.yzx, a.zxy), a);
+  float corner = dot(a, vec3(0.57735)), side = max(a.x, max(a.y, a.z));
+  vec3 face = sign(own) * (corner > side ? vec3(0.57735) : axis);
+  return normalize(mix(n, turned(face, vec4(-turn.xyz, turn.w)), 0.7 * smoothstep(0.84, 0.9, max(corner, side))));
+}
 void main() {
   vec2 at = gl_PointCoord * vec2(2, -2) + vec2(-1, 1);
   float gap = 1.0 - dot(at, at);
   if (gap < 0.0) discard;
-  vec3 normal = vec3(at, sqrt(gap)), place = centre + radius * normal;
+  vec3 normal = vec3(at, sqrt(gap)), place = centre + size * normal;
   vec4 clip = projection * vec4(place, 1);
   gl_FragDepth = 0.5 + 0.5 * clip.z / clip.w;
   mat3 back = transpose(mat3(view));
-  vec3 world = back * (place - view[3].xyz), n = back * normal;
-  pixel = encoded(shade(colour, n, lit(world + 1.5 * radius * n) * shadowed(world)) * (0.75 + 0.25 * n.y));
+  vec3 world = back * (place - view[3].xyz), out_of = back * normal, n = grains ? broken(out_of) : out_of;
+  pixel = encoded(shade(colour, n, lit(world + 1.5 * size * out_of) * shadowed(world)) * (0.75 + 0.25 * n.y));
 }
 )";
 
@@ -483,6 +502,7 @@ void Painter::paint(const Painted& scene, int width, int height, std::span<const
   s.sphere_depth.set("view", light_view);
   s.sphere_depth.set("projection", light_projection);
   s.sphere_depth.set("radius", scene.radius);
+  s.sphere_depth.set("grains", scene.grains ? 1 : 0);
   s.sphere_depth.set("pixels", 0.5 * k_map_size / reach);
   glBindVertexArray(s.spheres.array);
   if (scene.pile == nullptr) glDrawArrays(GL_POINTS, 0, count);
@@ -523,6 +543,7 @@ void Painter::paint(const Painted& scene, int width, int height, std::span<const
   begin(s.sphere);
   s.use_shadows(scene, s.sphere, k_sand_unit, k_floor_reach * diagonal);
   s.sphere.set("radius", scene.radius);
+  s.sphere.set("grains", scene.grains ? 1 : 0);
   s.sphere.set("pixels", 0.5 * height / std::tan(scene.camera.fov_deg * std::numbers::pi / 360.0));
   glBindVertexArray(s.spheres.array);
   glDrawArrays(GL_POINTS, 0, count);

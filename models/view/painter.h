@@ -17,6 +17,7 @@ struct Painted {
   std::span<const float> spheres;  // `sphere_floats` floats each; the position comes first
   int sphere_floats = 4;
   double radius = 0.01;
+  bool grains = false;  // the spheres differ in size and have faces
   std::span<const sandglass_collider> colliders;
   const CollisionFields* fields = nullptr;  // those of the colliders
   std::span<const FloorShadow> shadows;

@@ -189,7 +189,8 @@ void view_scene(const ViewOptions& options) {
       scene.spheres = live.particles(), scene.sphere_floats = 3, scene.radius = live.scene().particle_radius;
     } else {
       static_assert(sizeof(sandglass_grain) == 4 * sizeof(float));
-      scene.spheres = {live.grains().data()->position, 4 * live.grains().size()}, scene.radius = live.grain_radius();
+      scene.spheres = {live.grains().data()->position, 4 * live.grains().size()};
+      scene.radius = live.grain_radius(), scene.grains = true;
     }
     scene.colliders = live.colliders(), scene.fields = &live.fields(), scene.shadows = shadows;
     const std::optional<FloorShadow> pile = live.pile(false), on_sand = live.pile(true);

@@ -445,6 +445,21 @@ TEST(ShotComposite, ObjectAndGrainsAreAsBrightAsTraced) {
 
 // The shipped chair in a room with one lamp: with the true light in cells the composite is nearer to the truth than
 // without shadows, and than in the light of the mirrored room.
+// A grain takes the light from straight above within its own radius, and no further.
+TEST(ShotPicture, GrainsDifferInSizeByTheirNumbers) {
+  constexpr float k_radius = 0.01f;
+  std::vector<float> grains;
+  for (int i = 0; i < 8; ++i) grains.insert(grains.end(), {0.1f * static_cast<float>(i), 0.05f, 0.0f});
+  const ShotPicture picture(cube(), grains, k_radius);
+  for (uint32_t i = 0; i < 8; ++i) {
+    const double own = static_cast<double>(k_radius * grain_size(i));
+    for (const double share : {0.97, 1.03}) {
+      const double x = 0.1 * i + share * own;
+      EXPECT_EQ(picture.grains_leave(x, 0.0, {0, 1, 0}, 1e-4, 1), share < 1.0 ? 0.0 : 1.0) << i;
+    }
+  }
+}
+
 TEST(ShotComposite, TheRoomsLightIsNearerToTheTruthThanItsMirrorImage) {
   const SceneFile scene = shot_scene();
   const LitObject object = standing_object(scene, "");
@@ -557,8 +572,8 @@ TEST(ShotComposite, GrainsHaveTheSandsLight) {
   EXPECT_NEAR(shown({scaled(light, 0.5), light}), shown(light), 1e-6);
 }
 
-// In an even room a grain of a pile sees the room with the upper part of the hemisphere at its normal, and sand as bright
-// as itself with the rest: seen from above it keeps all of its light, seen from the side v = 1/2 gives v / (1 - rho v).
+// In an even room a grain of a pile sees the room with the upper part of the hemisphere at its normal, v = (1 + y) / 2,
+// and sand as bright as itself with the rest: it keeps v / (1 - rho (1 - v)). From above that is nearly all.
 TEST(ShotComposite, GrainsOfAPileSeeSandBelow) {
   RadianceMap map(256, 128);
   for (float& value : map.rgb) value = 1.0f;
@@ -582,11 +597,14 @@ TEST(ShotComposite, GrainsOfAPileSeeSandBelow) {
     };
     return shown(sand) / shown({});
   };
-  EXPECT_NEAR(kept({0.01, 3, 0}, {0, 0.3, 0}), 1.0, 0.01);
   const Vec3 rho = grain_colour(0);
-  const auto half = [](double r) { return 0.5 / (1.0 - 0.5 * r); };
-  const double expected = luminance(product(rho, {half(rho.x), half(rho.y), half(rho.z)})) / luminance(rho);
-  EXPECT_NEAR(kept({0, 0.3, 3}, {0, 0.3, 0}), expected, 0.01);
+  const auto expected = [&](Vec3 outward) {
+    const double v = 0.5 * (1.0 + grain_normal(0, outward).y);
+    const auto of = [v](double r) { return v / (1.0 - (1.0 - v) * r); };
+    return luminance(product(rho, {of(rho.x), of(rho.y), of(rho.z)})) / luminance(rho);
+  };
+  EXPECT_NEAR(kept({0.01, 3, 0}, {0, 0.3, 0}), expected({0, 1, 0}), 0.01);
+  EXPECT_NEAR(kept({0, 0.3, 3}, {0, 0.3, 0}), expected({0, 0, 1}), 0.01);
 }
 
 // Two cameras that look in directions 30 degrees apart see the shadow at the same place of the floor: a point of the

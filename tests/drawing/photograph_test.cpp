@@ -113,6 +113,36 @@ TEST(Photograph, GreyAndSixteenBitsAreReadAsColour) {
   EXPECT_EQ(deep.at(0, 0)[2], 0xF0);
 }
 
+// The segments of this marker, from its two bytes to its end.
+std::string without_segments(std::string file, char marker) {
+  for (size_t at = file.find({'\xFF', marker}); at != std::string::npos; at = file.find({'\xFF', marker}, at)) {
+    const size_t length =
+        static_cast<size_t>(static_cast<uint8_t>(file[at + 2])) << 8 | static_cast<uint8_t>(file[at + 3]);
+    file.erase(at, 2 + length);
+  }
+  return file;
+}
+
+TEST(Photograph, AJpegWithoutItsTablesOrItsPixelsIsRefused) {
+  const tests::TemporaryFolder folder;
+  const std::string whole = jpeg_with("");
+  write_file(folder / "t.jpg", std::string_view(without_segments(whole, '\xC4')));
+  EXPECT_NE(reason_of(folder / "t.jpg").find("a table of codes is missing"), std::string::npos);
+  write_file(folder / "p.jpg", std::string_view(whole.substr(0, whole.find("\xFF\xDA")) + "\xFF\xD9"));
+  EXPECT_NE(reason_of(folder / "p.jpg").find("it has no pixels"), std::string::npos);
+}
+
+// What phones keep behind a picture's end, such as a film, looks like anything, tables of codes too.
+TEST(Photograph, WhatLiesBehindItsEndChangesNothing) {
+  const tests::TemporaryFolder folder;
+  const std::string whole = jpeg_with(""), table = "\xFF\xC4" + big_endian(19, 2) + '\0' + std::string(16, '\xFF');
+  write_file(folder / "film.jpg", std::string_view(whole + table + "\xFF\xDA" + big_endian(8, 2)));
+  write_file(folder / "p.jpg", std::string_view(whole));
+  EXPECT_EQ(read_picture(folder / "film.jpg").rgb, read_picture(folder / "p.jpg").rgb);
+  write_file(folder / "before.jpg", std::string_view(jpeg_with(table)));  // the control
+  EXPECT_NE(reason_of(folder / "before.jpg").find("a table of codes is too long"), std::string::npos);
+}
+
 TEST(Photograph, WhatIsNotReadIsNamed) {
   const tests::TemporaryFolder folder;
   const auto said_of = [&](const std::string& content) {

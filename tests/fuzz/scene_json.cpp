@@ -12,6 +12,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     for (const double time : {0.0, 0.5})
       for (const host::ColliderTrack& track : scene.colliders)
         (void)host::collider_over_frame(track, time, scene.frame_step);
+    for (const host::ColliderTrack& track : scene.colliders)
+      if (!track.profile.empty()) fuzz::expect(std::isfinite(host::revolved_distance(track.profile, {0.1, 0.1, 0.0})));
+    if (scene.light) fuzz::expect(host::length(scene.light->towards(0.5)) < 1.001);
     (void)host::flow_over_frame(scene, 0.0);
     bool quick = true;
     uint64_t asked = 0;

@@ -93,6 +93,10 @@ def check_pours(browser, page):
     wait_until(browser, near.format(at[0], at[2]) + f" > {before} + 300")
     browser.mouse("mouseReleased", x, y, "left")
     check(browser.ask("sandglassPage.page.at") is None, "the finger still pours after it was lifted")
+    # The sand keeps light of the room from the table beside it; far from it nothing does.
+    floor = """(() => { const {page} = sandglassPage, {skyTexture: s} = page;
+        return s.valid ? [page.painter.pileShadow.sky, Math.min(...page.sand.bytes(s.floor, s.texels ** 2)), page.sand.bytes(s.floor, 1)[0]] : []; })()"""
+    wait_until(browser, f"(([known, least, corner]) => known === 1 && least < 128 && corner > 250)({floor})")
     return at
 
 
