@@ -1,7 +1,7 @@
-// One Jacobi pass. Every particle gathers the corrections of its contacts from the positions before the pass, by
-// (4.14)-(4.27) of the dissertation. It adds them with a fixed factor or averaged (4.37), and is then pushed out of the
-// colliders, whose mass is infinite. Where the equations differ from the printed ones, runtime/README.md says why
-// ("Corrections").
+// One Jacobi pass, as the dissertation has it. Every particle gathers the corrections of its contacts from the positions
+// before the pass, by (4.14)-(4.27). It averages them (4.37), and is then pushed out of the colliders, whose mass is
+// infinite. Where the equations differ from the printed ones, runtime/README.md says why ("Corrections"). Much of this
+// serves the pairs too (pairs.inl).
 //
 // A particle holds the position at the start of the sub-step and the displacement since then. Predicted positions are
 // never stored (correction to Alg. 4): a relative position is (x_j - x_i) + (displacement_j - displacement_i), exact to
@@ -18,11 +18,11 @@ SANDGLASS_INLINE Float height_share(const ContactArgs* a, Float nx, Float ny, Fl
 
 // Coincident particles part along a fixed direction that both sides agree on: a unit vector chosen by the indices of
 // the pair.
-SANDGLASS_INLINE void part_coincident(uint32_t first, const uint32_t* index, Mask coincident, Float* nx, Float* ny,
-                                      Float* nz) {
+SANDGLASS_INLINE void part_coincident(const uint32_t* first, const uint32_t* second, uint32_t stride, Mask coincident,
+                                      Float* nx, Float* ny, Float* nz) {
   alignas(64) float ux[k_lane_group], uy[k_lane_group], uz[k_lane_group];
   for (uint32_t l = 0; l < k_width; ++l) {
-    const uint32_t i = first + l, j = index[l * k_list_slots];
+    const uint32_t i = first[l], j = second[l * stride];
     const float side = i < j ? 1.0f : -1.0f;
     ux[l] = ((i + j) & 1u) != 0 ? side * 0.36f : side * -0.36f;  // 0.36^2 + 0.8^2 + 0.48^2 = 1
     uy[l] = side * 0.8f;
@@ -44,7 +44,7 @@ struct ContactTerms {
   Float scale, gravity[3];
   Float diameter, diameter2;
   Float static2, kinetic;  // the static coefficient squared; the kinetic one
-  Float omega;
+  Float omega, stick;
 };
 
 SANDGLASS_INLINE ContactTerms contact_terms(const ContactArgs* a) {
@@ -53,7 +53,7 @@ SANDGLASS_INLINE ContactTerms contact_terms(const ContactArgs* a) {
   for (int k = 0; k < 3; ++k) t.gravity[k] = broadcast(a->gravity[k]);
   t.diameter = broadcast(a->diameter), t.diameter2 = t.diameter * t.diameter;
   t.static2 = broadcast(a->static_friction * a->static_friction), t.kinetic = broadcast(a->kinetic_friction);
-  t.omega = broadcast(a->relaxation);
+  t.omega = broadcast(a->relaxation), t.stick = broadcast(a->stick);
   return t;
 }
 
@@ -107,15 +107,12 @@ SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactT
     const Float inverse = one / d;
     Float nx = ex * inverse, ny = ey * inverse, nz = ez * inverse;
     const Mask coincident = touch & (d2 < broadcast(1e-24f));
-    if (any(coincident)) part_coincident(i, row + s, coincident, &nx, &ny, &nz);
-    Float overlap = d - t.diameter;  // negative
-    Float along = zero;
-    if (k_solve) {
-      // The speed at which an overlap drives a pair apart is limited; the rest of the overlap goes in later sub-steps.
-      along = dot3(rx, ry, rz, nx, ny, nz);
-      overlap =
-          maximum(overlap, broadcast(a->inverse_relaxation) * minimum(along - broadcast(a->separation_max), zero));
+    if (any(coincident)) {
+      alignas(64) uint32_t own[k_lane_group];
+      store(own, lane_index() + broadcast(static_cast<int32_t>(i)));
+      part_coincident(own, row + s, k_list_slots, coincident, &nx, &ny, &nz);
     }
+    const Float overlap = d - t.diameter;  // negative
     // Share of the correction: all of it against what does not move or is asleep, else by inverse mass.
     Float mine = select(free, half, one);
     Float lift = zero;
@@ -135,6 +132,7 @@ SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactT
     const Float push = mine * overlap;
     Float cx = push * nx, cy = push * ny, cz = push * nz;
     if (k_solve) {
+      const Float along = dot3(rx, ry, rz, nx, ny, nz);
       const Float tx = mine * (rx - along * nx), ty = mine * (ry - along * ny), tz = mine * (rz - along * nz);
       const Float grip = friction_grip(t, dot3(tx, ty, tz, tx, ty, tz), push, touch);
       cx = cx + grip * tx, cy = cy + grip * ty, cz = cz + grip * tz;
@@ -146,21 +144,11 @@ SANDGLASS_INLINE ContactSum gather_contacts(const ContactArgs* a, const ContactT
   return sum;
 }
 
-// The correction that the contacts of a particle give: their sum by a fixed factor or averaged, with a limit on what
-// height weighting adds.
+// The correction that the contacts of a particle give: averaged, with a limit on what height weighting adds.
 template <bool k_weighted>
 SANDGLASS_INLINE void weigh_contacts(const ContactArgs* a, Float omega, ContactSum* sum) {
   const Float one = broadcast(1.0f), tiny = broadcast(1e-30f);
-  Float factor = omega;
-  if (a->averaged != 0) {
-    factor = minimum(omega / maximum(sum->contacts, one), one);
-  } else {
-    // At most twelve equal spheres touch one. More contacts come from coincident particles, whose corrections must not
-    // add up.
-    const Float crowd = minimum(broadcast(12.0f) / maximum(sum->contacts, one), one);
-    const Float crowd2 = crowd * crowd;
-    factor = omega * (crowd2 * crowd2);
-  }
+  const Float factor = minimum(omega / maximum(sum->contacts, one), one);
   sum->x = factor * sum->x, sum->y = factor * sum->y, sum->z = factor * sum->z;
   if (!k_weighted) return;
   const Float lx = factor * sum->lift_x, ly = factor * sum->lift_y, lz = factor * sum->lift_z;
@@ -235,10 +223,20 @@ SANDGLASS_INLINE void put_stabilised(const ContactArgs* a, const Float* self, Ma
   }
 }
 
+// The lanes whose displacement is a number. False for NaN and Inf: their displacement becomes 0.
+SANDGLASS_INLINE Mask sound_only(Float move[3]) {
+  const Mask sound = dot3(move[0], move[1], move[2], move[0], move[1], move[2]) < broadcast(1e12f);
+  for (int k = 0; k < 3; ++k) move[k] = keep(sound, move[k]);
+  return sound;
+}
+
 // After the last pass: moves the particles from i on, by no more than the CFL limit, and gives them their velocity.
-// `sound`: lanes whose displacement is a number.
-SANDGLASS_INLINE void put_moved(const ContactArgs* a, uint32_t i, const Float* self, Mask live, Mask sound, Mask wakes,
-                                Float move2, Float move[3], Float* out, ContactExtrema* seen, ContactExtent* extent) {
+SANDGLASS_INLINE void put_moved(const ContactArgs* a, uint32_t i, const Float* self, Mask live, Mask wakes,
+                                Float move[3], ContactExtrema* seen, ContactExtent* extent) {
+  const Mask sound = sound_only(move);
+  Float move2 = dot3(move[0], move[1], move[2], move[0], move[1], move[2]);
+  Float out[k_record_floats];
+  out[k_mobility] = self[k_mobility], out[k_identity] = self[k_identity];
   const Float zero = broadcast(0.0f), limit = broadcast(a->displacement_max), step = broadcast(a->step);
   const Mask fast = limit * limit < move2;
   if (any(fast)) {
@@ -274,6 +272,17 @@ SANDGLASS_INLINE void put_moved(const ContactArgs* a, uint32_t i, const Float* s
     seen->move_low[k] = select(live, minimum(move[k], seen->move_low[k]), seen->move_low[k]);
     seen->move_high[k] = select(live, maximum(move[k], seen->move_high[k]), seen->move_high[k]);
   }
+  store_records(floats_of(a->out + i), out);
+}
+
+SANDGLASS_INLINE void put_extrema(const ContactExtrema& seen, ContactExtent* extent) {
+  extent->speed_squared = lane_maximum(seen.speed2);
+  for (int k = 0; k < 3; ++k) {
+    extent->low[k] = lane_minimum(seen.low[k]), extent->high[k] = lane_maximum(seen.high[k]);
+    extent->displacement_low[k] = lane_minimum(seen.move_low[k]);
+    extent->displacement_high[k] = lane_maximum(seen.move_high[k]);
+  }
+  extent->quarantined = seen.quarantined;
 }
 
 template <bool k_solve, bool k_weighted>
@@ -307,27 +316,15 @@ SANDGLASS_INLINE void contact_pass(const ContactArgs* a, uint32_t begin, uint32_
     const Mask inside =
         lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->particle_count));
     const Mask live = inside & moves;
-    Float move2 = dot3(move[0], move[1], move[2], move[0], move[1], move[2]);
-    const Mask sound = move2 < broadcast(1e12f);  // false for NaN and Inf: such a particle stays where it is
-    for (int k = 0; k < 3; ++k) move[k] = keep(sound, move[k]);
-    move2 = keep(sound, move2);
     if (a->last != 0) {
-      put_moved(a, i, self, live, sound, sum.wakes, move2, move, out, &seen, extent);
-    } else {
-      for (int k = 0; k < 3; ++k) out[k] = self[k], out[k_vx + k] = keep(live, move[k]);
+      put_moved(a, i, self, live, sum.wakes, move, &seen, extent);
+      continue;
     }
+    sound_only(move);
+    for (int k = 0; k < 3; ++k) out[k] = self[k], out[k_vx + k] = keep(live, move[k]);
     store_records(floats_of(a->out + i), out);
   }
-
-  if (k_solve && a->last != 0) {
-    extent->speed_squared = lane_maximum(seen.speed2);
-    for (int k = 0; k < 3; ++k) {
-      extent->low[k] = lane_minimum(seen.low[k]), extent->high[k] = lane_maximum(seen.high[k]);
-      extent->displacement_low[k] = lane_minimum(seen.move_low[k]);
-      extent->displacement_high[k] = lane_maximum(seen.move_high[k]);
-    }
-    extent->quarantined = seen.quarantined;
-  }
+  if (k_solve && a->last != 0) put_extrema(seen, extent);
 }
 
 static void contact_stabilise(const ContactArgs* args, uint32_t begin, uint32_t end, ContactExtent* extent) {

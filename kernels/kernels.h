@@ -47,9 +47,12 @@ struct ListArgs {
   uint32_t boundary_first;  // record index of the first boundary particle
   uint32_t inert;           // record index of an inert record far away: pads every row
   float reach_squared;
-  float near_squared;  // neighbours closer than this come first in a row
-  uint32_t* lists;     // k_list_slots record indices for each particle
-  uint8_t* counts;     // used slots of each particle
+  float near_squared;    // neighbours closer than this come first in a row
+  uint32_t* lists;       // k_list_slots record indices for each particle
+  uint8_t* counts;       // used slots of each particle
+  uint8_t* near_counts;  // of them, those whose neighbour is near
+  // 1: a list has only those moving particles that come after its own, so that every pair is in one list.
+  int32_t halves;
 };
 
 // A regular grid of signed distances, x fastest, in the collider's own axes. Above 0 is free. Beyond the grid all is
@@ -74,8 +77,10 @@ struct ColliderFrame {
   FieldGrid field;  // of SANDGLASS_SHAPE_FIELD
 };
 
-// One Jacobi pass over particles: contacts and friction from the positions before the pass, then colliders. Reads `in`,
-// writes `out`. The range is of items: item i is lane i % 16 of record group groups[i / 16].
+// A pass over particles. contact_stabilise and contact_solve are Jacobi passes: contacts and friction from the positions
+// before the pass, then colliders. predict_motion and complete_motion are what comes before and after contact_pairs;
+// they need no lists. Reads `in`, writes `out`. The range is of items: item i is lane i % 16 of record group
+// groups[i / 16].
 struct ContactArgs {
   const Particle* in;
   Particle* out;
@@ -86,11 +91,13 @@ struct ContactArgs {
   float diameter;
   float static_friction, kinetic_friction;
   float relaxation;                   // omega
-  int32_t averaged;                   // 1: (4.37), the sum is scaled by min(1, omega/n); 0: by omega
   float weight_linear, weight_cubic;  // height weighting: share = 1/2 + linear*c + cubic*c^3, c = n . up
-  float lift_max;                     // metres; height weighting lifts a particle by no more in this pass
-  float inverse_relaxation;           // 1 / omega
-  float separation_max;               // metres; a pass separates a contact by its approach and no more than this
+  // Metres. Jacobi: height weighting lifts a particle by no more in this pass. Pairs: it lifts no pair that rises faster
+  // in this sub-step.
+  float lift_max;
+  // Of pairs: 1 / omega, and in metres what a pair may be driven apart by in a sub-step.
+  float inverse_relaxation, separation_max;
+  float stick;  // of pairs: the share of the slip that friction takes in a sub-step as long as it sticks
   float up[3];
   float scale;  // displacement = scale * u + gravity * w: (time step, g dt^2) in the first pass, (1, 0) later
   float gravity[3];
@@ -113,6 +120,16 @@ struct ContactExtent {
   float displacement_low[3], displacement_high[3];  // of this sub-step
   uint32_t quarantined;                             // lanes not finite or out of bounds, which were put to rest
   uint32_t touched;                                 // 1: some group was marked
+};
+
+// One Gauss-Seidel pass over contacts in pairs. The range is of pairs, in which no particle that may be written comes
+// twice; pairs of the inert record fill it up to a multiple of 16. predict_motion has written the particles,
+// complete_motion goes over them afterwards; both take ContactArgs, of the first pass and of the last.
+struct PairArgs {
+  Particle* particles;  // at the start of the sub-step, with their displacement since then
+  const uint32_t *first, *second;
+  int32_t fixed;        // 1: the second particle of each pair is one of the boundary, and is never written
+  ContactArgs contact;  // radii, friction, weighting, up and limits; its arrays are not used
 };
 
 // Wakes the sleepers near colliders: those whose distance to a collider is below its margin and their own radius

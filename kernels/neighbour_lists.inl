@@ -43,6 +43,16 @@ SANDGLASS_INLINE void find_ranges(const Grid& grid, const int32_t cell[3], Range
   }
 }
 
+// Leaves out what ends before this particle.
+SANDGLASS_INLINE void drop_ranges_before(uint32_t particle, Ranges* ranges) {
+  uint32_t kept = 0;
+  for (uint32_t r = 0; r < ranges->count; ++r) {
+    if (ranges->end[r] <= particle) continue;
+    ranges->begin[kept] = ranges->begin[r], ranges->end[kept++] = ranges->end[r];
+  }
+  ranges->count = kept;
+}
+
 // The list of one particle while it is filled. Behind the last slot is room for what compress_store writes there;
 // neighbours that end up in that room are counted as dropped.
 struct Row {
@@ -53,13 +63,14 @@ struct Row {
   uint32_t dropped;
 };
 
+// Tests the candidates from `least` on.
 SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* positions, uint32_t first_record,
-                                  int32_t self, const float* at, Float reach, Row* row) {
+                                  uint32_t least, int32_t self, const float* at, Float reach, Row* row) {
   const Float x = broadcast(at[0]), y = broadcast(at[1]), z = broadcast(at[2]);
   const Int own = broadcast(self);
   for (uint32_t r = 0; r < ranges.count; ++r) {
     const Int end = broadcast(static_cast<int32_t>(ranges.end[r]));
-    for (uint32_t c = ranges.begin[r]; c < ranges.end[r]; c += k_width) {
+    for (uint32_t c = ranges.begin[r] < least ? least : ranges.begin[r]; c < ranges.end[r]; c += k_width) {
       const Int index = lane_index() + broadcast(static_cast<int32_t>(c));
       const Float dx = load(positions[0] + c) - x, dy = load(positions[1] + c) - y, dz = load(positions[2] + c) - z;
       const Float d2 = dx * dx + dy * dy + dz * dz;
@@ -76,22 +87,25 @@ SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* posi
   }
 }
 
-// Writes the near neighbours, then the others, then the index of the inert particle up to the end of the row.
-SANDGLASS_INLINE void put_near_first(const Row& row, Int near2, Int inert, uint32_t* out) {
+// Writes the near neighbours, then the others, then the index of the inert particle up to slot `end`. Returns the number
+// of near ones.
+SANDGLASS_INLINE uint32_t put_near_first(const Row& row, Int near2, Int inert, uint32_t end, uint32_t* out) {
   alignas(64) uint32_t ordered[k_list_slots + 2 * k_lane_group];
   const Int used = broadcast(static_cast<int32_t>(row.used));
-  uint32_t count = 0;
+  uint32_t count = 0, nears = 0;
   for (uint32_t far = 0; far < 2; ++far) {
     for (uint32_t s = 0; s < row.used; s += k_width) {
       const Mask filled = lane_index() + broadcast(static_cast<int32_t>(s)) < used;
       const Mask near = load(row.distances + s) < near2;
       count += compress_store(ordered + count, load(row.slots + s), far != 0 ? and_not(filled, near) : filled & near);
     }
+    if (far == 0) nears = count;
   }
-  for (uint32_t s = 0; s < k_list_slots; s += k_width) {
+  for (uint32_t s = 0; s < end; s += k_width) {
     const Mask filled = lane_index() + broadcast(static_cast<int32_t>(s)) < used;
     store(out + s, select(filled, load(ordered + s), inert));
   }
+  return nears;
 }
 
 SANDGLASS_INLINE int32_t floor_cell(float a, float inverse) {
@@ -116,14 +130,17 @@ static void neighbour_lists(const ListArgs* args, uint32_t begin, uint32_t end, 
       for (int k = 0; k < 3; ++k) cell[k] = own[k];
       known = true;
       find_ranges(args->grid, cell, &near);
+      if (args->halves != 0) drop_ranges_before(i, &near);
       if (args->boundary_count != 0) find_ranges(args->boundary_grid, cell, &boundary);
     }
     row.used = 0;
-    test_ranges(near, args->positions, 0, static_cast<int32_t>(i), at, reach, &row);
+    test_ranges(near, args->positions, 0, args->halves != 0 ? i + 1 : 0, static_cast<int32_t>(i), at, reach, &row);
     if (args->boundary_count != 0)
-      test_ranges(boundary, args->boundary_positions, args->boundary_first, -1, at, reach, &row);
+      test_ranges(boundary, args->boundary_positions, args->boundary_first, 0, -1, at, reach, &row);
+    // Nobody reads beyond the used slots of a half.
+    const uint32_t end_of_row = args->halves != 0 ? row.used : k_list_slots;
     uint32_t* out = args->lists + static_cast<uint64_t>(i) * k_list_slots;
-    put_near_first(row, near2, inert, out);
+    args->near_counts[i] = static_cast<uint8_t>(put_near_first(row, near2, inert, end_of_row, out));
     args->counts[i] = static_cast<uint8_t>(row.used);
   }
   *dropped = row.dropped;

@@ -129,6 +129,30 @@ SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   for (uint32_t k = 0; k < 8; ++k) _mm256_store_ps(p + 8 * k, t[k]);
 }
 
+SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first, const uint32_t* second, Float out[8]) {
+  __m256 r[8], t[8];
+  for (uint32_t k = 0; k < 8; ++k) {
+    r[k] = _mm256_sub_ps(_mm256_load_ps(base + static_cast<uint64_t>(second[k]) * 8),
+                         _mm256_load_ps(base + static_cast<uint64_t>(first[k]) * 8));
+  }
+  transpose(r, t);
+  for (int c = 0; c < 8; ++c) out[c].v = t[c];
+}
+SANDGLASS_INLINE void subtract_displacement(float* p, __m128 d) {
+  const __m128 old = _mm_load_ps(p);
+  _mm_store_ps(p, _mm_blend_ps(_mm_sub_ps(old, d), old, 8));
+}
+SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index, const Float d[3]) {
+  const __m256 a0 = _mm256_unpacklo_ps(d[0].v, d[1].v), a1 = _mm256_unpackhi_ps(d[0].v, d[1].v);
+  const __m256 b0 = _mm256_unpacklo_ps(d[2].v, d[2].v), b1 = _mm256_unpackhi_ps(d[2].v, d[2].v);
+  const __m256 t[4] = {_mm256_shuffle_ps(a0, b0, 0x44), _mm256_shuffle_ps(a0, b0, 0xEE),
+                       _mm256_shuffle_ps(a1, b1, 0x44), _mm256_shuffle_ps(a1, b1, 0xEE)};
+  for (uint32_t k = 0; k < 4; ++k) {
+    subtract_displacement(base + static_cast<uint64_t>(index[k]) * 8 + 4, _mm256_castps256_ps128(t[k]));
+    subtract_displacement(base + static_cast<uint64_t>(index[k + 4]) * 8 + 4, _mm256_extractf128_ps(t[k], 1));
+  }
+}
+
 // AVX2 has no compress instruction, so this walks the set bits. Few are set: a neighbour test passes about one lane in
 // five.
 SANDGLASS_INLINE uint32_t compress_store(uint32_t* p, Int v, Mask m) {

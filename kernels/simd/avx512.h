@@ -152,6 +152,35 @@ SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   }
 }
 
+SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first, const uint32_t* second, Float out[8]) {
+  __m512 r[8];
+  for (uint32_t k = 0; k < 8; ++k) {
+    const __m256 low = _mm256_sub_ps(_mm256_load_ps(base + static_cast<uint64_t>(second[k]) * 8),
+                                     _mm256_load_ps(base + static_cast<uint64_t>(first[k]) * 8));
+    const __m256 high = _mm256_sub_ps(_mm256_load_ps(base + static_cast<uint64_t>(second[k + 8]) * 8),
+                                      _mm256_load_ps(base + static_cast<uint64_t>(first[k + 8]) * 8));
+    r[k] = _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+  }
+  transpose_in(r, out);
+}
+SANDGLASS_INLINE void subtract_displacement(float* p, __m128 d) {
+  const __m128 old = _mm_load_ps(p);
+  _mm_store_ps(p, _mm_blend_ps(_mm_sub_ps(old, d), old, 8));
+}
+SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index, const Float d[3]) {
+  const __m512 a0 = _mm512_unpacklo_ps(d[0].v, d[1].v), a1 = _mm512_unpackhi_ps(d[0].v, d[1].v);
+  const __m512 b0 = _mm512_unpacklo_ps(d[2].v, d[2].v), b1 = _mm512_unpackhi_ps(d[2].v, d[2].v);
+  // t_k: lanes k, k+4, k+8, k+12.
+  const __m512 t[4] = {_mm512_shuffle_ps(a0, b0, 0x44), _mm512_shuffle_ps(a0, b0, 0xEE),
+                       _mm512_shuffle_ps(a1, b1, 0x44), _mm512_shuffle_ps(a1, b1, 0xEE)};
+  for (uint32_t k = 0; k < 4; ++k) {
+    subtract_displacement(base + static_cast<uint64_t>(index[k]) * 8 + 4, _mm512_castps512_ps128(t[k]));
+    subtract_displacement(base + static_cast<uint64_t>(index[k + 4]) * 8 + 4, _mm512_extractf32x4_ps(t[k], 1));
+    subtract_displacement(base + static_cast<uint64_t>(index[k + 8]) * 8 + 4, _mm512_extractf32x4_ps(t[k], 2));
+    subtract_displacement(base + static_cast<uint64_t>(index[k + 12]) * 8 + 4, _mm512_extractf32x4_ps(t[k], 3));
+  }
+}
+
 SANDGLASS_INLINE uint32_t compress_store(uint32_t* p, Int v, Mask m) {
   _mm512_storeu_si512(p, _mm512_maskz_compress_epi32(m.m, v.v));
   return static_cast<uint32_t>(__builtin_popcount(m.m));

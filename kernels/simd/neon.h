@@ -136,6 +136,28 @@ SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   for (int k = 0; k < 4; ++k) vst1q_f32(p + 8 * k + 4, t[k]);
 }
 
+SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first, const uint32_t* second, Float out[8]) {
+  float32x4_t low[4], high[4], t[4];
+  for (int k = 0; k < 4; ++k) {
+    const float32x4x2_t p = vld1q_f32_x2(base + static_cast<uint64_t>(first[k]) * 8);
+    const float32x4x2_t q = vld1q_f32_x2(base + static_cast<uint64_t>(second[k]) * 8);
+    low[k] = vsubq_f32(q.val[0], p.val[0]), high[k] = vsubq_f32(q.val[1], p.val[1]);
+  }
+  transpose(low[0], low[1], low[2], low[3], t);
+  for (int c = 0; c < 4; ++c) out[c].v = t[c];
+  transpose(high[0], high[1], high[2], high[3], t);
+  for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
+}
+SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index, const Float d[3]) {
+  float32x4_t t[4];
+  transpose(d[0].v, d[1].v, d[2].v, vdupq_n_f32(0.0f), t);
+  for (int k = 0; k < 4; ++k) {
+    float* p = base + static_cast<uint64_t>(index[k]) * 8 + 4;
+    const float32x4_t old = vld1q_f32(p);
+    vst1q_f32(p, vcopyq_laneq_f32(vsubq_f32(old, t[k]), 3, old, 3));
+  }
+}
+
 // NEON has no compress instruction. For each of the sixteen masks a byte shuffle puts the kept lanes first.
 #define SANDGLASS_LANE(l) 4 * (l), 4 * (l) + 1, 4 * (l) + 2, 4 * (l) + 3
 #define SANDGLASS_SHUFFLE(a, b, c, d) \

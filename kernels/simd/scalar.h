@@ -10,6 +10,9 @@
 //   to_int truncates; the caller keeps the value within +-2^30 (out of range, ARM and x86 differ).
 //   A record is 8 floats, 32 bytes, 32-byte aligned. load_records gathers one record a lane and transposes: out[c]
 //   holds component c. The index of lane l is index[l * stride]. broadcast_record puts one record into every lane.
+//   load_differences gives record[second] - record[first] component by component; what the difference of two integers
+//   is means nothing. subtract_displacements takes d from components 4 to 6 of the records and leaves the other bits
+//   alone.
 //   compress_store writes the lanes of v where m holds, in lane order, and returns how many. It may write up to k_width
 //   values; those behind the count mean nothing.
 #pragma once
@@ -111,6 +114,17 @@ SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) { load_reco
 SANDGLASS_INLINE void store_records(float* base, const Float in[8]) {
   RecordFloat* p = base;
   for (int c = 0; c < 8; ++c) p[c] = in[c].v;
+}
+
+SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first, const uint32_t* second, Float out[8]) {
+  const RecordFloat* p = base + static_cast<uint64_t>(first[0]) * 8;
+  const RecordFloat* q = base + static_cast<uint64_t>(second[0]) * 8;
+  for (int c = 0; c < 7; ++c) out[c].v = q[c] - p[c];
+  out[7].v = 0.0f;
+}
+SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index, const Float d[3]) {
+  float* p = base + static_cast<uint64_t>(index[0]) * 8 + 4;
+  for (int c = 0; c < 3; ++c) p[c] = p[c] - d[c].v;
 }
 
 SANDGLASS_INLINE uint32_t compress_store(uint32_t* p, Int v, Mask m) {

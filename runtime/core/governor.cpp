@@ -49,8 +49,8 @@ struct Frame {
   uint64_t unseen;   // predictions of units since the clock last moved
   uint32_t unseen_units;
   uint32_t optional_units;
-  uint32_t kinds_run;     // bit k: kind k
-  uint32_t kinds_denied;  // bit k: a unit of kind k was predicted not to fit
+  uint64_t kinds_run;     // bit k: kind k
+  uint64_t kinds_denied;  // bit k: a unit of kind k was predicted not to fit
 };
 
 uint64_t share_of(uint64_t time, float share) {
@@ -175,7 +175,7 @@ uint64_t run_unit(Frame* frame, uint32_t index, const WorkUnit& unit) {
   report->stages[index].elapsed_ns += duration;
   if (duration > report->longest_unit_ns) report->longest_unit_ns = duration;
   if (frame->timed && unit.kind < k_unit_kinds) {
-    frame->kinds_run |= 1u << unit.kind;
+    frame->kinds_run |= 1ull << unit.kind;
     frame->governor->kinds[unit.kind].frames_denied = 0;
     frame->governor->kinds[unit.kind].frames_idle = 0;
   }
@@ -223,7 +223,7 @@ bool admitted(Frame* frame, const WorkUnit& unit) {
     cost -= cost / policy.probe_frames * kind.frames_denied;
   }
   if (fits(frame, cost)) return true;
-  frame->kinds_denied |= 1u << unit.kind;
+  frame->kinds_denied |= 1ull << unit.kind;
   return false;
 }
 
@@ -315,7 +315,7 @@ bool run_plan(Frame* frame, const sandglass_plan& plan, uint32_t stage_count, ui
 
 void remember_denials(Governor* governor, const Frame& frame) {
   for (uint32_t k = 0; k < k_unit_kinds; ++k) {
-    const uint32_t bit = 1u << k;
+    const uint64_t bit = 1ull << k;
     Governor::Kind* kind = &governor->kinds[k];
     if ((frame.kinds_run & bit) != 0) continue;
     if (kind->frames_idle != ~0u) ++kind->frames_idle;

@@ -11,8 +11,8 @@ namespace {
 // grain_radius 0: about the size at which 16 grains fill a particle's share of space.
 constexpr float k_grain_radii = 0.35f;
 
-// Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 72 for r = 1 cm.
-constexpr float k_substep_units = 0.00871f;
+// Sub-step of the calibrated scheme in units of sqrt(r/g): 20 ms / 36 for r = 1 cm.
+constexpr float k_substep_units = 0.01742f;
 
 // Seconds; what an app may ask for. A frame of 0.2 s then has 200,000 sub-steps.
 constexpr float k_shortest_substep = 1e-6f;
@@ -65,9 +65,9 @@ const char* granular_refuse(const sandglass_granular_desc& d) {
   if (d.reference.solver_iterations < 1 || d.reference.solver_iterations > 64)
     return "granular.reference.solver_iterations must be 1 to 64.";
   if (d.reference.stabilisation_iterations > 8) return "granular.reference.stabilisation_iterations must be 0 to 8.";
-  const float most = d.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 0.45f : 2.0f;
+  const float most = d.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 1.0f : 2.0f;
   if (!(d.reference.relaxation > 0.0f && d.reference.relaxation <= most)) {
-    return "granular.reference.relaxation must be above 0 and at most 0.45 (SMALL_STEP) or 2 (AVERAGED): above "
+    return "granular.reference.relaxation must be above 0 and at most 1 (SMALL_STEP) or 2 (AVERAGED): above "
            "that, piles blow up.";
   }
   if (!(d.courant > 0.0f && d.courant <= 1.0f)) return "granular.courant must be above 0 and at most 1.";
@@ -103,6 +103,8 @@ void granular_layout(Granular* g, const sandglass_granular_desc& d, Layout* layo
   if (d.particle_capacity == 0) return;
   particles_layout(&g->particles, d, layout);
   neighbours_layout(&g->neighbours, g->particles.rows, layout);
+  list_slack_layout(&g->slack, g->neighbours.sort, layout);
+  if (solves_pairs(*g)) pair_colours_layout(&g->colours, d, g->particles.rows, layout);
   sleep_layout(&g->sleep, d, g->particles.rows, layout);
   boundary_layout(&g->boundary, d, layout);
   bodies_layout(&g->bodies, d, layout);

@@ -1,6 +1,6 @@
 // Granular material: the state of a scene's sand, put together from its parts, and what the scene does with it.
 //
-//   particles   physics          [sort, lists], stabilise, solve, bodies   substep.h   Alg. 4, in sub-steps
+//   particles   physics          [sort, lists], contacts, bodies           substep.h   Alg. 4, in sub-steps
 //   grains      what is drawn    snapshot, [sort], refine                  sweep.h     (4.39-4.44), in sweeps
 //   output      grains into the app's buffer                               output.h    mandatory, at the end of a frame
 //
@@ -15,8 +15,10 @@
 #include "runtime/granular/flow.h"
 #include "runtime/granular/grain_sleep.h"
 #include "runtime/granular/grains.h"
+#include "runtime/granular/list_slack.h"
 #include "runtime/granular/neighbours.h"
 #include "runtime/granular/output.h"
+#include "runtime/granular/pair_colours.h"
 #include "runtime/granular/particle_motion.h"
 #include "runtime/granular/particles.h"
 #include "runtime/granular/simulated_time.h"
@@ -32,6 +34,11 @@ enum : uint32_t {
   k_unit_lists,
   k_unit_stabilise,
   k_unit_solve,
+  k_unit_slack,
+  k_unit_colours,
+  k_unit_predict,
+  k_unit_pairs,
+  k_unit_complete,
   k_unit_snapshot,
   k_unit_motion,
   k_unit_grain_sort,
@@ -69,6 +76,8 @@ struct Granular {
   // The particles.
   Particles particles;
   Neighbours neighbours;
+  ListSlack slack;
+  PairColours colours;
   Boundary boundary;
   Bodies bodies;
   Sleep sleep;

@@ -33,10 +33,10 @@ constexpr sandglass_level told(const char* name, uint32_t measured) {
 
 const QualityLevel k_ladder[SANDGLASS_LEVEL_COUNT] = {
     {1.0f, 1.0f, told("full", 0)},
-    {3.0f, 1.0f, told("lists kept longer", 1)},
-    {3.0f, 4.0f / 3.0f, told("sub-steps 4/3 as long", 2)},
-    {3.0f, 2.0f, told("sub-steps twice as long", 3)},
-    {3.0f, 2.0f, told("slow motion", 3)},
+    {2.0f, 1.0f, told("lists kept longer", 1)},
+    {2.0f, 4.0f / 3.0f, told("sub-steps 4/3 as long", 2)},
+    {2.0f, 2.0f, told("sub-steps twice as long", 3)},
+    {2.0f, 2.0f, told("slow motion", 3)},
 };
 
 uint32_t level_iterations(const QualityLevel& level, uint32_t iterations) {

@@ -42,6 +42,8 @@ ListArgs list_args(const Granular& g) {
   args.near_squared = near * near;
   args.lists = n.lists;
   args.counts = n.counts;
+  args.near_counts = n.near_counts;
+  args.halves = n.halves ? 1 : 0;
   return args;
 }
 
@@ -54,7 +56,9 @@ struct ListTask {
   void run(uint32_t piece, uint32_t begin, uint32_t end) {
     uint32_t from = begin, lost = 0, lanes = 0;
     for (uint32_t i = begin; i < end; i += k_lane_group) {
-      if (!sleep_sort_group(g, i / k_lane_group, &lanes)) continue;
+      const bool asleep = sleep_sort_group(g, i / k_lane_group, &lanes), listed = !asleep || args.halves != 0;
+      g->neighbours.listed[i / k_lane_group] = listed ? 1 : 0;
+      if (listed) continue;
       if (from < i) g->kernels->neighbour_lists(&args, from, i, &lost), dropped[piece] += lost;
       from = i + k_lane_group;
     }
@@ -70,6 +74,8 @@ void neighbours_layout(Neighbours* n, uint32_t rows, Layout* layout) {
   for (int k = 0; k < 3; ++k) n->positions[k] = layout_region<float>(layout, axes[k], rows + k_array_slack);
   n->lists = layout_region<uint32_t>(layout, "granular.lists", static_cast<uint64_t>(rows) * k_list_slots);
   n->counts = layout_region<uint8_t>(layout, "granular.list_counts", rows);
+  n->near_counts = layout_region<uint8_t>(layout, "granular.near_counts", rows);
+  n->listed = layout_region<uint8_t>(layout, "granular.listed_groups", rows / k_lane_group);
   cell_sort_layout(&n->sort, layout, "granular.cells", "granular.cell_keys", rows, 4ull * rows);
 }
 
@@ -81,6 +87,7 @@ void neighbours_reset(Neighbours* n, float substep) {
 void neighbours_forget(Neighbours* n, float substep) {
   n->valid = false;
   n->slack = n->last_spread = 0.0f;
+  n->measured = false;
   n->last_substep = substep;
 }
 
@@ -88,12 +95,28 @@ float neighbours_reach(const Granular& g) { return (2.0f + g.desc.list_skin) * g
 
 bool neighbours_stale(const Granular& g, uint32_t level, float substep) {
   const Neighbours& n = g.neighbours;
-  // The pass looks ahead by one sub-step of about the last one's motion.
+  // The pass looks ahead by one sub-step of about the last one's motion. A measurement has done that already.
   const float extra = (k_ladder[level].list_reuse - 1.0f) * g.desc.list_skin * g.desc.particle_radius;
-  return !n.valid || 2.0f * n.last_spread * (substep / n.last_substep) > n.slack + extra;
+  const float ahead = n.measured ? 0.0f : 2.0f * n.last_spread * (substep / n.last_substep);
+  return !n.valid || ahead > n.slack + extra;
+}
+
+bool neighbours_doubt(const Granular& g) { return g.neighbours.valid && !g.neighbours.measured; }
+
+void neighbours_begin_measuring(Granular* g) { list_slack_begin(&g->slack); }
+
+bool neighbours_run_measuring(Granular* g) {
+  Neighbours& n = g->neighbours;
+  if (!list_slack_run(g, &n.slack)) return false;
+  n.measured = true;
+  return true;
 }
 
 void neighbours_begin_sort(Granular* g) {
+  // A sleeper has no list that could hold its pairs; and the source's passes need all neighbours of a particle.
+  g->neighbours.halves =
+      solves_pairs(*g) && g->desc.reference.stabilisation_iterations == 0 && g->sleep.awake_count == g->particles.count;
+  pair_colours_forget(&g->colours);
   cell_sort_begin(&g->neighbours.sort, neighbours_reach(*g), g->particles.low, g->particles.high, 2);
 }
 
@@ -126,10 +149,19 @@ bool neighbours_run_lists(Granular* g) {
 }
 
 uint32_t neighbours_build(Granular* g, uint32_t begin, uint32_t end) {
-  const ListArgs args = list_args(*g);
+  ListArgs args = list_args(*g);
+  args.halves = 0;
   uint32_t dropped = 0;
   g->kernels->neighbour_lists(&args, begin, end, &dropped);
   return dropped;
+}
+
+const uint32_t* neighbours_of(Granular* g, uint32_t i, uint32_t* count) {
+  const Neighbours& n = g->neighbours;
+  // A whole list in place of half of it changes no pairs: see colour_row.
+  if (n.halves) neighbours_build(g, i, i + 1);
+  *count = n.counts[i];
+  return n.lists + static_cast<uint64_t>(i) * k_list_slots;
 }
 
 void neighbours_wear(Granular* g) {
@@ -137,6 +169,7 @@ void neighbours_wear(Granular* g) {
   n.last_spread = spread_of(*g, g->substep.extent);
   n.last_substep = g->substep.length;
   n.slack -= 2.0f * n.last_spread;
+  n.measured = false;
 }
 
 void neighbours_learn(Neighbours* n, uint32_t builds, uint32_t substeps) {

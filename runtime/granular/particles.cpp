@@ -8,7 +8,9 @@ void particles_layout(Particles* p, const sandglass_granular_desc& d, Layout* la
   p->rows = (d.particle_capacity + k_lane_group - 1) / k_lane_group * k_lane_group + k_array_slack;
   p->inert = p->rows + d.boundary_capacity;
   const uint64_t records = static_cast<uint64_t>(p->inert) + k_array_slack;
-  const bool several_passes = d.reference.solver_iterations + d.reference.stabilisation_iterations > 1;
+  // Pairs are solved in place.
+  const uint32_t solving = d.reference.scheme == SANDGLASS_SCHEME_SMALL_STEP ? 1 : d.reference.solver_iterations;
+  const bool several_passes = solving + d.reference.stabilisation_iterations > 1;
   p->records[0] = layout_region<Particle>(layout, "granular.particles", records);
   p->records[1] = layout_region<Particle>(layout, "granular.particles_next", records);
   p->records[2] = layout_region<Particle>(layout, "granular.particles_between", several_passes ? records : 0);

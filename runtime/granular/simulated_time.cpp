@@ -81,7 +81,9 @@ double time_interval(const Granular& g) {
 uint32_t time_substeps(const Granular& g, double interval, uint32_t level) {
   float limit = level_substep(k_ladder[level], g.desc.reference.solver_iterations, g.substep.longest);
   if (g.particles.speed_max > 0.0f) {
-    const float courant = g.desc.courant * g.desc.particle_radius / g.particles.speed_max;
+    // What falls is faster at the interval's end.
+    const float speed = g.particles.speed_max + g.gravity_length * static_cast<float>(interval);
+    const float courant = g.desc.courant * g.desc.particle_radius / speed;
     limit = courant < limit ? courant : limit;
     limit = limit < g.substep.shortest ? g.substep.shortest : limit;
   }

@@ -61,8 +61,9 @@ void wake_if_asleep(Granular* g, uint32_t i) {
 }
 
 void wake_neighbours(Granular* g, uint32_t i) {
-  const uint32_t* row = g->neighbours.lists + static_cast<uint64_t>(i) * k_list_slots;
-  for (uint32_t s = 0; s < g->neighbours.counts[i]; ++s) {
+  uint32_t count;
+  const uint32_t* row = neighbours_of(g, i, &count);
+  for (uint32_t s = 0; s < count; ++s) {
     if (row[s] < g->particles.count) wake_if_asleep(g, row[s]);
   }
 }
@@ -241,10 +242,12 @@ bool sleep_run_wake_lists(Granular* g) {
     const uint32_t left = count - cursor;
     g->counts.dropped_contacts += neighbours_build(g, cursor, cursor + (left < k_lane_group ? left : k_lane_group));
     state = GroupState::active;
+    g->neighbours.listed[cursor / k_lane_group] = 1;
     --s.waking_count;
     done += k_lane_group;
   }
   if (s.waking_count != 0) return false;
+  pair_colours_forget(&g->colours);
   sleep_collect_groups(g);
   return true;
 }

@@ -1,5 +1,6 @@
-// With the small-step scheme a sub-step is no more than one solve pass: prediction, contacts, friction, colliders and
-// integration in one. Passes run over the record groups that hold an awake particle (sleep.h).
+// A sub-step predicts, resolves the contacts pair by pair, and completes the motion with the colliders. In the source's
+// scheme a pass does all of that at once. Passes over particles run over the record groups that hold an awake one
+// (sleep.h).
 #include "runtime/granular/substep.h"
 
 #include "kernels/whole.h"
@@ -13,12 +14,19 @@ namespace {
 // 2^32 over the golden ratio: every stretch of the sequence averages to nothing.
 constexpr uint32_t k_dither_stride = 2654435769u;
 
+// Pairs a particle, for the forecast before they are known.
+constexpr uint64_t k_pairs_expected = 5;
+
 constexpr uint32_t bit(SubstepPhase phase) { return 1u << static_cast<uint32_t>(phase); }
 
 // ---- what follows what
 
+SubstepPhase solving(const Granular& g) { return solves_pairs(g) ? SubstepPhase::predict : SubstepPhase::solve; }
+
+// What follows once the lists are good.
 SubstepPhase first_pass(const Granular& g) {
-  return g.desc.reference.stabilisation_iterations != 0 ? SubstepPhase::stabilise : SubstepPhase::solve;
+  if (solves_pairs(g) && !g.colours.ready) return SubstepPhase::colours;
+  return g.desc.reference.stabilisation_iterations != 0 ? SubstepPhase::stabilise : solving(g);
 }
 
 // The phase whose unit comes next; idle: none.
@@ -27,7 +35,8 @@ SubstepPhase upcoming(const Granular& g, uint32_t level) {
   if (s.phase != SubstepPhase::idle) return s.phase;
   if ((s.due & bit(SubstepPhase::touch)) != 0) return SubstepPhase::touch;
   if (s.interval_left == 0 && (g.time.debt < k_time_resolution || time_awaits_grains(g))) return SubstepPhase::idle;
-  return time_plan_substep(g, level).stale ? SubstepPhase::sort : first_pass(g);
+  if (!time_plan_substep(g, level).stale) return first_pass(g);
+  return neighbours_doubt(g) ? SubstepPhase::slack : SubstepPhase::sort;
 }
 
 // What runs after a complete sub-step: the first phase that is due.
@@ -42,23 +51,39 @@ SubstepPhase first_due(const Granular& g) {
 
 void complete(Granular* g);
 
+SubstepPhase begin_sort(Granular* g) {
+  neighbours_begin_sort(g);
+  return SubstepPhase::sort;
+}
+
 // The phase that follows `done`, whose last unit has run.
 SubstepPhase after(Granular* g, SubstepPhase done) {
   Substep& s = g->substep;
   switch (done) {
     case SubstepPhase::idle:
       return SubstepPhase::idle;
+    case SubstepPhase::slack:
+      if (neighbours_stale(*g, s.level, s.length)) return begin_sort(g);
+      contacts_begin(g);
+      return first_pass(*g);
     case SubstepPhase::sort:
       return SubstepPhase::lists;
     case SubstepPhase::lists:
+    case SubstepPhase::colours:
       contacts_begin(g);
       return first_pass(*g);
     case SubstepPhase::stabilise:
       if (++s.pass < g->desc.reference.stabilisation_iterations) return SubstepPhase::stabilise;
       s.pass = 0;
-      return SubstepPhase::solve;
+      return solving(*g);
+    case SubstepPhase::predict:
+      return pair_count(g->colours) != 0 ? SubstepPhase::pairs : SubstepPhase::complete;
+    case SubstepPhase::pairs:
+      return ++s.pass < s.iterations ? SubstepPhase::pairs : SubstepPhase::complete;
     case SubstepPhase::solve:
       if (++s.pass < s.iterations) return SubstepPhase::solve;
+      [[fallthrough]];
+    case SubstepPhase::complete:
       s.pass = 0;
       if (bodies_begin(g)) return SubstepPhase::bodies;
       complete(g);
@@ -99,10 +124,12 @@ void begin(Granular* g, uint32_t level) {
   colliders_pose(g->colliders.given, g->colliders.solid_count, before_end > 0.0 ? static_cast<float>(before_end) : 0.0f,
                  g->colliders.substep_frames);
   g->colliders.substep_count = g->colliders.solid_count;
-  if (plan.stale) {
-    neighbours_begin_sort(g);
-    return enter(g, SubstepPhase::sort);
+  s.level = level;
+  if (plan.stale && neighbours_doubt(*g)) {
+    neighbours_begin_measuring(g);
+    return enter(g, SubstepPhase::slack);
   }
+  if (plan.stale) return enter(g, begin_sort(g));
   contacts_begin(g);
   enter(g, first_pass(*g));
 }
@@ -142,10 +169,15 @@ struct PhaseUnit {
 // One a phase.
 constexpr PhaseUnit k_units[] = {
     {k_unit_kind_none, ""},
+    {k_unit_slack, "granular.slack"},
     {k_unit_particle_sort, "granular.sort"},
     {k_unit_lists, "granular.lists"},
+    {k_unit_colours, "granular.colours"},
     {k_unit_stabilise, "granular.stabilise"},
     {k_unit_solve, "granular.solve"},
+    {k_unit_predict, "granular.predict"},
+    {k_unit_pairs, "granular.pairs"},
+    {k_unit_complete, "granular.complete"},
     {k_unit_bodies, "granular.bodies"},
     {k_unit_touch, "granular.touch"},
     {k_unit_wake, "granular.wake"},
@@ -164,7 +196,12 @@ uint32_t items_left(const Granular& g, SubstepPhase phase) {
       return begun ? cell_sort_items(g.neighbours.sort, g.particles.count, g.unit) : g.particles.count;
     case SubstepPhase::bodies:
       return bodies_items(g);
+    case SubstepPhase::pairs:
+      return (pair_count(g.colours) - cursor + k_pairs_an_item - 1) / k_pairs_an_item;
+    case SubstepPhase::slack:
+      return g.particles.count;
     case SubstepPhase::lists:
+    case SubstepPhase::colours:
     case SubstepPhase::touch:
       return g.particles.count - cursor;
     case SubstepPhase::wake:
@@ -186,7 +223,8 @@ bool next(const void* state, uint32_t level, WorkUnit* unit) {
   const PhaseUnit& next = k_units[static_cast<uint32_t>(phase)];
   const uint32_t left = items_left(g, phase);
   unit->kind = next.kind, unit->name = next.name;
-  unit->items = left < g.unit || (phase == SubstepPhase::sort && g.substep.phase == phase) ? left : g.unit;
+  const uint32_t most = phase == SubstepPhase::pairs ? pair_unit(g.colours, g.unit) / k_pairs_an_item : g.unit;
+  unit->items = left < most || (phase == SubstepPhase::sort && g.substep.phase == phase) ? left : most;
   return true;
 }
 
@@ -195,13 +233,21 @@ bool run_unit(Granular* g, SubstepPhase phase) {
   switch (phase) {
     case SubstepPhase::idle:
       return true;
+    case SubstepPhase::slack:
+      return neighbours_run_measuring(g);
     case SubstepPhase::sort:
       return neighbours_run_sort(g);
     case SubstepPhase::lists:
       return neighbours_run_lists(g);
+    case SubstepPhase::colours:
+      return pair_colours_run(g);
     case SubstepPhase::stabilise:
     case SubstepPhase::solve:
+    case SubstepPhase::predict:
+    case SubstepPhase::complete:
       return contacts_run(g);
+    case SubstepPhase::pairs:
+      return contacts_run_pairs(g);
     case SubstepPhase::bodies:
       return bodies_run(g);
     case SubstepPhase::touch:
@@ -234,15 +280,26 @@ uint32_t forecast(const void* state, uint32_t level, Forecast* entries) {
   if (g.particles.count == 0 || g.time.debt < k_time_resolution) return 0;
   const uint64_t substeps = time_substeps(g, g.time.debt, level), count = g.particles.count;
   const uint64_t active = g.neighbours.valid ? sleep_active_items(g) : count;
-  const uint64_t builds = to_whole<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps)) + 1;
+  // A pile that lies still builds no lists.
+  const float due = g.neighbours.valid ? 0.5f : 1.0f;
+  const uint64_t builds = to_whole<uint64_t>(g.neighbours.builds_per_substep * static_cast<float>(substeps) + due);
   uint32_t n = 0;
+  entries[n++] = {k_unit_slack, 2 * builds * count};
   entries[n++] = {k_unit_particle_sort, builds * 2 * count};
   entries[n++] = {k_unit_lists, builds * active};
   if (g.desc.reference.stabilisation_iterations != 0)
     entries[n++] = {k_unit_stabilise, substeps * g.desc.reference.stabilisation_iterations * active};
   if (g.bodies.count != 0) entries[n++] = {k_unit_bodies, substeps * 2 * g.bodies.particle_count};
-  entries[n++] = {k_unit_solve,
-                  substeps * level_iterations(k_ladder[level], g.desc.reference.solver_iterations) * active};
+  const uint64_t passes = substeps * level_iterations(k_ladder[level], g.desc.reference.solver_iterations);
+  if (!solves_pairs(g)) {
+    entries[n++] = {k_unit_solve, passes * active};
+    return n;
+  }
+  entries[n++] = {k_unit_colours, builds * 3 * count};
+  entries[n++] = {k_unit_predict, substeps * active};
+  const uint64_t pairs = g.colours.ready ? pair_count(g.colours) : k_pairs_expected * active;
+  entries[n++] = {k_unit_pairs, passes * pairs / k_pairs_an_item};
+  entries[n++] = {k_unit_complete, substeps * active};
   return n;
 }
 
@@ -271,6 +328,7 @@ void substep_abandon(Granular* g) {
   while (s.phase == SubstepPhase::bodies) {
     if (bodies_run(g)) enter(g, after(g, s.phase));
   }
+  if (s.phase == SubstepPhase::colours) pair_colours_forget(&g->colours);
   if (s.phase == SubstepPhase::sort || s.phase == SubstepPhase::lists) {
     g->neighbours.valid = false;  // the records may have moved already
     bodies_find_rows(g);

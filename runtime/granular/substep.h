@@ -15,10 +15,15 @@ struct Granular;
 // In the order in which they run. Those from touch on run only where they are due.
 enum class SubstepPhase : uint32_t {
   idle,        // between sub-steps
+  slack,       // what the lists are still good for
   sort,        // the particles by cell, where the lists are stale
   lists,       // new neighbour lists
+  colours,     // of the pairs, where lists are new
   stabilise,   // passes that correct the start positions
-  solve,       // passes that predict, resolve contacts and integrate
+  solve,       // the source's passes, which predict, resolve contacts and integrate
+  predict,     // motion without contacts
+  pairs,       // passes that resolve contacts, pair by pair
+  complete,    // colliders, and the new state
   bodies,      // rigid motion instead of their particles' own
   touch,       // who is near a collider that moved wakes
   wake,        // who was run into wakes
@@ -29,6 +34,7 @@ enum class SubstepPhase : uint32_t {
 
 struct Substep {
   SubstepPhase phase;
+  uint32_t level;           // quality level at which the sub-step began
   uint32_t due;             // phases that must run before the next sub-step begins: bit 1 << phase
   uint32_t cursor;          // next item of the phase
   uint32_t pass;            // of the stabilisation or of the solver
@@ -52,9 +58,12 @@ void substep_set_due(Granular* granular, SubstepPhase phase, bool due);
 // moved.
 void substep_abandon(Granular* granular);
 
+// Whether contacts are solved pair by pair. The other scheme is the source's.
+bool solves_pairs(const Granular& granular);
 // The passes (contacts.cpp).
 void contacts_begin(Granular* granular);
 // One unit of a pass. True once the pass is complete.
 bool contacts_run(Granular* granular);
+bool contacts_run_pairs(Granular* granular);
 
 }  // namespace sandglass

@@ -10,17 +10,17 @@ void sandglass_scene_desc_default(sandglass_scene_desc* desc) {
   sandglass_granular_desc& g = desc->granular;
   g.collider_capacity = 16;
   g.particle_radius = 0.01f;
-  g.static_friction = 0.14f;
-  g.kinetic_friction = 0.14f;
-  g.height_weighting = 0.3f;
+  g.static_friction = 0.16f;
+  g.kinetic_friction = 0.16f;
+  g.height_weighting = 0.45f;
   g.courant = 0.5f;
-  g.list_skin = 0.6f;
+  g.list_skin = 0.8f;
   g.sleep_after = 0.5f;
   g.refine_step = 0.008f;
   g.reference.scheme = SANDGLASS_SCHEME_SMALL_STEP;
   g.reference.blend = SANDGLASS_BLEND_CONTINUOUS;
   g.reference.solver_iterations = 1;
-  g.reference.relaxation = 0.45f;
+  g.reference.relaxation = 1.0f;
 }
 
 void sandglass_frame_input_default(sandglass_frame_input* input) {

@@ -130,44 +130,75 @@ void work_grid_cells(const Kernels& kernels) {
 void work_neighbour_lists(const Kernels& kernels) {
   Pile pile;
   Sorted sorted(&pile, kernels, Pile::reach, 2);
+  std::vector<uint8_t> near_counts(k_items);
   ListArgs args = {};
   args.grid = sorted.sort.grid;
   for (int k = 0; k < 3; ++k) args.positions[k] = sorted.axes[k].data();
   args.inert = k_items;
   args.reach_squared = Pile::reach * Pile::reach, args.near_squared = 4.4f * k_radius * k_radius;
-  args.lists = pile.lists.data(), args.counts = pile.counts.data();
+  args.lists = pile.lists.data(), args.counts = pile.counts.data(), args.near_counts = near_counts.data();
   count(kernels.neighbour_lists, args);
 }
 
-// One pass of the pile on a floor, with a second collider `beside`.
-void contact(contact_solve_function kernel, const ColliderFrame* beside) {
-  constexpr float step = 3e-4f, omega = 0.3f;
+// A pass of the pile on a floor, with a second collider `beside`.
+struct Pass {
+  explicit Pass(const ColliderFrame* beside)
+      : out(k_items + k_slack), touched(pile.groups.size()), colliders(1, still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0)) {
+    constexpr float step = 3e-4f;
+    if (beside != nullptr) colliders.push_back(*beside);
+    args.in = pile.records.data(), args.out = out.data();
+    args.groups = pile.groups.data(), args.lists = pile.lists.data(), args.counts = pile.counts.data();
+    args.particle_count = k_items;
+    args.radius = k_radius, args.diameter = 2 * k_radius;
+    args.static_friction = args.kinetic_friction = 0.14f;
+    args.relaxation = 0.3f, args.inverse_relaxation = 1.0f / 0.3f, args.separation_max = 4e-4f, args.stick = 0.25f;
+    args.weight_linear = -0.15f, args.weight_cubic = 0.0045f, args.lift_max = 2e-5f, args.up[1] = 1.0f;
+    args.scale = args.step = step, args.gravity[1] = -9.81f * step * step;
+    args.displacement_max = 1.0f;
+    args.bodies = 1, args.last = 1;
+    args.wake_displacement = 1e-4f, args.touched = touched.data();
+    args.colliders = colliders.data(), args.collider_count = static_cast<uint32_t>(colliders.size());
+  }
   Pile pile;
-  Records<Particle> out(k_items + k_slack);
-  std::vector<uint8_t> touched(pile.groups.size());
-  std::vector<ColliderFrame> colliders = {still(SANDGLASS_SHAPE_HALF_SPACE, 0, 0)};
-  if (beside != nullptr) colliders.push_back(*beside);
+  Records<Particle> out;
+  std::vector<uint8_t> touched;
+  std::vector<ColliderFrame> colliders;
   ContactArgs args = {};
-  args.in = pile.records.data(), args.out = out.data();
-  args.groups = pile.groups.data(), args.lists = pile.lists.data(), args.counts = pile.counts.data();
-  args.particle_count = k_items;
-  args.radius = k_radius, args.diameter = 2 * k_radius;
-  args.static_friction = args.kinetic_friction = 0.14f;
-  args.relaxation = omega, args.inverse_relaxation = 1.0f / omega, args.separation_max = 4e-4f;
-  args.weight_linear = -0.15f, args.weight_cubic = 0.0045f, args.lift_max = 2e-5f, args.up[1] = 1.0f;
-  args.scale = args.step = step, args.gravity[1] = -9.81f * step * step;
-  args.displacement_max = 1.0f;
-  args.bodies = 1, args.last = 1;
-  args.wake_displacement = 1e-4f, args.touched = touched.data();
-  args.colliders = colliders.data(), args.collider_count = static_cast<uint32_t>(colliders.size());
-  count(kernel, args);
-}
+};
 
-void work_contact_stabilise(const Kernels& kernels) { contact(kernels.contact_stabilise, nullptr); }
-void work_contact_solve(const Kernels& kernels) { contact(kernels.contact_solve, nullptr); }
+void work_contact_stabilise(const Kernels& kernels) { count(kernels.contact_stabilise, Pass(nullptr).args); }
+void work_contact_solve(const Kernels& kernels) { count(kernels.contact_solve, Pass(nullptr).args); }
 void work_contact_solve_beside_a_field(const Kernels& kernels) {
   const Field field;
-  contact(kernels.contact_solve, &field.frame);
+  count(kernels.contact_solve, Pass(&field.frame).args);
+}
+void work_predict_motion(const Kernels& kernels) { count(kernels.predict_motion, Pass(nullptr).args); }
+void work_complete_motion(const Kernels& kernels) { count(kernels.complete_motion, Pass(nullptr).args); }
+
+// As many pairs of the lists as there are items. No two of a lane group share a particle. Every third touches.
+void work_contact_pairs(const Kernels& kernels) {
+  Pass pass(nullptr);
+  Pile& pile = pass.pile;
+  std::vector<uint32_t> first(k_items, k_items), second(k_items, k_items), filled(k_items / k_lane_group);
+  for (uint32_t i = 0; i < k_items; ++i) {
+    for (int k = 0; k < 3; ++k) pile.records[i].velocity[k] *= pass.args.step;
+    for (uint32_t n = 0; n < pile.counts[i]; ++n) {
+      const uint32_t j = pile.lists[i * k_list_slots + n];
+      if (j < i) continue;
+      for (uint32_t g = 0; g < filled.size(); ++g) {
+        uint32_t* const ours = &first[g * k_lane_group];
+        uint32_t* const others = &second[g * k_lane_group];
+        bool free = filled[g] < k_lane_group;
+        for (uint32_t l = 0; free && l < filled[g]; ++l)
+          free = ours[l] != i && ours[l] != j && others[l] != i && others[l] != j;
+        if (!free) continue;
+        ours[filled[g]] = i, others[filled[g]++] = j;
+        break;
+      }
+    }
+  }
+  const PairArgs args = {pile.records.data(), first.data(), second.data(), 0, pass.args};
+  count(kernels.contact_pairs, args);
 }
 
 void work_wake_near(const Kernels& kernels) {

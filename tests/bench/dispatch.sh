@@ -48,7 +48,7 @@ ran_only() {
 }
 float_table="simd_$(awk '{print $8}' <<<"$found")" int8_table="int8_$(awk '{print $10}' <<<"$found")"
 every_kernel=$(sed -nE 's/^SANDGLASS_KERNEL\([a-z]+, ([a-z_]+),.*/\1/p' "$float_kernels")
-ran_only 'simd_[a-z0-9_]+' "$float_table" 'grid_cells contact_solve neighbour_lists refine_grains' "$programs/count_workload" 0 0 1
+ran_only 'simd_[a-z0-9_]+' "$float_table" 'grid_cells contact_pairs neighbour_lists refine_grains' "$programs/count_workload" 0 0 1
 ran_only 'simd_[a-z0-9_]+' "$float_table" "${every_kernel:?no kernels in $float_kernels}" "$programs/count_kernels" all
 ran_only 'int8_[a-z0-9_]+' "$int8_table" shadow_texels "$programs/count_shadow" "$file"
 ran_only 'int8_[a-z0-9_]+' "$int8_table" 'stem pool narrow wide transition dot' "$programs/count_light" 0 32 32

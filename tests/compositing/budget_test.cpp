@@ -35,7 +35,8 @@ using sandglass::test::percentile_999;
 using sandglass::test::thread_cpu_ns;
 
 // A clock that moves by the median cost of every unit, in microseconds, from a run of the shot on the development
-// machine. Counts the units.
+// machine; by the mean of pairs, whose units differ in size. The particles' costs are from a run on a busy machine,
+// divided by 1.38, as much as the light's units took longer there. Counts the units.
 struct UnitClock {
   uint64_t now_ns = 0;
   uint64_t scale = 1;
@@ -44,16 +45,17 @@ struct UnitClock {
   static void begin(void*, const char*) {}
   static void end(void* user, const char* name) {
     static const std::map<std::string, double> k_costs = {
-        {"granular.lists", 36.9},   {"granular.rest", 11.6},   {"granular.solve", 15.3},
-        {"granular.sort", 1.3},     {"granular.wake", 0.1},    {"granular.wake_lists", 4.0},
-        {"light.1x1", 12.1},        {"light.3x3", 10.4},       {"light.heads", 47.0},
-        {"light.image", 57.5},      {"light.pool", 40.0},      {"light.stem", 12.3},
-        {"light.transition", 13.5}, {"output.grains", 5.7},    {"pile_shadow.columns", 26.9},
-        {"pile_shadow.floor", 2.8}, {"pile_shadow.sand", 3.3}, {"pile_shadow.levels", 4.4},
-        {"pile_shadow.sky", 10.5},  {"refine.grains", 17.0},   {"refine.motion", 8.7},
-        {"refine.snapshot", 1.3},   {"refine.sort", 2.4},      {"refine.triage", 5.3},
-        {"shadow.ambient", 8.7},    {"shadow.coarse", 13.2},   {"shadow.decide", 11.4},
-        {"shadow.refine", 12.8},    {"shadow.rows", 7.3}};
+        {"granular.colours", 13.9},    {"granular.complete", 2.4}, {"granular.lists", 69.5},
+        {"granular.pairs", 8.8},       {"granular.predict", 1.3},  {"granular.rest", 11.6},
+        {"granular.slack", 4.4},       {"granular.sort", 2.2},     {"granular.wake", 0.3},
+        {"granular.wake_lists", 5.4},  {"light.1x1", 12.1},        {"light.3x3", 10.4},
+        {"light.heads", 47.0},         {"light.image", 57.5},      {"light.pool", 40.0},
+        {"light.stem", 12.3},          {"light.transition", 13.5}, {"output.grains", 5.7},
+        {"pile_shadow.columns", 26.9}, {"pile_shadow.floor", 2.8}, {"pile_shadow.sand", 3.3},
+        {"pile_shadow.levels", 4.4},   {"pile_shadow.sky", 10.5},  {"refine.grains", 17.0},
+        {"refine.motion", 8.7},        {"refine.snapshot", 1.3},   {"refine.sort", 2.4},
+        {"refine.triage", 5.3},        {"shadow.ambient", 8.7},    {"shadow.coarse", 13.2},
+        {"shadow.decide", 11.4},       {"shadow.refine", 12.8},    {"shadow.rows", 7.3}};
     UnitClock* clock = static_cast<UnitClock*>(user);
     const auto cost = k_costs.find(name);
     ASSERT_NE(cost, k_costs.end()) << "no cost of " << name;
@@ -163,7 +165,6 @@ struct Law {
   int owing = 0, longest_owing = 0;  // frames with time debt: all, and the most in a row
   int textures = 0, first_light = 0;
   uint32_t worst_level = 0;
-  int coarsest = 0;  // frames at a level worse than COARSE
   FramesAndControl frames;
 };
 constexpr int k_frames = 400;
@@ -191,7 +192,6 @@ Law run(uint64_t budget_ns, bool control, UnitClock* units = nullptr) {
     owing = report.time_debt > 0 ? owing + 1 : 0;
     law.owing += owing > 0 ? 1 : 0, law.longest_owing = std::max(law.longest_owing, owing);
     law.worst_level = std::max(law.worst_level, report.level);
-    law.coarsest += report.level > SANDGLASS_LEVEL_COARSE ? 1 : 0;
     if (law.first_light == 0 && report.light_valid != 0) law.first_light = i + 1;
     const sandglass_shadow_texture t = all.shadow.texture();
     if (t.valid != 0 && t.light[0] != last_azimuth) ++law.textures, last_azimuth = t.light[0];
@@ -249,7 +249,7 @@ Costs costs_of_sand(uint64_t scale, int frames) {
 
 // A processor that others share takes up to twice the time for the same work. The debt is no more than what 4 ms leave
 // on a machine half as fast, by the work units' own clock. And that is no more than the costs explain: with time debt,
-// the grains follow once in two frames' time.
+// the grains follow once in two frames' time. More than all of the time cannot be simulated.
 TEST(ShotBudget, FourMillisecondsHold) {
   UnitClock half;
   half.scale = 2;
@@ -260,7 +260,7 @@ TEST(ShotBudget, FourMillisecondsHold) {
   const double explained = k_step * spent / (costs.particles + costs.sweep / 2);
   std::printf("simulated %.2f s; the costs explain %.2f s, and %.2f s with a sweep each frame\n", simulated, explained,
               k_step * spent / (costs.particles + costs.sweep));
-  EXPECT_GE(simulated, 0.9 * explained);
+  EXPECT_GE(simulated, 0.9 * std::min(explained, k_frames * k_step));
   expect_law(4'000'000, {slow.last_debt, slow.debt, k_frames / 4, 28});
 }
 
@@ -270,9 +270,7 @@ TEST(ShotBudget, NoFrameHasTimeDebtWhereTheBudgetFits) {
   UnitClock clock;
   const Law law = run(8'000'000, false, &clock);
   EXPECT_EQ(law.debt, 0.0);
-  // Sub-steps twice as long, without an even density, in no more than one frame of a hundred.
-  EXPECT_LE(law.worst_level, static_cast<uint32_t>(SANDGLASS_LEVEL_COARSER));
-  EXPECT_LE(law.coarsest, k_frames / 100);
+  EXPECT_LE(law.worst_level, static_cast<uint32_t>(SANDGLASS_LEVEL_COARSE));
   // The shadow moves in every frame. Its texture is done in the next frame at the latest.
   EXPECT_GE(law.textures, k_frames / 2);
   // Mandatory units and output leave at least 7 ms of 8. The light gets a fifth of that.

@@ -136,7 +136,9 @@ TEST(Remove, TakesWhatIsInsideAndWakesTheRest) {
   const std::vector<float> bed = lattice(20, 3, 20, 2.02f * k_radius, k_radius);
   scene.add(bed, {}, bed);
   scene.add_floor();
-  for (int frame = 0; frame < 150; ++frame) scene.frame(k_frame);
+  uint32_t awake = 1;
+  for (int frame = 0; frame < 500 && awake != 0; ++frame) awake = scene.frame(k_frame).awake;
+  ASSERT_EQ(awake, 0u);
   const std::vector<float> before = scene.positions();
   sandglass_collider ball = sandglass::sphere(0.2f, 0.0f, 0.2f, 0.08f);
   uint32_t expected = 0, removed = 0, grains = 0;

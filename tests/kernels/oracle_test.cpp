@@ -60,7 +60,7 @@ void check_neighbour_lists(uint32_t n) {
     Sorted moving(cluster.records.data(), n, reach, *kernels, 2);
     Sorted fixed(&cluster.records[cluster.rows], n, reach, *kernels, 2);
     std::vector<uint32_t> lists(uint64_t{cluster.rows} * k_list_slots);
-    std::vector<uint8_t> counts(cluster.rows);
+    std::vector<uint8_t> counts(cluster.rows), near_counts(cluster.rows);
     ListArgs args = {};
     args.grid = moving.sort.grid, args.boundary_grid = fixed.sort.grid;
     for (int k = 0; k < 3; ++k)
@@ -68,7 +68,7 @@ void check_neighbour_lists(uint32_t n) {
     args.boundary_count = n, args.boundary_first = cluster.rows, args.inert = cluster.inert;
     args.reach_squared = reach * reach;
     args.near_squared = 0.021f * 0.021f;
-    args.lists = lists.data(), args.counts = counts.data();
+    args.lists = lists.data(), args.counts = counts.data(), args.near_counts = near_counts.data();
     uint32_t dropped = 0;
     kernels->neighbour_lists(&args, 0, n, &dropped);
     EXPECT_EQ(dropped, 0u);
@@ -80,6 +80,7 @@ void check_neighbour_lists(uint32_t n) {
         return distance(moving.records[i], other) < 0.021;
       };
       ASSERT_TRUE(std::is_partitioned(found.begin(), found.end(), near)) << sandglass_isa_name(kernels->isa);
+      ASSERT_EQ(near_counts[i], std::count_if(found.begin(), found.end(), near)) << sandglass_isa_name(kernels->isa);
       std::sort(found.begin(), found.end());
       std::vector<uint32_t> expected;
       for (uint32_t j = 0; j < n; ++j) {
@@ -95,6 +96,20 @@ void check_neighbour_lists(uint32_t n) {
     }
     if (first.empty()) first = lists;
     ASSERT_EQ(lists, first) << "the order of the neighbours is part of the contract";
+
+    // Halves: of the moving neighbours those that come later, in the same order; all of the boundary.
+    std::vector<uint32_t> halves(lists.size());
+    std::vector<uint8_t> half_counts(cluster.rows);
+    args.halves = 1, args.lists = halves.data(), args.counts = half_counts.data();
+    kernels->neighbour_lists(&args, 0, n, &dropped);
+    for (uint32_t i = 0; i < n; ++i) {
+      std::vector<uint32_t> later;
+      for (uint32_t s = 0; s < counts[i]; ++s) {
+        if (lists[i * k_list_slots + s] > i) later.push_back(lists[i * k_list_slots + s]);
+      }
+      const uint32_t* half = &halves[i * k_list_slots];
+      ASSERT_EQ(std::vector<uint32_t>(half, half + half_counts[i]), later) << sandglass_isa_name(kernels->isa);
+    }
   }
 }
 
@@ -109,9 +124,9 @@ void mix(Cluster* c) {
 }
 
 constexpr double k_step = 3e-4, k_static = 0.6, k_kinetic = 0.4, k_omega = 0.3, k_weight = 0.6, k_lift = 2e-5,
-                 k_wake = 1e-4, k_separation = 4e-4;
+                 k_wake = 1e-4, k_separation = 4e-4, k_stick = 0.4;
 
-// One pass for particle i: (4.14-4.27) of the dissertation with the small-step factor, then the floor y = -0.004.
+// One pass for particle i: (4.14-4.27) of the dissertation averaged by (4.37), then the floor y = -0.004.
 // *runs_into_sleeper tells whether it touches a sleeper.
 Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_sleeper) {
   const Vector g = {0, -9.81 * k_step * k_step, 0};
@@ -134,8 +149,7 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
     if (is_asleep(c.records[j])) *runs_into_sleeper = true;
     const Vector n = (1 / d) * e;
     const double z = k_weight * n.y;
-    const double overlap =
-        solve ? std::max(d - 0.02, std::min(0.0, dot(relative, n) - k_separation) / k_omega) : d - 0.02;
+    const double overlap = d - 0.02;
     ++contacts;
     // The lower of two equal particles takes 1/2 + asymmetry, times its share by mass. The masses are m exp(-k h), the
     // correction to (4.38) of the dissertation.
@@ -150,7 +164,7 @@ Vector displacement_oracle(Cluster& c, uint32_t i, bool solve, bool* runs_into_s
     sum = sum + (length(t) <= k_static * limit ? 1.0 : std::min(1.0, k_kinetic * limit / length(t))) * t;
   }
   // The part that the weighting adds raises a particle by at most k_lift.
-  const double omega = k_omega * std::pow(std::min(1.0, 12.0 / std::max(contacts, 1)), 4), rise = omega * lift.y;
+  const double omega = std::min(1.0, k_omega / std::max(contacts, 1)), rise = omega * lift.y;
   Vector move = moved(i) + omega * (sum + std::min(1.0, k_lift / std::max(rise, 1e-30)) * lift);
   const double depth = k_cluster_radius - (at(c.records[i].position).y + move.y + 0.004);
   if (depth > 0) {
@@ -193,7 +207,6 @@ void check_contact(uint32_t n, bool solve) {
   args.up[1] = 1.0f;
   args.scale = static_cast<float>(k_step), args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
   args.step = static_cast<float>(k_step);
-  args.inverse_relaxation = static_cast<float>(1.0 / k_omega), args.separation_max = static_cast<float>(k_separation);
   args.last = 0;
   args.displacement_max = 1.0f;
   args.bodies = 1;
@@ -243,6 +256,179 @@ void check_contact(uint32_t n, bool solve) {
 
 void check_contact_solve(uint32_t n) { check_contact(n, true); }
 void check_contact_stabilise(uint32_t n) { check_contact(n, false); }
+
+// ---- predict_motion, contact_pairs, complete_motion
+
+std::vector<uint32_t> all_groups(const Cluster& cluster) {
+  std::vector<uint32_t> groups(cluster.rows / k_lane_group);
+  for (uint32_t g = 0; g < groups.size(); ++g) groups[g] = g;
+  return groups;
+}
+
+void check_predict_motion(uint32_t n) {
+  Cluster cluster(n, 0, 0.6, 29);
+  mix(&cluster);
+  const std::vector<uint32_t> groups = all_groups(cluster);
+  ContactArgs args = {};
+  args.in = cluster.records.data(), args.groups = groups.data(), args.particle_count = n;
+  args.scale = static_cast<float>(k_step), args.gravity[1] = static_cast<float>(-9.81 * k_step * k_step);
+  std::vector<Particle> first;
+  for (const Kernels* kernels : tables()) {
+    std::vector<Particle> out(cluster.inert + k_slack);
+    args.out = out.data();
+    uint32_t unused = 0;
+    kernels->predict_motion(&args, 0, n, &unused);
+    const std::vector<Particle> all(out.begin(), out.begin() + n);
+    for (uint32_t i = 0; i < n; ++i) {
+      Vector expected = k_step * at(cluster.records[i].velocity);
+      if (is_awake(cluster.records[i])) expected.y -= 9.81 * k_step * k_step;
+      ASSERT_LT(length(at(all[i].velocity) - expected), 1e-9) << sandglass_isa_name(kernels->isa);
+      ASSERT_EQ(length(at(all[i].position) - at(cluster.records[i].position)), 0.0);
+      ASSERT_EQ(all[i].mobility, cluster.records[i].mobility);
+      ASSERT_EQ(all[i].identity, cluster.records[i].identity);
+    }
+    if (first.empty()) first = all;
+    ASSERT_TRUE(same_bits(all, first)) << sandglass_isa_name(kernels->isa);
+  }
+}
+
+// What a pair adds to the displacements of its particles a and b.
+struct PairOracle {
+  Vector a, b;
+  bool touches = false;
+};
+PairOracle pair_oracle(const Particle& a, const Particle& b) {
+  PairOracle result;
+  const double wa = is_awake(a) ? static_cast<double>(inverse_mass(a)) : 0.0,
+               wb = is_awake(b) ? static_cast<double>(inverse_mass(b)) : 0.0;
+  const Vector relative = at(b.velocity) - at(a.velocity), e = at(b.position) - at(a.position) + relative;
+  const double d = length(e);
+  if (d >= 0.02 || wa + wb == 0.0 || (in_body(a) && body_of(a) == body_of(b))) return result;
+  result.touches = true;
+  const Vector n = (1 / d) * e;
+  const double along = dot(relative, n), z = k_weight * n.y, share = wa / (wa + wb);
+  const double overlap = std::max(d - 0.02, std::min(0.0, along - k_separation) / k_omega);
+  const double lower = wa * (0.5 - z / 4 + z * z * z / 48), upper = wb * (0.5 + z / 4 - z * z * z / 48);
+  double lift = lower / (lower + upper) - share;
+  // The lift ends where the two rise by k_lift on average.
+  const double rise = overlap * lift * n.y, room = std::max(0.0, k_lift - 0.5 * (a.velocity[1] + b.velocity[1]));
+  if (rise > room) lift *= room / rise;
+  const Vector t = k_stick * (relative - along * n);
+  const double limit = std::fabs(overlap);
+  const double grip = length(t) <= k_static * limit ? 1.0 : std::min(1.0, k_kinetic * limit / length(t));
+  result.a = k_omega * (((share + lift) * overlap) * n + (share * grip) * t);
+  result.b = -k_omega * (((1 - share - lift) * overlap) * n + ((1 - share) * grip) * t);
+  return result;
+}
+
+void check_contact_pairs(uint32_t n) {
+  for (const bool fixed : {false, true}) {
+    Cluster cluster(2 * n, n, 0.6, 31);
+    mix(&cluster);
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    std::vector<uint32_t> first(2 * n + k_slack, cluster.inert), second = first;
+    for (uint32_t q = 0; q < n; ++q) {
+      first[q] = 2 * q, second[q] = fixed ? cluster.rows + q : 2 * q + 1;
+      // Two of three pairs touch. All have displacements as large as those of a sub-step.
+      Particle &a = cluster.records[first[q]], &b = cluster.records[second[q]];
+      const Vector way = {unit(random), unit(random), unit(random)};
+      set(b.position, at(a.position) + ((q % 3 == 0 ? 0.021 : 0.0195) / length(way)) * way);
+      set(a.velocity, 1e-4 * Vector{unit(random), unit(random), unit(random)});
+      if (!fixed) set(b.velocity, 1e-4 * Vector{unit(random), unit(random), unit(random)});
+    }
+    PairArgs args = {};
+    args.first = first.data(), args.second = second.data(), args.fixed = fixed ? 1 : 0;
+    ContactArgs& c = args.contact;
+    c.diameter = 2 * k_cluster_radius;
+    c.static_friction = static_cast<float>(k_static), c.kinetic_friction = static_cast<float>(k_kinetic);
+    c.relaxation = static_cast<float>(k_omega), c.inverse_relaxation = static_cast<float>(1.0 / k_omega);
+    c.separation_max = static_cast<float>(k_separation), c.stick = static_cast<float>(k_stick);
+    c.lift_max = static_cast<float>(k_lift);
+    c.weight_linear = static_cast<float>(-k_weight / 4);
+    c.weight_cubic = static_cast<float>(k_weight * k_weight * k_weight / 48);
+    c.up[1] = 1.0f;
+    c.bodies = 1;
+    c.wake_displacement = static_cast<float>(k_wake);
+    std::vector<Particle> all_first;
+    for (const Kernels* kernels : tables()) {
+      std::vector<Particle> all = cluster.records;
+      std::vector<uint8_t> touched(cluster.rows / k_lane_group, 0), expected_touched = touched;
+      args.particles = all.data(), c.touched = touched.data();
+      uint32_t any_touched = 0;
+      kernels->contact_pairs(&args, 0, (n + k_lane_group - 1) / k_lane_group * k_lane_group, &any_touched);
+      uint32_t touching = 0;
+      for (uint32_t q = 0; q < n; ++q) {
+        const Particle &a = cluster.records[first[q]], &b = cluster.records[second[q]];
+        const PairOracle pair = pair_oracle(a, b);
+        touching += pair.touches ? 1 : 0;
+        const Vector moved_a = at(all[first[q]].velocity) - at(a.velocity),
+                     moved_b = at(all[second[q]].velocity) - at(b.velocity);
+        // Positions of a few centimetres are rounded to 4e-9 m in float.
+        ASSERT_LT(length(moved_a - pair.a), 2e-8) << sandglass_isa_name(kernels->isa) << " pair " << q;
+        ASSERT_LT(length(moved_b - pair.b), 2e-8) << sandglass_isa_name(kernels->isa) << " pair " << q;
+        if (pair.touches && is_asleep(b) && length(at(a.velocity)) > k_wake)
+          expected_touched[first[q] / k_lane_group] = 1;
+        if (pair.touches && is_asleep(a) && !fixed && length(at(b.velocity)) > k_wake)
+          expected_touched[second[q] / k_lane_group] = 1;
+      }
+      if (n >= 9) {
+        ASSERT_GT(touching, n / 4) << "the pairs test little";
+      }
+      ASSERT_EQ(touched, expected_touched) << sandglass_isa_name(kernels->isa);
+      ASSERT_EQ(any_touched != 0, std::count(touched.begin(), touched.end(), 1) != 0);
+      if (all_first.empty()) all_first = all;
+      ASSERT_TRUE(same_bits(all, all_first)) << sandglass_isa_name(kernels->isa);
+    }
+  }
+}
+
+void check_complete_motion(uint32_t n) {
+  constexpr double k_most = 2e-4;
+  Cluster cluster(n, 0, 0.6, 37);
+  mix(&cluster);
+  for (uint32_t i = 0; i < n; ++i) {
+    if (is_awake(cluster.records[i])) set(cluster.records[i].velocity, 4e-4 * at(cluster.records[i].velocity));
+  }
+  ColliderFrame floor = {};
+  floor.shape = SANDGLASS_SHAPE_HALF_SPACE;
+  for (int k = 0; k < 3; ++k) floor.axes[k][k] = 1.0f;
+  // It takes some of the particles by a little, so that it does not drive them beyond the limit.
+  floor.position[1] = static_cast<float>(-0.5 * cluster.side);
+  const std::vector<uint32_t> groups = all_groups(cluster);
+  ContactArgs args = {};
+  args.groups = groups.data(), args.particle_count = n;
+  args.radius = k_cluster_radius;
+  args.static_friction = static_cast<float>(k_static), args.kinetic_friction = static_cast<float>(k_kinetic);
+  args.step = static_cast<float>(k_step), args.displacement_max = static_cast<float>(k_most);
+  args.colliders = &floor, args.collider_count = 1;
+  std::vector<Particle> first;
+  for (const Kernels* kernels : tables()) {
+    std::vector<Particle> all = cluster.records;
+    args.in = args.out = all.data();
+    ContactExtent extent = {};
+    kernels->complete_motion(&args, 0, n, &extent);
+    double fastest = 0.0;
+    for (uint32_t i = 0; i < n; ++i) {
+      const Particle& before = cluster.records[i];
+      Vector move = is_awake(before) ? at(before.velocity) : Vector{};
+      const double depth = k_cluster_radius - (at(before.position).y + move.y + 0.5 * cluster.side);
+      if (is_awake(before) && depth > 0) {
+        const Vector t = {-move.x, 0, -move.z};
+        move = move + (length(t) <= k_static * depth ? 1.0 : std::min(1.0, k_kinetic * depth / length(t))) * t;
+        move.y += depth;
+      }
+      if (length(move) > k_most) move = (k_most / length(move)) * move;
+      ASSERT_LT(length(at(all[i].position) - (at(before.position) + move)), 1e-8) << sandglass_isa_name(kernels->isa);
+      ASSERT_LT(length(at(all[i].velocity) - (1 / k_step) * move), 1e-4) << sandglass_isa_name(kernels->isa);
+      fastest = std::max(fastest, length(at(all[i].velocity)));
+    }
+    ASSERT_NEAR(std::sqrt(static_cast<double>(extent.speed_squared)), fastest, 1e-5);
+    const std::vector<Particle> moved(all.begin(), all.begin() + n);
+    if (first.empty()) first = moved;
+    ASSERT_TRUE(same_bits(moved, first)) << sandglass_isa_name(kernels->isa);
+  }
+}
 
 // ---- wake_near
 

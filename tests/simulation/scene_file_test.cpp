@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
         in_scene(R"("gravity": [0, -1e9, 0])", R"("gravity[1]")"), in_scene(R"("budget_ms": 1e999)", "number"),
         in_scene(R"("friction": {"static": -0.1})", R"("friction.static")"),
         in_scene(R"("friction": {"dynamic": 0.1})", R"("friction.dynamic")"),
-        in_scene(R"("solver": {"relaxation": 0.5})", R"("solver.relaxation")"),
+        in_scene(R"("solver": {"relaxation": 1.5})", R"("solver.relaxation")"),
         in_scene(R"("solver": {"scheme": "fast"})", R"("solver.scheme")"), in_scene(R"("solver": [])", R"("solver")"),
         Refusal{"0.01", "0", R"("particle_radius")"}, Refusal{"0.01", "null", R"("particle_radius")"},
         Refusal{R"("particle_radius": 0.01,)", "", R"("particle_radius")"},

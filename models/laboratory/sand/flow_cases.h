@@ -61,8 +61,9 @@ struct DischargeCurve {
 DischargeCurve discharge(const sandglass_scene_desc& desc, const DischargeSetting& setting, const CaseStep& step);
 
 // How much of the sand's weight the bottom of a tube carries. The tube is 8 d wide and filled to several heights. The
-// load is what the floor does to the sand in one sub-step, m dv/dt: two copies of the scene, restored from the same
-// bytes, take that sub-step with and without the floor. By Janssen's law the walls take what is added to a high column.
+// floor is left out for one sub-step in each frame. Colliders come last in a sub-step, so how far the sand sinks below
+// the floor is how far the floor would have lifted it: that is the load. The scene itself is measured, not a restored
+// copy, whose lists are new. By Janssen's law the walls take what is added to a high column.
 struct TubeLoad {
   double marginal = 0.0;  // (load of the fullest - load of the middle filling) / (difference of their weights)
   double carried = 0.0;   // load of the fullest / its weight

@@ -33,13 +33,13 @@ PlotSeries points(const char* name, const std::vector<double>& x, const std::vec
 Plot runout(const GranularCurves& c) {
   Plot plot;
   plot.title = "Run-out of a collapsing column";
-  plot.x = {"aspect ratio a = H/R0", 0.4, 5.0, true};
+  plot.x = {"aspect ratio a = H/R0", 0.4, 10.0, true};
   plot.y = {"(R - R0)/R0", 0.3, 8.0, true};
-  plot.series = {law("Lube 2004: 1.24 a, 1.6 sqrt(a)", 0.4, 5.0, k_law, false, lube_runout),
-                 law("+-25 %", 0.4, 5.0, k_wrong, true, [](double a) { return 1.25 * lube_runout(a); }),
-                 law("", 0.4, 5.0, k_wrong, true, [](double a) { return 0.75 * lube_runout(a); }),
+  plot.series = {law("Lube 2004: 1.24 a, 1.6 sqrt(a)", 0.4, 10.0, k_law, false, lube_runout),
+                 law("+-25 %", 0.4, 10.0, k_wrong, true, [](double a) { return 1.25 * lube_runout(a); }),
+                 law("", 0.4, 10.0, k_wrong, true, [](double a) { return 0.75 * lube_runout(a); }),
                  points("Sandglass, defaults", c.aspects, c.runouts, k_measured, PlotSeries::Mark::disk),
-                 points("control: mu = 0.1", c.wrong_aspects, c.wrong_runouts, k_wrong, PlotSeries::Mark::ring)};
+                 points("control: mu = 0.05", c.wrong_aspects, c.wrong_runouts, k_wrong, PlotSeries::Mark::ring)};
   return plot;
 }
 

@@ -34,13 +34,15 @@ extern "C" {
 
 /* ------------------------------------------------------------------------------------------------ granular material */
 
-/* How the contact corrections of one Jacobi iteration are combined.
+/* How the contacts of one sub-step are resolved.
  *
- * SMALL_STEP (the default): every correction is multiplied by one fixed factor, the same on both sides of a pair, so
- * momentum is conserved. It needs many small steps, and then only one iteration.
+ * SMALL_STEP (the default): pair by pair. A pair corrects both its particles at once, and the next pair sees that
+ * (Gauss-Seidel). What one particle gains the other loses, so momentum is conserved. It takes many small steps, and
+ * then only one iteration.
  *
- * AVERAGED: the sum of a particle's corrections is divided by the number of constraints that acted on it (4.37).
- * `relaxation` multiplies that mean; the product is never above 1 per constraint. */
+ * AVERAGED: all pairs see the same positions (Jacobi). The sum of a particle's corrections is divided by the number of
+ * constraints that acted on it (4.37). `relaxation` multiplies that mean; the product is never above 1 per
+ * constraint. */
 typedef int32_t sandglass_scheme;
 enum { SANDGLASS_SCHEME_SMALL_STEP = 0, SANDGLASS_SCHEME_AVERAGED = 1 };
 
@@ -62,12 +64,13 @@ typedef struct sandglass_reference_scheme {
   sandglass_scheme scheme;
   /* Default: SANDGLASS_BLEND_CONTINUOUS. */
   sandglass_blend blend;
-  /* Jacobi iterations a sub-step, 1..64. Default: 1. */
+  /* Iterations a sub-step, 1..64. Default: 1. */
   uint32_t solver_iterations;
   /* Iterations that move overlapping particles apart before the solver runs, 0..8 (Alg. 4, lines 6 to 12). Default:
    * 0. */
   uint32_t stabilisation_iterations;
-  /* SMALL_STEP: the factor omega, above 0, at most 0.45. AVERAGED: above 0, at most 2. Default: 0.45. */
+  /* SMALL_STEP: the share of a pair's correction that is made, above 0, at most 1. AVERAGED: above 0, at most 2.
+   * Default: 1. */
   float relaxation;
 } sandglass_reference_scheme;
 
@@ -97,28 +100,29 @@ typedef struct sandglass_granular_desc {
   float particle_radius;
   /* Metres, 0..r. The centre of a grain stays this far outside every collider. 0, the default, means 0.35 r. */
   float grain_radius;
-  /* mu_s, 0..10. The default of both coefficients, 0.14, spreads a collapsing column as far as sand spreads (Lube
+  /* mu_s, 0..10. The default of both coefficients, 0.16, spreads a collapsing column as far as sand spreads (Lube
    * 2004). Particles do not rotate, which does the work of higher coefficients. */
   float static_friction;
   /* mu_k, 0..10. It may exceed mu_s. */
   float kinetic_friction;
   /* How much more a particle yields than one below it, 0..1.5, the k of the corrected (4.38). In a pair whose upper
    * particle is `d` particle diameters higher (measured against gravity), the shares of the correction are in the ratio
-   * exp(k d). The default, 0.3, is calibrated together with the friction. A higher k carries tall piles with less
-   * overlap, but carries inside the sand what a floor or a wall should carry. 0 conserves momentum pairwise. What k
-   * lifts a particle by is at most twice what gravity takes, so nothing flies up at an impact. */
+   * exp(k d). The default, 0.45, is calibrated together with the friction. A higher k carries tall piles with less
+   * overlap, but carries inside the sand what a floor or a wall should carry. 0 conserves momentum pairwise. In
+   * SMALL_STEP k only brakes a fall: it lifts a pair until the pair rises, on average, by what gravity takes in a
+   * sub-step. In AVERAGED it lifts a particle by at most twice that. So nothing flies up at an impact. */
   float height_weighting;
 
   /* C of (4.45), above 0, at most 1. Default: 0.5, as in the dissertation. */
   float courant;
-  /* Seconds, 0.000001..0.1: the longest sub-step. 0, the default, means 0.00871 sqrt(r/g), for which the default scheme
+  /* Seconds, 0.000001..0.1: the longest sub-step. 0, the default, means 0.01742 sqrt(r/g), for which the default scheme
    * was calibrated. */
   float substep_max;
   /* Seconds, 0.000001..substep_max: the shortest sub-step that (4.45) may ask for. Faster particles are slowed to
    * courant * r / substep_min. 0, the default, means substep_max / 4. */
   float substep_min;
   /* Neighbour lists reach 2r + list_skin * r, 0.1..1. They are rebuilt before anything outside them can touch. Default:
-   * 0.6. */
+   * 0.8. */
   float list_skin;
 
   /* Seconds, 0..5: particles that stay within 10 % of r of one place for so long fall asleep, and cost nothing until
