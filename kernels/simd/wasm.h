@@ -142,29 +142,6 @@ SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
   for (int k = 0; k < 4; ++k) wasm_v128_store(p + 8 * k + 4, t[k]);
 }
 
-SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first, const uint32_t* second, Float out[8]) {
-  v128_t low[4], high[4], t[4];
-  for (int k = 0; k < 4; ++k) {
-    const float* p = base + static_cast<uint64_t>(first[k]) * 8;
-    const float* q = base + static_cast<uint64_t>(second[k]) * 8;
-    low[k] = wasm_f32x4_sub(wasm_v128_load(q), wasm_v128_load(p));
-    high[k] = wasm_f32x4_sub(wasm_v128_load(q + 4), wasm_v128_load(p + 4));
-  }
-  transpose(low[0], low[1], low[2], low[3], t);
-  for (int c = 0; c < 4; ++c) out[c].v = t[c];
-  transpose(high[0], high[1], high[2], high[3], t);
-  for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
-}
-SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index, const Float d[3]) {
-  v128_t t[4];
-  transpose(d[0].v, d[1].v, d[2].v, wasm_f32x4_splat(0.0f), t);
-  for (int k = 0; k < 4; ++k) {
-    float* p = base + static_cast<uint64_t>(index[k]) * 8 + 4;
-    const v128_t old = wasm_v128_load(p);
-    wasm_v128_store(p, wasm_i32x4_shuffle(wasm_f32x4_sub(old, t[k]), old, 0, 1, 2, 7));
-  }
-}
-
 // For each of the sixteen masks a byte shuffle puts the kept lanes first.
 #define SANDGLASS_LANE(l) 4 * (l), 4 * (l) + 1, 4 * (l) + 2, 4 * (l) + 3
 #define SANDGLASS_SHUFFLE(a, b, c, d) \

@@ -215,7 +215,7 @@ constexpr PilePart PileShadowError::*k_pile_parts[] = {&PileShadowError::clear, 
                                                        &PileShadowError::on_sand};
 // The first three limits are shares of the error that comes from leaving the shadow out (shot_study.h says why). The
 // bias limit is a share of the light on the floor.
-constexpr double k_pile_shares[] = {3.0 / 8.0, 1.0 / 3.0, 0.75}, k_pile_bias_limit = 0.05;
+constexpr double k_pile_shares[] = {1.0 / 3.0, 1.0 / 3.0, 0.75}, k_pile_bias_limit = 0.05;
 
 }  // namespace
 

@@ -93,9 +93,9 @@ struct PileShadowError {
 };
 PileShadowError whole_of(const std::vector<PileShadowError>& lights);  // over all texels of all lights
 
-// Whether the shadow is good enough. Of the error that leaving it out makes it must remove at least five eighths where
-// the floor is clear, and two thirds among grains. There it must have a bias of at most a twentieth of the light, and
-// beat the shadow made of the particles. On the sand it must remove a quarter: shadows between neighbours are not its part. Everywhere it must beat the shadow of the light
+// Whether the shadow is good enough. On the floor it must remove at least two thirds of the error that leaving it out
+// makes, have a bias of at most a twentieth of the light, and beat the shadow made of the particles. On the sand it
+// must remove a quarter: shadows between neighbours are not its part. Everywhere it must beat the shadow of the light
 // from the other side.
 bool holds(const PileShadowError& whole);
 std::string pile_shadow_text(const std::vector<PileShadowError>& lights);
