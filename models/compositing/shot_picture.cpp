@@ -50,7 +50,7 @@ struct ShotPicture::State {
 
   State(const LitObject& of, std::span<const float> xyz, float radius)
       : object(EmbreeScene::triangles(of.mesh.vertices, of.mesh.indices)),
-        grains(xyz, radius, grain_sizes(xyz.size() / 3)),
+        grains(xyz, radius),
         standing(of),
         centres(xyz.begin(), xyz.end()),
         grain_radius(static_cast<double>(radius)) {}
@@ -94,6 +94,7 @@ struct ShotPicture::State {
       hit.surface = Surface::grain, hit.distance = on_grain.distance;
       const float* c = centres.data() + 3 * static_cast<size_t>(on_grain.index);
       const Vec3 outward = normalised(origin + direction * hit.distance - Vec3{c[0], c[1], c[2]});
+      // Faces, but one size: the shadows of the sand are those of spheres of the mean radius.
       hit.normal = grain_normal(on_grain.index, outward);
       hit.reflectance = grain_colour(on_grain.index);
     }

@@ -238,6 +238,12 @@ std::string length_text(double metres) {
   return text;
 }
 
+std::vector<float> sizes_of(const SceneView& view) {
+  std::vector<float> sizes(view.grains ? view.spheres.size() / 3 : 0);
+  for (size_t i = 0; i < sizes.size(); ++i) sizes[i] = grain_size(static_cast<uint32_t>(i));
+  return sizes;
+}
+
 struct Tracer {
   const SceneView& view;
   const Look& look;
@@ -251,7 +257,7 @@ struct Tracer {
   Tracer(const SceneView& v, const Look& l)
       : view(v),
         look(l),
-        caster(v.spheres, v.radius, grain_sizes(v.grains ? v.spheres.size() / 3 : 0)),
+        caster(v.spheres, v.radius, sizes_of(v)),
         frame(v.camera),
         diagonal(std::max(1e-6, length(v.bounds.high - v.bounds.low))) {
     const double extent = std::max(v.bounds.high.x - v.bounds.low.x, v.bounds.high.z - v.bounds.low.z);
@@ -416,12 +422,6 @@ float grain_size(uint32_t index) {
   constexpr double k_smallest = 0.75, k_largest = 1.2;
   uint32_t state = index * 2u + 1u + 0x51ed270bu;
   return static_cast<float>(k_smallest + (k_largest - k_smallest) * unit_random(&state));
-}
-
-std::vector<float> grain_sizes(size_t count) {
-  std::vector<float> sizes(count);
-  for (size_t i = 0; i < count; ++i) sizes[i] = grain_size(static_cast<uint32_t>(i));
-  return sizes;
 }
 
 Vec3 grain_normal(uint32_t index, Vec3 normal) {

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "models/files/image.h"
 #include "models/geometry/camera.h"
@@ -31,7 +30,6 @@ Camera automatic_camera(std::span<const Bounds> boxes, double aspect);
 Vec3 grain_colour(uint32_t index);               // reflectance
 float grain_size(uint32_t index);                // its radius over the mean one
 Vec3 grain_normal(uint32_t index, Vec3 normal);  // that of a sphere, or of a face that is broken off it
-std::vector<float> grain_sizes(size_t count);    // of the grains 0, 1, ...
 
 struct SceneView {
   std::span<const float> spheres;  // 3 floats each

@@ -445,21 +445,6 @@ TEST(ShotComposite, ObjectAndGrainsAreAsBrightAsTraced) {
 
 // The shipped chair in a room with one lamp: with the true light in cells the composite is nearer to the truth than
 // without shadows, and than in the light of the mirrored room.
-// A grain takes the light from straight above within its own radius, and no further.
-TEST(ShotPicture, GrainsDifferInSizeByTheirNumbers) {
-  constexpr float k_radius = 0.01f;
-  std::vector<float> grains;
-  for (int i = 0; i < 8; ++i) grains.insert(grains.end(), {0.1f * static_cast<float>(i), 0.05f, 0.0f});
-  const ShotPicture picture(cube(), grains, k_radius);
-  for (uint32_t i = 0; i < 8; ++i) {
-    const double own = static_cast<double>(k_radius * grain_size(i));
-    for (const double share : {0.97, 1.03}) {
-      const double x = 0.1 * i + share * own;
-      EXPECT_EQ(picture.grains_leave(x, 0.0, {0, 1, 0}, 1e-4, 1), share < 1.0 ? 0.0 : 1.0) << i;
-    }
-  }
-}
-
 TEST(ShotComposite, TheRoomsLightIsNearerToTheTruthThanItsMirrorImage) {
   const SceneFile scene = shot_scene();
   const LitObject object = standing_object(scene, "");
