@@ -31,9 +31,11 @@ std::string Invariants::particles(const sandglass_frame_report& report) {
   const sandglass_granular_desc& g = s_.desc.granular;
   positions_.resize(3ull * report.particle_numbers), velocities_.resize(3ull * report.particle_numbers);
   sandglass_granular_particles(s_.scene.get(), positions_.data(), velocities_.data());
-  // The limit of a pass, on which a body's rotation comes. Sand of the app or of a nozzle has its own speed at first.
-  const double fastest =
-      1.001 * static_cast<double>(g.courant * g.particle_radius) / static_cast<double>(report.substep);
+  // The limit of a pass, on which a body's rotation comes. Sand of the app or of a nozzle has its own speed at first. The
+  // report's sub-step may have just begun: speeds are then of the one before.
+  const float substep = substep_before_ > 0.0f ? std::min(report.substep, substep_before_) : report.substep;
+  substep_before_ = report.substep;
+  const double fastest = 1.001 * static_cast<double>(g.courant * g.particle_radius) / static_cast<double>(substep);
   const float low = g.particle_radius * (1.0f - 1e-3f);
   for (uint32_t i = 0; i < report.particle_numbers; ++i) {
     const float *p = &positions_[3 * i], *v = &velocities_[3 * i];

@@ -42,6 +42,7 @@ class Invariants {
   std::string grains(const sandglass_frame_report& report);
 
   const WatchedScene& s_;
+  float substep_before_ = 0.0f;  // of the last report
   std::vector<float> positions_, velocities_;
 };
 

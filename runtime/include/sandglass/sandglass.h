@@ -514,8 +514,8 @@ typedef struct sandglass_plan {
  * and logged. Numbers of removed particles and grains are used again, so a scene with a sink pours for ever. What
  * leaves the nozzle during a frame falls from its own moment on, so a jet stretches without gaps at any frame rate.
  *
- * Keep the space before the nozzle free, for as far as sand runs in a third of a second: what is poured in a long frame
- * appears that far away, whatever is in between, and below a floor if that is nearer. */
+ * Keep the space before the nozzle free, for as far as sand flies and falls in a third of a second: what is poured in a
+ * long frame appears that far away, whatever is in between, and below a floor if that is nearer. */
 typedef struct sandglass_emitter {
   /* Of the nozzle's centre, world, metres. */
   float position[3];
