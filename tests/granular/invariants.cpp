@@ -42,7 +42,7 @@ std::string Invariants::particles(const sandglass_frame_report& report) {
     if (!finite(p) || !finite(v)) return "particle " + std::to_string(i) + " is not finite";
     if (p[1] == SANDGLASS_REMOVED_Y) continue;
     const bool body = i < s_.in_bodies;
-    if (p[1] < (body ? -g.particle_radius : low))
+    if (p[1] < (body ? -g.particle_radius : low) && !(body && !s_.bodies_have_floor))
       return "particle " + std::to_string(i) + " is below the floor, y = " + std::to_string(p[1]) + " m";
     const double speed = std::hypot(static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2]));
     if (report.substeps != 0 && speed > (body ? 3.0 * fastest : std::max(fastest, k_given_speed))) {

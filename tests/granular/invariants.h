@@ -21,6 +21,8 @@ struct WatchedScene {
   uint32_t in_bodies = 0;
   // A collider that only grains see comes after the floor, and may push grains below it.
   bool grains_have_floor = true;
+  // A rigid body that another collider presses into the floor cannot obey both.
+  bool bodies_have_floor = true;
 
   sandglass_scene_desc desc;
   Scene scene;

@@ -163,6 +163,7 @@ void RandomScene::add_colliders() {
     }
     colliders_.push_back(c), motions_.push_back(motion);
   }
+  bodies_have_floor = colliders_.empty();
   colliders_.push_back(floor_at(0.0f));  // the last
   if (one_in(4)) {
     std::vector<float> samples;
