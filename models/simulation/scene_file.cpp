@@ -182,6 +182,7 @@ void read_solver(Reader reader, sandglass_granular_desc* granular) {
   granular->reference.solver_iterations = reader.integer("iterations", granular->reference.solver_iterations, 1, 64);
   granular->reference.stabilisation_iterations =
       reader.integer("stabilisation", granular->reference.stabilisation_iterations, 0, 8);
+  // Averaged corrections may be overdone. A pair's correction ends its overlap at 1; beyond, it throws the pair apart.
   const double relaxation_limit = granular->reference.scheme == SANDGLASS_SCHEME_AVERAGED ? 2.0 : 1.0;
   if (granular->reference.scheme == SANDGLASS_SCHEME_AVERAGED) granular->reference.relaxation = 1.0f;
   granular->reference.relaxation = reader.real("relaxation", granular->reference.relaxation, 1e-3, relaxation_limit);
