@@ -1,9 +1,9 @@
 // The motion of the particles on the nodes of a sparse grid, from which the grains read it.
 //
-// A particle adds its weight W, its momentum W u and, where it fell freely, W to every node within reach, and becomes the node's
-// nearest particle where it is. Lane = node, and a node takes the particles in their order, so the lane count does not
-// change a sum. The grid is made of blocks of 4 x 4 x 4 nodes, which exist where there are particles. An open hash
-// table finds a block by its coordinates.
+// A particle adds its weight W and its momentum W u to every node within reach, and W times its share of free fall. It
+// becomes the node's nearest particle where it is. Lane = node, and a node takes the particles in their order, so the
+// lane count does not change a sum. The grid is made of blocks of 4 x 4 x 4 nodes, which exist where there are
+// particles. An open hash table finds a block by its coordinates.
 
 SANDGLASS_INLINE int32_t floor_scalar(float scaled) {
   const float bounded = scaled > -536870912.0f ? (scaled < 536870912.0f ? scaled : 536870912.0f) : -536870912.0f;
