@@ -4,6 +4,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "tests/granular/granular_scene.h"
+
 namespace sandglass::tests {
 
 namespace {
@@ -12,10 +14,6 @@ constexpr uint32_t k_sand_most = 400, k_body_particles = 125, k_bodies = 3, k_em
 constexpr uint32_t k_particles_most = 700, k_colliders = 6;
 constexpr float k_fastest = 3.0f, k_ahead = 1.0f / 3.0f;  // m/s, of nozzles; seconds before one that must be free
 constexpr double k_pi = 3.14159265358979323846;
-
-void must(const Status& status) {
-  if (!status) throw std::runtime_error(status.reason);
-}
 
 }  // namespace
 
@@ -93,12 +91,12 @@ void RandomScene::add_bodies() {
     const std::array<float, 3> half = {r_ * between(1, 4), r_ * between(1, 4), r_ * between(1, 4)};
     const std::array<float, 3> place = {r_ * between(-6, 6), height_ + 8 * r_, r_ * between(-6, 6)};
     const float turn[3] = {between(-1, 1), between(-1, 1), between(0, 3)};
-    must(box_body(half, r_, place, 1.0f, &box, rotation_about(turn[0], 1, turn[1], turn[2])));
+    ::accept(box_body(half, r_, place, 1.0f, &box, rotation_about(turn[0], 1, turn[1], turn[2])));
     box.body.density_ratio = log_between(0.001, 1000);
     for (float& v : box.body.linear_velocity) v = one_in(2) ? 0.0f : between(-1, 1);
     for (float& w : box.body.angular_velocity) w = one_in(2) ? 0.0f : between(-5, 5);
     if (box.body.particle_count > k_body_particles) continue;
-    must(scene.add_body(box.body));
+    ::accept(scene.add_body(box.body));
     particles_added += box.body.particle_count;
     height_ += 16 * r_;
   }
@@ -125,7 +123,7 @@ void RandomScene::add_sand(uint32_t most) {
   status.code = sandglass_granular_add(scene.get(), particles.data(), velocities.data(), count, grains.data(), nullptr,
                                        count * each, &status.reason);
   if (status.code == SANDGLASS_ERROR_CAPACITY) return;
-  must(status);
+  ::accept(status);
   particles_added += count, grains_added += count * each;
   height_ += spacing * static_cast<float>(count / (side * side) + 1);
 }
@@ -145,8 +143,8 @@ void RandomScene::add_colliders() {
         // A bowl: solid outside a sphere.
         const float R = 20 * r_;
         const Box bounds = {{-1.2f * R, -1.2f * R, -1.2f * R}, {1.2f * R, 1.2f * R, 1.2f * R}};
-        must(field_.from_function(bounds, 2 * r_, SANDGLASS_SOLID_OUTSIDE,
-                                  [R](const float* p) { return R - std::hypot(p[0], p[1], p[2]); }));
+        ::accept(field_.from_function(bounds, 2 * r_, SANDGLASS_SOLID_OUTSIDE,
+                                      [R](const float* p) { return R - std::hypot(p[0], p[1], p[2]); }));
       }
       c = field_at(field_, 0, 19 * r_, 0);
     }
@@ -170,7 +168,7 @@ void RandomScene::add_colliders() {
     for (uint32_t i = 0; i < 64; ++i)
       for (const float p : {r_ * 2 * static_cast<float>(i % 8), 0.0f, r_ * 2 * static_cast<float>(i / 8)})
         samples.push_back(p);
-    must(scene.set_boundary(samples));
+    ::accept(scene.set_boundary(samples));
   }
   const float pull = std::hypot(desc.gravity[0], desc.gravity[1], desc.gravity[2]);
   const float free = k_ahead * (k_fastest + 0.5f * pull * k_ahead);
@@ -189,10 +187,10 @@ void RandomScene::add_shadows() {
     sandglass_pile_shadow_desc d = pile_shadow_desc();
     d.texels = 32, d.sky_texels = one_in(2) ? 32 : 0, d.on_sand = random_.below(2);
     for (int k = 0; k < 2; ++k) d.low[k] = -20 * r_, d.high[k] = 20 * r_;
-    must(pile_.create(d));
+    ::accept(pile_.create(d));
   }
   if (!one_in(6)) return;
-  must(room_.create());
+  ::accept(room_.create());
   pixels_.resize(3 * 48 * 32);
   for (uint8_t& p : pixels_) p = static_cast<uint8_t>(random_.next());
   image_ = camera_image();
@@ -208,7 +206,7 @@ RandomScene::RandomScene(uint64_t number, bool replays)
       pool_random_(random_stream(number, 3)) {
   describe(replays);
   block = test::GuardedBlock(Scene::bytes(desc));
-  must(scene.create_in(desc, block.data(), block.bytes()));
+  ::accept(scene.create_in(desc, block.data(), block.bytes()));
   drawn = test::GuardedBlock(sizeof(sandglass_grain) * desc.granular.grain_capacity);
   add_bodies();
   add_sand(k_sand_most);
@@ -254,18 +252,18 @@ void RandomScene::act() {
   if (action == 0) add_sand(40);
   if (action == 1) {
     const float statics = between(0, 1), kinetic = between(0, 1);
-    must(scene.set_friction(statics, kinetic));
+    ::accept(scene.set_friction(statics, kinetic));
   }
   if (action == 2) {
     const float x = r_ * between(-10, 10), y = r_ * between(0, 20);
-    must(scene.remove(sphere(x, y, 0, r_ * 4)));
+    ::accept(scene.remove(sphere(x, y, 0, r_ * 4)));
   }
   if (action == 3) {
     std::vector<std::byte> saved;
-    must(scene.save(&saved));
-    must(scene.restore(saved));
+    ::accept(scene.save(&saved));
+    ::accept(scene.restore(saved));
   }
-  if (pile_ && one_in(4)) must(pile_.set_light({between(-1, 1), 1.0f, between(-1, 1)}));
+  if (pile_ && one_in(4)) ::accept(pile_.set_light({between(-1, 1), 1.0f, between(-1, 1)}));
 }
 
 sandglass_frame_input RandomScene::next_input() {

@@ -4,7 +4,6 @@
 // Every 10,000 frames the scene is saved. A second scene, restored from the bytes, then runs beside the first for a
 // cycle and must stay equal to it, to the bit. SANDGLASS_SOAK_FRAMES shortens the run.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "models/mesh/generated.h"
 #include "tests/granular/granular_scene.h"
 #include "tests/granular/mesh_collider.h"
+#include "tests/peak_memory.h"
 
 namespace {
 
@@ -98,12 +98,6 @@ struct Heights {
   }
 };
 
-int64_t peak_memory_kib() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss;
-}
-
 TEST(Soak, MillionFramesOfASmallHourglass) {
   const char* wanted = std::getenv("SANDGLASS_SOAK_FRAMES");
   const uint64_t frames = wanted != nullptr ? std::strtoull(wanted, nullptr, 10) : 1000000;
@@ -144,7 +138,7 @@ TEST(Soak, MillionFramesOfASmallHourglass) {
       accept(again.scene.scene.restore(saved));
       ASSERT_EQ(again.scene.hash(), run.scene.hash());
       compare_until = frame + 1 + k_cycle;
-      const int64_t memory = peak_memory_kib();
+      const int64_t memory = sandglass::tests::peak_memory_kib();
       if (memory_at_first == 0) memory_at_first = memory;
       ASSERT_LE(memory, memory_at_first + 1024) << "KiB; memory grows, frame " << frame;
     }

@@ -11,7 +11,6 @@
 // goes on where it was interrupted, and begins with the stretch that failed where one did. A million frames are four
 // and a half hours of stirring.
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <array>
@@ -23,8 +22,10 @@
 #include <stdexcept>
 
 #include "runtime/core/random.h"
+#include "tests/granular/granular_scene.h"
 #include "tests/granular/invariants.h"
 #include "tests/lighting/light_fixture.h"
+#include "tests/peak_memory.h"
 #include "tests/shadow/shadow_fixture.h"
 
 namespace sandglass::tests {
@@ -34,10 +35,6 @@ constexpr uint64_t k_stretch = 1000;
 constexpr float k_r = 0.01f, k_wall = 0.1f, k_frame = 1.0f / 60.0f;
 constexpr uint32_t k_particles = 500, k_first = 300, k_grains_each = 8, k_fingers = 3;
 constexpr uint32_t k_width = 64, k_height = 48;
-
-void must(const Status& status) {
-  if (!status) throw std::runtime_error(status.reason);
-}
 
 // What a stretch leaves behind.
 struct Saved {
@@ -56,7 +53,7 @@ class Stretch : public WatchedScene {
         pixels_(3 * size_t{k_width} * k_height) {
     describe_scene(isa);
     block = test::GuardedBlock(Scene::bytes(desc));
-    must(scene.create_in(desc, block.data(), block.bytes()));
+    ::accept(scene.create_in(desc, block.data(), block.bytes()));
     drawn = test::GuardedBlock(sizeof(sandglass_grain) * desc.granular.grain_capacity);
     create_light_and_shadows(isa);
     add_colliders();
@@ -64,8 +61,8 @@ class Stretch : public WatchedScene {
     if (before.scene.empty()) {
       add_sand();
     } else {
-      must(scene.restore(before.scene));
-      must(room_.restore(before.room));
+      ::accept(scene.restore(before.scene));
+      ::accept(room_.restore(before.room));
       asked = before.asked;
     }
   }
@@ -92,8 +89,8 @@ class Stretch : public WatchedScene {
 
   Saved leave() {
     Saved after = {number_ + 1, scene.hash(), asked, {}, {}};
-    must(scene.save(&after.scene));
-    must(room_.save(&after.room));
+    ::accept(scene.save(&after.scene));
+    ::accept(room_.save(&after.room));
     return after;
   }
 
@@ -120,12 +117,12 @@ class Stretch : public WatchedScene {
   void create_light_and_shadows(sandglass_isa isa) {
     sandglass_light_desc light = describe_light();
     light.isa = isa, light.interval = 8.0f;  // two estimates in a stretch
-    must(light_.create(light));
-    must(room_.create());
+    ::accept(light_.create(light));
+    ::accept(room_.create());
     sandglass_pile_shadow_desc pile = pile_shadow_desc();
     pile.isa = isa, pile.texels = 32, pile.sky_texels = 32, pile.on_sand = 1;
     for (int k = 0; k < 2; ++k) pile.low[k] = -k_wall, pile.high[k] = k_wall;
-    must(pile_.create(pile));
+    ::accept(pile_.create(pile));
     image_ = camera_image();
     image_.width = k_width, image_.height = k_height;
     image_.planes[0] = pixels_.data(), image_.strides[0] = 3 * k_width;
@@ -162,7 +159,7 @@ class Stretch : public WatchedScene {
       for (uint32_t g = 0; g < k_grains_each; ++g)
         for (const float v : p) grains.push_back(v + k_r * between(-0.5, 0.5));
     }
-    must(scene.add(particles, grains));
+    ::accept(scene.add(particles, grains));
   }
 
   // The hand's middle swings with three rates, and the fingers turn about it; now and then it is somewhere else at once.
@@ -197,10 +194,10 @@ class Stretch : public WatchedScene {
   void turn_lights(float time) {
     const std::array<float, 3> sun = {std::cos(time), 0.8f, std::sin(time)};
     shadow_.light(sun[0], sun[1], sun[2]);
-    must(pile_.set_light(sun));
+    ::accept(pile_.set_light(sun));
     const float place[3] = {0, 0.05f, 0};
     const sandglass_room_light seen = room_.light_at(place);
-    must(pile_.set_cells(seen.cells));
+    ::accept(pile_.set_cells(seen.cells));
     const char* reason = nullptr;
     if (sandglass_shadow_set_cells(shadow_.shadow, seen.cells, time, &reason) != SANDGLASS_OK)
       throw std::runtime_error(reason);
@@ -303,12 +300,6 @@ Saved read_state(const std::filesystem::path& path) {
   file.read(reinterpret_cast<char*>(saved.scene.data()), static_cast<std::streamsize>(numbers[2]));
   file.read(reinterpret_cast<char*>(saved.room.data()), static_cast<std::streamsize>(numbers[3]));
   return saved;
-}
-
-int64_t peak_memory_kib() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return usage.ru_maxrss;
 }
 
 TEST(Stirring, EverythingHoldsInEveryFrame) {
