@@ -96,21 +96,6 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, const Float p
   flow->free = select(lanes, sum.free, flow->free);
 }
 
-// What a block holds, or null. lacking: the grid has no room there, so the records do not tell all.
-struct Block {
-  const float* records;
-  const uint8_t* density;
-  bool lacking;
-};
-
-SANDGLASS_INLINE Block look_up(const MotionGrid* grid, const float at[3]) {
-  const uint32_t number =
-      motion_find(*grid, to_whole<int32_t>(at[0]), to_whole<int32_t>(at[1]), to_whole<int32_t>(at[2]));
-  if (number == k_no_block) return {nullptr, nullptr, grid->overflowed != 0};
-  return {grid->nodes + static_cast<uint64_t>(number) * k_block_records * k_record_floats, density_of(*grid, number),
-          (grid->blocks[number].state & k_block_incomplete) != 0};
-}
-
 // How far a grain is pushed down the gradient of the grains' density, which is read between the centres of cells.
 SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* density, const Float inside[3], Flow* flow) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
@@ -153,29 +138,15 @@ SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* densi
   for (int k = 0; k < 3; ++k) flow->push[k] = zero - shorter * slope[k];
 }
 
-// Adds the share of the node that is so many records behind the lanes' own.
-template <uint32_t k_behind>
-SANDGLASS_INLINE void add_corner(const float* const* records, Float share, Flow* sum) {
-  Float node[4];
-  load_quads(records, k_behind * k_record_floats, node);
-  sum->weight = sum->weight + share * node[0];
-  sum->x = sum->x + share * node[1];
-  sum->y = sum->y + share * node[2];
-  sum->z = sum->z + share * node[3];
-}
+// The nodes at the corners of a grain's cell: records behind the first of them, times the floats of a record.
+constexpr uint32_t k_corners[8] = {0, 8, 40, 48, 200, 208, 240, 248};
 
-SANDGLASS_INLINE void add_corners(const float* const* records, const Float local[3], Flow* sum) {
+// How much a place counts for each of the corners.
+SANDGLASS_INLINE void corner_shares(const Float local[3], Float share[8]) {
   const Float one = broadcast(1.0f);
   const Float to_low[3] = {one - local[0], one - local[1], one - local[2]};
   const Float rows[4] = {to_low[2] * to_low[1], to_low[2] * local[1], local[2] * to_low[1], local[2] * local[1]};
-  add_corner<0>(records, rows[0] * to_low[0], sum);
-  add_corner<1>(records, rows[0] * local[0], sum);
-  add_corner<5>(records, rows[1] * to_low[0], sum);
-  add_corner<6>(records, rows[1] * local[0], sum);
-  add_corner<25>(records, rows[2] * to_low[0], sum);
-  add_corner<26>(records, rows[2] * local[0], sum);
-  add_corner<30>(records, rows[3] * to_low[0], sum);
-  add_corner<31>(records, rows[3] * local[0], sum);
+  for (int row = 0; row < 4; ++row) share[2 * row] = rows[row] * to_low[0], share[2 * row + 1] = rows[row] * local[0];
 }
 
 // What the corners' other halves say.
@@ -184,35 +155,22 @@ struct Nearest {
   Float free;     // the sum of W times the share of free fall
 };
 
-template <uint32_t k_behind>
-SANDGLASS_INLINE void add_nearest(const float* const* records, const Float position[3], Float share, Nearest* sum) {
-  Float node[4];
-  load_quads(records, k_behind * k_record_floats + k_node_nearest, node);
-  const Float dx = node[0] - position[0], dy = node[1] - position[1], dz = node[2] - position[2];
-  sum->squared = minimum(dx * dx + dy * dy + dz * dz, sum->squared);
-  sum->free = sum->free + share * node[3];
-}
-
 // To the nearest of the particles that are nearest to the corners; h^2 at most. Of these one is the nearest to the
 // grain, but for rare ties.
-SANDGLASS_INLINE Nearest read_nearest(const float* const* records, const Float position[3], const Float local[3],
+SANDGLASS_INLINE Nearest read_nearest(const float* const* records, const Float position[3], const Float share[8],
                                       Float most) {
-  const Float one = broadcast(1.0f);
-  const Float to_low[3] = {one - local[0], one - local[1], one - local[2]};
-  const Float rows[4] = {to_low[2] * to_low[1], to_low[2] * local[1], local[2] * to_low[1], local[2] * local[1]};
   Nearest sum = {most, broadcast(0.0f)};
-  add_nearest<0>(records, position, rows[0] * to_low[0], &sum);
-  add_nearest<1>(records, position, rows[0] * local[0], &sum);
-  add_nearest<5>(records, position, rows[1] * to_low[0], &sum);
-  add_nearest<6>(records, position, rows[1] * local[0], &sum);
-  add_nearest<25>(records, position, rows[2] * to_low[0], &sum);
-  add_nearest<26>(records, position, rows[2] * local[0], &sum);
-  add_nearest<30>(records, position, rows[3] * to_low[0], &sum);
-  add_nearest<31>(records, position, rows[3] * local[0], &sum);
+  for (int corner = 0; corner < 8; ++corner) {
+    Float node[4];
+    load_quads(records, k_corners[corner] + k_node_nearest, node);
+    const Float dx = node[0] - position[0], dy = node[1] - position[1], dz = node[2] - position[2];
+    sum.squared = minimum(dx * dx + dy * dy + dz * dz, sum.squared);
+    sum.free = sum.free + share[corner] * node[3];
+  }
   return sum;
 }
 
-// Where lanes read.
+// Where lanes read. Lanes that are in no block read anything.
 struct Places {
   const float* records[k_width];
   const uint8_t* density[k_width];
@@ -220,61 +178,41 @@ struct Places {
   Mask lacking;  // lanes that the grid has no room for
 };
 
-// Lanes in several blocks.
-SANDGLASS_APART void find_blocks(const MotionGrid* grid, Mask lanes, const BlockPlace& place, const uint32_t* corners,
-                                 Places* places) {
-  for (uint32_t l = 0; l < k_width; ++l) places->records[l] = grid->nodes, places->density[l] = density_of(*grid, 0);
-  places->lacking = places->known = and_not(lanes, lanes);
-  alignas(64) float at[3][k_lane_group];
-  for (int k = 0; k < 3; ++k) store(at[k], place.block[k]);
-  for (Mask left = lanes; any(left);) {
-    const uint32_t sole = first(left);
-    const float block_at[3] = {at[0][sole], at[1][sole], at[2][sole]};
-    const Float wanted[3] = {broadcast(block_at[0]), broadcast(block_at[1]), broadcast(block_at[2])};
-    const Mask same = left & same_block(place, wanted);
-    left = and_not(left, same);
-    const Block block = look_up(grid, block_at);
-    if (block.lacking) places->lacking = places->lacking | same;
-    if (block.lacking || block.records == nullptr) continue;
-    places->known = places->known | same;
-    alignas(64) uint32_t members[2 * k_lane_group];
-    const uint32_t n = compress_store(members, lane_index(), same);
-    for (uint32_t m = 0; m < n; ++m) {
-      places->records[members[m]] = block.records + corners[members[m]] * k_record_floats;
-      places->density[members[m]] = block.density;
-    }
+// The grid had no room for some block, so the records of those beside it do not tell all.
+SANDGLASS_APART void find_lacking(const MotionGrid* grid, Mask lanes, const uint32_t* numbers, Places* places) {
+  alignas(64) uint32_t lacks[k_lane_group];
+  for (uint32_t l = 0; l < k_width; ++l) {
+    const uint32_t number = numbers[l];
+    lacks[l] = number == k_no_block || (grid->blocks[number].state & k_block_incomplete) != 0 ? 1 : 0;
   }
+  places->lacking = lanes & (broadcast(0) < load(lacks));
+  places->known = and_not(places->known, places->lacking);
 }
-
-// The block of the last grains: as a rule the next ones are in it too.
-struct LastBlock {
-  float at[3];
-  Block block;
-  bool known;
-};
 
 SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const BlockPlace& place, Int corner,
                                   LastBlock* last, Places* places) {
-  const Mask none = and_not(lanes, lanes);
-  alignas(64) uint32_t corners[k_lane_group];
+  const Int none = broadcast(static_cast<int32_t>(k_no_block));
+  alignas(64) uint32_t corners[k_lane_group], numbers[k_lane_group];
   store(corners, corner);
-  Float at[3] = {broadcast(last->at[0]), broadcast(last->at[1]), broadcast(last->at[2])};
-  if (!last->known || any(and_not(lanes, same_block(place, at)))) {
-    alignas(64) float all_at[3][k_lane_group];
-    const uint32_t sole = first(lanes);
-    for (int k = 0; k < 3; ++k)
-      store(all_at[k], place.block[k]), last->at[k] = all_at[k][sole], at[k] = broadcast(last->at[k]);
-    last->block = look_up(grid, last->at);
-    last->known = true;
-    if (any(and_not(lanes, same_block(place, at)))) return find_blocks(grid, lanes, place, corners, places);
+  const bool one = find_blocks(grid, lanes, place, last, numbers);
+  places->known = lanes, places->lacking = and_not(lanes, lanes);
+  if (one && last->number != k_no_block && grid->overflowed == 0) {
+    const float* records = grid->nodes + static_cast<uint64_t>(last->number) * k_block_records * k_record_floats;
+    const uint8_t* density = density_of(*grid, last->number);
+    // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
+    for (uint32_t l = 0; l < k_width; ++l)
+      places->records[l] = records + corners[l] * k_record_floats, places->density[l] = density;
+    return;
   }
-  places->lacking = last->block.lacking ? lanes : none;
-  places->known = none;
-  if (last->block.lacking || last->block.records == nullptr) return;
-  places->known = lanes;
-  // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
-  for (uint32_t l = 0; l < k_width; ++l)
-    places->records[l] = last->block.records + corners[l] * k_record_floats, places->density[l] = last->block.density;
+  if (one) store(numbers, broadcast(static_cast<int32_t>(last->number)));
+  const Mask nowhere = load(numbers) == none;
+  places->known = and_not(lanes, nowhere);
+  if (grid->overflowed != 0) find_lacking(grid, lanes, numbers, places);
+  if (any(nowhere)) store(numbers, select(nowhere, broadcast(0), load(numbers)));
+  for (uint32_t l = 0; l < k_width; ++l) {
+    places->records[l] = grid->nodes + (numbers[l] * k_block_records + corners[l]) * uint64_t{k_record_floats};
+    places->density[l] = density_of(*grid, numbers[l]);
+  }
 }
 
 // 1 at a and below, 0 at b and above, smooth between.
@@ -295,34 +233,42 @@ SANDGLASS_INLINE Float push_share(const RefineArgs* a, const Flow& sum, Float ne
   return maximum(maximum(within, near), lone * (one - fade(sum.weight, 0.0f, 0.02f)));
 }
 
-// The sums at the lanes that `lanes` holds, between the nodes of the grid. Returns the lanes that the grid has no room
-// for.
-SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_lanes[3], LastBlock* last, Flow* flow) {
+// The sums at the lanes that `lanes` holds, between the nodes of the grid. Leaves in `lanes` those that the grid has no
+// room for. True: all lanes are inside the pile, where nothing flies freely.
+SANDGLASS_INLINE bool read_flow(const RefineArgs* a, Mask* lanes, const Float at_lanes[3], LastBlock* last,
+                                Flow* flow) {
   const MotionGrid* grid = a->motion;
   const Float zero = broadcast(0.0f);
-  const BlockPlace place = place_in_block(grid, lanes, at_lanes);
-  Float local[3];
+  const BlockPlace place = place_in_block(grid, *lanes, at_lanes);
+  Float local[3], corner_share[8], sums[4];
   Int corner = broadcast(0);
   for (int k = 2; k >= 0; --k) {
-    const Float cell = minimum(to_float(to_int(place.inside[k])), broadcast(3.0f));
-    local[k] = place.inside[k] - cell;
+    const Int cell = minimum(to_int(place.inside[k]), broadcast(3));
+    local[k] = place.inside[k] - to_float(cell);
     // Records of a block: x fastest, 5 along an axis.
-    corner = shift_left(corner, 2) + corner + to_int(cell);
+    corner = shift_left(corner, 2) + corner + cell;
   }
   Places places;
-  find_places(grid, lanes, place, corner, last, &places);
+  find_places(grid, *lanes, place, corner, last, &places);
   const Mask known = places.known;
-  if (!any(known)) return places.lacking;
-  Flow sum = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
-  add_corners(places.records, local, &sum);
+  *lanes = places.lacking;
+  if (!any(known)) return false;
+  corner_shares(local, corner_share);
+  blend_quads(places.records, k_corners, corner_share, sums);
+  Flow sum = {sums[0], sums[1], sums[2], sums[3], zero, zero, {zero, zero, zero}};
   // In the pile's inside nothing flies freely, so the nearest particle does not matter.
-  const Mask inside = broadcast(k_weight_inside) <= sum.weight;
+  const Mask inside = known & (broadcast(k_weight_inside) <= sum.weight);
+  if (all(inside)) {
+    if (a->push != 0.0f) read_push(a, places.density, place.inside, &sum);
+    *flow = sum;
+    return true;
+  }
   Float share = broadcast(1.0f);  // of the push
   if (any(and_not(known, inside))) {
     Float position[3];
     for (int k = 0; k < 3; ++k) position[k] = at_lanes[k] - broadcast(grid->origin[k]);
     const Float h2 = broadcast(grid->support * grid->support);
-    const Nearest nearest = read_nearest(places.records, position, local, h2);
+    const Nearest nearest = read_nearest(places.records, position, corner_share, h2);
     const Float t = maximum((h2 - nearest.squared) * broadcast(1.0f / (grid->support * grid->support)), zero);
     sum.largest = select(inside, zero, t * t * t);
     // Where all of them fell freely the share is 1, although W of the nearest one may be more than the sum.
@@ -331,18 +277,18 @@ SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_
     sum.free = sum.free * sum.weight;
     if (a->push != 0.0f) share = push_share(a, sum, nearest.squared);
   }
-  flow->weight = select(known, sum.weight, flow->weight);
-  flow->x = select(known, sum.x, flow->x);
-  flow->y = select(known, sum.y, flow->y);
-  flow->z = select(known, sum.z, flow->z);
-  flow->largest = select(known, sum.largest, flow->largest);
-  flow->free = select(known, sum.free, flow->free);
+  flow->weight = keep(known, sum.weight);
+  flow->x = keep(known, sum.x);
+  flow->y = keep(known, sum.y);
+  flow->z = keep(known, sum.z);
+  flow->largest = keep(known, sum.largest);
+  flow->free = keep(known, sum.free);
   const Mask pushed = known & (zero < share);
   if (a->push != 0.0f && any(pushed)) {
     read_push(a, places.density, place.inside, &sum);
     for (int k = 0; k < 3; ++k) flow->push[k] = keep(pushed, share * sum.push[k]);
   }
-  return places.lacking;
+  return false;
 }
 
 // The share of free flight in a grain's motion: (4.44), or the continuous rule, which has the same two thresholds and
@@ -417,7 +363,7 @@ SANDGLASS_APART void gather_all(const RefineArgs* a, Mask lanes, const Float pos
 
 SANDGLASS_INLINE Mask sound_places(Mask lanes, const Float position[3]) {
   const Float limit = broadcast(k_coordinate_bound);
-  return lanes & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
+  return lanes & within(position[0], limit) & within(position[1], limit) & within(position[2], limit);
 }
 
 // As many grains as there are lanes, on their way through a sweep.
@@ -492,7 +438,7 @@ SANDGLASS_INLINE void follow(const RefineArgs* a, LastBlock* last, Grains* g) {
   const Float zero = broadcast(0.0f);
   Flow flow = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
   Mask left = sound_places(g->inside, g->position);
-  if (any(left)) left = read_flow(a, left, g->position, last, &flow);
+  if (any(left)) read_flow(a, &left, g->position, last, &flow);
   if (any(left)) gather_all(a, left, g->position, &flow);  // the grid has no room there
   const Following f = find_following(a, flow, g);
   // Half a particle radius in a step, less what gravity adds.
@@ -522,7 +468,7 @@ SANDGLASS_APART void follow_particles(const RefineArgs* a, Grains* g) {
 static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound);
   uint32_t quarantined = 0;
-  LastBlock last = {};
+  LastBlock last = no_block_yet();
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t group_number = a->groups[item / k_lane_group];
     const uint32_t i = group_number * k_lane_group + item % k_lane_group;

@@ -46,17 +46,20 @@ SANDGLASS_INLINE Int operator+(Int a, Int b) { return {vaddq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator-(Int a, Int b) { return {vsubq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {vandq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {vorrq_s32(a.v, b.v)}; }
+SANDGLASS_INLINE Int minimum(Int a, Int b) { return {vminq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {vshlq_s32(a.v, vdupq_n_s32(count))}; }
 SANDGLASS_INLINE Int shift_right(Int a, int count) {
   return {vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a.v), vdupq_n_s32(-count)))};
 }
 SANDGLASS_INLINE Int to_int(Float a) { return {vcvtq_s32_f32(a.v)}; }
+SANDGLASS_INLINE Int floor_int(Float a) { return {vcvtmq_s32_f32(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {vcvtq_f32_s32(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {vreinterpretq_s32_f32(a.v)}; }
 
 SANDGLASS_INLINE Mask operator<(Float a, Float b) { return {vcltq_f32(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator<=(Float a, Float b) { return {vcleq_f32(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator==(Float a, Float b) { return {vceqq_f32(a.v, b.v)}; }
+SANDGLASS_INLINE Mask within(Float a, Float limit) { return {vcaltq_f32(a.v, limit.v)}; }
 SANDGLASS_INLINE Mask operator<(Int a, Int b) { return {vcltq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator==(Int a, Int b) { return {vceqq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator&(Mask a, Mask b) { return {vandq_u32(a.m, b.m)}; }
@@ -112,12 +115,27 @@ SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Flo
             vld1q_f32(lanes[3] + offset), t);
   for (int c = 0; c < 4; ++c) out[c].v = t[c];
 }
-SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
+// Lane by lane, without a transpose of each quad: a product takes its share from a lane of a register.
+SANDGLASS_INLINE void blend_quads(const float* const* lanes, const uint32_t offsets[8], const Float share[8],
+                                  Float out[4]) {
+  float32x4_t sum[4] = {vdupq_n_f32(0.0f), vdupq_n_f32(0.0f), vdupq_n_f32(0.0f), vdupq_n_f32(0.0f)};
+  for (int k = 0; k < 8; ++k) {
+    sum[0] = vaddq_f32(sum[0], vmulq_laneq_f32(vld1q_f32(lanes[0] + offsets[k]), share[k].v, 0));
+    sum[1] = vaddq_f32(sum[1], vmulq_laneq_f32(vld1q_f32(lanes[1] + offsets[k]), share[k].v, 1));
+    sum[2] = vaddq_f32(sum[2], vmulq_laneq_f32(vld1q_f32(lanes[2] + offsets[k]), share[k].v, 2));
+    sum[3] = vaddq_f32(sum[3], vmulq_laneq_f32(vld1q_f32(lanes[3] + offsets[k]), share[k].v, 3));
+  }
   float32x4_t t[4];
-  transpose(vld1q_f32(p), vld1q_f32(p + 8), vld1q_f32(p + 16), vld1q_f32(p + 24), t);
+  transpose(sum[0], sum[1], sum[2], sum[3], t);
   for (int c = 0; c < 4; ++c) out[c].v = t[c];
-  transpose(vld1q_f32(p + 4), vld1q_f32(p + 12), vld1q_f32(p + 20), vld1q_f32(p + 28), t);
-  for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
+}
+// One load takes two records apart into x y z w of both and of both their second halves.
+SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
+  const float32x4x4_t low = vld4q_f32(p), high = vld4q_f32(p + 16);
+  for (int c = 0; c < 4; ++c) {
+    out[c].v = vuzp1q_f32(low.val[c], high.val[c]);
+    out[4 + c].v = vuzp2q_f32(low.val[c], high.val[c]);
+  }
 }
 SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) {
   const float32x4x2_t r = vld1q_f32_x2(p);  // one load; a product can name a lane of it, which saves the copy
@@ -129,11 +147,12 @@ SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) {
   }
 }
 SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
-  float32x4_t t[4];
-  transpose(in[0].v, in[1].v, in[2].v, in[3].v, t);
-  for (int k = 0; k < 4; ++k) vst1q_f32(p + 8 * k, t[k]);
-  transpose(in[4].v, in[5].v, in[6].v, in[7].v, t);
-  for (int k = 0; k < 4; ++k) vst1q_f32(p + 8 * k + 4, t[k]);
+  float32x4x4_t low, high;
+  for (int c = 0; c < 4; ++c) {
+    low.val[c] = vzip1q_f32(in[c].v, in[4 + c].v);
+    high.val[c] = vzip2q_f32(in[c].v, in[4 + c].v);
+  }
+  vst4q_f32(p, low), vst4q_f32(p + 16, high);
 }
 
 SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first, const uint32_t* second, Float out[8]) {
