@@ -196,7 +196,9 @@ SANDGLASS_INLINE bool find_blocks(const MotionGrid* grid, Mask lanes, const Bloc
       return false;
     }
   }
-  look_up_blocks(grid, lanes, place, last, numbers);
+  BlockPlace places;  // a copy, so that the original can stay in registers
+  for (int k = 0; k < 3; ++k) places.block[k] = place.block[k], places.inside[k] = place.inside[k];
+  look_up_blocks(grid, lanes, places, last, numbers);
   return false;
 }
 

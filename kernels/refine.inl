@@ -103,35 +103,32 @@ SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* densi
   Int first = broadcast(0);
   for (int k = 2; k >= 0; --k) {
     const Float scaled = inside[k] * broadcast(3.0f) + broadcast(1.5f);  // 1 is the centre of the first cell
-    const Float cell = minimum(to_float(to_int(scaled)), broadcast(static_cast<float>(k_block_cells + 1)));
-    share[k] = scaled - cell, away[k] = one - share[k];
-    first = shift_left(first, 4) - shift_left(first, 1) + to_int(cell);
+    const Int cell = minimum(to_int(scaled), broadcast(static_cast<int32_t>(k_block_cells + 1)));
+    share[k] = scaled - to_float(cell), away[k] = one - share[k];
+    first = shift_left(first, 4) - shift_left(first, 1) + cell;
   }
   constexpr uint32_t k_plane = k_density_cells * k_density_cells;
-  alignas(64) uint32_t at[k_lane_group], corners[2][k_lane_group];  // four bytes each: x, then y
+  alignas(64) uint32_t at[k_lane_group];
   store(at, first);
-  for (uint32_t l = 0; l < k_width; ++l) {
-    const uint8_t* d = density[l] + (at[l] - (k_plane + k_density_cells + 1));
-    for (int z = 0; z < 2; ++z, d += k_plane) {
-      uint16_t low, high;
-      __builtin_memcpy(&low, d, 2);
-      __builtin_memcpy(&high, d + k_density_cells, 2);
-      corners[z][l] = low | static_cast<uint32_t>(high) << 16;
-    }
-  }
+  const uint8_t* squares[k_width];
+  for (uint32_t l = 0; l < k_width; ++l) squares[l] = density[l] + (at[l] - (k_plane + k_density_cells + 1));
   Float edge[4], slope_x[4];
   const Int byte = broadcast(255);
-  for (int k = 0; k < 4; ++k) {
-    const Int pair = k % 2 == 0 ? load(corners[k / 2]) : shift_right(load(corners[k / 2]), 16);
-    const Float low = to_float(pair & byte), high = to_float(shift_right(pair, 8) & byte);
-    slope_x[k] = high - low;
-    edge[k] = low + share[0] * slope_x[k];
+  for (uint32_t z = 0; z < 2; ++z) {
+    const Int square = load_byte_squares<k_density_cells>(squares, z * k_plane);
+    const Float corner[4] = {to_float(square & byte), to_float(shift_right(square, 8) & byte),
+                             to_float(shift_right(square, 16) & byte), to_float(shift_right(square, 24))};
+    for (uint32_t y = 0; y < 2; ++y) {
+      slope_x[2 * z + y] = corner[2 * y + 1] - corner[2 * y];
+      edge[2 * z + y] = corner[2 * y] + share[0] * slope_x[2 * z + y];
+    }
   }
-  const Float low = edge[0] + share[1] * (edge[1] - edge[0]), high = edge[2] + share[1] * (edge[3] - edge[2]);
-  const Float value = low + share[2] * (high - low);
+  const Float slope_y[2] = {edge[1] - edge[0], edge[3] - edge[2]};
+  const Float low = edge[0] + share[1] * slope_y[0], high = edge[2] + share[1] * slope_y[1];
+  const Float slope_z = high - low, value = low + share[2] * slope_z;
   const Float slope[3] = {away[2] * (away[1] * slope_x[0] + share[1] * slope_x[1]) +
                               share[2] * (away[1] * slope_x[2] + share[1] * slope_x[3]),
-                          away[2] * (edge[1] - edge[0]) + share[2] * (edge[3] - edge[2]), high - low};
+                          away[2] * slope_y[0] + share[2] * slope_y[1], slope_z};
   const Float scale = broadcast(a->push) / maximum(value, one);
   const Float length2 = scale * scale * (slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2]);
   const Float shorter = minimum(broadcast(a->push_max) / square_root(maximum(length2, broadcast(1e-30f))), one) * scale;
@@ -260,7 +257,8 @@ SANDGLASS_INLINE bool read_flow(const RefineArgs* a, Mask* lanes, const Float at
   const Mask inside = known & (broadcast(k_weight_inside) <= sum.weight);
   if (all(inside)) {
     if (a->push != 0.0f) read_push(a, places.density, place.inside, &sum);
-    *flow = sum;
+    flow->weight = sum.weight, flow->x = sum.x, flow->y = sum.y, flow->z = sum.z;
+    for (int k = 0; k < 3; ++k) flow->push[k] = sum.push[k];
     return true;
   }
   Float share = broadcast(1.0f);  // of the push
@@ -373,16 +371,27 @@ struct Grains {
   Mask settled;  // still for long enough, and nothing around them moves: they stay where they are
 };
 
+// For what needs them in memory: copied one by one, because compilers leave a struct in memory that is copied whole.
+SANDGLASS_INLINE Grains copy_of(const Grains& g) {
+  Grains copy;
+  for (int k = 0; k < 3; ++k) copy.position[k] = g.position[k], copy.velocity[k] = g.velocity[k];
+  copy.inside = g.inside, copy.settled = g.settled;
+  return copy;
+}
+
 // The flow around grains, and the share of free flight.
 struct Following {
   Float average[3], lambda;
 };
 
-SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Flow& flow, Grains* g) {
+// `deep`: nothing flies freely.
+SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Flow& flow, bool deep, Grains* g) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
-  const Following f = {{flow.x * inverse, flow.y * inverse, flow.z * inverse}, free_flight(a, flow)};
-  g->settled = g->settled & (f.average[0] == zero) & (f.average[1] == zero) & (f.average[2] == zero);
+  Following f = {{flow.x * inverse, flow.y * inverse, flow.z * inverse}, zero};
+  if (!deep) f.lambda = free_flight(a, flow);
+  if (any(g->settled))
+    g->settled = g->settled & (f.average[0] == zero) & (f.average[1] == zero) & (f.average[2] == zero);
   for (int k = 0; k < 3; ++k) g->position[k] = select(g->settled, g->position[k], g->position[k] + flow.push[k]);
   return f;
 }
@@ -411,14 +420,13 @@ SANDGLASS_APART void follow_in_steps(const RefineArgs* a, const Following& f, Ma
 
 // All steps at once: after s of them the velocity is (1 - lambda^s) average + lambda^s v + (lambda + .. + lambda^s) step
 // gravity.
-SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, Mask lanes, Grains* g) {
+SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, bool deep, Mask lanes, Grains* g) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), step = broadcast(a->step);
   const Float steps = broadcast(static_cast<float>(a->steps));
-  const Mask stays = g->settled | and_not(g->inside, lanes);
-  const Mask free = zero < f.lambda;
   Float velocity[3], way[3];
   for (int k = 0; k < 3; ++k) velocity[k] = f.average[k], way[k] = steps * f.average[k];
-  if (any(free)) {
+  if (!deep) {
+    const Mask free = zero < f.lambda;
     Float power = one, sum = zero, sums = zero;
     for (uint32_t s = 0; s < a->steps; ++s) power = power * f.lambda, sum = sum + power, sums = sums + sum;
     for (int k = 0; k < 3; ++k) {
@@ -427,31 +435,66 @@ SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, Ma
       way[k] = select(free, (steps - sum) * f.average[k] + sum * before + sums * fall, way[k]);
     }
   }
+  const Mask stays = g->settled | and_not(g->inside, lanes);
   for (int k = 0; k < 3; ++k) {
     g->velocity[k] = select(stays, select(g->settled, zero, g->velocity[k]), velocity[k]);
     g->position[k] = select(stays, g->position[k], g->position[k] + step * way[k]);
   }
 }
 
-// With a grid: one look-up for all steps.
-SANDGLASS_INLINE void follow(const RefineArgs* a, LastBlock* last, Grains* g) {
+// Whether a lane may be in a collider.
+SANDGLASS_INLINE bool reaches_collider(const RefineArgs* a, const Float position[3]) {
+  const Float radius = broadcast(a->grain_radius);
+  for (uint32_t c = 0; c < a->collider_count; ++c) {
+    const ColliderFrame& collider = a->colliders[c];
+    if (collider.shape != SANDGLASS_SHAPE_HALF_SPACE) {
+      if (!far_from(collider, position, a->grain_radius)) return true;
+      continue;
+    }
+    const Surface surface = collider_surface(collider, position[0], position[1], position[2]);
+    if (any(broadcast(0.0f) < radius - surface.distance)) return true;
+  }
+  return false;
+}
+
+SANDGLASS_APART void leave_colliders(const RefineArgs* a, Grains* g) {
+  const Mask again = keep_outside(a, g->inside, g->position, g->velocity);
+  if (any(again)) keep_outside(a, again, g->position, g->velocity);
+}
+
+// With a grid: one look-up for all steps. What is rare works on a copy, so that the grains can stay in registers.
+SANDGLASS_INLINE void follow(const RefineArgs* a, Float fast, LastBlock* last, Grains* g) {
   const Float zero = broadcast(0.0f);
   Flow flow = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
   Mask left = sound_places(g->inside, g->position);
-  if (any(left)) read_flow(a, &left, g->position, last, &flow);
-  if (any(left)) gather_all(a, left, g->position, &flow);  // the grid has no room there
-  const Following f = find_following(a, flow, g);
-  // Half a particle radius in a step, less what gravity adds.
-  const float length = a->support * (1.0f / 6.0f) / a->step - a->fall;
-  const Float fast = broadcast(length > 0.0f ? length * length : 0.0f);
+  bool deep = false;
+  if (any(left)) {
+    deep = read_flow(a, &left, g->position, last, &flow);
+    if (!deep && any(left)) {  // the grid has no room there
+      Flow gathered = {flow.weight, flow.x, flow.y, flow.z, flow.largest, flow.free, {zero, zero, zero}};
+      const Float position[3] = {g->position[0], g->position[1], g->position[2]};
+      gather_all(a, left, position, &gathered);
+      flow.weight = gathered.weight, flow.x = gathered.x, flow.y = gathered.y, flow.z = gathered.z;
+      flow.largest = gathered.largest, flow.free = gathered.free;
+    }
+  }
+  const Following f = find_following(a, flow, deep, g);
   const Float before =
       g->velocity[0] * g->velocity[0] + g->velocity[1] * g->velocity[1] + g->velocity[2] * g->velocity[2];
   const Float now = f.average[0] * f.average[0] + f.average[1] * f.average[1] + f.average[2] * f.average[2];
   const Mask swift = and_not(g->inside & (fast < maximum(before, now)), g->settled);
-  if (any(swift)) follow_in_steps(a, f, swift, g);
-  follow_at_once(a, f, and_not(g->inside, swift), g);
-  const Mask again = keep_outside(a, g->inside, g->position, g->velocity);
-  if (any(again)) keep_outside(a, again, g->position, g->velocity);
+  if (any(swift)) {
+    const Following those = {{f.average[0], f.average[1], f.average[2]}, f.lambda};
+    Grains stepping = copy_of(*g);
+    follow_in_steps(a, those, swift, &stepping);
+    for (int k = 0; k < 3; ++k) g->position[k] = stepping.position[k], g->velocity[k] = stepping.velocity[k];
+  }
+  follow_at_once(a, f, deep, and_not(g->inside, swift), g);
+  if (reaches_collider(a, g->position)) {
+    Grains leaving = copy_of(*g);
+    leave_colliders(a, &leaving);
+    for (int k = 0; k < 3; ++k) g->position[k] = leaving.position[k], g->velocity[k] = leaving.velocity[k];
+  }
 }
 
 // Without one: a look-up for each step.
@@ -460,13 +503,21 @@ SANDGLASS_APART void follow_particles(const RefineArgs* a, Grains* g) {
   for (uint32_t s = 0; s < a->steps; ++s) {
     Flow flow = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
     gather_all(a, sound_places(g->inside, g->position), g->position, &flow);
-    take_step(a, find_following(a, flow, g), g);
+    take_step(a, find_following(a, flow, false, g), g);
     keep_outside(a, g->inside, g->position, g->velocity);
   }
 }
 
-static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
+// Metres a second, squared, from which a grain steps: half a particle radius in a step, less what gravity adds.
+SANDGLASS_INLINE float fast_squared(const RefineArgs* a) {
+  const float length = a->support * (1.0f / 6.0f) / a->step - a->fall;
+  return length > 0.0f ? length * length : 0.0f;
+}
+
+template <bool k_by_grid>
+SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound);
+  const Float fast = broadcast(fast_squared(a)), speed_limit = broadcast(1e6f);
   uint32_t quarantined = 0;
   LastBlock last = no_block_yet();
   for (uint32_t item = begin; item < end; item += k_width) {
@@ -479,17 +530,17 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
     for (int k = 0; k < 3; ++k) g.position[k] = grain[k], g.velocity[k] = grain[k_vx + k];
     g.inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
     g.settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
-    if (a->motion != nullptr) follow(a, &last, &g);
+    if (k_by_grid) follow(a, fast, &last, &g);
     else follow_particles(a, &g);
-    const Mask sound = (absolute(g.position[0]) < limit) & (absolute(g.position[1]) < limit) &
-                       (absolute(g.position[2]) < limit) & (absolute(g.velocity[0]) < broadcast(1e6f)) &
-                       (absolute(g.velocity[1]) < broadcast(1e6f)) & (absolute(g.velocity[2]) < broadcast(1e6f));
+    const Mask sound = within(g.position[0], limit) & within(g.position[1], limit) & within(g.position[2], limit) &
+                       within(g.velocity[0], speed_limit) & within(g.velocity[1], speed_limit) &
+                       within(g.velocity[2], speed_limit);
     const Mask bad = and_not(g.inside, sound);
     if (any(bad)) {
       // Back to where it was, with velocity 0. A coordinate that was no better becomes 0.
       quarantined += count(bad);
       for (int k = 0; k < 3; ++k) {
-        const Mask number = absolute(grain[k]) < limit;
+        const Mask number = within(grain[k], limit);
         g.position[k] = select(bad, keep(number, grain[k]), g.position[k]);
         g.velocity[k] = select(bad, zero, g.velocity[k]);
       }
@@ -509,4 +560,9 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
     store_records(record, grain);
   }
   extent->quarantined = quarantined;
+}
+
+static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
+  if (a->motion != nullptr) refine_by<true>(a, begin, end, extent);
+  else refine_by<false>(a, begin, end, extent);
 }

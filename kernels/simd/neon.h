@@ -129,6 +129,19 @@ SANDGLASS_INLINE void blend_quads(const float* const* lanes, const uint32_t offs
   transpose(sum[0], sum[1], sum[2], sum[3], t);
   for (int c = 0; c < 4; ++c) out[c].v = t[c];
 }
+// The first and the last two of 16 bytes.
+SANDGLASS_INLINE uint32x4_t load_byte_square(const uint8_t* p) {
+  const uint8x16_t row = vld1q_u8(p);
+  return vreinterpretq_u32_u8(vextq_u8(row, row, 14));
+}
+template <uint32_t k_row>
+SANDGLASS_INLINE Int load_byte_squares(const uint8_t* const* lanes, uint32_t offset) {
+  static_assert(k_row == 14);
+  const uint32x4_t low = vzip1q_u32(load_byte_square(lanes[0] + offset), load_byte_square(lanes[1] + offset));
+  const uint32x4_t high = vzip1q_u32(load_byte_square(lanes[2] + offset), load_byte_square(lanes[3] + offset));
+  const uint64x2_t all = vzip1q_u64(vreinterpretq_u64_u32(low), vreinterpretq_u64_u32(high));
+  return {vreinterpretq_s32_u16(vrev32q_u16(vreinterpretq_u16_u64(all)))};
+}
 // One load takes two records apart into x y z w of both and of both their second halves.
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   const float32x4x4_t low = vld4q_f32(p), high = vld4q_f32(p + 16);
@@ -147,12 +160,11 @@ SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) {
   }
 }
 SANDGLASS_INLINE void store_records(float* p, const Float in[8]) {
-  float32x4x4_t low, high;
-  for (int c = 0; c < 4; ++c) {
-    low.val[c] = vzip1q_f32(in[c].v, in[4 + c].v);
-    high.val[c] = vzip2q_f32(in[c].v, in[4 + c].v);
-  }
-  vst4q_f32(p, low), vst4q_f32(p + 16, high);
+  float32x4_t t[4];
+  transpose(in[0].v, in[1].v, in[2].v, in[3].v, t);
+  for (int k = 0; k < 4; ++k) vst1q_f32(p + 8 * k, t[k]);
+  transpose(in[4].v, in[5].v, in[6].v, in[7].v, t);
+  for (int k = 0; k < 4; ++k) vst1q_f32(p + 8 * k + 4, t[k]);
 }
 
 SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first, const uint32_t* second, Float out[8]) {
