@@ -88,7 +88,16 @@ SANDGLASS_INLINE bool far_from(const ColliderFrame& c, const Float position[3], 
   const float reach = 1.001f * (c.size[0] + beyond_ball + margin);
   const Float x = position[0] - broadcast(c.position[0]), y = position[1] - broadcast(c.position[1]),
               z = position[2] - broadcast(c.position[2]);
-  return all(broadcast(reach * reach) < dot3(x, y, z, x, y, z));
+  if (all(broadcast(reach * reach) < dot3(x, y, z, x, y, z))) return true;
+  if (c.shape != SANDGLASS_SHAPE_BOX) return false;
+  // A box fills little of its ball: what is beyond the plane of a face is as far at least.
+  Float beyond = broadcast(-3e38f);
+  for (int a = 0; a < 3; ++a) {
+    const float* axis = c.axes[a];
+    const Float local = dot3(x, y, z, broadcast(axis[0]), broadcast(axis[1]), broadcast(axis[2]));
+    beyond = maximum(absolute(local) - broadcast(c.size[a]), beyond);
+  }
+  return all(broadcast(1.001f * margin + 1e-5f * reach) < beyond);
 }
 
 // Velocity of the collider's material at a point, m/s.

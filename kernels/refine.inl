@@ -552,12 +552,12 @@ SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t en
     const Float sweeps = keep(still, minimum(grain[k_still_sweeps] + one, broadcast(a->still_sweeps)));
     if (item % k_lane_group == 0) a->still[group_number] = 1;
     if (any(and_not(g.inside, broadcast(a->still_sweeps) <= sweeps))) a->still[group_number] = 0;
-    for (int k = 0; k < 3; ++k) {
-      grain[k] = select(g.inside, g.position[k], grain[k]);
-      grain[k_vx + k] = select(g.inside, g.velocity[k], grain[k_vx + k]);
-    }
-    grain[k_still_sweeps] = select(g.inside, sweeps, grain[k_still_sweeps]);
-    store_records(record, grain);
+    Float moved[k_record_floats];
+    for (int k = 0; k < 3; ++k) moved[k] = g.position[k], moved[k_vx + k] = g.velocity[k];
+    moved[k_number] = grain[k_number], moved[k_still_sweeps] = sweeps;
+    if (i + k_width > a->grain_count)
+      for (uint32_t c = 0; c < k_record_floats; ++c) moved[c] = select(g.inside, moved[c], grain[c]);
+    store_records(record, moved);
   }
   extent->quarantined = quarantined;
 }

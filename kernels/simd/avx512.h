@@ -46,7 +46,9 @@ SANDGLASS_INLINE Int minimum(Int a, Int b) { return {_mm512_min_epi32(a.v, b.v)}
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {_mm512_sll_epi32(a.v, _mm_cvtsi32_si128(count))}; }
 SANDGLASS_INLINE Int shift_right(Int a, int count) { return {_mm512_srl_epi32(a.v, _mm_cvtsi32_si128(count))}; }
 SANDGLASS_INLINE Int to_int(Float a) { return {_mm512_cvttps_epi32(a.v)}; }
-SANDGLASS_INLINE Int floor_int(Float a) { return {_mm512_cvt_roundps_epi32(a.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)}; }
+SANDGLASS_INLINE Int floor_int(Float a) {
+  return {_mm512_cvt_roundps_epi32(a.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)};
+}
 SANDGLASS_INLINE Float to_float(Int a) { return {_mm512_cvtepi32_ps(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {_mm512_castps_si512(a.v)}; }
 
