@@ -228,20 +228,22 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
     alignas(64) uint32_t cells[2 * k_lane_group], numbers[k_lane_group];
     const bool one = find_blocks(grid, lanes, place, &last, numbers);
     if (one && last.number == k_no_block) continue;
-    if (!one || !all(lanes)) {
-      if (one) store(numbers, broadcast(static_cast<int32_t>(last.number)));
-      // Lane by lane; what has no block is not counted.
-      store(cells, select(lanes, cell, broadcast(-1)));
-      for (uint32_t l = 0; l < k_width; ++l) {
-        if (numbers[l] == k_no_block || cells[l] == ~0u) continue;
-        grid->blocks[numbers[l]].state |= k_block_holds;
-        count_grain(grid->counts + static_cast<uint64_t>(numbers[l]) * k_block_counts + cells[l]);
-      }
+    store(cells, cell);
+    if (one && all(lanes)) {
+      grid->blocks[last.number].state |= k_block_holds;
+      uint8_t* counts = grid->counts + static_cast<uint64_t>(last.number) * k_block_counts;
+      for (uint32_t l = 0; l < k_width; ++l) count_grain(counts + cells[l]);
       continue;
     }
-    grid->blocks[last.number].state |= k_block_holds;
-    uint8_t* counts = grid->counts + static_cast<uint64_t>(last.number) * k_block_counts;
-    store(cells, cell);
-    for (uint32_t l = 0; l < k_width; ++l) count_grain(counts + cells[l]);
+    if (one) store(numbers, broadcast(static_cast<int32_t>(last.number)));
+    const Mask counted = and_not(lanes, load(numbers) == broadcast(static_cast<int32_t>(k_no_block)));
+    const bool some = !all(counted);
+    alignas(64) uint32_t chosen[k_lane_group];
+    if (some) store(chosen, select(counted, broadcast(1), broadcast(0)));
+    for (uint32_t l = 0; l < k_width; ++l) {
+      if (some && chosen[l] == 0) continue;
+      grid->blocks[numbers[l]].state |= k_block_holds;
+      count_grain(grid->counts + static_cast<uint64_t>(numbers[l]) * k_block_counts + cells[l]);
+    }
   }
 }

@@ -107,18 +107,18 @@ SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* densi
     share[k] = scaled - to_float(cell), away[k] = one - share[k];
     first = shift_left(first, 4) - shift_left(first, 1) + cell;
   }
-  constexpr uint32_t k_plane = k_density_cells * k_density_cells;
+  constexpr int32_t k_row = k_density_cells, k_plane = k_row * k_row;
   alignas(64) uint32_t at[k_lane_group];
   store(at, first);
   const uint8_t* squares[k_width];
-  for (uint32_t l = 0; l < k_width; ++l) squares[l] = density[l] + (at[l] - (k_plane + k_density_cells + 1));
+  for (uint32_t l = 0; l < k_width; ++l) squares[l] = density[l] + at[l];
   Float edge[4], slope_x[4];
   const Int byte = broadcast(255);
-  for (uint32_t z = 0; z < 2; ++z) {
-    const Int square = load_byte_squares<k_density_cells>(squares, z * k_plane);
+  for (int32_t z = 0; z < 2; ++z) {
+    const Int square = load_byte_squares<k_density_cells>(squares, z * k_plane - (k_plane + k_row + 1));
     const Float corner[4] = {to_float(square & byte), to_float(shift_right(square, 8) & byte),
                              to_float(shift_right(square, 16) & byte), to_float(shift_right(square, 24))};
-    for (uint32_t y = 0; y < 2; ++y) {
+    for (int32_t y = 0; y < 2; ++y) {
       slope_x[2 * z + y] = corner[2 * y + 1] - corner[2 * y];
       edge[2 * z + y] = corner[2 * y] + share[0] * slope_x[2 * z + y];
     }
@@ -390,8 +390,7 @@ SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Flow& flow,
   const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
   Following f = {{flow.x * inverse, flow.y * inverse, flow.z * inverse}, zero};
   if (!deep) f.lambda = free_flight(a, flow);
-  if (any(g->settled))
-    g->settled = g->settled & (f.average[0] == zero) & (f.average[1] == zero) & (f.average[2] == zero);
+  g->settled = g->settled & (f.average[0] == zero) & (f.average[1] == zero) & (f.average[2] == zero);
   for (int k = 0; k < 3; ++k) g->position[k] = select(g->settled, g->position[k], g->position[k] + flow.push[k]);
   return f;
 }
@@ -436,10 +435,15 @@ SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, bo
     }
   }
   const Mask stays = g->settled | and_not(g->inside, lanes);
-  for (int k = 0; k < 3; ++k) {
-    g->velocity[k] = select(stays, select(g->settled, zero, g->velocity[k]), velocity[k]);
-    g->position[k] = select(stays, g->position[k], g->position[k] + step * way[k]);
+  if (any(stays)) {
+    for (int k = 0; k < 3; ++k) {
+      velocity[k] = select(stays, select(g->settled, zero, g->velocity[k]), velocity[k]);
+      way[k] = select(stays, g->position[k], g->position[k] + step * way[k]);
+    }
+  } else {
+    for (int k = 0; k < 3; ++k) way[k] = g->position[k] + step * way[k];
   }
+  for (int k = 0; k < 3; ++k) g->velocity[k] = velocity[k], g->position[k] = way[k];
 }
 
 // Whether a lane may be in a collider.

@@ -124,15 +124,14 @@ SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Flo
 }
 SANDGLASS_INLINE void blend_quads(const float* const* lanes, const uint32_t offsets[8], const Float share[8],
                                   Float out[4]) {
-  for (int c = 0; c < 4; ++c) out[c] = broadcast(0.0f);
   for (int k = 0; k < 8; ++k) {
     Float quad[4];
     load_quads(lanes, offsets[k], quad);
-    for (int c = 0; c < 4; ++c) out[c] = out[c] + share[k] * quad[c];
+    for (int c = 0; c < 4; ++c) out[c] = k == 0 ? share[k] * quad[c] : out[c] + share[k] * quad[c];
   }
 }
 template <uint32_t k_row>
-SANDGLASS_INLINE Int load_byte_squares(const uint8_t* const* lanes, uint32_t offset) {
+SANDGLASS_INLINE Int load_byte_squares(const uint8_t* const* lanes, int32_t offset) {
   alignas(64) uint32_t squares[k_width];
   for (uint32_t l = 0; l < k_width; ++l) {
     uint16_t low, high;

@@ -118,12 +118,13 @@ SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Flo
 // Lane by lane, without a transpose of each quad: a product takes its share from a lane of a register.
 SANDGLASS_INLINE void blend_quads(const float* const* lanes, const uint32_t offsets[8], const Float share[8],
                                   Float out[4]) {
-  float32x4_t sum[4] = {vdupq_n_f32(0.0f), vdupq_n_f32(0.0f), vdupq_n_f32(0.0f), vdupq_n_f32(0.0f)};
+  float32x4_t sum[4];
   for (int k = 0; k < 8; ++k) {
-    sum[0] = vaddq_f32(sum[0], vmulq_laneq_f32(vld1q_f32(lanes[0] + offsets[k]), share[k].v, 0));
-    sum[1] = vaddq_f32(sum[1], vmulq_laneq_f32(vld1q_f32(lanes[1] + offsets[k]), share[k].v, 1));
-    sum[2] = vaddq_f32(sum[2], vmulq_laneq_f32(vld1q_f32(lanes[2] + offsets[k]), share[k].v, 2));
-    sum[3] = vaddq_f32(sum[3], vmulq_laneq_f32(vld1q_f32(lanes[3] + offsets[k]), share[k].v, 3));
+    const float32x4_t shares[4] = {vmulq_laneq_f32(vld1q_f32(lanes[0] + offsets[k]), share[k].v, 0),
+                                   vmulq_laneq_f32(vld1q_f32(lanes[1] + offsets[k]), share[k].v, 1),
+                                   vmulq_laneq_f32(vld1q_f32(lanes[2] + offsets[k]), share[k].v, 2),
+                                   vmulq_laneq_f32(vld1q_f32(lanes[3] + offsets[k]), share[k].v, 3)};
+    for (int l = 0; l < 4; ++l) sum[l] = k == 0 ? shares[l] : vaddq_f32(sum[l], shares[l]);
   }
   float32x4_t t[4];
   transpose(sum[0], sum[1], sum[2], sum[3], t);
@@ -135,7 +136,7 @@ SANDGLASS_INLINE uint32x4_t load_byte_square(const uint8_t* p) {
   return vreinterpretq_u32_u8(vextq_u8(row, row, 14));
 }
 template <uint32_t k_row>
-SANDGLASS_INLINE Int load_byte_squares(const uint8_t* const* lanes, uint32_t offset) {
+SANDGLASS_INLINE Int load_byte_squares(const uint8_t* const* lanes, int32_t offset) {
   static_assert(k_row == 14);
   const uint32x4_t low = vzip1q_u32(load_byte_square(lanes[0] + offset), load_byte_square(lanes[1] + offset));
   const uint32x4_t high = vzip1q_u32(load_byte_square(lanes[2] + offset), load_byte_square(lanes[3] + offset));
