@@ -92,10 +92,12 @@ void place_runs(PairColours* c) {
   c->found = 0;
 }
 
+// Fills each run with pairs that never touch: the inert particle and one of the last pair, which no other thread writes.
 void fill_runs(Granular* g) {
   PairColours& c = g->colours;
   for (uint32_t run = 0; run < k_pair_runs; ++run) {
-    for (uint32_t at = c.ends[run]; at < c.starts[run + 1]; ++at) c.first[at] = c.second[at] = g->particles.inert;
+    for (uint32_t at = c.ends[run]; at < c.starts[run + 1]; ++at)
+      c.first[at] = g->particles.inert, c.second[at] = c.second[at - 1];
   }
 }
 
