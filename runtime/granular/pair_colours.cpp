@@ -19,42 +19,40 @@ enum : uint32_t { k_clear, k_colour, k_place };
 
 constexpr uint8_t k_no_run = 255;  // of a pair for which no colour was left
 
-// Calls each(index, far, other) for the pairs of particle i that no other list holds as well.
+// Calls each(other) for the pairs of particle i in [slot, end) of its list that no other list holds as well.
 template <class Each>
-void for_pairs(const Granular& g, uint32_t i, const Each& each) {
-  const Neighbours& n = g.neighbours;
-  const uint32_t* row = n.lists + static_cast<uint64_t>(i) * k_list_slots;
-  const uint32_t count = n.counts[i], nears = n.near_counts[i];
-  for (uint32_t s = 0; s < count; ++s) {
+void for_pairs(const Granular& g, uint32_t i, uint32_t slot, uint32_t end, const Each& each) {
+  const uint8_t* const listed = g.neighbours.listed;
+  const uint32_t* const row = g.neighbours.lists + static_cast<uint64_t>(i) * k_list_slots;
+  for (uint32_t s = slot; s < end; ++s) {
     const uint32_t j = row[s];
-    if (j < i && n.listed[j / k_lane_group] != 0) continue;
-    each(s >= nears, j);
+    if (j < i && listed[j / k_lane_group] != 0) continue;
+    each(j);
   }
 }
 
-uint32_t colour_row(Granular* g, uint32_t i) {
+// The near pairs of particle i, or the others. `taken` are colours of each particle, in this class of pairs.
+uint32_t colour_class(Granular* g, uint32_t i, bool far, uint32_t slot, uint32_t end) {
   PairColours& c = g->colours;
-  const uint32_t rows = g->particles.rows, capacity = c.capacity;
-  uint64_t* const taken = c.taken;
+  const uint32_t rows = g->particles.rows, capacity = c.capacity, first_run = run_of(0, far, false);
+  uint32_t* const taken = c.taken[far];
+  uint32_t* const ends = c.ends;
   uint8_t* const runs = c.runs;
-  uint64_t mine = taken[i];
-  uint32_t found = c.found, dropped = 0;
-  for_pairs(*g, i, [&](bool far, uint32_t j) {
+  uint32_t mine = taken[i], found = c.found, dropped = 0;
+  for_pairs(*g, i, slot, end, [&](uint32_t j) {
     if (found == capacity) {
       ++dropped;
       return;
     }
     const bool fixed = j >= rows;
-    const uint64_t both = fixed ? mine : mine | taken[j];
-    const uint32_t shift = far ? k_pair_colours : 0, free = ~static_cast<uint32_t>(both >> shift);
+    const uint32_t free = ~(fixed ? mine : mine | taken[j]);
     uint8_t run = k_no_run;
     if (free != 0) {
-      const uint32_t colour = static_cast<uint32_t>(__builtin_ctz(free));
-      const uint64_t bit = 1ull << (colour + shift);
+      const uint32_t bit = free & (0u - free);
       mine |= bit;
       if (!fixed) taken[j] |= bit;
-      run = static_cast<uint8_t>(run_of(colour, far, fixed));
-      ++c.ends[run];
+      run = static_cast<uint8_t>(first_run + 2 * static_cast<uint32_t>(__builtin_ctz(free)) + fixed);
+      ++ends[run];
     } else {
       ++dropped;
     }
@@ -65,15 +63,23 @@ uint32_t colour_row(Granular* g, uint32_t i) {
   return dropped;
 }
 
+uint32_t colour_row(Granular* g, uint32_t i) {
+  const uint32_t count = g->neighbours.counts[i], nears = g->neighbours.near_counts[i];
+  return colour_class(g, i, false, 0, nears) + colour_class(g, i, true, nears, count);
+}
+
 void place_row(Granular* g, uint32_t i) {
   PairColours& c = g->colours;
+  uint32_t *const first = c.first, *const second = c.second;
+  const uint8_t* const runs = c.runs;
+  const uint32_t capacity = c.capacity;
   uint32_t found = c.found;
-  for_pairs(*g, i, [&](bool, uint32_t j) {
-    if (found == c.capacity) return;
-    const uint8_t run = c.runs[found++];
+  for_pairs(*g, i, 0, g->neighbours.counts[i], [&](uint32_t j) {
+    if (found == capacity) return;
+    const uint8_t run = runs[found++];
     if (run == k_no_run) return;
     const uint32_t at = c.ends[run]++;
-    c.first[at] = i, c.second[at] = j;
+    first[at] = i, second[at] = j;
   });
   c.found = found;
 }
@@ -109,7 +115,8 @@ void pair_colours_layout(PairColours* c, const sandglass_granular_desc& d, uint3
   c->first = layout_region<uint32_t>(layout, "granular.pairs_first", room);
   c->second = layout_region<uint32_t>(layout, "granular.pairs_second", room);
   c->runs = layout_region<uint8_t>(layout, "granular.pair_runs", c->capacity);
-  c->taken = layout_region<uint64_t>(layout, "granular.pair_colours", rows);
+  c->taken[0] = layout_region<uint32_t>(layout, "granular.near_colours", rows);
+  c->taken[1] = layout_region<uint32_t>(layout, "granular.other_colours", rows);
 }
 
 void pair_colours_forget(PairColours* c) {
@@ -123,7 +130,7 @@ bool pair_colours_run(Granular* g) {
   const uint32_t count = g->particles.count, begin = cursor, end = count - begin < g->unit ? count : begin + g->unit;
   uint32_t dropped = 0;
   for (uint32_t i = begin; i < end; ++i) {
-    if (c.step == k_clear) c.taken[i] = 0;
+    if (c.step == k_clear) c.taken[0][i] = c.taken[1][i] = 0;
     else if (g->neighbours.listed[i / k_lane_group] == 0) continue;
     else if (c.step == k_colour) dropped += colour_row(g, i);
     else place_row(g, i);

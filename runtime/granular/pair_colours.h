@@ -23,7 +23,7 @@ constexpr uint32_t k_pairs_an_item = 4;
 struct PairColours {
   uint32_t *first, *second;          // indices of the particles of each pair
   uint8_t* runs;                     // run of each pair, in the order in which the lists hold them
-  uint64_t* taken;                   // colours that a particle has: near pairs in the lower half, the others above
+  uint32_t* taken[2];                // colours that a particle has: of near pairs, of the others
   uint32_t capacity;                 // pairs
   uint32_t starts[k_pair_runs + 1];  // of the runs
   uint32_t ends[k_pair_runs];        // behind the last pair of each run that is no filling
