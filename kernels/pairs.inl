@@ -139,14 +139,18 @@ SANDGLASS_INLINE void solve_range(const PairArgs* args, uint32_t begin, uint32_t
   const ContactTerms terms = contact_terms(&args->contact);
   Touching pairs;
   pairs.count = 0;
-  for (uint32_t at = begin; at < end; at += k_width) {
-    Float apart[3];
-    load_approaches(floats_of(args->particles), args->first + at, args->second + at, apart);
-    const Mask touch = dot3(apart[0], apart[1], apart[2], apart[0], apart[1], apart[2]) < terms.diameter2;
-    if (!any(touch)) continue;
-    compress_store(pairs.first + pairs.count, load(args->first + at), touch);
-    pairs.count += compress_store(pairs.second + pairs.count, load(args->second + at), touch);
-    if (pairs.count >= Touching::k_capacity - k_width) solve_touching<k_fixed>(args, terms, &pairs, false, touched);
+  for (uint32_t pair = begin; pair < end; pair += k_lane_group) {
+    const uint32_t group = args->groups[pair / k_lane_group] * k_lane_group;
+    const uint32_t *first = args->first + group, *second = args->second + group;
+    for (const uint32_t* const behind = first + k_lane_group; first < behind; first += k_width, second += k_width) {
+      Float apart[3];
+      load_approaches(floats_of(args->particles), first, second, apart);
+      const Mask touch = dot3(apart[0], apart[1], apart[2], apart[0], apart[1], apart[2]) < terms.diameter2;
+      if (!any(touch)) continue;
+      compress_store(pairs.first + pairs.count, load(first), touch);
+      pairs.count += compress_store(pairs.second + pairs.count, load(second), touch);
+    }
+    if (pairs.count >= Touching::k_capacity - k_lane_group) solve_touching<k_fixed>(args, terms, &pairs, false, touched);
   }
   if (pairs.count != 0) solve_touching<k_fixed>(args, terms, &pairs, true, touched);
 }
