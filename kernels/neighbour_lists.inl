@@ -38,7 +38,8 @@ SANDGLASS_INLINE void find_rows(const Grid& grid, const int32_t cell[3], Rows* r
   }
 }
 
-SANDGLASS_INLINE void find_ranges(const Grid& grid, const Rows& rows, int32_t cell_x, uint32_t least, Ranges* ranges) {
+// Apart, since it is inlined twice and unrolled else.
+SANDGLASS_APART void find_ranges(const Grid& grid, const Rows& rows, int32_t cell_x, uint32_t least, Ranges* ranges) {
   const uint32_t mask = (1u << grid.bits[0]) - 1;
   const uint32_t left = static_cast<uint32_t>(cell_x - 1) & mask, right = static_cast<uint32_t>(cell_x + 1) & mask;
   ranges->count = 0;
@@ -75,6 +76,7 @@ SANDGLASS_INLINE void limit_to(uint32_t most, uint32_t* count, uint32_t* dropped
 SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* positions, uint32_t first_record,
                                   uint32_t least, int32_t self, const float* at, Float reach, Float near, Row* row) {
   const Float x = broadcast(at[0]), y = broadcast(at[1]), z = broadcast(at[2]);
+  uint32_t nears = row->near_count, others = row->other_count;  // not in memory: the stores below might change it
   for (uint32_t r = 0; r < ranges.count; ++r) {
     const uint32_t end = ranges.end[r];
     for (uint32_t c = ranges.begin[r] < least ? least : ranges.begin[r]; c < end; c += k_width) {
@@ -86,12 +88,14 @@ SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* posi
       const Mask chosen = and_not(within & (index < broadcast(static_cast<int32_t>(end))), index == broadcast(self));
       const Int record = index + broadcast(static_cast<int32_t>(first_record));
       const Mask close = d2 < near;
-      row->near_count += compress_store(row->nears + row->near_count, record, chosen & close);
-      row->other_count += compress_store(row->others + row->other_count, record, and_not(chosen, close));
-      limit_to(k_list_slots, &row->near_count, &row->dropped);
-      limit_to(k_list_slots, &row->other_count, &row->dropped);
+      nears += compress_store(row->nears + nears, record, chosen & close);
+      others += compress_store(row->others + others, record, and_not(chosen, close));
+      if (nears + others <= k_list_slots) continue;
+      limit_to(k_list_slots, &nears, &row->dropped);
+      limit_to(k_list_slots, &others, &row->dropped);
     }
   }
+  row->near_count = nears, row->other_count = others;
 }
 
 // Writes the near neighbours, then the others, then the index of the inert particle up to slot `end`.
@@ -138,8 +142,7 @@ static void neighbour_lists(const ListArgs* args, uint32_t begin, uint32_t end, 
     for (int k = 0; k < 3; ++k) cell[k] = own[k];
     row.near_count = row.other_count = 0;
     test_ranges(ranges, args->positions, 0, halves ? i + 1 : 0, static_cast<int32_t>(i), at, reach, near, &row);
-    if (bounded)
-      test_ranges(boundary, args->boundary_positions, args->boundary_first, 0, -1, at, reach, near, &row);
+    if (bounded) test_ranges(boundary, args->boundary_positions, args->boundary_first, 0, -1, at, reach, near, &row);
     // Nobody reads beyond the used slots of a half.
     put_row(&row, inert, !halves, args->lists + static_cast<uint64_t>(i) * k_list_slots, &args->counts[i],
             &args->near_counts[i]);

@@ -142,15 +142,18 @@ SANDGLASS_INLINE void solve_range(const PairArgs* args, uint32_t begin, uint32_t
   for (uint32_t pair = begin; pair < end; pair += k_lane_group) {
     const uint32_t group = args->groups[pair / k_lane_group] * k_lane_group;
     const uint32_t *first = args->first + group, *second = args->second + group;
+    uint32_t count = pairs.count;
     for (const uint32_t* const behind = first + k_lane_group; first < behind; first += k_width, second += k_width) {
       Float apart[3];
       load_approaches(floats_of(args->particles), first, second, apart);
       const Mask touch = dot3(apart[0], apart[1], apart[2], apart[0], apart[1], apart[2]) < terms.diameter2;
       if (!any(touch)) continue;
-      compress_store(pairs.first + pairs.count, load(first), touch);
-      pairs.count += compress_store(pairs.second + pairs.count, load(second), touch);
+      compress_store(pairs.first + count, load(first), touch);
+      count += compress_store(pairs.second + count, load(second), touch);
     }
-    if (pairs.count >= Touching::k_capacity - k_lane_group) solve_touching<k_fixed>(args, terms, &pairs, false, touched);
+    pairs.count = count;
+    if (pairs.count >= Touching::k_capacity - k_lane_group)
+      solve_touching<k_fixed>(args, terms, &pairs, false, touched);
   }
   if (pairs.count != 0) solve_touching<k_fixed>(args, terms, &pairs, true, touched);
 }

@@ -164,7 +164,8 @@ SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first,
   transpose_in(r, out);
 }
 // second[k] - first[k] and the same of k + 4, each record in one half.
-SANDGLASS_INLINE __m512 difference_of_two(const float* base, const uint32_t* first, const uint32_t* second, uint32_t k) {
+SANDGLASS_INLINE __m512 difference_of_two(const float* base, const uint32_t* first, const uint32_t* second,
+                                          uint32_t k) {
   const __m256 low = _mm256_sub_ps(_mm256_load_ps(base + static_cast<uint64_t>(second[k]) * 8),
                                    _mm256_load_ps(base + static_cast<uint64_t>(first[k]) * 8));
   const __m256 high = _mm256_sub_ps(_mm256_load_ps(base + static_cast<uint64_t>(second[k + 4]) * 8),
