@@ -37,67 +37,81 @@ Quad three_of(const float* four) {
   return quad;
 }
 
-// Blocks along each axis, as the logarithm.
+// Blocks along each axis, as the logarithm. They are taken in rows along x.
 struct Blocks {
   uint32_t bits[3];
-  uint32_t at(uint32_t x, uint32_t y, uint32_t z) const { return (((z << bits[1]) | y) << bits[0]) | x; }
-  uint32_t count() const { return 1u << (bits[0] + bits[1] + bits[2]); }
-  // Place of a block along an axis.
-  uint32_t place(uint32_t block, uint32_t axis) const {
-    const uint32_t below = axis == 0 ? 0 : axis == 1 ? bits[0] : bits[0] + bits[1];
-    return block >> below & ((1u << bits[axis]) - 1);
+  uint32_t row_length() const { return 1u << bits[0]; }
+  uint32_t rows() const { return 1u << (bits[1] + bits[2]); }
+  uint32_t row(uint32_t y, uint32_t z) const {
+    return (z & ((1u << bits[2]) - 1)) << bits[1] | (y & ((1u << bits[1]) - 1));
   }
-  uint32_t next(uint32_t place, uint32_t axis) const { return (place + 1) & ((1u << bits[axis]) - 1); }
 };
 
 Blocks blocks_of(const Grid& grid) { return {{grid.bits[0] - 1, grid.bits[1] - 1, grid.bits[2] - 1}}; }
 
-// Where the particles of one block will be after the sub-step that is about to begin, from where the lists saw them.
-// Returns how many they are.
-uint32_t gather_block(Granular* g, const Blocks& blocks, uint32_t block) {
+// Where the particles of one row of blocks will be after the sub-step that is about to begin, from where the lists saw
+// them. Returns how many they are.
+uint32_t gather_row(Granular* g, const Blocks& blocks, uint32_t row) {
   const Neighbours& n = g->neighbours;
   const Grid& grid = n.sort.grid;
   const float dt = g->substep.length;
-  const uint32_t x = 2 * blocks.place(block, 0), y = 2 * blocks.place(block, 1), z = 2 * blocks.place(block, 2);
+  const uint32_t y = row & ((1u << blocks.bits[1]) - 1), z = row >> blocks.bits[1];
   // The boundary stands still, and so may every block be beside it.
-  DisplacementBox box = g->boundary.count != 0 ? k_still : k_empty;
+  const DisplacementBox without = g->boundary.count != 0 ? k_still : k_empty;
+  DisplacementBox* const boxes = g->slack.blocks + row * blocks.row_length();
+  for (uint32_t x = 0; x < blocks.row_length(); ++x) boxes[x] = without;
   uint32_t count = 0;
-  for (uint32_t row = 0; row < 4; ++row) {
-    const uint32_t cell = (((z + row / 2) << grid.bits[1] | (y + row % 2)) << grid.bits[0]) | x;
-    const uint32_t begin = grid.starts[cell], end = grid.starts[cell + 2];
-    count += end - begin;
-    for (uint32_t i = begin; i < end; ++i) {
-      const Particle& p = g->particles.records[0][i];
-      const Quad seen = {n.positions[0][i], n.positions[1][i], n.positions[2][i], 0.0f};
-      const Quad moved = (three_of(p.position) - seen) + dt * three_of(p.velocity);
-      include(&box, moved, moved);
+  for (uint32_t cell_row = 0; cell_row < 4; ++cell_row) {
+    const uint32_t cells = ((2 * z + cell_row / 2) << grid.bits[1] | (2 * y + cell_row % 2)) << grid.bits[0];
+    const uint32_t* const starts = grid.starts + cells;
+    count += starts[2 * blocks.row_length()] - starts[0];
+    if (starts[2 * blocks.row_length()] == starts[0]) continue;
+    for (uint32_t x = 0; x < blocks.row_length(); ++x) {
+      const uint32_t begin = starts[2 * x], end = starts[2 * x + 2];
+      if (begin == end) continue;
+      DisplacementBox box = boxes[x];
+      for (uint32_t i = begin; i < end; ++i) {
+        const Particle& p = g->particles.records[0][i];
+        const Quad seen = {n.positions[0][i], n.positions[1][i], n.positions[2][i], 0.0f};
+        const Quad moved = (three_of(p.position) - seen) + dt * three_of(p.velocity);
+        include(&box, moved, moved);
+      }
+      boxes[x] = box;
+      include(&g->slack.all, box.low, box.high);
     }
   }
-  g->slack.blocks[block] = box;
-  if (!is_empty(box)) include(&g->slack.all, box.low, box.high);
+  g->slack.counts[row] = count;
   return count;
 }
 
-// The window of a block: itself and the next ones along every axis.
-void measure_window(ListSlack* s, const Blocks& blocks, uint32_t block) {
-  uint32_t here[3], next[3];
-  for (uint32_t k = 0; k < 3; ++k) here[k] = blocks.place(block, k), next[k] = blocks.next(here[k], k);
-  DisplacementBox window = k_empty;
-  for (uint32_t corner = 0; corner < 8; ++corner) {
-    const DisplacementBox& box =
-        s->blocks[blocks.at((corner & 1) != 0 ? next[0] : here[0], (corner & 2) != 0 ? next[1] : here[1],
-                            (corner & 4) != 0 ? next[2] : here[2])];
-    include(&window, box.low, box.high);
+// The windows of a row of blocks. That of a block is itself and the next ones along every axis.
+void measure_row(ListSlack* s, const Blocks& blocks, uint32_t row) {
+  const uint32_t y = row & ((1u << blocks.bits[1]) - 1), z = row >> blocks.bits[1];
+  const uint32_t rows[4] = {row, blocks.row(y + 1, z), blocks.row(y, z + 1), blocks.row(y + 1, z + 1)};
+  const DisplacementBox* boxes[4];
+  uint32_t count = 0;
+  for (int k = 0; k < 4; ++k) boxes[k] = s->blocks + rows[k] * blocks.row_length(), count += s->counts[rows[k]];
+  if (count == 0) return;
+  const auto column = [&](uint32_t x) {  // of the four rows
+    DisplacementBox box = boxes[0][x];
+    for (int k = 1; k < 4; ++k) include(&box, boxes[k][x].low, boxes[k][x].high);
+    return box;
+  };
+  DisplacementBox next = column(0);
+  for (uint32_t x = blocks.row_length(); x-- > 0;) {  // beyond the last block comes the first
+    const DisplacementBox here = column(x);
+    include(&next, here.low, here.high);
+    const float wide2 = diagonal2(next);
+    if (!is_empty(next) && wide2 > s->widest2) s->widest2 = wide2;
+    next = here;
   }
-  if (is_empty(window)) return;
-  const float wide2 = diagonal2(window);
-  s->widest2 = wide2 > s->widest2 ? wide2 : s->widest2;
 }
 
 }  // namespace
 
 void list_slack_layout(ListSlack* s, const CellSort& sort, Layout* layout) {
   s->blocks = layout_region<DisplacementBox>(layout, "granular.displacements", sort.cells_max / 8);
+  s->counts = layout_region<uint32_t>(layout, "granular.displaced", sort.cells_max / 16);
 }
 
 void list_slack_begin(ListSlack* s) {
@@ -110,11 +124,12 @@ bool list_slack_run(Granular* g, float* metres) {
   ListSlack& s = g->slack;
   const Grid& grid = g->neighbours.sort.grid;
   const Blocks blocks = blocks_of(grid);
-  const uint32_t end = blocks.count();
+  const uint32_t end = blocks.rows();
   uint32_t& cursor = g->substep.cursor;
-  for (uint32_t done = 0; cursor < end && done < g->unit; ++cursor, ++done) {
-    if (s.step == k_gather) done += gather_block(g, blocks, cursor);
-    else measure_window(&s, blocks, cursor);
+  for (uint32_t done = 0; cursor < end && done < g->unit; ++cursor) {
+    done += blocks.row_length();
+    if (s.step == k_gather) done += gather_row(g, blocks, cursor);
+    else measure_row(&s, blocks, cursor);
   }
   if (cursor < end) return false;
   cursor = 0;

@@ -26,6 +26,7 @@ struct DisplacementBox {
 
 struct ListSlack {
   DisplacementBox* blocks;
+  uint32_t* counts;  // particles in each row of blocks
   DisplacementBox all;
   uint32_t step;
   float widest2;  // squared diagonal of the widest window
