@@ -6,7 +6,7 @@ import { followDevice } from "./tilt.mjs";
 import { CameraImages } from "./room_light.mjs";
 import { RealTable } from "./real_table.mjs";
 import { fixedRun, asText } from "./measure.mjs";
-import { by, say } from "./elements.mjs";
+import { by, say, counted } from "./elements.mjs";
 import { k_scene } from "./data.mjs";
 
 const k_move = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
@@ -98,7 +98,7 @@ async function take(page, file) {
   if (/\.json$/i.test(file.name)) return play(page, await file.text().then(JSON.parse).catch(() => null));
   if (!/\.(obj|gltf|glb)$/i.test(file.name)) throw new Error(`"${file.name}" is neither a mesh nor a recording. Export the mesh as OBJ or glTF.`);
   const mesh = /\.obj$/i.test(file.name) ? readObj(await file.text()) : readGltf(new Uint8Array(await file.arrayBuffer()));
-  say(`${page.addMesh(mesh)} particles of "${file.name}".`);
+  say(`${counted(page.addMesh(mesh))} particles of "${file.name}".`);
 }
 
 async function share(page) {

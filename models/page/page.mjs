@@ -8,7 +8,7 @@ import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom
 import { fromLink } from "./link.mjs";
 import { fixedRun, k_stages, Pauses } from "./measure.mjs";
 import { listen, play } from "./controls.mjs";
-import { by, say } from "./elements.mjs";
+import { by, say, counted } from "./elements.mjs";
 import { k_module, k_scene, k_chair_shadow } from "./data.mjs";
 
 const k_step = k_scene.frame_step, k_radius = k_scene.granular.particle_radius;
@@ -18,8 +18,10 @@ const k_hand = 6 * k_radius; // radius of the sphere that pushes
 const k_hand_speed = 1;      // m/s at most, so that a finger that jumps does not hit the sand
 const k_box = 0.64;          // half the side of the sand's shadow, metres
 const k_frames_at_once = 2;  // after a pause the sand does not run on to catch up
-const k_mesh_height = 0.22;  // metres, of a mesh that becomes sand, and how far above the mark it begins to fall
+const k_mesh_height = 0.22;  // metres, of a mesh that becomes sand; how wide it is at most; how far above the mark it begins to fall
+const k_mesh_width = 0.5;
 const k_mesh_above = 0.05;
+const k_mesh_particles = 1000;  // about the most of one mesh, so that it finds room beside what the scene and a finger pour
 const k_recorded_at_most = 18000;  // frames: five minutes
 const k_emitter_fields = ["position", "rotation", "radius", "speed", "grains_per_particle"];
 const k_collider_fields = ["shape", "position", "rotation", "size", "linear_velocity"];
@@ -38,6 +40,7 @@ class Page {
     this.painter = new Painter(by("view")), this.camera = new Camera();
     this.tool = "pour", this.mark = [0.26, 0, 0.16], this.at = null, this.pushing = null, this.time = 0, this.owed = 0;
     this.spent = [], this.recorded = [], this.added = [];
+    this.denied = 0, this.saidFull = false;
     this.gravity = [...k_scene.gravity], this.given = [...k_scene.gravity], this.tipped = false;
     this.startScene();
     this.makeShadows();
@@ -164,13 +167,14 @@ class Page {
   // What the frame was given and what it executed, so that it can be run again to the bit. Work units of shadows are left
   // out: sand does not depend on them.
   record(emitters, plan, first) {
+    const { scene, added } = this;
+    this.added = [];
     if (this.recorded.length >= k_recorded_at_most) return;
     const picked = (view, names) => Object.fromEntries(names.map((name) => [name, typeof view[name] === "number" ? view[name] : [...view[name]]]));
-    const { scene, added } = this, runs = plan.runs.slice(0, plan.run_count).filter(({ stage }) => stage !== constants.SANDGLASS_STAGE_SHADOW);
+    const runs = plan.runs.slice(0, plan.run_count).filter(({ stage }) => stage !== constants.SANDGLASS_STAGE_SHADOW);
     this.recorded.push({ emitters: scene.emitters.slice(0, emitters).map((emitter) => picked(emitter, k_emitter_fields)),
       colliders: scene.colliders.slice(first, scene.input.collider_count).map((collider) => picked(collider, k_collider_fields)),
       level: plan.level, runs: runs.map(({ stage, units }) => [stage, units]), ...(this.tipped ? { gravity: this.given, tipped: true } : {}), ...(added.length ? { added } : {}) });
-    this.added = [];
     if (this.recorded.length === k_recorded_at_most) this.recordedHash = scene.hash();
   }
 
@@ -200,7 +204,7 @@ class Page {
     scene.input.set({ pile_shadow, shadows, shadow_count });
     this.scene.destroy();
     sand.free(plan);
-    this.scene = scene, this.recorded = [...recording.frames], this.recordedHash = undefined;
+    this.scene = scene, this.recorded = [...recording.frames], this.recordedHash = undefined, this.added = [], this.denied = scene.report.denied_particles;
     sand.sandglass_pile_shadow_refresh(this.pile);
     if (hash !== recording.hash) throw new Error(`The recording ends in ${hash} here and in ${recording.hash} where it was made. Please report this.`);
     return hash;
@@ -230,10 +234,22 @@ class Page {
       if (this.gravity.some((x, k) => x !== this.given[k])) this.setGravity(scene, this.given = [...this.gravity]), this.tipped = true;
       const first = this.placeWalls(scene), emitters = this.act(first), report = scene.frame(k_step, budget, emitters);
       this.record(emitters, report.plan, first);
+      this.tellFull(report);
       this.spent.push({ ms: report.elapsed_ns / 1e6, stages: report.stages.map((stage) => stage.elapsed_ns / 1e6), budget });
       if (this.spent.length > k_seconds_at_most / k_step) this.spent.shift();
     }
   }
+
+  // A finger pours and nothing comes: said once, until it is lifted.
+  tellFull({ denied_particles }) {
+    const nothing = this.at !== null && this.tool === "pour" && denied_particles > this.denied;
+    if (nothing && !this.saidFull) say(`${this.full()}. Press "Start again" to clear it.`);
+    this.saidFull = this.at !== null && (this.saidFull || nothing), this.denied = denied_particles;
+  }
+
+  // What was added since the last frame is in no report yet.
+  particles() { return this.scene.report.particles + this.added.reduce((sum, { particles }) => sum + particles.length / 3, 0); }
+  full() { return `The table is full: ${counted(this.particles())} of ${counted(this.scene.desc.granular.particle_capacity)} particles are there`; }
 
   // The library's shadows, as textures of the painter.
   takeTextures() {
@@ -305,14 +321,22 @@ class Page {
     this.sand.sandglass_scene_reset(this.scene.handle);
     this.sand.sandglass_pile_shadow_refresh(this.pile);
     this.scene.frames = 0, this.scene.fill();
+    this.scene.report.set({ particles: 0, grains: 0, grain_numbers: 0, denied_particles: 0 }), this.denied = 0;
     this.recorded = [], this.added = [], this.recordedHash = undefined;
     this.given = [...k_scene.gravity], this.tipped = false;
   }
 
-  // A mesh as sand: its volume on the library's lattice, above the mark.
+  // A mesh as sand: its volume on the library's lattice, above the mark. One that takes too much sand is made smaller.
   addMesh(read) {
-    const mesh = standing(read, k_mesh_height), particles = this.filled(mesh);
+    const mesh = standing(read, k_mesh_height, k_mesh_width);
+    let particles = this.filled(mesh);
     if (particles.length === 0) throw new Error("The mesh is too thin to be filled with sand. Choose one with a volume.");
+    const smaller = Math.cbrt(3 * k_mesh_particles / particles.length);
+    if (smaller < 1) particles = this.filled({ ...mesh, vertices: mesh.vertices.map((x) => x * smaller) });
+    // The scene has room for as many grains as its particles may have, so the particles decide.
+    const count = particles.length / 3;
+    if (count > this.scene.desc.granular.particle_capacity - this.particles())
+      throw new Error(`${this.full()}, and the mesh needs ${counted(count)}. Press "Start again", then drop it again.`);
     // Grains at random places within the particles, by a generator with a fixed seed.
     const grains = new Float32Array(particles.length * k_pour.grains_per_particle);
     let seed = 1;
@@ -321,7 +345,7 @@ class Page {
     for (let i = 0; i < grains.length; ++i) grains[i] = particles[3 * Math.floor(i / 3 / k_pour.grains_per_particle) + i % 3] + 2 * k_radius * random();
     this.addSand(this.scene, particles, grains);
     this.added.push({ particles: [...particles], grains: [...grains] });
-    return particles.length / 3;
+    return count;
   }
 
   // The particles that fill a mesh. What it takes of the module's memory it gives back, also where the library refuses.

@@ -3,7 +3,7 @@
 // node mesh_files_test.mjs
 import assert from "node:assert/strict";
 import { readGltf } from "../../models/page/gltf.mjs";
-import { readObj } from "../../models/page/obj.mjs";
+import { readObj, standing } from "../../models/page/obj.mjs";
 import { toLink, fromLink } from "../../models/page/link.mjs";
 
 const k_damages = 20000;
@@ -31,6 +31,12 @@ for (const bytes of [glb(), gltf(description(embedded))]) {
   const mesh = readGltf(bytes);
   assert.deepEqual([...mesh.indices], corners);
   places.forEach(([x, y, z], i) => [10 + 2 * z, 2 * y, -2 * x].forEach((wanted, k) => assert.ok(Math.abs(mesh.vertices[3 * i + k] - wanted) < 1e-5)));
+}
+
+// A mesh stands as high as it is asked to, or lower where it would be too wide.
+for (const [side, high] of [[1, 0.2], [5, 0.1]]) {
+  const { vertices } = standing(readObj(`v 0 0 0\nv ${side} 0 0\nv 0 1 0\nf 1 2 3\n`), 0.2, 0.5);
+  assert.ok(Math.abs(vertices[7] - high) < 1e-6 && Math.abs(vertices[3] - vertices[0] - high * side) < 1e-6);
 }
 
 // One sentence or two: what, and what to do.
