@@ -83,7 +83,7 @@ SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* posi
       const Float dx = load(positions[0] + c) - x, dy = load(positions[1] + c) - y, dz = load(positions[2] + c) - z;
       const Float d2 = dx * dx + dy * dy + dz * dz;
       const Mask within = d2 < reach;
-      if (!any(within)) continue;
+      if (__builtin_expect(!any(within), 1)) continue;
       const Int index = lane_index() + broadcast(static_cast<int32_t>(c));
       const Mask chosen = and_not(within & (index < broadcast(static_cast<int32_t>(end))), index == broadcast(self));
       const Int record = index + broadcast(static_cast<int32_t>(first_record));

@@ -147,7 +147,7 @@ SANDGLASS_INLINE void solve_range(const PairArgs* args, uint32_t begin, uint32_t
       Float apart[3];
       load_approaches(floats_of(args->particles), first, second, apart);
       const Mask touch = dot3(apart[0], apart[1], apart[2], apart[0], apart[1], apart[2]) < terms.diameter2;
-      if (!any(touch)) continue;
+      if (__builtin_expect(!any(touch), 1)) continue;
       compress_store(pairs.first + count, load(first), touch);
       count += compress_store(pairs.second + count, load(second), touch);
     }

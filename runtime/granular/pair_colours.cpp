@@ -150,17 +150,15 @@ uint32_t pair_unit(const PairColours& c, uint32_t items) {
 }
 
 PairPiece pair_piece(const PairColours& c, uint32_t done, uint32_t most) {
-  uint32_t before = 0;
-  for (uint32_t at = 0; at < c.filled_count; ++at) {
-    const uint32_t run = c.filled[at];
-    const uint32_t length = c.starts[run + 1] - c.starts[run];
-    if (done - before < length) {
-      const uint32_t begin = c.starts[run] + (done - before), left = c.starts[run + 1] - begin;
-      return {begin, begin + (left < most ? left : most), run % 2 != 0};
-    }
-    before += length;
+  // Runs that hold no pairs begin and end at the same place.
+  uint32_t low = 0, high = c.filled_count;
+  while (high - low > 1) {
+    const uint32_t middle = (low + high) / 2;
+    if (c.starts[c.filled[middle]] <= done) low = middle;
+    else high = middle;
   }
-  return {};
+  const uint32_t run = c.filled[low], left = c.starts[run + 1] - done;
+  return {done, done + (left < most ? left : most), run % 2 != 0};
 }
 
 }  // namespace sandglass
