@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
 """Puts the page into one file: python3 assemble.py NPM_FOLDER SCENE_JSON SHADOW OUTPUT
 
-The modules are joined in the order of their imports, without import and export, into the page's one script. The module,
-the scene and the baked shadow go in as text. The page then needs nothing but itself."""
+The modules are joined in the order of their imports, without import and export, into the page's one script. The
+library, compressed, without and with threads, the scene and the baked shadow go in as text. The page then needs nothing
+but itself."""
 import base64
 import json
 import pathlib
 import re
 import sys
+import zlib
 
 
 def joined(paths):
@@ -31,8 +33,9 @@ def joined(paths):
 def main():
     npm, scene, shadow, output = map(pathlib.Path, sys.argv[1:])
     here = pathlib.Path(__file__).parent
-    encoded = {"k_module": npm / "sandglass.wasm", "k_chair_shadow": shadow}
-    data = "".join(f"const {name} = \"{base64.b64encode(path.read_bytes()).decode()}\";\n" for name, path in encoded.items())
+    packed = {name: zlib.compress((npm / file).read_bytes(), 9) for name, file in (("k_module", "sandglass.wasm"), ("k_module_threads", "sandglass-threads.wasm"))}
+    packed["k_chair_shadow"] = shadow.read_bytes()
+    data = "".join(f"const {name} = \"{base64.b64encode(content).decode()}\";\n" for name, content in packed.items())
     data += f"const k_scene = {json.dumps(json.loads(scene.read_text()))};\n"
     own = ("elements", "scene", "painter", "obj", "gltf", "link", "tilt", "room_light", "real_table", "measure", "controls", "page")
     script = joined([npm / "abi.mjs", npm / "sandglass.mjs", *(here / f"{name}.mjs" for name in own)])

@@ -28,13 +28,13 @@ export async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) 
     report.stages.forEach((stage, i) => { stages[i] += stage.elapsed_ns / 1e6; });
   }
   const result = { hash: scene.hash(), ms: ms / frames, stages: stages.map((sum) => sum / frames), grains: scene.report.grains,
-    particles: scene.report.particles, isa: sand.sandglass_isa_name(sand.sandglass_scene_isa(scene.handle)) };
+    particles: scene.report.particles, threads: sand.threads, isa: sand.sandglass_isa_name(sand.sandglass_scene_isa(scene.handle)) };
   scene.destroy();
   return result;
 }
 
-export function asText({ hash, ms, stages, grains, particles, isa }) {
+export function asText({ hash, ms, stages, grains, particles, threads, isa }) {
   return [`Sandglass, ${k_scene.frames} frames of the page's scene, ${particles} particles, ${grains} grains at the end`, `browser      ${navigator.userAgent}`,
-    `cores        ${navigator.hardwareConcurrency}`, `kernels      ${isa}`, `a frame      ${ms.toFixed(2)} ms`,
+    `cores        ${navigator.hardwareConcurrency}`, `threads      ${threads}`, `kernels      ${isa}`, `a frame      ${ms.toFixed(2)} ms`,
     ...k_stages.map(([, name], i) => `  ${name.padEnd(10)} ${stages[i].toFixed(2)} ms`), `hash         ${hash}`].join("\n");
 }

@@ -9,7 +9,7 @@ import { fromLink } from "./link.mjs";
 import { fixedRun, k_stages, Pauses } from "./measure.mjs";
 import { listen, play } from "./controls.mjs";
 import { by, say, counted } from "./elements.mjs";
-import { k_module, k_scene, k_chair_shadow } from "./data.mjs";
+import { k_module, k_module_threads, k_scene, k_chair_shadow } from "./data.mjs";
 
 const k_step = k_scene.frame_step, k_radius = k_scene.granular.particle_radius;
 const k_pour = { radius: 4 * k_radius, speed: 0.8, grains_per_particle: 16 };
@@ -17,6 +17,7 @@ const k_pour_height = 0.3;   // metres above what is touched
 const k_hand = 6 * k_radius; // radius of the sphere that pushes
 const k_hand_speed = 1;      // m/s at most, so that a finger that jumps does not hit the sand
 const k_box = 0.64;          // half the side of the sand's shadow, metres
+const k_threads_at_most = 4; // a phone's fast cores
 const k_frames_at_once = 2;  // after a pause the sand does not run on to catch up
 const k_mesh_height = 0.22;  // metres, of a mesh that becomes sand; how wide it is at most; how far above the mark it begins to fall
 const k_mesh_width = 0.5;
@@ -380,8 +381,18 @@ class Page {
   }
 }
 
+const inflated = (text) => new Response(new Blob([unpacked(text, Uint8Array)]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+
+// The library, with a pool where browsers let memory be shared: on a page that is cross-origin isolated. No results
+// depend on it. What fails with threads may do without.
+async function loaded() {
+  const threads = globalThis.crossOriginIsolated ? Math.min(k_threads_at_most, navigator.hardwareConcurrency) : 1;
+  const pooled = threads > 1 ? await load(await inflated(k_module_threads), { threads }).catch(() => null) : null;
+  return pooled ?? load(await inflated(k_module));
+}
+
 async function begin() {
-  const page = new Page(await load(unpacked(k_module, Uint8Array)));
+  const page = new Page(await loaded());
   listen(page);
   window.sandglassPage = { page, fixedRun: (frames) => fixedRun(page.sand, frames) };  // for the page's test
   let before = performance.now(), told = 0;

@@ -27,14 +27,14 @@ export function makeField(sand, plan) {
   return { field, block };
 }
 
-// `changes` are fields of sandglass_granular_desc that differ from the file's; `isa` is a sandglass_isa.
+// With the module's pool, if it has one. `changes` are fields of sandglass_granular_desc that differ from the file's; `isa` is a sandglass_isa.
 export class SandScene {
   constructor(sand, file, { isa = 0, clock = false, changes = {}, colliders = 0 } = {}) {
     this.sand = sand, this.file = file, this.frames = 0;
     const desc = this.desc = sand.make("sandglass_scene_desc");
     sand.sandglass_scene_desc_default(desc);
     desc.isa = isa, desc.gravity = file.gravity;
-    desc.granular.set(file.granular).set(changes);
+    desc.granular.set(file.granular).set(changes), desc.parallel.set(sand.parallel);
     if (clock) desc.clock = sand.sandglass_clock_system();
     this.handle = sand.create("sandglass_scene", desc);
     this.fill();

@@ -76,9 +76,9 @@ class Browser:
                 return answer["result"]
             self.keep(answer)
 
-    def open(self, path):
+    def open(self, path_or_url):
         self.events.clear()
-        self.call("Page.navigate", url="file://" + os.path.abspath(path))
+        self.call("Page.navigate", url=path_or_url if "://" in str(path_or_url) else "file://" + os.path.abspath(path_or_url))
         deadline = time.monotonic() + PATIENCE
         while "Page.loadEventFired" not in self.events:
             self.keep(self.message(deadline))

@@ -8,6 +8,9 @@ what comes at any speed, or counts frames (run_frames). --slow and --fast are fo
 live_page_test.py WEB_SCENE SANDGLASS NPM_FOLDER WORK_FOLDER [--screenshots] [--minutes N] [--slow | --fast]
 Exit code 77: there is no Chromium here, or no program to compare with."""
 import base64
+import contextlib
+import functools
+import http.server
 import json
 import os
 import pathlib
@@ -15,6 +18,7 @@ import shutil
 import struct
 import subprocess
 import sys
+import threading
 import time
 
 import browser as driver
@@ -24,6 +28,7 @@ SKIPPED = 77
 SLOWER = 8  # times, with --slow
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FRAMES = 300
+THREADS, THREADS_FRAMES = 4, 90
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0.5 0 0.9\nv 0.5 0.9 0.3\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n"
 CUBE = ("".join(f"v {k & 1} {k >> 1 & 1} {k >> 2}\n" for k in range(8)) +
         "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n")
@@ -44,8 +49,8 @@ def wait_until(browser, expression, patience=240):
         time.sleep(0.3)
 
 
-def native_hash(sandglass):
-    out = subprocess.run([sandglass, "run", str(ROOT / "models/page/page.json"), "--frames", str(FRAMES), "--clock", "virtual", "--budget-ms",
+def native_hash(sandglass, frames):
+    out = subprocess.run([sandglass, "run", str(ROOT / "models/page/page.json"), "--frames", str(frames), "--clock", "virtual", "--budget-ms",
                           "100000"], check=True, capture_output=True, text=True).stdout
     return next(line.split()[1] for line in out.splitlines() if line.startswith("hash "))
 
@@ -363,6 +368,41 @@ def check_narrow(browser):
     check(browser.ask("document.getElementById('view').clientHeight") > 250, "the table has no room")
 
 
+@contextlib.contextmanager
+def isolated_server(folder):
+    """A server on this machine whose pages are cross-origin isolated: browsers then let them share memory. Gives its address."""
+    class Handler(http.server.SimpleHTTPRequestHandler):
+        def end_headers(self):
+            self.send_header("Cross-Origin-Opener-Policy", "same-origin")
+            self.send_header("Cross-Origin-Embedder-Policy", "require-corp")
+            super().end_headers()
+
+        def log_message(self, *_):
+            pass
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), functools.partial(Handler, directory=str(folder))) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}/"
+        finally:
+            server.shutdown()
+
+
+def check_threads(browser, url, wanted):
+    """A page that is cross-origin isolated runs a pool. Sand falls, other threads do work, and the hash is the same."""
+    browser.call("Emulation.setHardwareConcurrencyOverride", hardwareConcurrency=THREADS)
+    browser.open(url)
+    wait_until(browser, "document.documentElement.dataset.sand")
+    check(browser.ask("crossOriginIsolated") is True, "the server's page is not cross-origin isolated")
+    check(browser.ask("sandglassPage.page.sand.threads") == THREADS, "the page has no pool")
+    wait_until(browser, "sandglassPage.page.scene.report.particles > 300 && sandglassPage.page.sand.helped > 0")
+    browser.ask("sandglassPage.page.measuring = true")
+    browser.ask(f"void sandglassPage.fixedRun({THREADS_FRAMES}).then(r => {{ window.ran = r; }})")
+    wait_until(browser, "window.ran", 900)
+    ran = browser.ask("window.ran")
+    print(f"with {THREADS} threads:", ran)
+    check(ran["threads"] == THREADS and ran["hash"] == wanted, f"with threads the page ends in {ran['hash']} and the program in {wanted}")
+
+
 def main():
     web_scene, sandglass, npm, work = sys.argv[1:5]
     program = shutil.which("chromium")
@@ -413,13 +453,16 @@ def main():
         browser.ask("sandglassPage.page.measuring = true")  # nothing is drawn meanwhile
         browser.ask(f"void sandglassPage.fixedRun({FRAMES}).then(r => {{ window.ran = r; }})")
         wait_until(browser, "window.ran", 900)
-        ran, wanted = browser.ask("window.ran"), native_hash(sandglass)
+        ran, wanted = browser.ask("window.ran"), native_hash(sandglass, FRAMES)
         print("fixed run:", ran, "native", wanted)
+        check(ran["threads"] == 1, "a page from a file has threads")
         check(ran["isa"] == "wasm", f"the page runs {ran['isa']}")
         check(ran["hash"] == wanted, f"the page ends in {ran['hash']} and the program in {wanted}")
+        with isolated_server(page.parent) as server:
+            check_threads(browser, f"{server}{page.name}", native_hash(sandglass, THREADS_FRAMES))
         complaints = [text for text in browser.complaints if not any(own in text for own in OF_THE_MACHINE)]
         check(not complaints, f"the console complains: {complaints}")
-        others = [url for url in browser.requests if not url.startswith(("data:", "file://" + str(page)))]
+        others = [url for url in browser.requests if not url.startswith(("data:", "blob:", "file://" + str(page))) and url != f"{server}{page.name}"]
         check(not others, f"the page asks for {others}")
     except Exception:
         print("page says:", browser.ask("document.getElementById('says').textContent"), browser.complaints)

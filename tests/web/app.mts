@@ -49,4 +49,10 @@ for (let i = 0; i < 50; ++i) {
   sand.destroy(sand.create("sandglass_scene", desc));
 }
 if (sand.memory.buffer.byteLength !== memory) throw new Error("memory grows");
+// With threads: the module beside, and a pool for the scene.
+const pooled = await load(undefined, { threads: 2 });
+const shared = pooled.make("sandglass_scene_desc");
+pooled.sandglass_scene_desc_default(shared);
+shared.parallel.set(pooled.parallel);
+if (pooled.threads !== 2 || shared.parallel.run === 0 || sand.parallel.run !== 0) throw new Error("there is no pool");
 console.log("done");

@@ -16,6 +16,8 @@ export { constants };
 
 const k_block_alignment = constants.SANDGLASS_BLOCK_ALIGNMENT;
 const k_least_step_ns = 1000n;  // from one reading of the clock to the next
+const k_shared_pages = 256, k_shared_pages_at_most = 8192;  // of 64 KiB, as sandglass-threads.wasm is linked
+const k_worker_stack = 65536;  // a task needs less than 16 KiB
 const k_arrays = {
   u8: Uint8Array, i8: Int8Array, u16: Uint16Array, i16: Int16Array, u32: Uint32Array, i32: Int32Array, ptr: Uint32Array,
   u64: BigUint64Array, i64: BigInt64Array, f32: Float32Array, f64: Float64Array,
@@ -91,7 +93,7 @@ function trampoline(f, signature) {
 async function compiled(source) {
   if (source instanceof WebAssembly.Module) return source;
   if (ArrayBuffer.isView(source) || source instanceof ArrayBuffer) return WebAssembly.compile(source);
-  const url = source instanceof URL ? source : new URL(source ?? "sandglass.wasm", import.meta.url);
+  const url = source instanceof URL ? source : new URL(source, import.meta.url);
   if (url.protocol === "file:" && typeof process !== "undefined")
     return WebAssembly.compile(await (await import("node:fs/promises")).readFile(url));
   const answer = await fetch(url);
@@ -99,11 +101,50 @@ async function compiled(source) {
   return WebAssembly.compile(await answer.arrayBuffer());
 }
 
+// What a worker of the pool runs: a further instance of the module on the shared memory. In a browser and under node.
+const k_worker = `
+const port = typeof require === "function" ? require("node:worker_threads").parentPort : self;
+const heard = (event) => {
+  const { module, memory, stack } = event.data ?? event;
+  const none = () => 0;
+  WebAssembly.instantiate(module, { wasi_snapshot_preview1: { clock_time_get: none, proc_exit: none },
+    env: { memory, emscripten_notify_memory_growth: none } }).then(({ exports }) => {
+    exports.stackRestore(stack);
+    port.postMessage("ready");
+    exports.sandglass_web_pool_work();
+  });
+};
+if (port.once) port.once("message", heard); else port.onmessage = heard;`;
+
+async function newWorker() {
+  if (typeof Worker === "undefined") {
+    const worker = new (await import("node:worker_threads")).Worker(k_worker, { eval: true });
+    worker.unref();
+    return worker;
+  }
+  const url = URL.createObjectURL(new Blob([k_worker], { type: "text/javascript" })), worker = new Worker(url);
+  URL.revokeObjectURL(url);
+  return worker;
+}
+
+// Resolves once the worker looks for work. It does so for as long as the page lives.
+async function startWorker(message) {
+  const worker = await newWorker();
+  await new Promise((ready, failed) => {
+    const refused = () => failed(new Error("sandglass: a worker does not start. Load the library without threads."));
+    if (worker.once) worker.once("message", ready), worker.once("error", refused);
+    else worker.onmessage = ready, worker.onerror = refused;
+    worker.postMessage(message);
+  });
+}
+
 // Makes an instance of the library. `source` is a URL, bytes or a WebAssembly.Module; without it, sandglass.wasm beside
 // this file. `options.now` is the clock of sandglass_clock_system(), in milliseconds; without it, performance.now().
+// With `options.threads` above 1 there is a pool of so many, the calling one included: `sand.parallel` is for
+// desc.parallel. `source` then is sandglass-threads.wasm. In a browser the page must be cross-origin isolated.
 export async function load(source, options = {}) {
-  const now = options.now ?? (() => performance.now());
-  let memory, reading = 0n;
+  const now = options.now ?? (() => performance.now()), threads = options.threads ?? 1;
+  let memory = threads > 1 ? new WebAssembly.Memory({ initial: k_shared_pages, maximum: k_shared_pages_at_most, shared: true }) : undefined, reading = 0n;
   const host = {
     clock_time_get(_clock, _precision, at) {
       // Browsers round their clock, up to 0.1 ms. One that stands still over several work units would count as broken.
@@ -114,33 +155,39 @@ export async function load(source, options = {}) {
     },
     proc_exit(code) { throw new Error(`sandglass: the module ended with code ${code}.`); },
   };
-  const module = await compiled(source);
+  const module = await compiled(source ?? (threads > 1 ? "sandglass-threads.wasm" : "sandglass.wasm"));
   const instance = await WebAssembly.instantiate(module, {
     wasi_snapshot_preview1: host,
-    env: { emscripten_notify_memory_growth() {} },
+    env: { memory, emscripten_notify_memory_growth() {} },
   });
   const { exports } = instance;
-  memory = exports.memory;
+  memory ??= exports.memory;
   exports._initialize?.();
-  return new Sandglass(exports);
+  const sand = new Sandglass(exports, memory, threads);
+  await Promise.all(Array.from({ length: threads - 1 }, () => startWorker({ module, memory, stack: sand.allocate(k_worker_stack) + k_worker_stack })));
+  return sand;
 }
 
 class Sandglass {
   #exports;
+  #memory;
   #classes = {};
   #reason;
   #blocks = new Map();
   #pointers = new Map();  // to C functions, by name
 
-  constructor(exports) {
-    this.#exports = exports;
-    for (const name of Object.keys(structs)) this.#classes[name] = structClass(name, exports.memory, this.#classes);
+  constructor(exports, memory, threads) {
+    this.#exports = exports, this.#memory = memory, this.threads = threads;
+    for (const name of Object.keys(structs)) this.#classes[name] = structClass(name, memory, this.#classes);
     this.#reason = this.allocate(8);
     for (const [name, [parameters, result, of, fails]] of Object.entries(functions))
       this[name] = this.#method(exports[name], parameters, result, of, fails);
   }
 
-  get memory() { return this.#exports.memory; }
+  get memory() { return this.#memory; }
+  // The pool, as sandglass_scene_desc.parallel; without threads, none.
+  get helped() { return this.threads > 1 ? this.#exports.sandglass_web_pool_helped() >>> 0 : 0; }
+  get parallel() { return { run: this.threads > 1 ? this.pointer("sandglass_web_pool_run") : 0, user: 0 }; }
 
   #method(call, parameters, result, of, fails) {
     const converted = parameters.map((type) => (type === "u64" || type === "i64" ? BigInt : type === "ptr" ? address : Number));
@@ -211,7 +258,7 @@ class Sandglass {
     const all = new Uint8Array(this.memory.buffer);
     let end = pointer;
     while (all[end] !== 0) ++end;
-    return new TextDecoder().decode(all.subarray(pointer, end));
+    return new TextDecoder().decode(all.slice(pointer, end));  // a copy: shared memory is not decoded
   }
 
   // A function pointer: of an exported C function by its name, or of a JavaScript function with a signature: the

@@ -16,6 +16,12 @@ export type Values<T> = {
 /** The library, and what JavaScript needs besides. */
 export interface Sandglass extends Functions {
   readonly memory: WebAssembly.Memory;
+  /** How many threads the pool has, the calling one included. */
+  readonly threads: number;
+  /** Tasks that other threads did, modulo 2^32. */
+  readonly helped: number;
+  /** The pool, for desc.parallel.set(). */
+  readonly parallel: { readonly run: Pointer; readonly user: Pointer };
   /** An aligned block of zeros. */
   allocate(bytes: number, alignment?: number): Pointer;
   free(block: Pointer | Struct): void;
@@ -42,6 +48,8 @@ export interface Sandglass extends Functions {
 }
 
 /** Makes an instance of the library: from a URL, bytes or a module; without it, sandglass.wasm beside this file. `now`
- * is the clock of sandglass_clock_system(), in milliseconds; without it, performance.now(). */
+ * is the clock of sandglass_clock_system(), in milliseconds; without it, performance.now(). With `threads` above 1 there
+ * is a pool of so many, the calling one included, and the module is sandglass-threads.wasm. A page must be cross-origin
+ * isolated for it. The workers live as long as the page. */
 export declare function load(source?: URL | string | BufferSource | WebAssembly.Module,
-                             options?: { now?: () => number }): Promise<Sandglass>;
+                             options?: { now?: () => number; threads?: number }): Promise<Sandglass>;
