@@ -79,15 +79,24 @@ SANDGLASS_INLINE Surface collider_surface(const ColliderFrame& c, Float px, Floa
           broadcast(up[2])};
 }
 
-// Whether all lanes are far from a collider that fits into a ball around its position.
+// Whether all lanes are far from a box, a capsule or a ball. What is rounded away is less than the hundredth more.
 SANDGLASS_INLINE bool far_from(const ColliderFrame& c, const Float position[3], float margin) {
   if (c.shape == SANDGLASS_SHAPE_HALF_SPACE || c.shape == SANDGLASS_SHAPE_FIELD) return false;
-  const float beyond_ball = c.shape == SANDGLASS_SHAPE_CAPSULE ? c.size[1]
-                            : c.shape == SANDGLASS_SHAPE_BOX   ? c.size[1] + c.size[2]
-                                                               : 0.0f;
-  const float reach = 1.001f * (c.size[0] + beyond_ball + margin);
   const Float x = position[0] - broadcast(c.position[0]), y = position[1] - broadcast(c.position[1]),
               z = position[2] - broadcast(c.position[2]);
+  if (c.shape == SANDGLASS_SHAPE_BOX) {
+    const Float zero = broadcast(0.0f);
+    Float beyond2 = zero;
+    for (int a = 0; a < 3; ++a) {
+      const float* axis = c.axes[a];
+      const Float local = dot3(x, y, z, broadcast(axis[0]), broadcast(axis[1]), broadcast(axis[2]));
+      const Float beyond = maximum(absolute(local) - broadcast(c.size[a]), zero);
+      beyond2 = beyond2 + beyond * beyond;
+    }
+    const float reach = 1.01f * margin;
+    return all(broadcast(reach * reach) < beyond2);
+  }
+  const float reach = 1.001f * (c.size[0] + (c.shape == SANDGLASS_SHAPE_CAPSULE ? c.size[1] : 0.0f) + margin);
   return all(broadcast(reach * reach) < dot3(x, y, z, x, y, z));
 }
 

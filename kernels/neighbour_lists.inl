@@ -16,96 +16,100 @@ struct Ranges {
   uint32_t count;
 };
 
-SANDGLASS_INLINE void add_range(Ranges* ranges, uint32_t begin, uint32_t end) {
-  ranges->begin[ranges->count] = begin;
+// Adds what of [begin, end) comes from `least` on.
+SANDGLASS_INLINE void add_range(Ranges* ranges, uint32_t begin, uint32_t end, uint32_t least) {
+  const uint32_t from = begin < least ? least : begin;
+  ranges->begin[ranges->count] = from;
   ranges->end[ranges->count] = end;
-  ranges->count += begin < end ? 1u : 0u;
+  ranges->count += from < end ? 1u : 0u;
 }
 
-SANDGLASS_INLINE void find_ranges(const Grid& grid, const int32_t cell[3], Ranges* ranges) {
-  const uint32_t mask[3] = {(1u << grid.bits[0]) - 1, (1u << grid.bits[1]) - 1, (1u << grid.bits[2]) - 1};
-  const uint32_t left = static_cast<uint32_t>(cell[0] - 1) & mask[0];
-  const uint32_t right = static_cast<uint32_t>(cell[0] + 1) & mask[0];
+// Where the storage of the nine rows begins that hold a cell and its neighbours.
+struct Rows {
+  uint32_t begin[9];
+};
+
+SANDGLASS_INLINE void find_rows(const Grid& grid, const int32_t cell[3], Rows* rows) {
+  const uint32_t mask_y = (1u << grid.bits[1]) - 1, mask_z = (1u << grid.bits[2]) - 1;
+  for (int32_t at = 0; at < 9; ++at) {
+    const uint32_t y = static_cast<uint32_t>(cell[1] + at % 3 - 1) & mask_y;
+    const uint32_t z = static_cast<uint32_t>(cell[2] + at / 3 - 1) & mask_z;
+    rows->begin[at] = ((z << grid.bits[1]) | y) << grid.bits[0];
+  }
+}
+
+// Apart, since it is inlined twice and unrolled else.
+SANDGLASS_APART void find_ranges(const Grid& grid, const Rows& rows, int32_t cell_x, uint32_t least, Ranges* ranges) {
+  const uint32_t mask = (1u << grid.bits[0]) - 1;
+  const uint32_t left = static_cast<uint32_t>(cell_x - 1) & mask, right = static_cast<uint32_t>(cell_x + 1) & mask;
   ranges->count = 0;
-  for (int32_t dz = -1; dz <= 1; ++dz) {
-    const uint32_t plane = (static_cast<uint32_t>(cell[2] + dz) & mask[2]) << grid.bits[1];
-    for (int32_t dy = -1; dy <= 1; ++dy) {
-      const uint32_t row = (plane | (static_cast<uint32_t>(cell[1] + dy) & mask[1])) << grid.bits[0];
-      if (left < right) {
-        add_range(ranges, grid.starts[row + left], grid.starts[row + right + 1]);
-      } else {  // the row wraps round between these three cells
-        for (int32_t dx = -1; dx <= 1; ++dx) {
-          const uint32_t c = row + (static_cast<uint32_t>(cell[0] + dx) & mask[0]);
-          add_range(ranges, grid.starts[c], grid.starts[c + 1]);
-        }
+  for (const uint32_t row : rows.begin) {
+    const uint32_t* starts = grid.starts + row;
+    if (left < right) {
+      add_range(ranges, starts[left], starts[right + 1], least);
+    } else {  // the row wraps round between these three cells
+      for (int32_t dx = -1; dx <= 1; ++dx) {
+        const uint32_t x = static_cast<uint32_t>(cell_x + dx) & mask;
+        add_range(ranges, starts[x], starts[x + 1], least);
       }
     }
   }
-}
-
-// Leaves out what ends before this particle.
-SANDGLASS_INLINE void drop_ranges_before(uint32_t particle, Ranges* ranges) {
-  uint32_t kept = 0;
-  for (uint32_t r = 0; r < ranges->count; ++r) {
-    if (ranges->end[r] <= particle) continue;
-    ranges->begin[kept] = ranges->begin[r], ranges->end[kept++] = ranges->end[r];
-  }
-  ranges->count = kept;
 }
 
 // The list of one particle while it is filled. Behind the last slot is room for what compress_store writes there;
 // neighbours that end up in that room are counted as dropped.
 struct Row {
-  alignas(64) uint32_t slots[k_list_slots + 2 * k_lane_group];
-  // Squared distances as the bits of floats: they compare like the floats, because none is negative.
-  alignas(64) uint32_t distances[k_list_slots + 2 * k_lane_group];
-  uint32_t used;
+  static constexpr uint32_t k_capacity = k_list_slots + k_lane_group;
+  alignas(64) uint32_t nears[k_list_slots + k_capacity];  // with room for the others behind them
+  alignas(64) uint32_t others[k_capacity];
+  uint32_t near_count, other_count;
   uint32_t dropped;
 };
 
-// Tests the candidates from `least` on.
-SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* positions, uint32_t first_record,
-                                  uint32_t least, int32_t self, const float* at, Float reach, Row* row) {
-  const Float x = broadcast(at[0]), y = broadcast(at[1]), z = broadcast(at[2]);
-  const Int own = broadcast(self);
-  for (uint32_t r = 0; r < ranges.count; ++r) {
-    const Int end = broadcast(static_cast<int32_t>(ranges.end[r]));
-    for (uint32_t c = ranges.begin[r] < least ? least : ranges.begin[r]; c < ranges.end[r]; c += k_width) {
-      const Int index = lane_index() + broadcast(static_cast<int32_t>(c));
-      const Float dx = load(positions[0] + c) - x, dy = load(positions[1] + c) - y, dz = load(positions[2] + c) - z;
-      const Float d2 = dx * dx + dy * dy + dz * dz;
-      const Mask chosen = and_not((d2 < reach) & (index < end), index == own);
-      if (!any(chosen)) continue;
-      compress_store(row->distances + row->used, as_int(d2), chosen);
-      row->used +=
-          compress_store(row->slots + row->used, index + broadcast(static_cast<int32_t>(first_record)), chosen);
-      if (row->used > k_list_slots) {
-        row->dropped += row->used - k_list_slots;
-        row->used = k_list_slots;
-      }
-    }
-  }
+SANDGLASS_INLINE void limit_to(uint32_t most, uint32_t* count, uint32_t* dropped) {
+  if (*count <= most) return;
+  *dropped += *count - most;
+  *count = most;
 }
 
-// Writes the near neighbours, then the others, then the index of the inert particle up to slot `end`. Returns the number
-// of near ones.
-SANDGLASS_INLINE uint32_t put_near_first(const Row& row, Int near2, Int inert, uint32_t end, uint32_t* out) {
-  alignas(64) uint32_t ordered[k_list_slots + 2 * k_lane_group];
-  const Int used = broadcast(static_cast<int32_t>(row.used));
-  uint32_t count = 0, nears = 0;
-  for (uint32_t far = 0; far < 2; ++far) {
-    for (uint32_t s = 0; s < row.used; s += k_width) {
-      const Mask filled = lane_index() + broadcast(static_cast<int32_t>(s)) < used;
-      const Mask near = load(row.distances + s) < near2;
-      count += compress_store(ordered + count, load(row.slots + s), far != 0 ? and_not(filled, near) : filled & near);
+// Tests the candidates from `least` on.
+SANDGLASS_INLINE void test_ranges(const Ranges& ranges, const float* const* positions, uint32_t first_record,
+                                  uint32_t least, int32_t self, const float* at, Float reach, Float near, Row* row) {
+  const Float x = broadcast(at[0]), y = broadcast(at[1]), z = broadcast(at[2]);
+  uint32_t nears = row->near_count, others = row->other_count;  // not in memory: the stores below might change it
+  for (uint32_t r = 0; r < ranges.count; ++r) {
+    const uint32_t end = ranges.end[r];
+    for (uint32_t c = ranges.begin[r] < least ? least : ranges.begin[r]; c < end; c += k_width) {
+      const Float dx = load(positions[0] + c) - x, dy = load(positions[1] + c) - y, dz = load(positions[2] + c) - z;
+      const Float d2 = dx * dx + dy * dy + dz * dz;
+      const Mask within = d2 < reach;
+      if (__builtin_expect(!any(within), 1)) continue;
+      const Int index = lane_index() + broadcast(static_cast<int32_t>(c));
+      const Mask chosen = and_not(within & (index < broadcast(static_cast<int32_t>(end))), index == broadcast(self));
+      const Int record = index + broadcast(static_cast<int32_t>(first_record));
+      const Mask close = d2 < near;
+      nears += compress_store(row->nears + nears, record, chosen & close);
+      others += compress_store(row->others + others, record, and_not(chosen, close));
+      if (nears + others <= k_list_slots) continue;
+      limit_to(k_list_slots, &nears, &row->dropped);
+      limit_to(k_list_slots, &others, &row->dropped);
     }
-    if (far == 0) nears = count;
   }
-  for (uint32_t s = 0; s < end; s += k_width) {
-    const Mask filled = lane_index() + broadcast(static_cast<int32_t>(s)) < used;
-    store(out + s, select(filled, load(ordered + s), inert));
+  row->near_count = nears, row->other_count = others;
+}
+
+// Writes the near neighbours, then the others, then the index of the inert particle up to slot `end`.
+SANDGLASS_INLINE void put_row(Row* row, Int inert, bool whole, uint32_t* out, uint8_t* count, uint8_t* near_count) {
+  limit_to(k_list_slots - row->near_count, &row->other_count, &row->dropped);
+  const uint32_t used = row->near_count + row->other_count;
+  for (uint32_t s = 0; s < row->other_count; s += k_width)
+    store(row->nears + row->near_count + s, load(row->others + s));
+  for (uint32_t s = 0; s < used; s += k_width) store(out + s, load(row->nears + s));
+  for (uint32_t s = used / k_width * k_width; whole && s < k_list_slots; s += k_width) {
+    const Mask filled = lane_index() + broadcast(static_cast<int32_t>(s)) < broadcast(static_cast<int32_t>(used));
+    store(out + s, select(filled, load(row->nears + s), inert));
   }
-  return nears;
+  *count = static_cast<uint8_t>(used), *near_count = static_cast<uint8_t>(row->near_count);
 }
 
 SANDGLASS_INLINE int32_t floor_cell(float a, float inverse) {
@@ -116,32 +120,32 @@ SANDGLASS_INLINE int32_t floor_cell(float a, float inverse) {
 
 static void neighbour_lists(const ListArgs* args, uint32_t begin, uint32_t end, uint32_t* dropped) {
   const float inverse = args->grid.inverse_cell;
-  const Float reach = broadcast(args->reach_squared);
-  const Int near2 = as_int(broadcast(args->near_squared));
+  const Float reach = broadcast(args->reach_squared), near = broadcast(args->near_squared);
   const Int inert = broadcast(static_cast<int32_t>(args->inert));
-  Ranges near = {}, boundary = {};
+  const bool halves = args->halves != 0, bounded = args->boundary_count != 0;
+  Rows rows = {}, boundary_rows = {};
+  Ranges ranges = {}, boundary = {};
   Row row = {};
   int32_t cell[3] = {0, 0, 0};
-  bool known = false;
   for (uint32_t i = begin; i < end; ++i) {
     const float at[3] = {args->positions[0][i], args->positions[1][i], args->positions[2][i]};
     const int32_t own[3] = {floor_cell(at[0], inverse), floor_cell(at[1], inverse), floor_cell(at[2], inverse)};
-    if (!known || own[0] != cell[0] || own[1] != cell[1] || own[2] != cell[2]) {
-      for (int k = 0; k < 3; ++k) cell[k] = own[k];
-      known = true;
-      find_ranges(args->grid, cell, &near);
-      if (args->halves != 0) drop_ranges_before(i, &near);
-      if (args->boundary_count != 0) find_ranges(args->boundary_grid, cell, &boundary);
+    const bool other_row = i == begin || own[1] != cell[1] || own[2] != cell[2];
+    if (other_row) {
+      find_rows(args->grid, own, &rows);
+      if (bounded) find_rows(args->boundary_grid, own, &boundary_rows);
     }
-    row.used = 0;
-    test_ranges(near, args->positions, 0, args->halves != 0 ? i + 1 : 0, static_cast<int32_t>(i), at, reach, &row);
-    if (args->boundary_count != 0)
-      test_ranges(boundary, args->boundary_positions, args->boundary_first, 0, -1, at, reach, &row);
+    if (other_row || own[0] != cell[0]) {
+      find_ranges(args->grid, rows, own[0], halves ? i + 1 : 0, &ranges);
+      if (bounded) find_ranges(args->boundary_grid, boundary_rows, own[0], 0, &boundary);
+    }
+    for (int k = 0; k < 3; ++k) cell[k] = own[k];
+    row.near_count = row.other_count = 0;
+    test_ranges(ranges, args->positions, 0, halves ? i + 1 : 0, static_cast<int32_t>(i), at, reach, near, &row);
+    if (bounded) test_ranges(boundary, args->boundary_positions, args->boundary_first, 0, -1, at, reach, near, &row);
     // Nobody reads beyond the used slots of a half.
-    const uint32_t end_of_row = args->halves != 0 ? row.used : k_list_slots;
-    uint32_t* out = args->lists + static_cast<uint64_t>(i) * k_list_slots;
-    args->near_counts[i] = static_cast<uint8_t>(put_near_first(row, near2, inert, end_of_row, out));
-    args->counts[i] = static_cast<uint8_t>(row.used);
+    put_row(&row, inert, !halves, args->lists + static_cast<uint64_t>(i) * k_list_slots, &args->counts[i],
+            &args->near_counts[i]);
   }
   *dropped = row.dropped;
 }

@@ -51,10 +51,17 @@ SANDGLASS_INLINE void note_sleepers(const ContactArgs* a, Mask wakes, const uint
   *touched = 1;
 }
 
-// One vector of pairs.
+// Pairs of one range that touch. A pass goes over many that do not: most vectors would hold one or two that do.
+struct Touching {
+  static constexpr uint32_t k_capacity = 4 * k_lane_group;
+  alignas(64) uint32_t first[k_capacity + k_width], second[k_capacity + k_width];  // with room for compress_store
+  uint32_t count;
+};
+
+// One vector of pairs that touch: the first `count` lanes.
 template <bool k_fixed>
 SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, const uint32_t* first,
-                                  const uint32_t* second, uint32_t* touched) {
+                                  const uint32_t* second, uint32_t count, uint32_t* touched) {
   const ContactArgs* a = &args->contact;
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), tiny = broadcast(1e-30f);
   float* particles = floats_of(args->particles);
@@ -62,8 +69,7 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, c
   load_differences(particles, first, second, r);
   const Float ex = r[k_x] + r[k_vx], ey = r[k_y] + r[k_vy], ez = r[k_z] + r[k_vz];
   const Float d2 = dot3(ex, ey, ez, ex, ey, ez);
-  Mask touch = d2 < t.diameter2;
-  if (!any(touch)) return;
+  Mask touch = lane_index() < broadcast(static_cast<int32_t>(count));
   Float self[k_record_floats];
   load_records(particles, first, 1, self);
   Float others_mobility = self[k_mobility] + r[k_mobility];
@@ -113,13 +119,49 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, c
   note_sleepers(a, touch & sleeps, second, other_moved, touched);
 }
 
-static void contact_pairs(const PairArgs* args, uint32_t begin, uint32_t end, uint32_t* touched) {
+// Solves whole vectors and keeps the rest; at the end, the rest too.
+template <bool k_fixed>
+SANDGLASS_APART void solve_touching(const PairArgs* args, const ContactTerms& t, Touching* pairs, bool all,
+                                     uint32_t* touched) {
+  // Behind the last pair come copies of it that do nothing.
+  for (uint32_t at = pairs->count; all && at % k_width != 0; ++at)
+    pairs->first[at] = pairs->first[at - 1], pairs->second[at] = pairs->second[at - 1];
+  uint32_t at = 0;
+  for (; all ? at < pairs->count : at + k_width <= pairs->count; at += k_width)
+    solve_pairs<k_fixed>(args, t, pairs->first + at, pairs->second + at, pairs->count - at, touched);
+  if (all) return;
+  store(pairs->first, load(pairs->first + at)), store(pairs->second, load(pairs->second + at));
+  pairs->count -= at;
+}
+
+template <bool k_fixed>
+SANDGLASS_INLINE void solve_range(const PairArgs* args, uint32_t begin, uint32_t end, uint32_t* touched) {
   const ContactTerms terms = contact_terms(&args->contact);
-  *touched = 0;
-  for (uint32_t at = begin; at < end; at += k_width) {
-    if (args->fixed != 0) solve_pairs<true>(args, terms, args->first + at, args->second + at, touched);
-    else solve_pairs<false>(args, terms, args->first + at, args->second + at, touched);
+  Touching pairs;
+  pairs.count = 0;
+  for (uint32_t pair = begin; pair < end; pair += k_lane_group) {
+    const uint32_t group = args->groups[pair / k_lane_group] * k_lane_group;
+    const uint32_t *first = args->first + group, *second = args->second + group;
+    uint32_t count = pairs.count;
+    for (const uint32_t* const behind = first + k_lane_group; first < behind; first += k_width, second += k_width) {
+      Float apart[3];
+      load_approaches(floats_of(args->particles), first, second, apart);
+      const Mask touch = dot3(apart[0], apart[1], apart[2], apart[0], apart[1], apart[2]) < terms.diameter2;
+      if (__builtin_expect(!any(touch), 1)) continue;
+      compress_store(pairs.first + count, load(first), touch);
+      count += compress_store(pairs.second + count, load(second), touch);
+    }
+    pairs.count = count;
+    if (pairs.count >= Touching::k_capacity - k_lane_group)
+      solve_touching<k_fixed>(args, terms, &pairs, false, touched);
   }
+  if (pairs.count != 0) solve_touching<k_fixed>(args, terms, &pairs, true, touched);
+}
+
+static void contact_pairs(const PairArgs* args, uint32_t begin, uint32_t end, uint32_t* touched) {
+  *touched = 0;
+  if (args->fixed != 0) solve_range<true>(args, begin, end, touched);
+  else solve_range<false>(args, begin, end, touched);
 }
 
 static void complete_motion(const ContactArgs* a, uint32_t begin, uint32_t end, ContactExtent* extent) {

@@ -138,6 +138,20 @@ SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first,
   transpose(r, t);
   for (int c = 0; c < 8; ++c) out[c].v = t[c];
 }
+SANDGLASS_INLINE void load_approaches(const float* base, const uint32_t* first, const uint32_t* second, Float out[3]) {
+  __m256 r[4];  // the sums of records k and k + 4
+  for (uint32_t k = 0; k < 4; ++k) {
+    const __m256 a = _mm256_sub_ps(_mm256_load_ps(base + static_cast<uint64_t>(second[k]) * 8),
+                                   _mm256_load_ps(base + static_cast<uint64_t>(first[k]) * 8));
+    const __m256 b = _mm256_sub_ps(_mm256_load_ps(base + static_cast<uint64_t>(second[k + 4]) * 8),
+                                   _mm256_load_ps(base + static_cast<uint64_t>(first[k + 4]) * 8));
+    r[k] = _mm256_add_ps(_mm256_permute2f128_ps(a, b, 0x20), _mm256_permute2f128_ps(a, b, 0x31));
+  }
+  const __m256 a0 = _mm256_unpacklo_ps(r[0], r[1]), a1 = _mm256_unpackhi_ps(r[0], r[1]);
+  const __m256 a2 = _mm256_unpacklo_ps(r[2], r[3]), a3 = _mm256_unpackhi_ps(r[2], r[3]);
+  out[0].v = _mm256_shuffle_ps(a0, a2, 0x44), out[1].v = _mm256_shuffle_ps(a0, a2, 0xEE);
+  out[2].v = _mm256_shuffle_ps(a1, a3, 0x44);
+}
 SANDGLASS_INLINE void subtract_displacement(float* p, __m128 d) {
   const __m128 old = _mm_load_ps(p);
   _mm_store_ps(p, _mm_blend_ps(_mm_sub_ps(old, d), old, 8));

@@ -163,6 +163,26 @@ SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first,
   }
   transpose_in(r, out);
 }
+// second[k] - first[k] and the same of k + 4, each record in one half.
+SANDGLASS_INLINE __m512 difference_of_two(const float* base, const uint32_t* first, const uint32_t* second,
+                                          uint32_t k) {
+  const __m256 low = _mm256_sub_ps(_mm256_load_ps(base + static_cast<uint64_t>(second[k]) * 8),
+                                   _mm256_load_ps(base + static_cast<uint64_t>(first[k]) * 8));
+  const __m256 high = _mm256_sub_ps(_mm256_load_ps(base + static_cast<uint64_t>(second[k + 4]) * 8),
+                                    _mm256_load_ps(base + static_cast<uint64_t>(first[k + 4]) * 8));
+  return _mm512_insertf32x8(_mm512_castps256_ps512(low), high, 1);
+}
+SANDGLASS_INLINE void load_approaches(const float* base, const uint32_t* first, const uint32_t* second, Float out[3]) {
+  __m512 r[4];  // the sums of records k, k + 4, k + 8, k + 12
+  for (uint32_t k = 0; k < 4; ++k) {
+    const __m512 a = difference_of_two(base, first, second, k), b = difference_of_two(base, first, second, k + 8);
+    r[k] = _mm512_add_ps(_mm512_shuffle_f32x4(a, b, 0x88), _mm512_shuffle_f32x4(a, b, 0xDD));
+  }
+  const __m512 a0 = _mm512_unpacklo_ps(r[0], r[1]), a1 = _mm512_unpackhi_ps(r[0], r[1]);
+  const __m512 a2 = _mm512_unpacklo_ps(r[2], r[3]), a3 = _mm512_unpackhi_ps(r[2], r[3]);
+  out[0].v = _mm512_shuffle_ps(a0, a2, 0x44), out[1].v = _mm512_shuffle_ps(a0, a2, 0xEE);
+  out[2].v = _mm512_shuffle_ps(a1, a3, 0x44);
+}
 SANDGLASS_INLINE void subtract_displacement(float* p, __m128 d) {
   const __m128 old = _mm_load_ps(p);
   _mm_store_ps(p, _mm_blend_ps(_mm_sub_ps(old, d), old, 8));

@@ -148,6 +148,16 @@ SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first,
   transpose(high[0], high[1], high[2], high[3], t);
   for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
 }
+SANDGLASS_INLINE void load_approaches(const float* base, const uint32_t* first, const uint32_t* second, Float out[3]) {
+  float32x4_t r[4], t[4];
+  for (int k = 0; k < 4; ++k) {
+    const float32x4x2_t p = vld1q_f32_x2(base + static_cast<uint64_t>(first[k]) * 8);
+    const float32x4x2_t q = vld1q_f32_x2(base + static_cast<uint64_t>(second[k]) * 8);
+    r[k] = vaddq_f32(vsubq_f32(q.val[0], p.val[0]), vsubq_f32(q.val[1], p.val[1]));
+  }
+  transpose(r[0], r[1], r[2], r[3], t);
+  for (int c = 0; c < 3; ++c) out[c].v = t[c];
+}
 SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index, const Float d[3]) {
   float32x4_t t[4];
   transpose(d[0].v, d[1].v, d[2].v, vdupq_n_f32(0.0f), t);

@@ -11,8 +11,9 @@
 //   A record is 8 floats, 32 bytes, 32-byte aligned. load_records gathers one record a lane and transposes: out[c]
 //   holds component c. The index of lane l is index[l * stride]. broadcast_record puts one record into every lane.
 //   load_differences gives record[second] - record[first] component by component; what the difference of two integers
-//   is means nothing. subtract_displacements takes d from components 4 to 6 of the records and leaves the other bits
-//   alone.
+//   is means nothing. load_approaches gives components 0 to 2 of the same plus components 4 to 6.
+//   subtract_displacements takes d from components 4 to 6 of the records and leaves the other bits alone. A record may
+//   come more than once: d must then be 0 for it, but for one time.
 //   compress_store writes the lanes of v where m holds, in lane order, and returns how many. It may write up to k_width
 //   values; those behind the count mean nothing.
 #pragma once
@@ -121,6 +122,11 @@ SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first,
   const RecordFloat* q = base + static_cast<uint64_t>(second[0]) * 8;
   for (int c = 0; c < 7; ++c) out[c].v = q[c] - p[c];
   out[7].v = 0.0f;
+}
+SANDGLASS_INLINE void load_approaches(const float* base, const uint32_t* first, const uint32_t* second, Float out[3]) {
+  Float d[8];
+  load_differences(base, first, second, d);
+  for (int c = 0; c < 3; ++c) out[c] = d[c] + d[4 + c];
 }
 SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index, const Float d[3]) {
   float* p = base + static_cast<uint64_t>(index[0]) * 8 + 4;

@@ -121,6 +121,17 @@ SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first,
     for (int c = 0; c < 4; ++c) out[4 * half + c].v = t[c];
   }
 }
+SANDGLASS_INLINE void load_approaches(const float* base, const uint32_t* first, const uint32_t* second, Float out[3]) {
+  v128_t r[4], t[4];
+  for (int k = 0; k < 4; ++k) {
+    const float* p = base + static_cast<uint64_t>(first[k]) * 8;
+    const float* q = base + static_cast<uint64_t>(second[k]) * 8;
+    r[k] = wasm_f32x4_add(wasm_f32x4_sub(wasm_v128_load(q), wasm_v128_load(p)),
+                          wasm_f32x4_sub(wasm_v128_load(q + 4), wasm_v128_load(p + 4)));
+  }
+  transpose(r[0], r[1], r[2], r[3], t);
+  for (int c = 0; c < 3; ++c) out[c].v = t[c];
+}
 SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index, const Float d[3]) {
   v128_t t[4];
   transpose(d[0].v, d[1].v, d[2].v, d[2].v, t);

@@ -174,7 +174,7 @@ bool contacts_run_pairs(Granular* g) {
   Substep& s = g->substep;
   PairTask task = {};
   task.kernel = g->kernels->contact_pairs;
-  task.args = {g->particles.records[1], g->colours.first, g->colours.second, 0, contact_args(*g)};
+  task.args = {g->particles.records[1], g->colours.first, g->colours.second, g->colours.groups, 0, contact_args(*g)};
   // Always in the same order. Every other pass backward makes forces alternate between sub-steps by 15 %. That shakes
   // the sand: friction then carries only what creeps, and the floor of a tube bore 0.72 of the weight, not 0.21.
   const uint32_t all = pair_count(g->colours);

@@ -6,89 +6,116 @@ namespace sandglass {
 
 namespace {
 
-enum : uint32_t { k_clear, k_gather, k_spread, k_widest };
+enum : uint32_t { k_gather, k_widest };
 
-// As many cells are looked at for what one particle costs.
-constexpr uint32_t k_cells_per_item = 8;
+// Wide enough to be far from every displacement.
+constexpr float k_huge = 3e38f;
+constexpr DisplacementBox k_empty = {{k_huge, k_huge, k_huge, 0.0f}, {-k_huge, -k_huge, -k_huge, 0.0f}};
+constexpr DisplacementBox k_still = {};
 
-constexpr DisplacementBox k_empty = {{3e38f, 3e38f, 3e38f}, {-3e38f, -3e38f, -3e38f}};
-
-void include(DisplacementBox* box, const DisplacementBox& other) {
-  for (int k = 0; k < 3; ++k) {
-    box->low[k] = other.low[k] < box->low[k] ? other.low[k] : box->low[k];
-    box->high[k] = other.high[k] > box->high[k] ? other.high[k] : box->high[k];
-  }
+void include(DisplacementBox* box, Quad low, Quad high) {
+  box->low = low < box->low ? low : box->low;
+  box->high = high > box->high ? high : box->high;
 }
+
+bool is_empty(const DisplacementBox& box) { return box.low[0] > box.high[0]; }
 
 float diagonal2(const DisplacementBox& box) {
-  float sum = 0.0f;
-  for (int k = 0; k < 3; ++k) sum += (box.high[k] - box.low[k]) * (box.high[k] - box.low[k]);
-  return sum;
+  const Quad wide = box.high - box.low, squares = wide * wide;
+  return squares[0] + squares[1] + squares[2];
 }
 
-// Blocks along each axis, as the logarithm.
+// The first three of four floats, and 0.
+Quad three_of(const float* four) {
+  typedef uint32_t Bits __attribute__((vector_size(16)));
+  constexpr Bits k_three = {~0u, ~0u, ~0u, 0};
+  Bits bits;
+  __builtin_memcpy(&bits, four, sizeof bits);
+  bits &= k_three;
+  Quad quad;
+  __builtin_memcpy(&quad, &bits, sizeof quad);
+  return quad;
+}
+
+// Blocks along each axis, as the logarithm. They are taken in rows along x.
 struct Blocks {
   uint32_t bits[3];
-  uint32_t at(uint32_t x, uint32_t y, uint32_t z) const { return (((z << bits[1]) | y) << bits[0]) | x; }
-  uint32_t count() const { return 1u << (bits[0] + bits[1] + bits[2]); }
+  uint32_t row_length() const { return 1u << bits[0]; }
+  uint32_t rows() const { return 1u << (bits[1] + bits[2]); }
+  uint32_t row(uint32_t y, uint32_t z) const {
+    return (z & ((1u << bits[2]) - 1)) << bits[1] | (y & ((1u << bits[1]) - 1));
+  }
 };
 
 Blocks blocks_of(const Grid& grid) { return {{grid.bits[0] - 1, grid.bits[1] - 1, grid.bits[2] - 1}}; }
 
-// Where the particles of one cell will be after the sub-step that is about to begin, from where the lists saw them.
-void gather_cell(Granular* g, const Blocks& blocks, uint32_t cell) {
+// Where the particles of one row of blocks will be after the sub-step that is about to begin, from where the lists saw
+// them. Returns how many they are.
+uint32_t gather_row(Granular* g, const Blocks& blocks, uint32_t row) {
   const Neighbours& n = g->neighbours;
   const Grid& grid = n.sort.grid;
-  const uint32_t begin = grid.starts[cell], end = grid.starts[cell + 1];
-  if (begin == end) return;
   const float dt = g->substep.length;
-  DisplacementBox box = k_empty;
-  for (uint32_t i = begin; i < end; ++i) {
-    const Particle& p = g->particles.records[0][i];
-    for (int k = 0; k < 3; ++k) {
-      const float d = (p.position[k] - n.positions[k][i]) + dt * p.velocity[k];
-      box.low[k] = d < box.low[k] ? d : box.low[k];
-      box.high[k] = d > box.high[k] ? d : box.high[k];
+  const uint32_t y = row & ((1u << blocks.bits[1]) - 1), z = row >> blocks.bits[1];
+  // The boundary stands still, and so may every block be beside it.
+  const DisplacementBox without = g->boundary.count != 0 ? k_still : k_empty;
+  DisplacementBox* const boxes = g->slack.blocks + row * blocks.row_length();
+  for (uint32_t x = 0; x < blocks.row_length(); ++x) boxes[x] = without;
+  uint32_t count = 0;
+  for (uint32_t cell_row = 0; cell_row < 4; ++cell_row) {
+    const uint32_t cells = ((2 * z + cell_row / 2) << grid.bits[1] | (2 * y + cell_row % 2)) << grid.bits[0];
+    const uint32_t* const starts = grid.starts + cells;
+    count += starts[2 * blocks.row_length()] - starts[0];
+    if (starts[2 * blocks.row_length()] == starts[0]) continue;
+    for (uint32_t x = 0; x < blocks.row_length(); ++x) {
+      const uint32_t begin = starts[2 * x], end = starts[2 * x + 2];
+      if (begin == end) continue;
+      DisplacementBox box = boxes[x];
+      for (uint32_t i = begin; i < end; ++i) {
+        const Particle& p = g->particles.records[0][i];
+        const Quad seen = {n.positions[0][i], n.positions[1][i], n.positions[2][i], 0.0f};
+        const Quad moved = (three_of(p.position) - seen) + dt * three_of(p.velocity);
+        include(&box, moved, moved);
+      }
+      boxes[x] = box;
+      include(&g->slack.all, box.low, box.high);
     }
   }
-  const uint32_t x = cell & ((1u << grid.bits[0]) - 1), y = cell >> grid.bits[0] & ((1u << grid.bits[1]) - 1),
-                 z = cell >> (grid.bits[0] + grid.bits[1]);
-  include(&g->slack.blocks[blocks.at(x / 2, y / 2, z / 2)], box);
+  g->slack.counts[row] = count;
+  return count;
 }
 
-// Puts the box of a block into the eight windows that hold the block.
-void spread_block(ListSlack* s, const Blocks& blocks, uint32_t block) {
-  const DisplacementBox& box = s->blocks[block];
-  if (box.low[0] > box.high[0]) return;
-  include(&s->all, box);
-  uint32_t here[3], before[3];
-  for (uint32_t k = 0, shift = 0; k < 3; shift += blocks.bits[k++]) {
-    const uint32_t mask = (1u << blocks.bits[k]) - 1;
-    here[k] = block >> shift & mask;
-    before[k] = (here[k] - 1) & mask;
+// The windows of a row of blocks. That of a block is itself and the next ones along every axis.
+void measure_row(ListSlack* s, const Blocks& blocks, uint32_t row) {
+  const uint32_t y = row & ((1u << blocks.bits[1]) - 1), z = row >> blocks.bits[1];
+  const uint32_t rows[4] = {row, blocks.row(y + 1, z), blocks.row(y, z + 1), blocks.row(y + 1, z + 1)};
+  const DisplacementBox* boxes[4];
+  uint32_t count = 0;
+  for (int k = 0; k < 4; ++k) boxes[k] = s->blocks + rows[k] * blocks.row_length(), count += s->counts[rows[k]];
+  if (count == 0) return;
+  const auto column = [&](uint32_t x) {  // of the four rows
+    DisplacementBox box = boxes[0][x];
+    for (int k = 1; k < 4; ++k) include(&box, boxes[k][x].low, boxes[k][x].high);
+    return box;
+  };
+  DisplacementBox next = column(0);
+  for (uint32_t x = blocks.row_length(); x-- > 0;) {  // beyond the last block comes the first
+    const DisplacementBox here = column(x);
+    include(&next, here.low, here.high);
+    const float wide2 = diagonal2(next);
+    if (!is_empty(next) && wide2 > s->widest2) s->widest2 = wide2;
+    next = here;
   }
-  for (uint32_t corner = 0; corner < 8; ++corner) {
-    include(&s->windows[blocks.at((corner & 1) != 0 ? before[0] : here[0], (corner & 2) != 0 ? before[1] : here[1],
-                                  (corner & 4) != 0 ? before[2] : here[2])],
-            box);
-  }
-}
-
-void measure_window(ListSlack* s, uint32_t window) {
-  if (s->windows[window].low[0] > s->windows[window].high[0]) return;
-  const float wide2 = diagonal2(s->windows[window]);
-  s->widest2 = wide2 > s->widest2 ? wide2 : s->widest2;
 }
 
 }  // namespace
 
 void list_slack_layout(ListSlack* s, const CellSort& sort, Layout* layout) {
   s->blocks = layout_region<DisplacementBox>(layout, "granular.displacements", sort.cells_max / 8);
-  s->windows = layout_region<DisplacementBox>(layout, "granular.displacement_windows", sort.cells_max / 8);
+  s->counts = layout_region<uint32_t>(layout, "granular.displaced", sort.cells_max / 16);
 }
 
 void list_slack_begin(ListSlack* s) {
-  s->step = k_clear;
+  s->step = k_gather;
   s->widest2 = 0.0f;
   s->all = k_empty;
 }
@@ -97,15 +124,12 @@ bool list_slack_run(Granular* g, float* metres) {
   ListSlack& s = g->slack;
   const Grid& grid = g->neighbours.sort.grid;
   const Blocks blocks = blocks_of(grid);
-  const uint32_t end = s.step == k_gather ? g->neighbours.sort.cells : blocks.count();
+  const uint32_t end = blocks.rows();
   uint32_t& cursor = g->substep.cursor;
-  // The boundary stands still, and so may every block be beside it.
-  constexpr DisplacementBox k_still = {};
-  for (uint32_t done = 0; cursor < end && done < g->unit * k_cells_per_item; ++cursor, ++done) {
-    if (s.step == k_clear) s.blocks[cursor] = g->boundary.count != 0 ? k_still : k_empty, s.windows[cursor] = k_empty;
-    else if (s.step == k_spread) spread_block(&s, blocks, cursor);
-    else if (s.step == k_widest) measure_window(&s, cursor);
-    else gather_cell(g, blocks, cursor), done += k_cells_per_item * (grid.starts[cursor + 1] - grid.starts[cursor]);
+  for (uint32_t done = 0; cursor < end && done < g->unit; ++cursor) {
+    done += blocks.row_length();
+    if (s.step == k_gather) done += gather_row(g, blocks, cursor);
+    else measure_row(&s, blocks, cursor);
   }
   if (cursor < end) return false;
   cursor = 0;

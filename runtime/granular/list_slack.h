@@ -16,13 +16,17 @@ namespace sandglass {
 
 struct Granular;
 
+// x, y, z and 0, in the registers of four that all targets have or the compiler makes do without.
+typedef float Quad __attribute__((vector_size(16)));
+
 // The box around displacements, in metres. Empty: low above high.
 struct DisplacementBox {
-  float low[3], high[3];
+  Quad low, high;
 };
 
 struct ListSlack {
-  DisplacementBox *blocks, *windows;  // as many windows: each begins with its block
+  DisplacementBox* blocks;
+  uint32_t* counts;  // particles in each row of blocks
   DisplacementBox all;
   uint32_t step;
   float widest2;  // squared diagonal of the widest window

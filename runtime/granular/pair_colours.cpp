@@ -13,101 +13,100 @@ constexpr uint64_t k_pairs_each = 12;
 // Runs in order: near before far; of these by colour; of one colour those with the boundary last.
 uint32_t run_of(uint32_t colour, bool far, bool fixed) { return (far ? 2 * k_pair_colours : 0) + 2 * colour + fixed; }
 
-// The colouring walks over the lists twice: it colours pairs and counts those of each run, then puts them into their
-// places.
-enum : uint32_t { k_clear, k_colour, k_place };
+enum : uint32_t { k_clear, k_colour };
 
-constexpr uint8_t k_no_run = 255;  // of a pair for which no colour was left
-
-// Calls each(index, far, other) for the pairs of particle i that no other list holds as well.
+// Calls each(other) for the pairs of particle i in [slot, end) of its list that no other list holds as well.
 template <class Each>
-void for_pairs(const Granular& g, uint32_t i, const Each& each) {
-  const Neighbours& n = g.neighbours;
-  const uint32_t* row = n.lists + static_cast<uint64_t>(i) * k_list_slots;
-  const uint32_t count = n.counts[i], nears = n.near_counts[i];
-  for (uint32_t s = 0; s < count; ++s) {
+void for_pairs(const Granular& g, uint32_t i, uint32_t slot, uint32_t end, const Each& each) {
+  const uint8_t* const listed = g.neighbours.listed;
+  const uint32_t* const row = g.neighbours.lists + static_cast<uint64_t>(i) * k_list_slots;
+  for (uint32_t s = slot; s < end; ++s) {
     const uint32_t j = row[s];
-    if (j < i && n.listed[j / k_lane_group] != 0) continue;
-    each(s >= nears, j);
+    if (j < i && listed[j / k_lane_group] != 0) continue;
+    each(j);
   }
 }
 
-uint32_t colour_row(Granular* g, uint32_t i) {
+// Puts a pair behind the last one of its run. A run gets a group when its last one is full. False: there is no group.
+bool put_pair(PairColours* c, uint32_t run, uint32_t i, uint32_t j) {
+  uint32_t at = c->ends[run];
+  if (at % k_lane_group == 0) {
+    if (c->group_count == c->capacity) return false;
+    c->runs[c->group_count] = static_cast<uint8_t>(run);
+    at = k_lane_group * c->group_count++;
+  }
+  c->first[at] = i, c->second[at] = j;
+  c->ends[run] = at + 1;
+  return true;
+}
+
+// Colours the near pairs of particle i, or the others. Returns how many pairs had no place.
+uint32_t colour_class(Granular* g, uint32_t i, bool far, uint32_t slot, uint32_t end) {
   PairColours& c = g->colours;
-  const uint32_t rows = g->particles.rows, capacity = c.capacity;
-  uint64_t* const taken = c.taken;
-  uint8_t* const runs = c.runs;
-  uint64_t mine = taken[i];
-  uint32_t found = c.found, dropped = 0;
-  for_pairs(*g, i, [&](bool far, uint32_t j) {
-    if (found == capacity) {
-      ++dropped;
-      return;
-    }
+  const Neighbours& n = g->neighbours;
+  const uint8_t* const listed = n.listed;
+  const uint32_t* const row = n.lists + static_cast<uint64_t>(i) * k_list_slots;
+  const uint32_t rows = g->particles.rows, first_run = run_of(0, far, false);
+  uint32_t* const taken = c.taken[far];
+  uint32_t mine = taken[i], dropped = 0;
+  for (uint32_t s = slot; s < end; ++s) {
+    const uint32_t j = row[s];
+    if (j < i && listed[j / k_lane_group] != 0) continue;  // the list of j holds the pair
     const bool fixed = j >= rows;
-    const uint64_t both = fixed ? mine : mine | taken[j];
-    const uint32_t shift = far ? k_pair_colours : 0, free = ~static_cast<uint32_t>(both >> shift);
-    uint8_t run = k_no_run;
-    if (free != 0) {
-      const uint32_t colour = static_cast<uint32_t>(__builtin_ctz(free));
-      const uint64_t bit = 1ull << (colour + shift);
-      mine |= bit;
-      if (!fixed) taken[j] |= bit;
-      run = static_cast<uint8_t>(run_of(colour, far, fixed));
-      ++c.ends[run];
-    } else {
+    const uint32_t free = ~(fixed ? mine : mine | taken[j]), bit = free & (0u - free);
+    if (free == 0 || !put_pair(&c, first_run + 2 * static_cast<uint32_t>(__builtin_ctz(free)) + fixed, i, j)) {
       ++dropped;
+      continue;
     }
-    runs[found++] = run;
-  });
+    mine |= bit;
+    if (!fixed) taken[j] |= bit;
+  }
   taken[i] = mine;
-  c.found = found;
   return dropped;
 }
 
-void place_row(Granular* g, uint32_t i) {
-  PairColours& c = g->colours;
-  uint32_t found = c.found;
-  for_pairs(*g, i, [&](bool, uint32_t j) {
-    if (found == c.capacity) return;
-    const uint8_t run = c.runs[found++];
-    if (run == k_no_run) return;
-    const uint32_t at = c.ends[run]++;
-    c.first[at] = i, c.second[at] = j;
-  });
-  c.found = found;
+uint32_t colour_row(Granular* g, uint32_t i) {
+  const uint32_t count = g->neighbours.counts[i], nears = g->neighbours.near_counts[i];
+  return colour_class(g, i, false, 0, nears) + colour_class(g, i, true, nears, count);
 }
 
-// Between the walks: every run gets its place.
-void place_runs(PairColours* c) {
-  uint32_t at = 0;
-  c->filled_count = 0;
-  for (uint32_t run = 0; run < k_pair_runs; ++run) {
-    const uint32_t count = c->ends[run];
-    if (count != 0) c->filled[c->filled_count++] = static_cast<uint8_t>(run);
-    c->starts[run] = c->ends[run] = at;
-    at += (count + k_lane_group - 1) / k_lane_group * k_lane_group;
-  }
-  c->starts[k_pair_runs] = at;
-  c->found = 0;
-}
-
+// Fills the last group of each run with pairs that never touch: the inert particle and one of the last pair, which no
+// other thread writes.
 void fill_runs(Granular* g) {
   PairColours& c = g->colours;
-  for (uint32_t run = 0; run < k_pair_runs; ++run) {
-    for (uint32_t at = c.ends[run]; at < c.starts[run + 1]; ++at) c.first[at] = c.second[at] = g->particles.inert;
+  for (const uint32_t end : c.ends) {
+    for (uint32_t at = end; at % k_lane_group != 0; ++at)
+      c.first[at] = g->particles.inert, c.second[at] = c.second[at - 1];
   }
+}
+
+// Brings the groups into the order of their runs.
+void order_groups(PairColours* c) {
+  uint32_t places[k_pair_runs] = {}, at = 0;
+  for (uint32_t group = 0; group < c->group_count; ++group) ++places[c->runs[group]];
+  c->filled_count = 0;
+  for (uint32_t run = 0; run < k_pair_runs; ++run) {
+    const uint32_t count = places[run];
+    if (count != 0) c->filled[c->filled_count++] = static_cast<uint8_t>(run);
+    c->starts[run] = k_lane_group * at, places[run] = at;
+    at += count;
+  }
+  c->starts[k_pair_runs] = k_lane_group * at;
+  for (uint32_t group = 0; group < c->group_count; ++group) c->groups[places[c->runs[group]]++] = group;
 }
 
 }  // namespace
 
 void pair_colours_layout(PairColours* c, const sandglass_granular_desc& d, uint32_t rows, Layout* layout) {
-  c->capacity = static_cast<uint32_t>(k_pairs_each * rows * (d.boundary_capacity != 0 ? 2 : 1));
-  const uint64_t room = c->capacity + k_pair_runs * k_lane_group;
+  const uint64_t pairs = k_pairs_each * rows * (d.boundary_capacity != 0 ? 2 : 1);
+  c->capacity = static_cast<uint32_t>(pairs / k_lane_group + k_pair_runs);
+  const uint64_t room = static_cast<uint64_t>(c->capacity) * k_lane_group;
   c->first = layout_region<uint32_t>(layout, "granular.pairs_first", room);
   c->second = layout_region<uint32_t>(layout, "granular.pairs_second", room);
+  c->groups = layout_region<uint32_t>(layout, "granular.pair_groups", c->capacity);
   c->runs = layout_region<uint8_t>(layout, "granular.pair_runs", c->capacity);
-  c->taken = layout_region<uint64_t>(layout, "granular.pair_colours", rows);
+  c->taken[0] = layout_region<uint32_t>(layout, "granular.near_colours", rows);
+  c->taken[1] = layout_region<uint32_t>(layout, "granular.other_colours", rows);
 }
 
 void pair_colours_forget(PairColours* c) {
@@ -119,30 +118,27 @@ bool pair_colours_run(Granular* g) {
   PairColours& c = g->colours;
   uint32_t& cursor = g->substep.cursor;
   const uint32_t count = g->particles.count, begin = cursor, end = count - begin < g->unit ? count : begin + g->unit;
+  if (c.step == k_clear) {
+    for (uint32_t* const taken : c.taken) __builtin_memset(taken + begin, 0, (end - begin) * sizeof *taken);
+  }
   uint32_t dropped = 0;
-  for (uint32_t i = begin; i < end; ++i) {
-    if (c.step == k_clear) c.taken[i] = 0;
-    else if (g->neighbours.listed[i / k_lane_group] == 0) continue;
-    else if (c.step == k_colour) dropped += colour_row(g, i);
-    else place_row(g, i);
+  for (uint32_t i = begin; c.step == k_colour && i < end; ++i) {
+    if (g->neighbours.listed[i / k_lane_group] != 0) dropped += colour_row(g, i);
   }
   g->counts.dropped_contacts += dropped;
   cursor = end;
   if (end < count) return false;
   cursor = 0;
-  switch (c.step++) {
-    case k_clear:
-      for (uint32_t& size : c.ends) size = 0;
-      c.found = 0;
-      return false;
-    case k_colour:
-      place_runs(&c);
-      return false;
-    default:
-      fill_runs(g);
-      c.step = k_clear;
-      return c.ready = true;
+  if (c.step == k_clear) {
+    for (uint32_t& last : c.ends) last = 0;
+    c.group_count = 0;
+    c.step = k_colour;
+    return false;
   }
+  fill_runs(g);
+  order_groups(&c);
+  c.step = k_clear;
+  return c.ready = true;
 }
 
 uint32_t pair_count(const PairColours& c) { return c.starts[k_pair_runs]; }
@@ -154,17 +150,15 @@ uint32_t pair_unit(const PairColours& c, uint32_t items) {
 }
 
 PairPiece pair_piece(const PairColours& c, uint32_t done, uint32_t most) {
-  uint32_t before = 0;
-  for (uint32_t at = 0; at < c.filled_count; ++at) {
-    const uint32_t run = c.filled[at];
-    const uint32_t length = c.starts[run + 1] - c.starts[run];
-    if (done - before < length) {
-      const uint32_t begin = c.starts[run] + (done - before), left = c.starts[run + 1] - begin;
-      return {begin, begin + (left < most ? left : most), run % 2 != 0};
-    }
-    before += length;
+  // Runs that hold no pairs begin and end at the same place.
+  uint32_t low = 0, high = c.filled_count;
+  while (high - low > 1) {
+    const uint32_t middle = (low + high) / 2;
+    if (c.starts[c.filled[middle]] <= done) low = middle;
+    else high = middle;
   }
-  return {};
+  const uint32_t run = c.filled[low], left = c.starts[run + 1] - done;
+  return {done, done + (left < most ? left : most), run % 2 != 0};
 }
 
 }  // namespace sandglass

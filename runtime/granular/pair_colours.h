@@ -2,9 +2,9 @@
 // that neither of its particles has in another pair. So pairs of one colour have no particle in common, and may be
 // solved in any order, by any number of lanes and threads, with the same bits (kernels/pairs.inl).
 //
-// Pairs of one colour lie next to each other: a run. Near pairs come before the others, and a run has pairs of two
-// moving particles or pairs with the boundary, never both. Each run is filled up to whole lane groups. A pass goes over
-// all runs, always from the first to the last.
+// Pairs of one colour are a run. Near pairs come before the others, and a run has pairs of two moving particles or pairs
+// with the boundary, never both. Each run is filled up to whole lane groups. It takes groups as it needs them, so that
+// one walk over the lists is enough. A pass goes over all runs, always from the first to the last.
 #pragma once
 
 #include "runtime/core/layout.h"
@@ -21,17 +21,17 @@ constexpr uint32_t k_pair_runs = 4 * k_pair_colours;
 constexpr uint32_t k_pairs_an_item = 4;
 
 struct PairColours {
-  uint32_t *first, *second;          // indices of the particles of each pair
-  uint8_t* runs;                     // run of each pair, in the order in which the lists hold them
-  uint64_t* taken;                   // colours that a particle has: near pairs in the lower half, the others above
-  uint32_t capacity;                 // pairs
-  uint32_t starts[k_pair_runs + 1];  // of the runs
-  uint32_t ends[k_pair_runs];        // behind the last pair of each run that is no filling
+  uint32_t *first, *second;          // indices of the particles of each pair, in groups as they were needed
+  uint32_t* groups;                  // the groups in the order of a pass
+  uint8_t* runs;                     // the run of each group
+  uint32_t* taken[2];                // colours that a particle has: of near pairs, of the others
+  uint32_t capacity, group_count;    // groups
+  uint32_t starts[k_pair_runs + 1];  // of the runs, in pairs of a pass
+  uint32_t ends[k_pair_runs];        // behind the last pair of each run in `first` and `second`; 0: it has none
   uint8_t filled[k_pair_runs];       // the runs that hold pairs, in order
   uint32_t filled_count;
-  uint32_t found;  // pairs so far, in this walk over the lists
-  uint32_t step;   // of the colouring
-  bool ready;      // false: the lists have changed since
+  uint32_t step;  // of the colouring
+  bool ready;     // false: the lists have changed since
 };
 
 void pair_colours_layout(PairColours* colours, const sandglass_granular_desc& desc, uint32_t rows, Layout* layout);
@@ -40,7 +40,7 @@ void pair_colours_forget(PairColours* colours);
 // Colouring, in units. True once it is done.
 bool pair_colours_run(Granular* granular);
 
-// Part of a pass: pairs [begin, end) of one run.
+// Part of a pass: pairs [begin, end) of one run. Pair p is lane p % 16 of group groups[p / 16].
 struct PairPiece {
   uint32_t begin, end;
   bool fixed;  // pairs with the boundary

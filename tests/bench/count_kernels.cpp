@@ -197,7 +197,9 @@ void work_contact_pairs(const Kernels& kernels) {
       }
     }
   }
-  const PairArgs args = {pile.records.data(), first.data(), second.data(), 0, pass.args};
+  std::vector<uint32_t> groups(filled.size());
+  for (uint32_t at = 0; at < groups.size(); ++at) groups[at] = at;
+  const PairArgs args = {pile.records.data(), first.data(), second.data(), groups.data(), 0, pass.args};
   count(kernels.contact_pairs, args);
 }
 

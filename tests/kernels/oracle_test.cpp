@@ -337,8 +337,11 @@ void check_contact_pairs(uint32_t n) {
       set(a.velocity, 1e-4 * Vector{unit(random), unit(random), unit(random)});
       if (!fixed) set(b.velocity, 1e-4 * Vector{unit(random), unit(random), unit(random)});
     }
+    // Groups in any order.
+    std::vector<uint32_t> groups((n + k_lane_group - 1) / k_lane_group);
+    for (size_t at = 0; at < groups.size(); ++at) groups[at] = static_cast<uint32_t>(groups.size() - 1 - at);
     PairArgs args = {};
-    args.first = first.data(), args.second = second.data(), args.fixed = fixed ? 1 : 0;
+    args.first = first.data(), args.second = second.data(), args.groups = groups.data(), args.fixed = fixed ? 1 : 0;
     ContactArgs& c = args.contact;
     c.diameter = 2 * k_cluster_radius;
     c.static_friction = static_cast<float>(k_static), c.kinetic_friction = static_cast<float>(k_kinetic);
