@@ -173,7 +173,7 @@ SANDGLASS_INLINE Mask same_block(const BlockPlace& place, const Float block[3]) 
 
 // The block of the last grains: as a rule the next ones are in it too, or in one beside it.
 struct LastBlock {
-  Float at[3];  // the same in every lane
+  Float at[3];      // the same in every lane
   uint32_t number;  // or k_no_block
 };
 
@@ -232,8 +232,7 @@ SANDGLASS_INLINE bool find_blocks(const MotionGrid* grid, Mask lanes, const Bloc
 
 // Adds a grain to a cell of a block.
 SANDGLASS_INLINE void count_grain(uint8_t* count) {
-  const uint32_t more = *count + k_grain_count;
-  *count = static_cast<uint8_t>(more > 255 ? *count : more);
+  *count = static_cast<uint8_t>(*count < 256 - k_grain_count ? *count + k_grain_count : *count);
 }
 
 static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end, uint32_t* result) {
@@ -241,6 +240,8 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
   const MotionGrid* grid = a->grid;
   const Float limit = broadcast(k_coordinate_bound);
   const Int most = broadcast(static_cast<int32_t>(k_block_cells - 1));
+  MotionBlock* const blocks = grid->blocks;
+  uint8_t* const all_counts = grid->counts;
   const GridPlace grid_place = place_of(grid);
   LastBlock last = no_block_yet();
   for (uint32_t i = begin; i < end; i += k_width) {
@@ -259,8 +260,8 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
     if (one && last.number == k_no_block) continue;
     store(cells, cell);
     if (one && all(lanes)) {
-      grid->blocks[last.number].state |= k_block_holds;
-      uint8_t* counts = grid->counts + static_cast<uint64_t>(last.number) * k_block_counts;
+      blocks[last.number].state |= k_block_holds;
+      uint8_t* counts = all_counts + static_cast<uint64_t>(last.number) * k_block_counts;
       for (uint32_t l = 0; l < k_width; ++l) count_grain(counts + cells[l]);
       continue;
     }
@@ -271,8 +272,8 @@ static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end,
     if (some) store(chosen, select(counted, broadcast(1), broadcast(0)));
     for (uint32_t l = 0; l < k_width; ++l) {
       if (some && chosen[l] == 0) continue;
-      grid->blocks[numbers[l]].state |= k_block_holds;
-      count_grain(grid->counts + static_cast<uint64_t>(numbers[l]) * k_block_counts + cells[l]);
+      blocks[numbers[l]].state |= k_block_holds;
+      count_grain(all_counts + static_cast<uint64_t>(numbers[l]) * k_block_counts + cells[l]);
     }
   }
 }

@@ -149,9 +149,9 @@ SANDGLASS_INLINE void read_push(const Fixed& fixed, const uint8_t* const* densit
   const Float slope[3] = {away[2] * (away[1] * slope_x[0] + share[1] * slope_x[1]) +
                               share[2] * (away[1] * slope_x[2] + share[1] * slope_x[3]),
                           away[2] * slope_y[0] + share[2] * slope_y[1], slope_z};
-  const Float scale = fixed.push / maximum(value, one);
+  const Float scale = fixed.push / at_least(value, one);
   const Float length2 = scale * scale * (slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2]);
-  const Float shorter = minimum(fixed.push_max / square_root(maximum(length2, broadcast(1e-30f))), one) * scale;
+  const Float shorter = at_most(fixed.push_max / square_root(at_least(length2, broadcast(1e-30f))), one) * scale;
   for (int k = 0; k < 3; ++k) flow->push[k] = zero - shorter * slope[k];
 }
 
@@ -235,7 +235,7 @@ SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const Bloc
 // 1 at a and below, 0 at b and above, smooth between.
 SANDGLASS_INLINE Float fade(Float value, float a, float b) {
   const Float t =
-      minimum(maximum((broadcast(b) - value) * broadcast(1.0f / (b - a)), broadcast(0.0f)), broadcast(1.0f));
+      at_most(at_least((broadcast(b) - value) * broadcast(1.0f / (b - a)), broadcast(0.0f)), broadcast(1.0f));
   return t * t * (broadcast(3.0f) - broadcast(2.0f) * t);
 }
 
@@ -287,7 +287,7 @@ SANDGLASS_INLINE bool read_flow(const RefineArgs* a, const Fixed& fixed, Mask* l
     for (int k = 0; k < 3; ++k) position[k] = at_lanes[k] - fixed.grid.origin[k];
     const Float h2 = broadcast(grid->support * grid->support);
     const Nearest nearest = read_nearest(places.records, position, corner_share, h2);
-    const Float t = maximum((h2 - nearest.squared) * broadcast(1.0f / (grid->support * grid->support)), zero);
+    const Float t = at_least((h2 - nearest.squared) * broadcast(1.0f / (grid->support * grid->support)), zero);
     sum.largest = select(inside, zero, t * t * t);
     // Where all of them fell freely the share is 1, although W of the nearest one may be more than the sum.
     sum.free = select(inside, zero, nearest.free / select(sum.weight <= zero, broadcast(1.0f), sum.weight));
@@ -327,7 +327,7 @@ SANDGLASS_INLINE Float free_flight(const RefineArgs* a, const Flow& flow) {
     // What falls among falling particles falls on its own: they part, and it would stay with the nearest ones.
     const Float falling =
         flow.free / select(alone, one, flow.weight) * fade(flow.weight, 0.8f * k_weight_inside, k_weight_inside);
-    lambda = maximum(maximum((one - flow.largest) * few, single), minimum(falling, one));
+    lambda = maximum(maximum((one - flow.largest) * few, single), at_most(falling, one));
   }
   return select(alone, one, lambda);
 }
