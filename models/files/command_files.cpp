@@ -158,14 +158,27 @@ void begin_folder(const std::string& path) {
   w.folders[folder] = file;
 }
 
+void remove_unwritten(const std::string& folder, const std::vector<std::string>& names) {
+  Watch& w = watch();
+  const std::lock_guard lock(w.mutex);
+  if (!w.on) return;
+  for (const std::string& name : names) {
+    const std::string file = (fs::path(folder) / name).string();
+    if (std::find(w.written.begin(), w.written.end(), identity_of(file).path) == w.written.end()) unlink(file.c_str());
+  }
+}
+
 void finish_folders() {
   Watch& w = watch();
   const std::lock_guard lock(w.mutex);
+  std::string kept, why;
   for (const auto& [folder, file] : w.folders) {
-    unlink((fs::path(folder) / k_incomplete).c_str());
+    const std::string mark = (fs::path(folder) / k_incomplete).string();
+    if (unlink(mark.c_str()) != 0 && errno != ENOENT) kept = mark, why = std::strerror(errno);
     close(file);
   }
   w.folders.clear();
+  if (!kept.empty()) throw cannot("remove", kept, why, "Its folder is whole: remove the file yourself");
 }
 
 void require_complete(const std::string& folder) {

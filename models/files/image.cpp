@@ -191,10 +191,21 @@ static Picture upright(Picture stored, int orientation) {
   return seen;
 }
 
+// A pixel may name a colour that its PNG's palette does not have. stb then reads memory that nothing wrote; here the
+// palette gets all the colours that a pixel can name, and those are black.
+static void fill_palette(const PictureHead& head, std::string* file) {
+  constexpr size_t k_colours = 256;
+  if (head.colours == 0 || head.colours >= k_colours) return;
+  const size_t length = 3 * k_colours;
+  file->insert(head.palette + 3 * head.colours, length - 3 * head.colours, '\0');
+  for (size_t i = 0; i < 4; ++i) (*file)[head.palette - 8 + i] = static_cast<char>(length >> (24 - 8 * i));
+}
+
 Picture read_picture(const std::string& path) {
-  const std::string content = read_file(path, "picture", k_asset_limit);
+  std::string content = read_file(path, "picture", k_asset_limit);
   const PictureHead head = picture_head(content);
   expect_readable(head, path);
+  fill_palette(head, &content);
   int channels = 0;
   Picture picture;
   uint8_t* pixels =

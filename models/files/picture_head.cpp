@@ -47,6 +47,7 @@ void read_png(std::string_view file, PictureHead* head) {
     if (!b.has(at + 8, length) || kind == "IEND") return;
     if (kind == "IHDR")
       head->width = b.number(at + 8, 4), head->height = b.number(at + 12, 4), head->bits = b.number(at + 16, 1);
+    if (kind == "PLTE" && length > 0 && length % 3 == 0) head->palette = at + 8, head->colours = length / 3;
     if (kind == "eXIf") head->orientation = orientation_of(file.substr(at + 8, length));
     at += 12 + size_t{length};
   }

@@ -1,6 +1,7 @@
 // What a picture's file says about itself before it is decoded: its kind, size and colours, and how the camera was held.
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 namespace sandglass::host {
@@ -14,6 +15,7 @@ struct PictureHead {
   // EXIF's number for where the first row and column are: 1 upright, 6 to be turned clockwise by a quarter, 3 by a half,
   // 8 by three quarters; 2, 4, 5 and 7 are mirrored.
   int orientation = 1;
+  size_t palette = 0, colours = 0;  // of a PNG: where its palette begins in the file, and how many colours that names
   // Null, or what is wrong with a JPEG that stb_image would read: tables of codes that it would write behind its own, or
   // that a scan names and nothing defines; no scan at all.
   const char* damage = nullptr;

@@ -63,7 +63,7 @@ class Page {
 
   makeShadows() {
     const { sand, scene, painter } = this, { position, rotation, height } = k_scene.colliders.find((collider) => collider.field);
-    this.direction = sand.put(new Float32Array(3));
+    this.direction = sand.put(new Float32Array(3)), this.cells = sand.put(new Float32Array(constants.SANDGLASS_LIGHT_CELLS));
     const pile = sand.make("sandglass_pile_shadow_desc");
     sand.sandglass_pile_shadow_desc_default(pile);
     pile.set({ low: [-k_box, -k_box], high: [k_box, k_box], texels: 128, sky_texels: 64 });
@@ -86,8 +86,8 @@ class Page {
   setLight(seconds = 0) {
     const azimuth = by("azimuth").value * Math.PI / 180, polar = by("polar").value * Math.PI / 180, known = this.room?.now.valid === 1;
     const slid = { ...k_sky_light, toLight: [Math.sin(polar) * Math.cos(azimuth), Math.cos(polar), Math.sin(polar) * Math.sin(azimuth)] };
-    const seen = known ? this.room.follow(seconds) : null;
-    const light = (this.real && this.deviceLight) || (this.watching || this.real ? seen : null) || slid;
+    const seen = known && (this.watching || this.real) ? this.room.follow(seconds) : null;
+    const light = (this.real && this.deviceLight) || seen || slid;
     if (light === seen && this.watching) this.turnWithTheTable(light);
     else this.painter.tableOfRoom = [1, 0, 0, 0, 1, 0, 0, 0, 1];
     this.painter.light = light, this.lit = light !== slid;
@@ -96,10 +96,12 @@ class Page {
     sand.sandglass_pile_shadow_set_light(this.pile, direction);
     sand.floats(direction, 3).set([c * d[0] - s * d[2], d[1], s * d[0] + c * d[2]]);
     sand.sandglass_shadow_set_light(this.object, 0, direction, 1);
-    if (light !== seen) return;
-    const cells = this.room.shown.address + this.room.cells;
-    sand.sandglass_shadow_set_cells(this.object, cells, this.yaw);
-    sand.sandglass_pile_shadow_set_cells(this.pile, cells);
+    // Where the light from all around comes from: the sky of the sliders is even. The painter takes what is hidden from that
+    // light alone, so its cells are 1 together.
+    const cells = seen ? this.room.cells() : new Float32Array(constants.SANDGLASS_LIGHT_CELLS).fill(1), sum = cells.reduce((all, x) => all + x, 0) || 1;
+    sand.floats(this.cells, cells.length).set(cells.map((x) => x / sum));
+    sand.sandglass_shadow_set_cells(this.object, this.cells, this.yaw);
+    sand.sandglass_pile_shadow_set_cells(this.pile, this.cells);
   }
 
   // A table that is tipped with the picture turns in the room, and the room's light about it.

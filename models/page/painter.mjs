@@ -50,39 +50,51 @@ layout(location = 0) in vec4 grain;
 uniform mat4 view, projection;
 uniform float radius, pixels;
 flat out vec3 centre, colour;
-flat out vec4 turn;
+flat out vec4 faces[7];  // where to, and the cosine of its rim
 flat out float size;
-uint hashed(uint number) {
-  uint h = number * 747796405u + 2891336453u;
-  return ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
+// A grain's colour, size and faces are those of models/drawing/render.cpp, by the same hash: so it looks in films, too.
+uint hashed(uint v) {
+  v = (v ^ (v >> 16u)) * 0x7feb352du;
+  v = (v ^ (v >> 15u)) * 0x846ca68bu;
+  return v ^ (v >> 16u);
 }
-float part(uint h, uint bit) { return float(h >> bit & 1023u) / 1023.0; }
+float drawn(inout uint state) {
+  state = hashed(state + 0x9e3779b9u);
+  return float(state >> 8u) / 16777216.0;
+}
 void main() {
+  gl_Position = vec4(2, 2, 2, 1);
+  if (grain.w < 0.0) return;
   vec4 at = view * vec4(grain.xyz, 1);
   centre = at.xyz;
-  uint h = hashed(uint(gl_VertexID)), more = hashed(h);
-  size = radius * mix(0.75, 1.2, part(more, 20u));
-  turn = normalize(vec4(part(more, 0u), part(more, 10u), part(h, 0u), part(h, 10u)) - 0.4995);
-  gl_Position = grain.w < 0.0 ? vec4(2, 2, 2, 1) : projection * at;
+  uint number = uint(gl_VertexID) * 2u + 1u, sized = number + 0x51ed270bu, broken_off = number + 0x2545f491u;
+  size = radius * mix(0.75, 1.2, drawn(sized));
+  for (int k = 0; k < 7; ++k) {
+    float height = 2.0 * drawn(broken_off) - 1.0, turn = 6.2831853 * drawn(broken_off), across = sqrt(1.0 - height * height);
+    faces[k] = vec4(across * cos(turn), height, across * sin(turn), 0.75 + 0.2 * drawn(broken_off));
+  }
+  gl_Position = projection * at;
   gl_PointSize = max(2.0 * size * pixels / -at.z, 1.0);
-  float light = part(h, 8u) - 0.5, warm = part(h, 18u) - 0.5;
-  colour = vec3(0.60, 0.40, 0.20) * (1.0 + 0.56 * light) * vec3(1.0 + 0.2 * warm, 1.0, 1.0 - 0.2 * warm);
+  float light = 2.0 * drawn(number) - 1.0, warm = 2.0 * drawn(number) - 1.0;
+  colour = vec3(0.60, 0.40, 0.20) * (1.0 + 0.28 * light) * vec3(1.0 + 0.1 * warm, 1.0, 1.0 - 0.1 * warm);
 }`;
 const k_grain_fragment = `
 flat in vec3 centre, colour;
-flat in vec4 turn;
+flat in vec4 faces[7];
 flat in float size;
 uniform mat4 view, projection;
 uniform sampler2D heights;    // of the sand's surface
 uniform float most_height, radius;  // what 255 stands for; the mean of the grains
 out vec4 pixel;
-vec3 turned(vec3 v, vec4 q) { return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v); }
-// The nearest of the 14 faces of a cube whose corners are broken off, turned as this grain is; its rim is round.
+// The face that is broken off the grain there, if one is; its rim is round.
 vec3 broken(vec3 n) {
-  vec3 own = turned(n, turn), a = abs(own), axis = step(max(a.yzx, a.zxy), a);
-  float corner = dot(a, vec3(0.57735)), side = max(a.x, max(a.y, a.z)), near = max(corner, side);
-  vec3 face = sign(own) * (corner > side ? vec3(0.57735) : axis);
-  return normalize(mix(n, turned(face, vec4(-turn.xyz, turn.w)), 0.7 * smoothstep(0.84, 0.9, near)));
+  vec3 face = n;
+  float nearest = 0.0;
+  for (int k = 0; k < 7; ++k) {
+    float above = dot(n, faces[k].xyz) - faces[k].w;
+    if (above > nearest) nearest = above, face = faces[k].xyz;
+  }
+  return normalize(mix(n, face, 0.7));
 }
 ${k_lighting}
 void main() {

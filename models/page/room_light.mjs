@@ -33,7 +33,6 @@ export class RoomLight {
     this.now = sand.make("sandglass_room_light"), this.shown = sand.make("sandglass_room_light");
     this.shown.struct_size = 0;
     this.filament = sand.make("sandglass_light_filament");
-    this.cells = this.shown.ambient_cells.byteOffset - this.shown.address;  // bytes from its start
     this.get();
   }
 
@@ -62,6 +61,9 @@ export class RoomLight {
     sand.sandglass_room_set_image(this.room, image, words);
     this.get();
   }
+
+  // Where the light that is shown comes from, without the main light.
+  cells() { return this.shown.ambient_cells.slice(); }
 
   offsetOf(field) { return this.image[field].byteOffset - this.image.address; }
 

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/program/commands.h"
 #include "models/program/run.h"
 #include "models/work/progress.h"
@@ -79,6 +80,7 @@ void Run::finish(uint64_t hash) {
   if (shot_) describe_light(&paths, set.threads);
   const std::string page = (fs::path(options_.out) / "report.html").string();
   write_file(page, report_page(report_, page_content(paths.figures)));
+  if (!report_.interrupted) remove_unwritten(options_.out, result_files());
   if (!paths.film.empty()) std::printf("film           %s\n", paths.film.c_str());
   std::printf("last frame     %s\n", paths.last.c_str());
   std::printf("contact sheet  %s\n", paths.sheet.c_str());

@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "models/files/atomic_file.h"
+#include "models/files/command_files.h"
 #include "models/files/failure.h"
 #include "models/files/image.h"
 #include "models/simulation/scene_file.h"
@@ -93,6 +94,7 @@ std::string write_film(const PictureSet& set, const std::vector<Picture>& small,
                                 " </dev/null >/dev/null 2>&1";
     const int status = std::system(command.c_str());
     if (status == 0) {
+      note_output(film);
       finish_file(film);
       return film;
     }

@@ -42,7 +42,8 @@ std::string exif(int orientation, bool little = false) {
 }
 
 // A PNG without compression; readers do not look at its checksums.
-std::string png_of(uint32_t width, uint32_t height, int bits, int colour_type, const std::string& rows) {
+std::string png_of(uint32_t width, uint32_t height, int bits, int colour_type, const std::string& rows,
+                   const std::string& palette = "") {
   const auto chunk = [](const std::string& kind, const std::string& content) {
     return big_endian(static_cast<uint32_t>(content.size()), 4) + kind + content + big_endian(0, 4);
   };
@@ -52,6 +53,7 @@ std::string png_of(uint32_t width, uint32_t height, int bits, int colour_type, c
   return "\x89PNG\r\n\x1a\n" +
          chunk("IHDR", big_endian(width, 4) + big_endian(height, 4) + static_cast<char>(bits) +
                            static_cast<char>(colour_type) + std::string(3, '\0')) +
+         (palette.empty() ? "" : chunk("PLTE", palette)) +
          chunk("IDAT", std::string("\x78\x01\x01", 3) + lengths + rows + big_endian(0, 4)) + chunk("IEND", "");
 }
 
@@ -111,6 +113,21 @@ TEST(Photograph, GreyAndSixteenBitsAreReadAsColour) {
   EXPECT_EQ(deep.at(0, 0)[0], 0x10);
   EXPECT_EQ(deep.at(0, 0)[1], 0x80);
   EXPECT_EQ(deep.at(0, 0)[2], 0xF0);
+}
+
+// Four pixels of a palette of two colours: the last two name what it does not have.
+TEST(Photograph, AColourThatThePaletteLacksIsBlack) {
+  const tests::TemporaryFolder folder;
+  const std::string rows("\0\0\1\2\xFF", 5), palette("\x10\x20\x30\x40\x50\x60", 6);
+  write_file(folder / "p.png", std::string_view(png_of(4, 1, 8, 3, rows, palette)));
+  const Picture picture = read_picture(folder / "p.png");
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_EQ(picture.at(0, 0)[c], 0x10 * (c + 1));
+    EXPECT_EQ(picture.at(1, 0)[c], 0x40 + 0x10 * c);
+    EXPECT_TRUE(picture.at(2, 0)[c] == 0 && picture.at(3, 0)[c] == 0);
+  }
+  write_file(folder / "p.png", std::string_view(png_of(4, 1, 8, 3, rows, palette.substr(1))));
+  EXPECT_NE(reason_of(folder / "p.png").find("damaged"), std::string::npos) << "a palette of a colour and a half";
 }
 
 // The segments of this marker, from its two bytes to its end.

@@ -183,16 +183,23 @@ def check_tilt(browser):
 def check_camera(browser, work):
     """The light becomes that of what a (green) camera sees, and the sliders' again when it is off."""
     light = "[...sandglassPage.page.painter.light.ambient.slice(0, 3)]"
-    slid = browser.ask(light)
+    # What the chair leaves of the light from all around, which follows where that light comes from.
+    left = """(() => { const {sand, object, seenTexture: seen} = sandglassPage.page;
+        sand.sandglass_shadow_get_ambient(object, seen);
+        return seen.age > 0 ? 0 : sand.bytes(seen.visibility, seen.side ** 2).reduce((sum, x, i) => (sum * 31 + x + i) % 1000003, 1); })()"""
+    wait_until(browser, f"{left} !== 0")
+    slid, even = browser.ask(light), browser.ask(left)
     browser.ask("document.getElementById('camera').click()")
     wait_until(browser, "sandglassPage.page.room?.now.valid === 1 && sandglassPage.page.lit")
     wait_until(browser, f"(([r, g, b]) => g > 1.2 * r && g > 1.2 * b)({light})")
+    wait_until(browser, f"(now => now !== 0 && now !== {even})({left})")
     print("the room's light:", browser.ask("(({seen, main_share, irradiance}) => ({seen, main_share, irradiance: [...irradiance]}))(sandglassPage.page.room.now)"))
     if work:
         browser.screenshot(work / "camera.png")
     browser.ask("window.track = sandglassPage.page.watching.stream.getTracks()[0]; document.getElementById('camera').click()")
     check(browser.ask("window.track.readyState") == "ended", "the camera goes on after it was switched off")
     check(browser.ask(light) == slid, "the light is not the sliders' again")
+    wait_until(browser, f"{left} === {even}")
 
 
 def check_link(browser):
@@ -270,6 +277,23 @@ def watch_memory(browser, minutes):
     check(third > 0 and sizes[-1][0] == sizes[third][0], "the module's memory grows")
     early, late = (max(heap for _, heap in part) for part in (sizes[third:2 * third], sizes[-third:]))
     check(late < 1.1 * early, f"JavaScript's memory grows from {early} to {late} bytes")
+
+
+def watch_recording(browser):
+    """A recording holds five minutes, 18,000 frames at most: after that JavaScript's memory stays where it is, and what was recorded
+    ends in the hash of its last frame."""
+    browser.ask("sandglassPage.page.measuring = true; sandglassPage.page.again(); sandglassPage.page.at = [0.2, 0, 0.2]")
+    set_budget(browser, 0.5)
+    heaps = {}
+    for frames in range(1000, 27001, 1000):
+        run_frames(browser, 1000)
+        browser.call("HeapProfiler.collectGarbage")
+        if frames % 3000 == 0:
+            heaps[frames] = browser.call("Runtime.getHeapUsage")["usedSize"]
+            print(f"{frames} frames: JavaScript {heaps[frames]} bytes, {browser.ask('sandglassPage.page.recorded.length')} recorded", flush=True)
+    check(browser.ask("sandglassPage.page.recorded.length") == 18000, "the recording has no bound")
+    check(browser.ask("sandglassPage.page.recording().hash !== sandglassPage.page.scene.hash()"), "the recording's hash is not that of its last frame")
+    check(heaps[27000] < 1.02 * heaps[18000], "JavaScript's memory grows beyond the recording's bound")
 
 
 def check_memory(browser):
@@ -387,6 +411,34 @@ def isolated_server(folder):
             server.shutdown()
 
 
+def grain_size(number):
+    """As models/drawing/render.cpp has it: the radius over the mean one."""
+    def hashed(v):
+        v = (v ^ v >> 16) * 0x7FEB352D & 0xFFFFFFFF
+        v = (v ^ v >> 15) * 0x846CA68B & 0xFFFFFFFF
+        return v ^ v >> 16
+    return 0.75 + 0.45 * (hashed((2 * number + 1 + 0x51ED270B + 0x9E3779B9) & 0xFFFFFFFF) >> 8) / 2**24
+
+
+def check_sizes(browser):
+    """Grains differ in size by their numbers, as they do in films: one grain, near, covers pixels in proportion to its square."""
+    covered = browser.ask("""(() => { const {page: {painter, camera}} = sandglassPage, {gl} = painter, count = 8;
+        const near = Object.assign(new camera.constructor(), {target: [0, 1, 0], distance: 0.5});
+        const picture = (number) => { const grains = new Float32Array(4 * count).fill(-1);
+            if (number !== null) grains.set([0, 1, 0, 0], 4 * number);
+            painter.draw(near, grains, count, 0.1);
+            const [w, h] = [gl.drawingBufferWidth, gl.drawingBufferHeight], bytes = new Uint8Array(4 * w * h);
+            gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+            return new Uint32Array(bytes.buffer); };
+        const empty = picture(null);
+        return Array.from({length: count}, (_, number) => picture(number).reduce((sum, pixel, i) => sum + (pixel !== empty[i]), 0)); })()""")
+    sizes = [grain_size(number) for number in range(len(covered))]
+    check(max(sizes) > 1.3 * min(sizes), "these grains hardly differ")
+    scale = (sum(covered) / sum(size**2 for size in sizes))**0.5
+    for number, (size, pixels) in enumerate(zip(sizes, covered)):
+        check(abs(pixels**0.5 / scale - size) < 0.03, f"grain {number} is {pixels**0.5 / scale:.3f} times the mean one and not {size:.3f}")
+
+
 def check_threads(browser, url, wanted):
     """A page that is cross-origin isolated runs a pool. Sand falls, other threads do work, and the hash is the same."""
     browser.call("Emulation.setHardwareConcurrencyOverride", hardwareConcurrency=THREADS)
@@ -428,6 +480,7 @@ def main():
         check(report(browser, "clock_fault") == 0, "the browser's clock counts as broken")
         if "--minutes" in sys.argv:
             watch_memory(browser, float(sys.argv[sys.argv.index("--minutes") + 1]))
+            watch_recording(browser)
             return 0
         at = check_pours(browser, page)
         if pictures:
@@ -445,6 +498,7 @@ def main():
         check_recording(browser)
         check_full_table(browser, needed)
         check_link(browser)
+        check_sizes(browser)
         check_camera(browser, pictures)
         check_real(browser)
         check_narrow(browser)

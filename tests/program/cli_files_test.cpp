@@ -148,8 +148,12 @@ TEST_F(CliFiles, AFolderSaysWhenItIsIncomplete) {
     EXPECT_NE(second.err.find("another process"), std::string::npos) << second.err;
   }  // killed, without a chance to tidy up
   EXPECT_TRUE(fs::exists(mark));
+  write("out/truth.png", "of an earlier run"), write("out/mine.txt", "of no run");
   ASSERT_EQ(run("run '" + tiny_scene() + "' --frames 1" + out).code, 0) << "a dead process locks nothing";
   EXPECT_FALSE(fs::exists(mark));
+  EXPECT_FALSE(fs::exists(path("out/truth.png"))) << "it would be taken for a result of this run";
+  EXPECT_TRUE(fs::exists(path("out/mine.txt")) && fs::exists(path("out/last_frame.png")));
+  EXPECT_TRUE(fs::exists(path("out/film.mp4")) || fs::exists(path("out/film.gif")));
   Running interrupted = start(endless() + out);
   ASSERT_TRUE(interrupted.makes(mark));
   interrupted.interrupt();

@@ -153,7 +153,10 @@ TEST_F(Fault, NothingIsLostWhenAFolderOrAPictureFails) {
   every_call_fails({sample + " --picture " + there("out/x.png"), {there("out/x.ply"), there("out/x.png")}, ""});
   if (!k_bake) return;
   every_call_fails(
-      {"bake box --size 8x1 --steps 1 --textures 1 -o " + there("out/x.shadow"), {there("out/x.shadow")}, ""});
+      {"bake box --size 8x1 --steps 1 --quantised-steps 0 --textures 1 --validation-lights 1 --ambient-texels 16 -o " +
+           there("out/x.shadow"),
+       {there("out/x.shadow"), there("out/x.shadow.png")},
+       ""});
 }
 
 // The control.

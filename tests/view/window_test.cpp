@@ -11,6 +11,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "models/drawing/render.h"
 #include "models/files/image.h"
 #include "models/geometry/vec3.h"
 #include "models/view/head_up.h"
@@ -102,6 +103,22 @@ TEST_F(Window, ShowsSandOnTheFloorAndTheBudget) {
   };
   const int top = k_overlay + bar.y, left = k_overlay + bar.x;
   EXPECT_GT(count(picture, {left, top + 20, left + 80, top + 40}, is_granular), 20);  // the legend's first word
+}
+
+// A grain's size is that of films (models/drawing/render.h). One grain from far away, so that it matters little where in
+// its particle it is.
+TEST_F(Window, AGrainIsAsLargeAsInFilms) {
+  constexpr double k_radius = 0.1, k_distance = 10.0, k_fov = 8.0 * 3.14159265358979 / 180.0;
+  std::ofstream(folder / "small.json") << R"({"name": "small", "frame_step": 0.001, "particle_radius": 0.1,
+    "bodies": [{"shape": "lattice", "counts": [1, 1, 1], "grains": 1, "position": [0, 0.1, 0]}],
+    "colliders": [{"shape": "half_space"}],
+    "camera": {"eye": [0, 8.1, 6], "target": [0, 0.1, 0], "fov_deg": 8}})";
+  const Picture picture = screenshot("", 1);
+  if (picture.width == 0) GTEST_SKIP() << said;
+  const double mean = k_radius / (k_distance * std::tan(k_fov / 2.0)) * k_height / 2.0;  // pixels
+  const double seen = std::sqrt(count(picture, {0, 190, k_width, k_height - 40}, is_sand) / 3.14159265358979);
+  ASSERT_GT(std::fabs(grain_size(0) - 1.0F), 0.06F) << "this grain is like the mean one, and tells nothing";
+  EXPECT_NEAR(seen / mean, grain_size(0), 0.03);
 }
 
 TEST_F(Window, TheMousePushesSandAway) {
