@@ -404,7 +404,7 @@ struct Following {
   Float average[3], lambda;
 };
 
-// `deep`: nothing flies freely.
+// `deep`: nothing flies freely, by the continuous rule; the one as printed has no grid.
 SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Flow& flow, bool deep, Grains* g) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
