@@ -2,9 +2,7 @@
 // range differ between machines.
 
 SANDGLASS_INLINE Int floor_to_int(Float a) {
-  const Float bounded = minimum(maximum(a, broadcast(-536870912.0f)), broadcast(536870912.0f));
-  const Int truncated = to_int(bounded);
-  return select(bounded < to_float(truncated), truncated + broadcast(-1), truncated);
+  return floor_int(minimum(maximum(a, broadcast(-536870912.0f)), broadcast(536870912.0f)));
 }
 
 static void grid_cells(const GridCellsArgs* args, uint32_t begin, uint32_t end, uint32_t* result) {

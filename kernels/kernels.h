@@ -176,9 +176,15 @@ constexpr uint32_t k_block_moves = 1;       // a particle moves within the suppo
 constexpr uint32_t k_block_holds = 4;       // grains
 constexpr uint32_t k_block_incomplete = 2;  // there was no room for a block that its cells reach
 
+constexpr uint32_t k_blocks_around = 27;  // a block and those that share a face, an edge or a corner with it
+constexpr uint32_t k_itself = 13;
+
 struct MotionBlock {
   int32_t at[3];  // its first node is at 4 * at
   uint32_t state;
+  // Their numbers, x fastest, or k_no_block; complete once all blocks are joined.
+  uint32_t around[k_blocks_around];
+  uint32_t unused;
 };
 
 struct MotionGrid {

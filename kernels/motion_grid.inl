@@ -34,7 +34,11 @@ SANDGLASS_INLINE uint32_t take_block(MotionGrid* grid, const int32_t at[3]) {
   }
   const uint32_t number = grid->block_count++;
   grid->slots[slot] = number + 1;
-  grid->blocks[number] = {{at[0], at[1], at[2]}, 0};
+  MotionBlock& block = grid->blocks[number];
+  for (int k = 0; k < 3; ++k) block.at[k] = at[k];
+  block.state = 0;
+  __builtin_memset(block.around, 0xff, sizeof block.around);
+  block.around[k_itself] = number;
   clear_block(grid->planes + static_cast<uint64_t>(number) * k_block_floats);
   __builtin_memset(grid->counts + static_cast<uint64_t>(number) * k_block_counts, 0, k_block_counts);
   return number;
@@ -131,51 +135,115 @@ SANDGLASS_INLINE BlockPlace place_in_block(const MotionGrid* grid, Mask lanes, c
   BlockPlace place;
   for (int k = 0; k < 3; ++k) {
     const Float scaled = keep(lanes, position[k] - broadcast(grid->origin[k])) * broadcast(grid->inverse_spacing);
-    place.block[k] = to_float(floor_to_int(scaled * broadcast(0.25f)));
+    place.block[k] = to_float(floor_int(scaled * broadcast(0.25f)));
     place.inside[k] = scaled - broadcast(4.0f) * place.block[k];
   }
   return place;
 }
 
-SANDGLASS_INLINE Mask same_block(const BlockPlace& place, const Float block[3]) {
-  return (place.block[0] == block[0]) & (place.block[1] == block[1]) & (place.block[2] == block[2]);
+SANDGLASS_INLINE Mask same_block(const BlockPlace& place, const float block[3]) {
+  return (place.block[0] == broadcast(block[0])) & (place.block[1] == broadcast(block[1])) &
+         (place.block[2] == broadcast(block[2]));
+}
+
+// The block of the last grains: as a rule the next ones are in it too, or in one beside it.
+struct LastBlock {
+  float at[3];
+  uint32_t number;  // or k_no_block
+};
+
+// No grain is in it.
+SANDGLASS_INLINE LastBlock no_block_yet() { return {{3e9f, 3e9f, 3e9f}, k_no_block}; }
+
+// Looks up every block of the lanes, which may be far apart.
+SANDGLASS_APART void look_up_blocks(const MotionGrid* grid, Mask lanes, const BlockPlace& place, LastBlock* last,
+                                    uint32_t* numbers) {
+  alignas(64) float at[3][k_lane_group];
+  for (int k = 0; k < 3; ++k) store(at[k], place.block[k]);
+  store(numbers, broadcast(static_cast<int32_t>(k_no_block)));
+  for (Mask left = lanes; any(left);) {
+    const uint32_t sole = first(left);
+    for (int k = 0; k < 3; ++k) last->at[k] = at[k][sole];
+    last->number = motion_find(*grid, to_whole<int32_t>(last->at[0]), to_whole<int32_t>(last->at[1]),
+                               to_whole<int32_t>(last->at[2]));
+    const Mask same = left & same_block(place, last->at);
+    left = and_not(left, same);
+    store(numbers, select(same, broadcast(static_cast<int32_t>(last->number)), load(numbers)));
+  }
+}
+
+// Whether all lanes are in the last block; else the numbers of the lanes' blocks, of which one is then the last. Lanes
+// that `lanes` does not hold get any number.
+SANDGLASS_INLINE bool find_blocks(const MotionGrid* grid, Mask lanes, const BlockPlace& place, LastBlock* last,
+                                  uint32_t* numbers) {
+  if (!any(and_not(lanes, same_block(place, last->at)))) return true;
+  if (last->number != k_no_block) {
+    Float step[3];
+    for (int k = 0; k < 3; ++k) step[k] = keep(lanes, place.block[k] - broadcast(last->at[k]));
+    const Float limit = broadcast(1.5f);
+    if (all(within(step[0], limit) & within(step[1], limit) & within(step[2], limit))) {
+      const Float side = broadcast(3.0f);
+      const Int at = to_int((step[2] * side + step[1]) * side + step[0] + broadcast(static_cast<float>(k_itself)));
+      const uint32_t* around = grid->blocks[last->number].around;
+      store(numbers, at);
+      for (uint32_t l = 0; l < k_width; ++l) numbers[l] = around[numbers[l]];
+      const uint32_t next = numbers[k_width - 1];
+      if (next != k_no_block) {
+        const MotionBlock& block = grid->blocks[next];
+        for (int k = 0; k < 3; ++k) last->at[k] = static_cast<float>(block.at[k]);
+        last->number = next;
+      }
+      return false;
+    }
+  }
+  BlockPlace places;  // a copy, so that the original can stay in registers
+  for (int k = 0; k < 3; ++k) places.block[k] = place.block[k], places.inside[k] = place.inside[k];
+  look_up_blocks(grid, lanes, places, last, numbers);
+  return false;
+}
+
+// Adds a grain to a cell of a block.
+SANDGLASS_INLINE void count_grain(uint8_t* count) {
+  const uint32_t more = *count + k_grain_count;
+  *count = static_cast<uint8_t>(more > 255 ? *count : more);
 }
 
 static void count_grains(const CountGrainsArgs* a, uint32_t begin, uint32_t end, uint32_t* result) {
   (void)result;
   const MotionGrid* grid = a->grid;
-  const Float limit = broadcast(k_coordinate_bound), most = broadcast(static_cast<float>(k_block_cells - 1));
-  Float last[3] = {limit, limit, limit};  // the block of the last grains: as a rule the next ones are in it too
-  uint8_t* counts = nullptr;              // null: there is none
+  const Float limit = broadcast(k_coordinate_bound);
+  const Int most = broadcast(static_cast<int32_t>(k_block_cells - 1));
+  LastBlock last = no_block_yet();
   for (uint32_t i = begin; i < end; i += k_width) {
     Float grain[k_record_floats];
     load_records(floats_of(a->grains + i), grain);
-    Mask left = (lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count))) &
-                (absolute(grain[k_x]) < limit) & (absolute(grain[k_y]) < limit) & (absolute(grain[k_z]) < limit);
-    const BlockPlace place = place_in_block(grid, left, grain);
+    const Mask lanes =
+        (lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count))) &
+        within(grain[k_x], limit) & within(grain[k_y], limit) & within(grain[k_z], limit);
+    if (!any(lanes)) continue;
+    const BlockPlace place = place_in_block(grid, lanes, grain);
     Int cell = broadcast(0);
     for (int k = 2; k >= 0; --k)
-      cell = shift_left(cell, 3) + shift_left(cell, 2) + to_int(minimum(place.inside[k] * broadcast(3.0f), most));
-    while (any(left)) {
-      Mask same = left & same_block(place, last);
-      if (!any(same)) {
-        alignas(64) float at[3][k_lane_group];
-        const uint32_t sole = first(left);
-        for (int k = 0; k < 3; ++k) store(at[k], place.block[k]), last[k] = broadcast(at[k][sole]);
-        const uint32_t number = motion_find(*grid, to_whole<int32_t>(at[0][sole]), to_whole<int32_t>(at[1][sole]),
-                                            to_whole<int32_t>(at[2][sole]));
-        counts = number == k_no_block ? nullptr : grid->counts + static_cast<uint64_t>(number) * k_block_counts;
-        if (counts != nullptr) grid->blocks[number].state |= k_block_holds;
-        same = left & same_block(place, last);
-      }
-      left = and_not(left, same);
-      if (counts == nullptr) continue;
-      alignas(64) uint32_t cells[2 * k_lane_group];
-      const uint32_t n = compress_store(cells, cell, same);
-      for (uint32_t l = 0; l < n; ++l) {
-        const uint32_t more = counts[cells[l]] + k_grain_count;
-        counts[cells[l]] = static_cast<uint8_t>(more > 255 ? counts[cells[l]] : more);
-      }
+      cell = shift_left(cell, 3) + shift_left(cell, 2) + minimum(to_int(place.inside[k] * broadcast(3.0f)), most);
+    alignas(64) uint32_t cells[2 * k_lane_group], numbers[k_lane_group];
+    const bool one = find_blocks(grid, lanes, place, &last, numbers);
+    if (one && last.number == k_no_block) continue;
+    store(cells, cell);
+    if (one && all(lanes)) {
+      grid->blocks[last.number].state |= k_block_holds;
+      uint8_t* counts = grid->counts + static_cast<uint64_t>(last.number) * k_block_counts;
+      for (uint32_t l = 0; l < k_width; ++l) count_grain(counts + cells[l]);
+      continue;
+    }
+    if (one) store(numbers, broadcast(static_cast<int32_t>(last.number)));
+    const Mask counted = and_not(lanes, load(numbers) == broadcast(static_cast<int32_t>(k_no_block)));
+    const bool some = !all(counted);
+    alignas(64) uint32_t chosen[k_lane_group];
+    if (some) store(chosen, select(counted, broadcast(1), broadcast(0)));
+    for (uint32_t l = 0; l < k_width; ++l) {
+      if (some && chosen[l] == 0) continue;
+      grid->blocks[numbers[l]].state |= k_block_holds;
+      count_grain(grid->counts + static_cast<uint64_t>(numbers[l]) * k_block_counts + cells[l]);
     }
   }
 }

@@ -96,21 +96,6 @@ SANDGLASS_INLINE void gather_flow(const RefineArgs* a, Mask lanes, const Float p
   flow->free = select(lanes, sum.free, flow->free);
 }
 
-// What a block holds, or null. lacking: the grid has no room there, so the records do not tell all.
-struct Block {
-  const float* records;
-  const uint8_t* density;
-  bool lacking;
-};
-
-SANDGLASS_INLINE Block look_up(const MotionGrid* grid, const float at[3]) {
-  const uint32_t number =
-      motion_find(*grid, to_whole<int32_t>(at[0]), to_whole<int32_t>(at[1]), to_whole<int32_t>(at[2]));
-  if (number == k_no_block) return {nullptr, nullptr, grid->overflowed != 0};
-  return {grid->nodes + static_cast<uint64_t>(number) * k_block_records * k_record_floats, density_of(*grid, number),
-          (grid->blocks[number].state & k_block_incomplete) != 0};
-}
-
 // How far a grain is pushed down the gradient of the grains' density, which is read between the centres of cells.
 SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* density, const Float inside[3], Flow* flow) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
@@ -118,64 +103,47 @@ SANDGLASS_INLINE void read_push(const RefineArgs* a, const uint8_t* const* densi
   Int first = broadcast(0);
   for (int k = 2; k >= 0; --k) {
     const Float scaled = inside[k] * broadcast(3.0f) + broadcast(1.5f);  // 1 is the centre of the first cell
-    const Float cell = minimum(to_float(to_int(scaled)), broadcast(static_cast<float>(k_block_cells + 1)));
-    share[k] = scaled - cell, away[k] = one - share[k];
-    first = shift_left(first, 4) - shift_left(first, 1) + to_int(cell);
+    const Int cell = minimum(to_int(scaled), broadcast(static_cast<int32_t>(k_block_cells + 1)));
+    share[k] = scaled - to_float(cell), away[k] = one - share[k];
+    first = shift_left(first, 4) - shift_left(first, 1) + cell;
   }
-  constexpr uint32_t k_plane = k_density_cells * k_density_cells;
-  alignas(64) uint32_t at[k_lane_group], corners[2][k_lane_group];  // four bytes each: x, then y
+  constexpr int32_t k_row = k_density_cells, k_plane = k_row * k_row;
+  alignas(64) uint32_t at[k_lane_group];
   store(at, first);
-  for (uint32_t l = 0; l < k_width; ++l) {
-    const uint8_t* d = density[l] + (at[l] - (k_plane + k_density_cells + 1));
-    for (int z = 0; z < 2; ++z, d += k_plane) {
-      uint16_t low, high;
-      __builtin_memcpy(&low, d, 2);
-      __builtin_memcpy(&high, d + k_density_cells, 2);
-      corners[z][l] = low | static_cast<uint32_t>(high) << 16;
-    }
-  }
+  const uint8_t* squares[k_width];
+  for (uint32_t l = 0; l < k_width; ++l) squares[l] = density[l] + at[l];
   Float edge[4], slope_x[4];
   const Int byte = broadcast(255);
-  for (int k = 0; k < 4; ++k) {
-    const Int pair = k % 2 == 0 ? load(corners[k / 2]) : shift_right(load(corners[k / 2]), 16);
-    const Float low = to_float(pair & byte), high = to_float(shift_right(pair, 8) & byte);
-    slope_x[k] = high - low;
-    edge[k] = low + share[0] * slope_x[k];
+  for (int32_t z = 0; z < 2; ++z) {
+    const Int square = load_byte_squares<k_density_cells>(squares, z * k_plane - (k_plane + k_row + 1));
+    const Float corner[4] = {to_float(square & byte), to_float(shift_right(square, 8) & byte),
+                             to_float(shift_right(square, 16) & byte), to_float(shift_right(square, 24))};
+    for (int32_t y = 0; y < 2; ++y) {
+      slope_x[2 * z + y] = corner[2 * y + 1] - corner[2 * y];
+      edge[2 * z + y] = corner[2 * y] + share[0] * slope_x[2 * z + y];
+    }
   }
-  const Float low = edge[0] + share[1] * (edge[1] - edge[0]), high = edge[2] + share[1] * (edge[3] - edge[2]);
-  const Float value = low + share[2] * (high - low);
+  const Float slope_y[2] = {edge[1] - edge[0], edge[3] - edge[2]};
+  const Float low = edge[0] + share[1] * slope_y[0], high = edge[2] + share[1] * slope_y[1];
+  const Float slope_z = high - low, value = low + share[2] * slope_z;
   const Float slope[3] = {away[2] * (away[1] * slope_x[0] + share[1] * slope_x[1]) +
                               share[2] * (away[1] * slope_x[2] + share[1] * slope_x[3]),
-                          away[2] * (edge[1] - edge[0]) + share[2] * (edge[3] - edge[2]), high - low};
+                          away[2] * slope_y[0] + share[2] * slope_y[1], slope_z};
   const Float scale = broadcast(a->push) / maximum(value, one);
   const Float length2 = scale * scale * (slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2]);
   const Float shorter = minimum(broadcast(a->push_max) / square_root(maximum(length2, broadcast(1e-30f))), one) * scale;
   for (int k = 0; k < 3; ++k) flow->push[k] = zero - shorter * slope[k];
 }
 
-// Adds the share of the node that is so many records behind the lanes' own.
-template <uint32_t k_behind>
-SANDGLASS_INLINE void add_corner(const float* const* records, Float share, Flow* sum) {
-  Float node[4];
-  load_quads(records, k_behind * k_record_floats, node);
-  sum->weight = sum->weight + share * node[0];
-  sum->x = sum->x + share * node[1];
-  sum->y = sum->y + share * node[2];
-  sum->z = sum->z + share * node[3];
-}
+// The nodes at the corners of a grain's cell: records behind the first of them, times the floats of a record.
+constexpr uint32_t k_corners[8] = {0, 8, 40, 48, 200, 208, 240, 248};
 
-SANDGLASS_INLINE void add_corners(const float* const* records, const Float local[3], Flow* sum) {
+// How much a place counts for each of the corners.
+SANDGLASS_INLINE void corner_shares(const Float local[3], Float share[8]) {
   const Float one = broadcast(1.0f);
   const Float to_low[3] = {one - local[0], one - local[1], one - local[2]};
   const Float rows[4] = {to_low[2] * to_low[1], to_low[2] * local[1], local[2] * to_low[1], local[2] * local[1]};
-  add_corner<0>(records, rows[0] * to_low[0], sum);
-  add_corner<1>(records, rows[0] * local[0], sum);
-  add_corner<5>(records, rows[1] * to_low[0], sum);
-  add_corner<6>(records, rows[1] * local[0], sum);
-  add_corner<25>(records, rows[2] * to_low[0], sum);
-  add_corner<26>(records, rows[2] * local[0], sum);
-  add_corner<30>(records, rows[3] * to_low[0], sum);
-  add_corner<31>(records, rows[3] * local[0], sum);
+  for (int row = 0; row < 4; ++row) share[2 * row] = rows[row] * to_low[0], share[2 * row + 1] = rows[row] * local[0];
 }
 
 // What the corners' other halves say.
@@ -184,35 +152,22 @@ struct Nearest {
   Float free;     // the sum of W times the share of free fall
 };
 
-template <uint32_t k_behind>
-SANDGLASS_INLINE void add_nearest(const float* const* records, const Float position[3], Float share, Nearest* sum) {
-  Float node[4];
-  load_quads(records, k_behind * k_record_floats + k_node_nearest, node);
-  const Float dx = node[0] - position[0], dy = node[1] - position[1], dz = node[2] - position[2];
-  sum->squared = minimum(dx * dx + dy * dy + dz * dz, sum->squared);
-  sum->free = sum->free + share * node[3];
-}
-
 // To the nearest of the particles that are nearest to the corners; h^2 at most. Of these one is the nearest to the
 // grain, but for rare ties.
-SANDGLASS_INLINE Nearest read_nearest(const float* const* records, const Float position[3], const Float local[3],
+SANDGLASS_INLINE Nearest read_nearest(const float* const* records, const Float position[3], const Float share[8],
                                       Float most) {
-  const Float one = broadcast(1.0f);
-  const Float to_low[3] = {one - local[0], one - local[1], one - local[2]};
-  const Float rows[4] = {to_low[2] * to_low[1], to_low[2] * local[1], local[2] * to_low[1], local[2] * local[1]};
   Nearest sum = {most, broadcast(0.0f)};
-  add_nearest<0>(records, position, rows[0] * to_low[0], &sum);
-  add_nearest<1>(records, position, rows[0] * local[0], &sum);
-  add_nearest<5>(records, position, rows[1] * to_low[0], &sum);
-  add_nearest<6>(records, position, rows[1] * local[0], &sum);
-  add_nearest<25>(records, position, rows[2] * to_low[0], &sum);
-  add_nearest<26>(records, position, rows[2] * local[0], &sum);
-  add_nearest<30>(records, position, rows[3] * to_low[0], &sum);
-  add_nearest<31>(records, position, rows[3] * local[0], &sum);
+  for (int corner = 0; corner < 8; ++corner) {
+    Float node[4];
+    load_quads(records, k_corners[corner] + k_node_nearest, node);
+    const Float dx = node[0] - position[0], dy = node[1] - position[1], dz = node[2] - position[2];
+    sum.squared = minimum(dx * dx + dy * dy + dz * dz, sum.squared);
+    sum.free = sum.free + share[corner] * node[3];
+  }
   return sum;
 }
 
-// Where lanes read.
+// Where lanes read. Lanes that are in no block read anything.
 struct Places {
   const float* records[k_width];
   const uint8_t* density[k_width];
@@ -220,61 +175,41 @@ struct Places {
   Mask lacking;  // lanes that the grid has no room for
 };
 
-// Lanes in several blocks.
-SANDGLASS_APART void find_blocks(const MotionGrid* grid, Mask lanes, const BlockPlace& place, const uint32_t* corners,
-                                 Places* places) {
-  for (uint32_t l = 0; l < k_width; ++l) places->records[l] = grid->nodes, places->density[l] = density_of(*grid, 0);
-  places->lacking = places->known = and_not(lanes, lanes);
-  alignas(64) float at[3][k_lane_group];
-  for (int k = 0; k < 3; ++k) store(at[k], place.block[k]);
-  for (Mask left = lanes; any(left);) {
-    const uint32_t sole = first(left);
-    const float block_at[3] = {at[0][sole], at[1][sole], at[2][sole]};
-    const Float wanted[3] = {broadcast(block_at[0]), broadcast(block_at[1]), broadcast(block_at[2])};
-    const Mask same = left & same_block(place, wanted);
-    left = and_not(left, same);
-    const Block block = look_up(grid, block_at);
-    if (block.lacking) places->lacking = places->lacking | same;
-    if (block.lacking || block.records == nullptr) continue;
-    places->known = places->known | same;
-    alignas(64) uint32_t members[2 * k_lane_group];
-    const uint32_t n = compress_store(members, lane_index(), same);
-    for (uint32_t m = 0; m < n; ++m) {
-      places->records[members[m]] = block.records + corners[members[m]] * k_record_floats;
-      places->density[members[m]] = block.density;
-    }
+// The grid had no room for some block, so the records of those beside it do not tell all.
+SANDGLASS_APART void find_lacking(const MotionGrid* grid, Mask lanes, const uint32_t* numbers, Places* places) {
+  alignas(64) uint32_t lacks[k_lane_group];
+  for (uint32_t l = 0; l < k_width; ++l) {
+    const uint32_t number = numbers[l];
+    lacks[l] = number == k_no_block || (grid->blocks[number].state & k_block_incomplete) != 0 ? 1 : 0;
   }
+  places->lacking = lanes & (broadcast(0) < load(lacks));
+  places->known = and_not(places->known, places->lacking);
 }
-
-// The block of the last grains: as a rule the next ones are in it too.
-struct LastBlock {
-  float at[3];
-  Block block;
-  bool known;
-};
 
 SANDGLASS_INLINE void find_places(const MotionGrid* grid, Mask lanes, const BlockPlace& place, Int corner,
                                   LastBlock* last, Places* places) {
-  const Mask none = and_not(lanes, lanes);
-  alignas(64) uint32_t corners[k_lane_group];
+  const Int none = broadcast(static_cast<int32_t>(k_no_block));
+  alignas(64) uint32_t corners[k_lane_group], numbers[k_lane_group];
   store(corners, corner);
-  Float at[3] = {broadcast(last->at[0]), broadcast(last->at[1]), broadcast(last->at[2])};
-  if (!last->known || any(and_not(lanes, same_block(place, at)))) {
-    alignas(64) float all_at[3][k_lane_group];
-    const uint32_t sole = first(lanes);
-    for (int k = 0; k < 3; ++k)
-      store(all_at[k], place.block[k]), last->at[k] = all_at[k][sole], at[k] = broadcast(last->at[k]);
-    last->block = look_up(grid, last->at);
-    last->known = true;
-    if (any(and_not(lanes, same_block(place, at)))) return find_blocks(grid, lanes, place, corners, places);
+  const bool one = find_blocks(grid, lanes, place, last, numbers);
+  places->known = lanes, places->lacking = and_not(lanes, lanes);
+  if (one && last->number != k_no_block && grid->overflowed == 0) {
+    const float* records = grid->nodes + static_cast<uint64_t>(last->number) * k_block_records * k_record_floats;
+    const uint8_t* density = density_of(*grid, last->number);
+    // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
+    for (uint32_t l = 0; l < k_width; ++l)
+      places->records[l] = records + corners[l] * k_record_floats, places->density[l] = density;
+    return;
   }
-  places->lacking = last->block.lacking ? lanes : none;
-  places->known = none;
-  if (last->block.lacking || last->block.records == nullptr) return;
-  places->known = lanes;
-  // Lanes that are not asked for have coordinates of 0 and so a corner of the block too.
-  for (uint32_t l = 0; l < k_width; ++l)
-    places->records[l] = last->block.records + corners[l] * k_record_floats, places->density[l] = last->block.density;
+  if (one) store(numbers, broadcast(static_cast<int32_t>(last->number)));
+  const Mask nowhere = load(numbers) == none;
+  places->known = and_not(lanes, nowhere);
+  if (grid->overflowed != 0) find_lacking(grid, lanes, numbers, places);
+  if (any(nowhere)) store(numbers, select(nowhere, broadcast(0), load(numbers)));
+  for (uint32_t l = 0; l < k_width; ++l) {
+    places->records[l] = grid->nodes + (numbers[l] * k_block_records + corners[l]) * uint64_t{k_record_floats};
+    places->density[l] = density_of(*grid, numbers[l]);
+  }
 }
 
 // 1 at a and below, 0 at b and above, smooth between.
@@ -295,34 +230,43 @@ SANDGLASS_INLINE Float push_share(const RefineArgs* a, const Flow& sum, Float ne
   return maximum(maximum(within, near), lone * (one - fade(sum.weight, 0.0f, 0.02f)));
 }
 
-// The sums at the lanes that `lanes` holds, between the nodes of the grid. Returns the lanes that the grid has no room
-// for.
-SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_lanes[3], LastBlock* last, Flow* flow) {
+// The sums at the lanes that `lanes` holds, between the nodes of the grid. Leaves in `lanes` those that the grid has no
+// room for. True: all lanes are inside the pile, where nothing flies freely.
+SANDGLASS_INLINE bool read_flow(const RefineArgs* a, Mask* lanes, const Float at_lanes[3], LastBlock* last,
+                                Flow* flow) {
   const MotionGrid* grid = a->motion;
   const Float zero = broadcast(0.0f);
-  const BlockPlace place = place_in_block(grid, lanes, at_lanes);
-  Float local[3];
+  const BlockPlace place = place_in_block(grid, *lanes, at_lanes);
+  Float local[3], corner_share[8], sums[4];
   Int corner = broadcast(0);
   for (int k = 2; k >= 0; --k) {
-    const Float cell = minimum(to_float(to_int(place.inside[k])), broadcast(3.0f));
-    local[k] = place.inside[k] - cell;
+    const Int cell = minimum(to_int(place.inside[k]), broadcast(3));
+    local[k] = place.inside[k] - to_float(cell);
     // Records of a block: x fastest, 5 along an axis.
-    corner = shift_left(corner, 2) + corner + to_int(cell);
+    corner = shift_left(corner, 2) + corner + cell;
   }
   Places places;
-  find_places(grid, lanes, place, corner, last, &places);
+  find_places(grid, *lanes, place, corner, last, &places);
   const Mask known = places.known;
-  if (!any(known)) return places.lacking;
-  Flow sum = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
-  add_corners(places.records, local, &sum);
+  *lanes = places.lacking;
+  if (!any(known)) return false;
+  corner_shares(local, corner_share);
+  blend_quads(places.records, k_corners, corner_share, sums);
+  Flow sum = {sums[0], sums[1], sums[2], sums[3], zero, zero, {zero, zero, zero}};
   // In the pile's inside nothing flies freely, so the nearest particle does not matter.
-  const Mask inside = broadcast(k_weight_inside) <= sum.weight;
+  const Mask inside = known & (broadcast(k_weight_inside) <= sum.weight);
+  if (all(inside)) {
+    if (a->push != 0.0f) read_push(a, places.density, place.inside, &sum);
+    flow->weight = sum.weight, flow->x = sum.x, flow->y = sum.y, flow->z = sum.z;
+    for (int k = 0; k < 3; ++k) flow->push[k] = sum.push[k];
+    return true;
+  }
   Float share = broadcast(1.0f);  // of the push
   if (any(and_not(known, inside))) {
     Float position[3];
     for (int k = 0; k < 3; ++k) position[k] = at_lanes[k] - broadcast(grid->origin[k]);
     const Float h2 = broadcast(grid->support * grid->support);
-    const Nearest nearest = read_nearest(places.records, position, local, h2);
+    const Nearest nearest = read_nearest(places.records, position, corner_share, h2);
     const Float t = maximum((h2 - nearest.squared) * broadcast(1.0f / (grid->support * grid->support)), zero);
     sum.largest = select(inside, zero, t * t * t);
     // Where all of them fell freely the share is 1, although W of the nearest one may be more than the sum.
@@ -331,18 +275,18 @@ SANDGLASS_INLINE Mask read_flow(const RefineArgs* a, Mask lanes, const Float at_
     sum.free = sum.free * sum.weight;
     if (a->push != 0.0f) share = push_share(a, sum, nearest.squared);
   }
-  flow->weight = select(known, sum.weight, flow->weight);
-  flow->x = select(known, sum.x, flow->x);
-  flow->y = select(known, sum.y, flow->y);
-  flow->z = select(known, sum.z, flow->z);
-  flow->largest = select(known, sum.largest, flow->largest);
-  flow->free = select(known, sum.free, flow->free);
+  flow->weight = keep(known, sum.weight);
+  flow->x = keep(known, sum.x);
+  flow->y = keep(known, sum.y);
+  flow->z = keep(known, sum.z);
+  flow->largest = keep(known, sum.largest);
+  flow->free = keep(known, sum.free);
   const Mask pushed = known & (zero < share);
   if (a->push != 0.0f && any(pushed)) {
     read_push(a, places.density, place.inside, &sum);
     for (int k = 0; k < 3; ++k) flow->push[k] = keep(pushed, share * sum.push[k]);
   }
-  return places.lacking;
+  return false;
 }
 
 // The share of free flight in a grain's motion: (4.44), or the continuous rule, which has the same two thresholds and
@@ -417,7 +361,7 @@ SANDGLASS_APART void gather_all(const RefineArgs* a, Mask lanes, const Float pos
 
 SANDGLASS_INLINE Mask sound_places(Mask lanes, const Float position[3]) {
   const Float limit = broadcast(k_coordinate_bound);
-  return lanes & (absolute(position[0]) < limit) & (absolute(position[1]) < limit) & (absolute(position[2]) < limit);
+  return lanes & within(position[0], limit) & within(position[1], limit) & within(position[2], limit);
 }
 
 // As many grains as there are lanes, on their way through a sweep.
@@ -427,15 +371,25 @@ struct Grains {
   Mask settled;  // still for long enough, and nothing around them moves: they stay where they are
 };
 
+// For what needs them in memory: copied one by one, because compilers leave a struct in memory that is copied whole.
+SANDGLASS_INLINE Grains copy_of(const Grains& g) {
+  Grains copy;
+  for (int k = 0; k < 3; ++k) copy.position[k] = g.position[k], copy.velocity[k] = g.velocity[k];
+  copy.inside = g.inside, copy.settled = g.settled;
+  return copy;
+}
+
 // The flow around grains, and the share of free flight.
 struct Following {
   Float average[3], lambda;
 };
 
-SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Flow& flow, Grains* g) {
+// `deep`: nothing flies freely.
+SANDGLASS_INLINE Following find_following(const RefineArgs* a, const Flow& flow, bool deep, Grains* g) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f);
   const Float inverse = one / select(flow.weight <= zero, one, flow.weight);
-  const Following f = {{flow.x * inverse, flow.y * inverse, flow.z * inverse}, free_flight(a, flow)};
+  Following f = {{flow.x * inverse, flow.y * inverse, flow.z * inverse}, zero};
+  if (!deep) f.lambda = free_flight(a, flow);
   g->settled = g->settled & (f.average[0] == zero) & (f.average[1] == zero) & (f.average[2] == zero);
   for (int k = 0; k < 3; ++k) g->position[k] = select(g->settled, g->position[k], g->position[k] + flow.push[k]);
   return f;
@@ -465,14 +419,13 @@ SANDGLASS_APART void follow_in_steps(const RefineArgs* a, const Following& f, Ma
 
 // All steps at once: after s of them the velocity is (1 - lambda^s) average + lambda^s v + (lambda + .. + lambda^s) step
 // gravity.
-SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, Mask lanes, Grains* g) {
+SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, bool deep, Mask lanes, Grains* g) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), step = broadcast(a->step);
   const Float steps = broadcast(static_cast<float>(a->steps));
-  const Mask stays = g->settled | and_not(g->inside, lanes);
-  const Mask free = zero < f.lambda;
   Float velocity[3], way[3];
   for (int k = 0; k < 3; ++k) velocity[k] = f.average[k], way[k] = steps * f.average[k];
-  if (any(free)) {
+  if (!deep) {
+    const Mask free = zero < f.lambda;
     Float power = one, sum = zero, sums = zero;
     for (uint32_t s = 0; s < a->steps; ++s) power = power * f.lambda, sum = sum + power, sums = sums + sum;
     for (int k = 0; k < 3; ++k) {
@@ -481,31 +434,71 @@ SANDGLASS_INLINE void follow_at_once(const RefineArgs* a, const Following& f, Ma
       way[k] = select(free, (steps - sum) * f.average[k] + sum * before + sums * fall, way[k]);
     }
   }
-  for (int k = 0; k < 3; ++k) {
-    g->velocity[k] = select(stays, select(g->settled, zero, g->velocity[k]), velocity[k]);
-    g->position[k] = select(stays, g->position[k], g->position[k] + step * way[k]);
+  const Mask stays = g->settled | and_not(g->inside, lanes);
+  if (any(stays)) {
+    for (int k = 0; k < 3; ++k) {
+      velocity[k] = select(stays, select(g->settled, zero, g->velocity[k]), velocity[k]);
+      way[k] = select(stays, g->position[k], g->position[k] + step * way[k]);
+    }
+  } else {
+    for (int k = 0; k < 3; ++k) way[k] = g->position[k] + step * way[k];
   }
+  for (int k = 0; k < 3; ++k) g->velocity[k] = velocity[k], g->position[k] = way[k];
 }
 
-// With a grid: one look-up for all steps.
-SANDGLASS_INLINE void follow(const RefineArgs* a, LastBlock* last, Grains* g) {
+// Whether a lane may be in a collider.
+SANDGLASS_INLINE bool reaches_collider(const RefineArgs* a, const Float position[3]) {
+  const Float radius = broadcast(a->grain_radius);
+  for (uint32_t c = 0; c < a->collider_count; ++c) {
+    const ColliderFrame& collider = a->colliders[c];
+    if (collider.shape != SANDGLASS_SHAPE_HALF_SPACE) {
+      if (!far_from(collider, position, a->grain_radius)) return true;
+      continue;
+    }
+    const Surface surface = collider_surface(collider, position[0], position[1], position[2]);
+    if (any(broadcast(0.0f) < radius - surface.distance)) return true;
+  }
+  return false;
+}
+
+SANDGLASS_APART void leave_colliders(const RefineArgs* a, Grains* g) {
+  const Mask again = keep_outside(a, g->inside, g->position, g->velocity);
+  if (any(again)) keep_outside(a, again, g->position, g->velocity);
+}
+
+// With a grid: one look-up for all steps. What is rare works on a copy, so that the grains can stay in registers.
+SANDGLASS_INLINE void follow(const RefineArgs* a, Float fast, LastBlock* last, Grains* g) {
   const Float zero = broadcast(0.0f);
   Flow flow = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
   Mask left = sound_places(g->inside, g->position);
-  if (any(left)) left = read_flow(a, left, g->position, last, &flow);
-  if (any(left)) gather_all(a, left, g->position, &flow);  // the grid has no room there
-  const Following f = find_following(a, flow, g);
-  // Half a particle radius in a step, less what gravity adds.
-  const float length = a->support * (1.0f / 6.0f) / a->step - a->fall;
-  const Float fast = broadcast(length > 0.0f ? length * length : 0.0f);
+  bool deep = false;
+  if (any(left)) {
+    deep = read_flow(a, &left, g->position, last, &flow);
+    if (!deep && any(left)) {  // the grid has no room there
+      Flow gathered = {flow.weight, flow.x, flow.y, flow.z, flow.largest, flow.free, {zero, zero, zero}};
+      const Float position[3] = {g->position[0], g->position[1], g->position[2]};
+      gather_all(a, left, position, &gathered);
+      flow.weight = gathered.weight, flow.x = gathered.x, flow.y = gathered.y, flow.z = gathered.z;
+      flow.largest = gathered.largest, flow.free = gathered.free;
+    }
+  }
+  const Following f = find_following(a, flow, deep, g);
   const Float before =
       g->velocity[0] * g->velocity[0] + g->velocity[1] * g->velocity[1] + g->velocity[2] * g->velocity[2];
   const Float now = f.average[0] * f.average[0] + f.average[1] * f.average[1] + f.average[2] * f.average[2];
   const Mask swift = and_not(g->inside & (fast < maximum(before, now)), g->settled);
-  if (any(swift)) follow_in_steps(a, f, swift, g);
-  follow_at_once(a, f, and_not(g->inside, swift), g);
-  const Mask again = keep_outside(a, g->inside, g->position, g->velocity);
-  if (any(again)) keep_outside(a, again, g->position, g->velocity);
+  if (any(swift)) {
+    const Following those = {{f.average[0], f.average[1], f.average[2]}, f.lambda};
+    Grains stepping = copy_of(*g);
+    follow_in_steps(a, those, swift, &stepping);
+    for (int k = 0; k < 3; ++k) g->position[k] = stepping.position[k], g->velocity[k] = stepping.velocity[k];
+  }
+  follow_at_once(a, f, deep, and_not(g->inside, swift), g);
+  if (reaches_collider(a, g->position)) {
+    Grains leaving = copy_of(*g);
+    leave_colliders(a, &leaving);
+    for (int k = 0; k < 3; ++k) g->position[k] = leaving.position[k], g->velocity[k] = leaving.velocity[k];
+  }
 }
 
 // Without one: a look-up for each step.
@@ -514,15 +507,23 @@ SANDGLASS_APART void follow_particles(const RefineArgs* a, Grains* g) {
   for (uint32_t s = 0; s < a->steps; ++s) {
     Flow flow = {zero, zero, zero, zero, zero, zero, {zero, zero, zero}};
     gather_all(a, sound_places(g->inside, g->position), g->position, &flow);
-    take_step(a, find_following(a, flow, g), g);
+    take_step(a, find_following(a, flow, false, g), g);
     keep_outside(a, g->inside, g->position, g->velocity);
   }
 }
 
-static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
+// Metres a second, squared, from which a grain steps: half a particle radius in a step, less what gravity adds.
+SANDGLASS_INLINE float fast_squared(const RefineArgs* a) {
+  const float length = a->support * (1.0f / 6.0f) / a->step - a->fall;
+  return length > 0.0f ? length * length : 0.0f;
+}
+
+template <bool k_by_grid>
+SANDGLASS_INLINE void refine_by(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
   const Float zero = broadcast(0.0f), one = broadcast(1.0f), limit = broadcast(k_coordinate_bound);
+  const Float fast = broadcast(fast_squared(a)), speed_limit = broadcast(1e6f);
   uint32_t quarantined = 0;
-  LastBlock last = {};
+  LastBlock last = no_block_yet();
   for (uint32_t item = begin; item < end; item += k_width) {
     const uint32_t group_number = a->groups[item / k_lane_group];
     const uint32_t i = group_number * k_lane_group + item % k_lane_group;
@@ -533,17 +534,17 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
     for (int k = 0; k < 3; ++k) g.position[k] = grain[k], g.velocity[k] = grain[k_vx + k];
     g.inside = lane_index() + broadcast(static_cast<int32_t>(i)) < broadcast(static_cast<int32_t>(a->grain_count));
     g.settled = broadcast(a->still_sweeps) <= grain[k_still_sweeps];
-    if (a->motion != nullptr) follow(a, &last, &g);
+    if (k_by_grid) follow(a, fast, &last, &g);
     else follow_particles(a, &g);
-    const Mask sound = (absolute(g.position[0]) < limit) & (absolute(g.position[1]) < limit) &
-                       (absolute(g.position[2]) < limit) & (absolute(g.velocity[0]) < broadcast(1e6f)) &
-                       (absolute(g.velocity[1]) < broadcast(1e6f)) & (absolute(g.velocity[2]) < broadcast(1e6f));
+    const Mask sound = within(g.position[0], limit) & within(g.position[1], limit) & within(g.position[2], limit) &
+                       within(g.velocity[0], speed_limit) & within(g.velocity[1], speed_limit) &
+                       within(g.velocity[2], speed_limit);
     const Mask bad = and_not(g.inside, sound);
     if (any(bad)) {
       // Back to where it was, with velocity 0. A coordinate that was no better becomes 0.
       quarantined += count(bad);
       for (int k = 0; k < 3; ++k) {
-        const Mask number = absolute(grain[k]) < limit;
+        const Mask number = within(grain[k], limit);
         g.position[k] = select(bad, keep(number, grain[k]), g.position[k]);
         g.velocity[k] = select(bad, zero, g.velocity[k]);
       }
@@ -555,12 +556,17 @@ static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, Ref
     const Float sweeps = keep(still, minimum(grain[k_still_sweeps] + one, broadcast(a->still_sweeps)));
     if (item % k_lane_group == 0) a->still[group_number] = 1;
     if (any(and_not(g.inside, broadcast(a->still_sweeps) <= sweeps))) a->still[group_number] = 0;
-    for (int k = 0; k < 3; ++k) {
-      grain[k] = select(g.inside, g.position[k], grain[k]);
-      grain[k_vx + k] = select(g.inside, g.velocity[k], grain[k_vx + k]);
-    }
-    grain[k_still_sweeps] = select(g.inside, sweeps, grain[k_still_sweeps]);
-    store_records(record, grain);
+    Float moved[k_record_floats];
+    for (int k = 0; k < 3; ++k) moved[k] = g.position[k], moved[k_vx + k] = g.velocity[k];
+    moved[k_number] = grain[k_number], moved[k_still_sweeps] = sweeps;
+    if (i + k_width > a->grain_count)
+      for (uint32_t c = 0; c < k_record_floats; ++c) moved[c] = select(g.inside, moved[c], grain[c]);
+    store_records(record, moved);
   }
   extent->quarantined = quarantined;
+}
+
+static void refine_grains(const RefineArgs* a, uint32_t begin, uint32_t end, RefineExtent* extent) {
+  if (a->motion != nullptr) refine_by<true>(a, begin, end, extent);
+  else refine_by<false>(a, begin, end, extent);
 }

@@ -42,15 +42,18 @@ SANDGLASS_INLINE Int operator+(Int a, Int b) { return {_mm256_add_epi32(a.v, b.v
 SANDGLASS_INLINE Int operator-(Int a, Int b) { return {_mm256_sub_epi32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {_mm256_and_si256(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {_mm256_or_si256(a.v, b.v)}; }
+SANDGLASS_INLINE Int minimum(Int a, Int b) { return {_mm256_min_epi32(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {_mm256_sll_epi32(a.v, _mm_cvtsi32_si128(count))}; }
 SANDGLASS_INLINE Int shift_right(Int a, int count) { return {_mm256_srl_epi32(a.v, _mm_cvtsi32_si128(count))}; }
 SANDGLASS_INLINE Int to_int(Float a) { return {_mm256_cvttps_epi32(a.v)}; }
+SANDGLASS_INLINE Int floor_int(Float a) { return {_mm256_cvttps_epi32(_mm256_floor_ps(a.v))}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {_mm256_cvtepi32_ps(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {_mm256_castps_si256(a.v)}; }
 
 SANDGLASS_INLINE Mask operator<(Float a, Float b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)}; }
 SANDGLASS_INLINE Mask operator<=(Float a, Float b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)}; }
 SANDGLASS_INLINE Mask operator==(Float a, Float b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_EQ_OQ)}; }
+SANDGLASS_INLINE Mask within(Float a, Float limit) { return absolute(a) < limit; }
 SANDGLASS_INLINE Mask operator<(Int a, Int b) { return {_mm256_castsi256_ps(_mm256_cmpgt_epi32(b.v, a.v))}; }
 SANDGLASS_INLINE Mask operator==(Int a, Int b) { return {_mm256_castsi256_ps(_mm256_cmpeq_epi32(a.v, b.v))}; }
 SANDGLASS_INLINE Mask operator&(Mask a, Mask b) { return {_mm256_and_ps(a.m, b.m)}; }
@@ -112,6 +115,25 @@ SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Flo
   const __m256 c = _mm256_unpacklo_ps(r[2], r[3]), d = _mm256_unpackhi_ps(r[2], r[3]);
   out[0].v = _mm256_shuffle_ps(a, c, 0x44), out[1].v = _mm256_shuffle_ps(a, c, 0xee);
   out[2].v = _mm256_shuffle_ps(b, d, 0x44), out[3].v = _mm256_shuffle_ps(b, d, 0xee);
+}
+SANDGLASS_INLINE void blend_quads(const float* const* lanes, const uint32_t offsets[8], const Float share[8],
+                                  Float out[4]) {
+  for (int k = 0; k < 8; ++k) {
+    Float quad[4];
+    load_quads(lanes, offsets[k], quad);
+    for (int c = 0; c < 4; ++c) out[c] = k == 0 ? share[k] * quad[c] : out[c] + share[k] * quad[c];
+  }
+}
+template <uint32_t k_row>
+SANDGLASS_INLINE Int load_byte_squares(const uint8_t* const* lanes, int32_t offset) {
+  alignas(64) uint32_t squares[k_width];
+  for (uint32_t l = 0; l < k_width; ++l) {
+    uint16_t low, high;
+    __builtin_memcpy(&low, lanes[l] + offset, 2);
+    __builtin_memcpy(&high, lanes[l] + offset + k_row, 2);
+    squares[l] = low | static_cast<uint32_t>(high) << 16;
+  }
+  return load(squares);
 }
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   __m256 r[8], t[8];

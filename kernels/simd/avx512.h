@@ -42,15 +42,20 @@ SANDGLASS_INLINE Int operator+(Int a, Int b) { return {_mm512_add_epi32(a.v, b.v
 SANDGLASS_INLINE Int operator-(Int a, Int b) { return {_mm512_sub_epi32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {_mm512_and_si512(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {_mm512_or_si512(a.v, b.v)}; }
+SANDGLASS_INLINE Int minimum(Int a, Int b) { return {_mm512_min_epi32(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {_mm512_sll_epi32(a.v, _mm_cvtsi32_si128(count))}; }
 SANDGLASS_INLINE Int shift_right(Int a, int count) { return {_mm512_srl_epi32(a.v, _mm_cvtsi32_si128(count))}; }
 SANDGLASS_INLINE Int to_int(Float a) { return {_mm512_cvttps_epi32(a.v)}; }
+SANDGLASS_INLINE Int floor_int(Float a) {
+  return {_mm512_cvt_roundps_epi32(a.v, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)};
+}
 SANDGLASS_INLINE Float to_float(Int a) { return {_mm512_cvtepi32_ps(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {_mm512_castps_si512(a.v)}; }
 
 SANDGLASS_INLINE Mask operator<(Float a, Float b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_LT_OQ)}; }
 SANDGLASS_INLINE Mask operator<=(Float a, Float b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_LE_OQ)}; }
 SANDGLASS_INLINE Mask operator==(Float a, Float b) { return {_mm512_cmp_ps_mask(a.v, b.v, _CMP_EQ_OQ)}; }
+SANDGLASS_INLINE Mask within(Float a, Float limit) { return absolute(a) < limit; }
 SANDGLASS_INLINE Mask operator<(Int a, Int b) { return {_mm512_cmplt_epi32_mask(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator==(Int a, Int b) { return {_mm512_cmpeq_epi32_mask(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator&(Mask a, Mask b) { return {static_cast<__mmask16>(a.m & b.m)}; }
@@ -116,6 +121,25 @@ SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Flo
   const __m512 c = _mm512_unpacklo_ps(r[2], r[3]), d = _mm512_unpackhi_ps(r[2], r[3]);
   out[0].v = _mm512_shuffle_ps(a, c, 0x44), out[1].v = _mm512_shuffle_ps(a, c, 0xee);
   out[2].v = _mm512_shuffle_ps(b, d, 0x44), out[3].v = _mm512_shuffle_ps(b, d, 0xee);
+}
+SANDGLASS_INLINE void blend_quads(const float* const* lanes, const uint32_t offsets[8], const Float share[8],
+                                  Float out[4]) {
+  for (int k = 0; k < 8; ++k) {
+    Float quad[4];
+    load_quads(lanes, offsets[k], quad);
+    for (int c = 0; c < 4; ++c) out[c] = k == 0 ? share[k] * quad[c] : out[c] + share[k] * quad[c];
+  }
+}
+template <uint32_t k_row>
+SANDGLASS_INLINE Int load_byte_squares(const uint8_t* const* lanes, int32_t offset) {
+  alignas(64) uint32_t squares[k_width];
+  for (uint32_t l = 0; l < k_width; ++l) {
+    uint16_t low, high;
+    __builtin_memcpy(&low, lanes[l] + offset, 2);
+    __builtin_memcpy(&high, lanes[l] + offset + k_row, 2);
+    squares[l] = low | static_cast<uint32_t>(high) << 16;
+  }
+  return load(squares);
 }
 SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
   __m512 r[8];

@@ -46,17 +46,20 @@ SANDGLASS_INLINE Int operator+(Int a, Int b) { return {vaddq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator-(Int a, Int b) { return {vsubq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {vandq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {vorrq_s32(a.v, b.v)}; }
+SANDGLASS_INLINE Int minimum(Int a, Int b) { return {vminq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {vshlq_s32(a.v, vdupq_n_s32(count))}; }
 SANDGLASS_INLINE Int shift_right(Int a, int count) {
   return {vreinterpretq_s32_u32(vshlq_u32(vreinterpretq_u32_s32(a.v), vdupq_n_s32(-count)))};
 }
 SANDGLASS_INLINE Int to_int(Float a) { return {vcvtq_s32_f32(a.v)}; }
+SANDGLASS_INLINE Int floor_int(Float a) { return {vcvtmq_s32_f32(a.v)}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {vcvtq_f32_s32(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {vreinterpretq_s32_f32(a.v)}; }
 
 SANDGLASS_INLINE Mask operator<(Float a, Float b) { return {vcltq_f32(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator<=(Float a, Float b) { return {vcleq_f32(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator==(Float a, Float b) { return {vceqq_f32(a.v, b.v)}; }
+SANDGLASS_INLINE Mask within(Float a, Float limit) { return {vcaltq_f32(a.v, limit.v)}; }
 SANDGLASS_INLINE Mask operator<(Int a, Int b) { return {vcltq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator==(Int a, Int b) { return {vceqq_s32(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator&(Mask a, Mask b) { return {vandq_u32(a.m, b.m)}; }
@@ -112,12 +115,41 @@ SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Flo
             vld1q_f32(lanes[3] + offset), t);
   for (int c = 0; c < 4; ++c) out[c].v = t[c];
 }
-SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
+// Lane by lane, without a transpose of each quad: a product takes its share from a lane of a register.
+SANDGLASS_INLINE void blend_quads(const float* const* lanes, const uint32_t offsets[8], const Float share[8],
+                                  Float out[4]) {
+  float32x4_t sum[4];
+  for (int k = 0; k < 8; ++k) {
+    const float32x4_t shares[4] = {vmulq_laneq_f32(vld1q_f32(lanes[0] + offsets[k]), share[k].v, 0),
+                                   vmulq_laneq_f32(vld1q_f32(lanes[1] + offsets[k]), share[k].v, 1),
+                                   vmulq_laneq_f32(vld1q_f32(lanes[2] + offsets[k]), share[k].v, 2),
+                                   vmulq_laneq_f32(vld1q_f32(lanes[3] + offsets[k]), share[k].v, 3)};
+    for (int l = 0; l < 4; ++l) sum[l] = k == 0 ? shares[l] : vaddq_f32(sum[l], shares[l]);
+  }
   float32x4_t t[4];
-  transpose(vld1q_f32(p), vld1q_f32(p + 8), vld1q_f32(p + 16), vld1q_f32(p + 24), t);
+  transpose(sum[0], sum[1], sum[2], sum[3], t);
   for (int c = 0; c < 4; ++c) out[c].v = t[c];
-  transpose(vld1q_f32(p + 4), vld1q_f32(p + 12), vld1q_f32(p + 20), vld1q_f32(p + 28), t);
-  for (int c = 0; c < 4; ++c) out[4 + c].v = t[c];
+}
+// The first and the last two of 16 bytes.
+SANDGLASS_INLINE uint32x4_t load_byte_square(const uint8_t* p) {
+  const uint8x16_t row = vld1q_u8(p);
+  return vreinterpretq_u32_u8(vextq_u8(row, row, 14));
+}
+template <uint32_t k_row>
+SANDGLASS_INLINE Int load_byte_squares(const uint8_t* const* lanes, int32_t offset) {
+  static_assert(k_row == 14);
+  const uint32x4_t low = vzip1q_u32(load_byte_square(lanes[0] + offset), load_byte_square(lanes[1] + offset));
+  const uint32x4_t high = vzip1q_u32(load_byte_square(lanes[2] + offset), load_byte_square(lanes[3] + offset));
+  const uint64x2_t all = vzip1q_u64(vreinterpretq_u64_u32(low), vreinterpretq_u64_u32(high));
+  return {vreinterpretq_s32_u16(vrev32q_u16(vreinterpretq_u16_u64(all)))};
+}
+// One load takes two records apart into x y z w of both and of both their second halves.
+SANDGLASS_INLINE void load_records(const float* p, Float out[8]) {
+  const float32x4x4_t low = vld4q_f32(p), high = vld4q_f32(p + 16);
+  for (int c = 0; c < 4; ++c) {
+    out[c].v = vuzp1q_f32(low.val[c], high.val[c]);
+    out[4 + c].v = vuzp2q_f32(low.val[c], high.val[c]);
+  }
 }
 SANDGLASS_INLINE void broadcast_record(const float* p, Float out[8]) {
   const float32x4x2_t r = vld1q_f32_x2(p);  // one load; a product can name a lane of it, which saves the copy

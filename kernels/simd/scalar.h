@@ -7,7 +7,8 @@
 //   + - * / and square_root are the IEEE operations, correctly rounded; no contraction, no reciprocal estimates.
 //   minimum(a, b) = a < b ? a : b and maximum(a, b) = a > b ? a : b: with a NaN they return b, on every set.
 //   Comparisons are ordered: false where a lane is NaN. select(m, a, b) takes a where m holds, else b, bit for bit.
-//   to_int truncates; the caller keeps the value within +-2^30 (out of range, ARM and x86 differ).
+//   to_int truncates, floor_int rounds down; the caller keeps the value within +-2^30 (out of range, ARM and x86
+//   differ).
 //   A record is 8 floats, 32 bytes, 32-byte aligned. load_records gathers one record a lane and transposes: out[c]
 //   holds component c. The index of lane l is index[l * stride]. broadcast_record puts one record into every lane.
 //   load_differences gives record[second] - record[first] component by component; what the difference of two integers
@@ -60,6 +61,7 @@ SANDGLASS_INLINE Int operator+(Int a, Int b) { return {a.v + b.v}; }
 SANDGLASS_INLINE Int operator-(Int a, Int b) { return {a.v - b.v}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {a.v & b.v}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {a.v | b.v}; }
+SANDGLASS_INLINE Int minimum(Int a, Int b) { return {a.v < b.v ? a.v : b.v}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) {
   return {static_cast<int32_t>(static_cast<uint32_t>(a.v) << count)};
 }
@@ -68,12 +70,17 @@ SANDGLASS_INLINE Int shift_right(Int a, int count) {
   return {static_cast<int32_t>(static_cast<uint32_t>(a.v) >> count)};
 }
 SANDGLASS_INLINE Int to_int(Float a) { return {to_whole<int32_t>(a.v)}; }
+SANDGLASS_INLINE Int floor_int(Float a) {
+  const int32_t truncated = to_whole<int32_t>(a.v);
+  return {a.v < static_cast<float>(truncated) ? truncated - 1 : truncated};
+}
 SANDGLASS_INLINE Float to_float(Int a) { return {static_cast<float>(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {__builtin_bit_cast(int32_t, a.v)}; }  // the same bits
 
 SANDGLASS_INLINE Mask operator<(Float a, Float b) { return {a.v < b.v}; }
 SANDGLASS_INLINE Mask operator<=(Float a, Float b) { return {a.v <= b.v}; }
 SANDGLASS_INLINE Mask operator==(Float a, Float b) { return {a.v == b.v}; }
+SANDGLASS_INLINE Mask within(Float a, Float limit) { return absolute(a) < limit; }  // |a| < limit
 SANDGLASS_INLINE Mask operator<(Int a, Int b) { return {a.v < b.v}; }
 SANDGLASS_INLINE Mask operator==(Int a, Int b) { return {a.v == b.v}; }
 SANDGLASS_INLINE Mask operator&(Mask a, Mask b) { return {a.m && b.m}; }
@@ -105,6 +112,28 @@ SANDGLASS_INLINE void load_records(const float* base, const uint32_t* index, uin
 SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Float out[4]) {
   const RecordFloat* p = lanes[0] + offset;
   for (int c = 0; c < 4; ++c) out[c].v = p[c];
+}
+// The sums over eight corners: each adds its share of the quad that is `offsets` of it behind the lane's pointer, in their
+// order.
+SANDGLASS_INLINE void blend_quads(const float* const* lanes, const uint32_t offsets[8], const Float share[8],
+                                  Float out[4]) {
+  for (int k = 0; k < 8; ++k) {
+    Float quad[4];
+    load_quads(lanes, offsets[k], quad);
+    for (int c = 0; c < 4; ++c) out[c] = k == 0 ? share[k] * quad[c] : out[c] + share[k] * quad[c];
+  }
+}
+// Two bytes `offset` behind each lane's pointer, and the two that are a row of bytes behind those. 16 bytes may be read.
+template <uint32_t k_row>
+SANDGLASS_INLINE Int load_byte_squares(const uint8_t* const* lanes, int32_t offset) {
+  uint32_t squares[k_width];
+  for (uint32_t l = 0; l < k_width; ++l) {
+    uint16_t low, high;
+    __builtin_memcpy(&low, lanes[l] + offset, 2);
+    __builtin_memcpy(&high, lanes[l] + offset + k_row, 2);
+    squares[l] = low | static_cast<uint32_t>(high) << 16;
+  }
+  return load(squares);
 }
 // k_width consecutive records.
 SANDGLASS_INLINE void load_records(const float* base, Float out[8]) {

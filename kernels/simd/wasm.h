@@ -44,15 +44,18 @@ SANDGLASS_INLINE Int operator+(Int a, Int b) { return {wasm_i32x4_add(a.v, b.v)}
 SANDGLASS_INLINE Int operator-(Int a, Int b) { return {wasm_i32x4_sub(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator&(Int a, Int b) { return {wasm_v128_and(a.v, b.v)}; }
 SANDGLASS_INLINE Int operator|(Int a, Int b) { return {wasm_v128_or(a.v, b.v)}; }
+SANDGLASS_INLINE Int minimum(Int a, Int b) { return {wasm_i32x4_min(a.v, b.v)}; }
 SANDGLASS_INLINE Int shift_left(Int a, int count) { return {wasm_i32x4_shl(a.v, count)}; }
 SANDGLASS_INLINE Int shift_right(Int a, int count) { return {wasm_u32x4_shr(a.v, count)}; }
 SANDGLASS_INLINE Int to_int(Float a) { return {wasm_i32x4_trunc_sat_f32x4(a.v)}; }
+SANDGLASS_INLINE Int floor_int(Float a) { return {wasm_i32x4_trunc_sat_f32x4(wasm_f32x4_floor(a.v))}; }
 SANDGLASS_INLINE Float to_float(Int a) { return {wasm_f32x4_convert_i32x4(a.v)}; }
 SANDGLASS_INLINE Int as_int(Float a) { return {a.v}; }
 
 SANDGLASS_INLINE Mask operator<(Float a, Float b) { return {wasm_f32x4_lt(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator<=(Float a, Float b) { return {wasm_f32x4_le(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator==(Float a, Float b) { return {wasm_f32x4_eq(a.v, b.v)}; }
+SANDGLASS_INLINE Mask within(Float a, Float limit) { return absolute(a) < limit; }
 SANDGLASS_INLINE Mask operator<(Int a, Int b) { return {wasm_i32x4_lt(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator==(Int a, Int b) { return {wasm_i32x4_eq(a.v, b.v)}; }
 SANDGLASS_INLINE Mask operator&(Mask a, Mask b) { return {wasm_v128_and(a.m, b.m)}; }
@@ -109,6 +112,25 @@ SANDGLASS_INLINE void load_quads(const float* const* lanes, uint32_t offset, Flo
   transpose(wasm_v128_load(lanes[0] + offset), wasm_v128_load(lanes[1] + offset), wasm_v128_load(lanes[2] + offset),
             wasm_v128_load(lanes[3] + offset), t);
   for (int c = 0; c < 4; ++c) out[c].v = t[c];
+}
+SANDGLASS_INLINE void blend_quads(const float* const* lanes, const uint32_t offsets[8], const Float share[8],
+                                  Float out[4]) {
+  for (int k = 0; k < 8; ++k) {
+    Float quad[4];
+    load_quads(lanes, offsets[k], quad);
+    for (int c = 0; c < 4; ++c) out[c] = k == 0 ? share[k] * quad[c] : out[c] + share[k] * quad[c];
+  }
+}
+template <uint32_t k_row>
+SANDGLASS_INLINE Int load_byte_squares(const uint8_t* const* lanes, int32_t offset) {
+  uint32_t squares[k_width];
+  for (uint32_t l = 0; l < k_width; ++l) {
+    uint16_t low, high;
+    __builtin_memcpy(&low, lanes[l] + offset, 2);
+    __builtin_memcpy(&high, lanes[l] + offset + k_row, 2);
+    squares[l] = low | static_cast<uint32_t>(high) << 16;
+  }
+  return load(squares);
 }
 SANDGLASS_INLINE void load_differences(const float* base, const uint32_t* first, const uint32_t* second, Float out[8]) {
   v128_t r[4], t[4];

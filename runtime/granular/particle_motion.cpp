@@ -58,12 +58,17 @@ void copy_nodes(const MotionGrid& grid, uint32_t from, uint32_t to, const uint32
 
 void motion_join(MotionGrid* grid, uint32_t number) {
   MotionBlock& block = grid->blocks[number];
+  // Half of the blocks around it: those behind it. The others find it.
+  for (uint32_t side = k_itself + 1; side < k_blocks_around; ++side) {
+    const uint32_t next = motion_find(*grid, block.at[0] + static_cast<int32_t>(side % 3) - 1,
+                                      block.at[1] + static_cast<int32_t>(side / 3 % 3) - 1,
+                                      block.at[2] + static_cast<int32_t>(side / 9) - 1);
+    block.around[side] = next;
+    if (next != k_no_block) grid->blocks[next].around[k_blocks_around - 1 - side] = number;
+  }
   for (uint32_t side = 0; side < 8; ++side) {
     const uint32_t beyond[3] = {side & 1, (side >> 1) & 1, side >> 2};
-    const uint32_t next = side == 0 ? number
-                                    : motion_find(*grid, block.at[0] + static_cast<int32_t>(beyond[0]),
-                                                  block.at[1] + static_cast<int32_t>(beyond[1]),
-                                                  block.at[2] + static_cast<int32_t>(beyond[2]));
+    const uint32_t next = block.around[k_itself + beyond[0] + 3 * beyond[1] + 9 * beyond[2]];
     if (next == k_no_block && grid->overflowed != 0) block.state |= k_block_incomplete;
     copy_nodes(*grid, next, number, beyond);
   }
@@ -77,11 +82,9 @@ constexpr uint32_t k_cells = k_block_cells + 4, k_cells_plane = k_cells * k_cell
 // The counts of a block and of two cells around it.
 void collect_counts(const MotionGrid& grid, uint32_t number, uint8_t* cells) {
   const MotionBlock& block = grid.blocks[number];
-  for (int32_t side = 0; side < 27; ++side) {
-    const int32_t beyond[3] = {side % 3 - 1, side / 3 % 3 - 1, side / 9 - 1};
-    const uint32_t next =
-        side == 13 ? number
-                   : motion_find(grid, block.at[0] + beyond[0], block.at[1] + beyond[1], block.at[2] + beyond[2]);
+  for (uint32_t side = 0; side < k_blocks_around; ++side) {
+    const int32_t at = static_cast<int32_t>(side), beyond[3] = {at % 3 - 1, at / 3 % 3 - 1, at / 9 - 1};
+    const uint32_t next = block.around[side];
     if (next == k_no_block || (grid.blocks[next].state & k_block_holds) == 0) continue;
     uint32_t first[3], many[3], to[3];
     for (int k = 0; k < 3; ++k) {

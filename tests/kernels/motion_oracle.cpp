@@ -78,7 +78,13 @@ void sandglass::tests::check_scatter_motion(uint32_t n) {
     if (n > 3) sand.records[3].position[0] = 1e5f;
     double added = 0, expected = 0;
     for (uint32_t b = 0; b < grid.block_count; ++b) {
-      ASSERT_EQ(motion_find(grid, grid.blocks[b].at[0], grid.blocks[b].at[1], grid.blocks[b].at[2]), b);
+      const MotionBlock& block = grid.blocks[b];
+      ASSERT_EQ(motion_find(grid, block.at[0], block.at[1], block.at[2]), b);
+      for (int side = 0; side < 27; ++side) {
+        const int32_t x = block.at[0] + side % 3 - 1, y = block.at[1] + side / 3 % 3 - 1,
+                      z = block.at[2] + side / 9 - 1;
+        ASSERT_EQ(block.around[side], motion_find(grid, x, y, z)) << side;
+      }
       for (uint32_t r = 0; r < 125; ++r) {
         const int32_t place[3] = {static_cast<int32_t>(r % 5), static_cast<int32_t>(r / 5 % 5),
                                   static_cast<int32_t>(r / 25)};
@@ -387,6 +393,46 @@ void sandglass::tests::check_refine_grains(uint32_t n) {
 }
 
 namespace {
+
+// Sixteen grains at a time, a little inside the surface of a slab that stands askew, on its faces, edges and corners: so
+// whole vectors are hardly near to it.
+TEST(Refinement, GrainsLeaveABoxOnAllItsSides) {
+  constexpr uint32_t n = 27 * 16;
+  constexpr double half[3] = {0.03, 0.1, 0.004}, radius = 0.003;
+  ColliderFrame slab = {};
+  slab.shape = SANDGLASS_SHAPE_BOX;
+  slab.position[0] = 0.7f;
+  for (int k = 0; k < 3; ++k) slab.size[k] = static_cast<float>(half[k]);
+  const Vector axes[3] = {{0.48, 0.6, -0.64}, {0.8, 0, 0.6}, {0.36, -0.8, -0.48}};  // orthonormal
+  for (int k = 0; k < 3; ++k) set(slab.axes[k], axes[k]);
+  const auto beyond = [&](const Grain& grain) {
+    const Vector from = at(grain.position) - Vector{0.7, 0, 0};
+    Vector out;
+    double* const out_of[3] = {&out.x, &out.y, &out.z};
+    for (int k = 0; k < 3; ++k) *out_of[k] = std::max(std::abs(dot(from, axes[k])) - half[k], 0.0);
+    return length(out);
+  };
+  for (const Kernels* kernels : tables()) {
+    Refinement refinement(n, false, true);
+    refinement.motion = std::make_unique<Motion>();
+    refinement.args.colliders = &slab, refinement.args.collider_count = 1;
+    refinement.args.gravity[1] = 0.0f;
+    for (uint32_t i = 0; i < n; ++i) {
+      const int side = static_cast<int>(i / 16), to[3] = {side % 3 - 1, side / 3 % 3 - 1, side / 9 - 1};
+      const double sides = std::sqrt(std::max(1, std::abs(to[0]) + std::abs(to[1]) + std::abs(to[2])));
+      Vector x = {0.7, 0, 0};
+      for (int k = 0; k < 3; ++k) {
+        const double along = to[k] == 0 ? 0.3 * half[k] * (i % 16 / 15.0) : to[k] * (half[k] + 0.98 * radius / sides);
+        x = x + along * axes[k];
+      }
+      refinement.grains[i] = item_at<Grain>(x, {}, i);
+      if (side != 13) {
+        ASSERT_NEAR(beyond(refinement.grains[i]), 0.98 * radius, 1e-6);
+      }
+    }
+    for (const Grain& grain : refinement.run(*kernels)) ASSERT_NEAR(beyond(grain), radius, 1e-6) << grain.number / 16;
+  }
+}
 
 TEST(Refinement, AStillGrainAmongSleepersStaysAndOthersCountTheirStillSweeps) {
   constexpr uint32_t n = 64;
