@@ -122,7 +122,7 @@ SANDGLASS_INLINE void solve_pairs(const PairArgs* args, const ContactTerms& t, c
 // Solves whole vectors and keeps the rest; at the end, the rest too.
 template <bool k_fixed>
 SANDGLASS_APART void solve_touching(const PairArgs* args, const ContactTerms& t, Touching* pairs, bool all,
-                                     uint32_t* touched) {
+                                    uint32_t* touched) {
   // Behind the last pair come copies of it that do nothing.
   for (uint32_t at = pairs->count; all && at % k_width != 0; ++at)
     pairs->first[at] = pairs->first[at - 1], pairs->second[at] = pairs->second[at - 1];

@@ -207,10 +207,8 @@ SANDGLASS_INLINE void load_approaches(const float* base, const uint32_t* first, 
   out[0].v = _mm512_shuffle_ps(a0, a2, 0x44), out[1].v = _mm512_shuffle_ps(a0, a2, 0xEE);
   out[2].v = _mm512_shuffle_ps(a1, a3, 0x44);
 }
-SANDGLASS_INLINE void subtract_displacement(float* p, __m128 d) {
-  const __m128 old = _mm_load_ps(p);
-  _mm_store_ps(p, _mm_blend_ps(_mm_sub_ps(old, d), old, 8));
-}
+#include "kernels/simd/displacement.inl"
+
 SANDGLASS_INLINE void subtract_displacements(float* base, const uint32_t* index, const Float d[3]) {
   const __m512 a0 = _mm512_unpacklo_ps(d[0].v, d[1].v), a1 = _mm512_unpackhi_ps(d[0].v, d[1].v);
   const __m512 b0 = _mm512_unpacklo_ps(d[2].v, d[2].v), b1 = _mm512_unpackhi_ps(d[2].v, d[2].v);

@@ -35,7 +35,7 @@ struct PassTask {
   const Kernels* kernels;
   SubstepPhase phase;
   ContactArgs args;
-  ContactExtent extents[8];
+  ContactExtent extents[k_pieces];
 
   void run(uint32_t piece, uint32_t begin, uint32_t end) {
     uint32_t unused;
@@ -55,7 +55,7 @@ struct PassTask {
 struct PairTask {
   contact_pairs_function kernel;
   PairArgs args;
-  uint32_t touched[8];
+  uint32_t touched[k_pieces];
   void run(uint32_t piece, uint32_t begin, uint32_t end) {
     uint32_t some = 0;
     kernel(&args, begin, end, &some);

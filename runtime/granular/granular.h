@@ -133,11 +133,14 @@ sandglass_status granular_restore(Granular* granular, const void* data, uint64_t
 sandglass_status granular_move(Granular* granular, const float rotation[4], const float translation[3],
                                const char** reason);
 
-// Runs task over [begin, end) cut into at most 8 pieces, on the app's pool where there is one. A piece runs once: a
+// Pieces that a work unit is cut into at most.
+constexpr uint32_t k_pieces = 8;
+
+// Runs task over [begin, end) cut into at most k_pieces, on the app's pool where there is one. A piece runs once: a
 // second call for it does nothing, and what the pool left out runs here.
 template <class Task>
 void granular_split(const Granular& granular, uint32_t begin, uint32_t end, Task* task) {
-  constexpr uint32_t k_pieces = 8, k_worth_sharing = 512;
+  constexpr uint32_t k_worth_sharing = 512;
   struct Job {
     Task* task;
     uint32_t begin, end, piece, pieces;

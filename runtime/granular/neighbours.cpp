@@ -51,7 +51,7 @@ ListArgs list_args(const Granular& g) {
 struct ListTask {
   Granular* g;
   ListArgs args;
-  uint32_t dropped[8], awake[8];
+  uint32_t dropped[k_pieces], awake[k_pieces];
 
   void run(uint32_t piece, uint32_t begin, uint32_t end) {
     uint32_t from = begin, lost = 0, lanes = 0;

@@ -136,7 +136,7 @@ float minimum_of(float a, float b) { return a < b ? a : b; }
 struct RefineTask {
   const Kernels* kernels;
   RefineArgs args;
-  RefineExtent extents[8];
+  RefineExtent extents[k_pieces];
   void run(uint32_t piece, uint32_t begin, uint32_t end) { kernels->refine_grains(&args, begin, end, &extents[piece]); }
 };
 
