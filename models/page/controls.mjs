@@ -131,7 +131,7 @@ export function listen(page) {
   for (const id of ["azimuth", "polar"]) by(id).addEventListener("input", () => page.setLight());
   for (const id of ["right", "near"]) by(id).addEventListener("input", () => tipBySliders(page));
   by("budget").addEventListener("input", () => { by("budget_label").textContent = `Budget ${by("budget").value} ms`; });
-  by("details").open = innerWidth > 600, by("more").open = innerWidth > 600 && innerHeight > 700;
+  by("details").open = innerWidth > 900, by("more").open = innerWidth > 600 && innerHeight > 700;
   click("again", () => page.again());
   click("tilt", () => switchTilt(page));
   click("camera", () => switchCamera(page));

@@ -1,4 +1,5 @@
-// "Measure this phone": the scene's own frames, all work, no shadows. The hash is that of every other machine.
+// "Measure this phone": the scene's own frames, all work, no shadows. The hash is that of every other machine. The class
+// of a device is how fast it does what these frames were counted to take on ARM, beside what phones' cores are stated to.
 import { SandScene } from "./scene.mjs";
 import { k_scene } from "./data.mjs";
 
@@ -33,8 +34,14 @@ export async function fixedRun(sand, frames = k_scene.frames, shown = () => {}) 
   return result;
 }
 
+function classOf(ms) {
+  const billions = k_scene.counted.instructions / k_scene.frames / ms / 1e6, shown = (x) => x.toPrecision(2);
+  return [`class        ${shown(billions)} billion NEON instructions a second, as counted on ARM`,
+    ...k_scene.counted.cores.map(({ name, low, high }) => `  ${name.padEnd(10)} ${shown(low)} to ${shown(high)} as stated, without a browser`)];
+}
+
 export function asText({ hash, ms, stages, grains, particles, threads, isa }) {
   return [`Sandglass, ${k_scene.frames} frames of the page's scene, ${particles} particles, ${grains} grains at the end`, `browser      ${navigator.userAgent}`,
     `cores        ${navigator.hardwareConcurrency}`, `threads      ${threads}`, `kernels      ${isa}`, `a frame      ${ms.toFixed(2)} ms`,
-    ...k_stages.map(([, name], i) => `  ${name.padEnd(10)} ${stages[i].toFixed(2)} ms`), `hash         ${hash}`].join("\n");
+    ...k_stages.map(([, name], i) => `  ${name.padEnd(10)} ${stages[i].toFixed(2)} ms`), ...classOf(ms), `hash         ${hash}`].join("\n");
 }

@@ -4,7 +4,7 @@ import { SandScene, unpacked } from "./scene.mjs";
 import { Camera, Painter } from "./painter.mjs";
 import { standing } from "./obj.mjs";
 import { RoomLight, lightOfSky } from "./room_light.mjs";
-import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom } from "./tilt.mjs";
+import { gravityOfAngles, gravityOfScreen, downOnScreen, screenPose, tableOfRoom, cellsOfTable } from "./tilt.mjs";
 import { fromLink } from "./link.mjs";
 import { fixedRun, k_stages, Pauses } from "./measure.mjs";
 import { listen, play } from "./controls.mjs";
@@ -98,8 +98,8 @@ class Page {
     sand.sandglass_shadow_set_light(this.object, 0, direction, 1);
     // Where the light from all around comes from: the sky of the sliders is even. The painter takes what is hidden from that
     // light alone, so its cells are 1 together.
-    const cells = seen ? this.room.cells() : new Float32Array(constants.SANDGLASS_LIGHT_CELLS).fill(1), sum = cells.reduce((all, x) => all + x, 0) || 1;
-    sand.floats(this.cells, cells.length).set(cells.map((x) => x / sum));
+    const cells = seen ? this.room.cells() : new Float32Array(constants.SANDGLASS_LIGHT_CELLS).fill(1);
+    sand.floats(this.cells, cells.length).set(cellsOfTable(cells, this.painter.tableOfRoom));
     sand.sandglass_shadow_set_cells(this.object, this.cells, this.yaw);
     sand.sandglass_pile_shadow_set_cells(this.pile, this.cells);
   }

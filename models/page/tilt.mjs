@@ -3,6 +3,7 @@
 // The device counts as level as it was held when it was switched on. From then on the table is fixed to the picture:
 // tipping the screen tips the table.
 const k_gravity = 9.81;              // m/s^2
+const k_floor = 0.3;                 // what a room's floor reflects
 const k_tilt_at_most = Math.PI / 3;  // of gravity from straight down; beyond, sand would leave the table
 
 const turned = (v, [x, y, z, w]) => {
@@ -49,6 +50,22 @@ export function tableOfRoom(down, level, axes, yaw = 0) {
     const [x, y, z] = turned([pose[k], pose[4 + k], pose[8 + k]], q);  // the room's axis k on the screen
     return [0, 1, 2].map((i) => x * right[i] + y * up[i] + z * away[i]);
   });
+}
+
+// The room's cells of light (types.h) as they stand above a table that is tipped in it; together they are 1, or all 0.
+// What is below the room's horizon is its floor.
+export function cellsOfTable(cells, m) {
+  const out = new Float32Array(cells.length), mean = cells.reduce((sum, x) => sum + x, 0) / cells.length;
+  for (let i = 0; i < 9 * cells.length; ++i) {  // three by three directions of a cell, of equal weight for a level floor
+    const cell = Math.floor(i / 9), azimuth = 2 * Math.PI * (cell % 16 + (i % 3 + 0.5) / 3) / 16;
+    const up2 = (Math.floor(cell / 16) + (Math.floor(i % 9 / 3) + 0.5) / 3) / 4, flat = Math.sqrt(1 - up2);
+    const d = [flat * Math.cos(azimuth), Math.sqrt(up2), flat * Math.sin(azimuth)];
+    const [x, y, z] = [0, 1, 2].map((k) => m[3 * k] * d[0] + m[3 * k + 1] * d[1] + m[3 * k + 2] * d[2]);
+    const sector = Math.floor((Math.atan2(z, x) / (2 * Math.PI) + 1) * 16) % 16;
+    out[cell] += y > 0 ? cells[16 * Math.min(3, Math.floor(4 * y * y)) + sector] : k_floor * mean;
+  }
+  const sum = out.reduce((all, x) => all + x, 0);
+  return sum > 0 ? out.map((x) => x / sum) : out;
 }
 
 // By two angles, degrees: the right side lower, the near side lower.

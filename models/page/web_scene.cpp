@@ -1,6 +1,8 @@
-// Writes a scene for JavaScript: web_scene NAME FILE. The file is JSON and holds what a scene file leads to: the
+// Writes a scene for JavaScript: web_scene NAME FILE [--counted]. The file is JSON and holds what a scene file leads to: the
 // description, the sand as it was sampled, colliders, emitters, and the meshes whose fields the module makes itself.
 // Arrays are base64 of little-endian numbers. models/page/scene.mjs reads it. Only what stands still can be written.
+// With --counted it also holds the NEON instructions that its frames take, and the cores that a device may be compared
+// with.
 #include <cstdio>
 #include <exception>
 #include <nlohmann/json.hpp>
@@ -10,6 +12,7 @@
 
 #include "models/files/atomic_file.h"
 #include "models/files/failure.h"
+#include "models/phones/phone.h"
 #include "models/report/report_page.h"
 #include "models/simulation/scene_file.h"
 #include "models/simulation/scene_fill.h"
@@ -78,7 +81,27 @@ Json emitter(const EmitterTrack& track) {
           {"grains_per_particle", e.grains_per_particle}};
 }
 
-Json web_scene(const std::string& name) {
+// All frames with all their work, charged as models/phones says.
+Json counted(const SceneFile& scene, const Material& material) {
+  PhoneClock clock(phone_cores().front());
+  sandglass_scene_desc desc = describe_filled(scene, material);
+  desc.clock = clock.clock();
+  Simulation simulation(desc);
+  clock.follow(simulation.handle());
+  simulation.add(material);
+  double ms = 0.0;
+  for (uint32_t frame = 0; frame < scene.frames; ++frame) {
+    simulation.flow(flow_over_frame(scene, frame * scene.frame_step));
+    ms += 1e-6 * static_cast<double>(
+                     simulation.frame(scene.frame_step, UINT64_MAX, colliders_over_frame(scene, frame)).elapsed_ns);
+  }
+  Json cores = Json::array();
+  for (const PhoneCore& core : phone_cores())
+    cores.push_back({{"name", core.name}, {"low", core.ghz * core.ipc_low}, {"high", core.ghz * core.ipc_high}});
+  return {{"instructions", ms * clock.core().middle_ipc() * clock.core().ghz * 1e6}, {"cores", cores}};
+}
+
+Json web_scene(const std::string& name, bool with_counts) {
   SceneFile scene = load_scene(name);
   const LoadedMeshes meshes(scene, "");
   const Material material = fill_scene(&scene, meshes.bodies());
@@ -100,6 +123,7 @@ Json web_scene(const std::string& name) {
   out["colliders"] = Json::array(), out["emitters"] = Json::array();
   for (const ColliderTrack& track : scene.colliders) out["colliders"].push_back(collider(track, fields, scene.source));
   for (const EmitterTrack& track : scene.emitters) out["emitters"].push_back(emitter(track));
+  if (with_counts) out["counted"] = counted(scene, material);
   return out;
 }
 
@@ -107,8 +131,11 @@ Json web_scene(const std::string& name) {
 }  // namespace sandglass::host
 
 int main(int count, char** arguments) try {
-  if (count != 3) return std::fprintf(stderr, "web_scene NAME FILE: a scene, and where it is written\n"), 2;
-  sandglass::host::write_file(arguments[2], std::string_view(sandglass::host::web_scene(arguments[1]).dump()));
+  const bool with_counts = count == 4 && std::string_view(arguments[3]) == "--counted";
+  if (count != 3 && !with_counts)
+    return std::fprintf(stderr, "web_scene NAME FILE [--counted]: a scene, and where it is written\n"), 2;
+  const std::string text = sandglass::host::web_scene(arguments[1], with_counts).dump();
+  sandglass::host::write_file(arguments[2], std::string_view(text));
   return 0;
 } catch (const std::exception& failure) {
   return std::fprintf(stderr, "web_scene: %s\n", failure.what()), 2;

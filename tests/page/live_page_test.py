@@ -57,7 +57,7 @@ def native_hash(sandglass, frames):
 
 def assemble(web_scene, npm, work):
     scene, page = work / "page.json", work / "sandglass.html"
-    subprocess.run([web_scene, ROOT / "models/page/page.json", scene], check=True)
+    subprocess.run([web_scene, ROOT / "models/page/page.json", scene, "--counted"], check=True)
     subprocess.run([sys.executable, ROOT / "models/page/assemble.py", npm, scene, ROOT / "models/shadows/chair.shadow", page], check=True)
     return page
 
@@ -382,6 +382,33 @@ def check_recording(browser):
     check(browser.ask("sandglassPage.page.sand.memory.buffer.byteLength") == memory, "what is played twice takes more memory")
 
 
+def check_contrast(browser):
+    """Text stands out by 4.5 to 1 at least (WCAG 2.1, AA), also where its ground lets a white picture through."""
+    poor = browser.ask("""(() => {
+        const parts = (colour) => colour.match(/[\\d.]+/g).map(Number);
+        const luminance = ([r, g, b]) => [r, g, b].map((x) => x / 255).map((x) => x <= 0.04045 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4)
+            .reduce((sum, x, i) => sum + x * [0.2126, 0.7152, 0.0722][i], 0);
+        const ground = (element) => { for (let e = element; e; e = e.parentElement) {
+            const [r, g, b, a = 1] = parts(getComputedStyle(e).backgroundColor);
+            if (a > 0) return [r, g, b].map((x) => a * x + (1 - a) * 255); } return [255, 255, 255]; };
+        const texts = [...document.querySelectorAll('main *, form *')].filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()));
+        return [texts.length, texts.map((e) => { const [a, b] = [luminance(parts(getComputedStyle(e).color)), luminance(ground(e))];
+            return [e.textContent.trim().slice(0, 30), (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05)]; }).filter(([, ratio]) => ratio < 4.5)]; })()""")
+    check(poor[0] > 15 and not poor[1], f"of {poor[0]} texts these hardly stand out: {poor[1]}")
+
+
+def check_reduced_motion(browser):
+    """Where the system asks for less motion nothing pours by itself, and a finger still does."""
+    browser.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
+    browser.ask("sandglassPage.page.measuring = true; sandglassPage.page.again()")
+    run_frames(browser, 30)
+    check(report(browser, "particles") == 0, "sand pours by itself")
+    run_frames(browser, 60, "page.at = [0.2, 0, 0.2]")
+    check(report(browser, "particles") > 0, "a finger does not pour")
+    browser.call("Emulation.setEmulatedMedia", features=[])
+    browser.ask("sandglassPage.page.at = null; sandglassPage.page.measuring = false")
+
+
 def check_narrow(browser):
     """At 360 pixels nothing lies beyond the edge, and everything can be reached."""
     browser.call("Emulation.setDeviceMetricsOverride", width=360, height=740, deviceScaleFactor=2, mobile=True)
@@ -390,6 +417,23 @@ def check_narrow(browser):
     beyond = browser.ask("[...document.querySelectorAll('button, label, canvas')].filter(e => e.getBoundingClientRect().right > 361).map(e => e.textContent)")
     check(not beyond, f"beyond the edge: {beyond}")
     check(browser.ask("document.getElementById('view').clientHeight") > 250, "the table has no room")
+
+
+def check_measures(browser, work, wanted):
+    """"Measure this phone" ends in the program's hash; its text says how long the run took, and the class that follows from it."""
+    browser.ask("document.getElementById('measure').click()")
+    wait_until(browser, "document.getElementById('result').open", 900)
+    text = browser.ask("document.getElementById('text').textContent")
+    print(text)
+    said = dict(line.strip().split(maxsplit=1) for line in text.splitlines()[1:])
+    check(said["hash"] == wanted, f"the page ends in {said['hash']} and the program in {wanted}")
+    check(said["kernels"] == "wasm" and said["threads"] == "1", f"a page from a file runs {said['kernels']} on {said['threads']} threads")
+    counted = json.loads((work / "page.json").read_text())["counted"]["instructions"]
+    check(1e9 < counted < 1e11, f"{FRAMES} frames take {counted} instructions")
+    billions = counted / FRAMES / float(text.split("a frame      ")[1].split()[0]) / 1e6
+    check(abs(float(said["class"].split()[0]) / billions - 1) < 0.06, f"the class is {said['class']} and not {billions:.3f}")
+    check("cortex-a55" in said, "no core to compare with")
+    browser.ask("document.getElementById('close').click()")
 
 
 @contextlib.contextmanager
@@ -501,17 +545,12 @@ def main():
         check_sizes(browser)
         check_camera(browser, pictures)
         check_real(browser)
+        check_contrast(browser)
+        check_reduced_motion(browser)
         check_narrow(browser)
         if pictures:
             browser.screenshot(work / "phone.png")
-        browser.ask("sandglassPage.page.measuring = true")  # nothing is drawn meanwhile
-        browser.ask(f"void sandglassPage.fixedRun({FRAMES}).then(r => {{ window.ran = r; }})")
-        wait_until(browser, "window.ran", 900)
-        ran, wanted = browser.ask("window.ran"), native_hash(sandglass, FRAMES)
-        print("fixed run:", ran, "native", wanted)
-        check(ran["threads"] == 1, "a page from a file has threads")
-        check(ran["isa"] == "wasm", f"the page runs {ran['isa']}")
-        check(ran["hash"] == wanted, f"the page ends in {ran['hash']} and the program in {wanted}")
+        check_measures(browser, work, native_hash(sandglass, FRAMES))
         with isolated_server(page.parent) as server:
             check_threads(browser, f"{server}{page.name}", native_hash(sandglass, THREADS_FRAMES))
         complaints = [text for text in browser.complaints if not any(own in text for own in OF_THE_MACHINE)]

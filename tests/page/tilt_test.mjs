@@ -2,7 +2,7 @@
 // is where the sand falls, a rotation stays one, and a device that is held as it was when it became level changes nothing
 // but what it was turned by about the vertical.
 import assert from "node:assert/strict";
-import { downOnScreen, gravityOfScreen, tableOfRoom } from "../../models/page/tilt.mjs";
+import { downOnScreen, gravityOfScreen, tableOfRoom, cellsOfTable } from "../../models/page/tilt.mjs";
 
 const axes = (azimuth, elevation) => {
   const [ca, sa, ce, se] = [Math.cos(azimuth), Math.sin(azimuth), Math.cos(elevation), Math.sin(elevation)];
@@ -26,4 +26,22 @@ for (const [azimuth, elevation] of [[0.35, 0.5], [-1, 0.1], [2.5, 1.4]])
           close(tableOfRoom(level, level, camera, yaw), [Math.cos(yaw), 0, Math.sin(yaw), 0, 1, 0, -Math.sin(yaw), 0, Math.cos(yaw)], "held level");
           ++tried;
         }
+
+// Cells of light: a level table keeps them, one that is turned about the vertical by four sectors moves them by four, and
+// on a tipped one a lamp overhead is where the room's zenith has gone. Light that is even loses what the floor takes away.
+const cells = Float32Array.from({ length: 64 }, (_, i) => (i % 7 + 1) / 251), identity = [1, 0, 0, 0, 1, 0, 0, 0, 1];
+const sum = cells.reduce((all, x) => all + x), shared = [...cells].map((x) => x / sum);
+close(cellsOfTable(cells, identity), shared, "level");
+const quarter = [0, 0, 1, 0, 1, 0, -1, 0, 0];  // the room's x is the table's z
+close(cellsOfTable(cells, quarter), shared.map((_, i) => shared[i - i % 16 + (i + 12) % 16]), "a quarter turn");
+const lamp = Float32Array.from({ length: 64 }, (_, i) => (i >= 48 ? 1 / 16 : 0)), tip = 50 * Math.PI / 180, [c, s] = [Math.cos(tip), Math.sin(tip)];
+const tipped = [c, -s, 0, s, c, 0, 0, 0, 1], seen = cellsOfTable(lamp, tipped);  // the zenith leans towards the table's x
+const middle = [0, 1, 2].map((k) => seen.reduce((all, x, i) => {
+  const azimuth = (i % 16 + 0.5) * Math.PI / 8, up = Math.sqrt((Math.floor(i / 16) + 0.5) / 4), flat = Math.sqrt(1 - up * up);
+  return all + x * [flat * Math.cos(azimuth), up, flat * Math.sin(azimuth)][k];
+}, 0));
+const angle = Math.acos((middle[0] * s + middle[1] * c) / Math.hypot(...middle)) * 180 / Math.PI;
+assert.ok(angle < 12 && Math.abs(middle[2]) < 0.02, `the lamp is ${angle} degrees from the room's zenith`);
+const even = cellsOfTable(new Float32Array(64).fill(1 / 64), tipped), [away, towards] = [8, 0].map((sector) => even[sector]);
+assert.ok(Math.abs(even.reduce((all, x) => all + x) - 1) < 1e-5 && away < 0.4 * towards, `the floor is as bright as the room: ${away}, ${towards}`);
 console.log(`${tried} ways to hold a device`);
